@@ -1,0 +1,1 @@
+//! Open loop, metrics, tables, figures.

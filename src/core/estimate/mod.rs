@@ -1,0 +1,1 @@
+//! Simple estimators of the deviation of white noise, each a noise model.

@@ -1,0 +1,1 @@
+//! Readers and writers of the formats at the border.

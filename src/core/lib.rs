@@ -1,0 +1,23 @@
+//! The words every crate of `dpn` speaks: time, IMU samples and recordings, noise types and the noise seam,
+//! signal processing, simple noise estimators, readers and writers, named random streams.
+//!
+//! No machine learning and no solver live here. Lengths are metres, angles radians, times seconds (`f64`) or
+//! integer nanoseconds ([`Stamp`]). The body frame is the IMU's; the world's z axis points up and gravity is
+//! `(0, 0, -9.81)`: a sensor at rest and level reads `+9.81` on z.
+
+pub mod bounds;
+pub mod estimate;
+pub mod imu;
+pub mod io;
+pub mod noise;
+pub mod progress;
+pub mod random;
+pub mod signal;
+pub mod time;
+
+pub use imu::{ImuRecording, ImuSample, Sensor};
+pub use noise::{ImuNoise, NoiseModel, NoiseTrack};
+pub use time::{SampleRate, Stamp};
+
+/// Norm of gravity that every crate assumes \[m/s^2\].
+pub const GRAVITY: f64 = 9.81;

@@ -1,0 +1,1 @@
+//! Signal processing on one axis: smoothing, spectra, wavelets, window statistics.

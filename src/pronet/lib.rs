@@ -1,0 +1,1 @@
+//! Accel-ProNet and Gyro-ProNet: configuration, modules, weights, streaming inference.

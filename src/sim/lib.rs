@@ -1,0 +1,1 @@
+//! Simulated flights and an IMU whose noise is exactly known.

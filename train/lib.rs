@@ -1,0 +1,1 @@
+//! Windows, injection, labels, split, trainer, regressors.
