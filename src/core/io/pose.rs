@@ -11,8 +11,7 @@ const NORM_TOLERANCE: f64 = 1e-2;
 pub(crate) fn rotation([w, x, y, z]: [f64; 4]) -> Result<UnitQuaternion<f64>, f64> {
     let quaternion = Quaternion::new(w, x, y, z);
     let norm = quaternion.norm();
-    // A negated comparison, so that NaN is refused too.
-    if !((norm - 1.0).abs() <= NORM_TOLERANCE) {
+    if norm.is_nan() || (norm - 1.0).abs() > NORM_TOLERANCE {
         return Err(norm);
     }
     if (norm - 1.0).abs() <= 4.0 * f64::EPSILON {
