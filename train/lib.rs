@@ -5,8 +5,10 @@
 pub mod base;
 pub mod draw;
 pub mod examples;
+pub mod features;
 pub mod label;
 pub mod levels;
 pub mod own;
+pub mod regress;
 pub mod split;
 pub mod windows;
