@@ -5,8 +5,9 @@ use crate::flight::{Flight, FlightPlan, Phase, Phases, Split};
 use crate::imu::{self, ImuTruth};
 use crate::trajectory::{SplineError, Trajectory};
 use dpn_core::imu::RecordingError;
+use dpn_core::io::asl::{Biases, TrueState};
 use dpn_core::{ImuRecording, ImuSample, Stamp};
-use nalgebra::{Isometry3, Translation3, Vector3};
+use nalgebra::{Isometry3, Translation3};
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -34,21 +35,6 @@ pub enum SimulationError {
     },
 }
 
-/// The body's true state at one sample.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TrueState {
-    /// The sample's stamp.
-    pub t: Stamp,
-    /// Pose: maps points of the body frame into the world.
-    pub world_from_body: Isometry3<f64>,
-    /// Velocity \[m/s\].
-    pub vel_in_world: Vector3<f64>,
-    /// Bias of the gyroscope \[rad/s\].
-    pub gyro_bias: Vector3<f64>,
-    /// Bias of the accelerometer \[m/s^2\].
-    pub accel_bias: Vector3<f64>,
-}
-
 /// A flight, recorded, with the truth beside it. All per-sample series have the recording's length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulatedFlight {
@@ -60,7 +46,7 @@ pub struct SimulatedFlight {
     pub recording: ImuRecording,
     /// The parts the recording was put together from.
     pub truth: ImuTruth,
-    /// State at every sample.
+    /// State at every sample, with velocity and biases.
     pub ground_truth: Vec<TrueState>,
     /// Pose, velocity and rates at any time, seconds after the first stamp.
     pub trajectory: Trajectory,
@@ -118,9 +104,11 @@ pub fn simulate(
                     Translation3::from(state.position_in_world),
                     state.world_from_body,
                 ),
-                vel_in_world: state.vel_in_world,
-                gyro_bias: truth.bias.gyro[i].into(),
-                accel_bias: truth.bias.accel[i].into(),
+                vel_in_world: Some(state.vel_in_world),
+                biases: Some(Biases {
+                    gyro: truth.bias.gyro[i].into(),
+                    accel: truth.bias.accel[i].into(),
+                }),
             }
         })
         .collect();
