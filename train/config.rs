@@ -135,6 +135,8 @@ pub struct FitConfig {
     pub ema: f64,
     /// What is minimised.
     pub loss: Loss,
+    /// Epochs between two validations; the last epoch is always validated.
+    pub validate_every: u64,
 }
 
 /// Course of the learning rate after warm-up.
@@ -170,6 +172,7 @@ impl Default for FitConfig {
             clip_norm: 1.0,
             ema: 0.99,
             loss: Loss::Mse,
+            validate_every: 5,
         }
     }
 }
@@ -258,6 +261,12 @@ impl Validate for TrainConfig {
             "1 to 1000",
         );
         check((1..=10_000).contains(&fit.batch), "fit.batch", fit.batch.to_string(), "1 to 10000");
+        check(
+            fit.validate_every >= 1,
+            "fit.validate_every",
+            fit.validate_every.to_string(),
+            "at least 1",
+        );
         let rate = fit.learning_rate;
         check(rate > 0.0 && rate <= 1.0, "fit.learning_rate", rate.to_string(), "above 0 and at most 1");
         check((0.0..=1.0).contains(&fit.weight_decay), "fit.weight_decay", fit.weight_decay.to_string(), "0 to 1");

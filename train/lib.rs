@@ -15,4 +15,6 @@ pub mod own;
 pub mod regress;
 pub mod schedule;
 pub mod split;
+pub mod state;
+pub mod trainer;
 pub mod windows;
