@@ -6,7 +6,14 @@ mod engine;
 mod fused;
 pub mod init;
 pub mod module;
+pub mod predictor;
+pub mod range;
 pub mod shape;
+pub mod store;
+pub mod weights;
 
 pub use config::ProNetConfig;
 pub use module::ProNet;
+pub use predictor::Predictor;
+pub use store::StoreError;
+pub use weights::{Card, Weights};

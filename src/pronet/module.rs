@@ -78,13 +78,7 @@ impl ProNet {
     /// The faults of the configuration.
     pub fn new(config: &ProNetConfig, stream: &Stream, device: &Device) -> Result<Self, ConfigError> {
         config.validate()?;
-        let engine = Arc::new(Engine::new(config));
-        Ok(Self::build(
-            config,
-            &initial_parameters(config, stream),
-            device,
-            engine,
-        ))
+        Ok(Self::build(config, &initial_parameters(config, stream), device))
     }
 
     /// A network with given flat parameters (see [`crate::shape`]) on `device`.
@@ -100,10 +94,15 @@ impl ProNet {
         device: &Device,
     ) -> Result<Self, ConfigError> {
         config.validate()?;
-        Ok(Self::build(config, flat, device, Arc::new(Engine::new(config))))
+        Ok(Self::build(config, flat, device))
     }
 
-    fn build(config: &ProNetConfig, flat: &[f32], device: &Device, engine: Arc<Engine>) -> Self {
+    /// As [`Self::from_parameters`], for a configuration that was checked.
+    pub(crate) fn build(config: &ProNetConfig, flat: &[f32], device: &Device) -> Self {
+        Self::with_engine(config, flat, device, Arc::new(Engine::new(config)))
+    }
+
+    fn with_engine(config: &ProNetConfig, flat: &[f32], device: &Device, engine: Arc<Engine>) -> Self {
         let list = parameters(config);
         let count: usize = list.iter().map(ParameterShape::len).sum();
         assert_eq!(
@@ -314,7 +313,7 @@ impl ProNet {
     /// When `flat` has not as many numbers as the network has parameters.
     #[must_use]
     pub fn with_parameters(&self, flat: &[f32]) -> Self {
-        Self::build(&self.config, flat, &self.device(), Arc::clone(&self.engine))
+        Self::with_engine(&self.config, flat, &self.device(), Arc::clone(&self.engine))
     }
 }
 
@@ -331,7 +330,12 @@ fn param<const D: usize>(
     let numbers = flat[p.offset..p.offset + p.len()].to_vec();
     let tensor = Tensor::from_data(TensorData::new(numbers, p.shape.clone()), device);
     // Numbered, not drawn: burn's own optimiser records then fit any network of the same configuration.
-    Param::initialized(ParamId::from(index as u64), tensor.require_grad())
+    let tensor = if device.is_autodiff() {
+        tensor.require_grad()
+    } else {
+        tensor
+    };
+    Param::initialized(ParamId::from(index as u64), tensor)
 }
 
 /// What the first convolution sees, and each window's own scale where there is one.
