@@ -4,6 +4,7 @@
 
 use burn::tensor::{Device, Tensor, TensorData};
 use dpn_core::random::Stream;
+use dpn_pronet::adam::{Adam, AdamConfig};
 use dpn_pronet::config::{Edges, Input, Pool, ProNetConfig, Standardise};
 use dpn_pronet::init::initial_parameters;
 use dpn_pronet::shape::parameters;
@@ -188,4 +189,27 @@ fn loss_gradients_are_pytorchs_for_every_parameter() {
         seen += 1;
     }
     assert_eq!(seen, 2 * 3 + 2);
+}
+
+#[test]
+fn adam_is_pytorchs_with_and_without_decoupled_decay() {
+    let expected = expected();
+    for case in expected["adam"].as_array().unwrap() {
+        let config = AdamConfig {
+            weight_decay: case["weight_decay"].as_f64().unwrap(),
+            ..AdamConfig::default()
+        };
+        let mut p: Vec<f32> = numbers(&case["start"]).iter().map(|v| *v as f32).collect();
+        let mut adam = Adam::new(config, p.len());
+        let (gradients, after) = (
+            case["gradients"].as_array().unwrap(),
+            case["after"].as_array().unwrap(),
+        );
+        for (gradient, after) in gradients.iter().zip(after) {
+            let gradient: Vec<f32> = numbers(gradient).iter().map(|v| *v as f32).collect();
+            adam.step(&mut p, &gradient, 0.01);
+            agree(&p, &numbers(after), 1e-6, "adam");
+        }
+        assert_eq!(adam.steps(), 5);
+    }
 }
