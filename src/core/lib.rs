@@ -5,7 +5,10 @@
 //! integer nanoseconds ([`Stamp`]). The body frame is the IMU's; the world's z axis points up and gravity is
 //! `(0, 0, -9.81)`: a sensor at rest and level reads `+9.81` on z.
 
+#![cfg_attr(test, allow(clippy::unwrap_used))]
+
 pub mod bounds;
+pub mod config;
 pub mod estimate;
 pub mod imu;
 pub mod io;

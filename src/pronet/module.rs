@@ -114,9 +114,10 @@ impl ProNet {
         let find = |name: String| list.iter().enumerate().find(|(_, p)| p.name == name);
         let conv = (1..=config.channels.len())
             .map(|i| Conv {
-                weight: find(format!("conv{i}.weight"))
-                    .map(|p| param(p, flat, device))
-                    .unwrap_or_else(|| unreachable!("every block has a kernel")),
+                weight: find(format!("conv{i}.weight")).map_or_else(
+                    || unreachable!("every block has a kernel"),
+                    |p| param(p, flat, device),
+                ),
                 bias: find(format!("conv{i}.bias")).map(|p| param(p, flat, device)),
             })
             .collect();
@@ -226,7 +227,7 @@ impl ProNet {
         let config = &self.config;
         let padding = config.paddings[i];
         let (x, padding) = if i == 0 && config.edges == Edges::Odd && padding > 0 {
-            (odd_extension(x, padding), 0) // [batch, channels, padding + time + padding]
+            (odd_extension(&x, padding), 0) // [batch, channels, padding + time + padding]
         } else {
             (x, padding)
         };
@@ -382,10 +383,10 @@ fn prepare(config: &ProNetConfig, windows: Tensor<2>) -> (Tensor<3>, Option<Tens
 }
 
 /// `[batch, channels, time]` turned about its end points: `[batch, channels, by + time + by]`.
-fn odd_extension(x: Tensor<3>, by: usize) -> Tensor<3> {
+fn odd_extension(x: &Tensor<3>, by: usize) -> Tensor<3> {
     let [b, c, n] = x.dims();
     let part = |from: usize, to: usize| x.clone().slice([0..b, 0..c, from..to]);
     let left = part(0, 1) * 2.0 - part(1, by + 1).flip([2]); // [batch, channels, by]
     let right = part(n - 1, n) * 2.0 - part(n - 1 - by, n - 1).flip([2]); // [batch, channels, by]
-    Tensor::cat(vec![left, x.clone(), right], 2)
+    Tensor::cat(vec![left, x.clone(), right], 2) // [batch, channels, by + time + by]
 }

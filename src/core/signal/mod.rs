@@ -1,1 +1,15 @@
 //! Signal processing on one axis: smoothing, spectra, wavelets, window statistics.
+//!
+//! * [`savitzky_golay`]: polynomial smoothing with polynomial edges.
+//! * [`spectrum`]: Welch's power spectral density, band power, peaks.
+//! * [`wavelet`]: detail coefficients of the finest level.
+//! * [`stats`]: moments, quantiles, median absolute deviation, differences.
+
+pub mod savitzky_golay;
+pub mod spectrum;
+pub mod stats;
+pub mod wavelet;
+
+pub use savitzky_golay::{FilterError, SavitzkyGolay};
+pub use spectrum::{Peak, Spectrum, SpectrumError, Welch};
+pub use wavelet::{Wavelet, finest_detail};

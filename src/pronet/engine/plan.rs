@@ -310,7 +310,7 @@ impl Plan {
                     .map(|f| w + output * inputs + f)
             };
             let weights = packer.panels(width_in, width_out, |row, c| source(c, row));
-            let transposed = packer.panels(width_out, width_in, |row, c| source(row, c));
+            let transposed = packer.panels(width_out, width_in, source);
             let bias = packer.row(width_out, |c| (c < outputs).then_some((b + c) as u32));
             let d_weights = gradients.take(width_in * width_out);
             let d_bias = gradients.take(width_out);

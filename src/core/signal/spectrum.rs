@@ -1,0 +1,290 @@
+//! Welch's power spectral density of one axis, one-sided, in unit^2 / Hz.
+//!
+//! Segments overlap by half (the smaller half when odd), are cleared of their mean unless told otherwise, weighted by
+//! a periodic Hann window `w`, and their periodograms `|FFT(w x)|^2 / (rate sum w^2)` averaged. All bins but zero and
+//! Nyquist are doubled, so that `sum(density) * bin width` is the power of the signal (up to the window). These are
+//! scipy.signal.welch's defaults. Source: Welch 1967. Not here: other windows, cross spectra, confidence bands.
+
+use crate::time::SampleRate;
+use rustfft::num_complex::Complex;
+use rustfft::{Fft, FftPlanner};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+use thiserror::Error;
+
+/// Why there is no spectrum.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum SpectrumError {
+    /// A segment with no frequency above zero.
+    #[error("a spectrum's segment of {segment} samples is too short; use at least 2, better 64")]
+    SegmentTooShort {
+        /// The segment asked for.
+        segment: usize,
+    },
+    /// A signal that does not fill one segment.
+    #[error(
+        "{len} samples are fewer than one segment of {segment}; use a shorter segment or a longer signal"
+    )]
+    SignalTooShort {
+        /// Length of the signal.
+        len: usize,
+        /// Length of a segment.
+        segment: usize,
+    },
+}
+
+/// Welch's method with its window and transform planned once.
+#[derive(Clone)]
+pub struct Welch {
+    weights: Vec<f64>,
+    remove_mean: bool,
+    fft: Arc<dyn Fft<f64>>,
+}
+
+impl Welch {
+    /// Segments of `segment` samples, each cleared of its mean.
+    ///
+    /// # Errors
+    /// A segment below 2 samples.
+    pub fn new(segment: usize) -> Result<Self, SpectrumError> {
+        if segment < 2 {
+            return Err(SpectrumError::SegmentTooShort { segment });
+        }
+        let hann = |i: usize| 0.5 - 0.5 * (TAU * i as f64 / segment as f64).cos();
+        Ok(Self {
+            weights: (0..segment).map(hann).collect(),
+            remove_mean: true,
+            fft: FftPlanner::new().plan_fft_forward(segment),
+        })
+    }
+
+    /// Leaves the mean in the segments: bin zero then shows it, and leaks into its neighbour.
+    #[must_use]
+    pub fn keeping_mean(mut self) -> Self {
+        self.remove_mean = false;
+        self
+    }
+
+    /// The spectrum of `x`, sampled at `rate`; samples behind the last whole segment are not used.
+    ///
+    /// # Errors
+    /// A signal shorter than one segment.
+    pub fn spectrum(&self, x: &[f64], rate: SampleRate) -> Result<Spectrum, SpectrumError> {
+        let segment = self.weights.len();
+        if x.len() < segment {
+            return Err(SpectrumError::SignalTooShort {
+                len: x.len(),
+                segment,
+            });
+        }
+        let bins = segment / 2 + 1;
+        let mut power = vec![0.0; bins];
+        let mut buffer = vec![Complex::default(); segment];
+        let mut scratch = vec![Complex::default(); self.fft.get_inplace_scratch_len()];
+        let mut segments = 0usize;
+        for part in x.windows(segment).step_by(segment - segment / 2) {
+            let level = if self.remove_mean {
+                super::stats::mean(part)
+            } else {
+                0.0
+            };
+            for ((z, v), w) in buffer.iter_mut().zip(part).zip(&self.weights) {
+                *z = Complex::new((v - level) * w, 0.0);
+            }
+            self.fft.process_with_scratch(&mut buffer, &mut scratch);
+            for (p, z) in power.iter_mut().zip(&buffer) {
+                *p += z.norm_sqr();
+            }
+            segments += 1;
+        }
+        let weight: f64 = self.weights.iter().map(|w| w * w).sum();
+        for (k, p) in power.iter_mut().enumerate() {
+            // Zero and Nyquist stand once in the two-sided spectrum, every other bin twice.
+            let sides = if k == 0 || 2 * k == segment { 1.0 } else { 2.0 };
+            *p *= sides / (segments as f64 * rate.hz() * weight);
+        }
+        Ok(Spectrum {
+            density: power,
+            bin_hz: rate.hz() / segment as f64,
+            nyquist_hz: 0.5 * rate.hz(),
+        })
+    }
+}
+
+/// A one-sided power spectral density on evenly spaced bins from zero.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spectrum {
+    density: Vec<f64>,
+    bin_hz: f64,
+    nyquist_hz: f64,
+}
+
+/// The highest bin of a band, refined between bins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Peak {
+    /// Where it stands \[Hz\].
+    pub hz: f64,
+    /// Density of the highest bin \[unit^2 / Hz\].
+    pub density: f64,
+}
+
+impl Spectrum {
+    /// Density of every bin \[unit^2 / Hz\].
+    pub fn density(&self) -> &[f64] {
+        &self.density
+    }
+
+    /// Distance between bins \[Hz\].
+    pub fn bin_hz(&self) -> f64 {
+        self.bin_hz
+    }
+
+    /// Frequency of every bin \[Hz\].
+    pub fn frequencies(&self) -> impl Iterator<Item = f64> {
+        (0..self.density.len()).map(|k| k as f64 * self.bin_hz)
+    }
+
+    /// Power between `low_hz` and `high_hz` \[unit^2\]; its square root is the deviation of that band's part.
+    ///
+    /// A bin's power is spread evenly over its cell, half a bin to both sides and cut at zero and Nyquist; so bands
+    /// add up, and the whole range holds `sum(density) * bin_hz`. Zero where the band is empty.
+    pub fn band_power(&self, low_hz: f64, high_hz: f64) -> f64 {
+        let share = |k: usize| {
+            let from = ((k as f64 - 0.5) * self.bin_hz).max(0.0);
+            let to = ((k as f64 + 0.5) * self.bin_hz).min(self.nyquist_hz);
+            let inside = high_hz.min(to) - low_hz.max(from);
+            inside.max(0.0) / (to - from)
+        };
+        self.density
+            .iter()
+            .enumerate()
+            .map(|(k, d)| d * self.bin_hz * share(k))
+            .sum()
+    }
+
+    /// The highest bin between `low_hz` and `high_hz`, both included; `None` where no bin stands or none has power.
+    ///
+    /// Its frequency is refined by the parabola through the logarithms of the bin and its two neighbours.
+    pub fn peak(&self, low_hz: f64, high_hz: f64) -> Option<Peak> {
+        let inside = |k: &usize| (low_hz..=high_hz).contains(&(*k as f64 * self.bin_hz));
+        let highest = (0..self.density.len())
+            .filter(inside)
+            .max_by(|a, b| self.density[*a].total_cmp(&self.density[*b]))?;
+        let density = self.density[highest];
+        if density.is_nan() || density <= 0.0 {
+            return None;
+        }
+        Some(Peak {
+            hz: (highest as f64 + self.vertex(highest)) * self.bin_hz,
+            density,
+        })
+    }
+
+    /// Offset of the parabola's vertex from bin `k`, in bins; zero at the borders and where it has no summit.
+    fn vertex(&self, k: usize) -> f64 {
+        if k == 0 || k + 1 >= self.density.len() || self.density[k - 1] <= 0.0 || self.density[k + 1] <= 0.0 {
+            return 0.0;
+        }
+        let [left, middle, right] = [k - 1, k, k + 1].map(|i| self.density[i].ln());
+        let curvature = left - 2.0 * middle + right;
+        if curvature < 0.0 {
+            (0.5 * (left - right) / curvature).clamp(-0.5, 0.5)
+        } else {
+            0.0
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use serde::Deserialize;
+
+    #[derive(Deserialize)]
+    struct Golden {
+        rate: f64,
+        x: Vec<f64>,
+        cases: Vec<Case>,
+    }
+
+    #[derive(Deserialize)]
+    struct Case {
+        segment: usize,
+        remove_mean: bool,
+        hz: Vec<f64>,
+        density: Vec<f64>,
+    }
+
+    #[test]
+    fn the_density_agrees_with_scipy() {
+        let golden: Golden = serde_json::from_str(include_str!("../../../golden/welch/golden.json")).unwrap();
+        let rate = SampleRate::from_hz(golden.rate).unwrap();
+        for case in &golden.cases {
+            let welch = Welch::new(case.segment).unwrap();
+            let welch = if case.remove_mean {
+                welch
+            } else {
+                welch.keeping_mean()
+            };
+            let got = welch.spectrum(&golden.x, rate).unwrap();
+            let highest = case.density.iter().copied().fold(0.0, f64::max);
+            assert_eq!(got.density().len(), case.density.len());
+            for ((hz, d), (a, b)) in got
+                .frequencies()
+                .zip(got.density())
+                .zip(case.hz.iter().zip(&case.density))
+            {
+                assert!((hz - a).abs() < 1e-10);
+                assert!(
+                    (d - b).abs() < 1e-12 * b + 1e-15 * highest,
+                    "{} at {hz} Hz: {d} is not {b}",
+                    case.segment
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_tone_between_bins_is_found_where_it_is_with_its_power() {
+        let x: Vec<f64> = (0..4000)
+            .map(|i| 0.9 * (TAU * 93.37 / 200.0 * f64::from(i)).sin())
+            .collect();
+        let spectrum = Welch::new(256).unwrap().spectrum(&x, SampleRate::HZ_200).unwrap();
+        let peak = spectrum.peak(60.0, 100.0).unwrap();
+        assert!((peak.hz - 93.37).abs() < 0.1 * spectrum.bin_hz(), "{}", peak.hz);
+        let deviation = spectrum.band_power(90.0, 97.0).sqrt();
+        assert!((deviation - 0.9 / 2f64.sqrt()).abs() < 2e-3, "{deviation}");
+        assert!(spectrum.band_power(5.0, 60.0) < 1e-6);
+    }
+
+    #[test]
+    fn lengths_that_give_no_spectrum_are_refused() {
+        assert_eq!(
+            Welch::new(1).err(),
+            Some(SpectrumError::SegmentTooShort { segment: 1 })
+        );
+        let short = Welch::new(64)
+            .unwrap()
+            .spectrum(&[0.0; 63], SampleRate::HZ_200)
+            .unwrap_err();
+        assert_eq!(short, SpectrumError::SignalTooShort { len: 63, segment: 64 });
+        let silence = Welch::new(64)
+            .unwrap()
+            .spectrum(&[9.81; 64], SampleRate::HZ_200)
+            .unwrap();
+        assert_eq!(silence.peak(0.0, 100.0), None);
+    }
+
+    proptest! {
+        #[test]
+        fn bands_add_up_to_the_whole(
+            x in prop::collection::vec(-1.0..1.0_f64, 50..120), split in 0.0..100.0_f64, segment in 8_usize..50,
+        ) {
+            let spectrum = Welch::new(segment).unwrap().spectrum(&x, SampleRate::HZ_200).unwrap();
+            let whole: f64 = spectrum.density().iter().sum::<f64>() * spectrum.bin_hz();
+            let parts = spectrum.band_power(0.0, split) + spectrum.band_power(split, 100.0);
+            prop_assert!((parts - whole).abs() < 1e-12 * whole);
+        }
+    }
+}
