@@ -232,7 +232,7 @@ impl Validate for TrainConfig {
         let mut faults: Vec<ConfigFault> = match self.network.validate() {
             Ok(()) => Vec::new(),
             Err(error) => {
-                let under = |fault: dpn_pronet::Fault| ConfigFault::new(format!("network.{}", fault.key), fault.value, fault.bound);
+                let under = |fault: dpn_pronet::config::Fault| ConfigFault::new(format!("network.{}", fault.key), fault.value, fault.bound);
                 error.faults.into_iter().map(under).collect()
             }
         };

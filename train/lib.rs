@@ -2,7 +2,6 @@
 //! window features that a network has to beat.
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used))]
 
-pub mod adam;
 pub mod base;
 pub mod config;
 pub mod corpus;

@@ -1,6 +1,6 @@
 //! Everything a training run carries from one epoch to the next.
 
-use crate::adam::Adam;
+use dpn_pronet::adam::{Adam, AdamConfig};
 use serde::{Deserialize, Serialize};
 
 /// One epoch in figures.
@@ -44,8 +44,8 @@ pub struct State {
 
 impl State {
     /// The state before the first epoch.
-    pub fn new(weights: Vec<f32>) -> Self {
-        Self { averaged: weights.clone(), adam: Adam::new(weights.len()), weights, best: None, history: Vec::new() }
+    pub fn new(weights: Vec<f32>, adam: AdamConfig) -> Self {
+        Self { averaged: weights.clone(), adam: Adam::new(adam, weights.len()), weights, best: None, history: Vec::new() }
     }
 
     /// Epochs behind us.

@@ -4,7 +4,6 @@
 //! stream of its own; the network's kernels sum in a fixed order; the optimiser's state is [`State`]. A run that goes on
 //! from a saved [`State`] therefore ends in the same bits as one that never stopped.
 
-use crate::adam::clip;
 use crate::config::{Draws, Loss, TrainConfig};
 use crate::corpus::{Corpus, CorpusError};
 use crate::examples::Examples;
@@ -15,9 +14,11 @@ use crate::windows::{Stretch, WINDOW, WindowSet};
 use burn::tensor::{Device, Tensor, TensorData};
 use dpn_core::random::Stream;
 use dpn_core::signal::FilterError;
+use dpn_pronet::adam::{AdamConfig, clip_length};
 use dpn_pronet::config::ConfigError as NetworkError;
 use dpn_pronet::weights::{Card, Weights};
-use dpn_pronet::{Predictor, ProNet, TrainedRange, shape};
+use dpn_pronet::range::TrainedRange;
+use dpn_pronet::{Predictor, ProNet, shape};
 use rand::seq::SliceRandom;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -105,7 +106,12 @@ impl Trainer {
 
     /// The state before the first epoch.
     pub fn start(&self) -> State {
-        State::new(self.network.parameters())
+        State::new(self.network.parameters(), self.adam())
+    }
+
+    /// The optimiser's settings.
+    pub(crate) fn adam(&self) -> AdamConfig {
+        AdamConfig { weight_decay: self.config.fit.weight_decay, ..AdamConfig::default() }
     }
 
     /// Updates in one epoch.
@@ -139,9 +145,11 @@ impl Trainer {
                 return Err(TrainError::Diverged { epoch: epoch + 1, loss });
             }
             loss_sum += loss * batch.len() as f64;
-            clip(&mut gradient, self.config.fit.clip_norm);
-            rate = learning_rate(&self.config.fit, next.adam.step, total);
-            next.adam.update(&mut next.weights, &gradient, rate, self.config.fit.weight_decay);
+            if self.config.fit.clip_norm > 0.0 {
+                clip_length(&mut gradient, self.config.fit.clip_norm);
+            }
+            rate = learning_rate(&self.config.fit, next.adam.steps(), total);
+            next.adam.step(&mut next.weights, &gradient, rate);
             self.average(&mut next);
             let seen = (step * self.config.fit.batch + batch.len()) as f64;
             each_step(step as u64 + 1, loss_sum / seen);
@@ -238,7 +246,7 @@ impl Trainer {
 
     /// Moves the running mean of the weights. It starts as a plain mean, so that early weights do not linger.
     fn average(&self, state: &mut State) {
-        let step = state.adam.step as f64;
+        let step = state.adam.steps() as f64;
         let keep = self.config.fit.ema.min(1.0 - 1.0 / step.max(1.0)) as f32;
         for (mean, weight) in state.averaged.iter_mut().zip(&state.weights) {
             *mean = keep * *mean + (1.0 - keep) * weight;

@@ -78,13 +78,7 @@ impl ProNet {
     /// The faults of the configuration.
     pub fn new(config: &ProNetConfig, stream: &Stream, device: &Device) -> Result<Self, ConfigError> {
         config.validate()?;
-        let engine = Arc::new(Engine::new(config));
-        Ok(Self::build(
-            config,
-            &initial_parameters(config, stream),
-            device,
-            engine,
-        ))
+        Ok(Self::build(config, &initial_parameters(config, stream), device))
     }
 
     /// A network with given flat parameters (see [`crate::shape`]) on `device`.
@@ -100,10 +94,15 @@ impl ProNet {
         device: &Device,
     ) -> Result<Self, ConfigError> {
         config.validate()?;
-        Ok(Self::build(config, flat, device, Arc::new(Engine::new(config))))
+        Ok(Self::build(config, flat, device))
     }
 
-    fn build(config: &ProNetConfig, flat: &[f32], device: &Device, engine: Arc<Engine>) -> Self {
+    /// As [`Self::from_parameters`], for a configuration that was checked.
+    pub(crate) fn build(config: &ProNetConfig, flat: &[f32], device: &Device) -> Self {
+        Self::with_engine(config, flat, device, Arc::new(Engine::new(config)))
+    }
+
+    fn with_engine(config: &ProNetConfig, flat: &[f32], device: &Device, engine: Arc<Engine>) -> Self {
         let list = parameters(config);
         let count: usize = list.iter().map(ParameterShape::len).sum();
         assert_eq!(
@@ -115,9 +114,10 @@ impl ProNet {
         let find = |name: String| list.iter().enumerate().find(|(_, p)| p.name == name);
         let conv = (1..=config.channels.len())
             .map(|i| Conv {
-                weight: find(format!("conv{i}.weight"))
-                    .map(|p| param(p, flat, device))
-                    .unwrap_or_else(|| unreachable!("every block has a kernel")),
+                weight: find(format!("conv{i}.weight")).map_or_else(
+                    || unreachable!("every block has a kernel"),
+                    |p| param(p, flat, device),
+                ),
                 bias: find(format!("conv{i}.bias")).map(|p| param(p, flat, device)),
             })
             .collect();
@@ -227,7 +227,7 @@ impl ProNet {
         let config = &self.config;
         let padding = config.paddings[i];
         let (x, padding) = if i == 0 && config.edges == Edges::Odd && padding > 0 {
-            (odd_extension(x, padding), 0) // [batch, channels, padding + time + padding]
+            (odd_extension(&x, padding), 0) // [batch, channels, padding + time + padding]
         } else {
             (x, padding)
         };
@@ -314,7 +314,7 @@ impl ProNet {
     /// When `flat` has not as many numbers as the network has parameters.
     #[must_use]
     pub fn with_parameters(&self, flat: &[f32]) -> Self {
-        Self::build(&self.config, flat, &self.device(), Arc::clone(&self.engine))
+        Self::with_engine(&self.config, flat, &self.device(), Arc::clone(&self.engine))
     }
 }
 
@@ -331,7 +331,12 @@ fn param<const D: usize>(
     let numbers = flat[p.offset..p.offset + p.len()].to_vec();
     let tensor = Tensor::from_data(TensorData::new(numbers, p.shape.clone()), device);
     // Numbered, not drawn: burn's own optimiser records then fit any network of the same configuration.
-    Param::initialized(ParamId::from(index as u64), tensor.require_grad())
+    let tensor = if device.is_autodiff() {
+        tensor.require_grad()
+    } else {
+        tensor
+    };
+    Param::initialized(ParamId::from(index as u64), tensor)
 }
 
 /// What the first convolution sees, and each window's own scale where there is one.
@@ -378,10 +383,10 @@ fn prepare(config: &ProNetConfig, windows: Tensor<2>) -> (Tensor<3>, Option<Tens
 }
 
 /// `[batch, channels, time]` turned about its end points: `[batch, channels, by + time + by]`.
-fn odd_extension(x: Tensor<3>, by: usize) -> Tensor<3> {
+fn odd_extension(x: &Tensor<3>, by: usize) -> Tensor<3> {
     let [b, c, n] = x.dims();
     let part = |from: usize, to: usize| x.clone().slice([0..b, 0..c, from..to]);
     let left = part(0, 1) * 2.0 - part(1, by + 1).flip([2]); // [batch, channels, by]
     let right = part(n - 1, n) * 2.0 - part(n - 1 - by, n - 1).flip([2]); // [batch, channels, by]
-    Tensor::cat(vec![left, x.clone(), right], 2)
+    Tensor::cat(vec![left, x.clone(), right], 2) // [batch, channels, by + time + by]
 }

@@ -34,7 +34,9 @@ impl KernelRegressor {
         let keep = spread(truth.len(), MAX_ROWS);
         let mut rows = Array2::zeros((keep.len(), Features::COUNT));
         for (mut row, &at) in rows.outer_iter_mut().zip(&keep) {
-            row.assign(&ArrayView1::from(&scaled[at * Features::COUNT..(at + 1) * Features::COUNT]));
+            row.assign(&ArrayView1::from(
+                &scaled[at * Features::COUNT..(at + 1) * Features::COUNT],
+            ));
         }
         let targets: Array1<f64> = keep.iter().map(|&at| truth[at] / scaling.label).collect();
         let dataset = Dataset::new(rows, targets);
@@ -42,7 +44,10 @@ impl KernelRegressor {
             .c_svr(COST, Some(TUBE))
             .gaussian_kernel(WIDTH)
             .fit(&dataset)
-            .map_err(|error| RegressError::Fit { method: "kernel regressor", reason: error.to_string() })?;
+            .map_err(|error| RegressError::Fit {
+                method: "kernel regressor",
+                reason: error.to_string(),
+            })?;
         Ok(Self { scaling, model })
     }
 }
@@ -52,7 +57,9 @@ fn spread(rows: usize, most: usize) -> Vec<usize> {
     if rows <= most {
         return (0..rows).collect();
     }
-    (0..most).map(|i| (i as u128 * rows as u128 / most as u128) as usize).collect()
+    (0..most)
+        .map(|i| (i as u128 * rows as u128 / most as u128) as usize)
+        .collect()
 }
 
 impl Regressor for KernelRegressor {

@@ -51,11 +51,18 @@ pub trait Regressor: Send + Sync {
 ///
 /// # Errors
 /// Too few examples; a fit that linfa gives up.
-pub fn fit_all(features: &Features, examples: &Examples, label: Label) -> Result<Vec<Box<dyn Regressor>>, RegressError> {
+pub fn fit_all(
+    features: &Features,
+    examples: &Examples,
+    label: Label,
+) -> Result<Vec<Box<dyn Regressor>>, RegressError> {
     let table = features.table(&examples.samples);
     let truth = examples.truth(label);
     if truth.len() < 2 * Features::COUNT {
-        return Err(RegressError::TooFewRows { rows: truth.len(), features: Features::COUNT });
+        return Err(RegressError::TooFewRows {
+            rows: truth.len(),
+            features: Features::COUNT,
+        });
     }
     Ok(vec![
         Box::new(ElasticNetRegressor::fit(&table, &truth)?),

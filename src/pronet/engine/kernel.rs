@@ -100,8 +100,8 @@ fn tile<S: Simd, const ROWS: usize, const VECTORS: usize>(
     column: usize,
 ) {
     let mut a: [&[f32]; ROWS] = [&[]; ROWS];
-    for i in 0..ROWS {
-        a[i] = &rows.data[(row + i) * rows.stride..][..inner];
+    for (i, a) in a.iter_mut().enumerate() {
+        *a = &rows.data[(row + i) * rows.stride..][..inner];
     }
     let mut sums = [start; ROWS];
     let (vectors, _) = S::as_simd_f32s(panel);
@@ -116,9 +116,7 @@ fn tile<S: Simd, const ROWS: usize, const VECTORS: usize>(
     for i in 0..ROWS {
         let place = &mut out[(row + i) * out_stride + column..][..VECTORS * S::F32_LANES];
         let (place, _) = S::as_mut_simd_f32s(place);
-        for v in 0..VECTORS {
-            place[v] = sums[i][v];
-        }
+        place[..VECTORS].copy_from_slice(&sums[i]);
     }
 }
 
@@ -188,9 +186,7 @@ fn outer_tile<S: Simd, const ROWS: usize, const VECTORS: usize>(
     let mut sums = [[simd.splat_f32s(0.0); VECTORS]; ROWS];
     for i in 0..ROWS {
         let (place, _) = S::as_simd_f32s(&out[(p + i) * columns + column..][..width]);
-        for v in 0..VECTORS {
-            sums[i][v] = place[v];
-        }
+        sums[i].copy_from_slice(&place[..VECTORS]);
     }
     for (m, right) in (0..rows.count).zip(right.chunks_exact(columns)) {
         let a = &rows.data[m * rows.stride + p..][..ROWS];
@@ -204,9 +200,7 @@ fn outer_tile<S: Simd, const ROWS: usize, const VECTORS: usize>(
     }
     for i in 0..ROWS {
         let (place, _) = S::as_mut_simd_f32s(&mut out[(p + i) * columns + column..][..width]);
-        for v in 0..VECTORS {
-            place[v] = sums[i][v];
-        }
+        place[..VECTORS].copy_from_slice(&sums[i]);
     }
 }
 

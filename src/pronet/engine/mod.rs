@@ -18,8 +18,10 @@ mod norm;
 mod plan;
 
 use crate::config::ProNetConfig;
-use buffer::{Buffer, zeros};
-use chunk::{Arithmetic, Backward, Chunk, Forward, Gradients};
+pub(crate) use buffer::Buffer;
+use buffer::zeros;
+pub(crate) use chunk::Chunk;
+use chunk::{Arithmetic, Backward, Forward, Gradients};
 use head::HeadKind;
 use input::Preparation;
 use norm::NormKind;

@@ -70,11 +70,10 @@ pub(crate) struct BlockPlan {
     pub(crate) saved_input: usize,
     pub(crate) saved_conv: usize,
     pub(crate) saved_stats: usize,
-    /// In the gradients: weights `[kernel * width in, width out]`, then bias, gain and offset.
+    /// In the gradients: weights `[kernel * width in, width out]`.
     pub(crate) d_weights: usize,
+    /// In the gradients: bias, and right behind it gain and offset, each `[width out]`.
     pub(crate) d_bias: usize,
-    pub(crate) d_gain: usize,
-    pub(crate) d_offset: usize,
 }
 
 /// One linear layer.
@@ -277,8 +276,6 @@ impl Plan {
                 }),
                 d_weights,
                 d_bias,
-                d_gain,
-                d_offset,
             });
             (width_in, channels_in, time_in) = (width_out, channels, time_out);
         }
@@ -313,7 +310,7 @@ impl Plan {
                     .map(|f| w + output * inputs + f)
             };
             let weights = packer.panels(width_in, width_out, |row, c| source(c, row));
-            let transposed = packer.panels(width_out, width_in, |row, c| source(row, c));
+            let transposed = packer.panels(width_out, width_in, source);
             let bias = packer.row(width_out, |c| (c < outputs).then_some((b + c) as u32));
             let d_weights = gradients.take(width_in * width_out);
             let d_bias = gradients.take(width_out);
