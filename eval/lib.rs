@@ -1,1 +1,4 @@
-//! Open loop, metrics, tables, figures.
+//! Judging: the open loop, its tables and figures.
+#![cfg_attr(test, allow(clippy::unwrap_used))]
+
+pub mod open_loop;

@@ -1,1 +1,14 @@
-//! Windows, injection, labels, split, trainer, regressors.
+//! Teaching: windows cut from recordings, noise injected into them, labels, the split, the trainer, and regressors on
+//! window features that a network has to beat.
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used))]
+
+pub mod base;
+pub mod draw;
+pub mod examples;
+pub mod features;
+pub mod label;
+pub mod levels;
+pub mod own;
+pub mod regress;
+pub mod split;
+pub mod windows;

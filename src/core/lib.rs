@@ -8,6 +8,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 pub mod bounds;
+pub mod config;
 pub mod estimate;
 pub mod imu;
 pub mod io;

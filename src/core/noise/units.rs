@@ -102,6 +102,26 @@ impl GyroSampleStd {
     pub const BASELINE: Self = Self(0.004);
 }
 
+impl AccelNoiseDensity {
+    /// EuRoC's `sensor.yaml` (ADIS16448): .0283 m/s^2 per sample at 200 Hz.
+    pub const EUROC: Self = Self(2.0e-3);
+}
+
+impl GyroNoiseDensity {
+    /// EuRoC's `sensor.yaml` (ADIS16448): .0024 rad/s per sample at 200 Hz.
+    pub const EUROC: Self = Self(1.6968e-4);
+}
+
+impl AccelBiasWalkDensity {
+    /// EuRoC's `sensor.yaml` (ADIS16448).
+    pub const EUROC: Self = Self(3.0e-3);
+}
+
+impl GyroBiasWalkDensity {
+    /// EuRoC's `sensor.yaml` (ADIS16448).
+    pub const EUROC: Self = Self(1.9393e-5);
+}
+
 white_noise!(AccelSampleStd, AccelNoiseDensity);
 white_noise!(GyroSampleStd, GyroNoiseDensity);
 

@@ -1,6 +1,7 @@
 //! What can be wrong with a noise spec, and the nearest name that would be right.
 
 use crate::estimate::EstimatorError;
+use crate::noise::units::BadNoise;
 use thiserror::Error;
 
 /// Why a string names no noise model.
@@ -58,6 +59,9 @@ pub enum SpecError {
         /// The call.
         call: String,
     },
+    /// A figure that is no deviation.
+    #[error(transparent)]
+    Noise(#[from] BadNoise),
     /// The estimator refuses its parameters.
     #[error(transparent)]
     Estimator(#[from] EstimatorError),

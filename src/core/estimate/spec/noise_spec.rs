@@ -80,11 +80,7 @@ impl NoiseSpec {
         };
         let given = (accel.given(Sensor::Accel), gyro.given(Sensor::Gyro));
         if let (Some(accel), Some(gyro)) = given {
-            // Both were checked to be positive and finite; the fall-backs below are never taken.
-            let noise = ImuNoise::isotropic(
-                AccelSampleStd::new(accel).unwrap_or(AccelSampleStd::BASELINE),
-                GyroSampleStd::new(gyro).unwrap_or(GyroSampleStd::BASELINE),
-            );
+            let noise = ImuNoise::isotropic(AccelSampleStd::new(accel)?, GyroSampleStd::new(gyro)?);
             return Ok(Box::new(Constant::new(self.to_string(), noise)));
         }
         let (accel, gyro) = (
@@ -106,11 +102,16 @@ impl SensorSpec {
     }
 
     fn axes(&self, sensor: Sensor, schedule: Schedule) -> Result<[Box<dyn AxisSigma>; 3], SpecError> {
-        match (self, self.given(sensor)) {
-            (Self::Estimator(estimator), _) => Ok(estimator.axes(schedule)?),
-            (_, given) => {
-                let axis = Given(given.unwrap_or(f64::NAN));
-                Ok([Box::new(axis), Box::new(axis), Box::new(axis)])
+        match self {
+            Self::Estimator(estimator) => Ok(estimator.axes(schedule)?),
+            Self::Multiple(_) | Self::Fixed(_) => {
+                // Checked here as in `model`: a spec may have been built by hand.
+                let sigma = AccelSampleStd::new(self.given(sensor).unwrap_or(f64::NAN))?.get();
+                Ok([
+                    Box::new(Given(sigma)),
+                    Box::new(Given(sigma)),
+                    Box::new(Given(sigma)),
+                ])
             }
         }
     }
@@ -340,6 +341,19 @@ mod tests {
         ));
         let pair = NoiseSpec::parse_with("shuffled(x1),x2", &[("shuffled", "")]);
         assert!(matches!(pair, Err(SpecError::NotOneSensor { .. })));
+    }
+
+    #[test]
+    fn a_spec_built_by_hand_with_an_impossible_figure_is_refused_when_the_model_is_made() {
+        let bad = SensorSpec::Fixed(-1.0);
+        let estimator = SensorSpec::Estimator(EstimatorSpec::Mad2);
+        for gyro in [SensorSpec::Multiple(1.0), estimator] {
+            let spec = NoiseSpec::Sensors { accel: bad, gyro };
+            assert!(matches!(
+                spec.model(Schedule::default()),
+                Err(SpecError::Noise(_))
+            ));
+        }
     }
 
     #[test]

@@ -1,0 +1,208 @@
+//! Typed TOML configuration: unknown keys are refused with the nearest known one, bad values all at once.
+
+use serde::de::DeserializeOwned;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// One value outside its bound.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ConfigFault {
+    /// Key as written in the file, for example `augment.scale`.
+    pub key: &'static str,
+    /// What stands there.
+    pub value: String,
+    /// What may stand there.
+    pub bound: &'static str,
+}
+
+impl ConfigFault {
+    /// `key` holds `value`, but must be `bound`.
+    pub fn new(key: &'static str, value: impl fmt::Display, bound: &'static str) -> Self {
+        Self {
+            key,
+            value: value.to_string(),
+            bound,
+        }
+    }
+}
+
+impl fmt::Display for ConfigFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "`{}` is {}, but must be {}", self.key, self.value, self.bound)
+    }
+}
+
+/// A configuration that can be checked after reading.
+pub trait Validate {
+    /// Every value outside its bound; empty when all is well.
+    fn faults(&self) -> Vec<ConfigFault>;
+}
+
+/// Why a configuration is not used.
+#[derive(Debug, Error)]
+pub enum ConfigError {
+    /// The file cannot be read.
+    #[error("cannot read {}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// Not TOML, a key that is not known, or a value of the wrong kind.
+    #[error("{}{}: {message}", path.display(), line.map(|l| format!(":{l}")).unwrap_or_default())]
+    Parse {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: Option<usize>,
+        /// What is wrong.
+        message: String,
+        /// The nearest known word, where one is near.
+        nearest: Option<String>,
+    },
+    /// Values outside their bounds.
+    #[error("{}: {}", path.display(), faults.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    Bounds {
+        /// The file.
+        path: PathBuf,
+        /// Every fault.
+        faults: Vec<ConfigFault>,
+    },
+}
+
+impl ConfigError {
+    /// What to do about it.
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::Read { .. } => Some("configs/ holds files to start from".into()),
+            Self::Parse {
+                nearest: Some(nearest),
+                ..
+            } => Some(format!("did you mean `{nearest}`?")),
+            _ => None,
+        }
+    }
+}
+
+/// Reads, parses and checks the configuration at `path`.
+///
+/// # Errors
+/// An unreadable file, a text that is not the configuration's TOML, values outside their bounds.
+pub fn load<T: DeserializeOwned + Validate>(path: &Path) -> Result<T, ConfigError> {
+    let text = std::fs::read_to_string(path).map_err(|source| ConfigError::Read {
+        path: path.to_owned(),
+        source,
+    })?;
+    parse(&text, path)
+}
+
+/// Parses and checks `text`; `path` only names it in errors.
+///
+/// # Errors
+/// A text that is not the configuration's TOML, values outside their bounds.
+pub fn parse<T: DeserializeOwned + Validate>(text: &str, path: &Path) -> Result<T, ConfigError> {
+    let config: T = toml::from_str(text).map_err(|error| {
+        let message = error.message().to_owned();
+        ConfigError::Parse {
+            path: path.to_owned(),
+            line: error
+                .span()
+                .map(|span| 1 + text[..span.start.min(text.len())].matches('\n').count()),
+            nearest: nearest_word(&message),
+            message,
+        }
+    })?;
+    match config.faults() {
+        faults if faults.is_empty() => Ok(config),
+        faults => Err(ConfigError::Bounds {
+            path: path.to_owned(),
+            faults,
+        }),
+    }
+}
+
+/// The word among `known` that is nearest to `typed`, when it is near enough to be a slip.
+pub fn nearest<'a>(typed: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    known
+        .into_iter()
+        .map(|word| (strsim::damerau_levenshtein(typed, word), word))
+        .min()
+        .filter(|(distance, word)| *distance <= 1 + word.len() / 3)
+        .map(|(_, word)| word)
+}
+
+/// From serde's "unknown field `a`, expected one of `b`, `c`": the expected word nearest to the unknown one.
+fn nearest_word(message: &str) -> Option<String> {
+    let mut quoted = message.split('`').skip(1).step_by(2);
+    let typed = quoted.next()?;
+    nearest(typed, quoted).map(str::to_owned)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde::Deserialize;
+
+    #[derive(Debug, Deserialize)]
+    #[serde(deny_unknown_fields, default)]
+    struct Small {
+        learning_rate: f64,
+        epochs: u64,
+    }
+
+    impl Default for Small {
+        fn default() -> Self {
+            Self {
+                learning_rate: 1e-3,
+                epochs: 200,
+            }
+        }
+    }
+
+    impl Validate for Small {
+        fn faults(&self) -> Vec<ConfigFault> {
+            let mut faults = Vec::new();
+            if self.learning_rate <= 0.0 {
+                faults.push(ConfigFault::new("learning_rate", self.learning_rate, "above 0"));
+            }
+            if self.epochs == 0 {
+                faults.push(ConfigFault::new("epochs", self.epochs, "at least 1"));
+            }
+            faults
+        }
+    }
+
+    fn parsed(text: &str) -> Result<Small, ConfigError> {
+        parse(text, Path::new("a.toml"))
+    }
+
+    #[test]
+    fn an_unknown_key_names_line_and_nearest() {
+        let error = parsed("epochs = 3\nlerning_rate = 0.1\n").unwrap_err();
+        assert!(
+            error
+                .to_string()
+                .starts_with("a.toml:2: unknown field `lerning_rate`"),
+            "{error}"
+        );
+        assert_eq!(error.hint().as_deref(), Some("did you mean `learning_rate`?"));
+    }
+
+    #[test]
+    fn all_bad_values_are_named_at_once() {
+        let error = parsed("epochs = 0\nlearning_rate = -1.0")
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("`learning_rate` is -1, but must be above 0") && error.contains("`epochs` is 0"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn a_far_word_is_not_suggested() {
+        assert_eq!(nearest("zzz", ["learning_rate", "epochs"]), None);
+    }
+}

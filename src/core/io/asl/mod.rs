@@ -1,0 +1,15 @@
+//! ASL's folder layout, as EuRoC and TUM-VI ship it: `SEQUENCE/mav0/{imu0,cam0,state_groundtruth_estimate0,mocap0}/data.csv`, each
+//! sensor with a `sensor.yaml` beside.
+
+pub(crate) mod camera;
+mod discover;
+pub(crate) mod ground_truth;
+pub(crate) mod imu_config;
+mod sequence;
+mod yaml;
+
+pub use camera::{CameraConfig, CameraFrame, Distortion};
+pub use discover::discover;
+pub use ground_truth::{Biases, GroundTruth, TrueState, read as read_ground_truth};
+pub use imu_config::ImuConfig;
+pub use sequence::{Sequence, read_imu};

@@ -1,0 +1,340 @@
+//! What can be wrong with a file, and what to do about it.
+
+use std::io;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Why a file or a folder could not be read or written. `Display` says what and where, [`IoError::hint`] how to mend it.
+///
+/// Lines are counted from 1, as editors do.
+#[derive(Debug, Error)]
+pub enum IoError {
+    /// The operating system refused to read.
+    #[error("cannot read {}", path.display())]
+    Read {
+        /// File or folder.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// The operating system refused to write; nothing half-written is left.
+    #[error("cannot write {}", path.display())]
+    Write {
+        /// The file that should have come to be.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// A folder, or a file of it, that is not there.
+    #[error("{} does not exist", path.display())]
+    Missing {
+        /// What was looked for.
+        path: PathBuf,
+    },
+    /// No sequence where some were looked for.
+    #[error("no ASL sequence in {}: looked for {looked_for}", dir.display())]
+    NoSequence {
+        /// Where.
+        dir: PathBuf,
+        /// The patterns tried, relative to `dir`.
+        looked_for: String,
+    },
+    /// A file without one row of data.
+    #[error("{}: no row of data", path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A recording of one sample.
+    #[error("{}: {found} sample; a recording needs at least 2", path.display())]
+    TooShort {
+        /// The file.
+        path: PathBuf,
+        /// How many samples it holds.
+        found: usize,
+    },
+    /// A column the reader needs is not in the header.
+    #[error("{}:{line}: no column `{column}`; the header names {found}", path.display())]
+    MissingColumn {
+        /// The file.
+        path: PathBuf,
+        /// The header's line.
+        line: usize,
+        /// What was looked for.
+        column: String,
+        /// What the header names instead.
+        found: String,
+    },
+    /// Two columns of the header mean the same.
+    #[error("{}:{line}: columns {} and {} both read as `{column}`", path.display(), first + 1, second + 1)]
+    DoubleColumn {
+        /// The file.
+        path: PathBuf,
+        /// The header's line.
+        line: usize,
+        /// What both mean.
+        column: String,
+        /// Index of the one, from 0.
+        first: usize,
+        /// Index of the other, from 0.
+        second: usize,
+    },
+    /// A unit the reader does not know.
+    #[error("{}:{line}: column `{column}` has the unit \"{unit}\"; known are {known}", path.display())]
+    UnknownUnit {
+        /// The file.
+        path: PathBuf,
+        /// The header's line.
+        line: usize,
+        /// The column's name.
+        column: String,
+        /// Its unit, as written.
+        unit: String,
+        /// The units that can stand there.
+        known: &'static str,
+    },
+    /// A header, or a row, with a number of columns that fits no format of this file.
+    #[error("{}:{line}: {found} columns; {expected} are known", path.display())]
+    UnknownLayout {
+        /// The file.
+        path: PathBuf,
+        /// The header's line, or the first row's.
+        line: usize,
+        /// How many columns there are.
+        found: usize,
+        /// The layouts that can be read.
+        expected: &'static str,
+    },
+    /// A row with more or fewer fields than the header or the rows before it.
+    #[error("{}:{line}: {found} fields, expected {expected}", path.display())]
+    FieldCount {
+        /// The file.
+        path: PathBuf,
+        /// The row's line.
+        line: usize,
+        /// How many fields it has.
+        found: usize,
+        /// How many it should have.
+        expected: usize,
+    },
+    /// Text that is no number.
+    #[error("{}:{line}: {column} is \"{text}\", not a number", path.display())]
+    BadNumber {
+        /// The file.
+        path: PathBuf,
+        /// The row's line.
+        line: usize,
+        /// The column's name.
+        column: String,
+        /// What stands there, shortened.
+        text: String,
+    },
+    /// NaN, an infinity or a number too large.
+    #[error("{}:{line}: {column} is \"{text}\"; every value must be finite", path.display())]
+    NotFinite {
+        /// The file.
+        path: PathBuf,
+        /// The row's line.
+        line: usize,
+        /// The column's name.
+        column: String,
+        /// What stands there.
+        text: String,
+    },
+    /// A stamp that is no time in the range of 64-bit nanoseconds.
+    #[error("{}:{line}: stamp \"{text}\" is not a time in {unit}", path.display())]
+    BadStamp {
+        /// The file.
+        path: PathBuf,
+        /// The row's line.
+        line: usize,
+        /// What stands there, shortened.
+        text: String,
+        /// The unit it was read in.
+        unit: &'static str,
+    },
+    /// Stamps that stand still or go back.
+    #[error("{}:{line}: time goes from {prev_ns} to {t_ns} ns; stamps must increase", path.display())]
+    TimeNotIncreasing {
+        /// The file.
+        path: PathBuf,
+        /// Line of the later row.
+        line: usize,
+        /// Stamp of the row before.
+        prev_ns: i64,
+        /// Stamp of this row.
+        t_ns: i64,
+    },
+    /// Neither the header nor the stamps' size tell their unit.
+    #[error("{}: the unit of time cannot be told: stamps from {first}, median step {step}", path.display())]
+    UnknownTimeUnit {
+        /// The file.
+        path: PathBuf,
+        /// The first stamp, as a number.
+        first: f64,
+        /// The median step between stamps, as a number.
+        step: f64,
+    },
+    /// Bytes that are no text.
+    #[error("{}:{line}: not UTF-8 text", path.display())]
+    NotUtf8 {
+        /// The file.
+        path: PathBuf,
+        /// The line with the first such byte.
+        line: usize,
+    },
+    /// A quaternion too far from length 1 to be a rotation.
+    #[error("{}:{line}: the quaternion has norm {norm}; a rotation has norm 1", path.display())]
+    BadQuaternion {
+        /// The file.
+        path: PathBuf,
+        /// The row's line.
+        line: usize,
+        /// Its norm.
+        norm: f64,
+    },
+    /// A standard deviation below zero.
+    #[error("{}:{line}: {column} is {value}; a noise figure is not negative", path.display())]
+    BadNoise {
+        /// The file.
+        path: PathBuf,
+        /// The row's line.
+        line: usize,
+        /// The column's name.
+        column: String,
+        /// What stands there.
+        value: f64,
+    },
+    /// A YAML file that cannot be read or lacks a key.
+    #[error("{}: {message}", at(path, *line))]
+    BadYaml {
+        /// The file.
+        path: PathBuf,
+        /// The line, where the parser knows one.
+        line: Option<usize>,
+        /// What is wrong, without the place.
+        message: String,
+    },
+    /// A key of a YAML file with a value that cannot be.
+    #[error("{}: `{key}` {problem}", path.display())]
+    BadKey {
+        /// The file.
+        path: PathBuf,
+        /// The key.
+        key: &'static str,
+        /// What is wrong with its value.
+        problem: String,
+    },
+}
+
+fn at(path: &Path, line: Option<usize>) -> String {
+    match line {
+        Some(line) => format!("{}:{line}", path.display()),
+        None => path.display().to_string(),
+    }
+}
+
+impl IoError {
+    /// Wraps a failure to read: a thing that is not there is [`IoError::Missing`], all else [`IoError::Read`].
+    pub fn reading(path: &Path, source: io::Error) -> Self {
+        let path = path.to_path_buf();
+        if source.kind() == io::ErrorKind::NotFound {
+            Self::Missing { path }
+        } else {
+            Self::Read { path, source }
+        }
+    }
+
+    /// What to do about it, where there is more to say than the message itself does.
+    pub fn hint(&self) -> Option<String> {
+        let text = match self {
+            Self::Read { source, .. } => match source.kind() {
+                io::ErrorKind::PermissionDenied => "you lack the right to read it; see its owner and mode",
+                io::ErrorKind::IsADirectory => "this is a folder; name a file in it",
+                _ => return None,
+            },
+            Self::Write { source, .. } => match source.kind() {
+                io::ErrorKind::StorageFull => "the disk is full; free some space or write elsewhere",
+                io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
+                    "you lack the right to write there; choose another folder"
+                }
+                _ => return None,
+            },
+            Self::Missing { path } => return missing_hint(path),
+            Self::NoSequence { .. } => {
+                "give the folder of one sequence (it holds `mav0` or `imu0`) or one that holds sequences"
+            }
+            Self::Empty { .. } => "the download or export may have been cut off; make the file again",
+            Self::TooShort { .. } => "record for longer, or look whether the file was cut off",
+            Self::MissingColumn { .. } | Self::DoubleColumn { .. } => {
+                "rename the column in the header, or say which column is which"
+            }
+            Self::UnknownUnit { .. } => "convert the column, or name its unit when you read the file",
+            Self::UnknownLayout { .. } => "add a header that names the columns",
+            Self::FieldCount { .. } => "the row is cut off or damaged; mend or delete the line",
+            Self::BadNumber { .. } | Self::NotFinite { .. } => {
+                "mend or delete the line; nothing is skipped silently"
+            }
+            Self::BadStamp { .. } => "mend the line, or name the stamps' unit (s, ms, us, ns)",
+            Self::TimeNotIncreasing { prev_ns, t_ns, .. } if prev_ns == t_ns => {
+                "two rows share a stamp: drop one, or write stamps with more digits"
+            }
+            Self::TimeNotIncreasing { .. } => "sort the rows by time, or cut the log where its clock was set",
+            Self::UnknownTimeUnit { .. } => "name the stamps' unit (s, ms, us, ns)",
+            Self::NotUtf8 { .. } => "save the file as UTF-8 text; a binary or UTF-16 file cannot be read",
+            Self::BadQuaternion { .. } => {
+                "look at the order: ASL has w x y z, TUM has x y z w after the position"
+            }
+            Self::BadNoise { .. } => "standard deviations are zero or more; mend the line",
+            Self::BadYaml { .. } | Self::BadKey { .. } => {
+                "compare with an ASL sensor.yaml; without the file the caller's defaults hold"
+            }
+        };
+        Some(text.to_owned())
+    }
+}
+
+/// Names the nearest folder above `path` that is there.
+fn missing_hint(path: &Path) -> Option<String> {
+    let there = path
+        .ancestors()
+        .skip(1)
+        .find(|p| !p.as_os_str().is_empty() && p.exists())?;
+    Some(format!(
+        "{} is there; look at the rest of the path",
+        there.display()
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_that_is_not_there_names_the_part_that_is() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("no").join("such");
+        let error = IoError::reading(&path, io::ErrorKind::NotFound.into());
+        assert!(error.to_string().ends_with("no/such does not exist"), "{error}");
+        let hint = error.hint().unwrap();
+        assert!(
+            hint.starts_with(&format!("{} is there", dir.path().display())),
+            "{hint}"
+        );
+    }
+
+    #[test]
+    fn a_full_disk_is_told_from_a_missing_right() {
+        let path = PathBuf::from("out.csv");
+        let full = IoError::Write {
+            path: path.clone(),
+            source: io::ErrorKind::StorageFull.into(),
+        };
+        let denied = IoError::Write {
+            path,
+            source: io::ErrorKind::PermissionDenied.into(),
+        };
+        assert!(full.hint().unwrap().contains("disk is full"));
+        assert!(denied.hint().unwrap().contains("right to write"));
+    }
+}

@@ -1,0 +1,142 @@
+//! The eleven flights by name, and which of them may be trained on.
+
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::str::FromStr;
+use thiserror::Error;
+
+/// What a flight may be used for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Split {
+    /// Training and validation.
+    Train,
+    /// Never looked at in training.
+    Test,
+}
+
+/// A flight: its name is its character, its number its place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Flight {
+    /// Slow straight lines through a hall.
+    HallSlow,
+    /// Slow circles in a hall.
+    HallCalm,
+    /// Fast lines and eights in a hall.
+    HallFast,
+    /// Brisk loops in a hall.
+    HallLoops,
+    /// Long lines in a hall, calm and fast by turns.
+    HallLines,
+    /// Slow and careful in a room.
+    RoomSlow,
+    /// Medium speed in a room.
+    RoomMedium,
+    /// Aggressive in a room, quick turns.
+    RoomAggressive,
+    /// Hovering, with short moves in between.
+    Hover,
+    /// Rising and sinking circles in a room, always turning.
+    RoomSpiral,
+    /// Aggressive eights in a room, quick turns.
+    RoomWild,
+}
+
+/// A name no flight has.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("no flight is called `{given}`; known are {}", known())]
+pub struct UnknownFlight {
+    /// What was asked for.
+    pub given: String,
+}
+
+fn known() -> String {
+    Flight::ALL.map(|f| f.name()).join(", ")
+}
+
+impl Flight {
+    /// All eleven, by number.
+    pub const ALL: [Self; 11] = [
+        Self::HallSlow,
+        Self::HallCalm,
+        Self::HallFast,
+        Self::HallLoops,
+        Self::HallLines,
+        Self::RoomSlow,
+        Self::RoomMedium,
+        Self::RoomAggressive,
+        Self::Hover,
+        Self::RoomSpiral,
+        Self::RoomWild,
+    ];
+
+    /// The spelling in files and flags; it begins with the flight's number.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::HallSlow => "f01-hall-slow",
+            Self::HallCalm => "f02-hall-calm",
+            Self::HallFast => "f03-hall-fast",
+            Self::HallLoops => "f04-hall-loops",
+            Self::HallLines => "f05-hall-lines",
+            Self::RoomSlow => "f06-room-slow",
+            Self::RoomMedium => "f07-room-medium",
+            Self::RoomAggressive => "f08-room-aggressive",
+            Self::Hover => "f09-hover",
+            Self::RoomSpiral => "f10-room-spiral",
+            Self::RoomWild => "f11-room-wild",
+        }
+    }
+
+    /// Six to train on, five to test on, alternating in character as the paper's split of EuRoC does.
+    pub fn split(self) -> Split {
+        match self {
+            Self::HallCalm | Self::HallLoops | Self::RoomSlow | Self::RoomAggressive | Self::RoomSpiral => {
+                Split::Test
+            }
+            _ => Split::Train,
+        }
+    }
+}
+
+impl fmt::Display for Flight {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Flight {
+    type Err = UnknownFlight;
+
+    /// The full name, or the name without its number.
+    fn from_str(given: &str) -> Result<Self, UnknownFlight> {
+        Self::ALL
+            .into_iter()
+            .find(|f| f.name() == given || &f.name()[4..] == given)
+            .ok_or_else(|| UnknownFlight {
+                given: given.to_owned(),
+            })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn six_train_and_five_test_as_in_the_paper() {
+        let train = Flight::ALL.iter().filter(|f| f.split() == Split::Train).count();
+        assert_eq!((train, Flight::ALL.len() - train), (6, 5));
+    }
+
+    #[test]
+    fn names_are_found_with_and_without_their_number() {
+        for (i, flight) in Flight::ALL.into_iter().enumerate() {
+            assert_eq!(flight.name()[1..3].parse::<usize>().unwrap(), i + 1);
+            assert_eq!(flight.name().parse::<Flight>(), Ok(flight));
+        }
+        assert_eq!("hover".parse::<Flight>(), Ok(Flight::Hover));
+        let message = "hovr".parse::<Flight>().unwrap_err().to_string();
+        assert!(message.starts_with("no flight is called `hovr`; known are f01-hall-slow, "));
+    }
+}

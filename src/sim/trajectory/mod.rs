@@ -1,0 +1,9 @@
+//! Smooth trajectories with analytic derivatives: where the body is, how it moves and what an ideal IMU reads, at any time.
+
+mod attitude;
+mod bspline;
+mod path;
+
+pub use attitude::{Attitude, attitude};
+pub use bspline::{Jet, ORDER, SplineError, UniformSpline};
+pub use path::{State, Trajectory};

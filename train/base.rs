@@ -1,0 +1,102 @@
+//! The signal noise is injected into (decisions 2 and 3).
+
+use dpn_core::signal::{FilterError, SavitzkyGolay};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::str::FromStr;
+
+/// What a filter works on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Scope {
+    /// Each window on its own, polynomial edges at both its ends: as the paper is written.
+    #[default]
+    Window,
+    /// The whole recording before it is cut.
+    Recording,
+}
+
+/// The signal's treatment before noise is injected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Base {
+    /// The recorded signal as it is.
+    Raw,
+    /// Savitzky-Golay of `(window, order)`.
+    SavitzkyGolay {
+        /// Samples, odd.
+        window: usize,
+        /// Degree of the polynomial, below `window`.
+        order: usize,
+    },
+}
+
+impl Base {
+    /// The bases of the study, from the mildest filter to the strongest.
+    pub const STUDY: [Self; 5] = [
+        Self::SavitzkyGolay { window: 5, order: 2 },
+        Self::SavitzkyGolay { window: 7, order: 2 },
+        Self::SavitzkyGolay { window: 11, order: 2 },
+        Self::SavitzkyGolay { window: 21, order: 3 },
+        Self::SavitzkyGolay { window: 51, order: 3 },
+    ];
+
+    /// The filter, built once; `None` for raw signals.
+    ///
+    /// # Errors
+    /// An even window, or an order not below it.
+    pub fn filter(self) -> Result<Option<SavitzkyGolay>, FilterError> {
+        match self {
+            Self::Raw => Ok(None),
+            Self::SavitzkyGolay { window, order } => SavitzkyGolay::new(window, order).map(Some),
+        }
+    }
+}
+
+impl fmt::Display for Base {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Raw => f.write_str("raw"),
+            Self::SavitzkyGolay { window, order } => write!(f, "sg({window},{order})"),
+        }
+    }
+}
+
+/// A base that cannot be read.
+#[derive(Debug, thiserror::Error, PartialEq)]
+#[error("`{0}` is no base; write `raw` or `sg(WINDOW,ORDER)`, for example `sg(11,2)`")]
+pub struct UnknownBase(pub String);
+
+impl FromStr for Base {
+    type Err = UnknownBase;
+
+    fn from_str(text: &str) -> Result<Self, UnknownBase> {
+        let unknown = || UnknownBase(text.to_owned());
+        let trimmed = text.trim();
+        if trimmed == "raw" {
+            return Ok(Self::Raw);
+        }
+        let inside = trimmed
+            .strip_prefix("sg(")
+            .and_then(|rest| rest.strip_suffix(')'))
+            .ok_or_else(unknown)?;
+        let (window, order) = inside.split_once(',').ok_or_else(unknown)?;
+        Ok(Self::SavitzkyGolay {
+            window: window.trim().parse().map_err(|_| unknown())?,
+            order: order.trim().parse().map_err(|_| unknown())?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bases_are_written_and_read_back() {
+        for base in Base::STUDY.into_iter().chain([Base::Raw]) {
+            assert_eq!(base.to_string().parse::<Base>().unwrap(), base);
+        }
+        assert!("sg(11)".parse::<Base>().is_err());
+        assert!("savgol".parse::<Base>().is_err());
+    }
+}

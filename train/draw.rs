@@ -1,0 +1,101 @@
+//! One training example: a window, changed in ways that do not change its noise, with white noise added.
+//!
+//! Everything about example (epoch, window) comes from the stream `(seed, "train", sensor, epoch, window)`, so examples
+//! can be made in any order and on any thread (decision 11).
+
+use crate::label::Label;
+use crate::levels::Levels;
+use crate::own::own_sigma;
+use crate::windows::{WINDOW, WindowSet};
+use dpn_core::random::Stream;
+use rand::Rng;
+use rand_distr::{Distribution, StandardNormal};
+use serde::{Deserialize, Serialize};
+
+/// Changes to a base window that leave the question the same; each key switches one.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Augment {
+    /// Start the window up to a window later than its place in the disjoint cut.
+    pub offset: bool,
+    /// Flip the sign, half of the time.
+    pub sign: bool,
+    /// Run time backwards, half of the time.
+    pub reverse: bool,
+    /// Largest factor by which the base's deviation from its mean grows or shrinks (log-uniform); 1 switches it off.
+    pub scale: f64,
+}
+
+impl Default for Augment {
+    fn default() -> Self {
+        Self {
+            offset: true,
+            sign: true,
+            reverse: true,
+            scale: 1.0,
+        }
+    }
+}
+
+impl Augment {
+    /// No change at all: the paper.
+    pub const NONE: Self = Self {
+        offset: false,
+        sign: false,
+        reverse: false,
+        scale: 1.0,
+    };
+}
+
+/// What is drawn for every example.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DrawRule {
+    /// Injected deviations.
+    pub levels: Levels,
+    /// What the label counts.
+    pub label: Label,
+    /// Changes to the base.
+    pub augment: Augment,
+}
+
+/// Adds white noise of deviation `sigma` to `window`.
+pub fn inject(window: &mut [f64], sigma: f64, rng: &mut impl Rng) {
+    for value in window {
+        let unit: f64 = StandardNormal.sample(rng);
+        *value += sigma * unit;
+    }
+}
+
+impl DrawRule {
+    /// Writes the example of window `index` drawn from `stream` into `out` and returns its label \[unit of the sensor\].
+    ///
+    /// # Shapes
+    /// `out`: [`WINDOW`] samples.
+    pub fn example_into(&self, set: &WindowSet, index: usize, stream: &Stream, out: &mut [f64]) -> f64 {
+        let mut rng = stream.rng();
+        let level = self.levels.draw(&mut rng);
+        // Every choice is drawn whether it is used or not: switching one on moves no other.
+        let offset = rng.random_range(0..=set.slack(index));
+        let (flip, reverse) = (rng.random::<bool>(), rng.random::<bool>());
+        let stretch: f64 = rng.random_range(-1.0..=1.0);
+        let offset = if self.augment.offset { offset } else { 0 };
+        set.base_into(index, offset, out);
+        if self.augment.sign && flip {
+            out.iter_mut().for_each(|v| *v = -*v);
+        }
+        if self.augment.reverse && reverse {
+            out.reverse();
+        }
+        if self.augment.scale > 1.0 {
+            let factor = self.augment.scale.powf(stretch);
+            let mean = out.iter().sum::<f64>() / WINDOW as f64;
+            out.iter_mut().for_each(|v| *v = mean + factor * (*v - mean));
+        }
+        let own = match self.label {
+            Label::Injected => 0.0,
+            Label::Total => own_sigma(out),
+        };
+        inject(out, level, &mut rng);
+        self.label.of(level, own)
+    }
+}

@@ -1,0 +1,278 @@
+//! Windows of one axis, cut from recordings and cleaned.
+//!
+//! A window is [`WINDOW`] consecutive samples of one axis. Evaluation and validation use disjoint windows; training may
+//! shift each by a random offset. A Savitzky-Golay base of [`Scope::Window`] is filtered after cutting, so that its
+//! polynomial edges are the window's.
+
+use crate::base::{Base, Scope};
+use dpn_core::signal::{FilterError, SavitzkyGolay};
+use dpn_core::{ImuRecording, Sensor};
+
+/// Samples in a window: one second of EuRoC (the paper).
+pub const WINDOW: usize = 200;
+
+/// Share of every training sequence, at its end, kept for validation (decision 13).
+pub const VALIDATION_SHARE: f64 = 0.15;
+
+/// One axis of one sequence.
+#[derive(Debug, Clone)]
+struct Axis {
+    sequence: usize,
+    axis: usize,
+    samples: Vec<f64>,
+}
+
+/// Where a window lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct WindowPlace {
+    signal: usize,
+    start: usize,
+    /// Samples that may be skipped at the front without leaving the stretch this window may use.
+    slack: usize,
+}
+
+/// Which stretch of the training sequences a set is cut from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stretch {
+    /// The whole sequence.
+    Whole,
+    /// The first part, less a window's gap before the validation part.
+    Fit,
+    /// The last [`VALIDATION_SHARE`].
+    Validation,
+}
+
+/// Disjoint windows of all three axes of one sensor over several sequences, and the base they are taken on.
+#[derive(Debug, Clone)]
+pub struct WindowSet {
+    names: Vec<String>,
+    signals: Vec<Axis>,
+    places: Vec<WindowPlace>,
+    filter: Option<SavitzkyGolay>,
+    /// Windows left out because a gap in the stamps crosses them.
+    pub skipped_for_gaps: usize,
+}
+
+impl WindowSet {
+    /// Cuts `recordings` (name, recording) into disjoint windows.
+    ///
+    /// A stretch between two samples that are more than 1.5 periods apart is a gap; no window crosses one.
+    ///
+    /// # Errors
+    /// A filter that cannot be.
+    pub fn cut(
+        recordings: &[(&str, &ImuRecording)],
+        sensor: Sensor,
+        base: Base,
+        scope: Scope,
+        stretch: Stretch,
+    ) -> Result<Self, FilterError> {
+        let filter = base.filter()?;
+        let mut set = Self {
+            names: Vec::new(),
+            signals: Vec::new(),
+            places: Vec::new(),
+            filter: None,
+            skipped_for_gaps: 0,
+        };
+        for (index, (name, recording)) in recordings.iter().enumerate() {
+            set.names.push((*name).to_owned());
+            let (first, end) = bounds(recording.len(), stretch);
+            let runs = unbroken_runs(recording, first, end);
+            set.skipped_for_gaps += 3
+                * (end.saturating_sub(first) / WINDOW)
+                    .saturating_sub(runs.iter().map(|(a, b)| (b - a) / WINDOW).sum());
+            for axis in 0..3 {
+                let mut samples = recording.axis(sensor, axis);
+                if let (Some(filter), Scope::Recording) = (&filter, scope) {
+                    samples = filter.smooth(&samples)?;
+                }
+                let signal = set.signals.len();
+                for &(run_start, run_end) in &runs {
+                    let mut start = run_start;
+                    while start + WINDOW <= run_end {
+                        let slack = (run_end - WINDOW - start).min(WINDOW - 1);
+                        set.places.push(WindowPlace { signal, start, slack });
+                        start += WINDOW;
+                    }
+                }
+                set.signals.push(Axis {
+                    sequence: index,
+                    axis,
+                    samples,
+                });
+            }
+        }
+        set.filter = match scope {
+            Scope::Window => filter,
+            Scope::Recording => None,
+        };
+        Ok(set)
+    }
+
+    /// Number of windows, all axes counted.
+    pub fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Whether there is no window at all.
+    pub fn is_empty(&self) -> bool {
+        self.places.is_empty()
+    }
+
+    /// Name of the sequence window `index` comes from.
+    pub fn sequence(&self, index: usize) -> &str {
+        &self.names[self.signals[self.places[index].signal].sequence]
+    }
+
+    /// Axis (0, 1, 2) window `index` comes from.
+    pub fn axis(&self, index: usize) -> usize {
+        self.signals[self.places[index].signal].axis
+    }
+
+    /// How far window `index` may be shifted to later samples.
+    pub fn slack(&self, index: usize) -> usize {
+        self.places[index].slack
+    }
+
+    /// Writes the base of window `index`, shifted by `offset` samples, into `out`.
+    ///
+    /// # Shapes
+    /// `out`: [`WINDOW`] samples.
+    ///
+    /// # Panics
+    /// When `offset` is beyond [`slack`](Self::slack) or `out` has another length.
+    pub fn base_into(&self, index: usize, offset: usize, out: &mut [f64]) {
+        let raw = self.raw(index, offset);
+        match &self.filter {
+            // Length and window were checked when the set was cut.
+            Some(filter) if filter.smooth_into(raw, out).is_ok() => {}
+            _ => out.copy_from_slice(raw),
+        }
+    }
+
+    /// The recorded samples of window `index`, shifted by `offset` samples.
+    ///
+    /// # Panics
+    /// When `offset` is beyond [`slack`](Self::slack).
+    pub fn raw(&self, index: usize, offset: usize) -> &[f64] {
+        let place = self.places[index];
+        assert!(
+            offset <= place.slack,
+            "window {index} may be shifted by {} samples, not {offset}",
+            place.slack
+        );
+        let start = place.start + offset;
+        &self.signals[place.signal].samples[start..start + WINDOW]
+    }
+}
+
+/// First sample and end of a stretch of a sequence of `len` samples.
+fn bounds(len: usize, stretch: Stretch) -> (usize, usize) {
+    let cut = (len as f64 * (1.0 - VALIDATION_SHARE)).round() as usize;
+    match stretch {
+        Stretch::Whole => (0, len),
+        Stretch::Fit => (0, cut.saturating_sub(WINDOW)),
+        Stretch::Validation => (cut, len),
+    }
+}
+
+/// Maximal runs of samples in `[first, end)` without a gap in their stamps.
+fn unbroken_runs(recording: &ImuRecording, first: usize, end: usize) -> Vec<(usize, usize)> {
+    let limit = 1.5 * recording.rate().period();
+    let samples = recording.samples();
+    let mut runs = Vec::new();
+    let mut start = first;
+    for i in first + 1..end {
+        if samples[i].t.seconds_since(samples[i - 1].t) > limit {
+            runs.push((start, i));
+            start = i;
+        }
+    }
+    if end > start {
+        runs.push((start, end));
+    }
+    runs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dpn_core::{ImuSample, Stamp};
+
+    fn ramp(len: usize, gap_before: Option<usize>) -> ImuRecording {
+        let mut t = 0;
+        let samples = (0..len)
+            .map(|i| {
+                t += if Some(i) == gap_before {
+                    50_000_000
+                } else {
+                    5_000_000
+                };
+                ImuSample {
+                    t: Stamp::from_ns(t),
+                    gyro: [0.0; 3],
+                    accel: [i as f64, 2.0 * i as f64, -(i as f64)],
+                }
+            })
+            .collect();
+        ImuRecording::new(samples).unwrap()
+    }
+
+    fn cut(recording: &ImuRecording, base: Base, stretch: Stretch) -> WindowSet {
+        WindowSet::cut(&[("a", recording)], Sensor::Accel, base, Scope::Window, stretch).unwrap()
+    }
+
+    #[test]
+    fn windows_are_disjoint_and_cover_all_axes() {
+        let set = cut(&ramp(1050, None), Base::Raw, Stretch::Whole);
+        assert_eq!(set.len(), 15);
+        assert_eq!(set.raw(1, 0)[0], 200.0);
+        assert_eq!(set.raw(5, 0)[1], 2.0);
+        assert_eq!((set.axis(5), set.sequence(5)), (1, "a"));
+        assert_eq!(set.slack(0), 199);
+        assert_eq!(set.slack(4), 50);
+    }
+
+    #[test]
+    fn no_window_crosses_a_gap() {
+        let set = cut(&ramp(1000, Some(450)), Base::Raw, Stretch::Whole);
+        // 450 and 550 samples: two windows each instead of five in a row.
+        assert_eq!(set.len(), 12);
+        assert_eq!(set.skipped_for_gaps, 3);
+        for i in 0..set.len() {
+            let window = set.raw(i, set.slack(i));
+            let (a, b) = (window[0].abs(), window[WINDOW - 1].abs());
+            let scale = if set.axis(i) == 1 { 2.0 } else { 1.0 };
+            assert!(b / scale < 450.0 || a / scale >= 450.0);
+        }
+    }
+
+    #[test]
+    fn fit_and_validation_leave_a_window_between_them() {
+        let recording = ramp(4000, None);
+        let fit = cut(&recording, Base::Raw, Stretch::Fit);
+        let validation = cut(&recording, Base::Raw, Stretch::Validation);
+        let last_fit = (0..fit.len())
+            .map(|i| fit.raw(i, fit.slack(i))[WINDOW - 1].abs() as usize)
+            .max()
+            .unwrap()
+            / 2;
+        assert!(last_fit + WINDOW < 3400 + 1);
+        assert_eq!(validation.raw(0, 0)[0], 3400.0);
+    }
+
+    #[test]
+    fn a_quadratic_passes_the_filtered_base_unchanged() {
+        let set = cut(
+            &ramp(400, None),
+            Base::SavitzkyGolay { window: 51, order: 3 },
+            Stretch::Whole,
+        );
+        let mut base = vec![0.0; WINDOW];
+        set.base_into(1, 0, &mut base);
+        for (filtered, raw) in base.iter().zip(set.raw(1, 0)) {
+            assert!((filtered - raw).abs() < 1e-9 * 400.0);
+        }
+    }
+}
