@@ -226,7 +226,13 @@ impl TrainConfig {
 
 impl Validate for TrainConfig {
     fn faults(&self) -> Vec<ConfigFault> {
-        let mut faults = self.network.faults();
+        let mut faults: Vec<ConfigFault> = match self.network.validate() {
+            Ok(()) => Vec::new(),
+            Err(error) => {
+                let under = |fault: dpn_pronet::Fault| ConfigFault::new(format!("network.{}", fault.key), fault.value, fault.bound);
+                error.faults.into_iter().map(under).collect()
+            }
+        };
         let mut check = |ok: bool, key: &'static str, value: String, bound: &'static str| {
             if !ok {
                 faults.push(ConfigFault::new(key, value, bound));

@@ -2,7 +2,10 @@
 //! window features that a network has to beat.
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used))]
 
+pub mod adam;
 pub mod base;
+pub mod config;
+pub mod corpus;
 pub mod draw;
 pub mod examples;
 pub mod features;
@@ -10,5 +13,6 @@ pub mod label;
 pub mod levels;
 pub mod own;
 pub mod regress;
+pub mod schedule;
 pub mod split;
 pub mod windows;

@@ -1,12 +1,10 @@
 //! Regressors on window features, through linfa: what a network has to beat.
 
 mod elastic_net;
-mod forest;
 mod kernel;
 mod scaling;
 
 pub use elastic_net::ElasticNetRegressor;
-pub use forest::ForestRegressor;
 pub use kernel::KernelRegressor;
 
 use crate::examples::Examples;
@@ -62,6 +60,5 @@ pub fn fit_all(features: &Features, examples: &Examples, label: Label) -> Result
     Ok(vec![
         Box::new(ElasticNetRegressor::fit(&table, &truth)?),
         Box::new(KernelRegressor::fit(&table, &truth)?),
-        Box::new(ForestRegressor::fit(&table, &truth, &dpn_core::random::Stream::new(0))?),
     ])
 }

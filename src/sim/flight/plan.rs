@@ -111,6 +111,7 @@ mod tests {
             assert!((60.0..=150.0).contains(&duration), "{flight}: {duration} s");
             let (begin, end) = plan.phases.span(Phase::Flying);
             let (mut speed, mut rate, mut n) = (0.0, 0.0, 0.0);
+            let mut most = [0.0f64; 3];
             let mut t = begin;
             while t < end {
                 let at = plan.trajectory.state(t);
@@ -130,11 +131,16 @@ mod tests {
                 );
                 speed += at.vel_in_world.norm();
                 rate += at.gyro_in_body.norm();
+                most = [
+                    most[0].max(at.vel_in_world.norm()),
+                    most[1].max(at.gyro_in_body.norm()),
+                    most[2].max(tilt),
+                ];
                 n += 1.0;
                 t += 0.01;
             }
             let (speed, rate) = (speed / n, rate / n);
-            println!("{flight}: {duration:.1} s, mean speed {speed:.2} m/s, mean rate {rate:.2} rad/s");
+            println!("{flight}: {duration:.1} s, mean {speed:.2} m/s, {rate:.2} rad/s, most {most:?}");
             // EuRoC's table: .33 to .99 m/s, .21 to .66 rad/s; hover is slower on purpose.
             assert!((0.03..1.2).contains(&speed), "{flight}: {speed} m/s");
             assert!((0.05..0.9).contains(&rate), "{flight}: {rate} rad/s");
