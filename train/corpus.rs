@@ -60,7 +60,7 @@ impl CorpusError {
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::EmptySide { .. } => None,
-            Self::Recording { fault, .. } => Some(format!("{}, or leave the sequence out", fault.hint())),
+            Self::Recording { fault, .. } => fault.hint().map(|hint| format!("{hint}; or leave the sequence out")),
         }
     }
 }

@@ -1,5 +1,6 @@
 //! What a simulated flight is made of: every part of the IMU's noise can be scaled or switched off.
 
+use dpn_core::config::{ConfigFault, Validate};
 use crate::imu::{BiasConfig, QuantisationConfig, VibrationConfig, WhiteConfig};
 use dpn_core::SampleRate;
 use serde::{Deserialize, Serialize};
@@ -84,6 +85,14 @@ impl FlightConfig {
         self.vibration.check(&mut faults);
         self.quantisation.check(&mut faults);
         faults.done()
+    }
+}
+
+impl Validate for FlightConfig {
+    fn faults(&self) -> Vec<ConfigFault> {
+        let faults = self.validate().err().map_or_else(Vec::new, |error| error.faults);
+        let bound = |fault: &Fault| format!("within {} and {}", fault.low, fault.high);
+        faults.iter().map(|fault| ConfigFault::new(fault.key.clone(), fault.value, bound(fault))).collect()
     }
 }
 
