@@ -1,1 +1,56 @@
 //! Timings of the kernels that matter.
+//!
+//! `cargo bench -p dpn-bench --bench NAME [-- ITERATIONS]`; every bench prints medians of wall time and mean CPU time. With `--test`, as `cargo test --benches`
+//! passes it, one short iteration is run, so that benches cannot rot.
+
+use std::time::Instant;
+
+/// How often to run: from the command line, or once where the bench runs as a test.
+pub fn iterations(default: usize) -> usize {
+    let mut args = std::env::args().skip(1).filter(|a| a != "--bench");
+    match args.next() {
+        Some(arg) if arg == "--test" => 1,
+        Some(arg) => arg.parse().unwrap_or(default),
+        // `cargo test --benches` passes nothing; its build has debug assertions.
+        None if cfg!(debug_assertions) => 1,
+        None => default,
+    }
+}
+
+/// CPU time this process has used \[s\]; none where the system does not say (it says so in hundredths on Linux).
+pub fn cpu_seconds() -> Option<f64> {
+    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+    let fields: Vec<&str> = stat.rsplit(')').next()?.split_whitespace().collect();
+    let ticks = fields.get(11)?.parse::<f64>().ok()? + fields.get(12)?.parse::<f64>().ok()?;
+    Some(ticks / 100.0)
+}
+
+/// What [`time`] measured.
+#[derive(Debug, Clone, Copy)]
+pub struct Timing {
+    /// Median wall time of one iteration \[ms\].
+    pub wall_ms: f64,
+    /// Mean CPU time of one iteration, all threads \[ms\]; NaN where the system does not say.
+    pub cpu_ms: f64,
+}
+
+/// Runs `work` `iterations` times after a tenth as many that do not count.
+pub fn time(iterations: usize, mut work: impl FnMut()) -> Timing {
+    for _ in 0..iterations / 10 {
+        work();
+    }
+    let cpu = cpu_seconds();
+    let mut walls: Vec<f64> = (0..iterations.max(1))
+        .map(|_| {
+            let start = Instant::now();
+            work();
+            start.elapsed().as_secs_f64() * 1e3
+        })
+        .collect();
+    let used = cpu.zip(cpu_seconds()).map_or(f64::NAN, |(from, to)| to - from);
+    walls.sort_by(f64::total_cmp);
+    Timing {
+        wall_ms: walls[walls.len() / 2],
+        cpu_ms: used * 1e3 / walls.len() as f64,
+    }
+}

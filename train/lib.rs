@@ -3,10 +3,17 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used))]
 
 pub mod base;
+pub mod config;
+pub mod corpus;
 pub mod draw;
 pub mod examples;
+pub mod features;
 pub mod label;
 pub mod levels;
 pub mod own;
+pub mod regress;
+pub mod schedule;
 pub mod split;
+pub mod state;
+pub mod trainer;
 pub mod windows;

@@ -9,20 +9,20 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq)]
 pub struct ConfigFault {
     /// Key as written in the file, for example `augment.scale`.
-    pub key: &'static str,
+    pub key: String,
     /// What stands there.
     pub value: String,
     /// What may stand there.
-    pub bound: &'static str,
+    pub bound: String,
 }
 
 impl ConfigFault {
     /// `key` holds `value`, but must be `bound`.
-    pub fn new(key: &'static str, value: impl fmt::Display, bound: &'static str) -> Self {
+    pub fn new(key: impl Into<String>, value: impl fmt::Display, bound: impl Into<String>) -> Self {
         Self {
-            key,
+            key: key.into(),
             value: value.to_string(),
-            bound,
+            bound: bound.into(),
         }
     }
 }

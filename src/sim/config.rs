@@ -12,7 +12,8 @@ use thiserror::Error;
 pub enum StampPattern {
     /// Multiples of the period, rounded to a nanosecond.
     Exact,
-    /// Rounded to 256 ns as EuRoC's are (they went through a 64-bit float): steps of 4,999,936 and 5,000,192 ns.
+    /// Rounded to 256 ns since the epoch, as EuRoC's are (they went through a 64-bit float): at 200 Hz, steps of
+    /// 4,999,936 and 5,000,192 ns.
     Euroc,
 }
 

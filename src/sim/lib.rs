@@ -3,7 +3,8 @@
 //! Eleven flights of different character ([`flight`]) along smooth trajectories with analytic derivatives
 //! ([`trajectory`]), recorded by an IMU ([`imu`]) with white noise that changes in time, walking biases, rotor vibration
 //! and quantisation. Every part is on its own named random streams and comes back beside the recording
-//! ([`SimulatedFlight`]), so that an estimator can be judged against the truth, not against a label.
+//! ([`SimulatedFlight`]), so that an estimator can be judged against the truth, not against a label. [`summary`] puts
+//! simulated and real recordings side by side.
 //!
 //! World z up, gravity (0, 0, -9.81), body = IMU: at rest and level the accelerometer reads +9.81 on z. Nothing here
 //! reads or writes files.
@@ -13,10 +14,16 @@ pub mod config;
 pub mod flight;
 pub mod imu;
 pub mod simulate;
+pub mod summary;
 pub mod trajectory;
 
 pub use config::{FlightConfig, StampPattern};
 pub use flight::{Flight, Phase, Phases, Split};
 pub use imu::{ImuSeries, ImuTruth};
-pub use simulate::{SimulatedFlight, SimulationError, TrueState, simulate, simulate_all};
+pub use simulate::{SimulatedFlight, SimulationError, simulate, simulate_all};
 pub use trajectory::Trajectory;
+
+/// The README's code is a test.
+#[cfg(doctest)]
+#[doc = include_str!("README.md")]
+struct Readme;

@@ -5,8 +5,9 @@ use crate::flight::{Flight, FlightPlan, Phase, Phases, Split};
 use crate::imu::{self, ImuTruth};
 use crate::trajectory::{SplineError, Trajectory};
 use dpn_core::imu::RecordingError;
+use dpn_core::io::asl::{Biases, TrueState};
 use dpn_core::{ImuRecording, ImuSample, Stamp};
-use nalgebra::{Isometry3, Translation3, Vector3};
+use nalgebra::{Isometry3, Translation3};
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -34,21 +35,6 @@ pub enum SimulationError {
     },
 }
 
-/// The body's true state at one sample.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TrueState {
-    /// The sample's stamp.
-    pub t: Stamp,
-    /// Pose: maps points of the body frame into the world.
-    pub world_from_body: Isometry3<f64>,
-    /// Velocity \[m/s\].
-    pub vel_in_world: Vector3<f64>,
-    /// Bias of the gyroscope \[rad/s\].
-    pub gyro_bias: Vector3<f64>,
-    /// Bias of the accelerometer \[m/s^2\].
-    pub accel_bias: Vector3<f64>,
-}
-
 /// A flight, recorded, with the truth beside it. All per-sample series have the recording's length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulatedFlight {
@@ -60,7 +46,7 @@ pub struct SimulatedFlight {
     pub recording: ImuRecording,
     /// The parts the recording was put together from.
     pub truth: ImuTruth,
-    /// State at every sample.
+    /// State at every sample, with velocity and biases.
     pub ground_truth: Vec<TrueState>,
     /// Pose, velocity and rates at any time, seconds after the first stamp.
     pub trajectory: Trajectory,
@@ -118,9 +104,11 @@ pub fn simulate(
                     Translation3::from(state.position_in_world),
                     state.world_from_body,
                 ),
-                vel_in_world: state.vel_in_world,
-                gyro_bias: truth.bias.gyro[i].into(),
-                accel_bias: truth.bias.accel[i].into(),
+                vel_in_world: Some(state.vel_in_world),
+                biases: Some(Biases {
+                    gyro: truth.bias.gyro[i].into(),
+                    accel: truth.bias.accel[i].into(),
+                }),
             }
         })
         .collect();
@@ -161,4 +149,166 @@ fn stamps(config: &FlightConfig, duration: f64) -> Vec<Stamp> {
             Stamp::from_ns(config.epoch_ns + (since + grid / 2) / grid * grid)
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::imu::ImuSeries;
+    use dpn_core::Sensor;
+    use proptest::prelude::*;
+
+    fn flown(flight: Flight, config: &FlightConfig) -> SimulatedFlight {
+        simulate(flight, 42, config).unwrap()
+    }
+
+    fn reading(flight: &SimulatedFlight) -> ImuSeries {
+        ImuSeries {
+            gyro: flight.recording.samples().iter().map(|s| s.gyro).collect(),
+            accel: flight.recording.samples().iter().map(|s| s.accel).collect(),
+        }
+    }
+
+    #[test]
+    fn twice_the_same_is_the_same_to_the_last_bit() {
+        let config = FlightConfig::default();
+        assert_eq!(flown(Flight::RoomWild, &config), flown(Flight::RoomWild, &config));
+        let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        let four_threads = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap();
+        let all = |pool: &rayon::ThreadPool| pool.install(|| simulate_all(1, &config)).unwrap();
+        assert_eq!(all(&one_thread), all(&four_threads));
+    }
+
+    #[test]
+    fn the_flights_are_pinned() {
+        // A change here changes figures made from simulated flights: say so in the change log under "Numbers".
+        let flight = flown(Flight::HallSlow, &FlightConfig::default());
+        let middle = flight.recording.len() / 2;
+        let state = flight.trajectory.state(60.0);
+        let found = [
+            flight.truth.white.accel[0][0],
+            flight.truth.white.gyro[middle][2],
+            flight.truth.bias.accel[middle][1],
+            flight.truth.vibration.accel[middle][0],
+            flight.truth.vibration.gyro[middle][1],
+            state.position_in_world.x,
+        ];
+        for (found, pinned) in found.into_iter().zip(PINNED) {
+            // The sine of a long phase may differ in its last bits from machine to machine.
+            assert!((found - pinned).abs() < 1e-9, "{found:e} {pinned:e}");
+        }
+    }
+
+    const PINNED: [f64; 6] = [
+        0.00767556111,
+        -0.00252552623,
+        0.01604123035,
+        0.66740043251,
+        0.01257826466,
+        1.89362473177,
+    ];
+
+    #[test]
+    fn switching_a_part_off_moves_no_bit_of_another() {
+        let all = flown(Flight::RoomAggressive, &FlightConfig::default());
+        let mut config = FlightConfig::default();
+        config.vibration.scale = 0.0;
+        let still = flown(Flight::RoomAggressive, &config);
+        assert_ne!(all.recording, still.recording);
+        assert_eq!(all.truth.white, still.truth.white);
+        assert_eq!(all.truth.bias, still.truth.bias);
+        assert_eq!(all.truth.clean, still.truth.clean);
+        config = FlightConfig::default();
+        config.white.scale = 0.0;
+        config.quantisation.enabled = false;
+        let quiet = flown(Flight::RoomAggressive, &config);
+        assert_eq!(all.truth.vibration, quiet.truth.vibration);
+        assert_eq!(all.truth.bias, quiet.truth.bias);
+    }
+
+    #[test]
+    fn the_parts_sum_to_the_recording() {
+        let mut config = FlightConfig::default();
+        let counted = flown(Flight::RoomMedium, &config);
+        config.quantisation.enabled = false;
+        let exact = flown(Flight::RoomMedium, &config);
+        assert_eq!(exact.truth.unrounded(), reading(&exact));
+        let (sum, read) = (counted.truth.unrounded(), reading(&counted));
+        for sensor in Sensor::ALL {
+            let lsb = config.quantisation.lsb(sensor);
+            for i in 0..sum.len() {
+                for axis in 0..3 {
+                    let (sum, read) = (sum.of(sensor)[i][axis], read.of(sensor)[i][axis]);
+                    let error = counted.truth.quantisation.of(sensor)[i][axis];
+                    assert_eq!((sum / lsb).round() * lsb, read);
+                    assert!((sum + error - read).abs() <= 4e-15 * read.abs().max(1e-3));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_ideal_imu_at_rest_reads_gravity_exactly() {
+        let flight = flown(Flight::Hover, &FlightConfig::ideal());
+        let mut stood = 0;
+        for (sample, phase) in flight.recording.samples().iter().zip(&flight.phase_track) {
+            if phase.stands() {
+                assert_eq!((sample.gyro, sample.accel), ([0.0; 3], [0.0, 0.0, 9.81]));
+                stood += 1;
+            }
+        }
+        assert!(stood > 4000);
+    }
+
+    #[test]
+    fn stamps_step_as_those_of_euroc() {
+        let flight = flown(Flight::HallFast, &FlightConfig::default());
+        let steps: Vec<i64> = flight
+            .recording
+            .samples()
+            .windows(2)
+            .map(|w| w[1].t.ns() - w[0].t.ns())
+            .collect();
+        assert!(steps.iter().all(|s| [4_999_936, 5_000_192].contains(s)));
+        assert!((flight.recording.rate().hz() - 200.0).abs() < 0.01);
+        assert!((flight.recording.duration() - flight.phases.duration()).abs() < 0.01);
+        let exact = FlightConfig {
+            stamps: StampPattern::Exact,
+            ..FlightConfig::default()
+        };
+        let exact = flown(Flight::HallFast, &exact);
+        assert!(
+            exact
+                .recording
+                .samples()
+                .windows(2)
+                .all(|w| w[1].t.ns() - w[0].t.ns() == 5_000_000)
+        );
+    }
+
+    #[test]
+    fn the_oracle_says_the_deviation_the_noise_was_drawn_with() {
+        let flight = flown(Flight::RoomSlow, &FlightConfig::default());
+        let track = flight.truth.oracle(&flight.recording).unwrap();
+        assert_eq!(track.noises().len(), flight.recording.len());
+        let middle = flight.recording.len() / 2;
+        assert_eq!(
+            track.noises()[middle].of(Sensor::Accel),
+            flight.truth.white_sigma.accel[middle]
+        );
+        let other = flown(Flight::Hover, &FlightConfig::default());
+        assert!(flight.truth.oracle(&other.recording).is_err());
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+        #[test]
+        fn any_flight_of_any_seed_flies(number in 0..11usize, seed: u64) {
+            let flight = simulate(Flight::ALL[number], seed, &FlightConfig::default()).unwrap();
+            let sane = flight.recording.samples().iter().all(|s| {
+                s.accel.iter().all(|a| a.abs() < 40.0) && s.gyro.iter().all(|g| g.abs() < 8.0)
+            });
+            prop_assert!(sane);
+        }
+    }
 }

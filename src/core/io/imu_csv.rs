@@ -199,14 +199,13 @@ fn guess_time_unit(bytes: &[u8], path: &Path, column: usize) -> Result<TimeUnit,
     while stamps.len() < ROWS && rows.advance()? {
         stamps.push(rows.number(column, SLOTS[0])?);
     }
-    let first = stamps[0];
-    let mut steps: Vec<f64> = stamps.windows(2).map(|w| w[1] - w[0]).collect();
-    if steps.is_empty() {
+    let [first, _, ..] = stamps[..] else {
         return Err(IoError::TooShort {
             path: path.to_path_buf(),
             found: stamps.len(),
         });
-    }
+    };
+    let mut steps: Vec<f64> = stamps.windows(2).map(|w| w[1] - w[0]).collect();
     let middle = steps.len() / 2;
     let step = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
     // Half a per cent of slack, so that a 10 Hz log with jitter is not taken for one of 10 kHz.
@@ -222,4 +221,116 @@ fn guess_time_unit(bytes: &[u8], path: &Path, column: usize) -> Result<TimeUnit,
             first,
             step,
         })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::time::Stamp;
+
+    fn case(text: &str, options: &CsvOptions) -> Result<ImuLog, IoError> {
+        parse_imu_csv(text.as_bytes(), Path::new("log.csv"), options)
+    }
+
+    /// Ten rows of ASL's order with stamps `start + i * step`, to as many digits as `start` and `step` need.
+    fn stamped(start: f64, step: f64) -> String {
+        (0..10)
+            .map(|i| format!("{:.6},1,2,3,4,5,6\n", start + f64::from(i) * step))
+            .collect()
+    }
+
+    #[test]
+    fn the_unit_of_time_is_told_from_epoch_or_step_and_reported() {
+        let cases = [
+            (1.4e9, 0.005, TimeUnit::Seconds),
+            (1.4e12, 5.0, TimeUnit::Millis),
+            (1.4e15, 5000.0, TimeUnit::Micros),
+            (1.4e18, 5_000_192.0, TimeUnit::Nanos),
+            (0.0, 0.005, TimeUnit::Seconds),
+            (0.0, 10.0, TimeUnit::Millis),
+            (12.5, 0.1, TimeUnit::Millis),
+            (12.5, 0.099, TimeUnit::Seconds),
+            (0.0, 1250.0, TimeUnit::Micros),
+            (0.0, 5e6, TimeUnit::Nanos),
+        ];
+        for (start, step, unit) in cases {
+            let log = case(&stamped(start, step), &CsvOptions::default()).unwrap();
+            let expected = Settled {
+                value: unit,
+                origin: Origin::Guessed,
+            };
+            assert_eq!(log.time, expected, "from {start} by {step}");
+        }
+        let error = case(&stamped(0.0, 1e9), &CsvOptions::default()).unwrap_err();
+        assert!(matches!(error, IoError::UnknownTimeUnit { .. }), "{error}");
+        assert!(error.hint().unwrap().contains("ns"));
+    }
+
+    #[test]
+    fn degrees_and_g_become_si_and_the_caller_wins_over_the_header() {
+        let text = "time_s,ax [g],ay [g],az [g],gx [deg/s],gy [deg/s],gz [deg/s]\n0.5,0,0,1,180,0,-90\n0.505,0,0,1,0,0,0\n";
+        let log = case(text, &CsvOptions::default()).unwrap();
+        let first = log.recording.samples()[0];
+        assert_eq!(first.t, Stamp::from_ns(500_000_000));
+        assert_eq!(first.accel, [0.0, 0.0, 9.80665]);
+        assert!((first.gyro[0] - std::f64::consts::PI).abs() < 1e-15);
+        assert_eq!(
+            log.gyro,
+            Settled {
+                value: GyroUnit::DegPerSecond,
+                origin: Origin::Header
+            }
+        );
+
+        let given = CsvOptions {
+            time: Some(TimeUnit::Millis),
+            accel: Some(AccelUnit::MetrePerSecond2),
+            ..CsvOptions::default()
+        };
+        let log = case(text, &given).unwrap();
+        assert_eq!(log.recording.samples()[1].t, Stamp::from_ns(505_000));
+        assert_eq!(log.recording.samples()[0].accel[2], 1.0);
+        assert_eq!(log.accel.origin, Origin::Given);
+    }
+
+    #[test]
+    fn columns_can_be_listed_and_are_checked_against_the_rows() {
+        let columns = ImuColumns {
+            time: 7,
+            gyro: [4, 5, 6],
+            accel: [1, 2, 3],
+        };
+        let options = CsvOptions {
+            columns: Some(columns),
+            ..CsvOptions::default()
+        };
+        let log = case("9,1,2,3,4,5,6,0.000\n9,1,2,3,4,5,6,0.005\n", &options).unwrap();
+        assert_eq!(log.recording.samples()[1].gyro, [4.0, 5.0, 6.0]);
+        let error = case("1,2,3\n2,2,3\n", &options).unwrap_err().to_string();
+        assert_eq!(error, "log.csv:1: 3 fields, expected 8");
+        let error = case("1,2,3\n2,2,3\n", &CsvOptions::default())
+            .unwrap_err()
+            .to_string();
+        assert!(error.starts_with("log.csv:1: 3 columns; at least 7"), "{error}");
+    }
+
+    #[test]
+    fn stamps_that_do_not_increase_one_sample_and_overflow_are_refused() {
+        let error = |text: &str| case(text, &CsvOptions::default()).unwrap_err();
+        assert_eq!(
+            error("0.010,1,2,3,4,5,6\n0.015,1,2,3,4,5,6\n\n0.012,1,2,3,4,5,6\n0.025,1,2,3,4,5,6\n")
+                .to_string(),
+            "log.csv:4: time goes from 15000000 to 12000000 ns; stamps must increase"
+        );
+        assert!(matches!(
+            error("1,1,2,3,4,5,6\n"),
+            IoError::TooShort { found: 1, .. }
+        ));
+        let g = CsvOptions {
+            accel: Some(AccelUnit::StandardGravity),
+            ..CsvOptions::default()
+        };
+        let error = case("0.1,1,2,3,4,5,6\n0.105,1,2,3,4,5,1.7e308\n", &g).unwrap_err();
+        assert!(matches!(error, IoError::NotFinite { line: 2, .. }), "{error}");
+    }
 }

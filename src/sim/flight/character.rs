@@ -1,8 +1,8 @@
 //! What tells the flights apart: room, speed, turning, mix of figures, and how hard the frame shakes.
 //!
 //! Mean speeds and rates are near those of EuRoC's eleven sequences (Burri et al., "The EuRoC micro aerial vehicle
-//! datasets", IJRR 2016, table 2: .33 to .99 m/s and .21 to .66 rad/s); vibration levels follow the median residual
-//! deviations of the same sequences.
+//! datasets", IJRR 2016): .32 to .99 m/s by their ground truth, .16 to .59 rad/s by their gyroscope smoothed over .25 s.
+//! Vibration levels follow the median residual deviations of the same sequences.
 
 use super::name::Flight;
 
@@ -29,7 +29,7 @@ pub(crate) struct Character {
     pub idle_s: f64,
     /// Mean speed along a figure \[m/s\]; each figure draws between .7 and 1.3 of it.
     pub speed: f64,
-    /// Spread of the heading's rate \[rad/s\]; each figure draws one.
+    /// The heading's mean rate \[rad/s\]; each figure draws between -1.3 and 1.3 of it.
     pub yaw_rate: f64,
     /// Knots of the splines \[s\]: shorter is livelier.
     pub knot_s: f64,
@@ -76,8 +76,8 @@ impl Flight {
             correction: 0.008,
             yaw_correction: 0.02,
             mix: LINES,
-            accel_level: [1.0, 0.97, 1.0],
-            gyro_level: [1.0, 0.98, 1.05],
+            accel_level: [1.04, 0.98, 1.0],
+            gyro_level: [1.0, 1.02, 1.02],
         };
         let room = Character {
             half_width: 2.2,
@@ -94,7 +94,7 @@ impl Flight {
         match self {
             Self::HallSlow => Character {
                 speed: 0.6,
-                flying_s: 120.0,
+                flying_s: 112.0,
                 rest_s: 12.0,
                 ..hall
             },
@@ -105,11 +105,11 @@ impl Flight {
                     line: 0.25,
                     ..LINES
                 },
-                gyro_level: [0.95, 0.96, 1.0],
+                gyro_level: [0.95, 1.18, 1.0],
                 ..hall
             },
             Self::HallFast => Character {
-                speed: 1.4,
+                speed: 1.2,
                 yaw_rate: 0.35,
                 flying_s: 95.0,
                 mix: Mix {
@@ -125,7 +125,7 @@ impl Flight {
                 speed: 1.15,
                 flying_s: 75.0,
                 mix: CURVES,
-                accel_level: [0.97, 0.95, 0.95],
+                accel_level: [0.99, 1.0, 0.97],
                 gyro_level: [1.0, 1.05, 1.25],
                 ..hall
             },
@@ -140,7 +140,7 @@ impl Flight {
                     circle: 0.0,
                     eight: 0.0,
                 },
-                accel_level: [0.97, 0.98, 0.92],
+                accel_level: [1.1, 0.98, 1.0],
                 gyro_level: [1.0, 1.0, 1.1],
                 ..hall
             },
@@ -152,7 +152,7 @@ impl Flight {
             },
             Self::RoomMedium => Character {
                 speed: 1.1,
-                yaw_rate: 0.9,
+                yaw_rate: 0.7,
                 flying_s: 65.0,
                 knot_s: 0.35,
                 accel_level: [1.35, 1.05, 1.25],
@@ -161,7 +161,7 @@ impl Flight {
             },
             Self::RoomAggressive => Character {
                 speed: 1.3,
-                yaw_rate: 1.5,
+                yaw_rate: 0.95,
                 flying_s: 80.0,
                 knot_s: 0.3,
                 correction: 0.01,
@@ -172,7 +172,7 @@ impl Flight {
                     circle: 0.2,
                     eight: 0.2,
                 },
-                accel_level: [1.68, 1.09, 1.36],
+                accel_level: [1.62, 1.07, 1.28],
                 gyro_level: [1.0, 1.8, 1.25],
                 ..room
             },
@@ -204,12 +204,12 @@ impl Flight {
                     eight: 0.0,
                 },
                 accel_level: [1.15, 1.2, 1.05],
-                gyro_level: [1.2, 1.25, 1.2],
+                gyro_level: [1.15, 1.2, 1.05],
                 ..room
             },
             Self::RoomWild => Character {
                 speed: 1.35,
-                yaw_rate: 1.3,
+                yaw_rate: 0.9,
                 flying_s: 80.0,
                 knot_s: 0.3,
                 correction: 0.01,
@@ -221,7 +221,7 @@ impl Flight {
                     eight: 0.5,
                 },
                 accel_level: [1.15, 1.17, 1.1],
-                gyro_level: [1.25, 1.28, 1.28],
+                gyro_level: [1.2, 1.2, 1.12],
                 ..room
             },
         }

@@ -20,6 +20,13 @@ pub(super) struct Pen<'a> {
     heading: f64,
 }
 
+/// Largest acceleration of a figure before the spline rounds it \[m/s^2\]; a figure too fast for it is slowed down.
+const MAX_ACC: f64 = 4.5;
+
+/// Largest first and second derivative of [`ease`].
+const EASE_RATE: f64 = 1.875;
+const EASE_ACC: f64 = 5.774;
+
 /// From 0 to 1 with zero first and second derivative at both ends.
 fn ease(u: f64) -> f64 {
     let u = u.clamp(0.0, 1.0);
@@ -94,6 +101,7 @@ impl<'a> Pen<'a> {
         }
     }
 
+    /// Whole knots in about `seconds`, four at least.
     fn knots(&self, seconds: f64) -> usize {
         ((seconds / self.character.knot_s).round() as usize).max(4)
     }
@@ -111,7 +119,8 @@ impl<'a> Pen<'a> {
             self.rng.random_range(c.floor..c.ceiling),
         );
         let from = self.at;
-        let n = self.knots((to - from).norm() / speed);
+        let length = (to - from).norm();
+        let n = self.knots(f64::max(length / speed, (EASE_ACC * length / MAX_ACC).sqrt()));
         n <= room && {
             self.figure(n, 1.0, |u| from + (to - from) * u);
             true
@@ -132,7 +141,9 @@ impl<'a> Pen<'a> {
         let turns = self.rng.random_range(1.0..2.0) * if self.rng.random::<bool>() { 1.0 } else { -1.0 };
         let to_z = self.rng.random_range(c.floor..c.ceiling);
         let from = self.at;
-        let n = self.knots(TAU * radius * f64::abs(turns) / speed);
+        let angle_all = TAU * f64::abs(turns);
+        let fastest = EASE_RATE * angle_all * (radius / MAX_ACC).sqrt();
+        let n = self.knots(f64::max(radius * angle_all / speed, fastest));
         n <= room && {
             let centre = from + Vector3::new(angle.cos(), angle.sin(), 0.0) * radius;
             self.figure(n, 1.0, |u| {
@@ -154,8 +165,9 @@ impl<'a> Pen<'a> {
         let turn = self.rng.random_range(-PI..PI);
         let tilt = self.rng.random_range(-0.25..0.25);
         let from = self.at;
-        // The curve with unit half width is 6.1 long.
-        let n = self.knots(6.1 * size / speed);
+        // The curve with unit half width is 6.1 long, and its second derivative at most sqrt(1 + 4).
+        let fastest = EASE_RATE * TAU * (2.24 * size / MAX_ACC).sqrt();
+        let n = self.knots(f64::max(6.1 * size / speed, fastest));
         n <= room && {
             self.figure(n, 1.0, |u| {
                 let a = TAU * u;
@@ -177,8 +189,8 @@ impl<'a> Pen<'a> {
             return;
         }
         let c = self.character;
-        let rate: f64 = self.rng.sample::<f64, _>(StandardNormal) * c.yaw_rate * turning;
-        let turn = rate.clamp(-1.6 * c.yaw_rate, 1.6 * c.yaw_rate) * n as f64 * c.knot_s;
+        let rate = 1.3 * self.rng.random_range(-1.0..1.0) * c.yaw_rate * turning;
+        let turn = rate * n as f64 * c.knot_s;
         let (from_heading, flying) = (self.heading, turning > 0.0);
         for k in 1..=n {
             let u = ease(k as f64 / n as f64);

@@ -7,7 +7,6 @@ mod name;
 mod phase;
 mod plan;
 
-pub(crate) use character::Character;
 pub use name::{Flight, Split, UnknownFlight};
 pub use phase::{Phase, Phases};
 pub use plan::FlightPlan;

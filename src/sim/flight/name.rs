@@ -52,7 +52,7 @@ pub struct UnknownFlight {
 }
 
 fn known() -> String {
-    Flight::ALL.map(|f| f.name()).join(", ")
+    Flight::ALL.map(Flight::name).join(", ")
 }
 
 impl Flight {

@@ -6,10 +6,14 @@ mod discover;
 pub(crate) mod ground_truth;
 pub(crate) mod imu_config;
 mod sequence;
+mod write;
 mod yaml;
 
 pub use camera::{CameraConfig, CameraFrame, Distortion};
 pub use discover::discover;
-pub use ground_truth::{Biases, GroundTruth, TrueState, read as read_ground_truth};
+pub use ground_truth::{Biases, GroundTruth, GroundTruthError, TrueState, read as read_ground_truth};
 pub use imu_config::ImuConfig;
+#[cfg(test)]
+pub(crate) use sequence::parse_imu;
 pub use sequence::{Sequence, read_imu};
+pub use write::{SequenceParts, write_ground_truth, write_imu, write_imu_config, write_sequence};

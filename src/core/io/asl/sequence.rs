@@ -10,11 +10,11 @@ use std::path::{Path, PathBuf};
 
 /// Where the inertial samples are, below `mav0` or the folder itself.
 pub(super) const IMU_DATA: &str = "imu0/data.csv";
-const IMU_SENSOR: &str = "imu0/sensor.yaml";
+pub(super) const IMU_SENSOR: &str = "imu0/sensor.yaml";
 const CAMERA_DATA: &str = "cam0/data.csv";
 const CAMERA_SENSOR: &str = "cam0/sensor.yaml";
 /// Where ground truth may be, best first: EuRoC's estimate, TUM-VI's motion capture.
-const GROUND_TRUTH: [&str; 2] = ["state_groundtruth_estimate0/data.csv", "mocap0/data.csv"];
+pub(super) const GROUND_TRUTH: [&str; 2] = ["state_groundtruth_estimate0/data.csv", "mocap0/data.csv"];
 
 /// A folder with an IMU recording and what belongs to it. Opening looks for the IMU file only; nothing is read yet, and every
 /// call reads its file anew.

@@ -13,6 +13,8 @@ pub struct AxisVibration {
     pub low_line: f64,
     /// Broad-band shaking of the frame, 0 to 100.
     pub broad_band: f64,
+    /// Centre of the broad band \[Hz\], 1 to 400.
+    pub broad_band_hz: f64,
 }
 
 impl AxisVibration {
@@ -37,38 +39,38 @@ pub struct VibrationConfig {
     pub rotors: u32,
     /// Turns a second of a rotor in hover \[Hz\], 10 to 400; it grows with the square root of thrust. Default 91.5.
     pub hover_hz: f64,
-    /// Speed when idling on the ground, relative to hover, .05 to 1. Default .5.
+    /// Speed when idling on the ground, relative to hover, .05 to 1. Default .4.
     pub idle_speed: f64,
     /// Time the motors take to start and to stop \[s\], .1 to 1.5. Default 1.
     pub spin_up_s: f64,
-    /// Deviation of the rotors' fixed differences in speed, 0 to .3. Default .025.
+    /// Deviation of the rotors' fixed differences in speed, 0 to .3. Default .035.
     pub rotor_spread: f64,
-    /// Deviation of a rotor's wandering speed, 0 to .3. Default .025.
+    /// Deviation of a rotor's wandering speed, 0 to .3. Default .035.
     pub speed_wander: f64,
     /// Correlation time of that wander \[s\], .01 to 100. Default .25.
     pub speed_wander_s: f64,
-    /// Deviation of the logarithm of amplitudes, for each rotor and once more for all, 0 to 1. Default .12.
+    /// Deviation of the logarithm of amplitudes, for each rotor and once more for all, 0 to .3; the low line and the
+    /// broad band come in bursts, with 4 and 2.5 times as much. Default .12.
     pub amplitude_wander: f64,
-    /// Correlation time of amplitudes \[s\], .01 to 100. Default 2.
+    /// Correlation time of amplitudes \[s\], .01 to 100, a quarter and an eighth of it in bursts. Default 2.
     pub amplitude_wander_s: f64,
     /// Mean frequency of the low line \[Hz\], 1 to 400. Default 27.
     pub low_line_hz: f64,
-    /// Deviation of that frequency \[Hz\], 0 to 20. Default 1.
+    /// Deviation of that frequency \[Hz\], 0 to 20. Default 2; its correlation time is .3 s.
     pub low_line_wander_hz: f64,
-    /// Centre of the broad band, accelerometer and gyroscope \[Hz\], 1 to 400. Default 50 and 13.
-    pub broad_band_hz: [f64; 2],
     /// Accelerometer x, y, z \[m/s^2\].
     pub accel: [AxisVibration; 3],
     /// Gyroscope x, y, z \[rad/s\].
     pub gyro: [AxisVibration; 3],
 }
 
-/// Puts an axis together from its total deviation and the share of variance of each component.
-const fn axis(harmonics: [f64; 3], low_line: f64, broad_band: f64) -> AxisVibration {
+/// Shorthand for the table of defaults.
+const fn axis(harmonics: [f64; 3], low_line: f64, broad_band: f64, broad_band_hz: f64) -> AxisVibration {
     AxisVibration {
         harmonics,
         low_line,
         broad_band,
+        broad_band_hz,
     }
 }
 
@@ -78,25 +80,24 @@ impl Default for VibrationConfig {
             scale: 1.0,
             rotors: 6,
             hover_hz: 91.5,
-            idle_speed: 0.5,
+            idle_speed: 0.4,
             spin_up_s: 1.0,
-            rotor_spread: 0.025,
-            speed_wander: 0.025,
+            rotor_spread: 0.035,
+            speed_wander: 0.035,
             speed_wander_s: 0.25,
             amplitude_wander: 0.12,
             amplitude_wander_s: 2.0,
             low_line_hz: 27.0,
-            low_line_wander_hz: 1.0,
-            broad_band_hz: [50.0, 13.0],
+            low_line_wander_hz: 2.0,
             accel: [
-                axis([0.85, 0.36, 0.22], 0.15, 0.30),
-                axis([0.26, 0.12, 0.15], 0.31, 0.17),
-                axis([0.58, 0.20, 0.20], 0.09, 0.24),
+                axis([0.71, 0.42, 0.28], 0.16, 0.46, 40.0),
+                axis([0.20, 0.12, 0.17], 0.31, 0.215, 40.0),
+                axis([0.51, 0.20, 0.26], 0.115, 0.36, 40.0),
             ],
             gyro: [
-                axis([0.0085, 0.0070, 0.0035], 0.0190, 0.0120),
-                axis([0.0380, 0.0220, 0.0100], 0.0060, 0.0150),
-                axis([0.0230, 0.0160, 0.0060], 0.0070, 0.0260),
+                axis([0.0052, 0.0075, 0.0025], 0.0185, 0.0170, 12.0),
+                axis([0.0300, 0.0280, 0.0100], 0.0065, 0.0290, 12.0),
+                axis([0.0150, 0.0190, 0.0060], 0.0060, 0.0380, 8.5),
             ],
         }
     }
@@ -115,12 +116,10 @@ impl VibrationConfig {
         within("rotor_spread", self.rotor_spread, 0.0, 0.3);
         within("speed_wander", self.speed_wander, 0.0, 0.3);
         within("speed_wander_s", self.speed_wander_s, 0.01, 100.0);
-        within("amplitude_wander", self.amplitude_wander, 0.0, 1.0);
+        within("amplitude_wander", self.amplitude_wander, 0.0, 0.3);
         within("amplitude_wander_s", self.amplitude_wander_s, 0.01, 100.0);
         within("low_line_hz", self.low_line_hz, 1.0, 400.0);
         within("low_line_wander_hz", self.low_line_wander_hz, 0.0, 20.0);
-        within("broad_band_hz[0]", self.broad_band_hz[0], 1.0, 400.0);
-        within("broad_band_hz[1]", self.broad_band_hz[1], 1.0, 400.0);
         for (sensor, axes) in [("accel", &self.accel), ("gyro", &self.gyro)] {
             for (axis, name) in axes.iter().zip(["x", "y", "z"]) {
                 for (i, &value) in axis.harmonics.iter().enumerate() {

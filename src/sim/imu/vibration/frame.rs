@@ -14,6 +14,9 @@ use rand::Rng;
 use rand_distr::StandardNormal;
 use std::f64::consts::{SQRT_2, TAU};
 
+/// Correlation time of the low line's frequency \[s\].
+const LOW_LINE_WANDER_S: f64 = 0.3;
+
 /// Adds the low line. Arguments as for the rotors.
 pub(super) fn add_low_line(
     config: &VibrationConfig,
@@ -29,15 +32,15 @@ pub(super) fn add_low_line(
     let lag: [f64; 6] = std::array::from_fn(|_| rng.random_range(0.0..TAU));
     let mut wander = Wander::new(
         config.low_line_wander_hz,
-        1.0,
+        LOW_LINE_WANDER_S,
         dt,
         stream.named("frequency").rng(),
     );
-    // It swells and fades more than the rotors do.
-    let swell = 2.0 * config.amplitude_wander;
+    // It swells and fades more, and faster, than the rotors do.
+    let swell = 4.0 * config.amplitude_wander;
     let mut loudness = Wander::new(
         swell,
-        config.amplitude_wander_s,
+        0.25 * config.amplitude_wander_s,
         dt,
         stream.named("loudness").rng(),
     );
@@ -64,15 +67,20 @@ pub(super) fn add_broad_band(
     to: &mut ImuSeries,
 ) {
     for (a, axis) in axes.iter().enumerate() {
-        let (sensor, centre) = if a < 3 {
-            (Sensor::Accel, config.broad_band_hz[0])
-        } else {
-            (Sensor::Gyro, config.broad_band_hz[1])
-        };
+        let sensor = if a < 3 { Sensor::Accel } else { Sensor::Gyro };
         let rng = stream.named("broad-band").index(a as u64).rng();
-        let mut resonance = Resonance::new(centre, dt, rng);
+        let mut resonance = Resonance::new(axis.broad_band_hz, dt, rng);
+        // Bursts give the tails that the real residual has.
+        let swell = 2.5 * config.amplitude_wander;
+        let mut burst = Wander::new(
+            swell,
+            0.125 * config.amplitude_wander_s,
+            dt,
+            stream.named("burst").index(a as u64).rng(),
+        );
         for (i, (&motors, &loud)) in speed.iter().zip(loudness).enumerate() {
-            to.of_mut(sensor)[i][a % 3] += axis.broad_band * motors * motors * loud * resonance.next();
+            let swing = motors * motors * loud * (burst.next() - swell * swell).exp();
+            to.of_mut(sensor)[i][a % 3] += axis.broad_band * swing * resonance.next();
         }
     }
 }

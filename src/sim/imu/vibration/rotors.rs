@@ -35,8 +35,8 @@ impl Rotor {
         let phase = rng.random_range(0.0..TAU);
         let share = SQRT_2 / f64::from(config.rotors).sqrt();
         let reach = axes.each_ref().map(|axis| {
-            // How well this rotor is heard on this axis; its square is 1 in the mean: (.25 + 1.75^3) / ...
-            let gain = rng.random_range(0.5..1.5) / (1.0 + 1.0 / 12.0_f64).sqrt();
+            // How well this rotor is heard on this axis; the square of it is 1 in the mean.
+            let gain = rng.random_range(0.7..1.3) / 1.03_f64.sqrt();
             std::array::from_fn(|h| {
                 let psi = rng.random_range(0.0..TAU);
                 let amplitude = axis.harmonics[h] * gain * share;
@@ -74,6 +74,8 @@ pub(crate) fn add(
     stream: &Stream,
     to: &mut ImuSeries,
 ) {
+    // exp of a normal of deviation s has a mean square of exp(2 s^2).
+    let quiet = config.amplitude_wander.powi(2);
     for r in 0..config.rotors {
         let mut rotor = Rotor::new(config, axes, dt, &stream.named("rotor").index(u64::from(r)));
         let mut phase = rotor.phase;
@@ -83,7 +85,7 @@ pub(crate) fn add(
             // Trapezoidal rule: the speed is a random walk's relative, smooth on the scale of a sample.
             phase += TAU * config.hover_hz * 0.5 * (turning + relative) * dt;
             turning = relative;
-            let swing = rotor.loudness.next().exp() * loudness[i] * relative * relative;
+            let swing = (rotor.loudness.next() - quiet).exp() * loudness[i] * relative * relative;
             if swing == 0.0 {
                 continue;
             }

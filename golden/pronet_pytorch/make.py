@@ -1,0 +1,168 @@
+"""The networks of `dpn` in PyTorch: loads weights that `dpn` wrote, by name, and writes windows, deviations and gradients.
+
+requirements: torch==2.15.0 safetensors==0.8.0 numpy
+usage: python make.py        (reads *.safetensors beside it, writes expected.json)
+
+Everything is computed in double precision from single-precision weights and windows. The weight files are dpn's own:
+`cargo test -p dpn-pronet --test golden -- --ignored` writes them, and a test holds the committed ones to the byte.
+"""
+import itertools
+import json
+import pathlib
+
+import safetensors
+import safetensors.torch
+import torch
+import torch.nn as nn
+import torch.nn.functional as F
+
+HERE = pathlib.Path(__file__).parent
+WINDOWS = 5
+
+
+class ProNet(nn.Module):
+    """The state dictionary's names are those of dpn's files: conv1.weight, conv1.bias, norm1.weight, .., fc1.weight, .."""
+
+    def __init__(self, c):
+        super().__init__()
+        self.c = c
+        cin = 2 if c["input"] in ("both-differences", "demeaned-and-second-differences") else 1
+        widths = [cin] + c["channels"]
+        for i, (a, b, k, s) in enumerate(zip(widths, widths[1:], c["kernels"], c["strides"])):
+            setattr(self, f"conv{i + 1}", nn.Conv1d(a, b, k, stride=s, bias=c["conv_bias"]))
+            if c["norm_axes"] == "channels":
+                setattr(self, f"norm{i + 1}", nn.LayerNorm(b))
+            elif c["norm_axes"] == "channels-and-time":
+                setattr(self, f"norm{i + 1}", nn.GroupNorm(1, b))
+        features = widths[-1] * (2 if c["pool"] == "mean-and-rms" else 1) + (c["standardise"] != "none")
+        widths = [features] + c["hidden"] + [1]
+        for i, (a, b) in enumerate(zip(widths, widths[1:])):
+            setattr(self, f"fc{i + 1}", nn.Linear(a, b))
+
+    def norm(self, i, h):
+        if self.c["norm_axes"] == "none":
+            return h
+        layer = getattr(self, f"norm{i + 1}")
+        if self.c["norm_axes"] == "channels":
+            return layer(h.transpose(1, 2)).transpose(1, 2)
+        return layer(h)
+
+    def forward(self, x):
+        c = self.c
+        x = x / c["input_scale"]
+        if c["input"].startswith("demeaned"):
+            x = x - x.mean(1, keepdim=True)
+        scale = None
+        if c["standardise"] != "none":
+            of = x.diff(n=2, dim=1) if c["standardise"] == "second-differences" else x
+            scale = (of.square().mean(1, keepdim=True) + 1e-8).sqrt()
+            x = x / scale
+        d1, d2 = x.diff(dim=1), x.diff(n=2, dim=1)
+        h = {
+            "demeaned": lambda: x[:, None],
+            "raw": lambda: x[:, None],
+            "differences": lambda: d1[:, None],
+            "second-differences": lambda: d2[:, None],
+            "both-differences": lambda: torch.stack([d1[:, :-1], d2], 1),
+            "demeaned-and-second-differences": lambda: torch.stack([x, F.pad(d2, (1, 1))], 1),
+        }[c["input"]]()
+        for i in range(len(c["channels"])):
+            p = c["paddings"][i]
+            if i == 0 and c["edges"] == "odd" and p > 0:
+                left = 2 * h[:, :, :1] - h[:, :, 1 : p + 1].flip(2)
+                right = 2 * h[:, :, -1:] - h[:, :, -p - 1 : -1].flip(2)
+                h = torch.cat([left, h, right], 2)
+            else:
+                h = F.pad(h, (p, p))
+            h = getattr(self, f"conv{i + 1}")(h)
+            if c["block_order"] == "conv-norm-act":
+                h = F.leaky_relu(self.norm(i, h), c["leak"])
+            else:
+                h = self.norm(i, F.leaky_relu(h, c["leak"]))
+        z = h.mean(2)
+        if c["pool"] == "mean-and-rms":
+            z = torch.cat([z, (h.square().mean(2) + 1e-8).sqrt()], 1)
+        if scale is not None:
+            z = torch.cat([z, scale.log()], 1)
+        layers = len(c["hidden"]) + 1
+        for i in range(layers):
+            z = getattr(self, f"fc{i + 1}")(z)
+            if i + 1 < layers:
+                z = F.leaky_relu(z, c["leak"])
+        z = z[:, 0]
+        y = {
+            "softplus": lambda: F.softplus(z),
+            "leaky-relu": lambda: F.leaky_relu(z, c["leak"]),
+            "linear": lambda: z,
+            "log-sigma": lambda: z.clamp(-10, 5).exp(),
+        }[c["head"]]()
+        y = y * c["output_scale"]
+        return y * scale[:, 0] if c["rescale_output"] else y
+
+
+def case(file, changes, gradient):
+    with safetensors.safe_open(HERE / file, framework="pt") as f:
+        config = json.loads(f.metadata()["dpn"])["content"]["config"]
+    config.update(changes)
+    net = ProNet(config)
+    tensors = safetensors.torch.load_file(HERE / file)
+    if config["norm_axes"] == "none":
+        tensors = {k: v for k, v in tensors.items() if not k.startswith("norm")}
+    net.load_state_dict(tensors, strict=True)
+    net = net.double()
+    g = torch.Generator().manual_seed(7)
+    sigma = torch.linspace(0.02, 0.2, WINDOWS)[:, None]
+    windows = 9.8 + torch.linspace(0, 0.3, config["window"]) + sigma * torch.randn(WINDOWS, config["window"], generator=g)
+    out = net(windows.double())
+    row = {"file": file, "changes": changes, "windows": windows.tolist(), "sigma": out.tolist()}
+    if gradient:
+        # Mean square of what lies above or below .1, in units of .1.
+        (((out - 0.1) / 0.1) ** 2).mean().backward()
+        row["gradient"] = {k: p.grad.flatten().tolist() for k, p in net.named_parameters()}
+    return row
+
+
+def adam(weight_decay, decoupled):
+    """Five steps of PyTorch's Adam (or AdamW) on given gradients."""
+    g = torch.Generator().manual_seed(3)
+    start = torch.randn(6, generator=g)
+    gradients = torch.randn(5, 6, generator=g) * torch.tensor([1, 1e-3, 1e-6, 1, 1e3, 0.0])
+    p = nn.Parameter(start.double().clone())
+    kind = torch.optim.AdamW if decoupled else torch.optim.Adam
+    o = kind([p], lr=0.01, betas=(0.9, 0.999), eps=1e-8, weight_decay=weight_decay)
+    after = []
+    for row in gradients:
+        p.grad = row.double()
+        o.step()
+        after.append(p.detach().tolist())
+    return {"weight_decay": weight_decay, "start": start.tolist(), "gradients": gradients.tolist(), "after": after}
+
+
+def main():
+    base, wide, both = "base.safetensors", "wide.safetensors", "both.safetensors"
+    orders = ["conv-norm-act", "conv-act-norm"]
+    axes = ["channels", "channels-and-time", "none"]
+    heads = ["softplus", "leaky-relu", "linear", "log-sigma"]
+    cases = []
+    for order, axis, head in itertools.product(orders, axes, heads):
+        changes = {"block_order": order, "norm_axes": axis, "head": head}
+        cases.append(case(base, changes, head == "softplus"))
+    for kind in ["raw", "differences", "second-differences"]:
+        cases.append(case(base, {"input": kind}, False))
+    cases.append(case(base, {"edges": "odd"}, False))
+    cases.append(case(wide, {}, True))
+    cases.append(case(both, {}, True))
+    versions = {"torch": torch.__version__, "safetensors": safetensors.__version__}
+    adams = [adam(0.0, False), adam(0.1, True)]
+    # Every case has the same windows' shape; those of equal windows share them.
+    shared = []
+    for row in cases:
+        windows = row.pop("windows")
+        if windows not in shared:
+            shared.append(windows)
+        row["windows"] = shared.index(windows)
+    text = json.dumps({"versions": versions, "windows": shared, "cases": cases, "adam": adams})
+    (HERE / "expected.json").write_text(text.replace(', {"file"', ',\n{"file"') + "\n")
+
+
+main()

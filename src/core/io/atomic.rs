@@ -1,0 +1,132 @@
+//! Files that are there in full or not at all.
+
+use super::IoError;
+use std::fs;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// Writes `path` through `fill`: into a temporary file beside it, which takes its place once all is on the disk. Folders above it are
+/// made. On any error the file that was there stays as it was and nothing half-written is left.
+///
+/// A link is followed; what is no regular file (a pipe, `/dev/stdout`) is written to directly.
+///
+/// # Errors
+/// A folder that cannot be made or written to, a full disk, whatever `fill` returns; all as [`IoError::Write`] with `path`.
+pub fn atomic_write(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), IoError> {
+    write(path, fill).map_err(|source| IoError::Write {
+        path: path.to_path_buf(),
+        source,
+    })
+}
+
+fn write(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    // Renaming over a link would replace the link, over a device the device.
+    let target: PathBuf = match fs::metadata(path) {
+        Ok(there) if there.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
+        Ok(there) if !there.is_file() => {
+            let mut out = BufWriter::new(fs::OpenOptions::new().write(true).open(path)?);
+            fill(&mut out)?;
+            return out.flush();
+        }
+        Ok(_) => fs::canonicalize(path)?,
+        Err(_) => path.to_path_buf(),
+    };
+    let folder = match target.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    fs::create_dir_all(folder)?;
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".dpn-").suffix(".tmp");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // What any new file gets; the system takes the user's mask off it.
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    // Dropping it on the way out removes it.
+    let mut temporary = builder.tempfile_in(folder)?;
+    let mut out = BufWriter::with_capacity(1 << 16, &mut temporary);
+    fill(&mut out)?;
+    out.flush()?;
+    drop(out);
+    temporary.as_file().sync_all()?;
+    temporary.persist(&target).map_err(|error| error.error)?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn files(dir: &Path) -> Vec<String> {
+        let mut names: Vec<_> = fs::read_dir(dir)
+            .unwrap()
+            .map(|e| e.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_failure_half_way_leaves_the_old_file_and_nothing_else() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("out.csv");
+        atomic_write(&path, |out| out.write_all(b"old")).unwrap();
+        let error = atomic_write(&path, |out| {
+            out.write_all(&[b'x'; 1 << 20])?;
+            Err(io::ErrorKind::StorageFull.into())
+        })
+        .unwrap_err();
+        assert!(error.hint().unwrap().contains("disk is full"));
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(files(dir.path()), ["out.csv"]);
+    }
+
+    #[test]
+    fn folders_above_are_made_and_old_content_replaced() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a/b/out.csv");
+        atomic_write(&path, |out| out.write_all(b"a long first text")).unwrap();
+        atomic_write(&path, |out| out.write_all(b"new")).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+    }
+
+    #[test]
+    fn a_folder_in_the_way_is_an_error() {
+        let dir = tempfile::tempdir().unwrap();
+        assert!(atomic_write(dir.path(), |out| out.write_all(b"x")).is_err());
+        fs::write(dir.path().join("file"), "").unwrap();
+        let error = atomic_write(&dir.path().join("file/out.csv"), |out| out.write_all(b"x")).unwrap_err();
+        assert!(error.to_string().ends_with("file/out.csv"), "{error}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_stays_a_link_and_the_mode_is_a_plain_files() {
+        use std::os::unix::fs::PermissionsExt;
+        let dir = tempfile::tempdir().unwrap();
+        let (plain, target, link) = (
+            dir.path().join("plain"),
+            dir.path().join("target"),
+            dir.path().join("link"),
+        );
+        fs::write(&plain, "").unwrap();
+        fs::write(&target, "old").unwrap();
+        std::os::unix::fs::symlink(&target, &link).unwrap();
+        atomic_write(&link, |out| out.write_all(b"new")).unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read(&target).unwrap(), b"new");
+        let mode = |path| fs::metadata(path).unwrap().permissions().mode();
+        assert_eq!(mode(&target), mode(&plain));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_device_is_an_error_and_stays_a_device() {
+        let full = Path::new("/dev/full");
+        let error = atomic_write(full, |out| out.write_all(&[b'x'; 1 << 17])).unwrap_err();
+        assert!(error.hint().unwrap().contains("disk is full"), "{error:?}");
+        assert!(!fs::metadata(full).unwrap().is_file());
+    }
+}

@@ -1,0 +1,125 @@
+//! The choices the paper leaves open, each an enum: the spelling in a TOML file is the variant's name in kebab case.
+
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+macro_rules! choice {
+    ($(#[$doc:meta])* $name:ident { $($(#[$vdoc:meta])* $variant:ident = $text:literal),+ $(,)? }) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+        pub enum $name {
+            $($(#[$vdoc])* #[serde(rename = $text)] $variant,)+
+        }
+
+        impl $name {
+            /// Every choice, the default first.
+            pub const ALL: &'static [Self] = &[$(Self::$variant),+];
+
+            /// The spelling in a configuration file.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $text,)+
+                }
+            }
+        }
+
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(self.name())
+            }
+        }
+    };
+}
+
+choice!(
+    /// In which order a block's steps come (decision 4).
+    BlockOrder {
+        /// Convolution, layer normalisation, leaky ReLU.
+        #[default]
+        ConvNormAct = "conv-norm-act",
+        /// Convolution, leaky ReLU, layer normalisation: the paper's text.
+        ConvActNorm = "conv-act-norm",
+    }
+);
+
+choice!(
+    /// Over what a block normalises (decision 5). Gain and offset are per channel in every case.
+    NormAxes {
+        /// Over the channels, at each time step.
+        #[default]
+        Channels = "channels",
+        /// Over channels and time: one mean and one variance a window (PyTorch's `GroupNorm(1, channels)`).
+        ChannelsAndTime = "channels-and-time",
+        /// Not at all; the block has no gain and no offset.
+        None = "none",
+    }
+);
+
+choice!(
+    /// How the last linear layer's number `z` becomes a deviation, before the output scale (decision 7).
+    Head {
+        /// `ln(1 + exp(z))`: positive.
+        #[default]
+        Softplus = "softplus",
+        /// `z` for `z > 0`, `leak * z` below: the paper; may give a negative deviation.
+        LeakyRelu = "leaky-relu",
+        /// `z`.
+        Linear = "linear",
+        /// `exp(z)`, with `z` clamped to \[-10, 5\].
+        LogSigma = "log-sigma",
+    }
+);
+
+choice!(
+    /// What of a window the first convolution sees, after division by the input scale (decision 8).
+    Input {
+        /// The window minus its mean.
+        #[default]
+        Demeaned = "demeaned",
+        /// The window as it is: the paper. Gravity included.
+        Raw = "raw",
+        /// `x[t+1] - x[t]`: one sample shorter.
+        Differences = "differences",
+        /// `x[t+2] - 2 x[t+1] + x[t]`: two samples shorter.
+        SecondDifferences = "second-differences",
+        /// Two channels, two samples shorter: first differences and second differences.
+        BothDifferences = "both-differences",
+        /// Two channels: the window minus its mean, and its second differences with a zero at either end.
+        DemeanedAndSecondDifferences = "demeaned-and-second-differences",
+    }
+);
+
+choice!(
+    /// Whether a window is divided by a scale of its own; the logarithm of that scale is then one more pooled feature.
+    Standardise {
+        /// It is not: the fixed input scale is all.
+        #[default]
+        None = "none",
+        /// By the root mean square of the input (after demeaning, where the input is demeaned).
+        Rms = "rms",
+        /// By the root mean square of the window's second differences.
+        SecondDifferences = "second-differences",
+    }
+);
+
+choice!(
+    /// What the first convolution finds beyond a window's ends, where its padding is above zero.
+    Edges {
+        /// Zeros.
+        #[default]
+        Zero = "zero",
+        /// The window turned about its end points: `2 x[0] - x[i]` and `2 x[n-1] - x[n-1-i]`.
+        Odd = "odd",
+    }
+);
+
+choice!(
+    /// How the last block's channels are pooled over time.
+    Pool {
+        /// Their means.
+        #[default]
+        Mean = "mean",
+        /// Their means and, after these, their root mean squares: twice as many features.
+        MeanAndRms = "mean-and-rms",
+    }
+);

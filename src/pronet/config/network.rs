@@ -1,0 +1,334 @@
+//! The typed configuration of one network.
+
+use super::{BlockOrder, ConfigError, Edges, Fault, Head, Input, NormAxes, Pool, Standardise};
+use dpn_core::{Sensor, imu};
+use serde::{Deserialize, Serialize};
+
+/// Everything that fixes a network's shape and arithmetic; its weights aside.
+///
+/// Blocks `1..n` are convolution, normalisation and leaky ReLU; their channels are pooled over time and go through the
+/// linear layers `1..m`, of which the last has one output. `channels`, `kernels`, `strides` and `paddings` have one
+/// entry a block. Windows go in and deviations come out in the sensor's unit: m/s^2 or rad/s.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ProNetConfig {
+    /// Which sensor the network is for: `"accel"` or `"gyro"`.
+    pub sensor: Sensor,
+    /// Samples in a window \[8 to 100,000\].
+    pub window: usize,
+    /// What of the window is seen.
+    pub input: Input,
+    /// Number the window is divided by first \[the sensor's unit\]; the sensor's own (.1 m/s^2, .007 rad/s) when not given.
+    pub input_scale: Option<f64>,
+    /// Whether each window is divided by a scale of its own.
+    pub standardise: Standardise,
+    /// Whether the deviation is multiplied by that scale again; only with `standardise`.
+    pub rescale_output: bool,
+    /// What lies beyond the window's ends.
+    pub edges: Edges,
+    /// Order of a block's steps.
+    pub block_order: BlockOrder,
+    /// Over what a block normalises.
+    pub norm_axes: NormAxes,
+    /// Channels out of each block \[1 to 1024\].
+    pub channels: Vec<usize>,
+    /// Kernel width of each block \[1 or more samples\].
+    pub kernels: Vec<usize>,
+    /// Stride of each block \[1 or more samples\].
+    pub strides: Vec<usize>,
+    /// Samples added at both ends before each block's convolution \[below its kernel\].
+    pub paddings: Vec<usize>,
+    /// Whether convolutions have a bias.
+    pub conv_bias: bool,
+    /// Slope of the leaky ReLU below zero \[0 to 1\].
+    pub leak: f64,
+    /// How the channels are pooled over time.
+    pub pool: Pool,
+    /// Widths of the linear layers but the last \[1 to 1024\].
+    pub hidden: Vec<usize>,
+    /// How the last layer's number becomes a deviation.
+    pub head: Head,
+    /// Number the head's value is multiplied by \[the sensor's unit\]; the input scale when not given.
+    pub output_scale: Option<f64>,
+    /// Whether inference averages the deviations of a window and of its negative; training does not.
+    pub symmetrise: bool,
+}
+
+impl Default for ProNetConfig {
+    fn default() -> Self {
+        Self {
+            sensor: Sensor::Accel,
+            window: 200,
+            input: Input::Demeaned,
+            input_scale: None,
+            standardise: Standardise::None,
+            rescale_output: false,
+            edges: Edges::Zero,
+            block_order: BlockOrder::ConvNormAct,
+            norm_axes: NormAxes::Channels,
+            channels: vec![16, 32, 64],
+            kernels: vec![7, 7, 7],
+            strides: vec![1, 2, 2],
+            paddings: vec![3, 3, 3],
+            conv_bias: true,
+            leak: 0.01,
+            pool: Pool::Mean,
+            hidden: vec![64, 32, 16],
+            head: Head::Softplus,
+            output_scale: None,
+            symmetrise: false,
+        }
+    }
+}
+
+impl ProNetConfig {
+    /// The default network of `sensor`.
+    pub fn for_sensor(sensor: Sensor) -> Self {
+        Self {
+            sensor,
+            ..Self::default()
+        }
+    }
+
+    /// The number a window is divided by first \[the sensor's unit\].
+    pub fn input_scale(&self) -> f64 {
+        self.input_scale.unwrap_or(match self.sensor {
+            imu::Sensor::Accel => 0.1,
+            imu::Sensor::Gyro => 0.007,
+        })
+    }
+
+    /// The number the head's value is multiplied by \[the sensor's unit\].
+    pub fn output_scale(&self) -> f64 {
+        self.output_scale.unwrap_or_else(|| self.input_scale())
+    }
+
+    /// The same configuration with every default that depends on other keys written out.
+    #[must_use]
+    pub fn resolved(&self) -> Self {
+        Self {
+            input_scale: Some(self.input_scale()),
+            output_scale: Some(self.output_scale()),
+            ..self.clone()
+        }
+    }
+
+    /// Channels of the first convolution's input.
+    pub fn input_channels(&self) -> usize {
+        match self.input {
+            Input::BothDifferences | Input::DemeanedAndSecondDifferences => 2,
+            Input::Demeaned | Input::Raw | Input::Differences | Input::SecondDifferences => 1,
+        }
+    }
+
+    /// Samples of the first convolution's input, its padding not counted.
+    pub fn input_length(&self) -> usize {
+        match self.input {
+            Input::Demeaned | Input::Raw | Input::DemeanedAndSecondDifferences => self.window,
+            Input::Differences => self.window.saturating_sub(1),
+            Input::SecondDifferences | Input::BothDifferences => self.window.saturating_sub(2),
+        }
+    }
+
+    /// Checks every key.
+    ///
+    /// # Errors
+    /// All keys whose values cannot be used, each with the bound it breaks.
+    pub fn validate(&self) -> Result<(), ConfigError> {
+        let mut faults = Vec::new();
+        let mut check = |ok: bool, key: &'static str, value: String, bound: &str| {
+            if !ok {
+                faults.push(Fault {
+                    key,
+                    value,
+                    bound: bound.to_owned(),
+                });
+            }
+        };
+        let positive =
+            |scale: Option<f64>| scale.is_none_or(|s| s.is_finite() && s > 0.0 && (s as f32) > 0.0);
+        let shown = |scale: Option<f64>| scale.map_or_else(|| "not given".to_owned(), |s| s.to_string());
+        let blocks = self.channels.len();
+        let one_each = format!("one entry a block, {blocks} as in `channels`");
+
+        check(
+            (8..=100_000).contains(&self.window),
+            "window",
+            self.window.to_string(),
+            "8 to 100000 samples",
+        );
+        check(
+            positive(self.input_scale),
+            "input_scale",
+            shown(self.input_scale),
+            "a positive number",
+        );
+        check(
+            !self.rescale_output || self.standardise != Standardise::None,
+            "rescale_output",
+            "true".to_owned(),
+            "false unless `standardise` is given",
+        );
+        check(
+            (1..=8).contains(&blocks) && self.channels.iter().all(|c| (1..=1024).contains(c)),
+            "channels",
+            format!("{:?}", self.channels),
+            "1 to 8 numbers from 1 to 1024",
+        );
+        for (key, list, least) in [
+            ("kernels", &self.kernels, 1),
+            ("strides", &self.strides, 1),
+            ("paddings", &self.paddings, 0),
+        ] {
+            check(list.len() == blocks, key, format!("{list:?}"), &one_each);
+            check(
+                list.iter().all(|v| (least..=10_000).contains(v)),
+                key,
+                format!("{list:?}"),
+                &format!("{least} to 10000 in every entry"),
+            );
+        }
+        check(
+            self.paddings.iter().zip(&self.kernels).all(|(p, k)| p < k),
+            "paddings",
+            format!("{:?}", self.paddings),
+            "below the kernel of the same block",
+        );
+        check(
+            self.edges == Edges::Zero || self.paddings.first().is_none_or(|p| *p < self.input_length()),
+            "paddings",
+            format!("{:?}", self.paddings),
+            "below the window in the first block for `edges = \"odd\"`",
+        );
+        check(
+            self.leak.is_finite() && (0.0..=1.0).contains(&self.leak),
+            "leak",
+            self.leak.to_string(),
+            "0 to 1",
+        );
+        check(
+            self.hidden.len() <= 8 && self.hidden.iter().all(|h| (1..=1024).contains(h)),
+            "hidden",
+            format!("{:?}", self.hidden),
+            "at most 8 numbers from 1 to 1024",
+        );
+        check(
+            positive(self.output_scale),
+            "output_scale",
+            shown(self.output_scale),
+            "a positive number",
+        );
+        if faults.is_empty()
+            && let Some(block) = self.first_block_without_output()
+        {
+            faults.push(Fault {
+                key: "kernels",
+                value: format!("{:?}", self.kernels),
+                bound: format!("no longer than what reaches block {block} with its padding"),
+            });
+        }
+        if faults.is_empty() {
+            Ok(())
+        } else {
+            Err(ConfigError { faults })
+        }
+    }
+
+    /// Number (from 1) of the first block whose padded input is shorter than its kernel.
+    fn first_block_without_output(&self) -> Option<usize> {
+        let mut length = self.input_length();
+        for (block, ((kernel, stride), padding)) in self
+            .kernels
+            .iter()
+            .zip(&self.strides)
+            .zip(&self.paddings)
+            .enumerate()
+        {
+            if length + 2 * padding < *kernel {
+                return Some(block + 1);
+            }
+            length = (length + 2 * padding - kernel) / stride + 1;
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_default_reads_back_from_toml_unchanged() {
+        for sensor in Sensor::ALL {
+            let config = ProNetConfig::for_sensor(sensor).resolved();
+            let text = toml::to_string(&config).unwrap();
+            assert_eq!(toml::from_str::<ProNetConfig>(&text).unwrap(), config);
+            config.validate().unwrap();
+        }
+    }
+
+    #[test]
+    fn an_unknown_key_is_an_error_that_names_it() {
+        let error = toml::from_str::<ProNetConfig>("sensor = \"gyro\"\nkernel = [3]\n").unwrap_err();
+        assert!(error.to_string().contains("`kernel`"), "{error}");
+    }
+
+    #[test]
+    fn choices_are_spelt_as_their_names() {
+        let text = "block_order = \"conv-act-norm\"\nnorm_axes = \"channels-and-time\"\nhead = \"log-sigma\"\ninput = \"differences\"\n";
+        let config: ProNetConfig = toml::from_str(text).unwrap();
+        assert_eq!(config.block_order, BlockOrder::ConvActNorm);
+        assert_eq!(config.norm_axes, NormAxes::ChannelsAndTime);
+        assert_eq!(config.head, Head::LogSigma);
+        assert_eq!(config.input, Input::Differences);
+        for head in Head::ALL {
+            assert_eq!(serde_json::to_string(head).unwrap(), format!("\"{head}\""));
+        }
+    }
+
+    #[test]
+    fn all_faults_are_reported_at_once() {
+        let config = ProNetConfig {
+            window: 3,
+            leak: 2.0,
+            kernels: vec![7, 7],
+            input_scale: Some(f64::NAN),
+            rescale_output: true,
+            ..ProNetConfig::default()
+        };
+        let keys: Vec<_> = config
+            .validate()
+            .unwrap_err()
+            .faults
+            .iter()
+            .map(|f| f.key)
+            .collect();
+        assert_eq!(
+            keys,
+            ["window", "input_scale", "rescale_output", "kernels", "leak"]
+        );
+    }
+
+    #[test]
+    fn a_kernel_longer_than_what_reaches_it_is_refused() {
+        let config = ProNetConfig {
+            window: 20,
+            strides: vec![4, 4, 4],
+            paddings: vec![0, 0, 0],
+            ..ProNetConfig::default()
+        };
+        let error = config.validate().unwrap_err();
+        assert_eq!(error.faults[0].key, "kernels");
+        assert!(error.faults[0].bound.contains("block 2"), "{error}");
+    }
+
+    #[test]
+    fn each_sensor_has_its_own_scale_unless_one_is_given() {
+        assert_eq!(ProNetConfig::for_sensor(Sensor::Gyro).input_scale(), 0.007);
+        let config = ProNetConfig {
+            input_scale: Some(0.5),
+            ..ProNetConfig::default()
+        };
+        assert_eq!(config.output_scale(), 0.5);
+    }
+}

@@ -1,0 +1,208 @@
+//! The network without burn: flat parameters in, deviations and gradients out, on this machine's vectors.
+//!
+//! One pass takes a window through all blocks while it is in the cache. Rows are time steps and channels are contiguous, so that layer
+//! normalisation over channels reads one row, and a convolution is a matrix product whose left factor is a view of its padded input
+//! ([`kernel`]). The backward pass is written out by hand: weight gradients are one product with that same view, input gradients one
+//! product for every phase of the stride ([`plan::Phase`]).
+//!
+//! Windows are split into a number of chunks that depends on their count alone; chunks run on rayon's threads and are summed in
+//! their order, so that results are the same bits for any number of threads. (Not across machines: wider vectors sum in
+//! another order.)
+
+mod buffer;
+mod chunk;
+mod head;
+mod input;
+mod kernel;
+mod norm;
+mod plan;
+
+use crate::config::ProNetConfig;
+pub(crate) use buffer::Buffer;
+use buffer::zeros;
+pub(crate) use chunk::Chunk;
+use chunk::{Arithmetic, Backward, Forward, Gradients};
+use head::HeadKind;
+use input::Preparation;
+use norm::NormKind;
+use plan::Plan;
+use pulp::{Arch, Simd, WithSimd};
+use rayon::prelude::*;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// At most this many chunks a batch.
+const CHUNKS: usize = 4;
+/// Below this many windows a chunk is not worth a thread.
+const CHUNK_LEAST: usize = 8;
+
+/// Runs one configuration's network.
+#[derive(Debug)]
+pub(crate) struct Engine {
+    arch: Arch,
+    of: Arithmetic,
+    /// Rooms of finished passes, kept for the next: fresh memory would be paid for page by page at every step.
+    rooms: Mutex<Vec<Room>>,
+}
+
+/// Room for one pass over a batch, forth and back.
+#[derive(Debug, Default)]
+struct Room {
+    packed: Buffer,
+    chunks: Vec<Chunk>,
+    gradients: Vec<Gradients>,
+}
+
+/// What a forward pass leaves behind for its backward pass; returns its room to the engine when dropped.
+#[derive(Debug)]
+pub(crate) struct Saved {
+    engine: Arc<Engine>,
+    room: Mutex<Room>,
+    count: usize,
+}
+
+impl Drop for Saved {
+    fn drop(&mut self) {
+        let room = std::mem::take(self.room.get_mut().unwrap_or_else(PoisonError::into_inner));
+        let mut rooms = self.engine.rooms.lock().unwrap_or_else(PoisonError::into_inner);
+        if rooms.len() < 2 {
+            rooms.push(room);
+        }
+    }
+}
+
+struct Lanes;
+
+impl WithSimd for Lanes {
+    type Output = usize;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> usize {
+        S::F32_LANES
+    }
+}
+
+impl Engine {
+    /// The engine of a checked configuration.
+    pub(crate) fn new(config: &ProNetConfig) -> Self {
+        Self::on(config, Arch::new())
+    }
+
+    fn on(config: &ProNetConfig, arch: Arch) -> Self {
+        Self {
+            arch,
+            of: Arithmetic {
+                plan: Plan::new(config, arch.dispatch(Lanes)),
+                preparation: Preparation::new(config),
+                norm: NormKind {
+                    order: config.block_order,
+                    axes: config.norm_axes,
+                    leak: config.leak as f32,
+                },
+                head: HeadKind::new(config),
+                pool: config.pool,
+                window: config.window,
+            },
+            rooms: Mutex::new(Vec::new()),
+        }
+    }
+
+    /// Arranges flat parameters for the kernels.
+    pub(crate) fn pack(&self, flat: &[f32], packed: &mut Buffer) {
+        let plan = &self.of.plan;
+        let mut numbers = flat[..plan.parameters].to_vec();
+        numbers.extend([0.0, 1.0]);
+        packed.resize(plan.packed.len());
+        for (to, from) in packed.iter_mut().zip(&plan.packed) {
+            *to = numbers[*from as usize];
+        }
+    }
+
+    /// Deviations of `windows` (`[count, window]`), and what the backward pass needs.
+    pub(crate) fn forward(self: &Arc<Self>, flat: &[f32], windows: &[f32]) -> (Vec<f32>, Saved) {
+        let mut room = self
+            .rooms
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .pop()
+            .unwrap_or_default();
+        self.pack(flat, &mut room.packed);
+        let count = windows.len() / self.of.window;
+        let mut sigma = vec![0.0; count];
+        let size = chunk_size(count);
+        room.chunks.resize_with(count.div_ceil(size), Chunk::default);
+        let packed = &room.packed;
+        room.chunks
+            .par_iter_mut()
+            .zip(sigma.par_chunks_mut(size))
+            .zip(windows.par_chunks(size * self.of.window))
+            .for_each(|((chunk, sigma), windows)| {
+                chunk.fit(&self.of, sigma.len(), true);
+                self.arch.dispatch(Forward {
+                    of: &self.of,
+                    packed,
+                    windows,
+                    keep: true,
+                    chunk,
+                    sigma,
+                });
+            });
+        let saved = Saved {
+            engine: Arc::clone(self),
+            room: Mutex::new(room),
+            count,
+        };
+        (sigma, saved)
+    }
+
+    /// The flat gradient of something whose gradient with respect to the deviations is `d_sigma`.
+    pub(crate) fn backward(&self, saved: &Saved, d_sigma: &[f32]) -> Vec<f32> {
+        let plan = &self.of.plan;
+        let size = chunk_size(saved.count);
+        let mut room = saved.room.lock().unwrap_or_else(PoisonError::into_inner);
+        let Room {
+            packed,
+            chunks,
+            gradients,
+        } = &mut *room;
+        gradients.resize_with(chunks.len(), Gradients::default);
+        gradients
+            .par_iter_mut()
+            .zip(chunks.par_iter())
+            .zip(d_sigma.par_chunks(size))
+            .for_each(|((gradients, chunk), d_sigma)| {
+                gradients.fit(plan, d_sigma.len());
+                self.arch.dispatch(Backward {
+                    of: &self.of,
+                    packed,
+                    chunk,
+                    d_sigma,
+                    gradients,
+                });
+            });
+        let mut sums = zeros(plan.gradient_len);
+        for chunk in gradients {
+            for (sum, part) in sums.iter_mut().zip(chunk.sums.iter()) {
+                *sum += part;
+            }
+        }
+        plan.gradient.iter().map(|place| sums[*place as usize]).collect()
+    }
+
+    /// Deviations of a few windows with packed weights, on this thread, leaving nothing behind.
+    pub(crate) fn infer(&self, packed: &Buffer, windows: &[f32], chunk: &mut Chunk, sigma: &mut [f32]) {
+        chunk.fit(&self.of, sigma.len(), false);
+        self.arch.dispatch(Forward {
+            of: &self.of,
+            packed,
+            windows,
+            keep: false,
+            chunk,
+            sigma,
+        });
+    }
+}
+
+/// Windows a chunk: a function of their count alone.
+fn chunk_size(count: usize) -> usize {
+    count.div_ceil(CHUNKS).max(CHUNK_LEAST)
+}

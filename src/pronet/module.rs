@@ -1,0 +1,392 @@
+//! The network as a burn module, in primitives that every burn device knows.
+//!
+//! Blocks of convolution, layer normalisation and leaky ReLU (or the paper's other order), pooling over time, linear layers with
+//! leaky ReLU, and a head that turns the last number into a deviation. On burn's CPU backend [`ProNet::forward`] takes the fused
+//! kernels of [`crate::engine`] instead (same numbers to rounding, a fraction of the time); [`ProNet::forward_plain`] is the
+//! reference that the tests hold the kernels to, and what runs on every other device.
+//!
+//! Source: VIO-DualProNet (arXiv 2308.11228), sec. III-B; the open choices are keys of [`ProNetConfig`].
+
+use crate::config::{BlockOrder, ConfigError, Edges, Head, Input, NormAxes, Pool, ProNetConfig, Standardise};
+use crate::engine::Engine;
+use crate::fused;
+use crate::init::initial_parameters;
+use crate::shape::{ParameterShape, parameters};
+use burn::module::{Module, Param, ParamId};
+use burn::tensor::ops::ConvOptions;
+use burn::tensor::{Device, Gradients, Tensor, TensorData, activation, module::conv1d};
+use dpn_core::random::Stream;
+use std::sync::Arc;
+
+/// Added to a variance before its root is taken, as PyTorch does.
+pub(crate) const NORM_EPSILON: f32 = 1e-5;
+/// Added to a window's mean square before its root is taken (in units of the input scale).
+pub(crate) const SCALE_EPSILON: f32 = 1e-8;
+/// Added to a channel's mean square before its root is taken.
+pub(crate) const POOL_EPSILON: f32 = 1e-8;
+/// Where the head `log-sigma` clamps its exponent.
+pub(crate) const LOG_SIGMA_RANGE: (f32, f32) = (-10.0, 5.0);
+
+/// Convolution over time.
+#[derive(Module, Debug)]
+pub struct Conv {
+    /// `[channels out, channels in, kernel]`
+    pub weight: Param<Tensor<3>>,
+    /// `[channels out]`
+    pub bias: Option<Param<Tensor<1>>>,
+}
+
+/// Gain and offset of a normalisation.
+#[derive(Module, Debug)]
+pub struct Norm {
+    /// Gain, `[channels]`
+    pub weight: Param<Tensor<1>>,
+    /// Offset, `[channels]`
+    pub bias: Param<Tensor<1>>,
+}
+
+/// Linear layer in PyTorch's layout.
+#[derive(Module, Debug)]
+pub struct Linear {
+    /// `[features out, features in]`
+    pub weight: Param<Tensor<2>>,
+    /// `[features out]`
+    pub bias: Param<Tensor<1>>,
+}
+
+/// Accel-ProNet or Gyro-ProNet: windows of one axis in, one deviation a window out.
+#[derive(Module, Debug)]
+pub struct ProNet {
+    /// Convolutions, first block first.
+    pub conv: Vec<Conv>,
+    /// Normalisations, one a block; empty with `norm_axes = "none"`.
+    pub norm: Vec<Norm>,
+    /// Linear layers, the last with one output.
+    pub fc: Vec<Linear>,
+    /// What it was made from.
+    #[module(skip)]
+    config: ProNetConfig,
+    /// The fused kernels for that configuration.
+    #[module(skip)]
+    engine: Arc<Engine>,
+}
+
+impl ProNet {
+    /// A network with the starting weights of `stream` on `device`.
+    ///
+    /// # Errors
+    /// The faults of the configuration.
+    pub fn new(config: &ProNetConfig, stream: &Stream, device: &Device) -> Result<Self, ConfigError> {
+        config.validate()?;
+        Ok(Self::build(config, &initial_parameters(config, stream), device))
+    }
+
+    /// A network with given flat parameters (see [`crate::shape`]) on `device`.
+    ///
+    /// # Errors
+    /// The faults of the configuration.
+    ///
+    /// # Panics
+    /// When `flat` has not [`parameter_count`](crate::shape::parameter_count) numbers.
+    pub fn from_parameters(
+        config: &ProNetConfig,
+        flat: &[f32],
+        device: &Device,
+    ) -> Result<Self, ConfigError> {
+        config.validate()?;
+        Ok(Self::build(config, flat, device))
+    }
+
+    /// As [`Self::from_parameters`], for a configuration that was checked.
+    pub(crate) fn build(config: &ProNetConfig, flat: &[f32], device: &Device) -> Self {
+        Self::with_engine(config, flat, device, Arc::new(Engine::new(config)))
+    }
+
+    fn with_engine(config: &ProNetConfig, flat: &[f32], device: &Device, engine: Arc<Engine>) -> Self {
+        let list = parameters(config);
+        let count: usize = list.iter().map(ParameterShape::len).sum();
+        assert_eq!(
+            flat.len(),
+            count,
+            "the network has {count} parameters, not {}",
+            flat.len()
+        );
+        let find = |name: String| list.iter().enumerate().find(|(_, p)| p.name == name);
+        let conv = (1..=config.channels.len())
+            .map(|i| Conv {
+                weight: find(format!("conv{i}.weight")).map_or_else(
+                    || unreachable!("every block has a kernel"),
+                    |p| param(p, flat, device),
+                ),
+                bias: find(format!("conv{i}.bias")).map(|p| param(p, flat, device)),
+            })
+            .collect();
+        let norm = (1..=config.channels.len())
+            .filter_map(|i| {
+                Some(Norm {
+                    weight: param(find(format!("norm{i}.weight"))?, flat, device),
+                    bias: param(find(format!("norm{i}.bias"))?, flat, device),
+                })
+            })
+            .collect();
+        let fc = (1..=config.hidden.len() + 1)
+            .filter_map(|i| {
+                Some(Linear {
+                    weight: param(find(format!("fc{i}.weight"))?, flat, device),
+                    bias: param(find(format!("fc{i}.bias"))?, flat, device),
+                })
+            })
+            .collect();
+        Self {
+            conv,
+            norm,
+            fc,
+            config: config.clone(),
+            engine,
+        }
+    }
+
+    pub(crate) fn engine(&self) -> &Arc<Engine> {
+        &self.engine
+    }
+
+    /// What the network was made from.
+    pub fn config(&self) -> &ProNetConfig {
+        &self.config
+    }
+
+    /// The device its weights are on.
+    pub fn device(&self) -> Device {
+        self.fc[0].bias.val().device()
+    }
+
+    /// The deviation of each window, in the sensor's unit.
+    ///
+    /// On burn's CPU backend this runs the fused kernels, elsewhere [`Self::forward_plain`].
+    ///
+    /// # Shapes
+    /// `windows`: `[batch, window]`; returns `[batch]`.
+    ///
+    /// # Units and frames
+    /// Samples of one axis and their deviation, both in m/s^2 or rad/s.
+    ///
+    /// # Panics
+    /// When a window has not the configuration's length.
+    pub fn forward(&self, windows: Tensor<2>) -> Tensor<1> {
+        let [_, window] = windows.dims();
+        assert_eq!(
+            window, self.config.window,
+            "the network takes windows of {}",
+            self.config.window
+        );
+        fused::forward(self, windows)
+    }
+
+    /// The same as [`Self::forward`], composed of burn's primitives: the reference for the fused kernels.
+    ///
+    /// # Shapes
+    /// `windows`: `[batch, window]`; returns `[batch]`.
+    pub fn forward_plain(&self, windows: Tensor<2>) -> Tensor<1> {
+        let config = &self.config;
+        let (mut x, scale) = prepare(config, windows); // [batch, input channels, time], [batch, 1]
+        for i in 0..self.conv.len() {
+            x = self.block(i, x); // [batch, channels, time / stride]
+        }
+        let mut features = match config.pool {
+            Pool::Mean => x.mean_dim(2).squeeze_dim(2), // [batch, channels]
+            Pool::MeanAndRms => {
+                let mean = x.clone().mean_dim(2).squeeze_dim::<2>(2); // [batch, channels]
+                let rms = (x.square().mean_dim(2).squeeze_dim::<2>(2) + POOL_EPSILON).sqrt(); // [batch, channels]
+                Tensor::cat(vec![mean, rms], 1) // [batch, 2 channels]
+            }
+        };
+        if let Some(scale) = &scale {
+            features = Tensor::cat(vec![features, scale.clone().log()], 1); // [batch, features]
+        }
+        for (i, layer) in self.fc.iter().enumerate() {
+            features = features.matmul(layer.weight.val().transpose()) // [batch, features out]
+                + layer.bias.val().unsqueeze();
+            if i + 1 < self.fc.len() {
+                features = activation::leaky_relu(features, config.leak);
+            }
+        }
+        let positive = match config.head {
+            Head::Softplus => activation::softplus(features, 1.0),
+            Head::LeakyRelu => activation::leaky_relu(features, config.leak),
+            Head::Linear => features,
+            Head::LogSigma => features.clamp(LOG_SIGMA_RANGE.0, LOG_SIGMA_RANGE.1).exp(),
+        };
+        let sigma = positive * config.output_scale() as f32; // [batch, 1]
+        match scale {
+            Some(scale) if config.rescale_output => (sigma * scale).squeeze_dim(1), // [batch]
+            _ => sigma.squeeze_dim(1),                                              // [batch]
+        }
+    }
+
+    fn block(&self, i: usize, x: Tensor<3>) -> Tensor<3> {
+        let config = &self.config;
+        let padding = config.paddings[i];
+        let (x, padding) = if i == 0 && config.edges == Edges::Odd && padding > 0 {
+            (odd_extension(&x, padding), 0) // [batch, channels, padding + time + padding]
+        } else {
+            (x, padding)
+        };
+        let options = ConvOptions::new([config.strides[i]], [padding], [1], 1);
+        let conv = &self.conv[i];
+        let bias = conv.bias.as_ref().map(Param::val);
+        let x = conv1d(x, conv.weight.val(), bias, options); // [batch, channels out, time out]
+        let act = |x| activation::leaky_relu(x, config.leak);
+        match config.block_order {
+            BlockOrder::ConvNormAct => act(self.normalise(i, x)),
+            BlockOrder::ConvActNorm => self.normalise(i, act(x)),
+        }
+    }
+
+    fn normalise(&self, i: usize, x: Tensor<3>) -> Tensor<3> {
+        let over = |x: Tensor<3>| match self.config.norm_axes {
+            NormAxes::Channels => x.mean_dim(1),                    // [batch, 1, time]
+            NormAxes::ChannelsAndTime => x.mean_dim(1).mean_dim(2), // [batch, 1, 1]
+            NormAxes::None => x,
+        };
+        let Some(norm) = self.norm.get(i) else {
+            return x;
+        };
+        let centred = x.clone() - over(x); // [batch, channels, time]
+        let variance = over(centred.clone().square());
+        let normal = centred / (variance + NORM_EPSILON).sqrt(); // [batch, channels, time]
+        let per_channel = |p: &Param<Tensor<1>>| p.val().unsqueeze::<2>().unsqueeze_dim::<3>(2); // [1, channels, 1]
+        normal * per_channel(&norm.weight) + per_channel(&norm.bias)
+    }
+
+    /// All parameters as one tensor, in the order of [`crate::shape::parameters`]: `[parameter count]`. Differentiable.
+    pub fn flat(&self) -> Tensor<1> {
+        let mut parts = Vec::new();
+        for (i, conv) in self.conv.iter().enumerate() {
+            parts.push(conv.weight.val().reshape([-1])); // [out * in * kernel]
+            parts.extend(conv.bias.iter().map(Param::val)); // [out]
+            if let Some(norm) = self.norm.get(i) {
+                parts.extend([norm.weight.val(), norm.bias.val()]); // [out], [out]
+            }
+        }
+        for layer in &self.fc {
+            parts.push(layer.weight.val().reshape([-1])); // [out * in]
+            parts.push(layer.bias.val()); // [out]
+        }
+        Tensor::cat(parts, 0) // [parameter count]
+    }
+
+    /// All parameters as numbers, in the order of [`crate::shape::parameters`].
+    pub fn parameters(&self) -> Vec<f32> {
+        floats(self.flat())
+    }
+
+    /// The gradient of whatever `gradients` was computed from, in the order of [`Self::parameters`]; zeros for parameters that
+    /// it does not depend on.
+    pub fn flat_gradient(&self, gradients: &Gradients) -> Vec<f32> {
+        fn push<const D: usize>(flat: &mut Vec<f32>, param: &Param<Tensor<D>>, gradients: &Gradients) {
+            let value = param.val();
+            match value.grad(gradients) {
+                Some(gradient) => flat.extend(floats(gradient)),
+                None => flat.extend(std::iter::repeat_n(0.0, value.shape().num_elements())),
+            }
+        }
+        let mut flat = Vec::new();
+        for (i, conv) in self.conv.iter().enumerate() {
+            push(&mut flat, &conv.weight, gradients);
+            if let Some(bias) = &conv.bias {
+                push(&mut flat, bias, gradients);
+            }
+            if let Some(norm) = self.norm.get(i) {
+                push(&mut flat, &norm.weight, gradients);
+                push(&mut flat, &norm.bias, gradients);
+            }
+        }
+        for layer in &self.fc {
+            push(&mut flat, &layer.weight, gradients);
+            push(&mut flat, &layer.bias, gradients);
+        }
+        flat
+    }
+
+    /// The same network with other flat parameters.
+    ///
+    /// # Panics
+    /// When `flat` has not as many numbers as the network has parameters.
+    #[must_use]
+    pub fn with_parameters(&self, flat: &[f32]) -> Self {
+        Self::with_engine(&self.config, flat, &self.device(), Arc::clone(&self.engine))
+    }
+}
+
+/// Numbers of a float tensor, row by row.
+fn floats<const D: usize>(tensor: Tensor<D>) -> Vec<f32> {
+    tensor.into_data_as::<f32>().iter::<f32>().collect()
+}
+
+fn param<const D: usize>(
+    (index, p): (usize, &ParameterShape),
+    flat: &[f32],
+    device: &Device,
+) -> Param<Tensor<D>> {
+    let numbers = flat[p.offset..p.offset + p.len()].to_vec();
+    let tensor = Tensor::from_data(TensorData::new(numbers, p.shape.clone()), device);
+    // Numbered, not drawn: burn's own optimiser records then fit any network of the same configuration.
+    let tensor = if device.is_autodiff() {
+        tensor.require_grad()
+    } else {
+        tensor
+    };
+    Param::initialized(ParamId::from(index as u64), tensor)
+}
+
+/// What the first convolution sees, and each window's own scale where there is one.
+///
+/// # Shapes
+/// `windows`: `[batch, window]`; returns `[batch, input channels, time]` and `[batch, 1]`.
+fn prepare(config: &ProNetConfig, windows: Tensor<2>) -> (Tensor<3>, Option<Tensor<2>>) {
+    let [batch, n] = windows.dims();
+    let mut x = windows * (1.0 / config.input_scale()) as f32; // [batch, window]
+    if matches!(
+        config.input,
+        Input::Demeaned | Input::DemeanedAndSecondDifferences
+    ) {
+        x = x.clone() - x.mean_dim(1);
+    }
+    let first = |x: Tensor<2>| {
+        let [_, n] = x.dims();
+        x.clone().slice([0..batch, 1..n]) - x.slice([0..batch, 0..n - 1]) // [batch, n - 1]
+    };
+    let scale = match config.standardise {
+        Standardise::None => None,
+        Standardise::Rms => Some(x.clone()),
+        Standardise::SecondDifferences => Some(first(first(x.clone()))),
+    }
+    .map(|of| (of.square().mean_dim(1) + SCALE_EPSILON).sqrt()); // [batch, 1]
+    if let Some(scale) = &scale {
+        x = x / scale.clone();
+    }
+    let planes = match config.input {
+        Input::Demeaned | Input::Raw => vec![x],
+        Input::Differences => vec![first(x)], // [batch, window - 1]
+        Input::SecondDifferences => vec![first(first(x))], // [batch, window - 2]
+        Input::BothDifferences => {
+            let d = first(x); // [batch, window - 1]
+            vec![d.clone().slice([0..batch, 0..n - 2]), first(d)] // 2 of [batch, window - 2]
+        }
+        Input::DemeanedAndSecondDifferences => {
+            let zero = Tensor::zeros([batch, 1], &x.device());
+            let d2 = Tensor::cat(vec![zero.clone(), first(first(x.clone())), zero], 1); // [batch, window]
+            vec![x, d2]
+        }
+    };
+    (Tensor::stack(planes, 1), scale) // [batch, input channels, time]
+}
+
+/// `[batch, channels, time]` turned about its end points: `[batch, channels, by + time + by]`.
+fn odd_extension(x: &Tensor<3>, by: usize) -> Tensor<3> {
+    let [b, c, n] = x.dims();
+    let part = |from: usize, to: usize| x.clone().slice([0..b, 0..c, from..to]);
+    let left = part(0, 1) * 2.0 - part(1, by + 1).flip([2]); // [batch, channels, by]
+    let right = part(n - 1, n) * 2.0 - part(n - 1 - by, n - 1).flip([2]); // [batch, channels, by]
+    Tensor::cat(vec![left, x.clone(), right], 2) // [batch, channels, by + time + by]
+}

@@ -1,0 +1,323 @@
+//! Named tensors with a JSON description in one safetensors file: written whole or not at all, checked when read.
+//!
+//! The description stands under the single metadata key `"dpn"` (one key, because the container writes several in any order, and the same
+//! network shall be the same bytes): `{"format", "version", "sha256", "content"}`. The checksum is taken over the tensors' bytes
+//! in the order of their names.
+
+use safetensors::tensor::{Dtype, SafeTensors, TensorView};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
+use std::collections::{BTreeMap, HashMap};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// The metadata key the description stands under.
+const KEY: &str = "dpn";
+/// The version of the layout that is written, and the only one that is read.
+pub const FORMAT_VERSION: u64 = 1;
+
+/// Why a file of weights or a checkpoint cannot be read or written.
+#[derive(Debug, Error)]
+pub enum StoreError {
+    /// The file cannot be read.
+    #[error("{}: cannot be read; check that it exists and may be read", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The file cannot be written; nothing was left behind.
+    #[error("{}: cannot be written; check the folder's permissions and the free space", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// Not a safetensors file, or a damaged or truncated one.
+    #[error("{}: no whole safetensors file ({detail}); fetch or train it again", path.display())]
+    Container {
+        /// The file.
+        path: PathBuf,
+        /// What the container's reader said.
+        detail: String,
+    },
+    /// A safetensors file that dpn has not written, or one of another purpose.
+    #[error("{}: {found}, where {wanted} is needed; give a file that dpn wrote for this purpose", path.display())]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// What it says it is.
+        found: String,
+        /// What it should be.
+        wanted: &'static str,
+    },
+    /// Written by another version of the layout.
+    #[error("{}: layout version {found}, but this program reads version {FORMAT_VERSION}; use the dpn that wrote it, or train again", path.display())]
+    Version {
+        /// The file.
+        path: PathBuf,
+        /// Its version.
+        found: String,
+    },
+    /// The description cannot be understood.
+    #[error("{}: its description cannot be read ({detail}); use the dpn that wrote it, or train again", path.display())]
+    Description {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        detail: String,
+    },
+    /// Another sensor's network.
+    #[error("{}: a network for the {found}, where the {wanted}'s is needed; give the {wanted}'s file", path.display())]
+    Sensor {
+        /// The file.
+        path: PathBuf,
+        /// The sensor it is for.
+        found: dpn_core::Sensor,
+        /// The sensor asked for.
+        wanted: dpn_core::Sensor,
+    },
+    /// A tensor that the configuration asks for is not there.
+    #[error("{}: tensor `{name}` is missing; its configuration asks for it, so the file was altered: fetch or train it again", path.display())]
+    Missing {
+        /// The file.
+        path: PathBuf,
+        /// The tensor.
+        name: String,
+    },
+    /// A tensor that the configuration does not know.
+    #[error("{}: tensor `{name}` is not in its configuration, so the file was altered: fetch or train it again", path.display())]
+    Unknown {
+        /// The file.
+        path: PathBuf,
+        /// The tensor.
+        name: String,
+    },
+    /// A tensor of another shape or number type.
+    #[error("{}: tensor `{name}` is {found}, where {wanted} is needed; fetch or train it again", path.display())]
+    Shape {
+        /// The file.
+        path: PathBuf,
+        /// The tensor.
+        name: String,
+        /// Its number type and shape.
+        found: String,
+        /// What its configuration asks for.
+        wanted: String,
+    },
+    /// NaN or infinity among the numbers.
+    #[error("{}: tensor `{name}` holds {value} at index {index}; that training diverged: train again with a lower rate", path.display())]
+    NotFinite {
+        /// The file.
+        path: PathBuf,
+        /// The tensor.
+        name: String,
+        /// Index in the tensor, row by row.
+        index: usize,
+        /// The value.
+        value: f32,
+    },
+    /// The numbers are not those that were written.
+    #[error("{}: its checksum does not fit its numbers; the file is damaged: fetch or train it again", path.display())]
+    Checksum {
+        /// The file.
+        path: PathBuf,
+    },
+}
+
+/// A tensor on its way into a file or out of it.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Named {
+    pub(crate) name: String,
+    pub(crate) shape: Vec<usize>,
+    pub(crate) numbers: Vec<f32>,
+}
+
+fn le_bytes(numbers: &[f32]) -> Vec<u8> {
+    numbers.iter().flat_map(|v| v.to_le_bytes()).collect()
+}
+
+fn checksum<'a>(by_name: impl IntoIterator<Item = (&'a str, &'a [u8])>) -> String {
+    let mut hash = Sha256::new();
+    for (name, bytes) in by_name {
+        hash.update((name.len() as u64).to_le_bytes());
+        hash.update(name.as_bytes());
+        hash.update((bytes.len() as u64).to_le_bytes());
+        hash.update(bytes);
+    }
+    hash.finalize().iter().map(|b| format!("{b:02x}")).collect()
+}
+
+/// The bytes of a file with these tensors and this description. The same input gives the same bytes.
+pub(crate) fn to_bytes(
+    format: &'static str,
+    content: &impl Serialize,
+    tensors: &[Named],
+    path: &Path,
+) -> Result<Vec<u8>, StoreError> {
+    let description = |detail: String| StoreError::Description {
+        path: path.to_owned(),
+        detail,
+    };
+    let bytes: BTreeMap<&str, Vec<u8>> = tensors
+        .iter()
+        .map(|t| (t.name.as_str(), le_bytes(&t.numbers)))
+        .collect();
+    let sha256 = checksum(bytes.iter().map(|(n, b)| (*n, b.as_slice())));
+    let content = serde_json::to_value(content).map_err(|e| description(e.to_string()))?;
+    let meta = json!({"format": format, "version": FORMAT_VERSION, "sha256": sha256, "content": content});
+    let mut views = Vec::with_capacity(tensors.len());
+    for tensor in tensors {
+        let data = &bytes[tensor.name.as_str()];
+        let view = TensorView::new(Dtype::F32, tensor.shape.clone(), data)
+            .map_err(|e| description(e.to_string()))?;
+        views.push((tensor.name.as_str(), view));
+    }
+    safetensors::serialize(views, Some(HashMap::from([(KEY.to_owned(), meta.to_string())])))
+        .map_err(|e| description(e.to_string()))
+}
+
+/// Writes `bytes` beside `path` and renames: `path` holds all of them or what it held before.
+pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
+    let failed = |source| StoreError::Write {
+        path: path.to_owned(),
+        source,
+    };
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".dpn-").suffix(".tmp");
+    // Temporary files are the owner's alone by default; this one becomes a file to share, under the user's mask.
+    #[cfg(unix)]
+    let builder = builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut file = builder.tempfile_in(folder).map_err(failed)?;
+    file.write_all(bytes).map_err(failed)?;
+    file.as_file().sync_all().map_err(failed)?;
+    file.persist(path).map_err(|e| failed(e.error))?;
+    Ok(())
+}
+
+/// The bytes of a file.
+pub(crate) fn read(path: &Path) -> Result<Vec<u8>, StoreError> {
+    std::fs::read(path).map_err(|source| StoreError::Read {
+        path: path.to_owned(),
+        source,
+    })
+}
+
+/// Description and tensors of a file's bytes; `path` is for messages. Checks container, format, version and checksum.
+pub(crate) fn from_bytes<T: DeserializeOwned>(
+    format: &'static str,
+    bytes: &[u8],
+    path: &Path,
+) -> Result<(T, BTreeMap<String, Named>), StoreError> {
+    let container = |detail: String| StoreError::Container {
+        path: path.to_owned(),
+        detail,
+    };
+    let (_, header) = SafeTensors::read_metadata(bytes).map_err(|e| container(e.to_string()))?;
+    let tensors = SafeTensors::deserialize(bytes).map_err(|e| container(e.to_string()))?;
+    let foreign = |found: String| StoreError::Format {
+        path: path.to_owned(),
+        found,
+        wanted: format,
+    };
+    let text = header
+        .metadata()
+        .as_ref()
+        .and_then(|m| m.get(KEY))
+        .ok_or_else(|| foreign("a safetensors file without dpn's description".to_owned()))?;
+    let mut meta: Value = serde_json::from_str(text).map_err(|e| StoreError::Description {
+        path: path.to_owned(),
+        detail: e.to_string(),
+    })?;
+    let found = meta["format"].as_str().unwrap_or("a description without format");
+    if found != format {
+        return Err(foreign(found.to_owned()));
+    }
+    if meta["version"].as_u64() != Some(FORMAT_VERSION) {
+        return Err(StoreError::Version {
+            path: path.to_owned(),
+            found: meta["version"].to_string(),
+        });
+    }
+    let content = serde_json::from_value(meta["content"].take()).map_err(|e| StoreError::Description {
+        path: path.to_owned(),
+        detail: e.to_string(),
+    })?;
+    let views: BTreeMap<&str, TensorView<'_>> = tensors.iter().collect();
+    let mut named = BTreeMap::new();
+    for (name, view) in &views {
+        if view.dtype() != Dtype::F32 {
+            return Err(StoreError::Shape {
+                path: path.to_owned(),
+                name: (*name).to_owned(),
+                found: format!("{:?} {:?}", view.dtype(), view.shape()),
+                wanted: "F32".to_owned(),
+            });
+        }
+        let (words, _) = view.data().as_chunks::<4>();
+        let numbers: Vec<f32> = words.iter().map(|b| f32::from_le_bytes(*b)).collect();
+        if let Some(index) = numbers.iter().position(|v| !v.is_finite()) {
+            return Err(StoreError::NotFinite {
+                path: path.to_owned(),
+                name: (*name).to_owned(),
+                index,
+                value: numbers[index],
+            });
+        }
+        let tensor = Named {
+            name: (*name).to_owned(),
+            shape: view.shape().to_vec(),
+            numbers,
+        };
+        named.insert(tensor.name.clone(), tensor);
+    }
+    let sum = checksum(views.iter().map(|(n, v)| (*n, v.data())));
+    if meta["sha256"].as_str() != Some(sum.as_str()) {
+        return Err(StoreError::Checksum {
+            path: path.to_owned(),
+        });
+    }
+    Ok((content, named))
+}
+
+/// Takes the tensor `name` out of `tensors` if it has this shape.
+pub(crate) fn take(
+    tensors: &mut BTreeMap<String, Named>,
+    name: &str,
+    shape: &[usize],
+    path: &Path,
+) -> Result<Vec<f32>, StoreError> {
+    let tensor = tensors.remove(name).ok_or_else(|| StoreError::Missing {
+        path: path.to_owned(),
+        name: name.to_owned(),
+    })?;
+    if tensor.shape != shape {
+        return Err(StoreError::Shape {
+            path: path.to_owned(),
+            name: name.to_owned(),
+            found: format!("{:?}", tensor.shape),
+            wanted: format!("{shape:?}"),
+        });
+    }
+    Ok(tensor.numbers)
+}
+
+/// Refuses tensors nobody took.
+pub(crate) fn nothing_left(tensors: &BTreeMap<String, Named>, path: &Path) -> Result<(), StoreError> {
+    match tensors.keys().next() {
+        None => Ok(()),
+        Some(name) => Err(StoreError::Unknown {
+            path: path.to_owned(),
+            name: name.clone(),
+        }),
+    }
+}

@@ -1,0 +1,277 @@
+//! Everything that decides a training run, as one typed TOML file.
+
+use crate::base::{Base, Scope};
+use crate::draw::{Augment, DrawRule};
+use crate::label::Label;
+use crate::levels::{LevelKind, Levels};
+use dpn_core::Sensor;
+use dpn_core::config::{ConfigFault, Validate};
+use dpn_pronet::ProNetConfig;
+use serde::{Deserialize, Serialize};
+
+/// Configuration of `dpn train`. Keys that do not stand in the file have the defaults documented here.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct TrainConfig {
+    /// Seed of initial weights, noise, and order of windows.
+    pub seed: u64,
+    /// The signal noise is injected into.
+    pub base: BaseConfig,
+    /// What is injected and asked for.
+    pub noise: NoiseConfig,
+    /// Changes to a window that leave its noise the same.
+    pub augment: Augment,
+    /// How the weights are fitted.
+    pub fit: FitConfig,
+    /// The network.
+    pub network: ProNetConfig,
+}
+
+/// Decisions 2 and 3.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct BaseConfig {
+    /// What cleans the signal.
+    pub filter: FilterKind,
+    /// Samples of the Savitzky-Golay filter, odd.
+    pub window: usize,
+    /// Degree of its polynomial, below `window`.
+    pub order: usize,
+    /// Filtered window by window, or the recording before it is cut.
+    pub scope: Scope,
+}
+
+/// What cleans the signal before noise is injected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FilterKind {
+    /// Savitzky-Golay.
+    SavitzkyGolay,
+    /// Nothing: the raw signal.
+    None,
+}
+
+impl Default for BaseConfig {
+    fn default() -> Self {
+        Self { filter: FilterKind::SavitzkyGolay, window: 11, order: 2, scope: Scope::Window }
+    }
+}
+
+impl BaseConfig {
+    /// The base these keys mean.
+    pub fn base(&self) -> Base {
+        match self.filter {
+            FilterKind::SavitzkyGolay => Base::SavitzkyGolay { window: self.window, order: self.order },
+            FilterKind::None => Base::Raw,
+        }
+    }
+
+    /// Sets filter, window and order from `base`.
+    pub fn set(&mut self, base: Base) {
+        match base {
+            Base::Raw => self.filter = FilterKind::None,
+            Base::SavitzkyGolay { window, order } => {
+                (self.filter, self.window, self.order) = (FilterKind::SavitzkyGolay, window, order);
+            }
+        }
+    }
+}
+
+/// Decisions 9 to 11. `low` and `high` that do not stand in the file are the paper's for the sensor.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct NoiseConfig {
+    /// How injected deviations are chosen.
+    pub levels: LevelKind,
+    /// Smallest injected deviation \[m/s^2 or rad/s\].
+    pub low: Option<f64>,
+    /// Largest injected deviation \[m/s^2 or rad/s\].
+    pub high: Option<f64>,
+    /// Number of grid points; also how often every window is judged in validation and evaluation.
+    pub steps: Option<usize>,
+    /// What a window is labelled with.
+    pub label: Label,
+    /// When noise is drawn.
+    pub draws: Draws,
+}
+
+/// Decision 11.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Draws {
+    /// Anew every epoch.
+    Epoch,
+    /// Once: every epoch shows the same examples.
+    Fixed,
+}
+
+impl Default for NoiseConfig {
+    fn default() -> Self {
+        Self { levels: LevelKind::Grid, low: None, high: None, steps: None, label: Label::Injected, draws: Draws::Epoch }
+    }
+}
+
+/// How the weights are fitted.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct FitConfig {
+    /// Passes over the training windows.
+    pub epochs: u64,
+    /// How often an epoch shows each window, every time with other noise.
+    pub draws_per_window: u64,
+    /// Windows a step.
+    pub batch: usize,
+    /// Largest learning rate of Adam.
+    pub learning_rate: f64,
+    /// Its course over the run.
+    pub schedule: Schedule,
+    /// Steps over which the learning rate rises from 0.
+    pub warmup_steps: u64,
+    /// Decoupled weight decay (AdamW) a step, times the learning rate; 0 is plain Adam.
+    pub weight_decay: f64,
+    /// Largest norm of the whole gradient, in units of the normalised loss; 0 leaves it as it is.
+    pub clip_norm: f64,
+    /// Decay of the running mean of the weights that is validated and kept; 0 keeps the weights themselves.
+    pub ema: f64,
+    /// What is minimised.
+    pub loss: Loss,
+    /// Epochs between two validations; the last epoch is always validated.
+    pub validate_every: u64,
+}
+
+/// Course of the learning rate after warm-up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Schedule {
+    /// As it is (the paper).
+    Constant,
+    /// Half a cosine down to 0 at the last step.
+    Cosine,
+}
+
+/// What is minimised.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Loss {
+    /// Mean square error of the deviation in units of the output scale (the paper's, but for the unit).
+    Mse,
+    /// Mean square error of its logarithm.
+    LogMse,
+}
+
+impl Default for FitConfig {
+    fn default() -> Self {
+        Self {
+            epochs: 200,
+            draws_per_window: 1,
+            batch: 200,
+            learning_rate: 4e-3,
+            schedule: Schedule::Cosine,
+            warmup_steps: 100,
+            weight_decay: 1e-4,
+            clip_norm: 1.0,
+            ema: 0.99,
+            loss: Loss::Mse,
+            validate_every: 5,
+        }
+    }
+}
+
+impl Default for TrainConfig {
+    fn default() -> Self {
+        Self::for_sensor(Sensor::Accel)
+    }
+}
+
+impl TrainConfig {
+    /// The default run for `sensor`.
+    pub fn for_sensor(sensor: Sensor) -> Self {
+        Self {
+            seed: 0,
+            base: BaseConfig::default(),
+            noise: NoiseConfig::default(),
+            augment: Augment::default(),
+            fit: FitConfig::default(),
+            network: ProNetConfig::for_sensor(sensor),
+        }
+    }
+
+    /// The sensor trained for.
+    pub fn sensor(&self) -> Sensor {
+        self.network.sensor
+    }
+
+    /// Injected deviations, the paper's range where the file gives none.
+    pub fn levels(&self) -> Levels {
+        let paper = Levels::paper(self.sensor(), self.noise.levels);
+        Levels {
+            kind: self.noise.levels,
+            low: self.noise.low.unwrap_or(paper.low),
+            high: self.noise.high.unwrap_or(paper.high),
+            steps: self.noise.steps.unwrap_or(paper.steps),
+        }
+    }
+
+    /// The rule examples are drawn by.
+    pub fn draw_rule(&self) -> DrawRule {
+        DrawRule { levels: self.levels(), label: self.noise.label, augment: self.augment }
+    }
+
+    /// The same run with every default written out.
+    #[must_use]
+    pub fn resolved(&self) -> Self {
+        let levels = self.levels();
+        let noise =
+            NoiseConfig { low: Some(levels.low), high: Some(levels.high), steps: Some(levels.steps), ..self.noise };
+        Self { noise, network: self.network.resolved(), ..self.clone() }
+    }
+}
+
+impl Validate for TrainConfig {
+    fn faults(&self) -> Vec<ConfigFault> {
+        let mut faults: Vec<ConfigFault> = match self.network.validate() {
+            Ok(()) => Vec::new(),
+            Err(error) => {
+                let under = |fault: dpn_pronet::config::Fault| ConfigFault::new(format!("network.{}", fault.key), fault.value, fault.bound);
+                error.faults.into_iter().map(under).collect()
+            }
+        };
+        let mut check = |ok: bool, key: &'static str, value: String, bound: &'static str| {
+            if !ok {
+                faults.push(ConfigFault::new(key, value, bound));
+            }
+        };
+        let (base, fit, levels) = (&self.base, &self.fit, self.levels());
+        check(base.base().filter().is_ok(), "base", base.base().to_string(), "an odd window above its order");
+        check(base.window <= crate::windows::WINDOW, "base.window", base.window.to_string(), "at most 200 samples");
+        check(
+            levels.low.is_finite() && levels.low > 0.0 && levels.low <= levels.high && levels.high.is_finite(),
+            "noise.low",
+            format!("{} (with `noise.high` {})", levels.low, levels.high),
+            "above 0 and at most `noise.high`",
+        );
+        check((1..=1000).contains(&levels.steps), "noise.steps", levels.steps.to_string(), "1 to 1000");
+        let scale = self.augment.scale;
+        check((1.0..=100.0).contains(&scale), "augment.scale", scale.to_string(), "1 to 100");
+        check(fit.epochs >= 1, "fit.epochs", fit.epochs.to_string(), "at least 1");
+        check(
+            (1..=1000).contains(&fit.draws_per_window),
+            "fit.draws_per_window",
+            fit.draws_per_window.to_string(),
+            "1 to 1000",
+        );
+        check((1..=10_000).contains(&fit.batch), "fit.batch", fit.batch.to_string(), "1 to 10000");
+        check(
+            fit.validate_every >= 1,
+            "fit.validate_every",
+            fit.validate_every.to_string(),
+            "at least 1",
+        );
+        let rate = fit.learning_rate;
+        check(rate > 0.0 && rate <= 1.0, "fit.learning_rate", rate.to_string(), "above 0 and at most 1");
+        check((0.0..=1.0).contains(&fit.weight_decay), "fit.weight_decay", fit.weight_decay.to_string(), "0 to 1");
+        check(fit.clip_norm >= 0.0 && fit.clip_norm.is_finite(), "fit.clip_norm", fit.clip_norm.to_string(), "0 or more");
+        check((0.0..1.0).contains(&fit.ema), "fit.ema", fit.ema.to_string(), "0 or more and below 1");
+        faults
+    }
+}
