@@ -13,6 +13,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct TrainConfig {
+    /// Name of the estimator in tables.
+    pub name: String,
     /// Seed of initial weights, noise, and order of windows.
     pub seed: u64,
     /// The signal noise is injected into.
@@ -187,6 +189,7 @@ impl TrainConfig {
     /// The default run for `sensor`.
     pub fn for_sensor(sensor: Sensor) -> Self {
         Self {
+            name: "pronet".into(),
             seed: 0,
             base: BaseConfig::default(),
             noise: NoiseConfig::default(),
