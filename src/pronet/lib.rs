@@ -40,6 +40,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 pub mod adam;
+mod band_pass;
 pub mod checkpoint;
 pub mod config;
 mod engine;

@@ -2,7 +2,7 @@
 //!
 //! Blocks of convolution, layer normalisation and leaky ReLU (or the paper's other order), pooling over time, linear layers with
 //! leaky ReLU, and a head that turns the last number into a deviation. On burn's CPU backend [`ProNet::forward`] takes the fused
-//! kernels of [`crate::engine`] instead (same numbers to rounding, a fraction of the time); [`ProNet::forward_plain`] is the
+//! kernels of this crate instead (same numbers to rounding, a fraction of the time); [`ProNet::forward_plain`] is the
 //! reference that the tests hold the kernels to, and what runs on every other device.
 //!
 //! Source: VIO-DualProNet (arXiv 2308.11228), sec. III-B; the open choices are keys of [`ProNetConfig`].
