@@ -1,3 +1,23 @@
 //! The command line: parse, run, print the error chain and its hint, exit code. Nothing else.
 
-fn main() {}
+mod args;
+mod cmd;
+mod ui;
+
+use clap::Parser;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let cli = args::Cli::parse();
+    match cmd::run(cli) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if error.is::<ui::Interrupted>() => {
+            eprintln!("{error}");
+            ExitCode::from(130)
+        }
+        Err(error) => {
+            eprintln!("{}", ui::render_error(&error));
+            ExitCode::from(2)
+        }
+    }
+}

@@ -53,12 +53,7 @@ pub enum FilterKind {
 
 impl Default for BaseConfig {
     fn default() -> Self {
-        Self {
-            filter: FilterKind::SavitzkyGolay,
-            window: 11,
-            order: 2,
-            scope: Scope::Window,
-        }
+        Self { filter: FilterKind::SavitzkyGolay, window: 11, order: 2, scope: Scope::Window }
     }
 }
 
@@ -66,10 +61,7 @@ impl BaseConfig {
     /// The base these keys mean.
     pub fn base(&self) -> Base {
         match self.filter {
-            FilterKind::SavitzkyGolay => Base::SavitzkyGolay {
-                window: self.window,
-                order: self.order,
-            },
+            FilterKind::SavitzkyGolay => Base::SavitzkyGolay { window: self.window, order: self.order },
             FilterKind::None => Base::Raw,
         }
     }
@@ -115,14 +107,7 @@ pub enum Draws {
 
 impl Default for NoiseConfig {
     fn default() -> Self {
-        Self {
-            levels: LevelKind::Grid,
-            low: None,
-            high: None,
-            steps: None,
-            label: Label::Injected,
-            draws: Draws::Epoch,
-        }
+        Self { levels: LevelKind::Grid, low: None, high: None, steps: None, label: Label::Injected, draws: Draws::Epoch }
     }
 }
 
@@ -150,6 +135,8 @@ pub struct FitConfig {
     pub ema: f64,
     /// What is minimised.
     pub loss: Loss,
+    /// Epochs between two validations; the last epoch is always validated.
+    pub validate_every: u64,
 }
 
 /// Course of the learning rate after warm-up.
@@ -185,6 +172,7 @@ impl Default for FitConfig {
             clip_norm: 1.0,
             ema: 0.99,
             loss: Loss::Mse,
+            validate_every: 5,
         }
     }
 }
@@ -226,28 +214,16 @@ impl TrainConfig {
 
     /// The rule examples are drawn by.
     pub fn draw_rule(&self) -> DrawRule {
-        DrawRule {
-            levels: self.levels(),
-            label: self.noise.label,
-            augment: self.augment,
-        }
+        DrawRule { levels: self.levels(), label: self.noise.label, augment: self.augment }
     }
 
     /// The same run with every default written out.
     #[must_use]
     pub fn resolved(&self) -> Self {
         let levels = self.levels();
-        let noise = NoiseConfig {
-            low: Some(levels.low),
-            high: Some(levels.high),
-            steps: Some(levels.steps),
-            ..self.noise
-        };
-        Self {
-            noise,
-            network: self.network.resolved(),
-            ..self.clone()
-        }
+        let noise =
+            NoiseConfig { low: Some(levels.low), high: Some(levels.high), steps: Some(levels.steps), ..self.noise };
+        Self { noise, network: self.network.resolved(), ..self.clone() }
     }
 }
 
@@ -256,9 +232,7 @@ impl Validate for TrainConfig {
         let mut faults: Vec<ConfigFault> = match self.network.validate() {
             Ok(()) => Vec::new(),
             Err(error) => {
-                let under = |fault: dpn_pronet::Fault| {
-                    ConfigFault::new(format!("network.{}", fault.key), fault.value, fault.bound)
-                };
+                let under = |fault: dpn_pronet::config::Fault| ConfigFault::new(format!("network.{}", fault.key), fault.value, fault.bound);
                 error.faults.into_iter().map(under).collect()
             }
         };
@@ -268,83 +242,36 @@ impl Validate for TrainConfig {
             }
         };
         let (base, fit, levels) = (&self.base, &self.fit, self.levels());
+        check(base.base().filter().is_ok(), "base", base.base().to_string(), "an odd window above its order");
+        check(base.window <= crate::windows::WINDOW, "base.window", base.window.to_string(), "at most 200 samples");
         check(
-            base.base().filter().is_ok(),
-            "base",
-            base.base().to_string(),
-            "an odd window above its order",
-        );
-        check(
-            base.window <= crate::windows::WINDOW,
-            "base.window",
-            base.window.to_string(),
-            "at most 200 samples",
-        );
-        check(
-            levels.low.is_finite()
-                && levels.low > 0.0
-                && levels.low <= levels.high
-                && levels.high.is_finite(),
+            levels.low.is_finite() && levels.low > 0.0 && levels.low <= levels.high && levels.high.is_finite(),
             "noise.low",
             format!("{} (with `noise.high` {})", levels.low, levels.high),
             "above 0 and at most `noise.high`",
         );
-        check(
-            (1..=1000).contains(&levels.steps),
-            "noise.steps",
-            levels.steps.to_string(),
-            "1 to 1000",
-        );
+        check((1..=1000).contains(&levels.steps), "noise.steps", levels.steps.to_string(), "1 to 1000");
         let scale = self.augment.scale;
-        check(
-            (1.0..=100.0).contains(&scale),
-            "augment.scale",
-            scale.to_string(),
-            "1 to 100",
-        );
-        check(
-            fit.epochs >= 1,
-            "fit.epochs",
-            fit.epochs.to_string(),
-            "at least 1",
-        );
+        check((1.0..=100.0).contains(&scale), "augment.scale", scale.to_string(), "1 to 100");
+        check(fit.epochs >= 1, "fit.epochs", fit.epochs.to_string(), "at least 1");
         check(
             (1..=1000).contains(&fit.draws_per_window),
             "fit.draws_per_window",
             fit.draws_per_window.to_string(),
             "1 to 1000",
         );
+        check((1..=10_000).contains(&fit.batch), "fit.batch", fit.batch.to_string(), "1 to 10000");
         check(
-            (1..=10_000).contains(&fit.batch),
-            "fit.batch",
-            fit.batch.to_string(),
-            "1 to 10000",
+            fit.validate_every >= 1,
+            "fit.validate_every",
+            fit.validate_every.to_string(),
+            "at least 1",
         );
         let rate = fit.learning_rate;
-        check(
-            rate > 0.0 && rate <= 1.0,
-            "fit.learning_rate",
-            rate.to_string(),
-            "above 0 and at most 1",
-        );
-        check(
-            (0.0..=1.0).contains(&fit.weight_decay),
-            "fit.weight_decay",
-            fit.weight_decay.to_string(),
-            "0 to 1",
-        );
-        check(
-            fit.clip_norm >= 0.0 && fit.clip_norm.is_finite(),
-            "fit.clip_norm",
-            fit.clip_norm.to_string(),
-            "0 or more",
-        );
-        check(
-            (0.0..1.0).contains(&fit.ema),
-            "fit.ema",
-            fit.ema.to_string(),
-            "0 or more and below 1",
-        );
+        check(rate > 0.0 && rate <= 1.0, "fit.learning_rate", rate.to_string(), "above 0 and at most 1");
+        check((0.0..=1.0).contains(&fit.weight_decay), "fit.weight_decay", fit.weight_decay.to_string(), "0 to 1");
+        check(fit.clip_norm >= 0.0 && fit.clip_norm.is_finite(), "fit.clip_norm", fit.clip_norm.to_string(), "0 or more");
+        check((0.0..1.0).contains(&fit.ema), "fit.ema", fit.ema.to_string(), "0 or more and below 1");
         faults
     }
 }

@@ -2,7 +2,8 @@
 
 use crate::split::Side;
 use crate::windows::WINDOW;
-use dpn_core::{ImuRecording, Sensor};
+use dpn_core::io::{CheckOptions, RecordingFault, check};
+use dpn_core::{ImuRecording, SampleRate};
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 
@@ -35,9 +36,7 @@ pub struct Corpus {
 #[derive(Debug, Error, PartialEq)]
 pub enum CorpusError {
     /// A side has no recording.
-    #[error(
-        "{corpus}: no {side} sequence among {names:?}; training needs sequences on both sides of the split"
-    )]
+    #[error("{corpus}: no {side} sequence among {names:?}; training needs sequences on both sides of the split")]
     EmptySide {
         /// The collection.
         corpus: String,
@@ -46,65 +45,42 @@ pub enum CorpusError {
         /// Sequences there are.
         names: Vec<String>,
     },
-    /// Too few samples for one window.
-    #[error(
-        "{name}: {samples} samples are shorter than a window of {WINDOW}; leave the sequence out or record longer"
-    )]
-    TooShort {
+    /// A recording that windows cannot be cut from, or that holds a broken axis.
+    #[error("{name}: {fault}")]
+    Recording {
         /// The sequence.
         name: String,
-        /// Its samples.
-        samples: usize,
+        /// What is wrong.
+        fault: RecordingFault,
     },
-    /// A rate that windows are not made for.
-    #[error(
-        "{name}: {hz:.1} samples a second, but windows are cut for {RATE_HZ} Hz within 5 %; resample the recording"
-    )]
-    Rate {
-        /// The sequence.
-        name: String,
-        /// Its median rate.
-        hz: f64,
-    },
-    /// An axis that never changes.
-    #[error(
-        "{name}: {sensor} axis {axis} never changes from {value}; the sensor or its export is broken, leave the sequence out"
-    )]
-    ConstantAxis {
-        /// The sequence.
-        name: String,
-        /// The sensor.
-        sensor: Sensor,
-        /// The axis, from 0.
-        axis: usize,
-        /// The value it stands at.
-        value: f64,
-    },
+}
+
+impl CorpusError {
+    /// What to do about it.
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::EmptySide { .. } => None,
+            Self::Recording { fault, .. } => fault.hint().map(|hint| format!("{hint}; or leave the sequence out")),
+        }
+    }
 }
 
 impl Corpus {
     /// Checks every member and sorts them by name.
     ///
     /// # Errors
-    /// A member shorter than a window, of another rate, or with an axis that never changes.
+    /// A member shorter than a window, of another rate, or with an axis that is saturated or never changes.
     pub fn new(name: impl Into<String>, mut members: Vec<Member>) -> Result<Self, CorpusError> {
         members.sort_by(|a, b| a.name.cmp(&b.name));
         for member in &members {
-            check(member)?;
+            refuse(member)?;
         }
-        Ok(Self {
-            name: name.into(),
-            members,
-        })
+        Ok(Self { name: name.into(), members })
     }
 
     /// Names and recordings of one side.
     pub fn side(&self, side: Side) -> Vec<(&str, &ImuRecording)> {
-        self.members
-            .iter()
-            .filter(|m| m.side == side)
-            .map(|m| (m.name.as_str(), &m.recording))
-            .collect()
+        self.members.iter().filter(|m| m.side == side).map(|m| (m.name.as_str(), &m.recording)).collect()
     }
 
     /// As [`side`](Self::side), refusing none.
@@ -115,11 +91,7 @@ impl Corpus {
         let members = self.side(side);
         if members.is_empty() {
             let names = self.members.iter().map(|m| m.name.clone()).collect();
-            return Err(CorpusError::EmptySide {
-                corpus: self.name.clone(),
-                side,
-                names,
-            });
+            return Err(CorpusError::EmptySide { corpus: self.name.clone(), side, names });
         }
         Ok(members)
     }
@@ -141,41 +113,25 @@ impl Corpus {
     }
 }
 
-fn check(member: &Member) -> Result<(), CorpusError> {
-    let (name, recording) = (&member.name, &member.recording);
-    if recording.len() < WINDOW {
-        return Err(CorpusError::TooShort {
-            name: name.clone(),
-            samples: recording.len(),
-        });
+/// Refuses what windows cannot be cut from. Gaps are no fault: no window crosses one.
+fn refuse(member: &Member) -> Result<(), CorpusError> {
+    let options = CheckOptions {
+        expected_rate: SampleRate::from_hz(RATE_HZ),
+        rate_tolerance: RATE_TOLERANCE,
+        min_samples: WINDOW,
+        ..CheckOptions::default()
+    };
+    let faults = check(&member.recording, &options).faults;
+    match faults.into_iter().find(|fault| !matches!(fault, RecordingFault::Gaps { .. })) {
+        Some(fault) => Err(CorpusError::Recording { name: member.name.clone(), fault }),
+        None => Ok(()),
     }
-    let hz = recording.rate().hz();
-    if (hz / RATE_HZ - 1.0).abs() > RATE_TOLERANCE {
-        return Err(CorpusError::Rate {
-            name: name.clone(),
-            hz,
-        });
-    }
-    for sensor in Sensor::ALL {
-        for axis in 0..3 {
-            let value = recording.samples()[0].of(sensor)[axis];
-            if recording.samples().iter().all(|s| s.of(sensor)[axis] == value) {
-                return Err(CorpusError::ConstantAxis {
-                    name: name.clone(),
-                    sensor,
-                    axis,
-                    value,
-                });
-            }
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use dpn_core::{ImuSample, Stamp};
+    use dpn_core::{ImuSample, Sensor, Stamp};
 
     fn member(samples: usize, step_ns: i64, frozen: bool) -> Member {
         let samples = (0..samples as i64)
@@ -188,40 +144,24 @@ mod tests {
                 }
             })
             .collect();
-        Member {
-            name: "m".into(),
-            recording: ImuRecording::new(samples).unwrap(),
-            side: Side::Train,
-        }
+        Member { name: "m".into(), recording: ImuRecording::new(samples).unwrap(), side: Side::Train }
     }
 
     #[test]
     fn broken_members_are_named() {
-        assert_eq!(
-            Corpus::new("c", vec![member(199, 5_000_000, false)]).unwrap_err(),
-            CorpusError::TooShort {
-                name: "m".into(),
-                samples: 199
-            }
-        );
+        let fault = |m: Member| match Corpus::new("c", vec![m]).unwrap_err() {
+            CorpusError::Recording { fault, .. } => fault,
+            other => panic!("{other}"),
+        };
+        assert!(matches!(fault(member(199, 5_000_000, false)), RecordingFault::TooShort { found: 199, needed: 200 }));
+        assert!(matches!(fault(member(400, 10_000_000, false)), RecordingFault::WrongRate { .. }));
         assert!(matches!(
-            Corpus::new("c", vec![member(400, 10_000_000, false)]),
-            Err(CorpusError::Rate { .. })
-        ));
-        assert!(matches!(
-            Corpus::new("c", vec![member(400, 5_000_000, true)]),
-            Err(CorpusError::ConstantAxis {
-                sensor: Sensor::Gyro,
-                axis: 2,
-                ..
-            })
+            fault(member(400, 5_000_000, true)),
+            RecordingFault::Constant { sensor: Sensor::Gyro, axis: 2, .. }
         ));
         let fine = Corpus::new("c", vec![member(400, 5_015_000, false)]).unwrap();
         assert!(fine.require(Side::Train).is_ok());
-        assert!(matches!(
-            fine.require(Side::Test),
-            Err(CorpusError::EmptySide { side: Side::Test, .. })
-        ));
+        assert!(matches!(fine.require(Side::Test), Err(CorpusError::EmptySide { side: Side::Test, .. })));
     }
 
     #[test]

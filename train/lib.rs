@@ -2,7 +2,7 @@
 //! window features that a network has to beat.
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used))]
 
-pub mod adam;
+pub mod asl;
 pub mod base;
 pub mod config;
 pub mod corpus;
@@ -13,6 +13,9 @@ pub mod label;
 pub mod levels;
 pub mod own;
 pub mod regress;
+pub mod run;
 pub mod schedule;
 pub mod split;
+pub mod state;
+pub mod trainer;
 pub mod windows;

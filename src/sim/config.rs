@@ -1,5 +1,6 @@
 //! What a simulated flight is made of: every part of the IMU's noise can be scaled or switched off.
 
+use dpn_core::config::{ConfigFault, Validate};
 use crate::imu::{BiasConfig, QuantisationConfig, VibrationConfig, WhiteConfig};
 use dpn_core::SampleRate;
 use serde::{Deserialize, Serialize};
@@ -12,7 +13,8 @@ use thiserror::Error;
 pub enum StampPattern {
     /// Multiples of the period, rounded to a nanosecond.
     Exact,
-    /// Rounded to 256 ns as EuRoC's are (they went through a 64-bit float): steps of 4,999,936 and 5,000,192 ns.
+    /// Rounded to 256 ns since the epoch, as EuRoC's are (they went through a 64-bit float): at 200 Hz, steps of
+    /// 4,999,936 and 5,000,192 ns.
     Euroc,
 }
 
@@ -83,6 +85,14 @@ impl FlightConfig {
         self.vibration.check(&mut faults);
         self.quantisation.check(&mut faults);
         faults.done()
+    }
+}
+
+impl Validate for FlightConfig {
+    fn faults(&self) -> Vec<ConfigFault> {
+        let faults = self.validate().err().map_or_else(Vec::new, |error| error.faults);
+        let bound = |fault: &Fault| format!("within {} and {}", fault.low, fault.high);
+        faults.iter().map(|fault| ConfigFault::new(fault.key.clone(), fault.value, bound(fault))).collect()
     }
 }
 

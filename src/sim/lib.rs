@@ -22,3 +22,8 @@ pub use flight::{Flight, Phase, Phases, Split};
 pub use imu::{ImuSeries, ImuTruth};
 pub use simulate::{SimulatedFlight, SimulationError, simulate, simulate_all};
 pub use trajectory::Trajectory;
+
+/// The README's code is a test.
+#[cfg(doctest)]
+#[doc = include_str!("README.md")]
+struct Readme;

@@ -1,1 +1,50 @@
-//! Simple estimators of the deviation of white noise, each a noise model.
+//! Simple estimators of the deviation of white noise per sample, each usable as a noise model.
+//!
+//! All look at one axis and answer for white noise without bias; they differ in what else they take for noise:
+//!
+//! | spec | takes for noise | spread over the Cramer-Rao bound, 200 samples |
+//! |---|---|---|
+//! | `sg(11,2)` | what a local polynomial does not follow | 1.19 |
+//! | `diff1`, `diff2`, `diff3`, `diff4` | ever more of the highest frequencies alone | 1.23, 1.40, 1.52, 1.63 |
+//! | `allan` | as `diff1`; a slope counts too | 1.23 |
+//! | `mad2` | as `diff2`, but not its outliers | 1.99 |
+//! | `wavelet(db4)` | the upper half of the spectrum, but not its outliers | 2.36 |
+//! | `running`, `sliding` | everything, motion included | 1.00 |
+//! | `ewma(0.01)` | everything, the latest most | 1.15 |
+//! | `kalman(0.1)` | what a slow random walk does not follow | 1.04 |
+//!
+//! * [`WindowSigma`], [`StreamSigma`]: the two ways an estimator is asked.
+//! * [`Windowed`]: estimators on six axes as a [`NoiseModel`](crate::noise::NoiseModel).
+//! * [`spec`]: the strings that name all of them.
+
+mod allan;
+mod axis;
+mod differences;
+mod ewma;
+mod kalman;
+mod mad2;
+mod quadratic;
+mod running;
+mod savgol;
+mod sliding;
+pub mod spec;
+mod wavelet;
+mod window_sigma;
+mod windowed;
+
+#[cfg(test)]
+mod white_noise_tests;
+
+pub use allan::Allan;
+pub use axis::{AxisSigma, EachSample, Given, HopWindow, Reading};
+pub use differences::Differences;
+pub use ewma::Ewma;
+pub use kalman::Kalman;
+pub use mad2::Mad2;
+pub use running::Running;
+pub use savgol::SgResidual;
+pub use sliding::Sliding;
+pub use spec::{NoiseSpec, SpecError};
+pub use wavelet::WaveletMad;
+pub use window_sigma::{EstimatorError, FromFresh, StreamSigma, WindowSigma};
+pub use windowed::{Schedule, Windowed, sigma_floor};

@@ -2,6 +2,7 @@
 //!
 //! Nothing here is an error by itself. A caller knows what it needs and decides which faults are fatal.
 
+use super::plateaus::plateaus;
 use crate::imu::{ImuRecording, Sensor};
 use crate::time::{SampleRate, Stamp};
 use thiserror::Error;
@@ -118,8 +119,8 @@ pub enum RecordingFault {
 
 impl RecordingFault {
     /// What to do about it.
-    pub fn hint(&self) -> &'static str {
-        match self {
+    pub fn hint(&self) -> Option<String> {
+        let text = match self {
             Self::TooShort { .. } => "record for longer",
             Self::WrongRate { .. } => {
                 "look at the unit of the stamps, or resample; noise per sample depends on the rate"
@@ -129,7 +130,8 @@ impl RecordingFault {
                 "choose a larger measuring range, or cut these parts; noise cannot be told there"
             }
             Self::Constant { .. } => "look at the wiring or the column; a live sensor is never without noise",
-        }
+        };
+        Some(text.to_owned())
     }
 }
 
@@ -204,82 +206,6 @@ fn gaps(recording: &ImuRecording, longer_than: f64) -> Vec<Gap> {
             })
         })
         .collect()
-}
-
-struct Plateau {
-    value: f64,
-    longest: usize,
-    first: usize,
-}
-
-/// Stays at the axis's highest or lowest value that clipping explains and chance does not: at least `LEAST` samples long, and either
-/// entered or left by a jump of more than `JUMP` times the axis's resolution, or with `CROWD` times as many samples at the extreme as at
-/// the values next to it on an axis that spans more than `SPAN` of them. A sensor at rest that reads two or three counts repeats its
-/// extremes too, but spans little; a slow turn's peak is flat for a while, but the values next to it are about as frequent.
-fn plateaus(signal: &[f64]) -> Vec<Plateau> {
-    const LEAST: usize = 4;
-    const JUMP: f64 = 8.0;
-    const CROWD: usize = 4;
-    const SPAN: f64 = 64.0;
-    let resolution = resolution(signal);
-    let (low, high) = signal
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
-            (l.min(*v), h.max(*v))
-        });
-    let spans = high - low > SPAN * resolution;
-    [low, high]
-        .into_iter()
-        .filter_map(|value| {
-            let near = |v: &&f64| **v != value && (**v - value).abs() < 1.5 * resolution;
-            let at = signal.iter().filter(|v| **v == value).count();
-            let crowded = spans && at >= CROWD * signal.iter().filter(near).count();
-            let mut found: Option<Plateau> = None;
-            for (first, longest) in runs(signal, value) {
-                let before = first.checked_sub(1).map(|i| signal[i]);
-                let after = signal.get(first + longest).copied();
-                let jumps = [before, after]
-                    .into_iter()
-                    .flatten()
-                    .any(|beside| (beside - value).abs() > JUMP * resolution);
-                if longest >= LEAST && (jumps || crowded) {
-                    let plateau = found.get_or_insert(Plateau {
-                        value,
-                        longest,
-                        first,
-                    });
-                    plateau.longest = plateau.longest.max(longest);
-                }
-            }
-            found
-        })
-        .collect()
-}
-
-/// First index and length of every run of `value`.
-fn runs(signal: &[f64], value: f64) -> Vec<(usize, usize)> {
-    let mut runs = Vec::new();
-    let mut start = 0;
-    for run in signal.chunk_by(|a, b| (*a == value) == (*b == value)) {
-        if run[0] == value {
-            runs.push((start, run.len()));
-        }
-        start += run.len();
-    }
-    runs
-}
-
-/// The smallest difference between two of the axis's values: a converter's count, or next to nothing where there is none.
-fn resolution(signal: &[f64]) -> f64 {
-    let mut sorted = signal.to_vec();
-    sorted.sort_unstable_by(f64::total_cmp);
-    // Counts times a factor differ in their last bits; what is closer than that is one value.
-    let rounding = 1e-9 * sorted[0].abs().max(sorted[sorted.len() - 1].abs());
-    sorted
-        .windows(2)
-        .map(|w| w[1] - w[0])
-        .filter(|d| *d > rounding)
-        .fold(f64::INFINITY, f64::min)
 }
 
 #[cfg(test)]
@@ -394,6 +320,6 @@ mod tests {
                 "gyro z is dead: it reads 0.25 rad/s throughout",
             ]
         );
-        assert!(findings.faults.iter().all(|f| !f.hint().is_empty()));
+        assert!(findings.faults.iter().all(|f| f.hint().is_some()));
     }
 }

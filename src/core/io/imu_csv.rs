@@ -199,14 +199,13 @@ fn guess_time_unit(bytes: &[u8], path: &Path, column: usize) -> Result<TimeUnit,
     while stamps.len() < ROWS && rows.advance()? {
         stamps.push(rows.number(column, SLOTS[0])?);
     }
-    let first = stamps[0];
-    let mut steps: Vec<f64> = stamps.windows(2).map(|w| w[1] - w[0]).collect();
-    if steps.is_empty() {
+    let [first, _, ..] = stamps[..] else {
         return Err(IoError::TooShort {
             path: path.to_path_buf(),
             found: stamps.len(),
         });
-    }
+    };
+    let mut steps: Vec<f64> = stamps.windows(2).map(|w| w[1] - w[0]).collect();
     let middle = steps.len() / 2;
     let step = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
     // Half a per cent of slack, so that a 10 Hz log with jitter is not taken for one of 10 kHz.

@@ -16,10 +16,12 @@ mod check;
 mod columns;
 mod decimal;
 mod error;
+mod fields;
 #[cfg(test)]
 mod fuzz;
 mod imu_csv;
 mod noise_csv;
+mod plateaus;
 mod pose;
 #[cfg(test)]
 mod recordings;

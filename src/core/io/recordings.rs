@@ -81,6 +81,20 @@ fn every_part_of_a_euroc_sequence_is_read() {
     assert!(truth.has_velocity() && truth.has_biases());
 }
 
+/// The float parser against the standard library's, bit by bit.
+#[test]
+fn every_number_is_the_nearest_float() {
+    let sequence = named(&excerpts(), "V1_01_easy");
+    let text = std::fs::read_to_string(sequence.imu_path()).unwrap();
+    let imu = sequence.imu().unwrap();
+    for (line, sample) in text.lines().skip(1).zip(imu.samples()) {
+        let fields: Vec<_> = line.split(',').collect();
+        assert_eq!(fields[0].parse(), Ok(sample.t.ns()));
+        let values: Vec<f64> = fields[1..].iter().map(|f| f.parse().unwrap()).collect();
+        assert_eq!(values, [sample.gyro, sample.accel].concat());
+    }
+}
+
 /// In the air the mean specific force, turned into the world, is gravity plus the mean acceleration: this holds only if quaternion order,
 /// frames and stamps are read right.
 #[test]

@@ -7,64 +7,9 @@
 
 use super::IoError;
 use super::decimal::{TimeUnit, parse_stamp};
+use super::fields::{Delimiter, is_number, names_time, shown, take_line};
 use crate::time::Stamp;
 use std::path::Path;
-
-/// What stands between two fields.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Delimiter {
-    Byte(u8),
-    Blanks,
-}
-
-impl Delimiter {
-    fn of(line: &[u8]) -> Self {
-        [b',', b';', b'\t']
-            .into_iter()
-            .find(|d| line.contains(d))
-            .map_or(Self::Blanks, Self::Byte)
-    }
-
-    /// Puts the fields of `line` into `fields`.
-    fn split<'a>(self, line: &'a [u8], fields: &mut Vec<&'a [u8]>) {
-        fields.clear();
-        match self {
-            Self::Byte(byte) => {
-                let mut start = 0;
-                for end in memchr::memchr_iter(byte, line) {
-                    fields.push(bare(&line[start..end]));
-                    start = end + 1;
-                }
-                let last = bare(&line[start..]);
-                if !last.is_empty() || start == 0 {
-                    fields.push(last);
-                }
-            }
-            Self::Blanks => {
-                fields.extend(
-                    line.split(u8::is_ascii_whitespace)
-                        .filter(|f| !f.is_empty())
-                        .map(bare),
-                );
-            }
-        }
-    }
-}
-
-/// A field without blanks and double quotes around it.
-fn bare(field: &[u8]) -> &[u8] {
-    // The usual field has neither, and a look at both ends is all it costs.
-    match field {
-        [a, .., b] if a.is_ascii_alphanumeric() && b.is_ascii_alphanumeric() => field,
-        _ => {
-            let field = field.trim_ascii();
-            match field {
-                [b'"', inner @ .., b'"'] => inner.trim_ascii(),
-                _ => field,
-            }
-        }
-    }
-}
 
 /// The names over the columns.
 #[derive(Debug, Clone, PartialEq)]
@@ -173,7 +118,8 @@ impl<'a> Rows<'a> {
     /// A guess at the rows left, good enough to reserve room.
     pub(crate) fn rows_left(&self) -> usize {
         let first = memchr::memchr(b'\n', self.rest).unwrap_or(self.rest.len()) + 1;
-        self.rest.len() / first + 1
+        // A row has at least a character and a delimiter a field, so that a cut first row reserves no absurd amount.
+        self.rest.len() / first.max(2 * self.width) + 1
     }
 
     /// Goes to the next row; `false` at the end.
@@ -204,9 +150,6 @@ impl<'a> Rows<'a> {
     ///
     /// # Errors
     /// No number; NaN or an infinity; a column past the end.
-    ///
-    /// # Panics
-    /// Never: a column past the end is a [`IoError::FieldCount`].
     pub(crate) fn number(&self, column: usize, name: &str) -> Result<f64, IoError> {
         let field = self.field(column)?;
         match fast_float2::parse::<f64, _>(field) {
@@ -316,42 +259,6 @@ impl<'a> Rows<'a> {
             line: self.line,
         }
     }
-}
-
-/// Takes one line off `rest`, without its end and without blanks around it; `None` when nothing is left.
-fn take_line<'a>(rest: &mut &'a [u8]) -> Option<&'a [u8]> {
-    if rest.is_empty() {
-        return None;
-    }
-    let (line, tail) = match memchr::memchr(b'\n', rest) {
-        Some(end) => (&rest[..end], &rest[end + 1..]),
-        None => (*rest, &rest[rest.len()..]),
-    };
-    *rest = tail;
-    Some(line.trim_ascii())
-}
-
-fn is_number(field: &[u8]) -> bool {
-    fast_float2::parse::<f64, _>(field).is_ok()
-}
-
-fn names_time(field: &[u8]) -> bool {
-    let lower = field.to_ascii_lowercase();
-    [&b"t"[..], b"t_ns", b"t_s"].contains(&lower.as_slice())
-        || [&b"time"[..], b"stamp", b"#time"]
-            .iter()
-            .any(|p| lower.starts_with(p))
-}
-
-/// A field for a message: printable and short.
-fn shown(field: &[u8]) -> String {
-    const MOST: usize = 40;
-    let text = String::from_utf8_lossy(field);
-    let mut out: String = text.chars().take(MOST).flat_map(char::escape_debug).collect();
-    if text.chars().nth(MOST).is_some() {
-        out.push_str("...");
-    }
-    out
 }
 
 #[cfg(test)]

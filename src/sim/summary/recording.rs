@@ -267,16 +267,18 @@ mod tests {
 
     #[test]
     fn simulated_flights_lie_in_the_ranges_measured_on_euroc() {
-        // Medians over a sequence's windows, over the eleven sequences of EuRoC, widened by a tenth.
+        // Medians over a sequence's windows, over the eleven sequences of EuRoC, widened by 15 %: the rotors' random
+        // gains move a flight's deviation by 7 %.
         let accel = [(1.0, 1.7), (0.44, 0.68), (0.65, 0.96)];
         let gyro = [(0.021, 0.038), (0.048, 0.090), (0.037, 0.053)];
-        for flight in crate::simulate_all(1, &FlightConfig::default()).unwrap() {
+        let flights = [1, 8].map(|seed| crate::simulate_all(seed, &FlightConfig::default()).unwrap());
+        for flight in flights.iter().flatten() {
             let summary = summarise(&flight.recording).unwrap();
             for (sensor, ranges) in [(Sensor::Accel, accel), (Sensor::Gyro, gyro)] {
                 for (axis, (low, high)) in ranges.into_iter().enumerate() {
                     let found = summary.of(sensor)[axis].by_activity[2].unwrap();
                     assert!(
-                        (0.9 * low..=1.1 * high).contains(&found),
+                        (0.85 * low..=1.15 * high).contains(&found),
                         "{} {sensor} {axis}: {found}",
                         flight.name()
                     );

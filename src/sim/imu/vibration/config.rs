@@ -39,7 +39,7 @@ pub struct VibrationConfig {
     pub rotors: u32,
     /// Turns a second of a rotor in hover \[Hz\], 10 to 400; it grows with the square root of thrust. Default 91.5.
     pub hover_hz: f64,
-    /// Speed when idling on the ground, relative to hover, .05 to 1. Default .5.
+    /// Speed when idling on the ground, relative to hover, .05 to 1. Default .4.
     pub idle_speed: f64,
     /// Time the motors take to start and to stop \[s\], .1 to 1.5. Default 1.
     pub spin_up_s: f64,
@@ -49,9 +49,10 @@ pub struct VibrationConfig {
     pub speed_wander: f64,
     /// Correlation time of that wander \[s\], .01 to 100. Default .25.
     pub speed_wander_s: f64,
-    /// Deviation of the logarithm of amplitudes, for each rotor and once more for all, 0 to 1. Default .12.
+    /// Deviation of the logarithm of amplitudes, for each rotor and once more for all, 0 to .3; the low line and the
+    /// broad band come in bursts, with 4 and 2.5 times as much. Default .12.
     pub amplitude_wander: f64,
-    /// Correlation time of amplitudes \[s\], .01 to 100. Default 2.
+    /// Correlation time of amplitudes \[s\], .01 to 100, a quarter and an eighth of it in bursts. Default 2.
     pub amplitude_wander_s: f64,
     /// Mean frequency of the low line \[Hz\], 1 to 400. Default 27.
     pub low_line_hz: f64,
@@ -79,7 +80,7 @@ impl Default for VibrationConfig {
             scale: 1.0,
             rotors: 6,
             hover_hz: 91.5,
-            idle_speed: 0.5,
+            idle_speed: 0.4,
             spin_up_s: 1.0,
             rotor_spread: 0.035,
             speed_wander: 0.035,
@@ -115,7 +116,7 @@ impl VibrationConfig {
         within("rotor_spread", self.rotor_spread, 0.0, 0.3);
         within("speed_wander", self.speed_wander, 0.0, 0.3);
         within("speed_wander_s", self.speed_wander_s, 0.01, 100.0);
-        within("amplitude_wander", self.amplitude_wander, 0.0, 1.0);
+        within("amplitude_wander", self.amplitude_wander, 0.0, 0.3);
         within("amplitude_wander_s", self.amplitude_wander_s, 0.01, 100.0);
         within("low_line_hz", self.low_line_hz, 1.0, 400.0);
         within("low_line_wander_hz", self.low_line_wander_hz, 0.0, 20.0);

@@ -37,7 +37,7 @@ pub(super) fn add_low_line(
         stream.named("frequency").rng(),
     );
     // It swells and fades more, and faster, than the rotors do.
-    let swell = 3.0 * config.amplitude_wander;
+    let swell = 4.0 * config.amplitude_wander;
     let mut loudness = Wander::new(
         swell,
         0.25 * config.amplitude_wander_s,
@@ -58,6 +58,7 @@ pub(super) fn add_low_line(
 
 /// Adds the broad band.
 pub(super) fn add_broad_band(
+    config: &VibrationConfig,
     axes: &[AxisVibration; 6],
     speed: &[f64],
     loudness: &[f64],
@@ -69,8 +70,17 @@ pub(super) fn add_broad_band(
         let sensor = if a < 3 { Sensor::Accel } else { Sensor::Gyro };
         let rng = stream.named("broad-band").index(a as u64).rng();
         let mut resonance = Resonance::new(axis.broad_band_hz, dt, rng);
+        // Bursts give the tails that the real residual has.
+        let swell = 2.5 * config.amplitude_wander;
+        let mut burst = Wander::new(
+            swell,
+            0.125 * config.amplitude_wander_s,
+            dt,
+            stream.named("burst").index(a as u64).rng(),
+        );
         for (i, (&motors, &loud)) in speed.iter().zip(loudness).enumerate() {
-            to.of_mut(sensor)[i][a % 3] += axis.broad_band * motors * motors * loud * resonance.next();
+            let swing = motors * motors * loud * (burst.next() - swell * swell).exp();
+            to.of_mut(sensor)[i][a % 3] += axis.broad_band * swing * resonance.next();
         }
     }
 }

@@ -36,7 +36,7 @@ impl Rotor {
         let share = SQRT_2 / f64::from(config.rotors).sqrt();
         let reach = axes.each_ref().map(|axis| {
             // How well this rotor is heard on this axis; the square of it is 1 in the mean.
-            let gain = rng.random_range(0.5..1.5) / (1.0 + 1.0 / 12.0_f64).sqrt();
+            let gain = rng.random_range(0.7..1.3) / 1.03_f64.sqrt();
             std::array::from_fn(|h| {
                 let psi = rng.random_range(0.0..TAU);
                 let amplitude = axis.harmonics[h] * gain * share;

@@ -1,0 +1,228 @@
+//! A bitmap back-end for print: everything is drawn at twice the size and averaged down.
+//!
+//! plotters' bitmap back-end smooths lines but not the edges of thick ones, and its text drops each glyph's left bearing and
+//! sits higher than in SVG. Here shapes go to that back-end at double size, and text is set with ab_glyph from the bundled
+//! font, at the places where plotters' SVG puts it. So the PNG looks like the SVG.
+
+use super::style::{HEIGHT_PER_EM, SIZE_PER_EM};
+use ab_glyph::{Font, FontRef, PxScale, ScaleFont, point};
+use plotters::prelude::BitMapBackend;
+use plotters_backend::text_anchor::{HPos, VPos};
+use plotters_backend::{
+    BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind,
+};
+
+/// Pixels drawn per pixel kept, along each side.
+const FINE: u32 = 2;
+
+/// Memory of a bitmap of `size`: three bytes a pixel drawn.
+pub(super) fn canvas(size: (u32, u32)) -> Vec<u8> {
+    vec![0xFF; (size.0 * FINE * size.1 * FINE * 3) as usize]
+}
+
+/// Averages a canvas down to `size`: three bytes a pixel, rows from the top.
+pub(super) fn averaged(canvas: &[u8], size: (u32, u32)) -> Vec<u8> {
+    let (width, height) = (size.0 as usize, size.1 as usize);
+    let fine = FINE as usize;
+    let mut out = Vec::with_capacity(width * height * 3);
+    for y in 0..height {
+        for x in 0..width {
+            for channel in 0..3 {
+                let sum: u32 = (0..fine)
+                    .flat_map(|dy| (0..fine).map(move |dx| (dx, dy)))
+                    .map(|(dx, dy)| ((y * fine + dy) * width * fine + x * fine + dx) * 3 + channel)
+                    .map(|at| u32::from(canvas[at]))
+                    .sum();
+                out.push(((sum + FINE * FINE / 2) / (FINE * FINE)) as u8);
+            }
+        }
+    }
+    out
+}
+
+/// The back-end; draws onto a [`canvas`].
+pub(super) struct Raster<'a> {
+    fine: BitMapBackend<'a>,
+    font: Option<FontRef<'static>>,
+    size: (u32, u32),
+}
+
+impl<'a> Raster<'a> {
+    /// A back-end of `size` over `canvas`.
+    pub(super) fn new(canvas: &'a mut [u8], size: (u32, u32)) -> Self {
+        Self {
+            fine: BitMapBackend::with_buffer(canvas, (size.0 * FINE, size.1 * FINE)),
+            font: FontRef::try_from_slice(dejavu::sans::regular()).ok(),
+            size,
+        }
+    }
+}
+
+/// A style at the finer scale.
+struct Fine {
+    colour: BackendColor,
+    width: u32,
+}
+
+impl Fine {
+    fn of<S: BackendStyle>(style: &S) -> Self {
+        Self {
+            colour: style.color(),
+            width: style.stroke_width() * FINE,
+        }
+    }
+}
+
+impl BackendStyle for Fine {
+    fn color(&self) -> BackendColor {
+        self.colour
+    }
+
+    fn stroke_width(&self) -> u32 {
+        self.width
+    }
+}
+
+fn fine((x, y): BackendCoord) -> BackendCoord {
+    (x * FINE as i32, y * FINE as i32)
+}
+
+type Failure<'a> = DrawingErrorKind<<BitMapBackend<'a> as DrawingBackend>::ErrorType>;
+
+impl<'a> DrawingBackend for Raster<'a> {
+    type ErrorType = <BitMapBackend<'a> as DrawingBackend>::ErrorType;
+
+    fn get_size(&self) -> (u32, u32) {
+        self.size
+    }
+
+    fn ensure_prepared(&mut self) -> Result<(), Failure<'a>> {
+        self.fine.ensure_prepared()
+    }
+
+    fn present(&mut self) -> Result<(), Failure<'a>> {
+        Ok(())
+    }
+
+    fn draw_pixel(&mut self, at: BackendCoord, colour: BackendColor) -> Result<(), Failure<'a>> {
+        self.draw_rect(at, (at.0 + 1, at.1 + 1), &colour, true)
+    }
+
+    fn draw_line<S: BackendStyle>(
+        &mut self,
+        from: BackendCoord,
+        to: BackendCoord,
+        style: &S,
+    ) -> Result<(), Failure<'a>> {
+        self.fine.draw_line(fine(from), fine(to), &Fine::of(style))
+    }
+
+    fn draw_rect<S: BackendStyle>(
+        &mut self,
+        a: BackendCoord,
+        b: BackendCoord,
+        style: &S,
+        fill: bool,
+    ) -> Result<(), Failure<'a>> {
+        self.fine.draw_rect(fine(a), fine(b), &Fine::of(style), fill)
+    }
+
+    fn draw_path<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
+        &mut self,
+        path: I,
+        style: &S,
+    ) -> Result<(), Failure<'a>> {
+        self.fine.draw_path(path.into_iter().map(fine), &Fine::of(style))
+    }
+
+    fn draw_circle<S: BackendStyle>(
+        &mut self,
+        centre: BackendCoord,
+        radius: u32,
+        style: &S,
+        fill: bool,
+    ) -> Result<(), Failure<'a>> {
+        self.fine
+            .draw_circle(fine(centre), radius * FINE, &Fine::of(style), fill)
+    }
+
+    fn fill_polygon<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
+        &mut self,
+        points: I,
+        style: &S,
+    ) -> Result<(), Failure<'a>> {
+        self.fine
+            .fill_polygon(points.into_iter().map(fine), &Fine::of(style))
+    }
+
+    fn draw_text<S: BackendTextStyle>(
+        &mut self,
+        text: &str,
+        style: &S,
+        at: BackendCoord,
+    ) -> Result<(), Failure<'a>> {
+        let Some(font) = self.font.clone() else {
+            return Ok(()); // `style::prepare` has refused an unreadable font before anything is drawn
+        };
+        let em = style.size() / SIZE_PER_EM * f64::from(FINE);
+        let scaled = font.as_scaled(PxScale::from((em * HEIGHT_PER_EM) as f32));
+        let mut pen = 0.0;
+        let mut last = None;
+        let mut glyphs = Vec::new();
+        for letter in text.chars() {
+            let id = font.glyph_id(letter);
+            pen += last.map_or(0.0, |last| scaled.kern(last, id));
+            glyphs.push((id, pen));
+            pen += scaled.h_advance(id);
+            last = Some(id);
+        }
+        let start = match style.anchor().h_pos {
+            HPos::Left => 0.0,
+            HPos::Center => -pen / 2.0,
+            HPos::Right => -pen,
+        };
+        // As plotters' SVG: 0.76 em, 0.5 ex, -0.5 ex; an ex of this font is 0.547 em.
+        let baseline = match style.anchor().v_pos {
+            VPos::Top => 0.76,
+            VPos::Center => 0.5 * 0.547,
+            VPos::Bottom => -0.5 * 0.547,
+        } * em as f32;
+        let turn = style.transform();
+        let (x0, y0) = fine(at);
+        let colour = style.color();
+        for (id, x) in glyphs {
+            let glyph = id.with_scale_and_position(scaled.scale(), point(start + x, baseline));
+            let Some(outline) = scaled.outline_glyph(glyph) else {
+                continue; // a space
+            };
+            let corner = outline.px_bounds().min;
+            let mut dots = Vec::new();
+            outline.draw(|x, y, cover| dots.push((x as i32, y as i32, f64::from(cover))));
+            for (x, y, cover) in dots {
+                let (x, y) = turn.transform(x + corner.x as i32, y + corner.y as i32);
+                self.fine
+                    .draw_pixel((x0 + x, y0 + y), colour.mix(cover.clamp(0.0, 1.0)))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use plotters::style::{BLACK, Color};
+
+    #[test]
+    fn shapes_keep_their_size_and_edges_are_averaged() {
+        let size = (8, 6);
+        let mut memory = canvas(size);
+        Raster::new(&mut memory, size)
+            .draw_rect((2, 1), (5, 4), &BLACK.filled(), true)
+            .unwrap();
+        let pixels = averaged(&memory, size);
+        let dark: Vec<usize> = (0..48).filter(|i| pixels[3 * i] == 0).collect();
+        assert_eq!(dark, [10, 11, 12, 18, 19, 20, 26, 27, 28]);
+        assert!(pixels.iter().all(|&v| v == 0 || v == 255));
+    }
+}

@@ -1,0 +1,149 @@
+//! Few numbers for many: quantiles by true level, envelopes by pixel column.
+
+/// The 5, 25, 50, 75 and 95 % quantiles of the values at one level.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Level {
+    /// Mean true value.
+    pub(super) truth: f64,
+    /// How many values.
+    pub(super) n: usize,
+    /// Quantiles, ascending.
+    pub(super) quantiles: [f64; 5],
+}
+
+/// Distinct true values up to this many are levels of their own; more are binned.
+pub(super) const MOST_LEVELS: usize = 16;
+/// Bins of equal width for continuous levels.
+pub(super) const BINS: usize = 12;
+
+/// Splits `values` by their truth, ascending, and summarises each part. `truth` and `values` have the same length.
+pub(super) fn by_level(truth: &[f64], values: &[f64]) -> Vec<Level> {
+    let mut levels = truth.to_vec();
+    levels.sort_by(f64::total_cmp);
+    levels.dedup();
+    let (Some(&low), Some(&high)) = (levels.first(), levels.last()) else {
+        return Vec::new();
+    };
+    let discrete = levels.len() <= MOST_LEVELS;
+    let count = if discrete { levels.len() } else { BINS };
+    let mut parts = vec![(0.0, Vec::new()); count];
+    for (&t, &v) in truth.iter().zip(values) {
+        let part = if discrete {
+            levels.partition_point(|&level| level < t)
+        } else {
+            ((t - low) / (high - low) * BINS as f64) as usize
+        };
+        let part = &mut parts[part.min(count - 1)];
+        part.0 += t;
+        part.1.push(v);
+    }
+    parts
+        .into_iter()
+        .zip(0..)
+        .filter(|((_, part), _)| !part.is_empty())
+        .map(|((sum, mut part), i)| {
+            part.sort_by(f64::total_cmp);
+            Level {
+                // A level stays what it was given as: a sum of equal numbers over their count may be an ulp off.
+                truth: if discrete {
+                    levels[i]
+                } else {
+                    sum / part.len() as f64
+                },
+                n: part.len(),
+                quantiles: [0.05, 0.25, 0.5, 0.75, 0.95].map(|p| quantile(&part, p)),
+            }
+        })
+        .collect()
+}
+
+/// Quantile `p` of ascending values by linear interpolation (type 7, numpy's default). `sorted` is not empty.
+pub(super) fn quantile(sorted: &[f64], p: f64) -> f64 {
+    let at = p * (sorted.len() - 1) as f64;
+    let low = sorted[at.floor() as usize];
+    let high = sorted[at.ceil() as usize];
+    low + (high - low) * at.fract()
+}
+
+/// What one pixel column shows of a signal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Column {
+    /// Mean time of the samples in it \[s\].
+    pub(super) t: f64,
+    /// Smallest sample.
+    pub(super) low: f64,
+    /// Median sample.
+    pub(super) middle: f64,
+    /// Largest sample.
+    pub(super) high: f64,
+}
+
+/// Thins a signal to at most `count` columns of equal width in time; columns without samples are left out. `t` ascends.
+pub(super) fn columns(t: &[f64], values: &[f64], count: usize) -> Vec<Column> {
+    let (Some(&start), Some(&end)) = (t.first(), t.last()) else {
+        return Vec::new();
+    };
+    let column =
+        |t: f64| (((t - start) / (end - start) * count as f64) as usize).min(count.saturating_sub(1));
+    let mut out = Vec::new();
+    let mut from = 0;
+    while from < t.len() {
+        let at = column(t[from]);
+        let to = from + t[from..].partition_point(|&t| column(t) <= at);
+        let mut part = values[from..to].to_vec();
+        part.sort_by(f64::total_cmp);
+        out.push(Column {
+            t: t[from..to].iter().sum::<f64>() / (to - from) as f64,
+            low: part[0],
+            middle: quantile(&part, 0.5),
+            high: part[part.len() - 1],
+        });
+        from = to;
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_are_numpys() {
+        // numpy.quantile([1, 2, 4, 8], [.05, .25, .5, .75, .95])
+        let levels = by_level(&[3.0; 4], &[8.0, 1.0, 4.0, 2.0]);
+        let expected = [1.15, 1.75, 3.0, 5.0, 7.4];
+        assert_eq!((levels.len(), levels[0].truth, levels[0].n), (1, 3.0, 4));
+        for (found, expected) in levels[0].quantiles.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+    }
+
+    #[test]
+    fn grid_levels_stay_apart_and_continuous_ones_are_binned() {
+        let grid: Vec<f64> = (0..1100).map(|i| 0.01 + 0.02 * f64::from(i % 11)).collect();
+        let levels = by_level(&grid, &grid);
+        assert_eq!(levels.len(), 11);
+        assert!(levels.iter().all(|l| l.n == 100 && l.quantiles == [l.truth; 5]));
+        let fine: Vec<f64> = (0..1200).map(f64::from).collect();
+        let levels = by_level(&fine, &fine);
+        assert_eq!(levels.len(), BINS);
+        assert_eq!(levels.iter().map(|l| l.n).sum::<usize>(), 1200);
+        assert!(levels.windows(2).all(|w| w[0].quantiles[4] < w[1].quantiles[0]));
+    }
+
+    #[test]
+    fn columns_keep_every_extreme() {
+        let t: Vec<f64> = (0..1000).map(|i| f64::from(i) * 0.005).collect();
+        let mut values: Vec<f64> = (0..1000).map(|i| f64::from(i % 7)).collect();
+        values[503] = 99.0;
+        values[17] = -99.0;
+        let thin = columns(&t, &values, 40);
+        assert_eq!(thin.len(), 40);
+        assert_eq!(thin.iter().map(|c| c.high).fold(0.0, f64::max), 99.0);
+        assert_eq!(thin.iter().map(|c| c.low).fold(0.0, f64::min), -99.0);
+        assert!(thin.iter().all(|c| c.low <= c.middle && c.middle <= c.high));
+        // A gap in time leaves its columns out.
+        let gap = columns(&[0.0, 0.1, 9.9, 10.0], &[1.0, 2.0, 3.0, 4.0], 10);
+        assert_eq!(gap.len(), 2);
+    }
+}

@@ -1,0 +1,27 @@
+//! What the user may type, one file a command.
+
+mod simulate;
+mod train;
+
+pub(crate) use simulate::{FlightArgs, SimulateArgs, SimulateWhat};
+pub(crate) use train::TrainArgs;
+
+use clap::{Parser, Subcommand};
+
+/// How noisy is this IMU right now, and does my estimator get better when it is told?
+#[derive(Debug, Parser)]
+#[command(name = "dpn", version, propagate_version = true, max_term_width = 110)]
+pub(crate) struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Train a network that reads a sensor's noise off one second of one axis.
+    Train(TrainArgs),
+    /// Make data whose truth is known.
+    Simulate(SimulateArgs),
+}

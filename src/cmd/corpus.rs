@@ -1,0 +1,34 @@
+//! Recordings from a folder, or the simulated flights.
+
+use anyhow::Result;
+use dpn_sim::{FlightConfig, Split};
+use dpn_train::corpus::{Corpus, Member};
+use dpn_train::split::Side;
+use std::path::Path;
+
+/// Name of the collection of simulated flights.
+pub(crate) const SIMULATED: &str = "simulated";
+
+/// Every collection under `dir`; without it the simulated flights of seed 0.
+pub(crate) fn load(dir: Option<&Path>) -> Result<Vec<Corpus>> {
+    match dir {
+        Some(dir) => Ok(dpn_train::asl::load(dir)?),
+        None => Ok(vec![simulated(0, &FlightConfig::default())?]),
+    }
+}
+
+/// The simulated flights of `seed`.
+pub(crate) fn simulated(seed: u64, config: &FlightConfig) -> Result<Corpus> {
+    let members = dpn_sim::simulate_all(seed, config)?
+        .into_iter()
+        .map(|flight| Member {
+            name: flight.name().to_owned(),
+            side: match flight.split() {
+                Split::Train => Side::Train,
+                Split::Test => Side::Test,
+            },
+            recording: flight.recording,
+        })
+        .collect();
+    Ok(Corpus::new(SIMULATED, members)?)
+}

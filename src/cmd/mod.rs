@@ -1,0 +1,16 @@
+//! One file a command: files and flags become library types, one library call, files again.
+
+mod corpus;
+mod device;
+mod simulate;
+mod train;
+
+use crate::args::{Cli, Command};
+
+/// Runs what was typed.
+pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
+    match cli.command {
+        Command::Train(args) => train::run(args),
+        Command::Simulate(args) => simulate::run(args),
+    }
+}

@@ -1,0 +1,67 @@
+//! `dpn simulate`.
+
+use crate::args::{FlightArgs, SimulateArgs, SimulateWhat};
+use anyhow::Result;
+use dpn_core::io::asl::{GroundTruth, ImuConfig, SequenceParts, write_sequence};
+use dpn_core::io::write_noise_track;
+use dpn_core::noise::{AccelNoiseDensity, GyroNoiseDensity};
+use dpn_sim::{Flight, FlightConfig, SimulatedFlight, simulate, simulate_all};
+use nalgebra::Isometry3;
+use std::path::Path;
+
+pub(crate) fn run(args: SimulateArgs) -> Result<()> {
+    match args.what {
+        SimulateWhat::Flight(args) => flight(args),
+    }
+}
+
+fn flight(args: FlightArgs) -> Result<()> {
+    if args.list {
+        for flight in Flight::ALL {
+            println!("{:24} {:?}", flight.name(), flight.split());
+        }
+        return Ok(());
+    }
+    let config = match &args.config {
+        Some(path) => dpn_core::config::load(path)?,
+        None => FlightConfig::default(),
+    };
+    let name = args.name.unwrap_or_default();
+    let flights = if name == "all" {
+        simulate_all(args.seed, &config)?
+    } else {
+        vec![simulate(name.parse::<Flight>()?, args.seed, &config)?]
+    };
+    for flight in &flights {
+        let dir = args.out.join(flight.name());
+        write(flight, &config, &dir)?;
+        if args.json {
+            let row = serde_json::json!({
+                "flight": flight.name(), "seed": args.seed, "samples": flight.recording.len(),
+                "seconds": flight.recording.duration(), "dir": dir,
+            });
+            println!("{row}");
+        } else {
+            println!("{}: {} samples, {:.0} s", dir.display(), flight.recording.len(), flight.recording.duration());
+        }
+    }
+    Ok(())
+}
+
+/// The flight as an ASL sequence, with the true white noise of every sample beside it.
+fn write(flight: &SimulatedFlight, config: &FlightConfig, dir: &Path) -> Result<()> {
+    let truth = GroundTruth::new(flight.ground_truth.clone())?;
+    let (rate, scale) = (flight.recording.rate(), config.white.scale);
+    let imu = ImuConfig {
+        rate,
+        gyro_noise: GyroNoiseDensity::new(scale * config.white.gyro_sample_std.to_density(rate).get())?,
+        gyro_walk: config.bias.gyro_walk,
+        accel_noise: AccelNoiseDensity::new(scale * config.white.accel_sample_std.to_density(rate).get())?,
+        accel_walk: config.bias.accel_walk,
+        body_from_imu: Isometry3::identity(),
+    };
+    write_noise_track(&dir.join("true_noise.csv"), &flight.truth.oracle(&flight.recording)?)?;
+    let parts = SequenceParts { imu: &flight.recording, imu_config: Some(&imu), ground_truth: Some(&truth) };
+    write_sequence(dir, &parts)?;
+    Ok(())
+}

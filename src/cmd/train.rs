@@ -1,0 +1,99 @@
+//! `dpn train`.
+
+use super::{corpus, device};
+use crate::args::TrainArgs;
+use crate::ui::{Bar, Fault, Interrupted};
+use anyhow::{Context, Result};
+use dpn_core::Sensor;
+use dpn_train::config::TrainConfig;
+use dpn_train::run::{Run, RunError};
+use dpn_train::split::Side;
+use dpn_train::trainer::TrainError;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+pub(crate) fn run(args: TrainArgs) -> Result<()> {
+    let sensor = Sensor::from(args.sensor);
+    let config = config(&args, sensor)?;
+    let device = device::parse(&args.device)?;
+    let corpora = corpus::load(args.data.as_deref())?;
+    let corpus = corpora
+        .iter()
+        .find(|corpus| !corpus.side(Side::Train).is_empty())
+        .ok_or_else(|| Fault::new("no training sequence in the data"))?;
+    let out = args.out.unwrap_or_else(|| {
+        PathBuf::from(format!("runs/train-{sensor}-{}-{}-seed{}", corpus.name, config.base.base(), config.seed))
+    });
+    let run = Run::open(&out, &config, corpus, &device, args.resume)?;
+    let (done, total) = run.epochs();
+    if done > 0 {
+        eprintln!("resume {} after {done} of {total} epochs", out.display());
+    }
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = Arc::clone(&stop);
+    ctrlc::set_handler(move || {
+        // Asked twice, the user means now: the last finished epoch is on disk.
+        if asked.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    })
+    .context("cannot listen for Ctrl-C")?;
+    match run.train(&stop, &mut Bar::new()) {
+        Ok((summary, weights)) => {
+            if args.json {
+                println!("{}", serde_json::to_string(&summary)?);
+            } else {
+                println!(
+                    "{}: {} on {}, {} windows, {} parameters, validation RMSE {:.5} {} (epoch {})",
+                    weights.display(),
+                    summary.base,
+                    summary.data,
+                    summary.fit_windows,
+                    summary.parameters,
+                    summary.validation_rmse,
+                    sensor.unit(),
+                    summary.best_epoch
+                );
+            }
+            Ok(())
+        }
+        Err(RunError::Train(TrainError::Stopped { epoch })) => Err(Interrupted(format!(
+            "stopped in epoch {epoch}; the epochs before it are kept: add --resume to go on"
+        ))
+        .into()),
+        Err(error) => Err(error.into()),
+    }
+}
+
+/// The file's keys, then the flags over them.
+fn config(args: &TrainArgs, sensor: Sensor) -> Result<TrainConfig> {
+    let mut config = match &args.config {
+        Some(path) => {
+            let config: TrainConfig = dpn_core::config::load(path)?;
+            if config.sensor() != sensor {
+                return Err(Fault::new(format!("{} is for the {}", path.display(), config.sensor()))
+                    .hint(format!("say --sensor {}, or give a configuration of the {sensor}", config.sensor()))
+                    .into());
+            }
+            config
+        }
+        None => TrainConfig::for_sensor(sensor),
+    };
+    if let Some(seed) = args.seed {
+        config.seed = seed;
+    }
+    if let Some(epochs) = args.epochs {
+        config.fit.epochs = epochs;
+    }
+    if let Some(base) = args.base {
+        config.base.set(base);
+    }
+    // Flags may have moved a value out of its bounds.
+    let faults = dpn_core::config::Validate::faults(&config);
+    if !faults.is_empty() {
+        let all: Vec<String> = faults.iter().map(ToString::to_string).collect();
+        return Err(Fault::new(all.join("; ")).into());
+    }
+    Ok(config)
+}

@@ -1,0 +1,188 @@
+//! An estimator on one axis as samples come: asked every few samples for its window, or after every sample.
+
+use super::{EstimatorError, StreamSigma, WindowSigma};
+use std::sync::Arc;
+
+/// What is known about one axis at a sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Reading {
+    /// Nothing yet: too few samples so far.
+    NotYet,
+    /// An estimate, in the unit of the samples; may be zero.
+    Estimate(f64),
+    /// A figure given beforehand, to be taken as it is.
+    Given(f64),
+}
+
+/// A causal source of one axis's deviation.
+pub trait AxisSigma: Send {
+    /// Takes the next sample and returns what is known at it.
+    fn feed(&mut self, value: f64) -> Reading;
+
+    /// Forgets everything fed so far.
+    fn reset(&mut self);
+}
+
+/// The same figure at every sample.
+#[derive(Debug, Clone, Copy)]
+pub struct Given(pub f64);
+
+impl AxisSigma for Given {
+    fn feed(&mut self, _value: f64) -> Reading {
+        Reading::Given(self.0)
+    }
+
+    fn reset(&mut self) {}
+}
+
+/// A window estimator asked for the last `window` samples, first when there are so many, then every `hop` samples;
+/// its answer holds in between.
+pub struct HopWindow {
+    estimator: Arc<dyn WindowSigma>,
+    window: usize,
+    hop: usize,
+    /// The last samples, oldest first, at most twice the window: moved to the front when full.
+    recent: Vec<f64>,
+    fed: usize,
+    held: Reading,
+}
+
+impl HopWindow {
+    /// Asks `estimator` on that schedule.
+    ///
+    /// # Errors
+    /// A window or hop of zero; a window below what the estimator needs.
+    pub fn new(estimator: Arc<dyn WindowSigma>, window: usize, hop: usize) -> Result<Self, EstimatorError> {
+        if window == 0 || hop == 0 {
+            return Err(EstimatorError::EmptySchedule { window, hop });
+        }
+        if window < estimator.min_len() {
+            let (name, needs) = (estimator.name().to_owned(), estimator.min_len());
+            return Err(EstimatorError::WindowTooShort { name, needs, window });
+        }
+        let recent = Vec::with_capacity(2 * window);
+        Ok(Self {
+            estimator,
+            window,
+            hop,
+            recent,
+            fed: 0,
+            held: Reading::NotYet,
+        })
+    }
+}
+
+impl AxisSigma for HopWindow {
+    fn feed(&mut self, value: f64) -> Reading {
+        if self.recent.len() == 2 * self.window {
+            self.recent.copy_within(self.window + 1.., 0);
+            self.recent.truncate(self.window - 1);
+        }
+        self.recent.push(value);
+        self.fed += 1;
+        if self.fed >= self.window && (self.fed - self.window).is_multiple_of(self.hop) {
+            let last = &self.recent[self.recent.len() - self.window..];
+            self.held = Reading::Estimate(self.estimator.sigma(last));
+        }
+        self.held
+    }
+
+    fn reset(&mut self) {
+        self.recent.clear();
+        self.fed = 0;
+        self.held = Reading::NotYet;
+    }
+}
+
+/// A streaming estimator, asked after every sample once `warm_up` samples have been seen.
+pub struct EachSample {
+    estimator: Box<dyn StreamSigma>,
+    warm_up: usize,
+    fed: usize,
+}
+
+impl EachSample {
+    /// Answers from sample number `warm_up` on, at the earliest from what the estimator needs.
+    pub fn new(mut estimator: Box<dyn StreamSigma>, warm_up: usize) -> Self {
+        estimator.reset();
+        let warm_up = warm_up.max(estimator.min_len());
+        Self {
+            estimator,
+            warm_up,
+            fed: 0,
+        }
+    }
+}
+
+impl AxisSigma for EachSample {
+    fn feed(&mut self, value: f64) -> Reading {
+        self.estimator.push(value);
+        self.fed += 1;
+        if self.fed < self.warm_up {
+            Reading::NotYet
+        } else {
+            Reading::Estimate(self.estimator.sigma())
+        }
+    }
+
+    fn reset(&mut self) {
+        self.estimator.reset();
+        self.fed = 0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::{FromFresh, Sliding};
+
+    /// Answers with the first and last value of the window, to see which window it got.
+    struct Ends;
+
+    impl WindowSigma for Ends {
+        fn name(&self) -> &str {
+            "ends"
+        }
+        fn min_len(&self) -> usize {
+            2
+        }
+        fn sigma(&self, window: &[f64]) -> f64 {
+            1000.0 * window[0] + window[window.len() - 1]
+        }
+    }
+
+    #[test]
+    fn it_is_asked_for_the_last_window_at_every_hop_and_holds_between() {
+        let mut axis = HopWindow::new(Arc::new(Ends), 5, 3).unwrap();
+        for i in 0..100_usize {
+            let got = axis.feed(i as f64);
+            let expected = if i < 4 {
+                Reading::NotYet
+            } else {
+                let asked = i - (i - 4) % 3;
+                Reading::Estimate(1000.0 * (asked - 4) as f64 + asked as f64)
+            };
+            assert_eq!(got, expected, "sample {i}");
+        }
+    }
+
+    #[test]
+    fn schedules_that_cannot_work_are_refused() {
+        assert!(HopWindow::new(Arc::new(Ends), 5, 0).is_err());
+        assert!(HopWindow::new(Arc::new(Ends), 1, 1).is_err());
+    }
+
+    #[test]
+    fn a_stream_and_its_window_form_agree_where_both_answer() {
+        let sliding = Sliding::new(20).unwrap();
+        let mut each = EachSample::new(Box::new(sliding.clone()), 20);
+        let mut hop = HopWindow::new(Arc::new(FromFresh::new(sliding)), 20, 1).unwrap();
+        for i in 0..100 {
+            let value = f64::from((i * 7919) % 211);
+            match (each.feed(value), hop.feed(value)) {
+                (Reading::Estimate(a), Reading::Estimate(b)) => assert!((a / b - 1.0).abs() < 1e-13),
+                (a, b) => assert_eq!((a, b), (Reading::NotYet, Reading::NotYet)),
+            }
+        }
+    }
+}

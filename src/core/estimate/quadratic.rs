@@ -1,0 +1,108 @@
+//! Makes the root of a sum of squared residuals an unbiased estimate of sigma.
+//!
+//! Residuals `r = M x` of white noise have `E[r . r] = sigma^2 tr(A)` with `A = M^T M`, and `r . r` spreads as a
+//! chi-square of `nu = tr(A)^2 / tr(A^2)` degrees of freedom (Satterthwaite 1946). The root of such a sum lies low by
+//! the factor `c4(nu)`, so `sigma = sqrt(r . r / tr(A)) / c4(nu)`. Its spread is `sigma / sqrt(2 nu)`: over the
+//! Cramer-Rao bound by `sqrt(n / nu)`.
+
+use nalgebra::DMatrix;
+
+/// Mean of the root of a chi-square of `nu` degrees of freedom, over `sqrt(nu)`; 1 - 1 / (4 nu) for large `nu`.
+pub(super) fn c4(nu: f64) -> f64 {
+    // R(a) = Gamma(a + 1/2) / Gamma(a), raised to large a by R(a) = R(a + 1) a / (a + 1/2).
+    let (mut a, mut factor) = (0.5 * nu, 1.0);
+    while a < 12.0 {
+        factor *= a / (a + 0.5);
+        a += 1.0;
+    }
+    let b = 1.0 / a;
+    let series = 1.0 - b / 8.0 + b * b / 128.0 + 5.0 * b * b * b / 1024.0 - 21.0 * b.powi(4) / 32768.0;
+    factor * series * a.sqrt() / (0.5 * nu).sqrt()
+}
+
+/// What a linear map does to white noise of `n` samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Gain {
+    /// Length of the window this holds for.
+    n: usize,
+    /// `tr(A)`: mean of the sum of squared residuals at sigma 1.
+    trace: f64,
+    /// Degrees of freedom of that sum.
+    nu: f64,
+}
+
+impl Gain {
+    /// Applies `residuals` to every unit pulse of `n` samples.
+    pub(super) fn of(n: usize, residuals: impl Fn(&[f64]) -> Vec<f64>) -> Self {
+        let mut pulse = vec![0.0; n];
+        let columns: Vec<Vec<f64>> = (0..n)
+            .map(|place| {
+                pulse[place] = 1.0;
+                let column = residuals(&pulse);
+                pulse[place] = 0.0;
+                column
+            })
+            .collect();
+        let rows = columns.first().map_or(0, Vec::len);
+        let map = DMatrix::from_iterator(rows, n, columns.into_iter().flatten());
+        let trace = map.norm_squared();
+        let square = (map.transpose() * map).norm_squared();
+        Self {
+            n,
+            trace,
+            nu: trace * trace / square,
+        }
+    }
+
+    /// Sigma from the residuals of a window of `n` samples.
+    pub(super) fn sigma(&self, residuals: &[f64]) -> f64 {
+        let squares: f64 = residuals.iter().map(|r| r * r).sum();
+        (squares / self.trace).sqrt() / c4(self.nu)
+    }
+
+    /// This gain where it was made for windows of `n` samples, a fresh one otherwise.
+    pub(super) fn at(&self, n: usize, residuals: impl Fn(&[f64]) -> Vec<f64>) -> Self {
+        if n == self.n {
+            *self
+        } else {
+            Self::of(n, residuals)
+        }
+    }
+
+    /// Degrees of freedom.
+    #[cfg(test)]
+    pub(super) fn nu(&self) -> f64 {
+        self.nu
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn c4_has_its_tabulated_values() {
+        // Montgomery, Statistical Quality Control, appendix: c4 for samples of 2, 3, 5, 10, 25.
+        for (n, published) in [
+            (2.0, 0.7979),
+            (3.0, 0.8862),
+            (5.0, 0.9400),
+            (10.0, 0.9727),
+            (25.0, 0.9896),
+        ] {
+            assert!((c4(n - 1.0) - published).abs() < 5e-5, "{n}");
+        }
+        // c4(1) = sqrt(2 / pi) exactly.
+        assert!((c4(1.0) - (2.0 / std::f64::consts::PI).sqrt()).abs() < 1e-7);
+    }
+
+    #[test]
+    fn demeaning_leaves_n_minus_one_degrees_of_freedom() {
+        let demean = |x: &[f64]| {
+            let mean = x.iter().sum::<f64>() / x.len() as f64;
+            x.iter().map(|v| v - mean).collect()
+        };
+        let gain = Gain::of(20, demean);
+        assert!((gain.nu - 19.0).abs() < 1e-10 && (gain.trace - 19.0).abs() < 1e-10);
+    }
+}

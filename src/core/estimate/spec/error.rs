@@ -1,0 +1,100 @@
+//! What can be wrong with a noise spec, and the nearest name that would be right.
+
+use crate::estimate::EstimatorError;
+use crate::noise::units::BadNoise;
+use thiserror::Error;
+
+/// Why a string names no noise model.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum SpecError {
+    /// The grammar is broken.
+    #[error("noise spec `{spec}`: expected {expected} at character {}; write for example `x2`, `sg(11,2)` or `x4,x1`", at + 1)]
+    Syntax {
+        /// The whole spec.
+        spec: String,
+        /// Characters before the offending one.
+        at: usize,
+        /// What should stand there.
+        expected: &'static str,
+    },
+    /// A name nobody knows.
+    #[error("`{name}` is no noise spec; {}known are {}", hint(nearest.as_deref()), known.join(", "))]
+    Unknown {
+        /// The name.
+        name: String,
+        /// The known name nearest to it, if one is near.
+        nearest: Option<String>,
+        /// Every known call.
+        known: Vec<String>,
+    },
+    /// A known name with arguments that do not fit.
+    #[error("`{call}`: {problem}; write `{usage}`")]
+    Arguments {
+        /// The call as read.
+        call: String,
+        /// What does not fit.
+        problem: String,
+        /// How it is written.
+        usage: &'static str,
+    },
+    /// More than two calls.
+    #[error(
+        "noise spec `{spec}` has {calls} parts; give one for both sensors, or two: accelerometer, gyroscope"
+    )]
+    TooManyParts {
+        /// The whole spec.
+        spec: String,
+        /// How many calls it has.
+        calls: usize,
+    },
+    /// A call that stands for both sensors inside a pair.
+    #[error("`{call}` says both sensors' noise and cannot be one half of a pair; give it alone")]
+    NotOneSensor {
+        /// The call.
+        call: String,
+    },
+    /// A call of another crate, asked of this one.
+    #[error("`{call}` is not made by dpn-core; the crate that knows `{}` must make it", call.split('(').next().unwrap_or(call))]
+    MadeElsewhere {
+        /// The call.
+        call: String,
+    },
+    /// A figure that is no deviation.
+    #[error(transparent)]
+    Noise(#[from] BadNoise),
+    /// The estimator refuses its parameters.
+    #[error(transparent)]
+    Estimator(#[from] EstimatorError),
+}
+
+fn hint(nearest: Option<&str>) -> String {
+    nearest
+        .map(|n| format!("did you mean `{n}`? "))
+        .unwrap_or_default()
+}
+
+/// The candidate with the fewest edits from `name`, if at most a third of its letters (two at least) are edited.
+pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let reach = (name.chars().count() / 3).max(2);
+    candidates
+        .into_iter()
+        .map(|candidate| (strsim::damerau_levenshtein(name, candidate), candidate))
+        .filter(|(edits, candidate)| *edits <= reach && *edits < candidate.chars().count())
+        .min_by_key(|(edits, _)| *edits)
+        .map(|(_, candidate)| candidate)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_name_is_near_or_none() {
+        let names = ["sg", "diff1", "diff2", "running", "wavelet"];
+        assert_eq!(nearest("dif2", names), Some("diff2"));
+        assert_eq!(nearest("runing", names), Some("running"));
+        assert_eq!(nearest("wavlet", names), Some("wavelet"));
+        assert_eq!(nearest("covariance", names), None);
+        assert_eq!(nearest("q", names), None);
+    }
+}

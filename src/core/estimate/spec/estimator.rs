@@ -1,0 +1,259 @@
+//! One simple estimator, named and parametrised.
+
+use super::{Arg, Call, SpecError};
+use crate::estimate::{
+    Allan, AxisSigma, Differences, EachSample, EstimatorError, Ewma, FromFresh, HopWindow, Kalman, Mad2,
+    Running, Schedule, SgResidual, Sliding, StreamSigma, WaveletMad, WindowSigma,
+};
+use crate::signal::Wavelet;
+use std::fmt;
+use std::sync::Arc;
+
+/// A simple estimator and its parameters; `Display` writes its spec.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum EstimatorSpec {
+    /// `sg(window,order)`
+    Sg {
+        /// The filter's window, odd.
+        window: usize,
+        /// The polynomial's order.
+        order: usize,
+    },
+    /// `diff1` to `diff4`
+    Diff {
+        /// Order of the differences.
+        order: usize,
+    },
+    /// `mad2`
+    Mad2,
+    /// `wavelet(family)`
+    Wavelet(Wavelet),
+    /// `allan`
+    Allan,
+    /// `running` or `running(first)`
+    Running {
+        /// Samples it takes before it holds; `None`: all.
+        first: Option<usize>,
+    },
+    /// `sliding` or `sliding(length)`
+    Sliding {
+        /// Samples it looks back; `None`: the schedule's window.
+        length: Option<usize>,
+    },
+    /// `ewma(alpha)`
+    Ewma {
+        /// Weight of the latest sample.
+        alpha: f64,
+    },
+    /// `kalman(q)`
+    Kalman {
+        /// Variance of the level's step over the noise's.
+        ratio: f64,
+    },
+}
+
+/// Name and way of writing of every estimator.
+pub(super) const USAGES: [(&str, &str); 12] = [
+    ("sg", "sg(window,order)"),
+    ("diff1", "diff1"),
+    ("diff2", "diff2"),
+    ("diff3", "diff3"),
+    ("diff4", "diff4"),
+    ("mad2", "mad2"),
+    ("wavelet", "wavelet(haar|db2|db4)"),
+    ("allan", "allan"),
+    ("running", "running(first)"),
+    ("sliding", "sliding(length)"),
+    ("ewma", "ewma(alpha)"),
+    ("kalman", "kalman(q)"),
+];
+
+impl EstimatorSpec {
+    /// One of every kind, each with its default parameters.
+    pub fn all() -> Vec<Self> {
+        let bare = |(name, _): (&str, _)| {
+            Self::from_call(&Call {
+                name: name.to_owned(),
+                args: Vec::new(),
+            })
+        };
+        USAGES
+            .into_iter()
+            .filter_map(|usage| bare(usage).ok().flatten())
+            .collect()
+    }
+
+    /// The estimator that `call` names; `None` when it names none.
+    ///
+    /// # Errors
+    /// Arguments that do not fit in number or kind. Their range is checked when the estimator is made.
+    pub fn from_call(call: &Call) -> Result<Option<Self>, SpecError> {
+        let Some((_, usage)) = USAGES.into_iter().find(|(name, _)| *name == call.name) else {
+            return Ok(None);
+        };
+        let arguments = Arguments { call, usage };
+        let spec = match call.name.as_str() {
+            "sg" => {
+                arguments.at_most(2)?;
+                Self::Sg {
+                    window: arguments.count(0)?.unwrap_or(11),
+                    order: arguments.count(1)?.unwrap_or(2),
+                }
+            }
+            "wavelet" => Self::Wavelet(arguments.family()?),
+            "running" => Self::Running {
+                first: arguments.at_most(1)?.count(0)?,
+            },
+            "sliding" => Self::Sliding {
+                length: arguments.at_most(1)?.count(0)?,
+            },
+            "ewma" => Self::Ewma {
+                alpha: arguments.at_most(1)?.number(0)?.unwrap_or(0.01),
+            },
+            "kalman" => Self::Kalman {
+                ratio: arguments.at_most(1)?.number(0)?.unwrap_or(0.1),
+            },
+            bare => {
+                arguments.at_most(0)?;
+                match bare {
+                    "mad2" => Self::Mad2,
+                    "allan" => Self::Allan,
+                    "diff1" => Self::Diff { order: 1 },
+                    "diff2" => Self::Diff { order: 2 },
+                    "diff3" => Self::Diff { order: 3 },
+                    _ => Self::Diff { order: 4 },
+                }
+            }
+        };
+        Ok(Some(spec))
+    }
+
+    /// The estimator for windows of `samples`; a streaming one answers with its value after the window, from fresh.
+    ///
+    /// # Errors
+    /// Parameters out of range; `samples` below what it needs.
+    pub fn for_windows(&self, samples: usize) -> Result<Arc<dyn WindowSigma>, EstimatorError> {
+        let estimator: Arc<dyn WindowSigma> = match *self {
+            Self::Sg { window, order } => Arc::new(SgResidual::new(window, order, samples)?),
+            Self::Diff { order } => Arc::new(Differences::new(order, samples)?),
+            Self::Mad2 => Arc::new(Mad2),
+            Self::Wavelet(wavelet) => Arc::new(WaveletMad::new(wavelet)),
+            Self::Allan => Arc::new(Allan::new(samples)?),
+            Self::Running { first } => Arc::new(FromFresh::new(running(first)?)),
+            Self::Sliding { length } => Arc::new(FromFresh::new(Sliding::new(length.unwrap_or(samples))?)),
+            Self::Ewma { alpha } => Arc::new(FromFresh::new(Ewma::new(alpha)?)),
+            Self::Kalman { ratio } => Arc::new(FromFresh::new(Kalman::new(ratio)?)),
+        };
+        let needs = estimator.min_len();
+        if samples < needs {
+            return Err(EstimatorError::WindowTooShort {
+                name: self.to_string(),
+                needs,
+                window: samples,
+            });
+        }
+        Ok(estimator)
+    }
+
+    /// Three independent axes: window estimators on `schedule`, streaming ones updated at every sample after the
+    /// first `schedule.window`.
+    ///
+    /// # Errors
+    /// As [`for_windows`](Self::for_windows); a schedule of zeros.
+    pub fn axes(&self, schedule: Schedule) -> Result<[Box<dyn AxisSigma>; 3], EstimatorError> {
+        let Schedule { window, hop } = schedule;
+        if window == 0 || hop == 0 {
+            return Err(EstimatorError::EmptySchedule { window, hop });
+        }
+        fn each<S: StreamSigma + Clone + 'static>(stream: &S, warm_up: usize) -> [Box<dyn AxisSigma>; 3] {
+            std::array::from_fn(|_| {
+                let axis: Box<dyn AxisSigma> = Box::new(EachSample::new(Box::new(stream.clone()), warm_up));
+                axis
+            })
+        }
+        match *self {
+            Self::Running { first } => Ok(each(&running(first)?, window)),
+            Self::Sliding { length } => Ok(each(&Sliding::new(length.unwrap_or(window))?, window)),
+            Self::Ewma { alpha } => Ok(each(&Ewma::new(alpha)?, window)),
+            Self::Kalman { ratio } => Ok(each(&Kalman::new(ratio)?, window)),
+            _ => {
+                let estimator = self.for_windows(window)?;
+                let axis = || HopWindow::new(Arc::clone(&estimator), window, hop);
+                Ok([Box::new(axis()?), Box::new(axis()?), Box::new(axis()?)])
+            }
+        }
+    }
+}
+
+fn running(first: Option<usize>) -> Result<Running, EstimatorError> {
+    first.map_or_else(|| Ok(Running::new()), Running::over_first)
+}
+
+impl fmt::Display for EstimatorSpec {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Sg { window, order } => write!(f, "sg({window},{order})"),
+            Self::Diff { order } => write!(f, "diff{order}"),
+            Self::Mad2 => f.write_str("mad2"),
+            Self::Wavelet(wavelet) => write!(f, "wavelet({})", wavelet.name()),
+            Self::Allan => f.write_str("allan"),
+            Self::Running { first: None } => f.write_str("running"),
+            Self::Running { first: Some(first) } => write!(f, "running({first})"),
+            Self::Sliding { length: None } => f.write_str("sliding"),
+            Self::Sliding { length: Some(length) } => write!(f, "sliding({length})"),
+            Self::Ewma { alpha } => write!(f, "ewma({alpha})"),
+            Self::Kalman { ratio } => write!(f, "kalman({ratio})"),
+        }
+    }
+}
+
+/// A call's arguments, read by place and kind.
+#[derive(Clone, Copy)]
+pub(super) struct Arguments<'a> {
+    pub(super) call: &'a Call,
+    pub(super) usage: &'static str,
+}
+
+impl Arguments<'_> {
+    pub(super) fn wrong(&self, problem: String) -> SpecError {
+        SpecError::Arguments {
+            call: self.call.to_string(),
+            problem,
+            usage: self.usage,
+        }
+    }
+
+    pub(super) fn at_most(self, most: usize) -> Result<Self, SpecError> {
+        match self.call.args.len() {
+            given if given > most => Err(self.wrong(format!("{given} arguments, at most {most} fit"))),
+            _ => Ok(self),
+        }
+    }
+
+    pub(super) fn number(&self, place: usize) -> Result<Option<f64>, SpecError> {
+        match self.call.args.get(place) {
+            None => Ok(None),
+            Some(Arg::Number(number)) => Ok(Some(*number)),
+            Some(_) => Err(self.wrong(format!("argument {} is no number", place + 1))),
+        }
+    }
+
+    fn count(&self, place: usize) -> Result<Option<usize>, SpecError> {
+        match self.number(place)? {
+            None => Ok(None),
+            Some(number) if number >= 0.0 && number.fract() == 0.0 && number <= 1e9 => {
+                Ok(Some(number as usize))
+            }
+            Some(number) => Err(self.wrong(format!("{number} is no number of samples or order"))),
+        }
+    }
+
+    fn family(&self) -> Result<Wavelet, SpecError> {
+        match self.at_most(1)?.call.args.first() {
+            None => Ok(Wavelet::Db4),
+            Some(Arg::Call(word)) if word.args.is_empty() => Wavelet::from_name(&word.name)
+                .ok_or_else(|| self.wrong(format!("`{}` is no known family", word.name))),
+            Some(_) => Err(self.wrong("the argument is no family".to_owned())),
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! Bytes to lines and lines to fields.
+
+/// What stands between two fields.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Delimiter {
+    Byte(u8),
+    Blanks,
+}
+
+impl Delimiter {
+    /// The one that `line` uses.
+    pub(super) fn of(line: &[u8]) -> Self {
+        [b',', b';', b'\t']
+            .into_iter()
+            .find(|d| line.contains(d))
+            .map_or(Self::Blanks, Self::Byte)
+    }
+
+    /// Puts the fields of `line` into `fields`.
+    pub(super) fn split<'a>(self, line: &'a [u8], fields: &mut Vec<&'a [u8]>) {
+        fields.clear();
+        match self {
+            Self::Byte(byte) => {
+                let mut start = 0;
+                for end in memchr::memchr_iter(byte, line) {
+                    fields.push(bare(&line[start..end]));
+                    start = end + 1;
+                }
+                let last = bare(&line[start..]);
+                if !last.is_empty() || start == 0 {
+                    fields.push(last);
+                }
+            }
+            Self::Blanks => {
+                fields.extend(
+                    line.split(u8::is_ascii_whitespace)
+                        .filter(|f| !f.is_empty())
+                        .map(bare),
+                );
+            }
+        }
+    }
+}
+
+/// A field without blanks and double quotes around it.
+fn bare(field: &[u8]) -> &[u8] {
+    // The usual field has neither, and a look at both ends is all it costs.
+    match field {
+        [a, .., b] if a.is_ascii_alphanumeric() && b.is_ascii_alphanumeric() => field,
+        _ => {
+            let field = field.trim_ascii();
+            match field {
+                [b'"', inner @ .., b'"'] => inner.trim_ascii(),
+                _ => field,
+            }
+        }
+    }
+}
+
+/// Takes one line off `rest`, without its end and without blanks around it; `None` when nothing is left.
+pub(super) fn take_line<'a>(rest: &mut &'a [u8]) -> Option<&'a [u8]> {
+    if rest.is_empty() {
+        return None;
+    }
+    let (line, tail) = match memchr::memchr(b'\n', rest) {
+        Some(end) => (&rest[..end], &rest[end + 1..]),
+        None => (*rest, &rest[rest.len()..]),
+    };
+    *rest = tail;
+    Some(line.trim_ascii())
+}
+
+/// Whether a field reads as a number, NaN and infinities included.
+pub(super) fn is_number(field: &[u8]) -> bool {
+    fast_float2::parse::<f64, _>(field).is_ok()
+}
+
+/// Whether a field is a name of time, as the first of a commented header is.
+pub(super) fn names_time(field: &[u8]) -> bool {
+    let lower = field.to_ascii_lowercase();
+    [&b"t"[..], b"t_ns", b"t_s"].contains(&lower.as_slice())
+        || [&b"time"[..], b"stamp", b"#time"]
+            .iter()
+            .any(|p| lower.starts_with(p))
+}
+
+/// A field for a message: printable and short.
+pub(super) fn shown(field: &[u8]) -> String {
+    const MOST: usize = 40;
+    let text = String::from_utf8_lossy(field);
+    let mut out: String = text.chars().take(MOST).flat_map(char::escape_debug).collect();
+    if text.chars().nth(MOST).is_some() {
+        out.push_str("...");
+    }
+    out
+}

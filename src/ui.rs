@@ -1,0 +1,136 @@
+//! Talk with the person at the terminal: progress, errors, hints. Data goes to stdout, talk to stderr.
+
+use dpn_core::progress::Progress;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::fmt;
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
+
+/// A message for the user with what to do about it.
+#[derive(Debug)]
+pub(crate) struct Fault {
+    /// What is wrong, and where.
+    message: String,
+    /// How to mend it.
+    hint: Option<String>,
+}
+
+impl Fault {
+    /// A fault whose message says it all.
+    pub(crate) fn new(message: impl Into<String>) -> Self {
+        Self { message: message.into(), hint: None }
+    }
+
+    /// The same with a remedy, printed on a line of its own.
+    #[must_use]
+    pub(crate) fn hint(mut self, hint: impl Into<String>) -> Self {
+        self.hint = Some(hint.into());
+        self
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for Fault {}
+
+/// The user pressed Ctrl-C and the work stopped at a safe place.
+#[derive(Debug)]
+pub(crate) struct Interrupted(pub(crate) String);
+
+impl fmt::Display for Interrupted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Interrupted {}
+
+/// The chain of causes on one line, and the first hint found in it.
+pub(crate) fn render_error(error: &anyhow::Error) -> String {
+    let mut parts: Vec<String> = Vec::new();
+    for cause in error.chain() {
+        let text = cause.to_string();
+        // Some errors repeat their source in their own words.
+        if parts.last().is_none_or(|last| !last.contains(&text)) {
+            parts.push(text);
+        }
+    }
+    let mut text = format!("error: {}", parts.join(": "));
+    if let Some(hint) = error.chain().find_map(hint_of) {
+        text.push_str(&format!("\n\nhint: {hint}"));
+    }
+    text
+}
+
+/// The remedy an error of ours carries.
+fn hint_of(cause: &(dyn std::error::Error + 'static)) -> Option<String> {
+    if let Some(fault) = cause.downcast_ref::<Fault>() {
+        return fault.hint.clone();
+    }
+    if let Some(error) = cause.downcast_ref::<dpn_core::config::ConfigError>() {
+        return error.hint();
+    }
+    if let Some(error) = cause.downcast_ref::<dpn_core::io::IoError>() {
+        return error.hint();
+    }
+    if let Some(error) = cause.downcast_ref::<dpn_train::asl::LoadError>() {
+        return error.hint();
+    }
+    cause.downcast_ref::<dpn_train::run::RunError>().and_then(dpn_train::run::RunError::hint)
+}
+
+/// One bar on a terminal; a plain line now and then where stderr is none.
+pub(crate) struct Bar {
+    bar: Option<ProgressBar>,
+    what: String,
+    total: u64,
+    last_line: Option<Instant>,
+}
+
+impl Bar {
+    /// How often a plain line is written.
+    const LINE_EVERY: Duration = Duration::from_secs(10);
+
+    /// A bar that shows nothing until work starts.
+    pub(crate) fn new() -> Self {
+        Self { bar: None, what: String::new(), total: 0, last_line: None }
+    }
+}
+
+impl Progress for Bar {
+    fn start(&mut self, what: &str, total: u64) {
+        what.clone_into(&mut self.what);
+        self.total = total;
+        if std::io::stderr().is_terminal() {
+            let bar = ProgressBar::new(total);
+            let style = ProgressStyle::with_template("{prefix} [{bar:32}] {pos}/{len} {msg} (left {eta})");
+            bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
+            bar.set_prefix(what.to_owned());
+            self.bar = Some(bar);
+        } else {
+            eprintln!("{what}: {total} steps");
+            self.last_line = Some(Instant::now());
+        }
+    }
+
+    fn step(&mut self, done: u64, note: &str) {
+        if let Some(bar) = &self.bar {
+            bar.set_position(done);
+            bar.set_message(note.to_owned());
+        } else if self.last_line.is_none_or(|at| at.elapsed() >= Self::LINE_EVERY) {
+            eprintln!("{}: {done}/{} {note}", self.what, self.total);
+            self.last_line = Some(Instant::now());
+        }
+    }
+
+    fn finish(&mut self, note: &str) {
+        if let Some(bar) = self.bar.take() {
+            bar.finish_and_clear();
+        }
+        eprintln!("{}: {note}", self.what);
+    }
+}

@@ -1,0 +1,304 @@
+//! A training run on disk: resume where it stopped, save after every epoch, leave weights and a summary.
+//!
+//! The folder holds `config.toml` (every default written out, written before the first epoch), `checkpoint.safetensors`,
+//! `history.jsonl`, and at the end `SENSOR.safetensors` and `summary.json`. Every file is there in full or not at all; what is
+//! lost when the process dies is the epoch it was in.
+
+use crate::config::TrainConfig;
+use crate::corpus::Corpus;
+use crate::split::Side;
+use crate::state::{Best, State};
+use crate::trainer::{TrainError, Trainer, parameter_count};
+use burn::tensor::Device;
+use dpn_core::SampleRate;
+use dpn_core::io::{IoError, atomic_write};
+use dpn_core::progress::Progress;
+use dpn_pronet::weights::{Card, Weights};
+use dpn_pronet::{Checkpoint, StoreError};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value, json};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+use thiserror::Error;
+
+const CONFIG: &str = "config.toml";
+const CHECKPOINT: &str = "checkpoint.safetensors";
+const HISTORY: &str = "history.jsonl";
+const SUMMARY: &str = "summary.json";
+/// Vectors of the trainer's own in a checkpoint.
+const AVERAGED: &str = "averaged";
+const BEST: &str = "best";
+
+/// Why a run cannot be started, resumed or saved.
+#[derive(Debug, Error)]
+pub enum RunError {
+    /// Training itself.
+    #[error(transparent)]
+    Train(#[from] TrainError),
+    /// A checkpoint or weights.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// Another file of the run.
+    #[error(transparent)]
+    Io(#[from] IoError),
+    /// The folder holds a run already.
+    #[error("{}: a run stands there already ({epochs} of its epochs done)", path.display())]
+    Exists {
+        /// The folder.
+        path: PathBuf,
+        /// Its finished epochs.
+        epochs: u64,
+    },
+    /// Nothing to go on from.
+    #[error("{}: no run to resume", path.display())]
+    Nothing {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The run to resume was made with another configuration or other recordings.
+    #[error("{}: cannot resume, because the run there {reason}", path.display())]
+    Differs {
+        /// The folder.
+        path: PathBuf,
+        /// What differs.
+        reason: &'static str,
+    },
+    /// A configuration or summary that cannot be written as text.
+    #[error("cannot write the run's {what}: {reason}")]
+    Text {
+        /// Which file.
+        what: &'static str,
+        /// Why.
+        reason: String,
+    },
+}
+
+impl RunError {
+    /// What to do about it.
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::Exists { .. } => Some("go on with it by --resume, or choose another folder with --out".into()),
+            Self::Nothing { .. } => Some("leave --resume out to start a run there".into()),
+            Self::Differs { .. } => {
+                Some("give the configuration and data it was started with, or start anew in another folder".into())
+            }
+            Self::Train(TrainError::Corpus(error)) => error.hint(),
+            Self::Io(error) => error.hint(),
+            _ => None,
+        }
+    }
+}
+
+/// What came out of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Version of dpn.
+    pub version: String,
+    /// `accel` or `gyro`.
+    pub sensor: String,
+    /// Base noise was injected into.
+    pub base: String,
+    /// `grid` or `continuous`.
+    pub levels: String,
+    /// `sigma_inj` or `sigma_tot`.
+    pub label: String,
+    /// Seed.
+    pub seed: u64,
+    /// Collection of recordings, their names, their fingerprint.
+    pub data: String,
+    /// Training sequences.
+    pub sequences: Vec<String>,
+    /// SHA-256 over all samples.
+    pub fingerprint: String,
+    /// Windows learned from.
+    pub fit_windows: usize,
+    /// Windows validated on.
+    pub validation_windows: usize,
+    /// Parameters of the network.
+    pub parameters: usize,
+    /// Updates a whole run makes.
+    pub updates: u64,
+    /// Epoch whose weights were kept.
+    pub best_epoch: u64,
+    /// Their RMSE on the validation examples \[unit of the sensor\].
+    pub validation_rmse: f64,
+}
+
+/// What a checkpoint says besides its numbers.
+#[derive(Debug, Serialize, Deserialize)]
+struct Notes {
+    config: TrainConfig,
+    fingerprint: String,
+    history: Vec<crate::state::EpochRecord>,
+    best: Option<(u64, f64)>,
+}
+
+/// A run in its folder.
+pub struct Run<'a> {
+    dir: &'a Path,
+    trainer: Trainer,
+    fingerprint: String,
+    corpus: &'a Corpus,
+    state: State,
+}
+
+impl<'a> Run<'a> {
+    /// Starts a run in `dir`, or goes on with the one that stands there.
+    ///
+    /// # Errors
+    /// A folder that holds a run already (without `resume`), holds none (with it), or one of another configuration or data;
+    /// recordings that do not serve; files that cannot be written.
+    pub fn open(
+        dir: &'a Path,
+        config: &TrainConfig,
+        corpus: &'a Corpus,
+        device: &Device,
+        resume: bool,
+    ) -> Result<Self, RunError> {
+        let trainer = Trainer::new(config, corpus, device)?;
+        let fingerprint = corpus.fingerprint();
+        let path = dir.join(CHECKPOINT);
+        let state = match (path.exists(), resume) {
+            (true, true) => load(&path, dir, trainer.config(), &fingerprint)?,
+            (true, false) => {
+                let epochs = Checkpoint::load(&path).ok().and_then(|c| notes(&c)).map_or(0, |n| n.history.len());
+                return Err(RunError::Exists { path: dir.to_owned(), epochs: epochs as u64 });
+            }
+            (false, true) => return Err(RunError::Nothing { path: dir.to_owned() }),
+            (false, false) => trainer.start(),
+        };
+        let run = Self { dir, trainer, fingerprint, corpus, state };
+        let text = toml::to_string_pretty(run.trainer.config())
+            .map_err(|error| RunError::Text { what: CONFIG, reason: error.to_string() })?;
+        atomic_write(&dir.join(CONFIG), |out| out.write_all(text.as_bytes()))?;
+        Ok(run)
+    }
+
+    /// Epochs behind it, and in all.
+    pub fn epochs(&self) -> (u64, u64) {
+        (self.state.epochs_done(), self.trainer.config().fit.epochs)
+    }
+
+    /// Trains to the end, or until `stop` is set; then the run can be resumed.
+    ///
+    /// # Errors
+    /// Divergence, a request to stop, files that cannot be written.
+    pub fn train(mut self, stop: &AtomicBool, progress: &mut dyn Progress) -> Result<(Summary, PathBuf), RunError> {
+        let fit = self.trainer.config().fit;
+        let steps = self.trainer.steps_per_epoch();
+        let sensor = self.trainer.config().sensor();
+        progress.start(&format!("train {sensor}"), steps * fit.epochs);
+        let clock = Instant::now();
+        while self.state.epochs_done() < fit.epochs {
+            let epoch = self.state.epochs_done();
+            let best = self.state.best.as_ref().map(|best| best.validation_rmse);
+            let note = |loss: f64| {
+                let best = best.map_or_else(String::new, |rmse| format!(", best validation {rmse:.5} {}", sensor.unit()));
+                format!("epoch {}/{}, loss {loss:.5}{best}", epoch + 1, fit.epochs)
+            };
+            self.trainer.epoch(&mut self.state, stop, &mut |done, loss| progress.step(epoch * steps + done, &note(loss)))?;
+            self.save()?;
+        }
+        let summary = self.summary();
+        let path = self.dir.join(format!("{sensor}.safetensors"));
+        self.finish(&summary, &path)?;
+        progress.finish(&format!(
+            "validation RMSE {:.5} {} at epoch {}, {:.0} s",
+            summary.validation_rmse,
+            sensor.unit(),
+            summary.best_epoch,
+            clock.elapsed().as_secs_f64()
+        ));
+        Ok((summary, path))
+    }
+
+    fn summary(&self) -> Summary {
+        let config = self.trainer.config();
+        let (fit_windows, validation_windows) = self.trainer.windows();
+        let best = self.state.best.as_ref();
+        Summary {
+            version: env!("CARGO_PKG_VERSION").into(),
+            sensor: config.sensor().name().into(),
+            base: config.base.base().to_string(),
+            levels: config.noise.levels.family().into(),
+            label: config.noise.label.to_string(),
+            seed: config.seed,
+            data: self.corpus.name.clone(),
+            sequences: self.corpus.side(Side::Train).iter().map(|(name, _)| (*name).to_owned()).collect(),
+            fingerprint: self.fingerprint.clone(),
+            fit_windows,
+            validation_windows,
+            parameters: parameter_count(config),
+            updates: self.trainer.steps_per_epoch() * config.fit.epochs,
+            best_epoch: best.map_or(self.state.epochs_done(), |best| best.epoch),
+            validation_rmse: best
+                .map_or_else(|| self.trainer.validate(&self.state.averaged), |best| best.validation_rmse),
+        }
+    }
+
+    /// Writes the checkpoint and the history.
+    fn save(&self) -> Result<(), RunError> {
+        let text = |what| move |error: serde_json::Error| RunError::Text { what, reason: error.to_string() };
+        let notes = Notes {
+            config: self.trainer.config().clone(),
+            fingerprint: self.fingerprint.clone(),
+            history: self.state.history.clone(),
+            best: self.state.best.as_ref().map(|best| (best.epoch, best.validation_rmse)),
+        };
+        let mut checkpoint = Checkpoint {
+            config: self.trainer.config().network.clone(),
+            parameters: self.state.weights.clone(),
+            adam: self.state.adam.clone(),
+            vectors: [(AVERAGED.to_owned(), self.state.averaged.clone())].into(),
+            notes: Map::from_iter([("run".to_owned(), serde_json::to_value(&notes).map_err(text(CHECKPOINT))?)]),
+        };
+        if let Some(best) = &self.state.best {
+            checkpoint.vectors.insert(BEST.to_owned(), best.weights.clone());
+        }
+        checkpoint.save(self.dir.join(CHECKPOINT))?;
+        let lines: Result<Vec<String>, _> = self.state.history.iter().map(serde_json::to_string).collect();
+        let lines = lines.map_err(text(HISTORY))?.join("\n") + "\n";
+        atomic_write(&self.dir.join(HISTORY), |out| out.write_all(lines.as_bytes()))?;
+        Ok(())
+    }
+
+    /// Writes weights and summary.
+    fn finish(&self, summary: &Summary, path: &Path) -> Result<(), RunError> {
+        let text = |error: serde_json::Error| RunError::Text { what: SUMMARY, reason: error.to_string() };
+        let mut training = match serde_json::to_value(summary).map_err(text)? {
+            Value::Object(map) => map,
+            other => Map::from_iter([("summary".to_owned(), other)]),
+        };
+        training.insert("run".into(), json!(self.trainer.config()));
+        let card = Card { rate: SampleRate::HZ_200, range: self.trainer.trained_range(), training };
+        let weights: Weights = self.trainer.weights(&self.state, card);
+        weights.save(path)?;
+        let lines = serde_json::to_string_pretty(summary).map_err(text)? + "\n";
+        atomic_write(&self.dir.join(SUMMARY), |out| out.write_all(lines.as_bytes()))?;
+        Ok(())
+    }
+}
+
+fn notes(checkpoint: &Checkpoint) -> Option<Notes> {
+    checkpoint.notes.get("run").and_then(|value| serde_json::from_value(value.clone()).ok())
+}
+
+/// The state in a checkpoint, if it belongs to this configuration and these recordings.
+fn load(path: &Path, dir: &Path, config: &TrainConfig, fingerprint: &str) -> Result<State, RunError> {
+    let differs = |reason| RunError::Differs { path: dir.to_owned(), reason };
+    let mut checkpoint = Checkpoint::load(path)?;
+    let notes = notes(&checkpoint).ok_or_else(|| differs("was written by another version of dpn"))?;
+    if notes.config != *config {
+        return Err(differs("has another configuration"));
+    }
+    if notes.fingerprint != fingerprint {
+        return Err(differs("saw other recordings"));
+    }
+    let averaged = checkpoint.vectors.remove(AVERAGED).ok_or_else(|| differs("has no averaged weights"))?;
+    let best = match (notes.best, checkpoint.vectors.remove(BEST)) {
+        (Some((epoch, validation_rmse)), Some(weights)) => Some(Best { epoch, validation_rmse, weights }),
+        _ => None,
+    };
+    Ok(State { weights: checkpoint.parameters, averaged, adam: checkpoint.adam, best, history: notes.history })
+}

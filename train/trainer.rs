@@ -1,0 +1,278 @@
+//! The training loop: draw, forward, backward, update; validate; keep the best.
+//!
+//! Deterministic: weights are a function of configuration and recordings. Examples are drawn in parallel, each from a
+//! stream of its own; the network's kernels sum in a fixed order; the optimiser's state is [`State`]. A run that goes on
+//! from a saved [`State`] therefore ends in the same bits as one that never stopped.
+
+use crate::config::{Draws, Loss, TrainConfig};
+use crate::corpus::{Corpus, CorpusError};
+use crate::examples::Examples;
+use crate::schedule::learning_rate;
+use crate::split::Side;
+use crate::state::{EpochRecord, State};
+use crate::windows::{Stretch, WINDOW, WindowSet};
+use burn::tensor::{Device, Tensor, TensorData};
+use dpn_core::random::Stream;
+use dpn_core::signal::FilterError;
+use dpn_pronet::adam::{AdamConfig, clip_length};
+use dpn_pronet::config::ConfigError as NetworkError;
+use dpn_pronet::weights::{Card, Weights};
+use dpn_pronet::range::TrainedRange;
+use dpn_pronet::{Predictor, ProNet, shape};
+use rand::seq::SliceRandom;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
+use thiserror::Error;
+
+/// Why training cannot start, or had to stop.
+#[derive(Debug, Error)]
+pub enum TrainError {
+    /// The recordings do not serve.
+    #[error(transparent)]
+    Corpus(#[from] CorpusError),
+    /// The base's filter cannot be.
+    #[error(transparent)]
+    Filter(#[from] FilterError),
+    /// The network cannot be.
+    #[error(transparent)]
+    Network(#[from] NetworkError),
+    /// No window to learn from, or none to validate on.
+    #[error("the training sequences hold {fit} windows to learn from and {validation} to validate on; record longer")]
+    NoWindows {
+        /// Windows to learn from.
+        fit: usize,
+        /// Windows to validate on.
+        validation: usize,
+    },
+    /// The loss became infinite or NaN.
+    #[error("the loss is {loss} in epoch {epoch}; lower `fit.learning_rate` or set `fit.clip_norm`")]
+    Diverged {
+        /// Epoch, from 1.
+        epoch: u64,
+        /// The loss.
+        loss: f64,
+    },
+    /// Asked to stop between two epochs or within one.
+    #[error("stopped in epoch {epoch}")]
+    Stopped {
+        /// Epoch that was not finished, from 1.
+        epoch: u64,
+    },
+}
+
+/// A run: what it learns from and how.
+pub struct Trainer {
+    config: TrainConfig,
+    fit: WindowSet,
+    validation: Examples,
+    truth: Vec<f64>,
+    stream: Stream,
+    network: ProNet,
+}
+
+impl Trainer {
+    /// Cuts windows and draws the validation examples.
+    ///
+    /// # Errors
+    /// Recordings, filter or network that do not serve; no windows.
+    pub fn new(config: &TrainConfig, corpus: &Corpus, device: &Device) -> Result<Self, TrainError> {
+        let config = config.resolved();
+        let recordings = corpus.require(Side::Train)?;
+        let cut = |stretch| {
+            WindowSet::cut(&recordings, config.sensor(), config.base.base(), config.base.scope, stretch)
+        };
+        let (fit, held_out) = (cut(Stretch::Fit)?, cut(Stretch::Validation)?);
+        if fit.is_empty() || held_out.is_empty() {
+            return Err(TrainError::NoWindows { fit: fit.len(), validation: held_out.len() });
+        }
+        let stream = Stream::new(config.seed).named("train").named(config.sensor().name());
+        // Validation examples are the same for every training seed, so that seeds are compared on one scale.
+        let judge = Stream::new(0).named("validation").named(config.sensor().name());
+        let validation = Examples::draw(&held_out, &config.levels(), &judge);
+        let truth = validation.truth(config.noise.label);
+        let network = ProNet::new(&config.network, &stream.named("weights"), device)?;
+        Ok(Self { config, fit, validation, truth, stream, network })
+    }
+
+    /// The configuration with every default written out.
+    pub fn config(&self) -> &TrainConfig {
+        &self.config
+    }
+
+    /// Windows to learn from and windows to validate on.
+    pub fn windows(&self) -> (usize, usize) {
+        (self.fit.len(), self.validation.len() / self.config.levels().steps.max(1))
+    }
+
+    /// The state before the first epoch.
+    pub fn start(&self) -> State {
+        State::new(self.network.parameters(), self.adam())
+    }
+
+    /// The optimiser's settings.
+    pub(crate) fn adam(&self) -> AdamConfig {
+        AdamConfig { weight_decay: self.config.fit.weight_decay, ..AdamConfig::default() }
+    }
+
+    /// Updates in one epoch.
+    pub fn steps_per_epoch(&self) -> u64 {
+        (self.fit.len() as u64 * self.config.fit.draws_per_window).div_ceil(self.config.fit.batch as u64)
+    }
+
+    /// Goes through one epoch. `stop` is looked at before every update; `each_step` hears the steps done in the epoch
+    /// and the mean loss so far. On an error `state` is as before the epoch.
+    ///
+    /// # Errors
+    /// Divergence; a request to stop.
+    pub fn epoch(
+        &self,
+        state: &mut State,
+        stop: &AtomicBool,
+        each_step: &mut dyn FnMut(u64, f64),
+    ) -> Result<EpochRecord, TrainError> {
+        let epoch = state.epochs_done();
+        let mut next = state.clone();
+        let total = self.steps_per_epoch() * self.config.fit.epochs;
+        let order = self.order(epoch);
+        let (mut loss_sum, mut rate) = (0.0, 0.0);
+        for (step, batch) in order.chunks(self.config.fit.batch).enumerate() {
+            if stop.load(Ordering::Relaxed) {
+                return Err(TrainError::Stopped { epoch: epoch + 1 });
+            }
+            let (windows, labels) = self.draw(epoch, batch);
+            let (loss, mut gradient) = self.gradient(&next.weights, windows, &labels);
+            if !loss.is_finite() {
+                return Err(TrainError::Diverged { epoch: epoch + 1, loss });
+            }
+            loss_sum += loss * batch.len() as f64;
+            if self.config.fit.clip_norm > 0.0 {
+                clip_length(&mut gradient, self.config.fit.clip_norm);
+            }
+            rate = learning_rate(&self.config.fit, next.adam.steps(), total);
+            next.adam.step(&mut next.weights, &gradient, rate);
+            self.average(&mut next);
+            let seen = (step * self.config.fit.batch + batch.len()) as f64;
+            each_step(step as u64 + 1, loss_sum / seen);
+        }
+        let epoch = epoch + 1;
+        let fit = &self.config.fit;
+        let validate = epoch.is_multiple_of(fit.validate_every) || epoch == fit.epochs;
+        let validation_rmse = validate.then(|| self.validate(&next.averaged));
+        if let Some(rmse) = validation_rmse.filter(|rmse| rmse.is_finite()) {
+            next.keep_if_best(epoch, rmse);
+        }
+        let record =
+            EpochRecord { epoch, loss: loss_sum / order.len() as f64, validation_rmse, learning_rate: rate };
+        next.history.push(record);
+        *state = next;
+        Ok(record)
+    }
+
+    /// Weights of the best validated epoch with what is to be known about them; the averaged ones where none was
+    /// validated.
+    pub fn weights(&self, state: &State, card: Card) -> Weights {
+        let weights = state.best.as_ref().map_or(&state.averaged, |best| &best.weights);
+        Weights::new(&self.config.network, weights.clone(), card)
+    }
+
+    /// The range of the windows learned from, noise included, from one epoch's draw.
+    pub fn trained_range(&self) -> Option<TrainedRange> {
+        let order: Vec<(usize, u64)> = (0..self.fit.len()).map(|window| (window, 0)).collect();
+        let (windows, _) = self.draw(0, &order);
+        TrainedRange::spanning(windows.chunks_exact(WINDOW))
+    }
+
+    /// RMSE of `weights` on the validation examples \[unit of the sensor\].
+    pub fn validate(&self, weights: &[f32]) -> f64 {
+        let weights = Weights::new(&self.config.network, weights.to_vec(), Card::default());
+        let estimates = predict(&weights, &self.validation.samples);
+        let square: f64 = estimates.iter().zip(&self.truth).map(|(e, t)| (e - t).powi(2)).sum();
+        (square / self.truth.len().max(1) as f64).sqrt()
+    }
+
+    /// Windows in the order of one epoch, each with the number of its draw.
+    fn order(&self, epoch: u64) -> Vec<(usize, u64)> {
+        let draws = self.config.fit.draws_per_window;
+        let mut order: Vec<(usize, u64)> =
+            (0..self.fit.len()).flat_map(|window| (0..draws).map(move |draw| (window, draw))).collect();
+        order.shuffle(&mut self.stream.named("order").index(epoch).rng());
+        order
+    }
+
+    /// Noisy windows and their labels.
+    fn draw(&self, epoch: u64, batch: &[(usize, u64)]) -> (Vec<f32>, Vec<f32>) {
+        let epoch = match self.config.noise.draws {
+            Draws::Epoch => epoch,
+            Draws::Fixed => 0,
+        };
+        let rule = self.config.draw_rule();
+        let mut windows = vec![0f32; batch.len() * WINDOW];
+        let labels = windows
+            .par_chunks_exact_mut(WINDOW)
+            .zip(batch)
+            .map(|(row, &(window, draw))| {
+                let mut example = [0.0; WINDOW];
+                let stream = self.stream.named("example").index(epoch).index(window as u64).index(draw);
+                let label = rule.example_into(&self.fit, window, &stream, &mut example);
+                for (to, from) in row.iter_mut().zip(&example) {
+                    *to = *from as f32;
+                }
+                label as f32
+            })
+            .collect();
+        (windows, labels)
+    }
+
+    /// Loss of a batch and its gradient.
+    fn gradient(&self, weights: &[f32], windows: Vec<f32>, labels: &[f32]) -> (f64, Vec<f32>) {
+        let network = self.network.with_parameters(weights);
+        let device = network.device();
+        let batch = labels.len();
+        let windows = Tensor::<2>::from_data(TensorData::new(windows, [batch, WINDOW]), &device); // [batch, window]
+        let labels = Tensor::<1>::from_data(TensorData::new(labels.to_vec(), [batch]), &device); // [batch]
+        let sigma = network.forward(windows); // [batch]
+        let error = match self.config.fit.loss {
+            Loss::Mse => (sigma - labels) / (self.config.network.output_scale() as f32), // [batch]
+            Loss::LogMse => {
+                let floor = (1e-3 * self.config.network.output_scale()) as f32;
+                sigma.clamp_min(floor).log() - labels.log() // [batch]
+            }
+        };
+        let loss = error.clone().mul(error).mean(); // [1]
+        let gradients = loss.backward();
+        let value = loss.into_data_as::<f32>().iter::<f32>().next().map_or(f64::NAN, f64::from);
+        (value, network.flat_gradient(&gradients))
+    }
+
+    /// Moves the running mean of the weights. It starts as a plain mean, so that early weights do not linger.
+    fn average(&self, state: &mut State) {
+        let step = state.adam.steps() as f64;
+        let keep = self.config.fit.ema.min(1.0 - 1.0 / step.max(1.0)) as f32;
+        for (mean, weight) in state.averaged.iter_mut().zip(&state.weights) {
+            *mean = keep * *mean + (1.0 - keep) * weight;
+        }
+    }
+}
+
+/// Deviations that `weights` give for rows of [`WINDOW`] samples, in row order.
+pub fn predict(weights: &Weights, samples: &[f64]) -> Vec<f64> {
+    const ROWS: usize = 256;
+    samples
+        .par_chunks(ROWS * WINDOW)
+        .map(|chunk| {
+            let windows: Vec<f32> = chunk.iter().map(|v| *v as f32).collect();
+            let mut sigma = vec![0f32; windows.len() / WINDOW];
+            Predictor::new(weights).predict(&windows, &mut sigma);
+            sigma
+        })
+        .collect::<Vec<_>>()
+        .concat()
+        .into_iter()
+        .map(f64::from)
+        .collect()
+}
+
+/// Number of parameters a configuration's network has.
+pub fn parameter_count(config: &TrainConfig) -> usize {
+    shape::parameter_count(&config.network)
+}
