@@ -13,7 +13,7 @@ use dpn_train::base::Base;
 use dpn_train::windows::WINDOW;
 use std::path::{Path, PathBuf};
 
-pub(crate) fn run(args: EvalArgs) -> Result<()> {
+pub(crate) fn run(args: &EvalArgs) -> Result<()> {
     let bases = bases(args.bases.as_deref())?;
     let networks = match &args.models {
         Some(dir) => networks::load_all(dir)?,
