@@ -22,8 +22,10 @@ pub struct Augment {
     pub sign: bool,
     /// Run time backwards, half of the time.
     pub reverse: bool,
-    /// Largest factor by which the base's deviation from its mean grows or shrinks (log-uniform); 1 switches it off.
-    pub scale: f64,
+    /// Share of the windows whose base is made larger about its mean: louder motion than the recordings hold.
+    pub grow_share: f64,
+    /// Largest factor of that growth, log-uniform from 1.
+    pub grow: f64,
 }
 
 impl Default for Augment {
@@ -32,7 +34,8 @@ impl Default for Augment {
             offset: true,
             sign: true,
             reverse: true,
-            scale: 1.0,
+            grow_share: 0.0,
+            grow: 1.0,
         }
     }
 }
@@ -43,7 +46,8 @@ impl Augment {
         offset: false,
         sign: false,
         reverse: false,
-        scale: 1.0,
+        grow_share: 0.0,
+        grow: 1.0,
     };
 }
 
@@ -77,7 +81,7 @@ impl DrawRule {
         // Every choice is drawn whether it is used or not: switching one on moves no other.
         let offset = rng.random_range(0..=set.slack(index));
         let (flip, reverse) = (rng.random::<bool>(), rng.random::<bool>());
-        let stretch: f64 = rng.random_range(-1.0..=1.0);
+        let (grows, growth): (f64, f64) = (rng.random(), rng.random());
         let offset = if self.augment.offset { offset } else { 0 };
         set.base_into(index, offset, out);
         if self.augment.sign && flip {
@@ -86,8 +90,8 @@ impl DrawRule {
         if self.augment.reverse && reverse {
             out.reverse();
         }
-        if self.augment.scale > 1.0 {
-            let factor = self.augment.scale.powf(stretch);
+        if grows < self.augment.grow_share {
+            let factor = self.augment.grow.powf(growth);
             let mean = out.iter().sum::<f64>() / WINDOW as f64;
             out.iter_mut().for_each(|v| *v = mean + factor * (*v - mean));
         }

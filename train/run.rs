@@ -95,6 +95,8 @@ impl RunError {
 pub struct Summary {
     /// Version of dpn.
     pub version: String,
+    /// Name of the estimator in tables.
+    pub name: String,
     /// `accel` or `gyro`.
     pub sensor: String,
     /// Base noise was injected into.
@@ -219,6 +221,7 @@ impl<'a> Run<'a> {
         let best = self.state.best.as_ref();
         Summary {
             version: env!("CARGO_PKG_VERSION").into(),
+            name: config.name.clone(),
             sensor: config.sensor().name().into(),
             base: config.base.base().to_string(),
             levels: config.noise.levels.family().into(),

@@ -1,10 +1,12 @@
 //! What the user may type, one file a command.
 
+mod eval;
 mod simulate;
 mod train;
 
+pub(crate) use eval::EvalArgs;
 pub(crate) use simulate::{FlightArgs, SimulateArgs, SimulateWhat};
-pub(crate) use train::TrainArgs;
+pub(crate) use train::{SensorArg, TrainArgs};
 
 use clap::{Parser, Subcommand};
 
@@ -22,6 +24,8 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Train a network that reads a sensor's noise off one second of one axis.
     Train(TrainArgs),
+    /// Judge noise estimators: open loop against the injected truth.
+    Eval(EvalArgs),
     /// Make data whose truth is known.
     Simulate(SimulateArgs),
 }

@@ -2,6 +2,9 @@
 
 mod corpus;
 mod device;
+mod eval;
+mod flight;
+mod shipped;
 mod simulate;
 mod train;
 
@@ -11,6 +14,7 @@ use crate::args::{Cli, Command};
 pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
     match cli.command {
         Command::Train(args) => train::run(args),
+        Command::Eval(args) => eval::run(args),
         Command::Simulate(args) => simulate::run(args),
     }
 }

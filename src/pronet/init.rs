@@ -1,6 +1,7 @@
 //! Weights before training: a function of one named random stream.
 
-use crate::config::ProNetConfig;
+use crate::band_pass::band_pass_kernels;
+use crate::config::{FirstKernels, ProNetConfig};
 use crate::shape::{Start, parameters};
 use dpn_core::random::Stream;
 use rand::Rng;
@@ -12,6 +13,19 @@ pub fn initial_parameters(config: &ProNetConfig, stream: &Stream) -> Vec<f32> {
     let mut flat = Vec::new();
     for parameter in parameters(config) {
         let len = parameter.len();
+        if config.first_kernels == FirstKernels::BandPass {
+            match parameter.name.as_str() {
+                "conv1.weight" => {
+                    flat.extend(band_pass_kernels(config, &stream.named("conv1.weight")));
+                    continue;
+                }
+                "conv1.bias" => {
+                    flat.extend(std::iter::repeat_n(0.0, len));
+                    continue;
+                }
+                _ => {}
+            }
+        }
         match parameter.start {
             Start::One => flat.extend(std::iter::repeat_n(1.0, len)),
             Start::Zero => flat.extend(std::iter::repeat_n(0.0, len)),

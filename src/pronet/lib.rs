@@ -1,7 +1,46 @@
 //! Accel-ProNet and Gyro-ProNet: configuration, modules, weights, streaming inference.
+//!
+//! A ProNet takes a window of one axis of one inertial sensor (200 samples, one second) and says the standard deviation of the white noise in
+//! it: three blocks of convolution, layer normalisation and leaky ReLU, pooling over time, four linear layers
+//! (VIO-DualProNet, arXiv 2308.11228). Every choice the paper leaves open is a key of [`ProNetConfig`].
+//!
+//! * [`ProNet`]: the network as a burn module, to train and to run on any burn device.
+//! * [`Adam`], [`Checkpoint`]: the optimiser over the flat parameters, and a training's state in a file, to the bit.
+//! * [`Weights`]: a trained network in a safetensors file that PyTorch reads by name.
+//! * [`Predictor`], [`DualProNet`]: inference without burn, for windows at hand and for a stream of samples.
+//!
+//! On burn's CPU backend, in training and in inference, the numbers come from kernels of this crate ([`module`] says when): one
+//! pass a window, vectors by [`pulp`], the backward pass by hand. All parallel work is split by the batch's size alone and
+//! summed in order, so that one thread and many give the same bits on one machine; machines with other vectors round differently.
+//!
+//! ```
+//! use burn::tensor::{Device, Tensor};
+//! use dpn_core::{Sensor, random::Stream};
+//! use dpn_pronet::{Adam, AdamConfig, Card, Predictor, ProNet, ProNetConfig, Weights};
+//!
+//! let config = ProNetConfig { window: 20, channels: vec![4, 4, 4], ..ProNetConfig::for_sensor(Sensor::Gyro) };
+//! let net = ProNet::new(&config, &Stream::new(1).named("init"), &Device::flex().autodiff())?;
+//! let windows = Tensor::<2>::from_data([[0.01f32; 20], [0.02; 20]], &net.device()); // [batch, window]
+//! let target = Tensor::<1>::from_data([0.004f32, 0.008], &net.device()); // [batch]
+//!
+//! // One step of training.
+//! let loss = (net.forward(windows) - target).square().mean();
+//! let gradient = net.flat_gradient(&loss.backward());
+//! let mut parameters = net.parameters();
+//! let mut adam = Adam::new(AdamConfig::default(), parameters.len());
+//! adam.step(&mut parameters, &gradient, 1e-3);
+//!
+//! // The trained network on three axes at once.
+//! let weights = Weights::new(&config, parameters, Card::default());
+//! let mut sigma = [0.0; 3];
+//! Predictor::new(&weights).predict(&[0.01; 60], &mut sigma);
+//! assert!(sigma.iter().all(|s| *s > 0.0));
+//! # Ok::<(), dpn_pronet::config::ConfigError>(())
+//! ```
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 pub mod adam;
+mod band_pass;
 pub mod checkpoint;
 pub mod config;
 mod engine;

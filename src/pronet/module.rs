@@ -2,7 +2,7 @@
 //!
 //! Blocks of convolution, layer normalisation and leaky ReLU (or the paper's other order), pooling over time, linear layers with
 //! leaky ReLU, and a head that turns the last number into a deviation. On burn's CPU backend [`ProNet::forward`] takes the fused
-//! kernels of [`crate::engine`] instead (same numbers to rounding, a fraction of the time); [`ProNet::forward_plain`] is the
+//! kernels of this crate instead (same numbers to rounding, a fraction of the time); [`ProNet::forward_plain`] is the
 //! reference that the tests hold the kernels to, and what runs on every other device.
 //!
 //! Source: VIO-DualProNet (arXiv 2308.11228), sec. III-B; the open choices are keys of [`ProNetConfig`].
@@ -389,4 +389,89 @@ fn odd_extension(x: &Tensor<3>, by: usize) -> Tensor<3> {
     let left = part(0, 1) * 2.0 - part(1, by + 1).flip([2]); // [batch, channels, by]
     let right = part(n - 1, n) * 2.0 - part(n - 1 - by, n - 1).flip([2]); // [batch, channels, by]
     Tensor::cat(vec![left, x.clone(), right], 2) // [batch, channels, by + time + by]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parameters_go_in_and_come_out_in_their_order() {
+        let config = ProNetConfig::default();
+        let flat: Vec<f32> = (0..crate::shape::parameter_count(&config))
+            .map(|i| i as f32)
+            .collect();
+        let net = ProNet::from_parameters(&config, &flat, &Device::flex()).unwrap();
+        assert_eq!(net.parameters(), flat);
+        assert_eq!(net.num_params(), flat.len());
+        let other: Vec<f32> = flat.iter().map(|v| -v).collect();
+        assert_eq!(net.with_parameters(&other).parameters(), other);
+    }
+
+    #[test]
+    fn a_configuration_with_faults_makes_no_network() {
+        let config = ProNetConfig {
+            kernels: vec![],
+            ..ProNetConfig::default()
+        };
+        assert!(ProNet::new(&config, &Stream::new(1), &Device::flex()).is_err());
+    }
+
+    /// Layer normalisation over channels divides the amplitude out of the block, so without biases and offsets before it the
+    /// network cannot see it (decision 5 of the paper's open points).
+    #[test]
+    fn over_channels_and_without_biases_amplitude_is_lost() {
+        let ratio = |conv_bias| {
+            let config = ProNetConfig {
+                conv_bias,
+                ..ProNetConfig::default()
+            };
+            let net = ProNet::new(&config, &Stream::new(1), &Device::flex()).unwrap();
+            let window: Vec<f32> = (0..200)
+                .map(|i| ((i * 37 % 101) as f32 / 50.0 - 1.0) * 0.3)
+                .collect();
+            let louder: Vec<f32> = window.iter().map(|v| 3.0 * v).collect();
+            let both = Tensor::<2>::from_data(
+                TensorData::new([window, louder].concat(), [2, 200]),
+                &net.device(),
+            );
+            let sigma = floats(net.forward(both));
+            (sigma[1] / sigma[0] - 1.0).abs()
+        };
+        assert!(
+            ratio(false) < 1e-4 && ratio(true) > 10.0 * ratio(false),
+            "{} {}",
+            ratio(false),
+            ratio(true)
+        );
+    }
+
+    #[cfg(feature = "ndarray")]
+    #[test]
+    #[allow(
+        deprecated,
+        reason = "burn has deprecated its ndarray backend; dpn offers it while it is published"
+    )]
+    fn flex_and_ndarray_agree_on_a_small_batch() {
+        let config = ProNetConfig {
+            window: 60,
+            ..ProNetConfig::default()
+        };
+        let run = |device: Device| {
+            let device = device.autodiff();
+            let net = ProNet::new(&config, &Stream::new(8), &device).unwrap();
+            let x: Vec<f32> = (0..5 * 60)
+                .map(|i| ((i * 31 % 89) as f32 / 44.0 - 1.0) * 0.2)
+                .collect();
+            let sigma = net.forward(Tensor::<2>::from_data(TensorData::new(x, [5, 60]), &device));
+            let loss = ((sigma.clone() - 0.1) * 10.0).square().mean();
+            (floats(sigma), net.flat_gradient(&loss.backward()))
+        };
+        let (flex, ndarray) = (run(Device::flex()), run(Device::ndarray()));
+        for (a, b) in [(flex.0, ndarray.0), (flex.1, ndarray.1)] {
+            let largest = a.iter().fold(0f32, |m, v| m.max(v.abs()));
+            assert!(largest > 1e-3);
+            assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-5 * largest));
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! A linear regressor with both penalties, on the features and their squares.
 
-use super::scaling::Scaling;
+use super::scaling::{Scaling, spread};
 use super::{RegressError, Regressor};
 use crate::features::Features;
 use linfa::prelude::*;
@@ -10,6 +10,8 @@ use ndarray::{Array1, Array2, ArrayView2};
 /// Weight of the penalties; share of the absolute one in them.
 const PENALTY: f64 = 1e-4;
 const L1_RATIO: f64 = 0.5;
+/// Rows used at most: 44 weights need no more.
+const MAX_ROWS: usize = 6000;
 
 /// `sigma = w . (f, f^2) + c` with an elastic-net penalty on `w`.
 #[derive(Debug)]
@@ -25,8 +27,11 @@ impl ElasticNetRegressor {
     /// A fit that linfa gives up.
     pub fn fit(table: &[f64], truth: &[f64]) -> Result<Self, RegressError> {
         let scaling = Scaling::of(table, truth);
-        let targets: Array1<f64> = truth.iter().map(|t| t / scaling.label).collect();
-        let dataset = Dataset::new(expand(&scaling.apply(table)), targets);
+        let keep = spread(truth.len(), MAX_ROWS);
+        let rows: Vec<f64> =
+            keep.iter().flat_map(|&at| &table[at * Features::COUNT..(at + 1) * Features::COUNT]).copied().collect();
+        let targets: Array1<f64> = keep.iter().map(|&at| truth[at] / scaling.label).collect();
+        let dataset = Dataset::new(expand(&scaling.apply(&rows)), targets);
         let model = ElasticNet::params()
             .penalty(PENALTY)
             .l1_ratio(L1_RATIO)

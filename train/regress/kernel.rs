@@ -1,6 +1,6 @@
 //! Support vector regression with a Gaussian kernel.
 
-use super::scaling::Scaling;
+use super::scaling::{Scaling, spread};
 use super::{RegressError, Regressor};
 use crate::features::Features;
 use linfa::prelude::*;
@@ -9,7 +9,7 @@ use ndarray::{Array1, Array2, ArrayView1};
 use rayon::prelude::*;
 
 /// Rows used at most: the kernel matrix grows with their square.
-const MAX_ROWS: usize = 2500;
+const MAX_ROWS: usize = 1500;
 /// Price of a row outside the tube; half-width of the tube in units of the largest label.
 const COST: f64 = 4.0;
 const TUBE: f64 = 0.02;
@@ -24,7 +24,7 @@ pub struct KernelRegressor {
 }
 
 impl KernelRegressor {
-    /// Fits to rows of features and their labels; of more than 2,500 rows, that many evenly spread ones are used.
+    /// Fits to rows of features and their labels; of more than 1,500 rows, that many evenly spread ones are used.
     ///
     /// # Errors
     /// A fit that linfa gives up.
@@ -50,16 +50,6 @@ impl KernelRegressor {
             })?;
         Ok(Self { scaling, model })
     }
-}
-
-/// At most `most` of `rows` indices, evenly spread with a stride that shares no factor with the level count.
-fn spread(rows: usize, most: usize) -> Vec<usize> {
-    if rows <= most {
-        return (0..rows).collect();
-    }
-    (0..most)
-        .map(|i| (i as u128 * rows as u128 / most as u128) as usize)
-        .collect()
 }
 
 impl Regressor for KernelRegressor {

@@ -123,3 +123,15 @@ choice!(
         MeanAndRms = "mean-and-rms",
     }
 );
+
+choice!(
+    /// What the first convolution's kernels start from; training moves them like any others.
+    FirstKernels {
+        /// Uniform draws, like every other layer's.
+        #[default]
+        Uniform = "uniform",
+        /// Windowed cosines from .03 to .5 cycles a sample, each of unit gain on white noise in the window; their biases start at
+        /// zero. The network begins as a bank of band-pass filters.
+        BandPass = "band-pass",
+    }
+);

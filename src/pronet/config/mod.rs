@@ -4,6 +4,6 @@ mod choices;
 mod fault;
 mod network;
 
-pub use choices::{BlockOrder, Edges, Head, Input, NormAxes, Pool, Standardise};
+pub use choices::{BlockOrder, Edges, FirstKernels, Head, Input, NormAxes, Pool, Standardise};
 pub use fault::{ConfigError, Fault};
 pub use network::ProNetConfig;

@@ -1,6 +1,6 @@
 //! The typed configuration of one network.
 
-use super::{BlockOrder, ConfigError, Edges, Fault, Head, Input, NormAxes, Pool, Standardise};
+use super::{BlockOrder, ConfigError, Edges, Fault, FirstKernels, Head, Input, NormAxes, Pool, Standardise};
 use dpn_core::{Sensor, imu};
 use serde::{Deserialize, Serialize};
 
@@ -40,6 +40,8 @@ pub struct ProNetConfig {
     pub paddings: Vec<usize>,
     /// Whether convolutions have a bias.
     pub conv_bias: bool,
+    /// What the first convolution's kernels start from.
+    pub first_kernels: FirstKernels,
     /// Slope of the leaky ReLU below zero \[0 to 1\].
     pub leak: f64,
     /// How the channels are pooled over time.
@@ -71,6 +73,7 @@ impl Default for ProNetConfig {
             strides: vec![1, 2, 2],
             paddings: vec![3, 3, 3],
             conv_bias: true,
+            first_kernels: FirstKernels::Uniform,
             leak: 0.01,
             pool: Pool::Mean,
             hidden: vec![64, 32, 16],

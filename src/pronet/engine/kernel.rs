@@ -213,3 +213,122 @@ pub(crate) fn add_row<S: Simd>(simd: S, sum: &mut [f32], row: &[f32]) {
         *s = simd.add_f32s(*s, *r);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use pulp::{Arch, WithSimd};
+
+    /// Numbers whose products and sums are exact in single precision, so that any order of summing gives the same bits.
+    fn whole(count: usize, seed: usize) -> Vec<f32> {
+        (0..count)
+            .map(|i| ((i * 7 + seed * 13) % 11) as f32 - 5.0)
+            .collect()
+    }
+
+    struct Multiply<'a> {
+        rows: Rows<'a>,
+        right: &'a [f32],
+        inner: usize,
+        columns: usize,
+        start: &'a [f32],
+        out: &'a mut [f32],
+        out_stride: usize,
+    }
+
+    impl WithSimd for Multiply<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            // The panels that the plan would make.
+            let (mut packed, mut column) = (Vec::new(), 0);
+            while column < self.columns {
+                let width = (2 * S::F32_LANES).min(self.columns - column);
+                for row in self.right.chunks_exact(self.columns) {
+                    packed.extend_from_slice(&row[column..column + width]);
+                }
+                column += width;
+            }
+            let weights = Panels {
+                at: 0,
+                inner: self.inner,
+                columns: self.columns,
+            };
+            multiply(
+                simd,
+                self.rows,
+                &packed,
+                &weights,
+                Some(self.start),
+                self.out,
+                self.out_stride,
+            );
+        }
+    }
+
+    struct Accumulate<'a>(Rows<'a>, usize, &'a [f32], usize, &'a mut [f32]);
+
+    impl WithSimd for Accumulate<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            accumulate(simd, self.0, self.1, self.2, self.3, self.4);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn products_with_overlapping_rows_are_the_sums_by_definition(
+            count in 1usize..27,
+            stride in 1usize..20,
+            inner in 1usize..40,
+            lanes in 1usize..6,
+            gap in 0usize..3,
+        ) {
+            let columns = 16 * lanes;
+            let out_stride = columns + 16 * gap;
+            let data = whole((count - 1) * stride + inner, 1);
+            let (right, start) = (whole(inner * columns, 2), whole(columns, 3));
+            let rows = Rows { data: &data, stride, count };
+            for arch in [Arch::Scalar, Arch::new()] {
+                let mut out = vec![99.0; count * out_stride];
+                arch.dispatch(Multiply { rows, right: &right, inner, columns, start: &start, out: &mut out, out_stride });
+                for i in 0..count {
+                    for c in 0..columns {
+                        let sum: f32 = (0..inner).map(|p| data[i * stride + p] * right[p * columns + c]).sum();
+                        prop_assert_eq!(out[i * out_stride + c], start[c] + sum);
+                    }
+                    // What lies between the rows is not touched.
+                    prop_assert!(out[i * out_stride + columns..(i + 1) * out_stride].iter().all(|v| *v == 99.0));
+                }
+            }
+        }
+
+        #[test]
+        fn transposed_products_are_the_sums_by_definition(
+            count in 1usize..27,
+            stride in 1usize..20,
+            inner in 1usize..40,
+            lanes in 1usize..6,
+        ) {
+            let columns = 16 * lanes;
+            let data = whole((count - 1) * stride + inner, 4);
+            let right = whole(count * columns, 5);
+            let rows = Rows { data: &data, stride, count };
+            for arch in [Arch::Scalar, Arch::new()] {
+                let mut out = whole(inner * columns, 6);
+                arch.dispatch(Accumulate(rows, inner, &right, columns, &mut out));
+                let before = whole(inner * columns, 6);
+                for p in 0..inner {
+                    for c in 0..columns {
+                        let sum: f32 = (0..count).map(|m| data[m * stride + p] * right[m * columns + c]).sum();
+                        prop_assert_eq!(out[p * columns + c], before[p * columns + c] + sum);
+                    }
+                }
+            }
+        }
+    }
+}

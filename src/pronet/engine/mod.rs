@@ -206,3 +206,82 @@ impl Engine {
 fn chunk_size(count: usize) -> usize {
     count.div_ceil(CHUNKS).max(CHUNK_LEAST)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Input;
+    use crate::init::initial_parameters;
+    use dpn_core::random::Stream;
+    use rand::Rng;
+
+    fn config() -> ProNetConfig {
+        ProNetConfig {
+            input: Input::BothDifferences,
+            kernels: vec![9, 5, 3],
+            strides: vec![1, 4, 2],
+            paddings: vec![4, 2, 1],
+            channels: vec![20, 32, 64],
+            ..ProNetConfig::default()
+        }
+    }
+
+    fn windows(count: usize) -> Vec<f32> {
+        let mut rng = Stream::new(3).rng();
+        (0..count * 200).map(|_| rng.random::<f32>() - 0.5).collect()
+    }
+
+    /// Deviations, and their gradient with weights 1, 2, ..
+    fn pass(engine: &Arc<Engine>, count: usize) -> (Vec<f32>, Vec<f32>) {
+        let flat = initial_parameters(&config(), &Stream::new(1));
+        let (sigma, saved) = engine.forward(&flat, &windows(count));
+        let d: Vec<f32> = (0..count).map(|i| 1.0 + i as f32).collect();
+        let gradient = engine.backward(&saved, &d);
+        (sigma, gradient)
+    }
+
+    #[test]
+    fn vectors_of_any_width_give_the_same_to_rounding() {
+        let (sigma, gradient) = pass(&Arc::new(Engine::on(&config(), Arch::Scalar)), 17);
+        let (s, g) = pass(&Arc::new(Engine::new(&config())), 17);
+        let largest = gradient.iter().fold(0f32, |m, v| m.max(v.abs()));
+        assert!(largest > 0.1);
+        assert!(sigma.iter().zip(&s).all(|(a, b)| (a - b).abs() < 1e-6 * a.abs()));
+        assert!(
+            gradient
+                .iter()
+                .zip(&g)
+                .all(|(a, b)| (a - b).abs() < 1e-5 * largest)
+        );
+    }
+
+    #[test]
+    fn a_used_room_leaves_no_trace_in_the_next_pass() {
+        let engine = Arc::new(Engine::new(&config()));
+        let fresh = pass(&engine, 30);
+        for count in [1, 100, 9, 30] {
+            let again = pass(&engine, count);
+            let common = count.min(30);
+            assert_eq!(again.0[..common], fresh.0[..common]);
+        }
+        assert_eq!(pass(&engine, 30), fresh);
+    }
+
+    #[test]
+    fn one_state_goes_back_twice_to_the_same_bits() {
+        let engine = Arc::new(Engine::new(&config()));
+        let flat = initial_parameters(&config(), &Stream::new(1));
+        let (_, saved) = engine.forward(&flat, &windows(20));
+        assert_eq!(
+            engine.backward(&saved, &[1.0; 20]),
+            engine.backward(&saved, &[1.0; 20])
+        );
+    }
+
+    #[test]
+    fn no_windows_are_no_deviations_and_no_gradient() {
+        let (sigma, gradient) = pass(&Arc::new(Engine::new(&config())), 0);
+        assert!(sigma.is_empty());
+        assert!(gradient.iter().all(|g| *g == 0.0));
+    }
+}

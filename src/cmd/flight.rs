@@ -1,0 +1,54 @@
+//! One flight's raw signal over the noise that models see in it.
+
+use anyhow::Result;
+use dpn_core::estimate::{NoiseSpec, Schedule};
+use dpn_core::{NoiseModel, NoiseTrack, Sensor};
+use dpn_eval::figures::{Flight, FlightSigma, save};
+use dpn_eval::open_loop::Network;
+use dpn_pronet::DualProNet;
+use dpn_train::corpus::Corpus;
+use dpn_train::split::Side;
+use std::path::{Path, PathBuf};
+
+/// Samples between two questions to a model.
+const HOP: usize = 10;
+/// Base whose networks are shown.
+const BASE: &str = "sg(11,2)";
+
+/// Draws accelerometer x of the first test flight; nothing where there is no pair of networks.
+pub(super) fn draw(corpora: &[Corpus], networks: &[Network], out: &Path) -> Result<Vec<PathBuf>> {
+    let find = |sensor| {
+        let mut fitting = networks.iter().filter(|n| n.sensor() == sensor && n.base == BASE && n.name == "pronet");
+        fitting.next().map(|network| network.weights.clone())
+    };
+    let (Some(accel), Some(gyro)) = (find(Sensor::Accel), find(Sensor::Gyro)) else { return Ok(Vec::new()) };
+    let Some((name, recording)) = corpora.iter().find_map(|corpus| corpus.side(Side::Test).first().copied()) else {
+        return Ok(Vec::new());
+    };
+    let mut models: Vec<(&str, Box<dyn NoiseModel>)> = vec![("pronet", Box::new(DualProNet::new("pronet", &accel, &gyro, HOP)?))];
+    for spec in ["diff2", "sg(11,2)"] {
+        models.push((spec, spec.parse::<NoiseSpec>()?.model(Schedule::default())?));
+    }
+    let tracks: Vec<(&str, Vec<f64>)> = models
+        .iter_mut()
+        .map(|(name, model)| {
+            let track = NoiseTrack::of(model.as_mut(), recording);
+            (*name, track.noises().iter().map(|noise| noise.of(Sensor::Accel)[0]).collect())
+        })
+        .collect();
+    let start = recording.samples()[0].t;
+    let t: Vec<f64> = recording.samples().iter().map(|sample| sample.t.seconds_since(start)).collect();
+    let signal = recording.axis(Sensor::Accel, 0);
+    let flight = Flight {
+        name,
+        sensor: Sensor::Accel,
+        axis: "x",
+        t: &t,
+        signal: &signal,
+        models: tracks.iter().map(|(name, sigma)| (*name, sigma.as_slice())).collect(),
+        truth: None,
+        phases: Vec::new(),
+        trained_up_to: Some(0.21),
+    };
+    Ok(save(&FlightSigma::new(&flight)?, &out.join("flight_sigma"))?)
+}
