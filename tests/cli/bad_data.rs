@@ -201,3 +201,21 @@ fn a_folder_to_write_to_that_is_a_file() {
     );
     assert_eq!(std::fs::read_to_string(&out).unwrap(), "in the way");
 }
+
+#[test]
+fn sequences_of_which_none_is_to_train_on() {
+    let dir = tempfile::tempdir().unwrap();
+    let data = put(
+        &dir.path().join("log"),
+        "MH_02_easy",
+        &text(&rows(3000, PERIOD_NS)),
+    );
+    let out = dir.path().join("out");
+    let done = crate::run::end(&mut crate::training::tiny(dir.path(), &data, 1, &out));
+    assert_eq!(done.code, Some(2), "{done:?}");
+    assert!(
+        done.stderr.starts_with("error: no training sequence in the data"),
+        "{done:?}"
+    );
+    assert!(!out.exists());
+}

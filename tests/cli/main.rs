@@ -6,6 +6,7 @@
 mod arguments;
 mod bad_config;
 mod bad_data;
+mod eval;
 mod recording;
 mod run;
 mod simulate;
