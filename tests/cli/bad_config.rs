@@ -41,9 +41,9 @@ fn an_unknown_key_is_named_with_its_line_and_the_nearest_known_one() {
 fn all_bad_values_are_named_at_once_with_key_value_and_bound() {
     refuses(
         "accel",
-        "[fit]\nlearning_rate = -1.0\n[augment]\nscale = 0.5\n[network]\nleak = 3.0\n",
+        "[fit]\nlearning_rate = -1.0\n[augment]\ngrow = 0.5\n[network]\nleak = 3.0\n",
         "error: [DIR]/config.toml: `network.leak` is 3, but must be 0 to 1; \
-         `augment.scale` is 0.5, but must be 1 to 100; \
+         `augment.grow` is 0.5, but must be 1 to 100; \
          `fit.learning_rate` is -1, but must be above 0 and at most 1",
     );
 }

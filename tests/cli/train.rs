@@ -108,7 +108,7 @@ fn longer(dir: &Path, data: &Path, out: &Path) -> Command {
 
 /// Starts a run and waits for its first checkpoint.
 fn started(dir: &Path, data: &Path, out: &Path) -> std::process::Child {
-    let mut child = tiny(dir, data, EPOCHS, out)
+    let mut child = longer(dir, data, out)
         .stdout(Stdio::null())
         .stderr(Stdio::piped())
         .spawn()
