@@ -1,5 +1,6 @@
 //! The signal noise is injected into (decisions 2 and 3).
 
+use crate::clean::Cleaner;
 use dpn_core::signal::{FilterError, SavitzkyGolay};
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -28,6 +29,9 @@ pub enum Base {
         /// Degree of the polynomial, below `window`.
         order: usize,
     },
+    /// Gaussian smoothing, its width changing from window to window ([`GAUSSIAN_WIDTHS`](crate::clean::GAUSSIAN_WIDTHS)):
+    /// motion without the side lobes of a Savitzky-Golay filter, through which strong motion leaks into high frequencies.
+    Gaussian,
 }
 
 impl Base {
@@ -40,13 +44,25 @@ impl Base {
         Self::SavitzkyGolay { window: 51, order: 3 },
     ];
 
-    /// The filter, built once; `None` for raw signals.
+    /// What cleans windows, built once.
+    ///
+    /// # Errors
+    /// An even window, or an order not below it.
+    pub fn cleaner(self) -> Result<Cleaner, FilterError> {
+        match self {
+            Self::Raw => Ok(Cleaner::Nothing),
+            Self::SavitzkyGolay { window, order } => SavitzkyGolay::new(window, order).map(Cleaner::SavitzkyGolay),
+            Self::Gaussian => Ok(Cleaner::gaussian()),
+        }
+    }
+
+    /// The Savitzky-Golay filter, where the base is one.
     ///
     /// # Errors
     /// An even window, or an order not below it.
     pub fn filter(self) -> Result<Option<SavitzkyGolay>, FilterError> {
         match self {
-            Self::Raw => Ok(None),
+            Self::Raw | Self::Gaussian => Ok(None),
             Self::SavitzkyGolay { window, order } => SavitzkyGolay::new(window, order).map(Some),
         }
     }
@@ -56,6 +72,7 @@ impl fmt::Display for Base {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Raw => f.write_str("raw"),
+            Self::Gaussian => f.write_str("gaussian"),
             Self::SavitzkyGolay { window, order } => write!(f, "sg({window},{order})"),
         }
     }
@@ -63,7 +80,7 @@ impl fmt::Display for Base {
 
 /// A base that cannot be read.
 #[derive(Debug, thiserror::Error, PartialEq)]
-#[error("`{0}` is no base; write `raw` or `sg(WINDOW,ORDER)`, for example `sg(11,2)`")]
+#[error("`{0}` is no base; write `raw`, `gaussian` or `sg(WINDOW,ORDER)`, for example `sg(11,2)`")]
 pub struct UnknownBase(pub String);
 
 impl FromStr for Base {
@@ -72,8 +89,10 @@ impl FromStr for Base {
     fn from_str(text: &str) -> Result<Self, UnknownBase> {
         let unknown = || UnknownBase(text.to_owned());
         let trimmed = text.trim();
-        if trimmed == "raw" {
-            return Ok(Self::Raw);
+        match trimmed {
+            "raw" => return Ok(Self::Raw),
+            "gaussian" => return Ok(Self::Gaussian),
+            _ => {}
         }
         let inside = trimmed
             .strip_prefix("sg(")
@@ -93,7 +112,7 @@ mod tests {
 
     #[test]
     fn bases_are_written_and_read_back() {
-        for base in Base::STUDY.into_iter().chain([Base::Raw]) {
+        for base in Base::STUDY.into_iter().chain([Base::Raw, Base::Gaussian]) {
             assert_eq!(base.to_string().parse::<Base>().unwrap(), base);
         }
         assert!("sg(11)".parse::<Base>().is_err());

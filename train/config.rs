@@ -50,6 +50,8 @@ pub struct BaseConfig {
 pub enum FilterKind {
     /// Savitzky-Golay.
     SavitzkyGolay,
+    /// Gaussian smoothing of several widths.
+    Gaussian,
     /// Nothing: the raw signal.
     None,
 }
@@ -65,6 +67,7 @@ impl BaseConfig {
     pub fn base(&self) -> Base {
         match self.filter {
             FilterKind::SavitzkyGolay => Base::SavitzkyGolay { window: self.window, order: self.order },
+            FilterKind::Gaussian => Base::Gaussian,
             FilterKind::None => Base::Raw,
         }
     }
@@ -73,6 +76,7 @@ impl BaseConfig {
     pub fn set(&mut self, base: Base) {
         match base {
             Base::Raw => self.filter = FilterKind::None,
+            Base::Gaussian => self.filter = FilterKind::Gaussian,
             Base::SavitzkyGolay { window, order } => {
                 (self.filter, self.window, self.order) = (FilterKind::SavitzkyGolay, window, order);
             }
@@ -281,6 +285,7 @@ impl Validate for TrainConfig {
             "0 to 1",
         );
         check((1.0..=100.0).contains(&augment.grow), "augment.grow", augment.grow.to_string(), "1 to 100");
+        check((0.01..=1.0).contains(&augment.shrink), "augment.shrink", augment.shrink.to_string(), "0.01 to 1");
         check(fit.epochs >= 1, "fit.epochs", fit.epochs.to_string(), "at least 1");
         check(
             (1..=1000).contains(&fit.draws_per_window),

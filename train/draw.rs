@@ -22,9 +22,11 @@ pub struct Augment {
     pub sign: bool,
     /// Run time backwards, half of the time.
     pub reverse: bool,
-    /// Share of the windows whose base is made larger about its mean: louder motion than the recordings hold.
+    /// Share of the windows whose base is made larger or smaller about its mean: other motion than the recordings hold.
     pub grow_share: f64,
-    /// Largest factor of that growth, log-uniform from 1.
+    /// Smallest factor of that change, at most 1; factors are log-uniform.
+    pub shrink: f64,
+    /// Largest factor of that change, at least 1.
     pub grow: f64,
 }
 
@@ -35,6 +37,7 @@ impl Default for Augment {
             sign: true,
             reverse: true,
             grow_share: 0.0,
+            shrink: 1.0,
             grow: 1.0,
         }
     }
@@ -47,6 +50,7 @@ impl Augment {
         sign: false,
         reverse: false,
         grow_share: 0.0,
+        shrink: 1.0,
         grow: 1.0,
     };
 }
@@ -91,7 +95,8 @@ impl DrawRule {
             out.reverse();
         }
         if grows < self.augment.grow_share {
-            let factor = self.augment.grow.powf(growth);
+            let Augment { shrink, grow, .. } = self.augment;
+            let factor = shrink * (grow / shrink).powf(growth);
             let mean = out.iter().sum::<f64>() / WINDOW as f64;
             out.iter_mut().for_each(|v| *v = mean + factor * (*v - mean));
         }

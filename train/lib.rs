@@ -4,6 +4,7 @@
 
 pub mod asl;
 pub mod base;
+pub mod clean;
 pub mod config;
 pub mod corpus;
 pub mod draw;

@@ -7,9 +7,9 @@ use dpn_core::signal::SavitzkyGolay;
 use std::sync::OnceLock;
 
 /// Window and order of the filter whose residual counts as the window's own noise.
-pub const OWN_FILTER: (usize, usize) = (11, 2);
+pub const OWN_FILTER: (usize, usize) = (5, 2);
 
-/// Deviation of what Savitzky-Golay (11, 2) takes out of `window`, divided by the filter's gain for white noise: the
+/// Deviation of what Savitzky-Golay (5, 2) takes out of `window`, divided by the filter's gain for white noise: the
 /// deviation of white noise that would leave the same residual.
 ///
 /// # Shapes
@@ -51,7 +51,7 @@ mod tests {
             inject(&mut window, 0.05, &mut Stream::new(5).named("own").index(k).rng());
             power += own_sigma(&window).powi(2);
         }
-        // The residual keeps about 160 degrees of freedom: 400 windows give the variance to .6 %; four of these.
+        // The residual keeps about 100 degrees of freedom: 400 windows give the deviation to .35 %; four of these.
         assert!(((power / 400.0).sqrt() / 0.05 - 1.0).abs() < 0.013);
     }
 }

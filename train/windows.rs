@@ -5,7 +5,8 @@
 //! polynomial edges are the window's.
 
 use crate::base::{Base, Scope};
-use dpn_core::signal::{FilterError, SavitzkyGolay};
+use crate::clean::Cleaner;
+use dpn_core::signal::FilterError;
 use dpn_core::{ImuRecording, Sensor};
 
 /// Samples in a window: one second of EuRoC (the paper).
@@ -48,7 +49,7 @@ pub struct WindowSet {
     names: Vec<String>,
     signals: Vec<Axis>,
     places: Vec<WindowPlace>,
-    filter: Option<SavitzkyGolay>,
+    cleaner: Cleaner,
     /// Windows left out because a gap in the stamps crosses them.
     pub skipped_for_gaps: usize,
 }
@@ -72,7 +73,7 @@ impl WindowSet {
             names: Vec::new(),
             signals: Vec::new(),
             places: Vec::new(),
-            filter: None,
+            cleaner: Cleaner::Nothing,
             skipped_for_gaps: 0,
         };
         for (index, (name, recording)) in recordings.iter().enumerate() {
@@ -103,10 +104,9 @@ impl WindowSet {
                 });
             }
         }
-        set.filter = match scope {
-            Scope::Window => filter,
-            Scope::Recording => None,
-        };
+        if scope == Scope::Window {
+            set.cleaner = base.cleaner()?;
+        }
         Ok(set)
     }
 
@@ -143,12 +143,7 @@ impl WindowSet {
     /// # Panics
     /// When `offset` is beyond [`slack`](Self::slack) or `out` has another length.
     pub fn base_into(&self, index: usize, offset: usize, out: &mut [f64]) {
-        let raw = self.raw(index, offset);
-        match &self.filter {
-            // Length and window were checked when the set was cut.
-            Some(filter) if filter.smooth_into(raw, out).is_ok() => {}
-            _ => out.copy_from_slice(raw),
-        }
+        self.cleaner.clean(index, self.raw(index, offset), out);
     }
 
     /// The recorded samples of window `index`, shifted by `offset` samples.

@@ -1,0 +1,85 @@
+//! What takes the noise out of a window before known noise is put in.
+
+use crate::windows::WINDOW;
+use dpn_core::signal::SavitzkyGolay;
+
+/// Deviations of the Gaussian kernels a window may be smoothed with \[samples\].
+pub const GAUSSIAN_WIDTHS: [f64; 4] = [1.5, 2.0, 3.0, 4.5];
+
+/// A filter for one window.
+#[derive(Debug, Clone)]
+pub enum Cleaner {
+    /// Leaves the window as it is.
+    Nothing,
+    /// Savitzky-Golay with polynomial edges.
+    SavitzkyGolay(SavitzkyGolay),
+    /// Gaussian smoothing; a window's index chooses among the kernels (each from its centre outwards).
+    Gaussian(Vec<Vec<f64>>),
+}
+
+impl Cleaner {
+    /// The kernels of [`GAUSSIAN_WIDTHS`], cut at six deviations.
+    pub fn gaussian() -> Self {
+        let kernel = |width: &f64| {
+            let reach = (6.0 * width).ceil() as usize;
+            let mut kernel: Vec<f64> = (0..=reach).map(|k| (-0.5 * (k as f64 / width).powi(2)).exp()).collect();
+            let sum = kernel[0] + 2.0 * kernel[1..].iter().sum::<f64>();
+            kernel.iter_mut().for_each(|weight| *weight /= sum);
+            kernel
+        };
+        Self::Gaussian(GAUSSIAN_WIDTHS.iter().map(kernel).collect())
+    }
+
+    /// Writes window `index`, cleaned, into `out`.
+    ///
+    /// # Shapes
+    /// `raw` and `out`: [`WINDOW`] samples.
+    pub fn clean(&self, index: usize, raw: &[f64], out: &mut [f64]) {
+        match self {
+            // The window is as long as the filter needs: checked where configurations are.
+            Self::SavitzkyGolay(filter) if filter.smooth_into(raw, out).is_ok() => {}
+            Self::Gaussian(kernels) if !kernels.is_empty() => smooth(&kernels[index % kernels.len()], raw, out),
+            _ => out.copy_from_slice(raw),
+        }
+    }
+}
+
+/// Convolves with a symmetric kernel; beyond its ends the window is turned about its end points.
+fn smooth(kernel: &[f64], raw: &[f64], out: &mut [f64]) {
+    let last = raw.len() as i64 - 1;
+    let at = |i: i64| -> f64 {
+        if i < 0 {
+            2.0 * raw[0] - raw[(-i).min(last) as usize]
+        } else if i > last {
+            2.0 * raw[last as usize] - raw[(2 * last - i).max(0) as usize]
+        } else {
+            raw[i as usize]
+        }
+    };
+    for (i, value) in out.iter_mut().enumerate() {
+        let i = i as i64;
+        let wings = kernel.iter().enumerate().skip(1);
+        *value = kernel[0] * at(i) + wings.map(|(k, w)| w * (at(i - k as i64) + at(i + k as i64))).sum::<f64>();
+    }
+}
+
+// A window must hold the widest kernel's reach on either side once turned about its ends.
+const _: () = assert!(WINDOW > 27);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_passes_gaussian_smoothing_and_white_noise_does_not() {
+        let line: Vec<f64> = (0..WINDOW).map(|i| 9.81 + 0.01 * i as f64).collect();
+        let alternating: Vec<f64> = (0..WINDOW).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect();
+        let mut out = vec![0.0; WINDOW];
+        for index in 0..GAUSSIAN_WIDTHS.len() {
+            Cleaner::gaussian().clean(index, &line, &mut out);
+            assert!(line.iter().zip(&out).all(|(a, b)| (a - b).abs() < 1e-9), "width {index}");
+            Cleaner::gaussian().clean(index, &alternating, &mut out);
+            assert!(out[40..160].iter().all(|v| v.abs() < 2e-5), "width {index}");
+        }
+    }
+}
