@@ -1,0 +1,14 @@
+//! The binary from outside: what it prints, how it exits, which files it leaves.
+//!
+//! Nothing here needs recordings or a network: recordings are made up ([`recording`]), networks are tiny ([`training`]).
+#![allow(clippy::unwrap_used)]
+
+mod arguments;
+mod bad_config;
+mod bad_data;
+mod eval;
+mod recording;
+mod run;
+mod simulate;
+mod train;
+mod training;
