@@ -51,7 +51,9 @@ impl Base {
     pub fn cleaner(self) -> Result<Cleaner, FilterError> {
         match self {
             Self::Raw => Ok(Cleaner::Nothing),
-            Self::SavitzkyGolay { window, order } => SavitzkyGolay::new(window, order).map(Cleaner::SavitzkyGolay),
+            Self::SavitzkyGolay { window, order } => {
+                SavitzkyGolay::new(window, order).map(Cleaner::SavitzkyGolay)
+            }
             Self::Gaussian => Ok(Cleaner::gaussian()),
         }
     }

@@ -22,7 +22,9 @@ impl Cleaner {
     pub fn gaussian() -> Self {
         let kernel = |width: &f64| {
             let reach = (6.0 * width).ceil() as usize;
-            let mut kernel: Vec<f64> = (0..=reach).map(|k| (-0.5 * (k as f64 / width).powi(2)).exp()).collect();
+            let mut kernel: Vec<f64> = (0..=reach)
+                .map(|k| (-0.5 * (k as f64 / width).powi(2)).exp())
+                .collect();
             let sum = kernel[0] + 2.0 * kernel[1..].iter().sum::<f64>();
             kernel.iter_mut().for_each(|weight| *weight /= sum);
             kernel
@@ -38,7 +40,9 @@ impl Cleaner {
         match self {
             // The window is as long as the filter needs: checked where configurations are.
             Self::SavitzkyGolay(filter) if filter.smooth_into(raw, out).is_ok() => {}
-            Self::Gaussian(kernels) if !kernels.is_empty() => smooth(&kernels[index % kernels.len()], raw, out),
+            Self::Gaussian(kernels) if !kernels.is_empty() => {
+                smooth(&kernels[index % kernels.len()], raw, out)
+            }
             _ => out.copy_from_slice(raw),
         }
     }
@@ -59,7 +63,10 @@ fn smooth(kernel: &[f64], raw: &[f64], out: &mut [f64]) {
     for (i, value) in out.iter_mut().enumerate() {
         let i = i as i64;
         let wings = kernel.iter().enumerate().skip(1);
-        *value = kernel[0] * at(i) + wings.map(|(k, w)| w * (at(i - k as i64) + at(i + k as i64))).sum::<f64>();
+        *value = kernel[0] * at(i)
+            + wings
+                .map(|(k, w)| w * (at(i - k as i64) + at(i + k as i64)))
+                .sum::<f64>();
     }
 }
 
@@ -77,7 +84,10 @@ mod tests {
         let mut out = vec![0.0; WINDOW];
         for index in 0..GAUSSIAN_WIDTHS.len() {
             Cleaner::gaussian().clean(index, &line, &mut out);
-            assert!(line.iter().zip(&out).all(|(a, b)| (a - b).abs() < 1e-9), "width {index}");
+            assert!(
+                line.iter().zip(&out).all(|(a, b)| (a - b).abs() < 1e-9),
+                "width {index}"
+            );
             Cleaner::gaussian().clean(index, &alternating, &mut out);
             assert!(out[40..160].iter().all(|v| v.abs() < 2e-5), "width {index}");
         }

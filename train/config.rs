@@ -5,10 +5,11 @@ use crate::draw::{Augment, DrawRule};
 use crate::label::Label;
 use crate::levels::{LevelKind, Levels};
 use dpn_core::Sensor;
-use dpn_core::config::{ConfigFault, Validate};
+use dpn_core::config::{self, ConfigError, ConfigFault, Validate};
 use dpn_pronet::ProNetConfig;
 use dpn_pronet::config::{FirstKernels, Input};
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// Configuration of `dpn train`. Keys that do not stand in the file have the defaults documented here.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -58,7 +59,12 @@ pub enum FilterKind {
 
 impl Default for BaseConfig {
     fn default() -> Self {
-        Self { filter: FilterKind::SavitzkyGolay, window: 11, order: 2, scope: Scope::Window }
+        Self {
+            filter: FilterKind::SavitzkyGolay,
+            window: 11,
+            order: 2,
+            scope: Scope::Window,
+        }
     }
 }
 
@@ -66,7 +72,10 @@ impl BaseConfig {
     /// The base these keys mean.
     pub fn base(&self) -> Base {
         match self.filter {
-            FilterKind::SavitzkyGolay => Base::SavitzkyGolay { window: self.window, order: self.order },
+            FilterKind::SavitzkyGolay => Base::SavitzkyGolay {
+                window: self.window,
+                order: self.order,
+            },
             FilterKind::Gaussian => Base::Gaussian,
             FilterKind::None => Base::Raw,
         }
@@ -114,7 +123,14 @@ pub enum Draws {
 
 impl Default for NoiseConfig {
     fn default() -> Self {
-        Self { levels: LevelKind::Grid, low: None, high: None, steps: None, label: Label::Injected, draws: Draws::Epoch }
+        Self {
+            levels: LevelKind::Grid,
+            low: None,
+            high: None,
+            steps: None,
+            label: Label::Injected,
+            draws: Draws::Epoch,
+        }
     }
 }
 
@@ -240,16 +256,73 @@ impl TrainConfig {
 
     /// The rule examples are drawn by.
     pub fn draw_rule(&self) -> DrawRule {
-        DrawRule { levels: self.levels(), label: self.noise.label, augment: self.augment }
+        DrawRule {
+            levels: self.levels(),
+            label: self.noise.label,
+            augment: self.augment,
+        }
     }
 
     /// The same run with every default written out.
     #[must_use]
     pub fn resolved(&self) -> Self {
         let levels = self.levels();
-        let noise =
-            NoiseConfig { low: Some(levels.low), high: Some(levels.high), steps: Some(levels.steps), ..self.noise };
-        Self { noise, network: self.network.resolved(), ..self.clone() }
+        let noise = NoiseConfig {
+            low: Some(levels.low),
+            high: Some(levels.high),
+            steps: Some(levels.steps),
+            ..self.noise
+        };
+        Self {
+            noise,
+            network: self.network.resolved(),
+            ..self.clone()
+        }
+    }
+}
+
+/// Reads a configuration whose missing keys, in every table, are those of [`TrainConfig::for_sensor`]; `sensor` is the
+/// file's own where it names none.
+///
+/// # Errors
+/// A file that cannot be read or is no such configuration; values outside their bounds.
+pub fn load(path: &Path, sensor: Sensor) -> Result<TrainConfig, ConfigError> {
+    let text = std::fs::read_to_string(path).map_err(|source| ConfigError::Read {
+        path: path.to_owned(),
+        source,
+    })?;
+    parse(&text, path, sensor)
+}
+
+/// As [`load`], from a text at hand; `path` only names it in errors.
+///
+/// # Errors
+/// A text that is no such configuration; values outside their bounds.
+pub fn parse(text: &str, path: &Path, sensor: Sensor) -> Result<TrainConfig, ConfigError> {
+    // Read as it stands first: only this text's errors can name its lines.
+    let written: TrainConfig = config::parse(text, path)?;
+    let table: toml::Table = toml::from_str(text).unwrap_or_default();
+    let names_sensor = table
+        .get("network")
+        .and_then(|network| network.get("sensor"))
+        .is_some();
+    let sensor = if names_sensor { written.sensor() } else { sensor };
+    let Ok(toml::Value::Table(mut whole)) = toml::Value::try_from(TrainConfig::for_sensor(sensor)) else {
+        return Ok(written);
+    };
+    overlay(&mut whole, table);
+    config::parse(&toml::to_string(&whole).unwrap_or_default(), path)
+}
+
+/// Puts the keys of `over` in place of those of `under`, table by table.
+fn overlay(under: &mut toml::Table, over: toml::Table) {
+    for (key, value) in over {
+        match (under.get_mut(&key), value) {
+            (Some(toml::Value::Table(under)), toml::Value::Table(over)) => overlay(under, over),
+            (_, value) => {
+                under.insert(key, value);
+            }
+        }
     }
 }
 
@@ -258,7 +331,9 @@ impl Validate for TrainConfig {
         let mut faults: Vec<ConfigFault> = match self.network.validate() {
             Ok(()) => Vec::new(),
             Err(error) => {
-                let under = |fault: dpn_pronet::config::Fault| ConfigFault::new(format!("network.{}", fault.key), fault.value, fault.bound);
+                let under = |fault: dpn_pronet::config::Fault| {
+                    ConfigFault::new(format!("network.{}", fault.key), fault.value, fault.bound)
+                };
                 error.faults.into_iter().map(under).collect()
             }
         };
@@ -268,15 +343,33 @@ impl Validate for TrainConfig {
             }
         };
         let (base, fit, levels) = (&self.base, &self.fit, self.levels());
-        check(base.base().filter().is_ok(), "base", base.base().to_string(), "an odd window above its order");
-        check(base.window <= crate::windows::WINDOW, "base.window", base.window.to_string(), "at most 200 samples");
         check(
-            levels.low.is_finite() && levels.low > 0.0 && levels.low <= levels.high && levels.high.is_finite(),
+            base.base().filter().is_ok(),
+            "base",
+            base.base().to_string(),
+            "an odd window above its order",
+        );
+        check(
+            base.window <= crate::windows::WINDOW,
+            "base.window",
+            base.window.to_string(),
+            "at most 200 samples",
+        );
+        check(
+            levels.low.is_finite()
+                && levels.low > 0.0
+                && levels.low <= levels.high
+                && levels.high.is_finite(),
             "noise.low",
             format!("{} (with `noise.high` {})", levels.low, levels.high),
             "above 0 and at most `noise.high`",
         );
-        check((1..=1000).contains(&levels.steps), "noise.steps", levels.steps.to_string(), "1 to 1000");
+        check(
+            (1..=1000).contains(&levels.steps),
+            "noise.steps",
+            levels.steps.to_string(),
+            "1 to 1000",
+        );
         let augment = &self.augment;
         check(
             (0.0..=1.0).contains(&augment.grow_share),
@@ -284,16 +377,36 @@ impl Validate for TrainConfig {
             augment.grow_share.to_string(),
             "0 to 1",
         );
-        check((1.0..=100.0).contains(&augment.grow), "augment.grow", augment.grow.to_string(), "1 to 100");
-        check((0.01..=1.0).contains(&augment.shrink), "augment.shrink", augment.shrink.to_string(), "0.01 to 1");
-        check(fit.epochs >= 1, "fit.epochs", fit.epochs.to_string(), "at least 1");
+        check(
+            (1.0..=100.0).contains(&augment.grow),
+            "augment.grow",
+            augment.grow.to_string(),
+            "1 to 100",
+        );
+        check(
+            (0.01..=1.0).contains(&augment.shrink),
+            "augment.shrink",
+            augment.shrink.to_string(),
+            "0.01 to 1",
+        );
+        check(
+            fit.epochs >= 1,
+            "fit.epochs",
+            fit.epochs.to_string(),
+            "at least 1",
+        );
         check(
             (1..=1000).contains(&fit.draws_per_window),
             "fit.draws_per_window",
             fit.draws_per_window.to_string(),
             "1 to 1000",
         );
-        check((1..=10_000).contains(&fit.batch), "fit.batch", fit.batch.to_string(), "1 to 10000");
+        check(
+            (1..=10_000).contains(&fit.batch),
+            "fit.batch",
+            fit.batch.to_string(),
+            "1 to 10000",
+        );
         check(
             fit.validate_every >= 1,
             "fit.validate_every",
@@ -301,10 +414,66 @@ impl Validate for TrainConfig {
             "at least 1",
         );
         let rate = fit.learning_rate;
-        check(rate > 0.0 && rate <= 1.0, "fit.learning_rate", rate.to_string(), "above 0 and at most 1");
-        check((0.0..=1.0).contains(&fit.weight_decay), "fit.weight_decay", fit.weight_decay.to_string(), "0 to 1");
-        check(fit.clip_norm >= 0.0 && fit.clip_norm.is_finite(), "fit.clip_norm", fit.clip_norm.to_string(), "0 or more");
-        check((0.0..1.0).contains(&fit.ema), "fit.ema", fit.ema.to_string(), "0 or more and below 1");
+        check(
+            rate > 0.0 && rate <= 1.0,
+            "fit.learning_rate",
+            rate.to_string(),
+            "above 0 and at most 1",
+        );
+        check(
+            (0.0..=1.0).contains(&fit.weight_decay),
+            "fit.weight_decay",
+            fit.weight_decay.to_string(),
+            "0 to 1",
+        );
+        check(
+            fit.clip_norm >= 0.0 && fit.clip_norm.is_finite(),
+            "fit.clip_norm",
+            fit.clip_norm.to_string(),
+            "0 or more",
+        );
+        check(
+            (0.0..1.0).contains(&fit.ema),
+            "fit.ema",
+            fit.ema.to_string(),
+            "0 or more and below 1",
+        );
         faults
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> TrainConfig {
+        parse(text, Path::new("a.toml"), Sensor::Gyro).unwrap()
+    }
+
+    #[test]
+    fn keys_that_are_not_there_are_the_defaults_of_the_sensor() {
+        assert_eq!(
+            read("").resolved(),
+            TrainConfig::for_sensor(Sensor::Gyro).resolved()
+        );
+        let one = read("[network]\nleak = 0.2");
+        let mut expected = TrainConfig::for_sensor(Sensor::Gyro);
+        expected.network.leak = 0.2;
+        assert_eq!(one, expected);
+        assert_eq!(
+            read("[network]\nsensor = \"accel\"").resolved(),
+            TrainConfig::for_sensor(Sensor::Accel).resolved()
+        );
+    }
+
+    #[test]
+    fn bad_values_of_all_tables_come_at_once() {
+        let text = "[fit]\nepochs = 0\n[network]\nleak = 7.0\n[noise]\nlow = 1.0\nhigh = 0.5";
+        let error = parse(text, Path::new("a.toml"), Sensor::Accel)
+            .unwrap_err()
+            .to_string();
+        for key in ["fit.epochs", "network.leak", "noise.low"] {
+            assert!(error.contains(key), "{key} is not in {error}");
+        }
     }
 }

@@ -78,11 +78,13 @@ impl RunError {
     /// What to do about it.
     pub fn hint(&self) -> Option<String> {
         match self {
-            Self::Exists { .. } => Some("go on with it by --resume, or choose another folder with --out".into()),
-            Self::Nothing { .. } => Some("leave --resume out to start a run there".into()),
-            Self::Differs { .. } => {
-                Some("give the configuration and data it was started with, or start anew in another folder".into())
+            Self::Exists { .. } => {
+                Some("go on with it by --resume, or choose another folder with --out".into())
             }
+            Self::Nothing { .. } => Some("leave --resume out to start a run there".into()),
+            Self::Differs { .. } => Some(
+                "give the configuration and data it was started with, or start anew in another folder".into(),
+            ),
             Self::Train(TrainError::Corpus(error)) => error.hint(),
             Self::Io(error) => error.hint(),
             _ => None,
@@ -164,15 +166,29 @@ impl<'a> Run<'a> {
         let state = match (path.exists(), resume) {
             (true, true) => load(&path, dir, trainer.config(), &fingerprint)?,
             (true, false) => {
-                let epochs = Checkpoint::load(&path).ok().and_then(|c| notes(&c)).map_or(0, |n| n.history.len());
-                return Err(RunError::Exists { path: dir.to_owned(), epochs: epochs as u64 });
+                let epochs = Checkpoint::load(&path)
+                    .ok()
+                    .and_then(|c| notes(&c))
+                    .map_or(0, |n| n.history.len());
+                return Err(RunError::Exists {
+                    path: dir.to_owned(),
+                    epochs: epochs as u64,
+                });
             }
             (false, true) => return Err(RunError::Nothing { path: dir.to_owned() }),
             (false, false) => trainer.start(),
         };
-        let run = Self { dir, trainer, fingerprint, corpus, state };
-        let text = toml::to_string_pretty(run.trainer.config())
-            .map_err(|error| RunError::Text { what: CONFIG, reason: error.to_string() })?;
+        let run = Self {
+            dir,
+            trainer,
+            fingerprint,
+            corpus,
+            state,
+        };
+        let text = toml::to_string_pretty(run.trainer.config()).map_err(|error| RunError::Text {
+            what: CONFIG,
+            reason: error.to_string(),
+        })?;
         atomic_write(&dir.join(CONFIG), |out| out.write_all(text.as_bytes()))?;
         Ok(run)
     }
@@ -186,7 +202,11 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// Divergence, a request to stop, files that cannot be written.
-    pub fn train(mut self, stop: &AtomicBool, progress: &mut dyn Progress) -> Result<(Summary, PathBuf), RunError> {
+    pub fn train(
+        mut self,
+        stop: &AtomicBool,
+        progress: &mut dyn Progress,
+    ) -> Result<(Summary, PathBuf), RunError> {
         let fit = self.trainer.config().fit;
         let steps = self.trainer.steps_per_epoch();
         let sensor = self.trainer.config().sensor();
@@ -196,10 +216,14 @@ impl<'a> Run<'a> {
             let epoch = self.state.epochs_done();
             let best = self.state.best.as_ref().map(|best| best.validation_rmse);
             let note = |loss: f64| {
-                let best = best.map_or_else(String::new, |rmse| format!(", best validation {rmse:.5} {}", sensor.unit()));
+                let best = best.map_or_else(String::new, |rmse| {
+                    format!(", best validation {rmse:.5} {}", sensor.unit())
+                });
                 format!("epoch {}/{}, loss {loss:.5}{best}", epoch + 1, fit.epochs)
             };
-            self.trainer.epoch(&mut self.state, stop, &mut |done, loss| progress.step(epoch * steps + done, &note(loss)))?;
+            self.trainer.epoch(&mut self.state, stop, &mut |done, loss| {
+                progress.step(epoch * steps + done, &note(loss))
+            })?;
             self.save()?;
         }
         let summary = self.summary();
@@ -228,33 +252,52 @@ impl<'a> Run<'a> {
             label: config.noise.label.to_string(),
             seed: config.seed,
             data: self.corpus.name.clone(),
-            sequences: self.corpus.side(Side::Train).iter().map(|(name, _)| (*name).to_owned()).collect(),
+            sequences: self
+                .corpus
+                .side(Side::Train)
+                .iter()
+                .map(|(name, _)| (*name).to_owned())
+                .collect(),
             fingerprint: self.fingerprint.clone(),
             fit_windows,
             validation_windows,
             parameters: parameter_count(config),
             updates: self.trainer.steps_per_epoch() * config.fit.epochs,
             best_epoch: best.map_or(self.state.epochs_done(), |best| best.epoch),
-            validation_rmse: best
-                .map_or_else(|| self.trainer.validate(&self.state.averaged), |best| best.validation_rmse),
+            validation_rmse: best.map_or_else(
+                || self.trainer.validate(&self.state.averaged),
+                |best| best.validation_rmse,
+            ),
         }
     }
 
     /// Writes the checkpoint and the history.
     fn save(&self) -> Result<(), RunError> {
-        let text = |what| move |error: serde_json::Error| RunError::Text { what, reason: error.to_string() };
+        let text = |what| {
+            move |error: serde_json::Error| RunError::Text {
+                what,
+                reason: error.to_string(),
+            }
+        };
         let notes = Notes {
             config: self.trainer.config().clone(),
             fingerprint: self.fingerprint.clone(),
             history: self.state.history.clone(),
-            best: self.state.best.as_ref().map(|best| (best.epoch, best.validation_rmse)),
+            best: self
+                .state
+                .best
+                .as_ref()
+                .map(|best| (best.epoch, best.validation_rmse)),
         };
         let mut checkpoint = Checkpoint {
             config: self.trainer.config().network.clone(),
             parameters: self.state.weights.clone(),
             adam: self.state.adam.clone(),
             vectors: [(AVERAGED.to_owned(), self.state.averaged.clone())].into(),
-            notes: Map::from_iter([("run".to_owned(), serde_json::to_value(&notes).map_err(text(CHECKPOINT))?)]),
+            notes: Map::from_iter([(
+                "run".to_owned(),
+                serde_json::to_value(&notes).map_err(text(CHECKPOINT))?,
+            )]),
         };
         if let Some(best) = &self.state.best {
             checkpoint.vectors.insert(BEST.to_owned(), best.weights.clone());
@@ -268,13 +311,20 @@ impl<'a> Run<'a> {
 
     /// Writes weights and summary.
     fn finish(&self, summary: &Summary, path: &Path) -> Result<(), RunError> {
-        let text = |error: serde_json::Error| RunError::Text { what: SUMMARY, reason: error.to_string() };
+        let text = |error: serde_json::Error| RunError::Text {
+            what: SUMMARY,
+            reason: error.to_string(),
+        };
         let mut training = match serde_json::to_value(summary).map_err(text)? {
             Value::Object(map) => map,
             other => Map::from_iter([("summary".to_owned(), other)]),
         };
         training.insert("run".into(), json!(self.trainer.config()));
-        let card = Card { rate: SampleRate::HZ_200, range: self.trainer.trained_range(), training };
+        let card = Card {
+            rate: SampleRate::HZ_200,
+            range: self.trainer.trained_range(),
+            training,
+        };
         let weights: Weights = self.trainer.weights(&self.state, card);
         weights.save(path)?;
         let lines = serde_json::to_string_pretty(summary).map_err(text)? + "\n";
@@ -284,12 +334,18 @@ impl<'a> Run<'a> {
 }
 
 fn notes(checkpoint: &Checkpoint) -> Option<Notes> {
-    checkpoint.notes.get("run").and_then(|value| serde_json::from_value(value.clone()).ok())
+    checkpoint
+        .notes
+        .get("run")
+        .and_then(|value| serde_json::from_value(value.clone()).ok())
 }
 
 /// The state in a checkpoint, if it belongs to this configuration and these recordings.
 fn load(path: &Path, dir: &Path, config: &TrainConfig, fingerprint: &str) -> Result<State, RunError> {
-    let differs = |reason| RunError::Differs { path: dir.to_owned(), reason };
+    let differs = |reason| RunError::Differs {
+        path: dir.to_owned(),
+        reason,
+    };
     let mut checkpoint = Checkpoint::load(path)?;
     let notes = notes(&checkpoint).ok_or_else(|| differs("was written by another version of dpn"))?;
     if notes.config != *config {
@@ -298,10 +354,23 @@ fn load(path: &Path, dir: &Path, config: &TrainConfig, fingerprint: &str) -> Res
     if notes.fingerprint != fingerprint {
         return Err(differs("saw other recordings"));
     }
-    let averaged = checkpoint.vectors.remove(AVERAGED).ok_or_else(|| differs("has no averaged weights"))?;
+    let averaged = checkpoint
+        .vectors
+        .remove(AVERAGED)
+        .ok_or_else(|| differs("has no averaged weights"))?;
     let best = match (notes.best, checkpoint.vectors.remove(BEST)) {
-        (Some((epoch, validation_rmse)), Some(weights)) => Some(Best { epoch, validation_rmse, weights }),
+        (Some((epoch, validation_rmse)), Some(weights)) => Some(Best {
+            epoch,
+            validation_rmse,
+            weights,
+        }),
         _ => None,
     };
-    Ok(State { weights: checkpoint.parameters, averaged, adam: checkpoint.adam, best, history: notes.history })
+    Ok(State {
+        weights: checkpoint.parameters,
+        averaged,
+        adam: checkpoint.adam,
+        best,
+        history: notes.history,
+    })
 }

@@ -45,7 +45,13 @@ pub struct State {
 impl State {
     /// The state before the first epoch.
     pub fn new(weights: Vec<f32>, adam: AdamConfig) -> Self {
-        Self { averaged: weights.clone(), adam: Adam::new(adam, weights.len()), weights, best: None, history: Vec::new() }
+        Self {
+            averaged: weights.clone(),
+            adam: Adam::new(adam, weights.len()),
+            weights,
+            best: None,
+            history: Vec::new(),
+        }
     }
 
     /// Epochs behind us.
@@ -56,7 +62,11 @@ impl State {
     /// Takes the averaged weights as the best ones if `rmse` is the smallest so far.
     pub fn keep_if_best(&mut self, epoch: u64, rmse: f64) {
         if self.best.as_ref().is_none_or(|best| rmse < best.validation_rmse) {
-            self.best = Some(Best { epoch, validation_rmse: rmse, weights: self.averaged.clone() });
+            self.best = Some(Best {
+                epoch,
+                validation_rmse: rmse,
+                weights: self.averaged.clone(),
+            });
         }
     }
 }

@@ -19,7 +19,9 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
         Some(dir) => networks::load_all(dir)?,
         None => shipped::networks()?,
     };
-    let sensors = args.sensor.map_or_else(|| Sensor::ALL.to_vec(), |sensor| vec![sensor.into()]);
+    let sensors = args
+        .sensor
+        .map_or_else(|| Sensor::ALL.to_vec(), |sensor| vec![sensor.into()]);
     let corpora = corpus::load(args.data.as_deref())?;
     let request = Request {
         corpora: &corpora,
@@ -41,7 +43,10 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
     } else {
         println!("{}", render(&headline(&result.rows), Layout::Plain)?);
         println!("all rows: {}", args.out.join("open_loop.csv").display());
-        for picture in pictures.iter().filter(|path| path.extension().is_some_and(|e| e == "png")) {
+        for picture in pictures
+            .iter()
+            .filter(|path| path.extension().is_some_and(|e| e == "png"))
+        {
             println!("picture:  {}", picture.display());
         }
     }
@@ -50,12 +55,16 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
 
 /// The bases named, or those of the study.
 fn bases(text: Option<&str>) -> Result<Vec<Base>> {
-    let Some(text) = text else { return Ok(Base::STUDY.to_vec()) };
+    let Some(text) = text else {
+        return Ok(Base::STUDY.to_vec());
+    };
     let names = text.split([';', ' ']).filter(|name| !name.is_empty());
     let bases: Result<Vec<Base>, _> = names.map(str::parse).collect();
     let bases = bases?;
     if bases.is_empty() {
-        return Err(Fault::new("--bases names no base").hint("for example --bases 'sg(11,2) sg(51,3)'").into());
+        return Err(Fault::new("--bases names no base")
+            .hint("for example --bases 'sg(11,2) sg(51,3)'")
+            .into());
     }
     if let Some(error) = bases.iter().find_map(|base| base.filter().err()) {
         return Err(error.into());
@@ -69,7 +78,9 @@ fn write_tables(rows: &[Row], out: &Path) -> Result<()> {
     write_csv(rows, &mut csv)?;
     atomic_write(&out.join("open_loop.csv"), |file| file.write_all(&csv))?;
     let json = serde_json::to_string(&serde_json::json!({ "rows": rows }))? + "\n";
-    atomic_write(&out.join("open_loop.json"), |file| file.write_all(json.as_bytes()))?;
+    atomic_write(&out.join("open_loop.json"), |file| {
+        file.write_all(json.as_bytes())
+    })?;
     Ok(())
 }
 
@@ -89,7 +100,10 @@ fn headline(rows: &[Row]) -> Vec<Row> {
     let order: Vec<String> = rows.iter().map(|row| row.base.clone()).collect();
     let place = |row: &Row| order.iter().position(|base| *base == row.base);
     rows.sort_by(|a, b| {
-        group(a).cmp(&group(b)).then(place(a).cmp(&place(b))).then(a.rmse.total_cmp(&b.rmse))
+        group(a)
+            .cmp(&group(b))
+            .then(place(a).cmp(&place(b)))
+            .then(a.rmse.total_cmp(&b.rmse))
     });
     rows
 }
@@ -102,16 +116,29 @@ fn draw(result: &OpenLoop, sensor: Sensor, out: &Path) -> Result<Vec<PathBuf>> {
         files.extend(plot(&out.join(format!("open_loop_{name}_{sensor}")))?);
         Ok(())
     };
-    let drawn = result.drawn.iter().find(|d| d.sensor == sensor && d.levels == "grid" && d.base == "sg(11,2)");
+    let drawn = result
+        .drawn
+        .iter()
+        .find(|d| d.sensor == sensor && d.levels == "grid" && d.base == "sg(11,2)");
     if let Some(drawn) = drawn.or_else(|| result.drawn.iter().find(|d| d.sensor == sensor)) {
-        let named = SHOWN.iter().filter_map(|name| drawn.estimates.iter().find(|(n, _)| n == name));
-        let estimates = named.map(|(name, sigma)| (name.as_str(), sigma.as_slice())).collect();
-        let plot = PredictedVsTrue::new(&[Predicted { sensor, truth: &drawn.truth, estimates }])?;
+        let named = SHOWN
+            .iter()
+            .filter_map(|name| drawn.estimates.iter().find(|(n, _)| n == name));
+        let estimates = named
+            .map(|(name, sigma)| (name.as_str(), sigma.as_slice()))
+            .collect();
+        let plot = PredictedVsTrue::new(&[Predicted {
+            sensor,
+            truth: &drawn.truth,
+            estimates,
+        }])?;
         keep(&|path| picture(&plot, path), "predicted")?;
         let rows: Vec<&Row> = result
             .rows
             .iter()
-            .filter(|r| r.sensor == sensor && r.split == "test" && r.base == drawn.base && r.levels == drawn.levels)
+            .filter(|r| {
+                r.sensor == sensor && r.split == "test" && r.base == drawn.base && r.levels == drawn.levels
+            })
             .filter(|r| r.label == "sigma_inj" && SHOWN.contains(&r.estimator.as_str()))
             .collect();
         let plot = RmseVsSigma::new(&rows, WINDOW)?;

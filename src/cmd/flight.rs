@@ -18,14 +18,22 @@ const BASE: &str = "sg(11,2)";
 /// Draws accelerometer x of the first test flight; nothing where there is no pair of networks.
 pub(super) fn draw(corpora: &[Corpus], networks: &[Network], out: &Path) -> Result<Vec<PathBuf>> {
     let find = |sensor| {
-        let mut fitting = networks.iter().filter(|n| n.sensor() == sensor && n.base == BASE && n.name == "pronet");
+        let mut fitting = networks
+            .iter()
+            .filter(|n| n.sensor() == sensor && n.base == BASE && n.name == "pronet");
         fitting.next().map(|network| network.weights.clone())
     };
-    let (Some(accel), Some(gyro)) = (find(Sensor::Accel), find(Sensor::Gyro)) else { return Ok(Vec::new()) };
-    let Some((name, recording)) = corpora.iter().find_map(|corpus| corpus.side(Side::Test).first().copied()) else {
+    let (Some(accel), Some(gyro)) = (find(Sensor::Accel), find(Sensor::Gyro)) else {
         return Ok(Vec::new());
     };
-    let mut models: Vec<(&str, Box<dyn NoiseModel>)> = vec![("pronet", Box::new(DualProNet::new("pronet", &accel, &gyro, HOP)?))];
+    let Some((name, recording)) = corpora
+        .iter()
+        .find_map(|corpus| corpus.side(Side::Test).first().copied())
+    else {
+        return Ok(Vec::new());
+    };
+    let mut models: Vec<(&str, Box<dyn NoiseModel>)> =
+        vec![("pronet", Box::new(DualProNet::new("pronet", &accel, &gyro, HOP)?))];
     for spec in ["diff2", "sg(11,2)"] {
         models.push((spec, spec.parse::<NoiseSpec>()?.model(Schedule::default())?));
     }
@@ -33,11 +41,22 @@ pub(super) fn draw(corpora: &[Corpus], networks: &[Network], out: &Path) -> Resu
         .iter_mut()
         .map(|(name, model)| {
             let track = NoiseTrack::of(model.as_mut(), recording);
-            (*name, track.noises().iter().map(|noise| noise.of(Sensor::Accel)[0]).collect())
+            (
+                *name,
+                track
+                    .noises()
+                    .iter()
+                    .map(|noise| noise.of(Sensor::Accel)[0])
+                    .collect(),
+            )
         })
         .collect();
     let start = recording.samples()[0].t;
-    let t: Vec<f64> = recording.samples().iter().map(|sample| sample.t.seconds_since(start)).collect();
+    let t: Vec<f64> = recording
+        .samples()
+        .iter()
+        .map(|sample| sample.t.seconds_since(start))
+        .collect();
     let signal = recording.axis(Sensor::Accel, 0);
     let flight = Flight {
         name,
@@ -45,7 +64,10 @@ pub(super) fn draw(corpora: &[Corpus], networks: &[Network], out: &Path) -> Resu
         axis: "x",
         t: &t,
         signal: &signal,
-        models: tracks.iter().map(|(name, sigma)| (*name, sigma.as_slice())).collect(),
+        models: tracks
+            .iter()
+            .map(|(name, sigma)| (*name, sigma.as_slice()))
+            .collect(),
         truth: None,
         phases: Vec::new(),
         trained_up_to: Some(0.21),

@@ -6,6 +6,7 @@ use crate::ui::{Bar, Fault, Interrupted};
 use anyhow::{Context, Result};
 use dpn_core::Sensor;
 use dpn_train::config::TrainConfig;
+use dpn_train::corpus::Corpus;
 use dpn_train::run::{Run, RunError};
 use dpn_train::split::Side;
 use dpn_train::trainer::TrainError;
@@ -18,12 +19,17 @@ pub(crate) fn run(args: TrainArgs) -> Result<()> {
     let config = config(&args, sensor)?;
     let device = device::parse(&args.device)?;
     let corpora = corpus::load(args.data.as_deref())?;
-    let corpus = corpora
-        .iter()
-        .find(|corpus| !corpus.side(Side::Train).is_empty())
-        .ok_or_else(|| Fault::new("no training sequence in the data"))?;
+    let has_training = |corpus: &&Corpus| !corpus.side(Side::Train).is_empty();
+    let Some(corpus) = corpora.iter().find(has_training).or(corpora.first()) else {
+        return Err(Fault::new("the data hold no sequence").into());
+    };
     let out = args.out.unwrap_or_else(|| {
-        PathBuf::from(format!("runs/train-{sensor}-{}-{}-seed{}", corpus.name, config.base.base(), config.seed))
+        PathBuf::from(format!(
+            "runs/train-{sensor}-{}-{}-seed{}",
+            corpus.name,
+            config.base.base(),
+            config.seed
+        ))
     });
     let run = Run::open(&out, &config, corpus, &device, args.resume)?;
     let (done, total) = run.epochs();
@@ -70,11 +76,16 @@ pub(crate) fn run(args: TrainArgs) -> Result<()> {
 fn config(args: &TrainArgs, sensor: Sensor) -> Result<TrainConfig> {
     let mut config = match &args.config {
         Some(path) => {
-            let config: TrainConfig = dpn_core::config::load(path)?;
+            let config = dpn_train::config::load(path, sensor)?;
             if config.sensor() != sensor {
-                return Err(Fault::new(format!("{} is for the {}", path.display(), config.sensor()))
-                    .hint(format!("say --sensor {}, or give a configuration of the {sensor}", config.sensor()))
-                    .into());
+                return Err(
+                    Fault::new(format!("{} is for the {}", path.display(), config.sensor()))
+                        .hint(format!(
+                            "say --sensor {}, or give a configuration of the {sensor}",
+                            config.sensor()
+                        ))
+                        .into(),
+                );
             }
             config
         }

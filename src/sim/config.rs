@@ -1,8 +1,8 @@
 //! What a simulated flight is made of: every part of the IMU's noise can be scaled or switched off.
 
-use dpn_core::config::{ConfigFault, Validate};
 use crate::imu::{BiasConfig, QuantisationConfig, VibrationConfig, WhiteConfig};
 use dpn_core::SampleRate;
+use dpn_core::config::{ConfigFault, Validate};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use thiserror::Error;
@@ -92,7 +92,10 @@ impl Validate for FlightConfig {
     fn faults(&self) -> Vec<ConfigFault> {
         let faults = self.validate().err().map_or_else(Vec::new, |error| error.faults);
         let bound = |fault: &Fault| format!("within {} and {}", fault.low, fault.high);
-        faults.iter().map(|fault| ConfigFault::new(fault.key.clone(), fault.value, bound(fault))).collect()
+        faults
+            .iter()
+            .map(|fault| ConfigFault::new(fault.key.clone(), fault.value, bound(fault)))
+            .collect()
     }
 }
 

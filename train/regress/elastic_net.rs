@@ -28,8 +28,11 @@ impl ElasticNetRegressor {
     pub fn fit(table: &[f64], truth: &[f64]) -> Result<Self, RegressError> {
         let scaling = Scaling::of(table, truth);
         let keep = spread(truth.len(), MAX_ROWS);
-        let rows: Vec<f64> =
-            keep.iter().flat_map(|&at| &table[at * Features::COUNT..(at + 1) * Features::COUNT]).copied().collect();
+        let rows: Vec<f64> = keep
+            .iter()
+            .flat_map(|&at| &table[at * Features::COUNT..(at + 1) * Features::COUNT])
+            .copied()
+            .collect();
         let targets: Array1<f64> = keep.iter().map(|&at| truth[at] / scaling.label).collect();
         let dataset = Dataset::new(expand(&scaling.apply(&rows)), targets);
         let model = ElasticNet::params()
