@@ -6,7 +6,7 @@ use crate::ui::{Bar, Fault};
 use anyhow::Result;
 use dpn_core::Sensor;
 use dpn_core::io::atomic_write;
-use dpn_eval::figures::{Plot, Predicted, PredictedVsTrue, RmseVsSigma, save};
+use dpn_eval::figures::{Predicted, PredictedVsTrue, RmseVsSigma, save};
 use dpn_eval::open_loop::{OpenLoop, Request, Row, networks, run as judge};
 use dpn_eval::table::{Layout, render, write_csv};
 use dpn_train::base::Base;
@@ -33,10 +33,7 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
     };
     let result = judge(&request, &mut Bar::new())?;
     write_tables(&result.rows, &args.out)?;
-    let mut pictures = Vec::new();
-    for sensor in &sensors {
-        pictures.extend(draw(&result, *sensor, &args.out)?);
-    }
+    let mut pictures = draw(&result, &sensors, &args.out)?;
     pictures.extend(super::flight::draw(&corpora, &networks, &args.out)?);
     if args.json {
         println!("{}", serde_json::json!({ "rows": result.rows }));
@@ -108,45 +105,56 @@ fn headline(rows: &[Row]) -> Vec<Row> {
     rows
 }
 
-/// Predicted against true, and RMSE against sigma with the bound, on the best covered base.
-fn draw(result: &OpenLoop, sensor: Sensor, out: &Path) -> Result<Vec<PathBuf>> {
+/// Predicted against true, and RMSE against sigma with the bound: a panel a sensor, on the paper's grid over SG(11,2), or
+/// over the first base where that one was not asked for.
+fn draw(result: &OpenLoop, sensors: &[Sensor], out: &Path) -> Result<Vec<PathBuf>> {
     const SHOWN: [&str; 4] = ["pronet", "kernel-svr", "diff2", "sg(11,2)"];
-    let mut files = Vec::new();
-    let mut keep = |plot: &dyn Fn(&Path) -> Result<Vec<PathBuf>>, name: &str| -> Result<()> {
-        files.extend(plot(&out.join(format!("open_loop_{name}_{sensor}")))?);
-        Ok(())
-    };
-    let drawn = result
-        .drawn
-        .iter()
-        .find(|d| d.sensor == sensor && d.levels == "grid" && d.base == "sg(11,2)");
-    if let Some(drawn) = drawn.or_else(|| result.drawn.iter().find(|d| d.sensor == sensor)) {
+    const BASE: &str = "sg(11,2)";
+    let (mut predicted, mut rows) = (Vec::new(), Vec::new());
+    for &sensor in sensors {
+        let of_sensor = || {
+            result
+                .drawn
+                .iter()
+                .filter(|d| d.sensor == sensor && d.levels == "grid")
+        };
+        let Some(drawn) = of_sensor()
+            .find(|d| d.base == BASE)
+            .or_else(|| of_sensor().next())
+        else {
+            continue;
+        };
         let named = SHOWN
             .iter()
             .filter_map(|name| drawn.estimates.iter().find(|(n, _)| n == name));
         let estimates = named
             .map(|(name, sigma)| (name.as_str(), sigma.as_slice()))
             .collect();
-        let plot = PredictedVsTrue::new(&[Predicted {
+        predicted.push(Predicted {
             sensor,
             truth: &drawn.truth,
             estimates,
-        }])?;
-        keep(&|path| picture(&plot, path), "predicted")?;
-        let rows: Vec<&Row> = result
-            .rows
-            .iter()
-            .filter(|r| {
-                r.sensor == sensor && r.split == "test" && r.base == drawn.base && r.levels == drawn.levels
-            })
-            .filter(|r| r.label == "sigma_inj" && SHOWN.contains(&r.estimator.as_str()))
-            .collect();
-        let plot = RmseVsSigma::new(&rows, WINDOW)?;
-        keep(&|path| picture(&plot, path), "rmse_vs_sigma")?;
+        });
+        rows.extend(
+            result
+                .rows
+                .iter()
+                .filter(|r| {
+                    r.sensor == sensor && r.split == "test" && r.base == drawn.base && r.levels == "grid"
+                })
+                .filter(|r| r.label == "sigma_inj" && SHOWN.contains(&r.estimator.as_str())),
+        );
     }
+    if predicted.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut files = save(
+        &PredictedVsTrue::new(&predicted)?,
+        &out.join("open_loop_predicted"),
+    )?;
+    files.extend(save(
+        &RmseVsSigma::new(&rows, WINDOW)?,
+        &out.join("open_loop_rmse_vs_sigma"),
+    )?);
     Ok(files)
-}
-
-fn picture(plot: &impl Plot, path: &Path) -> Result<Vec<PathBuf>> {
-    Ok(save(plot, path)?)
 }

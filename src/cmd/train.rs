@@ -78,14 +78,16 @@ fn config(args: &TrainArgs, sensor: Sensor) -> Result<TrainConfig> {
         Some(path) => {
             let config = dpn_train::config::load(path, sensor)?;
             if config.sensor() != sensor {
-                return Err(
-                    Fault::new(format!("{} is for the {}", path.display(), config.sensor()))
-                        .hint(format!(
-                            "say --sensor {}, or give a configuration of the {sensor}",
-                            config.sensor()
-                        ))
-                        .into(),
-                );
+                return Err(Fault::new(format!(
+                    "{} is for the sensor `{}`",
+                    path.display(),
+                    config.sensor()
+                ))
+                .hint(format!(
+                    "say --sensor {}, or give a configuration for `{sensor}`",
+                    config.sensor()
+                ))
+                .into());
             }
             config
         }

@@ -75,8 +75,8 @@ fn a_configuration_of_the_other_sensor_is_refused() {
     refuses(
         "gyro",
         TINY,
-        "error: [DIR]/config.toml is for the accel\n\n\
-         hint: say --sensor accel, or give a configuration of the gyro",
+        "error: [DIR]/config.toml is for the sensor `accel`\n\n\
+         hint: say --sensor accel, or give a configuration for `gyro`",
     );
 }
 
