@@ -74,7 +74,7 @@ fn a_value_of_another_kind_is_named_with_its_line() {
 fn a_configuration_of_the_other_sensor_is_refused() {
     refuses(
         "gyro",
-        TINY,
+        &TINY.replace("[network]", "[network]\nsensor = \"accel\""),
         "error: [DIR]/config.toml is for the sensor `accel`\n\n\
          hint: say --sensor accel, or give a configuration for `gyro`",
     );

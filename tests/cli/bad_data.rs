@@ -214,7 +214,8 @@ fn sequences_of_which_none_is_to_train_on() {
     let done = crate::run::end(&mut crate::training::tiny(dir.path(), &data, 1, &out));
     assert_eq!(done.code, Some(2), "{done:?}");
     assert!(
-        done.stderr.starts_with("error: no training sequence in the data"),
+        done.stderr
+            .starts_with("error: euroc: no train sequence among [\"MH_02_easy\"]"),
         "{done:?}"
     );
     assert!(!out.exists());
