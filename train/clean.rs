@@ -41,7 +41,7 @@ impl Cleaner {
             // The window is as long as the filter needs: checked where configurations are.
             Self::SavitzkyGolay(filter) if filter.smooth_into(raw, out).is_ok() => {}
             Self::Gaussian(kernels) if !kernels.is_empty() => {
-                smooth(&kernels[index % kernels.len()], raw, out)
+                smooth(&kernels[index % kernels.len()], raw, out);
             }
             _ => out.copy_from_slice(raw),
         }

@@ -222,7 +222,7 @@ impl<'a> Run<'a> {
                 format!("epoch {}/{}, loss {loss:.5}{best}", epoch + 1, fit.epochs)
             };
             self.trainer.epoch(&mut self.state, stop, &mut |done, loss| {
-                progress.step(epoch * steps + done, &note(loss))
+                progress.step(epoch * steps + done, &note(loss));
             })?;
             self.save()?;
         }
