@@ -198,10 +198,8 @@ impl Job<'_> {
             .as_ref()
             .filter(|train| self.request.regressors && !train.is_empty())
         {
-            let both: Result<Fitted, RegressError> = Label::ALL
-                .iter()
-                .map(|&label| Ok((label, fit_all(self.features, train, label)?)))
-                .collect();
+            let fit = |label: &Label| Ok((*label, fit_all(self.features, train, *label)?));
+            let both: Result<Fitted, RegressError> = Label::ALL.par_iter().map(fit).collect();
             fitted = Some((self.base.to_string(), both?));
         }
         let sides = [(Side::Train, train.as_ref()), (Side::Test, Some(&test))];

@@ -48,6 +48,7 @@ fn config() -> TrainConfig {
     config.network.hidden = vec![8, 4, 4];
     config.fit.epochs = 4;
     config.fit.batch = 20;
+    config.fit.draws_per_window = 1;
     config.fit.validate_every = 1;
     config
 }
