@@ -198,7 +198,9 @@ impl Job<'_> {
             .as_ref()
             .filter(|train| self.request.regressors && !train.is_empty())
         {
-            let fit = |label: &Label| Ok((*label, fit_all(self.features, train, *label)?));
+            // The features are those of the noisy windows whatever they are labelled with.
+            let table = self.features.table(&train.samples);
+            let fit = |label: &Label| Ok((*label, fit_all(&table, &train.truth(*label))?));
             let both: Result<Fitted, RegressError> = Label::ALL.par_iter().map(fit).collect();
             fitted = Some((self.base.to_string(), both?));
         }

@@ -7,6 +7,7 @@ use dpn_eval::figures::{Flight, FlightSigma, save};
 use dpn_eval::open_loop::Network;
 use dpn_pronet::DualProNet;
 use dpn_train::corpus::Corpus;
+use dpn_train::levels::{LevelKind, Levels};
 use dpn_train::split::Side;
 use std::path::{Path, PathBuf};
 
@@ -70,7 +71,7 @@ pub(super) fn draw(corpora: &[Corpus], networks: &[Network], out: &Path) -> Resu
             .collect(),
         truth: None,
         phases: Vec::new(),
-        trained_up_to: Some(0.21),
+        trained_up_to: Some(Levels::paper(Sensor::Accel, LevelKind::Grid).high),
     };
     Ok(save(&FlightSigma::new(&flight)?, &out.join("flight_sigma"))?)
 }

@@ -7,9 +7,7 @@ mod scaling;
 pub use elastic_net::ElasticNetRegressor;
 pub use kernel::KernelRegressor;
 
-use crate::examples::Examples;
 use crate::features::{FeatureError, Features};
-use crate::label::Label;
 
 /// Why a regressor cannot be fitted.
 #[derive(Debug, thiserror::Error)]
@@ -47,17 +45,14 @@ pub trait Regressor: Send + Sync {
     fn predict(&self, table: &[f64]) -> Vec<f64>;
 }
 
-/// Fits both regressors to `examples` under `label`.
+/// Fits both regressors to rows of features and their labels.
+///
+/// # Shapes
+/// `table`: rows of [`Features::COUNT`], as [`Features::table`] gives; `truth`: one label a row.
 ///
 /// # Errors
 /// Too few examples; a fit that linfa gives up.
-pub fn fit_all(
-    features: &Features,
-    examples: &Examples,
-    label: Label,
-) -> Result<Vec<Box<dyn Regressor>>, RegressError> {
-    let table = features.table(&examples.samples);
-    let truth = examples.truth(label);
+pub fn fit_all(table: &[f64], truth: &[f64]) -> Result<Vec<Box<dyn Regressor>>, RegressError> {
     if truth.len() < 2 * Features::COUNT {
         return Err(RegressError::TooFewRows {
             rows: truth.len(),
@@ -65,7 +60,7 @@ pub fn fit_all(
         });
     }
     Ok(vec![
-        Box::new(ElasticNetRegressor::fit(&table, &truth)?),
-        Box::new(KernelRegressor::fit(&table, &truth)?),
+        Box::new(ElasticNetRegressor::fit(table, truth)?),
+        Box::new(KernelRegressor::fit(table, truth)?),
     ])
 }
