@@ -59,12 +59,7 @@ pub enum FilterKind {
 
 impl Default for BaseConfig {
     fn default() -> Self {
-        Self {
-            filter: FilterKind::SavitzkyGolay,
-            window: 11,
-            order: 2,
-            scope: Scope::Window,
-        }
+        Self { filter: FilterKind::SavitzkyGolay, window: 11, order: 2, scope: Scope::Window }
     }
 }
 
@@ -72,10 +67,7 @@ impl BaseConfig {
     /// The base these keys mean.
     pub fn base(&self) -> Base {
         match self.filter {
-            FilterKind::SavitzkyGolay => Base::SavitzkyGolay {
-                window: self.window,
-                order: self.order,
-            },
+            FilterKind::SavitzkyGolay => Base::SavitzkyGolay { window: self.window, order: self.order },
             FilterKind::Gaussian => Base::Gaussian,
             FilterKind::None => Base::Raw,
         }
@@ -256,11 +248,7 @@ impl TrainConfig {
 
     /// The rule examples are drawn by.
     pub fn draw_rule(&self) -> DrawRule {
-        DrawRule {
-            levels: self.levels(),
-            label: self.noise.label,
-            augment: self.augment,
-        }
+        DrawRule { levels: self.levels(), label: self.noise.label, augment: self.augment }
     }
 
     /// The same run with every default written out.
@@ -273,11 +261,7 @@ impl TrainConfig {
             steps: Some(levels.steps),
             ..self.noise
         };
-        Self {
-            noise,
-            network: self.network.resolved(),
-            ..self.clone()
-        }
+        Self { noise, network: self.network.resolved(), ..self.clone() }
     }
 }
 
@@ -287,10 +271,8 @@ impl TrainConfig {
 /// # Errors
 /// A file that cannot be read or is no such configuration; values outside their bounds.
 pub fn load(path: &Path, sensor: Sensor) -> Result<TrainConfig, ConfigError> {
-    let text = std::fs::read_to_string(path).map_err(|source| ConfigError::Read {
-        path: path.to_owned(),
-        source,
-    })?;
+    let text = std::fs::read_to_string(path)
+        .map_err(|source| ConfigError::Read { path: path.to_owned(), source })?;
     parse(&text, path, sensor)
 }
 
@@ -302,10 +284,7 @@ pub fn parse(text: &str, path: &Path, sensor: Sensor) -> Result<TrainConfig, Con
     // Read as it stands first: only this text's errors can name its lines.
     let written: TrainConfig = config::parse(text, path)?;
     let table: toml::Table = toml::from_str(text).unwrap_or_default();
-    let names_sensor = table
-        .get("network")
-        .and_then(|network| network.get("sensor"))
-        .is_some();
+    let names_sensor = table.get("network").and_then(|network| network.get("sensor")).is_some();
     let sensor = if names_sensor { written.sensor() } else { sensor };
     let Ok(toml::Value::Table(mut whole)) = toml::Value::try_from(TrainConfig::for_sensor(sensor)) else {
         return Ok(written);
@@ -343,12 +322,7 @@ impl Validate for TrainConfig {
             }
         };
         let (base, fit, levels) = (&self.base, &self.fit, self.levels());
-        check(
-            base.base().filter().is_ok(),
-            "base",
-            base.base().to_string(),
-            "an odd window above its order",
-        );
+        check(base.base().filter().is_ok(), "base", base.base().to_string(), "an odd window above its order");
         check(
             base.window <= crate::windows::WINDOW,
             "base.window",
@@ -364,12 +338,7 @@ impl Validate for TrainConfig {
             format!("{} (with `noise.high` {})", levels.low, levels.high),
             "above 0 and at most `noise.high`",
         );
-        check(
-            (1..=1000).contains(&levels.steps),
-            "noise.steps",
-            levels.steps.to_string(),
-            "1 to 1000",
-        );
+        check((1..=1000).contains(&levels.steps), "noise.steps", levels.steps.to_string(), "1 to 1000");
         let augment = &self.augment;
         check(
             (0.0..=1.0).contains(&augment.grow_share),
@@ -377,49 +346,24 @@ impl Validate for TrainConfig {
             augment.grow_share.to_string(),
             "0 to 1",
         );
-        check(
-            (1.0..=100.0).contains(&augment.grow),
-            "augment.grow",
-            augment.grow.to_string(),
-            "1 to 100",
-        );
+        check((1.0..=100.0).contains(&augment.grow), "augment.grow", augment.grow.to_string(), "1 to 100");
         check(
             (0.01..=1.0).contains(&augment.shrink),
             "augment.shrink",
             augment.shrink.to_string(),
             "0.01 to 1",
         );
-        check(
-            fit.epochs >= 1,
-            "fit.epochs",
-            fit.epochs.to_string(),
-            "at least 1",
-        );
+        check(fit.epochs >= 1, "fit.epochs", fit.epochs.to_string(), "at least 1");
         check(
             (1..=1000).contains(&fit.draws_per_window),
             "fit.draws_per_window",
             fit.draws_per_window.to_string(),
             "1 to 1000",
         );
-        check(
-            (1..=10_000).contains(&fit.batch),
-            "fit.batch",
-            fit.batch.to_string(),
-            "1 to 10000",
-        );
-        check(
-            fit.validate_every >= 1,
-            "fit.validate_every",
-            fit.validate_every.to_string(),
-            "at least 1",
-        );
+        check((1..=10_000).contains(&fit.batch), "fit.batch", fit.batch.to_string(), "1 to 10000");
+        check(fit.validate_every >= 1, "fit.validate_every", fit.validate_every.to_string(), "at least 1");
         let rate = fit.learning_rate;
-        check(
-            rate > 0.0 && rate <= 1.0,
-            "fit.learning_rate",
-            rate.to_string(),
-            "above 0 and at most 1",
-        );
+        check(rate > 0.0 && rate <= 1.0, "fit.learning_rate", rate.to_string(), "above 0 and at most 1");
         check(
             (0.0..=1.0).contains(&fit.weight_decay),
             "fit.weight_decay",
@@ -432,12 +376,7 @@ impl Validate for TrainConfig {
             fit.clip_norm.to_string(),
             "0 or more",
         );
-        check(
-            (0.0..1.0).contains(&fit.ema),
-            "fit.ema",
-            fit.ema.to_string(),
-            "0 or more and below 1",
-        );
+        check((0.0..1.0).contains(&fit.ema), "fit.ema", fit.ema.to_string(), "0 or more and below 1");
         faults
     }
 }
@@ -452,10 +391,7 @@ mod tests {
 
     #[test]
     fn keys_that_are_not_there_are_the_defaults_of_the_sensor() {
-        assert_eq!(
-            read("").resolved(),
-            TrainConfig::for_sensor(Sensor::Gyro).resolved()
-        );
+        assert_eq!(read("").resolved(), TrainConfig::for_sensor(Sensor::Gyro).resolved());
         let one = read("[network]\nleak = 0.2");
         let mut expected = TrainConfig::for_sensor(Sensor::Gyro);
         expected.network.leak = 0.2;
@@ -469,9 +405,7 @@ mod tests {
     #[test]
     fn bad_values_of_all_tables_come_at_once() {
         let text = "[fit]\nepochs = 0\n[network]\nleak = 7.0\n[noise]\nlow = 1.0\nhigh = 0.5";
-        let error = parse(text, Path::new("a.toml"), Sensor::Accel)
-            .unwrap_err()
-            .to_string();
+        let error = parse(text, Path::new("a.toml"), Sensor::Accel).unwrap_err().to_string();
         for key in ["fit.epochs", "network.leak", "noise.low"] {
             assert!(error.contains(key), "{key} is not in {error}");
         }

@@ -52,18 +52,12 @@ impl Features {
                 filters.push((filter, gain));
             }
         }
-        Ok(Self {
-            filters,
-            welch: Welch::new(WINDOW)?,
-        })
+        Ok(Self { filters, welch: Welch::new(WINDOW)? })
     }
 
     /// The names of the features, in their order.
     pub fn names() -> Vec<String> {
-        let mut names: Vec<String> = Base::STUDY
-            .iter()
-            .map(|base| format!("ln residual {base}"))
-            .collect();
+        let mut names: Vec<String> = Base::STUDY.iter().map(|base| format!("ln residual {base}")).collect();
         names.extend((1..=MAX_DIFFERENCE).map(|k| format!("ln diff{k}")));
         names.extend(["ln mad2".to_owned(), "ln wavelet".to_owned()]);
         let width = 100 / BANDS;
@@ -81,11 +75,7 @@ impl Features {
         for (filter, gain) in &self.filters {
             let residual = match filter.smooth_into(window, &mut smooth) {
                 Ok(()) => {
-                    window
-                        .iter()
-                        .zip(&smooth)
-                        .map(|(x, s)| (x - s).powi(2))
-                        .sum::<f64>()
+                    window.iter().zip(&smooth).map(|(x, s)| (x - s).powi(2)).sum::<f64>()
                         / window.len() as f64
                 }
                 Err(_) => 0.0,
@@ -101,18 +91,15 @@ impl Features {
         match self.welch.spectrum(window, SampleRate::HZ_200) {
             Ok(spectrum) => {
                 let width = 100.0 / BANDS as f64;
-                features.extend((0..BANDS).map(|b| {
-                    spectrum
-                        .band_power(b as f64 * width, (b + 1) as f64 * width)
-                        .max(0.0)
-                        .sqrt()
-                }));
+                features.extend(
+                    (0..BANDS).map(|b| {
+                        spectrum.band_power(b as f64 * width, (b + 1) as f64 * width).max(0.0).sqrt()
+                    }),
+                );
             }
             Err(_) => features.extend([0.0; BANDS]),
         }
-        features
-            .iter_mut()
-            .for_each(|value| *value = value.max(FLOOR).ln());
+        features.iter_mut().for_each(|value| *value = value.max(FLOOR).ln());
         features
     }
 
@@ -121,10 +108,7 @@ impl Features {
     /// # Shapes
     /// `samples`: rows of [`WINDOW`]; the answer: rows of [`COUNT`](Self::COUNT).
     pub fn table(&self, samples: &[f64]) -> Vec<f64> {
-        let rows: Vec<Vec<f64>> = samples
-            .par_chunks_exact(WINDOW)
-            .map(|window| self.of(window))
-            .collect();
+        let rows: Vec<Vec<f64>> = samples.par_chunks_exact(WINDOW).map(|window| self.of(window)).collect();
         rows.concat()
     }
 }
@@ -151,12 +135,6 @@ mod tests {
 
     #[test]
     fn a_constant_window_has_finite_features() {
-        assert!(
-            Features::new()
-                .unwrap()
-                .of(&[9.81; WINDOW])
-                .iter()
-                .all(|f| f.is_finite())
-        );
+        assert!(Features::new().unwrap().of(&[9.81; WINDOW]).iter().all(|f| f.is_finite()));
     }
 }

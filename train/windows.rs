@@ -97,11 +97,7 @@ impl WindowSet {
                         start += WINDOW;
                     }
                 }
-                set.signals.push(Axis {
-                    sequence: index,
-                    axis,
-                    samples,
-                });
+                set.signals.push(Axis { sequence: index, axis, samples });
             }
         }
         if scope == Scope::Window {
@@ -199,11 +195,7 @@ mod tests {
         let mut t = 0;
         let samples = (0..len)
             .map(|i| {
-                t += if Some(i) == gap_before {
-                    50_000_000
-                } else {
-                    5_000_000
-                };
+                t += if Some(i) == gap_before { 50_000_000 } else { 5_000_000 };
                 ImuSample {
                     t: Stamp::from_ns(t),
                     gyro: [0.0; 3],
@@ -248,22 +240,15 @@ mod tests {
         let recording = ramp(4000, None);
         let fit = cut(&recording, Base::Raw, Stretch::Fit);
         let validation = cut(&recording, Base::Raw, Stretch::Validation);
-        let last_fit = (0..fit.len())
-            .map(|i| fit.raw(i, fit.slack(i))[WINDOW - 1].abs() as usize)
-            .max()
-            .unwrap()
-            / 2;
+        let last_fit =
+            (0..fit.len()).map(|i| fit.raw(i, fit.slack(i))[WINDOW - 1].abs() as usize).max().unwrap() / 2;
         assert!(last_fit + WINDOW < 3400 + 1);
         assert_eq!(validation.raw(0, 0)[0], 3400.0);
     }
 
     #[test]
     fn a_quadratic_passes_the_filtered_base_unchanged() {
-        let set = cut(
-            &ramp(400, None),
-            Base::SavitzkyGolay { window: 51, order: 3 },
-            Stretch::Whole,
-        );
+        let set = cut(&ramp(400, None), Base::SavitzkyGolay { window: 51, order: 3 }, Stretch::Whole);
         let mut base = vec![0.0; WINDOW];
         set.base_into(1, 0, &mut base);
         for (filtered, raw) in base.iter().zip(set.raw(1, 0)) {

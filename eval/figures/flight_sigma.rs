@@ -101,9 +101,7 @@ impl FlightSigma {
             .iter()
             .map(|(name, sigma)| ((*name).to_owned(), columns(flight.t, sigma, coarse)))
             .collect();
-        let truth = flight
-            .truth
-            .map_or_else(Vec::new, |truth| columns(flight.t, truth, coarse));
+        let truth = flight.truth.map_or_else(Vec::new, |truth| columns(flight.t, truth, coarse));
         let phases: Vec<Phase> = flight
             .phases
             .iter()
@@ -134,19 +132,10 @@ impl FlightSigma {
              in columns of {COARSE} pixels ({:.2} s).{}",
             super::predicted_vs_true::grouped(flight.t.len()),
             f64::from(COARSE) / pixels,
-            if at_edge {
-                " Estimates of 0 or below lie at the lower edge."
-            } else {
-                ""
-            },
+            if at_edge { " Estimates of 0 or below lie at the lower edge." } else { "" },
         );
         Ok(Self {
-            title: format!(
-                "{}: {} {}",
-                flight.name,
-                style::title(flight.sensor).to_lowercase(),
-                flight.axis
-            ),
+            title: format!("{}: {} {}", flight.name, style::title(flight.sensor).to_lowercase(), flight.axis),
             sensor: flight.sensor,
             time,
             signal_axis: Axis::linear(format!("signal [{unit}]"), low - pad, high + pad, 7),
@@ -166,11 +155,7 @@ impl FlightSigma {
         for phase in &self.phases {
             let (top, bottom) = (frame.rect.top, frame.rect.bottom);
             let tint = tint(&self.phases, &phase.label);
-            frame.block(
-                (frame.x_at(phase.from), top),
-                (frame.x_at(phase.to), bottom),
-                tint,
-            )?;
+            frame.block((frame.x_at(phase.from), top), (frame.x_at(phase.to), bottom), tint)?;
         }
         frame.grid()?;
         for pair in self.phases.windows(2) {
@@ -254,21 +239,12 @@ fn check(flight: &Flight<'_>) -> Result<(), FigureError> {
         check_column(FIGURE, "true sigma", truth, n)?;
     }
     for phase in &flight.phases {
-        check_column(
-            FIGURE,
-            &format!("phase {}", phase.label),
-            &[phase.from, phase.to],
-            2,
-        )?;
+        check_column(FIGURE, &format!("phase {}", phase.label), &[phase.from, phase.to], 2)?;
     }
     let need = "it must be finite and positive";
-    check_each(
-        FIGURE,
-        "the training range's end",
-        flight.trained_up_to.as_slice(),
-        need,
-        |v| v.is_finite() && v > 0.0,
-    )
+    check_each(FIGURE, "the training range's end", flight.trained_up_to.as_slice(), need, |v| {
+        v.is_finite() && v > 0.0
+    })
 }
 
 /// The axis of the deviations, and whether some of them cannot be placed on it.
@@ -286,24 +262,13 @@ fn sigma_axis(
     let low = positive().fold(high, f64::min).max(high * 1e-5);
     let at_edge = all().any(|c| c.low <= 0.0);
     let (low, high) = if high > 0.0 { (low, high) } else { (0.1, 1.0) };
-    (
-        Axis::log(format!("estimated σ [{unit}]"), low / 1.3, high * 1.3),
-        at_edge,
-    )
+    (Axis::log(format!("estimated σ [{unit}]"), low / 1.3, high * 1.3), at_edge)
 }
 
 fn legend_of(flight: &Flight<'_>, phases: &[Phase], phases_in_legend: bool) -> Vec<Entry> {
-    let entry = |key, colour, words: &str| Entry {
-        key,
-        colour,
-        words: words.to_owned(),
-    };
-    let mut legend: Vec<Entry> = flight
-        .models
-        .iter()
-        .zip(PALETTE)
-        .map(|((name, _), colour)| entry(Key::Line, colour, name))
-        .collect();
+    let entry = |key, colour, words: &str| Entry { key, colour, words: words.to_owned() };
+    let mut legend: Vec<Entry> =
+        flight.models.iter().zip(PALETTE).map(|((name, _), colour)| entry(Key::Line, colour, name)).collect();
     if flight.truth.is_some() {
         legend.push(entry(Key::Line, style::INK, "true σ"));
     }
@@ -331,10 +296,7 @@ fn labels(phases: &[Phase]) -> Vec<&str> {
 }
 
 fn tint(phases: &[Phase], label: &str) -> RGBColor {
-    let index = labels(phases)
-        .iter()
-        .position(|known| *known == label)
-        .unwrap_or(0);
+    let index = labels(phases).iter().position(|known| *known == label).unwrap_or(0);
     TINTS[index % TINTS.len()]
 }
 
@@ -354,10 +316,7 @@ fn envelope<DB: DrawingBackend>(
 ) -> Result<(), DrawError<DB>> {
     for part in unbroken(columns) {
         let upper = part.iter().map(|c| (frame.x_at(c.t), frame.y_at(c.high) - 1));
-        let lower = part
-            .iter()
-            .rev()
-            .map(|c| (frame.x_at(c.t), frame.y_at(c.low) + 1));
+        let lower = part.iter().rev().map(|c| (frame.x_at(c.t), frame.y_at(c.low) + 1));
         frame.polygon(upper.chain(lower).collect(), colour)?;
     }
     Ok(())
@@ -382,23 +341,13 @@ impl Plot for FlightSigma {
         let top = MARGIN + ABOVE;
         legend::draw(area, &self.legend, (MARGIN, top), sheet::ROOM)?;
         let top = top + legend::height(&self.legend, sheet::ROOM) + ABOVE;
-        let rect = |top, height| Rect {
-            left: LEFT,
-            top,
-            right: LEFT + ROOM,
-            bottom: top + height,
-        };
+        let rect = |top, height| Rect { left: LEFT, top, right: LEFT + ROOM, bottom: top + height };
         let upper = Frame::new(area, rect(top, UPPER), &self.time, &self.signal_axis);
         self.draw_signal(&upper)?;
         let lower_top = top + UPPER + BETWEEN;
         let lower = Frame::new(area, rect(lower_top, LOWER), &self.time, &self.sigma_axis);
         self.draw_sigma(&lower)?;
-        legend::print(
-            area,
-            &self.caption,
-            (MARGIN, lower_top + LOWER + BELOW + 8),
-            sheet::ROOM,
-        )
+        legend::print(area, &self.caption, (MARGIN, lower_top + LOWER + BELOW + 8), sheet::ROOM)
     }
 
     fn csv(&self) -> Drawn {
@@ -416,10 +365,7 @@ impl Plot for FlightSigma {
             add(name, columns);
         }
         add("true", &self.truth);
-        Drawn {
-            header: vec!["series", "unit", "t_s", "low", "median", "high"],
-            rows,
-        }
+        Drawn { header: vec!["series", "unit", "t_s", "low", "median", "high"], rows }
     }
 }
 
@@ -437,11 +383,7 @@ mod tests {
             signal,
             models: vec![("network", sigma)],
             truth: Some(sigma),
-            phases: vec![Phase {
-                label: "at rest".into(),
-                from: -5.0,
-                to: 1.0,
-            }],
+            phases: vec![Phase { label: "at rest".into(), from: -5.0, to: 1.0 }],
             trained_up_to: Some(0.21),
         }
     }
@@ -474,9 +416,7 @@ mod tests {
     #[test]
     fn a_long_flight_stays_small_and_keeps_its_extremes() {
         let t: Vec<f64> = (0..36_000).map(|i| f64::from(i) * 0.005).collect();
-        let signal: Vec<f64> = (0..36_000)
-            .map(|i| f64::from((i * 7919) % 1000) / 100.0)
-            .collect();
+        let signal: Vec<f64> = (0..36_000).map(|i| f64::from((i * 7919) % 1000) / 100.0).collect();
         let plot = FlightSigma::new(&flight(&t, &signal, &signal)).unwrap();
         assert!(plot.signal.len() <= ROOM as usize);
         assert_eq!(plot.signal.iter().map(|c| c.high).fold(0.0, f64::max), 9.99);
@@ -486,9 +426,7 @@ mod tests {
     #[test]
     fn faults_of_the_input_are_named() {
         let error = |t: &[f64], sigma: &[f64]| {
-            FlightSigma::new(&flight(t, &[1.0, 2.0, 3.0], sigma))
-                .unwrap_err()
-                .to_string()
+            FlightSigma::new(&flight(t, &[1.0, 2.0, 3.0], sigma)).unwrap_err().to_string()
         };
         assert!(error(&[0.0, 1.0, 1.0], &[1.0; 3]).contains("time is 1 at index 2; it must ascend"));
         assert!(error(&[0.0, 1.0, 2.0], &[1.0; 2]).contains("network has 2 values where 3"));

@@ -65,15 +65,8 @@ fn write(flight: &SimulatedFlight, config: &FlightConfig, dir: &Path) -> Result<
         accel_walk: config.bias.accel_walk,
         body_from_imu: Isometry3::identity(),
     };
-    write_noise_track(
-        &dir.join("true_noise.csv"),
-        &flight.truth.oracle(&flight.recording)?,
-    )?;
-    let parts = SequenceParts {
-        imu: &flight.recording,
-        imu_config: Some(&imu),
-        ground_truth: Some(&truth),
-    };
+    write_noise_track(&dir.join("true_noise.csv"), &flight.truth.oracle(&flight.recording)?)?;
+    let parts = SequenceParts { imu: &flight.recording, imu_config: Some(&imu), ground_truth: Some(&truth) };
     write_sequence(dir, &parts)?;
     Ok(())
 }

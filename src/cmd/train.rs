@@ -83,10 +83,7 @@ fn config(args: &TrainArgs, sensor: Sensor) -> Result<TrainConfig> {
                     path.display(),
                     config.sensor()
                 ))
-                .hint(format!(
-                    "say --sensor {}, or give a configuration for `{sensor}`",
-                    config.sensor()
-                ))
+                .hint(format!("say --sensor {}, or give a configuration for `{sensor}`", config.sensor()))
                 .into());
             }
             config

@@ -19,11 +19,7 @@ pub struct ConfigFault {
 impl ConfigFault {
     /// `key` holds `value`, but must be `bound`.
     pub fn new(key: impl Into<String>, value: impl fmt::Display, bound: impl Into<String>) -> Self {
-        Self {
-            key: key.into(),
-            value: value.to_string(),
-            bound: bound.into(),
-        }
+        Self { key: key.into(), value: value.to_string(), bound: bound.into() }
     }
 }
 
@@ -77,10 +73,7 @@ impl ConfigError {
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::Read { .. } => Some("configs/ holds files to start from".into()),
-            Self::Parse {
-                nearest: Some(nearest),
-                ..
-            } => Some(format!("did you mean `{nearest}`?")),
+            Self::Parse { nearest: Some(nearest), .. } => Some(format!("did you mean `{nearest}`?")),
             _ => None,
         }
     }
@@ -91,10 +84,8 @@ impl ConfigError {
 /// # Errors
 /// An unreadable file, a text that is not the configuration's TOML, values outside their bounds.
 pub fn load<T: DeserializeOwned + Validate>(path: &Path) -> Result<T, ConfigError> {
-    let text = std::fs::read_to_string(path).map_err(|source| ConfigError::Read {
-        path: path.to_owned(),
-        source,
-    })?;
+    let text = std::fs::read_to_string(path)
+        .map_err(|source| ConfigError::Read { path: path.to_owned(), source })?;
     parse(&text, path)
 }
 
@@ -107,19 +98,14 @@ pub fn parse<T: DeserializeOwned + Validate>(text: &str, path: &Path) -> Result<
         let message = error.message().to_owned();
         ConfigError::Parse {
             path: path.to_owned(),
-            line: error
-                .span()
-                .map(|span| 1 + text[..span.start.min(text.len())].matches('\n').count()),
+            line: error.span().map(|span| 1 + text[..span.start.min(text.len())].matches('\n').count()),
             nearest: nearest_word(&message),
             message,
         }
     })?;
     match config.faults() {
         faults if faults.is_empty() => Ok(config),
-        faults => Err(ConfigError::Bounds {
-            path: path.to_owned(),
-            faults,
-        }),
+        faults => Err(ConfigError::Bounds { path: path.to_owned(), faults }),
     }
 }
 
@@ -154,10 +140,7 @@ mod tests {
 
     impl Default for Small {
         fn default() -> Self {
-            Self {
-                learning_rate: 1e-3,
-                epochs: 200,
-            }
+            Self { learning_rate: 1e-3, epochs: 200 }
         }
     }
 
@@ -181,20 +164,13 @@ mod tests {
     #[test]
     fn an_unknown_key_names_line_and_nearest() {
         let error = parsed("epochs = 3\nlerning_rate = 0.1\n").unwrap_err();
-        assert!(
-            error
-                .to_string()
-                .starts_with("a.toml:2: unknown field `lerning_rate`"),
-            "{error}"
-        );
+        assert!(error.to_string().starts_with("a.toml:2: unknown field `lerning_rate`"), "{error}");
         assert_eq!(error.hint().as_deref(), Some("did you mean `learning_rate`?"));
     }
 
     #[test]
     fn all_bad_values_are_named_at_once() {
-        let error = parsed("epochs = 0\nlearning_rate = -1.0")
-            .unwrap_err()
-            .to_string();
+        let error = parsed("epochs = 0\nlearning_rate = -1.0").unwrap_err().to_string();
         assert!(
             error.contains("`learning_rate` is -1, but must be above 0") && error.contains("`epochs` is 0"),
             "{error}"

@@ -105,19 +105,12 @@ impl ProNet {
     fn with_engine(config: &ProNetConfig, flat: &[f32], device: &Device, engine: Arc<Engine>) -> Self {
         let list = parameters(config);
         let count: usize = list.iter().map(ParameterShape::len).sum();
-        assert_eq!(
-            flat.len(),
-            count,
-            "the network has {count} parameters, not {}",
-            flat.len()
-        );
+        assert_eq!(flat.len(), count, "the network has {count} parameters, not {}", flat.len());
         let find = |name: String| list.iter().enumerate().find(|(_, p)| p.name == name);
         let conv = (1..=config.channels.len())
             .map(|i| Conv {
-                weight: find(format!("conv{i}.weight")).map_or_else(
-                    || unreachable!("every block has a kernel"),
-                    |p| param(p, flat, device),
-                ),
+                weight: find(format!("conv{i}.weight"))
+                    .map_or_else(|| unreachable!("every block has a kernel"), |p| param(p, flat, device)),
                 bias: find(format!("conv{i}.bias")).map(|p| param(p, flat, device)),
             })
             .collect();
@@ -137,13 +130,7 @@ impl ProNet {
                 })
             })
             .collect();
-        Self {
-            conv,
-            norm,
-            fc,
-            config: config.clone(),
-            engine,
-        }
+        Self { conv, norm, fc, config: config.clone(), engine }
     }
 
     pub(crate) fn engine(&self) -> &Arc<Engine> {
@@ -174,11 +161,7 @@ impl ProNet {
     /// When a window has not the configuration's length.
     pub fn forward(&self, windows: Tensor<2>) -> Tensor<1> {
         let [_, window] = windows.dims();
-        assert_eq!(
-            window, self.config.window,
-            "the network takes windows of {}",
-            self.config.window
-        );
+        assert_eq!(window, self.config.window, "the network takes windows of {}", self.config.window);
         fused::forward(self, windows)
     }
 
@@ -331,11 +314,7 @@ fn param<const D: usize>(
     let numbers = flat[p.offset..p.offset + p.len()].to_vec();
     let tensor = Tensor::from_data(TensorData::new(numbers, p.shape.clone()), device);
     // Numbered, not drawn: burn's own optimiser records then fit any network of the same configuration.
-    let tensor = if device.is_autodiff() {
-        tensor.require_grad()
-    } else {
-        tensor
-    };
+    let tensor = if device.is_autodiff() { tensor.require_grad() } else { tensor };
     Param::initialized(ParamId::from(index as u64), tensor)
 }
 
@@ -346,10 +325,7 @@ fn param<const D: usize>(
 fn prepare(config: &ProNetConfig, windows: Tensor<2>) -> (Tensor<3>, Option<Tensor<2>>) {
     let [batch, n] = windows.dims();
     let mut x = windows * (1.0 / config.input_scale()) as f32; // [batch, window]
-    if matches!(
-        config.input,
-        Input::Demeaned | Input::DemeanedAndSecondDifferences
-    ) {
+    if matches!(config.input, Input::Demeaned | Input::DemeanedAndSecondDifferences) {
         x = x.clone() - x.mean_dim(1);
     }
     let first = |x: Tensor<2>| {
@@ -398,9 +374,7 @@ mod tests {
     #[test]
     fn parameters_go_in_and_come_out_in_their_order() {
         let config = ProNetConfig::default();
-        let flat: Vec<f32> = (0..crate::shape::parameter_count(&config))
-            .map(|i| i as f32)
-            .collect();
+        let flat: Vec<f32> = (0..crate::shape::parameter_count(&config)).map(|i| i as f32).collect();
         let net = ProNet::from_parameters(&config, &flat, &Device::flex()).unwrap();
         assert_eq!(net.parameters(), flat);
         assert_eq!(net.num_params(), flat.len());
@@ -410,10 +384,7 @@ mod tests {
 
     #[test]
     fn a_configuration_with_faults_makes_no_network() {
-        let config = ProNetConfig {
-            kernels: vec![],
-            ..ProNetConfig::default()
-        };
+        let config = ProNetConfig { kernels: vec![], ..ProNetConfig::default() };
         assert!(ProNet::new(&config, &Stream::new(1), &Device::flex()).is_err());
     }
 
@@ -422,28 +393,16 @@ mod tests {
     #[test]
     fn over_channels_and_without_biases_amplitude_is_lost() {
         let ratio = |conv_bias| {
-            let config = ProNetConfig {
-                conv_bias,
-                ..ProNetConfig::default()
-            };
+            let config = ProNetConfig { conv_bias, ..ProNetConfig::default() };
             let net = ProNet::new(&config, &Stream::new(1), &Device::flex()).unwrap();
-            let window: Vec<f32> = (0..200)
-                .map(|i| ((i * 37 % 101) as f32 / 50.0 - 1.0) * 0.3)
-                .collect();
+            let window: Vec<f32> = (0..200).map(|i| ((i * 37 % 101) as f32 / 50.0 - 1.0) * 0.3).collect();
             let louder: Vec<f32> = window.iter().map(|v| 3.0 * v).collect();
-            let both = Tensor::<2>::from_data(
-                TensorData::new([window, louder].concat(), [2, 200]),
-                &net.device(),
-            );
+            let both =
+                Tensor::<2>::from_data(TensorData::new([window, louder].concat(), [2, 200]), &net.device());
             let sigma = floats(net.forward(both));
             (sigma[1] / sigma[0] - 1.0).abs()
         };
-        assert!(
-            ratio(false) < 1e-4 && ratio(true) > 10.0 * ratio(false),
-            "{} {}",
-            ratio(false),
-            ratio(true)
-        );
+        assert!(ratio(false) < 1e-4 && ratio(true) > 10.0 * ratio(false), "{} {}", ratio(false), ratio(true));
     }
 
     #[cfg(feature = "ndarray")]
@@ -453,16 +412,11 @@ mod tests {
         reason = "burn has deprecated its ndarray backend; dpn offers it while it is published"
     )]
     fn flex_and_ndarray_agree_on_a_small_batch() {
-        let config = ProNetConfig {
-            window: 60,
-            ..ProNetConfig::default()
-        };
+        let config = ProNetConfig { window: 60, ..ProNetConfig::default() };
         let run = |device: Device| {
             let device = device.autodiff();
             let net = ProNet::new(&config, &Stream::new(8), &device).unwrap();
-            let x: Vec<f32> = (0..5 * 60)
-                .map(|i| ((i * 31 % 89) as f32 / 44.0 - 1.0) * 0.2)
-                .collect();
+            let x: Vec<f32> = (0..5 * 60).map(|i| ((i * 31 % 89) as f32 / 44.0 - 1.0) * 0.2).collect();
             let sigma = net.forward(Tensor::<2>::from_data(TensorData::new(x, [5, 60]), &device));
             let loss = ((sigma.clone() - 0.1) * 10.0).square().mean();
             (floats(sigma), net.flat_gradient(&loss.backward()))

@@ -65,10 +65,7 @@ impl FlightConfig {
 
     /// White noise alone, with its schedule.
     pub fn white_only() -> Self {
-        Self {
-            white: WhiteConfig::default(),
-            ..Self::ideal()
-        }
+        Self { white: WhiteConfig::default(), ..Self::ideal() }
     }
 
     /// Checks every key.
@@ -92,10 +89,7 @@ impl Validate for FlightConfig {
     fn faults(&self) -> Vec<ConfigFault> {
         let faults = self.validate().err().map_or_else(Vec::new, |error| error.faults);
         let bound = |fault: &Fault| format!("within {} and {}", fault.low, fault.high);
-        faults
-            .iter()
-            .map(|fault| ConfigFault::new(fault.key.clone(), fault.value, bound(fault)))
-            .collect()
+        faults.iter().map(|fault| ConfigFault::new(fault.key.clone(), fault.value, bound(fault))).collect()
     }
 }
 
@@ -114,12 +108,7 @@ pub struct Fault {
 
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            key,
-            value,
-            low,
-            high,
-        } = self;
+        let Self { key, value, low, high } = self;
         write!(f, "`{key}` is {value}; it must be within {low} and {high}")
     }
 }
@@ -140,21 +129,12 @@ impl Faults {
     /// Notes a fault unless `low <= value <= high` (so NaN is one).
     pub(crate) fn within(&mut self, key: impl Into<String>, value: f64, low: f64, high: f64) {
         if !(low..=high).contains(&value) {
-            self.0.push(Fault {
-                key: key.into(),
-                value,
-                low,
-                high,
-            });
+            self.0.push(Fault { key: key.into(), value, low, high });
         }
     }
 
     fn done(self) -> Result<(), ConfigError> {
-        if self.0.is_empty() {
-            Ok(())
-        } else {
-            Err(ConfigError { faults: self.0 })
-        }
+        if self.0.is_empty() { Ok(()) } else { Err(ConfigError { faults: self.0 }) }
     }
 }
 
@@ -164,11 +144,7 @@ mod tests {
 
     #[test]
     fn defaults_and_presets_are_valid() {
-        for config in [
-            FlightConfig::default(),
-            FlightConfig::ideal(),
-            FlightConfig::white_only(),
-        ] {
+        for config in [FlightConfig::default(), FlightConfig::ideal(), FlightConfig::white_only()] {
             assert_eq!(config.validate(), Ok(()));
         }
     }

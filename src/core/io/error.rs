@@ -296,14 +296,8 @@ impl IoError {
 
 /// Names the nearest folder above `path` that is there.
 fn missing_hint(path: &Path) -> Option<String> {
-    let there = path
-        .ancestors()
-        .skip(1)
-        .find(|p| !p.as_os_str().is_empty() && p.exists())?;
-    Some(format!(
-        "{} is there; look at the rest of the path",
-        there.display()
-    ))
+    let there = path.ancestors().skip(1).find(|p| !p.as_os_str().is_empty() && p.exists())?;
+    Some(format!("{} is there; look at the rest of the path", there.display()))
 }
 
 #[cfg(test)]
@@ -317,23 +311,14 @@ mod tests {
         let error = IoError::reading(&path, io::ErrorKind::NotFound.into());
         assert!(error.to_string().ends_with("no/such does not exist"), "{error}");
         let hint = error.hint().unwrap();
-        assert!(
-            hint.starts_with(&format!("{} is there", dir.path().display())),
-            "{hint}"
-        );
+        assert!(hint.starts_with(&format!("{} is there", dir.path().display())), "{hint}");
     }
 
     #[test]
     fn a_full_disk_is_told_from_a_missing_right() {
         let path = PathBuf::from("out.csv");
-        let full = IoError::Write {
-            path: path.clone(),
-            source: io::ErrorKind::StorageFull.into(),
-        };
-        let denied = IoError::Write {
-            path,
-            source: io::ErrorKind::PermissionDenied.into(),
-        };
+        let full = IoError::Write { path: path.clone(), source: io::ErrorKind::StorageFull.into() };
+        let denied = IoError::Write { path, source: io::ErrorKind::PermissionDenied.into() };
         assert!(full.hint().unwrap().contains("disk is full"));
         assert!(denied.hint().unwrap().contains("right to write"));
     }

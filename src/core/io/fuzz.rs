@@ -23,11 +23,7 @@ const NOISE: &[u8] =
 fn feed(bytes: &[u8]) {
     let path = Path::new("fuzz");
     let columns = CsvOptions {
-        columns: Some(ImuColumns {
-            time: 6,
-            gyro: [0, 1, 2],
-            accel: [3, 4, 900],
-        }),
+        columns: Some(ImuColumns { time: 6, gyro: [0, 1, 2], accel: [3, 4, 900] }),
         time: Some(TimeUnit::Seconds),
         gyro: Some(GyroUnit::DegPerSecond),
         accel: Some(AccelUnit::StandardGravity),
@@ -113,9 +109,7 @@ fn random_bytes_panic_no_reader() {
         let bytes: Vec<u8> = if case % 3 == 0 {
             (0..length).map(|_| rng.random()).collect()
         } else {
-            (0..length)
-                .map(|_| LETTERS[rng.random_range(0..LETTERS.len())])
-                .collect()
+            (0..length).map(|_| LETTERS[rng.random_range(0..LETTERS.len())]).collect()
         };
         feed(&bytes);
     }
@@ -140,9 +134,6 @@ fn a_row_cut_anywhere_but_in_its_last_field_is_an_error_with_its_line() {
     let last_field = last.iter().rposition(|b| *b == b',').unwrap();
     for cut in 1..=last_field {
         let error = super::asl::parse_imu(&whole[..head + cut], Path::new("f")).unwrap_err();
-        assert!(
-            matches!(error, IoError::FieldCount { line: 4, .. }),
-            "{cut}: {error}"
-        );
+        assert!(matches!(error, IoError::FieldCount { line: 4, .. }), "{cut}: {error}");
     }
 }

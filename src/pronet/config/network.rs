@@ -87,10 +87,7 @@ impl Default for ProNetConfig {
 impl ProNetConfig {
     /// The default network of `sensor`.
     pub fn for_sensor(sensor: Sensor) -> Self {
-        Self {
-            sensor,
-            ..Self::default()
-        }
+        Self { sensor, ..Self::default() }
     }
 
     /// The number a window is divided by first \[the sensor's unit\].
@@ -141,11 +138,7 @@ impl ProNetConfig {
         let mut faults = Vec::new();
         let mut check = |ok: bool, key: &'static str, value: String, bound: &str| {
             if !ok {
-                faults.push(Fault {
-                    key,
-                    value,
-                    bound: bound.to_owned(),
-                });
+                faults.push(Fault { key, value, bound: bound.to_owned() });
             }
         };
         let positive =
@@ -154,18 +147,8 @@ impl ProNetConfig {
         let blocks = self.channels.len();
         let one_each = format!("one entry a block, {blocks} as in `channels`");
 
-        check(
-            (8..=100_000).contains(&self.window),
-            "window",
-            self.window.to_string(),
-            "8 to 100000 samples",
-        );
-        check(
-            positive(self.input_scale),
-            "input_scale",
-            shown(self.input_scale),
-            "a positive number",
-        );
+        check((8..=100_000).contains(&self.window), "window", self.window.to_string(), "8 to 100000 samples");
+        check(positive(self.input_scale), "input_scale", shown(self.input_scale), "a positive number");
         check(
             !self.rescale_output || self.standardise != Standardise::None,
             "rescale_output",
@@ -178,11 +161,9 @@ impl ProNetConfig {
             format!("{:?}", self.channels),
             "1 to 8 numbers from 1 to 1024",
         );
-        for (key, list, least) in [
-            ("kernels", &self.kernels, 1),
-            ("strides", &self.strides, 1),
-            ("paddings", &self.paddings, 0),
-        ] {
+        for (key, list, least) in
+            [("kernels", &self.kernels, 1), ("strides", &self.strides, 1), ("paddings", &self.paddings, 0)]
+        {
             check(list.len() == blocks, key, format!("{list:?}"), &one_each);
             check(
                 list.iter().all(|v| (least..=10_000).contains(v)),
@@ -215,12 +196,7 @@ impl ProNetConfig {
             format!("{:?}", self.hidden),
             "at most 8 numbers from 1 to 1024",
         );
-        check(
-            positive(self.output_scale),
-            "output_scale",
-            shown(self.output_scale),
-            "a positive number",
-        );
+        check(positive(self.output_scale), "output_scale", shown(self.output_scale), "a positive number");
         if faults.is_empty()
             && let Some(block) = self.first_block_without_output()
         {
@@ -230,22 +206,14 @@ impl ProNetConfig {
                 bound: format!("no longer than what reaches block {block} with its padding"),
             });
         }
-        if faults.is_empty() {
-            Ok(())
-        } else {
-            Err(ConfigError { faults })
-        }
+        if faults.is_empty() { Ok(()) } else { Err(ConfigError { faults }) }
     }
 
     /// Number (from 1) of the first block whose padded input is shorter than its kernel.
     fn first_block_without_output(&self) -> Option<usize> {
         let mut length = self.input_length();
-        for (block, ((kernel, stride), padding)) in self
-            .kernels
-            .iter()
-            .zip(&self.strides)
-            .zip(&self.paddings)
-            .enumerate()
+        for (block, ((kernel, stride), padding)) in
+            self.kernels.iter().zip(&self.strides).zip(&self.paddings).enumerate()
         {
             if length + 2 * padding < *kernel {
                 return Some(block + 1);
@@ -299,17 +267,8 @@ mod tests {
             rescale_output: true,
             ..ProNetConfig::default()
         };
-        let keys: Vec<_> = config
-            .validate()
-            .unwrap_err()
-            .faults
-            .iter()
-            .map(|f| f.key)
-            .collect();
-        assert_eq!(
-            keys,
-            ["window", "input_scale", "rescale_output", "kernels", "leak"]
-        );
+        let keys: Vec<_> = config.validate().unwrap_err().faults.iter().map(|f| f.key).collect();
+        assert_eq!(keys, ["window", "input_scale", "rescale_output", "kernels", "leak"]);
     }
 
     #[test]
@@ -328,10 +287,7 @@ mod tests {
     #[test]
     fn each_sensor_has_its_own_scale_unless_one_is_given() {
         assert_eq!(ProNetConfig::for_sensor(Sensor::Gyro).input_scale(), 0.007);
-        let config = ProNetConfig {
-            input_scale: Some(0.5),
-            ..ProNetConfig::default()
-        };
+        let config = ProNetConfig { input_scale: Some(0.5), ..ProNetConfig::default() };
         assert_eq!(config.output_scale(), 0.5);
     }
 }

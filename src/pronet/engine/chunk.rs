@@ -45,10 +45,7 @@ impl Chunk {
         if self.count != count || self.levels.is_empty() {
             let widths = plan.linears.iter().map(|l| l.width_out);
             let first = plan.linears[0].width_in;
-            self.levels = std::iter::once(first)
-                .chain(widths)
-                .map(|w| zeros(count * w))
-                .collect();
+            self.levels = std::iter::once(first).chain(widths).map(|w| zeros(count * w)).collect();
             self.scales = vec![1.0; count];
             self.scratch = vec![0.0; of.window];
             self.count = count;
@@ -73,14 +70,7 @@ impl WithSimd for Forward<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self {
-            of,
-            packed,
-            windows,
-            keep,
-            chunk,
-            sigma,
-        } = self;
+        let Self { of, packed, windows, keep, chunk, sigma } = self;
         let plan = &of.plan;
         let features_width = plan.linears[0].width_in;
         for (i, window) in windows.chunks_exact(of.window).enumerate() {
@@ -94,21 +84,9 @@ impl WithSimd for Forward<'_> {
         let leak = of.norm.leak;
         for (l, linear) in plan.linears.iter().enumerate() {
             let (before, after) = chunk.levels.split_at_mut(l + 1);
-            let rows = Rows {
-                data: &before[l],
-                stride: linear.width_in,
-                count,
-            };
+            let rows = Rows { data: &before[l], stride: linear.width_in, count };
             let bias = &packed[linear.bias..linear.bias + linear.width_out];
-            multiply(
-                simd,
-                rows,
-                packed,
-                &linear.weights,
-                Some(bias),
-                &mut after[0],
-                linear.width_out,
-            );
+            multiply(simd, rows, packed, &linear.weights, Some(bias), &mut after[0], linear.width_out);
             if l < last {
                 for v in after[0].iter_mut() {
                     *v = v.max(leak * *v);
@@ -149,30 +127,14 @@ fn window_forward<S: Simd>(
         let out_len = block.time_out * block.width_out;
         let (conv, rest) = rest.split_at_mut(block.saved_stats - block.saved_conv);
         let bias = &packed[block.bias..block.bias + block.width_out];
-        multiply(
-            simd,
-            rows,
-            packed,
-            &block.weights,
-            Some(bias),
-            conv,
-            block.width_out,
-        );
+        multiply(simd, rows, packed, &block.weights, Some(bias), conv, block.width_out);
         // What follows the statistics is the next block's padded input, or the last block's output.
         let next = match plan.blocks.get(b + 1) {
             Some(next) => next.saved_input + next.padding * next.width_in,
             None => plan.saved_last,
         };
         let (stats, rest) = rest.split_at_mut(next - block.saved_stats);
-        norm::forward(
-            simd,
-            of.norm,
-            block,
-            packed,
-            &conv[..out_len],
-            stats,
-            &mut rest[..out_len],
-        );
+        norm::forward(simd, of.norm, block, packed, &conv[..out_len], stats, &mut rest[..out_len]);
     }
     let Some(last) = plan.blocks.last() else {
         return scale;
@@ -233,25 +195,14 @@ impl Gradients {
     pub(crate) fn fit(&mut self, plan: &Plan, count: usize) {
         if self.sums.is_empty() {
             self.sums = zeros(plan.gradient_len);
-            self.d_conv = plan
-                .blocks
-                .iter()
-                .map(|b| zeros(b.gradient_rows * b.width_out))
-                .collect();
-            self.d_out = plan
-                .blocks
-                .iter()
-                .map(|b| zeros(b.time_out * b.width_out))
-                .collect();
+            self.d_conv = plan.blocks.iter().map(|b| zeros(b.gradient_rows * b.width_out)).collect();
+            self.d_out = plan.blocks.iter().map(|b| zeros(b.time_out * b.width_out)).collect();
         }
         self.sums.fill(0.0);
         if self.count != count || self.levels.is_empty() {
             let widths = plan.linears.iter().map(|l| l.width_out);
             let first = plan.linears[0].width_in;
-            self.levels = std::iter::once(first)
-                .chain(widths)
-                .map(|w| zeros(count * w))
-                .collect();
+            self.levels = std::iter::once(first).chain(widths).map(|w| zeros(count * w)).collect();
             self.count = count;
         }
     }
@@ -272,13 +223,7 @@ impl WithSimd for Backward<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self {
-            of,
-            packed,
-            chunk,
-            d_sigma,
-            gradients,
-        } = self;
+        let Self { of, packed, chunk, d_sigma, gradients } = self;
         let plan = &of.plan;
         let count = d_sigma.len();
         let last = plan.linears.len();
@@ -349,27 +294,14 @@ fn window_backward<S: Simd>(
     gradients: &mut Gradients,
 ) {
     let plan = &of.plan;
-    let Gradients {
-        sums,
-        d_conv,
-        d_out,
-        levels,
-        ..
-    } = gradients;
+    let Gradients { sums, d_conv, d_out, levels, .. } = gradients;
     let Some(last) = plan.blocks.last() else {
         return;
     };
     let width = plan.linears[0].width_in;
     let d_features = &levels[0][window * width..(window + 1) * width];
     let out = &saved[plan.saved_last..][..last.time_out * last.width_out];
-    pool_backward(
-        of.pool,
-        last,
-        out,
-        features,
-        d_features,
-        &mut d_out[plan.blocks.len() - 1],
-    );
+    pool_backward(of.pool, last, out, features, d_features, &mut d_out[plan.blocks.len() - 1]);
     for (b, block) in plan.blocks.iter().enumerate().rev() {
         let len = block.time_out * block.width_out;
         let conv = &saved[block.saved_conv..][..len];
@@ -398,14 +330,7 @@ fn window_backward<S: Simd>(
         };
         let size = block.kernel * block.width_in;
         let d_weights = &mut sums[block.d_weights..][..size * block.width_out];
-        accumulate(
-            simd,
-            rows,
-            size,
-            &d_conv[b][inner..inner + len],
-            block.width_out,
-            d_weights,
-        );
+        accumulate(simd, rows, size, &d_conv[b][inner..inner + len], block.width_out, d_weights);
         if let Some(d_in) = before.last_mut() {
             if block.stride > block.kernel {
                 // Samples that no tap sees.
@@ -418,15 +343,7 @@ fn window_backward<S: Simd>(
                     count: phase.count,
                 };
                 let out = &mut d_in[phase.first * block.width_in..];
-                multiply(
-                    simd,
-                    rows,
-                    packed,
-                    &phase.weights,
-                    None,
-                    out,
-                    block.stride * block.width_in,
-                );
+                multiply(simd, rows, packed, &phase.weights, None, out, block.stride * block.width_in);
             }
         }
     }

@@ -21,11 +21,7 @@ pub struct QuantisationConfig {
 
 impl Default for QuantisationConfig {
     fn default() -> Self {
-        Self {
-            enabled: true,
-            gyro_lsb_deg_s: 0.04,
-            accel_lsb_per_g: 1200.0,
-        }
+        Self { enabled: true, gyro_lsb_deg_s: 0.04, accel_lsb_per_g: 1200.0 }
     }
 }
 

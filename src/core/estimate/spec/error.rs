@@ -68,9 +68,7 @@ pub enum SpecError {
 }
 
 fn hint(nearest: Option<&str>) -> String {
-    nearest
-        .map(|n| format!("did you mean `{n}`? "))
-        .unwrap_or_default()
+    nearest.map(|n| format!("did you mean `{n}`? ")).unwrap_or_default()
 }
 
 /// The candidate with the fewest edits from `name`, if at most a third of its letters (two at least) are edited.
