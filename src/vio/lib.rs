@@ -5,6 +5,9 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+pub mod factors;
+pub mod preint;
 pub mod state;
 
+pub use preint::{ImuCov, NoisySample, Preintegration, PreintegrationConfig};
 pub use state::{ImuBias, NavState};
