@@ -162,7 +162,7 @@ impl Estimator {
         }
         self.window.anchor(0.05, f64::INFINITY, 0.5, 0.1);
         self.window.triangulate();
-        for _ in 0..3 {
+        for _ in 0..8 {
             self.window.optimise();
             self.window.reject_outliers();
             self.window.triangulate();

@@ -87,7 +87,7 @@ fn run(data: &Path, name: &str, from: f64, factor: f64, config: EstimatorConfig)
     let samples: Vec<NoisySample> = imu.samples().iter().map(|s| NoisySample { sample: *s, noise }).collect();
     let mut estimator = Estimator::new(config, camera, camera_config.body_from_cam);
     let mut begin: Vec<StartFrame> = Vec::new();
-    let count = 11;
+    let count = 20;
     for frame in &frames[..count] {
         let pose = truth.at(frame.t).unwrap();
         let ahead = truth.at(frame.t.plus_seconds(0.05)).unwrap_or(pose);
@@ -114,6 +114,10 @@ fn run(data: &Path, name: &str, from: f64, factor: f64, config: EstimatorConfig)
         estimator.feed_frame(frame.clone()).unwrap();
         while let Some(update) = estimator.next_update() {
             cpu += update.seconds;
+            if std::env::var_os("TRACE").is_some() {
+                let e = update.state.and_then(|s| truth.at(update.t).map(|p| (s.world_from_body.translation.vector - p.translation.vector).norm()));
+                println!("{:.1} {:?} tracked {} landmarks {} outliers {} it {} err {e:?} v {:.2?} ba {:.3?} bg {:.4?}", update.t.seconds_since(frames[0].t), update.phase, update.tracked, update.landmarks, update.outliers, update.iterations, update.state.map(|s| s.vel_in_world.norm()), update.state.map(|s| s.bias.accel.norm()), update.state.map(|s| s.bias.gyro.norm()));
+            }
             if let (Some(state), Some(truth)) = (update.state, truth.at(update.t)) {
                 pairs.push((state.world_from_body.translation.vector, truth.translation.vector));
             }

@@ -31,6 +31,8 @@ pub struct WindowConfig {
     pub key_frame_parallax_px: f64,
     /// Fewer tracks than this in common with the last key frame make one.
     pub key_frame_min_tracks: usize,
+    /// So does a smaller share of a frame's tracks than this; 0 to 1.
+    pub key_frame_min_share: f64,
     /// Smallest angle between rays that lets a depth be told \[rad\].
     pub min_triangulation_angle: f64,
     /// A sighting farther than this from its landmark is an outlier and ends the track \[px\].
@@ -58,6 +60,7 @@ impl Default for WindowConfig {
             loss_scale: 1.5,
             key_frame_parallax_px: 10.0,
             key_frame_min_tracks: 20,
+            key_frame_min_share: 0.5,
             min_triangulation_angle: 0.01,
             outlier_px: 4.0,
             max_iterations: 8,

@@ -23,7 +23,9 @@ impl Window {
         }
         let parallax = self.parallax(n - 3, n - 2);
         let moved = parallax.mean * focal_px >= self.config.key_frame_parallax_px;
-        if moved || parallax.common < self.config.key_frame_min_tracks {
+        let seen = self.landmarks.iter().filter(|l| l.seen_by(n - 2)).count();
+        let renewed = (parallax.common as f64) < self.config.key_frame_min_share * seen as f64;
+        if moved || renewed || parallax.common < self.config.key_frame_min_tracks {
             Leaving::Oldest
         } else {
             Leaving::SecondNewest

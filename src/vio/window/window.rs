@@ -149,14 +149,25 @@ impl Window {
         self.prior = Some(Prior::anchor(self, &anchor_std(1e-3, rotation, velocity, accel_bias, gyro_bias)));
     }
 
-    /// Finds the depth of every landmark that has none and can be told.
+    /// Gives every landmark that has none a depth to start from: told by its rays where they part enough, else, once three frames
+    /// saw it, the middle one of the others'. A point whose rays are parallel still says how the body turned and that it did not
+    /// move far.
     pub fn triangulate(&mut self) {
         let world_from_cam: Vec<Isometry3<f64>> =
             self.frames.iter().map(|f| f.state.world_from_body * self.body_from_cam).collect();
+        let mut known: Vec<f64> =
+            self.landmarks.iter().filter_map(|l| l.inverse_depth).filter(|d| *d > 0.0).collect();
+        let middle = if known.is_empty() {
+            None
+        } else {
+            let half = known.len() / 2;
+            Some(*known.select_nth_unstable_by(half, f64::total_cmp).1)
+        };
         for landmark in &mut self.landmarks {
             if landmark.inverse_depth.is_none() && landmark.sightings.len() > 1 {
-                landmark.inverse_depth =
-                    landmark.triangulate(&world_from_cam, self.config.min_triangulation_angle);
+                landmark.inverse_depth = landmark
+                    .triangulate(&world_from_cam, self.config.min_triangulation_angle)
+                    .or(middle.filter(|_| landmark.sightings.len() > 2));
             }
         }
     }
