@@ -6,6 +6,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 pub mod factors;
+pub mod init;
 pub mod preint;
 pub mod state;
 
