@@ -1,9 +1,10 @@
 //! How soon and how well EuRoC's flights are initialised, from many moments of each: the hybrid benchmark's tracks, the real IMU.
 //!
 //! ```text
-//! cargo run --release -p dpn-vio --example init_on_euroc -- [--noise 1,4] [--every 5] [--sequences MH_01,V1_02] [--tracks DIR] [--list]
+//! cargo run --release -p dpn-vio --example init_on_euroc -- [--noise 1,4] [--every 5] [--sequences MH_01,V1_02] [--tracks DIR] [--config JSON] [--list]
 //! ```
-//! Data: `$DPN_DATA` or `data/`. `--noise` multiplies .08 m/s^2 and .004 rad/s; `--list` prints every start.
+//! Data: `$DPN_DATA` or `data/`. `--noise` multiplies .08 m/s^2 and .004 rad/s; `--config` takes keys of [`InitConfig`]; `--list` prints
+//! every start.
 
 use dpn_core::camera::PinholeRadtan;
 use dpn_core::geometry::so3;
@@ -59,7 +60,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         .map(str::parse)
         .collect::<Result<_, _>>()?;
     let only: Option<Vec<String>> = value("--sequences").map(|v| v.split(',').map(String::from).collect());
-    let config = InitConfig::default();
+    let config: InitConfig =
+        value("--config").map_or_else(|| Ok(InitConfig::default()), |v| serde_json::from_str(&v))?;
     for noise in noises {
         println!("noise x{noise}");
         println!(
@@ -81,7 +83,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
         let mut all = (Vec::new(), 0);
         for sequence in asl::discover(&root.join("euroc"))? {
-            let name = sequence.short_name().to_string();
+            let name = short(&sequence);
             if only.as_ref().is_some_and(|o| !o.contains(&name)) {
                 continue;
             }
@@ -117,11 +119,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// `MH_01` of `MH_01_easy`.
+fn short(sequence: &asl::Sequence) -> String {
+    sequence.name().chars().take(5).collect()
+}
+
 fn load(sequence: &asl::Sequence, tracks: &Path) -> Result<Flight, Box<dyn Error>> {
     let config = sequence.camera_config()?.ok_or("no camera configuration")?;
     let file = tracks.join(format!("{}.txt", sequence.name()));
     Ok(Flight {
-        name: sequence.short_name().into(),
+        name: short(sequence),
         imu: sequence.imu()?,
         frames: read_tracks(&file)?,
         truth: sequence.ground_truth()?,

@@ -61,6 +61,17 @@ impl Buffer {
         }
     }
 
+    /// The later half of the span.
+    pub(crate) fn latest_half(&self) -> Self {
+        let mut held = self.held.clone();
+        let from = self.held.last().map(|h| h.frame.t.plus_seconds(-0.5 * self.span()));
+        held.retain(|h| from.is_none_or(|from| h.frame.t >= from));
+        if let Some(oldest) = held.first_mut() {
+            oldest.preint = None;
+        }
+        Self { held }
+    }
+
     /// Number of frames.
     pub(crate) fn len(&self) -> usize {
         self.held.len()

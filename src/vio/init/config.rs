@@ -1,6 +1,7 @@
 //! What the initialisation is told: how good tracks are, how long it may look back, when it is sure enough.
 
 use dpn_core::config::{ConfigFault, Validate};
+use dpn_core::noise::{AccelNoiseDensity, GyroNoiseDensity};
 use serde::{Deserialize, Serialize};
 
 /// Settings of [`super::Initialiser`].
@@ -31,6 +32,13 @@ pub struct InitConfig {
     pub accel_bias_std: f64,
     /// Prior standard deviation of each axis of the gyro's bias where no rest was seen \[rad/s\].
     pub gyro_bias_std: f64,
+    /// Least white noise of the accelerometer that is believed, whatever is told \[m/s^2/sqrt(Hz)\]: rotors shake it more than its data
+    /// sheet says.
+    pub min_accel_noise: AccelNoiseDensity,
+    /// Least white noise of the gyro that is believed \[rad/s/sqrt(Hz)\].
+    pub min_gyro_noise: GyroNoiseDensity,
+    /// How many redundant measurements the belief in the noise that is told counts against what the residuals say of it.
+    pub noise_prior_weight: f64,
     /// Longest move of the median track that still counts as rest, against the rest's first frame \[px\].
     pub rest_track_px: f64,
     /// Shortest rest that is believed \[s\].
@@ -44,14 +52,18 @@ impl Default for InitConfig {
             track_std_px: 1.0,
             max_frames: 11,
             min_frames: 6,
-            min_span_s: 0.5,
+            min_span_s: 1.0,
             max_span_s: 4.0,
             try_every: 2,
             min_shared_tracks: 20,
             min_parallax_px: 10.0,
             max_scale_std: 0.05,
-            accel_bias_std: 0.3,
+            accel_bias_std: 0.15,
             gyro_bias_std: 0.1,
+            // Rotors: .24 m/s^2 and .016 rad/s per sample at 200 Hz.
+            min_accel_noise: AccelNoiseDensity::new(0.017).unwrap_or(AccelNoiseDensity::EUROC),
+            min_gyro_noise: GyroNoiseDensity::new(1.1e-3).unwrap_or(GyroNoiseDensity::EUROC),
+            noise_prior_weight: 6.0,
             rest_track_px: 1.5,
             min_rest_s: 0.5,
         }
@@ -75,6 +87,7 @@ impl Validate for InitConfig {
             ("max_scale_std", self.max_scale_std),
             ("accel_bias_std", self.accel_bias_std),
             ("gyro_bias_std", self.gyro_bias_std),
+            ("noise_prior_weight", self.noise_prior_weight),
             ("rest_track_px", self.rest_track_px),
             ("min_rest_s", self.min_rest_s),
         ];

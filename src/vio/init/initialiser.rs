@@ -1,7 +1,7 @@
 //! The driver: takes frame after frame and tries when there is something to try on.
 
 use super::attempt::{Expected, attempt};
-use super::buffer::Buffer;
+use super::buffer::{Buffer, Chosen};
 use super::config::InitConfig;
 use super::frame::InitFrame;
 use super::outcome::{InitOutcome, Initialised, WaitReason};
@@ -83,7 +83,14 @@ impl Initialiser {
         if !self.frames.is_multiple_of(self.config.try_every as u64) {
             return InitOutcome::Wait(self.last);
         }
-        match self.attempt(resting) {
+        let found = self.attempt(self.buffer.choose(&self.config), resting).or_else(|reason| match reason {
+            // Fast motion breaks tracks: half of the span holds more that all frames see.
+            WaitReason::NoStructure { .. } | WaitReason::TooFewTracks { .. } => {
+                self.attempt(self.buffer.latest_half().choose(&self.config), resting).map_err(|_| reason)
+            }
+            _ => Err(reason),
+        });
+        match found {
             Ok(found) => {
                 self.reset();
                 InitOutcome::Ready(Box::new(found))
@@ -92,8 +99,11 @@ impl Initialiser {
         }
     }
 
-    fn attempt(&self, gyro_at_rest: Option<Vector3<f64>>) -> Result<Initialised, WaitReason> {
-        let chosen = self.buffer.choose(&self.config);
+    fn attempt(
+        &self,
+        chosen: Chosen<'_>,
+        gyro_at_rest: Option<Vector3<f64>>,
+    ) -> Result<Initialised, WaitReason> {
         if chosen.frames.len() < self.config.min_frames || chosen.preints.len() + 1 != chosen.frames.len() {
             let needed = self.config.min_frames;
             return Err(WaitReason::TooFewFrames { frames: chosen.frames.len(), needed });

@@ -4,8 +4,9 @@
 //! The world is turned so that gravity points down, made metric by the alignment, and all unknowns are adjusted to tracks and IMU
 //! together (visual-inertial bundle adjustment). Then the data are asked how noisy they were: the deviation of the tracks by the
 //! median of their residuals, one factor each for the gyro's and the accelerometer's by what their rows should and do sum to
-//! ([`super::bundle`]'s covariance). With these it is adjusted again. So the answer, and what it says of its own certainty, hardly
-//! depend on the noise that was told for the IMU: a vibrating one told to be quiet only makes it wait.
+//! ([`super::bundle`]'s covariance), a prior on these factors counting where the frames are too few or too close to tell. With these
+//! it is adjusted again. So the answer, and what it says of its own certainty, hardly depend on the noise that was told for the IMU:
+//! a vibrating one told to be quiet only makes it wait.
 
 use super::align::Aligned;
 use super::bundle::{Bundle, BundleState, Covariance, InertialFactor, Landmark, Layout, Prior};
@@ -16,12 +17,11 @@ use super::robust;
 use super::structure::Structure;
 use crate::preint::Preintegration;
 use crate::state::{ImuBias, NavState};
+use dpn_core::imu::Sensor;
 use nalgebra::{Isometry3, Rotation3, UnitQuaternion, Vector3};
 
 /// Steps of the first adjustment, and of each after.
 const STEPS: [usize; 3] = [12, 8, 6];
-/// Bounds of the factors that data may put on the IMU's noise.
-const FACTOR_BOUNDS: (f64, f64) = (0.02, 50.0);
 /// Deviations beyond which a view is dropped.
 const OUTLIER_DEVIATIONS: f64 = 4.0;
 /// Deviation that holds the first frame's position and yaw.
@@ -72,8 +72,15 @@ pub(super) fn refine(
     let unusable = |consistent| WaitReason::NoStructure { consistent, needed: MIN_POINTS };
     let mut bundle = bundle(structure, aligned, known, config).ok_or(unusable(0))?;
     let mut ids: Vec<u64> = structure.features.iter().map(|f: &Feature| f.id).collect();
-    let mut fit =
-        Fit { track_std_px: structure.track_std * config.focal_px, gyro_factor: 1.0, accel_factor: 1.0 };
+    let expected = expected_factors(known.preints, config);
+    let mut fit = Fit {
+        track_std_px: structure.track_std * config.focal_px,
+        gyro_factor: expected[0],
+        accel_factor: expected[1],
+    };
+    for factor in &mut bundle.inertial {
+        factor.rescale(fit.gyro_factor, fit.accel_factor);
+    }
     let mut covariance = None;
     for steps in STEPS {
         bundle.solve(steps);
@@ -98,11 +105,9 @@ pub(super) fn refine(
         let std = freedom * robust::std_of_median(robust::median(&mut residuals));
         bundle.track_std = std.max(config.angle(0.1));
         fit.track_std_px = std * config.focal_px;
-        let [gyro, accel] = found.inertial_factors(&bundle);
-        let (low, high) = FACTOR_BOUNDS;
-        // The factors in force are part of the expectation already.
-        fit.gyro_factor = (fit.gyro_factor * gyro.unwrap_or(1.0)).clamp(low, high);
-        fit.accel_factor = (fit.accel_factor * accel.unwrap_or(1.0)).clamp(low, high);
+        let [gyro, accel] = found.inertial_excess(&bundle);
+        fit.gyro_factor = gyro.factor(fit.gyro_factor, expected[0], config.noise_prior_weight);
+        fit.accel_factor = accel.factor(fit.accel_factor, expected[1], config.noise_prior_weight);
         for factor in &mut bundle.inertial {
             factor.rescale(fit.gyro_factor, fit.accel_factor);
         }
@@ -116,6 +121,23 @@ pub(super) fn refine(
     bundle.solve(STEPS[2]);
     let covariance = Covariance::of(&bundle).or(covariance).ok_or(unusable(0))?;
     judge(&bundle, &covariance, &ids, fit, config)
+}
+
+/// Factors on the deviations told for gyro and accelerometer that bring their white noise up to the least that is believed.
+fn expected_factors(preints: &[Preintegration], config: &InitConfig) -> [f64; 2] {
+    let (mut gyro, mut accel, mut seconds) = (0.0, 0.0, 0.0);
+    for preint in preints {
+        for pair in preint.samples().windows(2) {
+            let step = pair[1].sample.t.seconds_since(pair[0].sample.t);
+            let mean_square = |sensor| pair[1].noise.of(sensor).iter().map(|s| s * s).sum::<f64>() / 3.0;
+            // A deviation per sample is the density sigma sqrt(step).
+            gyro += step * step * mean_square(Sensor::Gyro);
+            accel += step * step * mean_square(Sensor::Accel);
+            seconds += step;
+        }
+    }
+    let factor = |least: f64, sum: f64| (least / (sum / seconds.max(1e-9)).sqrt().max(1e-12)).max(1.0);
+    [factor(config.min_gyro_noise.get(), gyro), factor(config.min_accel_noise.get(), accel)]
 }
 
 /// The result, when it is certain and plausible.

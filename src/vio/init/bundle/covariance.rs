@@ -3,8 +3,8 @@
 //! The covariance of the frames' unknowns is the inverse of the Schur complement `S`; that of a point adds what the frames leave
 //! open: `C^-1 + C^-1 W^T S^-1 W C^-1`.
 //!
-//! For a group of whitened rows `r_g = J_g x` the redundancy is `n_g - tr(J_g S^-1 J_g^T)`: the sum of squares it should have. Its root
-//! mean square over that is the factor by which the group's noise was larger than said. Source: Forstner 1979 (variance
+//! For a group of whitened rows `r_g = J_g x` the redundancy is `n_g - tr(J_g S^-1 J_g^T)`: the sum of squares it should have. The root
+//! of what it has over that is the factor by which the group's noise was larger than said. Source: Forstner 1979 (variance
 //! components), one factor for the gyro's rows and one for the accelerometer's.
 
 use super::inertial::GYRO_ROWS;
@@ -12,8 +12,23 @@ use super::problem::Bundle;
 use super::solve::Linear;
 use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3};
 
-/// Redundancy below which a factor says nothing.
-const MIN_REDUNDANCY: f64 = 6.0;
+/// A group of whitened rows after the adjustment.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Excess {
+    /// Sum of squares.
+    pub squares: f64,
+    /// Its expectation.
+    pub redundancy: f64,
+}
+
+impl Excess {
+    /// The factor on the group's deviation, starting from a `prior` factor that counts as much as `weight` redundant rows, where
+    /// the rows were expected to be `now` times as large as their noise says.
+    pub(crate) fn factor(&self, now: f64, prior: f64, weight: f64) -> f64 {
+        let squares = self.squares * now * now + prior * prior * weight;
+        (squares / (self.redundancy + weight)).sqrt()
+    }
+}
 
 /// Covariance of a bundle at its minimum.
 #[derive(Debug, Clone)]
@@ -83,24 +98,21 @@ impl Covariance {
         variance.max(0.0).sqrt()
     }
 
-    /// Deviation of the gyro's and of the accelerometer's whitened rows over what they should have; `None` where too little
-    /// is redundant.
-    pub(crate) fn inertial_factors(&self, bundle: &Bundle) -> [Option<f64>; 2] {
-        let (mut squares, mut redundancy) = ([0.0; 2], [0.0; 2]);
+    /// What the gyro's and the accelerometer's whitened rows sum to and should.
+    pub(crate) fn inertial_excess(&self, bundle: &Bundle) -> [Excess; 2] {
+        let mut excess = [Excess::default(); 2];
         for factor in &bundle.inertial {
             let Some(columns) = factor.columns(&bundle.layout) else { continue };
             let (residual, rows) = factor.rows(&bundle.state);
             let block = SMatrix::<f64, 24, 24>::from_fn(|i, j| self.frames[(columns[i], columns[j])]);
             let explained = rows * block * rows.transpose();
             for row in 0..residual.len() {
-                let group = usize::from(row >= GYRO_ROWS);
-                squares[group] += residual[row] * residual[row];
-                redundancy[group] += 1.0 - explained[(row, row)];
+                let group = &mut excess[usize::from(row >= GYRO_ROWS)];
+                group.squares += residual[row] * residual[row];
+                group.redundancy += (1.0 - explained[(row, row)]).max(0.0);
             }
         }
-        std::array::from_fn(|g| {
-            (redundancy[g] >= MIN_REDUNDANCY).then(|| (squares[g] / redundancy[g]).sqrt())
-        })
+        excess
     }
 
     /// Views' residual rows less what the points and frames took from them.
