@@ -7,6 +7,7 @@
 
 pub mod estimator;
 pub mod factors;
+pub mod init;
 pub mod preint;
 pub mod state;
 pub mod window;
