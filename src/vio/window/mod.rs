@@ -19,7 +19,7 @@ mod window;
 
 pub use config::{Handover, WindowConfig};
 pub use landmark::Landmark;
-pub use prior::Prior;
+pub use prior::{AnchorStd, Prior};
 pub use slide::Leaving;
 pub use solve::{Solved, Stop};
 pub use window::{Frame, Seen, Window};

@@ -5,7 +5,7 @@ use super::landmark::Landmark;
 use super::layout::Layout;
 use super::linearise::Linearisation;
 use super::normal::Factor;
-use super::prior::{Prior, anchor_std};
+use super::prior::{AnchorStd, Prior};
 use crate::factors::reprojection::{PairGeometry, Sighting};
 use crate::preint::Preintegration;
 use crate::state::NavState;
@@ -142,11 +142,9 @@ impl Window {
         known
     }
 
-    /// Fixes position and heading of the first frame, with what is known of the rest of it at the start.
-    ///
-    /// `rotation` \[rad\] on all three axes, `velocity` \[m/s\], `accel_bias` \[m/s^2\], `gyro_bias` \[rad/s\]: standard deviations.
-    pub fn anchor(&mut self, rotation: f64, velocity: f64, accel_bias: f64, gyro_bias: f64) {
-        self.prior = Some(Prior::anchor(self, &anchor_std(1e-3, rotation, velocity, accel_bias, gyro_bias)));
+    /// Fixes position and heading of the first frame, with what is known of it beforehand.
+    pub fn anchor(&mut self, std: &AnchorStd) {
+        self.prior = Some(Prior::anchor(self, std));
     }
 
     /// Gives every landmark that has none a depth to start from: told by its rays where they part enough, else, once three frames
