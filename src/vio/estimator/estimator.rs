@@ -6,6 +6,7 @@ use super::report::{RunReport, Stage};
 use super::starter::{StartFrame, Starter, integrate};
 use super::update::{Phase, RestartReason, Update};
 use crate::factors::reprojection::Sighting;
+use crate::init::{InitFrame, RestWatch};
 use crate::preint::NoisySample;
 use crate::state::NavState;
 use crate::window::{AnchorStd, Leaving, Seen, Window};
@@ -58,6 +59,7 @@ pub struct Estimator {
     newest_frame: Option<Stamp>,
     window: Window,
     starter: Starter,
+    rest: RestWatch,
     running: bool,
     /// Where the last estimate ended, for the next one to go on from.
     last_good: Option<NavState>,
@@ -80,6 +82,7 @@ impl Estimator {
         let stream = Stream::new(seed).named("estimator");
         Ok(Self {
             starter: Starter::new(&config, body_from_cam, stream)?,
+            rest: RestWatch::default(),
             last_good: None,
             camera,
             imu: ImuBuffer::default(),
@@ -166,7 +169,7 @@ impl Estimator {
     pub fn start(&mut self, frames: Vec<StartFrame>) -> Option<NavState> {
         self.window = Window::new(self.config.window, *self.window.body_from_cam());
         for frame in frames {
-            self.window.add_frame(frame.t, frame.state, frame.preint, &frame.seen);
+            self.window.add_frame(frame.t, frame.state, frame.preint, false, &frame.seen);
         }
         self.window.anchor(&AnchorStd::default());
         for _ in 0..START_ROUNDS {
@@ -180,6 +183,7 @@ impl Estimator {
             self.window.slide(leaving);
         }
         self.running = true;
+        self.rest = RestWatch::default();
         self.starved_since = None;
         Some(state)
     }
@@ -243,6 +247,17 @@ impl Estimator {
         frames
     }
 
+    /// Whether nothing moved between the window's newest frame and this one.
+    fn rests(&mut self, t: Stamp, interval: &Interval, seen: &[Seen]) -> bool {
+        let rates = interval.samples.iter().map(|s| Vector3::from(s.sample.gyro)).sum::<Vector3<f64>>();
+        let rate = rates.norm() / interval.samples.len().max(1) as f64;
+        let frame = InitFrame::new(t, seen.iter().map(|s| (s.id, s.sighting.bearing)).collect());
+        let before = self.window.newest().map(|f| f.t);
+        self.rest
+            .push(&frame, rate, &self.config.init)
+            .is_some_and(|rest| rest.lasts && before.is_some_and(|before| before >= rest.from))
+    }
+
     fn track(
         &mut self,
         t: Stamp,
@@ -258,10 +273,40 @@ impl Estimator {
         let last = last.state;
         let preint = integrate(&self.config, &last.bias, &interval.samples);
         let predicted = preint.as_ref().map_or(last, |p| p.predict(&last));
-        update.tracked = self.window.add_frame(t, predicted, preint, seen);
+        let at_rest = self.rests(t, interval, seen);
+        update.tracked = self.window.add_frame(t, predicted, preint, at_rest, seen);
         self.window.triangulate();
         clock.lap(Stage::Feed);
-        update.iterations = self.window.optimise().iterations;
+        let solved = self.window.optimise();
+        update.iterations = solved.iterations;
+        if std::env::var_os("DBG").is_some() {
+            let mut d: Vec<f64> = self.window.landmarks().iter().filter_map(|l| l.inverse_depth).collect();
+            d.sort_by(f64::total_cmp);
+            let n = d.len();
+            println!(
+                "{solved:?} neg {} p10 {:.3} p50 {:.3} p90 {:.3} frames {:?}",
+                d.iter().filter(|d| **d <= 0.0).count(),
+                d[n / 10],
+                d[n / 2],
+                d[n * 9 / 10],
+                self.window
+                    .frames()
+                    .iter()
+                    .map(|f| (f.t.seconds_since(t) * 10.0).round() / 10.0)
+                    .collect::<Vec<_>>()
+            );
+            println!(
+                "{:?}",
+                self.window
+                    .frames()
+                    .iter()
+                    .map(|f| (f.state.world_from_body.translation.vector * 1000.0)
+                        .map(|v| v.round() / 1000.0)
+                        .as_slice()
+                        .to_vec())
+                    .collect::<Vec<_>>()
+            );
+        }
         clock.lap(Stage::Solve);
         update.outliers = self.window.reject_outliers();
         clock.lap(Stage::Reject);

@@ -36,3 +36,4 @@ pub use initialiser::Initialiser;
 pub use outcome::{
     Fit, Implausible, InitOutcome, Initialised, InitialisedFrame, InitialisedPoint, WaitReason,
 };
+pub(crate) use rest::RestWatch;

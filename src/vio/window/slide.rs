@@ -1,7 +1,7 @@
 //! How a frame goes out: the oldest into the prior, or the second newest, which said nothing new, without trace.
 
 use super::config::Handover;
-use super::landmark::Landmark;
+use super::landmark::{Landmark, MIN_INVERSE_DEPTH};
 use super::window::Window;
 use crate::factors::inertial::inertial_residual;
 
@@ -20,6 +20,12 @@ impl Window {
         let n = self.frames.len();
         if n < 3 {
             return Leaving::Oldest;
+        }
+        // The first and the last frame of a rest say all there is to say of it.
+        match (self.frames[n - 2].at_rest, self.frames[n - 1].at_rest) {
+            (true, true) => return Leaving::SecondNewest,
+            (true, false) => return Leaving::Oldest,
+            (false, _) => {}
         }
         let parallax = self.parallax(n - 3, n - 2);
         let moved = parallax.mean * focal_px >= self.config.key_frame_parallax_px;
@@ -83,7 +89,7 @@ impl Window {
             let Some((host, _)) = landmark.sightings.first() else { return false };
             landmark.inverse_depth = point.and_then(|p| {
                 let z = (last_cameras[*host].inverse() * nalgebra::Point3::from(p)).z;
-                (z > 0.0).then(|| 1.0 / z)
+                (z > 0.0).then(|| (1.0 / z).max(MIN_INVERSE_DEPTH))
             });
             true
         });
@@ -91,6 +97,7 @@ impl Window {
         self.prior = Some(prior);
         self.frames.remove(0);
         self.frames[0].preint = None;
+        self.frames[0].at_rest = false;
         if self.config.first_estimates {
             for frame in &mut self.frames {
                 frame.first.get_or_insert(frame.state);
@@ -120,12 +127,13 @@ impl Window {
                 let point = landmark.point(&gone_camera);
                 landmark.inverse_depth = point.and_then(|p| {
                     let z = (next_camera.inverse() * nalgebra::Point3::from(p)).z;
-                    (z > 0.0).then(|| 1.0 / z)
+                    (z > 0.0).then(|| (1.0 / z).max(MIN_INVERSE_DEPTH))
                 });
             }
             landmark.sightings.remove(k);
         }
         let frame = self.frames.remove(gone);
+        self.frames[gone].at_rest &= frame.at_rest;
         if let (Some(mut earlier), Some(later)) = (frame.preint, self.frames[gone].preint.take()) {
             earlier.append(&later);
             self.frames[gone].preint = Some(earlier);
@@ -155,7 +163,7 @@ impl Window {
         let mut landmarks = std::mem::take(&mut self.landmarks);
         landmarks.retain_mut(|landmark| {
             let Some(inverse_depth) = landmark.inverse_depth else { return true };
-            if !(inverse_depth > 0.0 && inverse_depth.is_finite()) {
+            if !inverse_depth.is_finite() {
                 landmark.inverse_depth = None;
                 return true;
             }

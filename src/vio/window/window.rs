@@ -22,6 +22,8 @@ pub struct Frame {
     pub state: NavState,
     /// The IMU's samples since the frame before; `None` for the first of all.
     pub preint: Option<Preintegration>,
+    /// Whether nothing moved since the frame before.
+    pub at_rest: bool,
     /// Where derivatives stay once the frame is in the prior.
     pub(crate) first: Option<NavState>,
 }
@@ -110,16 +112,18 @@ impl Window {
 
     /// Puts a frame at the end and returns how many of its tracks go on from earlier frames.
     ///
-    /// `preint` holds the samples since the frame before; `state` is where the solver starts.
+    /// `preint` holds the samples since the frame before; `state` is where the solver starts; `at_rest` says that nothing
+    /// moved between the two.
     pub fn add_frame(
         &mut self,
         t: Stamp,
         state: NavState,
         preint: Option<Preintegration>,
+        at_rest: bool,
         seen: &[Seen],
     ) -> usize {
         let frame = self.frames.len();
-        self.frames.push(Frame { t, state, preint, first: None });
+        self.frames.push(Frame { t, state, preint, at_rest, first: None });
         let mut known = 0;
         let mut still_wrong = HashSet::new();
         for Seen { id, sighting } in seen {
