@@ -2,6 +2,7 @@
 
 use super::config::EstimatorConfig;
 use super::imu_buffer::{ImuBuffer, Interval};
+use super::ray_rates::RayRates;
 use super::report::{RunReport, Stage};
 use super::starter::{StartFrame, Starter, integrate};
 use super::update::{Phase, RestartReason, Update};
@@ -59,6 +60,7 @@ pub struct Estimator {
     newest_frame: Option<Stamp>,
     window: Window,
     starter: Starter,
+    rates: RayRates,
     rest: RestWatch,
     running: bool,
     /// Where the last estimate ended, for the next one to go on from.
@@ -82,6 +84,7 @@ impl Estimator {
         let stream = Stream::new(seed).named("estimator");
         Ok(Self {
             starter: Starter::new(&config, body_from_cam, stream)?,
+            rates: RayRates::default(),
             rest: RestWatch::default(),
             last_good: None,
             camera,
@@ -191,7 +194,8 @@ impl Estimator {
     fn work_off(&mut self, frame: &TrackFrame) -> Update {
         let mut clock = Instant::now();
         let interval = self.imu.cut(frame.t);
-        let seen = self.sightings(frame);
+        let mut seen = self.sightings(frame);
+        self.rates.add(frame.t, &mut seen);
         let mut update = Update {
             t: frame.t,
             phase: Phase::Tracking,

@@ -9,6 +9,7 @@ mod config;
 mod estimator;
 pub mod health;
 mod imu_buffer;
+mod ray_rates;
 mod report;
 mod starter;
 mod update;

@@ -148,6 +148,13 @@ fn run(data: &Path, name: &str, from: f64, factor: f64, config: &EstimatorConfig
             eprintln!("{name} x{factor}: init {:.1}", t.seconds_since(frames[0].t));
         }
     }
+    if std::env::var_os("INIT").is_some() {
+        eprintln!(
+            "{name} x{factor}: offset {:.2} ms camera {:.3?}",
+            1e3 * estimator.window().time_offset(),
+            estimator.window().body_from_cam().translation.vector.as_slice()
+        );
+    }
     for (t, reason) in &report.restarts {
         eprintln!("{name} x{factor}: at {:.1} s: {reason}", t.seconds_since(frames[0].t));
     }

@@ -75,9 +75,11 @@ impl Linearisation {
         self.pairs(window);
         for index in 0..window.landmarks.len() {
             let landmark = &window.landmarks[index];
-            if part == Part::All || window.leaves_with_oldest(landmark) {
-                self.add_landmark(window, layout, index, damping);
-            }
+            let sightings = match part {
+                Part::All => landmark.sightings.len(),
+                Part::Oldest => window.handed_over(landmark),
+            };
+            self.add_landmark(window, layout, index, sightings, damping);
         }
     }
 
@@ -101,9 +103,16 @@ impl Linearisation {
         }
     }
 
-    fn add_landmark(&mut self, window: &Window, layout: &Layout, index: usize, damping: f64) {
+    fn add_landmark(
+        &mut self,
+        window: &Window,
+        layout: &Layout,
+        index: usize,
+        sightings: usize,
+        damping: f64,
+    ) {
         let landmark = &window.landmarks[index];
-        let Some(inverse_depth) = landmark.inverse_depth.filter(|_| landmark.sightings.len() > 1) else {
+        let Some(inverse_depth) = landmark.inverse_depth.filter(|_| sightings > 1) else {
             return;
         };
         let n = window.frames.len();
@@ -119,7 +128,7 @@ impl Linearisation {
             self.couplings.len() - 1
         });
         let mut offset_coupling = 0.0;
-        for (target, sighting) in &landmark.sightings[1..] {
+        for (target, sighting) in &landmark.sightings[1..sightings] {
             let target_place = layout.pose(*target);
             let sighting = window.sighting_at_offset(sighting);
             let Some(geometry) = &self.geometry[host * n + target] else { continue };
