@@ -5,6 +5,7 @@
 
 use super::testing::{config, integrate, lively, random_bias, rng};
 use super::{Delta, ImuCov, NoisySample};
+use crate::factors::inertial::sqrt_information;
 use crate::preint::linear::Step;
 use crate::state::{ACCEL_BIAS, GYRO_BIAS, ImuBias, POSITION, ROTATION, STATE_DIM, VELOCITY};
 use dpn_core::geometry::so3;
@@ -36,7 +37,7 @@ const SOURCES: [(&str, Sources); 5] = [
 ];
 
 /// Draws for one case.
-const DRAWS: usize = 20_000;
+const DRAWS: usize = 8_000;
 
 /// Variance of what rounding does to a draw, which shows in rows that a source does not reach.
 const ROUNDING: f64 = 1e-28;
@@ -146,8 +147,15 @@ fn sampled_euler(
     e
 }
 
-/// The propagated covariance, and the sampled one.
-fn both(model: ImuCov, sources: Sources, hz: f64, steps: usize) -> (Square, Square) {
+/// What one case gives.
+struct Case {
+    propagated: Square,
+    sampled: Square,
+    /// Mean of `|S e|^2`, where the square root `S` exists.
+    mean_square: Option<f64>,
+}
+
+fn case(model: ImuCov, sources: Sources, hz: f64, steps: usize) -> Case {
     let mut rng = rng("monte carlo", steps as u64);
     let bias = random_bias(&mut rng);
     let mut samples = lively(&mut rng, hz, steps, true);
@@ -155,15 +163,23 @@ fn both(model: ImuCov, sources: Sources, hz: f64, steps: usize) -> (Square, Squa
     let preint = integrate(config(model, sources.accel_walk, sources.gyro_walk), bias, &samples);
     let rotations: Vec<_> =
         (1..=steps).map(|n| integrate(*preint.config(), bias, &samples[..n]).delta().rotation).collect();
+    let root = sqrt_information(&preint);
     let mut sum = Square::zeros();
+    let mut squares = 0.0;
     for _ in 0..DRAWS {
         let e = match model {
             ImuCov::Euler => sampled_euler(&mut rng, sources, &samples, &bias, &rotations),
             _ => sampled(&mut rng, model, sources, &samples, &bias, preint.delta()),
         };
         sum += e * e.transpose();
+        squares += root.map_or(0.0, |root| (root * e).norm_squared());
     }
-    (*preint.covariance(), sum / DRAWS as f64)
+    let draws = DRAWS as f64;
+    Case {
+        propagated: *preint.covariance(),
+        sampled: sum / draws,
+        mean_square: root.map(|_| squares / draws),
+    }
 }
 
 /// Entry by entry. For `N` Gaussian draws the sampled `S_ij` has the variance `(P_ii P_jj + P_ij^2)/N` (Wishart); 5 standard
@@ -186,8 +202,18 @@ fn check(model: ImuCov) {
     // As many steps as a frame has; and few, where what happens at the ends weighs most.
     for (hz, steps) in [(200.0, 20), (400.0, 40), (200.0, 3)] {
         for (name, sources) in SOURCES {
-            let (propagated, sampled) = both(model, sources, hz, steps);
-            assert_sampled(&format!("{model:?}, {name}, {steps} steps at {hz} Hz"), &propagated, &sampled);
+            let case = case(model, sources, hz, steps);
+            let name = format!("{model:?}, {name}, {steps} steps at {hz} Hz");
+            assert_sampled(&name, &case.propagated, &case.sampled);
+            if sources.accel > 0.0 && sources.gyro > 0.0 && sources.gyro_walk > 0.0 {
+                // Chi-square of 15 degrees of freedom: mean 15, variance 30. This sees the directions whose variance is small.
+                let mean_square = case.mean_square.unwrap();
+                let tolerance = 5.0 * (30.0 / DRAWS as f64).sqrt();
+                assert!(
+                    (mean_square - 15.0).abs() < tolerance,
+                    "{name}: mean square {mean_square} +- {tolerance}"
+                );
+            }
         }
     }
 }
@@ -210,9 +236,10 @@ fn euler_is_the_covariance_of_the_papers_difference_equation() {
 #[test]
 fn the_test_tells_the_models_apart() {
     let (_, all) = SOURCES[4];
-    let (exact, sampled) = both(ImuCov::Exact, all, 200.0, 20);
-    let (vins, _) = both(ImuCov::Vins, all, 200.0, 20);
-    assert_sampled("exact", &exact, &sampled);
-    let caught = std::panic::catch_unwind(|| assert_sampled("vins", &vins, &sampled));
-    assert!(caught.is_err());
+    let sampled = case(ImuCov::Exact, all, 200.0, 3).sampled;
+    assert_sampled("exact", &case(ImuCov::Exact, all, 200.0, 3).propagated, &sampled);
+    for other in [ImuCov::Vins, ImuCov::Euler] {
+        let propagated = case(other, all, 200.0, 3).propagated;
+        assert!(std::panic::catch_unwind(|| assert_sampled("other", &propagated, &sampled)).is_err());
+    }
 }
