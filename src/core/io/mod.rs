@@ -3,6 +3,7 @@
 //! * [`asl`]: EuRoC and TUM-VI folders; [`asl::discover`] lists the sequences under a folder.
 //! * [`read_imu_csv`]: plain CSV logs, columns by header or by list.
 //! * [`read_tum`], [`write_tum`]: trajectories, as evo reads them.
+//! * [`read_tracks`], [`write_tracks`]: camera tracks.
 //! * [`read_noise_track`], [`write_noise_track`]: noise tracks.
 //! * [`check()`]: the health of what was read.
 //! * [`atomic_write`]: files that are there in full or not at all.
@@ -26,6 +27,7 @@ mod pose;
 #[cfg(test)]
 mod recordings;
 mod rows;
+mod tracks;
 mod tum;
 
 pub use atomic::atomic_write;
@@ -35,4 +37,5 @@ pub use decimal::TimeUnit;
 pub use error::IoError;
 pub use imu_csv::{CsvOptions, ImuLog, Origin, Settled, parse_imu_csv, read_imu_csv};
 pub use noise_csv::{read_noise_track, write_noise_track};
+pub use tracks::{read_tracks, write_tracks};
 pub use tum::{StampedPose, read_tum, write_tum};

@@ -1,0 +1,206 @@
+//! The window's contents, and how a frame comes in.
+
+use super::config::WindowConfig;
+use super::landmark::Landmark;
+use super::layout::Layout;
+use super::linearise::Linearisation;
+use super::normal::Factor;
+use super::prior::{Prior, anchor_std};
+use crate::factors::reprojection::{PairGeometry, Sighting};
+use crate::preint::Preintegration;
+use crate::state::NavState;
+use dpn_core::Stamp;
+use nalgebra::{Isometry3, Vector3};
+use std::collections::{HashMap, HashSet};
+
+/// One image's instant.
+#[derive(Debug, Clone)]
+pub struct Frame {
+    /// When it was taken.
+    pub t: Stamp,
+    /// What is believed of the body then.
+    pub state: NavState,
+    /// The IMU's samples since the frame before; `None` for the first of all.
+    pub preint: Option<Preintegration>,
+    /// Where derivatives stay once the frame is in the prior.
+    pub(crate) first: Option<NavState>,
+}
+
+/// A frame's tracks as the window takes them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seen {
+    /// The track's number.
+    pub id: u64,
+    /// What was measured.
+    pub sighting: Sighting,
+}
+
+/// The sliding window.
+#[derive(Debug, Clone)]
+pub struct Window {
+    pub(crate) config: WindowConfig,
+    pub(crate) frames: Vec<Frame>,
+    pub(crate) landmarks: Vec<Landmark>,
+    /// Track number to place in `landmarks`; looked up, never walked.
+    pub(crate) places: HashMap<u64, usize>,
+    /// Tracks found wrong, for as long as the tracker goes on with them.
+    pub(crate) ended: HashSet<u64>,
+    pub(crate) body_from_cam: Isometry3<f64>,
+    pub(crate) time_offset: f64,
+    pub(crate) prior: Option<Prior>,
+    pub(crate) scratch: Linearisation,
+    pub(crate) factor: Factor,
+}
+
+impl Window {
+    /// Empty.
+    pub fn new(config: WindowConfig, body_from_cam: Isometry3<f64>) -> Self {
+        Self {
+            config,
+            frames: Vec::new(),
+            landmarks: Vec::new(),
+            places: HashMap::new(),
+            ended: HashSet::new(),
+            body_from_cam,
+            time_offset: 0.0,
+            prior: None,
+            scratch: Linearisation::default(),
+            factor: Factor::default(),
+        }
+    }
+
+    /// The frames, oldest first.
+    pub fn frames(&self) -> &[Frame] {
+        &self.frames
+    }
+
+    /// The newest frame.
+    pub fn newest(&self) -> Option<&Frame> {
+        self.frames.last()
+    }
+
+    /// The landmarks, in the order in which they came.
+    pub fn landmarks(&self) -> &[Landmark] {
+        &self.landmarks
+    }
+
+    /// The camera's place on the body.
+    pub fn body_from_cam(&self) -> &Isometry3<f64> {
+        &self.body_from_cam
+    }
+
+    /// The camera clock's offset: an image stamped t was taken at t + offset \[s\].
+    pub fn time_offset(&self) -> f64 {
+        self.time_offset
+    }
+
+    /// Where the unknowns stand.
+    pub fn layout(&self) -> Layout {
+        Layout {
+            frames: self.frames.len(),
+            extrinsics: self.config.estimate_extrinsics,
+            time_offset: self.config.estimate_time_offset,
+        }
+    }
+
+    /// Whether another frame makes it slide.
+    pub fn is_full(&self) -> bool {
+        self.frames.len() > self.config.key_frames
+    }
+
+    /// Puts a frame at the end and returns how many of its tracks go on from earlier frames.
+    ///
+    /// `preint` holds the samples since the frame before; `state` is where the solver starts.
+    pub fn add_frame(
+        &mut self,
+        t: Stamp,
+        state: NavState,
+        preint: Option<Preintegration>,
+        seen: &[Seen],
+    ) -> usize {
+        let frame = self.frames.len();
+        self.frames.push(Frame { t, state, preint, first: None });
+        let mut known = 0;
+        let mut still_wrong = HashSet::new();
+        for Seen { id, sighting } in seen {
+            if self.ended.contains(id) {
+                still_wrong.insert(*id);
+                continue;
+            }
+            match self.places.get(id) {
+                Some(&place) => {
+                    self.landmarks[place].sightings.push((frame, *sighting));
+                    known += 1;
+                }
+                None => {
+                    self.places.insert(*id, self.landmarks.len());
+                    self.landmarks.push(Landmark::new(*id, frame, *sighting));
+                }
+            }
+        }
+        self.ended = still_wrong;
+        known
+    }
+
+    /// Fixes position and heading of the first frame, with what is known of the rest of it at the start.
+    ///
+    /// `rotation` \[rad\] on all three axes, `velocity` \[m/s\], `accel_bias` \[m/s^2\], `gyro_bias` \[rad/s\]: standard deviations.
+    pub fn anchor(&mut self, rotation: f64, velocity: f64, accel_bias: f64, gyro_bias: f64) {
+        self.prior = Some(Prior::anchor(self, &anchor_std(1e-3, rotation, velocity, accel_bias, gyro_bias)));
+    }
+
+    /// Finds the depth of every landmark that has none and can be told.
+    pub fn triangulate(&mut self) {
+        let world_from_cam: Vec<Isometry3<f64>> =
+            self.frames.iter().map(|f| f.state.world_from_body * self.body_from_cam).collect();
+        for landmark in &mut self.landmarks {
+            if landmark.inverse_depth.is_none() && landmark.sightings.len() > 1 {
+                landmark.inverse_depth =
+                    landmark.triangulate(&world_from_cam, self.config.min_triangulation_angle);
+            }
+        }
+    }
+
+    /// What landmarks of `host` and their sightings in `target` share, at the present states.
+    pub(crate) fn geometry(&self, host: usize, target: usize) -> PairGeometry {
+        let pose = |f: usize| &self.frames[f].state.world_from_body;
+        PairGeometry::new(pose(host), pose(target), &self.body_from_cam)
+    }
+
+    /// The same at the first estimates, where there are any.
+    pub(crate) fn first_geometry(&self, host: usize, target: usize) -> PairGeometry {
+        let pose = |f: usize| &self.first_or_now(f).world_from_body;
+        PairGeometry::new(pose(host), pose(target), &self.body_from_cam)
+    }
+
+    pub(crate) fn first_or_now(&self, frame: usize) -> &NavState {
+        self.frames[frame].first.as_ref().unwrap_or(&self.frames[frame].state)
+    }
+
+    /// The host's ray when its image was really taken.
+    #[inline]
+    pub(crate) fn ray_at_offset(&self, sighting: &Sighting) -> Vector3<f64> {
+        if self.time_offset == 0.0 {
+            sighting.ray
+        } else {
+            sighting.ray + self.time_offset * sighting.ray_rate
+        }
+    }
+
+    /// A sighting when its image was really taken.
+    #[inline]
+    pub(crate) fn sighting_at_offset(&self, sighting: &Sighting) -> Sighting {
+        if self.time_offset == 0.0 {
+            return *sighting;
+        }
+        let ray = self.ray_at_offset(sighting);
+        Sighting { ray, bearing: ray.normalize(), ..*sighting }
+    }
+
+    /// Drops landmarks for which `keep` is false, and renews the places.
+    pub(crate) fn retain_landmarks(&mut self, mut keep: impl FnMut(&Landmark) -> bool) {
+        self.landmarks.retain(|l| keep(l));
+        self.places.clear();
+        self.places.extend(self.landmarks.iter().enumerate().map(|(k, l)| (l.id, k)));
+    }
+}
