@@ -26,7 +26,7 @@ mod rest;
 mod robust;
 mod structure;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod translation;
 mod triangulate;
 

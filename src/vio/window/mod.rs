@@ -14,6 +14,8 @@ mod parallax;
 mod prior;
 mod slide;
 mod solve;
+#[cfg(test)]
+mod tests;
 #[allow(clippy::module_inception)]
 mod window;
 

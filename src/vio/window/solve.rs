@@ -127,7 +127,7 @@ impl Window {
         covariance
     }
 
-    fn apply(&mut self, at: &Linearisation, step: &[f64]) {
+    pub(crate) fn apply(&mut self, at: &Linearisation, step: &[f64]) {
         let layout = self.layout();
         for (frame, f) in self.frames.iter_mut().enumerate() {
             let d = SVector::<f64, STATE_DIM>::from_fn(|k, _| step[layout.state(frame, k)]);
