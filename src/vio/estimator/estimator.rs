@@ -329,6 +329,9 @@ impl Estimator {
         }
         update.state = Some(state);
         self.last_good = Some(state);
+        if self.config.covariance {
+            update.covariance = self.window.newest_pose_covariance();
+        }
         update.landmarks = self.window.landmarks().iter().filter(|l| l.inverse_depth.is_some()).count();
         if self.window.is_full() {
             let leaving: Leaving = self.window.leaving(self.camera.focal().mean());

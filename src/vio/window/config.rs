@@ -11,9 +11,6 @@ pub enum Handover {
     Reuse,
     /// Their sightings enter the prior once; the track goes on as a new landmark from the newest frame.
     Consume,
-    /// The older half of their sightings enters the prior, the younger half goes on as a landmark of its own: every sighting counts
-    /// once, and what goes on has a depth.
-    Split,
     /// The leaving sighting is dropped, the others stay with the next host; tracks that have ended enter the prior.
     Drop,
 }
@@ -68,7 +65,7 @@ impl Default for WindowConfig {
             outlier_px: 6.0,
             max_iterations: 8,
             cost_tolerance: 1e-3,
-            handover: Handover::Split,
+            handover: Handover::Drop,
             first_estimates: false,
             estimate_extrinsics: false,
             estimate_time_offset: false,
