@@ -55,7 +55,7 @@ impl Default for WindowConfig {
     fn default() -> Self {
         Self {
             key_frames: 10,
-            pixel_std: 0.5,
+            pixel_std: 1.0,
             loss: Loss::Huber,
             loss_scale: 1.5,
             key_frame_parallax_px: 10.0,
@@ -65,7 +65,7 @@ impl Default for WindowConfig {
             outlier_px: 6.0,
             max_iterations: 8,
             cost_tolerance: 1e-3,
-            handover: Handover::Drop,
+            handover: Handover::Reuse,
             first_estimates: false,
             estimate_extrinsics: false,
             estimate_time_offset: false,
