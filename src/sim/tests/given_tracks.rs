@@ -4,8 +4,8 @@
 use dpn_core::Stamp;
 use dpn_core::io::{asl, read_tracks};
 use dpn_sim::tracks::{
-    CameraPath, CameraSettings, RecordedPath, Reprojection, TracksConfig, World, camera_stamps, simulate_tracks,
-    summarise,
+    CameraPath, CameraSettings, RecordedPath, Reprojection, TracksConfig, World, camera_stamps,
+    simulate_tracks, summarise,
 };
 use std::path::{Path, PathBuf};
 
@@ -54,7 +54,8 @@ fn the_gaps_of_a_motion_capture_have_no_frames() {
     let config = TracksConfig::default();
     let path = RecordedPath::new(&truth, &config.path).unwrap();
     let gaps = truth.states().windows(2).filter(|pair| pair[1].t.seconds_since(pair[0].t) > 0.1).count();
-    assert_eq!((gaps, path.pieces().len()), (16, 17));
+    // Three stretches between gaps hold fewer poses than a spline needs.
+    assert_eq!((gaps, path.pieces().len()), (16, 14));
     let stamps = camera_stamps(&path, dpn_core::SampleRate::from_hz(20.0).unwrap());
     let frames = simulate_tracks(&config, &path, &stamps, 1).unwrap();
     let mut inside = 0;
