@@ -48,6 +48,7 @@ mod fused;
 pub mod init;
 pub mod model;
 pub mod module;
+mod plain;
 pub mod predictor;
 pub mod range;
 pub mod shape;
