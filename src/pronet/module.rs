@@ -7,13 +7,14 @@
 //!
 //! Source: VIO-DualProNet (arXiv 2308.11228), sec. III-B; the open choices are keys of [`ProNetConfig`].
 
-use crate::config::{ConfigError, ProNetConfig};
+use crate::config::ProNetConfig;
 use crate::engine::Engine;
 use crate::fused;
 use crate::init::initial_parameters;
 use crate::shape::{ParameterShape, parameters};
 use burn::module::{Module, Param, ParamId};
 use burn::tensor::{Device, Gradients, Tensor, TensorData};
+use dpn_core::config::{ConfigFaults, Validate};
 use dpn_core::random::Stream;
 use std::sync::Arc;
 
@@ -75,7 +76,7 @@ impl ProNet {
     ///
     /// # Errors
     /// The faults of the configuration.
-    pub fn new(config: &ProNetConfig, stream: &Stream, device: &Device) -> Result<Self, ConfigError> {
+    pub fn new(config: &ProNetConfig, stream: &Stream, device: &Device) -> Result<Self, ConfigFaults> {
         config.validate()?;
         Ok(Self::build(config, &initial_parameters(config, stream), device))
     }
@@ -91,7 +92,7 @@ impl ProNet {
         config: &ProNetConfig,
         flat: &[f32],
         device: &Device,
-    ) -> Result<Self, ConfigError> {
+    ) -> Result<Self, ConfigFaults> {
         config.validate()?;
         Ok(Self::build(config, flat, device))
     }
