@@ -26,7 +26,6 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
         sensors: &sensors,
         bases: &bases,
         networks: &networks,
-        regressors: true,
         seed: args.seed,
     };
     let result = judge(&request, &mut Bar::new())?;
