@@ -313,18 +313,8 @@ impl Validate for TrainConfig {
             fault.key.insert_str(0, "network.");
         }
         let (base, augment, fit, levels) = (&self.base, &self.augment, &self.fit, self.levels());
-        faults.check(
-            base.base().filter().is_ok(),
-            "base",
-            base.base(),
-            "an odd window above its order",
-        );
-        faults.check(
-            base.window <= WINDOW,
-            "base.window",
-            base.window,
-            format!("at most {WINDOW} samples"),
-        );
+        faults.check(base.base().filter().is_ok(), "base", base.base(), "an odd window above its order");
+        faults.check(base.window <= WINDOW, "base.window", base.window, format!("at most {WINDOW} samples"));
         faults.check(
             base.scope == Scope::Window || base.filter != FilterKind::Gaussian,
             "base.scope",
@@ -351,12 +341,7 @@ impl Validate for TrainConfig {
         faults.check(rate > 0.0 && rate <= 1.0, "fit.learning_rate", rate, bound);
         faults.within("fit.weight_decay", fit.weight_decay, 0.0, 1.0);
         let clip = fit.clip_norm;
-        faults.check(
-            clip >= 0.0 && clip.is_finite(),
-            "fit.clip_norm",
-            clip,
-            "0 or more",
-        );
+        faults.check(clip >= 0.0 && clip.is_finite(), "fit.clip_norm", clip, "0 or more");
         let ema = fit.ema;
         faults.check((0.0..1.0).contains(&ema), "fit.ema", ema, "0 or more and below 1");
         faults.0

@@ -78,21 +78,12 @@ impl Flight<'_> {
             check_column(FIGURE, "true sigma", truth, n)?;
         }
         for phase in &self.phases {
-            check_column(
-                FIGURE,
-                &format!("phase {}", phase.label),
-                &[phase.from, phase.to],
-                2,
-            )?;
+            check_column(FIGURE, &format!("phase {}", phase.label), &[phase.from, phase.to], 2)?;
         }
         let need = "it must be finite and positive";
-        check_each(
-            FIGURE,
-            "the training range's end",
-            self.trained_up_to.as_slice(),
-            need,
-            |v| v.is_finite() && v > 0.0,
-        )
+        check_each(FIGURE, "the training range's end", self.trained_up_to.as_slice(), need, |v| {
+            v.is_finite() && v > 0.0
+        })
     }
 }
 

@@ -179,10 +179,7 @@ impl Job<'_> {
             fitted = Some((self.base.to_string(), both?));
             train_table = Some(table);
         }
-        let sides = [
-            (Side::Train, train.as_ref(), train_table.as_deref()),
-            (Side::Test, Some(&test), None),
-        ];
+        let sides = [(Side::Train, train.as_ref(), train_table.as_deref()), (Side::Test, Some(&test), None)];
         for (side, examples, table) in sides {
             let Some(examples) = examples.filter(|examples| !examples.is_empty()) else {
                 continue;
@@ -232,10 +229,8 @@ impl Job<'_> {
             _ => (None, String::new()),
         };
         if let Some(regressors) = regressors {
-            let table = table.map_or_else(
-                || Cow::Owned(self.features.table(&examples.samples)),
-                Cow::Borrowed,
-            );
+            let table =
+                table.map_or_else(|| Cow::Owned(self.features.table(&examples.samples)), Cow::Borrowed);
             for (label, fitted) in regressors {
                 answers.extend(fitted.iter().map(|regressor| Answer {
                     name: format!("{}{suffix}", regressor.name()),

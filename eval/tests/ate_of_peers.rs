@@ -32,13 +32,7 @@ struct Expected {
 fn table() -> Vec<Expected> {
     let path = Path::new(ROOT).join("golden/vins_mono/ate_se3.csv");
     let mut reader = csv::Reader::from_path(path).unwrap();
-    let factors: Vec<String> = reader
-        .headers()
-        .unwrap()
-        .iter()
-        .skip(2)
-        .map(str::to_owned)
-        .collect();
+    let factors: Vec<String> = reader.headers().unwrap().iter().skip(2).map(str::to_owned).collect();
     reader
         .records()
         .flat_map(|row| {
@@ -62,12 +56,7 @@ fn the_absolute_errors_of_vins_mono_are_those_of_the_table() {
     let Some(data) = data() else { return };
     let table = table();
     assert_eq!(table.len(), 66);
-    for Expected {
-        sequence,
-        factor,
-        ate,
-    } in &table
-    {
+    for Expected { sequence, factor, ate } in &table {
         let recorded = Sequence::open(&data.join("euroc").join(sequence)).unwrap();
         let truth = poses_of(&recorded.ground_truth().unwrap());
         let track = TruthTrack::new(&truth, TruthOptions::default()).unwrap();
@@ -77,10 +66,7 @@ fn the_absolute_errors_of_vins_mono_are_those_of_the_table() {
         let nearest = associate_nearest(&truth, &estimate, 0.01).unwrap();
         // V1_02's last frame is 126 ns behind its last ground truth.
         assert_eq!(nearest.pairs.len(), estimate.len());
-        assert!(
-            interpolated.outside <= 1 && interpolated.in_gaps == 0,
-            "{interpolated:?}"
-        );
+        assert!(interpolated.outside <= 1 && interpolated.in_gaps == 0, "{interpolated:?}");
 
         // The table was made with the nearest stamp: it holds to its last printed digit. Interpolated, V1_02 x4 is .041507 for want of
         // that last frame, where .041493 is printed as .041.

@@ -148,10 +148,7 @@ pub fn parse<T: DeserializeOwned + Validate>(text: &str, path: &Path) -> Result<
     })?;
     match config.validate() {
         Ok(()) => Ok(config),
-        Err(faults) => Err(ConfigError::Bounds {
-            path: path.to_owned(),
-            faults,
-        }),
+        Err(faults) => Err(ConfigError::Bounds { path: path.to_owned(), faults }),
     }
 }
 

@@ -93,10 +93,7 @@ impl ProNet {
 fn prepare(config: &ProNetConfig, windows: Tensor<2>) -> (Tensor<3>, Option<Tensor<2>>) {
     let [batch, n] = windows.dims();
     let mut x = windows * (1.0 / config.input_scale()) as f32; // [batch, window]
-    if matches!(
-        config.input,
-        Input::Demeaned | Input::DemeanedAndSecondDifferences
-    ) {
+    if matches!(config.input, Input::Demeaned | Input::DemeanedAndSecondDifferences) {
         x = x.clone() - x.mean_dim(1);
     }
     let first = |x: Tensor<2>| {

@@ -9,11 +9,7 @@ pub(super) fn orthonormal_polynomials(window: usize, order: usize) -> Vec<Vec<f6
     let abscissa: Vec<f64> = (0..window).map(|i| (i as f64 - half) / half.max(1.0)).collect();
     let mut basis: Vec<Vec<f64>> = vec![vec![1.0 / (window as f64).sqrt(); window]];
     for degree in 1..=order {
-        let mut next: Vec<f64> = abscissa
-            .iter()
-            .zip(&basis[degree - 1])
-            .map(|(x, q)| x * q)
-            .collect();
+        let mut next: Vec<f64> = abscissa.iter().zip(&basis[degree - 1]).map(|(x, q)| x * q).collect();
         // Twice is enough (Kahan, Parlett): the second pass removes what rounding left of the first.
         for _ in 0..2 {
             for q in &basis {
@@ -45,10 +41,7 @@ mod tests {
                 for (j, b) in basis.iter().enumerate() {
                     let expected = if i == j { 1.0 } else { 0.0 };
                     let product = dot(a.iter().zip(b));
-                    assert!(
-                        (product - expected).abs() < 1e-14,
-                        "({window},{order}) {i} {j}: {product:e}"
-                    );
+                    assert!((product - expected).abs() < 1e-14, "({window},{order}) {i} {j}: {product:e}");
                 }
             }
         }

@@ -156,12 +156,7 @@ impl Validate for ProNetConfig {
         let all = |list: &[usize], least, most| list.iter().all(|v| (least..=most).contains(v));
         let blocks = self.channels.len();
 
-        faults.check(
-            (8..=100_000).contains(&self.window),
-            "window",
-            self.window,
-            "8 to 100000 samples",
-        );
+        faults.check((8..=100_000).contains(&self.window), "window", self.window, "8 to 100000 samples");
         positive(&mut faults, "input_scale", self.input_scale);
         faults.check(
             !self.rescale_output || self.standardise != Standardise::None,
@@ -175,11 +170,9 @@ impl Validate for ProNetConfig {
             format!("{:?}", self.channels),
             "1 to 8 numbers from 1 to 1024",
         );
-        for (key, list, least) in [
-            ("kernels", &self.kernels, 1),
-            ("strides", &self.strides, 1),
-            ("paddings", &self.paddings, 0),
-        ] {
+        for (key, list, least) in
+            [("kernels", &self.kernels, 1), ("strides", &self.strides, 1), ("paddings", &self.paddings, 0)]
+        {
             let shown = format!("{list:?}");
             let one_each = format!("one entry a block, {blocks} as in `channels`");
             faults.check(list.len() == blocks, key, &shown, one_each);
@@ -261,10 +254,7 @@ mod tests {
             ..ProNetConfig::default()
         };
         let keys: Vec<_> = config.faults().into_iter().map(|fault| fault.key).collect();
-        assert_eq!(
-            keys,
-            ["window", "input_scale", "rescale_output", "kernels", "leak"]
-        );
+        assert_eq!(keys, ["window", "input_scale", "rescale_output", "kernels", "leak"]);
     }
 
     #[test]

@@ -25,25 +25,14 @@ impl Gradients {
     pub(crate) fn fit(&mut self, plan: &Plan, count: usize) {
         if self.sums.is_empty() {
             self.sums = zeros(plan.gradient_len);
-            self.d_conv = plan
-                .blocks
-                .iter()
-                .map(|b| zeros(b.gradient_rows * b.width_out))
-                .collect();
-            self.d_out = plan
-                .blocks
-                .iter()
-                .map(|b| zeros(b.time_out * b.width_out))
-                .collect();
+            self.d_conv = plan.blocks.iter().map(|b| zeros(b.gradient_rows * b.width_out)).collect();
+            self.d_out = plan.blocks.iter().map(|b| zeros(b.time_out * b.width_out)).collect();
         }
         self.sums.fill(0.0);
         if self.count != count || self.levels.is_empty() {
             let widths = plan.linears.iter().map(|l| l.width_out);
             let first = plan.linears[0].width_in;
-            self.levels = std::iter::once(first)
-                .chain(widths)
-                .map(|w| zeros(count * w))
-                .collect();
+            self.levels = std::iter::once(first).chain(widths).map(|w| zeros(count * w)).collect();
             self.count = count;
         }
     }
@@ -64,13 +53,7 @@ impl WithSimd for Backward<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self {
-            of,
-            packed,
-            chunk,
-            d_sigma,
-            gradients,
-        } = self;
+        let Self { of, packed, chunk, d_sigma, gradients } = self;
         let plan = &of.plan;
         let count = d_sigma.len();
         let last = plan.linears.len();
@@ -141,27 +124,14 @@ fn window_backward<S: Simd>(
     gradients: &mut Gradients,
 ) {
     let plan = &of.plan;
-    let Gradients {
-        sums,
-        d_conv,
-        d_out,
-        levels,
-        ..
-    } = gradients;
+    let Gradients { sums, d_conv, d_out, levels, .. } = gradients;
     let Some(last) = plan.blocks.last() else {
         return;
     };
     let width = plan.linears[0].width_in;
     let d_features = &levels[0][window * width..(window + 1) * width];
     let out = &saved[plan.saved_last..][..last.time_out * last.width_out];
-    pool_backward(
-        of.pool,
-        last,
-        out,
-        features,
-        d_features,
-        &mut d_out[plan.blocks.len() - 1],
-    );
+    pool_backward(of.pool, last, out, features, d_features, &mut d_out[plan.blocks.len() - 1]);
     for (b, block) in plan.blocks.iter().enumerate().rev() {
         let len = block.time_out * block.width_out;
         let conv = &saved[block.saved_conv..][..len];
@@ -190,14 +160,7 @@ fn window_backward<S: Simd>(
         };
         let size = block.kernel * block.width_in;
         let d_weights = &mut sums[block.d_weights..][..size * block.width_out];
-        accumulate(
-            simd,
-            rows,
-            size,
-            &d_conv[b][inner..inner + len],
-            block.width_out,
-            d_weights,
-        );
+        accumulate(simd, rows, size, &d_conv[b][inner..inner + len], block.width_out, d_weights);
         if let Some(d_in) = before.last_mut() {
             if block.stride > block.kernel {
                 // Samples that no tap sees.
@@ -210,15 +173,7 @@ fn window_backward<S: Simd>(
                     count: phase.count,
                 };
                 let out = &mut d_in[phase.first * block.width_in..];
-                multiply(
-                    simd,
-                    rows,
-                    packed,
-                    &phase.weights,
-                    None,
-                    out,
-                    block.stride * block.width_in,
-                );
+                multiply(simd, rows, packed, &phase.weights, None, out, block.stride * block.width_in);
             }
         }
     }

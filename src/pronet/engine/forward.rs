@@ -24,14 +24,7 @@ impl WithSimd for Forward<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self {
-            of,
-            packed,
-            windows,
-            keep,
-            chunk,
-            sigma,
-        } = self;
+        let Self { of, packed, windows, keep, chunk, sigma } = self;
         let plan = &of.plan;
         let features_width = plan.linears[0].width_in;
         for (i, window) in windows.chunks_exact(of.window).enumerate() {
@@ -45,21 +38,9 @@ impl WithSimd for Forward<'_> {
         let leak = of.norm.leak;
         for (l, linear) in plan.linears.iter().enumerate() {
             let (before, after) = chunk.levels.split_at_mut(l + 1);
-            let rows = Rows {
-                data: &before[l],
-                stride: linear.width_in,
-                count,
-            };
+            let rows = Rows { data: &before[l], stride: linear.width_in, count };
             let bias = &packed[linear.bias..linear.bias + linear.width_out];
-            multiply(
-                simd,
-                rows,
-                packed,
-                &linear.weights,
-                Some(bias),
-                &mut after[0],
-                linear.width_out,
-            );
+            multiply(simd, rows, packed, &linear.weights, Some(bias), &mut after[0], linear.width_out);
             if l < last {
                 for v in after[0].iter_mut() {
                     *v = v.max(leak * *v);
@@ -100,30 +81,14 @@ fn window_forward<S: Simd>(
         let out_len = block.time_out * block.width_out;
         let (conv, rest) = rest.split_at_mut(block.saved_stats - block.saved_conv);
         let bias = &packed[block.bias..block.bias + block.width_out];
-        multiply(
-            simd,
-            rows,
-            packed,
-            &block.weights,
-            Some(bias),
-            conv,
-            block.width_out,
-        );
+        multiply(simd, rows, packed, &block.weights, Some(bias), conv, block.width_out);
         // What follows the statistics is the next block's padded input, or the last block's output.
         let next = match plan.blocks.get(b + 1) {
             Some(next) => next.saved_input + next.padding * next.width_in,
             None => plan.saved_last,
         };
         let (stats, rest) = rest.split_at_mut(next - block.saved_stats);
-        norm::forward(
-            simd,
-            of.norm,
-            block,
-            packed,
-            &conv[..out_len],
-            stats,
-            &mut rest[..out_len],
-        );
+        norm::forward(simd, of.norm, block, packed, &conv[..out_len], stats, &mut rest[..out_len]);
     }
     let Some(last) = plan.blocks.last() else {
         return scale;
