@@ -5,7 +5,7 @@ mod simulate;
 mod train;
 
 pub(crate) use eval::EvalArgs;
-pub(crate) use simulate::{FlightArgs, SimulateArgs, SimulateWhat};
+pub(crate) use simulate::{FlightArgs, SimulateArgs, SimulateWhat, TracksArgs};
 pub(crate) use train::{SensorArg, TrainArgs};
 
 use clap::{Parser, Subcommand};

@@ -6,6 +6,7 @@ mod eval;
 mod flight;
 mod shipped;
 mod simulate;
+mod tracks;
 mod train;
 
 use crate::args::{Cli, Command};

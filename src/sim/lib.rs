@@ -15,12 +15,14 @@ pub mod flight;
 pub mod imu;
 pub mod simulate;
 pub mod summary;
+pub mod tracks;
 pub mod trajectory;
 
 pub use config::{FlightConfig, StampPattern};
 pub use flight::{Flight, Phase, Phases, Split};
 pub use imu::{ImuSeries, ImuTruth};
 pub use simulate::{SimulatedFlight, SimulationError, simulate, simulate_all};
+pub use tracks::{TracksConfig, simulate_tracks};
 pub use trajectory::Trajectory;
 
 /// The README's code is a test.

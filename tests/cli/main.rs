@@ -10,5 +10,6 @@ mod eval;
 mod recording;
 mod run;
 mod simulate;
+mod tracks;
 mod train;
 mod training;
