@@ -2,18 +2,26 @@
 
 use super::config::EstimatorConfig;
 use super::imu_buffer::{ImuBuffer, Interval};
+use super::ray_rates::RayRates;
 use super::report::{RunReport, Stage};
+use super::starter::{StartFrame, Starter, integrate};
 use super::update::{Phase, RestartReason, Update};
 use crate::factors::reprojection::Sighting;
-use crate::preint::{NoisySample, Preintegration};
-use crate::state::{ImuBias, NavState};
-use crate::window::{Leaving, Seen, Window};
+use crate::init::{InitFrame, RestWatch};
+use crate::preint::NoisySample;
+use crate::state::NavState;
+use crate::window::{AnchorStd, Leaving, Seen, Window};
 use dpn_core::camera::PinholeRadtan;
+use dpn_core::config::ConfigFault;
+use dpn_core::random::Stream;
 use dpn_core::{Stamp, TrackFrame};
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use std::collections::VecDeque;
 use std::time::Instant;
 use thiserror::Error;
+
+/// Solving, telling outliers and finding depths anew, this many times over, settles a start.
+const START_ROUNDS: usize = 5;
 
 /// Input that cannot be taken.
 #[derive(Debug, Error, Clone, Copy, PartialEq, Eq)]
@@ -42,19 +50,6 @@ pub enum FeedError {
     },
 }
 
-/// One frame of a start: its stamp, its state, the samples since the frame before, its tracks.
-#[derive(Debug, Clone)]
-pub struct StartFrame {
-    /// When.
-    pub t: Stamp,
-    /// What is believed of the body.
-    pub state: NavState,
-    /// Samples since the frame before; `None` for the first.
-    pub preint: Option<Preintegration>,
-    /// What was seen.
-    pub seen: Vec<Seen>,
-}
-
 /// A monocular visual-inertial odometry.
 #[derive(Debug, Clone)]
 pub struct Estimator {
@@ -64,16 +59,34 @@ pub struct Estimator {
     frames: VecDeque<TrackFrame>,
     newest_frame: Option<Stamp>,
     window: Window,
+    starter: Starter,
+    rates: RayRates,
+    rest: RestWatch,
     running: bool,
+    /// Where the last estimate ended, for the next one to go on from.
+    last_good: Option<NavState>,
     starved_since: Option<Stamp>,
     report: RunReport,
 }
 
 impl Estimator {
-    /// With a camera at `body_from_cam` on the IMU.
-    pub fn new(config: EstimatorConfig, camera: PinholeRadtan, body_from_cam: Isometry3<f64>) -> Self {
-        Self {
-            config,
+    /// With a camera at `body_from_cam` on the IMU; `seed` feeds the initialisation's consensus.
+    ///
+    /// # Errors
+    /// Settings out of their bounds, all of them.
+    pub fn new(
+        mut config: EstimatorConfig,
+        camera: PinholeRadtan,
+        body_from_cam: Isometry3<f64>,
+        seed: u64,
+    ) -> Result<Self, Vec<ConfigFault>> {
+        config.init.focal_px = camera.focal().mean();
+        let stream = Stream::new(seed).named("estimator");
+        Ok(Self {
+            starter: Starter::new(&config, body_from_cam, stream)?,
+            rates: RayRates::default(),
+            rest: RestWatch::default(),
+            last_good: None,
             camera,
             imu: ImuBuffer::default(),
             frames: VecDeque::new(),
@@ -82,7 +95,8 @@ impl Estimator {
             running: false,
             starved_since: None,
             report: RunReport::default(),
-        }
+            config,
+        })
     }
 
     /// Takes a sample with the noise in force.
@@ -155,28 +169,36 @@ impl Estimator {
     }
 
     /// Begins from known states instead of initialising: the next frame fed goes on after the last of them.
-    pub fn start(&mut self, frames: Vec<StartFrame>) {
+    pub fn start(&mut self, frames: Vec<StartFrame>) -> Option<NavState> {
         self.window = Window::new(self.config.window, *self.window.body_from_cam());
         for frame in frames {
-            self.window.add_frame(frame.t, frame.state, frame.preint, &frame.seen);
+            self.window.add_frame(frame.t, frame.state, frame.preint, false, &frame.seen);
         }
-        self.window.anchor(0.05, f64::INFINITY, 0.5, 0.1);
-        self.window.triangulate();
-        for _ in 0..8 {
+        self.window.anchor(&AnchorStd::default());
+        for _ in 0..START_ROUNDS {
+            self.window.triangulate();
             self.window.optimise();
             self.window.reject_outliers();
-            self.window.triangulate();
+        }
+        let state = self.window.newest()?.state;
+        while self.window.is_full() {
+            let leaving = self.window.leaving(self.camera.focal().mean());
+            self.window.slide(leaving);
         }
         self.running = true;
+        self.rest = RestWatch::default();
+        self.starved_since = None;
+        Some(state)
     }
 
     fn work_off(&mut self, frame: &TrackFrame) -> Update {
-        let clock = Instant::now();
+        let mut clock = Instant::now();
         let interval = self.imu.cut(frame.t);
-        let seen = self.sightings(frame);
+        let mut seen = self.sightings(frame);
+        self.rates.add(frame.t, &mut seen);
         let mut update = Update {
             t: frame.t,
-            phase: Phase::Initialising,
+            phase: Phase::Tracking,
             state: None,
             covariance: None,
             tracked: 0,
@@ -186,18 +208,58 @@ impl Estimator {
             whitened: None,
             seconds: 0.0,
         };
-        self.report.seconds[Stage::Feed as usize] += clock.elapsed().as_secs_f64();
-        if !self.running {
-            return update;
-        }
-        match self.track(frame.t, &interval, &seen, &mut update) {
-            Ok(()) => update.phase = Phase::Tracking,
-            Err(reason) => {
-                update.phase = Phase::Restarted(reason);
+        let mut lap = |stage: Stage, report: &mut RunReport| {
+            report.seconds[stage as usize] += clock.elapsed().as_secs_f64();
+            clock = Instant::now();
+        };
+        lap(Stage::Feed, &mut self.report);
+        if self.running {
+            if let Err(reason) = self.track(frame.t, &interval, &seen, &mut update) {
+                update = Update { state: None, covariance: None, phase: Phase::Restarted(reason), ..update };
                 self.running = false;
             }
+        } else {
+            match self.starter.push(&self.config, frame.t, interval, seen) {
+                Err(reason) => update.phase = Phase::Initialising(reason),
+                Ok(frames) => {
+                    let frames = self.go_on_from_last(frames);
+                    update.state = self.start(frames);
+                    self.last_good = update.state.or(self.last_good);
+                }
+            }
+            lap(Stage::Initialise, &mut self.report);
         }
         update
+    }
+
+    /// Moves a new start to where the last estimate ended: position and heading of its first frame.
+    fn go_on_from_last(&self, mut frames: Vec<StartFrame>) -> Vec<StartFrame> {
+        let (Some(last), Some(first)) = (self.last_good, frames.first()) else { return frames };
+        let from = first.state.world_from_body;
+        let heading = |rotation: &UnitQuaternion<f64>| {
+            let forward = rotation * Vector3::x();
+            forward.y.atan2(forward.x)
+        };
+        let turn = heading(&last.world_from_body.rotation) - heading(&from.rotation);
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn);
+        let shift = last.world_from_body.translation.vector - turn * from.translation.vector;
+        let old_from_new = Isometry3::from_parts(shift.into(), turn);
+        for frame in &mut frames {
+            frame.state.world_from_body = old_from_new * frame.state.world_from_body;
+            frame.state.vel_in_world = turn * frame.state.vel_in_world;
+        }
+        frames
+    }
+
+    /// Whether nothing moved between the window's newest frame and this one.
+    fn rests(&mut self, t: Stamp, interval: &Interval, seen: &[Seen]) -> bool {
+        let rates = interval.samples.iter().map(|s| Vector3::from(s.sample.gyro)).sum::<Vector3<f64>>();
+        let rate = rates.norm() / interval.samples.len().max(1) as f64;
+        let frame = InitFrame::new(t, seen.iter().map(|s| (s.id, s.sighting.bearing)).collect());
+        let before = self.window.newest().map(|f| f.t);
+        self.rest
+            .push(&frame, rate, &self.config.init)
+            .is_some_and(|rest| rest.lasts && before.is_some_and(|before| before >= rest.from))
     }
 
     fn track(
@@ -213,12 +275,42 @@ impl Estimator {
         }
         let Some(last) = self.window.newest() else { return Err(RestartReason::NotFinite) };
         let last = last.state;
-        let preint = integrate(&self.config, &last.bias, interval);
+        let preint = integrate(&self.config, &last.bias, &interval.samples);
         let predicted = preint.as_ref().map_or(last, |p| p.predict(&last));
-        update.tracked = self.window.add_frame(t, predicted, preint, seen);
+        let at_rest = self.rests(t, interval, seen);
+        update.tracked = self.window.add_frame(t, predicted, preint, at_rest, seen);
         self.window.triangulate();
         clock.lap(Stage::Feed);
-        update.iterations = self.window.optimise().iterations;
+        let solved = self.window.optimise();
+        update.iterations = solved.iterations;
+        if std::env::var_os("DBG").is_some() {
+            let mut d: Vec<f64> = self.window.landmarks().iter().filter_map(|l| l.inverse_depth).collect();
+            d.sort_by(f64::total_cmp);
+            let n = d.len();
+            println!(
+                "{solved:?} neg {} p10 {:.3} p50 {:.3} p90 {:.3} frames {:?}",
+                d.iter().filter(|d| **d <= 0.0).count(),
+                d[n / 10],
+                d[n / 2],
+                d[n * 9 / 10],
+                self.window
+                    .frames()
+                    .iter()
+                    .map(|f| (f.t.seconds_since(t) * 10.0).round() / 10.0)
+                    .collect::<Vec<_>>()
+            );
+            println!(
+                "{:?}",
+                self.window
+                    .frames()
+                    .iter()
+                    .map(|f| (f.state.world_from_body.translation.vector * 1000.0)
+                        .map(|v| v.round() / 1000.0)
+                        .as_slice()
+                        .to_vec())
+                    .collect::<Vec<_>>()
+            );
+        }
         clock.lap(Stage::Solve);
         update.outliers = self.window.reject_outliers();
         clock.lap(Stage::Reject);
@@ -236,6 +328,7 @@ impl Estimator {
             }
         }
         update.state = Some(state);
+        self.last_good = Some(state);
         update.landmarks = self.window.landmarks().iter().filter(|l| l.inverse_depth.is_some()).count();
         if self.window.is_full() {
             let leaving: Leaving = self.window.leaving(self.camera.focal().mean());
@@ -260,17 +353,4 @@ impl Clock {
         self.seconds[stage as usize] += (now - self.at).as_secs_f64();
         self.at = now;
     }
-}
-
-/// The samples between two frames as one measurement; `None` where there are fewer than two.
-fn integrate(config: &EstimatorConfig, bias: &ImuBias, interval: &Interval) -> Option<Preintegration> {
-    let (first, rest) = interval.samples.split_first()?;
-    if rest.is_empty() {
-        return None;
-    }
-    let mut preint = Preintegration::new(config.imu, *bias, *first);
-    for sample in rest {
-        preint.push(*sample);
-    }
-    Some(preint)
 }

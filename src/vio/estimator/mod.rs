@@ -9,10 +9,13 @@ mod config;
 mod estimator;
 pub mod health;
 mod imu_buffer;
+mod ray_rates;
 mod report;
+mod starter;
 mod update;
 
 pub use config::EstimatorConfig;
-pub use estimator::{Estimator, FeedError, StartFrame};
+pub use estimator::{Estimator, FeedError};
 pub use report::{RunReport, Stage};
+pub use starter::StartFrame;
 pub use update::{Phase, RestartReason, Update};

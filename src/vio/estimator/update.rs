@@ -1,6 +1,6 @@
 //! What comes out for each frame.
 
-use super::health::RestartReason as Reason;
+use crate::init::WaitReason;
 use crate::state::NavState;
 use dpn_core::Stamp;
 use nalgebra::Matrix6;
@@ -10,12 +10,12 @@ pub use super::health::RestartReason;
 /// What the estimator is doing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Phase {
-    /// Waiting until the first states can be told.
-    Initialising,
+    /// Waiting until the first states can be told, and what for.
+    Initialising(WaitReason),
     /// Estimating.
     Tracking,
     /// Given up at this frame, for the reason said; the next frames initialise again.
-    Restarted(Reason),
+    Restarted(RestartReason),
 }
 
 /// The outcome of one frame.

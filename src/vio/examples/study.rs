@@ -72,7 +72,7 @@ struct Outcome {
     stages: [f64; 5],
 }
 
-fn run(data: &Path, name: &str, from: f64, factor: f64, config: EstimatorConfig) -> Outcome {
+fn run(data: &Path, name: &str, from: f64, factor: f64, config: &EstimatorConfig) -> Outcome {
     let sequence = Sequence::open(&data.join("euroc").join(name)).unwrap();
     let imu = sequence.imu().unwrap();
     let truth = sequence.ground_truth().unwrap();
@@ -81,13 +81,14 @@ fn run(data: &Path, name: &str, from: f64, factor: f64, config: EstimatorConfig)
     let camera = PinholeRadtan::try_from(&camera_config).unwrap();
     let tracks = std::env::var("TRACKS").map_or_else(|_| data.join("tracks"), PathBuf::from);
     let frames = read_tracks(&tracks.join(format!("{name}.txt"))).unwrap();
+    let from = if std::env::var_os("FIRST").is_some() { 0.0 } else { from };
     let start = frames[0].t.plus_seconds(from);
     let frames: Vec<TrackFrame> = frames.into_iter().filter(|f| f.t >= start).collect();
     let noise = ImuNoise::from_values([0.08 * factor; 3], [0.004 * factor; 3]).unwrap();
     let samples: Vec<NoisySample> = imu.samples().iter().map(|s| NoisySample { sample: *s, noise }).collect();
-    let mut estimator = Estimator::new(config, camera, camera_config.body_from_cam);
+    let mut estimator = Estimator::new(config.clone(), camera, camera_config.body_from_cam, 1).unwrap();
     let mut begin: Vec<StartFrame> = Vec::new();
-    let count = 20;
+    let count = if std::env::var_os("GT").is_some() { 11 } else { 0 };
     for frame in &frames[..count] {
         let pose = truth.at(frame.t).unwrap();
         let ahead = truth.at(frame.t.plus_seconds(0.05)).unwrap_or(pose);
@@ -101,10 +102,12 @@ fn run(data: &Path, name: &str, from: f64, factor: f64, config: EstimatorConfig)
         let state = NavState { world_from_body: pose, vel_in_world: vel, bias: ImuBias::zero() };
         begin.push(StartFrame { t: frame.t, state, preint, seen: estimator.sightings(frame) });
     }
-    let last = begin[count - 1].t;
-    estimator.start(begin);
+    let last = begin.last().map_or(frames[0].t, |b| b.t);
+    if count > 0 {
+        estimator.start(begin);
+    }
     for s in &samples {
-        if s.sample.t >= last {
+        if s.sample.t.plus_seconds(0.006) >= last {
             estimator.feed_imu(*s).unwrap();
         }
     }
@@ -115,8 +118,23 @@ fn run(data: &Path, name: &str, from: f64, factor: f64, config: EstimatorConfig)
         while let Some(update) = estimator.next_update() {
             cpu += update.seconds;
             if std::env::var_os("TRACE").is_some() {
-                let e = update.state.and_then(|s| truth.at(update.t).map(|p| (s.world_from_body.translation.vector - p.translation.vector).norm()));
-                println!("{:.1} {:?} tracked {} landmarks {} outliers {} it {} err {e:?} v {:.2?} ba {:.3?} bg {:.4?}", update.t.seconds_since(frames[0].t), update.phase, update.tracked, update.landmarks, update.outliers, update.iterations, update.state.map(|s| s.vel_in_world.norm()), update.state.map(|s| s.bias.accel.norm()), update.state.map(|s| s.bias.gyro.norm()));
+                let e = update.state.and_then(|s| {
+                    truth
+                        .at(update.t)
+                        .map(|p| (s.world_from_body.translation.vector - p.translation.vector).norm())
+                });
+                println!(
+                    "{:.1} {:?} tracked {} landmarks {} outliers {} it {} err {e:?} v {:.2?} ba {:.3?} bg {:.4?}",
+                    update.t.seconds_since(frames[0].t),
+                    update.phase,
+                    update.tracked,
+                    update.landmarks,
+                    update.outliers,
+                    update.iterations,
+                    update.state.map(|s| s.vel_in_world.norm()),
+                    update.state.map(|s| s.bias.accel.norm()),
+                    update.state.map(|s| s.bias.gyro.norm())
+                );
             }
             if let (Some(state), Some(truth)) = (update.state, truth.at(update.t)) {
                 pairs.push((state.world_from_body.translation.vector, truth.translation.vector));
@@ -125,6 +143,18 @@ fn run(data: &Path, name: &str, from: f64, factor: f64, config: EstimatorConfig)
     }
     let report = estimator.report();
     let seconds = frames[frames.len() - 1].t.seconds_since(frames[0].t);
+    if let Some(t) = report.initialised {
+        if std::env::var_os("INIT").is_some() {
+            eprintln!("{name} x{factor}: init {:.1}", t.seconds_since(frames[0].t));
+        }
+    }
+    if std::env::var_os("INIT").is_some() {
+        eprintln!(
+            "{name} x{factor}: offset {:.2} ms camera {:.3?}",
+            1e3 * estimator.window().time_offset(),
+            estimator.window().body_from_cam().translation.vector.as_slice()
+        );
+    }
     for (t, reason) in &report.restarts {
         eprintln!("{name} x{factor}: at {:.1} s: {reason}", t.seconds_since(frames[0].t));
     }
@@ -159,7 +189,7 @@ fn main() {
                 loop {
                     let k = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
                     let Some((n, f)) = jobs.get(k) else { break };
-                    let o = run(&data, names[*n].0, names[*n].1, factors[*f], config);
+                    let o = run(&data, names[*n].0, names[*n].1, factors[*f], &config);
                     results.lock().unwrap()[k] = Some((
                         o.ate,
                         o.cpu / o.seconds,

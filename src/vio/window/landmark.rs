@@ -3,6 +3,9 @@
 use crate::factors::reprojection::{PairGeometry, Sighting};
 use nalgebra::{Isometry3, Matrix3, SymmetricEigen, Vector3};
 
+/// Points farther than this are all alike \[1/m\]. A bound, because the other side of infinity fits a motion the wrong way round.
+pub(crate) const MIN_INVERSE_DEPTH: f64 = 1e-3;
+
 /// A landmark and the frames that saw it.
 #[derive(Debug, Clone)]
 pub struct Landmark {
@@ -78,7 +81,7 @@ impl Landmark {
             let cam_from_host = world_from_cam[*frame].inverse() * host;
             (cam_from_host * nalgebra::Point3::from(point)).coords.dot(&sighting.bearing) > 0.0
         });
-        (in_front && point.z > 0.0).then(|| 1.0 / point.z)
+        (in_front && point.z > 0.0).then(|| (1.0 / point.z).max(MIN_INVERSE_DEPTH))
     }
 
     /// Root mean square of its residuals but the host's own \[standard deviations, one axis\].

@@ -3,13 +3,15 @@
 //! A depth meets only the frames that saw its landmark: with `w` the depth's row of the Hessian, `h` its diagonal and `g` its
 //! gradient, what is left over the states is `H - w^T w / h` and `g_states - w^T g / h`.
 
+use super::landmark::MIN_INVERSE_DEPTH;
 use super::layout::Layout;
 use super::normal::Normal;
 use super::window::Window;
 use crate::factors::inertial::{inertial_jacobians, sqrt_information};
 use crate::factors::reprojection::PairGeometry;
+use crate::factors::rest::{self, rest_jacobians};
 use crate::state::{POSE_DIM, STATE_DIM};
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 
 /// Which measurements enter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,13 +70,16 @@ impl Linearisation {
         let last = if part == Part::All { window.frames.len() } else { 2 };
         for j in 1..last {
             self.cost += add_inertial(window, layout, j, &mut self.normal);
+            self.cost += add_rest(window, layout, j, &mut self.normal);
         }
         self.pairs(window);
         for index in 0..window.landmarks.len() {
             let landmark = &window.landmarks[index];
-            if part == Part::All || window.leaves_with_oldest(landmark) {
-                self.add_landmark(window, layout, index, damping);
-            }
+            let sightings = match part {
+                Part::All => landmark.sightings.len(),
+                Part::Oldest => window.handed_over(landmark),
+            };
+            self.add_landmark(window, layout, index, sightings, damping);
         }
     }
 
@@ -98,9 +103,16 @@ impl Linearisation {
         }
     }
 
-    fn add_landmark(&mut self, window: &Window, layout: &Layout, index: usize, damping: f64) {
+    fn add_landmark(
+        &mut self,
+        window: &Window,
+        layout: &Layout,
+        index: usize,
+        sightings: usize,
+        damping: f64,
+    ) {
         let landmark = &window.landmarks[index];
-        let Some(inverse_depth) = landmark.inverse_depth.filter(|_| landmark.sightings.len() > 1) else {
+        let Some(inverse_depth) = landmark.inverse_depth.filter(|_| sightings > 1) else {
             return;
         };
         let n = window.frames.len();
@@ -116,7 +128,7 @@ impl Linearisation {
             self.couplings.len() - 1
         });
         let mut offset_coupling = 0.0;
-        for (target, sighting) in &landmark.sightings[1..] {
+        for (target, sighting) in &landmark.sightings[1..sightings] {
             let target_place = layout.pose(*target);
             let sighting = window.sighting_at_offset(sighting);
             let Some(geometry) = &self.geometry[host * n + target] else { continue };
@@ -177,14 +189,24 @@ impl Linearisation {
                 offset_coupling += column[0][0] * at.depth[0] + column[1][0] * at.depth[1];
             }
         }
-        self.take_out(layout, DepthRow { landmark: index, inverse_h: h, g, start }, damping, offset_coupling);
+        let at_bound = inverse_depth <= MIN_INVERSE_DEPTH;
+        let row = DepthRow { landmark: index, inverse_h: h, g, start };
+        self.take_out(layout, row, damping, offset_coupling, at_bound);
     }
 
     /// The Schur complement of one depth; `row.inverse_h` comes in as `h`.
-    fn take_out(&mut self, layout: &Layout, mut row: DepthRow, damping: f64, offset_coupling: f64) {
+    fn take_out(
+        &mut self,
+        layout: &Layout,
+        mut row: DepthRow,
+        damping: f64,
+        offset_coupling: f64,
+        at_bound: bool,
+    ) {
         let h = row.inverse_h * (1.0 + damping);
-        // A depth that nothing was said of has no couplings worth the name either.
-        if h < 1e-9 {
+        // A depth at its bound that would go on beyond it stands still: no unknown. One that nothing was said of has no couplings
+        // worth the name either.
+        if h < 1e-9 || (at_bound && row.g >= 0.0) {
             self.couplings.truncate(row.start);
             return;
         }
@@ -311,7 +333,7 @@ fn add_inertial(window: &Window, layout: &Layout, j: usize, normal: &mut Normal)
     }
     let residual: SVector<f64, STATE_DIM> = root * residual;
     let (d_i, d_j) = (root * d_i, root * d_j);
-    let split = |d: &nalgebra::SMatrix<f64, STATE_DIM, STATE_DIM>| {
+    let split = |d: &SMatrix<f64, STATE_DIM, STATE_DIM>| {
         let mut pose = [[0.0; POSE_DIM]; STATE_DIM];
         let mut motion = [[0.0; STATE_DIM - POSE_DIM]; STATE_DIM];
         for r in 0..STATE_DIM {
@@ -338,7 +360,7 @@ fn add_inertial(window: &Window, layout: &Layout, j: usize, normal: &mut Normal)
     normal.add_product(at_pose_j, &pose_j, at_motion_i, &motion_i);
     normal.add_product(at_pose_j, &pose_j, at_motion_j, &motion_j);
     let gradient = |at: usize,
-                    d: &nalgebra::SMatrix<f64, STATE_DIM, STATE_DIM>,
+                    d: &SMatrix<f64, STATE_DIM, STATE_DIM>,
                     from: usize,
                     count: usize,
                     normal: &mut Normal| {
@@ -351,5 +373,25 @@ fn add_inertial(window: &Window, layout: &Layout, j: usize, normal: &mut Normal)
     gradient(at_motion_i, &d_i, POSE_DIM, STATE_DIM - POSE_DIM, normal);
     gradient(at_pose_j, &d_j, 0, POSE_DIM, normal);
     gradient(at_motion_j, &d_j, POSE_DIM, STATE_DIM - POSE_DIM, normal);
+    0.5 * residual.norm_squared()
+}
+
+/// Adds what rest between frame `j` and the one before says, and returns its cost.
+fn add_rest(window: &Window, layout: &Layout, j: usize, normal: &mut Normal) -> f64 {
+    if !window.frames[j].at_rest {
+        return 0.0;
+    }
+    let (residual, d_i, d_j) = rest_jacobians(&window.frames[j - 1].state, &window.frames[j].state);
+    let places: [usize; 18] = std::array::from_fn(|k| layout.state(j - 1 + k / 9, k % 9));
+    let mut all = SMatrix::<f64, { rest::ROWS }, 18>::zeros();
+    all.fixed_columns_mut::<9>(0).copy_from(&d_i);
+    all.fixed_columns_mut::<9>(9).copy_from(&d_j);
+    let (h, g) = (all.tr_mul(&all), all.tr_mul(&residual));
+    for r in 0..18 {
+        normal.gradient_mut()[places[r]] += g[r];
+        for c in 0..=r {
+            normal.add(places[r], places[c], h[(r, c)]);
+        }
+    }
     0.5 * residual.norm_squared()
 }

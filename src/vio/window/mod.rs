@@ -14,12 +14,14 @@ mod parallax;
 mod prior;
 mod slide;
 mod solve;
+#[cfg(test)]
+mod tests;
 #[allow(clippy::module_inception)]
 mod window;
 
 pub use config::{Handover, WindowConfig};
 pub use landmark::Landmark;
-pub use prior::Prior;
+pub use prior::{AnchorStd, Prior};
 pub use slide::Leaving;
 pub use solve::{Solved, Stop};
 pub use window::{Frame, Seen, Window};

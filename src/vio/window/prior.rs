@@ -8,8 +8,8 @@
 use super::layout::Layout;
 use super::normal::Normal;
 use super::window::Window;
-use crate::state::{ACCEL_BIAS, GYRO_BIAS, NavState, POSE_DIM, STATE_DIM, VELOCITY, pose_minus};
-use nalgebra::{Isometry3, SVector};
+use crate::state::{ACCEL_BIAS, GYRO_BIAS, NavState, POSE_DIM, POSITION, ROTATION, STATE_DIM, pose_minus};
+use nalgebra::{Isometry3, Vector3};
 
 /// A prior on the window's first `layout.frames` frames and, where estimated, camera and clock.
 #[derive(Debug, Clone)]
@@ -23,13 +23,27 @@ pub struct Prior {
 }
 
 impl Prior {
-    /// Places position, heading and biases of a window's first frame, and loosely all else of it, by standard deviations in the
-    /// order of [`crate::state`]; a deviation that is infinite says nothing.
-    pub(crate) fn anchor(window: &Window, std: &SVector<f64, STATE_DIM>) -> Self {
+    /// Fixes what no measurement sees, position and heading of the window's first frame, and says what is known of its biases and
+    /// its tilt beforehand.
+    pub(crate) fn anchor(window: &Window, std: &AnchorStd) -> Self {
         let layout = Layout { frames: 1, ..window.layout() };
         let mut system = Normal::zeros(layout.dim());
-        for (k, s) in std.iter().enumerate() {
-            system.add(layout.state(0, k), layout.state(0, k), 1.0 / (s * s));
+        let mut isotropic = |at: usize, std: f64| {
+            for k in at..at + 3 {
+                system.add(layout.state(0, k), layout.state(0, k), 1.0 / (std * std));
+            }
+        };
+        isotropic(POSITION, std.position);
+        isotropic(ROTATION, std.tilt);
+        isotropic(ACCEL_BIAS, std.accel_bias);
+        isotropic(GYRO_BIAS, std.gyro_bias);
+        // A turn about the world's z, seen from the right, is one about z in the body's frame.
+        let up_in_body = window.frames[0].state.world_from_body.rotation.inverse() * Vector3::z();
+        for r in 0..3 {
+            for c in 0..=r {
+                let at = layout.state(0, ROTATION);
+                system.add(at + r, at + c, up_in_body[r] * up_in_body[c] / (std.heading * std.heading));
+            }
         }
         // The camera is known to a centimetre and half a degree, its clock to some milliseconds, before anything was seen.
         for (at, std) in [(0, 0.01), (3, 0.01)] {
@@ -107,21 +121,23 @@ impl Prior {
     }
 }
 
-/// Deviations that fix what cannot be seen (position and heading) and leave the rest to the measurements.
-///
-/// Heading is about the world's z; the rotation is perturbed on the right, so the first frame's attitude as a whole gets `rotation`.
-pub(crate) fn anchor_std(
-    position: f64,
-    rotation: f64,
-    velocity: f64,
-    accel_bias: f64,
-    gyro_bias: f64,
-) -> SVector<f64, STATE_DIM> {
-    let mut std = SVector::<f64, STATE_DIM>::zeros();
-    std.fixed_rows_mut::<3>(0).fill(position);
-    std.fixed_rows_mut::<3>(3).fill(rotation);
-    std.fixed_rows_mut::<3>(VELOCITY).fill(velocity);
-    std.fixed_rows_mut::<3>(ACCEL_BIAS).fill(accel_bias);
-    std.fixed_rows_mut::<3>(GYRO_BIAS).fill(gyro_bias);
-    std
+/// Standard deviations of what is known of the first frame without any measurement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AnchorStd {
+    /// Of each axis of the position \[m\]: small, as it is where the world begins.
+    pub position: f64,
+    /// Of the heading \[rad\]: small likewise.
+    pub heading: f64,
+    /// Of roll and pitch \[rad\].
+    pub tilt: f64,
+    /// Of each axis of the accelerometer's bias \[m/s^2\].
+    pub accel_bias: f64,
+    /// Of each axis of the gyro's bias \[rad/s\].
+    pub gyro_bias: f64,
+}
+
+impl Default for AnchorStd {
+    fn default() -> Self {
+        Self { position: 1e-3, heading: 1e-3, tilt: 0.2, accel_bias: 0.3, gyro_bias: 0.1 }
+    }
 }

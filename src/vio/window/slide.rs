@@ -1,7 +1,7 @@
 //! How a frame goes out: the oldest into the prior, or the second newest, which said nothing new, without trace.
 
 use super::config::Handover;
-use super::landmark::Landmark;
+use super::landmark::{Landmark, MIN_INVERSE_DEPTH};
 use super::window::Window;
 use crate::factors::inertial::inertial_residual;
 
@@ -21,6 +21,12 @@ impl Window {
         if n < 3 {
             return Leaving::Oldest;
         }
+        // The first and the last frame of a rest say all there is to say of it.
+        match (self.frames[n - 2].at_rest, self.frames[n - 1].at_rest) {
+            (true, true) => return Leaving::SecondNewest,
+            (true, false) => return Leaving::Oldest,
+            (false, _) => {}
+        }
         let parallax = self.parallax(n - 3, n - 2);
         let moved = parallax.mean * focal_px >= self.config.key_frame_parallax_px;
         let seen = self.landmarks.iter().filter(|l| l.seen_by(n - 2)).count();
@@ -32,10 +38,20 @@ impl Window {
         }
     }
 
-    /// Whether the prior must take in a landmark when the oldest frame leaves, as its measurements would else be lost.
-    pub(crate) fn leaves_with_oldest(&self, landmark: &Landmark) -> bool {
-        let last = self.frames.len() - 1;
-        landmark.host() == 0 && (self.config.handover != Handover::Drop || landmark.last_frame() < last)
+    /// How many of a landmark's sightings, from its first, enter the prior when the oldest frame leaves.
+    pub(crate) fn handed_over(&self, landmark: &Landmark) -> usize {
+        let sightings = landmark.sightings.len();
+        if landmark.host() != 0 || landmark.inverse_depth.is_none() || sightings < 2 {
+            return 0;
+        }
+        let ended = landmark.last_frame() + 1 < self.frames.len();
+        match self.config.handover {
+            Handover::Reuse | Handover::Consume => sightings,
+            _ if ended => sightings,
+            // Two sightings at least on both sides, or there is no depth to be had from them.
+            Handover::Split if sightings >= 4 => sightings.div_ceil(2),
+            Handover::Split | Handover::Drop => 0,
+        }
     }
 
     /// Lets a frame go. Of the oldest, returns the inertial residual of the interval that leaves with it: the sum of squares in
@@ -58,32 +74,29 @@ impl Window {
             self.frames.iter().map(|f| f.state.world_from_body * self.body_from_cam).collect();
         let handover = self.config.handover;
         let mut landmarks = std::mem::take(&mut self.landmarks);
+        let used: Vec<usize> = landmarks.iter().map(|l| self.handed_over(l)).collect();
+        let mut index = 0;
         landmarks.retain_mut(|landmark| {
+            let landmark_index = index;
+            index += 1;
             if landmark.host() != 0 {
                 return true;
             }
             let point = landmark.point(&last_cameras[0]);
-            let had_depth = landmark.inverse_depth.is_some();
-            let used = had_depth && landmark.sightings.len() > 1;
-            let ended = landmark.last_frame() < newest;
-            // Its measurements are in the prior and must not be counted again.
-            if used && ended && handover != Handover::Reuse {
-                return false;
-            }
-            if used && handover == Handover::Consume {
-                // The newest alone goes on, as the anchor of what comes.
-                let last = landmark.sightings[landmark.sightings.len() - 1];
-                landmark.sightings.clear();
-                landmark.sightings.push(last);
-            } else {
-                landmark.sightings.remove(0);
-            }
+            // What is in the prior must not be counted again, what has lost its host's frame cannot stay.
+            let gone = match (handover, used[landmark_index]) {
+                (_, 0) | (Handover::Reuse, _) => 1,
+                // The newest goes on, as the anchor of what comes.
+                (Handover::Consume, all) if landmark.last_frame() == newest => all - 1,
+                (_, used) => used,
+            };
+            landmark.sightings.drain(..gone);
             // A depth that was not told, or a point behind a camera, is found anew.
             landmark.inverse_depth = None;
             let Some((host, _)) = landmark.sightings.first() else { return false };
             landmark.inverse_depth = point.and_then(|p| {
                 let z = (last_cameras[*host].inverse() * nalgebra::Point3::from(p)).z;
-                (z > 0.0).then(|| 1.0 / z)
+                (z > 0.0).then(|| (1.0 / z).max(MIN_INVERSE_DEPTH))
             });
             true
         });
@@ -91,6 +104,7 @@ impl Window {
         self.prior = Some(prior);
         self.frames.remove(0);
         self.frames[0].preint = None;
+        self.frames[0].at_rest = false;
         if self.config.first_estimates {
             for frame in &mut self.frames {
                 frame.first.get_or_insert(frame.state);
@@ -120,12 +134,13 @@ impl Window {
                 let point = landmark.point(&gone_camera);
                 landmark.inverse_depth = point.and_then(|p| {
                     let z = (next_camera.inverse() * nalgebra::Point3::from(p)).z;
-                    (z > 0.0).then(|| 1.0 / z)
+                    (z > 0.0).then(|| (1.0 / z).max(MIN_INVERSE_DEPTH))
                 });
             }
             landmark.sightings.remove(k);
         }
         let frame = self.frames.remove(gone);
+        self.frames[gone].at_rest &= frame.at_rest;
         if let (Some(mut earlier), Some(later)) = (frame.preint, self.frames[gone].preint.take()) {
             earlier.append(&later);
             self.frames[gone].preint = Some(earlier);
@@ -155,7 +170,7 @@ impl Window {
         let mut landmarks = std::mem::take(&mut self.landmarks);
         landmarks.retain_mut(|landmark| {
             let Some(inverse_depth) = landmark.inverse_depth else { return true };
-            if !(inverse_depth > 0.0 && inverse_depth.is_finite()) {
+            if !inverse_depth.is_finite() {
                 landmark.inverse_depth = None;
                 return true;
             }

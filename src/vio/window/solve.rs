@@ -1,5 +1,6 @@
 //! Levenberg-Marquardt on the window: steps over the states, depths following each.
 
+use super::landmark::MIN_INVERSE_DEPTH;
 use super::layout::Layout;
 use super::linearise::{Linearisation, Part};
 use super::window::Window;
@@ -126,7 +127,7 @@ impl Window {
         covariance
     }
 
-    fn apply(&mut self, at: &Linearisation, step: &[f64]) {
+    pub(crate) fn apply(&mut self, at: &Linearisation, step: &[f64]) {
         let layout = self.layout();
         for (frame, f) in self.frames.iter_mut().enumerate() {
             let d = SVector::<f64, STATE_DIM>::from_fn(|k, _| step[layout.state(frame, k)]);
@@ -141,7 +142,7 @@ impl Window {
         }
         for (landmark, d) in at.depth_steps(&layout, step) {
             if let Some(inverse_depth) = &mut self.landmarks[landmark].inverse_depth {
-                *inverse_depth += d;
+                *inverse_depth = (*inverse_depth + d).max(MIN_INVERSE_DEPTH);
             }
         }
     }

@@ -5,7 +5,7 @@ use super::landmark::Landmark;
 use super::layout::Layout;
 use super::linearise::Linearisation;
 use super::normal::Factor;
-use super::prior::{Prior, anchor_std};
+use super::prior::{AnchorStd, Prior};
 use crate::factors::reprojection::{PairGeometry, Sighting};
 use crate::preint::Preintegration;
 use crate::state::NavState;
@@ -22,6 +22,8 @@ pub struct Frame {
     pub state: NavState,
     /// The IMU's samples since the frame before; `None` for the first of all.
     pub preint: Option<Preintegration>,
+    /// Whether nothing moved since the frame before.
+    pub at_rest: bool,
     /// Where derivatives stay once the frame is in the prior.
     pub(crate) first: Option<NavState>,
 }
@@ -110,16 +112,18 @@ impl Window {
 
     /// Puts a frame at the end and returns how many of its tracks go on from earlier frames.
     ///
-    /// `preint` holds the samples since the frame before; `state` is where the solver starts.
+    /// `preint` holds the samples since the frame before; `state` is where the solver starts; `at_rest` says that nothing
+    /// moved between the two.
     pub fn add_frame(
         &mut self,
         t: Stamp,
         state: NavState,
         preint: Option<Preintegration>,
+        at_rest: bool,
         seen: &[Seen],
     ) -> usize {
         let frame = self.frames.len();
-        self.frames.push(Frame { t, state, preint, first: None });
+        self.frames.push(Frame { t, state, preint, at_rest, first: None });
         let mut known = 0;
         let mut still_wrong = HashSet::new();
         for Seen { id, sighting } in seen {
@@ -142,11 +146,9 @@ impl Window {
         known
     }
 
-    /// Fixes position and heading of the first frame, with what is known of the rest of it at the start.
-    ///
-    /// `rotation` \[rad\] on all three axes, `velocity` \[m/s\], `accel_bias` \[m/s^2\], `gyro_bias` \[rad/s\]: standard deviations.
-    pub fn anchor(&mut self, rotation: f64, velocity: f64, accel_bias: f64, gyro_bias: f64) {
-        self.prior = Some(Prior::anchor(self, &anchor_std(1e-3, rotation, velocity, accel_bias, gyro_bias)));
+    /// Fixes position and heading of the first frame, with what is known of it beforehand.
+    pub fn anchor(&mut self, std: &AnchorStd) {
+        self.prior = Some(Prior::anchor(self, std));
     }
 
     /// Gives every landmark that has none a depth to start from: told by its rays where they part enough, else, once three frames
