@@ -62,7 +62,8 @@ pub fn frames_from<'a>(
     };
     let samples = recording.imu.samples();
     let (imu_first, imu_last) = (samples[0].t, samples[samples.len() - 1].t);
-    let inside = |frames: &[TrackFrame]| frames.iter().filter(|f| imu_first <= f.t && f.t <= imu_last).count();
+    let inside =
+        |frames: &[TrackFrame]| frames.iter().filter(|f| imu_first <= f.t && f.t <= imu_last).count();
     if inside(frames) < FEWEST_FRAMES {
         return Err(ClosedLoopError::Apart {
             sequence: sequence(),
@@ -89,15 +90,16 @@ pub fn frames_from<'a>(
 
 /// Feeds samples with their noise and frames in the order of time, and takes every update as soon as it can be had.
 ///
-/// `noise` has a value at each of the recording's samples.
+/// `noise` has a value at each of the recording's samples; `seed` is the estimator's.
 ///
 /// # Errors
-/// Frames whose stamps do not increase.
+/// Settings out of their bounds; frames whose stamps do not increase.
 pub fn drive(
     config: &EstimatorConfig,
     recording: &Recording,
     frames: &[TrackFrame],
     noise: &NoiseTrack,
+    seed: u64,
 ) -> Result<Driven, ClosedLoopError> {
     let refused = |source| ClosedLoopError::Feed { sequence: recording.name.clone(), source };
     let stamps: Vec<Stamp> = frames.iter().map(|f| f.t).collect();
@@ -105,7 +107,9 @@ pub fn drive(
         (Some(first), Some(last)) => last.seconds_since(*first),
         _ => 0.0,
     };
-    let mut estimator = Estimator::new(*config, recording.camera.clone(), recording.body_from_cam);
+    let (camera, body_from_cam) = (recording.camera.clone(), recording.body_from_cam);
+    let mut estimator =
+        Estimator::new(config.clone(), camera, body_from_cam, seed).map_err(ClosedLoopError::Config)?;
     let samples = recording.imu.samples();
     // The last sample before the first frame is where its interval begins.
     let begin = frames.first().map_or(0, |f| samples.partition_point(|s| s.t <= f.t).saturating_sub(1));

@@ -3,6 +3,7 @@
 use crate::metrics::MetricsError;
 use crate::noise::NoiseError;
 use dpn_core::camera::BadCamera;
+use dpn_core::config::ConfigFault;
 use dpn_core::io::IoError;
 use dpn_sim::SimulationError;
 use dpn_sim::tracks::{BadCameraSettings, PathError, TracksError};
@@ -13,6 +14,9 @@ use thiserror::Error;
 /// Why a closed loop cannot be run.
 #[derive(Debug, Error)]
 pub enum ClosedLoopError {
+    /// Settings of the estimator out of their bounds.
+    #[error("the estimator's settings: {}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    Config(Vec<ConfigFault>),
     /// A file that cannot be read or written.
     #[error(transparent)]
     Io(#[from] IoError),

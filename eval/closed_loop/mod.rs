@@ -21,8 +21,8 @@ mod table;
 
 pub use drive::{Driven, FEWEST_FRAMES, drive, frames_from};
 pub use error::ClosedLoopError;
-pub use paper::Peer;
 pub use judge::{Errors, Told, judge};
+pub use paper::Peer;
 pub use recording::{Recording, StartAt, first_motion};
 pub use row::{CellKey, Failure, Restart, Row, StageSeconds};
 pub use source::{Source, Tracks};

@@ -73,9 +73,12 @@ mod tests {
             (all.iter().sum::<f64>() / all.len() as f64, all.len())
         };
         // As the paper's text and the comparison give them.
-        for (peer, noise, known) in
-            [(&paper, "x1", 0.196), (&paper, "dualpronet", 0.150), (&vins, "x1", 0.175), (&vins, "x16", 0.286)]
-        {
+        for (peer, noise, known) in [
+            (&paper, "x1", 0.196),
+            (&paper, "dualpronet", 0.150),
+            (&vins, "x1", 0.175),
+            (&vins, "x16", 0.286),
+        ] {
             let (mean, count) = mean(peer, noise);
             assert!((mean - known).abs() < 6e-4 && count == 11, "{noise}: {mean}");
         }

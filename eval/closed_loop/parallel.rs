@@ -65,10 +65,16 @@ mod tests {
         let stop = AtomicBool::new(false);
         for threads in [1, 2, 7] {
             let mut heard = 0;
-            let results = each(threads, 100, &stop, |i| Ok::<_, ()>(i * i), |_, _| {
-                heard += 1;
-                Ok(())
-            });
+            let results = each(
+                threads,
+                100,
+                &stop,
+                |i| Ok::<_, ()>(i * i),
+                |_, _| {
+                    heard += 1;
+                    Ok(())
+                },
+            );
             let expected: Vec<Option<usize>> = (0..100).map(|i| Some(i * i)).collect();
             assert_eq!(results.unwrap(), expected);
             assert_eq!(heard, 100);

@@ -46,6 +46,15 @@ impl StartAt {
     }
 }
 
+impl std::fmt::Display for StartAt {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Table => f.write_str("table"),
+            Self::Seconds(seconds) => write!(f, "{seconds}"),
+        }
+    }
+}
+
 impl std::str::FromStr for StartAt {
     type Err = String;
 
@@ -97,7 +106,13 @@ mod tests {
             t: Stamp::from_ns(t),
             world_from_body: Isometry3::new(Vector3::x() * x, Vector3::z() * turn),
         };
-        let truth = [pose(0, 5.0, 0.0), pose(1, 0.0, 0.0), pose(2, 0.019, 0.01), pose(3, 0.0, 0.018), pose(4, 0.1, 0.0)];
+        let truth = [
+            pose(0, 5.0, 0.0),
+            pose(1, 0.0, 0.0),
+            pose(2, 0.019, 0.01),
+            pose(3, 0.0, 0.018),
+            pose(4, 0.1, 0.0),
+        ];
         assert_eq!(first_motion(&truth, Stamp::from_ns(1)), Some(Stamp::from_ns(3)));
         assert_eq!(first_motion(&truth[1..3], Stamp::from_ns(0)), None);
         assert_eq!(first_motion(&truth, Stamp::from_ns(9)), None);

@@ -54,11 +54,12 @@ impl Source {
     /// A folder that cannot be listed or holds no sequence.
     pub fn recorded(dir: &Path, tracks: Tracks) -> Result<Self, ClosedLoopError> {
         let all = discover(dir)?;
-        let of_paper: Vec<_> =
-            all.iter().filter_map(|s| Some((s.clone(), paper_side(s.name())?))).collect();
+        let of_paper: Vec<_> = all.iter().filter_map(|s| Some((s.clone(), paper_side(s.name())?))).collect();
         let sequences = if of_paper.is_empty() {
             let sides = assign(all.iter().map(Sequence::name));
-            let side = |s: &Sequence| sides.iter().find(|(name, _)| name == s.name()).map_or(Side::Test, |(_, side)| *side);
+            let side = |s: &Sequence| {
+                sides.iter().find(|(name, _)| name == s.name()).map_or(Side::Test, |(_, side)| *side)
+            };
             all.iter().map(|s| (s.clone(), side(s))).collect()
         } else {
             of_paper
@@ -172,7 +173,9 @@ impl Source {
                 files.extend(sequence.ground_truth_path());
                 let beside = |path: PathBuf, name: &str| path.with_file_name(name);
                 let camera = sequence.camera_path();
-                files.extend([beside(camera.clone(), "sensor.yaml"), camera].into_iter().filter(|p| p.is_file()));
+                files.extend(
+                    [beside(camera.clone(), "sensor.yaml"), camera].into_iter().filter(|p| p.is_file()),
+                );
                 if let Tracks::Given(dir) = tracks {
                     files.push(given(dir, sequence));
                 }
@@ -194,7 +197,9 @@ impl Source {
 /// A name as people shorten it: `MH_01` of `MH_01_easy`, `room1` of TUM-VI's, `hover` of `f09-hover`.
 fn matches(full: &str, name: &str) -> bool {
     full == name
-        || ["_easy", "_medium", "_difficult", "_512_16"].iter().any(|end| full.strip_suffix(end) == Some(name))
+        || ["_easy", "_medium", "_difficult", "_512_16"]
+            .iter()
+            .any(|end| full.strip_suffix(end) == Some(name))
         || full.strip_prefix("dataset-").and_then(|f| f.strip_suffix("_512_16")) == Some(name)
         || (full.starts_with('f') && full.get(4..) == Some(name))
 }

@@ -36,7 +36,9 @@ impl Manifest {
         use sha2::{Digest, Sha256};
         let mut hash = Sha256::new();
         let parts = [&self.program, &self.estimator.to_string(), &self.source.to_string(), &self.from];
-        for part in parts.map(String::as_str).into_iter().chain(self.inputs.iter().flat_map(|(a, b)| [a.as_str(), b])) {
+        for part in
+            parts.map(String::as_str).into_iter().chain(self.inputs.iter().flat_map(|(a, b)| [a.as_str(), b]))
+        {
             hash.update((part.len() as u64).to_le_bytes());
             hash.update(part);
         }

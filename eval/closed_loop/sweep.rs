@@ -15,10 +15,10 @@ use super::source::Source;
 use super::store::{Manifest, Store};
 use crate::noise::{MeanSquare, Noise, Recorded, of_recording};
 use crate::open_loop::Network;
+use dpn_core::ImuNoise;
 use dpn_core::io::write_tum;
 use dpn_core::progress::Progress;
 use dpn_core::random::Stream;
-use dpn_core::ImuNoise;
 use dpn_train::split::Side;
 use dpn_vio::EstimatorConfig;
 use std::collections::BTreeMap;
@@ -137,7 +137,7 @@ impl Sweep<'_> {
         let stream = Stream::new(cell.seed).named("noise").named(&recording.name);
         let sources = kept.sources(needs, recorded(&recording), self.networks);
         let noise = self.noises[cell.noise].track(&recording.imu, &sources, &stream)?;
-        let driven = drive(&self.estimator, &recording, frames, &noise)?;
+        let driven = drive(&self.estimator, &recording, frames, &noise, cell.seed)?;
         let told = Told { camera: "tracks".into(), noise: cell.key.noise.clone(), seed: cell.seed, from_s };
         if self.trajectories {
             let name = format!("{}.{}.seed{}.tum", recording.name, plain(&told.noise), cell.seed);

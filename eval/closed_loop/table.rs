@@ -120,7 +120,8 @@ fn ate_table(rows: &[Row]) -> Result<String, ClosedLoopError> {
     }
     table.push(Vec::new());
     let side_of = |s: &str| rows.iter().find(|r| r.sequence == s).map(|r| r.split);
-    for (name, side) in [("mean train", Some(Side::Train)), ("mean test *", Some(Side::Test)), ("mean", None)] {
+    for (name, side) in [("mean train", Some(Side::Train)), ("mean test *", Some(Side::Test)), ("mean", None)]
+    {
         let of: Vec<&str> =
             sequences.iter().filter(|s| side.is_none() || side_of(s) == side).copied().collect();
         if of.is_empty() {
@@ -144,14 +145,27 @@ fn ate_table(rows: &[Row]) -> Result<String, ClosedLoopError> {
 
 fn summary_table(rows: &[Row]) -> String {
     let heads = [
-        "noise", "runs", "failed", "ATE [m]", "scale", "completion", "init [s]", "restarts", "whitened", "NEES p",
-        "NEES r", "iterations", "CPU s/s", "p95 [ms]",
+        "noise",
+        "runs",
+        "failed",
+        "ATE [m]",
+        "scale",
+        "completion",
+        "init [s]",
+        "restarts",
+        "whitened",
+        "NEES p",
+        "NEES r",
+        "iterations",
+        "CPU s/s",
+        "p95 [ms]",
     ];
     let mut table = vec![heads.map(str::to_owned).to_vec()];
     let number = |value: Option<f64>, digits: usize| {
         value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
     };
-    let percent = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |v| format!("{:.1} %", 100.0 * v));
+    let percent =
+        |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |v| format!("{:.1} %", 100.0 * v));
     for s in summaries(rows) {
         table.push(vec![
             s.noise,
@@ -227,7 +241,8 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
 /// Columns aligned, the first to the left, the others to the right; an empty row is a rule.
 fn aligned(table: &[Vec<String>]) -> String {
     let columns = table.iter().map(Vec::len).max().unwrap_or(0);
-    let width = |c: usize| table.iter().filter_map(|r| r.get(c)).map(|t| t.chars().count()).max().unwrap_or(0);
+    let width =
+        |c: usize| table.iter().filter_map(|r| r.get(c)).map(|t| t.chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..columns).map(width).collect();
     let total = widths.iter().sum::<usize>() + 2 * columns.saturating_sub(1);
     let mut out = String::new();
@@ -237,7 +252,8 @@ fn aligned(table: &[Vec<String>]) -> String {
             continue;
         }
         let cells = row.iter().zip(&widths).enumerate();
-        let cells = cells.map(|(c, (text, &w))| if c == 0 { format!("{text:<w$}") } else { format!("{text:>w$}") });
+        let cells =
+            cells.map(|(c, (text, &w))| if c == 0 { format!("{text:<w$}") } else { format!("{text:>w$}") });
         let line = cells.collect::<Vec<_>>().join("  ");
         let _ = writeln!(out, "{}", line.trim_end());
     }

@@ -76,10 +76,7 @@ pub struct Alignment {
 impl Alignment {
     /// Nothing is moved: both worlds are the same, as in a simulation that starts from the true pose.
     pub fn identity() -> Self {
-        Self {
-            true_world_from_est_world: Isometry3::identity(),
-            scale: 1.0,
-        }
+        Self { true_world_from_est_world: Isometry3::identity(), scale: 1.0 }
     }
 
     /// An estimated pose seen in the truth's world.
@@ -112,11 +109,7 @@ const ROUNDING: f64 = 1e-14;
 pub fn align(pairs: &[PosePair], kind: AlignmentKind) -> Result<Alignment, MetricsError> {
     let needed = kind.pairs_needed();
     if pairs.len() < needed {
-        return Err(MetricsError::TooFewPairs {
-            what: kind.name(),
-            needed,
-            found: pairs.len(),
-        });
+        return Err(MetricsError::TooFewPairs { what: kind.name(), needed, found: pairs.len() });
     }
     let moments = Moments::of(pairs);
     let (rotation, scale) = match kind {
@@ -155,13 +148,8 @@ impl Moments {
         let y = |p: &PosePair| p.true_world_from_body.translation.vector;
         let est_mean = pairs.iter().map(x).sum::<Vector3<f64>>() / n;
         let true_mean = pairs.iter().map(y).sum::<Vector3<f64>>() / n;
-        let mut moments = Self {
-            est_mean,
-            true_mean,
-            est_square: 0.0,
-            true_square: 0.0,
-            cross: Matrix3::zeros(),
-        };
+        let mut moments =
+            Self { est_mean, true_mean, est_square: 0.0, true_square: 0.0, cross: Matrix3::zeros() };
         for pair in pairs {
             let (x, y) = (x(pair) - est_mean, y(pair) - true_mean);
             moments.est_square += x.norm_squared();
@@ -180,21 +168,14 @@ impl Moments {
     fn determined(&self, gap: f64, what: &'static str) -> Result<(), MetricsError> {
         let extent = (self.est_square * self.true_square).sqrt();
         let gap = if extent > 0.0 { gap / extent } else { 0.0 };
-        if gap > GAP {
-            Ok(())
-        } else {
-            Err(MetricsError::Degenerate { what, gap })
-        }
+        if gap > GAP { Ok(()) } else { Err(MetricsError::Degenerate { what, gap }) }
     }
 
     fn yaw(&self) -> Result<UnitQuaternion<f64>, MetricsError> {
         let s = &self.cross;
         let (sine, cosine) = (s[(0, 1)] - s[(1, 0)], s[(0, 0)] + s[(1, 1)]);
         self.determined(sine.hypot(cosine), "yaw")?;
-        Ok(UnitQuaternion::from_axis_angle(
-            &Vector3::z_axis(),
-            sine.atan2(cosine),
-        ))
+        Ok(UnitQuaternion::from_axis_angle(&Vector3::z_axis(), sine.atan2(cosine)))
     }
 
     /// The rotation and sum y . R x.
@@ -211,23 +192,15 @@ impl Moments {
             xy - yx,      zx + xz,      yz + zy,      zz - xx - yy,
         );
         // Ten or so sweeps do; the limit is there for overflow alone.
-        let undetermined = MetricsError::Degenerate {
-            what: "the rotation",
-            gap: 0.0,
-        };
+        let undetermined = MetricsError::Degenerate { what: "the rotation", gap: 0.0 };
         let eigen = SymmetricEigen::try_new(horn, f64::EPSILON, 1000).ok_or(undetermined)?;
         let best = eigen.eigenvalues.imax();
         let along = eigen.eigenvalues[best];
-        let next = (0..4)
-            .filter(|&i| i != best)
-            .map(|i| eigen.eigenvalues[i])
-            .fold(f64::NEG_INFINITY, f64::max);
+        let next =
+            (0..4).filter(|&i| i != best).map(|i| eigen.eigenvalues[i]).fold(f64::NEG_INFINITY, f64::max);
         self.determined(along - next, "the rotation")?;
         let q = eigen.eigenvectors.column(best);
-        Ok((
-            UnitQuaternion::new_normalize(Quaternion::new(q[0], q[1], q[2], q[3])),
-            along,
-        ))
+        Ok((UnitQuaternion::new_normalize(Quaternion::new(q[0], q[1], q[2], q[3])), along))
     }
 }
 
@@ -341,31 +314,19 @@ mod tests {
 
     #[test]
     fn a_point_and_a_line_are_refused_where_they_leave_a_rotation_open() {
-        let line: Vec<_> = (0..9)
-            .map(|i| Vector3::new(1.0, 2.0, 3.0) * f64::from(i) / 7.0)
-            .collect();
+        let line: Vec<_> = (0..9).map(|i| Vector3::new(1.0, 2.0, 3.0) * f64::from(i) / 7.0).collect();
         let upright: Vec<_> = (0..9).map(|i| Vector3::z() * f64::from(i)).collect();
         let point = vec![Vector3::new(0.1, 0.2, 0.3); 9];
         let fails = |points: &[Vector3<f64>], kind| align(&pairs_of(points, |x| x), kind).is_err();
         for kind in [AlignmentKind::Se3, AlignmentKind::Sim3] {
-            assert!(
-                fails(&line, kind) && fails(&upright, kind) && fails(&point, kind),
-                "{kind}"
-            );
+            assert!(fails(&line, kind) && fails(&upright, kind) && fails(&point, kind), "{kind}");
         }
         assert!(fails(&upright, AlignmentKind::YawPosition) && fails(&point, AlignmentKind::YawPosition));
         assert!(!fails(&line, AlignmentKind::YawPosition));
         assert!(!fails(&point, AlignmentKind::Position));
-        let plane: Vec<_> = (0..9)
-            .map(|i| Vector3::new(f64::from(i), f64::from(i * i), 0.0))
-            .collect();
+        let plane: Vec<_> = (0..9).map(|i| Vector3::new(f64::from(i), f64::from(i * i), 0.0)).collect();
         assert!(!fails(&plane, AlignmentKind::Se3));
         let error = align(&pairs_of(&line[..2], |x| x), AlignmentKind::Se3).unwrap_err();
-        assert!(
-            error
-                .to_string()
-                .starts_with("2 pairs of poses; SE(3) alignment needs 3"),
-            "{error}"
-        );
+        assert!(error.to_string().starts_with("2 pairs of poses; SE(3) alignment needs 3"), "{error}");
     }
 }

@@ -144,15 +144,7 @@ mod tests {
         assert_eq!(matched(&found), [(0, 0.0), (4, 20.0)]);
         assert_eq!((found.outside, found.in_gaps), (1, 5));
         let found = associate_nearest(&truth, &estimate, 0.005).unwrap();
-        let expected = [
-            (0, 0.0),
-            (1, 0.0),
-            (2, 0.0),
-            (3, 10.0),
-            (4, 20.0),
-            (5, 20.0),
-            (7, 90.0),
-        ];
+        let expected = [(0, 0.0), (1, 0.0), (2, 0.0), (3, 10.0), (4, 20.0), (5, 20.0), (7, 90.0)];
         assert_eq!(matched(&found), expected);
         assert_eq!((found.outside, found.in_gaps), (0, 1));
     }

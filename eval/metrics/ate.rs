@@ -44,16 +44,8 @@ pub fn ate_aligned(pairs: &[PosePair], alignment: Alignment) -> Result<Ate, Metr
         })
         .unzip();
     match (ErrorSummary::of(&distances), ErrorSummary::of(&angles)) {
-        (Some(translation), Some(rotation)) => Ok(Ate {
-            alignment,
-            translation,
-            rotation,
-        }),
-        _ => Err(MetricsError::TooFewPairs {
-            what: "an absolute error",
-            needed: 1,
-            found: 0,
-        }),
+        (Some(translation), Some(rotation)) => Ok(Ate { alignment, translation, rotation }),
+        _ => Err(MetricsError::TooFewPairs { what: "an absolute error", needed: 1, found: 0 }),
     }
 }
 
@@ -89,11 +81,7 @@ mod tests {
             .enumerate()
             .map(|(i, &(x, y))| {
                 let truth = Isometry3::new(Vector3::new(x, y, 5.0), Vector3::zeros());
-                pair(
-                    i,
-                    truth,
-                    Isometry3::new(Vector3::new(x / 2.0, y / 2.0, 0.0), tilt),
-                )
+                pair(i, truth, Isometry3::new(Vector3::new(x / 2.0, y / 2.0, 0.0), tilt))
             })
             .collect();
         let se3 = ate(&pairs, AlignmentKind::Se3).unwrap();

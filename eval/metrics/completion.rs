@@ -51,10 +51,7 @@ pub fn completion(
         let near = |pose: &StampedPose| pose.t.seconds_since(t).abs() <= tolerance_s;
         estimate.get(next).is_some_and(near) || next.checked_sub(1).is_some_and(|i| near(&estimate[i]))
     };
-    let mut counts = Completion {
-        covered: 0,
-        with_pose: 0,
-    };
+    let mut counts = Completion { covered: 0, with_pose: 0 };
     for &t in frames {
         if matches!(truth.cover(t), Cover::At(_) | Cover::After(_)) {
             counts.covered += 1;

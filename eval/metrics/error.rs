@@ -116,25 +116,13 @@ pub(super) fn check(poses: &[StampedPose], trajectory: Trajectory) -> Result<(),
     }
     for (index, pose) in poses.iter().enumerate() {
         let t_ns = pose.t.ns();
-        let mut values = pose
-            .world_from_body
-            .translation
-            .vector
-            .iter()
-            .chain(pose.world_from_body.rotation.coords.iter());
+        let mut values =
+            pose.world_from_body.translation.vector.iter().chain(pose.world_from_body.rotation.coords.iter());
         if !values.all(|v| v.is_finite()) {
-            return Err(MetricsError::NotFinite {
-                trajectory,
-                index,
-                t_ns,
-            });
+            return Err(MetricsError::NotFinite { trajectory, index, t_ns });
         }
         if index > 0 && poses[index - 1].t >= pose.t {
-            return Err(MetricsError::TimeNotIncreasing {
-                trajectory,
-                index,
-                t_ns,
-            });
+            return Err(MetricsError::TimeNotIncreasing { trajectory, index, t_ns });
         }
     }
     Ok(())

@@ -99,10 +99,7 @@ fn hold(what: &str, got: &ErrorSummary, expected: &Summary, tolerance: f64) {
         ("max", got.max, expected.max),
     ];
     for (name, got, expected) in figures {
-        assert!(
-            (got - expected).abs() < tolerance,
-            "{what}: {name} {got}, evo {expected}"
-        );
+        assert!((got - expected).abs() < tolerance, "{what}: {name} {got}, evo {expected}");
     }
 }
 
@@ -136,24 +133,13 @@ fn absolute_errors_and_alignments_are_evos() {
             assert!(map.rotation.angle_to(&rotation) < 1e-7, "{what}");
             let off = map.translation.vector - Vector3::from(expected.offset.unwrap());
             assert!(off.norm() < 1e-6, "{what}: {off}");
-            assert!(
-                (got.alignment.scale - expected.scale.unwrap()).abs() < 1e-7,
-                "{what}"
-            );
+            assert!((got.alignment.scale - expected.scale.unwrap()).abs() < 1e-7, "{what}");
         }
         let none = ate_aligned(pairs, Alignment::identity()).unwrap();
-        hold(
-            name,
-            &none.translation,
-            &method.absolute["none"].translation,
-            LENGTH,
-        );
+        hold(name, &none.translation, &method.absolute["none"].translation, LENGTH);
         hold(name, &none.rotation, &method.absolute["none"].rotation, ANGLE);
         let scale = method.absolute["sim3"].scale.unwrap();
-        assert!(
-            (scale_error(pairs).unwrap() - (scale - 1.0)).abs() < 1e-7,
-            "{name}"
-        );
+        assert!((scale_error(pairs).unwrap() - (scale - 1.0)).abs() < 1e-7, "{name}");
     });
 }
 
@@ -163,13 +149,7 @@ fn relative_errors_are_evos() {
         // evo counts frames; the estimate's are evenly spaced, but for a jitter well below a quarter of their period.
         let times: Vec<i64> = case.estimate.iter().map(|row| row.0).collect();
         let period = (times[times.len() - 1] - times[0]) as f64 * 1e-9 / (times.len() - 1) as f64;
-        let frames = |row| {
-            (
-                RpeStep::Seconds(row_step(row) * period),
-                0.25 / row_step(row),
-                row,
-            )
-        };
+        let frames = |row| (RpeStep::Seconds(row_step(row) * period), 0.25 / row_step(row), row);
         let metres = |row| (RpeStep::Metres(row_step(row)), RPE_TOLERANCE, row);
         let by_path = method.by_metres.iter().map(metres);
         for (step, tolerance, expected) in method.by_frames.iter().map(frames).chain(by_path) {

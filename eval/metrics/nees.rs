@@ -78,21 +78,16 @@ pub fn nees(
     let est_world_from_true_world = alignment.true_world_from_est_world.inverse();
     let of_pair = |pair: &PosePair| {
         let index = pair.estimate_index;
-        let covariance = covariances.get(index).ok_or(MetricsError::CovarianceMissing {
-            index,
-            covariances: covariances.len(),
-        })?;
+        let covariance = covariances
+            .get(index)
+            .ok_or(MetricsError::CovarianceMissing { index, covariances: covariances.len() })?;
         let truth = est_world_from_true_world * pair.true_world_from_body;
         let estimate = &pair.est_world_from_body;
         let position = truth.translation.vector - estimate.translation.vector;
         let rotation = (estimate.rotation.inverse() * truth.rotation).scaled_axis();
         let square = |error, at| {
-            mahalanobis_square(error, &covariance.fixed_view::<3, 3>(at, at).into_owned()).ok_or(
-                MetricsError::NotPositiveDefinite {
-                    index,
-                    t_ns: pair.t.ns(),
-                },
-            )
+            mahalanobis_square(error, &covariance.fixed_view::<3, 3>(at, at).into_owned())
+                .ok_or(MetricsError::NotPositiveDefinite { index, t_ns: pair.t.ns() })
         };
         Ok(PoseNees {
             t: pair.t,
@@ -144,10 +139,7 @@ mod tests {
                 let truth_in_est = true_world_from_est_world.inverse() * truth;
                 let z = nalgebra::Vector6::from_fn(|_, _| rng.sample::<f64, _>(StandardNormal));
                 let d = if i == 0 { l * z * 0.0 } else { l * z };
-                let (dp, dr) = (
-                    d.fixed_rows::<3>(0).into_owned(),
-                    d.fixed_rows::<3>(3).into_owned(),
-                );
+                let (dp, dr) = (d.fixed_rows::<3>(0).into_owned(), d.fixed_rows::<3>(3).into_owned());
                 // true = est (+) d
                 let estimate = Isometry3::from_parts(
                     Translation3::from(truth_in_est.translation.vector - dp),
@@ -175,10 +167,7 @@ mod tests {
             let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / count as f64;
             // Chi-square of 3: variance 6, fourth central moment 252; four deviations of mean and variance.
             assert!((mean - 3.0).abs() < 4.0 * (6.0 / count as f64).sqrt(), "{mean}");
-            assert!(
-                (variance - 6.0).abs() < 4.0 * (216.0 / count as f64).sqrt(),
-                "{variance}"
-            );
+            assert!((variance - 6.0).abs() < 4.0 * (216.0 / count as f64).sqrt(), "{variance}");
         }
     }
 
@@ -198,10 +187,7 @@ mod tests {
             };
             let aligned = start_alignment(&pair).apply(&est);
             assert!((aligned.translation.vector - truth.translation.vector).norm() < 1e-12);
-            assert!(
-                (aligned.rotation.angle_to(&truth.rotation) - tilt.angle()).abs() < 1e-12,
-                "{yaw}"
-            );
+            assert!((aligned.rotation.angle_to(&truth.rotation) - tilt.angle()).abs() < 1e-12, "{yaw}");
         }
     }
 
@@ -210,23 +196,12 @@ mod tests {
         let pairs = sampled(3, &Stream::new(6).named("test"));
         let alignment = start_alignment(&pairs[0]);
         let error = nees(&pairs, &[covariance(); 2], &alignment).unwrap_err();
-        assert!(
-            error
-                .to_string()
-                .starts_with("2 covariances; a pair belongs to pose 2")
-        );
+        assert!(error.to_string().starts_with("2 covariances; a pair belongs to pose 2"));
         let mut flat = covariance();
         flat.fixed_view_mut::<3, 3>(3, 3).fill(0.0);
         let error = nees(&pairs, &[covariance(), flat, covariance()], &alignment).unwrap_err();
-        assert!(
-            error
-                .to_string()
-                .starts_with("the covariance of pose 1 (1 ns) is not positive")
-        );
-        let scaled = Alignment {
-            scale: 1.1,
-            ..alignment
-        };
+        assert!(error.to_string().starts_with("the covariance of pose 1 (1 ns) is not positive"));
+        let scaled = Alignment { scale: 1.1, ..alignment };
         assert!(nees(&pairs, &[covariance(); 3], &scaled).is_err());
         let nan = covariance() * f64::NAN;
         assert!(nees(&pairs, &[nan; 3], &alignment).is_err());

@@ -152,10 +152,7 @@ mod tests {
         let report = nees_report(&runs, 0.9).unwrap().unwrap();
         assert_eq!((report.runs, report.instants), (20, 1500));
         for part in [report.position, report.orientation] {
-            assert!(
-                (part.share_inside - 0.9).abs() < 4.0 * (0.9 * 0.1 / 1500.0_f64).sqrt(),
-                "{part:?}"
-            );
+            assert!((part.share_inside - 0.9).abs() < 4.0 * (0.9 * 0.1 / 1500.0_f64).sqrt(), "{part:?}");
         }
     }
 

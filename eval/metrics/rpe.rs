@@ -95,11 +95,7 @@ pub fn rpe(pairs: &[PosePair], step: RpeStep, tolerance: f64) -> Result<Option<R
         })
         .unzip();
     let summaries = ErrorSummary::of(&translations).zip(ErrorSummary::of(&rotations));
-    Ok(summaries.map(|(translation, rotation)| Rpe {
-        step,
-        translation,
-        rotation,
-    }))
+    Ok(summaries.map(|(translation, rotation)| Rpe { step, translation, rotation }))
 }
 
 /// E of the module's opening.
@@ -136,9 +132,7 @@ fn end_of(along: &[f64], i: usize, length: f64, slack: f64) -> Option<usize> {
     let miss = |k: usize| (rest[k] - along[i] - length).abs();
     let above = rest.partition_point(|s| s - along[i] < length);
     // The earliest pose at the place just below: a vehicle at rest stays there for many.
-    let below = above
-        .checked_sub(1)
-        .map(|last| rest.partition_point(|s| *s < rest[last]));
+    let below = above.checked_sub(1).map(|last| rest.partition_point(|s| *s < rest[last]));
     let nearest = match below {
         Some(below) if above == rest.len() || miss(below) <= miss(above) => below,
         _ if above < rest.len() => above,

@@ -42,13 +42,7 @@ mod tests {
     #[test]
     fn four_errors_by_hand() {
         let got = ErrorSummary::of(&[1.0, 5.0, 1.0, 3.0]).unwrap();
-        let expected = ErrorSummary {
-            count: 4,
-            rmse: 3.0,
-            mean: 2.5,
-            median: 2.0,
-            max: 5.0,
-        };
+        let expected = ErrorSummary { count: 4, rmse: 3.0, mean: 2.5, median: 2.0, max: 5.0 };
         assert_eq!(got, expected);
         assert_eq!(ErrorSummary::of(&[]), None);
     }

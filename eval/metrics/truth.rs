@@ -33,10 +33,7 @@ pub struct TruthOptions {
 impl Default for TruthOptions {
     /// 0.1 s, linear.
     fn default() -> Self {
-        Self {
-            max_gap_s: 0.1,
-            interpolation: Interpolation::Linear,
-        }
+        Self { max_gap_s: 0.1, interpolation: Interpolation::Linear }
     }
 }
 
@@ -131,15 +128,9 @@ impl<'a> TruthTrack<'a> {
                     + (out_of_a * left - into_b * share) * (step * share * left)
             }
         };
-        let (r_a, r_b) = (
-            self.poses[i].world_from_body.rotation,
-            self.poses[i + 1].world_from_body.rotation,
-        );
+        let (r_a, r_b) = (self.poses[i].world_from_body.rotation, self.poses[i + 1].world_from_body.rotation);
         let turn = (r_a.inverse() * r_b).scaled_axis() * share;
-        Isometry3::from_parts(
-            Translation3::from(position),
-            r_a * UnitQuaternion::from_scaled_axis(turn),
-        )
+        Isometry3::from_parts(Translation3::from(position), r_a * UnitQuaternion::from_scaled_axis(turn))
     }
 
     /// Velocities at both ends of the interval after sample `i` \[m/s\].
@@ -186,10 +177,7 @@ mod tests {
     }
 
     fn cubic() -> TruthOptions {
-        TruthOptions {
-            interpolation: Interpolation::Cubic,
-            ..TruthOptions::default()
-        }
+        TruthOptions { interpolation: Interpolation::Cubic, ..TruthOptions::default() }
     }
 
     #[test]
@@ -222,10 +210,7 @@ mod tests {
         for ms in 0..=150 {
             let t = f64::from(ms) * 1e-3;
             let got = track.world_from_body(Stamp::from_ns(0).plus_seconds(t)).unwrap();
-            assert!(
-                (got.translation.vector - position(t)).norm() < 1e-12,
-                "{t} s: {got}"
-            );
+            assert!((got.translation.vector - position(t)).norm() < 1e-12, "{t} s: {got}");
             let turned = UnitQuaternion::from_scaled_axis(rate * t);
             assert!(got.rotation.angle_to(&turned) < 1e-12, "{t} s: {got}");
         }
@@ -236,13 +221,7 @@ mod tests {
         let position = |t: f64| Vector3::new((3.0 * t).sin(), (2.0 * t).cos(), 0.0);
         let worst = |step: f64, options: TruthOptions| {
             let poses: Vec<_> = (0..100)
-                .map(|i| {
-                    pose(
-                        f64::from(i) * step,
-                        position(f64::from(i) * step),
-                        Vector3::zeros(),
-                    )
-                })
+                .map(|i| pose(f64::from(i) * step, position(f64::from(i) * step), Vector3::zeros()))
                 .collect();
             let track = TruthTrack::new(&poses, options).unwrap();
             (10..400)
@@ -264,10 +243,7 @@ mod tests {
     fn what_is_no_trajectory_is_refused() {
         let at = |t| pose(t, Vector3::zeros(), Vector3::zeros());
         let refused = |poses: &[StampedPose], max_gap_s| {
-            let options = TruthOptions {
-                max_gap_s,
-                ..TruthOptions::default()
-            };
+            let options = TruthOptions { max_gap_s, ..TruthOptions::default() };
             TruthTrack::new(poses, options).unwrap_err().to_string()
         };
         assert_eq!(refused(&[], 0.1), "the ground truth holds no pose");

@@ -72,7 +72,8 @@ mod tests {
 
     fn track(values: &[f64]) -> NoiseTrack {
         let stamps = (0..values.len()).map(|i| Stamp::from_ns(5_000_000 * i as i64)).collect();
-        let noises = values.iter().map(|v| ImuNoise::from_values([*v, 2.0 * v, 3.0 * v], [v / 10.0; 3]).unwrap());
+        let noises =
+            values.iter().map(|v| ImuNoise::from_values([*v, 2.0 * v, 3.0 * v], [v / 10.0; 3]).unwrap());
         NoiseTrack::new(stamps, noises.collect()).unwrap()
     }
 

@@ -82,7 +82,9 @@ pub enum NoiseError {
         recording: String,
     },
     /// A zero in a noise track: infinite information.
-    #[error("`{spec}` says a deviation of 0 for {recording} at {t_ns} ns; an IMU without noise cannot be weighed, give a value above 0")]
+    #[error(
+        "`{spec}` says a deviation of 0 for {recording} at {t_ns} ns; an IMU without noise cannot be weighed, give a value above 0"
+    )]
     Zero {
         /// The spec.
         spec: String,
@@ -92,13 +94,17 @@ pub enum NoiseError {
         t_ns: i64,
     },
     /// True noise of a real recording.
-    #[error("{recording}: `oracle` is known for simulated flights alone; nobody knows the true noise of a recording")]
+    #[error(
+        "{recording}: `oracle` is known for simulated flights alone; nobody knows the true noise of a recording"
+    )]
     NoOracle {
         /// Name of the recording.
         recording: String,
     },
     /// No sequences to take a mean over.
-    #[error("`{spec}` needs training sequences to take the mean over, and there are none here; give constants instead: const(ACCEL,GYRO)")]
+    #[error(
+        "`{spec}` needs training sequences to take the mean over, and there are none here; give constants instead: const(ACCEL,GYRO)"
+    )]
     NoTraining {
         /// The spec.
         spec: String,

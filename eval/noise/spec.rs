@@ -200,7 +200,9 @@ impl fmt::Display for Noise {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Core(spec) => write!(f, "{spec}"),
-            Self::DualProNet { accel, gyro } if accel == gyro && accel == DEFAULT_TAG => f.write_str("dualpronet"),
+            Self::DualProNet { accel, gyro } if accel == gyro && accel == DEFAULT_TAG => {
+                f.write_str("dualpronet")
+            }
             Self::DualProNet { accel, gyro } if accel == gyro => write!(f, "dualpronet({accel})"),
             Self::DualProNet { accel, gyro } => write!(f, "dualpronet({accel},{gyro})"),
             Self::File(path) => write!(f, "file(\"{}\")", path.display()),
@@ -258,9 +260,7 @@ mod tests {
 
     #[test]
     fn lists_are_cut_at_commas_or_where_a_semicolon_stands_at_semicolons() {
-        let list = |text: &str| {
-            parse_list(text).unwrap().iter().map(ToString::to_string).collect::<Vec<_>>()
-        };
+        let list = |text: &str| parse_list(text).unwrap().iter().map(ToString::to_string).collect::<Vec<_>>();
         assert_eq!(list("x0.5,x1,dualpronet"), ["x0.5", "x1", "dualpronet"]);
         assert_eq!(list("x1; x4,x1 ;mean(x4,x1)"), ["x1", "x4,x1", "mean(x4,x1)"]);
         assert_eq!(list("x4,x1;"), ["x4,x1"]);

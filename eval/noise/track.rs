@@ -232,7 +232,8 @@ mod tests {
     fn the_mean_of_a_constant_is_the_constant_and_the_mean_of_a_shuffle_that_of_its_source() {
         let imu = recording(1000);
         assert_eq!(track("mean(x4,x1)", &imu, 0).unwrap(), track("x4,x1", &imu, 0).unwrap());
-        let (a, b) = (track("mean(diff2)", &imu, 0).unwrap(), track("mean(shuffled(diff2))", &imu, 5).unwrap());
+        let (a, b) =
+            (track("mean(diff2)", &imu, 0).unwrap(), track("mean(shuffled(diff2))", &imu, 5).unwrap());
         for sensor in Sensor::ALL {
             for (a, b) in a.noises()[17].of(sensor).into_iter().zip(b.noises()[900].of(sensor)) {
                 assert!((a / b - 1.0).abs() < 1e-12);
@@ -273,7 +274,11 @@ mod tests {
         let write = |keep: &dyn Fn(usize) -> bool, zero: Option<usize>| {
             let kept: Vec<usize> = (0..1000).filter(|i| keep(*i)).collect();
             let noise = |i: &usize| {
-                if zero == Some(*i) { ImuNoise::from_values([0.1, 0.0, 0.1], [0.1; 3]).unwrap() } else { whole.noises()[*i] }
+                if zero == Some(*i) {
+                    ImuNoise::from_values([0.1, 0.0, 0.1], [0.1; 3]).unwrap()
+                } else {
+                    whole.noises()[*i]
+                }
             };
             let noises = kept.iter().map(noise).collect();
             let track = NoiseTrack::new(kept.iter().map(|i| whole.stamps()[*i]).collect(), noises).unwrap();

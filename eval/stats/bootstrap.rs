@@ -41,11 +41,7 @@ pub struct Bootstrap {
 impl Default for Bootstrap {
     /// 10,000 resamples, 95 %, percentile.
     fn default() -> Self {
-        Self {
-            resamples: 10_000,
-            confidence: 0.95,
-            kind: IntervalKind::Percentile,
-        }
+        Self { resamples: 10_000, confidence: 0.95, kind: IntervalKind::Percentile }
     }
 }
 
@@ -73,18 +69,10 @@ pub fn bootstrap(
 ) -> Result<Interval, StatsError> {
     probability("confidence", options.confidence)?;
     if n < 2 {
-        return Err(StatsError::TooFew {
-            what: "a bootstrap",
-            needed: 2,
-            found: n,
-        });
+        return Err(StatsError::TooFew { what: "a bootstrap", needed: 2, found: n });
     }
     if options.resamples == 0 {
-        return Err(StatsError::BadArgument {
-            name: "resamples",
-            value: 0.0,
-            bound: "1 or more",
-        });
+        return Err(StatsError::BadArgument { name: "resamples", value: 0.0, bound: "1 or more" });
     }
     let sample: Vec<usize> = (0..n).collect();
     let observed = statistic(&sample);
@@ -133,10 +121,7 @@ pub fn ratio_of_means_interval(
     stream: &Stream,
 ) -> Result<Interval, StatsError> {
     if a.len() != b.len() {
-        return Err(StatsError::Unpaired {
-            first: a.len(),
-            second: b.len(),
-        });
+        return Err(StatsError::Unpaired { first: a.len(), second: b.len() });
     }
     finite(a)?;
     finite(b)?;
@@ -168,11 +153,7 @@ fn interval(
         });
     }
     let ends = quantiles(distribution, &levels);
-    Ok(Interval {
-        observed,
-        low: ends[0],
-        high: ends[1],
-    })
+    Ok(Interval { observed, low: ends[0], high: ends[1] })
 }
 
 /// Share of `distribution` below `observed`, ties counted half; refuses 0 and 1.
@@ -191,11 +172,7 @@ fn acceleration(left_out: &[f64]) -> f64 {
     let centre = mean(left_out);
     let power = |k: i32| left_out.iter().map(|v| (centre - v).powi(k)).sum::<f64>();
     let squares = power(2);
-    if squares > 0.0 {
-        power(3) / (6.0 * squares.powf(1.5))
-    } else {
-        0.0
-    }
+    if squares > 0.0 { power(3) / (6.0 * squares.powf(1.5)) } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -235,27 +212,18 @@ mod tests {
         for row in &golden.bootstrap {
             let statistic = statistic(row);
             let n = row.samples[0].len();
-            let left_out: Vec<f64> = (0..n)
-                .map(|out| statistic(&(0..n).filter(|i| *i != out).collect::<Vec<_>>()))
-                .collect();
+            let left_out: Vec<f64> =
+                (0..n).map(|out| statistic(&(0..n).filter(|i| *i != out).collect::<Vec<_>>())).collect();
             for (kind, confidence, expected) in [
                 (IntervalKind::Percentile, 0.9, row.percentile_90),
                 (IntervalKind::Percentile, 0.95, row.percentile_95),
                 (IntervalKind::Bca, 0.9, row.bca_90),
                 (IntervalKind::Bca, 0.95, row.bca_95),
             ] {
-                let options = Bootstrap {
-                    confidence,
-                    kind,
-                    resamples: row.distribution.len(),
-                };
+                let options = Bootstrap { confidence, kind, resamples: row.distribution.len() };
                 let got = interval(row.observed, &row.distribution, &left_out, &options).unwrap();
                 for (got, expected) in [got.low, got.high].into_iter().zip(expected) {
-                    assert!(
-                        (got - expected).abs() < 1e-9,
-                        "{} {kind:?}: {got} {expected}",
-                        row.name
-                    );
+                    assert!((got - expected).abs() < 1e-9, "{} {kind:?}: {got} {expected}", row.name);
                 }
             }
         }
@@ -265,10 +233,7 @@ mod tests {
     #[test]
     fn the_medians_interval_is_that_of_the_binomial_law() {
         let x: Vec<f64> = (1..=11).map(f64::from).collect();
-        let options = Bootstrap {
-            resamples: 40_000,
-            ..Bootstrap::default()
-        };
+        let options = Bootstrap { resamples: 40_000, ..Bootstrap::default() };
         let got = median_interval(&x, &options, &Stream::new(1).named("test").named("median")).unwrap();
         // P(median <= k): at least six of eleven draws at most k. By scipy, binom.sf(5, 11, k / 11): k = 2 .0072, 3 .0512; 8 .9488, 9 .9928.
         assert_eq!((got.observed, got.low, got.high), (6.0, 3.0, 9.0));
@@ -289,11 +254,7 @@ mod tests {
     #[test]
     fn what_has_no_interval_says_why() {
         let stream = Stream::new(1).named("test");
-        let bca = Bootstrap {
-            resamples: 200,
-            kind: IntervalKind::Bca,
-            ..Bootstrap::default()
-        };
+        let bca = Bootstrap { resamples: 200, kind: IntervalKind::Bca, ..Bootstrap::default() };
         let same = median_interval(&[2.0; 5], &bca, &stream).unwrap();
         assert_eq!((same.low, same.high), (2.0, 2.0));
         assert!(median_interval(&[2.0], &bca, &stream).is_err());
@@ -303,18 +264,9 @@ mod tests {
         assert!(median_interval(&[1.0, 2.0], &none, &stream).is_err());
         let largest = |cases: &[usize]| cases.len() as f64 * 100.0 + *cases.iter().max().unwrap() as f64;
         let only_once = |cases: &[usize]| {
-            if cases[..] == [0, 1, 2, 3, 4, 5, 6, 7] {
-                1e6
-            } else {
-                largest(cases)
-            }
+            if cases[..] == [0, 1, 2, 3, 4, 5, 6, 7] { 1e6 } else { largest(cases) }
         };
         let error = bootstrap(8, only_once, &bca, &stream).unwrap_err();
-        assert!(
-            error
-                .to_string()
-                .starts_with("no resample lies above the observed 1000000"),
-            "{error}"
-        );
+        assert!(error.to_string().starts_with("no resample lies above the observed 1000000"), "{error}");
     }
 }

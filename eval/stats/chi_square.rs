@@ -9,11 +9,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 /// `dof` not positive and finite; `confidence` outside (0, 1).
 pub fn chi_square_interval(dof: f64, confidence: f64) -> Result<[f64; 2], StatsError> {
     probability("confidence", confidence)?;
-    let bad = StatsError::BadArgument {
-        name: "dof",
-        value: dof,
-        bound: "positive and finite",
-    };
+    let bad = StatsError::BadArgument { name: "dof", value: dof, bound: "positive and finite" };
     if !dof.is_finite() {
         return Err(bad);
     }
@@ -47,25 +43,16 @@ mod tests {
         for row in golden.chi_square {
             let got = chi_square_interval(row.dof, row.confidence).unwrap();
             for (got, expected) in got.into_iter().zip([row.low, row.high]) {
-                assert!(
-                    (got / expected - 1.0).abs() < 1e-9,
-                    "{}: {got} {expected}",
-                    row.dof
-                );
+                assert!((got / expected - 1.0).abs() < 1e-9, "{}: {got} {expected}", row.dof);
             }
         }
     }
 
     #[test]
     fn what_is_no_probability_or_dof_is_refused() {
-        for (dof, confidence) in [
-            (3.0, 0.0),
-            (3.0, 1.0),
-            (3.0, f64::NAN),
-            (0.0, 0.9),
-            (f64::NAN, 0.9),
-            (f64::INFINITY, 0.9),
-        ] {
+        for (dof, confidence) in
+            [(3.0, 0.0), (3.0, 1.0), (3.0, f64::NAN), (0.0, 0.9), (f64::NAN, 0.9), (f64::INFINITY, 0.9)]
+        {
             assert!(chi_square_interval(dof, confidence).is_err());
         }
     }

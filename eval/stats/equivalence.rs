@@ -50,12 +50,7 @@ pub fn equivalence_t(differences: &[f64], margin: f64) -> Result<Equivalence, St
         (false, true) => 0.0,
         (false, false) => 1.0,
     };
-    Ok(both(
-        estimate,
-        margin,
-        tail(estimate + margin),
-        tail(margin - estimate),
-    ))
+    Ok(both(estimate, margin, tail(estimate + margin), tail(margin - estimate)))
 }
 
 /// Tests by signed ranks that the pseudo-median of paired `differences` lies within `margin` of zero; exact up to
@@ -83,19 +78,12 @@ pub fn equivalence_signed_rank(differences: &[f64], margin: f64) -> Result<Equiv
 /// Different lengths; a value that is not positive and finite.
 pub fn log_ratios(a: &[f64], b: &[f64]) -> Result<Vec<f64>, StatsError> {
     if a.len() != b.len() {
-        return Err(StatsError::Unpaired {
-            first: a.len(),
-            second: b.len(),
-        });
+        return Err(StatsError::Unpaired { first: a.len(), second: b.len() });
     }
     finite(a)?;
     finite(b)?;
     if let Some(&value) = a.iter().chain(b).find(|v| **v <= 0.0) {
-        return Err(StatsError::BadArgument {
-            name: "a value of a ratio",
-            value,
-            bound: "positive",
-        });
+        return Err(StatsError::BadArgument { name: "a value of a ratio", value, bound: "positive" });
     }
     Ok(a.iter().zip(b).map(|(a, b)| (a / b).ln()).collect())
 }
@@ -112,30 +100,16 @@ impl Equivalence {
 }
 
 fn both(estimate: f64, margin: f64, p_low: f64, p_high: f64) -> Equivalence {
-    Equivalence {
-        estimate,
-        margin,
-        p_low,
-        p_high,
-        p: p_low.max(p_high),
-    }
+    Equivalence { estimate, margin, p_low, p_high, p: p_low.max(p_high) }
 }
 
 fn check(differences: &[f64], margin: f64, what: &'static str, needed: usize) -> Result<(), StatsError> {
     finite(differences)?;
     if differences.len() < needed {
-        return Err(StatsError::TooFew {
-            what,
-            needed,
-            found: differences.len(),
-        });
+        return Err(StatsError::TooFew { what, needed, found: differences.len() });
     }
     if !(margin.is_finite() && margin > 0.0) {
-        return Err(StatsError::BadArgument {
-            name: "margin",
-            value: margin,
-            bound: "positive and finite",
-        });
+        return Err(StatsError::BadArgument { name: "margin", value: margin, bound: "positive and finite" });
     }
     Ok(())
 }
@@ -167,15 +141,8 @@ mod tests {
             serde_json::from_str(include_str!("../../golden/paired_tests/golden.json")).unwrap();
         for row in golden.equivalence {
             let got = equivalence_t(&row.d, row.margin).unwrap();
-            for (got, expected) in [
-                (got.p_low, row.p_t_low),
-                (got.p_high, row.p_t_high),
-                (got.p, row.p_t),
-            ] {
-                assert!(
-                    (got - expected).abs() < 1e-10 + 1e-9 * expected,
-                    "{got} {expected}"
-                );
+            for (got, expected) in [(got.p_low, row.p_t_low), (got.p_high, row.p_t_high), (got.p, row.p_t)] {
+                assert!((got - expected).abs() < 1e-10 + 1e-9 * expected, "{got} {expected}");
             }
             let got = equivalence_signed_rank(&row.d, row.margin).unwrap();
             assert!((got.p_low - row.p_rank_low).abs() < 1e-12, "{got:?}");

@@ -11,11 +11,7 @@ use dpn_core::signal::stats::median_in_place;
 pub fn hodges_lehmann(differences: &[f64]) -> Result<f64, StatsError> {
     finite(differences)?;
     if differences.is_empty() {
-        return Err(StatsError::TooFew {
-            what: "the Hodges-Lehmann estimate",
-            needed: 1,
-            found: 0,
-        });
+        return Err(StatsError::TooFew { what: "the Hodges-Lehmann estimate", needed: 1, found: 0 });
     }
     let mut means: Vec<f64> = differences
         .iter()

@@ -9,11 +9,7 @@ use super::error::StatsError;
 /// A value outside \[0, 1\].
 pub fn holm(p: &[f64]) -> Result<Vec<f64>, StatsError> {
     if let Some(&value) = p.iter().find(|p| !(0.0..=1.0).contains(*p)) {
-        return Err(StatsError::BadArgument {
-            name: "p",
-            value,
-            bound: "between 0 and 1",
-        });
+        return Err(StatsError::BadArgument { name: "p", value, bound: "between 0 and 1" });
     }
     let mut order: Vec<usize> = (0..p.len()).collect();
     order.sort_by(|&a, &b| p[a].total_cmp(&p[b]));

@@ -58,11 +58,7 @@ impl SignedRank {
     /// Matched-pairs rank-biserial correlation, (W+ - W-) / (W+ + W-), in \[-1, 1\]; 0 where all differences are zero.
     pub fn rank_biserial(&self) -> f64 {
         let sum = self.w_plus + self.w_minus;
-        if sum > 0.0 {
-            (self.w_plus - self.w_minus) / sum
-        } else {
-            0.0
-        }
+        if sum > 0.0 { (self.w_plus - self.w_minus) / sum } else { 0.0 }
     }
 }
 
@@ -73,11 +69,7 @@ impl SignedRank {
 pub fn signed_rank(differences: &[f64], alternative: Alternative) -> Result<SignedRank, StatsError> {
     finite(differences)?;
     if differences.is_empty() {
-        return Err(StatsError::TooFew {
-            what: "the signed-rank test",
-            needed: 1,
-            found: 0,
-        });
+        return Err(StatsError::TooFew { what: "the signed-rank test", needed: 1, found: 0 });
     }
     let nonzero: Vec<f64> = differences.iter().copied().filter(|d| *d != 0.0).collect();
     let sizes: Vec<f64> = nonzero.iter().map(|d| d.abs()).collect();
@@ -132,10 +124,7 @@ fn normal_tails(ranks: &[usize], observed: usize) -> [f64; 2] {
     let deviation = (0.25 * squares).sqrt();
     let off = 0.5 * observed as f64 - mean;
     let normal = Normal::standard();
-    [
-        normal.cdf((off + 0.5) / deviation),
-        normal.sf((off - 0.5) / deviation),
-    ]
+    [normal.cdf((off + 0.5) / deviation), normal.sf((off - 0.5) / deviation)]
 }
 
 #[cfg(test)]
@@ -201,9 +190,7 @@ mod tests {
 
     #[test]
     fn at_the_border_both_null_distributions_agree() {
-        let d: Vec<f64> = (1..=25)
-            .map(|i| f64::from(i) * if i % 3 == 0 { -1.0 } else { 1.0 })
-            .collect();
+        let d: Vec<f64> = (1..=25).map(|i| f64::from(i) * if i % 3 == 0 { -1.0 } else { 1.0 }).collect();
         let sizes: Vec<f64> = d.iter().map(|d| d.abs()).collect();
         let ranks = doubled_midranks(&sizes);
         for observed in (100..=550).step_by(50) {
