@@ -74,6 +74,9 @@ fn hint_of(cause: &(dyn std::error::Error + 'static)) -> Option<String> {
     if let Some(error) = cause.downcast_ref::<dpn_core::config::ConfigError>() {
         return error.hint();
     }
+    if let Some(error) = cause.downcast_ref::<dpn_eval::closed_loop::ClosedLoopError>() {
+        return error.hint();
+    }
     if let Some(error) = cause.downcast_ref::<dpn_core::io::IoError>() {
         return error.hint();
     }

@@ -1,9 +1,11 @@
 //! What the user may type, one file a command.
 
+mod closed_loop;
 mod eval;
 mod simulate;
 mod train;
 
+pub(crate) use closed_loop::{CameraArg, ClosedLoopArgs, SettingsArgs};
 pub(crate) use eval::EvalArgs;
 pub(crate) use simulate::{FlightArgs, SimulateArgs, SimulateWhat, TracksArgs};
 pub(crate) use train::{SensorArg, TrainArgs};
@@ -24,7 +26,7 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Train a network that reads a sensor's noise off one second of one axis.
     Train(TrainArgs),
-    /// Judge noise estimators: open loop against the injected truth.
+    /// Judge noise estimators: open loop against the injected truth, closed loop by the odometry they drive.
     Eval(EvalArgs),
     /// Make data whose truth is known.
     Simulate(SimulateArgs),

@@ -1,11 +1,14 @@
 //! One file a command: files and flags become library types, one library call, files again.
 
+mod closed_loop;
 mod corpus;
 mod device;
 mod eval;
 mod flight;
+mod settings;
 mod shipped;
 mod simulate;
+mod stop;
 mod tracks;
 mod train;
 

@@ -152,6 +152,66 @@ pub fn parse<T: DeserializeOwned + Validate>(text: &str, path: &Path) -> Result<
     }
 }
 
+/// As [`load`], or the defaults without a file, with single keys set over it: `("window.key_frames", "8")`, the value as TOML writes it.
+///
+/// # Errors
+/// As [`load`]; a key that is not known, a value of the wrong kind.
+pub fn load_over<T: DeserializeOwned + Validate>(
+    path: Option<&Path>,
+    sets: &[(String, String)],
+) -> Result<T, ConfigError> {
+    let (text, name) = match path {
+        Some(path) => {
+            let failed = |source| ConfigError::Read { path: path.to_owned(), source };
+            (std::fs::read_to_string(path).map_err(failed)?, path.to_owned())
+        }
+        None => (String::new(), PathBuf::from("the built-in defaults")),
+    };
+    let config = parse(&text, &name)?;
+    if sets.is_empty() {
+        return Ok(config);
+    }
+    let wrong = |path: String, message: String| ConfigError::Parse {
+        path: path.into(),
+        line: None,
+        nearest: nearest_word(&message),
+        message,
+    };
+    let mut table: toml::Table =
+        toml::from_str(&text).map_err(|e| wrong(name.display().to_string(), e.message().to_owned()))?;
+    for (key, value) in sets {
+        let typed = format!("{key}={value}");
+        // What is no TOML is a word, as `window.loss=huber` means it.
+        let parsed = toml::from_str::<toml::Table>(&format!("value = {value}"));
+        let value = parsed.ok().and_then(|mut t| t.remove("value"));
+        let value = value.unwrap_or_else(|| toml::Value::String(typed[key.len() + 1..].to_owned()));
+        put(&mut table, key, value).map_err(|message| wrong(typed.clone(), message))?;
+        // Key by key, so that the message names the one that is wrong.
+        let read: Result<T, _> = table.clone().try_into();
+        read.map_err(|e: toml::de::Error| wrong(typed, e.message().to_owned()))?;
+    }
+    let config: T = table.try_into().map_err(|e: toml::de::Error| wrong(String::new(), e.to_string()))?;
+    match config.faults() {
+        faults if faults.is_empty() => Ok(config),
+        faults => Err(ConfigError::Bounds { path: name, faults }),
+    }
+}
+
+/// Puts `value` at `key`, dots of which go into tables.
+fn put(table: &mut toml::Table, key: &str, value: toml::Value) -> Result<(), String> {
+    match key.split_once('.') {
+        Some((head, rest)) => {
+            let inner = table.entry(head).or_insert_with(|| toml::Value::Table(toml::Table::new()));
+            let inner = inner.as_table_mut().ok_or_else(|| format!("`{head}` is no table"))?;
+            put(inner, rest, value)
+        }
+        None => {
+            table.insert(key.to_owned(), value);
+            Ok(())
+        }
+    }
+}
+
 /// The word among `known` that is nearest to `typed`, when it is near enough to be a slip.
 pub fn nearest<'a>(typed: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     known

@@ -13,6 +13,7 @@ mod ray_rates;
 mod report;
 mod starter;
 mod update;
+mod validate;
 
 pub use config::EstimatorConfig;
 pub use estimator::{Estimator, FeedError};

@@ -1,0 +1,31 @@
+//! The closed loop: the odometry, told its noise by each of several sources, over sequences, seeds and starts, judged against the truth.
+//!
+//! * [`Source`] has the sequences: recordings on disk with camera tracks given or made along their ground truth, or simulated flights.
+//! * [`drive`] runs the estimator over one [`Recording`] with one noise track; [`judge`] makes a [`Row`] of what comes out.
+//! * [`Sweep`] runs all cells on all threads into a folder, which a later call goes on with.
+//! * [`render`] prints rows beside the paper's figures and VINS-Mono's.
+
+mod drive;
+mod error;
+mod judge;
+mod kept;
+mod lazy;
+mod paper;
+mod parallel;
+mod recording;
+mod row;
+mod source;
+mod store;
+mod sweep;
+mod table;
+
+pub use drive::{Driven, FEWEST_FRAMES, drive, frames_from};
+pub use error::ClosedLoopError;
+pub use judge::{Errors, Told, judge};
+pub use paper::Peer;
+pub use recording::{Recording, StartAt, first_motion};
+pub use row::{CellKey, Failure, Restart, Row, StageSeconds};
+pub use source::{Source, Tracks};
+pub use store::{Manifest, Store};
+pub use sweep::Sweep;
+pub use table::{Summary, render, summaries};
