@@ -191,9 +191,9 @@ pub fn load_over<T: DeserializeOwned + Validate>(
         read.map_err(|e: toml::de::Error| wrong(typed, e.message().to_owned()))?;
     }
     let config: T = table.try_into().map_err(|e: toml::de::Error| wrong(String::new(), e.to_string()))?;
-    match config.faults() {
-        faults if faults.is_empty() => Ok(config),
-        faults => Err(ConfigError::Bounds { path: name, faults }),
+    match config.validate() {
+        Ok(()) => Ok(config),
+        Err(faults) => Err(ConfigError::Bounds { path: name, faults }),
     }
 }
 
