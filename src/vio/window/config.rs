@@ -64,7 +64,7 @@ impl Default for WindowConfig {
             min_triangulation_angle: 0.01,
             outlier_px: 6.0,
             max_iterations: 8,
-            cost_tolerance: 1e-3,
+            cost_tolerance: 1e-2,
             handover: Handover::Reuse,
             first_estimates: false,
             estimate_extrinsics: false,
