@@ -1,6 +1,6 @@
 //! `dpn eval --closed-loop`.
 
-use super::{settings, shipped, stop};
+use super::{program, settings, shipped, stop};
 use crate::args::{CameraArg, EvalArgs};
 use crate::ui::{Bar, Fault, Interrupted};
 use anyhow::Result;
@@ -8,7 +8,6 @@ use dpn_core::io::atomic_write;
 use dpn_eval::closed_loop::{ClosedLoopError, Manifest, Row, Source, Sweep, Tracks, render};
 use dpn_eval::noise::parse_list;
 use dpn_eval::open_loop::networks;
-use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -103,15 +102,6 @@ fn manifest(args: &EvalArgs, sweep: &Sweep<'_>) -> Result<Manifest> {
         inputs,
         cells: serde_json::json!({ "sequences": sequences, "noises": specs, "seeds": sweep.seeds }),
     })
-}
-
-/// Version and checksum of this very program: another build may give other numbers.
-fn program() -> String {
-    let version = concat!("dpn ", env!("CARGO_PKG_VERSION"));
-    let bytes = std::env::current_exe().and_then(std::fs::read);
-    let sum = bytes
-        .map(|bytes| Sha256::digest(bytes).iter().take(8).map(|b| format!("{b:02x}")).collect::<String>());
-    sum.map_or_else(|_| version.to_owned(), |sum| format!("{version} ({sum})"))
 }
 
 /// Rows as JSON and as the table that is printed.
