@@ -46,7 +46,8 @@ pub struct Errors {
 }
 
 impl Errors {
-    /// Of `estimate`, whose poses may have covariances.
+    /// Of `estimate`, whose poses may have covariances; these are about `anchor`, the pose that the estimator took for known, or about
+    /// the first pose.
     ///
     /// # Errors
     /// Truth or estimate with values that are not finite or stamps that do not increase.
@@ -54,6 +55,7 @@ impl Errors {
         truth: &[StampedPose],
         estimate: &[StampedPose],
         covariances: Option<&[Matrix6<f64>]>,
+        anchor: Option<&StampedPose>,
     ) -> Result<Self, MetricsError> {
         if estimate.len() < FEWEST_PAIRS {
             return Ok(Self::default());
@@ -79,15 +81,22 @@ impl Errors {
         for (value, step) in errors.rpe.iter_mut().zip(RpeStep::USUAL) {
             *value = rpe(&pairs, step, RPE_TOLERANCE)?.map(|rpe| rpe.translation.rmse);
         }
-        errors.nees = covariances.and_then(|covariances| mean_nees(&pairs, covariances));
+        let anchor = match anchor {
+            Some(anchor) => {
+                associate_interpolated(&track, std::slice::from_ref(anchor))?.pairs.first().copied()
+            }
+            None => None,
+        };
+        errors.nees = covariances.and_then(|covariances| mean_nees(&pairs, covariances, anchor));
         Ok(errors)
     }
 }
 
-/// Means over the poses after the first, which fixes the gauge.
-fn mean_nees(pairs: &[PosePair], covariances: &[Matrix6<f64>]) -> Option<[f64; 2]> {
+/// Means over the poses. The anchor fixes the gauge; without one the first pose does and is left out.
+fn mean_nees(pairs: &[PosePair], covariances: &[Matrix6<f64>], anchor: Option<PosePair>) -> Option<[f64; 2]> {
     let (first, rest) = pairs.split_first()?;
-    let all = nees(rest, covariances, &start_alignment(first)).ok()?;
+    let (gauge, judged) = anchor.as_ref().map_or((first, rest), |anchor| (anchor, pairs));
+    let all = nees(judged, covariances, &start_alignment(gauge)).ok()?;
     let n = all.len() as f64;
     (n > 0.0).then(|| {
         [all.iter().map(|p| p.position).sum::<f64>() / n, all.iter().map(|p| p.orientation).sum::<f64>() / n]
@@ -126,7 +135,7 @@ pub fn judge(recording: &Recording, told: &Told, driven: &Driven) -> Result<Row,
     let poses = driven.poses();
     let covariances = driven.covariances();
     let errors = match &recording.truth {
-        Some(truth) => Errors::of(truth, &poses, covariances.as_deref())
+        Some(truth) => Errors::of(truth, &poses, covariances.as_deref(), driven.report.anchor.as_ref())
             .map_err(|source| ClosedLoopError::Metrics { sequence: recording.name.clone(), source })?,
         None => Errors::default(),
     };
@@ -225,7 +234,7 @@ mod tests {
     #[test]
     fn a_scaled_circle_has_its_scale_as_error_and_none_after_sim3() {
         let (truth, estimate) = (circle(5.0, 1.0), circle(5.0, 0.8));
-        let errors = Errors::of(&truth, &estimate, None).unwrap();
+        let errors = Errors::of(&truth, &estimate, None, None).unwrap();
         assert!((errors.scale_error.unwrap() - 0.25).abs() < 1e-9);
         assert!(errors.ate_sim3.unwrap() < 1e-9);
         assert!((errors.ate_se3.unwrap() - 1.0).abs() < 0.01, "{errors:?}");

@@ -7,6 +7,7 @@
 
 mod axis;
 mod error;
+mod flight;
 mod flight_sigma;
 mod frame;
 mod legend;
@@ -19,7 +20,8 @@ mod style;
 mod summary;
 
 pub use error::FigureError;
-pub use flight_sigma::{Flight, FlightSigma, Phase};
+pub use flight::{Flight, Phase};
+pub use flight_sigma::FlightSigma;
 pub use plot::{DrawError, Drawn, Plot, save};
 pub use predicted_vs_true::{Predicted, PredictedVsTrue};
 pub use rmse_vs_sigma::RmseVsSigma;

@@ -29,14 +29,8 @@ fn open_loop(args: &EvalArgs) -> Result<()> {
     };
     let sensors = args.sensor.map_or_else(|| Sensor::ALL.to_vec(), |sensor| vec![sensor.into()]);
     let corpora = corpus::load(args.data.as_deref())?;
-    let request = Request {
-        corpora: &corpora,
-        sensors: &sensors,
-        bases: &bases,
-        networks: &networks,
-        regressors: true,
-        seed: args.seed,
-    };
+    let request =
+        Request { corpora: &corpora, sensors: &sensors, bases: &bases, networks: &networks, seed: args.seed };
     let result = judge(&request, &mut Bar::new())?;
     write_tables(&result.rows, out)?;
     let mut pictures = draw(&result, &sensors, out)?;

@@ -5,6 +5,7 @@ use crate::args::TrainArgs;
 use crate::ui::{Bar, Fault, Interrupted};
 use anyhow::Result;
 use dpn_core::Sensor;
+use dpn_core::config::Validate;
 use dpn_train::config::TrainConfig;
 use dpn_train::corpus::Corpus;
 use dpn_train::run::{Run, RunError};
@@ -91,10 +92,6 @@ fn config(args: &TrainArgs, sensor: Sensor) -> Result<TrainConfig> {
         config.base.set(base);
     }
     // Flags may have moved a value out of its bounds.
-    let faults = dpn_core::config::Validate::faults(&config);
-    if !faults.is_empty() {
-        let all: Vec<String> = faults.iter().map(ToString::to_string).collect();
-        return Err(Fault::new(all.join("; ")).into());
-    }
+    config.validate()?;
     Ok(config)
 }

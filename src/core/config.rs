@@ -29,10 +29,53 @@ impl fmt::Display for ConfigFault {
     }
 }
 
+/// Faults gathered key by key; as an error there is at least one.
+#[derive(Debug, Clone, PartialEq, Default, Error)]
+#[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+pub struct ConfigFaults(pub Vec<ConfigFault>);
+
+impl ConfigFaults {
+    /// Notes that `key` holds `value` but must be `bound`, unless `ok`.
+    pub fn check(
+        &mut self,
+        ok: bool,
+        key: impl Into<String>,
+        value: impl fmt::Display,
+        bound: impl Into<String>,
+    ) {
+        if !ok {
+            self.0.push(ConfigFault::new(key, value, bound));
+        }
+    }
+
+    /// Notes a fault unless `low <= value <= high`; so NaN is one.
+    pub fn within<T: PartialOrd + fmt::Display>(
+        &mut self,
+        key: impl Into<String>,
+        value: T,
+        low: T,
+        high: T,
+    ) {
+        let bound = format!("{low} to {high}");
+        self.check((low..=high).contains(&value), key, value, bound);
+    }
+}
+
 /// A configuration that can be checked after reading.
 pub trait Validate {
     /// Every value outside its bound; empty when all is well.
     fn faults(&self) -> Vec<ConfigFault>;
+
+    /// Refuses a configuration with faults.
+    ///
+    /// # Errors
+    /// All of [`faults`](Self::faults).
+    fn validate(&self) -> Result<(), ConfigFaults> {
+        match self.faults() {
+            faults if faults.is_empty() => Ok(()),
+            faults => Err(ConfigFaults(faults)),
+        }
+    }
 }
 
 /// Why a configuration is not used.
@@ -59,12 +102,12 @@ pub enum ConfigError {
         nearest: Option<String>,
     },
     /// Values outside their bounds.
-    #[error("{}: {}", path.display(), faults.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    #[error("{}: {faults}", path.display())]
     Bounds {
         /// The file.
         path: PathBuf,
         /// Every fault.
-        faults: Vec<ConfigFault>,
+        faults: ConfigFaults,
     },
 }
 
@@ -103,9 +146,9 @@ pub fn parse<T: DeserializeOwned + Validate>(text: &str, path: &Path) -> Result<
             message,
         }
     })?;
-    match config.faults() {
-        faults if faults.is_empty() => Ok(config),
-        faults => Err(ConfigError::Bounds { path: path.to_owned(), faults }),
+    match config.validate() {
+        Ok(()) => Ok(config),
+        Err(faults) => Err(ConfigError::Bounds { path: path.to_owned(), faults }),
     }
 }
 
@@ -148,9 +191,9 @@ pub fn load_over<T: DeserializeOwned + Validate>(
         read.map_err(|e: toml::de::Error| wrong(typed, e.message().to_owned()))?;
     }
     let config: T = table.try_into().map_err(|e: toml::de::Error| wrong(String::new(), e.to_string()))?;
-    match config.faults() {
-        faults if faults.is_empty() => Ok(config),
-        faults => Err(ConfigError::Bounds { path: name, faults }),
+    match config.validate() {
+        Ok(()) => Ok(config),
+        Err(faults) => Err(ConfigError::Bounds { path: name, faults }),
     }
 }
 
@@ -206,14 +249,11 @@ mod tests {
 
     impl Validate for Small {
         fn faults(&self) -> Vec<ConfigFault> {
-            let mut faults = Vec::new();
-            if self.learning_rate <= 0.0 {
-                faults.push(ConfigFault::new("learning_rate", self.learning_rate, "above 0"));
-            }
-            if self.epochs == 0 {
-                faults.push(ConfigFault::new("epochs", self.epochs, "at least 1"));
-            }
-            faults
+            let mut faults = ConfigFaults::default();
+            let rate = self.learning_rate;
+            faults.check(rate > 0.0, "learning_rate", rate, "above 0");
+            faults.within("epochs", self.epochs, 1, 1000);
+            faults.0
         }
     }
 
@@ -232,13 +272,28 @@ mod tests {
     fn all_bad_values_are_named_at_once() {
         let error = parsed("epochs = 0\nlearning_rate = -1.0").unwrap_err().to_string();
         assert!(
-            error.contains("`learning_rate` is -1, but must be above 0") && error.contains("`epochs` is 0"),
+            error
+                .contains("`learning_rate` is -1, but must be above 0; `epochs` is 0, but must be 1 to 1000"),
             "{error}"
         );
     }
 
     #[test]
-    fn a_far_word_is_not_suggested() {
-        assert_eq!(nearest("zzz", ["learning_rate", "epochs"]), None);
+    fn a_number_that_is_none_is_within_no_bounds() {
+        let mut faults = ConfigFaults::default();
+        faults.within("a", f64::NAN, 0.0, 1.0);
+        faults.within("b", 1.0, 0.0, 1.0);
+        assert_eq!(faults.to_string(), "`a` is NaN, but must be 0 to 1");
+    }
+
+    #[test]
+    fn the_nearest_word_is_near_or_none() {
+        let names = ["sg", "diff1", "diff2", "running", "wavelet"];
+        assert_eq!(nearest("dif2", names), Some("diff2"));
+        assert_eq!(nearest("runing", names), Some("running"));
+        assert_eq!(nearest("wavlet", names), Some("wavelet"));
+        for far in ["covariance", "q", "zzz"] {
+            assert_eq!(nearest(far, names), None, "{far}");
+        }
     }
 }

@@ -99,7 +99,7 @@ pub fn simulate_tracks(
         }
         sight.look(&pose);
         tracker.follow(&sight);
-        if on_path % every == 0 {
+        if on_path.is_multiple_of(every) {
             tracker.replenish(t, &sight);
             frames.push(tracker.hand_over(t));
         }

@@ -22,7 +22,7 @@ pub(super) fn smooth<const D: usize>(
 ) -> Vec<SVector<f64, D>> {
     let n = rows.len();
     let fits = window.min(n);
-    let window = if fits % 2 == 0 { fits.saturating_sub(1) } else { fits };
+    let window = if fits.is_multiple_of(2) { fits.saturating_sub(1) } else { fits };
     if window < ORDER + 2 {
         return rows.to_vec();
     }

@@ -18,4 +18,6 @@ pub struct EstimatorConfig {
     pub init: InitConfig,
     /// When an estimate is given up.
     pub health: HealthConfig,
+    /// Whether every update carries the covariance of its pose: one more linear system a frame.
+    pub covariance: bool,
 }

@@ -13,6 +13,7 @@ use crate::state::NavState;
 use crate::window::{AnchorStd, Leaving, Seen, Window};
 use dpn_core::camera::PinholeRadtan;
 use dpn_core::config::ConfigFault;
+use dpn_core::io::StampedPose;
 use dpn_core::random::Stream;
 use dpn_core::{Stamp, TrackFrame};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
@@ -181,6 +182,10 @@ impl Estimator {
             self.window.reject_outliers();
         }
         let state = self.window.newest()?.state;
+        if let Some(oldest) = self.window.frames().first() {
+            let anchor = StampedPose { t: oldest.t, world_from_body: oldest.state.world_from_body };
+            self.report.anchor.get_or_insert(anchor);
+        }
         while self.window.is_full() {
             let leaving = self.window.leaving(self.camera.focal().mean());
             self.window.slide(leaving);
@@ -224,6 +229,9 @@ impl Estimator {
                 Ok(frames) => {
                     let frames = self.go_on_from_last(frames);
                     update.state = self.start(frames);
+                    if self.config.covariance {
+                        update.covariance = self.window.newest_pose_covariance();
+                    }
                     self.last_good = update.state.or(self.last_good);
                 }
             }
@@ -329,6 +337,9 @@ impl Estimator {
         }
         update.state = Some(state);
         self.last_good = Some(state);
+        if self.config.covariance {
+            update.covariance = self.window.newest_pose_covariance();
+        }
         update.landmarks = self.window.landmarks().iter().filter(|l| l.inverse_depth.is_some()).count();
         if self.window.is_full() {
             let leaving: Leaving = self.window.leaving(self.camera.focal().mean());

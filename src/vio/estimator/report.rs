@@ -2,6 +2,7 @@
 
 use super::update::{Phase, RestartReason, Update};
 use dpn_core::Stamp;
+use dpn_core::io::StampedPose;
 use serde::Serialize;
 
 /// Where a frame's time goes.
@@ -38,6 +39,9 @@ pub struct RunReport {
     pub first: Option<Stamp>,
     /// Stamp of the first pose.
     pub initialised: Option<Stamp>,
+    /// The pose of the first start's oldest frame, by definition without error in position and heading: what covariances are about.
+    #[serde(skip)]
+    pub anchor: Option<StampedPose>,
     /// Frames since the first pose.
     pub frames_since: usize,
     /// Starts after the first, with their reasons.

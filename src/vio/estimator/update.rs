@@ -27,7 +27,7 @@ pub struct Update {
     pub phase: Phase,
     /// The newest state; `None` while there is none.
     pub state: Option<NavState>,
-    /// Covariance of the newest pose (position, then rotation on the right), as believed.
+    /// Covariance of the newest pose (position, then rotation on the right), as believed; `None` where it was not asked for.
     pub covariance: Option<Matrix6<f64>>,
     /// Tracks that went on from earlier frames.
     pub tracked: usize,

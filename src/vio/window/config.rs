@@ -11,9 +11,6 @@ pub enum Handover {
     Reuse,
     /// Their sightings enter the prior once; the track goes on as a new landmark from the newest frame.
     Consume,
-    /// The older half of their sightings enters the prior, the younger half goes on as a landmark of its own: every sighting counts
-    /// once, and what goes on has a depth.
-    Split,
     /// The leaving sighting is dropped, the others stay with the next host; tracks that have ended enter the prior.
     Drop,
 }
@@ -58,7 +55,7 @@ impl Default for WindowConfig {
     fn default() -> Self {
         Self {
             key_frames: 10,
-            pixel_std: 0.5,
+            pixel_std: 1.0,
             loss: Loss::Huber,
             loss_scale: 1.5,
             key_frame_parallax_px: 10.0,
@@ -68,7 +65,7 @@ impl Default for WindowConfig {
             outlier_px: 6.0,
             max_iterations: 8,
             cost_tolerance: 1e-3,
-            handover: Handover::Split,
+            handover: Handover::Reuse,
             first_estimates: false,
             estimate_extrinsics: false,
             estimate_time_offset: false,

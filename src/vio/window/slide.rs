@@ -38,7 +38,7 @@ impl Window {
         }
     }
 
-    /// How many of a landmark's sightings, from its first, enter the prior when the oldest frame leaves.
+    /// How many of a landmark's sightings enter the prior when the oldest frame leaves.
     pub(crate) fn handed_over(&self, landmark: &Landmark) -> usize {
         let sightings = landmark.sightings.len();
         if landmark.host() != 0 || landmark.inverse_depth.is_none() || sightings < 2 {
@@ -48,9 +48,7 @@ impl Window {
         match self.config.handover {
             Handover::Reuse | Handover::Consume => sightings,
             _ if ended => sightings,
-            // Two sightings at least on both sides, or there is no depth to be had from them.
-            Handover::Split if sightings >= 4 => sightings.div_ceil(2),
-            Handover::Split | Handover::Drop => 0,
+            Handover::Drop => 0,
         }
     }
 

@@ -223,7 +223,7 @@ proptest! {
     #[test]
     fn every_handover_counts_a_sighting_at_most_once_but_reuse(seed in 0u64..50) {
         let scene = scene(seed);
-        for handover in [Handover::Split, Handover::Drop, Handover::Consume] {
+        for handover in [Handover::Drop, Handover::Consume] {
             let mut window = window(&scene, 9, WindowConfig { handover, ..config() });
             let total: usize = window.landmarks().iter().map(|l| l.sightings.len()).sum();
             let used: usize = window.landmarks().iter().map(|l| window.handed_over(l)).sum();
