@@ -71,8 +71,7 @@ pub fn single(
     if let Some(problem) = health.fault() {
         return Err(ClosedLoopError::TrackIds { sequence: recording.name.clone(), problem });
     }
-    let recorded =
-        Recorded { name: &recording.name, imu: &recording.imu, oracle: recording.oracle.as_ref() };
+    let recorded = Recorded { name: &recording.name, imu: &recording.imu, oracle: recording.oracle.as_ref() };
     let stream = Stream::new(told.seed).named("noise").named(&recording.name);
     let track = noise.track(&recording.imu, &Fresh { recorded, networks }, &stream)?;
     let axes = axes(recording.imu.samples(), frames, &recording.camera, &recording.body_from_cam);
@@ -84,7 +83,7 @@ pub fn single(
         }
     }
     let report = Report {
-        row: judge(recording, told, &driven)?,
+        row: judge(recording, told, &driven)?.row,
         warnings: warnings(recording, frames, &health, &axes),
         axes,
         tracks: health,
@@ -104,18 +103,25 @@ fn warnings(recording: &Recording, frames: &[TrackFrame], health: &TrackHealth, 
     let late = frames.iter().filter(|f| f.t > last).count();
     for (count, place) in [(early, "before the first"), (late, "after the last")] {
         if count > 0 {
-            found.push(format!("{count} of {} frames lie {place} IMU sample; nothing can be done with them", frames.len()));
+            found.push(format!(
+                "{count} of {} frames lie {place} IMU sample; nothing can be done with them",
+                frames.len()
+            ));
         }
     }
     if let (Some(begin), Some(end)) = (frames.first(), frames.last()) {
         let (covered, all) = (end.t.min(last).seconds_since(begin.t.max(first)), recording.imu.duration());
         if covered < COVERED * all {
-            found.push(format!("the frames cover {covered:.1} s of the IMU's {all:.1} s; the rest has no pose"));
+            found.push(format!(
+                "the frames cover {covered:.1} s of the IMU's {all:.1} s; the rest has no pose"
+            ));
         }
     }
     for fault in check(&recording.imu, &CheckOptions::default()).faults {
         match fault {
-            RecordingFault::Gaps { .. } | RecordingFault::Saturated { .. } | RecordingFault::Constant { .. } => {
+            RecordingFault::Gaps { .. }
+            | RecordingFault::Saturated { .. }
+            | RecordingFault::Constant { .. } => {
                 found.push(format!("IMU: {fault}"));
             }
             RecordingFault::TooShort { .. } | RecordingFault::WrongRate { .. } => {}
@@ -145,7 +151,8 @@ impl Single {
     /// # Errors
     /// Those of the writer.
     pub fn write_states(&self, out: &mut dyn Write) -> std::io::Result<()> {
-        let axes = |name: &str, unit: &str| ["x", "y", "z"].map(|axis| format!("{name}_{axis}{unit}")).join(",");
+        let axes =
+            |name: &str, unit: &str| ["x", "y", "z"].map(|axis| format!("{name}_{axis}{unit}")).join(",");
         writeln!(
             out,
             "#timestamp [ns],phase,{},q_w,q_x,q_y,q_z,{},{},{},{},{},{},{},tracked,landmarks,outliers,iterations,whitened",
@@ -167,7 +174,8 @@ impl Single {
             write!(out, "{},{phase}", update.t.ns())?;
             match &update.state {
                 Some(state) => {
-                    let (p, q) = (state.world_from_body.translation.vector, state.world_from_body.rotation.coords);
+                    let (p, q) =
+                        (state.world_from_body.translation.vector, state.world_from_body.rotation.coords);
                     let values = p.iter().chain([&q.w, &q.x, &q.y, &q.z]).chain(&state.vel_in_world);
                     for value in values.chain(&state.bias.accel).chain(&state.bias.gyro) {
                         write!(out, ",{value:?}")?;

@@ -57,7 +57,9 @@ fn open(args: &RunArgs) -> Result<(Source, usize)> {
     })?;
     if args.tracks.is_some() {
         let remedy = "write it with `dpn simulate flight` and name the folder";
-        return Err(Fault::new("--tracks is for a folder; a flight's tracks are made with it").hint(remedy).into());
+        return Err(Fault::new("--tracks is for a folder; a flight's tracks are made with it")
+            .hint(remedy)
+            .into());
     }
     let source = Source::Flights { config: settings::flights(&args.settings)?, tracks: made };
     let place = Flight::ALL.iter().position(|f| *f == flight).unwrap_or(0);
@@ -75,7 +77,10 @@ fn write(done: &Single, report: &serde_json::Value, out: &Path) -> Result<()> {
 /// The summary for people.
 fn words(report: &Report, done: &Single) -> String {
     let row = &report.row;
-    let mut lines = vec![format!("{}, noise {}, {} frames in {:.1} s", row.sequence, row.noise, row.frames, done.driven.data_s)];
+    let mut lines = vec![format!(
+        "{}, noise {}, {} frames in {:.1} s",
+        row.sequence, row.noise, row.frames, done.driven.data_s
+    )];
     let mut line = |name: &str, text: String| lines.push(format!("{name:<16}{text}"));
     match row.init_s {
         Some(seconds) => {
@@ -83,8 +88,11 @@ fn words(report: &Report, done: &Single) -> String {
             line("initialised:", format!("after {seconds:.1} s{}", moving.unwrap_or_default()));
         }
         None => {
-            let reasons: Vec<String> =
-                report.waited_for.iter().map(|(reason, frames)| format!("{reason} ({frames} frames)")).collect();
+            let reasons: Vec<String> = report
+                .waited_for
+                .iter()
+                .map(|(reason, frames)| format!("{reason} ({frames} frames)"))
+                .collect();
             line("initialised:", format!("never; waited for: {}", reasons.join(", ")));
         }
     }
@@ -104,14 +112,27 @@ fn words(report: &Report, done: &Single) -> String {
         "time:",
         format!(
             "{:.4} CPU s a second, 95 % of updates within {:.1} ms (feed {:.2} s, initialise {:.2}, solve {:.2}, reject {:.2}, slide {:.2})",
-            row.cpu_per_data_s, row.p95_update_ms, stage.feed, stage.initialise, stage.solve, stage.reject, stage.slide
+            row.cpu_per_data_s,
+            row.p95_update_ms,
+            stage.feed,
+            stage.initialise,
+            stage.solve,
+            stage.reject,
+            stage.slide
         ),
     );
     match (row.ate_se3, row.ate_yaw, row.ate_sim3, row.scale_error) {
         (Some(se3), yaw, sim3, scale) => {
             let metres = |v: Option<f64>| v.map_or_else(|| "-".into(), |v| format!("{v:.3}"));
             let scale = scale.map_or_else(|| "-".into(), |s| format!("{:+.2} %", 100.0 * s));
-            line("ATE [m]:", format!("{se3:.3} (SE(3)), {} (yaw and position), {} (Sim(3)); scale {scale}", metres(yaw), metres(sim3)));
+            line(
+                "ATE [m]:",
+                format!(
+                    "{se3:.3} (SE(3)), {} (yaw and position), {} (Sim(3)); scale {scale}",
+                    metres(yaw),
+                    metres(sim3)
+                ),
+            );
         }
         _ => line("ATE [m]:", "none: no ground truth, or too few poses under it".into()),
     }

@@ -76,10 +76,8 @@ pub struct Axes {
 impl Axes {
     /// A sentence for people; `None` where nothing is wrong.
     pub fn warning(&self) -> Option<String> {
-        let seen = format!(
-            "the correlation of camera and gyro rotation is {:.2} as calibrated",
-            self.correlation
-        );
+        let seen =
+            format!("the correlation of camera and gyro rotation is {:.2} as calibrated", self.correlation);
         match self.verdict {
             AxesVerdict::Consistent | AxesVerdict::Unknown => None,
             AxesVerdict::Turned { degrees, axis_in_body: [x, y, z] } => Some(format!(
@@ -238,8 +236,8 @@ fn centred(turns: &[(Vector3<f64>, Vector3<f64>)]) -> Vec<(Vector3<f64>, Vector3
 #[cfg(test)]
 mod tests {
     use super::*;
-    use dpn_sim::tracks::{AnalyticPath, TracksConfig, camera_stamps, simulate_tracks};
     use dpn_core::SampleRate;
+    use dpn_sim::tracks::{AnalyticPath, TracksConfig, camera_stamps, simulate_tracks};
     use dpn_sim::{Flight, FlightConfig, simulate};
 
     struct Case {
@@ -317,8 +315,12 @@ mod tests {
         let judged = axes(&moved, &case.frames, &case.camera, &case.body_from_cam);
         assert_eq!(judged.verdict, AxesVerdict::Unrelated, "{judged:?}");
         let first = &case.frames[0];
-        let still: Vec<_> = case.frames.iter().map(|f| TrackFrame { t: f.t, tracks: first.tracks.clone() }).collect();
-        assert_eq!(axes(&case.samples, &still, &case.camera, &case.body_from_cam).verdict, AxesVerdict::Unknown);
+        let still: Vec<_> =
+            case.frames.iter().map(|f| TrackFrame { t: f.t, tracks: first.tracks.clone() }).collect();
+        assert_eq!(
+            axes(&case.samples, &still, &case.camera, &case.body_from_cam).verdict,
+            AxesVerdict::Unknown
+        );
         assert_eq!(axes(&[], &[], &case.camera, &case.body_from_cam).verdict, AxesVerdict::Unknown);
     }
 }

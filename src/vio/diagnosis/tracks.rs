@@ -60,7 +60,8 @@ impl TrackHealth {
 
 /// Looks at tracks as a whole.
 pub fn track_health(frames: &[TrackFrame]) -> TrackHealth {
-    let (mut pairs, mut shares, mut common, mut jumps, mut longest) = (0_usize, 0.0, 0_usize, 0_usize, 0.0_f64);
+    let (mut pairs, mut shares, mut common, mut jumps, mut longest) =
+        (0_usize, 0.0, 0_usize, 0_usize, 0.0_f64);
     for pair in frames.windows(2) {
         let seconds = pair[1].t.seconds_since(pair[0].t);
         longest = longest.max(seconds);
