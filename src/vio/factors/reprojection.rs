@@ -16,7 +16,7 @@
 
 use dpn_core::camera::PinholeRadtan;
 use dpn_core::geometry::{so3::hat, sphere::tangent_basis};
-use nalgebra::{Isometry3, Matrix2x3, Matrix3, Vector2, Vector3};
+use nalgebra::{Isometry3, Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 
 /// One frame's measurement of one track, made ready for the residual.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,6 +27,8 @@ pub struct Sighting {
     pub bearing: Vector3<f64>,
     /// `M` above \[1/rad\].
     pub whiten: Matrix2x3<f64>,
+    /// How far `(x, y)` of the ray moves when the pixel is one deviation off.
+    pub spread: Matrix2<f64>,
     /// How the ray moves \[1/s\]; zero where the track has no neighbour in time.
     pub ray_rate: Vector3<f64>,
 }
@@ -38,9 +40,12 @@ impl Sighting {
         let ray = Vector3::new(normalised.x, normalised.y, 1.0);
         let bearing = ray.normalize();
         let (_, d_px_d_point) = camera.project_with_jacobian(&bearing)?;
+        // A pixel moves with the point's depth along the ray only: at depth 1 the first two columns are the derivative by (x, y).
+        let (_, d_px_d_ray) = camera.project_with_jacobian(&ray)?;
+        let spread = d_px_d_ray.fixed_columns::<2>(0).try_inverse()? * px_std;
         let basis = tangent_basis(&bearing);
         let whiten = d_px_d_point * basis * basis.transpose() / px_std;
-        Some(Self { ray, bearing, whiten, ray_rate: Vector3::zeros() })
+        Some(Self { ray, bearing, whiten, spread, ray_rate: Vector3::zeros() })
     }
 }
 
@@ -53,6 +58,8 @@ pub struct PairGeometry {
     cam_from_world: Matrix3<f64>,
     /// `R_bc^T R_wb,j^T R_wb,i`.
     cam_from_host: Matrix3<f64>,
+    /// `R_bc^T R_wb,j^T R_wb,i R_bc`: the host's camera to the target's.
+    cam_from_host_cam: Matrix3<f64>,
     /// `R_wb,j^T (p_i - p_j)`.
     host_in_target: Vector3<f64>,
     /// `dq/dl`: the host camera's origin in the target's camera.
@@ -79,6 +86,7 @@ impl PairGeometry {
             target_from_host,
             cam_from_world: (r_wj * r_bc).transpose(),
             cam_from_host: r_bc.tr_mul(&target_from_host),
+            cam_from_host_cam: r_bc.tr_mul(&target_from_host) * r_bc,
             host_in_target,
             host_cam_in_cam: r_bc.tr_mul(&(target_from_host * t_bc + host_in_target - t_bc)),
             body_from_cam: r_bc,
@@ -89,7 +97,7 @@ impl PairGeometry {
     /// The landmark in the target's camera, times its inverse depth.
     #[inline]
     pub fn point(&self, ray: &Vector3<f64>, inverse_depth: f64) -> Vector3<f64> {
-        self.cam_from_host * (self.body_from_cam * ray) + inverse_depth * self.host_cam_in_cam
+        self.cam_from_host_cam * ray + inverse_depth * self.host_cam_in_cam
     }
 
     /// The residual alone \[standard deviations\].
@@ -133,7 +141,7 @@ impl PairGeometry {
     pub fn d_camera(&self, at: &Linearised, ray: &Vector3<f64>, inverse_depth: f64) -> [[f64; 6]; 2] {
         let d_position = at.d_q * (self.cam_from_host - self.body_from_cam.transpose()) * inverse_depth;
         // Once through R_bc^T on the left of everything, once through R_bc on the ray.
-        let d_rotation = at.d_q * (hat(&at.q) - self.cam_from_host * self.body_from_cam * hat(ray));
+        let d_rotation = at.d_q * (hat(&at.q) - self.cam_from_host_cam * hat(ray));
         let mut rows = [[0.0; 6]; 2];
         for r in 0..2 {
             for k in 0..3 {
@@ -144,9 +152,17 @@ impl PairGeometry {
         rows
     }
 
+    /// Derivative by the host's own pixel \[deviations of it\]: the measurement that anchors a landmark is as noisy as the others.
+    #[inline]
+    pub fn d_host_pixel(&self, at: &Linearised, spread: &Matrix2<f64>) -> [[f64; 2]; 2] {
+        let d_ray = at.d_q * self.cam_from_host_cam;
+        let d = d_ray.fixed_columns::<2>(0) * spread;
+        [[d[(0, 0)], d[(0, 1)]], [d[(1, 0)], d[(1, 1)]]]
+    }
+
     /// Derivative by the camera clock's offset, both measurements moving along their tracks.
     pub fn d_offset(&self, at: &Linearised, host: &Sighting, target: &Sighting) -> [f64; 2] {
-        let d_ray = at.d_q * (self.cam_from_host * (self.body_from_cam * host.ray_rate));
+        let d_ray = at.d_q * (self.cam_from_host_cam * host.ray_rate);
         let along =
             (target.ray_rate - target.bearing * target.bearing.dot(&target.ray_rate)) / target.ray.norm();
         let d_bearing = target.whiten * along;
@@ -251,6 +267,14 @@ mod tests {
             });
             check_jacobian("d_res_d_depth", &Vector2::from(at.depth), TOLERANCE, |d| {
                 Case { inverse_depth: case.inverse_depth + d[0], ..Case::random(seed) }.residual()
+            });
+            let d_pixel = geometry.d_host_pixel(&at, &case.seen_by_host.spread);
+            check_jacobian("d_res_d_host_pixel", &Matrix2::from_fn(|r, c| d_pixel[r][c]), TOLERANCE, |d| {
+                let mut moved = Case::random(seed);
+                let camera = PinholeRadtan::euroc_cam0();
+                let px = camera.project(&moved.seen_by_host.ray).unwrap() + 0.7 * Vector2::new(d[0], d[1]);
+                moved.seen_by_host = Sighting::new(&camera, &px, 0.7).unwrap();
+                moved.residual()
             });
             let d_offset = geometry.d_offset(&at, &case.seen_by_host, &case.seen_by_target);
             check_jacobian("d_res_d_offset", &Vector2::from(d_offset), TOLERANCE, |d| {

@@ -55,7 +55,7 @@ impl Default for WindowConfig {
     fn default() -> Self {
         Self {
             key_frames: 10,
-            pixel_std: 1.0,
+            pixel_std: 0.7,
             loss: Loss::Huber,
             loss_scale: 1.5,
             key_frame_parallax_px: 10.0,

@@ -1,7 +1,10 @@
-//! All measurements of the window as normal equations over its states, the depths taken out by Schur complement as they come.
+//! All measurements of the window as normal equations over its states, each landmark taken out by Schur complement as it comes.
 //!
-//! A depth meets only the frames that saw its landmark: with `w` the depth's row of the Hessian, `h` its diagonal and `g` its
-//! gradient, what is left over the states is `H - w^T w / h` and `g_states - w^T g / h`.
+//! A landmark has three unknowns: its inverse depth, and by how many deviations the host's own pixel is off in u and v, which the host's
+//! measurement holds to `0 +- 1`. They meet only the frames that saw it: with `W` their rows of the Hessian, `A` their own block and
+//! `g` their gradient, what is left over the states is `H - W^T A^-1 W` and `g_states - W^T A^-1 g`. With `A = L L^T` these are rank-one
+//! updates by the rows of `L^-1 W`. The host's pixel is taken out at every linearisation anew, about zero: the cost is the residuals'
+//! under a covariance that holds the host's error common to them, `r^T C^-1 r / 2`, and nothing of it need be kept.
 
 use super::landmark::MIN_INVERSE_DEPTH;
 use super::layout::Layout;
@@ -22,15 +25,24 @@ pub(crate) enum Part {
     Oldest,
 }
 
-/// One landmark's depth, as it was taken out; enough to find its step afterwards.
+/// Unknowns of a landmark: inverse depth, the host's pixel in u and v. The depth stands last, so that its step is read off first.
+const LOCAL: usize = 3;
+/// Where the depth stands.
+const DEPTH: usize = 2;
+
+/// One landmark as it was taken out; enough to find its depth's step afterwards.
 #[derive(Debug, Clone, Copy)]
 struct DepthRow {
     landmark: usize,
-    inverse_h: f64,
+    /// `L^-1 g` of the depth, and its pivot.
     g: f64,
+    pivot: f64,
     /// Where its couplings begin in [`Linearisation::couplings`].
     start: usize,
 }
+
+/// What a landmark's three unknowns have in common with one block of the states.
+type Coupling = [[f64; POSE_DIM]; LOCAL];
 
 /// The equations at one point, and memory for the next.
 #[derive(Debug, Clone)]
@@ -38,8 +50,8 @@ pub(crate) struct Linearisation {
     pub(crate) normal: Normal,
     pub(crate) cost: f64,
     depths: Vec<DepthRow>,
-    /// Place and six couplings for each frame a depth meets.
-    couplings: Vec<(usize, [f64; POSE_DIM])>,
+    /// Place and couplings for each block of states that a landmark meets; after its turn, those of `L^-1 W`.
+    couplings: Vec<(usize, Coupling)>,
     geometry: Vec<Option<PairGeometry>>,
     first_geometry: Vec<Option<PairGeometry>>,
 }
@@ -120,14 +132,16 @@ impl Linearisation {
         let host_place = layout.pose(host);
         let host_sighting = landmark.host_sighting();
         let ray = window.ray_at_offset(host_sighting);
-        let (mut h, mut g) = (0.0, 0.0);
+        // The host's measurement holds its pixel to zero, by one deviation.
+        let mut own = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.0]];
+        let mut g = [0.0; LOCAL];
         let start = self.couplings.len();
-        self.couplings.push((host_place, [0.0; POSE_DIM]));
+        self.couplings.push((host_place, Coupling::default()));
         let camera_coupling = layout.camera().map(|place| {
-            self.couplings.push((place, [0.0; POSE_DIM]));
+            self.couplings.push((place, Coupling::default()));
             self.couplings.len() - 1
         });
-        let mut offset_coupling = 0.0;
+        let mut offset_coupling = Coupling::default();
         for (target, sighting) in &landmark.sightings[1..sightings] {
             let target_place = layout.pose(*target);
             let sighting = window.sighting_at_offset(sighting);
@@ -143,16 +157,16 @@ impl Linearisation {
             let squared = at.residual.norm_squared();
             let (rho, weight) = window.config.loss.evaluate(squared, window.config.loss_scale);
             self.cost += 0.5 * rho;
+            let pixel = geometry.d_host_pixel(&at, &host_sighting.spread);
             let camera = layout.camera().map(|_| geometry.d_camera(&at, &ray, inverse_depth));
             let offset = layout.offset().map(|_| geometry.d_offset(&at, host_sighting, &sighting));
             let root = weight.sqrt();
             at.residual *= root;
+            scale(&mut at.host, root);
+            scale(&mut at.target, root);
+            let mut local = [[0.0; LOCAL]; 2];
             for r in 0..2 {
-                for k in 0..POSE_DIM {
-                    at.host[r][k] *= root;
-                    at.target[r][k] *= root;
-                }
-                at.depth[r] *= root;
+                local[r] = [pixel[r][0] * root, pixel[r][1] * root, at.depth[r] * root];
             }
             let residual = [at.residual.x, at.residual.y];
             let normal = &mut self.normal;
@@ -161,11 +175,17 @@ impl Linearisation {
             normal.add_product(target_place, &at.target, host_place, &at.host);
             add_gradient(normal, host_place, &at.host, &residual);
             add_gradient(normal, target_place, &at.target, &residual);
-            h += at.depth[0] * at.depth[0] + at.depth[1] * at.depth[1];
-            g += at.depth[0] * residual[0] + at.depth[1] * residual[1];
-            couple(&mut self.couplings[start].1, &at.host, &at.depth);
-            let mut coupling = [0.0; POSE_DIM];
-            couple(&mut coupling, &at.target, &at.depth);
+            for r in 0..2 {
+                for i in 0..LOCAL {
+                    g[i] += local[r][i] * residual[r];
+                    for k in 0..=i {
+                        own[i][k] += local[r][i] * local[r][k];
+                    }
+                }
+            }
+            couple(&mut self.couplings[start].1, &at.host, &local);
+            let mut coupling = Coupling::default();
+            couple(&mut coupling, &at.target, &local);
             self.couplings.push((target_place, coupling));
             if let (Some(mut rows), Some(place), Some(entry)) = (camera, layout.camera(), camera_coupling) {
                 scale(&mut rows, root);
@@ -173,7 +193,7 @@ impl Linearisation {
                 normal.add_product(place, &rows, host_place, &at.host);
                 normal.add_product(place, &rows, target_place, &at.target);
                 add_gradient(normal, place, &rows, &residual);
-                couple(&mut self.couplings[entry].1, &rows, &at.depth);
+                couple(&mut self.couplings[entry].1, &rows, &local);
             }
             if let (Some(column), Some(place)) = (offset, layout.offset()) {
                 let column = [[column[0] * root], [column[1] * root]];
@@ -186,59 +206,79 @@ impl Linearisation {
                     normal.add_product(place, &column, camera_place, &rows);
                 }
                 add_gradient(normal, place, &column, &residual);
-                offset_coupling += column[0][0] * at.depth[0] + column[1][0] * at.depth[1];
-            }
-        }
-        let at_bound = inverse_depth <= MIN_INVERSE_DEPTH;
-        let row = DepthRow { landmark: index, inverse_h: h, g, start };
-        self.take_out(layout, row, damping, offset_coupling, at_bound);
-    }
-
-    /// The Schur complement of one depth; `row.inverse_h` comes in as `h`.
-    fn take_out(
-        &mut self,
-        layout: &Layout,
-        mut row: DepthRow,
-        damping: f64,
-        offset_coupling: f64,
-        at_bound: bool,
-    ) {
-        let h = row.inverse_h * (1.0 + damping);
-        // A depth at its bound that would go on beyond it stands still: no unknown. One that nothing was said of has no couplings
-        // worth the name either.
-        if h < 1e-9 || (at_bound && row.g >= 0.0) {
-            self.couplings.truncate(row.start);
-            return;
-        }
-        row.inverse_h = 1.0 / h;
-        if let Some(place) = layout.offset() {
-            let mut coupling = [0.0; POSE_DIM];
-            coupling[0] = offset_coupling;
-            self.couplings.push((place, coupling));
-        }
-        let offset = layout.offset();
-        let couplings = &self.couplings[row.start..];
-        for (k, (place, w)) in couplings.iter().enumerate() {
-            let size = if Some(*place) == offset { 1 } else { POSE_DIM };
-            for i in 0..size {
-                let factor = w[i] * row.inverse_h;
-                self.normal.gradient_mut()[place + i] -= factor * row.g;
-                for (other_place, other) in &couplings[..=k] {
-                    let other_size = if Some(*other_place) == offset { 1 } else { POSE_DIM };
-                    subtract(
-                        &mut self.normal,
-                        place + i,
-                        *other_place,
-                        other,
-                        other_size,
-                        factor,
-                        i,
-                        place == other_place,
-                    );
+                for i in 0..LOCAL {
+                    offset_coupling[i][0] += column[0][0] * local[0][i] + column[1][0] * local[1][i];
                 }
             }
         }
-        self.depths.push(row);
+        if let Some(place) = layout.offset() {
+            self.couplings.push((place, offset_coupling));
+        }
+        own[DEPTH][DEPTH] *= 1.0 + damping;
+        let at_bound = inverse_depth <= MIN_INVERSE_DEPTH;
+        self.take_out(layout, index, start, &own, &g, at_bound);
+    }
+
+    /// The Schur complement of one landmark, whose block is `own` (lower triangle) and whose gradient is `g`.
+    fn take_out(
+        &mut self,
+        layout: &Layout,
+        landmark: usize,
+        start: usize,
+        own: &[[f64; LOCAL]; LOCAL],
+        g: &[f64; LOCAL],
+        at_bound: bool,
+    ) {
+        let offset = layout.offset();
+        let mut l = [[0.0; LOCAL]; LOCAL];
+        let mut whitened = [0.0; LOCAL];
+        let mut unknowns = LOCAL;
+        for i in 0..LOCAL {
+            for k in 0..=i {
+                let sum: f64 = (0..k).map(|m| l[i][m] * l[k][m]).sum();
+                let value = own[i][k] - sum;
+                l[i][k] = if i == k { value.max(0.0).sqrt() } else { value / l[k][k] };
+            }
+            let sum: f64 = (0..i).map(|m| l[i][m] * whitened[m]).sum();
+            let rest = g[i] - sum;
+            // A depth that nothing was said of is no unknown; nor is one at its bound that would go on beyond it.
+            if i == DEPTH && (l[i][i] < 3e-5 || (at_bound && rest >= 0.0)) {
+                unknowns = DEPTH;
+                break;
+            }
+            whitened[i] = rest / l[i][i];
+        }
+        // What the host's pixel explains is no cost.
+        self.cost -= 0.5 * (whitened[0] * whitened[0] + whitened[1] * whitened[1]);
+        for (_, w) in &mut self.couplings[start..] {
+            for i in 0..unknowns {
+                for k in 0..POSE_DIM {
+                    let sum: f64 = (0..i).map(|m| l[i][m] * w[m][k]).sum();
+                    w[i][k] = (w[i][k] - sum) / l[i][i];
+                }
+            }
+        }
+        let couplings = &self.couplings[start..];
+        for (k, (place, w)) in couplings.iter().enumerate() {
+            let size = if Some(*place) == offset { 1 } else { POSE_DIM };
+            for i in 0..size {
+                let mut factors = [0.0; LOCAL];
+                for m in 0..unknowns {
+                    factors[m] = w[m][i];
+                    self.normal.gradient_mut()[place + i] -= w[m][i] * whitened[m];
+                }
+                for (other_place, other) in &couplings[..=k] {
+                    let other_size = if Some(*other_place) == offset { 1 } else { POSE_DIM };
+                    let of = Subtrahend { place: *other_place, rows: other, size: other_size };
+                    subtract(&mut self.normal, place + i, &factors, &of, (place == other_place).then_some(i));
+                }
+            }
+        }
+        if unknowns == LOCAL {
+            self.depths.push(DepthRow { landmark, g: whitened[DEPTH], pivot: l[DEPTH][DEPTH], start });
+        } else {
+            self.couplings.truncate(start);
+        }
     }
 
     /// Each landmark's step after the states' step `d`.
@@ -254,37 +294,44 @@ impl Linearisation {
             for (place, w) in &self.couplings[row.start..end] {
                 let size = if Some(*place) == offset { 1 } else { POSE_DIM };
                 for i in 0..size {
-                    sum += w[i] * d[place + i];
+                    sum += w[DEPTH][i] * d[place + i];
                 }
             }
-            (row.landmark, -sum * row.inverse_h)
+            (row.landmark, -sum / row.pivot)
         })
     }
 }
 
-#[allow(clippy::too_many_arguments)]
+/// One block of columns to take away from.
+struct Subtrahend<'a> {
+    place: usize,
+    rows: &'a Coupling,
+    size: usize,
+}
+
+/// Takes `factors^T rows` off row `row`; on the diagonal, up to column `diagonal` of the block.
 #[inline]
 fn subtract(
     normal: &mut Normal,
     row: usize,
-    place: usize,
-    other: &[f64; POSE_DIM],
-    size: usize,
-    factor: f64,
-    i: usize,
-    diagonal: bool,
+    factors: &[f64; LOCAL],
+    of: &Subtrahend<'_>,
+    diagonal: Option<usize>,
 ) {
-    if diagonal {
-        for (h, o) in normal.row_mut(row)[place..=place + i].iter_mut().zip(other) {
-            *h -= factor * o;
+    let mut values = [0.0; POSE_DIM];
+    for (factor, w) in factors.iter().zip(of.rows) {
+        for (value, w) in values.iter_mut().zip(w) {
+            *value += factor * w;
         }
-    } else if row > place {
-        for (h, o) in normal.row_mut(row)[place..place + size].iter_mut().zip(other) {
-            *h -= factor * o;
+    }
+    let size = diagonal.map_or(of.size, |i| i + 1);
+    if diagonal.is_some() || row > of.place {
+        for (h, value) in normal.row_mut(row)[of.place..of.place + size].iter_mut().zip(&values) {
+            *h -= value;
         }
     } else {
-        for (k, o) in other[..size].iter().enumerate() {
-            normal.add(row, place + k, -factor * o);
+        for (k, value) in values[..size].iter().enumerate() {
+            normal.add(row, of.place + k, -value);
         }
     }
 }
@@ -299,9 +346,11 @@ fn scale<const A: usize>(rows: &mut [[f64; A]; 2], factor: f64) {
 }
 
 #[inline]
-fn couple<const A: usize>(to: &mut [f64; A], rows: &[[f64; A]; 2], depth: &[f64; 2]) {
-    for k in 0..A {
-        to[k] += rows[0][k] * depth[0] + rows[1][k] * depth[1];
+fn couple(to: &mut Coupling, rows: &[[f64; POSE_DIM]; 2], local: &[[f64; LOCAL]; 2]) {
+    for (i, to) in to.iter_mut().enumerate() {
+        for k in 0..POSE_DIM {
+            to[k] += rows[0][k] * local[0][i] + rows[1][k] * local[1][i];
+        }
     }
 }
 
