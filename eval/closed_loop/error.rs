@@ -118,6 +118,14 @@ pub enum ClosedLoopError {
         /// How many frames a run needs.
         needed: usize,
     },
+    /// Ids that do not stay with their points.
+    #[error("{sequence}: {problem}")]
+    TrackIds {
+        /// The sequence.
+        sequence: String,
+        /// What is wrong, with the measured share.
+        problem: String,
+    },
     /// Input the estimator does not take.
     #[error("{sequence}: {source}")]
     Feed {

@@ -5,8 +5,8 @@ use super::error::ClosedLoopError;
 use super::recording::{Recording, first_motion};
 use super::row::{Failure, Restart, Row, StageSeconds};
 use crate::metrics::{
-    AlignmentKind, Interpolation, MetricsError, PosePair, RPE_TOLERANCE, RpeStep, TruthOptions, TruthTrack,
-    associate_interpolated, ate, nees, rpe, scale_error, start_alignment,
+    AlignmentKind, Interpolation, MetricsError, PoseNees, PosePair, RPE_TOLERANCE, RpeStep, TruthOptions,
+    TruthTrack, associate_interpolated, ate, nees, rpe, scale_error, start_alignment,
 };
 use dpn_core::Stamp;
 use dpn_core::io::StampedPose;
@@ -25,7 +25,7 @@ const FEW_POSES: f64 = 0.5;
 const FEWEST_PAIRS: usize = 10;
 
 /// Errors of a trajectory against the truth; what could not be computed is `None`.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Errors {
     /// RMSE after SE(3) alignment \[m\].
     pub ate_se3: Option<f64>,
@@ -39,8 +39,8 @@ pub struct Errors {
     pub scale_error: Option<f64>,
     /// RMSE of positions over the stretches of [`RpeStep::USUAL`] \[m\]: 5, 10, 20, 40 m, 1, 5 s.
     pub rpe: [Option<f64>; 6],
-    /// Mean NEES of position and orientation.
-    pub nees: Option<[f64; 2]>,
+    /// NEES of the poses, where they have covariances.
+    pub nees: Option<Vec<PoseNees>>,
     /// Length of the true path under the poses \[m\].
     pub path_m: f64,
 }
@@ -87,20 +87,25 @@ impl Errors {
             }
             None => None,
         };
-        errors.nees = covariances.and_then(|covariances| mean_nees(&pairs, covariances, anchor));
+        errors.nees = covariances.and_then(|covariances| all_nees(&pairs, covariances, anchor));
         Ok(errors)
     }
 }
 
-/// Means over the poses. The anchor fixes the gauge; without one the first pose does and is left out.
-fn mean_nees(pairs: &[PosePair], covariances: &[Matrix6<f64>], anchor: Option<PosePair>) -> Option<[f64; 2]> {
+/// Of all poses. The anchor fixes the gauge; without one the first pose does and is left out.
+fn all_nees(
+    pairs: &[PosePair],
+    covariances: &[Matrix6<f64>],
+    anchor: Option<PosePair>,
+) -> Option<Vec<PoseNees>> {
     let (first, rest) = pairs.split_first()?;
     let (gauge, judged) = anchor.as_ref().map_or((first, rest), |anchor| (anchor, pairs));
-    let all = nees(judged, covariances, &start_alignment(gauge)).ok()?;
-    let n = all.len() as f64;
-    (n > 0.0).then(|| {
-        [all.iter().map(|p| p.position).sum::<f64>() / n, all.iter().map(|p| p.orientation).sum::<f64>() / n]
-    })
+    nees(judged, covariances, &start_alignment(gauge)).ok()
+}
+
+fn mean(nees: Option<&Vec<PoseNees>>, part: impl Fn(&PoseNees) -> f64) -> Option<f64> {
+    let nees = nees.filter(|nees| !nees.is_empty())?;
+    Some(nees.iter().map(part).sum::<f64>() / nees.len() as f64)
 }
 
 fn path_length(pairs: &[PosePair]) -> f64 {
@@ -127,11 +132,20 @@ pub struct Told {
     pub from_s: f64,
 }
 
+/// A finished run, judged.
+#[derive(Debug, Clone)]
+pub struct Judged {
+    /// Its row.
+    pub row: Row,
+    /// NEES of its poses, where they have covariances.
+    pub nees: Option<Vec<PoseNees>>,
+}
+
 /// The row of a finished run.
 ///
 /// # Errors
 /// As [`Errors::of`].
-pub fn judge(recording: &Recording, told: &Told, driven: &Driven) -> Result<Row, ClosedLoopError> {
+pub fn judge(recording: &Recording, told: &Told, driven: &Driven) -> Result<Judged, ClosedLoopError> {
     let poses = driven.poses();
     let covariances = driven.covariances();
     let errors = match &recording.truth {
@@ -145,7 +159,7 @@ pub fn judge(recording: &Recording, told: &Told, driven: &Driven) -> Result<Row,
     let completion = report.completion();
     let [rpe_5m, rpe_10m, rpe_20m, rpe_40m, rpe_1s, rpe_5s] = errors.rpe;
     let seconds = |stage: Stage| report.seconds[stage as usize];
-    Ok(Row {
+    let row = Row {
         sequence: recording.name.clone(),
         split: recording.side,
         camera: told.camera.clone(),
@@ -164,8 +178,8 @@ pub fn judge(recording: &Recording, told: &Told, driven: &Driven) -> Result<Row,
         rpe_10m,
         rpe_20m,
         rpe_40m,
-        nees_position: errors.nees.map(|n| n[0]),
-        nees_orientation: errors.nees.map(|n| n[1]),
+        nees_position: mean(errors.nees.as_ref(), |n| n.position),
+        nees_orientation: mean(errors.nees.as_ref(), |n| n.orientation),
         completion,
         init_s: report.initialised.map(since_first),
         init_in_motion_s: in_motion(recording, first_frame, report.initialised),
@@ -185,7 +199,8 @@ pub fn judge(recording: &Recording, told: &Told, driven: &Driven) -> Result<Row,
             reject: seconds(Stage::Reject),
             slide: seconds(Stage::Slide),
         },
-    })
+    };
+    Ok(Judged { row, nees: errors.nees })
 }
 
 /// From the first motion to the first pose.
@@ -241,7 +256,7 @@ mod tests {
         assert!((errors.path_m - 100.0).abs() < 1.0);
         // 1 m of 100 m is not lost, 6 m are.
         assert_eq!(failure(true, &errors, 400, Some(1.0)), None);
-        let lost = Errors { ate_se3: Some(6.0), ..errors };
+        let lost = Errors { ate_se3: Some(6.0), ..errors.clone() };
         assert_eq!(failure(true, &lost, 400, Some(1.0)), Some(Failure::Diverged));
     }
 

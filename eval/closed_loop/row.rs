@@ -140,3 +140,69 @@ impl Row {
         CellKey { sequence: self.sequence.clone(), seed: self.seed, noise: self.noise.clone() }
     }
 }
+
+impl CellKey {
+    /// Name of a file of this cell: `MH_01_easy.x4.seed0.tum`.
+    pub fn file_name(&self, extension: &str) -> String {
+        let keep = |c: char| if c.is_ascii_alphanumeric() || "-.".contains(c) { c } else { '_' };
+        let noise: String = self.noise.chars().map(keep).collect();
+        format!("{}.{}.seed{}.{extension}", self.sequence, noise.trim_end_matches('_'), self.seed)
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod testing {
+    use super::*;
+
+    /// A row with these figures and round ones elsewhere.
+    pub(crate) fn row(sequence: &str, noise: &str, seed: u64, ate: Option<f64>) -> Row {
+        Row {
+            sequence: sequence.into(),
+            split: if sequence.starts_with("MH_01") { Side::Train } else { Side::Test },
+            camera: "tracks".into(),
+            noise: noise.into(),
+            seed,
+            from_s: 0.0,
+            failure: ate.is_none().then_some(Failure::NoPose),
+            ate_se3: ate,
+            ate_yaw: None,
+            ate_sim3: None,
+            rotation_deg: None,
+            scale_error: Some(-0.01),
+            rpe_1s: None,
+            rpe_5s: None,
+            rpe_5m: None,
+            rpe_10m: None,
+            rpe_20m: None,
+            rpe_40m: None,
+            nees_position: None,
+            nees_orientation: None,
+            completion: Some(1.0 - 0.1 * seed as f64),
+            init_s: Some(2.0),
+            init_in_motion_s: None,
+            restarts: 1,
+            restart_reasons: Vec::new(),
+            whitened: Some(0.9),
+            iterations: Some(2.0),
+            outliers: 0,
+            frames: 100,
+            poses: 90,
+            cpu_per_data_s: 0.02,
+            p95_update_ms: 3.0,
+            stage_s: StageSeconds::default(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_of_a_cell_have_plain_names() {
+        let key = |noise: &str| CellKey { sequence: "f09-hover".into(), seed: 3, noise: noise.into() };
+        assert_eq!(key("x0.5").file_name("tum"), "f09-hover.x0.5.seed3.tum");
+        assert_eq!(key("shuffled(sg(11,2))").file_name("csv"), "f09-hover.shuffled_sg_11_2.seed3.csv");
+        assert_eq!(key("file(\"../a b.csv\")").file_name("csv"), "f09-hover.file__.._a_b.csv.seed3.csv");
+    }
+}

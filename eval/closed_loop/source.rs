@@ -22,7 +22,7 @@ const CAMERA_HZ: f64 = 20.0;
 /// Where the tracks of recorded sequences come from.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Tracks {
-    /// Files `SEQUENCE.txt` in this folder.
+    /// Files `SEQUENCE.txt` in this folder; or one file, of the only sequence.
     Given(PathBuf),
     /// Made along the ground truth, from the seed of the cell.
     Made(TracksConfig),
@@ -65,6 +65,16 @@ impl Source {
             of_paper
         };
         Ok(Self::Recorded { sequences, tracks })
+    }
+
+    /// The one sequence in `dir`.
+    ///
+    /// # Errors
+    /// A folder that holds no sequence.
+    pub fn one(dir: &Path, tracks: Tracks) -> Result<Self, ClosedLoopError> {
+        let sequence = Sequence::open(dir)?;
+        let side = paper_side(sequence.name()).unwrap_or(Side::Test);
+        Ok(Self::Recorded { sequences: vec![(sequence, side)], tracks })
     }
 
     /// Names and sides of all sequences, in order.
@@ -205,6 +215,9 @@ fn matches(full: &str, name: &str) -> bool {
 }
 
 fn given(dir: &Path, sequence: &Sequence) -> PathBuf {
+    if dir.is_file() {
+        return dir.to_path_buf();
+    }
     dir.join(format!("{}.txt", sequence.name()))
 }
 

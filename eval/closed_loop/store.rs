@@ -186,3 +186,78 @@ fn write_rows<'a>(path: &Path, rows: impl Iterator<Item = &'a Row>) -> Result<()
     }
     Ok(atomic_write(path, |out| out.write_all(text.as_bytes()))?)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::closed_loop::row::testing::row;
+    use serde_json::json;
+
+    fn manifest() -> Manifest {
+        Manifest {
+            program: "dpn 1".into(),
+            estimator: json!({ "window": { "key_frames": 10, "loss": "huber" } }),
+            source: json!({ "tracks": "given" }),
+            from: "table".into(),
+            inputs: BTreeMap::from([("MH_01".to_owned(), "aa".to_owned())]),
+            cells: json!({ "seeds": [0] }),
+        }
+    }
+
+    #[test]
+    fn rows_survive_a_cut_line_and_are_ordered_at_the_end() {
+        let tmp = tempfile::tempdir().unwrap();
+        let rows: Vec<Row> = ["x1", "x2", "x4"].map(|noise| row("MH_01", noise, 0, Some(0.1 / 3.0))).to_vec();
+        let mut store = Store::open(tmp.path(), &manifest()).unwrap();
+        store.append(&rows[2]).unwrap();
+        store.append(&rows[0]).unwrap();
+        drop(store);
+        let path = tmp.path().join("rows.jsonl");
+        let mut text = std::fs::read_to_string(&path).unwrap();
+        text.push_str(&serde_json::to_string(&rows[1]).unwrap()[..40]);
+        std::fs::write(&path, text).unwrap();
+
+        let mut store = Store::open(tmp.path(), &manifest()).unwrap();
+        assert_eq!(store.rows().len(), 2);
+        assert_eq!(store.rows()[&rows[0].key()], rows[0]);
+        store.append(&rows[1]).unwrap();
+        store.finish(&rows[..2]).unwrap();
+        assert_eq!(read_rows(&path).unwrap(), rows);
+    }
+
+    #[test]
+    fn another_run_is_refused_by_what_differs_and_more_sequences_are_none() {
+        let tmp = tempfile::tempdir().unwrap();
+        Store::open(tmp.path(), &manifest()).unwrap();
+        let refused = |change: &dyn Fn(&mut Manifest)| {
+            let mut other = manifest();
+            change(&mut other);
+            assert_ne!(other.fingerprint(), manifest().fingerprint());
+            Store::open(tmp.path(), &other).unwrap_err().to_string()
+        };
+        let text = refused(&|m| m.estimator["window"]["key_frames"] = 8.into());
+        assert!(text.ends_with("another estimator.window.key_frames: 10 there, 8 now"), "{text}");
+        assert!(refused(&|m| m.program = "dpn 2".into()).contains("another program: dpn 1 there, dpn 2 now"));
+        assert!(refused(&|m| m.from = "0".into()).contains("another start"));
+        let text = refused(&|m| *m.inputs.get_mut("MH_01").unwrap() = "bb".into());
+        assert!(text.contains("another input of MH_01: aa there, bb now"), "{text}");
+        let mut more = manifest();
+        more.inputs = BTreeMap::from([("MH_02".to_owned(), "cc".to_owned())]);
+        more.cells = json!({ "seeds": [0, 1] });
+        Store::open(tmp.path(), &more).unwrap();
+        // Both sequences' sums are kept.
+        let mut third = manifest();
+        third.inputs = BTreeMap::from([("MH_02".to_owned(), "dd".to_owned())]);
+        assert!(Store::open(tmp.path(), &third).is_err());
+        assert!(Store::open(tmp.path(), &manifest()).is_ok());
+    }
+
+    #[test]
+    fn a_line_that_is_no_row_is_named() {
+        let tmp = tempfile::tempdir().unwrap();
+        let good = serde_json::to_string(&row("MH_01", "x1", 0, None)).unwrap();
+        std::fs::write(tmp.path().join("rows.jsonl"), format!("{good}\n{{\"sequence\":1}}\n")).unwrap();
+        let text = Store::open(tmp.path(), &manifest()).unwrap_err().to_string();
+        assert!(text.contains("rows.jsonl:2: not a row of results"), "{text}");
+    }
+}

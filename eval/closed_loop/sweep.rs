@@ -4,6 +4,7 @@
 //! first that asks and dropped after the last, so that memory holds what is being worked on. Rows are merged in the order of cells, so
 //! that one thread and many give the same bits, but for timing.
 
+use super::consistency::{nees_path, write_nees};
 use super::drive::{drive, frames_from};
 use super::error::ClosedLoopError;
 use super::judge::{Told, judge};
@@ -140,12 +141,14 @@ impl Sweep<'_> {
         let driven = drive(&self.estimator, &recording, frames, &noise, cell.seed)?;
         let told = Told { camera: "tracks".into(), noise: cell.key.noise.clone(), seed: cell.seed, from_s };
         if self.trajectories {
-            let name = format!("{}.{}.seed{}.tum", recording.name, plain(&told.noise), cell.seed);
-            write_tum(&dir.join("trajectories").join(name), &driven.poses())?;
+            write_tum(&dir.join("trajectories").join(cell.key.file_name("tum")), &driven.poses())?;
         }
-        let row = judge(&recording, &told, &driven);
+        let judged = judge(&recording, &told, &driven)?;
+        if let Some(nees) = &judged.nees {
+            write_nees(&nees_path(dir, &cell.key), nees)?;
+        }
         kept.done(needs);
-        row
+        Ok(judged.row)
     }
 
     /// What `mean-of-train` needs, over all training sequences of the source, whether they are run or not.
@@ -188,12 +191,6 @@ impl Sweep<'_> {
         let named = sources.iter().zip(&means);
         Ok(named.filter_map(|(source, mean)| Some((source.to_string(), mean.root()?))).collect())
     }
-}
-
-/// A spec as part of a file's name.
-fn plain(spec: &str) -> String {
-    let keep = |c: char| if c.is_ascii_alphanumeric() || "-.".contains(c) { c } else { '_' };
-    spec.chars().map(keep).collect::<String>().trim_end_matches('_').to_owned()
 }
 
 fn note(row: &Row) -> String {

@@ -4,6 +4,7 @@
 //! A cell is the median over seeds of the absolute error after SE(3) alignment; `!` and a number behind it count failed runs. Runs
 //! without an error are left out of medians and means, diverged ones are not: a mean is that of what is there, and failures stand beside it.
 
+use super::consistency::Consistency;
 use super::error::ClosedLoopError;
 use super::paper::Peer;
 use super::row::Row;
@@ -187,6 +188,40 @@ fn summary_table(rows: &[Row]) -> String {
     aligned(&table)
 }
 
+/// NEES over seeds; empty without any.
+pub fn render_consistency(reports: &[Consistency]) -> String {
+    if reports.is_empty() {
+        return String::new();
+    }
+    let heads = [
+        "NEES (3 if right)",
+        "noise",
+        "runs",
+        "bounds",
+        "position",
+        "inside",
+        "above",
+        "orientation",
+        "inside",
+        "above",
+    ];
+    let mut table = vec![heads.map(str::to_owned).to_vec()];
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    for Consistency { sequence, noise, nees } in reports {
+        let mut line = vec![
+            sequence.clone(),
+            noise.clone(),
+            nees.runs.to_string(),
+            format!("{:.2} to {:.2}", nees.bounds[0], nees.bounds[1]),
+        ];
+        for part in [&nees.position, &nees.orientation] {
+            line.extend([format!("{:.2}", part.mean), percent(part.share_inside), percent(part.share_above)]);
+        }
+        table.push(line);
+    }
+    aligned(&table)
+}
+
 /// What stands in a cell of the table of errors.
 struct AteCell {
     ate: Option<f64>,
@@ -258,4 +293,44 @@ fn aligned(table: &[Vec<String>]) -> String {
         let _ = writeln!(out, "{}", line.trim_end());
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::closed_loop::row::testing::row;
+
+    #[test]
+    fn cells_are_medians_over_seeds_and_failures_stand_beside_the_mean_of_what_is_there() {
+        let rows = [
+            row("MH_01_easy", "x1", 0, Some(0.1)),
+            row("MH_01_easy", "x1", 1, Some(0.3)),
+            row("MH_01_easy", "x1", 2, Some(0.2)),
+            row("MH_02_easy", "x1", 0, Some(0.4)),
+            row("MH_02_easy", "x1", 1, None),
+            row("MH_02_easy", "x1", 2, None),
+        ];
+        let text = render(&rows).unwrap();
+        let expected = "\
+ATE SE(3) [m]     x1
+                ours   vins  paper
+MH_01_easy     0.200  0.115  0.200
+MH_02_easy*  0.400!2  0.126  0.170
+----------------------------------
+mean train     0.200  0.115  0.200
+mean test *  0.400!2  0.126  0.170
+mean         0.300!2  0.120  0.185
+
+noise  runs  failed  ATE [m]  scale  completion  init [s]  restarts  whitened  NEES p  NEES r  iterations  CPU s/s  p95 [ms]
+x1        6       2    0.300  1.0 %      80.0 %       2.0         6      0.90       -       -         2.0   0.0200       3.0
+";
+        assert_eq!(text, expected, "\n{text}");
+    }
+
+    #[test]
+    fn flights_have_no_peers_and_several_noises_their_columns() {
+        let rows = [row("f09-hover", "x4,x1", 0, Some(12.3)), row("f09-hover", "oracle", 0, Some(1.234))];
+        let text = ate_table(&rows).unwrap();
+        assert!(text.contains("f09-hover*     12.3    1.23\n") && !text.contains("vins"), "\n{text}");
+    }
 }

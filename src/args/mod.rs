@@ -2,11 +2,13 @@
 
 mod closed_loop;
 mod eval;
+mod run;
 mod simulate;
 mod train;
 
 pub(crate) use closed_loop::{CameraArg, ClosedLoopArgs, SettingsArgs};
 pub(crate) use eval::EvalArgs;
+pub(crate) use run::RunArgs;
 pub(crate) use simulate::{FlightArgs, SimulateArgs, SimulateWhat, TracksArgs};
 pub(crate) use train::{SensorArg, TrainArgs};
 
@@ -28,6 +30,8 @@ pub(crate) enum Command {
     Train(TrainArgs),
     /// Judge noise estimators: open loop against the injected truth, closed loop by the odometry they drive.
     Eval(EvalArgs),
+    /// Run the odometry over one recording: trajectory, states, report.
+    Run(RunArgs),
     /// Make data whose truth is known.
     Simulate(SimulateArgs),
 }

@@ -1,16 +1,17 @@
 //! `dpn eval --closed-loop`.
 
-use super::{settings, shipped, stop};
+use super::{program, settings, shipped, stop};
 use crate::args::{CameraArg, EvalArgs};
 use crate::ui::{Bar, Fault, Interrupted};
 use anyhow::Result;
 use dpn_core::io::atomic_write;
-use dpn_eval::closed_loop::{ClosedLoopError, Manifest, Row, Source, Sweep, Tracks, render};
+use dpn_eval::closed_loop::{
+    ClosedLoopError, Manifest, Source, Sweep, Tracks, consistency, render, render_consistency,
+};
 use dpn_eval::noise::parse_list;
 use dpn_eval::open_loop::networks;
-use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 pub(crate) fn run(args: &EvalArgs) -> Result<()> {
     let CameraArg::Tracks = args.closed.camera;
@@ -49,11 +50,18 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
         }
         other => other?,
     };
-    write_tables(&rows, &out)?;
+    let reports = consistency(&out, &rows)?;
+    let mut table = render(&rows)?;
+    if !reports.is_empty() {
+        table = format!("{table}\n{}", render_consistency(&reports));
+    }
+    let json = serde_json::json!({ "rows": rows, "consistency": reports });
+    atomic_write(&out.join("closed_loop.json"), |file| writeln!(file, "{json}"))?;
+    atomic_write(&out.join("closed_loop.txt"), |file| file.write_all(table.as_bytes()))?;
     if args.json {
-        println!("{}", serde_json::json!({ "rows": rows }));
+        println!("{json}");
     } else {
-        print!("{}", render(&rows)?);
+        print!("{table}");
         println!("\nrows: {}", out.join("rows.jsonl").display());
     }
     Ok(())
@@ -103,22 +111,4 @@ fn manifest(args: &EvalArgs, sweep: &Sweep<'_>) -> Result<Manifest> {
         inputs,
         cells: serde_json::json!({ "sequences": sequences, "noises": specs, "seeds": sweep.seeds }),
     })
-}
-
-/// Version and checksum of this very program: another build may give other numbers.
-fn program() -> String {
-    let version = concat!("dpn ", env!("CARGO_PKG_VERSION"));
-    let bytes = std::env::current_exe().and_then(std::fs::read);
-    let sum = bytes
-        .map(|bytes| Sha256::digest(bytes).iter().take(8).map(|b| format!("{b:02x}")).collect::<String>());
-    sum.map_or_else(|_| version.to_owned(), |sum| format!("{version} ({sum})"))
-}
-
-/// Rows as JSON and as the table that is printed.
-fn write_tables(rows: &[Row], out: &Path) -> Result<()> {
-    let json = serde_json::to_string(&serde_json::json!({ "rows": rows }))? + "\n";
-    atomic_write(&out.join("closed_loop.json"), |file| file.write_all(json.as_bytes()))?;
-    let table = render(rows)?;
-    atomic_write(&out.join("closed_loop.txt"), |file| file.write_all(table.as_bytes()))?;
-    Ok(())
 }

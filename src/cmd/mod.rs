@@ -5,6 +5,8 @@ mod corpus;
 mod device;
 mod eval;
 mod flight;
+mod program;
+mod run;
 mod settings;
 mod shipped;
 mod simulate;
@@ -13,12 +15,14 @@ mod tracks;
 mod train;
 
 use crate::args::{Cli, Command};
+use program::program;
 
 /// Runs what was typed.
 pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
     match cli.command {
         Command::Train(args) => train::run(args),
         Command::Eval(args) => eval::run(&args),
+        Command::Run(args) => run::run(&args),
         Command::Simulate(args) => simulate::run(args),
     }
 }

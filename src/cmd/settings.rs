@@ -1,7 +1,6 @@
 //! The estimator's settings and those of what is simulated, from files and flags.
 
 use crate::args::SettingsArgs;
-use crate::ui::Fault;
 use anyhow::Result;
 use dpn_core::config::{Validate, load, load_over};
 use dpn_sim::FlightConfig;
@@ -38,11 +37,6 @@ pub(crate) fn flights(args: &SettingsArgs) -> Result<FlightConfig> {
 
 /// Flags may have moved a value out of its bounds.
 fn checked<T: Validate>(config: T) -> Result<T> {
-    match config.faults() {
-        faults if faults.is_empty() => Ok(config),
-        faults => {
-            let all: Vec<String> = faults.iter().map(ToString::to_string).collect();
-            Err(Fault::new(all.join("; ")).into())
-        }
-    }
+    config.validate()?;
+    Ok(config)
 }

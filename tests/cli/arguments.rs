@@ -22,7 +22,7 @@ fn every_command_has_a_help_that_ends_well() {
         open.extend(commands(&done.stdout).iter().map(|name| format!("{path} {name}")));
         seen.push(path.trim().to_owned());
     }
-    for name in ["train", "simulate", "simulate flight", "simulate tracks"] {
+    for name in ["train", "run", "simulate", "simulate flight", "simulate tracks"] {
         assert!(seen.contains(&name.to_owned()), "{seen:?}");
     }
 }
@@ -40,6 +40,7 @@ fn words_that_are_no_arguments_exit_with_2() {
         "train",
         "train --sensor sonar",
         "train --sensor accel --base sg(11)",
+        "run",
         "simulate flight",
         "simulate tracks",
     ] {

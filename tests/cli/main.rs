@@ -6,7 +6,9 @@
 mod arguments;
 mod bad_config;
 mod bad_data;
+mod closed_loop;
 mod eval;
+mod odometry;
 mod recording;
 mod run;
 mod simulate;
