@@ -1,6 +1,7 @@
-//! Judging: the open loop, its tables and figures.
+//! Judging: the open loop, its tables and figures; Allan plots of sensors at rest.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+pub mod allan;
 pub mod figures;
 pub mod open_loop;
 pub mod table;

@@ -1,10 +1,16 @@
 //! What the user may type, one file a command.
 
+mod allan;
 mod eval;
+mod log;
+mod noise;
 mod simulate;
 mod train;
 
+pub(crate) use allan::AllanArgs;
 pub(crate) use eval::EvalArgs;
+pub(crate) use log::{LogArgs, rate};
+pub(crate) use noise::{ConvertArgs, NoiseArgs, NoiseWhat};
 pub(crate) use simulate::{FlightArgs, SimulateArgs, SimulateWhat};
 pub(crate) use train::{SensorArg, TrainArgs};
 
@@ -26,6 +32,10 @@ pub(crate) enum Command {
     Train(TrainArgs),
     /// Judge noise estimators: open loop against the injected truth.
     Eval(EvalArgs),
+    /// Noise figures of an IMU as other programs write them.
+    Noise(NoiseArgs),
+    /// What a log at rest says of its sensor's noise: Allan plot, five coefficients an axis, configurations to paste.
+    Allan(AllanArgs),
     /// Make data whose truth is known.
     Simulate(SimulateArgs),
 }

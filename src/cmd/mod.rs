@@ -1,9 +1,12 @@
 //! One file a command: files and flags become library types, one library call, files again.
 
+mod allan;
 mod corpus;
 mod device;
 mod eval;
 mod flight;
+mod log;
+mod noise;
 mod shipped;
 mod simulate;
 mod train;
@@ -15,6 +18,8 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
     match cli.command {
         Command::Train(args) => train::run(args),
         Command::Eval(args) => eval::run(&args),
+        Command::Noise(args) => noise::run(&args),
+        Command::Allan(args) => allan::run(&args),
         Command::Simulate(args) => simulate::run(args),
     }
 }

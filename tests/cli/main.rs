@@ -3,10 +3,12 @@
 //! Nothing here needs recordings or a network: recordings are made up ([`recording`]), networks are tiny ([`training`]).
 #![allow(clippy::unwrap_used)]
 
+mod allan;
 mod arguments;
 mod bad_config;
 mod bad_data;
 mod eval;
+mod noise;
 mod recording;
 mod run;
 mod simulate;
