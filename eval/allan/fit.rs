@@ -2,9 +2,12 @@
 //!
 //! The squares of the coefficients are fitted to the Allan variances by nonnegative least squares. A variance counts by what it scatters
 //! under the model of the round before (`covariance`), but never more than to [`MODEL_ERROR`]: no sensor follows five slopes to a tenth of a per
-//! cent, and a short time's many samples must not bend the rest. The fit is linear in the data, so the covariance of the Allan variances
-//! gives that of the squares; it is taken without the bounds at zero, which errs on the side of caution, and widened where the model does not
-//! describe the data. A square's interval is that of a chi-squared variable of the same mean and variance.
+//! cent, and a short time's many samples must not bend the rest. A log at rest often has a hump that is no noise at all, a machine or the
+//! building swinging; times that stay far from every model lose their say (Cauchy weights, from wide to narrow) and are named.
+//!
+//! The fit is linear in the data, so the covariance of the Allan variances gives that of the squares; it is taken without the bounds at
+//! zero, which errs on the side of caution, and widened where the model does not describe the data. A square's interval is that of a
+//! chi-squared variable of the same mean and variance.
 
 use super::chi;
 use super::covariance::Scatter;
@@ -17,8 +20,10 @@ use serde::Serialize;
 
 /// Relative error of the model in an Allan variance, below which more samples buy no weight.
 const MODEL_ERROR: f64 = 0.02;
-/// Rounds of weighing and fitting.
-const ROUNDS: usize = 4;
+/// Scales of the Cauchy weights, a round of weighing and fitting each, in standard deviations of an Allan variance.
+const SCALES: [f64; 12] = [100.0, 60.0, 40.0, 25.0, 16.0, 10.0, 7.0, 5.0, 4.0, 4.0, 4.0, 4.0];
+/// An Allan variance this far above the model is part of a hump.
+const HUMP: f64 = 1.3;
 /// A coefficient is seen when its standard error is at most this share of it.
 const SEEN: f64 = 0.5;
 
@@ -55,6 +60,17 @@ pub struct Point {
     pub model: f64,
 }
 
+/// Times at which the plot lies above any model: something swings.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Hump {
+    /// Averaging time of its peak \[s\].
+    pub tau: f64,
+    /// Deviation over the model's, there.
+    pub times: f64,
+    /// Frequency that peaks there: an Allan deviation of a sine does at .371 periods \[Hz\].
+    pub hz: f64,
+}
+
 /// The Allan plot of one axis and what it says.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fit {
@@ -62,8 +78,11 @@ pub struct Fit {
     pub points: Vec<Point>,
     /// The coefficients, in the order of [`Coefficient::ALL`].
     pub estimates: [Estimate; 5],
-    /// Root mean square of the distance between plot and model over what both scatter; near 1 where the model describes the axis.
+    /// Root mean square of the distance between plot and model over what both scatter, humps weighed down; near 1 where the model
+    /// describes the axis. Intervals are as much wider.
     pub misfit: f64,
+    /// Where something swings.
+    pub humps: Vec<Hump>,
 }
 
 impl Fit {
@@ -121,21 +140,18 @@ impl Planner {
             .collect();
         let variances = deviation::variances(signal, self.rate, &self.averages);
         let mut squares = rough(&taus, &variances)?;
-        for _ in 0..ROUNDS {
-            squares = self.round(&taus, &variances, &squares)?;
+        let mut weights = Vec::new();
+        for scale in SCALES {
+            weights = robust(&self.now.matrix(&squares), &squares, &taus, &variances, scale);
+            squares = solve(&taus, &variances, &weights)?;
         }
         let matrix = self.now.matrix(&squares);
-        let weights = weights(&matrix, &squares, &taus);
-        let residuals = taus.iter().zip(&variances).zip(&weights);
-        let sum: f64 = residuals
-            .map(|((tau, v), w)| w * (v - variance(&squares, *tau)).powi(2))
-            .sum();
-        let misfit = (sum / taus.len() as f64).sqrt();
+        let misfit = misfit(&matrix, &squares, &taus, &variances, &weights);
         let errors = standard_errors(&taus, &matrix, &weights);
         let widened = misfit.max(1.0);
         let estimates =
             Coefficient::ALL.map(|c| self.estimate(c, &squares, errors[c as usize] * widened, widened));
-        let points = (0..taus.len())
+        let points: Vec<Point> = (0..taus.len())
             .map(|i| {
                 let (low, high) = chi::interval(variances[i], matrix[i][i].sqrt());
                 Point {
@@ -148,15 +164,11 @@ impl Planner {
             })
             .collect();
         Ok(Fit {
+            humps: humps(&points),
             points,
             estimates,
             misfit,
         })
-    }
-
-    fn round(&self, taus: &[f64], variances: &[f64], squares: &Squares) -> Result<Squares, NnlsError> {
-        let weights = weights(&self.now.matrix(squares), squares, taus);
-        solve(taus, variances, &weights)
     }
 
     fn estimate(&self, coefficient: Coefficient, squares: &Squares, error: f64, widened: f64) -> Estimate {
@@ -229,6 +241,41 @@ fn rough(taus: &[f64], variances: &[f64]) -> Result<Squares, NnlsError> {
 fn weights(matrix: &[Vec<f64>], squares: &Squares, taus: &[f64]) -> Vec<f64> {
     let scatter = (0..taus.len()).map(|i| matrix[i][i] + (MODEL_ERROR * variance(squares, taus[i])).powi(2));
     scatter.map(|v| 1.0 / v.max(f64::MIN_POSITIVE)).collect()
+}
+
+/// The same, times that are far from the model weighed down.
+fn robust(matrix: &[Vec<f64>], squares: &Squares, taus: &[f64], variances: &[f64], scale: f64) -> Vec<f64> {
+    let weights = weights(matrix, squares, taus);
+    let far = |i: usize| weights[i] * (variances[i] - variance(squares, taus[i])).powi(2) / (scale * scale);
+    (0..taus.len()).map(|i| weights[i] / (1.0 + far(i))).collect()
+}
+
+/// Root mean square of residuals over their scatter, each time counting as much as it did in the fit.
+fn misfit(matrix: &[Vec<f64>], squares: &Squares, taus: &[f64], variances: &[f64], used: &[f64]) -> f64 {
+    let (mut sum, mut say) = (0.0, 0.0);
+    for (i, full) in weights(matrix, squares, taus).into_iter().enumerate() {
+        sum += used[i] * (variances[i] - variance(squares, taus[i])).powi(2);
+        say += used[i] / full;
+    }
+    (sum / say.max(f64::MIN_POSITIVE)).sqrt()
+}
+
+/// Peaks of the stretches that lie above the model by more than they scatter.
+fn humps(points: &[Point]) -> Vec<Hump> {
+    let above = |p: &Point| p.low > p.model && p.deviation > HUMP.sqrt() * p.model;
+    let ratio = |p: &Point| p.deviation / p.model;
+    let mut humps = Vec::new();
+    for stretch in points.chunk_by(|a, b| above(a) == above(b)) {
+        let peak = stretch.iter().max_by(|a, b| ratio(a).total_cmp(&ratio(b)));
+        if let Some(peak) = peak.filter(|p| above(p)) {
+            humps.push(Hump {
+                tau: peak.tau,
+                times: ratio(peak),
+                hz: 0.371 / peak.tau,
+            });
+        }
+    }
+    humps
 }
 
 fn solve(taus: &[f64], variances: &[f64], weights: &[f64]) -> Result<Squares, NnlsError> {

@@ -14,6 +14,8 @@ pub mod compare;
 pub mod covariance;
 pub mod deviation;
 pub mod fit;
+#[cfg(test)]
+mod golden;
 mod log;
 pub mod model;
 pub mod nnls;
@@ -21,6 +23,6 @@ pub mod report;
 pub mod rest;
 pub mod simulate;
 
-pub use fit::{Estimate, Fit, Planner, Point};
+pub use fit::{Estimate, Fit, Hump, Planner, Point};
 pub use log::{AllanError, AllanLog, AxisFit, LEAST_S};
 pub use model::Coefficient;

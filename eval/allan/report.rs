@@ -28,6 +28,7 @@ pub fn page(log: &AllanLog) -> Result<String, FormatError> {
         text.push_str(&table(log, sensor));
     }
     text.push_str(&lacking(log));
+    text.push_str(&humps(log));
     text.push_str(&format!("\n{MULTIPLY}\n"));
     for written in pasted(log)? {
         text.push_str(&format!("\n--- {} ---\n{}", written.format, written.text));
@@ -206,6 +207,20 @@ fn lacking(log: &AllanLog) -> String {
     } else {
         format!("\n{text}")
     }
+}
+
+/// What is no noise: something that swings.
+fn humps(log: &AllanLog) -> String {
+    let mut text = String::new();
+    for axis in &log.axes {
+        for hump in &axis.fit.humps {
+            text.push_str(&format!(
+                "{} {}: the plot has a hump at {:.2} s, {:.1} times the fit: something swings at about {:.1} Hz; it is left out of the fit\n",
+                axis.sensor, axis.axis, hump.tau, hump.times, hump.hz
+            ));
+        }
+    }
+    text
 }
 
 /// Three significant digits.

@@ -16,6 +16,7 @@ mod predicted_vs_true;
 mod raster;
 mod rmse_vs_sigma;
 mod sheet;
+mod spectrum_plot;
 mod style;
 mod summary;
 
@@ -25,3 +26,4 @@ pub use flight_sigma::{Flight, FlightSigma, Phase};
 pub use plot::{DrawError, Drawn, Plot, save};
 pub use predicted_vs_true::{Predicted, PredictedVsTrue};
 pub use rmse_vs_sigma::RmseVsSigma;
+pub use spectrum_plot::SpectrumPlot;

@@ -1,6 +1,7 @@
 //! What the user may type, one file a command.
 
 mod allan;
+mod check;
 mod eval;
 mod log;
 mod noise;
@@ -8,6 +9,7 @@ mod simulate;
 mod train;
 
 pub(crate) use allan::AllanArgs;
+pub(crate) use check::CheckArgs;
 pub(crate) use eval::EvalArgs;
 pub(crate) use log::{LogArgs, rate};
 pub(crate) use noise::{ConvertArgs, NoiseArgs, NoiseWhat};
@@ -36,6 +38,8 @@ pub(crate) enum Command {
     Noise(NoiseArgs),
     /// What a log at rest says of its sensor's noise: Allan plot, five coefficients an axis, configurations to paste.
     Allan(AllanArgs),
+    /// A log's doctor: rate, gaps, units, gravity, clipping, vibration, rest and motion; findings by weight.
+    Check(CheckArgs),
     /// Make data whose truth is known.
     Simulate(SimulateArgs),
 }

@@ -1,6 +1,7 @@
 //! One file a command: files and flags become library types, one library call, files again.
 
 mod allan;
+mod check;
 mod corpus;
 mod device;
 mod eval;
@@ -20,6 +21,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Eval(args) => eval::run(&args),
         Command::Noise(args) => noise::run(&args),
         Command::Allan(args) => allan::run(&args),
+        Command::Check(args) => check::run(&args),
         Command::Simulate(args) => simulate::run(args),
     }
 }

@@ -6,7 +6,9 @@
 mod allan;
 mod arguments;
 mod bad_config;
+
 mod bad_data;
+mod check;
 mod eval;
 mod noise;
 mod recording;
