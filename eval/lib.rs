@@ -1,7 +1,10 @@
-//! Judging: the open loop, the closed loop, trajectories and their consistency, statistics, tables and figures.
+//! Judging: the open loop, the closed loop, trajectories and their consistency, statistics, tables and figures; Allan plots of sensors
+//! at rest; the health of a log.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+pub mod allan;
 pub mod closed_loop;
+pub mod doctor;
 pub mod figures;
 pub mod metrics;
 pub mod noise;

@@ -1,13 +1,21 @@
 //! What the user may type, one file a command.
 
+mod allan;
+mod check;
 mod closed_loop;
 mod eval;
+mod log;
+mod noise;
 mod run;
 mod simulate;
 mod train;
 
+pub(crate) use allan::AllanArgs;
+pub(crate) use check::CheckArgs;
 pub(crate) use closed_loop::{CameraArg, ClosedLoopArgs, SettingsArgs};
 pub(crate) use eval::EvalArgs;
+pub(crate) use log::{LogArgs, rate};
+pub(crate) use noise::{ConvertArgs, NoiseArgs, NoiseWhat};
 pub(crate) use run::RunArgs;
 pub(crate) use simulate::{FlightArgs, SimulateArgs, SimulateWhat, TracksArgs};
 pub(crate) use train::{SensorArg, TrainArgs};
@@ -32,6 +40,12 @@ pub(crate) enum Command {
     Eval(EvalArgs),
     /// Run the odometry over one recording: trajectory, states, report.
     Run(RunArgs),
+    /// Noise figures of an IMU as other programs write them.
+    Noise(NoiseArgs),
+    /// What a log at rest says of its sensor's noise: Allan plot, five coefficients an axis, configurations to paste.
+    Allan(AllanArgs),
+    /// A log's doctor: rate, gaps, units, gravity, clipping, vibration, rest and motion; findings by weight.
+    Check(CheckArgs),
     /// Make data whose truth is known.
     Simulate(SimulateArgs),
 }
