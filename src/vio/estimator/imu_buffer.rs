@@ -8,6 +8,10 @@ use std::collections::VecDeque;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ImuBuffer {
     samples: VecDeque<NoisySample>,
+    /// Whether the first of them was made by a cut, between two readings.
+    made: bool,
+    /// The last reading before it.
+    before: Option<Stamp>,
 }
 
 /// What a cut gives.
@@ -15,7 +19,7 @@ pub(crate) struct ImuBuffer {
 pub(crate) struct Interval {
     /// From the last frame's instant to this one's, both included.
     pub(crate) samples: Vec<NoisySample>,
-    /// The longest step between two of them \[s\].
+    /// The longest step between two readings of which it holds a part \[s\].
     pub(crate) longest_step: f64,
 }
 
@@ -36,9 +40,15 @@ impl ImuBuffer {
     /// Cuts at `t`, which must lie within the samples; between two of them values are interpolated, the noise is the later one's.
     pub(crate) fn cut(&mut self, t: Stamp) -> Interval {
         let mut samples = Vec::with_capacity(24);
+        let mut longest_step: f64 = 0.0;
         while let Some(next) = self.samples.front() {
             if next.sample.t > t {
                 break;
+            }
+            if !std::mem::take(&mut self.made) {
+                let step = self.before.map_or(0.0, |before| next.sample.t.seconds_since(before));
+                longest_step = longest_step.max(step);
+                self.before = Some(next.sample.t);
             }
             samples.push(*next);
             self.samples.pop_front();
@@ -47,12 +57,17 @@ impl ImuBuffer {
             && last.sample.t < t
         {
             samples.push(between(last, next, t));
+            let step = self.before.map_or(0.0, |before| next.sample.t.seconds_since(before));
+            longest_step = longest_step.max(step);
+            self.made = true;
         }
         if let Some(end) = samples.last() {
             self.samples.push_front(*end);
+            if !self.made {
+                // A reading at the very instant comes again, as the first of the next interval.
+                self.before = Some(end.sample.t);
+            }
         }
-        let longest_step =
-            samples.windows(2).map(|w| w[1].sample.t.seconds_since(w[0].sample.t)).fold(0.0, f64::max);
         Interval { samples, longest_step }
     }
 }
@@ -94,9 +109,26 @@ mod tests {
         assert_eq!(stamps(&first), [0, 5, 10, 12]);
         assert_eq!(first.samples[3].sample.accel, [120.0; 3]);
         assert_eq!(first.longest_step, 5e-9);
+        assert_eq!(second_step(&mut buffer.clone()), 5e-9);
         let second = buffer.cut(Stamp::from_ns(20));
         assert_eq!(stamps(&second), [12, 15, 20]);
         assert_eq!(buffer.oldest(), Some(Stamp::from_ns(20)));
+    }
+
+    fn second_step(buffer: &mut ImuBuffer) -> f64 {
+        buffer.cut(Stamp::from_ns(20)).longest_step
+    }
+
+    #[test]
+    fn a_hole_is_seen_whole_by_every_interval_that_holds_a_part_of_it() {
+        let mut buffer = ImuBuffer::default();
+        for t in [0, 5, 45, 50] {
+            buffer.push(sample(t));
+        }
+        assert_eq!(buffer.cut(Stamp::from_ns(10)).longest_step, 40e-9);
+        assert_eq!(buffer.cut(Stamp::from_ns(20)).longest_step, 40e-9);
+        assert_eq!(buffer.cut(Stamp::from_ns(45)).longest_step, 40e-9);
+        assert_eq!(buffer.cut(Stamp::from_ns(50)).longest_step, 5e-9);
     }
 
     #[test]
