@@ -122,7 +122,7 @@ fn solve(
         for (row, factor) in [(0, -0.5 * t * t), (3, -t)] {
             match &turn {
                 Some(turn) => {
-                    rows.fixed_view_mut::<3, 2>(row, columns.gravity()).copy_from(&(factor * r_bw * turn))
+                    rows.fixed_view_mut::<3, 2>(row, columns.gravity()).copy_from(&(factor * r_bw * turn));
                 }
                 None => rows.fixed_view_mut::<3, 3>(row, columns.gravity()).copy_from(&(factor * r_bw)),
             }

@@ -21,6 +21,9 @@ const PAIR_REACH: usize = 2;
 const CAMERA_STD: f64 = 0.02;
 /// Relative deviation of the alignment's scale beyond which refining is not tried.
 const HOPELESS_SCALE_STD: f64 = 1.0;
+/// How much larger than its deviation the gyro's bias found from tracks may be off: they agree on a translation, if a wrong one, also
+/// where it is small.
+const BIAS_STD_INFLATION: f64 = 4.0;
 /// What is expected of the gyro's bias after a rest \[rad/s\].
 const REST_GYRO_STD: f64 = 5e-3;
 
@@ -50,20 +53,30 @@ pub(super) fn attempt(
         None => (Vector3::zeros(), config.gyro_bias_std),
     };
     let noise = config.angle(config.track_std_px);
-    let turned = gyro_bias::fit(&pairs, &(prior - integrated_with.gyro), prior_std, noise);
+    let turned = gyro_bias::fit(
+        &pairs,
+        &(prior - integrated_with.gyro),
+        prior_std,
+        noise,
+        &mut stream.named("gyro-bias").rng(),
+    );
     let bias = ImuBias { accel: integrated_with.accel, gyro: integrated_with.gyro + turned.change };
     preints.iter_mut().for_each(|p| p.reintegrate(bias));
 
     let rotations = camera_rotations(&preints, &body_from_cam.rotation);
-    let input = Input { frames: &chosen.frames, rotations: &rotations, gyro_bias_std: turned.std };
-    let structure = structure::build(&input, config, stream)?;
+    let input = Input {
+        frames: &chosen.frames,
+        rotations: &rotations,
+        gyro_bias_std: BIAS_STD_INFLATION * turned.std,
+    };
+    let structure = structure::build(&input, config, &stream.named("structure"))?;
     let uncertain = |relative_std| WaitReason::ScaleUncertain { relative_std, allowed: config.max_scale_std };
     let aligned = align(&structure.cameras, CAMERA_STD, &preints, body_from_cam, config)
         .ok_or(uncertain(f64::INFINITY))?;
     if aligned.scale <= 0.0 {
         return Err(uncertain(f64::INFINITY));
     }
-    if !(aligned.scale_std <= HOPELESS_SCALE_STD) {
+    if aligned.scale_std.is_nan() || aligned.scale_std > HOPELESS_SCALE_STD {
         return Err(uncertain(aligned.scale_std));
     }
     let known = Known { preints: &preints, at_rest: &chosen.at_rest, body_from_cam };

@@ -57,11 +57,11 @@ impl Default for InitConfig {
             try_every: 2,
             min_shared_tracks: 20,
             min_parallax_px: 10.0,
-            max_scale_std: 0.05,
+            max_scale_std: 0.04,
             accel_bias_std: 0.15,
             gyro_bias_std: 0.1,
-            // Rotors: .24 m/s^2 and .016 rad/s per sample at 200 Hz.
-            min_accel_noise: AccelNoiseDensity::new(0.017).unwrap_or(AccelNoiseDensity::EUROC),
+            // Rotors: .35 m/s^2 and .016 rad/s per sample at 200 Hz.
+            min_accel_noise: AccelNoiseDensity::new(0.025).unwrap_or(AccelNoiseDensity::EUROC),
             min_gyro_noise: GyroNoiseDensity::new(1.1e-3).unwrap_or(GyroNoiseDensity::EUROC),
             noise_prior_weight: 6.0,
             rest_track_px: 1.5,

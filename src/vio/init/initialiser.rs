@@ -83,10 +83,10 @@ impl Initialiser {
         if !self.frames.is_multiple_of(self.config.try_every as u64) {
             return InitOutcome::Wait(self.last);
         }
-        let found = self.attempt(self.buffer.choose(&self.config), resting).or_else(|reason| match reason {
+        let found = self.attempt(&self.buffer.choose(&self.config), resting).or_else(|reason| match reason {
             // Fast motion breaks tracks: half of the span holds more that all frames see.
             WaitReason::NoStructure { .. } | WaitReason::TooFewTracks { .. } => {
-                self.attempt(self.buffer.latest_half().choose(&self.config), resting).map_err(|_| reason)
+                self.attempt(&self.buffer.latest_half().choose(&self.config), resting).map_err(|_| reason)
             }
             _ => Err(reason),
         });
@@ -101,7 +101,7 @@ impl Initialiser {
 
     fn attempt(
         &self,
-        chosen: Chosen<'_>,
+        chosen: &Chosen<'_>,
         gyro_at_rest: Option<Vector3<f64>>,
     ) -> Result<Initialised, WaitReason> {
         if chosen.frames.len() < self.config.min_frames || chosen.preints.len() + 1 != chosen.frames.len() {
@@ -109,7 +109,7 @@ impl Initialiser {
             return Err(WaitReason::TooFewFrames { frames: chosen.frames.len(), needed });
         }
         let stream = self.stream.named("init").index(self.frames);
-        attempt(&chosen, &Expected { gyro_at_rest }, &self.body_from_cam, &self.config, &stream)
+        attempt(chosen, &Expected { gyro_at_rest }, &self.body_from_cam, &self.config, &stream)
     }
 
     fn wait(&mut self, reason: WaitReason) -> InitOutcome {

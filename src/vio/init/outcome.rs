@@ -138,10 +138,8 @@ pub enum Implausible {
     GyroBias,
     /// Deviation of the tracks' residuals \[px\].
     TrackResidual,
-    /// Deviation of the inertial residuals over the expected.
+    /// Deviation of the inertial residuals over the expected: axes, extrinsics or clocks may be wrong.
     InertialResidual,
-    /// Scale of this estimate over that of the one before, where they overlap.
-    ScaleJump,
 }
 
 impl fmt::Display for Implausible {
@@ -151,7 +149,6 @@ impl fmt::Display for Implausible {
             Self::GyroBias => "gyro bias [rad/s]",
             Self::TrackResidual => "track residual [px]",
             Self::InertialResidual => "inertial residual over its expectation",
-            Self::ScaleJump => "change of scale from one estimate to the next",
         })
     }
 }

@@ -32,6 +32,8 @@ const REST_STD: (f64, f64, f64) = (0.02, 0.005, 0.002);
 const MIN_POINTS: usize = 20;
 /// Largest bias of an accelerometer \[m/s^2\] and of a gyro \[rad/s\] that is believed.
 const MAX_BIAS: (f64, f64) = (1.5, 0.3);
+/// Largest deviation of the inertial residuals over the expected that is believed: beyond it axes, extrinsics or clocks are wrong.
+const MAX_EXCESS: f64 = 15.0;
 /// Largest deviation of the tracks \[px\] that is believed.
 const MAX_TRACK_STD_PX: f64 = 3.0;
 
@@ -120,7 +122,7 @@ pub(super) fn refine(
     }
     bundle.solve(STEPS[2]);
     let covariance = Covariance::of(&bundle).or(covariance).ok_or(unusable(0))?;
-    judge(&bundle, &covariance, &ids, fit, config)
+    judge(&bundle, &covariance, &ids, fit, expected, config)
 }
 
 /// Factors on the deviations told for gyro and accelerometer that bring their white noise up to the least that is believed.
@@ -146,18 +148,20 @@ fn judge(
     covariance: &Covariance,
     ids: &[u64],
     fit: Fit,
+    expected: [f64; 2],
     config: &InitConfig,
 ) -> Result<Refined, WaitReason> {
     let state = &bundle.state;
     let scale_std = covariance.scale_std(bundle);
+    let excess = (fit.gyro_factor / expected[0]).max(fit.accel_factor / expected[1]);
     let within = |what, value: f64, allowed: f64| {
         if value <= allowed { Ok(()) } else { Err(WaitReason::Implausible { what, value, allowed }) }
     };
     within(Implausible::TrackResidual, fit.track_std_px, MAX_TRACK_STD_PX)?;
     within(Implausible::AccelBias, state.bias.accel.norm(), MAX_BIAS.0)?;
     within(Implausible::GyroBias, state.bias.gyro.norm(), MAX_BIAS.1)?;
-    // `<=` also refuses NaN.
-    if !(scale_std <= config.max_scale_std) {
+    within(Implausible::InertialResidual, excess, MAX_EXCESS)?;
+    if scale_std.is_nan() || scale_std > config.max_scale_std {
         return Err(WaitReason::ScaleUncertain { relative_std: scale_std, allowed: config.max_scale_std });
     }
     let points: Vec<InitialisedPoint> = (0..ids.len())

@@ -337,8 +337,8 @@ mod tests {
             };
             let (found, truth) = (spread(&structure.cameras), spread(&scene.cameras));
             let scale = truth.iter().zip(&found).map(|(t, f)| t.dot(f)).sum::<f64>()
-                / found.iter().map(|f| f.norm_squared()).sum::<f64>();
-            let size = truth.iter().map(|t| t.norm_squared()).sum::<f64>().sqrt();
+                / found.iter().map(Vector3::norm_squared).sum::<f64>();
+            let size = truth.iter().map(Vector3::norm_squared).sum::<f64>().sqrt();
             let off: f64 =
                 truth.iter().zip(&found).map(|(t, f)| (t - scale * f).norm_squared()).sum::<f64>().sqrt();
             assert!(off < 0.05 * size, "seed {seed}: shape off by {:.1} %", 100.0 * off / size);

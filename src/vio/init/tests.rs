@@ -39,21 +39,25 @@ pub(crate) fn random_preintegration(samples: usize, seed: u64) -> Preintegration
 /// A hand-held sway of some decimetres and some degrees.
 pub(crate) fn gentle_flight(seed: u64) -> impl Fn(f64) -> Isometry3<f64> {
     let mut rng = Stream::new(seed).named("gentle-flight").rng();
-    let waves: Vec<(Vector3<f64>, Vector3<f64>, f64, f64)> = (0..3)
-        .map(|_| {
-            (
-                Vector3::from_fn(|_, _| rng.random_range(-0.4..0.4)),
-                Vector3::from_fn(|_, _| rng.random_range(-0.15..0.15)),
-                rng.random_range(1.0..3.5),
-                rng.random_range(0.0..6.0),
-            )
+    struct Wave {
+        place: Vector3<f64>,
+        turn: Vector3<f64>,
+        rate: f64,
+        phase: f64,
+    }
+    let waves: Vec<Wave> = (0..3)
+        .map(|_| Wave {
+            place: Vector3::from_fn(|_, _| rng.random_range(-0.4..0.4)),
+            turn: Vector3::from_fn(|_, _| rng.random_range(-0.15..0.15)),
+            rate: rng.random_range(1.0..3.5),
+            phase: rng.random_range(0.0..6.0),
         })
         .collect();
     move |t| {
-        let sum = |of: &dyn Fn(&(Vector3<f64>, Vector3<f64>, f64, f64)) -> Vector3<f64>| {
-            waves.iter().map(|w| of(w) * (w.2 * t + w.3).sin()).sum::<Vector3<f64>>()
+        let sum = |of: fn(&Wave) -> Vector3<f64>| {
+            waves.iter().map(|w| of(w) * (w.rate * t + w.phase).sin()).sum::<Vector3<f64>>()
         };
-        Isometry3::from_parts(sum(&|w| w.0).into(), so3::exp(&sum(&|w| w.1)))
+        Isometry3::from_parts(sum(|w| w.place).into(), so3::exp(&sum(|w| w.turn)))
     }
 }
 

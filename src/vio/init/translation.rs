@@ -12,7 +12,9 @@ use rand::Rng;
 const TRIALS: usize = 64;
 /// Deviations that an inlier may be off.
 const INLIER_DEVIATIONS: f64 = 3.0;
-/// Smallest sine between a track and the translation that is divided by.
+/// Least squares taken, each with the weights of the one before.
+const SHARPENINGS: usize = 5;
+/// Smallest sine between a track and the translation that is divided by: nearer the focus of expansion noise rules.
 const MIN_SINE: f64 = 0.05;
 
 /// The median angle between two frames' directions after turning the second's \[rad\]; 0 without tracks.
@@ -23,6 +25,98 @@ pub(super) fn compensated_parallax(
     let mut angles: Vec<f64> =
         shared.iter().map(|(f, g)| f.cross(&(first_from_second * g)).norm().min(1.0).asin()).collect();
     robust::median(&mut angles)
+}
+
+/// Two frames' directions with the second's turned into the first: what is left is translation.
+pub(super) struct Epipolar<'a> {
+    shared: &'a [(Vector3<f64>, Vector3<f64>)],
+    rotation: Matrix3<f64>,
+    turned: Vec<Vector3<f64>>,
+    normals: Vec<Vector3<f64>>,
+}
+
+impl<'a> Epipolar<'a> {
+    /// Turns by `rotation`, the first frame from the second.
+    pub(super) fn new(rotation: &Matrix3<f64>, shared: &'a [(Vector3<f64>, Vector3<f64>)]) -> Self {
+        let turned: Vec<Vector3<f64>> = shared.iter().map(|(_, g)| rotation * g).collect();
+        let normals = shared.iter().zip(&turned).map(|((f, _), g)| f.cross(g)).collect();
+        Self { shared, rotation: *rotation, turned, normals }
+    }
+
+    /// The first frame from the second.
+    pub(super) fn rotation(&self) -> &Matrix3<f64> {
+        &self.rotation
+    }
+
+    /// Both directions and their normal, of one track: `f`, `R g`, `f x R g`.
+    pub(super) fn track(&self, k: usize) -> (&Vector3<f64>, &Vector3<f64>, &Vector3<f64>) {
+        (&self.shared[k].0, &self.turned[k], &self.normals[k])
+    }
+
+    /// The sine that scales a track's noise in `t . (f x R g)`.
+    pub(super) fn sine(&self, translation: &Vector3<f64>, k: usize) -> f64 {
+        let (f, turned, _) = self.track(k);
+        let squared = translation.cross(f).norm_squared() + translation.cross(turned).norm_squared();
+        squared.max(2.0 * MIN_SINE * MIN_SINE).sqrt()
+    }
+
+    /// By how much a track contradicts a translation \[rad\], with a sign.
+    pub(super) fn error(&self, translation: &Vector3<f64>, k: usize) -> f64 {
+        translation.dot(&self.normals[k]) / self.sine(translation, k)
+    }
+
+    /// Truncated squares instead of a count: of two directions with equal counts the closer one wins.
+    fn loss(&self, translation: &Vector3<f64>, limit: f64) -> f64 {
+        (0..self.shared.len()).map(|k| (self.error(translation, k) / limit).powi(2).min(1.0)).sum()
+    }
+
+    /// The best of directions that two random tracks give; its sign is open.
+    pub(super) fn consensus(&self, noise: f64, rng: &mut impl Rng) -> Option<Vector3<f64>> {
+        let count = self.shared.len();
+        if count < 5 {
+            return None;
+        }
+        let mut best: Option<(f64, Vector3<f64>)> = None;
+        for _ in 0..TRIALS {
+            let a = rng.random_range(0..count);
+            let b = (a + rng.random_range(1..count)) % count;
+            let Some(direction) = self.normals[a].cross(&self.normals[b]).try_normalize(1e-12) else {
+                continue;
+            };
+            let lost = self.loss(&direction, INLIER_DEVIATIONS * noise);
+            if best.as_ref().is_none_or(|(least, _)| lost < *least) {
+                best = Some((lost, direction));
+            }
+        }
+        best.map(|(_, direction)| direction)
+    }
+
+    /// The direction near `start` of least weighted squares.
+    ///
+    /// The squared sines in the weights keep noise, which is not the same in all directions of the normals, from drawing the direction to
+    /// where it is least.
+    pub(super) fn sharpen(&self, start: Vector3<f64>, noise: f64) -> Vector3<f64> {
+        let limit = INLIER_DEVIATIONS * noise;
+        let (mut direction, mut lost) = (start, self.loss(&start, limit));
+        for _ in 0..SHARPENINGS {
+            let moments: Matrix3<f64> = (0..self.shared.len())
+                .map(|k| {
+                    let sine = self.sine(&direction, k);
+                    let error = direction.dot(&self.normals[k]) / sine;
+                    let weight = robust::weight((error / noise).powi(2)) / (sine * sine);
+                    weight * self.normals[k] * self.normals[k].transpose()
+                })
+                .sum();
+            let eigen = SymmetricEigen::new(moments);
+            let sharper = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
+            let then = self.loss(&sharper, limit);
+            if sharper.iter().any(|x| !x.is_finite()) || then >= lost {
+                break;
+            }
+            (direction, lost) = (sharper, then);
+        }
+        direction
+    }
 }
 
 /// A translation's direction and the tracks that agree with it.
@@ -43,58 +137,23 @@ pub(super) fn estimate(
     noise: f64,
     rng: &mut impl Rng,
 ) -> Option<Translation> {
-    if shared.len() < 5 {
-        return None;
-    }
-    let turned: Vec<Vector3<f64>> = shared.iter().map(|(_, g)| first_from_second * g).collect();
-    let normals: Vec<Vector3<f64>> = shared.iter().zip(&turned).map(|((f, _), g)| f.cross(g)).collect();
-    let error = |t: &Vector3<f64>, k: usize| {
-        let sine = (t.cross(&shared[k].0).norm_squared() + t.cross(&turned[k]).norm_squared())
-            .max(2.0 * MIN_SINE * MIN_SINE)
-            .sqrt();
-        (t.dot(&normals[k]) / sine).abs()
-    };
-    // Truncated squares instead of a count: of two directions with equal counts the closer one wins.
+    let epipolar = Epipolar::new(first_from_second.to_rotation_matrix().matrix(), shared);
+    let mut direction = epipolar.sharpen(epipolar.consensus(noise, rng)?, noise);
     let limit = INLIER_DEVIATIONS * noise;
-    let loss =
-        |t: &Vector3<f64>| -> f64 { (0..shared.len()).map(|k| (error(t, k) / limit).powi(2).min(1.0)).sum() };
-    let mut best: Option<(f64, Vector3<f64>)> = None;
-    for _ in 0..TRIALS {
-        let a = rng.random_range(0..shared.len());
-        let b = (a + rng.random_range(1..shared.len())) % shared.len();
-        let Some(direction) = normals[a].cross(&normals[b]).try_normalize(1e-12) else { continue };
-        let lost = loss(&direction);
-        if best.as_ref().is_none_or(|(least, _)| lost < *least) {
-            best = Some((lost, direction));
-        }
-    }
-    let mut direction = best?.1;
-    for _ in 0..4 {
-        let moments: Matrix3<f64> = (0..shared.len())
-            .map(|k| {
-                let weight = robust::weight((error(&direction, k) / noise).powi(2));
-                weight * normals[k] * normals[k].transpose()
-            })
-            .sum();
-        let eigen = SymmetricEigen::new(moments);
-        let sharper = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
-        if !(sharper.iter().all(|x| x.is_finite()) && loss(&sharper) <= loss(&direction)) {
-            break;
-        }
-        direction = sharper;
-    }
-    let mut inliers: Vec<usize> = (0..shared.len()).filter(|k| error(&direction, *k) < limit).collect();
+    let mut inliers: Vec<usize> =
+        (0..shared.len()).filter(|k| epipolar.error(&direction, *k).abs() < limit).collect();
     let before = |t: &Vector3<f64>, k: usize| {
-        t.cross(&turned[k]).dot(&normals[k]) > 0.0 && t.cross(&shared[k].0).dot(&normals[k]) > 0.0
+        let (f, turned, normal) = epipolar.track(k);
+        t.cross(turned).dot(normal) > 0.0 && t.cross(f).dot(normal) > 0.0
     };
     // Only tracks with some parallax have a side.
-    let sided: Vec<usize> = inliers.iter().copied().filter(|k| normals[*k].norm() > limit).collect();
-    let ahead = sided.iter().filter(|k| before(&direction, **k)).count();
-    let behind = sided.iter().filter(|k| before(&-direction, **k)).count();
+    let has_side = |k: usize| epipolar.track(k).2.norm() > limit;
+    let ahead = inliers.iter().filter(|k| has_side(**k) && before(&direction, **k)).count();
+    let behind = inliers.iter().filter(|k| has_side(**k) && before(&-direction, **k)).count();
     if behind > ahead {
         direction = -direction;
     }
-    inliers.retain(|k| normals[*k].norm() <= limit || before(&direction, *k));
+    inliers.retain(|k| !has_side(*k) || before(&direction, *k));
     (inliers.len() >= 5).then_some(Translation { direction, inliers })
 }
 
