@@ -184,7 +184,7 @@ fn suspects(
     match (variance, density, figure.is_walk()) {
         (false, true, false) => all.push((measured * root, "a deviation per sample where a density belongs")),
         (false, false, false) => {
-            all.push((measured / root, "a density where a deviation per sample belongs"))
+            all.push((measured / root, "a density where a deviation per sample belongs"));
         }
         (false, true, true) => {
             all.push((measured / root, "a walk per sample where a density belongs"));

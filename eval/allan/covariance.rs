@@ -14,6 +14,9 @@
 //! are summed once for a length of log and serve every axis. gamma is smooth between the nine lags where ends meet: those count exactly,
 //! long stretches between them by Gauss-Legendre on steps that double away from the ends.
 
+// Triangles of small matrices: with indices they read as the formulas do.
+#![allow(clippy::needless_range_loop)]
+
 use super::model::Squares;
 use dpn_core::SampleRate;
 use rayon::prelude::*;

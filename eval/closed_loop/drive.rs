@@ -107,7 +107,7 @@ pub fn drive(
         (Some(first), Some(last)) => last.seconds_since(*first),
         _ => 0.0,
     };
-    let (camera, body_from_cam) = (recording.camera.clone(), recording.body_from_cam);
+    let (camera, body_from_cam) = (recording.camera, recording.body_from_cam);
     let mut estimator =
         Estimator::new(config.clone(), camera, body_from_cam, seed).map_err(ClosedLoopError::Config)?;
     let samples = recording.imu.samples();

@@ -21,6 +21,8 @@ const CAMERA_HZ: f64 = 20.0;
 
 /// Where the tracks of recorded sequences come from.
 #[derive(Debug, Clone, PartialEq)]
+// A handful of these live at a time; their size is nobody's cost.
+#[allow(clippy::large_enum_variant)]
 pub enum Tracks {
     /// Files `SEQUENCE.txt` in this folder; or one file, of the only sequence.
     Given(PathBuf),
@@ -30,6 +32,7 @@ pub enum Tracks {
 
 /// Sequences that the loop can be closed on.
 #[derive(Debug, Clone)]
+#[allow(clippy::large_enum_variant)]
 pub enum Source {
     /// Recordings on disk.
     Recorded {

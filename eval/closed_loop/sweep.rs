@@ -163,7 +163,7 @@ impl Sweep<'_> {
             .filter(|noise| noise.needs_training())
             .map(Noise::source)
             .collect();
-        sources.sort_by_key(|noise| noise.to_string());
+        sources.sort_by_key(ToString::to_string);
         sources.dedup();
         if sources.is_empty() {
             return Ok(BTreeMap::new());

@@ -291,7 +291,7 @@ mod tests {
         let slow = track(&spec, &imu, 0).unwrap();
         assert_eq!(slow.noises()[259], whole.noises()[240]);
         for (keep, zero, words) in [
-            (&(|i| i > 0) as &dyn Fn(usize) -> bool, None, "but made-up's samples from 1000000000"),
+            (&(|i: usize| i > 0) as &dyn Fn(usize) -> bool, None, "but made-up's samples from 1000000000"),
             (&|i| i < 900, None, "but made-up's samples"),
             (&|i| !(300..500).contains(&i), None, "no noise from 2495000000 to 3500000000 ns"),
             (&|_| true, Some(7), "a deviation of 0 for made-up at 1035000000 ns"),

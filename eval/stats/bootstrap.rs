@@ -197,6 +197,7 @@ mod tests {
         bootstrap: Vec<Row>,
     }
 
+    #[allow(clippy::type_complexity)]
     fn statistic<'a>(row: &'a Row) -> Box<dyn Fn(&[usize]) -> f64 + 'a> {
         let picked = |x: &[f64], cases: &[usize]| cases.iter().map(|&i| x[i]).collect::<Vec<_>>();
         match row.name.as_str() {

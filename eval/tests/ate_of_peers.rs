@@ -1,6 +1,8 @@
 //! VINS-Mono's estimates on the given tracks, judged by our metrics, against the table that another program made of the same files
 //! (`golden/vins_mono/ate_se3.csv`).
 
+#![allow(clippy::unwrap_used)]
+
 use dpn_core::io::asl::Sequence;
 use dpn_core::io::read_tum;
 use dpn_eval::metrics::{

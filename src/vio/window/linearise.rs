@@ -6,6 +6,9 @@
 //! updates by the rows of `L^-1 W`. The host's pixel is taken out at every linearisation anew, about zero: the cost is the residuals'
 //! under a covariance that holds the host's error common to them, `r^T C^-1 r / 2`, and nothing of it need be kept.
 
+// Small fixed loops over rows and columns: with indices they read as the formulas do.
+#![allow(clippy::needless_range_loop)]
+
 use super::landmark::MIN_INVERSE_DEPTH;
 use super::layout::Layout;
 use super::normal::Normal;

@@ -3,6 +3,9 @@
 //! Rows of the lower triangle are kept whole and contiguous: factor and solve are dot products of rows, which the compiler turns
 //! into vector code. A row's factor begins where the row does, so that the zeros in front of it cost nothing.
 
+// Small fixed loops over rows and columns: with indices they read as the formulas do.
+#![allow(clippy::needless_range_loop)]
+
 /// Half of a least-squares problem's second-order model: `cost(d) = cost(0) + g.d + d.H d / 2`.
 #[derive(Debug, Clone)]
 pub struct Normal {

@@ -44,7 +44,7 @@ pub(super) fn yaml(lines: &[Line], indent: &str) -> String {
         let note = note.as_ref().map(|n| format!("; {n}")).unwrap_or_default();
         match values {
             Some(values) => {
-                text.push_str(&format!("{indent}{}: {}  # {unit}{note}\n", key.name, values.text()))
+                text.push_str(&format!("{indent}{}: {}  # {unit}{note}\n", key.name, values.text()));
             }
             None => text.push_str(&format!("{indent}# {}: not known  # {unit}{note}\n", key.name)),
         }
@@ -237,6 +237,8 @@ fn missing(tree: &Tree, format: Format, layout: &Layout, path: &Path, lacking: &
 }
 
 /// A key of the file that is nearly one of `wanted`, and none of `known`.
+// An iterator is handed over as one; it is cloned because it is gone through once an entry.
+#[allow(clippy::needless_pass_by_value)]
 pub(super) fn slip<'a>(
     tree: &Tree,
     wanted: impl Iterator<Item = &'a str> + Clone,
