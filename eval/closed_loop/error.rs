@@ -2,6 +2,7 @@
 
 use crate::metrics::MetricsError;
 use crate::noise::NoiseError;
+use crate::stats::StatsError;
 use dpn_core::camera::BadCamera;
 use dpn_core::config::ConfigFault;
 use dpn_core::io::IoError;
@@ -141,6 +142,19 @@ pub enum ClosedLoopError {
         sequence: String,
         /// Why.
         source: MetricsError,
+    },
+    /// Errors that cannot be compared.
+    #[error("the noises cannot be compared: {0}")]
+    Compare(#[from] StatsError),
+    /// One name, several folders.
+    #[error("there are two sequences called `{name}`: {} and {}; give --data one of them", first.display(), second.display())]
+    SameName {
+        /// The name.
+        name: String,
+        /// One folder.
+        first: PathBuf,
+        /// Another one.
+        second: PathBuf,
     },
     /// The run's folder holds results of something else.
     #[error("{} holds a run with another {key}: {there} there, {here} now", dir.display())]

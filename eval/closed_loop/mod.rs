@@ -4,8 +4,9 @@
 //! * [`drive`] runs the estimator over one [`Recording`] with one noise track; [`judge`] makes a [`Row`] of what comes out.
 //! * [`Sweep`] runs all cells on all threads into a folder, which a later call goes on with.
 //! * [`single`] runs one recording and says everything of it.
-//! * [`consistency`] puts the NEES of many seeds together; [`render`] prints rows beside the paper's figures and VINS-Mono's.
+//! * [`consistency`] puts the NEES of many seeds together, [`compare`] tests noises against the best constant, [`render`] prints rows beside the paper's figures and VINS-Mono's.
 
+mod compare;
 mod consistency;
 mod drive;
 mod error;
@@ -22,6 +23,7 @@ mod store;
 mod sweep;
 mod table;
 
+pub use compare::{Comparison, compare};
 pub use consistency::{Consistency, consistency};
 pub use drive::{Driven, FEWEST_FRAMES, drive, frames_from};
 pub use error::ClosedLoopError;
@@ -33,4 +35,4 @@ pub use single::{Report, Single, single};
 pub use source::{Source, Tracks};
 pub use store::{Manifest, Store};
 pub use sweep::Sweep;
-pub use table::{Summary, render, render_consistency, summaries};
+pub use table::{Summary, render, render_comparisons, render_consistency, summaries};

@@ -54,11 +54,11 @@ impl Source {
     /// The sequences under `dir`: the paper's where there are any, else all.
     ///
     /// # Errors
-    /// A folder that cannot be listed or holds no sequence.
+    /// A folder that cannot be listed or holds no sequence, or two of one name.
     pub fn recorded(dir: &Path, tracks: Tracks) -> Result<Self, ClosedLoopError> {
         let all = discover(dir)?;
         let of_paper: Vec<_> = all.iter().filter_map(|s| Some((s.clone(), paper_side(s.name())?))).collect();
-        let sequences = if of_paper.is_empty() {
+        let sequences: Vec<(Sequence, Side)> = if of_paper.is_empty() {
             let sides = assign(all.iter().map(Sequence::name));
             let side = |s: &Sequence| {
                 sides.iter().find(|(name, _)| name == s.name()).map_or(Side::Test, |(_, side)| *side)
@@ -67,6 +67,14 @@ impl Source {
         } else {
             of_paper
         };
+        // Sorted by name.
+        if let Some(twice) = sequences.windows(2).find(|w| w[0].0.name() == w[1].0.name()) {
+            return Err(ClosedLoopError::SameName {
+                name: twice[0].0.name().to_owned(),
+                first: twice[0].0.dir().to_path_buf(),
+                second: twice[1].0.dir().to_path_buf(),
+            });
+        }
         Ok(Self::Recorded { sequences, tracks })
     }
 

@@ -4,6 +4,7 @@
 //! A cell is the median over seeds of the absolute error after SE(3) alignment; `!` and a number behind it count failed runs. Runs
 //! without an error are left out of medians and means, diverged ones are not: a mean is that of what is there, and failures stand beside it.
 
+use super::compare::Comparison;
 use super::consistency::Consistency;
 use super::error::ClosedLoopError;
 use super::paper::Peer;
@@ -222,9 +223,36 @@ pub fn render_consistency(reports: &[Consistency]) -> String {
     aligned(&table)
 }
 
+/// Every noise against the best constant; empty without any.
+pub fn render_comparisons(comparisons: &[Comparison]) -> String {
+    let Some(first) = comparisons.first() else {
+        return String::new();
+    };
+    let heads = [
+        &format!("against {}, the best constant", first.constant),
+        "sequences",
+        "better",
+        "ratio",
+        "p",
+        "p (Holm)",
+    ];
+    let mut table = vec![heads.map(str::to_owned).to_vec()];
+    for c in comparisons {
+        table.push(vec![
+            c.noise.clone(),
+            c.sequences.to_string(),
+            c.better.to_string(),
+            format!("{:.3}", c.ratio),
+            format!("{:.4}", c.p),
+            format!("{:.4}", c.p_holm),
+        ]);
+    }
+    aligned(&table)
+}
+
 /// What stands in a cell of the table of errors.
-struct AteCell {
-    ate: Option<f64>,
+pub(super) struct AteCell {
+    pub(super) ate: Option<f64>,
     failures: usize,
 }
 
@@ -235,7 +263,7 @@ impl std::fmt::Display for AteCell {
     }
 }
 
-fn cell(rows: &[Row], sequence: &str, noise: &str) -> AteCell {
+pub(super) fn cell(rows: &[Row], sequence: &str, noise: &str) -> AteCell {
     let of = || rows.iter().filter(|r| r.sequence == sequence && r.noise == noise);
     AteCell {
         ate: median(of().filter_map(|r| r.ate_se3).collect()),
@@ -253,7 +281,7 @@ fn metres(value: Option<f64>) -> String {
 }
 
 /// Each once, in the order in which they come.
-fn distinct<'a>(values: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+pub(super) fn distinct<'a>(values: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     let mut found: Vec<&str> = Vec::new();
     for value in values {
         if !found.contains(&value) {

@@ -2,6 +2,7 @@
 
 use super::SettingsArgs;
 use clap::Args;
+use dpn_eval::closed_loop::StartAt;
 use std::path::PathBuf;
 
 /// Flags of `dpn run`.
@@ -19,9 +20,9 @@ pub(crate) struct RunArgs {
     /// Folder of trained networks; without it those that come with the program.
     #[arg(long, value_name = "DIR")]
     pub(crate) models: Option<PathBuf>,
-    /// Seconds after the first frame at which the run begins.
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
-    pub(crate) from: f64,
+    /// Seconds after the first frame at which the run begins; `table` as for `dpn eval`.
+    #[arg(long, value_name = "SECONDS|table", default_value = "0")]
+    pub(crate) from: StartAt,
     /// Seed of simulated flights and tracks.
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,

@@ -51,11 +51,10 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
         other => other?,
     };
     let reports = consistency(&out, &rows)?;
-    let mut table = render(&rows)?;
-    if !reports.is_empty() {
-        table = format!("{table}\n{}", render_consistency(&reports));
-    }
-    let json = serde_json::json!({ "rows": rows, "consistency": reports });
+    let comparisons = compare(&rows).map_err(ClosedLoopError::from)?;
+    let parts = [render(&rows)?, render_comparisons(&comparisons), render_consistency(&reports)];
+    let table = parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n");
+    let json = serde_json::json!({ "rows": rows, "comparisons": comparisons, "consistency": reports });
     atomic_write(&out.join("closed_loop.json"), |file| writeln!(file, "{json}"))?;
     atomic_write(&out.join("closed_loop.txt"), |file| file.write_all(table.as_bytes()))?;
     if args.json {

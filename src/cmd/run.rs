@@ -5,7 +5,7 @@ use crate::args::RunArgs;
 use crate::ui::Fault;
 use anyhow::Result;
 use dpn_core::io::{atomic_write, write_tum};
-use dpn_eval::closed_loop::{Report, Single, Source, StartAt, Told, Tracks, single};
+use dpn_eval::closed_loop::{Report, Single, Source, Told, Tracks, single};
 use dpn_eval::noise::Noise;
 use dpn_eval::open_loop::networks;
 use dpn_sim::Flight;
@@ -13,9 +13,6 @@ use std::path::{Path, PathBuf};
 
 pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let noise: Noise = args.noise.parse()?;
-    let StartAt::Seconds(from_s) = args.from.to_string().parse::<StartAt>().map_err(Fault::new)? else {
-        return Err(Fault::new("--from takes seconds here").into());
-    };
     let estimator = settings::estimator(&args.settings)?;
     let (source, place) = open(args)?;
     let networks = match &args.models {
@@ -24,6 +21,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     };
     let recording = source.recording(place, args.seed)?;
     let frames = source.frames(place, args.seed)?;
+    let from_s = args.from.seconds(&recording.name);
     let told = Told { camera: "tracks".into(), noise: noise.to_string(), seed: args.seed, from_s };
     let done = single(&estimator, &recording, &frames, &noise, &told, &networks)?;
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("runs/run-{}", recording.name)));
