@@ -99,7 +99,10 @@ mod tests {
     use super::*;
     use crate::closed_loop::row::testing::row;
 
-    fn rows(of: &[(&str, fn(usize) -> f64)]) -> Vec<Row> {
+    /// A noise, and its error in the i-th sequence.
+    type Made = (&'static str, fn(usize) -> f64);
+
+    fn rows(of: &[Made]) -> Vec<Row> {
         let cells = of.iter().flat_map(|(noise, ate)| {
             (0..8).map(|i| row(&format!("f{i:02}"), noise, 0, Some(ate(i)))).collect::<Vec<_>>()
         });
@@ -133,7 +136,7 @@ mod tests {
         let all = rows(&[("x1", |_| 0.1), ("diff2", |_| 0.2)]);
         assert_eq!(compare(&all[..5]).unwrap(), []);
         assert_eq!(compare(&all[8..]).unwrap(), []);
-        let few: Vec<Row> = all.iter().filter(|r| r.sequence < "f05".to_owned()).cloned().collect();
+        let few: Vec<Row> = all.iter().filter(|r| r.sequence.as_str() < "f05").cloned().collect();
         assert_eq!(compare(&few).unwrap(), []);
     }
 }

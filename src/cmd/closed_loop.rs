@@ -6,7 +6,8 @@ use crate::ui::{Bar, Fault, Interrupted};
 use anyhow::Result;
 use dpn_core::io::atomic_write;
 use dpn_eval::closed_loop::{
-    ClosedLoopError, Manifest, Source, Sweep, Tracks, consistency, render, render_consistency,
+    ClosedLoopError, Manifest, Source, Sweep, Tracks, compare, consistency, render, render_comparisons,
+    render_consistency,
 };
 use dpn_eval::noise::parse_list;
 use dpn_eval::open_loop::networks;
