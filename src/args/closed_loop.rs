@@ -15,36 +15,36 @@ pub(crate) enum CameraArg {
 #[derive(Debug, Args)]
 pub(crate) struct ClosedLoopArgs {
     /// What the odometry sees.
-    #[arg(long, value_enum, default_value = "tracks", requires = "closed_loop")]
+    #[arg(long, value_enum, default_value = "tracks", conflicts_with = "open_loop")]
     pub(crate) camera: CameraArg,
     /// Folder with camera tracks, SEQUENCE.txt each; without it tracks are made along the ground truth from the seed.
     #[arg(long, value_name = "DIR", requires = "data")]
     pub(crate) tracks: Option<PathBuf>,
     /// `all`, or names (MH_01, hover) with commas between.
-    #[arg(long, value_name = "NAMES", default_value = "all", requires = "closed_loop")]
+    #[arg(long, value_name = "NAMES", default_value = "all", conflicts_with = "open_loop")]
     pub(crate) sequences: String,
     /// Noise specs with commas between; with semicolons or blanks between where a spec holds a comma: 'x1; x4,x1; mean(x4,x1)'.
     #[arg(
         long,
         value_name = "SPECS",
         default_value = "x0.5,x1,x2,x4,x8,dualpronet",
-        requires = "closed_loop"
+        conflicts_with = "open_loop"
     )]
     pub(crate) noise: String,
     /// How many seeds of tracks (and flights), from --seed on.
-    #[arg(long, value_name = "N", default_value_t = 1, requires = "closed_loop", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 1, conflicts_with = "open_loop", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) seeds: u64,
     /// Seconds after the first frame at which runs begin; `table`: 40 in MH_01, 35 in MH_02, 0 elsewhere, as VINS-Mono's runs of the table.
-    #[arg(long, value_name = "SECONDS|table", default_value = "table", requires = "closed_loop")]
+    #[arg(long, value_name = "SECONDS|table", default_value = "table", conflicts_with = "open_loop")]
     pub(crate) from: StartAt,
     /// Settings of the estimator and of what is simulated.
     #[command(flatten)]
     pub(crate) settings: SettingsArgs,
     /// Threads; without it as many as there are cores. Results do not depend on it.
-    #[arg(long, value_name = "N", requires = "closed_loop")]
+    #[arg(long, value_name = "N", conflicts_with = "open_loop")]
     pub(crate) threads: Option<usize>,
     /// Write every run's trajectory (TUM format) into the folder.
-    #[arg(long, requires = "closed_loop")]
+    #[arg(long, conflicts_with = "open_loop")]
     pub(crate) trajectories: bool,
 }
 

@@ -1,13 +1,13 @@
-//! `dpn eval --closed-loop`, on the end of one simulated flight.
+//! `dpn eval --closed-loop`, on the second half of one simulated flight.
 
 use crate::run::{Done, dpn, end, files, run};
 use serde_json::Value;
 use std::path::Path;
 
-/// The last part of a flight of two minutes, two specs, one of them a control that draws.
+/// The second half of a flight of a minute and a half, two specs, one of them a control that draws.
 fn swept(out: &Path, more: &[&str]) -> Done {
     let mut command = dpn();
-    command.args(["eval", "--closed-loop", "--sequences", "room-medium", "--from", "75"]);
+    command.args(["eval", "--closed-loop", "--sequences", "room-medium", "--from", "50"]);
     command.args(["--noise", "x4,x1;shuffled(diff2)", "--out"]).arg(out).args(more);
     end(&mut command)
 }
@@ -39,7 +39,7 @@ fn rows_have_the_promised_keys_and_a_broken_off_sweep_goes_on_to_the_same_ones()
     {
         assert_eq!((&row["seed"], &row["noise"]), (&seed.into(), &noise.into()));
         assert_eq!((&row["sequence"], &row["camera"]), (&"f07-room-medium".into(), &"tracks".into()));
-        assert_eq!((&row["split"], &row["from_s"]), (&"train".into(), &75.0.into()));
+        assert_eq!((&row["split"], &row["from_s"]), (&"train".into(), &50.0.into()));
         for key in ["ate_se3", "ate_yaw", "completion", "init_s", "cpu_per_data_s", "rpe_1s", "whitened"] {
             assert!(row[key].is_f64(), "`{key}` of {row}");
         }
@@ -85,7 +85,7 @@ fn rows_have_the_promised_keys_and_a_broken_off_sweep_goes_on_to_the_same_ones()
 fn what_cannot_be_swept_is_refused_before_anything_runs() {
     let tmp = tempfile::tempdir().unwrap();
     let out = tmp.path().join("out");
-    for (more, words) in [
+    for (index, (more, words)) in [
         (&["--noise", "x4,dualpronett"][..], "did you mean `dualpronet`?"),
         (&["--noise", "dualpronet(sg9-s0)"], "there is no accel network `sg9-s0`"),
         (&["--noise", "file(\"none.csv\")"], "none.csv does not exist"),
@@ -94,9 +94,12 @@ fn what_cannot_be_swept_is_refused_before_anything_runs() {
         (&["--set", "window.keyframes=8"], "did you mean `key_frames`?"),
         (&["--set", "window.key_frames=2"], "`window.key_frames` is 2, but must be from 3 to 30"),
         (&["--pixel-noise", "-1"], "pixel_noise_px"),
-    ] {
+    ]
+    .into_iter()
+    .enumerate()
+    {
         let mut command = dpn();
-        command.args(["eval", "--closed-loop", "--out"]).arg(&out).args(more);
+        command.args(["eval", "--closed-loop", "--out"]).arg(out.join(index.to_string())).args(more);
         if !more.contains(&"--sequences") {
             command.args(["--sequences", "hover"]);
         }
