@@ -5,10 +5,13 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+pub mod diagnosis;
+pub mod estimator;
 pub mod factors;
 pub mod init;
 pub mod preint;
 pub mod state;
+pub mod window;
 
-pub use preint::{ImuCov, NoisySample, Preintegration, PreintegrationConfig};
+pub use estimator::{Estimator, EstimatorConfig};
 pub use state::{ImuBias, NavState};

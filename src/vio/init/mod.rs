@@ -26,7 +26,7 @@ mod rest;
 mod robust;
 mod structure;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod translation;
 mod triangulate;
 
@@ -36,3 +36,4 @@ pub use initialiser::Initialiser;
 pub use outcome::{
     Fit, Implausible, InitOutcome, Initialised, InitialisedFrame, InitialisedPoint, WaitReason,
 };
+pub(crate) use rest::RestWatch;

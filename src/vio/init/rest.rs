@@ -18,14 +18,14 @@ const MAX_RATE: f64 = 0.15;
 
 /// Follows a sequence of frames and says until when they stood still.
 #[derive(Debug, Clone, Default)]
-pub(super) struct RestWatch {
+pub(crate) struct RestWatch {
     first: Option<InitFrame>,
     last: Option<Stamp>,
 }
 
 /// A rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Rest {
+pub(crate) struct Rest {
     /// Its first frame.
     pub from: Stamp,
     /// The last frame that surely belongs to it.

@@ -15,12 +15,12 @@ use rand_distr::{Distribution, StandardNormal};
 const RATE: f64 = 200.0;
 
 /// A camera mounted askew, as on EuRoC's vehicles.
-pub(super) fn body_from_cam() -> Isometry3<f64> {
+pub(crate) fn body_from_cam() -> Isometry3<f64> {
     Isometry3::new(Vector3::new(-0.0216, -0.0647, 0.0098), Vector3::new(0.02, -0.03, 1.55))
 }
 
 /// Some random samples as an interval.
-pub(super) fn random_preintegration(samples: usize, seed: u64) -> Preintegration {
+pub(crate) fn random_preintegration(samples: usize, seed: u64) -> Preintegration {
     let mut rng = Stream::new(seed).named("random-preintegration").rng();
     let mut next = |k: usize| NoisySample {
         sample: ImuSample {
@@ -37,7 +37,7 @@ pub(super) fn random_preintegration(samples: usize, seed: u64) -> Preintegration
 }
 
 /// A hand-held sway of some decimetres and some degrees.
-pub(super) fn gentle_flight(seed: u64) -> impl Fn(f64) -> Isometry3<f64> {
+pub(crate) fn gentle_flight(seed: u64) -> impl Fn(f64) -> Isometry3<f64> {
     let mut rng = Stream::new(seed).named("gentle-flight").rng();
     struct Wave {
         place: Vector3<f64>,
@@ -62,7 +62,7 @@ pub(super) fn gentle_flight(seed: u64) -> impl Fn(f64) -> Isometry3<f64> {
 }
 
 /// A flight as the initialiser sees it, with its truth.
-pub(super) struct Scene {
+pub(crate) struct Scene {
     pub frames: Vec<InitFrame>,
     pub preints: Vec<Preintegration>,
     /// World from camera.
@@ -73,7 +73,7 @@ pub(super) struct Scene {
 
 impl Scene {
     /// `count` frames every `step` seconds along a path (world from body), tracks off by `noise_px`, the IMU noisy where those are.
-    pub(super) fn new(
+    pub(crate) fn new(
         path: &dyn Fn(f64) -> Isometry3<f64>,
         count: usize,
         step: f64,
