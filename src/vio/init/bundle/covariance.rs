@@ -121,3 +121,69 @@ impl Covariance {
         rows as f64 - 3.0 * bundle.views.len() as f64 - 6.0 * bundle.layout.frames() as f64
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Prior;
+    use super::super::solve::tests::disturbed;
+    use super::*;
+    use dpn_core::geometry::sphere::tangent_basis;
+    use dpn_core::random::Stream;
+    use nalgebra::Vector2;
+    use rand_distr::{Distribution, StandardNormal};
+
+    /// Natural logarithm of the frames' root mean square distance from their mean.
+    fn log_spread(bundle: &Bundle) -> f64 {
+        let positions: Vec<_> = bundle.state.poses.iter().map(|p| p.translation.vector).collect();
+        let mean = positions.iter().sum::<Vector3<f64>>() / positions.len() as f64;
+        0.5 * positions.iter().map(|p| (p - mean).norm_squared()).sum::<f64>().ln()
+    }
+
+    #[test]
+    fn deviations_are_those_of_noisy_copies() {
+        let (mut exact, truth) = disturbed(4);
+        exact.state = truth;
+        exact.track_std = 1e-3;
+        let covariance = Covariance::of(&exact).unwrap();
+        let (mut scales, mut inverse_distances) = (Vec::new(), Vec::new());
+        let mut rng = Stream::new(7).named("covariance-test").rng();
+        let mut normal = move || -> f64 { StandardNormal.sample(&mut rng) };
+        for _ in 0..COPIES {
+            let mut copy = exact.clone();
+            for (_, measured) in copy.views.iter_mut().flatten() {
+                let off = tangent_basis(measured) * Vector2::new(normal(), normal()) * exact.track_std;
+                *measured = (*measured + off).normalize();
+            }
+            for prior in &mut copy.priors {
+                if let Prior::Distance { value, std, .. } = prior {
+                    *value += normal() * *std;
+                }
+            }
+            copy.solve(10);
+            scales.push(log_spread(&copy) - log_spread(&exact));
+            let found = copy.state.landmarks[5].inverse_distance;
+            inverse_distances.push(found - exact.state.landmarks[5].inverse_distance);
+        }
+        // The deviation of a deviation from n samples is 1/sqrt(2 n), here 4 %; Cauchy's weights cost some per cent more.
+        let sampled = |values: &[f64]| (values.iter().map(|x| x * x).sum::<f64>() / COPIES as f64).sqrt();
+        for (name, said, values) in [
+            ("scale", covariance.scale_std(&exact), &scales),
+            ("inverse distance", covariance.inverse_distance_std(&exact, 5), &inverse_distances),
+        ] {
+            let ratio = sampled(values) / said;
+            assert!((0.88..1.2).contains(&ratio), "{name}: sampled over said {ratio:.3}");
+        }
+    }
+
+    /// Noisy copies.
+    const COPIES: usize = 300;
+
+    #[test]
+    fn a_factor_moves_from_the_prior_to_what_the_rows_say_as_they_outweigh_it() {
+        let none = Excess { squares: 0.0, redundancy: 0.0 };
+        assert!((none.factor(1.0, 3.0, 6.0) - 3.0).abs() < 1e-12);
+        let many = Excess { squares: 4e4, redundancy: 1e4 };
+        // Twice as large as expected, where 1.5 times the noise was expected: three times the noise.
+        assert!((many.factor(1.5, 1.0, 6.0) - 3.0).abs() < 1e-2);
+    }
+}

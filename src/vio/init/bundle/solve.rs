@@ -187,7 +187,7 @@ impl Bundle {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::super::{Bundle, BundleState, Landmark, Layout, Prior};
     use crate::state::ImuBias;
     use dpn_core::geometry::so3::exp;
@@ -196,7 +196,7 @@ mod tests {
     use rand::Rng;
 
     /// Five cameras, forty points, exact views, the gauge held; then everything is moved a little.
-    fn disturbed(seed: u64) -> (Bundle, BundleState) {
+    pub(in super::super) fn disturbed(seed: u64) -> (Bundle, BundleState) {
         let mut rng = Stream::new(seed).named("solve-test").rng();
         let mut vector = |size: f64| Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0) * size);
         let poses: Vec<Isometry3<f64>> =
