@@ -87,8 +87,12 @@ mod tests {
         let stop = AtomicBool::new(false);
         let work = |i| if i >= 3 { Err(i) } else { Ok(i) };
         assert_eq!(each(1, 50, &stop, work, |_, _| Ok(())), Err(3));
-        let results = each(1, 50, &stop, Ok::<_, ()>, |i, _| {
-            stop.store(i == 4, Ordering::Relaxed);
+        let slowly = |i| {
+            std::thread::sleep(std::time::Duration::from_millis(5));
+            Ok::<_, ()>(i)
+        };
+        let results = each(1, 50, &stop, slowly, |i, _| {
+            stop.fetch_or(i == 4, Ordering::Relaxed);
             Ok(())
         });
         let done = results.unwrap().iter().flatten().count();

@@ -340,14 +340,14 @@ mod tests {
         ];
         let text = render(&rows).unwrap();
         let expected = "\
-ATE SE(3) [m]     x1
-                ours   vins  paper
-MH_01_easy     0.200  0.115  0.200
-MH_02_easy*  0.400!2  0.126  0.170
-----------------------------------
-mean train     0.200  0.115  0.200
-mean test *  0.400!2  0.126  0.170
-mean         0.300!2  0.120  0.185
+ATE SE(3) [m]       x1
+                  ours   vins  paper
+MH_01_easy       0.200  0.115  0.200
+MH_02_easy*    0.400!2  0.126  0.170
+------------------------------------
+mean train       0.200  0.115  0.200
+mean test *    0.400!2  0.126  0.170
+mean           0.300!2  0.120  0.185
 
 noise  runs  failed  ATE [m]  scale  completion  init [s]  restarts  whitened  NEES p  NEES r  iterations  CPU s/s  p95 [ms]
 x1        6       2    0.300  1.0 %      80.0 %       2.0         6      0.90       -       -         2.0   0.0200       3.0
@@ -359,6 +359,6 @@ x1        6       2    0.300  1.0 %      80.0 %       2.0         6      0.90   
     fn flights_have_no_peers_and_several_noises_their_columns() {
         let rows = [row("f09-hover", "x4,x1", 0, Some(12.3)), row("f09-hover", "oracle", 0, Some(1.234))];
         let text = ate_table(&rows).unwrap();
-        assert!(text.contains("f09-hover*     12.3    1.23\n") && !text.contains("vins"), "\n{text}");
+        assert!(text.contains("f09-hover*      12.3    1.23\n") && !text.contains("vins"), "\n{text}");
     }
 }

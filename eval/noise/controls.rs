@@ -119,7 +119,10 @@ mod tests {
         let mut mean = MeanSquare::default();
         assert_eq!(mean.root(), None);
         mean.add(&track(&[0.25; 400]));
-        assert_eq!(mean.root().unwrap(), track(&[0.25]).noises()[0]);
+        for sensor in Sensor::ALL {
+            let (found, told) = (mean.root().unwrap().of(sensor), track(&[0.25]).noises()[0].of(sensor));
+            assert!((0..3).all(|axis| (found[axis] - told[axis]).abs() < 1e-12), "{found:?} {told:?}");
+        }
         mean.add(&track(&[0.5; 400]));
         let found = mean.root().unwrap().of(Sensor::Accel)[0];
         assert!((found - ((0.0625f64 + 0.25) / 2.0).sqrt()).abs() < 1e-15);

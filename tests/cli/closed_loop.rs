@@ -93,7 +93,7 @@ fn what_cannot_be_swept_is_refused_before_anything_runs() {
         (&["--from", "500"], "a start at 500 s leaves fewer than 20"),
         (&["--set", "window.keyframes=8"], "did you mean `key_frames`?"),
         (&["--set", "window.key_frames=2"], "`window.key_frames` is 2, but must be from 3 to 30"),
-        (&["--pixel-noise", "-1"], "pixel_noise_px"),
+        (&["--pixel-noise=-1"], "pixel_noise_px"),
     ]
     .into_iter()
     .enumerate()
