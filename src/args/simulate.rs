@@ -92,19 +92,19 @@ pub(crate) struct TracksArgs {
     /// Frames handed over a second.
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     rate: Option<f64>,
-    /// Standard deviation of the white noise, each axis [px].
+    /// Standard deviation of the white noise, each axis, in pixels.
     #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     pixel_noise: Option<f64>,
-    /// Drift added at every camera frame, each axis [px].
+    /// Drift added at every camera frame, each axis, in pixels.
     #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     drift: Option<f64>,
     /// Share of the tracks that turn into outliers at a camera frame.
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     outliers: Option<f64>,
-    /// Mean time after which a track ends for no reason [s].
+    /// Mean time after which a track ends for no reason, in seconds.
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     life_time: Option<f64>,
-    /// Tracks of time t are made from the pose at t + this [s], as if the ground truth were late.
+    /// Tracks of time t are made from the pose at t + this, in seconds, as if the ground truth were late.
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     ground_truth_delay: Option<f64>,
     /// Print what was written as JSON on stdout.

@@ -2,7 +2,7 @@
 //!
 //! * [`axes`]: the camera's rotation between frames against the gyro's: axes that are swapped or mirrored, a camera that is mounted otherwise than
 //!   its calibration says, a gyro in degrees.
-//! * [`tracks`]: whether ids stay with their points.
+//! * `tracks`: whether ids stay with their points.
 
 mod axes;
 mod tracks;
