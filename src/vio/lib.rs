@@ -5,6 +5,7 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+pub mod frontend;
 pub mod state;
 
 pub use state::{ImuBias, NavState};

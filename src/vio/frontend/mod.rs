@@ -1,0 +1,3 @@
+//! From images to tracks.
+pub mod image;
+pub mod klt;
