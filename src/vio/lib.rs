@@ -5,7 +5,11 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+
+pub mod factors;
 pub mod frontend;
+pub mod preint;
 pub mod state;
 
+pub use preint::{ImuCov, NoisySample, Preintegration, PreintegrationConfig};
 pub use state::{ImuBias, NavState};

@@ -74,7 +74,7 @@ impl NavState {
 
     /// The `d` for which `origin.plus(d)` is this state.
     pub fn minus(&self, origin: &Self) -> SVector<f64, STATE_DIM> {
-        let mut d = SVector::zeros();
+        let mut d = SVector::<f64, STATE_DIM>::zeros();
         d.fixed_rows_mut::<POSE_DIM>(POSITION)
             .copy_from(&pose_minus(&self.world_from_body, &origin.world_from_body));
         d.fixed_rows_mut::<3>(VELOCITY).copy_from(&(self.vel_in_world - origin.vel_in_world));
@@ -104,7 +104,7 @@ pub fn pose_plus(pose: &Isometry3<f64>, d: &SVector<f64, POSE_DIM>) -> Isometry3
 
 /// The `d` for which `pose_plus(origin, d)` is `pose`.
 pub fn pose_minus(pose: &Isometry3<f64>, origin: &Isometry3<f64>) -> SVector<f64, POSE_DIM> {
-    let mut d = SVector::zeros();
+    let mut d = SVector::<f64, POSE_DIM>::zeros();
     d.fixed_rows_mut::<3>(POSITION).copy_from(&(pose.translation.vector - origin.translation.vector));
     d.fixed_rows_mut::<3>(ROTATION).copy_from(&so3::log(&(origin.rotation.inverse() * pose.rotation)));
     d

@@ -73,6 +73,16 @@ quantity!(
     /// Density of the gyroscope bias's random walk \[rad/s^2/sqrt(Hz)\].
     GyroBiasWalkDensity
 );
+quantity!(
+    /// Standard deviation of the rate at which the accelerometer's bias changes, a new draw every sample \[m/s^3\]: from one
+    /// sample to the next the bias moves by a deviation of this times the step. VINS-Mono's `acc_w`.
+    AccelBiasRateStd
+);
+quantity!(
+    /// Standard deviation of the rate at which the gyroscope's bias changes, a new draw every sample \[rad/s^2\]: from one
+    /// sample to the next the bias moves by a deviation of this times the step. VINS-Mono's `gyr_w`.
+    GyroBiasRateStd
+);
 
 macro_rules! white_noise {
     ($sample:ident, $density:ident) => {
@@ -124,6 +134,19 @@ impl GyroBiasWalkDensity {
 
 white_noise!(AccelSampleStd, AccelNoiseDensity);
 white_noise!(GyroSampleStd, GyroNoiseDensity);
+// The rate of a bias is white noise like any other; its density is the density of the bias's walk.
+white_noise!(AccelBiasRateStd, AccelBiasWalkDensity);
+white_noise!(GyroBiasRateStd, GyroBiasWalkDensity);
+
+impl AccelBiasRateStd {
+    /// VINS-Mono's constant for EuRoC: at 200 Hz a walk of 2.8e-6 m/s^3/sqrt(Hz).
+    pub const VINS_MONO: Self = Self(4.0e-5);
+}
+
+impl GyroBiasRateStd {
+    /// VINS-Mono's constant for EuRoC: at 200 Hz a walk of 1.4e-7 rad/s^2/sqrt(Hz).
+    pub const VINS_MONO: Self = Self(2.0e-6);
+}
 
 macro_rules! bias_walk {
     ($walk:ident) => {
@@ -158,6 +181,13 @@ mod tests {
             let sigma = AccelSampleStd::new(0.08).unwrap();
             assert!((sigma.to_density(rate).to_sample_std(rate).get() - 0.08).abs() < 1e-15);
         }
+    }
+
+    #[test]
+    fn a_rate_drawn_every_sample_walks_as_far_as_its_density_says() {
+        let rate = SampleRate::HZ_200;
+        let a_step = AccelBiasRateStd::VINS_MONO.get() * rate.period();
+        assert!((AccelBiasRateStd::VINS_MONO.to_density(rate).step_std(rate) - a_step).abs() < 1e-20);
     }
 
     #[test]

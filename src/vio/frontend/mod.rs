@@ -1,3 +1,5 @@
 //! From images to tracks.
+pub mod corners;
 pub mod image;
 pub mod klt;
+pub mod ransac;
