@@ -202,7 +202,7 @@ mod tests {
         let config = CornerConfig { most: 60, distance_px: 14.0, cells: 8, ..CornerConfig::default() };
         let corners = Detector::new(config).detect(&plane, &mut Mask::free(320, 240), &[]);
         assert_eq!(corners.len(), 60);
-        let left = corners.iter().filter(|c| c.px[0] < 150.0).count();
+        let left = corners.iter().filter(|c| c.px[0] < 155.0).count();
         assert!(left >= 12, "{left} of 60 in the left half");
         let mut cells = Cells::new(&plane, 8, 60);
         corners.iter().for_each(|c| cells.count(c.px));
