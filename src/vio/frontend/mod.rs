@@ -18,6 +18,7 @@
 mod config;
 pub mod corners;
 mod front_end;
+mod gyro_turn;
 pub mod image;
 pub mod klt;
 mod predict;
@@ -29,5 +30,6 @@ mod tests;
 
 pub use config::{FrontEndConfig, Repeated};
 pub use front_end::{Fed, FrontEnd, FrontEndError};
+pub use gyro_turn::GyroTurn;
 pub use predict::turn_of_camera;
 pub use report::{Agreement, FrameReport, Lost, LostBy, StageTimes, Status};

@@ -1,6 +1,7 @@
 //! What an image is like as a whole: bright or dark, flat or not, the same as the last one or not.
 
 use dpn_core::GrayView;
+use pulp::{Arch, Simd, WithSimd};
 use serde::Serialize;
 
 /// A pixel at or below this is dark.
@@ -27,6 +28,25 @@ pub struct ImageStats {
 impl ImageStats {
     /// The figures of `image`.
     pub fn of(image: GrayView<'_>) -> Self {
+        Arch::new().dispatch(Figures { image })
+    }
+
+    /// The share of pixels that say nothing: too dark or too bright.
+    pub fn unusable(&self) -> f64 {
+        self.dark + self.saturated
+    }
+}
+
+struct Figures<'a> {
+    image: GrayView<'a>,
+}
+
+impl WithSimd for Figures<'_> {
+    type Output = ImageStats;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> ImageStats {
+        let image = self.image;
         let (mut sum, mut squares, mut dark, mut saturated) = (0u64, 0u64, 0u64, 0u64);
         let mut fingerprint = [0x9e37_79b9_7f4a_7c15_u64, 1, 2, 3];
         for row in image.rows() {
@@ -48,7 +68,7 @@ impl ImageStats {
         }
         let n = (image.width() * image.height()) as f64;
         let mean = sum as f64 / n;
-        Self {
+        ImageStats {
             mean,
             std: (squares as f64 / n - mean * mean).max(0.0).sqrt(),
             dark: dark as f64 / n,
@@ -56,14 +76,10 @@ impl ImageStats {
             fingerprint: fingerprint.into_iter().fold(0, mix),
         }
     }
-
-    /// The share of pixels that say nothing: too dark or too bright.
-    pub fn unusable(&self) -> f64 {
-        self.dark + self.saturated
-    }
 }
 
 /// Four chains, so that one multiplication need not wait for the one before it.
+#[inline(always)]
 fn mix_row(chains: &mut [u64; 4], row: &[u8]) {
     let (words, rest) = row.as_chunks::<8>();
     let (blocks, last) = words.as_chunks::<4>();
@@ -80,6 +96,7 @@ fn mix_row(chains: &mut [u64; 4], row: &[u8]) {
     }
 }
 
+#[inline(always)]
 fn mix(chain: u64, word: u64) -> u64 {
     let product = (chain ^ word).wrapping_mul(0xff51_afd7_ed55_8ccd);
     product ^ (product >> 32)
