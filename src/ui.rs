@@ -74,7 +74,16 @@ fn hint_of(cause: &(dyn std::error::Error + 'static)) -> Option<String> {
     if let Some(error) = cause.downcast_ref::<dpn_core::config::ConfigError>() {
         return error.hint();
     }
+    if let Some(error) = cause.downcast_ref::<dpn_eval::closed_loop::ClosedLoopError>() {
+        return error.hint();
+    }
     if let Some(error) = cause.downcast_ref::<dpn_core::io::IoError>() {
+        return error.hint();
+    }
+    if let Some(error) = cause.downcast_ref::<dpn_core::noise::formats::FormatError>() {
+        return error.hint();
+    }
+    if let Some(error) = cause.downcast_ref::<dpn_eval::allan::AllanError>() {
         return error.hint();
     }
     if let Some(error) = cause.downcast_ref::<dpn_train::asl::LoadError>() {

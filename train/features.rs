@@ -134,6 +134,21 @@ mod tests {
     }
 
     #[test]
+    fn the_boosted_trees_see_the_same_features() {
+        let text = include_str!("../golden/boosted_trees/result.json");
+        let golden: serde_json::Value = serde_json::from_str(text).unwrap();
+        let numbers = |key: &str| -> Vec<f64> {
+            let list = golden["features"][key].as_array().unwrap();
+            list.iter().map(|v| v.as_f64().unwrap()).collect()
+        };
+        let (found, expected) = (Features::new().unwrap().of(&numbers("window")), numbers("values"));
+        assert_eq!(found.len(), expected.len());
+        for ((a, b), name) in found.iter().zip(&expected).zip(Features::names()) {
+            assert!((a - b).abs() < 1e-9, "{name}: {a} {b}");
+        }
+    }
+
+    #[test]
     fn a_constant_window_has_finite_features() {
         assert!(Features::new().unwrap().of(&[9.81; WINDOW]).iter().all(|f| f.is_finite()));
     }

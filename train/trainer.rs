@@ -12,10 +12,10 @@ use crate::split::Side;
 use crate::state::{EpochRecord, State};
 use crate::windows::{Stretch, WINDOW, WindowSet};
 use burn::tensor::{Device, Tensor, TensorData};
+use dpn_core::config::ConfigFaults;
 use dpn_core::random::Stream;
 use dpn_core::signal::FilterError;
 use dpn_pronet::adam::{AdamConfig, clip_length};
-use dpn_pronet::config::ConfigError as NetworkError;
 use dpn_pronet::range::TrainedRange;
 use dpn_pronet::weights::{Card, Weights};
 use dpn_pronet::{Predictor, ProNet, shape};
@@ -35,7 +35,7 @@ pub enum TrainError {
     Filter(#[from] FilterError),
     /// The network cannot be.
     #[error(transparent)]
-    Network(#[from] NetworkError),
+    Network(#[from] ConfigFaults),
     /// No window to learn from, or none to validate on.
     #[error(
         "the training sequences hold {fit} windows to learn from and {validation} to validate on; record longer"

@@ -2,7 +2,8 @@
 //! phases of the flight, the true deviation where it is known, and the upper end of what the models were trained on.
 
 use super::axis::Axis;
-use super::error::{FigureError, check_column, check_each};
+use super::error::FigureError;
+use super::flight::{Flight, Phase};
 use super::frame::{ABOVE, BELOW, Frame, LEFT, RIGHT, Rect};
 use super::legend::{self, Entry, Key};
 use super::plot::{DrawError, Drawn, Plot};
@@ -14,43 +15,6 @@ use plotters::coord::Shift;
 use plotters::drawing::DrawingArea;
 use plotters::style::{Color, RGBColor};
 use plotters_backend::DrawingBackend;
-
-const FIGURE: &str = "flight";
-const MOST: usize = 4;
-
-/// A part of a flight.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Phase {
-    /// What happens in it, for example `motors on`.
-    pub label: String,
-    /// Start \[s\], on the flight's time.
-    pub from: f64,
-    /// End \[s\].
-    pub to: f64,
-}
-
-/// What is drawn of one flight.
-#[derive(Debug, Clone)]
-pub struct Flight<'a> {
-    /// Name of the flight.
-    pub name: &'a str,
-    /// Sensor of the signal.
-    pub sensor: Sensor,
-    /// Axis of the signal, for example `x`.
-    pub axis: &'a str,
-    /// Time of each sample \[s\], ascending.
-    pub t: &'a [f64],
-    /// Raw signal \[unit of the sensor\].
-    pub signal: &'a [f64],
-    /// Name of each model and its estimate at each sample \[unit of the sensor\]; one to four.
-    pub models: Vec<(&'a str, &'a [f64])>,
-    /// True deviation at each sample, where it is known.
-    pub truth: Option<&'a [f64]>,
-    /// Phases, in order.
-    pub phases: Vec<Phase>,
-    /// Largest deviation the models were trained on.
-    pub trained_up_to: Option<f64>,
-}
 
 /// The plot; see the head of its file.
 #[derive(Debug, Clone)]
@@ -92,7 +56,7 @@ impl FlightSigma {
     /// [`FigureError`] when there is nothing to draw, a column is of another length, a value is not finite, or time does not
     /// ascend.
     pub fn new(flight: &Flight<'_>) -> Result<Self, FigureError> {
-        check(flight)?;
+        flight.check()?;
         let (start, end) = (flight.t[0], flight.t[flight.t.len() - 1]);
         let coarse = (ROOM / COARSE) as usize;
         let signal = columns(flight.t, flight.signal, ROOM as usize);
@@ -203,48 +167,6 @@ impl FlightSigma {
         }
         frame.axes(true)
     }
-}
-
-fn check(flight: &Flight<'_>) -> Result<(), FigureError> {
-    let n = flight.t.len();
-    if n < 2 || flight.models.is_empty() {
-        return Err(FigureError::Empty {
-            figure: FIGURE,
-            what: if n < 2 { "pair of samples" } else { "model" }.into(),
-        });
-    }
-    if flight.models.len() > MOST {
-        return Err(FigureError::TooMany {
-            figure: FIGURE,
-            what: "models",
-            found: flight.models.len(),
-            most: MOST,
-        });
-    }
-    check_column(FIGURE, "time", flight.t, n)?;
-    if let Some(i) = flight.t.windows(2).position(|pair| pair[1] <= pair[0]) {
-        return Err(FigureError::Value {
-            figure: FIGURE,
-            what: "time".into(),
-            index: i + 1,
-            value: flight.t[i + 1],
-            need: "it must ascend",
-        });
-    }
-    check_column(FIGURE, "signal", flight.signal, n)?;
-    for (name, sigma) in &flight.models {
-        check_column(FIGURE, name, sigma, n)?;
-    }
-    if let Some(truth) = flight.truth {
-        check_column(FIGURE, "true sigma", truth, n)?;
-    }
-    for phase in &flight.phases {
-        check_column(FIGURE, &format!("phase {}", phase.label), &[phase.from, phase.to], 2)?;
-    }
-    let need = "it must be finite and positive";
-    check_each(FIGURE, "the training range's end", flight.trained_up_to.as_slice(), need, |v| {
-        v.is_finite() && v > 0.0
-    })
 }
 
 /// The axis of the deviations, and whether some of them cannot be placed on it.
@@ -421,16 +343,5 @@ mod tests {
         assert!(plot.signal.len() <= ROOM as usize);
         assert_eq!(plot.signal.iter().map(|c| c.high).fold(0.0, f64::max), 9.99);
         assert!(svg(&plot).unwrap().len() < 150_000);
-    }
-
-    #[test]
-    fn faults_of_the_input_are_named() {
-        let error = |t: &[f64], sigma: &[f64]| {
-            FlightSigma::new(&flight(t, &[1.0, 2.0, 3.0], sigma)).unwrap_err().to_string()
-        };
-        assert!(error(&[0.0, 1.0, 1.0], &[1.0; 3]).contains("time is 1 at index 2; it must ascend"));
-        assert!(error(&[0.0, 1.0, 2.0], &[1.0; 2]).contains("network has 2 values where 3"));
-        assert!(error(&[0.0, 1.0, 2.0], &[1.0, f64::NAN, 1.0]).contains("network is NaN at index 1"));
-        assert!(error(&[0.0], &[1.0]).contains("no pair of samples"));
     }
 }

@@ -25,6 +25,7 @@ use dpn_train::split::Side;
 use dpn_train::trainer::predict;
 use dpn_train::windows::{Stretch, WINDOW, WindowSet};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use thiserror::Error;
@@ -39,8 +40,6 @@ pub struct Request<'a> {
     pub bases: &'a [Base],
     /// Trained networks.
     pub networks: &'a [Network],
-    /// Whether regressors are fitted; needs a training side.
-    pub regressors: bool,
     /// Seed of the injected noise.
     pub seed: u64,
 }
@@ -171,20 +170,21 @@ impl Job<'_> {
     ) -> Result<Option<(String, Fitted)>, OpenLoopError> {
         let train = if self.foreign() { None } else { Some(self.examples(Side::Train)?) };
         let test = self.examples(Side::Test)?;
-        let mut fitted = None;
-        if let Some(train) = train.as_ref().filter(|train| self.request.regressors && !train.is_empty()) {
+        let (mut fitted, mut train_table) = (None, None);
+        if let Some(train) = train.as_ref().filter(|train| !train.is_empty()) {
             // The features are those of the noisy windows whatever they are labelled with.
             let table = self.features.table(&train.samples);
             let fit = |label: &Label| Ok((*label, fit_all(&table, &train.truth(*label))?));
             let both: Result<Fitted, RegressError> = Label::ALL.par_iter().map(fit).collect();
             fitted = Some((self.base.to_string(), both?));
+            train_table = Some(table);
         }
-        let sides = [(Side::Train, train.as_ref()), (Side::Test, Some(&test))];
-        for (side, examples) in sides {
+        let sides = [(Side::Train, train.as_ref(), train_table.as_deref()), (Side::Test, Some(&test), None)];
+        for (side, examples, table) in sides {
             let Some(examples) = examples.filter(|examples| !examples.is_empty()) else {
                 continue;
             };
-            let answers = self.answers(examples, fitted.as_ref(), transfer);
+            let answers = self.answers(examples, table, fitted.as_ref(), transfer);
             self.add_rows(side, examples, &answers, &mut out.rows);
             if side == Side::Test && !self.foreign() {
                 out.drawn.push(self.drawn(examples, &answers));
@@ -205,10 +205,11 @@ impl Job<'_> {
         Ok(Examples::draw(&set, &Levels::paper(self.sensor, self.kind), &stream))
     }
 
-    /// Every estimator's answers.
+    /// Every estimator's answers; `table` holds the examples' features where they were computed before.
     fn answers(
         &self,
         examples: &Examples,
+        table: Option<&[f64]>,
         fitted: Option<&(String, Fitted)>,
         transfer: Option<&(String, Fitted)>,
     ) -> Vec<Answer> {
@@ -228,7 +229,8 @@ impl Job<'_> {
             _ => (None, String::new()),
         };
         if let Some(regressors) = regressors {
-            let table = self.features.table(&examples.samples);
+            let table =
+                table.map_or_else(|| Cow::Owned(self.features.table(&examples.samples)), Cow::Borrowed);
             for (label, fitted) in regressors {
                 answers.extend(fitted.iter().map(|regressor| Answer {
                     name: format!("{}{suffix}", regressor.name()),

@@ -1,11 +1,23 @@
 //! What the user may type, one file a command.
 
+mod allan;
+mod check;
+mod closed_loop;
 mod eval;
+mod log;
+mod noise;
+mod run;
 mod simulate;
 mod train;
 
+pub(crate) use allan::AllanArgs;
+pub(crate) use check::CheckArgs;
+pub(crate) use closed_loop::{CameraArg, ClosedLoopArgs, SettingsArgs};
 pub(crate) use eval::EvalArgs;
-pub(crate) use simulate::{FlightArgs, SimulateArgs, SimulateWhat};
+pub(crate) use log::{LogArgs, rate};
+pub(crate) use noise::{ConvertArgs, NoiseArgs, NoiseWhat};
+pub(crate) use run::RunArgs;
+pub(crate) use simulate::{FlightArgs, SimulateArgs, SimulateWhat, TracksArgs};
 pub(crate) use train::{SensorArg, TrainArgs};
 
 use clap::{Parser, Subcommand};
@@ -24,8 +36,16 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Train a network that reads a sensor's noise off one second of one axis.
     Train(TrainArgs),
-    /// Judge noise estimators: open loop against the injected truth.
+    /// Judge noise estimators: open loop against the injected truth, closed loop by the odometry they drive.
     Eval(EvalArgs),
+    /// Run the odometry over one recording: trajectory, states, report.
+    Run(RunArgs),
+    /// Noise figures of an IMU as other programs write them.
+    Noise(NoiseArgs),
+    /// What a log at rest says of its sensor's noise: Allan plot, five coefficients an axis, configurations to paste.
+    Allan(AllanArgs),
+    /// A log's doctor: rate, gaps, units, gravity, clipping, vibration, rest and motion; findings by weight.
+    Check(CheckArgs),
     /// Make data whose truth is known.
     Simulate(SimulateArgs),
 }

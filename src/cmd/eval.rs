@@ -1,6 +1,6 @@
 //! `dpn eval`.
 
-use super::{corpus, shipped};
+use super::{closed_loop, corpus, shipped};
 use crate::args::EvalArgs;
 use crate::ui::{Bar, Fault};
 use anyhow::Result;
@@ -13,7 +13,15 @@ use dpn_train::base::Base;
 use dpn_train::windows::WINDOW;
 use std::path::{Path, PathBuf};
 
+/// Folder of the results where none is named.
+const OUT: &str = "runs/open-loop";
+
 pub(crate) fn run(args: &EvalArgs) -> Result<()> {
+    if args.closed_loop { closed_loop::run(args) } else { open_loop(args) }
+}
+
+fn open_loop(args: &EvalArgs) -> Result<()> {
+    let out = args.out.as_deref().unwrap_or(Path::new(OUT));
     let bases = bases(args.bases.as_deref())?;
     let networks = match &args.models {
         Some(dir) => networks::load_all(dir)?,
@@ -21,23 +29,17 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
     };
     let sensors = args.sensor.map_or_else(|| Sensor::ALL.to_vec(), |sensor| vec![sensor.into()]);
     let corpora = corpus::load(args.data.as_deref())?;
-    let request = Request {
-        corpora: &corpora,
-        sensors: &sensors,
-        bases: &bases,
-        networks: &networks,
-        regressors: true,
-        seed: args.seed,
-    };
+    let request =
+        Request { corpora: &corpora, sensors: &sensors, bases: &bases, networks: &networks, seed: args.seed };
     let result = judge(&request, &mut Bar::new())?;
-    write_tables(&result.rows, &args.out)?;
-    let mut pictures = draw(&result, &sensors, &args.out)?;
-    pictures.extend(super::flight::draw(&corpora, &networks, &args.out)?);
+    write_tables(&result.rows, out)?;
+    let mut pictures = draw(&result, &sensors, out)?;
+    pictures.extend(super::flight::draw(&corpora, &networks, out)?);
     if args.json {
         println!("{}", serde_json::json!({ "rows": result.rows }));
     } else {
         println!("{}", render(&headline(&result.rows), Layout::Plain)?);
-        println!("all rows: {}", args.out.join("open_loop.csv").display());
+        println!("all rows: {}", out.join("open_loop.csv").display());
         for picture in pictures.iter().filter(|path| path.extension().is_some_and(|e| e == "png")) {
             println!("picture:  {}", picture.display());
         }

@@ -1,20 +1,35 @@
 //! One file a command: files and flags become library types, one library call, files again.
 
+mod allan;
+mod check;
+mod closed_loop;
 mod corpus;
 mod device;
 mod eval;
 mod flight;
+mod log;
+mod noise;
+mod program;
+mod run;
+mod settings;
 mod shipped;
 mod simulate;
+mod stop;
+mod tracks;
 mod train;
 
 use crate::args::{Cli, Command};
+use program::program;
 
 /// Runs what was typed.
 pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
     match cli.command {
         Command::Train(args) => train::run(args),
         Command::Eval(args) => eval::run(&args),
+        Command::Run(args) => run::run(&args),
+        Command::Noise(args) => noise::run(&args),
+        Command::Allan(args) => allan::run(&args),
+        Command::Check(args) => check::run(&args),
         Command::Simulate(args) => simulate::run(args),
     }
 }

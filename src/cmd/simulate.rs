@@ -1,5 +1,6 @@
 //! `dpn simulate`.
 
+use super::tracks;
 use crate::args::{FlightArgs, SimulateArgs, SimulateWhat};
 use anyhow::Result;
 use dpn_core::io::asl::{GroundTruth, ImuConfig, SequenceParts, write_sequence};
@@ -12,6 +13,7 @@ use std::path::Path;
 pub(crate) fn run(args: SimulateArgs) -> Result<()> {
     match args.what {
         SimulateWhat::Flight(args) => flight(args),
+        SimulateWhat::Tracks(args) => tracks::run(&args),
     }
 }
 

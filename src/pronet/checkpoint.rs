@@ -6,6 +6,7 @@ use crate::adam::{Adam, AdamConfig};
 use crate::config::ProNetConfig;
 use crate::shape::parameter_count;
 use crate::store::{self, Named, StoreError};
+use dpn_core::config::Validate;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;

@@ -72,6 +72,7 @@ mod tests {
     use super::*;
     use crate::config::{BlockOrder, Edges, Head, Input, NormAxes, Pool, ProNetConfig, Standardise};
     use burn::tensor::Device;
+    use dpn_core::config::Validate;
     use dpn_core::random::Stream;
     use rand::Rng;
     use rand::seq::IndexedRandom;

@@ -6,6 +6,7 @@ use crate::range::TrainedRange;
 use crate::shape::{ParameterShape, parameters};
 use crate::store::{self, Named, StoreError};
 use burn::tensor::Device;
+use dpn_core::config::Validate;
 use dpn_core::{SampleRate, Sensor};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};

@@ -1,9 +1,10 @@
 //! From a flight's name, a seed and a configuration to a recording and everything that is true about it.
 
-use crate::config::{ConfigError, FlightConfig, StampPattern};
+use crate::config::{FlightConfig, StampPattern};
 use crate::flight::{Flight, FlightPlan, Phase, Phases, Split};
 use crate::imu::{self, ImuTruth};
 use crate::trajectory::{SplineError, Trajectory};
+use dpn_core::config::{ConfigFaults, Validate};
 use dpn_core::imu::RecordingError;
 use dpn_core::io::asl::{Biases, TrueState};
 use dpn_core::{ImuRecording, ImuSample, Stamp};
@@ -16,7 +17,7 @@ use thiserror::Error;
 pub enum SimulationError {
     /// Keys out of their bounds.
     #[error(transparent)]
-    Config(#[from] ConfigError),
+    Config(#[from] ConfigFaults),
     /// A trajectory that cannot be.
     #[error("{flight}: its trajectory is no spline")]
     Trajectory {

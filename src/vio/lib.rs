@@ -5,11 +5,14 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
-
+pub mod diagnosis;
+pub mod estimator;
 pub mod factors;
 pub mod frontend;
+pub mod init;
 pub mod preint;
 pub mod state;
+pub mod window;
 
-pub use preint::{ImuCov, NoisySample, Preintegration, PreintegrationConfig};
+pub use estimator::{Estimator, EstimatorConfig};
 pub use state::{ImuBias, NavState};

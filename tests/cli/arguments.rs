@@ -22,7 +22,7 @@ fn every_command_has_a_help_that_ends_well() {
         open.extend(commands(&done.stdout).iter().map(|name| format!("{path} {name}")));
         seen.push(path.trim().to_owned());
     }
-    for name in ["train", "simulate", "simulate flight"] {
+    for name in ["train", "run", "simulate", "simulate flight", "simulate tracks"] {
         assert!(seen.contains(&name.to_owned()), "{seen:?}");
     }
 }
@@ -34,9 +34,16 @@ fn the_version_is_the_packages() {
 
 #[test]
 fn words_that_are_no_arguments_exit_with_2() {
-    for line in
-        ["", "fly", "train", "train --sensor sonar", "train --sensor accel --base sg(11)", "simulate flight"]
-    {
+    for line in [
+        "",
+        "fly",
+        "train",
+        "train --sensor sonar",
+        "train --sensor accel --base sg(11)",
+        "run",
+        "simulate flight",
+        "simulate tracks",
+    ] {
         let done = run(line);
         assert_eq!(done.code, Some(2), "{line}: {done:?}");
         assert_eq!(done.stdout, "", "{line}: {done:?}");

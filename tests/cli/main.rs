@@ -3,12 +3,18 @@
 //! Nothing here needs recordings or a network: recordings are made up ([`recording`]), networks are tiny ([`training`]).
 #![allow(clippy::unwrap_used)]
 
+mod allan;
 mod arguments;
 mod bad_config;
 mod bad_data;
+mod check;
+mod closed_loop;
 mod eval;
+mod noise;
+mod odometry;
 mod recording;
 mod run;
 mod simulate;
+mod tracks;
 mod train;
 mod training;

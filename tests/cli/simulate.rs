@@ -86,8 +86,8 @@ fn a_bad_noise_setting_names_key_value_and_bound() {
     let out = tmp.path().join("out");
     flight("hover", &out, &["--config", config.to_str().unwrap()]).refused(
         tmp.path(),
-        "error: [DIR]/noise.toml: `rate_hz` is 10, but must be within 50 and 2000; \
-         `white.scale` is -1, but must be within 0 and 1000",
+        "error: [DIR]/noise.toml: `rate_hz` is 10, but must be 50 to 2000; \
+         `white.scale` is -1, but must be 0 to 1000",
     );
     assert!(!out.exists());
 }

@@ -24,6 +24,14 @@ pub enum GyroUnit {
 }
 
 impl GyroUnit {
+    /// `"rad/s"` or `"deg/s"`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::RadPerSecond => "rad/s",
+            Self::DegPerSecond => "deg/s",
+        }
+    }
+
     /// One of these in rad/s.
     pub fn factor(self) -> f64 {
         match self {
@@ -45,6 +53,14 @@ pub enum AccelUnit {
 }
 
 impl AccelUnit {
+    /// `"m/s^2"` or `"g"`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::MetrePerSecond2 => "m/s^2",
+            Self::StandardGravity => "g",
+        }
+    }
+
     /// One of these in m/s^2.
     pub fn factor(self) -> f64 {
         match self {

@@ -205,6 +205,43 @@ pub enum IoError {
         /// What stands there.
         value: f64,
     },
+    /// A count or a name that is no whole number from 0.
+    #[error("{}:{line}: {column} is \"{text}\", not a whole number from 0", path.display())]
+    NotWhole {
+        /// The file.
+        path: PathBuf,
+        /// The row's line.
+        line: usize,
+        /// What should stand there.
+        column: String,
+        /// What stands there, shortened.
+        text: String,
+    },
+    /// A frame of tracks whose count disagrees with the tracks after it.
+    #[error(
+        "{}:{line}: the frame says {said} tracks ({} fields: id u v), but {found} fields follow",
+        path.display(), u128::from(*said) * 3
+    )]
+    TrackCount {
+        /// The file.
+        path: PathBuf,
+        /// The frame's line.
+        line: usize,
+        /// How many tracks it says it has.
+        said: u64,
+        /// How many fields follow the count.
+        found: usize,
+    },
+    /// An id that one frame holds twice.
+    #[error("{}:{line}: track {id} is there twice in one frame", path.display())]
+    TrackTwice {
+        /// The file.
+        path: PathBuf,
+        /// The frame's line.
+        line: usize,
+        /// The id.
+        id: u64,
+    },
     /// A YAML file that cannot be read or lacks a key.
     #[error("{}: {message}", at(path, *line))]
     BadYaml {
@@ -297,6 +334,10 @@ impl IoError {
             Self::BadImage { .. } => {
                 "unpack the image again, or convert it to a grey PNG of 8 bits and the calibration's size"
             }
+            Self::NotWhole { .. } | Self::TrackCount { .. } => {
+                "a frame is one line: stamp_ns n, then n times id u v; mend or delete the line"
+            }
+            Self::TrackTwice { .. } => "an id names one point; make the file again, or delete one of the two",
             Self::BadYaml { .. } | Self::BadKey { .. } => {
                 "compare with an ASL sensor.yaml; without the file the caller's defaults hold"
             }

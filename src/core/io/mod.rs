@@ -4,6 +4,7 @@
 //! * [`read_imu_csv`]: plain CSV logs, columns by header or by list.
 //! * [`read_tum`], [`write_tum`]: trajectories, as evo reads them.
 //! * [`ImageFolder`]: a camera's images, also ahead of time on a second thread.
+//! * [`read_tracks`], [`write_tracks`]: camera tracks.
 //! * [`read_noise_track`], [`write_noise_track`]: noise tracks.
 //! * [`check()`]: the health of what was read.
 //! * [`atomic_write`]: files that are there in full or not at all.
@@ -28,6 +29,7 @@ mod pose;
 #[cfg(test)]
 mod recordings;
 mod rows;
+mod tracks;
 mod tum;
 
 pub use atomic::atomic_write;
@@ -38,4 +40,5 @@ pub use error::IoError;
 pub use images::{Coverage, ImageFolder, ImageRun, Prefetch, StampedImage, read_png};
 pub use imu_csv::{CsvOptions, ImuLog, Origin, Settled, parse_imu_csv, read_imu_csv};
 pub use noise_csv::{read_noise_track, write_noise_track};
+pub use tracks::{read_tracks, write_tracks};
 pub use tum::{StampedPose, read_tum, write_tum};

@@ -3,12 +3,13 @@
 //! For window `W` and order `P` let the columns of `Q` (`W` rows, `P + 1` columns) be orthonormal polynomials on the
 //! window's abscissa. The fit at all `W` places is `H x` with `H = Q Q^T`. Inside the signal the middle row of `H`
 //! slides along; the first and last `(W - 1) / 2` outputs are the other rows, applied to the first and last window:
-//! scipy's `mode="interp"`. `Q` comes from the three-term recurrence on an abscissa scaled to \[-1, 1\], each column
-//! orthogonalised twice, so that rows stay good to rounding at any order (no Vandermonde matrix, no normal equations).
+//! scipy's `mode="interp"`. `Q` needs neither a Vandermonde matrix nor normal equations (`orthonormal.rs`), so that rows
+//! stay good to rounding at any order.
 //!
 //! Source: Savitzky and Golay 1964; orthogonal form as in Press et al., Numerical Recipes, "Savitzky-Golay smoothing
 //! filters". Not here: derivatives, uneven sampling.
 
+use super::orthonormal::{dot, orthonormal_polynomials};
 use std::f64::consts::TAU;
 use thiserror::Error;
 
@@ -192,31 +193,6 @@ impl SavitzkyGolay {
             (1..=half).map(|k| self.kernel[half + k] * (TAU * cycles_per_sample * k as f64).cos()).sum();
         self.kernel[half] + 2.0 * wings
     }
-}
-
-/// Orthonormal polynomials of degree `0 ..= order` on `window` even places of \[-1, 1\], each as its values there.
-fn orthonormal_polynomials(window: usize, order: usize) -> Vec<Vec<f64>> {
-    let half = (window / 2) as f64;
-    let abscissa: Vec<f64> = (0..window).map(|i| (i as f64 - half) / half.max(1.0)).collect();
-    let mut basis: Vec<Vec<f64>> = vec![vec![1.0 / (window as f64).sqrt(); window]];
-    for degree in 1..=order {
-        let mut next: Vec<f64> = abscissa.iter().zip(&basis[degree - 1]).map(|(x, q)| x * q).collect();
-        // Twice is enough (Kahan, Parlett): the second pass removes what rounding left of the first.
-        for _ in 0..2 {
-            for q in &basis {
-                let along = dot(q.iter().zip(&next));
-                next.iter_mut().zip(q).for_each(|(v, q)| *v -= along * q);
-            }
-        }
-        let norm = dot(next.iter().zip(&next)).sqrt();
-        next.iter_mut().for_each(|v| *v /= norm);
-        basis.push(next);
-    }
-    basis
-}
-
-fn dot<'a>(pairs: impl Iterator<Item = (&'a f64, &'a f64)>) -> f64 {
-    pairs.map(|(a, b)| a * b).sum()
 }
 
 /// `out[i] = sum_j kernel[j] * x[i + j]`. Blocks of outputs keep their sums in registers; every output adds its

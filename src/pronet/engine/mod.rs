@@ -9,19 +9,24 @@
 //! their order, so that results are the same bits for any number of threads. (Not across machines: wider vectors sum in
 //! another order.)
 
+mod backward;
 mod buffer;
 mod chunk;
+mod forward;
 mod head;
 mod input;
 mod kernel;
 mod norm;
 mod plan;
+mod pool;
 
 use crate::config::ProNetConfig;
+use backward::{Backward, Gradients};
 pub(crate) use buffer::Buffer;
 use buffer::zeros;
+use chunk::Arithmetic;
 pub(crate) use chunk::Chunk;
-use chunk::{Arithmetic, Backward, Forward, Gradients};
+use forward::Forward;
 use head::HeadKind;
 use input::Preparation;
 use norm::NormKind;

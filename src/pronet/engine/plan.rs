@@ -76,6 +76,13 @@ pub(crate) struct BlockPlan {
     pub(crate) d_bias: usize,
 }
 
+impl BlockPlan {
+    /// Numbers of the padded input.
+    pub(crate) fn input_len(&self) -> usize {
+        (self.time_in + 2 * self.padding) * self.width_in
+    }
+}
+
 /// One linear layer.
 #[derive(Debug, Clone)]
 pub(crate) struct LinearPlan {

@@ -5,8 +5,8 @@
 //! and the draws w do not depend on it.
 
 use super::series::ImuSeries;
-use crate::config::Faults;
 use crate::flight::Flight;
+use dpn_core::config::ConfigFaults;
 use dpn_core::noise::{AccelNoiseDensity, AccelSampleStd, GyroNoiseDensity, GyroSampleStd};
 use dpn_core::random::Stream;
 use dpn_core::{SampleRate, Sensor};
@@ -40,7 +40,7 @@ impl Default for WhiteConfig {
 }
 
 impl WhiteConfig {
-    pub(crate) fn check(&self, faults: &mut Faults) {
+    pub(crate) fn check(&self, faults: &mut ConfigFaults) {
         faults.within("white.scale", self.scale, 0.0, 1000.0);
         faults.within("white.accel_sample_std", self.accel_sample_std.get(), 0.0, 1.0);
         faults.within("white.gyro_sample_std", self.gyro_sample_std.get(), 0.0, 1.0);

@@ -140,3 +140,96 @@ fn inverse_factor(
     }
     inverse.iter().all(|x| x.is_finite()).then_some(inverse)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::preint::testing::{config, integrate, lively, random_bias, random_state, rng};
+    use crate::preint::{ImuCov, PreintegrationConfig};
+    use crate::state::ImuBias;
+    use dpn_core::ImuNoise;
+    use dpn_core::jacobian::check_jacobian;
+    use nalgebra::DVector;
+    use rand::Rng;
+
+    /// An interval, integrated with a bias that is not the state's, and two states `off` from agreeing with it.
+    fn case(seed: u64, off: f64) -> (Preintegration, NavState, NavState) {
+        let mut rng = rng("inertial factor", seed);
+        let samples = lively(&mut rng, 200.0, 20, true);
+        let i = random_state(&mut rng);
+        let integrated_with = ImuBias {
+            accel: i.bias.accel + random_bias(&mut rng).accel,
+            gyro: i.bias.gyro + random_bias(&mut rng).gyro,
+        };
+        let preint = integrate(PreintegrationConfig::default(), integrated_with, &samples);
+        let j = preint.predict(&i).plus(&SVector::from_fn(|_, _| off * rng.random_range(-1.0..1.0)));
+        (preint, i, j)
+    }
+
+    fn dynamic(v: &SVector<f64, STATE_DIM>) -> DVector<f64> {
+        DVector::from_column_slice(v.as_slice())
+    }
+
+    fn fixed(d: &DVector<f64>) -> SVector<f64, STATE_DIM> {
+        SVector::from_column_slice(d.as_slice())
+    }
+
+    #[test]
+    fn the_predicted_state_has_no_residual() {
+        for seed in 0..20 {
+            let (preint, i, j) = case(seed, 0.0);
+            assert!(inertial_residual(&preint, &i, &j).norm() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn jacobians_are_the_derivatives() {
+        // Residual rotations from 1e-9 rad (the series of so3) to beyond 1 rad.
+        for (seed, off) in (0..40).zip([1e-9, 1e-4, 0.1, 1.0].into_iter().cycle()) {
+            let (preint, i, j) = case(seed, off);
+            let (residual, d_res_d_i, d_res_d_j) = inertial_jacobians(&preint, &i, &j);
+            assert_eq!(residual, inertial_residual(&preint, &i, &j));
+            check_jacobian("d_res_d_state_i", &d_res_d_i, 1e-8, |d| {
+                dynamic(&inertial_residual(&preint, &i.plus(&fixed(d)), &j))
+            });
+            check_jacobian("d_res_d_state_j", &d_res_d_j, 1e-8, |d| {
+                dynamic(&inertial_residual(&preint, &i, &j.plus(&fixed(d))))
+            });
+        }
+    }
+
+    #[test]
+    fn the_square_root_whitens_and_is_forgotten_with_the_covariance() {
+        let (mut preint, _, _) = case(3, 0.0);
+        let more = lively(&mut rng("more", 1), 200.0, 60, false)[60];
+        for _ in 0..2 {
+            let root = sqrt_information(&preint).unwrap();
+            let white = root * preint.covariance() * root.transpose();
+            assert!((white - SMatrix::identity()).amax() < 1e-9, "{white:.2e}");
+            assert!((0..STATE_DIM).all(|r| (r + 1..STATE_DIM).all(|c| root[(r, c)] == 0.0)));
+            preint.push(more);
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_weighed_is_said_so() {
+        let samples = lively(&mut rng("singular", 1), 200.0, 20, false);
+        let silent: Vec<_> = samples
+            .iter()
+            .map(|s| crate::preint::NoisySample {
+                noise: ImuNoise::from_values([0.0; 3], [0.0; 3]).unwrap(),
+                ..*s
+            })
+            .collect();
+        for imu_cov in [ImuCov::Exact, ImuCov::Euler, ImuCov::Vins] {
+            let default = PreintegrationConfig { imu_cov, ..PreintegrationConfig::default() };
+            let root = |config, samples: &[_]| sqrt_information(&integrate(config, ImuBias::zero(), samples));
+            assert!(root(default, &samples[..1]).is_none(), "{imu_cov:?}: no step");
+            assert!(root(default, &samples[..2]).is_none(), "{imu_cov:?}: one step");
+            assert!(root(default, &samples[..3]).is_some(), "{imu_cov:?}: two steps");
+            assert!(root(config(imu_cov, 0.0, 0.0), &silent).is_none(), "{imu_cov:?}: no noise");
+            assert!(root(config(imu_cov, 0.0, 1e-6), &samples).is_none(), "{imu_cov:?}: no walk");
+            assert!(root(config(imu_cov, f64::MAX, 1e-6), &samples).is_none(), "{imu_cov:?}: overflow");
+        }
+    }
+}

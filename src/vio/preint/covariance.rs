@@ -208,3 +208,135 @@ impl Covariance {
         whole
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::preint::testing::{config, integrate, lively, random_bias, rng};
+    use crate::preint::{ImuCov, NoisySample, Preintegration, PreintegrationConfig};
+    use crate::state::{GYRO_BIAS, ImuBias, POSITION, ROTATION, STATE_DIM, VELOCITY};
+    use dpn_core::noise::{AccelNoiseDensity, GyroNoiseDensity};
+    use dpn_core::{ImuNoise, ImuSample, SampleRate, Stamp};
+
+    const MODELS: [ImuCov; 3] = [ImuCov::Exact, ImuCov::Euler, ImuCov::Vins];
+
+    /// Free fall without turning: nothing but the weights of the samples is left.
+    fn falling(imu_cov: ImuCov, steps: i64) -> Preintegration {
+        let samples: Vec<_> = (0..=steps)
+            .map(|k| NoisySample {
+                sample: ImuSample { t: Stamp::from_ns(k * 5_000_000), gyro: [0.0; 3], accel: [0.0; 3] },
+                noise: ImuNoise::from_values([0.1, 0.2, 0.3], [0.01, 0.02, 0.03]).unwrap(),
+            })
+            .collect();
+        integrate(config(imu_cov, 0.0, 0.0), ImuBias::zero(), &samples)
+    }
+
+    #[test]
+    fn without_motion_the_weights_of_the_samples_can_be_summed_by_hand() {
+        let (n, dt) = (20.0f64, 0.005f64);
+        // Per unit of sample variance: sums of squared weights in velocity (or rotation) and position.
+        let steps = || (0..20).map(f64::from);
+        let inner = || (1..20).map(f64::from);
+        let by_hand = [
+            // Half, 1, .., 1, half; a sample k inside moves the position by n - k steps.
+            (
+                ImuCov::Exact,
+                n - 0.5,
+                inner().map(|k| (n - k).powi(2)).sum::<f64>() + (0.5 * (n - 0.5)).powi(2) + 0.0625,
+            ),
+            (ImuCov::Euler, n, steps().map(|k| (n - 1.0 - k).powi(2)).sum()),
+            (ImuCov::Vins, n / 2.0, steps().map(|k| (n - k - 0.5).powi(2)).sum::<f64>() / 2.0),
+        ];
+        for (model, velocity, position) in by_hand {
+            let preint = falling(model, 20);
+            let covariance = preint.covariance();
+            for axis in 0..3 {
+                let sigma = 0.1 * (axis + 1) as f64;
+                for (row, expected) in [
+                    (POSITION, sigma * sigma * dt.powi(4) * position),
+                    (VELOCITY, sigma * sigma * dt * dt * velocity),
+                    (ROTATION, 0.01 * sigma * sigma * dt * dt * velocity),
+                ] {
+                    let got = covariance[(row + axis, row + axis)];
+                    assert!(
+                        (got / expected - 1.0).abs() < 1e-12,
+                        "{model:?}, row {row}: {got} for {expected}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn in_steady_integration_vins_counts_half_of_the_variance_and_euler_all_of_it() {
+        for seed in 0..10 {
+            let mut rng = rng("half", seed);
+            let bias = random_bias(&mut rng);
+            let mut samples = lively(&mut rng, 200.0, 100, false);
+            for sample in &mut samples {
+                sample.noise = ImuNoise::baseline();
+            }
+            let under = |model| *integrate(config(model, 0.0, 0.0), bias, &samples).covariance();
+            let [exact, euler, vins] = MODELS.map(under);
+            for row in 0..9 {
+                // Off by the two ends, each a step in 100 and by less than twice its share, and by half a step's motion for Euler.
+                let half = vins[(row, row)] / exact[(row, row)];
+                let whole = euler[(row, row)] / exact[(row, row)];
+                assert!((half - 0.5).abs() < 0.01, "row {row}: vins is {half} of exact");
+                assert!((whole - 1.0).abs() < 0.04, "row {row}: euler is {whole} of exact");
+            }
+        }
+    }
+
+    #[test]
+    fn one_density_gives_one_covariance_at_any_rate() {
+        for model in MODELS {
+            let at = |hz: f64| {
+                let mut rng = rng("rate", 5);
+                let bias = random_bias(&mut rng);
+                let mut samples = lively(&mut rng, hz, hz as usize, false);
+                let rate = SampleRate::from_hz(hz).unwrap();
+                let noise = ImuNoise::isotropic(
+                    AccelNoiseDensity::EUROC.to_sample_std(rate),
+                    GyroNoiseDensity::EUROC.to_sample_std(rate),
+                );
+                for sample in &mut samples {
+                    sample.noise = noise;
+                }
+                *integrate(PreintegrationConfig { imu_cov: model, ..Default::default() }, bias, &samples)
+                    .covariance()
+            };
+            let (slow, fast) = (at(200.0), at(400.0));
+            for row in 0..STATE_DIM {
+                let ratio = slow[(row, row)] / fast[(row, row)];
+                // A second long: ends weigh 1/200. Euler's position lags by half a step in each of three factors.
+                assert!((ratio - 1.0).abs() < 0.015, "{model:?}, row {row}: {ratio}");
+                assert!(
+                    row < GYRO_BIAS || (ratio - 1.0).abs() < 1e-9,
+                    "{model:?}: the walk's variance is a density's"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn every_model_reads_the_noise_of_each_sample_it_weighs_and_no_other() {
+        let mut rng = rng("which noise", 2);
+        let bias = random_bias(&mut rng);
+        let samples = lively(&mut rng, 200.0, 10, true);
+        let loud = ImuNoise::from_values([7.0; 3], [0.5; 3]).unwrap();
+        for model in MODELS {
+            let quiet = integrate(config(model, 1e-3, 1e-4), bias, &samples);
+            for k in 0..samples.len() {
+                let mut changed = samples.clone();
+                changed[k].noise = loud;
+                let changed = integrate(config(model, 1e-3, 1e-4), bias, &changed);
+                let grew = changed.covariance()[(VELOCITY, VELOCITY)]
+                    > 1.5 * quiet.covariance()[(VELOCITY, VELOCITY)];
+                // Euler takes the reading at the beginning of a step; the last begins none.
+                let weighed = model != ImuCov::Euler || k + 1 < samples.len();
+                assert_eq!(grew, weighed, "{model:?}, sample {k}");
+                assert_eq!(changed.covariance() == quiet.covariance(), !weighed);
+            }
+        }
+    }
+}

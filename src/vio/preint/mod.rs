@@ -58,6 +58,10 @@ mod covariance;
 mod delta;
 mod interval;
 mod linear;
+#[cfg(test)]
+mod monte_carlo;
+#[cfg(test)]
+pub(crate) mod testing;
 
 pub use config::{ImuCov, PreintegrationConfig};
 pub use delta::Delta;

@@ -1,7 +1,8 @@
 //! What a noise spec means.
 
 use super::estimator::{Arguments, USAGES};
-use super::{Call, EstimatorSpec, SpecError, nearest};
+use super::{Call, EstimatorSpec, SpecError};
+use crate::config::nearest;
 use crate::estimate::{AxisSigma, Given, Schedule, Windowed};
 use crate::imu::Sensor;
 use crate::noise::{AccelSampleStd, Constant, GyroSampleStd, ImuNoise, NoiseModel};

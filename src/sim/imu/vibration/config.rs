@@ -1,6 +1,6 @@
 //! Settings of the vibration: how fast the rotors turn, how they wander, what reaches which axis.
 
-use crate::config::Faults;
+use dpn_core::config::ConfigFaults;
 use serde::{Deserialize, Serialize};
 
 /// Deviations one axis shows in a steady hover of a flight of level 1, in the sensor's unit.
@@ -95,7 +95,7 @@ impl Default for VibrationConfig {
 }
 
 impl VibrationConfig {
-    pub(crate) fn check(&self, faults: &mut Faults) {
+    pub(crate) fn check(&self, faults: &mut ConfigFaults) {
         let mut within = |key: &str, value: f64, low: f64, high: f64| {
             faults.within(format!("vibration.{key}"), value, low, high);
         };

@@ -1,0 +1,263 @@
+//! The five coefficients of an Allan plot, how sure they are, and how long a log would show those that are not seen.
+//!
+//! The squares of the coefficients are fitted to the Allan variances by nonnegative least squares. A variance counts by what it scatters
+//! under the model of the round before (`covariance`), but never more than to [`MODEL_ERROR`]: no sensor follows five slopes to a tenth of a per
+//! cent, and a short time's many samples must not bend the rest. A log at rest often has a hump that is no noise at all, a machine or the
+//! building swinging; times that stay far from every model lose their say (Cauchy weights, from wide to narrow) and are named.
+//!
+//! The fit is linear in the data, so the covariance of the Allan variances gives that of the squares; it is taken without the bounds at
+//! zero, which errs on the side of caution, and widened where the model does not describe the data. A square's interval is that of a
+//! chi-squared variable of the same mean and variance.
+
+use super::chi;
+use super::covariance::Scatter;
+use super::deviation;
+use super::model::{Coefficient, Squares, variance};
+use super::nnls::{NnlsError, nnls};
+use dpn_core::SampleRate;
+use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
+
+/// Relative error of the model in an Allan variance, below which more samples buy no weight.
+const MODEL_ERROR: f64 = 0.02;
+/// Scales of the Cauchy weights, a round of weighing and fitting each, in standard deviations of an Allan variance.
+const SCALES: [f64; 12] = [100.0, 60.0, 40.0, 25.0, 16.0, 10.0, 7.0, 5.0, 4.0, 4.0, 4.0, 4.0];
+/// An Allan variance this far above the model is part of a hump.
+const HUMP: f64 = 1.3;
+/// A coefficient is seen when its standard error is at most this share of it.
+const SEEN: f64 = 0.5;
+
+/// What is known of one coefficient.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Estimate {
+    /// Which.
+    pub coefficient: Coefficient,
+    /// The fitted value; 0 where the fit has no use for it.
+    pub value: f64,
+    /// Lower end of the 95 % interval; 0 where it is not seen.
+    pub low: f64,
+    /// Upper end of the 95 % interval; where it is not seen, what it stays below.
+    pub high: f64,
+    /// Whether the log shows it: its standard error is at most half of it.
+    pub seen: bool,
+    /// Length of a log that would show it \[s\]: one of the fitted size, or, where the fit has none, one of a third of `high`. Where it
+    /// is seen already, and where a hundred times the length would not do, none.
+    pub needs_s: Option<f64>,
+}
+
+/// One averaging time.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Point {
+    /// Averaging time \[s\].
+    pub tau: f64,
+    /// Overlapping Allan deviation, in the signal's unit.
+    pub deviation: f64,
+    /// Lower end of its 95 % interval.
+    pub low: f64,
+    /// Upper end of its 95 % interval.
+    pub high: f64,
+    /// The fitted model's deviation.
+    pub model: f64,
+}
+
+/// Times at which the plot lies above any model: something swings.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Hump {
+    /// Averaging time of its peak \[s\].
+    pub tau: f64,
+    /// Deviation over the model's, there.
+    pub times: f64,
+    /// Frequency that peaks there: an Allan deviation of a sine does at .371 periods \[Hz\].
+    pub hz: f64,
+}
+
+/// The Allan plot of one axis and what it says.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Fit {
+    /// The plot, shortest time first.
+    pub points: Vec<Point>,
+    /// The coefficients, in the order of [`Coefficient::ALL`].
+    pub estimates: [Estimate; 5],
+    /// Root mean square of the distance between plot and model over what both scatter, humps weighed down; near 1 where the model
+    /// describes the axis. Intervals are as much wider.
+    pub misfit: f64,
+    /// Where something swings.
+    pub humps: Vec<Hump>,
+}
+
+impl Fit {
+    /// One coefficient's estimate.
+    pub fn of(&self, coefficient: Coefficient) -> Estimate {
+        self.estimates[coefficient as usize]
+    }
+}
+
+/// Covariances for logs of the given length and of longer ones; made once for all axes.
+#[derive(Debug, Clone)]
+pub struct Planner {
+    rate: SampleRate,
+    samples: usize,
+    averages: Vec<usize>,
+    now: Scatter,
+    /// Longer logs: times as long, with fewer averages.
+    later: Vec<(f64, Vec<usize>, Scatter)>,
+}
+
+impl Planner {
+    /// For logs of `samples` at `rate`; at least 30 samples.
+    pub fn new(samples: usize, rate: SampleRate) -> Self {
+        let averages = deviation::averages(samples);
+        let later = [3.0, 10.0, 30.0, 100.0].map(|times: f64| {
+            let longer = (samples as f64 * times) as usize;
+            // Three to a decade are enough to plan with.
+            let averages: Vec<usize> = deviation::averages(longer).into_iter().rev().step_by(3).collect();
+            let averages: Vec<usize> = averages.into_iter().rev().collect();
+            let scatter = Scatter::new(&averages, longer, rate);
+            (times, averages, scatter)
+        });
+        Self { rate, samples, now: Scatter::new(&averages, samples, rate), averages, later: later.to_vec() }
+    }
+
+    /// Fits one axis.
+    ///
+    /// # Errors
+    /// A signal that never changes or has values that are not finite.
+    ///
+    /// # Panics
+    /// When the signal is not as long as the planner was made for.
+    pub fn fit(&self, signal: &[f64]) -> Result<Fit, NnlsError> {
+        assert_eq!(signal.len(), self.samples, "a planner is for one length of log");
+        let taus: Vec<f64> = self.averages.iter().map(|m| *m as f64 * self.rate.period()).collect();
+        let variances = deviation::variances(signal, self.rate, &self.averages);
+        let mut squares = rough(&taus, &variances)?;
+        let mut weights = Vec::new();
+        for scale in SCALES {
+            weights = robust(&self.now.matrix(&squares), &squares, &taus, &variances, scale);
+            squares = solve(&taus, &variances, &weights)?;
+        }
+        let matrix = self.now.matrix(&squares);
+        let misfit = misfit(&matrix, &squares, &taus, &variances, &weights);
+        let errors = standard_errors(&taus, &matrix, &weights);
+        let widened = misfit.max(1.0);
+        let estimates =
+            Coefficient::ALL.map(|c| self.estimate(c, &squares, errors[c as usize] * widened, widened));
+        let points: Vec<Point> = (0..taus.len())
+            .map(|i| {
+                let (low, high) = chi::interval(variances[i], matrix[i][i].sqrt());
+                Point {
+                    tau: taus[i],
+                    deviation: variances[i].sqrt(),
+                    low: low.sqrt(),
+                    high: high.sqrt(),
+                    model: variance(&squares, taus[i]).sqrt(),
+                }
+            })
+            .collect();
+        Ok(Fit { humps: humps(&points), points, estimates, misfit })
+    }
+
+    fn estimate(&self, coefficient: Coefficient, squares: &Squares, error: f64, widened: f64) -> Estimate {
+        let square = squares[coefficient as usize];
+        // The error of a square, against the square: twice that of the coefficient.
+        let seen = square > 0.0 && error <= 2.0 * SEEN * square;
+        let (low, high) = if seen { chi::interval(square, error) } else { (0.0, square + 2.0 * error) };
+        let needs_s = if seen { None } else { self.needs(coefficient, squares, square, high, widened) };
+        Estimate { coefficient, value: square.sqrt(), low: low.sqrt(), high: high.sqrt(), seen, needs_s }
+    }
+
+    /// The length at which a coefficient as large as the fitted one, or as a third of what it stays below, would be seen.
+    fn needs(
+        &self,
+        coefficient: Coefficient,
+        squares: &Squares,
+        square: f64,
+        high: f64,
+        widened: f64,
+    ) -> Option<f64> {
+        let wanted = square.max(high / 9.0);
+        let mut squares = *squares;
+        squares[coefficient as usize] = wanted;
+        let error = |averages: &[usize], scatter: &Scatter| {
+            let taus: Vec<f64> = averages.iter().map(|m| *m as f64 * self.rate.period()).collect();
+            let matrix = scatter.matrix(&squares);
+            widened
+                * standard_errors(&taus, &matrix, &weights(&matrix, &squares, &taus))[coefficient as usize]
+        };
+        let bound = 2.0 * SEEN * wanted;
+        let length = self.samples as f64 * self.rate.period();
+        let mut before = (1.0, error(&self.averages, &self.now));
+        for (times, averages, scatter) in &self.later {
+            let now = (*times, error(averages, scatter));
+            if now.1 <= bound {
+                // Between two lengths errors fall as a power.
+                let share = ((before.1 / bound).ln() / (before.1 / now.1).ln()).clamp(0.0, 1.0);
+                return Some(length * (before.0 * (now.0 / before.0).powf(share)).max(1.0));
+            }
+            before = now;
+        }
+        None
+    }
+}
+
+/// A first guess, every variance to the same relative error.
+fn rough(taus: &[f64], variances: &[f64]) -> Result<Squares, NnlsError> {
+    let weights: Vec<f64> = variances.iter().map(|v| 1.0 / (v * v).max(f64::MIN_POSITIVE)).collect();
+    solve(taus, variances, &weights)
+}
+
+fn weights(matrix: &[Vec<f64>], squares: &Squares, taus: &[f64]) -> Vec<f64> {
+    let scatter = (0..taus.len()).map(|i| matrix[i][i] + (MODEL_ERROR * variance(squares, taus[i])).powi(2));
+    scatter.map(|v| 1.0 / v.max(f64::MIN_POSITIVE)).collect()
+}
+
+/// The same, times that are far from the model weighed down.
+fn robust(matrix: &[Vec<f64>], squares: &Squares, taus: &[f64], variances: &[f64], scale: f64) -> Vec<f64> {
+    let weights = weights(matrix, squares, taus);
+    let far = |i: usize| weights[i] * (variances[i] - variance(squares, taus[i])).powi(2) / (scale * scale);
+    (0..taus.len()).map(|i| weights[i] / (1.0 + far(i))).collect()
+}
+
+/// Root mean square of residuals over their scatter, each time counting as much as it did in the fit.
+fn misfit(matrix: &[Vec<f64>], squares: &Squares, taus: &[f64], variances: &[f64], used: &[f64]) -> f64 {
+    let (mut sum, mut say) = (0.0, 0.0);
+    for (i, full) in weights(matrix, squares, taus).into_iter().enumerate() {
+        sum += used[i] * (variances[i] - variance(squares, taus[i])).powi(2);
+        say += used[i] / full;
+    }
+    (sum / say.max(f64::MIN_POSITIVE)).sqrt()
+}
+
+/// Peaks of the stretches that lie above the model by more than they scatter.
+fn humps(points: &[Point]) -> Vec<Hump> {
+    let above = |p: &Point| p.low > p.model && p.deviation > HUMP.sqrt() * p.model;
+    let ratio = |p: &Point| p.deviation / p.model;
+    let mut humps = Vec::new();
+    for stretch in points.chunk_by(|a, b| above(a) == above(b)) {
+        let peak = stretch.iter().max_by(|a, b| ratio(a).total_cmp(&ratio(b)));
+        if let Some(peak) = peak.filter(|p| above(p)) {
+            humps.push(Hump { tau: peak.tau, times: ratio(peak), hz: 0.371 / peak.tau });
+        }
+    }
+    humps
+}
+
+fn solve(taus: &[f64], variances: &[f64], weights: &[f64]) -> Result<Squares, NnlsError> {
+    let a = DMatrix::from_fn(taus.len(), 5, |i, k| weights[i].sqrt() * Coefficient::ALL[k].variance(taus[i]));
+    let b = DVector::from_fn(taus.len(), |i, _| weights[i].sqrt() * variances[i]);
+    let x = nnls(&a, &b)?;
+    Ok([x[0], x[1], x[2], x[3], x[4]])
+}
+
+/// Standard errors of the squares from the covariance of the variances.
+fn standard_errors(taus: &[f64], matrix: &[Vec<f64>], weights: &[f64]) -> [f64; 5] {
+    let n = taus.len();
+    let root = DMatrix::from_fn(n, 5, |i, k| weights[i].sqrt() * Coefficient::ALL[k].variance(taus[i]));
+    let lengths: Vec<f64> = (0..5).map(|k| root.column(k).norm()).collect();
+    let scaled = DMatrix::from_fn(n, 5, |i, k| root[(i, k)] / lengths[k]);
+    let Ok(inverse) = scaled.pseudo_inverse(1e-12) else {
+        return [f64::INFINITY; 5];
+    };
+    let whitened = DMatrix::from_fn(n, n, |i, j| matrix[i][j] * (weights[i] * weights[j]).sqrt());
+    let covariance = &inverse * whitened * inverse.transpose();
+    std::array::from_fn(|k| covariance[(k, k)].max(0.0).sqrt() / lengths[k])
+}

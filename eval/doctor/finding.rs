@@ -1,0 +1,53 @@
+//! One thing that was found.
+
+use serde::Serialize;
+use std::fmt;
+
+/// How much a finding matters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Weight {
+    /// An estimator fed with this log goes wrong.
+    Bad,
+    /// Worth a look.
+    Warning,
+    /// Good to know.
+    Note,
+}
+
+impl fmt::Display for Weight {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Bad => "bad",
+            Self::Warning => "warning",
+            Self::Note => "note",
+        })
+    }
+}
+
+/// One finding.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Finding {
+    /// How much it matters.
+    pub weight: Weight,
+    /// What it is about, one word: `rate`, `gaps`, `gravity`.
+    pub about: &'static str,
+    /// What was found, with numbers.
+    pub text: String,
+    /// What to do about it.
+    pub remedy: Option<&'static str>,
+}
+
+impl Finding {
+    pub(super) fn bad(about: &'static str, text: String, remedy: &'static str) -> Self {
+        Self { weight: Weight::Bad, about, text, remedy: Some(remedy) }
+    }
+
+    pub(super) fn warning(about: &'static str, text: String, remedy: &'static str) -> Self {
+        Self { weight: Weight::Warning, about, text, remedy: Some(remedy) }
+    }
+
+    pub(super) fn note(about: &'static str, text: String) -> Self {
+        Self { weight: Weight::Note, about, text, remedy: None }
+    }
+}

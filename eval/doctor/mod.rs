@@ -1,0 +1,55 @@
+//! The health of somebody's log, before anybody trusts a figure made from it: findings by weight, each with a remedy.
+//!
+//! * [`timing`]: rate, jitter, dropped samples, the same sample twice.
+//! * [`values`]: gravity, units, swapped columns, clipped and dead axes, converter steps.
+//! * [`vibration`]: spectral peaks and what may be aliased.
+//! * [`motion`]: rest and motion, drift of the bias at rest.
+//! * [`examine`]: all of them.
+//!
+//! Stamps that go back or stand still, and values that are no numbers, never come here: the readers refuse them with their line.
+
+mod finding;
+pub mod motion;
+pub mod timing;
+pub mod values;
+pub mod vibration;
+
+pub use finding::{Finding, Weight};
+
+use dpn_core::ImuRecording;
+use serde::Serialize;
+use vibration::AxisSpectrum;
+
+/// What an examination leaves.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Examination {
+    /// Samples of the log.
+    pub samples: usize,
+    /// From the first to the last stamp \[s\].
+    pub length_s: f64,
+    /// Median rate \[Hz\].
+    pub rate_hz: f64,
+    /// What was found, the gravest first.
+    pub findings: Vec<Finding>,
+    /// Spectra of the six axes, for the plot; none where the log is too short.
+    #[serde(skip)]
+    pub spectra: Vec<AxisSpectrum>,
+}
+
+/// Looks at a log as a whole.
+pub fn examine(recording: &ImuRecording) -> Examination {
+    let rest = crate::allan::rest::rest(recording);
+    let spectra = vibration::spectra(recording);
+    let mut findings = timing::findings(recording);
+    findings.extend(values::findings(recording, &rest));
+    findings.extend(vibration::findings(&spectra));
+    findings.extend(motion::findings(recording, &rest));
+    findings.sort_by_key(|finding| finding.weight);
+    Examination {
+        samples: recording.len(),
+        length_s: recording.duration(),
+        rate_hz: recording.rate().hz(),
+        findings,
+        spectra,
+    }
+}

@@ -1,0 +1,145 @@
+//! Rate, jitter, dropped samples, samples that come twice.
+
+use super::Finding;
+use dpn_core::ImuRecording;
+use dpn_core::signal::stats;
+
+/// Jitter of a step, relative to the median one, from which an integrator notices.
+const JITTER: f64 = 0.05;
+/// Share of samples equal to the one before from which the log is polled faster than the sensor.
+const TWICE: f64 = 0.05;
+
+pub(super) fn findings(recording: &ImuRecording) -> Vec<Finding> {
+    let samples = recording.samples();
+    let period = recording.rate().period();
+    let steps: Vec<f64> = samples.windows(2).map(|w| w[1].t.seconds_since(w[0].t)).collect();
+    let mut findings = Vec::new();
+    let mean_hz = steps.len() as f64 / recording.duration();
+    findings.push(Finding::note(
+        "rate",
+        format!("{:.3} Hz by the median step, {mean_hz:.3} Hz by the mean one", recording.rate().hz()),
+    ));
+    let [low, high] = [0.01, 0.99].map(|level| stats::quantile(&steps, level) / period - 1.0);
+    let text = || {
+        format!(
+            "1 % of the steps are shorter than {:.2} and 1 % longer than {:.2} periods",
+            1.0 + low,
+            1.0 + high
+        )
+    };
+    if high > JITTER || low < -JITTER {
+        findings.push(Finding::warning(
+            "jitter",
+            text(),
+            "take the sensor's own clock for stamps, not the time of arrival; an integrator turns jitter into noise",
+        ));
+    }
+    // A burst empties a queue: many steps near zero, then a long one.
+    let bursts = steps.iter().filter(|s| **s < 0.2 * period).count();
+    if bursts as f64 > 0.01 * steps.len() as f64 {
+        findings.push(Finding::bad(
+            "jitter",
+            format!("{bursts} steps are shorter than a fifth of the period: samples were stamped as a queue was emptied"),
+            "stamp samples where they are taken",
+        ));
+    }
+    findings.extend(dropped(recording, &steps, period));
+    findings.extend(repeated(recording));
+    findings
+}
+
+fn dropped(recording: &ImuRecording, steps: &[f64], period: f64) -> Option<Finding> {
+    let start = recording.samples()[0].t;
+    let holes: Vec<(f64, f64)> = steps
+        .iter()
+        .enumerate()
+        .filter(|(_, step)| **step > 1.5 * period)
+        .map(|(i, step)| (recording.samples()[i].t.seconds_since(start), *step))
+        .collect();
+    let (at, longest) = *holes.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let lost: f64 = holes.iter().map(|(_, step)| (step / period).round() - 1.0).sum();
+    let places: Vec<String> = holes.iter().take(5).map(|(at, _)| format!("{at:.2}")).collect();
+    let more = if holes.len() > 5 { ", ..." } else { "" };
+    let text = format!(
+        "{} hole(s), about {lost:.0} samples lost; at {}{more} s; the longest, {longest:.3} s, at {at:.2} s",
+        holes.len(),
+        places.join(", ")
+    );
+    let remedy = "look for a full buffer or a slow disk where the log was written; an estimator integrates across a hole with one sample";
+    Some(if lost > 0.001 * recording.len() as f64 || longest > 0.1 {
+        Finding::bad("gaps", text, remedy)
+    } else {
+        Finding::warning("gaps", text, remedy)
+    })
+}
+
+fn repeated(recording: &ImuRecording) -> Option<Finding> {
+    let same = |w: &[dpn_core::ImuSample]| w[0].gyro == w[1].gyro && w[0].accel == w[1].accel;
+    let twice = recording.samples().windows(2).filter(|w| same(w)).count();
+    let share = twice as f64 / recording.len() as f64;
+    (share > TWICE).then(|| {
+        Finding::warning(
+            "repeats",
+            format!("{:.0} % of the samples are the one before once more, all six axes", 100.0 * share),
+            "the sensor is read faster than it measures, or it was frozen; log at its own rate, for noise per sample is wrong like this",
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::doctor::Weight;
+    use crate::doctor::values::tests::level;
+    use dpn_core::{ImuSample, Stamp};
+
+    fn of(samples: Vec<ImuSample>) -> Vec<Finding> {
+        findings(&ImuRecording::new(samples).unwrap())
+    }
+
+    fn find<'a>(findings: &'a [Finding], about: &str) -> Option<&'a Finding> {
+        findings.iter().find(|f| f.about == about)
+    }
+
+    #[test]
+    fn a_clean_log_has_a_rate_and_nothing_else() {
+        let found = of(level(30));
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].text, "200.000 Hz by the median step, 200.000 Hz by the mean one");
+    }
+
+    #[test]
+    fn holes_are_counted_with_their_places() {
+        let mut samples = level(30);
+        samples.drain(1000..1003);
+        samples.drain(4000..4001);
+        let found = of(samples);
+        let gaps = find(&found, "gaps").unwrap();
+        assert_eq!(gaps.weight, Weight::Warning);
+        assert_eq!(
+            gaps.text,
+            "2 hole(s), about 4 samples lost; at 4.99, 20.01 s; the longest, 0.020 s, at 4.99 s"
+        );
+    }
+
+    #[test]
+    fn jitter_bursts_and_repeats_are_told_apart() {
+        let mut samples = level(30);
+        for (i, s) in samples.iter_mut().enumerate() {
+            s.t = Stamp::from_ns(s.t.ns() + if i % 7 == 0 { 1_000_000 } else { 0 });
+        }
+        let found = of(samples.clone());
+        assert_eq!(find(&found, "jitter").map(|f| f.weight), Some(Weight::Warning));
+        for (i, s) in samples.iter_mut().enumerate() {
+            // Four at a time.
+            s.t = Stamp::from_ns((i as i64 / 4) * 20_000_000 + (i as i64 % 4) * 100_000);
+        }
+        assert!(of(samples).iter().any(|f| f.weight == Weight::Bad && f.about == "jitter"));
+        let mut polled = level(30);
+        for i in (1..polled.len()).step_by(2) {
+            (polled[i].gyro, polled[i].accel) = (polled[i - 1].gyro, polled[i - 1].accel);
+        }
+        let found = of(polled);
+        assert!(find(&found, "repeats").unwrap().text.starts_with("50 % of the samples"), "{found:?}");
+    }
+}

@@ -1,0 +1,67 @@
+//! A log that somebody recorded, and how it is to be read.
+
+use clap::Args;
+use dpn_core::SampleRate;
+use dpn_core::io::{AccelUnit, GyroUnit, ImuColumns, TimeUnit};
+use std::path::PathBuf;
+
+/// The log, its columns and units.
+#[derive(Debug, Args)]
+pub(crate) struct LogArgs {
+    /// Folder of an ASL sequence (EuRoC, TUM-VI), or a CSV file of an IMU.
+    #[arg(value_name = "LOG")]
+    pub(crate) path: PathBuf,
+    /// CSV columns, counted from 1: stamp, gyroscope x y z, accelerometer x y z; without it, by the header's names.
+    #[arg(long, value_name = "T,GX,GY,GZ,AX,AY,AZ", value_parser = columns)]
+    pub(crate) columns: Option<ImuColumns>,
+    /// Unit of the CSV's stamps: s, ms, us, ns; without it, by the header or their size.
+    #[arg(long, value_name = "UNIT", value_parser = time_unit)]
+    pub(crate) time_unit: Option<TimeUnit>,
+    /// Unit of the CSV's gyroscope: rad/s or deg/s.
+    #[arg(long, value_name = "UNIT", value_parser = gyro_unit)]
+    pub(crate) gyro_unit: Option<GyroUnit>,
+    /// Unit of the CSV's accelerometer: m/s^2 or g.
+    #[arg(long, value_name = "UNIT", value_parser = accel_unit)]
+    pub(crate) accel_unit: Option<AccelUnit>,
+}
+
+/// A rate in Hz.
+pub(crate) fn rate(text: &str) -> Result<SampleRate, String> {
+    let hz = text.parse::<f64>().ok().and_then(SampleRate::from_hz);
+    hz.ok_or_else(|| "a rate is a number of Hz above zero".to_owned())
+}
+
+fn columns(text: &str) -> Result<ImuColumns, String> {
+    let wrong = || "seven column numbers from 1, for example 1,2,3,4,5,6,7".to_owned();
+    let numbers: Option<Vec<usize>> =
+        text.split(',').map(|n| n.trim().parse::<usize>().ok().filter(|n| *n > 0)).collect();
+    match numbers.as_deref() {
+        Some([t, gx, gy, gz, ax, ay, az]) => {
+            Ok(ImuColumns { time: t - 1, gyro: [gx - 1, gy - 1, gz - 1], accel: [ax - 1, ay - 1, az - 1] })
+        }
+        _ => Err(wrong()),
+    }
+}
+
+fn time_unit(text: &str) -> Result<TimeUnit, String> {
+    TimeUnit::ALL
+        .into_iter()
+        .find(|unit| unit.name() == text)
+        .ok_or_else(|| "known are s, ms, us, ns".to_owned())
+}
+
+fn gyro_unit(text: &str) -> Result<GyroUnit, String> {
+    match text {
+        "rad/s" => Ok(GyroUnit::RadPerSecond),
+        "deg/s" => Ok(GyroUnit::DegPerSecond),
+        _ => Err("known are rad/s, deg/s".to_owned()),
+    }
+}
+
+fn accel_unit(text: &str) -> Result<AccelUnit, String> {
+    match text {
+        "m/s^2" => Ok(AccelUnit::MetrePerSecond2),
+        "g" => Ok(AccelUnit::StandardGravity),
+        _ => Err("known are m/s^2, g".to_owned()),
+    }
+}

@@ -1,0 +1,51 @@
+//! `dpn allan`.
+
+use super::log;
+use crate::args::AllanArgs;
+use anyhow::Result;
+use dpn_core::io::atomic_write;
+use dpn_core::noise::formats::{Given, read};
+use dpn_eval::allan::compare::{Finding, compare};
+use dpn_eval::allan::{AllanLog, report};
+use dpn_eval::figures::{AllanPlot, save};
+
+pub(crate) fn run(args: &AllanArgs) -> Result<()> {
+    let recording = log::read(&args.log)?;
+    // A configuration that cannot be read should not cost a fit.
+    let config = match &args.check {
+        Some(path) => {
+            let given = Given { rate: Some(recording.rate()), ..Given::default() };
+            Some((path, read(path, args.from, &given)?))
+        }
+        None => None,
+    };
+    let allan = AllanLog::of(&recording, args.all)?;
+    let findings: Option<Vec<Finding>> = config.as_ref().map(|(_, source)| compare(source, &allan));
+    let words = format!("{} samples, {:.0} s.", allan.samples, allan.length_s);
+    let files = save(&AllanPlot::new(&allan.axes, &words)?, &args.out.join("allan"))?;
+    let pasted = report::pasted(&allan)?;
+    let mut json = serde_json::json!({ "log": allan, "figures": allan.figures()?, "formats": pasted, "advice": report::MULTIPLY });
+    if let Some(findings) = &findings {
+        json["check"] = serde_json::to_value(findings)?;
+    }
+    let text = json.to_string() + "\n";
+    atomic_write(&args.out.join("allan.json"), |file| file.write_all(text.as_bytes()))?;
+    if args.json {
+        print!("{text}");
+        return Ok(());
+    }
+    print!("{}", report::page(&allan)?);
+    if let (Some((path, source)), Some(findings)) = (&config, &findings) {
+        println!("\n{} as {}, against this log at rest:", path.display(), source.format);
+        for finding in findings {
+            println!("{} {}", if finding.warns() { "warning:" } else { "ok:     " }, finding.text());
+        }
+        for remark in &source.remarks {
+            println!("note:    {remark}");
+        }
+    }
+    for file in files.iter().filter(|f| f.extension().is_some_and(|e| e == "png")) {
+        println!("\npicture:  {}", file.display());
+    }
+    Ok(())
+}

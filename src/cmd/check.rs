@@ -1,0 +1,37 @@
+//! `dpn check`.
+
+use super::log;
+use crate::args::CheckArgs;
+use anyhow::Result;
+use dpn_core::io::atomic_write;
+use dpn_eval::doctor::examine;
+use dpn_eval::figures::{SpectrumPlot, save};
+
+pub(crate) fn run(args: &CheckArgs) -> Result<()> {
+    let recording = log::read(&args.log)?;
+    let examination = examine(&recording);
+    let text = serde_json::to_string(&examination)? + "\n";
+    atomic_write(&args.out.join("check.json"), |file| file.write_all(text.as_bytes()))?;
+    let words = format!("{} samples, {:.0} s.", examination.samples, examination.length_s);
+    // A short log has findings but no spectrum.
+    let files = if examination.spectra.is_empty() {
+        Vec::new()
+    } else {
+        save(&SpectrumPlot::new(&examination.spectra, &words)?, &args.out.join("spectra"))?
+    };
+    if args.json {
+        print!("{text}");
+        return Ok(());
+    }
+    println!("{} samples, {:.1} s, {:.2} Hz", examination.samples, examination.length_s, examination.rate_hz);
+    for finding in &examination.findings {
+        println!("{:8} {}: {}", format!("{}:", finding.weight), finding.about, finding.text);
+        if let Some(remedy) = finding.remedy {
+            println!("         -> {remedy}");
+        }
+    }
+    for file in files.iter().filter(|f| f.extension().is_some_and(|e| e == "png")) {
+        println!("picture: {}", file.display());
+    }
+    Ok(())
+}

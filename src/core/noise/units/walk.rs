@@ -1,0 +1,134 @@
+//! The walk of a bias: as a density, and the ways estimators write it per sample.
+
+use super::quantity::quantity;
+use crate::time::SampleRate;
+
+quantity!(
+    /// Density of the accelerometer bias's random walk \[m/s^3/sqrt(Hz)\].
+    AccelBiasWalkDensity
+);
+quantity!(
+    /// Density of the gyroscope bias's random walk \[rad/s^2/sqrt(Hz)\].
+    GyroBiasWalkDensity
+);
+quantity!(
+    /// Deviation of the accelerometer bias's increment from one sample to the next \[m/s^2\].
+    AccelBiasStepStd
+);
+quantity!(
+    /// Deviation of the gyroscope bias's increment from one sample to the next \[rad/s\].
+    GyroBiasStepStd
+);
+quantity!(
+    /// Variance of the accelerometer bias's increment from one sample to the next \[(m/s^2)^2\].
+    AccelBiasStepVariance
+);
+quantity!(
+    /// Variance of the gyroscope bias's increment from one sample to the next \[(rad/s)^2\].
+    GyroBiasStepVariance
+);
+quantity!(
+    /// Deviation of the accelerometer bias's rate of change, one value a sample, as VINS-Mono's `acc_w` \[m/s^3\].
+    AccelBiasRateStd
+);
+quantity!(
+    /// Deviation of the gyroscope bias's rate of change, one value a sample, as VINS-Mono's `gyr_w` \[rad/s^2\].
+    GyroBiasRateStd
+);
+
+macro_rules! bias_walk {
+    ($walk:ident, $step:ident, $variance:ident, $rate_std:ident) => {
+        impl $walk {
+            /// Deviation of the bias's increment from one sample to the next: `density / sqrt(rate)`.
+            pub fn step_std(self, rate: SampleRate) -> f64 {
+                self.0 / rate.hz().sqrt()
+            }
+
+            /// The same walk by its increment from one sample to the next: `density / sqrt(rate)`.
+            pub fn to_step_std(self, rate: SampleRate) -> $step {
+                $step(self.step_std(rate))
+            }
+
+            /// The same walk by the rate of change the bias has during a sample: `density * sqrt(rate)`.
+            pub fn to_rate_std(self, rate: SampleRate) -> $rate_std {
+                $rate_std(self.0 * rate.hz().sqrt())
+            }
+        }
+
+        impl $step {
+            /// The same walk as a density: `step * sqrt(rate)`.
+            pub fn to_density(self, rate: SampleRate) -> $walk {
+                $walk(self.0 * rate.hz().sqrt())
+            }
+
+            /// The same walk by the variance of its increment: `step^2`.
+            pub fn to_variance(self) -> $variance {
+                $variance(self.0 * self.0)
+            }
+        }
+
+        impl $variance {
+            /// The same walk by the deviation of its increment: `sqrt(variance)`.
+            pub fn to_step_std(self) -> $step {
+                $step(self.0.sqrt())
+            }
+        }
+
+        impl $rate_std {
+            /// The same walk as a density: over a step of `1 / rate` the bias moves by this divided by the rate, so
+            /// `rate_std / sqrt(rate)`.
+            pub fn to_density(self, rate: SampleRate) -> $walk {
+                $walk(self.0 / rate.hz().sqrt())
+            }
+        }
+    };
+}
+
+bias_walk!(AccelBiasWalkDensity, AccelBiasStepStd, AccelBiasStepVariance, AccelBiasRateStd);
+bias_walk!(GyroBiasWalkDensity, GyroBiasStepStd, GyroBiasStepVariance, GyroBiasRateStd);
+
+impl AccelBiasRateStd {
+    /// VINS-Mono's constant for EuRoC: at 200 Hz a walk of 2.8e-6 m/s^3/sqrt(Hz).
+    pub const VINS_MONO: Self = Self(4.0e-5);
+}
+
+impl GyroBiasRateStd {
+    /// VINS-Mono's constant for EuRoC: at 200 Hz a walk of 1.4e-7 rad/s^2/sqrt(Hz).
+    pub const VINS_MONO: Self = Self(2.0e-6);
+}
+
+impl AccelBiasWalkDensity {
+    /// EuRoC's `sensor.yaml` (ADIS16448).
+    pub const EUROC: Self = Self(3.0e-3);
+}
+
+impl GyroBiasWalkDensity {
+    /// EuRoC's `sensor.yaml` (ADIS16448).
+    pub const EUROC: Self = Self(1.9393e-5);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_and_a_rate_are_the_same_walk() {
+        let rate = SampleRate::HZ_200;
+        let walk = AccelBiasWalkDensity::EUROC;
+        // One step of 5 ms at the rate moves the bias by the step.
+        let moved = walk.to_rate_std(rate).get() * rate.period();
+        assert!((moved - walk.to_step_std(rate).get()).abs() < 1e-18);
+        assert!(
+            (walk.to_step_std(rate).to_variance().to_step_std().to_density(rate).get() - 3e-3).abs() < 1e-15
+        );
+    }
+
+    /// The field's reading of VINS-Mono's EuRoC file: 137 and 1060 times below the data sheet.
+    #[test]
+    fn vins_monos_walks_lie_far_below_the_data_sheet() {
+        let gyro = GyroBiasRateStd::new(2e-6).unwrap().to_density(SampleRate::HZ_200);
+        let accel = AccelBiasRateStd::new(4e-5).unwrap().to_density(SampleRate::HZ_200);
+        assert!((GyroBiasWalkDensity::EUROC.get() / gyro.get() - 137.1).abs() < 0.1);
+        assert!((AccelBiasWalkDensity::EUROC.get() / accel.get() - 1060.7).abs() < 0.1);
+    }
+}
