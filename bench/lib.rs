@@ -3,6 +3,8 @@
 //! `cargo bench -p dpn-bench --bench NAME [-- ITERATIONS]`; every bench prints medians of wall time and mean CPU time. With `--test`, as `cargo test --benches`
 //! passes it, one short iteration is run, so that benches cannot rot.
 
+pub mod frames;
+
 use std::time::Instant;
 
 /// How often to run: from the command line, or once where the bench runs as a test.

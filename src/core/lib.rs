@@ -12,6 +12,7 @@ pub mod camera;
 pub mod config;
 pub mod estimate;
 pub mod geometry;
+pub mod image;
 pub mod imu;
 pub mod io;
 #[doc(hidden)]
@@ -23,6 +24,7 @@ pub mod signal;
 pub mod time;
 pub mod tracks;
 
+pub use image::{GrayImage, GrayView};
 pub use imu::{ImuRecording, ImuSample, Sensor};
 pub use noise::{ImuNoise, NoiseModel, NoiseTrack};
 pub use time::{SampleRate, Stamp};

@@ -8,6 +8,7 @@
 pub mod diagnosis;
 pub mod estimator;
 pub mod factors;
+pub mod frontend;
 pub mod init;
 pub mod preint;
 pub mod state;

@@ -252,6 +252,14 @@ pub enum IoError {
         /// What is wrong, without the place.
         message: String,
     },
+    /// An image that is not the camera's.
+    #[error("{} {problem}", path.display())]
+    BadImage {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        problem: String,
+    },
     /// A key of a YAML file with a value that cannot be.
     #[error("{}: `{key}` {problem}", path.display())]
     BadKey {
@@ -323,6 +331,9 @@ impl IoError {
                 "look at the order: ASL has w x y z, TUM has x y z w after the position"
             }
             Self::BadNoise { .. } => "standard deviations are zero or more; mend the line",
+            Self::BadImage { .. } => {
+                "unpack the image again, or convert it to a grey PNG of 8 bits and the calibration's size"
+            }
             Self::NotWhole { .. } | Self::TrackCount { .. } => {
                 "a frame is one line: stamp_ns n, then n times id u v; mend or delete the line"
             }

@@ -1,0 +1,114 @@
+//! Settings of the whole front-end.
+
+use super::corners::CornerConfig;
+use super::image::ClaheConfig;
+use super::klt::KltConfig;
+use super::ransac::RansacConfig;
+use dpn_core::config::{ConfigFault, Validate};
+use serde::{Deserialize, Serialize};
+
+/// What to do with an image that is the last one over again, byte by byte. No sensor takes the same noise twice: such an image is a
+/// driver's copy and says nothing of the time it is stamped with. A noiseless rendering at rest is the exception.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Repeated {
+    /// Pass it over.
+    Skip,
+    /// Take it as an image like any other.
+    Use,
+}
+
+/// Settings of the front-end.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct FrontEndConfig {
+    /// Frames handed over a second, above 0, at most 1000; images between them are tracked through. Default 10, VINS-Mono's.
+    pub rate_hz: f64,
+    /// How long tracks outlive images that show nothing or come twice \[s\], 0 to 10. Default .3.
+    pub bridge_s: f64,
+    /// Images farther apart than this are not tracked across \[s\], .01 to 100. Default 1.
+    pub gap_s: f64,
+    /// Share of dark and saturated pixels above which an image shows nothing, 0 to 1. Default .97.
+    pub blind_share: f64,
+    /// An image whose grey values deviate less than this shows nothing, 0 to 100. Default 2.
+    pub blind_std: f64,
+    /// Images that come twice. Default `skip`.
+    pub repeated: Repeated,
+    /// Equalisation of contrast.
+    pub clahe: ClaheConfig,
+    /// New points.
+    pub corners: CornerConfig,
+    /// Tracking from image to image.
+    pub klt: KltConfig,
+    /// Consensus between frames that are handed over.
+    pub ransac: RansacConfig,
+}
+
+impl Default for FrontEndConfig {
+    fn default() -> Self {
+        Self {
+            rate_hz: 10.0,
+            bridge_s: 0.3,
+            gap_s: 1.0,
+            blind_share: 0.97,
+            blind_std: 2.0,
+            repeated: Repeated::Skip,
+            clahe: ClaheConfig::default(),
+            corners: CornerConfig::default(),
+            klt: KltConfig::default(),
+            ransac: RansacConfig::default(),
+        }
+    }
+}
+
+impl Validate for FrontEndConfig {
+    fn faults(&self) -> Vec<ConfigFault> {
+        let mut faults = Vec::new();
+        let mut check = |good: bool, key: &str, value: f64, bound: &str| {
+            if !good {
+                faults.push(ConfigFault::new(key, value, bound));
+            }
+        };
+        let rate = self.rate_hz;
+        check(rate > 0.0 && rate <= 1000.0, "rate_hz", rate, "above 0, at most 1000");
+        check((0.0..=10.0).contains(&self.bridge_s), "bridge_s", self.bridge_s, "0 to 10");
+        check((0.01..=100.0).contains(&self.gap_s), "gap_s", self.gap_s, "0.01 to 100");
+        check((0.0..=1.0).contains(&self.blind_share), "blind_share", self.blind_share, "0 to 1");
+        check((0.0..=100.0).contains(&self.blind_std), "blind_std", self.blind_std, "0 to 100");
+        let parts = [
+            ("clahe", self.clahe.faults()),
+            ("corners", self.corners.faults()),
+            ("klt", self.klt.faults()),
+            ("ransac", self.ransac.faults()),
+        ];
+        for (part, of_part) in parts {
+            faults.extend(of_part.into_iter().map(|f| ConfigFault { key: format!("{part}.{}", f.key), ..f }));
+        }
+        faults
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dpn_core::config::parse;
+    use std::path::Path;
+
+    #[test]
+    fn every_fault_is_named_at_once_with_its_part() {
+        let text = "rate_hz = 0.0\n[klt]\nwindow = 20\n[corners]\nmost = 0\n[ransac]\nconfidence = 1.0\n[clahe]\ntiles = 40";
+        let error = parse::<FrontEndConfig>(text, Path::new("f.toml")).unwrap_err().to_string();
+        for key in ["`rate_hz` is 0", "`klt.window` is 20", "`corners.most` is 0", "`ransac.confidence` is 1", "`clahe.tiles` is 40"] {
+            assert!(error.contains(key), "{key} not in {error}");
+        }
+        let nan = FrontEndConfig { bridge_s: f64::NAN, ..FrontEndConfig::default() };
+        assert_eq!(nan.faults().len(), 1);
+        assert!(FrontEndConfig::default().faults().is_empty());
+    }
+
+    #[test]
+    fn a_mistyped_key_is_refused() {
+        let error = parse::<FrontEndConfig>("[klt]\nwindows = 21", Path::new("f.toml")).unwrap_err();
+        assert_eq!(error.hint().as_deref(), Some("did you mean `window`?"));
+    }
+}

@@ -1,0 +1,51 @@
+//! Which corners are taken.
+
+use dpn_core::config::{ConfigFault, Validate};
+use serde::{Deserialize, Serialize};
+
+/// Settings of the detector.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct CornerConfig {
+    /// Most points in a frame, tracked ones among them, 1 to 2000. Default 150, VINS-Mono's for EuRoC.
+    pub most: usize,
+    /// Smallest response, as a share of the image's largest, 0 to 1. Default .01, VINS-Mono's.
+    pub quality: f64,
+    /// Smallest response at all \[(grey/px)^2\], 0 to 1e4: noise in a dark image has corners too. Default 1.
+    pub least: f64,
+    /// Least distance between points \[px\], 1 to 200. Default 30, VINS-Mono's for EuRoC.
+    pub distance_px: f64,
+    /// Least distance from the image's edge \[px\], 1 to 100. Default 5.
+    pub edge_px: usize,
+    /// Cells in a row that share the points, 0 to 64; 0 takes the strongest wherever they are. Default 8.
+    ///
+    /// A cell is square; one that has half as much again as its share waits until all others had their turn.
+    pub cells: usize,
+    /// Half a side of the window in which a corner is placed between pixels \[px\], 1 to 10; 0 leaves it on its pixel. Default 0.
+    pub subpixel: usize,
+}
+
+impl Default for CornerConfig {
+    fn default() -> Self {
+        Self { most: 150, quality: 0.01, least: 1.0, distance_px: 30.0, edge_px: 5, cells: 8, subpixel: 0 }
+    }
+}
+
+impl Validate for CornerConfig {
+    fn faults(&self) -> Vec<ConfigFault> {
+        let mut faults = Vec::new();
+        let mut check = |good: bool, key: &str, value: f64, bound: &str| {
+            if !good {
+                faults.push(ConfigFault::new(key, value, bound));
+            }
+        };
+        check((1..=2000).contains(&self.most), "most", self.most as f64, "1 to 2000");
+        check((0.0..=1.0).contains(&self.quality), "quality", self.quality, "0 to 1");
+        check((0.0..=1e4).contains(&self.least), "least", self.least, "0 to 1e4");
+        check((1.0..=200.0).contains(&self.distance_px), "distance_px", self.distance_px, "1 to 200");
+        check((1..=100).contains(&self.edge_px), "edge_px", self.edge_px as f64, "1 to 100");
+        check(self.cells <= 64, "cells", self.cells as f64, "0 to 64");
+        check(self.subpixel <= 10, "subpixel", self.subpixel as f64, "0 to 10");
+        faults
+    }
+}

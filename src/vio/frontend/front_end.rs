@@ -1,0 +1,394 @@
+//! The front-end itself: images in, tracks out.
+
+use super::config::{FrontEndConfig, Repeated};
+use super::corners::{Detector, Mask};
+use super::image::{Clahe, ImageStats, Pyramid};
+use super::klt::{Klt, Shift};
+use super::predict::turned;
+use super::ransac::{Pair, agree};
+use super::report::{Agreement, FrameReport, Lost, LostBy, Status};
+use super::schedule::Schedule;
+use dpn_core::camera::PinholeRadtan;
+use dpn_core::config::{ConfigFault, Validate};
+use dpn_core::random::Stream;
+use dpn_core::{GrayImage, GrayView, Stamp, Track, TrackFrame};
+use nalgebra::{UnitQuaternion, Vector2, Vector3};
+use std::time::{Duration, Instant};
+use thiserror::Error;
+
+/// Stamps are rounded; a pause is not longer than another by this little \[s\].
+const ROUNDING_S: f64 = 1e-6;
+
+/// Why there is no front-end.
+#[derive(Debug, Error, PartialEq)]
+pub enum FrontEndError {
+    /// Settings outside their bounds.
+    #[error("front-end: {}", faults.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    Config {
+        /// Every fault.
+        faults: Vec<ConfigFault>,
+    },
+    /// A mask of another size than the camera's images.
+    #[error(
+        "a mask of {} x {} px for images of {} x {} px: make it for this camera",
+        mask[0], mask[1], camera[0], camera[1]
+    )]
+    MaskSize {
+        /// The mask's width and height \[px\].
+        mask: [usize; 2],
+        /// The camera's.
+        camera: [u32; 2],
+    },
+}
+
+/// A track as it goes on.
+#[derive(Debug, Clone, Copy)]
+struct Point {
+    id: u64,
+    px: [f32; 2],
+    /// What `px` sees.
+    bearing: Vector3<f64>,
+    /// The same in the last frame that was handed over.
+    handed: Option<Vector3<f64>>,
+    /// Images in which it was seen.
+    age: u32,
+}
+
+impl Point {
+    fn lost(&self, by: LostBy) -> Lost {
+        Lost { id: self.id, px: self.pixel(), by }
+    }
+
+    fn pixel(&self) -> Vector2<f64> {
+        Vector2::from(self.px.map(f64::from))
+    }
+}
+
+/// What comes back for an image.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fed {
+    /// The tracks, where this image was handed over.
+    pub frame: Option<TrackFrame>,
+    /// What happened.
+    pub report: FrameReport,
+}
+
+/// Follows points from image to image and hands frames of tracks over at an even rate.
+///
+/// Its memory does not grow. Its answers are a function of images, stamps, rotations, configuration and stream.
+#[derive(Debug, Clone)]
+pub struct FrontEnd {
+    camera: PinholeRadtan,
+    config: FrontEndConfig,
+    stream: Stream,
+    klt: Klt,
+    detector: Detector,
+    clahe: Option<Clahe>,
+    allowed: Option<GrayImage>,
+    mask: Mask,
+    schedule: Schedule,
+    /// The last image that was tracked into, and room for the next.
+    prev: Pyramid,
+    cur: Pyramid,
+    /// When that was; none before the first and after a pause.
+    tracked: Option<Stamp>,
+    /// The last image that was in order.
+    last: Option<Stamp>,
+    fingerprint: Option<u64>,
+    /// The camera's turn since the last image tracked into, and since the last frame handed over.
+    since_tracked: Option<UnitQuaternion<f64>>,
+    since_handed: Option<UnitQuaternion<f64>>,
+    points: Vec<Point>,
+    next_id: u64,
+    frames: u64,
+}
+
+impl FrontEnd {
+    /// A front-end for `camera`; `stream` is the chance of its consensus.
+    ///
+    /// # Errors
+    /// Settings outside their bounds.
+    pub fn new(camera: PinholeRadtan, config: FrontEndConfig, stream: &Stream) -> Result<Self, FrontEndError> {
+        let faults = config.faults();
+        if !faults.is_empty() {
+            return Err(FrontEndError::Config { faults });
+        }
+        Ok(Self {
+            camera,
+            config,
+            stream: stream.named("front-end"),
+            klt: Klt::new(config.klt),
+            detector: Detector::new(config.corners),
+            clahe: config.clahe.enabled.then(|| Clahe::new(config.clahe)),
+            allowed: None,
+            mask: Mask::default(),
+            schedule: Schedule::new(config.rate_hz),
+            prev: Pyramid::default(),
+            cur: Pyramid::default(),
+            tracked: None,
+            last: None,
+            fingerprint: None,
+            since_tracked: None,
+            since_handed: None,
+            points: Vec::new(),
+            next_id: 0,
+            frames: 0,
+        })
+    }
+
+    /// The same, with new points only where `mask` is not 0: a fish-eye's circle, a vehicle's own arms.
+    ///
+    /// # Errors
+    /// A mask of another size than the camera's images.
+    pub fn with_mask(mut self, mask: GrayImage) -> Result<Self, FrontEndError> {
+        let camera = self.camera.size();
+        let size = [mask.width(), mask.height()];
+        if size != camera.map(|side| side as usize) {
+            return Err(FrontEndError::MaskSize { mask: size, camera });
+        }
+        self.allowed = Some(mask);
+        Ok(self)
+    }
+
+    /// Its settings.
+    pub fn config(&self) -> &FrontEndConfig {
+        &self.config
+    }
+
+    /// Takes the image of time `t`.
+    ///
+    /// `cur_from_last` is the rotation from the camera's frame at the image fed before (whatever became of it, unless it was out of
+    /// order) to the camera's frame now, as the gyroscope integrates it (see [`turn_of_camera`](super::turn_of_camera)); without it
+    /// points are looked for where they were. It may be a little wrong: a bias of .1 rad/s is.
+    ///
+    /// Whatever the image is, the answer is a report: nothing about it is an error, and no track is made up.
+    pub fn feed(
+        &mut self,
+        image: GrayView<'_>,
+        t: Stamp,
+        cur_from_last: Option<&UnitQuaternion<f64>>,
+    ) -> Fed {
+        let before = self.points.len();
+        let report = |status| FrameReport::new(t, status, before);
+        if let Some(last) = self.last.filter(|last| *last >= t) {
+            let report = FrameReport { kept: before, ..report(Status::OutOfOrder { last_ns: last.ns() }) };
+            return Fed { frame: None, report };
+        }
+        let since_last = self.last.map_or(0.0, |last| t.seconds_since(last));
+        self.last = Some(t);
+        self.turn(cur_from_last);
+
+        let (width, height) = (image.width(), image.height());
+        if [width, height] != self.camera.size().map(|side| side as usize) {
+            return self.pass_over(report(Status::WrongSize { width, height }));
+        }
+        let start = Instant::now();
+        let stats = ImageStats::of(image);
+        let mut report = FrameReport { image: Some(stats), ..report(Status::Tracked) };
+        let repeated = self.fingerprint.replace(stats.fingerprint) == Some(stats.fingerprint);
+        let blind = stats.unusable() >= self.config.blind_share || stats.std < self.config.blind_std;
+        if blind || (repeated && self.config.repeated == Repeated::Skip) {
+            report.times.image = start.elapsed();
+            report.status = if blind { Status::Blind } else { Status::Repeated };
+            return self.pass_over(report);
+        }
+        self.cur.base_mut().copy(image);
+        if let Some(clahe) = &mut self.clahe {
+            clahe.apply(self.cur.base_mut());
+        }
+        self.cur.build(self.config.klt.levels.max(self.config.klt.back_levels));
+        report.times.image = start.elapsed();
+
+        if self.tracked.is_some_and(|tracked| t.seconds_since(tracked) > self.config.gap_s + ROUNDING_S) {
+            self.give_up(&mut report);
+        }
+        let (tracking, elapsed) = timed(|| self.track(&mut report));
+        report.times.track = elapsed;
+        report.motion_px = tracking;
+        std::mem::swap(&mut self.prev, &mut self.cur);
+        (self.tracked, self.since_tracked) = (Some(t), Some(UnitQuaternion::identity()));
+
+        let frame = self.schedule.is_due(t, since_last).then(|| self.hand_over(t, &mut report));
+        report.kept = self.points.len() - report.new;
+        let ages: u64 = self.points.iter().map(|point| u64::from(point.age)).sum();
+        report.mean_age = ages as f64 / self.points.len().max(1) as f64;
+        Fed { frame, report }
+    }
+
+    /// Adds a turn to those under way; one that is not known makes them unknown.
+    fn turn(&mut self, cur_from_last: Option<&UnitQuaternion<f64>>) {
+        let turn = cur_from_last.filter(|turn| turn.coords.iter().all(|v| v.is_finite()));
+        for sum in [&mut self.since_tracked, &mut self.since_handed] {
+            *sum = sum.zip(turn).map(|(sum, turn)| turn * sum);
+        }
+    }
+
+    /// An image that tracks are not followed into: they wait, but not for ever.
+    fn pass_over(&mut self, mut report: FrameReport) -> Fed {
+        if self.tracked.is_some_and(|tracked| report.t.seconds_since(tracked) > self.config.bridge_s + ROUNDING_S) {
+            self.give_up(&mut report);
+        }
+        report.kept = self.points.len();
+        Fed { frame: None, report }
+    }
+
+    /// Ends all tracks; the next image begins anew.
+    fn give_up(&mut self, report: &mut FrameReport) {
+        report.lost.extend(self.points.drain(..).map(|point| point.lost(LostBy::Blind)));
+        self.tracked = None;
+    }
+
+    /// Follows all points from the last image into this one, and back; returns the median distance they moved \[px\].
+    fn track(&mut self, report: &mut FrameReport) -> f64 {
+        if self.points.is_empty() {
+            return 0.0;
+        }
+        let turn = self.since_tracked;
+        let guess = |point: &Point| {
+            let px = turn.and_then(|turn| turned(&self.camera, &point.bearing, &turn));
+            px.map_or(point.px, |px| [px.x as f32, px.y as f32])
+        };
+        let shifts: Vec<Shift> =
+            self.points.iter().map(|point| Shift { from: point.px, guess: guess(point) }).collect();
+        let klt = self.config.klt;
+        let found = self.klt.track(&self.prev, &self.cur, &shifts, klt.levels);
+
+        // Back, from where a point was found, with home as the first guess.
+        let back: Vec<Shift> = (shifts.iter().zip(&found))
+            .filter_map(|(shift, found)| Some(Shift { from: found.ok()?, guess: shift.from }))
+            .collect();
+        let home = if klt.back_px > 0.0 {
+            self.klt.track(&self.cur, &self.prev, &back, klt.back_levels)
+        } else {
+            back.iter().map(|shift| Ok(shift.guess)).collect()
+        };
+        let mut home = home.into_iter();
+
+        let mut distances = Vec::with_capacity(self.points.len());
+        let camera = self.camera;
+        let mut found = found.into_iter();
+        self.points.retain_mut(|point| {
+            let place = match found.next() {
+                Some(Ok(place)) => place,
+                Some(Err(loss)) => {
+                    report.lost.push(point.lost(loss.into()));
+                    return false;
+                }
+                None => return false,
+            };
+            let came_home = match home.next() {
+                Some(Ok(home)) => distance(home, point.px) <= klt.back_px,
+                _ => false,
+            };
+            if !came_home {
+                report.lost.push(point.lost(LostBy::Back));
+                return false;
+            }
+            let Some(bearing) = camera.bearing(&Vector2::from(place.map(f64::from))) else {
+                report.lost.push(point.lost(LostBy::Outside));
+                return false;
+            };
+            distances.push(distance(place, point.px));
+            (point.px, point.bearing) = (place, bearing);
+            point.age += 1;
+            true
+        });
+        distances.sort_by(f64::total_cmp);
+        distances.get(distances.len() / 2).copied().unwrap_or(0.0)
+    }
+
+    /// Takes out what does not agree, fills up with new points, and makes the frame.
+    fn hand_over(&mut self, t: Stamp, report: &mut FrameReport) -> TrackFrame {
+        let ((), elapsed) = timed(|| self.reject(report));
+        report.times.ransac = elapsed;
+        let ((), elapsed) = timed(|| {
+            self.thin_out(report);
+            self.fill_up(report);
+        });
+        report.times.corners = elapsed;
+
+        report.status = Status::HandedOver;
+        self.schedule.handed_over(t);
+        self.frames += 1;
+        self.since_handed = Some(UnitQuaternion::identity());
+        self.points.iter_mut().for_each(|point| point.handed = Some(point.bearing));
+        TrackFrame { t, tracks: self.points.iter().map(|p| Track { id: p.id, px: p.pixel() }).collect() }
+    }
+
+    /// Asks the tracks what they agree on since the last frame that was handed over.
+    fn reject(&mut self, report: &mut FrameReport) {
+        let asked: Vec<Pair> = self
+            .points
+            .iter()
+            .filter_map(|point| Some(Pair { prev: point.handed?, cur: point.bearing }))
+            .collect();
+        let stream = self.stream.index(self.frames);
+        let focal = self.camera.focal().mean();
+        let found = agree(&asked, self.since_handed.as_ref(), focal, &self.config.ransac, &stream);
+        if found.essential.is_none() {
+            return;
+        }
+        report.agreement = Some(Agreement {
+            geometry: found.geometry,
+            asked: asked.len(),
+            agreed: found.agreeing,
+            trials: found.trials,
+        });
+        let mut inliers = found.inliers.into_iter();
+        self.points.retain(|point| {
+            let agrees = point.handed.is_none() || inliers.next().unwrap_or(true);
+            if !agrees {
+                report.lost.push(point.lost(LostBy::Ransac));
+            }
+            agrees
+        });
+    }
+
+    fn reset_mask(&mut self) {
+        let [width, height] = self.camera.size().map(|side| side as usize);
+        self.mask.reset(width, height, self.allowed.as_ref().map(GrayImage::view));
+    }
+
+    /// Ends tracks that came within half the distance of new points of an older one: both would soon be the same.
+    fn thin_out(&mut self, report: &mut FrameReport) {
+        let [width, height] = self.camera.size().map(|side| side as usize);
+        self.mask.reset(width, height, None);
+        let radius = 0.5 * self.config.corners.distance_px;
+        let mask = &mut self.mask;
+        // Older tracks have smaller numbers and stand first.
+        self.points.retain(|point| {
+            let [x, y] = point.px.map(|c| c.round() as usize);
+            let alone = mask.is_free(x, y);
+            if alone {
+                mask.take_disc(point.px, radius);
+            } else {
+                report.lost.push(point.lost(LostBy::Crowded));
+            }
+            alone
+        });
+    }
+
+    /// Begins new tracks where there is room.
+    fn fill_up(&mut self, report: &mut FrameReport) {
+        self.reset_mask();
+        let places: Vec<[f32; 2]> = self.points.iter().map(|point| point.px).collect();
+        // The image is the earlier one already: it was put there when it had been tracked into.
+        let Some(plane) = self.prev.planes().first() else { return };
+        for corner in self.detector.detect(plane, &mut self.mask, &places) {
+            let Some(bearing) = self.camera.bearing(&Vector2::from(corner.px.map(f64::from))) else { continue };
+            self.points.push(Point { id: self.next_id, px: corner.px, bearing, handed: None, age: 1 });
+            self.next_id += 1;
+            report.new += 1;
+        }
+    }
+}
+
+fn distance(a: [f32; 2], b: [f32; 2]) -> f64 {
+    f64::from(a[0] - b[0]).hypot(f64::from(a[1] - b[1]))
+}
+
+fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
+    let start = Instant::now();
+    let result = work();
+    (result, start.elapsed())
+}

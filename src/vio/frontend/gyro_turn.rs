@@ -1,0 +1,133 @@
+//! How far the body turned between two images, from gyroscope samples.
+
+use dpn_core::geometry::so3;
+use dpn_core::{ImuSample, Stamp};
+use nalgebra::{UnitQuaternion, Vector3};
+use std::collections::VecDeque;
+
+/// Samples may end this long before an image \[s\]; the last is held until then. EuRoC's come every .005 s.
+const HELD_S: f64 = 0.02;
+
+/// Gyroscope samples between images, integrated from image to image.
+///
+/// Rates are joined linearly between samples, `last_from_cur = Exp(w_1 dt_1) Exp(w_2 dt_2) ...` with the mean of neighbouring rates. Its
+/// memory does not grow as long as images come.
+#[derive(Debug, Clone, Default)]
+pub struct GyroTurn {
+    samples: VecDeque<(Stamp, Vector3<f64>)>,
+    from: Option<Stamp>,
+}
+
+impl GyroTurn {
+    /// Nothing yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Takes a sample; one that is not later than the last, or holds no number, is passed over.
+    pub fn feed(&mut self, sample: &ImuSample) {
+        let later = self.samples.back().is_none_or(|(t, _)| *t < sample.t);
+        if later && sample.is_finite() {
+            self.samples.push_back((sample.t, Vector3::from(sample.gyro)));
+        }
+    }
+
+    /// The turn from the image before to the one at `t`, `body_last_from_body_cur`, with `bias` \[rad/s\] taken off.
+    ///
+    /// `None` at the first image, after one that is not later than the one before, and where samples do not cover the time between.
+    pub fn until(&mut self, t: Stamp, bias: &Vector3<f64>) -> Option<UnitQuaternion<f64>> {
+        let from = self.from.filter(|from| *from < t);
+        self.from = Some(self.from.map_or(t, |from| from.max(t)));
+        let turn = from.and_then(|from| self.integrate(from, t, bias));
+        // The last sample not after the image begins the next turn.
+        while self.samples.get(1).is_some_and(|(second, _)| *second <= t) {
+            self.samples.pop_front();
+        }
+        turn
+    }
+
+    fn integrate(&self, from: Stamp, to: Stamp, bias: &Vector3<f64>) -> Option<UnitQuaternion<f64>> {
+        let (first, last) = (self.samples.front()?, self.samples.back()?);
+        if first.0 > from || to.seconds_since(last.0) > HELD_S {
+            return None;
+        }
+        let mut turn = UnitQuaternion::identity();
+        let mut step = |a: (Stamp, Vector3<f64>), b: (Stamp, Vector3<f64>)| {
+            turn *= so3::exp(&((0.5 * (a.1 + b.1) - bias) * b.0.seconds_since(a.0)));
+        };
+        let mut at = (from, self.rate(from)?);
+        for sample in self.samples.iter().filter(|(t, _)| (from..to).contains(t)) {
+            step(at, *sample);
+            at = *sample;
+        }
+        step(at, (to, self.rate(to)?));
+        Some(turn)
+    }
+
+    /// The rate at `t`, between two samples or held after the last.
+    fn rate(&self, t: Stamp) -> Option<Vector3<f64>> {
+        let next = self.samples.partition_point(|(sample, _)| *sample <= t);
+        let before = self.samples.get(next.checked_sub(1)?)?;
+        let Some(after) = self.samples.get(next) else { return Some(before.1) };
+        let share = t.seconds_since(before.0) / after.0.seconds_since(before.0);
+        Some(before.1 + share * (after.1 - before.1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample(ns: i64, gyro: [f64; 3]) -> ImuSample {
+        ImuSample { t: Stamp::from_ns(ns), gyro, accel: [0.0, 0.0, 9.81] }
+    }
+
+    #[test]
+    fn turns_add_up_to_the_body_s_rotation() {
+        // A steady turn about a tilted axis, on top of a bias.
+        let (axis, bias) = (Vector3::new(0.6, -0.9, 1.7), Vector3::new(0.05, -0.02, 0.08));
+        let mut gyro = GyroTurn::new();
+        let mut sum = UnitQuaternion::identity();
+        let mut image = 3_000_000;
+        for i in 0..400i64 {
+            gyro.feed(&sample(5_000_000 * i, (axis + bias).into()));
+            // Images 47.3 ms apart, between samples, each asked for two samples later.
+            if 5_000_000 * i > image + 10_000_000 {
+                let turn = gyro.until(Stamp::from_ns(image), &bias);
+                assert_eq!(turn.is_none(), image == 3_000_000);
+                sum *= turn.unwrap_or_else(UnitQuaternion::identity);
+                image += 47_300_000;
+            }
+        }
+        let seconds = (image - 47_300_000 - 3_000_000) as f64 * 1e-9;
+        assert!(seconds > 1.8 && sum.angle_to(&so3::exp(&(axis * seconds))) < 1e-12);
+        assert!(gyro.samples.len() < 16, "{}", gyro.samples.len());
+    }
+
+    #[test]
+    fn rates_between_samples_are_joined_linearly() {
+        let mut gyro = GyroTurn::new();
+        for i in 0..21i64 {
+            gyro.feed(&sample(5_000_000 * i, [0.0, 0.0, 0.01 * i as f64]));
+        }
+        assert_eq!(gyro.until(Stamp::from_ns(7_500_000), &Vector3::zeros()), None);
+        let turn = gyro.until(Stamp::from_ns(92_500_000), &Vector3::zeros()).unwrap();
+        // The rate is 2 t: the angle is t1^2 - t0^2.
+        assert!((so3::log(&turn).z - (0.0925f64.powi(2) - 0.0075f64.powi(2))).abs() < 1e-12);
+    }
+
+    #[test]
+    fn time_without_samples_has_no_turn() {
+        let mut gyro = GyroTurn::new();
+        let at = |ms: i64| Stamp::from_ns(1_000_000 * ms);
+        assert_eq!(gyro.until(at(0), &Vector3::zeros()), None);
+        for ms in (5..100).step_by(5) {
+            gyro.feed(&sample(1_000_000 * ms, [0.1; 3]));
+        }
+        gyro.feed(&sample(50_000_000, [f64::NAN; 3]));
+        assert_eq!(gyro.until(at(50), &Vector3::zeros()), None, "the first sample is later than the first image");
+        assert!(gyro.until(at(100), &Vector3::zeros()).is_some(), "held for 5 ms");
+        assert_eq!(gyro.until(at(90), &Vector3::zeros()), None, "back in time");
+        assert_eq!(gyro.until(at(200), &Vector3::zeros()), None, "105 ms without a sample");
+    }
+}

@@ -1,0 +1,11 @@
+//! Images as the kernels want them: padded planes, pyramids, equalised contrast, and figures about an image as a whole.
+
+mod clahe;
+mod plane;
+mod pyramid;
+mod stats;
+
+pub use clahe::{Clahe, ClaheConfig};
+pub use plane::{PAD, Plane};
+pub use pyramid::{Pyramid, pyr_down};
+pub use stats::ImageStats;

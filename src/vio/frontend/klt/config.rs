@@ -1,0 +1,72 @@
+//! How points are tracked from image to image.
+
+use dpn_core::config::{ConfigFault, Validate};
+use serde::{Deserialize, Serialize};
+
+/// What may happen to a patch's light between two images.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Illumination {
+    /// Nothing, as OpenCV and VINS-Mono take it.
+    Constant,
+    /// A gain and an offset of its own for every patch.
+    GainOffset,
+}
+
+/// Settings of the tracker.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct KltConfig {
+    /// Side of the window \[px\], odd, 7 to 29. Default 21, VINS-Mono's.
+    pub window: usize,
+    /// Images in the pyramid, the full one among them, 1 to 6. Default 4, VINS-Mono's.
+    pub levels: usize,
+    /// Most Gauss-Newton steps a level, 1 to 100. Default 30, OpenCV's.
+    pub iterations: usize,
+    /// A step below this ends the search \[px\], above 0, at most 1. Default .01, OpenCV's.
+    pub epsilon_px: f64,
+    /// Smallest eigenvalue of the mean of `g g^T` over a window that can be tracked \[(grey/px)^2\], 0 to 1e4. Default .1, OpenCV's.
+    pub min_eigenvalue: f64,
+    /// What may happen to the light. Default `gain-offset`.
+    pub illumination: Illumination,
+    /// A point tracked back must come home within this \[px\]; 0 switches the check off. Default .5.
+    pub back_px: f64,
+    /// Images in the pyramid for the way back, which starts at home, 1 to 6. Default 2.
+    pub back_levels: usize,
+}
+
+impl Default for KltConfig {
+    fn default() -> Self {
+        Self {
+            window: 21,
+            levels: 4,
+            iterations: 30,
+            epsilon_px: 0.01,
+            min_eigenvalue: 0.1,
+            illumination: Illumination::GainOffset,
+            back_px: 0.5,
+            back_levels: 2,
+        }
+    }
+}
+
+impl Validate for KltConfig {
+    fn faults(&self) -> Vec<ConfigFault> {
+        let mut faults = Vec::new();
+        let mut check = |good: bool, key: &str, value: f64, bound: &str| {
+            if !good {
+                faults.push(ConfigFault::new(key, value, bound));
+            }
+        };
+        let window = self.window;
+        check((7..=29).contains(&window) && window % 2 == 1, "window", window as f64, "odd, 7 to 29");
+        check((1..=6).contains(&self.levels), "levels", self.levels as f64, "1 to 6");
+        check((1..=100).contains(&self.iterations), "iterations", self.iterations as f64, "1 to 100");
+        let (epsilon, eigen, back) = (self.epsilon_px, self.min_eigenvalue, self.back_px);
+        check(epsilon > 0.0 && epsilon <= 1.0, "epsilon_px", epsilon, "above 0, at most 1");
+        check((0.0..=1e4).contains(&eigen), "min_eigenvalue", eigen, "0 to 1e4");
+        check((0.0..=100.0).contains(&back), "back_px", back, "0 to 100");
+        check((1..=6).contains(&self.back_levels), "back_levels", self.back_levels as f64, "1 to 6");
+        faults
+    }
+}

@@ -1,0 +1,22 @@
+//! Pyramidal Lucas-Kanade tracking: where the patch around a point of one image is in the next.
+//!
+//! On every level, coarsest first, the shift `d` minimises `sum (J(x + d) - I(x))^2` over a square window by Gauss-Newton:
+//!
+//! ```text
+//! A = sum g g^T,   b = sum (J(x + d) - I(x)) g,   d <- d - A^-1 b,   g = gradient of I
+//! ```
+//!
+//! Positions are sub-pixel in both images, by bilinear interpolation. Gradients are Scharr's, taken of the interpolated patch, which
+//! is the same as interpolating the image's. Against changes of light the window may be fitted up to a gain and an offset,
+//! `J = (1 + a) I + o`: gradients are made orthogonal to the patch and to a constant, so that neither moves `b`
+//! ("project-out", Baker and Matthews 2004, sec. 4.2; Hager and Belhumeur 1998), at the cost of the plain fit.
+//!
+//! Source: Lucas and Kanade 1981; Bouguet 2000. Not here: forward-backward checks (the front-end's), affine warps of the window.
+
+mod config;
+mod patch;
+mod search;
+mod tracker;
+
+pub use config::{Illumination, KltConfig};
+pub use tracker::{Klt, KltLoss, Shift};

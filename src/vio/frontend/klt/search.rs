@@ -1,0 +1,95 @@
+//! The Gauss-Newton search on one level.
+
+use super::config::{Illumination, KltConfig};
+use super::patch::{Patch, between_columns, corner_of, total};
+use crate::frontend::image::Plane;
+
+/// A gain is trusted between these when a step is scaled by it; far from the goal it says nothing.
+const GAIN: std::ops::RangeInclusive<f32> = 0.5..=2.0;
+
+/// How a search ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Outcome {
+    /// At this place.
+    At([f32; 2]),
+    /// The window left the image.
+    Outside,
+    /// The window's texture determines no shift.
+    Flat,
+}
+
+/// Sums of one look at the second image: difference times gradient in x and y, and times the centred patch.
+#[inline(always)]
+fn look<const L: usize, const GAINED: bool>(
+    patch: &Patch<L>,
+    plane: &Plane,
+    [x, y]: [isize; 2],
+    [fx, fy]: [f32; 2],
+) -> [f32; 3] {
+    let mut sums = [[0.0f32; L]; 3];
+    let row = |dy: usize| plane.run(x, y + dy as isize, L + 1);
+    let mut above = between_columns::<L>(row(0), fx);
+    for r in 0..patch.window {
+        let below = between_columns::<L>(row(r + 1), fx);
+        let (grey, grad_x, grad_y) = (&patch.grey[r], &patch.grad_x[r], &patch.grad_y[r]);
+        for i in 0..L {
+            let difference = above[i] + fy * (below[i] - above[i]) - grey[i];
+            sums[0][i] += difference * grad_x[i];
+            sums[1][i] += difference * grad_y[i];
+            if GAINED {
+                sums[2][i] += difference * patch.centred[r][i];
+            }
+        }
+        above = below;
+    }
+    [total(&sums[0]), total(&sums[1]), if GAINED { total(&sums[2]) } else { 0.0 }]
+}
+
+/// Where the patch is in `plane`, from `start` on.
+#[inline(always)]
+pub(super) fn search<const L: usize>(
+    patch: &Patch<L>,
+    plane: &Plane,
+    start: [f32; 2],
+    config: &KltConfig,
+) -> Outcome {
+    let [xx, xy, yy] = patch.normal;
+    let determinant = xx * yy - xy * xy;
+    let area = (patch.window * patch.window) as f32;
+    let smallest = (xx + yy - ((xx - yy) * (xx - yy) + 4.0 * xy * xy).sqrt()) / (2.0 * area);
+    if smallest < config.min_eigenvalue as f32 || determinant < f32::EPSILON {
+        return Outcome::Flat;
+    }
+    let inverse = 1.0 / determinant;
+    let gained = config.illumination == Illumination::GainOffset;
+    let epsilon = config.epsilon_px as f32;
+
+    let mut place = start;
+    let mut before = [0.0f32; 2];
+    for iteration in 0..config.iterations {
+        let Some((corner, rest)) = corner_of(plane, place, patch.window) else { return Outcome::Outside };
+        let [bx, by, bt] = if gained {
+            look::<L, true>(patch, plane, corner, rest)
+        } else {
+            look::<L, false>(patch, plane, corner, rest)
+        };
+        let gain = if gained && patch.contrast > 0.0 {
+            (1.0 + bt / patch.contrast).clamp(*GAIN.start(), *GAIN.end())
+        } else {
+            1.0
+        };
+        let scale = -inverse / gain;
+        let step = [(yy * bx - xy * by) * scale, (xx * by - xy * bx) * scale];
+        place = [place[0] + step[0], place[1] + step[1]];
+        if step[0] * step[0] + step[1] * step[1] <= epsilon * epsilon {
+            break;
+        }
+        // Two steps that undo each other: the goal is half-way.
+        if iteration > 0 && (step[0] + before[0]).abs() < 0.01 && (step[1] + before[1]).abs() < 0.01 {
+            place = [place[0] - 0.5 * step[0], place[1] - 0.5 * step[1]];
+            break;
+        }
+        before = step;
+    }
+    Outcome::At(place)
+}

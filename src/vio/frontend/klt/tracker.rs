@@ -1,0 +1,236 @@
+//! Points from one pyramid to the next.
+
+use super::config::KltConfig;
+use super::patch::Patch;
+use super::search::{Outcome, search};
+use crate::frontend::image::Pyramid;
+use pulp::{Arch, Simd, WithSimd};
+use serde::Serialize;
+
+/// Why a point was not found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum KltLoss {
+    /// It left the image.
+    Outside,
+    /// Its window has no texture that says where it is.
+    Flat,
+}
+
+/// A point in the first image, and where to begin looking for it in the second \[px\].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shift {
+    /// Where it is.
+    pub from: [f32; 2],
+    /// Where it is expected.
+    pub guess: [f32; 2],
+}
+
+/// Tracks points between pyramids.
+#[derive(Debug, Clone, Copy)]
+pub struct Klt {
+    config: KltConfig,
+}
+
+impl Klt {
+    /// A tracker with `config`, which [validates](dpn_core::config::Validate).
+    pub fn new(config: KltConfig) -> Self {
+        Self { config }
+    }
+
+    /// Its settings.
+    pub fn config(&self) -> &KltConfig {
+        &self.config
+    }
+
+    /// Where each point of `from` is in `to` \[px\], in order; `levels` images of both pyramids are used, as far as there are so many.
+    ///
+    /// The same numbers come out on machines with other vectors: sums are taken in one order.
+    pub fn track(
+        &self,
+        from: &Pyramid,
+        to: &Pyramid,
+        points: &[Shift],
+        levels: usize,
+    ) -> Vec<Result<[f32; 2], KltLoss>> {
+        let mut out = Vec::with_capacity(points.len());
+        let job = Job { config: &self.config, from, to, points, levels, out: &mut out };
+        Arch::new().dispatch(job);
+        out
+    }
+}
+
+struct Job<'a> {
+    config: &'a KltConfig,
+    from: &'a Pyramid,
+    to: &'a Pyramid,
+    points: &'a [Shift],
+    levels: usize,
+    out: &'a mut Vec<Result<[f32; 2], KltLoss>>,
+}
+
+impl WithSimd for Job<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        match self.config.window {
+            0..=14 => self.run::<16>(),
+            15..=22 => self.run::<24>(),
+            _ => self.run::<32>(),
+        }
+    }
+}
+
+impl Job<'_> {
+    #[inline(always)]
+    fn run<const L: usize>(self) {
+        let levels = self.levels.min(self.from.planes().len()).min(self.to.planes().len());
+        let mut patch = Patch::<L>::new(self.config.window);
+        for point in self.points {
+            self.out.push(one(&mut patch, self.config, self.from, self.to, point, levels));
+        }
+    }
+}
+
+#[inline(always)]
+fn one<const L: usize>(
+    patch: &mut Patch<L>,
+    config: &KltConfig,
+    from: &Pyramid,
+    to: &Pyramid,
+    point: &Shift,
+    levels: usize,
+) -> Result<[f32; 2], KltLoss> {
+    let mut shift = [point.guess[0] - point.from[0], point.guess[1] - point.from[1]];
+    for level in (0..levels).rev() {
+        let scale = 1.0 / (1u32 << level) as f32;
+        let centre = point.from.map(|c| c * scale);
+        let start = [centre[0] + shift[0] * scale, centre[1] + shift[1] * scale];
+        // On a coarse level a point that cannot be found keeps its guess; the finest decides.
+        if !patch.take(&from.planes()[level], centre, config.illumination) {
+            if level == 0 {
+                return Err(KltLoss::Outside);
+            }
+            continue;
+        }
+        match search(patch, &to.planes()[level], start, config) {
+            Outcome::At(place) => shift = [0, 1].map(|i| (place[i] - centre[i]) / scale),
+            Outcome::Outside if level == 0 => return Err(KltLoss::Outside),
+            Outcome::Flat if level == 0 => return Err(KltLoss::Flat),
+            Outcome::Outside | Outcome::Flat => {}
+        }
+    }
+    let place = [point.from[0] + shift[0], point.from[1] + shift[1]];
+    let base = to.planes().first().ok_or(KltLoss::Outside)?;
+    let inside = (0.0..=(base.width() - 1) as f32).contains(&place[0])
+        && (0.0..=(base.height() - 1) as f32).contains(&place[1]);
+    if inside { Ok(place) } else { Err(KltLoss::Outside) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Illumination;
+    use super::*;
+    use dpn_core::{GrayImage, GrayView};
+    use proptest::prelude::*;
+
+    /// A smooth surface without a period in the image, so that only one shift fits.
+    fn surface(x: f64, y: f64) -> f64 {
+        128.0
+            + 30.0 * (0.31 * x + 0.11 * y).sin()
+            + 30.0 * (0.27 * y - 0.07 * x).cos()
+            + 25.0 * (0.083 * x * 0.7 + 0.05 * y).sin() * (0.061 * y).cos()
+            + 20.0 * (0.0009 * (x * x + 0.5 * y * y)).sin()
+    }
+
+    fn pyramid(shift: [f64; 2], gain: f64, offset: f64) -> Pyramid {
+        let image = GrayImage::from_fn(160, 140, |x, y| {
+            (gain * surface(x as f64 - shift[0], y as f64 - shift[1]) + offset).round().clamp(0.0, 255.0) as u8
+        });
+        Pyramid::new(image.unwrap().view(), 4)
+    }
+
+    fn config(illumination: Illumination) -> KltConfig {
+        KltConfig { illumination, ..KltConfig::default() }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+        #[test]
+        fn a_shifted_surface_is_found_to_a_fiftieth_pixel(
+            dx in -9.0..9.0f64, dy in -9.0..9.0f64, px in 40.0..120.0f32, py in 40.0..100.0f32, window in 4..15usize,
+        ) {
+            let (from, to) = (pyramid([0.0; 2], 1.0, 0.0), pyramid([dx, dy], 1.0, 0.0));
+            for illumination in [Illumination::Constant, Illumination::GainOffset] {
+                let klt = Klt::new(KltConfig { window: 2 * window + 1, ..config(illumination) });
+                let guess = [px + (0.8 * dx) as f32, py + (0.8 * dy) as f32];
+                let found = klt.track(&from, &to, &[Shift { from: [px, py], guess }], 4)[0].unwrap();
+                let error = (f64::from(found[0]) - f64::from(px) - dx).hypot(f64::from(found[1]) - f64::from(py) - dy);
+                // Rounding to whole grey values moves small windows more.
+                prop_assert!(error < if window < 7 { 0.08 } else { 0.02 }, "{illumination:?} window {window}: {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn gain_and_offset_move_nothing_where_they_are_fitted() {
+        let from = pyramid([0.0; 2], 1.0, 0.0);
+        let points: Vec<Shift> = (0..5)
+            .map(|i| [40.0 + 17.0 * i as f32, 50.0 + 9.0 * i as f32])
+            .map(|from| Shift { from, guess: from })
+            .collect();
+        for (gain, offset) in [(0.6, 60.0), (0.5, 0.0), (1.2, -40.0)] {
+            let to = pyramid([2.3, -1.6], gain, offset);
+            let worst = |illumination| {
+                let found = Klt::new(config(illumination)).track(&from, &to, &points, 4);
+                points.iter().zip(found).fold(0.0f32, |worst, (point, found)| {
+                    let error = found.map_or(f32::INFINITY, |found| {
+                        (found[0] - point.from[0] - 2.3).hypot(found[1] - point.from[1] + 1.6)
+                    });
+                    worst.max(error)
+                })
+            };
+            assert!(worst(Illumination::GainOffset) < 0.03, "{gain} {offset}: {}", worst(Illumination::GainOffset));
+            assert!(worst(Illumination::Constant) > 0.1, "{gain} {offset}: the plain fit is expected to fail");
+        }
+    }
+
+    #[test]
+    fn flat_and_striped_windows_are_not_tracked() {
+        let flat = GrayImage::from_fn(100, 100, |_, _| 77).unwrap();
+        let stripes = GrayImage::from_fn(100, 100, |x, _| if x % 8 < 4 { 50 } else { 200 }).unwrap();
+        let point = Shift { from: [50.0, 50.0], guess: [50.0, 50.0] };
+        for image in [flat, stripes] {
+            let pyramid = Pyramid::new(image.view(), 3);
+            for illumination in [Illumination::Constant, Illumination::GainOffset] {
+                let found = Klt::new(config(illumination)).track(&pyramid, &pyramid, &[point], 3);
+                assert_eq!(found, [Err(KltLoss::Flat)]);
+            }
+        }
+    }
+
+    #[test]
+    fn no_position_and_no_image_makes_it_panic() {
+        let noise: Vec<u8> = (0..70 * 50u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+        let sizes = [(70, 50), (1, 1), (9, 33), (33, 9)];
+        let pyramids = sizes.map(|(w, h)| Pyramid::new(GrayView::new(w, h, w, &noise).unwrap(), 4));
+        let places = [-1e9, -31.0, -10.5, -0.1, 0.0, 8.5, 49.0, 75.0, 1e9, f32::NAN, f32::INFINITY];
+        let mut points = Vec::new();
+        for x in places {
+            for y in places {
+                points.push(Shift { from: [x, y], guess: [y, x] });
+                points.push(Shift { from: [5.0, 5.0], guess: [y, x] });
+            }
+        }
+        for from in &pyramids {
+            for to in &pyramids {
+                for window in [7, 13, 15, 21, 29] {
+                    let klt = Klt::new(KltConfig { window, min_eigenvalue: 0.0, ..KltConfig::default() });
+                    let found = klt.track(from, to, &points, 4);
+                    assert!(found.iter().flatten().all(|place| place.iter().all(|c| c.is_finite())));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! From images to tracks: the visual front-end.
+//!
+//! ```text
+//! image -> figures -> (equalised) -> pyramid -> tracked from the last image, from where the gyroscope says, and back
+//!                                                 |  every so often (`rate_hz`)
+//!                                                 v
+//!                       consensus with the last frame handed over -> thinned out -> new corners -> TrackFrame
+//! ```
+//!
+//! Every image is tracked, so that windows move little; a frame is handed over at a chosen rate. A frame's tracks are distorted pixels
+//! under numbers that are never used twice. What an image was like and what became of each track is in its [`FrameReport`].
+//!
+//! Knows no files: images are borrowed bytes. The kernels ([`image`], [`klt`], [`corners`]) are loops over whole vectors in safe code,
+//! compiled for the machine's vector units by `pulp` and chosen at run time; each sum is taken in one order, so that every machine
+//! gets the same tracks. Parameters and their defaults are VINS-Mono's where the paper says nothing. Not here: loop closure, relocation,
+//! stereo, a camera's own calibration.
+
+mod config;
+pub mod corners;
+mod front_end;
+mod gyro_turn;
+pub mod image;
+pub mod klt;
+mod predict;
+pub mod ransac;
+mod report;
+mod schedule;
+#[cfg(test)]
+mod tests;
+
+pub use config::{FrontEndConfig, Repeated};
+pub use front_end::{Fed, FrontEnd, FrontEndError};
+pub use gyro_turn::GyroTurn;
+pub use predict::turn_of_camera;
+pub use report::{Agreement, FrameReport, Lost, LostBy, StageTimes, Status};

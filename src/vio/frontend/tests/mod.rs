@@ -1,0 +1,7 @@
+//! The front-end as a whole: against OpenCV, on a wall seen by a moving camera, and on images nobody wants.
+
+mod bad_input;
+mod golden;
+mod real;
+mod wall;
+mod wall_tests;
