@@ -18,7 +18,10 @@ fn main() {
             mask.reset(image.width(), image.height(), None);
             found = black_box(detector.detect(&plane, &mut mask, &[])).len();
         });
-        println!("corners, {cells} cells: {found}, median {:.3} ms, cpu {:.3} ms", timing.wall_ms, timing.cpu_ms);
+        println!(
+            "corners, {cells} cells: {found}, median {:.3} ms, cpu {:.3} ms",
+            timing.wall_ms, timing.cpu_ms
+        );
     }
     let mut clahe = Clahe::new(ClaheConfig::default());
     let timing = time(iterations(100), || {

@@ -19,13 +19,16 @@ fn main() {
     equalised.clahe.enabled = true;
     let runs = iterations(10);
     let images = rolling(if runs == 1 { 6 } else { COUNT });
-    for (name, config) in [("default", default), ("no light, no way back", plain), ("with CLAHE", equalised)] {
+    for (name, config) in [("default", default), ("no light, no way back", plain), ("with CLAHE", equalised)]
+    {
         measure(name, config, &images, runs);
     }
 }
 
 fn measure(name: &str, config: FrontEndConfig, images: &[GrayImage], runs: usize) {
-    let Ok(mut front_end) = FrontEnd::new(PinholeRadtan::euroc_cam0(), config, &Stream::new(1)) else { return };
+    let Ok(mut front_end) = FrontEnd::new(PinholeRadtan::euroc_cam0(), config, &Stream::new(1)) else {
+        return;
+    };
     let (mut frames, mut tracks, mut walls) = (0u32, 0, Vec::new());
     let mut stages = StageTimes::default();
     let mut feed = |i: usize, image: &GrayImage| {

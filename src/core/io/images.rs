@@ -41,9 +41,9 @@ impl ImageFolder {
     /// No stamps or no calibration of `cam0`, or files of them that cannot be read.
     pub fn open(sequence: &Sequence) -> Result<Self, IoError> {
         let frames = sequence.camera_frames()?;
-        let config = sequence.camera_config()?.ok_or_else(|| IoError::Missing {
-            path: sequence.camera_path().with_file_name("sensor.yaml"),
-        })?;
+        let config = sequence
+            .camera_config()?
+            .ok_or_else(|| IoError::Missing { path: sequence.camera_path().with_file_name("sensor.yaml") })?;
         let place = |frame: CameraFrame| (frame.t, sequence.image_path(&frame));
         Ok(Self {
             frames: frames.into_iter().map(place).collect(),
@@ -178,7 +178,12 @@ impl fmt::Display for Coverage {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let missing = self.listed - self.present();
         let Some(first) = &self.first_missing else { return write!(f, "{} images, all there", self.listed) };
-        write!(f, "{missing} of {} images are not there, the first of them {}", self.listed, first.display())?;
+        write!(
+            f,
+            "{missing} of {} images are not there, the first of them {}",
+            self.listed,
+            first.display()
+        )?;
         if let Some(ImageRun { from, to, images }) = self.longest() {
             write!(f, "; {images} in a row are, from {} to {} ns", from.ns(), to.ns())?;
         }
@@ -237,7 +242,8 @@ pub(crate) fn parse_png(bytes: &[u8], path: &Path) -> Result<GrayImage, IoError>
     if depth == BitDepth::Sixteen {
         return Err(bad("has 16 bits a pixel; 8 are read".into()));
     }
-    if colour != ColorType::Grayscale || reader.output_color_type() != (ColorType::Grayscale, BitDepth::Eight) {
+    if colour != ColorType::Grayscale || reader.output_color_type() != (ColorType::Grayscale, BitDepth::Eight)
+    {
         return Err(bad(format!("is {colour:?}; grey images are read")));
     }
     let (width, height) = (reader.info().width as usize, reader.info().height as usize);

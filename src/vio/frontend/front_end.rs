@@ -108,7 +108,11 @@ impl FrontEnd {
     ///
     /// # Errors
     /// Settings outside their bounds.
-    pub fn new(camera: PinholeRadtan, config: FrontEndConfig, stream: &Stream) -> Result<Self, FrontEndError> {
+    pub fn new(
+        camera: PinholeRadtan,
+        config: FrontEndConfig,
+        stream: &Stream,
+    ) -> Result<Self, FrontEndError> {
         let faults = config.faults();
         if !faults.is_empty() {
             return Err(FrontEndError::Config { faults });
@@ -225,7 +229,10 @@ impl FrontEnd {
 
     /// An image that tracks are not followed into: they wait, but not for ever.
     fn pass_over(&mut self, mut report: FrameReport) -> Fed {
-        if self.tracked.is_some_and(|tracked| report.t.seconds_since(tracked) > self.config.bridge_s + ROUNDING_S) {
+        if self
+            .tracked
+            .is_some_and(|tracked| report.t.seconds_since(tracked) > self.config.bridge_s + ROUNDING_S)
+        {
             self.give_up(&mut report);
         }
         report.kept = self.points.len();
@@ -375,7 +382,9 @@ impl FrontEnd {
         // The image is the earlier one already: it was put there when it had been tracked into.
         let Some(plane) = self.prev.planes().first() else { return };
         for corner in self.detector.detect(plane, &mut self.mask, &places) {
-            let Some(bearing) = self.camera.bearing(&Vector2::from(corner.px.map(f64::from))) else { continue };
+            let Some(bearing) = self.camera.bearing(&Vector2::from(corner.px.map(f64::from))) else {
+                continue;
+            };
             self.points.push(Point { id: self.next_id, px: corner.px, bearing, handed: None, age: 1 });
             self.next_id += 1;
             report.new += 1;

@@ -27,7 +27,8 @@ impl Mask {
         self.free.clear();
         match allowed.filter(|view| (view.width(), view.height()) == (width, height)) {
             Some(view) => {
-                view.rows().for_each(|row| self.free.extend(row.iter().map(|v| if *v == 0 { 0 } else { 255 })));
+                view.rows()
+                    .for_each(|row| self.free.extend(row.iter().map(|v| if *v == 0 { 0 } else { 255 })));
             }
             None => self.free.resize(width * height, 255),
         }
@@ -88,7 +89,8 @@ mod tests {
                 mask.take_disc(centre, radius);
                 for y in 0..30 {
                     for x in 0..40 {
-                        let far = (x as f64 - f64::from(centre[0])).powi(2) + (y as f64 - f64::from(centre[1])).powi(2);
+                        let far = (x as f64 - f64::from(centre[0])).powi(2)
+                            + (y as f64 - f64::from(centre[1])).powi(2);
                         assert_eq!(mask.is_free(x, y), far >= radius * radius, "{radius} {centre:?} {x} {y}");
                     }
                 }

@@ -2,6 +2,9 @@
 //!
 //! Sums over 3 x 3 pixels of products of 8-bit gradients fit the 24 bits of an `f32`, so they are exact in any order.
 
+// With indices the loops read as the formulas do, and the compiler makes vectors of them.
+#![allow(clippy::needless_range_loop)]
+
 use super::mask::Mask;
 use crate::frontend::image::Plane;
 use pulp::{Simd, WithSimd};
@@ -163,14 +166,7 @@ fn largest_free(responses: &[f32], free: &[u8]) -> f32 {
 
 /// Local maxima of row `y`, the middle one of the three responses.
 #[inline(always)]
-fn maxima(
-    rows: &mut Rows,
-    free: &[u8],
-    y: usize,
-    edge: usize,
-    threshold: f32,
-    found: &mut Vec<Candidate>,
-) {
+fn maxima(rows: &mut Rows, free: &[u8], y: usize, edge: usize, threshold: f32, found: &mut Vec<Candidate>) {
     let n = rows.tallest.len();
     let [a, b, c] = &rows.responses;
     let (a, b, c, tallest) = (&a[..n], &b[..n], &c[..n], &mut rows.tallest[..n]);

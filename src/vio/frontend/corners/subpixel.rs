@@ -16,7 +16,8 @@ pub fn refine(plane: &Plane, px: [f32; 2], half: usize) -> [f32; 2] {
     let weight = |d: isize| (-(d as f64 / half.max(1) as f64).powi(2)).exp();
     let mut place = start;
     for _ in 0..STEPS {
-        let inside = (0.0..plane.width() as f64).contains(&place[0]) && (0.0..plane.height() as f64).contains(&place[1]);
+        let inside = (0.0..plane.width() as f64).contains(&place[0])
+            && (0.0..plane.height() as f64).contains(&place[1]);
         if !inside {
             return px;
         }

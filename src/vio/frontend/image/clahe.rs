@@ -140,8 +140,7 @@ impl WithSimd for Remap<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { plane, tile, tiles, maps, blended } = self;
-        let weights: Vec<Between> =
-            (0..plane.width()).map(|x| Between::at(x, tile[0], tiles)).collect();
+        let weights: Vec<Between> = (0..plane.width()).map(|x| Between::at(x, tile[0], tiles)).collect();
         for y in 0..plane.height() {
             let rows = Between::at(y, tile[1], tiles);
             for (tx, out) in blended.iter_mut().enumerate() {
@@ -153,10 +152,8 @@ impl WithSimd for Remap<'_> {
             let mut row = plane.row_mut(y);
             let mut weights = &weights[..];
             while let Some(start) = weights.first().copied() {
-                let run = weights
-                    .iter()
-                    .take_while(|w| (w.first, w.second) == (start.first, start.second))
-                    .count();
+                let run =
+                    weights.iter().take_while(|w| (w.first, w.second) == (start.first, start.second)).count();
                 let (left, right) = (&blended[start.first], &blended[start.second]);
                 let (here, rest) = std::mem::take(&mut row).split_at_mut(run);
                 for (pixel, between) in here.iter_mut().zip(weights) {

@@ -4,6 +4,9 @@
 //! whole vectors. Columns past the window have gradient 0 and weigh nothing; so have pixels outside the image, whose mirrored values
 //! are no measurement.
 
+// With indices the loops read as the formulas do, and the compiler makes vectors of them.
+#![allow(clippy::needless_range_loop)]
+
 use super::config::Illumination;
 use crate::frontend::image::Plane;
 

@@ -146,7 +146,8 @@ mod tests {
 
     fn pyramid(shift: [f64; 2], gain: f64, offset: f64) -> Pyramid {
         let image = GrayImage::from_fn(160, 140, |x, y| {
-            (gain * surface(x as f64 - shift[0], y as f64 - shift[1]) + offset).round().clamp(0.0, 255.0) as u8
+            (gain * surface(x as f64 - shift[0], y as f64 - shift[1]) + offset).round().clamp(0.0, 255.0)
+                as u8
         });
         Pyramid::new(image.unwrap().view(), 4)
     }
@@ -191,8 +192,15 @@ mod tests {
                     worst.max(error)
                 })
             };
-            assert!(worst(Illumination::GainOffset) < 0.03, "{gain} {offset}: {}", worst(Illumination::GainOffset));
-            assert!(worst(Illumination::Constant) > 0.1, "{gain} {offset}: the plain fit is expected to fail");
+            assert!(
+                worst(Illumination::GainOffset) < 0.03,
+                "{gain} {offset}: {}",
+                worst(Illumination::GainOffset)
+            );
+            assert!(
+                worst(Illumination::Constant) > 0.1,
+                "{gain} {offset}: the plain fit is expected to fail"
+            );
         }
     }
 

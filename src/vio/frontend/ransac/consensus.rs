@@ -243,7 +243,10 @@ mod tests {
                 let found = agree(&scene.pairs, rotation, FOCAL, &config, &Stream::new(seed));
                 let (true_share, false_ones) = kept(&found, scene.good);
                 // A false pair lies within 1 px of its line by chance, about 2 in 480 times a few.
-                assert!(true_share > 0.95 && false_ones <= 4, "seed {seed}: {true_share} {false_ones} {found:?}");
+                assert!(
+                    true_share > 0.95 && false_ones <= 4,
+                    "seed {seed}: {true_share} {false_ones} {found:?}"
+                );
                 assert_eq!(found.geometry == Geometry::TwoPoint, rotation.is_some());
                 assert!(found.trials < 150, "{}", found.trials);
             }
@@ -254,7 +257,8 @@ mod tests {
     fn the_direction_of_motion_is_the_true_one() {
         let path = Vector3::new(0.2, 0.1, -0.05);
         let scene = scene(3, 120, 20, path, 0.1);
-        let found = agree(&scene.pairs, Some(&scene.rotation), FOCAL, &RansacConfig::default(), &Stream::new(1));
+        let found =
+            agree(&scene.pairs, Some(&scene.rotation), FOCAL, &RansacConfig::default(), &Stream::new(1));
         let hat = found.essential.unwrap() * scene.rotation.to_rotation_matrix().matrix().transpose();
         let direction = Vector3::new(hat[(2, 1)], hat[(0, 2)], hat[(1, 0)]).normalize();
         assert!(direction.cross(&path.normalize()).norm() < 0.02, "{direction}");
@@ -274,7 +278,8 @@ mod tests {
         for seed in 0..5 {
             let scene = scene(seed, 100, 15, Vector3::zeros(), 0.15);
             for rotation in [Some(&scene.rotation), None] {
-                let found = agree(&scene.pairs, rotation, FOCAL, &RansacConfig::default(), &Stream::new(seed));
+                let found =
+                    agree(&scene.pairs, rotation, FOCAL, &RansacConfig::default(), &Stream::new(seed));
                 let (true_share, false_ones) = kept(&found, scene.good);
                 assert!(true_share > 0.97, "seed {seed}: {true_share}");
                 // Without a path any line through a point fits; a free matrix can please two or three of the false.
@@ -292,7 +297,8 @@ mod tests {
             let turned = scene.rotation * pair.prev;
             pair.cur = (2.0 * turned - pair.cur).normalize();
         }
-        let found = agree(&scene.pairs, Some(&scene.rotation), FOCAL, &RansacConfig::default(), &Stream::new(1));
+        let found =
+            agree(&scene.pairs, Some(&scene.rotation), FOCAL, &RansacConfig::default(), &Stream::new(1));
         assert!(found.inliers[..10].iter().all(|inlier| !inlier), "{:?}", &found.inliers[..10]);
         assert!(found.agreeing >= 86, "{}", found.agreeing);
     }

@@ -31,8 +31,10 @@ impl Whitened {
     pub(super) fn new(pairs: &[Pair]) -> Self {
         let inverse_prev = whitening(pairs.iter().map(|pair| pair.prev));
         let inverse_cur = whitening(pairs.iter().map(|pair| pair.cur));
-        let pairs =
-            pairs.iter().map(|pair| Pair { prev: inverse_prev * pair.prev, cur: inverse_cur * pair.cur }).collect();
+        let pairs = pairs
+            .iter()
+            .map(|pair| Pair { prev: inverse_prev * pair.prev, cur: inverse_cur * pair.cur })
+            .collect();
         Self { pairs, inverse_prev, inverse_cur }
     }
 

@@ -1,5 +1,8 @@
 //! The direction of motion when the rotation is known.
 
+// With indices the loops read as the formulas do, and the compiler makes vectors of them.
+#![allow(clippy::needless_range_loop)]
+
 use super::pair::Pair;
 use nalgebra::{Matrix3, SymmetricEigen, UnitQuaternion, Vector3};
 
@@ -31,7 +34,12 @@ impl Derotated {
     }
 
     /// The motion that `inliers` say together: across all their normals, as well as can be.
-    pub(super) fn refit(&self, pairs: &[Pair], inliers: &[bool], near: &Matrix3<f64>) -> Option<Matrix3<f64>> {
+    pub(super) fn refit(
+        &self,
+        pairs: &[Pair],
+        inliers: &[bool],
+        near: &Matrix3<f64>,
+    ) -> Option<Matrix3<f64>> {
         let mut scatter = Matrix3::zeros();
         for (i, pair) in pairs.iter().enumerate().filter(|(i, _)| inliers[*i]) {
             let scale = (near * pair.prev).norm_squared() + near.tr_mul(&pair.cur).norm_squared();
@@ -47,13 +55,20 @@ impl Derotated {
 
     /// Takes out tracks that moved by more than twice the threshold \[rad\] towards where the camera came from: no point in front
     /// of it does so. Which of the two ends of the path that is, most of the others say.
-    pub(super) fn reject_wrong_way(&self, pairs: &[Pair], essential: &Matrix3<f64>, threshold: f64, inliers: &mut [bool]) {
+    pub(super) fn reject_wrong_way(
+        &self,
+        pairs: &[Pair],
+        essential: &Matrix3<f64>,
+        threshold: f64,
+        inliers: &mut [bool],
+    ) {
         // E = hat(t) R; t from the matrix's antisymmetric part.
         let hat = essential * self.rotation.transpose();
         let path = Vector3::new(hat[(2, 1)], hat[(0, 2)], hat[(1, 0)]);
         // From depth_prev * turned + t = depth_cur * cur, crossed with cur: depth_prev * normal = -t x cur.
         let side = |i: usize| -path.cross(&pairs[i].cur).dot(&self.normals[i]);
-        let moved = |i: usize| self.normals[i].norm() > 2.0 * threshold && self.turned[i].dot(&pairs[i].cur) > 0.0;
+        let moved =
+            |i: usize| self.normals[i].norm() > 2.0 * threshold && self.turned[i].dot(&pairs[i].cur) > 0.0;
         let votes: i32 = (0..pairs.len())
             .filter(|&i| inliers[i] && moved(i))
             .map(|i| if side(i) > 0.0 { 1 } else { -1 })

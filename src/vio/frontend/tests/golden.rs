@@ -13,7 +13,7 @@ fn folder() -> PathBuf {
 
 fn pgm(name: &str) -> GrayImage {
     let bytes = std::fs::read(folder().join(name)).unwrap();
-    let mut parts = bytes.splitn(4, |byte| byte.is_ascii_whitespace());
+    let mut parts = bytes.splitn(4, u8::is_ascii_whitespace);
     assert_eq!(parts.next(), Some(&b"P5"[..]));
     let mut number = || std::str::from_utf8(parts.next().unwrap()).unwrap().parse::<usize>().unwrap();
     let (width, height) = (number(), number());
@@ -149,13 +149,19 @@ fn flow_is_opencvs_and_the_true_one() {
             }
             let per_axis = |squares: f32| (squares / (2.0 * compared as f32)).sqrt();
             let (ours, theirs) = (per_axis(squares), per_axis(theirs_squares));
-            eprintln!("window {}, {} levels, {illumination:?}: {compared} points, RMS {ours:.4} px, OpenCV's {theirs:.4}", flow.window, flow.levels);
+            eprintln!(
+                "window {}, {} levels, {illumination:?}: {compared} points, RMS {ours:.4} px, OpenCV's {theirs:.4}",
+                flow.window, flow.levels
+            );
             assert!(compared > 25, "{compared}");
             // A fit that also lets the light change may differ a little more.
             let allowed = if illumination == Illumination::Constant { 0 } else { compared / 5 };
             assert!(far.len() <= allowed, "window {} {illumination:?}: {far:?}", flow.window);
             // The scene turns by half a degree, which a wide window's shift cannot follow, ours no more than theirs.
-            assert!((ours < 0.05 || flow.window > 21) && ours < 1.1 * theirs, "{ours} px RMS a side, OpenCV's {theirs}");
+            assert!(
+                (ours < 0.05 || flow.window > 21) && ours < 1.1 * theirs,
+                "{ours} px RMS a side, OpenCV's {theirs}"
+            );
         }
     }
 }

@@ -49,7 +49,10 @@ fn a_camera_at_rest_keeps_its_tracks_and_they_stay_where_they_are() {
     let median = (squares[squares.len() / 2] / 0.693).sqrt();
     let all = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
     let long = seen.values().filter(|places| places.len() == 20).count();
-    eprintln!("scatter a side: {median:.4} px by the median, {all:.4} px RMS; {long} of {} tracks live on; {lost} of {before} lost", seen.len());
+    eprintln!(
+        "scatter a side: {median:.4} px by the median, {all:.4} px RMS; {long} of {} tracks live on; {lost} of {before} lost",
+        seen.len()
+    );
     assert!(median < 0.05, "{median} px");
     assert!(lost * 100 < before, "{lost} of {before} lost");
     assert!(long > 100, "{long} tracks in all frames");

@@ -32,7 +32,8 @@ impl Wall {
     pub(super) fn new(seed: u64) -> Self {
         let camera = half_camera();
         let [width, height] = camera.size();
-        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| Vector2::new(f64::from(x), f64::from(y))));
+        let pixels =
+            (0..height).flat_map(|y| (0..width).map(move |x| Vector2::new(f64::from(x), f64::from(y))));
         let bearings = pixels.map(|px| camera.bearing(&px).unwrap()).collect();
         Self { camera, bearings, seed, gain: 1.0, offset: 0.0, noise: true }
     }
@@ -51,7 +52,12 @@ impl Wall {
     }
 
     /// Where a place seen at `px` from one pose is seen from another.
-    pub(super) fn moved(&self, px: &Vector2<f64>, from: &Isometry3<f64>, to: &Isometry3<f64>) -> Vector2<f64> {
+    pub(super) fn moved(
+        &self,
+        px: &Vector2<f64>,
+        from: &Isometry3<f64>,
+        to: &Isometry3<f64>,
+    ) -> Vector2<f64> {
         let [x, y] = on_wall(from, &self.camera.bearing(px).unwrap());
         let point = to.inverse_transform_point(&nalgebra::Point3::new(x, y, DISTANCE));
         self.camera.project(&point.coords).unwrap()

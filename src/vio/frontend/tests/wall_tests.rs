@@ -18,7 +18,13 @@ fn front_end(wall: &Wall, config: FrontEndConfig) -> FrontEnd {
 }
 
 /// Feeds frames `0..n` of a path, with the true rotations where `told`.
-fn fly(wall: &Wall, config: FrontEndConfig, n: usize, path: impl Fn(usize) -> Isometry3<f64>, told: bool) -> Vec<Fed> {
+fn fly(
+    wall: &Wall,
+    config: FrontEndConfig,
+    n: usize,
+    path: impl Fn(usize) -> Isometry3<f64>,
+    told: bool,
+) -> Vec<Fed> {
     let mut front_end = front_end(wall, config);
     (0..n)
         .map(|i| {
@@ -62,9 +68,9 @@ fn flow_is_the_true_one_to_a_twentieth_pixel_at_a_real_sensors_noise() {
         let mean = errors.iter().sum::<f64>() / errors.len() as f64;
         assert!(mean.abs() < 0.005, "{illumination:?}: {mean} px mean");
         // Tracks live: what is lost a frame is a few of a hundred, most at the image's edge.
-        let (lost, before) = fed.iter().fold((0, 0), |(lost, before), fed| {
-            (lost + fed.report.lost.len(), before + fed.report.before)
-        });
+        let (lost, before) = fed
+            .iter()
+            .fold((0, 0), |(lost, before), fed| (lost + fed.report.lost.len(), before + fed.report.before));
         assert!((lost as f64) < 0.06 * before as f64, "{lost} of {before}");
     }
 }
@@ -108,7 +114,8 @@ fn the_gyroscope_carries_tracks_through_a_fast_turn() {
         let angle = if i < 2 { 0.0 } else { 0.2 * (i - 1) as f64 };
         Isometry3::from_parts(Vector3::zeros().into(), UnitQuaternion::from_scaled_axis(Vector3::y() * angle))
     };
-    let kept = |told| fly(&wall, config(), 5, path, told)[2..].iter().map(|fed| fed.report.kept).sum::<usize>();
+    let kept =
+        |told| fly(&wall, config(), 5, path, told)[2..].iter().map(|fed| fed.report.kept).sum::<usize>();
     let (with, without) = (kept(true), kept(false));
     assert!(with > 3 * 40 && with > 2 * without, "{with} with the gyroscope, {without} without");
 }
@@ -142,8 +149,10 @@ fn what_moves_by_itself_is_taken_out() {
         if i < 8 {
             continue;
         }
-        removed += fed.report.lost.iter().filter(|lost| lost.by == LostBy::Ransac && inside(lost.px.x)).count();
-        let wrong = fed.report.lost.iter().filter(|lost| lost.by == LostBy::Ransac && !inside(lost.px.x)).count();
+        removed +=
+            fed.report.lost.iter().filter(|lost| lost.by == LostBy::Ransac && inside(lost.px.x)).count();
+        let wrong =
+            fed.report.lost.iter().filter(|lost| lost.by == LostBy::Ransac && !inside(lost.px.x)).count();
         if let Some(agreement) = fed.report.agreement {
             asked += agreement.asked;
             assert!(wrong <= 4, "frame {i}: {wrong} true tracks taken out, {agreement:?}");
@@ -168,7 +177,8 @@ fn the_same_images_give_the_same_tracks_and_a_copy_goes_on_alike() {
     config.corners.subpixel = 4;
     let once = strip(fly(&wall, config, 12, pose, true));
     let again = std::thread::scope(|scope| {
-        let runs: Vec<_> = (0..2).map(|_| scope.spawn(|| strip(fly(&wall, config, 12, pose, true)))).collect();
+        let runs: Vec<_> =
+            (0..2).map(|_| scope.spawn(|| strip(fly(&wall, config, 12, pose, true)))).collect();
         runs.into_iter().map(|run| run.join().unwrap()).collect::<Vec<_>>()
     });
     assert!(again.iter().all(|run| *run == once));
