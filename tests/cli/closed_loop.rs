@@ -21,6 +21,11 @@ fn rows(out: &Path) -> Vec<Value> {
         for timing in ["cpu_per_data_s", "p95_update_ms", "stage_s"] {
             assert!(fields.remove(timing).is_some(), "no {timing}");
         }
+        if let Some(front_end) = fields["front_end"].as_object_mut() {
+            for timing in ["cpu_per_data_s", "p95_ms"] {
+                assert!(front_end.remove(timing).is_some(), "no {timing}");
+            }
+        }
         row
     })
     .collect()

@@ -1,6 +1,7 @@
 //! The estimator's settings.
 
 use super::health::HealthConfig;
+use crate::frontend::FrontEndConfig;
 use crate::init::InitConfig;
 use crate::preint::PreintegrationConfig;
 use crate::window::WindowConfig;
@@ -18,6 +19,8 @@ pub struct EstimatorConfig {
     pub init: InitConfig,
     /// When an estimate is given up.
     pub health: HealthConfig,
+    /// What follows points through images, where images are fed and not tracks.
+    pub front_end: FrontEndConfig,
     /// Whether every update carries the covariance of its pose: one more linear system a frame.
     pub covariance: bool,
 }

@@ -3,7 +3,7 @@
 use super::config::{FrontEndConfig, Repeated};
 use super::corners::{Detector, Mask};
 use super::image::{Clahe, ImageStats, Pyramid};
-use super::klt::{Klt, Shift};
+use super::klt::{Klt, KltConfig, Shift};
 use super::predict::turned;
 use super::ransac::{Pair, agree};
 use super::report::{Agreement, FrameReport, Lost, LostBy, Status};
@@ -82,6 +82,8 @@ pub struct FrontEnd {
     config: FrontEndConfig,
     stream: Stream,
     klt: Klt,
+    /// The way back, which need not look like anything: it is compared with home.
+    back: Klt,
     detector: Detector,
     clahe: Option<Clahe>,
     allowed: Option<GrayImage>,
@@ -122,6 +124,7 @@ impl FrontEnd {
             config,
             stream: stream.named("front-end"),
             klt: Klt::new(config.klt),
+            back: Klt::new(KltConfig { min_correlation: 0.0, ..config.klt }),
             detector: Detector::new(config.corners),
             clahe: config.clahe.enabled.then(|| Clahe::new(config.clahe)),
             allowed: None,
@@ -265,7 +268,7 @@ impl FrontEnd {
             .filter_map(|(shift, found)| Some(Shift { from: found.ok()?, guess: shift.from }))
             .collect();
         let home = if klt.back_px > 0.0 {
-            self.klt.track(&self.cur, &self.prev, &back, klt.back_levels)
+            self.back.track(&self.cur, &self.prev, &back, klt.back_levels)
         } else {
             back.iter().map(|shift| Ok(shift.guess)).collect()
         };

@@ -26,7 +26,7 @@ pub mod ransac;
 mod report;
 mod schedule;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use config::{FrontEndConfig, Repeated};
 pub use front_end::{Fed, FrontEnd, FrontEndError};

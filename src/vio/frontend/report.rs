@@ -42,6 +42,8 @@ pub enum LostBy {
     Outside,
     /// Its window has lost its texture.
     Flat,
+    /// What was found does not look like it.
+    Unlike,
     /// Tracked back, it did not come home.
     Back,
     /// It does not agree with the others on the camera's motion.
@@ -57,6 +59,7 @@ impl From<KltLoss> for LostBy {
         match loss {
             KltLoss::Outside => Self::Outside,
             KltLoss::Flat => Self::Flat,
+            KltLoss::Unlike => Self::Unlike,
         }
     }
 }
