@@ -1,17 +1,18 @@
-//! Samples and images as they come live: late, in bursts, out of order, in front of a wall whose picture is known.
+//! Samples and images as they come live: late, in bursts, out of order, spoilt, in front of a wall whose picture is known.
 
-use super::{Estimator, EstimatorConfig, FeedError, Update};
+use super::{Estimator, EstimatorConfig, FeedError, Phase, Update};
 use crate::frontend::Status;
-use crate::frontend::tests::wall::{Wall, stamp};
+use crate::frontend::tests::wall::{Wall, half_camera, stamp};
 use crate::preint::NoisySample;
+use dpn_core::camera::PinholeRadtan;
 use dpn_core::geometry::so3;
 use dpn_core::{GrayImage, ImuNoise, ImuSample, Stamp};
-use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, UnitQuaternion, Vector2, Vector3};
+use std::sync::OnceLock;
 
-/// Seconds of flight.
-const SECONDS: f64 = 4.0;
-/// Images at 20 Hz.
+/// Images at 20 Hz: a flight of four seconds, and of twelve.
 const IMAGES: usize = 80;
+const LONG: usize = 240;
 
 /// At rest for half a second, then a lively path in front of the wall (z forward, y down).
 fn pose_at(t: f64) -> Isometry3<f64> {
@@ -38,22 +39,33 @@ fn sample(i: usize) -> NoisySample {
     }
 }
 
+/// What the camera sees over the long flight.
+fn images() -> &'static [GrayImage] {
+    static IMAGES: OnceLock<Vec<GrayImage>> = OnceLock::new();
+    IMAGES.get_or_init(|| {
+        let wall = Wall::new(12);
+        (0..LONG).map(|i| wall.image(&pose_at(0.05 * i as f64), i as u64)).collect()
+    })
+}
+
+fn estimator(camera: PinholeRadtan) -> Estimator {
+    let mut config = EstimatorConfig::default();
+    config.front_end.corners.distance_px = 20.0;
+    Estimator::new(config, camera, Isometry3::identity(), 1).unwrap()
+}
+
 struct Case {
     samples: Vec<NoisySample>,
-    images: Vec<GrayImage>,
+    images: &'static [GrayImage],
     estimator: Estimator,
 }
 
 impl Case {
     fn new() -> Self {
-        let wall = Wall::new(12);
-        let mut config = EstimatorConfig::default();
-        config.front_end.corners.distance_px = 20.0;
-        let estimator = Estimator::new(config, wall.camera, Isometry3::identity(), 1).unwrap();
         Self {
-            samples: (0..(200.0 * SECONDS) as usize + 20).map(sample).collect(),
-            images: (0..IMAGES).map(|i| wall.image(&pose_at(0.05 * i as f64), i as u64)).collect(),
-            estimator,
+            samples: (0..10 * IMAGES + 20).map(sample).collect(),
+            images: &images()[..IMAGES],
+            estimator: estimator(half_camera()),
         }
     }
 
@@ -145,4 +157,147 @@ fn a_silent_imu_is_said_and_costs_no_more_memory() {
     case.samples.iter().for_each(|sample| estimator.feed_imu(*sample).unwrap());
     let updates = std::iter::from_fn(|| estimator.next_update()).count();
     assert_eq!(updates, super::eye::MOST_WAITING / 2);
+}
+
+/// What a spoilt flight left: updates, and every pose's error where the first pose is taken for right \[m\].
+struct Spoilt {
+    updates: Vec<Update>,
+    errors: Vec<(usize, f64)>,
+    passed_over: usize,
+}
+
+/// The long flight, with each image changed, or lost, by `spoil`.
+fn spoilt(camera: PinholeRadtan, spoil: impl Fn(usize) -> Option<GrayImage>) -> Spoilt {
+    let mut estimator = estimator(camera);
+    let mut left = Spoilt { updates: Vec::new(), errors: Vec::new(), passed_over: 0 };
+    for i in 0..10 * LONG {
+        if i % 10 == 0
+            && let Some(image) = spoil(i / 10)
+        {
+            // One of another size is refused by name; nothing else is.
+            if let Err(error) = estimator.feed_image(image.view(), stamp(i / 10)) {
+                assert!(matches!(error, FeedError::ImageSize { .. }), "{error}");
+                left.passed_over += 1;
+            }
+        }
+        estimator.feed_imu(sample(i)).unwrap();
+        let before = estimator.last_image().map(|report| report.t);
+        left.updates.extend(std::iter::from_fn(|| estimator.next_update()));
+        let report = estimator.last_image().filter(|report| before != Some(report.t));
+        left.passed_over +=
+            usize::from(report.is_some_and(|r| !matches!(r.status, Status::Tracked | Status::HandedOver)));
+    }
+    let pose = |t: Stamp| pose_at(t.seconds_since(stamp(0)));
+    let mut from_truth = None;
+    for update in &left.updates {
+        if let Phase::Restarted(_) = update.phase {
+            from_truth = None;
+        }
+        let Some(state) = update.state else { continue };
+        let from_truth = *from_truth.get_or_insert(state.world_from_body * pose(update.t).inverse());
+        let expected = from_truth * pose(update.t);
+        let error = (state.world_from_body.translation.vector - expected.translation.vector).norm();
+        left.errors.push((((update.t.ns() - stamp(0).ns()) / 50_000_000) as usize, error));
+    }
+    left
+}
+
+fn even(grey: u8) -> GrayImage {
+    GrayImage::from_fn(376, 240, |_, _| grey).unwrap()
+}
+
+/// Black with a sensor's last bit trembling.
+fn dark(i: usize) -> GrayImage {
+    GrayImage::from_fn(376, 240, |x, y| ((x * 31 + y * 17 + i * 7) % 3) as u8).unwrap()
+}
+
+#[test]
+fn bad_images_cost_poses_and_invent_none() {
+    type Spoil = Box<dyn Fn(usize) -> Option<GrayImage>>;
+    let image = |i: usize| Some(images()[i].clone());
+    let bright = |image: &GrayImage| {
+        let pixels = image.pixels().iter().map(|v| (f32::from(*v) * 0.55 + 60.0) as u8).collect();
+        GrayImage::new(376, 240, pixels).unwrap()
+    };
+    let cases: Vec<(&str, Spoil, usize, f64)> = vec![
+        ("nothing", Box::new(image), 0, 0.15),
+        ("one black", Box::new(move |i| if i == 100 { Some(even(0)) } else { image(i) }), 1, 0.15),
+        (
+            "three saturated",
+            Box::new(move |i| if (100..103).contains(&i) { Some(even(255)) } else { image(i) }),
+            3,
+            0.15,
+        ),
+        (
+            "frozen for a second",
+            Box::new(move |i| image(if (100..120).contains(&i) { 100 } else { i })),
+            19,
+            0.3,
+        ),
+        ("every second repeated", Box::new(move |i| image(i / 2 * 2)), LONG / 2, 0.15),
+        (
+            "another size",
+            Box::new(move |i| {
+                if i == 120 { GrayImage::from_fn(752, 480, |x, y| (x ^ y) as u8).ok() } else { image(i) }
+            }),
+            1,
+            0.15,
+        ),
+        (
+            "a jump in exposure",
+            Box::new(move |i| if i >= 120 { Some(bright(&images()[i])) } else { image(i) }),
+            0,
+            0.15,
+        ),
+        ("30 % lost", Box::new(move |i| if (i * 7919) % 10 < 3 { None } else { image(i) }), 0, 0.2),
+    ];
+    for (name, spoil, passed_over, most) in cases {
+        let left = spoilt(half_camera(), spoil);
+        let worst = left.errors.iter().map(|(_, error)| *error).fold(0.0, f64::max);
+        let restarts = left.updates.iter().filter(|u| matches!(u.phase, Phase::Restarted(_))).count();
+        eprintln!(
+            "{name}: {} poses, worst {worst:.3} m, {restarts} restarts, {} passed over",
+            left.errors.len(),
+            left.passed_over
+        );
+        assert_eq!(left.passed_over, passed_over, "{name}");
+        assert!(
+            left.errors.len() > 60 && worst < most,
+            "{name}: {} poses, worst {worst} m",
+            left.errors.len()
+        );
+    }
+}
+
+#[test]
+fn in_the_dark_there_is_no_pose_and_with_the_light_it_goes_on_or_begins_anew() {
+    // Five seconds of darkness in flight.
+    let left =
+        spoilt(half_camera(), |i| Some(if (80..180).contains(&i) { dark(i) } else { images()[i].clone() }));
+    assert_eq!(left.passed_over, 100);
+    assert!(left.errors.iter().all(|(i, _)| !(80..180).contains(i)), "a pose in the dark");
+    let before = left.errors.iter().filter(|(i, _)| *i < 80).count();
+    let after: Vec<f64> = left.errors.iter().filter(|(i, _)| *i >= 180).map(|(_, error)| *error).collect();
+    eprintln!("dark: {before} poses before, {} after, the first {:?}", after.len(), after.first());
+    eprintln!("{:?}", left.updates.iter().filter(|u| u.t >= stamp(180)).map(|u| u.phase).collect::<Vec<_>>());
+    assert!(before > 10);
+
+    // A cap on the lens at the start.
+    let left = spoilt(half_camera(), |i| Some(if i < 100 { dark(i) } else { images()[i].clone() }));
+    assert!(left.errors.iter().all(|(i, _)| *i >= 100), "a pose under the cap");
+    let worst = left.errors.iter().map(|(_, error)| *error).fold(0.0, f64::max);
+    assert!(left.errors.len() > 20 && worst < 0.2, "{} poses, {worst} m", left.errors.len());
+}
+
+#[test]
+fn a_calibration_of_another_camera_is_no_reason_to_invent_poses() {
+    let camera = half_camera();
+    let focal = camera.focal() * 1.7;
+    let other =
+        PinholeRadtan::new([376, 240], [focal.x, focal.y, 150.0, 160.0], [0.3, -0.2, 0.0, 0.0, 0.0]).unwrap();
+    let left = spoilt(other, |i| Some(images()[i].clone()));
+    let worst = left.errors.iter().map(|(_, error)| *error).fold(0.0, f64::max);
+    let phases: Vec<Phase> = left.updates.iter().map(|u| u.phase).collect();
+    eprintln!("{} poses, worst {worst:.3} m, {phases:?}", left.errors.len());
+    let _ = Vector2::<f64>::zeros();
 }

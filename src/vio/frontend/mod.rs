@@ -18,6 +18,7 @@
 mod config;
 pub mod corners;
 mod front_end;
+mod gyro_bias;
 mod gyro_turn;
 pub mod image;
 pub mod klt;

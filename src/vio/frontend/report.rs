@@ -4,7 +4,7 @@ use super::image::ImageStats;
 use super::klt::KltLoss;
 use super::ransac::Geometry;
 use dpn_core::Stamp;
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 use serde::Serialize;
 use std::time::Duration;
 
@@ -131,6 +131,8 @@ pub struct FrameReport {
     pub motion_px: f64,
     /// What tracks agreed on; none where they were not asked.
     pub agreement: Option<Agreement>,
+    /// The gyroscope's bias in the camera's frame as the tracks have shown it \[rad/s\]; 0 where they were not asked.
+    pub gyro_bias: Vector3<f64>,
     /// Wall time of the stages. The only part that differs between two runs.
     pub times: StageTimes,
 }
@@ -148,6 +150,7 @@ impl FrameReport {
             mean_age: 0.0,
             motion_px: 0.0,
             agreement: None,
+            gyro_bias: Vector3::zeros(),
             times: StageTimes::default(),
         }
     }

@@ -8,6 +8,10 @@ use dpn_core::random::{Stream, StreamRng};
 use nalgebra::{Matrix3, UnitQuaternion};
 use rand::Rng;
 
+/// Matrices are scored by squares truncated at this share of the threshold. Where something large moves by itself, one that compromises
+/// has more pairs within the whole threshold than the true one, but fewer close by.
+const SCORED_SHARE: f64 = 0.5;
+
 /// Below this many pairs nothing is taken out: any eight fit a matrix.
 const FEWEST: usize = 9;
 
@@ -98,14 +102,17 @@ fn by_seven_points(pairs: &[Pair], threshold: f64, config: &RansacConfig, stream
 struct Search<'a> {
     pairs: &'a [Pair],
     threshold_squared: f64,
-    /// Sum of the squared distances, each at most the threshold's square.
+    scored_squared: f64,
+    /// Sum of the squared distances, each at most `scored_squared`.
     cost: f64,
     best: Option<Matrix3<f64>>,
 }
 
 impl<'a> Search<'a> {
     fn new(pairs: &'a [Pair], threshold: f64) -> Self {
-        Self { pairs, threshold_squared: threshold * threshold, cost: f64::INFINITY, best: None }
+        let threshold_squared = threshold * threshold;
+        let scored_squared = threshold_squared * SCORED_SHARE * SCORED_SHARE;
+        Self { pairs, threshold_squared, scored_squared, cost: f64::INFINITY, best: None }
     }
 
     /// Tries samples of `N` pairs until another is not worth it; returns how many.
@@ -135,7 +142,7 @@ impl<'a> Search<'a> {
         let mut cost = 0.0;
         for pair in self.pairs {
             // NaN counts as far.
-            cost += pair.distance_squared(&matrix).min(self.threshold_squared);
+            cost += pair.distance_squared(&matrix).min(self.scored_squared);
             if cost >= self.cost {
                 return false;
             }

@@ -73,17 +73,28 @@ fn a_camera_at_rest_keeps_its_tracks_and_they_stay_where_they_are() {
             own.entry(track.id).or_default().push(track.px - way);
         }
     }
+    let (all, first) = (own.len(), &frames[0].tracks);
+    let [weak, _] = scatter(&own);
+    // Corners of the first frame are the strongest; later ones fill the room between them.
+    own.retain(|id, _| first.iter().any(|track| track.id == *id));
+    raw.retain(|id, _| own.contains_key(id));
     let ([median, rms], [shaken, _]) = (scatter(&own), scatter(&raw));
-    let first = &frames[0].tracks;
     let long = own.values().filter(|places| places.len() == frames.len()).count();
     eprintln!(
-        "scatter a side: {median:.4} px by the median, {rms:.4} px RMS ({shaken:.4} px with what all share); {} corners, {long} of {} tracks \
-         live on; {lost} of {before} lost",
-        first.len(),
-        own.len()
+        "scatter a side: {median:.4} px by the median, {rms:.4} px RMS, {weak:.4} px with weaker corners ({shaken:.4} px with what all share); \
+         {long} of {} first corners live on, {all} tracks in all; {lost} of {before} lost",
+        first.len()
     );
-    // OpenCV's tracker on the same images: .018 px by the median, .066 px with what all share.
-    assert!(median < 0.022 && rms < 0.04 && shaken < 0.075, "{median} px, {rms} px RMS, {shaken} px");
+    // OpenCV's tracker and corners on the same images: .018 px by the median, .030 px RMS, .066 px with what all share; 82 corners.
+    assert!(
+        median < 0.020 && rms < 0.033 && weak < 0.027 && shaken < 0.072,
+        "{median} px, {rms} px RMS, {weak} px, {shaken} px"
+    );
     assert!(lost * 100 < before, "{lost} of {before} lost");
-    assert!(long > 100, "{long} tracks in all frames");
+    assert!(
+        first.len() > 70 && long + 2 >= first.len(),
+        "{long} of {} first tracks in all frames",
+        first.len()
+    );
+    assert!(all > 140, "{all} tracks");
 }
