@@ -29,7 +29,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         "program": program(), "estimator": estimator, "input": source.checksum(place)?, "report": done.report,
     });
     write(&done, &report, &out)?;
-    for warning in &done.report.warnings {
+    for warning in estimator.warnings().iter().chain(&done.report.warnings) {
         eprintln!("warning: {warning}");
     }
     if args.json {
