@@ -71,6 +71,26 @@ impl Sweep<'_> {
         progress: &mut dyn Progress,
     ) -> Result<Vec<Row>, ClosedLoopError> {
         let mut store = Store::open(dir, manifest)?;
+        match self.fill(&mut store, dir, stop, progress) {
+            Ok(ordered) => {
+                store.finish(&ordered)?;
+                Ok(ordered)
+            }
+            Err(error) => {
+                store.abandon();
+                Err(error)
+            }
+        }
+    }
+
+    /// Runs every cell that `store` has no row of.
+    fn fill(
+        &self,
+        store: &mut Store,
+        dir: &Path,
+        stop: &AtomicBool,
+        progress: &mut dyn Progress,
+    ) -> Result<Vec<Row>, ClosedLoopError> {
         let mut rows = store.rows();
         let cells = self.cells();
         let total = cells.len();
@@ -100,7 +120,6 @@ impl Sweep<'_> {
             progress.finish(&format!("stopped after {} of {total} cells", ordered.len()));
             return Err(ClosedLoopError::Stopped { done: ordered.len(), total });
         }
-        store.finish(&ordered)?;
         progress.finish(&format!("{total} cells"));
         Ok(ordered)
     }

@@ -40,6 +40,9 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
         threads: closed.threads.unwrap_or_else(cores).max(1),
         trajectories: closed.trajectories,
     };
+    for warning in sweep.estimator.warnings() {
+        eprintln!("warning: {warning}");
+    }
     let manifest = manifest(args, &sweep)?;
     let out = args
         .out

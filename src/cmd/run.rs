@@ -49,7 +49,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     if let (Some(dir), Some(album)) = (&args.draw, album) {
         draw(dir, album, &recording, &seen, &done)?;
     }
-    for warning in &done.report.warnings {
+    for warning in estimator.warnings().iter().chain(&done.report.warnings) {
         eprintln!("warning: {warning}");
     }
     if args.json {

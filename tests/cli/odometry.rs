@@ -144,7 +144,6 @@ fn gaps_and_early_frames_are_survived_and_said() {
 }
 
 #[test]
-#[ignore = "fails: thresholds of the diagnosis are not settled"]
 fn swapped_axes_are_told_from_the_camera() {
     let tmp = tempfile::tempdir().unwrap();
     end(dpn().args(["simulate", "flight", "room-medium", "--out"]).arg(tmp.path())).well();
