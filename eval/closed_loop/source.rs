@@ -7,7 +7,7 @@ use super::sight::{Seen, Watch, follow};
 use crate::metrics::poses_of;
 use dpn_core::camera::PinholeRadtan;
 use dpn_core::io::asl::{CameraConfig, Sequence, discover};
-use dpn_core::io::{IoError, StampedPose, read_tracks};
+use dpn_core::io::{ImageFolder, IoError, StampedPose, read_tracks};
 use dpn_core::{SampleRate, Stamp, TrackFrame};
 use dpn_sim::flight::FlightPlan;
 use dpn_sim::tracks::{
@@ -243,7 +243,7 @@ impl Source {
         }
     }
 
-    /// SHA-256 over the files that the sequence at `place` is read from; of a flight, nothing but its name.
+    /// SHA-256 over the files that the sequence at `place` is read from, over its images' lengths alone; of a flight, nothing but its name.
     ///
     /// # Errors
     /// A file that cannot be read.
@@ -269,6 +269,13 @@ impl Source {
                     })?;
                     hash.update((bytes.len() as u64).to_le_bytes());
                     hash.update(&bytes);
+                }
+                // Gigabytes of images are told apart by their lengths, which differ wherever a picture does, but for great chance.
+                if let Tracks::Seen(Vision { images: Images::Folder { .. }, .. }) = tracks {
+                    for (t, length) in ImageFolder::open(sequence)?.lengths() {
+                        hash.update(t.ns().to_le_bytes());
+                        hash.update(length.unwrap_or(0).to_le_bytes());
+                    }
                 }
             }
             Self::Flights { .. } => hash.update(Flight::ALL[place].name()),

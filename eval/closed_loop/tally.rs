@@ -61,13 +61,12 @@ impl Tally {
         self.over += 1;
         let at_s = self.first.map_or(0.0, |first| t.seconds_since(first));
         let same = self.before.replace(reason) == Some(reason);
+        let room = self.events.len() < MOST_EVENTS;
         match self.events.last_mut() {
             Some(event) if same && self.more_events == 0 => {
                 (event.to_s, event.images) = (at_s, event.images + 1);
             }
-            _ if self.events.len() < MOST_EVENTS => {
-                self.events.push(SightEvent { from_s: at_s, to_s: at_s, images: 1, reason, words });
-            }
+            _ if room => self.events.push(SightEvent { from_s: at_s, to_s: at_s, images: 1, reason, words }),
             _ => self.more_events += usize::from(!same),
         }
     }

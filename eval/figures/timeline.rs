@@ -93,17 +93,18 @@ impl TimelinePanel {
         Self { lines, ..self.clone() }
     }
 
+    /// Without its label, which stands above the panel, where there is room for it.
     fn axis(&self) -> Axis {
         let values = || self.lines.iter().flat_map(|(_, line)| line.iter().map(|p| p.1));
         let (low, high) =
             (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
         if self.log {
-            return Axis::log(self.label.clone(), low.max(high * DECADES) / 1.2, high * 1.2);
+            return Axis::log(String::new(), low.max(high * DECADES) / 1.2, high * 1.2);
         }
         // Counts and lengths begin at nought.
         let low = if low >= 0.0 { 0.0 } else { low };
         let pad = 0.06 * (high - low);
-        Axis::linear(self.label.clone(), if low < 0.0 { low - pad } else { low }, high + pad, 4)
+        Axis::linear(String::new(), if low < 0.0 { low - pad } else { low }, high + pad, 4)
     }
 
     fn draw<DB: DrawingBackend>(
@@ -120,10 +121,9 @@ impl TimelinePanel {
         }
         let mut x = frame.rect.right;
         for ((name, line), colour) in self.lines.iter().zip(PALETTE).rev() {
-            let points: Vec<(i32, i32)> = line.iter().map(|(t, v)| frame.at(*t, *v)).collect();
-            // Where values are missing for long, no line pretends to know them.
-            for part in points.chunk_by(|a, b| b.0 - a.0 <= GAP) {
-                frame.path(part.to_vec(), style::stroke(colour, style::THIN))?;
+            for part in unbroken(line) {
+                let points = part.iter().map(|(t, v)| frame.at(*t, *v)).collect();
+                frame.path(points, style::stroke(colour, style::THIN))?;
             }
             if self.lines.len() > 1 {
                 let at = (x, frame.rect.top - 18);
@@ -137,8 +137,13 @@ impl TimelinePanel {
     }
 }
 
-/// Pixels without a value after which a line breaks off.
-const GAP: i32 = 24;
+/// Parts of a line without a gap: where values are missing for four usual steps, no line pretends to know them.
+fn unbroken(line: &[(f64, f64)]) -> impl Iterator<Item = &[(f64, f64)]> {
+    let mut steps: Vec<f64> = line.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
+    steps.sort_by(f64::total_cmp);
+    let usual = steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY);
+    line.chunk_by(move |a, b| b.0 - a.0 <= 4.0 * usual)
+}
 
 impl Plot for Timeline {
     fn size(&self) -> (u32, u32) {
@@ -154,9 +159,7 @@ impl Plot for Timeline {
         for (i, (panel, axis)) in self.panels.iter().enumerate() {
             top += WORDS;
             let rect = Rect { left: LEFT, top, right: LEFT + WIDE, bottom: top + PANEL };
-            // The label stands above the panel, where there is room for it.
-            let y = Axis { label: String::new(), ..axis.clone() };
-            let frame = Frame::new(area, rect, &self.time, &y);
+            let frame = Frame::new(area, rect, &self.time, axis);
             panel.draw(&frame, &self.marks, i + 1 == self.panels.len())?;
             top += PANEL;
         }
@@ -183,6 +186,13 @@ mod tests {
 
     fn panel(label: &str, log: bool, line: &[(f64, f64)]) -> TimelinePanel {
         TimelinePanel { label: label.into(), log, lines: vec![("a".into(), line.to_vec())] }
+    }
+
+    #[test]
+    fn a_line_breaks_off_where_values_are_missing() {
+        let line: Vec<(f64, f64)> = [0, 1, 2, 3, 9, 10, 11].map(|t| (f64::from(t), 1.0)).to_vec();
+        assert_eq!(unbroken(&line).map(<[_]>::len).collect::<Vec<_>>(), [4, 3]);
+        assert_eq!(unbroken(&[]).count(), 0);
     }
 
     #[test]

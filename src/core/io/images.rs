@@ -75,6 +75,11 @@ impl ImageFolder {
         self.frames.iter().any(|(_, path)| path.is_file())
     }
 
+    /// Stamps of all images listed, and their files' lengths \[bytes\]; none of one that is not there.
+    pub fn lengths(&self) -> impl Iterator<Item = (Stamp, Option<u64>)> + '_ {
+        self.frames.iter().map(|(t, path)| (*t, std::fs::metadata(path).ok().map(|meta| meta.len())))
+    }
+
     /// How many images are listed.
     pub fn len(&self) -> usize {
         self.frames.len()
@@ -195,8 +200,8 @@ impl Coverage {
     pub fn longest_s(&self) -> Option<[f64; 2]> {
         let (run, first) = (self.longest()?, self.first?);
         let ms = |t: Stamp| t.seconds_since(first) * 1e3;
-        // A hair, so that a whole number of milliseconds stays what it is.
-        Some([(ms(run.from) + 1e-6).floor() / 1e3, (ms(run.to) - 1e-6).ceil() / 1e3])
+        // A microsecond, so that a whole number of milliseconds stays what it is under a clock's trembling.
+        Some([(ms(run.from) + 1e-3).floor() / 1e3, (ms(run.to) - 1e-3).ceil() / 1e3])
     }
 }
 
@@ -339,6 +344,7 @@ mod tests {
         assert!(said.starts_with("3 of 10 images are not there") && said.contains("0.png"), "{said}");
         assert!(said.ends_with("4 in a row are, from 0.3 to 0.45 s after the first listed"), "{said}");
         assert_eq!(coverage.longest_s(), Some([0.3, 0.45]));
+        assert_eq!(folder.lengths().filter(|(_, length)| length.is_none()).count(), 3);
         assert!(folder.holds_any() && folder.clone().only_present().coverage().is_complete());
         assert!(!ImageFolder::of(vec![(Stamp::from_ns(0), dir.path().join("x.png"))], [4, 3]).holds_any());
         let part = folder.clone().between(longest.from, longest.to);

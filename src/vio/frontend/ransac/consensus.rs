@@ -12,6 +12,9 @@ use rand::Rng;
 /// has more pairs within the whole threshold than the true one, but fewer close by.
 const SCORED_SHARE: f64 = 0.5;
 
+/// Two tracks with noise give a rough motion, even if both are true: of a few good samples the best is taken.
+const FEWEST_TRIALS: usize = 20;
+
 /// Below this many pairs nothing is taken out: any eight fit a matrix.
 const FEWEST: usize = 9;
 
@@ -124,13 +127,15 @@ impl<'a> Search<'a> {
     ) -> usize {
         let mut rng = stream.rng();
         let mut needed = config.most_trials;
+        let fewest = FEWEST_TRIALS.min(config.most_trials);
         let mut trial = 0;
         while trial < needed {
             trial += 1;
             for matrix in solve(sample(&mut rng, self.pairs.len())) {
                 if self.offer(matrix) {
-                    let share = self.agreeing() as f64 / self.pairs.len() as f64;
-                    needed = config.most_trials.min(trials_for(share, N, config.confidence));
+                    // Pairs close by, not all within the threshold: a compromise would end the search early.
+                    let share = self.close_by() as f64 / self.pairs.len() as f64;
+                    needed = trials_for(share, N, config.confidence).clamp(fewest, config.most_trials);
                 }
             }
         }
@@ -169,8 +174,12 @@ impl<'a> Search<'a> {
         self.pairs.iter().map(agrees).collect()
     }
 
-    fn agreeing(&self) -> usize {
-        self.inliers().into_iter().filter(|inlier| *inlier).count()
+    /// Pairs within what is scored.
+    fn close_by(&self) -> usize {
+        let close = |pair: &&Pair| {
+            self.best.is_none_or(|matrix| pair.distance_squared(&matrix) < self.scored_squared)
+        };
+        self.pairs.iter().filter(close).count()
     }
 
     fn into_consensus(self, geometry: Geometry, trials: usize) -> Consensus {
