@@ -6,7 +6,7 @@ use crate::run::{dpn, end, files};
 #[test]
 fn a_sound_log_has_notes_only_and_a_sick_one_is_told_what_ails_it() {
     let dir = tempfile::tempdir().unwrap();
-    let mut check = |log: &str, more: &[&str]| {
+    let check = |log: &str, more: &[&str]| {
         let data = put(&dir.path().join("log"), "still", log);
         end(dpn()
             .arg("check")

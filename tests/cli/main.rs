@@ -6,7 +6,6 @@
 mod allan;
 mod arguments;
 mod bad_config;
-
 mod bad_data;
 mod check;
 mod eval;
