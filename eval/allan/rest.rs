@@ -1,7 +1,8 @@
 //! Whether a log is at rest, second by second.
 //!
 //! A second has moved when an axis
-//! * scatters three times as much as in the middle second of the log, or leaps, against the second before it, by ten times the usual leap;
+//! * scatters three times as much as in the middle second of the log, or has leapt, against the last second at rest, by ten times the usual
+//!   leap, and not yet stayed there for ten seconds;
 //! * scatters more, or is further from the log's middle, than any vehicle standing still: vibration of .5 m/s^2 or .1 rad/s, a tilt of
 //!   .5 m/s^2, a turn of .05 rad/s.
 //!
@@ -10,6 +11,9 @@
 use dpn_core::{ImuRecording, Sensor};
 use serde::Serialize;
 use std::ops::Range;
+
+/// Seconds at another level after which that is where the log rests.
+const SETTLED: u32 = 10;
 
 /// A stretch of a log.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -76,13 +80,20 @@ pub fn rest(recording: &ImuRecording) -> Rest {
             } else {
                 least
             };
+            let far = (10.0 * 1.48 * leap).max(usual);
+            // The last second at rest, and for how many the axis has been away from it.
+            let (mut before, mut away_for) = (seconds[0].mean, 0);
             for (i, second) in seconds.iter().enumerate() {
-                let leapt =
-                    i > 0 && (second.mean - seconds[i - 1].mean).abs() > (10.0 * 1.48 * leap).max(usual);
-                moved[i] |= (usual > 0.0 && second.std > 3.0 * usual)
+                let shakes = (usual > 0.0 && second.std > 3.0 * usual)
                     || second.std > shaking
-                    || (second.mean - middle).abs() > away
-                    || leapt;
+                    || (second.mean - middle).abs() > away;
+                let leapt = (second.mean - before).abs() > far && away_for < SETTLED;
+                if shakes || leapt {
+                    away_for += u32::from(leapt);
+                } else {
+                    (before, away_for) = (second.mean, 0);
+                }
+                moved[i] |= shakes || leapt;
             }
         }
     }
@@ -221,8 +232,9 @@ mod tests {
             .iter()
             .map(|s| (s.from_s.round() as i32, s.to_s.round() as i32))
             .collect();
-        assert_eq!(spans, [(20, 21), (50, 51), (54, 55)]);
-        assert_eq!(rest.longest, 5500..12_000);
+        // Four seconds of turning, then ten until the new attitude counts as rest.
+        assert_eq!(spans, [(20, 21), (50, 64)]);
+        assert_eq!(rest.longest, 6400..12_000);
     }
 
     #[test]

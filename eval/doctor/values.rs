@@ -138,7 +138,7 @@ pub(super) fn step(signal: &[f64]) -> Option<f64> {
     };
     let share = apart.iter().filter(whole).count() as f64 / apart.len() as f64;
     // Of numbers without a step a tenth or so would pass by chance.
-    (share > 0.95 && values.len() < 20_000.min(signal.len()) / 2).then_some(least)
+    (share > 0.95 && values.len() < signal.len().min(20_000) / 2).then_some(least)
 }
 
 fn steps(recording: &ImuRecording) -> Vec<Finding> {
