@@ -69,6 +69,9 @@ pub fn nnls(a: &DMatrix<f64>, b: &DVector<f64>) -> Result<DVector<f64>, NnlsErro
     // An interior point is never at the wall: what is held there by its multiplier is put there, and the others solved exactly.
     let free: Vec<usize> = (0..n).filter(|&k| solution.x[k] > solution.z[k]).collect();
     let mut x = DVector::zeros(n);
+    if free.is_empty() {
+        return Ok(x);
+    }
     let exact = DMatrix::from_fn(a.nrows(), free.len(), |i, k| scaled[(i, free[k])])
         .svd(true, true)
         .solve(b, 1e-13)

@@ -9,15 +9,15 @@ use std::f64::consts::PI;
 /// Draws `samples` of a signal with the coefficients whose squares are given.
 ///
 /// A sample is the mean of the noise over its period, as the model has it. Flicker noise is a sum of first-order processes, three to a
-/// decade of time constants, from a tenth of a sample to ten lengths of the log.
+/// decade of time constants, from a hundredth of a sample to ten lengths of the log.
 pub fn at_rest(squares: &Squares, samples: usize, rate: SampleRate, rng: &mut impl Rng) -> Vec<f64> {
     let [quantisation, white, flicker, walk, ramp] = squares.map(f64::sqrt);
     let dt = rate.period();
     let mut normal = || -> f64 { StandardNormal.sample(&mut *rng) };
     let mut processes: Vec<Process> = if flicker > 0.0 {
-        let decades = (100.0 * samples.max(1) as f64).log10();
+        let decades = (1000.0 * samples.max(1) as f64).log10();
         (0..=(3.0 * decades).ceil() as i32)
-            .map(|k| Process::new(flicker, 10.0 * (-f64::from(k) * APART).exp(), normal()))
+            .map(|k| Process::new(flicker, 100.0 * (-f64::from(k) * APART).exp(), normal()))
             .collect()
     } else {
         Vec::new()
