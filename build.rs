@@ -14,18 +14,11 @@ fn main() -> io::Result<()> {
         String::from("/// Name and bytes of each shipped network.\nstatic SHIPPED: &[(&str, &[u8])] = &[\n");
     for file in &files {
         let name = file.strip_prefix(&models).unwrap_or(file);
-        let _ = writeln!(
-            code,
-            "    (r\"models/{}\", include_bytes!(r\"{}\")),",
-            name.display(),
-            file.display()
-        );
+        let _ =
+            writeln!(code, "    (r\"models/{}\", include_bytes!(r\"{}\")),", name.display(), file.display());
     }
     code.push_str("];\n");
-    fs::write(
-        Path::new(&env::var("OUT_DIR").unwrap_or_default()).join("shipped.rs"),
-        code,
-    )
+    fs::write(Path::new(&env::var("OUT_DIR").unwrap_or_default()).join("shipped.rs"), code)
 }
 
 fn collect(dir: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {

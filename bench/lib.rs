@@ -49,8 +49,5 @@ pub fn time(iterations: usize, mut work: impl FnMut()) -> Timing {
         .collect();
     let used = cpu.zip(cpu_seconds()).map_or(f64::NAN, |(from, to)| to - from);
     walls.sort_by(f64::total_cmp);
-    Timing {
-        wall_ms: walls[walls.len() / 2],
-        cpu_ms: used * 1e3 / walls.len() as f64,
-    }
+    Timing { wall_ms: walls[walls.len() / 2], cpu_ms: used * 1e3 / walls.len() as f64 }
 }

@@ -88,28 +88,18 @@ pub fn render(rows: &[Row], layout: Layout) -> Result<String, TableError> {
     let mut cells = vec![HEADER.map(str::to_owned)];
     cells.extend(lines(rows)?.iter().map(Line::words));
     let widths: Vec<usize> = (0..HEADER.len())
-        .map(|column| {
-            cells
-                .iter()
-                .map(|row| row[column].chars().count())
-                .max()
-                .unwrap_or(0)
-        })
+        .map(|column| cells.iter().map(|row| row[column].chars().count()).max().unwrap_or(0))
         .collect();
     let mut out = String::new();
     for (i, row) in cells.iter().enumerate() {
-        let padded: Vec<String> = row
-            .iter()
-            .zip(&widths)
-            .enumerate()
-            .map(|(column, (cell, &width))| {
-                if column < FIRST_NUMBER {
-                    format!("{cell:<width$}")
-                } else {
-                    format!("{cell:>width$}")
-                }
-            })
-            .collect();
+        let padded: Vec<String> =
+            row.iter()
+                .zip(&widths)
+                .enumerate()
+                .map(|(column, (cell, &width))| {
+                    if column < FIRST_NUMBER { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
+                })
+                .collect();
         let rule: Vec<String> = widths.iter().map(|&width| "-".repeat(width)).collect();
         match layout {
             Layout::Plain => {
@@ -124,9 +114,8 @@ pub fn render(rows: &[Row], layout: Layout) -> Result<String, TableError> {
                 let _ = writeln!(out, "| {} |", padded.join(" | "));
                 if i == 0 {
                     let ends = |column: usize| if column < FIRST_NUMBER { "-" } else { ":" };
-                    let rule: Vec<String> = (0..rule.len())
-                        .map(|column| format!("-{}{}", rule[column], ends(column)))
-                        .collect();
+                    let rule: Vec<String> =
+                        (0..rule.len()).map(|column| format!("-{}{}", rule[column], ends(column))).collect();
                     let _ = writeln!(out, "|{}|", rule.join("|"));
                 }
             }
@@ -181,18 +170,12 @@ impl Line<'_> {
         match self {
             Self::Ours(row) => {
                 let rmse = match row.rmse_spread {
-                    Some(spread) => format!(
-                        "{} ± {}",
-                        decimal(row.sensor, row.rmse),
-                        decimal(row.sensor, spread)
-                    ),
+                    Some(spread) => {
+                        format!("{} ± {}", decimal(row.sensor, row.rmse), decimal(row.sensor, spread))
+                    }
                     None => decimal(row.sensor, row.rmse),
                 };
-                let n = if row.seeds > 0 {
-                    format!("{} ({})", row.n, row.seeds)
-                } else {
-                    row.n.to_string()
-                };
+                let n = if row.seeds > 0 { format!("{} ({})", row.n, row.seeds) } else { row.n.to_string() };
                 [
                     row.sensor.name().into(),
                     row.data.clone(),
@@ -233,8 +216,7 @@ impl Line<'_> {
                 row.label.clone(),
                 row.estimator.clone(),
                 row.rmse.to_string(),
-                row.rmse_spread
-                    .map_or_else(String::new, |spread| spread.to_string()),
+                row.rmse_spread.map_or_else(String::new, |spread| spread.to_string()),
                 row.bias.to_string(),
                 row.crb.to_string(),
                 row.ratio.to_string(),
@@ -302,10 +284,7 @@ fn paper() -> Result<Vec<Paper>, TableError> {
             };
             parsed
                 .map(|(sensor, (train, test))| Paper { sensor, train, test })
-                .ok_or_else(|| TableError::Paper {
-                    line,
-                    text: text.to_owned(),
-                })
+                .ok_or_else(|| TableError::Paper { line, text: text.to_owned() })
         })
         .collect()
 }
@@ -361,26 +340,17 @@ accel   euroc  sg(11,2)  test   grid    sigma_inj  pronet               0.01380 
         assert_eq!(text.lines().count(), 4);
         let lengths: Vec<usize> = text.lines().map(|line| line.chars().count()).collect();
         assert!(lengths.windows(2).all(|w| w[0] == w[1]), "\n{text}");
-        assert!(
-            text.lines().all(|line| line.matches('|').count() == 13),
-            "\n{text}"
-        );
+        assert!(text.lines().all(|line| line.matches('|').count() == 13), "\n{text}");
         assert!(text.contains("| paper     |  0.00185 |"), "\n{text}");
     }
 
     #[test]
     fn the_csv_holds_numbers_in_full() {
-        let rows = [
-            row(Sensor::Accel, "sg(5,2)", "mad2", 0.1 + 0.2),
-            row(Sensor::Gyro, "raw", "mad2", 0.5),
-        ];
+        let rows = [row(Sensor::Accel, "sg(5,2)", "mad2", 0.1 + 0.2), row(Sensor::Gyro, "raw", "mad2", 0.5)];
         let mut bytes = Vec::new();
         write_csv(&rows, &mut bytes).unwrap();
         let mut reader = csv::Reader::from_reader(&bytes[..]);
-        assert_eq!(
-            reader.headers().unwrap(),
-            &csv::StringRecord::from(COLUMNS.to_vec())
-        );
+        assert_eq!(reader.headers().unwrap(), &csv::StringRecord::from(COLUMNS.to_vec()));
         let read: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
         assert_eq!(read.len(), 3);
         assert_eq!(&read[0][7], "0.30000000000000004");

@@ -18,10 +18,7 @@ pub(crate) struct Fault {
 impl Fault {
     /// A fault whose message says it all.
     pub(crate) fn new(message: impl Into<String>) -> Self {
-        Self {
-            message: message.into(),
-            hint: None,
-        }
+        Self { message: message.into(), hint: None }
     }
 
     /// The same with a remedy, printed on a line of its own.
@@ -77,10 +74,19 @@ fn hint_of(cause: &(dyn std::error::Error + 'static)) -> Option<String> {
     if let Some(error) = cause.downcast_ref::<dpn_core::config::ConfigError>() {
         return error.hint();
     }
+    if let Some(error) = cause.downcast_ref::<dpn_eval::closed_loop::ClosedLoopError>() {
+        return error.hint();
+    }
     if let Some(error) = cause.downcast_ref::<dpn_core::io::IoError>() {
         return error.hint();
     }
+    if let Some(error) = cause.downcast_ref::<dpn_logs::LogError>() {
+        return error.hint();
+    }
     if let Some(error) = cause.downcast_ref::<dpn_core::noise::formats::FormatError>() {
+        return error.hint();
+    }
+    if let Some(error) = cause.downcast_ref::<dpn_eval::log_noise::LogNoiseError>() {
         return error.hint();
     }
     if let Some(error) = cause.downcast_ref::<dpn_eval::allan::AllanError>() {
@@ -89,9 +95,7 @@ fn hint_of(cause: &(dyn std::error::Error + 'static)) -> Option<String> {
     if let Some(error) = cause.downcast_ref::<dpn_train::asl::LoadError>() {
         return error.hint();
     }
-    cause
-        .downcast_ref::<dpn_train::run::RunError>()
-        .and_then(dpn_train::run::RunError::hint)
+    cause.downcast_ref::<dpn_train::run::RunError>().and_then(dpn_train::run::RunError::hint)
 }
 
 /// One bar on a terminal; a plain line now and then where stderr is none.
@@ -108,12 +112,7 @@ impl Bar {
 
     /// A bar that shows nothing until work starts.
     pub(crate) fn new() -> Self {
-        Self {
-            bar: None,
-            what: String::new(),
-            total: 0,
-            last_line: None,
-        }
+        Self { bar: None, what: String::new(), total: 0, last_line: None }
     }
 }
 
@@ -124,11 +123,7 @@ impl Progress for Bar {
         if std::io::stderr().is_terminal() {
             let bar = ProgressBar::new(total);
             let style = ProgressStyle::with_template("{prefix} [{bar:32}] {pos}/{len} {msg} (left {eta})");
-            bar.set_style(
-                style
-                    .unwrap_or_else(|_| ProgressStyle::default_bar())
-                    .progress_chars("=> "),
-            );
+            bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
             bar.set_prefix(what.to_owned());
             self.bar = Some(bar);
         } else {

@@ -43,11 +43,8 @@ impl LoadError {
 /// # Errors
 /// No sequence; a file that cannot be read; a recording that windows cannot be cut from.
 pub fn load(dir: &Path) -> Result<Vec<Corpus>, LoadError> {
-    let sets: Vec<_> = [EUROC, TUM_VI]
-        .iter()
-        .map(|name| dir.join(name))
-        .filter(|path| path.is_dir())
-        .collect();
+    let sets: Vec<_> =
+        [EUROC, TUM_VI].iter().map(|name| dir.join(name)).filter(|path| path.is_dir()).collect();
     let mut sequences = Vec::new();
     if sets.is_empty() {
         sequences = discover(dir)?;
@@ -55,14 +52,10 @@ pub fn load(dir: &Path) -> Result<Vec<Corpus>, LoadError> {
     for set in sets {
         sequences.extend(discover(&set)?);
     }
-    let own_name = dir
-        .file_name()
-        .map_or_else(|| "data".to_owned(), |name| name.to_string_lossy().into_owned());
-    let mut groups: [(String, Vec<&Sequence>); 3] = [
-        (EUROC.to_owned(), Vec::new()),
-        (TUM_VI.to_owned(), Vec::new()),
-        (own_name, Vec::new()),
-    ];
+    let own_name =
+        dir.file_name().map_or_else(|| "data".to_owned(), |name| name.to_string_lossy().into_owned());
+    let mut groups: [(String, Vec<&Sequence>); 3] =
+        [(EUROC.to_owned(), Vec::new()), (TUM_VI.to_owned(), Vec::new()), (own_name, Vec::new())];
     for sequence in &sequences {
         let at = match sequence.short_name() {
             name if paper_side(name).is_some() => 0,
@@ -86,11 +79,7 @@ fn corpus(name: String, sequences: &[&Sequence]) -> Result<Corpus, LoadError> {
             let short = sequence.short_name().to_owned();
             let known = paper_side(&short).or_else(|| tum_vi_side(&short));
             let side = known.or_else(|| rest.iter().find(|(n, _)| *n == short).map(|(_, side)| *side));
-            Ok(Member {
-                recording: sequence.imu()?,
-                side: side.unwrap_or(Side::Test),
-                name: short,
-            })
+            Ok(Member { recording: sequence.imu()?, side: side.unwrap_or(Side::Test), name: short })
         })
         .collect();
     Ok(Corpus::new(name, members?)?)

@@ -96,10 +96,8 @@ impl FromStr for Base {
             "gaussian" => return Ok(Self::Gaussian),
             _ => {}
         }
-        let inside = trimmed
-            .strip_prefix("sg(")
-            .and_then(|rest| rest.strip_suffix(')'))
-            .ok_or_else(unknown)?;
+        let inside =
+            trimmed.strip_prefix("sg(").and_then(|rest| rest.strip_suffix(')')).ok_or_else(unknown)?;
         let (window, order) = inside.split_once(',').ok_or_else(unknown)?;
         Ok(Self::SavitzkyGolay {
             window: window.trim().parse().map_err(|_| unknown())?,

@@ -22,9 +22,8 @@ impl Cleaner {
     pub fn gaussian() -> Self {
         let kernel = |width: &f64| {
             let reach = (6.0 * width).ceil() as usize;
-            let mut kernel: Vec<f64> = (0..=reach)
-                .map(|k| (-0.5 * (k as f64 / width).powi(2)).exp())
-                .collect();
+            let mut kernel: Vec<f64> =
+                (0..=reach).map(|k| (-0.5 * (k as f64 / width).powi(2)).exp()).collect();
             let sum = kernel[0] + 2.0 * kernel[1..].iter().sum::<f64>();
             kernel.iter_mut().for_each(|weight| *weight /= sum);
             kernel
@@ -63,10 +62,8 @@ fn smooth(kernel: &[f64], raw: &[f64], out: &mut [f64]) {
     for (i, value) in out.iter_mut().enumerate() {
         let i = i as i64;
         let wings = kernel.iter().enumerate().skip(1);
-        *value = kernel[0] * at(i)
-            + wings
-                .map(|(k, w)| w * (at(i - k as i64) + at(i + k as i64)))
-                .sum::<f64>();
+        *value =
+            kernel[0] * at(i) + wings.map(|(k, w)| w * (at(i - k as i64) + at(i + k as i64))).sum::<f64>();
     }
 }
 
@@ -84,10 +81,7 @@ mod tests {
         let mut out = vec![0.0; WINDOW];
         for index in 0..GAUSSIAN_WIDTHS.len() {
             Cleaner::gaussian().clean(index, &line, &mut out);
-            assert!(
-                line.iter().zip(&out).all(|(a, b)| (a - b).abs() < 1e-9),
-                "width {index}"
-            );
+            assert!(line.iter().zip(&out).all(|(a, b)| (a - b).abs() < 1e-9), "width {index}");
             Cleaner::gaussian().clean(index, &alternating, &mut out);
             assert!(out[40..160].iter().all(|v| v.abs() < 5e-5), "width {index}");
         }

@@ -4,8 +4,9 @@ use crate::base::{Base, Scope};
 use crate::draw::{Augment, DrawRule};
 use crate::label::Label;
 use crate::levels::{LevelKind, Levels};
+use crate::windows::WINDOW;
 use dpn_core::Sensor;
-use dpn_core::config::{self, ConfigError, ConfigFault, Validate};
+use dpn_core::config::{self, ConfigError, ConfigFault, ConfigFaults, Validate};
 use dpn_pronet::ProNetConfig;
 use dpn_pronet::config::{FirstKernels, Input};
 use serde::{Deserialize, Serialize};
@@ -41,7 +42,7 @@ pub struct BaseConfig {
     pub window: usize,
     /// Degree of its polynomial, below `window`.
     pub order: usize,
-    /// Filtered window by window, or the recording before it is cut.
+    /// Filtered window by window, or the recording before it is cut; the latter by Savitzky-Golay alone.
     pub scope: Scope,
 }
 
@@ -59,12 +60,7 @@ pub enum FilterKind {
 
 impl Default for BaseConfig {
     fn default() -> Self {
-        Self {
-            filter: FilterKind::SavitzkyGolay,
-            window: 11,
-            order: 2,
-            scope: Scope::Window,
-        }
+        Self { filter: FilterKind::SavitzkyGolay, window: 11, order: 2, scope: Scope::Window }
     }
 }
 
@@ -72,10 +68,7 @@ impl BaseConfig {
     /// The base these keys mean.
     pub fn base(&self) -> Base {
         match self.filter {
-            FilterKind::SavitzkyGolay => Base::SavitzkyGolay {
-                window: self.window,
-                order: self.order,
-            },
+            FilterKind::SavitzkyGolay => Base::SavitzkyGolay { window: self.window, order: self.order },
             FilterKind::Gaussian => Base::Gaussian,
             FilterKind::None => Base::Raw,
         }
@@ -256,11 +249,7 @@ impl TrainConfig {
 
     /// The rule examples are drawn by.
     pub fn draw_rule(&self) -> DrawRule {
-        DrawRule {
-            levels: self.levels(),
-            label: self.noise.label,
-            augment: self.augment,
-        }
+        DrawRule { levels: self.levels(), label: self.noise.label, augment: self.augment }
     }
 
     /// The same run with every default written out.
@@ -273,11 +262,7 @@ impl TrainConfig {
             steps: Some(levels.steps),
             ..self.noise
         };
-        Self {
-            noise,
-            network: self.network.resolved(),
-            ..self.clone()
-        }
+        Self { noise, network: self.network.resolved(), ..self.clone() }
     }
 }
 
@@ -287,10 +272,8 @@ impl TrainConfig {
 /// # Errors
 /// A file that cannot be read or is no such configuration; values outside their bounds.
 pub fn load(path: &Path, sensor: Sensor) -> Result<TrainConfig, ConfigError> {
-    let text = std::fs::read_to_string(path).map_err(|source| ConfigError::Read {
-        path: path.to_owned(),
-        source,
-    })?;
+    let text = std::fs::read_to_string(path)
+        .map_err(|source| ConfigError::Read { path: path.to_owned(), source })?;
     parse(&text, path, sensor)
 }
 
@@ -302,10 +285,7 @@ pub fn parse(text: &str, path: &Path, sensor: Sensor) -> Result<TrainConfig, Con
     // Read as it stands first: only this text's errors can name its lines.
     let written: TrainConfig = config::parse(text, path)?;
     let table: toml::Table = toml::from_str(text).unwrap_or_default();
-    let names_sensor = table
-        .get("network")
-        .and_then(|network| network.get("sensor"))
-        .is_some();
+    let names_sensor = table.get("network").and_then(|network| network.get("sensor")).is_some();
     let sensor = if names_sensor { written.sensor() } else { sensor };
     let Ok(toml::Value::Table(mut whole)) = toml::Value::try_from(TrainConfig::for_sensor(sensor)) else {
         return Ok(written);
@@ -328,117 +308,43 @@ fn overlay(under: &mut toml::Table, over: toml::Table) {
 
 impl Validate for TrainConfig {
     fn faults(&self) -> Vec<ConfigFault> {
-        let mut faults: Vec<ConfigFault> = match self.network.validate() {
-            Ok(()) => Vec::new(),
-            Err(error) => {
-                let under = |fault: dpn_pronet::config::Fault| {
-                    ConfigFault::new(format!("network.{}", fault.key), fault.value, fault.bound)
-                };
-                error.faults.into_iter().map(under).collect()
-            }
-        };
-        let mut check = |ok: bool, key: &'static str, value: String, bound: &'static str| {
-            if !ok {
-                faults.push(ConfigFault::new(key, value, bound));
-            }
-        };
-        let (base, fit, levels) = (&self.base, &self.fit, self.levels());
-        check(
-            base.base().filter().is_ok(),
-            "base",
-            base.base().to_string(),
-            "an odd window above its order",
+        let mut faults = ConfigFaults(self.network.faults());
+        for fault in &mut faults.0 {
+            fault.key.insert_str(0, "network.");
+        }
+        let (base, augment, fit, levels) = (&self.base, &self.augment, &self.fit, self.levels());
+        faults.check(base.base().filter().is_ok(), "base", base.base(), "an odd window above its order");
+        faults.check(base.window <= WINDOW, "base.window", base.window, format!("at most {WINDOW} samples"));
+        faults.check(
+            base.scope == Scope::Window || base.filter != FilterKind::Gaussian,
+            "base.scope",
+            "\"recording\"",
+            "\"window\" for `filter = \"gaussian\"`, whose width changes from window to window",
         );
-        check(
-            base.window <= crate::windows::WINDOW,
-            "base.window",
-            base.window.to_string(),
-            "at most 200 samples",
-        );
-        check(
-            levels.low.is_finite()
-                && levels.low > 0.0
-                && levels.low <= levels.high
-                && levels.high.is_finite(),
+        faults.check(
+            levels.low > 0.0 && levels.low <= levels.high && levels.high.is_finite(),
             "noise.low",
             format!("{} (with `noise.high` {})", levels.low, levels.high),
             "above 0 and at most `noise.high`",
         );
-        check(
-            (1..=1000).contains(&levels.steps),
-            "noise.steps",
-            levels.steps.to_string(),
-            "1 to 1000",
-        );
-        let augment = &self.augment;
-        check(
-            (0.0..=1.0).contains(&augment.grow_share),
-            "augment.grow_share",
-            augment.grow_share.to_string(),
-            "0 to 1",
-        );
-        check(
-            (1.0..=100.0).contains(&augment.grow),
-            "augment.grow",
-            augment.grow.to_string(),
-            "1 to 100",
-        );
-        check(
-            (0.01..=1.0).contains(&augment.shrink),
-            "augment.shrink",
-            augment.shrink.to_string(),
-            "0.01 to 1",
-        );
-        check(
-            fit.epochs >= 1,
-            "fit.epochs",
-            fit.epochs.to_string(),
-            "at least 1",
-        );
-        check(
-            (1..=1000).contains(&fit.draws_per_window),
-            "fit.draws_per_window",
-            fit.draws_per_window.to_string(),
-            "1 to 1000",
-        );
-        check(
-            (1..=10_000).contains(&fit.batch),
-            "fit.batch",
-            fit.batch.to_string(),
-            "1 to 10000",
-        );
-        check(
-            fit.validate_every >= 1,
-            "fit.validate_every",
-            fit.validate_every.to_string(),
-            "at least 1",
-        );
+        faults.within("noise.steps", levels.steps, 1, 1000);
+        faults.within("augment.grow_share", augment.grow_share, 0.0, 1.0);
+        faults.within("augment.grow", augment.grow, 1.0, 100.0);
+        faults.within("augment.shrink", augment.shrink, 0.01, 1.0);
+        faults.check(fit.epochs >= 1, "fit.epochs", fit.epochs, "at least 1");
+        faults.within("fit.draws_per_window", fit.draws_per_window, 1, 1000);
+        faults.within("fit.batch", fit.batch, 1, 10_000);
+        let every = fit.validate_every;
+        faults.check(every >= 1, "fit.validate_every", every, "at least 1");
         let rate = fit.learning_rate;
-        check(
-            rate > 0.0 && rate <= 1.0,
-            "fit.learning_rate",
-            rate.to_string(),
-            "above 0 and at most 1",
-        );
-        check(
-            (0.0..=1.0).contains(&fit.weight_decay),
-            "fit.weight_decay",
-            fit.weight_decay.to_string(),
-            "0 to 1",
-        );
-        check(
-            fit.clip_norm >= 0.0 && fit.clip_norm.is_finite(),
-            "fit.clip_norm",
-            fit.clip_norm.to_string(),
-            "0 or more",
-        );
-        check(
-            (0.0..1.0).contains(&fit.ema),
-            "fit.ema",
-            fit.ema.to_string(),
-            "0 or more and below 1",
-        );
-        faults
+        let bound = "above 0 and at most 1";
+        faults.check(rate > 0.0 && rate <= 1.0, "fit.learning_rate", rate, bound);
+        faults.within("fit.weight_decay", fit.weight_decay, 0.0, 1.0);
+        let clip = fit.clip_norm;
+        faults.check(clip >= 0.0 && clip.is_finite(), "fit.clip_norm", clip, "0 or more");
+        let ema = fit.ema;
+        faults.check((0.0..1.0).contains(&ema), "fit.ema", ema, "0 or more and below 1");
+        faults.0
     }
 }
 
@@ -452,10 +358,7 @@ mod tests {
 
     #[test]
     fn keys_that_are_not_there_are_the_defaults_of_the_sensor() {
-        assert_eq!(
-            read("").resolved(),
-            TrainConfig::for_sensor(Sensor::Gyro).resolved()
-        );
+        assert_eq!(read("").resolved(), TrainConfig::for_sensor(Sensor::Gyro).resolved());
         let one = read("[network]\nleak = 0.2");
         let mut expected = TrainConfig::for_sensor(Sensor::Gyro);
         expected.network.leak = 0.2;
@@ -467,11 +370,19 @@ mod tests {
     }
 
     #[test]
+    fn a_gaussian_base_is_refused_over_whole_recordings() {
+        let text = |filter: &str| format!("[base]\nfilter = \"{filter}\"\nscope = \"recording\"");
+        let error = parse(&text("gaussian"), Path::new("a.toml"), Sensor::Accel).unwrap_err();
+        let expected =
+            "a.toml: `base.scope` is \"recording\", but must be \"window\" for `filter = \"gaussian\"`";
+        assert!(error.to_string().starts_with(expected), "{error}");
+        assert_eq!(read(&text("savitzky-golay")).base.scope, Scope::Recording);
+    }
+
+    #[test]
     fn bad_values_of_all_tables_come_at_once() {
         let text = "[fit]\nepochs = 0\n[network]\nleak = 7.0\n[noise]\nlow = 1.0\nhigh = 0.5";
-        let error = parse(text, Path::new("a.toml"), Sensor::Accel)
-            .unwrap_err()
-            .to_string();
+        let error = parse(text, Path::new("a.toml"), Sensor::Accel).unwrap_err().to_string();
         for key in ["fit.epochs", "network.leak", "noise.low"] {
             assert!(error.contains(key), "{key} is not in {error}");
         }

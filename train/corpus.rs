@@ -62,9 +62,9 @@ impl CorpusError {
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::EmptySide { .. } => None,
-            Self::Recording { fault, .. } => fault
-                .hint()
-                .map(|hint| format!("{hint}; or leave the sequence out")),
+            Self::Recording { fault, .. } => {
+                fault.hint().map(|hint| format!("{hint}; or leave the sequence out"))
+            }
         }
     }
 }
@@ -79,19 +79,12 @@ impl Corpus {
         for member in &members {
             refuse(member)?;
         }
-        Ok(Self {
-            name: name.into(),
-            members,
-        })
+        Ok(Self { name: name.into(), members })
     }
 
     /// Names and recordings of one side.
     pub fn side(&self, side: Side) -> Vec<(&str, &ImuRecording)> {
-        self.members
-            .iter()
-            .filter(|m| m.side == side)
-            .map(|m| (m.name.as_str(), &m.recording))
-            .collect()
+        self.members.iter().filter(|m| m.side == side).map(|m| (m.name.as_str(), &m.recording)).collect()
     }
 
     /// As [`side`](Self::side), refusing none.
@@ -102,11 +95,7 @@ impl Corpus {
         let members = self.side(side);
         if members.is_empty() {
             let names = self.members.iter().map(|m| m.name.clone()).collect();
-            return Err(CorpusError::EmptySide {
-                corpus: self.name.clone(),
-                side,
-                names,
-            });
+            return Err(CorpusError::EmptySide { corpus: self.name.clone(), side, names });
         }
         Ok(members)
     }
@@ -137,14 +126,8 @@ fn refuse(member: &Member) -> Result<(), CorpusError> {
         ..CheckOptions::default()
     };
     let faults = check(&member.recording, &options).faults;
-    match faults
-        .into_iter()
-        .find(|fault| !matches!(fault, RecordingFault::Gaps { .. }))
-    {
-        Some(fault) => Err(CorpusError::Recording {
-            name: member.name.clone(),
-            fault,
-        }),
+    match faults.into_iter().find(|fault| !matches!(fault, RecordingFault::Gaps { .. })) {
+        Some(fault) => Err(CorpusError::Recording { name: member.name.clone(), fault }),
         None => Ok(()),
     }
 }
@@ -165,11 +148,7 @@ mod tests {
                 }
             })
             .collect();
-        Member {
-            name: "m".into(),
-            recording: ImuRecording::new(samples).unwrap(),
-            side: Side::Train,
-        }
+        Member { name: "m".into(), recording: ImuRecording::new(samples).unwrap(), side: Side::Train }
     }
 
     #[test]
@@ -180,29 +159,16 @@ mod tests {
         };
         assert!(matches!(
             fault(member(199, 5_000_000, false)),
-            RecordingFault::TooShort {
-                found: 199,
-                needed: 200
-            }
+            RecordingFault::TooShort { found: 199, needed: 200 }
         ));
-        assert!(matches!(
-            fault(member(400, 10_000_000, false)),
-            RecordingFault::WrongRate { .. }
-        ));
+        assert!(matches!(fault(member(400, 10_000_000, false)), RecordingFault::WrongRate { .. }));
         assert!(matches!(
             fault(member(400, 5_000_000, true)),
-            RecordingFault::Constant {
-                sensor: Sensor::Gyro,
-                axis: 2,
-                ..
-            }
+            RecordingFault::Constant { sensor: Sensor::Gyro, axis: 2, .. }
         ));
         let fine = Corpus::new("c", vec![member(400, 5_015_000, false)]).unwrap();
         assert!(fine.require(Side::Train).is_ok());
-        assert!(matches!(
-            fine.require(Side::Test),
-            Err(CorpusError::EmptySide { side: Side::Test, .. })
-        ));
+        assert!(matches!(fine.require(Side::Test), Err(CorpusError::EmptySide { side: Side::Test, .. })));
     }
 
     #[test]

@@ -32,27 +32,14 @@ pub struct Augment {
 
 impl Default for Augment {
     fn default() -> Self {
-        Self {
-            offset: true,
-            sign: true,
-            reverse: true,
-            grow_share: 0.0,
-            shrink: 1.0,
-            grow: 1.0,
-        }
+        Self { offset: true, sign: true, reverse: true, grow_share: 0.0, shrink: 1.0, grow: 1.0 }
     }
 }
 
 impl Augment {
     /// No change at all: the paper.
-    pub const NONE: Self = Self {
-        offset: false,
-        sign: false,
-        reverse: false,
-        grow_share: 0.0,
-        shrink: 1.0,
-        grow: 1.0,
-    };
+    pub const NONE: Self =
+        Self { offset: false, sign: false, reverse: false, grow_share: 0.0, shrink: 1.0, grow: 1.0 };
 }
 
 /// What is drawn for every example.

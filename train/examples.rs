@@ -73,11 +73,7 @@ impl Examples {
 
     /// What a perfect estimator would answer, row by row.
     pub fn truth(&self, label: Label) -> Vec<f64> {
-        self.injected
-            .iter()
-            .zip(&self.own)
-            .map(|(&injected, &own)| label.of(injected, own))
-            .collect()
+        self.injected.iter().zip(&self.own).map(|(&injected, &own)| label.of(injected, own)).collect()
     }
 }
 
@@ -88,12 +84,7 @@ fn slice(levels: &Levels, kind: LevelKind, step: usize) -> Levels {
         _ => levels.low + share * (levels.high - levels.low),
     };
     let n = levels.steps as f64;
-    Levels {
-        kind,
-        low: at(step as f64 / n),
-        high: at((step + 1) as f64 / n),
-        steps: 1,
-    }
+    Levels { kind, low: at(step as f64 / n), high: at((step + 1) as f64 / n), steps: 1 }
 }
 
 #[cfg(test)]
@@ -112,24 +103,14 @@ mod tests {
             })
             .collect();
         let recording = ImuRecording::new(samples).unwrap();
-        WindowSet::cut(
-            &[("flat", &recording)],
-            Sensor::Accel,
-            Base::Raw,
-            Scope::Window,
-            Stretch::Whole,
-        )
-        .unwrap()
+        WindowSet::cut(&[("flat", &recording)], Sensor::Accel, Base::Raw, Scope::Window, Stretch::Whole)
+            .unwrap()
     }
 
     #[test]
     fn a_flat_base_holds_exactly_the_injected_noise() {
         let set = flat(40);
-        let examples = Examples::draw(
-            &set,
-            &Levels::paper(Sensor::Accel, LevelKind::Grid),
-            &Stream::new(1),
-        );
+        let examples = Examples::draw(&set, &Levels::paper(Sensor::Accel, LevelKind::Grid), &Stream::new(1));
         assert_eq!(examples.len(), 40 * 3 * 11);
         let mut ratios = 0.0;
         for row in 0..examples.len() {

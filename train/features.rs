@@ -52,18 +52,12 @@ impl Features {
                 filters.push((filter, gain));
             }
         }
-        Ok(Self {
-            filters,
-            welch: Welch::new(WINDOW)?,
-        })
+        Ok(Self { filters, welch: Welch::new(WINDOW)? })
     }
 
     /// The names of the features, in their order.
     pub fn names() -> Vec<String> {
-        let mut names: Vec<String> = Base::STUDY
-            .iter()
-            .map(|base| format!("ln residual {base}"))
-            .collect();
+        let mut names: Vec<String> = Base::STUDY.iter().map(|base| format!("ln residual {base}")).collect();
         names.extend((1..=MAX_DIFFERENCE).map(|k| format!("ln diff{k}")));
         names.extend(["ln mad2".to_owned(), "ln wavelet".to_owned()]);
         let width = 100 / BANDS;
@@ -81,11 +75,7 @@ impl Features {
         for (filter, gain) in &self.filters {
             let residual = match filter.smooth_into(window, &mut smooth) {
                 Ok(()) => {
-                    window
-                        .iter()
-                        .zip(&smooth)
-                        .map(|(x, s)| (x - s).powi(2))
-                        .sum::<f64>()
+                    window.iter().zip(&smooth).map(|(x, s)| (x - s).powi(2)).sum::<f64>()
                         / window.len() as f64
                 }
                 Err(_) => 0.0,
@@ -101,18 +91,15 @@ impl Features {
         match self.welch.spectrum(window, SampleRate::HZ_200) {
             Ok(spectrum) => {
                 let width = 100.0 / BANDS as f64;
-                features.extend((0..BANDS).map(|b| {
-                    spectrum
-                        .band_power(b as f64 * width, (b + 1) as f64 * width)
-                        .max(0.0)
-                        .sqrt()
-                }));
+                features.extend(
+                    (0..BANDS).map(|b| {
+                        spectrum.band_power(b as f64 * width, (b + 1) as f64 * width).max(0.0).sqrt()
+                    }),
+                );
             }
             Err(_) => features.extend([0.0; BANDS]),
         }
-        features
-            .iter_mut()
-            .for_each(|value| *value = value.max(FLOOR).ln());
+        features.iter_mut().for_each(|value| *value = value.max(FLOOR).ln());
         features
     }
 
@@ -121,10 +108,7 @@ impl Features {
     /// # Shapes
     /// `samples`: rows of [`WINDOW`]; the answer: rows of [`COUNT`](Self::COUNT).
     pub fn table(&self, samples: &[f64]) -> Vec<f64> {
-        let rows: Vec<Vec<f64>> = samples
-            .par_chunks_exact(WINDOW)
-            .map(|window| self.of(window))
-            .collect();
+        let rows: Vec<Vec<f64>> = samples.par_chunks_exact(WINDOW).map(|window| self.of(window)).collect();
         rows.concat()
     }
 }
@@ -150,13 +134,22 @@ mod tests {
     }
 
     #[test]
+    fn the_boosted_trees_see_the_same_features() {
+        let text = include_str!("../golden/boosted_trees/result.json");
+        let golden: serde_json::Value = serde_json::from_str(text).unwrap();
+        let numbers = |key: &str| -> Vec<f64> {
+            let list = golden["features"][key].as_array().unwrap();
+            list.iter().map(|v| v.as_f64().unwrap()).collect()
+        };
+        let (found, expected) = (Features::new().unwrap().of(&numbers("window")), numbers("values"));
+        assert_eq!(found.len(), expected.len());
+        for ((a, b), name) in found.iter().zip(&expected).zip(Features::names()) {
+            assert!((a - b).abs() < 1e-9, "{name}: {a} {b}");
+        }
+    }
+
+    #[test]
     fn a_constant_window_has_finite_features() {
-        assert!(
-            Features::new()
-                .unwrap()
-                .of(&[9.81; WINDOW])
-                .iter()
-                .all(|f| f.is_finite())
-        );
+        assert!(Features::new().unwrap().of(&[9.81; WINDOW]).iter().all(|f| f.is_finite()));
     }
 }

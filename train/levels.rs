@@ -46,28 +46,14 @@ impl Levels {
     /// VIO-DualProNet, section "Data Preprocessing".
     pub fn paper(sensor: Sensor, kind: LevelKind) -> Self {
         match sensor {
-            Sensor::Accel => Self {
-                kind,
-                low: 0.01,
-                high: 0.21,
-                steps: 11,
-            },
-            Sensor::Gyro => Self {
-                kind,
-                low: 0.001,
-                high: 0.015,
-                steps: 8,
-            },
+            Sensor::Accel => Self { kind, low: 0.01, high: 0.21, steps: 11 },
+            Sensor::Gyro => Self { kind, low: 0.001, high: 0.015, steps: 8 },
         }
     }
 
     /// Every grid point, in rising order.
     pub fn grid(&self) -> Vec<f64> {
-        let step = if self.steps > 1 {
-            (self.high - self.low) / (self.steps - 1) as f64
-        } else {
-            0.0
-        };
+        let step = if self.steps > 1 { (self.high - self.low) / (self.steps - 1) as f64 } else { 0.0 };
         (0..self.steps).map(|i| self.low + step * i as f64).collect()
     }
 
@@ -106,11 +92,7 @@ mod tests {
         let mut seen = vec![0; 8];
         for _ in 0..800 {
             let level = grid.draw(&mut rng);
-            let at = grid
-                .grid()
-                .iter()
-                .position(|g| *g == level)
-                .expect("a grid point");
+            let at = grid.grid().iter().position(|g| *g == level).expect("a grid point");
             seen[at] += 1;
         }
         // 100 expected each, deviation 9.4.

@@ -26,12 +26,7 @@ pub fn own_sigma(window: &[f64]) -> f64 {
     if window.len() != WINDOW || filter.smooth_into(window, &mut smooth).is_err() {
         return 0.0;
     }
-    let power = window
-        .iter()
-        .zip(&smooth)
-        .map(|(x, s)| (x - s).powi(2))
-        .sum::<f64>()
-        / WINDOW as f64;
+    let power = window.iter().zip(&smooth).map(|(x, s)| (x - s).powi(2)).sum::<f64>() / WINDOW as f64;
     power.sqrt() / gain
 }
 

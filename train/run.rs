@@ -166,29 +166,16 @@ impl<'a> Run<'a> {
         let state = match (path.exists(), resume) {
             (true, true) => load(&path, dir, trainer.config(), &fingerprint)?,
             (true, false) => {
-                let epochs = Checkpoint::load(&path)
-                    .ok()
-                    .and_then(|c| notes(&c))
-                    .map_or(0, |n| n.history.len());
-                return Err(RunError::Exists {
-                    path: dir.to_owned(),
-                    epochs: epochs as u64,
-                });
+                let epochs =
+                    Checkpoint::load(&path).ok().and_then(|c| notes(&c)).map_or(0, |n| n.history.len());
+                return Err(RunError::Exists { path: dir.to_owned(), epochs: epochs as u64 });
             }
             (false, true) => return Err(RunError::Nothing { path: dir.to_owned() }),
             (false, false) => trainer.start(),
         };
-        let run = Self {
-            dir,
-            trainer,
-            fingerprint,
-            corpus,
-            state,
-        };
-        let text = toml::to_string_pretty(run.trainer.config()).map_err(|error| RunError::Text {
-            what: CONFIG,
-            reason: error.to_string(),
-        })?;
+        let run = Self { dir, trainer, fingerprint, corpus, state };
+        let text = toml::to_string_pretty(run.trainer.config())
+            .map_err(|error| RunError::Text { what: CONFIG, reason: error.to_string() })?;
         atomic_write(&dir.join(CONFIG), |out| out.write_all(text.as_bytes()))?;
         Ok(run)
     }
@@ -252,42 +239,26 @@ impl<'a> Run<'a> {
             label: config.noise.label.to_string(),
             seed: config.seed,
             data: self.corpus.name.clone(),
-            sequences: self
-                .corpus
-                .side(Side::Train)
-                .iter()
-                .map(|(name, _)| (*name).to_owned())
-                .collect(),
+            sequences: self.corpus.side(Side::Train).iter().map(|(name, _)| (*name).to_owned()).collect(),
             fingerprint: self.fingerprint.clone(),
             fit_windows,
             validation_windows,
             parameters: parameter_count(config),
             updates: self.trainer.steps_per_epoch() * config.fit.epochs,
             best_epoch: best.map_or(self.state.epochs_done(), |best| best.epoch),
-            validation_rmse: best.map_or_else(
-                || self.trainer.validate(&self.state.averaged),
-                |best| best.validation_rmse,
-            ),
+            validation_rmse: best
+                .map_or_else(|| self.trainer.validate(&self.state.averaged), |best| best.validation_rmse),
         }
     }
 
     /// Writes the checkpoint and the history.
     fn save(&self) -> Result<(), RunError> {
-        let text = |what| {
-            move |error: serde_json::Error| RunError::Text {
-                what,
-                reason: error.to_string(),
-            }
-        };
+        let text = |what| move |error: serde_json::Error| RunError::Text { what, reason: error.to_string() };
         let notes = Notes {
             config: self.trainer.config().clone(),
             fingerprint: self.fingerprint.clone(),
             history: self.state.history.clone(),
-            best: self
-                .state
-                .best
-                .as_ref()
-                .map(|best| (best.epoch, best.validation_rmse)),
+            best: self.state.best.as_ref().map(|best| (best.epoch, best.validation_rmse)),
         };
         let mut checkpoint = Checkpoint {
             config: self.trainer.config().network.clone(),
@@ -311,20 +282,13 @@ impl<'a> Run<'a> {
 
     /// Writes weights and summary.
     fn finish(&self, summary: &Summary, path: &Path) -> Result<(), RunError> {
-        let text = |error: serde_json::Error| RunError::Text {
-            what: SUMMARY,
-            reason: error.to_string(),
-        };
+        let text = |error: serde_json::Error| RunError::Text { what: SUMMARY, reason: error.to_string() };
         let mut training = match serde_json::to_value(summary).map_err(text)? {
             Value::Object(map) => map,
             other => Map::from_iter([("summary".to_owned(), other)]),
         };
         training.insert("run".into(), json!(self.trainer.config()));
-        let card = Card {
-            rate: SampleRate::HZ_200,
-            range: self.trainer.trained_range(),
-            training,
-        };
+        let card = Card { rate: SampleRate::HZ_200, range: self.trainer.trained_range(), training };
         let weights: Weights = self.trainer.weights(&self.state, card);
         weights.save(path)?;
         let lines = serde_json::to_string_pretty(summary).map_err(text)? + "\n";
@@ -334,18 +298,12 @@ impl<'a> Run<'a> {
 }
 
 fn notes(checkpoint: &Checkpoint) -> Option<Notes> {
-    checkpoint
-        .notes
-        .get("run")
-        .and_then(|value| serde_json::from_value(value.clone()).ok())
+    checkpoint.notes.get("run").and_then(|value| serde_json::from_value(value.clone()).ok())
 }
 
 /// The state in a checkpoint, if it belongs to this configuration and these recordings.
 fn load(path: &Path, dir: &Path, config: &TrainConfig, fingerprint: &str) -> Result<State, RunError> {
-    let differs = |reason| RunError::Differs {
-        path: dir.to_owned(),
-        reason,
-    };
+    let differs = |reason| RunError::Differs { path: dir.to_owned(), reason };
     let mut checkpoint = Checkpoint::load(path)?;
     let notes = notes(&checkpoint).ok_or_else(|| differs("was written by another version of dpn"))?;
     if notes.config != *config {
@@ -354,16 +312,9 @@ fn load(path: &Path, dir: &Path, config: &TrainConfig, fingerprint: &str) -> Res
     if notes.fingerprint != fingerprint {
         return Err(differs("saw other recordings"));
     }
-    let averaged = checkpoint
-        .vectors
-        .remove(AVERAGED)
-        .ok_or_else(|| differs("has no averaged weights"))?;
+    let averaged = checkpoint.vectors.remove(AVERAGED).ok_or_else(|| differs("has no averaged weights"))?;
     let best = match (notes.best, checkpoint.vectors.remove(BEST)) {
-        (Some((epoch, validation_rmse)), Some(weights)) => Some(Best {
-            epoch,
-            validation_rmse,
-            weights,
-        }),
+        (Some((epoch, validation_rmse)), Some(weights)) => Some(Best { epoch, validation_rmse, weights }),
         _ => None,
     };
     Ok(State {

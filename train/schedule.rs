@@ -34,14 +34,7 @@ mod tests {
         assert!((learning_rate(&fit, 10, 110) - 1.0).abs() < 1e-12);
         assert!((learning_rate(&fit, 60, 110) - 0.5).abs() < 1e-12);
         assert!(learning_rate(&fit, 109, 110) < 3e-4);
-        let constant = FitConfig {
-            schedule: Schedule::Constant,
-            warmup_steps: 0,
-            ..fit
-        };
-        assert_eq!(
-            learning_rate(&constant, 0, 110),
-            learning_rate(&constant, 109, 110)
-        );
+        let constant = FitConfig { schedule: Schedule::Constant, warmup_steps: 0, ..fit };
+        assert_eq!(learning_rate(&constant, 0, 110), learning_rate(&constant, 109, 110));
     }
 }

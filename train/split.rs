@@ -52,10 +52,8 @@ pub fn assign<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<(String, Side
     let mut names: Vec<&str> = names.into_iter().collect();
     names.sort_unstable();
     names.dedup();
-    let paper: Option<Vec<_>> = names
-        .iter()
-        .map(|n| paper_side(n).map(|side| ((*n).to_owned(), side)))
-        .collect();
+    let paper: Option<Vec<_>> =
+        names.iter().map(|n| paper_side(n).map(|side| ((*n).to_owned(), side))).collect();
     paper.unwrap_or_else(|| {
         names
             .iter()
@@ -83,11 +81,7 @@ mod tests {
         let sides = assign(["b", "a", "c"]);
         assert_eq!(
             sides,
-            vec![
-                ("a".into(), Side::Train),
-                ("b".into(), Side::Test),
-                ("c".into(), Side::Train)
-            ]
+            vec![("a".into(), Side::Train), ("b".into(), Side::Test), ("c".into(), Side::Train)]
         );
     }
 }

@@ -12,10 +12,10 @@ use crate::split::Side;
 use crate::state::{EpochRecord, State};
 use crate::windows::{Stretch, WINDOW, WindowSet};
 use burn::tensor::{Device, Tensor, TensorData};
+use dpn_core::config::ConfigFaults;
 use dpn_core::random::Stream;
 use dpn_core::signal::FilterError;
 use dpn_pronet::adam::{AdamConfig, clip_length};
-use dpn_pronet::config::ConfigError as NetworkError;
 use dpn_pronet::range::TrainedRange;
 use dpn_pronet::weights::{Card, Weights};
 use dpn_pronet::{Predictor, ProNet, shape};
@@ -35,7 +35,7 @@ pub enum TrainError {
     Filter(#[from] FilterError),
     /// The network cannot be.
     #[error(transparent)]
-    Network(#[from] NetworkError),
+    Network(#[from] ConfigFaults),
     /// No window to learn from, or none to validate on.
     #[error(
         "the training sequences hold {fit} windows to learn from and {validation} to validate on; record longer"
@@ -81,37 +81,19 @@ impl Trainer {
         let config = config.resolved();
         let recordings = corpus.require(Side::Train)?;
         let cut = |stretch| {
-            WindowSet::cut(
-                &recordings,
-                config.sensor(),
-                config.base.base(),
-                config.base.scope,
-                stretch,
-            )
+            WindowSet::cut(&recordings, config.sensor(), config.base.base(), config.base.scope, stretch)
         };
         let (fit, held_out) = (cut(Stretch::Fit)?, cut(Stretch::Validation)?);
         if fit.is_empty() || held_out.is_empty() {
-            return Err(TrainError::NoWindows {
-                fit: fit.len(),
-                validation: held_out.len(),
-            });
+            return Err(TrainError::NoWindows { fit: fit.len(), validation: held_out.len() });
         }
-        let stream = Stream::new(config.seed)
-            .named("train")
-            .named(config.sensor().name());
+        let stream = Stream::new(config.seed).named("train").named(config.sensor().name());
         // Validation examples are the same for every training seed, so that seeds are compared on one scale.
         let judge = Stream::new(0).named("validation").named(config.sensor().name());
         let validation = Examples::draw(&held_out, &config.levels(), &judge);
         let truth = validation.truth(config.noise.label);
         let network = ProNet::new(&config.network, &stream.named("weights"), device)?;
-        Ok(Self {
-            config,
-            fit,
-            validation,
-            truth,
-            stream,
-            network,
-        })
+        Ok(Self { config, fit, validation, truth, stream, network })
     }
 
     /// The configuration with every default written out.
@@ -121,10 +103,7 @@ impl Trainer {
 
     /// Windows to learn from and windows to validate on.
     pub fn windows(&self) -> (usize, usize) {
-        (
-            self.fit.len(),
-            self.validation.len() / self.config.levels().steps.max(1),
-        )
+        (self.fit.len(), self.validation.len() / self.config.levels().steps.max(1))
     }
 
     /// The state before the first epoch.
@@ -134,10 +113,7 @@ impl Trainer {
 
     /// The optimiser's settings.
     pub(crate) fn adam(&self) -> AdamConfig {
-        AdamConfig {
-            weight_decay: self.config.fit.weight_decay,
-            ..AdamConfig::default()
-        }
+        AdamConfig { weight_decay: self.config.fit.weight_decay, ..AdamConfig::default() }
     }
 
     /// Updates in one epoch.
@@ -168,10 +144,7 @@ impl Trainer {
             let (windows, labels) = self.draw(epoch, batch);
             let (loss, mut gradient) = self.gradient(&next.weights, windows, &labels);
             if !loss.is_finite() {
-                return Err(TrainError::Diverged {
-                    epoch: epoch + 1,
-                    loss,
-                });
+                return Err(TrainError::Diverged { epoch: epoch + 1, loss });
             }
             loss_sum += loss * batch.len() as f64;
             if self.config.fit.clip_norm > 0.0 {
@@ -190,12 +163,8 @@ impl Trainer {
         if let Some(rmse) = validation_rmse.filter(|rmse| rmse.is_finite()) {
             next.keep_if_best(epoch, rmse);
         }
-        let record = EpochRecord {
-            epoch,
-            loss: loss_sum / order.len() as f64,
-            validation_rmse,
-            learning_rate: rate,
-        };
+        let record =
+            EpochRecord { epoch, loss: loss_sum / order.len() as f64, validation_rmse, learning_rate: rate };
         next.history.push(record);
         *state = next;
         Ok(record)
@@ -219,20 +188,15 @@ impl Trainer {
     pub fn validate(&self, weights: &[f32]) -> f64 {
         let weights = Weights::new(&self.config.network, weights.to_vec(), Card::default());
         let estimates = predict(&weights, &self.validation.samples);
-        let square: f64 = estimates
-            .iter()
-            .zip(&self.truth)
-            .map(|(e, t)| (e - t).powi(2))
-            .sum();
+        let square: f64 = estimates.iter().zip(&self.truth).map(|(e, t)| (e - t).powi(2)).sum();
         (square / self.truth.len().max(1) as f64).sqrt()
     }
 
     /// Windows in the order of one epoch, each with the number of its draw.
     fn order(&self, epoch: u64) -> Vec<(usize, u64)> {
         let draws = self.config.fit.draws_per_window;
-        let mut order: Vec<(usize, u64)> = (0..self.fit.len())
-            .flat_map(|window| (0..draws).map(move |draw| (window, draw)))
-            .collect();
+        let mut order: Vec<(usize, u64)> =
+            (0..self.fit.len()).flat_map(|window| (0..draws).map(move |draw| (window, draw))).collect();
         order.shuffle(&mut self.stream.named("order").index(epoch).rng());
         order
     }
@@ -250,12 +214,7 @@ impl Trainer {
             .zip(batch)
             .map(|(row, &(window, draw))| {
                 let mut example = [0.0; WINDOW];
-                let stream = self
-                    .stream
-                    .named("example")
-                    .index(epoch)
-                    .index(window as u64)
-                    .index(draw);
+                let stream = self.stream.named("example").index(epoch).index(window as u64).index(draw);
                 let label = rule.example_into(&self.fit, window, &stream, &mut example);
                 for (to, from) in row.iter_mut().zip(&example) {
                     *to = *from as f32;
@@ -283,11 +242,7 @@ impl Trainer {
         };
         let loss = error.clone().mul(error).mean(); // [1]
         let gradients = loss.backward();
-        let value = loss
-            .into_data_as::<f32>()
-            .iter::<f32>()
-            .next()
-            .map_or(f64::NAN, f64::from);
+        let value = loss.into_data_as::<f32>().iter::<f32>().next().map_or(f64::NAN, f64::from);
         (value, network.flat_gradient(&gradients))
     }
 

@@ -2,7 +2,7 @@
 //!
 //! A window is [`WINDOW`] consecutive samples of one axis. Evaluation and validation use disjoint windows; training may
 //! shift each by a random offset. A Savitzky-Golay base of [`Scope::Window`] is filtered after cutting, so that its
-//! polynomial edges are the window's.
+//! polynomial edges are the window's; a Gaussian base, whose width changes from window to window, always is.
 
 use crate::base::{Base, Scope};
 use crate::clean::Cleaner;
@@ -97,14 +97,11 @@ impl WindowSet {
                         start += WINDOW;
                     }
                 }
-                set.signals.push(Axis {
-                    sequence: index,
-                    axis,
-                    samples,
-                });
+                set.signals.push(Axis { sequence: index, axis, samples });
             }
         }
-        if scope == Scope::Window {
+        // Only a Savitzky-Golay filter has done its work on the recording; no other base may be left uncleaned.
+        if scope == Scope::Window || filter.is_none() {
             set.cleaner = base.cleaner()?;
         }
         Ok(set)
@@ -199,11 +196,7 @@ mod tests {
         let mut t = 0;
         let samples = (0..len)
             .map(|i| {
-                t += if Some(i) == gap_before {
-                    50_000_000
-                } else {
-                    5_000_000
-                };
+                t += if Some(i) == gap_before { 50_000_000 } else { 5_000_000 };
                 ImuSample {
                     t: Stamp::from_ns(t),
                     gyro: [0.0; 3],
@@ -248,22 +241,32 @@ mod tests {
         let recording = ramp(4000, None);
         let fit = cut(&recording, Base::Raw, Stretch::Fit);
         let validation = cut(&recording, Base::Raw, Stretch::Validation);
-        let last_fit = (0..fit.len())
-            .map(|i| fit.raw(i, fit.slack(i))[WINDOW - 1].abs() as usize)
-            .max()
-            .unwrap()
-            / 2;
+        let last_fit =
+            (0..fit.len()).map(|i| fit.raw(i, fit.slack(i))[WINDOW - 1].abs() as usize).max().unwrap() / 2;
         assert!(last_fit + WINDOW < 3400 + 1);
         assert_eq!(validation.raw(0, 0)[0], 3400.0);
     }
 
     #[test]
+    fn no_scope_leaves_a_base_uncleaned() {
+        let mut samples = ramp(400, None).samples().to_vec();
+        for (i, sample) in samples.iter_mut().enumerate() {
+            sample.accel[0] = if i % 2 == 0 { 1.0 } else { -1.0 };
+        }
+        let recording = ImuRecording::new(samples).unwrap();
+        for base in [Base::Gaussian, Base::SavitzkyGolay { window: 51, order: 3 }] {
+            for scope in [Scope::Window, Scope::Recording] {
+                let cut = WindowSet::cut(&[("a", &recording)], Sensor::Accel, base, scope, Stretch::Whole);
+                let mut out = vec![0.0; WINDOW];
+                cut.unwrap().base_into(0, 0, &mut out);
+                assert!(out[60..140].iter().all(|v| v.abs() < 0.2), "{base} {scope:?}");
+            }
+        }
+    }
+
+    #[test]
     fn a_quadratic_passes_the_filtered_base_unchanged() {
-        let set = cut(
-            &ramp(400, None),
-            Base::SavitzkyGolay { window: 51, order: 3 },
-            Stretch::Whole,
-        );
+        let set = cut(&ramp(400, None), Base::SavitzkyGolay { window: 51, order: 3 }, Stretch::Whole);
         let mut base = vec![0.0; WINDOW];
         set.base_into(1, 0, &mut base);
         for (filtered, raw) in base.iter().zip(set.raw(1, 0)) {

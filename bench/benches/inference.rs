@@ -28,19 +28,11 @@ fn main() {
 fn six(name: &str, config: &ProNetConfig) {
     let stream = Stream::new(1).named("bench");
     let mut networks = Sensor::ALL.map(|sensor| {
-        let config = ProNetConfig {
-            sensor,
-            ..config.clone()
-        };
+        let config = ProNetConfig { sensor, ..config.clone() };
         let flat = initial_parameters(&config, &stream.named(sensor.name()));
         let mut rng = stream.named("windows").rng();
-        let windows: Vec<f32> = (0..3 * config.window)
-            .map(|_| rng.random::<f32>() - 0.5)
-            .collect();
-        (
-            Predictor::new(&Weights::new(&config, flat, Card::default())),
-            windows,
-        )
+        let windows: Vec<f32> = (0..3 * config.window).map(|_| rng.random::<f32>() - 0.5).collect();
+        (Predictor::new(&Weights::new(&config, flat, Card::default())), windows)
     });
     let mut sigma = [0.0; 3];
     let timing = time(iterations(2000), || {
@@ -49,8 +41,5 @@ fn six(name: &str, config: &ProNetConfig) {
             std::hint::black_box(&sigma);
         }
     });
-    println!(
-        "inference {name}: six windows, median {:.4} ms, cpu {:.4} ms",
-        timing.wall_ms, timing.cpu_ms
-    );
+    println!("inference {name}: six windows, median {:.4} ms, cpu {:.4} ms", timing.wall_ms, timing.cpu_ms);
 }

@@ -13,10 +13,7 @@ const BATCH: usize = 200;
 
 fn main() {
     let strided = ProNetConfig::default();
-    let dense = ProNetConfig {
-        strides: vec![1, 1, 1],
-        ..ProNetConfig::default()
-    };
+    let dense = ProNetConfig { strides: vec![1, 1, 1], ..ProNetConfig::default() };
     let long = ProNetConfig {
         input: Input::SecondDifferences,
         channels: vec![32, 32, 64],
@@ -27,11 +24,7 @@ fn main() {
         leak: 0.1,
         ..ProNetConfig::default()
     };
-    for (name, config) in [
-        ("strides-1-2-2", strided),
-        ("strides-1-1-1", dense),
-        ("kernel-41", long),
-    ] {
+    for (name, config) in [("strides-1-2-2", strided), ("strides-1-1-1", dense), ("kernel-41", long)] {
         step(name, &config, true);
         if std::env::var_os("DPN_BENCH_PLAIN").is_some() {
             step(&format!("{name} plain"), &config, false);
@@ -47,25 +40,16 @@ fn step(name: &str, config: &ProNetConfig, fused: bool) {
         Err(error) => panic!("{error}"),
     };
     let mut rng = stream.named("windows").rng();
-    let windows: Vec<f32> = (0..BATCH * config.window)
-        .map(|_| 0.2 * (rng.random::<f32>() - 0.5))
-        .collect();
+    let windows: Vec<f32> = (0..BATCH * config.window).map(|_| 0.2 * (rng.random::<f32>() - 0.5)).collect();
     let mut parameters = net.parameters();
     let mut adam = Adam::new(AdamConfig::default(), parameters.len());
     let timing = time(iterations(40), || {
         let x = Tensor::<2>::from_data(TensorData::new(windows.clone(), [BATCH, config.window]), &device);
-        let sigma = if fused {
-            net.forward(x)
-        } else {
-            net.forward_plain(x)
-        };
+        let sigma = if fused { net.forward(x) } else { net.forward_plain(x) };
         let loss = ((sigma - 0.1) * 10.0).square().mean();
         let gradient = net.flat_gradient(&loss.backward());
         adam.step(&mut parameters, &gradient, 1e-3);
         net = net.with_parameters(&parameters);
     });
-    println!(
-        "train_step {name}: median {:.2} ms, cpu {:.2} ms",
-        timing.wall_ms, timing.cpu_ms
-    );
+    println!("train_step {name}: median {:.2} ms, cpu {:.2} ms", timing.wall_ms, timing.cpu_ms);
 }

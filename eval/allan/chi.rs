@@ -11,11 +11,7 @@ pub(super) fn interval(value: f64, error: f64) -> (f64, f64) {
         return (0.0, 2.0 * error);
     }
     let freedom = 2.0 * (value / error).powi(2);
-    let freedom = if freedom.is_nan() {
-        0.5
-    } else {
-        freedom.clamp(0.5, 1e12)
-    };
+    let freedom = if freedom.is_nan() { 0.5 } else { freedom.clamp(0.5, 1e12) };
     (value * freedom / upper(freedom), value * freedom / lower(freedom))
 }
 
@@ -64,16 +60,8 @@ mod tests {
             (100.0, 74.221_927, 129.561_197),
         ];
         for (freedom, low, high) in table {
-            assert!(
-                (lower(freedom) / low - 1.0).abs() < 0.03,
-                "{freedom}: {}",
-                lower(freedom)
-            );
-            assert!(
-                (upper(freedom) / high - 1.0).abs() < 0.03,
-                "{freedom}: {}",
-                upper(freedom)
-            );
+            assert!((lower(freedom) / low - 1.0).abs() < 0.03, "{freedom}: {}", lower(freedom));
+            assert!((upper(freedom) / high - 1.0).abs() < 0.03, "{freedom}: {}", upper(freedom));
             let (a, b) = interval(3.0, 3.0 * (2.0 / freedom).sqrt());
             assert!(
                 (a - 3.0 * freedom / upper(freedom)).abs() < 1e-9

@@ -70,23 +70,17 @@ impl Finding {
             number(rounded(self.measured)),
         );
         let times = |ratio: f64| {
-            if ratio >= 10.0 {
-                format!("{ratio:.0}")
-            } else {
-                format!("{ratio:.1}")
-            }
+            if ratio >= 10.0 { format!("{ratio:.0}") } else { format!("{ratio:.1}") }
         };
         let verdict = match self.verdict {
             Verdict::Agrees => format!("agrees (x{:.2})", self.ratio),
             Verdict::NotSeen => "agrees as far as the log shows".to_owned(),
-            Verdict::Inflated => format!(
-                "{} times the noise at rest: usual for a moving vehicle, if meant",
-                times(self.ratio)
-            ),
-            Verdict::TooHigh => format!(
-                "{} times the noise at rest: more than motion explains",
-                times(self.ratio)
-            ),
+            Verdict::Inflated => {
+                format!("{} times the noise at rest: usual for a moving vehicle, if meant", times(self.ratio))
+            }
+            Verdict::TooHigh => {
+                format!("{} times the noise at rest: more than motion explains", times(self.ratio))
+            }
             Verdict::TooLow => {
                 format!(
                     "{} times below the sensor's own noise: the IMU is trusted too much",
@@ -122,11 +116,7 @@ pub fn compare(source: &Source, log: &AllanLog) -> Vec<Finding> {
             let density =
                 |figures: &dpn_core::noise::formats::ImuFigures| figures.density(figure).map(Axes::largest);
             let ratio = density(&source.figures)? / density(&measured)?;
-            let coefficient = if figure.is_walk() {
-                Coefficient::Walk
-            } else {
-                Coefficient::White
-            };
+            let coefficient = if figure.is_walk() { Coefficient::Walk } else { Coefficient::White };
             let seen = log.seen(figure.sensor(), coefficient);
             let verdict = match ratio {
                 r if r <= AGREES && !seen => Verdict::NotSeen,
@@ -138,7 +128,9 @@ pub fn compare(source: &Source, log: &AllanLog) -> Vec<Finding> {
             let suspects = if matches!(verdict, Verdict::Agrees | Verdict::NotSeen) {
                 Vec::new()
             } else {
-                suspects(figure, meaning, configured, at_log, rate, log)
+                let largest =
+                    |c| log.estimates(figure.sensor(), c).iter().map(|e| e.value).fold(0.0, f64::max);
+                suspects(figure, meaning, configured, at_log, rate, &largest)
             };
             Some(Finding {
                 figure,
@@ -155,7 +147,7 @@ pub fn compare(source: &Source, log: &AllanLog) -> Vec<Finding> {
         .collect()
 }
 
-fn key_of(format: Format, figure: Figure) -> (String, Meaning) {
+pub(crate) fn key_of(format: Format, figure: Figure) -> (String, Meaning) {
     match format.layout() {
         Some(layout) => {
             let key = layout.key(figure);
@@ -168,44 +160,34 @@ fn key_of(format: Format, figure: Figure) -> (String, Meaning) {
 }
 
 /// What `configured` would be, were the `measured` noise written down by mistake in another meaning or unit.
-fn suspects(
+///
+/// `largest` is the largest of the axes' other coefficients, for a walk.
+pub(crate) fn suspects(
     figure: Figure,
     meaning: Meaning,
     configured: f64,
     measured: f64,
     rate: SampleRate,
-    log: &AllanLog,
+    largest: &dyn Fn(Coefficient) -> f64,
 ) -> Vec<&'static str> {
     use dpn_core::Sensor::{Accel, Gyro};
     const DEGREES: f64 = 180.0 / std::f64::consts::PI;
     const G: f64 = 9.806_65;
     let root = rate.hz().sqrt();
     let sensor = figure.sensor();
-    let largest = |c| {
-        log.estimates(sensor, c)
-            .iter()
-            .map(|e| e.value)
-            .fold(0.0, f64::max)
-    };
-    let variance = matches!(
-        meaning,
-        Meaning::SampleVariance | Meaning::WalkStepVariance | Meaning::Power
-    );
+    let variance = matches!(meaning, Meaning::SampleVariance | Meaning::WalkStepVariance | Meaning::Power);
     let density = !meaning.needs_rate();
     let mut all: Vec<(f64, &'static str)> = Vec::new();
     if variance {
         all.push((measured.sqrt(), "a deviation where a variance belongs"));
-        all.push((
-            measured / rate.hz(),
-            "a power density where a variance per sample belongs",
-        ));
+        all.push((measured / rate.hz(), "a power density where a variance per sample belongs"));
     } else {
         all.push((measured * measured, "a variance where a deviation belongs"));
     }
     match (variance, density, figure.is_walk()) {
         (false, true, false) => all.push((measured * root, "a deviation per sample where a density belongs")),
         (false, false, false) => {
-            all.push((measured / root, "a density where a deviation per sample belongs"))
+            all.push((measured / root, "a density where a deviation per sample belongs"));
         }
         (false, true, true) => {
             all.push((measured / root, "a walk per sample where a density belongs"));
@@ -218,10 +200,7 @@ fn suspects(
     match sensor {
         Gyro => {
             all.push((measured * DEGREES.powi(power), "degrees where radians belong"));
-            all.push((
-                measured / DEGREES.powi(power),
-                "radians turned into radians once more",
-            ));
+            all.push((measured / DEGREES.powi(power), "radians turned into radians once more"));
         }
         Accel => {
             all.push((measured / G.powi(power), "g where m/s^2 belongs"));
@@ -229,14 +208,8 @@ fn suspects(
         }
     }
     if figure.is_walk() {
-        all.push((
-            largest(Coefficient::Instability),
-            "a bias instability where a walk belongs",
-        ));
-        all.push((
-            largest(Coefficient::White),
-            "the white noise where a walk belongs",
-        ));
+        all.push((largest(Coefficient::Instability), "a bias instability where a walk belongs"));
+        all.push((largest(Coefficient::White), "the white noise where a walk belongs"));
     }
     let off = |value: f64| (configured / value).ln().abs();
     let mut near: Vec<(f64, &'static str)> = all
@@ -262,23 +235,12 @@ mod tests {
         let rate = SampleRate::from_hz(100.0).unwrap();
         let mut rng = Stream::new(9).named("compare").rng();
         let mut axis = |white: f64, walk: f64| {
-            at_rest(
-                &[0.0, white * white, 0.0, walk * walk, 0.0],
-                60_000,
-                rate,
-                &mut rng,
-            )
+            at_rest(&[0.0, white * white, 0.0, walk * walk, 0.0], 60_000, rate, &mut rng)
         };
-        let axes: Vec<Vec<f64>> = [
-            (1e-4, 2e-5),
-            (1e-4, 2e-5),
-            (1e-4, 2e-5),
-            (1e-3, 2e-4),
-            (1e-3, 2e-4),
-            (1e-3, 2e-4),
-        ]
-        .map(|(w, k)| axis(w, k))
-        .to_vec();
+        let axes: Vec<Vec<f64>> =
+            [(1e-4, 2e-5), (1e-4, 2e-5), (1e-4, 2e-5), (1e-3, 2e-4), (1e-3, 2e-4), (1e-3, 2e-4)]
+                .map(|(w, k)| axis(w, k))
+                .to_vec();
         let samples = (0..60_000).map(|i| ImuSample {
             t: Stamp::from_ns(i as i64 * 10_000_000),
             gyro: [axes[0][i], axes[1][i], axes[2][i]],
@@ -291,10 +253,7 @@ mod tests {
     fn every_mix_up_is_named_and_a_sound_file_is_not() {
         let log = log();
         let check = |text: &str| {
-            let given = Given {
-                rate: SampleRate::from_hz(100.0),
-                ..Given::default()
-            };
+            let given = Given { rate: SampleRate::from_hz(100.0), ..Given::default() };
             let source = parse(text.as_bytes(), Path::new("f"), None, &given).unwrap();
             compare(&source, &log)
         };
@@ -305,25 +264,13 @@ mod tests {
             ))
         };
         let sound = kalibr(1.2e-3, 2e-4, 0.9e-4, 2e-5);
-        assert!(
-            sound.iter().all(|f| f.verdict == Verdict::Agrees && !f.warns()),
-            "{sound:?}"
-        );
+        assert!(sound.iter().all(|f| f.verdict == Verdict::Agrees && !f.warns()), "{sound:?}");
         let per_sample = kalibr(1e-2, 2e-4, 1e-3, 2e-5);
-        assert_eq!(
-            per_sample[0].suspects.first(),
-            Some(&"a deviation per sample where a density belongs")
-        );
+        assert_eq!(per_sample[0].suspects.first(), Some(&"a deviation per sample where a density belongs"));
         assert_eq!(per_sample[0].verdict, Verdict::Inflated);
-        assert_eq!(
-            per_sample[2].suspects.first(),
-            Some(&"a deviation per sample where a density belongs")
-        );
+        assert_eq!(per_sample[2].suspects.first(), Some(&"a deviation per sample where a density belongs"));
         let degrees = kalibr(1e-3 / 9.81, 2e-4, 1e-4 * 57.3, 2e-5);
-        assert_eq!(
-            (degrees[0].verdict, degrees[0].suspects[0]),
-            (Verdict::TooLow, "g where m/s^2 belongs")
-        );
+        assert_eq!((degrees[0].verdict, degrees[0].suspects[0]), (Verdict::TooLow, "g where m/s^2 belongs"));
         assert_eq!(
             (degrees[2].verdict, degrees[2].suspects[0]),
             (Verdict::TooHigh, "degrees where radians belong")
@@ -331,26 +278,14 @@ mod tests {
         let variances = kalibr(1e-6, 1e-3, 1e-8, 2e-5);
         assert_eq!(variances[0].suspects, ["a variance where a deviation belongs"]);
         assert!(
-            variances[1]
-                .suspects
-                .contains(&"the white noise where a walk belongs"),
+            variances[1].suspects.contains(&"the white noise where a walk belongs"),
             "{:?}",
             variances[1]
         );
         let vins = check("acc_n: 0.001\nacc_w: 0.002\ngyr_n: 0.001\ngyr_w: 2e-4\n");
-        assert_eq!(
-            vins[0].suspects[0],
-            "a density where a deviation per sample belongs"
-        );
-        assert_eq!(
-            (vins[1].verdict, vins[2].verdict),
-            (Verdict::Agrees, Verdict::Agrees)
-        );
-        assert!(
-            vins[0].text().contains("10 times below the sensor's own noise"),
-            "{}",
-            vins[0].text()
-        );
+        assert_eq!(vins[0].suspects[0], "a density where a deviation per sample belongs");
+        assert_eq!((vins[1].verdict, vins[2].verdict), (Verdict::Agrees, Verdict::Agrees));
+        assert!(vins[0].text().contains("10 times below the sensor's own noise"), "{}", vins[0].text());
         let deviation = check("AccelerometerNoise: 0.01\nGyroscopeNoise: 1e-6\n");
         assert_eq!(deviation[0].suspects[0], "a deviation where a variance belongs");
         assert_eq!(deviation[1].verdict, Verdict::Agrees);

@@ -14,6 +14,9 @@
 //! are summed once for a length of log and serve every axis. gamma is smooth between the nine lags where ends meet: those count exactly,
 //! long stretches between them by Gauss-Legendre on steps that double away from the ends.
 
+// Triangles of small matrices: with indices they read as the formulas do.
+#![allow(clippy::needless_range_loop)]
+
 use super::model::Squares;
 use dpn_core::SampleRate;
 use rayon::prelude::*;
@@ -44,20 +47,11 @@ pub struct Scatter {
 impl Scatter {
     /// Of a log of `samples` at `rate`, at `averages` (each at most half of the samples).
     pub fn new(averages: &[usize], samples: usize, rate: SampleRate) -> Self {
-        let all: Vec<(usize, usize)> = (0..averages.len())
-            .flat_map(|i| (i..averages.len()).map(move |j| (i, j)))
-            .collect();
+        let all: Vec<(usize, usize)> =
+            (0..averages.len()).flat_map(|i| (i..averages.len()).map(move |j| (i, j))).collect();
         // In samples; periods come in later.
-        let pairs = all
-            .par_iter()
-            .map(|&(i, j)| sums(averages[i], averages[j], samples))
-            .collect();
-        Self {
-            averages: averages.to_vec(),
-            samples,
-            period: rate.period(),
-            pairs,
-        }
+        let pairs = all.par_iter().map(|&(i, j)| sums(averages[i], averages[j], samples)).collect();
+        Self { averages: averages.to_vec(), samples, period: rate.period(), pairs }
     }
 
     /// The covariance matrix of the Allan variances, row by row, under the model with `squares`.
@@ -112,14 +106,9 @@ fn sums(m1: usize, m2: usize, samples: usize) -> Sums {
         }
     };
     // Where an end of the one meets an end of the other; beyond them only flicker noise is left, falling off by the square.
-    let mut meet: Vec<i64> = (0..3)
-        .flat_map(|i| (0..3).map(move |j| i * m1 - j * m2))
-        .collect();
+    let mut meet: Vec<i64> = (0..3).flat_map(|i| (0..3).map(move |j| i * m1 - j * m2)).collect();
     let reach = 6 * (m1 + m2);
-    meet.extend([
-        meet.iter().min().unwrap_or(&0) - reach,
-        meet.iter().max().unwrap_or(&0) + reach,
-    ]);
+    meet.extend([meet.iter().min().unwrap_or(&0) - reach, meet.iter().max().unwrap_or(&0) + reach]);
     for h in &mut meet {
         *h = (*h).clamp(least, most);
     }
@@ -206,28 +195,19 @@ mod tests {
             for k in 0..KINDS {
                 let mut squares = [0.0; 5];
                 squares[k] = 1.0;
-                assert!(
-                    (gammas[k] / (2.0 * m * m * variance(&squares, m)) - 1.0).abs() < 1e-6,
-                    "{k} {m}"
-                );
+                assert!((gammas[k] / (2.0 * m * m * variance(&squares, m)) - 1.0).abs() < 1e-6, "{k} {m}");
             }
         }
     }
 
     #[test]
     fn summing_in_steps_is_summing_lag_by_lag() {
-        for (m1, m2, samples) in [
-            (1usize, 1usize, 3000usize),
-            (3, 40, 3000),
-            (30, 800, 3000),
-            (900, 1000, 3000),
-        ] {
+        for (m1, m2, samples) in
+            [(1usize, 1usize, 3000usize), (3, 40, 3000), (30, 800, 3000), (900, 1000, 3000)]
+        {
             let quick = sums(m1, m2, samples);
             let mut slow = Sums::default();
-            let (n1, n2) = (
-                samples as i64 + 1 - 2 * m1 as i64,
-                samples as i64 + 1 - 2 * m2 as i64,
-            );
+            let (n1, n2) = (samples as i64 + 1 - 2 * m1 as i64, samples as i64 + 1 - 2 * m2 as i64);
             for h in -(n1 - 1)..n2 {
                 let count = (n1.min(n2 - h) - (-h).max(0)) as f64;
                 let g = gammas(h as f64, m1 as f64, m2 as f64, true);
@@ -254,10 +234,6 @@ mod tests {
     fn white_noise_at_one_sample_has_the_scatter_of_the_textbook() {
         let rate = SampleRate::from_hz(1.0).unwrap();
         let scatter = Scatter::new(&[1], 10_000, rate).matrix(&[0.0, 1.0, 0.0, 0.0, 0.0]);
-        assert!(
-            (scatter[0][0] * 9999.0 / 3.0 - 1.0).abs() < 1e-3,
-            "{}",
-            scatter[0][0]
-        );
+        assert!((scatter[0][0] * 9999.0 / 3.0 - 1.0).abs() < 1e-3, "{}", scatter[0][0]);
     }
 }

@@ -1,7 +1,7 @@
 //! The overlapping Allan variance from cumulative sums.
 //!
 //! With theta the integral of the signal and m samples to an average,
-//! sigma^2(m) = sum over i of (theta[i + 2m] - 2 theta[i + m] + theta[i])^2 / (2 (m tau0)^2 (n + 1 - 2m)).
+//! sigma^2(m) = sum over i of (theta_(i+2m) - 2 theta_(i+m) + theta_i)^2 / (2 (m tau0)^2 (n + 1 - 2m)).
 //! Source: Riley, Handbook of Frequency Stability Analysis (NIST SP 1065), 5.2.
 
 use dpn_core::SampleRate;
@@ -49,11 +49,7 @@ fn variance(theta: &[f64], rate: SampleRate, m: usize) -> f64 {
         second * second
     };
     for at in (0..whole).step_by(LANES) {
-        let (a, b, c) = (
-            &early[at..at + LANES],
-            &middle[at..at + LANES],
-            &late[at..at + LANES],
-        );
+        let (a, b, c) = (&early[at..at + LANES], &middle[at..at + LANES], &late[at..at + LANES]);
         for lane in 0..LANES {
             sums[lane] += square(a[lane], b[lane], c[lane]);
         }

@@ -115,13 +115,7 @@ impl Planner {
             let scatter = Scatter::new(&averages, longer, rate);
             (times, averages, scatter)
         });
-        Self {
-            rate,
-            samples,
-            now: Scatter::new(&averages, samples, rate),
-            averages,
-            later: later.to_vec(),
-        }
+        Self { rate, samples, now: Scatter::new(&averages, samples, rate), averages, later: later.to_vec() }
     }
 
     /// Fits one axis.
@@ -133,11 +127,7 @@ impl Planner {
     /// When the signal is not as long as the planner was made for.
     pub fn fit(&self, signal: &[f64]) -> Result<Fit, NnlsError> {
         assert_eq!(signal.len(), self.samples, "a planner is for one length of log");
-        let taus: Vec<f64> = self
-            .averages
-            .iter()
-            .map(|m| *m as f64 * self.rate.period())
-            .collect();
+        let taus: Vec<f64> = self.averages.iter().map(|m| *m as f64 * self.rate.period()).collect();
         let variances = deviation::variances(signal, self.rate, &self.averages);
         let mut squares = rough(&taus, &variances)?;
         let mut weights = Vec::new();
@@ -163,36 +153,16 @@ impl Planner {
                 }
             })
             .collect();
-        Ok(Fit {
-            humps: humps(&points),
-            points,
-            estimates,
-            misfit,
-        })
+        Ok(Fit { humps: humps(&points), points, estimates, misfit })
     }
 
     fn estimate(&self, coefficient: Coefficient, squares: &Squares, error: f64, widened: f64) -> Estimate {
         let square = squares[coefficient as usize];
         // The error of a square, against the square: twice that of the coefficient.
         let seen = square > 0.0 && error <= 2.0 * SEEN * square;
-        let (low, high) = if seen {
-            chi::interval(square, error)
-        } else {
-            (0.0, square + 2.0 * error)
-        };
-        let needs_s = if seen {
-            None
-        } else {
-            self.needs(coefficient, squares, square, high, widened)
-        };
-        Estimate {
-            coefficient,
-            value: square.sqrt(),
-            low: low.sqrt(),
-            high: high.sqrt(),
-            seen,
-            needs_s,
-        }
+        let (low, high) = if seen { chi::interval(square, error) } else { (0.0, square + 2.0 * error) };
+        let needs_s = if seen { None } else { self.needs(coefficient, squares, square, high, widened) };
+        Estimate { coefficient, value: square.sqrt(), low: low.sqrt(), high: high.sqrt(), seen, needs_s }
     }
 
     /// The length at which a coefficient as large as the fitted one, or as a third of what it stays below, would be seen.
@@ -233,10 +203,7 @@ impl Planner {
 
 /// A first guess, every variance to the same relative error.
 fn rough(taus: &[f64], variances: &[f64]) -> Result<Squares, NnlsError> {
-    let weights: Vec<f64> = variances
-        .iter()
-        .map(|v| 1.0 / (v * v).max(f64::MIN_POSITIVE))
-        .collect();
+    let weights: Vec<f64> = variances.iter().map(|v| 1.0 / (v * v).max(f64::MIN_POSITIVE)).collect();
     solve(taus, variances, &weights)
 }
 
@@ -279,20 +246,14 @@ fn humps(points: &[Point]) -> Vec<Hump> {
     for stretch in points.chunk_by(|a, b| above(a) == above(b)) {
         let peak = stretch.iter().max_by(|a, b| ratio(a).total_cmp(&ratio(b)));
         if let Some(peak) = peak.filter(|p| above(p)) {
-            humps.push(Hump {
-                tau: peak.tau,
-                times: ratio(peak),
-                hz: 0.371 / peak.tau,
-            });
+            humps.push(Hump { tau: peak.tau, times: ratio(peak), hz: 0.371 / peak.tau });
         }
     }
     humps
 }
 
 fn solve(taus: &[f64], variances: &[f64], weights: &[f64]) -> Result<Squares, NnlsError> {
-    let a = DMatrix::from_fn(taus.len(), 5, |i, k| {
-        weights[i].sqrt() * Coefficient::ALL[k].variance(taus[i])
-    });
+    let a = DMatrix::from_fn(taus.len(), 5, |i, k| weights[i].sqrt() * Coefficient::ALL[k].variance(taus[i]));
     let b = DVector::from_fn(taus.len(), |i, _| weights[i].sqrt() * variances[i]);
     let x = nnls(&a, &b)?;
     Ok([x[0], x[1], x[2], x[3], x[4]])
@@ -301,9 +262,7 @@ fn solve(taus: &[f64], variances: &[f64], weights: &[f64]) -> Result<Squares, Nn
 /// Standard errors of the squares from the covariance of the variances.
 fn standard_errors(taus: &[f64], matrix: &[Vec<f64>], weights: &[f64]) -> [f64; 5] {
     let n = taus.len();
-    let root = DMatrix::from_fn(n, 5, |i, k| {
-        weights[i].sqrt() * Coefficient::ALL[k].variance(taus[i])
-    });
+    let root = DMatrix::from_fn(n, 5, |i, k| weights[i].sqrt() * Coefficient::ALL[k].variance(taus[i]));
     let lengths: Vec<f64> = (0..5).map(|k| root.column(k).norm()).collect();
     let scaled = DMatrix::from_fn(n, 5, |i, k| root[(i, k)] / lengths[k]);
     let Ok(inverse) = scaled.pseudo_inverse(1e-12) else {

@@ -50,11 +50,7 @@ fn overlapping_deviations_are_those_of_allantools() {
     let case = golden().made_up;
     assert_eq!(deviation::averages(case.signal.len()), case.averages);
     let rate = SampleRate::from_hz(case.rate_hz).unwrap();
-    agree(
-        &deviation::variances(&case.signal, rate, &case.averages),
-        &case.deviations,
-        1e-9,
-    );
+    agree(&deviation::variances(&case.signal, rate, &case.averages), &case.deviations, 1e-9);
 }
 
 /// All of a recorded log, and the fitted white noise against allantools' deviations on the slope of -1/2.
@@ -97,11 +93,7 @@ fn a_recorded_log_gives_allantools_deviations_and_its_white_noise() {
                 white.value,
                 on.len()
             );
-            assert!(
-                (white.value / mean - 1.0).abs() < 0.03,
-                "{sensor} {name}: {} {mean}",
-                white.value
-            );
+            assert!((white.value / mean - 1.0).abs() < 0.03, "{sensor} {name}: {} {mean}", white.value);
         }
     }
 }
@@ -135,10 +127,7 @@ fn the_length_that_is_asked_for_shows_what_was_not_seen() {
     let simulated = |samples: usize, seed: u64| {
         let mut rng = Stream::new(seed).named("allan-needs").rng();
         let signal = simulate::at_rest(&truth.map(|v| v * v), samples, rate, &mut rng);
-        Planner::new(samples, rate)
-            .fit(&signal)
-            .unwrap()
-            .of(Coefficient::Walk)
+        Planner::new(samples, rate).fit(&signal).unwrap().of(Coefficient::Walk)
     };
     let short = simulated(1500, 1);
     assert!(!short.seen && short.value <= short.high, "{short:?}");

@@ -109,11 +109,7 @@ impl AllanLog {
     pub fn of(recording: &ImuRecording, everything: bool) -> Result<Self, AllanError> {
         let rest = rest(recording);
         let rate = recording.rate();
-        let used = if everything {
-            0..recording.len()
-        } else {
-            rest.longest.clone()
-        };
+        let used = if everything { 0..recording.len() } else { rest.longest.clone() };
         let length_s = used.len() as f64 * rate.period();
         if length_s < LEAST_S || deviation::averages(used.len()).len() < 8 {
             return Err(match rest.moved.first() {
@@ -127,48 +123,25 @@ impl AllanLog {
             });
         }
         let planner = Planner::new(used.len(), rate);
-        let all: Vec<(Sensor, usize)> = Sensor::ALL
-            .into_iter()
-            .flat_map(|s| (0..3).map(move |axis| (s, axis)))
-            .collect();
+        let all: Vec<(Sensor, usize)> =
+            Sensor::ALL.into_iter().flat_map(|s| (0..3).map(move |axis| (s, axis))).collect();
         let axes = all
             .into_par_iter()
             .map(|(sensor, axis)| {
-                let signal: Vec<f64> = recording.samples()[used.clone()]
-                    .iter()
-                    .map(|s| s.of(sensor)[axis])
-                    .collect();
+                let signal: Vec<f64> =
+                    recording.samples()[used.clone()].iter().map(|s| s.of(sensor)[axis]).collect();
                 if signal.iter().all(|v| *v == signal[0]) {
-                    return Err(AllanError::Constant {
-                        sensor,
-                        axis,
-                        value: signal[0],
-                    });
+                    return Err(AllanError::Constant { sensor, axis, value: signal[0] });
                 }
-                Ok(AxisFit {
-                    sensor,
-                    axis: ["x", "y", "z"][axis],
-                    fit: planner.fit(&signal)?,
-                })
+                Ok(AxisFit { sensor, axis: ["x", "y", "z"][axis], fit: planner.fit(&signal)? })
             })
             .collect::<Result<Vec<_>, _>>()?;
-        Ok(Self {
-            rate,
-            samples: used.len(),
-            length_s,
-            rest,
-            everything,
-            axes,
-        })
+        Ok(Self { rate, samples: used.len(), length_s, rest, everything, axes })
     }
 
     /// One coefficient of the three axes of a sensor.
     pub fn estimates(&self, sensor: Sensor, coefficient: Coefficient) -> [Estimate; 3] {
-        let mut of = self
-            .axes
-            .iter()
-            .filter(|a| a.sensor == sensor)
-            .map(|a| a.fit.of(coefficient));
+        let mut of = self.axes.iter().filter(|a| a.sensor == sensor).map(|a| a.fit.of(coefficient));
         let first = self.axes[0].fit.of(coefficient);
         std::array::from_fn(|_| of.next().unwrap_or(first))
     }

@@ -27,13 +27,7 @@ pub enum Coefficient {
 
 impl Coefficient {
     /// All five, by the slope they have.
-    pub const ALL: [Self; 5] = [
-        Self::Quantisation,
-        Self::White,
-        Self::Instability,
-        Self::Walk,
-        Self::Ramp,
-    ];
+    pub const ALL: [Self; 5] = [Self::Quantisation, Self::White, Self::Instability, Self::Walk, Self::Ramp];
 
     /// Allan variance at `tau` \[s\] of a coefficient of one.
     pub fn variance(self, tau: f64) -> f64 {
@@ -91,9 +85,5 @@ pub type Squares = [f64; 5];
 
 /// The model's Allan variance at `tau` \[s\].
 pub fn variance(squares: &Squares, tau: f64) -> f64 {
-    Coefficient::ALL
-        .iter()
-        .zip(squares)
-        .map(|(c, s)| s * c.variance(tau))
-        .sum()
+    Coefficient::ALL.iter().zip(squares).map(|(c, s)| s * c.variance(tau)).sum()
 }

@@ -21,9 +21,7 @@ pub struct NnlsError {
 /// # Errors
 /// A matrix or a vector with values that are not finite; a solver that gives up.
 pub fn nnls(a: &DMatrix<f64>, b: &DVector<f64>) -> Result<DVector<f64>, NnlsError> {
-    let fault = |reason: &str| NnlsError {
-        reason: reason.to_owned(),
-    };
+    let fault = |reason: &str| NnlsError { reason: reason.to_owned() };
     let n = a.ncols();
     // Columns of length 1: their entries span many powers of ten.
     let lengths: Vec<f64> = (0..n).map(|k| a.column(k).norm()).collect();
@@ -52,15 +50,9 @@ pub fn nnls(a: &DMatrix<f64>, b: &DVector<f64>) -> Result<DVector<f64>, NnlsErro
         .tol_feas(1e-13)
         .build()
         .map_err(|error| fault(&error.to_string()))?;
-    let mut solver = DefaultSolver::new(
-        &p,
-        &q,
-        &constraints,
-        &vec![0.0; n],
-        &[NonnegativeConeT(n)],
-        settings,
-    )
-    .map_err(|error| fault(&error.to_string()))?;
+    let mut solver =
+        DefaultSolver::new(&p, &q, &constraints, &vec![0.0; n], &[NonnegativeConeT(n)], settings)
+            .map_err(|error| fault(&error.to_string()))?;
     solver.solve();
     let solution = &solver.solution;
     if solution.x.iter().any(|v| !v.is_finite()) {
@@ -78,11 +70,7 @@ pub fn nnls(a: &DMatrix<f64>, b: &DVector<f64>) -> Result<DVector<f64>, NnlsErro
         .map_err(fault)?;
     let all_positive = exact.iter().all(|v| *v >= 0.0);
     for (at, &k) in free.iter().enumerate() {
-        let value = if all_positive {
-            exact[at]
-        } else {
-            solution.x[k] * size
-        };
+        let value = if all_positive { exact[at] } else { solution.x[k] * size };
         x[k] = value / lengths[k];
     }
     Ok(x)
@@ -97,9 +85,8 @@ mod tests {
         use rand::Rng;
         let mut rng = dpn_core::random::Stream::new(3).named("nnls").rng();
         for _ in 0..200 {
-            let a = DMatrix::from_fn(12, 5, |_, k| {
-                rng.random_range(-1.0..1.0) * 10f64.powi(3 * k as i32 - 6)
-            });
+            let a =
+                DMatrix::from_fn(12, 5, |_, k| rng.random_range(-1.0..1.0) * 10f64.powi(3 * k as i32 - 6));
             let b = DVector::from_fn(12, |_, _| rng.random_range(-1.0..1.0));
             let x = nnls(&a, &b).unwrap();
             let gradient = a.tr_mul(&(&a * &x - &b));

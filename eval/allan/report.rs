@@ -6,13 +6,8 @@ use dpn_core::Sensor;
 use dpn_core::noise::formats::{Axes, Figure, Format, FormatError, Meaning, Written, number, write};
 
 /// Formats that are written out, ready to paste.
-const PASTED: [Format; 5] = [
-    Format::Kalibr,
-    Format::OpenVins,
-    Format::OrbSlam3,
-    Format::Vins,
-    Format::Basalt,
-];
+const PASTED: [Format; 5] =
+    [Format::Kalibr, Format::OpenVins, Format::OrbSlam3, Format::Vins, Format::Basalt];
 
 /// What people do with such numbers, and why.
 pub const MULTIPLY: &str = "These are the noises of a sensor that lies still. Most people multiply them by 5 to 20 before they paste \
@@ -46,17 +41,10 @@ pub fn page(log: &AllanLog) -> Result<String, FormatError> {
 pub fn pasted(log: &AllanLog) -> Result<Vec<Written>, FormatError> {
     let figures = log.figures().map_err(|_| FormatError::Nothing)?;
     let note = |figure: Figure| {
-        let coefficient = if figure.is_walk() {
-            Coefficient::Walk
-        } else {
-            Coefficient::White
-        };
+        let coefficient = if figure.is_walk() { Coefficient::Walk } else { Coefficient::White };
         (!log.seen(figure.sensor(), coefficient)).then(|| "not seen in this log: an upper bound".to_owned())
     };
-    PASTED
-        .into_iter()
-        .map(|format| write(&figures, format, note))
-        .collect()
+    PASTED.into_iter().map(|format| write(&figures, format, note)).collect()
 }
 
 fn head(log: &AllanLog) -> String {
@@ -68,22 +56,14 @@ fn head(log: &AllanLog) -> String {
     );
     let rest = &log.rest;
     if !rest.moved.is_empty() {
-        let spans: Vec<String> = rest
-            .moved
-            .iter()
-            .take(8)
-            .map(|s| format!("{:.0}-{:.0}", s.from_s, s.to_s))
-            .collect();
+        let spans: Vec<String> =
+            rest.moved.iter().take(8).map(|s| format!("{:.0}-{:.0}", s.from_s, s.to_s)).collect();
         let more = rest.moved.len().saturating_sub(8);
         text.push_str(&format!(
             "not at rest throughout: {:.0} s moved (s {}{}); {}\n",
             rest.moved_s,
             spans.join(", "),
-            if more > 0 {
-                format!(" and {more} more")
-            } else {
-                String::new()
-            },
+            if more > 0 { format!(" and {more} more") } else { String::new() },
             if log.everything {
                 "used all the same, as asked".to_owned()
             } else {
@@ -127,35 +107,21 @@ fn table(log: &AllanLog, sensor: Sensor) -> String {
         figures.get(figure, Meaning::SampleStd, log.rate)
     });
     if let Some([x, y, z]) = per_sample.map(Axes::each) {
-        rows.push([
-            "    N per sample".to_owned(),
-            three(x),
-            three(y),
-            three(z),
-            sensor.unit().to_owned(),
-        ]);
+        rows.push(["    N per sample".to_owned(), three(x), three(y), three(z), sensor.unit().to_owned()]);
     }
-    let misfit = log
-        .axes
-        .iter()
-        .filter(|a| a.sensor == sensor)
-        .map(|a| format!("{:.1}", a.fit.misfit));
+    let misfit = log.axes.iter().filter(|a| a.sensor == sensor).map(|a| format!("{:.1}", a.fit.misfit));
     let mut misfit: Vec<String> = misfit.collect();
     misfit.insert(0, "    misfit (1: as the model)".to_owned());
     misfit.push(String::new());
     if let Ok(row) = <[String; 5]>::try_from(misfit) {
         rows.push(row);
     }
-    let widths: Vec<usize> = (0..5)
-        .map(|c| rows.iter().map(|r| r[c].chars().count()).max().unwrap_or(0))
-        .collect();
+    let widths: Vec<usize> =
+        (0..5).map(|c| rows.iter().map(|r| r[c].chars().count()).max().unwrap_or(0)).collect();
     let mut text = String::from("\n");
     for row in rows {
-        let cells: Vec<String> = row
-            .iter()
-            .zip(&widths)
-            .map(|(cell, width)| format!("{cell:width$}"))
-            .collect();
+        let cells: Vec<String> =
+            row.iter().zip(&widths).map(|(cell, width)| format!("{cell:width$}")).collect();
         text.push_str(cells.join("  ").trim_end());
         text.push('\n');
     }
@@ -180,10 +146,7 @@ fn lacking(log: &AllanLog) -> String {
             let needs: Vec<Option<f64>> = unseen.iter().map(|(_, e)| e.needs_s).collect();
             let longest = needs.iter().flatten().copied().fold(0.0, f64::max);
             let words = if needs.iter().any(Option::is_none) {
-                format!(
-                    "a log a hundred times as long ({}) would not do",
-                    duration(100.0 * log.length_s)
-                )
+                format!("a log a hundred times as long ({}) would not do", duration(100.0 * log.length_s))
             } else {
                 format!(
                     "a log of {} would show one {}",
@@ -202,11 +165,7 @@ fn lacking(log: &AllanLog) -> String {
             ));
         }
     }
-    if text.is_empty() {
-        text
-    } else {
-        format!("\n{text}")
-    }
+    if text.is_empty() { text } else { format!("\n{text}") }
 }
 
 /// What is no noise: something that swings.

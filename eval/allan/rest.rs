@@ -70,16 +70,8 @@ pub fn rest(recording: &ImuRecording) -> Rest {
             let middle = median(seconds.iter().map(|s| s.mean));
             let leap = median(seconds.windows(2).map(|w| (w[1].mean - w[0].mean).abs()));
             // A coarse converter can show the same count for seconds; then one count's scatter is usual.
-            let least = seconds
-                .iter()
-                .map(|s| s.std)
-                .filter(|s| *s > 0.0)
-                .fold(f64::INFINITY, f64::min);
-            let usual = if usual > 0.0 || !least.is_finite() {
-                usual
-            } else {
-                least
-            };
+            let least = seconds.iter().map(|s| s.std).filter(|s| *s > 0.0).fold(f64::INFINITY, f64::min);
+            let usual = if usual > 0.0 || !least.is_finite() { usual } else { least };
             let far = (10.0 * 1.48 * leap).max(usual);
             // The last second at rest, and for how many the axis has been away from it.
             let (mut before, mut away_for) = (seconds[0].mean, 0);
@@ -103,11 +95,7 @@ pub fn rest(recording: &ImuRecording) -> Rest {
 /// Spans that moved, and the longest between them and the gaps.
 fn assemble(recording: &ImuRecording, moved: &[bool], block: usize) -> Rest {
     let samples = recording.samples();
-    let seconds = |index: usize| {
-        samples[index.min(samples.len() - 1)]
-            .t
-            .seconds_since(samples[0].t)
-    };
+    let seconds = |index: usize| samples[index.min(samples.len() - 1)].t.seconds_since(samples[0].t);
     let mut spans: Vec<Span> = Vec::new();
     let (mut longest, mut begin, mut gaps) = (0..0, 0, 0);
     let mut close = |begin: usize, end: usize| {
@@ -118,20 +106,13 @@ fn assemble(recording: &ImuRecording, moved: &[bool], block: usize) -> Rest {
     let limit = 1.5 * recording.rate().period();
     for (i, is_moved) in moved.iter().enumerate() {
         let from = i * block;
-        let to = if i + 1 == moved.len() {
-            samples.len()
-        } else {
-            from + block
-        };
+        let to = if i + 1 == moved.len() { samples.len() } else { from + block };
         if *is_moved {
             close(begin, from);
             begin = to;
             match spans.last_mut() {
                 Some(span) if span.to_s == seconds(from) => span.to_s = seconds(to),
-                _ => spans.push(Span {
-                    from_s: seconds(from),
-                    to_s: seconds(to),
-                }),
+                _ => spans.push(Span { from_s: seconds(from), to_s: seconds(to) }),
             }
             continue;
         }
@@ -144,17 +125,8 @@ fn assemble(recording: &ImuRecording, moved: &[bool], block: usize) -> Rest {
         }
     }
     close(begin, samples.len());
-    let longest_span = Span {
-        from_s: seconds(longest.start),
-        to_s: seconds(longest.end),
-    };
-    Rest {
-        moved_s: spans.iter().map(|s| s.to_s - s.from_s).sum(),
-        moved: spans,
-        gaps,
-        longest,
-        longest_span,
-    }
+    let longest_span = Span { from_s: seconds(longest.start), to_s: seconds(longest.end) };
+    Rest { moved_s: spans.iter().map(|s| s.to_s - s.from_s).sum(), moved: spans, gaps, longest, longest_span }
 }
 
 fn second(values: impl Iterator<Item = f64> + Clone) -> Second {
@@ -185,12 +157,7 @@ mod tests {
         let mut rng = Stream::new(4).named("rest").rng();
         let rate = SampleRate::from_hz(100.0).unwrap();
         let mut axis = |scale: f64| {
-            at_rest(
-                &[0.0, scale * scale, 0.0, 1e-3 * scale * scale, 0.0],
-                seconds * 100,
-                rate,
-                &mut rng,
-            )
+            at_rest(&[0.0, scale * scale, 0.0, 1e-3 * scale * scale, 0.0], seconds * 100, rate, &mut rng)
         };
         let axes: Vec<Vec<f64>> = [1e-3, 1e-3, 1e-3, 5e-3, 5e-3, 5e-3].map(&mut axis).to_vec();
         (0..seconds * 100)
@@ -227,11 +194,8 @@ mod tests {
             s.accel[1] += 0.1;
         }
         let rest = of(samples);
-        let spans: Vec<(i32, i32)> = rest
-            .moved
-            .iter()
-            .map(|s| (s.from_s.round() as i32, s.to_s.round() as i32))
-            .collect();
+        let spans: Vec<(i32, i32)> =
+            rest.moved.iter().map(|s| (s.from_s.round() as i32, s.to_s.round() as i32)).collect();
         // Four seconds of turning, then ten until the new attitude counts as rest.
         assert_eq!(spans, [(20, 21), (50, 64)]);
         assert_eq!(rest.longest, 6400..12_000);

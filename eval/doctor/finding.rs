@@ -40,29 +40,14 @@ pub struct Finding {
 
 impl Finding {
     pub(super) fn bad(about: &'static str, text: String, remedy: &'static str) -> Self {
-        Self {
-            weight: Weight::Bad,
-            about,
-            text,
-            remedy: Some(remedy),
-        }
+        Self { weight: Weight::Bad, about, text, remedy: Some(remedy) }
     }
 
     pub(super) fn warning(about: &'static str, text: String, remedy: &'static str) -> Self {
-        Self {
-            weight: Weight::Warning,
-            about,
-            text,
-            remedy: Some(remedy),
-        }
+        Self { weight: Weight::Warning, about, text, remedy: Some(remedy) }
     }
 
     pub(super) fn note(about: &'static str, text: String) -> Self {
-        Self {
-            weight: Weight::Note,
-            about,
-            text,
-            remedy: None,
-        }
+        Self { weight: Weight::Note, about, text, remedy: None }
     }
 }

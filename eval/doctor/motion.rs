@@ -50,9 +50,7 @@ fn drift(recording: &ImuRecording, rest: &Rest, period: f64) -> Finding {
         up / down
     };
     let slopes: [f64; 3] = std::array::from_fn(slope);
-    let axis = (0..3)
-        .max_by(|a, b| slopes[*a].abs().total_cmp(&slopes[*b].abs()))
-        .unwrap_or(0);
+    let axis = (0..3).max_by(|a, b| slopes[*a].abs().total_cmp(&slopes[*b].abs())).unwrap_or(0);
     let span = samples.len() as f64 * period;
     let moved = (slopes[axis] * span).abs();
     let text = format!(
@@ -86,10 +84,7 @@ mod tests {
         let recording = ImuRecording::new(samples).unwrap();
         let found = findings(&recording, &rest(&recording));
         let drift = found.iter().find(|f| f.about == "drift").unwrap();
-        assert!(
-            drift.text.contains("gyro z drifts by 1.0") && drift.remedy.is_some(),
-            "{drift:?}"
-        );
+        assert!(drift.text.contains("gyro z drifts by 1.0") && drift.remedy.is_some(), "{drift:?}");
         assert_eq!(found[0].text, "at rest throughout, 100 s");
     }
 }

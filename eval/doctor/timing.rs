@@ -17,10 +17,7 @@ pub(super) fn findings(recording: &ImuRecording) -> Vec<Finding> {
     let mean_hz = steps.len() as f64 / recording.duration();
     findings.push(Finding::note(
         "rate",
-        format!(
-            "{:.3} Hz by the median step, {mean_hz:.3} Hz by the mean one",
-            recording.rate().hz()
-        ),
+        format!("{:.3} Hz by the median step, {mean_hz:.3} Hz by the mean one", recording.rate().hz()),
     ));
     let [low, high] = [0.01, 0.99].map(|level| stats::quantile(&steps, level) / period - 1.0);
     let text = || {
@@ -111,10 +108,7 @@ mod tests {
     fn a_clean_log_has_a_rate_and_nothing_else() {
         let found = of(level(30));
         assert_eq!(found.len(), 1);
-        assert_eq!(
-            found[0].text,
-            "200.000 Hz by the median step, 200.000 Hz by the mean one"
-        );
+        assert_eq!(found[0].text, "200.000 Hz by the median step, 200.000 Hz by the mean one");
     }
 
     #[test]
@@ -125,14 +119,8 @@ mod tests {
         let found = of(samples);
         let gaps = find(&found, "gaps").unwrap();
         assert_eq!(gaps.weight, Weight::Warning);
-        assert!(
-            gaps.text.starts_with("2 hole(s), about 4 samples lost; at "),
-            "{gaps:?}"
-        );
-        assert!(
-            gaps.text.contains(", 20.01 s; the longest, 0.020 s, at "),
-            "{gaps:?}"
-        );
+        assert!(gaps.text.starts_with("2 hole(s), about 4 samples lost; at "), "{gaps:?}");
+        assert!(gaps.text.contains(", 20.01 s; the longest, 0.020 s, at "), "{gaps:?}");
     }
 
     #[test]
@@ -147,22 +135,12 @@ mod tests {
             // Four at a time.
             s.t = Stamp::from_ns((i as i64 / 4) * 20_000_000 + (i as i64 % 4) * 100_000);
         }
-        assert!(
-            of(samples)
-                .iter()
-                .any(|f| f.weight == Weight::Bad && f.about == "jitter")
-        );
+        assert!(of(samples).iter().any(|f| f.weight == Weight::Bad && f.about == "jitter"));
         let mut polled = level(30);
         for i in (1..polled.len()).step_by(2) {
             (polled[i].gyro, polled[i].accel) = (polled[i - 1].gyro, polled[i - 1].accel);
         }
         let found = of(polled);
-        assert!(
-            find(&found, "repeats")
-                .unwrap()
-                .text
-                .starts_with("50 % of the samples"),
-            "{found:?}"
-        );
+        assert!(find(&found, "repeats").unwrap().text.starts_with("50 % of the samples"), "{found:?}");
     }
 }

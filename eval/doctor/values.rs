@@ -40,16 +40,8 @@ fn middle(samples: &[ImuSample], sensor: Sensor) -> [f64; 3] {
 
 fn gravity(recording: &ImuRecording, rest: &Rest) -> Vec<Finding> {
     let at_rest = rest.longest.len() as f64 * recording.rate().period() >= 1.0;
-    let samples = if at_rest {
-        &recording.samples()[rest.longest.clone()]
-    } else {
-        recording.samples()
-    };
-    let when = if at_rest {
-        "at rest"
-    } else {
-        "by the median of the whole log"
-    };
+    let samples = if at_rest { &recording.samples()[rest.longest.clone()] } else { recording.samples() };
+    let when = if at_rest { "at rest" } else { "by the median of the whole log" };
     let (accel, gyro) = (middle(samples, Sensor::Accel), middle(samples, Sensor::Gyro));
     let (force, turn) = (norm(accel), norm(gyro));
     let mut findings = Vec::new();
@@ -85,9 +77,7 @@ fn gravity(recording: &ImuRecording, rest: &Rest) -> Vec<Finding> {
             "calibrate its scale and bias, or look at the unit",
         ));
     } else {
-        let up = (0..3)
-            .max_by(|a, b| accel[*a].abs().total_cmp(&accel[*b].abs()))
-            .unwrap_or(2);
+        let up = (0..3).max_by(|a, b| accel[*a].abs().total_cmp(&accel[*b].abs())).unwrap_or(2);
         let sign = if accel[up] < 0.0 { "-" } else { "" };
         let tilt = (accel[up].abs() / force).clamp(-1.0, 1.0).acos().to_degrees();
         findings.push(Finding::note(
@@ -113,12 +103,7 @@ fn gravity(recording: &ImuRecording, rest: &Rest) -> Vec<Finding> {
 }
 
 fn samples_of(recording: &ImuRecording, sensor: Sensor) -> Vec<f64> {
-    recording
-        .samples()
-        .iter()
-        .flat_map(|s| s.of(sensor))
-        .map(f64::abs)
-        .collect()
+    recording.samples().iter().flat_map(|s| s.of(sensor)).map(f64::abs).collect()
 }
 
 /// The step between two neighbouring values of an axis, where its values are whole numbers of one.
@@ -157,11 +142,7 @@ fn steps(recording: &ImuRecording) -> Vec<Finding> {
         if said.is_empty() {
             continue;
         }
-        let text = format!(
-            "{sensor} counts in steps of {} {}",
-            said.join(", "),
-            sensor.unit()
-        );
+        let text = format!("{sensor} counts in steps of {} {}", said.join(", "), sensor.unit());
         findings.push(if coarse {
             Finding::warning(
                 "steps",
@@ -176,7 +157,7 @@ fn steps(recording: &ImuRecording) -> Vec<Finding> {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::doctor::examine;
     use dpn_core::Stamp;
@@ -184,7 +165,7 @@ pub(super) mod tests {
     use rand_distr::{Distribution, StandardNormal};
 
     /// A still, level sensor at 200 Hz with noise of the ADIS16448, unquantised.
-    pub(in crate::doctor) fn level(seconds: usize) -> Vec<ImuSample> {
+    pub(crate) fn level(seconds: usize) -> Vec<ImuSample> {
         let mut rng = Stream::new(2).named("doctor").rng();
         let mut noise = |sigma: f64| -> f64 {
             sigma * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, &mut rng)
@@ -200,10 +181,7 @@ pub(super) mod tests {
 
     fn said(samples: Vec<ImuSample>, about: &str) -> Vec<String> {
         let all = examine(&ImuRecording::new(samples).unwrap()).findings;
-        all.into_iter()
-            .filter(|f| f.about == about)
-            .map(|f| format!("{}: {}", f.weight, f.text))
-            .collect()
+        all.into_iter().filter(|f| f.about == about).map(|f| format!("{}: {}", f.weight, f.text)).collect()
     }
 
     #[test]
@@ -230,11 +208,8 @@ pub(super) mod tests {
         );
         assert!(said(with(|s| s.accel[2] -= 9.81), "gravity")[0].ends_with("gravity is missing"));
         assert!(
-            said(
-                with(|s| s.accel = [-s.accel[2], s.accel[0], s.accel[1]]),
-                "gravity"
-            )[0]
-            .contains("up is -x")
+            said(with(|s| s.accel = [-s.accel[2], s.accel[0], s.accel[1]]), "gravity")[0]
+                .contains("up is -x")
         );
         let spun = with(|s| s.gyro[1] = 90.0 * (s.t.ns() as f64 * 1e-9).sin());
         assert!(said(spun, "units")[0].contains("it counts in degrees"));

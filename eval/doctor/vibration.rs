@@ -27,34 +27,20 @@ pub struct AxisSpectrum {
 pub fn spectra(recording: &ImuRecording) -> Vec<AxisSpectrum> {
     let rate = recording.rate();
     let segment = ((rate.hz() * SEGMENT_S) as usize).max(16);
-    let Some(welch) = Welch::new(segment)
-        .ok()
-        .filter(|_| recording.len() >= 4 * segment)
-    else {
+    let Some(welch) = Welch::new(segment).ok().filter(|_| recording.len() >= 4 * segment) else {
         return Vec::new();
     };
-    let all = Sensor::ALL
-        .into_iter()
-        .flat_map(|sensor| (0..3).map(move |axis| (sensor, axis)));
+    let all = Sensor::ALL.into_iter().flat_map(|sensor| (0..3).map(move |axis| (sensor, axis)));
     all.filter_map(|(sensor, axis)| {
         let spectrum = welch.spectrum(&recording.axis(sensor, axis), rate).ok()?;
-        Some(AxisSpectrum {
-            sensor,
-            axis,
-            spectrum,
-        })
+        Some(AxisSpectrum { sensor, axis, spectrum })
     })
     .collect()
 }
 
 pub(super) fn findings(spectra: &[AxisSpectrum]) -> Vec<Finding> {
     let mut findings = Vec::new();
-    for AxisSpectrum {
-        sensor,
-        axis,
-        spectrum,
-    } in spectra
-    {
+    for AxisSpectrum { sensor, axis, spectrum } in spectra {
         let nyquist = spectrum.bin_hz() * (spectrum.density().len() - 1) as f64;
         let high: Vec<f64> = spectrum
             .frequencies()
@@ -62,9 +48,8 @@ pub(super) fn findings(spectra: &[AxisSpectrum]) -> Vec<Finding> {
             .filter(|(hz, _)| *hz >= LEAST_HZ)
             .map(|(_, d)| *d)
             .collect();
-        let Some(peak) = spectrum
-            .peak(LEAST_HZ, nyquist)
-            .filter(|p| p.density > ABOVE * stats::median(&high))
+        let Some(peak) =
+            spectrum.peak(LEAST_HZ, nyquist).filter(|p| p.density > ABOVE * stats::median(&high))
         else {
             continue;
         };
@@ -113,10 +98,7 @@ mod tests {
         }
         let found = findings(&spectra(&ImuRecording::new(samples).unwrap()));
         assert_eq!(found.len(), 2, "{found:?}");
-        assert!(
-            found[0].text.starts_with("accel x shakes at 43.2 Hz: 0.7"),
-            "{found:?}"
-        );
+        assert!(found[0].text.starts_with("accel x shakes at 43.2 Hz: 0.7"), "{found:?}");
         assert!(
             found[1].text.starts_with("gyro y shakes at 89.5 Hz: 0.07")
                 && found[1].text.contains("folded back"),

@@ -32,9 +32,7 @@ fn main() {
             .into_par_iter()
             .filter_map(|log| {
                 let mut rng = Stream::new(log).named("allan-coverage").named(name).rng();
-                planner
-                    .fit(&simulate::at_rest(&truth.map(|v| v * v), samples, rate, &mut rng))
-                    .ok()
+                planner.fit(&simulate::at_rest(&truth.map(|v| v * v), samples, rate, &mut rng)).ok()
             })
             .collect();
         println!("{name}");

@@ -13,10 +13,7 @@ struct Noise(u64);
 
 impl Noise {
     fn uniform(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1u64 << 53) as f64
     }
 
@@ -84,10 +81,7 @@ fn predicted(continuous: bool, count: usize) -> Result<PredictedVsTrue, Box<dyn 
         .map(|(sensor, truth, estimates)| Predicted {
             sensor: *sensor,
             truth,
-            estimates: estimates
-                .iter()
-                .map(|(name, values)| (*name, values.as_slice()))
-                .collect(),
+            estimates: estimates.iter().map(|(name, values)| (*name, values.as_slice())).collect(),
         })
         .collect();
     Ok(PredictedVsTrue::new(&panels)?)
@@ -127,11 +121,7 @@ fn rows() -> Vec<Row> {
 fn flight(short_phases: bool) -> Result<FlightSigma, Box<dyn Error>> {
     let mut noise = Noise(9);
     let t: Vec<f64> = (0..28_000).map(|i| f64::from(i) * 0.005).collect();
-    let edges = if short_phases {
-        [4.0, 7.0, 136.0]
-    } else {
-        [18.0, 36.0, 122.0]
-    };
+    let edges = if short_phases { [4.0, 7.0, 136.0] } else { [18.0, 36.0, 122.0] };
     let mut truth = Vec::new();
     let mut signal = Vec::new();
     for &t in &t {
@@ -160,21 +150,14 @@ fn flight(short_phases: bool) -> Result<FlightSigma, Box<dyn Error>> {
         ("MAD of second differences", held(1.3, 0.2, &mut noise)),
         ("constant x1", vec![0.08; t.len()]),
     ];
-    let phase = |label: &str, from, to| Phase {
-        label: label.into(),
-        from,
-        to,
-    };
+    let phase = |label: &str, from, to| Phase { label: label.into(), from, to };
     Ok(FlightSigma::new(&Flight {
         name: "made up",
         sensor: Sensor::Accel,
         axis: "z",
         t: &t,
         signal: &signal,
-        models: models
-            .iter()
-            .map(|(name, sigma)| (*name, sigma.as_slice()))
-            .collect(),
+        models: models.iter().map(|(name, sigma)| (*name, sigma.as_slice())).collect(),
         truth: Some(&truth),
         phases: vec![
             phase("at rest", 0.0, edges[0]),
@@ -203,11 +186,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let rows = rows();
     let all: Vec<&Row> = rows.iter().collect();
     keep(&RmseVsSigma::new(&all, 200)?, &folder, "rmse_vs_sigma")?;
-    keep(
-        &RmseVsSigma::new(&all[..2], 200)?,
-        &folder,
-        "rmse_vs_sigma_one_sensor",
-    )?;
+    keep(&RmseVsSigma::new(&all[..2], 200)?, &folder, "rmse_vs_sigma_one_sensor")?;
     keep(&flight(false)?, &folder, "flight_sigma")?;
     keep(&flight(true)?, &folder, "flight_sigma_short_phases")?;
     print!("{}", render(&rows, Layout::Plain)?);

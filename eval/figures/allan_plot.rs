@@ -55,25 +55,14 @@ impl AllanPlot {
         let mut legend: Vec<Entry> = ["x", "y", "z"]
             .into_iter()
             .enumerate()
-            .map(|(i, axis)| Entry {
-                key: Key::Marked(i),
-                colour: PALETTE[i],
-                words: axis.to_owned(),
-            })
+            .map(|(i, axis)| Entry { key: Key::Marked(i), colour: PALETTE[i], words: axis.to_owned() })
             .collect();
-        legend.push(Entry {
-            key: Key::Dashed,
-            colour: style::INK,
-            words: "fitted model".into(),
-        });
+        legend.push(Entry { key: Key::Dashed, colour: style::INK, words: "fitted model".into() });
         let caption = format!(
             "Overlapping Allan deviation with 95 % bands; dashed: Q, N, B, K, R fitted to it; markers: the fitted white noise N \
              at 1 s, which is its density. {words}"
         );
-        Ok(Self {
-            panels,
-            sheet: Sheet { legend, caption },
-        })
+        Ok(Self { panels, sheet: Sheet { legend, caption } })
     }
 }
 
@@ -84,10 +73,7 @@ impl Panel {
             let points = &axis.fit.points;
             let what = |column: &str| format!("{column} of {sensor} {}", axis.axis);
             if points.is_empty() {
-                return Err(FigureError::Empty {
-                    figure: FIGURE,
-                    what: what("point"),
-                });
+                return Err(FigureError::Empty { figure: FIGURE, what: what("point") });
             }
             for (column, values) in [
                 ("averaging time", points.iter().map(|p| p.tau).collect::<Vec<_>>()),
@@ -103,10 +89,7 @@ impl Panel {
             });
         }
         let Some(first) = lines.first() else {
-            return Err(FigureError::Empty {
-                figure: FIGURE,
-                what: format!("axis of the {sensor}"),
-            });
+            return Err(FigureError::Empty { figure: FIGURE, what: format!("axis of the {sensor}") });
         };
         let (from, to) = (first.points[0].tau, first.points[first.points.len() - 1].tau);
         let all = || lines.iter().flat_map(|l| &l.points).map(|p| p.deviation);
@@ -156,8 +139,7 @@ impl Plot for AllanPlot {
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
-        self.sheet
-            .draw(area, &self.panels, |panel, rect| panel.draw(area, rect))
+        self.sheet.draw(area, &self.panels, |panel, rect| panel.draw(area, rect))
     }
 
     fn csv(&self) -> Drawn {
@@ -175,19 +157,7 @@ impl Plot for AllanPlot {
                 }
             }
         }
-        Drawn {
-            header: vec![
-                "sensor",
-                "axis",
-                "unit",
-                "tau_s",
-                "deviation",
-                "low",
-                "high",
-                "model",
-            ],
-            rows,
-        }
+        Drawn { header: vec!["sensor", "axis", "unit", "tau_s", "deviation", "low", "high", "model"], rows }
     }
 }
 
@@ -207,11 +177,7 @@ mod tests {
             for axis in ["x", "y", "z"] {
                 let signal =
                     simulate::at_rest(&[0.0, 1e-6, 0.0, 0.0, 0.0], 3000, SampleRate::HZ_200, &mut rng);
-                all.push(AxisFit {
-                    sensor,
-                    axis,
-                    fit: planner.fit(&signal).unwrap(),
-                });
+                all.push(AxisFit { sensor, axis, fit: planner.fit(&signal).unwrap() });
             }
         }
         all
@@ -225,12 +191,8 @@ mod tests {
         assert_eq!(csv.rows.len(), 6 * axes[0].fit.points.len());
         assert_eq!(csv.rows[0][3].parse::<f64>().unwrap(), axes[0].fit.points[0].tau);
         let text = String::from_utf8(svg(&plot).unwrap()).unwrap();
-        for words in [
-            "averaging time τ [s]",
-            "Allan deviation [m/s²]",
-            "Allan deviation [rad/s]",
-            "A log.",
-        ] {
+        for words in ["averaging time τ [s]", "Allan deviation [m/s²]", "Allan deviation [rad/s]", "A log."]
+        {
             assert!(text.contains(words), "{words}");
         }
     }
@@ -238,9 +200,6 @@ mod tests {
     #[test]
     fn a_sensor_without_axes_is_refused() {
         let axes = axes();
-        assert!(matches!(
-            AllanPlot::new(&axes[..3], ""),
-            Err(FigureError::Empty { .. })
-        ));
+        assert!(matches!(AllanPlot::new(&axes[..3], ""), Err(FigureError::Empty { .. })));
     }
 }

@@ -22,31 +22,15 @@ pub(super) struct Axis {
 impl Axis {
     /// A linear axis that holds `low..=high` exactly, with about `count` ticks.
     pub(super) fn linear(label: String, low: f64, high: f64, count: usize) -> Self {
-        let (low, high) = if high > low {
-            (low, high)
-        } else {
-            (low - 0.5, low + 0.5)
-        };
-        Self {
-            label,
-            scale: Scale::Linear,
-            low,
-            high,
-            ticks: linear_ticks(low, high, count),
-        }
+        let (low, high) = if high > low { (low, high) } else { (low - 0.5, low + 0.5) };
+        Self { label, scale: Scale::Linear, low, high, ticks: linear_ticks(low, high, count) }
     }
 
     /// A logarithmic axis over `low..=high`, both positive.
     pub(super) fn log(label: String, low: f64, high: f64) -> Self {
         let low = if low > 0.0 { low } else { f64::MIN_POSITIVE.sqrt() };
         let high = if high > low { high } else { low * 10.0 };
-        Self {
-            label,
-            scale: Scale::Log,
-            low,
-            high,
-            ticks: log_ticks(low, high),
-        }
+        Self { label, scale: Scale::Log, low, high, ticks: log_ticks(low, high) }
     }
 
     /// Where `value` lies: 0 at the low end, 1 at the high end; values outside are held at the ends.
@@ -106,11 +90,7 @@ fn log_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
     match usual.len() {
         n if n < FEW => {
             let all = at(&[1, 2, 3, 4, 5, 6, 7, 8, 9]);
-            if all.len() < FEW {
-                linear_ticks(low, high, 4)
-            } else {
-                all
-            }
+            if all.len() < FEW { linear_ticks(low, high, 4) } else { all }
         }
         n if n > MANY => at(&[1]),
         _ => usual,

@@ -104,12 +104,7 @@ pub(super) fn check_column(
     expected: usize,
 ) -> Result<(), FigureError> {
     if values.len() != expected {
-        return Err(FigureError::Lengths {
-            figure,
-            what: what.to_owned(),
-            expected,
-            found: values.len(),
-        });
+        return Err(FigureError::Lengths { figure, what: what.to_owned(), expected, found: values.len() });
     }
     check_each(figure, what, values, "it must be finite", f64::is_finite)
 }
@@ -124,13 +119,9 @@ pub(super) fn check_each(
 ) -> Result<(), FigureError> {
     match values.iter().position(|&value| !good(value)) {
         None => Ok(()),
-        Some(index) => Err(FigureError::Value {
-            figure,
-            what: what.to_owned(),
-            index,
-            value: values[index],
-            need,
-        }),
+        Some(index) => {
+            Err(FigureError::Value { figure, what: what.to_owned(), index, value: values[index], need })
+        }
     }
 }
 
@@ -141,10 +132,7 @@ mod tests {
     #[test]
     fn a_full_disk_is_told_apart() {
         let full = FigureError::write(Path::new("a.svg"), 12, io::ErrorKind::StorageFull.into());
-        assert_eq!(
-            full.to_string(),
-            "a.svg: the disk is full, 12 bytes are needed; free some and run again"
-        );
+        assert_eq!(full.to_string(), "a.svg: the disk is full, 12 bytes are needed; free some and run again");
         let denied = FigureError::write(Path::new("a.svg"), 12, io::ErrorKind::PermissionDenied.into());
         assert!(matches!(denied, FigureError::Write { .. }));
     }
@@ -152,14 +140,8 @@ mod tests {
     #[test]
     fn the_first_bad_value_is_named() {
         let error = check_column("flight", "signal", &[0.0, f64::NAN, f64::INFINITY], 3).unwrap_err();
-        assert_eq!(
-            error.to_string(),
-            "flight: signal is NaN at index 1; it must be finite"
-        );
+        assert_eq!(error.to_string(), "flight: signal is NaN at index 1; it must be finite");
         let error = check_column("flight", "signal", &[0.0], 3).unwrap_err();
-        assert!(
-            error.to_string().contains("1 values where 3 are needed"),
-            "{error}"
-        );
+        assert!(error.to_string().contains("1 values where 3 are needed"), "{error}");
     }
 }

@@ -2,7 +2,8 @@
 //! phases of the flight, the true deviation where it is known, and the upper end of what the models were trained on.
 
 use super::axis::Axis;
-use super::error::{FigureError, check_column, check_each};
+use super::error::FigureError;
+use super::flight::{Flight, Phase};
 use super::frame::{ABOVE, BELOW, Frame, LEFT, RIGHT, Rect};
 use super::legend::{self, Entry, Key};
 use super::plot::{DrawError, Drawn, Plot};
@@ -14,43 +15,6 @@ use plotters::coord::Shift;
 use plotters::drawing::DrawingArea;
 use plotters::style::{Color, RGBColor};
 use plotters_backend::DrawingBackend;
-
-const FIGURE: &str = "flight";
-const MOST: usize = 4;
-
-/// A part of a flight.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Phase {
-    /// What happens in it, for example `motors on`.
-    pub label: String,
-    /// Start \[s\], on the flight's time.
-    pub from: f64,
-    /// End \[s\].
-    pub to: f64,
-}
-
-/// What is drawn of one flight.
-#[derive(Debug, Clone)]
-pub struct Flight<'a> {
-    /// Name of the flight.
-    pub name: &'a str,
-    /// Sensor of the signal.
-    pub sensor: Sensor,
-    /// Axis of the signal, for example `x`.
-    pub axis: &'a str,
-    /// Time of each sample \[s\], ascending.
-    pub t: &'a [f64],
-    /// Raw signal \[unit of the sensor\].
-    pub signal: &'a [f64],
-    /// Name of each model and its estimate at each sample \[unit of the sensor\]; one to four.
-    pub models: Vec<(&'a str, &'a [f64])>,
-    /// True deviation at each sample, where it is known.
-    pub truth: Option<&'a [f64]>,
-    /// Phases, in order.
-    pub phases: Vec<Phase>,
-    /// Largest deviation the models were trained on.
-    pub trained_up_to: Option<f64>,
-}
 
 /// The plot; see the head of its file.
 #[derive(Debug, Clone)]
@@ -92,7 +56,7 @@ impl FlightSigma {
     /// [`FigureError`] when there is nothing to draw, a column is of another length, a value is not finite, or time does not
     /// ascend.
     pub fn new(flight: &Flight<'_>) -> Result<Self, FigureError> {
-        check(flight)?;
+        flight.check()?;
         let (start, end) = (flight.t[0], flight.t[flight.t.len() - 1]);
         let coarse = (ROOM / COARSE) as usize;
         let signal = columns(flight.t, flight.signal, ROOM as usize);
@@ -101,9 +65,7 @@ impl FlightSigma {
             .iter()
             .map(|(name, sigma)| ((*name).to_owned(), columns(flight.t, sigma, coarse)))
             .collect();
-        let truth = flight
-            .truth
-            .map_or_else(Vec::new, |truth| columns(flight.t, truth, coarse));
+        let truth = flight.truth.map_or_else(Vec::new, |truth| columns(flight.t, truth, coarse));
         let phases: Vec<Phase> = flight
             .phases
             .iter()
@@ -134,19 +96,10 @@ impl FlightSigma {
              in columns of {COARSE} pixels ({:.2} s).{}",
             super::predicted_vs_true::grouped(flight.t.len()),
             f64::from(COARSE) / pixels,
-            if at_edge {
-                " Estimates of 0 or below lie at the lower edge."
-            } else {
-                ""
-            },
+            if at_edge { " Estimates of 0 or below lie at the lower edge." } else { "" },
         );
         Ok(Self {
-            title: format!(
-                "{}: {} {}",
-                flight.name,
-                style::title(flight.sensor).to_lowercase(),
-                flight.axis
-            ),
+            title: format!("{}: {} {}", flight.name, style::title(flight.sensor).to_lowercase(), flight.axis),
             sensor: flight.sensor,
             time,
             signal_axis: Axis::linear(format!("signal [{unit}]"), low - pad, high + pad, 7),
@@ -166,11 +119,7 @@ impl FlightSigma {
         for phase in &self.phases {
             let (top, bottom) = (frame.rect.top, frame.rect.bottom);
             let tint = tint(&self.phases, &phase.label);
-            frame.block(
-                (frame.x_at(phase.from), top),
-                (frame.x_at(phase.to), bottom),
-                tint,
-            )?;
+            frame.block((frame.x_at(phase.from), top), (frame.x_at(phase.to), bottom), tint)?;
         }
         frame.grid()?;
         for pair in self.phases.windows(2) {
@@ -220,57 +169,6 @@ impl FlightSigma {
     }
 }
 
-fn check(flight: &Flight<'_>) -> Result<(), FigureError> {
-    let n = flight.t.len();
-    if n < 2 || flight.models.is_empty() {
-        return Err(FigureError::Empty {
-            figure: FIGURE,
-            what: if n < 2 { "pair of samples" } else { "model" }.into(),
-        });
-    }
-    if flight.models.len() > MOST {
-        return Err(FigureError::TooMany {
-            figure: FIGURE,
-            what: "models",
-            found: flight.models.len(),
-            most: MOST,
-        });
-    }
-    check_column(FIGURE, "time", flight.t, n)?;
-    if let Some(i) = flight.t.windows(2).position(|pair| pair[1] <= pair[0]) {
-        return Err(FigureError::Value {
-            figure: FIGURE,
-            what: "time".into(),
-            index: i + 1,
-            value: flight.t[i + 1],
-            need: "it must ascend",
-        });
-    }
-    check_column(FIGURE, "signal", flight.signal, n)?;
-    for (name, sigma) in &flight.models {
-        check_column(FIGURE, name, sigma, n)?;
-    }
-    if let Some(truth) = flight.truth {
-        check_column(FIGURE, "true sigma", truth, n)?;
-    }
-    for phase in &flight.phases {
-        check_column(
-            FIGURE,
-            &format!("phase {}", phase.label),
-            &[phase.from, phase.to],
-            2,
-        )?;
-    }
-    let need = "it must be finite and positive";
-    check_each(
-        FIGURE,
-        "the training range's end",
-        flight.trained_up_to.as_slice(),
-        need,
-        |v| v.is_finite() && v > 0.0,
-    )
-}
-
 /// The axis of the deviations, and whether some of them cannot be placed on it.
 fn sigma_axis(
     flight: &Flight<'_>,
@@ -286,24 +184,13 @@ fn sigma_axis(
     let low = positive().fold(high, f64::min).max(high * 1e-5);
     let at_edge = all().any(|c| c.low <= 0.0);
     let (low, high) = if high > 0.0 { (low, high) } else { (0.1, 1.0) };
-    (
-        Axis::log(format!("estimated σ [{unit}]"), low / 1.3, high * 1.3),
-        at_edge,
-    )
+    (Axis::log(format!("estimated σ [{unit}]"), low / 1.3, high * 1.3), at_edge)
 }
 
 fn legend_of(flight: &Flight<'_>, phases: &[Phase], phases_in_legend: bool) -> Vec<Entry> {
-    let entry = |key, colour, words: &str| Entry {
-        key,
-        colour,
-        words: words.to_owned(),
-    };
-    let mut legend: Vec<Entry> = flight
-        .models
-        .iter()
-        .zip(PALETTE)
-        .map(|((name, _), colour)| entry(Key::Line, colour, name))
-        .collect();
+    let entry = |key, colour, words: &str| Entry { key, colour, words: words.to_owned() };
+    let mut legend: Vec<Entry> =
+        flight.models.iter().zip(PALETTE).map(|((name, _), colour)| entry(Key::Line, colour, name)).collect();
     if flight.truth.is_some() {
         legend.push(entry(Key::Line, style::INK, "true σ"));
     }
@@ -320,7 +207,7 @@ fn legend_of(flight: &Flight<'_>, phases: &[Phase], phases_in_legend: bool) -> V
 }
 
 /// Labels of phases in order of appearance, each once.
-fn labels(phases: &[Phase]) -> Vec<&str> {
+pub(super) fn labels(phases: &[Phase]) -> Vec<&str> {
     let mut labels: Vec<&str> = Vec::new();
     for phase in phases {
         if !labels.contains(&phase.label.as_str()) {
@@ -330,16 +217,13 @@ fn labels(phases: &[Phase]) -> Vec<&str> {
     labels
 }
 
-fn tint(phases: &[Phase], label: &str) -> RGBColor {
-    let index = labels(phases)
-        .iter()
-        .position(|known| *known == label)
-        .unwrap_or(0);
+pub(super) fn tint(phases: &[Phase], label: &str) -> RGBColor {
+    let index = labels(phases).iter().position(|known| *known == label).unwrap_or(0);
     TINTS[index % TINTS.len()]
 }
 
 /// Parts of a track without gaps: a gap is a step four times the usual one.
-fn unbroken(columns: &[Column]) -> impl Iterator<Item = &[Column]> {
+pub(super) fn unbroken(columns: &[Column]) -> impl Iterator<Item = &[Column]> {
     let mut steps: Vec<f64> = columns.windows(2).map(|pair| pair[1].t - pair[0].t).collect();
     steps.sort_by(f64::total_cmp);
     let usual = steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY);
@@ -347,17 +231,14 @@ fn unbroken(columns: &[Column]) -> impl Iterator<Item = &[Column]> {
 }
 
 /// The band between the smallest and the largest sample of each column, at least two pixels high.
-fn envelope<DB: DrawingBackend>(
+pub(super) fn envelope<DB: DrawingBackend>(
     frame: &Frame<'_, DB>,
     columns: &[Column],
     colour: impl Color + Copy,
 ) -> Result<(), DrawError<DB>> {
     for part in unbroken(columns) {
         let upper = part.iter().map(|c| (frame.x_at(c.t), frame.y_at(c.high) - 1));
-        let lower = part
-            .iter()
-            .rev()
-            .map(|c| (frame.x_at(c.t), frame.y_at(c.low) + 1));
+        let lower = part.iter().rev().map(|c| (frame.x_at(c.t), frame.y_at(c.low) + 1));
         frame.polygon(upper.chain(lower).collect(), colour)?;
     }
     Ok(())
@@ -382,23 +263,13 @@ impl Plot for FlightSigma {
         let top = MARGIN + ABOVE;
         legend::draw(area, &self.legend, (MARGIN, top), sheet::ROOM)?;
         let top = top + legend::height(&self.legend, sheet::ROOM) + ABOVE;
-        let rect = |top, height| Rect {
-            left: LEFT,
-            top,
-            right: LEFT + ROOM,
-            bottom: top + height,
-        };
+        let rect = |top, height| Rect { left: LEFT, top, right: LEFT + ROOM, bottom: top + height };
         let upper = Frame::new(area, rect(top, UPPER), &self.time, &self.signal_axis);
         self.draw_signal(&upper)?;
         let lower_top = top + UPPER + BETWEEN;
         let lower = Frame::new(area, rect(lower_top, LOWER), &self.time, &self.sigma_axis);
         self.draw_sigma(&lower)?;
-        legend::print(
-            area,
-            &self.caption,
-            (MARGIN, lower_top + LOWER + BELOW + 8),
-            sheet::ROOM,
-        )
+        legend::print(area, &self.caption, (MARGIN, lower_top + LOWER + BELOW + 8), sheet::ROOM)
     }
 
     fn csv(&self) -> Drawn {
@@ -416,10 +287,7 @@ impl Plot for FlightSigma {
             add(name, columns);
         }
         add("true", &self.truth);
-        Drawn {
-            header: vec!["series", "unit", "t_s", "low", "median", "high"],
-            rows,
-        }
+        Drawn { header: vec!["series", "unit", "t_s", "low", "median", "high"], rows }
     }
 }
 
@@ -437,11 +305,7 @@ mod tests {
             signal,
             models: vec![("network", sigma)],
             truth: Some(sigma),
-            phases: vec![Phase {
-                label: "at rest".into(),
-                from: -5.0,
-                to: 1.0,
-            }],
+            phases: vec![Phase { label: "at rest".into(), from: -5.0, to: 1.0 }],
             trained_up_to: Some(0.21),
         }
     }
@@ -474,25 +338,10 @@ mod tests {
     #[test]
     fn a_long_flight_stays_small_and_keeps_its_extremes() {
         let t: Vec<f64> = (0..36_000).map(|i| f64::from(i) * 0.005).collect();
-        let signal: Vec<f64> = (0..36_000)
-            .map(|i| f64::from((i * 7919) % 1000) / 100.0)
-            .collect();
+        let signal: Vec<f64> = (0..36_000).map(|i| f64::from((i * 7919) % 1000) / 100.0).collect();
         let plot = FlightSigma::new(&flight(&t, &signal, &signal)).unwrap();
         assert!(plot.signal.len() <= ROOM as usize);
         assert_eq!(plot.signal.iter().map(|c| c.high).fold(0.0, f64::max), 9.99);
         assert!(svg(&plot).unwrap().len() < 150_000);
-    }
-
-    #[test]
-    fn faults_of_the_input_are_named() {
-        let error = |t: &[f64], sigma: &[f64]| {
-            FlightSigma::new(&flight(t, &[1.0, 2.0, 3.0], sigma))
-                .unwrap_err()
-                .to_string()
-        };
-        assert!(error(&[0.0, 1.0, 1.0], &[1.0; 3]).contains("time is 1 at index 2; it must ascend"));
-        assert!(error(&[0.0, 1.0, 2.0], &[1.0; 2]).contains("network has 2 values where 3"));
-        assert!(error(&[0.0, 1.0, 2.0], &[1.0, f64::NAN, 1.0]).contains("network is NaN at index 1"));
-        assert!(error(&[0.0], &[1.0]).contains("no pair of samples"));
     }
 }

@@ -72,19 +72,11 @@ impl<'a, DB: DrawingBackend> Frame<'a, DB> {
 
     /// Left and lower axis with ticks; `words` of the lower one are left out where the panel below has them.
     pub(super) fn axes(&self, words: bool) -> Result<(), DrawError<DB>> {
-        let Rect {
-            left,
-            top,
-            right,
-            bottom,
-        } = self.rect;
+        let Rect { left, top, right, bottom } = self.rect;
         let line = style::stroke(style::INK, style::THIN);
         self.path(vec![(left, top), (left, bottom), (right, bottom)], line)?;
         for value in fine_ticks(self.x) {
-            self.path(
-                vec![(self.x_at(value), bottom), (self.x_at(value), bottom + 5)],
-                line,
-            )?;
+            self.path(vec![(self.x_at(value), bottom), (self.x_at(value), bottom + 5)], line)?;
         }
         for value in fine_ticks(self.y) {
             self.path(vec![(left - 5, self.y_at(value)), (left, self.y_at(value))], line)?;
@@ -103,17 +95,10 @@ impl<'a, DB: DrawingBackend> Frame<'a, DB> {
         }
         if words {
             let middle = (left + right) / 2;
-            self.words(
-                &self.x.label,
-                style::LABEL,
-                style::INK,
-                Anchor::North,
-                (middle, bottom + 54),
-            )?;
+            self.words(&self.x.label, style::LABEL, style::INK, Anchor::North, (middle, bottom + 54))?;
         }
         let style = style::text_upwards(style::LABEL, style::INK);
-        self.area
-            .draw_text(&self.y.label, &style, (left - LEFT + 24, (top + bottom) / 2))
+        self.area.draw_text(&self.y.label, &style, (left - LEFT + 24, (top + bottom) / 2))
     }
 
     /// A title over the panel, at its left.

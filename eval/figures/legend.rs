@@ -88,10 +88,7 @@ pub(super) fn draw<DB: DrawingBackend>(
                 }
                 Key::Patch | Key::Tint => {
                     let (right, top, bottom) = (x + KEY, y - 12, y + 12);
-                    area.draw(&Rectangle::new(
-                        [(x, top), (right, bottom)],
-                        entry.colour.filled(),
-                    ))?;
+                    area.draw(&Rectangle::new([(x, top), (right, bottom)], entry.colour.filled()))?;
                     if entry.key == Key::Tint {
                         let rim = vec![(x, top), (right, top), (right, bottom), (x, bottom), (x, top)];
                         area.draw(&PathElement::new(rim, style::stroke(style::MUTED.mix(0.6), 1)))?;
@@ -122,22 +119,9 @@ pub(super) fn marker<DB: DrawingBackend>(
             (x + R - 1, y + R - 1),
             (x - R + 1, y + R - 1),
         ]),
-        2 => polygon(vec![
-            (x, y - R - 2),
-            (x + R + 1, y + R - 2),
-            (x - R - 1, y + R - 2),
-        ]),
-        3 => polygon(vec![
-            (x, y - R - 2),
-            (x + R + 2, y),
-            (x, y + R + 2),
-            (x - R - 2, y),
-        ]),
-        4 => polygon(vec![
-            (x, y + R + 2),
-            (x + R + 1, y - R + 2),
-            (x - R - 1, y - R + 2),
-        ]),
+        2 => polygon(vec![(x, y - R - 2), (x + R + 1, y + R - 2), (x - R - 1, y + R - 2)]),
+        3 => polygon(vec![(x, y - R - 2), (x + R + 2, y), (x, y + R + 2), (x - R - 2, y)]),
+        4 => polygon(vec![(x, y + R + 2), (x + R + 1, y - R + 2), (x - R - 1, y - R + 2)]),
         _ => {
             let arms =
                 [(-1, -1), (-1, 1)].map(|(dx, dy)| vec![(x + 8 * dx, y + 8 * dy), (x - 8 * dx, y - 8 * dy)]);

@@ -8,9 +8,11 @@
 mod allan_plot;
 mod axis;
 mod error;
+mod flight;
 mod flight_sigma;
 mod frame;
 mod legend;
+mod log_noise_plot;
 mod plot;
 mod predicted_vs_true;
 mod raster;
@@ -22,7 +24,9 @@ mod summary;
 
 pub use allan_plot::AllanPlot;
 pub use error::FigureError;
-pub use flight_sigma::{Flight, FlightSigma, Phase};
+pub use flight::{Flight, Phase};
+pub use flight_sigma::FlightSigma;
+pub use log_noise_plot::LogNoisePlot;
 pub use plot::{DrawError, Drawn, Plot, save};
 pub use predicted_vs_true::{Predicted, PredictedVsTrue};
 pub use rmse_vs_sigma::RmseVsSigma;

@@ -50,19 +50,12 @@ pub trait Plot {
 /// # Errors
 /// [`FigureError::Folder`], [`FigureError::DiskFull`], [`FigureError::Write`], [`FigureError::Draw`].
 pub fn save(plot: &impl Plot, path_without_extension: &Path) -> Result<Vec<PathBuf>, FigureError> {
-    let files = [
-        ("svg", svg(plot)?),
-        ("png", png(plot)?),
-        ("csv", csv(&plot.csv())?),
-    ];
+    let files = [("svg", svg(plot)?), ("png", png(plot)?), ("csv", csv(&plot.csv())?)];
     let folder = match path_without_extension.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
-    let in_folder = |source| FigureError::Folder {
-        path: folder.to_owned(),
-        source,
-    };
+    let in_folder = |source| FigureError::Folder { path: folder.to_owned(), source };
     fs::create_dir_all(folder).map_err(in_folder)?;
     let mut written: Vec<(NamedTempFile, PathBuf, usize)> = Vec::new();
     for (extension, bytes) in &files {
@@ -111,9 +104,7 @@ fn paint<DB: DrawingBackend>(plot: &impl Plot, back_end: DB) -> Result<(), Figur
     area.fill(&WHITE)
         .and_then(|()| plot.draw(&area))
         .and_then(|()| area.present())
-        .map_err(|error| FigureError::Draw {
-            reason: error.to_string(),
-        })
+        .map_err(|error| FigureError::Draw { reason: error.to_string() })
 }
 
 pub(super) fn svg(plot: &impl Plot) -> Result<Vec<u8>, FigureError> {
@@ -134,9 +125,7 @@ fn png(plot: &impl Plot) -> Result<Vec<u8>, FigureError> {
     encoder
         .write_header()
         .and_then(|mut writer| writer.write_image_data(&averaged(&memory, size)))
-        .map_err(|error| FigureError::Draw {
-            reason: error.to_string(),
-        })?;
+        .map_err(|error| FigureError::Draw { reason: error.to_string() })?;
     Ok(bytes)
 }
 
@@ -163,18 +152,11 @@ mod tests {
         }
 
         fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
-            area.draw_text(
-                "σ [m/s²]",
-                &style::text(20.0, style::INK, Anchor::Centre),
-                (60, 30),
-            )
+            area.draw_text("σ [m/s²]", &style::text(20.0, style::INK, Anchor::Centre), (60, 30))
         }
 
         fn csv(&self) -> Drawn {
-            Drawn {
-                header: vec!["x", "y"],
-                rows: vec![vec!["1".into(), "0.1".into()]],
-            }
+            Drawn { header: vec!["x", "y"], rows: vec![vec!["1".into(), "0.1".into()]] }
         }
     }
 
@@ -196,9 +178,7 @@ mod tests {
         };
         assert_eq!(read("v1.0"), read("v1.1"));
         assert_eq!(read("v1.0")[2], b"x,y\n1,0.1\n");
-        let expected = [
-            "v1.0.csv", "v1.0.png", "v1.0.svg", "v1.1.csv", "v1.1.png", "v1.1.svg",
-        ];
+        let expected = ["v1.0.csv", "v1.0.png", "v1.0.svg", "v1.1.csv", "v1.1.png", "v1.1.svg"];
         assert_eq!(names(&folder.path().join("new")), expected);
     }
 
@@ -206,9 +186,7 @@ mod tests {
     fn the_png_holds_the_letters() {
         let mut pixels = Vec::new();
         let bytes = png(&Dot).unwrap();
-        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes))
-            .read_info()
-            .unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
         pixels.resize(reader.output_buffer_size().unwrap(), 0);
         reader.next_frame(&mut pixels).unwrap();
         let dark = pixels.chunks(3).filter(|p| p[0] < 128).count();
@@ -222,10 +200,7 @@ mod tests {
         let file = folder.path().join("file");
         fs::write(&file, "in the way").unwrap();
         let error = save(&Dot, &file.join("plot")).unwrap_err();
-        assert!(
-            matches!(&error, FigureError::Folder { path, .. } if path == &file),
-            "{error:?}"
-        );
+        assert!(matches!(&error, FigureError::Folder { path, .. } if path == &file), "{error:?}");
         assert_eq!(names(folder.path()), ["file"]);
     }
 

@@ -56,10 +56,7 @@ impl PredictedVsTrue {
             panels.push(Panel::new(one, &mut names)?);
         }
         if panels.is_empty() {
-            return Err(FigureError::Empty {
-                figure: FIGURE,
-                what: "sensor".into(),
-            });
+            return Err(FigureError::Empty { figure: FIGURE, what: "sensor".into() });
         }
         if names.len() > MOST {
             return Err(FigureError::TooMany {
@@ -72,17 +69,9 @@ impl PredictedVsTrue {
         let mut legend: Vec<Entry> = names
             .into_iter()
             .zip(PALETTE)
-            .map(|(words, colour)| Entry {
-                key: Key::Patch,
-                colour,
-                words,
-            })
+            .map(|(words, colour)| Entry { key: Key::Patch, colour, words })
             .collect();
-        legend.push(Entry {
-            key: Key::Line,
-            colour: style::MUTED,
-            words: "predicted = true".into(),
-        });
+        legend.push(Entry { key: Key::Line, colour: style::MUTED, words: "predicted = true".into() });
         let binned = predicted.iter().any(|one| {
             let mut levels = one.truth.to_vec();
             levels.sort_by(f64::total_cmp);
@@ -102,10 +91,7 @@ impl PredictedVsTrue {
             },
             counts.join(", "),
         );
-        Ok(Self {
-            panels,
-            sheet: Sheet { legend, caption },
-        })
+        Ok(Self { panels, sheet: Sheet { legend, caption } })
     }
 }
 
@@ -126,19 +112,12 @@ impl Panel {
     fn new(one: &Predicted<'_>, names: &mut Vec<String>) -> Result<Self, FigureError> {
         let sensor = one.sensor;
         if one.truth.is_empty() || one.estimates.is_empty() {
-            return Err(FigureError::Empty {
-                figure: FIGURE,
-                what: format!("{sensor} window or estimator"),
-            });
+            return Err(FigureError::Empty { figure: FIGURE, what: format!("{sensor} window or estimator") });
         }
         let what = format!("true sigma of {sensor}");
-        check_each(
-            FIGURE,
-            &what,
-            one.truth,
-            "it must be finite and not negative",
-            |v| v.is_finite() && v >= 0.0,
-        )?;
+        check_each(FIGURE, &what, one.truth, "it must be finite and not negative", |v| {
+            v.is_finite() && v >= 0.0
+        })?;
         let mut series = Vec::new();
         for (name, estimate) in &one.estimates {
             check_column(FIGURE, &format!("{sensor} {name}"), estimate, one.truth.len())?;
@@ -207,8 +186,7 @@ impl Plot for PredictedVsTrue {
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
-        self.sheet
-            .draw(area, &self.panels, |panel, rect| panel.draw(area, rect))
+        self.sheet.draw(area, &self.panels, |panel, rect| panel.draw(area, rect))
     }
 
     fn csv(&self) -> Drawn {
@@ -229,18 +207,7 @@ impl Plot for PredictedVsTrue {
             }
         }
         Drawn {
-            header: vec![
-                "sensor",
-                "unit",
-                "estimator",
-                "true_sigma",
-                "n",
-                "q05",
-                "q25",
-                "q50",
-                "q75",
-                "q95",
-            ],
+            header: vec!["sensor", "unit", "estimator", "true_sigma", "n", "q05", "q25", "q50", "q75", "q95"],
             rows,
         }
     }
@@ -253,12 +220,8 @@ mod tests {
 
     fn case(sensor: Sensor) -> (Vec<f64>, Vec<f64>) {
         let scale = if sensor == Sensor::Accel { 1.0 } else { 0.1 };
-        let truth: Vec<f64> = (0..220)
-            .map(|i| scale * (0.01 + 0.02 * f64::from(i % 11)))
-            .collect();
-        let estimate = (0..220)
-            .map(|i| truth[i] * (0.9 + 0.01 * (i / 11) as f64))
-            .collect();
+        let truth: Vec<f64> = (0..220).map(|i| scale * (0.01 + 0.02 * f64::from(i % 11))).collect();
+        let estimate = (0..220).map(|i| truth[i] * (0.9 + 0.01 * (i / 11) as f64)).collect();
         (truth, estimate)
     }
 
@@ -277,32 +240,19 @@ mod tests {
         assert_eq!((row[0], row[1]), (truth[3], 20.0));
         // 20 equal steps from 0.9 to 1.09: the median is 0.995 of the truth.
         assert!((row[4] - 0.995 * truth[3]).abs() < 1e-12);
-        assert!(
-            csv.rows[14][3..]
-                .iter()
-                .skip(2)
-                .all(|q| *q == truth[3].to_string())
-        );
+        assert!(csv.rows[14][3..].iter().skip(2).all(|q| *q == truth[3].to_string()));
     }
 
     #[test]
     fn both_sensors_have_their_unit_on_both_axes() {
         let (accel, gyro) = (case(Sensor::Accel), case(Sensor::Gyro));
         let panel = |sensor, case: &'static str, data: &(Vec<f64>, Vec<f64>)| -> PredictedVsTrue {
-            PredictedVsTrue::new(&[Predicted {
-                sensor,
-                truth: &data.0,
-                estimates: vec![(case, &data.1)],
-            }])
-            .unwrap()
+            PredictedVsTrue::new(&[Predicted { sensor, truth: &data.0, estimates: vec![(case, &data.1)] }])
+                .unwrap()
         };
         for (sensor, data, unit) in [(Sensor::Accel, &accel, "m/s²"), (Sensor::Gyro, &gyro, "rad/s")] {
             let text = String::from_utf8(svg(&panel(sensor, "a & b", data)).unwrap()).unwrap();
-            for words in [
-                format!("true σ [{unit}]"),
-                format!("predicted σ [{unit}]"),
-                "a &amp; b".into(),
-            ] {
+            for words in [format!("true σ [{unit}]"), format!("predicted σ [{unit}]"), "a &amp; b".into()] {
                 assert!(text.contains(&words), "{words}");
             }
         }
@@ -323,9 +273,6 @@ mod tests {
         assert!(of(&[0.1, -0.2], &[0.1, 0.2]).contains("is -0.2 at index 1"));
         assert!(of(&[], &[]).contains("no gyro window"));
         assert!(PredictedVsTrue::new(&[]).is_err());
-        assert_eq!(
-            [grouped(7), grouped(1234), grouped(20_427_000)],
-            ["7", "1,234", "20,427,000"]
-        );
+        assert_eq!([grouped(7), grouped(1234), grouped(20_427_000)], ["7", "1,234", "20,427,000"]);
     }
 }

@@ -66,10 +66,7 @@ struct Fine {
 
 impl Fine {
     fn of<S: BackendStyle>(style: &S) -> Self {
-        Self {
-            colour: style.color(),
-            width: style.stroke_width() * FINE,
-        }
+        Self { colour: style.color(), width: style.stroke_width() * FINE }
     }
 }
 
@@ -142,8 +139,7 @@ impl<'a> DrawingBackend for Raster<'a> {
         style: &S,
         fill: bool,
     ) -> Result<(), Failure<'a>> {
-        self.fine
-            .draw_circle(fine(centre), radius * FINE, &Fine::of(style), fill)
+        self.fine.draw_circle(fine(centre), radius * FINE, &Fine::of(style), fill)
     }
 
     fn fill_polygon<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
@@ -151,8 +147,7 @@ impl<'a> DrawingBackend for Raster<'a> {
         points: I,
         style: &S,
     ) -> Result<(), Failure<'a>> {
-        self.fine
-            .fill_polygon(points.into_iter().map(fine), &Fine::of(style))
+        self.fine.fill_polygon(points.into_iter().map(fine), &Fine::of(style))
     }
 
     fn draw_text<S: BackendTextStyle>(
@@ -200,8 +195,7 @@ impl<'a> DrawingBackend for Raster<'a> {
             outline.draw(|x, y, cover| dots.push((x as i32, y as i32, f64::from(cover))));
             for (x, y, cover) in dots {
                 let (x, y) = turn.transform(x + corner.x as i32, y + corner.y as i32);
-                self.fine
-                    .draw_pixel((x0 + x, y0 + y), colour.mix(cover.clamp(0.0, 1.0)))?;
+                self.fine.draw_pixel((x0 + x, y0 + y), colour.mix(cover.clamp(0.0, 1.0)))?;
             }
         }
         Ok(())
@@ -217,9 +211,7 @@ mod tests {
     fn shapes_keep_their_size_and_edges_are_averaged() {
         let size = (8, 6);
         let mut memory = canvas(size);
-        Raster::new(&mut memory, size)
-            .draw_rect((2, 1), (5, 4), &BLACK.filled(), true)
-            .unwrap();
+        Raster::new(&mut memory, size).draw_rect((2, 1), (5, 4), &BLACK.filled(), true).unwrap();
         let pixels = averaged(&memory, size);
         let dark: Vec<usize> = (0..48).filter(|i| pixels[3 * i] == 0).collect();
         assert_eq!(dark, [10, 11, 12, 18, 19, 20, 26, 27, 28]);

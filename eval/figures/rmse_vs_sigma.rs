@@ -58,20 +58,12 @@ impl RmseVsSigma {
         }
         let panels = Sensor::ALL
             .into_iter()
-            .map(|sensor| {
-                (
-                    sensor,
-                    rows.iter().filter(|row| row.sensor == sensor).copied().collect(),
-                )
-            })
+            .map(|sensor| (sensor, rows.iter().filter(|row| row.sensor == sensor).copied().collect()))
             .filter(|(_, rows): &(Sensor, Vec<&Row>)| !rows.is_empty())
             .map(|(sensor, rows)| Panel::new(sensor, &rows, &names, window))
             .collect::<Result<Vec<_>, _>>()?;
         let Some(first) = rows.first().filter(|_| !panels.is_empty()) else {
-            return Err(FigureError::Empty {
-                figure: FIGURE,
-                what: "row".into(),
-            });
+            return Err(FigureError::Empty { figure: FIGURE, what: "row".into() });
         };
         let mut legend: Vec<Entry> = (0..)
             .zip(&names)
@@ -81,20 +73,13 @@ impl RmseVsSigma {
                 words: (*name).to_owned(),
             })
             .collect();
-        legend.push(Entry {
-            key: Key::Line,
-            colour: style::INK,
-            words: "Cramér-Rao bound".into(),
-        });
+        legend.push(Entry { key: Key::Line, colour: style::INK, words: "Cramér-Rao bound".into() });
         let caption = format!(
             "Data {}, base {}, split {}, levels {}, label {}. Bound: σ / √(2·{window}), for unbiased estimates from \
              {window} samples of white noise.",
             first.data, first.base, first.split, first.levels, first.label,
         );
-        Ok(Self {
-            panels,
-            sheet: Sheet { legend, caption },
-        })
+        Ok(Self { panels, sheet: Sheet { legend, caption } })
     }
 }
 
@@ -113,17 +98,12 @@ impl Panel {
             }
             let what = |column: &str| format!("{column} of {sensor} {}", row.estimator);
             if row.by_sigma.is_empty() {
-                return Err(FigureError::Empty {
-                    figure: FIGURE,
-                    what: what("bin"),
-                });
+                return Err(FigureError::Empty { figure: FIGURE, what: what("bin") });
             }
             let sigma: Vec<f64> = row.by_sigma.iter().map(|bin| bin.sigma).collect();
             let rmse: Vec<f64> = row.by_sigma.iter().map(|bin| bin.rmse).collect();
             let need = "it must be finite and positive";
-            check_each(FIGURE, &what("true sigma"), &sigma, need, |v| {
-                v.is_finite() && v > 0.0
-            })?;
+            check_each(FIGURE, &what("true sigma"), &sigma, need, |v| v.is_finite() && v > 0.0)?;
             let need = "it must be finite and not negative";
             check_each(FIGURE, &what("RMSE"), &rmse, need, |v| v.is_finite() && v >= 0.0)?;
             series.push((index, (*row).clone()));
@@ -134,10 +114,7 @@ impl Panel {
         let high = bins().map(|bin| bin.sigma).fold(0.0, f64::max);
         let bound = [low, high].map(|sigma| (sigma, cramer_rao_sigma(sigma, window)));
         // An RMSE of 0 cannot be placed; it is held at the lower edge.
-        let least = bins()
-            .map(|bin| bin.rmse)
-            .filter(|v| *v > 0.0)
-            .fold(bound[0].1, f64::min);
+        let least = bins().map(|bin| bin.rmse).filter(|v| *v > 0.0).fold(bound[0].1, f64::min);
         let most = bins().map(|bin| bin.rmse).fold(bound[1].1, f64::max);
         let unit = style::unit(sensor);
         Ok(Self {
@@ -160,11 +137,8 @@ impl Panel {
         frame.path(bound, style::stroke(style::INK, style::LINE - 1))?;
         for (index, row) in &self.series {
             let colour = PALETTE[index % PALETTE.len()];
-            let points: Vec<(i32, i32)> = row
-                .by_sigma
-                .iter()
-                .map(|bin| frame.at(bin.sigma, bin.rmse))
-                .collect();
+            let points: Vec<(i32, i32)> =
+                row.by_sigma.iter().map(|bin| frame.at(bin.sigma, bin.rmse)).collect();
             frame.path(points.clone(), style::stroke(colour, style::LINE))?;
             for point in points {
                 legend::marker(area, *index, point, colour)?;
@@ -181,8 +155,7 @@ impl Plot for RmseVsSigma {
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
-        self.sheet
-            .draw(area, &self.panels, |panel, rect| panel.draw(area, rect))
+        self.sheet.draw(area, &self.panels, |panel, rect| panel.draw(area, rect))
     }
 
     fn csv(&self) -> Drawn {
@@ -204,10 +177,7 @@ impl Plot for RmseVsSigma {
                 rows.push(out);
             }
         }
-        Drawn {
-            header: vec!["sensor", "unit", "estimator", "true_sigma", "rmse", "bias", "n"],
-            rows,
-        }
+        Drawn { header: vec!["sensor", "unit", "estimator", "true_sigma", "rmse", "bias", "n"], rows }
     }
 }
 
@@ -220,12 +190,7 @@ mod tests {
     fn row(sensor: Sensor, estimator: &str, rmse: &[f64]) -> Row {
         let by_sigma = (0..)
             .zip(rmse)
-            .map(|(i, &rmse)| SigmaBin {
-                sigma: 0.01 + 0.02 * f64::from(i),
-                rmse,
-                bias: -0.1 * rmse,
-                n: 7,
-            })
+            .map(|(i, &rmse)| SigmaBin { sigma: 0.01 + 0.02 * f64::from(i), rmse, bias: -0.1 * rmse, n: 7 })
             .collect();
         Row {
             sensor,
@@ -254,10 +219,7 @@ mod tests {
         assert_eq!(csv.rows.len(), 10);
         let read = |row: usize, column: usize| csv.rows[row][column].parse::<f64>().unwrap();
         for (i, bin) in accel.by_sigma.iter().enumerate() {
-            assert_eq!(
-                [read(i, 3), read(i, 4), read(i, 5)],
-                [bin.sigma, bin.rmse, bin.bias]
-            );
+            assert_eq!([read(i, 3), read(i, 4), read(i, 5)], [bin.sigma, bin.rmse, bin.bias]);
         }
         assert_eq!(csv.rows[6][4], "0.30000000000000004");
         assert!((read(4, 4) - 0.05 / 20.0).abs() < 1e-15);
@@ -265,18 +227,12 @@ mod tests {
 
     #[test]
     fn axes_carry_units_and_the_caption_the_set_up() {
-        let rows = [
-            row(Sensor::Accel, "a", &[0.01, 0.02]),
-            row(Sensor::Gyro, "b", &[0.0, 0.02]),
-        ];
+        let rows = [row(Sensor::Accel, "a", &[0.01, 0.02]), row(Sensor::Gyro, "b", &[0.0, 0.02])];
         let plot = RmseVsSigma::new(&[&rows[0], &rows[1]], 200).unwrap();
         let text = String::from_utf8(svg(&plot).unwrap()).unwrap();
-        for words in [
-            "true σ [m/s²]",
-            "RMSE of predicted σ [rad/s]",
-            "base sg(5,2), split test",
-            "Cramér-Rao bound",
-        ] {
+        for words in
+            ["true σ [m/s²]", "RMSE of predicted σ [rad/s]", "base sg(5,2), split test", "Cramér-Rao bound"]
+        {
             assert!(text.contains(words), "{words}");
         }
     }
@@ -284,10 +240,7 @@ mod tests {
     #[test]
     fn faults_of_the_input_are_named() {
         let one = row(Sensor::Accel, "a", &[0.01]);
-        assert!(matches!(
-            RmseVsSigma::new(&[], 200),
-            Err(FigureError::Empty { .. })
-        ));
+        assert!(matches!(RmseVsSigma::new(&[], 200), Err(FigureError::Empty { .. })));
         let twice = RmseVsSigma::new(&[&one, &one], 200).unwrap_err();
         assert!(matches!(twice, FigureError::TooMany { most: 1, .. }));
         let nan = row(Sensor::Accel, "a", &[0.01, f64::NAN]);

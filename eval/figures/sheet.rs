@@ -40,12 +40,8 @@ impl Sheet {
         let top = MARGIN + legend::height(&self.legend, ROOM) + ABOVE;
         let width = style::WIDTH as i32 / panels.len().max(1) as i32;
         for (i, panel) in (0..).zip(panels) {
-            let rect = Rect {
-                left: i * width + LEFT,
-                top,
-                right: (i + 1) * width - RIGHT,
-                bottom: top + PANEL,
-            };
+            let rect =
+                Rect { left: i * width + LEFT, top, right: (i + 1) * width - RIGHT, bottom: top + PANEL };
             draw(panel, rect)?;
         }
         legend::print(area, &self.caption, (MARGIN, top + PANEL + BELOW + 8), ROOM)

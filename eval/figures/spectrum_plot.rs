@@ -45,19 +45,12 @@ impl SpectrumPlot {
         let legend = AXES
             .into_iter()
             .zip(PALETTE)
-            .map(|(axis, colour)| Entry {
-                key: Key::Line,
-                colour,
-                words: axis.to_owned(),
-            })
+            .map(|(axis, colour)| Entry { key: Key::Line, colour, words: axis.to_owned() })
             .collect();
         let caption = format!(
             "Root of the power spectral density (Welch, Hann). Flat: white noise, at its density; peaks: vibration. {words}"
         );
-        Ok(Self {
-            panels,
-            sheet: Sheet { legend, caption },
-        })
+        Ok(Self { panels, sheet: Sheet { legend, caption } })
     }
 }
 
@@ -77,19 +70,10 @@ impl Panel {
         let fold = |pick: fn((f64, f64)) -> f64, start: f64, best: fn(f64, f64) -> f64| {
             all().map(pick).fold(start, best)
         };
-        let (from, to) = (
-            fold(|b| b.0, f64::INFINITY, f64::min),
-            fold(|b| b.0, 0.0, f64::max),
-        );
-        let (low, high) = (
-            fold(|b| b.1, f64::INFINITY, f64::min),
-            fold(|b| b.1, 0.0, f64::max),
-        );
+        let (from, to) = (fold(|b| b.0, f64::INFINITY, f64::min), fold(|b| b.0, 0.0, f64::max));
+        let (low, high) = (fold(|b| b.1, f64::INFINITY, f64::min), fold(|b| b.1, 0.0, f64::max));
         if to <= 0.0 {
-            return Err(FigureError::Empty {
-                figure: FIGURE,
-                what: format!("spectrum of the {sensor}"),
-            });
+            return Err(FigureError::Empty { figure: FIGURE, what: format!("spectrum of the {sensor}") });
         }
         let unit = style::unit(sensor);
         Ok(Self {
@@ -122,8 +106,7 @@ impl Plot for SpectrumPlot {
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
-        self.sheet
-            .draw(area, &self.panels, |panel, rect| panel.draw(area, rect))
+        self.sheet.draw(area, &self.panels, |panel, rect| panel.draw(area, rect))
     }
 
     fn csv(&self) -> Drawn {
@@ -141,10 +124,7 @@ impl Plot for SpectrumPlot {
                 }
             }
         }
-        Drawn {
-            header: vec!["sensor", "axis", "unit", "hz", "density"],
-            rows,
-        }
+        Drawn { header: vec!["sensor", "axis", "unit", "hz", "density"], rows }
     }
 }
 
@@ -157,27 +137,15 @@ mod tests {
     #[test]
     fn a_sine_stands_where_it_belongs_and_a_missing_sensor_is_refused() {
         let rate = SampleRate::HZ_200;
-        let signal: Vec<f64> = (0..4000)
-            .map(|i| (f64::from(i) * 0.005 * 50.0 * std::f64::consts::TAU).sin())
-            .collect();
+        let signal: Vec<f64> =
+            (0..4000).map(|i| (f64::from(i) * 0.005 * 50.0 * std::f64::consts::TAU).sin()).collect();
         let spectrum = Welch::new(400).unwrap().spectrum(&signal, rate).unwrap();
-        let of = |sensor| AxisSpectrum {
-            sensor,
-            axis: 1,
-            spectrum: spectrum.clone(),
-        };
+        let of = |sensor| AxisSpectrum { sensor, axis: 1, spectrum: spectrum.clone() };
         let plot = SpectrumPlot::new(&[of(Sensor::Accel), of(Sensor::Gyro)], "").unwrap();
         let csv = plot.csv();
         let value = |row: &Vec<String>| row[4].parse::<f64>().unwrap();
-        let top = csv
-            .rows
-            .iter()
-            .max_by(|a, b| value(a).total_cmp(&value(b)))
-            .unwrap();
+        let top = csv.rows.iter().max_by(|a, b| value(a).total_cmp(&value(b))).unwrap();
         assert_eq!((top[1].as_str(), top[3].as_str()), ("y", "50"));
-        assert!(matches!(
-            SpectrumPlot::new(&[of(Sensor::Accel)], ""),
-            Err(FigureError::Empty { .. })
-        ));
+        assert!(matches!(SpectrumPlot::new(&[of(Sensor::Accel)], ""), Err(FigureError::Empty { .. })));
     }
 }

@@ -63,9 +63,7 @@ pub(super) fn prepare() -> Result<(), FigureError> {
     if *ready {
         Ok(())
     } else {
-        Err(FigureError::Draw {
-            reason: "the bundled font DejaVu Sans cannot be read".into(),
-        })
+        Err(FigureError::Draw { reason: "the bundled font DejaVu Sans cannot be read".into() })
     }
 }
 
@@ -90,11 +88,7 @@ pub(super) fn text(em: f64, colour: RGBColor, anchor: Anchor) -> TextStyle<'stat
         Anchor::North => (HPos::Center, VPos::Top),
         Anchor::Centre => (HPos::Center, VPos::Center),
     };
-    TextStyle {
-        font: font(em),
-        color: colour.to_backend_color(),
-        pos: Pos { h_pos, v_pos },
-    }
+    TextStyle { font: font(em), color: colour.to_backend_color(), pos: Pos { h_pos, v_pos } }
 }
 
 /// A text that reads upwards, centred on its anchor.
@@ -113,9 +107,7 @@ pub(super) fn width(words: &str, em: f64) -> i32 {
     // The layout takes the size as the font's height, see `HEIGHT_PER_EM`. Without a font the width is a fair guess.
     FontDesc::new(FontFamily::Name(FAMILY), em * HEIGHT_PER_EM, FontStyle::Normal)
         .layout_box(words)
-        .map_or((0.6 * em * words.chars().count() as f64) as i32, |(low, high)| {
-            high.0 - low.0
-        })
+        .map_or((0.6 * em * words.chars().count() as f64) as i32, |(low, high)| high.0 - low.0)
 }
 
 /// A line of `width` pixels.

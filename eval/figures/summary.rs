@@ -45,11 +45,7 @@ pub(super) fn by_level(truth: &[f64], values: &[f64]) -> Vec<Level> {
             part.sort_by(f64::total_cmp);
             Level {
                 // A level stays what it was given as: a sum of equal numbers over their count may be an ulp off.
-                truth: if discrete {
-                    levels[i]
-                } else {
-                    sum / part.len() as f64
-                },
+                truth: if discrete { levels[i] } else { sum / part.len() as f64 },
                 n: part.len(),
                 quantiles: [0.05, 0.25, 0.5, 0.75, 0.95].map(|p| quantile(&part, p)),
             }

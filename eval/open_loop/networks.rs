@@ -68,14 +68,8 @@ impl Network {
     fn of(weights: Weights, path: &Path) -> Result<Self, NetworkError> {
         let training = weights.card().training.clone();
         let text = |key: &'static str| {
-            let value = training
-                .get(key)
-                .and_then(|value| value.as_str())
-                .map(str::to_owned);
-            value.ok_or_else(|| NetworkError::Card {
-                path: path.to_owned(),
-                key,
-            })
+            let value = training.get(key).and_then(|value| value.as_str()).map(str::to_owned);
+            value.ok_or_else(|| NetworkError::Card { path: path.to_owned(), key })
         };
         let seed = training.get("seed").and_then(serde_json::Value::as_u64);
         Ok(Self {
@@ -83,10 +77,7 @@ impl Network {
             base: text("base")?,
             levels: text("levels")?,
             label: text("label")?,
-            seed: seed.ok_or_else(|| NetworkError::Card {
-                path: path.to_owned(),
-                key: "seed",
-            })?,
+            seed: seed.ok_or_else(|| NetworkError::Card { path: path.to_owned(), key: "seed" })?,
             path: path.to_owned(),
             weights,
         })
@@ -110,10 +101,7 @@ pub fn load_all(dir: &Path) -> Result<Vec<Network>, NetworkError> {
 }
 
 fn collect(dir: &Path, depth: usize, files: &mut Vec<PathBuf>) -> Result<(), NetworkError> {
-    let failed = |source| NetworkError::List {
-        path: dir.to_owned(),
-        source,
-    };
+    let failed = |source| NetworkError::List { path: dir.to_owned(), source };
     for entry in std::fs::read_dir(dir).map_err(failed)? {
         let path = entry.map_err(failed)?.path();
         if path.is_dir() {

@@ -93,11 +93,7 @@ fn by_sigma(estimate: &[f64], truth: &[f64], injected: &[f64], bins: usize) -> V
     let width = (high - low) / bins as f64;
     let mut sums = vec![(0.0, 0.0, 0.0, 0usize); bins];
     for ((e, t), level) in estimate.iter().zip(truth).zip(injected) {
-        let at = if width > 0.0 {
-            (((level - low) / width) as usize).min(bins - 1)
-        } else {
-            0
-        };
+        let at = if width > 0.0 { (((level - low) / width) as usize).min(bins - 1) } else { 0 };
         let sum = &mut sums[at];
         sum.0 += t;
         sum.1 += (e - t).powi(2);
@@ -108,12 +104,7 @@ fn by_sigma(estimate: &[f64], truth: &[f64], injected: &[f64], bins: usize) -> V
         .filter(|sum| sum.3 > 0)
         .map(|(sigma, square, error, n)| {
             let count = n as f64;
-            SigmaBin {
-                sigma: sigma / count,
-                rmse: (square / count).sqrt(),
-                bias: error / count,
-                n,
-            }
+            SigmaBin { sigma: sigma / count, rmse: (square / count).sqrt(), bias: error / count, n }
         })
         .collect()
 }
@@ -124,13 +115,7 @@ mod tests {
 
     #[test]
     fn errors_of_a_known_case() {
-        let errors = Errors::of(
-            &[1.5, 2.0, 2.0, 4.5],
-            &[1.0, 1.0, 3.0, 3.0],
-            &[1.0, 1.0, 3.0, 3.0],
-            2,
-            200,
-        );
+        let errors = Errors::of(&[1.5, 2.0, 2.0, 4.5], &[1.0, 1.0, 3.0, 3.0], &[1.0, 1.0, 3.0, 3.0], 2, 200);
         assert!((errors.rmse - (4.5f64 / 4.0).sqrt()).abs() < 1e-12);
         assert!((errors.bias - 0.5).abs() < 1e-12);
         assert!((errors.crb - (5.0f64 / 400.0).sqrt()).abs() < 1e-12);

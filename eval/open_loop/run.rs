@@ -25,6 +25,7 @@ use dpn_train::split::Side;
 use dpn_train::trainer::predict;
 use dpn_train::windows::{Stretch, WINDOW, WindowSet};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use thiserror::Error;
@@ -39,8 +40,6 @@ pub struct Request<'a> {
     pub bases: &'a [Base],
     /// Trained networks.
     pub networks: &'a [Network],
-    /// Whether regressors are fitted; needs a training side.
-    pub regressors: bool,
     /// Seed of the injected noise.
     pub seed: u64,
 }
@@ -104,19 +103,8 @@ pub fn run(request: &Request<'_>, progress: &mut dyn Progress) -> Result<OpenLoo
     progress.start("open loop", sets.len() as u64);
     let mut transfer: BTreeMap<(Sensor, &'static str), (String, Fitted)> = BTreeMap::new();
     for (done, (sensor, corpus, base, kind)) in sets.into_iter().enumerate() {
-        progress.step(
-            done as u64,
-            &format!("{} {sensor} {base} {}", corpus.name, kind.family()),
-        );
-        let job = Job {
-            request,
-            sensor,
-            corpus,
-            base,
-            kind,
-            features: &features,
-            simple: &simple,
-        };
+        progress.step(done as u64, &format!("{} {sensor} {base} {}", corpus.name, kind.family()));
+        let job = Job { request, sensor, corpus, base, kind, features: &features, simple: &simple };
         let foreign = transfer.get(&(sensor, kind.family()));
         if let Some(fitted) = job.judge(foreign, &mut out)? {
             transfer.insert((sensor, kind.family()), fitted);
@@ -130,11 +118,7 @@ pub fn run(request: &Request<'_>, progress: &mut dyn Progress) -> Result<OpenLoo
 fn plan<'a>(request: &Request<'a>) -> Vec<(Sensor, &'a Corpus, Base, LevelKind)> {
     let mut sets = Vec::new();
     for raw in [false, true] {
-        for corpus in request
-            .corpora
-            .iter()
-            .filter(|corpus| (corpus.name == TUM_VI) == raw)
-        {
+        for corpus in request.corpora.iter().filter(|corpus| (corpus.name == TUM_VI) == raw) {
             for &sensor in request.sensors {
                 let own = [Base::Raw];
                 for &base in if raw { &own[..] } else { request.bases } {
@@ -150,10 +134,7 @@ fn plan<'a>(request: &Request<'a>) -> Vec<(Sensor, &'a Corpus, Base, LevelKind)>
 
 /// The simple estimators of the study, with their default parameters.
 fn simple_estimators() -> Result<Vec<Arc<dyn WindowSigma>>, EstimatorError> {
-    EstimatorSpec::all()
-        .iter()
-        .map(|spec| spec.for_windows(WINDOW))
-        .collect()
+    EstimatorSpec::all().iter().map(|spec| spec.for_windows(WINDOW)).collect()
 }
 
 /// One sensor, collection, base and kind of levels.
@@ -187,29 +168,23 @@ impl Job<'_> {
         transfer: Option<&(String, Fitted)>,
         out: &mut OpenLoop,
     ) -> Result<Option<(String, Fitted)>, OpenLoopError> {
-        let train = if self.foreign() {
-            None
-        } else {
-            Some(self.examples(Side::Train)?)
-        };
+        let train = if self.foreign() { None } else { Some(self.examples(Side::Train)?) };
         let test = self.examples(Side::Test)?;
-        let mut fitted = None;
-        if let Some(train) = train
-            .as_ref()
-            .filter(|train| self.request.regressors && !train.is_empty())
-        {
+        let (mut fitted, mut train_table) = (None, None);
+        if let Some(train) = train.as_ref().filter(|train| !train.is_empty()) {
             // The features are those of the noisy windows whatever they are labelled with.
             let table = self.features.table(&train.samples);
             let fit = |label: &Label| Ok((*label, fit_all(&table, &train.truth(*label))?));
             let both: Result<Fitted, RegressError> = Label::ALL.par_iter().map(fit).collect();
             fitted = Some((self.base.to_string(), both?));
+            train_table = Some(table);
         }
-        let sides = [(Side::Train, train.as_ref()), (Side::Test, Some(&test))];
-        for (side, examples) in sides {
+        let sides = [(Side::Train, train.as_ref(), train_table.as_deref()), (Side::Test, Some(&test), None)];
+        for (side, examples, table) in sides {
             let Some(examples) = examples.filter(|examples| !examples.is_empty()) else {
                 continue;
             };
-            let answers = self.answers(examples, fitted.as_ref(), transfer);
+            let answers = self.answers(examples, table, fitted.as_ref(), transfer);
             self.add_rows(side, examples, &answers, &mut out.rows);
             if side == Side::Test && !self.foreign() {
                 out.drawn.push(self.drawn(examples, &answers));
@@ -225,24 +200,16 @@ impl Job<'_> {
     fn examples(&self, side: Side) -> Result<Examples, FilterError> {
         let recordings = self.corpus.side(side);
         let set = WindowSet::cut(&recordings, self.sensor, self.base, Scope::Window, Stretch::Whole)?;
-        let stream = Stream::new(self.request.seed)
-            .named("open-loop")
-            .named(self.sensor.name());
-        let stream = stream
-            .named(&self.corpus.name)
-            .named(&side.to_string())
-            .named(self.kind.family());
-        Ok(Examples::draw(
-            &set,
-            &Levels::paper(self.sensor, self.kind),
-            &stream,
-        ))
+        let stream = Stream::new(self.request.seed).named("open-loop").named(self.sensor.name());
+        let stream = stream.named(&self.corpus.name).named(&side.to_string()).named(self.kind.family());
+        Ok(Examples::draw(&set, &Levels::paper(self.sensor, self.kind), &stream))
     }
 
-    /// Every estimator's answers.
+    /// Every estimator's answers; `table` holds the examples' features where they were computed before.
     fn answers(
         &self,
         examples: &Examples,
+        table: Option<&[f64]>,
         fitted: Option<&(String, Fitted)>,
         transfer: Option<&(String, Fitted)>,
     ) -> Vec<Answer> {
@@ -253,11 +220,7 @@ impl Job<'_> {
                 name: estimator.name().to_owned(),
                 seed: None,
                 labels: Label::ALL.to_vec(),
-                sigma: examples
-                    .samples
-                    .chunks_exact(WINDOW)
-                    .map(|window| estimator.sigma(window))
-                    .collect(),
+                sigma: examples.samples.chunks_exact(WINDOW).map(|window| estimator.sigma(window)).collect(),
             })
             .collect();
         let (regressors, suffix) = match (fitted, transfer) {
@@ -266,7 +229,8 @@ impl Job<'_> {
             _ => (None, String::new()),
         };
         if let Some(regressors) = regressors {
-            let table = self.features.table(&examples.samples);
+            let table =
+                table.map_or_else(|| Cow::Owned(self.features.table(&examples.samples)), Cow::Borrowed);
             for (label, fitted) in regressors {
                 answers.extend(fitted.iter().map(|regressor| Answer {
                     name: format!("{}{suffix}", regressor.name()),
@@ -276,27 +240,16 @@ impl Job<'_> {
                 }));
             }
         }
-        for network in self
-            .request
-            .networks
-            .iter()
-            .filter(|network| network.sensor() == self.sensor)
-        {
+        for network in self.request.networks.iter().filter(|network| network.sensor() == self.sensor) {
             let own = network.base == self.base.to_string() && network.levels == self.kind.family();
             if !own && !self.foreign() {
                 continue;
             }
             let labels = Label::ALL.iter().copied();
             answers.push(Answer {
-                name: if own {
-                    network.name.clone()
-                } else {
-                    format!("{}@{}", network.name, network.base)
-                },
+                name: if own { network.name.clone() } else { format!("{}@{}", network.name, network.base) },
                 seed: Some(network.seed),
-                labels: labels
-                    .filter(|l| self.foreign() || l.to_string() == network.label)
-                    .collect(),
+                labels: labels.filter(|l| self.foreign() || l.to_string() == network.label).collect(),
                 sigma: predict(&network.weights, &examples.samples),
             });
         }
@@ -344,10 +297,7 @@ impl Job<'_> {
 
     fn drawn(&self, examples: &Examples, answers: &[Answer]) -> Drawn {
         let mut estimates: Vec<(String, Vec<f64>)> = Vec::new();
-        for answer in answers
-            .iter()
-            .filter(|answer| answer.labels.contains(&Label::Injected))
-        {
+        for answer in answers.iter().filter(|answer| answer.labels.contains(&Label::Injected)) {
             if !estimates.iter().any(|(name, _)| *name == answer.name) {
                 estimates.push((answer.name.clone(), answer.sigma.clone()));
             }

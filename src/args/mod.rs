@@ -2,18 +2,22 @@
 
 mod allan;
 mod check;
+mod closed_loop;
 mod eval;
 mod log;
 mod noise;
+mod run;
 mod simulate;
 mod train;
 
 pub(crate) use allan::AllanArgs;
 pub(crate) use check::CheckArgs;
+pub(crate) use closed_loop::{CameraArg, ClosedLoopArgs, SettingsArgs};
 pub(crate) use eval::EvalArgs;
-pub(crate) use log::{LogArgs, rate};
-pub(crate) use noise::{ConvertArgs, NoiseArgs, NoiseWhat};
-pub(crate) use simulate::{FlightArgs, SimulateArgs, SimulateWhat};
+pub(crate) use log::{HowArgs, LogArgs, rate};
+pub(crate) use noise::{ConvertArgs, NoiseArgs, NoiseWhat, RowFormat};
+pub(crate) use run::RunArgs;
+pub(crate) use simulate::{FlightArgs, SimulateArgs, SimulateWhat, TracksArgs};
 pub(crate) use train::{SensorArg, TrainArgs};
 
 use clap::{Parser, Subcommand};
@@ -32,9 +36,11 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Train a network that reads a sensor's noise off one second of one axis.
     Train(TrainArgs),
-    /// Judge noise estimators: open loop against the injected truth.
+    /// Judge noise estimators: open loop against the injected truth, closed loop by the odometry they drive.
     Eval(EvalArgs),
-    /// Noise figures of an IMU as other programs write them.
+    /// Run the odometry over one recording: trajectory, states, report.
+    Run(RunArgs),
+    /// How noisy an IMU is along a log, sample by sample; and noise figures as other programs write them (convert).
     Noise(NoiseArgs),
     /// What a log at rest says of its sensor's noise: Allan plot, five coefficients an axis, configurations to paste.
     Allan(AllanArgs),

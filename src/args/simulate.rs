@@ -1,6 +1,7 @@
 //! `dpn simulate`.
 
-use clap::{Args, Subcommand};
+use clap::{Args, Subcommand, ValueEnum};
+use dpn_sim::tracks::{TracksConfig, World};
 use std::path::PathBuf;
 
 /// What to simulate.
@@ -16,6 +17,8 @@ pub(crate) struct SimulateArgs {
 pub(crate) enum SimulateWhat {
     /// A flight: IMU with exactly known noise, and its ground truth, as an ASL folder.
     Flight(FlightArgs),
+    /// Camera tracks along the ground truth of a sequence or along a simulated flight, as a text file.
+    Tracks(TracksArgs),
 }
 
 /// Flags of `dpn simulate flight`.
@@ -39,4 +42,89 @@ pub(crate) struct FlightArgs {
     /// Print what was written as JSON on stdout.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// Kind of world as typed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum WorldArg {
+    /// By the flight's size.
+    Auto,
+    /// Walls near.
+    Room,
+    /// Walls far.
+    Hall,
+}
+
+impl From<WorldArg> for World {
+    fn from(arg: WorldArg) -> Self {
+        match arg {
+            WorldArg::Auto => Self::Auto,
+            WorldArg::Room => Self::Room,
+            WorldArg::Hall => Self::Hall,
+        }
+    }
+}
+
+/// Flags of `dpn simulate tracks`. A flag overrides the configuration's key of the same meaning.
+#[derive(Debug, Args)]
+pub(crate) struct TracksArgs {
+    /// Folder of an ASL sequence with ground truth (EuRoC, TUM-VI), or name of a flight.
+    #[arg(value_name = "SEQUENCE|FLIGHT")]
+    pub(crate) source: String,
+    /// File to write; without it runs/tracks/NAME.txt.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+    /// Seed of the world and of the tracker's errors.
+    #[arg(long, default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Seed that the flight is flown with, as in `dpn simulate flight --seed`.
+    #[arg(long, default_value_t = 0, value_name = "SEED")]
+    pub(crate) flight_seed: u64,
+    /// Configuration (TOML); without it the built-in default, which configs/tracks/euroc.toml repeats.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+    /// Kind of world.
+    #[arg(long, value_enum)]
+    world: Option<WorldArg>,
+    /// Most points followed at a time.
+    #[arg(long, value_name = "N")]
+    max_tracks: Option<usize>,
+    /// Frames handed over a second.
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    rate: Option<f64>,
+    /// Standard deviation of the white noise, each axis, in pixels.
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    pixel_noise: Option<f64>,
+    /// Drift added at every camera frame, each axis, in pixels.
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    drift: Option<f64>,
+    /// Share of the tracks that turn into outliers at a camera frame.
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    outliers: Option<f64>,
+    /// Mean time after which a track ends for no reason, in seconds.
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    life_time: Option<f64>,
+    /// Tracks of time t are made from the pose at t + this, in seconds, as if the ground truth were late.
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    ground_truth_delay: Option<f64>,
+    /// Print what was written as JSON on stdout.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+impl TracksArgs {
+    /// Puts what was typed over `config`.
+    pub(crate) fn over(&self, config: &mut TracksConfig) {
+        fn set<T: Copy>(flag: Option<T>, key: &mut T) {
+            *key = flag.unwrap_or(*key);
+        }
+        set(self.world.map(World::from), &mut config.world);
+        set(self.max_tracks, &mut config.max_tracks);
+        set(self.rate, &mut config.rate_hz);
+        set(self.pixel_noise, &mut config.pixel_noise_px);
+        set(self.drift, &mut config.drift_px);
+        set(self.outliers, &mut config.outlier_share);
+        set(self.life_time, &mut config.life_time_s);
+        set(self.ground_truth_delay, &mut config.ground_truth_delay_s);
+    }
 }

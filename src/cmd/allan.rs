@@ -10,14 +10,11 @@ use dpn_eval::allan::{AllanLog, report};
 use dpn_eval::figures::{AllanPlot, save};
 
 pub(crate) fn run(args: &AllanArgs) -> Result<()> {
-    let recording = log::read(&args.log)?;
+    let recording = log::read(&args.log)?.recording;
     // A configuration that cannot be read should not cost a fit.
     let config = match &args.check {
         Some(path) => {
-            let given = Given {
-                rate: Some(recording.rate()),
-                ..Given::default()
-            };
+            let given = Given { rate: Some(recording.rate()), ..Given::default() };
             Some((path, read(path, args.from, &given)?))
         }
         None => None,
@@ -32,26 +29,16 @@ pub(crate) fn run(args: &AllanArgs) -> Result<()> {
         json["check"] = serde_json::to_value(findings)?;
     }
     let text = json.to_string() + "\n";
-    atomic_write(&args.out.join("allan.json"), |file| {
-        file.write_all(text.as_bytes())
-    })?;
+    atomic_write(&args.out.join("allan.json"), |file| file.write_all(text.as_bytes()))?;
     if args.json {
         print!("{text}");
         return Ok(());
     }
     print!("{}", report::page(&allan)?);
     if let (Some((path, source)), Some(findings)) = (&config, &findings) {
-        println!(
-            "\n{} as {}, against this log at rest:",
-            path.display(),
-            source.format
-        );
+        println!("\n{} as {}, against this log at rest:", path.display(), source.format);
         for finding in findings {
-            println!(
-                "{} {}",
-                if finding.warns() { "warning:" } else { "ok:     " },
-                finding.text()
-            );
+            println!("{} {}", if finding.warns() { "warning:" } else { "ok:     " }, finding.text());
         }
         for remark in &source.remarks {
             println!("note:    {remark}");

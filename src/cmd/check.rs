@@ -4,41 +4,27 @@ use super::log;
 use crate::args::CheckArgs;
 use anyhow::Result;
 use dpn_core::io::atomic_write;
-use dpn_eval::doctor::examine;
+use dpn_eval::doctor::examine_log;
 use dpn_eval::figures::{SpectrumPlot, save};
 
 pub(crate) fn run(args: &CheckArgs) -> Result<()> {
-    let recording = log::read(&args.log)?;
-    let examination = examine(&recording);
+    let examination = examine_log(&log::read_quietly(&args.log)?);
     let text = serde_json::to_string(&examination)? + "\n";
-    atomic_write(&args.out.join("check.json"), |file| {
-        file.write_all(text.as_bytes())
-    })?;
+    atomic_write(&args.out.join("check.json"), |file| file.write_all(text.as_bytes()))?;
     let words = format!("{} samples, {:.0} s.", examination.samples, examination.length_s);
     // A short log has findings but no spectrum.
     let files = if examination.spectra.is_empty() {
         Vec::new()
     } else {
-        save(
-            &SpectrumPlot::new(&examination.spectra, &words)?,
-            &args.out.join("spectra"),
-        )?
+        save(&SpectrumPlot::new(&examination.spectra, &words)?, &args.out.join("spectra"))?
     };
     if args.json {
         print!("{text}");
         return Ok(());
     }
-    println!(
-        "{} samples, {:.1} s, {:.2} Hz",
-        examination.samples, examination.length_s, examination.rate_hz
-    );
+    println!("{} samples, {:.1} s, {:.2} Hz", examination.samples, examination.length_s, examination.rate_hz);
     for finding in &examination.findings {
-        println!(
-            "{:8} {}: {}",
-            format!("{}:", finding.weight),
-            finding.about,
-            finding.text
-        );
+        println!("{:8} {}: {}", format!("{}:", finding.weight), finding.about, finding.text);
         if let Some(remedy) = finding.remedy {
             println!("         -> {remedy}");
         }

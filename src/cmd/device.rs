@@ -25,16 +25,12 @@ pub(crate) fn parse(name: &str) -> Result<Device, Fault> {
     };
     match device {
         Some(device) => Ok(device.autodiff()),
-        None if KNOWN.iter().any(|(known, _)| *known == name) => Err(Fault::new(format!(
-            "this dpn was built without the device `{name}`"
-        ))
-        .hint(format!("build with `--features {name}`"))),
+        None if KNOWN.iter().any(|(known, _)| *known == name) => {
+            Err(Fault::new(format!("this dpn was built without the device `{name}`"))
+                .hint(format!("build with `--features {name}`")))
+        }
         None => {
-            let names: Vec<&str> = KNOWN
-                .iter()
-                .filter(|(_, built)| *built)
-                .map(|(name, _)| *name)
-                .collect();
+            let names: Vec<&str> = KNOWN.iter().filter(|(_, built)| *built).map(|(name, _)| *name).collect();
             Err(Fault::new(format!("there is no device `{name}`"))
                 .hint(format!("known here: {}", names.join(", "))))
         }

@@ -1,6 +1,6 @@
 //! `dpn eval`.
 
-use super::{corpus, shipped};
+use super::{closed_loop, corpus, shipped};
 use crate::args::EvalArgs;
 use crate::ui::{Bar, Fault};
 use anyhow::Result;
@@ -13,37 +13,34 @@ use dpn_train::base::Base;
 use dpn_train::windows::WINDOW;
 use std::path::{Path, PathBuf};
 
+/// Folder of the results where none is named.
+const OUT: &str = "runs/open-loop";
+
 pub(crate) fn run(args: &EvalArgs) -> Result<()> {
+    if args.closed_loop { closed_loop::run(args) } else { open_loop(args) }
+}
+
+fn open_loop(args: &EvalArgs) -> Result<()> {
+    let out = args.out.as_deref().unwrap_or(Path::new(OUT));
     let bases = bases(args.bases.as_deref())?;
     let networks = match &args.models {
         Some(dir) => networks::load_all(dir)?,
         None => shipped::networks()?,
     };
-    let sensors = args
-        .sensor
-        .map_or_else(|| Sensor::ALL.to_vec(), |sensor| vec![sensor.into()]);
+    let sensors = args.sensor.map_or_else(|| Sensor::ALL.to_vec(), |sensor| vec![sensor.into()]);
     let corpora = corpus::load(args.data.as_deref())?;
-    let request = Request {
-        corpora: &corpora,
-        sensors: &sensors,
-        bases: &bases,
-        networks: &networks,
-        regressors: true,
-        seed: args.seed,
-    };
+    let request =
+        Request { corpora: &corpora, sensors: &sensors, bases: &bases, networks: &networks, seed: args.seed };
     let result = judge(&request, &mut Bar::new())?;
-    write_tables(&result.rows, &args.out)?;
-    let mut pictures = draw(&result, &sensors, &args.out)?;
-    pictures.extend(super::flight::draw(&corpora, &networks, &args.out)?);
+    write_tables(&result.rows, out)?;
+    let mut pictures = draw(&result, &sensors, out)?;
+    pictures.extend(super::flight::draw(&corpora, &networks, out)?);
     if args.json {
         println!("{}", serde_json::json!({ "rows": result.rows }));
     } else {
         println!("{}", render(&headline(&result.rows), Layout::Plain)?);
-        println!("all rows: {}", args.out.join("open_loop.csv").display());
-        for picture in pictures
-            .iter()
-            .filter(|path| path.extension().is_some_and(|e| e == "png"))
-        {
+        println!("all rows: {}", out.join("open_loop.csv").display());
+        for picture in pictures.iter().filter(|path| path.extension().is_some_and(|e| e == "png")) {
             println!("picture:  {}", picture.display());
         }
     }
@@ -75,9 +72,7 @@ fn write_tables(rows: &[Row], out: &Path) -> Result<()> {
     write_csv(rows, &mut csv)?;
     atomic_write(&out.join("open_loop.csv"), |file| file.write_all(&csv))?;
     let json = serde_json::to_string(&serde_json::json!({ "rows": rows }))? + "\n";
-    atomic_write(&out.join("open_loop.json"), |file| {
-        file.write_all(json.as_bytes())
-    })?;
+    atomic_write(&out.join("open_loop.json"), |file| file.write_all(json.as_bytes()))?;
     Ok(())
 }
 
@@ -97,10 +92,7 @@ fn headline(rows: &[Row]) -> Vec<Row> {
     let order: Vec<String> = rows.iter().map(|row| row.base.clone()).collect();
     let place = |row: &Row| order.iter().position(|base| *base == row.base);
     rows.sort_by(|a, b| {
-        group(a)
-            .cmp(&group(b))
-            .then(place(a).cmp(&place(b)))
-            .then(a.rmse.total_cmp(&b.rmse))
+        group(a).cmp(&group(b)).then(place(a).cmp(&place(b))).then(a.rmse.total_cmp(&b.rmse))
     });
     rows
 }
@@ -112,29 +104,13 @@ fn draw(result: &OpenLoop, sensors: &[Sensor], out: &Path) -> Result<Vec<PathBuf
     const BASE: &str = "sg(11,2)";
     let (mut predicted, mut rows) = (Vec::new(), Vec::new());
     for &sensor in sensors {
-        let of_sensor = || {
-            result
-                .drawn
-                .iter()
-                .filter(|d| d.sensor == sensor && d.levels == "grid")
-        };
-        let Some(drawn) = of_sensor()
-            .find(|d| d.base == BASE)
-            .or_else(|| of_sensor().next())
-        else {
+        let of_sensor = || result.drawn.iter().filter(|d| d.sensor == sensor && d.levels == "grid");
+        let Some(drawn) = of_sensor().find(|d| d.base == BASE).or_else(|| of_sensor().next()) else {
             continue;
         };
-        let named = SHOWN
-            .iter()
-            .filter_map(|name| drawn.estimates.iter().find(|(n, _)| n == name));
-        let estimates = named
-            .map(|(name, sigma)| (name.as_str(), sigma.as_slice()))
-            .collect();
-        predicted.push(Predicted {
-            sensor,
-            truth: &drawn.truth,
-            estimates,
-        });
+        let named = SHOWN.iter().filter_map(|name| drawn.estimates.iter().find(|(n, _)| n == name));
+        let estimates = named.map(|(name, sigma)| (name.as_str(), sigma.as_slice())).collect();
+        predicted.push(Predicted { sensor, truth: &drawn.truth, estimates });
         rows.extend(
             result
                 .rows
@@ -148,13 +124,7 @@ fn draw(result: &OpenLoop, sensors: &[Sensor], out: &Path) -> Result<Vec<PathBuf
     if predicted.is_empty() {
         return Ok(Vec::new());
     }
-    let mut files = save(
-        &PredictedVsTrue::new(&predicted)?,
-        &out.join("open_loop_predicted"),
-    )?;
-    files.extend(save(
-        &RmseVsSigma::new(&rows, WINDOW)?,
-        &out.join("open_loop_rmse_vs_sigma"),
-    )?);
+    let mut files = save(&PredictedVsTrue::new(&predicted)?, &out.join("open_loop_predicted"))?;
+    files.extend(save(&RmseVsSigma::new(&rows, WINDOW)?, &out.join("open_loop_rmse_vs_sigma"))?);
     Ok(files)
 }

@@ -19,17 +19,14 @@ const BASE: &str = "sg(11,2)";
 /// Draws accelerometer x of the first test flight; nothing where there is no pair of networks.
 pub(super) fn draw(corpora: &[Corpus], networks: &[Network], out: &Path) -> Result<Vec<PathBuf>> {
     let find = |sensor| {
-        let mut fitting = networks
-            .iter()
-            .filter(|n| n.sensor() == sensor && n.base == BASE && n.name == "pronet");
+        let mut fitting =
+            networks.iter().filter(|n| n.sensor() == sensor && n.base == BASE && n.name == "pronet");
         fitting.next().map(|network| network.weights.clone())
     };
     let (Some(accel), Some(gyro)) = (find(Sensor::Accel), find(Sensor::Gyro)) else {
         return Ok(Vec::new());
     };
-    let Some((name, recording)) = corpora
-        .iter()
-        .find_map(|corpus| corpus.side(Side::Test).first().copied())
+    let Some((name, recording)) = corpora.iter().find_map(|corpus| corpus.side(Side::Test).first().copied())
     else {
         return Ok(Vec::new());
     };
@@ -42,22 +39,11 @@ pub(super) fn draw(corpora: &[Corpus], networks: &[Network], out: &Path) -> Resu
         .iter_mut()
         .map(|(name, model)| {
             let track = NoiseTrack::of(model.as_mut(), recording);
-            (
-                *name,
-                track
-                    .noises()
-                    .iter()
-                    .map(|noise| noise.of(Sensor::Accel)[0])
-                    .collect(),
-            )
+            (*name, track.noises().iter().map(|noise| noise.of(Sensor::Accel)[0]).collect())
         })
         .collect();
     let start = recording.samples()[0].t;
-    let t: Vec<f64> = recording
-        .samples()
-        .iter()
-        .map(|sample| sample.t.seconds_since(start))
-        .collect();
+    let t: Vec<f64> = recording.samples().iter().map(|sample| sample.t.seconds_since(start)).collect();
     let signal = recording.axis(Sensor::Accel, 0);
     let flight = Flight {
         name,
@@ -65,10 +51,7 @@ pub(super) fn draw(corpora: &[Corpus], networks: &[Network], out: &Path) -> Resu
         axis: "x",
         t: &t,
         signal: &signal,
-        models: tracks
-            .iter()
-            .map(|(name, sigma)| (*name, sigma.as_slice()))
-            .collect(),
+        models: tracks.iter().map(|(name, sigma)| (*name, sigma.as_slice())).collect(),
         truth: None,
         phases: Vec::new(),
         trained_up_to: Some(Levels::paper(Sensor::Accel, LevelKind::Grid).high),

@@ -2,23 +2,33 @@
 
 mod allan;
 mod check;
+mod closed_loop;
+mod convert;
 mod corpus;
 mod device;
 mod eval;
 mod flight;
+mod follow;
 mod log;
 mod noise;
+mod program;
+mod run;
+mod settings;
 mod shipped;
 mod simulate;
+mod stop;
+mod tracks;
 mod train;
 
 use crate::args::{Cli, Command};
+use program::program;
 
 /// Runs what was typed.
 pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
     match cli.command {
         Command::Train(args) => train::run(args),
         Command::Eval(args) => eval::run(&args),
+        Command::Run(args) => run::run(&args),
         Command::Noise(args) => noise::run(&args),
         Command::Allan(args) => allan::run(&args),
         Command::Check(args) => check::run(&args),

@@ -8,8 +8,5 @@ include!(concat!(env!("OUT_DIR"), "/shipped.rs"));
 
 /// Every shipped network.
 pub(crate) fn networks() -> Result<Vec<Network>> {
-    SHIPPED
-        .iter()
-        .map(|(name, bytes)| Ok(Network::from_bytes(bytes, Path::new(name))?))
-        .collect()
+    SHIPPED.iter().map(|(name, bytes)| Ok(Network::from_bytes(bytes, Path::new(name))?)).collect()
 }

@@ -1,5 +1,6 @@
 //! `dpn simulate`.
 
+use super::tracks;
 use crate::args::{FlightArgs, SimulateArgs, SimulateWhat};
 use anyhow::Result;
 use dpn_core::io::asl::{GroundTruth, ImuConfig, SequenceParts, write_sequence};
@@ -12,6 +13,7 @@ use std::path::Path;
 pub(crate) fn run(args: SimulateArgs) -> Result<()> {
     match args.what {
         SimulateWhat::Flight(args) => flight(args),
+        SimulateWhat::Tracks(args) => tracks::run(&args),
     }
 }
 
@@ -65,15 +67,8 @@ fn write(flight: &SimulatedFlight, config: &FlightConfig, dir: &Path) -> Result<
         accel_walk: config.bias.accel_walk,
         body_from_imu: Isometry3::identity(),
     };
-    write_noise_track(
-        &dir.join("true_noise.csv"),
-        &flight.truth.oracle(&flight.recording)?,
-    )?;
-    let parts = SequenceParts {
-        imu: &flight.recording,
-        imu_config: Some(&imu),
-        ground_truth: Some(&truth),
-    };
+    write_noise_track(&dir.join("true_noise.csv"), &flight.truth.oracle(&flight.recording)?)?;
+    let parts = SequenceParts { imu: &flight.recording, imu_config: Some(&imu), ground_truth: Some(&truth) };
     write_sequence(dir, &parts)?;
     Ok(())
 }

@@ -1,18 +1,17 @@
 //! `dpn train`.
 
-use super::{corpus, device};
+use super::{corpus, device, stop};
 use crate::args::TrainArgs;
 use crate::ui::{Bar, Fault, Interrupted};
-use anyhow::{Context, Result};
+use anyhow::Result;
 use dpn_core::Sensor;
+use dpn_core::config::Validate;
 use dpn_train::config::TrainConfig;
 use dpn_train::corpus::Corpus;
 use dpn_train::run::{Run, RunError};
 use dpn_train::split::Side;
 use dpn_train::trainer::TrainError;
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 pub(crate) fn run(args: TrainArgs) -> Result<()> {
     let sensor = Sensor::from(args.sensor);
@@ -36,15 +35,8 @@ pub(crate) fn run(args: TrainArgs) -> Result<()> {
     if done > 0 {
         eprintln!("resume {} after {done} of {total} epochs", out.display());
     }
-    let stop = Arc::new(AtomicBool::new(false));
-    let asked = Arc::clone(&stop);
-    ctrlc::set_handler(move || {
-        // Asked twice, the user means now: the last finished epoch is on disk.
-        if asked.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    })
-    .context("cannot listen for Ctrl-C")?;
+    // Asked twice, the user means now: the last finished epoch is on disk.
+    let stop = stop::on_ctrl_c()?;
     match run.train(&stop, &mut Bar::new()) {
         Ok((summary, weights)) => {
             if args.json {
@@ -83,10 +75,7 @@ fn config(args: &TrainArgs, sensor: Sensor) -> Result<TrainConfig> {
                     path.display(),
                     config.sensor()
                 ))
-                .hint(format!(
-                    "say --sensor {}, or give a configuration for `{sensor}`",
-                    config.sensor()
-                ))
+                .hint(format!("say --sensor {}, or give a configuration for `{sensor}`", config.sensor()))
                 .into());
             }
             config
@@ -103,10 +92,6 @@ fn config(args: &TrainArgs, sensor: Sensor) -> Result<TrainConfig> {
         config.base.set(base);
     }
     // Flags may have moved a value out of its bounds.
-    let faults = dpn_core::config::Validate::faults(&config);
-    if !faults.is_empty() {
-        let all: Vec<String> = faults.iter().map(ToString::to_string).collect();
-        return Err(Fault::new(all.join("; ")).into());
-    }
+    config.validate()?;
     Ok(config)
 }

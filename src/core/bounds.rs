@@ -19,11 +19,7 @@ pub fn cramer_rao_pooled(sigmas: impl IntoIterator<Item = f64>, n: usize) -> f64
         sum += sigma * sigma;
         count += 1;
     }
-    if count == 0 {
-        0.0
-    } else {
-        (sum / count as f64 / (2.0 * n as f64)).sqrt()
-    }
+    if count == 0 { 0.0 } else { (sum / count as f64 / (2.0 * n as f64)).sqrt() }
 }
 
 #[cfg(test)]

@@ -19,11 +19,7 @@ pub struct ConfigFault {
 impl ConfigFault {
     /// `key` holds `value`, but must be `bound`.
     pub fn new(key: impl Into<String>, value: impl fmt::Display, bound: impl Into<String>) -> Self {
-        Self {
-            key: key.into(),
-            value: value.to_string(),
-            bound: bound.into(),
-        }
+        Self { key: key.into(), value: value.to_string(), bound: bound.into() }
     }
 }
 
@@ -33,10 +29,53 @@ impl fmt::Display for ConfigFault {
     }
 }
 
+/// Faults gathered key by key; as an error there is at least one.
+#[derive(Debug, Clone, PartialEq, Default, Error)]
+#[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+pub struct ConfigFaults(pub Vec<ConfigFault>);
+
+impl ConfigFaults {
+    /// Notes that `key` holds `value` but must be `bound`, unless `ok`.
+    pub fn check(
+        &mut self,
+        ok: bool,
+        key: impl Into<String>,
+        value: impl fmt::Display,
+        bound: impl Into<String>,
+    ) {
+        if !ok {
+            self.0.push(ConfigFault::new(key, value, bound));
+        }
+    }
+
+    /// Notes a fault unless `low <= value <= high`; so NaN is one.
+    pub fn within<T: PartialOrd + fmt::Display>(
+        &mut self,
+        key: impl Into<String>,
+        value: T,
+        low: T,
+        high: T,
+    ) {
+        let bound = format!("{low} to {high}");
+        self.check((low..=high).contains(&value), key, value, bound);
+    }
+}
+
 /// A configuration that can be checked after reading.
 pub trait Validate {
     /// Every value outside its bound; empty when all is well.
     fn faults(&self) -> Vec<ConfigFault>;
+
+    /// Refuses a configuration with faults.
+    ///
+    /// # Errors
+    /// All of [`faults`](Self::faults).
+    fn validate(&self) -> Result<(), ConfigFaults> {
+        match self.faults() {
+            faults if faults.is_empty() => Ok(()),
+            faults => Err(ConfigFaults(faults)),
+        }
+    }
 }
 
 /// Why a configuration is not used.
@@ -63,12 +102,12 @@ pub enum ConfigError {
         nearest: Option<String>,
     },
     /// Values outside their bounds.
-    #[error("{}: {}", path.display(), faults.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    #[error("{}: {faults}", path.display())]
     Bounds {
         /// The file.
         path: PathBuf,
         /// Every fault.
-        faults: Vec<ConfigFault>,
+        faults: ConfigFaults,
     },
 }
 
@@ -77,10 +116,7 @@ impl ConfigError {
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::Read { .. } => Some("configs/ holds files to start from".into()),
-            Self::Parse {
-                nearest: Some(nearest),
-                ..
-            } => Some(format!("did you mean `{nearest}`?")),
+            Self::Parse { nearest: Some(nearest), .. } => Some(format!("did you mean `{nearest}`?")),
             _ => None,
         }
     }
@@ -91,10 +127,8 @@ impl ConfigError {
 /// # Errors
 /// An unreadable file, a text that is not the configuration's TOML, values outside their bounds.
 pub fn load<T: DeserializeOwned + Validate>(path: &Path) -> Result<T, ConfigError> {
-    let text = std::fs::read_to_string(path).map_err(|source| ConfigError::Read {
-        path: path.to_owned(),
-        source,
-    })?;
+    let text = std::fs::read_to_string(path)
+        .map_err(|source| ConfigError::Read { path: path.to_owned(), source })?;
     parse(&text, path)
 }
 
@@ -107,19 +141,74 @@ pub fn parse<T: DeserializeOwned + Validate>(text: &str, path: &Path) -> Result<
         let message = error.message().to_owned();
         ConfigError::Parse {
             path: path.to_owned(),
-            line: error
-                .span()
-                .map(|span| 1 + text[..span.start.min(text.len())].matches('\n').count()),
+            line: error.span().map(|span| 1 + text[..span.start.min(text.len())].matches('\n').count()),
             nearest: nearest_word(&message),
             message,
         }
     })?;
-    match config.faults() {
-        faults if faults.is_empty() => Ok(config),
-        faults => Err(ConfigError::Bounds {
-            path: path.to_owned(),
-            faults,
-        }),
+    match config.validate() {
+        Ok(()) => Ok(config),
+        Err(faults) => Err(ConfigError::Bounds { path: path.to_owned(), faults }),
+    }
+}
+
+/// As [`load`], or the defaults without a file, with single keys set over it: `("window.key_frames", "8")`, the value as TOML writes it.
+///
+/// # Errors
+/// As [`load`]; a key that is not known, a value of the wrong kind.
+pub fn load_over<T: DeserializeOwned + Validate>(
+    path: Option<&Path>,
+    sets: &[(String, String)],
+) -> Result<T, ConfigError> {
+    let (text, name) = match path {
+        Some(path) => {
+            let failed = |source| ConfigError::Read { path: path.to_owned(), source };
+            (std::fs::read_to_string(path).map_err(failed)?, path.to_owned())
+        }
+        None => (String::new(), PathBuf::from("the built-in defaults")),
+    };
+    let config = parse(&text, &name)?;
+    if sets.is_empty() {
+        return Ok(config);
+    }
+    let wrong = |path: String, message: String| ConfigError::Parse {
+        path: path.into(),
+        line: None,
+        nearest: nearest_word(&message),
+        message,
+    };
+    let mut table: toml::Table =
+        toml::from_str(&text).map_err(|e| wrong(name.display().to_string(), e.message().to_owned()))?;
+    for (key, value) in sets {
+        let typed = format!("{key}={value}");
+        // What is no TOML is a word, as `window.loss=huber` means it.
+        let parsed = toml::from_str::<toml::Table>(&format!("value = {value}"));
+        let value = parsed.ok().and_then(|mut t| t.remove("value"));
+        let value = value.unwrap_or_else(|| toml::Value::String(typed[key.len() + 1..].to_owned()));
+        put(&mut table, key, value).map_err(|message| wrong(typed.clone(), message))?;
+        // Key by key, so that the message names the one that is wrong.
+        let read: Result<T, _> = table.clone().try_into();
+        read.map_err(|e: toml::de::Error| wrong(typed, e.message().to_owned()))?;
+    }
+    let config: T = table.try_into().map_err(|e: toml::de::Error| wrong(String::new(), e.to_string()))?;
+    match config.validate() {
+        Ok(()) => Ok(config),
+        Err(faults) => Err(ConfigError::Bounds { path: name, faults }),
+    }
+}
+
+/// Puts `value` at `key`, dots of which go into tables.
+fn put(table: &mut toml::Table, key: &str, value: toml::Value) -> Result<(), String> {
+    match key.split_once('.') {
+        Some((head, rest)) => {
+            let inner = table.entry(head).or_insert_with(|| toml::Value::Table(toml::Table::new()));
+            let inner = inner.as_table_mut().ok_or_else(|| format!("`{head}` is no table"))?;
+            put(inner, rest, value)
+        }
+        None => {
+            table.insert(key.to_owned(), value);
+            Ok(())
+        }
     }
 }
 
@@ -154,23 +243,17 @@ mod tests {
 
     impl Default for Small {
         fn default() -> Self {
-            Self {
-                learning_rate: 1e-3,
-                epochs: 200,
-            }
+            Self { learning_rate: 1e-3, epochs: 200 }
         }
     }
 
     impl Validate for Small {
         fn faults(&self) -> Vec<ConfigFault> {
-            let mut faults = Vec::new();
-            if self.learning_rate <= 0.0 {
-                faults.push(ConfigFault::new("learning_rate", self.learning_rate, "above 0"));
-            }
-            if self.epochs == 0 {
-                faults.push(ConfigFault::new("epochs", self.epochs, "at least 1"));
-            }
-            faults
+            let mut faults = ConfigFaults::default();
+            let rate = self.learning_rate;
+            faults.check(rate > 0.0, "learning_rate", rate, "above 0");
+            faults.within("epochs", self.epochs, 1, 1000);
+            faults.0
         }
     }
 
@@ -181,28 +264,36 @@ mod tests {
     #[test]
     fn an_unknown_key_names_line_and_nearest() {
         let error = parsed("epochs = 3\nlerning_rate = 0.1\n").unwrap_err();
-        assert!(
-            error
-                .to_string()
-                .starts_with("a.toml:2: unknown field `lerning_rate`"),
-            "{error}"
-        );
+        assert!(error.to_string().starts_with("a.toml:2: unknown field `lerning_rate`"), "{error}");
         assert_eq!(error.hint().as_deref(), Some("did you mean `learning_rate`?"));
     }
 
     #[test]
     fn all_bad_values_are_named_at_once() {
-        let error = parsed("epochs = 0\nlearning_rate = -1.0")
-            .unwrap_err()
-            .to_string();
+        let error = parsed("epochs = 0\nlearning_rate = -1.0").unwrap_err().to_string();
         assert!(
-            error.contains("`learning_rate` is -1, but must be above 0") && error.contains("`epochs` is 0"),
+            error
+                .contains("`learning_rate` is -1, but must be above 0; `epochs` is 0, but must be 1 to 1000"),
             "{error}"
         );
     }
 
     #[test]
-    fn a_far_word_is_not_suggested() {
-        assert_eq!(nearest("zzz", ["learning_rate", "epochs"]), None);
+    fn a_number_that_is_none_is_within_no_bounds() {
+        let mut faults = ConfigFaults::default();
+        faults.within("a", f64::NAN, 0.0, 1.0);
+        faults.within("b", 1.0, 0.0, 1.0);
+        assert_eq!(faults.to_string(), "`a` is NaN, but must be 0 to 1");
+    }
+
+    #[test]
+    fn the_nearest_word_is_near_or_none() {
+        let names = ["sg", "diff1", "diff2", "running", "wavelet"];
+        assert_eq!(nearest("dif2", names), Some("diff2"));
+        assert_eq!(nearest("runing", names), Some("running"));
+        assert_eq!(nearest("wavlet", names), Some("wavelet"));
+        for far in ["covariance", "q", "zzz"] {
+            assert_eq!(nearest(far, names), None, "{far}");
+        }
     }
 }

@@ -142,18 +142,12 @@ impl ImuRecording {
 
     /// From the first to the last stamp \[s\].
     pub fn duration(&self) -> f64 {
-        self.samples[self.samples.len() - 1]
-            .t
-            .seconds_since(self.samples[0].t)
+        self.samples[self.samples.len() - 1].t.seconds_since(self.samples[0].t)
     }
 
     /// The median rate: robust against gaps and jitter.
     pub fn rate(&self) -> SampleRate {
-        let mut steps: Vec<i64> = self
-            .samples
-            .windows(2)
-            .map(|w| w[1].t.ns() - w[0].t.ns())
-            .collect();
+        let mut steps: Vec<i64> = self.samples.windows(2).map(|w| w[1].t.ns() - w[0].t.ns()).collect();
         let middle = steps.len() / 2;
         let (_, median, _) = steps.select_nth_unstable(middle);
         // Stamps increase, so the step is at least one nanosecond.
@@ -175,24 +169,13 @@ mod tests {
     use super::*;
 
     fn sample(t: i64) -> ImuSample {
-        ImuSample {
-            t: Stamp::from_ns(t),
-            gyro: [0.0; 3],
-            accel: [0.0, 0.0, 9.81],
-        }
+        ImuSample { t: Stamp::from_ns(t), gyro: [0.0; 3], accel: [0.0, 0.0, 9.81] }
     }
 
     #[test]
     fn a_stamp_that_stands_still_is_refused_with_its_index() {
         let error = ImuRecording::new(vec![sample(0), sample(5), sample(5)]).unwrap_err();
-        assert_eq!(
-            error,
-            RecordingError::TimeNotIncreasing {
-                index: 2,
-                prev_ns: 5,
-                t_ns: 5
-            }
-        );
+        assert_eq!(error, RecordingError::TimeNotIncreasing { index: 2, prev_ns: 5, t_ns: 5 });
     }
 
     #[test]

@@ -8,19 +8,25 @@
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 pub mod bounds;
+pub mod camera;
 pub mod config;
 pub mod estimate;
+pub mod geometry;
 pub mod imu;
 pub mod io;
+#[doc(hidden)]
+pub mod jacobian;
 pub mod noise;
 pub mod progress;
 pub mod random;
 pub mod signal;
 pub mod time;
+pub mod tracks;
 
 pub use imu::{ImuRecording, ImuSample, Sensor};
 pub use noise::{ImuNoise, NoiseModel, NoiseTrack};
 pub use time::{SampleRate, Stamp};
+pub use tracks::{Track, TrackFrame};
 
 /// Norm of gravity that every crate assumes \[m/s^2\].
 pub const GRAVITY: f64 = 9.81;

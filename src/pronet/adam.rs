@@ -26,12 +26,7 @@ pub struct AdamConfig {
 
 impl Default for AdamConfig {
     fn default() -> Self {
-        Self {
-            beta1: 0.9,
-            beta2: 0.999,
-            epsilon: 1e-8,
-            weight_decay: 0.0,
-        }
+        Self { beta1: 0.9, beta2: 0.999, epsilon: 1e-8, weight_decay: 0.0 }
     }
 }
 
@@ -47,21 +42,11 @@ pub struct Adam {
 impl Adam {
     /// Adam before its first step, for `count` parameters.
     pub fn new(config: AdamConfig, count: usize) -> Self {
-        Self {
-            config,
-            mean: vec![0.0; count],
-            square: vec![0.0; count],
-            steps: 0,
-        }
+        Self { config, mean: vec![0.0; count], square: vec![0.0; count], steps: 0 }
     }
 
     pub(crate) fn resumed(config: AdamConfig, mean: Vec<f32>, square: Vec<f32>, steps: u64) -> Self {
-        Self {
-            config,
-            mean,
-            square,
-            steps,
-        }
+        Self { config, mean, square, steps }
     }
 
     /// Its constants.
@@ -87,23 +72,14 @@ impl Adam {
             gradient.len()
         );
         self.steps += 1;
-        let AdamConfig {
-            beta1,
-            beta2,
-            epsilon,
-            weight_decay,
-        } = self.config;
+        let AdamConfig { beta1, beta2, epsilon, weight_decay } = self.config;
         let correction = |beta: f64| 1.0 - beta.powf(self.steps as f64);
         let step = (rate / correction(beta1)) as f32;
         let per_root = (1.0 / correction(beta2).sqrt()) as f32;
         let (keep1, keep2, epsilon) = (beta1 as f32, beta2 as f32, epsilon as f32);
         let (take1, take2) = ((1.0 - beta1) as f32, (1.0 - beta2) as f32);
         let kept = (1.0 - rate * weight_decay) as f32;
-        for (((p, g), m), v) in parameters
-            .iter_mut()
-            .zip(gradient)
-            .zip(&mut self.mean)
-            .zip(&mut self.square)
+        for (((p, g), m), v) in parameters.iter_mut().zip(gradient).zip(&mut self.mean).zip(&mut self.square)
         {
             *m = keep1 * *m + take1 * g;
             *v = keep2 * *v + take2 * (g * g);

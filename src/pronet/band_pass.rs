@@ -25,10 +25,7 @@ pub(crate) fn band_pass_kernels(config: &ProNetConfig, stream: &Stream) -> Vec<f
     let long = kernel + before.len() - 1;
     // Kernel and differences together: column `j` holds the differences of tap `j` alone.
     let together = DMatrix::from_fn(long, kernel, |row, column| {
-        row.checked_sub(column)
-            .and_then(|i| before.get(i))
-            .copied()
-            .unwrap_or(0.0)
+        row.checked_sub(column).and_then(|i| before.get(i)).copied().unwrap_or(0.0)
     });
     let normal = together.transpose() * &together + DMatrix::identity(kernel, kernel) * RIDGE;
     let mut flat = vec![0.0; channels * planes * kernel];
@@ -39,11 +36,7 @@ pub(crate) fn band_pass_kernels(config: &ProNetConfig, stream: &Stream) -> Vec<f
     for (i, out) in flat.chunks_exact_mut(planes * kernel).enumerate() {
         let f = BAND.0 + (BAND.1 - BAND.0) * (i as f64 + 0.5) / channels as f64;
         let free = FREE_PHASE.0 < f && f < FREE_PHASE.1;
-        let phase = if free {
-            stream.index(i as u64).rng().random::<f64>() * TAU
-        } else {
-            0.0
-        };
+        let phase = if free { stream.index(i as u64).rng().random::<f64>() * TAU } else { 0.0 };
         let middle = (long - 1) as f64 / 2.0;
         let cosine = DVector::from_fn(long, |t, _| {
             let hann = 0.5 - 0.5 * (TAU * (t + 1) as f64 / (long + 1) as f64).cos();
@@ -83,11 +76,7 @@ mod tests {
             .chunks_exact(planes * kernel)
             .map(|w| {
                 assert!(w[..(planes - 1) * kernel].iter().all(|v| *v == 0.0));
-                let taps: Vec<f64> = w[(planes - 1) * kernel..]
-                    .iter()
-                    .rev()
-                    .map(|v| f64::from(*v))
-                    .collect();
+                let taps: Vec<f64> = w[(planes - 1) * kernel..].iter().rev().map(|v| f64::from(*v)).collect();
                 let before = differences(config.input);
                 let mut out = vec![0.0; kernel + before.len() - 1];
                 for (j, tap) in taps.iter().enumerate() {
@@ -102,11 +91,7 @@ mod tests {
 
     fn gain(filter: &[f64], f: f64) -> f64 {
         let part = |g: fn(f64) -> f64| {
-            filter
-                .iter()
-                .enumerate()
-                .map(|(t, v)| v * g(TAU * f * t as f64))
-                .sum::<f64>()
+            filter.iter().enumerate().map(|(t, v)| v * g(TAU * f * t as f64)).sum::<f64>()
         };
         part(f64::cos).hypot(part(f64::sin))
     }
@@ -130,10 +115,7 @@ mod tests {
                     .map(|k| f64::from(k) * 1e-3)
                     .max_by(|a, b| gain(filter, *a).total_cmp(&gain(filter, *b)));
                 // The Hann window of 43 samples is 2 / 43 cycles a sample wide on either side.
-                assert!(
-                    (peak.unwrap() - centre).abs() < 0.02,
-                    "{input} {i}: {peak:?} {centre}"
-                );
+                assert!((peak.unwrap() - centre).abs() < 0.02, "{input} {i}: {peak:?} {centre}");
             }
         }
     }

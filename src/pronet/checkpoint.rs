@@ -6,6 +6,7 @@ use crate::adam::{Adam, AdamConfig};
 use crate::config::ProNetConfig;
 use crate::shape::parameter_count;
 use crate::store::{self, Named, StoreError};
+use dpn_core::config::Validate;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -57,11 +58,7 @@ impl Checkpoint {
             named("adam.mean", &self.adam.mean),
             named("adam.square", &self.adam.square),
         ];
-        tensors.extend(
-            self.vectors
-                .iter()
-                .map(|(name, v)| named(&format!("{EXTRA}{name}"), v)),
-        );
+        tensors.extend(self.vectors.iter().map(|(name, v)| named(&format!("{EXTRA}{name}"), v)));
         let description = Description {
             config: self.config.clone(),
             adam: *self.adam.config(),
@@ -79,10 +76,9 @@ impl Checkpoint {
     pub fn load(path: impl AsRef<Path>) -> Result<Self, StoreError> {
         let path = path.as_ref();
         let (d, mut tensors): (Description, _) = store::from_bytes(FORMAT, &store::read(path)?, path)?;
-        d.config.validate().map_err(|e| StoreError::Description {
-            path: path.to_owned(),
-            detail: e.to_string(),
-        })?;
+        d.config
+            .validate()
+            .map_err(|e| StoreError::Description { path: path.to_owned(), detail: e.to_string() })?;
         let count = [parameter_count(&d.config)];
         let parameters = store::take(&mut tensors, "parameters", &count, path)?;
         let mean = store::take(&mut tensors, "adam.mean", &count, path)?;
@@ -172,28 +168,19 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("w.safetensors");
         let state = start();
-        crate::Weights::new(&state.config, state.parameters, crate::Card::default())
-            .save(&path)
-            .unwrap();
+        crate::Weights::new(&state.config, state.parameters, crate::Card::default()).save(&path).unwrap();
         let message = Checkpoint::load(&path).unwrap_err().to_string();
-        assert!(
-            message.contains("dpn-pronet-weights, where dpn-pronet-checkpoint is needed"),
-            "{message}"
-        );
+        assert!(message.contains("dpn-pronet-weights, where dpn-pronet-checkpoint is needed"), "{message}");
     }
 
     #[test]
     fn results_are_the_same_bits_on_one_thread_and_on_three() {
         let run = |threads| {
-            rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .unwrap()
-                .install(|| {
-                    let mut state = start();
-                    (0..3).for_each(|epoch| step(&mut state, epoch));
-                    state.parameters
-                })
+            rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| {
+                let mut state = start();
+                (0..3).for_each(|epoch| step(&mut state, epoch));
+                state.parameters
+            })
         };
         assert_eq!(run(1), run(3));
     }

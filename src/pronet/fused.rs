@@ -35,10 +35,9 @@ pub(crate) fn forward(net: &ProNet, windows: Tensor<2>) -> Tensor<1> {
         };
         return Tensor::from_primitive::<Differentiable>(sigma);
     }
-    if let (Ok(x), Ok(flat)) = (
-        windows.clone().try_into_primitive::<Flex>(),
-        net.flat().try_into_primitive::<Flex>(),
-    ) {
+    if let (Ok(x), Ok(flat)) =
+        (windows.clone().try_into_primitive::<Flex>(), net.flat().try_into_primitive::<Flex>())
+    {
         return Tensor::from_primitive::<Flex>(tensor(engine.forward(&numbers(&flat), &numbers(&x)).0));
     }
     net.forward_plain(windows)
@@ -60,11 +59,7 @@ impl Backward<Flex, 1> for Step {
 }
 
 fn numbers(tensor: &FloatTensor<Flex>) -> Vec<f32> {
-    tensor
-        .to_contiguous()
-        .as_slice::<f32>()
-        .map(<[f32]>::to_vec)
-        .unwrap_or_default()
+    tensor.to_contiguous().as_slice::<f32>().map(<[f32]>::to_vec).unwrap_or_default()
 }
 
 fn tensor(numbers: Vec<f32>) -> FloatTensor<Flex> {
@@ -77,6 +72,7 @@ mod tests {
     use super::*;
     use crate::config::{BlockOrder, Edges, Head, Input, NormAxes, Pool, ProNetConfig, Standardise};
     use burn::tensor::Device;
+    use dpn_core::config::Validate;
     use dpn_core::random::Stream;
     use rand::Rng;
     use rand::seq::IndexedRandom;
@@ -97,18 +93,14 @@ mod tests {
             edges: pick(Edges::ALL, rng),
             block_order: pick(BlockOrder::ALL, rng),
             norm_axes: pick(NormAxes::ALL, rng),
-            channels: (0..blocks)
-                .map(|_| pick(&[1, 3, 16, 19, 32, 48, 64], rng))
-                .collect(),
+            channels: (0..blocks).map(|_| pick(&[1, 3, 16, 19, 32, 48, 64], rng)).collect(),
             kernels: (0..blocks).map(|_| rng.random_range(1..8)).collect(),
             strides: (0..blocks).map(|_| rng.random_range(1..4)).collect(),
             paddings: vec![0; blocks],
             conv_bias: rng.random(),
             leak: pick(&[0.0, 0.01, 0.1, 1.0], rng),
             pool: pick(Pool::ALL, rng),
-            hidden: (0..rng.random_range(0..4))
-                .map(|_| pick(&[1, 5, 16, 33], rng))
-                .collect(),
+            hidden: (0..rng.random_range(0..4)).map(|_| pick(&[1, 5, 16, 33], rng)).collect(),
             head: pick(Head::ALL, rng),
             ..ProNetConfig::default()
         };
@@ -119,9 +111,7 @@ mod tests {
     }
 
     fn windows(count: usize, length: usize, rng: &mut impl Rng) -> Vec<f32> {
-        (0..count * length)
-            .map(|_| 0.2 * (rng.random::<f32>() - 0.5))
-            .collect()
+        (0..count * length).map(|_| 0.2 * (rng.random::<f32>() - 0.5)).collect()
     }
 
     fn loss_gradient(net: &ProNet, sigma: Tensor<1>) -> Vec<f32> {
@@ -153,11 +143,8 @@ mod tests {
             }
             let net = ProNet::new(&config, &stream.named("init"), &device).unwrap();
             // Gains and offsets away from one and zero.
-            let flat: Vec<f32> = net
-                .parameters()
-                .iter()
-                .map(|p| p + 0.2 * (rng.random::<f32>() - 0.5))
-                .collect();
+            let flat: Vec<f32> =
+                net.parameters().iter().map(|p| p + 0.2 * (rng.random::<f32>() - 0.5)).collect();
             let net = net.with_parameters(&flat);
             let count = rng.random_range(1..40);
             let x = windows(count, config.window, &mut rng);
@@ -171,10 +158,7 @@ mod tests {
             let gradients = relative(&fused, &plain);
             // With a slope of zero below zero a network may be dead: then both gradients are zero.
             cases += usize::from(plain.iter().any(|g| g.abs() > 1e-6));
-            assert!(
-                values < 1e-5 && gradients < 1e-5,
-                "case {case}: {values:e} {gradients:e} {config:?}"
-            );
+            assert!(values < 1e-5 && gradients < 1e-5, "case {case}: {values:e} {gradients:e} {config:?}");
         }
         assert!(cases > 40, "only {cases} of the drawn networks are alive");
     }

@@ -56,25 +56,16 @@ mod tests {
     #[test]
     fn a_wider_second_layer_leaves_the_first_as_it_was() {
         let narrow = ProNetConfig::default();
-        let wide = ProNetConfig {
-            channels: vec![16, 48, 64],
-            ..narrow.clone()
-        };
+        let wide = ProNetConfig { channels: vec![16, 48, 64], ..narrow.clone() };
         let stream = Stream::new(3);
-        assert_eq!(
-            initial_parameters(&narrow, &stream)[..128],
-            initial_parameters(&wide, &stream)[..128]
-        );
+        assert_eq!(initial_parameters(&narrow, &stream)[..128], initial_parameters(&wide, &stream)[..128]);
     }
 
     #[test]
     fn draws_fill_the_uniform_interval_of_their_fan_in() {
         let config = ProNetConfig::default();
         let flat = initial_parameters(&config, &Stream::new(5));
-        let conv3 = parameters(&config)
-            .into_iter()
-            .find(|p| p.name == "conv3.weight")
-            .unwrap();
+        let conv3 = parameters(&config).into_iter().find(|p| p.name == "conv3.weight").unwrap();
         let draws = &flat[conv3.offset..conv3.offset + conv3.len()];
         let bound = 1.0 / 224f32.sqrt();
         let largest = draws.iter().fold(0f32, |m, v| m.max(v.abs()));

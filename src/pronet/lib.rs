@@ -35,7 +35,7 @@
 //! let mut sigma = [0.0; 3];
 //! Predictor::new(&weights).predict(&[0.01; 60], &mut sigma);
 //! assert!(sigma.iter().all(|s| *s > 0.0));
-//! # Ok::<(), dpn_pronet::config::ConfigError>(())
+//! # Ok::<(), dpn_core::config::ConfigFaults>(())
 //! ```
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
@@ -48,6 +48,7 @@ mod fused;
 pub mod init;
 pub mod model;
 pub mod module;
+mod plain;
 pub mod predictor;
 pub mod range;
 pub mod shape;

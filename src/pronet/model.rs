@@ -46,11 +46,7 @@ pub struct RangeCount {
 impl RangeCount {
     /// Share of windows outside the trained range; 0 before the first window.
     pub fn share(&self) -> f64 {
-        if self.windows == 0 {
-            0.0
-        } else {
-            self.outside as f64 / self.windows as f64
-        }
+        if self.windows == 0 { 0.0 } else { self.outside as f64 / self.windows as f64 }
     }
 }
 
@@ -99,10 +95,7 @@ impl DualProNet {
     ) -> Result<Self, PairError> {
         for (weights, wanted) in [(accel, Sensor::Accel), (gyro, Sensor::Gyro)] {
             if weights.sensor() != wanted {
-                return Err(PairError::Sensor {
-                    found: weights.sensor(),
-                    wanted,
-                });
+                return Err(PairError::Sensor { found: weights.sensor(), wanted });
             }
         }
         let (accel_hz, gyro_hz) = (accel.card().rate.hz(), gyro.card().rate.hz());
@@ -172,9 +165,7 @@ impl Channel {
         }
         for axis in self.windows.chunks_exact(window) {
             self.count.windows += 1;
-            let outside = self
-                .range
-                .is_some_and(|range| range.excludes(WindowFigures::of(axis)));
+            let outside = self.range.is_some_and(|range| range.excludes(WindowFigures::of(axis)));
             self.count.outside += u64::from(outside);
         }
         let mut sigma = [0.0f32; 3];
@@ -200,9 +191,7 @@ impl NoiseModel for DualProNet {
         self.gyro.keep(sample, index);
         // Each network is asked at its first full window, and every `hop` samples from there.
         let due = |channel: &Channel| {
-            (index + 1)
-                .checked_sub(channel.window as u64)
-                .is_some_and(|d| d % self.hop as u64 == 0)
+            (index + 1).checked_sub(channel.window as u64).is_some_and(|d| d % self.hop as u64 == 0)
         };
         if due(&self.accel)
             && let Some(sigma) = self.accel.judge(index)
@@ -241,19 +230,9 @@ mod tests {
     use rand::Rng;
 
     fn weights(sensor: Sensor, range: Option<TrainedRange>) -> Weights {
-        let config = ProNetConfig {
-            window: 40,
-            ..ProNetConfig::for_sensor(sensor)
-        };
+        let config = ProNetConfig { window: 40, ..ProNetConfig::for_sensor(sensor) };
         let flat = initial_parameters(&config, &Stream::new(1).named(sensor.name()));
-        Weights::new(
-            &config,
-            flat,
-            Card {
-                range,
-                ..Card::default()
-            },
-        )
+        Weights::new(&config, flat, Card { range, ..Card::default() })
     }
 
     fn samples(count: usize) -> Vec<ImuSample> {
@@ -269,13 +248,7 @@ mod tests {
     }
 
     fn pair() -> DualProNet {
-        DualProNet::new(
-            "pronet",
-            &weights(Sensor::Accel, None),
-            &weights(Sensor::Gyro, None),
-            10,
-        )
-        .unwrap()
+        DualProNet::new("pronet", &weights(Sensor::Accel, None), &weights(Sensor::Gyro, None), 10).unwrap()
     }
 
     #[test]
@@ -296,16 +269,12 @@ mod tests {
             noise = model.feed(s);
         }
         // Sample 69 was the last at which the networks were asked: 40 + 3 * 10 samples.
-        for (sensor, got) in [
-            (Sensor::Accel, noise.of(Sensor::Accel)),
-            (Sensor::Gyro, noise.of(Sensor::Gyro)),
-        ] {
+        for (sensor, got) in
+            [(Sensor::Accel, noise.of(Sensor::Accel)), (Sensor::Gyro, noise.of(Sensor::Gyro))]
+        {
             let mut predictor = Predictor::new(&weights(sensor, None));
             for (axis, got) in got.into_iter().enumerate() {
-                let window: Vec<f32> = samples[30..70]
-                    .iter()
-                    .map(|s| s.of(sensor)[axis] as f32)
-                    .collect();
+                let window: Vec<f32> = samples[30..70].iter().map(|s| s.of(sensor)[axis] as f32).collect();
                 let mut sigma = [0.0];
                 predictor.predict(&window, &mut sigma);
                 assert_eq!(got, f64::from(sigma[0]), "{sensor} {axis}");
@@ -325,29 +294,14 @@ mod tests {
 
     #[test]
     fn windows_outside_the_trained_range_are_counted() {
-        let narrow = TrainedRange {
-            roughness: [0.0, 1e-6],
-            spread: [0.0, 1.0],
-        };
+        let narrow = TrainedRange { roughness: [0.0, 1e-6], spread: [0.0, 1.0] };
         let accel = weights(Sensor::Accel, Some(narrow));
         let mut model = DualProNet::new("p", &accel, &weights(Sensor::Gyro, None), 10).unwrap();
         for s in samples(60) {
             model.feed(&s);
         }
-        assert_eq!(
-            model.range_count(Sensor::Accel),
-            RangeCount {
-                windows: 9,
-                outside: 9
-            }
-        );
-        assert_eq!(
-            model.range_count(Sensor::Gyro),
-            RangeCount {
-                windows: 9,
-                outside: 0
-            }
-        );
+        assert_eq!(model.range_count(Sensor::Accel), RangeCount { windows: 9, outside: 9 });
+        assert_eq!(model.range_count(Sensor::Gyro), RangeCount { windows: 9, outside: 0 });
         assert_eq!(model.range_count(Sensor::Accel).share(), 1.0);
     }
 
@@ -355,13 +309,7 @@ mod tests {
     fn swapped_weights_are_refused() {
         let (a, g) = (weights(Sensor::Accel, None), weights(Sensor::Gyro, None));
         let error = DualProNet::new("p", &g, &a, 10).unwrap_err();
-        assert_eq!(
-            error,
-            PairError::Sensor {
-                found: Sensor::Gyro,
-                wanted: Sensor::Accel
-            }
-        );
+        assert_eq!(error, PairError::Sensor { found: Sensor::Gyro, wanted: Sensor::Accel });
         assert_eq!(DualProNet::new("p", &a, &g, 0).unwrap_err(), PairError::Hop);
     }
 }

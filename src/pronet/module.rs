@@ -1,20 +1,20 @@
-//! The network as a burn module, in primitives that every burn device knows.
+//! The network as a burn module.
 //!
 //! Blocks of convolution, layer normalisation and leaky ReLU (or the paper's other order), pooling over time, linear layers with
 //! leaky ReLU, and a head that turns the last number into a deviation. On burn's CPU backend [`ProNet::forward`] takes the fused
 //! kernels of this crate instead (same numbers to rounding, a fraction of the time); [`ProNet::forward_plain`] is the
-//! reference that the tests hold the kernels to, and what runs on every other device.
+//! reference, in primitives that every burn device knows, and what runs on every other device.
 //!
 //! Source: VIO-DualProNet (arXiv 2308.11228), sec. III-B; the open choices are keys of [`ProNetConfig`].
 
-use crate::config::{BlockOrder, ConfigError, Edges, Head, Input, NormAxes, Pool, ProNetConfig, Standardise};
+use crate::config::ProNetConfig;
 use crate::engine::Engine;
 use crate::fused;
 use crate::init::initial_parameters;
 use crate::shape::{ParameterShape, parameters};
 use burn::module::{Module, Param, ParamId};
-use burn::tensor::ops::ConvOptions;
-use burn::tensor::{Device, Gradients, Tensor, TensorData, activation, module::conv1d};
+use burn::tensor::{Device, Gradients, Tensor, TensorData};
+use dpn_core::config::{ConfigFaults, Validate};
 use dpn_core::random::Stream;
 use std::sync::Arc;
 
@@ -76,7 +76,7 @@ impl ProNet {
     ///
     /// # Errors
     /// The faults of the configuration.
-    pub fn new(config: &ProNetConfig, stream: &Stream, device: &Device) -> Result<Self, ConfigError> {
+    pub fn new(config: &ProNetConfig, stream: &Stream, device: &Device) -> Result<Self, ConfigFaults> {
         config.validate()?;
         Ok(Self::build(config, &initial_parameters(config, stream), device))
     }
@@ -92,7 +92,7 @@ impl ProNet {
         config: &ProNetConfig,
         flat: &[f32],
         device: &Device,
-    ) -> Result<Self, ConfigError> {
+    ) -> Result<Self, ConfigFaults> {
         config.validate()?;
         Ok(Self::build(config, flat, device))
     }
@@ -105,19 +105,12 @@ impl ProNet {
     fn with_engine(config: &ProNetConfig, flat: &[f32], device: &Device, engine: Arc<Engine>) -> Self {
         let list = parameters(config);
         let count: usize = list.iter().map(ParameterShape::len).sum();
-        assert_eq!(
-            flat.len(),
-            count,
-            "the network has {count} parameters, not {}",
-            flat.len()
-        );
+        assert_eq!(flat.len(), count, "the network has {count} parameters, not {}", flat.len());
         let find = |name: String| list.iter().enumerate().find(|(_, p)| p.name == name);
         let conv = (1..=config.channels.len())
             .map(|i| Conv {
-                weight: find(format!("conv{i}.weight")).map_or_else(
-                    || unreachable!("every block has a kernel"),
-                    |p| param(p, flat, device),
-                ),
+                weight: find(format!("conv{i}.weight"))
+                    .map_or_else(|| unreachable!("every block has a kernel"), |p| param(p, flat, device)),
                 bias: find(format!("conv{i}.bias")).map(|p| param(p, flat, device)),
             })
             .collect();
@@ -137,13 +130,7 @@ impl ProNet {
                 })
             })
             .collect();
-        Self {
-            conv,
-            norm,
-            fc,
-            config: config.clone(),
-            engine,
-        }
+        Self { conv, norm, fc, config: config.clone(), engine }
     }
 
     pub(crate) fn engine(&self) -> &Arc<Engine> {
@@ -174,88 +161,8 @@ impl ProNet {
     /// When a window has not the configuration's length.
     pub fn forward(&self, windows: Tensor<2>) -> Tensor<1> {
         let [_, window] = windows.dims();
-        assert_eq!(
-            window, self.config.window,
-            "the network takes windows of {}",
-            self.config.window
-        );
+        assert_eq!(window, self.config.window, "the network takes windows of {}", self.config.window);
         fused::forward(self, windows)
-    }
-
-    /// The same as [`Self::forward`], composed of burn's primitives: the reference for the fused kernels.
-    ///
-    /// # Shapes
-    /// `windows`: `[batch, window]`; returns `[batch]`.
-    pub fn forward_plain(&self, windows: Tensor<2>) -> Tensor<1> {
-        let config = &self.config;
-        let (mut x, scale) = prepare(config, windows); // [batch, input channels, time], [batch, 1]
-        for i in 0..self.conv.len() {
-            x = self.block(i, x); // [batch, channels, time / stride]
-        }
-        let mut features = match config.pool {
-            Pool::Mean => x.mean_dim(2).squeeze_dim(2), // [batch, channels]
-            Pool::MeanAndRms => {
-                let mean = x.clone().mean_dim(2).squeeze_dim::<2>(2); // [batch, channels]
-                let rms = (x.square().mean_dim(2).squeeze_dim::<2>(2) + POOL_EPSILON).sqrt(); // [batch, channels]
-                Tensor::cat(vec![mean, rms], 1) // [batch, 2 channels]
-            }
-        };
-        if let Some(scale) = &scale {
-            features = Tensor::cat(vec![features, scale.clone().log()], 1); // [batch, features]
-        }
-        for (i, layer) in self.fc.iter().enumerate() {
-            features = features.matmul(layer.weight.val().transpose()) // [batch, features out]
-                + layer.bias.val().unsqueeze();
-            if i + 1 < self.fc.len() {
-                features = activation::leaky_relu(features, config.leak);
-            }
-        }
-        let positive = match config.head {
-            Head::Softplus => activation::softplus(features, 1.0),
-            Head::LeakyRelu => activation::leaky_relu(features, config.leak),
-            Head::Linear => features,
-            Head::LogSigma => features.clamp(LOG_SIGMA_RANGE.0, LOG_SIGMA_RANGE.1).exp(),
-        };
-        let sigma = positive * config.output_scale() as f32; // [batch, 1]
-        match scale {
-            Some(scale) if config.rescale_output => (sigma * scale).squeeze_dim(1), // [batch]
-            _ => sigma.squeeze_dim(1),                                              // [batch]
-        }
-    }
-
-    fn block(&self, i: usize, x: Tensor<3>) -> Tensor<3> {
-        let config = &self.config;
-        let padding = config.paddings[i];
-        let (x, padding) = if i == 0 && config.edges == Edges::Odd && padding > 0 {
-            (odd_extension(&x, padding), 0) // [batch, channels, padding + time + padding]
-        } else {
-            (x, padding)
-        };
-        let options = ConvOptions::new([config.strides[i]], [padding], [1], 1);
-        let conv = &self.conv[i];
-        let bias = conv.bias.as_ref().map(Param::val);
-        let x = conv1d(x, conv.weight.val(), bias, options); // [batch, channels out, time out]
-        let act = |x| activation::leaky_relu(x, config.leak);
-        match config.block_order {
-            BlockOrder::ConvNormAct => act(self.normalise(i, x)),
-            BlockOrder::ConvActNorm => self.normalise(i, act(x)),
-        }
-    }
-
-    fn normalise(&self, i: usize, x: Tensor<3>) -> Tensor<3> {
-        let over = |x: Tensor<3>| match self.config.norm_axes {
-            NormAxes::Channels => x.mean_dim(1),                    // [batch, 1, time]
-            NormAxes::ChannelsAndTime => x.mean_dim(1).mean_dim(2), // [batch, 1, 1]
-            NormAxes::None => x,
-        };
-        let Some(norm) = self.norm.get(i) else {
-            return x;
-        };
-        let centred = x.clone() - over(x); // [batch, channels, time]
-        let variance = over(centred.clone().square());
-        let normal = centred / (variance + NORM_EPSILON).sqrt(); // [batch, channels, time]
-        let per_channel = |p: &Param<Tensor<1>>| p.val().unsqueeze::<2>().unsqueeze_dim::<3>(2); // [1, channels, 1]
-        normal * per_channel(&norm.weight) + per_channel(&norm.bias)
     }
 
     /// All parameters as one tensor, in the order of [`crate::shape::parameters`]: `[parameter count]`. Differentiable.
@@ -331,64 +238,8 @@ fn param<const D: usize>(
     let numbers = flat[p.offset..p.offset + p.len()].to_vec();
     let tensor = Tensor::from_data(TensorData::new(numbers, p.shape.clone()), device);
     // Numbered, not drawn: burn's own optimiser records then fit any network of the same configuration.
-    let tensor = if device.is_autodiff() {
-        tensor.require_grad()
-    } else {
-        tensor
-    };
+    let tensor = if device.is_autodiff() { tensor.require_grad() } else { tensor };
     Param::initialized(ParamId::from(index as u64), tensor)
-}
-
-/// What the first convolution sees, and each window's own scale where there is one.
-///
-/// # Shapes
-/// `windows`: `[batch, window]`; returns `[batch, input channels, time]` and `[batch, 1]`.
-fn prepare(config: &ProNetConfig, windows: Tensor<2>) -> (Tensor<3>, Option<Tensor<2>>) {
-    let [batch, n] = windows.dims();
-    let mut x = windows * (1.0 / config.input_scale()) as f32; // [batch, window]
-    if matches!(
-        config.input,
-        Input::Demeaned | Input::DemeanedAndSecondDifferences
-    ) {
-        x = x.clone() - x.mean_dim(1);
-    }
-    let first = |x: Tensor<2>| {
-        let [_, n] = x.dims();
-        x.clone().slice([0..batch, 1..n]) - x.slice([0..batch, 0..n - 1]) // [batch, n - 1]
-    };
-    let scale = match config.standardise {
-        Standardise::None => None,
-        Standardise::Rms => Some(x.clone()),
-        Standardise::SecondDifferences => Some(first(first(x.clone()))),
-    }
-    .map(|of| (of.square().mean_dim(1) + SCALE_EPSILON).sqrt()); // [batch, 1]
-    if let Some(scale) = &scale {
-        x = x / scale.clone();
-    }
-    let planes = match config.input {
-        Input::Demeaned | Input::Raw => vec![x],
-        Input::Differences => vec![first(x)], // [batch, window - 1]
-        Input::SecondDifferences => vec![first(first(x))], // [batch, window - 2]
-        Input::BothDifferences => {
-            let d = first(x); // [batch, window - 1]
-            vec![d.clone().slice([0..batch, 0..n - 2]), first(d)] // 2 of [batch, window - 2]
-        }
-        Input::DemeanedAndSecondDifferences => {
-            let zero = Tensor::zeros([batch, 1], &x.device());
-            let d2 = Tensor::cat(vec![zero.clone(), first(first(x.clone())), zero], 1); // [batch, window]
-            vec![x, d2]
-        }
-    };
-    (Tensor::stack(planes, 1), scale) // [batch, input channels, time]
-}
-
-/// `[batch, channels, time]` turned about its end points: `[batch, channels, by + time + by]`.
-fn odd_extension(x: &Tensor<3>, by: usize) -> Tensor<3> {
-    let [b, c, n] = x.dims();
-    let part = |from: usize, to: usize| x.clone().slice([0..b, 0..c, from..to]);
-    let left = part(0, 1) * 2.0 - part(1, by + 1).flip([2]); // [batch, channels, by]
-    let right = part(n - 1, n) * 2.0 - part(n - 1 - by, n - 1).flip([2]); // [batch, channels, by]
-    Tensor::cat(vec![left, x.clone(), right], 2) // [batch, channels, by + time + by]
 }
 
 #[cfg(test)]
@@ -398,9 +249,7 @@ mod tests {
     #[test]
     fn parameters_go_in_and_come_out_in_their_order() {
         let config = ProNetConfig::default();
-        let flat: Vec<f32> = (0..crate::shape::parameter_count(&config))
-            .map(|i| i as f32)
-            .collect();
+        let flat: Vec<f32> = (0..crate::shape::parameter_count(&config)).map(|i| i as f32).collect();
         let net = ProNet::from_parameters(&config, &flat, &Device::flex()).unwrap();
         assert_eq!(net.parameters(), flat);
         assert_eq!(net.num_params(), flat.len());
@@ -410,10 +259,7 @@ mod tests {
 
     #[test]
     fn a_configuration_with_faults_makes_no_network() {
-        let config = ProNetConfig {
-            kernels: vec![],
-            ..ProNetConfig::default()
-        };
+        let config = ProNetConfig { kernels: vec![], ..ProNetConfig::default() };
         assert!(ProNet::new(&config, &Stream::new(1), &Device::flex()).is_err());
     }
 
@@ -422,28 +268,16 @@ mod tests {
     #[test]
     fn over_channels_and_without_biases_amplitude_is_lost() {
         let ratio = |conv_bias| {
-            let config = ProNetConfig {
-                conv_bias,
-                ..ProNetConfig::default()
-            };
+            let config = ProNetConfig { conv_bias, ..ProNetConfig::default() };
             let net = ProNet::new(&config, &Stream::new(1), &Device::flex()).unwrap();
-            let window: Vec<f32> = (0..200)
-                .map(|i| ((i * 37 % 101) as f32 / 50.0 - 1.0) * 0.3)
-                .collect();
+            let window: Vec<f32> = (0..200).map(|i| ((i * 37 % 101) as f32 / 50.0 - 1.0) * 0.3).collect();
             let louder: Vec<f32> = window.iter().map(|v| 3.0 * v).collect();
-            let both = Tensor::<2>::from_data(
-                TensorData::new([window, louder].concat(), [2, 200]),
-                &net.device(),
-            );
+            let both =
+                Tensor::<2>::from_data(TensorData::new([window, louder].concat(), [2, 200]), &net.device());
             let sigma = floats(net.forward(both));
             (sigma[1] / sigma[0] - 1.0).abs()
         };
-        assert!(
-            ratio(false) < 1e-4 && ratio(true) > 10.0 * ratio(false),
-            "{} {}",
-            ratio(false),
-            ratio(true)
-        );
+        assert!(ratio(false) < 1e-4 && ratio(true) > 10.0 * ratio(false), "{} {}", ratio(false), ratio(true));
     }
 
     #[cfg(feature = "ndarray")]
@@ -453,16 +287,11 @@ mod tests {
         reason = "burn has deprecated its ndarray backend; dpn offers it while it is published"
     )]
     fn flex_and_ndarray_agree_on_a_small_batch() {
-        let config = ProNetConfig {
-            window: 60,
-            ..ProNetConfig::default()
-        };
+        let config = ProNetConfig { window: 60, ..ProNetConfig::default() };
         let run = |device: Device| {
             let device = device.autodiff();
             let net = ProNet::new(&config, &Stream::new(8), &device).unwrap();
-            let x: Vec<f32> = (0..5 * 60)
-                .map(|i| ((i * 31 % 89) as f32 / 44.0 - 1.0) * 0.2)
-                .collect();
+            let x: Vec<f32> = (0..5 * 60).map(|i| ((i * 31 % 89) as f32 / 44.0 - 1.0) * 0.2).collect();
             let sigma = net.forward(Tensor::<2>::from_data(TensorData::new(x, [5, 60]), &device));
             let loss = ((sigma.clone() - 0.1) * 10.0).square().mean();
             (floats(sigma), net.flat_gradient(&loss.backward()))

@@ -47,11 +47,7 @@ impl Predictor {
     /// # Panics
     /// When `windows` does not hold one window for each entry of `sigma`.
     pub fn predict(&mut self, windows: &[f32], sigma: &mut [f32]) {
-        assert_eq!(
-            windows.len(),
-            sigma.len() * self.config.window,
-            "one window for each deviation"
-        );
+        assert_eq!(windows.len(), sigma.len() * self.config.window, "one window for each deviation");
         if sigma.is_empty() {
             return;
         }
@@ -60,8 +56,7 @@ impl Predictor {
             self.negated.clear();
             self.negated.extend(windows.iter().map(|w| -w));
             self.other.resize(sigma.len(), 0.0);
-            self.engine
-                .infer(&self.packed, &self.negated, &mut self.chunk, &mut self.other);
+            self.engine.infer(&self.packed, &self.negated, &mut self.chunk, &mut self.other);
             for (s, o) in sigma.iter_mut().zip(&self.other) {
                 *s = 0.5 * (*s + o);
             }
@@ -78,19 +73,14 @@ mod tests {
     use rand::Rng;
 
     fn predictor(symmetrise: bool) -> Predictor {
-        let config = ProNetConfig {
-            symmetrise,
-            ..ProNetConfig::default()
-        };
+        let config = ProNetConfig { symmetrise, ..ProNetConfig::default() };
         let flat = initial_parameters(&config, &Stream::new(4));
         Predictor::new(&Weights::new(&config, flat, Card::default()))
     }
 
     fn windows(count: usize) -> Vec<f32> {
         let mut rng = Stream::new(9).rng();
-        (0..count * 200)
-            .map(|_| 9.81 + 0.1 * (rng.random::<f32>() - 0.5))
-            .collect()
+        (0..count * 200).map(|_| 9.81 + 0.1 * (rng.random::<f32>() - 0.5)).collect()
     }
 
     #[test]

@@ -16,20 +16,14 @@ impl WindowFigures {
     /// The figures of `window`; zeros for fewer than three samples.
     pub fn of(window: &[f32]) -> Self {
         if window.len() < 3 {
-            return Self {
-                roughness: 0.0,
-                spread: 0.0,
-            };
+            return Self { roughness: 0.0, spread: 0.0 };
         }
         let n = window.len() as f64;
         let mean = window.iter().map(|v| f64::from(*v)).sum::<f64>() / n;
         let variance = window.iter().map(|v| (f64::from(*v) - mean).powi(2)).sum::<f64>() / n;
         let second = |w: &[f32]| f64::from(w[2]) - 2.0 * f64::from(w[1]) + f64::from(w[0]);
         let square = window.windows(3).map(|w| second(w).powi(2)).sum::<f64>() / (n - 2.0);
-        Self {
-            roughness: (square / 6.0).sqrt(),
-            spread: variance.sqrt(),
-        }
+        Self { roughness: (square / 6.0).sqrt(), spread: variance.sqrt() }
     }
 }
 
@@ -51,14 +45,10 @@ impl TrainedRange {
             let f = WindowFigures::of(window);
             let widen = |[low, high]: [f64; 2], v: f64| [low.min(v), high.max(v)];
             range = Some(match range {
-                None => Self {
-                    roughness: [f.roughness; 2],
-                    spread: [f.spread; 2],
-                },
-                Some(r) => Self {
-                    roughness: widen(r.roughness, f.roughness),
-                    spread: widen(r.spread, f.spread),
-                },
+                None => Self { roughness: [f.roughness; 2], spread: [f.spread; 2] },
+                Some(r) => {
+                    Self { roughness: widen(r.roughness, f.roughness), spread: widen(r.spread, f.spread) }
+                }
             });
         }
         range

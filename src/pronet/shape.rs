@@ -110,39 +110,17 @@ pub fn layers(config: &ProNetConfig) -> Vec<LayerShape> {
         let (kernel, stride, padding) = (config.kernels[i], config.strides[i], config.paddings[i]);
         length = (length + 2 * padding - kernel) / stride + 1;
         let weights = out * channels * kernel;
-        let norm = if config.norm_axes == NormAxes::None {
-            0
-        } else {
-            2 * out
-        };
+        let norm = if config.norm_axes == NormAxes::None { 0 } else { 2 * out };
         let parameters = weights + usize::from(config.conv_bias) * out + norm;
-        let kind = LayerKind::Block {
-            kernel,
-            stride,
-            padding,
-        };
-        rows.push(row(
-            format!("block{}", i + 1),
-            kind,
-            out,
-            length,
-            parameters,
-            weights * length,
-        ));
+        let kind = LayerKind::Block { kernel, stride, padding };
+        rows.push(row(format!("block{}", i + 1), kind, out, length, parameters, weights * length));
         channels = out;
     }
     let mut inputs = features(config);
     rows.push(row("pool".to_owned(), LayerKind::Pool, inputs, 1, 0, 0));
     for (i, out) in config.hidden.iter().copied().chain([1]).enumerate() {
         let (parameters, weights) = (out * inputs + out, out * inputs);
-        rows.push(row(
-            format!("fc{}", i + 1),
-            LayerKind::Linear,
-            out,
-            1,
-            parameters,
-            weights,
-        ));
+        rows.push(row(format!("fc{}", i + 1), LayerKind::Linear, out, 1, parameters, weights));
         inputs = out;
     }
     rows
@@ -154,20 +132,13 @@ pub fn parameters(config: &ProNetConfig) -> Vec<ParameterShape> {
     let mut offset = 0;
     let mut push = |name: String, shape: Vec<usize>, start| {
         let len: usize = shape.iter().product();
-        list.push(ParameterShape {
-            name,
-            shape,
-            offset,
-            start,
-        });
+        list.push(ParameterShape { name, shape, offset, start });
         offset += len;
     };
     let mut inputs = config.input_channels();
     for (i, &out) in config.channels.iter().enumerate() {
         let kernel = config.kernels[i];
-        let start = Start::Uniform {
-            fan_in: inputs * kernel,
-        };
+        let start = Start::Uniform { fan_in: inputs * kernel };
         push(format!("conv{}.weight", i + 1), vec![out, inputs, kernel], start);
         if config.conv_bias {
             push(format!("conv{}.bias", i + 1), vec![out], start);
@@ -201,10 +172,7 @@ mod tests {
     fn the_default_network_has_the_counted_shapes() {
         let config = ProNetConfig::default();
         let rows = layers(&config);
-        let shapes: Vec<_> = rows
-            .iter()
-            .map(|r| (r.name.as_str(), r.channels, r.length))
-            .collect();
+        let shapes: Vec<_> = rows.iter().map(|r| (r.name.as_str(), r.channels, r.length)).collect();
         assert_eq!(
             shapes,
             [

@@ -160,14 +160,9 @@ pub(crate) fn to_bytes(
     tensors: &[Named],
     path: &Path,
 ) -> Result<Vec<u8>, StoreError> {
-    let description = |detail: String| StoreError::Description {
-        path: path.to_owned(),
-        detail,
-    };
-    let bytes: BTreeMap<&str, Vec<u8>> = tensors
-        .iter()
-        .map(|t| (t.name.as_str(), le_bytes(&t.numbers)))
-        .collect();
+    let description = |detail: String| StoreError::Description { path: path.to_owned(), detail };
+    let bytes: BTreeMap<&str, Vec<u8>> =
+        tensors.iter().map(|t| (t.name.as_str(), le_bytes(&t.numbers))).collect();
     let sha256 = checksum(bytes.iter().map(|(n, b)| (*n, b.as_slice())));
     let content = serde_json::to_value(content).map_err(|e| description(e.to_string()))?;
     let meta = json!({"format": format, "version": FORMAT_VERSION, "sha256": sha256, "content": content});
@@ -184,10 +179,7 @@ pub(crate) fn to_bytes(
 
 /// Writes `bytes` beside `path` and renames: `path` holds all of them or what it held before.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
-    let failed = |source| StoreError::Write {
-        path: path.to_owned(),
-        source,
-    };
+    let failed = |source| StoreError::Write { path: path.to_owned(), source };
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
@@ -206,10 +198,7 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
 
 /// The bytes of a file.
 pub(crate) fn read(path: &Path) -> Result<Vec<u8>, StoreError> {
-    std::fs::read(path).map_err(|source| StoreError::Read {
-        path: path.to_owned(),
-        source,
-    })
+    std::fs::read(path).map_err(|source| StoreError::Read { path: path.to_owned(), source })
 }
 
 /// Description and tensors of a file's bytes; `path` is for messages. Checks container, format, version and checksum.
@@ -218,40 +207,26 @@ pub(crate) fn from_bytes<T: DeserializeOwned>(
     bytes: &[u8],
     path: &Path,
 ) -> Result<(T, BTreeMap<String, Named>), StoreError> {
-    let container = |detail: String| StoreError::Container {
-        path: path.to_owned(),
-        detail,
-    };
+    let container = |detail: String| StoreError::Container { path: path.to_owned(), detail };
     let (_, header) = SafeTensors::read_metadata(bytes).map_err(|e| container(e.to_string()))?;
     let tensors = SafeTensors::deserialize(bytes).map_err(|e| container(e.to_string()))?;
-    let foreign = |found: String| StoreError::Format {
-        path: path.to_owned(),
-        found,
-        wanted: format,
-    };
+    let foreign = |found: String| StoreError::Format { path: path.to_owned(), found, wanted: format };
     let text = header
         .metadata()
         .as_ref()
         .and_then(|m| m.get(KEY))
         .ok_or_else(|| foreign("a safetensors file without dpn's description".to_owned()))?;
-    let mut meta: Value = serde_json::from_str(text).map_err(|e| StoreError::Description {
-        path: path.to_owned(),
-        detail: e.to_string(),
-    })?;
+    let mut meta: Value = serde_json::from_str(text)
+        .map_err(|e| StoreError::Description { path: path.to_owned(), detail: e.to_string() })?;
     let found = meta["format"].as_str().unwrap_or("a description without format");
     if found != format {
         return Err(foreign(found.to_owned()));
     }
     if meta["version"].as_u64() != Some(FORMAT_VERSION) {
-        return Err(StoreError::Version {
-            path: path.to_owned(),
-            found: meta["version"].to_string(),
-        });
+        return Err(StoreError::Version { path: path.to_owned(), found: meta["version"].to_string() });
     }
-    let content = serde_json::from_value(meta["content"].take()).map_err(|e| StoreError::Description {
-        path: path.to_owned(),
-        detail: e.to_string(),
-    })?;
+    let content = serde_json::from_value(meta["content"].take())
+        .map_err(|e| StoreError::Description { path: path.to_owned(), detail: e.to_string() })?;
     let views: BTreeMap<&str, TensorView<'_>> = tensors.iter().collect();
     let mut named = BTreeMap::new();
     for (name, view) in &views {
@@ -273,18 +248,12 @@ pub(crate) fn from_bytes<T: DeserializeOwned>(
                 value: numbers[index],
             });
         }
-        let tensor = Named {
-            name: (*name).to_owned(),
-            shape: view.shape().to_vec(),
-            numbers,
-        };
+        let tensor = Named { name: (*name).to_owned(), shape: view.shape().to_vec(), numbers };
         named.insert(tensor.name.clone(), tensor);
     }
     let sum = checksum(views.iter().map(|(n, v)| (*n, v.data())));
     if meta["sha256"].as_str() != Some(sum.as_str()) {
-        return Err(StoreError::Checksum {
-            path: path.to_owned(),
-        });
+        return Err(StoreError::Checksum { path: path.to_owned() });
     }
     Ok((content, named))
 }
@@ -296,10 +265,9 @@ pub(crate) fn take(
     shape: &[usize],
     path: &Path,
 ) -> Result<Vec<f32>, StoreError> {
-    let tensor = tensors.remove(name).ok_or_else(|| StoreError::Missing {
-        path: path.to_owned(),
-        name: name.to_owned(),
-    })?;
+    let tensor = tensors
+        .remove(name)
+        .ok_or_else(|| StoreError::Missing { path: path.to_owned(), name: name.to_owned() })?;
     if tensor.shape != shape {
         return Err(StoreError::Shape {
             path: path.to_owned(),
@@ -315,9 +283,6 @@ pub(crate) fn take(
 pub(crate) fn nothing_left(tensors: &BTreeMap<String, Named>, path: &Path) -> Result<(), StoreError> {
     match tensors.keys().next() {
         None => Ok(()),
-        Some(name) => Err(StoreError::Unknown {
-            path: path.to_owned(),
-            name: name.clone(),
-        }),
+        Some(name) => Err(StoreError::Unknown { path: path.to_owned(), name: name.clone() }),
     }
 }

@@ -6,6 +6,7 @@ use crate::range::TrainedRange;
 use crate::shape::{ParameterShape, parameters};
 use crate::store::{self, Named, StoreError};
 use burn::tensor::Device;
+use dpn_core::config::Validate;
 use dpn_core::{SampleRate, Sensor};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -36,11 +37,7 @@ pub struct Card {
 
 impl Default for Card {
     fn default() -> Self {
-        Self {
-            rate: SampleRate::HZ_200,
-            range: None,
-            training: Map::new(),
-        }
+        Self { rate: SampleRate::HZ_200, range: None, training: Map::new() }
     }
 }
 
@@ -67,11 +64,7 @@ impl Weights {
         assert!(config.validate().is_ok(), "weights need a checked configuration");
         let count = crate::shape::parameter_count(config);
         assert_eq!(parameters.len(), count, "the network has {count} parameters");
-        Self {
-            config: config.resolved(),
-            parameters,
-            card,
-        }
+        Self { config: config.resolved(), parameters, card }
     }
 
     /// The configuration, all defaults written out.
@@ -147,11 +140,7 @@ impl Weights {
         if weights.sensor() == sensor {
             Ok(weights)
         } else {
-            Err(StoreError::Sensor {
-                path: path.to_owned(),
-                found: weights.sensor(),
-                wanted: sensor,
-            })
+            Err(StoreError::Sensor { path: path.to_owned(), found: weights.sensor(), wanted: sensor })
         }
     }
 
@@ -171,10 +160,7 @@ impl Weights {
     pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Self, StoreError> {
         let (description, mut tensors): (Description, _) = store::from_bytes(FORMAT, bytes, path)?;
         let config = description.config;
-        let unusable = |detail: String| StoreError::Description {
-            path: path.to_owned(),
-            detail,
-        };
+        let unusable = |detail: String| StoreError::Description { path: path.to_owned(), detail };
         config.validate().map_err(|e| unusable(e.to_string()))?;
         if config.sensor != description.sensor || config.sensor.unit() != description.unit {
             let (sensor, unit) = (description.sensor, description.unit);
@@ -191,11 +177,7 @@ impl Weights {
             flat.extend(store::take(&mut tensors, &name, &shape, path)?);
         }
         store::nothing_left(&tensors, path)?;
-        Ok(Self {
-            config: config.resolved(),
-            parameters: flat,
-            card: description.card,
-        })
+        Ok(Self { config: config.resolved(), parameters: flat, card: description.card })
     }
 }
 
@@ -233,10 +215,7 @@ mod tests {
     fn forged(from: &str, to: &str) -> Result<Weights, StoreError> {
         assert_eq!(from.len(), to.len());
         let bytes = weights(Sensor::Accel).to_bytes().unwrap();
-        let at = bytes
-            .windows(from.len())
-            .position(|w| w == from.as_bytes())
-            .unwrap();
+        let at = bytes.windows(from.len()).position(|w| w == from.as_bytes()).unwrap();
         let mut bytes = bytes;
         bytes[at..at + to.len()].copy_from_slice(to.as_bytes());
         parse(&bytes)
@@ -249,10 +228,7 @@ mod tests {
         let saved = weights(Sensor::Gyro);
         saved.save(&path).unwrap();
         assert_eq!(Weights::load(&path, Sensor::Gyro).unwrap(), saved);
-        assert_eq!(
-            std::fs::read(&path).unwrap(),
-            weights(Sensor::Gyro).to_bytes().unwrap()
-        );
+        assert_eq!(std::fs::read(&path).unwrap(), weights(Sensor::Gyro).to_bytes().unwrap());
         // Nothing temporary stays.
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
@@ -273,24 +249,15 @@ mod tests {
     fn every_truncation_is_an_error() {
         let bytes = weights(Sensor::Accel).to_bytes().unwrap();
         for len in 0..bytes.len() {
-            assert!(
-                matches!(parse(&bytes[..len]), Err(StoreError::Container { .. })),
-                "{len}"
-            );
+            assert!(matches!(parse(&bytes[..len]), Err(StoreError::Container { .. })), "{len}");
         }
     }
 
     #[test]
     fn version_and_format_are_read_before_the_rest() {
         // Inside the description quotes are escaped.
-        assert!(matches!(
-            forged("\\\"version\\\":1", "\\\"version\\\":7"),
-            Err(StoreError::Version { .. })
-        ));
-        assert!(matches!(
-            forged("pronet-weights", "pronet-w3ights"),
-            Err(StoreError::Format { .. })
-        ));
+        assert!(matches!(forged("\\\"version\\\":1", "\\\"version\\\":7"), Err(StoreError::Version { .. })));
+        assert!(matches!(forged("pronet-weights", "pronet-w3ights"), Err(StoreError::Format { .. })));
     }
 
     #[test]
@@ -307,9 +274,7 @@ mod tests {
     fn a_tensor_of_another_shape_is_named() {
         // fc1 has five outputs; six are asked for.
         match forged("\\\"hidden\\\":[5]", "\\\"hidden\\\":[6]") {
-            Err(StoreError::Shape {
-                name, found, wanted, ..
-            }) => {
+            Err(StoreError::Shape { name, found, wanted, .. }) => {
                 assert_eq!(
                     (name.as_str(), found.as_str(), wanted.as_str()),
                     ("fc1.weight", "[5, 4]", "[6, 4]")
@@ -325,12 +290,7 @@ mod tests {
         let path = folder.path().join("none/w.safetensors");
         assert!(matches!(Weights::load_any(&path), Err(StoreError::Read { .. })));
         let error = weights(Sensor::Accel).save(&path).unwrap_err();
-        assert!(
-            error
-                .to_string()
-                .contains("none/w.safetensors: cannot be written"),
-            "{error}"
-        );
+        assert!(error.to_string().contains("none/w.safetensors: cannot be written"), "{error}");
     }
 
     proptest! {

@@ -2,10 +2,8 @@
 
 use crate::imu::{BiasConfig, QuantisationConfig, VibrationConfig, WhiteConfig};
 use dpn_core::SampleRate;
-use dpn_core::config::{ConfigFault, Validate};
+use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 use serde::{Deserialize, Serialize};
-use std::fmt;
-use thiserror::Error;
 
 /// How stamps are spaced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -65,18 +63,13 @@ impl FlightConfig {
 
     /// White noise alone, with its schedule.
     pub fn white_only() -> Self {
-        Self {
-            white: WhiteConfig::default(),
-            ..Self::ideal()
-        }
+        Self { white: WhiteConfig::default(), ..Self::ideal() }
     }
+}
 
-    /// Checks every key.
-    ///
-    /// # Errors
-    /// All faults at once, each with key, value and bound.
-    pub fn validate(&self) -> Result<(), ConfigError> {
-        let mut faults = Faults::default();
+impl Validate for FlightConfig {
+    fn faults(&self) -> Vec<ConfigFault> {
+        let mut faults = ConfigFaults::default();
         faults.within("rate_hz", self.rate_hz.hz(), 50.0, 2000.0);
         // Room for the longest flight before 64-bit nanoseconds end.
         faults.within("epoch_ns", self.epoch_ns as f64, 0.0, 9e18);
@@ -84,77 +77,7 @@ impl FlightConfig {
         self.bias.check(&mut faults);
         self.vibration.check(&mut faults);
         self.quantisation.check(&mut faults);
-        faults.done()
-    }
-}
-
-impl Validate for FlightConfig {
-    fn faults(&self) -> Vec<ConfigFault> {
-        let faults = self.validate().err().map_or_else(Vec::new, |error| error.faults);
-        let bound = |fault: &Fault| format!("within {} and {}", fault.low, fault.high);
-        faults
-            .iter()
-            .map(|fault| ConfigFault::new(fault.key.clone(), fault.value, bound(fault)))
-            .collect()
-    }
-}
-
-/// One key out of its bounds.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Fault {
-    /// Dotted name of the key.
-    pub key: String,
-    /// What it holds.
-    pub value: f64,
-    /// Lowest value allowed.
-    pub low: f64,
-    /// Highest value allowed.
-    pub high: f64,
-}
-
-impl fmt::Display for Fault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            key,
-            value,
-            low,
-            high,
-        } = self;
-        write!(f, "`{key}` is {value}; it must be within {low} and {high}")
-    }
-}
-
-/// A configuration that cannot be flown.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[error("{}", .faults.iter().map(Fault::to_string).collect::<Vec<_>>().join("\n"))]
-pub struct ConfigError {
-    /// Every key out of its bounds.
-    pub faults: Vec<Fault>,
-}
-
-/// Collects faults while the parts check themselves.
-#[derive(Debug, Default)]
-pub(crate) struct Faults(Vec<Fault>);
-
-impl Faults {
-    /// Notes a fault unless `low <= value <= high` (so NaN is one).
-    pub(crate) fn within(&mut self, key: impl Into<String>, value: f64, low: f64, high: f64) {
-        if !(low..=high).contains(&value) {
-            self.0.push(Fault {
-                key: key.into(),
-                value,
-                low,
-                high,
-            });
-        }
-    }
-
-    fn done(self) -> Result<(), ConfigError> {
-        if self.0.is_empty() {
-            Ok(())
-        } else {
-            Err(ConfigError { faults: self.0 })
-        }
+        faults.0
     }
 }
 
@@ -164,11 +87,7 @@ mod tests {
 
     #[test]
     fn defaults_and_presets_are_valid() {
-        for config in [
-            FlightConfig::default(),
-            FlightConfig::ideal(),
-            FlightConfig::white_only(),
-        ] {
+        for config in [FlightConfig::default(), FlightConfig::ideal(), FlightConfig::white_only()] {
             assert_eq!(config.validate(), Ok(()));
         }
     }
@@ -179,12 +98,9 @@ mod tests {
         config.white.scale = -1.0;
         config.vibration.hover_hz = f64::NAN;
         let error = config.validate().unwrap_err();
-        assert_eq!(error.faults.len(), 2);
-        assert!(
-            error.to_string().starts_with(
-                "`white.scale` is -1; it must be within 0 and 1000\n`vibration.hover_hz` is NaN"
-            ),
-            "{error}"
+        assert_eq!(
+            error.to_string(),
+            "`white.scale` is -1, but must be 0 to 1000; `vibration.hover_hz` is NaN, but must be 10 to 400"
         );
     }
 

@@ -4,7 +4,7 @@
 //! ([`trajectory`]), recorded by an IMU ([`imu`]) with white noise that changes in time, walking biases, rotor vibration
 //! and quantisation. Every part is on its own named random streams and comes back beside the recording
 //! ([`SimulatedFlight`]), so that an estimator can be judged against the truth, not against a label. [`summary`] puts
-//! simulated and real recordings side by side.
+//! simulated and real recordings side by side. [`tracks`] puts a camera on any path, flown or recorded.
 //!
 //! World z up, gravity (0, 0, -9.81), body = IMU: at rest and level the accelerometer reads +9.81 on z. Nothing here
 //! reads or writes files.
@@ -15,12 +15,14 @@ pub mod flight;
 pub mod imu;
 pub mod simulate;
 pub mod summary;
+pub mod tracks;
 pub mod trajectory;
 
 pub use config::{FlightConfig, StampPattern};
 pub use flight::{Flight, Phase, Phases, Split};
 pub use imu::{ImuSeries, ImuTruth};
 pub use simulate::{SimulatedFlight, SimulationError, simulate, simulate_all};
+pub use tracks::{TracksConfig, simulate_tracks};
 pub use trajectory::Trajectory;
 
 /// The README's code is a test.

@@ -1,9 +1,10 @@
 //! From a flight's name, a seed and a configuration to a recording and everything that is true about it.
 
-use crate::config::{ConfigError, FlightConfig, StampPattern};
+use crate::config::{FlightConfig, StampPattern};
 use crate::flight::{Flight, FlightPlan, Phase, Phases, Split};
 use crate::imu::{self, ImuTruth};
 use crate::trajectory::{SplineError, Trajectory};
+use dpn_core::config::{ConfigFaults, Validate};
 use dpn_core::imu::RecordingError;
 use dpn_core::io::asl::{Biases, TrueState};
 use dpn_core::{ImuRecording, ImuSample, Stamp};
@@ -16,7 +17,7 @@ use thiserror::Error;
 pub enum SimulationError {
     /// Keys out of their bounds.
     #[error(transparent)]
-    Config(#[from] ConfigError),
+    Config(#[from] ConfigFaults),
     /// A trajectory that cannot be.
     #[error("{flight}: its trajectory is no spline")]
     Trajectory {
@@ -105,10 +106,7 @@ pub fn simulate(
                     state.world_from_body,
                 ),
                 vel_in_world: Some(state.vel_in_world),
-                biases: Some(Biases {
-                    gyro: truth.bias.gyro[i].into(),
-                    accel: truth.bias.accel[i].into(),
-                }),
+                biases: Some(Biases { gyro: truth.bias.gyro[i].into(), accel: truth.bias.accel[i].into() }),
             }
         })
         .collect();
@@ -129,10 +127,7 @@ pub fn simulate(
 /// # Errors
 /// As [`simulate`].
 pub fn simulate_all(seed: u64, config: &FlightConfig) -> Result<Vec<SimulatedFlight>, SimulationError> {
-    Flight::ALL
-        .into_par_iter()
-        .map(|flight| simulate(flight, seed, config))
-        .collect()
+    Flight::ALL.into_par_iter().map(|flight| simulate(flight, seed, config)).collect()
 }
 
 /// Stamps from the epoch on, up to `duration` seconds.
@@ -199,14 +194,8 @@ mod tests {
         }
     }
 
-    const PINNED: [f64; 6] = [
-        0.00767556111,
-        -0.00252552623,
-        0.01604123035,
-        0.66740043251,
-        0.01257826466,
-        1.89362473177,
-    ];
+    const PINNED: [f64; 6] =
+        [0.00767556111, -0.00252552623, 0.01604123035, 0.66740043251, 0.01257826466, 1.89362473177];
 
     #[test]
     fn switching_a_part_off_moves_no_bit_of_another() {
@@ -263,27 +252,14 @@ mod tests {
     #[test]
     fn stamps_step_as_those_of_euroc() {
         let flight = flown(Flight::HallFast, &FlightConfig::default());
-        let steps: Vec<i64> = flight
-            .recording
-            .samples()
-            .windows(2)
-            .map(|w| w[1].t.ns() - w[0].t.ns())
-            .collect();
+        let steps: Vec<i64> =
+            flight.recording.samples().windows(2).map(|w| w[1].t.ns() - w[0].t.ns()).collect();
         assert!(steps.iter().all(|s| [4_999_936, 5_000_192].contains(s)));
         assert!((flight.recording.rate().hz() - 200.0).abs() < 0.01);
         assert!((flight.recording.duration() - flight.phases.duration()).abs() < 0.01);
-        let exact = FlightConfig {
-            stamps: StampPattern::Exact,
-            ..FlightConfig::default()
-        };
+        let exact = FlightConfig { stamps: StampPattern::Exact, ..FlightConfig::default() };
         let exact = flown(Flight::HallFast, &exact);
-        assert!(
-            exact
-                .recording
-                .samples()
-                .windows(2)
-                .all(|w| w[1].t.ns() - w[0].t.ns() == 5_000_000)
-        );
+        assert!(exact.recording.samples().windows(2).all(|w| w[1].t.ns() - w[0].t.ns() == 5_000_000));
     }
 
     #[test]
@@ -292,10 +268,7 @@ mod tests {
         let track = flight.truth.oracle(&flight.recording).unwrap();
         assert_eq!(track.noises().len(), flight.recording.len());
         let middle = flight.recording.len() / 2;
-        assert_eq!(
-            track.noises()[middle].of(Sensor::Accel),
-            flight.truth.white_sigma.accel[middle]
-        );
+        assert_eq!(track.noises()[middle].of(Sensor::Accel), flight.truth.white_sigma.accel[middle]);
         let other = flown(Flight::Hover, &FlightConfig::default());
         assert!(flight.truth.oracle(&other.recording).is_err());
     }

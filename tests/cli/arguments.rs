@@ -6,16 +6,10 @@ use crate::training::{tiny, with};
 
 /// The commands that a help text lists.
 fn commands(help: &str) -> Vec<String> {
-    let listed = help
-        .lines()
-        .skip_while(|line| *line != "Commands:")
-        .skip(1)
-        .take_while(|line| !line.is_empty());
+    let listed =
+        help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
     let first = |line: &str| line.strip_prefix("  ")?.split(' ').next().map(str::to_owned);
-    listed
-        .filter_map(first)
-        .filter(|name| !name.is_empty() && name != "help")
-        .collect()
+    listed.filter_map(first).filter(|name| !name.is_empty() && name != "help").collect()
 }
 
 #[test]
@@ -24,24 +18,18 @@ fn every_command_has_a_help_that_ends_well() {
     let mut seen = Vec::new();
     while let Some(path) = open.pop() {
         let done = run(&format!("{path} --help")).well();
-        assert!(
-            done.stdout.contains("Usage: dpn") && done.stderr.is_empty(),
-            "{done:?}"
-        );
+        assert!(done.stdout.contains("Usage: dpn") && done.stderr.is_empty(), "{done:?}");
         open.extend(commands(&done.stdout).iter().map(|name| format!("{path} {name}")));
         seen.push(path.trim().to_owned());
     }
-    for name in ["train", "simulate", "simulate flight"] {
+    for name in ["train", "run", "simulate", "simulate flight", "simulate tracks"] {
         assert!(seen.contains(&name.to_owned()), "{seen:?}");
     }
 }
 
 #[test]
 fn the_version_is_the_packages() {
-    assert_eq!(
-        run("--version").well().stdout.trim(),
-        concat!("dpn ", env!("CARGO_PKG_VERSION"))
-    );
+    assert_eq!(run("--version").well().stdout.trim(), concat!("dpn ", env!("CARGO_PKG_VERSION")));
 }
 
 #[test]
@@ -52,15 +40,14 @@ fn words_that_are_no_arguments_exit_with_2() {
         "train",
         "train --sensor sonar",
         "train --sensor accel --base sg(11)",
+        "run",
         "simulate flight",
+        "simulate tracks",
     ] {
         let done = run(line);
         assert_eq!(done.code, Some(2), "{line}: {done:?}");
         assert_eq!(done.stdout, "", "{line}: {done:?}");
-        assert!(
-            done.stderr.contains("Usage: dpn") || done.stderr.contains("--help"),
-            "{line}: {done:?}"
-        );
+        assert!(done.stderr.contains("Usage: dpn") || done.stderr.contains("--help"), "{line}: {done:?}");
     }
 }
 
@@ -68,14 +55,10 @@ fn words_that_are_no_arguments_exit_with_2() {
 fn an_unknown_device_names_the_known_ones() {
     let dir = tempfile::tempdir().unwrap();
     let out = dir.path().join("out");
-    let done = end(&mut with(
-        tiny(dir.path(), &sound(dir.path()), 1, &out),
-        &["--device", "abacus"],
-    ));
+    let done = end(&mut with(tiny(dir.path(), &sound(dir.path()), 1, &out), &["--device", "abacus"]));
     assert_eq!(done.code, Some(2), "{done:?}");
     assert!(
-        done.stderr
-            .starts_with("error: there is no device `abacus`\n\nhint: known here: flex"),
+        done.stderr.starts_with("error: there is no device `abacus`\n\nhint: known here: flex"),
         "{done:?}"
     );
     assert!(!out.exists());
@@ -86,10 +69,7 @@ fn an_unknown_device_names_the_known_ones() {
 fn a_device_that_was_not_built_names_its_feature() {
     let dir = tempfile::tempdir().unwrap();
     let out = dir.path().join("out");
-    let done = end(&mut with(
-        tiny(dir.path(), &sound(dir.path()), 1, &out),
-        &["--device", "wgpu"],
-    ));
+    let done = end(&mut with(tiny(dir.path(), &sound(dir.path()), 1, &out), &["--device", "wgpu"]));
     done.refused(
         dir.path(),
         "error: this dpn was built without the device `wgpu`\n\nhint: build with `--features wgpu`",

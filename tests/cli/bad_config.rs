@@ -11,14 +11,8 @@ fn refuses(sensor: &str, text: &str, expected: &str) {
     let dir = tempfile::tempdir().unwrap();
     let out = dir.path().join("out");
     let mut command = dpn();
-    command
-        .args(["train", "--sensor", sensor, "--config"])
-        .arg(config(dir.path(), text));
-    command
-        .arg("--data")
-        .arg(dir.path().join("never-read"))
-        .arg("--out")
-        .arg(&out);
+    command.args(["train", "--sensor", sensor, "--config"]).arg(config(dir.path(), text));
+    command.arg("--data").arg(dir.path().join("never-read")).arg("--out").arg(&out);
     end(&mut command).refused(dir.path(), expected);
     assert!(!out.exists());
 }
@@ -31,10 +25,7 @@ fn an_unknown_key_is_named_with_its_line_and_the_nearest_known_one() {
     assert_eq!(done.code, Some(2), "{done:?}");
     let start = format!("error: {}:5: unknown field `lerning_rate`", path.display());
     assert!(done.stderr.starts_with(&start), "{done:?}");
-    assert!(
-        done.stderr.ends_with("\n\nhint: did you mean `learning_rate`?\n"),
-        "{done:?}"
-    );
+    assert!(done.stderr.ends_with("\n\nhint: did you mean `learning_rate`?\n"), "{done:?}");
 }
 
 #[test]
@@ -63,11 +54,7 @@ fn a_value_of_another_kind_is_named_with_its_line() {
     let path = config(dir.path(), "seed = 1\n[fit]\nepochs = \"many\"\n");
     let done = end(dpn().args(["train", "--sensor", "accel", "--config"]).arg(&path));
     assert_eq!(done.code, Some(2), "{done:?}");
-    assert!(
-        done.stderr
-            .starts_with(&format!("error: {}:3: invalid type", path.display())),
-        "{done:?}"
-    );
+    assert!(done.stderr.starts_with(&format!("error: {}:3: invalid type", path.display())), "{done:?}");
 }
 
 #[test]
@@ -86,16 +73,8 @@ fn a_configuration_that_is_not_there_is_named() {
     let path = dir.path().join("none.toml");
     let done = end(dpn().args(["train", "--sensor", "accel", "--config"]).arg(&path));
     assert_eq!(done.code, Some(2), "{done:?}");
-    assert!(
-        done.stderr
-            .starts_with(&format!("error: cannot read {}: ", path.display())),
-        "{done:?}"
-    );
-    assert!(
-        done.stderr
-            .ends_with("\n\nhint: configs/ holds files to start from\n"),
-        "{done:?}"
-    );
+    assert!(done.stderr.starts_with(&format!("error: cannot read {}: ", path.display())), "{done:?}");
+    assert!(done.stderr.ends_with("\n\nhint: configs/ holds files to start from\n"), "{done:?}");
 }
 
 /// Trains on sound data with flags over the tiny configuration.

@@ -44,25 +44,16 @@ fn an_empty_file_and_one_with_a_header_alone() {
 #[test]
 fn a_missing_column() {
     let whole = text(&rows(300, PERIOD_NS));
-    let cut: Vec<&str> = whole
-        .lines()
-        .filter_map(|line| line.rsplit_once(','))
-        .map(|(head, _)| head)
-        .collect();
+    let cut: Vec<&str> =
+        whole.lines().filter_map(|line| line.rsplit_once(',')).map(|(head, _)| head).collect();
     let dir = tempfile::tempdir().unwrap();
     let data = put(&dir.path().join("log"), "still", &cut.join("\n"));
     let out = dir.path().join("out");
     let done = crate::run::end(&mut crate::training::tiny(dir.path(), &data, 1, &out));
     assert_eq!(done.code, Some(2), "{done:?}");
     let file = data.join("still/mav0/imu0/data.csv");
-    assert!(
-        done.stderr.starts_with(&format!("error: {}:1: ", file.display())),
-        "{done:?}"
-    );
-    assert!(
-        done.stderr.contains("column") && done.stderr.contains("\n\nhint: "),
-        "{done:?}"
-    );
+    assert!(done.stderr.starts_with(&format!("error: {}:1: ", file.display())), "{done:?}");
+    assert!(done.stderr.contains("column") && done.stderr.contains("\n\nhint: "), "{done:?}");
     assert!(!out.exists());
 }
 
@@ -95,11 +86,7 @@ fn text_where_a_number_belongs() {
     let done = crate::run::end(&mut crate::training::tiny(dir.path(), &data, 1, &out));
     assert_eq!(done.code, Some(2), "{done:?}");
     let line = 1 + whole.lines().position(|line| line.contains("nine")).unwrap();
-    assert!(
-        done.stderr
-            .contains(&format!("data.csv:{line}: accel_z is \"nine.")),
-        "{done:?}"
-    );
+    assert!(done.stderr.contains(&format!("data.csv:{line}: accel_z is \"nine.")), "{done:?}");
     assert!(done.stderr.contains("not a number"), "{done:?}");
     assert!(!out.exists());
 }
@@ -174,11 +161,7 @@ fn an_axis_that_is_clipped() {
     let out = dir.path().join("out");
     let done = crate::run::end(&mut crate::training::tiny(dir.path(), &data, 1, &out));
     assert_eq!(done.code, Some(2), "{done:?}");
-    assert!(
-        done.stderr
-            .starts_with("error: still: accel x is saturated: it stays at "),
-        "{done:?}"
-    );
+    assert!(done.stderr.starts_with("error: still: accel x is saturated: it stays at "), "{done:?}");
     assert!(!out.exists());
 }
 
@@ -187,36 +170,19 @@ fn a_folder_to_write_to_that_is_a_file() {
     let dir = tempfile::tempdir().unwrap();
     let out = dir.path().join("out");
     std::fs::write(&out, "in the way").unwrap();
-    let done = crate::run::end(&mut crate::training::tiny(
-        dir.path(),
-        &sound(dir.path()),
-        1,
-        &out,
-    ));
+    let done = crate::run::end(&mut crate::training::tiny(dir.path(), &sound(dir.path()), 1, &out));
     assert_eq!(done.code, Some(2), "{done:?}");
-    assert!(
-        done.stderr
-            .starts_with(&format!("error: cannot write {}", out.display())),
-        "{done:?}"
-    );
+    assert!(done.stderr.starts_with(&format!("error: cannot write {}", out.display())), "{done:?}");
     assert_eq!(std::fs::read_to_string(&out).unwrap(), "in the way");
 }
 
 #[test]
 fn sequences_of_which_none_is_to_train_on() {
     let dir = tempfile::tempdir().unwrap();
-    let data = put(
-        &dir.path().join("log"),
-        "MH_02_easy",
-        &text(&rows(3000, PERIOD_NS)),
-    );
+    let data = put(&dir.path().join("log"), "MH_02_easy", &text(&rows(3000, PERIOD_NS)));
     let out = dir.path().join("out");
     let done = crate::run::end(&mut crate::training::tiny(dir.path(), &data, 1, &out));
     assert_eq!(done.code, Some(2), "{done:?}");
-    assert!(
-        done.stderr
-            .starts_with("error: euroc: no train sequence among [\"MH_02_easy\"]"),
-        "{done:?}"
-    );
+    assert!(done.stderr.starts_with("error: euroc: no train sequence among [\"MH_02_easy\"]"), "{done:?}");
     assert!(!out.exists());
 }

@@ -8,20 +8,12 @@ fn a_sound_log_has_notes_only_and_a_sick_one_is_told_what_ails_it() {
     let dir = tempfile::tempdir().unwrap();
     let check = |log: &str, more: &[&str]| {
         let data = put(&dir.path().join("log"), "still", log);
-        end(dpn()
-            .arg("check")
-            .arg(data.join("still"))
-            .arg("--out")
-            .arg(dir.path().join("out"))
-            .args(more))
-        .well()
+        end(dpn().arg("check").arg(data.join("still")).arg("--out").arg(dir.path().join("out")).args(more))
+            .well()
     };
     let sound = check(&text(&rows(6000, 5_000_000)), &[]).stdout;
     assert!(sound.starts_with("6000 samples, 30.0 s, 200.00 Hz\n"), "{sound}");
-    assert!(
-        sound.contains("up is z") && sound.contains("at rest throughout, 30 s"),
-        "{sound}"
-    );
+    assert!(sound.contains("up is z") && sound.contains("at rest throughout, 30 s"), "{sound}");
     assert!(!sound.contains("bad:") && !sound.contains("warning:"), "{sound}");
     let mut sick = rows(6000, 5_000_000);
     sick.drain(2000..2100);

@@ -20,17 +20,7 @@ fn prepared(dir: &Path) -> (PathBuf, PathBuf) {
 
 fn judged(data: &Path, models: &Path, out: &Path, more: &[&str]) -> Done {
     let mut command = dpn();
-    command
-        .args([
-            "eval",
-            "--open-loop",
-            "--sensor",
-            "accel",
-            "--bases",
-            "sg(11,2)",
-            "--data",
-        ])
-        .arg(data);
+    command.args(["eval", "--open-loop", "--sensor", "accel", "--bases", "sg(11,2)", "--data"]).arg(data);
     command.arg("--models").arg(models).arg("--out").arg(out);
     end(&mut with(command, more))
 }
@@ -42,23 +32,10 @@ fn it_leaves_rows_with_the_promised_keys_and_the_same_ones_twice() {
     let (first, again) = (tmp.path().join("a"), tmp.path().join("b"));
     let said = judged(&data, &models, &first, &["--json"]).well().json();
     let rows = said["rows"].as_array().unwrap();
-    for key in [
-        "sensor",
-        "base",
-        "split",
-        "estimator",
-        "levels",
-        "label",
-        "rmse",
-        "bias",
-        "crb",
-        "ratio",
-        "n",
-    ] {
-        assert!(
-            rows.iter().all(|row| !row[key].is_null()),
-            "`{key}` is missing in {said}"
-        );
+    for key in
+        ["sensor", "base", "split", "estimator", "levels", "label", "rmse", "bias", "crb", "ratio", "n"]
+    {
+        assert!(rows.iter().all(|row| !row[key].is_null()), "`{key}` is missing in {said}");
     }
     let has = |key: &str, value: &str| rows.iter().any(|row| row[key] == value);
     for estimator in ["pronet", "diff2", "sg(11,2)"] {
@@ -76,30 +53,16 @@ fn it_leaves_rows_with_the_promised_keys_and_the_same_ones_twice() {
     }
     for row in rows {
         let figure = |key: &str| row[key].as_f64().unwrap();
-        assert!(
-            (figure("ratio") - figure("rmse") / figure("crb")).abs() < 1e-9 * figure("ratio"),
-            "{row}"
-        );
+        assert!((figure("ratio") - figure("rmse") / figure("crb")).abs() < 1e-9 * figure("ratio"), "{row}");
     }
 
     judged(&data, &models, &again, &[]).well();
     let (first, again) = (files(&first), files(&again));
-    assert!(
-        first.keys().any(|name| name.ends_with(".svg")),
-        "{:?}",
-        first.keys()
-    );
-    assert!(
-        first.keys().any(|name| name.ends_with(".png")),
-        "{:?}",
-        first.keys()
-    );
+    assert!(first.keys().any(|name| name.ends_with(".svg")), "{:?}", first.keys());
+    assert!(first.keys().any(|name| name.ends_with(".png")), "{:?}", first.keys());
     let file: Value = serde_json::from_slice(&first["open_loop.json"]).unwrap();
     assert_eq!(file, said);
-    let lines = String::from_utf8(first["open_loop.csv"].clone())
-        .unwrap()
-        .lines()
-        .count();
+    let lines = String::from_utf8(first["open_loop.csv"].clone()).unwrap().lines().count();
     assert!(lines > rows.len(), "{lines} lines of CSV for {} rows", rows.len());
     for (name, bytes) in &first {
         assert!(Some(bytes) == again.get(name), "{name} differs between two runs");
@@ -113,24 +76,14 @@ fn what_cannot_be_judged_is_refused_and_leaves_nothing() {
     let out = tmp.path().join("out");
     let weights = models.join("accel.safetensors");
     let gone = tmp.path().join("gone");
-    for done in [
-        judged(&gone, &models, &out, &[]),
-        judged(&data, &gone, &out, &[]),
-        {
-            let bytes = std::fs::read(&weights).unwrap();
-            std::fs::write(&weights, &bytes[..bytes.len() - 5]).unwrap();
-            judged(&data, &models, &out, &[])
-        },
-    ] {
+    for done in [judged(&gone, &models, &out, &[]), judged(&data, &gone, &out, &[]), {
+        let bytes = std::fs::read(&weights).unwrap();
+        std::fs::write(&weights, &bytes[..bytes.len() - 5]).unwrap();
+        judged(&data, &models, &out, &[])
+    }] {
         assert_eq!(done.code, Some(2), "{done:?}");
-        assert!(
-            done.stderr.contains("error: ") && !done.stderr.contains("panicked"),
-            "{done:?}"
-        );
-        assert!(
-            done.stderr.contains(tmp.path().to_str().unwrap()),
-            "it names no place: {done:?}"
-        );
+        assert!(done.stderr.contains("error: ") && !done.stderr.contains("panicked"), "{done:?}");
+        assert!(done.stderr.contains(tmp.path().to_str().unwrap()), "it names no place: {done:?}");
         assert!(!out.exists(), "{done:?} left {}", out.display());
     }
 }

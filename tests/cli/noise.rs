@@ -10,12 +10,9 @@ fn kalibr_to_vins_says_every_step() {
     let dir = tempfile::tempdir().unwrap();
     let file = dir.path().join("imu.yaml");
     std::fs::write(&file, KALIBR).unwrap();
-    let done = end(dpn()
-        .args([
-            "noise", "convert", "--from", "kalibr", "--to", "vins", "--rate", "200",
-        ])
-        .arg(&file))
-    .well();
+    let done =
+        end(dpn().args(["noise", "convert", "--from", "kalibr", "--to", "vins", "--rate", "200"]).arg(&file))
+            .well();
     assert_eq!(
         done.stdout,
         "%YAML:1.0\n# VINS-Mono, VINS-Fusion: per sample at 200.0 Hz; another rate needs other numbers\n\
@@ -56,14 +53,8 @@ fn a_data_sheet_on_the_command_line_needs_no_file() {
     assert!((density - 0.66 * std::f64::consts::PI / 180.0 / 60.0).abs() < 1e-15);
     assert_eq!(json["to"], "openvins");
     let text = json["text"].as_str().unwrap();
-    assert!(
-        text.contains("  # accelerometer_random_walk: not known"),
-        "{text}"
-    );
-    assert!(
-        json["remarks"][0].as_str().unwrap().contains("--accel-walk"),
-        "{json}"
-    );
+    assert!(text.contains("  # accelerometer_random_walk: not known"), "{text}");
+    assert!(json["remarks"][0].as_str().unwrap().contains("--accel-walk"), "{json}");
 }
 
 #[test]

@@ -14,19 +14,14 @@ pub(crate) const HEADER: &str = "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [r
 pub(crate) fn rows(count: usize, step_ns: i64) -> Rows {
     let mut state = 20_210_827_u64;
     let mut noise = || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
     };
     let sample = |i: usize| {
         let gyro: [f64; 3] = std::array::from_fn(|_| 0.004 * noise());
         let accel: [f64; 3] = std::array::from_fn(|_| 0.05 * noise());
         let t = 1_400_000_000_000_000_000 + i as i64 * step_ns;
-        (
-            t,
-            [gyro[0], gyro[1], gyro[2], accel[0], accel[1], 9.81 + accel[2]],
-        )
+        (t, [gyro[0], gyro[1], gyro[2], accel[0], accel[1], 9.81 + accel[2]])
     };
     (0..count).map(sample).collect()
 }

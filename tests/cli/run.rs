@@ -52,10 +52,7 @@ impl Done {
     pub(crate) fn refused(&self, dir: &Path, expected: &str) {
         assert_eq!(self.code, Some(2), "{self:?}");
         assert_eq!(self.stdout, "", "{self:?}");
-        assert_eq!(
-            self.stderr.replace(dir.to_str().unwrap(), "[DIR]").trim_end(),
-            expected
-        );
+        assert_eq!(self.stderr.replace(dir.to_str().unwrap(), "[DIR]").trim_end(), expected);
     }
 
     /// Stdout as one JSON value.
@@ -73,12 +70,7 @@ pub(crate) fn files(dir: &Path) -> BTreeMap<String, Vec<u8>> {
             if path.is_dir() {
                 collect(root, &path, out);
             } else {
-                let name = path
-                    .strip_prefix(root)
-                    .unwrap()
-                    .to_str()
-                    .unwrap()
-                    .replace('\\', "/");
+                let name = path.strip_prefix(root).unwrap().to_str().unwrap().replace('\\', "/");
                 out.insert(name, std::fs::read(&path).unwrap());
             }
         }

@@ -6,25 +6,15 @@ use dpn_core::io::read_noise_track;
 use std::path::Path;
 
 fn flight(name: &str, out: &Path, more: &[&str]) -> Done {
-    end(dpn()
-        .args(["simulate", "flight", name, "--out"])
-        .arg(out)
-        .args(more))
+    end(dpn().args(["simulate", "flight", name, "--out"]).arg(out).args(more))
 }
 
 #[test]
 fn eleven_flights_are_listed_six_of_them_to_train_on() {
     let list = run("simulate flight --list").well().stdout;
     assert_eq!(list.lines().count(), 11, "{list}");
-    assert_eq!(
-        list.lines().filter(|line| line.ends_with("Train")).count(),
-        6,
-        "{list}"
-    );
-    assert!(
-        list.starts_with("f01-hall-slow ") && list.contains("\nf11-room-wild "),
-        "{list}"
-    );
+    assert_eq!(list.lines().filter(|line| line.ends_with("Train")).count(), 6, "{list}");
+    assert!(list.starts_with("f01-hall-slow ") && list.contains("\nf11-room-wild "), "{list}");
 }
 
 #[test]
@@ -70,8 +60,7 @@ fn an_unknown_flight_is_refused_in_one_line_with_the_known_ones() {
     assert_eq!(done.code, Some(2), "{done:?}");
     assert_eq!(done.stderr.lines().count(), 1, "{done:?}");
     assert!(
-        done.stderr
-            .starts_with("error: no flight is called `hovr`; known are f01-hall-slow, "),
+        done.stderr.starts_with("error: no flight is called `hovr`; known are f01-hall-slow, "),
         "{done:?}"
     );
     assert!(done.stderr.trim_end().ends_with("f11-room-wild"), "{done:?}");
@@ -85,11 +74,7 @@ fn a_folder_that_cannot_be_made_is_named() {
     std::fs::write(&file, "in the way").unwrap();
     let done = flight("hover", &file, &[]);
     assert_eq!(done.code, Some(2), "{done:?}");
-    assert!(
-        done.stderr
-            .starts_with(&format!("error: cannot write {}", file.display())),
-        "{done:?}"
-    );
+    assert!(done.stderr.starts_with(&format!("error: cannot write {}", file.display())), "{done:?}");
     assert_eq!(std::fs::read_to_string(&file).unwrap(), "in the way");
 }
 
@@ -101,8 +86,8 @@ fn a_bad_noise_setting_names_key_value_and_bound() {
     let out = tmp.path().join("out");
     flight("hover", &out, &["--config", config.to_str().unwrap()]).refused(
         tmp.path(),
-        "error: [DIR]/noise.toml: `rate_hz` is 10, but must be within 50 and 2000; \
-         `white.scale` is -1, but must be within 0 and 1000",
+        "error: [DIR]/noise.toml: `rate_hz` is 10, but must be 50 to 2000; \
+         `white.scale` is -1, but must be 0 to 1000",
     );
     assert!(!out.exists());
 }

@@ -10,9 +10,7 @@ use std::time::{Duration, Instant};
 /// History of a run, line by line.
 fn history(out: &Path) -> Vec<serde_json::Value> {
     let text = std::fs::read_to_string(out.join("history.jsonl")).unwrap();
-    text.lines()
-        .map(|line| serde_json::from_str(line).unwrap())
-        .collect()
+    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
 }
 
 #[test]
@@ -21,61 +19,34 @@ fn without_data_it_trains_on_the_simulated_flights() {
     let out = tmp.path().join("out");
     let mut command = dpn();
     command.args(["train", "--sensor", "gyro", "--epochs", "2", "--json", "--config"]);
-    command
-        .arg(config(tmp.path(), &format!("{TINY}sensor = \"gyro\"\n")))
-        .arg("--out")
-        .arg(&out);
+    command.arg(config(tmp.path(), &format!("{TINY}sensor = \"gyro\"\n"))).arg("--out").arg(&out);
     let said = end(&mut command).well().json();
-    assert_eq!(
-        (&said["sensor"], &said["data"]),
-        (&"gyro".into(), &"simulated".into()),
-        "{said}"
-    );
+    assert_eq!((&said["sensor"], &said["data"]), (&"gyro".into(), &"simulated".into()), "{said}");
     assert_eq!(said["sequences"].as_array().unwrap().len(), 6, "{said}");
 
     let left: Vec<String> = files(&out).into_keys().collect();
     assert_eq!(
         left,
-        [
-            "checkpoint.safetensors",
-            "config.toml",
-            "gyro.safetensors",
-            "history.jsonl",
-            "summary.json"
-        ]
+        ["checkpoint.safetensors", "config.toml", "gyro.safetensors", "history.jsonl", "summary.json"]
     );
     let summary: serde_json::Value = serde_json::from_slice(&files(&out)["summary.json"]).unwrap();
     assert_eq!(summary, said);
 
     let history = history(&out);
-    let epochs: Vec<u64> = history
-        .iter()
-        .map(|line| line["epoch"].as_u64().unwrap())
-        .collect();
+    let epochs: Vec<u64> = history.iter().map(|line| line["epoch"].as_u64().unwrap()).collect();
     assert_eq!(epochs, [1, 2]);
-    let best = history
-        .iter()
-        .map(|line| line["validation_rmse"].as_f64().unwrap())
-        .fold(f64::INFINITY, f64::min);
-    assert_eq!(
-        said["validation_rmse"].as_f64().unwrap().to_bits(),
-        best.to_bits()
-    );
+    let best =
+        history.iter().map(|line| line["validation_rmse"].as_f64().unwrap()).fold(f64::INFINITY, f64::min);
+    assert_eq!(said["validation_rmse"].as_f64().unwrap().to_bits(), best.to_bits());
 }
 
 #[test]
 fn the_configuration_it_leaves_makes_the_same_weights_again() {
     let tmp = tempfile::tempdir().unwrap();
     let (data, first, again) = (sound(tmp.path()), tmp.path().join("a"), tmp.path().join("b"));
-    end(&mut with(
-        tiny(tmp.path(), &data, 2, &first),
-        &["--seed", "4", "--base", "sg(7,2)"],
-    ))
-    .well();
+    end(&mut with(tiny(tmp.path(), &data, 2, &first), &["--seed", "4", "--base", "sg(7,2)"])).well();
     let mut command = dpn();
-    command
-        .args(["train", "--sensor", "accel", "--config"])
-        .arg(first.join("config.toml"));
+    command.args(["train", "--sensor", "accel", "--config"]).arg(first.join("config.toml"));
     end(command.arg("--data").arg(&data).arg("--out").arg(&again)).well();
     assert!(weights(&first) == weights(&again), "config.toml does not say all");
 }
@@ -108,17 +79,10 @@ fn longer(dir: &Path, data: &Path, out: &Path) -> Command {
 
 /// Starts a run and waits for its first checkpoint.
 fn started(dir: &Path, data: &Path, out: &Path) -> std::process::Child {
-    let mut child = longer(dir, data, out)
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let mut child = longer(dir, data, out).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
     let patience = Instant::now();
     while !out.join("checkpoint.safetensors").exists() {
-        assert!(
-            child.try_wait().unwrap().is_none(),
-            "ended before its first checkpoint"
-        );
+        assert!(child.try_wait().unwrap().is_none(), "ended before its first checkpoint");
         assert!(patience.elapsed() < Duration::from_secs(60), "no checkpoint");
         std::thread::sleep(Duration::from_millis(1));
     }
@@ -127,23 +91,12 @@ fn started(dir: &Path, data: &Path, out: &Path) -> std::process::Child {
 
 /// Goes on with the run in `out` and compares with one that never stopped.
 fn goes_on_to_the_same_bits(dir: &Path, data: &Path, out: &Path) {
-    assert!(
-        !out.join("accel.safetensors").exists(),
-        "it was over before it was stopped"
-    );
+    assert!(!out.join("accel.safetensors").exists(), "it was over before it was stopped");
     let resumed = end(&mut with(longer(dir, data, out), &["--resume"])).well();
-    assert!(
-        resumed
-            .stderr
-            .starts_with(&format!("resume {} after ", out.display())),
-        "{resumed:?}"
-    );
+    assert!(resumed.stderr.starts_with(&format!("resume {} after ", out.display())), "{resumed:?}");
     let whole = dir.join("whole");
     end(&mut longer(dir, data, &whole)).well();
-    assert!(
-        weights(out) == weights(&whole),
-        "weights differ from a run that never stopped"
-    );
+    assert!(weights(out) == weights(&whole), "weights differ from a run that never stopped");
     for file in ["history.jsonl", "summary.json", "checkpoint.safetensors"] {
         assert!(
             std::fs::read(out.join(file)).unwrap() == std::fs::read(whole.join(file)).unwrap(),
@@ -168,19 +121,13 @@ fn stopped_by_ctrl_c_it_says_how_to_go_on_and_does() {
     let tmp = tempfile::tempdir().unwrap();
     let (data, out) = (sound(tmp.path()), tmp.path().join("out"));
     let child = started(tmp.path(), &data, &out);
-    let sent = std::process::Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status()
-        .unwrap();
+    let sent = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     assert!(sent.success());
     let output = child.wait_with_output().unwrap();
     let stderr = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(130), "{stderr}");
     let last = stderr.lines().last().unwrap();
-    assert!(
-        last.starts_with("stopped in epoch ") && last.ends_with("add --resume to go on"),
-        "{stderr}"
-    );
+    assert!(last.starts_with("stopped in epoch ") && last.ends_with("add --resume to go on"), "{stderr}");
     goes_on_to_the_same_bits(tmp.path(), &data, &out);
 }
 
@@ -189,10 +136,7 @@ fn finished(dir: &Path) -> (impl Fn(&[&str]) -> Done, std::path::PathBuf) {
     let (data, out) = (sound(dir), dir.join("out"));
     end(&mut tiny(dir, &data, 2, &out)).well();
     let (place, dir) = (out.clone(), dir.to_owned());
-    (
-        move |words: &[&str]| end(&mut with(tiny(&dir, &data, 2, &place), words)),
-        out,
-    )
+    (move |words: &[&str]| end(&mut with(tiny(&dir, &data, 2, &place), words)), out)
 }
 
 #[test]
@@ -234,11 +178,7 @@ fn other_recordings_or_a_damaged_checkpoint_cannot_be_resumed() {
         std::fs::write(&checkpoint, damaged).unwrap();
         let done = again(&["--resume"]);
         assert_eq!(done.code, Some(2), "{done:?}");
-        assert!(
-            done.stderr
-                .starts_with(&format!("error: {}: ", checkpoint.display())),
-            "{done:?}"
-        );
+        assert!(done.stderr.starts_with(&format!("error: {}: ", checkpoint.display())), "{done:?}");
     }
 }
 

@@ -27,20 +27,8 @@ pub(crate) fn config(dir: &Path, text: &str) -> PathBuf {
 /// `dpn train --sensor accel` with the tiny network on `data`, for `epochs`, into `out`.
 pub(crate) fn tiny(dir: &Path, data: &Path, epochs: u64, out: &Path) -> Command {
     let mut command = dpn();
-    command.args([
-        "train",
-        "--sensor",
-        "accel",
-        "--epochs",
-        &epochs.to_string(),
-        "--config",
-    ]);
-    command
-        .arg(config(dir, TINY))
-        .arg("--data")
-        .arg(data)
-        .arg("--out")
-        .arg(out);
+    command.args(["train", "--sensor", "accel", "--epochs", &epochs.to_string(), "--config"]);
+    command.arg(config(dir, TINY)).arg("--data").arg(data).arg("--out").arg(out);
     command
 }
 

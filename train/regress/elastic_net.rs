@@ -41,10 +41,7 @@ impl ElasticNetRegressor {
             .max_iterations(2000)
             .tolerance(1e-5)
             .fit(&dataset)
-            .map_err(|error| RegressError::Fit {
-                method: "elastic net",
-                reason: error.to_string(),
-            })?;
+            .map_err(|error| RegressError::Fit { method: "elastic net", reason: error.to_string() })?;
         Ok(Self { scaling, model })
     }
 }
@@ -70,10 +67,6 @@ impl Regressor for ElasticNetRegressor {
     fn predict(&self, table: &[f64]) -> Vec<f64> {
         let rows = expand(&self.scaling.apply(table));
         let view: ArrayView2<'_, f64> = rows.view();
-        self.model
-            .predict(&view)
-            .iter()
-            .map(|y| (y * self.scaling.label).max(0.0))
-            .collect()
+        self.model.predict(&view).iter().map(|y| (y * self.scaling.label).max(0.0)).collect()
     }
 }

@@ -34,20 +34,14 @@ impl KernelRegressor {
         let keep = spread(truth.len(), MAX_ROWS);
         let mut rows = Array2::zeros((keep.len(), Features::COUNT));
         for (mut row, &at) in rows.outer_iter_mut().zip(&keep) {
-            row.assign(&ArrayView1::from(
-                &scaled[at * Features::COUNT..(at + 1) * Features::COUNT],
-            ));
+            row.assign(&ArrayView1::from(&scaled[at * Features::COUNT..(at + 1) * Features::COUNT]));
         }
         let targets: Array1<f64> = keep.iter().map(|&at| truth[at] / scaling.label).collect();
         let dataset = Dataset::new(rows, targets);
-        let model = Svm::<f64, f64>::params()
-            .c_svr(COST, Some(TUBE))
-            .gaussian_kernel(WIDTH)
-            .fit(&dataset)
-            .map_err(|error| RegressError::Fit {
-                method: "kernel regressor",
-                reason: error.to_string(),
-            })?;
+        let model =
+            Svm::<f64, f64>::params().c_svr(COST, Some(TUBE)).gaussian_kernel(WIDTH).fit(&dataset).map_err(
+                |error| RegressError::Fit { method: "kernel regressor", reason: error.to_string() },
+            )?;
         Ok(Self { scaling, model })
     }
 }

@@ -54,13 +54,7 @@ pub trait Regressor: Send + Sync {
 /// Too few examples; a fit that linfa gives up.
 pub fn fit_all(table: &[f64], truth: &[f64]) -> Result<Vec<Box<dyn Regressor>>, RegressError> {
     if truth.len() < 2 * Features::COUNT {
-        return Err(RegressError::TooFewRows {
-            rows: truth.len(),
-            features: Features::COUNT,
-        });
+        return Err(RegressError::TooFewRows { rows: truth.len(), features: Features::COUNT });
     }
-    Ok(vec![
-        Box::new(ElasticNetRegressor::fit(table, truth)?),
-        Box::new(KernelRegressor::fit(table, truth)?),
-    ])
+    Ok(vec![Box::new(ElasticNetRegressor::fit(table, truth)?), Box::new(KernelRegressor::fit(table, truth)?)])
 }

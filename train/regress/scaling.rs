@@ -58,7 +58,5 @@ impl Scaling {
 /// At most `most` of `rows` indices, evenly spread.
 pub(super) fn spread(rows: usize, most: usize) -> Vec<usize> {
     let take = rows.min(most);
-    (0..take)
-        .map(|i| (i as u128 * rows as u128 / take as u128) as usize)
-        .collect()
+    (0..take).map(|i| (i as u128 * rows as u128 / take as u128) as usize).collect()
 }

@@ -20,24 +20,12 @@ fn corpus() -> Corpus {
         let samples = (0..4000)
             .map(|i| {
                 let mut axes = || [(); 3].map(|()| (0.01 * f64::from(i)).sin() + 0.01 * rng.random::<f64>());
-                ImuSample {
-                    t: Stamp::from_ns(5_000_000 * i64::from(i)),
-                    gyro: axes(),
-                    accel: axes(),
-                }
+                ImuSample { t: Stamp::from_ns(5_000_000 * i64::from(i)), gyro: axes(), accel: axes() }
             })
             .collect();
-        Member {
-            name: name.into(),
-            recording: ImuRecording::new(samples).unwrap(),
-            side,
-        }
+        Member { name: name.into(), recording: ImuRecording::new(samples).unwrap(), side }
     };
-    Corpus::new(
-        "made",
-        vec![member("a", Side::Train, 1), member("b", Side::Test, 2)],
-    )
-    .unwrap()
+    Corpus::new("made", vec![member("a", Side::Train, 1), member("b", Side::Test, 2)]).unwrap()
 }
 
 fn config() -> TrainConfig {
@@ -82,10 +70,7 @@ fn a_resumed_run_ends_in_the_same_bits() {
     let stop = AtomicBool::new(false);
     let run = Run::open(parts.path(), &config(), &corpus, &device, false).unwrap();
     let stopped = run.train(&stop, &mut StopAfter(8, &stop));
-    assert!(
-        matches!(stopped, Err(RunError::Train(TrainError::Stopped { epoch: 3 }))),
-        "{stopped:?}"
-    );
+    assert!(matches!(stopped, Err(RunError::Train(TrainError::Stopped { epoch: 3 }))), "{stopped:?}");
     assert!(!parts.path().join("accel.safetensors").exists());
     let run = Run::open(parts.path(), &config(), &corpus, &device, true).unwrap();
     assert_eq!(run.epochs(), (2, 4));
@@ -98,24 +83,15 @@ fn another_seed_gives_other_weights_and_is_not_resumed() {
     let dir = tempfile::tempdir().unwrap();
     let (corpus, device) = (corpus(), Device::flex().autodiff());
     let never = AtomicBool::new(false);
-    Run::open(dir.path(), &config(), &corpus, &device, false)
-        .unwrap()
-        .train(&never, &mut Silent)
-        .unwrap();
+    Run::open(dir.path(), &config(), &corpus, &device, false).unwrap().train(&never, &mut Silent).unwrap();
     let mut other = config();
     other.seed = 1;
-    assert!(matches!(
-        Run::open(dir.path(), &other, &corpus, &device, true),
-        Err(RunError::Differs { .. })
-    ));
+    assert!(matches!(Run::open(dir.path(), &other, &corpus, &device, true), Err(RunError::Differs { .. })));
     assert!(matches!(
         Run::open(dir.path(), &config(), &corpus, &device, false),
         Err(RunError::Exists { epochs: 4, .. })
     ));
     let second = tempfile::tempdir().unwrap();
-    Run::open(second.path(), &other, &corpus, &device, false)
-        .unwrap()
-        .train(&never, &mut Silent)
-        .unwrap();
+    Run::open(second.path(), &other, &corpus, &device, false).unwrap().train(&never, &mut Silent).unwrap();
     assert_ne!(weights(dir.path()), weights(second.path()));
 }

@@ -20,15 +20,9 @@ impl Allan {
     /// `samples` below 2.
     pub fn new(samples: usize) -> Result<Self, EstimatorError> {
         if samples < 2 {
-            return Err(EstimatorError::WindowTooShort {
-                name: "allan".into(),
-                needs: 2,
-                window: samples,
-            });
+            return Err(EstimatorError::WindowTooShort { name: "allan".into(), needs: 2, window: samples });
         }
-        Ok(Self {
-            gain: Gain::of(samples, |x| stats::differences(x, 1)),
-        })
+        Ok(Self { gain: Gain::of(samples, |x| stats::differences(x, 1)) })
     }
 }
 

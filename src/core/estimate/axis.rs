@@ -61,14 +61,7 @@ impl HopWindow {
             return Err(EstimatorError::WindowTooShort { name, needs, window });
         }
         let recent = Vec::with_capacity(2 * window);
-        Ok(Self {
-            estimator,
-            window,
-            hop,
-            recent,
-            fed: 0,
-            held: Reading::NotYet,
-        })
+        Ok(Self { estimator, window, hop, recent, fed: 0, held: Reading::NotYet })
     }
 }
 
@@ -106,11 +99,7 @@ impl EachSample {
     pub fn new(mut estimator: Box<dyn StreamSigma>, warm_up: usize) -> Self {
         estimator.reset();
         let warm_up = warm_up.max(estimator.min_len());
-        Self {
-            estimator,
-            warm_up,
-            fed: 0,
-        }
+        Self { estimator, warm_up, fed: 0 }
     }
 }
 
@@ -118,11 +107,7 @@ impl AxisSigma for EachSample {
     fn feed(&mut self, value: f64) -> Reading {
         self.estimator.push(value);
         self.fed += 1;
-        if self.fed < self.warm_up {
-            Reading::NotYet
-        } else {
-            Reading::Estimate(self.estimator.sigma())
-        }
+        if self.fed < self.warm_up { Reading::NotYet } else { Reading::Estimate(self.estimator.sigma()) }
     }
 
     fn reset(&mut self) {

@@ -33,17 +33,9 @@ impl Differences {
         }
         let name = format!("diff{order}");
         if samples < order + 2 {
-            return Err(EstimatorError::WindowTooShort {
-                name,
-                needs: order + 2,
-                window: samples,
-            });
+            return Err(EstimatorError::WindowTooShort { name, needs: order + 2, window: samples });
         }
-        Ok(Self {
-            name,
-            order,
-            gain: Gain::of(samples, |x| centred_differences(x, order)),
-        })
+        Ok(Self { name, order, gain: Gain::of(samples, |x| centred_differences(x, order)) })
     }
 }
 
@@ -79,9 +71,7 @@ mod tests {
 
     #[test]
     fn a_tone_near_nyquist_counts_as_the_opening_text_says() {
-        let x: Vec<f64> = (0..4000)
-            .map(|i| 2f64.sqrt() * (TAU * 0.465 * f64::from(i)).sin())
-            .collect();
+        let x: Vec<f64> = (0..4000).map(|i| 2f64.sqrt() * (TAU * 0.465 * f64::from(i)).sin()).collect();
         for (order, times) in [(1, 1.41), (2, 1.61), (3, 1.76), (4, 1.87)] {
             // The gain alone: the correction of the root matters below 1e-3 here.
             let d = centred_differences(&x, order);
@@ -94,9 +84,6 @@ mod tests {
     fn orders_out_of_range_are_refused() {
         assert!(Differences::new(0, 200).is_err());
         assert!(Differences::new(5, 200).is_err());
-        assert!(matches!(
-            Differences::new(2, 3),
-            Err(EstimatorError::WindowTooShort { needs: 4, .. })
-        ));
+        assert!(matches!(Differences::new(2, 3), Err(EstimatorError::WindowTooShort { needs: 4, .. })));
     }
 }

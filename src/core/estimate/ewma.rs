@@ -107,19 +107,13 @@ mod tests {
     #[test]
     fn the_recursion_is_the_weighted_deviation() {
         let (alpha, n) = (0.07, 60);
-        let x: Vec<f64> = (0..n)
-            .map(|i| 9.81 + f64::from((i * 7919) % 211) / 100.0)
-            .collect();
+        let x: Vec<f64> = (0..n).map(|i| 9.81 + f64::from((i * 7919) % 211) / 100.0).collect();
         let mut ewma = Ewma::new(alpha).unwrap();
         x.iter().for_each(|v| ewma.push(*v));
         let weights: Vec<f64> = (0..n).rev().map(|age| (1.0 - alpha).powi(age)).collect();
         let total: f64 = weights.iter().sum();
         let mean = x.iter().zip(&weights).map(|(v, w)| v * w).sum::<f64>() / total;
-        let squares: f64 = x
-            .iter()
-            .zip(&weights)
-            .map(|(v, w)| w * (v - mean) * (v - mean))
-            .sum();
+        let squares: f64 = x.iter().zip(&weights).map(|(v, w)| w * (v - mean) * (v - mean)).sum();
         assert!((ewma.mean / mean - 1.0).abs() < 1e-13);
         assert!((ewma.squares / squares - 1.0).abs() < 1e-12);
         // Expectation of the weighted squares under white noise: sum w - sum w^2 / sum w.

@@ -47,11 +47,7 @@ impl Gain {
         let map = DMatrix::from_iterator(rows, n, columns.into_iter().flatten());
         let trace = map.norm_squared();
         let square = (map.transpose() * map).norm_squared();
-        Self {
-            n,
-            trace,
-            nu: trace * trace / square,
-        }
+        Self { n, trace, nu: trace * trace / square }
     }
 
     /// Sigma from the residuals of a window of `n` samples.
@@ -62,11 +58,7 @@ impl Gain {
 
     /// This gain where it was made for windows of `n` samples, a fresh one otherwise.
     pub(super) fn at(&self, n: usize, residuals: impl Fn(&[f64]) -> Vec<f64>) -> Self {
-        if n == self.n {
-            *self
-        } else {
-            Self::of(n, residuals)
-        }
+        if n == self.n { *self } else { Self::of(n, residuals) }
     }
 
     /// Degrees of freedom.
@@ -83,13 +75,7 @@ mod tests {
     #[test]
     fn c4_has_its_tabulated_values() {
         // Montgomery, Statistical Quality Control, appendix: c4 for samples of 2, 3, 5, 10, 25.
-        for (n, published) in [
-            (2.0, 0.7979),
-            (3.0, 0.8862),
-            (5.0, 0.9400),
-            (10.0, 0.9727),
-            (25.0, 0.9896),
-        ] {
+        for (n, published) in [(2.0, 0.7979), (3.0, 0.8862), (5.0, 0.9400), (10.0, 0.9727), (25.0, 0.9896)] {
             assert!((c4(n - 1.0) - published).abs() < 5e-5, "{n}");
         }
         // c4(1) = sqrt(2 / pi) exactly.

@@ -20,13 +20,7 @@ pub struct Running {
 impl Running {
     /// Over everything since the start.
     pub fn new() -> Self {
-        Self {
-            name: "running".into(),
-            first: usize::MAX,
-            count: 0,
-            mean: 0.0,
-            squares: 0.0,
-        }
+        Self { name: "running".into(), first: usize::MAX, count: 0, mean: 0.0, squares: 0.0 }
     }
 
     /// Over the first `first` samples.
@@ -42,11 +36,7 @@ impl Running {
                 range: "at least 2",
             });
         }
-        Ok(Self {
-            name: format!("running({first})"),
-            first,
-            ..Self::new()
-        })
+        Ok(Self { name: format!("running({first})"), first, ..Self::new() })
     }
 }
 

@@ -34,11 +34,7 @@ impl SgResidual {
             });
         }
         if samples < window {
-            return Err(EstimatorError::WindowTooShort {
-                name,
-                needs: window,
-                window: samples,
-            });
+            return Err(EstimatorError::WindowTooShort { name, needs: window, window: samples });
         }
         let gain = Gain::of(samples, |x| residual(&filter, x));
         Ok(Self { name, filter, gain })
@@ -91,18 +87,9 @@ mod tests {
     fn a_filter_that_leaves_no_residual_is_refused() {
         assert!(matches!(
             SgResidual::new(5, 4, 200),
-            Err(EstimatorError::Parameter {
-                parameter: "order",
-                ..
-            })
+            Err(EstimatorError::Parameter { parameter: "order", .. })
         ));
-        assert!(matches!(
-            SgResidual::new(51, 3, 50),
-            Err(EstimatorError::WindowTooShort { needs: 51, .. })
-        ));
-        assert!(matches!(
-            SgResidual::new(6, 2, 200),
-            Err(EstimatorError::Filter(_))
-        ));
+        assert!(matches!(SgResidual::new(51, 3, 50), Err(EstimatorError::WindowTooShort { needs: 51, .. })));
+        assert!(matches!(SgResidual::new(6, 2, 200), Err(EstimatorError::Filter(_))));
     }
 }

@@ -31,12 +31,7 @@ impl Sliding {
                 range: "at least 2",
             });
         }
-        Ok(Self {
-            name: format!("sliding({length})"),
-            length,
-            ring: Vec::new(),
-            oldest: 0,
-        })
+        Ok(Self { name: format!("sliding({length})"), length, ring: Vec::new(), oldest: 0 })
     }
 }
 

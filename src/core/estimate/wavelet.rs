@@ -24,10 +24,7 @@ pub struct WaveletMad {
 impl WaveletMad {
     /// With the family `wavelet`.
     pub fn new(wavelet: Wavelet) -> Self {
-        Self {
-            name: format!("wavelet({})", wavelet.name()),
-            wavelet,
-        }
+        Self { name: format!("wavelet({})", wavelet.name()), wavelet }
     }
 }
 
@@ -57,9 +54,7 @@ mod tests {
 
     #[test]
     fn a_tone_near_nyquist_counts_as_the_opening_text_says() {
-        let x: Vec<f64> = (0..4000)
-            .map(|i| 2f64.sqrt() * (TAU * 0.4871 * f64::from(i)).sin())
-            .collect();
+        let x: Vec<f64> = (0..4000).map(|i| 2f64.sqrt() * (TAU * 0.4871 * f64::from(i)).sin()).collect();
         for wavelet in Wavelet::ALL {
             let sigma = WaveletMad::new(wavelet).sigma(&x);
             assert!((sigma - 2.1).abs() < 0.05, "{}: {sigma}", wavelet.name());
@@ -83,11 +78,7 @@ mod tests {
         let golden: Golden =
             serde_json::from_str(include_str!("../../../golden/mad_bias/golden.json")).unwrap();
         for row in golden.rows.iter().filter(|row| row.estimator != "mad2") {
-            assert!(
-                (EXCESS - row.excess_times_values).abs() < 3.0 * row.standard_error,
-                "{}",
-                row.estimator
-            );
+            assert!((EXCESS - row.excess_times_values).abs() < 3.0 * row.standard_error, "{}", row.estimator);
         }
     }
 }

@@ -15,25 +15,15 @@ const SAMPLES: usize = 200;
 const WINDOWS: u64 = 20_000;
 
 fn estimator(spec: &str) -> Arc<dyn WindowSigma> {
-    let NoiseSpec::Sensors {
-        accel: SensorSpec::Estimator(estimator),
-        ..
-    } = spec.parse().unwrap()
-    else {
+    let NoiseSpec::Sensors { accel: SensorSpec::Estimator(estimator), .. } = spec.parse().unwrap() else {
         panic!("{spec} is no estimator")
     };
     estimator.for_windows(SAMPLES).unwrap()
 }
 
 fn white(window: u64, sigma: f64) -> Vec<f64> {
-    let mut rng = Stream::new(8)
-        .named("estimate")
-        .named("white")
-        .index(window)
-        .rng();
-    (0..SAMPLES)
-        .map(|_| sigma * rng.sample::<f64, _>(StandardNormal))
-        .collect()
+    let mut rng = Stream::new(8).named("estimate").named("white").index(window).rng();
+    (0..SAMPLES).map(|_| sigma * rng.sample::<f64, _>(StandardNormal)).collect()
 }
 
 /// Spread over the Cramer-Rao bound under white noise, 200 samples; the table of `estimate`'s opening text.
@@ -101,24 +91,11 @@ fn the_exact_spread_of_the_quadratic_estimators_is_the_measured_one() {
 
 #[test]
 fn other_window_lengths_than_the_designed_one_are_unbiased_too() {
-    for spec in [
-        "sg(11,2)",
-        "diff2",
-        "allan",
-        "mad2",
-        "wavelet",
-        "ewma(0.1)",
-        "kalman",
-        "running",
-    ] {
+    for spec in ["sg(11,2)", "diff2", "allan", "mad2", "wavelet", "ewma(0.1)", "kalman", "running"] {
         let estimator = estimator(spec);
         let answers: Vec<f64> = (0..600).map(|w| estimator.sigma(&white(w, 1.0)[..40])).collect();
         let error = deviation(&answers, Ddof::One) / (answers.len() as f64).sqrt();
-        assert!(
-            (mean(&answers) - 1.0).abs() < 3.0 * error,
-            "{spec}: {} +- {error}",
-            mean(&answers)
-        );
+        assert!((mean(&answers) - 1.0).abs() < 3.0 * error, "{spec}: {} +- {error}", mean(&answers));
     }
 }
 
@@ -127,14 +104,8 @@ fn a_constant_window_gives_zero_and_a_short_one_nan() {
     for spec in EstimatorSpec::all() {
         let estimator = spec.for_windows(SAMPLES).unwrap();
         assert!(estimator.sigma(&[9.81; SAMPLES]).abs() < 1e-13, "{spec}");
-        assert!(
-            estimator.sigma(&vec![9.81; estimator.min_len() - 1]).is_nan(),
-            "{spec}"
-        );
-        assert!(
-            estimator.sigma(&vec![9.81; estimator.min_len()]).is_finite(),
-            "{spec}"
-        );
+        assert!(estimator.sigma(&vec![9.81; estimator.min_len() - 1]).is_nan(), "{spec}");
+        assert!(estimator.sigma(&vec![9.81; estimator.min_len()]).is_finite(), "{spec}");
     }
 }
 
@@ -185,11 +156,7 @@ proptest! {
 
 #[test]
 fn a_steep_slope_moves_those_that_promise_nothing() {
-    let x: Vec<f64> = white(0, 1.0)
-        .iter()
-        .enumerate()
-        .map(|(i, v)| v + i as f64)
-        .collect();
+    let x: Vec<f64> = white(0, 1.0).iter().enumerate().map(|(i, v)| v + i as f64).collect();
     assert!(Allan::new(SAMPLES).unwrap().sigma(&x) > 1.15);
     for spec in ["running", "sliding", "ewma", "kalman"] {
         assert!(estimator(spec).sigma(&x) > 1.5, "{spec}");

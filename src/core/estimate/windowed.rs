@@ -59,13 +59,7 @@ impl Windowed {
         accel: [Box<dyn AxisSigma>; 3],
         gyro: [Box<dyn AxisSigma>; 3],
     ) -> Self {
-        Self {
-            name: name.into(),
-            accel,
-            gyro,
-            fallback_samples: 0,
-            floored_samples: 0,
-        }
+        Self { name: name.into(), accel, gyro, fallback_samples: 0, floored_samples: 0 }
     }
 
     /// Samples since the last reset at which an axis stood below the floor and was raised.
@@ -128,10 +122,7 @@ impl NoiseModel for Windowed {
     }
 
     fn reset(&mut self) {
-        self.accel
-            .iter_mut()
-            .chain(&mut self.gyro)
-            .for_each(|axis| axis.reset());
+        self.accel.iter_mut().chain(&mut self.gyro).for_each(|axis| axis.reset());
         self.fallback_samples = 0;
         self.floored_samples = 0;
     }
@@ -165,10 +156,7 @@ mod tests {
     }
 
     fn model(spec: &str) -> Box<dyn NoiseModel> {
-        spec.parse::<NoiseSpec>()
-            .unwrap()
-            .model(Schedule::default())
-            .unwrap()
+        spec.parse::<NoiseSpec>().unwrap().model(Schedule::default()).unwrap()
     }
 
     const EVERY_KIND: [&str; 12] = [
@@ -195,10 +183,7 @@ mod tests {
         for spec in EVERY_KIND {
             let mut model = model(spec);
             let track = NoiseTrack::of(model.as_mut(), &recording(300));
-            assert!(
-                track.noises()[..199].iter().all(|n| *n == ImuNoise::baseline()),
-                "{spec}"
-            );
+            assert!(track.noises()[..199].iter().all(|n| *n == ImuNoise::baseline()), "{spec}");
             assert_ne!(track.noises()[199], ImuNoise::baseline(), "{spec}");
             assert_eq!(model.fallback_samples(), 199, "{spec}");
         }
@@ -230,9 +215,6 @@ mod tests {
     #[test]
     fn given_figures_are_not_raised_to_the_floor() {
         let noise = model("const(1e-6,1e-8)").feed(&recording(2).samples()[0]);
-        assert_eq!(
-            (noise.of(Sensor::Accel), noise.of(Sensor::Gyro)),
-            ([1e-6; 3], [1e-8; 3])
-        );
+        assert_eq!((noise.of(Sensor::Accel), noise.of(Sensor::Gyro)), ([1e-6; 3], [1e-8; 3]));
     }
 }

@@ -13,10 +13,7 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// A folder that cannot be made or written to, a full disk, whatever `fill` returns; all as [`IoError::Write`] with `path`.
 pub fn atomic_write(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), IoError> {
-    write(path, fill).map_err(|source| IoError::Write {
-        path: path.to_path_buf(),
-        source,
-    })
+    write(path, fill).map_err(|source| IoError::Write { path: path.to_path_buf(), source })
 }
 
 fn write(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
@@ -60,10 +57,8 @@ mod tests {
     use super::*;
 
     fn files(dir: &Path) -> Vec<String> {
-        let mut names: Vec<_> = fs::read_dir(dir)
-            .unwrap()
-            .map(|e| e.unwrap().file_name().into_string().unwrap())
-            .collect();
+        let mut names: Vec<_> =
+            fs::read_dir(dir).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();
         names
     }
@@ -106,11 +101,8 @@ mod tests {
     fn a_link_stays_a_link_and_the_mode_is_a_plain_files() {
         use std::os::unix::fs::PermissionsExt;
         let dir = tempfile::tempdir().unwrap();
-        let (plain, target, link) = (
-            dir.path().join("plain"),
-            dir.path().join("target"),
-            dir.path().join("link"),
-        );
+        let (plain, target, link) =
+            (dir.path().join("plain"), dir.path().join("target"), dir.path().join("link"));
         fs::write(&plain, "").unwrap();
         fs::write(&target, "old").unwrap();
         std::os::unix::fs::symlink(&target, &link).unwrap();

@@ -23,12 +23,7 @@ pub struct CheckOptions {
 impl Default for CheckOptions {
     /// No expected rate (1 % once one is set), two samples, gaps from 1.5 periods on.
     fn default() -> Self {
-        Self {
-            expected_rate: None,
-            rate_tolerance: 0.01,
-            min_samples: 2,
-            gap_periods: 1.5,
-        }
+        Self { expected_rate: None, rate_tolerance: 0.01, min_samples: 2, gap_periods: 1.5 }
     }
 }
 
@@ -144,18 +139,12 @@ pub fn check(recording: &ImuRecording, options: &CheckOptions) -> Findings {
     let rate = recording.rate();
     let mut faults = Vec::new();
     if recording.len() < options.min_samples {
-        faults.push(RecordingFault::TooShort {
-            found: recording.len(),
-            needed: options.min_samples,
-        });
+        faults.push(RecordingFault::TooShort { found: recording.len(), needed: options.min_samples });
     }
     if let Some(expected) = options.expected_rate
         && (rate.hz() / expected.hz() - 1.0).abs() > options.rate_tolerance
     {
-        faults.push(RecordingFault::WrongRate {
-            found_hz: rate.hz(),
-            expected_hz: expected.hz(),
-        });
+        faults.push(RecordingFault::WrongRate { found_hz: rate.hz(), expected_hz: expected.hz() });
     }
     let gaps = gaps(recording, rate.period() * options.gap_periods);
     if let Some(longest) = gaps.iter().max_by(|a, b| a.seconds.total_cmp(&b.seconds)) {
@@ -171,11 +160,7 @@ pub fn check(recording: &ImuRecording, options: &CheckOptions) -> Findings {
         for axis in 0..3 {
             let signal = recording.axis(sensor, axis);
             if signal.iter().all(|v| *v == signal[0]) {
-                constant.push(RecordingFault::Constant {
-                    sensor,
-                    axis,
-                    value: signal[0],
-                });
+                constant.push(RecordingFault::Constant { sensor, axis, value: signal[0] });
                 continue;
             }
             for plateau in plateaus(&signal) {
@@ -199,11 +184,7 @@ fn gaps(recording: &ImuRecording, longer_than: f64) -> Vec<Gap> {
     pairs
         .filter_map(|(index, pair)| {
             let seconds = pair[1].t.seconds_since(pair[0].t);
-            (seconds > longer_than).then_some(Gap {
-                index,
-                after: pair[0].t,
-                seconds,
-            })
+            (seconds > longer_than).then_some(Gap { index, after: pair[0].t, seconds })
         })
         .collect()
 }
@@ -268,20 +249,12 @@ mod tests {
             sample.accel[2] += 30.0 * (sample.t.ns() as f64 * 1e-9 * 40.0).sin();
             sample.accel[2] = sample.accel[2].min(20.0);
         }
-        let said: Vec<_> = faults(samples, &CheckOptions::default())
-            .iter()
-            .map(ToString::to_string)
-            .collect();
+        let said: Vec<_> =
+            faults(samples, &CheckOptions::default()).iter().map(ToString::to_string).collect();
         assert_eq!(said.len(), 2, "{said:?}");
-        assert!(
-            said[0].starts_with("accel z is saturated: it stays at 20 m/s^2 for 1"),
-            "{said:?}"
-        );
+        assert!(said[0].starts_with("accel z is saturated: it stays at 20 m/s^2 for 1"), "{said:?}");
         assert!(said[0].ends_with("first at 10000000 ns"), "{said:?}");
-        assert!(
-            said[1].starts_with("gyro y is saturated: it stays at -0.2"),
-            "{said:?}"
-        );
+        assert!(said[1].starts_with("gyro y is saturated: it stays at -0.2"), "{said:?}");
     }
 
     #[test]

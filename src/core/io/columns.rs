@@ -50,14 +50,18 @@ pub enum AccelUnit {
     /// Standard gravity, 9.80665 m/s^2.
     #[serde(rename = "g")]
     StandardGravity,
+    /// A thousandth of standard gravity.
+    #[serde(rename = "mg")]
+    MilliGravity,
 }
 
 impl AccelUnit {
-    /// `"m/s^2"` or `"g"`.
+    /// `"m/s^2"`, `"g"` or `"mg"`.
     pub fn name(self) -> &'static str {
         match self {
             Self::MetrePerSecond2 => "m/s^2",
             Self::StandardGravity => "g",
+            Self::MilliGravity => "mg",
         }
     }
 
@@ -66,6 +70,7 @@ impl AccelUnit {
         match self {
             Self::MetrePerSecond2 => 1.0,
             Self::StandardGravity => STANDARD_GRAVITY,
+            Self::MilliGravity => STANDARD_GRAVITY * 1e-3,
         }
     }
 }
@@ -83,11 +88,7 @@ pub struct ImuColumns {
 
 impl ImuColumns {
     /// ASL's order: stamp, gyroscope x y z, accelerometer x y z.
-    pub const ASL: Self = Self {
-        time: 0,
-        gyro: [1, 2, 3],
-        accel: [4, 5, 6],
-    };
+    pub const ASL: Self = Self { time: 0, gyro: [1, 2, 3], accel: [4, 5, 6] };
 }
 
 /// What a header says: columns, and units where it names them.
@@ -105,12 +106,7 @@ pub(crate) struct Named {
 /// A column that is missing or named twice; a unit that is not known, or differs between axes.
 pub(crate) fn from_header(header: &Header, path: &Path) -> Result<Named, IoError> {
     let mut found = [None; 7];
-    let mut named = Named {
-        columns: ImuColumns::ASL,
-        time: None,
-        gyro: None,
-        accel: None,
-    };
+    let mut named = Named { columns: ImuColumns::ASL, time: None, gyro: None, accel: None };
     for (index, name) in header.names.iter().enumerate() {
         let Some((slot, unit)) = meaning(name) else {
             continue;
@@ -142,7 +138,7 @@ pub(crate) fn from_header(header: &Header, path: &Path) -> Result<Named, IoError
                 known: match slot {
                     0 => "s, ms, us, ns",
                     1..=3 => "rad/s, deg/s (the same for all axes)",
-                    _ => "m/s^2, g (the same for all axes)",
+                    _ => "m/s^2, g, mg (the same for all axes)",
                 },
             });
         }
@@ -151,11 +147,7 @@ pub(crate) fn from_header(header: &Header, path: &Path) -> Result<Named, IoError
     for ((at, found), slot) in at.iter_mut().zip(found).zip(SLOTS) {
         *at = found.ok_or_else(|| missing(header, path, slot))?;
     }
-    named.columns = ImuColumns {
-        time: at[0],
-        gyro: [at[1], at[2], at[3]],
-        accel: [at[4], at[5], at[6]],
-    };
+    named.columns = ImuColumns { time: at[0], gyro: [at[1], at[2], at[3]], accel: [at[4], at[5], at[6]] };
     Ok(named)
 }
 
@@ -166,29 +158,13 @@ pub(crate) fn missing(header: &Header, path: &Path, column: &str) -> IoError {
         found.truncate(cut);
         found.push_str("...");
     }
-    IoError::MissingColumn {
-        path: path.to_path_buf(),
-        line: header.line,
-        column: column.to_owned(),
-        found,
-    }
+    IoError::MissingColumn { path: path.to_path_buf(), line: header.line, column: column.to_owned(), found }
 }
 
 /// What the seven columns are called in messages.
-pub(crate) const SLOTS: [&str; 7] = [
-    "time", "gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z",
-];
+pub(crate) const SLOTS: [&str; 7] = ["time", "gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z"];
 
-const TIME: [&str; 8] = [
-    "t",
-    "time",
-    "timestamp",
-    "timestamps",
-    "stamp",
-    "unixtime",
-    "epoch",
-    "headerstamp",
-];
+const TIME: [&str; 8] = ["t", "time", "timestamp", "timestamps", "stamp", "unixtime", "epoch", "headerstamp"];
 const GYRO: [&str; 11] = [
     "w",
     "wrss",
@@ -251,11 +227,7 @@ fn meaning(name: &str) -> Option<(usize, String)> {
 
 /// Lower case, letters and digits only; a degree sign is spelt out.
 fn reduced(text: &str) -> String {
-    text.replace('°', "deg")
-        .chars()
-        .filter(|c| c.is_alphanumeric())
-        .flat_map(char::to_lowercase)
-        .collect()
+    text.replace('°', "deg").chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
 fn slot_of(name: &str) -> Option<usize> {
@@ -302,6 +274,7 @@ fn accel_unit(unit: &str) -> Option<AccelUnit> {
     match unit {
         "ms2" | "mss" | "mps2" | "msec2" | "mpers2" | "ms²" => Some(AccelUnit::MetrePerSecond2),
         "g" => Some(AccelUnit::StandardGravity),
+        "mg" => Some(AccelUnit::MilliGravity),
         _ => None,
     }
 }
@@ -311,10 +284,7 @@ mod tests {
     use super::*;
 
     fn named(names: &str) -> Result<Named, IoError> {
-        let header = Header {
-            line: 1,
-            names: names.split(',').map(|n| n.trim().to_owned()).collect(),
-        };
+        let header = Header { line: 1, names: names.split(',').map(|n| n.trim().to_owned()).collect() };
         from_header(&header, Path::new("f.csv"))
     }
 
@@ -338,11 +308,7 @@ mod tests {
         assert_eq!(
             phone,
             Named {
-                columns: ImuColumns {
-                    time: 7,
-                    gyro: [3, 4, 5],
-                    accel: [0, 1, 2]
-                },
+                columns: ImuColumns { time: 7, gyro: [3, 4, 5], accel: [0, 1, 2] },
                 time: Some(TimeUnit::Micros),
                 gyro: Some(GyroUnit::DegPerSecond),
                 accel: Some(AccelUnit::StandardGravity),
@@ -359,10 +325,7 @@ mod tests {
         assert_eq!(ros.time, None);
         let long =
             named("t_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,acc_x_m_s_2,acc_y_m_s_2,acc_z_m_s_2").unwrap();
-        assert_eq!(
-            (long.time, long.accel),
-            (Some(TimeUnit::Seconds), Some(AccelUnit::MetrePerSecond2))
-        );
+        assert_eq!((long.time, long.accel), (Some(TimeUnit::Seconds), Some(AccelUnit::MetrePerSecond2)));
     }
 
     #[test]
@@ -372,10 +335,7 @@ mod tests {
             case("t,gx,gy,gz,ax,ay"),
             "f.csv:1: no column `accel_z`; the header names t, gx, gy, gz, ax, ay"
         );
-        assert_eq!(
-            case("t,time,gx,gy,gz,ax,ay,az"),
-            "f.csv:1: columns 1 and 2 both read as `time`"
-        );
+        assert_eq!(case("t,time,gx,gy,gz,ax,ay,az"), "f.csv:1: columns 1 and 2 both read as `time`");
         assert!(case("t,gx [mdps],gy,gz,ax,ay,az").contains("has the unit \"mdps\"; known are rad/s, deg/s"));
         assert!(case("t,gx [dps],gy [rad/s],gz,ax,ay,az").contains("the same for all axes"));
     }

@@ -205,6 +205,43 @@ pub enum IoError {
         /// What stands there.
         value: f64,
     },
+    /// A count or a name that is no whole number from 0.
+    #[error("{}:{line}: {column} is \"{text}\", not a whole number from 0", path.display())]
+    NotWhole {
+        /// The file.
+        path: PathBuf,
+        /// The row's line.
+        line: usize,
+        /// What should stand there.
+        column: String,
+        /// What stands there, shortened.
+        text: String,
+    },
+    /// A frame of tracks whose count disagrees with the tracks after it.
+    #[error(
+        "{}:{line}: the frame says {said} tracks ({} fields: id u v), but {found} fields follow",
+        path.display(), u128::from(*said) * 3
+    )]
+    TrackCount {
+        /// The file.
+        path: PathBuf,
+        /// The frame's line.
+        line: usize,
+        /// How many tracks it says it has.
+        said: u64,
+        /// How many fields follow the count.
+        found: usize,
+    },
+    /// An id that one frame holds twice.
+    #[error("{}:{line}: track {id} is there twice in one frame", path.display())]
+    TrackTwice {
+        /// The file.
+        path: PathBuf,
+        /// The frame's line.
+        line: usize,
+        /// The id.
+        id: u64,
+    },
     /// A YAML file that cannot be read or lacks a key.
     #[error("{}: {message}", at(path, *line))]
     BadYaml {
@@ -286,6 +323,10 @@ impl IoError {
                 "look at the order: ASL has w x y z, TUM has x y z w after the position"
             }
             Self::BadNoise { .. } => "standard deviations are zero or more; mend the line",
+            Self::NotWhole { .. } | Self::TrackCount { .. } => {
+                "a frame is one line: stamp_ns n, then n times id u v; mend or delete the line"
+            }
+            Self::TrackTwice { .. } => "an id names one point; make the file again, or delete one of the two",
             Self::BadYaml { .. } | Self::BadKey { .. } => {
                 "compare with an ASL sensor.yaml; without the file the caller's defaults hold"
             }
@@ -296,14 +337,8 @@ impl IoError {
 
 /// Names the nearest folder above `path` that is there.
 fn missing_hint(path: &Path) -> Option<String> {
-    let there = path
-        .ancestors()
-        .skip(1)
-        .find(|p| !p.as_os_str().is_empty() && p.exists())?;
-    Some(format!(
-        "{} is there; look at the rest of the path",
-        there.display()
-    ))
+    let there = path.ancestors().skip(1).find(|p| !p.as_os_str().is_empty() && p.exists())?;
+    Some(format!("{} is there; look at the rest of the path", there.display()))
 }
 
 #[cfg(test)]
@@ -317,23 +352,14 @@ mod tests {
         let error = IoError::reading(&path, io::ErrorKind::NotFound.into());
         assert!(error.to_string().ends_with("no/such does not exist"), "{error}");
         let hint = error.hint().unwrap();
-        assert!(
-            hint.starts_with(&format!("{} is there", dir.path().display())),
-            "{hint}"
-        );
+        assert!(hint.starts_with(&format!("{} is there", dir.path().display())), "{hint}");
     }
 
     #[test]
     fn a_full_disk_is_told_from_a_missing_right() {
         let path = PathBuf::from("out.csv");
-        let full = IoError::Write {
-            path: path.clone(),
-            source: io::ErrorKind::StorageFull.into(),
-        };
-        let denied = IoError::Write {
-            path,
-            source: io::ErrorKind::PermissionDenied.into(),
-        };
+        let full = IoError::Write { path: path.clone(), source: io::ErrorKind::StorageFull.into() };
+        let denied = IoError::Write { path, source: io::ErrorKind::PermissionDenied.into() };
         assert!(full.hint().unwrap().contains("disk is full"));
         assert!(denied.hint().unwrap().contains("right to write"));
     }

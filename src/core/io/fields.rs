@@ -10,10 +10,7 @@ pub(super) enum Delimiter {
 impl Delimiter {
     /// The one that `line` uses.
     pub(super) fn of(line: &[u8]) -> Self {
-        [b',', b';', b'\t']
-            .into_iter()
-            .find(|d| line.contains(d))
-            .map_or(Self::Blanks, Self::Byte)
+        [b',', b';', b'\t'].into_iter().find(|d| line.contains(d)).map_or(Self::Blanks, Self::Byte)
     }
 
     /// Puts the fields of `line` into `fields`.
@@ -32,11 +29,7 @@ impl Delimiter {
                 }
             }
             Self::Blanks => {
-                fields.extend(
-                    line.split(u8::is_ascii_whitespace)
-                        .filter(|f| !f.is_empty())
-                        .map(bare),
-                );
+                fields.extend(line.split(u8::is_ascii_whitespace).filter(|f| !f.is_empty()).map(bare));
             }
         }
     }
@@ -79,9 +72,7 @@ pub(super) fn is_number(field: &[u8]) -> bool {
 pub(super) fn names_time(field: &[u8]) -> bool {
     let lower = field.to_ascii_lowercase();
     [&b"t"[..], b"t_ns", b"t_s"].contains(&lower.as_slice())
-        || [&b"time"[..], b"stamp", b"#time"]
-            .iter()
-            .any(|p| lower.starts_with(p))
+        || [&b"time"[..], b"stamp", b"#time"].iter().any(|p| lower.starts_with(p))
 }
 
 /// A field for a message: printable and short.

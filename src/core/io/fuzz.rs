@@ -2,7 +2,7 @@
 
 use super::asl::{camera, ground_truth, imu_config};
 use super::imu_csv::{CsvOptions, parse_imu_csv};
-use super::{AccelUnit, GyroUnit, ImuColumns, IoError, TimeUnit, noise_csv, tum};
+use super::{AccelUnit, GyroUnit, ImuColumns, IoError, TimeUnit, noise_csv, tracks, tum};
 use crate::random::{Stream, StreamRng};
 use rand::Rng;
 use std::path::Path;
@@ -18,16 +18,15 @@ const TUM: &[u8] = b"# t x y z qx qy qz qw\n1403636625.363555670 -0.08 -0.085 0.
 const NOISE: &[u8] =
     b"#timestamp [ns],accel_std_x [m s^-2],accel_std_y [m s^-2],accel_std_z [m s^-2],gyro_std_x [rad s^-1],\
     gyro_std_y [rad s^-1],gyro_std_z [rad s^-1]\n5,.1,.1,.1,.01,.01,.01\n10,.1,.2,.1,.01,.01,.02\n";
+const TRACKS: &[u8] =
+    b"1403715273262142976 3 0 643.97 225.50 1 57.02 192.62 2 175.68 114.94\n1403715273362142976 0\n\
+    1403715273462142976 2 2 88.00 81.31 5 162.24 158.22\n";
 
 /// Feeds every reader; an error must say something, in one line, and a hint must too.
 fn feed(bytes: &[u8]) {
     let path = Path::new("fuzz");
     let columns = CsvOptions {
-        columns: Some(ImuColumns {
-            time: 6,
-            gyro: [0, 1, 2],
-            accel: [3, 4, 900],
-        }),
+        columns: Some(ImuColumns { time: 6, gyro: [0, 1, 2], accel: [3, 4, 900] }),
         time: Some(TimeUnit::Seconds),
         gyro: Some(GyroUnit::DegPerSecond),
         accel: Some(AccelUnit::StandardGravity),
@@ -42,6 +41,7 @@ fn feed(bytes: &[u8]) {
         ground_truth::parse(bytes, path).err(),
         tum::parse(bytes, path).err(),
         noise_csv::parse(bytes, path).err(),
+        tracks::parse(bytes, path).err(),
     ];
     for error in errors.iter().flatten() {
         let said = error.to_string();
@@ -113,9 +113,7 @@ fn random_bytes_panic_no_reader() {
         let bytes: Vec<u8> = if case % 3 == 0 {
             (0..length).map(|_| rng.random()).collect()
         } else {
-            (0..length)
-                .map(|_| LETTERS[rng.random_range(0..LETTERS.len())])
-                .collect()
+            (0..length).map(|_| LETTERS[rng.random_range(0..LETTERS.len())]).collect()
         };
         feed(&bytes);
     }
@@ -123,7 +121,7 @@ fn random_bytes_panic_no_reader() {
 
 #[test]
 fn damaged_files_panic_no_reader() {
-    let files = [IMU, IMU_YAML, CAM_YAML, FRAMES, TRUTH, TUM, NOISE];
+    let files = [IMU, IMU_YAML, CAM_YAML, FRAMES, TRUTH, TUM, NOISE, TRACKS];
     for case in 0..4000 {
         let mut rng = Stream::new(1).named("fuzz").named("damaged").index(case).rng();
         let mut bytes = excerpt(files[rng.random_range(0..files.len())], &mut rng);
@@ -140,9 +138,6 @@ fn a_row_cut_anywhere_but_in_its_last_field_is_an_error_with_its_line() {
     let last_field = last.iter().rposition(|b| *b == b',').unwrap();
     for cut in 1..=last_field {
         let error = super::asl::parse_imu(&whole[..head + cut], Path::new("f")).unwrap_err();
-        assert!(
-            matches!(error, IoError::FieldCount { line: 4, .. }),
-            "{cut}: {error}"
-        );
+        assert!(matches!(error, IoError::FieldCount { line: 4, .. }), "{cut}: {error}");
     }
 }

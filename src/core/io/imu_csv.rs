@@ -94,69 +94,42 @@ pub(crate) fn parse_with(
         _ => None,
     };
     let columns = match (options.columns, named) {
-        (Some(value), _) => Settled {
-            value,
-            origin: Origin::Given,
-        },
-        (None, Some(named)) => Settled {
-            value: named.columns,
-            origin: Origin::Header,
-        },
-        (None, None) if rows.width() < 7 => {
-            return Err(IoError::UnknownLayout {
-                path: path.to_path_buf(),
-                line: rows.line() + 1,
-                found: rows.width(),
-                expected: "at least 7 (stamp, gyroscope x y z, accelerometer x y z)",
-            });
-        }
-        (None, None) => Settled {
-            value: ImuColumns::ASL,
-            origin: Origin::Assumed,
-        },
+        (Some(value), _) => Settled { value, origin: Origin::Given },
+        (None, Some(named)) => Settled { value: named.columns, origin: Origin::Header },
+        (None, None) if rows.width() < 7 => return Err(unknown_layout(&rows, path)),
+        (None, None) => Settled { value: ImuColumns::ASL, origin: Origin::Assumed },
     };
     let time = match (first_said(options.time, named.and_then(|n| n.time)), assumed_time) {
         (Some(said), _) => said,
-        (None, Some(value)) => Settled {
-            value,
-            origin: Origin::Assumed,
-        },
+        (None, Some(value)) => Settled { value, origin: Origin::Assumed },
         (None, None) => Settled {
-            value: guess_time_unit(bytes, path, columns.value.time)?,
+            value: guess_time_unit(bytes, path, columns.value.time, false)?,
             origin: Origin::Guessed,
         },
     };
-    let gyro = first_said(options.gyro, named.and_then(|n| n.gyro)).unwrap_or(Settled {
-        value: GyroUnit::RadPerSecond,
-        origin: Origin::Assumed,
-    });
-    let accel = first_said(options.accel, named.and_then(|n| n.accel)).unwrap_or(Settled {
-        value: AccelUnit::MetrePerSecond2,
-        origin: Origin::Assumed,
-    });
+    let gyro = first_said(options.gyro, named.and_then(|n| n.gyro))
+        .unwrap_or(Settled { value: GyroUnit::RadPerSecond, origin: Origin::Assumed });
+    let accel = first_said(options.accel, named.and_then(|n| n.accel))
+        .unwrap_or(Settled { value: AccelUnit::MetrePerSecond2, origin: Origin::Assumed });
     let factors = (gyro.value.factor(), accel.value.factor());
     let samples = samples(&mut rows, &columns.value, time.value, factors)?;
-    Ok(ImuLog {
-        recording: recording(samples, path)?,
-        columns,
-        time,
-        gyro,
-        accel,
-    })
+    Ok(ImuLog { recording: recording(samples, path)?, columns, time, gyro, accel })
 }
 
-fn first_said<T>(given: Option<T>, header: Option<T>) -> Option<Settled<T>> {
+/// The error for rows that are too narrow.
+pub(super) fn unknown_layout(rows: &Rows<'_>, path: &Path) -> IoError {
+    IoError::UnknownLayout {
+        path: path.to_path_buf(),
+        line: rows.line() + 1,
+        found: rows.width(),
+        expected: "at least 7 (stamp, gyroscope x y z, accelerometer x y z)",
+    }
+}
+
+pub(super) fn first_said<T>(given: Option<T>, header: Option<T>) -> Option<Settled<T>> {
     given
-        .map(|value| Settled {
-            value,
-            origin: Origin::Given,
-        })
-        .or_else(|| {
-            header.map(|value| Settled {
-                value,
-                origin: Origin::Header,
-            })
-        })
+        .map(|value| Settled { value, origin: Origin::Given })
+        .or_else(|| header.map(|value| Settled { value, origin: Origin::Header }))
 }
 
 fn samples(
@@ -185,25 +158,29 @@ fn samples(
 /// Takes samples already checked row by row, so that only their number can be wrong.
 fn recording(samples: Vec<ImuSample>, path: &Path) -> Result<ImuRecording, IoError> {
     let found = samples.len();
-    ImuRecording::new(samples).map_err(|_| IoError::TooShort {
-        path: path.to_path_buf(),
-        found,
-    })
+    ImuRecording::new(samples).map_err(|_| IoError::TooShort { path: path.to_path_buf(), found })
 }
 
-/// Tells the unit of time from the first thousand stamps.
-fn guess_time_unit(bytes: &[u8], path: &Path, column: usize) -> Result<TimeUnit, IoError> {
+/// Tells the unit of time from the first thousand stamps; `loose` passes over rows that cannot be read.
+pub(super) fn guess_time_unit(
+    bytes: &[u8],
+    path: &Path,
+    column: usize,
+    loose: bool,
+) -> Result<TimeUnit, IoError> {
     const ROWS: usize = 1000;
     let mut rows = Rows::open(bytes, path)?;
     let mut stamps = Vec::with_capacity(ROWS);
-    while stamps.len() < ROWS && rows.advance()? {
-        stamps.push(rows.number(column, SLOTS[0])?);
+    while stamps.len() < ROWS {
+        match rows.advance().and_then(|more| more.then(|| rows.number(column, SLOTS[0])).transpose()) {
+            Ok(None) => break,
+            Ok(Some(stamp)) => stamps.push(stamp),
+            Err(error) if !loose => return Err(error),
+            Err(_) => {}
+        }
     }
     let [first, _, ..] = stamps[..] else {
-        return Err(IoError::TooShort {
-            path: path.to_path_buf(),
-            found: stamps.len(),
-        });
+        return Err(IoError::TooShort { path: path.to_path_buf(), found: stamps.len() });
     };
     let mut steps: Vec<f64> = stamps.windows(2).map(|w| w[1] - w[0]).collect();
     let middle = steps.len() / 2;
@@ -216,11 +193,7 @@ fn guess_time_unit(bytes: &[u8], path: &Path, column: usize) -> Result<TimeUnit,
         .into_iter()
         .find(since_1970)
         .or_else(|| TimeUnit::ALL.into_iter().find(between))
-        .ok_or_else(|| IoError::UnknownTimeUnit {
-            path: path.to_path_buf(),
-            first,
-            step,
-        })
+        .ok_or_else(|| IoError::UnknownTimeUnit { path: path.to_path_buf(), first, step })
 }
 
 #[cfg(test)]
@@ -234,9 +207,7 @@ mod tests {
 
     /// Ten rows of ASL's order with stamps `start + i * step`, to as many digits as `start` and `step` need.
     fn stamped(start: f64, step: f64) -> String {
-        (0..10)
-            .map(|i| format!("{:.6},1,2,3,4,5,6\n", start + f64::from(i) * step))
-            .collect()
+        (0..10).map(|i| format!("{:.6},1,2,3,4,5,6\n", start + f64::from(i) * step)).collect()
     }
 
     #[test]
@@ -255,10 +226,7 @@ mod tests {
         ];
         for (start, step, unit) in cases {
             let log = case(&stamped(start, step), &CsvOptions::default()).unwrap();
-            let expected = Settled {
-                value: unit,
-                origin: Origin::Guessed,
-            };
+            let expected = Settled { value: unit, origin: Origin::Guessed };
             assert_eq!(log.time, expected, "from {start} by {step}");
         }
         let error = case(&stamped(0.0, 1e9), &CsvOptions::default()).unwrap_err();
@@ -274,13 +242,7 @@ mod tests {
         assert_eq!(first.t, Stamp::from_ns(500_000_000));
         assert_eq!(first.accel, [0.0, 0.0, 9.80665]);
         assert!((first.gyro[0] - std::f64::consts::PI).abs() < 1e-15);
-        assert_eq!(
-            log.gyro,
-            Settled {
-                value: GyroUnit::DegPerSecond,
-                origin: Origin::Header
-            }
-        );
+        assert_eq!(log.gyro, Settled { value: GyroUnit::DegPerSecond, origin: Origin::Header });
 
         let given = CsvOptions {
             time: Some(TimeUnit::Millis),
@@ -295,22 +257,13 @@ mod tests {
 
     #[test]
     fn columns_can_be_listed_and_are_checked_against_the_rows() {
-        let columns = ImuColumns {
-            time: 7,
-            gyro: [4, 5, 6],
-            accel: [1, 2, 3],
-        };
-        let options = CsvOptions {
-            columns: Some(columns),
-            ..CsvOptions::default()
-        };
+        let columns = ImuColumns { time: 7, gyro: [4, 5, 6], accel: [1, 2, 3] };
+        let options = CsvOptions { columns: Some(columns), ..CsvOptions::default() };
         let log = case("9,1,2,3,4,5,6,0.000\n9,1,2,3,4,5,6,0.005\n", &options).unwrap();
         assert_eq!(log.recording.samples()[1].gyro, [4.0, 5.0, 6.0]);
         let error = case("1,2,3\n2,2,3\n", &options).unwrap_err().to_string();
         assert_eq!(error, "log.csv:1: 3 fields, expected 8");
-        let error = case("1,2,3\n2,2,3\n", &CsvOptions::default())
-            .unwrap_err()
-            .to_string();
+        let error = case("1,2,3\n2,2,3\n", &CsvOptions::default()).unwrap_err().to_string();
         assert!(error.starts_with("log.csv:1: 3 columns; at least 7"), "{error}");
     }
 
@@ -322,14 +275,8 @@ mod tests {
                 .to_string(),
             "log.csv:4: time goes from 15000000 to 12000000 ns; stamps must increase"
         );
-        assert!(matches!(
-            error("1,1,2,3,4,5,6\n"),
-            IoError::TooShort { found: 1, .. }
-        ));
-        let g = CsvOptions {
-            accel: Some(AccelUnit::StandardGravity),
-            ..CsvOptions::default()
-        };
+        assert!(matches!(error("1,1,2,3,4,5,6\n"), IoError::TooShort { found: 1, .. }));
+        let g = CsvOptions { accel: Some(AccelUnit::StandardGravity), ..CsvOptions::default() };
         let error = case("0.1,1,2,3,4,5,6\n0.105,1,2,3,4,5,1.7e308\n", &g).unwrap_err();
         assert!(matches!(error, IoError::NotFinite { line: 2, .. }), "{error}");
     }

@@ -1,13 +1,16 @@
 //! Readers and writers of the formats at the border.
 //!
 //! * [`asl`]: EuRoC and TUM-VI folders; [`asl::discover`] lists the sequences under a folder.
-//! * [`read_imu_csv`]: plain CSV logs, columns by header or by list.
+//! * [`read_imu_csv`]: plain CSV logs, columns by header or by list; [`read_imu_csv_loosely`] uses what it can of anybody's.
+//! * [`ImuLines`]: the same line by line, as they come.
+//! * [`Sieve`]: keeps of somebody's samples what a recording may hold.
 //! * [`read_tum`], [`write_tum`]: trajectories, as evo reads them.
+//! * [`read_tracks`], [`write_tracks`]: camera tracks.
 //! * [`read_noise_track`], [`write_noise_track`]: noise tracks.
 //! * [`check()`]: the health of what was read.
 //! * [`atomic_write`]: files that are there in full or not at all.
 //!
-//! A reader checks every row and skips none: what it returns is finite, in SI units and in increasing time, and what is wrong is an
+//! A reader checks every row, and all but the loose one skip none: what it returns is finite, in SI units and in increasing time, and what is wrong is an
 //! [`IoError`] with file, line and a [hint](IoError::hint). No reader panics, whatever the bytes.
 
 pub mod asl;
@@ -19,13 +22,18 @@ mod error;
 mod fields;
 #[cfg(test)]
 mod fuzz;
+mod guess;
 mod imu_csv;
+mod imu_lines;
+mod loose_csv;
 mod noise_csv;
 mod plateaus;
 mod pose;
 #[cfg(test)]
 mod recordings;
 mod rows;
+mod sieve;
+mod tracks;
 mod tum;
 
 pub use atomic::atomic_write;
@@ -34,5 +42,9 @@ pub use columns::{AccelUnit, GyroUnit, ImuColumns};
 pub use decimal::TimeUnit;
 pub use error::IoError;
 pub use imu_csv::{CsvOptions, ImuLog, Origin, Settled, parse_imu_csv, read_imu_csv};
+pub use imu_lines::ImuLines;
+pub use loose_csv::{LooseImuLog, Unreadable, parse_imu_csv_loosely, read_imu_csv_loosely};
 pub use noise_csv::{read_noise_track, write_noise_track};
+pub use sieve::{LeftOut, Sieve, Sieved};
+pub use tracks::{read_tracks, write_tracks};
 pub use tum::{StampedPose, read_tum, write_tum};

@@ -56,11 +56,7 @@ pub(crate) fn parse(bytes: &[u8], path: &Path) -> Result<NoiseTrack, IoError> {
     };
     let column = |name: &str| {
         let is_it = |n: &String| n.split('[').next().map(str::trim) == Some(name);
-        header
-            .names
-            .iter()
-            .position(is_it)
-            .ok_or_else(|| missing(header, path, name))
+        header.names.iter().position(is_it).ok_or_else(|| missing(header, path, name))
     };
     let time = column(TIME)?;
     let [ax, ay, az] = ACCEL;
@@ -103,9 +99,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn error(text: &str) -> String {
-        parse(text.as_bytes(), Path::new("n.csv"))
-            .unwrap_err()
-            .to_string()
+        parse(text.as_bytes(), Path::new("n.csv")).unwrap_err().to_string()
     }
 
     proptest! {
@@ -133,11 +127,8 @@ mod tests {
     fn a_missing_header_column_or_a_negative_deviation_is_named() {
         assert!(error("1,2,3,4,5,6,7\n").starts_with("n.csv:1: 7 columns; a header with"));
         assert!(
-            error(&format!(
-                "{}\n1,2,3,4,5,6,7\n",
-                HEADER.replace("gyro_std_y", "other")
-            ))
-            .starts_with("n.csv:1: no column `gyro_std_y`")
+            error(&format!("{}\n1,2,3,4,5,6,7\n", HEADER.replace("gyro_std_y", "other")))
+                .starts_with("n.csv:1: no column `gyro_std_y`")
         );
         assert_eq!(
             error(&format!("{HEADER}\n1,2,3,4,5,6,7\n2,2,3,4,5,-6,7\n")),

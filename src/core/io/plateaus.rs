@@ -21,11 +21,8 @@ pub(super) fn plateaus(signal: &[f64]) -> Vec<Plateau> {
     const CROWD: usize = 4;
     const SPAN: f64 = 64.0;
     let resolution = resolution(signal);
-    let (low, high) = signal
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
-            (l.min(*v), h.max(*v))
-        });
+    let (low, high) =
+        signal.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
     let spans = high - low > SPAN * resolution;
     [low, high]
         .into_iter()
@@ -42,11 +39,7 @@ pub(super) fn plateaus(signal: &[f64]) -> Vec<Plateau> {
                     .flatten()
                     .any(|beside| (beside - value).abs() > JUMP * resolution);
                 if longest >= LEAST && (jumps || crowded) {
-                    let plateau = found.get_or_insert(Plateau {
-                        value,
-                        longest,
-                        first,
-                    });
+                    let plateau = found.get_or_insert(Plateau { value, longest, first });
                     plateau.longest = plateau.longest.max(longest);
                 }
             }
@@ -74,11 +67,7 @@ fn resolution(signal: &[f64]) -> f64 {
     sorted.sort_unstable_by(f64::total_cmp);
     // Counts times a factor differ in their last bits; what is closer than that is one value.
     let rounding = 1e-9 * sorted[0].abs().max(sorted[sorted.len() - 1].abs());
-    sorted
-        .windows(2)
-        .map(|w| w[1] - w[0])
-        .filter(|d| *d > rounding)
-        .fold(f64::INFINITY, f64::min)
+    sorted.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > rounding).fold(f64::INFINITY, f64::min)
 }
 
 #[cfg(test)]
@@ -87,9 +76,7 @@ mod tests {
 
     #[test]
     fn a_clipped_wave_stays_at_both_limits() {
-        let wave: Vec<f64> = (0..1000)
-            .map(|i| (f64::from(i) * 0.1).sin().clamp(-0.5, 0.75))
-            .collect();
+        let wave: Vec<f64> = (0..1000).map(|i| (f64::from(i) * 0.1).sin().clamp(-0.5, 0.75)).collect();
         let found = plateaus(&wave);
         assert_eq!(found.iter().map(|p| p.value).collect::<Vec<_>>(), [-0.5, 0.75]);
         // sin > .75 from .848 to 2.294 rad: steps 9 to 22.
@@ -99,13 +86,8 @@ mod tests {
     #[test]
     fn neither_three_samples_nor_two_counts_nor_a_round_top_are_clipping() {
         assert_eq!(plateaus(&[0.0, 1.0, 100.0, 100.0, 100.0, 50.0, 0.5]), []);
-        assert_eq!(
-            plateaus(&[0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0]),
-            []
-        );
-        let round: Vec<f64> = (0..4000)
-            .map(|i| ((f64::from(i) * 0.005).sin() * 500.0).round())
-            .collect();
+        assert_eq!(plateaus(&[0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0]), []);
+        let round: Vec<f64> = (0..4000).map(|i| ((f64::from(i) * 0.005).sin() * 500.0).round()).collect();
         assert_eq!(plateaus(&round), []);
     }
 }

@@ -37,12 +37,7 @@ fn off_counts(recording: &ImuRecording) -> f64 {
     let off = |value: f64, unit: f64| (value / unit - (value / unit).round()).abs();
     let samples = recording.samples().iter();
     samples
-        .flat_map(|s| {
-            s.gyro
-                .map(|v| off(v, gyro))
-                .into_iter()
-                .chain(s.accel.map(|v| off(v, accel)))
-        })
+        .flat_map(|s| s.gyro.map(|v| off(v, gyro)).into_iter().chain(s.accel.map(|v| off(v, accel))))
         .fold(0.0, f64::max)
 }
 
@@ -62,15 +57,9 @@ fn every_part_of_a_euroc_sequence_is_read() {
     assert!((imu.rate().hz() - 200.0).abs() < 0.01);
 
     let config = sequence.imu_config().unwrap().unwrap();
-    assert_eq!(
-        (config.rate, config.gyro_noise.get()),
-        (SampleRate::HZ_200, 1.6968e-4)
-    );
+    assert_eq!((config.rate, config.gyro_noise.get()), (SampleRate::HZ_200, 1.6968e-4));
     let camera = sequence.camera_config().unwrap().unwrap();
-    assert_eq!(
-        (camera.resolution, camera.distortion),
-        ([752, 480], Distortion::RadialTangential)
-    );
+    assert_eq!((camera.resolution, camera.distortion), ([752, 480], Distortion::RadialTangential));
 
     let frames = sequence.camera_frames().unwrap();
     assert_eq!(frames.len(), 80);
@@ -112,10 +101,7 @@ fn turned_into_the_world_the_accelerometer_reads_the_change_of_velocity() {
         }
         let (a, b) = (&states[next - 1], &states[next]);
         let share = sample.t.seconds_since(a.t) / b.t.seconds_since(a.t);
-        let rotation = a
-            .world_from_body
-            .rotation
-            .slerp(&b.world_from_body.rotation, share);
+        let rotation = a.world_from_body.rotation.slerp(&b.world_from_body.rotation, share);
         let bias = a.biases.unwrap().accel;
         sum += rotation * (nalgebra::Vector3::from(sample.accel) - bias);
         count += 1.0;
@@ -123,10 +109,7 @@ fn turned_into_the_world_the_accelerometer_reads_the_change_of_velocity() {
     let gained = last.vel_in_world.unwrap() - first.vel_in_world.unwrap();
     let accel_in_world = gained / last.t.seconds_since(first.t);
     let gravity = accel_in_world - sum / count;
-    assert!(
-        (gravity - nalgebra::Vector3::new(0.0, 0.0, -9.81)).norm() < 0.1,
-        "{gravity}"
-    );
+    assert!((gravity - nalgebra::Vector3::new(0.0, 0.0, -9.81)).norm() < 0.1, "{gravity}");
 }
 
 #[test]
@@ -158,10 +141,7 @@ const ROWS: [(&str, usize); 11] = [
 fn the_eleven_euroc_sequences_are_read_to_the_last_row_and_count() {
     let Some(euroc) = pack("euroc") else { return };
     let sequences = discover(&euroc).unwrap();
-    let options = CheckOptions {
-        expected_rate: Some(SampleRate::HZ_200),
-        ..CheckOptions::default()
-    };
+    let options = CheckOptions { expected_rate: Some(SampleRate::HZ_200), ..CheckOptions::default() };
     let read: Vec<_> = sequences
         .iter()
         .map(|sequence| {
@@ -171,10 +151,7 @@ fn the_eleven_euroc_sequences_are_read_to_the_last_row_and_count() {
             let findings = check(&imu, &options);
             assert_eq!(findings.faults, [], "{name}");
             let steps = imu.samples().windows(2).map(|w| w[1].t.ns() - w[0].t.ns());
-            assert!(
-                steps.clone().min() >= Some(4_999_936) && steps.max() <= Some(5_000_192),
-                "{name}"
-            );
+            assert!(steps.clone().min() >= Some(4_999_936) && steps.max() <= Some(5_000_192), "{name}");
             (name, imu.len())
         })
         .collect();
@@ -187,21 +164,12 @@ fn ground_truth_and_frames_of_euroc_have_the_published_layout() {
     for sequence in discover(&euroc).unwrap() {
         let truth = sequence.ground_truth().unwrap();
         let eight = ["MH_01_easy", "MH_02_easy", "MH_03_medium"].contains(&sequence.name());
-        assert_eq!(
-            (truth.has_velocity(), truth.has_biases()),
-            (!eight, !eight),
-            "{}",
-            sequence.name()
-        );
+        assert_eq!((truth.has_velocity(), truth.has_biases()), (!eight, !eight), "{}", sequence.name());
         let frames = sequence.camera_frames().unwrap();
         // 414 times V2_03's camera left one frame out; the others never did.
         let steps = frames.windows(2).map(|w| w[1].t.seconds_since(w[0].t));
         let dropped = steps.filter(|s| *s > 0.06).count();
-        let expected = if sequence.name() == "V2_03_difficult" {
-            414
-        } else {
-            0
-        };
+        let expected = if sequence.name() == "V2_03_difficult" { 414 } else { 0 };
         assert_eq!(dropped, expected, "{}", sequence.name());
         assert_eq!(sequence.camera_config().unwrap().unwrap().intrinsics[0], 458.654);
     }
@@ -217,28 +185,18 @@ fn tumvi_rooms_are_read_with_their_rate_and_the_gaps_of_their_motion_capture() {
             let imu = sequence.imu().unwrap();
             let rate = imu.rate().hz();
             assert!((rate - 199.4).abs() < 0.2, "{rate}");
-            let options = CheckOptions {
-                expected_rate: SampleRate::from_hz(199.4),
-                ..CheckOptions::default()
-            };
+            let options =
+                CheckOptions { expected_rate: SampleRate::from_hz(199.4), ..CheckOptions::default() };
             let faults = check(&imu, &options).faults;
-            assert!(!faults.iter().any(|f| matches!(
-                f,
-                RecordingFault::WrongRate { .. } | RecordingFault::Constant { .. }
-            )));
+            assert!(
+                !faults
+                    .iter()
+                    .any(|f| matches!(f, RecordingFault::WrongRate { .. } | RecordingFault::Constant { .. }))
+            );
             let truth = sequence.ground_truth().unwrap();
             let states = truth.states();
-            let longest = states
-                .windows(2)
-                .map(|w| w[1].t.ns() - w[0].t.ns())
-                .max()
-                .unwrap();
-            (
-                sequence.short_name().to_owned(),
-                imu.len(),
-                states.len(),
-                longest / 1_000_000,
-            )
+            let longest = states.windows(2).map(|w| w[1].t.ns() - w[0].t.ns()).max().unwrap();
+            (sequence.short_name().to_owned(), imu.len(), states.len(), longest / 1_000_000)
         })
         .collect();
     let expected = [
@@ -247,10 +205,7 @@ fn tumvi_rooms_are_read_with_their_rate_and_the_gaps_of_their_motion_capture() {
         ("room3", 28124, 15200, 1991),
         ("room4", 22212, 13075, 483),
     ];
-    assert_eq!(
-        read,
-        expected.map(|(name, imu, truth, gap)| (name.to_owned(), imu, truth, gap))
-    );
+    assert_eq!(read, expected.map(|(name, imu, truth, gap)| (name.to_owned(), imu, truth, gap)));
 }
 
 #[test]

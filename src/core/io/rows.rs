@@ -20,6 +20,21 @@ pub(crate) struct Header {
     pub names: Vec<String>,
 }
 
+/// What of a table its later blocks need.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Layout {
+    line: usize,
+    delimiter: Delimiter,
+    width: usize,
+}
+
+impl Layout {
+    /// Line of the last row read, from 1.
+    pub(crate) fn line(&self) -> usize {
+        self.line
+    }
+}
+
 /// A cursor over the rows of a table.
 pub(crate) struct Rows<'a> {
     path: &'a Path,
@@ -47,9 +62,7 @@ impl<'a> Rows<'a> {
         loop {
             let before = rest;
             let Some(text) = take_line(&mut rest) else {
-                return Err(IoError::Empty {
-                    path: path.to_path_buf(),
-                });
+                return Err(IoError::Empty { path: path.to_path_buf() });
             };
             line += 1;
             if text.is_empty() {
@@ -80,10 +93,7 @@ impl<'a> Rows<'a> {
                         .iter()
                         .map(|name| std::str::from_utf8(name).map(str::to_owned))
                         .collect::<Result<Vec<_>, _>>()
-                        .map_err(|_| IoError::NotUtf8 {
-                            path: path.to_path_buf(),
-                            line,
-                        })?;
+                        .map_err(|_| IoError::NotUtf8 { path: path.to_path_buf(), line })?;
                     Some(Header { line, names })
                 }
                 None => None,
@@ -98,6 +108,17 @@ impl<'a> Rows<'a> {
                 header,
             });
         }
+    }
+
+    /// Goes on with the block of bytes behind another of the same table.
+    pub(crate) fn go_on(bytes: &'a [u8], path: &'a Path, layout: Layout) -> Self {
+        let Layout { line, delimiter, width } = layout;
+        Self { path, rest: bytes, line, delimiter, width, fields: Vec::new(), header: None }
+    }
+
+    /// What the next block of this table needs, at this block's end.
+    pub(crate) fn layout(&self) -> Layout {
+        Layout { line: self.line, delimiter: self.delimiter, width: self.width }
     }
 
     /// The names over the columns, where the file has them.
@@ -232,15 +253,12 @@ impl<'a> Rows<'a> {
     }
 
     fn field(&self, column: usize) -> Result<&'a [u8], IoError> {
-        self.fields
-            .get(column)
-            .copied()
-            .ok_or_else(|| IoError::FieldCount {
-                path: self.path.to_path_buf(),
-                line: self.line,
-                found: self.fields.len(),
-                expected: column + 1,
-            })
+        self.fields.get(column).copied().ok_or_else(|| IoError::FieldCount {
+            path: self.path.to_path_buf(),
+            line: self.line,
+            found: self.fields.len(),
+            expected: column + 1,
+        })
     }
 
     /// The error for a value of the current row that is NaN or infinite.
@@ -254,10 +272,7 @@ impl<'a> Rows<'a> {
     }
 
     fn not_utf8(&self) -> IoError {
-        IoError::NotUtf8 {
-            path: self.path.to_path_buf(),
-            line: self.line,
-        }
+        IoError::NotUtf8 { path: self.path.to_path_buf(), line: self.line }
     }
 }
 
@@ -269,11 +284,7 @@ mod tests {
         let mut rows = Rows::open(text, Path::new("f.csv"))?;
         let mut out = Vec::new();
         while rows.advance()? {
-            out.push(
-                (0..rows.width())
-                    .map(|c| rows.number(c, "v"))
-                    .collect::<Result<_, _>>()?,
-            );
+            out.push((0..rows.width()).map(|c| rows.number(c, "v")).collect::<Result<_, _>>()?);
         }
         Ok(out)
     }
@@ -296,20 +307,11 @@ mod tests {
     #[test]
     fn errors_carry_the_line_an_editor_shows() {
         let case = |text: &[u8]| all(text).unwrap_err().to_string();
-        assert_eq!(
-            case(b"#time,x\n1,2\n\n2,oops\n"),
-            "f.csv:4: v is \"oops\", not a number"
-        );
+        assert_eq!(case(b"#time,x\n1,2\n\n2,oops\n"), "f.csv:4: v is \"oops\", not a number");
         assert_eq!(case(b"time,x\n1,2\n2\n"), "f.csv:3: 1 fields, expected 2");
         assert_eq!(case(b"1,2\n2,3,4\n"), "f.csv:2: 3 fields, expected 2");
-        assert_eq!(
-            case(b"1,2\n2,NaN\n"),
-            "f.csv:2: v is \"NaN\"; every value must be finite"
-        );
-        assert_eq!(
-            case(b"1,2\n2,1e999\n"),
-            "f.csv:2: v is \"1e999\"; every value must be finite"
-        );
+        assert_eq!(case(b"1,2\n2,NaN\n"), "f.csv:2: v is \"NaN\"; every value must be finite");
+        assert_eq!(case(b"1,2\n2,1e999\n"), "f.csv:2: v is \"1e999\"; every value must be finite");
         assert_eq!(case(b"1,2\n2,\xff\xfe\n"), "f.csv:2: not UTF-8 text");
         assert_eq!(case(b"1,2\n2,\n"), "f.csv:2: 1 fields, expected 2");
         assert_eq!(case(b"1,2\n,2\n"), "f.csv:2: v is \"\", not a number");

@@ -68,11 +68,7 @@ pub fn write_tum(path: &Path, poses: &[StampedPose]) -> Result<(), IoError> {
             let p = pose.world_from_body.translation.vector;
             let q = pose.world_from_body.rotation.coords;
             let t = seconds_text(pose.t);
-            writeln!(
-                out,
-                "{t} {:?} {:?} {:?} {:?} {:?} {:?} {:?}",
-                p.x, p.y, p.z, q.x, q.y, q.z, q.w
-            )?;
+            writeln!(out, "{t} {:?} {:?} {:?} {:?} {:?} {:?} {:?}", p.x, p.y, p.z, q.x, q.y, q.z, q.w)?;
         }
         Ok(())
     })
@@ -91,10 +87,7 @@ mod tests {
     #[test]
     fn the_quaternion_is_read_scalar_last() {
         let half = std::f64::consts::FRAC_1_SQRT_2;
-        let poses = case(&format!(
-            "# a comment\n1403636625.363555670 1 2 3 0 0 {half} {half}\n"
-        ))
-        .unwrap();
+        let poses = case(&format!("# a comment\n1403636625.363555670 1 2 3 0 0 {half} {half}\n")).unwrap();
         assert_eq!(poses[0].t.ns(), 1_403_636_625_363_555_670);
         let x = poses[0].world_from_body * nalgebra::Point3::new(1.0, 0.0, 0.0);
         assert!((x.coords - nalgebra::Vector3::new(1.0, 3.0, 3.0)).norm() < 1e-12);

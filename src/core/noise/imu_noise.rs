@@ -16,10 +16,7 @@ pub struct ImuNoise {
 impl ImuNoise {
     /// The same accelerometer deviation on its three axes, the same gyroscope deviation on its.
     pub fn isotropic(accel: AccelSampleStd, gyro: GyroSampleStd) -> Self {
-        Self {
-            accel: [accel; 3],
-            gyro: [gyro; 3],
-        }
+        Self { accel: [accel; 3], gyro: [gyro; 3] }
     }
 
     /// Takes bare deviations.
@@ -33,20 +30,13 @@ impl ImuNoise {
                 AccelSampleStd::new(accel[1])?,
                 AccelSampleStd::new(accel[2])?,
             ],
-            gyro: [
-                GyroSampleStd::new(gyro[0])?,
-                GyroSampleStd::new(gyro[1])?,
-                GyroSampleStd::new(gyro[2])?,
-            ],
+            gyro: [GyroSampleStd::new(gyro[0])?, GyroSampleStd::new(gyro[1])?, GyroSampleStd::new(gyro[2])?],
         })
     }
 
     /// VINS-Mono's constants for EuRoC, the paper's baseline "x1": .08 m/s^2 and .004 rad/s per sample.
     pub fn baseline() -> Self {
-        Self {
-            accel: [AccelSampleStd::BASELINE; 3],
-            gyro: [GyroSampleStd::BASELINE; 3],
-        }
+        Self { accel: [AccelSampleStd::BASELINE; 3], gyro: [GyroSampleStd::BASELINE; 3] }
     }
 
     /// The deviations of one sensor as numbers in its unit.

@@ -16,6 +16,6 @@ pub use imu_noise::ImuNoise;
 pub use model::{Constant, NoiseModel};
 pub use track::{NoiseTrack, TrackError};
 pub use units::{
-    AccelBiasWalkDensity, AccelNoiseDensity, AccelSampleStd, GyroBiasWalkDensity, GyroNoiseDensity,
-    GyroSampleStd,
+    AccelBiasRateStd, AccelBiasWalkDensity, AccelNoiseDensity, AccelSampleStd, GyroBiasRateStd,
+    GyroBiasWalkDensity, GyroNoiseDensity, GyroSampleStd,
 };

@@ -33,10 +33,7 @@ pub struct Constant {
 impl Constant {
     /// A constant called `name`.
     pub fn new(name: impl Into<String>, noise: ImuNoise) -> Self {
-        Self {
-            name: name.into(),
-            noise,
-        }
+        Self { name: name.into(), noise }
     }
 }
 

@@ -38,10 +38,7 @@ impl NoiseTrack {
     /// Different lengths; stamps that do not increase.
     pub fn new(stamps: Vec<Stamp>, noises: Vec<ImuNoise>) -> Result<Self, TrackError> {
         if stamps.len() != noises.len() {
-            return Err(TrackError::Lengths {
-                stamps: stamps.len(),
-                noises: noises.len(),
-            });
+            return Err(TrackError::Lengths { stamps: stamps.len(), noises: noises.len() });
         }
         match stamps.windows(2).position(|w| w[0] >= w[1]) {
             Some(before) => Err(TrackError::TimeNotIncreasing { index: before + 1 }),

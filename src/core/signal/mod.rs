@@ -5,6 +5,7 @@
 //! * [`wavelet`]: detail coefficients of the finest level.
 //! * [`stats`]: moments, quantiles, median absolute deviation, differences.
 
+mod orthonormal;
 pub mod savitzky_golay;
 pub mod spectrum;
 pub mod stats;

@@ -3,12 +3,13 @@
 //! For window `W` and order `P` let the columns of `Q` (`W` rows, `P + 1` columns) be orthonormal polynomials on the
 //! window's abscissa. The fit at all `W` places is `H x` with `H = Q Q^T`. Inside the signal the middle row of `H`
 //! slides along; the first and last `(W - 1) / 2` outputs are the other rows, applied to the first and last window:
-//! scipy's `mode="interp"`. `Q` comes from the three-term recurrence on an abscissa scaled to \[-1, 1\], each column
-//! orthogonalised twice, so that rows stay good to rounding at any order (no Vandermonde matrix, no normal equations).
+//! scipy's `mode="interp"`. `Q` needs neither a Vandermonde matrix nor normal equations (`orthonormal.rs`), so that rows
+//! stay good to rounding at any order.
 //!
 //! Source: Savitzky and Golay 1964; orthogonal form as in Press et al., Numerical Recipes, "Savitzky-Golay smoothing
 //! filters". Not here: derivatives, uneven sampling.
 
+use super::orthonormal::{dot, orthonormal_polynomials};
 use std::f64::consts::TAU;
 use thiserror::Error;
 
@@ -188,40 +189,10 @@ impl SavitzkyGolay {
     /// Real (the kernel is symmetric), 1 at zero, may be negative in the stop band.
     pub fn frequency_response(&self, cycles_per_sample: f64) -> f64 {
         let half = self.window / 2;
-        let wings: f64 = (1..=half)
-            .map(|k| self.kernel[half + k] * (TAU * cycles_per_sample * k as f64).cos())
-            .sum();
+        let wings: f64 =
+            (1..=half).map(|k| self.kernel[half + k] * (TAU * cycles_per_sample * k as f64).cos()).sum();
         self.kernel[half] + 2.0 * wings
     }
-}
-
-/// Orthonormal polynomials of degree `0 ..= order` on `window` even places of \[-1, 1\], each as its values there.
-fn orthonormal_polynomials(window: usize, order: usize) -> Vec<Vec<f64>> {
-    let half = (window / 2) as f64;
-    let abscissa: Vec<f64> = (0..window).map(|i| (i as f64 - half) / half.max(1.0)).collect();
-    let mut basis: Vec<Vec<f64>> = vec![vec![1.0 / (window as f64).sqrt(); window]];
-    for degree in 1..=order {
-        let mut next: Vec<f64> = abscissa
-            .iter()
-            .zip(&basis[degree - 1])
-            .map(|(x, q)| x * q)
-            .collect();
-        // Twice is enough (Kahan, Parlett): the second pass removes what rounding left of the first.
-        for _ in 0..2 {
-            for q in &basis {
-                let along = dot(q.iter().zip(&next));
-                next.iter_mut().zip(q).for_each(|(v, q)| *v -= along * q);
-            }
-        }
-        let norm = dot(next.iter().zip(&next)).sqrt();
-        next.iter_mut().for_each(|v| *v /= norm);
-        basis.push(next);
-    }
-    basis
-}
-
-fn dot<'a>(pairs: impl Iterator<Item = (&'a f64, &'a f64)>) -> f64 {
-    pairs.map(|(a, b)| a * b).sum()
 }
 
 /// `out[i] = sum_j kernel[j] * x[i + j]`. Blocks of outputs keep their sums in registers; every output adds its
@@ -242,10 +213,7 @@ fn slide(kernel: &[f64], x: &[f64], out: &mut [f64]) {
         at += BLOCK;
     }
     for (i, y) in blocks.into_remainder().iter_mut().enumerate() {
-        *y = kernel
-            .iter()
-            .zip(&x[at + i..])
-            .fold(0.0, |sum, (c, v)| sum + c * v);
+        *y = kernel.iter().zip(&x[at + i..]).fold(0.0, |sum, (c, v)| sum + c * v);
     }
 }
 
@@ -279,14 +247,9 @@ mod tests {
     fn worst(golden: &Golden, case: &Case) -> f64 {
         let x = &golden.signals[&case.signal];
         let scale = x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        let got = SavitzkyGolay::new(case.window, case.order)
-            .unwrap()
-            .smooth(x)
-            .unwrap();
+        let got = SavitzkyGolay::new(case.window, case.order).unwrap().smooth(x).unwrap();
         assert_eq!(got.len(), case.expected.len());
-        got.iter()
-            .zip(&case.expected)
-            .fold(0.0_f64, |m, (a, b)| m.max((a - b).abs() / scale))
+        got.iter().zip(&case.expected).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs() / scale))
     }
 
     #[test]
@@ -294,13 +257,7 @@ mod tests {
         let golden = golden();
         for case in &golden.scipy {
             let error = worst(&golden, case);
-            assert!(
-                error < 1e-12,
-                "{} ({},{}): {error:e}",
-                case.signal,
-                case.window,
-                case.order
-            );
+            assert!(error < 1e-12, "{} ({},{}): {error:e}", case.signal, case.window, case.order);
         }
     }
 
@@ -309,13 +266,7 @@ mod tests {
         let golden = golden();
         for case in &golden.exact {
             let error = worst(&golden, case);
-            assert!(
-                error < 5e-15,
-                "{} ({},{}): {error:e}",
-                case.signal,
-                case.window,
-                case.order
-            );
+            assert!(error < 5e-15, "{} ({},{}): {error:e}", case.signal, case.window, case.order);
         }
     }
 
@@ -332,10 +283,7 @@ mod tests {
         let text = SavitzkyGolay::new(10, 2).unwrap_err().to_string();
         assert!(text.contains("9 and 11"), "{text}");
         assert_eq!(SavitzkyGolay::new(0, 0).unwrap_err(), FilterError::EmptyWindow);
-        assert_eq!(
-            SavitzkyGolay::new(5, 5).unwrap_err(),
-            FilterError::OrderTooHigh { window: 5, order: 5 }
-        );
+        assert_eq!(SavitzkyGolay::new(5, 5).unwrap_err(), FilterError::OrderTooHigh { window: 5, order: 5 });
         let short = SavitzkyGolay::new(11, 2).unwrap().smooth(&[0.0; 10]).unwrap_err();
         assert_eq!(short, FilterError::SignalTooShort { len: 10, window: 11 });
     }
@@ -343,31 +291,18 @@ mod tests {
     #[test]
     fn the_residual_gain_is_the_norm_of_the_residual_map() {
         // Column by column: the residual of a unit pulse at each place is a column of I - S.
-        for (window, order, n) in [
-            (5, 2, 40),
-            (11, 2, 200),
-            (21, 3, 21),
-            (51, 3, 60),
-            (7, 6, 30),
-            (1, 0, 9),
-        ] {
+        for (window, order, n) in [(5, 2, 40), (11, 2, 200), (21, 3, 21), (51, 3, 60), (7, 6, 30), (1, 0, 9)]
+        {
             let filter = SavitzkyGolay::new(window, order).unwrap();
             let mut sum = 0.0;
             for place in 0..n {
                 let mut pulse = vec![0.0; n];
                 pulse[place] = 1.0;
                 let smooth = filter.smooth(&pulse).unwrap();
-                sum += pulse
-                    .iter()
-                    .zip(&smooth)
-                    .map(|(a, b)| (a - b) * (a - b))
-                    .sum::<f64>();
+                sum += pulse.iter().zip(&smooth).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
             }
             let gain = (sum / n as f64).sqrt();
-            assert!(
-                (filter.residual_gain(n) - gain).abs() < 1e-13,
-                "({window},{order}) over {n}"
-            );
+            assert!((filter.residual_gain(n) - gain).abs() < 1e-13, "({window},{order}) over {n}");
         }
         assert!(SavitzkyGolay::new(11, 2).unwrap().residual_gain(10).is_nan());
     }
@@ -379,10 +314,7 @@ mod tests {
             let x: Vec<f64> = (0..100).map(|i| (TAU * f * f64::from(i)).cos()).collect();
             let y = filter.smooth(&x).unwrap();
             for i in 5..95 {
-                assert!(
-                    (y[i] - filter.frequency_response(f) * x[i]).abs() < 1e-13,
-                    "f = {f}"
-                );
+                assert!((y[i] - filter.frequency_response(f) * x[i]).abs() < 1e-13, "f = {f}");
             }
         }
     }

@@ -72,10 +72,7 @@ impl Welch {
     pub fn spectrum(&self, x: &[f64], rate: SampleRate) -> Result<Spectrum, SpectrumError> {
         let segment = self.weights.len();
         if x.len() < segment {
-            return Err(SpectrumError::SignalTooShort {
-                len: x.len(),
-                segment,
-            });
+            return Err(SpectrumError::SignalTooShort { len: x.len(), segment });
         }
         let bins = segment / 2 + 1;
         let mut power = vec![0.0; bins];
@@ -83,11 +80,7 @@ impl Welch {
         let mut scratch = vec![Complex::default(); self.fft.get_inplace_scratch_len()];
         let mut segments = 0usize;
         for part in x.windows(segment).step_by(segment - segment / 2) {
-            let level = if self.remove_mean {
-                super::stats::mean(part)
-            } else {
-                0.0
-            };
+            let level = if self.remove_mean { super::stats::mean(part) } else { 0.0 };
             for ((z, v), w) in buffer.iter_mut().zip(part).zip(&self.weights) {
                 *z = Complex::new((v - level) * w, 0.0);
             }
@@ -103,11 +96,7 @@ impl Welch {
             let sides = if k == 0 || 2 * k == segment { 1.0 } else { 2.0 };
             *p *= sides / (segments as f64 * rate.hz() * weight);
         }
-        Ok(Spectrum {
-            density: power,
-            bin_hz: rate.hz() / segment as f64,
-            nyquist_hz: 0.5 * rate.hz(),
-        })
+        Ok(Spectrum { density: power, bin_hz: rate.hz() / segment as f64, nyquist_hz: 0.5 * rate.hz() })
     }
 }
 
@@ -155,11 +144,7 @@ impl Spectrum {
             let inside = high_hz.min(to) - low_hz.max(from);
             inside.max(0.0) / (to - from)
         };
-        self.density
-            .iter()
-            .enumerate()
-            .map(|(k, d)| d * self.bin_hz * share(k))
-            .sum()
+        self.density.iter().enumerate().map(|(k, d)| d * self.bin_hz * share(k)).sum()
     }
 
     /// The highest bin between `low_hz` and `high_hz`, both included; `None` where no bin stands or none has power.
@@ -174,10 +159,7 @@ impl Spectrum {
         if density.is_nan() || density <= 0.0 {
             return None;
         }
-        Some(Peak {
-            hz: (highest as f64 + self.vertex(highest)) * self.bin_hz,
-            density,
-        })
+        Some(Peak { hz: (highest as f64 + self.vertex(highest)) * self.bin_hz, density })
     }
 
     /// Offset of the parabola's vertex from bin `k`, in bins; zero at the borders and where it has no summit.
@@ -187,11 +169,7 @@ impl Spectrum {
         }
         let [left, middle, right] = [k - 1, k, k + 1].map(|i| self.density[i].ln());
         let curvature = left - 2.0 * middle + right;
-        if curvature < 0.0 {
-            (0.5 * (left - right) / curvature).clamp(-0.5, 0.5)
-        } else {
-            0.0
-        }
+        if curvature < 0.0 { (0.5 * (left - right) / curvature).clamp(-0.5, 0.5) } else { 0.0 }
     }
 }
 
@@ -222,18 +200,12 @@ mod tests {
         let rate = SampleRate::from_hz(golden.rate).unwrap();
         for case in &golden.cases {
             let welch = Welch::new(case.segment).unwrap();
-            let welch = if case.remove_mean {
-                welch
-            } else {
-                welch.keeping_mean()
-            };
+            let welch = if case.remove_mean { welch } else { welch.keeping_mean() };
             let got = welch.spectrum(&golden.x, rate).unwrap();
             let highest = case.density.iter().copied().fold(0.0, f64::max);
             assert_eq!(got.density().len(), case.density.len());
-            for ((hz, d), (a, b)) in got
-                .frequencies()
-                .zip(got.density())
-                .zip(case.hz.iter().zip(&case.density))
+            for ((hz, d), (a, b)) in
+                got.frequencies().zip(got.density()).zip(case.hz.iter().zip(&case.density))
             {
                 assert!((hz - a).abs() < 1e-10);
                 assert!(
@@ -247,9 +219,7 @@ mod tests {
 
     #[test]
     fn a_tone_between_bins_is_found_where_it_is_with_its_power() {
-        let x: Vec<f64> = (0..4000)
-            .map(|i| 0.9 * (TAU * 93.37 / 200.0 * f64::from(i)).sin())
-            .collect();
+        let x: Vec<f64> = (0..4000).map(|i| 0.9 * (TAU * 93.37 / 200.0 * f64::from(i)).sin()).collect();
         let spectrum = Welch::new(256).unwrap().spectrum(&x, SampleRate::HZ_200).unwrap();
         let peak = spectrum.peak(60.0, 100.0).unwrap();
         assert!((peak.hz - 93.37).abs() < 0.1 * spectrum.bin_hz(), "{}", peak.hz);
@@ -260,19 +230,10 @@ mod tests {
 
     #[test]
     fn lengths_that_give_no_spectrum_are_refused() {
-        assert_eq!(
-            Welch::new(1).err(),
-            Some(SpectrumError::SegmentTooShort { segment: 1 })
-        );
-        let short = Welch::new(64)
-            .unwrap()
-            .spectrum(&[0.0; 63], SampleRate::HZ_200)
-            .unwrap_err();
+        assert_eq!(Welch::new(1).err(), Some(SpectrumError::SegmentTooShort { segment: 1 }));
+        let short = Welch::new(64).unwrap().spectrum(&[0.0; 63], SampleRate::HZ_200).unwrap_err();
         assert_eq!(short, SpectrumError::SignalTooShort { len: 63, segment: 64 });
-        let silence = Welch::new(64)
-            .unwrap()
-            .spectrum(&[9.81; 64], SampleRate::HZ_200)
-            .unwrap();
+        let silence = Welch::new(64).unwrap().spectrum(&[9.81; 64], SampleRate::HZ_200).unwrap();
         assert_eq!(silence.peak(0.0, 100.0), None);
     }
 

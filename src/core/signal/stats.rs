@@ -120,9 +120,7 @@ pub fn differences(x: &[f64], order: usize) -> Vec<f64> {
 /// Deviation of a difference of order `order` over that of the white noise under it: `sqrt(C(2 order, order))`.
 pub fn difference_gain(order: usize) -> f64 {
     // C(2k, k) = prod (k + i) / i, whole after every step.
-    (1..=order)
-        .fold(1.0, |c, i| c * (order + i) as f64 / i as f64)
-        .sqrt()
+    (1..=order).fold(1.0, |c, i| c * (order + i) as f64 / i as f64).sqrt()
 }
 
 #[cfg(test)]
@@ -161,10 +159,7 @@ mod tests {
             let (same, near) = (1e-14, if name == "offset" { 1e-8 } else { 1e-11 });
             let check = |what: &str, got: f64, expected: f64, tolerance: f64| {
                 let error = (got - expected).abs() / expected.abs().max(1.0e-3);
-                assert!(
-                    error < tolerance,
-                    "{name} {what}: {got} is not {expected} ({error:e})"
-                );
+                assert!(error < tolerance, "{name} {what}: {got} is not {expected} ({error:e})");
             };
             check("mean", mean(x), row.mean, same);
             check("deviation 0", deviation(x, Ddof::Zero), row.deviation_0, near);
@@ -173,10 +168,8 @@ mod tests {
             check("mad", mad(x), row.mad, 1e-13);
             check("skewness", skewness(x), row.skewness, near);
             check("kurtosis", excess_kurtosis(x), row.kurtosis, near);
-            for ((got, expected), level) in quantiles(x, &golden.levels)
-                .iter()
-                .zip(&row.quantiles)
-                .zip(&golden.levels)
+            for ((got, expected), level) in
+                quantiles(x, &golden.levels).iter().zip(&row.quantiles).zip(&golden.levels)
             {
                 check(&format!("quantile {level}"), *got, *expected, same);
             }
@@ -188,13 +181,7 @@ mod tests {
 
     #[test]
     fn windows_too_short_for_a_figure_give_nan_and_not_a_panic() {
-        for figure in [
-            mean(&[]),
-            median(&[]),
-            mad(&[]),
-            quantile(&[], 0.5),
-            deviation(&[1.0], Ddof::One),
-        ] {
+        for figure in [mean(&[]), median(&[]), mad(&[]), quantile(&[], 0.5), deviation(&[1.0], Ddof::One)] {
             assert!(figure.is_nan());
         }
         assert!(quantile(&[1.0, 2.0], 1.5).is_nan());

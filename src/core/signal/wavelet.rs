@@ -18,12 +18,8 @@ pub enum Wavelet {
 }
 
 const HAAR: [f64; 2] = [std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::FRAC_1_SQRT_2];
-const DB2: [f64; 4] = [
-    0.482_962_913_144_534_16,
-    0.836_516_303_737_807_9,
-    0.224_143_868_042_013_4,
-    -0.129_409_522_551_260_37,
-];
+const DB2: [f64; 4] =
+    [0.482_962_913_144_534_16, 0.836_516_303_737_807_9, 0.224_143_868_042_013_4, -0.129_409_522_551_260_37];
 const DB4: [f64; 8] = [
     0.230_377_813_308_896_5,
     0.714_846_570_552_915_7,
@@ -112,13 +108,7 @@ mod tests {
         for case in &golden.cases {
             let wavelet = Wavelet::from_name(&case.wavelet).unwrap();
             let got = finest_detail(&case.x, wavelet);
-            assert_eq!(
-                got.len(),
-                case.detail.len(),
-                "{} of {}",
-                case.wavelet,
-                case.x.len()
-            );
+            assert_eq!(got.len(), case.detail.len(), "{} of {}", case.wavelet, case.x.len());
             assert_eq!(got.len(), wavelet.detail_len(case.x.len()));
             for (a, b) in got.iter().zip(&case.detail) {
                 assert!((a - b).abs() < 1e-13, "{}: {a} is not {b}", case.wavelet);
@@ -130,19 +120,11 @@ mod tests {
     fn every_scaling_filter_is_orthonormal_to_its_even_shifts() {
         for wavelet in Wavelet::ALL {
             let s = wavelet.scaling();
-            assert!(
-                (s.iter().sum::<f64>() - 2f64.sqrt()).abs() < 1e-12,
-                "{}",
-                wavelet.name()
-            );
+            assert!((s.iter().sum::<f64>() - 2f64.sqrt()).abs() < 1e-12, "{}", wavelet.name());
             for shift in (0..s.len()).step_by(2) {
                 let product: f64 = s[shift..].iter().zip(s).map(|(a, b)| a * b).sum();
                 let expected = f64::from(u8::from(shift == 0));
-                assert!(
-                    (product - expected).abs() < 1e-12,
-                    "{} shift {shift}",
-                    wavelet.name()
-                );
+                assert!((product - expected).abs() < 1e-12, "{} shift {shift}", wavelet.name());
             }
         }
     }
@@ -151,11 +133,7 @@ mod tests {
     fn a_polynomial_below_the_vanishing_moments_leaves_nothing() {
         for (wavelet, degree) in [(Wavelet::Haar, 0), (Wavelet::Db2, 1), (Wavelet::Db4, 3)] {
             let x: Vec<f64> = (0..40).map(|i| (f64::from(i) / 10.0).powi(degree)).collect();
-            assert!(
-                finest_detail(&x, wavelet).iter().all(|d| d.abs() < 1e-10),
-                "{}",
-                wavelet.name()
-            );
+            assert!(finest_detail(&x, wavelet).iter().all(|d| d.abs() < 1e-10), "{}", wavelet.name());
             let beyond: Vec<f64> = (0..40).map(|i| (f64::from(i) / 10.0).powi(degree + 1)).collect();
             assert!(finest_detail(&beyond, wavelet).iter().any(|d| d.abs() > 1e-4));
         }

@@ -1,6 +1,7 @@
 //! The typed configuration of one network.
 
-use super::{BlockOrder, ConfigError, Edges, Fault, FirstKernels, Head, Input, NormAxes, Pool, Standardise};
+use super::{BlockOrder, Edges, FirstKernels, Head, Input, NormAxes, Pool, Standardise};
+use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 use dpn_core::{Sensor, imu};
 use serde::{Deserialize, Serialize};
 
@@ -87,10 +88,7 @@ impl Default for ProNetConfig {
 impl ProNetConfig {
     /// The default network of `sensor`.
     pub fn for_sensor(sensor: Sensor) -> Self {
-        Self {
-            sensor,
-            ..Self::default()
-        }
+        Self { sensor, ..Self::default() }
     }
 
     /// The number a window is divided by first \[the sensor's unit\].
@@ -133,119 +131,11 @@ impl ProNetConfig {
         }
     }
 
-    /// Checks every key.
-    ///
-    /// # Errors
-    /// All keys whose values cannot be used, each with the bound it breaks.
-    pub fn validate(&self) -> Result<(), ConfigError> {
-        let mut faults = Vec::new();
-        let mut check = |ok: bool, key: &'static str, value: String, bound: &str| {
-            if !ok {
-                faults.push(Fault {
-                    key,
-                    value,
-                    bound: bound.to_owned(),
-                });
-            }
-        };
-        let positive =
-            |scale: Option<f64>| scale.is_none_or(|s| s.is_finite() && s > 0.0 && (s as f32) > 0.0);
-        let shown = |scale: Option<f64>| scale.map_or_else(|| "not given".to_owned(), |s| s.to_string());
-        let blocks = self.channels.len();
-        let one_each = format!("one entry a block, {blocks} as in `channels`");
-
-        check(
-            (8..=100_000).contains(&self.window),
-            "window",
-            self.window.to_string(),
-            "8 to 100000 samples",
-        );
-        check(
-            positive(self.input_scale),
-            "input_scale",
-            shown(self.input_scale),
-            "a positive number",
-        );
-        check(
-            !self.rescale_output || self.standardise != Standardise::None,
-            "rescale_output",
-            "true".to_owned(),
-            "false unless `standardise` is given",
-        );
-        check(
-            (1..=8).contains(&blocks) && self.channels.iter().all(|c| (1..=1024).contains(c)),
-            "channels",
-            format!("{:?}", self.channels),
-            "1 to 8 numbers from 1 to 1024",
-        );
-        for (key, list, least) in [
-            ("kernels", &self.kernels, 1),
-            ("strides", &self.strides, 1),
-            ("paddings", &self.paddings, 0),
-        ] {
-            check(list.len() == blocks, key, format!("{list:?}"), &one_each);
-            check(
-                list.iter().all(|v| (least..=10_000).contains(v)),
-                key,
-                format!("{list:?}"),
-                &format!("{least} to 10000 in every entry"),
-            );
-        }
-        check(
-            self.paddings.iter().zip(&self.kernels).all(|(p, k)| p < k),
-            "paddings",
-            format!("{:?}", self.paddings),
-            "below the kernel of the same block",
-        );
-        check(
-            self.edges == Edges::Zero || self.paddings.first().is_none_or(|p| *p < self.input_length()),
-            "paddings",
-            format!("{:?}", self.paddings),
-            "below the window in the first block for `edges = \"odd\"`",
-        );
-        check(
-            self.leak.is_finite() && (0.0..=1.0).contains(&self.leak),
-            "leak",
-            self.leak.to_string(),
-            "0 to 1",
-        );
-        check(
-            self.hidden.len() <= 8 && self.hidden.iter().all(|h| (1..=1024).contains(h)),
-            "hidden",
-            format!("{:?}", self.hidden),
-            "at most 8 numbers from 1 to 1024",
-        );
-        check(
-            positive(self.output_scale),
-            "output_scale",
-            shown(self.output_scale),
-            "a positive number",
-        );
-        if faults.is_empty()
-            && let Some(block) = self.first_block_without_output()
-        {
-            faults.push(Fault {
-                key: "kernels",
-                value: format!("{:?}", self.kernels),
-                bound: format!("no longer than what reaches block {block} with its padding"),
-            });
-        }
-        if faults.is_empty() {
-            Ok(())
-        } else {
-            Err(ConfigError { faults })
-        }
-    }
-
     /// Number (from 1) of the first block whose padded input is shorter than its kernel.
     fn first_block_without_output(&self) -> Option<usize> {
         let mut length = self.input_length();
-        for (block, ((kernel, stride), padding)) in self
-            .kernels
-            .iter()
-            .zip(&self.strides)
-            .zip(&self.paddings)
-            .enumerate()
+        for (block, ((kernel, stride), padding)) in
+            self.kernels.iter().zip(&self.strides).zip(&self.paddings).enumerate()
         {
             if length + 2 * padding < *kernel {
                 return Some(block + 1);
@@ -253,6 +143,70 @@ impl ProNetConfig {
             length = (length + 2 * padding - kernel) / stride + 1;
         }
         None
+    }
+}
+
+impl Validate for ProNetConfig {
+    fn faults(&self) -> Vec<ConfigFault> {
+        let mut faults = ConfigFaults::default();
+        let positive = |faults: &mut ConfigFaults, key: &str, scale: Option<f64>| {
+            let ok = scale.is_none_or(|s| s.is_finite() && s > 0.0 && (s as f32) > 0.0);
+            faults.check(ok, key, scale.unwrap_or_default(), "a positive number");
+        };
+        let all = |list: &[usize], least, most| list.iter().all(|v| (least..=most).contains(v));
+        let blocks = self.channels.len();
+
+        faults.check((8..=100_000).contains(&self.window), "window", self.window, "8 to 100000 samples");
+        positive(&mut faults, "input_scale", self.input_scale);
+        faults.check(
+            !self.rescale_output || self.standardise != Standardise::None,
+            "rescale_output",
+            self.rescale_output,
+            "false unless `standardise` is given",
+        );
+        faults.check(
+            (1..=8).contains(&blocks) && all(&self.channels, 1, 1024),
+            "channels",
+            format!("{:?}", self.channels),
+            "1 to 8 numbers from 1 to 1024",
+        );
+        for (key, list, least) in
+            [("kernels", &self.kernels, 1), ("strides", &self.strides, 1), ("paddings", &self.paddings, 0)]
+        {
+            let shown = format!("{list:?}");
+            let one_each = format!("one entry a block, {blocks} as in `channels`");
+            faults.check(list.len() == blocks, key, &shown, one_each);
+            let bound = format!("{least} to 10000 in every entry");
+            faults.check(all(list, least, 10_000), key, &shown, bound);
+        }
+        let paddings = format!("{:?}", self.paddings);
+        faults.check(
+            self.paddings.iter().zip(&self.kernels).all(|(p, k)| p < k),
+            "paddings",
+            &paddings,
+            "below the kernel of the same block",
+        );
+        faults.check(
+            self.edges == Edges::Zero || self.paddings.first().is_none_or(|p| *p < self.input_length()),
+            "paddings",
+            &paddings,
+            "below the window in the first block for `edges = \"odd\"`",
+        );
+        faults.within("leak", self.leak, 0.0, 1.0);
+        faults.check(
+            self.hidden.len() <= 8 && all(&self.hidden, 1, 1024),
+            "hidden",
+            format!("{:?}", self.hidden),
+            "at most 8 numbers from 1 to 1024",
+        );
+        positive(&mut faults, "output_scale", self.output_scale);
+        if faults.0.is_empty()
+            && let Some(block) = self.first_block_without_output()
+        {
+            let bound = format!("no longer than what reaches block {block} with its padding");
+            faults.check(false, "kernels", format!("{:?}", self.kernels), bound);
+        }
+        faults.0
     }
 }
 
@@ -299,17 +253,8 @@ mod tests {
             rescale_output: true,
             ..ProNetConfig::default()
         };
-        let keys: Vec<_> = config
-            .validate()
-            .unwrap_err()
-            .faults
-            .iter()
-            .map(|f| f.key)
-            .collect();
-        assert_eq!(
-            keys,
-            ["window", "input_scale", "rescale_output", "kernels", "leak"]
-        );
+        let keys: Vec<_> = config.faults().into_iter().map(|fault| fault.key).collect();
+        assert_eq!(keys, ["window", "input_scale", "rescale_output", "kernels", "leak"]);
     }
 
     #[test]
@@ -321,17 +266,14 @@ mod tests {
             ..ProNetConfig::default()
         };
         let error = config.validate().unwrap_err();
-        assert_eq!(error.faults[0].key, "kernels");
-        assert!(error.faults[0].bound.contains("block 2"), "{error}");
+        assert_eq!(error.0[0].key, "kernels");
+        assert!(error.0[0].bound.contains("block 2"), "{error}");
     }
 
     #[test]
     fn each_sensor_has_its_own_scale_unless_one_is_given() {
         assert_eq!(ProNetConfig::for_sensor(Sensor::Gyro).input_scale(), 0.007);
-        let config = ProNetConfig {
-            input_scale: Some(0.5),
-            ..ProNetConfig::default()
-        };
+        let config = ProNetConfig { input_scale: Some(0.5), ..ProNetConfig::default() };
         assert_eq!(config.output_scale(), 0.5);
     }
 }

@@ -53,10 +53,6 @@ impl HeadKind {
     }
 
     fn factor(self, scale: f32) -> f32 {
-        if self.rescale {
-            self.unit * scale
-        } else {
-            self.unit
-        }
+        if self.rescale { self.unit * scale } else { self.unit }
     }
 }

@@ -50,10 +50,7 @@ pub(crate) fn multiply<S: Simd>(
 }
 
 #[inline(always)]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "the innermost loop's operands, each used once"
-)]
+#[expect(clippy::too_many_arguments, reason = "the innermost loop's operands, each used once")]
 fn panel_rows<S: Simd, const ROWS: usize, const VECTORS: usize>(
     simd: S,
     rows: Rows<'_>,
@@ -84,10 +81,7 @@ fn panel_rows<S: Simd, const ROWS: usize, const VECTORS: usize>(
 }
 
 #[inline(always)]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "the innermost loop's operands, each used once"
-)]
+#[expect(clippy::too_many_arguments, reason = "the innermost loop's operands, each used once")]
 fn tile<S: Simd, const ROWS: usize, const VECTORS: usize>(
     simd: S,
     rows: Rows<'_>,
@@ -222,9 +216,7 @@ mod tests {
 
     /// Numbers whose products and sums are exact in single precision, so that any order of summing gives the same bits.
     fn whole(count: usize, seed: usize) -> Vec<f32> {
-        (0..count)
-            .map(|i| ((i * 7 + seed * 13) % 11) as f32 - 5.0)
-            .collect()
+        (0..count).map(|i| ((i * 7 + seed * 13) % 11) as f32 - 5.0).collect()
     }
 
     struct Multiply<'a> {
@@ -251,20 +243,8 @@ mod tests {
                 }
                 column += width;
             }
-            let weights = Panels {
-                at: 0,
-                inner: self.inner,
-                columns: self.columns,
-            };
-            multiply(
-                simd,
-                self.rows,
-                &packed,
-                &weights,
-                Some(self.start),
-                self.out,
-                self.out_stride,
-            );
+            let weights = Panels { at: 0, inner: self.inner, columns: self.columns };
+            multiply(simd, self.rows, &packed, &weights, Some(self.start), self.out, self.out_stride);
         }
     }
 

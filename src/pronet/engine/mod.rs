@@ -9,19 +9,24 @@
 //! their order, so that results are the same bits for any number of threads. (Not across machines: wider vectors sum in
 //! another order.)
 
+mod backward;
 mod buffer;
 mod chunk;
+mod forward;
 mod head;
 mod input;
 mod kernel;
 mod norm;
 mod plan;
+mod pool;
 
 use crate::config::ProNetConfig;
+use backward::{Backward, Gradients};
 pub(crate) use buffer::Buffer;
 use buffer::zeros;
+use chunk::Arithmetic;
 pub(crate) use chunk::Chunk;
-use chunk::{Arithmetic, Backward, Forward, Gradients};
+use forward::Forward;
 use head::HeadKind;
 use input::Preparation;
 use norm::NormKind;
@@ -119,12 +124,7 @@ impl Engine {
 
     /// Deviations of `windows` (`[count, window]`), and what the backward pass needs.
     pub(crate) fn forward(self: &Arc<Self>, flat: &[f32], windows: &[f32]) -> (Vec<f32>, Saved) {
-        let mut room = self
-            .rooms
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .pop()
-            .unwrap_or_default();
+        let mut room = self.rooms.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();
         self.pack(flat, &mut room.packed);
         let count = windows.len() / self.of.window;
         let mut sigma = vec![0.0; count];
@@ -137,20 +137,9 @@ impl Engine {
             .zip(windows.par_chunks(size * self.of.window))
             .for_each(|((chunk, sigma), windows)| {
                 chunk.fit(&self.of, sigma.len(), true);
-                self.arch.dispatch(Forward {
-                    of: &self.of,
-                    packed,
-                    windows,
-                    keep: true,
-                    chunk,
-                    sigma,
-                });
+                self.arch.dispatch(Forward { of: &self.of, packed, windows, keep: true, chunk, sigma });
             });
-        let saved = Saved {
-            engine: Arc::clone(self),
-            room: Mutex::new(room),
-            count,
-        };
+        let saved = Saved { engine: Arc::clone(self), room: Mutex::new(room), count };
         (sigma, saved)
     }
 
@@ -159,26 +148,14 @@ impl Engine {
         let plan = &self.of.plan;
         let size = chunk_size(saved.count);
         let mut room = saved.room.lock().unwrap_or_else(PoisonError::into_inner);
-        let Room {
-            packed,
-            chunks,
-            gradients,
-        } = &mut *room;
+        let Room { packed, chunks, gradients } = &mut *room;
         gradients.resize_with(chunks.len(), Gradients::default);
-        gradients
-            .par_iter_mut()
-            .zip(chunks.par_iter())
-            .zip(d_sigma.par_chunks(size))
-            .for_each(|((gradients, chunk), d_sigma)| {
+        gradients.par_iter_mut().zip(chunks.par_iter()).zip(d_sigma.par_chunks(size)).for_each(
+            |((gradients, chunk), d_sigma)| {
                 gradients.fit(plan, d_sigma.len());
-                self.arch.dispatch(Backward {
-                    of: &self.of,
-                    packed,
-                    chunk,
-                    d_sigma,
-                    gradients,
-                });
-            });
+                self.arch.dispatch(Backward { of: &self.of, packed, chunk, d_sigma, gradients });
+            },
+        );
         let mut sums = zeros(plan.gradient_len);
         for chunk in gradients {
             for (sum, part) in sums.iter_mut().zip(chunk.sums.iter()) {
@@ -191,14 +168,7 @@ impl Engine {
     /// Deviations of a few windows with packed weights, on this thread, leaving nothing behind.
     pub(crate) fn infer(&self, packed: &Buffer, windows: &[f32], chunk: &mut Chunk, sigma: &mut [f32]) {
         chunk.fit(&self.of, sigma.len(), false);
-        self.arch.dispatch(Forward {
-            of: &self.of,
-            packed,
-            windows,
-            keep: false,
-            chunk,
-            sigma,
-        });
+        self.arch.dispatch(Forward { of: &self.of, packed, windows, keep: false, chunk, sigma });
     }
 }
 
@@ -247,12 +217,7 @@ mod tests {
         let largest = gradient.iter().fold(0f32, |m, v| m.max(v.abs()));
         assert!(largest > 0.1);
         assert!(sigma.iter().zip(&s).all(|(a, b)| (a - b).abs() < 1e-6 * a.abs()));
-        assert!(
-            gradient
-                .iter()
-                .zip(&g)
-                .all(|(a, b)| (a - b).abs() < 1e-5 * largest)
-        );
+        assert!(gradient.iter().zip(&g).all(|(a, b)| (a - b).abs() < 1e-5 * largest));
     }
 
     #[test]
@@ -272,10 +237,7 @@ mod tests {
         let engine = Arc::new(Engine::new(&config()));
         let flat = initial_parameters(&config(), &Stream::new(1));
         let (_, saved) = engine.forward(&flat, &windows(20));
-        assert_eq!(
-            engine.backward(&saved, &[1.0; 20]),
-            engine.backward(&saved, &[1.0; 20])
-        );
+        assert_eq!(engine.backward(&saved, &[1.0; 20]), engine.backward(&saved, &[1.0; 20]));
     }
 
     #[test]

@@ -28,11 +28,7 @@ impl<'a, V> Rows<'a, V> {
     #[inline(always)]
     fn of<S: Simd<f32s = V>>(block: &BlockPlan, packed: &'a [f32]) -> Self {
         let row = |at: usize| S::as_simd_f32s(&packed[at..at + block.width_out]).0;
-        Self {
-            gain: row(block.gain),
-            offset: row(block.offset),
-            mask: row(block.mask),
-        }
+        Self { gain: row(block.gain), offset: row(block.offset), mask: row(block.mask) }
     }
 }
 
@@ -82,10 +78,8 @@ pub(crate) fn forward<S: Simd>(
         }
         NormAxes::Channels => {
             let each = 1.0 / block.channels as f32;
-            let iter = conv
-                .chunks_exact(width)
-                .zip(out.chunks_exact_mut(width))
-                .zip(stats.chunks_exact_mut(2));
+            let iter =
+                conv.chunks_exact(width).zip(out.chunks_exact_mut(width)).zip(stats.chunks_exact_mut(2));
             for ((conv, out), stats) in iter {
                 let mean = sum(simd, kind.order, leak, conv) * each;
                 let variance = sum_of_squares(simd, kind.order, leak, rows.mask, conv, mean) * each;
@@ -96,11 +90,7 @@ pub(crate) fn forward<S: Simd>(
         }
         NormAxes::ChannelsAndTime => {
             let each = 1.0 / (block.channels * block.time_out) as f32;
-            let mean = conv
-                .chunks_exact(width)
-                .map(|c| sum(simd, kind.order, leak, c))
-                .sum::<f32>()
-                * each;
+            let mean = conv.chunks_exact(width).map(|c| sum(simd, kind.order, leak, c)).sum::<f32>() * each;
             let mut squares = 0.0;
             for conv in conv.chunks_exact(width) {
                 squares += sum_of_squares(simd, kind.order, leak, rows.mask, conv, mean);
@@ -153,11 +143,8 @@ fn apply<S: Simd>(
 ) {
     let (mean, inverse) = (simd.splat_f32s(mean), simd.splat_f32s(inverse));
     let (out, _) = S::as_mut_simd_f32s(out);
-    for (((o, c), gain), offset) in out
-        .iter_mut()
-        .zip(S::as_simd_f32s(conv).0)
-        .zip(rows.gain)
-        .zip(rows.offset)
+    for (((o, c), gain), offset) in
+        out.iter_mut().zip(S::as_simd_f32s(conv).0).zip(rows.gain).zip(rows.offset)
     {
         let x = normalised(simd, order, leak, *c);
         let n = simd.mul_f32s(simd.sub_f32s(x, mean), inverse);
@@ -179,10 +166,7 @@ pub(crate) struct Sums<'a> {
 /// From the gradient `d` of the block's output to that of the convolution's output, in `d_conv`; both `[time out, width out]`.
 /// `d` is overwritten on the way.
 #[inline(always)]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "one call, whose operands are all named slices"
-)]
+#[expect(clippy::too_many_arguments, reason = "one call, whose operands are all named slices")]
 pub(crate) fn backward<S: Simd>(
     simd: S,
     kind: NormKind,
@@ -202,16 +186,11 @@ pub(crate) fn backward<S: Simd>(
     let (offset, _) = S::as_mut_simd_f32s(&mut *sums.offset);
     match kind.axes {
         NormAxes::None => {
-            let iter = conv
-                .chunks_exact(width)
-                .zip(d.chunks_exact(width))
-                .zip(d_conv.chunks_exact_mut(width));
+            let iter =
+                conv.chunks_exact(width).zip(d.chunks_exact(width)).zip(d_conv.chunks_exact_mut(width));
             for ((conv, d), d_conv) in iter {
-                let (conv, d, d_conv) = (
-                    S::as_simd_f32s(conv).0,
-                    S::as_simd_f32s(d).0,
-                    S::as_mut_simd_f32s(d_conv).0,
-                );
+                let (conv, d, d_conv) =
+                    (S::as_simd_f32s(conv).0, S::as_simd_f32s(d).0, S::as_mut_simd_f32s(d_conv).0);
                 for (((b, o), c), d) in bias.iter_mut().zip(d_conv).zip(conv).zip(d) {
                     *o = leaky_back(simd, leak, *c, *d);
                     *b = simd.add_f32s(*b, *o);
@@ -229,9 +208,7 @@ pub(crate) fn backward<S: Simd>(
                 let stats = (stats[0], stats[1]);
                 let (s1, s2) = to_normal(simd, kind.order, leak, &rows, conv, stats, d, gain, offset);
                 let means = (s1 * each, s2 * each);
-                through(
-                    simd, kind.order, leak, rows.mask, conv, stats, means, d, d_conv, bias,
-                );
+                through(simd, kind.order, leak, rows.mask, conv, stats, means, d, d_conv, bias);
             }
         }
         NormAxes::ChannelsAndTime => {
@@ -244,14 +221,10 @@ pub(crate) fn backward<S: Simd>(
                 s2 += b;
             }
             let means = (s1 * each, s2 * each);
-            let iter = conv
-                .chunks_exact(width)
-                .zip(d.chunks_exact(width))
-                .zip(d_conv.chunks_exact_mut(width));
+            let iter =
+                conv.chunks_exact(width).zip(d.chunks_exact(width)).zip(d_conv.chunks_exact_mut(width));
             for ((conv, d), d_conv) in iter {
-                through(
-                    simd, kind.order, leak, rows.mask, conv, stats, means, d, d_conv, bias,
-                );
+                through(simd, kind.order, leak, rows.mask, conv, stats, means, d, d_conv, bias);
             }
         }
     }
@@ -260,10 +233,7 @@ pub(crate) fn backward<S: Simd>(
 /// Turns one row's `d` into the gradient of the normalised numbers, adds to gain's and offset's gradients, and returns the sums of
 /// `dn` and of `dn n`.
 #[inline(always)]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "one call, whose operands are all named slices"
-)]
+#[expect(clippy::too_many_arguments, reason = "one call, whose operands are all named slices")]
 fn to_normal<S: Simd>(
     simd: S,
     order: BlockOrder,
@@ -278,11 +248,7 @@ fn to_normal<S: Simd>(
     let (mean, inverse) = (simd.splat_f32s(mean), simd.splat_f32s(inverse));
     let (mut s1, mut s2) = (simd.splat_f32s(0.0), simd.splat_f32s(0.0));
     let (conv, d) = (S::as_simd_f32s(conv).0, S::as_mut_simd_f32s(d).0);
-    let channel = rows
-        .gain
-        .iter()
-        .zip(rows.offset)
-        .zip(d_gain.iter_mut().zip(d_offset.iter_mut()));
+    let channel = rows.gain.iter().zip(rows.offset).zip(d_gain.iter_mut().zip(d_offset.iter_mut()));
     for ((c, d), ((gain, offset), (d_gain, d_offset))) in conv.iter().zip(d.iter_mut()).zip(channel) {
         let x = normalised(simd, order, leak, *c);
         let n = simd.mul_f32s(simd.sub_f32s(x, mean), inverse);
@@ -305,10 +271,7 @@ fn to_normal<S: Simd>(
 
 /// From one row's `dn` to the gradient of the convolution's output; adds it to the bias's gradient.
 #[inline(always)]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "one call, whose operands are all named slices"
-)]
+#[expect(clippy::too_many_arguments, reason = "one call, whose operands are all named slices")]
 fn through<S: Simd>(
     simd: S,
     order: BlockOrder,
@@ -323,11 +286,7 @@ fn through<S: Simd>(
 ) {
     let (mean, inverse) = (simd.splat_f32s(mean), simd.splat_f32s(inverse));
     let (m1, m2) = (simd.splat_f32s(mean_dn), simd.splat_f32s(mean_dn_n));
-    let (conv, d, d_conv) = (
-        S::as_simd_f32s(conv).0,
-        S::as_simd_f32s(d).0,
-        S::as_mut_simd_f32s(d_conv).0,
-    );
+    let (conv, d, d_conv) = (S::as_simd_f32s(conv).0, S::as_simd_f32s(d).0, S::as_mut_simd_f32s(d_conv).0);
     let channel = mask.iter().zip(d_bias.iter_mut());
     for (((o, c), dn), (mask, d_bias)) in d_conv.iter_mut().zip(conv).zip(d).zip(channel) {
         let x = normalised(simd, order, leak, *c);

@@ -76,6 +76,13 @@ pub(crate) struct BlockPlan {
     pub(crate) d_bias: usize,
 }
 
+impl BlockPlan {
+    /// Numbers of the padded input.
+    pub(crate) fn input_len(&self) -> usize {
+        (self.time_in + 2 * self.padding) * self.width_in
+    }
+}
+
 /// One linear layer.
 #[derive(Debug, Clone)]
 pub(crate) struct LinearPlan {
@@ -148,8 +155,7 @@ impl Packer {
     fn row(&mut self, width: usize, source: impl Fn(usize) -> Option<u32>) -> usize {
         self.align();
         let at = self.packed.len();
-        self.packed
-            .extend((0..width).map(|c| source(c).unwrap_or(self.zero)));
+        self.packed.extend((0..width).map(|c| source(c).unwrap_or(self.zero)));
         at
     }
 }
@@ -173,21 +179,14 @@ impl Plan {
         let count: usize = list.iter().map(ParameterShape::len).sum();
         let find = |name: String| list.iter().find(|p| p.name == name).map(|p| p.offset);
         let (zero, one) = (count as u32, count as u32 + 1);
-        let mut packer = Packer {
-            lanes,
-            packed: Vec::new(),
-            zero,
-        };
+        let mut packer = Packer { lanes, packed: Vec::new(), zero };
         let mut saved = Places::default();
         let mut gradients = Places::default();
         let mut gradient = vec![0u32; count];
 
         let mut blocks = Vec::new();
-        let (mut width_in, mut channels_in, mut time_in) = (
-            config.input_channels(),
-            config.input_channels(),
-            config.input_length(),
-        );
+        let (mut width_in, mut channels_in, mut time_in) =
+            (config.input_channels(), config.input_channels(), config.input_length());
         for (i, &channels) in config.channels.iter().enumerate() {
             let (kernel, stride, padding) = (config.kernels[i], config.strides[i], config.paddings[i]);
             let width_out = padded(channels);
@@ -197,9 +196,8 @@ impl Plan {
                 (channel_out < channels && channel_in < channels_in)
                     .then_some(w + (channel_out * channels_in + channel_in) * kernel + tap)
             };
-            let weights = packer.panels(kernel * width_in, width_out, |row, c| {
-                source(c, row % width_in, row / width_in)
-            });
+            let weights = packer
+                .panels(kernel * width_in, width_out, |row, c| source(c, row % width_in, row / width_in));
             let channel_row = |at: Option<usize>, none: u32| {
                 move |c: usize| (c < channels).then(|| at.map_or(none, |at| (at + c) as u32))
             };
@@ -305,9 +303,7 @@ impl Plan {
                 true_input[place] = Some(feature);
             }
             let source = |output: usize, stored: usize| {
-                true_input[stored]
-                    .filter(|_| output < outputs)
-                    .map(|f| w + output * inputs + f)
+                true_input[stored].filter(|_| output < outputs).map(|f| w + output * inputs + f)
             };
             let weights = packer.panels(width_in, width_out, |row, c| source(c, row));
             let transposed = packer.panels(width_out, width_in, source);
@@ -320,15 +316,7 @@ impl Plan {
                 }
                 gradient[b + output] = (d_bias + output) as u32;
             }
-            linears.push(LinearPlan {
-                width_in,
-                width_out,
-                weights,
-                transposed,
-                bias,
-                d_weights,
-                d_bias,
-            });
+            linears.push(LinearPlan { width_in, width_out, weights, transposed, bias, d_weights, d_bias });
             places = (0..outputs).collect();
             width_in = width_out;
         }

@@ -56,10 +56,8 @@ fn weights(name: &str, config: &ProNetConfig) -> Weights {
     let stream = Stream::new(1).named("golden").named(name);
     let mut rng = stream.named("jitter").rng();
     // Gains and offsets away from one and zero.
-    let flat = initial_parameters(config, &stream)
-        .iter()
-        .map(|p| p + 0.4 * (rng.random::<f32>() - 0.5))
-        .collect();
+    let flat =
+        initial_parameters(config, &stream).iter().map(|p| p + 0.4 * (rng.random::<f32>() - 0.5)).collect();
     Weights::new(config, flat, Card::default())
 }
 
@@ -67,9 +65,7 @@ fn weights(name: &str, config: &ProNetConfig) -> Weights {
 #[ignore = "writes the committed weight files; run it when the file format changes, then make.py"]
 fn write_the_weight_files() {
     for (name, config) in networks() {
-        weights(name, &config)
-            .save(folder().join(format!("{name}.safetensors")))
-            .unwrap();
+        weights(name, &config).save(folder().join(format!("{name}.safetensors"))).unwrap();
     }
 }
 
@@ -86,12 +82,7 @@ fn expected() -> Value {
 }
 
 fn numbers(value: &Value) -> Vec<f64> {
-    value
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|v| v.as_f64().unwrap())
-        .collect()
+    value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
 }
 
 /// The network of one case: a committed file's numbers under a changed configuration.
@@ -119,10 +110,7 @@ fn agree(ours: &[f32], theirs: &[f64], tolerance: f64, what: &str) {
     let largest = theirs.iter().fold(0f64, |m, v| m.max(v.abs()));
     assert!(largest > 0.0, "{what}: nothing to compare");
     for (a, b) in ours.iter().zip(theirs) {
-        assert!(
-            (f64::from(*a) - b).abs() <= tolerance * largest,
-            "{what}: {a} is not {b}"
-        );
+        assert!((f64::from(*a) - b).abs() <= tolerance * largest, "{what}: {a} is not {b}");
     }
 }
 
@@ -132,17 +120,13 @@ fn deviations_are_pytorchs_for_every_order_axes_and_head() {
     let mut seen = 0;
     for case in expected["cases"].as_array().unwrap() {
         let (config, flat) = network(case);
-        let rows = expected["windows"][case["windows"].as_u64().unwrap() as usize]
-            .as_array()
-            .unwrap();
+        let rows = expected["windows"][case["windows"].as_u64().unwrap() as usize].as_array().unwrap();
         let windows: Vec<f32> = rows.iter().flat_map(numbers).map(|v| v as f32).collect();
         let sigma = numbers(&case["sigma"]);
         let device = Device::flex();
         let net = ProNet::from_parameters(&config, &flat, &device).unwrap();
-        let x = Tensor::<2>::from_data(
-            TensorData::new(windows.clone(), [rows.len(), config.window]),
-            &device,
-        );
+        let x =
+            Tensor::<2>::from_data(TensorData::new(windows.clone(), [rows.len(), config.window]), &device);
         let fused: Vec<f32> = net.forward(x.clone()).into_data().iter::<f32>().collect();
         let plain: Vec<f32> = net.forward_plain(x).into_data().iter::<f32>().collect();
         let mut streamed = vec![0.0; rows.len()];
@@ -165,26 +149,16 @@ fn loss_gradients_are_pytorchs_for_every_parameter() {
             continue;
         };
         let (config, flat) = network(case);
-        let rows = expected["windows"][case["windows"].as_u64().unwrap() as usize]
-            .as_array()
-            .unwrap();
+        let rows = expected["windows"][case["windows"].as_u64().unwrap() as usize].as_array().unwrap();
         let windows: Vec<f32> = rows.iter().flat_map(numbers).map(|v| v as f32).collect();
         let device = Device::flex().autodiff();
         let net = ProNet::from_parameters(&config, &flat, &device).unwrap();
         let x = Tensor::<2>::from_data(TensorData::new(windows, [rows.len(), config.window]), &device);
-        let theirs: Vec<f64> = parameters(&config)
-            .iter()
-            .flat_map(|p| numbers(&gradient[&p.name]))
-            .collect();
+        let theirs: Vec<f64> = parameters(&config).iter().flat_map(|p| numbers(&gradient[&p.name])).collect();
         for (way, sigma) in [("fused", net.forward(x.clone())), ("plain", net.forward_plain(x))] {
             let loss = ((sigma - 0.1) * 10.0).square().mean();
             let ours = net.flat_gradient(&loss.backward());
-            agree(
-                &ours,
-                &theirs,
-                2e-5,
-                &format!("{way} {} {}", case["file"], case["changes"]),
-            );
+            agree(&ours, &theirs, 2e-5, &format!("{way} {} {}", case["file"], case["changes"]));
         }
         seen += 1;
     }
@@ -195,16 +169,11 @@ fn loss_gradients_are_pytorchs_for_every_parameter() {
 fn adam_is_pytorchs_with_and_without_decoupled_decay() {
     let expected = expected();
     for case in expected["adam"].as_array().unwrap() {
-        let config = AdamConfig {
-            weight_decay: case["weight_decay"].as_f64().unwrap(),
-            ..AdamConfig::default()
-        };
+        let config =
+            AdamConfig { weight_decay: case["weight_decay"].as_f64().unwrap(), ..AdamConfig::default() };
         let mut p: Vec<f32> = numbers(&case["start"]).iter().map(|v| *v as f32).collect();
         let mut adam = Adam::new(config, p.len());
-        let (gradients, after) = (
-            case["gradients"].as_array().unwrap(),
-            case["after"].as_array().unwrap(),
-        );
+        let (gradients, after) = (case["gradients"].as_array().unwrap(), case["after"].as_array().unwrap());
         for (gradient, after) in gradients.iter().zip(after) {
             let gradient: Vec<f32> = numbers(gradient).iter().map(|v| *v as f32).collect();
             adam.step(&mut p, &gradient, 0.01);

@@ -14,10 +14,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let seed = arguments.next().map_or(Ok(1), |s| s.parse())?;
 
     let flights = simulate_all(seed, &FlightConfig::default())?;
-    let simulated: Vec<RecordingSummary> = flights
-        .iter()
-        .map(|f| summarise(&f.recording))
-        .collect::<Result<_, _>>()?;
+    let simulated: Vec<RecordingSummary> =
+        flights.iter().map(|f| summarise(&f.recording)).collect::<Result<_, _>>()?;
     let mut real = Vec::new();
     for sequence in asl::discover(Path::new(&data))? {
         real.push(summarise(&sequence.imu()?)?);

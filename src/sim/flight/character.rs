@@ -42,24 +42,9 @@ pub(crate) struct Character {
     pub gyro_level: [f64; 3],
 }
 
-const LINES: Mix = Mix {
-    hover: 0.15,
-    line: 0.75,
-    circle: 0.1,
-    eight: 0.0,
-};
-const CURVES: Mix = Mix {
-    hover: 0.1,
-    line: 0.2,
-    circle: 0.4,
-    eight: 0.3,
-};
-const MIXED: Mix = Mix {
-    hover: 0.1,
-    line: 0.4,
-    circle: 0.25,
-    eight: 0.25,
-};
+const LINES: Mix = Mix { hover: 0.15, line: 0.75, circle: 0.1, eight: 0.0 };
+const CURVES: Mix = Mix { hover: 0.1, line: 0.2, circle: 0.4, eight: 0.3 };
+const MIXED: Mix = Mix { hover: 0.1, line: 0.4, circle: 0.25, eight: 0.25 };
 
 impl Flight {
     pub(crate) fn character(self) -> Character {
@@ -92,19 +77,10 @@ impl Flight {
             ..hall
         };
         match self {
-            Self::HallSlow => Character {
-                speed: 0.6,
-                flying_s: 112.0,
-                rest_s: 12.0,
-                ..hall
-            },
+            Self::HallSlow => Character { speed: 0.6, flying_s: 112.0, rest_s: 12.0, ..hall },
             Self::HallCalm => Character {
                 speed: 0.65,
-                mix: Mix {
-                    circle: 0.6,
-                    line: 0.25,
-                    ..LINES
-                },
+                mix: Mix { circle: 0.6, line: 0.25, ..LINES },
                 gyro_level: [0.95, 1.18, 1.0],
                 ..hall
             },
@@ -112,12 +88,7 @@ impl Flight {
                 speed: 1.2,
                 yaw_rate: 0.35,
                 flying_s: 95.0,
-                mix: Mix {
-                    hover: 0.05,
-                    line: 0.55,
-                    circle: 0.1,
-                    eight: 0.3,
-                },
+                mix: Mix { hover: 0.05, line: 0.55, circle: 0.1, eight: 0.3 },
                 accel_level: [1.15, 1.0, 1.1],
                 ..hall
             },
@@ -134,22 +105,12 @@ impl Flight {
                 half_width: 8.0,
                 flying_s: 85.0,
                 rest_s: 5.0,
-                mix: Mix {
-                    hover: 0.25,
-                    line: 0.75,
-                    circle: 0.0,
-                    eight: 0.0,
-                },
+                mix: Mix { hover: 0.25, line: 0.75, circle: 0.0, eight: 0.0 },
                 accel_level: [1.1, 0.98, 1.0],
                 gyro_level: [1.0, 1.0, 1.1],
                 ..hall
             },
-            Self::RoomSlow => Character {
-                speed: 0.5,
-                yaw_rate: 0.4,
-                flying_s: 110.0,
-                ..room
-            },
+            Self::RoomSlow => Character { speed: 0.5, yaw_rate: 0.4, flying_s: 110.0, ..room },
             Self::RoomMedium => Character {
                 speed: 1.1,
                 yaw_rate: 0.7,
@@ -166,12 +127,7 @@ impl Flight {
                 knot_s: 0.3,
                 correction: 0.01,
                 yaw_correction: 0.06,
-                mix: Mix {
-                    hover: 0.1,
-                    line: 0.5,
-                    circle: 0.2,
-                    eight: 0.2,
-                },
+                mix: Mix { hover: 0.1, line: 0.5, circle: 0.2, eight: 0.2 },
                 accel_level: [1.62, 1.07, 1.28],
                 gyro_level: [1.0, 1.8, 1.25],
                 ..room
@@ -182,12 +138,7 @@ impl Flight {
                 flying_s: 60.0,
                 rest_s: 15.0,
                 idle_s: 8.0,
-                mix: Mix {
-                    hover: 0.75,
-                    line: 0.25,
-                    circle: 0.0,
-                    eight: 0.0,
-                },
+                mix: Mix { hover: 0.75, line: 0.25, circle: 0.0, eight: 0.0 },
                 accel_level: [1.15, 1.4, 0.95],
                 gyro_level: [1.5, 1.25, 1.0],
                 ..room
@@ -197,12 +148,7 @@ impl Flight {
                 yaw_rate: 0.9,
                 flying_s: 85.0,
                 knot_s: 0.35,
-                mix: Mix {
-                    hover: 0.05,
-                    line: 0.1,
-                    circle: 0.85,
-                    eight: 0.0,
-                },
+                mix: Mix { hover: 0.05, line: 0.1, circle: 0.85, eight: 0.0 },
                 accel_level: [1.15, 1.2, 1.05],
                 gyro_level: [1.15, 1.2, 1.05],
                 ..room
@@ -214,12 +160,7 @@ impl Flight {
                 knot_s: 0.3,
                 correction: 0.01,
                 yaw_correction: 0.06,
-                mix: Mix {
-                    hover: 0.05,
-                    line: 0.25,
-                    circle: 0.2,
-                    eight: 0.5,
-                },
+                mix: Mix { hover: 0.05, line: 0.25, circle: 0.2, eight: 0.5 },
                 accel_level: [1.15, 1.17, 1.1],
                 gyro_level: [1.2, 1.2, 1.12],
                 ..room

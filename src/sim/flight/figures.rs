@@ -38,29 +38,19 @@ impl<'a> Pen<'a> {
         let half = 0.5 * character.half_width;
         let at = Vector3::new(rng.random_range(-half..half), rng.random_range(-half..half), 0.0);
         let heading = rng.random_range(-PI..PI);
-        Self {
-            character,
-            rng,
-            position: Vec::new(),
-            yaw: Vec::new(),
-            at,
-            heading,
-        }
+        Self { character, rng, position: Vec::new(), yaw: Vec::new(), at, heading }
     }
 
     /// `n` equal control points: the body stands.
     pub(super) fn stand(&mut self, n: usize) {
         self.position.extend(std::iter::repeat_n(self.at, n));
-        self.yaw
-            .extend(std::iter::repeat_n(Vector1::new(self.heading), n));
+        self.yaw.extend(std::iter::repeat_n(Vector1::new(self.heading), n));
     }
 
     /// Straight up or down to height `z` in `n` control points.
     pub(super) fn lift(&mut self, z: f64, n: usize) {
         let from = self.at;
-        self.figure(n, 0.0, |u| {
-            Vector3::new(from.x, from.y, from.z + (z - from.z) * u)
-        });
+        self.figure(n, 0.0, |u| Vector3::new(from.x, from.y, from.z + (z - from.z) * u));
     }
 
     /// Figures drawn from the mix for exactly `n` control points; the last is a hover that fills up.
@@ -79,12 +69,7 @@ impl<'a> Pen<'a> {
 
     /// Draws one figure; false when it does not fit into `room` control points.
     fn draw_figure(&mut self, room: usize) -> bool {
-        let Mix {
-            hover,
-            line,
-            circle,
-            eight,
-        } = self.character.mix;
+        let Mix { hover, line, circle, eight } = self.character.mix;
         let speed = self.character.speed * self.rng.random_range(0.7..1.3);
         let draw = self.rng.random_range(0.0..hover + line + circle + eight);
         if draw < hover {
@@ -132,11 +117,7 @@ impl<'a> Pen<'a> {
         let c = self.character;
         let inward = Vector3::new(-self.at.x, -self.at.y, 0.0);
         let bend = self.rng.random_range(-0.6..0.6);
-        let angle = if inward.norm() > 0.2 {
-            inward.y.atan2(inward.x) + bend
-        } else {
-            bend * 5.0
-        };
+        let angle = if inward.norm() > 0.2 { inward.y.atan2(inward.x) + bend } else { bend * 5.0 };
         let radius = self.rng.random_range(0.3..0.6) * c.half_width;
         let turns = self.rng.random_range(1.0..2.0) * if self.rng.random::<bool>() { 1.0 } else { -1.0 };
         let to_z = self.rng.random_range(c.floor..c.ceiling);

@@ -113,9 +113,7 @@ impl FromStr for Flight {
         Self::ALL
             .into_iter()
             .find(|f| f.name() == given || &f.name()[4..] == given)
-            .ok_or_else(|| UnknownFlight {
-                given: given.to_owned(),
-            })
+            .ok_or_else(|| UnknownFlight { given: given.to_owned() })
     }
 }
 

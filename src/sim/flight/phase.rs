@@ -79,10 +79,7 @@ impl Phases {
     /// Begin and end of `phase` \[s after the start\].
     pub fn span(&self, phase: Phase) -> (f64, f64) {
         let index = phase as usize;
-        (
-            if index == 0 { 0.0 } else { self.ends[index - 1] },
-            self.ends[index],
-        )
+        (if index == 0 { 0.0 } else { self.ends[index - 1] }, self.ends[index])
     }
 
     /// The phase in force `t` seconds after the start; a border belongs to the later one.

@@ -35,17 +35,10 @@ impl FlightPlan {
         let knot = character.knot_s;
         let knots = |seconds: f64| (seconds / knot).round() as usize;
         let (rest, idle, lift) = (knots(character.rest_s), knots(character.idle_s), knots(LIFT_S));
-        let (flying, idle_after, rest_after) = (
-            knots(character.flying_s),
-            knots(IDLE_AFTER_S),
-            knots(REST_AFTER_S),
-        );
+        let (flying, idle_after, rest_after) =
+            (knots(character.flying_s), knots(IDLE_AFTER_S), knots(REST_AFTER_S));
 
-        let rng = Stream::new(seed)
-            .named("flight")
-            .named(flight.name())
-            .named("path")
-            .rng();
+        let rng = Stream::new(seed).named("flight").named(flight.name()).named("path").rng();
         let mut pen = Pen::new(&character, rng);
         // Control points 0 to standing + 4 are equal, so segments 0 to standing - 1 stand.
         pen.stand(rest + idle + ORDER - 1);
@@ -60,15 +53,9 @@ impl FlightPlan {
         let phases = Phases::from_lengths(
             [rest, idle, lift, flying, lift, idle_after, rest_after].map(|n| n as f64 * knot),
         );
-        let trajectory = Trajectory::new(
-            UniformSpline::new(knot, pen.position)?,
-            UniformSpline::new(knot, pen.yaw)?,
-        );
-        Ok(Self {
-            flight,
-            trajectory,
-            phases,
-        })
+        let trajectory =
+            Trajectory::new(UniformSpline::new(knot, pen.position)?, UniformSpline::new(knot, pen.yaw)?);
+        Ok(Self { flight, trajectory, phases })
     }
 }
 
@@ -93,11 +80,7 @@ mod tests {
                         && at.vel_in_world == Vector3::zeros();
                     let inside = i > 10 && i + 10 < steps;
                     assert!(!phase.stands() || ideal, "{flight} {} moves", phase.name());
-                    assert!(
-                        phase.stands() || !inside || !ideal,
-                        "{flight} {} stands",
-                        phase.name()
-                    );
+                    assert!(phase.stands() || !inside || !ideal, "{flight} {} stands", phase.name());
                 }
             }
         }
@@ -105,10 +88,7 @@ mod tests {
 
     #[test]
     fn every_flight_can_be_flown_and_has_the_pace_of_its_kin() {
-        for (flight, seed) in Flight::ALL
-            .into_iter()
-            .flat_map(|f| (1..=6).map(move |seed| (f, seed)))
-        {
+        for (flight, seed) in Flight::ALL.into_iter().flat_map(|f| (1..=6).map(move |seed| (f, seed))) {
             let plan = FlightPlan::new(flight, seed).unwrap();
             let duration = plan.phases.duration();
             assert!((60.0..=150.0).contains(&duration), "{flight}: {duration} s");
@@ -121,16 +101,8 @@ mod tests {
                 assert!((0.5..1.7).contains(&thrust), "{flight} at {t}: thrust {thrust}");
                 let tilt = (at.world_from_body * Vector3::z()).z.acos();
                 assert!(tilt < 0.7, "{flight} at {t}: tilt {tilt} rad");
-                assert!(
-                    at.vel_in_world.norm() < 5.0,
-                    "{flight} at {t}: {}",
-                    at.vel_in_world.norm()
-                );
-                assert!(
-                    at.gyro_in_body.norm() < 5.0,
-                    "{flight} at {t}: {}",
-                    at.gyro_in_body.norm()
-                );
+                assert!(at.vel_in_world.norm() < 5.0, "{flight} at {t}: {}", at.vel_in_world.norm());
+                assert!(at.gyro_in_body.norm() < 5.0, "{flight} at {t}: {}", at.gyro_in_body.norm());
                 speed += at.vel_in_world.norm();
                 rate += at.gyro_in_body.norm();
                 n += 1.0;
@@ -149,10 +121,7 @@ mod tests {
             let plan = FlightPlan::new(flight, 4).unwrap();
             for phase in Phase::ALL.into_iter().skip(1) {
                 let border = plan.phases.span(phase).0;
-                let (a, b) = (
-                    plan.trajectory.state(border - 1e-8),
-                    plan.trajectory.state(border + 1e-8),
-                );
+                let (a, b) = (plan.trajectory.state(border - 1e-8), plan.trajectory.state(border + 1e-8));
                 // Jerk and angular acceleration are below 100, times 2e-8 s.
                 assert!((a.position_in_world - b.position_in_world).norm() < 1e-6);
                 assert!((a.vel_in_world - b.vel_in_world).norm() < 1e-6);

@@ -3,7 +3,7 @@
 //! Start and walk have a stream each per sensor and axis: ("bias", "start" | "walk", sensor, axis).
 
 use super::series::ImuSeries;
-use crate::config::Faults;
+use dpn_core::config::ConfigFaults;
 use dpn_core::noise::{AccelBiasWalkDensity, GyroBiasWalkDensity};
 use dpn_core::random::Stream;
 use dpn_core::{SampleRate, Sensor};
@@ -40,7 +40,7 @@ impl Default for BiasConfig {
 }
 
 impl BiasConfig {
-    pub(crate) fn check(&self, faults: &mut Faults) {
+    pub(crate) fn check(&self, faults: &mut ConfigFaults) {
         faults.within("bias.scale", self.scale, 0.0, 1000.0);
         faults.within("bias.accel_start", self.accel_start, 0.0, 5.0);
         faults.within("bias.gyro_start", self.gyro_start, 0.0, 1.0);

@@ -20,12 +20,7 @@ impl Wander {
     pub(crate) fn new(sigma: f64, tau: f64, dt: f64, mut rng: StreamRng) -> Self {
         let keep = (-dt / tau).exp();
         let start: f64 = rng.sample(StandardNormal);
-        Self {
-            keep,
-            kick: sigma * (1.0 - keep * keep).sqrt(),
-            at: sigma * start,
-            rng,
-        }
+        Self { keep, kick: sigma * (1.0 - keep * keep).sqrt(), at: sigma * start, rng }
     }
 
     /// The value now; moves on by one step.

@@ -3,7 +3,7 @@
 //! recorded = lsb round(x / lsb); the error recorded - x is kept, within half a count.
 
 use super::series::ImuSeries;
-use crate::config::Faults;
+use dpn_core::config::ConfigFaults;
 use dpn_core::{GRAVITY, Sensor};
 use serde::{Deserialize, Serialize};
 
@@ -21,16 +21,12 @@ pub struct QuantisationConfig {
 
 impl Default for QuantisationConfig {
     fn default() -> Self {
-        Self {
-            enabled: true,
-            gyro_lsb_deg_s: 0.04,
-            accel_lsb_per_g: 1200.0,
-        }
+        Self { enabled: true, gyro_lsb_deg_s: 0.04, accel_lsb_per_g: 1200.0 }
     }
 }
 
 impl QuantisationConfig {
-    pub(crate) fn check(&self, faults: &mut Faults) {
+    pub(crate) fn check(&self, faults: &mut ConfigFaults) {
         faults.within("quantisation.gyro_lsb_deg_s", self.gyro_lsb_deg_s, 1e-6, 10.0);
         faults.within("quantisation.accel_lsb_per_g", self.accel_lsb_per_g, 1.0, 1e9);
     }

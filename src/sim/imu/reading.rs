@@ -15,10 +15,7 @@ pub(crate) fn read(
     config: &FlightConfig,
 ) -> (ImuTruth, ImuSeries) {
     let n = times.len();
-    let stream = Stream::new(seed)
-        .named("flight")
-        .named(plan.flight.name())
-        .named("imu");
+    let stream = Stream::new(seed).named("flight").named(plan.flight.name()).named("imu");
     let white = white::draw(&config.white, plan.flight, n, &stream.named("white"));
     let mut truth = ImuTruth {
         clean: clean(plan, times),

@@ -14,10 +14,7 @@ pub struct ImuSeries {
 impl ImuSeries {
     /// `n` samples of zero.
     pub fn zeros(n: usize) -> Self {
-        Self {
-            gyro: vec![[0.0; 3]; n],
-            accel: vec![[0.0; 3]; n],
-        }
+        Self { gyro: vec![[0.0; 3]; n], accel: vec![[0.0; 3]; n] }
     }
 
     /// Number of samples.

@@ -47,9 +47,7 @@ impl ImuTruth {
     pub fn oracle(&self, recording: &ImuRecording) -> Result<NoiseTrack, TrackError> {
         let stamps = recording.samples().iter().map(|s| s.t).collect();
         let sigmas = self.white_sigma.accel.iter().zip(&self.white_sigma.gyro);
-        let noises = sigmas
-            .filter_map(|(&accel, &gyro)| ImuNoise::from_values(accel, gyro).ok())
-            .collect();
+        let noises = sigmas.filter_map(|(&accel, &gyro)| ImuNoise::from_values(accel, gyro).ok()).collect();
         NoiseTrack::new(stamps, noises)
     }
 }

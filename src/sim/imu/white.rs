@@ -5,8 +5,8 @@
 //! and the draws w do not depend on it.
 
 use super::series::ImuSeries;
-use crate::config::Faults;
 use crate::flight::Flight;
+use dpn_core::config::ConfigFaults;
 use dpn_core::noise::{AccelNoiseDensity, AccelSampleStd, GyroNoiseDensity, GyroSampleStd};
 use dpn_core::random::Stream;
 use dpn_core::{SampleRate, Sensor};
@@ -40,7 +40,7 @@ impl Default for WhiteConfig {
 }
 
 impl WhiteConfig {
-    pub(crate) fn check(&self, faults: &mut Faults) {
+    pub(crate) fn check(&self, faults: &mut ConfigFaults) {
         faults.within("white.scale", self.scale, 0.0, 1000.0);
         faults.within("white.accel_sample_std", self.accel_sample_std.get(), 0.0, 1.0);
         faults.within("white.gyro_sample_std", self.gyro_sample_std.get(), 0.0, 1.0);
@@ -74,12 +74,7 @@ const Y: [bool; 3] = [false, true, false];
 const Z: [bool; 3] = [false, false, true];
 
 fn event(sensor: Sensor, axes: [bool; 3], begin: f64, end: f64, from: f64, to: f64) -> SigmaEvent {
-    SigmaEvent {
-        sensor,
-        axes,
-        span: (begin, end),
-        factor: (from, to),
-    }
+    SigmaEvent { sensor, axes, span: (begin, end), factor: (from, to) }
 }
 
 /// How the white noise of `flight` changes in time. Factors of overlapping events multiply; elsewhere it is 1.
@@ -106,12 +101,7 @@ pub fn sigma_schedule(flight: Flight) -> Vec<SigmaEvent> {
         Flight::HallFast => vec![event(Gyro, ALL, 0.3, 0.6, 4.0, 4.0)],
         Flight::HallLoops => Sensor::ALL
             .into_iter()
-            .flat_map(|s| {
-                [
-                    event(s, ALL, 0.2, 0.5, 1.0, 5.0),
-                    event(s, ALL, 0.5, 0.8, 5.0, 1.0),
-                ]
-            })
+            .flat_map(|s| [event(s, ALL, 0.2, 0.5, 1.0, 5.0), event(s, ALL, 0.5, 0.8, 5.0, 1.0)])
             .collect(),
         Flight::HallLines => vec![
             event(Accel, ALL, 0.3, 0.36, 6.0, 6.0),
@@ -119,15 +109,9 @@ pub fn sigma_schedule(flight: Flight) -> Vec<SigmaEvent> {
             event(Gyro, ALL, 0.2, 0.5, 1.0, 3.0),
             event(Gyro, ALL, 0.5, 1.01, 3.0, 3.0),
         ],
-        Flight::RoomSlow => vec![
-            event(Accel, Z, 0.35, 0.65, 6.0, 6.0),
-            event(Gyro, X, 0.5, 0.8, 5.0, 5.0),
-        ],
+        Flight::RoomSlow => vec![event(Accel, Z, 0.35, 0.65, 6.0, 6.0), event(Gyro, X, 0.5, 0.8, 5.0, 5.0)],
         Flight::RoomMedium => {
-            vec![
-                event(Accel, ALL, 0.25, 0.75, 1.0, 7.0),
-                event(Gyro, ALL, 0.4, 0.6, 2.0, 2.0),
-            ]
+            vec![event(Accel, ALL, 0.25, 0.75, 1.0, 7.0), event(Gyro, ALL, 0.4, 0.6, 2.0, 2.0)]
         }
         Flight::RoomAggressive => vec![
             event(Accel, ALL, 0.2, 0.4, 2.0, 2.0),
@@ -168,11 +152,7 @@ pub(crate) fn draw(config: &WhiteConfig, flight: Flight, n: usize, stream: &Stre
     for sensor in Sensor::ALL {
         sigma.of_mut(sensor).fill([config.base(sensor); 3]);
     }
-    let events = if config.schedule {
-        sigma_schedule(flight)
-    } else {
-        vec![]
-    };
+    let events = if config.schedule { sigma_schedule(flight) } else { vec![] };
     for event in &events {
         let ((begin, end), (from, to)) = (event.span, event.factor);
         for (i, values) in sigma.of_mut(event.sensor).iter_mut().enumerate() {
@@ -206,12 +186,7 @@ mod tests {
     fn sampled_deviation_is_the_stated_one_on_every_axis_and_stretch() {
         let n = 24_000;
         for flight in Flight::ALL {
-            let white = draw(
-                &WhiteConfig::default(),
-                flight,
-                n,
-                &Stream::new(11).named(flight.name()),
-            );
+            let white = draw(&WhiteConfig::default(), flight, n, &Stream::new(11).named(flight.name()));
             for sensor in Sensor::ALL {
                 for axis in 0..3 {
                     for stretch in 0..10 {
@@ -224,10 +199,7 @@ mod tests {
                             .sum();
                         // A chi-square of m degrees is m +- sqrt(2 m): four standard errors.
                         let m = range.len() as f64;
-                        assert!(
-                            (chi2 - m).abs() < 4.0 * (2.0 * m).sqrt(),
-                            "{flight} {sensor} {axis} {chi2}"
-                        );
+                        assert!((chi2 - m).abs() < 4.0 * (2.0 * m).sqrt(), "{flight} {sensor} {axis} {chi2}");
                     }
                 }
             }
@@ -237,10 +209,7 @@ mod tests {
     #[test]
     fn noise_is_white_and_axes_are_independent() {
         let n = 40_000;
-        let config = WhiteConfig {
-            schedule: false,
-            ..WhiteConfig::default()
-        };
+        let config = WhiteConfig { schedule: false, ..WhiteConfig::default() };
         let white = draw(&config, Flight::Hover, n, &Stream::new(2));
         let unit = |sensor, axis| -> Vec<f64> {
             let scale = config.base(sensor);
@@ -253,11 +222,7 @@ mod tests {
         for lag in 1..=5 {
             assert!(mean(&x[lag..], &x[..n - lag]).abs() < bound);
         }
-        for other in [
-            unit(Sensor::Accel, 1),
-            unit(Sensor::Gyro, 0),
-            unit(Sensor::Gyro, 2),
-        ] {
+        for other in [unit(Sensor::Accel, 1), unit(Sensor::Gyro, 0), unit(Sensor::Gyro, 2)] {
             assert!(mean(&x, &other).abs() < bound);
         }
     }
@@ -265,10 +230,7 @@ mod tests {
     #[test]
     fn the_schedule_moves_the_deviation_and_not_the_draws() {
         let with = draw(&WhiteConfig::default(), Flight::RoomSlow, 1000, &Stream::new(4));
-        let without = WhiteConfig {
-            schedule: false,
-            ..WhiteConfig::default()
-        };
+        let without = WhiteConfig { schedule: false, ..WhiteConfig::default() };
         let without = draw(&without, Flight::RoomSlow, 1000, &Stream::new(4));
         assert_eq!(with.noise.accel[..350], without.noise.accel[..350]);
         for i in 350..650 {

@@ -104,10 +104,7 @@ pub fn summarise(recording: &ImuRecording) -> Result<RecordingSummary, SummaryEr
     let window = recording.rate().hz().round() as usize;
     let needed = window.max(51);
     if window == 0 || recording.len() < needed {
-        return Err(SummaryError::TooShort {
-            samples: recording.len(),
-            needed,
-        });
+        return Err(SummaryError::TooShort { samples: recording.len(), needed });
     }
     let filter = SavitzkyGolay::new(51, 3)?;
     let residual = |sensor, axis| -> Result<Vec<f64>, FilterError> {
@@ -188,11 +185,7 @@ fn summarise_axis(
             let chosen = pick(a);
             (!chosen.is_empty()).then(|| median(&chosen))
         }),
-        quantiles: if absolute.is_empty() {
-            vec![]
-        } else {
-            quantiles(&absolute, &[0.5, 0.9, 0.99, 0.999])
-        },
+        quantiles: if absolute.is_empty() { vec![] } else { quantiles(&absolute, &[0.5, 0.9, 0.99, 0.999]) },
         excess_kurtosis: excess_kurtosis(&standardised),
         line,
     })
@@ -214,9 +207,7 @@ mod tests {
         assert_eq!(summary.windows[2], 0);
         // SG(51,3) keeps 1 - 9/4 / 51 of the variance in the residual (leading order); the medians of 97 windows of
         // 200 samples have a standard error of 1.25 x 5 % / sqrt(97) = .6 %.
-        let gain = SavitzkyGolay::new(51, 3)
-            .unwrap()
-            .residual_gain(flight.recording.len());
+        let gain = SavitzkyGolay::new(51, 3).unwrap().residual_gain(flight.recording.len());
         for axis in 0..3 {
             let accel = summary.accel[axis].deviation / (0.028_284 * gain);
             let gyro = summary.gyro[axis].deviation / (0.002_399_6 * gain);
@@ -256,13 +247,7 @@ mod tests {
     fn a_recording_below_a_second_has_no_summary() {
         let flight = simulate(Flight::Hover, 5, &FlightConfig::default()).unwrap();
         let short = ImuRecording::new(flight.recording.samples()[..150].to_vec()).unwrap();
-        assert_eq!(
-            summarise(&short),
-            Err(SummaryError::TooShort {
-                samples: 150,
-                needed: 200
-            })
-        );
+        assert_eq!(summarise(&short), Err(SummaryError::TooShort { samples: 150, needed: 200 }));
     }
 
     #[test]
@@ -288,29 +273,17 @@ mod tests {
                     Sensor::Accel => 0.0283,
                     Sensor::Gyro => 0.0024,
                 };
-                assert!(
-                    (quiet / sheet - 1.0).abs() < 0.1,
-                    "{} at rest: {quiet}",
-                    flight.name()
-                );
+                assert!((quiet / sheet - 1.0).abs() < 0.1, "{} at rest: {quiet}", flight.name());
             }
             // Lines: 80 to 100 Hz on accelerometer x, z and gyroscope y; 24 to 31 Hz on accelerometer y, gyroscope x.
             for (sensor, axis) in [(Sensor::Accel, 0), (Sensor::Accel, 2), (Sensor::Gyro, 1)] {
                 let line = summary.of(sensor)[axis].line.unwrap();
                 assert!((80.0..100.0).contains(&line.high.unwrap().hz), "{line:?}");
-                assert!(
-                    (0.5..0.95).contains(&line.high_share),
-                    "{} {line:?}",
-                    flight.name()
-                );
+                assert!((0.5..0.95).contains(&line.high_share), "{} {line:?}", flight.name());
             }
             for (sensor, axis) in [(Sensor::Accel, 1), (Sensor::Gyro, 0)] {
                 let line = summary.of(sensor)[axis].line.unwrap();
-                assert!(
-                    (24.0..31.0).contains(&line.low.unwrap().hz),
-                    "{} {line:?}",
-                    flight.name()
-                );
+                assert!((24.0..31.0).contains(&line.low.unwrap().hz), "{} {line:?}", flight.name());
             }
         }
     }

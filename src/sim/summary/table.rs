@@ -24,23 +24,13 @@ fn kurtosis(axis: &AxisSummary) -> Option<f64> {
 
 const FIGURES: [(&str, Figure); 9] = [
     ("residual deviation, at rest", |a| activity(a, Activity::Quiet)),
-    ("residual deviation, motors idling or handled", |a| {
-        activity(a, Activity::Stirring)
-    }),
-    ("residual deviation, in flight", |a| {
-        activity(a, Activity::Running)
-    }),
+    ("residual deviation, motors idling or handled", |a| activity(a, Activity::Stirring)),
+    ("residual deviation, in flight", |a| activity(a, Activity::Running)),
     ("highest of 60-100 Hz [Hz]", |a| peak(a, |l| l.high)),
     ("highest of 20-45 Hz [Hz]", |a| peak(a, |l| l.low)),
-    ("share of 60-100 Hz in 20-100 Hz", |a| {
-        a.line.as_ref().map(|l| l.high_share)
-    }),
-    ("99 % of abs(residual) / deviation", |a| {
-        a.quantiles.get(2).copied()
-    }),
-    ("99.9 % of abs(residual) / deviation", |a| {
-        a.quantiles.get(3).copied()
-    }),
+    ("share of 60-100 Hz in 20-100 Hz", |a| a.line.as_ref().map(|l| l.high_share)),
+    ("99 % of abs(residual) / deviation", |a| a.quantiles.get(2).copied()),
+    ("99.9 % of abs(residual) / deviation", |a| a.quantiles.get(3).copied()),
     ("excess kurtosis of the residual", kurtosis),
 ];
 
@@ -60,10 +50,8 @@ pub fn compare(sets: &[(&str, &[RecordingSummary])]) -> String {
             for (what, figure) in FIGURES {
                 let _ = write!(table, "| {sensor} {letter} | {what} |");
                 for (_, recordings) in sets {
-                    let values: Vec<f64> = recordings
-                        .iter()
-                        .filter_map(|r| figure(&r.of(sensor)[axis]))
-                        .collect();
+                    let values: Vec<f64> =
+                        recordings.iter().filter_map(|r| figure(&r.of(sensor)[axis])).collect();
                     let _ = write!(table, " {} |", cell(&values));
                 }
                 table.push('\n');
@@ -105,15 +93,9 @@ mod tests {
         let summary = [summarise(&flight.recording).unwrap()];
         let table = compare(&[("white only", &summary), ("nothing", &[])]);
         let lines: Vec<&str> = table.lines().collect();
-        assert_eq!(
-            lines[0],
-            "| axis | figure | white only (n = 1) | nothing (n = 0) |"
-        );
+        assert_eq!(lines[0], "| axis | figure | white only (n = 1) | nothing (n = 0) |");
         assert_eq!(lines.len(), 2 + 2 * 3 * FIGURES.len());
-        assert_eq!(
-            lines[2],
-            "| accel x | residual deviation, at rest | 0.028 (0.028 to 0.028) | - |"
-        );
+        assert_eq!(lines[2], "| accel x | residual deviation, at rest | 0.028 (0.028 to 0.028) | - |");
         assert!(lines[4].ends_with("in flight | - | - |"));
     }
 

@@ -69,18 +69,12 @@ impl<const D: usize> UniformSpline<D> {
             return Err(SplineError::Spacing { seconds: spacing });
         }
         if controls.len() < ORDER {
-            return Err(SplineError::TooFew {
-                found: controls.len(),
-            });
+            return Err(SplineError::TooFew { found: controls.len() });
         }
         if let Some(index) = controls.iter().position(|c| !c.iter().all(|v| v.is_finite())) {
             return Err(SplineError::NotFinite { index });
         }
-        Ok(Self {
-            spacing,
-            controls,
-            blend: cumulative_blend(),
-        })
+        Ok(Self { spacing, controls, blend: cumulative_blend() })
     }
 
     /// Length of the curve in time \[s\].
@@ -176,9 +170,8 @@ mod tests {
 
     fn random_spline(seed: u64) -> UniformSpline<2> {
         let mut rng = Stream::new(seed).named("spline").rng();
-        let controls = (0..24)
-            .map(|_| Vector2::new(rng.random_range(-2.0..2.0), rng.random_range(-2.0..2.0)))
-            .collect();
+        let controls =
+            (0..24).map(|_| Vector2::new(rng.random_range(-2.0..2.0), rng.random_range(-2.0..2.0))).collect();
         UniformSpline::new(0.4, controls).unwrap()
     }
 
@@ -246,10 +239,7 @@ mod tests {
 
     #[test]
     fn what_is_no_spline_is_refused_with_its_value() {
-        assert_eq!(
-            UniformSpline::new(0.4, vec![Vector2::zeros(); 5]),
-            Err(SplineError::TooFew { found: 5 })
-        );
+        assert_eq!(UniformSpline::new(0.4, vec![Vector2::zeros(); 5]), Err(SplineError::TooFew { found: 5 }));
         assert_eq!(
             UniformSpline::new(-1.0, vec![Vector2::zeros(); 9]),
             Err(SplineError::Spacing { seconds: -1.0 })

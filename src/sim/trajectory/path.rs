@@ -88,13 +88,7 @@ impl Trajectory {
     fn attitude(&self, t: f64) -> Attitude {
         let p = self.position.jet(t);
         let heading = self.yaw.jet(t);
-        attitude(
-            p.second,
-            p.third,
-            heading.value[0],
-            heading.first[0],
-            Vector3::new(0.0, 0.0, -GRAVITY),
-        )
+        attitude(p.second, p.third, heading.value[0], heading.first[0], Vector3::new(0.0, 0.0, -GRAVITY))
     }
 }
 
@@ -115,13 +109,8 @@ mod tests {
                 Vector3::new(a.cos() + draw(0.3), a.sin() + draw(0.3), 1.0 + draw(0.2))
             })
             .collect();
-        let yaw = (0..40)
-            .map(|k| Vector1::new(0.3 * f64::from(k) + draw(0.3)))
-            .collect();
-        Trajectory::new(
-            UniformSpline::new(0.4, position).unwrap(),
-            UniformSpline::new(0.4, yaw).unwrap(),
-        )
+        let yaw = (0..40).map(|k| Vector1::new(0.3 * f64::from(k) + draw(0.3))).collect();
+        Trajectory::new(UniformSpline::new(0.4, position).unwrap(), UniformSpline::new(0.4, yaw).unwrap())
     }
 
     #[test]
@@ -138,11 +127,7 @@ mod tests {
                 // Rounding: 1e-16 over 1e-5 s; truncation: h^2 times third derivatives below 1e3.
                 assert!((vel - at.vel_in_world).norm() < 1e-6);
                 assert!((acc - at.acc_in_world).norm() < 1e-6);
-                assert!(
-                    (rate - at.gyro_in_body).norm() < 1e-6,
-                    "{rate} {}",
-                    at.gyro_in_body
-                );
+                assert!((rate - at.gyro_in_body).norm() < 1e-6, "{rate} {}", at.gyro_in_body);
                 let force = at.world_from_body * at.specific_force_in_body;
                 assert!((force - Vector3::new(0.0, 0.0, GRAVITY) - at.acc_in_world).norm() < 1e-12);
             }
@@ -164,11 +149,7 @@ mod tests {
             q *= UnitQuaternion::from_scaled_axis(middle.gyro_in_body * h);
         }
         let end = path.state(0.5 + h * f64::from(steps));
-        [
-            (p - end.position_in_world).norm(),
-            (v - end.vel_in_world).norm(),
-            q.angle_to(&end.world_from_body),
-        ]
+        [(p - end.position_in_world).norm(), (v - end.vel_in_world).norm(), q.angle_to(&end.world_from_body)]
     }
 
     #[test]
@@ -178,10 +159,7 @@ mod tests {
         for (what, bound) in [2e-5, 1e-5, 1e-6].into_iter().enumerate() {
             assert!(fine[what] < bound, "{fine:?}");
             // The mid-point rule is of second order: nothing else may be left over.
-            assert!(
-                (3.5..4.5).contains(&(coarse[what] / fine[what])),
-                "{coarse:?} {fine:?}"
-            );
+            assert!((3.5..4.5).contains(&(coarse[what] / fine[what])), "{coarse:?} {fine:?}");
         }
     }
 }

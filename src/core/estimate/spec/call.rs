@@ -37,12 +37,7 @@ impl Call {
     /// # Errors
     /// A broken grammar: an empty spec or argument, a bracket or quote left open, something behind the end.
     pub fn parse_list(spec: &str) -> Result<Vec<Self>, SpecError> {
-        let mut reader = Reader {
-            spec,
-            chars: spec.chars().collect(),
-            at: 0,
-            depth: 0,
-        };
+        let mut reader = Reader { spec, chars: spec.chars().collect(), at: 0, depth: 0 };
         let mut calls = vec![reader.call()?];
         while reader.take(',') {
             calls.push(reader.call()?);
@@ -66,11 +61,7 @@ impl fmt::Display for Call {
                 Arg::Call(call) => write!(f, "{call}")?,
             }
         }
-        if self.args.is_empty() {
-            Ok(())
-        } else {
-            f.write_str(")")
-        }
+        if self.args.is_empty() { Ok(()) } else { f.write_str(")") }
     }
 }
 
@@ -86,11 +77,7 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn error(&self, expected: &'static str) -> SpecError {
-        SpecError::Syntax {
-            spec: self.spec.to_owned(),
-            at: self.at,
-            expected,
-        }
+        SpecError::Syntax { spec: self.spec.to_owned(), at: self.at, expected }
     }
 
     fn skip_blanks(&mut self) {
@@ -152,11 +139,7 @@ impl Reader<'_> {
                 self.at += 1;
             }
             let text = self.chars[from..self.at].iter().collect();
-            return if self.take('"') {
-                Ok(Arg::Text(text))
-            } else {
-                Err(self.error("a closing quote"))
-            };
+            return if self.take('"') { Ok(Arg::Text(text)) } else { Err(self.error("a closing quote")) };
         }
         let word = self.word();
         if word.is_empty() {
@@ -179,10 +162,7 @@ mod tests {
         let calls = Call::parse_list(r#" shuffled( sg(11, 2), 3 ) , track("a, (b).csv",-1.5e-3) "#).unwrap();
         assert_eq!(calls.len(), 2);
         assert_eq!(calls[0].to_string(), "shuffled(sg(11,2),3)");
-        assert_eq!(
-            calls[1].args,
-            [Arg::Text("a, (b).csv".into()), Arg::Number(-0.0015)]
-        );
+        assert_eq!(calls[1].args, [Arg::Text("a, (b).csv".into()), Arg::Number(-0.0015)]);
     }
 
     #[test]
@@ -196,12 +176,7 @@ mod tests {
             ("f(\"a", 4, "a closing quote"),
         ] {
             let error = Call::parse_list(spec).unwrap_err();
-            let SpecError::Syntax {
-                at, expected: got, ..
-            } = error
-            else {
-                panic!("{error}")
-            };
+            let SpecError::Syntax { at, expected: got, .. } = error else { panic!("{error}") };
             assert_eq!((at, got), (place, expected), "{spec}");
         }
         assert!(Call::parse_list(&"f(".repeat(100_000)).is_err());

@@ -1,4 +1,4 @@
-//! What can be wrong with a noise spec, and the nearest name that would be right.
+//! What can be wrong with a noise spec.
 
 use crate::estimate::EstimatorError;
 use crate::noise::units::BadNoise;
@@ -68,33 +68,5 @@ pub enum SpecError {
 }
 
 fn hint(nearest: Option<&str>) -> String {
-    nearest
-        .map(|n| format!("did you mean `{n}`? "))
-        .unwrap_or_default()
-}
-
-/// The candidate with the fewest edits from `name`, if at most a third of its letters (two at least) are edited.
-pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let reach = (name.chars().count() / 3).max(2);
-    candidates
-        .into_iter()
-        .map(|candidate| (strsim::damerau_levenshtein(name, candidate), candidate))
-        .filter(|(edits, candidate)| *edits <= reach && *edits < candidate.chars().count())
-        .min_by_key(|(edits, _)| *edits)
-        .map(|(_, candidate)| candidate)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_nearest_name_is_near_or_none() {
-        let names = ["sg", "diff1", "diff2", "running", "wavelet"];
-        assert_eq!(nearest("dif2", names), Some("diff2"));
-        assert_eq!(nearest("runing", names), Some("running"));
-        assert_eq!(nearest("wavlet", names), Some("wavelet"));
-        assert_eq!(nearest("covariance", names), None);
-        assert_eq!(nearest("q", names), None);
-    }
+    nearest.map(|n| format!("did you mean `{n}`? ")).unwrap_or_default()
 }

@@ -71,16 +71,8 @@ pub(super) const USAGES: [(&str, &str); 12] = [
 impl EstimatorSpec {
     /// One of every kind, each with its default parameters.
     pub fn all() -> Vec<Self> {
-        let bare = |(name, _): (&str, _)| {
-            Self::from_call(&Call {
-                name: name.to_owned(),
-                args: Vec::new(),
-            })
-        };
-        USAGES
-            .into_iter()
-            .filter_map(|usage| bare(usage).ok().flatten())
-            .collect()
+        let bare = |(name, _): (&str, _)| Self::from_call(&Call { name: name.to_owned(), args: Vec::new() });
+        USAGES.into_iter().filter_map(|usage| bare(usage).ok().flatten()).collect()
     }
 
     /// The estimator that `call` names; `None` when it names none.
@@ -101,18 +93,10 @@ impl EstimatorSpec {
                 }
             }
             "wavelet" => Self::Wavelet(arguments.family()?),
-            "running" => Self::Running {
-                first: arguments.at_most(1)?.count(0)?,
-            },
-            "sliding" => Self::Sliding {
-                length: arguments.at_most(1)?.count(0)?,
-            },
-            "ewma" => Self::Ewma {
-                alpha: arguments.at_most(1)?.number(0)?.unwrap_or(0.01),
-            },
-            "kalman" => Self::Kalman {
-                ratio: arguments.at_most(1)?.number(0)?.unwrap_or(0.1),
-            },
+            "running" => Self::Running { first: arguments.at_most(1)?.count(0)? },
+            "sliding" => Self::Sliding { length: arguments.at_most(1)?.count(0)? },
+            "ewma" => Self::Ewma { alpha: arguments.at_most(1)?.number(0)?.unwrap_or(0.01) },
+            "kalman" => Self::Kalman { ratio: arguments.at_most(1)?.number(0)?.unwrap_or(0.1) },
             bare => {
                 arguments.at_most(0)?;
                 match bare {
@@ -146,11 +130,7 @@ impl EstimatorSpec {
         };
         let needs = estimator.min_len();
         if samples < needs {
-            return Err(EstimatorError::WindowTooShort {
-                name: self.to_string(),
-                needs,
-                window: samples,
-            });
+            return Err(EstimatorError::WindowTooShort { name: self.to_string(), needs, window: samples });
         }
         Ok(estimator)
     }
@@ -216,11 +196,7 @@ pub(super) struct Arguments<'a> {
 
 impl Arguments<'_> {
     pub(super) fn wrong(&self, problem: String) -> SpecError {
-        SpecError::Arguments {
-            call: self.call.to_string(),
-            problem,
-            usage: self.usage,
-        }
+        SpecError::Arguments { call: self.call.to_string(), problem, usage: self.usage }
     }
 
     pub(super) fn at_most(self, most: usize) -> Result<Self, SpecError> {

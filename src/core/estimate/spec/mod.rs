@@ -20,6 +20,6 @@ mod estimator;
 mod noise_spec;
 
 pub use call::{Arg, Call};
-pub use error::{SpecError, nearest};
+pub use error::SpecError;
 pub use estimator::EstimatorSpec;
 pub use noise_spec::{NoiseSpec, SensorSpec};

@@ -1,7 +1,8 @@
 //! What a noise spec means.
 
 use super::estimator::{Arguments, USAGES};
-use super::{Call, EstimatorSpec, SpecError, nearest};
+use super::{Call, EstimatorSpec, SpecError};
+use crate::config::nearest;
 use crate::estimate::{AxisSigma, Given, Schedule, Windowed};
 use crate::imu::Sensor;
 use crate::noise::{AccelSampleStd, Constant, GyroSampleStd, ImuNoise, NoiseModel};
@@ -49,19 +50,12 @@ impl NoiseSpec {
             [call] if call.name == "const" => constants(call),
             [call] => {
                 let both = one_sensor(call, others)?;
-                Ok(Self::Sensors {
-                    accel: both,
-                    gyro: both,
-                })
+                Ok(Self::Sensors { accel: both, gyro: both })
             }
-            [accel, gyro] => Ok(Self::Sensors {
-                accel: one_sensor(accel, others)?,
-                gyro: one_sensor(gyro, others)?,
-            }),
-            _ => Err(SpecError::TooManyParts {
-                spec: spec.to_owned(),
-                calls: calls.len(),
-            }),
+            [accel, gyro] => {
+                Ok(Self::Sensors { accel: one_sensor(accel, others)?, gyro: one_sensor(gyro, others)? })
+            }
+            _ => Err(SpecError::TooManyParts { spec: spec.to_owned(), calls: calls.len() }),
         }
     }
 
@@ -73,9 +67,7 @@ impl NoiseSpec {
         let (accel, gyro) = match self {
             Self::Sensors { accel, gyro } => (accel, gyro),
             Self::Other(call) => {
-                return Err(SpecError::MadeElsewhere {
-                    call: call.to_string(),
-                });
+                return Err(SpecError::MadeElsewhere { call: call.to_string() });
             }
         };
         let given = (accel.given(Sensor::Accel), gyro.given(Sensor::Gyro));
@@ -83,10 +75,7 @@ impl NoiseSpec {
             let noise = ImuNoise::isotropic(AccelSampleStd::new(accel)?, GyroSampleStd::new(gyro)?);
             return Ok(Box::new(Constant::new(self.to_string(), noise)));
         }
-        let (accel, gyro) = (
-            accel.axes(Sensor::Accel, schedule)?,
-            gyro.axes(Sensor::Gyro, schedule)?,
-        );
+        let (accel, gyro) = (accel.axes(Sensor::Accel, schedule)?, gyro.axes(Sensor::Gyro, schedule)?);
         Ok(Box::new(Windowed::new(self.to_string(), accel, gyro)))
     }
 }
@@ -107,11 +96,7 @@ impl SensorSpec {
             Self::Multiple(_) | Self::Fixed(_) => {
                 // Checked here as in `model`: a spec may have been built by hand.
                 let sigma = AccelSampleStd::new(self.given(sensor).unwrap_or(f64::NAN))?.get();
-                Ok([
-                    Box::new(Given(sigma)),
-                    Box::new(Given(sigma)),
-                    Box::new(Given(sigma)),
-                ])
+                Ok([Box::new(Given(sigma)), Box::new(Given(sigma)), Box::new(Given(sigma))])
             }
         }
     }
@@ -123,15 +108,11 @@ const MULTIPLE: &str = "x<factor>";
 
 /// `const(accel,gyro)` for both sensors.
 fn constants(call: &Call) -> Result<NoiseSpec, SpecError> {
-    let arguments = Arguments {
-        call,
-        usage: CONST_BOTH,
-    };
+    let arguments = Arguments { call, usage: CONST_BOTH };
     match (positive(&arguments, 0)?, positive(&arguments.at_most(2)?, 1)?) {
-        (Some(accel), Some(gyro)) => Ok(NoiseSpec::Sensors {
-            accel: SensorSpec::Fixed(accel),
-            gyro: SensorSpec::Fixed(gyro),
-        }),
+        (Some(accel), Some(gyro)) => {
+            Ok(NoiseSpec::Sensors { accel: SensorSpec::Fixed(accel), gyro: SensorSpec::Fixed(gyro) })
+        }
         _ => Err(arguments.wrong("both sensors' deviations are needed".to_owned())),
     }
 }
@@ -150,50 +131,28 @@ fn one_sensor(call: &Call, others: &[(&str, &str)]) -> Result<SensorSpec, SpecEr
         return Ok(SensorSpec::Estimator(estimator));
     }
     if call.name == "const" {
-        let arguments = Arguments {
-            call,
-            usage: CONST_ONE,
-        }
-        .at_most(1)?;
+        let arguments = Arguments { call, usage: CONST_ONE }.at_most(1)?;
         let sigma = positive(&arguments, 0)?;
         return sigma
             .map(SensorSpec::Fixed)
             .ok_or_else(|| arguments.wrong("the deviation is missing".to_owned()));
     }
     if others.iter().any(|(name, _)| *name == call.name) {
-        return Err(SpecError::NotOneSensor {
-            call: call.to_string(),
-        });
+        return Err(SpecError::NotOneSensor { call: call.to_string() });
     }
-    if let Some(factor) = call
-        .name
-        .strip_prefix('x')
-        .and_then(|digits| digits.parse::<f64>().ok())
-    {
-        let arguments = Arguments {
-            call,
-            usage: MULTIPLE,
-        }
-        .at_most(0)?;
+    if let Some(factor) = call.name.strip_prefix('x').and_then(|digits| digits.parse::<f64>().ok()) {
+        let arguments = Arguments { call, usage: MULTIPLE }.at_most(0)?;
         if factor.is_finite() && factor > 0.0 {
             return Ok(SensorSpec::Multiple(factor));
         }
         return Err(arguments.wrong(format!("{factor} is no factor; it must be above 0 and finite")));
     }
-    let names = USAGES
-        .iter()
-        .chain(others)
-        .map(|(name, _)| *name)
-        .chain(["const", "x1"]);
+    let names = USAGES.iter().chain(others).map(|(name, _)| *name).chain(["const", "x1"]);
     let usages = USAGES.iter().chain(others).map(|(_, usage)| (*usage).to_owned());
     Err(SpecError::Unknown {
         name: call.name.clone(),
         nearest: nearest(&call.name, names).map(str::to_owned),
-        known: [MULTIPLE, CONST_BOTH]
-            .map(str::to_owned)
-            .into_iter()
-            .chain(usages)
-            .collect(),
+        known: [MULTIPLE, CONST_BOTH].map(str::to_owned).into_iter().chain(usages).collect(),
     })
 }
 
@@ -232,10 +191,7 @@ impl fmt::Display for SensorSpec {
 impl fmt::Display for NoiseSpec {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Sensors {
-                accel: SensorSpec::Fixed(accel),
-                gyro: SensorSpec::Fixed(gyro),
-            } => {
+            Self::Sensors { accel: SensorSpec::Fixed(accel), gyro: SensorSpec::Fixed(gyro) } => {
                 write!(f, "const({accel},{gyro})")
             }
             Self::Sensors { accel, gyro } if accel == gyro => write!(f, "{accel}"),
@@ -282,17 +238,11 @@ mod tests {
     #[test]
     fn an_unknown_name_is_answered_with_the_nearest_and_the_list() {
         let text = parse("dif2").unwrap_err().to_string();
-        assert!(
-            text.contains("did you mean `diff2`?") && text.contains("ewma(alpha)"),
-            "{text}"
-        );
+        assert!(text.contains("did you mean `diff2`?") && text.contains("ewma(alpha)"), "{text}");
         let text = NoiseSpec::parse_with("dualpronett", &[("dualpronet", "dualpronet(model)")])
             .unwrap_err()
             .to_string();
-        assert!(
-            text.contains("did you mean `dualpronet`?") && text.contains("dualpronet(model)"),
-            "{text}"
-        );
+        assert!(text.contains("did you mean `dualpronet`?") && text.contains("dualpronet(model)"), "{text}");
     }
 
     #[test]
@@ -312,17 +262,9 @@ mod tests {
             let text = parse(spec).unwrap_err().to_string();
             assert!(text.contains(words), "{spec}: {text}");
         }
-        for (spec, words) in [
-            ("sg(10,2)", "9 and 11"),
-            ("ewma(2)", "below 1"),
-            ("sg(301,2)", "at least 301"),
-        ] {
-            let text = parse(spec)
-                .unwrap()
-                .model(Schedule::default())
-                .map(|_| ())
-                .unwrap_err()
-                .to_string();
+        for (spec, words) in [("sg(10,2)", "9 and 11"), ("ewma(2)", "below 1"), ("sg(301,2)", "at least 301")]
+        {
+            let text = parse(spec).unwrap().model(Schedule::default()).map(|_| ()).unwrap_err().to_string();
             assert!(text.contains(words), "{spec}: {text}");
         }
     }
@@ -331,14 +273,9 @@ mod tests {
     fn another_crates_call_comes_back_whole_and_is_not_made_here() {
         let spec =
             NoiseSpec::parse_with("shuffled(sg(11,2),7)", &[("shuffled", "shuffled(spec,seed)")]).unwrap();
-        let NoiseSpec::Other(call) = &spec else {
-            panic!("{spec:?}")
-        };
+        let NoiseSpec::Other(call) = &spec else { panic!("{spec:?}") };
         assert_eq!(call.args.len(), 2);
-        assert!(matches!(
-            spec.model(Schedule::default()),
-            Err(SpecError::MadeElsewhere { .. })
-        ));
+        assert!(matches!(spec.model(Schedule::default()), Err(SpecError::MadeElsewhere { .. })));
         let pair = NoiseSpec::parse_with("shuffled(x1),x2", &[("shuffled", "")]);
         assert!(matches!(pair, Err(SpecError::NotOneSensor { .. })));
     }
@@ -349,18 +286,13 @@ mod tests {
         let estimator = SensorSpec::Estimator(EstimatorSpec::Mad2);
         for gyro in [SensorSpec::Multiple(1.0), estimator] {
             let spec = NoiseSpec::Sensors { accel: bad, gyro };
-            assert!(matches!(
-                spec.model(Schedule::default()),
-                Err(SpecError::Noise(_))
-            ));
+            assert!(matches!(spec.model(Schedule::default()), Err(SpecError::Noise(_))));
         }
     }
 
     #[test]
     fn multiples_scale_the_baseline_of_their_sensor() {
-        let NoiseSpec::Sensors { accel, gyro } = parse("x4,x0.5").unwrap() else {
-            panic!()
-        };
+        let NoiseSpec::Sensors { accel, gyro } = parse("x4,x0.5").unwrap() else { panic!() };
         assert_eq!(accel.given(Sensor::Accel), Some(0.32));
         assert_eq!(gyro.given(Sensor::Gyro), Some(0.002));
     }

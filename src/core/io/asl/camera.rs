@@ -67,16 +67,9 @@ pub(super) fn read_config(path: &Path) -> Result<CameraConfig, IoError> {
 /// Reads a `cam0/sensor.yaml` from bytes at hand; `path` is for messages. Keys it does not know are passed over.
 pub(crate) fn parse_config(bytes: &[u8], path: &Path) -> Result<CameraConfig, IoError> {
     let raw: Raw = yaml::parse(bytes, path)?;
-    let bad = |key, problem| IoError::BadKey {
-        path: path.to_path_buf(),
-        key,
-        problem,
-    };
+    let bad = |key, problem| IoError::BadKey { path: path.to_path_buf(), key, problem };
     if let Some(model) = raw.camera_model.as_deref().filter(|m| *m != "pinhole") {
-        return Err(bad(
-            "camera_model",
-            format!("is \"{model}\"; known is \"pinhole\""),
-        ));
+        return Err(bad("camera_model", format!("is \"{model}\"; known is \"pinhole\"")));
     }
     let (distortion, counts): (_, &[usize]) = match raw.distortion_model.as_deref() {
         None | Some("none") => (Distortion::None, &[0]),
@@ -98,10 +91,7 @@ pub(crate) fn parse_config(bytes: &[u8], path: &Path) -> Result<CameraConfig, Io
     if !(fu > 0.0 && fv > 0.0 && [fu, fv, cu, cv].iter().all(|v| v.is_finite())) {
         return Err(bad(
             "intrinsics",
-            format!(
-                "is {:?}; fu and fv must be positive, all four finite",
-                raw.intrinsics
-            ),
+            format!("is {:?}; fu and fv must be positive, all four finite", raw.intrinsics),
         ));
     }
     if raw.resolution.contains(&0) {
@@ -128,11 +118,7 @@ pub(crate) fn parse_frames(bytes: &[u8], path: &Path) -> Result<Vec<CameraFrame>
     let mut frames: Vec<CameraFrame> = Vec::with_capacity(rows.rows_left());
     while rows.advance()? {
         let t = rows.stamp_after(frames.last().map(|f| f.t), 0, TimeUnit::Nanos)?;
-        let file = if rows.width() > 1 {
-            rows.text(1)?.to_owned()
-        } else {
-            format!("{}.png", t.ns())
-        };
+        let file = if rows.width() > 1 { rows.text(1)?.to_owned() } else { format!("{}.png", t.ns()) };
         frames.push(CameraFrame { t, file });
     }
     Ok(frames)

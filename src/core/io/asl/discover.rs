@@ -25,10 +25,7 @@ pub fn discover(dir: &Path) -> Result<Vec<Sequence>, IoError> {
             .flat_map(|up| [format!("{up}mav0/{IMU_DATA}"), format!("{up}{IMU_DATA}")])
             .collect::<Vec<_>>()
             .join(", ");
-        return Err(IoError::NoSequence {
-            dir: dir.to_path_buf(),
-            looked_for,
-        });
+        return Err(IoError::NoSequence { dir: dir.to_path_buf(), looked_for });
     }
     found.sort();
     Ok(found)
@@ -71,11 +68,7 @@ mod tests {
     }
 
     fn names(dir: &Path) -> Vec<String> {
-        discover(dir)
-            .unwrap()
-            .iter()
-            .map(|s| s.name().to_owned())
-            .collect()
+        discover(dir).unwrap().iter().map(|s| s.name().to_owned()).collect()
     }
 
     #[test]
@@ -92,10 +85,7 @@ mod tests {
         assert_eq!(names(&root.join("euroc/MH_01")), ["MH_01"]);
         assert_eq!(names(&root.join("euroc/MH_01/mav0")), ["MH_01"]);
         assert_eq!(names(&root.join("room1")), ["room1"]);
-        assert_eq!(
-            Sequence::open(&root.join("room1")).unwrap().imu().unwrap().len(),
-            2
-        );
+        assert_eq!(Sequence::open(&root.join("room1")).unwrap().imu().unwrap().len(), 2);
     }
 
     #[test]

@@ -162,11 +162,7 @@ pub(crate) fn parse(bytes: &[u8], path: &Path) -> Result<GroundTruth, IoError> {
                     norm,
                 })?,
             ),
-            vel_in_world: if width >= 11 {
-                Some(vector([8, 9, 10], VELOCITY)?)
-            } else {
-                None
-            },
+            vel_in_world: if width >= 11 { Some(vector([8, 9, 10], VELOCITY)?) } else { None },
             biases: if width == 17 {
                 Some(Biases {
                     gyro: vector([11, 12, 13], GYRO_BIAS)?,

@@ -77,9 +77,7 @@ mod tests {
         gyroscope_random_walk: 1.9393e-05\naccelerometer_noise_density: 2.0000e-3\naccelerometer_random_walk: 3.0000e-3\n";
 
     fn error(text: &str) -> String {
-        parse(text.as_bytes(), Path::new("sensor.yaml"))
-            .unwrap_err()
-            .to_string()
+        parse(text.as_bytes(), Path::new("sensor.yaml")).unwrap_err().to_string()
     }
 
     #[test]

@@ -40,14 +40,9 @@ impl Sequence {
 
     /// The same without words: `None` where there is no sequence.
     pub(super) fn at(dir: &Path) -> Option<Self> {
-        let root = [dir.join("mav0"), dir.to_path_buf()]
-            .into_iter()
-            .find(|root| root.join(IMU_DATA).is_file())?;
-        Some(Self {
-            name: name_of(dir),
-            dir: dir.to_path_buf(),
-            root,
-        })
+        let root =
+            [dir.join("mav0"), dir.to_path_buf()].into_iter().find(|root| root.join(IMU_DATA).is_file())?;
+        Some(Self { name: name_of(dir), dir: dir.to_path_buf(), root })
     }
 
     /// The folder's name, for example `MH_01_easy` or `dataset-room1_512_16`.
@@ -58,10 +53,7 @@ impl Sequence {
     /// The name people use: TUM-VI's `dataset-room1_512_16` is `room1`; any other name is as it is.
     pub fn short_name(&self) -> &str {
         let name = self.name.strip_prefix("dataset-").unwrap_or(&self.name);
-        ["_512_16", "_1024_16"]
-            .iter()
-            .find_map(|end| name.strip_suffix(end))
-            .unwrap_or(name)
+        ["_512_16", "_1024_16"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(name)
     }
 
     /// The sequence's folder, as given.
@@ -81,10 +73,7 @@ impl Sequence {
 
     /// File of the ground truth: `state_groundtruth_estimate0/data.csv`, else `mocap0/data.csv`; `None` without either.
     pub fn ground_truth_path(&self) -> Option<PathBuf> {
-        GROUND_TRUTH
-            .iter()
-            .map(|file| self.root.join(file))
-            .find(|file| file.is_file())
+        GROUND_TRUTH.iter().map(|file| self.root.join(file)).find(|file| file.is_file())
     }
 
     /// The inertial samples. Columns by the header's names, ASL's order without a header.
@@ -129,9 +118,9 @@ impl Sequence {
     /// # Errors
     /// No file of ground truth; a layout that is not known; a row that is no state; stamps that do not increase.
     pub fn ground_truth(&self) -> Result<GroundTruth, IoError> {
-        let path = self.ground_truth_path().ok_or_else(|| IoError::Missing {
-            path: self.root.join(GROUND_TRUTH[0]),
-        })?;
+        let path = self
+            .ground_truth_path()
+            .ok_or_else(|| IoError::Missing { path: self.root.join(GROUND_TRUTH[0]) })?;
         ground_truth::read(&path)
     }
 }

@@ -78,26 +78,10 @@ pub fn write_imu_config(path: &Path, config: &ImuConfig) -> Result<(), IoError> 
         writeln!(out, "         {}]", row(3))?;
         writeln!(out, "rate_hz: {}", yaml_number(config.rate.hz()))?;
         for (key, value, unit) in [
-            (
-                "gyroscope_noise_density",
-                config.gyro_noise.get(),
-                "rad / s / sqrt(Hz)",
-            ),
-            (
-                "gyroscope_random_walk",
-                config.gyro_walk.get(),
-                "rad / s^2 / sqrt(Hz)",
-            ),
-            (
-                "accelerometer_noise_density",
-                config.accel_noise.get(),
-                "m / s^2 / sqrt(Hz)",
-            ),
-            (
-                "accelerometer_random_walk",
-                config.accel_walk.get(),
-                "m / s^3 / sqrt(Hz)",
-            ),
+            ("gyroscope_noise_density", config.gyro_noise.get(), "rad / s / sqrt(Hz)"),
+            ("gyroscope_random_walk", config.gyro_walk.get(), "rad / s^2 / sqrt(Hz)"),
+            ("accelerometer_noise_density", config.accel_noise.get(), "m / s^2 / sqrt(Hz)"),
+            ("accelerometer_random_walk", config.accel_walk.get(), "m / s^3 / sqrt(Hz)"),
         ] {
             writeln!(out, "{key}: {} # [ {unit} ]", yaml_number(value))?;
         }
@@ -166,10 +150,7 @@ mod tests {
                 UnitQuaternion::from_scaled_axis(vector(rng)),
             ),
             vel_in_world: velocity.then(|| vector(rng)),
-            biases: biases.then(|| Biases {
-                gyro: vector(rng),
-                accel: vector(rng),
-            }),
+            biases: biases.then(|| Biases { gyro: vector(rng), accel: vector(rng) }),
         });
         GroundTruth::new(states.collect()).unwrap()
     }
@@ -194,11 +175,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         for (velocity, biases) in [(false, false), (true, false), (true, true)] {
             let truth = truth(&mut rng, velocity, biases);
-            let parts = SequenceParts {
-                imu: &imu,
-                imu_config: Some(&config),
-                ground_truth: Some(&truth),
-            };
+            let parts = SequenceParts { imu: &imu, imu_config: Some(&config), ground_truth: Some(&truth) };
             let sequence = write_sequence(&dir.path().join("flight_01"), &parts).unwrap();
             assert_eq!(sequence.name(), "flight_01");
             assert_eq!(sequence.imu().unwrap(), imu);
@@ -219,17 +196,9 @@ mod tests {
     fn an_unwritable_place_is_an_error_and_leaves_no_sequence() {
         let dir = tempfile::tempdir().unwrap();
         std::fs::write(dir.path().join("mav0"), "in the way").unwrap();
-        let at = |t| ImuSample {
-            t: Stamp::from_ns(t),
-            gyro: [0.0; 3],
-            accel: [0.0; 3],
-        };
+        let at = |t| ImuSample { t: Stamp::from_ns(t), gyro: [0.0; 3], accel: [0.0; 3] };
         let imu = ImuRecording::new(vec![at(0), at(5)]).unwrap();
-        let parts = SequenceParts {
-            imu: &imu,
-            imu_config: None,
-            ground_truth: None,
-        };
+        let parts = SequenceParts { imu: &imu, imu_config: None, ground_truth: None };
         let error = write_sequence(dir.path(), &parts).unwrap_err();
         assert!(matches!(error, IoError::Write { .. }), "{error}");
         assert!(Sequence::open(dir.path()).is_err());

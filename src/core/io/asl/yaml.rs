@@ -23,10 +23,7 @@ pub(super) fn parse<T: DeserializeOwned>(bytes: &[u8], path: &Path) -> Result<T,
         let first = whole.lines().next().unwrap_or_default();
         IoError::BadYaml {
             path: path.to_path_buf(),
-            line: error
-                .location()
-                .and_then(|at| usize::try_from(at.line()).ok())
-                .filter(|line| *line > 0),
+            line: error.location().and_then(|at| usize::try_from(at.line()).ok()).filter(|line| *line > 0),
             message: first
                 .split(" at line ")
                 .next()
@@ -42,16 +39,9 @@ pub(super) fn parse<T: DeserializeOwned>(bytes: &[u8], path: &Path) -> Result<T,
 /// # Errors
 /// Not 16 finite numbers, a last row other than 0 0 0 1, a rotation that is none within 1e-3.
 pub(super) fn body_from_sensor(matrix: &Matrix, path: &Path) -> Result<Isometry3<f64>, IoError> {
-    let bad = |problem: String| IoError::BadKey {
-        path: path.to_path_buf(),
-        key: "T_BS",
-        problem,
-    };
+    let bad = |problem: String| IoError::BadKey { path: path.to_path_buf(), key: "T_BS", problem };
     let Ok(m) = <&[f64; 16]>::try_from(matrix.data.as_slice()) else {
-        return Err(bad(format!(
-            "has {} numbers; a pose has 4 rows of 4",
-            matrix.data.len()
-        )));
+        return Err(bad(format!("has {} numbers; a pose has 4 rows of 4", matrix.data.len())));
     };
     if m.iter().any(|v| !v.is_finite()) {
         return Err(bad("holds a value that is not finite".to_owned()));
@@ -60,13 +50,9 @@ pub(super) fn body_from_sensor(matrix: &Matrix, path: &Path) -> Result<Isometry3
         return Err(bad(format!("ends with the row {:?}, not 0 0 0 1", &m[12..])));
     }
     let rotation = Matrix3::new(m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]);
-    let off = (rotation.transpose() * rotation - Matrix3::identity())
-        .abs()
-        .max();
+    let off = (rotation.transpose() * rotation - Matrix3::identity()).abs().max();
     if off > 1e-3 || rotation.determinant() < 0.0 {
-        return Err(bad(format!(
-            "has no rotation in its upper left corner (off by {off:.2e})"
-        )));
+        return Err(bad(format!("has no rotation in its upper left corner (off by {off:.2e})")));
     }
     // The files carry a dozen digits; the quaternion is brought back to length 1.
     let near = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(rotation));

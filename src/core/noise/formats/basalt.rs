@@ -9,12 +9,7 @@ use super::meaning::Meaning;
 /// The keys below `value0`.
 pub(super) const LAYOUT: Layout = Layout {
     keys: keys(
-        [
-            "accel_noise_std",
-            "accel_bias_std",
-            "gyro_noise_std",
-            "gyro_bias_std",
-        ],
+        ["accel_noise_std", "accel_bias_std", "gyro_noise_std", "gyro_bias_std"],
         Meaning::Density,
         Meaning::WalkDensity,
     ),
@@ -27,10 +22,8 @@ pub(super) const LAYOUT: Layout = Layout {
 
 /// JSON has no comments: what is not known is left out.
 pub(super) fn write(lines: &[Line], rate: Option<&str>) -> String {
-    let mut entries: Vec<String> = rate
-        .map(|rate| format!("        \"imu_update_rate\": {rate}"))
-        .into_iter()
-        .collect();
+    let mut entries: Vec<String> =
+        rate.map(|rate| format!("        \"imu_update_rate\": {rate}")).into_iter().collect();
     entries.extend(lines.iter().filter_map(|line| {
         let values = line.values?.each_text();
         Some(format!("        \"{}\": [{}]", line.key.name, values.join(", ")))

@@ -70,9 +70,7 @@ pub(super) fn read(tree: &Tree, path: &Path, given: &Given) -> Result<Source, Fo
         };
         let quantity = Quantity::parse(&text, figure).map_err(in_place)?;
         let rate = source.figures.rate;
-        let steps = quantity
-            .into_figures(name, &mut source.figures, rate)
-            .map_err(in_place)?;
+        let steps = quantity.into_figures(name, &mut source.figures, rate).map_err(in_place)?;
         source.steps.extend(steps);
     }
     Ok(source)

@@ -21,11 +21,7 @@ pub struct Slip {
 
 impl fmt::Display for Slip {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "line {} has `{}`; did you mean `{}`?",
-            self.line, self.typed, self.known
-        )
+        write!(f, "line {} has `{}`; did you mean `{}`?", self.line, self.typed, self.known)
     }
 }
 
@@ -189,24 +185,17 @@ impl FormatError {
                     .to_owned()
             }
             Self::NoKeys { .. } => format!("known formats are {}", Format::names()),
-            Self::NoFormat {
-                nearest: Some(slip), ..
-            } => slip.to_string(),
+            Self::NoFormat { nearest: Some(slip), .. } => slip.to_string(),
 
             Self::NoFormat { .. } => format!("known are {}; name one with --from", Format::names()),
-            Self::Missing {
-                nearest: Some(slip), ..
-            } => slip.to_string(),
+            Self::Missing { nearest: Some(slip), .. } => slip.to_string(),
 
-            Self::Missing {
-                rather: Some(rather), ..
-            } => format!("the file has the keys of {rather}: say --from {rather}"),
+            Self::Missing { rather: Some(rather), .. } => {
+                format!("the file has the keys of {rather}: say --from {rather}")
+            }
             Self::Missing { figures, .. } => {
                 let flags: Vec<String> = figures.iter().map(|f| format!("--{} NUMBER", f.flag())).collect();
-                format!(
-                    "add the key, or give {} (densities, or with a unit)",
-                    flags.join(" ")
-                )
+                format!("add the key, or give {} (densities, or with a unit)", flags.join(" "))
             }
             Self::NotNumbers { .. } => {
                 "write a plain number in the unit of the format, without the unit".to_owned()
@@ -220,10 +209,7 @@ impl FormatError {
                     .to_owned()
             }
             Self::BadRate { .. } => "write the IMU's rate there, or give --rate HZ".to_owned(),
-            Self::UnknownKey {
-                nearest: Some(nearest),
-                ..
-            } => format!("did you mean `{nearest}`?"),
+            Self::UnknownKey { nearest: Some(nearest), .. } => format!("did you mean `{nearest}`?"),
             Self::UnknownKey { key, .. } if key.contains("instability") || key.contains("stability") => {
                 "a bias instability is no walk and none follows from it; leave it out".to_owned()
             }

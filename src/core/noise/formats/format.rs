@@ -112,11 +112,7 @@ impl Format {
                 let own = keys.iter().filter(|key| block.get(key).is_some()).count();
                 let marked = marks.iter().any(|mark| block.get(mark).is_some());
                 // A mark counts less than any key.
-                if own == 0 {
-                    0
-                } else {
-                    2 * own + usize::from(marked)
-                }
+                if own == 0 { 0 } else { 2 * own + usize::from(marked) }
             };
             blocks.iter().map(count).max().unwrap_or(0)
         };
@@ -135,11 +131,8 @@ impl FromStr for Format {
     type Err = UnknownFormat;
 
     fn from_str(text: &str) -> Result<Self, UnknownFormat> {
-        let plain: String = text
-            .chars()
-            .filter(char::is_ascii_alphanumeric)
-            .collect::<String>()
-            .to_ascii_lowercase();
+        let plain: String =
+            text.chars().filter(char::is_ascii_alphanumeric).collect::<String>().to_ascii_lowercase();
         let known = match plain.as_str() {
             "asl" | "euroc" | "maplab" => Some(Self::Kalibr),
             "vinsmono" | "vinsfusion" => Some(Self::Vins),
@@ -180,10 +173,7 @@ mod tests {
     fn a_file_is_known_by_its_keys() {
         let of = |text: &str| Format::of(&Tree::parse(text.as_bytes(), Path::new("f")).unwrap());
         assert_eq!(of("accelerometer_noise_density: 1\n"), Some(Format::Kalibr));
-        assert_eq!(
-            of("imu0:\n  accelerometer_noise_density: 1\n  T_i_b: []\n"),
-            Some(Format::OpenVins)
-        );
+        assert_eq!(of("imu0:\n  accelerometer_noise_density: 1\n  T_i_b: []\n"), Some(Format::OpenVins));
         assert_eq!(of("acc_n: 1\ngyr_n: 2\n"), Some(Format::Vins));
         assert_eq!(of("{\"value0\": {\"gyro_noise_std\": 1}}"), Some(Format::Basalt));
         assert_eq!(of("imu_parameters:\n  sigma_a_c: 1\n"), Some(Format::Okvis2));

@@ -43,11 +43,9 @@ pub(super) fn yaml(lines: &[Line], indent: &str) -> String {
         let unit = key.meaning.unit(key.figure);
         let note = note.as_ref().map(|n| format!("; {n}")).unwrap_or_default();
         match values {
-            Some(values) => text.push_str(&format!(
-                "{indent}{}: {}  # {unit}{note}\n",
-                key.name,
-                values.text()
-            )),
+            Some(values) => {
+                text.push_str(&format!("{indent}{}: {}  # {unit}{note}\n", key.name, values.text()));
+            }
             None => text.push_str(&format!("{indent}# {}: not known  # {unit}{note}\n", key.name)),
         }
     }
@@ -57,11 +55,7 @@ pub(super) fn yaml(lines: &[Line], indent: &str) -> String {
 /// The mapping that holds most of `names`.
 pub(super) fn block<'a>(tree: &'a Tree, names: &[&str]) -> Option<(Block<'a>, Vec<Block<'a>>)> {
     let count = |block: &Block<'_>| names.iter().filter(|name| block.get(name).is_some()).count();
-    let mut holding: Vec<Block<'a>> = tree
-        .blocks()
-        .into_iter()
-        .filter(|block| count(block) > 0)
-        .collect();
+    let mut holding: Vec<Block<'a>> = tree.blocks().into_iter().filter(|block| count(block) > 0).collect();
     let most = holding.iter().map(&count).max()?;
     let first = holding.iter().position(|block| count(block) == most)?;
     let found = holding.remove(first);
@@ -107,12 +101,7 @@ pub(super) fn rate(
 /// One positive number, or three: x, y, z, or the diagonal of nine.
 pub(super) fn axes(entry: &Entry, path: &Path, remarks: &mut Vec<Remark>) -> Result<Axes<f64>, FormatError> {
     let Entry { key, line, value } = entry;
-    let place = || {
-        (
-            path.to_path_buf(),
-            if value.line > 0 { value.line } else { *line },
-        )
-    };
+    let place = || (path.to_path_buf(), if value.line > 0 { value.line } else { *line });
     let values = match value.numbers().as_deref() {
         Some([one]) => Axes::Same(*one),
         Some([x, y, z]) => Axes::Each([*x, *y, *z]),
@@ -130,12 +119,7 @@ pub(super) fn axes(entry: &Entry, path: &Path, remarks: &mut Vec<Remark>) -> Res
     for value in values.each() {
         if !(value.is_finite() && value > 0.0) {
             let (path, line) = place();
-            return Err(FormatError::NotPositive {
-                path,
-                line,
-                key: key.clone(),
-                value,
-            });
+            return Err(FormatError::NotPositive { path, line, key: key.clone(), value });
         }
     }
     Ok(match values {
@@ -198,10 +182,7 @@ pub(super) fn read(
             key: key.name.to_owned(),
             value: bad.0,
         };
-        source
-            .figures
-            .set(key.figure, key.meaning, values, rate)
-            .map_err(bad)?;
+        source.figures.set(key.figure, key.meaning, values, rate).map_err(bad)?;
         source.steps.push(read_step(key, values, &source.figures, rate));
     }
     if !lacking.is_empty() {
@@ -211,11 +192,7 @@ pub(super) fn read(
 }
 
 fn named(path: &str) -> String {
-    if path.is_empty() {
-        "the one at the top".into()
-    } else {
-        format!("`{path}`")
-    }
+    if path.is_empty() { "the one at the top".into() } else { format!("`{path}`") }
 }
 
 /// From a key's number to a density.
@@ -224,9 +201,7 @@ fn read_step(key: Key, values: Axes<f64>, figures: &ImuFigures, rate: SampleRate
     let density = figures.density(key.figure).map_or_else(String::new, Axes::text);
     Step {
         name: key.name.to_owned(),
-        from: key
-            .meaning
-            .to_density_words(&number, &format!("{} Hz", short(rate.hz()))),
+        from: key.meaning.to_density_words(&number, &format!("{} Hz", short(rate.hz()))),
         result: format!("{density} {}", key.figure.unit()),
         meaning: "density",
     }
@@ -238,16 +213,10 @@ pub(super) fn written_step(key: Key, figures: &ImuFigures, written: Axes<f64>, r
         Axes::Same(_) => Axes::Same(d.largest()),
         Axes::Each(_) => d,
     });
-    let number = format!(
-        "{} {}",
-        density.map_or_else(String::new, Axes::text),
-        key.figure.unit()
-    );
+    let number = format!("{} {}", density.map_or_else(String::new, Axes::text), key.figure.unit());
     Step {
         name: key.name.to_owned(),
-        from: key
-            .meaning
-            .of_density_words(&number, &format!("{} Hz", short(rate.hz()))),
+        from: key.meaning.of_density_words(&number, &format!("{} Hz", short(rate.hz()))),
         result: format!("{} {}", written.text(), key.meaning.unit(key.figure)),
         meaning: key.meaning.words(),
     }
@@ -262,44 +231,30 @@ fn missing(tree: &Tree, format: Format, layout: &Layout, path: &Path, lacking: &
         from: format,
         missing: lacking.iter().map(|key| key.name.to_owned()).collect(),
         figures: lacking.iter().map(|key| key.figure).collect::<Vec<Figure>>(),
-        nearest: if rather.is_some() {
-            None
-        } else {
-            slip(tree, lacking.iter().map(|key| key.name), &names)
-        },
+        nearest: if rather.is_some() { None } else { slip(tree, lacking.iter().map(|key| key.name), &names) },
         rather,
     }
 }
 
 /// A key of the file that is nearly one of `wanted`, and none of `known`.
+// An iterator is handed over as one; it is cloned because it is gone through once an entry.
+#[allow(clippy::needless_pass_by_value)]
 pub(super) fn slip<'a>(
     tree: &Tree,
     wanted: impl Iterator<Item = &'a str> + Clone,
     known: &[&str],
 ) -> Option<Box<Slip>> {
-    tree.blocks()
-        .iter()
-        .flat_map(|block| block.entries)
-        .find_map(|entry| {
-            let plain = |text: &str| text.to_lowercase();
-            if known.contains(&entry.key.as_str()) {
-                return None;
-            }
-            // Half as much tolerance as for our own files: others have many keys that are nobody's slip.
-            let near = nearest(
-                &plain(&entry.key),
-                wanted.clone().filter(|w| entry.key.len().abs_diff(w.len()) <= 3),
-            )
-            .filter(|w| strsim::damerau_levenshtein(&plain(&entry.key), &plain(w)) <= 1 + w.len() / 8)
-            .map(str::to_owned);
-            let same = wanted
-                .clone()
-                .find(|w| plain(w) == plain(&entry.key))
+    tree.blocks().iter().flat_map(|block| block.entries).find_map(|entry| {
+        let plain = |text: &str| text.to_lowercase();
+        if known.contains(&entry.key.as_str()) {
+            return None;
+        }
+        // Half as much tolerance as for our own files: others have many keys that are nobody's slip.
+        let near =
+            nearest(&plain(&entry.key), wanted.clone().filter(|w| entry.key.len().abs_diff(w.len()) <= 3))
+                .filter(|w| strsim::damerau_levenshtein(&plain(&entry.key), &plain(w)) <= 1 + w.len() / 8)
                 .map(str::to_owned);
-            Some(Box::new(Slip {
-                line: entry.line,
-                typed: entry.key.clone(),
-                known: same.or(near)?,
-            }))
-        })
+        let same = wanted.clone().find(|w| plain(w) == plain(&entry.key)).map(str::to_owned);
+        Some(Box::new(Slip { line: entry.line, typed: entry.key.clone(), known: same.or(near)? }))
+    })
 }

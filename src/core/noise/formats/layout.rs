@@ -34,10 +34,7 @@ pub struct Layout {
 impl Layout {
     /// The key that gives `figure`.
     pub fn key(&self, figure: Figure) -> Key {
-        self.keys
-            .into_iter()
-            .find(|key| key.figure == figure)
-            .unwrap_or(self.keys[0])
+        self.keys.into_iter().find(|key| key.figure == figure).unwrap_or(self.keys[0])
     }
 
     /// Whether any of its numbers is only meant together with a rate.
@@ -50,25 +47,9 @@ impl Layout {
 pub(super) const fn keys(names: [&'static str; 4], white: Meaning, walk: Meaning) -> [Key; 4] {
     let [accel, accel_walk, gyro, gyro_walk] = names;
     [
-        Key {
-            name: accel,
-            figure: Figure::AccelWhite,
-            meaning: white,
-        },
-        Key {
-            name: accel_walk,
-            figure: Figure::AccelWalk,
-            meaning: walk,
-        },
-        Key {
-            name: gyro,
-            figure: Figure::GyroWhite,
-            meaning: white,
-        },
-        Key {
-            name: gyro_walk,
-            figure: Figure::GyroWalk,
-            meaning: walk,
-        },
+        Key { name: accel, figure: Figure::AccelWhite, meaning: white },
+        Key { name: accel_walk, figure: Figure::AccelWalk, meaning: walk },
+        Key { name: gyro, figure: Figure::GyroWhite, meaning: white },
+        Key { name: gyro_walk, figure: Figure::GyroWalk, meaning: walk },
     ]
 }

@@ -33,10 +33,7 @@ pub enum Meaning {
 impl Meaning {
     /// Whether it is the walk of a bias.
     pub fn is_walk(self) -> bool {
-        matches!(
-            self,
-            Self::WalkDensity | Self::WalkStepStd | Self::WalkStepVariance | Self::WalkRateStd
-        )
+        matches!(self, Self::WalkDensity | Self::WalkStepStd | Self::WalkStepVariance | Self::WalkRateStd)
     }
 
     /// Whether the number is only meant together with a rate.
@@ -145,22 +142,8 @@ macro_rules! walk {
     };
 }
 
-white!(
-    read_accel,
-    write_accel,
-    AccelNoiseDensity,
-    AccelPowerDensity,
-    AccelSampleStd,
-    AccelSampleVariance
-);
-white!(
-    read_gyro,
-    write_gyro,
-    GyroNoiseDensity,
-    GyroPowerDensity,
-    GyroSampleStd,
-    GyroSampleVariance
-);
+white!(read_accel, write_accel, AccelNoiseDensity, AccelPowerDensity, AccelSampleStd, AccelSampleVariance);
+white!(read_gyro, write_gyro, GyroNoiseDensity, GyroPowerDensity, GyroSampleStd, GyroSampleVariance);
 walk!(
     read_accel_walk,
     write_accel_walk,
@@ -206,12 +189,8 @@ impl ImuFigures {
         match figure {
             Figure::AccelWhite => self.accel_white.map(|a| a.map(|v| write_accel(meaning, v, rate))),
             Figure::GyroWhite => self.gyro_white.map(|a| a.map(|v| write_gyro(meaning, v, rate))),
-            Figure::AccelWalk => self
-                .accel_walk
-                .map(|a| a.map(|v| write_accel_walk(meaning, v, rate))),
-            Figure::GyroWalk => self
-                .gyro_walk
-                .map(|a| a.map(|v| write_gyro_walk(meaning, v, rate))),
+            Figure::AccelWalk => self.accel_walk.map(|a| a.map(|v| write_accel_walk(meaning, v, rate))),
+            Figure::GyroWalk => self.gyro_walk.map(|a| a.map(|v| write_gyro_walk(meaning, v, rate))),
         }
     }
 }
@@ -221,18 +200,10 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    const WHITE: [Meaning; 4] = [
-        Meaning::Density,
-        Meaning::Power,
-        Meaning::SampleStd,
-        Meaning::SampleVariance,
-    ];
-    const WALK: [Meaning; 4] = [
-        Meaning::WalkDensity,
-        Meaning::WalkStepStd,
-        Meaning::WalkStepVariance,
-        Meaning::WalkRateStd,
-    ];
+    const WHITE: [Meaning; 4] =
+        [Meaning::Density, Meaning::Power, Meaning::SampleStd, Meaning::SampleVariance];
+    const WALK: [Meaning; 4] =
+        [Meaning::WalkDensity, Meaning::WalkStepStd, Meaning::WalkStepVariance, Meaning::WalkRateStd];
 
     #[test]
     fn a_hundredth_per_sample_at_a_hundred_hertz_is_known_in_every_meaning() {
@@ -242,21 +213,14 @@ mod tests {
             meanings.map(|m| figures.get(figure, m, rate).unwrap().largest())
         };
         let near = |got: [f64; 4], wanted: [f64; 4]| {
-            assert!(
-                got.iter().zip(wanted).all(|(g, w)| (g / w - 1.0).abs() < 1e-12),
-                "{got:?} {wanted:?}"
-            );
+            assert!(got.iter().zip(wanted).all(|(g, w)| (g / w - 1.0).abs() < 1e-12), "{got:?} {wanted:?}");
         };
         for figure in [Figure::AccelWhite, Figure::GyroWhite] {
-            figures
-                .set(figure, Meaning::SampleStd, Axes::Same(0.01), rate)
-                .unwrap();
+            figures.set(figure, Meaning::SampleStd, Axes::Same(0.01), rate).unwrap();
             near(values(&figures, figure, WHITE), [1e-3, 1e-6, 1e-2, 1e-4]);
         }
         for figure in [Figure::AccelWalk, Figure::GyroWalk] {
-            figures
-                .set(figure, Meaning::WalkStepStd, Axes::Same(0.01), rate)
-                .unwrap();
+            figures.set(figure, Meaning::WalkStepStd, Axes::Same(0.01), rate).unwrap();
             near(values(&figures, figure, WALK), [0.1, 1e-2, 1e-4, 1.0]);
         }
     }

@@ -5,7 +5,7 @@
 //!   variances; `ros` (covariance matrices of a message) and `datasheet` (numbers with units) read and write in their own way.
 //! * [`Meaning`]: what a number means (density, per sample, variance, step of a walk ...), with the way to a density and back.
 //! * [`Quantity`]: a number with a unit, such as `0.2 mg/sqrt(Hz)` or `0.3 deg/sqrt(h)`.
-//! * [`read`], [`Given`], [`write`]: file to figures to text.
+//! * [`read`], [`Given`], [`write()`]: file to figures to text.
 //!
 //! Left out: scale, misalignment, g-sensitivity, and whatever else such a file says about cameras.
 

@@ -4,10 +4,8 @@ use super::keyed::{self, Line};
 use super::layout::Layout;
 
 /// Kalibr's keys.
-pub(super) const LAYOUT: Layout = Layout {
-    marks: &["T_i_b", "Tw", "Ta", "Tg", "R_IMUtoGYRO", "R_IMUtoACC"],
-    ..super::kalibr::LAYOUT
-};
+pub(super) const LAYOUT: Layout =
+    Layout { marks: &["T_i_b", "Tw", "Ta", "Tg", "R_IMUtoGYRO", "R_IMUtoACC"], ..super::kalibr::LAYOUT };
 
 pub(super) fn write(lines: &[Line], rate: Option<&str>) -> String {
     let mut text = String::from("%YAML:1.0\n# OpenVINS kalibr_imu_chain.yaml: densities\nimu0:\n");

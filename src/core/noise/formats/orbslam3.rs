@@ -22,9 +22,7 @@ pub(super) fn write(lines: &[Line], rate: Option<&str>) -> String {
     let mut text = String::from("%YAML:1.0\n# ORB-SLAM3: densities\n");
     text.push_str(&keyed::yaml(lines, ""));
     if let Some(rate) = rate {
-        text.push_str(&format!(
-            "IMU.Frequency: {rate}  # Hz; ORB-SLAM3 multiplies by its root itself\n"
-        ));
+        text.push_str(&format!("IMU.Frequency: {rate}  # Hz; ORB-SLAM3 multiplies by its root itself\n"));
     }
     text
 }

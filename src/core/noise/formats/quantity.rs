@@ -95,11 +95,7 @@ impl Quantity {
             return Err(QuantityError::NotPositive(text.to_owned()));
         }
         let (scale, meaning) = if unit.is_empty() {
-            let density = if figure.is_walk() {
-                Meaning::WalkDensity
-            } else {
-                Meaning::Density
-            };
+            let density = if figure.is_walk() { Meaning::WalkDensity } else { Meaning::Density };
             (1.0, density)
         } else {
             let unit = unit::parse(unit).map_err(|problem| QuantityError::BadUnit {
@@ -111,18 +107,8 @@ impl Quantity {
         if !(value * scale).is_normal() {
             return Err(QuantityError::NotPositive(text.to_owned()));
         }
-        let text = if unit.is_empty() {
-            format!("{digits} {}", figure.unit())
-        } else {
-            text.to_owned()
-        };
-        Ok(Self {
-            text,
-            value,
-            scale,
-            figure,
-            meaning,
-        })
+        let text = if unit.is_empty() { format!("{digits} {}", figure.unit()) } else { text.to_owned() };
+        Ok(Self { text, value, scale, figure, meaning })
     }
 
     /// What it means.
@@ -163,19 +149,16 @@ impl Quantity {
             meaning: self.meaning.words(),
         }];
         let bad = |_| QuantityError::NotPositive(self.text.clone());
-        figures
-            .set(self.figure, self.meaning, Axes::Same(si), rate)
-            .map_err(bad)?;
+        figures.set(self.figure, self.meaning, Axes::Same(si), rate).map_err(bad)?;
         if let Some(density) = figures
             .density(self.figure)
             .filter(|_| !matches!(self.meaning, Meaning::Density | Meaning::WalkDensity))
         {
             steps.push(Step {
                 name: name.to_owned(),
-                from: self.meaning.to_density_words(
-                    &format!("{} {unit}", number(si)),
-                    &format!("{} Hz", short(rate.hz())),
-                ),
+                from: self
+                    .meaning
+                    .to_density_words(&format!("{} {unit}", number(si)), &format!("{} Hz", short(rate.hz()))),
                 result: format!("{} {}", number(density.largest()), self.figure.unit()),
                 meaning: "density",
             });
@@ -212,21 +195,10 @@ fn meaning_of(unit: unit::Unit, figure: Figure, text: &str) -> Result<Meaning, Q
     };
     let is = |times: i32, time: i32| {
         unit.dimension
-            == Dimension::new(
-                times * sample.angle,
-                times * sample.length,
-                times * sample.time + time,
-            )
+            == Dimension::new(times * sample.angle, times * sample.length, times * sample.time + time)
     };
-    let instability = || QuantityError::Instability {
-        text: text.to_owned(),
-        figure,
-    };
-    let wrong = |known| QuantityError::WrongDimension {
-        text: text.to_owned(),
-        figure,
-        known,
-    };
+    let instability = || QuantityError::Instability { text: text.to_owned(), figure };
+    let wrong = |known| QuantityError::WrongDimension { text: text.to_owned(), figure, known };
     if figure.is_walk() {
         return match () {
             () if is(1, -1) => Ok(Meaning::WalkDensity),
@@ -296,19 +268,11 @@ mod tests {
             error("0.2 mg/sqrt(Hz)", Figure::GyroWhite)
                 .contains("has no unit of gyroscope noise: such are deg/s/sqrt(Hz)")
         );
-        assert_eq!(
-            error("mg", Figure::AccelWhite),
-            "\"mg\" does not begin with a number"
-        );
-        assert_eq!(
-            error("0 mg", Figure::AccelWhite),
-            "\"0 mg\" is not above zero; noise is"
-        );
+        assert_eq!(error("mg", Figure::AccelWhite), "\"mg\" does not begin with a number");
+        assert_eq!(error("0 mg", Figure::AccelWhite), "\"0 mg\" is not above zero; noise is");
         assert!(error("1 parsec", Figure::AccelWhite).contains("`parsec` is no unit"));
         let figures = &mut ImuFigures::default();
-        let bare = Quantity::parse("1 mg", Figure::AccelWhite)
-            .unwrap()
-            .into_figures("x", figures, None);
+        let bare = Quantity::parse("1 mg", Figure::AccelWhite).unwrap().into_figures("x", figures, None);
         assert_eq!(
             bare.unwrap_err().to_string(),
             "\"1 mg\" is per sample; it says nothing without the rate of the samples"

@@ -43,12 +43,7 @@ pub struct Source {
 
 impl Source {
     pub(super) fn new(format: Format) -> Self {
-        Self {
-            format,
-            figures: ImuFigures::default(),
-            steps: Vec::new(),
-            remarks: Vec::new(),
-        }
+        Self { format, figures: ImuFigures::default(), steps: Vec::new(), remarks: Vec::new() }
     }
 
     /// Figures that were typed, without a file.
@@ -67,19 +62,13 @@ impl Source {
 
     /// Lets what was typed win.
     fn take(&mut self, given: &Given) -> Result<(), FormatError> {
-        for quantity in Figure::ALL
-            .into_iter()
-            .filter_map(|figure| given.quantity(figure))
-        {
+        for quantity in Figure::ALL.into_iter().filter_map(|figure| given.quantity(figure)) {
             let place = format!("--{}", quantity.figure().flag());
             let rate = self.figures.rate;
             let steps = quantity
                 .clone()
                 .into_figures(&place, &mut self.figures, rate)
-                .map_err(|problem| FormatError::Quantity {
-                    place: place.clone(),
-                    problem,
-                })?;
+                .map_err(|problem| FormatError::Quantity { place: place.clone(), problem })?;
             self.steps.extend(steps);
         }
         Ok(())

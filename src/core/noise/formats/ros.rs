@@ -48,20 +48,14 @@ pub(super) fn read(tree: &Tree, path: &Path, given: &Given) -> Result<Source, Fo
             key: name.to_owned(),
             value: bad.0,
         };
-        source
-            .figures
-            .set(figure, Meaning::SampleVariance, variances, rate)
-            .map_err(bad)?;
+        source.figures.set(figure, Meaning::SampleVariance, variances, rate).map_err(bad)?;
         let number = format!("{} {}", variances.text(), Meaning::SampleVariance.unit(figure));
         source.steps.push(Step {
             name: name.to_owned(),
             from: Meaning::SampleVariance.to_density_words(&number, &format!("{} Hz", rate.hz())),
             result: format!(
                 "{} {}",
-                source
-                    .figures
-                    .density(figure)
-                    .map_or_else(String::new, Axes::text),
+                source.figures.density(figure).map_or_else(String::new, Axes::text),
                 figure.unit()
             ),
             meaning: "density",
@@ -79,9 +73,9 @@ fn diagonal(entry: &Entry, path: &Path, remarks: &mut Vec<Remark>) -> Result<Axe
         says,
     };
     match entry.value.numbers().as_deref() {
-        Some(nine) if nine.len() == 9 && nine.iter().all(|v| *v == 0.0) => Err(says(
-            "is all zeros, which in a message means that the noise is not known",
-        )),
+        Some(nine) if nine.len() == 9 && nine.iter().all(|v| *v == 0.0) => {
+            Err(says("is all zeros, which in a message means that the noise is not known"))
+        }
         Some([first, ..]) if *first == -1.0 => {
             Err(says("begins with -1, which means that this is not measured"))
         }
@@ -101,11 +95,7 @@ pub(super) fn lines(figures: &ImuFigures, rate: SampleRate) -> Vec<Line> {
     let meaning = Meaning::SampleVariance;
     (0..2)
         .map(|i| Line {
-            key: Key {
-                name: KEYS[1 - i],
-                figure: FIGURES[1 - i],
-                meaning,
-            },
+            key: Key { name: KEYS[1 - i], figure: FIGURES[1 - i], meaning },
             values: figures.get(FIGURES[1 - i], meaning, rate),
             note: None,
         })

@@ -21,11 +21,7 @@ impl fmt::Display for Step {
         if self.from == self.result {
             write!(f, "{} = {} ({})", self.name, self.result, self.meaning)
         } else {
-            write!(
-                f,
-                "{} = {} = {} ({})",
-                self.name, self.from, self.result, self.meaning
-            )
+            write!(f, "{} = {} = {} ({})", self.name, self.from, self.result, self.meaning)
         }
     }
 }

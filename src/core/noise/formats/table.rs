@@ -23,15 +23,8 @@ fn table() -> String {
         let Some(layout) = format.layout() else { continue };
         let cells = Figure::ALL.map(|figure| {
             let key = layout.key(figure);
-            let value = figures
-                .get(figure, key.meaning, SampleRate::HZ_200)
-                .map_or(0.0, Axes::largest);
-            format!(
-                "`{}: {}`<br>{}",
-                key.name,
-                number::short(value),
-                key.meaning.unit(figure)
-            )
+            let value = figures.get(figure, key.meaning, SampleRate::HZ_200).map_or(0.0, Axes::largest);
+            format!("`{}: {}`<br>{}", key.name, number::short(value), key.meaning.unit(figure))
         });
         let key = layout.key(Figure::AccelWhite);
         let walk = layout.key(Figure::AccelWalk);
@@ -71,8 +64,5 @@ fn noise_units_are_as_the_documentation_has_them() {
         std::fs::write(Path::new(FILE), format!("{head}{BEGIN}{made}{END}{tail}")).unwrap();
         return;
     }
-    assert!(
-        stands == made,
-        "docs/noise-units.md is not what the code says; DPN_BLESS=1 writes it anew"
-    );
+    assert!(stands == made, "docs/noise-units.md is not what the code says; DPN_BLESS=1 writes it anew");
 }

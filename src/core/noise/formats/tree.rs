@@ -56,11 +56,9 @@ impl Item {
             Node::Number(number) => Some(vec![*number]),
             // Such as `1e-3` in quotes.
             Node::Text(text) => text.trim().parse().ok().map(|number| vec![number]),
-            Node::List(list) => list
-                .iter()
-                .map(Self::numbers)
-                .collect::<Option<Vec<_>>>()
-                .map(|l| l.concat()),
+            Node::List(list) => {
+                list.iter().map(Self::numbers).collect::<Option<Vec<_>>>().map(|l| l.concat())
+            }
             _ => None,
         }
     }
@@ -102,28 +100,20 @@ impl Tree {
         let node = parsed.map_err(|error| bad(&error, path))?.value;
         match node {
             Node::Map(root) if !root.is_empty() => Ok(Self { root }),
-            _ => Err(FormatError::NoKeys {
-                path: path.to_path_buf(),
-            }),
+            _ => Err(FormatError::NoKeys { path: path.to_path_buf() }),
         }
     }
 
     /// The file's own keys, then those of every mapping in it, outer before inner.
     pub(super) fn blocks(&self) -> Vec<Block<'_>> {
-        let mut blocks = vec![Block {
-            path: String::new(),
-            entries: &self.root,
-        }];
+        let mut blocks = vec![Block { path: String::new(), entries: &self.root }];
         let mut at = 0;
         while at < blocks.len() {
             let Block { path, entries } = blocks[at].clone();
             for entry in entries {
                 if let Node::Map(inner) = &entry.value.node {
-                    let path = if path.is_empty() {
-                        entry.key.clone()
-                    } else {
-                        format!("{path}.{}", entry.key)
-                    };
+                    let path =
+                        if path.is_empty() { entry.key.clone() } else { format!("{path}.{}", entry.key) };
                     blocks.push(Block { path, entries: inner });
                 }
             }
@@ -154,10 +144,7 @@ fn first_document(text: &str) -> &str {
 fn without_directives(text: &str) -> String {
     let lines = text.split_inclusive('\n');
     lines
-        .map(|line| {
-            line.strip_prefix('%')
-                .map_or_else(|| line.to_owned(), |rest| format!("#{rest}"))
-        })
+        .map(|line| line.strip_prefix('%').map_or_else(|| line.to_owned(), |rest| format!("#{rest}")))
         .collect()
 }
 
@@ -168,12 +155,7 @@ fn bad(error: &serde_saphyr::Error, path: &Path) -> FormatError {
     FormatError::NotYaml {
         path: path.to_path_buf(),
         line: line.filter(|line| *line > 0),
-        message: first
-            .split(" at line ")
-            .next()
-            .unwrap_or(first)
-            .trim_start_matches("error: ")
-            .to_owned(),
+        message: first.split(" at line ").next().unwrap_or(first).trim_start_matches("error: ").to_owned(),
     }
 }
 
@@ -222,11 +204,7 @@ impl<'de> Deserialize<'de> for Node {
             fn visit_map<A: MapAccess<'de>>(self, mut access: A) -> Result<Node, A::Error> {
                 let mut map = Vec::new();
                 while let Some((key, value)) = access.next_entry::<Spanned<String>, Item>()? {
-                    map.push(Entry {
-                        line: line_of(&key),
-                        key: key.value,
-                        value,
-                    });
+                    map.push(Entry { line: line_of(&key), key: key.value, value });
                 }
                 Ok(Node::Map(map))
             }
@@ -238,10 +216,7 @@ impl<'de> Deserialize<'de> for Node {
 impl<'de> Deserialize<'de> for Item {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let spanned = Spanned::<Node>::deserialize(deserializer)?;
-        Ok(Self {
-            line: line_of(&spanned),
-            node: spanned.value,
-        })
+        Ok(Self { line: line_of(&spanned), node: spanned.value })
     }
 }
 
@@ -270,16 +245,10 @@ mod tests {
 
         let json = tree("{\n\t\"value0\": {\n\t\t\"a\": [1, 2.5, 1e-3]\n\t}\n}\n").unwrap();
         let entry = json.blocks()[1].get("a").unwrap();
-        assert_eq!(
-            (entry.line, entry.value.numbers()),
-            (3, Some(vec![1.0, 2.5, 1e-3]))
-        );
+        assert_eq!((entry.line, entry.value.numbers()), (3, Some(vec![1.0, 2.5, 1e-3])));
 
         let message = tree("---\na: 1\n---\na: 2\n---\n").unwrap();
-        assert_eq!(
-            message.blocks()[0].get("a").unwrap().value.numbers(),
-            Some(vec![1.0])
-        );
+        assert_eq!(message.blocks()[0].get("a").unwrap().value.numbers(), Some(vec![1.0]));
     }
 
     #[test]
@@ -287,20 +256,10 @@ mod tests {
         let error = |text| tree(text).unwrap_err().to_string();
         assert_eq!(error(""), "f: holds no keys");
         assert_eq!(error("just words"), "f: holds no keys");
-        assert!(
-            error("a: 1\nb: [1, 2\n").starts_with("f:"),
-            "{}",
-            error("a: 1\nb: [1, 2\n")
-        );
-        assert!(
-            error("a: 1\na: 2\n").starts_with("f:2: duplicate"),
-            "{}",
-            error("a: 1\na: 2\n")
-        );
+        assert!(error("a: 1\nb: [1, 2\n").starts_with("f:"), "{}", error("a: 1\nb: [1, 2\n"));
+        assert!(error("a: 1\na: 2\n").starts_with("f:2: duplicate"), "{}", error("a: 1\na: 2\n"));
         assert_eq!(
-            Tree::parse(b"a: 1\nb: \xff\n", Path::new("f"))
-                .unwrap_err()
-                .to_string(),
+            Tree::parse(b"a: 1\nb: \xff\n", Path::new("f")).unwrap_err().to_string(),
             "f:2: not UTF-8 text"
         );
     }

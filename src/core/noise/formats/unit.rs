@@ -34,11 +34,7 @@ pub(super) struct Unit {
 }
 
 impl Unit {
-    const ONE: Self = Self {
-        scale: 1.0,
-        dimension: Dimension::new(0, 0, 0),
-        hours: false,
-    };
+    const ONE: Self = Self { scale: 1.0, dimension: Dimension::new(0, 0, 0), hours: false };
 
     fn times(self, other: Self, sign: i32) -> Self {
         let (a, b) = (self.dimension, other.dimension);
@@ -92,10 +88,7 @@ impl fmt::Display for UnitError {
 /// Words that are no units; brackets that do not close.
 pub(super) fn parse(text: &str) -> Result<Unit, UnitError> {
     let tokens = tokens(text);
-    let mut parser = Parser {
-        tokens: &tokens,
-        depth: 0,
-    };
+    let mut parser = Parser { tokens: &tokens, depth: 0 };
     let unit = parser.expression()?;
     match parser.tokens.first() {
         None => Ok(unit),
@@ -214,10 +207,7 @@ impl Parser<'_> {
         if negative {
             self.take();
         }
-        let number = self
-            .take()
-            .and_then(|t| t.parse::<f64>().ok())
-            .ok_or(UnitError::Power)?;
+        let number = self.take().and_then(|t| t.parse::<f64>().ok()).ok_or(UnitError::Power)?;
         let over_two = self.next_is("/") && self.tokens.get(1).is_some_and(|t| t == "2");
         if over_two {
             self.take();
@@ -267,11 +257,7 @@ fn named(word: &str) -> Option<Unit> {
         "kHz" => (1e3, per_time),
         _ => return None,
     };
-    Some(Unit {
-        scale,
-        dimension,
-        hours: matches!(word, "h" | "hr" | "hour" | "hours" | "dph"),
-    })
+    Some(Unit { scale, dimension, hours: matches!(word, "h" | "hr" | "hour" | "hours" | "dph") })
 }
 
 #[cfg(test)]
@@ -283,11 +269,7 @@ mod tests {
     fn same(a: &str, b: &str, ratio: f64) {
         let (x, y) = (parse(a).unwrap(), parse(b).unwrap());
         assert_eq!(x.dimension, y.dimension, "{a} {b}");
-        assert!(
-            (x.scale / y.scale / ratio - 1.0).abs() < 1e-12,
-            "{a} is {} of {b}",
-            x.scale / y.scale
-        );
+        assert!((x.scale / y.scale / ratio - 1.0).abs() < 1e-12, "{a} is {} of {b}", x.scale / y.scale);
     }
 
     #[test]

@@ -10,12 +10,7 @@ use super::meaning::Meaning;
 /// The properties of `factorIMUParameters`.
 pub(super) const LAYOUT: Layout = Layout {
     keys: keys(
-        [
-            "AccelerometerNoise",
-            "AccelerometerBiasNoise",
-            "GyroscopeNoise",
-            "GyroscopeBiasNoise",
-        ],
+        ["AccelerometerNoise", "AccelerometerBiasNoise", "GyroscopeNoise", "GyroscopeBiasNoise"],
         Meaning::SampleVariance,
         Meaning::WalkStepVariance,
     ),

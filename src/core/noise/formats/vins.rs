@@ -14,11 +14,7 @@ use crate::time::SampleRate;
 
 /// The keys of the configuration.
 pub(super) const LAYOUT: Layout = Layout {
-    keys: keys(
-        ["acc_n", "acc_w", "gyr_n", "gyr_w"],
-        Meaning::SampleStd,
-        Meaning::WalkRateStd,
-    ),
+    keys: keys(["acc_n", "acc_w", "gyr_n", "gyr_w"], Meaning::SampleStd, Meaning::WalkRateStd),
     rate: None,
     other_rates: &[],
     marks: &[],

@@ -32,10 +32,7 @@ pub fn write(
     format: Format,
     note: impl Fn(Figure) -> Option<String>,
 ) -> Result<Written, FormatError> {
-    if Figure::ALL
-        .iter()
-        .all(|figure| figures.density(*figure).is_none())
-    {
+    if Figure::ALL.iter().all(|figure| figures.density(*figure).is_none()) {
         return Err(FormatError::Nothing);
     }
     let rate = match figures.rate {
@@ -48,12 +45,7 @@ pub fn write(
     let mut remarks = remarks(figures, format);
     if format == Format::Datasheet {
         let (text, steps) = datasheet::write(figures);
-        return Ok(Written {
-            format,
-            text,
-            steps,
-            remarks,
-        });
+        return Ok(Written { format, text, steps, remarks });
     }
     let lines = match format.layout() {
         Some(layout) => layout
@@ -61,13 +53,11 @@ pub fn write(
             .into_iter()
             .map(|key| Line {
                 key,
-                values: figures
-                    .get(key.figure, key.meaning, rate)
-                    .map(|values| match values {
-                        Axes::Each(_) if !layout.per_axis => Axes::Same(values.largest()),
-                        Axes::Same(value) if format == Format::Basalt => Axes::Each([value; 3]),
-                        values => values,
-                    }),
+                values: figures.get(key.figure, key.meaning, rate).map(|values| match values {
+                    Axes::Each(_) if !layout.per_axis => Axes::Same(values.largest()),
+                    Axes::Same(value) if format == Format::Basalt => Axes::Each([value; 3]),
+                    values => values,
+                }),
                 note: note(key.figure),
             })
             .collect(),
@@ -90,12 +80,7 @@ pub fn write(
     if format == Format::Vins {
         remarks.extend(vins::written(figures, rate));
     }
-    Ok(Written {
-        format,
-        text,
-        steps,
-        remarks,
-    })
+    Ok(Written { format, text, steps, remarks })
 }
 
 /// What the format cannot say.
@@ -115,9 +100,7 @@ fn remarks(figures: &ImuFigures, format: Format) -> Vec<Remark> {
                 )));
             }
             Some(_) if figure.is_walk() && format == Format::Ros => {
-                remarks.push(Remark(format!(
-                    "{format} has no place for the {figure}; it is lost"
-                )));
+                remarks.push(Remark(format!("{format} has no place for the {figure}; it is lost")));
             }
             None if !(figure.is_walk() && format == Format::Ros) => remarks.push(Remark(format!(
                 "the {figure} is not known; give --{} NUMBER, or {format} lacks it",

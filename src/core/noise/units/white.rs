@@ -78,18 +78,8 @@ macro_rules! white_noise {
     };
 }
 
-white_noise!(
-    AccelSampleStd,
-    AccelSampleVariance,
-    AccelNoiseDensity,
-    AccelPowerDensity
-);
-white_noise!(
-    GyroSampleStd,
-    GyroSampleVariance,
-    GyroNoiseDensity,
-    GyroPowerDensity
-);
+white_noise!(AccelSampleStd, AccelSampleVariance, AccelNoiseDensity, AccelPowerDensity);
+white_noise!(GyroSampleStd, GyroSampleVariance, GyroNoiseDensity, GyroPowerDensity);
 
 impl AccelSampleStd {
     /// VINS-Mono's constant for EuRoC, the paper's "x1".
@@ -117,12 +107,8 @@ mod tests {
 
     #[test]
     fn the_euroc_data_sheet_gives_its_known_sample_deviation() {
-        let accel = AccelNoiseDensity::new(2.0e-3)
-            .unwrap()
-            .to_sample_std(SampleRate::HZ_200);
-        let gyro = GyroNoiseDensity::new(1.6968e-4)
-            .unwrap()
-            .to_sample_std(SampleRate::HZ_200);
+        let accel = AccelNoiseDensity::new(2.0e-3).unwrap().to_sample_std(SampleRate::HZ_200);
+        let gyro = GyroNoiseDensity::new(1.6968e-4).unwrap().to_sample_std(SampleRate::HZ_200);
         assert!((accel.get() - 0.0283).abs() < 5e-5);
         assert!((gyro.get() - 0.0024).abs() < 5e-6);
     }

@@ -1,6 +1,6 @@
 //! Settings of the vibration: how fast the rotors turn, how they wander, what reaches which axis.
 
-use crate::config::Faults;
+use dpn_core::config::ConfigFaults;
 use serde::{Deserialize, Serialize};
 
 /// Deviations one axis shows in a steady hover of a flight of level 1, in the sensor's unit.
@@ -21,11 +21,7 @@ impl AxisVibration {
     /// All components together.
     pub fn total(&self) -> f64 {
         let [a, b, c] = self.harmonics;
-        [a, b, c, self.low_line, self.broad_band]
-            .iter()
-            .map(|v| v * v)
-            .sum::<f64>()
-            .sqrt()
+        [a, b, c, self.low_line, self.broad_band].iter().map(|v| v * v).sum::<f64>().sqrt()
     }
 }
 
@@ -66,12 +62,7 @@ pub struct VibrationConfig {
 
 /// Shorthand for the table of defaults.
 const fn axis(harmonics: [f64; 3], low_line: f64, broad_band: f64, broad_band_hz: f64) -> AxisVibration {
-    AxisVibration {
-        harmonics,
-        low_line,
-        broad_band,
-        broad_band_hz,
-    }
+    AxisVibration { harmonics, low_line, broad_band, broad_band_hz }
 }
 
 impl Default for VibrationConfig {
@@ -104,7 +95,7 @@ impl Default for VibrationConfig {
 }
 
 impl VibrationConfig {
-    pub(crate) fn check(&self, faults: &mut Faults) {
+    pub(crate) fn check(&self, faults: &mut ConfigFaults) {
         let mut within = |key: &str, value: f64, low: f64, high: f64| {
             faults.within(format!("vibration.{key}"), value, low, high);
         };
@@ -126,12 +117,7 @@ impl VibrationConfig {
                     within(&format!("{sensor}.{name}.harmonics[{i}]"), value, 0.0, 100.0);
                 }
                 within(&format!("{sensor}.{name}.low_line"), axis.low_line, 0.0, 100.0);
-                within(
-                    &format!("{sensor}.{name}.broad_band"),
-                    axis.broad_band,
-                    0.0,
-                    100.0,
-                );
+                within(&format!("{sensor}.{name}.broad_band"), axis.broad_band, 0.0, 100.0);
             }
         }
     }

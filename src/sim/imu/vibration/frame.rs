@@ -30,20 +30,12 @@ pub(super) fn add_low_line(
     let mut rng = stream.named("place").rng();
     let mut phase = rng.random_range(0.0..TAU);
     let lag: [f64; 6] = std::array::from_fn(|_| rng.random_range(0.0..TAU));
-    let mut wander = Wander::new(
-        config.low_line_wander_hz,
-        LOW_LINE_WANDER_S,
-        dt,
-        stream.named("frequency").rng(),
-    );
+    let mut wander =
+        Wander::new(config.low_line_wander_hz, LOW_LINE_WANDER_S, dt, stream.named("frequency").rng());
     // It swells and fades more, and faster, than the rotors do.
     let swell = 4.0 * config.amplitude_wander;
-    let mut loudness = Wander::new(
-        swell,
-        0.25 * config.amplitude_wander_s,
-        dt,
-        stream.named("loudness").rng(),
-    );
+    let mut loudness =
+        Wander::new(swell, 0.25 * config.amplitude_wander_s, dt, stream.named("loudness").rng());
     for (i, &motors) in speed.iter().enumerate() {
         phase += TAU * (config.low_line_hz + wander.next()) * dt;
         // exp of a normal has a mean square of exp(2 swell^2); the ramp ends at the idle speed.
@@ -102,12 +94,7 @@ impl Resonance {
         let phi = [2.0 * r * angle.cos(), -r * r];
         // Variance of an AR(2) process driven by unit noise.
         let variance = (1.0 - phi[1]) / ((1.0 + phi[1]) * ((1.0 - phi[1]).powi(2) - phi[0].powi(2)));
-        let mut resonance = Self {
-            phi,
-            drive: 1.0 / variance.sqrt(),
-            past: [0.0; 2],
-            rng,
-        };
+        let mut resonance = Self { phi, drive: 1.0 / variance.sqrt(), past: [0.0; 2], rng };
         for _ in 0..500 {
             resonance.next();
         }

@@ -47,12 +47,7 @@ impl Rotor {
             offset: config.rotor_spread * offset,
             phase,
             reach,
-            speed: Wander::new(
-                config.speed_wander,
-                config.speed_wander_s,
-                dt,
-                stream.named("speed").rng(),
-            ),
+            speed: Wander::new(config.speed_wander, config.speed_wander_s, dt, stream.named("speed").rng()),
             loudness: Wander::new(
                 config.amplitude_wander,
                 config.amplitude_wander_s,

@@ -77,11 +77,7 @@ mod tests {
         let picked: Vec<usize> = (0..phases.len()).filter(|&i| phases[i] == wanted).collect();
         std::array::from_fn(|a| {
             let of = |i: usize| {
-                if a < 3 {
-                    series.accel[i][a]
-                } else {
-                    series.gyro[i][a - 3]
-                }
+                if a < 3 { series.accel[i][a] } else { series.gyro[i][a - 3] }
             };
             (picked.iter().map(|&i| of(i).powi(2)).sum::<f64>() / picked.len() as f64).sqrt()
         })
@@ -95,16 +91,11 @@ mod tests {
                 assert_eq!((series.accel[i], series.gyro[i]), ([0.0; 3], [0.0; 3]));
             }
         }
-        let (idle, flying) = (
-            deviation(&series, &phases, Phase::IdleBefore),
-            deviation(&series, &phases, Phase::Flying),
-        );
+        let (idle, flying) =
+            (deviation(&series, &phases, Phase::IdleBefore), deviation(&series, &phases, Phase::Flying));
         // .4 of the speed is .16 of the force, and the low line is there already: accelerometer x, z are mostly tones.
         for a in [0, 2] {
-            assert!(
-                (0.1..0.45).contains(&(idle[a] / flying[a])),
-                "{a}: {idle:?} {flying:?}"
-            );
+            assert!((0.1..0.45).contains(&(idle[a] / flying[a])), "{a}: {idle:?} {flying:?}");
         }
     }
 
@@ -128,12 +119,8 @@ mod tests {
     #[test]
     fn harmonics_above_half_the_rate_alias_where_they_must() {
         // One rotor that neither wanders nor is joined by anything: 91.5 Hz, and 2 x 91.5 at 200 - 183 = 17 Hz.
-        let silent = AxisVibration {
-            harmonics: [0.0; 3],
-            low_line: 0.0,
-            broad_band: 0.0,
-            broad_band_hz: 40.0,
-        };
+        let silent =
+            AxisVibration { harmonics: [0.0; 3], low_line: 0.0, broad_band: 0.0, broad_band_hz: 40.0 };
         let mut config = VibrationConfig {
             rotors: 1,
             rotor_spread: 0.0,
@@ -144,24 +131,11 @@ mod tests {
             ..VibrationConfig::default()
         };
         config.accel[0].harmonics = [0.0, 1.0, 0.0];
-        let axes: [AxisVibration; 6] = std::array::from_fn(|a| {
-            if a < 3 {
-                config.accel[a]
-            } else {
-                config.gyro[a - 3]
-            }
-        });
+        let axes: [AxisVibration; 6] =
+            std::array::from_fn(|a| if a < 3 { config.accel[a] } else { config.gyro[a - 3] });
         let n = 2000;
         let mut series = ImuSeries::zeros(n);
-        rotors::add(
-            &config,
-            &axes,
-            &vec![1.0; n],
-            &vec![1.0; n],
-            0.005,
-            &Stream::new(1),
-            &mut series,
-        );
+        rotors::add(&config, &axes, &vec![1.0; n], &vec![1.0; n], 0.005, &Stream::new(1), &mut series);
         let power = |hz: f64| {
             let (mut re, mut im) = (0.0, 0.0);
             for (i, v) in series.accel.iter().enumerate() {

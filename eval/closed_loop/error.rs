@@ -1,0 +1,213 @@
+//! Why the loop was not closed.
+
+use crate::metrics::MetricsError;
+use crate::noise::NoiseError;
+use crate::stats::StatsError;
+use dpn_core::camera::BadCamera;
+use dpn_core::config::ConfigFault;
+use dpn_core::io::IoError;
+use dpn_sim::SimulationError;
+use dpn_sim::tracks::{BadCameraSettings, PathError, TracksError};
+use dpn_vio::estimator::FeedError;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// Why a closed loop cannot be run.
+#[derive(Debug, Error)]
+pub enum ClosedLoopError {
+    /// Settings of the estimator out of their bounds.
+    #[error("the estimator's settings: {}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    Config(Vec<ConfigFault>),
+    /// A file that cannot be read or written.
+    #[error(transparent)]
+    Io(#[from] IoError),
+    /// A noise spec that gives no noise here.
+    #[error(transparent)]
+    Noise(#[from] NoiseError),
+    /// A simulated flight that cannot be.
+    #[error(transparent)]
+    Flight(#[from] SimulationError),
+    /// Ground truth that tracks cannot be made along.
+    #[error("{sequence}: no camera tracks can be made along its ground truth")]
+    Path {
+        /// The sequence.
+        sequence: String,
+        /// Why.
+        source: PathError,
+    },
+    /// Tracks that cannot be made.
+    #[error("{sequence}: no camera tracks can be made")]
+    Tracks {
+        /// The sequence.
+        sequence: String,
+        /// Why.
+        source: TracksError,
+    },
+    /// A camera configuration that describes no camera.
+    #[error("{sequence}: its camera cannot be used")]
+    Camera {
+        /// The sequence.
+        sequence: String,
+        /// Why.
+        source: BadCamera,
+    },
+    /// Settings of a camera that is none.
+    #[error("{sequence}: its camera cannot be used")]
+    CameraSettings {
+        /// The sequence.
+        sequence: String,
+        /// Why.
+        source: BadCameraSettings,
+    },
+    /// Given tracks, and nobody knows what camera took them.
+    #[error("{}: no cam0/sensor.yaml, so nobody knows what camera the tracks are from; put the camera's calibration there", dir.display())]
+    NoCamera {
+        /// Folder of the sequence.
+        dir: PathBuf,
+    },
+    /// Tracks are to be made, and there is no ground truth to make them along.
+    #[error("{}: no ground truth, along which camera tracks could be made; give tracks with --tracks", dir.display())]
+    NoGroundTruth {
+        /// Folder of the sequence.
+        dir: PathBuf,
+    },
+    /// A name no sequence has.
+    #[error("no sequence is called `{name}`; there are {}", known.join(", "))]
+    UnknownSequence {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        known: Vec<String>,
+    },
+    /// A name that begins several sequences' names.
+    #[error("`{name}` may be any of {}; write more of it", found.join(", "))]
+    AmbiguousSequence {
+        /// What was asked for.
+        name: String,
+        /// What it may mean.
+        found: Vec<String>,
+    },
+    /// Tracks and samples that have (almost) nothing in common.
+    #[error(
+        "{sequence}: its {frames} frames go from {first_ns} to {last_ns} ns, its IMU from {imu_first_ns} to {imu_last_ns} ns: fewer than {needed} frames have samples; are both on one clock, and the tracks this sequence's?"
+    )]
+    Apart {
+        /// The sequence.
+        sequence: String,
+        /// How many frames there are.
+        frames: usize,
+        /// The first frame.
+        first_ns: i64,
+        /// The last one.
+        last_ns: i64,
+        /// The first sample.
+        imu_first_ns: i64,
+        /// The last one.
+        imu_last_ns: i64,
+        /// How many frames with samples a run needs.
+        needed: usize,
+    },
+    /// Nothing is left after the start that was asked for.
+    #[error("{sequence}: its frames last {seconds:.1} s; a start at {from_s} s leaves fewer than {needed}")]
+    NothingLeft {
+        /// The sequence.
+        sequence: String,
+        /// From the first to the last frame \[s\].
+        seconds: f64,
+        /// The start asked for \[s\].
+        from_s: f64,
+        /// How many frames a run needs.
+        needed: usize,
+    },
+    /// Ids that do not stay with their points.
+    #[error("{sequence}: {problem}")]
+    TrackIds {
+        /// The sequence.
+        sequence: String,
+        /// What is wrong, with the measured share.
+        problem: String,
+    },
+    /// Input the estimator does not take.
+    #[error("{sequence}: {source}")]
+    Feed {
+        /// The sequence.
+        sequence: String,
+        /// Why.
+        source: FeedError,
+    },
+    /// Ground truth or estimate that cannot be judged.
+    #[error("{sequence}: {source}")]
+    Metrics {
+        /// The sequence.
+        sequence: String,
+        /// Why.
+        source: MetricsError,
+    },
+    /// Errors that cannot be compared.
+    #[error("the noises cannot be compared: {0}")]
+    Compare(#[from] StatsError),
+    /// One name, several folders.
+    #[error("there are two sequences called `{name}`: {} and {}; give --data one of them", first.display(), second.display())]
+    SameName {
+        /// The name.
+        name: String,
+        /// One folder.
+        first: PathBuf,
+        /// Another one.
+        second: PathBuf,
+    },
+    /// The run's folder holds results of something else.
+    #[error("{} holds a run with another {key}: {there} there, {here} now", dir.display())]
+    OtherRun {
+        /// The folder.
+        dir: PathBuf,
+        /// What differs.
+        key: String,
+        /// In the folder.
+        there: String,
+        /// Asked for.
+        here: String,
+    },
+    /// A line of the results that is none.
+    #[error("{}:{line}: not a row of results: {message}", path.display())]
+    BadRow {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// What is wrong.
+        message: String,
+    },
+    /// A table built into the program does not read.
+    #[error("papers/{file}, line {line}: `{text}` does not read; mend it and build again")]
+    Paper {
+        /// The file.
+        file: &'static str,
+        /// Line, from 1.
+        line: usize,
+        /// The line.
+        text: String,
+    },
+    /// Stopped from outside; what is finished is kept.
+    #[error("stopped after {done} of {total} cells")]
+    Stopped {
+        /// Cells whose results are on disk.
+        done: usize,
+        /// Cells in all.
+        total: usize,
+    },
+}
+
+impl ClosedLoopError {
+    /// What to do about it, where the message does not say it.
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::Io(error) => error.hint(),
+            Self::Noise(NoiseError::Read(error)) => error.hint(),
+            Self::OtherRun { .. } => Some("give another folder with --out, or remove this one".into()),
+            Self::BadRow { .. } => Some("remove the line; its cell is run again".into()),
+            Self::Stopped { .. } => Some("the same command goes on where it stopped".into()),
+            _ => None,
+        }
+    }
+}

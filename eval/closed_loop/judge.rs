@@ -1,0 +1,278 @@
+//! From a finished run and the truth to a row.
+
+use super::drive::Driven;
+use super::error::ClosedLoopError;
+use super::recording::{Recording, first_motion};
+use super::row::{Failure, Restart, Row, StageSeconds};
+use crate::metrics::{
+    AlignmentKind, Interpolation, MetricsError, PoseNees, PosePair, RPE_TOLERANCE, RpeStep, TruthOptions,
+    TruthTrack, associate_interpolated, ate, nees, rpe, scale_error, start_alignment,
+};
+use dpn_core::Stamp;
+use dpn_core::io::StampedPose;
+use dpn_vio::estimator::Stage;
+use nalgebra::Matrix6;
+
+/// True poses farther apart than this have none between them \[s\].
+const MAX_GAP_S: f64 = 0.1;
+/// Ground truth slower than this is interpolated by a cubic \[s\].
+const SLOW_TRUTH_S: f64 = 0.01;
+/// A run whose error exceeds this share of the true path is lost.
+const LOST_SHARE: f64 = 0.05;
+/// A run with poses at fewer of the frames since its first one is none.
+const FEW_POSES: f64 = 0.5;
+/// Fewest pairs of poses that are judged.
+const FEWEST_PAIRS: usize = 10;
+
+/// Errors of a trajectory against the truth; what could not be computed is `None`.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Errors {
+    /// RMSE after SE(3) alignment \[m\].
+    pub ate_se3: Option<f64>,
+    /// After alignment of yaw and position \[m\].
+    pub ate_yaw: Option<f64>,
+    /// After Sim(3) alignment \[m\].
+    pub ate_sim3: Option<f64>,
+    /// RMSE of orientations after SE(3) alignment \[deg\].
+    pub rotation_deg: Option<f64>,
+    /// Metres of the truth to one of the estimate, minus 1.
+    pub scale_error: Option<f64>,
+    /// RMSE of positions over the stretches of [`RpeStep::USUAL`] \[m\]: 5, 10, 20, 40 m, 1, 5 s.
+    pub rpe: [Option<f64>; 6],
+    /// NEES of the poses, where they have covariances.
+    pub nees: Option<Vec<PoseNees>>,
+    /// Length of the true path under the poses \[m\].
+    pub path_m: f64,
+}
+
+impl Errors {
+    /// Of `estimate`, whose poses may have covariances; these are about `anchor`, the pose that the estimator took for known, or about
+    /// the first pose.
+    ///
+    /// # Errors
+    /// Truth or estimate with values that are not finite or stamps that do not increase.
+    pub fn of(
+        truth: &[StampedPose],
+        estimate: &[StampedPose],
+        covariances: Option<&[Matrix6<f64>]>,
+        anchor: Option<&StampedPose>,
+    ) -> Result<Self, MetricsError> {
+        if estimate.len() < FEWEST_PAIRS {
+            return Ok(Self::default());
+        }
+        let interpolation =
+            if median_step(truth) > SLOW_TRUTH_S { Interpolation::Cubic } else { Interpolation::Linear };
+        let track = TruthTrack::new(truth, TruthOptions { max_gap_s: MAX_GAP_S, interpolation })?;
+        let pairs = associate_interpolated(&track, estimate)?.pairs;
+        if pairs.len() < FEWEST_PAIRS {
+            return Ok(Self::default());
+        }
+        // A straight line leaves an alignment open: a figure that is not there, no fault.
+        let rmse = |kind| ate(&pairs, kind).ok().map(|ate| ate.translation.rmse);
+        let mut errors = Self {
+            ate_se3: rmse(AlignmentKind::Se3),
+            ate_yaw: rmse(AlignmentKind::YawPosition),
+            ate_sim3: rmse(AlignmentKind::Sim3),
+            rotation_deg: ate(&pairs, AlignmentKind::Se3).ok().map(|ate| ate.rotation.rmse.to_degrees()),
+            scale_error: scale_error(&pairs).ok(),
+            path_m: path_length(&pairs),
+            ..Self::default()
+        };
+        for (value, step) in errors.rpe.iter_mut().zip(RpeStep::USUAL) {
+            *value = rpe(&pairs, step, RPE_TOLERANCE)?.map(|rpe| rpe.translation.rmse);
+        }
+        let anchor = match anchor {
+            Some(anchor) => {
+                associate_interpolated(&track, std::slice::from_ref(anchor))?.pairs.first().copied()
+            }
+            None => None,
+        };
+        errors.nees = covariances.and_then(|covariances| all_nees(&pairs, covariances, anchor));
+        Ok(errors)
+    }
+}
+
+/// Of all poses. The anchor fixes the gauge; without one the first pose does and is left out.
+fn all_nees(
+    pairs: &[PosePair],
+    covariances: &[Matrix6<f64>],
+    anchor: Option<PosePair>,
+) -> Option<Vec<PoseNees>> {
+    let (first, rest) = pairs.split_first()?;
+    let (gauge, judged) = anchor.as_ref().map_or((first, rest), |anchor| (anchor, pairs));
+    nees(judged, covariances, &start_alignment(gauge)).ok()
+}
+
+fn mean(nees: Option<&Vec<PoseNees>>, part: impl Fn(&PoseNees) -> f64) -> Option<f64> {
+    let nees = nees.filter(|nees| !nees.is_empty())?;
+    Some(nees.iter().map(part).sum::<f64>() / nees.len() as f64)
+}
+
+fn path_length(pairs: &[PosePair]) -> f64 {
+    let position = |p: &PosePair| p.true_world_from_body.translation.vector;
+    pairs.windows(2).map(|w| (position(&w[1]) - position(&w[0])).norm()).sum()
+}
+
+fn median_step(poses: &[StampedPose]) -> f64 {
+    let mut steps: Vec<f64> = poses.windows(2).map(|w| w[1].t.seconds_since(w[0].t)).collect();
+    let middle = steps.len() / 2;
+    if steps.is_empty() { 0.0 } else { *steps.select_nth_unstable_by(middle, f64::total_cmp).1 }
+}
+
+/// What a run was told.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Told {
+    /// Where the images came from.
+    pub camera: String,
+    /// The noise spec.
+    pub noise: String,
+    /// The seed.
+    pub seed: u64,
+    /// Seconds after the first frame.
+    pub from_s: f64,
+}
+
+/// A finished run, judged.
+#[derive(Debug, Clone)]
+pub struct Judged {
+    /// Its row.
+    pub row: Row,
+    /// NEES of its poses, where they have covariances.
+    pub nees: Option<Vec<PoseNees>>,
+}
+
+/// The row of a finished run.
+///
+/// # Errors
+/// As [`Errors::of`].
+pub fn judge(recording: &Recording, told: &Told, driven: &Driven) -> Result<Judged, ClosedLoopError> {
+    let poses = driven.poses();
+    let covariances = driven.covariances();
+    let errors = match &recording.truth {
+        Some(truth) => Errors::of(truth, &poses, covariances.as_deref(), driven.report.anchor.as_ref())
+            .map_err(|source| ClosedLoopError::Metrics { sequence: recording.name.clone(), source })?,
+        None => Errors::default(),
+    };
+    let report = &driven.report;
+    let first_frame = driven.frames.first().copied();
+    let since_first = |t: Stamp| first_frame.map_or(0.0, |first| t.seconds_since(first));
+    let completion = report.completion();
+    let [rpe_5m, rpe_10m, rpe_20m, rpe_40m, rpe_1s, rpe_5s] = errors.rpe;
+    let seconds = |stage: Stage| report.seconds[stage as usize];
+    let row = Row {
+        sequence: recording.name.clone(),
+        split: recording.side,
+        camera: told.camera.clone(),
+        noise: told.noise.clone(),
+        seed: told.seed,
+        from_s: told.from_s,
+        failure: failure(recording.truth.is_some(), &errors, poses.len(), completion),
+        ate_se3: errors.ate_se3,
+        ate_yaw: errors.ate_yaw,
+        ate_sim3: errors.ate_sim3,
+        rotation_deg: errors.rotation_deg,
+        scale_error: errors.scale_error,
+        rpe_1s,
+        rpe_5s,
+        rpe_5m,
+        rpe_10m,
+        rpe_20m,
+        rpe_40m,
+        nees_position: mean(errors.nees.as_ref(), |n| n.position),
+        nees_orientation: mean(errors.nees.as_ref(), |n| n.orientation),
+        completion,
+        init_s: report.initialised.map(since_first),
+        init_in_motion_s: in_motion(recording, first_frame, report.initialised),
+        restarts: report.restarts.len(),
+        restart_reasons: report.restarts.iter().map(|(t, r)| Restart::new(since_first(*t), r)).collect(),
+        whitened: report.whitened_mean(),
+        iterations: (report.poses > 0).then(|| report.iterations as f64 / report.poses as f64),
+        outliers: report.outliers,
+        frames: driven.frames.len(),
+        poses: poses.len(),
+        cpu_per_data_s: driven.cpu_s / driven.data_s,
+        p95_update_ms: 1e3 * percentile(&driven.update_cpu_s, 0.95),
+        stage_s: StageSeconds {
+            feed: seconds(Stage::Feed),
+            initialise: seconds(Stage::Initialise),
+            solve: seconds(Stage::Solve),
+            reject: seconds(Stage::Reject),
+            slide: seconds(Stage::Slide),
+        },
+    };
+    Ok(Judged { row, nees: errors.nees })
+}
+
+/// From the first motion to the first pose.
+fn in_motion(recording: &Recording, first_frame: Option<Stamp>, initialised: Option<Stamp>) -> Option<f64> {
+    let motion = first_motion(recording.truth.as_deref()?, first_frame?)?;
+    Some(initialised?.seconds_since(motion).max(0.0))
+}
+
+fn failure(judged: bool, errors: &Errors, poses: usize, completion: Option<f64>) -> Option<Failure> {
+    if poses < FEWEST_PAIRS || (judged && errors.ate_se3.is_none()) {
+        return Some(Failure::NoPose);
+    }
+    if completion.is_some_and(|share| share < FEW_POSES) {
+        return Some(Failure::FewPoses);
+    }
+    let lost = errors.ate_se3.is_some_and(|ate| ate > LOST_SHARE * errors.path_m);
+    lost.then_some(Failure::Diverged)
+}
+
+/// The value below which a share of all lies; 0 without values.
+fn percentile(values: &[f64], share: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let at = (share * sorted.len() as f64).ceil() as usize;
+    sorted.get(at.saturating_sub(1)).copied().unwrap_or(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Isometry3, Vector3};
+
+    fn circle(radius: f64, scale: f64) -> Vec<StampedPose> {
+        (0..400)
+            .map(|i| {
+                let angle = 0.05 * f64::from(i);
+                let position = Vector3::new(angle.cos(), angle.sin(), 0.1 * angle.sin()) * radius * scale;
+                StampedPose {
+                    t: Stamp::from_ns(i64::from(i) * 50_000_000),
+                    world_from_body: Isometry3::new(position, Vector3::z() * angle.sin()),
+                }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_scaled_circle_has_its_scale_as_error_and_none_after_sim3() {
+        let (truth, estimate) = (circle(5.0, 1.0), circle(5.0, 0.8));
+        let errors = Errors::of(&truth, &estimate, None, None).unwrap();
+        assert!((errors.scale_error.unwrap() - 0.25).abs() < 1e-9);
+        assert!(errors.ate_sim3.unwrap() < 1e-9);
+        assert!((errors.ate_se3.unwrap() - 1.0).abs() < 0.01, "{errors:?}");
+        assert!((errors.path_m - 100.0).abs() < 1.0);
+        // 1 m of 100 m is not lost, 6 m are.
+        assert_eq!(failure(true, &errors, 400, Some(1.0)), None);
+        let lost = Errors { ate_se3: Some(6.0), ..errors.clone() };
+        assert_eq!(failure(true, &lost, 400, Some(1.0)), Some(Failure::Diverged));
+    }
+
+    #[test]
+    fn too_few_poses_are_a_failure_with_or_without_truth() {
+        assert_eq!(failure(false, &Errors::default(), 3, Some(1.0)), Some(Failure::NoPose));
+        assert_eq!(failure(true, &Errors::default(), 100, Some(1.0)), Some(Failure::NoPose));
+        assert_eq!(failure(false, &Errors::default(), 100, Some(0.4)), Some(Failure::FewPoses));
+        assert_eq!(failure(false, &Errors::default(), 100, Some(0.6)), None);
+    }
+
+    #[test]
+    fn a_percentile_is_a_value_that_was_there() {
+        let values: Vec<f64> = (1..=100).rev().map(f64::from).collect();
+        assert_eq!(percentile(&values, 0.95), 95.0);
+        assert_eq!(percentile(&[3.0], 0.95), 3.0);
+        assert_eq!(percentile(&[], 0.95), 0.0);
+    }
+}

@@ -1,0 +1,207 @@
+//! One recording through the estimator, with everything a person wants to know of it.
+
+use super::drive::{Driven, drive, frames_from};
+use super::error::ClosedLoopError;
+use super::judge::{Told, judge};
+use super::recording::Recording;
+use super::row::Row;
+use crate::noise::{Fresh, Noise, Recorded};
+use crate::open_loop::Network;
+use dpn_core::io::{CheckOptions, RecordingFault, check};
+use dpn_core::random::Stream;
+use dpn_core::{NoiseTrack, Sensor, TrackFrame};
+use dpn_vio::EstimatorConfig;
+use dpn_vio::diagnosis::{Axes, TrackHealth, axes, track_health};
+use dpn_vio::estimator::Phase;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::sync::Arc;
+
+/// Mean length of the specific force of a flight \[m/s^2\]; outside, units or axes are not what they should be.
+const GRAVITY_RANGE: (f64, f64) = (8.0, 12.0);
+/// Tracks that cover less than this share of the samples' time are worth a word.
+const COVERED: f64 = 0.5;
+
+/// One run, judged.
+#[derive(Debug, Clone)]
+pub struct Single {
+    /// The figures.
+    pub report: Report,
+    /// What the estimator left.
+    pub driven: Driven,
+    /// The noise it was told.
+    pub noise: Arc<NoiseTrack>,
+}
+
+/// What is said of a run.
+#[derive(Debug, Clone, Serialize)]
+pub struct Report {
+    /// The row, as in a sweep.
+    pub row: Row,
+    /// What the input looks like, in sentences; empty where all is well.
+    pub warnings: Vec<String>,
+    /// Camera against gyro.
+    pub axes: Axes,
+    /// Tracks from frame to frame.
+    pub tracks: TrackHealth,
+    /// Frames before the first sample; left out.
+    pub skipped: usize,
+    /// What the initialisation waited for, and at how many frames.
+    pub waited_for: BTreeMap<String, usize>,
+    /// Root mean square of the noise told: accelerometer x, y, z \[m/s^2\], gyroscope x, y, z \[rad/s\].
+    pub noise_rms: [[f64; 3]; 2],
+}
+
+/// Runs the estimator over `frames`, from `told.from_s` after the first of them on.
+///
+/// # Errors
+/// Tracks that share no time with the samples or whose ids do not stay with points; noise that cannot be had; settings out of their
+/// bounds.
+pub fn single(
+    config: &EstimatorConfig,
+    recording: &Recording,
+    frames: &[TrackFrame],
+    noise: &Noise,
+    told: &Told,
+    networks: &[Network],
+) -> Result<Single, ClosedLoopError> {
+    let frames = frames_from(recording, frames, told.from_s)?;
+    let health = track_health(frames);
+    if let Some(problem) = health.fault() {
+        return Err(ClosedLoopError::TrackIds { sequence: recording.name.clone(), problem });
+    }
+    let recorded = Recorded { name: &recording.name, imu: &recording.imu, oracle: recording.oracle.as_ref() };
+    let stream = Stream::new(told.seed).named("noise").named(&recording.name);
+    let track = noise.track(&recording.imu, &Fresh { recorded, networks }, &stream)?;
+    let axes = axes(recording.imu.samples(), frames, &recording.camera, &recording.body_from_cam);
+    let driven = drive(config, recording, frames, &track, told.seed)?;
+    let mut waited_for: BTreeMap<String, usize> = BTreeMap::new();
+    for update in &driven.updates {
+        if let Phase::Initialising(reason) = update.phase {
+            *waited_for.entry(reason.name().to_owned()).or_default() += 1;
+        }
+    }
+    let report = Report {
+        row: judge(recording, told, &driven)?.row,
+        warnings: warnings(recording, frames, &health, &axes),
+        axes,
+        tracks: health,
+        skipped: driven.report.skipped,
+        waited_for,
+        noise_rms: rms(&track),
+    };
+    Ok(Single { report, driven, noise: track })
+}
+
+/// What is odd about the input.
+fn warnings(recording: &Recording, frames: &[TrackFrame], health: &TrackHealth, axes: &Axes) -> Vec<String> {
+    let mut found = Vec::new();
+    let samples = recording.imu.samples();
+    let (first, last) = (samples[0].t, samples[samples.len() - 1].t);
+    let early = frames.iter().filter(|f| f.t < first).count();
+    let late = frames.iter().filter(|f| f.t > last).count();
+    for (count, place) in [(early, "before the first"), (late, "after the last")] {
+        if count > 0 {
+            found.push(format!(
+                "{count} of {} frames lie {place} IMU sample; nothing can be done with them",
+                frames.len()
+            ));
+        }
+    }
+    if let (Some(begin), Some(end)) = (frames.first(), frames.last()) {
+        let (covered, all) = (end.t.min(last).seconds_since(begin.t.max(first)), recording.imu.duration());
+        if covered < COVERED * all {
+            found.push(format!(
+                "the frames cover {covered:.1} s of the IMU's {all:.1} s; the rest has no pose"
+            ));
+        }
+    }
+    for fault in check(&recording.imu, &CheckOptions::default()).faults {
+        match fault {
+            RecordingFault::Gaps { .. }
+            | RecordingFault::Saturated { .. }
+            | RecordingFault::Constant { .. } => {
+                found.push(format!("IMU: {fault}"));
+            }
+            RecordingFault::TooShort { .. } | RecordingFault::WrongRate { .. } => {}
+        }
+    }
+    let force = samples.iter().map(|s| s.accel.iter().map(|a| a * a).sum::<f64>().sqrt()).sum::<f64>();
+    let force = force / samples.len() as f64;
+    if !(GRAVITY_RANGE.0..GRAVITY_RANGE.1).contains(&force) {
+        found.push(format!(
+            "the mean specific force is {force:.2} m/s^2, not near 9.81: is the accelerometer in g, or gravity taken out?"
+        ));
+    }
+    found.extend(health.warning());
+    found.extend(axes.warning());
+    found
+}
+
+fn rms(track: &NoiseTrack) -> [[f64; 3]; 2] {
+    let mut mean = crate::noise::MeanSquare::default();
+    mean.add(track);
+    mean.root().map_or([[f64::NAN; 3]; 2], |noise| Sensor::ALL.map(|sensor| noise.of(sensor)))
+}
+
+impl Single {
+    /// Writes a line a frame as CSV: stamp, what the estimator does, state, believed deviations of the pose, noise in force, counts.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn write_states(&self, out: &mut dyn Write) -> std::io::Result<()> {
+        let axes =
+            |name: &str, unit: &str| ["x", "y", "z"].map(|axis| format!("{name}_{axis}{unit}")).join(",");
+        writeln!(
+            out,
+            "#timestamp [ns],phase,{},q_w,q_x,q_y,q_z,{},{},{},{},{},{},{},tracked,landmarks,outliers,iterations,whitened",
+            axes("p", " [m]"),
+            axes("v", " [m s^-1]"),
+            axes("accel_bias", " [m s^-2]"),
+            axes("gyro_bias", " [rad s^-1]"),
+            axes("p_std", " [m]"),
+            axes("r_std", " [rad]"),
+            axes("accel_noise", " [m s^-2]"),
+            axes("gyro_noise", " [rad s^-1]"),
+        )?;
+        for update in &self.driven.updates {
+            let phase = match update.phase {
+                Phase::Initialising(reason) => format!("initialising: {}", reason.name()),
+                Phase::Tracking => "tracking".to_owned(),
+                Phase::Restarted(_) => "restarted".to_owned(),
+            };
+            write!(out, "{},{phase}", update.t.ns())?;
+            match &update.state {
+                Some(state) => {
+                    let (p, q) =
+                        (state.world_from_body.translation.vector, state.world_from_body.rotation.coords);
+                    let values = p.iter().chain([&q.w, &q.x, &q.y, &q.z]).chain(&state.vel_in_world);
+                    for value in values.chain(&state.bias.accel).chain(&state.bias.gyro) {
+                        write!(out, ",{value:?}")?;
+                    }
+                }
+                None => write!(out, "{}", ",".repeat(16))?,
+            }
+            match &update.covariance {
+                Some(covariance) => {
+                    for variance in covariance.diagonal().iter() {
+                        write!(out, ",{:?}", variance.max(0.0).sqrt())?;
+                    }
+                }
+                None => write!(out, "{}", ",".repeat(6))?,
+            }
+            let at = self.noise.stamps().partition_point(|t| *t <= update.t).max(1) - 1;
+            for value in Sensor::ALL.into_iter().flat_map(|sensor| self.noise.noises()[at].of(sensor)) {
+                write!(out, ",{value:?}")?;
+            }
+            let whitened = update.whitened.map(|w| format!("{w:?}")).unwrap_or_default();
+            writeln!(
+                out,
+                ",{},{},{},{},{whitened}",
+                update.tracked, update.landmarks, update.outliers, update.iterations
+            )?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,346 @@
+//! Where recordings and camera tracks come from: sequences on disk, or simulated flights.
+
+use super::error::ClosedLoopError;
+use super::recording::Recording;
+use crate::metrics::poses_of;
+use dpn_core::camera::PinholeRadtan;
+use dpn_core::io::asl::{CameraConfig, Sequence, discover};
+use dpn_core::io::{IoError, StampedPose, read_tracks};
+use dpn_core::{SampleRate, Stamp, TrackFrame};
+use dpn_sim::flight::FlightPlan;
+use dpn_sim::tracks::{
+    AnalyticPath, CameraSettings, RecordedPath, TracksConfig, camera_stamps, simulate_tracks,
+};
+use dpn_sim::{Flight, FlightConfig, SimulationError, Split, simulate};
+use dpn_train::split::{Side, assign, paper_side};
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+
+/// Rate of a camera that is not there: EuRoC's \[Hz\].
+const CAMERA_HZ: f64 = 20.0;
+
+/// Where the tracks of recorded sequences come from.
+#[derive(Debug, Clone, PartialEq)]
+// A handful of these live at a time; their size is nobody's cost.
+#[allow(clippy::large_enum_variant)]
+pub enum Tracks {
+    /// Files `SEQUENCE.txt` in this folder; or one file, of the only sequence.
+    Given(PathBuf),
+    /// Made along the ground truth, from the seed of the cell.
+    Made(TracksConfig),
+}
+
+/// Sequences that the loop can be closed on.
+#[derive(Debug, Clone)]
+#[allow(clippy::large_enum_variant)]
+pub enum Source {
+    /// Recordings on disk.
+    Recorded {
+        /// The sequences and their sides, sorted by name.
+        sequences: Vec<(Sequence, Side)>,
+        /// Their tracks.
+        tracks: Tracks,
+    },
+    /// Simulated flights; flight and tracks are made from the seed of the cell.
+    Flights {
+        /// What every flight is made of.
+        config: FlightConfig,
+        /// What their tracks are made of.
+        tracks: TracksConfig,
+    },
+}
+
+impl Source {
+    /// The sequences under `dir`: the paper's where there are any, else all.
+    ///
+    /// # Errors
+    /// A folder that cannot be listed or holds no sequence, or two of one name.
+    pub fn recorded(dir: &Path, tracks: Tracks) -> Result<Self, ClosedLoopError> {
+        let all = discover(dir)?;
+        let of_paper: Vec<_> = all.iter().filter_map(|s| Some((s.clone(), paper_side(s.name())?))).collect();
+        let sequences: Vec<(Sequence, Side)> = if of_paper.is_empty() {
+            let sides = assign(all.iter().map(Sequence::name));
+            let side = |s: &Sequence| {
+                sides.iter().find(|(name, _)| name == s.name()).map_or(Side::Test, |(_, side)| *side)
+            };
+            all.iter().map(|s| (s.clone(), side(s))).collect()
+        } else {
+            of_paper
+        };
+        // Sorted by name.
+        if let Some(twice) = sequences.windows(2).find(|w| w[0].0.name() == w[1].0.name()) {
+            return Err(ClosedLoopError::SameName {
+                name: twice[0].0.name().to_owned(),
+                first: twice[0].0.dir().to_path_buf(),
+                second: twice[1].0.dir().to_path_buf(),
+            });
+        }
+        Ok(Self::Recorded { sequences, tracks })
+    }
+
+    /// The one sequence in `dir`.
+    ///
+    /// # Errors
+    /// A folder that holds no sequence.
+    pub fn one(dir: &Path, tracks: Tracks) -> Result<Self, ClosedLoopError> {
+        let sequence = Sequence::open(dir)?;
+        let side = paper_side(sequence.name()).unwrap_or(Side::Test);
+        Ok(Self::Recorded { sequences: vec![(sequence, side)], tracks })
+    }
+
+    /// Names and sides of all sequences, in order.
+    pub fn names(&self) -> Vec<(String, Side)> {
+        match self {
+            Self::Recorded { sequences, .. } => {
+                sequences.iter().map(|(s, side)| (s.name().to_owned(), *side)).collect()
+            }
+            Self::Flights { .. } => Flight::ALL
+                .into_iter()
+                .map(|f| {
+                    (f.name().to_owned(), if f.split() == Split::Train { Side::Train } else { Side::Test })
+                })
+                .collect(),
+        }
+    }
+
+    /// Places of the sequences named: `all`, or names and beginnings of names, which must be of one sequence each.
+    ///
+    /// # Errors
+    /// A name that no sequence has, or several begin with.
+    pub fn select(&self, wanted: &str) -> Result<Vec<usize>, ClosedLoopError> {
+        let names: Vec<String> = self.names().into_iter().map(|(name, _)| name).collect();
+        if wanted == "all" {
+            return Ok((0..names.len()).collect());
+        }
+        let mut found = Vec::new();
+        for name in wanted.split([',', ';', ' ']).filter(|name| !name.is_empty()) {
+            let exact: Vec<usize> = (0..names.len()).filter(|i| matches(&names[*i], name)).collect();
+            let begins = (0..names.len()).filter(|i| names[*i].starts_with(name)).collect();
+            match if exact.is_empty() { begins } else { exact }.as_slice() {
+                [one] => found.push(*one),
+                [] => {
+                    return Err(ClosedLoopError::UnknownSequence { name: name.to_owned(), known: names });
+                }
+                several => {
+                    let found = several.iter().map(|i| names[*i].clone()).collect();
+                    return Err(ClosedLoopError::AmbiguousSequence { name: name.to_owned(), found });
+                }
+            }
+        }
+        found.sort_unstable();
+        found.dedup();
+        if found.is_empty() {
+            return Err(ClosedLoopError::UnknownSequence { name: wanted.to_owned(), known: names });
+        }
+        Ok(found)
+    }
+
+    /// Whether a sequence's samples depend on the seed.
+    pub fn recordings_are_seeded(&self) -> bool {
+        matches!(self, Self::Flights { .. })
+    }
+
+    /// Whether a sequence's tracks depend on the seed.
+    pub fn tracks_are_seeded(&self) -> bool {
+        !matches!(self, Self::Recorded { tracks: Tracks::Given(_), .. })
+    }
+
+    /// The sequence at `place`, with all but its tracks.
+    ///
+    /// # Errors
+    /// Files that cannot be read; no camera beside given tracks; no flight.
+    pub fn recording(&self, place: usize, seed: u64) -> Result<Recording, ClosedLoopError> {
+        match self {
+            Self::Recorded { sequences, tracks } => {
+                let (sequence, side) = &sequences[place];
+                recorded(sequence, *side, tracks)
+            }
+            Self::Flights { config, tracks } => flown(Flight::ALL[place], seed, config, tracks),
+        }
+    }
+
+    /// The tracks of the sequence at `place`.
+    ///
+    /// # Errors
+    /// A file that cannot be read; no ground truth to make tracks along.
+    pub fn frames(&self, place: usize, seed: u64) -> Result<Vec<TrackFrame>, ClosedLoopError> {
+        match self {
+            Self::Recorded { sequences, tracks } => match tracks {
+                Tracks::Given(dir) => Ok(read_tracks(&given(dir, &sequences[place].0))?),
+                Tracks::Made(config) => made(&sequences[place].0, config, seed),
+            },
+            Self::Flights { config, tracks } => {
+                let flight = Flight::ALL[place];
+                let plan = FlightPlan::new(flight, seed)
+                    .map_err(|source| SimulationError::Trajectory { flight, source })?;
+                let path = AnalyticPath::new(plan.trajectory, Stamp::from_ns(config.epoch_ns));
+                let stamps = camera_stamps(&path, camera_rate(None));
+                simulate_tracks(tracks, &path, &stamps, seed)
+                    .map_err(|source| ClosedLoopError::Tracks { sequence: flight.name().into(), source })
+            }
+        }
+    }
+
+    /// SHA-256 over the files that the sequence at `place` is read from; of a flight, nothing but its name.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn checksum(&self, place: usize) -> Result<String, ClosedLoopError> {
+        let mut hash = Sha256::new();
+        match self {
+            Self::Recorded { sequences, tracks } => {
+                let (sequence, _) = &sequences[place];
+                let mut files = vec![sequence.imu_path()];
+                files.extend(sequence.ground_truth_path());
+                let beside = |path: PathBuf, name: &str| path.with_file_name(name);
+                let camera = sequence.camera_path();
+                files.extend(
+                    [beside(camera.clone(), "sensor.yaml"), camera].into_iter().filter(|p| p.is_file()),
+                );
+                if let Tracks::Given(dir) = tracks {
+                    files.push(given(dir, sequence));
+                }
+                for file in files {
+                    let bytes = std::fs::read(&file).map_err(|source| match source.kind() {
+                        std::io::ErrorKind::NotFound => IoError::Missing { path: file.clone() },
+                        _ => IoError::Read { path: file.clone(), source },
+                    })?;
+                    hash.update((bytes.len() as u64).to_le_bytes());
+                    hash.update(&bytes);
+                }
+            }
+            Self::Flights { .. } => hash.update(Flight::ALL[place].name()),
+        }
+        Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+    }
+}
+
+/// A name as people shorten it: `MH_01` of `MH_01_easy`, `room1` of TUM-VI's, `hover` of `f09-hover`.
+fn matches(full: &str, name: &str) -> bool {
+    full == name
+        || ["_easy", "_medium", "_difficult", "_512_16"]
+            .iter()
+            .any(|end| full.strip_suffix(end) == Some(name))
+        || full.strip_prefix("dataset-").and_then(|f| f.strip_suffix("_512_16")) == Some(name)
+        || (full.starts_with('f') && full.get(4..) == Some(name))
+}
+
+fn given(dir: &Path, sequence: &Sequence) -> PathBuf {
+    if dir.is_file() {
+        return dir.to_path_buf();
+    }
+    dir.join(format!("{}.txt", sequence.name()))
+}
+
+fn camera_rate(camera: Option<&CameraConfig>) -> SampleRate {
+    camera.map(|c| c.rate).or(SampleRate::from_hz(CAMERA_HZ)).unwrap_or(SampleRate::HZ_200)
+}
+
+fn recorded(sequence: &Sequence, side: Side, tracks: &Tracks) -> Result<Recording, ClosedLoopError> {
+    let name = sequence.name().to_owned();
+    let (camera, body_from_cam) = match tracks {
+        Tracks::Given(_) => {
+            let no_camera = || ClosedLoopError::NoCamera { dir: sequence.dir().to_path_buf() };
+            let config = sequence.camera_config()?.ok_or_else(no_camera)?;
+            let camera = PinholeRadtan::try_from(&config)
+                .map_err(|source| ClosedLoopError::Camera { sequence: name.clone(), source })?;
+            (camera, config.body_from_cam)
+        }
+        Tracks::Made(config) => camera_of(&name, &settled(sequence, config)?)?,
+    };
+    let truth = match sequence.ground_truth_path() {
+        Some(_) => Some(poses_of(&sequence.ground_truth()?)),
+        None => None,
+    };
+    Ok(Recording { name, side, imu: sequence.imu()?, camera, body_from_cam, truth, oracle: None })
+}
+
+/// The configuration with the sequence's own camera, where none was given and it has one.
+fn settled(sequence: &Sequence, config: &TracksConfig) -> Result<TracksConfig, ClosedLoopError> {
+    let mut config = config.clone();
+    if config.camera.is_none()
+        && let Some(own) = sequence.camera_config()?
+    {
+        let settings = CameraSettings::try_from(&own)
+            .map_err(|source| ClosedLoopError::Camera { sequence: sequence.name().to_owned(), source })?;
+        config.camera = Some(settings);
+    }
+    Ok(config)
+}
+
+fn camera_of(
+    sequence: &str,
+    config: &TracksConfig,
+) -> Result<(PinholeRadtan, nalgebra::Isometry3<f64>), ClosedLoopError> {
+    let wrong = |source| ClosedLoopError::CameraSettings { sequence: sequence.to_owned(), source };
+    let settings = config.camera_or_default();
+    Ok((settings.model().map_err(wrong)?, settings.body_from_cam().map_err(wrong)?))
+}
+
+/// Tracks along the ground truth, on the camera's stamps where it left any.
+fn made(sequence: &Sequence, config: &TracksConfig, seed: u64) -> Result<Vec<TrackFrame>, ClosedLoopError> {
+    let name = || sequence.name().to_owned();
+    if sequence.ground_truth_path().is_none() {
+        return Err(ClosedLoopError::NoGroundTruth { dir: sequence.dir().to_path_buf() });
+    }
+    let path = RecordedPath::new(&sequence.ground_truth()?, &config.path)
+        .map_err(|source| ClosedLoopError::Path { sequence: name(), source })?;
+    let stamps = if sequence.camera_path().is_file() {
+        sequence.camera_frames()?.iter().map(|frame| frame.t).collect()
+    } else {
+        camera_stamps(&path, camera_rate(sequence.camera_config()?.as_ref()))
+    };
+    simulate_tracks(&settled(sequence, config)?, &path, &stamps, seed)
+        .map_err(|source| ClosedLoopError::Tracks { sequence: name(), source })
+}
+
+fn flown(
+    flight: Flight,
+    seed: u64,
+    config: &FlightConfig,
+    tracks: &TracksConfig,
+) -> Result<Recording, ClosedLoopError> {
+    let flown = simulate(flight, seed, config)?;
+    let (camera, body_from_cam) = camera_of(flight.name(), tracks)?;
+    let truth = flown.ground_truth.iter();
+    let truth = truth.map(|s| StampedPose { t: s.t, world_from_body: s.world_from_body }).collect();
+    Ok(Recording {
+        name: flight.name().to_owned(),
+        side: if flight.split() == Split::Train { Side::Train } else { Side::Test },
+        camera,
+        body_from_cam,
+        truth: Some(truth),
+        oracle: flown.truth.oracle(&flown.recording).ok(),
+        imu: flown.recording,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sequences_are_selected_by_name_short_name_or_beginning() {
+        let source = Source::Flights { config: FlightConfig::default(), tracks: TracksConfig::default() };
+        assert_eq!(source.select("all").unwrap().len(), 11);
+        assert_eq!(source.select("hover, f02-hall-calm;f03").unwrap(), [1, 2, 8]);
+        let error = |text: &str| source.select(text).unwrap_err().to_string();
+        assert!(error("f0").contains("may be any of f01-hall-slow"));
+        assert!(error("cave").contains("no sequence is called `cave`"));
+        assert!(error(" ").contains("no sequence"));
+        assert!(matches("MH_01_easy", "MH_01") && matches("dataset-room1_512_16", "room1"));
+    }
+
+    #[test]
+    fn a_flight_has_truth_oracle_and_tracks_on_its_samples_clock() {
+        let source = Source::Flights { config: FlightConfig::default(), tracks: TracksConfig::default() };
+        let place = source.select("hover").unwrap()[0];
+        let recording = source.recording(place, 3).unwrap();
+        let frames = source.frames(place, 3).unwrap();
+        let samples = recording.imu.samples();
+        assert_eq!(recording.oracle.unwrap().noises().len(), samples.len());
+        assert!(frames[0].t >= samples[0].t && frames.len() > 100);
+        assert_ne!(frames, source.frames(place, 4).unwrap());
+        assert_ne!(source.checksum(place).unwrap(), source.checksum(0).unwrap());
+    }
+}

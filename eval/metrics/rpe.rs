@@ -1,0 +1,211 @@
+//! Relative pose error: how far the estimate drifts over a stretch of given length or time.
+//!
+//! For a stretch from pose i to pose j, with true poses Q and estimated ones P (both `world_from_body`),
+//!
+//! E = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j),
+//!
+//! whose translation \[m\] and angle \[rad\] are the errors. No alignment enters: E does not change when either world is moved.
+//!
+//! A stretch begins at every pose, so that stretches overlap, and ends at the pose whose true path length (or time) from there is nearest to the step, the
+//! earliest of those that are equally near; one that misses the step by more than the tolerance is left out. This is evo's `--all_pairs`
+//! with `--pairs_from_reference`. Path length is along the true positions of the pairs; across a gap it is the chord.
+//! Source: Sturm et al., IROS 2012, sec. VII; A. Geiger et al., "Are we ready for autonomous driving?", CVPR 2012 (by distance).
+
+use super::associate::PosePair;
+use super::error::{MetricsError, positive};
+use super::summary::ErrorSummary;
+
+/// Length of a stretch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum RpeStep {
+    /// Metres along the true path.
+    Metres(f64),
+    /// Seconds.
+    Seconds(f64),
+}
+
+impl RpeStep {
+    /// The usual ones: 5, 10, 20 and 40 m, 1 and 5 s.
+    pub const USUAL: [Self; 6] = [
+        Self::Metres(5.0),
+        Self::Metres(10.0),
+        Self::Metres(20.0),
+        Self::Metres(40.0),
+        Self::Seconds(1.0),
+        Self::Seconds(5.0),
+    ];
+}
+
+/// How much the length of a stretch may differ from the step, relative to it, unless the caller says otherwise.
+pub const RPE_TOLERANCE: f64 = 0.1;
+
+/// Relative errors over stretches of one length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rpe {
+    /// The length asked for.
+    pub step: RpeStep,
+    /// Translations of E \[m\].
+    pub translation: ErrorSummary,
+    /// Angles of E \[rad\].
+    pub rotation: ErrorSummary,
+}
+
+impl Rpe {
+    /// RMSE of the translation in per cent of the step; `None` for a step in seconds.
+    pub fn translation_percent(&self) -> Option<f64> {
+        self.metres().map(|m| 100.0 * self.translation.rmse / m)
+    }
+
+    /// RMSE of the rotation in degrees per metre of the step; `None` for a step in seconds.
+    pub fn rotation_deg_per_metre(&self) -> Option<f64> {
+        self.metres().map(|m| self.rotation.rmse.to_degrees() / m)
+    }
+
+    fn metres(&self) -> Option<f64> {
+        match self.step {
+            RpeStep::Metres(metres) => Some(metres),
+            RpeStep::Seconds(_) => None,
+        }
+    }
+}
+
+/// Relative errors over stretches of length `step`, give or take `tolerance` times it ([`RPE_TOLERANCE`]); `None` where no stretch is that long.
+///
+/// # Errors
+/// A step that is not positive and finite, a tolerance outside \[0, 1).
+pub fn rpe(pairs: &[PosePair], step: RpeStep, tolerance: f64) -> Result<Option<Rpe>, MetricsError> {
+    let (RpeStep::Metres(length) | RpeStep::Seconds(length)) = step;
+    positive("step", length)?;
+    if !(0.0..1.0).contains(&tolerance) {
+        return Err(MetricsError::BadOption {
+            name: "tolerance",
+            value: tolerance,
+            bound: "0 or more and below 1",
+        });
+    }
+    let along = match step {
+        RpeStep::Metres(_) => path_lengths(pairs),
+        RpeStep::Seconds(_) => seconds(pairs),
+    };
+    let (translations, rotations): (Vec<f64>, Vec<f64>) = (0..pairs.len())
+        .filter_map(|i| Some((i, end_of(&along, i, length, tolerance * length)?)))
+        .map(|(i, j)| {
+            let error = relative_error(&pairs[i], &pairs[j]);
+            (error.translation.vector.norm(), error.rotation.angle())
+        })
+        .unzip();
+    let summaries = ErrorSummary::of(&translations).zip(ErrorSummary::of(&rotations));
+    Ok(summaries.map(|(translation, rotation)| Rpe { step, translation, rotation }))
+}
+
+/// E of the module's opening.
+fn relative_error(i: &PosePair, j: &PosePair) -> nalgebra::Isometry3<f64> {
+    let true_i_from_j = i.true_world_from_body.inv_mul(&j.true_world_from_body);
+    let est_i_from_j = i.est_world_from_body.inv_mul(&j.est_world_from_body);
+    true_i_from_j.inv_mul(&est_i_from_j)
+}
+
+/// True path length from the first pair to each \[m\].
+fn path_lengths(pairs: &[PosePair]) -> Vec<f64> {
+    let mut sum = 0.0;
+    let mut last = None;
+    pairs
+        .iter()
+        .map(|pair| {
+            let position = pair.true_world_from_body.translation.vector;
+            if let Some(last) = last.replace(position) {
+                sum += (position - last).norm();
+            }
+            sum
+        })
+        .collect()
+}
+
+/// Time from the first pair to each \[s\].
+fn seconds(pairs: &[PosePair]) -> Vec<f64> {
+    pairs.iter().map(|p| p.t.seconds_since(pairs[0].t)).collect()
+}
+
+/// The pose after `i` whose place `along` is nearest to `length` beyond that of `i`, the earliest of several, if it misses by at most `slack`.
+fn end_of(along: &[f64], i: usize, length: f64, slack: f64) -> Option<usize> {
+    let rest = &along[i + 1..];
+    let miss = |k: usize| (rest[k] - along[i] - length).abs();
+    let above = rest.partition_point(|s| s - along[i] < length);
+    // The earliest pose at the place just below: a vehicle at rest stays there for many.
+    let below = above.checked_sub(1).map(|last| rest.partition_point(|s| *s < rest[last]));
+    let nearest = match below {
+        Some(below) if above == rest.len() || miss(below) <= miss(above) => below,
+        _ if above < rest.len() => above,
+        _ => return None,
+    };
+    (miss(nearest) <= slack).then_some(i + 1 + nearest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dpn_core::Stamp;
+    use nalgebra::{Isometry3, Vector3};
+
+    fn straight(times_ms: &[i64], speed: f64, est_speed: f64) -> Vec<PosePair> {
+        let pair = |(i, &ms): (usize, &i64)| {
+            let at = |speed: f64, yaw: f64| {
+                Isometry3::new(Vector3::x() * speed * ms as f64 * 1e-3, Vector3::z() * yaw)
+            };
+            PosePair {
+                t: Stamp::from_ns(ms * 1_000_000),
+                estimate_index: i,
+                true_world_from_body: at(speed, 0.0),
+                est_world_from_body: at(est_speed, 0.01 * ms as f64 * 1e-3),
+            }
+        };
+        times_ms.iter().enumerate().map(pair).collect()
+    }
+
+    #[test]
+    fn a_steady_drift_is_the_same_in_every_unit() {
+        let times: Vec<i64> = (0..100).map(|i| i * 100).collect();
+        let pairs = straight(&times, 2.0, 2.0);
+        let by_time = rpe(&pairs, RpeStep::Seconds(1.0), 0.05).unwrap().unwrap();
+        let by_path = rpe(&pairs, RpeStep::Metres(2.0), 0.05).unwrap().unwrap();
+        assert_eq!(by_time.translation.count, 90);
+        assert_eq!(by_path.rotation.count, 90);
+        for got in [by_time, by_path] {
+            assert!((got.rotation.rmse - 0.01).abs() < 1e-9, "{got:?}");
+        }
+        let expected = 0.01_f64.to_degrees() / 2.0;
+        assert!((by_path.rotation_deg_per_metre().unwrap() - expected).abs() < 1e-9);
+        assert_eq!(by_time.rotation_deg_per_metre(), None);
+    }
+
+    #[test]
+    fn too_fast_by_a_tenth_is_ten_per_cent() {
+        let times: Vec<i64> = (0..50).map(|i| i * 100).collect();
+        let mut pairs = straight(&times, 1.0, 1.1);
+        for pair in &mut pairs {
+            pair.est_world_from_body.rotation = nalgebra::UnitQuaternion::identity();
+        }
+        let got = rpe(&pairs, RpeStep::Metres(3.0), 0.02).unwrap().unwrap();
+        assert!((got.translation_percent().unwrap() - 10.0).abs() < 1e-9);
+        assert!(got.rotation.max < 1e-12);
+    }
+
+    #[test]
+    fn stretches_end_at_the_nearest_pose_within_the_tolerance() {
+        let along = [0.0, 0.5, 0.97, 0.97, 1.05, 3.0];
+        assert_eq!(end_of(&along, 0, 1.0, 0.1), Some(2));
+        assert_eq!(end_of(&along, 0, 1.0, 0.02), None);
+        assert_eq!(end_of(&along, 1, 2.4, 0.2), Some(5));
+        assert_eq!(end_of(&along, 2, 5.0, 1.0), None);
+        assert_eq!(end_of(&along, 5, 1.0, 0.9), None);
+    }
+
+    #[test]
+    fn no_stretch_is_no_error_but_a_bad_step_is_one() {
+        let pairs = straight(&[0, 100, 200], 1.0, 1.0);
+        assert_eq!(rpe(&pairs, RpeStep::Metres(5.0), 0.1).unwrap(), None);
+        assert_eq!(rpe(&[], RpeStep::Seconds(1.0), 0.1).unwrap(), None);
+        assert!(rpe(&pairs, RpeStep::Seconds(0.0), 0.1).is_err());
+        assert!(rpe(&pairs, RpeStep::Seconds(1.0), 1.0).is_err());
+    }
+}

@@ -1,0 +1,112 @@
+//! Why there is no noise.
+
+use dpn_core::estimate::SpecError;
+use dpn_core::io::IoError;
+use dpn_pronet::model::PairError;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// Why a noise spec gives no noise for a recording.
+#[derive(Debug, Error)]
+pub enum NoiseError {
+    /// A string that is no spec.
+    #[error(transparent)]
+    Spec(#[from] SpecError),
+    /// A list without a spec.
+    #[error("no noise spec among `{text}`; write for example x1,x4,dualpronet")]
+    NoSpec {
+        /// What was given.
+        text: String,
+    },
+    /// A network nobody has.
+    #[error("`{spec}`: there is no {sensor} network `{tag}`; known are {}", known.join(", "))]
+    NoNetwork {
+        /// The spec.
+        spec: String,
+        /// The sensor.
+        sensor: dpn_core::Sensor,
+        /// What was asked for.
+        tag: String,
+        /// Every tag there is.
+        known: Vec<String>,
+    },
+    /// Two networks that are no pair.
+    #[error(transparent)]
+    Pair(#[from] PairError),
+    /// Networks know samples, not time.
+    #[error(
+        "{recording}: the IMU runs at {found_hz:.1} Hz, the networks of `{spec}` were trained at {trained_hz:.1} Hz; they count samples, not time"
+    )]
+    Rate {
+        /// Name of the recording.
+        recording: String,
+        /// The spec.
+        spec: String,
+        /// Its rate \[Hz\].
+        found_hz: f64,
+        /// The networks' rate \[Hz\].
+        trained_hz: f64,
+    },
+    /// A noise track that cannot be read.
+    #[error(transparent)]
+    Read(#[from] IoError),
+    /// A noise track that begins too late or ends too early.
+    #[error(
+        "{}: the noise track goes from {from_ns} to {to_ns} ns, but {recording}'s samples from {imu_from_ns} to {imu_to_ns} ns; make the track from this recording, or cut the recording",
+        path.display()
+    )]
+    NotCovered {
+        /// The file.
+        path: PathBuf,
+        /// First stamp of the track.
+        from_ns: i64,
+        /// Last stamp of the track.
+        to_ns: i64,
+        /// Name of the recording.
+        recording: String,
+        /// Its first sample.
+        imu_from_ns: i64,
+        /// Its last sample.
+        imu_to_ns: i64,
+    },
+    /// A noise track with a hole.
+    #[error("{}: no noise from {from_ns} to {to_ns} ns, where {recording} has samples; make the track from this recording", path.display())]
+    Hole {
+        /// The file.
+        path: PathBuf,
+        /// Last stamp before the hole.
+        from_ns: i64,
+        /// First stamp after it.
+        to_ns: i64,
+        /// Name of the recording.
+        recording: String,
+    },
+    /// A zero in a noise track: infinite information.
+    #[error(
+        "`{spec}` says a deviation of 0 for {recording} at {t_ns} ns; an IMU without noise cannot be weighed, give a value above 0"
+    )]
+    Zero {
+        /// The spec.
+        spec: String,
+        /// Name of the recording.
+        recording: String,
+        /// The sample.
+        t_ns: i64,
+    },
+    /// True noise of a real recording.
+    #[error(
+        "{recording}: `oracle` is known for simulated flights alone; nobody knows the true noise of a recording"
+    )]
+    NoOracle {
+        /// Name of the recording.
+        recording: String,
+    },
+    /// No sequences to take a mean over.
+    #[error(
+        "`{spec}` needs training sequences to take the mean over, and there are none here; give constants instead: const(ACCEL,GYRO)"
+    )]
+    NoTraining {
+        /// The spec.
+        spec: String,
+    },
+}

@@ -1,0 +1,309 @@
+//! From a spec to a noise for every sample of a recording.
+
+use super::controls::{MeanSquare, shuffled};
+use super::{Noise, NoiseError};
+use crate::open_loop::Network;
+use dpn_core::estimate::{Schedule, sigma_floor};
+use dpn_core::io::read_noise_track;
+use dpn_core::random::Stream;
+use dpn_core::{ImuNoise, ImuRecording, NoiseTrack, Sensor, Stamp};
+use dpn_pronet::DualProNet;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Largest share by which a recording's rate may differ from that of the networks' training.
+const RATE_TOLERANCE: f64 = 0.05;
+
+/// What a spec may need besides the recording it is for. The sweep keeps the answers; [`Fresh`] makes them anew.
+pub trait Sources {
+    /// The track of a spec that is no control, on the recording at hand.
+    ///
+    /// # Errors
+    /// As [`of_recording`].
+    fn track(&self, source: &Noise) -> Result<Arc<NoiseTrack>, NoiseError>;
+
+    /// Root mean square of a spec that is no control over the training sequences.
+    ///
+    /// # Errors
+    /// No training sequences; as [`of_recording`].
+    fn training_mean(&self, source: &Noise) -> Result<ImuNoise, NoiseError>;
+}
+
+/// A recording and what is known of its noise.
+#[derive(Debug, Clone, Copy)]
+pub struct Recorded<'a> {
+    /// Its name, for messages.
+    pub name: &'a str,
+    /// The samples.
+    pub imu: &'a ImuRecording,
+    /// The true deviations, where it is simulated.
+    pub oracle: Option<&'a NoiseTrack>,
+}
+
+/// Sources of one recording, made when asked for, without training sequences.
+#[derive(Debug, Clone, Copy)]
+pub struct Fresh<'a> {
+    /// The recording.
+    pub recorded: Recorded<'a>,
+    /// Networks to choose from.
+    pub networks: &'a [Network],
+}
+
+impl Sources for Fresh<'_> {
+    fn track(&self, source: &Noise) -> Result<Arc<NoiseTrack>, NoiseError> {
+        of_recording(source, &self.recorded, self.networks).map(Arc::new)
+    }
+
+    fn training_mean(&self, source: &Noise) -> Result<ImuNoise, NoiseError> {
+        Err(NoiseError::NoTraining { spec: format!("mean-of-train({source})") })
+    }
+}
+
+impl Noise {
+    /// The noise in force at every sample of `imu`; a control that permutes draws from `stream`.
+    ///
+    /// # Errors
+    /// What `sources` cannot give.
+    pub fn track(
+        &self,
+        imu: &ImuRecording,
+        sources: &dyn Sources,
+        stream: &Stream,
+    ) -> Result<Arc<NoiseTrack>, NoiseError> {
+        match self {
+            Self::Shuffled(of) => {
+                let stream = stream.named("shuffled");
+                Ok(Arc::new(shuffled(&*of.track(imu, sources, &stream)?, &stream)))
+            }
+            Self::Mean(of) => {
+                let track = of.track(imu, sources, stream)?;
+                let mut mean = MeanSquare::default();
+                mean.add(&track);
+                Ok(mean.root().map_or(track, |noise| Arc::new(constant(imu, noise))))
+            }
+            Self::MeanOfTrain(of) => Ok(Arc::new(constant(imu, sources.training_mean(of.source())?))),
+            source => sources.track(source),
+        }
+    }
+}
+
+/// The same noise at every sample.
+fn constant(imu: &ImuRecording, noise: ImuNoise) -> NoiseTrack {
+    NoiseTrack::of(&mut dpn_core::noise::Constant::new("constant", noise), imu)
+}
+
+/// The track of a spec that is no control; causal, but for `file` and `oracle`, which are as given.
+///
+/// # Errors
+/// Networks that are not there or are of another rate; a file that cannot be read, does not cover the samples or holds a zero; `oracle`
+/// on a recording; parameters out of range.
+pub fn of_recording(
+    source: &Noise,
+    recorded: &Recorded<'_>,
+    networks: &[Network],
+) -> Result<NoiseTrack, NoiseError> {
+    let imu = recorded.imu;
+    match source {
+        Noise::Core(spec) => Ok(NoiseTrack::of(spec.model(Schedule::default())?.as_mut(), imu)),
+        Noise::DualProNet { accel, gyro } => {
+            let spec = source.to_string();
+            let of = |sensor, tag| network(networks, &spec, sensor, tag);
+            let (accel, gyro) = (of(Sensor::Accel, accel)?, of(Sensor::Gyro, gyro)?);
+            let mut model = DualProNet::new(spec.clone(), &accel.weights, &gyro.weights, DualProNet::HOP)?;
+            let (found, trained) = (imu.rate().hz(), model.trained_rate().hz());
+            if (found / trained - 1.0).abs() > RATE_TOLERANCE {
+                return Err(NoiseError::Rate {
+                    recording: recorded.name.to_owned(),
+                    spec,
+                    found_hz: found,
+                    trained_hz: trained,
+                });
+            }
+            let said = NoiseTrack::of(&mut model, imu);
+            let raised = said.noises().iter().map(raised).collect();
+            Ok(NoiseTrack::new(said.stamps().to_vec(), raised).unwrap_or(said))
+        }
+        Noise::File(path) => held(path, source, recorded),
+        Noise::Oracle => recorded
+            .oracle
+            .cloned()
+            .ok_or_else(|| NoiseError::NoOracle { recording: recorded.name.to_owned() }),
+        Noise::Shuffled(of) | Noise::Mean(of) | Noise::MeanOfTrain(of) => {
+            of_recording(of.source(), recorded, networks)
+        }
+    }
+}
+
+/// The network of a sensor whose weight file is called `tag`.
+pub(crate) fn network<'a>(
+    networks: &'a [Network],
+    spec: &str,
+    sensor: Sensor,
+    tag: &str,
+) -> Result<&'a Network, NoiseError> {
+    let stem = |n: &Network| n.path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+    networks.iter().find(|n| n.sensor() == sensor && stem(n) == tag).ok_or_else(|| NoiseError::NoNetwork {
+        spec: spec.to_owned(),
+        sensor,
+        tag: tag.to_owned(),
+        known: networks.iter().filter(|n| n.sensor() == sensor).map(stem).collect(),
+    })
+}
+
+/// At least the floor that estimates are held to: a network may say zero, whose information is infinite.
+pub(crate) fn raised(noise: &ImuNoise) -> ImuNoise {
+    let of = |sensor| noise.of(sensor).map(|sigma| sigma.max(sigma_floor(sensor)));
+    ImuNoise::from_values(of(Sensor::Accel), of(Sensor::Gyro)).unwrap_or(*noise)
+}
+
+/// A track on disk, each value held until the next.
+fn held(path: &Path, spec: &Noise, recorded: &Recorded<'_>) -> Result<NoiseTrack, NoiseError> {
+    let file = read_noise_track(path)?;
+    let (stamps, samples) = (file.stamps(), recorded.imu.samples());
+    let (first, last) = (samples[0].t, samples[samples.len() - 1].t);
+    let (from, to) = (stamps[0], stamps[stamps.len() - 1]);
+    let step = median_step(stamps);
+    if from > first || to.plus_seconds(1.5 * step) < last {
+        return Err(NoiseError::NotCovered {
+            path: path.to_path_buf(),
+            from_ns: from.ns(),
+            to_ns: to.ns(),
+            recording: recorded.name.to_owned(),
+            imu_from_ns: first.ns(),
+            imu_to_ns: last.ns(),
+        });
+    }
+    // Longer than this without a value is a hole, not a slower track.
+    let longest = (10.0 * step).max(0.5);
+    let mut noises = Vec::with_capacity(samples.len());
+    for sample in samples {
+        let at = stamps.partition_point(|t| *t <= sample.t) - 1;
+        if let Some(next) = stamps.get(at + 1).filter(|next| next.seconds_since(stamps[at]) > longest) {
+            return Err(NoiseError::Hole {
+                path: path.to_path_buf(),
+                from_ns: stamps[at].ns(),
+                to_ns: next.ns(),
+                recording: recorded.name.to_owned(),
+            });
+        }
+        let noise = file.noises()[at];
+        if Sensor::ALL.into_iter().any(|sensor| noise.of(sensor).contains(&0.0)) {
+            return Err(NoiseError::Zero {
+                spec: spec.to_string(),
+                recording: recorded.name.to_owned(),
+                t_ns: sample.t.ns(),
+            });
+        }
+        noises.push(noise);
+    }
+    let track = NoiseTrack::new(samples.iter().map(|s| s.t).collect(), noises);
+    Ok(track.unwrap_or(file))
+}
+
+/// The median time between values \[s\]; 0 for one value.
+fn median_step(stamps: &[Stamp]) -> f64 {
+    let mut steps: Vec<f64> = stamps.windows(2).map(|w| w[1].seconds_since(w[0])).collect();
+    let middle = steps.len() / 2;
+    if steps.is_empty() { 0.0 } else { *steps.select_nth_unstable_by(middle, f64::total_cmp).1 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dpn_core::ImuSample;
+    use dpn_core::io::write_noise_track;
+
+    fn recording(samples: i64) -> ImuRecording {
+        let sample = |i: i64| ImuSample {
+            t: Stamp::from_ns(1_000_000_000 + 5_000_000 * i),
+            gyro: [0.01 * (i % 7) as f64, 0.0, 0.02 * (i % 3) as f64],
+            accel: [0.1 * (i % 5) as f64, 0.2 * (i % 11) as f64, 9.81],
+        };
+        ImuRecording::new((0..samples).map(sample).collect()).unwrap()
+    }
+
+    fn track(spec: &str, imu: &ImuRecording, seed: u64) -> Result<Arc<NoiseTrack>, NoiseError> {
+        let recorded = Recorded { name: "made-up", imu, oracle: None };
+        let sources = Fresh { recorded, networks: &[] };
+        spec.parse::<Noise>().unwrap().track(imu, &sources, &Stream::new(seed))
+    }
+
+    #[test]
+    fn the_mean_of_a_constant_is_the_constant_and_the_mean_of_a_shuffle_that_of_its_source() {
+        let imu = recording(1000);
+        let (found, told) = (track("mean(x4,x1)", &imu, 0).unwrap(), track("x4,x1", &imu, 0).unwrap());
+        for (found, told) in found.noises().iter().zip(told.noises()) {
+            for sensor in Sensor::ALL {
+                assert!((0..3).all(|axis| (found.of(sensor)[axis] - told.of(sensor)[axis]).abs() < 1e-12));
+            }
+        }
+        let (a, b) =
+            (track("mean(diff2)", &imu, 0).unwrap(), track("mean(shuffled(diff2))", &imu, 5).unwrap());
+        for sensor in Sensor::ALL {
+            for (a, b) in a.noises()[17].of(sensor).into_iter().zip(b.noises()[900].of(sensor)) {
+                assert!((a / b - 1.0).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn a_shuffle_is_a_function_of_its_seed_and_differs_from_its_source() {
+        let imu = recording(4000);
+        let of = |seed| track("shuffled(diff2)", &imu, seed).unwrap();
+        assert_eq!(of(1), of(1));
+        assert_ne!(of(1), of(2));
+        assert_ne!(of(1), track("diff2", &imu, 1).unwrap());
+    }
+
+    #[test]
+    fn what_cannot_be_known_here_is_refused() {
+        let imu = recording(400);
+        for (spec, words) in [
+            ("oracle", "nobody knows"),
+            ("mean(oracle)", "nobody knows"),
+            ("mean-of-train(x2)", "training sequences"),
+            ("dualpronet(sg9-s0)", "no accel network `sg9-s0`"),
+        ] {
+            let text = track(spec, &imu, 0).unwrap_err().to_string();
+            assert!(text.contains(words), "{spec}: {text}");
+        }
+    }
+
+    #[test]
+    fn a_file_must_cover_the_samples_without_holes_and_zeros() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("noise.csv");
+        let imu = recording(1000);
+        let spec = format!("file(\"{}\")", path.display());
+        let whole = track("diff2", &imu, 0).unwrap();
+        let write = |keep: &dyn Fn(usize) -> bool, zero: Option<usize>| {
+            let kept: Vec<usize> = (0..1000).filter(|i| keep(*i)).collect();
+            let noise = |i: &usize| {
+                if zero == Some(*i) {
+                    ImuNoise::from_values([0.1, 0.0, 0.1], [0.1; 3]).unwrap()
+                } else {
+                    whole.noises()[*i]
+                }
+            };
+            let noises = kept.iter().map(noise).collect();
+            let track = NoiseTrack::new(kept.iter().map(|i| whole.stamps()[*i]).collect(), noises).unwrap();
+            write_noise_track(&path, &track).unwrap();
+        };
+        write(&|_| true, None);
+        assert_eq!(track(&spec, &imu, 0).unwrap(), whole);
+        // At a twentieth of the rate each value is held.
+        write(&|i| i % 20 == 0, None);
+        let slow = track(&spec, &imu, 0).unwrap();
+        assert_eq!(slow.noises()[259], whole.noises()[240]);
+        for (keep, zero, words) in [
+            (&(|i: usize| i > 0) as &dyn Fn(usize) -> bool, None, "but made-up's samples from 1000000000"),
+            (&|i| i < 900, None, "but made-up's samples"),
+            (&|i| !(300..500).contains(&i), None, "no noise from 2495000000 to 3500000000 ns"),
+            (&|_| true, Some(7), "a deviation of 0 for made-up at 1035000000 ns"),
+        ] {
+            write(keep, zero);
+            let text = track(&spec, &imu, 0).unwrap_err().to_string();
+            assert!(text.contains(words), "{words}: {text}");
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! What is said of a closed loop: sequences, tracks, noises, seeds, the estimator.
+
+use clap::{Args, ValueEnum};
+use dpn_eval::closed_loop::StartAt;
+use std::path::PathBuf;
+
+/// What the odometry sees.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum CameraArg {
+    /// Camera tracks, given or made along the ground truth.
+    Tracks,
+}
+
+/// Flags of `dpn eval --closed-loop`.
+#[derive(Debug, Args)]
+pub(crate) struct ClosedLoopArgs {
+    /// What the odometry sees.
+    #[arg(long, value_enum, default_value = "tracks", conflicts_with = "open_loop")]
+    pub(crate) camera: CameraArg,
+    /// Folder with camera tracks, SEQUENCE.txt each; without it tracks are made along the ground truth from the seed.
+    #[arg(long, value_name = "DIR", requires = "data")]
+    pub(crate) tracks: Option<PathBuf>,
+    /// `all`, or names (MH_01, hover) with commas between.
+    #[arg(long, value_name = "NAMES", default_value = "all", conflicts_with = "open_loop")]
+    pub(crate) sequences: String,
+    /// Noise specs with commas between; with semicolons or blanks between where a spec holds a comma: 'x1; x4,x1; mean(x4,x1)'.
+    #[arg(
+        long,
+        value_name = "SPECS",
+        default_value = "x0.5,x1,x2,x4,x8,dualpronet",
+        conflicts_with = "open_loop"
+    )]
+    pub(crate) noise: String,
+    /// How many seeds of tracks (and flights), from --seed on.
+    #[arg(long, value_name = "N", default_value_t = 1, conflicts_with = "open_loop", value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) seeds: u64,
+    /// Seconds after the first frame at which runs begin; `table`: 40 in MH_01, 35 in MH_02, 0 elsewhere, as VINS-Mono's runs of the table.
+    #[arg(long, value_name = "SECONDS|table", default_value = "table", conflicts_with = "open_loop")]
+    pub(crate) from: StartAt,
+    /// Settings of the estimator and of what is simulated.
+    #[command(flatten)]
+    pub(crate) settings: SettingsArgs,
+    /// Threads; without it as many as there are cores. Results do not depend on it.
+    #[arg(long, value_name = "N", conflicts_with = "open_loop")]
+    pub(crate) threads: Option<usize>,
+    /// Write every run's trajectory (TUM format) into the folder.
+    #[arg(long, conflicts_with = "open_loop")]
+    pub(crate) trajectories: bool,
+}
+
+/// Settings of the estimator and of what is simulated.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct SettingsArgs {
+    /// Configuration of the estimator (TOML); without it the built-in default, which configs/run/vio.toml repeats.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+    /// One key of the estimator's configuration, over the file: --set imu.imu_cov=vins. May be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub(crate) sets: Vec<(String, String)>,
+    /// Configuration of simulated tracks (TOML), as for `dpn simulate tracks`.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) tracks_config: Option<PathBuf>,
+    /// White noise of simulated tracks, each axis, in pixels.
+    #[arg(long, value_name = "PX")]
+    pub(crate) pixel_noise: Option<f64>,
+    /// Make tracks as if the ground truth were late by this, in seconds.
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    pub(crate) ground_truth_delay: Option<f64>,
+    /// Configuration of simulated flights (TOML), as for `dpn simulate flight`.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) flight_config: Option<PathBuf>,
+    /// Simulated flights without rotor vibration.
+    #[arg(long)]
+    pub(crate) no_vibration: bool,
+}
+
+/// `KEY=VALUE` in two.
+fn key_value(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((key, value)) if !key.trim().is_empty() && !value.trim().is_empty() => {
+            Ok((key.trim().to_owned(), value.trim().to_owned()))
+        }
+        _ => Err(format!("`{text}` is not KEY=VALUE, for example window.key_frames=8")),
+    }
+}

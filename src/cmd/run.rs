@@ -1,0 +1,141 @@
+//! `dpn run`.
+
+use super::{program, settings, shipped};
+use crate::args::RunArgs;
+use crate::ui::Fault;
+use anyhow::Result;
+use dpn_core::io::{atomic_write, write_tum};
+use dpn_eval::closed_loop::{Report, Single, Source, Told, Tracks, single};
+use dpn_eval::noise::Noise;
+use dpn_eval::open_loop::networks;
+use dpn_sim::Flight;
+use std::path::{Path, PathBuf};
+
+pub(crate) fn run(args: &RunArgs) -> Result<()> {
+    let noise: Noise = args.noise.parse()?;
+    let estimator = settings::estimator(&args.settings)?;
+    let (source, place) = open(args)?;
+    let networks = match &args.models {
+        Some(dir) => networks::load_all(dir)?,
+        None => shipped::networks()?,
+    };
+    let recording = source.recording(place, args.seed)?;
+    let frames = source.frames(place, args.seed)?;
+    let from_s = args.from.seconds(&recording.name);
+    let told = Told { camera: "tracks".into(), noise: noise.to_string(), seed: args.seed, from_s };
+    let done = single(&estimator, &recording, &frames, &noise, &told, &networks)?;
+    let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("runs/run-{}", recording.name)));
+    let report = serde_json::json!({
+        "program": program(), "estimator": estimator, "input": source.checksum(place)?, "report": done.report,
+    });
+    write(&done, &report, &out)?;
+    for warning in &done.report.warnings {
+        eprintln!("warning: {warning}");
+    }
+    if args.json {
+        println!("{report}");
+    } else {
+        print!("{}", words(&done.report, &done));
+        println!("files:          {}", out.display());
+    }
+    Ok(())
+}
+
+/// A folder is a sequence, anything else a flight.
+fn open(args: &RunArgs) -> Result<(Source, usize)> {
+    let dir = Path::new(&args.source);
+    let made = settings::tracks(&args.settings)?;
+    if dir.exists() {
+        let tracks = args.tracks.clone().map_or(Tracks::Made(made), Tracks::Given);
+        return Ok((Source::one(dir, tracks)?, 0));
+    }
+    let flight: Flight = args.source.parse().map_err(|unknown| {
+        let remedy = "name a folder with an ASL sequence, or a flight of `dpn simulate flight --list`";
+        Fault::new(format!("there is no folder `{}`, and {unknown}", args.source)).hint(remedy)
+    })?;
+    if args.tracks.is_some() {
+        let remedy = "write it with `dpn simulate flight` and name the folder";
+        return Err(Fault::new("--tracks is for a folder; a flight's tracks are made with it")
+            .hint(remedy)
+            .into());
+    }
+    let source = Source::Flights { config: settings::flights(&args.settings)?, tracks: made };
+    let place = Flight::ALL.iter().position(|f| *f == flight).unwrap_or(0);
+    Ok((source, place))
+}
+
+fn write(done: &Single, report: &serde_json::Value, out: &Path) -> Result<()> {
+    write_tum(&out.join("trajectory.tum"), &done.driven.poses())?;
+    atomic_write(&out.join("states.csv"), |file| done.write_states(file))?;
+    let text = serde_json::to_string_pretty(report)? + "\n";
+    atomic_write(&out.join("report.json"), |file| file.write_all(text.as_bytes()))?;
+    Ok(())
+}
+
+/// The summary for people.
+fn words(report: &Report, done: &Single) -> String {
+    let row = &report.row;
+    let mut lines = vec![format!(
+        "{}, noise {}, {} frames in {:.1} s",
+        row.sequence, row.noise, row.frames, done.driven.data_s
+    )];
+    let mut line = |name: &str, text: String| lines.push(format!("{name:<16}{text}"));
+    match row.init_s {
+        Some(seconds) => {
+            let moving = row.init_in_motion_s.map(|s| format!(", {s:.1} s after the first motion"));
+            line("initialised:", format!("after {seconds:.1} s{}", moving.unwrap_or_default()));
+        }
+        None => {
+            let reasons: Vec<String> = report
+                .waited_for
+                .iter()
+                .map(|(reason, frames)| format!("{reason} ({frames} frames)"))
+                .collect();
+            line("initialised:", format!("never; waited for: {}", reasons.join(", ")));
+        }
+    }
+    let share = row.completion.map_or_else(String::new, |c| format!(", {:.1} % since the first", 100.0 * c));
+    line("poses:", format!("{} of {} frames{share}", row.poses, row.frames));
+    line("restarts:", row.restarts.to_string());
+    for restart in &row.restart_reasons {
+        line("", format!("at {:.1} s: {}", restart.at_s, restart.reason));
+    }
+    if let Some(whitened) = row.whitened {
+        line("whitened IMU:", format!("{whitened:.2} (1 where the noise told is the noise there is)"));
+    }
+    let iterations = row.iterations.map_or_else(|| "-".into(), |i| format!("{i:.1}"));
+    line("iterations:", format!("{iterations} a frame, {} outliers in all", row.outliers));
+    let stage = &row.stage_s;
+    line(
+        "time:",
+        format!(
+            "{:.4} CPU s a second, 95 % of updates within {:.1} ms (feed {:.2} s, initialise {:.2}, solve {:.2}, reject {:.2}, slide {:.2})",
+            row.cpu_per_data_s,
+            row.p95_update_ms,
+            stage.feed,
+            stage.initialise,
+            stage.solve,
+            stage.reject,
+            stage.slide
+        ),
+    );
+    match (row.ate_se3, row.ate_yaw, row.ate_sim3, row.scale_error) {
+        (Some(se3), yaw, sim3, scale) => {
+            let metres = |v: Option<f64>| v.map_or_else(|| "-".into(), |v| format!("{v:.3}"));
+            let scale = scale.map_or_else(|| "-".into(), |s| format!("{:+.2} %", 100.0 * s));
+            line(
+                "ATE [m]:",
+                format!(
+                    "{se3:.3} (SE(3)), {} (yaw and position), {} (Sim(3)); scale {scale}",
+                    metres(yaw),
+                    metres(sim3)
+                ),
+            );
+        }
+        _ => line("ATE [m]:", "none: no ground truth, or too few poses under it".into()),
+    }
+    if let Some(failure) = row.failure {
+        line("failed:", format!("{failure:?}"));
+    }
+    lines.join("\n") + "\n"
+}

@@ -1,0 +1,42 @@
+//! The estimator's settings and those of what is simulated, from files and flags.
+
+use crate::args::SettingsArgs;
+use anyhow::Result;
+use dpn_core::config::{Validate, load, load_over};
+use dpn_sim::FlightConfig;
+use dpn_sim::tracks::TracksConfig;
+use dpn_vio::EstimatorConfig;
+
+/// The file's keys, then those set one by one.
+pub(crate) fn estimator(args: &SettingsArgs) -> Result<EstimatorConfig> {
+    Ok(load_over(args.config.as_deref(), &args.sets)?)
+}
+
+/// The file's keys, then the flags over them.
+pub(crate) fn tracks(args: &SettingsArgs) -> Result<TracksConfig> {
+    let mut config: TracksConfig = match &args.tracks_config {
+        Some(path) => load(path)?,
+        None => TracksConfig::default(),
+    };
+    config.pixel_noise_px = args.pixel_noise.unwrap_or(config.pixel_noise_px);
+    config.ground_truth_delay_s = args.ground_truth_delay.unwrap_or(config.ground_truth_delay_s);
+    checked(config)
+}
+
+/// The file's keys, then the flags over them.
+pub(crate) fn flights(args: &SettingsArgs) -> Result<FlightConfig> {
+    let mut config: FlightConfig = match &args.flight_config {
+        Some(path) => load(path)?,
+        None => FlightConfig::default(),
+    };
+    if args.no_vibration {
+        config.vibration.scale = 0.0;
+    }
+    checked(config)
+}
+
+/// Flags may have moved a value out of its bounds.
+fn checked<T: Validate>(config: T) -> Result<T> {
+    config.validate()?;
+    Ok(config)
+}

@@ -1,0 +1,115 @@
+//! `dpn simulate tracks`.
+
+use crate::args::TracksArgs;
+use crate::ui::Fault;
+use anyhow::Result;
+use dpn_core::config::Validate;
+use dpn_core::io::asl::Sequence;
+use dpn_core::io::write_tracks;
+use dpn_core::{SampleRate, Stamp};
+use dpn_sim::flight::FlightPlan;
+use dpn_sim::tracks::{
+    AnalyticPath, CameraPath, CameraSettings, RecordedPath, TracksConfig, TracksError, camera_stamps,
+    simulate_tracks, summarise,
+};
+use dpn_sim::{Flight, FlightConfig};
+use std::path::{Path, PathBuf};
+
+/// Rate of a camera that is not there \[Hz\]: EuRoC's.
+const CAMERA_HZ: f64 = 20.0;
+/// A faster one is a slip in its calibration \[Hz\].
+const FASTEST_CAMERA_HZ: f64 = 1000.0;
+
+/// Where tracks come from.
+struct Source {
+    name: String,
+    path: Box<dyn CameraPath>,
+    stamps: Vec<Stamp>,
+}
+
+pub(crate) fn run(args: &TracksArgs) -> Result<()> {
+    let mut config: TracksConfig = match &args.config {
+        Some(path) => dpn_core::config::load(path)?,
+        None => TracksConfig::default(),
+    };
+    args.over(&mut config);
+    let faults = config.faults();
+    if !faults.is_empty() {
+        return Err(TracksError::Config(faults).into());
+    }
+    let source = open(args, &mut config)?;
+    let frames = simulate_tracks(&config, source.path.as_ref(), &source.stamps, args.seed)?;
+    let out =
+        args.out.clone().unwrap_or_else(|| PathBuf::from("runs/tracks").join(format!("{}.txt", source.name)));
+    write_tracks(&out, &frames)?;
+    let counts = summarise(&frames);
+    if args.json {
+        let row = serde_json::json!({
+            "sequence": source.name, "seed": args.seed, "world": config.world.settled(&source.path.bounds()),
+            "camera_frames": source.stamps.len(), "frames": counts.frames, "tracks": counts.tracks,
+            "mean_in_frame": counts.mean_in_frame, "mean_life_frames": counts.mean_life, "file": out,
+        });
+        println!("{row}");
+    } else {
+        println!(
+            "{}: {} frames of {} camera frames, {} tracks, {:.1} in a frame, each in {:.1} frames",
+            out.display(),
+            counts.frames,
+            source.stamps.len(),
+            counts.tracks,
+            counts.mean_in_frame,
+            counts.mean_life
+        );
+    }
+    Ok(())
+}
+
+/// A folder is a sequence, anything else a flight.
+fn open(args: &TracksArgs, config: &mut TracksConfig) -> Result<Source> {
+    let dir = Path::new(&args.source);
+    if dir.exists() {
+        return sequence(&Sequence::open(dir)?, config);
+    }
+    let flight: Flight = args.source.parse().map_err(|unknown| {
+        let remedy = "name a folder with an ASL sequence, or a flight of `dpn simulate flight --list`";
+        Fault::new(format!("there is no folder `{}`, and {unknown}", args.source)).hint(remedy)
+    })?;
+    let plan = FlightPlan::new(flight, args.flight_seed)?;
+    let start = Stamp::from_ns(FlightConfig::default().epoch_ns);
+    let path = AnalyticPath::new(plan.trajectory, start);
+    let stamps = made_stamps(&path, CAMERA_HZ)?;
+    Ok(Source { name: flight.name().to_owned(), path: Box::new(path), stamps })
+}
+
+/// Stamps of a camera that left none.
+fn made_stamps(path: &dyn CameraPath, hz: f64) -> Result<Vec<Stamp>> {
+    let rate = SampleRate::from_hz(hz).filter(|rate| rate.hz() <= FASTEST_CAMERA_HZ);
+    let rate =
+        rate.ok_or_else(|| Fault::new(format!("a camera of {hz} Hz; at most {FASTEST_CAMERA_HZ} are made")))?;
+    Ok(camera_stamps(path, rate))
+}
+
+/// The sequence's own camera and stamps where it has them.
+fn sequence(sequence: &Sequence, config: &mut TracksConfig) -> Result<Source> {
+    let dir = sequence.dir().display();
+    if sequence.ground_truth_path().is_none() {
+        let looked = "state_groundtruth_estimate0/data.csv and mocap0/data.csv are not there";
+        let remedy = "tracks are made along true poses; without them only real images can be tracked";
+        return Err(Fault::new(format!("{dir}: no ground truth: {looked}")).hint(remedy).into());
+    }
+    let path = RecordedPath::new(&sequence.ground_truth()?, &config.path)?;
+    let camera = sequence.camera_config()?;
+    if let (None, Some(own)) = (&config.camera, &camera) {
+        let settings = CameraSettings::try_from(own).map_err(|error| {
+            let remedy = "or give the camera to simulate as `[camera]` in a file: configs/tracks/euroc.toml";
+            Fault::new(format!("{dir}: {error}")).hint(remedy)
+        })?;
+        config.camera = Some(settings);
+    }
+    let stamps = if sequence.camera_path().is_file() {
+        sequence.camera_frames()?.iter().map(|frame| frame.t).collect()
+    } else {
+        made_stamps(&path, camera.map_or(CAMERA_HZ, |camera| camera.rate.hz()))?
+    };
+    Ok(Source { name: sequence.name().to_owned(), path: Box::new(path), stamps })
+}

@@ -1,0 +1,158 @@
+//! The camera that tracks are made with: its lens and where it sits on the body, as a table of a configuration.
+
+use dpn_core::camera::{BadCamera, PinholeRadtan};
+use dpn_core::config::ConfigFault;
+use dpn_core::io::asl::CameraConfig;
+use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// How far a written rotation's columns may be from orthonormal; calibrations carry six digits or more.
+const ROTATION_TOLERANCE: f64 = 1e-3;
+
+/// A camera as numbers, in the order of an ASL `sensor.yaml`. Default: EuRoC's cam0.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct CameraSettings {
+    /// Width and height \[px\].
+    pub resolution: [u32; 2],
+    /// fx, fy, cx, cy \[px\].
+    pub intrinsics: [f64; 4],
+    /// k1, k2, p1, p2, k3 of the radial-tangential model.
+    pub distortion: [f64; 5],
+    /// `T_BS`, its first three rows: points in the camera's frame to the body's, lengths in m.
+    pub body_from_cam: [[f64; 4]; 3],
+}
+
+impl Default for CameraSettings {
+    fn default() -> Self {
+        Self {
+            resolution: [752, 480],
+            intrinsics: [458.654, 457.296, 367.215, 248.375],
+            distortion: [-0.283_408_11, 0.073_959_07, 0.000_193_59, 1.761_871_14e-5, 0.0],
+            body_from_cam: [
+                [0.014_865_542_981_8, -0.999_880_929_698, 0.004_140_296_794_22, -0.021_640_145_497_5],
+                [0.999_557_249_008, 0.014_967_213_324_7, 0.025_715_529_948, -0.064_676_986_768],
+                [-0.025_774_436_697_4, 0.003_756_188_357_97, 0.999_660_727_178, 0.009_810_730_589_49],
+            ],
+        }
+    }
+}
+
+/// Settings that describe no camera.
+#[derive(Debug, PartialEq, Error)]
+pub enum BadCameraSettings {
+    /// A lens that is none.
+    #[error(transparent)]
+    Lens(#[from] BadCamera),
+    /// A matrix without a rotation.
+    #[error(
+        "the camera's `body_from_cam` holds no rotation: its columns are off orthonormal by {off}, the determinant is {determinant}"
+    )]
+    Pose {
+        /// Largest entry of R^T R - I.
+        off: f64,
+        /// Determinant of R.
+        determinant: f64,
+    },
+}
+
+impl CameraSettings {
+    /// The settings of a camera and its place on the body.
+    pub fn new(model: &PinholeRadtan, body_from_cam: &Isometry3<f64>) -> Self {
+        let (focal, principal) = (model.focal(), model.principal());
+        let matrix = body_from_cam.to_matrix();
+        Self {
+            resolution: model.size(),
+            intrinsics: [focal.x, focal.y, principal.x, principal.y],
+            distortion: model.distortion(),
+            body_from_cam: std::array::from_fn(|row| std::array::from_fn(|column| matrix[(row, column)])),
+        }
+    }
+
+    /// The lens.
+    ///
+    /// # Errors
+    /// Focal lengths that are not positive, values that are not finite, an empty image.
+    pub fn model(&self) -> Result<PinholeRadtan, BadCameraSettings> {
+        Ok(PinholeRadtan::new(self.resolution, self.intrinsics, self.distortion)?)
+    }
+
+    /// Points in the camera's frame to the body's.
+    ///
+    /// # Errors
+    /// A matrix whose first three columns are no rotation; values that are not finite.
+    pub fn body_from_cam(&self) -> Result<Isometry3<f64>, BadCameraSettings> {
+        let rows = self.body_from_cam;
+        let matrix = Matrix3::from_fn(|row, column| rows[row][column]);
+        let offset = Vector3::from_fn(|row, _| rows[row][3]);
+        let off = (matrix.transpose() * matrix - Matrix3::identity()).amax();
+        let determinant = matrix.determinant();
+        if !(off <= ROTATION_TOLERANCE && determinant > 0.0 && offset.iter().all(|v| v.is_finite())) {
+            return Err(BadCameraSettings::Pose { off, determinant });
+        }
+        let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix));
+        Ok(Isometry3::from_parts(Translation3::from(offset), rotation))
+    }
+
+    /// Adds what is wrong with it to `faults`, under the key `camera`.
+    pub(super) fn check(&self, faults: &mut Vec<ConfigFault>) {
+        if self.model().is_err() {
+            let value = format!("{:?} with intrinsics {:?}", self.resolution, self.intrinsics);
+            faults.push(ConfigFault::new(
+                "camera.intrinsics",
+                value,
+                "finite, with positive focal lengths and an image of at least 1 x 1 px",
+            ));
+        }
+        if let Err(error) = self.body_from_cam() {
+            faults.push(ConfigFault::new("camera.body_from_cam", error, "three rows [R | t], R a rotation"));
+        }
+    }
+}
+
+impl TryFrom<&CameraConfig> for CameraSettings {
+    type Error = BadCamera;
+
+    /// The camera of a sequence; refuses lenses that are not radial-tangential.
+    fn try_from(config: &CameraConfig) -> Result<Self, BadCamera> {
+        Ok(Self::new(&PinholeRadtan::try_from(config)?, &config.body_from_cam))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_default_is_eurocs_camera() {
+        let settings = CameraSettings::default();
+        assert_eq!(settings.model().unwrap(), PinholeRadtan::euroc_cam0());
+        // A point on the optical axis, by hand.
+        let ahead = settings.body_from_cam().unwrap() * nalgebra::Point3::new(0.0, 0.0, 2.0);
+        let expected = Vector3::new(
+            2.0 * 0.00414029679422 - 0.0216401454975,
+            2.0 * 0.025715529948 - 0.064676986768,
+            2.0 * 0.999660727178 + 0.00981073058949,
+        );
+        assert!((ahead.coords - expected).norm() < 1e-9);
+    }
+
+    #[test]
+    fn settings_made_from_parts_give_the_parts_back() {
+        let pose = Isometry3::new(Vector3::new(0.1, -0.2, 0.3), Vector3::new(1.0, 2.0, -0.5));
+        let settings = CameraSettings::new(&PinholeRadtan::euroc_cam0(), &pose);
+        let back = settings.body_from_cam().unwrap();
+        assert!((back.to_matrix() - pose.to_matrix()).norm() < 1e-14);
+    }
+
+    #[test]
+    fn a_matrix_that_is_no_rotation_is_refused_with_what_is_off() {
+        let mut settings = CameraSettings::default();
+        settings.body_from_cam[0] = settings.body_from_cam[1];
+        let error = settings.body_from_cam().unwrap_err().to_string();
+        assert!(error.starts_with("the camera's `body_from_cam` holds no rotation"), "{error}");
+        settings.body_from_cam = [[f64::NAN; 4]; 3];
+        assert!(settings.body_from_cam().is_err());
+    }
+}

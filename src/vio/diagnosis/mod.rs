@@ -1,0 +1,11 @@
+//! Whether samples and tracks can belong together, told before any estimator runs.
+//!
+//! * [`axes`]: the camera's rotation between frames against the gyro's: axes that are swapped or mirrored, a camera that is mounted otherwise than
+//!   its calibration says, a gyro in degrees.
+//! * `tracks`: whether ids stay with their points.
+
+mod axes;
+mod tracks;
+
+pub use axes::{Axes, AxesVerdict, axes};
+pub use tracks::{TrackHealth, track_health};

@@ -1,0 +1,367 @@
+//! The loop over frames.
+
+use super::config::EstimatorConfig;
+use super::imu_buffer::{ImuBuffer, Interval};
+use super::ray_rates::RayRates;
+use super::report::{RunReport, Stage};
+use super::starter::{StartFrame, Starter, integrate};
+use super::update::{Phase, RestartReason, Update};
+use crate::factors::reprojection::Sighting;
+use crate::init::{InitFrame, RestWatch};
+use crate::preint::NoisySample;
+use crate::state::NavState;
+use crate::window::{AnchorStd, Leaving, Seen, Window};
+use dpn_core::camera::PinholeRadtan;
+use dpn_core::config::ConfigFault;
+use dpn_core::io::StampedPose;
+use dpn_core::random::Stream;
+use dpn_core::{Stamp, TrackFrame};
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use std::collections::VecDeque;
+use std::time::Instant;
+use thiserror::Error;
+
+/// Solving, telling outliers and finding depths anew, this many times over, settles a start.
+const START_ROUNDS: usize = 5;
+
+/// Input that cannot be taken.
+#[derive(Debug, Error, Clone, Copy, PartialEq, Eq)]
+pub enum FeedError {
+    /// A sample that is not later than the last.
+    #[error("an IMU sample at {t} after one at {last}; samples must come in increasing time")]
+    SampleOutOfOrder {
+        /// Its stamp.
+        t: Stamp,
+        /// The newest before it.
+        last: Stamp,
+    },
+    /// A frame that is not later than the last.
+    #[error("a frame at {t} after one at {last}; frames must come in increasing time")]
+    FrameOutOfOrder {
+        /// Its stamp.
+        t: Stamp,
+        /// The newest before it.
+        last: Stamp,
+    },
+    /// A sample that is not a number.
+    #[error("an IMU sample at {t} holds a value that is not finite")]
+    NotFinite {
+        /// Its stamp.
+        t: Stamp,
+    },
+}
+
+/// A monocular visual-inertial odometry.
+#[derive(Debug, Clone)]
+pub struct Estimator {
+    config: EstimatorConfig,
+    camera: PinholeRadtan,
+    imu: ImuBuffer,
+    frames: VecDeque<TrackFrame>,
+    newest_frame: Option<Stamp>,
+    window: Window,
+    starter: Starter,
+    rates: RayRates,
+    rest: RestWatch,
+    running: bool,
+    /// Where the last estimate ended, for the next one to go on from.
+    last_good: Option<NavState>,
+    starved_since: Option<Stamp>,
+    report: RunReport,
+}
+
+impl Estimator {
+    /// With a camera at `body_from_cam` on the IMU; `seed` feeds the initialisation's consensus.
+    ///
+    /// # Errors
+    /// Settings out of their bounds, all of them.
+    pub fn new(
+        mut config: EstimatorConfig,
+        camera: PinholeRadtan,
+        body_from_cam: Isometry3<f64>,
+        seed: u64,
+    ) -> Result<Self, Vec<ConfigFault>> {
+        config.init.focal_px = camera.focal().mean();
+        let stream = Stream::new(seed).named("estimator");
+        Ok(Self {
+            starter: Starter::new(&config, body_from_cam, stream)?,
+            rates: RayRates::default(),
+            rest: RestWatch::default(),
+            last_good: None,
+            camera,
+            imu: ImuBuffer::default(),
+            frames: VecDeque::new(),
+            newest_frame: None,
+            window: Window::new(config.window, body_from_cam),
+            running: false,
+            starved_since: None,
+            report: RunReport::default(),
+            config,
+        })
+    }
+
+    /// Takes a sample with the noise in force.
+    ///
+    /// # Errors
+    /// A sample that is not later than the last, or not finite; it is not taken.
+    pub fn feed_imu(&mut self, sample: NoisySample) -> Result<(), FeedError> {
+        let t = sample.sample.t;
+        if !sample.sample.is_finite() {
+            return Err(FeedError::NotFinite { t });
+        }
+        if let Some(last) = self.imu.newest().filter(|last| t <= *last) {
+            return Err(FeedError::SampleOutOfOrder { t, last });
+        }
+        self.imu.push(sample);
+        Ok(())
+    }
+
+    /// Takes a frame's tracks; it is worked off when samples reach its stamp.
+    ///
+    /// # Errors
+    /// A frame that is not later than the last; it is not taken.
+    pub fn feed_frame(&mut self, frame: TrackFrame) -> Result<(), FeedError> {
+        if let Some(last) = self.newest_frame.filter(|last| frame.t <= *last) {
+            return Err(FeedError::FrameOutOfOrder { t: frame.t, last });
+        }
+        self.newest_frame = Some(frame.t);
+        self.frames.push_back(frame);
+        Ok(())
+    }
+
+    /// Works off the next frame whose samples are all there.
+    pub fn next_update(&mut self) -> Option<Update> {
+        let (oldest, newest) = (self.imu.oldest()?, self.imu.newest()?);
+        while self.frames.front().is_some_and(|f| f.t < oldest) {
+            self.frames.pop_front();
+            self.report.skipped += 1;
+        }
+        if self.frames.front()?.t > newest {
+            return None;
+        }
+        let frame = self.frames.pop_front()?;
+        let began = Instant::now();
+        let mut update = self.work_off(&frame);
+        update.seconds = began.elapsed().as_secs_f64();
+        self.report.add(&update);
+        Some(update)
+    }
+
+    /// Totals so far.
+    pub fn report(&self) -> &RunReport {
+        &self.report
+    }
+
+    /// The window, to look into.
+    pub fn window(&self) -> &Window {
+        &self.window
+    }
+
+    /// What the camera measures of a frame's tracks; tracks outside what the lens can do are left out.
+    pub fn sightings(&self, frame: &TrackFrame) -> Vec<Seen> {
+        frame
+            .tracks
+            .iter()
+            .filter_map(|track| {
+                let sighting = Sighting::new(&self.camera, &track.px, self.config.window.pixel_std)?;
+                Some(Seen { id: track.id, sighting })
+            })
+            .collect()
+    }
+
+    /// Begins from known states instead of initialising: the next frame fed goes on after the last of them.
+    pub fn start(&mut self, frames: Vec<StartFrame>) -> Option<NavState> {
+        self.window = Window::new(self.config.window, *self.window.body_from_cam());
+        for frame in frames {
+            self.window.add_frame(frame.t, frame.state, frame.preint, false, &frame.seen);
+        }
+        self.window.anchor(&AnchorStd::default());
+        for _ in 0..START_ROUNDS {
+            self.window.triangulate();
+            self.window.optimise();
+            self.window.reject_outliers();
+        }
+        let state = self.window.newest()?.state;
+        if let Some(oldest) = self.window.frames().first() {
+            let anchor = StampedPose { t: oldest.t, world_from_body: oldest.state.world_from_body };
+            self.report.anchor.get_or_insert(anchor);
+        }
+        while self.window.is_full() {
+            let leaving = self.window.leaving(self.camera.focal().mean());
+            self.window.slide(leaving);
+        }
+        self.running = true;
+        self.rest = RestWatch::default();
+        self.starved_since = None;
+        Some(state)
+    }
+
+    fn work_off(&mut self, frame: &TrackFrame) -> Update {
+        let mut clock = Instant::now();
+        let interval = self.imu.cut(frame.t);
+        let mut seen = self.sightings(frame);
+        self.rates.add(frame.t, &mut seen);
+        let mut update = Update {
+            t: frame.t,
+            phase: Phase::Tracking,
+            state: None,
+            covariance: None,
+            tracked: 0,
+            landmarks: 0,
+            outliers: 0,
+            iterations: 0,
+            whitened: None,
+            seconds: 0.0,
+        };
+        let mut lap = |stage: Stage, report: &mut RunReport| {
+            report.seconds[stage as usize] += clock.elapsed().as_secs_f64();
+            clock = Instant::now();
+        };
+        lap(Stage::Feed, &mut self.report);
+        if self.running {
+            if let Err(reason) = self.track(frame.t, &interval, &seen, &mut update) {
+                update = Update { state: None, covariance: None, phase: Phase::Restarted(reason), ..update };
+                self.running = false;
+            }
+        } else {
+            match self.starter.push(&self.config, frame.t, interval, seen) {
+                Err(reason) => update.phase = Phase::Initialising(reason),
+                Ok(frames) => {
+                    let frames = self.go_on_from_last(frames);
+                    update.state = self.start(frames);
+                    if self.config.covariance {
+                        update.covariance = self.window.newest_pose_covariance();
+                    }
+                    self.last_good = update.state.or(self.last_good);
+                }
+            }
+            lap(Stage::Initialise, &mut self.report);
+        }
+        update
+    }
+
+    /// Moves a new start to where the last estimate ended: position and heading of its first frame.
+    fn go_on_from_last(&self, mut frames: Vec<StartFrame>) -> Vec<StartFrame> {
+        let (Some(last), Some(first)) = (self.last_good, frames.first()) else { return frames };
+        let from = first.state.world_from_body;
+        let heading = |rotation: &UnitQuaternion<f64>| {
+            let forward = rotation * Vector3::x();
+            forward.y.atan2(forward.x)
+        };
+        let turn = heading(&last.world_from_body.rotation) - heading(&from.rotation);
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn);
+        let shift = last.world_from_body.translation.vector - turn * from.translation.vector;
+        let old_from_new = Isometry3::from_parts(shift.into(), turn);
+        for frame in &mut frames {
+            frame.state.world_from_body = old_from_new * frame.state.world_from_body;
+            frame.state.vel_in_world = turn * frame.state.vel_in_world;
+        }
+        frames
+    }
+
+    /// Whether nothing moved between the window's newest frame and this one.
+    fn rests(&mut self, t: Stamp, interval: &Interval, seen: &[Seen]) -> bool {
+        let rates = interval.samples.iter().map(|s| Vector3::from(s.sample.gyro)).sum::<Vector3<f64>>();
+        let rate = rates.norm() / interval.samples.len().max(1) as f64;
+        let frame = InitFrame::new(t, seen.iter().map(|s| (s.id, s.sighting.bearing)).collect());
+        let before = self.window.newest().map(|f| f.t);
+        self.rest
+            .push(&frame, rate, &self.config.init)
+            .is_some_and(|rest| rest.lasts && before.is_some_and(|before| before >= rest.from))
+    }
+
+    fn track(
+        &mut self,
+        t: Stamp,
+        interval: &Interval,
+        seen: &[Seen],
+        update: &mut Update,
+    ) -> Result<(), RestartReason> {
+        let mut clock = Clock { at: Instant::now(), seconds: [0.0; 5] };
+        if interval.longest_step > self.config.health.max_imu_gap {
+            return Err(RestartReason::ImuGap { seconds: interval.longest_step });
+        }
+        let Some(last) = self.window.newest() else { return Err(RestartReason::NotFinite) };
+        let last = last.state;
+        let preint = integrate(&self.config, &last.bias, &interval.samples);
+        let predicted = preint.as_ref().map_or(last, |p| p.predict(&last));
+        let at_rest = self.rests(t, interval, seen);
+        update.tracked = self.window.add_frame(t, predicted, preint, at_rest, seen);
+        self.window.triangulate();
+        clock.lap(Stage::Feed);
+        let solved = self.window.optimise();
+        update.iterations = solved.iterations;
+        if std::env::var_os("DBG").is_some() {
+            let mut d: Vec<f64> = self.window.landmarks().iter().filter_map(|l| l.inverse_depth).collect();
+            d.sort_by(f64::total_cmp);
+            let n = d.len();
+            println!(
+                "{solved:?} neg {} p10 {:.3} p50 {:.3} p90 {:.3} frames {:?}",
+                d.iter().filter(|d| **d <= 0.0).count(),
+                d[n / 10],
+                d[n / 2],
+                d[n * 9 / 10],
+                self.window
+                    .frames()
+                    .iter()
+                    .map(|f| (f.t.seconds_since(t) * 10.0).round() / 10.0)
+                    .collect::<Vec<_>>()
+            );
+            println!(
+                "{:?}",
+                self.window
+                    .frames()
+                    .iter()
+                    .map(|f| (f.state.world_from_body.translation.vector * 1000.0)
+                        .map(|v| v.round() / 1000.0)
+                        .as_slice()
+                        .to_vec())
+                    .collect::<Vec<_>>()
+            );
+        }
+        clock.lap(Stage::Solve);
+        update.outliers = self.window.reject_outliers();
+        clock.lap(Stage::Reject);
+        let state = self.window.newest().map_or(predicted, |f| f.state);
+        if let Some(reason) = self.config.health.judge(&state, &predicted) {
+            return Err(reason);
+        }
+        if update.tracked >= self.config.health.min_tracks {
+            self.starved_since = None;
+        } else {
+            let since = *self.starved_since.get_or_insert(t);
+            let seconds = t.seconds_since(since);
+            if seconds > self.config.health.max_starved {
+                return Err(RestartReason::Starved { seconds });
+            }
+        }
+        update.state = Some(state);
+        self.last_good = Some(state);
+        if self.config.covariance {
+            update.covariance = self.window.newest_pose_covariance();
+        }
+        update.landmarks = self.window.landmarks().iter().filter(|l| l.inverse_depth.is_some()).count();
+        if self.window.is_full() {
+            let leaving: Leaving = self.window.leaving(self.camera.focal().mean());
+            update.whitened = self.window.slide(leaving);
+        }
+        clock.lap(Stage::Slide);
+        for (total, seconds) in self.report.seconds.iter_mut().zip(clock.seconds) {
+            *total += seconds;
+        }
+        Ok(())
+    }
+}
+
+struct Clock {
+    at: Instant,
+    seconds: [f64; 5],
+}
+
+impl Clock {
+    fn lap(&mut self, stage: Stage) {
+        let now = Instant::now();
+        self.seconds[stage as usize] += (now - self.at).as_secs_f64();
+        self.at = now;
+    }
+}

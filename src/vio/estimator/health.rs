@@ -1,0 +1,133 @@
+//! When an estimate is not to be believed any more.
+
+use crate::state::NavState;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// Limits beyond which the estimator gives up and starts again.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct HealthConfig {
+    /// Largest accelerometer bias \[m/s^2\].
+    pub max_accel_bias: f64,
+    /// Largest gyro bias \[rad/s\].
+    pub max_gyro_bias: f64,
+    /// Largest correction of the newest position against the inertial prediction \[m\].
+    pub max_jump: f64,
+    /// Largest speed \[m/s\].
+    pub max_speed: f64,
+    /// A frame with fewer tracks going on than this is starved.
+    pub min_tracks: usize,
+    /// Starvation beyond this is a failure \[s\]: inertial integration alone drifts away in seconds.
+    pub max_starved: f64,
+    /// A step between two samples longer than this is a gap that integration cannot bridge \[s\].
+    pub max_imu_gap: f64,
+}
+
+impl Default for HealthConfig {
+    fn default() -> Self {
+        Self {
+            max_accel_bias: 2.5,
+            max_gyro_bias: 1.0,
+            max_jump: 1.0,
+            max_speed: 50.0,
+            min_tracks: 6,
+            max_starved: 3.0,
+            max_imu_gap: 0.1,
+        }
+    }
+}
+
+/// Why the estimator started again.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case", tag = "reason")]
+pub enum RestartReason {
+    /// A number that is none.
+    NotFinite,
+    /// A bias that no sensor has \[m/s^2 or rad/s\].
+    Bias {
+        /// Of the accelerometer.
+        accel: f64,
+        /// Of the gyro.
+        gyro: f64,
+    },
+    /// A jump against the inertial prediction \[m\].
+    Jump {
+        /// How far.
+        distance: f64,
+    },
+    /// A speed that is not believed \[m/s\].
+    Speed {
+        /// How fast.
+        speed: f64,
+    },
+    /// Too few tracks for too long \[s\].
+    Starved {
+        /// How long.
+        seconds: f64,
+    },
+    /// A hole in the samples \[s\].
+    ImuGap {
+        /// How long.
+        seconds: f64,
+    },
+}
+
+impl fmt::Display for RestartReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotFinite => f.write_str("a state was not finite"),
+            Self::Bias { accel, gyro } => {
+                write!(f, "biases of {accel:.2} m/s^2 and {gyro:.3} rad/s: no sensor has those")
+            }
+            Self::Jump { distance } => write!(f, "a jump of {distance:.2} m against the inertial prediction"),
+            Self::Speed { speed } => write!(f, "a speed of {speed:.1} m/s"),
+            Self::Starved { seconds } => write!(f, "too few tracks for {seconds:.1} s"),
+            Self::ImuGap { seconds } => write!(f, "a gap of {seconds:.2} s in the IMU's samples"),
+        }
+    }
+}
+
+impl HealthConfig {
+    /// What is wrong with a state, if anything; `predicted` is where the samples alone would have put it.
+    pub fn judge(&self, state: &NavState, predicted: &NavState) -> Option<RestartReason> {
+        if !state.is_finite() {
+            return Some(RestartReason::NotFinite);
+        }
+        let (accel, gyro) = (state.bias.accel.norm(), state.bias.gyro.norm());
+        if accel > self.max_accel_bias || gyro > self.max_gyro_bias {
+            return Some(RestartReason::Bias { accel, gyro });
+        }
+        let jump = state.world_from_body.translation.vector - predicted.world_from_body.translation.vector;
+        if jump.norm() > self.max_jump {
+            return Some(RestartReason::Jump { distance: jump.norm() });
+        }
+        let speed = state.vel_in_world.norm();
+        (speed > self.max_speed).then_some(RestartReason::Speed { speed })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn each_fault_is_named() {
+        let config = HealthConfig::default();
+        let good = NavState::identity();
+        assert_eq!(config.judge(&good, &good), None);
+        let mut bad = good;
+        bad.vel_in_world.x = f64::NAN;
+        assert_eq!(config.judge(&bad, &good), Some(RestartReason::NotFinite));
+        let mut bad = good;
+        bad.bias.accel = Vector3::new(3.0, 0.0, 0.0);
+        assert_eq!(config.judge(&bad, &good), Some(RestartReason::Bias { accel: 3.0, gyro: 0.0 }));
+        let mut bad = good;
+        bad.world_from_body.translation.vector.y = 1.5;
+        assert_eq!(config.judge(&bad, &good), Some(RestartReason::Jump { distance: 1.5 }));
+        let mut bad = good;
+        bad.vel_in_world.z = -60.0;
+        assert_eq!(config.judge(&bad, &good), Some(RestartReason::Speed { speed: 60.0 }));
+    }
+}

@@ -1,0 +1,91 @@
+//! What a whole run has to say of itself.
+
+use super::update::{Phase, RestartReason, Update};
+use dpn_core::Stamp;
+use dpn_core::io::StampedPose;
+use serde::Serialize;
+
+/// Where a frame's time goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stage {
+    /// Pre-integration, sightings, bookkeeping.
+    Feed,
+    /// Initialisation.
+    Initialise,
+    /// The solver.
+    Solve,
+    /// Outliers.
+    Reject,
+    /// Sliding and marginalisation.
+    Slide,
+}
+
+impl Stage {
+    /// All of them, in the order of a frame.
+    pub const ALL: [Self; 5] = [Self::Feed, Self::Initialise, Self::Solve, Self::Reject, Self::Slide];
+}
+
+/// Totals over a run.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct RunReport {
+    /// Frames worked off.
+    pub frames: usize,
+    /// Frames with a pose.
+    pub poses: usize,
+    /// Frames before the first sample, which nothing could be done with.
+    pub skipped: usize,
+    /// Stamp of the first frame.
+    pub first: Option<Stamp>,
+    /// Stamp of the first pose.
+    pub initialised: Option<Stamp>,
+    /// The pose of the first start's oldest frame, by definition without error in position and heading: what covariances are about.
+    #[serde(skip)]
+    pub anchor: Option<StampedPose>,
+    /// Frames since the first pose.
+    pub frames_since: usize,
+    /// Starts after the first, with their reasons.
+    pub restarts: Vec<(Stamp, RestartReason)>,
+    /// Linear systems solved.
+    pub iterations: usize,
+    /// Tracks ended as outliers.
+    pub outliers: usize,
+    /// Sum of squares of whitened inertial residuals, and their degrees of freedom.
+    pub whitened: (f64, usize),
+    /// Wall-clock seconds by [`Stage`].
+    pub seconds: [f64; 5],
+}
+
+impl RunReport {
+    /// Adds one update.
+    pub fn add(&mut self, update: &Update) {
+        self.frames += 1;
+        self.first.get_or_insert(update.t);
+        if update.state.is_some() {
+            self.poses += 1;
+            self.initialised.get_or_insert(update.t);
+        }
+        if self.initialised.is_some() {
+            self.frames_since += 1;
+        }
+        if let Phase::Restarted(reason) = update.phase {
+            self.restarts.push((update.t, reason));
+        }
+        self.iterations += update.iterations;
+        self.outliers += update.outliers;
+        if let Some(squares) = update.whitened {
+            self.whitened.0 += squares;
+            self.whitened.1 += 9;
+        }
+    }
+
+    /// Mean square of the whitened inertial residual per degree of freedom: 1 where the noise told is the noise there is.
+    pub fn whitened_mean(&self) -> Option<f64> {
+        (self.whitened.1 > 0).then(|| self.whitened.0 / self.whitened.1 as f64)
+    }
+
+    /// Share of the frames since initialisation that have a pose.
+    pub fn completion(&self) -> Option<f64> {
+        (self.frames_since > 0).then(|| self.poses as f64 / self.frames_since as f64)
+    }
+}

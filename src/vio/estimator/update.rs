@@ -1,0 +1,45 @@
+//! What comes out for each frame.
+
+use crate::init::WaitReason;
+use crate::state::NavState;
+use dpn_core::Stamp;
+use nalgebra::Matrix6;
+
+pub use super::health::RestartReason;
+
+/// What the estimator is doing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Phase {
+    /// Waiting until the first states can be told, and what for.
+    Initialising(WaitReason),
+    /// Estimating.
+    Tracking,
+    /// Given up at this frame, for the reason said; the next frames initialise again.
+    Restarted(RestartReason),
+}
+
+/// The outcome of one frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Update {
+    /// The frame's stamp.
+    pub t: Stamp,
+    /// What the estimator is doing.
+    pub phase: Phase,
+    /// The newest state; `None` while there is none.
+    pub state: Option<NavState>,
+    /// Covariance of the newest pose (position, then rotation on the right), as believed; `None` where it was not asked for.
+    pub covariance: Option<Matrix6<f64>>,
+    /// Tracks that went on from earlier frames.
+    pub tracked: usize,
+    /// Landmarks with a depth.
+    pub landmarks: usize,
+    /// Tracks ended as outliers at this frame.
+    pub outliers: usize,
+    /// Linear systems solved.
+    pub iterations: usize,
+    /// Sum of squares in standard deviations of the inertial residual that left the window with this frame: position, rotation and
+    /// velocity, 9 degrees of freedom.
+    pub whitened: Option<f64>,
+    /// CPU time this frame took \[s\], as the wall clock saw it.
+    pub seconds: f64,
+}

@@ -1,0 +1,6 @@
+//! What ties the window's unknowns together: one kind of measurement a file, residual and derivatives.
+
+pub mod inertial;
+pub mod loss;
+pub mod reprojection;
+pub mod rest;

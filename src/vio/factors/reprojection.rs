@@ -1,0 +1,308 @@
+//! Visual residual: a landmark, anchored by inverse depth on the ray of the first frame that saw it, seen again by another frame.
+//!
+//! ```text
+//! u = R_bc m + l t_bc                                  the landmark in the host's body frame, times l
+//! w = R_wb,j^T (R_wb,i u + l (p_i - p_j))              in the target's body frame, times l
+//! q = R_bc^T (w - l t_bc)                              in the target's camera, times l
+//! r = M (q/|q| - b)                                    2 rows, in standard deviations
+//! ```
+//! `m = (x, y, 1)` is the host's ray, `l` the inverse depth along the camera's z \[1/m\], `b` the unit bearing measured in the target,
+//! `M` = (pixels per radian on the tangent plane at b, through the lens) / (deviation of a pixel). Everything is multiplied by `l`, so
+//! that a point at infinity (`l = 0`) is a point like others. Source: Qin et al. 2018, sec. VI-C, for the unit sphere; inverse depth
+//! as in Civera et al. 2008.
+//!
+//! The camera clock's offset `s` moves both measurements along the track's own velocity: `m(s) = m + s m'`, `b(s)` likewise
+//! (Qin and Shen 2018, eq. 3).
+
+use dpn_core::camera::PinholeRadtan;
+use dpn_core::geometry::{so3::hat, sphere::tangent_basis};
+use nalgebra::{Isometry3, Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
+
+/// One frame's measurement of one track, made ready for the residual.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sighting {
+    /// The ray `(x, y, 1)` in the camera's frame.
+    pub ray: Vector3<f64>,
+    /// The unit vector along it.
+    pub bearing: Vector3<f64>,
+    /// `M` above \[1/rad\].
+    pub whiten: Matrix2x3<f64>,
+    /// How far `(x, y)` of the ray moves when the pixel is one deviation off.
+    pub spread: Matrix2<f64>,
+    /// How the ray moves \[1/s\]; zero where the track has no neighbour in time.
+    pub ray_rate: Vector3<f64>,
+}
+
+impl Sighting {
+    /// The measurement at pixel `px`, good to `px_std` \[px\]; `None` where the lens has no inverse.
+    pub fn new(camera: &PinholeRadtan, px: &Vector2<f64>, px_std: f64) -> Option<Self> {
+        let normalised = camera.normalise(px)?;
+        let ray = Vector3::new(normalised.x, normalised.y, 1.0);
+        let bearing = ray.normalize();
+        let (_, d_px_d_point) = camera.project_with_jacobian(&bearing)?;
+        // A pixel moves with the point's depth along the ray only: at depth 1 the first two columns are the derivative by (x, y).
+        let (_, d_px_d_ray) = camera.project_with_jacobian(&ray)?;
+        let spread = d_px_d_ray.fixed_columns::<2>(0).try_inverse()? * px_std;
+        let basis = tangent_basis(&bearing);
+        let whiten = d_px_d_point * basis * basis.transpose() / px_std;
+        Some(Self { ray, bearing, whiten, spread, ray_rate: Vector3::zeros() })
+    }
+}
+
+/// What all landmarks of one host and one target share.
+#[derive(Debug, Clone, Copy)]
+pub struct PairGeometry {
+    /// `R_wb,j^T R_wb,i`.
+    target_from_host: Matrix3<f64>,
+    /// `R_bc^T R_wb,j^T`: world to the target's camera.
+    cam_from_world: Matrix3<f64>,
+    /// `R_bc^T R_wb,j^T R_wb,i`.
+    cam_from_host: Matrix3<f64>,
+    /// `R_bc^T R_wb,j^T R_wb,i R_bc`: the host's camera to the target's.
+    cam_from_host_cam: Matrix3<f64>,
+    /// `R_wb,j^T (p_i - p_j)`.
+    host_in_target: Vector3<f64>,
+    /// `dq/dl`: the host camera's origin in the target's camera.
+    host_cam_in_cam: Vector3<f64>,
+    body_from_cam: Matrix3<f64>,
+    cam_in_body: Vector3<f64>,
+}
+
+impl PairGeometry {
+    /// From both bodies' poses and the camera's place on the body.
+    pub fn new(
+        world_from_host: &Isometry3<f64>,
+        world_from_target: &Isometry3<f64>,
+        body_from_cam: &Isometry3<f64>,
+    ) -> Self {
+        let r_wi = world_from_host.rotation.to_rotation_matrix().into_inner();
+        let r_wj = world_from_target.rotation.to_rotation_matrix().into_inner();
+        let r_bc = body_from_cam.rotation.to_rotation_matrix().into_inner();
+        let t_bc = body_from_cam.translation.vector;
+        let target_from_host = r_wj.tr_mul(&r_wi);
+        let offset = world_from_host.translation.vector - world_from_target.translation.vector;
+        let host_in_target = r_wj.tr_mul(&offset);
+        Self {
+            target_from_host,
+            cam_from_world: (r_wj * r_bc).transpose(),
+            cam_from_host: r_bc.tr_mul(&target_from_host),
+            cam_from_host_cam: r_bc.tr_mul(&target_from_host) * r_bc,
+            host_in_target,
+            host_cam_in_cam: r_bc.tr_mul(&(target_from_host * t_bc + host_in_target - t_bc)),
+            body_from_cam: r_bc,
+            cam_in_body: t_bc,
+        }
+    }
+
+    /// The landmark in the target's camera, times its inverse depth.
+    #[inline]
+    pub fn point(&self, ray: &Vector3<f64>, inverse_depth: f64) -> Vector3<f64> {
+        self.cam_from_host_cam * ray + inverse_depth * self.host_cam_in_cam
+    }
+
+    /// The residual alone \[standard deviations\].
+    #[inline]
+    pub fn residual(&self, ray: &Vector3<f64>, target: &Sighting, inverse_depth: f64) -> Vector2<f64> {
+        target.whiten * (self.point(ray, inverse_depth).normalize() - target.bearing)
+    }
+
+    /// The residual and its derivatives.
+    #[inline]
+    pub fn linearise(&self, ray: &Vector3<f64>, target: &Sighting, inverse_depth: f64) -> Linearised {
+        let u = self.body_from_cam * ray + inverse_depth * self.cam_in_body;
+        let w = self.target_from_host * u + inverse_depth * self.host_in_target;
+        let q = self.point(ray, inverse_depth);
+        let inverse_norm = 1.0 / q.norm();
+        let direction = q * inverse_norm;
+        let residual = target.whiten * (direction - target.bearing);
+        // M (I - d d^T)/|q|
+        let d_q = (target.whiten - (target.whiten * direction) * direction.transpose()) * inverse_norm;
+        let d_host_position = d_q * self.cam_from_world * inverse_depth;
+        let d_host_rotation = d_q * self.cam_from_host;
+        let d_target_rotation = d_q * self.body_from_cam.transpose();
+        let d_depth = d_q * self.host_cam_in_cam;
+        let mut host = [[0.0; 6]; 2];
+        let mut target_rows = [[0.0; 6]; 2];
+        for r in 0..2 {
+            // A row times hat(v) is the cross product of the row with v.
+            let turn_host = -row(&d_host_rotation, r).cross(&u);
+            let turn_target = row(&d_target_rotation, r).cross(&w);
+            for k in 0..3 {
+                host[r][k] = d_host_position[(r, k)];
+                host[r][3 + k] = turn_host[k];
+                target_rows[r][k] = -d_host_position[(r, k)];
+                target_rows[r][3 + k] = turn_target[k];
+            }
+        }
+        Linearised { residual, host, target: target_rows, depth: [d_depth.x, d_depth.y], d_q, q }
+    }
+
+    /// Derivative by the camera's place on the body: its position, then its rotation on the right.
+    pub fn d_camera(&self, at: &Linearised, ray: &Vector3<f64>, inverse_depth: f64) -> [[f64; 6]; 2] {
+        let d_position = at.d_q * (self.cam_from_host - self.body_from_cam.transpose()) * inverse_depth;
+        // Once through R_bc^T on the left of everything, once through R_bc on the ray.
+        let d_rotation = at.d_q * (hat(&at.q) - self.cam_from_host_cam * hat(ray));
+        let mut rows = [[0.0; 6]; 2];
+        for r in 0..2 {
+            for k in 0..3 {
+                rows[r][k] = d_position[(r, k)];
+                rows[r][3 + k] = d_rotation[(r, k)];
+            }
+        }
+        rows
+    }
+
+    /// Derivative by the host's own pixel \[deviations of it\]: the measurement that anchors a landmark is as noisy as the others.
+    #[inline]
+    pub fn d_host_pixel(&self, at: &Linearised, spread: &Matrix2<f64>) -> [[f64; 2]; 2] {
+        let d_ray = at.d_q * self.cam_from_host_cam;
+        let d = d_ray.fixed_columns::<2>(0) * spread;
+        [[d[(0, 0)], d[(0, 1)]], [d[(1, 0)], d[(1, 1)]]]
+    }
+
+    /// Derivative by the camera clock's offset, both measurements moving along their tracks.
+    pub fn d_offset(&self, at: &Linearised, host: &Sighting, target: &Sighting) -> [f64; 2] {
+        let d_ray = at.d_q * (self.cam_from_host_cam * host.ray_rate);
+        let along =
+            (target.ray_rate - target.bearing * target.bearing.dot(&target.ray_rate)) / target.ray.norm();
+        let d_bearing = target.whiten * along;
+        [d_ray.x - d_bearing.x, d_ray.y - d_bearing.y]
+    }
+}
+
+#[inline]
+fn row(m: &Matrix2x3<f64>, r: usize) -> Vector3<f64> {
+    Vector3::new(m[(r, 0)], m[(r, 1)], m[(r, 2)])
+}
+
+/// A residual and its derivatives: rows as arrays, for the normal equations.
+#[derive(Debug, Clone, Copy)]
+pub struct Linearised {
+    /// In standard deviations.
+    pub residual: Vector2<f64>,
+    /// By the host's position and rotation.
+    pub host: [[f64; 6]; 2],
+    /// By the target's position and rotation.
+    pub target: [[f64; 6]; 2],
+    /// By the inverse depth.
+    pub depth: [f64; 2],
+    d_q: Matrix2x3<f64>,
+    q: Vector3<f64>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::state::{pose_minus, pose_plus};
+    use dpn_core::jacobian::check_jacobian;
+    use dpn_core::random::Stream;
+    use nalgebra::{DVector, Matrix2x6, SVector, Vector6};
+    use rand::Rng;
+
+    struct Case {
+        host: Isometry3<f64>,
+        target: Isometry3<f64>,
+        body_from_cam: Isometry3<f64>,
+        seen_by_host: Sighting,
+        seen_by_target: Sighting,
+        inverse_depth: f64,
+    }
+
+    impl Case {
+        fn random(seed: u64) -> Self {
+            let mut rng = Stream::new(seed).named("reprojection").rng();
+            let mut vector = |scale: f64| Vector6::from_fn(|_, _| scale * rng.random_range(-1.0..1.0));
+            let host = pose_plus(&Isometry3::identity(), &vector(2.0));
+            let target = pose_plus(&host, &vector(0.3));
+            let body_from_cam = pose_plus(&Isometry3::identity(), &vector(1.0));
+            let camera = PinholeRadtan::euroc_cam0();
+            let mut px = || Vector2::new(rng.random_range(200.0..550.0), rng.random_range(100.0..380.0));
+            let mut seen_by_host = Sighting::new(&camera, &px(), 0.7).unwrap();
+            let mut seen_by_target = Sighting::new(&camera, &px(), 0.7).unwrap();
+            seen_by_host.ray_rate = Vector3::new(0.3, -0.2, 0.0);
+            seen_by_target.ray_rate = Vector3::new(-0.5, 0.4, 0.0);
+            let inverse_depth = [0.0, 0.05, 0.4, 1.5][seed as usize % 4];
+            Self { host, target, body_from_cam, seen_by_host, seen_by_target, inverse_depth }
+        }
+
+        fn geometry(&self) -> PairGeometry {
+            PairGeometry::new(&self.host, &self.target, &self.body_from_cam)
+        }
+
+        fn residual(&self) -> DVector<f64> {
+            let r =
+                self.geometry().residual(&self.seen_by_host.ray, &self.seen_by_target, self.inverse_depth);
+            DVector::from_column_slice(r.as_slice())
+        }
+    }
+
+    fn matrix(rows: &[[f64; 6]; 2]) -> Matrix2x6<f64> {
+        Matrix2x6::from_fn(|r, c| rows[r][c])
+    }
+
+    fn six(d: &DVector<f64>) -> SVector<f64, 6> {
+        SVector::from_column_slice(d.as_slice())
+    }
+
+    /// Far from the measured bearing the residual is large and curved; 1e-6 of the largest entry is what differences can show.
+    const TOLERANCE: f64 = 1e-6;
+
+    #[test]
+    fn jacobians_are_the_derivatives() {
+        for seed in 0..40 {
+            let case = Case::random(seed);
+            let geometry = case.geometry();
+            let at = geometry.linearise(&case.seen_by_host.ray, &case.seen_by_target, case.inverse_depth);
+            assert!((DVector::from_column_slice(at.residual.as_slice()) - case.residual()).amax() < 1e-12);
+            check_jacobian("d_res_d_host", &matrix(&at.host), TOLERANCE, |d| {
+                Case { host: pose_plus(&case.host, &six(d)), ..Case::random(seed) }.residual()
+            });
+            check_jacobian("d_res_d_target", &matrix(&at.target), TOLERANCE, |d| {
+                Case { target: pose_plus(&case.target, &six(d)), ..Case::random(seed) }.residual()
+            });
+            let d_camera = geometry.d_camera(&at, &case.seen_by_host.ray, case.inverse_depth);
+            check_jacobian("d_res_d_camera", &matrix(&d_camera), TOLERANCE, |d| {
+                Case { body_from_cam: pose_plus(&case.body_from_cam, &six(d)), ..Case::random(seed) }
+                    .residual()
+            });
+            check_jacobian("d_res_d_depth", &Vector2::from(at.depth), TOLERANCE, |d| {
+                Case { inverse_depth: case.inverse_depth + d[0], ..Case::random(seed) }.residual()
+            });
+            let d_pixel = geometry.d_host_pixel(&at, &case.seen_by_host.spread);
+            check_jacobian("d_res_d_host_pixel", &Matrix2::from_fn(|r, c| d_pixel[r][c]), TOLERANCE, |d| {
+                let mut moved = Case::random(seed);
+                let camera = PinholeRadtan::euroc_cam0();
+                let px = camera.project(&moved.seen_by_host.ray).unwrap() + 0.7 * Vector2::new(d[0], d[1]);
+                moved.seen_by_host = Sighting::new(&camera, &px, 0.7).unwrap();
+                moved.residual()
+            });
+            let d_offset = geometry.d_offset(&at, &case.seen_by_host, &case.seen_by_target);
+            check_jacobian("d_res_d_offset", &Vector2::from(d_offset), TOLERANCE, |d| {
+                let mut moved = Case::random(seed);
+                moved.seen_by_host.ray += d[0] * moved.seen_by_host.ray_rate;
+                let ray = moved.seen_by_target.ray + d[0] * moved.seen_by_target.ray_rate;
+                moved.seen_by_target.bearing = ray.normalize();
+                moved.residual()
+            });
+        }
+    }
+
+    #[test]
+    fn a_true_landmark_has_no_residual_and_a_pixel_off_is_one_over_its_deviation() {
+        let camera = PinholeRadtan::euroc_cam0();
+        let body_from_cam = Case::random(3).body_from_cam;
+        let host = Case::random(3).host;
+        // One metre to the camera's right, looking the same way.
+        let shift = body_from_cam.rotation * Vector3::x();
+        let target = host * nalgebra::Translation3::from(shift);
+        assert!(pose_minus(&target, &host).norm() > 0.9);
+        let point = Vector3::new(0.5, -0.4, 4.0);
+        let seen_by_host = Sighting::new(&camera, &camera.project(&point).unwrap(), 0.5).unwrap();
+        let px = camera.project(&(point - Vector3::x())).unwrap();
+        let geometry = PairGeometry::new(&host, &target, &body_from_cam);
+        let seen = Sighting::new(&camera, &px, 0.5).unwrap();
+        assert!(geometry.residual(&seen_by_host.ray, &seen, 0.25).norm() < 1e-9);
+        let off = Sighting::new(&camera, &(px + Vector2::new(0.6, 0.8)), 0.5).unwrap();
+        assert!((geometry.residual(&seen_by_host.ray, &off, 0.25).norm() - 2.0).abs() < 0.01);
+    }
+}

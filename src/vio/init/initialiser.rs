@@ -1,0 +1,140 @@
+//! The driver: takes frame after frame and tries when there is something to try on.
+
+use super::attempt::{Expected, attempt};
+use super::buffer::{Buffer, Chosen};
+use super::config::InitConfig;
+use super::frame::InitFrame;
+use super::outcome::{InitOutcome, Initialised, WaitReason};
+use super::rest::RestWatch;
+use crate::preint::Preintegration;
+use dpn_core::config::{ConfigFault, Validate};
+use dpn_core::random::Stream;
+use nalgebra::{Isometry3, Vector3};
+
+/// Finds the first states of a flight; see [`super`].
+#[derive(Debug, Clone)]
+pub struct Initialiser {
+    config: InitConfig,
+    body_from_cam: Isometry3<f64>,
+    stream: Stream,
+    buffer: Buffer,
+    watch: RestWatch,
+    frames: u64,
+    last: WaitReason,
+}
+
+impl Initialiser {
+    /// An initialiser for a camera at `body_from_cam`, whose random choices come from `stream`.
+    ///
+    /// # Errors
+    /// Settings outside their bounds, all at once.
+    pub fn new(
+        config: InitConfig,
+        body_from_cam: Isometry3<f64>,
+        stream: Stream,
+    ) -> Result<Self, Vec<ConfigFault>> {
+        let faults = config.faults();
+        if !faults.is_empty() {
+            return Err(faults);
+        }
+        let needed = config.min_frames;
+        Ok(Self {
+            config,
+            body_from_cam,
+            stream,
+            buffer: Buffer::default(),
+            watch: RestWatch::default(),
+            frames: 0,
+            last: WaitReason::TooFewFrames { frames: 0, needed },
+        })
+    }
+
+    /// Forgets all frames.
+    pub fn reset(&mut self) {
+        self.buffer = Buffer::default();
+        self.watch = RestWatch::default();
+        self.last = WaitReason::TooFewFrames { frames: 0, needed: self.config.min_frames };
+    }
+
+    /// Takes the next frame and the IMU from the frame before to it (`None` for the first, or where the IMU has a gap: what was held
+    /// is then forgotten), and says whether that makes a first estimate.
+    ///
+    /// Between tries the last reason to wait is repeated. After `Ready` it starts anew.
+    pub fn push_frame(&mut self, frame: InitFrame, preint: Option<Preintegration>) -> InitOutcome {
+        if preint.is_none() {
+            self.reset();
+        }
+        let rate = preint.as_ref().map_or(0.0, |p| mean_gyro(std::iter::once(p)).unwrap_or_default().norm());
+        let rest = self.watch.push(&frame, rate, &self.config);
+        self.buffer.push(frame, preint, &self.config);
+        self.frames += 1;
+        if let Some(rest) = &rest {
+            self.buffer.mark(rest);
+        }
+        let resting = mean_gyro(self.buffer.resting());
+        if let (Some(rest), Some(gyro_bias)) = (rest.filter(|r| r.lasts), resting) {
+            let mean_accel = mean_accel(self.buffer.resting()).unwrap_or_default();
+            return self.wait(WaitReason::AtRest { seconds: rest.seconds, mean_accel, gyro_bias });
+        }
+        if self.buffer.len() < self.config.min_frames || self.buffer.span() < self.config.min_span_s {
+            let needed = self.config.min_frames.max(self.buffer.len() + 1);
+            return self.wait(WaitReason::TooFewFrames { frames: self.buffer.len(), needed });
+        }
+        if !self.frames.is_multiple_of(self.config.try_every as u64) {
+            return InitOutcome::Wait(self.last);
+        }
+        let found = self.attempt(&self.buffer.choose(&self.config), resting).or_else(|reason| match reason {
+            // Fast motion breaks tracks: half of the span holds more that all frames see.
+            WaitReason::NoStructure { .. } | WaitReason::TooFewTracks { .. } => {
+                self.attempt(&self.buffer.latest_half().choose(&self.config), resting).map_err(|_| reason)
+            }
+            _ => Err(reason),
+        });
+        match found {
+            Ok(found) => {
+                self.reset();
+                InitOutcome::Ready(Box::new(found))
+            }
+            Err(reason) => self.wait(reason),
+        }
+    }
+
+    fn attempt(
+        &self,
+        chosen: &Chosen<'_>,
+        gyro_at_rest: Option<Vector3<f64>>,
+    ) -> Result<Initialised, WaitReason> {
+        if chosen.frames.len() < self.config.min_frames || chosen.preints.len() + 1 != chosen.frames.len() {
+            let needed = self.config.min_frames;
+            return Err(WaitReason::TooFewFrames { frames: chosen.frames.len(), needed });
+        }
+        let stream = self.stream.named("init").index(self.frames);
+        attempt(chosen, &Expected { gyro_at_rest }, &self.body_from_cam, &self.config, &stream)
+    }
+
+    fn wait(&mut self, reason: WaitReason) -> InitOutcome {
+        self.last = reason;
+        InitOutcome::Wait(reason)
+    }
+}
+
+/// Mean over the samples of intervals; `None` without a sample.
+fn mean<'a>(
+    intervals: impl Iterator<Item = &'a Preintegration>,
+    of: impl Fn(&crate::preint::NoisySample) -> [f64; 3],
+) -> Option<Vector3<f64>> {
+    let (mut sum, mut count) = (Vector3::zeros(), 0usize);
+    for sample in intervals.flat_map(Preintegration::samples) {
+        sum += Vector3::from(of(sample));
+        count += 1;
+    }
+    (count > 0).then(|| sum / count as f64)
+}
+
+fn mean_gyro<'a>(intervals: impl Iterator<Item = &'a Preintegration>) -> Option<Vector3<f64>> {
+    mean(intervals, |s| s.sample.gyro)
+}
+
+fn mean_accel<'a>(intervals: impl Iterator<Item = &'a Preintegration>) -> Option<Vector3<f64>> {
+    mean(intervals, |s| s.sample.accel)
+}

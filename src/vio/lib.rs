@@ -1,0 +1,17 @@
+//! Monocular visual-inertial odometry in a sliding window, told the inertial noise sample by sample.
+//!
+//! Knows no files and no networks: samples, noise and tracks are fed, poses come back. Body = IMU; the world's z axis points up,
+//! gravity is `(0, 0, -9.81)`; rotations perturb on the right, `R <- R Exp(d)`; `f64` throughout.
+
+#![cfg_attr(test, allow(clippy::unwrap_used))]
+
+pub mod diagnosis;
+pub mod estimator;
+pub mod factors;
+pub mod init;
+pub mod preint;
+pub mod state;
+pub mod window;
+
+pub use estimator::{Estimator, EstimatorConfig};
+pub use state::{ImuBias, NavState};

@@ -1,0 +1,44 @@
+//! Every file of `configs/run` is read, and the default one says, key by key, what the program does without it.
+#![allow(clippy::unwrap_used)]
+
+use dpn_core::config::load;
+use dpn_vio::EstimatorConfig;
+use std::path::{Path, PathBuf};
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../configs/run")
+}
+
+#[test]
+fn every_file_is_a_configuration() {
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder()).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|e| e == "toml") {
+            load::<EstimatorConfig>(&path).unwrap_or_else(|error| panic!("{error}"));
+            count += 1;
+        }
+    }
+    assert!(count >= 1);
+}
+
+#[test]
+fn the_default_file_is_the_default_and_leaves_no_key_out_and_none_without_a_comment() {
+    let path = folder().join("vio.toml");
+    assert_eq!(load::<EstimatorConfig>(&path).unwrap(), EstimatorConfig::default());
+    let text = std::fs::read_to_string(&path).unwrap();
+    let written: toml::Table = toml::from_str(&text).unwrap();
+    let default: toml::Table = toml::Table::try_from(EstimatorConfig::default()).unwrap();
+    for (table, keys) in &default {
+        let Some(keys) = keys.as_table() else {
+            assert!(written.contains_key(table), "{table}");
+            continue;
+        };
+        for key in keys.keys() {
+            assert!(written[table].as_table().unwrap().contains_key(key), "{table}.{key} is not in the file");
+        }
+    }
+    for line in text.lines().filter(|line| line.contains('=')) {
+        assert!(line.contains('#'), "no comment: {line}");
+    }
+}

@@ -1,0 +1,74 @@
+//! The window's settings.
+
+use crate::factors::loss::Loss;
+use serde::{Deserialize, Serialize};
+
+/// What becomes of the landmarks of a key frame that leaves while they are still tracked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Handover {
+    /// Their sightings enter the prior and are used again from the next host: information counted twice, as VINS-Mono does.
+    Reuse,
+    /// Their sightings enter the prior once; the track goes on as a new landmark from the newest frame.
+    Consume,
+    /// The leaving sighting is dropped, the others stay with the next host; tracks that have ended enter the prior.
+    Drop,
+}
+
+/// Settings of the sliding window and its solver.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct WindowConfig {
+    /// Key frames beside the newest frame; 3 to 30.
+    pub key_frames: usize,
+    /// Standard deviation of a track's pixel \[px\].
+    pub pixel_std: f64,
+    /// How far a large visual residual may pull.
+    pub loss: Loss,
+    /// Where the loss turns \[standard deviations\].
+    pub loss_scale: f64,
+    /// Mean rotation-compensated parallax that makes a key frame \[px\].
+    pub key_frame_parallax_px: f64,
+    /// Fewer tracks than this in common with the last key frame make one.
+    pub key_frame_min_tracks: usize,
+    /// So does a smaller share of a frame's tracks than this; 0 to 1.
+    pub key_frame_min_share: f64,
+    /// Smallest angle between rays that lets a depth be told \[rad\].
+    pub min_triangulation_angle: f64,
+    /// A sighting farther than this from its landmark is an outlier and ends the track \[px\].
+    pub outlier_px: f64,
+    /// Steps of the solver a frame, at most.
+    pub max_iterations: usize,
+    /// The solver stops when a step lowers the cost by less than this share.
+    pub cost_tolerance: f64,
+    /// Tracks that outlive their host.
+    pub handover: Handover,
+    /// Whether derivatives of states in the prior stay at their first estimate.
+    pub first_estimates: bool,
+    /// Whether the camera's place on the body is estimated.
+    pub estimate_extrinsics: bool,
+    /// Whether the camera clock's offset is estimated.
+    pub estimate_time_offset: bool,
+}
+
+impl Default for WindowConfig {
+    fn default() -> Self {
+        Self {
+            key_frames: 10,
+            pixel_std: 0.7,
+            loss: Loss::Huber,
+            loss_scale: 1.5,
+            key_frame_parallax_px: 10.0,
+            key_frame_min_tracks: 20,
+            key_frame_min_share: 0.5,
+            min_triangulation_angle: 0.01,
+            outlier_px: 6.0,
+            max_iterations: 8,
+            cost_tolerance: 1e-2,
+            handover: Handover::Reuse,
+            first_estimates: false,
+            estimate_extrinsics: false,
+            estimate_time_offset: false,
+        }
+    }
+}

@@ -1,0 +1,50 @@
+//! The prior of what leaves: the oldest frame, its inertial interval and its landmarks, by Schur complement.
+//!
+//! The equations of all measurements that would be lost are set up at the present states; depths, then the frame's fifteen unknowns
+//! are taken out; the rest is the new prior. On a linear problem no estimate changes by that.
+
+use super::layout::Layout;
+use super::linearise::{Linearisation, Part};
+use super::prior::Prior;
+use super::window::Window;
+
+impl Window {
+    /// The prior that stands for the oldest frame once it has left, in places of the frames that stay.
+    pub(crate) fn prior_without_oldest(&mut self) -> Prior {
+        let layout = self.layout();
+        let mut at: Linearisation = std::mem::take(&mut self.scratch);
+        at.compute(self, &layout, Part::Oldest, 0.0);
+        let places: Vec<usize> = layout.frame_places(0).collect();
+        for &k in &places {
+            // Far below any information a measurement gives (1e-3 and more), far above rounding.
+            at.normal.eliminate(k, 1e-9);
+        }
+        let kept: Vec<usize> = (0..layout.dim()).filter(|k| !places.contains(k)).collect();
+        let system = at.normal.select(&kept);
+        self.scratch = at;
+        let frames = &self.frames[1..];
+        let mut prior = Prior {
+            layout: Layout { frames: frames.len(), ..layout },
+            system,
+            at: frames
+                .iter()
+                .map(|f| f.first.filter(|_| self.config.first_estimates).unwrap_or(f.state))
+                .collect(),
+            at_camera: self.body_from_cam,
+            at_offset: self.time_offset,
+        };
+        if self.config.first_estimates {
+            // The gradient holds at the present states; the prior is about the first estimates.
+            let frames: Vec<_> = self.frames.drain(1..).collect();
+            let oldest = std::mem::replace(&mut self.frames, frames);
+            let d = prior.displacement(self);
+            let hd = prior.system.times(&d);
+            for (g, hd) in prior.system.gradient_mut().iter_mut().zip(hd) {
+                *g -= hd;
+            }
+            let frames = std::mem::replace(&mut self.frames, oldest);
+            self.frames.extend(frames);
+        }
+        prior
+    }
+}

@@ -1,0 +1,27 @@
+//! The sliding window: ten key frames and the newest, what was measured between them, and a prior for what has left.
+//!
+//! One frame goes through [`Window::add_frame`], [`Window::optimise`], [`Window::reject_outliers`] and [`Window::slide`].
+//! [`layout`] says where each unknown stands, [`normal`] solves, `linearise` gathers the measurements, `marginalise` makes the
+//! prior of what leaves.
+
+mod config;
+pub mod landmark;
+pub mod layout;
+mod linearise;
+mod marginalise;
+pub mod normal;
+mod parallax;
+mod prior;
+mod slide;
+mod solve;
+#[cfg(test)]
+mod tests;
+#[allow(clippy::module_inception)]
+mod window;
+
+pub use config::{Handover, WindowConfig};
+pub use landmark::Landmark;
+pub use prior::{AnchorStd, Prior};
+pub use slide::Leaving;
+pub use solve::{Solved, Stop};
+pub use window::{Frame, Seen, Window};

@@ -1,0 +1,397 @@
+//! Dense symmetric normal equations `H d = -g` with an envelope Cholesky factorisation.
+//!
+//! Rows of the lower triangle are kept whole and contiguous: factor and solve are dot products of rows, which the compiler turns
+//! into vector code. A row's factor begins where the row does, so that the zeros in front of it cost nothing.
+
+// Small fixed loops over rows and columns: with indices they read as the formulas do.
+#![allow(clippy::needless_range_loop)]
+
+/// Half of a least-squares problem's second-order model: `cost(d) = cost(0) + g.d + d.H d / 2`.
+#[derive(Debug, Clone)]
+pub struct Normal {
+    dim: usize,
+    /// Lower triangle of H, row by row, `dim` apart; what is above the diagonal is never read.
+    h: Vec<f64>,
+    /// Gradient.
+    g: Vec<f64>,
+}
+
+/// The matrix met a pivot that is not positive: no direction of descent can be had from it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NotPositive {
+    /// Row of the pivot.
+    pub row: usize,
+    /// Its value.
+    pub pivot: f64,
+}
+
+impl Normal {
+    /// All zero.
+    pub fn zeros(dim: usize) -> Self {
+        Self { dim, h: vec![0.0; dim * dim], g: vec![0.0; dim] }
+    }
+
+    /// Back to zero, of a new size, keeping the memory.
+    pub fn reset(&mut self, dim: usize) {
+        self.dim = dim;
+        self.h.clear();
+        self.h.resize(dim * dim, 0.0);
+        self.g.clear();
+        self.g.resize(dim, 0.0);
+    }
+
+    /// Unknowns.
+    pub fn dim(&self) -> usize {
+        self.dim
+    }
+
+    /// The gradient.
+    pub fn gradient(&self) -> &[f64] {
+        &self.g
+    }
+
+    /// The gradient, to add to.
+    pub fn gradient_mut(&mut self) -> &mut [f64] {
+        &mut self.g
+    }
+
+    /// Row `r` of H up to and with the diagonal, to add to.
+    #[inline]
+    pub fn row_mut(&mut self, r: usize) -> &mut [f64] {
+        let start = r * self.dim;
+        &mut self.h[start..=start + r]
+    }
+
+    /// Row `r` of H up to and with the diagonal.
+    #[inline]
+    pub fn row(&self, r: usize) -> &[f64] {
+        let start = r * self.dim;
+        &self.h[start..=start + r]
+    }
+
+    /// The entry of H at row `r`, column `c`, whichever triangle.
+    #[inline]
+    pub fn at(&self, r: usize, c: usize) -> f64 {
+        let (r, c) = if r >= c { (r, c) } else { (c, r) };
+        self.h[r * self.dim + c]
+    }
+
+    /// Adds to the entry at row `r`, column `c`, once: `(r, c)` and `(c, r)` are one entry.
+    #[inline]
+    pub fn add(&mut self, r: usize, c: usize, value: f64) {
+        let (r, c) = if r >= c { (r, c) } else { (c, r) };
+        self.h[r * self.dim + c] += value;
+    }
+
+    /// Adds `weight * a^T b` of two sets of rows, `a` at place `at_a`, `b` at place `at_b`: for an off-diagonal block.
+    ///
+    /// # Panics
+    /// Where the blocks overlap; a diagonal block is [`Self::add_square`].
+    #[inline]
+    pub fn add_product<const R: usize, const A: usize, const B: usize>(
+        &mut self,
+        at_a: usize,
+        a: &[[f64; A]; R],
+        at_b: usize,
+        b: &[[f64; B]; R],
+    ) {
+        if at_a > at_b {
+            self.add_ordered(at_a, a, at_b, b);
+        } else {
+            self.add_ordered(at_b, b, at_a, a);
+        }
+    }
+
+    #[inline]
+    fn add_ordered<const R: usize, const A: usize, const B: usize>(
+        &mut self,
+        at_a: usize,
+        a: &[[f64; A]; R],
+        at_b: usize,
+        b: &[[f64; B]; R],
+    ) {
+        debug_assert!(at_b + B <= at_a, "blocks overlap");
+        for i in 0..A {
+            let start = (at_a + i) * self.dim + at_b;
+            let row: &mut [f64] = &mut self.h[start..start + B];
+            for j in 0..B {
+                let mut sum = 0.0;
+                for r in 0..R {
+                    sum += a[r][i] * b[r][j];
+                }
+                row[j] += sum;
+            }
+        }
+    }
+
+    /// Adds `a^T a` on the diagonal at place `at`.
+    #[inline]
+    pub fn add_square<const R: usize, const A: usize>(&mut self, at: usize, a: &[[f64; A]; R]) {
+        for i in 0..A {
+            let start = (at + i) * self.dim + at;
+            let row: &mut [f64] = &mut self.h[start..start + A];
+            // The upper half of the block is computed and never read: a full row is one vector loop.
+            for j in 0..A {
+                let mut sum = 0.0;
+                for r in 0..R {
+                    sum += a[r][i] * a[r][j];
+                }
+                row[j] += sum;
+            }
+        }
+    }
+
+    /// Adds another system of the same unknowns.
+    pub fn add_normal(&mut self, other: &Self) {
+        debug_assert_eq!(self.dim, other.dim);
+        for (a, b) in self.h.iter_mut().zip(&other.h) {
+            *a += b;
+        }
+        for (a, b) in self.g.iter_mut().zip(&other.g) {
+            *a += b;
+        }
+    }
+
+    /// `H d` for a full vector.
+    pub fn times(&self, d: &[f64]) -> Vec<f64> {
+        let mut out = vec![0.0; self.dim];
+        for r in 0..self.dim {
+            let row = self.row(r);
+            let mut sum = row[r] * d[r];
+            for c in 0..r {
+                sum += row[c] * d[c];
+                out[c] += row[c] * d[r];
+            }
+            out[r] += sum;
+        }
+        out
+    }
+
+    /// Takes unknown `k` out by Schur complement: what it says about the others stays. A pivot at or below `floor` says nothing and
+    /// is dropped with its couplings.
+    pub fn eliminate(&mut self, k: usize, floor: f64) {
+        let pivot = self.at(k, k);
+        let column: Vec<f64> = (0..self.dim).map(|i| self.at(i, k)).collect();
+        let gradient = self.g[k];
+        if pivot > floor {
+            for i in 0..self.dim {
+                let factor = column[i] / pivot;
+                if i == k || factor == 0.0 {
+                    continue;
+                }
+                self.g[i] -= factor * gradient;
+                let row = &mut self.h[i * self.dim..=i * self.dim + i];
+                for (h, c) in row.iter_mut().zip(&column) {
+                    *h -= factor * c;
+                }
+            }
+        }
+        for i in 0..self.dim {
+            let (r, c) = if i >= k { (i, k) } else { (k, i) };
+            self.h[r * self.dim + c] = 0.0;
+        }
+        self.g[k] = 0.0;
+    }
+
+    /// The system of the unknowns `kept`, in that order; the others must have been eliminated.
+    #[must_use]
+    pub fn select(&self, kept: &[usize]) -> Self {
+        let mut out = Self::zeros(kept.len());
+        for (r, &from_r) in kept.iter().enumerate() {
+            out.g[r] = self.g[from_r];
+            for (c, &from_c) in kept[..=r].iter().enumerate() {
+                out.h[r * out.dim + c] = self.at(from_r, from_c);
+            }
+        }
+        out
+    }
+
+    /// Factors H with `extra(k)` added to its k-th diagonal entry.
+    ///
+    /// # Errors
+    /// A pivot that is not positive.
+    pub fn factor(&self, extra: impl Fn(usize) -> f64, into: &mut Factor) -> Result<(), NotPositive> {
+        into.factor(self, extra)
+    }
+}
+
+/// A lower-triangular Cholesky factor, memory to be used again.
+#[derive(Debug, Clone, Default)]
+pub struct Factor {
+    dim: usize,
+    l: Vec<f64>,
+    /// First nonzero column of each row.
+    first: Vec<usize>,
+}
+
+/// Dot product in four running sums, so that the order of additions does not depend on the vector width chosen.
+#[inline]
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 4];
+    let (chunks_a, rest_a) = a.as_chunks::<4>();
+    let (chunks_b, rest_b) = b.as_chunks::<4>();
+    for (x, y) in chunks_a.iter().zip(chunks_b) {
+        for k in 0..4 {
+            sums[k] += x[k] * y[k];
+        }
+    }
+    let mut sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
+    for (x, y) in rest_a.iter().zip(rest_b) {
+        sum += x * y;
+    }
+    sum
+}
+
+impl Factor {
+    fn factor(&mut self, normal: &Normal, extra: impl Fn(usize) -> f64) -> Result<(), NotPositive> {
+        let dim = normal.dim;
+        self.dim = dim;
+        self.l.clear();
+        self.l.resize(dim * dim, 0.0);
+        self.first.clear();
+        for r in 0..dim {
+            let source = normal.row(r);
+            let first = source.iter().position(|v| *v != 0.0).unwrap_or(r);
+            self.first.push(first);
+            let (done, rest) = self.l.split_at_mut(r * dim);
+            let row = &mut rest[..dim];
+            row[first..r].copy_from_slice(&source[first..r]);
+            for c in first..r {
+                let from = first.max(self.first[c]);
+                let other = &done[c * dim..c * dim + dim];
+                row[c] = (row[c] - dot(&row[from..c], &other[from..c])) / other[c];
+            }
+            let pivot = source[r] + extra(r) - dot(&row[first..r], &row[first..r]);
+            // Also false for NaN.
+            if !(pivot > 0.0 && pivot.is_finite()) {
+                return Err(NotPositive { row: r, pivot });
+            }
+            row[r] = pivot.sqrt();
+        }
+        Ok(())
+    }
+
+    /// Solves `H d = -g` in place: `x` holds g, then d.
+    pub fn solve_negated(&self, x: &mut [f64]) {
+        let dim = self.dim;
+        for r in 0..dim {
+            let first = self.first[r];
+            let row = &self.l[r * dim..=r * dim + r];
+            x[r] = (-x[r] - dot(&row[first..r], &x[first..r])) / row[r];
+        }
+        for r in (0..dim).rev() {
+            let first = self.first[r];
+            let row = &self.l[r * dim..=r * dim + r];
+            let value = x[r] / row[r];
+            x[r] = value;
+            for (x, l) in x[first..r].iter_mut().zip(&row[first..r]) {
+                *x -= value * l;
+            }
+        }
+    }
+
+    /// The entry of the factor at row `r`, column `c <= r`.
+    pub fn at(&self, r: usize, c: usize) -> f64 {
+        self.l[r * self.dim + c]
+    }
+
+    /// The last `N x N` corner of the factor: `(L L^T)^-1` is the covariance of the last `N` unknowns.
+    pub fn last_corner<const N: usize>(&self) -> nalgebra::SMatrix<f64, N, N> {
+        let start = self.dim - N;
+        nalgebra::SMatrix::from_fn(|r, c| if c <= r { self.at(start + r, start + c) } else { 0.0 })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{DMatrix, DVector};
+    use proptest::prelude::*;
+
+    /// A sparse positive definite system: rows of a random envelope.
+    fn system(values: &[f64], dim: usize) -> (Normal, DMatrix<f64>) {
+        let mut normal = Normal::zeros(dim);
+        let mut k = 0;
+        let mut next = || {
+            k += 1;
+            values[k % values.len()]
+        };
+        for r in 0..dim {
+            let first = ((next().abs() * 7.0) as usize).min(r);
+            for c in first..r {
+                normal.add(r, c, next());
+            }
+            normal.add(r, r, 2.0 * dim as f64);
+            normal.gradient_mut()[r] = next();
+        }
+        let dense = DMatrix::from_fn(dim, dim, |r, c| normal.at(r, c));
+        (normal, dense)
+    }
+
+    proptest! {
+        #[test]
+        fn the_step_solves_the_equations(values in prop::collection::vec(-1.0..1.0f64, 97), dim in 1usize..30) {
+            let (normal, dense) = system(&values, dim);
+            let mut factor = Factor::default();
+            normal.factor(|_| 0.0, &mut factor).unwrap();
+            let mut d = normal.gradient().to_vec();
+            factor.solve_negated(&mut d);
+            let residual = dense * DVector::from_vec(d.clone()) + DVector::from_column_slice(normal.gradient());
+            prop_assert!(residual.amax() < 1e-11);
+            let product = DVector::from_vec(normal.times(&d)) + DVector::from_column_slice(normal.gradient());
+            prop_assert!(product.amax() < 1e-11);
+        }
+
+        #[test]
+        fn elimination_keeps_the_others_solution(values in prop::collection::vec(-1.0..1.0f64, 97), gone in 0usize..12) {
+            let (mut normal, dense) = system(&values, 12);
+            let all = dense.cholesky().unwrap().solve(&-DVector::from_column_slice(normal.gradient()));
+            normal.eliminate(gone, 0.0);
+            let kept: Vec<usize> = (0..12).filter(|k| *k != gone).collect();
+            let small = normal.select(&kept);
+            let mut factor = Factor::default();
+            small.factor(|_| 0.0, &mut factor).unwrap();
+            let mut d = small.gradient().to_vec();
+            factor.solve_negated(&mut d);
+            for (k, d) in kept.iter().zip(&d) {
+                prop_assert!((all[*k] - d).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn the_last_corner_is_the_last_unknowns_covariance() {
+        let (normal, dense) = system(&[0.3, -0.8, 0.5, 0.9, -0.1], 9);
+        let mut factor = Factor::default();
+        normal.factor(|_| 0.0, &mut factor).unwrap();
+        let corner = factor.last_corner::<3>();
+        let covariance = (corner * corner.transpose()).try_inverse().unwrap();
+        let full = dense.try_inverse().unwrap();
+        assert!((covariance - full.fixed_view::<3, 3>(6, 6)).amax() < 1e-14);
+    }
+
+    #[test]
+    fn an_indefinite_matrix_is_named_by_its_row() {
+        let mut normal = Normal::zeros(2);
+        normal.add(0, 0, 1.0);
+        normal.add(1, 0, 2.0);
+        normal.add(1, 1, 1.0);
+        let error = normal.factor(|_| 0.0, &mut Factor::default()).unwrap_err();
+        assert_eq!(error, NotPositive { row: 1, pivot: -3.0 });
+    }
+
+    #[test]
+    fn blocks_land_where_they_belong_in_either_order() {
+        let (a, b) = ([[1.0, 2.0]], [[3.0, 5.0, 7.0]]);
+        let mut one = Normal::zeros(5);
+        one.add_product(0, &a, 2, &b);
+        let mut other = Normal::zeros(5);
+        other.add_product(2, &b, 0, &a);
+        for (i, x) in a[0].iter().enumerate() {
+            for (j, y) in b[0].iter().enumerate() {
+                assert_eq!(one.at(i, 2 + j), x * y);
+                assert_eq!(other.at(2 + j, i), x * y);
+            }
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! What marginalised measurements say of the states that stay: a quadratic about a fixed point.
+//!
+//! ```text
+//! cost(x) = g.d + d.H d / 2,   d = x - at
+//! ```
+//! Kept as information (H, g), never inverted: directions it knows nothing of (position and heading before any anchor) are zeros.
+
+use super::layout::Layout;
+use super::normal::Normal;
+use super::window::Window;
+use crate::state::{ACCEL_BIAS, GYRO_BIAS, NavState, POSE_DIM, POSITION, ROTATION, STATE_DIM, pose_minus};
+use nalgebra::{Isometry3, Vector3};
+
+/// A prior on the window's first `layout.frames` frames and, where estimated, camera and clock.
+#[derive(Debug, Clone)]
+pub struct Prior {
+    pub(crate) layout: Layout,
+    pub(crate) system: Normal,
+    /// Where `d` is zero.
+    pub(crate) at: Vec<NavState>,
+    pub(crate) at_camera: Isometry3<f64>,
+    pub(crate) at_offset: f64,
+}
+
+impl Prior {
+    /// Fixes what no measurement sees, position and heading of the window's first frame, and says what is known of its biases and
+    /// its tilt beforehand.
+    pub(crate) fn anchor(window: &Window, std: &AnchorStd) -> Self {
+        let layout = Layout { frames: 1, ..window.layout() };
+        let mut system = Normal::zeros(layout.dim());
+        let mut isotropic = |at: usize, std: f64| {
+            for k in at..at + 3 {
+                system.add(layout.state(0, k), layout.state(0, k), 1.0 / (std * std));
+            }
+        };
+        isotropic(POSITION, std.position);
+        isotropic(ROTATION, std.tilt);
+        isotropic(ACCEL_BIAS, std.accel_bias);
+        isotropic(GYRO_BIAS, std.gyro_bias);
+        // A turn about the world's z, seen from the right, is one about z in the body's frame.
+        let up_in_body = window.frames[0].state.world_from_body.rotation.inverse() * Vector3::z();
+        for r in 0..3 {
+            for c in 0..=r {
+                let at = layout.state(0, ROTATION);
+                system.add(at + r, at + c, up_in_body[r] * up_in_body[c] / (std.heading * std.heading));
+            }
+        }
+        // The camera is known to a centimetre and half a degree, its clock to some milliseconds, before anything was seen.
+        for (at, std) in [(0, 0.01), (3, 0.01)] {
+            for k in layout.camera().into_iter().flat_map(|c| c + at..c + at + 3) {
+                system.add(k, k, 1.0 / (std * std));
+            }
+        }
+        if let Some(k) = layout.offset() {
+            system.add(k, k, 1.0 / (0.005f64 * 0.005));
+        }
+        Self {
+            layout,
+            system,
+            at: vec![window.frames[0].state],
+            at_camera: window.body_from_cam,
+            at_offset: window.time_offset,
+        }
+    }
+
+    /// `d`: how far the window is from the point the prior is about, in the prior's own places.
+    pub(crate) fn displacement(&self, window: &Window) -> Vec<f64> {
+        let mut d = vec![0.0; self.layout.dim()];
+        for (frame, at) in self.at.iter().enumerate() {
+            let minus = window.frames[frame].state.minus(at);
+            for k in 0..STATE_DIM {
+                d[self.layout.state(frame, k)] = minus[k];
+            }
+        }
+        if let Some(camera) = self.layout.camera() {
+            let minus = pose_minus(&window.body_from_cam, &self.at_camera);
+            d[camera..camera + POSE_DIM].copy_from_slice(minus.as_slice());
+        }
+        if let Some(offset) = self.layout.offset() {
+            d[offset] = window.time_offset - self.at_offset;
+        }
+        d
+    }
+
+    /// Adds itself to a window's equations and returns its cost, which may be negative: a constant is left out.
+    pub(crate) fn add_to(&self, window: &Window, layout: &Layout, normal: &mut Normal) -> f64 {
+        let d = self.displacement(window);
+        let hd = self.system.times(&d);
+        // The order of places makes every one of ours the same way off in a window of more frames.
+        let shift = layout.motion(0) - self.layout.motion(0);
+        let mut cost = 0.0;
+        for r in 0..self.layout.dim() {
+            let g = self.system.gradient()[r];
+            cost += d[r] * (g + 0.5 * hd[r]);
+            normal.gradient_mut()[shift + r] += g + hd[r];
+            for (to, from) in normal.row_mut(shift + r)[shift..].iter_mut().zip(self.system.row(r)) {
+                *to += from;
+            }
+        }
+        cost
+    }
+
+    /// Takes `frame` out: what the prior says through it about the others stays.
+    pub(crate) fn without(&self, frame: usize) -> Self {
+        let places: Vec<usize> = self.layout.frame_places(frame).collect();
+        let mut system = self.system.clone();
+        for &k in &places {
+            // Far below any information a measurement gives (1e-3 and more), far above rounding.
+            system.eliminate(k, 1e-9);
+        }
+        let kept: Vec<usize> = (0..self.layout.dim()).filter(|k| !places.contains(k)).collect();
+        let mut at = self.at.clone();
+        at.remove(frame);
+        Self {
+            layout: Layout { frames: self.layout.frames - 1, ..self.layout },
+            system: system.select(&kept),
+            at,
+            at_camera: self.at_camera,
+            at_offset: self.at_offset,
+        }
+    }
+}
+
+/// Standard deviations of what is known of the first frame without any measurement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AnchorStd {
+    /// Of each axis of the position \[m\]: small, as it is where the world begins.
+    pub position: f64,
+    /// Of the heading \[rad\]: small likewise.
+    pub heading: f64,
+    /// Of roll and pitch \[rad\].
+    pub tilt: f64,
+    /// Of each axis of the accelerometer's bias \[m/s^2\].
+    pub accel_bias: f64,
+    /// Of each axis of the gyro's bias \[rad/s\].
+    pub gyro_bias: f64,
+}
+
+impl Default for AnchorStd {
+    fn default() -> Self {
+        Self { position: 1e-3, heading: 1e-3, tilt: 0.2, accel_bias: 0.3, gyro_bias: 0.1 }
+    }
+}

@@ -1,0 +1,197 @@
+//! How a frame goes out: the oldest into the prior, or the second newest, which said nothing new, without trace.
+
+use super::config::Handover;
+use super::landmark::{Landmark, MIN_INVERSE_DEPTH};
+use super::window::Window;
+use crate::factors::inertial::inertial_residual;
+
+/// Which frame leaves a full window.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Leaving {
+    /// The oldest: the second newest is a key frame.
+    Oldest,
+    /// The second newest: it saw what its neighbours saw.
+    SecondNewest,
+}
+
+impl Window {
+    /// Which frame has to go: the second newest stays where it moved enough against the key frame before it, or lost its tracks.
+    pub fn leaving(&self, focal_px: f64) -> Leaving {
+        let n = self.frames.len();
+        if n < 3 {
+            return Leaving::Oldest;
+        }
+        // The first and the last frame of a rest say all there is to say of it.
+        match (self.frames[n - 2].at_rest, self.frames[n - 1].at_rest) {
+            (true, true) => return Leaving::SecondNewest,
+            (true, false) => return Leaving::Oldest,
+            (false, _) => {}
+        }
+        let parallax = self.parallax(n - 3, n - 2);
+        let moved = parallax.mean * focal_px >= self.config.key_frame_parallax_px;
+        let seen = self.landmarks.iter().filter(|l| l.seen_by(n - 2)).count();
+        let renewed = (parallax.common as f64) < self.config.key_frame_min_share * seen as f64;
+        if moved || renewed || parallax.common < self.config.key_frame_min_tracks {
+            Leaving::Oldest
+        } else {
+            Leaving::SecondNewest
+        }
+    }
+
+    /// How many of a landmark's sightings enter the prior when the oldest frame leaves.
+    pub(crate) fn handed_over(&self, landmark: &Landmark) -> usize {
+        let sightings = landmark.sightings.len();
+        if landmark.host() != 0 || landmark.inverse_depth.is_none() || sightings < 2 {
+            return 0;
+        }
+        let ended = landmark.last_frame() + 1 < self.frames.len();
+        match self.config.handover {
+            Handover::Reuse | Handover::Consume => sightings,
+            _ if ended => sightings,
+            Handover::Drop => 0,
+        }
+    }
+
+    /// Lets a frame go. Of the oldest, returns the inertial residual of the interval that leaves with it: the sum of squares in
+    /// standard deviations over position, rotation and velocity (9 degrees of freedom).
+    pub fn slide(&mut self, leaving: Leaving) -> Option<f64> {
+        match leaving {
+            Leaving::Oldest => self.slide_oldest(),
+            Leaving::SecondNewest => {
+                self.slide_second_newest();
+                None
+            }
+        }
+    }
+
+    fn slide_oldest(&mut self) -> Option<f64> {
+        let whitened = self.oldest_inertial_residual();
+        let prior = self.prior_without_oldest();
+        let newest = self.frames.len() - 1;
+        let last_cameras: Vec<_> =
+            self.frames.iter().map(|f| f.state.world_from_body * self.body_from_cam).collect();
+        let handover = self.config.handover;
+        let mut landmarks = std::mem::take(&mut self.landmarks);
+        let used: Vec<usize> = landmarks.iter().map(|l| self.handed_over(l)).collect();
+        let mut index = 0;
+        landmarks.retain_mut(|landmark| {
+            let landmark_index = index;
+            index += 1;
+            if landmark.host() != 0 {
+                return true;
+            }
+            let point = landmark.point(&last_cameras[0]);
+            // What is in the prior must not be counted again, what has lost its host's frame cannot stay.
+            let gone = match (handover, used[landmark_index]) {
+                (_, 0) | (Handover::Reuse, _) => 1,
+                // The newest goes on, as the anchor of what comes.
+                (Handover::Consume, all) if landmark.last_frame() == newest => all - 1,
+                (_, used) => used,
+            };
+            landmark.sightings.drain(..gone);
+            // A depth that was not told, or a point behind a camera, is found anew.
+            landmark.inverse_depth = None;
+            let Some((host, _)) = landmark.sightings.first() else { return false };
+            landmark.inverse_depth = point.and_then(|p| {
+                let z = (last_cameras[*host].inverse() * nalgebra::Point3::from(p)).z;
+                (z > 0.0).then(|| (1.0 / z).max(MIN_INVERSE_DEPTH))
+            });
+            true
+        });
+        self.landmarks = landmarks;
+        self.prior = Some(prior);
+        self.frames.remove(0);
+        self.frames[0].preint = None;
+        self.frames[0].at_rest = false;
+        if self.config.first_estimates {
+            for frame in &mut self.frames {
+                frame.first.get_or_insert(frame.state);
+            }
+        }
+        for landmark in &mut self.landmarks {
+            for (frame, _) in &mut landmark.sightings {
+                *frame -= 1;
+            }
+        }
+        let last = self.frames.len() - 1;
+        self.retain_landmarks(|l| l.sightings.len() > 1 || l.last_frame() == last);
+        whitened
+    }
+
+    fn slide_second_newest(&mut self) {
+        let gone = self.frames.len() - 2;
+        let body_from_cam = self.body_from_cam;
+        let camera = |frame: usize| self.frames[frame].state.world_from_body * body_from_cam;
+        let (gone_camera, next_camera) = (camera(gone), camera(gone + 1));
+        if let Some(prior) = self.prior.take() {
+            self.prior = Some(if prior.layout.frames > gone { prior.without(gone) } else { prior });
+        }
+        for landmark in &mut self.landmarks {
+            let Some(k) = landmark.sightings.iter().position(|(f, _)| *f == gone) else { continue };
+            if k == 0 {
+                let point = landmark.point(&gone_camera);
+                landmark.inverse_depth = point.and_then(|p| {
+                    let z = (next_camera.inverse() * nalgebra::Point3::from(p)).z;
+                    (z > 0.0).then(|| (1.0 / z).max(MIN_INVERSE_DEPTH))
+                });
+            }
+            landmark.sightings.remove(k);
+        }
+        let frame = self.frames.remove(gone);
+        self.frames[gone].at_rest &= frame.at_rest;
+        if let (Some(mut earlier), Some(later)) = (frame.preint, self.frames[gone].preint.take()) {
+            earlier.append(&later);
+            self.frames[gone].preint = Some(earlier);
+        }
+        for landmark in &mut self.landmarks {
+            for (f, _) in &mut landmark.sightings {
+                if *f > gone {
+                    *f -= 1;
+                }
+            }
+        }
+        self.retain_landmarks(|l| !l.sightings.is_empty());
+    }
+
+    fn oldest_inertial_residual(&self) -> Option<f64> {
+        let preint = self.frames.get(1)?.preint.as_ref()?;
+        let residual = inertial_residual(preint, &self.frames[0].state, &self.frames[1].state);
+        let covariance = preint.covariance().fixed_view::<9, 9>(0, 0).into_owned();
+        let head = residual.fixed_rows::<9>(0).into_owned();
+        covariance.cholesky().map(|c| head.dot(&c.solve(&head)))
+    }
+
+    /// Takes out sightings that do not agree with their landmark, and ends the tracks that made them. Returns how many.
+    pub fn reject_outliers(&mut self) -> usize {
+        let limit = self.config.outlier_px / self.config.pixel_std;
+        let mut ended = Vec::new();
+        let mut landmarks = std::mem::take(&mut self.landmarks);
+        landmarks.retain_mut(|landmark| {
+            let Some(inverse_depth) = landmark.inverse_depth else { return true };
+            if !inverse_depth.is_finite() {
+                landmark.inverse_depth = None;
+                return true;
+            }
+            let ray = self.ray_at_offset(landmark.host_sighting());
+            let host = landmark.host();
+            let before = landmark.sightings.len();
+            let mut first = true;
+            landmark.sightings.retain(|(frame, seen)| {
+                if std::mem::take(&mut first) {
+                    return true;
+                }
+                let seen = self.sighting_at_offset(seen);
+                self.geometry(host, *frame).residual(&ray, &seen, inverse_depth).norm() <= limit
+            });
+            if landmark.sightings.len() < before {
+                ended.push(landmark.id);
+                return landmark.sightings.len() > 1;
+            }
+            true
+        });
+        self.landmarks = landmarks;
+        self.retain_landmarks(|_| true);
+        self.ended.extend(&ended);
+        ended.len()
+    }
+}

@@ -1,0 +1,238 @@
+//! The window on a small flight with known truth.
+
+use super::linearise::{Linearisation, Part};
+use super::*;
+use crate::factors::loss::Loss;
+use crate::factors::reprojection::Sighting;
+use crate::init::tests::{Scene, body_from_cam, gentle_flight};
+use crate::state::{NavState, STATE_DIM};
+use dpn_core::camera::PinholeRadtan;
+use nalgebra::{SVector, UnitQuaternion, Vector3};
+use proptest::prelude::*;
+
+const STEP: f64 = 0.15;
+
+fn config() -> WindowConfig {
+    WindowConfig {
+        loss: Loss::Squared,
+        cost_tolerance: 1e-14,
+        max_iterations: 60,
+        outlier_px: 1e6,
+        handover: Handover::Consume,
+        ..WindowConfig::default()
+    }
+}
+
+/// What frame `k` of a scene sees; points that the first frame saw are lost after the fifth.
+fn seen(scene: &Scene, k: usize) -> Vec<Seen> {
+    let camera = PinholeRadtan::euroc_cam0();
+    scene.frames[k]
+        .bearings()
+        .iter()
+        .filter(|(id, _)| k < 5 || scene.frames[0].bearing(*id).is_none())
+        .filter_map(|(id, bearing)| {
+            let px = camera.project(bearing)?;
+            Some(Seen { id: *id, sighting: Sighting::new(&camera, &px, 0.5)? })
+        })
+        .collect()
+}
+
+fn truth(scene: &Scene, k: usize) -> NavState {
+    NavState {
+        world_from_body: scene.cameras[k] * body_from_cam().inverse(),
+        vel_in_world: scene.velocities[k],
+        bias: scene.bias,
+    }
+}
+
+fn add(window: &mut Window, scene: &Scene, k: usize) {
+    let preint = k.checked_sub(1).map(|p| scene.preints[p].clone());
+    window.add_frame(scene.frames[k].t, truth(scene, k), preint, false, &seen(scene, k));
+}
+
+fn window(scene: &Scene, frames: usize, config: WindowConfig) -> Window {
+    let mut window = Window::new(config, body_from_cam());
+    for k in 0..frames {
+        add(&mut window, scene, k);
+    }
+    window.anchor(&AnchorStd::default());
+    window.triangulate();
+    window
+}
+
+fn scene(seed: u64) -> Scene {
+    Scene::new(&gentle_flight(seed), 10, STEP, 0.5, seed)
+}
+
+#[test]
+fn marginalising_changes_no_estimate() {
+    let scene = scene(3);
+    let mut whole = window(&scene, 9, config());
+    whole.optimise();
+    let mut sliding = window(&scene, 9, config());
+    sliding.optimise();
+    sliding.slide(Leaving::Oldest);
+    for w in [&mut whole, &mut sliding] {
+        add(w, &scene, 9);
+        w.triangulate();
+        w.optimise();
+    }
+    let (a, b) = (whole.newest().unwrap().state, sliding.newest().unwrap().state);
+    let covariance = whole.newest_pose_covariance().unwrap();
+    let moved = a.minus(&b);
+    let against_truth = a.minus(&truth(&scene, 9));
+    for k in 0..6 {
+        let std = covariance[(k, k)].sqrt();
+        // Derivatives stay where they were when the prior was made: what is left is of second order in the noise.
+        assert!(moved[k].abs() < 0.03 * std, "unknown {k} moved by {:.2e}, std {std:.2e}", moved[k]);
+        assert!(against_truth[k].abs() < 5.0 * std);
+    }
+    // Without its prior the window says something else: the test above can fail.
+    sliding.prior = None;
+    sliding.anchor(&AnchorStd::default());
+    sliding.optimise();
+    let forgotten = a.minus(&sliding.newest().unwrap().state);
+    assert!((0..6).any(|k| forgotten[k].abs() > 0.1 * covariance[(k, k)].sqrt()));
+}
+
+#[test]
+fn the_gradient_vanishes_where_the_solver_stops() {
+    let mut window = window(&scene(5), 8, config());
+    let solved = window.optimise();
+    assert!(solved.last_cost < solved.first_cost);
+    let layout = window.layout();
+    let cost = |w: &Window| {
+        let mut at = Linearisation::default();
+        at.compute(w, &layout, Part::All, 0.0);
+        at.cost
+    };
+    let best = cost(&window);
+    // Steps of a hundredth of what the solver damps by, in every direction, never lower the cost.
+    for frame in 0..8 {
+        for k in 0..STATE_DIM {
+            for sign in [-1.0, 1.0] {
+                let mut moved = window.clone();
+                let mut d = SVector::<f64, STATE_DIM>::zeros();
+                d[k] = sign * 1e-6;
+                moved.frames[frame].state = moved.frames[frame].state.plus(&d);
+                assert!(cost(&moved) > best - 1e-6, "frame {frame} unknown {k}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_equations_predict_the_cost_of_a_small_step() {
+    let mut config = config();
+    config.estimate_extrinsics = true;
+    config.estimate_time_offset = true;
+    let window = window(&scene(7), 6, config);
+    let layout = window.layout();
+    let mut at = Linearisation::default();
+    at.compute(&window, &layout, Part::All, 0.0);
+    // A step of the states alone, depths following: the reduced model's promise against the true cost.
+    let mut factor = normal::Factor::default();
+    at.normal.factor(|_| 1e2, &mut factor).unwrap();
+    let mut step = at.normal.gradient().to_vec();
+    factor.solve_negated(&mut step);
+    let slope: f64 = step.iter().zip(at.normal.gradient()).map(|(d, g)| d * g).sum();
+    let bend: f64 = step.iter().zip(at.normal.times(&step)).map(|(d, h)| d * h).sum();
+    let mut stepped = window.clone();
+    stepped.apply(&at, &step);
+    let mut after = Linearisation::default();
+    after.compute(&stepped, &layout, Part::All, 0.0);
+    let mut still = window.clone();
+    still.apply(&at, &vec![0.0; layout.dim()]);
+    let mut depths_only = Linearisation::default();
+    depths_only.compute(&still, &layout, Part::All, 0.0);
+    let promised = slope + 0.5 * bend;
+    let kept = after.cost - depths_only.cost;
+    assert!(promised < 0.0);
+    assert!((kept - promised).abs() < 0.05 * promised.abs(), "promised {promised:.4e}, kept {kept:.4e}");
+}
+
+#[test]
+fn a_prior_without_anchor_knows_neither_place_nor_heading() {
+    let scene = scene(11);
+    let mut window = window(&scene, 9, config());
+    window.optimise();
+    window.prior = None;
+    let prior = window.prior_without_oldest();
+    let layout = prior.layout;
+    let scale = (0..layout.dim()).map(|k| prior.system.at(k, k)).fold(0.0, f64::max);
+    let mut direction = vec![0.0; layout.dim()];
+    for axis in 0..3 {
+        direction.fill(0.0);
+        for frame in 0..layout.frames {
+            direction[layout.state(frame, axis)] = 1.0;
+        }
+        let along = prior.system.times(&direction).iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        assert!(along < 1e-9 * scale, "shift {axis}: {along:.2e} of {scale:.2e}");
+    }
+    direction.fill(0.0);
+    for frame in 0..layout.frames {
+        let state = &window.frames()[frame + 1].state;
+        let position = Vector3::z().cross(&state.world_from_body.translation.vector);
+        let rotation = state.world_from_body.rotation.inverse() * Vector3::z();
+        let velocity = Vector3::z().cross(&state.vel_in_world);
+        for k in 0..3 {
+            direction[layout.state(frame, k)] = position[k];
+            direction[layout.state(frame, 3 + k)] = rotation[k];
+            direction[layout.state(frame, 6 + k)] = velocity[k];
+        }
+    }
+    let along = prior.system.times(&direction).iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    assert!(along < 1e-9 * scale, "heading: {along:.2e} of {scale:.2e}");
+}
+
+#[test]
+fn noise_travels_with_the_samples_when_intervals_are_merged() {
+    let scene = scene(13);
+    let mut window = window(&scene, 6, config());
+    let before: f64 = window.frames()[4..].iter().map(|f| f.preint.as_ref().unwrap().duration()).sum();
+    window.slide(Leaving::SecondNewest);
+    let merged = window.newest().unwrap().preint.as_ref().unwrap();
+    assert!((merged.duration() - before).abs() < 1e-12);
+    assert_eq!(merged.samples().len(), 2 * (STEP * 200.0) as usize + 1);
+    let mut whole = scene.preints[3].clone();
+    whole.append(&scene.preints[4]);
+    assert_eq!(merged.covariance(), whole.covariance());
+}
+
+#[test]
+fn parallax_of_a_pure_rotation_is_none() {
+    let turning = |t: f64| {
+        nalgebra::Isometry3::from_parts(
+            (-(UnitQuaternion::from_euler_angles(0.0, 0.2 * t, 0.4 * t)
+                * Vector3::new(-0.0216, -0.0647, 0.0098)))
+            .into(),
+            UnitQuaternion::from_euler_angles(0.0, 0.2 * t, 0.4 * t),
+        )
+    };
+    let scene = Scene::new(&turning, 4, STEP, 0.0, 1);
+    let window = window(&scene, 4, config());
+    let parallax = window.parallax(0, 3);
+    assert!(parallax.common > 20);
+    assert!(parallax.mean * 460.0 < 0.01, "{} px", parallax.mean * 460.0);
+    let moving = Scene::new(&gentle_flight(2), 4, STEP, 0.0, 1);
+    assert!(self::window(&moving, 4, config()).parallax(0, 3).mean * 460.0 > 5.0);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(8))]
+    #[test]
+    fn every_handover_counts_a_sighting_at_most_once_but_reuse(seed in 0u64..50) {
+        let scene = scene(seed);
+        for handover in [Handover::Drop, Handover::Consume] {
+            let mut window = window(&scene, 9, WindowConfig { handover, ..config() });
+            let total: usize = window.landmarks().iter().map(|l| l.sightings.len()).sum();
+            let used: usize = window.landmarks().iter().map(|l| window.handed_over(l)).sum();
+            window.slide(Leaving::Oldest);
+            let left: usize = window.landmarks().iter().map(|l| l.sightings.len()).sum();
+            // Consume keeps the newest sighting as the anchor of what comes; alone it is no measurement.
+            let anchors = if handover == Handover::Consume { window.landmarks().len() } else { 0 };
+            prop_assert!(used + left <= total + anchors, "{handover:?}: {used} + {left} of {total}");
+            prop_assert!(window.landmarks().iter().all(|l| l.sightings.iter().all(|(f, _)| *f < 8)));
+        }
+    }
+}

@@ -1,0 +1,219 @@
+//! The window's contents, and how a frame comes in.
+
+use super::config::WindowConfig;
+use super::landmark::Landmark;
+use super::layout::Layout;
+use super::linearise::Linearisation;
+use super::normal::Factor;
+use super::prior::{AnchorStd, Prior};
+use crate::factors::reprojection::{PairGeometry, Sighting};
+use crate::preint::Preintegration;
+use crate::state::NavState;
+use dpn_core::Stamp;
+use nalgebra::{Isometry3, Vector3};
+use std::collections::{HashMap, HashSet};
+
+/// One image's instant.
+#[derive(Debug, Clone)]
+pub struct Frame {
+    /// When it was taken.
+    pub t: Stamp,
+    /// What is believed of the body then.
+    pub state: NavState,
+    /// The IMU's samples since the frame before; `None` for the first of all.
+    pub preint: Option<Preintegration>,
+    /// Whether nothing moved since the frame before.
+    pub at_rest: bool,
+    /// Where derivatives stay once the frame is in the prior.
+    pub(crate) first: Option<NavState>,
+}
+
+/// A frame's tracks as the window takes them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seen {
+    /// The track's number.
+    pub id: u64,
+    /// What was measured.
+    pub sighting: Sighting,
+}
+
+/// The sliding window.
+#[derive(Debug, Clone)]
+pub struct Window {
+    pub(crate) config: WindowConfig,
+    pub(crate) frames: Vec<Frame>,
+    pub(crate) landmarks: Vec<Landmark>,
+    /// Track number to place in `landmarks`; looked up, never walked.
+    pub(crate) places: HashMap<u64, usize>,
+    /// Tracks found wrong, for as long as the tracker goes on with them.
+    pub(crate) ended: HashSet<u64>,
+    pub(crate) body_from_cam: Isometry3<f64>,
+    pub(crate) time_offset: f64,
+    pub(crate) prior: Option<Prior>,
+    pub(crate) scratch: Linearisation,
+    pub(crate) factor: Factor,
+}
+
+impl Window {
+    /// Empty.
+    pub fn new(config: WindowConfig, body_from_cam: Isometry3<f64>) -> Self {
+        Self {
+            config,
+            frames: Vec::new(),
+            landmarks: Vec::new(),
+            places: HashMap::new(),
+            ended: HashSet::new(),
+            body_from_cam,
+            time_offset: 0.0,
+            prior: None,
+            scratch: Linearisation::default(),
+            factor: Factor::default(),
+        }
+    }
+
+    /// The frames, oldest first.
+    pub fn frames(&self) -> &[Frame] {
+        &self.frames
+    }
+
+    /// The newest frame.
+    pub fn newest(&self) -> Option<&Frame> {
+        self.frames.last()
+    }
+
+    /// The landmarks, in the order in which they came.
+    pub fn landmarks(&self) -> &[Landmark] {
+        &self.landmarks
+    }
+
+    /// The camera's place on the body.
+    pub fn body_from_cam(&self) -> &Isometry3<f64> {
+        &self.body_from_cam
+    }
+
+    /// The camera clock's offset: an image stamped t was taken at t + offset \[s\].
+    pub fn time_offset(&self) -> f64 {
+        self.time_offset
+    }
+
+    /// Where the unknowns stand.
+    pub fn layout(&self) -> Layout {
+        Layout {
+            frames: self.frames.len(),
+            extrinsics: self.config.estimate_extrinsics,
+            time_offset: self.config.estimate_time_offset,
+        }
+    }
+
+    /// Whether another frame makes it slide.
+    pub fn is_full(&self) -> bool {
+        self.frames.len() > self.config.key_frames
+    }
+
+    /// Puts a frame at the end and returns how many of its tracks go on from earlier frames.
+    ///
+    /// `preint` holds the samples since the frame before; `state` is where the solver starts; `at_rest` says that nothing
+    /// moved between the two.
+    pub fn add_frame(
+        &mut self,
+        t: Stamp,
+        state: NavState,
+        preint: Option<Preintegration>,
+        at_rest: bool,
+        seen: &[Seen],
+    ) -> usize {
+        let frame = self.frames.len();
+        self.frames.push(Frame { t, state, preint, at_rest, first: None });
+        let mut known = 0;
+        let mut still_wrong = HashSet::new();
+        for Seen { id, sighting } in seen {
+            if self.ended.contains(id) {
+                still_wrong.insert(*id);
+                continue;
+            }
+            match self.places.get(id) {
+                Some(&place) => {
+                    self.landmarks[place].sightings.push((frame, *sighting));
+                    known += 1;
+                }
+                None => {
+                    self.places.insert(*id, self.landmarks.len());
+                    self.landmarks.push(Landmark::new(*id, frame, *sighting));
+                }
+            }
+        }
+        self.ended = still_wrong;
+        known
+    }
+
+    /// Fixes position and heading of the first frame, with what is known of it beforehand.
+    pub fn anchor(&mut self, std: &AnchorStd) {
+        self.prior = Some(Prior::anchor(self, std));
+    }
+
+    /// Gives every landmark that has none a depth to start from: told by its rays where they part enough, else, once three frames
+    /// saw it, the middle one of the others'. A point whose rays are parallel still says how the body turned and that it did not
+    /// move far.
+    pub fn triangulate(&mut self) {
+        let world_from_cam: Vec<Isometry3<f64>> =
+            self.frames.iter().map(|f| f.state.world_from_body * self.body_from_cam).collect();
+        let mut known: Vec<f64> =
+            self.landmarks.iter().filter_map(|l| l.inverse_depth).filter(|d| *d > 0.0).collect();
+        let middle = if known.is_empty() {
+            None
+        } else {
+            let half = known.len() / 2;
+            Some(*known.select_nth_unstable_by(half, f64::total_cmp).1)
+        };
+        for landmark in &mut self.landmarks {
+            if landmark.inverse_depth.is_none() && landmark.sightings.len() > 1 {
+                landmark.inverse_depth = landmark
+                    .triangulate(&world_from_cam, self.config.min_triangulation_angle)
+                    .or(middle.filter(|_| landmark.sightings.len() > 2));
+            }
+        }
+    }
+
+    /// What landmarks of `host` and their sightings in `target` share, at the present states.
+    pub(crate) fn geometry(&self, host: usize, target: usize) -> PairGeometry {
+        let pose = |f: usize| &self.frames[f].state.world_from_body;
+        PairGeometry::new(pose(host), pose(target), &self.body_from_cam)
+    }
+
+    /// The same at the first estimates, where there are any.
+    pub(crate) fn first_geometry(&self, host: usize, target: usize) -> PairGeometry {
+        let pose = |f: usize| &self.first_or_now(f).world_from_body;
+        PairGeometry::new(pose(host), pose(target), &self.body_from_cam)
+    }
+
+    pub(crate) fn first_or_now(&self, frame: usize) -> &NavState {
+        self.frames[frame].first.as_ref().unwrap_or(&self.frames[frame].state)
+    }
+
+    /// The host's ray when its image was really taken.
+    #[inline]
+    pub(crate) fn ray_at_offset(&self, sighting: &Sighting) -> Vector3<f64> {
+        if self.time_offset == 0.0 {
+            sighting.ray
+        } else {
+            sighting.ray + self.time_offset * sighting.ray_rate
+        }
+    }
+
+    /// A sighting when its image was really taken.
+    #[inline]
+    pub(crate) fn sighting_at_offset(&self, sighting: &Sighting) -> Sighting {
+        if self.time_offset == 0.0 {
+            return *sighting;
+        }
+        let ray = self.ray_at_offset(sighting);
+        Sighting { ray, bearing: ray.normalize(), ..*sighting }
+    }
+
+    /// Drops landmarks for which `keep` is false, and renews the places.
+    pub(crate) fn retain_landmarks(&mut self, mut keep: impl FnMut(&Landmark) -> bool) {
+        self.landmarks.retain(|l| keep(l));
+        self.places.clear();
+        self.places.extend(self.landmarks.iter().enumerate().map(|(k, l)| (l.id, k)));
+    }
+}

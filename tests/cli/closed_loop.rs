@@ -1,0 +1,124 @@
+//! `dpn eval --closed-loop`, on the second half of one simulated flight.
+
+use crate::run::{Done, dpn, end, files, run};
+use serde_json::Value;
+use std::path::Path;
+
+/// The second half of a flight of a minute and a half, two specs, one of them a control that draws.
+fn swept(out: &Path, more: &[&str]) -> Done {
+    let mut command = dpn();
+    command.args(["eval", "--closed-loop", "--sequences", "room-medium", "--from", "50"]);
+    command.args(["--noise", "x4,x1;shuffled(diff2)", "--out"]).arg(out).args(more);
+    end(&mut command)
+}
+
+/// Rows of `rows.jsonl` without what differs from run to run.
+fn rows(out: &Path) -> Vec<Value> {
+    let text = std::fs::read_to_string(out.join("rows.jsonl")).unwrap();
+    let rows = text.lines().map(|line| serde_json::from_str(line).unwrap());
+    rows.map(|mut row: Value| {
+        let fields = row.as_object_mut().unwrap();
+        for timing in ["cpu_per_data_s", "p95_update_ms", "stage_s"] {
+            assert!(fields.remove(timing).is_some(), "no {timing}");
+        }
+        row
+    })
+    .collect()
+}
+
+#[test]
+fn rows_have_the_promised_keys_and_a_broken_off_sweep_goes_on_to_the_same_ones() {
+    let tmp = tempfile::tempdir().unwrap();
+    let (first, second) = (tmp.path().join("a"), tmp.path().join("b"));
+    let seeds = ["--seeds", "2", "--json"];
+    let said = swept(&first, &[&seeds[..], &["--trajectories", "--threads", "1"]].concat()).well().json();
+    let all = said["rows"].as_array().unwrap();
+    assert_eq!(all.len(), 4);
+    for (row, (seed, noise)) in
+        all.iter().zip([(0, "x4,x1"), (0, "shuffled(diff2)"), (1, "x4,x1"), (1, "shuffled(diff2)")])
+    {
+        assert_eq!((&row["seed"], &row["noise"]), (&seed.into(), &noise.into()));
+        assert_eq!((&row["sequence"], &row["camera"]), (&"f07-room-medium".into(), &"tracks".into()));
+        assert_eq!((&row["split"], &row["from_s"]), (&"train".into(), &50.0.into()));
+        for key in ["ate_se3", "ate_yaw", "completion", "init_s", "cpu_per_data_s", "rpe_1s", "whitened"] {
+            assert!(row[key].is_f64(), "`{key}` of {row}");
+        }
+        assert!(row["ate_se3"].as_f64().unwrap() < 1.0 && row["failure"].is_null(), "{row}");
+    }
+    let left = files(&first);
+    assert!(left.contains_key("trajectories/f07-room-medium.x4_x1.seed1.tum"), "{:?}", left.keys());
+    for name in ["run.json", "closed_loop.txt", "closed_loop.json"] {
+        assert!(left.contains_key(name), "{name}");
+    }
+
+    // Two threads, stopped after two cells and in the middle of a line.
+    swept(&second, &[&seeds[..], &["--threads", "2"]].concat()).well();
+    let expected = rows(&first);
+    assert_eq!(rows(&second), expected);
+    let path = second.join("rows.jsonl");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    let cut = format!("{}\n{}\n{}", lines[3], lines[0], &lines[1][..60]);
+    std::fs::write(&path, cut).unwrap();
+    let again = swept(&second, &seeds).well();
+    assert_eq!(rows(&second), expected);
+    assert!(again.stderr.contains("closed loop: 4 cells"), "{}", again.stderr);
+
+    // A sweep of fewer cells runs none anew and loses none.
+    let before = std::fs::read(&path).unwrap();
+    let fewer = swept(&second, &["--json"]).well().json();
+    assert_eq!(fewer["rows"].as_array().unwrap().len(), 2);
+    assert_eq!(std::fs::read(&path).unwrap().len(), before.len());
+
+    // Other settings are another run.
+    let other = swept(&second, &["--set", "window.key_frames=8"]);
+    assert_eq!((other.code, other.stdout.as_str()), (Some(2), ""));
+    assert!(
+        other.stderr.contains("another estimator.window.key_frames: 10 there, 8 now"),
+        "{}",
+        other.stderr
+    );
+    assert!(other.stderr.contains("hint: give another folder with --out"), "{}", other.stderr);
+}
+
+#[test]
+fn what_cannot_be_swept_is_refused_before_anything_runs() {
+    let tmp = tempfile::tempdir().unwrap();
+    let out = tmp.path().join("out");
+    for (index, (more, words)) in [
+        (&["--noise", "x4,dualpronett"][..], "did you mean `dualpronet`?"),
+        (&["--noise", "dualpronet(sg9-s0)"], "there is no accel network `sg9-s0`"),
+        (&["--noise", "file(\"none.csv\")"], "none.csv does not exist"),
+        (&["--sequences", "cave"], "no sequence is called `cave`; there are f01-hall-slow"),
+        (&["--from", "500"], "a start at 500 s leaves fewer than 20"),
+        (&["--set", "window.keyframes=8"], "did you mean `key_frames`?"),
+        (&["--set", "window.key_frames=2"], "`window.key_frames` is 2, but must be from 3 to 30"),
+        (&["--pixel-noise=-1"], "pixel_noise_px"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let mut command = dpn();
+        command.args(["eval", "--closed-loop", "--out"]).arg(out.join(index.to_string())).args(more);
+        if !more.contains(&"--sequences") {
+            command.args(["--sequences", "hover"]);
+        }
+        let done = end(&mut command);
+        assert_eq!((done.code, done.stdout.as_str()), (Some(2), ""), "{more:?}: {done:?}");
+        assert!(done.stderr.contains(words), "{more:?}: {}", done.stderr);
+    }
+}
+
+#[test]
+fn flags_of_one_loop_are_not_those_of_the_other() {
+    for line in [
+        "eval",
+        "eval --open-loop --closed-loop",
+        "eval --open-loop --noise x1",
+        "eval --closed-loop --bases raw",
+        "eval --closed-loop --tracks there",
+        "eval --closed-loop --from -3",
+    ] {
+        assert_eq!(run(line).code, Some(2), "{line}");
+    }
+}

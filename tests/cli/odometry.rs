@@ -1,0 +1,170 @@
+//! `dpn run`: one recording through the odometry, and what is said of bad input.
+
+use crate::run::{Done, dpn, end, files};
+use dpn_core::io::asl::Sequence;
+use dpn_core::io::{read_tracks, read_tum, write_tracks};
+use std::path::{Path, PathBuf};
+
+fn excerpt() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/euroc/V1_01_easy")
+}
+
+fn odometry(source: &Path, out: &Path, more: &[&str]) -> Done {
+    end(dpn().arg("run").arg(source).arg("--out").arg(out).args(more))
+}
+
+/// A copy of the excerpt in `dir` whose files are changed by `change`, which is handed each file's name and text.
+fn changed(dir: &Path, change: impl Fn(&str, &str) -> Option<String>) -> PathBuf {
+    let copy = dir.join("V1_01_copy");
+    for (name, bytes) in files(&excerpt()) {
+        let text = String::from_utf8(bytes).unwrap();
+        if let Some(text) = change(&name, &text) {
+            let to = copy.join(&name);
+            std::fs::create_dir_all(to.parent().unwrap()).unwrap();
+            std::fs::write(to, text).unwrap();
+        }
+    }
+    copy
+}
+
+/// Tracks of the excerpt, in a file of `dir`.
+fn tracks(dir: &Path) -> PathBuf {
+    let path = dir.join("tracks.txt");
+    end(dpn().args(["simulate", "tracks"]).arg(excerpt()).arg("--out").arg(&path)).well();
+    path
+}
+
+#[test]
+fn a_flight_leaves_a_trajectory_states_and_a_report_and_the_same_ones_twice() {
+    let tmp = tempfile::tempdir().unwrap();
+    let (first, again) = (tmp.path().join("a"), tmp.path().join("b"));
+    let flight = |out: &Path, more: &[&str]| {
+        odometry(Path::new("room-medium"), out, &[&["--from", "50", "--noise", "oracle"], more].concat())
+    };
+    let said = flight(&first, &["--json", "--set", "covariance=true"]).well().json();
+    let row = &said["report"]["row"];
+    assert_eq!((&row["sequence"], &row["noise"]), (&"f07-room-medium".into(), &"oracle".into()));
+    assert_eq!(said["report"]["axes"]["verdict"]["verdict"], "consistent", "{said}");
+    // It begins late: that much is said, and nothing else.
+    assert_eq!(said["report"]["warnings"].as_array().map(Vec::len), Some(1), "{said}");
+    let poses = read_tum(&first.join("trajectory.tum")).unwrap();
+    assert_eq!(row["poses"], poses.len());
+    let states = std::fs::read_to_string(first.join("states.csv")).unwrap();
+    let widths: Vec<usize> = states.lines().map(|line| line.split(',').count()).collect();
+    assert!(widths.iter().all(|w| *w == widths[0]) && widths.len() > poses.len(), "{widths:?}");
+    assert!(!states.contains("NaN") && !states.contains("inf"));
+
+    let words = flight(&again, &["--set", "covariance=true"]).well().stdout;
+    for word in ["initialised:", "poses:", "restarts:", "time:", "ATE [m]:"] {
+        assert!(words.contains(word), "no `{word}` in {words}");
+    }
+    let (first, again) = (files(&first), files(&again));
+    assert_eq!(first.keys().collect::<Vec<_>>(), ["report.json", "states.csv", "trajectory.tum"]);
+    for name in ["states.csv", "trajectory.tum"] {
+        assert!(first[name] == again[name], "{name} differs between two runs");
+    }
+}
+
+#[test]
+fn a_recording_without_ground_truth_runs_on_given_tracks_and_has_no_error() {
+    let tmp = tempfile::tempdir().unwrap();
+    let tracks = tracks(tmp.path());
+    let copy = changed(tmp.path(), |name, text| (!name.contains("groundtruth")).then(|| text.to_owned()));
+    let out = tmp.path().join("out");
+    let done = odometry(&copy, &out, &["--noise", "x4", "--tracks", tracks.to_str().unwrap()]).well();
+    assert!(done.stdout.contains("ATE [m]:        none"), "{}", done.stdout);
+    let refused = odometry(&copy, &out, &["--noise", "x4"]);
+    assert_eq!(refused.code, Some(2));
+    assert!(refused.stderr.contains("no ground truth, along which camera tracks"), "{}", refused.stderr);
+}
+
+#[test]
+fn bad_input_is_named_and_never_a_panic() {
+    let tmp = tempfile::tempdir().unwrap();
+    let (out, good) = (tmp.path().join("out"), tracks(tmp.path()));
+    let frames = read_tracks(&good).unwrap();
+    let with = |name: &str, change: &dyn Fn(usize, &mut dpn_core::TrackFrame)| {
+        let mut frames = frames.clone();
+        frames.iter_mut().enumerate().for_each(|(i, frame)| change(i, frame));
+        let path = tmp.path().join(name);
+        write_tracks(&path, &frames).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let later = with("later.txt", &|_, f| f.t = f.t.plus_seconds(1000.0));
+    let jumping = with("jumping.txt", &|i, f| {
+        let ids: Vec<u64> = f.tracks.iter().map(|t| t.id).collect();
+        let n = ids.len();
+        f.tracks.iter_mut().enumerate().for_each(|(k, t)| t.id = ids[(k + 31 * i) % n]);
+    });
+    let noise = tmp.path().join("noise.csv");
+    let header = "#timestamp [ns],accel_std_x,accel_std_y,accel_std_z,gyro_std_x,gyro_std_y,gyro_std_z";
+    let start = Sequence::open(&excerpt()).unwrap().imu().unwrap().samples()[0].t.ns();
+    std::fs::write(
+        &noise,
+        format!("{header}\n{start},.1,.1,.1,.01,.01,.01\n{},.1,.1,.1,.01,.01,.01\n", start + 5_000_000),
+    )
+    .unwrap();
+    let noise = format!("file(\"{}\")", noise.display());
+    let good = good.to_str().unwrap();
+    for (more, words) in [
+        (vec!["--tracks", &later], "fewer than 20 frames have samples; are both on one clock"),
+        (vec!["--tracks", &jumping], "an id must stay with its point"),
+        (vec!["--tracks", good, "--noise", &noise], "the noise track goes from"),
+        (vec!["--tracks", good, "--noise", "oracle"], "known for simulated flights alone"),
+        (vec!["--tracks", good, "--noise", "mean-of-train(x1)"], "training sequences"),
+        (vec!["--tracks", "none.txt"], "does not exist"),
+        (vec!["--tracks", good, "--from", "3"], "a start at 3 s leaves fewer than 20"),
+    ] {
+        let done = odometry(&excerpt(), &out, &more);
+        assert_eq!((done.code, done.stdout.as_str()), (Some(2), ""), "{more:?}: {done:?}");
+        assert!(
+            done.stderr.starts_with("error: ") && done.stderr.contains(words),
+            "{more:?}: {}",
+            done.stderr
+        );
+    }
+    assert!(!out.exists(), "a refused run left files");
+}
+
+#[test]
+fn gaps_and_early_frames_are_survived_and_said() {
+    let tmp = tempfile::tempdir().unwrap();
+    let tracks = tracks(tmp.path());
+    let hole = |name: &str, text: &str| {
+        let keep =
+            |i: &usize| !name.starts_with("mav0/imu0/data") || *i < 1 || (120..400).contains(i) || *i > 480;
+        Some(text.lines().enumerate().filter(|(i, _)| keep(i)).map(|(_, line)| format!("{line}\n")).collect())
+    };
+    let copy = changed(tmp.path(), hole);
+    let done =
+        odometry(&copy, &tmp.path().join("out"), &["--noise", "x4", "--tracks", tracks.to_str().unwrap()])
+            .well();
+    assert!(done.stderr.contains("lie before the first IMU sample"), "{}", done.stderr);
+    assert!(done.stderr.contains("warning: IMU: 1 gap(s)"), "{}", done.stderr);
+}
+
+#[test]
+#[ignore = "fails: thresholds of the diagnosis are not settled"]
+fn swapped_axes_are_told_from_the_camera() {
+    let tmp = tempfile::tempdir().unwrap();
+    end(dpn().args(["simulate", "flight", "room-medium", "--out"]).arg(tmp.path())).well();
+    let flight = tmp.path().join("f07-room-medium");
+    let tracks = tmp.path().join("tracks.txt");
+    end(dpn().args(["simulate", "tracks"]).arg(&flight).arg("--out").arg(&tracks)).well();
+    let cam = flight.join("mav0/cam0");
+    std::fs::create_dir_all(&cam).unwrap();
+    std::fs::copy(excerpt().join("mav0/cam0/sensor.yaml"), cam.join("sensor.yaml")).unwrap();
+    let imu = flight.join("mav0/imu0/data.csv");
+    let swapped: String = std::fs::read_to_string(&imu)
+        .unwrap()
+        .lines()
+        .map(|line| match line.split(',').collect::<Vec<_>>().as_slice() {
+            [t, x, y, rest @ ..] if !t.starts_with('#') => format!("{t},{y},{x},{}\n", rest.join(",")),
+            _ => format!("{line}\n"),
+        })
+        .collect();
+    std::fs::write(&imu, swapped).unwrap();
+    let more = ["--noise", "x4", "--from", "50", "--tracks", tracks.to_str().unwrap()];
+    let done = odometry(&flight, &tmp.path().join("out"), &more).well();
+    assert!(done.stderr.contains("camera and gyro turn in mirrored axes"), "{}", done.stderr);
+}
