@@ -1,11 +1,12 @@
 //! Judging: the open loop, the closed loop, trajectories and their consistency, statistics, tables and figures; Allan plots of sensors
-//! at rest; the health of a log.
+//! at rest; the noise along a log, and its health.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 pub mod allan;
 pub mod closed_loop;
 pub mod doctor;
 pub mod figures;
+pub mod log_noise;
 pub mod metrics;
 pub mod noise;
 pub mod open_loop;

@@ -80,7 +80,13 @@ fn hint_of(cause: &(dyn std::error::Error + 'static)) -> Option<String> {
     if let Some(error) = cause.downcast_ref::<dpn_core::io::IoError>() {
         return error.hint();
     }
+    if let Some(error) = cause.downcast_ref::<dpn_logs::LogError>() {
+        return error.hint();
+    }
     if let Some(error) = cause.downcast_ref::<dpn_core::noise::formats::FormatError>() {
+        return error.hint();
+    }
+    if let Some(error) = cause.downcast_ref::<dpn_eval::log_noise::LogNoiseError>() {
         return error.hint();
     }
     if let Some(error) = cause.downcast_ref::<dpn_eval::allan::AllanError>() {

@@ -128,7 +128,9 @@ pub fn compare(source: &Source, log: &AllanLog) -> Vec<Finding> {
             let suspects = if matches!(verdict, Verdict::Agrees | Verdict::NotSeen) {
                 Vec::new()
             } else {
-                suspects(figure, meaning, configured, at_log, rate, log)
+                let largest =
+                    |c| log.estimates(figure.sensor(), c).iter().map(|e| e.value).fold(0.0, f64::max);
+                suspects(figure, meaning, configured, at_log, rate, &largest)
             };
             Some(Finding {
                 figure,
@@ -145,7 +147,7 @@ pub fn compare(source: &Source, log: &AllanLog) -> Vec<Finding> {
         .collect()
 }
 
-fn key_of(format: Format, figure: Figure) -> (String, Meaning) {
+pub(crate) fn key_of(format: Format, figure: Figure) -> (String, Meaning) {
     match format.layout() {
         Some(layout) => {
             let key = layout.key(figure);
@@ -158,20 +160,21 @@ fn key_of(format: Format, figure: Figure) -> (String, Meaning) {
 }
 
 /// What `configured` would be, were the `measured` noise written down by mistake in another meaning or unit.
-fn suspects(
+///
+/// `largest` is the largest of the axes' other coefficients, for a walk.
+pub(crate) fn suspects(
     figure: Figure,
     meaning: Meaning,
     configured: f64,
     measured: f64,
     rate: SampleRate,
-    log: &AllanLog,
+    largest: &dyn Fn(Coefficient) -> f64,
 ) -> Vec<&'static str> {
     use dpn_core::Sensor::{Accel, Gyro};
     const DEGREES: f64 = 180.0 / std::f64::consts::PI;
     const G: f64 = 9.806_65;
     let root = rate.hz().sqrt();
     let sensor = figure.sensor();
-    let largest = |c| log.estimates(sensor, c).iter().map(|e| e.value).fold(0.0, f64::max);
     let variance = matches!(meaning, Meaning::SampleVariance | Meaning::WalkStepVariance | Meaning::Power);
     let density = !meaning.needs_rate();
     let mut all: Vec<(f64, &'static str)> = Vec::new();

@@ -1,8 +1,8 @@
 //! The five coefficients of an Allan plot, how sure they are, and how long a log would show those that are not seen.
 //!
 //! The squares of the coefficients are fitted to the Allan variances by nonnegative least squares. A variance counts by what it scatters
-//! under the model of the round before (`covariance`), but never more than to `MODEL_ERROR`: no sensor follows five slopes to a tenth of a per
-//! cent, and a short time's many samples must not bend the rest. A log at rest often has a hump that is no noise at all, a machine or the
+//! under the model of the round before (`covariance`), and by [`MODEL_ERROR`] besides: no sensor follows five slopes to a tenth of a per
+//! cent, a short time's many samples must not bend the rest, and nothing is called seen that is smaller. A log at rest often has a hump that is no noise at all, a machine or the
 //! building swinging; times that stay far from every model lose their say (Cauchy weights, from wide to narrow) and are named.
 //!
 //! The fit is linear in the data, so the covariance of the Allan variances gives that of the squares; it is taken without the bounds at
@@ -18,10 +18,10 @@ use dpn_core::SampleRate;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
-/// Relative error of the model in an Allan variance, below which more samples buy no weight.
+/// Relative error of the model in an Allan variance: more samples make no time more certain than this.
 const MODEL_ERROR: f64 = 0.02;
 /// Scales of the Cauchy weights, a round of weighing and fitting each, in standard deviations of an Allan variance.
-const SCALES: [f64; 12] = [100.0, 60.0, 40.0, 25.0, 16.0, 10.0, 7.0, 5.0, 4.0, 4.0, 4.0, 4.0];
+const SCALES: [f64; 12] = [100.0, 60.0, 40.0, 25.0, 16.0, 10.0, 6.0, 4.0, 3.0, 2.5, 2.5, 2.5];
 /// An Allan variance this far above the model is part of a hump.
 const HUMP: f64 = 1.3;
 /// A coefficient is seen when its standard error is at most this share of it.
@@ -137,7 +137,7 @@ impl Planner {
         }
         let matrix = self.now.matrix(&squares);
         let misfit = misfit(&matrix, &squares, &taus, &variances, &weights);
-        let errors = standard_errors(&taus, &matrix, &weights);
+        let errors = standard_errors(&taus, &with_model_error(&matrix, &squares, &taus), &weights);
         let widened = misfit.max(1.0);
         let estimates =
             Coefficient::ALL.map(|c| self.estimate(c, &squares, errors[c as usize] * widened, widened));
@@ -180,8 +180,10 @@ impl Planner {
         let error = |averages: &[usize], scatter: &Scatter| {
             let taus: Vec<f64> = averages.iter().map(|m| *m as f64 * self.rate.period()).collect();
             let matrix = scatter.matrix(&squares);
+            let weights = weights(&matrix, &squares, &taus);
             widened
-                * standard_errors(&taus, &matrix, &weights(&matrix, &squares, &taus))[coefficient as usize]
+                * standard_errors(&taus, &with_model_error(&matrix, &squares, &taus), &weights)
+                    [coefficient as usize]
         };
         let bound = 2.0 * SEEN * wanted;
         let length = self.samples as f64 * self.rate.period();
@@ -208,6 +210,15 @@ fn rough(taus: &[f64], variances: &[f64]) -> Result<Squares, NnlsError> {
 fn weights(matrix: &[Vec<f64>], squares: &Squares, taus: &[f64]) -> Vec<f64> {
     let scatter = (0..taus.len()).map(|i| matrix[i][i] + (MODEL_ERROR * variance(squares, taus[i])).powi(2));
     scatter.map(|v| 1.0 / v.max(f64::MIN_POSITIVE)).collect()
+}
+
+/// The covariance of Allan variances, the model's own error on its diagonal.
+fn with_model_error(matrix: &[Vec<f64>], squares: &Squares, taus: &[f64]) -> Vec<Vec<f64>> {
+    let mut total = matrix.to_vec();
+    for (i, tau) in taus.iter().enumerate() {
+        total[i][i] += (MODEL_ERROR * variance(squares, *tau)).powi(2);
+    }
+    total
 }
 
 /// The same, times that are far from the model weighed down.

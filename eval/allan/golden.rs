@@ -55,7 +55,6 @@ fn overlapping_deviations_are_those_of_allantools() {
 
 /// All of a recorded log, and the fitted white noise against allantools' deviations on the slope of -1/2.
 #[test]
-#[ignore = "fails: the Allan and log-check commands are not finished"]
 fn a_recorded_log_gives_allantools_deviations_and_its_white_noise() {
     let case = golden().adis16405;
     let data = std::env::var_os("DPN_DATA").map_or_else(|| Path::new(ROOT).join("data"), PathBuf::from);
@@ -74,15 +73,26 @@ fn a_recorded_log_gives_allantools_deviations_and_its_white_noise() {
             agree(&deviation::variances(&signal, rate, &case.averages), theirs, 1e-6);
             let fit = planner.fit(&signal).unwrap();
             let white = fit.of(Coefficient::White);
-            // Where their curve falls by a half within a tenth.
+            // Where their curve falls by a half, give or take .06.
             let taus: Vec<f64> = case.averages.iter().map(|m| *m as f64 / case.rate_hz).collect();
             let slope = |i: usize| (theirs[i + 1] / theirs[i - 1]).ln() / (taus[i + 1] / taus[i - 1]).ln();
-            let on: Vec<f64> = (1..taus.len() - 1)
-                .filter(|&i| (slope(i) + 0.5).abs() < 0.02)
-                .map(|i| theirs[i] * taus[i].sqrt())
+            let flat = |i: &usize| (slope(*i) + 0.5).abs() < 0.06;
+            let inner: Vec<usize> = (1..taus.len() - 1).collect();
+            // The first stretch that does: behind the hump of something that swings the curve crosses that slope once more.
+            let on: Vec<f64> = inner
+                .chunk_by(|a, b| flat(a) == flat(b))
+                .find(|stretch| stretch.len() >= 3 && flat(&stretch[0]))
+                .unwrap_or_default()
+                .iter()
+                .map(|&i| theirs[i] * taus[i].sqrt())
                 .collect();
-            assert!(on.len() >= 3, "{sensor} {name}: {} points on the slope", on.len());
+            assert!(!on.is_empty(), "{sensor} {name}: no slope");
             let mean = on.iter().sum::<f64>() / on.len() as f64;
+            eprintln!(
+                "{sensor} {name}: N {:.4e}, allantools {mean:.4e} over {} times",
+                white.value,
+                on.len()
+            );
             assert!((white.value / mean - 1.0).abs() < 0.03, "{sensor} {name}: {} {mean}", white.value);
         }
     }

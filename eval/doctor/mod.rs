@@ -4,12 +4,12 @@
 //! * [`values`]: gravity, units, swapped columns, clipped and dead axes, converter steps.
 //! * [`vibration`]: spectral peaks and what may be aliased.
 //! * [`motion`]: rest and motion, drift of the bias at rest.
-//! * [`examine`]: all of them.
-//!
-//! Stamps that go back or stand still, and values that are no numbers, never come here: the readers refuse them with their line.
+//! * [`reading`]: damage, stamps that stand still or go back, values that are no numbers, all of which the reader left out.
+//! * [`examine_log`]: all of them; [`examine`] without the last.
 
 mod finding;
 pub mod motion;
+pub mod reading;
 pub mod timing;
 pub mod values;
 pub mod vibration;
@@ -17,6 +17,7 @@ pub mod vibration;
 pub use finding::{Finding, Weight};
 
 use dpn_core::ImuRecording;
+use dpn_logs::Log;
 use serde::Serialize;
 use vibration::AxisSpectrum;
 
@@ -34,6 +35,14 @@ pub struct Examination {
     /// Spectra of the six axes, for the plot; none where the log is too short.
     #[serde(skip)]
     pub spectra: Vec<AxisSpectrum>,
+}
+
+/// Looks at what somebody recorded: its samples, and what the reader had to leave out or guess.
+pub fn examine_log(log: &Log) -> Examination {
+    let mut examination = examine(&log.recording);
+    examination.findings.extend(reading::findings(log));
+    examination.findings.sort_by_key(|finding| finding.weight);
+    examination
 }
 
 /// Looks at a log as a whole.

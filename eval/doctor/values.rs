@@ -123,7 +123,7 @@ pub(super) fn step(signal: &[f64]) -> Option<f64> {
     };
     let share = apart.iter().filter(whole).count() as f64 / apart.len() as f64;
     // Of numbers without a step a tenth or so would pass by chance.
-    (share > 0.95 && values.len() < 20_000.min(signal.len()) / 2).then_some(least)
+    (share > 0.95 && values.len() < signal.len().min(20_000) / 2).then_some(least)
 }
 
 fn steps(recording: &ImuRecording) -> Vec<Finding> {
@@ -157,7 +157,7 @@ fn steps(recording: &ImuRecording) -> Vec<Finding> {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::doctor::examine;
     use dpn_core::Stamp;
@@ -165,7 +165,7 @@ pub(super) mod tests {
     use rand_distr::{Distribution, StandardNormal};
 
     /// A still, level sensor at 200 Hz with noise of the ADIS16448, unquantised.
-    pub(in crate::doctor) fn level(seconds: usize) -> Vec<ImuSample> {
+    pub(crate) fn level(seconds: usize) -> Vec<ImuSample> {
         let mut rng = Stream::new(2).named("doctor").rng();
         let mut noise = |sigma: f64| -> f64 {
             sigma * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, &mut rng)

@@ -184,7 +184,6 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "fails: the Allan and log-check commands are not finished"]
     fn the_csv_holds_what_is_drawn_and_the_axes_their_units() {
         let axes = axes();
         let plot = AllanPlot::new(&axes, "A log.").unwrap();

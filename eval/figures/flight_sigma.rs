@@ -207,7 +207,7 @@ fn legend_of(flight: &Flight<'_>, phases: &[Phase], phases_in_legend: bool) -> V
 }
 
 /// Labels of phases in order of appearance, each once.
-fn labels(phases: &[Phase]) -> Vec<&str> {
+pub(super) fn labels(phases: &[Phase]) -> Vec<&str> {
     let mut labels: Vec<&str> = Vec::new();
     for phase in phases {
         if !labels.contains(&phase.label.as_str()) {
@@ -217,13 +217,13 @@ fn labels(phases: &[Phase]) -> Vec<&str> {
     labels
 }
 
-fn tint(phases: &[Phase], label: &str) -> RGBColor {
+pub(super) fn tint(phases: &[Phase], label: &str) -> RGBColor {
     let index = labels(phases).iter().position(|known| *known == label).unwrap_or(0);
     TINTS[index % TINTS.len()]
 }
 
 /// Parts of a track without gaps: a gap is a step four times the usual one.
-fn unbroken(columns: &[Column]) -> impl Iterator<Item = &[Column]> {
+pub(super) fn unbroken(columns: &[Column]) -> impl Iterator<Item = &[Column]> {
     let mut steps: Vec<f64> = columns.windows(2).map(|pair| pair[1].t - pair[0].t).collect();
     steps.sort_by(f64::total_cmp);
     let usual = steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY);
@@ -231,7 +231,7 @@ fn unbroken(columns: &[Column]) -> impl Iterator<Item = &[Column]> {
 }
 
 /// The band between the smallest and the largest sample of each column, at least two pixels high.
-fn envelope<DB: DrawingBackend>(
+pub(super) fn envelope<DB: DrawingBackend>(
     frame: &Frame<'_, DB>,
     columns: &[Column],
     colour: impl Color + Copy,

@@ -25,3 +25,4 @@ pub use controls::{BLOCK_S, MeanSquare, shuffled};
 pub use error::NoiseError;
 pub use spec::{DEFAULT_TAG, Noise, parse_list};
 pub use track::{Fresh, Recorded, Sources, of_recording};
+pub(crate) use track::{network, raised};

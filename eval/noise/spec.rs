@@ -1,6 +1,7 @@
 //! What may be written for the noise.
 
 use super::NoiseError;
+use dpn_core::Sensor;
 use dpn_core::estimate::spec::{Arg, Call, NoiseSpec, SpecError};
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -73,6 +74,16 @@ impl Noise {
                 Some(*accel)
             }
             _ => None,
+        }
+    }
+
+    /// Whether the spec is the same deviation for ever.
+    pub fn is_constant(&self) -> bool {
+        match self {
+            Self::Core(NoiseSpec::Sensors { accel, gyro }) => {
+                accel.given(Sensor::Accel).is_some() && gyro.given(Sensor::Gyro).is_some()
+            }
+            _ => false,
         }
     }
 

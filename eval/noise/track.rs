@@ -135,7 +135,7 @@ pub fn of_recording(
 }
 
 /// The network of a sensor whose weight file is called `tag`.
-fn network<'a>(
+pub(crate) fn network<'a>(
     networks: &'a [Network],
     spec: &str,
     sensor: Sensor,
@@ -151,7 +151,7 @@ fn network<'a>(
 }
 
 /// At least the floor that estimates are held to: a network may say zero, whose information is infinite.
-fn raised(noise: &ImuNoise) -> ImuNoise {
+pub(crate) fn raised(noise: &ImuNoise) -> ImuNoise {
     let of = |sensor| noise.of(sensor).map(|sigma| sigma.max(sigma_floor(sensor)));
     ImuNoise::from_values(of(Sensor::Accel), of(Sensor::Gyro)).unwrap_or(*noise)
 }

@@ -8,19 +8,30 @@ use std::path::PathBuf;
 /// The log, its columns and units.
 #[derive(Debug, Args)]
 pub(crate) struct LogArgs {
-    /// Folder of an ASL sequence (EuRoC, TUM-VI), or a CSV file of an IMU.
+    /// CSV file, rosbag1, MCAP or rosbag2 (file or folder), or folder of an ASL sequence (EuRoC, TUM-VI).
     #[arg(value_name = "LOG")]
     pub(crate) path: PathBuf,
+    /// How it is read.
+    #[command(flatten)]
+    pub(crate) how: HowArgs,
+}
+
+/// Topic, columns and units.
+#[derive(Debug, Args)]
+pub(crate) struct HowArgs {
+    /// The IMU's topic in a bag; without it, the only one of type sensor_msgs/Imu.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) topic: Option<String>,
     /// CSV columns, counted from 1: stamp, gyroscope x y z, accelerometer x y z; without it, by the header's names.
     #[arg(long, value_name = "T,GX,GY,GZ,AX,AY,AZ", value_parser = columns)]
     pub(crate) columns: Option<ImuColumns>,
     /// Unit of the CSV's stamps: s, ms, us, ns; without it, by the header or their size.
     #[arg(long, value_name = "UNIT", value_parser = time_unit)]
     pub(crate) time_unit: Option<TimeUnit>,
-    /// Unit of the CSV's gyroscope: rad/s or deg/s.
+    /// Unit of the CSV's gyroscope: rad/s or deg/s; without it, by the header or told from its turns and noise.
     #[arg(long, value_name = "UNIT", value_parser = gyro_unit)]
     pub(crate) gyro_unit: Option<GyroUnit>,
-    /// Unit of the CSV's accelerometer: m/s^2 or g.
+    /// Unit of the CSV's accelerometer: m/s^2, g or mg; without it, by the header or told from gravity.
     #[arg(long, value_name = "UNIT", value_parser = accel_unit)]
     pub(crate) accel_unit: Option<AccelUnit>,
 }
@@ -62,6 +73,7 @@ fn accel_unit(text: &str) -> Result<AccelUnit, String> {
     match text {
         "m/s^2" => Ok(AccelUnit::MetrePerSecond2),
         "g" => Ok(AccelUnit::StandardGravity),
-        _ => Err("known are m/s^2, g".to_owned()),
+        "mg" => Ok(AccelUnit::MilliGravity),
+        _ => Err("known are m/s^2, g, mg".to_owned()),
     }
 }

@@ -14,8 +14,8 @@ pub(crate) use allan::AllanArgs;
 pub(crate) use check::CheckArgs;
 pub(crate) use closed_loop::{CameraArg, ClosedLoopArgs, SettingsArgs};
 pub(crate) use eval::EvalArgs;
-pub(crate) use log::{LogArgs, rate};
-pub(crate) use noise::{ConvertArgs, NoiseArgs, NoiseWhat};
+pub(crate) use log::{HowArgs, LogArgs, rate};
+pub(crate) use noise::{ConvertArgs, NoiseArgs, NoiseWhat, RowFormat};
 pub(crate) use run::RunArgs;
 pub(crate) use simulate::{FlightArgs, SimulateArgs, SimulateWhat, TracksArgs};
 pub(crate) use train::{SensorArg, TrainArgs};
@@ -40,7 +40,7 @@ pub(crate) enum Command {
     Eval(EvalArgs),
     /// Run the odometry over one recording: trajectory, states, report.
     Run(RunArgs),
-    /// Noise figures of an IMU as other programs write them.
+    /// How noisy an IMU is along a log, sample by sample; and noise figures as other programs write them (convert).
     Noise(NoiseArgs),
     /// What a log at rest says of its sensor's noise: Allan plot, five coefficients an axis, configurations to paste.
     Allan(AllanArgs),

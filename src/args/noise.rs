@@ -1,15 +1,63 @@
 //! `dpn noise`.
 
+use super::HowArgs;
 use clap::{Args, Subcommand};
 use dpn_core::noise::formats::Format;
 use std::path::PathBuf;
 
-/// What to do with noise figures.
+/// Flags of `dpn noise`.
 #[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub(crate) struct NoiseArgs {
-    /// The work.
+    /// Work on noise figures instead of a log.
     #[command(subcommand)]
-    pub(crate) what: NoiseWhat,
+    pub(crate) what: Option<NoiseWhat>,
+    /// CSV file, rosbag1, MCAP or rosbag2 (file or folder), or folder of an ASL sequence (EuRoC, TUM-VI).
+    #[arg(value_name = "LOG", required_unless_present = "follow", conflicts_with = "follow")]
+    pub(crate) log: Option<PathBuf>,
+    /// How the log is read.
+    #[command(flatten)]
+    pub(crate) how: HowArgs,
+    /// Where the noise comes from: dualpronet, dualpronet(TAG), a simple estimator such as diff2, constants; without it the shipped
+    /// networks, or diff2 where the log's rate is not theirs.
+    #[arg(long, value_name = "SPEC")]
+    pub(crate) noise: Option<String>,
+    /// Samples from one answer to the next.
+    #[arg(long, value_name = "SAMPLES", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub(crate) every: u32,
+    /// Folder with networks of your own, beside the shipped ones.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) weights: Option<PathBuf>,
+    /// Folder for the track (CSV or JSON lines), the summary (JSON) and the plot (SVG, PNG, CSV).
+    #[arg(long, value_name = "DIR", default_value = "runs/noise")]
+    pub(crate) out: PathBuf,
+    /// How the track is written.
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t = RowFormat::Csv)]
+    pub(crate) format: RowFormat,
+    /// Configuration whose noise figures are held against the log's.
+    #[arg(long, value_name = "CONFIG", conflicts_with = "follow")]
+    pub(crate) check: Option<PathBuf>,
+    /// Whose configuration that is; without it, told from its keys.
+    #[arg(long, value_name = "FORMAT", requires = "check")]
+    pub(crate) from: Option<Format>,
+    /// Print the summary as JSON on stdout instead of the page.
+    #[arg(long, conflicts_with = "follow")]
+    pub(crate) json: bool,
+    /// Read CSV lines from stdin and print the deviations as they come; no LOG then.
+    #[arg(long)]
+    pub(crate) follow: bool,
+    /// Rate of the samples on stdin.
+    #[arg(long, value_name = "HZ", value_parser = super::rate, requires = "follow", default_value = "200")]
+    pub(crate) rate: dpn_core::SampleRate,
+}
+
+/// Rows of a track.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum RowFormat {
+    /// As `dpn run --noise 'file("PATH")'` reads it.
+    Csv,
+    /// A JSON object a line.
+    Jsonl,
 }
 
 /// Kinds of work on noise figures.

@@ -10,7 +10,7 @@ use dpn_eval::allan::{AllanLog, report};
 use dpn_eval::figures::{AllanPlot, save};
 
 pub(crate) fn run(args: &AllanArgs) -> Result<()> {
-    let recording = log::read(&args.log)?;
+    let recording = log::read(&args.log)?.recording;
     // A configuration that cannot be read should not cost a fit.
     let config = match &args.check {
         Some(path) => {

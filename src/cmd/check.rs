@@ -4,12 +4,11 @@ use super::log;
 use crate::args::CheckArgs;
 use anyhow::Result;
 use dpn_core::io::atomic_write;
-use dpn_eval::doctor::examine;
+use dpn_eval::doctor::examine_log;
 use dpn_eval::figures::{SpectrumPlot, save};
 
 pub(crate) fn run(args: &CheckArgs) -> Result<()> {
-    let recording = log::read(&args.log)?;
-    let examination = examine(&recording);
+    let examination = examine_log(&log::read_quietly(&args.log)?);
     let text = serde_json::to_string(&examination)? + "\n";
     atomic_write(&args.out.join("check.json"), |file| file.write_all(text.as_bytes()))?;
     let words = format!("{} samples, {:.0} s.", examination.samples, examination.length_s);

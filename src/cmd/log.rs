@@ -1,39 +1,36 @@
-//! Somebody's log: a folder or a file to a recording.
+//! Somebody's log: whatever it is, to a recording.
 
-use crate::args::LogArgs;
+use crate::args::{HowArgs, LogArgs};
 use anyhow::Result;
-use dpn_core::ImuRecording;
-use dpn_core::io::asl::Sequence;
-use dpn_core::io::{CsvOptions, Origin, read_imu_csv};
+use dpn_core::io::CsvOptions;
+use dpn_logs::{Log, LogOptions, read_log};
+use std::path::Path;
 
-/// Reads the log and says on stderr what was guessed.
-pub(crate) fn read(args: &LogArgs) -> Result<ImuRecording> {
-    if args.path.is_dir() {
-        return Ok(Sequence::open(&args.path)?.imu()?);
+/// Reads the log; says on stderr what was guessed and what is wrong with it.
+pub(crate) fn read(args: &LogArgs) -> Result<Log> {
+    read_from(&args.path, &args.how)
+}
+
+/// Reads the log and says nothing: for a command whose page says it all.
+pub(crate) fn read_quietly(args: &LogArgs) -> Result<Log> {
+    Ok(read_log(&args.path, &options(&args.how))?)
+}
+
+/// The same, path and manner apart.
+pub(crate) fn read_from(path: &Path, how: &HowArgs) -> Result<Log> {
+    let log = read_log(path, &options(how))?;
+    if !log.guesses.is_empty() {
+        eprintln!("note: taken for granted: {}", log.guesses.join(", "));
     }
-    let options = CsvOptions {
-        columns: args.columns,
-        time: args.time_unit,
-        gyro: args.gyro_unit,
-        accel: args.accel_unit,
-    };
-    let log = read_imu_csv(&args.path, &options)?;
-    let guess = |origin| matches!(origin, Origin::Guessed | Origin::Assumed);
-    let mut taken = Vec::new();
-    if guess(log.columns.origin) {
-        taken.push("columns as stamp, gyroscope, accelerometer (--columns)".to_owned());
+    for warning in log.warnings() {
+        eprintln!("warning: {warning}");
     }
-    if guess(log.time.origin) {
-        taken.push(format!("stamps in {} (--time-unit)", log.time.value));
-    }
-    if guess(log.gyro.origin) {
-        taken.push(format!("gyroscope in {} (--gyro-unit)", log.gyro.value.name()));
-    }
-    if guess(log.accel.origin) {
-        taken.push(format!("accelerometer in {} (--accel-unit)", log.accel.value.name()));
-    }
-    if !taken.is_empty() {
-        eprintln!("note: taken for granted: {}", taken.join(", "));
-    }
-    Ok(log.recording)
+    Ok(log)
+}
+
+/// What was typed about columns, units and topic.
+pub(crate) fn options(how: &HowArgs) -> LogOptions {
+    let csv =
+        CsvOptions { columns: how.columns, time: how.time_unit, gyro: how.gyro_unit, accel: how.accel_unit };
+    LogOptions { csv, topic: how.topic.clone() }
 }

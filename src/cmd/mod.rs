@@ -3,10 +3,12 @@
 mod allan;
 mod check;
 mod closed_loop;
+mod convert;
 mod corpus;
 mod device;
 mod eval;
 mod flight;
+mod follow;
 mod log;
 mod noise;
 mod program;

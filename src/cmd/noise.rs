@@ -1,62 +1,149 @@
 //! `dpn noise`.
 
-use crate::args::{ConvertArgs, NoiseArgs, NoiseWhat};
+use super::{convert, follow, log, shipped};
+use crate::args::{NoiseArgs, NoiseWhat, RowFormat};
+use crate::ui::Fault;
 use anyhow::Result;
-use dpn_core::noise::formats::{Figure, FormatError, Given, Quantity, Source, read, write};
+use dpn_core::io::{atomic_write, write_noise_track};
+use dpn_core::noise::formats::{Given, Source, read};
+use dpn_core::{SampleRate, Sensor};
+use dpn_eval::figures::{LogNoisePlot, save};
+use dpn_eval::log_noise::compare::{Finding, compare};
+use dpn_eval::log_noise::{Answer, LogNoiseError, Plan, Summary, phases, report, track};
+use dpn_eval::noise::Noise;
+use dpn_eval::open_loop::Network;
+use dpn_eval::open_loop::networks::load_all;
+use std::path::Path;
+
+/// What stands in for the networks where they cannot be asked.
+const SIMPLE: &str = "diff2";
 
 pub(crate) fn run(args: &NoiseArgs) -> Result<()> {
-    match &args.what {
-        NoiseWhat::Convert(args) => convert(args),
+    if let Some(NoiseWhat::Convert(args)) = &args.what {
+        return convert::run(args);
+    }
+    let networks = networks(args.weights.as_deref())?;
+    match &args.log {
+        Some(path) => along(args, path, &networks),
+        None => follow::run(args, &plan(args, args.rate, &networks)?),
     }
 }
 
-fn convert(args: &ConvertArgs) -> Result<()> {
-    let given = Given { rate: args.rate, quantities: quantities(args)? };
-    let source = match &args.file {
-        Some(file) => read(file, args.from, &given)?,
-        None => Source::typed(&given)?,
+/// The shipped networks, and those of a folder before them.
+fn networks(dir: Option<&Path>) -> Result<Vec<Network>> {
+    let mut all = match dir {
+        Some(dir) => load_all(dir)?,
+        None => Vec::new(),
     };
-    let mut figures = source.figures;
-    figures.rate = args.to_rate.or(figures.rate);
-    let written = write(&figures, args.to, |_| None)?;
+    all.extend(shipped::networks()?);
+    Ok(all)
+}
+
+/// What was asked for, or the networks where the rate is theirs and a simple estimator where not.
+fn plan<'a>(args: &NoiseArgs, rate: SampleRate, networks: &'a [Network]) -> Result<Plan<'a>> {
+    let every = args.every as usize;
+    if let Some(text) = &args.noise {
+        let spec: Noise = text.parse()?;
+        return Ok(Plan::new(&spec, rate, every, networks)?);
+    }
+    match Plan::new(&"dualpronet".parse()?, rate, every, networks) {
+        Err(LogNoiseError::Rate { found_hz, trained_hz, .. }) => {
+            eprintln!(
+                "note: the log has {found_hz:.1} Hz and the shipped networks know {trained_hz:.0} Hz and its multiples: the simple estimator {SIMPLE} \
+                 is asked instead (--noise)"
+            );
+            Ok(Plan::new(&SIMPLE.parse()?, rate, every, networks)?)
+        }
+        other => Ok(other?),
+    }
+}
+
+fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
+    let recording = log::read_from(path, &args.how)?.recording;
+    let rate = recording.rate();
+    // A configuration that cannot be read should not cost a track.
+    let config = config(args, rate)?;
+    let plan = plan(args, rate, networks)?;
+    let unknown_s = plan.unknown_s();
+    if recording.duration() <= unknown_s {
+        let text = format!(
+            "{}: {:.2} s; the first window alone has {unknown_s:.2} s",
+            path.display(),
+            recording.duration()
+        );
+        return Err(Fault::new(text).hint("record for longer, or ask constants (--noise x1)").into());
+    }
+    let track = track(&plan, &recording)?;
+    let summary = Summary::of(&track, &recording, phases(&recording), unknown_s);
+    let findings = match &config {
+        Some(source) => Some(compare(source, &summary, rate)?),
+        None => None,
+    };
+    let words = format!("{} samples, {:.0} s.", recording.len(), recording.duration());
+    let plot = LogNoisePlot::new(&recording, &track, &plan, &summary.stretches, &words)?;
+    let files = save(&plot, &args.out.join("plot"))?;
+    let written = match args.format {
+        RowFormat::Csv => {
+            let file = args.out.join("noise.csv");
+            write_noise_track(&file, &track.noise()?)?;
+            file
+        }
+        RowFormat::Jsonl => {
+            let file = args.out.join("noise.jsonl");
+            atomic_write(&file, |out| track.answers.iter().try_for_each(|a| writeln!(out, "{}", json(a))))?;
+            file
+        }
+    };
+    let warnings = report::warnings(&plan, &summary);
+    let mut all = serde_json::json!({
+        "log": path.display().to_string(), "samples": recording.len(), "rate_hz": rate.hz(), "noise": plan.spec(), "every": plan.every(),
+        "thinned_to_every": plan.thin(), "summary": summary, "warnings": warnings,
+    });
+    if let Some(findings) = &findings {
+        all["check"] = serde_json::to_value(findings)?;
+    }
+    let text = all.to_string() + "\n";
+    atomic_write(&args.out.join("summary.json"), |file| file.write_all(text.as_bytes()))?;
+    for warning in &warnings {
+        eprintln!("warning: {warning}");
+    }
     if args.json {
-        let all = serde_json::json!({
-            "from": source.format, "to": written.format, "rate_hz": figures.rate, "figures": figures,
-            "steps": source.steps.iter().chain(&written.steps).collect::<Vec<_>>(),
-            "remarks": source.remarks.iter().chain(&written.remarks).collect::<Vec<_>>(),
-            "text": written.text,
-        });
-        println!("{all}");
+        print!("{text}");
         return Ok(());
     }
-    if args.from.is_none() && args.file.is_some() {
-        eprintln!("read as {}", source.format);
+    print!("{}", report::page(&plan, &summary, rate));
+    if let (Some(path), Some(source), Some(findings)) = (&args.check, &config, &findings) {
+        print_check(path, source, findings);
     }
-    for step in source.steps.iter().chain(&written.steps) {
-        eprintln!("{step}");
+    println!("\ntrack:    {}", written.display());
+    for file in files.iter().filter(|f| f.extension().is_some_and(|e| e == "png")) {
+        println!("picture:  {}", file.display());
     }
-    for remark in source.remarks.iter().chain(&written.remarks) {
-        eprintln!("note: {remark}");
-    }
-    print!("{}", written.text);
     Ok(())
 }
 
-/// What was typed with its units.
-fn quantities(args: &ConvertArgs) -> Result<Vec<Quantity>> {
-    let typed = [
-        (Figure::AccelWhite, &args.accel_noise),
-        (Figure::GyroWhite, &args.gyro_noise),
-        (Figure::AccelWalk, &args.accel_walk),
-        (Figure::GyroWalk, &args.gyro_walk),
-    ];
-    let quantities = typed.into_iter().filter_map(|(figure, text)| Some((figure, text.as_deref()?)));
-    quantities
-        .map(|(figure, text)| {
-            Quantity::parse(text, figure).map_err(|problem| {
-                let place = format!("--{}", figure.flag());
-                FormatError::Quantity { place, problem }.into()
-            })
-        })
-        .collect()
+fn config(args: &NoiseArgs, rate: SampleRate) -> Result<Option<Source>> {
+    let given = Given { rate: Some(rate), ..Given::default() };
+    Ok(args.check.as_ref().map(|path| read(path, args.from, &given)).transpose()?)
+}
+
+fn print_check(path: &Path, source: &Source, findings: &[Finding]) {
+    println!("\n{} as {}, against this log:", path.display(), source.format);
+    for finding in findings {
+        println!("{} {}", if finding.warns() { "warning:" } else { "ok:     " }, finding.text());
+    }
+    println!(
+        "note:    walks of the bias do not show here; `dpn allan --check` holds them against a log at rest"
+    );
+    for remark in &source.remarks {
+        println!("note:    {remark}");
+    }
+}
+
+/// One answer as an object of JSON lines.
+pub(crate) fn json(answer: &Answer) -> serde_json::Value {
+    serde_json::json!({
+        "t_ns": answer.t.ns(), "accel_std": answer.noise.of(Sensor::Accel), "gyro_std": answer.noise.of(Sensor::Gyro),
+        "judged": answer.judged,
+    })
 }

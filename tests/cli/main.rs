@@ -10,8 +10,13 @@ mod bad_data;
 mod check;
 mod closed_loop;
 mod eval;
+<<<<<<< HEAD
 mod images;
+=======
+mod logs;
+>>>>>>> noise-tools
 mod noise;
+mod noise_log;
 mod odometry;
 mod recording;
 mod run;

@@ -50,14 +50,18 @@ pub enum AccelUnit {
     /// Standard gravity, 9.80665 m/s^2.
     #[serde(rename = "g")]
     StandardGravity,
+    /// A thousandth of standard gravity.
+    #[serde(rename = "mg")]
+    MilliGravity,
 }
 
 impl AccelUnit {
-    /// `"m/s^2"` or `"g"`.
+    /// `"m/s^2"`, `"g"` or `"mg"`.
     pub fn name(self) -> &'static str {
         match self {
             Self::MetrePerSecond2 => "m/s^2",
             Self::StandardGravity => "g",
+            Self::MilliGravity => "mg",
         }
     }
 
@@ -66,6 +70,7 @@ impl AccelUnit {
         match self {
             Self::MetrePerSecond2 => 1.0,
             Self::StandardGravity => STANDARD_GRAVITY,
+            Self::MilliGravity => STANDARD_GRAVITY * 1e-3,
         }
     }
 }
@@ -133,7 +138,7 @@ pub(crate) fn from_header(header: &Header, path: &Path) -> Result<Named, IoError
                 known: match slot {
                     0 => "s, ms, us, ns",
                     1..=3 => "rad/s, deg/s (the same for all axes)",
-                    _ => "m/s^2, g (the same for all axes)",
+                    _ => "m/s^2, g, mg (the same for all axes)",
                 },
             });
         }
@@ -269,6 +274,7 @@ fn accel_unit(unit: &str) -> Option<AccelUnit> {
     match unit {
         "ms2" | "mss" | "mps2" | "msec2" | "mpers2" | "ms²" => Some(AccelUnit::MetrePerSecond2),
         "g" => Some(AccelUnit::StandardGravity),
+        "mg" => Some(AccelUnit::MilliGravity),
         _ => None,
     }
 }

@@ -96,22 +96,16 @@ pub(crate) fn parse_with(
     let columns = match (options.columns, named) {
         (Some(value), _) => Settled { value, origin: Origin::Given },
         (None, Some(named)) => Settled { value: named.columns, origin: Origin::Header },
-        (None, None) if rows.width() < 7 => {
-            return Err(IoError::UnknownLayout {
-                path: path.to_path_buf(),
-                line: rows.line() + 1,
-                found: rows.width(),
-                expected: "at least 7 (stamp, gyroscope x y z, accelerometer x y z)",
-            });
-        }
+        (None, None) if rows.width() < 7 => return Err(unknown_layout(&rows, path)),
         (None, None) => Settled { value: ImuColumns::ASL, origin: Origin::Assumed },
     };
     let time = match (first_said(options.time, named.and_then(|n| n.time)), assumed_time) {
         (Some(said), _) => said,
         (None, Some(value)) => Settled { value, origin: Origin::Assumed },
-        (None, None) => {
-            Settled { value: guess_time_unit(bytes, path, columns.value.time)?, origin: Origin::Guessed }
-        }
+        (None, None) => Settled {
+            value: guess_time_unit(bytes, path, columns.value.time, false)?,
+            origin: Origin::Guessed,
+        },
     };
     let gyro = first_said(options.gyro, named.and_then(|n| n.gyro))
         .unwrap_or(Settled { value: GyroUnit::RadPerSecond, origin: Origin::Assumed });
@@ -122,7 +116,17 @@ pub(crate) fn parse_with(
     Ok(ImuLog { recording: recording(samples, path)?, columns, time, gyro, accel })
 }
 
-fn first_said<T>(given: Option<T>, header: Option<T>) -> Option<Settled<T>> {
+/// The error for rows that are too narrow.
+pub(super) fn unknown_layout(rows: &Rows<'_>, path: &Path) -> IoError {
+    IoError::UnknownLayout {
+        path: path.to_path_buf(),
+        line: rows.line() + 1,
+        found: rows.width(),
+        expected: "at least 7 (stamp, gyroscope x y z, accelerometer x y z)",
+    }
+}
+
+pub(super) fn first_said<T>(given: Option<T>, header: Option<T>) -> Option<Settled<T>> {
     given
         .map(|value| Settled { value, origin: Origin::Given })
         .or_else(|| header.map(|value| Settled { value, origin: Origin::Header }))
@@ -157,13 +161,23 @@ fn recording(samples: Vec<ImuSample>, path: &Path) -> Result<ImuRecording, IoErr
     ImuRecording::new(samples).map_err(|_| IoError::TooShort { path: path.to_path_buf(), found })
 }
 
-/// Tells the unit of time from the first thousand stamps.
-fn guess_time_unit(bytes: &[u8], path: &Path, column: usize) -> Result<TimeUnit, IoError> {
+/// Tells the unit of time from the first thousand stamps; `loose` passes over rows that cannot be read.
+pub(super) fn guess_time_unit(
+    bytes: &[u8],
+    path: &Path,
+    column: usize,
+    loose: bool,
+) -> Result<TimeUnit, IoError> {
     const ROWS: usize = 1000;
     let mut rows = Rows::open(bytes, path)?;
     let mut stamps = Vec::with_capacity(ROWS);
-    while stamps.len() < ROWS && rows.advance()? {
-        stamps.push(rows.number(column, SLOTS[0])?);
+    while stamps.len() < ROWS {
+        match rows.advance().and_then(|more| more.then(|| rows.number(column, SLOTS[0])).transpose()) {
+            Ok(None) => break,
+            Ok(Some(stamp)) => stamps.push(stamp),
+            Err(error) if !loose => return Err(error),
+            Err(_) => {}
+        }
     }
     let [first, _, ..] = stamps[..] else {
         return Err(IoError::TooShort { path: path.to_path_buf(), found: stamps.len() });

@@ -20,6 +20,21 @@ pub(crate) struct Header {
     pub names: Vec<String>,
 }
 
+/// What of a table its later blocks need.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Layout {
+    line: usize,
+    delimiter: Delimiter,
+    width: usize,
+}
+
+impl Layout {
+    /// Line of the last row read, from 1.
+    pub(crate) fn line(&self) -> usize {
+        self.line
+    }
+}
+
 /// A cursor over the rows of a table.
 pub(crate) struct Rows<'a> {
     path: &'a Path,
@@ -93,6 +108,17 @@ impl<'a> Rows<'a> {
                 header,
             });
         }
+    }
+
+    /// Goes on with the block of bytes behind another of the same table.
+    pub(crate) fn go_on(bytes: &'a [u8], path: &'a Path, layout: Layout) -> Self {
+        let Layout { line, delimiter, width } = layout;
+        Self { path, rest: bytes, line, delimiter, width, fields: Vec::new(), header: None }
+    }
+
+    /// What the next block of this table needs, at this block's end.
+    pub(crate) fn layout(&self) -> Layout {
+        Layout { line: self.line, delimiter: self.delimiter, width: self.width }
     }
 
     /// The names over the columns, where the file has them.

@@ -21,8 +21,8 @@ fn back(text: &str, format: Format, rate: Option<SampleRate>) -> ImuFigures {
         .figures
 }
 
-/// Whether every figure that `format` can hold is the same to eight digits.
-fn same(a: &ImuFigures, b: &ImuFigures, format: Format, per_axis: bool) -> Result<(), String> {
+/// Whether every figure that `format` can hold is the same after `writings`, each of which rounds to eight digits.
+fn same(a: &ImuFigures, b: &ImuFigures, format: Format, per_axis: bool, writings: f64) -> Result<(), String> {
     for figure in Figure::ALL {
         if format == Format::Ros && figure.is_walk() {
             continue;
@@ -30,8 +30,8 @@ fn same(a: &ImuFigures, b: &ImuFigures, format: Format, per_axis: bool) -> Resul
         let (x, y) =
             (a.density(figure).unwrap(), b.density(figure).ok_or(format!("{format} lost the {figure}"))?);
         let (x, y) = if per_axis { (x.each(), y.each()) } else { ([x.largest(); 3], [y.largest(); 3]) };
-        // Half a unit of the eighth digit.
-        if x.iter().zip(y).any(|(x, y)| (x / y - 1.0).abs() > 6e-8) {
+        // Half a unit of the eighth digit, each time.
+        if x.iter().zip(y).any(|(x, y)| (x / y - 1.0).abs() > 6e-8 * writings) {
             return Err(format!("{format}, {figure}: {x:?} became {y:?}"));
         }
     }
@@ -60,22 +60,19 @@ proptest! {
         for format in Format::ALL {
             let per_axis = format == Format::Ros || format.layout().is_some_and(|l| l.per_axis);
             let again = back(&text(&figures, format), format, figures.rate);
-            prop_assert_eq!(same(&figures, &again, format, per_axis), Ok(()));
+            prop_assert_eq!(same(&figures, &again, format, per_axis, 1.0), Ok(()));
         }
     }
 
     #[test]
-        #[ignore = "fails: conversions of noise files are not finished"]
-        fn by_way_of_any_two_formats_figures_come_home(figures in figures()) {
-        for first in Format::ALL {
-            for second in Format::ALL {
-                let once = back(&text(&figures, first), first, figures.rate);
-                let twice = back(&text(&once, second), second, figures.rate);
-                let home = back(&text(&twice, first), first, figures.rate);
-                if ![first, second].contains(&Format::Ros) {
-                    prop_assert_eq!(same(&figures, &home, first, false), Ok(()));
-                }
-            }
+    fn by_way_of_any_two_formats_figures_come_home(figures in figures()) {
+        // ROS's messages have no walks, without which the others cannot be read.
+        let formats = Format::ALL.into_iter().filter(|format| *format != Format::Ros);
+        for (first, second) in formats.clone().flat_map(|first| formats.clone().map(move |second| (first, second))) {
+            let once = back(&text(&figures, first), first, figures.rate);
+            let twice = back(&text(&once, second), second, figures.rate);
+            let home = back(&text(&twice, first), first, figures.rate);
+            prop_assert_eq!(same(&figures, &home, first, false, 3.0), Ok(()));
         }
     }
 

@@ -1,0 +1,22 @@
+//! How noisy an IMU is along a log that somebody recorded: `dpn noise LOG`.
+//!
+//! * [`Plan`]: from a noise spec, the log's rate and how often an answer is wanted, to a causal [`Feed`] of samples.
+//! * [`track`]: its answers along a log, and which of the windows it looked at were unlike those it was trained on.
+//! * [`phases`]: at rest, motors on, moving, from the samples alone.
+//! * [`Summary`]: quantiles per axis and phase.
+//! * [`compare`]: a configuration against the floor at rest and the envelope in motion.
+//! * [`report`]: all of it in words.
+
+pub mod compare;
+mod error;
+mod phases;
+mod plan;
+pub mod report;
+mod summary;
+mod track;
+
+pub use error::LogNoiseError;
+pub use phases::{Phase, Stretch, phases};
+pub use plan::{Feed, Plan};
+pub use summary::{AxisSummary, PhaseSummary, Quantiles, SensorOutside, Summary};
+pub use track::{Answer, Count, Judged, Track, track};

@@ -1,0 +1,204 @@
+//! At rest, motors on, moving: what a log does, second by second, from its samples alone.
+//!
+//! Two things are looked at. *Shaking*: how much second differences scatter, over their gain, which motion hardly reaches. *Moving*: means over
+//! a quarter of a second, in which vibration averages out: a turn of more than .05 rad/s over the bias, or a specific force that changes by
+//! more than .3 m/s^2. A second that neither moves nor shakes is at rest; one that shakes on the spot has its motors on. What lasts less than
+//! two seconds between two stretches of one kind is taken for theirs.
+
+use dpn_core::signal::stats::{self, Ddof};
+use dpn_core::{ImuRecording, ImuSample, Sensor};
+use serde::Serialize;
+use std::fmt;
+
+/// Turning over the bias that is motion \[rad/s\].
+const TURN: f64 = 0.05;
+/// Change of the specific force within two seconds that is motion \[m/s^2\].
+const FORCE: f64 = 0.3;
+/// Shaking below these is rest with any sensor \[m/s^2, rad/s\]; above [`MOST`] it is rest with none.
+const LEAST: [f64; 2] = [0.1, 0.01];
+const MOST: [f64; 2] = [0.25, 0.04];
+/// Shortest stretch \[s\].
+const SHORTEST: usize = 2;
+
+/// What a vehicle does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Phase {
+    /// Nothing moves.
+    Rest,
+    /// It shakes on the spot.
+    Motors,
+    /// It moves.
+    Moving,
+}
+
+impl Phase {
+    /// All three.
+    pub const ALL: [Self; 3] = [Self::Rest, Self::Motors, Self::Moving];
+}
+
+impl fmt::Display for Phase {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Rest => "at rest",
+            Self::Motors => "motors on",
+            Self::Moving => "moving",
+        })
+    }
+}
+
+/// A stretch of one phase.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Stretch {
+    /// What happens.
+    pub phase: Phase,
+    /// From the log's begin \[s\].
+    pub from_s: f64,
+    /// To \[s\].
+    pub to_s: f64,
+}
+
+/// What is known of a second.
+struct Second {
+    from_s: f64,
+    to_s: f64,
+    /// Shaking of accelerometer and gyroscope.
+    shakes: [f64; 2],
+    /// Means over quarters.
+    gyro: Vec<[f64; 3]>,
+    force: [f64; 3],
+}
+
+/// The phases of a log, without a hole from its first sample to its last.
+pub fn phases(recording: &ImuRecording) -> Vec<Stretch> {
+    let samples = recording.samples();
+    let block = (recording.rate().hz().round() as usize).clamp(8, samples.len().max(8));
+    let seconds: Vec<Second> = samples
+        .chunks(block)
+        .filter(|c| c.len() >= 8 || samples.len() < 8)
+        .map(|c| second(c, samples))
+        .collect();
+    if seconds.is_empty() {
+        return Vec::new();
+    }
+    let bias = bias(&seconds);
+    let limits: [f64; 2] = std::array::from_fn(|k| {
+        let all: Vec<f64> = seconds.iter().map(|s| s.shakes[k]).collect();
+        (3.0 * stats::quantile(&all, 0.05)).clamp(LEAST[k], MOST[k])
+    });
+    let mut kinds: Vec<Phase> = (0..seconds.len())
+        .map(|i| {
+            let s = &seconds[i];
+            let turns = s.gyro.iter().any(|w| far(w, &bias) > TURN);
+            let near = [i.saturating_sub(1), (i + 1).min(seconds.len() - 1)];
+            let pushed = near.iter().any(|&j| far(&seconds[j].force, &s.force) > FORCE);
+            if turns || pushed {
+                Phase::Moving
+            } else if (0..2).any(|k| s.shakes[k] > limits[k]) {
+                Phase::Motors
+            } else {
+                Phase::Rest
+            }
+        })
+        .collect();
+    settle(&mut kinds);
+    let mut stretches: Vec<Stretch> = Vec::new();
+    for (kind, s) in kinds.into_iter().zip(&seconds) {
+        match stretches.last_mut() {
+            Some(last) if last.phase == kind => last.to_s = s.to_s,
+            _ => stretches.push(Stretch { phase: kind, from_s: s.from_s, to_s: s.to_s }),
+        }
+    }
+    if let Some(last) = stretches.last_mut() {
+        last.to_s = recording.duration();
+    }
+    stretches
+}
+
+fn second(chunk: &[ImuSample], all: &[ImuSample]) -> Second {
+    let since = |s: &ImuSample| s.t.seconds_since(all[0].t);
+    let next = all.partition_point(|s| s.t <= chunk[chunk.len() - 1].t).min(all.len() - 1);
+    let shakes = Sensor::ALL.map(|sensor| {
+        (0..3)
+            .map(|axis| {
+                let signal: Vec<f64> = chunk.iter().map(|s| s.of(sensor)[axis]).collect();
+                stats::deviation(&stats::differences(&signal, 2), Ddof::Zero) / stats::difference_gain(2)
+            })
+            .fold(0.0, f64::max)
+    });
+    let quarter = (chunk.len() / 4).max(1);
+    Second {
+        from_s: since(&chunk[0]),
+        to_s: since(&all[next]),
+        shakes,
+        gyro: chunk.chunks_exact(quarter).map(|q| mean(q, Sensor::Gyro)).collect(),
+        force: mean(chunk, Sensor::Accel),
+    }
+}
+
+fn mean(chunk: &[ImuSample], sensor: Sensor) -> [f64; 3] {
+    std::array::from_fn(|axis| chunk.iter().map(|s| s.of(sensor)[axis]).sum::<f64>() / chunk.len() as f64)
+}
+
+fn far(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+}
+
+/// The gyroscope's bias: median of the means over the fifth of the seconds in which it changes least.
+fn bias(seconds: &[Second]) -> [f64; 3] {
+    let spread = |s: &Second| s.gyro.windows(2).map(|w| far(&w[0], &w[1])).fold(0.0, f64::max);
+    let mut by_spread: Vec<&Second> = seconds.iter().collect();
+    by_spread.sort_by(|a, b| spread(a).total_cmp(&spread(b)));
+    by_spread.truncate(seconds.len().div_ceil(5));
+    std::array::from_fn(|axis| {
+        let values: Vec<f64> = by_spread.iter().flat_map(|s| s.gyro.iter().map(|w| w[axis])).collect();
+        stats::median(&values)
+    })
+}
+
+/// Takes short stretches between two of one kind for theirs.
+fn settle(kinds: &mut [Phase]) {
+    let mut begin = 0;
+    while begin < kinds.len() {
+        let kind = kinds[begin];
+        let end = begin + kinds[begin..].iter().take_while(|k| **k == kind).count();
+        if end - begin < SHORTEST && begin > 0 && end < kinds.len() && kinds[begin - 1] == kinds[end] {
+            let around = kinds[end];
+            kinds[begin..end].fill(around);
+        }
+        begin = end;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::doctor::values::tests::level;
+
+    #[test]
+    fn rest_motors_and_flight_are_told_apart_and_a_knock_is_no_phase() {
+        let mut samples = level(60);
+        for (i, s) in samples.iter_mut().enumerate() {
+            let t = s.t.ns() as f64 * 1e-9;
+            let shake = (2.0 * std::f64::consts::PI * 87.0 * t).sin();
+            s.gyro[2] += 0.04;
+            if (20.0..40.0).contains(&t) {
+                s.accel[0] += 1.2 * shake;
+            }
+            if t >= 40.0 {
+                s.accel[0] += 1.2 * shake;
+                s.gyro[0] += 0.6 * (2.0 * t).sin();
+            }
+            if (2010..2030).contains(&i) {
+                s.accel[1] += 2.0;
+            }
+        }
+        let found = phases(&ImuRecording::new(samples).unwrap());
+        let said: Vec<(Phase, f64, f64)> =
+            found.iter().map(|s| (s.phase, s.from_s.round(), s.to_s.round())).collect();
+        assert_eq!(
+            said,
+            [(Phase::Rest, 0.0, 20.0), (Phase::Motors, 20.0, 40.0), (Phase::Moving, 40.0, 60.0)]
+        );
+    }
+}

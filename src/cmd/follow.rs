@@ -1,0 +1,87 @@
+//! `dpn noise --follow`: deviations beside a running sensor.
+
+use super::log;
+use super::noise::json;
+use crate::args::{NoiseArgs, RowFormat};
+use anyhow::Result;
+use dpn_core::io::ImuLines;
+use dpn_core::{Sensor, Stamp};
+use dpn_eval::log_noise::{Answer, Plan};
+use std::io::{self, BufRead, Write};
+use std::path::Path;
+
+/// Samples after which the rate is held against what was said.
+const ENOUGH: usize = 400;
+
+/// Reads lines until stdin ends. A row that cannot be read, a stamp that does not increase and a value that is not finite are said on stderr
+/// and passed over.
+pub(crate) fn run(args: &NoiseArgs, plan: &Plan<'_>) -> Result<()> {
+    let mut lines = ImuLines::new(Path::new("stdin"), log::options(&args.how).csv);
+    let mut feed = plan.feed()?;
+    let mut before = feed.judged();
+    let (mut first, mut last): (Option<Stamp>, Option<Stamp>) = (None, None);
+    let mut index = 0usize;
+    let (mut input, mut line) = (io::stdin().lock(), Vec::new());
+    let mut out = io::stdout().lock();
+    if args.format == RowFormat::Csv {
+        let axes = |sensor: &str, unit: &str| {
+            ["x", "y", "z"].map(|axis| format!("{sensor}_std_{axis} [{unit}]")).join(",")
+        };
+        writeln!(out, "#timestamp [ns],{},{}", axes("accel", "m s^-2"), axes("gyro", "rad s^-1"))?;
+        out.flush()?;
+    }
+    loop {
+        line.clear();
+        if input.read_until(b'\n', &mut line)? == 0 {
+            return Ok(());
+        }
+        let samples = match lines.push(&line) {
+            Ok(samples) => samples,
+            // Nothing after a header without the columns can be understood.
+            Err(error) if index == 0 => return Err(error.into()),
+            Err(error) => {
+                eprintln!("warning: {error}; passed over");
+                continue;
+            }
+        };
+        for sample in samples {
+            if !sample.is_finite() || last.is_some_and(|last| sample.t <= last) {
+                eprintln!(
+                    "warning: a stamp of {} ns does not come after the one before; passed over",
+                    sample.t.ns()
+                );
+                continue;
+            }
+            last = Some(sample.t);
+            let start = *first.get_or_insert(sample.t);
+            let noise = feed.feed(&sample);
+            if index == ENOUGH {
+                let found = ENOUGH as f64 / sample.t.seconds_since(start);
+                if (found / args.rate.hz() - 1.0).abs() > 0.05 {
+                    eprintln!(
+                        "warning: the samples come at {found:.1} Hz, not at {:.1} Hz (--rate)",
+                        args.rate.hz()
+                    );
+                }
+            }
+            if index.is_multiple_of(plan.every()) {
+                let judged = feed.judged();
+                let answer = Answer { t: sample.t, noise, judged: judged.since(&before) };
+                before = judged;
+                let wrote = match args.format {
+                    RowFormat::Jsonl => writeln!(out, "{}", json(&answer)),
+                    RowFormat::Csv => {
+                        let ([ax, ay, az], [gx, gy, gz]) = (noise.of(Sensor::Accel), noise.of(Sensor::Gyro));
+                        writeln!(out, "{},{ax:?},{ay:?},{az:?},{gx:?},{gy:?},{gz:?}", sample.t.ns())
+                    }
+                };
+                match wrote.and_then(|()| out.flush()) {
+                    // Whoever listened has gone.
+                    Err(error) if error.kind() == io::ErrorKind::BrokenPipe => return Ok(()),
+                    other => other?,
+                }
+            }
+            index += 1;
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! Why a log gives no recording.
+
+use dpn_core::io::IoError;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// What is wrong with a log as a whole. `Display` says what and where, [`LogError::hint`] what to do.
+#[derive(Debug, Error)]
+pub enum LogError {
+    /// A text log, or a file that cannot be opened.
+    #[error(transparent)]
+    Io(#[from] IoError),
+    /// A folder without a log.
+    #[error("no log in {}: looked for mav0/imu0/data.csv, imu0/data.csv, *.mcap, *.db3", dir.display())]
+    NoLog {
+        /// Where.
+        dir: PathBuf,
+        /// Logs in the folders below.
+        below: Vec<PathBuf>,
+    },
+    /// A bag without a topic of an IMU.
+    #[error("{}: no topic of type sensor_msgs/Imu{}", path.display(), after("; it has ", topics))]
+    NoImu {
+        /// The bag.
+        path: PathBuf,
+        /// What it has.
+        topics: String,
+        /// What is wrong with the bag, where something is.
+        damage: Option<String>,
+    },
+    /// More than one IMU, and nobody said which.
+    #[error("{}: {} IMU topics: {topics}", path.display(), *count)]
+    SeveralTopics {
+        /// The bag.
+        path: PathBuf,
+        /// How many.
+        count: usize,
+        /// Their names and numbers of messages.
+        topics: String,
+        /// One of them.
+        one: String,
+    },
+    /// A topic that is not in the bag.
+    #[error("{}: no topic `{wanted}`{}", path.display(), after("; it has ", topics))]
+    NoTopic {
+        /// The bag.
+        path: PathBuf,
+        /// What was asked for.
+        wanted: String,
+        /// What it has.
+        topics: String,
+        /// The most similar name.
+        similar: Option<String>,
+    },
+    /// A topic of another type.
+    #[error("{}: `{topic}` is of type {kind}, not sensor_msgs/Imu", path.display())]
+    NotImu {
+        /// The bag.
+        path: PathBuf,
+        /// The topic.
+        topic: String,
+        /// Its type.
+        kind: String,
+    },
+    /// Not two samples of use.
+    #[error("{}: {found} sample(s) of use{}; a recording needs at least 2", path.display(), after(" on ", topic))]
+    TooFew {
+        /// The log.
+        path: PathBuf,
+        /// The topic.
+        topic: String,
+        /// How many there are.
+        found: usize,
+        /// Why there are no more, where that is known.
+        reason: Option<String>,
+    },
+    /// A clock that runs back again and again.
+    #[error("{}: time goes back at {count} of {of} samples, first at {place} {first}", path.display())]
+    Backward {
+        /// The log.
+        path: PathBuf,
+        /// How many samples.
+        count: usize,
+        /// Of how many.
+        of: usize,
+        /// `line` or `message`.
+        place: &'static str,
+        /// Which.
+        first: u64,
+    },
+    /// A file of this kind that cannot be read at all.
+    #[error("{}: {what}", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        what: String,
+    },
+    /// A bag that must be unpacked first.
+    #[error("{}: a compressed bag", path.display())]
+    Packed {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A topic was asked for where there are none.
+    #[error("{}: a {kind} has no topics", path.display())]
+    NoTopicsHere {
+        /// The log.
+        path: PathBuf,
+        /// What it is.
+        kind: &'static str,
+    },
+}
+
+fn after(words: &str, list: &str) -> String {
+    if list.is_empty() { String::new() } else { format!("{words}{list}") }
+}
+
+impl LogError {
+    /// What to do about it.
+    pub fn hint(&self) -> Option<String> {
+        let text = match self {
+            Self::Io(error) => return error.hint(),
+            Self::NoLog { below, .. } => match below.first() {
+                Some(first) => {
+                    return Some(format!(
+                        "there are {} below it: give one, for example {}",
+                        below.len(),
+                        first.display()
+                    ));
+                }
+                None => {
+                    "give a CSV file, a bag, or the folder of an ASL sequence (it holds `mav0` or `imu0`) or of a rosbag2"
+                }
+            },
+            Self::NoImu { damage: Some(damage), .. } => {
+                return Some(format!("the bag is damaged ({damage}); copy or record it again"));
+            }
+            Self::NoImu { .. } => {
+                "record the IMU's topic too; a driver that publishes another type must be converted to sensor_msgs/Imu"
+            }
+            Self::SeveralTopics { one, .. } => return Some(format!("say which one: --topic {one}")),
+            Self::NoTopic { similar: Some(similar), .. } => {
+                return Some(format!("did you mean `{similar}`?"));
+            }
+            Self::NoTopic { similar: None, .. } => {
+                "topics are written in full, as `rosbag info` or `ros2 bag info` shows them"
+            }
+            Self::NotImu { .. } => "choose the topic of the raw IMU; without --topic the only one is taken",
+            Self::TooFew { reason: Some(reason), .. } => {
+                return Some(format!("{reason}; copy or record it again"));
+            }
+            Self::TooFew { .. } => "record for longer, or look whether the file was cut off",
+            Self::Backward { .. } => "sort the samples by time, or cut the log where its clock was set",
+            Self::Damaged { .. } => "copy or record it again",
+            Self::Packed { .. } => "unpack it first, for example by `zstd -d` or `ros2 bag convert`",
+            Self::NoTopicsHere { .. } => "leave --topic out",
+        };
+        Some(text.to_owned())
+    }
+}

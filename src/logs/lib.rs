@@ -1,0 +1,40 @@
+//! Logs as people have them, read into one recording: [`read_log`].
+//!
+//! | what | how it is told | of it is used |
+//! |---|---|---|
+//! | ASL folder (EuRoC, TUM-VI) | holds `mav0/imu0/data.csv` or `imu0/data.csv` | all six axes |
+//! | rosbag2 folder | holds `*.mcap` or `*.db3` | one `sensor_msgs/msg/Imu` topic, over all its files |
+//! | rosbag1 | `#ROSBAG V2.0` | one `sensor_msgs/Imu` topic; chunks plain, lz4 or bz2 |
+//! | MCAP | its magic | one IMU topic in CDR or ROS 1 encoding; chunks plain, lz4 or zstd |
+//! | rosbag2's SQLite file | `SQLite format 3` | one IMU topic in CDR |
+//! | CSV | all else | columns by header, list or order; units by flag, header or guess |
+//!
+//! A reader here goes on where it can: a bag that is cut off or damaged gives everything before the damage, samples that no recording may
+//! hold are left out, and [`Log::warnings`] says all of it. Files are read as a stream: beside the samples there is one chunk in memory.
+//!
+//! Why the bag formats are parsed here: the part that concerns an IMU is a page each. `rosbag` 0.6 maps the file with `unsafe`, trusts its
+//! strings to be UTF-8, needs a bag's index, which one that was cut off has not, and panics on an odd one; `mcap` 0.26 subtracts the length
+//! of a record from that of its chunk unchecked, and brings two C libraries for decompression. Decompression and SQLite are crates'.
+#![cfg_attr(test, allow(clippy::unwrap_used))]
+
+mod bytes;
+mod decompress;
+mod error;
+#[cfg(test)]
+mod fuzz;
+#[cfg(test)]
+mod golden;
+mod imu_message;
+mod kind;
+mod log;
+mod mcap;
+mod read;
+mod rosbag1;
+mod rosbag2;
+mod sqlite;
+mod topics;
+
+pub use error::LogError;
+pub use kind::Kind;
+pub use log::Log;
+pub use read::{LogOptions, read_log, read_mcap, read_rosbag1, read_sqlite};

@@ -1,0 +1,64 @@
+//! A log that was read, and what is to be said of it.
+
+use crate::Kind;
+use dpn_core::ImuRecording;
+use dpn_core::io::{LeftOut, Sieved};
+
+/// A recording and where it came from.
+#[derive(Debug)]
+pub struct Log {
+    /// What kind of log it was.
+    pub kind: Kind,
+    /// The bag's topic.
+    pub topic: Option<String>,
+    /// The samples of use.
+    pub recording: ImuRecording,
+    /// Samples left out.
+    pub sieved: Sieved,
+    /// What the places of [`Sieved`] count: `line` or `message`.
+    pub place: &'static str,
+    /// What was wrong where the log ended early or could not be read.
+    pub damage: Option<String>,
+    /// What was guessed or taken for granted.
+    pub guesses: Vec<String>,
+    /// All else that should be known, one line each.
+    pub remarks: Vec<String>,
+}
+
+impl Log {
+    /// A recording that is as it should be.
+    pub fn sound(kind: Kind, recording: ImuRecording) -> Self {
+        Self {
+            kind,
+            topic: None,
+            recording,
+            sieved: Sieved::default(),
+            place: "line",
+            damage: None,
+            guesses: Vec::new(),
+            remarks: Vec::new(),
+        }
+    }
+
+    /// What a person must know before trusting a figure made from it: damage, and samples that were left out. A line each.
+    pub fn warnings(&self) -> Vec<String> {
+        let used = || format!("the {} samples before the damage are used", self.recording.len());
+        let mut all: Vec<String> =
+            self.damage.iter().map(|damage| format!("damaged log: {damage}; {}", used())).collect();
+        let place = |left: &LeftOut| {
+            left.first.map_or_else(String::new, |first| format!(", first at {} {first}", self.place))
+        };
+        let Sieved { repeated, backward, not_finite } = &self.sieved;
+        for (left, words) in [
+            (repeated, "sample(s) with the stamp of the one before"),
+            (backward, "sample(s) whose stamp goes back"),
+            (not_finite, "sample(s) with NaN or infinite values"),
+        ] {
+            if left.count > 0 {
+                all.push(format!("left out: {} {words}{}", left.count, place(left)));
+            }
+        }
+        all.extend(self.remarks.iter().cloned());
+        all
+    }
+}

@@ -1,0 +1,30 @@
+//! A rosbag2 folder: its files one after the other, as one bag.
+
+use crate::kind::bags;
+use crate::topics::Topics;
+use crate::{mcap, sqlite};
+use dpn_core::io::IoError;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+/// Reads all files of a folder; returns what was wrong with the first damaged one. The files behind it are read all the same: they are
+/// whole recordings of their own.
+pub(crate) fn read(dir: &Path, topics: &mut Topics) -> Result<Option<String>, IoError> {
+    let mut damage = None;
+    for file in bags(dir)?.0 {
+        topics.next_file();
+        let found = match file.extension().and_then(|e| e.to_str()) {
+            Some("mcap") => {
+                let opened = File::open(&file).map_err(|e| IoError::reading(&file, e))?;
+                mcap::read(BufReader::new(opened), topics).map_err(|e| IoError::reading(&file, e))?
+            }
+            _ => sqlite::read(&file, topics),
+        };
+        if let Some(found) = found {
+            let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            damage.get_or_insert(format!("{name}: {found}"));
+        }
+    }
+    Ok(damage)
+}

@@ -1,0 +1,234 @@
+//! Logs of every kind and with every fault, through `dpn check`: what is wrong is said in one line each, what is left is used, and where
+//! nothing is left the exit code is 2.
+
+use crate::recording::{HEADER, put, rows, text};
+use crate::run::{Done, dpn, end};
+use std::path::{Path, PathBuf};
+
+fn bags() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("golden/bags")
+}
+
+fn check(dir: &Path, log: &Path, more: &[&str]) -> Done {
+    end(dpn().arg("check").arg(log).arg("--out").arg(dir.join("out")).args(more))
+}
+
+/// Checks made-up text in a file.
+fn check_text(text: &str, more: &[&str]) -> Done {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("log.csv");
+    std::fs::write(&path, text).unwrap();
+    check(dir.path(), &path, more)
+}
+
+/// The lines of a page about `about`, with their weight.
+fn about(done: &Done, about: &str) -> Vec<String> {
+    let marked = |line: &&str| {
+        line.split_once(": ").is_some_and(|(_, rest)| {
+            rest.starts_with(&format!("{about}: ")) || rest.trim_start().starts_with(&format!("{about}: "))
+        })
+    };
+    done.stdout.lines().filter(marked).map(str::to_owned).collect()
+}
+
+#[test]
+fn bags_of_every_kind_are_read_and_a_topic_is_asked_for_where_there_are_two() {
+    let dir = tempfile::tempdir().unwrap();
+    for name in [
+        "plain.bag",
+        "lz4.bag",
+        "bz2.bag",
+        "plain.mcap",
+        "lz4.mcap",
+        "zstd.mcap",
+        "mcap",
+        "sqlite",
+        "sqlite/sqlite.db3",
+    ] {
+        let done = check(dir.path(), &bags().join(name), &[]).well();
+        assert!(done.stdout.starts_with("12 samples, 0.1 s, 100.00 Hz\n"), "{name}: {done:?}");
+    }
+    let two = bags().join("two_imus.bag");
+    let done = check(dir.path(), &two, &[]);
+    assert_eq!(done.code, Some(2), "{done:?}");
+    assert!(
+        done.stderr.ends_with("two_imus.bag: 2 IMU topics: /imu0 (12 messages), /imu1 (12 messages)\n\nhint: say which one: --topic /imu0\n"),
+        "{done:?}"
+    );
+    check(dir.path(), &two, &["--topic", "/imu1"]).well();
+    let done = check(dir.path(), &two, &["--topic", "/imu2"]);
+    assert!(done.code == Some(2) && done.stderr.contains("\n\nhint: did you mean `/imu"), "{done:?}");
+    let done = check(dir.path(), &bags().join("no_imu.bag"), &[]);
+    assert!(
+        done.code == Some(2)
+            && done.stderr.contains("no topic of type sensor_msgs/Imu; it has /talk (std_msgs/String)"),
+        "{done:?}"
+    );
+}
+
+#[test]
+fn a_bag_cut_off_or_damaged_is_used_up_to_there_and_one_of_nothing_is_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("cut.bag");
+    let whole = std::fs::read(bags().join("plain.bag")).unwrap();
+    std::fs::write(&path, &whole[..whole.len() / 2]).unwrap();
+    let done = check(dir.path(), &path, &[]).well();
+    assert!(about(&done, "damage")[0].contains("cut off in the "), "{done:?}");
+    std::fs::write(&path, &whole[..600]).unwrap();
+    let done = check(dir.path(), &path, &[]);
+    assert!(
+        done.code == Some(2) && done.stderr.contains("hint: the bag is damaged (cut off in the "),
+        "{done:?}"
+    );
+    let mut bytes = std::fs::read(bags().join("lz4.mcap")).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle..middle + 40].fill(0xaa);
+    let path = dir.path().join("damaged.mcap");
+    std::fs::write(&path, bytes).unwrap();
+    let done = check(dir.path(), &path, &[]).well();
+    assert!(about(&done, "damage")[0].contains("the chunk at byte "), "{done:?}");
+    let path = dir.path().join("other.db3");
+    std::fs::write(&path, "no database").unwrap();
+    let done = check(dir.path(), &path, &[]);
+    assert!(done.code == Some(2) && done.stderr.contains("does not begin as a db3 file does"), "{done:?}");
+}
+
+#[test]
+fn stamps_that_repeat_or_go_back_and_nan_are_left_out_and_said_with_their_line() {
+    let mut sick = rows(3000, 5_000_000);
+    sick[100].0 = sick[99].0;
+    sick[200].0 = sick[150].0;
+    let mut lines: Vec<String> = text(&sick).lines().map(str::to_owned).collect();
+    lines[301] = lines[301].rsplit_once(',').unwrap().0.to_owned() + ",NaN";
+    let done = check_text(&lines.join("\n"), &[]).well();
+    assert_eq!(
+        about(&done, "stamps"),
+        [
+            "warning: stamps: 1 samples have the stamp of the one before, first at line 102; they are left out",
+            "warning: stamps: 1 samples have a stamp that goes back, first at line 202; they are left out",
+        ]
+    );
+    assert_eq!(
+        about(&done, "values"),
+        ["warning: values: 1 samples hold NaN or infinity, first at line 302; they are left out"]
+    );
+    assert!(about(&done, "gaps")[0].contains("3 hole(s), about 3 samples lost"), "{done:?}");
+    // Backwards throughout: nothing can be done.
+    let mut reversed = rows(3000, 5_000_000);
+    reversed.reverse();
+    let done = check_text(&text(&reversed), &[]);
+    assert!(
+        done.code == Some(2)
+            && done.stderr.contains("time goes back at 2999 of 3000 samples, first at line 3"),
+        "{done:?}"
+    );
+}
+
+#[test]
+fn a_last_line_cut_off_and_rows_that_cannot_be_read_are_said() {
+    let whole = text(&rows(3000, 5_000_000));
+    let cut = &whole[..whole.len() - 40];
+    let done = check_text(cut, &[]).well();
+    assert!(about(&done, "damage")[0].contains("its last line is cut off"), "{done:?}");
+    let odd = whole.replacen(",9.", ",nine.", 1);
+    let done = check_text(&odd, &[]).well();
+    assert!(
+        about(&done, "rows")[0].contains("left out: 1 row(s) that cannot be read, the first: "),
+        "{done:?}"
+    );
+    let done = check_text(&whole.replace(",9.", ",nine."), &[]);
+    assert!(done.code == Some(2) && done.stderr.contains("log.csv:2: accel_z is \"nine."), "{done:?}");
+}
+
+#[test]
+fn swapped_columns_mixed_units_clipped_and_dead_axes_and_dropped_samples_are_told_apart() {
+    let sick = |change: fn(usize, &mut [f64; 6])| {
+        let mut rows = rows(4000, 5_000_000);
+        for (i, (_, values)) in rows.iter_mut().enumerate() {
+            change(i, values);
+        }
+        check_text(&text(&rows), &[]).well()
+    };
+    let done = sick(|_, v| v.rotate_left(3));
+    assert!(
+        about(&done, "columns")[0].starts_with("bad:     columns: gravity stands in the gyroscope's columns"),
+        "{done:?}"
+    );
+    let done = sick(|_, v| (v[3], v[4], v[5]) = (v[3] / 9.80665, v[4] / 9.80665, v[5] / 9.80665));
+    assert!(about(&done, "units")[0].contains("it counts in g"), "{done:?}");
+    let done = sick(|_, v| v[5] -= 9.81);
+    assert!(about(&done, "gravity")[0].contains("gravity is missing"), "{done:?}");
+    let done = sick(|i, v| v[1] = (v[1] + 60.0 * (i as f64 * 0.01).sin()).min(40.0));
+    assert!(about(&done, "units")[0].contains("it counts in degrees, or clips"), "{done:?}");
+    let done = sick(|i, v| v[3] = (v[3] + 30.0 * (i as f64 * 0.3).sin()).clamp(-19.6, 19.6));
+    assert!(about(&done, "clipped")[0].contains("accel x is saturated: it stays at "), "{done:?}");
+    let done = sick(|_, v| v[2] = 0.25);
+    assert!(about(&done, "dead")[0].contains("gyro z is dead: it reads 0.25"), "{done:?}");
+    let mut rows = rows(4000, 5_000_000);
+    rows.drain(1000..1050);
+    let done = check_text(&text(&rows), &[]).well();
+    assert!(about(&done, "gaps")[0].contains("1 hole(s), about 50 samples lost; at 5.00"), "{done:?}");
+}
+
+#[test]
+fn units_that_nobody_named_are_guessed_and_a_flag_wins() {
+    let plain: String = rows(3000, 5_000_000)
+        .iter()
+        .map(|(t, v)| {
+            format!(
+                "{},{},{},{},{},{},{}\n",
+                t / 1000,
+                v[3] / 9.80665,
+                v[4] / 9.80665,
+                v[5] / 9.80665,
+                v[0],
+                v[1],
+                v[2]
+            )
+        })
+        .collect();
+    let done = check_text(&plain, &[]).well();
+    let taken = &about(&done, "taken for granted")[0];
+    for words in [
+        "columns as stamp, accelerometer, gyroscope",
+        "stamps in us",
+        "gyroscope in rad/s",
+        "accelerometer in g",
+    ] {
+        assert!(taken.contains(words), "{words}: {taken}");
+    }
+    assert!(about(&done, "gravity")[0].contains("the accelerometer reads 9.8"), "{done:?}");
+    let done = check_text(
+        &plain,
+        &["--columns", "1,5,6,7,2,3,4", "--accel-unit", "m/s^2", "--gyro-unit", "rad/s", "--time-unit", "us"],
+    )
+    .well();
+    assert!(about(&done, "taken for granted").is_empty(), "{done:?}");
+    assert!(about(&done, "units")[0].contains("it counts in g"), "{done:?}");
+}
+
+#[test]
+fn what_is_no_log_is_refused_with_what_was_looked_for() {
+    let dir = tempfile::tempdir().unwrap();
+    check(dir.path(), &dir.path().join("gone.csv"), &[]).refused(
+        dir.path(),
+        "error: [DIR]/gone.csv does not exist\n\nhint: [DIR] is there; look at the rest of the path",
+    );
+    let empty = dir.path().join("empty");
+    std::fs::create_dir(&empty).unwrap();
+    check(dir.path(), &empty, &[]).refused(
+        dir.path(),
+        "error: no log in [DIR]/empty: looked for mav0/imu0/data.csv, imu0/data.csv, *.mcap, *.db3\n\n\
+         hint: give a CSV file, a bag, or the folder of an ASL sequence (it holds `mav0` or `imu0`) or of a rosbag2",
+    );
+    let data = put(&dir.path().join("logs"), "still", &text(&rows(300, 5_000_000)));
+    let done = check(dir.path(), &data, &[]);
+    assert!(
+        done.code == Some(2) && done.stderr.contains("hint: there are 1 below it: give one, for example "),
+        "{done:?}"
+    );
+    let done = check(dir.path(), &data.join("still"), &["--topic", "/imu0"]);
+    assert!(done.code == Some(2) && done.stderr.contains("an ASL folder has no topics"), "{done:?}");
+    let done = check_text(HEADER, &[]);
+    assert!(done.code == Some(2) && done.stderr.contains("no row of data"), "{done:?}");
+}

@@ -1,0 +1,179 @@
+//! `dpn noise LOG`: the track, its summary, what is out of range, and a configuration against it.
+
+use crate::recording::{Rows, put, rows, text};
+use crate::run::{Done, dpn, end, files};
+use std::io::Write;
+use std::path::Path;
+use std::process::Stdio;
+
+/// 20 s at rest, 20 s of motors, 20 s of flight, at `step_ns`.
+fn flight(step_ns: i64) -> Rows {
+    let per_second = 1_000_000_000 / step_ns;
+    let mut all = rows(60 * per_second as usize, step_ns);
+    for (i, (_, values)) in all.iter_mut().enumerate() {
+        let t = i as f64 / per_second as f64;
+        if t >= 20.0 {
+            values[3] += 1.2 * (2.0 * std::f64::consts::PI * 61.0 * t).sin();
+        }
+        if t >= 40.0 {
+            values[0] += 0.8 * (2.0 * t).sin();
+        }
+    }
+    all
+}
+
+fn noise(dir: &Path, rows: &Rows, more: &[&str]) -> Done {
+    let data = put(&dir.join("log"), "log", &text(rows));
+    end(dpn().arg("noise").arg(data.join("log")).arg("--out").arg(dir.join("out")).args(more))
+}
+
+#[test]
+fn the_page_has_the_phases_and_shouts_what_is_out_of_range() {
+    let dir = tempfile::tempdir().unwrap();
+    let done = noise(dir.path(), &flight(5_000_000), &[]).well();
+    assert!(done.stderr.contains("warning: OUT OF RANGE: "), "{done:?}");
+    assert!(
+        done.stderr.contains("of the accel windows are unlike anything its network was trained on"),
+        "{done:?}"
+    );
+    for words in [
+        "noise by dualpronet, every 10 samples",
+        "  at rest     20 s",
+        "  motors on   20 s",
+        "  moving      20 s",
+        "times as noisy moving as at rest",
+    ] {
+        assert!(done.stdout.contains(words), "{words}: {}", done.stdout);
+    }
+    let names: Vec<String> = files(&dir.path().join("out")).into_keys().collect();
+    assert_eq!(names, ["noise.csv", "plot.csv", "plot.png", "plot.svg", "summary.json"]);
+}
+
+/// The promise of the command: what it says at a time does not depend on what comes later.
+#[test]
+fn the_track_of_a_log_cut_anywhere_is_that_of_the_whole_up_to_there() {
+    let dir = tempfile::tempdir().unwrap();
+    let all = flight(2_500_000);
+    for spec in ["dualpronet", "diff2"] {
+        let track = |rows: &Rows| {
+            noise(dir.path(), rows, &["--noise", spec, "--every", "7"]).well();
+            std::fs::read_to_string(dir.path().join("out/noise.csv")).unwrap()
+        };
+        let whole = track(&all);
+        for cut in [500, 3001, 14_007, 23_999] {
+            let part = track(&all[..cut].to_vec());
+            assert_eq!(part.lines().count(), 1 + cut.div_ceil(7));
+            assert!(whole.starts_with(&part), "{spec} {cut}");
+        }
+    }
+}
+
+#[test]
+fn json_lines_summary_and_white_noise_of_a_simple_estimator() {
+    let dir = tempfile::tempdir().unwrap();
+    let done =
+        noise(dir.path(), &rows(12_000, 5_000_000), &["--noise", "diff2", "--json", "--format", "jsonl"])
+            .well();
+    let json = done.json();
+    assert_eq!((json["noise"].as_str(), json["rate_hz"].as_f64()), (Some("diff2"), Some(200.0)));
+    let whole = &json["summary"]["phases"][0];
+    assert_eq!(whole["axes"].as_array().unwrap().len(), 6);
+    // Uniform noise of a width of .05 and .004.
+    for (axis, width) in [(0, 0.05), (3, 0.004)] {
+        let middle = whole["axes"][axis]["sigma"]["middle"].as_f64().unwrap();
+        assert!((middle / (width / 12f64.sqrt()) - 1.0).abs() < 0.05, "{middle}");
+    }
+    assert_eq!(json["summary"]["phases"][1]["phase"], "rest");
+    let lines = std::fs::read_to_string(dir.path().join("out/noise.jsonl")).unwrap();
+    let first: serde_json::Value = serde_json::from_str(lines.lines().next().unwrap()).unwrap();
+    assert_eq!(first["t_ns"].as_i64(), Some(1_400_000_000_000_000_000));
+    assert_eq!(lines.lines().count(), 1200);
+}
+
+#[test]
+fn another_rate_gets_a_simple_estimator_and_is_refused_for_networks() {
+    let dir = tempfile::tempdir().unwrap();
+    let slow = rows(6000, 10_000_000);
+    let done = noise(dir.path(), &slow, &[]).well();
+    assert!(done.stderr.contains("the simple estimator diff2 is asked instead"), "{done:?}");
+    noise(dir.path(), &slow, &["--noise", "dualpronet"]).refused(
+        dir.path(),
+        "error: the log has 100.0 Hz; the networks of `dualpronet` were trained at 200.0 Hz and count samples, not time\n\n\
+         hint: whole multiples of 200 Hz are thinned by themselves; else give a simple estimator: --noise diff2",
+    );
+    let done = noise(dir.path(), &rows(6000, 2_500_000), &[]).well();
+    assert!(done.stdout.contains("the networks saw every second samples: the log has 400 Hz"), "{done:?}");
+    let done = noise(dir.path(), &slow, &["--noise", "shuffled(x1)"]);
+    assert!(done.code == Some(2) && done.stderr.contains("is not causal"), "{done:?}");
+    let done = noise(dir.path(), &rows(150, 5_000_000), &[]);
+    assert!(done.code == Some(2) && done.stderr.contains("the first window alone has 1.00 s"), "{done:?}");
+}
+
+#[test]
+fn a_configuration_is_held_against_floor_and_envelope() {
+    let dir = tempfile::tempdir().unwrap();
+    let config = dir.path().join("vins.yaml");
+    let check = |acc: f64, gyr: f64| {
+        std::fs::write(&config, format!("acc_n: {acc}\nacc_w: 4e-5\ngyr_n: {gyr}\ngyr_w: 2e-6\n")).unwrap();
+        noise(dir.path(), &flight(5_000_000), &["--noise", "diff2", "--check", config.to_str().unwrap()])
+            .well()
+    };
+    let line = |done: &Done, key: &str| {
+        done.stdout.lines().find(|l| l.contains(&format!("`{key}` is"))).unwrap_or_default().to_owned()
+    };
+    // At rest .0144 and .00115; the accelerometer shakes by much more in the air.
+    let done = check(1.0, 0.00115 * 57.3);
+    assert!(
+        line(&done, "acc_n").starts_with("ok:      accelerometer noise")
+            && line(&done, "acc_n").ends_with("fits the log in motion"),
+        "{done:?}"
+    );
+    assert!(
+        line(&done, "gyr_n").starts_with("warning:")
+            && line(&done, "gyr_n").contains("degrees where radians belong"),
+        "{done:?}"
+    );
+    let done = check(0.0144 / 200f64.sqrt(), 0.00115);
+    assert!(
+        line(&done, "acc_n").contains(
+            "the IMU is trusted too much; looks like a density where a deviation per sample belongs"
+        ),
+        "{done:?}"
+    );
+    assert!(line(&done, "gyr_n").starts_with("ok:"), "{done:?}");
+    let done = check(0.02, 0.00115);
+    assert!(line(&done, "acc_n").contains("fits the sensor at rest, "), "{done:?}");
+    std::fs::write(&config, "acc_n: 0\nacc_w: 4e-5\ngyr_n: 1\ngyr_w: 2e-6\n").unwrap();
+    let done = noise(dir.path(), &flight(5_000_000), &["--check", config.to_str().unwrap()]);
+    assert!(
+        done.code == Some(2) && done.stderr.contains("`acc_n` is 0; a noise figure is above zero"),
+        "{done:?}"
+    );
+}
+
+#[test]
+fn deviations_follow_lines_on_stdin_and_are_those_of_the_log() {
+    let dir = tempfile::tempdir().unwrap();
+    let all = flight(5_000_000);
+    noise(dir.path(), &all, &[]).well();
+    let whole = std::fs::read_to_string(dir.path().join("out/noise.csv")).unwrap();
+    let mut child = dpn()
+        .args(["noise", "--follow"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut input = child.stdin.take().unwrap();
+    let mut lines = text(&all);
+    lines.push_str("what is this\n");
+    let writer = std::thread::spawn(move || input.write_all(lines.as_bytes()).unwrap());
+    let done = child.wait_with_output().unwrap();
+    writer.join().unwrap();
+    assert!(done.status.success(), "{done:?}");
+    assert_eq!(String::from_utf8(done.stdout).unwrap(), whole);
+    let stderr = String::from_utf8(done.stderr).unwrap();
+    assert_eq!(stderr, "warning: stdin:12002: 1 fields, expected 7; passed over\n");
+    let done = end(dpn().args(["noise", "--follow"]).stdin(Stdio::null())).well();
+    assert_eq!(done.stdout.lines().count(), 1);
+}
