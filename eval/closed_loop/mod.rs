@@ -19,6 +19,7 @@ mod recording;
 mod row;
 mod single;
 mod source;
+mod states;
 mod store;
 mod sweep;
 mod table;
@@ -27,12 +28,16 @@ pub use compare::{Comparison, compare};
 pub use consistency::{Consistency, consistency};
 pub use drive::{Driven, FEWEST_FRAMES, drive, frames_from};
 pub use error::ClosedLoopError;
-pub use judge::{Errors, Judged, Told, judge};
+pub use judge::{Errors, Judged, Told, judge, paired};
 pub use paper::Peer;
 pub use recording::{Recording, StartAt, first_motion};
 pub use row::{CellKey, Failure, Restart, Row, StageSeconds};
 pub use single::{Report, Single, single};
 pub use source::{Source, Tracks};
+pub use states::write_states;
 pub use store::{Manifest, Store};
-pub use sweep::Sweep;
+pub use sweep::{Keep, Sweep};
 pub use table::{Summary, render, render_comparisons, render_consistency, summaries};
+
+#[cfg(test)]
+pub(crate) use row::testing;

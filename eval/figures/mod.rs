@@ -7,7 +7,9 @@
 
 mod allan_plot;
 mod axis;
+mod diagram;
 mod error;
+mod error_band;
 mod flight;
 mod flight_sigma;
 mod frame;
@@ -17,15 +19,23 @@ mod predicted_vs_true;
 mod raster;
 mod rmse_vs_sigma;
 mod sheet;
+mod sourced;
 mod spectrum_plot;
 mod style;
 mod summary;
+mod sweep_curve;
+mod trajectories;
 
 pub use allan_plot::AllanPlot;
+pub use diagram::{Arrow, Block, BlockKind, Diagram};
 pub use error::FigureError;
+pub use error_band::{ErrorBand, ErrorColumn};
 pub use flight::{Flight, Phase};
 pub use flight_sigma::FlightSigma;
 pub use plot::{DrawError, Drawn, Plot, save};
 pub use predicted_vs_true::{Predicted, PredictedVsTrue};
 pub use rmse_vs_sigma::RmseVsSigma;
+pub use sourced::Sourced;
 pub use spectrum_plot::SpectrumPlot;
+pub use sweep_curve::{SweepCurve, SweepPoint};
+pub use trajectories::{Trajectories, TrajectoryPanel};

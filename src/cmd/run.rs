@@ -5,7 +5,7 @@ use crate::args::RunArgs;
 use crate::ui::Fault;
 use anyhow::Result;
 use dpn_core::io::{atomic_write, write_tum};
-use dpn_eval::closed_loop::{Report, Single, Source, Told, Tracks, single};
+use dpn_eval::closed_loop::{Report, Single, Source, Told, Tracks, single, write_states};
 use dpn_eval::noise::Noise;
 use dpn_eval::open_loop::networks;
 use dpn_sim::Flight;
@@ -66,7 +66,7 @@ fn open(args: &RunArgs) -> Result<(Source, usize)> {
 
 fn write(done: &Single, report: &serde_json::Value, out: &Path) -> Result<()> {
     write_tum(&out.join("trajectory.tum"), &done.driven.poses())?;
-    atomic_write(&out.join("states.csv"), |file| done.write_states(file))?;
+    atomic_write(&out.join("states.csv"), |file| write_states(&done.driven, &done.noise, file))?;
     let text = serde_json::to_string_pretty(report)? + "\n";
     atomic_write(&out.join("report.json"), |file| file.write_all(text.as_bytes()))?;
     Ok(())

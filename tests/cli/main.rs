@@ -12,6 +12,7 @@ mod closed_loop;
 mod eval;
 mod noise;
 mod odometry;
+mod paper;
 mod recording;
 mod run;
 mod simulate;
