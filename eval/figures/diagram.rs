@@ -119,11 +119,10 @@ impl Diagram {
         };
         let low = arrows.iter().flat_map(|a| &a.path).map(|p| p.1).max().unwrap_or(0);
         for block in &blocks {
-            let widest =
-                (0..).zip(&block.lines).map(|(i, line)| style::width(line, em(i))).max().unwrap_or(0);
             let high = LARGE + SMALL * (block.lines.len() as i32 - 1);
             let inside = block.at.0 >= 0 && block.at.0 + block.size.0 <= style::WIDTH as i32;
-            if !inside || widest > block.size.0 - 8 || high > block.size.1 {
+            let readable = (0..).zip(&block.lines).all(|(i, line)| fitted(block, i, line) >= SMALLEST);
+            if !inside || !readable || high > block.size.1 {
                 return Err(FigureError::Draw {
                     reason: format!(
                         "the box `{}` does not fit its place or its words",
@@ -139,9 +138,14 @@ impl Diagram {
 /// Height of the first line.
 const LARGE: i32 = 36;
 
-/// Size of the letters of a line.
-fn em(line: i32) -> f64 {
-    if line == 0 { style::TICK } else { style::CAPTION }
+/// Size of letters below which nobody reads.
+const SMALLEST: f64 = 14.0;
+
+/// Size of the letters of a line: smaller where its words are too wide for the box.
+fn fitted(block: &Block, line: i32, words: &str) -> f64 {
+    let em = if line == 0 { style::TICK } else { style::CAPTION };
+    let (room, width) = (f64::from(block.size.0 - 14), f64::from(style::width(words, em)));
+    if width > room { em * room / width } else { em }
 }
 
 impl Plot for Diagram {
@@ -163,7 +167,11 @@ impl Plot for Diagram {
             let mut y = top + (height - words) / 2 + LARGE / 2;
             for (i, line) in (0..).zip(&block.lines) {
                 let colour = if i == 0 { style::INK } else { style::MUTED };
-                area.draw_text(line, &style::text(em(i), colour, Anchor::Centre), (left + width / 2, y))?;
+                area.draw_text(
+                    line,
+                    &style::text(fitted(block, i, line), colour, Anchor::Centre),
+                    (left + width / 2, y),
+                )?;
                 y += if i == 0 { (LARGE + SMALL) / 2 } else { SMALL };
             }
         }

@@ -29,7 +29,7 @@ fn paper(dir: &Path, more: &[&str]) -> Done {
         "--plan",
         "plan.toml",
         "--sequences",
-        "room-medium,hover",
+        "room-medium,spiral",
         "--from",
         "50",
     ]);

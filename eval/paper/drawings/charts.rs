@@ -9,22 +9,22 @@ use dpn_train::windows::WINDOW;
 /// Estimators drawn over the bound.
 const SHOWN: [&str; 5] = ["pronet", "pronet-paper", "kernel-svr", "diff2", "sg(11,2)"];
 
-/// Of the test windows on the paper's grid over SG(11,2), else over the first base there is.
+/// Of the test windows on the paper's grid over SG(11,2), else over the first base there is; of the training windows where there are no others.
 pub(in crate::paper) fn rmse(rows: &[open_loop::Row], data: &str) -> Result<RmseVsSigma, FigureError> {
     let wanted = |row: &&open_loop::Row| {
-        row.split == "test"
-            && row.levels == "grid"
+        row.levels == "grid"
             && row.label == "sigma_inj"
             && row.data == data
             && SHOWN.contains(&row.estimator.as_str())
     };
     let rows: Vec<&open_loop::Row> = rows.iter().filter(wanted).collect();
-    let base = rows
-        .iter()
+    let split = if rows.iter().any(|row| row.split == "test") { "test" } else { "train" };
+    let of_split = || rows.iter().copied().filter(|row| row.split == split);
+    let base = of_split()
         .find(|row| row.base == "sg(11,2)")
-        .or(rows.first())
+        .or(of_split().next())
         .map_or_else(String::new, |row| row.base.clone());
-    let of_base: Vec<&open_loop::Row> = rows.into_iter().filter(|row| row.base == base).collect();
+    let of_base: Vec<&open_loop::Row> = of_split().filter(|row| row.base == base).collect();
     RmseVsSigma::new(&of_base, WINDOW)
 }
 
