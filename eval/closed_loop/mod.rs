@@ -34,6 +34,7 @@ pub use recording::{Recording, StartAt, first_motion};
 pub use row::{CellKey, Failure, Restart, Row, StageSeconds};
 pub use single::{Report, Single, single};
 pub use source::{Source, Tracks};
+pub(crate) use states::ANCHOR;
 pub use states::write_states;
 pub use store::{Manifest, Store};
 pub use sweep::{Keep, Sweep};

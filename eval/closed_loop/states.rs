@@ -5,7 +5,11 @@ use dpn_core::{NoiseTrack, Sensor};
 use dpn_vio::estimator::Phase;
 use std::io::Write;
 
-/// Writes a line a frame as CSV: stamp, what the estimator does, state, believed deviations of the pose, noise in force, counts.
+/// Before the pose that covariances are about: stamp, position, quaternion (w x y z).
+pub(crate) const ANCHOR: &str = "#anchor,";
+
+/// Writes a line a frame as CSV: stamp, what the estimator does, state, believed deviations of the pose, noise in force, counts. A line
+/// behind `#anchor` has the pose that the estimator took for known.
 ///
 /// # Errors
 /// Those of the writer.
@@ -23,6 +27,14 @@ pub fn write_states(driven: &Driven, noise: &NoiseTrack, out: &mut dyn Write) ->
         axes("accel_noise", " [m s^-2]"),
         axes("gyro_noise", " [rad s^-1]"),
     )?;
+    if let Some(anchor) = &driven.report.anchor {
+        let (p, q) = (anchor.world_from_body.translation.vector, anchor.world_from_body.rotation.coords);
+        write!(out, "{ANCHOR}{}", anchor.t.ns())?;
+        for value in p.iter().chain([&q.w, &q.x, &q.y, &q.z]) {
+            write!(out, ",{value:?}")?;
+        }
+        writeln!(out)?;
+    }
     for update in &driven.updates {
         let phase = match update.phase {
             Phase::Initialising(reason) => format!("initialising: {}", reason.name()),

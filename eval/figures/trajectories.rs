@@ -9,6 +9,7 @@ use super::sheet::{MARGIN, ROOM};
 use super::style::{self, Anchor, PALETTE};
 use plotters::coord::Shift;
 use plotters::drawing::DrawingArea;
+use plotters::style::ShapeStyle;
 use plotters_backend::DrawingBackend;
 
 const FIGURE: &str = "trajectories";
@@ -20,6 +21,8 @@ const AROUND: (i32, i32, i32, i32) = (84, 74, 14, 52);
 const PANEL: (i32, i32) = ((ROOM - ACROSS as i32 * (AROUND.0 + AROUND.2)) / ACROSS as i32, 400);
 /// Points of a path at most: a point every few centimetres of paper.
 const MOST: usize = 700;
+/// Steps of a path drawn at once.
+const PIECE: usize = 8;
 /// Estimates at most.
 const MOST_ESTIMATES: usize = 4;
 
@@ -152,9 +155,15 @@ impl Drawable {
         let frame = Frame::new(area, rect, &self.x, &self.y);
         frame.grid()?;
         let line = |path: &[[f64; 2]]| path.iter().map(|p| frame.at(p[0], p[1])).collect::<Vec<_>>();
-        frame.path(line(&self.truth), style::stroke(style::INK, style::LINE + 1))?;
-        for (i, path) in self.estimates.iter().enumerate().filter(|(_, path)| !path.is_empty()) {
-            frame.path(line(path), style::stroke(colour(i), style::THIN + 1))?;
+        // In pieces: where a thick line crosses itself in one piece, bitmaps leave a hole.
+        let draw = |path: &[[f64; 2]], style: ShapeStyle| {
+            let ends = (0..path.len().saturating_sub(1)).step_by(PIECE);
+            ends.map(|from| &path[from..(from + PIECE + 1).min(path.len())])
+                .try_for_each(|piece| frame.path(line(piece), style))
+        };
+        draw(&self.truth, style::stroke(style::INK, style::LINE + 1))?;
+        for (i, path) in self.estimates.iter().enumerate() {
+            draw(path, style::stroke(colour(i), style::THIN + 1))?;
         }
         frame.small_axes()?;
         let at = |up: i32| (rect.left, rect.top - up);

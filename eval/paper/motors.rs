@@ -53,7 +53,7 @@ fn joined(phases: Vec<Phase>) -> Vec<Phase> {
     for phase in phases {
         match kept.last_mut() {
             Some(last) if last.label == phase.label || phase.to - phase.from < SHORTEST_S => {
-                last.to = phase.to
+                last.to = phase.to;
             }
             _ => kept.push(phase),
         }

@@ -71,9 +71,10 @@ pub(super) fn findings(input: &Input, study: &Study, values: &[(Course, Value)])
     if let Some((_, value)) = values.iter().find(|(course, _)| *course == Course::Step)
         && let (Some(best), Some(gap)) = (&value.best_constant, value.gap[0])
     {
+        let word = if gap >= 0.0 { "below" } else { "above" };
         found.push(format!(
-            "Where white noise goes up and down by a known factor, an oracle is {} below {best}, the best constant.",
-            percent(gap)
+            "Where white noise goes up and down by a known factor, an oracle's median error lies {} {word} that of {best}, the best constant.",
+            percent(gap.abs())
         ));
         let adaptive = value
             .worth
@@ -128,7 +129,7 @@ impl Story<'_> {
         out.push_str("<p class=\"lead\">VIO-DualProNet (Solodar and Klein) lets two small networks read the noise of an inertial sensor off its signal and hands it to a \
                       visual-inertial odometry. Here is the paper again, from data, and what decides its question: controls, a sweep of constants, tests, and noise whose \
                       truth is known.</p>\n");
-        out.push_str("<nav><a href=\"#what\">What it is</a><a href=\"#well\">How well it says the noise</a><a href=\"#worth\">Is it worth it?</a><a href=\"#when\">When?</a>\
+        out.push_str("<nav><a href=\"#what\">What it is</a> <a href=\"#well\">How well it says the noise</a> <a href=\"#worth\">Is it worth it?</a> <a href=\"#when\">When?</a> \
                       <a href=\"#made\">How this was made</a></nav>\n</header>\n<main>\n<ul class=\"findings\">\n");
         for finding in self.findings {
             let _ = writeln!(out, "<li>{}</li>", escaped(finding));

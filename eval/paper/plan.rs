@@ -41,8 +41,10 @@ pub struct InjectedPlan {
     pub noises: Vec<String>,
     /// Noises of the closed loop on the other courses, and those whose responses are measured.
     pub followed: Vec<String>,
-    /// Seeds; 1 to 100.
+    /// Seeds on `step`; 1 to 100.
     pub seeds: u64,
+    /// Seeds on the other courses; 1 to 100.
+    pub course_seeds: u64,
     /// Sequences at most, in order; 0 for all.
     pub most_sequences: usize,
 }
@@ -88,6 +90,7 @@ impl Default for InjectedPlan {
             ]),
             followed: owned(&["x4", "x8", "oracle", "dualpronet", "plus(dualpronet(wide-s0),x4)", "diff2"]),
             seeds: 2,
+            course_seeds: 1,
             most_sequences: 0,
         }
     }
@@ -168,9 +171,12 @@ impl Validate for Plan {
             faults.0.push(ConfigFault { key, ..fault });
         }
         faults.within("seed", self.seed, 0, 1_000_000_000);
-        for (key, seeds) in
-            [("seeds", self.seeds), ("other_seeds", self.other_seeds), ("injected.seeds", injected.seeds)]
-        {
+        for (key, seeds) in [
+            ("seeds", self.seeds),
+            ("other_seeds", self.other_seeds),
+            ("injected.seeds", injected.seeds),
+            ("injected.course_seeds", injected.course_seeds),
+        ] {
             faults.within(key, seeds, 1, 100);
         }
         faults.check(self.margin > 0.0 && self.margin <= 1.0, "margin", self.margin, "above 0 and at most 1");

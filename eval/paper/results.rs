@@ -32,7 +32,18 @@ pub(super) struct Made<T> {
     pub(super) cached: bool,
 }
 
-/// Reads `file`, or makes it and writes it. A file that does not read is an error: it is not ours to throw away.
+/// Sweeps that share a folder.
+struct Loop<'a> {
+    /// What its folder's name begins with.
+    name: String,
+    places: Vec<usize>,
+    /// Noises, and with how many seeds each.
+    parts: Vec<(&'a Vec<String>, u64)>,
+    injection: Option<Injection>,
+    keep: Keep,
+}
+
+/// Reads `path`, or makes it and writes it. A file that does not read is an error: it is not ours to throw away.
 fn cached<T: Serialize + DeserializeOwned>(
     path: &Path,
     make: impl FnOnce() -> Result<T, PaperError>,
@@ -103,8 +114,14 @@ impl Paper<'_> {
         stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<Made<Vec<Row>>, PaperError> {
-        let parts = [(&self.plan.noises, self.plan.seeds), (&self.plan.others, self.plan.other_seeds)];
-        self.sweeps("closed-loop", &self.input.places, &parts, None, self.keep(), networks, stop, progress)
+        let study = Loop {
+            name: "closed-loop".into(),
+            places: self.input.places.clone(),
+            parts: vec![(&self.plan.noises, self.plan.seeds), (&self.plan.others, self.plan.other_seeds)],
+            injection: None,
+            keep: self.keep(),
+        };
+        self.sweeps(&study, networks, stop, progress)
     }
 
     /// The rows of one course of the injected experiment.
@@ -116,20 +133,18 @@ impl Paper<'_> {
         progress: &mut dyn Progress,
     ) -> Result<Made<Vec<Row>>, PaperError> {
         let plan = &self.plan.injected;
-        let noises = if course == Course::Step { &plan.noises } else { &plan.followed };
-        let name = format!("injected-{course}");
-        let injection = Some(plan.noise.with(course));
-        let places = self.injected_places();
-        self.sweeps(
-            &name,
-            &places,
-            &[(noises, plan.seeds)],
-            injection,
-            Keep::default(),
-            networks,
-            stop,
-            progress,
-        )
+        let (noises, seeds) = match course {
+            Course::Step => (&plan.noises, plan.seeds),
+            _ => (&plan.followed, plan.course_seeds),
+        };
+        let experiment = Loop {
+            name: format!("injected-{course}"),
+            places: self.injected_places(),
+            parts: vec![(noises, seeds)],
+            injection: Some(plan.noise.with(course)),
+            keep: Keep::default(),
+        };
+        self.sweeps(&experiment, networks, stop, progress)
     }
 
     /// The first sequences of both sides, as many of each as can be.
@@ -148,35 +163,30 @@ impl Paper<'_> {
         places
     }
 
-    /// Sweeps that share a folder: noises with so many seeds each.
-    #[allow(clippy::too_many_arguments)]
+    /// All sweeps of a loop.
     fn sweeps(
         &self,
-        name: &str,
-        places: &[usize],
-        parts: &[(&Vec<String>, u64)],
-        injection: Option<Injection>,
-        keep: Keep,
+        wanted: &Loop<'_>,
         networks: &str,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<Made<Vec<Row>>, PaperError> {
         let (mut value, mut run, mut cached) = (Vec::new(), String::new(), true);
-        for (specs, seeds) in parts.iter().filter(|(specs, _)| !specs.is_empty()) {
+        for (specs, seeds) in wanted.parts.iter().filter(|(specs, _)| !specs.is_empty()) {
             let sweep = Sweep {
                 source: &self.input.source,
-                places: places.to_vec(),
+                places: wanted.places.clone(),
                 noises: Plan::parsed(specs)?,
                 seeds: (self.plan.seed..self.plan.seed + self.seeds(*seeds)).collect(),
                 from: self.from,
                 estimator: self.estimator.clone(),
                 networks: self.networks,
                 threads: self.threads,
-                keep: keep.clone(),
-                injection,
+                keep: wanted.keep.clone(),
+                injection: wanted.injection,
             };
             let manifest = Manifest::of(&sweep, self.program.clone(), Some(networks.to_owned()))?;
-            run = format!("{name}-{}", &manifest.fingerprint()[..16]);
+            run = format!("{}-{}", wanted.name, &manifest.fingerprint()[..16]);
             let dir = self.work.join(&run);
             let mut watch = Watch { inner: progress, stepped: false };
             value.extend(sweep.run(&dir, &manifest, stop, &mut watch)?);

@@ -29,7 +29,7 @@ fn paper(dir: &Path, more: &[&str]) -> Done {
         "--plan",
         "plan.toml",
         "--sequences",
-        "room-medium,spiral",
+        "room-medium,room-spiral",
         "--from",
         "50",
     ]);

@@ -164,7 +164,7 @@ pub(in crate::paper) fn network(networks: &[&Network]) -> Result<Diagram, Figure
     let totals: Vec<String> =
         networks.iter().map(|n| format!("{} {} parameters", n.sensor(), total(n))).collect();
     let caption = format!(
-        "Layers of the networks in use, from their configuration: {}. Last line of a box: channels x time steps out of it.",
+        "Layers of the networks in use, from their configuration: {}. conv 41, / 4: a kernel of 41 samples every 4. Last line of a box: channels x time steps out of it.",
         totals.join(", ")
     );
     Diagram::new(blocks, arrows, &caption)

@@ -96,8 +96,8 @@ pub(in crate::paper) fn errors(
         return Ok(None);
     }
     let caption = format!(
-        "One run each (seed {seed}). Estimate and truth agree at the first pose, so that errors grow from zero; grey: three deviations of the \
-         newest pose as the estimator believes them. A band far wider than the errors is cut at the panel's edge."
+        "One run each (seed {seed}). Estimate and truth agree at the pose that the estimator took for known; grey: three deviations of the newest pose \
+         about it, as the estimator believes them. A band far wider than the errors is cut at the panel's edge."
     );
     Ok(Some(ErrorBand::new(&format!("{}: error of position by time", recording.name), &columns, &caption)?))
 }
@@ -127,6 +127,7 @@ fn figure(
     truth: Option<&NoiseTrack>,
     (sensor, axis): (Sensor, usize),
     trained_up_to: Option<f64>,
+    words: &str,
 ) -> Result<FlightSigma, PaperError> {
     let start = imu.samples()[0].t;
     let t: Vec<f64> = imu.samples().iter().map(|s| s.t.seconds_since(start)).collect();
@@ -144,6 +145,7 @@ fn figure(
         truth: truth.as_deref(),
         phases: motors::phases(&recording.imu),
         trained_up_to,
+        words,
     })?)
 }
 
@@ -156,7 +158,8 @@ pub(in crate::paper) fn sigma_over_flight(
 ) -> Result<FlightSigma, PaperError> {
     let tracks = tracks(recording, &recording.imu, recording.oracle.as_ref(), noises, networks, 0)?;
     let up_to = Some(Levels::paper(sensor, LevelKind::Grid).high);
-    figure(recording, &recording.imu, &tracks, recording.oracle.as_ref(), (sensor, 0), up_to)
+    let words = "Motors: on where second differences of the accelerometer over a second exceed .25 m/s² of deviation.";
+    figure(recording, &recording.imu, &tracks, recording.oracle.as_ref(), (sensor, 0), up_to, words)
 }
 
 /// What is said while the noise of a recording goes up and down; `truth` is what an oracle says.
@@ -170,5 +173,6 @@ pub(in crate::paper) fn step_response(
     seed: u64,
 ) -> Result<FlightSigma, PaperError> {
     let tracks = tracks(recording, imu, Some(truth), noises, networks, seed)?;
-    figure(recording, imu, &tracks, Some(truth), (sensor, 0), None)
+    let words = "True σ: root of the sum of squares of what is added and of the best constant without it.";
+    figure(recording, imu, &tracks, Some(truth), (sensor, 0), None, words)
 }
