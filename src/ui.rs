@@ -77,6 +77,9 @@ fn hint_of(cause: &(dyn std::error::Error + 'static)) -> Option<String> {
     if let Some(error) = cause.downcast_ref::<dpn_eval::closed_loop::ClosedLoopError>() {
         return error.hint();
     }
+    if let Some(error) = cause.downcast_ref::<dpn_eval::paper::PaperError>() {
+        return error.hint();
+    }
     if let Some(error) = cause.downcast_ref::<dpn_core::io::IoError>() {
         return error.hint();
     }

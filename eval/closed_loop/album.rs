@@ -92,7 +92,7 @@ impl Album {
 
     fn write(&self, picture: &TrackPicture<'_>, seconds: f64) -> Result<(), AlbumError> {
         let bytes = picture.png()?;
-        let path = self.dir.join(format!("tracks-{:08.3}s.png", seconds));
+        let path = self.dir.join(format!("tracks-{seconds:08.3}s.png"));
         atomic_write(&path, |file| file.write_all(&bytes))?;
         Ok(())
     }

@@ -8,8 +8,6 @@
 use super::row::Row;
 use crate::noise::Noise;
 use crate::stats::{Alternative, StatsError, hodges_lehmann, holm, log_ratios, signed_rank};
-use dpn_core::Sensor;
-use dpn_core::estimate::spec::NoiseSpec;
 use serde::Serialize;
 
 /// Fewest sequences that are compared: of five pairs the smallest two-sided p is .0625.
@@ -86,12 +84,7 @@ fn medians<'a>(rows: &'a [Row], noise: &str) -> Vec<(&'a str, f64)> {
 }
 
 fn is_constant(noise: &str) -> bool {
-    match noise.parse() {
-        Ok(Noise::Core(NoiseSpec::Sensors { accel, gyro })) => {
-            accel.given(Sensor::Accel).is_some() && gyro.given(Sensor::Gyro).is_some()
-        }
-        _ => false,
-    }
+    noise.parse().is_ok_and(|noise: Noise| noise.is_constant())
 }
 
 #[cfg(test)]

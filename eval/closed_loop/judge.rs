@@ -61,9 +61,7 @@ impl Errors {
         if estimate.len() < FEWEST_PAIRS {
             return Ok(Self::default());
         }
-        let interpolation =
-            if median_step(truth) > SLOW_TRUTH_S { Interpolation::Cubic } else { Interpolation::Linear };
-        let track = TruthTrack::new(truth, TruthOptions { max_gap_s: MAX_GAP_S, interpolation })?;
+        let track = truth_track(truth)?;
         let pairs = associate_interpolated(&track, estimate)?.pairs;
         if pairs.len() < FEWEST_PAIRS {
             return Ok(Self::default());
@@ -91,6 +89,21 @@ impl Errors {
         errors.nees = covariances.and_then(|covariances| all_nees(&pairs, covariances, anchor));
         Ok(errors)
     }
+}
+
+/// The truth as runs are judged against it: interpolated, not across gaps.
+fn truth_track(truth: &[StampedPose]) -> Result<TruthTrack<'_>, MetricsError> {
+    let interpolation =
+        if median_step(truth) > SLOW_TRUTH_S { Interpolation::Cubic } else { Interpolation::Linear };
+    TruthTrack::new(truth, TruthOptions { max_gap_s: MAX_GAP_S, interpolation })
+}
+
+/// Pairs of a true and an estimated pose, as runs are judged by them.
+///
+/// # Errors
+/// Truth or estimate with values that are not finite or stamps that do not increase.
+pub fn paired(truth: &[StampedPose], estimate: &[StampedPose]) -> Result<Vec<PosePair>, MetricsError> {
+    Ok(associate_interpolated(&truth_track(truth)?, estimate)?.pairs)
 }
 
 /// Of all poses. The anchor fixes the gauge; without one the first pose does and is left out.
@@ -193,6 +206,7 @@ pub fn judge(recording: &Recording, told: &Told, driven: &Driven) -> Result<Judg
         outliers: report.outliers,
         frames: driven.frames.len(),
         poses: poses.len(),
+        noise_rms: None,
         cpu_per_data_s: driven.cpu_s / driven.data_s,
         p95_update_ms: 1e3 * percentile(&driven.update_cpu_s, 0.95),
         stage_s: StageSeconds {

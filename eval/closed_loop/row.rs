@@ -116,6 +116,9 @@ pub struct Row {
     pub frames: usize,
     /// Frames with a pose.
     pub poses: usize,
+    /// Root mean square of the noise told over the recording: accelerometer x, y, z \[m/s^2\], gyroscope x, y, z \[rad/s\].
+    #[serde(default)]
+    pub noise_rms: Option<[[f64; 3]; 2]>,
     /// CPU seconds a second of data.
     pub cpu_per_data_s: f64,
     /// 95th percentile of an update's CPU time \[ms\].
@@ -191,6 +194,7 @@ pub(crate) mod testing {
             outliers: 0,
             frames: 100,
             poses: 90,
+            noise_rms: None,
             cpu_per_data_s: 0.02,
             p95_update_ms: 3.0,
             stage_s: StageSeconds::default(),

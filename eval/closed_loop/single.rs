@@ -16,7 +16,6 @@ use dpn_vio::diagnosis::{Axes, TrackHealth, axes, track_health};
 use dpn_vio::estimator::Phase;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::sync::Arc;
 
 /// Mean length of the specific force of a flight \[m/s^2\]; outside, units or axes are not what they should be.
@@ -163,65 +162,4 @@ fn rms(track: &NoiseTrack) -> [[f64; 3]; 2] {
     let mut mean = crate::noise::MeanSquare::default();
     mean.add(track);
     mean.root().map_or([[f64::NAN; 3]; 2], |noise| Sensor::ALL.map(|sensor| noise.of(sensor)))
-}
-
-impl Single {
-    /// Writes a line a frame as CSV: stamp, what the estimator does, state, believed deviations of the pose, noise in force, counts.
-    ///
-    /// # Errors
-    /// Those of the writer.
-    pub fn write_states(&self, out: &mut dyn Write) -> std::io::Result<()> {
-        let axes =
-            |name: &str, unit: &str| ["x", "y", "z"].map(|axis| format!("{name}_{axis}{unit}")).join(",");
-        writeln!(
-            out,
-            "#timestamp [ns],phase,{},q_w,q_x,q_y,q_z,{},{},{},{},{},{},{},tracked,landmarks,outliers,iterations,whitened",
-            axes("p", " [m]"),
-            axes("v", " [m s^-1]"),
-            axes("accel_bias", " [m s^-2]"),
-            axes("gyro_bias", " [rad s^-1]"),
-            axes("p_std", " [m]"),
-            axes("r_std", " [rad]"),
-            axes("accel_noise", " [m s^-2]"),
-            axes("gyro_noise", " [rad s^-1]"),
-        )?;
-        for update in &self.driven.updates {
-            let phase = match update.phase {
-                Phase::Initialising(reason) => format!("initialising: {}", reason.name()),
-                Phase::Tracking => "tracking".to_owned(),
-                Phase::Restarted(_) => "restarted".to_owned(),
-            };
-            write!(out, "{},{phase}", update.t.ns())?;
-            match &update.state {
-                Some(state) => {
-                    let (p, q) =
-                        (state.world_from_body.translation.vector, state.world_from_body.rotation.coords);
-                    let values = p.iter().chain([&q.w, &q.x, &q.y, &q.z]).chain(&state.vel_in_world);
-                    for value in values.chain(&state.bias.accel).chain(&state.bias.gyro) {
-                        write!(out, ",{value:?}")?;
-                    }
-                }
-                None => write!(out, "{}", ",".repeat(16))?,
-            }
-            match &update.covariance {
-                Some(covariance) => {
-                    for variance in covariance.diagonal().iter() {
-                        write!(out, ",{:?}", variance.max(0.0).sqrt())?;
-                    }
-                }
-                None => write!(out, "{}", ",".repeat(6))?,
-            }
-            let at = self.noise.stamps().partition_point(|t| *t <= update.t).max(1) - 1;
-            for value in Sensor::ALL.into_iter().flat_map(|sensor| self.noise.noises()[at].of(sensor)) {
-                write!(out, ",{value:?}")?;
-            }
-            let whitened = update.whitened.map(|w| format!("{w:?}")).unwrap_or_default();
-            writeln!(
-                out,
-                ",{},{},{},{},{whitened}",
-                update.tracked, update.landmarks, update.outliers, update.iterations
-            )?;
-        }
-        Ok(())
-    }
 }

@@ -6,6 +6,8 @@
 
 use super::error::ClosedLoopError;
 use super::row::{CellKey, Row};
+use super::source::{Source, Tracks};
+use super::sweep::Sweep;
 use dpn_core::io::{IoError, atomic_write};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
@@ -31,6 +33,42 @@ pub struct Manifest {
 }
 
 impl Manifest {
+    /// Of `sweep` by `program`; `networks` names the networks where they are not those that come with the program.
+    ///
+    /// # Errors
+    /// A sequence's file that cannot be read.
+    pub fn of(sweep: &Sweep<'_>, program: String, networks: Option<String>) -> Result<Self, ClosedLoopError> {
+        let names = sweep.source.names();
+        let mut inputs = BTreeMap::new();
+        for &place in &sweep.places {
+            inputs.insert(names[place].0.clone(), sweep.source.checksum(place)?);
+        }
+        inputs.extend(networks.map(|networks| ("models".to_owned(), networks)));
+        let tracks = match sweep.source.tracks() {
+            Tracks::Given(_) => serde_json::json!("given"),
+            Tracks::Made(config) => serde_json::json!(config),
+            // The front-end's settings are the estimator's.
+            Tracks::Seen(vision) => serde_json::json!(vision.images.name()),
+        };
+        let mut source = match sweep.source {
+            Source::Recorded { .. } => serde_json::json!({ "tracks": tracks }),
+            Source::Flights { config, .. } => serde_json::json!({ "flights": config, "tracks": tracks }),
+        };
+        if let Some(injection) = &sweep.injection {
+            source["injection"] = serde_json::to_value(injection).unwrap_or_default();
+        }
+        let specs: Vec<String> = sweep.noises.iter().map(ToString::to_string).collect();
+        let sequences: Vec<&str> = sweep.places.iter().map(|place| names[*place].0.as_str()).collect();
+        Ok(Self {
+            program,
+            estimator: serde_json::to_value(&sweep.estimator).unwrap_or_default(),
+            source,
+            from: sweep.from.to_string(),
+            inputs,
+            cells: serde_json::json!({ "sequences": sequences, "noises": specs, "seeds": sweep.seeds }),
+        })
+    }
+
     /// SHA-256 over all but the cells: runs that agree in it may share a folder.
     pub fn fingerprint(&self) -> String {
         use sha2::{Digest, Sha256};

@@ -13,17 +13,19 @@ use super::parallel::each;
 use super::recording::{Recording, Span, StartAt};
 use super::row::{CellKey, Row};
 use super::source::Source;
+use super::states::write_states;
 use super::store::{Manifest, Store};
+use crate::injected::Injection;
 use crate::noise::{MeanSquare, Noise, Recorded, of_recording};
 use crate::open_loop::Network;
-use dpn_core::ImuNoise;
-use dpn_core::io::write_tum;
+use dpn_core::io::{atomic_write, write_tum};
 use dpn_core::progress::Progress;
 use dpn_core::random::Stream;
+use dpn_core::{ImuNoise, Sensor};
 use dpn_train::split::Side;
 use dpn_vio::EstimatorConfig;
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 /// What to run.
@@ -45,8 +47,30 @@ pub struct Sweep<'a> {
     pub networks: &'a [Network],
     /// Threads to use.
     pub threads: usize,
-    /// Whether every cell's trajectory is written.
+    /// What is kept of a cell beside its row.
+    pub keep: Keep,
+    /// What is added to every recording's samples, from the seed of the cell.
+    pub injection: Option<Injection>,
+}
+
+/// What is kept of cells beside their rows, each a file a cell.
+#[derive(Debug, Clone, Default)]
+pub struct Keep {
+    /// Whether every cell's trajectory is written: `trajectories/CELL.tum`.
     pub trajectories: bool,
+    /// Whether every cell's NEES is, where the estimator gives covariances: `nees/CELL.csv`.
+    pub nees: bool,
+    /// Whose states are: cells of one of these noises and this seed, `states/CELL.csv`. Such a cell is run again where the file is gone.
+    pub states: Option<(Vec<Noise>, u64)>,
+}
+
+impl Keep {
+    /// Where the states of a cell are, if they are kept.
+    pub fn states_path(&self, dir: &Path, key: &CellKey) -> Option<PathBuf> {
+        let (noises, seed) = self.states.as_ref()?;
+        let wanted = key.seed == *seed && noises.iter().any(|noise| noise.to_string() == key.noise);
+        wanted.then(|| dir.join("states").join(key.file_name("csv")))
+    }
 }
 
 /// One run of the estimator.
@@ -94,7 +118,9 @@ impl Sweep<'_> {
         let mut rows = store.rows();
         let cells = self.cells();
         let total = cells.len();
-        let todo: Vec<&Cell> = cells.iter().filter(|cell| !rows.contains_key(&cell.key)).collect();
+        let gone = |key: &CellKey| self.keep.states_path(dir, key).is_some_and(|path| !path.is_file());
+        let todo: Vec<&Cell> =
+            cells.iter().filter(|cell| !rows.contains_key(&cell.key) || gone(&cell.key)).collect();
         let means = self.training_means(&todo, stop)?;
         let needs: Vec<Needs> = todo.iter().map(|cell| self.needs(cell)).collect();
         let kept = Kept::new(&needs, means);
@@ -143,14 +169,24 @@ impl Sweep<'_> {
     fn needs(&self, cell: &Cell) -> Needs {
         let seeded = |seeded: bool| (cell.place, if seeded { cell.seed } else { 0 });
         Needs {
-            recording: seeded(self.source.recordings_are_seeded()),
+            recording: seeded(self.source.recordings_are_seeded() || self.injection.is_some()),
             frames: seeded(self.source.tracks_are_seeded()),
             noise: self.noises[cell.noise].source().to_string(),
         }
     }
 
+    /// The recording of a cell, with what is added to it.
+    fn recording(&self, place: usize, seed: u64) -> Result<Recording, ClosedLoopError> {
+        let mut recording = self.source.recording(place, seed)?;
+        if let Some(injection) = &self.injection {
+            let (imu, oracle) = injection.apply(&recording.name, &recording.imu, seed);
+            (recording.imu, recording.oracle) = (imu, Some(oracle));
+        }
+        Ok(recording)
+    }
+
     fn cell(&self, cell: &Cell, needs: &Needs, kept: &Kept, dir: &Path) -> Result<Row, ClosedLoopError> {
-        let recording = kept.recording(needs, || self.source.recording(cell.place, cell.seed))?;
+        let recording = kept.recording(needs, || self.recording(cell.place, cell.seed))?;
         let from_s = self.from.seconds(&recording.name);
         let span = Span::from(from_s);
         let see = || self.source.seen(cell.place, cell.seed, &span, &recording, &mut |_, _| {});
@@ -167,15 +203,21 @@ impl Sweep<'_> {
             from_s,
             front_end: seen.sight.as_ref().map(|sight| sight.figures.clone()),
         };
-        if self.trajectories {
+        if let Some(path) = self.keep.states_path(dir, &cell.key) {
+            atomic_write(&path, |out| write_states(&driven, &noise, out))?;
+        }
+        if self.keep.trajectories {
             write_tum(&dir.join("trajectories").join(cell.key.file_name("tum")), &driven.poses())?;
         }
         let judged = judge(&recording, &told, &driven)?;
-        if let Some(nees) = &judged.nees {
+        if let Some(nees) = judged.nees.as_ref().filter(|_| self.keep.nees) {
             write_nees(&nees_path(dir, &cell.key), nees)?;
         }
         kept.done(needs);
-        Ok(judged.row)
+        let mut told = MeanSquare::default();
+        told.add(&noise);
+        let noise_rms = told.root().map(|noise| Sensor::ALL.map(|sensor| noise.of(sensor)));
+        Ok(Row { noise_rms, ..judged.row })
     }
 
     /// What `mean-of-train` needs, over all training sequences of the source, whether they are run or not.
@@ -199,7 +241,7 @@ impl Sweep<'_> {
         let training: Vec<usize> = (0..sides.len()).filter(|i| sides[*i].1 == Side::Train).collect();
         let seed = self.seeds.first().copied().unwrap_or(0);
         let of_sequence = |i: usize| {
-            let recording = self.source.recording(training[i], seed)?;
+            let recording = self.recording(training[i], seed)?;
             let recorded = recorded(&recording);
             let mean = |source: &&Noise| {
                 let mut mean = MeanSquare::default();

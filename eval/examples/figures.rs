@@ -166,6 +166,7 @@ fn flight(short_phases: bool) -> Result<FlightSigma, Box<dyn Error>> {
             phase("at rest", edges[2], 140.0),
         ],
         trained_up_to: Some(0.21),
+        words: "",
     })?)
 }
 

@@ -40,6 +40,8 @@ pub struct Flight<'a> {
     pub phases: Vec<Phase>,
     /// Largest deviation the models were trained on.
     pub trained_up_to: Option<f64>,
+    /// What else a reader must know, at the end of the small print.
+    pub words: &'a str,
 }
 
 impl Flight<'_> {
@@ -104,6 +106,7 @@ mod tests {
                 truth: None,
                 phases: Vec::new(),
                 trained_up_to: Some(0.21),
+                words: "",
             };
             flight.check().unwrap_err().to_string()
         };

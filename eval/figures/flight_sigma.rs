@@ -93,10 +93,12 @@ impl FlightSigma {
         let legend = legend_of(flight, &phases, phases_in_legend);
         let caption = format!(
             "{} samples. Signal: smallest to largest sample in each pixel column. Estimates: median (line) and range (band) \
-             in columns of {COARSE} pixels ({:.2} s).{}",
+             in columns of {COARSE} pixels ({:.2} s).{}{}{}",
             super::predicted_vs_true::grouped(flight.t.len()),
             f64::from(COARSE) / pixels,
             if at_edge { " Estimates of 0 or below lie at the lower edge." } else { "" },
+            if flight.words.is_empty() { "" } else { " " },
+            flight.words,
         );
         Ok(Self {
             title: format!("{}: {} {}", flight.name, style::title(flight.sensor).to_lowercase(), flight.axis),
@@ -307,6 +309,7 @@ mod tests {
             truth: Some(sigma),
             phases: vec![Phase { label: "at rest".into(), from: -5.0, to: 1.0 }],
             trained_up_to: Some(0.21),
+            words: "",
         }
     }
 

@@ -101,6 +101,31 @@ impl<'a, DB: DrawingBackend> Frame<'a, DB> {
         self.area.draw_text(&self.y.label, &style, (left - LEFT + 24, (top + bottom) / 2))
     }
 
+    /// As [`axes`](Self::axes) for a small panel: small words, the labels at the ends of the axes.
+    pub(super) fn small_axes(&self) -> Result<(), DrawError<DB>> {
+        let Rect { left, top, right, bottom } = self.rect;
+        let line = style::stroke(style::INK, style::THIN);
+        self.path(vec![(left, top), (left, bottom), (right, bottom)], line)?;
+        let label = style::width(&self.x.label, style::CAPTION) + 14;
+        for (value, tick) in &self.x.ticks {
+            let x = self.x_at(*value);
+            self.path(vec![(x, bottom), (x, bottom + 7)], line)?;
+            if x + style::width(tick, style::CAPTION) / 2 < right - label {
+                self.words(tick, style::CAPTION, style::INK, Anchor::North, (x, bottom + 10))?;
+            }
+        }
+        for (value, tick) in &self.y.ticks {
+            let y = self.y_at(*value);
+            self.path(vec![(left - 7, y), (left, y)], line)?;
+            if y > top + 34 {
+                self.words(tick, style::CAPTION, style::INK, Anchor::East, (left - 12, y))?;
+            }
+        }
+        let at = (right, bottom + 22);
+        self.words(&self.x.label, style::CAPTION, style::INK, Anchor::East, at)?;
+        self.words(&self.y.label, style::CAPTION, style::INK, Anchor::East, (left - 12, top + 12))
+    }
+
     /// A title over the panel, at its left.
     pub(super) fn title(&self, words: &str) -> Result<(), DrawError<DB>> {
         let at = (self.rect.left, self.rect.top - ABOVE / 2);

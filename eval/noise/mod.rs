@@ -10,8 +10,9 @@
 //! | `shuffled(X)` | X's values, permuted in time in blocks of 1 s: the same values, not at their time |
 //! | `mean(X)` | X's root mean square over the sequence, per axis: the same level, no change in time |
 //! | `mean-of-train(X)` | X's root mean square over the training sequences, per axis: nothing of this sequence |
+//! | `plus(X,C)` | root of the sum of squares of X's and a constant's: X for what was added, C for what is there in any case |
 //!
-//! Specs nest: `shuffled(dualpronet)`, `mean(x4,x1)`. The last three are controls: they tell what of a gain is due to knowing *when*, what
+//! Specs nest: `shuffled(dualpronet)`, `mean(x4,x1)`. `shuffled`, `mean` and `mean-of-train` are controls: they tell what of a gain is due to knowing *when*, what
 //! to knowing *how much in this flight*, and what to a good constant.
 //!
 //! [`Noise`] is a spec parsed, [`Noise::track`] its noise on a recording; what is dear to make comes from [`Sources`], which may keep it.

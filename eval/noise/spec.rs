@@ -12,13 +12,14 @@ use std::str::FromStr;
 pub const DEFAULT_TAG: &str = "sg11-s0";
 
 /// Every name of this module and how it is written.
-const OTHERS: [(&str, &str); 6] = [
+const OTHERS: [(&str, &str); 7] = [
     ("dualpronet", "dualpronet(tag)"),
     ("file", "file(\"path\")"),
     ("oracle", "oracle"),
     ("shuffled", "shuffled(spec)"),
     ("mean", "mean(spec)"),
     ("mean-of-train", "mean-of-train(spec)"),
+    ("plus", "plus(spec,constant)"),
 ];
 
 /// Where the noise of every sample comes from. `FromStr` reads it, `Display` writes it canonically.
@@ -44,13 +45,22 @@ pub enum Noise {
     Mean(Box<Noise>),
     /// Another's root mean square over the training sequences.
     MeanOfTrain(Box<Noise>),
+    /// Another's and a constant's, variances added.
+    Plus {
+        /// What changes.
+        of: Box<Noise>,
+        /// What is there in any case.
+        constant: NoiseSpec,
+    },
 }
 
 impl Noise {
     /// The spec whose track this one needs: itself, or what the controls are made of.
     pub fn source(&self) -> &Self {
         match self {
-            Self::Shuffled(of) | Self::Mean(of) | Self::MeanOfTrain(of) => of.source(),
+            Self::Shuffled(of) | Self::Mean(of) | Self::MeanOfTrain(of) | Self::Plus { of, .. } => {
+                of.source()
+            }
             other => other,
         }
     }
@@ -59,7 +69,7 @@ impl Noise {
     pub fn needs_training(&self) -> bool {
         match self {
             Self::MeanOfTrain(_) => true,
-            Self::Shuffled(of) | Self::Mean(of) => of.needs_training(),
+            Self::Shuffled(of) | Self::Mean(of) | Self::Plus { of, .. } => of.needs_training(),
             _ => false,
         }
     }
@@ -77,14 +87,9 @@ impl Noise {
         }
     }
 
-    /// Whether the spec is the same deviation for ever.
+    /// Whether the spec says the same of every sample: a constant, or one for each sensor.
     pub fn is_constant(&self) -> bool {
-        match self {
-            Self::Core(NoiseSpec::Sensors { accel, gyro }) => {
-                accel.given(Sensor::Accel).is_some() && gyro.given(Sensor::Gyro).is_some()
-            }
-            _ => false,
-        }
+        matches!(self, Self::Core(spec) if is_constant(spec))
     }
 
     fn from_call(call: &Call) -> Result<Self, SpecError> {
@@ -115,8 +120,31 @@ impl Noise {
             "oracle" => Err(wrong("at most 0 arguments", "oracle")),
             "shuffled" => Ok(Self::Shuffled(inner("shuffled(spec)")?)),
             "mean" => Ok(Self::Mean(inner("mean(spec)")?)),
+            "plus" => {
+                const USAGE: &str = "plus(spec,constant)";
+                let (last, rest) = match call.args.split_last() {
+                    Some((last, rest)) if !rest.is_empty() => (last, rest),
+                    _ => return Err(wrong("a spec and a constant are needed", USAGE)),
+                };
+                let constant: NoiseSpec = written(last).parse()?;
+                if !is_constant(&constant) {
+                    return Err(wrong("the last argument must be a constant, such as x4", USAGE));
+                }
+                let text: Vec<String> = rest.iter().map(written).collect();
+                Ok(Self::Plus { of: Box::new(text.join(",").parse()?), constant })
+            }
             _ => Ok(Self::MeanOfTrain(inner("mean-of-train(spec)")?)),
         }
+    }
+}
+
+/// Whether a spec says the same of every sample.
+fn is_constant(spec: &NoiseSpec) -> bool {
+    match spec {
+        NoiseSpec::Sensors { accel, gyro } => {
+            accel.given(Sensor::Accel).is_some() && gyro.given(Sensor::Gyro).is_some()
+        }
+        NoiseSpec::Other(_) => false,
     }
 }
 
@@ -221,6 +249,7 @@ impl fmt::Display for Noise {
             Self::Shuffled(of) => write!(f, "shuffled({of})"),
             Self::Mean(of) => write!(f, "mean({of})"),
             Self::MeanOfTrain(of) => write!(f, "mean-of-train({of})"),
+            Self::Plus { of, constant } => write!(f, "plus({of},{constant})"),
         }
     }
 }
@@ -246,6 +275,11 @@ mod tests {
             ("shuffled(mean(x4,x1))", "shuffled(mean(x4,x1))"),
             ("shuffled( sg(11, 2) )", "shuffled(sg(11,2))"),
             ("mean-of-train(dualpronet(sg5-s0))", "mean-of-train(dualpronet(sg5-s0))"),
+            ("plus( sg(11, 2), x4 )", "plus(sg(11,2),x4)"),
+            (
+                "mean(plus(dualpronet(sg5-s0),const(.3,.01)))",
+                "mean(plus(dualpronet(sg5-s0),const(0.3,0.01)))",
+            ),
         ] {
             let read: Noise = spec.parse().unwrap();
             assert_eq!(read.to_string(), canonical, "{spec}");
@@ -263,6 +297,8 @@ mod tests {
             ("file()", "one path"),
             ("dualpronet(a,b,c)", "at most 2"),
             ("shuffled(x1),x2", "both sensors"),
+            ("plus(diff2)", "a spec and a constant"),
+            ("plus(x1,diff2)", "must be a constant"),
         ] {
             let text = spec.parse::<Noise>().unwrap_err().to_string();
             assert!(text.contains(words), "{spec}: {text}");

@@ -82,9 +82,25 @@ impl Noise {
                 Ok(mean.root().map_or(track, |noise| Arc::new(constant(imu, noise))))
             }
             Self::MeanOfTrain(of) => Ok(Arc::new(constant(imu, sources.training_mean(of.source())?))),
+            Self::Plus { of, constant } => {
+                let track = of.track(imu, sources, stream)?;
+                let constant = NoiseTrack::of(constant.model(Schedule::default())?.as_mut(), imu);
+                Ok(Arc::new(together(&track, &constant)))
+            }
             source => sources.track(source),
         }
     }
+}
+
+/// Variances added, sample by sample; both tracks are on the same stamps.
+fn together(a: &NoiseTrack, b: &NoiseTrack) -> NoiseTrack {
+    let sum = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|axis| a[axis].hypot(b[axis]));
+    let both = |(a, b): (&ImuNoise, &ImuNoise)| {
+        let of = |sensor| sum(a.of(sensor), b.of(sensor));
+        ImuNoise::from_values(of(Sensor::Accel), of(Sensor::Gyro)).unwrap_or(*a)
+    };
+    let noises = a.noises().iter().zip(b.noises()).map(both).collect();
+    NoiseTrack::new(a.stamps().to_vec(), noises).unwrap_or_else(|_| a.clone())
 }
 
 /// The same noise at every sample.
@@ -128,7 +144,7 @@ pub fn of_recording(
             .oracle
             .cloned()
             .ok_or_else(|| NoiseError::NoOracle { recording: recorded.name.to_owned() }),
-        Noise::Shuffled(of) | Noise::Mean(of) | Noise::MeanOfTrain(of) => {
+        Noise::Shuffled(of) | Noise::Mean(of) | Noise::MeanOfTrain(of) | Noise::Plus { of, .. } => {
             of_recording(of.source(), recorded, networks)
         }
     }
@@ -242,6 +258,20 @@ mod tests {
         for sensor in Sensor::ALL {
             for (a, b) in a.noises()[17].of(sensor).into_iter().zip(b.noises()[900].of(sensor)) {
                 assert!((a / b - 1.0).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn plus_adds_variances_sample_by_sample() {
+        let imu = recording(1000);
+        let (plain, more) = (track("diff2", &imu, 0).unwrap(), track("plus(diff2,x4)", &imu, 0).unwrap());
+        for (plain, more) in plain.noises().iter().zip(more.noises()) {
+            for (sensor, constant) in [(Sensor::Accel, 0.32), (Sensor::Gyro, 0.016)] {
+                for axis in 0..3 {
+                    let expected = plain.of(sensor)[axis].hypot(constant);
+                    assert!((more.of(sensor)[axis] - expected).abs() < 1e-12);
+                }
             }
         }
     }

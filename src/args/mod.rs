@@ -6,6 +6,7 @@ mod closed_loop;
 mod eval;
 mod log;
 mod noise;
+mod paper;
 mod run;
 mod simulate;
 mod train;
@@ -16,6 +17,7 @@ pub(crate) use closed_loop::{CameraArg, ClosedLoopArgs, SettingsArgs};
 pub(crate) use eval::EvalArgs;
 pub(crate) use log::{HowArgs, LogArgs, rate};
 pub(crate) use noise::{ConvertArgs, NoiseArgs, NoiseWhat, RowFormat};
+pub(crate) use paper::PaperArgs;
 pub(crate) use run::RunArgs;
 pub(crate) use simulate::{FlightArgs, SimulateArgs, SimulateWhat, TracksArgs};
 pub(crate) use train::{SensorArg, TrainArgs};
@@ -40,6 +42,8 @@ pub(crate) enum Command {
     Eval(EvalArgs),
     /// Run the odometry over one recording: trajectory, states, report.
     Run(RunArgs),
+    /// The paper again, from data: every table and figure, with the controls and statistics that decide its question, on one page.
+    Paper(PaperArgs),
     /// How noisy an IMU is along a log, sample by sample; and noise figures as other programs write them (convert).
     Noise(NoiseArgs),
     /// What a log at rest says of its sensor's noise: Allan plot, five coefficients an axis, configurations to paste.

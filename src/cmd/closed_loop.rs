@@ -6,13 +6,12 @@ use crate::ui::{Bar, Fault, Interrupted};
 use anyhow::Result;
 use dpn_core::io::atomic_write;
 use dpn_eval::closed_loop::{
-    ClosedLoopError, Images, Manifest, Source, Sweep, Tracks, Vision, compare, consistency, render,
+    ClosedLoopError, Images, Keep, Manifest, Source, Sweep, Tracks, Vision, compare, consistency, render,
     render_comparisons, render_consistency,
 };
 use dpn_eval::noise::parse_list;
 use dpn_eval::open_loop::networks;
 use dpn_vio::EstimatorConfig;
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 pub(crate) fn run(args: &EvalArgs) -> Result<()> {
@@ -38,12 +37,17 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
         estimator,
         networks: &networks,
         threads: closed.threads.unwrap_or_else(cores).max(1),
-        trajectories: closed.trajectories,
+        keep: Keep { trajectories: closed.trajectories, nees: true, states: None },
+        injection: match &closed.inject {
+            Some(path) => Some(dpn_core::config::load(path)?),
+            None => None,
+        },
     };
     for warning in sweep.estimator.warnings() {
         eprintln!("warning: {warning}");
     }
-    let manifest = manifest(args, &sweep)?;
+    let models = args.models.as_ref().map(|dir| dir.display().to_string());
+    let manifest = Manifest::of(&sweep, program(), models)?;
     let out = args
         .out
         .clone()
@@ -95,36 +99,4 @@ fn source(args: &EvalArgs, estimator: &EstimatorConfig) -> Result<Source> {
 
 fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
-}
-
-/// What the results are a function of.
-fn manifest(args: &EvalArgs, sweep: &Sweep<'_>) -> Result<Manifest> {
-    let names = sweep.source.names();
-    let mut inputs = BTreeMap::new();
-    for &place in &sweep.places {
-        inputs.insert(names[place].0.clone(), sweep.source.checksum(place)?);
-    }
-    if let Some(dir) = &args.models {
-        inputs.insert("models".into(), dir.display().to_string());
-    }
-    let tracks = match sweep.source.tracks() {
-        Tracks::Given(_) => serde_json::json!("given"),
-        Tracks::Made(config) => serde_json::json!(config),
-        // The front-end's settings are the estimator's.
-        Tracks::Seen(vision) => serde_json::json!(vision.images.name()),
-    };
-    let source = match sweep.source {
-        Source::Recorded { .. } => serde_json::json!({ "tracks": tracks }),
-        Source::Flights { config, .. } => serde_json::json!({ "flights": config, "tracks": tracks }),
-    };
-    let specs: Vec<String> = sweep.noises.iter().map(ToString::to_string).collect();
-    let sequences: Vec<&str> = sweep.places.iter().map(|place| names[*place].0.as_str()).collect();
-    Ok(Manifest {
-        program: program(),
-        estimator: serde_json::to_value(&sweep.estimator)?,
-        source,
-        from: sweep.from.to_string(),
-        inputs,
-        cells: serde_json::json!({ "sequences": sequences, "noises": specs, "seeds": sweep.seeds }),
-    })
 }

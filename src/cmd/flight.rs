@@ -55,6 +55,7 @@ pub(super) fn draw(corpora: &[Corpus], networks: &[Network], out: &Path) -> Resu
         truth: None,
         phases: Vec::new(),
         trained_up_to: Some(Levels::paper(Sensor::Accel, LevelKind::Grid).high),
+        words: "",
     };
     Ok(save(&FlightSigma::new(&flight)?, &out.join("flight_sigma"))?)
 }

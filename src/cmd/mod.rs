@@ -11,6 +11,7 @@ mod flight;
 mod follow;
 mod log;
 mod noise;
+mod paper;
 mod program;
 mod run;
 mod settings;
@@ -29,6 +30,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Train(args) => train::run(args),
         Command::Eval(args) => eval::run(&args),
         Command::Run(args) => run::run(&args),
+        Command::Paper(args) => paper::run(&args),
         Command::Noise(args) => noise::run(&args),
         Command::Allan(args) => allan::run(&args),
         Command::Check(args) => check::run(&args),

@@ -8,7 +8,7 @@ use dpn_core::io::asl::Sequence;
 use dpn_core::io::{atomic_write, write_tum};
 use dpn_eval::closed_loop::{
     Album, Images, Recording, Report, Seen, Single, Source, Span, Told, Tracks, Vision, has_images, single,
-    timeline, top_view,
+    timeline, top_view, write_states,
 };
 use dpn_eval::figures::save;
 use dpn_eval::noise::Noise;
@@ -106,7 +106,7 @@ fn open(args: &RunArgs, estimator: &EstimatorConfig) -> Result<(Source, usize)> 
 
 fn write(done: &Single, report: &serde_json::Value, out: &Path) -> Result<()> {
     write_tum(&out.join("trajectory.tum"), &done.driven.poses())?;
-    atomic_write(&out.join("states.csv"), |file| done.write_states(file))?;
+    atomic_write(&out.join("states.csv"), |file| write_states(&done.driven, &done.noise, file))?;
     let text = serde_json::to_string_pretty(report)? + "\n";
     atomic_write(&out.join("report.json"), |file| file.write_all(text.as_bytes()))?;
     Ok(())

@@ -10,14 +10,12 @@ mod bad_data;
 mod check;
 mod closed_loop;
 mod eval;
-<<<<<<< HEAD
 mod images;
-=======
 mod logs;
->>>>>>> noise-tools
 mod noise;
 mod noise_log;
 mod odometry;
+mod paper;
 mod recording;
 mod run;
 mod simulate;

@@ -23,11 +23,8 @@ mod error;
 mod fields;
 #[cfg(test)]
 mod fuzz;
-<<<<<<< HEAD
-mod images;
-=======
 mod guess;
->>>>>>> noise-tools
+mod images;
 mod imu_csv;
 mod imu_lines;
 mod loose_csv;

@@ -1,0 +1,76 @@
+//! What the estimator believed at every frame, as a table.
+
+use super::drive::Driven;
+use dpn_core::{NoiseTrack, Sensor};
+use dpn_vio::estimator::Phase;
+use std::io::Write;
+
+/// Before the pose that covariances are about: stamp, position, quaternion (w x y z).
+pub(crate) const ANCHOR: &str = "#anchor,";
+
+/// Writes a line a frame as CSV: stamp, what the estimator does, state, believed deviations of the pose, noise in force, counts. A line
+/// behind `#anchor` has the pose that the estimator took for known.
+///
+/// # Errors
+/// Those of the writer.
+pub fn write_states(driven: &Driven, noise: &NoiseTrack, out: &mut dyn Write) -> std::io::Result<()> {
+    let axes = |name: &str, unit: &str| ["x", "y", "z"].map(|axis| format!("{name}_{axis}{unit}")).join(",");
+    writeln!(
+        out,
+        "#timestamp [ns],phase,{},q_w,q_x,q_y,q_z,{},{},{},{},{},{},{},tracked,landmarks,outliers,iterations,whitened",
+        axes("p", " [m]"),
+        axes("v", " [m s^-1]"),
+        axes("accel_bias", " [m s^-2]"),
+        axes("gyro_bias", " [rad s^-1]"),
+        axes("p_std", " [m]"),
+        axes("r_std", " [rad]"),
+        axes("accel_noise", " [m s^-2]"),
+        axes("gyro_noise", " [rad s^-1]"),
+    )?;
+    if let Some(anchor) = &driven.report.anchor {
+        let (p, q) = (anchor.world_from_body.translation.vector, anchor.world_from_body.rotation.coords);
+        write!(out, "{ANCHOR}{}", anchor.t.ns())?;
+        for value in p.iter().chain([&q.w, &q.x, &q.y, &q.z]) {
+            write!(out, ",{value:?}")?;
+        }
+        writeln!(out)?;
+    }
+    for update in &driven.updates {
+        let phase = match update.phase {
+            Phase::Initialising(reason) => format!("initialising: {}", reason.name()),
+            Phase::Tracking => "tracking".to_owned(),
+            Phase::Restarted(_) => "restarted".to_owned(),
+        };
+        write!(out, "{},{phase}", update.t.ns())?;
+        match &update.state {
+            Some(state) => {
+                let (p, q) =
+                    (state.world_from_body.translation.vector, state.world_from_body.rotation.coords);
+                let values = p.iter().chain([&q.w, &q.x, &q.y, &q.z]).chain(&state.vel_in_world);
+                for value in values.chain(&state.bias.accel).chain(&state.bias.gyro) {
+                    write!(out, ",{value:?}")?;
+                }
+            }
+            None => write!(out, "{}", ",".repeat(16))?,
+        }
+        match &update.covariance {
+            Some(covariance) => {
+                for variance in covariance.diagonal().iter() {
+                    write!(out, ",{:?}", variance.max(0.0).sqrt())?;
+                }
+            }
+            None => write!(out, "{}", ",".repeat(6))?,
+        }
+        let at = noise.stamps().partition_point(|t| *t <= update.t).max(1) - 1;
+        for value in Sensor::ALL.into_iter().flat_map(|sensor| noise.noises()[at].of(sensor)) {
+            write!(out, ",{value:?}")?;
+        }
+        let whitened = update.whitened.map(|w| format!("{w:?}")).unwrap_or_default();
+        writeln!(
+            out,
+            ",{},{},{},{},{whitened}",
+            update.tracked, update.landmarks, update.outliers, update.iterations
+        )?;
+    }
+    Ok(())
+}

@@ -1,0 +1,9 @@
+//! The figures, each from results and configuration; nothing is drawn by hand.
+
+mod architecture;
+mod charts;
+mod flights;
+
+pub(super) use architecture::{network, odometry, window};
+pub(super) use charts::{injected_sweep, rmse, sweep};
+pub(super) use flights::{errors, sigma_over_flight, step_response, trajectories};

@@ -1,0 +1,27 @@
+//! Names of results: checksums of what they are made from.
+
+use sha2::{Digest, Sha256};
+
+/// Sixteen hexadecimal digits of SHA-256 over `parts`, each with its length.
+pub fn id<T: AsRef<[u8]>>(parts: impl IntoIterator<Item = T>) -> String {
+    let mut hash = Sha256::new();
+    for part in parts {
+        let part = part.as_ref();
+        hash.update((part.len() as u64).to_le_bytes());
+        hash.update(part);
+    }
+    hash.finalize().iter().take(8).map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_id_is_a_function_of_the_parts_and_of_where_they_end() {
+        assert_eq!(id(["a", "b"]), id(["a", "b"]));
+        assert_ne!(id(["ab", "c"]), id(["a", "bc"]));
+        assert_ne!(id(["a"]), id(["a", ""]));
+        assert_eq!(id(["a"]).len(), 16);
+    }
+}

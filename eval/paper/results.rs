@@ -1,0 +1,312 @@
+//! Every stage's results: read where they are there, made where they are not.
+
+use super::error::PaperError;
+use super::id::id;
+use super::injected::{Response, responses};
+use super::plan::Plan;
+use super::run::Paper;
+use crate::closed_loop::{ClosedLoopError, Keep, Manifest, Row, Sweep};
+use crate::injected::{Course, Injection};
+use crate::noise::{Fresh, Noise, Recorded};
+use crate::open_loop::{self, Request};
+use cpu_time::ThreadTime;
+use dpn_core::Sensor;
+use dpn_core::io::{IoError, atomic_write};
+use dpn_core::progress::Progress;
+use dpn_core::random::Stream;
+use dpn_pronet::DualProNet;
+use dpn_train::base::Base;
+use dpn_train::split::Side;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// What a stage left, and where.
+#[derive(Debug)]
+pub(super) struct Made<T> {
+    pub(super) value: T,
+    /// Name of its folder.
+    pub(super) run: String,
+    /// Whether nothing had to be made.
+    pub(super) cached: bool,
+}
+
+/// Sweeps that share a folder.
+struct Loop<'a> {
+    /// What its folder's name begins with.
+    name: String,
+    places: Vec<usize>,
+    /// Noises, and with how many seeds each.
+    parts: Vec<(&'a Vec<String>, u64)>,
+    injection: Option<Injection>,
+    keep: Keep,
+}
+
+/// Reads `path`, or makes it and writes it. A file that does not read is an error: it is not ours to throw away.
+fn cached<T: Serialize + DeserializeOwned>(
+    path: &Path,
+    make: impl FnOnce() -> Result<T, PaperError>,
+) -> Result<(T, bool), PaperError> {
+    match std::fs::read(path) {
+        Ok(bytes) => {
+            let value = serde_json::from_slice(&bytes).map_err(|error| PaperError::Stale {
+                path: path.to_path_buf(),
+                message: format!("it does not read ({error})"),
+            })?;
+            Ok((value, true))
+        }
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            let value = make()?;
+            let text = serde_json::to_string(&value).unwrap_or_default();
+            atomic_write(path, |out| writeln!(out, "{text}"))?;
+            Ok((value, false))
+        }
+        Err(source) => Err(IoError::Read { path: path.to_path_buf(), source }.into()),
+    }
+}
+
+impl Paper<'_> {
+    /// What the networks are: a checksum of their weights and cards.
+    pub(super) fn networks_id(&self) -> Result<String, PaperError> {
+        let mut parts = Vec::new();
+        for network in self.networks {
+            parts.push(network.path.to_string_lossy().into_owned().into_bytes());
+            parts.push(network.weights.to_bytes()?);
+        }
+        Ok(id(parts))
+    }
+
+    /// The rows of the open loop.
+    pub(super) fn open_loop(
+        &self,
+        networks: &str,
+        progress: &mut dyn Progress,
+    ) -> Result<Made<Vec<open_loop::Row>>, PaperError> {
+        let mut parts = vec![self.program.clone(), networks.to_owned(), self.plan.seed.to_string()];
+        parts.push(self.plan.bases.join(";"));
+        parts.extend([self.input.corpus.name.clone(), self.input.corpus.fingerprint()]);
+        let run = format!("open-loop-{}", id(&parts));
+        let bases: Vec<Base> = self.plan.bases.iter().filter_map(|base| base.parse().ok()).collect();
+        let (value, cached) = cached(&self.work.join(&run).join("rows.json"), || {
+            let request = Request {
+                corpora: std::slice::from_ref(&self.input.corpus),
+                sensors: &Sensor::ALL,
+                bases: &bases,
+                networks: self.networks,
+                seed: self.plan.seed,
+            };
+            Ok(open_loop::run(&request, progress)?.rows)
+        })?;
+        Ok(Made { value, run, cached })
+    }
+
+    /// What the study's sweep keeps of runs for the figures.
+    pub(super) fn keep(&self) -> Keep {
+        let noises = ["x1", "dualpronet"].iter().filter_map(|noise| noise.parse().ok()).collect();
+        Keep { states: Some((noises, self.plan.seed)), ..Keep::default() }
+    }
+
+    /// The rows of the study.
+    pub(super) fn closed_loop(
+        &self,
+        networks: &str,
+        stop: &AtomicBool,
+        progress: &mut dyn Progress,
+    ) -> Result<Made<Vec<Row>>, PaperError> {
+        let study = Loop {
+            name: "closed-loop".into(),
+            places: self.input.places.clone(),
+            parts: vec![(&self.plan.noises, self.plan.seeds), (&self.plan.others, self.plan.other_seeds)],
+            injection: None,
+            keep: self.keep(),
+        };
+        self.sweeps(&study, networks, stop, progress)
+    }
+
+    /// The rows of one course of the injected experiment.
+    pub(super) fn injected(
+        &self,
+        course: Course,
+        networks: &str,
+        stop: &AtomicBool,
+        progress: &mut dyn Progress,
+    ) -> Result<Made<Vec<Row>>, PaperError> {
+        let plan = &self.plan.injected;
+        let (noises, seeds) = match course {
+            Course::Step => (&plan.noises, plan.seeds),
+            _ => (&plan.followed, plan.course_seeds),
+        };
+        let experiment = Loop {
+            name: format!("injected-{course}"),
+            places: self.injected_places(),
+            parts: vec![(noises, seeds)],
+            injection: Some(plan.noise.with(course)),
+            keep: Keep::default(),
+        };
+        self.sweeps(&experiment, networks, stop, progress)
+    }
+
+    /// The first sequences of both sides, as many of each as can be.
+    pub(super) fn injected_places(&self) -> Vec<usize> {
+        let names = self.input.source.names();
+        let most = match self.plan.injected.most_sequences {
+            0 => usize::MAX,
+            most => most,
+        };
+        let (train, test): (Vec<usize>, Vec<usize>) =
+            self.input.places.iter().partition(|place| names[**place].1 == Side::Train);
+        let tests = test.len().min(most.saturating_sub(train.len()).max(most / 2));
+        let mut places: Vec<usize> = train.into_iter().take(most.saturating_sub(tests)).collect();
+        places.extend(test.into_iter().take(tests));
+        places.sort_unstable();
+        places
+    }
+
+    /// All sweeps of a loop.
+    fn sweeps(
+        &self,
+        wanted: &Loop<'_>,
+        networks: &str,
+        stop: &AtomicBool,
+        progress: &mut dyn Progress,
+    ) -> Result<Made<Vec<Row>>, PaperError> {
+        let (mut value, mut run, mut cached) = (Vec::new(), String::new(), true);
+        for (specs, seeds) in wanted.parts.iter().filter(|(specs, _)| !specs.is_empty()) {
+            let sweep = Sweep {
+                source: &self.input.source,
+                places: wanted.places.clone(),
+                noises: Plan::parsed(specs)?,
+                seeds: (self.plan.seed..self.plan.seed + self.seeds(*seeds)).collect(),
+                from: self.from,
+                estimator: self.estimator.clone(),
+                networks: self.networks,
+                threads: self.threads,
+                keep: wanted.keep.clone(),
+                injection: wanted.injection,
+            };
+            let manifest = Manifest::of(&sweep, self.program.clone(), Some(networks.to_owned()))?;
+            run = format!("{}-{}", wanted.name, &manifest.fingerprint()[..16]);
+            let dir = self.work.join(&run);
+            let mut watch = Watch { inner: progress, stepped: false };
+            value.extend(sweep.run(&dir, &manifest, stop, &mut watch)?);
+            cached &= !watch.stepped;
+        }
+        Ok(Made { value, run, cached })
+    }
+
+    /// Seeds to run: one where nothing depends on the seed.
+    fn seeds(&self, wanted: u64) -> u64 {
+        let source = &self.input.source;
+        if source.tracks_are_seeded() || source.recordings_are_seeded() { wanted } else { 1 }
+    }
+
+    /// How noises follow what is injected.
+    pub(super) fn responses(
+        &self,
+        networks: &str,
+        stop: &AtomicBool,
+    ) -> Result<Made<Vec<Response>>, PaperError> {
+        let plan = &self.plan.injected;
+        let places = self.injected_places();
+        let mut parts = vec![self.program.clone(), networks.to_owned(), self.plan.seed.to_string()];
+        parts.push(serde_json::to_string(&plan.noise).unwrap_or_default());
+        parts.push(plan.followed.join(";"));
+        parts.extend(self.checksums(&places)?);
+        let run = format!("response-{}", id(&parts));
+        let (value, cached) = cached(&self.work.join(&run).join("responses.json"), || {
+            stopped(stop)?;
+            let noises = Plan::parsed(&plan.followed)?;
+            let seed = self.plan.seed;
+            responses(&self.input.source, &places, &noises, self.networks, &plan.noise, seed)
+        })?;
+        Ok(Made { value, run, cached })
+    }
+
+    /// Checksums of the sequences at `places`.
+    pub(super) fn checksums(&self, places: &[usize]) -> Result<Vec<String>, PaperError> {
+        Ok(places.iter().map(|place| self.input.source.checksum(*place)).collect::<Result<_, _>>()?)
+    }
+
+    /// CPU time of six windows of every noise of the study \[ms\], on the first sequence.
+    pub(super) fn model_times(
+        &self,
+        networks: &str,
+        stop: &AtomicBool,
+    ) -> Result<Made<Vec<(String, f64)>>, PaperError> {
+        let specs: Vec<&String> = self.plan.noises.iter().chain(&self.plan.others).collect();
+        let place = self.input.places[0];
+        let mut parts = vec![self.program.clone(), networks.to_owned()];
+        parts.extend(specs.iter().map(|spec| (*spec).clone()));
+        parts.extend(self.checksums(&[place])?);
+        let run = format!("timing-{}", id(&parts));
+        let (value, cached) = cached(&self.work.join(&run).join("windows.json"), || {
+            stopped(stop)?;
+            let recording = self.input.source.recording(place, self.plan.seed)?;
+            let recorded =
+                Recorded { name: &recording.name, imu: &recording.imu, oracle: recording.oracle.as_ref() };
+            let sources = Fresh { recorded, networks: self.networks };
+            let answers = recording.imu.len() as f64 / DualProNet::HOP as f64;
+            let mut times = Vec::new();
+            for spec in specs {
+                let noise: Noise = spec.parse()?;
+                if noise.needs_training() {
+                    continue;
+                }
+                let clock = ThreadTime::now();
+                noise.track(&recording.imu, &sources, &Stream::new(self.plan.seed))?;
+                times.push((spec.clone(), 1e3 * clock.elapsed().as_secs_f64() / answers));
+            }
+            Ok(times)
+        })?;
+        Ok(Made { value, run, cached })
+    }
+}
+
+/// An error where a stop was asked for.
+fn stopped(stop: &AtomicBool) -> Result<(), PaperError> {
+    if stop.load(Ordering::Relaxed) {
+        return Err(ClosedLoopError::Stopped { done: 0, total: 0 }.into());
+    }
+    Ok(())
+}
+
+/// Hears whether anything was done.
+struct Watch<'a> {
+    inner: &'a mut dyn Progress,
+    stepped: bool,
+}
+
+impl Progress for Watch<'_> {
+    fn start(&mut self, what: &str, total: u64) {
+        self.inner.start(what, total);
+    }
+
+    fn step(&mut self, done: u64, note: &str) {
+        self.stepped = true;
+        self.inner.step(done, note);
+    }
+
+    fn finish(&mut self, note: &str) {
+        self.inner.finish(note);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_there_is_read_and_what_does_not_read_is_named_and_kept() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a/rows.json");
+        let numbers = vec![0.1, 1.0 / 3.0];
+        assert_eq!(cached(&path, || Ok(numbers.clone())).unwrap(), (numbers.clone(), false));
+        let never = || -> Result<Vec<f64>, PaperError> { panic!("made again") };
+        assert_eq!(cached(&path, never).unwrap(), (numbers, true));
+        std::fs::write(&path, "[0.1, ").unwrap();
+        let text = cached(&path, never).unwrap_err().to_string();
+        assert!(text.contains("rows.json: it does not read") && text.ends_with("made again"), "{text}");
+        assert!(path.exists());
+    }
+}

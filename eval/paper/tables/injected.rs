@@ -1,0 +1,126 @@
+//! The experiment with injected noise: how models follow, what it is worth.
+
+use super::super::command::Provenance;
+use super::super::injected::{Response, Value};
+use super::super::input::Input;
+use super::super::table::{Cell, Table};
+use crate::injected::{Course, Injection};
+
+/// What is added, in a sentence.
+fn words(injection: &Injection) -> String {
+    format!(
+        "Added at x1: {} m/s^2 and {} rad/s, changing by x{} (step: x1, x{}, x1 by thirds of the recording). The oracle is told the root of the sum of \
+         squares of what is added and of {} m/s^2, {} rad/s, the best constant without anything added.",
+        injection.accel,
+        injection.gyro,
+        injection.factor,
+        injection.factor,
+        injection.own_accel,
+        injection.own_gyro
+    )
+}
+
+/// Every noise on every course: error, and share of the way from the best constant to the oracle.
+pub(in crate::paper) fn value(
+    input: &Input,
+    values: &[(Course, Value)],
+    injection: &Injection,
+    made_by: Provenance,
+) -> Table {
+    let heads = [
+        "course",
+        "noise",
+        "=ATE median [m]",
+        "=train [m]",
+        "=test [m]",
+        "=of the gap closed",
+        "=train",
+        "=test",
+        "=failed",
+    ];
+    let mut table = Table::new(
+        "injected",
+        "Noise of a known course added to the IMU: what each model is worth",
+        &heads,
+        made_by,
+    );
+    for (course, value) in values {
+        for worth in &value.worth {
+            let reference = value.best_constant.as_deref() == Some(worth.noise.as_str());
+            let name =
+                if reference { format!("{} (best constant)", worth.noise) } else { worth.noise.clone() };
+            let mut cells = vec![Cell::text(course.name()), Cell::text(name)];
+            cells.extend(worth.ate.map(Cell::metres));
+            // A gap of less than a twentieth says nothing of who closes it.
+            let told =
+                [0, 1, 2].map(|i| worth.closed[i].filter(|_| value.gap[i].is_some_and(|gap| gap >= 0.05)));
+            cells.extend(told.map(|share| Cell::number(share, 2)));
+            cells.push(Cell::count(worth.failures));
+            table.row(cells);
+        }
+        table.rule();
+        let gap = |i: usize| value.gap[i].map_or("-".to_owned(), |gap| format!("{:.0} %", 100.0 * gap));
+        table.note(format!(
+            "{course}: the oracle lies {} below the best constant{} (training {}, test {}).",
+            gap(0),
+            value.best_constant.as_deref().map_or(String::new(), |best| format!(", {best},")),
+            gap(1),
+            gap(2)
+        ));
+    }
+    table.note(words(injection));
+    table.note("Medians over seeds, then over sequences. The best constant is the one with the lowest median on the training sequences, among those \
+                listed. Share closed: (best constant - noise) / (best constant - oracle); not given where that gap is below 5 %.");
+    for note in input.notes() {
+        table.note(note);
+    }
+    table
+}
+
+/// Levels and lags.
+pub(in crate::paper) fn responses(
+    input: &Input,
+    responses: &[Response],
+    injection: &Injection,
+    made_by: Provenance,
+) -> Table {
+    let heads = [
+        "course",
+        "sensor",
+        "noise",
+        "=before",
+        "=during",
+        "=during / before",
+        "=lag up [s]",
+        "=lag down [s]",
+        "=sequences",
+    ];
+    let title = "Response of each noise model to a change of the noise, or to what is no white noise";
+    let mut table = Table::new("response", title, &heads, made_by);
+    let mut last = None;
+    for response in responses {
+        if last.is_some_and(|course| course != response.course) {
+            table.rule();
+        }
+        last = Some(response.course);
+        let digits = if response.sensor == dpn_core::Sensor::Accel { 3 } else { 4 };
+        table.row(vec![
+            Cell::text(response.course.name()),
+            Cell::text(response.sensor.name()),
+            Cell::text(&response.noise),
+            Cell::number(response.low, digits),
+            Cell::number(response.high, digits),
+            Cell::number(response.high / response.low, 2),
+            Cell::number(response.rise.map(|(lag, _)| lag), 2),
+            Cell::number(response.fall.map(|(lag, _)| lag), 2),
+            Cell::count(response.sequences),
+        ]);
+    }
+    table.note(words(injection));
+    table.note("Medians over sequences of the estimate, x, y, z together (one-axis: y alone), in m/s^2 and rad/s. Lag: from the change until the \
+                estimate has gone half of the way. For tone and bias-jump the right ratio is 1: nothing white was added.");
+    for note in input.notes() {
+        table.note(note);
+    }
+    table
+}

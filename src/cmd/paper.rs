@@ -1,0 +1,148 @@
+//! `dpn paper`.
+
+use super::{device, program, settings, shipped, stop};
+use crate::args::PaperArgs;
+use crate::ui::{Bar, Interrupted};
+use anyhow::Result;
+use dpn_core::Sensor;
+use dpn_core::config::{Validate, load};
+use dpn_eval::closed_loop::{ClosedLoopError, Source, Tracks};
+use dpn_eval::open_loop::{Network, networks};
+use dpn_eval::paper::{Done, Input, Paper, PaperError, Plan, id};
+use dpn_train::config::TrainConfig;
+use dpn_train::corpus::Corpus;
+use dpn_train::run::{Run, RunError};
+use dpn_train::trainer::TrainError;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+pub(crate) fn run(args: &PaperArgs) -> Result<()> {
+    let plan = match &args.plan {
+        Some(path) => load(path)?,
+        None if args.quick => Plan::quick(),
+        None => Plan::whole(),
+    };
+    plan.validate()?;
+    let source = source(args)?;
+    let wanted = source.select(&args.sequences)?;
+    let input = Input::check(source, &wanted, args.sequences == "all")?;
+    for missing in &input.missing {
+        eprintln!("warning: no row for {}: {}", missing.name, missing.reason);
+    }
+    let mut estimator = settings::estimator(&args.settings)?;
+    estimator.covariance = true;
+    let stop = stop::on_ctrl_c()?;
+    let networks = chosen_networks(args, &input, &stop)?;
+    let paper = Paper {
+        plan: &plan,
+        camera: args.camera.settle(&input.source),
+        input: &input,
+        networks: &networks,
+        estimator,
+        from: args.from,
+        program: program(),
+        command: command(),
+        work: &args.work,
+        out: &args.out,
+        threads: args.threads.unwrap_or_else(cores).max(1),
+    };
+    match paper.run(&stop, &mut Bar::new()) {
+        Err(PaperError::ClosedLoop(error @ ClosedLoopError::Stopped { .. })) => {
+            Err(Interrupted(format!("{error}; the same command goes on from there")).into())
+        }
+        Err(error) => Err(error.into()),
+        Ok(done) => {
+            say(&done, args.json)?;
+            Ok(())
+        }
+    }
+}
+
+fn say(done: &Done, json: bool) -> Result<()> {
+    if json {
+        println!("{}", serde_json::to_string(done)?);
+        return Ok(());
+    }
+    for stage in &done.stages {
+        let how = if stage.cached { "as it was" } else { "made" };
+        eprintln!("{:28} {how:10} {:7.1} s  {}", stage.name, stage.seconds, stage.run);
+    }
+    for finding in &done.findings {
+        println!("* {finding}");
+    }
+    println!("\npage: {}", done.page.display());
+    Ok(())
+}
+
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
+}
+
+/// The command as a person would type it again: the program's name without its folder.
+fn command() -> String {
+    let quoted = |word: String| {
+        let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@".contains(c);
+        if word.chars().all(plain) { word } else { format!("'{word}'") }
+    };
+    let words: Vec<String> = std::env::args().skip(1).map(quoted).collect();
+    format!("dpn {}", words.join(" "))
+}
+
+fn source(args: &PaperArgs) -> Result<Source> {
+    let tracks = settings::tracks(&args.settings)?;
+    match &args.data {
+        Some(dir) => {
+            let tracks = args.tracks.clone().map_or(Tracks::Made(tracks), Tracks::Given);
+            Ok(Source::recorded(dir, tracks)?)
+        }
+        None => {
+            Ok(Source::Flights { config: settings::flights(&args.settings)?, tracks: Tracks::Made(tracks) })
+        }
+    }
+}
+
+/// The networks: those that come with the program, a folder's, or trained now.
+fn chosen_networks(args: &PaperArgs, input: &Input, stop: &AtomicBool) -> Result<Vec<Network>> {
+    if let Some(dir) = &args.models {
+        return Ok(networks::load_all(dir)?);
+    }
+    let mut all = shipped::networks()?;
+    if args.train {
+        for sensor in Sensor::ALL {
+            let trained = train(args, sensor, &input.corpus, stop)?;
+            // It takes the place of the shipped one of that name.
+            let tag = format!("{sensor}/{}", dpn_eval::noise::DEFAULT_TAG);
+            all.retain(|n| !n.path.with_extension("").to_string_lossy().ends_with(&tag));
+            all.push(trained);
+        }
+    }
+    Ok(all)
+}
+
+/// Trains the default network of a sensor in a folder named for what it is made from; one that is there is taken.
+fn train(args: &PaperArgs, sensor: Sensor, corpus: &Corpus, stop: &AtomicBool) -> Result<Network> {
+    let mut config = TrainConfig::for_sensor(sensor);
+    config.fit.epochs = args.epochs.unwrap_or(config.fit.epochs);
+    let text = serde_json::to_string(&config.resolved())?;
+    let folder = format!("network-{sensor}-{}", id([program(), corpus.fingerprint(), text]));
+    let dir = args.work.join(folder);
+    let name = Path::new("trained")
+        .join(sensor.name())
+        .join(format!("{}.safetensors", dpn_eval::noise::DEFAULT_TAG));
+    let done = dir.join(format!("{sensor}.safetensors"));
+    if !(done.is_file() && dir.join("summary.json").is_file()) {
+        let device = device::parse("flex")?;
+        let resume = dir.join("checkpoint.safetensors").is_file();
+        match Run::open(&dir, &config, corpus, &device, resume)?.train(stop, &mut Bar::new()) {
+            Err(RunError::Train(TrainError::Stopped { epoch })) => {
+                let message = format!(
+                    "stopped in epoch {epoch} of the {sensor} network; the same command goes on from there"
+                );
+                return Err(Interrupted(message).into());
+            }
+            other => other?,
+        };
+    }
+    let network = Network::load(&done)?;
+    Ok(Network { path: name, ..network })
+}

@@ -1,0 +1,157 @@
+//! `dpn paper`, on the last part of two simulated flights.
+
+use crate::recording;
+use crate::run::{Done, dpn, end, files};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// As little as gives every table and figure.
+const PLAN: &str = r#"
+bases = ["sg(11,2)"]
+noises = ["x1", "x4", "dualpronet"]
+seeds = 1
+others = []
+other_seeds = 1
+
+[injected]
+courses = ["step"]
+noises = ["x4", "oracle"]
+followed = ["oracle", "diff2"]
+seeds = 1
+most_sequences = 1
+"#;
+
+fn paper(dir: &Path, more: &[&str]) -> Done {
+    std::fs::write(dir.join("plan.toml"), PLAN).unwrap();
+    let mut command = dpn();
+    command.current_dir(dir).args([
+        "paper",
+        "--plan",
+        "plan.toml",
+        "--sequences",
+        "room-medium,room-spiral",
+        "--from",
+        "50",
+    ]);
+    command.args(["--out", "out", "--work", "work"]).args(more);
+    end(&mut command)
+}
+
+/// Tables and SVGs, but for the table of times.
+fn lasting(dir: &Path) -> BTreeMap<String, Vec<u8>> {
+    let all = files(&dir.join("out"));
+    let lasting = |name: &String| {
+        let table = name.starts_with("tables/") && !name.starts_with("tables/timing");
+        table || name.ends_with(".svg") || name.ends_with(".png")
+    };
+    all.keys()
+        .filter(|name| lasting(name))
+        .map(|name| (name.clone(), std::fs::read(dir.join("out").join(name)).unwrap()))
+        .collect()
+}
+
+#[test]
+fn everything_is_made_once_goes_on_after_a_cut_and_comes_out_the_same() {
+    let tmp = tempfile::tempdir().unwrap();
+    let dir = tmp.path();
+    let first = paper(dir, &["--threads", "2"]).well();
+    assert!(first.stdout.contains("page: out/index.html"), "{}", first.stdout);
+    let made = lasting(dir);
+    for name in ["split", "open_loop", "closed_loop", "study", "injected", "response"] {
+        for ending in ["md", "csv", "tex"] {
+            let text = String::from_utf8(made[&format!("tables/{name}.{ending}")].clone()).unwrap();
+            assert!(text.contains("Made by: dpn paper --plan plan.toml"), "{name}.{ending}");
+            assert!(text.contains("runs: "), "{name}.{ending}");
+        }
+    }
+    for name in [
+        "architecture_odometry",
+        "architecture_window",
+        "architecture_networks",
+        "open_loop_rmse_vs_sigma",
+        "trajectories",
+        "error_by_time",
+        "flight_sigma",
+        "step_response",
+        "sweep",
+        "injected_sweep",
+    ] {
+        let svg = String::from_utf8(made[&format!("{name}.svg")].clone()).unwrap();
+        assert!(svg.contains("dpn paper --plan plan.toml") && svg.contains("runs:"), "{name}");
+        assert!(made.contains_key(&format!("{name}.png")), "{name}");
+    }
+    let study = String::from_utf8(made["tables/study.csv"].clone()).unwrap();
+    assert_eq!(study.lines().filter(|line| !line.starts_with('#')).count(), 4, "{study}");
+    let page = std::fs::read_to_string(dir.join("out/index.html")).unwrap();
+    assert!(!page.contains("http://") || page.contains("http://www.w3.org"), "the page asks for something");
+    assert!(page.matches("<img").count() >= 10 && page.matches("<table").count() >= 6);
+
+    // Nothing has changed: nothing is made.
+    let again = paper(dir, &["--threads", "2"]).well();
+    assert!(!again.stderr.contains(" made "), "{}", again.stderr);
+    assert_eq!(again.stdout, first.stdout);
+
+    // A cell lost, a table spoilt, another number of threads: the same bytes. The command stands in all of them.
+    let sweep = std::fs::read_dir(dir.join("work")).unwrap().map(|e| e.unwrap().path());
+    let sweep = sweep.filter(|p| p.file_name().unwrap().to_str().unwrap().starts_with("closed-loop-"));
+    let rows = sweep.collect::<Vec<_>>()[0].join("rows.jsonl");
+    let text = std::fs::read_to_string(&rows).unwrap();
+    let kept: Vec<&str> = text.lines().skip(1).collect();
+    std::fs::write(&rows, kept.join("\n") + "\n{\"sequ").unwrap();
+    std::fs::write(dir.join("out/tables/split.md"), "spoilt").unwrap();
+    let third = paper(dir, &["--threads", "2"]).well();
+    assert!(third.stderr.contains("closed loop: 6 cells"), "{}", third.stderr);
+    assert_eq!(lasting(dir), made);
+
+    // What does not read is named and stays.
+    let open = std::fs::read_dir(dir.join("work")).unwrap().map(|e| e.unwrap().path());
+    let open = open.filter(|p| p.file_name().unwrap().to_str().unwrap().starts_with("open-loop-"));
+    let path = open.collect::<Vec<_>>()[0].join("rows.json");
+    std::fs::write(&path, "[{").unwrap();
+    let stale = paper(dir, &["--threads", "2"]);
+    assert_eq!((stale.code, stale.stdout.as_str()), (Some(2), ""), "{stale:?}");
+    assert!(stale.stderr.contains("rows.json: it does not read"), "{}", stale.stderr);
+    assert!(stale.stderr.contains("remove it, and it is made again"), "{}", stale.stderr);
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "[{");
+}
+
+#[test]
+fn what_cannot_be_used_is_refused_with_its_reason() {
+    let tmp = tempfile::tempdir().unwrap();
+    let dir = tmp.path();
+    for (more, words) in [
+        (&["--sequences", "cave"][..], "no sequence is called `cave`; there are f01-hall-slow"),
+        (&["--camera", "film"], "known are auto, tracks"),
+        (&["--data", "nowhere"], "nowhere"),
+        (&["--epochs", "3"], "--train"),
+        (&["--quick"], "cannot be used with"),
+    ] {
+        let mut command = dpn();
+        std::fs::write(dir.join("plan.toml"), PLAN).unwrap();
+        command.current_dir(dir).args(["paper", "--plan", "plan.toml", "--out", "out", "--work", "work"]);
+        let done = end(command.args(more));
+        assert_eq!((done.code, done.stdout.as_str()), (Some(2), ""), "{more:?}: {done:?}");
+        assert!(done.stderr.contains(words), "{more:?}: {}", done.stderr);
+    }
+    std::fs::write(dir.join("bad.toml"), "seeds = 0\nnoises = [\"x1\"]\n").unwrap();
+    let mut command = dpn();
+    let done = end(command.current_dir(dir).args(["paper", "--plan", "bad.toml"]));
+    assert!(
+        done.stderr.contains("`seeds` is 0") && done.stderr.contains("with dualpronet"),
+        "{}",
+        done.stderr
+    );
+
+    // A sequence without ground truth cannot be judged, and ten are not there at all.
+    let data =
+        recording::put(&dir.join("data"), "MH_01_easy", &recording::text(&recording::rows(3000, 5_000_000)));
+    let mut command = dpn();
+    command
+        .current_dir(dir)
+        .args(["paper", "--quick", "--out", "out", "--work", "work", "--data"])
+        .arg(&data);
+    let done = end(&mut command);
+    assert_eq!(done.code, Some(2), "{done:?}");
+    assert!(done.stderr.contains("no sequence can be used: MH_01_easy: "), "{}", done.stderr);
+    assert!(!dir.join("out").exists());
+}
