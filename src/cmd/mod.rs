@@ -7,6 +7,7 @@ mod corpus;
 mod device;
 mod eval;
 mod flight;
+mod images;
 mod log;
 mod noise;
 mod program;
