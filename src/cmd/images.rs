@@ -145,9 +145,7 @@ impl Source {
             return Err(Fault::new(what).hint(remedy).into());
         };
         if args.from.is_some() || args.to.is_some() {
-            let near = |t: &Stamp| {
-                t.seconds_since(begin) >= -MARGIN_S && t.seconds_since(end) <= MARGIN_S
-            };
+            let near = |t: &Stamp| t.seconds_since(begin) >= -MARGIN_S && t.seconds_since(end) <= MARGIN_S;
             self.imu = ImuRecording::new(
                 self.imu.samples().iter().filter(|sample| near(&sample.t)).copied().collect(),
             )?;

@@ -3,13 +3,13 @@
 //! `cargo run --release -p dpn-sim --example rendered_frames -- SEQUENCE OUT [FRAMES]`
 #![allow(clippy::unwrap_used)]
 
+use cpu_time::ThreadTime;
 use dpn_core::io::asl::{Sequence, write_png};
+use dpn_sim::RenderedCamera;
 use dpn_sim::render::RenderConfig;
 use dpn_sim::tracks::{CameraSettings, PathConfig, RecordedPath};
-use dpn_sim::RenderedCamera;
 use std::path::Path;
 use std::sync::Arc;
-use std::time::Instant;
 
 fn main() {
     let args: Vec<String> = std::env::args().collect();
@@ -19,7 +19,7 @@ fn main() {
     let path = RecordedPath::new(&sequence.ground_truth().unwrap(), &PathConfig::default()).unwrap();
     let camera = sequence.camera_config().unwrap().map(|own| CameraSettings::try_from(&own).unwrap());
     let config = RenderConfig { camera, ..RenderConfig::default() };
-    let start = Instant::now();
+    let start = ThreadTime::now();
     let mut camera = RenderedCamera::new(&config, Arc::new(path), 1).unwrap();
     println!("{camera:?} in {:.2} s", start.elapsed().as_secs_f64());
     let stamps: Vec<_> = sequence.camera_frames().unwrap().iter().map(|frame| frame.t).collect();
@@ -29,7 +29,7 @@ fn main() {
         let image = camera.image(t).unwrap();
         // The second time the exposure is known and the memory there, as from frame to frame.
         let best = (0..5).map(|_| {
-            let start = Instant::now();
+            let start = ThreadTime::now();
             camera.image(t).unwrap();
             start.elapsed().as_secs_f64()
         });

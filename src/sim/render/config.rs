@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LensConfig {
-    /// Standard deviation of the blur of lens and pixel \[px\], 0 to 2. Default .55.
+    /// Standard deviation of the blur of lens and pixel \[px\], 0 to 2. Default .45.
     pub blur_px: f64,
     /// Share of the light that is lost in the corner farthest from the principal point, 0 to .95. Default .25.
     pub vignetting: f64,
@@ -16,7 +16,7 @@ pub struct LensConfig {
 
 impl Default for LensConfig {
     fn default() -> Self {
-        Self { blur_px: 0.55, vignetting: 0.25 }
+        Self { blur_px: 0.45, vignetting: 0.25 }
     }
 }
 
@@ -196,8 +196,7 @@ mod tests {
 
     #[test]
     fn the_file_that_comes_with_the_program_is_the_default() {
-        let expected =
-            RenderConfig { camera: Some(CameraSettings::default()), ..RenderConfig::default() };
+        let expected = RenderConfig { camera: Some(CameraSettings::default()), ..RenderConfig::default() };
         assert_eq!(parsed(include_str!("../../../configs/images/euroc.toml")).unwrap(), expected);
     }
 

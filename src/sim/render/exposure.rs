@@ -155,13 +155,18 @@ mod tests {
     fn the_mean_is_led_to_the_target_first_by_time_then_by_gain() {
         let config = ExposureConfig { change: 0.0, ..ExposureConfig::default() };
         let mut exposure = steady(config, LowLightConfig::default());
-        for (grey, time, gain) in [(64.0_f32, 2.0, 1.0), (256.0, 0.5, 1.0), (16.0, 3.0, 128.0 / 48.0), (1.0, 3.0, 8.0)] {
+        for (grey, time, gain) in
+            [(64.0_f32, 2.0, 1.0), (256.0, 0.5, 1.0), (16.0, 3.0, 128.0 / 48.0), (1.0, 3.0, 8.0)]
+        {
             exposure.wanted.clear();
             let setting = exposure.at(at_ms(10), |_, seen| {
                 seen.extend([grey; 100]);
                 true
             });
-            assert!((setting.time - time).abs() < 1e-3 && (setting.gain - gain).abs() < 1e-2, "{grey}: {setting:?}");
+            assert!(
+                (setting.time - time).abs() < 1e-3 && (setting.gain - gain).abs() < 1e-2,
+                "{grey}: {setting:?}"
+            );
         }
         // What is white already does not get brighter.
         exposure.wanted.clear();
@@ -190,12 +195,15 @@ mod tests {
             assert_eq!(backwards.at(at_ms(i * 10), &mut sees).time, times[i as usize]);
         }
         // Nothing seen anywhere: as in mean light.
-        assert!((steady(config, LowLightConfig::default()).at(at_ms(0), |_, _| false).time - 1.0).abs() < 1e-9);
+        assert!(
+            (steady(config, LowLightConfig::default()).at(at_ms(0), |_, _| false).time - 1.0).abs() < 1e-9
+        );
     }
 
     #[test]
     fn changes_and_dark_phases_come_as_often_and_as_strong_as_asked_for() {
-        let config = ExposureConfig { change: 0.3, change_every_s: 1.0, longest: 100.0, ..ExposureConfig::default() };
+        let config =
+            ExposureConfig { change: 0.3, change_every_s: 1.0, longest: 100.0, ..ExposureConfig::default() };
         let low_light = LowLightConfig { share: 0.4, length_s: 1.0, light: 0.05 };
         let exposure = steady(config, low_light);
         let ends: Vec<Stamp> = (0..1000).map(|i| at_ms(i * 1000 + 990)).collect();

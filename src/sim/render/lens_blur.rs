@@ -45,8 +45,12 @@ impl WithSimd for Blur<'_> {
         let height = grey.len() / width;
         for (from, to) in grey.chunks_exact(width).zip(other.chunks_exact_mut(width)) {
             let inner = width.saturating_sub(4);
-            if let Some(middle) = to.get_mut(2..2 + inner) {
-                sum(weights, [&from[2..], &from[1..], &from[3..], from, &from[4..]].map(|s| &s[..inner]), middle);
+            if let Some(middle) = to.get_mut(2..2 + inner).filter(|middle| !middle.is_empty()) {
+                sum(
+                    weights,
+                    [&from[2..], &from[1..], &from[3..], from, &from[4..]].map(|s| &s[..inner]),
+                    middle,
+                );
             }
             let at = |x: usize, step: isize| from[x.saturating_add_signed(step).min(width - 1)];
             for x in (0..width.min(2)).chain(width.saturating_sub(2)..width) {
@@ -84,7 +88,8 @@ mod tests {
         assert!((sum - 100.0).abs() < 1e-3);
         for axis in [0, 1] {
             let spread = |(i, grey): (usize, &f32)| {
-                let step = if axis == 0 { i % 21 } else { i / 21 } as f32 - if axis == 0 { 10.0 } else { 5.0 };
+                let step =
+                    if axis == 0 { i % 21 } else { i / 21 } as f32 - if axis == 0 { 10.0 } else { 5.0 };
                 grey * step * step
             };
             let variance = grey.iter().enumerate().map(spread).sum::<f32>() / sum;

@@ -28,7 +28,5 @@ mod sensor;
 mod texture;
 
 pub use camera::{RenderError, RenderedCamera, SharedPath};
-pub use config::{
-    ExposureConfig, LensConfig, LowLightConfig, MotionBlurConfig, RenderConfig, SensorConfig,
-};
+pub use config::{ExposureConfig, LensConfig, LowLightConfig, MotionBlurConfig, RenderConfig, SensorConfig};
 pub use raster::NoLineOfSight;

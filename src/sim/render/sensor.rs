@@ -131,7 +131,8 @@ mod tests {
             (50.0, Exposed { factor: 2.0, gain: 1.0 }, 4.0 + 10.0),
             (50.0, Exposed { factor: 2.0, gain: 3.0 }, 36.0 + 30.0),
         ] {
-            let noise: Vec<f64> = take(&sensor, light, exposed, 7).iter().map(|g| f64::from(*g) - 100.0).collect();
+            let noise: Vec<f64> =
+                take(&sensor, light, exposed, 7).iter().map(|g| f64::from(*g) - 100.0).collect();
             let n = noise.len() as f64;
             let mean = noise.iter().sum::<f64>() / n;
             let found = noise.iter().map(|v| v * v).sum::<f64>() / n;

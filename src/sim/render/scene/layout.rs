@@ -19,18 +19,18 @@ type Mix = [(Material, f64)];
 
 const WALLS: &Mix = &[(Material::Cloth, 0.5), (Material::Blocks, 0.35), (Material::Planks, 0.15)];
 const PANELS: &Mix = &[
-    (Material::Cloth, 0.45),
-    (Material::Clutter, 0.2),
-    (Material::Blocks, 0.12),
+    (Material::Cloth, 0.54),
+    (Material::Clutter, 0.13),
+    (Material::Blocks, 0.1),
     (Material::Planks, 0.13),
     (Material::Print, 0.1),
 ];
-const POSTERS: &Mix = &[(Material::Print, 0.5), (Material::Clutter, 0.3), (Material::Chips, 0.2)];
+const POSTERS: &Mix = &[(Material::Print, 0.6), (Material::Clutter, 0.15), (Material::Chips, 0.25)];
 const BOXES: &Mix = &[
-    (Material::Clutter, 0.4),
-    (Material::Planks, 0.25),
+    (Material::Clutter, 0.25),
+    (Material::Planks, 0.3),
     (Material::Print, 0.15),
-    (Material::Cloth, 0.1),
+    (Material::Cloth, 0.2),
     (Material::Blocks, 0.1),
 ];
 const MATS: &Mix = &[(Material::Print, 0.5), (Material::Clutter, 0.2), (Material::Cloth, 0.3)];
@@ -72,18 +72,12 @@ impl Layout {
         let low = bounds.low - Vector3::new(figures.side, figures.side, figures.down);
         let high = bounds.high + Vector3::new(figures.side, figures.side, figures.up);
         let scale = match world.settled(bounds) {
-            World::Hall => Scale {
-                texels_per_m: 125.0,
-                relief: figures.relief,
-                field: [1.6, 4.0],
-                thing_area: 7.0,
-            },
-            World::Auto | World::Room => Scale {
-                texels_per_m: 250.0,
-                relief: figures.relief,
-                field: [0.9, 2.2],
-                thing_area: 2.6,
-            },
+            World::Hall => {
+                Scale { texels_per_m: 125.0, relief: figures.relief, field: [1.6, 4.0], thing_area: 7.0 }
+            }
+            World::Auto | World::Room => {
+                Scale { texels_per_m: 250.0, relief: figures.relief, field: [0.9, 2.2], thing_area: 2.6 }
+            }
         };
         let contrast = contrast as f32;
         let (rects, lamps) = (Vec::new(), Vec::new());
@@ -192,13 +186,13 @@ impl<R: Rng> Builder<'_, R> {
                     continue;
                 }
                 let slab = Slab { origin, axes, size: [width, tall, depth] };
-                if draw < 0.19 && upper {
+                if draw < 0.21 && upper {
                     self.window(&slab);
                     continue;
                 }
                 let skin = self.skin(PANELS);
                 self.slab(&slab, &[(2, false)], &skin);
-                if self.chance(0.45) {
+                if self.chance(0.55) {
                     self.poster(&slab);
                 }
             }
@@ -222,7 +216,7 @@ impl<R: Rng> Builder<'_, R> {
         self.slab(slab, &[(2, false)], &skin);
         let [width, tall, depth] = slab.size;
         let [across, along, inward] = slab.axes;
-        let bright = self.between(1.6, 4.0) as f32;
+        let bright = self.between(2.5, 5.0) as f32;
         let pane = Skin::at(Material::Plain, [0.0; 2], bright, self.contrast);
         // Two panes with a bar between.
         let bar = 0.04 * width;
@@ -309,11 +303,7 @@ impl<R: Rng> Builder<'_, R> {
             place[i] + reach < self.flight.low[i] - CLEARANCE_M
                 || place[i] - reach > self.flight.high[i] + CLEARANCE_M
         });
-        if beside {
-            0.8 * (self.high.z - self.low.z)
-        } else {
-            self.flight.low.z - CLEARANCE_M - self.low.z
-        }
+        if beside { 0.8 * (self.high.z - self.low.z) } else { self.flight.low.z - CLEARANCE_M - self.low.z }
     }
 
     /// Beams under the ceiling, in one direction, and lamps between them.
@@ -362,10 +352,10 @@ mod tests {
             let layout = Layout::new(&bounds, World::Auto, 1.0, &mut rng);
             let size = bounds.high - bounds.low;
             for _ in 0..400 {
-                let eye =
-                    bounds.low + size.component_mul(&Vector3::from_fn(|_, _| rng.random::<f64>()));
+                let eye = bounds.low + size.component_mul(&Vector3::from_fn(|_, _| rng.random::<f64>()));
                 let ray = Vector3::from_fn(|_, _| rng.random::<f64>() - 0.5).normalize();
-                let way = layout.rects.iter().filter_map(|rect| rect.hit(&eye, &ray)).fold(f64::MAX, f64::min);
+                let way =
+                    layout.rects.iter().filter_map(|rect| rect.hit(&eye, &ray)).fold(f64::MAX, f64::min);
                 assert!((0.44..60.0).contains(&way), "{eye} {ray}: {way}");
             }
         }

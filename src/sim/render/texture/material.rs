@@ -70,14 +70,14 @@ fn size(low: f32, high: f32, rng: &mut impl Rng) -> f32 {
 
 fn cloth(rng: &mut impl Rng) -> Canvas {
     let mut canvas = Canvas::new(128.0);
-    canvas.noise(3, 3, 9.0, rng);
-    // Folds run across; sharper on one side than on the other.
-    canvas.noise(5, 28, 10.0, rng);
-    canvas.noise(11, 70, 7.0, rng);
-    canvas.noise(40, 160, 4.0, rng);
-    canvas.noise(256, 256, 4.0, rng);
-    canvas.noise(512, 340, 5.0, rng);
-    canvas.noise(340, 512, 5.0, rng);
+    canvas.noise(3, 3, 7.0, rng);
+    // Folds run across.
+    canvas.noise(5, 28, 8.0, rng);
+    canvas.noise(11, 70, 5.0, rng);
+    canvas.noise(40, 160, 2.5, rng);
+    canvas.noise(256, 256, 2.0, rng);
+    canvas.noise(512, 340, 3.0, rng);
+    canvas.noise(340, 512, 3.0, rng);
     // Seams.
     for at in [0.13, 0.62] {
         let y = at * SIDE as f32;
@@ -89,12 +89,12 @@ fn cloth(rng: &mut impl Rng) -> Canvas {
 
 fn carpet(rng: &mut impl Rng) -> Canvas {
     let mut canvas = Canvas::new(128.0);
-    canvas.octaves(4, 32, 5.0, 0.8, rng);
-    canvas.octaves(128, 512, 6.0, 1.1, rng);
+    canvas.octaves(4, 16, 4.0, 0.8, rng);
+    canvas.octaves(64, 512, 1.8, 1.35, rng);
     for _ in 0..60 {
         let (at, r) = (place(rng), size(3.0, 25.0, rng));
         let half = [r, r * (0.3 + 0.7 * rng.random::<f32>())];
-        let (turn, darker) = (PI * rng.random::<f32>(), rng.random_range(-28.0..12.0_f32));
+        let (turn, darker) = (PI * rng.random::<f32>(), rng.random_range(-22.0..9.0_f32));
         let (sin, cos) = turn.sin_cos();
         let inside = |dx: f32, dy: f32| {
             let (a, b) = ((cos * dx + sin * dy) / half[0], (cos * dy - sin * dx) / half[1]);
@@ -107,9 +107,9 @@ fn carpet(rng: &mut impl Rng) -> Canvas {
 
 fn clutter(rng: &mut impl Rng) -> Canvas {
     let mut canvas = Canvas::new(110.0);
-    for _ in 0..5000 {
-        let (at, r) = (place(rng), size(5.0, 170.0, rng));
-        let grey = 25.0 + 200.0 * rng.random::<f32>().powf(1.3);
+    for _ in 0..2600 {
+        let (at, r) = (place(rng), size(8.0, 190.0, rng));
+        let grey = 60.0 + 125.0 * rng.random::<f32>();
         let shape = rng.random::<f32>();
         let slim = 0.15 + 0.85 * rng.random::<f32>();
         // Most things stand upright.
@@ -129,7 +129,7 @@ fn clutter(rng: &mut impl Rng) -> Canvas {
 }
 
 fn chips(rng: &mut impl Rng) -> Canvas {
-    let mut canvas = Canvas::new(32.0);
+    let mut canvas = Canvas::new(22.0);
     // One chip in most cells of a grid, so that they neither heap up nor leave holes.
     const CELL: f32 = 32.0;
     let cells = (SIDE as f32 / CELL) as usize;
@@ -138,7 +138,7 @@ fn chips(rng: &mut impl Rng) -> Canvas {
             let mut jitter = || 0.5 + 0.7 * (rng.random::<f32>() - 0.5);
             let at = [(column as f32 + jitter()) * CELL, (row as f32 + jitter()) * CELL];
             let corners = std::array::from_fn(|_| 3.0 + 9.0 * rng.random::<f32>());
-            let (turn, grey) = (TAU * rng.random::<f32>(), rng.random_range(170.0..250.0_f32));
+            let (turn, grey) = (TAU * rng.random::<f32>(), rng.random_range(190.0..255.0_f32));
             if rng.random::<f32>() < 0.8 {
                 canvas.chip(at, corners, turn, grey);
             }
@@ -149,19 +149,19 @@ fn chips(rng: &mut impl Rng) -> Canvas {
 }
 
 fn blocks(rng: &mut impl Rng) -> Canvas {
-    let mut canvas = Canvas::new(92.0);
+    let mut canvas = Canvas::new(103.0);
     let (width, height) = (64.0, 32.0);
     for row in 0..32_u8 {
         for column in 0..16_u8 {
             let shift = if row % 2 == 0 { 0.0 } else { 0.5 * width };
             let at = [(f32::from(column) + 0.5) * width + shift, (f32::from(row) + 0.5) * height];
-            let grey = 128.0 + 34.0 * (rng.random::<f32>() - 0.5) * 2.0;
+            let grey = 128.0 + 18.0 * (rng.random::<f32>() - 0.5) * 2.0;
             let mut less = || 1.5 + 1.2 * rng.random::<f32>();
             canvas.rectangle(at, [0.5 * width - less(), 0.5 * height - less()], 0.0, grey);
         }
     }
-    canvas.octaves(4, 16, 5.0, 0.8, rng);
-    canvas.octaves(64, 512, 6.0, 0.95, rng);
+    canvas.octaves(4, 16, 4.0, 0.8, rng);
+    canvas.octaves(64, 512, 3.0, 1.1, rng);
     canvas
 }
 
@@ -185,7 +185,7 @@ fn print(rng: &mut impl Rng) -> Canvas {
     // Letters: a few strokes within a small field.
     for _ in 0..420 {
         let [x, y] = place(rng);
-        let (r, grey) = (rng.random_range(5.0..12.0_f32), rng.random_range(25.0..80.0_f32));
+        let (r, grey) = (rng.random_range(5.0..12.0_f32), rng.random_range(15.0..60.0_f32));
         for _ in 0..rng.random_range(2..5_u8) {
             let mut off = || r * (rng.random::<f32>() - 0.5) * 1.4;
             let at = [x + off(), y + off()];
@@ -193,12 +193,12 @@ fn print(rng: &mut impl Rng) -> Canvas {
             canvas.rectangle(at, [r * 0.7, 1.2 + 0.1 * r], turn, grey);
         }
     }
-    for _ in 0..4 {
+    for _ in 0..9 {
         let [x, y] = place(rng);
-        let side = rng.random_range(9.0..15.0_f32);
+        let side = rng.random_range(9.0..17.0_f32);
         for row in 0..9_u8 {
             for column in 0..7_u8 {
-                let grey = if (row + column) % 2 == 0 { 30.0 } else { 230.0 };
+                let grey = if (row + column) % 2 == 0 { 12.0 } else { 245.0 };
                 let at = [x + f32::from(column) * side, y + f32::from(row) * side];
                 canvas.rectangle(at, [0.5 * side, 0.5 * side], 0.0, grey);
             }
@@ -210,24 +210,24 @@ fn print(rng: &mut impl Rng) -> Canvas {
 
 fn planks(rng: &mut impl Rng) -> Canvas {
     let mut canvas = Canvas::new(128.0);
-    canvas.noise(4, 128, 7.0, rng);
-    canvas.noise(12, 400, 7.0, rng);
+    canvas.noise(4, 128, 5.0, rng);
+    canvas.noise(12, 400, 4.0, rng);
     for row in 0..16_u8 {
         let y = (f32::from(row) + 0.5) * 64.0;
-        let grey = rng.random_range(-26.0..26.0_f32);
+        let grey = rng.random_range(-20.0..20.0_f32);
         let half = SIDE as f32 / 4.0;
         for x in [half, 3.0 * half] {
             canvas.shape([x, y], half, |dx, dy| dx.abs() <= half && dy.abs() <= 32.0, |old| old + grey);
-            canvas.rectangle([x, y - 32.0], [half, 1.3], 0.0, 60.0);
+            canvas.rectangle([x, y - 32.0], [half, 1.3], 0.0, 85.0);
         }
         let joint = [rng.random::<f32>() * SIDE as f32, y];
-        canvas.rectangle(joint, [1.3, 32.0], 0.0, 60.0);
+        canvas.rectangle(joint, [1.3, 32.0], 0.0, 85.0);
         for _ in 0..rng.random_range(0..3_u8) {
             let knot = [rng.random::<f32>() * SIDE as f32, y + rng.random_range(-20.0..20.0_f32)];
             let r = rng.random_range(3.0..7.0_f32);
-            canvas.ellipse(knot, [1.6 * r, r], 0.0, None, 70.0);
+            canvas.ellipse(knot, [1.6 * r, r], 0.0, None, 88.0);
         }
     }
-    canvas.octaves(256, 512, 4.0, 1.0, rng);
+    canvas.octaves(256, 512, 2.5, 1.0, rng);
     canvas
 }
