@@ -1,7 +1,7 @@
 //! One run of the estimator over one recording.
 
 use super::error::ClosedLoopError;
-use super::recording::Recording;
+use super::recording::{Recording, Span};
 use cpu_time::ThreadTime;
 use dpn_core::io::StampedPose;
 use dpn_core::{NoiseTrack, Stamp, TrackFrame};
@@ -42,21 +42,22 @@ impl Driven {
     }
 }
 
-/// The frames from `from_s` seconds after the first one on, having checked that there are samples for them.
+/// The frames within `span`, having checked that there are samples for them.
 ///
 /// # Errors
 /// Fewer than [`FEWEST_FRAMES`] left, or within the samples.
 pub fn frames_from<'a>(
     recording: &Recording,
     frames: &'a [TrackFrame],
-    from_s: f64,
+    span: &Span,
 ) -> Result<&'a [TrackFrame], ClosedLoopError> {
     let sequence = || recording.name.clone();
     let (Some(first), Some(last)) = (frames.first(), frames.last()) else {
         return Err(ClosedLoopError::NothingLeft {
             sequence: sequence(),
             seconds: 0.0,
-            from_s,
+            from_s: span.from_s,
+            to_s: span.to_s,
             needed: FEWEST_FRAMES,
         });
     };
@@ -75,13 +76,13 @@ pub fn frames_from<'a>(
             needed: FEWEST_FRAMES,
         });
     }
-    let begin = first.t.plus_seconds(from_s);
-    let left = &frames[frames.partition_point(|f| f.t < begin)..];
+    let left = span.of(frames, |frame| frame.t);
     if inside(left) < FEWEST_FRAMES {
         return Err(ClosedLoopError::NothingLeft {
             sequence: sequence(),
             seconds: last.t.seconds_since(first.t),
-            from_s,
+            from_s: span.from_s,
+            to_s: span.to_s,
             needed: FEWEST_FRAMES,
         });
     }

@@ -5,10 +5,11 @@ use crate::noise::NoiseError;
 use crate::stats::StatsError;
 use dpn_core::camera::BadCamera;
 use dpn_core::config::ConfigFault;
-use dpn_core::io::IoError;
+use dpn_core::io::{Coverage, IoError};
 use dpn_sim::SimulationError;
 use dpn_sim::tracks::{BadCameraSettings, PathError, TracksError};
 use dpn_vio::estimator::FeedError;
+use dpn_vio::frontend::FrontEndError;
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -71,6 +72,40 @@ pub enum ClosedLoopError {
         /// Folder of the sequence.
         dir: PathBuf,
     },
+    /// Images are to be looked at, and there are none.
+    #[error("{sequence}: it has no images{}", if *asked { " in the part that is to be run" } else { "" })]
+    NoImages {
+        /// The sequence.
+        sequence: String,
+        /// Whether there are some elsewhere in it.
+        asked: bool,
+    },
+    /// Images are listed that are not there.
+    #[error("{sequence}: {coverage}")]
+    ImagesMissing {
+        /// The sequence.
+        sequence: String,
+        /// What there is, over all images listed.
+        coverage: Box<Coverage>,
+    },
+    /// Images were looked at, and none showed anything.
+    #[error("{sequence}: no track in its {images} images; {why}")]
+    NothingSeen {
+        /// The sequence.
+        sequence: String,
+        /// How many there were.
+        images: usize,
+        /// What was wrong with most of them.
+        why: String,
+    },
+    /// Settings of the front-end out of their bounds.
+    #[error("{sequence}: {source}")]
+    FrontEnd {
+        /// The sequence.
+        sequence: String,
+        /// Why.
+        source: FrontEndError,
+    },
     /// A name no sequence has.
     #[error("no sequence is called `{name}`; there are {}", known.join(", "))]
     UnknownSequence {
@@ -107,8 +142,11 @@ pub enum ClosedLoopError {
         /// How many frames with samples a run needs.
         needed: usize,
     },
-    /// Nothing is left after the start that was asked for.
-    #[error("{sequence}: its frames last {seconds:.1} s; a start at {from_s} s leaves fewer than {needed}")]
+    /// Nothing is left between the start and the end that were asked for.
+    #[error(
+        "{sequence}: its frames last {seconds:.1} s; what is run, from {from_s} s{}, has fewer than {needed}",
+        to_s.map_or_else(String::new, |to| format!(" to {to} s"))
+    )]
     NothingLeft {
         /// The sequence.
         sequence: String,
@@ -116,6 +154,8 @@ pub enum ClosedLoopError {
         seconds: f64,
         /// The start asked for \[s\].
         from_s: f64,
+        /// The end asked for \[s\].
+        to_s: Option<f64>,
         /// How many frames a run needs.
         needed: usize,
     },
@@ -206,6 +246,16 @@ impl ClosedLoopError {
             Self::Noise(NoiseError::Read(error)) => error.hint(),
             Self::OtherRun { .. } => Some("give another folder with --out, or remove this one".into()),
             Self::BadRow { .. } => Some("remove the line; its cell is run again".into()),
+            Self::NoImages { .. } => Some(
+                "leave --camera away, and tracks are made along the ground truth; or unpack the images"
+                    .into(),
+            ),
+            Self::ImagesMissing { coverage, .. } => Some(match coverage.longest_s() {
+                Some([from, to]) => format!(
+                    "run what is there with --from {from} --to {to}, pass over what is not with --skip-missing, or unpack the rest"
+                ),
+                None => "unpack the images into cam0/data, or leave --camera away".into(),
+            }),
             Self::Stopped { .. } => Some("the same command goes on where it stopped".into()),
             _ => None,
         }

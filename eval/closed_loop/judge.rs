@@ -4,6 +4,7 @@ use super::drive::Driven;
 use super::error::ClosedLoopError;
 use super::recording::{Recording, first_motion};
 use super::row::{Failure, Restart, Row, StageSeconds};
+use super::sight::SightFigures;
 use crate::metrics::{
     AlignmentKind, Interpolation, MetricsError, PoseNees, PosePair, RPE_TOLERANCE, RpeStep, TruthOptions,
     TruthTrack, associate_interpolated, ate, nees, rpe, scale_error, start_alignment,
@@ -14,7 +15,7 @@ use dpn_vio::estimator::Stage;
 use nalgebra::Matrix6;
 
 /// True poses farther apart than this have none between them \[s\].
-const MAX_GAP_S: f64 = 0.1;
+pub(super) const MAX_GAP_S: f64 = 0.1;
 /// Ground truth slower than this is interpolated by a cubic \[s\].
 const SLOW_TRUTH_S: f64 = 0.01;
 /// A run whose error exceeds this share of the true path is lost.
@@ -130,6 +131,8 @@ pub struct Told {
     pub seed: u64,
     /// Seconds after the first frame.
     pub from_s: f64,
+    /// What the front-end made of the images, where there are any.
+    pub front_end: Option<SightFigures>,
 }
 
 /// A finished run, judged.
@@ -199,6 +202,7 @@ pub fn judge(recording: &Recording, told: &Told, driven: &Driven) -> Result<Judg
             reject: seconds(Stage::Reject),
             slide: seconds(Stage::Slide),
         },
+        front_end: told.front_end.clone(),
     };
     Ok(Judged { row, nees: errors.nees })
 }

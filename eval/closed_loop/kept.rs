@@ -3,9 +3,10 @@
 use super::error::ClosedLoopError;
 use super::lazy::Shared;
 use super::recording::Recording;
+use super::sight::Seen;
 use crate::noise::{Noise, NoiseError, Recorded, Sources, of_recording};
 use crate::open_loop::Network;
-use dpn_core::{ImuNoise, NoiseTrack, TrackFrame};
+use dpn_core::{ImuNoise, NoiseTrack};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -33,7 +34,7 @@ impl Needs {
 #[derive(Debug)]
 pub(super) struct Kept {
     recordings: BTreeMap<Place, Shared<Recording>>,
-    frames: BTreeMap<Place, Shared<Vec<TrackFrame>>>,
+    frames: BTreeMap<Place, Shared<Seen>>,
     tracks: BTreeMap<(Place, String), Shared<NoiseTrack>>,
     means: BTreeMap<String, ImuNoise>,
 }
@@ -62,8 +63,8 @@ impl Kept {
     pub(super) fn frames(
         &self,
         needs: &Needs,
-        make: impl FnOnce() -> Result<Vec<TrackFrame>, ClosedLoopError>,
-    ) -> Result<Arc<Vec<TrackFrame>>, ClosedLoopError> {
+        make: impl FnOnce() -> Result<Seen, ClosedLoopError>,
+    ) -> Result<Arc<Seen>, ClosedLoopError> {
         shared(&self.frames, &needs.frames, make)
     }
 

@@ -1,15 +1,18 @@
 //! The closed loop: the odometry, told its noise by each of several sources, over sequences, seeds and starts, judged against the truth.
 //!
 //! * [`Source`] has the sequences: recordings on disk with camera tracks given or made along their ground truth, or simulated flights.
+//! * [`ImageStream`] is the seam for images; [`follow`] makes tracks of them, whoever has them.
 //! * [`drive`] runs the estimator over one [`Recording`] with one noise track; [`judge`] makes a [`Row`] of what comes out.
 //! * [`Sweep`] runs all cells on all threads into a folder, which a later call goes on with.
 //! * [`single`] runs one recording and says everything of it.
 //! * [`consistency`] puts the NEES of many seeds together, [`compare`] tests noises against the best constant, [`render`] prints rows beside the paper's figures and VINS-Mono's.
 
+mod album;
 mod compare;
 mod consistency;
 mod drive;
 mod error;
+mod images;
 mod judge;
 mod kept;
 mod lazy;
@@ -17,22 +20,29 @@ mod paper;
 mod parallel;
 mod recording;
 mod row;
+mod sight;
 mod single;
 mod source;
 mod store;
 mod sweep;
 mod table;
+mod tally;
+mod views;
 
+pub use album::{Album, AlbumError};
 pub use compare::{Comparison, compare};
 pub use consistency::{Consistency, consistency};
 pub use drive::{Driven, FEWEST_FRAMES, drive, frames_from};
 pub use error::ClosedLoopError;
+pub use images::{ImageStream, Images, Vision, has_images};
 pub use judge::{Errors, Judged, Told, judge};
 pub use paper::Peer;
-pub use recording::{Recording, StartAt, first_motion};
+pub use recording::{Recording, Span, StartAt, first_motion};
 pub use row::{CellKey, Failure, Restart, Row, StageSeconds};
+pub use sight::{PassedOver, Seen, Sight, SightEvent, SightFigures, Watch, follow};
 pub use single::{Report, Single, single};
 pub use source::{Source, Tracks};
 pub use store::{Manifest, Store};
 pub use sweep::Sweep;
 pub use table::{Summary, render, render_comparisons, render_consistency, summaries};
+pub use views::{timeline, top_view};

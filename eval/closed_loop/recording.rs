@@ -69,6 +69,34 @@ impl std::str::FromStr for StartAt {
     }
 }
 
+/// The part of a recording that is run, in seconds after the first frame (or image listed).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Span {
+    /// Where it begins.
+    pub from_s: f64,
+    /// Where it ends; without it at the last frame.
+    pub to_s: Option<f64>,
+}
+
+impl Span {
+    /// From `from_s` to the end.
+    pub fn from(from_s: f64) -> Self {
+        Self { from_s, to_s: None }
+    }
+
+    /// Of items in increasing time those within; a microsecond outside is within, for seconds are rounded when they are written.
+    pub fn of<'a, T>(&self, items: &'a [T], stamp: impl Fn(&T) -> Stamp) -> &'a [T] {
+        let Some(first) = items.first().map(&stamp) else { return items };
+        let begin = first.plus_seconds(self.from_s - 1e-6);
+        let from = items.partition_point(|item| stamp(item) < begin);
+        let to = self.to_s.map_or(items.len(), |to_s| {
+            let end = first.plus_seconds(to_s + 1e-6);
+            items.partition_point(|item| stamp(item) <= end)
+        });
+        &items[from..to.max(from)]
+    }
+}
+
 /// The first instant at which the body is 2 cm or 1 degree from where it was at `from`; `None` while it stays.
 pub fn first_motion(truth: &[StampedPose], from: Stamp) -> Option<Stamp> {
     const FAR_M: f64 = 0.02;
@@ -98,6 +126,15 @@ mod tests {
         assert_eq!(StartAt::Table.seconds("MH_02"), 35.0);
         assert_eq!(StartAt::Table.seconds("V1_01_easy"), 0.0);
         assert_eq!(StartAt::Seconds(3.0).seconds("MH_01_easy"), 3.0);
+    }
+
+    #[test]
+    fn a_span_holds_both_its_ends_and_may_be_empty() {
+        let stamps: Vec<Stamp> = (0..10).map(|i| Stamp::from_ns(7 + i * 50_000_000)).collect();
+        let of = |from_s, to_s| Span { from_s, to_s }.of(&stamps, |t| *t).len();
+        assert_eq!((of(0.0, None), of(0.1, None), of(0.1, Some(0.3)), of(0.11, Some(0.14))), (10, 8, 5, 0));
+        assert_eq!((of(9.0, None), of(0.3, Some(0.1)), of(0.0, Some(0.0))), (0, 0, 1));
+        assert!(Span::from(1.0).of(&[] as &[Stamp], |t| *t).is_empty());
     }
 
     #[test]

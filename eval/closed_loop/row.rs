@@ -1,5 +1,6 @@
 //! One line of results.
 
+use super::sight::SightFigures;
 use dpn_train::split::Side;
 use dpn_vio::estimator::RestartReason;
 use serde::{Deserialize, Serialize};
@@ -51,7 +52,7 @@ impl Restart {
 
 /// The result of one cell: one sequence, one source of tracks, one noise, one seed, one start. What could not be computed is null.
 ///
-/// Everything but `cpu_per_data_s`, `p95_update_ms` and `stage_s` is the same in every run of the same program on the same input.
+/// Everything but `cpu_per_data_s`, `p95_update_ms`, `stage_s` and the front-end's times is the same in every run of the same program on the same input.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Row {
@@ -59,7 +60,7 @@ pub struct Row {
     pub sequence: String,
     /// Its side of the split of the networks' training.
     pub split: Side,
-    /// Where the estimator's images come from: `tracks`.
+    /// What the odometry saw: `tracks`, `images`.
     pub camera: String,
     /// The noise spec.
     pub noise: String,
@@ -121,6 +122,9 @@ pub struct Row {
     pub p95_update_ms: f64,
     /// Where the time goes.
     pub stage_s: StageSeconds,
+    /// What the front-end made of the images; null where tracks came without any. Its time is not in `cpu_per_data_s`.
+    #[serde(default)]
+    pub front_end: Option<SightFigures>,
 }
 
 /// What names a cell among the rows of a run.
@@ -190,6 +194,7 @@ pub(crate) mod testing {
             cpu_per_data_s: 0.02,
             p95_update_ms: 3.0,
             stage_s: StageSeconds::default(),
+            front_end: None,
         }
     }
 }

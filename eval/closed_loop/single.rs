@@ -5,6 +5,7 @@ use super::error::ClosedLoopError;
 use super::judge::{Told, judge};
 use super::recording::Recording;
 use super::row::Row;
+use super::sight::{Seen, SightEvent};
 use crate::noise::{Fresh, Noise, Recorded};
 use crate::open_loop::Network;
 use dpn_core::io::{CheckOptions, RecordingFault, check};
@@ -22,6 +23,8 @@ use std::sync::Arc;
 const GRAVITY_RANGE: (f64, f64) = (8.0, 12.0);
 /// Tracks that cover less than this share of the samples' time are worth a word.
 const COVERED: f64 = 0.5;
+/// So many of the events in images are said; all are in the report.
+const SHOWN_EVENTS: usize = 8;
 
 /// One run, judged.
 #[derive(Debug, Clone)]
@@ -45,6 +48,8 @@ pub struct Report {
     pub axes: Axes,
     /// Tracks from frame to frame.
     pub tracks: TrackHealth,
+    /// What was wrong with images, in time; empty without images.
+    pub images: Vec<SightEvent>,
     /// Frames before the first sample; left out.
     pub skipped: usize,
     /// What the initialisation waited for, and at how many frames.
@@ -53,7 +58,7 @@ pub struct Report {
     pub noise_rms: [[f64; 3]; 2],
 }
 
-/// Runs the estimator over `frames`, from `told.from_s` after the first of them on.
+/// Runs the estimator over the tracks in `seen`.
 ///
 /// # Errors
 /// Tracks that share no time with the samples or whose ids do not stay with points; noise that cannot be had; settings out of their
@@ -61,12 +66,12 @@ pub struct Report {
 pub fn single(
     config: &EstimatorConfig,
     recording: &Recording,
-    frames: &[TrackFrame],
+    seen: &Seen,
     noise: &Noise,
     told: &Told,
     networks: &[Network],
 ) -> Result<Single, ClosedLoopError> {
-    let frames = frames_from(recording, frames, told.from_s)?;
+    let frames = frames_from(recording, &seen.frames, &seen.span)?;
     let health = track_health(frames);
     if let Some(problem) = health.fault() {
         return Err(ClosedLoopError::TrackIds { sequence: recording.name.clone(), problem });
@@ -84,9 +89,10 @@ pub fn single(
     }
     let report = Report {
         row: judge(recording, told, &driven)?.row,
-        warnings: warnings(recording, frames, &health, &axes),
+        warnings: warnings(recording, seen, frames, &health, &axes),
         axes,
         tracks: health,
+        images: seen.sight.as_ref().map_or_else(Vec::new, |sight| sight.events.clone()),
         skipped: driven.report.skipped,
         waited_for,
         noise_rms: rms(&track),
@@ -95,8 +101,22 @@ pub fn single(
 }
 
 /// What is odd about the input.
-fn warnings(recording: &Recording, frames: &[TrackFrame], health: &TrackHealth, axes: &Axes) -> Vec<String> {
+fn warnings(
+    recording: &Recording,
+    seen: &Seen,
+    frames: &[TrackFrame],
+    health: &TrackHealth,
+    axes: &Axes,
+) -> Vec<String> {
     let mut found = Vec::new();
+    if let Some(sight) = &seen.sight {
+        let shown = sight.events.iter().take(SHOWN_EVENTS);
+        found.extend(shown.map(ToString::to_string));
+        let more = sight.events.len().saturating_sub(SHOWN_EVENTS) + sight.more_events;
+        if more > 0 {
+            found.push(format!("{more} more such events, {} images in all", sight.figures.passed_over));
+        }
+    }
     let samples = recording.imu.samples();
     let (first, last) = (samples[0].t, samples[samples.len() - 1].t);
     let early = frames.iter().filter(|f| f.t < first).count();

@@ -1,11 +1,13 @@
 //! Where recordings and camera tracks come from: sequences on disk, or simulated flights.
 
 use super::error::ClosedLoopError;
-use super::recording::Recording;
+use super::images::{ImageStream, Images, Vision, of_folder};
+use super::recording::{Recording, Span};
+use super::sight::{Seen, Watch, follow};
 use crate::metrics::poses_of;
 use dpn_core::camera::PinholeRadtan;
 use dpn_core::io::asl::{CameraConfig, Sequence, discover};
-use dpn_core::io::{IoError, StampedPose, read_tracks};
+use dpn_core::io::{ImageFolder, IoError, StampedPose, read_tracks};
 use dpn_core::{SampleRate, Stamp, TrackFrame};
 use dpn_sim::flight::FlightPlan;
 use dpn_sim::tracks::{
@@ -28,6 +30,8 @@ pub enum Tracks {
     Given(PathBuf),
     /// Made along the ground truth, from the seed of the cell.
     Made(TracksConfig),
+    /// Followed through images; the seed of the cell is the front-end's.
+    Seen(Vision),
 }
 
 /// Sequences that the loop can be closed on.
@@ -45,8 +49,8 @@ pub enum Source {
     Flights {
         /// What every flight is made of.
         config: FlightConfig,
-        /// What their tracks are made of.
-        tracks: TracksConfig,
+        /// Their tracks.
+        tracks: Tracks,
     },
 }
 
@@ -145,6 +149,21 @@ impl Source {
         !matches!(self, Self::Recorded { tracks: Tracks::Given(_), .. })
     }
 
+    /// Where tracks come from.
+    pub fn tracks(&self) -> &Tracks {
+        match self {
+            Self::Recorded { tracks, .. } | Self::Flights { tracks, .. } => tracks,
+        }
+    }
+
+    /// What the odometry sees, as rows call it.
+    pub fn camera(&self) -> &'static str {
+        match self.tracks() {
+            Tracks::Seen(vision) => vision.images.name(),
+            Tracks::Given(_) | Tracks::Made(_) => "tracks",
+        }
+    }
+
     /// The sequence at `place`, with all but its tracks.
     ///
     /// # Errors
@@ -159,7 +178,48 @@ impl Source {
         }
     }
 
-    /// The tracks of the sequence at `place`.
+    /// The images of the sequence at `place` within `span`; none where tracks are not followed through images.
+    ///
+    /// # Errors
+    /// A folder without images, or without all of them; a flight, which has no folder.
+    pub fn images(
+        &self,
+        place: usize,
+        _seed: u64,
+        span: &Span,
+    ) -> Result<Option<ImageStream<'static>>, ClosedLoopError> {
+        let Tracks::Seen(Vision { images, .. }) = self.tracks() else { return Ok(None) };
+        match (images, self) {
+            (Images::Folder { skip_missing }, Self::Recorded { sequences, .. }) => {
+                Ok(Some(of_folder(&sequences[place].0, span, *skip_missing)?))
+            }
+            (Images::Folder { .. }, Self::Flights { .. }) => {
+                let sequence = Flight::ALL[place].name().to_owned();
+                Err(ClosedLoopError::NoImages { sequence, asked: false })
+            }
+        }
+    }
+
+    /// The tracks of the sequence at `place`, which is `recording`: followed through its images within `span` while `watch` looks on, or
+    /// as they are.
+    ///
+    /// # Errors
+    /// Those of [`images`](Self::images), of [`follow`] and of [`frames`](Self::frames).
+    pub fn seen(
+        &self,
+        place: usize,
+        seed: u64,
+        span: &Span,
+        recording: &Recording,
+        watch: &mut Watch<'_>,
+    ) -> Result<Seen, ClosedLoopError> {
+        match (self.tracks(), self.images(place, seed, span)?) {
+            (Tracks::Seen(vision), Some(images)) => follow(recording, images, &vision.front_end, seed, watch),
+            _ => Ok(Seen { frames: self.frames(place, seed)?, span: *span, sight: None }),
+        }
+    }
+
+    /// The tracks of the sequence at `place`, given or made; none where they are followed through images.
     ///
     /// # Errors
     /// A file that cannot be read; no ground truth to make tracks along.
@@ -168,8 +228,10 @@ impl Source {
             Self::Recorded { sequences, tracks } => match tracks {
                 Tracks::Given(dir) => Ok(read_tracks(&given(dir, &sequences[place].0))?),
                 Tracks::Made(config) => made(&sequences[place].0, config, seed),
+                Tracks::Seen(_) => Ok(Vec::new()),
             },
             Self::Flights { config, tracks } => {
+                let Tracks::Made(tracks) = tracks else { return Ok(Vec::new()) };
                 let flight = Flight::ALL[place];
                 let plan = FlightPlan::new(flight, seed)
                     .map_err(|source| SimulationError::Trajectory { flight, source })?;
@@ -181,7 +243,7 @@ impl Source {
         }
     }
 
-    /// SHA-256 over the files that the sequence at `place` is read from; of a flight, nothing but its name.
+    /// SHA-256 over the files that the sequence at `place` is read from, over its images' lengths alone; of a flight, nothing but its name.
     ///
     /// # Errors
     /// A file that cannot be read.
@@ -207,6 +269,13 @@ impl Source {
                     })?;
                     hash.update((bytes.len() as u64).to_le_bytes());
                     hash.update(&bytes);
+                }
+                // Gigabytes of images are told apart by their lengths, which differ wherever a picture does, but for great chance.
+                if let Tracks::Seen(Vision { images: Images::Folder { .. }, .. }) = tracks {
+                    for (t, length) in ImageFolder::open(sequence)?.lengths() {
+                        hash.update(t.ns().to_le_bytes());
+                        hash.update(length.unwrap_or(0).to_le_bytes());
+                    }
                 }
             }
             Self::Flights { .. } => hash.update(Flight::ALL[place].name()),
@@ -239,7 +308,7 @@ fn camera_rate(camera: Option<&CameraConfig>) -> SampleRate {
 fn recorded(sequence: &Sequence, side: Side, tracks: &Tracks) -> Result<Recording, ClosedLoopError> {
     let name = sequence.name().to_owned();
     let (camera, body_from_cam) = match tracks {
-        Tracks::Given(_) => {
+        Tracks::Given(_) | Tracks::Seen(_) => {
             let no_camera = || ClosedLoopError::NoCamera { dir: sequence.dir().to_path_buf() };
             let config = sequence.camera_config()?.ok_or_else(no_camera)?;
             let camera = PinholeRadtan::try_from(&config)
@@ -298,10 +367,12 @@ fn flown(
     flight: Flight,
     seed: u64,
     config: &FlightConfig,
-    tracks: &TracksConfig,
+    tracks: &Tracks,
 ) -> Result<Recording, ClosedLoopError> {
     let flown = simulate(flight, seed, config)?;
-    let (camera, body_from_cam) = camera_of(flight.name(), tracks)?;
+    let euroc = TracksConfig::default();
+    let made = if let Tracks::Made(made) = tracks { made } else { &euroc };
+    let (camera, body_from_cam) = camera_of(flight.name(), made)?;
     let truth = flown.ground_truth.iter();
     let truth = truth.map(|s| StampedPose { t: s.t, world_from_body: s.world_from_body }).collect();
     Ok(Recording {
@@ -321,7 +392,10 @@ mod tests {
 
     #[test]
     fn sequences_are_selected_by_name_short_name_or_beginning() {
-        let source = Source::Flights { config: FlightConfig::default(), tracks: TracksConfig::default() };
+        let source = Source::Flights {
+            config: FlightConfig::default(),
+            tracks: Tracks::Made(TracksConfig::default()),
+        };
         assert_eq!(source.select("all").unwrap().len(), 11);
         assert_eq!(source.select("hover, f02-hall-calm;f03").unwrap(), [1, 2, 8]);
         let error = |text: &str| source.select(text).unwrap_err().to_string();
@@ -333,7 +407,10 @@ mod tests {
 
     #[test]
     fn a_flight_has_truth_oracle_and_tracks_on_its_samples_clock() {
-        let source = Source::Flights { config: FlightConfig::default(), tracks: TracksConfig::default() };
+        let source = Source::Flights {
+            config: FlightConfig::default(),
+            tracks: Tracks::Made(TracksConfig::default()),
+        };
         let place = source.select("hover").unwrap()[0];
         let recording = source.recording(place, 3).unwrap();
         let frames = source.frames(place, 3).unwrap();

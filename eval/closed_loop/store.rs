@@ -94,6 +94,14 @@ pub struct Store {
     dir: PathBuf,
     rows: Vec<Row>,
     file: File,
+    /// The folder was made by this run, or at least what lies in it.
+    made: Option<Made>,
+}
+
+/// What a run that comes to nothing takes away again.
+#[derive(Debug, Clone, Copy)]
+struct Made {
+    folder: bool,
 }
 
 impl Store {
@@ -103,6 +111,7 @@ impl Store {
     /// A folder that cannot be made or written to, or holds another run; a row that does not read.
     pub fn open(dir: &Path, manifest: &Manifest) -> Result<Self, ClosedLoopError> {
         let path = dir.join("run.json");
+        let made = (!path.exists()).then(|| Made { folder: !dir.exists() });
         let mut manifest = manifest.clone();
         match std::fs::read(&path) {
             Ok(bytes) => {
@@ -130,12 +139,27 @@ impl Store {
         write_rows(&path, rows.iter())?;
         let file = OpenOptions::new().append(true).open(&path);
         let file = file.map_err(|source| IoError::Write { path, source })?;
-        Ok(Self { dir: dir.to_path_buf(), rows, file })
+        Ok(Self { dir: dir.to_path_buf(), rows, file, made })
     }
 
     /// The rows that were there, by cell; of two of one cell, the later one.
     pub fn rows(&self) -> HashMap<CellKey, Row> {
         self.rows.iter().map(|row| (row.key(), row.clone())).collect()
+    }
+
+    /// Takes away what [`open`](Self::open) made, where no row has come since: a run that was refused leaves nothing behind.
+    pub fn abandon(self) {
+        let Some(Made { folder }) = self.made else { return };
+        let rows = self.dir.join("rows.jsonl");
+        if std::fs::metadata(&rows).is_ok_and(|rows| rows.len() > 0) {
+            return;
+        }
+        // The error that led here matters more than one about what it left.
+        let _ = std::fs::remove_file(rows);
+        let _ = std::fs::remove_file(self.dir.join("run.json"));
+        if folder {
+            let _ = std::fs::remove_dir(&self.dir);
+        }
     }
 
     /// Appends one row.
@@ -250,6 +274,25 @@ mod tests {
         third.inputs = BTreeMap::from([("MH_02".to_owned(), "dd".to_owned())]);
         assert!(Store::open(tmp.path(), &third).is_err());
         assert!(Store::open(tmp.path(), &manifest()).is_ok());
+    }
+
+    #[test]
+    fn what_came_to_nothing_leaves_nothing_and_rows_are_kept() {
+        let tmp = tempfile::tempdir().unwrap();
+        let new = tmp.path().join("new");
+        Store::open(&new, &manifest()).unwrap().abandon();
+        assert!(!new.exists());
+        Store::open(tmp.path(), &manifest()).unwrap().abandon();
+        assert_eq!(
+            std::fs::read_dir(tmp.path()).unwrap().count(),
+            0,
+            "the folder that was there stays, empty"
+        );
+        let mut store = Store::open(&new, &manifest()).unwrap();
+        store.append(&row("MH_01", "x1", 0, None)).unwrap();
+        store.abandon();
+        Store::open(&new, &manifest()).unwrap().abandon();
+        assert_eq!(Store::open(&new, &manifest()).unwrap().rows().len(), 1);
     }
 
     #[test]

@@ -10,7 +10,7 @@ use super::error::ClosedLoopError;
 use super::judge::{Told, judge};
 use super::kept::{Kept, Needs};
 use super::parallel::each;
-use super::recording::{Recording, StartAt};
+use super::recording::{Recording, Span, StartAt};
 use super::row::{CellKey, Row};
 use super::source::Source;
 use super::store::{Manifest, Store};
@@ -71,6 +71,26 @@ impl Sweep<'_> {
         progress: &mut dyn Progress,
     ) -> Result<Vec<Row>, ClosedLoopError> {
         let mut store = Store::open(dir, manifest)?;
+        match self.fill(&mut store, dir, stop, progress) {
+            Ok(ordered) => {
+                store.finish(&ordered)?;
+                Ok(ordered)
+            }
+            Err(error) => {
+                store.abandon();
+                Err(error)
+            }
+        }
+    }
+
+    /// Runs every cell that `store` has no row of.
+    fn fill(
+        &self,
+        store: &mut Store,
+        dir: &Path,
+        stop: &AtomicBool,
+        progress: &mut dyn Progress,
+    ) -> Result<Vec<Row>, ClosedLoopError> {
         let mut rows = store.rows();
         let cells = self.cells();
         let total = cells.len();
@@ -100,7 +120,6 @@ impl Sweep<'_> {
             progress.finish(&format!("stopped after {} of {total} cells", ordered.len()));
             return Err(ClosedLoopError::Stopped { done: ordered.len(), total });
         }
-        store.finish(&ordered)?;
         progress.finish(&format!("{total} cells"));
         Ok(ordered)
     }
@@ -132,14 +151,22 @@ impl Sweep<'_> {
 
     fn cell(&self, cell: &Cell, needs: &Needs, kept: &Kept, dir: &Path) -> Result<Row, ClosedLoopError> {
         let recording = kept.recording(needs, || self.source.recording(cell.place, cell.seed))?;
-        let frames = kept.frames(needs, || self.source.frames(cell.place, cell.seed))?;
         let from_s = self.from.seconds(&recording.name);
-        let frames = frames_from(&recording, &frames, from_s)?;
+        let span = Span::from(from_s);
+        let see = || self.source.seen(cell.place, cell.seed, &span, &recording, &mut |_, _| {});
+        let seen = kept.frames(needs, see)?;
+        let frames = frames_from(&recording, &seen.frames, &seen.span)?;
         let stream = Stream::new(cell.seed).named("noise").named(&recording.name);
         let sources = kept.sources(needs, recorded(&recording), self.networks);
         let noise = self.noises[cell.noise].track(&recording.imu, &sources, &stream)?;
         let driven = drive(&self.estimator, &recording, frames, &noise, cell.seed)?;
-        let told = Told { camera: "tracks".into(), noise: cell.key.noise.clone(), seed: cell.seed, from_s };
+        let told = Told {
+            camera: self.source.camera().into(),
+            noise: cell.key.noise.clone(),
+            seed: cell.seed,
+            from_s,
+            front_end: seen.sight.as_ref().map(|sight| sight.figures.clone()),
+        };
         if self.trajectories {
             write_tum(&dir.join("trajectories").join(cell.key.file_name("tum")), &driven.poses())?;
         }

@@ -20,6 +20,9 @@ mod sheet;
 mod spectrum_plot;
 mod style;
 mod summary;
+mod timeline;
+mod top_view;
+mod track_picture;
 
 pub use allan_plot::AllanPlot;
 pub use error::FigureError;
@@ -29,3 +32,6 @@ pub use plot::{DrawError, Drawn, Plot, save};
 pub use predicted_vs_true::{Predicted, PredictedVsTrue};
 pub use rmse_vs_sigma::RmseVsSigma;
 pub use spectrum_plot::SpectrumPlot;
+pub use timeline::{Timeline, TimelinePanel};
+pub use top_view::TopView;
+pub use track_picture::{TrackDot, TrackEnd, TrackPicture};

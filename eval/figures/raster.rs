@@ -6,6 +6,7 @@
 
 use super::style::{HEIGHT_PER_EM, SIZE_PER_EM};
 use ab_glyph::{Font, FontRef, PxScale, ScaleFont, point};
+use dpn_core::GrayImage;
 use plotters::prelude::BitMapBackend;
 use plotters_backend::text_anchor::{HPos, VPos};
 use plotters_backend::{
@@ -18,6 +19,20 @@ const FINE: u32 = 2;
 /// Memory of a bitmap of `size`: three bytes a pixel drawn.
 pub(super) fn canvas(size: (u32, u32)) -> Vec<u8> {
     vec![0xFF; (size.0 * FINE * size.1 * FINE * 3) as usize]
+}
+
+/// A canvas that shows `image`, with `strip` white rows below it.
+pub(super) fn canvas_over(image: &GrayImage, strip: usize) -> Vec<u8> {
+    let (width, height, fine) = (image.width(), image.height(), FINE as usize);
+    let mut canvas = vec![0xFF; width * fine * (height + strip) * fine * 3];
+    let stride = width * fine * 3;
+    for (y, row) in canvas.chunks_exact_mut(stride).take(height * fine).enumerate() {
+        let pixels = &image.pixels()[y / fine * width..][..width];
+        for (block, &grey) in row.chunks_exact_mut(3 * fine).zip(pixels) {
+            block.fill(grey);
+        }
+    }
+    canvas
 }
 
 /// Averages a canvas down to `size`: three bytes a pixel, rows from the top.

@@ -9,6 +9,8 @@ use std::path::PathBuf;
 pub(crate) enum CameraArg {
     /// Camera tracks, given or made along the ground truth.
     Tracks,
+    /// The sequence's own images.
+    Images,
 }
 
 /// Flags of `dpn eval --closed-loop`.
@@ -20,6 +22,9 @@ pub(crate) struct ClosedLoopArgs {
     /// Folder with camera tracks, SEQUENCE.txt each; without it tracks are made along the ground truth from the seed.
     #[arg(long, value_name = "DIR", requires = "data")]
     pub(crate) tracks: Option<PathBuf>,
+    /// Pass over images that are listed but not there, instead of stopping before the first run.
+    #[arg(long, conflicts_with = "open_loop")]
+    pub(crate) skip_missing: bool,
     /// `all`, or names (MH_01, hover) with commas between.
     #[arg(long, value_name = "NAMES", default_value = "all", conflicts_with = "open_loop")]
     pub(crate) sequences: String,

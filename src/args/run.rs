@@ -1,6 +1,6 @@
 //! `dpn run`.
 
-use super::SettingsArgs;
+use super::{CameraArg, SettingsArgs};
 use clap::Args;
 use dpn_eval::closed_loop::StartAt;
 use std::path::PathBuf;
@@ -11,6 +11,9 @@ pub(crate) struct RunArgs {
     /// Folder of an ASL sequence (EuRoC, TUM-VI), or name of a simulated flight.
     #[arg(value_name = "SEQUENCE|FLIGHT")]
     pub(crate) source: String,
+    /// What the odometry sees; without it the folder's images where it holds any, else tracks.
+    #[arg(long, value_enum)]
+    pub(crate) camera: Option<CameraArg>,
     /// File of camera tracks; without it tracks are made along the ground truth from the seed.
     #[arg(long, value_name = "FILE")]
     pub(crate) tracks: Option<PathBuf>,
@@ -20,9 +23,15 @@ pub(crate) struct RunArgs {
     /// Folder of trained networks; without it those that come with the program.
     #[arg(long, value_name = "DIR")]
     pub(crate) models: Option<PathBuf>,
-    /// Seconds after the first frame at which the run begins; `table` as for `dpn eval`.
+    /// Seconds after the first frame (or image listed) at which the run begins; `table` as for `dpn eval`.
     #[arg(long, value_name = "SECONDS|table", default_value = "0")]
     pub(crate) from: StartAt,
+    /// Seconds after the first frame (or image listed) at which the run ends.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub(crate) to: Option<f64>,
+    /// Pass over images that are listed but not there, instead of stopping before the run.
+    #[arg(long)]
+    pub(crate) skip_missing: bool,
     /// Seed of simulated flights and tracks.
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,
@@ -32,7 +41,21 @@ pub(crate) struct RunArgs {
     /// Folder for trajectory.tum, states.csv and report.json; without it runs/run-NAME.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    /// Draw into this folder: the flight from above, tracks, noise, biases and residuals over time, and, of images, frames with tracks.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) draw: Option<PathBuf>,
+    /// A frame is drawn every so many seconds; 0 draws every frame handed over.
+    #[arg(long, value_name = "SECONDS", default_value_t = 1.0, requires = "draw", value_parser = seconds)]
+    pub(crate) draw_every: f64,
     /// Print the report as JSON on stdout.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// A number of seconds from 0.
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds.is_finite() && seconds >= 0.0 => Ok(seconds),
+        _ => Err(format!("`{text}` is not a number of seconds from 0")),
+    }
 }

@@ -6,19 +6,20 @@ use crate::ui::{Bar, Fault, Interrupted};
 use anyhow::Result;
 use dpn_core::io::atomic_write;
 use dpn_eval::closed_loop::{
-    ClosedLoopError, Manifest, Source, Sweep, Tracks, compare, consistency, render, render_comparisons,
-    render_consistency,
+    ClosedLoopError, Images, Manifest, Source, Sweep, Tracks, Vision, compare, consistency, render,
+    render_comparisons, render_consistency,
 };
 use dpn_eval::noise::parse_list;
 use dpn_eval::open_loop::networks;
+use dpn_vio::EstimatorConfig;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 pub(crate) fn run(args: &EvalArgs) -> Result<()> {
-    let CameraArg::Tracks = args.closed.camera;
     let closed = &args.closed;
     let noises = parse_list(&closed.noise)?;
-    let source = source(args)?;
+    let estimator = settings::estimator(&closed.settings)?;
+    let source = source(args, &estimator)?;
     if closed.seeds > 1 && !(source.tracks_are_seeded() || source.recordings_are_seeded()) {
         return Err(Fault::new("given tracks have no seed, and --seeds asks for several")
             .hint("leave --tracks away, and tracks are made from the seed")
@@ -34,11 +35,14 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
         noises,
         seeds: (args.seed..args.seed.saturating_add(closed.seeds)).collect(),
         from: closed.from,
-        estimator: settings::estimator(&closed.settings)?,
+        estimator,
         networks: &networks,
         threads: closed.threads.unwrap_or_else(cores).max(1),
         trajectories: closed.trajectories,
     };
+    for warning in sweep.estimator.warnings() {
+        eprintln!("warning: {warning}");
+    }
     let manifest = manifest(args, &sweep)?;
     let out = args
         .out
@@ -68,16 +72,23 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
 }
 
 /// Sequences on disk, or the simulated flights.
-fn source(args: &EvalArgs) -> Result<Source> {
-    let tracks = settings::tracks(&args.closed.settings)?;
-    match &args.data {
-        Some(dir) => {
-            let tracks = match &args.closed.tracks {
-                Some(dir) => Tracks::Given(dir.clone()),
-                None => Tracks::Made(tracks),
-            };
-            Ok(Source::recorded(dir, tracks)?)
+fn source(args: &EvalArgs, estimator: &EstimatorConfig) -> Result<Source> {
+    let made = Tracks::Made(settings::tracks(&args.closed.settings)?);
+    let tracks = match (args.closed.camera, &args.closed.tracks) {
+        (CameraArg::Tracks, Some(dir)) => Tracks::Given(dir.clone()),
+        (CameraArg::Tracks, None) => made,
+        (CameraArg::Images, None) => {
+            let images = Images::Folder { skip_missing: args.closed.skip_missing };
+            Tracks::Seen(Vision { images, front_end: estimator.front_end })
         }
+        (CameraArg::Images, Some(_)) => {
+            return Err(Fault::new("--tracks and --camera images ask for two things")
+                .hint("leave one of them away")
+                .into());
+        }
+    };
+    match &args.data {
+        Some(dir) => Ok(Source::recorded(dir, tracks)?),
         None => Ok(Source::Flights { config: settings::flights(&args.closed.settings)?, tracks }),
     }
 }
@@ -96,10 +107,15 @@ fn manifest(args: &EvalArgs, sweep: &Sweep<'_>) -> Result<Manifest> {
     if let Some(dir) = &args.models {
         inputs.insert("models".into(), dir.display().to_string());
     }
+    let tracks = match sweep.source.tracks() {
+        Tracks::Given(_) => serde_json::json!("given"),
+        Tracks::Made(config) => serde_json::json!(config),
+        // The front-end's settings are the estimator's.
+        Tracks::Seen(vision) => serde_json::json!(vision.images.name()),
+    };
     let source = match sweep.source {
-        Source::Recorded { tracks: Tracks::Given(_), .. } => serde_json::json!({ "tracks": "given" }),
-        Source::Recorded { tracks: Tracks::Made(config), .. } => serde_json::json!({ "tracks": config }),
-        Source::Flights { config, tracks } => serde_json::json!({ "flights": config, "tracks": tracks }),
+        Source::Recorded { .. } => serde_json::json!({ "tracks": tracks }),
+        Source::Flights { config, .. } => serde_json::json!({ "flights": config, "tracks": tracks }),
     };
     let specs: Vec<String> = sweep.noises.iter().map(ToString::to_string).collect();
     let sequences: Vec<&str> = sweep.places.iter().map(|place| names[*place].0.as_str()).collect();

@@ -1,35 +1,55 @@
 //! `dpn run`.
 
 use super::{program, settings, shipped};
-use crate::args::RunArgs;
+use crate::args::{CameraArg, RunArgs};
 use crate::ui::Fault;
 use anyhow::Result;
+use dpn_core::io::asl::Sequence;
 use dpn_core::io::{atomic_write, write_tum};
-use dpn_eval::closed_loop::{Report, Single, Source, Told, Tracks, single};
+use dpn_eval::closed_loop::{
+    Album, Images, Recording, Report, Seen, Single, Source, Span, Told, Tracks, Vision, has_images, single,
+    timeline, top_view,
+};
+use dpn_eval::figures::save;
 use dpn_eval::noise::Noise;
 use dpn_eval::open_loop::networks;
 use dpn_sim::Flight;
+use dpn_vio::EstimatorConfig;
 use std::path::{Path, PathBuf};
 
 pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let noise: Noise = args.noise.parse()?;
     let estimator = settings::estimator(&args.settings)?;
-    let (source, place) = open(args)?;
+    let (source, place) = open(args, &estimator)?;
     let networks = match &args.models {
         Some(dir) => networks::load_all(dir)?,
         None => shipped::networks()?,
     };
     let recording = source.recording(place, args.seed)?;
-    let frames = source.frames(place, args.seed)?;
-    let from_s = args.from.seconds(&recording.name);
-    let told = Told { camera: "tracks".into(), noise: noise.to_string(), seed: args.seed, from_s };
-    let done = single(&estimator, &recording, &frames, &noise, &told, &networks)?;
+    let span = Span { from_s: args.from.seconds(&recording.name), to_s: args.to };
+    let mut album = args.draw.as_ref().map(|dir| Album::new(dir.clone(), args.draw_every));
+    let seen = source.seen(place, args.seed, &span, &recording, &mut |image, fed| {
+        if let Some(album) = &mut album {
+            album.see(image, fed);
+        }
+    })?;
+    let told = Told {
+        camera: source.camera().into(),
+        noise: noise.to_string(),
+        seed: args.seed,
+        from_s: span.from_s,
+        front_end: seen.sight.as_ref().map(|sight| sight.figures.clone()),
+    };
+    let done = single(&estimator, &recording, &seen, &noise, &told, &networks)?;
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("runs/run-{}", recording.name)));
     let report = serde_json::json!({
         "program": program(), "estimator": estimator, "input": source.checksum(place)?, "report": done.report,
     });
     write(&done, &report, &out)?;
-    for warning in &done.report.warnings {
+    if let (Some(dir), Some(album)) = (&args.draw, album) {
+        draw(dir, album, &recording, &seen, &done)?;
+    }
+    for warning in estimator.warnings().iter().chain(&done.report.warnings) {
         eprintln!("warning: {warning}");
     }
     if args.json {
@@ -37,17 +57,37 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     } else {
         print!("{}", words(&done.report, &done));
         println!("files:          {}", out.display());
+        if let Some(dir) = &args.draw {
+            println!("pictures:       {}", dir.display());
+        }
     }
     Ok(())
 }
 
 /// A folder is a sequence, anything else a flight.
-fn open(args: &RunArgs) -> Result<(Source, usize)> {
+fn open(args: &RunArgs, estimator: &EstimatorConfig) -> Result<(Source, usize)> {
     let dir = Path::new(&args.source);
-    let made = settings::tracks(&args.settings)?;
+    let made = Tracks::Made(settings::tracks(&args.settings)?);
+    let images = Images::Folder { skip_missing: args.skip_missing };
+    let seen = Tracks::Seen(Vision { images, front_end: estimator.front_end });
     if dir.exists() {
-        let tracks = args.tracks.clone().map_or(Tracks::Made(made), Tracks::Given);
+        let tracks = match (args.camera, &args.tracks) {
+            (Some(CameraArg::Images), Some(_)) => {
+                return Err(Fault::new("--tracks and --camera images ask for two things")
+                    .hint("leave one of them away")
+                    .into());
+            }
+            (_, Some(tracks)) => Tracks::Given(tracks.clone()),
+            (Some(CameraArg::Images), None) => seen,
+            (Some(CameraArg::Tracks), None) => made,
+            (None, None) if has_images(&Sequence::open(dir)?) => seen,
+            (None, None) => made,
+        };
         return Ok((Source::one(dir, tracks)?, 0));
+    }
+    if args.camera == Some(CameraArg::Images) {
+        let remedy = "leave --camera away, or name a folder";
+        return Err(Fault::new("a flight has no folder of images").hint(remedy).into());
     }
     let flight: Flight = args.source.parse().map_err(|unknown| {
         let remedy = "name a folder with an ASL sequence, or a flight of `dpn simulate flight --list`";
@@ -69,6 +109,14 @@ fn write(done: &Single, report: &serde_json::Value, out: &Path) -> Result<()> {
     atomic_write(&out.join("states.csv"), |file| done.write_states(file))?;
     let text = serde_json::to_string_pretty(report)? + "\n";
     atomic_write(&out.join("report.json"), |file| file.write_all(text.as_bytes()))?;
+    Ok(())
+}
+
+/// The flight from above and over time, beside the frames that were drawn while images were looked at.
+fn draw(dir: &Path, album: Album, recording: &Recording, seen: &Seen, done: &Single) -> Result<()> {
+    album.finish()?;
+    save(&top_view(recording, done)?, &dir.join("top"))?;
+    save(&timeline(seen, done)?, &dir.join("timeline"))?;
     Ok(())
 }
 
@@ -105,6 +153,21 @@ fn words(report: &Report, done: &Single) -> String {
     }
     let iterations = row.iterations.map_or_else(|| "-".into(), |i| format!("{i:.1}"));
     line("iterations:", format!("{iterations} a frame, {} outliers in all", row.outliers));
+    if let Some(front_end) = &row.front_end {
+        line(
+            "images:",
+            format!(
+                "{}, {} passed over; {:.0} tracks a frame, {:.1} frames long, {:.1} % agreed; {:.4} CPU s a second, 95 % within {:.1} ms",
+                front_end.images,
+                front_end.passed_over,
+                front_end.tracks,
+                front_end.track_length,
+                100.0 * front_end.inlier_share,
+                front_end.cpu_per_data_s,
+                front_end.p95_ms
+            ),
+        );
+    }
     let stage = &row.stage_s;
     line(
         "time:",

@@ -10,6 +10,7 @@ mod bad_data;
 mod check;
 mod closed_loop;
 mod eval;
+mod images;
 mod noise;
 mod odometry;
 mod recording;

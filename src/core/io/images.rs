@@ -63,6 +63,23 @@ impl ImageFolder {
         self
     }
 
+    /// The same, without images that are not there.
+    #[must_use]
+    pub fn only_present(mut self) -> Self {
+        self.frames.retain(|(_, path)| path.is_file());
+        self
+    }
+
+    /// Whether any image is there; looks no further than the first that is.
+    pub fn holds_any(&self) -> bool {
+        self.frames.iter().any(|(_, path)| path.is_file())
+    }
+
+    /// Stamps of all images listed, and their files' lengths \[bytes\]; none of one that is not there.
+    pub fn lengths(&self) -> impl Iterator<Item = (Stamp, Option<u64>)> + '_ {
+        self.frames.iter().map(|(t, path)| (*t, std::fs::metadata(path).ok().map(|meta| meta.len())))
+    }
+
     /// How many images are listed.
     pub fn len(&self) -> usize {
         self.frames.len()
@@ -97,7 +114,12 @@ impl ImageFolder {
             }
             unbroken = there;
         }
-        Coverage { listed: self.frames.len(), runs, first_missing }
+        Coverage {
+            listed: self.frames.len(),
+            first: self.frames.first().map(|(t, _)| *t),
+            runs,
+            first_missing,
+        }
     }
 
     /// Reads image `index`.
@@ -150,6 +172,8 @@ pub struct ImageRun {
 pub struct Coverage {
     /// How many are listed.
     pub listed: usize,
+    /// Stamp of the first that is listed, from which ranges are counted.
+    pub first: Option<Stamp>,
     /// Those that are there, in time.
     pub runs: Vec<ImageRun>,
     /// The first that is not.
@@ -171,6 +195,14 @@ impl Coverage {
     pub fn longest(&self) -> Option<ImageRun> {
         self.runs.iter().copied().rev().max_by_key(|run| run.images)
     }
+
+    /// That range in seconds after the first image listed, outwards to whole milliseconds.
+    pub fn longest_s(&self) -> Option<[f64; 2]> {
+        let (run, first) = (self.longest()?, self.first?);
+        let ms = |t: Stamp| t.seconds_since(first) * 1e3;
+        // A microsecond, so that a whole number of milliseconds stays what it is under a clock's trembling.
+        Some([(ms(run.from) + 1e-3).floor() / 1e3, (ms(run.to) - 1e-3).ceil() / 1e3])
+    }
 }
 
 /// One line: how many are missing, and the longest range that is there in seconds since the first stamp listed.
@@ -184,8 +216,8 @@ impl fmt::Display for Coverage {
             self.listed,
             first.display()
         )?;
-        if let Some(ImageRun { from, to, images }) = self.longest() {
-            write!(f, "; {images} in a row are, from {} to {} ns", from.ns(), to.ns())?;
+        if let Some((run, [from, to])) = self.longest().zip(self.longest_s()) {
+            write!(f, "; {} in a row are, from {from} to {to} s after the first listed", run.images)?;
         }
         Ok(())
     }
@@ -279,7 +311,7 @@ mod tests {
             if !missing.contains(&i) {
                 fs::write(&path, grey(i)).unwrap();
             }
-            (Stamp::from_ns(i64::from(i) * 50), path)
+            (Stamp::from_ns(i64::from(i) * 50_000_000), path)
         });
         ImageFolder::of(frames.collect(), [4, 3])
     }
@@ -307,13 +339,17 @@ mod tests {
         let coverage = folder.coverage();
         assert_eq!((coverage.listed, coverage.present(), coverage.runs.len()), (10, 7, 2));
         let longest = coverage.longest().unwrap();
-        assert_eq!((longest.from.ns(), longest.to.ns(), longest.images), (300, 450, 4));
+        assert_eq!((longest.from.ns(), longest.to.ns(), longest.images), (300_000_000, 450_000_000, 4));
         let said = coverage.to_string();
         assert!(said.starts_with("3 of 10 images are not there") && said.contains("0.png"), "{said}");
-        assert!(said.ends_with("4 in a row are, from 300 to 450 ns"), "{said}");
+        assert!(said.ends_with("4 in a row are, from 0.3 to 0.45 s after the first listed"), "{said}");
+        assert_eq!(coverage.longest_s(), Some([0.3, 0.45]));
+        assert_eq!(folder.lengths().filter(|(_, length)| length.is_none()).count(), 3);
+        assert!(folder.holds_any() && folder.clone().only_present().coverage().is_complete());
+        assert!(!ImageFolder::of(vec![(Stamp::from_ns(0), dir.path().join("x.png"))], [4, 3]).holds_any());
         let part = folder.clone().between(longest.from, longest.to);
         assert!(part.coverage().is_complete() && part.len() == 4);
-        assert!(part.stamps().eq([300, 350, 400, 450].map(Stamp::from_ns)));
+        assert!(part.stamps().eq([300, 350, 400, 450].map(|ms| Stamp::from_ns(ms * 1_000_000))));
         assert_eq!(part.coverage().to_string(), "4 images, all there");
         // A missing one is an error in its place; the others come all the same.
         let outcomes: Vec<_> = folder.prefetch(2).collect();

@@ -1,8 +1,8 @@
 //! The camera's rotation between frames against the gyro's.
 //!
 //! Between two frames a camera's rays turn by `cam_b_from_cam_a`, which the rays alone tell roughly: a rotation fitted to all of them, the
-//! worst left out, takes translation for rotation by about the parallax, now one way and now the other. The gyro tells the same
-//! turn in body axes, plus its bias. So over all pairs of frames, means removed,
+//! worst left out, beside a translation before points of one distance; what distances differ is taken for rotation, now one way and now
+//! the other. The gyro tells the same turn in body axes, plus its bias. So over all pairs of frames, means removed,
 //!
 //! turn_in_body = s * body_from_cam * turn_in_cam,
 //!
@@ -14,7 +14,7 @@
 use dpn_core::camera::PinholeRadtan;
 use dpn_core::geometry::so3;
 use dpn_core::{ImuSample, TrackFrame};
-use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Matrix3x6, Matrix6, Rotation3, UnitQuaternion, Vector3, Vector6};
 use serde::Serialize;
 
 /// Fewest tracks that two frames must share.
@@ -122,7 +122,8 @@ pub fn axes(
     let mut spread = power_cam.symmetric_eigenvalues();
     spread.as_mut_slice().sort_by(f64::total_cmp);
     let norm = (power_body * power_cam.trace()).sqrt();
-    if spread[1].sqrt() < LEAST_TURNING || !(norm.is_finite() && norm > 0.0) {
+    // By squares: rounding leaves an eigenvalue of a camera at rest below zero, whose root compares with nothing.
+    if spread[1] < LEAST_TURNING * LEAST_TURNING || !(norm.is_finite() && norm > 0.0) {
         return unknown;
     }
     let given = body_from_cam.rotation.to_rotation_matrix();
@@ -190,23 +191,49 @@ fn shared_rays(a: &TrackFrame, b: &TrackFrame, camera: &PinholeRadtan) -> Vec<(V
     both.collect()
 }
 
-/// The rotation that carries the first rays to the second, the worst ones left out.
+/// The rotation that carries the first rays to the second, beside a translation before points of one distance; the worst rays left out.
 fn rotation_of(mut rays: Vec<(Vector3<f64>, Vector3<f64>)>) -> Option<UnitQuaternion<f64>> {
     let keep = ((1.0 - LEFT_OUT) * rays.len() as f64) as usize;
     if keep < FEWEST_TRACKS {
         return None;
     }
-    let fit = |rays: &[(Vector3<f64>, Vector3<f64>)]| {
-        let cross = rays.iter().map(|(a, b)| b * a.transpose()).sum::<Matrix3<f64>>();
-        best(&cross).0
-    };
-    let mut rotation = fit(&rays);
-    for _ in 0..3 {
-        let off = |(a, b): &(Vector3<f64>, Vector3<f64>)| (b - rotation * a).norm_squared();
+    let cross = rays.iter().map(|(a, b)| b * a.transpose()).sum::<Matrix3<f64>>();
+    let mut rotation = UnitQuaternion::from_rotation_matrix(&best(&cross).0);
+    let mut shift = Vector3::zeros();
+    for round in 0..3 {
+        let used = if round == 0 { rays.len() } else { keep };
+        let (turn, moved) = step(&rays[..used], &rotation)?;
+        rotation = so3::exp(&turn) * rotation;
+        shift = moved;
+        let off = |(a, b): &(Vector3<f64>, Vector3<f64>)| across(b, &(rotation * a + shift)).norm_squared();
         rays.sort_by(|x, y| off(x).total_cmp(&off(y)));
-        rotation = fit(&rays[..keep]);
     }
-    Some(UnitQuaternion::from_rotation_matrix(&rotation))
+    shift.iter().all(|v| v.is_finite()).then_some(rotation)
+}
+
+/// What of `v` is across the ray `b`.
+fn across(b: &Vector3<f64>, v: &Vector3<f64>) -> Vector3<f64> {
+    v - b * b.dot(v)
+}
+
+/// Least squares over a small turn `d` and a translation `t` in units of the points' distance: across b, `b = Exp(d) R a + t`.
+fn step(
+    rays: &[(Vector3<f64>, Vector3<f64>)],
+    rotation: &UnitQuaternion<f64>,
+) -> Option<(Vector3<f64>, Vector3<f64>)> {
+    let (mut normal, mut right) = (Matrix6::zeros(), Vector6::zeros());
+    for (a, b) in rays {
+        let turned = rotation * a;
+        let project = Matrix3::identity() - b * b.transpose();
+        let mut rows = Matrix3x6::zeros();
+        // Exp(d) r = r - hat(r) d
+        rows.fixed_view_mut::<3, 3>(0, 0).copy_from(&(-project * turned.cross_matrix()));
+        rows.fixed_view_mut::<3, 3>(0, 3).copy_from(&project);
+        normal += rows.transpose() * rows;
+        right -= rows.transpose() * (project * turned);
+    }
+    let found = normal.cholesky()?.solve(&right);
+    Some((found.fixed_rows::<3>(0).into_owned(), found.fixed_rows::<3>(3).into_owned()))
 }
 
 /// The rotation and the reflection nearest to a matrix.
@@ -273,7 +300,6 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "fails: thresholds of the diagnosis are not settled"]
     fn a_sound_flight_is_consistent_and_each_slip_is_named() {
         let case = case();
         let sound = case.judged();
@@ -300,7 +326,6 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "fails: thresholds of the diagnosis are not settled"]
     fn a_camera_mounted_otherwise_than_said_is_found() {
         let mut case = case();
         case.body_from_cam.rotation *= UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 0.5);

@@ -1,12 +1,14 @@
 //! The loop over frames.
 
 use super::config::EstimatorConfig;
+use super::eye::Eye;
 use super::imu_buffer::{ImuBuffer, Interval};
 use super::ray_rates::RayRates;
 use super::report::{RunReport, Stage};
 use super::starter::{StartFrame, Starter, integrate};
 use super::update::{Phase, RestartReason, Update};
 use crate::factors::reprojection::Sighting;
+use crate::frontend::FrameReport;
 use crate::init::{InitFrame, RestWatch};
 use crate::preint::NoisySample;
 use crate::state::NavState;
@@ -15,7 +17,7 @@ use dpn_core::camera::PinholeRadtan;
 use dpn_core::config::ConfigFault;
 use dpn_core::io::StampedPose;
 use dpn_core::random::Stream;
-use dpn_core::{Stamp, TrackFrame};
+use dpn_core::{GrayView, Stamp, TrackFrame};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use std::collections::VecDeque;
 use std::time::Instant;
@@ -43,6 +45,39 @@ pub enum FeedError {
         /// The newest before it.
         last: Stamp,
     },
+    /// An image that is not later than the last.
+    #[error("an image at {t} after one at {last}; images must come in increasing time")]
+    ImageOutOfOrder {
+        /// Its stamp.
+        t: Stamp,
+        /// The newest before it.
+        last: Stamp,
+    },
+    /// An image of another size than the camera's.
+    #[error(
+        "an image of {} x {} px at {t}; the camera's calibration is for {} x {}",
+        found[0], found[1], camera[0], camera[1]
+    )]
+    ImageSize {
+        /// Its stamp.
+        t: Stamp,
+        /// Its width and height \[px\].
+        found: [usize; 2],
+        /// The camera's.
+        camera: [usize; 2],
+    },
+    /// Too many images wait for samples.
+    #[error(
+        "an image at {t} while {waiting} wait for samples since {first}; is the IMU silent, or its clock another?"
+    )]
+    ImuBehind {
+        /// Its stamp.
+        t: Stamp,
+        /// The first that waits.
+        first: Stamp,
+        /// How many wait.
+        waiting: usize,
+    },
     /// A sample that is not a number.
     #[error("an IMU sample at {t} holds a value that is not finite")]
     NotFinite {
@@ -57,6 +92,7 @@ pub struct Estimator {
     config: EstimatorConfig,
     camera: PinholeRadtan,
     imu: ImuBuffer,
+    eye: Eye,
     frames: VecDeque<TrackFrame>,
     newest_frame: Option<Stamp>,
     window: Window,
@@ -71,7 +107,7 @@ pub struct Estimator {
 }
 
 impl Estimator {
-    /// With a camera at `body_from_cam` on the IMU; `seed` feeds the initialisation's consensus.
+    /// With a camera at `body_from_cam` on the IMU; `seed` feeds the consensus of initialisation and front-end.
     ///
     /// # Errors
     /// Settings out of their bounds, all of them.
@@ -85,6 +121,7 @@ impl Estimator {
         let stream = Stream::new(seed).named("estimator");
         Ok(Self {
             starter: Starter::new(&config, body_from_cam, stream)?,
+            eye: Eye::new(config.front_end, camera, body_from_cam.rotation, seed)?,
             rates: RayRates::default(),
             rest: RestWatch::default(),
             last_good: None,
@@ -112,11 +149,26 @@ impl Estimator {
         if let Some(last) = self.imu.newest().filter(|last| t <= *last) {
             return Err(FeedError::SampleOutOfOrder { t, last });
         }
+        self.eye.feed_imu(&sample.sample);
         self.imu.push(sample);
         Ok(())
     }
 
-    /// Takes a frame's tracks; it is worked off when samples reach its stamp.
+    /// Takes an image; points are followed into it when samples reach its stamp, by [`next_update`](Self::next_update). Samples and
+    /// images may come in any order between the two, each in increasing time of its own.
+    ///
+    /// # Errors
+    /// An image that is not later than the last, or of another size than the camera's; 40 that wait for samples. It is not taken.
+    pub fn feed_image(&mut self, image: GrayView<'_>, t: Stamp) -> Result<(), FeedError> {
+        self.eye.feed(image, t)
+    }
+
+    /// What became of the image last worked off; none where none was.
+    pub fn last_image(&self) -> Option<&FrameReport> {
+        self.eye.last()
+    }
+
+    /// Takes a frame's tracks; it is worked off when samples reach its stamp. Images are not fed beside.
     ///
     /// # Errors
     /// A frame that is not later than the last; it is not taken.
@@ -129,12 +181,19 @@ impl Estimator {
         Ok(())
     }
 
-    /// Works off the next frame whose samples are all there.
+    /// Works off the next frame whose samples are all there, and the images before it.
     pub fn next_update(&mut self) -> Option<Update> {
         let (oldest, newest) = (self.imu.oldest()?, self.imu.newest()?);
+        if self.frames.is_empty() {
+            // Images come in increasing time: so do their frames.
+            self.frames.extend(self.eye.look(newest));
+        }
         while self.frames.front().is_some_and(|f| f.t < oldest) {
             self.frames.pop_front();
             self.report.skipped += 1;
+            if self.frames.is_empty() {
+                self.frames.extend(self.eye.look(newest));
+            }
         }
         if self.frames.front()?.t > newest {
             return None;
@@ -291,34 +350,6 @@ impl Estimator {
         clock.lap(Stage::Feed);
         let solved = self.window.optimise();
         update.iterations = solved.iterations;
-        if std::env::var_os("DBG").is_some() {
-            let mut d: Vec<f64> = self.window.landmarks().iter().filter_map(|l| l.inverse_depth).collect();
-            d.sort_by(f64::total_cmp);
-            let n = d.len();
-            println!(
-                "{solved:?} neg {} p10 {:.3} p50 {:.3} p90 {:.3} frames {:?}",
-                d.iter().filter(|d| **d <= 0.0).count(),
-                d[n / 10],
-                d[n / 2],
-                d[n * 9 / 10],
-                self.window
-                    .frames()
-                    .iter()
-                    .map(|f| (f.t.seconds_since(t) * 10.0).round() / 10.0)
-                    .collect::<Vec<_>>()
-            );
-            println!(
-                "{:?}",
-                self.window
-                    .frames()
-                    .iter()
-                    .map(|f| (f.state.world_from_body.translation.vector * 1000.0)
-                        .map(|v| v.round() / 1000.0)
-                        .as_slice()
-                        .to_vec())
-                    .collect::<Vec<_>>()
-            );
-        }
         clock.lap(Stage::Solve);
         update.outliers = self.window.reject_outliers();
         clock.lap(Stage::Reject);

@@ -1,14 +1,18 @@
 //! The estimator as a program uses it: feed samples and frames, take updates.
 //!
-//! [`Estimator::feed_imu`] and [`Estimator::feed_frame`] take what sensors give; [`Estimator::next_update`] works off frames whose
-//! samples are there. Between two frames: `imu_buffer` cuts the samples, [`crate::init`] finds the first states, [`crate::window`]
+//! [`Estimator::feed_imu`] and [`Estimator::feed_image`] take what sensors give, in any order between the two;
+//! [`Estimator::next_update`] works off images whose samples are there. Who has tracks already gives them to
+//! [`Estimator::feed_frame`] instead. Between two frames: `imu_buffer` cuts the samples, [`crate::init`] finds the first states, [`crate::window`]
 //! estimates, [`health`] judges, and a failure starts again from the last good pose.
 
 mod config;
 #[allow(clippy::module_inception)]
 mod estimator;
+mod eye;
 pub mod health;
 mod imu_buffer;
+#[cfg(test)]
+mod live_tests;
 mod ray_rates;
 mod report;
 mod starter;

@@ -48,8 +48,10 @@ impl Validate for EstimatorConfig {
         if !(1..=1000).contains(&window.max_iterations) {
             faults.push(ConfigFault::new("window.max_iterations", window.max_iterations, "from 1 to 1000"));
         }
-        let inner = self.init.faults().into_iter();
-        faults.extend(inner.map(|fault| ConfigFault { key: format!("init.{}", fault.key), ..fault }));
+        for (table, inner) in [("init", self.init.faults()), ("front_end", self.front_end.faults())] {
+            let named = inner.into_iter();
+            faults.extend(named.map(|fault| ConfigFault { key: format!("{table}.{}", fault.key), ..fault }));
+        }
         faults
     }
 }
@@ -66,7 +68,15 @@ mod tests {
         config.window.pixel_std = f64::NAN;
         config.init.min_frames = 1;
         config.health.max_speed = 0.0;
+        config.front_end.klt.window = 20;
         let keys: Vec<_> = config.faults().into_iter().map(|f| f.key).collect();
-        assert_eq!(keys, ["window.pixel_std", "health.max_speed", "window.key_frames", "init.min_frames"]);
+        let expected = [
+            "window.pixel_std",
+            "health.max_speed",
+            "window.key_frames",
+            "init.min_frames",
+            "front_end.klt.window",
+        ];
+        assert_eq!(keys, expected);
     }
 }

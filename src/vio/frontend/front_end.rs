@@ -2,8 +2,9 @@
 
 use super::config::{FrontEndConfig, Repeated};
 use super::corners::{Detector, Mask};
+use super::gyro_bias::GyroBias;
 use super::image::{Clahe, ImageStats, Pyramid};
-use super::klt::{Klt, Shift};
+use super::klt::{Klt, KltConfig, Shift};
 use super::predict::turned;
 use super::ransac::{Pair, agree};
 use super::report::{Agreement, FrameReport, Lost, LostBy, Status};
@@ -18,6 +19,9 @@ use thiserror::Error;
 
 /// Stamps are rounded; a pause is not longer than another by this little \[s\].
 const ROUNDING_S: f64 = 1e-6;
+
+/// With fewer tracks in agreement than this share nothing is learnt of the gyroscope.
+const BELIEVED_SHARE: f64 = 0.5;
 
 /// Why there is no front-end.
 #[derive(Debug, Error, PartialEq)]
@@ -82,6 +86,8 @@ pub struct FrontEnd {
     config: FrontEndConfig,
     stream: Stream,
     klt: Klt,
+    /// The way back, which need not look like anything: it is compared with home.
+    back: Klt,
     detector: Detector,
     clahe: Option<Clahe>,
     allowed: Option<GrayImage>,
@@ -95,9 +101,12 @@ pub struct FrontEnd {
     /// The last image that was in order.
     last: Option<Stamp>,
     fingerprint: Option<u64>,
-    /// The camera's turn since the last image tracked into, and since the last frame handed over.
+    /// When the last frame was handed over.
+    handed: Option<Stamp>,
+    /// The camera's turn since the last image tracked into, and since the last frame handed over, as measured.
     since_tracked: Option<UnitQuaternion<f64>>,
     since_handed: Option<UnitQuaternion<f64>>,
+    gyro_bias: GyroBias,
     points: Vec<Point>,
     next_id: u64,
     frames: u64,
@@ -122,6 +131,7 @@ impl FrontEnd {
             config,
             stream: stream.named("front-end"),
             klt: Klt::new(config.klt),
+            back: Klt::new(KltConfig { min_correlation: 0.0, ..config.klt }),
             detector: Detector::new(config.corners),
             clahe: config.clahe.enabled.then(|| Clahe::new(config.clahe)),
             allowed: None,
@@ -132,6 +142,8 @@ impl FrontEnd {
             tracked: None,
             last: None,
             fingerprint: None,
+            handed: None,
+            gyro_bias: GyroBias::default(),
             since_tracked: None,
             since_handed: None,
             points: Vec::new(),
@@ -163,7 +175,7 @@ impl FrontEnd {
     ///
     /// `cur_from_last` is the rotation from the camera's frame at the image fed before (whatever became of it, unless it was out of
     /// order) to the camera's frame now, as the gyroscope integrates it (see [`turn_of_camera`](super::turn_of_camera)); without it
-    /// points are looked for where they were. It may be a little wrong: a bias of .1 rad/s is.
+    /// points are looked for where they were. It may be a little wrong: a bias of .1 rad/s is, and is learnt within a second.
     ///
     /// Whatever the image is, the answer is a report: nothing about it is an error, and no track is made up.
     pub fn feed(
@@ -250,7 +262,8 @@ impl FrontEnd {
         if self.points.is_empty() {
             return 0.0;
         }
-        let turn = self.since_tracked;
+        let seconds = self.tracked.map_or(0.0, |tracked| report.t.seconds_since(tracked));
+        let turn = self.since_tracked.map(|turn| self.gyro_bias.corrected(&turn, seconds));
         let guess = |point: &Point| {
             let px = turn.and_then(|turn| turned(&self.camera, &point.bearing, &turn));
             px.map_or(point.px, |px| [px.x as f32, px.y as f32])
@@ -265,7 +278,7 @@ impl FrontEnd {
             .filter_map(|(shift, found)| Some(Shift { from: found.ok()?, guess: shift.from }))
             .collect();
         let home = if klt.back_px > 0.0 {
-            self.klt.track(&self.cur, &self.prev, &back, klt.back_levels)
+            self.back.track(&self.cur, &self.prev, &back, klt.back_levels)
         } else {
             back.iter().map(|shift| Ok(shift.guess)).collect()
         };
@@ -317,7 +330,7 @@ impl FrontEnd {
         report.status = Status::HandedOver;
         self.schedule.handed_over(t);
         self.frames += 1;
-        self.since_handed = Some(UnitQuaternion::identity());
+        (self.handed, self.since_handed) = (Some(t), Some(UnitQuaternion::identity()));
         self.points.iter_mut().for_each(|point| point.handed = Some(point.bearing));
         TrackFrame { t, tracks: self.points.iter().map(|p| Track { id: p.id, px: p.pixel() }).collect() }
     }
@@ -331,10 +344,19 @@ impl FrontEnd {
             .collect();
         let stream = self.stream.index(self.frames);
         let focal = self.camera.focal().mean();
-        let found = agree(&asked, self.since_handed.as_ref(), focal, &self.config.ransac, &stream);
-        if found.essential.is_none() {
-            return;
+        let seconds = self.handed.map_or(0.0, |handed| report.t.seconds_since(handed));
+        let turn = self.since_handed.map(|turn| self.gyro_bias.corrected(&turn, seconds));
+        let found = agree(&asked, turn.as_ref(), focal, &self.config.ransac, &stream);
+        let Some(essential) = found.essential else { return };
+        if let Some(measured) = self.since_handed.filter(|_| found.share() >= BELIEVED_SHARE) {
+            let agreeing: Vec<Pair> = asked
+                .iter()
+                .zip(&found.inliers)
+                .filter_map(|(pair, agrees)| agrees.then_some(*pair))
+                .collect();
+            self.gyro_bias.learn(&agreeing, &measured, &essential, focal, seconds);
         }
+        report.gyro_bias = self.gyro_bias.bias();
         report.agreement = Some(Agreement {
             geometry: found.geometry,
             asked: asked.len(),

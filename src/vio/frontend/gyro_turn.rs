@@ -7,11 +7,13 @@ use std::collections::VecDeque;
 
 /// Samples may end this long before an image \[s\]; the last is held until then. EuRoC's come every .005 s.
 const HELD_S: f64 = 0.02;
+/// Samples older than this are forgotten, so that a camera that is silent, or was never there, costs no memory \[s\].
+const KEPT_S: f64 = 10.0;
 
 /// Gyroscope samples between images, integrated from image to image.
 ///
 /// Rates are joined linearly between samples, `last_from_cur = Exp(w_1 dt_1) Exp(w_2 dt_2) ...` with the mean of neighbouring rates. Its
-/// memory does not grow as long as images come.
+/// memory does not grow: a turn over more than ten seconds is not known.
 #[derive(Debug, Clone, Default)]
 pub struct GyroTurn {
     samples: VecDeque<(Stamp, Vector3<f64>)>,
@@ -29,6 +31,9 @@ impl GyroTurn {
         let later = self.samples.back().is_none_or(|(t, _)| *t < sample.t);
         if later && sample.is_finite() {
             self.samples.push_back((sample.t, Vector3::from(sample.gyro)));
+            while self.samples.front().is_some_and(|(t, _)| sample.t.seconds_since(*t) > KEPT_S) {
+                self.samples.pop_front();
+            }
         }
     }
 
@@ -114,6 +119,15 @@ mod tests {
         let turn = gyro.until(Stamp::from_ns(92_500_000), &Vector3::zeros()).unwrap();
         // The rate is 2 t: the angle is t1^2 - t0^2.
         assert!((so3::log(&turn).z - (0.0925f64.powi(2) - 0.0075f64.powi(2))).abs() < 1e-12);
+    }
+
+    #[test]
+    fn without_images_few_samples_are_kept() {
+        let mut gyro = GyroTurn::new();
+        for i in 0..10_000 {
+            gyro.feed(&sample(5_000_000 * i, [0.1; 3]));
+        }
+        assert_eq!(gyro.samples.len(), 2001);
     }
 
     #[test]

@@ -18,6 +18,7 @@
 mod config;
 pub mod corners;
 mod front_end;
+mod gyro_bias;
 mod gyro_turn;
 pub mod image;
 pub mod klt;
@@ -26,7 +27,7 @@ pub mod ransac;
 mod report;
 mod schedule;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use config::{FrontEndConfig, Repeated};
 pub use front_end::{Fed, FrontEnd, FrontEndError};

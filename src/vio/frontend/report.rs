@@ -4,7 +4,7 @@ use super::image::ImageStats;
 use super::klt::KltLoss;
 use super::ransac::Geometry;
 use dpn_core::Stamp;
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 use serde::Serialize;
 use std::time::Duration;
 
@@ -42,6 +42,8 @@ pub enum LostBy {
     Outside,
     /// Its window has lost its texture.
     Flat,
+    /// What was found does not look like it.
+    Unlike,
     /// Tracked back, it did not come home.
     Back,
     /// It does not agree with the others on the camera's motion.
@@ -57,6 +59,7 @@ impl From<KltLoss> for LostBy {
         match loss {
             KltLoss::Outside => Self::Outside,
             KltLoss::Flat => Self::Flat,
+            KltLoss::Unlike => Self::Unlike,
         }
     }
 }
@@ -128,6 +131,8 @@ pub struct FrameReport {
     pub motion_px: f64,
     /// What tracks agreed on; none where they were not asked.
     pub agreement: Option<Agreement>,
+    /// The gyroscope's bias in the camera's frame as the tracks have shown it \[rad/s\]; 0 where they were not asked.
+    pub gyro_bias: Vector3<f64>,
     /// Wall time of the stages. The only part that differs between two runs.
     pub times: StageTimes,
 }
@@ -145,6 +150,7 @@ impl FrameReport {
             mean_age: 0.0,
             motion_px: 0.0,
             agreement: None,
+            gyro_bias: Vector3::zeros(),
             times: StageTimes::default(),
         }
     }

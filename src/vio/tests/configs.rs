@@ -29,16 +29,19 @@ fn the_default_file_is_the_default_and_leaves_no_key_out_and_none_without_a_comm
     let text = std::fs::read_to_string(&path).unwrap();
     let written: toml::Table = toml::from_str(&text).unwrap();
     let default: toml::Table = toml::Table::try_from(EstimatorConfig::default()).unwrap();
-    for (table, keys) in &default {
-        let Some(keys) = keys.as_table() else {
-            assert!(written.contains_key(table), "{table}");
-            continue;
-        };
-        for key in keys.keys() {
-            assert!(written[table].as_table().unwrap().contains_key(key), "{table}.{key} is not in the file");
-        }
-    }
+    all_written("", &default, &written);
     for line in text.lines().filter(|line| line.contains('=')) {
         assert!(line.contains('#'), "no comment: {line}");
+    }
+}
+
+/// Asserts that every key of `default`, tables within tables too, stands in `written`.
+fn all_written(at: &str, default: &toml::Table, written: &toml::Table) {
+    for (key, value) in default {
+        let at = format!("{at}.{key}");
+        let there = written.get(key).unwrap_or_else(|| panic!("{at} is not in the file"));
+        if let (Some(default), Some(written)) = (value.as_table(), there.as_table()) {
+            all_written(&at, default, written);
+        }
     }
 }

@@ -29,6 +29,10 @@ pub struct KltConfig {
     pub min_eigenvalue: f64,
     /// What may happen to the light. Default `gain-offset`.
     pub illumination: Illumination,
+    /// Smallest correlation of the window with where it was found, gain and offset aside, 0 to 1; 0 switches the check off. Default .5.
+    ///
+    /// In noise a search ends where it began, and so does the way back: that a point came home does not say that it was found.
+    pub min_correlation: f64,
     /// A point tracked back must come home within this \[px\]; 0 switches the check off. Default .5.
     pub back_px: f64,
     /// Images in the pyramid for the way back, which starts at home, 1 to 6. Default 2.
@@ -44,6 +48,7 @@ impl Default for KltConfig {
             epsilon_px: 0.01,
             min_eigenvalue: 0.1,
             illumination: Illumination::GainOffset,
+            min_correlation: 0.5,
             back_px: 0.5,
             back_levels: 2,
         }
@@ -62,6 +67,8 @@ impl Validate for KltConfig {
         check((7..=29).contains(&window) && window % 2 == 1, "window", window as f64, "odd, 7 to 29");
         check((1..=6).contains(&self.levels), "levels", self.levels as f64, "1 to 6");
         check((1..=100).contains(&self.iterations), "iterations", self.iterations as f64, "1 to 100");
+        let like = self.min_correlation;
+        check((0.0..=1.0).contains(&like), "min_correlation", like, "0 to 1");
         let (epsilon, eigen, back) = (self.epsilon_px, self.min_eigenvalue, self.back_px);
         check(epsilon > 0.0 && epsilon <= 1.0, "epsilon_px", epsilon, "above 0, at most 1");
         check((0.0..=1e4).contains(&eigen), "min_eigenvalue", eigen, "0 to 1e4");

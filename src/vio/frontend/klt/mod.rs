@@ -11,9 +11,12 @@
 //! `J = (1 + a) I + o`: gradients are made orthogonal to the patch and to a constant, so that neither moves `b`
 //! ("project-out", Baker and Matthews 2004, sec. 4.2; Hager and Belhumeur 1998), at the cost of the plain fit.
 //!
+//! A search that ended is believed where the window's grey values correlate with those it found.
+//!
 //! Source: Lucas and Kanade 1981; Bouguet 2000. Not here: forward-backward checks (the front-end's), affine warps of the window.
 
 mod config;
+mod likeness;
 mod patch;
 mod search;
 mod tracker;

@@ -21,6 +21,10 @@ pub(super) struct Patch<const L: usize> {
     pub(super) grad_y: [[f32; L]; L],
     /// Grey values less their mean; used only where light's changes are fitted.
     pub(super) centred: [[f32; L]; L],
+    /// 1 for columns that lie in the window and in the image, else 0.
+    pub(super) columns: [f32; L],
+    /// The same for rows.
+    pub(super) rows: [f32; L],
     /// Sum of the squares of `centred`.
     pub(super) contrast: f32,
     /// Sums of the gradients' products: xx, xy, yy.
@@ -75,6 +79,8 @@ impl<const L: usize> Patch<L> {
             grad_x: zero,
             grad_y: zero,
             centred: zero,
+            columns: [0.0; L],
+            rows: [0.0; L],
             contrast: 0.0,
             normal: [0.0; 3],
         }
@@ -98,11 +104,12 @@ impl<const L: usize> Patch<L> {
             above = below;
         }
 
-        let weights = self.weights(plane.width(), x as f32 + fx);
+        self.columns = self.weights(plane.width(), x as f32 + fx);
         let mut sums = [[0.0f32; L]; 3];
         for r in 0..window {
             let in_image = y as f32 + fy + r as f32;
             let row_weight = f32::from(in_image >= 0.0 && in_image <= (plane.height() - 1) as f32);
+            self.rows[r] = row_weight;
             let [a, b, c] = [&wide[r], &wide[r + 1], &wide[r + 2]];
             // Smoothed and differenced over the three rows, for x and for y.
             let mut smooth = [0.0f32; L];
@@ -118,7 +125,7 @@ impl<const L: usize> Patch<L> {
                 grad_y[i] = (3.0 * (slope[i] + slope[i + 2]) + 10.0 * slope[i + 1]) * (1.0 / 32.0);
             }
             for i in 0..L {
-                let weight = weights[i] * row_weight;
+                let weight = self.columns[i] * row_weight;
                 grad_x[i] *= weight;
                 grad_y[i] *= weight;
                 sums[0][i] += grad_x[i] * grad_x[i];

@@ -8,6 +8,13 @@ use dpn_core::random::{Stream, StreamRng};
 use nalgebra::{Matrix3, UnitQuaternion};
 use rand::Rng;
 
+/// Matrices are scored by squares truncated at this share of the threshold. Where something large moves by itself, one that compromises
+/// has more pairs within the whole threshold than the true one, but fewer close by.
+const SCORED_SHARE: f64 = 0.5;
+
+/// Two tracks with noise give a rough motion, even if both are true: of a few good samples the best is taken.
+const FEWEST_TRIALS: usize = 20;
+
 /// Below this many pairs nothing is taken out: any eight fit a matrix.
 const FEWEST: usize = 9;
 
@@ -98,14 +105,17 @@ fn by_seven_points(pairs: &[Pair], threshold: f64, config: &RansacConfig, stream
 struct Search<'a> {
     pairs: &'a [Pair],
     threshold_squared: f64,
-    /// Sum of the squared distances, each at most the threshold's square.
+    scored_squared: f64,
+    /// Sum of the squared distances, each at most `scored_squared`.
     cost: f64,
     best: Option<Matrix3<f64>>,
 }
 
 impl<'a> Search<'a> {
     fn new(pairs: &'a [Pair], threshold: f64) -> Self {
-        Self { pairs, threshold_squared: threshold * threshold, cost: f64::INFINITY, best: None }
+        let threshold_squared = threshold * threshold;
+        let scored_squared = threshold_squared * SCORED_SHARE * SCORED_SHARE;
+        Self { pairs, threshold_squared, scored_squared, cost: f64::INFINITY, best: None }
     }
 
     /// Tries samples of `N` pairs until another is not worth it; returns how many.
@@ -117,13 +127,15 @@ impl<'a> Search<'a> {
     ) -> usize {
         let mut rng = stream.rng();
         let mut needed = config.most_trials;
+        let fewest = FEWEST_TRIALS.min(config.most_trials);
         let mut trial = 0;
         while trial < needed {
             trial += 1;
             for matrix in solve(sample(&mut rng, self.pairs.len())) {
                 if self.offer(matrix) {
-                    let share = self.agreeing() as f64 / self.pairs.len() as f64;
-                    needed = config.most_trials.min(trials_for(share, N, config.confidence));
+                    // Pairs close by, not all within the threshold: a compromise would end the search early.
+                    let share = self.close_by() as f64 / self.pairs.len() as f64;
+                    needed = trials_for(share, N, config.confidence).clamp(fewest, config.most_trials);
                 }
             }
         }
@@ -135,7 +147,7 @@ impl<'a> Search<'a> {
         let mut cost = 0.0;
         for pair in self.pairs {
             // NaN counts as far.
-            cost += pair.distance_squared(&matrix).min(self.threshold_squared);
+            cost += pair.distance_squared(&matrix).min(self.scored_squared);
             if cost >= self.cost {
                 return false;
             }
@@ -162,8 +174,12 @@ impl<'a> Search<'a> {
         self.pairs.iter().map(agrees).collect()
     }
 
-    fn agreeing(&self) -> usize {
-        self.inliers().into_iter().filter(|inlier| *inlier).count()
+    /// Pairs within what is scored.
+    fn close_by(&self) -> usize {
+        let close = |pair: &&Pair| {
+            self.best.is_none_or(|matrix| pair.distance_squared(&matrix) < self.scored_squared)
+        };
+        self.pairs.iter().filter(close).count()
     }
 
     fn into_consensus(self, geometry: Geometry, trials: usize) -> Consensus {

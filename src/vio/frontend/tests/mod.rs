@@ -3,5 +3,5 @@
 mod bad_input;
 mod golden;
 mod real;
-mod wall;
+pub(crate) mod wall;
 mod wall_tests;

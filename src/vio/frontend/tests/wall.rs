@@ -11,25 +11,25 @@ use rand_distr::StandardNormal;
 const DISTANCE: f64 = 3.0;
 
 /// The wall's coordinates of every pixel's line of sight are found with these.
-pub(super) struct Wall {
-    pub(super) camera: PinholeRadtan,
+pub(crate) struct Wall {
+    pub(crate) camera: PinholeRadtan,
     bearings: Vec<Vector3<f64>>,
     seed: u64,
     /// Light: grey = gain * pattern + offset.
-    pub(super) gain: f64,
-    pub(super) offset: f64,
+    pub(crate) gain: f64,
+    pub(crate) offset: f64,
     /// Whether pixels have a sensor's noise, as strong as EuRoC's.
-    pub(super) noise: bool,
+    pub(crate) noise: bool,
 }
 
 /// EuRoC's camera at half its size.
-pub(super) fn half_camera() -> PinholeRadtan {
+pub(crate) fn half_camera() -> PinholeRadtan {
     let distortion = [-0.283_408_11, 0.073_959_07, 0.000_193_59, 1.761_871_14e-5, 0.0];
     PinholeRadtan::new([376, 240], [229.3, 228.6, 183.6, 124.2], distortion).unwrap()
 }
 
 impl Wall {
-    pub(super) fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         let camera = half_camera();
         let [width, height] = camera.size();
         let pixels =
@@ -39,7 +39,7 @@ impl Wall {
     }
 
     /// What the camera sees from a pose (`world_from_cam`; the wall is at z = 3 m); `frame` names the noise.
-    pub(super) fn image(&self, world_from_cam: &Isometry3<f64>, frame: u64) -> GrayImage {
+    pub(crate) fn image(&self, world_from_cam: &Isometry3<f64>, frame: u64) -> GrayImage {
         let mut rng = Stream::new(self.seed).named("noise").index(frame).rng();
         let [width, height] = self.camera.size().map(|side| side as usize);
         let pixels = self.bearings.iter().map(|bearing| {
@@ -52,7 +52,7 @@ impl Wall {
     }
 
     /// Where a place seen at `px` from one pose is seen from another.
-    pub(super) fn moved(
+    pub(crate) fn moved(
         &self,
         px: &Vector2<f64>,
         from: &Isometry3<f64>,
@@ -95,18 +95,18 @@ fn lattice(x: f64, y: f64, seed: u64) -> f64 {
 }
 
 /// A pose on a gentle hand-held path at frame `i` of 20 a second.
-pub(super) fn pose(i: usize) -> Isometry3<f64> {
+pub(crate) fn pose(i: usize) -> Isometry3<f64> {
     let t = 0.05 * i as f64;
     let place = Vector3::new(0.4 * (1.1 * t).sin(), 0.25 * (1.7 * t).sin(), 0.3 * (0.9 * t).sin());
     let turn = Vector3::new(0.15 * (1.3 * t).sin(), 0.2 * (0.8 * t).sin(), 0.3 * (0.7 * t).sin());
     Isometry3::from_parts(place.into(), UnitQuaternion::from_scaled_axis(turn))
 }
 
-pub(super) fn stamp(i: usize) -> Stamp {
+pub(crate) fn stamp(i: usize) -> Stamp {
     Stamp::from_ns(1_400_000_000_000_000_000 + 50_000_000 * i as i64)
 }
 
 /// The camera's turn between two poses.
-pub(super) fn turn(last: &Isometry3<f64>, cur: &Isometry3<f64>) -> UnitQuaternion<f64> {
+pub(crate) fn turn(last: &Isometry3<f64>, cur: &Isometry3<f64>) -> UnitQuaternion<f64> {
     cur.rotation.inverse() * last.rotation
 }

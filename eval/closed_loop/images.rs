@@ -1,0 +1,85 @@
+//! The seam between whoever has images and the front-end.
+//!
+//! An [`ImageStream`] is all the front-end's side knows of them; the lens that took them is the [`Recording`](super::Recording)'s. [`Images`]
+//! names where a sequence's images come from: a new kind is a variant here and an arm in [`Source::images`](super::Source::images).
+
+use super::error::ClosedLoopError;
+use super::recording::Span;
+use dpn_core::io::asl::Sequence;
+use dpn_core::io::{ImageFolder, IoError};
+use dpn_core::{GrayImage, Stamp};
+use dpn_vio::frontend::FrontEndConfig;
+
+/// Images read ahead of the front-end.
+const AHEAD: usize = 4;
+
+/// A camera's images and their stamps, in increasing time. One that cannot be had is an error; the ones after it come all the same.
+///
+/// What makes them may work ahead on a thread of its own; its memory must not grow with their number.
+pub type ImageStream<'a> = Box<dyn Iterator<Item = (Stamp, Result<GrayImage, IoError>)> + 'a>;
+
+/// Where images come from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Images {
+    /// The sequence's own folder.
+    Folder {
+        /// Whether images that are listed but not there are passed over; else they are an error before the run begins.
+        skip_missing: bool,
+    },
+}
+
+impl Images {
+    /// What a row calls them.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Folder { .. } => "images",
+        }
+    }
+}
+
+/// Images, and what follows points through them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Vision {
+    /// The images.
+    pub images: Images,
+    /// The front-end's settings.
+    pub front_end: FrontEndConfig,
+}
+
+/// Whether a sequence's folder holds any of the images it lists.
+pub fn has_images(sequence: &Sequence) -> bool {
+    ImageFolder::open(sequence).is_ok_and(|folder| folder.holds_any())
+}
+
+/// The images that `sequence` lists within `span`, read ahead on a second thread.
+///
+/// # Errors
+/// No stamps or no calibration; none of the images within `span`, or, unless missing ones are to be skipped, not all of them.
+pub(super) fn of_folder(
+    sequence: &Sequence,
+    span: &Span,
+    skip_missing: bool,
+) -> Result<ImageStream<'static>, ClosedLoopError> {
+    let all = ImageFolder::open(sequence)?;
+    let stamps: Vec<_> = all.stamps().collect();
+    let Some(listed) = span.of(&stamps, |t| *t).first().zip(span.of(&stamps, |t| *t).last()) else {
+        return Err(ClosedLoopError::NoImages {
+            sequence: sequence.name().to_owned(),
+            asked: !all.is_empty(),
+        });
+    };
+    let folder = all.clone().between(*listed.0, *listed.1);
+    let coverage = folder.coverage();
+    let enough = coverage.is_complete() || (skip_missing && coverage.present() > 0);
+    if !enough {
+        return Err(ClosedLoopError::ImagesMissing {
+            sequence: sequence.name().to_owned(),
+            // Counted from the first image listed, as --from and --to are.
+            coverage: Box::new(all.coverage()),
+        });
+    }
+    let folder = if skip_missing { folder.only_present() } else { folder };
+    let stamps: Vec<Stamp> = folder.stamps().collect();
+    let images = folder.prefetch(AHEAD).map(|read| read.map(|stamped| stamped.image));
+    Ok(Box::new(stamps.into_iter().zip(images)))
+}

@@ -1,0 +1,131 @@
+//! What is counted while images go through the front-end.
+
+use super::sight::{PassedOver, Sight, SightEvent, SightFigures, passed_over};
+use dpn_core::{Stamp, TrackFrame};
+use dpn_vio::frontend::ransac::Geometry;
+use dpn_vio::frontend::{Fed, LostBy};
+use std::collections::BTreeSet;
+
+/// Most events that are kept.
+const MOST_EVENTS: usize = 200;
+
+/// Counts, of which [`finish`](Self::finish) makes figures.
+#[derive(Debug, Default)]
+pub(super) struct Tally {
+    images: usize,
+    over: usize,
+    first: Option<Stamp>,
+    last: Option<Stamp>,
+    events: Vec<SightEvent>,
+    more_events: usize,
+    /// Why the image before was passed over.
+    before: Option<PassedOver>,
+    asked: usize,
+    agreed: usize,
+    consensus: usize,
+    by_gyro: usize,
+    followed: usize,
+    not_home: usize,
+    seconds: Vec<f64>,
+}
+
+impl Tally {
+    /// Images so far.
+    pub(super) fn images(&self) -> usize {
+        self.images
+    }
+
+    /// An image that was fed, and the CPU time that took \[s\].
+    pub(super) fn add(&mut self, fed: &Fed, camera: [u32; 2], seconds: f64) {
+        let report = &fed.report;
+        self.seconds.push(seconds);
+        if let Some((reason, words)) = passed_over(report.status, camera) {
+            self.passed_over(report.t, reason, words);
+            return;
+        }
+        self.count(report.t);
+        self.before = None;
+        self.followed += report.before;
+        self.not_home += report.lost_by(LostBy::Back);
+        if let Some(agreement) = report.agreement {
+            self.asked += agreement.asked;
+            self.agreed += agreement.agreed;
+            self.consensus += 1;
+            self.by_gyro += usize::from(agreement.geometry == Geometry::TwoPoint);
+        }
+    }
+
+    /// An image of which nothing was made.
+    pub(super) fn passed_over(&mut self, t: Stamp, reason: PassedOver, words: String) {
+        self.count(t);
+        self.over += 1;
+        let at_s = self.first.map_or(0.0, |first| t.seconds_since(first));
+        let same = self.before.replace(reason) == Some(reason);
+        let room = self.events.len() < MOST_EVENTS;
+        match self.events.last_mut() {
+            Some(event) if same && self.more_events == 0 => {
+                (event.to_s, event.images) = (at_s, event.images + 1);
+            }
+            _ if room => self.events.push(SightEvent { from_s: at_s, to_s: at_s, images: 1, reason, words }),
+            _ => self.more_events += usize::from(!same),
+        }
+    }
+
+    fn count(&mut self, t: Stamp) {
+        self.images += 1;
+        self.first.get_or_insert(t);
+        self.last = self.last.max(Some(t));
+    }
+
+    /// The figures; `frames` are those handed over.
+    pub(super) fn finish(mut self, frames: &[TrackFrame]) -> Sight {
+        let share = |part: usize, of: usize| if of == 0 { 1.0 } else { part as f64 / of as f64 };
+        let sightings: usize = frames.iter().map(|frame| frame.tracks.len()).sum();
+        let ids: BTreeSet<u64> = frames.iter().flat_map(|frame| frame.tracks.iter().map(|t| t.id)).collect();
+        let span = self.first.zip(self.last).map_or(0.0, |(first, last)| last.seconds_since(first));
+        self.seconds.sort_by(f64::total_cmp);
+        let p95 = (0.95 * self.seconds.len() as f64).ceil() as usize;
+        let figures = SightFigures {
+            images: self.images,
+            passed_over: self.over,
+            tracks: sightings as f64 / frames.len().max(1) as f64,
+            track_length: sightings as f64 / ids.len().max(1) as f64,
+            inlier_share: share(self.agreed, self.asked),
+            by_gyro_share: share(self.by_gyro, self.consensus),
+            not_home_share: self.not_home as f64 / self.followed.max(1) as f64,
+            cpu_per_data_s: if span > 0.0 { self.seconds.iter().sum::<f64>() / span } else { 0.0 },
+            p95_ms: 1e3 * self.seconds.get(p95.saturating_sub(1)).copied().unwrap_or(0.0),
+        };
+        Sight { figures, events: self.events, more_events: self.more_events }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn images_in_a_row_with_one_fault_are_one_event() {
+        let mut tally = Tally::default();
+        let at = |i: i64| Stamp::from_ns(i * 50_000_000);
+        for i in 0..10 {
+            let reason = if (3..7).contains(&i) { PassedOver::Repeated } else { PassedOver::Unreadable };
+            tally.passed_over(at(i), reason, format!("no {i}"));
+        }
+        let sight = tally.finish(&[]);
+        assert_eq!(sight.events.iter().map(|e| e.images).collect::<Vec<_>>(), [3, 4, 3]);
+        assert_eq!((sight.figures.images, sight.figures.passed_over), (10, 10));
+        assert_eq!(sight.events[1].to_string(), "4 images passed over from 0.15 to 0.30 s: no 3");
+    }
+
+    #[test]
+    fn a_recording_full_of_faults_keeps_few_of_them() {
+        let mut tally = Tally::default();
+        for i in 0..1000 {
+            let reason = if i % 2 == 0 { PassedOver::Repeated } else { PassedOver::Blind };
+            tally.passed_over(Stamp::from_ns(i), reason, String::new());
+        }
+        let sight = tally.finish(&[]);
+        assert_eq!((sight.events.len(), sight.more_events), (200, 800));
+    }
+}

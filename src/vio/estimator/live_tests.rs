@@ -1,0 +1,310 @@
+//! Samples and images as they come live: late, in bursts, out of order, spoilt, in front of a wall whose picture is known.
+
+use super::{Estimator, EstimatorConfig, FeedError, Phase, Update};
+use crate::frontend::Status;
+use crate::frontend::tests::wall::{Wall, half_camera, stamp};
+use crate::init::WaitReason;
+use crate::preint::NoisySample;
+use dpn_core::camera::PinholeRadtan;
+use dpn_core::geometry::so3;
+use dpn_core::{GrayImage, ImuNoise, ImuSample, Stamp};
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use std::sync::OnceLock;
+
+/// Images at 20 Hz: a flight of four seconds, and of twelve.
+const IMAGES: usize = 80;
+const LONG: usize = 240;
+
+/// At rest for half a second, then a lively path in front of the wall (z forward, y down).
+fn pose_at(t: f64) -> Isometry3<f64> {
+    let t = t - 0.5;
+    let begin = if t > 0.0 { t * t * t / (0.2 + t * t * t) } else { 0.0 };
+    let place = Vector3::new(0.6 * (2.1 * t).sin(), 0.4 * (2.7 * t).sin(), 0.3 * (1.9 * t).sin());
+    let turn = Vector3::new(0.10 * (2.3 * t).sin(), 0.15 * (1.8 * t).sin(), 0.2 * (1.7 * t).sin());
+    Isometry3::from_parts((place * begin).into(), UnitQuaternion::from_scaled_axis(turn * begin))
+}
+
+/// What an IMU in the camera's place measures, by differences.
+fn sample(i: usize) -> NoisySample {
+    const STEP: f64 = 1e-4;
+    let t = 0.005 * i as f64;
+    let [before, now, after] = [pose_at(t - STEP), pose_at(t), pose_at(t + STEP)];
+    let rate = so3::log(&(before.rotation.inverse() * after.rotation)) / (2.0 * STEP);
+    let at = |pose: &Isometry3<f64>| pose.translation.vector;
+    let accel = (at(&before) - 2.0 * at(&now) + at(&after)) / (STEP * STEP);
+    let force = now.rotation.inverse() * (accel - Vector3::y() * 9.81);
+    let stamp = Stamp::from_ns(stamp(0).ns() + 5_000_000 * i as i64);
+    NoisySample {
+        sample: ImuSample { t: stamp, gyro: rate.into(), accel: force.into() },
+        noise: ImuNoise::from_values([0.05; 3], [0.003; 3]).unwrap(),
+    }
+}
+
+/// What the camera sees over the long flight.
+fn images() -> &'static [GrayImage] {
+    static IMAGES: OnceLock<Vec<GrayImage>> = OnceLock::new();
+    IMAGES.get_or_init(|| {
+        let wall = Wall::new(12);
+        (0..LONG).map(|i| wall.image(&pose_at(0.05 * i as f64), i as u64)).collect()
+    })
+}
+
+fn estimator(camera: PinholeRadtan) -> Estimator {
+    let mut config = EstimatorConfig::default();
+    config.front_end.corners.distance_px = 20.0;
+    Estimator::new(config, camera, Isometry3::identity(), 1).unwrap()
+}
+
+struct Case {
+    samples: Vec<NoisySample>,
+    images: &'static [GrayImage],
+    estimator: Estimator,
+}
+
+impl Case {
+    fn new() -> Self {
+        Self {
+            samples: (0..10 * IMAGES + 20).map(sample).collect(),
+            images: &images()[..IMAGES],
+            estimator: estimator(half_camera()),
+        }
+    }
+
+    /// Feeds all, the images `late` samples after their own (before it, where negative), and takes updates after every `burst` samples.
+    fn run(&self, late: isize, burst: usize) -> Vec<Update> {
+        let mut estimator = self.estimator.clone();
+        let mut updates = Vec::new();
+        let mut images = self.images.iter().enumerate().peekable();
+        for (i, sample) in self.samples.iter().enumerate() {
+            while let Some((k, image)) = images.next_if(|(k, _)| 10 * *k as isize + late <= i as isize) {
+                estimator.feed_image(image.view(), stamp(k)).unwrap();
+            }
+            estimator.feed_imu(*sample).unwrap();
+            if i % burst == 0 {
+                updates.extend(std::iter::from_fn(|| estimator.next_update()));
+            }
+        }
+        for (k, image) in images {
+            estimator.feed_image(image.view(), stamp(k)).unwrap();
+        }
+        updates.extend(std::iter::from_fn(|| estimator.next_update()));
+        updates
+    }
+}
+
+/// Updates without the time they took.
+fn timeless(updates: Vec<Update>) -> Vec<Update> {
+    updates.into_iter().map(|update| Update { seconds: 0.0, ..update }).collect()
+}
+
+#[test]
+fn late_and_early_images_and_bursts_of_samples_change_no_bit() {
+    let case = Case::new();
+    let once = timeless(case.run(0, 1));
+    assert_eq!(once.len(), IMAGES / 2, "every second image is handed over");
+    let last = once.last().unwrap().state.expect("it has initialised");
+    // The world of the estimate has its own heading: what both agree on is the way from the first pose.
+    let first = once.iter().find_map(|u| Some((u.t, u.state?))).unwrap();
+    let place = |t: Stamp| pose_at(t.seconds_since(stamp(0))).translation.vector;
+    let truth = (place(once.last().unwrap().t) - place(first.0)).norm();
+    let way = (last.world_from_body.translation.vector - first.1.world_from_body.translation.vector).norm();
+    assert!((way - truth).abs() < 0.03 + 0.03 * truth, "{way} m, {truth} m in truth");
+    for (late, burst) in [(-200, 1), (120, 1), (0, 90), (-30, 37)] {
+        assert_eq!(timeless(case.run(late, burst)), once, "images {late} samples late, bursts of {burst}");
+    }
+}
+
+#[test]
+fn what_comes_out_of_order_is_refused_by_name_and_changes_nothing() {
+    let case = Case::new();
+    let once = timeless(case.run(0, 1));
+    let mut estimator = case.estimator.clone();
+    let mut updates = Vec::new();
+    for (i, sample) in case.samples.iter().enumerate() {
+        if i % 10 == 0 && i / 10 < IMAGES {
+            let k = i / 10;
+            estimator.feed_image(case.images[k].view(), stamp(k)).unwrap();
+            for (again, t) in [(k, stamp(k)), (0, stamp(0)), (0, Stamp::from_ns(i64::MIN))] {
+                let refused = estimator.feed_image(case.images[again].view(), t);
+                assert_eq!(refused, Err(FeedError::ImageOutOfOrder { t, last: stamp(k) }));
+            }
+            let small = GrayImage::from_fn(8, 8, |x, y| (x * y) as u8).unwrap();
+            let refused = estimator.feed_image(small.view(), stamp(k).plus_seconds(0.01)).unwrap_err();
+            assert!(refused.to_string().contains("8 x 8 px") && refused.to_string().contains("376 x 240"));
+        }
+        estimator.feed_imu(*sample).unwrap();
+        assert!(matches!(estimator.feed_imu(case.samples[i / 2]), Err(FeedError::SampleOutOfOrder { .. })));
+        updates.extend(std::iter::from_fn(|| estimator.next_update()));
+    }
+    assert_eq!(timeless(updates), once);
+    assert_eq!(estimator.last_image().map(|report| report.status), Some(Status::Tracked));
+}
+
+#[test]
+fn a_silent_imu_is_said_and_costs_no_more_memory() {
+    let case = Case::new();
+    let mut estimator = case.estimator.clone();
+    for (k, image) in case.images.iter().enumerate() {
+        let fed = estimator.feed_image(image.view(), stamp(k));
+        if k < super::eye::MOST_WAITING {
+            assert_eq!(fed, Ok(()));
+        } else {
+            let error = fed.unwrap_err();
+            assert!(matches!(error, FeedError::ImuBehind { waiting: 40, .. }), "{error}");
+        }
+        assert!(estimator.next_update().is_none());
+    }
+    // When samples come after all, what waited is worked off.
+    case.samples.iter().for_each(|sample| estimator.feed_imu(*sample).unwrap());
+    let updates = std::iter::from_fn(|| estimator.next_update()).count();
+    assert_eq!(updates, super::eye::MOST_WAITING / 2);
+}
+
+/// What a spoilt flight left: updates, and every pose's error where the first pose is taken for right \[m\].
+struct Spoilt {
+    updates: Vec<Update>,
+    errors: Vec<(usize, f64)>,
+    passed_over: usize,
+}
+
+/// The long flight, with each image changed, or lost, by `spoil`.
+fn spoilt(camera: PinholeRadtan, spoil: impl Fn(usize) -> Option<GrayImage>) -> Spoilt {
+    let mut estimator = estimator(camera);
+    let mut left = Spoilt { updates: Vec::new(), errors: Vec::new(), passed_over: 0 };
+    for i in 0..10 * LONG {
+        if i % 10 == 0
+            && let Some(image) = spoil(i / 10)
+        {
+            // One of another size is refused by name; nothing else is.
+            if let Err(error) = estimator.feed_image(image.view(), stamp(i / 10)) {
+                assert!(matches!(error, FeedError::ImageSize { .. }), "{error}");
+                left.passed_over += 1;
+            }
+        }
+        estimator.feed_imu(sample(i)).unwrap();
+        let before = estimator.last_image().map(|report| report.t);
+        left.updates.extend(std::iter::from_fn(|| estimator.next_update()));
+        let report = estimator.last_image().filter(|report| before != Some(report.t));
+        left.passed_over +=
+            usize::from(report.is_some_and(|r| !matches!(r.status, Status::Tracked | Status::HandedOver)));
+    }
+    let pose = |t: Stamp| pose_at(t.seconds_since(stamp(0)));
+    let mut from_truth = None;
+    for update in &left.updates {
+        if let Phase::Restarted(_) = update.phase {
+            from_truth = None;
+        }
+        let Some(state) = update.state else { continue };
+        let from_truth = *from_truth.get_or_insert(state.world_from_body * pose(update.t).inverse());
+        let expected = from_truth * pose(update.t);
+        let error = (state.world_from_body.translation.vector - expected.translation.vector).norm();
+        left.errors.push((((update.t.ns() - stamp(0).ns()) / 50_000_000) as usize, error));
+    }
+    left
+}
+
+fn even(grey: u8) -> GrayImage {
+    GrayImage::from_fn(376, 240, |_, _| grey).unwrap()
+}
+
+/// Black with a sensor's last bit trembling.
+fn dark(i: usize) -> GrayImage {
+    GrayImage::from_fn(376, 240, |x, y| ((x * 31 + y * 17 + i * 7) % 3) as u8).unwrap()
+}
+
+#[test]
+fn bad_images_cost_poses_and_invent_none() {
+    type Spoil = Box<dyn Fn(usize) -> Option<GrayImage>>;
+    let image = |i: usize| Some(images()[i].clone());
+    let bright = |image: &GrayImage| {
+        let pixels = image.pixels().iter().map(|v| (f32::from(*v) * 0.55 + 60.0) as u8).collect();
+        GrayImage::new(376, 240, pixels).unwrap()
+    };
+    let cases: Vec<(&str, Spoil, usize, f64)> = vec![
+        ("nothing", Box::new(image), 0, 0.04),
+        ("one black", Box::new(move |i| if i == 100 { Some(even(0)) } else { image(i) }), 1, 0.04),
+        (
+            "three saturated",
+            Box::new(move |i| if (100..103).contains(&i) { Some(even(255)) } else { image(i) }),
+            3,
+            0.04,
+        ),
+        (
+            "frozen for a second",
+            Box::new(move |i| image(if (100..120).contains(&i) { 100 } else { i })),
+            19,
+            0.3,
+        ),
+        ("every second repeated", Box::new(move |i| image(i / 2 * 2)), LONG / 2, 0.04),
+        (
+            "another size",
+            Box::new(move |i| {
+                if i == 120 { GrayImage::from_fn(752, 480, |x, y| (x ^ y) as u8).ok() } else { image(i) }
+            }),
+            1,
+            0.04,
+        ),
+        (
+            "a jump in exposure",
+            Box::new(move |i| if i >= 120 { Some(bright(&images()[i])) } else { image(i) }),
+            0,
+            0.04,
+        ),
+        ("30 % lost", Box::new(move |i| if (i * 7919) % 10 < 3 { None } else { image(i) }), 0, 0.04),
+    ];
+    for (name, spoil, passed_over, most) in cases {
+        let left = spoilt(half_camera(), spoil);
+        let worst = left.errors.iter().map(|(_, error)| *error).fold(0.0, f64::max);
+        let restarts = left.updates.iter().filter(|u| matches!(u.phase, Phase::Restarted(_))).count();
+        eprintln!(
+            "{name}: {} poses, worst {worst:.3} m, {restarts} restarts, {} passed over",
+            left.errors.len(),
+            left.passed_over
+        );
+        assert_eq!(left.passed_over, passed_over, "{name}");
+        assert!(
+            left.errors.len() > 60 && worst < most,
+            "{name}: {} poses, worst {worst} m",
+            left.errors.len()
+        );
+    }
+}
+
+#[test]
+fn in_the_dark_there_is_no_pose_and_with_the_light_it_goes_on_or_begins_anew() {
+    // Five seconds of darkness in flight.
+    let left =
+        spoilt(half_camera(), |i| Some(if (80..180).contains(&i) { dark(i) } else { images()[i].clone() }));
+    assert_eq!(left.passed_over, 100);
+    assert!(left.errors.iter().all(|(i, _)| !(80..180).contains(i)), "a pose in the dark");
+    let before = left.errors.iter().filter(|(i, _)| *i < 80).count();
+    let after: Vec<f64> = left.errors.iter().filter(|(i, _)| *i >= 180).map(|(_, error)| *error).collect();
+    // It went on by the IMU alone: half a metre in five seconds is what samples of this noise allow.
+    let worst = after.iter().copied().fold(0.0, f64::max);
+    eprintln!("dark: {before} poses before, {} after, at most {worst:.3} m off", after.len());
+    assert!(before > 20 && after.len() > 20 && worst < 0.5, "{before} {after:?}");
+
+    // A cap on the lens at the start.
+    let left = spoilt(half_camera(), |i| Some(if i < 100 { dark(i) } else { images()[i].clone() }));
+    assert!(left.errors.iter().all(|(i, _)| *i >= 100), "a pose under the cap");
+    let worst = left.errors.iter().map(|(_, error)| *error).fold(0.0, f64::max);
+    assert!(left.errors.len() > 20 && worst < 0.05, "{} poses, {worst} m", left.errors.len());
+}
+
+#[test]
+fn a_calibration_of_another_camera_is_no_reason_to_invent_poses() {
+    let camera = half_camera();
+    let focal = camera.focal() * 1.7;
+    let other =
+        PinholeRadtan::new([376, 240], [focal.x, focal.y, 150.0, 160.0], [0.3, -0.2, 0.0, 0.0, 0.0]).unwrap();
+    let left = spoilt(other, |i| Some(images()[i].clone()));
+    assert!(left.errors.is_empty(), "{:?}", left.errors);
+    // It says why: what the camera saw and what the IMU felt do not go together.
+    let reasons = left.updates[LONG / 4..].iter().filter(|update| {
+        matches!(
+            update.phase,
+            Phase::Initialising(WaitReason::Implausible { .. } | WaitReason::ScaleUncertain { .. })
+        )
+    });
+    assert!(reasons.count() > LONG / 8);
+}

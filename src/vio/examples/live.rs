@@ -1,0 +1,41 @@
+//! The odometry as a program with a camera and an IMU uses it: feed what comes, take what there is.
+//!
+//! `cargo run --release -p dpn-vio --example live -- data/images/V1_01_easy_static` plays a folder as if its sensors were live.
+
+use dpn_core::ImuNoise;
+use dpn_core::camera::PinholeRadtan;
+use dpn_core::io::ImageFolder;
+use dpn_core::io::asl::Sequence;
+use dpn_vio::preint::NoisySample;
+use dpn_vio::{Estimator, EstimatorConfig};
+use std::error::Error;
+use std::path::PathBuf;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let dir: PathBuf = std::env::args_os().nth(1).ok_or("name the folder of an ASL sequence")?.into();
+    let sequence = Sequence::open(&dir)?;
+    let calibration = sequence.camera_config()?.ok_or("no cam0/sensor.yaml")?;
+    let camera = PinholeRadtan::try_from(&calibration)?;
+    let mut estimator = Estimator::new(EstimatorConfig::default(), camera, calibration.body_from_cam, 0)
+        .map_err(|faults| format!("{faults:?}"))?;
+
+    let imu = sequence.imu()?;
+    let mut samples = imu.samples().iter().peekable();
+    for image in ImageFolder::open(&sequence)?.prefetch(2) {
+        let image = image?;
+        // Live these calls come from two drivers, in whatever order.
+        estimator.feed_image(image.image.view(), image.t)?;
+        while let Some(sample) = samples.next_if(|sample| sample.t < image.t.plus_seconds(0.01)) {
+            estimator.feed_imu(NoisySample { sample: *sample, noise: ImuNoise::baseline() })?;
+        }
+        while let Some(update) = estimator.next_update() {
+            match update.state {
+                Some(state) => {
+                    println!("{} {:.3}", update.t, state.world_from_body.translation.vector.transpose())
+                }
+                None => println!("{} {:?}, {} tracks", update.t, update.phase, update.tracked),
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,251 @@
+//! The gyroscope's bias as the tracks see it, so that its rotations are worth something before anybody else knows it.
+//!
+//! Between two frames handed over, a track sees `y = R prev` and `z = cur` as unit vectors, `R` being the measured turn. The true turn is
+//! `Exp(d) R` with `d = b dt`, and a point that stands still lies in the plane of `z`, `Exp(d) y` and the camera's path `p` (of length one):
+//!
+//! ```text
+//! e = p . ((y + d x y) x z) / |p x y| = 0,   de/dd = ((p . y) z - (y . z) p) / |p x y|
+//! ```
+//!
+//! Gauss-Newton over `d` and the two directions of `p`, with Huber's weights; what it says of `d` once `p` is taken out goes into a filter
+//! of the bias, which walks. At rest and in pure rotation `p` is anything, and the planes still hold `d`. The estimator has a better bias
+//! later, from accelerations as well; the front-end has its own so that tracks are the same whoever listens.
+
+use super::ransac::Pair;
+use dpn_core::geometry::so3;
+use nalgebra::{Matrix3, Matrix5, Matrix5x1, SMatrix, UnitQuaternion, Vector3, Vector5};
+
+/// Deviation of the bias before anything is known \[rad/s\].
+const PRIOR_STD: f64 = 0.1;
+/// Walk of the bias \[rad/s/sqrt(s)\]: a hundred times a real one's, for what else is wrong with a rotation (an axis, a clock).
+const WALK: f64 = 2e-3;
+/// Deviation of `e` \[px at the image's centre\].
+const TRACK_STD_PX: f64 = 0.5;
+/// Fewer tracks say nothing.
+const FEWEST: usize = 15;
+/// Frames farther apart than this say nothing \[s\].
+const LONGEST_S: f64 = 1.0;
+/// A bias beyond this is a mistake \[rad/s\].
+const LARGEST: f64 = 1.0;
+/// Steps of Gauss-Newton.
+const STEPS: usize = 4;
+/// Tracks nearer to the path's own direction than this \[rad\] say nothing.
+const NEAR_EPIPOLE: f64 = 0.02;
+
+/// The bias in the camera's frame \[rad/s\], with its information.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct GyroBias {
+    bias: Vector3<f64>,
+    information: Matrix3<f64>,
+}
+
+impl Default for GyroBias {
+    fn default() -> Self {
+        Self { bias: Vector3::zeros(), information: Matrix3::identity() / (PRIOR_STD * PRIOR_STD) }
+    }
+}
+
+impl GyroBias {
+    /// What is believed now \[rad/s\].
+    pub(super) fn bias(&self) -> Vector3<f64> {
+        self.bias
+    }
+
+    /// A measured turn of the camera over `seconds`, `cur_from_prev`, without the bias.
+    pub(super) fn corrected(&self, measured: &UnitQuaternion<f64>, seconds: f64) -> UnitQuaternion<f64> {
+        so3::exp(&(self.bias * seconds)) * measured
+    }
+
+    /// Learns from pairs that agree on a motion, over `seconds`, for which the gyroscope measured `cur_from_prev`; `essential` is what they
+    /// agree on.
+    pub(super) fn learn(
+        &mut self,
+        pairs: &[Pair],
+        measured: &UnitQuaternion<f64>,
+        essential: &Matrix3<f64>,
+        focal_px: f64,
+        seconds: f64,
+    ) {
+        if pairs.len() < FEWEST || !(seconds > 0.0 && seconds <= LONGEST_S) {
+            return;
+        }
+        if !essential.iter().all(|v| v.is_finite()) {
+            return;
+        }
+        let Some(predicted) = self.walked(seconds) else { return };
+        let rays: Vec<[Vector3<f64>; 2]> =
+            pairs.iter().map(|pair| [measured * pair.prev, pair.cur]).collect();
+        // The path is what the matrix maps everything to a right angle of.
+        let square = (essential * essential.transpose()).symmetric_eigen();
+        let mut path: Vector3<f64> = square.eigenvectors.column(square.eigenvalues.imin()).into_owned();
+        let std = TRACK_STD_PX / focal_px;
+        let prior = predicted.information / (seconds * seconds);
+        let start = predicted.bias * seconds;
+        let mut turn = start;
+        let mut marginal = Matrix3::zeros();
+        for _ in 0..STEPS {
+            let basis = [1, 2].map(|k| so3_basis(&path, k));
+            let mut normal = Matrix5::zeros();
+            let mut right: Matrix5x1<f64> = Vector5::zeros();
+            for [y, z] in &rays {
+                let Some((residual, slope)) = plane(&path, &basis, &turn, y, z) else { continue };
+                // Huber's weight beyond two deviations.
+                let weight = (2.0 * std / residual.abs()).min(1.0) / (std * std);
+                normal += weight * slope * slope.transpose();
+                right -= weight * residual * slope;
+            }
+            let mut corner = normal.fixed_view_mut::<3, 3>(0, 0);
+            corner += prior;
+            let pull = prior * (start - turn);
+            let mut top = right.fixed_rows_mut::<3>(0);
+            top += pull;
+            // A path that nothing is said of stays where it is.
+            normal[(3, 3)] += 1.0;
+            normal[(4, 4)] += 1.0;
+            let Some(factor) = normal.cholesky() else { return };
+            let step = factor.solve(&right);
+            turn += step.fixed_rows::<3>(0);
+            path = (path + basis[0] * step[3] + basis[1] * step[4]).normalize();
+            marginal = taken_out(&normal);
+        }
+        let bias = turn / seconds;
+        let sane = bias.iter().all(|v| v.is_finite()) && bias.norm() < LARGEST;
+        if sane && marginal.iter().all(|v| v.is_finite()) {
+            *self = Self { bias, information: marginal * (seconds * seconds) };
+        }
+    }
+
+    /// The same, known less well after `seconds`.
+    fn walked(&self, seconds: f64) -> Option<Self> {
+        let covariance = self.information.try_inverse()? + Matrix3::identity() * (WALK * WALK * seconds);
+        Some(Self { information: covariance.try_inverse()?, ..*self })
+    }
+}
+
+/// Two directions at right angles to `axis` and to each other.
+fn so3_basis(axis: &Vector3<f64>, which: usize) -> Vector3<f64> {
+    let other = if axis.x.abs() < 0.7 { Vector3::x() } else { Vector3::y() };
+    let first = axis.cross(&other).normalize();
+    if which == 1 { first } else { axis.cross(&first) }
+}
+
+/// The residual of one track and its derivatives by the turn and along `basis`; none near the path's direction.
+fn plane(
+    path: &Vector3<f64>,
+    basis: &[Vector3<f64>; 2],
+    turn: &Vector3<f64>,
+    y: &Vector3<f64>,
+    z: &Vector3<f64>,
+) -> Option<(f64, Vector5<f64>)> {
+    let turned = y + turn.cross(y);
+    let across = path.cross(&turned).norm();
+    if across < NEAR_EPIPOLE {
+        return None;
+    }
+    let normal = turned.cross(z);
+    let by_turn = ((path.dot(y)) * z - (y.dot(z)) * path) / across;
+    let by_path = basis.map(|direction| direction.dot(&normal) / across);
+    let slope = Vector5::new(by_turn.x, by_turn.y, by_turn.z, by_path[0], by_path[1]);
+    Some((path.dot(&normal) / across, slope))
+}
+
+/// What the normal matrix says of its first three unknowns, the last two taken out.
+fn taken_out(normal: &Matrix5<f64>) -> Matrix3<f64> {
+    let cross: SMatrix<f64, 3, 2> = normal.fixed_view::<3, 2>(0, 3).into_owned();
+    let rest: SMatrix<f64, 2, 2> = normal.fixed_view::<2, 2>(3, 3).into_owned();
+    let corner: Matrix3<f64> = normal.fixed_view::<3, 3>(0, 0).into_owned();
+    rest.try_inverse().map_or(corner, |inverse| corner - cross * inverse * cross.transpose())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dpn_core::random::Stream;
+    use rand::Rng;
+    use rand_distr::StandardNormal;
+
+    const FOCAL: f64 = 460.0;
+
+    /// Frames .1 s apart whose gyroscope has a bias; each moves by `path` times a random direction.
+    fn fly(bias: Vector3<f64>, path: f64, frames: usize) -> (GyroBias, Vec<f64>) {
+        let mut rng = Stream::new(7).named("gyro bias").rng();
+        let mut normal = move || -> f64 { rng.sample(StandardNormal) };
+        let mut filter = GyroBias::default();
+        let mut errors = Vec::new();
+        for _ in 0..frames {
+            let turn = so3::exp(&(Vector3::new(normal(), normal(), normal()) * 0.05));
+            let step = Vector3::new(normal(), normal(), normal()).normalize() * path;
+            let measured = so3::exp(&(-0.1 * bias)) * turn;
+            let pairs: Vec<Pair> = (0..100)
+                .map(|_| {
+                    let ray = Vector3::new(0.45 * normal(), 0.3 * normal(), 1.0);
+                    let point = ray * (1.0 + 9.0 * (0.5 + 0.5 * normal().tanh()));
+                    let mut noisy = |v: Vector3<f64>| {
+                        (v / v.z + Vector3::new(normal(), normal(), 0.0) * (0.25 / FOCAL)).normalize()
+                    };
+                    Pair { prev: noisy(point), cur: noisy(turn * point + step) }
+                })
+                .collect();
+            let essential = step.cross_matrix() * turn.to_rotation_matrix().matrix();
+            filter.learn(&pairs, &measured, &essential, FOCAL, 0.1);
+            errors.push((filter.bias() - bias).norm());
+        }
+        (filter, errors)
+    }
+
+    #[test]
+    fn the_bias_is_found_in_flight_at_rest_and_in_pure_rotation() {
+        let bias = Vector3::new(-0.002, 0.021, 0.078);
+        for path in [0.1, 0.02, 0.0] {
+            let (filter, errors) = fly(bias, path, 20);
+            assert!(errors[0] < 0.03 && errors[19] < 0.004, "path {path} m: {errors:?}");
+            // The filter does not believe more than is true: the error is within a few of its deviations.
+            let error = filter.bias() - bias;
+            let squared = (error.transpose() * filter.information * error)[0];
+            assert!(squared < 16.0, "path {path} m: {squared}");
+        }
+    }
+
+    #[test]
+    fn what_is_corrected_is_the_true_turn() {
+        let bias = Vector3::new(0.05, -0.02, 0.08);
+        let filter = GyroBias { bias, ..GyroBias::default() };
+        let rate = Vector3::new(0.4, -0.2, 0.3);
+        let measured = so3::exp(&(-(rate + bias) * 0.1));
+        assert!(filter.corrected(&measured, 0.1).angle_to(&so3::exp(&(-rate * 0.1))) < 2e-4);
+    }
+
+    #[test]
+    fn few_tracks_long_pauses_and_nonsense_teach_nothing() {
+        let mut filter = GyroBias::default();
+        let pair = Pair { prev: Vector3::z(), cur: Vector3::z() };
+        let none = Matrix3::zeros();
+        let turn = UnitQuaternion::identity();
+        filter.learn(&[pair; 5], &turn, &none, FOCAL, 0.1);
+        filter.learn(&[pair; 50], &turn, &none, FOCAL, 5.0);
+        filter.learn(&[Pair { cur: Vector3::repeat(f64::NAN), ..pair }; 50], &turn, &none, FOCAL, 0.1);
+        assert_eq!(filter.bias(), Vector3::zeros());
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_residual() {
+        let path = Vector3::new(0.3, -0.8, 0.4).normalize();
+        let basis = [1, 2].map(|k| so3_basis(&path, k));
+        let (y, z) = (Vector3::new(0.2, 0.1, 1.0).normalize(), Vector3::new(0.25, 0.05, 1.0).normalize());
+        let of = |turn: Vector3<f64>, path: Vector3<f64>| plane(&path, &basis, &turn, &y, &z).unwrap();
+        let (residual, slope) = of(Vector3::zeros(), path);
+        // The residual is at 0 turn; its denominator, which is taken for constant, moves little where it is near zero.
+        assert!(residual.abs() < 0.1);
+        for k in 0..3 {
+            let step = Vector3::ith(k, 1e-6);
+            let difference = (of(step, path).0 - of(-step, path).0) / 2e-6;
+            assert!((difference - slope[k]).abs() < 0.1, "turn {k}: {difference} {}", slope[k]);
+        }
+        for k in 0..2 {
+            let step = basis[k] * 1e-6;
+            let difference =
+                (of(Vector3::zeros(), path + step).0 - of(Vector3::zeros(), path - step).0) / 2e-6;
+            assert!((difference - slope[3 + k]).abs() < 0.1, "path {k}: {difference} {}", slope[3 + k]);
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! Real images of a vehicle at rest, with its real IMU: the estimate stays where it was put, within two millimetres.
+#![allow(clippy::unwrap_used)]
+
+use dpn_core::ImuNoise;
+use dpn_core::camera::PinholeRadtan;
+use dpn_core::io::ImageFolder;
+use dpn_core::io::asl::Sequence;
+use dpn_core::random::Stream;
+use dpn_vio::estimator::StartFrame;
+use dpn_vio::frontend::{FrontEnd, GyroTurn, turn_of_camera};
+use dpn_vio::preint::{NoisySample, Preintegration};
+use dpn_vio::{Estimator, EstimatorConfig, ImuBias, NavState};
+use nalgebra::Vector3;
+use std::path::{Path, PathBuf};
+
+/// Frames with known states that the window begins with.
+const KNOWN: usize = 4;
+
+fn sequence() -> Option<Sequence> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let data = std::env::var_os("DPN_DATA").map_or_else(|| root.join("data"), PathBuf::from);
+    let folder = data.join("images/V1_01_easy_static");
+    if folder.is_dir() {
+        return Some(Sequence::open(&folder).unwrap());
+    }
+    eprintln!("skipped: no data ({} is not there)", folder.display());
+    None
+}
+
+#[test]
+fn the_estimate_stays_within_two_millimetres() {
+    let Some(sequence) = sequence() else { return };
+    let calibration = sequence.camera_config().unwrap().unwrap();
+    let camera = PinholeRadtan::try_from(&calibration).unwrap();
+    let body_from_cam = calibration.body_from_cam;
+    let imu = sequence.imu().unwrap();
+    let truth = sequence.ground_truth().unwrap();
+    let truth = truth.states();
+    // ADIS16448 at rest: twice its data sheet.
+    let noise = ImuNoise::from_values([0.06; 3], [0.005; 3]).unwrap();
+    let samples: Vec<NoisySample> =
+        imu.samples().iter().map(|sample| NoisySample { sample: *sample, noise }).collect();
+
+    let config = EstimatorConfig::default();
+    let mut front_end = FrontEnd::new(camera, config.front_end, &Stream::new(1)).unwrap();
+    let mut gyro = GyroTurn::new();
+    imu.samples().iter().for_each(|sample| gyro.feed(sample));
+    let mut frames = Vec::new();
+    for image in ImageFolder::open(&sequence).unwrap().prefetch(2) {
+        let image = image.unwrap();
+        let turn = gyro.until(image.t, &Vector3::zeros());
+        let turn = turn.map(|turn| turn_of_camera(&turn, &body_from_cam.rotation));
+        frames.extend(front_end.feed(image.image.view(), image.t, turn.as_ref()).frame);
+    }
+    assert_eq!(frames.len(), 20);
+
+    let state = |t: dpn_core::Stamp| {
+        let at = truth.partition_point(|state| state.t <= t).max(1) - 1;
+        let biases = truth[at].biases.unwrap();
+        NavState {
+            world_from_body: truth[at].world_from_body,
+            vel_in_world: Vector3::zeros(),
+            bias: ImuBias { accel: biases.accel, gyro: biases.gyro },
+        }
+    };
+    let mut estimator = Estimator::new(config.clone(), camera, body_from_cam, 1).unwrap();
+    let mut start = Vec::new();
+    for (i, frame) in frames[..KNOWN].iter().enumerate() {
+        let between: Vec<&NoisySample> =
+            samples.iter().filter(|s| i > 0 && (frames[i - 1].t..=frame.t).contains(&s.sample.t)).collect();
+        let preint = between.split_first().map(|(first, rest)| {
+            let mut preint = Preintegration::new(config.imu, state(frame.t).bias, **first);
+            rest.iter().for_each(|sample| preint.push(**sample));
+            preint
+        });
+        start.push(StartFrame {
+            t: frame.t,
+            state: state(frame.t),
+            preint,
+            seen: estimator.sightings(frame),
+        });
+    }
+    let begin = start[KNOWN - 1].t;
+    let first = estimator.start(start).unwrap();
+    samples.iter().filter(|s| s.sample.t >= begin).for_each(|s| estimator.feed_imu(*s).unwrap());
+    frames[KNOWN..].iter().for_each(|frame| estimator.feed_frame(frame.clone()).unwrap());
+
+    let mut ways = Vec::new();
+    while let Some(update) = estimator.next_update() {
+        let state = update.state.unwrap_or_else(|| panic!("{update:?}"));
+        let way = state.world_from_body.translation.vector - first.world_from_body.translation.vector;
+        ways.push(1e3 * way.norm());
+    }
+    let (last, worst) = (ways[ways.len() - 1], ways.iter().copied().fold(0.0, f64::max));
+    eprintln!(
+        "at rest for {:.1} s: {last:.2} mm from the start in the end, {worst:.2} mm at most",
+        0.1 * ways.len() as f64
+    );
+    assert_eq!(ways.len(), 20 - KNOWN);
+    assert!(worst < 2.0, "{ways:?}");
+}
