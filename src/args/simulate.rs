@@ -1,5 +1,6 @@
 //! `dpn simulate`.
 
+use super::ImagesArgs;
 use clap::{Args, Subcommand, ValueEnum};
 use dpn_sim::tracks::{TracksConfig, World};
 use std::path::PathBuf;
@@ -19,6 +20,8 @@ pub(crate) enum SimulateWhat {
     Flight(FlightArgs),
     /// Camera tracks along the ground truth of a sequence or along a simulated flight, as a text file.
     Tracks(TracksArgs),
+    /// Images of a rendered world along the ground truth of a sequence or along a simulated flight, as an ASL folder.
+    Images(ImagesArgs),
 }
 
 /// Flags of `dpn simulate flight`.

@@ -9,6 +9,7 @@ mod device;
 mod eval;
 mod flight;
 mod follow;
+mod images;
 mod log;
 mod noise;
 mod paper;

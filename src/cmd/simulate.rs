@@ -1,6 +1,6 @@
 //! `dpn simulate`.
 
-use super::tracks;
+use super::{images, tracks};
 use crate::args::{FlightArgs, SimulateArgs, SimulateWhat};
 use anyhow::Result;
 use dpn_core::io::asl::{GroundTruth, ImuConfig, SequenceParts, write_sequence};
@@ -14,6 +14,7 @@ pub(crate) fn run(args: SimulateArgs) -> Result<()> {
     match args.what {
         SimulateWhat::Flight(args) => flight(args),
         SimulateWhat::Tracks(args) => tracks::run(&args),
+        SimulateWhat::Images(args) => images::run(&args),
     }
 }
 

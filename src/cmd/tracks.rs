@@ -16,7 +16,7 @@ use dpn_sim::{Flight, FlightConfig};
 use std::path::{Path, PathBuf};
 
 /// Rate of a camera that is not there \[Hz\]: EuRoC's.
-const CAMERA_HZ: f64 = 20.0;
+pub(super) const CAMERA_HZ: f64 = 20.0;
 /// A faster one is a slip in its calibration \[Hz\].
 const FASTEST_CAMERA_HZ: f64 = 1000.0;
 
@@ -70,10 +70,7 @@ fn open(args: &TracksArgs, config: &mut TracksConfig) -> Result<Source> {
     if dir.exists() {
         return sequence(&Sequence::open(dir)?, config);
     }
-    let flight: Flight = args.source.parse().map_err(|unknown| {
-        let remedy = "name a folder with an ASL sequence, or a flight of `dpn simulate flight --list`";
-        Fault::new(format!("there is no folder `{}`, and {unknown}", args.source)).hint(remedy)
-    })?;
+    let flight: Flight = args.source.parse().map_err(|unknown| unknown_source(&args.source, &unknown))?;
     let plan = FlightPlan::new(flight, args.flight_seed)?;
     let start = Stamp::from_ns(FlightConfig::default().epoch_ns);
     let path = AnalyticPath::new(plan.trajectory, start);
@@ -81,8 +78,27 @@ fn open(args: &TracksArgs, config: &mut TracksConfig) -> Result<Source> {
     Ok(Source { name: flight.name().to_owned(), path: Box::new(path), stamps })
 }
 
+/// What is neither a folder nor a flight.
+pub(super) fn unknown_source(source: &str, unknown: &dyn std::fmt::Display) -> Fault {
+    Fault::new(format!("there is no folder `{source}`, and {unknown}"))
+        .hint("name a folder with an ASL sequence, or a flight of `dpn simulate flight --list`")
+}
+
+/// A sequence that nothing can be made along; `why` it would have to be there.
+pub(super) fn no_ground_truth(dir: &Path, why: &str) -> Fault {
+    let looked = "state_groundtruth_estimate0/data.csv and mocap0/data.csv are not there";
+    Fault::new(format!("{}: no ground truth: {looked}", dir.display()))
+        .hint(format!("{why}; without them only real images can be tracked"))
+}
+
+/// A sequence's own lens that cannot be simulated; `file` shows how another is given.
+pub(super) fn unsuited_lens(dir: &Path, error: &dyn std::fmt::Display, file: &str) -> Fault {
+    Fault::new(format!("{}: {error}", dir.display()))
+        .hint(format!("or give the camera to simulate as `[camera]` in a file: {file}"))
+}
+
 /// Stamps of a camera that left none.
-fn made_stamps(path: &dyn CameraPath, hz: f64) -> Result<Vec<Stamp>> {
+pub(super) fn made_stamps(path: &dyn CameraPath, hz: f64) -> Result<Vec<Stamp>> {
     let rate = SampleRate::from_hz(hz).filter(|rate| rate.hz() <= FASTEST_CAMERA_HZ);
     let rate =
         rate.ok_or_else(|| Fault::new(format!("a camera of {hz} Hz; at most {FASTEST_CAMERA_HZ} are made")))?;
@@ -91,20 +107,15 @@ fn made_stamps(path: &dyn CameraPath, hz: f64) -> Result<Vec<Stamp>> {
 
 /// The sequence's own camera and stamps where it has them.
 fn sequence(sequence: &Sequence, config: &mut TracksConfig) -> Result<Source> {
-    let dir = sequence.dir().display();
+    let dir = sequence.dir();
     if sequence.ground_truth_path().is_none() {
-        let looked = "state_groundtruth_estimate0/data.csv and mocap0/data.csv are not there";
-        let remedy = "tracks are made along true poses; without them only real images can be tracked";
-        return Err(Fault::new(format!("{dir}: no ground truth: {looked}")).hint(remedy).into());
+        return Err(no_ground_truth(dir, "tracks are made along true poses").into());
     }
     let path = RecordedPath::new(&sequence.ground_truth()?, &config.path)?;
     let camera = sequence.camera_config()?;
     if let (None, Some(own)) = (&config.camera, &camera) {
-        let settings = CameraSettings::try_from(own).map_err(|error| {
-            let remedy = "or give the camera to simulate as `[camera]` in a file: configs/tracks/euroc.toml";
-            Fault::new(format!("{dir}: {error}")).hint(remedy)
-        })?;
-        config.camera = Some(settings);
+        let settings = CameraSettings::try_from(own);
+        config.camera = Some(settings.map_err(|e| unsuited_lens(dir, &e, "configs/tracks/euroc.toml"))?);
     }
     let stamps = if sequence.camera_path().is_file() {
         sequence.camera_frames()?.iter().map(|frame| frame.t).collect()

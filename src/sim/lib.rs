@@ -4,7 +4,8 @@
 //! ([`trajectory`]), recorded by an IMU ([`imu`]) with white noise that changes in time, walking biases, rotor vibration
 //! and quantisation. Every part is on its own named random streams and comes back beside the recording
 //! ([`SimulatedFlight`]), so that an estimator can be judged against the truth, not against a label. [`summary`] puts
-//! simulated and real recordings side by side. [`tracks`] puts a camera on any path, flown or recorded.
+//! simulated and real recordings side by side. [`tracks`] puts a camera on any path, flown or recorded, [`render`] makes its
+//! images.
 //!
 //! World z up, gravity (0, 0, -9.81), body = IMU: at rest and level the accelerometer reads +9.81 on z. Nothing here
 //! reads or writes files.
@@ -13,6 +14,7 @@
 pub mod config;
 pub mod flight;
 pub mod imu;
+pub mod render;
 pub mod simulate;
 pub mod summary;
 pub mod tracks;
@@ -21,6 +23,7 @@ pub mod trajectory;
 pub use config::{FlightConfig, StampPattern};
 pub use flight::{Flight, Phase, Phases, Split};
 pub use imu::{ImuSeries, ImuTruth};
+pub use render::{RenderConfig, RenderedCamera};
 pub use simulate::{SimulatedFlight, SimulationError, simulate, simulate_all};
 pub use tracks::{TracksConfig, simulate_tracks};
 pub use trajectory::Trajectory;

@@ -96,7 +96,7 @@ impl CameraSettings {
     }
 
     /// Adds what is wrong with it to `faults`, under the key `camera`.
-    pub(super) fn check(&self, faults: &mut Vec<ConfigFault>) {
+    pub(crate) fn check(&self, faults: &mut Vec<ConfigFault>) {
         if self.model().is_err() {
             let value = format!("{:?} with intrinsics {:?}", self.resolution, self.intrinsics);
             faults.push(ConfigFault::new(

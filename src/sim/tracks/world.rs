@@ -27,12 +27,17 @@ pub enum World {
 /// Horizontal size of a flight from which on [`World::Auto`] is a hall \[m\].
 const HALL_FROM_M: f64 = 8.0;
 
-/// A world's figures.
-struct Figures {
-    side: f64,
-    down: f64,
-    up: f64,
-    relief: f64,
+/// A world's figures \[m\].
+pub(crate) struct Figures {
+    /// From the flight to the walls.
+    pub(crate) side: f64,
+    /// From the flight to the floor.
+    pub(crate) down: f64,
+    /// From the flight to the ceiling.
+    pub(crate) up: f64,
+    /// Mean relief.
+    pub(crate) relief: f64,
+    /// Points on its faces.
     points: usize,
 }
 
@@ -47,8 +52,9 @@ impl World {
         }
     }
 
-    fn figures(self) -> Figures {
-        match self {
+    /// The figures of the world around a flight within `bounds`.
+    pub(crate) fn figures(self, bounds: &Bounds) -> Figures {
+        match self.settled(bounds) {
             Self::Hall => Figures { side: 4.0, down: 1.0, up: 4.0, relief: 0.25, points: 9000 },
             Self::Auto | Self::Room => Figures { side: 2.0, down: 0.8, up: 1.5, relief: 0.12, points: 6000 },
         }
@@ -66,7 +72,7 @@ pub(super) struct Points {
 impl Points {
     /// Covers the box around a flight within `bounds`, every face as densely as the others.
     pub(super) fn around(bounds: &Bounds, world: World, stream: &Stream) -> Self {
-        let figures = world.settled(bounds).figures();
+        let figures = world.figures(bounds);
         let low = bounds.low - Vector3::new(figures.side, figures.side, figures.down);
         let high = bounds.high + Vector3::new(figures.side, figures.side, figures.up);
         let size = high - low;

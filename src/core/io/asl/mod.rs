@@ -7,6 +7,7 @@ pub(crate) mod ground_truth;
 pub(crate) mod imu_config;
 mod sequence;
 mod write;
+mod write_camera;
 mod yaml;
 
 pub use camera::{CameraConfig, CameraFrame, Distortion};
@@ -17,3 +18,4 @@ pub use imu_config::ImuConfig;
 pub(crate) use sequence::parse_imu;
 pub use sequence::{Sequence, read_imu};
 pub use write::{SequenceParts, write_ground_truth, write_imu, write_imu_config, write_sequence};
+pub use write_camera::{image_place, write_camera_config, write_camera_frames, write_png};

@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 /// Where the inertial samples are, below `mav0` or the folder itself.
 pub(super) const IMU_DATA: &str = "imu0/data.csv";
 pub(super) const IMU_SENSOR: &str = "imu0/sensor.yaml";
-const CAMERA_DATA: &str = "cam0/data.csv";
-const CAMERA_SENSOR: &str = "cam0/sensor.yaml";
+pub(super) const CAMERA_DATA: &str = "cam0/data.csv";
+pub(super) const CAMERA_SENSOR: &str = "cam0/sensor.yaml";
 /// Where ground truth may be, best first: EuRoC's estimate, TUM-VI's motion capture.
 pub(super) const GROUND_TRUTH: [&str; 2] = ["state_groundtruth_estimate0/data.csv", "mocap0/data.csv"];
 

@@ -6,6 +6,8 @@ use super::imu_config::ImuConfig;
 use super::sequence::{GROUND_TRUTH, IMU_DATA, IMU_SENSOR, Sequence};
 use crate::imu::ImuRecording;
 use crate::io::{IoError, atomic_write};
+use nalgebra::Isometry3;
+use std::io::{self, Write};
 use std::path::Path;
 
 const IMU_HEADER: &str = "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],\
@@ -64,18 +66,9 @@ pub fn write_imu(path: &Path, recording: &ImuRecording) -> Result<(), IoError> {
 /// # Errors
 /// As [`atomic_write`].
 pub fn write_imu_config(path: &Path, config: &ImuConfig) -> Result<(), IoError> {
-    let matrix = config.body_from_imu.to_homogeneous();
-    let row = |i: usize| {
-        let row: Vec<_> = matrix.row(i).iter().map(|v| yaml_number(*v)).collect();
-        row.join(", ")
-    };
     atomic_write(path, |out| {
         writeln!(out, "sensor_type: imu")?;
-        writeln!(out, "T_BS:\n  cols: 4\n  rows: 4")?;
-        writeln!(out, "  data: [{},", row(0))?;
-        writeln!(out, "         {},", row(1))?;
-        writeln!(out, "         {},", row(2))?;
-        writeln!(out, "         {}]", row(3))?;
+        matrix(out, &config.body_from_imu)?;
         writeln!(out, "rate_hz: {}", yaml_number(config.rate.hz()))?;
         for (key, value, unit) in [
             ("gyroscope_noise_density", config.gyro_noise.get(), "rad / s / sqrt(Hz)"),
@@ -114,8 +107,22 @@ pub fn write_ground_truth(path: &Path, truth: &GroundTruth) -> Result<(), IoErro
     })
 }
 
+/// Writes `T_BS`.
+pub(super) fn matrix(out: &mut dyn Write, body_from_sensor: &Isometry3<f64>) -> io::Result<()> {
+    let matrix = body_from_sensor.to_homogeneous();
+    let row = |i: usize| {
+        let row: Vec<_> = matrix.row(i).iter().map(|v| yaml_number(*v)).collect();
+        row.join(", ")
+    };
+    writeln!(out, "T_BS:\n  cols: 4\n  rows: 4")?;
+    writeln!(out, "  data: [{},", row(0))?;
+    writeln!(out, "         {},", row(1))?;
+    writeln!(out, "         {},", row(2))?;
+    writeln!(out, "         {}]", row(3))
+}
+
 /// A float that YAML 1.1 readers (PyYAML) take for one too: with a point, and a sign in the exponent.
-fn yaml_number(value: f64) -> String {
+pub(super) fn yaml_number(value: f64) -> String {
     let text = format!("{value:?}");
     match text.split_once('e') {
         Some((digits, exponent)) => {
@@ -186,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn yaml_numbers_suit_old_readers() {
+    pub(super) fn yaml_numbers_suit_old_readers() {
         assert_eq!(yaml_number(1e-5), "1.0e-5");
         assert_eq!(yaml_number(1.5e17), "1.5e+17");
         assert_eq!(yaml_number(200.0), "200.0");

@@ -1,0 +1,222 @@
+//! What a rendered camera is made of: the world's kind, lens, sensor, exposure, blur by motion, dark phases.
+
+use crate::tracks::{CameraSettings, PathConfig, World};
+use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
+use serde::{Deserialize, Serialize};
+
+/// The lens, beside the geometry that the calibration says.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LensConfig {
+    /// Standard deviation of the blur of lens and pixel \[px\], 0 to 2. Default .45.
+    pub blur_px: f64,
+    /// Share of the light that is lost in the corner farthest from the principal point, 0 to .95. Default .25.
+    pub vignetting: f64,
+}
+
+impl Default for LensConfig {
+    fn default() -> Self {
+        Self { blur_px: 0.45, vignetting: 0.25 }
+    }
+}
+
+/// Noise of a pixel: variance = gain^2 read^2 + gain shot grey, with the gain beyond what a longer exposure gives.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SensorConfig {
+    /// Noise of a dark pixel, without that of rounding \[grey\], 0 to 50. Default .47, as EuRoC's pictures have it.
+    pub read_grey: f64,
+    /// What a grey value adds to the variance \[grey\], 0 to 10. Default .0145, as EuRoC's pictures have it.
+    pub shot_grey: f64,
+}
+
+impl Default for SensorConfig {
+    fn default() -> Self {
+        Self { read_grey: 0.47, shot_grey: 0.0145 }
+    }
+}
+
+/// How bright pictures are.
+///
+/// The mean grey value is led to `target_grey` with a lag of a few tenths of a second, first by a longer exposure, then by gain; on top
+/// of that the exposure changes at random.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ExposureConfig {
+    /// Mean grey value that is aimed at, 1 to 254. Default 128.
+    pub target_grey: f64,
+    /// How many times longer than in mean light the exposure may be, 1 to 100; what is missing then is gain. Default 3.
+    pub longest: f64,
+    /// Largest gain, 1 to 100. Default 8.
+    pub most_gain: f64,
+    /// Standard deviation of the logarithm of random changes, 0 to 2. Default .04.
+    pub change: f64,
+    /// A random change comes this often \[s\], .1 to 1000, and takes a tenth of that. Default 3.
+    pub change_every_s: f64,
+}
+
+impl Default for ExposureConfig {
+    fn default() -> Self {
+        Self { target_grey: 128.0, longest: 3.0, most_gain: 8.0, change: 0.04, change_every_s: 3.0 }
+    }
+}
+
+/// Blur while the shutter is open.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MotionBlurConfig {
+    /// How long the shutter is open in mean light \[s\], 0 to .05; 0 switches blur off. Its middle is the image's stamp. Default 0.
+    pub exposure_s: f64,
+    /// Most instants an image is the mean of, 2 to 64: each takes as long as an image without blur. Default 8.
+    pub most_instants: usize,
+}
+
+impl Default for MotionBlurConfig {
+    fn default() -> Self {
+        Self { exposure_s: 0.0, most_instants: 8 }
+    }
+}
+
+/// Phases in which there is little light.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LowLightConfig {
+    /// Share of the time, 0 to 1. Default 0.
+    pub share: f64,
+    /// Length of a phase \[s\], .5 to 1000. Default 6.
+    pub length_s: f64,
+    /// Light left, .001 to 1. Default .1.
+    pub light: f64,
+}
+
+impl Default for LowLightConfig {
+    fn default() -> Self {
+        Self { share: 0.0, length_s: 6.0, light: 0.1 }
+    }
+}
+
+/// Settings of a rendered camera. Images are a function of this, a path, the camera's stamps and a seed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RenderConfig {
+    /// Kind of the world. Default `auto`, by the flight's size.
+    pub world: World,
+    /// Contrast of all textures, 0 to 2; 1 is as they are painted. Default 1.
+    pub contrast: f64,
+    /// An image of time t is taken from the pose at t + this \[s\], -1 to 1: as if the ground truth's clock were late by it. Default 0.
+    pub ground_truth_delay_s: f64,
+    /// How ground truth becomes a path.
+    pub path: PathConfig,
+    /// The lens.
+    pub lens: LensConfig,
+    /// The sensor.
+    pub sensor: SensorConfig,
+    /// Exposure.
+    pub exposure: ExposureConfig,
+    /// Blur by motion.
+    pub motion_blur: MotionBlurConfig,
+    /// Dark phases.
+    pub low_light: LowLightConfig,
+    /// The camera; without it the sequence's own where there is one, else EuRoC's cam0.
+    pub camera: Option<CameraSettings>,
+}
+
+impl Default for RenderConfig {
+    fn default() -> Self {
+        Self {
+            world: World::Auto,
+            contrast: 1.0,
+            ground_truth_delay_s: 0.0,
+            path: PathConfig::default(),
+            lens: LensConfig::default(),
+            sensor: SensorConfig::default(),
+            exposure: ExposureConfig::default(),
+            motion_blur: MotionBlurConfig::default(),
+            low_light: LowLightConfig::default(),
+            camera: None,
+        }
+    }
+}
+
+impl RenderConfig {
+    /// A camera without noise, lens blur, vignetting and changes of exposure.
+    pub fn ideal() -> Self {
+        Self {
+            lens: LensConfig { blur_px: 0.0, vignetting: 0.0 },
+            sensor: SensorConfig { read_grey: 0.0, shot_grey: 0.0 },
+            exposure: ExposureConfig { change: 0.0, ..ExposureConfig::default() },
+            ..Self::default()
+        }
+    }
+
+    /// The camera that images are taken with.
+    pub fn camera_or_default(&self) -> CameraSettings {
+        self.camera.unwrap_or_default()
+    }
+}
+
+impl Validate for RenderConfig {
+    fn faults(&self) -> Vec<ConfigFault> {
+        let mut faults = ConfigFaults::default();
+        let Self { lens, sensor, exposure, motion_blur, low_light, .. } = self;
+        faults.within("contrast", self.contrast, 0.0, 2.0);
+        faults.within("ground_truth_delay_s", self.ground_truth_delay_s, -1.0, 1.0);
+        faults.within("lens.blur_px", lens.blur_px, 0.0, 2.0);
+        faults.within("lens.vignetting", lens.vignetting, 0.0, 0.95);
+        faults.within("sensor.read_grey", sensor.read_grey, 0.0, 50.0);
+        faults.within("sensor.shot_grey", sensor.shot_grey, 0.0, 10.0);
+        faults.within("exposure.target_grey", exposure.target_grey, 1.0, 254.0);
+        faults.within("exposure.longest", exposure.longest, 1.0, 100.0);
+        faults.within("exposure.most_gain", exposure.most_gain, 1.0, 100.0);
+        faults.within("exposure.change", exposure.change, 0.0, 2.0);
+        faults.within("exposure.change_every_s", exposure.change_every_s, 0.1, 1000.0);
+        faults.within("motion_blur.exposure_s", motion_blur.exposure_s, 0.0, 0.05);
+        faults.within("motion_blur.most_instants", motion_blur.most_instants, 2, 64);
+        faults.within("low_light.share", low_light.share, 0.0, 1.0);
+        faults.within("low_light.length_s", low_light.length_s, 0.5, 1000.0);
+        faults.within("low_light.light", low_light.light, 0.001, 1.0);
+        let mut faults = faults.0;
+        faults.extend(self.path.faults());
+        if let Some(camera) = &self.camera {
+            camera.check(&mut faults);
+        }
+        faults
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dpn_core::config::parse;
+    use std::path::Path;
+
+    fn parsed(text: &str) -> Result<RenderConfig, String> {
+        parse(text, Path::new("r.toml")).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn the_file_that_comes_with_the_program_is_the_default() {
+        let expected = RenderConfig { camera: Some(CameraSettings::default()), ..RenderConfig::default() };
+        assert_eq!(parsed(include_str!("../../../configs/images/euroc.toml")).unwrap(), expected);
+    }
+
+    #[test]
+    fn every_fault_is_named_at_once() {
+        let text = "contrast = -1.0\n[sensor]\nshot_grey = nan\n[exposure]\nmost_gain = 0.5\n[path]\nsmoothing_s = 11.0\n\
+            [motion_blur]\nexposure_s = 1.0\nmost_instants = 1\n[low_light]\nlight = 0.0\n[camera]\nresolution = [0, 480]";
+        let error = parsed(text).unwrap_err();
+        for key in [
+            "contrast",
+            "sensor.shot_grey",
+            "exposure.most_gain",
+            "path.smoothing_s",
+            "motion_blur.exposure_s",
+            "motion_blur.most_instants",
+            "low_light.light",
+            "camera.intrinsics",
+        ] {
+            assert!(error.contains(&format!("`{key}` is")), "{key} not in {error}");
+        }
+        assert!(RenderConfig::default().faults().is_empty() && RenderConfig::ideal().faults().is_empty());
+    }
+}
