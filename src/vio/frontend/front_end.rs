@@ -23,6 +23,11 @@ const ROUNDING_S: f64 = 1e-6;
 /// With fewer tracks in agreement than this share nothing is learnt of the gyroscope.
 const BELIEVED_SHARE: f64 = 0.5;
 
+/// A rotation that is right within this share of the consensus' threshold is known.
+const KNOWN_SHARE: f64 = 0.5;
+/// A known rotation is doubted where fewer tracks than this share agree with it.
+const KNOWN_DOUBT: f64 = 0.35;
+
 /// Why there is no front-end.
 #[derive(Debug, Error, PartialEq)]
 pub enum FrontEndError {
@@ -346,7 +351,12 @@ impl FrontEnd {
         let focal = self.camera.focal().mean();
         let seconds = self.handed.map_or(0.0, |handed| report.t.seconds_since(handed));
         let turn = self.since_handed.map(|turn| self.gyro_bias.corrected(&turn, seconds));
-        let found = agree(&asked, turn.as_ref(), focal, &self.config.ransac, &stream);
+        let mut ransac = self.config.ransac;
+        // A rotation that is known is doubted when few tracks agree with it, not when a bus drives by.
+        if self.gyro_bias.is_known(seconds, KNOWN_SHARE * ransac.threshold_px / focal) {
+            ransac.doubt_share = ransac.doubt_share.min(KNOWN_DOUBT);
+        }
+        let found = agree(&asked, turn.as_ref(), focal, &ransac, &stream);
         let Some(essential) = found.essential else { return };
         if let Some(measured) = self.since_handed.filter(|_| found.share() >= BELIEVED_SHARE) {
             let agreeing: Vec<Pair> = asked

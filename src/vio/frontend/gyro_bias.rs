@@ -7,7 +7,8 @@
 //! e = p . ((y + d x y) x z) / |p x y| = 0,   de/dd = ((p . y) z - (y . z) p) / |p x y|
 //! ```
 //!
-//! Gauss-Newton over `d` and the two directions of `p`, with Huber's weights; what it says of `d` once `p` is taken out goes into a filter
+//! Gauss-Newton over `d` and the two directions of `p`, with Huber's weights first and Geman and McClure's then, which leave out what moves
+//! by itself; what it says of `d` once `p` is taken out goes into a filter
 //! of the bias, which walks. At rest and in pure rotation `p` is anything, and the planes still hold `d`. The estimator has a better bias
 //! later, from accelerations as well; the front-end has its own so that tracks are the same whoever listens.
 
@@ -51,6 +52,13 @@ impl GyroBias {
         self.bias
     }
 
+    /// Whether a turn over `seconds`, corrected, is right within `angle` \[rad\], in the mean over axes.
+    pub(super) fn is_known(&self, seconds: f64, angle: f64) -> bool {
+        let variance =
+            self.information.try_inverse().map_or(f64::INFINITY, |covariance| covariance.trace() / 3.0);
+        variance.sqrt() * seconds < angle
+    }
+
     /// A measured turn of the camera over `seconds`, `cur_from_prev`, without the bias.
     pub(super) fn corrected(&self, measured: &UnitQuaternion<f64>, seconds: f64) -> UnitQuaternion<f64> {
         so3::exp(&(self.bias * seconds)) * measured
@@ -83,14 +91,15 @@ impl GyroBias {
         let start = predicted.bias * seconds;
         let mut turn = start;
         let mut marginal = Matrix3::zeros();
-        for _ in 0..STEPS {
+        for step in 0..STEPS {
             let basis = [1, 2].map(|k| so3_basis(&path, k));
             let mut normal = Matrix5::zeros();
             let mut right: Matrix5x1<f64> = Vector5::zeros();
             for [y, z] in &rays {
                 let Some((residual, slope)) = plane(&path, &basis, &turn, y, z) else { continue };
-                // Huber's weight beyond two deviations.
-                let weight = (2.0 * std / residual.abs()).min(1.0) / (std * std);
+                let far = (residual / (2.0 * std)).abs();
+                let weight =
+                    if step == 0 { (1.0 / far).min(1.0) } else { (1.0 + far * far).powi(-2) } / (std * std);
                 normal += weight * slope * slope.transpose();
                 right -= weight * residual * slope;
             }

@@ -7,6 +7,7 @@
 //!                       consensus with the last frame handed over -> thinned out -> new corners -> TrackFrame
 //! ```
 //!
+//! Where the gyroscope says is its turn less a bias that the tracks have shown (`gyro_bias`): nobody has told it yet.
 //! Every image is tracked, so that windows move little; a frame is handed over at a chosen rate. A frame's tracks are distorted pixels
 //! under numbers that are never used twice. What an image was like and what became of each track is in its [`FrameReport`].
 //!

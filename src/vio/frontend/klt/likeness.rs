@@ -3,40 +3,40 @@
 // With indices the loops read as the formulas do, and the compiler makes vectors of them.
 #![allow(clippy::needless_range_loop)]
 
-use super::patch::{Patch, between_columns, corner_of, total};
+use super::patch::{Patch, between_columns, corner_of};
 use crate::frontend::image::Plane;
 
 /// The correlation of the patch with the window of `plane` around `centre`, -1 to 1; 0 where one of the two is flat, or there is no
 /// window.
 #[inline(always)]
-pub(super) fn likeness<const L: usize>(patch: &Patch<L>, plane: &Plane, centre: [f32; 2]) -> f32 {
+pub(super) fn likeness<const L: usize, const W: usize>(
+    patch: &Patch<L, W>,
+    plane: &Plane,
+    centre: [f32; 2],
+) -> f32 {
     let Some(([x, y], [fx, fy])) = corner_of(plane, centre, patch.window) else { return 0.0 };
-    // Grey values are counted from one of them, so that sums of squares stay small.
-    let zero = patch.grey[patch.window / 2][patch.window / 2];
-    let columns = patch.columns;
+    let zero = patch.light.zero;
     let mut sums = [[0.0f32; L]; 5];
-    let mut count = 0.0;
     let row = |dy: usize| plane.run(x, y + dy as isize, L + 1);
-    let mut above = between_columns::<L>(row(0), fx);
-    for r in 0..patch.window {
+    let mut above = between_columns::<L>(row(patch.rows.start), fx);
+    for r in patch.rows.clone() {
         let below = between_columns::<L>(row(r + 1), fx);
-        if patch.rows[r] > 0.0 {
-            let grey = &patch.grey[r];
-            for i in 0..L {
-                let a = columns[i] * (grey[i] - zero);
-                let b = columns[i] * (above[i] + fy * (below[i] - above[i]) - zero);
-                sums[0][i] += a;
-                sums[1][i] += b;
-                sums[2][i] += a * a;
-                sums[3][i] += a * b;
-                sums[4][i] += b * b;
-            }
-            count += 1.0;
+        let grey = &patch.grey[r];
+        for i in 0..L {
+            let a = grey[i] - zero;
+            let b = above[i] + fy * (below[i] - above[i]) - zero;
+            sums[0][i] += a;
+            sums[1][i] += b;
+            sums[2][i] += a * a;
+            sums[3][i] += a * b;
+            sums[4][i] += b * b;
         }
         above = below;
     }
-    let [a, b, aa, ab, bb] = sums.map(|lanes| total(&lanes));
-    let inverse = 1.0 / (count * total(&columns)).max(1.0);
+    let [s0, s1, s2, s3, s4] = &sums;
+    let [a, b] = [patch.total(s0), patch.total(s1)];
+    let [aa, ab, bb] = [patch.total(s2), patch.total(s3), patch.total(s4)];
+    let inverse = 1.0 / (patch.rows.len() as f32 * patch.total(&[1.0; L])).max(1.0);
     let (va, vb) = (aa - a * a * inverse, bb - b * b * inverse);
     let spread = (va * vb).sqrt();
     // NaN, where rounding made a variance negative, is not above.
@@ -66,7 +66,7 @@ mod tests {
         for illumination in [Illumination::Constant, Illumination::GainOffset] {
             // In the middle, and at the edge, where half of the window is outside.
             for centre in [[30.2, 25.7], [2.5, 47.25]] {
-                let mut patch = Patch::<24>::new(21);
+                let mut patch = Patch::<24, 32>::new(21);
                 assert!(patch.take(&plane(scene), centre, illumination));
                 let of = |value: &dyn Fn(usize, usize) -> f64| likeness(&patch, &plane(value), centre);
                 assert!(of(&scene) > 0.9999);
@@ -75,7 +75,7 @@ mod tests {
                 assert!(of(&noise).abs() < 0.2, "{}", of(&noise));
                 assert_eq!(of(&|_, _| 130.0), 0.0);
             }
-            let mut patch = Patch::<24>::new(21);
+            let mut patch = Patch::<24, 32>::new(21);
             assert!(patch.take(&plane(scene), [30.0, 25.0], illumination));
             assert_eq!(likeness(&patch, &plane(scene), [f32::NAN, 3.0]), 0.0);
         }

@@ -1,34 +1,53 @@
 //! The window that is looked for: grey values, gradients, and their normal matrix.
 //!
 //! Rows are arrays of `L` numbers, a multiple of eight and at least two more than the window is wide, so that every loop over them is
-//! whole vectors. Columns past the window have gradient 0 and weigh nothing; so have pixels outside the image, whose mirrored values
-//! are no measurement.
+//! whole vectors. What columns past the window, or outside the image, add to a sum is taken out of its lanes in the end; rows outside the
+//! image are left out. Their mirrored values are no measurement.
+//!
+//! Where light may change, gradients made orthogonal to a constant and to the grey values `I` stand in the normal equations. They need not
+//! be made: with `c = I - mean I` and `k = sum(c g) / sum(c c)`, sums over `g - mean g - k c` follow from sums over `g`, `I` and 1.
 
 // With indices the loops read as the formulas do, and the compiler makes vectors of them.
 #![allow(clippy::needless_range_loop)]
 
 use super::config::Illumination;
 use crate::frontend::image::Plane;
+use std::ops::Range;
 
-/// Windows of up to `L - 2` px a side.
-pub(super) struct Patch<const L: usize> {
+/// Windows of up to `L - 2` px a side; `W` is at least `L + 2`.
+pub(super) struct Patch<const L: usize, const W: usize> {
     pub(super) window: usize,
+    /// Rows that lie in the image.
+    pub(super) rows: Range<usize>,
     /// Grey values.
     pub(super) grey: [[f32; L]; L],
-    /// Gradient in x \[grey/px\], orthogonal to light's changes where those are fitted.
+    /// Gradient in x \[grey/px\].
     pub(super) grad_x: [[f32; L]; L],
     /// Gradient in y.
     pub(super) grad_y: [[f32; L]; L],
-    /// Grey values less their mean; used only where light's changes are fitted.
-    pub(super) centred: [[f32; L]; L],
-    /// 1 for columns that lie in the window and in the image, else 0.
-    pub(super) columns: [f32; L],
-    /// The same for rows.
-    pub(super) rows: [f32; L],
-    /// Sum of the squares of `centred`.
-    pub(super) contrast: f32,
-    /// Sums of the gradients' products: xx, xy, yy.
+    /// Sums of the gradients' products: xx, xy, yy, of what is orthogonal to light's changes where those are fitted.
     pub(super) normal: [f32; 3],
+    /// Grey values and their means, for differences to be rid of changes of light.
+    pub(super) light: Light,
+    /// 1 for columns that lie in the window and in the image, else 0.
+    columns: [f32; L],
+    /// The interpolated window with a pixel more on every side.
+    wide: [[f32; W]; W],
+}
+
+/// What is needed to take changes of light out of sums.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Light {
+    /// A grey value of the patch, from which others are counted where squares are summed.
+    pub(super) zero: f32,
+    /// Mean grey value, above `zero`.
+    mean: f32,
+    /// Sum of the squares of grey values less their mean.
+    contrast: f32,
+    /// Mean gradient.
+    gradient: [f32; 2],
+    /// The gradients' slope over the grey values.
+    slope: [f32; 2],
 }
 
 /// Grey values of `L` columns half-way between two, `weight` to the right one.
@@ -41,18 +60,6 @@ pub(super) fn between_columns<const L: usize>(pixels: &[u8], weight: f32) -> [f3
         out[i] = a + weight * (b - a);
     }
     out
-}
-
-/// The sum of the lanes, the same on every machine.
-#[inline(always)]
-pub(super) fn total<const L: usize>(lanes: &[f32; L]) -> f32 {
-    let mut sums = [0.0; 8];
-    for chunk in lanes.chunks_exact(8) {
-        for i in 0..8 {
-            sums[i] += chunk[i];
-        }
-    }
-    ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7]))
 }
 
 /// A position as whole pixels and what is left, or nothing where a window there would leave the border.
@@ -70,20 +77,32 @@ pub(super) fn corner_of(plane: &Plane, centre: [f32; 2], window: usize) -> Optio
     inside.then(|| (whole.map(|w| w as isize), [corner[0] - whole[0], corner[1] - whole[1]]))
 }
 
-impl<const L: usize> Patch<L> {
+impl<const L: usize, const W: usize> Patch<L, W> {
     pub(super) fn new(window: usize) -> Self {
         let zero = [[0.0; L]; L];
         Self {
             window: window.min(L - 2),
+            rows: 0..0,
             grey: zero,
             grad_x: zero,
             grad_y: zero,
-            centred: zero,
-            columns: [0.0; L],
-            rows: [0.0; L],
-            contrast: 0.0,
             normal: [0.0; 3],
+            light: Light::default(),
+            columns: [0.0; L],
+            wide: [[0.0; W]; W],
         }
+    }
+
+    /// The sum of the lanes that count, the same on every machine.
+    #[inline(always)]
+    pub(super) fn total(&self, lanes: &[f32; L]) -> f32 {
+        let mut sums = [0.0; 8];
+        for (chunk, columns) in lanes.chunks_exact(8).zip(self.columns.chunks_exact(8)) {
+            for i in 0..8 {
+                sums[i] += chunk[i] * columns[i];
+            }
+        }
+        ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7]))
     }
 
     /// Takes the window around `centre`; `false` where there is none.
@@ -92,122 +111,119 @@ impl<const L: usize> Patch<L> {
         let window = self.window;
         let Some(([x, y], [fx, fy])) = corner_of(plane, centre, window) else { return false };
 
-        // A pixel more on every side, for the gradients. Two spare rows keep the loop below free of special cases.
-        let mut wide = [[0.0f32; L]; L];
-        let row = |dy: usize| plane.run(x - 1, y - 1 + dy as isize, L + 1);
-        let mut above = between_columns::<L>(row(0), fx);
-        for (dy, out) in wide.iter_mut().enumerate().take(window + 2) {
-            let below = between_columns::<L>(row(dy + 1), fx);
-            for i in 0..L {
+        let row = |dy: usize| plane.run(x - 1, y - 1 + dy as isize, W + 1);
+        let mut above = between_columns::<W>(row(0), fx);
+        for (dy, out) in self.wide.iter_mut().enumerate().take(window + 2) {
+            let below = between_columns::<W>(row(dy + 1), fx);
+            for i in 0..W {
                 out[i] = above[i] + fy * (below[i] - above[i]);
             }
             above = below;
         }
-
-        self.columns = self.weights(plane.width(), x as f32 + fx);
-        let mut sums = [[0.0f32; L]; 3];
-        for r in 0..window {
-            let in_image = y as f32 + fy + r as f32;
-            let row_weight = f32::from(in_image >= 0.0 && in_image <= (plane.height() - 1) as f32);
-            self.rows[r] = row_weight;
-            let [a, b, c] = [&wide[r], &wide[r + 1], &wide[r + 2]];
-            // Smoothed and differenced over the three rows, for x and for y.
-            let mut smooth = [0.0f32; L];
-            let mut slope = [0.0f32; L];
-            for i in 0..L {
-                smooth[i] = 3.0 * (a[i] + c[i]) + 10.0 * b[i];
-                slope[i] = c[i] - a[i];
-            }
-            let (grey, grad_x, grad_y) = (&mut self.grey[r], &mut self.grad_x[r], &mut self.grad_y[r]);
-            for i in 0..L - 2 {
-                grey[i] = b[i + 1];
-                grad_x[i] = (smooth[i + 2] - smooth[i]) * (1.0 / 32.0);
-                grad_y[i] = (3.0 * (slope[i] + slope[i + 2]) + 10.0 * slope[i + 1]) * (1.0 / 32.0);
-            }
-            for i in 0..L {
-                let weight = self.columns[i] * row_weight;
-                grad_x[i] *= weight;
-                grad_y[i] *= weight;
-                sums[0][i] += grad_x[i] * grad_x[i];
-                sums[1][i] += grad_x[i] * grad_y[i];
-                sums[2][i] += grad_y[i] * grad_y[i];
-                self.centred[r][i] = weight;
-            }
-        }
-        self.normal = sums.map(|lanes| total(&lanes));
-        if illumination == Illumination::GainOffset {
-            self.project_out();
+        self.columns = inside(x as f32 + fx, plane.width(), window);
+        let rows: [f32; L] = inside(y as f32 + fy, plane.height(), window);
+        let first = rows.iter().position(|row| *row > 0.0).unwrap_or(0);
+        let count = rows.iter().filter(|row| **row > 0.0).count();
+        self.rows = first..first + count;
+        match illumination {
+            Illumination::Constant => self.sum_up::<false>(),
+            Illumination::GainOffset => self.sum_up::<true>(),
         }
         true
     }
 
-    /// 1 for the window's columns that lie in the image, else 0.
+    /// Gradients, and the sums over them.
     #[inline(always)]
-    fn weights(&self, width: usize, first: f32) -> [f32; L] {
-        let mut weights = [0.0; L];
-        let last = (width - 1) as f32;
-        for (i, weight) in weights.iter_mut().enumerate().take(self.window) {
-            let x = first + i as f32;
-            *weight = f32::from(x >= 0.0 && x <= last);
+    fn sum_up<const GAINED: bool>(&mut self) {
+        let middle = self.window / 2;
+        let zero = self.wide[middle + 1][middle + 1];
+        let mut products = [[0.0f32; L]; 3];
+        let mut lights = [[0.0f32; L]; 6];
+        for r in self.rows.clone() {
+            let [a, b, c] = [&self.wide[r], &self.wide[r + 1], &self.wide[r + 2]];
+            let (grey, grad_x, grad_y) = (&mut self.grey[r], &mut self.grad_x[r], &mut self.grad_y[r]);
+            for i in 0..L {
+                let left = 3.0 * (a[i] + c[i]) + 10.0 * b[i];
+                let right = 3.0 * (a[i + 2] + c[i + 2]) + 10.0 * b[i + 2];
+                let sides = (c[i] - a[i]) + (c[i + 2] - a[i + 2]);
+                let (gx, gy) = (
+                    (right - left) * (1.0 / 32.0),
+                    (3.0 * sides + 10.0 * (c[i + 1] - a[i + 1])) * (1.0 / 32.0),
+                );
+                (grey[i], grad_x[i], grad_y[i]) = (b[i + 1], gx, gy);
+                products[0][i] += gx * gx;
+                products[1][i] += gx * gy;
+                products[2][i] += gy * gy;
+                if GAINED {
+                    let above = b[i + 1] - zero;
+                    lights[0][i] += above;
+                    lights[1][i] += above * above;
+                    lights[2][i] += gx;
+                    lights[3][i] += gy;
+                    lights[4][i] += above * gx;
+                    lights[5][i] += above * gy;
+                }
+            }
         }
-        weights
+        // Written out: a closure in `map` may end up outside of the code compiled for the machine's vectors.
+        let [p0, p1, p2] = &products;
+        let [xx, xy, yy] = [self.total(p0), self.total(p1), self.total(p2)];
+        self.normal = [xx, xy, yy];
+        self.light = Light { zero, ..Light::default() };
+        if GAINED {
+            let count = self.rows.len() as f32 * self.total(&[1.0; L]);
+            let inverse = 1.0 / count.max(1.0);
+            let [l0, l1, l2, l3, l4, l5] = &lights;
+            let [grey, squares, x] = [self.total(l0), self.total(l1), self.total(l2)];
+            let [y, grey_x, grey_y] = [self.total(l3), self.total(l4), self.total(l5)];
+            let (mean, gradient) = (grey * inverse, [x * inverse, y * inverse]);
+            let contrast = (squares - mean * grey).max(0.0);
+            // Of c times the gradient.
+            let [cx, cy] = [grey_x - mean * x, grey_y - mean * y];
+            let slope = if contrast > 0.0 { [cx / contrast, cy / contrast] } else { [0.0; 2] };
+            self.light = Light { zero, mean, contrast, gradient, slope };
+            self.normal = [
+                xx - gradient[0] * x - slope[0] * cx,
+                xy - gradient[0] * y - slope[0] * cy,
+                yy - gradient[1] * y - slope[1] * cy,
+            ];
+        }
     }
+}
 
-    /// Makes the gradients orthogonal to a constant and to the grey values. On entry `centred` holds the pixels' weights.
+impl Light {
+    /// From sums of differences times gradient in x and y, times grey values, and alone: the first two with changes of light taken out, and
+    /// the gain's excess over 1.
     #[inline(always)]
-    fn project_out(&mut self) {
-        let rows = self.window;
-        let mut sums = [[0.0f32; L]; 4];
-        for r in 0..rows {
-            for i in 0..L {
-                let weight = self.centred[r][i];
-                sums[0][i] += weight;
-                sums[1][i] += weight * self.grey[r][i];
-                sums[2][i] += self.grad_x[r][i];
-                sums[3][i] += self.grad_y[r][i];
-            }
-        }
-        let [count, grey, x, y] = sums.map(|lanes| total(&lanes));
-        let count = count.max(1.0);
-        let [grey, x, y] = [grey / count, x / count, y / count];
-
-        let mut sums = [[0.0f32; L]; 3];
-        for r in 0..rows {
-            for i in 0..L {
-                let weight = self.centred[r][i];
-                let centred = weight * (self.grey[r][i] - grey);
-                self.centred[r][i] = centred;
-                self.grad_x[r][i] -= weight * x;
-                self.grad_y[r][i] -= weight * y;
-                sums[0][i] += centred * centred;
-                sums[1][i] += centred * self.grad_x[r][i];
-                sums[2][i] += centred * self.grad_y[r][i];
-            }
-        }
-        let [contrast, x, y] = sums.map(|lanes| total(&lanes));
-        self.contrast = contrast;
-        let inverse = if contrast > 0.0 { 1.0 / contrast } else { 0.0 };
-        let [x, y] = [x * inverse, y * inverse];
-
-        let mut sums = [[0.0f32; L]; 3];
-        for r in 0..rows {
-            for i in 0..L {
-                let (gx, gy) = (&mut self.grad_x[r][i], &mut self.grad_y[r][i]);
-                *gx -= x * self.centred[r][i];
-                *gy -= y * self.centred[r][i];
-                sums[0][i] += *gx * *gx;
-                sums[1][i] += *gx * *gy;
-                sums[2][i] += *gy * *gy;
-            }
-        }
-        self.normal = sums.map(|lanes| total(&lanes));
+    pub(super) fn taken_out(&self, [x, y, grey, alone]: [f32; 4]) -> [f32; 3] {
+        let centred = grey - (self.mean + self.zero) * alone;
+        let gain = if self.contrast > 0.0 { centred / self.contrast } else { 0.0 };
+        [
+            x - self.gradient[0] * alone - self.slope[0] * centred,
+            y - self.gradient[1] * alone - self.slope[1] * centred,
+            gain,
+        ]
     }
+}
+
+/// 1 for those of `window` pixels from `first` on that lie in an image of `size` pixels, else 0.
+#[inline(always)]
+fn inside<const L: usize>(first: f32, size: usize, window: usize) -> [f32; L] {
+    let mut weights = [0.0; L];
+    let last = (size - 1) as f32;
+    for (i, weight) in weights.iter_mut().enumerate() {
+        let at = first + i as f32;
+        *weight = f32::from((at >= 0.0) & (at <= last) & (i < window));
+    }
+    weights
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use dpn_core::GrayImage;
+
+    type Small = Patch<24, 32>;
 
     fn wavy(width: usize, height: usize) -> Plane {
         let image = GrayImage::from_fn(width, height, |x, y| {
@@ -219,7 +235,7 @@ mod tests {
     #[test]
     fn gradients_are_those_of_the_surface() {
         let plane = wavy(100, 80);
-        let mut patch = Patch::<24>::new(21);
+        let mut patch = Small::new(21);
         assert!(patch.take(&plane, [50.3, 40.6], Illumination::Constant));
         for r in 0..21 {
             for i in 0..21 {
@@ -232,42 +248,74 @@ mod tests {
                 assert!((f64::from(patch.grad_y[r][i]) - dy).abs() < 0.6, "{r} {i}");
             }
         }
-        assert!(patch.grad_x.iter().take(21).all(|row| row[21..].iter().all(|v| *v == 0.0)));
+    }
+
+    /// The pixels that count, with grey value and gradient.
+    fn pixels(patch: &Small) -> Vec<[f64; 3]> {
+        let of =
+            |r: usize, i: usize| [patch.grey[r][i], patch.grad_x[r][i], patch.grad_y[r][i]].map(f64::from);
+        let columns = |r: usize| (0..24).filter(|i| patch.columns[*i] > 0.0).map(move |i| of(r, i));
+        patch.rows.clone().flat_map(columns).collect()
     }
 
     #[test]
     fn outside_the_image_nothing_weighs() {
         let plane = wavy(100, 80);
-        let mut patch = Patch::<24>::new(21);
+        let mut patch = Small::new(21);
         for illumination in [Illumination::Constant, Illumination::GainOffset] {
             assert!(patch.take(&plane, [3.5, 78.25], illumination));
             // Columns -6.5 to 13.5: the first seven are outside. Rows 68.25 to 88.25: the last ten are.
-            for r in 0..21 {
-                for i in 0..24 {
-                    let inside = (7..21).contains(&i) && r < 11;
-                    let nothing = patch.grad_x[r][i] == 0.0 && patch.grad_y[r][i] == 0.0;
-                    assert!(inside || nothing, "{illumination:?} {r} {i}");
-                }
-            }
+            assert_eq!(patch.rows, 0..11);
+            assert_eq!((patch.total(&[1.0; 24]), pixels(&patch).len()), (14.0, 14 * 11));
         }
+        assert!(patch.take(&plane, [50.0, -3.25], Illumination::Constant));
+        assert_eq!(patch.rows, 14..21);
         assert!(!patch.take(&plane, [-12.0, 40.0], Illumination::Constant));
         assert!(!patch.take(&plane, [f32::NAN, 40.0], Illumination::Constant));
     }
 
     #[test]
-    fn projected_gradients_are_orthogonal_to_a_constant_and_to_the_patch() {
+    fn sums_without_light_are_those_over_gradients_made_orthogonal() {
         let plane = wavy(100, 80);
-        let mut patch = Patch::<24>::new(21);
-        assert!(patch.take(&plane, [96.2, 40.6], Illumination::GainOffset));
-        let (mut constant, mut grey, mut norm) = (0.0, 0.0, 0.0);
-        for r in 0..21 {
-            for i in 0..24 {
-                let g = f64::from(patch.grad_x[r][i]);
-                constant += g;
-                grey += g * f64::from(patch.grey[r][i]);
-                norm += g * g;
+        let mut patch = Small::new(21);
+        for centre in [[50.2, 40.6], [96.2, 40.6], [3.5, 78.25]] {
+            assert!(patch.take(&plane, centre, Illumination::GainOffset));
+            let pixels = pixels(&patch);
+            let n = pixels.len() as f64;
+            let mean = [0, 1, 2].map(|k| pixels.iter().map(|p| p[k]).sum::<f64>() / n);
+            let contrast: f64 = pixels.iter().map(|p| (p[0] - mean[0]).powi(2)).sum();
+            let slope = [1, 2]
+                .map(|k| pixels.iter().map(|p| (p[0] - mean[0]) * (p[k] - mean[k])).sum::<f64>() / contrast);
+            // As it is defined: gradients less their mean and their share of the centred grey values.
+            let made = |p: &[f64; 3]| [0, 1].map(|k| p[k + 1] - mean[k + 1] - slope[k] * (p[0] - mean[0]));
+            let sum = |value: &dyn Fn(&[f64; 3]) -> f64| pixels.iter().map(value).sum::<f64>();
+            let normal = [
+                sum(&|p| made(p)[0].powi(2)),
+                sum(&|p| made(p)[0] * made(p)[1]),
+                sum(&|p| made(p)[1].powi(2)),
+            ];
+            for (ours, theirs) in patch.normal.iter().zip(normal) {
+                assert!((f64::from(*ours) - theirs).abs() < 1e-3 * normal[0], "{centre:?}: {ours} {theirs}");
             }
+            // A difference of everything: light, a shift, and something else.
+            let difference = |p: &[f64; 3]| 7.0 + 0.1 * p[0] + 0.3 * p[1] - 0.2 * p[2] + (p[0] * 0.7).sin();
+            let raw = [
+                sum(&|p| difference(p) * p[1]),
+                sum(&|p| difference(p) * p[2]),
+                sum(&|p| difference(p) * p[0]),
+                sum(&difference),
+            ];
+            let ours = patch.light.taken_out(raw.map(|v| v as f32));
+            for k in 0..2 {
+                let theirs = sum(&|p| difference(p) * made(p)[k]);
+                assert!(
+                    (f64::from(ours[k]) - theirs).abs() < 2e-3 * normal[0],
+                    "{centre:?}: {} {theirs}",
+                    ours[k]
+                );
+            }
+            let gain = sum(&|p| difference(p) * (p[0] - mean[0])) / contrast;
+            assert!((f64::from(ours[2]) - gain).abs() < 1e-3, "{} {gain}", ours[2]);
         }
-        assert!(norm > 1000.0 && constant.abs() < 0.02 && grey.abs() < 2.0, "{constant} {grey} {norm}");
     }
 }

@@ -1,7 +1,7 @@
 //! The Gauss-Newton search on one level.
 
 use super::config::{Illumination, KltConfig};
-use super::patch::{Patch, between_columns, corner_of, total};
+use super::patch::{Patch, between_columns, corner_of};
 use crate::frontend::image::Plane;
 
 /// A gain is trusted between these when a step is scaled by it; far from the goal it says nothing.
@@ -18,18 +18,18 @@ pub(super) enum Outcome {
     Flat,
 }
 
-/// Sums of one look at the second image: difference times gradient in x and y, and times the centred patch.
+/// Sums of one look at the second image: difference times gradient in x and y, times grey value, and alone.
 #[inline(always)]
-fn look<const L: usize, const GAINED: bool>(
-    patch: &Patch<L>,
+fn look<const L: usize, const W: usize, const GAINED: bool>(
+    patch: &Patch<L, W>,
     plane: &Plane,
     [x, y]: [isize; 2],
     [fx, fy]: [f32; 2],
-) -> [f32; 3] {
-    let mut sums = [[0.0f32; L]; 3];
+) -> [f32; 4] {
+    let mut sums = [[0.0f32; L]; 4];
     let row = |dy: usize| plane.run(x, y + dy as isize, L + 1);
-    let mut above = between_columns::<L>(row(0), fx);
-    for r in 0..patch.window {
+    let mut above = between_columns::<L>(row(patch.rows.start), fx);
+    for r in patch.rows.clone() {
         let below = between_columns::<L>(row(r + 1), fx);
         let (grey, grad_x, grad_y) = (&patch.grey[r], &patch.grad_x[r], &patch.grad_y[r]);
         for i in 0..L {
@@ -37,21 +37,24 @@ fn look<const L: usize, const GAINED: bool>(
             sums[0][i] += difference * grad_x[i];
             sums[1][i] += difference * grad_y[i];
             if GAINED {
-                sums[2][i] += difference * patch.centred[r][i];
+                sums[2][i] += difference * grey[i];
+                sums[3][i] += difference;
             }
         }
         above = below;
     }
-    [total(&sums[0]), total(&sums[1]), if GAINED { total(&sums[2]) } else { 0.0 }]
+    let [x, y] = [patch.total(&sums[0]), patch.total(&sums[1])];
+    if GAINED { [x, y, patch.total(&sums[2]), patch.total(&sums[3])] } else { [x, y, 0.0, 0.0] }
 }
 
-/// Where the patch is in `plane`, from `start` on.
+/// Where the patch is in `plane`, from `start` on, to a step of `epsilon` \[px of this level\].
 #[inline(always)]
-pub(super) fn search<const L: usize>(
-    patch: &Patch<L>,
+pub(super) fn search<const L: usize, const W: usize>(
+    patch: &Patch<L, W>,
     plane: &Plane,
     start: [f32; 2],
     config: &KltConfig,
+    epsilon: f32,
 ) -> Outcome {
     let [xx, xy, yy] = patch.normal;
     let determinant = xx * yy - xy * xy;
@@ -62,22 +65,18 @@ pub(super) fn search<const L: usize>(
     }
     let inverse = 1.0 / determinant;
     let gained = config.illumination == Illumination::GainOffset;
-    let epsilon = config.epsilon_px as f32;
 
     let mut place = start;
     let mut before = [0.0f32; 2];
     for iteration in 0..config.iterations {
         let Some((corner, rest)) = corner_of(plane, place, patch.window) else { return Outcome::Outside };
-        let [bx, by, bt] = if gained {
-            look::<L, true>(patch, plane, corner, rest)
+        let [bx, by, excess] = if gained {
+            patch.light.taken_out(look::<L, W, true>(patch, plane, corner, rest))
         } else {
-            look::<L, false>(patch, plane, corner, rest)
+            let [x, y, ..] = look::<L, W, false>(patch, plane, corner, rest);
+            [x, y, 0.0]
         };
-        let gain = if gained && patch.contrast > 0.0 {
-            (1.0 + bt / patch.contrast).clamp(*GAIN.start(), *GAIN.end())
-        } else {
-            1.0
-        };
+        let gain = (1.0 + excess).clamp(*GAIN.start(), *GAIN.end());
         let scale = -inverse / gain;
         let step = [(yy * bx - xy * by) * scale, (xx * by - xy * bx) * scale];
         place = [place[0] + step[0], place[1] + step[1]];

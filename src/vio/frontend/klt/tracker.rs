@@ -8,6 +8,9 @@ use crate::frontend::image::Pyramid;
 use pulp::{Arch, Simd, WithSimd};
 use serde::Serialize;
 
+/// Coarse levels are searched to so many times the finest one's step.
+const COARSE: f32 = 4.0;
+
 /// Why a point was not found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -78,18 +81,18 @@ impl WithSimd for Job<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         match self.config.window {
-            0..=14 => self.run::<16>(),
-            15..=22 => self.run::<24>(),
-            _ => self.run::<32>(),
+            0..=14 => self.run::<16, 24>(),
+            15..=22 => self.run::<24, 32>(),
+            _ => self.run::<32, 40>(),
         }
     }
 }
 
 impl Job<'_> {
     #[inline(always)]
-    fn run<const L: usize>(self) {
+    fn run<const L: usize, const W: usize>(self) {
         let levels = self.levels.min(self.from.planes().len()).min(self.to.planes().len());
-        let mut patch = Patch::<L>::new(self.config.window);
+        let mut patch = Patch::<L, W>::new(self.config.window);
         for point in self.points {
             self.out.push(one(&mut patch, self.config, self.from, self.to, point, levels));
         }
@@ -97,8 +100,8 @@ impl Job<'_> {
 }
 
 #[inline(always)]
-fn one<const L: usize>(
-    patch: &mut Patch<L>,
+fn one<const L: usize, const W: usize>(
+    patch: &mut Patch<L, W>,
     config: &KltConfig,
     from: &Pyramid,
     to: &Pyramid,
@@ -117,7 +120,9 @@ fn one<const L: usize>(
             }
             continue;
         }
-        match search(patch, &to.planes()[level], start, config) {
+        // A finer level goes on from here.
+        let epsilon = if level == 0 { 1.0 } else { COARSE } * config.epsilon_px as f32;
+        match search(patch, &to.planes()[level], start, config, epsilon) {
             Outcome::At(place) => shift = [0, 1].map(|i| (place[i] - centre[i]) / scale),
             Outcome::Outside if level == 0 => return Err(KltLoss::Outside),
             Outcome::Flat if level == 0 => return Err(KltLoss::Flat),

@@ -133,8 +133,9 @@ impl<'a> Search<'a> {
             trial += 1;
             for matrix in solve(sample(&mut rng, self.pairs.len())) {
                 if self.offer(matrix) {
-                    // Pairs close by, not all within the threshold: a compromise would end the search early.
-                    let share = self.close_by() as f64 / self.pairs.len() as f64;
+                    // Two tracks make a compromise that would end the search early; seven seldom do, and cost more.
+                    let within = if N == 2 { self.scored_squared } else { self.threshold_squared };
+                    let share = self.count(within) as f64 / self.pairs.len() as f64;
                     needed = trials_for(share, N, config.confidence).clamp(fewest, config.most_trials);
                 }
             }
@@ -174,12 +175,10 @@ impl<'a> Search<'a> {
         self.pairs.iter().map(agrees).collect()
     }
 
-    /// Pairs within what is scored.
-    fn close_by(&self) -> usize {
-        let close = |pair: &&Pair| {
-            self.best.is_none_or(|matrix| pair.distance_squared(&matrix) < self.scored_squared)
-        };
-        self.pairs.iter().filter(close).count()
+    /// Pairs within a squared distance.
+    fn count(&self, squared: f64) -> usize {
+        let near = |pair: &&Pair| self.best.is_none_or(|matrix| pair.distance_squared(&matrix) < squared);
+        self.pairs.iter().filter(near).count()
     }
 
     fn into_consensus(self, geometry: Geometry, trials: usize) -> Consensus {
