@@ -1,11 +1,12 @@
 //! What the experiment with injected noise says: how models follow, and what following is worth.
 
 use super::error::PaperError;
-use super::study::{Rows, median};
+use super::study::{Against, Rows, correct, median};
 use crate::closed_loop::Source;
 use crate::injected::{Course, Injection, step_response};
 use crate::noise::{Fresh, Noise, Recorded};
 use crate::open_loop::Network;
+use crate::stats::StatsError;
 use dpn_core::Sensor;
 use dpn_core::random::Stream;
 use dpn_train::split::Side;
@@ -106,12 +107,18 @@ pub(super) struct Worth {
     /// Share of the way from the best constant to the oracle: all, training, test.
     pub(super) closed: [Option<f64>; 3],
     pub(super) failures: usize,
+    /// Against the best constant, sequence by sequence.
+    pub(super) against: Option<Against>,
 }
 
 /// The value of every noise of one course. The best constant is chosen on training sequences, by the median that is reported.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Value {
     pub(super) best_constant: Option<String>,
+    /// Sequences: all, training, test.
+    pub(super) sequences: [usize; 3],
+    /// Whether it is the end of the sweep, so that the gap is no more than said: a constant beyond may be better.
+    pub(super) at_edge: bool,
     /// How far the oracle lies below the best constant, as a share of it: all, training, test.
     pub(super) gap: [Option<f64>; 3],
     pub(super) worth: Vec<Worth>,
@@ -119,7 +126,7 @@ pub(super) struct Value {
 
 const SIDES: [Option<Side>; 3] = [None, Some(Side::Train), Some(Side::Test)];
 
-pub(super) fn value(rows: &Rows<'_>) -> Value {
+pub(super) fn value(rows: &Rows<'_>, margin: f64) -> Result<Value, StatsError> {
     let median_of = |noise: &str, side: Option<Side>| {
         median(rows.ates(noise, side).into_iter().map(|(_, ate)| ate).collect())
     };
@@ -135,20 +142,30 @@ pub(super) fn value(rows: &Rows<'_>) -> Value {
     let reference = SIDES.map(|side| median_of(best.as_deref()?, side));
     let oracle = SIDES.map(|side| median_of("oracle", side));
     let gap = [0, 1, 2].map(|i| Some(1.0 - oracle[i]? / reference[i]?));
-    let worth = rows
+    let mut worth = rows
         .noises
         .iter()
         .map(|noise| {
+            let against = match best.as_deref().filter(|best| best != noise) {
+                Some(best) => rows.against(noise, best, margin)?,
+                None => None,
+            };
             let ate = SIDES.map(|side| median_of(noise, side));
             let closed = [0, 1, 2].map(|i| {
                 let (best, oracle) = (reference[i]?, oracle[i]?);
                 (best > oracle).then_some((best - ate[i]?) / (best - oracle))
             });
             let failures = rows.of(noise).filter(|r| r.failure.is_some()).count();
-            Worth { noise: noise.clone(), ate, closed, failures }
+            Ok(Worth { noise: noise.clone(), ate, closed, failures, against })
         })
-        .collect();
-    Value { best_constant: best, gap, worth }
+        .collect::<Result<Vec<Worth>, StatsError>>()?;
+    correct(worth.iter_mut().filter_map(|worth| worth.against.as_mut()))?;
+    let at_edge = best.as_deref().is_some_and(|best| rows.at_edge(best));
+    let count = |side: &Option<Side>| {
+        rows.sequences.iter().filter(|(_, s)| side.is_none_or(|side| side == *s)).count()
+    };
+    let sequences = [count(&SIDES[0]), count(&SIDES[1]), count(&SIDES[2])];
+    Ok(Value { best_constant: best, sequences, at_edge, gap, worth })
 }
 
 #[cfg(test)]
@@ -171,7 +188,9 @@ mod tests {
                 rows.push(row);
             }
         }
-        let value = value(&Rows::new(&rows));
+        let value = value(&Rows::new(&rows), 0.1).unwrap();
+        assert!(value.at_edge);
+        assert_eq!(value.sequences, [4, 2, 2]);
         assert_eq!(value.best_constant.as_deref(), Some("x4"));
         assert_eq!(value.gap, [Some(0.5); 3]);
         let worth = |noise: &str| value.worth.iter().find(|w| w.noise == noise).unwrap();

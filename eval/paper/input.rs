@@ -2,7 +2,7 @@
 
 use super::error::PaperError;
 use super::published;
-use crate::closed_loop::{ClosedLoopError, Source};
+use crate::closed_loop::{ClosedLoopError, Source, Tracks};
 use dpn_core::ImuRecording;
 use dpn_train::corpus::{Corpus, Member};
 use dpn_train::split::{Side, paper_side};
@@ -145,6 +145,9 @@ fn usable(source: &Source, place: usize) -> Result<ImuRecording, String> {
     let recording = source.recording(place, 0).map_err(|error| words(&error))?;
     if recording.truth.is_none() {
         return Err("it has no ground truth, so that nothing can be judged".into());
+    }
+    if matches!(source, Source::Recorded { tracks: Tracks::Given(_), .. }) {
+        source.frames(place, 0).map_err(|error| words(&error))?;
     }
     let member = Member { name: recording.name, recording: recording.imu, side: recording.side };
     let mut one = Corpus::new("one", vec![member]).map_err(|error| error.to_string())?;

@@ -1,11 +1,12 @@
-//! When motors run, seen in the samples.
+//! When motors run at the speed of flight, seen in the samples.
 //!
-//! Rotor vibration is tens of times a sensor's own noise, so that the deviation of second differences over a second says whether motors run.
+//! Rotor vibration in flight is tens of times a sensor's own noise, so that the deviation of second differences over a second tells flight from
+//! rest. Idling motors are not told from resting ones.
 
 use crate::figures::Phase;
 use dpn_core::{ImuRecording, Sensor};
 
-/// Deviation \[m/s^2\] over a second above which motors count as running: some eight times EuRoC's sensor at rest.
+/// Deviation \[m/s^2\] over a second above which motors count as at speed: some eight times EuRoC's sensor at rest.
 const RUNNING: f64 = 0.25;
 /// A phase shorter than this joins the one before it \[s\].
 const SHORTEST_S: f64 = 2.0;
@@ -34,7 +35,7 @@ pub(super) fn phases(recording: &ImuRecording) -> Vec<Phase> {
     let end = recording.duration();
     for (from, squares) in seconds {
         let running = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt() > RUNNING;
-        let label = if running { "motors on" } else { "motors off" };
+        let label = if running { "motors at speed" } else { "motors off or idle" };
         match phases.last_mut() {
             Some(last) if last.label == label => {}
             Some(last) => {
@@ -72,7 +73,7 @@ mod tests {
         let samples = flight.recording.samples();
         let running = |t: f64| {
             let i = samples.partition_point(|s| s.t.seconds_since(samples[0].t) < t);
-            flight.phase_track[i].motors_on()
+            !flight.phase_track[i].stands()
         };
         let found = phases(&flight.recording);
         assert!(found.len() >= 2, "{found:?}");
@@ -81,7 +82,7 @@ mod tests {
             let (from, to) = (phase.from + 3.0, phase.to - 3.0);
             if to > from {
                 for t in [from, 0.5 * (from + to), to] {
-                    assert_eq!(running(t), phase.label == "motors on", "{t} {phase:?}");
+                    assert_eq!(running(t), phase.label == "motors at speed", "{t} {phase:?}");
                 }
             }
         }

@@ -73,9 +73,15 @@ pub(super) fn findings(input: &Input, study: &Study, values: &[(Course, Value)])
     {
         let word = if gap >= 0.0 { "below" } else { "above" };
         found.push(format!(
-            "Where white noise goes up and down by a known factor, an oracle's median error lies {} {word} that of {best}, the best constant.",
+            "Where white noise goes up and down by a known factor ({} sequences), an oracle's median error lies {} {word} that of {best}, the best constant.",
+            value.sequences[0],
             percent(gap.abs())
         ));
+        if value.at_edge {
+            found.push(format!(
+                "{best} is the end of that sweep: a constant beyond it may be better, and the gap smaller."
+            ));
+        }
         let adaptive = value
             .worth
             .iter()
@@ -267,7 +273,7 @@ impl Story<'_> {
     pub(super) fn readme(&self, made_by: &Provenance) -> String {
         let mut out = format!(
             "# Figures and tables\n\nMade by one command, never by hand; the same input and program give the same bytes (but for `timing` and the page, which shows it):\n\n\
-             ```sh\n{}\n```\n\n{}. `index.html` tells the story with all of them; `python3 check_page.py` looks at it in headless Chromium.\n\n\
+             ```sh\n{}\n```\n\n{}. `index.html` tells the story with all of them; the repository's `figures/check_page.py` looks at it in headless Chromium.\n\n\
              | figure (SVG, PNG, CSV) | shows | runs |\n|---|---|---|\n",
             made_by.command, made_by.program
         );

@@ -172,8 +172,11 @@ impl Paper<'_> {
     fn write(&self, id: &str, results: &Results, progress: &mut dyn Progress) -> Result<Receipt, PaperError> {
         let rows = Rows::new(&results.closed.value);
         let study = rows.study(self.plan.margin)?;
-        let values: Vec<(Course, Value)> =
-            results.injected.iter().map(|(course, made)| (*course, value(&Rows::new(&made.value)))).collect();
+        let values: Vec<(Course, Value)> = results
+            .injected
+            .iter()
+            .map(|(course, made)| Ok((*course, value(&Rows::new(&made.value), self.plan.margin)?)))
+            .collect::<Result<_, PaperError>>()?;
         let made_by =
             Provenance { command: self.command.clone(), program: self.program.clone(), runs: Vec::new() };
         let injected_runs: Vec<&str> = results.injected.iter().map(|(_, made)| made.run.as_str()).collect();
@@ -304,17 +307,15 @@ impl Paper<'_> {
                 sketch.add(name, "Noise added in a step, and who follows", &runs, &figure)?;
             }
         }
-        let caption = format!(
-            "Medians over {} sequences of medians over seeds; bands and bars: 95 % bootstrap over sequences. Marks stand at the root mean square of \
-             what they say.",
-            self.input.places.len()
-        );
+        let rows = Rows::new(&results.closed.value);
+        let caption = medians(&rows);
         let figure = drawings::sweep(study, &caption)?;
         sketch.add("sweep", "Error against the constant told", &[closed], &figure)?;
         if let Some((_, made)) = results.injected.iter().find(|(course, _)| *course == Course::Step) {
             let rows = Rows::new(&made.value);
             let study = rows.study(self.plan.margin)?;
-            let caption = format!("Noise stepped x1, x{}, x1. {caption}", self.plan.injected.noise.factor);
+            let factor = self.plan.injected.noise.factor;
+            let caption = format!("Noise stepped x1, x{factor}, x1. {}", medians(&rows));
             let figure = drawings::injected_sweep(&study, &caption)?;
             sketch.add(
                 "injected_sweep",
@@ -377,6 +378,15 @@ impl Sketch<'_> {
         self.progress.step(self.pictures.len() as u64, name);
         Ok(())
     }
+}
+
+/// What a mark of a sweep is, and of how many sequences.
+fn medians(rows: &Rows<'_>) -> String {
+    format!(
+        "Medians over {} sequences of medians over seeds; bands and bars: 95 % bootstrap over sequences. Marks stand at the root mean square of \
+         what they say.",
+        rows.sequences.len()
+    )
 }
 
 fn report(name: &str, run: &str, cached: bool, clock: Instant) -> StageReport {

@@ -53,7 +53,7 @@ pub(super) struct Line {
 }
 
 /// One noise against the best constant, sequence by sequence.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Against {
     pub(super) sequences: usize,
     pub(super) better: usize,
@@ -72,6 +72,8 @@ pub(super) struct Against {
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct Study {
     pub(super) best_constant: Option<String>,
+    /// Whether it is the end of the sweep.
+    pub(super) at_edge: bool,
     pub(super) lines: Vec<Line>,
     pub(super) margin: f64,
 }
@@ -87,6 +89,14 @@ impl<'a> Rows<'a> {
             sequences.insert(row.sequence.clone(), row.split);
         }
         Self { rows: rows.iter().collect(), noises, sequences: sequences.into_iter().collect() }
+    }
+
+    /// What the odometry saw, each once.
+    pub(super) fn cameras(&self) -> Vec<&str> {
+        let mut found: Vec<&str> = self.rows.iter().map(|row| row.camera.as_str()).collect();
+        found.sort_unstable();
+        found.dedup();
+        found
     }
 
     pub(super) fn of<'s>(&'s self, noise: &'s str) -> impl Iterator<Item = &'a Row> + 's {
@@ -125,6 +135,14 @@ impl<'a> Rows<'a> {
         with_mean.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, noise)| noise)
     }
 
+    /// Whether `best` is the lowest or the highest multiple of the baseline that was run: the lowest error may lie beyond it.
+    pub(super) fn at_edge(&self, best: &str) -> bool {
+        let multiple = |noise: &str| noise.parse::<Noise>().ok()?.multiple();
+        let all: Vec<f64> = self.noises.iter().filter_map(|noise| multiple(noise)).collect();
+        let of = multiple(best);
+        of.is_some_and(|of| all.iter().all(|m| *m <= of) || all.iter().all(|m| *m >= of))
+    }
+
     /// Pairs of errors of two noises, by sequence.
     fn pairs(&self, noise: &str, reference: &str) -> (Vec<f64>, Vec<f64>) {
         let names = self.sequences.iter();
@@ -139,13 +157,10 @@ impl<'a> Rows<'a> {
             for line in lines.iter_mut().filter(|line| line.noise != *best) {
                 line.against = self.against(&line.noise, best, margin)?;
             }
-            let p: Vec<f64> = lines.iter().filter_map(|l| l.against.as_ref()?.p).collect();
-            let mut corrected = holm(&p)?.into_iter();
-            for against in lines.iter_mut().filter_map(|l| l.against.as_mut()).filter(|a| a.p.is_some()) {
-                against.p_holm = corrected.next();
-            }
+            correct(lines.iter_mut().filter_map(|line| line.against.as_mut()))?;
         }
-        Ok(Study { best_constant: best, lines, margin })
+        let at_edge = best.as_deref().is_some_and(|best| self.at_edge(best));
+        Ok(Study { best_constant: best, at_edge, lines, margin })
     }
 
     fn line(&self, noise: &str) -> Result<Line, StatsError> {
@@ -181,7 +196,13 @@ impl<'a> Rows<'a> {
         })
     }
 
-    fn against(&self, noise: &str, best: &str, margin: f64) -> Result<Option<Against>, StatsError> {
+    /// `noise` against `best`, not corrected for others; nothing with fewer than two sequences in common.
+    pub(super) fn against(
+        &self,
+        noise: &str,
+        best: &str,
+        margin: f64,
+    ) -> Result<Option<Against>, StatsError> {
         let (ours, theirs) = self.pairs(noise, best);
         if ours.len() < 2 {
             return Ok(None);
@@ -204,6 +225,16 @@ impl<'a> Rows<'a> {
             p_equal,
         }))
     }
+}
+
+/// Corrects for the number of tests, by Holm.
+pub(super) fn correct<'a>(tests: impl Iterator<Item = &'a mut Against>) -> Result<(), StatsError> {
+    let mut tested: Vec<&mut Against> = tests.filter(|test| test.p.is_some()).collect();
+    let p: Vec<f64> = tested.iter().filter_map(|test| test.p).collect();
+    for (test, p) in tested.iter_mut().zip(holm(&p)?) {
+        test.p_holm = Some(p);
+    }
+    Ok(())
 }
 
 /// The median; none of nothing.
@@ -240,6 +271,7 @@ mod tests {
         let of = Rows::new(&rows);
         assert_eq!(of.best_constant(), Some("x4"));
         assert_eq!(of.noises, ["x4", "x8", "dualpronet"]);
+        assert!(of.at_edge("x4") && of.at_edge("x8") && !of.at_edge("dualpronet"));
         assert!((of.ate("s0", "x4").unwrap() - 0.101).abs() < 1e-12);
     }
 

@@ -21,6 +21,7 @@ seeds = 1
 most_sequences = 1
 "#;
 
+/// With networks trained on the spot, for one epoch: what they say does not matter here.
 fn paper(dir: &Path, more: &[&str]) -> Done {
     std::fs::write(dir.join("plan.toml"), PLAN).unwrap();
     let mut command = dpn();
@@ -33,7 +34,7 @@ fn paper(dir: &Path, more: &[&str]) -> Done {
         "--from",
         "50",
     ]);
-    command.args(["--out", "out", "--work", "work"]).args(more);
+    command.args(["--out", "out", "--work", "work", "--train", "--epochs", "1"]).args(more);
     end(&mut command)
 }
 
@@ -83,7 +84,7 @@ fn everything_is_made_once_goes_on_after_a_cut_and_comes_out_the_same() {
     let study = String::from_utf8(made["tables/study.csv"].clone()).unwrap();
     assert_eq!(study.lines().filter(|line| !line.starts_with('#')).count(), 4, "{study}");
     let page = std::fs::read_to_string(dir.join("out/index.html")).unwrap();
-    assert!(!page.contains("http://") || page.contains("http://www.w3.org"), "the page asks for something");
+    assert_eq!(page.matches("http").count(), page.matches("http://www.w3.org/2000/svg").count());
     assert!(page.matches("<img").count() >= 10 && page.matches("<table").count() >= 6);
 
     // Nothing has changed: nothing is made.

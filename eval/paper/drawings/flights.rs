@@ -158,7 +158,7 @@ pub(in crate::paper) fn sigma_over_flight(
 ) -> Result<FlightSigma, PaperError> {
     let tracks = tracks(recording, &recording.imu, recording.oracle.as_ref(), noises, networks, 0)?;
     let up_to = Some(Levels::paper(sensor, LevelKind::Grid).high);
-    let words = "Motors: on where second differences of the accelerometer over a second exceed .25 m/s² of deviation.";
+    let words = "Motors: at speed where second differences of the accelerometer over a second exceed .25 m/s² of deviation.";
     figure(recording, &recording.imu, &tracks, recording.oracle.as_ref(), (sensor, 0), up_to, words)
 }
 

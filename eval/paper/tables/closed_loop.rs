@@ -116,10 +116,13 @@ pub(in crate::paper) fn closed_loop(
             .map_or(String::new(), |rate| format!(", {rate:.1} % on the test sequences alone"));
         table.note(format!("DualProNet's mean error is {rate:.1} % below that of x1{test}. The column's means are, as the paper's, means of the sequences' rates."));
     }
-    table.note("A cell is the median over seeds after SE(3) alignment; ! and a number: failed runs. The networks were trained on the training \
-                sequences; x1 is .08 m/s^2 and .004 rad/s.");
+    table.note("A cell is the median over seeds after SE(3) alignment; ! and a number: failed runs. The networks that come with the \
+                program were trained on EuRoC's training sequences, those of --train on the training sequences here; x1 is .08 m/s^2 and .004 rad/s.");
     if beside {
-        table.note("The paper's runs are on images, ours are not: compare columns, not single cells. Its means are recomputed here from its rows.");
+        let camera = rows.cameras().join(", ");
+        table.note(format!(
+            "The paper's runs are on images, ours on {camera}: compare columns, not single cells. Its means are recomputed here from its rows."
+        ));
     }
     for note in input.notes() {
         table.note(note);

@@ -3,6 +3,7 @@
 use super::super::command::Provenance;
 use super::super::injected::{Response, Value};
 use super::super::input::Input;
+use super::super::study::Against;
 use super::super::table::{Cell, Table};
 use crate::injected::{Course, Injection};
 
@@ -36,6 +37,9 @@ pub(in crate::paper) fn value(
         "=of the gap closed",
         "=train",
         "=test",
+        "=ratio to best constant (95 %)",
+        "=better in",
+        "=p (Holm)",
         "=failed",
     ];
     let mut table = Table::new(
@@ -55,13 +59,26 @@ pub(in crate::paper) fn value(
             let told =
                 [0, 1, 2].map(|i| worth.closed[i].filter(|_| value.gap[i].is_some_and(|gap| gap >= 0.05)));
             cells.extend(told.map(|share| Cell::number(share, 2)));
+            let against = worth.against.as_ref();
+            cells.push(Cell::interval(against.map(|a| a.ratio), against.map(|a| a.ratio_interval), 2));
+            let better = |a: &Against| format!("{} of {}", a.better, a.sequences);
+            cells.push(Cell::text(against.map_or("-".into(), better)));
+            cells.push(Cell::p(against.and_then(|a| a.p_holm)));
             cells.push(Cell::count(worth.failures));
             table.row(cells);
         }
         table.rule();
+        if value.at_edge {
+            table.note(format!(
+                "{course}: the best constant is the end of the sweep; one beyond it may be better, and the gap smaller."
+            ));
+        }
         let gap = |i: usize| value.gap[i].map_or("-".to_owned(), |gap| format!("{:.0} %", 100.0 * gap));
         table.note(format!(
-            "{course}: the oracle lies {} below the best constant{} (training {}, test {}).",
+            "{course}, {} sequences ({} training, {} test): the oracle's median lies {} below that of the best constant{} (training {}, test {}).",
+            value.sequences[0],
+            value.sequences[1],
+            value.sequences[2],
             gap(0),
             value.best_constant.as_deref().map_or(String::new(), |best| format!(", {best},")),
             gap(1),
@@ -70,7 +87,7 @@ pub(in crate::paper) fn value(
     }
     table.note(words(injection));
     table.note("Medians over seeds, then over sequences. The best constant is the one with the lowest median on the training sequences, among those \
-                listed. Share closed: (best constant - noise) / (best constant - oracle); not given where that gap is below 5 %.");
+                listed. Share closed: (best constant - noise) / (best constant - oracle); not given where that gap is below 5 %; above 1 where a noise does better than the oracle. Ratio: geometric mean over sequences; p: two-sided signed-rank test over sequences, Holm's correction over the noises of a course.");
     for note in input.notes() {
         table.note(note);
     }

@@ -62,6 +62,9 @@ pub(in crate::paper) fn study(input: &Input, study: &Study, made_by: Provenance)
     ));
     table.note("NEES: mean of 3 where the covariance is right; whitened: mean square of the whitened inertial residual, 1 where the noise \
                 told is the noise there is. Told: root mean square over the runs. Times are in the table `timing`.");
+    if study.at_edge {
+        table.note(format!("{best} is the end of the sweep; a constant beyond it may be better."));
+    }
     for note in input.notes() {
         table.note(note);
     }
