@@ -357,11 +357,17 @@ impl FrontEnd {
             ransac.doubt_share = ransac.doubt_share.min(KNOWN_DOUBT);
         }
         let found = agree(&asked, turn.as_ref(), focal, &ransac, &stream);
-        let Some(essential) = found.essential else { return };
-        if let Some(measured) = self.since_handed.filter(|_| found.share() >= BELIEVED_SHARE) {
+        if found.essential.is_none() {
+            return;
+        }
+        // A free matrix fits what moves by itself as well: where half agree with the rotation, these are the ones to learn from.
+        let of_rotation = found.by_rotation.as_deref().filter(|known| known.share() >= BELIEVED_SHARE);
+        let believed = of_rotation.unwrap_or(&found);
+        let sure = believed.share() >= BELIEVED_SHARE;
+        if let (Some(measured), Some(essential)) = (self.since_handed.filter(|_| sure), believed.essential) {
             let agreeing: Vec<Pair> = asked
                 .iter()
-                .zip(&found.inliers)
+                .zip(&believed.inliers)
                 .filter_map(|(pair, agrees)| agrees.then_some(*pair))
                 .collect();
             self.gyro_bias.learn(&agreeing, &measured, &essential, focal, seconds);

@@ -22,6 +22,8 @@ const PRIOR_STD: f64 = 0.1;
 const WALK: f64 = 2e-3;
 /// Deviation of `e` \[px at the image's centre\].
 const TRACK_STD_PX: f64 = 0.5;
+/// Squared standard deviations, of three axes, beyond which a new bias contradicts the old one.
+const SURPRISE: f64 = 30.0;
 /// Fewer tracks say nothing.
 const FEWEST: usize = 15;
 /// Frames farther apart than this say nothing \[s\].
@@ -120,7 +122,14 @@ impl GyroBias {
         let bias = turn / seconds;
         let sane = bias.iter().all(|v| v.is_finite()) && bias.norm() < LARGEST;
         if sane && marginal.iter().all(|v| v.is_finite()) {
-            *self = Self { bias, information: marginal * (seconds * seconds) };
+            // A gyroscope that contradicts what was believed of it is not known any more.
+            let surprise = (turn - start).dot(&(prior * (turn - start)));
+            let information = if surprise > SURPRISE {
+                Self::default().information
+            } else {
+                marginal * (seconds * seconds)
+            };
+            *self = Self { bias, information };
         }
     }
 
@@ -177,9 +186,12 @@ mod tests {
 
     /// Frames .1 s apart whose gyroscope has a bias; each moves by `path` times a random direction.
     fn fly(bias: Vector3<f64>, path: f64, frames: usize) -> (GyroBias, Vec<f64>) {
+        fly_on(GyroBias::default(), bias, path, frames)
+    }
+
+    fn fly_on(mut filter: GyroBias, bias: Vector3<f64>, path: f64, frames: usize) -> (GyroBias, Vec<f64>) {
         let mut rng = Stream::new(7).named("gyro bias").rng();
         let mut normal = move || -> f64 { rng.sample(StandardNormal) };
-        let mut filter = GyroBias::default();
         let mut errors = Vec::new();
         for _ in 0..frames {
             let turn = so3::exp(&(Vector3::new(normal(), normal(), normal()) * 0.05));
@@ -213,6 +225,18 @@ mod tests {
             let squared = (error.transpose() * filter.information * error)[0];
             assert!(squared < 16.0, "path {path} m: {squared}");
         }
+    }
+
+    #[test]
+    fn a_gyroscope_that_changes_its_mind_is_not_known_until_it_keeps_to_it() {
+        let bias = Vector3::new(-0.002, 0.021, 0.078);
+        let known = |filter: &GyroBias| filter.is_known(0.1, 0.5 / FOCAL);
+        let (filter, _) = fly(bias, 0.1, 10);
+        assert!(known(&filter) && !known(&GyroBias::default()));
+        let (jumped, _) = fly_on(filter, bias + Vector3::new(0.2, 0.0, -0.1), 0.1, 1);
+        assert!(!known(&jumped));
+        let (again, errors) = fly_on(jumped, bias + Vector3::new(0.2, 0.0, -0.1), 0.1, 6);
+        assert!(known(&again) && errors[5] < 0.01, "{errors:?}");
     }
 
     #[test]

@@ -31,6 +31,8 @@ pub struct Consensus {
     pub geometry: Geometry,
     /// Trials, of both kinds where both were asked.
     pub trials: usize,
+    /// What agreed with the gyroscope's rotation, where that was asked and a free matrix won.
+    pub by_rotation: Option<Box<Consensus>>,
 }
 
 impl Consensus {
@@ -53,7 +55,14 @@ pub fn agree(
 ) -> Consensus {
     if pairs.len() < FEWEST {
         let (inliers, agreeing) = (vec![true; pairs.len()], pairs.len());
-        return Consensus { inliers, agreeing, essential: None, geometry: config.geometry, trials: 0 };
+        return Consensus {
+            inliers,
+            agreeing,
+            essential: None,
+            geometry: config.geometry,
+            trials: 0,
+            by_rotation: None,
+        };
     }
     let threshold = config.threshold_px / focal_px;
     let known = cur_from_prev
@@ -68,7 +77,10 @@ pub fn agree(
                 Some(known) if known.agreeing + known.agreeing / 10 >= free.agreeing => {
                     Consensus { trials: known.trials + free.trials, ..known }
                 }
-                known => Consensus { trials: known.map_or(0, |known| known.trials) + free.trials, ..free },
+                known => {
+                    let trials = known.as_ref().map_or(0, |known| known.trials) + free.trials;
+                    Consensus { trials, by_rotation: known.map(Box::new), ..free }
+                }
             }
         }
     }
@@ -135,7 +147,8 @@ impl<'a> Search<'a> {
                 if self.offer(matrix) {
                     // Two tracks make a compromise that would end the search early; seven seldom do, and cost more.
                     let within = if N == 2 { self.scored_squared } else { self.threshold_squared };
-                    let share = self.count(within) as f64 / self.pairs.len() as f64;
+                    let agreeing = self.within(within).into_iter().filter(|near| *near).count();
+                    let share = agreeing as f64 / self.pairs.len() as f64;
                     needed = trials_for(share, N, config.confidence).clamp(fewest, config.most_trials);
                 }
             }
@@ -157,34 +170,27 @@ impl<'a> Search<'a> {
         true
     }
 
-    /// Refits the best matrix to all that agree, as long as that makes it better.
+    /// Refits the best matrix to all that are close by, as long as that makes it better.
     fn polish(&mut self, refit: impl Fn(&[bool], &Matrix3<f64>) -> Option<Matrix3<f64>>) {
         for _ in 0..3 {
             let Some(best) = self.best else { return };
-            match refit(&self.inliers(), &best) {
+            match refit(&self.within(self.scored_squared), &best) {
                 Some(matrix) if self.offer(matrix) => {}
                 _ => return,
             }
         }
     }
 
-    fn inliers(&self) -> Vec<bool> {
-        let agrees = |pair: &Pair| {
-            self.best.is_none_or(|matrix| pair.distance_squared(&matrix) < self.threshold_squared)
-        };
-        self.pairs.iter().map(agrees).collect()
-    }
-
-    /// Pairs within a squared distance.
-    fn count(&self, squared: f64) -> usize {
-        let near = |pair: &&Pair| self.best.is_none_or(|matrix| pair.distance_squared(&matrix) < squared);
-        self.pairs.iter().filter(near).count()
+    /// For each pair, whether it is nearer than a squared distance.
+    fn within(&self, squared: f64) -> Vec<bool> {
+        let near = |pair: &Pair| self.best.is_none_or(|matrix| pair.distance_squared(&matrix) < squared);
+        self.pairs.iter().map(near).collect()
     }
 
     fn into_consensus(self, geometry: Geometry, trials: usize) -> Consensus {
-        let inliers = self.inliers();
+        let inliers = self.within(self.threshold_squared);
         let agreeing = inliers.iter().filter(|inlier| **inlier).count();
-        Consensus { inliers, agreeing, essential: self.best, geometry, trials }
+        Consensus { inliers, agreeing, essential: self.best, geometry, trials, by_rotation: None }
     }
 }
 

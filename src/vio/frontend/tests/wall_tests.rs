@@ -137,7 +137,7 @@ fn what_moves_by_itself_is_taken_out() {
         pose.translation.vector.y += 0.05 * i as f64;
         pose
     };
-    let (mut removed, mut asked) = (0, 0);
+    let (mut removed, mut wrong, mut asked) = (0, 0, 0);
     for i in 0..24 {
         let mut image = wall.image(&pose(i), i as u64);
         let moving = other.image(&slide(i), i as u64);
@@ -153,7 +153,7 @@ fn what_moves_by_itself_is_taken_out() {
         }
         removed +=
             fed.report.lost.iter().filter(|lost| lost.by == LostBy::Ransac && inside(lost.px.x)).count();
-        let wrong = fed
+        wrong += fed
             .report
             .lost
             .iter()
@@ -161,11 +161,15 @@ fn what_moves_by_itself_is_taken_out() {
             .count();
         if let Some(agreement) = fed.report.agreement {
             asked += agreement.asked;
-            assert!(wrong <= 4, "frame {i}: {wrong} true tracks taken out, {agreement:?}");
+            eprintln!("{i} {agreement:?} {:?}", fed.report.gyro_bias);
         }
     }
     // Every second frame asks; the slide is 3.8 px a frame, most of it across the lines.
-    assert!(removed * 8 > asked, "{removed} of {asked}");
+    let bias = front_end.feed(wall.image(&pose(24), 24).view(), stamp(24), None).report.gyro_bias;
+    eprintln!("of {asked}: {removed} that slide taken out, {wrong} that stand; bias {bias:?}");
+    assert!(removed * 5 > asked, "{removed} of {asked}");
+    // The threshold is half a pixel, and what slides is a third of all: some of the true ones fall with it.
+    assert!(wrong * 20 < asked, "{wrong} true tracks taken out of {asked}");
 }
 
 #[test]
