@@ -2,7 +2,7 @@
 
 use super::{Phase, Summary};
 use crate::allan::compare::{key_of, suspects};
-use dpn_core::noise::formats::{Axes, Figure, ImuFigures, Meaning, Source, number};
+use dpn_core::noise::formats::{Axes, Figure, ImuFigures, Source, number};
 use dpn_core::noise::units::BadNoise;
 use dpn_core::noise::{AccelSampleStd, GyroSampleStd};
 use dpn_core::{SampleRate, Sensor};

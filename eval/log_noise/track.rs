@@ -167,7 +167,11 @@ mod tests {
         let samples = (0..samples as i64).map(|i| {
             // Loud and quiet by turns, so that answers differ from place to place.
             let width = 0.1 + 0.1 * (i as f64 * 1e-3).sin();
-            ImuSample { t: Stamp::from_ns(i * period_ns), gyro: axes(0.0, 0.1 * width), accel: axes(9.8, width) }
+            ImuSample {
+                t: Stamp::from_ns(i * period_ns),
+                gyro: axes(0.0, 0.1 * width),
+                accel: axes(9.8, width),
+            }
         });
         ImuRecording::new(samples.collect()).unwrap()
     }
@@ -182,7 +186,9 @@ mod tests {
         let networks = load_all(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../models")).unwrap();
         let spec: Noise = "dualpronet".parse().unwrap();
         // At the networks' rate, at twice it with an odd number of samples between answers, and one answer a sample.
-        for (hz, every, samples) in [(200.0, 10, 3 * PIECE * 10 + 7), (400.0, 9, 2 * PIECE * 9 + 3), (200.0, 1, PIECE + 400)] {
+        for (hz, every, samples) in
+            [(200.0, 10, 3 * PIECE * 10 + 7), (400.0, 9, 2 * PIECE * 9 + 3), (200.0, 1, PIECE + 400)]
+        {
             let recording = recording(samples, (1e9 / hz) as i64);
             let plan = Plan::new(&spec, SampleRate::from_hz(hz).unwrap(), every, &networks).unwrap();
             let whole = track(&plan, &recording).unwrap();
@@ -196,7 +202,8 @@ mod tests {
     fn what_is_not_causal_or_of_another_rate_is_refused() {
         let networks = load_all(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../models")).unwrap();
         let plan = |spec: &str, hz: f64| {
-            Plan::new(&spec.parse().unwrap(), SampleRate::from_hz(hz).unwrap(), 10, &networks).map(|p| p.thin())
+            Plan::new(&spec.parse().unwrap(), SampleRate::from_hz(hz).unwrap(), 10, &networks)
+                .map(|p| p.thin())
         };
         assert_eq!(plan("dualpronet", 199.4).unwrap(), 1);
         assert_eq!(plan("dualpronet", 1000.0).unwrap(), 5);

@@ -4,9 +4,7 @@ use crate::topics::Topics;
 use crate::{Kind, Log, LogError, mcap, rosbag1, rosbag2, sqlite};
 use dpn_core::ImuRecording;
 use dpn_core::io::asl::Sequence;
-use dpn_core::io::{
-    CsvOptions, IoError, LooseImuLog, Origin, Sieved, parse_imu_csv_loosely, read_imu_csv_loosely,
-};
+use dpn_core::io::{CsvOptions, IoError, LooseImuLog, Origin, Sieved, read_imu_csv_loosely};
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;

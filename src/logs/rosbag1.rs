@@ -38,7 +38,9 @@ pub(crate) fn read(source: impl Read, topics: &mut Topics) -> io::Result<Option<
         let header_length = match source.up_to(4)? {
             length if length.is_empty() => {
                 return Ok(match index {
-                    Some(0) => Some("was never closed: it has no index (recording was interrupted)".to_owned()),
+                    Some(0) => {
+                        Some("was never closed: it has no index (recording was interrupted)".to_owned())
+                    }
                     Some(index) if begin < index => Some(format!("cut off at byte {begin}")),
                     _ => None,
                 });
