@@ -101,7 +101,7 @@ pub enum LogError {
         path: PathBuf,
     },
     /// A topic was asked for where there are none.
-    #[error("{}: a {kind} has no topics", path.display())]
+    #[error("{}: --topic is for bags, and this is none: {kind}", path.display())]
     NoTopicsHere {
         /// The log.
         path: PathBuf,
