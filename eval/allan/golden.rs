@@ -73,10 +73,10 @@ fn a_recorded_log_gives_allantools_deviations_and_its_white_noise() {
             agree(&deviation::variances(&signal, rate, &case.averages), theirs, 1e-6);
             let fit = planner.fit(&signal).unwrap();
             let white = fit.of(Coefficient::White);
-            // Where their curve falls by a half, give or take .06.
+            // Where their curve falls by a half, give or take .08: of this accelerometer's, over a hump at 1 s, no more is left.
             let taus: Vec<f64> = case.averages.iter().map(|m| *m as f64 / case.rate_hz).collect();
             let slope = |i: usize| (theirs[i + 1] / theirs[i - 1]).ln() / (taus[i + 1] / taus[i - 1]).ln();
-            let flat = |i: &usize| (slope(*i) + 0.5).abs() < 0.06;
+            let flat = |i: &usize| (slope(*i) + 0.5).abs() < 0.08;
             let inner: Vec<usize> = (1..taus.len() - 1).collect();
             // The first stretch that does: behind the hump of something that swings the curve crosses that slope once more.
             let on: Vec<f64> = inner

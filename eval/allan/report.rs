@@ -174,12 +174,17 @@ fn humps(log: &AllanLog) -> String {
     for axis in &log.axes {
         for hump in &axis.fit.humps {
             text.push_str(&format!(
-                "{} {}: the plot has a hump at {:.2} s, {:.1} times the fit: something swings at about {:.1} Hz; it is left out of the fit\n",
-                axis.sensor, axis.axis, hump.tau, hump.times, hump.hz
+                "{} {}: the plot has a hump at {:.2} s, {:.1} times the fit: something swings {}; it is left out of the fit\n",
+                axis.sensor, axis.axis, hump.tau, hump.times, swing(hump.hz)
             ));
         }
     }
     text
+}
+
+/// `at about 18.6 Hz`, `about every 640 s`.
+fn swing(hz: f64) -> String {
+    if hz >= 0.1 { format!("at about {hz:.1} Hz") } else { format!("about every {:.0} s", 1.0 / hz) }
 }
 
 /// Three significant digits.

@@ -2,6 +2,7 @@
 
 use super::Finding;
 use crate::allan::rest::Rest;
+use crate::log_noise::{Phase, phases};
 use dpn_core::{ImuRecording, Sensor};
 
 /// The shortest rest that says anything of a drift \[s\].
@@ -9,20 +10,32 @@ const LEAST_S: f64 = 60.0;
 
 pub(super) fn findings(recording: &ImuRecording, rest: &Rest) -> Vec<Finding> {
     let length = recording.duration();
-    let still = (length - rest.moved_s).max(0.0);
+    let stretches = phases(recording);
+    let seconds =
+        |phase| stretches.iter().filter(|s| s.phase == phase).map(|s| s.to_s - s.from_s).sum::<f64>();
+    let parts: Vec<String> = Phase::ALL
+        .into_iter()
+        .filter(|phase| stretches.iter().any(|s| s.phase == *phase))
+        .map(|phase| format!("{:.0} s {phase}", seconds(phase)))
+        .collect();
+    let longest = stretches
+        .iter()
+        .filter(|s| s.phase == Phase::Rest)
+        .max_by(|a, b| (a.to_s - a.from_s).total_cmp(&(b.to_s - b.from_s)));
     let mut findings = vec![Finding::note(
         "motion",
-        if rest.moved.is_empty() {
-            format!("at rest throughout, {length:.0} s")
-        } else {
-            format!(
-                "{:.0} of {length:.0} s at rest; the longest rest is from {:.1} to {:.1} s",
-                still, rest.longest_span.from_s, rest.longest_span.to_s
-            )
+        match longest {
+            Some(_) if stretches.len() == 1 => format!("at rest throughout, {length:.0} s"),
+            Some(longest) => format!(
+                "{}; the longest rest is from {:.1} to {:.1} s",
+                parts.join(", "),
+                longest.from_s,
+                longest.to_s
+            ),
+            None => format!("{}; never at rest", parts.join(", ")),
         },
     )];
-    let begins = rest.moved.first().map_or(length, |span| span.from_s);
-    if !rest.moved.is_empty() && begins < 1.0 {
+    if stretches.first().is_some_and(|s| s.phase == Phase::Moving) {
         findings.push(Finding::note(
             "start",
             "the log moves from its first second on: an estimator that starts from rest cannot".into(),

@@ -31,19 +31,19 @@ pub(super) fn findings(log: &Log) -> Vec<Finding> {
     left(
         "stamps",
         &sieved.repeated,
-        "have the stamp of the one before",
+        "with the stamp of the one before",
         "write stamps with more digits, or look for a message that is published twice",
     );
     left(
         "stamps",
         &sieved.backward,
-        "have a stamp that goes back",
+        "whose stamp goes back",
         "look for a clock that was set, or for two writers",
     );
     left(
         "values",
         &sieved.not_finite,
-        "hold NaN or infinity",
+        "with NaN or infinite values",
         "look at the driver: a failed read should be no sample",
     );
     findings.extend(
@@ -82,10 +82,7 @@ mod tests {
             "cut off in the chunk at byte 4117; the 2000 samples before it are used"
         );
         assert_eq!((of("stamps").weight, of("values").weight), (Weight::Warning, Weight::Bad));
-        assert_eq!(
-            of("stamps").text,
-            "1 samples have a stamp that goes back, first at message 7; they are left out"
-        );
+        assert_eq!(of("stamps").text, "left out: 1 sample(s) whose stamp goes back, first at message 7");
         assert_eq!(found[0].weight, Weight::Bad);
     }
 }

@@ -186,12 +186,12 @@ mod tests {
     #[test]
     fn the_csv_holds_what_is_drawn_and_the_axes_their_units() {
         let axes = axes();
-        let plot = AllanPlot::new(&axes, "A log.").unwrap();
+        let plot = AllanPlot::new(&axes, "Made-up.").unwrap();
         let csv = plot.csv();
         assert_eq!(csv.rows.len(), 6 * axes[0].fit.points.len());
         assert_eq!(csv.rows[0][3].parse::<f64>().unwrap(), axes[0].fit.points[0].tau);
         let text = String::from_utf8(svg(&plot).unwrap()).unwrap();
-        for words in ["averaging time τ [s]", "Allan deviation [m/s²]", "Allan deviation [rad/s]", "A log."]
+        for words in ["averaging time τ [s]", "Allan deviation [m/s²]", "Allan deviation [rad/s]", "Made-up."]
         {
             assert!(text.contains(words), "{words}");
         }

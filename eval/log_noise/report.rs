@@ -38,7 +38,7 @@ pub fn page(plan: &Plan<'_>, summary: &Summary, rate: SampleRate) -> String {
     if plan.thin() > 1 {
         let _ = writeln!(
             text,
-            "the networks saw every {} samples: the log has {:.0} Hz, their training had {:.0}",
+            "the networks saw every {} sample: the log has {:.0} Hz, their training had {:.0}",
             ordinal(plan.thin()),
             rate.hz(),
             rate.hz() / plan.thin() as f64

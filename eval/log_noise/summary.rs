@@ -64,7 +64,8 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Sums up. The first `unknown_s` seconds, in which there was no estimate yet, count for no quantile.
+    /// Sums up. An answer counts for a phase when the `unknown_s` seconds behind it, the estimator's window, lie in that phase; the log's
+    /// first ones, in which there was no estimate yet, count for nothing.
     pub fn of(track: &Track, recording: &ImuRecording, stretches: Vec<Stretch>, unknown_s: f64) -> Self {
         let start = recording.samples()[0].t;
         let known = |a: &&Answer| a.t.seconds_since(start) >= unknown_s;
@@ -79,7 +80,9 @@ impl Summary {
             let inside = |a: &&Answer| {
                 let t = a.t.seconds_since(start);
                 let at = stretches.partition_point(|s| s.to_s <= t);
-                stretches.get(at).or(stretches.last()).is_some_and(|s| s.phase == phase)
+                // The window behind the answer must lie in the phase too.
+                let all_in = |s: &Stretch| s.phase == phase && t - s.from_s >= unknown_s;
+                stretches.get(at).or(stretches.last()).is_some_and(all_in)
             };
             phases.push(part(Some(phase), seconds, track.answers.iter().filter(known).filter(inside)));
         }

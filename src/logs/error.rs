@@ -75,7 +75,7 @@ pub enum LogError {
         reason: Option<String>,
     },
     /// A clock that runs back again and again.
-    #[error("{}: time goes back at {count} of {of} samples, first at {place} {first}", path.display())]
+    #[error("{}: time goes back at {count} of {of} samples, first at message {first}", path.display())]
     Backward {
         /// The log.
         path: PathBuf,
@@ -83,8 +83,6 @@ pub enum LogError {
         count: usize,
         /// Of how many.
         of: usize,
-        /// `line` or `message`.
-        place: &'static str,
         /// Which.
         first: u64,
     },
@@ -103,7 +101,7 @@ pub enum LogError {
         path: PathBuf,
     },
     /// A topic was asked for where there are none.
-    #[error("{}: a {kind} has no topics", path.display())]
+    #[error("{}: --topic is for bags, and this is none: {kind}", path.display())]
     NoTopicsHere {
         /// The log.
         path: PathBuf,

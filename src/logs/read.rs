@@ -71,7 +71,7 @@ pub fn read_sqlite(path: &Path, options: &LogOptions) -> Result<Log, LogError> {
 
 fn bag(path: &Path, kind: Kind, topics: Topics, damage: Option<String>) -> Result<Log, LogError> {
     let chosen = topics.choose(path, damage.as_deref())?;
-    goes_forward(path, &chosen.sieved, chosen.samples.len(), "message")?;
+    goes_forward(path, &chosen.sieved, chosen.samples.len())?;
     let found = chosen.samples.len();
     let recording = ImuRecording::new(chosen.samples).map_err(|_| LogError::TooFew {
         path: path.to_path_buf(),
@@ -91,16 +91,12 @@ fn bag(path: &Path, kind: Kind, topics: Topics, damage: Option<String>) -> Resul
     })
 }
 
-fn goes_forward(path: &Path, sieved: &Sieved, kept: usize, place: &'static str) -> Result<(), LogError> {
+fn goes_forward(path: &Path, sieved: &Sieved, kept: usize) -> Result<(), LogError> {
     let of = kept + sieved.count();
     match sieved.backward.first {
-        Some(first) if sieved.backward.count as f64 > TOLERATED * of as f64 => Err(LogError::Backward {
-            path: path.to_path_buf(),
-            count: sieved.backward.count,
-            of,
-            place,
-            first,
-        }),
+        Some(first) if sieved.backward.count as f64 > TOLERATED * of as f64 => {
+            Err(LogError::Backward { path: path.to_path_buf(), count: sieved.backward.count, of, first })
+        }
         _ => Ok(()),
     }
 }
@@ -115,7 +111,6 @@ fn text(path: &Path, kind: Kind, options: &LogOptions) -> Result<Log, LogError> 
     };
     let loose = read_imu_csv_loosely(&file, &options.csv)?;
     let LooseImuLog { recording, columns, time, gyro, accel, sieved, unreadable } = loose;
-    goes_forward(&file, &sieved, recording.len(), "line")?;
     let mut log = Log { sieved, ..Log::sound(kind, recording) };
     match unreadable.first {
         Some(first) if unreadable.cut => log.damage = Some(format!("its last line is cut off ({first})")),

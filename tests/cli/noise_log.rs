@@ -36,15 +36,13 @@ fn the_page_has_the_phases_and_shouts_what_is_out_of_range() {
         done.stderr.contains("of the accel windows are unlike anything its network was trained on"),
         "{done:?}"
     );
-    for words in [
-        "noise by dualpronet, every 10 samples",
-        "  at rest     20 s",
-        "  motors on   20 s",
-        "  moving      20 s",
-        "times as noisy moving as at rest",
-    ] {
-        assert!(done.stdout.contains(words), "{words}: {}", done.stdout);
+    let rows: Vec<String> =
+        done.stdout.lines().map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
+    for words in ["noise by dualpronet, every 10 samples", "at rest 20 s ", "motors on 20 s ", "moving 20 s "]
+    {
+        assert!(rows.iter().any(|row| row.starts_with(words)), "{words}: {}", done.stdout);
     }
+    assert!(done.stdout.contains("times as noisy moving as at rest"), "{done:?}");
     let names: Vec<String> = files(&dir.path().join("out")).into_keys().collect();
     assert_eq!(names, ["noise.csv", "plot.csv", "plot.png", "plot.svg", "summary.json"]);
 }
@@ -102,7 +100,7 @@ fn another_rate_gets_a_simple_estimator_and_is_refused_for_networks() {
          hint: whole multiples of 200 Hz are thinned by themselves; else give a simple estimator: --noise diff2",
     );
     let done = noise(dir.path(), &rows(6000, 2_500_000), &[]).well();
-    assert!(done.stdout.contains("the networks saw every second samples: the log has 400 Hz"), "{done:?}");
+    assert!(done.stdout.contains("the networks saw every second sample: the log has 400 Hz"), "{done:?}");
     let done = noise(dir.path(), &slow, &["--noise", "shuffled(x1)"]);
     assert!(done.code == Some(2) && done.stderr.contains("is not causal"), "{done:?}");
     let done = noise(dir.path(), &rows(150, 5_000_000), &[]);

@@ -165,6 +165,18 @@ pub enum IoError {
         /// Stamp of this row.
         t_ns: i64,
     },
+    /// Stamps that go back again and again.
+    #[error("{}: time goes back at {count} of {of} samples, first at line {line}", path.display())]
+    GoesBack {
+        /// The file.
+        path: PathBuf,
+        /// How many samples.
+        count: usize,
+        /// Of how many.
+        of: usize,
+        /// The first one's line.
+        line: u64,
+    },
     /// Neither the header nor the stamps' size tell their unit.
     #[error("{}: the unit of time cannot be told: stamps from {first}, median step {step}", path.display())]
     UnknownTimeUnit {
@@ -324,7 +336,9 @@ impl IoError {
             Self::TimeNotIncreasing { prev_ns, t_ns, .. } if prev_ns == t_ns => {
                 "two rows share a stamp: drop one, or write stamps with more digits"
             }
-            Self::TimeNotIncreasing { .. } => "sort the rows by time, or cut the log where its clock was set",
+            Self::TimeNotIncreasing { .. } | Self::GoesBack { .. } => {
+                "sort the rows by time, or cut the log where its clock was set"
+            }
             Self::UnknownTimeUnit { .. } => "name the stamps' unit (s, ms, us, ns)",
             Self::NotUtf8 { .. } => "save the file as UTF-8 text; a binary or UTF-16 file cannot be read",
             Self::BadQuaternion { .. } => {

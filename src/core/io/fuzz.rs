@@ -2,7 +2,10 @@
 
 use super::asl::{camera, ground_truth, imu_config};
 use super::imu_csv::{CsvOptions, parse_imu_csv};
-use super::{AccelUnit, GyroUnit, ImuColumns, IoError, TimeUnit, noise_csv, tracks, tum};
+use super::{
+    AccelUnit, GyroUnit, ImuColumns, ImuLines, IoError, TimeUnit, noise_csv, parse_imu_csv_loosely, tracks,
+    tum,
+};
 use crate::random::{Stream, StreamRng};
 use rand::Rng;
 use std::path::Path;
@@ -34,6 +37,8 @@ fn feed(bytes: &[u8]) {
     let errors = [
         parse_imu_csv(bytes, path, &CsvOptions::default()).err(),
         parse_imu_csv(bytes, path, &columns).err(),
+        parse_imu_csv_loosely(bytes, path, &CsvOptions::default()).err(),
+        parse_imu_csv_loosely(bytes, path, &columns).err(),
         super::asl::parse_imu(bytes, path).err(),
         camera::parse_frames(bytes, path).err(),
         camera::parse_config(bytes, path).err(),
@@ -43,7 +48,9 @@ fn feed(bytes: &[u8]) {
         noise_csv::parse(bytes, path).err(),
         tracks::parse(bytes, path).err(),
     ];
-    for error in errors.iter().flatten() {
+    let mut lines = ImuLines::new(path, CsvOptions::default());
+    let pushed = bytes.split_inclusive(|b| *b == b'\n').filter_map(|line| lines.push(line).err());
+    for error in errors.into_iter().flatten().chain(pushed) {
         let said = error.to_string();
         assert!(said.starts_with("fuzz") && !said.contains('\n'), "{said:?}");
         assert_ne!(error.hint().as_deref(), Some(""));

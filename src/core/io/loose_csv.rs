@@ -122,6 +122,12 @@ fn finish(
     {
         return Err(first);
     }
+    if let Some(line) = sieved.backward.first
+        && sieved.backward.count as f64 > TOLERATED * all
+    {
+        let (path, count) = (path.to_path_buf(), sieved.backward.count);
+        return Err(IoError::GoesBack { path, count, of: all as usize, line });
+    }
     let mut columns = understood.columns;
     if columns.origin == Origin::Assumed && guess::swapped(&samples) {
         let ImuColumns { time, gyro, accel } = columns.value;
