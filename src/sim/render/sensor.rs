@@ -99,7 +99,8 @@ impl WithSimd for Take<'_> {
                 let grey = factor * share * light;
                 // A full well is full: what saturates has no more noise than the brightest grey.
                 let deviation = (read2 + shot * grey.clamp(0.0, 255.0)).sqrt();
-                *to = (grey + deviation * (a + b) + 0.5) as u8;
+                // Adding 1.5 * 2^23 rounds to a whole number in the lowest bits.
+                *to = ((grey + deviation * (a + b)).clamp(0.0, 255.0) + 12_582_912.0).to_bits() as u8;
             }
         }
     }

@@ -82,37 +82,38 @@ fn rms(values: &[f64]) -> f64 {
 
 #[test]
 fn flow_on_rendered_pairs_is_right_within_a_twentieth_of_a_pixel() {
-    let mut all = Vec::new();
+    let mut judged = Vec::new();
     for (flight, seed) in [(Flight::RoomSlow, 1), (Flight::HallCalm, 2), (Flight::RoomMedium, 3)] {
-        for (name, config) in [("noiseless", noiseless()), ("default", RenderConfig::default())] {
-            let path: SharedPath = Arc::new(flown(flight));
-            let mut camera = RenderedCamera::new(&config, path, seed).unwrap();
-            for dt in [0.001, 0.05] {
-                let (mut inside, mut edges) = (Vec::new(), Vec::new());
+        let path: SharedPath = Arc::new(flown(flight));
+        for (name, config) in [("noiseless", noiseless()), ("noisy", RenderConfig::default())] {
+            let mut camera = RenderedCamera::new(&config, path.clone(), seed).unwrap();
+            // Over 10 ms windows hardly change their shape; over 50 ms, a camera's period, perspective moves the middle of a window
+            // otherwise than its corners, which no shift follows.
+            for dt in [0.01, 0.05] {
+                let mut errors = [Vec::new(), Vec::new()];
                 for i in 0..6 {
                     let t = 12.0 + 4.0 * f64::from(i);
-                    let [a, b] = flow_errors(&mut camera, at(t), at(t + dt));
-                    inside.extend(a);
-                    edges.extend(b);
+                    let of_pair = flow_errors(&mut camera, at(t), at(t + dt));
+                    errors.iter_mut().zip(of_pair).for_each(|(all, some)| all.extend(some));
                 }
-                let far = inside.iter().chain(&edges).filter(|e| e.abs() > 0.5).count();
+                let [inside, edges] = &errors;
                 eprintln!(
-                    "{} {name} over {dt} s: {} flows, {:.4} px RMS on one surface; {} flows, {:.4} px at edges; {far} farther off than .5",
+                    "{} {name} over {dt} s: {} flows on one surface {:.4} px RMS an axis; {} at edges {:.4}",
                     flight.name(),
                     inside.len() / 2,
-                    rms(&inside),
+                    rms(inside),
                     edges.len() / 2,
-                    rms(&edges)
+                    rms(edges)
                 );
-                if dt == 0.05 && name == "default" {
-                    all.extend(inside);
+                if dt == 0.01 && name == "noisy" {
+                    judged.extend_from_slice(inside);
                 }
             }
         }
     }
-    let error = rms(&all);
-    eprintln!("all: {} flows, {error:.4} px RMS", all.len() / 2);
-    assert!(all.len() > 1000 && error < 0.05, "{} flows: {error} px", all.len() / 2);
+    let error = rms(&judged);
+    eprintln!("noisy over .01 s: {} flows, {error:.4} px RMS an axis", judged.len() / 2);
+    assert!(judged.len() > 1000 && error < 0.05, "{} flows: {error} px", judged.len() / 2);
 }
 
 fn noiseless() -> RenderConfig {
@@ -217,6 +218,7 @@ fn at_rest_tracks_scatter_as_on_real_images_and_corners_are_as_many() {
     eprintln!("rendered: scatter {mean:.4} px in the mean, {:.2} times the real one", mean / real_scatter);
     assert!((mean / real_scatter - 1.0).abs() < 0.25, "{scatters:?} beside {real_scatter}");
     let count = counts.iter().map(|(count, _)| *count as f64).sum::<f64>() / counts.len() as f64;
-    assert!((0.5..2.0).contains(&(count / real_corners as f64)), "{counts:?} beside {real_corners}");
-    assert!(counts.iter().all(|(_, share)| *share > 0.7), "{counts:?}");
+    assert!((0.7..1.6).contains(&(count / real_corners as f64)), "{counts:?} beside {real_corners}");
+    let share = counts.iter().map(|(_, share)| share).sum::<f64>() / counts.len() as f64;
+    assert!((0.8..1.3).contains(&(share / real_spread)), "{counts:?} beside {real_spread}");
 }

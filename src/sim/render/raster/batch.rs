@@ -5,7 +5,7 @@ use super::lens::{BATCH, Lines};
 use super::view::{Facet, Linear};
 
 /// Nothing is met.
-pub(crate) const NOTHING: u16 = u16::MAX;
+pub(crate) const NOTHING: u32 = u32::MAX;
 
 /// Most texture samples side by side where a surface is seen aslant.
 const MOST_PROBES: usize = 4;
@@ -24,10 +24,9 @@ pub(crate) struct Batch {
     /// d(x, y) / d(u, v) \[1/px\], times the width of a sample \[px\].
     pub(crate) per_sample: [[f32; 2]; 2],
     /// The nearest facet's place, or [`NOTHING`].
-    pub(crate) place: [u16; BATCH],
+    pub(crate) place: [u32; BATCH],
     /// Grey values.
     pub(crate) grey: Lines,
-    near: Lines,
     u: Lines,
     v: Lines,
     /// The long axis of a sample on the texture \[texels\], and its short one's length squared.
@@ -54,7 +53,6 @@ impl Default for Batch {
             per_sample: [[0.0; 2]; 2],
             place: [NOTHING; BATCH],
             grey: zero,
-            near: zero,
             u: zero,
             v: zero,
             long_u: zero,
@@ -82,27 +80,32 @@ impl Batch {
     /// Finds the nearest of the facets in `list` on every line.
     #[inline(always)]
     pub(crate) fn find(&mut self, facets: &[Facet], list: &[u16]) {
-        self.near = [0.0; BATCH];
-        self.place = [NOTHING; BATCH];
-        for &place in list {
-            let facet = &facets[usize::from(place)];
-            let [left, right, top, bottom] = &facet.edges;
-            for i in 0..BATCH {
-                let (x, y) = (self.x[i], self.y[i]);
-                let near = value(&facet.near, x, y);
-                let inside =
-                    value(left, x, y).min(value(right, x, y)).min(value(top, x, y).min(value(bottom, x, y)));
-                let better = (inside >= 0.0) & (near > self.near[i]);
-                self.near[i] = if better { near } else { self.near[i] };
-                self.place[i] = if better { place } else { self.place[i] };
+        let rows = self.x.as_chunks::<ROW>().0.iter().zip(self.y.as_chunks::<ROW>().0);
+        for (to, (x, y)) in self.place.as_chunks_mut::<ROW>().0.iter_mut().zip(rows) {
+            let (mut nearest, mut places) = ([0.0; ROW], [NOTHING; ROW]);
+            for &place in list {
+                let facet = &facets[usize::from(place)];
+                let [left, right, top, bottom] = &facet.edges;
+                for i in 0..ROW {
+                    let (x, y) = (x[i], y[i]);
+                    let near = value(&facet.near, x, y);
+                    let better = (value(left, x, y) >= 0.0)
+                        & (value(right, x, y) >= 0.0)
+                        & (value(top, x, y) >= 0.0)
+                        & (value(bottom, x, y) >= 0.0)
+                        & (near > nearest[i]);
+                    nearest[i] = if better { near } else { nearest[i] };
+                    places[i] = if better { u32::from(place) } else { places[i] };
+                }
             }
+            *to = places;
         }
     }
 
     /// Takes `place` to be what every line meets.
     #[inline(always)]
     pub(crate) fn fill(&mut self, place: u16) {
-        self.place = [place; BATCH];
+        self.place = [u32::from(place); BATCH];
     }
 
     /// The grey values of what was found; `list` has its places.
@@ -118,7 +121,7 @@ impl Batch {
                 }
             }
         }
-        let aslant = (0..BATCH).fold(1.0_f32, |most, i| most.max(self.long2[i] / self.short2[i]));
+        let aslant = largest(&std::array::from_fn(|i| self.long2[i] / self.short2[i]));
         let probes =
             [1, 2].into_iter().find(|n| aslant <= (APART * *n as f32).powi(2)).unwrap_or(MOST_PROBES);
         let coarsest = self.levels(probes);
@@ -139,59 +142,32 @@ impl Batch {
     /// Texture coordinates, footprint and light on one facet: of all lines, or of those that meet it.
     #[inline(always)]
     fn surface<const ALL: bool>(&mut self, facet: &Facet, place: u16) {
-        let [[xa, xb], [ya, yb]] = self.per_sample;
-        let [c0, c1, c2, c3, c4, c5] = facet.light;
         for row in 0..BATCH / ROW {
-            let lines = row * ROW..(row + 1) * ROW;
-            if !ALL && !self.place[lines.clone()].iter().fold(false, |seen, at| seen | (*at == place)) {
-                continue;
-            }
-            for i in lines {
-                let (x, y) = (self.x[i], self.y[i]);
-                let depth = 1.0 / value(&facet.near, x, y);
-                let (u, v) = (value(&facet.u, x, y) * depth, value(&facet.v, x, y) * depth);
-                // d(u, v) / d(x, y), then by the sample's own sides.
-                let (ux, uy) =
-                    ((facet.u[0] - u * facet.near[0]) * depth, (facet.u[1] - u * facet.near[1]) * depth);
-                let (vx, vy) =
-                    ((facet.v[0] - v * facet.near[0]) * depth, (facet.v[1] - v * facet.near[1]) * depth);
-                let (a, b) = (ux * xa + uy * ya, ux * xb + uy * yb);
-                let (c, d) = (vx * xa + vy * ya, vx * xb + vy * yb);
-                // Axes of the ellipse that a round sample covers on the texture.
-                let (p, q, r) = (a * a + b * b, a * c + b * d, c * c + d * d);
-                let sum = p + r;
-                let det = a * d - b * c;
-                let root = ((p - r) * (p - r) + 4.0 * q * q).sqrt();
-                let long2 = 0.5 * (sum + root);
-                let short2 = (det * det / long2).max(1e-12);
-                let (du, dv) = if p >= r { (long2 - r, q) } else { (q, long2 - p) };
-                let scale = (long2 / (du * du + dv * dv).max(1e-20)).sqrt();
-                let light = c0 + u * (c1 + c3 * u + c4 * v) + v * (c2 + c5 * v);
-                let new = [
-                    u + facet.offset[0],
-                    v + facet.offset[1],
-                    du * scale,
-                    dv * scale,
-                    long2,
-                    short2,
-                    facet.gain * light,
-                    facet.lift * light,
+            let here: [bool; ROW] =
+                self.place.as_chunks::<ROW>().0[row].map(|at| ALL | (at == u32::from(place)));
+            if here.iter().fold(false, |some, here| some | *here) {
+                let found =
+                    aim(facet, &self.per_sample, &self.x.as_chunks().0[row], &self.y.as_chunks().0[row]);
+                let to = [
+                    &mut self.u,
+                    &mut self.v,
+                    &mut self.long_u,
+                    &mut self.long_v,
+                    &mut self.long2,
+                    &mut self.short2,
+                    &mut self.gain,
+                    &mut self.lift,
                 ];
-                let here = ALL | (self.place[i] == place);
-                let arrays = [
-                    &mut self.u[i],
-                    &mut self.v[i],
-                    &mut self.long_u[i],
-                    &mut self.long_v[i],
-                    &mut self.long2[i],
-                    &mut self.short2[i],
-                    &mut self.gain[i],
-                    &mut self.lift[i],
-                ];
-                for (to, new) in arrays.into_iter().zip(new) {
-                    *to = if here { new } else { *to };
+                for (to, found) in to.into_iter().zip(found) {
+                    let to: &mut [f32; ROW] = &mut to.as_chunks_mut().0[row];
+                    for i in 0..ROW {
+                        to[i] = if here[i] { found[i] } else { to[i] };
+                    }
                 }
-                self.base[i] = if here { facet.base } else { self.base[i] };
+                let base: &mut [u32; ROW] = &mut self.base.as_chunks_mut().0[row];
+                for i in 0..ROW {
+                    base[i] = if here[i] { facet.base } else { base[i] };
+                }
             }
         }
     }
@@ -200,13 +176,11 @@ impl Batch {
     #[inline(always)]
     fn levels(&mut self, probes: usize) -> f32 {
         let share = 1.0 / (APART * probes as f32).powi(2);
-        let mut coarsest = 0.0_f32;
         for i in 0..BATCH {
             let width2 = self.short2[i].max(self.long2[i] * share);
             self.level[i] = (0.5 * log2(width2)).clamp(0.0, (LOG_SIDE - LOG_COARSEST) as f32 - 0.01);
-            coarsest = coarsest.max(self.level[i]);
         }
-        coarsest
+        largest(&self.level)
     }
 
     /// Adds `weight` times the texture, `along` a sample's length from its middle, interpolated in u, v and, over two levels, between
@@ -216,19 +190,20 @@ impl Batch {
         for k in 0..LEVELS {
             for i in 0..BATCH {
                 let (u, v) = (self.u[i] + along * self.long_u[i], self.v[i] + along * self.long_v[i]);
-                let level = if LEVELS == 1 { 0 } else { self.level[i] as i32 + k as i32 };
+                let level = if LEVELS == 1 { 0 } else { floor(self.level[i]).0 + k as i32 };
                 let scale = f32::from_bits(((127 - level) as u32) << 23);
                 let (x, y) = (u * scale - 0.5, v * scale - 0.5);
-                // Not negative but by the half texel, and then it wraps as it should: floor by way of a whole number more.
-                let (xi, yi) = ((x + 1.0) as i32 - 1, (y + 1.0) as i32 - 1);
-                (self.fx[k][i], self.fy[k][i]) = (x - xi as f32, y - yi as f32);
+                let ((xi, fx), (yi, fy)) = (floor(x), floor(y));
+                (self.fx[k][i], self.fy[k][i]) = (fx, fy);
                 let log = LOG_SIDE - level as u32;
                 let mask = (1_u32 << log) - 1;
                 let start = 1_u32 << (2 * log - 1);
                 self.at[k][i] = self.base[i] + start + (((yi as u32) & mask) << log) + ((xi as u32) & mask);
             }
+            let Some(last) = texels.len().checked_sub(1) else { return };
             for i in 0..BATCH {
-                self.four[k][i] = texels.get(self.at[k][i] as usize).copied().unwrap_or(0);
+                // Never beyond the last: said so that the compiler need not ask.
+                self.four[k][i] = texels[(self.at[k][i] as usize).min(last)];
             }
         }
         for i in 0..BATCH {
@@ -241,15 +216,65 @@ impl Batch {
                 top + fy * (bottom - top)
             };
             let fine = grey(0);
-            let found = if LEVELS == 1 {
-                fine
-            } else {
-                let between = self.level[i] - (self.level[i] as i32) as f32;
-                fine + between * (grey(1) - fine)
-            };
+            let found = if LEVELS == 1 { fine } else { fine + floor(self.level[i]).1 * (grey(1) - fine) };
             self.grey[i] += weight * found;
         }
     }
+}
+
+/// Where lines of sight meet the plane of a facet: u, v, the long axis of a sample in u and v, its length squared, the short one's
+/// squared \[texels\], and gain and lift in the light there.
+#[inline(always)]
+fn aim(facet: &Facet, per_sample: &[[f32; 2]; 2], x: &[f32; ROW], y: &[f32; ROW]) -> [[f32; ROW]; 8] {
+    let [[xa, xb], [ya, yb]] = *per_sample;
+    let [c0, c1, c2, c3, c4, c5] = facet.light;
+    let mut found = [[0.0; ROW]; 8];
+    let [to_u, to_v, to_long_u, to_long_v, to_long2, to_short2, to_gain, to_lift] = &mut found;
+    for i in 0..ROW {
+        let (x, y) = (x[i], y[i]);
+        let depth = 1.0 / value(&facet.near, x, y);
+        let (u, v) = (value(&facet.u, x, y) * depth, value(&facet.v, x, y) * depth);
+        // d(u, v) / d(x, y), then by the sample's own sides.
+        let (ux, uy) = ((facet.u[0] - u * facet.near[0]) * depth, (facet.u[1] - u * facet.near[1]) * depth);
+        let (vx, vy) = ((facet.v[0] - v * facet.near[0]) * depth, (facet.v[1] - v * facet.near[1]) * depth);
+        let (a, b) = (ux * xa + uy * ya, ux * xb + uy * yb);
+        let (c, d) = (vx * xa + vy * ya, vx * xb + vy * yb);
+        // Axes of the ellipse that a round sample covers on the texture.
+        let (p, q, r) = (a * a + b * b, a * c + b * d, c * c + d * d);
+        let det = a * d - b * c;
+        let root = ((p - r) * (p - r) + 4.0 * q * q).sqrt();
+        let long2 = 0.5 * (p + r + root);
+        // Of two expressions for the long axis the one that does not cancel.
+        let steep = p < r;
+        let (du, dv) = (if steep { q } else { long2 - r }, if steep { long2 - p } else { q });
+        let scale = (long2 / (du * du + dv * dv).max(1e-20)).sqrt();
+        let light = c0 + u * (c1 + c3 * u + c4 * v) + v * (c2 + c5 * v);
+        to_u[i] = u + facet.offset[0];
+        to_v[i] = v + facet.offset[1];
+        to_long_u[i] = du * scale;
+        to_long_v[i] = dv * scale;
+        to_long2[i] = long2;
+        to_short2[i] = (det * det / long2).max(1e-12);
+        to_gain[i] = facet.gain * light;
+        to_lift[i] = facet.lift * light;
+    }
+    found
+}
+
+/// The whole number below a value of size 2^22 at most, and what is left; a whole number may come as the one below it and 1.
+///
+/// Adding 1.5 * 2^23 leaves a whole number in the lowest bits: no conversion that asks for infinities.
+#[inline(always)]
+fn floor(value: f32) -> (i32, f32) {
+    const SHIFT: f32 = 12_582_912.0;
+    let shifted = (value - 0.5) + SHIFT;
+    ((shifted.to_bits() as i32).wrapping_sub(SHIFT.to_bits() as i32), value - (shifted - SHIFT))
+}
+
+/// The largest of numbers that are not negative: their bits are in the same order.
+#[inline(always)]
+fn largest(values: &Lines) -> f32 {
+    f32::from_bits(values.iter().fold(0, |most, value| most.max(value.to_bits())))
 }
 
 /// log2 of a positive number within .09, without a step and never falling: exact at powers of 2, a straight line between.
@@ -262,6 +287,16 @@ fn log2(value: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn floors_are_whole_numbers_and_shares() {
+        for i in -3000..3000 {
+            let value = i as f32 * 0.37;
+            let (whole, share) = floor(value);
+            assert!((0.0..=1.0).contains(&share) && (whole as f32 + share - value).abs() < 1e-4, "{value}");
+        }
+        assert_eq!((floor(0.0), floor(-0.25), floor(7.0)), ((0, 0.0), (-1, 0.75), (6, 1.0)));
+    }
 
     #[test]
     fn the_quick_logarithm_is_near_the_true_one() {

@@ -10,8 +10,11 @@ use super::view::View;
 use nalgebra::Isometry3;
 use pulp::{Arch, Simd, WithSimd};
 
+/// Lines of sight of a pixel at an edge.
+const PER_PX: usize = 8;
+
 /// Where a pixel at an edge is looked through, in sixteenths of it: eight places no two of which share a row or a column.
-const PLACES: [[i8; 2]; 8] = [[1, -3], [-1, 3], [5, 1], [-3, -5], [-5, 5], [-7, -1], [3, 7], [7, -7]];
+const PLACES: [[i8; 2]; PER_PX] = [[1, -3], [-1, 3], [5, 1], [-3, -5], [-5, 5], [-7, -1], [3, 7], [7, -7]];
 
 /// Width of a sample on a surface, in pixels: a bilinear look-up widens it by as much again.
 const SAMPLE_PX: f32 = 0.75;
@@ -27,7 +30,7 @@ pub(crate) struct Frame {
     /// Grey values, row after row.
     pub(crate) grey: Vec<f32>,
     /// The facet that each pixel sees.
-    places: Vec<u16>,
+    places: Vec<u32>,
     /// Pixels of a tile that lie at an edge.
     edges: Vec<usize>,
 }
@@ -75,14 +78,14 @@ impl WithSimd for Paint<'_> {
                 continue;
             }
             at_edges(lens, index, places, edges);
-            for some in edges.chunks(BATCH / PLACES.len()) {
+            for some in edges.chunks(BATCH / PER_PX) {
                 spread(batch, tile, some);
                 batch.find(&view.facets, list);
                 batch.shade(&view.facets, list, texels);
                 for (n, &pixel) in some.iter().enumerate() {
-                    let samples = &batch.grey[n * PLACES.len()..][..PLACES.len()];
+                    let samples = &batch.grey[n * PER_PX..][..PER_PX];
                     let at = place_of(lens, index, pixel);
-                    grey[at] = samples.iter().sum::<f32>() / PLACES.len() as f32;
+                    grey[at] = samples.iter().sum::<f32>() / PER_PX as f32;
                 }
             }
         }
@@ -99,11 +102,16 @@ fn load(batch: &mut Batch, tile: &Tile) {
 #[inline(always)]
 fn spread(batch: &mut Batch, tile: &Tile, pixels: &[usize]) {
     let [[xa, xb], [ya, yb]] = tile.per_px;
-    for i in 0..BATCH {
-        let pixel = pixels[(i / PLACES.len()).min(pixels.len() - 1)];
-        let [du, dv] = PLACES[i % PLACES.len()].map(|v| f32::from(v) / 16.0);
-        batch.x[i] = tile.x[pixel] + du * xa + dv * xb;
-        batch.y[i] = tile.y[pixel] + du * ya + dv * yb;
+    let last = pixels.len() - 1;
+    let (xs, ys) = (batch.x.as_chunks_mut::<PER_PX>().0, batch.y.as_chunks_mut::<PER_PX>().0);
+    for (n, (xs, ys)) in xs.iter_mut().zip(ys).enumerate() {
+        let pixel = pixels[n.min(last)];
+        let (x, y) = (tile.x[pixel], tile.y[pixel]);
+        for i in 0..PER_PX {
+            let [du, dv] = PLACES[i].map(|v| f32::from(v) * (1.0 / 16.0));
+            xs[i] = x + du * xa + dv * xb;
+            ys[i] = y + du * ya + dv * yb;
+        }
     }
     batch.per_sample = tile.per_px.map(|row| row.map(|v| v * SUBSAMPLE_PX));
 }
@@ -128,21 +136,32 @@ fn place_of(lens: &Lens, index: usize, pixel: usize) -> usize {
 
 /// Pixels of a tile with another surface to the left, right, above or below.
 #[inline(always)]
-fn at_edges(lens: &Lens, index: usize, places: &[u16], edges: &mut Vec<usize>) {
+fn at_edges(lens: &Lens, index: usize, places: &[u32], edges: &mut Vec<usize>) {
     let [width, height] = lens.size;
     let (left, top) = (index % lens.tiles_across[0] * TILE, index / lens.tiles_across[0] * TILE);
+    let inner = left > 0 && left + TILE < width;
     edges.clear();
     for row in 0..TILE.min(height - top) {
         let y = top + row;
+        let (above, below) = (y.saturating_sub(1) * width, (y + 1).min(height - 1) * width);
+        // Most rows have no edge: asked at once where the tile has neighbours on both sides.
+        if inner {
+            let own = &places[y * width + left..][..TILE];
+            let others = [y * width + left - 1, y * width + left + 1, above + left, below + left];
+            let differ = |from: usize| {
+                let pairs = own.iter().zip(&places[from..][..TILE]);
+                pairs.fold(0, |bits, (own, other)| bits | (own ^ other))
+            };
+            if others.into_iter().fold(0, |bits, from| bits | differ(from)) == 0 {
+                continue;
+            }
+        }
         for column in 0..TILE.min(width - left) {
             let x = left + column;
-            let at = y * width + x;
-            let own = places[at];
-            let another = (x > 0 && places[at - 1] != own)
-                || (x + 1 < width && places[at + 1] != own)
-                || (y > 0 && places[at - width] != own)
-                || (y + 1 < height && places[at + width] != own);
-            if another {
+            let own = places[y * width + x];
+            let (before, after) = (x.saturating_sub(1), (x + 1).min(width - 1));
+            let others = [y * width + before, y * width + after, above + x, below + x];
+            if others.into_iter().any(|at| places[at] != own) {
                 edges.push(row * TILE + column);
             }
         }
@@ -188,7 +207,7 @@ mod tests {
                 let px = nalgebra::Vector2::new((i % 752) as f64, (i / 752) as f64);
                 let ray = pose.rotation * camera.normalise(&px).unwrap().push(1.0);
                 let (rect, _) = scene.hit(&pose.translation.vector, &ray).unwrap();
-                let shown = rects[usize::from(*place)];
+                let shown = rects[*place as usize];
                 // Single precision may decide otherwise a thousandth of a pixel from an edge.
                 edges += usize::from(shown != rect);
                 seen += 1;

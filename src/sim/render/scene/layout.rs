@@ -25,12 +25,12 @@ const PANELS: &Mix = &[
     (Material::Planks, 0.13),
     (Material::Print, 0.1),
 ];
-const POSTERS: &Mix = &[(Material::Print, 0.6), (Material::Clutter, 0.15), (Material::Chips, 0.25)];
+const POSTERS: &Mix = &[(Material::Print, 0.5), (Material::Clutter, 0.1), (Material::Chips, 0.4)];
 const BOXES: &Mix = &[
     (Material::Clutter, 0.25),
     (Material::Planks, 0.3),
-    (Material::Print, 0.15),
-    (Material::Cloth, 0.2),
+    (Material::Print, 0.2),
+    (Material::Cloth, 0.15),
     (Material::Blocks, 0.1),
 ];
 const MATS: &Mix = &[(Material::Print, 0.5), (Material::Clutter, 0.2), (Material::Cloth, 0.3)];
@@ -192,7 +192,7 @@ impl<R: Rng> Builder<'_, R> {
                 }
                 let skin = self.skin(PANELS);
                 self.slab(&slab, &[(2, false)], &skin);
-                if self.chance(0.55) {
+                if self.chance(0.75) {
                     self.poster(&slab);
                 }
             }
@@ -202,7 +202,7 @@ impl<R: Rng> Builder<'_, R> {
     /// A sheet on the front of a panel.
     fn poster(&mut self, panel: &Slab) {
         let [width, tall, depth] = panel.size;
-        let (w, h) = (width * self.between(0.25, 0.7), tall * self.between(0.25, 0.7));
+        let (w, h) = (width * self.between(0.2, 0.6), tall * self.between(0.2, 0.6));
         let (x, y) = (self.between(0.05, 0.95) * (width - w), self.between(0.05, 0.95) * (tall - h));
         let [across, along, inward] = panel.axes;
         let origin = panel.origin + x * across + y * along + (depth + 0.006) * inward;
@@ -250,7 +250,7 @@ impl<R: Rng> Builder<'_, R> {
     fn floor(&mut self) {
         let size = self.high - self.low;
         let things = (size.x * size.y / self.scale.thing_area).ceil() as usize;
-        for i in 0..things {
+        for i in 0..things + things / 2 {
             let turn = std::f64::consts::TAU * self.rng.random::<f64>();
             let axes = upright(turn);
             let strip = self.chance(0.4);

@@ -75,9 +75,9 @@ fn cloth(rng: &mut impl Rng) -> Canvas {
     canvas.noise(5, 28, 8.0, rng);
     canvas.noise(11, 70, 5.0, rng);
     canvas.noise(40, 160, 2.5, rng);
-    canvas.noise(256, 256, 2.0, rng);
-    canvas.noise(512, 340, 3.0, rng);
-    canvas.noise(340, 512, 3.0, rng);
+    canvas.noise(256, 256, 2.5, rng);
+    canvas.noise(512, 340, 4.0, rng);
+    canvas.noise(340, 512, 4.0, rng);
     // Seams.
     for at in [0.13, 0.62] {
         let y = at * SIDE as f32;
@@ -90,7 +90,7 @@ fn cloth(rng: &mut impl Rng) -> Canvas {
 fn carpet(rng: &mut impl Rng) -> Canvas {
     let mut canvas = Canvas::new(128.0);
     canvas.octaves(4, 16, 4.0, 0.8, rng);
-    canvas.octaves(64, 512, 1.8, 1.35, rng);
+    canvas.octaves(64, 512, 2.4, 1.35, rng);
     for _ in 0..60 {
         let (at, r) = (place(rng), size(3.0, 25.0, rng));
         let half = [r, r * (0.3 + 0.7 * rng.random::<f32>())];
@@ -193,7 +193,7 @@ fn print(rng: &mut impl Rng) -> Canvas {
             canvas.rectangle(at, [r * 0.7, 1.2 + 0.1 * r], turn, grey);
         }
     }
-    for _ in 0..9 {
+    for _ in 0..16 {
         let [x, y] = place(rng);
         let side = rng.random_range(9.0..17.0_f32);
         for row in 0..9_u8 {
