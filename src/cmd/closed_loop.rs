@@ -81,8 +81,12 @@ fn source(args: &EvalArgs, estimator: &EstimatorConfig) -> Result<Source> {
             let images = Images::Folder { skip_missing: args.closed.skip_missing };
             Tracks::Seen(Vision { images, front_end: estimator.front_end })
         }
-        (CameraArg::Images, Some(_)) => {
-            return Err(Fault::new("--tracks and --camera images ask for two things")
+        (CameraArg::Rendered, None) => {
+            let images = Images::Rendered(Box::new(settings::images(&args.closed.settings)?));
+            Tracks::Seen(Vision { images, front_end: estimator.front_end })
+        }
+        (CameraArg::Images | CameraArg::Rendered, Some(_)) => {
+            return Err(Fault::new("--tracks and --camera images or rendered ask for two things")
                 .hint("leave one of them away")
                 .into());
         }
@@ -111,7 +115,10 @@ fn manifest(args: &EvalArgs, sweep: &Sweep<'_>) -> Result<Manifest> {
         Tracks::Given(_) => serde_json::json!("given"),
         Tracks::Made(config) => serde_json::json!(config),
         // The front-end's settings are the estimator's.
-        Tracks::Seen(vision) => serde_json::json!(vision.images.name()),
+        Tracks::Seen(vision) => match &vision.images {
+            Images::Folder { .. } => serde_json::json!(vision.images.name()),
+            Images::Rendered(config) => serde_json::json!({ "rendered": config }),
+        },
     };
     let source = match sweep.source {
         Source::Recorded { .. } => serde_json::json!({ "tracks": tracks }),

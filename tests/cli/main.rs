@@ -14,6 +14,7 @@ mod images;
 mod noise;
 mod odometry;
 mod recording;
+mod rendered;
 mod run;
 mod simulate;
 mod tracks;
