@@ -29,12 +29,11 @@ fn main() -> Result<(), Box<dyn Error>> {
             estimator.feed_imu(NoisySample { sample: *sample, noise: ImuNoise::baseline() })?;
         }
         while let Some(update) = estimator.next_update() {
-            match update.state {
-                Some(state) => {
-                    println!("{} {:.3}", update.t, state.world_from_body.translation.vector.transpose())
-                }
-                None => println!("{} {:?}, {} tracks", update.t, update.phase, update.tracked),
-            }
+            let Some(state) = update.state else {
+                println!("{} {:?}", update.t, update.phase);
+                continue;
+            };
+            println!("{} {:.3}", update.t, state.world_from_body.translation.vector.transpose());
         }
     }
     Ok(())

@@ -27,6 +27,8 @@ const BELIEVED_SHARE: f64 = 0.5;
 const KNOWN_SHARE: f64 = 0.5;
 /// A known rotation is doubted where fewer tracks than this share agree with it.
 const KNOWN_DOUBT: f64 = 0.35;
+/// What so many tracks fit, they all fit but for mistakes in tracking.
+const ALL_SHARE: f64 = 0.9;
 
 /// Why there is no front-end.
 #[derive(Debug, Error, PartialEq)]
@@ -353,10 +355,22 @@ impl FrontEnd {
         let turn = self.since_handed.map(|turn| self.gyro_bias.corrected(&turn, seconds));
         let mut ransac = self.config.ransac;
         // A rotation that is known is doubted when few tracks agree with it, not when a bus drives by.
-        if self.gyro_bias.is_known(seconds, KNOWN_SHARE * ransac.threshold_px / focal) {
+        let known = self.gyro_bias.is_known(seconds, KNOWN_SHARE * ransac.threshold_px / focal);
+        if known {
             ransac.doubt_share = ransac.doubt_share.min(KNOWN_DOUBT);
         }
-        let found = agree(&asked, turn.as_ref(), focal, &ransac, &stream);
+        let mut found = agree(&asked, turn.as_ref(), focal, &ransac, &stream);
+        if let (true, Some(measured), Some(essential)) = (known, self.since_handed, found.essential)
+            && found.share() < self.config.ransac.doubt_share
+        {
+            // Unless all tracks together agree with another bias: then it is the gyroscope that changed.
+            let mut anew = self.gyro_bias.forgotten();
+            if anew.learn(&asked, &measured, &essential, focal, seconds) >= ALL_SHARE {
+                self.gyro_bias = anew;
+                let turn = self.gyro_bias.corrected(&measured, seconds);
+                found = agree(&asked, Some(&turn), focal, &self.config.ransac, &stream);
+            }
+        }
         if found.essential.is_none() {
             return;
         }
