@@ -7,6 +7,7 @@ use dpn_core::camera::BadCamera;
 use dpn_core::config::ConfigFault;
 use dpn_core::io::{Coverage, IoError};
 use dpn_sim::SimulationError;
+use dpn_sim::render::RenderError;
 use dpn_sim::tracks::{BadCameraSettings, PathError, TracksError};
 use dpn_vio::estimator::FeedError;
 use dpn_vio::frontend::FrontEndError;
@@ -43,6 +44,14 @@ pub enum ClosedLoopError {
         sequence: String,
         /// Why.
         source: TracksError,
+    },
+    /// Images that cannot be rendered.
+    #[error("{sequence}: nothing can be rendered: {source}")]
+    Render {
+        /// The sequence.
+        sequence: String,
+        /// Why.
+        source: RenderError,
     },
     /// A camera configuration that describes no camera.
     #[error("{sequence}: its camera cannot be used")]

@@ -8,6 +8,7 @@ use super::recording::Span;
 use dpn_core::io::asl::Sequence;
 use dpn_core::io::{ImageFolder, IoError};
 use dpn_core::{GrayImage, Stamp};
+use dpn_sim::RenderConfig;
 use dpn_vio::frontend::FrontEndConfig;
 
 /// Images read ahead of the front-end.
@@ -26,6 +27,8 @@ pub enum Images {
         /// Whether images that are listed but not there are passed over; else they are an error before the run begins.
         skip_missing: bool,
     },
+    /// Rendered along the ground truth, from the seed of the cell.
+    Rendered(Box<RenderConfig>),
 }
 
 impl Images {
@@ -33,6 +36,7 @@ impl Images {
     pub fn name(&self) -> &'static str {
         match self {
             Self::Folder { .. } => "images",
+            Self::Rendered(_) => "rendered",
         }
     }
 }

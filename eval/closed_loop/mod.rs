@@ -19,6 +19,7 @@ mod lazy;
 mod paper;
 mod parallel;
 mod recording;
+mod rendered;
 mod row;
 mod sight;
 mod single;

@@ -3,6 +3,7 @@
 use super::error::ClosedLoopError;
 use super::images::{ImageStream, Images, Vision, of_folder};
 use super::recording::{Recording, Span};
+use super::rendered::rendered;
 use super::sight::{Seen, Watch, follow};
 use crate::metrics::poses_of;
 use dpn_core::camera::PinholeRadtan;
@@ -11,12 +12,13 @@ use dpn_core::io::{ImageFolder, IoError, StampedPose, read_tracks};
 use dpn_core::{SampleRate, Stamp, TrackFrame};
 use dpn_sim::flight::FlightPlan;
 use dpn_sim::tracks::{
-    AnalyticPath, CameraSettings, RecordedPath, TracksConfig, camera_stamps, simulate_tracks,
+    AnalyticPath, CameraSettings, PathConfig, RecordedPath, TracksConfig, camera_stamps, simulate_tracks,
 };
-use dpn_sim::{Flight, FlightConfig, SimulationError, Split, simulate};
+use dpn_sim::{Flight, FlightConfig, RenderConfig, SimulationError, Split, simulate};
 use dpn_train::split::{Side, assign, paper_side};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Rate of a camera that is not there: EuRoC's \[Hz\].
 const CAMERA_HZ: f64 = 20.0;
@@ -30,7 +32,7 @@ pub enum Tracks {
     Given(PathBuf),
     /// Made along the ground truth, from the seed of the cell.
     Made(TracksConfig),
-    /// Followed through images; the seed of the cell is the front-end's.
+    /// Followed through images; the seed of the cell is the front-end's, and that of images that are rendered.
     Seen(Vision),
 }
 
@@ -181,11 +183,11 @@ impl Source {
     /// The images of the sequence at `place` within `span`; none where tracks are not followed through images.
     ///
     /// # Errors
-    /// A folder without images, or without all of them; a flight, which has no folder.
+    /// A folder without images, or without all of them; a flight, which has no folder; nothing to render along.
     pub fn images(
         &self,
         place: usize,
-        _seed: u64,
+        seed: u64,
         span: &Span,
     ) -> Result<Option<ImageStream<'static>>, ClosedLoopError> {
         let Tracks::Seen(Vision { images, .. }) = self.tracks() else { return Ok(None) };
@@ -196,6 +198,18 @@ impl Source {
             (Images::Folder { .. }, Self::Flights { .. }) => {
                 let sequence = Flight::ALL[place].name().to_owned();
                 Err(ClosedLoopError::NoImages { sequence, asked: false })
+            }
+            (Images::Rendered(config), Self::Recorded { sequences, .. }) => {
+                let sequence = &sequences[place].0;
+                let camera = settled(sequence, config.camera)?;
+                let config = RenderConfig { camera, ..RenderConfig::clone(config) };
+                let (path, stamps) = path_of(sequence, &config.path)?;
+                Ok(Some(rendered(sequence.name(), &config, Arc::new(path), &stamps, seed, span)?))
+            }
+            (Images::Rendered(config), Self::Flights { config: flight, .. }) => {
+                let (path, stamps) = path_of_flight(Flight::ALL[place], flight, seed)?;
+                let name = Flight::ALL[place].name();
+                Ok(Some(rendered(name, config, Arc::new(path), &stamps, seed, span)?))
             }
         }
     }
@@ -233,10 +247,7 @@ impl Source {
             Self::Flights { config, tracks } => {
                 let Tracks::Made(tracks) = tracks else { return Ok(Vec::new()) };
                 let flight = Flight::ALL[place];
-                let plan = FlightPlan::new(flight, seed)
-                    .map_err(|source| SimulationError::Trajectory { flight, source })?;
-                let path = AnalyticPath::new(plan.trajectory, Stamp::from_ns(config.epoch_ns));
-                let stamps = camera_stamps(&path, camera_rate(None));
+                let (path, stamps) = path_of_flight(flight, config, seed)?;
                 simulate_tracks(tracks, &path, &stamps, seed)
                     .map_err(|source| ClosedLoopError::Tracks { sequence: flight.name().into(), source })
             }
@@ -308,14 +319,17 @@ fn camera_rate(camera: Option<&CameraConfig>) -> SampleRate {
 fn recorded(sequence: &Sequence, side: Side, tracks: &Tracks) -> Result<Recording, ClosedLoopError> {
     let name = sequence.name().to_owned();
     let (camera, body_from_cam) = match tracks {
-        Tracks::Given(_) | Tracks::Seen(_) => {
+        Tracks::Given(_) | Tracks::Seen(Vision { images: Images::Folder { .. }, .. }) => {
             let no_camera = || ClosedLoopError::NoCamera { dir: sequence.dir().to_path_buf() };
             let config = sequence.camera_config()?.ok_or_else(no_camera)?;
             let camera = PinholeRadtan::try_from(&config)
                 .map_err(|source| ClosedLoopError::Camera { sequence: name.clone(), source })?;
             (camera, config.body_from_cam)
         }
-        Tracks::Made(config) => camera_of(&name, &settled(sequence, config)?)?,
+        Tracks::Made(config) => camera_of(&name, settled(sequence, config.camera)?)?,
+        Tracks::Seen(Vision { images: Images::Rendered(config), .. }) => {
+            camera_of(&name, settled(sequence, config.camera)?)?
+        }
     };
     let truth = match sequence.ground_truth_path() {
         Some(_) => Some(poses_of(&sequence.ground_truth()?)),
@@ -324,43 +338,60 @@ fn recorded(sequence: &Sequence, side: Side, tracks: &Tracks) -> Result<Recordin
     Ok(Recording { name, side, imu: sequence.imu()?, camera, body_from_cam, truth, oracle: None })
 }
 
-/// The configuration with the sequence's own camera, where none was given and it has one.
-fn settled(sequence: &Sequence, config: &TracksConfig) -> Result<TracksConfig, ClosedLoopError> {
-    let mut config = config.clone();
-    if config.camera.is_none()
-        && let Some(own) = sequence.camera_config()?
-    {
-        let settings = CameraSettings::try_from(&own)
-            .map_err(|source| ClosedLoopError::Camera { sequence: sequence.name().to_owned(), source })?;
-        config.camera = Some(settings);
-    }
-    Ok(config)
+/// The camera that was given, else the sequence's own where it has one.
+fn settled(
+    sequence: &Sequence,
+    given: Option<CameraSettings>,
+) -> Result<Option<CameraSettings>, ClosedLoopError> {
+    let (None, Some(own)) = (given, sequence.camera_config()?) else { return Ok(given) };
+    let settings = CameraSettings::try_from(&own)
+        .map_err(|source| ClosedLoopError::Camera { sequence: sequence.name().to_owned(), source })?;
+    Ok(Some(settings))
 }
 
 fn camera_of(
     sequence: &str,
-    config: &TracksConfig,
+    settings: Option<CameraSettings>,
 ) -> Result<(PinholeRadtan, nalgebra::Isometry3<f64>), ClosedLoopError> {
     let wrong = |source| ClosedLoopError::CameraSettings { sequence: sequence.to_owned(), source };
-    let settings = config.camera_or_default();
+    let settings = settings.unwrap_or_default();
     Ok((settings.model().map_err(wrong)?, settings.body_from_cam().map_err(wrong)?))
 }
 
-/// Tracks along the ground truth, on the camera's stamps where it left any.
-fn made(sequence: &Sequence, config: &TracksConfig, seed: u64) -> Result<Vec<TrackFrame>, ClosedLoopError> {
-    let name = || sequence.name().to_owned();
+/// The path along a sequence's ground truth, and its camera's stamps where it left any.
+fn path_of(sequence: &Sequence, config: &PathConfig) -> Result<(RecordedPath, Vec<Stamp>), ClosedLoopError> {
     if sequence.ground_truth_path().is_none() {
         return Err(ClosedLoopError::NoGroundTruth { dir: sequence.dir().to_path_buf() });
     }
-    let path = RecordedPath::new(&sequence.ground_truth()?, &config.path)
-        .map_err(|source| ClosedLoopError::Path { sequence: name(), source })?;
+    let path = RecordedPath::new(&sequence.ground_truth()?, config)
+        .map_err(|source| ClosedLoopError::Path { sequence: sequence.name().to_owned(), source })?;
     let stamps = if sequence.camera_path().is_file() {
         sequence.camera_frames()?.iter().map(|frame| frame.t).collect()
     } else {
         camera_stamps(&path, camera_rate(sequence.camera_config()?.as_ref()))
     };
-    simulate_tracks(&settled(sequence, config)?, &path, &stamps, seed)
-        .map_err(|source| ClosedLoopError::Tracks { sequence: name(), source })
+    Ok((path, stamps))
+}
+
+/// A flight's exact path, and stamps of a camera on it.
+fn path_of_flight(
+    flight: Flight,
+    config: &FlightConfig,
+    seed: u64,
+) -> Result<(AnalyticPath, Vec<Stamp>), ClosedLoopError> {
+    let plan =
+        FlightPlan::new(flight, seed).map_err(|source| SimulationError::Trajectory { flight, source })?;
+    let path = AnalyticPath::new(plan.trajectory, Stamp::from_ns(config.epoch_ns));
+    let stamps = camera_stamps(&path, camera_rate(None));
+    Ok((path, stamps))
+}
+
+/// Tracks along the ground truth.
+fn made(sequence: &Sequence, config: &TracksConfig, seed: u64) -> Result<Vec<TrackFrame>, ClosedLoopError> {
+    let (path, stamps) = path_of(sequence, &config.path)?;
+    let config = TracksConfig { camera: settled(sequence, config.camera)?, ..config.clone() };
+    simulate_tracks(&config, &path, &stamps, seed)
+        .map_err(|source| ClosedLoopError::Tracks { sequence: sequence.name().to_owned(), source })
 }
 
 fn flown(
@@ -370,9 +401,12 @@ fn flown(
     tracks: &Tracks,
 ) -> Result<Recording, ClosedLoopError> {
     let flown = simulate(flight, seed, config)?;
-    let euroc = TracksConfig::default();
-    let made = if let Tracks::Made(made) = tracks { made } else { &euroc };
-    let (camera, body_from_cam) = camera_of(flight.name(), made)?;
+    let settings = match tracks {
+        Tracks::Made(made) => made.camera,
+        Tracks::Seen(Vision { images: Images::Rendered(rendered), .. }) => rendered.camera,
+        Tracks::Given(_) | Tracks::Seen(_) => None,
+    };
+    let (camera, body_from_cam) = camera_of(flight.name(), settings)?;
     let truth = flown.ground_truth.iter();
     let truth = truth.map(|s| StampedPose { t: s.t, world_from_body: s.world_from_body }).collect();
     Ok(Recording {

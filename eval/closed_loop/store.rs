@@ -5,6 +5,7 @@
 //! noises and seeds may have been added.
 
 use super::error::ClosedLoopError;
+use super::images::Images;
 use super::row::{CellKey, Row};
 use super::source::{Source, Tracks};
 use super::sweep::Sweep;
@@ -48,7 +49,10 @@ impl Manifest {
             Tracks::Given(_) => serde_json::json!("given"),
             Tracks::Made(config) => serde_json::json!(config),
             // The front-end's settings are the estimator's.
-            Tracks::Seen(vision) => serde_json::json!(vision.images.name()),
+            Tracks::Seen(vision) => match &vision.images {
+                Images::Folder { .. } => serde_json::json!(vision.images.name()),
+                Images::Rendered(config) => serde_json::json!({ "rendered": config }),
+            },
         };
         let mut source = match sweep.source {
             Source::Recorded { .. } => serde_json::json!({ "tracks": tracks }),

@@ -19,8 +19,7 @@ pub(super) fn findings(log: &Log) -> Vec<Finding> {
     let all = log.recording.len() + log.sieved.count();
     let mut left = |about: &'static str, left: &LeftOut, words: &str, remedy: &'static str| {
         let Some(first) = left.first else { return };
-        let text =
-            format!("{} samples {words}, first at {} {first}; they are left out", left.count, log.place);
+        let text = format!("left out: {} sample(s) {words}, first at {} {first}", left.count, log.place);
         findings.push(if left.count as f64 > MANY * all as f64 {
             Finding::bad(about, text, remedy)
         } else {

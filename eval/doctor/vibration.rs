@@ -1,12 +1,14 @@
 //! Spectral peaks: what shakes, and what may be a higher frequency folded back.
 
 use super::Finding;
-use dpn_core::signal::spectrum::{Spectrum, Welch};
+use dpn_core::signal::spectrum::{Peak, Spectrum, Welch};
 use dpn_core::signal::stats;
 use dpn_core::{ImuRecording, Sensor};
 
-/// A peak stands this many times above the middle density of its axis.
-const ABOVE: f64 = 30.0;
+/// A peak stands this many times above the middle density of its axis; of white noise over four segments none does by chance.
+const ABOVE: f64 = 8.0;
+/// And this many times above what lies beside it, which motion, falling off with frequency, does not.
+const BESIDE: f64 = 3.0;
 /// Frequencies below belong to motion \[Hz\].
 const LEAST_HZ: f64 = 8.0;
 /// Length of a segment \[s\].
@@ -42,19 +44,9 @@ pub(super) fn findings(spectra: &[AxisSpectrum]) -> Vec<Finding> {
     let mut findings = Vec::new();
     for AxisSpectrum { sensor, axis, spectrum } in spectra {
         let nyquist = spectrum.bin_hz() * (spectrum.density().len() - 1) as f64;
-        let high: Vec<f64> = spectrum
-            .frequencies()
-            .zip(spectrum.density())
-            .filter(|(hz, _)| *hz >= LEAST_HZ)
-            .map(|(_, d)| *d)
-            .collect();
-        let Some(peak) =
-            spectrum.peak(LEAST_HZ, nyquist).filter(|p| p.density > ABOVE * stats::median(&high))
-        else {
-            continue;
-        };
-        let width = 4.0 * spectrum.bin_hz();
-        let band = spectrum.band_power(peak.hz - width, peak.hz + width);
+        let Some(peak) = peak(spectrum, nyquist) else { continue };
+        let width = (4.0 * spectrum.bin_hz()).max(0.06 * peak.hz);
+        let band = spectrum.band_power((peak.hz - width).max(LEAST_HZ), (peak.hz + width).min(nyquist));
         let share = band / spectrum.band_power(LEAST_HZ, nyquist).max(f64::MIN_POSITIVE);
         let name = ["x", "y", "z"][*axis];
         let text = format!(
@@ -79,6 +71,26 @@ pub(super) fn findings(spectra: &[AxisSpectrum]) -> Vec<Finding> {
         });
     }
     findings
+}
+
+/// The highest peak that stands out of its axis and of what lies on both sides of it; none where nothing shakes.
+fn peak(spectrum: &Spectrum, nyquist: f64) -> Option<Peak> {
+    let within = |low: f64, high: f64| -> Vec<f64> {
+        let bins = spectrum.frequencies().zip(spectrum.density());
+        bins.filter(|(hz, _)| (low..=high).contains(hz)).map(|(_, density)| *density).collect()
+    };
+    let floor = ABOVE * stats::median(&within(LEAST_HZ, nyquist));
+    let stands = |hz: f64, density: f64| {
+        let sides = [within(0.6 * hz, 0.8 * hz), within(1.25 * hz, 1.6 * hz)];
+        density > floor && sides.iter().all(|side| side.len() < 3 || density > BESIDE * stats::median(side))
+    };
+    let bins = spectrum.frequencies().zip(spectrum.density());
+    let mut high: Vec<(f64, f64)> =
+        bins.map(|(hz, density)| (hz, *density)).filter(|(hz, _)| *hz >= LEAST_HZ).collect();
+    high.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let (hz, _) = high.into_iter().find(|(hz, density)| stands(*hz, *density))?;
+    // Between the bins.
+    spectrum.peak(hz - 1.5 * spectrum.bin_hz(), hz + 1.5 * spectrum.bin_hz())
 }
 
 #[cfg(test)]

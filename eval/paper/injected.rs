@@ -127,9 +127,7 @@ pub(super) struct Value {
 const SIDES: [Option<Side>; 3] = [None, Some(Side::Train), Some(Side::Test)];
 
 pub(super) fn value(rows: &Rows<'_>, margin: f64) -> Result<Value, StatsError> {
-    let median_of = |noise: &str, side: Option<Side>| {
-        median(rows.ates(noise, side).into_iter().map(|(_, ate)| ate).collect())
-    };
+    let median_of = |noise: &str, side: Option<Side>| rows.median(noise, side);
     let train = rows.sequences.iter().any(|(_, side)| *side == Side::Train);
     let choosing = train.then_some(Side::Train);
     let best = rows

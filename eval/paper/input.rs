@@ -2,37 +2,90 @@
 
 use super::error::PaperError;
 use super::published;
-use crate::closed_loop::{ClosedLoopError, Source, Tracks};
+use crate::closed_loop::{ClosedLoopError, Images, Source, Tracks, Vision, has_images};
 use dpn_core::ImuRecording;
+use dpn_sim::FlightConfig;
+use dpn_sim::tracks::TracksConfig;
 use dpn_train::corpus::{Corpus, Member};
 use dpn_train::split::{Side, paper_side};
+use dpn_vio::frontend::FrontEndConfig;
 use serde::{Deserialize, Serialize};
 use std::fmt;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 /// What the odometry sees.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CameraChoice {
-    /// Images where every sequence has them, else rendered ones, else tracks: the best that this program has for all of them.
+    /// The best that every sequence has: its own images, else tracks.
     Auto,
+    /// The sequences' own images; those without any are missing.
+    Images,
     /// Camera tracks, given or made along the ground truth.
     Tracks,
 }
 
+/// What sequences and their tracks are made of, where they are not read.
+#[derive(Debug, Clone)]
+pub struct Cameras {
+    /// Folder with camera tracks, where there is one.
+    pub given: Option<PathBuf>,
+    /// Tracks along a path.
+    pub made: TracksConfig,
+    /// Simulated flights.
+    pub flights: FlightConfig,
+    /// What follows points through images.
+    pub front_end: FrontEndConfig,
+}
+
 impl CameraChoice {
-    /// The camera that is used on `source`, and why.
-    pub fn settle(self, source: &Source) -> (Self, &'static str) {
-        match (self, source) {
-            (Self::Tracks, _) => (Self::Tracks, "as asked for"),
-            (Self::Auto, Source::Flights { .. }) => {
-                (Self::Tracks, "simulated flights have no images; tracks are made along their true path")
+    const ALL: [Self; 3] = [Self::Auto, Self::Images, Self::Tracks];
+
+    /// The sequences of `dir` (the simulated flights without one) as this camera shows them, and why this one, in words. `wanted` are names
+    /// as for [`Source::select`].
+    ///
+    /// # Errors
+    /// A folder that cannot be listed, a sequence that is not there, images of flights.
+    pub fn open(
+        self,
+        dir: Option<&Path>,
+        wanted: &str,
+        with: &Cameras,
+    ) -> Result<(Source, String), PaperError> {
+        let Some(dir) = dir else {
+            if self == Self::Images {
+                return Err(PaperError::NoCamera {
+                    camera: self.to_string(),
+                    reason: "simulated flights have no images".into(),
+                });
             }
-            (Self::Auto, Source::Recorded { .. }) => (
-                Self::Tracks,
-                "this program's odometry takes no images of these sequences; tracks are made along the ground truth",
-            ),
+            let tracks = Tracks::Made(with.made.clone());
+            let why = "simulated flights have no images; tracks are made along their true path";
+            return Ok((Source::Flights { config: with.flights.clone(), tracks }, why.into()));
+        };
+        let seen = || {
+            let images = Images::Folder { skip_missing: false };
+            Tracks::Seen(Vision { images, front_end: with.front_end })
+        };
+        if self == Self::Images {
+            return Ok((Source::recorded(dir, seen())?, "the sequences' own, as asked for".into()));
         }
+        let (tracks, words) = match &with.given {
+            Some(folder) => (Tracks::Given(folder.clone()), "the given ones"),
+            None => (Tracks::Made(with.made.clone()), "made along the ground truth"),
+        };
+        let source = Source::recorded(dir, tracks)?;
+        let (Self::Auto, None, Source::Recorded { sequences, .. }) = (self, &with.given, &source) else {
+            return Ok((source, format!("{words}, as asked for")));
+        };
+        let places = source.select(wanted)?;
+        let without = places.iter().filter(|place| !has_images(&sequences[**place].0)).count();
+        if without == 0 {
+            return Ok((Source::recorded(dir, seen())?, "every sequence has its own".into()));
+        }
+        let why = format!("{words}, for {without} of {} sequences have no images here", places.len());
+        Ok((source, why))
     }
 }
 
@@ -40,6 +93,7 @@ impl fmt::Display for CameraChoice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Auto => "auto",
+            Self::Images => "images",
             Self::Tracks => "tracks",
         })
     }
@@ -49,10 +103,9 @@ impl FromStr for CameraChoice {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        [Self::Auto, Self::Tracks]
-            .into_iter()
-            .find(|choice| choice.to_string() == text)
-            .ok_or_else(|| format!("`{text}` is no camera; known are auto, tracks"))
+        let known = || Self::ALL.map(|choice| choice.to_string()).join(", ");
+        let named = Self::ALL.into_iter().find(|choice| choice.to_string() == text);
+        named.ok_or_else(|| format!("`{text}` is no camera; known are {}", known()))
     }
 }
 
@@ -146,8 +199,14 @@ fn usable(source: &Source, place: usize) -> Result<ImuRecording, String> {
     if recording.truth.is_none() {
         return Err("it has no ground truth, so that nothing can be judged".into());
     }
-    if matches!(source, Source::Recorded { tracks: Tracks::Given(_), .. }) {
-        source.frames(place, 0).map_err(|error| words(&error))?;
+    match source {
+        Source::Recorded { tracks: Tracks::Given(_), .. } => {
+            source.frames(place, 0).map_err(|error| words(&error))?;
+        }
+        Source::Recorded { sequences, tracks: Tracks::Seen(_) } if !has_images(&sequences[place].0) => {
+            return Err("it has none of the images it lists".into());
+        }
+        _ => {}
     }
     let member = Member { name: recording.name, recording: recording.imu, side: recording.side };
     let mut one = Corpus::new("one", vec![member]).map_err(|error| error.to_string())?;
@@ -171,20 +230,39 @@ fn words(error: &ClosedLoopError) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use dpn_sim::FlightConfig;
-    use dpn_sim::tracks::TracksConfig;
+
+    fn cameras() -> Cameras {
+        Cameras {
+            given: None,
+            made: TracksConfig::default(),
+            flights: FlightConfig::default(),
+            front_end: FrontEndConfig::default(),
+        }
+    }
 
     #[test]
-    fn flights_miss_nothing_and_cameras_are_known_by_name() {
-        let source = Source::Flights {
-            config: FlightConfig::default(),
-            tracks: crate::closed_loop::Tracks::Made(TracksConfig::default()),
-        };
-        let (camera, why) = CameraChoice::Auto.settle(&source);
-        assert!(camera == CameraChoice::Tracks && why.contains("no images"));
+    fn flights_miss_nothing_and_have_no_images() {
+        let (source, why) = CameraChoice::Auto.open(None, "all", &cameras()).unwrap();
+        assert!(source.camera() == "tracks" && why.contains("no images"), "{why}");
         let input = Input::check(source, &[8], false).unwrap();
         assert_eq!((input.places.as_slice(), input.missing.len(), input.is_papers()), (&[8][..], 0, false));
         assert!(input.lengths[0].3 > 0.5);
-        assert!("film".parse::<CameraChoice>().unwrap_err().contains("known are auto, tracks"));
+        let error = CameraChoice::Images.open(None, "all", &cameras()).unwrap_err();
+        assert!(error.to_string().contains("simulated flights have no images") && error.hint().is_some());
+    }
+
+    #[test]
+    fn without_images_the_best_camera_is_tracks_and_images_asked_for_leave_nothing() {
+        let dir = tempfile::tempdir().unwrap();
+        let imu = dir.path().join("MH_01_easy/mav0/imu0");
+        std::fs::create_dir_all(&imu).unwrap();
+        std::fs::write(imu.join("data.csv"), "#timestamp [ns]\n").unwrap();
+        let (source, why) = CameraChoice::Auto.open(Some(dir.path()), "all", &cameras()).unwrap();
+        assert_eq!(source.camera(), "tracks");
+        assert_eq!(why, "made along the ground truth, for 1 of 1 sequences have no images here");
+        let (source, _) = CameraChoice::Images.open(Some(dir.path()), "all", &cameras()).unwrap();
+        assert_eq!(source.camera(), "images");
+        assert!(matches!(Input::check(source, &[0], true), Err(PaperError::Nothing { .. })));
+        assert!("film".parse::<CameraChoice>().unwrap_err().contains("known are auto, images, tracks"));
     }
 }

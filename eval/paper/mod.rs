@@ -30,7 +30,7 @@ mod tables;
 pub use command::Provenance;
 pub use error::PaperError;
 pub use id::id;
-pub use input::{CameraChoice, Input, Missing};
+pub use input::{CameraChoice, Cameras, Input, Missing};
 pub use plan::{InjectedPlan, Plan};
 pub use run::{Done, Paper, StageReport};
 pub use table::{Cell, Column, Table};

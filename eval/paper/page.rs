@@ -3,7 +3,7 @@
 
 use super::command::Provenance;
 use super::injected::Value;
-use super::input::{CameraChoice, Input};
+use super::input::Input;
 use super::run::table;
 use super::study::Study;
 use super::table::Table;
@@ -25,7 +25,8 @@ pub(super) struct Picture {
 #[derive(Debug)]
 pub(super) struct Story<'a> {
     pub(super) input: &'a Input,
-    pub(super) camera: (CameraChoice, &'a str),
+    /// Why the odometry sees what it sees.
+    pub(super) camera: &'a str,
     pub(super) findings: &'a [String],
     pub(super) tables: &'a [Table],
     pub(super) pictures: &'a [Picture],
@@ -149,8 +150,8 @@ impl Story<'_> {
                 "The data: {} sequences ({}). The odometry sees {}: {}.",
                 self.input.places.len(),
                 escaped(&self.input.name),
-                self.camera.0,
-                self.camera.1
+                self.input.source.camera(),
+                escaped(self.camera)
             ),
         );
         for name in ["architecture_odometry", "architecture_window", "architecture_networks"] {

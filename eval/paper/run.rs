@@ -5,14 +5,14 @@ use super::drawings;
 use super::error::PaperError;
 use super::id::id;
 use super::injected::{Value, value};
-use super::input::{CameraChoice, Input};
+use super::input::Input;
 use super::page::{self, Picture};
 use super::plan::Plan;
 use super::results::Made;
 use super::study::Rows;
 use super::table::Table;
 use super::tables;
-use crate::closed_loop::{Recording, Row, StartAt};
+use crate::closed_loop::{Recording, Row, StartAt, Tracks};
 use crate::figures::{Plot, Sourced, save};
 use crate::injected::Course;
 use crate::open_loop::Network;
@@ -39,8 +39,8 @@ pub struct Paper<'a> {
     pub networks: &'a [Network],
     /// The estimator's settings; covariances are needed for NEES and for the error's band.
     pub estimator: EstimatorConfig,
-    /// What the odometry sees, and why.
-    pub camera: (CameraChoice, &'a str),
+    /// Why the odometry sees what it sees.
+    pub camera: &'a str,
     /// Where runs begin.
     pub from: StartAt,
     /// Version and checksum of the program.
@@ -239,7 +239,11 @@ impl Paper<'_> {
         let mut sketch = Sketch { out: self.out, made_by, pictures: Vec::new(), progress };
         let (accel, gyro) = (self.network(Sensor::Accel), self.network(Sensor::Gyro));
         let closed = results.closed.run.as_str();
-        let camera = format!("{}, {} Hz", self.camera.0, 10);
+        let camera = match self.input.source.tracks() {
+            Tracks::Made(config) => format!("tracks, {} Hz", config.rate_hz),
+            Tracks::Given(_) => "given tracks".to_owned(),
+            Tracks::Seen(_) => "images, followed".to_owned(),
+        };
         sketch.add(
             "architecture_odometry",
             "The odometry with DualProNet",

@@ -11,6 +11,8 @@ pub(crate) enum CameraArg {
     Tracks,
     /// The sequence's own images.
     Images,
+    /// Images rendered along the ground truth while the odometry runs.
+    Rendered,
 }
 
 /// Flags of `dpn eval --closed-loop`.
@@ -71,7 +73,10 @@ pub(crate) struct SettingsArgs {
     /// White noise of simulated tracks, each axis, in pixels.
     #[arg(long, value_name = "PX")]
     pub(crate) pixel_noise: Option<f64>,
-    /// Make tracks as if the ground truth were late by this, in seconds.
+    /// Configuration of the rendered camera (TOML), as for `dpn simulate images`.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) images_config: Option<PathBuf>,
+    /// Make tracks (or render images) as if the ground truth were late by this, in seconds.
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     pub(crate) ground_truth_delay: Option<f64>,
     /// Configuration of simulated flights (TOML), as for `dpn simulate flight`.

@@ -24,7 +24,7 @@ pub(crate) struct PaperArgs {
     /// Folder of the runs; results of other inputs in it are neither used nor touched.
     #[arg(long, value_name = "DIR", default_value = "runs/paper")]
     pub(crate) work: PathBuf,
-    /// What the odometry sees: auto (images, else rendered ones, else tracks) or tracks.
+    /// What the odometry sees: auto (images where every sequence has its own, else tracks), images, or tracks.
     #[arg(long, default_value = "auto")]
     pub(crate) camera: CameraChoice,
     /// Folder with camera tracks, SEQUENCE.txt each; without it tracks are made along the ground truth from the seed.

@@ -85,8 +85,12 @@ fn source(args: &EvalArgs, estimator: &EstimatorConfig) -> Result<Source> {
             let images = Images::Folder { skip_missing: args.closed.skip_missing };
             Tracks::Seen(Vision { images, front_end: estimator.front_end })
         }
-        (CameraArg::Images, Some(_)) => {
-            return Err(Fault::new("--tracks and --camera images ask for two things")
+        (CameraArg::Rendered, None) => {
+            let images = Images::Rendered(Box::new(settings::images(&args.closed.settings)?));
+            Tracks::Seen(Vision { images, front_end: estimator.front_end })
+        }
+        (CameraArg::Images | CameraArg::Rendered, Some(_)) => {
+            return Err(Fault::new("--tracks and --camera images or rendered ask for two things")
                 .hint("leave one of them away")
                 .into());
         }

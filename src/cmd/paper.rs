@@ -6,9 +6,9 @@ use crate::ui::{Bar, Interrupted};
 use anyhow::Result;
 use dpn_core::Sensor;
 use dpn_core::config::{Validate, load};
-use dpn_eval::closed_loop::{ClosedLoopError, Source, Tracks};
+use dpn_eval::closed_loop::ClosedLoopError;
 use dpn_eval::open_loop::{Network, networks};
-use dpn_eval::paper::{Done, Input, Paper, PaperError, Plan, id};
+use dpn_eval::paper::{Cameras, Done, Input, Paper, PaperError, Plan, id};
 use dpn_train::config::TrainConfig;
 use dpn_train::corpus::Corpus;
 use dpn_train::run::{Run, RunError};
@@ -23,19 +23,25 @@ pub(crate) fn run(args: &PaperArgs) -> Result<()> {
         None => Plan::whole(),
     };
     plan.validate()?;
-    let source = source(args)?;
+    let mut estimator = settings::estimator(&args.settings)?;
+    estimator.covariance = true;
+    let cameras = Cameras {
+        given: args.tracks.clone(),
+        made: settings::tracks(&args.settings)?,
+        flights: settings::flights(&args.settings)?,
+        front_end: estimator.front_end,
+    };
+    let (source, why) = args.camera.open(args.data.as_deref(), &args.sequences, &cameras)?;
     let wanted = source.select(&args.sequences)?;
     let input = Input::check(source, &wanted, args.sequences == "all")?;
     for missing in &input.missing {
         eprintln!("warning: no row for {}: {}", missing.name, missing.reason);
     }
-    let mut estimator = settings::estimator(&args.settings)?;
-    estimator.covariance = true;
     let stop = stop::on_ctrl_c()?;
     let networks = chosen_networks(args, &input, &stop)?;
     let paper = Paper {
         plan: &plan,
-        camera: args.camera.settle(&input.source),
+        camera: &why,
         input: &input,
         networks: &networks,
         estimator,
@@ -86,19 +92,6 @@ fn command() -> String {
     };
     let words: Vec<String> = std::env::args().skip(1).map(quoted).collect();
     format!("dpn {}", words.join(" "))
-}
-
-fn source(args: &PaperArgs) -> Result<Source> {
-    let tracks = settings::tracks(&args.settings)?;
-    match &args.data {
-        Some(dir) => {
-            let tracks = args.tracks.clone().map_or(Tracks::Made(tracks), Tracks::Given);
-            Ok(Source::recorded(dir, tracks)?)
-        }
-        None => {
-            Ok(Source::Flights { config: settings::flights(&args.settings)?, tracks: Tracks::Made(tracks) })
-        }
-    }
 }
 
 /// The networks: those that come with the program, a folder's, or trained now.

@@ -70,15 +70,18 @@ fn open(args: &RunArgs, estimator: &EstimatorConfig) -> Result<(Source, usize)> 
     let made = Tracks::Made(settings::tracks(&args.settings)?);
     let images = Images::Folder { skip_missing: args.skip_missing };
     let seen = Tracks::Seen(Vision { images, front_end: estimator.front_end });
+    let images = Images::Rendered(Box::new(settings::images(&args.settings)?));
+    let rendered = Tracks::Seen(Vision { images, front_end: estimator.front_end });
     if dir.exists() {
         let tracks = match (args.camera, &args.tracks) {
-            (Some(CameraArg::Images), Some(_)) => {
-                return Err(Fault::new("--tracks and --camera images ask for two things")
+            (Some(CameraArg::Images | CameraArg::Rendered), Some(_)) => {
+                return Err(Fault::new("--tracks and --camera images or rendered ask for two things")
                     .hint("leave one of them away")
                     .into());
             }
             (_, Some(tracks)) => Tracks::Given(tracks.clone()),
             (Some(CameraArg::Images), None) => seen,
+            (Some(CameraArg::Rendered), None) => rendered,
             (Some(CameraArg::Tracks), None) => made,
             (None, None) if has_images(&Sequence::open(dir)?) => seen,
             (None, None) => made,
@@ -86,7 +89,7 @@ fn open(args: &RunArgs, estimator: &EstimatorConfig) -> Result<(Source, usize)> 
         return Ok((Source::one(dir, tracks)?, 0));
     }
     if args.camera == Some(CameraArg::Images) {
-        let remedy = "leave --camera away, or name a folder";
+        let remedy = "leave --camera away, render some with --camera rendered, or name a folder";
         return Err(Fault::new("a flight has no folder of images").hint(remedy).into());
     }
     let flight: Flight = args.source.parse().map_err(|unknown| {
@@ -99,7 +102,8 @@ fn open(args: &RunArgs, estimator: &EstimatorConfig) -> Result<(Source, usize)> 
             .hint(remedy)
             .into());
     }
-    let source = Source::Flights { config: settings::flights(&args.settings)?, tracks: made };
+    let tracks = if args.camera == Some(CameraArg::Rendered) { rendered } else { made };
+    let source = Source::Flights { config: settings::flights(&args.settings)?, tracks };
     let place = Flight::ALL.iter().position(|f| *f == flight).unwrap_or(0);
     Ok((source, place))
 }

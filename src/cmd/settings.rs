@@ -3,8 +3,8 @@
 use crate::args::SettingsArgs;
 use anyhow::Result;
 use dpn_core::config::{Validate, load, load_over};
-use dpn_sim::FlightConfig;
 use dpn_sim::tracks::TracksConfig;
+use dpn_sim::{FlightConfig, RenderConfig};
 use dpn_vio::EstimatorConfig;
 
 /// The file's keys, then those set one by one.
@@ -19,6 +19,16 @@ pub(crate) fn tracks(args: &SettingsArgs) -> Result<TracksConfig> {
         None => TracksConfig::default(),
     };
     config.pixel_noise_px = args.pixel_noise.unwrap_or(config.pixel_noise_px);
+    config.ground_truth_delay_s = args.ground_truth_delay.unwrap_or(config.ground_truth_delay_s);
+    checked(config)
+}
+
+/// The file's keys, then the flags over them.
+pub(crate) fn images(args: &SettingsArgs) -> Result<RenderConfig> {
+    let mut config: RenderConfig = match &args.images_config {
+        Some(path) => load(path)?,
+        None => RenderConfig::default(),
+    };
     config.ground_truth_delay_s = args.ground_truth_delay.unwrap_or(config.ground_truth_delay_s);
     checked(config)
 }

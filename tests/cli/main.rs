@@ -17,6 +17,7 @@ mod noise_log;
 mod odometry;
 mod paper;
 mod recording;
+mod rendered;
 mod run;
 mod simulate;
 mod tracks;

@@ -86,7 +86,7 @@ pub(in crate::paper) fn value(
         ));
     }
     table.note(words(injection));
-    table.note("Medians over seeds, then over sequences. The best constant is the one with the lowest median on the training sequences, among those \
+    table.note("Medians over seeds, then over sequences (one without any pose counts as worse than all; it is left out of ratios and tests). The best constant is the one with the lowest median on the training sequences, among those \
                 listed. Share closed: (best constant - noise) / (best constant - oracle); not given where that gap is below 5 %; above 1 where a noise does better than the oracle. Ratio: geometric mean over sequences; p: two-sided signed-rank test over sequences, Holm's correction over the noises of a course.");
     for note in input.notes() {
         table.note(note);

@@ -93,6 +93,15 @@ impl Layout {
     }
 }
 
+/// A wall, bare: its lower corner, the direction along it, the normal into the room, its length \[m\].
+#[derive(Clone, Copy)]
+struct Side {
+    corner: Vector3<f64>,
+    across: Vector3<f64>,
+    inward: Vector3<f64>,
+    length: f64,
+}
+
 impl<R: Rng> Builder<'_, R> {
     fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.rng.random::<f64>()
@@ -134,22 +143,22 @@ impl<R: Rng> Builder<'_, R> {
         self.rects.extend(slab.faces(hidden, |axis, far| skins[2 * axis + usize::from(far)]));
     }
 
-    /// The four walls, each with its corner, its direction, its inward normal and its length.
-    fn sides(&self) -> [(Vector3<f64>, Vector3<f64>, Vector3<f64>, f64); 4] {
+    /// The four walls.
+    fn sides(&self) -> [Side; 4] {
         let (low, high, size) = (self.low, self.high, self.high - self.low);
         let (x, y) = (Vector3::x(), Vector3::y());
         [
-            (Vector3::new(high.x, low.y, low.z), -x, y, size.x),
-            (low, y, x, size.y),
-            (Vector3::new(low.x, high.y, low.z), x, -y, size.x),
-            (Vector3::new(high.x, high.y, low.z), -y, -x, size.y),
+            Side { corner: Vector3::new(high.x, low.y, low.z), across: -x, inward: y, length: size.x },
+            Side { corner: low, across: y, inward: x, length: size.y },
+            Side { corner: Vector3::new(low.x, high.y, low.z), across: x, inward: -y, length: size.x },
+            Side { corner: Vector3::new(high.x, high.y, low.z), across: -y, inward: -x, length: size.y },
         ]
     }
 
     /// Walls, floor and ceiling, bare.
     fn shell(&mut self) {
         let (size, z) = (self.high - self.low, Vector3::z());
-        for (corner, across, _, length) in self.sides() {
+        for Side { corner, across, length, .. } in self.sides() {
             let skin = self.skin(WALLS);
             let origin = corner - OVERLAP_M * (across + z);
             let extent = [length + 2.0 * OVERLAP_M, size.z + 2.0 * OVERLAP_M];
@@ -169,7 +178,7 @@ impl<R: Rng> Builder<'_, R> {
     fn walls(&mut self) {
         let height = self.high.z - self.low.z;
         let deepest = 4.0 * self.scale.relief;
-        for (corner, across, inward, length) in self.sides() {
+        for Side { corner, across, inward, length } in self.sides() {
             let mut fields = Vec::new();
             self.divide([0.0, 0.0, length, height], &mut fields);
             for [x, z, width, tall] in fields {

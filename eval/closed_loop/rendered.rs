@@ -1,0 +1,120 @@
+//! Images rendered along a path while they are looked at, so that the whole pipeline runs where no image can be had.
+
+use super::error::ClosedLoopError;
+use super::images::ImageStream;
+use super::recording::Span;
+use dpn_core::{GrayImage, Stamp};
+use dpn_sim::RenderedCamera;
+use dpn_sim::render::{RenderConfig, SharedPath};
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::thread::JoinHandle;
+
+/// Images rendered ahead of the front-end.
+const AHEAD: usize = 4;
+
+/// What a camera sees along `path` at those of `stamps` at which the path is known, from the first of them as far as `span` says; rendered
+/// on a second thread, a few images ahead.
+///
+/// # Errors
+/// Settings or a lens that cannot be rendered; no stamp on the path within `span`.
+pub(super) fn rendered(
+    sequence: &str,
+    config: &RenderConfig,
+    path: SharedPath,
+    stamps: &[Stamp],
+    seed: u64,
+    span: &Span,
+) -> Result<ImageStream<'static>, ClosedLoopError> {
+    let camera = RenderedCamera::new(config, path, seed)
+        .map_err(|source| ClosedLoopError::Render { sequence: sequence.to_owned(), source })?;
+    let known: Vec<Stamp> = stamps.iter().copied().filter(|t| camera.world_from_cam(*t).is_some()).collect();
+    let asked = span.of(&known, |t| *t).to_vec();
+    if asked.is_empty() {
+        let asked = !known.is_empty();
+        return Err(ClosedLoopError::NoImages { sequence: sequence.to_owned(), asked });
+    }
+    Ok(Box::new(Ahead::new(camera, asked).map(|(t, image)| (t, Ok(image)))))
+}
+
+/// Images in order, made on a thread of their own. Dropping it ends the work.
+struct Ahead {
+    receiver: Option<Receiver<(Stamp, GrayImage)>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Ahead {
+    fn new(mut camera: RenderedCamera, stamps: Vec<Stamp>) -> Self {
+        let (sender, receiver) = sync_channel(AHEAD);
+        let thread = std::thread::spawn(move || {
+            for t in stamps {
+                let Some(image) = camera.image(t) else { continue };
+                // Nobody waits any more: the reader was dropped.
+                if sender.send((t, image)).is_err() {
+                    return;
+                }
+            }
+        });
+        Self { receiver: Some(receiver), thread: Some(thread) }
+    }
+}
+
+impl Iterator for Ahead {
+    type Item = (Stamp, GrayImage);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.receiver.as_ref()?.recv().ok()
+    }
+}
+
+impl Drop for Ahead {
+    fn drop(&mut self) {
+        // The thread may be waiting for room: without a receiver it goes home.
+        self.receiver = None;
+        if let Some(thread) = self.thread.take() {
+            // It does nothing that panics; if it did, its reader has seen the images end.
+            let _ = thread.join();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dpn_sim::Flight;
+    use dpn_sim::flight::FlightPlan;
+    use dpn_sim::tracks::{AnalyticPath, CameraSettings};
+    use std::sync::Arc;
+
+    fn config() -> RenderConfig {
+        let camera = CameraSettings {
+            resolution: [94, 60],
+            intrinsics: [57.3, 57.2, 45.9, 31.0],
+            ..CameraSettings::default()
+        };
+        RenderConfig { camera: Some(camera), ..RenderConfig::default() }
+    }
+
+    #[test]
+    fn images_come_in_order_within_the_span_counted_from_the_first_on_the_path() {
+        let start = Stamp::from_ns(1_000_000_000);
+        let plan = FlightPlan::new(Flight::Hover, 1).unwrap();
+        let path: SharedPath = Arc::new(AnalyticPath::new(plan.trajectory, start));
+        // The camera began a second before the path is known.
+        let stamps: Vec<Stamp> = (0..100).map(|i| Stamp::from_ns(50_000_000 * i)).collect();
+        let of =
+            |from_s, to_s| rendered("hover", &config(), path.clone(), &stamps, 3, &Span { from_s, to_s });
+        let images: Vec<_> = of(0.5, Some(1.0)).unwrap().collect();
+        let seconds: Vec<f64> = images.iter().map(|(t, _)| t.seconds_since(start)).collect();
+        assert_eq!(images.len(), 11);
+        assert!((seconds[0] - 0.5).abs() < 1e-9 && (seconds[10] - 1.0).abs() < 1e-9, "{seconds:?}");
+        // The same image whatever came before it; one that is dropped early ends too.
+        let mut later = of(0.75, None).unwrap();
+        assert_eq!(later.next().unwrap().1.unwrap(), *images[5].1.as_ref().unwrap());
+        drop(later);
+        let error = of(100.0, None).err().map(|error| error.to_string());
+        assert_eq!(error.as_deref(), Some("hover: it has no images in the part that is to be run"));
+        let bad = RenderConfig { contrast: -1.0, ..config() };
+        let error = rendered("hover", &bad, path.clone(), &stamps, 3, &Span::from(0.0)).err().unwrap();
+        assert_eq!(error.to_string(), "hover: nothing can be rendered: `contrast` is -1, but must be 0 to 2");
+    }
+}
