@@ -69,7 +69,7 @@ fn the_same_seed_renders_the_same_bytes_on_any_number_of_threads_and_a_part_is_a
     for more in [
         &["--seed", "6"][..],
         &["--seed", "5", "--world", "hall"],
-        &["--seed", "5", "--motion-blur", "0.02"],
+        &["--seed", "5", "--motion-blur", "0.05"],
         &["--seed", "5", "--low-light", "1"],
         &["--seed", "5", "--ground-truth-delay", "-0.05"],
     ] {
