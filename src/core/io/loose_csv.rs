@@ -52,7 +52,7 @@ pub struct LooseImuLog {
 }
 
 /// How the rows are understood.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Understood {
     pub(super) columns: Settled<ImuColumns>,
     pub(super) time: Settled<TimeUnit>,
