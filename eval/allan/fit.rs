@@ -1,7 +1,7 @@
 //! The five coefficients of an Allan plot, how sure they are, and how long a log would show those that are not seen.
 //!
 //! The squares of the coefficients are fitted to the Allan variances by nonnegative least squares. A variance counts by what it scatters
-//! under the model of the round before (`covariance`), and by [`MODEL_ERROR`] besides: no sensor follows five slopes to a tenth of a per
+//! under the model of the round before (`covariance`), and by `MODEL_ERROR` besides: no sensor follows five slopes to a tenth of a per
 //! cent, a short time's many samples must not bend the rest, and nothing is called seen that is smaller. A log at rest often has a hump that is no noise at all, a machine or the
 //! building swinging; times that stay far from every model lose their say (Cauchy weights, from wide to narrow) and are named.
 //!
