@@ -1,6 +1,7 @@
 //! Points from one pyramid to the next.
 
-use super::config::KltConfig;
+use super::affine::refine;
+use super::config::{Illumination, KltConfig};
 use super::likeness::likeness;
 use super::patch::Patch;
 use super::search::{Outcome, search};
@@ -129,8 +130,13 @@ fn one<const L: usize, const W: usize>(
             Outcome::Outside | Outcome::Flat => {}
         }
     }
-    let place = [point.from[0] + shift[0], point.from[1] + shift[1]];
+    let mut place = [point.from[0] + shift[0], point.from[1] + shift[1]];
     let base = to.planes().first().ok_or(KltLoss::Outside)?;
+    if config.affine && levels > 0 {
+        let gained = config.illumination == Illumination::GainOffset;
+        let step = refine(patch, base, place, gained).unwrap_or_default();
+        place = [place[0] + step[0], place[1] + step[1]];
+    }
     let inside = (0.0..=(base.width() - 1) as f32).contains(&place[0])
         && (0.0..=(base.height() - 1) as f32).contains(&place[1]);
     if !inside {
@@ -144,7 +150,6 @@ fn one<const L: usize, const W: usize>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::Illumination;
     use super::*;
     use dpn_core::{GrayImage, GrayView};
     use proptest::prelude::*;
