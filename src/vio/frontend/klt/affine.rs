@@ -12,7 +12,7 @@
 //! Four more unknowns make the shift noisier: `M` is believed where it lowers the squares by more than noise would (an F test), else the
 //! shift alone stands.
 //!
-//! Column weights are the same in every row: sums are taken over rows for every column, and weighed by `x` once, in the end.
+//! A column's `x` is the same in every row: sums are taken over rows for every column, and weighed by `x` once, in the end.
 //!
 //! Source: Shi and Tomasi 1994, sec. 3 (the model); the prior and the single step are ours.
 
@@ -21,7 +21,6 @@
 
 use super::patch::{Patch, between_columns, corner_of};
 use crate::frontend::image::Plane;
-use nalgebra::{SMatrix, SVector};
 
 /// Deviation of each entry of `M`: at ten pixels from the centre a fifth of a pixel.
 const BEND_STD: f64 = 0.02;
@@ -32,8 +31,43 @@ const LEAST_SQUARE: f64 = 0.1;
 const LEAST_F: f64 = 10.0;
 /// A longer step is none: the model does not hold, and the shift alone is better \[px\].
 const MOST_PX: f64 = 0.5;
-/// Unknowns: shift, `M` by columns (by x, then by y), gain, offset.
+/// Unknowns: shift, gain and offset, `M` by columns (by x, then by y).
 const DIM: usize = 8;
+/// Where gain and offset stand.
+const LIGHT: usize = 2;
+/// Where `M` stands.
+const BEND: usize = 4;
+/// Columns at a time: what is summed for them fits the machine's registers.
+const LANES: usize = 8;
+/// Sums over rows. First the gradients' products xx, xy, yy, each with 1, y and y^2.
+const SUMS: usize = 27;
+/// Gradients x and y by grey, alone, and by difference, each with 1 and y.
+const LINES: usize = 9;
+/// Difference by grey, difference, grey, grey squared, difference squared, 1.
+const PLAIN: usize = 21;
+
+#[inline(always)]
+fn part(row: &[f32], first: usize) -> [f32; LANES] {
+    let mut part = [0.0; LANES];
+    part.copy_from_slice(&row[first..first + LANES]);
+    part
+}
+
+#[inline(always)]
+fn times(a: &[f32; LANES], b: &[f32; LANES]) -> [f32; LANES] {
+    let mut out = [0.0; LANES];
+    for i in 0..LANES {
+        out[i] = a[i] * b[i];
+    }
+    out
+}
+
+#[inline(always)]
+fn add(to: &mut [f32; LANES], what: &[f32; LANES]) {
+    for i in 0..LANES {
+        to[i] += what[i];
+    }
+}
 
 /// What is to be added to `place`, where the patch was found in `plane`; nothing where the window does not say.
 #[inline(always)]
@@ -46,109 +80,149 @@ pub(super) fn refine<const L: usize, const W: usize>(
     let ([x, y], [fx, fy]) = corner_of(plane, place, patch.window)?;
     let zero = patch.light.zero;
     let half = (patch.window / 2) as f32;
-    // Products of gradients xx, xy, yy with 1, y and y^2; gradients x and y by grey, 1 and difference, each with 1 and y; differences by
-    // grey and 1; grey, its square, the difference's square.
-    let mut squares = [[[0.0f32; L]; 3]; 3];
-    let mut lines = [[[0.0f32; L]; 2]; 6];
-    let mut plain = [[0.0f32; L]; 5];
-    let row = |dy: usize| plane.run(x, y + dy as isize, L + 1);
-    let mut above = between_columns::<L>(row(patch.rows.start), fx);
-    for r in patch.rows.clone() {
-        let below = between_columns::<L>(row(r + 1), fx);
-        let (grey, grad_x, grad_y) = (&patch.grey[r], &patch.grad_x[r], &patch.grad_y[r]);
-        let down = r as f32 - half;
-        for i in 0..L {
-            let difference = above[i] + fy * (below[i] - above[i]) - grey[i];
-            let (value, gx, gy) = (grey[i] - zero, grad_x[i], grad_y[i]);
-            let products = [gx * gx, gx * gy, gy * gy];
+    // Sums over rows for every column, weighed by 1, x and x^2 of the column and taken over columns modulo eight.
+    let mut lanes = [[[0.0f32; LANES]; 3]; SUMS];
+    for block in (0..L).step_by(LANES) {
+        let mut sums = [[0.0f32; LANES]; SUMS];
+        let row = |dy: usize| plane.run(x + block as isize, y + dy as isize, LANES + 1);
+        let mut above = between_columns::<LANES>(row(patch.rows.start), fx);
+        for r in patch.rows.clone() {
+            let below = between_columns::<LANES>(row(r + 1), fx);
+            let (gx, gy) = (part(&patch.grad_x[r], block), part(&patch.grad_y[r], block));
+            let grey = part(&patch.grey[r], block);
+            let down = [r as f32 - half; LANES];
+            let mut difference = [0.0f32; LANES];
+            let mut value = [0.0f32; LANES];
+            for i in 0..LANES {
+                difference[i] = above[i] + fy * (below[i] - above[i]) - grey[i];
+                value[i] = grey[i] - zero;
+            }
+            let products = [times(&gx, &gx), times(&gx, &gy), times(&gy, &gy)];
             for k in 0..3 {
-                let sloped = down * products[k];
-                squares[k][0][i] += products[k];
-                squares[k][1][i] += sloped;
-                squares[k][2][i] += down * sloped;
+                let sloped = times(&down, &products[k]);
+                add(&mut sums[3 * k], &products[k]);
+                add(&mut sums[3 * k + 1], &sloped);
+                add(&mut sums[3 * k + 2], &times(&down, &sloped));
             }
-            let terms = [gx * value, gy * value, gx, gy, gx * difference, gy * difference];
+            let by_value = [times(&gx, &value), times(&gy, &value)];
+            let by_difference = [times(&gx, &difference), times(&gy, &difference)];
+            let terms = [by_value[0], by_value[1], gx, gy, by_difference[0], by_difference[1]];
             for k in 0..6 {
-                lines[k][0][i] += terms[k];
-                lines[k][1][i] += down * terms[k];
+                add(&mut sums[LINES + 2 * k], &terms[k]);
+                add(&mut sums[LINES + 2 * k + 1], &times(&down, &terms[k]));
             }
-            plain[0][i] += difference * value;
-            plain[1][i] += difference;
-            plain[2][i] += value;
-            plain[3][i] += value * value;
-            plain[4][i] += difference * difference;
+            add(&mut sums[PLAIN], &times(&difference, &value));
+            add(&mut sums[PLAIN + 1], &difference);
+            add(&mut sums[PLAIN + 2], &value);
+            add(&mut sums[PLAIN + 3], &times(&value, &value));
+            add(&mut sums[PLAIN + 4], &times(&difference, &difference));
+            add(&mut sums[PLAIN + 5], &[1.0; LANES]);
+            above = below;
         }
-        above = below;
+        let columns = patch.columns(block);
+        let mut weights = [[0.0f32; LANES]; 3];
+        for i in 0..LANES {
+            let across = (block + i) as f32 - half;
+            weights[0][i] = columns[i];
+            weights[1][i] = columns[i] * across;
+            weights[2][i] = columns[i] * across * across;
+        }
+        for k in 0..SUMS {
+            for power in 0..3 {
+                for i in 0..LANES {
+                    lanes[k][power][i] += sums[k][i] * weights[power][i];
+                }
+            }
+        }
+    }
+    let mut total = [[0.0f64; 3]; SUMS];
+    for k in 0..SUMS {
+        for power in 0..3 {
+            let s = &lanes[k][power];
+            total[k][power] = f64::from(((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7])));
+        }
+    }
+    solve(&total, gained)
+}
+
+/// The shift from the sums: unknowns are taken out one by one, `M` last, so that what the others lower is known before it.
+#[inline(always)]
+fn solve(total: &[[f64; 3]; SUMS], gained: bool) -> Option<[f32; 2]> {
+    let [dv, d1, v, vv, dd, count] = [0, 1, 2, 3, 4, 5].map(|k| total[PLAIN + k][0]);
+    let mut normal = [[0.0f64; DIM]; DIM];
+    let mut side = [0.0f64; DIM];
+    // Unknowns come in pairs by axis of the gradient: shift, M by x, M by y.
+    let pairs = [(0, 0, 0), (BEND, 1, 0), (BEND + 2, 0, 1)];
+    for (p, &(at, px, py)) in pairs.iter().enumerate() {
+        for &(other, qx, qy) in &pairs[..=p] {
+            let (x, y) = (px + qx, py + qy);
+            let [xx, xy, yy] = [total[y][x], total[3 + y][x], total[6 + y][x]];
+            normal[at][other] = xx;
+            normal[at][other + 1] = xy;
+            normal[at + 1][other] = xy;
+            normal[at + 1][other + 1] = yy;
+        }
+        for axis in 0..2 {
+            let line = |k: usize| total[LINES + 4 * k + 2 * axis + py][px];
+            side[at + axis] = -line(2);
+            if gained {
+                // Below the diagonal: light stands behind the shift and before M.
+                for (light, sum) in [(LIGHT, line(0)), (LIGHT + 1, line(1))] {
+                    let (row, column) = if at == 0 { (light, axis) } else { (at + axis, light) };
+                    normal[row][column] = -sum;
+                }
+            }
+        }
+    }
+    if gained {
+        normal[LIGHT][LIGHT] = vv.max(1e-6);
+        normal[LIGHT + 1][LIGHT] = v;
+        normal[LIGHT + 1][LIGHT + 1] = count;
+        side[LIGHT] = dv;
+        side[LIGHT + 1] = d1;
+    } else {
+        normal[LIGHT][LIGHT] = 1.0;
+        normal[LIGHT + 1][LIGHT + 1] = 1.0;
     }
 
-    // A column's weight is a power of its x.
-    let weighed = |lanes: &[f32; L], power: usize| {
-        let mut weighed = *lanes;
-        for (i, lane) in weighed.iter_mut().enumerate() {
-            let across = i as f32 - half;
-            *lane *= [1.0, across, across * across][power];
-        }
-        f64::from(patch.total(&weighed))
-    };
-    let mut normal = SMatrix::<f64, DIM, DIM>::zeros();
-    let mut side = SVector::<f64, DIM>::zeros();
-    // Unknowns come in pairs by axis of the gradient: constant, by x, by y.
-    let powers = [[0, 0], [1, 0], [0, 1]];
-    for (p, &[px, py]) in powers.iter().enumerate() {
-        for (q, &[qx, qy]) in powers.iter().enumerate().take(p + 1) {
-            let [xx, xy, yy] = [0, 1, 2].map(|k| weighed(&squares[k][py + qy], px + qx));
-            let mut put = |a: usize, b: usize, v: f64| {
-                normal[(a, b)] = v;
-                normal[(b, a)] = v;
-            };
-            put(2 * p, 2 * q, xx);
-            put(2 * p, 2 * q + 1, xy);
-            put(2 * p + 1, 2 * q, xy);
-            put(2 * p + 1, 2 * q + 1, yy);
-        }
-        let [xv, yv, x1, y1, xd, yd] = [0, 1, 2, 3, 4, 5].map(|k| weighed(&lines[k][py], px));
-        for (axis, (by_value, by_one, by_difference)) in [(xv, x1, xd), (yv, y1, yd)].into_iter().enumerate()
-        {
-            let place = 2 * p + axis;
-            side[place] = -by_difference;
-            if gained {
-                normal[(place, 6)] = -by_value;
-                normal[(6, place)] = -by_value;
-                normal[(place, 7)] = -by_one;
-                normal[(7, place)] = -by_one;
+    // L D L^T in place; `side` becomes L^-1 of itself, and each unknown lowers the squares by side^2 / D.
+    let (mut left, mut own, mut lowered) = (dd, 0.0, 0.0);
+    let mut inverses = [0.0f64; DIM];
+    for k in 0..DIM {
+        if k == BEND {
+            own = (left / (count - 4.0).max(1.0)).max(LEAST_SQUARE);
+            for m in BEND..DIM {
+                normal[m][m] += own / (BEND_STD * BEND_STD);
             }
+            lowered = left;
+        }
+        let pivot = normal[k][k];
+        if pivot.is_nan() || pivot <= 1e-9 {
+            return None;
+        }
+        let inverse = 1.0 / pivot;
+        inverses[k] = inverse;
+        left -= side[k] * side[k] * inverse;
+        for r in k + 1..DIM {
+            let factor = normal[r][k] * inverse;
+            for c in k + 1..=r {
+                normal[r][c] -= factor * normal[c][k];
+            }
+            side[r] -= factor * side[k];
         }
     }
-    let [dv, d1, v, vv, dd] = [0, 1, 2, 3, 4].map(|k| weighed(&plain[k], 0));
-    let count = patch.rows.len() as f64 * f64::from(patch.total(&[1.0; L]));
-    if gained {
-        normal[(6, 6)] = vv.max(1e-6);
-        normal[(6, 7)] = v;
-        normal[(7, 6)] = v;
-        normal[(7, 7)] = count;
-        side[6] = dv;
-        side[7] = d1;
-    } else {
-        normal[(6, 6)] = 1.0;
-        normal[(7, 7)] = 1.0;
+    lowered -= left;
+    // What stands below the diagonal is L D. Without M the rest is solved as if it were not there.
+    let count = if lowered < 4.0 * LEAST_F * own { BEND } else { DIM };
+    let mut step = [0.0f64; DIM];
+    for k in (0..count).rev() {
+        let mut value = side[k];
+        for r in k + 1..count {
+            value -= normal[r][k] * step[r];
+        }
+        step[k] = value * inverses[k];
     }
-    // Without M: the search ended there, but for the light.
-    let alike = {
-        let few = [0, 1, 6, 7];
-        let normal = SMatrix::<f64, 4, 4>::from_fn(|r, c| normal[(few[r], few[c])]);
-        let side = SVector::<f64, 4>::from_fn(|r, _| side[few[r]]);
-        dd - side.dot(&normal.cholesky()?.solve(&side))
-    };
-    let own = (alike / (count - 4.0).max(1.0)).max(LEAST_SQUARE);
-    for k in 2..6 {
-        normal[(k, k)] += own / (BEND_STD * BEND_STD);
-    }
-    let step = normal.cholesky()?.solve(&side);
-    let lowered = alike - (dd - side.dot(&step));
-    if lowered < 4.0 * LEAST_F * own {
-        return None;
-    }
-    let gain = if gained { (1.0 + step[6]).clamp(0.5, 2.0) } else { 1.0 };
-    let [sx, sy] = [step[0] / gain, step[1] / gain];
-    (sx.hypot(sy) <= MOST_PX).then_some([sx as f32, sy as f32])
+    let gain = if gained { (1.0 + step[LIGHT]).clamp(0.5, 2.0) } else { 1.0 };
+    let [x, y] = [step[0] / gain, step[1] / gain];
+    (x * x + y * y <= MOST_PX * MOST_PX).then_some([x as f32, y as f32])
 }

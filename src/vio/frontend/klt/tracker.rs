@@ -9,7 +9,7 @@ use crate::frontend::image::Pyramid;
 use pulp::{Arch, Simd, WithSimd};
 use serde::Serialize;
 
-/// Coarse levels are searched to so many times the finest one's step.
+/// What is not the last search ends at so many times the step.
 const COARSE: f32 = 4.0;
 
 /// Why a point was not found.
@@ -121,8 +121,9 @@ fn one<const L: usize, const W: usize>(
             }
             continue;
         }
-        // A finer level goes on from here.
-        let epsilon = if level == 0 { 1.0 } else { COARSE } * config.epsilon_px as f32;
+        // A finer level, or the affine step, goes on from here.
+        let coarse = level > 0 || config.affine;
+        let epsilon = if coarse { COARSE } else { 1.0 } * config.epsilon_px as f32;
         match search(patch, &to.planes()[level], start, config, epsilon) {
             Outcome::At(place) => shift = [0, 1].map(|i| (place[i] - centre[i]) / scale),
             Outcome::Outside if level == 0 => return Err(KltLoss::Outside),
