@@ -93,7 +93,7 @@ pub(super) fn findings(input: &Input, study: &Study, values: &[(Course, Value)])
             found.push(format!("Of that gap {noise} closes {}.", percent(share)));
         }
     }
-    for missing in &input.missing {
+    for missing in input.not_run() {
         found.push(format!("{} is missing: {}.", missing.name, missing.reason));
     }
     found
@@ -286,9 +286,9 @@ impl Story<'_> {
             let title = table.title.replace('[', "\\[").replace(']', "\\]");
             let _ = writeln!(out, "| `{}` | {title} | {} |", table.name, code(&table.made_by.runs));
         }
-        if !self.input.missing.is_empty() {
+        if self.input.not_run().next().is_some() {
             out.push_str("\nMissing:\n\n");
-            for missing in &self.input.missing {
+            for missing in self.input.not_run() {
                 let _ = writeln!(out, "* {}: {}", missing.name, missing.reason);
             }
         }

@@ -62,7 +62,7 @@ pub(in crate::paper) fn closed_loop(
             }
             table.row(cells);
         }
-        for missing in input.missing.iter().filter(|m| dpn_train::split::paper_side(&m.name) == Some(side)) {
+        for missing in input.not_run().filter(|m| input.side(&m.name) == Some(side)) {
             let mut cells = vec![Cell::text(&missing.name), Cell::text(side.to_string())];
             for noise in &noises {
                 cells.push(Cell::text("missing"));
@@ -124,7 +124,7 @@ pub(in crate::paper) fn closed_loop(
             "The paper's runs are on images, ours on {camera}: compare columns, not single cells. Its means are recomputed here from its rows."
         ));
     }
-    for note in input.notes() {
+    for note in input.notes_of_runs() {
         table.note(note);
     }
     Ok(table)
