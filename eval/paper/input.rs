@@ -242,9 +242,12 @@ impl Input {
     #[must_use]
     pub(super) fn without(&self, unseen: Vec<Unseen>) -> Self {
         let names = self.source.names();
-        let missing = unseen
-            .iter()
-            .map(|unseen| Missing { name: names[unseen.place].0.clone(), reason: words(&unseen.error) });
+        let missing = unseen.iter().map(|unseen| {
+            let name = names[unseen.place].0.clone();
+            let words = words(&unseen.error);
+            let reason = words.strip_prefix(&format!("{name}: ")).unwrap_or(&words).to_owned();
+            Missing { name, reason }
+        });
         let places = self.places.iter().copied();
         Self {
             name: self.name.clone(),
@@ -265,7 +268,15 @@ impl Input {
 
     /// Lines that say what is missing, for the foot of a table.
     pub(super) fn notes(&self) -> Vec<String> {
-        self.missing.iter().map(|m| format!("No row for {}: {}.", m.name, m.reason)).collect()
+        notes(self.missing.iter())
+    }
+
+    /// What the odometry sees, in words.
+    pub(super) fn camera(&self) -> &'static str {
+        match self.source.camera() {
+            "rendered" => "rendered images",
+            camera => camera,
+        }
     }
 
     /// The side of a sequence that is there, or of one of the paper's.
@@ -282,8 +293,20 @@ impl Input {
 
     /// Lines that say what is missing where the odometry runs.
     pub(super) fn notes_of_runs(&self) -> Vec<String> {
-        self.not_run().map(|m| format!("No row for {}: {}.", m.name, m.reason)).collect()
+        notes(self.not_run())
     }
+}
+
+/// A line a reason.
+fn notes<'a>(missing: impl Iterator<Item = &'a Missing>) -> Vec<String> {
+    let mut by_reason: Vec<(&str, Vec<&str>)> = Vec::new();
+    for Missing { name, reason } in missing {
+        match by_reason.iter_mut().find(|(there, _)| *there == reason) {
+            Some((_, names)) => names.push(name),
+            None => by_reason.push((reason, vec![name])),
+        }
+    }
+    by_reason.iter().map(|(reason, names)| format!("No row for {}: {reason}.", names.join(", "))).collect()
 }
 
 /// The samples of a sequence that a loop can be closed on and windows can be cut from.
@@ -392,6 +415,6 @@ mod tests {
         let error = ClosedLoopError::NoImages { sequence: "f09-hover".into(), asked: false };
         let left = input.without(vec![Unseen { place: 8, error }]);
         assert_eq!((left.places.as_slice(), left.corpus.members.len(), left.notes().len()), (&[7][..], 2, 0));
-        assert_eq!(left.notes_of_runs(), ["No row for f09-hover: f09-hover: it has no images."]);
+        assert_eq!(left.notes_of_runs(), ["No row for f09-hover: it has no images."]);
     }
 }

@@ -97,7 +97,14 @@ impl Plan {
     /// The whole study.
     pub fn whole() -> Self {
         let mut noises = owned(&CONSTANTS);
-        noises.extend(owned(&["dualpronet", "mean(dualpronet)", "shuffled(dualpronet)"]));
+        noises.extend(owned(&[
+            "dualpronet",
+            "mean(dualpronet)",
+            "shuffled(dualpronet)",
+            "dualpronet(wide-s0)",
+            "mean(dualpronet(wide-s0))",
+            "shuffled(dualpronet(wide-s0))",
+        ]));
         let mut others = owned(&ENDS);
         others.extend(owned(&[
             DATA_SHEET,
@@ -105,7 +112,6 @@ impl Plan {
             "dualpronet(order-s0)",
             "dualpronet(total-s0)",
             "dualpronet(paper-s0)",
-            "dualpronet(wide-s0)",
             "plus(dualpronet(wide-s0),x4)",
         ]));
         others.extend(EstimatorSpec::all().iter().map(ToString::to_string));
@@ -233,6 +239,7 @@ mod tests {
         Plan::quick().validate().unwrap();
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../configs/paper/whole.toml");
         assert_eq!(dpn_core::config::load::<Plan>(&path).unwrap(), Plan::whole());
+        dpn_core::config::load::<Plan>(&path.with_file_name("figures.toml")).unwrap();
     }
 
     #[test]

@@ -235,7 +235,7 @@ impl Paper<'_> {
         for picture in &pictures {
             names.extend(["svg", "png", "csv"].map(|ending| format!("{}.{ending}", picture.name)));
         }
-        let findings = page::findings(input, &study, &values);
+        let findings = page::findings(input, &rows, &study, &values)?;
         let story = page::Story {
             input,
             camera: self.camera,

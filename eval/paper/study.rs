@@ -22,7 +22,7 @@ pub(super) const FEWEST: usize = 6;
 #[derive(Debug)]
 pub(super) struct Rows<'a> {
     rows: Vec<&'a Row>,
-    /// Noises in the order of the plan.
+    /// Noises: multiples of the baseline in their order, then the others in that of the plan.
     pub(super) noises: Vec<String>,
     /// Sequences in order, with their sides.
     pub(super) sequences: Vec<(String, Side)>,
@@ -88,15 +88,12 @@ impl<'a> Rows<'a> {
             }
             sequences.insert(row.sequence.clone(), row.split);
         }
+        let multiple = |noise: &String| noise.parse::<Noise>().ok()?.multiple();
+        noises.sort_by(|a, b| {
+            let [a, b] = [a, b].map(|noise| multiple(noise).unwrap_or(f64::INFINITY));
+            a.total_cmp(&b)
+        });
         Self { rows: rows.iter().collect(), noises, sequences: sequences.into_iter().collect() }
-    }
-
-    /// What the odometry saw, each once.
-    pub(super) fn cameras(&self) -> Vec<&str> {
-        let mut found: Vec<&str> = self.rows.iter().map(|row| row.camera.as_str()).collect();
-        found.sort_unstable();
-        found.dedup();
-        found
     }
 
     pub(super) fn of<'s>(&'s self, noise: &'s str) -> impl Iterator<Item = &'a Row> + 's {

@@ -75,7 +75,7 @@ pub(in crate::paper) fn value(
         }
         let gap = |i: usize| value.gap[i].map_or("-".to_owned(), |gap| format!("{:.0} %", 100.0 * gap));
         table.note(format!(
-            "{course}, {} sequences ({} training, {} test): the oracle's median lies {} below that of the best constant{} (training {}, test {}).",
+            "{course}, sequences: {} ({} training, {} test): the oracle's median lies {} below that of the best constant{} (training {}, test {}).",
             value.sequences[0],
             value.sequences[1],
             value.sequences[2],
@@ -88,9 +88,9 @@ pub(in crate::paper) fn value(
     table.note(words(injection));
     if input.injected.camera() != input.source.camera() {
         table.note(format!(
-            "These runs are on {} made along the ground truth, those without injected noise on {} images: compare within this table.",
+            "These runs are on {} made along the ground truth, those without injected noise on {}: compare within this table.",
             input.injected.camera(),
-            input.source.camera()
+            input.camera()
         ));
     }
     table.note("Medians over seeds, then over sequences (one without any pose counts as worse than all; it is left out of ratios and tests). The best constant is the one with the lowest median on the training sequences, among those \
