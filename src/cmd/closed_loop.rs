@@ -33,6 +33,7 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
         places: source.select(&closed.sequences)?,
         noises,
         seeds: (args.seed..args.seed.saturating_add(closed.seeds)).collect(),
+        others: (Vec::new(), Vec::new()),
         from: closed.from,
         estimator,
         networks: &networks,
