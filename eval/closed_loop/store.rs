@@ -26,7 +26,7 @@ pub struct Manifest {
     pub estimator: serde_json::Value,
     /// Where recordings and tracks come from, with all settings that a number depends on.
     pub source: serde_json::Value,
-    /// Where runs begin: `table` or seconds.
+    /// Where runs begin: `table` or seconds; and where they end, if that is said.
     pub from: String,
     /// SHA-256 of every sequence's files.
     pub inputs: BTreeMap<String, String>,
@@ -73,7 +73,7 @@ impl Manifest {
             program,
             estimator: serde_json::to_value(&sweep.estimator).unwrap_or_default(),
             source,
-            from: sweep.from.to_string(),
+            from: sweep.to.map_or_else(|| sweep.from.to_string(), |to| format!("{} to {to}", sweep.from)),
             inputs,
             cells,
         })

@@ -45,6 +45,8 @@ pub struct Sweep<'a> {
     pub others: (Vec<Noise>, Vec<u64>),
     /// Where in a sequence a run begins.
     pub from: StartAt,
+    /// Seconds after a sequence's first frame (or image listed) at which its run ends; without it at the last.
+    pub to: Option<f64>,
     /// The estimator's settings.
     pub estimator: EstimatorConfig,
     /// Networks that noises may name.
@@ -355,7 +357,7 @@ impl Sweep<'_> {
         kept: &Kept,
     ) -> Result<(Arc<Recording>, Arc<Seen>), ClosedLoopError> {
         let recording = kept.recording(needs, || self.recording(cell.place, cell.seed))?;
-        let span = Span::from(self.from.seconds(&recording.name));
+        let span = Span { from_s: self.from.seconds(&recording.name), to_s: self.to };
         let seen = kept
             .frames(needs, || self.source.seen(cell.place, cell.seed, &span, &recording, &mut |_, _| {}))?;
         frames_from(&recording, &seen.frames, &seen.span)?;

@@ -194,6 +194,7 @@ impl Paper<'_> {
             seeds: seeds(wanted.noises.1),
             others: (Plan::parsed(wanted.others.0)?, seeds(wanted.others.1)),
             from: self.from,
+            to: None,
             estimator: self.estimator.clone(),
             networks: self.networks,
             threads: self.threads,

@@ -35,6 +35,7 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
         seeds: (args.seed..args.seed.saturating_add(closed.seeds)).collect(),
         others: (Vec::new(), Vec::new()),
         from: closed.from,
+        to: closed.to,
         estimator,
         networks: &networks,
         threads: closed.threads.unwrap_or_else(cores).max(1),
