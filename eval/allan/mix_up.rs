@@ -20,8 +20,8 @@ struct MixUp {
 /// Densities of the MEMS IMUs that people fly and carry, lowest and highest.
 ///
 /// White noise: data sheets from ADIS16495 and HG4930 (20 ug/sqrt(Hz), .04 deg/sqrt(h)) to MPU-6050 and ADIS16448 (400 ug/sqrt(Hz),
-/// .0135 deg/s/sqrt(Hz)). Walks: calibrations that are published, from VINS-Mono's default at 200 Hz to EuRoC's `sensor.yaml` and twice
-/// to five times Basalt's; data sheets have none.
+/// .0135 deg/s/sqrt(Hz)). Walks, which data sheets do not have: published calibrations and defaults, from VINS-Mono's at 200 Hz to EuRoC's
+/// `sensor.yaml` (accelerometer) and Basalt's calibration of it (gyroscope).
 pub fn typical(figure: Figure) -> [f64; 2] {
     match figure {
         Figure::AccelWhite => [2e-4, 4e-3],
