@@ -14,13 +14,20 @@ fn main() {
     let default = FrontEndConfig::default();
     let mut plain = default;
     plain.klt.illumination = Illumination::Constant;
+    plain.klt.affine = false;
     plain.klt.back_px = 0.0;
     let mut equalised = default;
     equalised.clahe.enabled = true;
+    let mut shifted = default;
+    shifted.klt.affine = false;
     let runs = iterations(10);
     let images = rolling(if runs == 1 { 6 } else { COUNT });
-    for (name, config) in [("default", default), ("no light, no way back", plain), ("with CLAHE", equalised)]
-    {
+    for (name, config) in [
+        ("default", default),
+        ("shifts only", shifted),
+        ("no light, no way back", plain),
+        ("with CLAHE", equalised),
+    ] {
         measure(name, config, &images, runs);
     }
 }

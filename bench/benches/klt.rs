@@ -15,13 +15,15 @@ fn main() {
     let config = CornerConfig { cells: 0, ..CornerConfig::default() };
     let corners = Detector::new(config).detect(&pyramids[0].planes()[0], &mut mask, &[]);
     let shifts: Vec<Shift> = corners.iter().map(|c| Shift { from: c.px, guess: c.px }).collect();
-    for illumination in [Illumination::Constant, Illumination::GainOffset] {
-        let klt = Klt::new(KltConfig { illumination, ..KltConfig::default() });
+    for (illumination, affine) in
+        [(Illumination::Constant, false), (Illumination::GainOffset, false), (Illumination::GainOffset, true)]
+    {
+        let klt = Klt::new(KltConfig { illumination, affine, ..KltConfig::default() });
         let timing = time(iterations(200), || {
             black_box(klt.track(&pyramids[0], &pyramids[1], &shifts, 4));
         });
         println!(
-            "klt {illumination:?}: {} points, median {:.3} ms, cpu {:.3} ms",
+            "klt {illumination:?}, affine {affine}: {} points, median {:.3} ms, cpu {:.3} ms",
             shifts.len(),
             timing.wall_ms,
             timing.cpu_ms

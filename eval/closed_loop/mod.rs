@@ -47,7 +47,7 @@ pub use source::{Source, Tracks};
 pub(crate) use states::ANCHOR;
 pub use states::write_states;
 pub use store::{Manifest, Store};
-pub use sweep::{Keep, Sweep};
+pub use sweep::{Keep, Sweep, Unseen};
 pub use table::{Summary, render, render_comparisons, render_consistency, summaries};
 pub use views::{timeline, top_view};
 

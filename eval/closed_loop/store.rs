@@ -9,6 +9,7 @@ use super::images::Images;
 use super::row::{CellKey, Row};
 use super::source::{Source, Tracks};
 use super::sweep::Sweep;
+use crate::noise::Noise;
 use dpn_core::io::{IoError, atomic_write};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
@@ -25,7 +26,7 @@ pub struct Manifest {
     pub estimator: serde_json::Value,
     /// Where recordings and tracks come from, with all settings that a number depends on.
     pub source: serde_json::Value,
-    /// Where runs begin: `table` or seconds.
+    /// Where runs begin: `table` or seconds; and where they end, if that is said.
     pub from: String,
     /// SHA-256 of every sequence's files.
     pub inputs: BTreeMap<String, String>,
@@ -61,15 +62,20 @@ impl Manifest {
         if let Some(injection) = &sweep.injection {
             source["injection"] = serde_json::to_value(injection).unwrap_or_default();
         }
-        let specs: Vec<String> = sweep.noises.iter().map(ToString::to_string).collect();
+        let specs = |noises: &[Noise]| noises.iter().map(ToString::to_string).collect::<Vec<_>>();
         let sequences: Vec<&str> = sweep.places.iter().map(|place| names[*place].0.as_str()).collect();
+        let mut cells = serde_json::json!({ "sequences": sequences, "noises": specs(&sweep.noises), "seeds": sweep.seeds });
+        if !sweep.others.0.is_empty() {
+            cells["others"] =
+                serde_json::json!({ "noises": specs(&sweep.others.0), "seeds": sweep.others.1 });
+        }
         Ok(Self {
             program,
             estimator: serde_json::to_value(&sweep.estimator).unwrap_or_default(),
             source,
-            from: sweep.from.to_string(),
+            from: sweep.to.map_or_else(|| sweep.from.to_string(), |to| format!("{} to {to}", sweep.from)),
             inputs,
-            cells: serde_json::json!({ "sequences": sequences, "noises": specs, "seeds": sweep.seeds }),
+            cells,
         })
     }
 

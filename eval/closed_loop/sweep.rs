@@ -12,6 +12,7 @@ use super::kept::{Kept, Needs};
 use super::parallel::each;
 use super::recording::{Recording, Span, StartAt};
 use super::row::{CellKey, Row};
+use super::sight::Seen;
 use super::source::Source;
 use super::states::write_states;
 use super::store::{Manifest, Store};
@@ -24,9 +25,10 @@ use dpn_core::random::Stream;
 use dpn_core::{ImuNoise, Sensor};
 use dpn_train::split::Side;
 use dpn_vio::EstimatorConfig;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// What to run.
 #[derive(Debug, Clone)]
@@ -39,8 +41,12 @@ pub struct Sweep<'a> {
     pub noises: Vec<Noise>,
     /// The seeds.
     pub seeds: Vec<u64>,
+    /// More noises, and the seeds of these.
+    pub others: (Vec<Noise>, Vec<u64>),
     /// Where in a sequence a run begins.
     pub from: StartAt,
+    /// Seconds after a sequence's first frame (or image listed) at which its run ends; without it at the last.
+    pub to: Option<f64>,
     /// The estimator's settings.
     pub estimator: EstimatorConfig,
     /// Networks that noises may name.
@@ -73,11 +79,51 @@ impl Keep {
     }
 }
 
+/// A sequence that nothing could be seen of.
+#[derive(Debug)]
+pub struct Unseen {
+    /// Its place in the source.
+    pub place: usize,
+    /// Why: its files, tracks or images cannot be had, or not enough of them.
+    pub error: ClosedLoopError,
+}
+
+/// What becomes of the others when one sequence cannot be seen.
+enum Blind<'a> {
+    /// Nothing: that is an error.
+    Ends,
+    /// They go on; the first error of each such sequence is kept here.
+    IsLeftOut(&'a Mutex<BTreeMap<usize, ClosedLoopError>>),
+}
+
+impl Blind<'_> {
+    /// Whether a sequence is known to be one.
+    fn knows(&self, place: usize) -> bool {
+        match self {
+            Self::Ends => false,
+            Self::IsLeftOut(found) => {
+                found.lock().unwrap_or_else(PoisonError::into_inner).contains_key(&place)
+            }
+        }
+    }
+
+    /// An error of seeing a sequence: given back, or kept.
+    fn hears(&self, place: usize, error: ClosedLoopError) -> Result<(), ClosedLoopError> {
+        match self {
+            Self::Ends => Err(error),
+            Self::IsLeftOut(found) => {
+                found.lock().unwrap_or_else(PoisonError::into_inner).entry(place).or_insert(error);
+                Ok(())
+            }
+        }
+    }
+}
+
 /// One run of the estimator.
-struct Cell {
+struct Cell<'a> {
     place: usize,
     seed: u64,
-    noise: usize,
+    noise: &'a Noise,
     key: CellKey,
 }
 
@@ -94,8 +140,49 @@ impl Sweep<'_> {
         stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<Vec<Row>, ClosedLoopError> {
+        self.into_store(dir, manifest, &Blind::Ends, stop, progress)
+    }
+
+    /// The same where a sequence that cannot be seen ends nothing: it has no rows, and is named with its reason.
+    ///
+    /// # Errors
+    /// As of [`run`](Self::run), but for those sequences.
+    pub fn run_what_is_seen(
+        &self,
+        dir: &Path,
+        manifest: &Manifest,
+        stop: &AtomicBool,
+        progress: &mut dyn Progress,
+    ) -> Result<(Vec<Row>, Vec<Unseen>), ClosedLoopError> {
+        let found = Mutex::new(BTreeMap::new());
+        let rows = self.into_store(dir, manifest, &Blind::IsLeftOut(&found), stop, progress)?;
+        let found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
+        Ok((rows, found.into_iter().map(|(place, error)| Unseen { place, error }).collect()))
+    }
+
+    /// How many cells have no row in `dir` yet.
+    ///
+    /// # Errors
+    /// As of [`run`](Self::run); nothing is run.
+    pub fn left(&self, dir: &Path, manifest: &Manifest) -> Result<usize, ClosedLoopError> {
+        let cells = self.cells();
+        if !dir.join("run.json").is_file() {
+            return Ok(cells.len());
+        }
+        let rows = Store::open(dir, manifest)?.rows();
+        Ok(cells.iter().filter(|cell| !rows.contains_key(&cell.key)).count())
+    }
+
+    fn into_store(
+        &self,
+        dir: &Path,
+        manifest: &Manifest,
+        blind: &Blind<'_>,
+        stop: &AtomicBool,
+        progress: &mut dyn Progress,
+    ) -> Result<Vec<Row>, ClosedLoopError> {
         let mut store = Store::open(dir, manifest)?;
-        match self.fill(&mut store, dir, stop, progress) {
+        match self.fill(&mut store, dir, blind, stop, progress) {
             Ok(ordered) => {
                 store.finish(&ordered)?;
                 Ok(ordered)
@@ -112,6 +199,7 @@ impl Sweep<'_> {
         &self,
         store: &mut Store,
         dir: &Path,
+        blind: &Blind<'_>,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<Vec<Row>, ClosedLoopError> {
@@ -121,7 +209,8 @@ impl Sweep<'_> {
         let gone = |key: &CellKey| self.keep.states_path(dir, key).is_some_and(|path| !path.is_file());
         let todo: Vec<&Cell> =
             cells.iter().filter(|cell| !rows.contains_key(&cell.key) || gone(&cell.key)).collect();
-        let means = self.training_means(&todo, stop)?;
+        let todo = self.ahead(todo);
+        let means = self.training_means(&todo, blind, stop)?;
         let needs: Vec<Needs> = todo.iter().map(|cell| self.needs(cell)).collect();
         let kept = Kept::new(&needs, means);
         progress.start("closed loop", total as u64);
@@ -130,18 +219,25 @@ impl Sweep<'_> {
             self.threads,
             todo.len(),
             stop,
-            |i| self.cell(todo[i], &needs[i], &kept, dir),
+            |i| {
+                let row = self.cell(todo[i], &needs[i], &kept, dir, blind);
+                kept.done(&needs[i]);
+                row
+            },
             |_, row| {
+                let Some(row) = row else { return Ok(()) };
                 store.append(row)?;
                 done += 1;
                 progress.step(done as u64, &note(row));
                 Ok(())
             },
         )?;
-        for row in finished.into_iter().flatten() {
+        for row in finished.into_iter().flatten().flatten() {
             rows.insert(row.key(), row);
         }
-        let ordered: Vec<Row> = cells.iter().filter_map(|cell| rows.remove(&cell.key)).collect();
+        let seen = || cells.iter().filter(|cell| !blind.knows(cell.place));
+        let total = seen().count();
+        let ordered: Vec<Row> = seen().filter_map(|cell| rows.remove(&cell.key)).collect();
         if ordered.len() < total {
             progress.finish(&format!("stopped after {} of {total} cells", ordered.len()));
             return Err(ClosedLoopError::Stopped { done: ordered.len(), total });
@@ -151,27 +247,50 @@ impl Sweep<'_> {
     }
 
     /// All cells: noises of one seed of one sequence follow each other, for they share the most.
-    fn cells(&self) -> Vec<Cell> {
+    fn cells(&self) -> Vec<Cell<'_>> {
         let names = self.source.names();
-        let specs: Vec<String> = self.noises.iter().map(ToString::to_string).collect();
+        let (others, other_seeds) = &self.others;
+        let parts = [(&self.noises, &self.seeds), (others, other_seeds)];
+        let seeds: BTreeSet<u64> = self.seeds.iter().chain(other_seeds).copied().collect();
         let mut cells = Vec::new();
         for &place in &self.places {
-            for &seed in &self.seeds {
-                for (noise, spec) in specs.iter().enumerate() {
-                    let key = CellKey { sequence: names[place].0.clone(), seed, noise: spec.clone() };
-                    cells.push(Cell { place, seed, noise, key });
+            for &seed in &seeds {
+                for (noises, _) in parts.iter().filter(|(_, seeds)| seeds.contains(&seed)) {
+                    for noise in noises.iter() {
+                        let key =
+                            CellKey { sequence: names[place].0.clone(), seed, noise: noise.to_string() };
+                        cells.push(Cell { place, seed, noise, key });
+                    }
                 }
             }
         }
         cells
     }
 
-    fn needs(&self, cell: &Cell) -> Needs {
+    /// Cells in the order in which they are begun. What the cells of a sequence and seed share is made by the first of them while the others
+    /// wait, so as many such firsts as there are threads are always begun ahead of the rest. Seeds come one after another: what is broken off has
+    /// whole seeds.
+    fn ahead<'c>(&self, mut cells: Vec<&'c Cell<'c>>) -> Vec<&'c Cell<'c>> {
+        let place = |cell: &Cell<'_>| self.places.iter().position(|place| *place == cell.place);
+        cells.sort_by_key(|cell| (cell.seed, place(cell)));
+        let groups: Vec<&[&Cell<'_>]> =
+            cells.chunk_by(|a, b| (a.seed, a.place) == (b.seed, b.place)).collect();
+        let first = |i: usize| groups.get(i).map(|group| group[0]);
+        let threads = self.threads.max(1);
+        let mut ordered: Vec<&Cell<'_>> = (0..threads).filter_map(first).collect();
+        for (i, group) in groups.iter().enumerate() {
+            ordered.extend(&group[1..]);
+            ordered.extend(first(i + threads));
+        }
+        ordered
+    }
+
+    fn needs(&self, cell: &Cell<'_>) -> Needs {
         let seeded = |seeded: bool| (cell.place, if seeded { cell.seed } else { 0 });
         Needs {
             recording: seeded(self.source.recordings_are_seeded() || self.injection.is_some()),
             frames: seeded(self.source.tracks_are_seeded()),
-            noise: self.noises[cell.noise].source().to_string(),
+            noise: cell.noise.source().to_string(),
         }
     }
 
@@ -185,16 +304,27 @@ impl Sweep<'_> {
         Ok(recording)
     }
 
-    fn cell(&self, cell: &Cell, needs: &Needs, kept: &Kept, dir: &Path) -> Result<Row, ClosedLoopError> {
-        let recording = kept.recording(needs, || self.recording(cell.place, cell.seed))?;
+    /// One row; none where the sequence cannot be seen and that ends nothing.
+    fn cell(
+        &self,
+        cell: &Cell<'_>,
+        needs: &Needs,
+        kept: &Kept,
+        dir: &Path,
+        blind: &Blind<'_>,
+    ) -> Result<Option<Row>, ClosedLoopError> {
+        if blind.knows(cell.place) {
+            return Ok(None);
+        }
+        let (recording, seen) = match self.see(cell, needs, kept) {
+            Ok(found) => found,
+            Err(error) => return blind.hears(cell.place, error).map(|()| None),
+        };
         let from_s = self.from.seconds(&recording.name);
-        let span = Span::from(from_s);
-        let see = || self.source.seen(cell.place, cell.seed, &span, &recording, &mut |_, _| {});
-        let seen = kept.frames(needs, see)?;
-        let frames = frames_from(&recording, &seen.frames, &seen.span)?;
+        let frames = seen.span.of(&seen.frames, |frame| frame.t);
         let stream = Stream::new(cell.seed).named("noise").named(&recording.name);
         let sources = kept.sources(needs, recorded(&recording), self.networks);
-        let noise = self.noises[cell.noise].track(&recording.imu, &sources, &stream)?;
+        let noise = cell.noise.track(&recording.imu, &sources, &stream)?;
         let driven = drive(&self.estimator, &recording, frames, &noise, cell.seed)?;
         let told = Told {
             camera: self.source.camera().into(),
@@ -213,22 +343,37 @@ impl Sweep<'_> {
         if let Some(nees) = judged.nees.as_ref().filter(|_| self.keep.nees) {
             write_nees(&nees_path(dir, &cell.key), nees)?;
         }
-        kept.done(needs);
         let mut told = MeanSquare::default();
         told.add(&noise);
         let noise_rms = told.root().map(|noise| Sensor::ALL.map(|sensor| noise.of(sensor)));
-        Ok(Row { noise_rms, ..judged.row })
+        Ok(Some(Row { noise_rms, ..judged.row }))
     }
 
-    /// What `mean-of-train` needs, over all training sequences of the source, whether they are run or not.
+    /// What a cell's odometry is given: the recording, and tracks enough.
+    fn see(
+        &self,
+        cell: &Cell<'_>,
+        needs: &Needs,
+        kept: &Kept,
+    ) -> Result<(Arc<Recording>, Arc<Seen>), ClosedLoopError> {
+        let recording = kept.recording(needs, || self.recording(cell.place, cell.seed))?;
+        let span = Span { from_s: self.from.seconds(&recording.name), to_s: self.to };
+        let seen = kept
+            .frames(needs, || self.source.seen(cell.place, cell.seed, &span, &recording, &mut |_, _| {}))?;
+        frames_from(&recording, &seen.frames, &seen.span)?;
+        Ok((recording, seen))
+    }
+
+    /// What `mean-of-train` needs, over all training sequences of the source that can be read, whether they are run or not.
     fn training_means(
         &self,
-        todo: &[&Cell],
+        todo: &[&Cell<'_>],
+        blind: &Blind<'_>,
         stop: &AtomicBool,
     ) -> Result<BTreeMap<String, ImuNoise>, ClosedLoopError> {
         let mut sources: Vec<&Noise> = todo
             .iter()
-            .map(|cell| &self.noises[cell.noise])
+            .map(|cell| cell.noise)
             .filter(|noise| noise.needs_training())
             .map(Noise::source)
             .collect();
@@ -239,9 +384,12 @@ impl Sweep<'_> {
         }
         let sides = self.source.names();
         let training: Vec<usize> = (0..sides.len()).filter(|i| sides[*i].1 == Side::Train).collect();
-        let seed = self.seeds.first().copied().unwrap_or(0);
+        let seed = self.seeds.first().or(self.others.1.first()).copied().unwrap_or(0);
         let of_sequence = |i: usize| {
-            let recording = self.recording(training[i], seed)?;
+            let recording = match self.recording(training[i], seed) {
+                Ok(recording) => recording,
+                Err(error) => return blind.hears(training[i], error).map(|()| Vec::new()),
+            };
             let recorded = recorded(&recording);
             let mean = |source: &&Noise| {
                 let mut mean = MeanSquare::default();

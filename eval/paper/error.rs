@@ -55,6 +55,14 @@ pub enum PaperError {
         /// What is wrong with it.
         message: String,
     },
+    /// Another program's runs are to be taken, and it has not made them all.
+    #[error("{what}: not there as made by {program}")]
+    NotMeasured {
+        /// What is missing.
+        what: String,
+        /// The program.
+        program: String,
+    },
     /// No sequence at all can be used.
     #[error("no sequence can be used: {}", reasons.join("; "))]
     Nothing {
@@ -88,6 +96,10 @@ impl PaperError {
             Self::ClosedLoop(error) => error.hint(),
             Self::Io(error) => error.hint(),
             Self::NoCamera { .. } => Some("--camera auto takes the best that every sequence has".into()),
+            Self::NotMeasured { .. } => Some(
+                "give --measured-by the checksum that tables and run.json name, with the plan, data and settings of that run; or leave it out, and it is run"
+                    .into(),
+            ),
             Self::Nothing { .. } => Some(
                 "give --data a folder with EuRoC's sequences, or leave it out for the simulated flights"
                     .into(),

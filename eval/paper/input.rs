@@ -2,10 +2,11 @@
 
 use super::error::PaperError;
 use super::published;
-use crate::closed_loop::{ClosedLoopError, Images, Source, Tracks, Vision, has_images};
+use crate::closed_loop::{ClosedLoopError, Images, Source, Tracks, Unseen, Vision, has_images};
 use dpn_core::ImuRecording;
-use dpn_sim::FlightConfig;
+use dpn_core::io::asl::Sequence;
 use dpn_sim::tracks::TracksConfig;
+use dpn_sim::{FlightConfig, RenderConfig};
 use dpn_train::corpus::{Corpus, Member};
 use dpn_train::split::{Side, paper_side};
 use dpn_vio::frontend::FrontEndConfig;
@@ -18,10 +19,12 @@ use std::str::FromStr;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CameraChoice {
-    /// The best that every sequence has: its own images, else tracks.
+    /// The best that every sequence has: its own images, else rendered ones, else tracks.
     Auto,
     /// The sequences' own images; those without any are missing.
     Images,
+    /// Images rendered along the ground truth.
+    Rendered,
     /// Camera tracks, given or made along the ground truth.
     Tracks,
 }
@@ -33,14 +36,18 @@ pub struct Cameras {
     pub given: Option<PathBuf>,
     /// Tracks along a path.
     pub made: TracksConfig,
+    /// Images along a path.
+    pub rendered: RenderConfig,
     /// Simulated flights.
     pub flights: FlightConfig,
     /// What follows points through images.
     pub front_end: FrontEndConfig,
+    /// Whether minutes count: [`CameraChoice::Auto`] renders nothing then.
+    pub quick: bool,
 }
 
 impl CameraChoice {
-    const ALL: [Self; 3] = [Self::Auto, Self::Images, Self::Tracks];
+    const ALL: [Self; 4] = [Self::Auto, Self::Images, Self::Rendered, Self::Tracks];
 
     /// The sequences of `dir` (the simulated flights without one) as this camera shows them, and why this one, in words. `wanted` are names
     /// as for [`Source::select`].
@@ -53,39 +60,66 @@ impl CameraChoice {
         wanted: &str,
         with: &Cameras,
     ) -> Result<(Source, String), PaperError> {
+        let images = |images: Images| Tracks::Seen(Vision { images, front_end: with.front_end });
+        let rendered = || images(Images::Rendered(Box::new(with.rendered.clone())));
+        let own = || images(Images::Folder { skip_missing: false });
         let Some(dir) = dir else {
-            if self == Self::Images {
-                return Err(PaperError::NoCamera {
-                    camera: self.to_string(),
-                    reason: "simulated flights have no images".into(),
-                });
-            }
-            let tracks = Tracks::Made(with.made.clone());
-            let why = "simulated flights have no images; tracks are made along their true path";
+            let (tracks, why) = match self {
+                Self::Images => {
+                    return Err(PaperError::NoCamera {
+                        camera: self.to_string(),
+                        reason: "simulated flights have no images".into(),
+                    });
+                }
+                Self::Rendered => (rendered(), "along the true path, as asked for"),
+                Self::Auto if !with.quick => {
+                    (rendered(), "along the true path, for simulated flights have no images")
+                }
+                Self::Auto => (
+                    Tracks::Made(with.made.clone()),
+                    "simulated flights have no images, and to render some takes long; tracks are made along their true path",
+                ),
+                Self::Tracks => (Tracks::Made(with.made.clone()), "made along the true path, as asked for"),
+            };
             return Ok((Source::Flights { config: with.flights.clone(), tracks }, why.into()));
         };
-        let seen = || {
-            let images = Images::Folder { skip_missing: false };
-            Tracks::Seen(Vision { images, front_end: with.front_end })
-        };
-        if self == Self::Images {
-            return Ok((Source::recorded(dir, seen())?, "the sequences' own, as asked for".into()));
-        }
         let (tracks, words) = match &with.given {
             Some(folder) => (Tracks::Given(folder.clone()), "the given ones"),
             None => (Tracks::Made(with.made.clone()), "made along the ground truth"),
         };
-        let source = Source::recorded(dir, tracks)?;
-        let (Self::Auto, None, Source::Recorded { sequences, .. }) = (self, &with.given, &source) else {
-            return Ok((source, format!("{words}, as asked for")));
-        };
-        let places = source.select(wanted)?;
-        let without = places.iter().filter(|place| !has_images(&sequences[**place].0)).count();
-        if without == 0 {
-            return Ok((Source::recorded(dir, seen())?, "every sequence has its own".into()));
+        let tracks = || tracks.clone();
+        match self {
+            Self::Images => {
+                return Ok((Source::recorded(dir, own())?, "the sequences' own, as asked for".into()));
+            }
+            Self::Rendered => {
+                return Ok((
+                    Source::recorded(dir, rendered())?,
+                    "along the ground truth, as asked for".into(),
+                ));
+            }
+            Self::Tracks => return Ok((Source::recorded(dir, tracks())?, format!("{words}, as asked for"))),
+            Self::Auto if with.given.is_some() => {
+                return Ok((Source::recorded(dir, tracks())?, format!("{words}, as asked for")));
+            }
+            Self::Auto => {}
         }
-        let why = format!("{words}, for {without} of {} sequences have no images here", places.len());
-        Ok((source, why))
+        let source = Source::recorded(dir, tracks())?;
+        let Source::Recorded { sequences, .. } = &source else { return Ok((source, words.into())) };
+        let places = source.select(wanted)?;
+        let of = |has: &dyn Fn(&Sequence) -> bool| {
+            places.iter().filter(|place| has(&sequences[**place].0)).count()
+        };
+        let without = places.len() - of(&has_images);
+        if without == 0 {
+            return Ok((Source::recorded(dir, own())?, "every sequence has its own".into()));
+        }
+        let none = format!("{without} of {} sequences have no images here", places.len());
+        if of(&|sequence| sequence.ground_truth_path().is_some()) > 0 && !with.quick {
+            return Ok((Source::recorded(dir, rendered())?, format!("along the ground truth, for {none}")));
+        }
+        let long = if with.quick { ", and to render some takes long" } else { "" };
+        Ok((source, format!("{words}, for {none}{long}")))
     }
 }
 
@@ -94,6 +128,7 @@ impl fmt::Display for CameraChoice {
         f.write_str(match self {
             Self::Auto => "auto",
             Self::Images => "images",
+            Self::Rendered => "rendered",
             Self::Tracks => "tracks",
         })
     }
@@ -129,6 +164,11 @@ pub struct Input {
     pub places: Vec<usize>,
     /// Those that are not.
     pub missing: Vec<Missing>,
+    /// Those whose samples are used and that the odometry could not see: without rows where it runs.
+    pub unseen: Vec<Missing>,
+    /// The sequences as the odometry sees them where noise is added: [`Source`], but for rendered images, in whose place there are tracks made
+    /// along the ground truth.
+    pub injected: Source,
     /// The recordings of those used: windows of the open loop come from them.
     pub corpus: Corpus,
     /// Minutes of the IMU of each sequence used, and its samples.
@@ -137,11 +177,16 @@ pub struct Input {
 
 impl Input {
     /// Reads every sequence among `wanted` once; what does not read is missing, with its reason, as are sequences of the paper that are
-    /// not there. `whole`: whether all sequences were wanted.
+    /// not there. `whole`: whether all sequences were wanted; `made`: tracks of the experiment with injected noise, where images are rendered.
     ///
     /// # Errors
     /// No sequence that reads.
-    pub fn check(source: Source, wanted: &[usize], whole: bool) -> Result<Self, PaperError> {
+    pub fn check(
+        source: Source,
+        wanted: &[usize],
+        whole: bool,
+        made: &TracksConfig,
+    ) -> Result<Self, PaperError> {
         let names = source.names();
         let (mut places, mut missing, mut lengths) = (Vec::new(), Vec::new(), Vec::new());
         let mut members = Vec::new();
@@ -179,7 +224,41 @@ impl Input {
             Source::Recorded { .. } => "recorded",
         };
         let corpus = Corpus { name: name.into(), members };
-        Ok(Self { name: name.into(), source, places, missing, corpus, lengths })
+        let injected = match source.clone() {
+            Source::Recorded {
+                sequences,
+                tracks: Tracks::Seen(Vision { images: Images::Rendered(_), .. }),
+            } => Source::Recorded { sequences, tracks: Tracks::Made(made.clone()) },
+            Source::Flights { config, tracks: Tracks::Seen(Vision { images: Images::Rendered(_), .. }) } => {
+                Source::Flights { config, tracks: Tracks::Made(made.clone()) }
+            }
+            source => source,
+        };
+        let unseen = Vec::new();
+        Ok(Self { name: name.into(), source, places, missing, unseen, injected, corpus, lengths })
+    }
+
+    /// Without these on the odometry's side.
+    #[must_use]
+    pub(super) fn without(&self, unseen: Vec<Unseen>) -> Self {
+        let names = self.source.names();
+        let missing = unseen.iter().map(|unseen| {
+            let name = names[unseen.place].0.clone();
+            let words = words(&unseen.error);
+            let reason = words.strip_prefix(&format!("{name}: ")).unwrap_or(&words).to_owned();
+            Missing { name, reason }
+        });
+        let places = self.places.iter().copied();
+        Self {
+            name: self.name.clone(),
+            source: self.source.clone(),
+            places: places.filter(|place| unseen.iter().all(|unseen| unseen.place != *place)).collect(),
+            missing: self.missing.clone(),
+            unseen: self.unseen.iter().cloned().chain(missing).collect(),
+            injected: self.injected.clone(),
+            corpus: self.corpus.clone(),
+            lengths: self.lengths.clone(),
+        }
     }
 
     /// Whether the sequences are those of the paper.
@@ -189,8 +268,45 @@ impl Input {
 
     /// Lines that say what is missing, for the foot of a table.
     pub(super) fn notes(&self) -> Vec<String> {
-        self.missing.iter().map(|m| format!("No row for {}: {}.", m.name, m.reason)).collect()
+        notes(self.missing.iter())
     }
+
+    /// What the odometry sees, in words.
+    pub(super) fn camera(&self) -> &'static str {
+        match self.source.camera() {
+            "rendered" => "rendered images",
+            camera => camera,
+        }
+    }
+
+    /// The side of a sequence that is there, or of one of the paper's.
+    pub(super) fn side(&self, name: &str) -> Option<Side> {
+        let names = self.source.names();
+        let there = names.iter().find(|(there, _)| there == name).map(|(_, side)| *side);
+        there.or_else(|| paper_side(name))
+    }
+
+    /// Every sequence without rows where the odometry runs.
+    pub(super) fn not_run(&self) -> impl Iterator<Item = &Missing> {
+        self.missing.iter().chain(&self.unseen)
+    }
+
+    /// Lines that say what is missing where the odometry runs.
+    pub(super) fn notes_of_runs(&self) -> Vec<String> {
+        notes(self.not_run())
+    }
+}
+
+/// A line a reason.
+fn notes<'a>(missing: impl Iterator<Item = &'a Missing>) -> Vec<String> {
+    let mut by_reason: Vec<(&str, Vec<&str>)> = Vec::new();
+    for Missing { name, reason } in missing {
+        match by_reason.iter_mut().find(|(there, _)| *there == reason) {
+            Some((_, names)) => names.push(name),
+            None => by_reason.push((reason, vec![name])),
+        }
+    }
+    by_reason.iter().map(|(reason, names)| format!("No row for {}: {reason}.", names.join(", "))).collect()
 }
 
 /// The samples of a sequence that a loop can be closed on and windows can be cut from.
@@ -203,7 +319,10 @@ fn usable(source: &Source, place: usize) -> Result<ImuRecording, String> {
         Source::Recorded { tracks: Tracks::Given(_), .. } => {
             source.frames(place, 0).map_err(|error| words(&error))?;
         }
-        Source::Recorded { sequences, tracks: Tracks::Seen(_) } if !has_images(&sequences[place].0) => {
+        Source::Recorded {
+            sequences,
+            tracks: Tracks::Seen(Vision { images: Images::Folder { .. }, .. }),
+        } if !has_images(&sequences[place].0) => {
             return Err("it has none of the images it lists".into());
         }
         _ => {}
@@ -235,16 +354,26 @@ mod tests {
         Cameras {
             given: None,
             made: TracksConfig::default(),
+            rendered: RenderConfig::default(),
             flights: FlightConfig::default(),
             front_end: FrontEndConfig::default(),
+            quick: false,
         }
+    }
+
+    fn check(source: Source, wanted: &[usize], whole: bool) -> Result<Input, PaperError> {
+        Input::check(source, wanted, whole, &TracksConfig::default())
     }
 
     #[test]
     fn flights_miss_nothing_and_have_no_images() {
-        let (source, why) = CameraChoice::Auto.open(None, "all", &cameras()).unwrap();
+        let quick = Cameras { quick: true, ..cameras() };
+        let (source, why) = CameraChoice::Auto.open(None, "all", &quick).unwrap();
         assert!(source.camera() == "tracks" && why.contains("no images"), "{why}");
-        let input = Input::check(source, &[8], false).unwrap();
+        let (rendered, why) = CameraChoice::Auto.open(None, "all", &cameras()).unwrap();
+        assert!(rendered.camera() == "rendered" && why.contains("no images"), "{why}");
+        assert_eq!(check(rendered, &[8], false).unwrap().injected.camera(), "tracks");
+        let input = check(source, &[8], false).unwrap();
         assert_eq!((input.places.as_slice(), input.missing.len(), input.is_papers()), (&[8][..], 0, false));
         assert!(input.lengths[0].3 > 0.5);
         let error = CameraChoice::Images.open(None, "all", &cameras()).unwrap_err();
@@ -252,17 +381,40 @@ mod tests {
     }
 
     #[test]
-    fn without_images_the_best_camera_is_tracks_and_images_asked_for_leave_nothing() {
+    fn without_images_they_are_rendered_and_images_asked_for_leave_nothing() {
         let dir = tempfile::tempdir().unwrap();
-        let imu = dir.path().join("MH_01_easy/mav0/imu0");
-        std::fs::create_dir_all(&imu).unwrap();
-        std::fs::write(imu.join("data.csv"), "#timestamp [ns]\n").unwrap();
-        let (source, why) = CameraChoice::Auto.open(Some(dir.path()), "all", &cameras()).unwrap();
+        let mav = dir.path().join("MH_01_easy/mav0");
+        let put = |name: &str| {
+            std::fs::create_dir_all(mav.join(name)).unwrap();
+            std::fs::write(mav.join(name).join("data.csv"), "#timestamp [ns]\n").unwrap();
+        };
+        put("imu0");
+        let open = |choice: CameraChoice, with: &Cameras| choice.open(Some(dir.path()), "all", with).unwrap();
+        // Without a truth nothing can be rendered; nor can it be judged, which is said later.
+        let (source, why) = open(CameraChoice::Auto, &cameras());
         assert_eq!(source.camera(), "tracks");
         assert_eq!(why, "made along the ground truth, for 1 of 1 sequences have no images here");
-        let (source, _) = CameraChoice::Images.open(Some(dir.path()), "all", &cameras()).unwrap();
+        put("state_groundtruth_estimate0");
+        let (source, why) = open(CameraChoice::Auto, &cameras());
+        assert_eq!(source.camera(), "rendered");
+        assert_eq!(why, "along the ground truth, for 1 of 1 sequences have no images here");
+        assert_eq!(open(CameraChoice::Auto, &Cameras { quick: true, ..cameras() }).0.camera(), "tracks");
+        let given = Cameras { given: Some("tracks".into()), ..cameras() };
+        assert_eq!(open(CameraChoice::Auto, &given).1, "the given ones, as asked for");
+        let (source, _) = open(CameraChoice::Images, &cameras());
         assert_eq!(source.camera(), "images");
-        assert!(matches!(Input::check(source, &[0], true), Err(PaperError::Nothing { .. })));
-        assert!("film".parse::<CameraChoice>().unwrap_err().contains("known are auto, images, tracks"));
+        assert!(matches!(check(source, &[0], true), Err(PaperError::Nothing { .. })));
+        let words = "film".parse::<CameraChoice>().unwrap_err();
+        assert!(words.contains("known are auto, images, rendered, tracks"), "{words}");
+    }
+
+    #[test]
+    fn what_cannot_be_seen_loses_its_place_and_keeps_its_windows() {
+        let (source, _) = CameraChoice::Tracks.open(None, "all", &cameras()).unwrap();
+        let input = check(source, &[7, 8], false).unwrap();
+        let error = ClosedLoopError::NoImages { sequence: "f09-hover".into(), asked: false };
+        let left = input.without(vec![Unseen { place: 8, error }]);
+        assert_eq!((left.places.as_slice(), left.corpus.members.len(), left.notes().len()), (&[7][..], 2, 0));
+        assert_eq!(left.notes_of_runs(), ["No row for f09-hover: it has no images."]);
     }
 }

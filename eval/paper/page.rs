@@ -2,11 +2,14 @@
 //! scripts and without anything from elsewhere.
 
 use super::command::Provenance;
+use super::error::PaperError;
 use super::injected::Value;
 use super::input::Input;
+use super::published;
 use super::run::table;
-use super::study::Study;
+use super::study::{Against, Rows, Study};
 use super::table::Table;
+use crate::closed_loop::Peer;
 use crate::injected::Course;
 use std::fmt::Write as _;
 
@@ -33,70 +36,122 @@ pub(super) struct Story<'a> {
 }
 
 /// What the tables say, in sentences: each is a number with what it is compared to.
-pub(super) fn findings(input: &Input, study: &Study, values: &[(Course, Value)]) -> Vec<String> {
+pub(super) fn findings(
+    input: &Input,
+    rows: &Rows<'_>,
+    study: &Study,
+    values: &[(Course, Value)],
+) -> Result<Vec<String>, PaperError> {
     let mut found = Vec::new();
     let line = |noise: &str| study.lines.iter().find(|line| line.noise == noise);
-    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
-    if let Some((x1, ours)) =
-        line("x1").and_then(|l| l.means[0]).zip(line("dualpronet").and_then(|l| l.means[0]))
-    {
-        let word = if ours <= x1 { "below" } else { "above" };
-        found.push(format!(
-            "DualProNet's mean error over the {} sequences is {:.3} m, {} {word} that of the usual constants (x1, {:.3} m).",
-            input.places.len(),
-            ours,
-            percent((1.0 - ours / x1).abs()),
-            x1
-        ));
+    let mean = |noise: &str| line(noise).and_then(|line| line.means[0]);
+    if let Some((x1, ours)) = mean("x1").zip(mean("dualpronet")) {
+        let mut text = format!(
+            "DualProNet's mean error over {} is {ours:.3} m, {} that of the usual constants (x1, {x1:.3} m)",
+            sequences(input.places.len()),
+            beside(ours / x1),
+        );
+        if let Some(against) = rows.against("dualpronet", "x1", study.margin)? {
+            let _ = write!(text, "; {}", ratio(&against));
+            if let Some(p) = against.p {
+                let _ = write!(text, ", p {p:.3}");
+            }
+        }
+        if input.is_papers() {
+            let paper = Peer::paper()?;
+            let mean = |noise: &str| {
+                let all = published::sequences().ok()?;
+                let ates: Option<Vec<f64>> = all.iter().map(|s| paper.ate(&s.name, noise)).collect();
+                ates.map(|ates| ates.iter().sum::<f64>() / ates.len() as f64)
+            };
+            if let Some((x1, theirs)) = mean("x1").zip(mean("dualpronet")) {
+                let _ = write!(text, ". In the paper's table it is {}", beside(theirs / x1));
+            }
+        }
+        found.push(text + ".");
     }
     if let (Some(best), Some(against)) =
         (study.best_constant.as_deref(), line("dualpronet").and_then(|l| l.against.as_ref()))
     {
-        let [low, high] = against.ratio_interval;
-        let mut text = format!(
-            "Against {best}, the best constant on the training sequences, its error is {:.2} times as large ({low:.2} to {high:.2}), better in {} of {}",
-            against.ratio, against.better, against.sequences
-        );
+        let mut text = format!("Against {best}, the best constant on the training sequences");
+        if let Some(mean) = mean(best) {
+            let _ = write!(text, " ({mean:.3} m)");
+        }
+        let _ = write!(text, ", {}", ratio(against));
         if let Some(p) = against.p_holm {
             let _ = write!(text, ", p {p:.2} after Holm's correction");
         }
+        if let Some(p) = against.p_equal {
+            let equal = if p < 0.05 { "equal" } else { "not shown to be equal" };
+            let _ = write!(text, "; {equal} within {:.0} % (p {p:.2})", 100.0 * study.margin);
+        }
         found.push(text + ".");
     }
-    let ratio = |a: &str, b: &str| Some(line(a)?.means[0]? / line(b)?.means[0]?);
-    if let Some(ratio) = ratio("dualpronet", "mean(dualpronet)") {
-        found.push(format!(
-            "Told its own mean over each sequence instead of its values in time, the odometry's mean error changes by a factor of {:.2}: that is what following time is worth here.",
-            1.0 / ratio
-        ));
+    for (control, words) in [
+        ("mean(dualpronet)", "its own mean over each sequence, one constant, instead of its values in time"),
+        ("shuffled(dualpronet)", "its values at the wrong times"),
+    ] {
+        if let Some(against) = rows.against(control, "dualpronet", study.margin)? {
+            let mut text = format!("Told {words}: {}", ratio(&against));
+            if let Some(p) = against.p {
+                let _ = write!(text, ", p {p:.2}");
+            }
+            found.push(text + ".");
+        }
     }
     if let Some((_, value)) = values.iter().find(|(course, _)| *course == Course::Step)
         && let (Some(best), Some(gap)) = (&value.best_constant, value.gap[0])
     {
-        let word = if gap >= 0.0 { "below" } else { "above" };
-        found.push(format!(
-            "Where white noise goes up and down by a known factor ({} sequences), an oracle's median error lies {} {word} that of {best}, the best constant.",
-            value.sequences[0],
-            percent(gap.abs())
-        ));
+        let mut text = format!(
+            "Where white noise goes up and down by a known factor ({}), an oracle's median error is {} that of {best}, the best constant",
+            sequences(value.sequences[0]),
+            beside(1.0 - gap),
+        );
         if value.at_edge {
-            found.push(format!(
-                "{best} is the end of that sweep: a constant beyond it may be better, and the gap smaller."
-            ));
+            let _ = write!(
+                text,
+                "; {best} is the end of that sweep, so a constant beyond it may be better, and the gap smaller"
+            );
         }
+        found.push(text + ".");
         let adaptive = value
             .worth
             .iter()
             .filter(|w| w.noise != "oracle" && w.noise.contains("dualpronet"))
             .filter(|w| !w.noise.starts_with("mean(") && !w.noise.starts_with("shuffled("));
-        let best = adaptive.filter_map(|w| Some((w.closed[0]?, &w.noise))).max_by(|a, b| a.0.total_cmp(&b.0));
-        if let Some((share, noise)) = best.filter(|_| gap >= 0.05) {
-            found.push(format!("Of that gap {noise} closes {}.", percent(share)));
+        let best = adaptive.filter_map(|w| Some((w.closed[0]?, w))).max_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((share, worth)) = best.filter(|_| gap >= 0.05) {
+            let mut text = format!("Of that gap {} closes {:.0} %", worth.noise, 100.0 * share);
+            if let Some(against) = &worth.against {
+                let _ = write!(text, "; against the best constant, {}", ratio(against));
+                if let Some(p) = against.p_holm {
+                    let _ = write!(text, ", p {p:.2} after Holm's correction");
+                }
+            }
+            found.push(text + ".");
         }
     }
-    for missing in &input.missing {
-        found.push(format!("{} is missing: {}.", missing.name, missing.reason));
-    }
-    found
+    found.extend(input.notes_of_runs());
+    Ok(found)
+}
+
+fn sequences(count: usize) -> String {
+    if count == 1 { "one sequence".into() } else { format!("{count} sequences") }
+}
+
+/// How one error stands beside another, of which it is this share.
+fn beside(share: f64) -> String {
+    let word = if share <= 1.0 { "below" } else { "above" };
+    format!("{:.0} % {word}", 100.0 * (1.0 - share).abs())
+}
+
+fn ratio(against: &Against) -> String {
+    let [low, high] = against.ratio_interval;
+    let ratio = against.ratio;
+    format!(
+        "sequence by sequence its error is {ratio:.2} times as large ({low:.2} to {high:.2}), smaller in {} of {}",
+        against.better, against.sequences
+    )
 }
 
 fn escaped(text: &str) -> String {
@@ -150,7 +205,7 @@ impl Story<'_> {
                 "The data: {} sequences ({}). The odometry sees {}: {}.",
                 self.input.places.len(),
                 escaped(&self.input.name),
-                self.input.source.camera(),
+                self.input.camera(),
                 escaped(self.camera)
             ),
         );
@@ -286,9 +341,9 @@ impl Story<'_> {
             let title = table.title.replace('[', "\\[").replace(']', "\\]");
             let _ = writeln!(out, "| `{}` | {title} | {} |", table.name, code(&table.made_by.runs));
         }
-        if !self.input.missing.is_empty() {
+        if self.input.not_run().next().is_some() {
             out.push_str("\nMissing:\n\n");
-            for missing in &self.input.missing {
+            for missing in self.input.not_run() {
                 let _ = writeln!(out, "* {}: {}", missing.name, missing.reason);
             }
         }

@@ -5,7 +5,7 @@ use super::id::id;
 use super::injected::{Response, responses};
 use super::plan::Plan;
 use super::run::Paper;
-use crate::closed_loop::{ClosedLoopError, Keep, Manifest, Row, Sweep};
+use crate::closed_loop::{ClosedLoopError, Keep, Manifest, Row, Source, Sweep, Unseen};
 use crate::injected::{Course, Injection};
 use crate::noise::{Fresh, Noise, Recorded};
 use crate::open_loop::{self, Request};
@@ -32,13 +32,16 @@ pub(super) struct Made<T> {
     pub(super) cached: bool,
 }
 
-/// Sweeps that share a folder.
+/// One closed loop: a folder.
 struct Loop<'a> {
     /// What its folder's name begins with.
     name: String,
+    source: &'a Source,
     places: Vec<usize>,
-    /// Noises, and with how many seeds each.
-    parts: Vec<(&'a Vec<String>, u64)>,
+    /// Noises, and with how many seeds.
+    noises: (&'a [String], u64),
+    /// More noises, and with how many.
+    others: (&'a [String], u64),
     injection: Option<Injection>,
     keep: Keep,
 }
@@ -83,12 +86,12 @@ impl Paper<'_> {
         networks: &str,
         progress: &mut dyn Progress,
     ) -> Result<Made<Vec<open_loop::Row>>, PaperError> {
-        let mut parts = vec![self.program.clone(), networks.to_owned(), self.plan.seed.to_string()];
+        let mut parts = vec![self.measured_by(), networks.to_owned(), self.plan.seed.to_string()];
         parts.push(self.plan.bases.join(";"));
         parts.extend([self.input.corpus.name.clone(), self.input.corpus.fingerprint()]);
         let run = format!("open-loop-{}", id(&parts));
         let bases: Vec<Base> = self.plan.bases.iter().filter_map(|base| base.parse().ok()).collect();
-        let (value, cached) = cached(&self.work.join(&run).join("rows.json"), || {
+        let (value, cached) = self.cached(&run, &self.work.join(&run).join("rows.json"), || {
             let request = Request {
                 corpora: std::slice::from_ref(&self.input.corpus),
                 sensors: &Sensor::ALL,
@@ -107,21 +110,23 @@ impl Paper<'_> {
         Keep { states: Some((noises, self.plan.seed)), ..Keep::default() }
     }
 
-    /// The rows of the study.
+    /// The rows of the study, and the sequences that cannot be seen.
     pub(super) fn closed_loop(
         &self,
         networks: &str,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
-    ) -> Result<Made<Vec<Row>>, PaperError> {
+    ) -> Result<(Made<Vec<Row>>, Vec<Unseen>), PaperError> {
         let study = Loop {
             name: "closed-loop".into(),
+            source: &self.input.source,
             places: self.input.places.clone(),
-            parts: vec![(&self.plan.noises, self.plan.seeds), (&self.plan.others, self.plan.other_seeds)],
+            noises: (&self.plan.noises, self.plan.seeds),
+            others: (&self.plan.others, self.plan.other_seeds),
             injection: None,
             keep: self.keep(),
         };
-        self.sweeps(&study, networks, stop, progress)
+        self.sweep(&study, networks, stop, progress)
     }
 
     /// The rows of one course of the injected experiment.
@@ -139,12 +144,19 @@ impl Paper<'_> {
         };
         let experiment = Loop {
             name: format!("injected-{course}"),
+            source: &self.input.injected,
             places: self.injected_places(),
-            parts: vec![(noises, seeds)],
+            noises: (noises, seeds),
+            others: (&[], 0),
             injection: Some(plan.noise.with(course)),
             keep: Keep::default(),
         };
-        self.sweeps(&experiment, networks, stop, progress)
+        // Every sequence was seen in the closed loop or left out; one that is not seen now has no row here either.
+        let (made, unseen) = self.sweep(&experiment, networks, stop, progress)?;
+        match unseen.into_iter().next() {
+            Some(unseen) => Err(unseen.error.into()),
+            None => Ok(made),
+        }
     }
 
     /// The first sequences of both sides, as many of each as can be.
@@ -163,42 +175,65 @@ impl Paper<'_> {
         places
     }
 
-    /// All sweeps of a loop.
-    fn sweeps(
+    /// All runs of a loop.
+    fn sweep(
         &self,
         wanted: &Loop<'_>,
         networks: &str,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
-    ) -> Result<Made<Vec<Row>>, PaperError> {
-        let (mut value, mut run, mut cached) = (Vec::new(), String::new(), true);
-        for (specs, seeds) in wanted.parts.iter().filter(|(specs, _)| !specs.is_empty()) {
-            let sweep = Sweep {
-                source: &self.input.source,
-                places: wanted.places.clone(),
-                noises: Plan::parsed(specs)?,
-                seeds: (self.plan.seed..self.plan.seed + self.seeds(*seeds)).collect(),
-                from: self.from,
-                estimator: self.estimator.clone(),
-                networks: self.networks,
-                threads: self.threads,
-                keep: wanted.keep.clone(),
-                injection: wanted.injection,
-            };
-            let manifest = Manifest::of(&sweep, self.program.clone(), Some(networks.to_owned()))?;
-            run = format!("{}-{}", wanted.name, &manifest.fingerprint()[..16]);
-            let dir = self.work.join(&run);
-            let mut watch = Watch { inner: progress, stepped: false };
-            value.extend(sweep.run(&dir, &manifest, stop, &mut watch)?);
-            cached &= !watch.stepped;
+    ) -> Result<(Made<Vec<Row>>, Vec<Unseen>), PaperError> {
+        // One seed where nothing depends on it.
+        let seeded = wanted.source.tracks_are_seeded() || wanted.source.recordings_are_seeded();
+        let first = self.plan.seed;
+        let seeds = |count: u64| (first..first + if seeded { count } else { count.min(1) }).collect();
+        let sweep = Sweep {
+            source: wanted.source,
+            places: wanted.places.clone(),
+            noises: Plan::parsed(wanted.noises.0)?,
+            seeds: seeds(wanted.noises.1),
+            others: (Plan::parsed(wanted.others.0)?, seeds(wanted.others.1)),
+            from: self.from,
+            to: None,
+            estimator: self.estimator.clone(),
+            networks: self.networks,
+            threads: self.threads,
+            keep: wanted.keep.clone(),
+            injection: wanted.injection,
+        };
+        let manifest = Manifest::of(&sweep, self.measured_by(), Some(networks.to_owned()))?;
+        let run = format!("{}-{}", wanted.name, &manifest.fingerprint()[..16]);
+        let dir = self.work.join(&run);
+        if let Some(program) = self.measured_by {
+            let left = sweep.left(&dir, &manifest)?;
+            if left > 0 {
+                let what = format!("{left} runs of {run}");
+                return Err(PaperError::NotMeasured { what, program: program.to_owned() });
+            }
         }
-        Ok(Made { value, run, cached })
+        let mut watch = Watch { inner: progress, stepped: false };
+        let (value, unseen) = sweep.run_what_is_seen(&dir, &manifest, stop, &mut watch)?;
+        Ok((Made { value, run, cached: !watch.stepped }, unseen))
     }
 
-    /// Seeds to run: one where nothing depends on the seed.
-    fn seeds(&self, wanted: u64) -> u64 {
-        let source = &self.input.source;
-        if source.tracks_are_seeded() || source.recordings_are_seeded() { wanted } else { 1 }
+    /// The program whose runs are taken.
+    fn measured_by(&self) -> String {
+        self.measured_by.unwrap_or(&self.program).to_owned()
+    }
+
+    /// What lies at `path`, or is made and put there; not made where another program's runs are taken.
+    fn cached<T: Serialize + DeserializeOwned>(
+        &self,
+        run: &str,
+        path: &Path,
+        make: impl FnOnce() -> Result<T, PaperError>,
+    ) -> Result<(T, bool), PaperError> {
+        match self.measured_by {
+            Some(program) if !path.exists() => {
+                Err(PaperError::NotMeasured { what: run.to_owned(), program: program.to_owned() })
+            }
+            _ => cached(path, make),
+        }
     }
 
     /// How noises follow what is injected.
@@ -209,12 +244,12 @@ impl Paper<'_> {
     ) -> Result<Made<Vec<Response>>, PaperError> {
         let plan = &self.plan.injected;
         let places = self.injected_places();
-        let mut parts = vec![self.program.clone(), networks.to_owned(), self.plan.seed.to_string()];
+        let mut parts = vec![self.measured_by(), networks.to_owned(), self.plan.seed.to_string()];
         parts.push(serde_json::to_string(&plan.noise).unwrap_or_default());
         parts.push(plan.followed.join(";"));
         parts.extend(self.checksums(&places)?);
         let run = format!("response-{}", id(&parts));
-        let (value, cached) = cached(&self.work.join(&run).join("responses.json"), || {
+        let (value, cached) = self.cached(&run, &self.work.join(&run).join("responses.json"), || {
             stopped(stop)?;
             let noises = Plan::parsed(&plan.followed)?;
             let seed = self.plan.seed;
@@ -236,11 +271,11 @@ impl Paper<'_> {
     ) -> Result<Made<Vec<(String, f64)>>, PaperError> {
         let specs: Vec<&String> = self.plan.noises.iter().chain(&self.plan.others).collect();
         let place = self.input.places[0];
-        let mut parts = vec![self.program.clone(), networks.to_owned()];
+        let mut parts = vec![self.measured_by(), networks.to_owned()];
         parts.extend(specs.iter().map(|spec| (*spec).clone()));
         parts.extend(self.checksums(&[place])?);
         let run = format!("timing-{}", id(&parts));
-        let (value, cached) = cached(&self.work.join(&run).join("windows.json"), || {
+        let (value, cached) = self.cached(&run, &self.work.join(&run).join("windows.json"), || {
             stopped(stop)?;
             let recording = self.input.source.recording(place, self.plan.seed)?;
             let recorded =

@@ -12,7 +12,7 @@ use super::results::Made;
 use super::study::Rows;
 use super::table::Table;
 use super::tables;
-use crate::closed_loop::{Recording, Row, StartAt, Tracks};
+use crate::closed_loop::{Images, Recording, Row, StartAt, Tracks, Vision};
 use crate::figures::{Plot, Sourced, save};
 use crate::injected::Course;
 use crate::open_loop::Network;
@@ -45,6 +45,8 @@ pub struct Paper<'a> {
     pub from: StartAt,
     /// Version and checksum of the program.
     pub program: String,
+    /// Another build of it whose runs are taken, all of them; nothing is run then.
+    pub measured_by: Option<&'a str>,
     /// The command line.
     pub command: String,
     /// Folder of the runs.
@@ -110,20 +112,45 @@ impl Paper<'_> {
         let open = self.open_loop(&networks, progress)?;
         stages.push(report("open loop", &open.run, open.cached, clock));
         let clock = Instant::now();
-        let closed = self.closed_loop(&networks, stop, progress)?;
+        let (closed, unseen) = self.closed_loop(&networks, stop, progress)?;
         stages.push(report("closed loop", &closed.run, closed.cached, clock));
+        let input = self.input.without(unseen);
+        if input.places.is_empty() {
+            let reasons = input.not_run().map(|m| format!("{}: {}", m.name, m.reason)).collect();
+            return Err(PaperError::Nothing { reasons });
+        }
+        let paper = Paper {
+            input: &input,
+            program: self.program.clone(),
+            command: self.command.clone(),
+            estimator: self.estimator.clone(),
+            ..*self
+        };
+        paper.after_the_loop(stages, &networks, open, closed, stop, progress)
+    }
+
+    /// The rest, on the sequences that the odometry has seen.
+    fn after_the_loop(
+        &self,
+        mut stages: Vec<StageReport>,
+        networks: &str,
+        open: Made<Vec<crate::open_loop::Row>>,
+        closed: Made<Vec<Row>>,
+        stop: &AtomicBool,
+        progress: &mut dyn Progress,
+    ) -> Result<Done, PaperError> {
         let mut injected = Vec::new();
         for course in &self.plan.injected.courses {
             let clock = Instant::now();
-            let rows = self.injected(*course, &networks, stop, progress)?;
+            let rows = self.injected(*course, networks, stop, progress)?;
             stages.push(report(&format!("injected noise: {course}"), &rows.run, rows.cached, clock));
             injected.push((*course, rows));
         }
         let clock = Instant::now();
-        let responses = self.responses(&networks, stop)?;
+        let responses = self.responses(networks, stop)?;
         stages.push(report("responses", &responses.run, responses.cached, clock));
         let clock = Instant::now();
-        let times = self.model_times(&networks, stop)?;
+        let times = self.model_times(networks, stop)?;
         stages.push(report("times", &times.run, times.cached, clock));
 
         let clock = Instant::now();
@@ -145,7 +172,11 @@ impl Paper<'_> {
         closed: &[Row],
         injected: &[(Course, Made<Vec<Row>>)],
     ) -> Result<String, PaperError> {
-        let mut parts = vec![self.program.clone(), self.command.clone(), format!("{:?}", self.input.missing)];
+        let mut parts = vec![
+            self.program.clone(),
+            self.command.clone(),
+            format!("{:?}", self.input.not_run().collect::<Vec<_>>()),
+        ];
         parts.push(serde_json::to_string(self.plan).unwrap_or_default());
         parts.push(serde_json::to_string(&self.estimator).unwrap_or_default());
         parts.extend(stages.iter().map(|stage| stage.run.clone()));
@@ -177,8 +208,11 @@ impl Paper<'_> {
             .iter()
             .map(|(course, made)| Ok((*course, value(&Rows::new(&made.value), self.plan.margin)?)))
             .collect::<Result<_, PaperError>>()?;
-        let made_by =
-            Provenance { command: self.command.clone(), program: self.program.clone(), runs: Vec::new() };
+        let program = match self.measured_by {
+            Some(measured) => format!("{}, of runs by {measured}", self.program),
+            None => self.program.clone(),
+        };
+        let made_by = Provenance { command: self.command.clone(), program, runs: Vec::new() };
         let injected_runs: Vec<&str> = results.injected.iter().map(|(_, made)| made.run.as_str()).collect();
         let (open, closed) = (results.open.run.as_str(), results.closed.run.as_str());
         let input = self.input;
@@ -201,7 +235,7 @@ impl Paper<'_> {
         for picture in &pictures {
             names.extend(["svg", "png", "csv"].map(|ending| format!("{}.{ending}", picture.name)));
         }
-        let findings = page::findings(input, &study, &values);
+        let findings = page::findings(input, &rows, &study, &values)?;
         let story = page::Story {
             input,
             camera: self.camera,
@@ -242,7 +276,10 @@ impl Paper<'_> {
         let camera = match self.input.source.tracks() {
             Tracks::Made(config) => format!("tracks, {} Hz", config.rate_hz),
             Tracks::Given(_) => "given tracks".to_owned(),
-            Tracks::Seen(_) => "images, followed".to_owned(),
+            Tracks::Seen(Vision { images: Images::Folder { .. }, .. }) => "images, followed".to_owned(),
+            Tracks::Seen(Vision { images: Images::Rendered(_), .. }) => {
+                "rendered images, followed".to_owned()
+            }
         };
         sketch.add(
             "architecture_odometry",

@@ -22,7 +22,7 @@ pub(super) const FEWEST: usize = 6;
 #[derive(Debug)]
 pub(super) struct Rows<'a> {
     rows: Vec<&'a Row>,
-    /// Noises in the order of the plan.
+    /// Noises: multiples of the baseline in their order, then the others in that of the plan.
     pub(super) noises: Vec<String>,
     /// Sequences in order, with their sides.
     pub(super) sequences: Vec<(String, Side)>,
@@ -88,15 +88,12 @@ impl<'a> Rows<'a> {
             }
             sequences.insert(row.sequence.clone(), row.split);
         }
+        let multiple = |noise: &String| noise.parse::<Noise>().ok()?.multiple();
+        noises.sort_by(|a, b| {
+            let [a, b] = [a, b].map(|noise| multiple(noise).unwrap_or(f64::INFINITY));
+            a.total_cmp(&b)
+        });
         Self { rows: rows.iter().collect(), noises, sequences: sequences.into_iter().collect() }
-    }
-
-    /// What the odometry saw, each once.
-    pub(super) fn cameras(&self) -> Vec<&str> {
-        let mut found: Vec<&str> = self.rows.iter().map(|row| row.camera.as_str()).collect();
-        found.sort_unstable();
-        found.dedup();
-        found
     }
 
     pub(super) fn of<'s>(&'s self, noise: &'s str) -> impl Iterator<Item = &'a Row> + 's {
@@ -150,10 +147,19 @@ impl<'a> Rows<'a> {
         of.is_some_and(|of| all.iter().all(|m| *m <= of) || all.iter().all(|m| *m >= of))
     }
 
-    /// Pairs of errors of two noises, by sequence.
+    /// Pairs of errors of two noises, by sequence: medians over the seeds that both have an error of.
     fn pairs(&self, noise: &str, reference: &str) -> (Vec<f64>, Vec<f64>) {
-        let names = self.sequences.iter();
-        names.filter_map(|(name, _)| Some((self.ate(name, noise)?, self.ate(name, reference)?))).unzip()
+        let by_seed = |name: &str, noise: &str| -> BTreeMap<u64, f64> {
+            let rows = self.of(noise).filter(|row| row.sequence == name);
+            rows.filter_map(|row| Some((row.seed, row.ate_se3?))).collect()
+        };
+        let pair = |(name, _): &(String, Side)| {
+            let (ours, theirs) = (by_seed(name, noise), by_seed(name, reference));
+            let both = ours.iter().filter_map(|(seed, ate)| Some((*ate, *theirs.get(seed)?)));
+            let (ours, theirs): (Vec<f64>, Vec<f64>) = both.unzip();
+            Some((median(ours)?, median(theirs)?))
+        };
+        self.sequences.iter().filter_map(pair).unzip()
     }
 
     /// The whole comparison.
@@ -297,6 +303,18 @@ mod tests {
         assert!(ours.p_equal.unwrap() > 0.9);
         assert_eq!(line("x8").against.clone().unwrap().better, 4);
         assert_eq!(line("dualpronet").seeds, [3, 3]);
+    }
+
+    #[test]
+    fn noises_are_compared_on_the_seeds_that_both_have() {
+        let mut rows = rows();
+        // A second and third seed that went badly, for the reference alone.
+        rows.retain(|r| r.noise != "dualpronet" || r.seed == 0);
+        for row in rows.iter_mut().filter(|r| r.noise == "x4" && r.seed > 0) {
+            row.ate_se3 = row.ate_se3.map(|ate| 7.0 * ate);
+        }
+        let ours = Rows::new(&rows).against("dualpronet", "x4", 0.1).unwrap().unwrap();
+        assert!((ours.ratio - 0.8).abs() < 1e-12, "{}", ours.ratio);
     }
 
     #[test]

@@ -44,6 +44,9 @@ pub(crate) struct ClosedLoopArgs {
     /// Seconds after the first frame at which runs begin; `table`: 40 in MH_01, 35 in MH_02, 0 elsewhere, as VINS-Mono's runs of the table.
     #[arg(long, value_name = "SECONDS|table", default_value = "table", conflicts_with = "open_loop")]
     pub(crate) from: StartAt,
+    /// Seconds after the first frame (or image listed) at which runs end.
+    #[arg(long, value_name = "SECONDS", conflicts_with = "open_loop", value_parser = super::run::seconds)]
+    pub(crate) to: Option<f64>,
     /// Add noise of a known course to every recording (TOML, as configs/injected/step.toml); `oracle` then says the noise added.
     #[arg(long, value_name = "FILE", conflicts_with = "open_loop")]
     pub(crate) inject: Option<PathBuf>,

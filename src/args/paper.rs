@@ -24,7 +24,8 @@ pub(crate) struct PaperArgs {
     /// Folder of the runs; results of other inputs in it are neither used nor touched.
     #[arg(long, value_name = "DIR", default_value = "runs/paper")]
     pub(crate) work: PathBuf,
-    /// What the odometry sees: auto (images where every sequence has its own, else tracks), images, or tracks.
+    /// What the odometry sees: images, rendered (along the ground truth), tracks, or auto: images where every sequence has its own, else
+    /// rendered, but tracks with --quick.
     #[arg(long, default_value = "auto")]
     pub(crate) camera: CameraChoice,
     /// Folder with camera tracks, SEQUENCE.txt each; without it tracks are made along the ground truth from the seed.
@@ -51,6 +52,9 @@ pub(crate) struct PaperArgs {
     /// Threads; without it as many as there are cores. Results do not depend on it.
     #[arg(long, value_name = "N")]
     pub(crate) threads: Option<usize>,
+    /// Run nothing: make tables, figures and page of the runs of another build of this version, named by the checksum that its tables give.
+    #[arg(long, value_name = "CHECKSUM", conflicts_with = "train")]
+    pub(crate) measured_by: Option<String>,
     /// Print stages, findings and files as JSON on stdout.
     #[arg(long)]
     pub(crate) json: bool,

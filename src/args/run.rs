@@ -53,7 +53,7 @@ pub(crate) struct RunArgs {
 }
 
 /// A number of seconds from 0.
-fn seconds(text: &str) -> Result<f64, String> {
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(seconds) if seconds.is_finite() && seconds >= 0.0 => Ok(seconds),
         _ => Err(format!("`{text}` is not a number of seconds from 0")),

@@ -23,7 +23,7 @@ mod tracks;
 mod train;
 
 use crate::args::{Cli, Command};
-use program::program;
+use program::{program, program_of};
 
 /// Runs what was typed.
 pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {

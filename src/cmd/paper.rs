@@ -1,6 +1,6 @@
 //! `dpn paper`.
 
-use super::{device, program, settings, shipped, stop};
+use super::{device, program, program_of, settings, shipped, stop};
 use crate::args::PaperArgs;
 use crate::ui::{Bar, Interrupted};
 use anyhow::Result;
@@ -28,17 +28,20 @@ pub(crate) fn run(args: &PaperArgs) -> Result<()> {
     let cameras = Cameras {
         given: args.tracks.clone(),
         made: settings::tracks(&args.settings)?,
+        rendered: settings::images(&args.settings)?,
         flights: settings::flights(&args.settings)?,
         front_end: estimator.front_end,
+        quick: args.quick,
     };
     let (source, why) = args.camera.open(args.data.as_deref(), &args.sequences, &cameras)?;
     let wanted = source.select(&args.sequences)?;
-    let input = Input::check(source, &wanted, args.sequences == "all")?;
+    let input = Input::check(source, &wanted, args.sequences == "all", &cameras.made)?;
     for missing in &input.missing {
         eprintln!("warning: no row for {}: {}", missing.name, missing.reason);
     }
     let stop = stop::on_ctrl_c()?;
     let networks = chosen_networks(args, &input, &stop)?;
+    let measured_by = args.measured_by.as_deref().map(program_of);
     let paper = Paper {
         plan: &plan,
         camera: &why,
@@ -47,6 +50,7 @@ pub(crate) fn run(args: &PaperArgs) -> Result<()> {
         estimator,
         from: args.from,
         program: program(),
+        measured_by: measured_by.as_deref(),
         command: command(),
         work: &args.work,
         out: &args.out,

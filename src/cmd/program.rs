@@ -10,3 +10,8 @@ pub(crate) fn program() -> String {
         .map(|bytes| Sha256::digest(bytes).iter().take(8).map(|b| format!("{b:02x}")).collect::<String>());
     sum.map_or_else(|_| version.to_owned(), |sum| format!("{version} ({sum})"))
 }
+
+/// Another build of this version.
+pub(crate) fn program_of(sum: &str) -> String {
+    format!("{} ({sum})", concat!("dpn ", env!("CARGO_PKG_VERSION")))
+}

@@ -8,7 +8,10 @@ use std::path::Path;
 fn swept(out: &Path, more: &[&str]) -> Done {
     let mut command = dpn();
     command.args(["eval", "--closed-loop", "--sequences", "room-medium", "--from", "50"]);
-    command.args(["--noise", "x4,x1;shuffled(diff2)", "--out"]).arg(out).args(more);
+    if !more.contains(&"--noise") {
+        command.args(["--noise", "x4,x1;shuffled(diff2)"]);
+    }
+    command.arg("--out").arg(out).args(more);
     end(&mut command)
 }
 
@@ -87,6 +90,24 @@ fn rows_have_the_promised_keys_and_a_broken_off_sweep_goes_on_to_the_same_ones()
 }
 
 #[test]
+fn a_sweep_ends_where_it_is_told_to() {
+    let tmp = tempfile::tempdir().unwrap();
+    let out = tmp.path().join("part");
+    swept(&out, &["--noise", "x4", "--to", "60", "--trajectories"]).well();
+    let text = std::fs::read_to_string(out.join("trajectories/f07-room-medium.x4.seed0.tum")).unwrap();
+    let stamps: Vec<f64> = text
+        .lines()
+        .filter(|line| !line.starts_with('#'))
+        .map(|line| line.split(' ').next().unwrap().parse().unwrap())
+        .collect();
+    let seconds = stamps[stamps.len() - 1] - stamps[0];
+    assert!((5.0..=10.0).contains(&seconds), "{seconds} s");
+    let other = swept(&out, &["--noise", "x4", "--to", "59"]);
+    assert_eq!(other.code, Some(2));
+    assert!(other.stderr.contains("another start"), "{}", other.stderr);
+}
+
+#[test]
 fn what_cannot_be_swept_is_refused_before_anything_runs() {
     let tmp = tempfile::tempdir().unwrap();
     let out = tmp.path().join("out");
@@ -121,6 +142,7 @@ fn flags_of_one_loop_are_not_those_of_the_other() {
         "eval --closed-loop --bases raw",
         "eval --closed-loop --tracks there",
         "eval --closed-loop --from -3",
+        "eval --closed-loop --to soon",
     ] {
         assert_eq!(run(line).code, Some(2), "{line}");
     }

@@ -23,17 +23,14 @@ most_sequences = 1
 
 /// With networks trained on the spot, for one epoch: what they say does not matter here.
 fn paper(dir: &Path, more: &[&str]) -> Done {
+    on(dir, "room-medium,room-spiral", "50", more)
+}
+
+fn on(dir: &Path, sequences: &str, from: &str, more: &[&str]) -> Done {
     std::fs::write(dir.join("plan.toml"), PLAN).unwrap();
     let mut command = dpn();
-    command.current_dir(dir).args([
-        "paper",
-        "--plan",
-        "plan.toml",
-        "--sequences",
-        "room-medium,room-spiral",
-        "--from",
-        "50",
-    ]);
+    command.current_dir(dir).args(["paper", "--plan", "plan.toml", "--camera", "tracks"]);
+    command.args(["--sequences", sequences, "--from", from]);
     command.args(["--out", "out", "--work", "work", "--train", "--epochs", "1"]).args(more);
     end(&mut command)
 }
@@ -117,12 +114,41 @@ fn everything_is_made_once_goes_on_after_a_cut_and_comes_out_the_same() {
 }
 
 #[test]
+fn a_sequence_that_cannot_be_seen_is_a_row_with_its_reason_and_the_others_go_on() {
+    let tmp = tempfile::tempdir().unwrap();
+    let dir = tmp.path();
+    // One flight is over before the runs begin, the other is not.
+    let done = on(dir, "room-medium,room-wild", "94", &[]).well();
+    let reason = "No row for f07-room-medium: ";
+    assert!(done.stdout.contains(reason), "{}", done.stdout);
+    let made = lasting(dir);
+    let text = |name: &str| String::from_utf8(made[name].clone()).unwrap();
+    for table in ["closed_loop", "study", "injected", "response"] {
+        assert!(text(&format!("tables/{table}.md")).contains(reason), "{table}");
+    }
+    let closed = text("tables/closed_loop.csv");
+    assert!(
+        closed.contains("\nf11-room-wild,train,") && closed.contains("\nf07-room-medium,train,missing"),
+        "{closed}"
+    );
+    assert!(closed.contains("mean, all (1)"), "{closed}");
+    // Its windows are used all the same.
+    assert!(text("tables/split.csv").contains("\nf07-room-medium,train,"));
+    let page = std::fs::read_to_string(dir.join("out/index.html")).unwrap();
+    assert!(page.contains(reason));
+    // It is tried again, and nothing else is run.
+    let again = on(dir, "room-medium,room-wild", "94", &[]).well();
+    assert!(!again.stderr.contains(" made "), "{}", again.stderr);
+    assert_eq!(again.stdout, done.stdout);
+}
+
+#[test]
 fn what_cannot_be_used_is_refused_with_its_reason() {
     let tmp = tempfile::tempdir().unwrap();
     let dir = tmp.path();
     for (more, words) in [
         (&["--sequences", "cave"][..], "no sequence is called `cave`; there are f01-hall-slow"),
-        (&["--camera", "film"], "known are auto, images, tracks"),
+        (&["--camera", "film"], "known are auto, images, rendered, tracks"),
         (&["--camera", "images"], "--camera images: simulated flights have no images"),
         (&["--data", "nowhere"], "nowhere"),
         (&["--epochs", "3"], "--train"),

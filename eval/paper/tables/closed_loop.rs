@@ -62,7 +62,7 @@ pub(in crate::paper) fn closed_loop(
             }
             table.row(cells);
         }
-        for missing in input.missing.iter().filter(|m| dpn_train::split::paper_side(&m.name) == Some(side)) {
+        for missing in input.not_run().filter(|m| input.side(&m.name) == Some(side)) {
             let mut cells = vec![Cell::text(&missing.name), Cell::text(side.to_string())];
             for noise in &noises {
                 cells.push(Cell::text("missing"));
@@ -119,12 +119,12 @@ pub(in crate::paper) fn closed_loop(
     table.note("A cell is the median over seeds after SE(3) alignment; ! and a number: failed runs. The networks that come with the \
                 program were trained on EuRoC's training sequences, those of --train on the training sequences here; x1 is .08 m/s^2 and .004 rad/s.");
     if beside {
-        let camera = rows.cameras().join(", ");
         table.note(format!(
-            "The paper's runs are on images, ours on {camera}: compare columns, not single cells. Its means are recomputed here from its rows."
+            "The paper's runs are on EuRoC's images, ours on {}: compare columns, not single cells. Its means are recomputed here from its rows.",
+            input.camera()
         ));
     }
-    for note in input.notes() {
+    for note in input.notes_of_runs() {
         table.note(note);
     }
     Ok(table)

@@ -75,7 +75,7 @@ pub(in crate::paper) fn value(
         }
         let gap = |i: usize| value.gap[i].map_or("-".to_owned(), |gap| format!("{:.0} %", 100.0 * gap));
         table.note(format!(
-            "{course}, {} sequences ({} training, {} test): the oracle's median lies {} below that of the best constant{} (training {}, test {}).",
+            "{course}, sequences: {} ({} training, {} test): the oracle's median lies {} below that of the best constant{} (training {}, test {}).",
             value.sequences[0],
             value.sequences[1],
             value.sequences[2],
@@ -86,9 +86,16 @@ pub(in crate::paper) fn value(
         ));
     }
     table.note(words(injection));
+    if input.injected.camera() != input.source.camera() {
+        table.note(format!(
+            "These runs are on {} made along the ground truth, those without injected noise on {}: compare within this table.",
+            input.injected.camera(),
+            input.camera()
+        ));
+    }
     table.note("Medians over seeds, then over sequences (one without any pose counts as worse than all; it is left out of ratios and tests). The best constant is the one with the lowest median on the training sequences, among those \
                 listed. Share closed: (best constant - noise) / (best constant - oracle); not given where that gap is below 5 %; above 1 where a noise does better than the oracle. Ratio: geometric mean over sequences; p: two-sided signed-rank test over sequences, Holm's correction over the noises of a course.");
-    for note in input.notes() {
+    for note in input.notes_of_runs() {
         table.note(note);
     }
     table
@@ -136,7 +143,7 @@ pub(in crate::paper) fn responses(
     table.note(words(injection));
     table.note("Medians over sequences of the estimate, x, y, z together (one-axis: y alone), in m/s^2 and rad/s. Lag: from the change until the \
                 estimate has gone half of the way. For tone and bias-jump the right ratio is 1: nothing white was added.");
-    for note in input.notes() {
+    for note in input.notes_of_runs() {
         table.note(note);
     }
     table

@@ -55,7 +55,7 @@ pub(in crate::paper) fn study(input: &Input, study: &Study, made_by: Provenance)
         table.row(cells(line, study));
     }
     table.note(format!(
-        "Medians over seeds, then over sequences (one without any pose counts as worse than all; it is left out of ratios and tests), with the percentile bootstrap over sequences; ratio: geometric mean over sequences. \
+        "Medians over seeds, then over sequences (one without any pose counts as worse than all; it is left out of ratios and tests), with the percentile bootstrap over sequences; ratio: geometric mean over sequences, on the seeds that both noises have. \
          p: two-sided signed-rank test over sequences, Holm's correction over all noises; p equal: two one-sided signed-rank tests \
          that the ratio lies within {:.0} %. Verdicts at .05.",
         100.0 * study.margin
@@ -65,7 +65,7 @@ pub(in crate::paper) fn study(input: &Input, study: &Study, made_by: Provenance)
     if study.at_edge {
         table.note(format!("{best} is the end of the sweep; a constant beyond it may be better."));
     }
-    for note in input.notes() {
+    for note in input.notes_of_runs() {
         table.note(note);
     }
     table

@@ -10,9 +10,9 @@ use super::update::{Phase, RestartReason, Update};
 use crate::factors::reprojection::Sighting;
 use crate::frontend::FrameReport;
 use crate::init::{InitFrame, RestWatch};
-use crate::preint::NoisySample;
+use crate::preint::{NoisySample, Preintegration};
 use crate::state::NavState;
-use crate::window::{AnchorStd, Leaving, Seen, Window};
+use crate::window::{AnchorStd, Leaving, Seen, Standstill, Window};
 use dpn_core::camera::PinholeRadtan;
 use dpn_core::config::ConfigFault;
 use dpn_core::io::StampedPose;
@@ -231,8 +231,12 @@ impl Estimator {
     /// Begins from known states instead of initialising: the next frame fed goes on after the last of them.
     pub fn start(&mut self, frames: Vec<StartFrame>) -> Option<NavState> {
         self.window = Window::new(self.config.window, *self.window.body_from_cam());
+        self.rest = RestWatch::default();
         for frame in frames {
-            self.window.add_frame(frame.t, frame.state, frame.preint, false, &frame.seen);
+            let samples: Vec<_> = frame.preint.iter().flat_map(Preintegration::samples).copied().collect();
+            let rest = self.rests(frame.t, &samples, &frame.seen);
+            self.window.add_frame(frame.t, frame.state, frame.preint, &frame.seen);
+            rest.into_iter().for_each(|rest| self.window.rest_since(rest));
         }
         self.window.anchor(&AnchorStd::default());
         for _ in 0..START_ROUNDS {
@@ -250,7 +254,6 @@ impl Estimator {
             self.window.slide(leaving);
         }
         self.running = true;
-        self.rest = RestWatch::default();
         self.starved_since = None;
         Some(state)
     }
@@ -318,15 +321,13 @@ impl Estimator {
         frames
     }
 
-    /// Whether nothing moved between the window's newest frame and this one.
-    fn rests(&mut self, t: Stamp, interval: &Interval, seen: &[Seen]) -> bool {
-        let rates = interval.samples.iter().map(|s| Vector3::from(s.sample.gyro)).sum::<Vector3<f64>>();
-        let rate = rates.norm() / interval.samples.len().max(1) as f64;
+    /// The rest that the newest frame is in; `None` while something moves, or may.
+    fn rests(&mut self, t: Stamp, samples: &[NoisySample], seen: &[Seen]) -> Option<Standstill> {
+        let rates = samples.iter().map(|s| Vector3::from(s.sample.gyro)).sum::<Vector3<f64>>();
+        let rate = rates.norm() / samples.len().max(1) as f64;
         let frame = InitFrame::new(t, seen.iter().map(|s| (s.id, s.sighting.bearing)).collect());
-        let before = self.window.newest().map(|f| f.t);
-        self.rest
-            .push(&frame, rate, &self.config.init)
-            .is_some_and(|rest| rest.lasts && before.is_some_and(|before| before >= rest.from))
+        let rest = self.rest.push(&frame, rate, &self.config.init).filter(|rest| rest.lasts)?;
+        Some(Standstill { from: rest.from, angle: rest.moved })
     }
 
     fn track(
@@ -344,8 +345,9 @@ impl Estimator {
         let last = last.state;
         let preint = integrate(&self.config, &last.bias, &interval.samples);
         let predicted = preint.as_ref().map_or(last, |p| p.predict(&last));
-        let at_rest = self.rests(t, interval, seen);
-        update.tracked = self.window.add_frame(t, predicted, preint, at_rest, seen);
+        let rest = self.rests(t, &interval.samples, seen);
+        update.tracked = self.window.add_frame(t, predicted, preint, seen);
+        rest.into_iter().for_each(|rest| self.window.rest_since(rest));
         self.window.triangulate();
         clock.lap(Stage::Feed);
         let solved = self.window.optimise();

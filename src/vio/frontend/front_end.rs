@@ -138,7 +138,8 @@ impl FrontEnd {
             config,
             stream: stream.named("front-end"),
             klt: Klt::new(config.klt),
-            back: Klt::new(KltConfig { min_correlation: 0.0, ..config.klt }),
+            // Whether it comes home within half a pixel needs no more than shifts.
+            back: Klt::new(KltConfig { min_correlation: 0.0, affine: false, ..config.klt }),
             detector: Detector::new(config.corners),
             clahe: config.clahe.enabled.then(|| Clahe::new(config.clahe)),
             allowed: None,

@@ -160,7 +160,7 @@ mod tests {
     fn of_a_rest_its_ends_are_chosen() {
         let (mut buffer, scene, config) = filled(20);
         let at = |k: usize| scene.frames[k].t;
-        buffer.mark(&Rest { from: at(0), to: at(12), lasts: false, seconds: 1.2 });
+        buffer.mark(&Rest { from: at(0), to: at(12), lasts: false, seconds: 1.2, moved: 1e-3 });
         let chosen = buffer.choose(&config);
         assert_eq!(chosen.frames.len(), 6);
         // Nine candidates are left for six places: 0, 12, 13, .. 19.

@@ -8,6 +8,7 @@ use super::config::InitConfig;
 use super::frame::{InitFrame, shared};
 use super::robust;
 use dpn_core::time::Stamp;
+use nalgebra::{Vector2, Vector3};
 
 /// Tracks without which nothing is said.
 const MIN_TRACKS: usize = 10;
@@ -21,6 +22,7 @@ const MAX_RATE: f64 = 0.15;
 pub(crate) struct RestWatch {
     first: Option<InitFrame>,
     last: Option<Stamp>,
+    moved: f64,
 }
 
 /// A rest.
@@ -34,25 +36,32 @@ pub(crate) struct Rest {
     pub lasts: bool,
     /// From its first frame to the newest that matches \[s\].
     pub seconds: f64,
+    /// By how much the image as a whole may have moved since its first frame \[rad\].
+    pub moved: f64,
 }
 
 impl RestWatch {
     /// Takes the next frame, `rate` being the gyro's mean size since the last \[rad/s\]; the rest that it is in or that it ends.
     pub(crate) fn push(&mut self, frame: &InitFrame, rate: f64, config: &InitConfig) -> Option<Rest> {
-        let still = self.first.as_ref().is_some_and(|first| {
-            let mut moves: Vec<f64> = shared(first, frame).iter().map(|(a, b)| (a - b).norm()).collect();
-            rate <= MAX_RATE
+        let moved = self.first.as_ref().and_then(|first| {
+            let pairs = shared(first, frame);
+            let mut moves: Vec<f64> = pairs.iter().map(|(a, b)| (a - b).norm()).collect();
+            let still = rate <= MAX_RATE
                 && moves.len() >= MIN_TRACKS
-                && robust::median(&mut moves) <= config.angle(config.rest_track_px)
+                && robust::median(&mut moves) <= config.angle(config.rest_track_px);
+            still.then(|| common_motion(&pairs))
         });
-        if still {
+        let still = moved.is_some();
+        if let Some(moved) = moved {
             self.last = Some(frame.t);
+            self.moved = moved;
         }
         let rest = self.first.as_ref().zip(self.last).map(|(first, last)| Rest {
             from: first.t,
             to: last.plus_seconds(-SETTLED_S).max(first.t),
             lasts: still,
             seconds: last.seconds_since(first.t),
+            moved: self.moved,
         });
         if !still {
             self.first = Some(frame.clone());
@@ -62,10 +71,39 @@ impl RestWatch {
     }
 }
 
+/// By how much an image has moved as a whole, by shift, roll or growth, and by how much it may have unseen: three deviations of what the
+/// tracks' own errors make of that \[rad\].
+///
+/// Least squares for `b - a = shift + growth * a + roll * perp(a)` over the tracks but the wildest.
+fn common_motion(pairs: &[(Vector3<f64>, Vector3<f64>)]) -> f64 {
+    let flows = pairs.iter().filter(|(a, b)| a.z > 0.0 && b.z > 0.0);
+    let flows: Vec<(Vector2<f64>, Vector2<f64>)> =
+        flows.map(|(a, b)| (a.xy() / a.z, b.xy() / b.z - a.xy() / a.z)).collect();
+    let mut sizes: Vec<f64> = flows.iter().map(|(_, flow)| flow.norm()).collect();
+    let most = 3.0 * robust::median(&mut sizes);
+    let kept: Vec<_> = flows.iter().filter(|(_, flow)| flow.norm() <= most).collect();
+    let count = kept.len().max(1) as f64;
+    let centre = kept.iter().map(|(at, _)| at).sum::<Vector2<f64>>() / count;
+    let shift = kept.iter().map(|(_, flow)| flow).sum::<Vector2<f64>>() / count;
+    let (mut growth, mut roll, mut squares) = (0.0, 0.0, 0.0);
+    for (at, flow) in &kept {
+        let (at, flow) = (at - centre, flow - shift);
+        growth += at.dot(&flow);
+        roll += at.perp(&flow);
+        squares += at.norm_squared();
+    }
+    let spread = (squares / count).sqrt().max(1e-3);
+    let (growth, roll) = (growth / squares.max(1e-9), roll / squares.max(1e-9));
+    let own = most / 3.0 / count.sqrt() / spread;
+    shift.norm().max(growth.abs()).max(roll.abs()) + 3.0 * own
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::Vector3;
+    use dpn_core::random::Stream;
+    use nalgebra::Rotation3;
+    use rand::Rng;
 
     /// Forty tracks, moved in the image by `px`, at `t` seconds.
     fn frame(t: f64, px: f64) -> InitFrame {
@@ -91,6 +129,30 @@ mod tests {
         assert!(!ended.lasts);
         assert!((ended.to.seconds_since(Stamp::from_ns(0)) - 0.75).abs() < 1e-9);
         assert_eq!(watch.push(&frame(1.1, 20.0), 0.02, &config), None);
+    }
+
+    #[test]
+    fn common_motion_is_what_the_tracks_share() {
+        let mut rng = Stream::new(3).named("rest").rng();
+        let mut noise = |size: f64| Vector3::from_fn(|_, _| rng.random_range(-size..size));
+        let rays: Vec<Vector3<f64>> =
+            (0..150).map(|_| (noise(0.5) + Vector3::new(0.0, 0.0, 1.0)).normalize()).collect();
+        let mut after = |turn: &Rotation3<f64>, forward: f64, size: f64| -> f64 {
+            let seen = rays.iter().map(|a| {
+                let b = turn * (3.0 * a - Vector3::new(0.0, 0.0, forward)) + 3.0 * noise(size);
+                (*a, b.normalize())
+            });
+            common_motion(&seen.collect::<Vec<_>>())
+        };
+        let turn = |axis: Vector3<f64>| Rotation3::new(axis * 2e-3);
+        let still = after(&Rotation3::identity(), 0.0, 6e-4);
+        assert!((5e-5..6e-4).contains(&still), "{still}");
+        for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
+            let turned = after(&turn(axis), 0.0, 6e-4);
+            assert!((1.5e-3..3.5e-3).contains(&turned), "{axis:?}: {turned}");
+        }
+        let nearer = after(&Rotation3::identity(), 6e-3, 6e-4);
+        assert!((1.3e-3..3.5e-3).contains(&nearer), "{nearer}");
     }
 
     #[test]

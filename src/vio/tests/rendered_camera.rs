@@ -88,7 +88,7 @@ fn flow_on_rendered_pairs_is_right_within_a_twentieth_of_a_pixel() {
         for (name, config) in [("noiseless", noiseless()), ("noisy", RenderConfig::default())] {
             let mut camera = RenderedCamera::new(&config, path.clone(), seed).unwrap();
             // Over 10 ms windows hardly change their shape; over 50 ms, a camera's period, perspective moves the middle of a window
-            // otherwise than its corners, which no shift follows.
+            // otherwise than its corners. Of a window that sees two surfaces no one flow is right.
             for dt in [0.01, 0.05] {
                 let mut errors = [Vec::new(), Vec::new()];
                 for i in 0..6 {
@@ -105,15 +105,15 @@ fn flow_on_rendered_pairs_is_right_within_a_twentieth_of_a_pixel() {
                     edges.len() / 2,
                     rms(edges)
                 );
-                if dt == 0.01 && name == "noisy" {
+                if name == "noisy" {
                     judged.extend_from_slice(inside);
                 }
             }
         }
     }
     let error = rms(&judged);
-    eprintln!("noisy over .01 s: {} flows, {error:.4} px RMS an axis", judged.len() / 2);
-    assert!(judged.len() > 1000 && error < 0.05, "{} flows: {error} px", judged.len() / 2);
+    eprintln!("noisy: {} flows on one surface, {error:.4} px RMS an axis", judged.len() / 2);
+    assert!(judged.len() > 4000 && error < 0.05, "{} flows: {error} px", judged.len() / 2);
 }
 
 fn noiseless() -> RenderConfig {

@@ -430,11 +430,16 @@ fn add_inertial(window: &Window, layout: &Layout, j: usize, normal: &mut Normal)
 
 /// Adds what rest between frame `j` and the one before says, and returns its cost.
 fn add_rest(window: &Window, layout: &Layout, j: usize, normal: &mut Normal) -> f64 {
-    if !window.frames[j].at_rest {
-        return 0.0;
+    let Some(rest) = window.frames[j].rest else { return 0.0 };
+    let Some(i) = window.frames[..j].iter().position(|frame| frame.t >= rest.from) else { return 0.0 };
+    let (mut residual, mut d_i, d_j) =
+        rest_jacobians(&window.frames[i].state, &window.frames[j].state, rest.angle);
+    if i + 1 < j {
+        // That the first does not move is said once.
+        residual.fixed_rows_mut::<3>(rest::FIRST_VELOCITY).fill(0.0);
+        d_i.fixed_rows_mut::<3>(rest::FIRST_VELOCITY).fill(0.0);
     }
-    let (residual, d_i, d_j) = rest_jacobians(&window.frames[j - 1].state, &window.frames[j].state);
-    let places: [usize; 18] = std::array::from_fn(|k| layout.state(j - 1 + k / 9, k % 9));
+    let places: [usize; 18] = std::array::from_fn(|k| layout.state(if k < 9 { i } else { j }, k % 9));
     let mut all = SMatrix::<f64, { rest::ROWS }, 18>::zeros();
     all.fixed_columns_mut::<9>(0).copy_from(&d_i);
     all.fixed_columns_mut::<9>(9).copy_from(&d_j);

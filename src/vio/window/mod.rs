@@ -24,4 +24,4 @@ pub use landmark::Landmark;
 pub use prior::{AnchorStd, Prior};
 pub use slide::Leaving;
 pub use solve::{Solved, Stop};
-pub use window::{Frame, Seen, Window};
+pub use window::{Frame, Seen, Standstill, Window};

@@ -22,7 +22,7 @@ impl Window {
             return Leaving::Oldest;
         }
         // The first and the last frame of a rest say all there is to say of it.
-        match (self.frames[n - 2].at_rest, self.frames[n - 1].at_rest) {
+        match (self.frames[n - 2].rest.is_some(), self.frames[n - 1].rest.is_some()) {
             (true, true) => return Leaving::SecondNewest,
             (true, false) => return Leaving::Oldest,
             (false, _) => {}
@@ -102,7 +102,6 @@ impl Window {
         self.prior = Some(prior);
         self.frames.remove(0);
         self.frames[0].preint = None;
-        self.frames[0].at_rest = false;
         if self.config.first_estimates {
             for frame in &mut self.frames {
                 frame.first.get_or_insert(frame.state);
@@ -138,7 +137,6 @@ impl Window {
             landmark.sightings.remove(k);
         }
         let frame = self.frames.remove(gone);
-        self.frames[gone].at_rest &= frame.at_rest;
         if let (Some(mut earlier), Some(later)) = (frame.preint, self.frames[gone].preint.take()) {
             earlier.append(&later);
             self.frames[gone].preint = Some(earlier);

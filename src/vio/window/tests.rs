@@ -47,7 +47,7 @@ fn truth(scene: &Scene, k: usize) -> NavState {
 
 fn add(window: &mut Window, scene: &Scene, k: usize) {
     let preint = k.checked_sub(1).map(|p| scene.preints[p].clone());
-    window.add_frame(scene.frames[k].t, truth(scene, k), preint, false, &seen(scene, k));
+    window.add_frame(scene.frames[k].t, truth(scene, k), preint, &seen(scene, k));
 }
 
 fn window(scene: &Scene, frames: usize, config: WindowConfig) -> Window {

@@ -22,10 +22,19 @@ pub struct Frame {
     pub state: NavState,
     /// The IMU's samples since the frame before; `None` for the first of all.
     pub preint: Option<Preintegration>,
-    /// Whether nothing moved since the frame before.
-    pub at_rest: bool,
+    /// The rest that it belongs to; `None` where something moved, or may have.
+    pub rest: Option<Standstill>,
     /// Where derivatives stay once the frame is in the prior.
     pub(crate) first: Option<NavState>,
+}
+
+/// A rest, as one of its frames sees it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Standstill {
+    /// Its first frame's stamp.
+    pub from: Stamp,
+    /// By how much the image may have moved since \[rad\].
+    pub angle: f64,
 }
 
 /// A frame's tracks as the window takes them.
@@ -112,18 +121,16 @@ impl Window {
 
     /// Puts a frame at the end and returns how many of its tracks go on from earlier frames.
     ///
-    /// `preint` holds the samples since the frame before; `state` is where the solver starts; `at_rest` says that nothing
-    /// moved between the two.
+    /// `preint` holds the samples since the frame before; `state` is where the solver starts.
     pub fn add_frame(
         &mut self,
         t: Stamp,
         state: NavState,
         preint: Option<Preintegration>,
-        at_rest: bool,
         seen: &[Seen],
     ) -> usize {
         let frame = self.frames.len();
-        self.frames.push(Frame { t, state, preint, at_rest, first: None });
+        self.frames.push(Frame { t, state, preint, rest: None, first: None });
         let mut known = 0;
         let mut still_wrong = HashSet::new();
         for Seen { id, sighting } in seen {
@@ -144,6 +151,14 @@ impl Window {
         }
         self.ended = still_wrong;
         known
+    }
+
+    /// Says that nothing has moved until the newest frame since the rest's first. A rest is known only once it has lasted: frames that came meanwhile
+    /// have stood still too, and left as if they might have moved they would carry the little velocity that was guessed for them.
+    pub fn rest_since(&mut self, rest: Standstill) {
+        for frame in self.frames.iter_mut().rev().take_while(|frame| frame.t >= rest.from) {
+            frame.rest.get_or_insert(rest);
+        }
     }
 
     /// Fixes position and heading of the first frame, with what is known of it beforehand.

@@ -27,6 +27,8 @@ pub struct KltConfig {
     pub epsilon_px: f64,
     /// Smallest eigenvalue of the mean of `g g^T` over a window that can be tracked \[(grey/px)^2\], 0 to 1e4. Default .1, OpenCV's.
     pub min_eigenvalue: f64,
+    /// Whether the window may turn, grow and shear on the finest level. Default yes; VINS-Mono and OpenCV's tracker only shift it.
+    pub affine: bool,
     /// What may happen to the light. Default `gain-offset`.
     pub illumination: Illumination,
     /// Smallest correlation of the window with where it was found, gain and offset aside, 0 to 1; 0 switches the check off. Default .5.
@@ -47,6 +49,7 @@ impl Default for KltConfig {
             iterations: 30,
             epsilon_px: 0.01,
             min_eigenvalue: 0.1,
+            affine: true,
             illumination: Illumination::GainOffset,
             min_correlation: 0.5,
             back_px: 0.5,

@@ -13,8 +13,9 @@
 //!
 //! A search that ended is believed where the window's grey values correlate with those it found.
 //!
-//! Source: Lucas and Kanade 1981; Bouguet 2000. Not here: forward-backward checks (the front-end's), affine warps of the window.
+//! Source: Lucas and Kanade 1981; Bouguet 2000. Not here: forward-backward checks (the front-end's), more than one step of an affine warp.
 
+mod affine;
 mod config;
 mod likeness;
 mod patch;

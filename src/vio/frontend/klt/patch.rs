@@ -93,6 +93,14 @@ impl<const L: usize, const W: usize> Patch<L, W> {
         }
     }
 
+    /// 1 for each of eight columns from `first` on that counts, else 0.
+    #[inline(always)]
+    pub(super) fn columns(&self, first: usize) -> [f32; 8] {
+        let mut columns = [0.0; 8];
+        columns.copy_from_slice(&self.columns[first..first + 8]);
+        columns
+    }
+
     /// The sum of the lanes that count, the same on every machine.
     #[inline(always)]
     pub(super) fn total(&self, lanes: &[f32; L]) -> f32 {

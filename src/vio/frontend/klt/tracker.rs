@@ -1,6 +1,7 @@
 //! Points from one pyramid to the next.
 
-use super::config::KltConfig;
+use super::affine::refine;
+use super::config::{Illumination, KltConfig};
 use super::likeness::likeness;
 use super::patch::Patch;
 use super::search::{Outcome, search};
@@ -8,7 +9,7 @@ use crate::frontend::image::Pyramid;
 use pulp::{Arch, Simd, WithSimd};
 use serde::Serialize;
 
-/// Coarse levels are searched to so many times the finest one's step.
+/// What is not the last search ends at so many times the step.
 const COARSE: f32 = 4.0;
 
 /// Why a point was not found.
@@ -120,8 +121,9 @@ fn one<const L: usize, const W: usize>(
             }
             continue;
         }
-        // A finer level goes on from here.
-        let epsilon = if level == 0 { 1.0 } else { COARSE } * config.epsilon_px as f32;
+        // A finer level, or the affine step, goes on from here.
+        let coarse = level > 0 || config.affine;
+        let epsilon = if coarse { COARSE } else { 1.0 } * config.epsilon_px as f32;
         match search(patch, &to.planes()[level], start, config, epsilon) {
             Outcome::At(place) => shift = [0, 1].map(|i| (place[i] - centre[i]) / scale),
             Outcome::Outside if level == 0 => return Err(KltLoss::Outside),
@@ -129,8 +131,13 @@ fn one<const L: usize, const W: usize>(
             Outcome::Outside | Outcome::Flat => {}
         }
     }
-    let place = [point.from[0] + shift[0], point.from[1] + shift[1]];
+    let mut place = [point.from[0] + shift[0], point.from[1] + shift[1]];
     let base = to.planes().first().ok_or(KltLoss::Outside)?;
+    if config.affine && levels > 0 {
+        let gained = config.illumination == Illumination::GainOffset;
+        let step = refine(patch, base, place, gained).unwrap_or_default();
+        place = [place[0] + step[0], place[1] + step[1]];
+    }
     let inside = (0.0..=(base.width() - 1) as f32).contains(&place[0])
         && (0.0..=(base.height() - 1) as f32).contains(&place[1]);
     if !inside {
@@ -144,7 +151,6 @@ fn one<const L: usize, const W: usize>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::Illumination;
     use super::*;
     use dpn_core::{GrayImage, GrayView};
     use proptest::prelude::*;

@@ -127,9 +127,13 @@ fn flow_is_opencvs_and_the_true_one() {
     let (width, height) = (base.width() as f32, base.height() as f32);
     for flow in &golden.flows {
         for illumination in [Illumination::Constant, Illumination::GainOffset] {
-            let klt = Klt::new(KltConfig { window: flow.window, illumination, ..KltConfig::default() });
-            let ours = klt.track(&pyramids[0], &pyramids[1], &shifts, flow.levels);
+            let shifted =
+                KltConfig { window: flow.window, illumination, affine: false, ..KltConfig::default() };
+            let track = |config| Klt::new(config).track(&pyramids[0], &pyramids[1], &shifts, flow.levels);
+            let ours = track(shifted);
+            let turned = track(KltConfig { affine: true, ..shifted });
             let (mut squares, mut theirs_squares, mut compared, mut far) = (0.0, 0.0, 0, Vec::new());
+            let mut turned_squares = 0.0;
             for (i, (ours, truth)) in ours.iter().zip(&golden.truth).enumerate() {
                 let half = flow.window as f32 / 2.0 + 2.0;
                 let inside = (half..width - half).contains(&truth[0])
@@ -142,6 +146,7 @@ fn flow_is_opencvs_and_the_true_one() {
                 let ours = ours.unwrap();
                 compared += 1;
                 squares += apart(ours, *truth).powi(2);
+                turned_squares += apart(turned[i].unwrap(), *truth).powi(2);
                 theirs_squares += apart(flow.to[i], *truth).powi(2);
                 if apart(ours, flow.to[i]) > 0.05 {
                     far.push((i, ours, flow.to[i], *truth));
@@ -149,8 +154,9 @@ fn flow_is_opencvs_and_the_true_one() {
             }
             let per_axis = |squares: f32| (squares / (2.0 * compared as f32)).sqrt();
             let (ours, theirs) = (per_axis(squares), per_axis(theirs_squares));
+            let turned = per_axis(turned_squares);
             eprintln!(
-                "window {}, {} levels, {illumination:?}: {compared} points, RMS {ours:.4} px, OpenCV's {theirs:.4}",
+                "window {}, {} levels, {illumination:?}: {compared} points, RMS {ours:.4} px, OpenCV's {theirs:.4}, affine {turned:.4}",
                 flow.window, flow.levels
             );
             assert!(compared > 25, "{compared}");
@@ -162,6 +168,8 @@ fn flow_is_opencvs_and_the_true_one() {
                 (ours < 0.05 || flow.window > 21) && ours < 1.1 * theirs,
                 "{ours} px RMS a side, OpenCV's {theirs}"
             );
+            // A window that may turn can.
+            assert!(turned < 0.05 && turned < 1.02 * ours, "{turned} px RMS a side, {ours} by shifts");
         }
     }
 }

@@ -1,0 +1,228 @@
+//! The last step of a search: how the window turned, grew and sheared, so that none of it is taken for a shift.
+//!
+//! About the place that a shift alone found, with `x` from the window's centre,
+//!
+//! ```text
+//! J(x + d) - I(x) = -g.(s + M x) + a I(x) + o
+//! ```
+//! is solved for the shift `s`, the 2 x 2 `M`, and the light's gain and offset, by least squares with a prior of zero on `M`, as wide as what
+//! a camera does to a window between two images. It is one Gauss-Newton step from `M = 0`: over one camera's period the corners of
+//! a window move against its middle by parts of a pixel, within which images are straight enough. The image is not resampled.
+//!
+//! Four more unknowns make the shift noisier: `M` is believed where it lowers the squares by more than noise would (an F test), else the
+//! shift alone stands.
+//!
+//! A column's `x` is the same in every row: sums are taken over rows for every column, and weighed by `x` once, in the end.
+//!
+//! Source: Shi and Tomasi 1994, sec. 3 (the model); the prior and the single step are ours.
+
+// With indices the loops read as the formulas do, and the compiler makes vectors of them.
+#![allow(clippy::needless_range_loop)]
+
+use super::patch::{Patch, between_columns, corner_of};
+use crate::frontend::image::Plane;
+
+/// Deviation of each entry of `M`: at ten pixels from the centre a fifth of a pixel.
+const BEND_STD: f64 = 0.02;
+/// Least squares of differences a pixel \[grey^2\], for windows that match better than their own noise.
+const LEAST_SQUARE: f64 = 0.1;
+/// What `M` lowers the squares by, for each of its entries, over what is left for each pixel. Of independent pixels 1 window of 100 is
+/// above 3.3 by chance; interpolation ties neighbours, and a false `M` costs more than a missed one.
+const LEAST_F: f64 = 10.0;
+/// A longer step is none: the model does not hold, and the shift alone is better \[px\].
+const MOST_PX: f64 = 0.5;
+/// Unknowns: shift, gain and offset, `M` by columns (by x, then by y).
+const DIM: usize = 8;
+/// Where gain and offset stand.
+const LIGHT: usize = 2;
+/// Where `M` stands.
+const BEND: usize = 4;
+/// Columns at a time: what is summed for them fits the machine's registers.
+const LANES: usize = 8;
+/// Sums over rows. First the gradients' products xx, xy, yy, each with 1, y and y^2.
+const SUMS: usize = 27;
+/// Gradients x and y by grey, alone, and by difference, each with 1 and y.
+const LINES: usize = 9;
+/// Difference by grey, difference, grey, grey squared, difference squared, 1.
+const PLAIN: usize = 21;
+
+#[inline(always)]
+fn part(row: &[f32], first: usize) -> [f32; LANES] {
+    let mut part = [0.0; LANES];
+    part.copy_from_slice(&row[first..first + LANES]);
+    part
+}
+
+#[inline(always)]
+fn times(a: &[f32; LANES], b: &[f32; LANES]) -> [f32; LANES] {
+    let mut out = [0.0; LANES];
+    for i in 0..LANES {
+        out[i] = a[i] * b[i];
+    }
+    out
+}
+
+#[inline(always)]
+fn add(to: &mut [f32; LANES], what: &[f32; LANES]) {
+    for i in 0..LANES {
+        to[i] += what[i];
+    }
+}
+
+/// What is to be added to `place`, where the patch was found in `plane`; nothing where the window does not say.
+#[inline(always)]
+pub(super) fn refine<const L: usize, const W: usize>(
+    patch: &Patch<L, W>,
+    plane: &Plane,
+    place: [f32; 2],
+    gained: bool,
+) -> Option<[f32; 2]> {
+    let ([x, y], [fx, fy]) = corner_of(plane, place, patch.window)?;
+    let zero = patch.light.zero;
+    let half = (patch.window / 2) as f32;
+    // Sums over rows for every column, weighed by 1, x and x^2 of the column and taken over columns modulo eight.
+    let mut lanes = [[[0.0f32; LANES]; 3]; SUMS];
+    for block in (0..L).step_by(LANES) {
+        let mut sums = [[0.0f32; LANES]; SUMS];
+        let row = |dy: usize| plane.run(x + block as isize, y + dy as isize, LANES + 1);
+        let mut above = between_columns::<LANES>(row(patch.rows.start), fx);
+        for r in patch.rows.clone() {
+            let below = between_columns::<LANES>(row(r + 1), fx);
+            let (gx, gy) = (part(&patch.grad_x[r], block), part(&patch.grad_y[r], block));
+            let grey = part(&patch.grey[r], block);
+            let down = [r as f32 - half; LANES];
+            let mut difference = [0.0f32; LANES];
+            let mut value = [0.0f32; LANES];
+            for i in 0..LANES {
+                difference[i] = above[i] + fy * (below[i] - above[i]) - grey[i];
+                value[i] = grey[i] - zero;
+            }
+            let products = [times(&gx, &gx), times(&gx, &gy), times(&gy, &gy)];
+            for k in 0..3 {
+                let sloped = times(&down, &products[k]);
+                add(&mut sums[3 * k], &products[k]);
+                add(&mut sums[3 * k + 1], &sloped);
+                add(&mut sums[3 * k + 2], &times(&down, &sloped));
+            }
+            let by_value = [times(&gx, &value), times(&gy, &value)];
+            let by_difference = [times(&gx, &difference), times(&gy, &difference)];
+            let terms = [by_value[0], by_value[1], gx, gy, by_difference[0], by_difference[1]];
+            for k in 0..6 {
+                add(&mut sums[LINES + 2 * k], &terms[k]);
+                add(&mut sums[LINES + 2 * k + 1], &times(&down, &terms[k]));
+            }
+            add(&mut sums[PLAIN], &times(&difference, &value));
+            add(&mut sums[PLAIN + 1], &difference);
+            add(&mut sums[PLAIN + 2], &value);
+            add(&mut sums[PLAIN + 3], &times(&value, &value));
+            add(&mut sums[PLAIN + 4], &times(&difference, &difference));
+            add(&mut sums[PLAIN + 5], &[1.0; LANES]);
+            above = below;
+        }
+        let columns = patch.columns(block);
+        let mut weights = [[0.0f32; LANES]; 3];
+        for i in 0..LANES {
+            let across = (block + i) as f32 - half;
+            weights[0][i] = columns[i];
+            weights[1][i] = columns[i] * across;
+            weights[2][i] = columns[i] * across * across;
+        }
+        for k in 0..SUMS {
+            for power in 0..3 {
+                for i in 0..LANES {
+                    lanes[k][power][i] += sums[k][i] * weights[power][i];
+                }
+            }
+        }
+    }
+    let mut total = [[0.0f64; 3]; SUMS];
+    for k in 0..SUMS {
+        for power in 0..3 {
+            let s = &lanes[k][power];
+            total[k][power] = f64::from(((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7])));
+        }
+    }
+    solve(&total, gained)
+}
+
+/// The shift from the sums: unknowns are taken out one by one, `M` last, so that what the others lower is known before it.
+#[inline(always)]
+fn solve(total: &[[f64; 3]; SUMS], gained: bool) -> Option<[f32; 2]> {
+    let [dv, d1, v, vv, dd, count] = [0, 1, 2, 3, 4, 5].map(|k| total[PLAIN + k][0]);
+    let mut normal = [[0.0f64; DIM]; DIM];
+    let mut side = [0.0f64; DIM];
+    // Unknowns come in pairs by axis of the gradient: shift, M by x, M by y.
+    let pairs = [(0, 0, 0), (BEND, 1, 0), (BEND + 2, 0, 1)];
+    for (p, &(at, px, py)) in pairs.iter().enumerate() {
+        for &(other, qx, qy) in &pairs[..=p] {
+            let (x, y) = (px + qx, py + qy);
+            let [xx, xy, yy] = [total[y][x], total[3 + y][x], total[6 + y][x]];
+            normal[at][other] = xx;
+            normal[at][other + 1] = xy;
+            normal[at + 1][other] = xy;
+            normal[at + 1][other + 1] = yy;
+        }
+        for axis in 0..2 {
+            let line = |k: usize| total[LINES + 4 * k + 2 * axis + py][px];
+            side[at + axis] = -line(2);
+            if gained {
+                // Below the diagonal: light stands behind the shift and before M.
+                for (light, sum) in [(LIGHT, line(0)), (LIGHT + 1, line(1))] {
+                    let (row, column) = if at == 0 { (light, axis) } else { (at + axis, light) };
+                    normal[row][column] = -sum;
+                }
+            }
+        }
+    }
+    if gained {
+        normal[LIGHT][LIGHT] = vv.max(1e-6);
+        normal[LIGHT + 1][LIGHT] = v;
+        normal[LIGHT + 1][LIGHT + 1] = count;
+        side[LIGHT] = dv;
+        side[LIGHT + 1] = d1;
+    } else {
+        normal[LIGHT][LIGHT] = 1.0;
+        normal[LIGHT + 1][LIGHT + 1] = 1.0;
+    }
+
+    // L D L^T in place; `side` becomes L^-1 of itself, and each unknown lowers the squares by side^2 / D.
+    let (mut left, mut own, mut lowered) = (dd, 0.0, 0.0);
+    let mut inverses = [0.0f64; DIM];
+    for k in 0..DIM {
+        if k == BEND {
+            own = (left / (count - 4.0).max(1.0)).max(LEAST_SQUARE);
+            for m in BEND..DIM {
+                normal[m][m] += own / (BEND_STD * BEND_STD);
+            }
+            lowered = left;
+        }
+        let pivot = normal[k][k];
+        if pivot.is_nan() || pivot <= 1e-9 {
+            return None;
+        }
+        let inverse = 1.0 / pivot;
+        inverses[k] = inverse;
+        left -= side[k] * side[k] * inverse;
+        for r in k + 1..DIM {
+            let factor = normal[r][k] * inverse;
+            for c in k + 1..=r {
+                normal[r][c] -= factor * normal[c][k];
+            }
+            side[r] -= factor * side[k];
+        }
+    }
+    lowered -= left;
+    // What stands below the diagonal is L D. Without M the rest is solved as if it were not there.
+    let count = if lowered < 4.0 * LEAST_F * own { BEND } else { DIM };
+    let mut step = [0.0f64; DIM];
+    for k in (0..count).rev() {
+        let mut value = side[k];
+        for r in k + 1..count {
+            value -= normal[r][k] * step[r];
+        }
+        step[k] = value * inverses[k];
+    }
+    let gain = if gained { (1.0 + step[LIGHT]).clamp(0.5, 2.0) } else { 1.0 };
+    let [x, y] = [step[0] / gain, step[1] / gain];
+    (x * x + y * y <= MOST_PX * MOST_PX).then_some([x as f32, y as f32])
+}
