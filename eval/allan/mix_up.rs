@@ -10,6 +10,9 @@ const FAR: f64 = 2.0;
 /// Mix-ups that are named, the nearest first: by a measured figure, and where many fit.
 const NAMED: [usize; 2] = [2, 3];
 
+/// The mix-up whose factor, a hundred, is that of rotors too.
+pub(crate) const MG: &str = "mg where m/s^2 belongs";
+
 /// What is written is `factor * right^power`.
 struct MixUp {
     factor: f64,
@@ -130,7 +133,7 @@ fn mix_ups(figure: Figure, meaning: Meaning, rate: SampleRate) -> Vec<MixUp> {
         }
         Sensor::Accel => {
             add(G.powi(-power), 1.0, "g where m/s^2 belongs");
-            add((1e3 / G).powi(power), 1.0, "mg where m/s^2 belongs");
+            add((1e3 / G).powi(power), 1.0, MG);
         }
     }
     all

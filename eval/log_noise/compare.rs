@@ -7,7 +7,7 @@
 use super::Levels;
 use super::levels::FloorFrom;
 use crate::allan::compare::{self as at_rest, Measured, ZERO, judge, key_of};
-use crate::allan::mix_up::{by_measured, by_typical, typical, unusual};
+use crate::allan::mix_up::{MG, by_measured, by_typical, typical, unusual};
 use dpn_core::noise::formats::{Axes, Figure, ImuFigures, Meaning, Source, number};
 use dpn_core::noise::units::BadNoise;
 use dpn_core::noise::{AccelSampleStd, GyroSampleStd};
@@ -241,6 +241,10 @@ fn white_noise(
         }
         if finding.suspects.is_empty() && is_far {
             finding.suspects = by(middle);
+        }
+        // What fits the log in motion is a hundred times the sensor's own noise for that reason.
+        if finding.standing == Standing::FitsMotion {
+            finding.suspects.retain(|words| *words != MG);
         }
     }
     Ok(Some(finding))
