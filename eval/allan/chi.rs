@@ -16,12 +16,12 @@ pub(super) fn interval(value: f64, error: f64) -> (f64, f64) {
 }
 
 /// Quantile of 97.5 % by Wilson and Hilferty.
-fn upper(freedom: f64) -> f64 {
+pub(super) fn upper(freedom: f64) -> f64 {
     hilferty(freedom, Z)
 }
 
 /// Quantile of 2.5 %: by Wilson and Hilferty, below five degrees by two terms of the incomplete gamma function's series.
-fn lower(freedom: f64) -> f64 {
+pub(super) fn lower(freedom: f64) -> f64 {
     if freedom >= 5.0 {
         return hilferty(freedom, -Z);
     }

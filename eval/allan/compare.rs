@@ -1,17 +1,16 @@
 //! A configuration's noise figures against those of a log at rest, and what may have been mixed up where they are far apart.
 
 use super::log::AllanLog;
+use super::mix_up::{by_measured, by_typical, typical, unusual};
 use super::model::Coefficient;
 use dpn_core::SampleRate;
-use dpn_core::noise::formats::{Axes, Figure, Format, Meaning, Source, number};
+use dpn_core::noise::formats::{Axes, Figure, Format, ImuFigures, Meaning, Source, number};
 use serde::Serialize;
 
 /// Up to this factor, up or down, a configuration agrees with a log.
 const AGREES: f64 = 3.0;
 /// Up to this factor people multiply on purpose.
 const USUAL: f64 = 20.0;
-/// How near a mix-up's own factor must be to explain what stands there.
-const NEAR: f64 = 1.6;
 
 /// How a figure stands to the log's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -27,7 +26,15 @@ pub enum Verdict {
     TooLow,
     /// The log does not show the figure; the configuration's is below what it would have shown.
     NotSeen,
+    /// As [`Self::NotSeen`], and more than twice outside what IMUs have.
+    Unusual,
+    /// A zero.
+    Zero,
 }
+
+/// What is said of a zero.
+pub(crate) const ZERO: &str =
+    "an estimator told of no noise trusts the IMU without bound; put the sensor's figure there";
 
 /// One figure.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -36,7 +43,7 @@ pub struct Finding {
     pub figure: Figure,
     /// Its key in the configuration.
     pub key: String,
-    /// What stands there, in the format's meaning; the largest of the axes.
+    /// What stands there, in the format's meaning; the largest of the axes, or zero where one of them is zero.
     pub configured: f64,
     /// What the log says, in the same meaning; the largest of the axes. An upper bound where the log does not show it.
     pub measured: f64,
@@ -72,14 +79,25 @@ impl Finding {
         let times = |ratio: f64| {
             if ratio >= 10.0 { format!("{ratio:.0}") } else { format!("{ratio:.1}") }
         };
+        let than = if self.seen { "the noise at rest" } else { "what the log would show" };
         let verdict = match self.verdict {
             Verdict::Agrees => format!("agrees (x{:.2})", self.ratio),
             Verdict::NotSeen => "agrees as far as the log shows".to_owned(),
+            Verdict::Unusual => {
+                let [low, high] = typical(self.figure);
+                format!(
+                    "agrees as far as the log shows, but IMUs have {} to {} {}",
+                    number(low),
+                    number(high),
+                    self.figure.unit()
+                )
+            }
+            Verdict::Zero => ZERO.to_owned(),
             Verdict::Inflated => {
-                format!("{} times the noise at rest: usual for a moving vehicle, if meant", times(self.ratio))
+                format!("{} times {than}: usual for a moving vehicle, if meant", times(self.ratio))
             }
             Verdict::TooHigh => {
-                format!("{} times the noise at rest: more than motion explains", times(self.ratio))
+                format!("{} times {than}: more than motion explains", times(self.ratio))
             }
             Verdict::TooLow => {
                 format!(
@@ -100,51 +118,104 @@ fn rounded(value: f64) -> f64 {
     format!("{value:.2e}").parse().unwrap_or(value)
 }
 
+/// What a log says of one figure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measured {
+    /// Its density, the largest of the axes; where it is not seen, what it stays below.
+    pub density: f64,
+    /// Whether the log shows it on all axes.
+    pub seen: bool,
+    /// What may stand there in its place: the axes' largest bias instability and white noise, as densities; 0 where not known.
+    pub mistaken: [f64; 2],
+}
+
+impl Measured {
+    /// What a log at rest says of `figure`.
+    pub fn at_rest(log: &AllanLog, figure: Figure) -> Option<Self> {
+        let density = log.figures().ok()?.density(figure)?.largest();
+        let sensor = figure.sensor();
+        let largest = |c| log.estimates(sensor, c).iter().map(|e| e.value).fold(0.0, f64::max);
+        let coefficient = if figure.is_walk() { Coefficient::Walk } else { Coefficient::White };
+        // Who reads the instability off a plot takes its lowest point, flat or not.
+        let lowest = |axis: &super::AxisFit| {
+            axis.fit.points.iter().map(|p| p.deviation).fold(f64::INFINITY, f64::min) / FLOOR
+        };
+        let floor = log.axes.iter().filter(|a| a.sensor == sensor).map(lowest).fold(0.0, f64::max);
+        let is_flat = log.seen(sensor, Coefficient::Instability);
+        let mistaken = if figure.is_walk() {
+            [if is_flat { largest(Coefficient::Instability) } else { floor }, largest(Coefficient::White)]
+        } else {
+            [0.0; 2]
+        };
+        Some(Self { density, seen: log.seen(sensor, coefficient), mistaken })
+    }
+}
+
+/// The floor of an Allan plot over the bias instability: sqrt(2 ln 2 / pi).
+const FLOOR: f64 = 0.664;
+
 /// Holds every figure of `source` against `log`.
 pub fn compare(source: &Source, log: &AllanLog) -> Vec<Finding> {
-    let Ok(measured) = log.figures() else {
-        return Vec::new();
-    };
+    let judged = |figure| judge(source, figure, log.rate, &Measured::at_rest(log, figure)?);
+    Figure::ALL.into_iter().filter_map(judged).collect()
+}
+
+/// Holds one figure of `source` against what a log of `log_rate` says of it; none where the configuration does not have it.
+pub fn judge(source: &Source, figure: Figure, log_rate: SampleRate, measured: &Measured) -> Option<Finding> {
+    let (key, meaning) = key_of(source.format, figure);
     // Numbers per sample are meant at the rate they were read with.
-    let rate = source.figures.rate.unwrap_or(log.rate);
-    Figure::ALL
-        .into_iter()
-        .filter_map(|figure| {
-            let (key, meaning) = key_of(source.format, figure);
-            let configured = source.figures.get(figure, meaning, rate)?.largest();
-            let at_log = measured.get(figure, meaning, rate)?.largest();
-            let density =
-                |figures: &dpn_core::noise::formats::ImuFigures| figures.density(figure).map(Axes::largest);
-            let ratio = density(&source.figures)? / density(&measured)?;
-            let coefficient = if figure.is_walk() { Coefficient::Walk } else { Coefficient::White };
-            let seen = log.seen(figure.sensor(), coefficient);
-            let verdict = match ratio {
-                r if r <= AGREES && !seen => Verdict::NotSeen,
-                r if r < 1.0 / AGREES => Verdict::TooLow,
-                r if r <= AGREES => Verdict::Agrees,
-                r if r <= USUAL => Verdict::Inflated,
-                _ => Verdict::TooHigh,
-            };
-            let suspects = if matches!(verdict, Verdict::Agrees | Verdict::NotSeen) {
-                Vec::new()
-            } else {
-                let largest =
-                    |c| log.estimates(figure.sensor(), c).iter().map(|e| e.value).fold(0.0, f64::max);
-                suspects(figure, meaning, configured, at_log, rate, &largest)
-            };
-            Some(Finding {
-                figure,
-                key,
-                configured,
-                measured: at_log,
-                unit: meaning.unit(figure),
-                seen,
-                ratio,
-                verdict,
-                suspects,
-            })
+    let rate = source.figures.rate.unwrap_or(log_rate);
+    let meant = |density: f64| {
+        let mut figures = ImuFigures::default();
+        let own = if figure.is_walk() { Meaning::WalkDensity } else { Meaning::Density };
+        figures.set(figure, own, Axes::Same(density), rate).ok()?;
+        figures.get(figure, meaning, rate).map(Axes::largest)
+    };
+    let at_log = meant(measured.density)?;
+    let seen = measured.seen;
+    let found = |configured, ratio, verdict, suspects| {
+        let unit = meaning.unit(figure);
+        Some(Finding {
+            figure,
+            key: key.clone(),
+            configured,
+            measured: at_log,
+            unit,
+            seen,
+            ratio,
+            verdict,
+            suspects,
         })
-        .collect()
+    };
+    if source.zeros.iter().any(|zero| zero.figure == figure) {
+        return found(0.0, 0.0, Verdict::Zero, Vec::new());
+    }
+    let configured = source.figures.get(figure, meaning, rate)?.largest();
+    let density = source.figures.density(figure)?.largest();
+    let ratio = density / measured.density;
+    let verdict = match ratio {
+        r if r <= AGREES && !seen && unusual(figure, density) => Verdict::Unusual,
+        r if r <= AGREES && !seen => Verdict::NotSeen,
+        r if r < 1.0 / AGREES => Verdict::TooLow,
+        r if r <= AGREES => Verdict::Agrees,
+        r if r <= USUAL => Verdict::Inflated,
+        _ => Verdict::TooHigh,
+    };
+    let others: Vec<(f64, &'static str)> = measured
+        .mistaken
+        .into_iter()
+        .zip(["a bias instability where a walk belongs", "the white noise where a walk belongs"])
+        .filter_map(|(density, words)| Some((meant(density)?, words)))
+        .collect();
+    let mut suspects = match verdict {
+        Verdict::Agrees | Verdict::NotSeen | Verdict::Zero | Verdict::Unusual => Vec::new(),
+        _ => by_measured(figure, meaning, configured, at_log, rate, &others),
+    };
+    // A bound is no figure that a mix-up could have begun with.
+    if !seen && suspects.is_empty() && unusual(figure, density) {
+        suspects = by_typical(figure, meaning, configured, rate);
+    }
+    found(configured, ratio, verdict, suspects)
 }
 
 pub(crate) fn key_of(format: Format, figure: Figure) -> (String, Meaning) {
@@ -157,68 +228,6 @@ pub(crate) fn key_of(format: Format, figure: Figure) -> (String, Meaning) {
         None if figure.is_walk() => (figure.to_string(), Meaning::WalkDensity),
         None => (figure.to_string(), Meaning::Density),
     }
-}
-
-/// What `configured` would be, were the `measured` noise written down by mistake in another meaning or unit.
-///
-/// `largest` is the largest of the axes' other coefficients, for a walk.
-pub(crate) fn suspects(
-    figure: Figure,
-    meaning: Meaning,
-    configured: f64,
-    measured: f64,
-    rate: SampleRate,
-    largest: &dyn Fn(Coefficient) -> f64,
-) -> Vec<&'static str> {
-    use dpn_core::Sensor::{Accel, Gyro};
-    const DEGREES: f64 = 180.0 / std::f64::consts::PI;
-    const G: f64 = 9.806_65;
-    let root = rate.hz().sqrt();
-    let sensor = figure.sensor();
-    let variance = matches!(meaning, Meaning::SampleVariance | Meaning::WalkStepVariance | Meaning::Power);
-    let density = !meaning.needs_rate();
-    let mut all: Vec<(f64, &'static str)> = Vec::new();
-    if variance {
-        all.push((measured.sqrt(), "a deviation where a variance belongs"));
-        all.push((measured / rate.hz(), "a power density where a variance per sample belongs"));
-    } else {
-        all.push((measured * measured, "a variance where a deviation belongs"));
-    }
-    match (variance, density, figure.is_walk()) {
-        (false, true, false) => all.push((measured * root, "a deviation per sample where a density belongs")),
-        (false, false, false) => {
-            all.push((measured / root, "a density where a deviation per sample belongs"));
-        }
-        (false, true, true) => {
-            all.push((measured / root, "a walk per sample where a density belongs"));
-            all.push((measured * root, "a walk of VINS's kind where a density belongs"));
-        }
-        (false, false, true) => all.push((measured / root, "a density where VINS's kind of walk belongs")),
-        (true, ..) => {}
-    }
-    let power = if variance { 2 } else { 1 };
-    match sensor {
-        Gyro => {
-            all.push((measured * DEGREES.powi(power), "degrees where radians belong"));
-            all.push((measured / DEGREES.powi(power), "radians turned into radians once more"));
-        }
-        Accel => {
-            all.push((measured / G.powi(power), "g where m/s^2 belongs"));
-            all.push((measured * (1e3 / G).powi(power), "mg where m/s^2 belongs"));
-        }
-    }
-    if figure.is_walk() {
-        all.push((largest(Coefficient::Instability), "a bias instability where a walk belongs"));
-        all.push((largest(Coefficient::White), "the white noise where a walk belongs"));
-    }
-    let off = |value: f64| (configured / value).ln().abs();
-    let mut near: Vec<(f64, &'static str)> = all
-        .into_iter()
-        .filter(|(value, _)| *value > 0.0 && off(*value) < NEAR.ln())
-        .map(|(value, words)| (off(value), words))
-        .collect();
-    near.sort_by(|a, b| a.0.total_cmp(&b.0));
-    near.into_iter().take(2).map(|(_, words)| words).collect()
 }
 
 #[cfg(test)]
@@ -282,6 +291,17 @@ mod tests {
             "{:?}",
             variances[1]
         );
+        // Who reads the instability off the plot takes its lowest point over .664: sqrt(2 N K / sqrt(3)) / .664.
+        let instability = kalibr(1e-3, 2e-4, 1e-4, (2.0 * 1e-4 * 2e-5 / 3f64.sqrt()).sqrt() / 0.664);
+        assert_eq!(instability[3].suspects.first(), Some(&"a bias instability where a walk belongs"));
+        assert!(instability[3].warns(), "{:?}", instability[3]);
+        let zero = {
+            let given = Given { rate: SampleRate::from_hz(100.0), keep_zeros: true, ..Given::default() };
+            let text = "acc_n: 0.01\nacc_w: 0\ngyr_n: 0.001\ngyr_w: 2e-4\n";
+            compare(&parse(text.as_bytes(), Path::new("f"), None, &given).unwrap(), &log)
+        };
+        assert_eq!(zero[1].verdict, Verdict::Zero);
+        assert!(zero[1].warns() && zero[1].text().contains("put the sensor's figure there"));
         let vins = check("acc_n: 0.001\nacc_w: 0.002\ngyr_n: 0.001\ngyr_w: 2e-4\n");
         assert_eq!(vins[0].suspects[0], "a density where a deviation per sample belongs");
         assert_eq!((vins[1].verdict, vins[2].verdict), (Verdict::Agrees, Verdict::Agrees));

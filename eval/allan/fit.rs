@@ -6,12 +6,13 @@
 //! building swinging; times that stay far from every model lose their say (Cauchy weights, from wide to narrow) and are named.
 //!
 //! The fit is linear in the data, so the covariance of the Allan variances gives that of the squares; it is taken without the bounds at
-//! zero, which errs on the side of caution, and widened where the model does not describe the data. A square's interval is that of a
-//! chi-squared variable of the same mean and variance.
+//! zero, which errs on the side of caution, and widened where the model does not describe the data. A square's interval is found by
+//! inversion: its scatter is that of the value it is held against, not of the estimate (`inversion`).
 
 use super::chi;
 use super::covariance::Scatter;
 use super::deviation;
+use super::inversion::Spread;
 use super::model::{Coefficient, Squares, variance};
 use super::nnls::{NnlsError, nnls};
 use dpn_core::SampleRate;
@@ -24,8 +25,6 @@ const MODEL_ERROR: f64 = 0.02;
 const SCALES: [f64; 12] = [100.0, 60.0, 40.0, 25.0, 16.0, 10.0, 6.0, 4.0, 3.0, 2.5, 2.5, 2.5];
 /// An Allan variance this far above the model is part of a hump.
 const HUMP: f64 = 1.3;
-/// A coefficient is seen when its standard error is at most this share of it.
-const SEEN: f64 = 0.5;
 
 /// What is known of one coefficient.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -38,7 +37,7 @@ pub struct Estimate {
     pub low: f64,
     /// Upper end of the 95 % interval; where it is not seen, what it stays below.
     pub high: f64,
-    /// Whether the log shows it: its standard error is at most half of it.
+    /// Whether the log shows it: its 95 % interval stays clear of 0.
     pub seen: bool,
     /// Length of a log that would show it \[s\]: one of the fitted size, or, where the fit has none, one of a third of `high`. Where it
     /// is seen already, and where a hundred times the length would not do, none.
@@ -137,13 +136,14 @@ impl Planner {
         }
         let matrix = self.now.matrix(&squares);
         let misfit = misfit(&matrix, &squares, &taus, &variances, &weights);
-        let errors = standard_errors(&taus, &with_model_error(&matrix, &squares, &taus), &weights);
+        let gains = gains(&taus, &weights);
         let widened = misfit.max(1.0);
-        let estimates =
-            Coefficient::ALL.map(|c| self.estimate(c, &squares, errors[c as usize] * widened, widened));
+        let estimates = Coefficient::ALL.map(|c| self.estimate(c, &squares, &gains[c as usize], widened));
         let points: Vec<Point> = (0..taus.len())
             .map(|i| {
-                let (low, high) = chi::interval(variances[i], matrix[i][i].sqrt());
+                // Degrees of freedom are the model's: a variance that came out small has not fewer of them.
+                let model = variance(&squares, taus[i]).max(f64::MIN_POSITIVE);
+                let (low, high) = chi::interval(variances[i], variances[i] * matrix[i][i].sqrt() / model);
                 Point {
                     tau: taus[i],
                     deviation: variances[i].sqrt(),
@@ -156,11 +156,16 @@ impl Planner {
         Ok(Fit { humps: humps(&points), points, estimates, misfit })
     }
 
-    fn estimate(&self, coefficient: Coefficient, squares: &Squares, error: f64, widened: f64) -> Estimate {
+    fn estimate(&self, coefficient: Coefficient, squares: &Squares, gain: &[f64], widened: f64) -> Estimate {
         let square = squares[coefficient as usize];
-        // The error of a square, against the square: twice that of the coefficient.
-        let seen = square > 0.0 && error <= 2.0 * SEEN * square;
-        let (low, high) = if seen { chi::interval(square, error) } else { (0.0, square + 2.0 * error) };
+        if gain.iter().all(|g| *g == 0.0) {
+            let (value, low, high) = (square.sqrt(), 0.0, f64::INFINITY);
+            return Estimate { coefficient, value, low, high, seen: false, needs_s: None };
+        }
+        let taus: Vec<f64> = self.averages.iter().map(|m| *m as f64 * self.rate.period()).collect();
+        let spread = spread(&self.now, &taus, squares, coefficient, gain).times(widened * widened);
+        let (low, high) = spread.interval(square);
+        let seen = low > 0.0;
         let needs_s = if seen { None } else { self.needs(coefficient, squares, square, high, widened) };
         Estimate { coefficient, value: square.sqrt(), low: low.sqrt(), high: high.sqrt(), seen, needs_s }
     }
@@ -174,25 +179,22 @@ impl Planner {
         high: f64,
         widened: f64,
     ) -> Option<f64> {
-        let wanted = square.max(high / 9.0);
-        let mut squares = *squares;
-        squares[coefficient as usize] = wanted;
-        let error = |averages: &[usize], scatter: &Scatter| {
+        // What an estimate of the wanted size is held against: the largest that an absent noise leaves.
+        let least = |averages: &[usize], scatter: &Scatter| {
             let taus: Vec<f64> = averages.iter().map(|m| *m as f64 * self.rate.period()).collect();
-            let matrix = scatter.matrix(&squares);
-            let weights = weights(&matrix, &squares, &taus);
-            widened
-                * standard_errors(&taus, &with_model_error(&matrix, &squares, &taus), &weights)
-                    [coefficient as usize]
+            let weights = weights(&scatter.matrix(squares), squares, &taus);
+            let gain = &gains(&taus, &weights)[coefficient as usize];
+            spread(scatter, &taus, squares, coefficient, gain).times(widened * widened).least_seen()
         };
-        let bound = 2.0 * SEEN * wanted;
         let length = self.samples as f64 * self.rate.period();
-        let mut before = (1.0, error(&self.averages, &self.now));
+        let mut before = (1.0, least(&self.averages, &self.now));
+        // The bound of a few degrees of freedom is wide: a third of it may be more than this log would have shown.
+        let wanted = square.max((high / 9.0).min(0.5 * before.1));
         for (times, averages, scatter) in &self.later {
-            let now = (*times, error(averages, scatter));
-            if now.1 <= bound {
+            let now = (*times, least(averages, scatter));
+            if now.1 <= wanted {
                 // Between two lengths errors fall as a power.
-                let share = ((before.1 / bound).ln() / (before.1 / now.1).ln()).clamp(0.0, 1.0);
+                let share = ((before.1 / wanted).ln() / (before.1 / now.1).ln()).clamp(0.0, 1.0);
                 return Some(length * (before.0 * (now.0 / before.0).powf(share)).max(1.0));
             }
             before = now;
@@ -221,11 +223,17 @@ fn with_model_error(matrix: &[Vec<f64>], squares: &Squares, taus: &[f64]) -> Vec
     total
 }
 
-/// The same, times that are far from the model weighed down.
+/// The same, times that are far from the model weighed down. How far is counted on the scale on which a chi-squared variable is nearly
+/// normal, by Wilson and Hilferty: at a long time, with a few degrees of freedom, a large variance is no outlier.
 fn robust(matrix: &[Vec<f64>], squares: &Squares, taus: &[f64], variances: &[f64], scale: f64) -> Vec<f64> {
     let weights = weights(matrix, squares, taus);
-    let far = |i: usize| weights[i] * (variances[i] - variance(squares, taus[i])).powi(2) / (scale * scale);
-    (0..taus.len()).map(|i| weights[i] / (1.0 + far(i))).collect()
+    let far = |i: usize| {
+        let model = variance(squares, taus[i]).max(f64::MIN_POSITIVE);
+        let freedom = (2.0 * weights[i] * model * model).max(0.5);
+        let part = 2.0 / (9.0 * freedom);
+        ((variances[i] / model).cbrt() - (1.0 - part)) / part.sqrt()
+    };
+    (0..taus.len()).map(|i| weights[i] / (1.0 + (far(i) / scale).powi(2))).collect()
 }
 
 /// Root mean square of residuals over their scatter, each time counting as much as it did in the fit.
@@ -259,16 +267,35 @@ fn solve(taus: &[f64], variances: &[f64], weights: &[f64]) -> Result<Squares, Nn
     Ok([x[0], x[1], x[2], x[3], x[4]])
 }
 
-/// Standard errors of the squares from the covariance of the variances.
-fn standard_errors(taus: &[f64], matrix: &[Vec<f64>], weights: &[f64]) -> [f64; 5] {
+/// The squares as linear functions of the Allan variances: a row a coefficient; all zero where the times cannot tell them apart.
+fn gains(taus: &[f64], weights: &[f64]) -> Vec<Vec<f64>> {
     let n = taus.len();
     let root = DMatrix::from_fn(n, 5, |i, k| weights[i].sqrt() * Coefficient::ALL[k].variance(taus[i]));
     let lengths: Vec<f64> = (0..5).map(|k| root.column(k).norm()).collect();
     let scaled = DMatrix::from_fn(n, 5, |i, k| root[(i, k)] / lengths[k]);
     let Ok(inverse) = scaled.pseudo_inverse(1e-12) else {
-        return [f64::INFINITY; 5];
+        return vec![vec![0.0; n]; 5];
     };
-    let whitened = DMatrix::from_fn(n, n, |i, j| matrix[i][j] * (weights[i] * weights[j]).sqrt());
-    let covariance = &inverse * whitened * inverse.transpose();
-    std::array::from_fn(|k| covariance[(k, k)].max(0.0).sqrt() / lengths[k])
+    (0..5).map(|k| (0..n).map(|i| inverse[(k, i)] * weights[i].sqrt() / lengths[k]).collect()).collect()
+}
+
+/// How the square of `coefficient` scatters, by its true size, beside the others as fitted.
+fn spread(
+    scatter: &Scatter,
+    taus: &[f64],
+    squares: &Squares,
+    coefficient: Coefficient,
+    gain: &[f64],
+) -> Spread {
+    let variance_at = |truth: f64| {
+        let mut squares = *squares;
+        squares[coefficient as usize] = truth;
+        let matrix = with_model_error(&scatter.matrix(&squares), &squares, taus);
+        let rows = matrix.iter().zip(gain);
+        rows.map(|(row, a)| a * row.iter().zip(gain).map(|(v, b)| v * b).sum::<f64>()).sum::<f64>()
+    };
+    // Any scale will do for a parabola; one at which all three terms count is kindest to rounding.
+    let zero = variance_at(0.0);
+    let at = squares[coefficient as usize].max(zero.max(0.0).sqrt()).max(f64::MIN_POSITIVE);
+    Spread::through(at, [zero, variance_at(at), variance_at(2.0 * at)])
 }

@@ -6,7 +6,7 @@
 //! * [`fit`]: nonnegative least squares, intervals, what is seen and what is not.
 //! * [`rest`]: the seconds that moved.
 //! * [`AllanLog`]: all of it for a log; [`report`] says it in words.
-//! * [`compare`]: a configuration against it.
+//! * [`compare`]: a configuration against it; [`mix_up`]: what may have been mixed up in it.
 //! * [`simulate`]: signals with known coefficients.
 
 mod chi;
@@ -16,7 +16,9 @@ pub mod deviation;
 pub mod fit;
 #[cfg(test)]
 mod golden;
+mod inversion;
 mod log;
+pub mod mix_up;
 pub mod model;
 pub mod nnls;
 pub mod report;

@@ -16,7 +16,7 @@ use std::ops::Range;
 const SETTLED: u32 = 10;
 
 /// A stretch of a log.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Span {
     /// From the log's begin \[s\].
     pub from_s: f64,
@@ -25,7 +25,7 @@ pub struct Span {
 }
 
 /// When a log moved, and its longest part that did not.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Rest {
     /// Where it moved, oldest first; neighbouring seconds are one span.
     pub moved: Vec<Span>,

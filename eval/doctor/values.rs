@@ -1,6 +1,6 @@
 //! Gravity, units, swapped columns, clipped and dead axes, the converter's step.
 
-use super::Finding;
+use super::{Finding, Weight};
 use crate::allan::rest::Rest;
 use dpn_core::io::{CheckOptions, RecordingFault, check};
 use dpn_core::signal::stats::{self, Ddof};
@@ -38,6 +38,18 @@ fn middle(samples: &[ImuSample], sensor: Sensor) -> [f64; 3] {
     std::array::from_fn(|axis| stats::median(&samples.iter().map(|s| s.of(sensor)[axis]).collect::<Vec<_>>()))
 }
 
+/// What is so wrong with gravity, columns or units that no figure of the log means anything; from some thousand of its samples.
+pub fn meaningless(recording: &ImuRecording) -> Vec<Finding> {
+    const SAMPLES: usize = 5000;
+    let every = recording.len().div_ceil(SAMPLES);
+    let Ok(thin) = ImuRecording::new(recording.samples().iter().step_by(every).copied().collect()) else {
+        return Vec::new();
+    };
+    let mut findings = gravity(&thin, &Rest::default());
+    findings.retain(|finding| finding.weight == Weight::Bad);
+    findings
+}
+
 fn gravity(recording: &ImuRecording, rest: &Rest) -> Vec<Finding> {
     let at_rest = rest.longest.len() as f64 * recording.rate().period() >= 1.0;
     let samples = if at_rest { &recording.samples()[rest.longest.clone()] } else { recording.samples() };
@@ -56,9 +68,12 @@ fn gravity(recording: &ImuRecording, rest: &Rest) -> Vec<Finding> {
         findings.push(Finding::bad(
             "units",
             format!("{read}: it counts in mg"),
-            "divide its columns by 1000 and read the log with --accel-unit g",
+            "read the log with --accel-unit mg",
         ));
-    } else if (turn - GRAVITY).abs() < 0.5 && force < 3.0 {
+    } else if let Some(turn) = [turn, turn.to_degrees()].into_iter().find(|t| (t - GRAVITY).abs() < 0.5)
+        && force < 3.0
+    {
+        // A gyroscope at 9.8 was taken for one in degrees.
         findings.push(Finding::bad(
             "columns",
             format!("gravity stands in the gyroscope's columns ({turn:.2} of its unit) and none in the accelerometer's ({force:.2})"),
@@ -211,6 +226,16 @@ pub(crate) mod tests {
             said(with(|s| s.accel = [-s.accel[2], s.accel[0], s.accel[1]]), "gravity")[0]
                 .contains("up is -x")
         );
+        // As the reader leaves it, who takes 9.81 for degrees.
+        let swapped = with(|s| {
+            std::mem::swap(&mut s.accel, &mut s.gyro);
+            s.gyro = s.gyro.map(f64::to_radians);
+        });
+        let words = "gravity stands in the gyroscope's columns (9.81 of its unit)";
+        assert!(said(swapped.clone(), "columns")[0].contains(words), "{:?}", said(swapped, "columns"));
+        let quick = |samples: Vec<ImuSample>| meaningless(&ImuRecording::new(samples).unwrap());
+        assert_eq!(quick(level(40)), []);
+        assert_eq!(quick(with(|s| s.accel[2] -= 9.81))[0].about, "gravity");
         let spun = with(|s| s.gyro[1] = 90.0 * (s.t.ns() as f64 * 1e-9).sin());
         assert!(said(spun, "units")[0].contains("it counts in degrees"));
     }

@@ -1,7 +1,7 @@
 //! How often the 95 % intervals of `dpn allan` hold the truth: simulated logs with known coefficients, all five sensors' kinds of noise.
 //!
 //! `cargo run --release -p dpn-eval --example allan_coverage -- [LOGS] [HOURS]` (100 logs of .5 h at 100 Hz by default). A row a coefficient
-//! and setting: truth, mean estimate, logs whose interval holds the truth, logs that show it.
+//! and setting: truth, mean estimate, logs whose interval holds the truth, logs that show it, logs whose interval lies below and above the truth.
 
 use dpn_core::SampleRate;
 use dpn_core::random::Stream;
@@ -40,9 +40,11 @@ fn main() {
             let all = || fits.iter().map(|fit| fit.estimates[k]);
             let held = all().filter(|e| (e.low..=e.high).contains(&truth[k])).count();
             let seen = all().filter(|e| e.seen).count();
+            let below = all().filter(|e| e.high < truth[k]).count();
+            let above = all().filter(|e| e.low > truth[k]).count();
             let mean = all().map(|e| e.value).sum::<f64>() / fits.len() as f64;
             println!(
-                "  {} truth {:.2e}  mean {mean:.2e}  held {held}  seen {seen}",
+                "  {} truth {:.2e}  mean {mean:.2e}  held {held}  seen {seen}  below {below}  above {above}",
                 coefficient.letter(),
                 truth[k]
             );

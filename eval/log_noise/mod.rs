@@ -4,11 +4,15 @@
 //! * [`track`]: its answers along a log, and which of the windows it looked at were unlike those it was trained on.
 //! * [`phases`]: at rest, motors on, moving, from the samples alone.
 //! * [`Summary`]: quantiles per axis and phase.
-//! * [`compare`]: a configuration against the floor at rest and the envelope in motion.
+//! * [`Levels`]: floor at rest and envelope in motion, from the samples themselves.
+//! * [`compare`]: a configuration against both.
 //! * [`report`]: all of it in words.
 
 pub mod compare;
 mod error;
+mod levels;
+#[cfg(test)]
+mod mix_ups;
 mod phases;
 mod plan;
 pub mod report;
@@ -16,6 +20,7 @@ mod summary;
 mod track;
 
 pub use error::LogNoiseError;
+pub use levels::{FloorFrom, Levels, SensorLevels};
 pub use phases::{Phase, Stretch, phases};
 pub use plan::{Feed, Plan};
 pub use summary::{AxisSummary, PhaseSummary, Quantiles, SensorOutside, Summary};

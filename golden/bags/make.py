@@ -6,6 +6,7 @@ A bag has 12 messages of sensor_msgs/Imu at 100 Hz on /imu0, interleaved with 4 
 """
 import json
 import shutil
+import sqlite3
 import sys
 from importlib.metadata import version
 from pathlib import Path
@@ -14,7 +15,8 @@ import numpy as np
 from mcap.writer import CompressionType
 from mcap_ros2.writer import Writer as McapRos2Writer
 from rosbags.rosbag1 import Writer as Bag1
-from rosbags.rosbag2 import StoragePlugin, Writer as Bag2
+from mcap.writer import Writer as McapWriter
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer as Bag2
 from rosbags.typesys import Stores, get_typestore
 
 HERE = Path(__file__).parent
@@ -134,6 +136,47 @@ def mcap(name, compression):
         writer.finish()
 
 
+def raw_mcap(name, encoding, schema_encoding, kind, serialise):
+    """Messages as `serialise` writes them, zstd in chunks."""
+    with open(HERE / f"{name}.mcap", "wb") as file:
+        writer = McapWriter(file, chunk_size=4096, compression=CompressionType.ZSTD)
+        writer.start("", "golden/bags/make.py")
+        schema = writer.register_schema(kind, schema_encoding, b"")
+        channel = writer.register_channel("/imu0", encoding, schema)
+        for i, (t, data) in enumerate(serialise()):
+            writer.add_message(channel, log_time=t, data=bytes(data), publish_time=t, sequence=i)
+        writer.finish()
+
+
+def ros1_messages():
+    store = get_typestore(Stores.ROS1_NOETIC)
+    return [(t, store.serialize_ros1(m, "sensor_msgs/msg/Imu")) for t, m in messages(store, True)]
+
+
+def big_endian_messages():
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    return [(t, store.serialize_cdr(m, "sensor_msgs/msg/Imu", little_endian=False)) for t, m in messages(store, False)]
+
+
+def packed_sqlite():
+    """Messages compressed one by one, as `ros2 bag record --compression-mode message` does; small pages."""
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    path = HERE / "packed_messages"
+    shutil.rmtree(path, ignore_errors=True)
+    writer = Bag2(path, version=8, storage_plugin=StoragePlugin.SQLITE3)
+    writer.set_compression(CompressionMode.MESSAGE, CompressionFormat.ZSTD)
+    with writer:
+        imu = writer.add_connection("/imu0", "sensor_msgs/msg/Imu", typestore=store)
+        for t, m in messages(store, False):
+            writer.write(imu, t, store.serialize_cdr(m, "sensor_msgs/msg/Imu"))
+    base = sqlite3.connect(path / "packed_messages.db3", isolation_level=None)
+    # The definitions of all types are the larger part of the file, and nobody reads them here.
+    base.execute("DELETE FROM message_definitions")
+    base.execute("PRAGMA page_size=512")
+    base.execute("VACUUM")
+    base.close()
+
+
 bag1("plain", None)
 bag1("lz4", Bag1.CompressionFormat.LZ4)
 bag1("bz2", Bag1.CompressionFormat.BZ2)
@@ -144,6 +187,10 @@ bag2("mcap", StoragePlugin.MCAP)
 mcap("plain", CompressionType.NONE)
 mcap("lz4", CompressionType.LZ4)
 mcap("zstd", CompressionType.ZSTD)
+raw_mcap("ros1", "ros1", "ros1msg", "sensor_msgs/Imu", ros1_messages)
+raw_mcap("big_endian", "cdr", "ros2msg", "sensor_msgs/msg/Imu", big_endian_messages)
+raw_mcap("json", "json", "jsonschema", "sensor_msgs/msg/Imu", lambda: [(stamp(0), b"{}")])
+packed_sqlite()
 expected = {
     "versions": {"python": sys.version.split()[0], **{p: version(p) for p in ["numpy", "rosbags", "mcap", "mcap-ros2-support", "lz4", "zstandard"]}},
     "stamps_ns": [stamp(i) for i in range(COUNT)],

@@ -14,7 +14,7 @@ pub(crate) fn run(args: &AllanArgs) -> Result<()> {
     // A configuration that cannot be read should not cost a fit.
     let config = match &args.check {
         Some(path) => {
-            let given = Given { rate: Some(recording.rate()), ..Given::default() };
+            let given = Given { rate: Some(recording.rate()), keep_zeros: true, ..Given::default() };
             Some((path, read(path, args.from, &given)?))
         }
         None => None,

@@ -5,7 +5,7 @@ use anyhow::Result;
 use dpn_core::noise::formats::{Figure, FormatError, Given, Quantity, Source, read, write};
 
 pub(crate) fn run(args: &ConvertArgs) -> Result<()> {
-    let given = Given { rate: args.rate, quantities: quantities(args)? };
+    let given = Given { rate: args.rate, quantities: quantities(args)?, keep_zeros: false };
     let source = match &args.file {
         Some(file) => read(file, args.from, &given)?,
         None => Source::typed(&given)?,

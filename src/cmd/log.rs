@@ -3,6 +3,7 @@
 use crate::args::{HowArgs, LogArgs};
 use anyhow::Result;
 use dpn_core::io::CsvOptions;
+use dpn_eval::doctor::values::meaningless;
 use dpn_logs::{Log, LogOptions, read_log};
 use std::path::Path;
 
@@ -24,6 +25,10 @@ pub(crate) fn read_from(path: &Path, how: &HowArgs) -> Result<Log> {
     }
     for warning in log.warnings() {
         eprintln!("warning: {warning}");
+    }
+    for fault in meaningless(&log.recording) {
+        let remedy = fault.remedy.map(|remedy| format!(" -> {remedy}")).unwrap_or_default();
+        eprintln!("warning: {}: {}{remedy}", fault.about, fault.text);
     }
     Ok(log)
 }

@@ -8,8 +8,8 @@ use dpn_core::io::{atomic_write, write_noise_track};
 use dpn_core::noise::formats::{Given, Source, read};
 use dpn_core::{SampleRate, Sensor};
 use dpn_eval::figures::{LogNoisePlot, save};
-use dpn_eval::log_noise::compare::{Finding, compare};
-use dpn_eval::log_noise::{Answer, LogNoiseError, Plan, Summary, phases, report, track};
+use dpn_eval::log_noise::compare::{Check, compare};
+use dpn_eval::log_noise::{Answer, Levels, LogNoiseError, Plan, Summary, phases, report, track};
 use dpn_eval::noise::Noise;
 use dpn_eval::open_loop::Network;
 use dpn_eval::open_loop::networks::load_all;
@@ -75,8 +75,10 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
     }
     let track = track(&plan, &recording)?;
     let summary = Summary::of(&track, &recording, phases(&recording), unknown_s);
-    let findings = match &config {
-        Some(source) => Some(compare(source, &summary, rate)?),
+    let check = match &config {
+        Some(source) => Levels::of(&recording, &summary.stretches)
+            .map(|levels| compare(source, &levels, rate))
+            .transpose()?,
         None => None,
     };
     let words = format!("{} samples, {:.0} s.", recording.len(), recording.duration());
@@ -99,8 +101,8 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
         "log": path.display().to_string(), "samples": recording.len(), "rate_hz": rate.hz(), "noise": plan.spec(), "every": plan.every(),
         "thinned_to_every": plan.thin(), "summary": summary, "warnings": warnings,
     });
-    if let Some(findings) = &findings {
-        all["check"] = serde_json::to_value(findings)?;
+    if let Some(check) = &check {
+        all["check"] = serde_json::to_value(check)?;
     }
     let text = all.to_string() + "\n";
     atomic_write(&args.out.join("summary.json"), |file| file.write_all(text.as_bytes()))?;
@@ -112,8 +114,8 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
         return Ok(());
     }
     print!("{}", report::page(&plan, &summary, rate));
-    if let (Some(path), Some(source), Some(findings)) = (&args.check, &config, &findings) {
-        print_check(path, source, findings);
+    if let (Some(path), Some(source), Some(check)) = (&args.check, &config, &check) {
+        print_check(path, source, check);
     }
     println!("\ntrack:    {}", written.display());
     for file in files.iter().filter(|f| f.extension().is_some_and(|e| e == "png")) {
@@ -123,18 +125,16 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
 }
 
 fn config(args: &NoiseArgs, rate: SampleRate) -> Result<Option<Source>> {
-    let given = Given { rate: Some(rate), ..Given::default() };
+    let given = Given { rate: Some(rate), keep_zeros: true, ..Given::default() };
     Ok(args.check.as_ref().map(|path| read(path, args.from, &given)).transpose()?)
 }
 
-fn print_check(path: &Path, source: &Source, findings: &[Finding]) {
-    println!("\n{} as {}, against this log:", path.display(), source.format);
-    for finding in findings {
-        println!("{} {}", if finding.warns() { "warning:" } else { "ok:     " }, finding.text());
+fn print_check(path: &Path, source: &Source, check: &Check) {
+    println!("\n{} as {}, against this log ({}):", path.display(), source.format, check.levels);
+    for (warns, line) in check.lines() {
+        println!("{} {line}", if warns { "warning:" } else { "ok:     " });
     }
-    println!(
-        "note:    walks of the bias do not show here; `dpn allan --check` holds them against a log at rest"
-    );
+    println!("note:    {}", check.walks_by);
     for remark in &source.remarks {
         println!("note:    {remark}");
     }

@@ -62,6 +62,16 @@ pub enum LogError {
         /// Its type.
         kind: String,
     },
+    /// An IMU whose messages are written in a way that is not known.
+    #[error("{}: the messages on `{topic}` are written as `{encoding}`; known are cdr and ros1", path.display())]
+    Encoding {
+        /// The bag.
+        path: PathBuf,
+        /// The topic.
+        topic: String,
+        /// As the bag names it.
+        encoding: String,
+    },
     /// Not two samples of use.
     #[error("{}: {found} sample(s) of use{}; a recording needs at least 2", path.display(), after(" on ", topic))]
     TooFew {
@@ -145,8 +155,11 @@ impl LogError {
                 "topics are written in full, as `rosbag info` or `ros2 bag info` shows them"
             }
             Self::NotImu { .. } => "choose the topic of the raw IMU; without --topic the only one is taken",
+            Self::Encoding { .. } => {
+                "convert the bag to ROS 2's cdr or ROS 1's ros1, for example by `ros2 bag convert` or `rosbags-convert`"
+            }
             Self::TooFew { reason: Some(reason), .. } => {
-                return Some(format!("{reason}; copy or record it again"));
+                return Some(format!("{reason}; copy, convert or record it again"));
             }
             Self::TooFew { .. } => "record for longer, or look whether the file was cut off",
             Self::Backward { .. } => "sort the samples by time, or cut the log where its clock was set",

@@ -42,6 +42,10 @@ fn every_bag_holds_what_its_writer_put_there() {
         ("mcap/mcap.mcap", Kind::Mcap),
         ("sqlite", Kind::Rosbag2),
         ("sqlite/sqlite.db3", Kind::Sqlite),
+        ("ros1.mcap", Kind::Mcap),
+        ("big_endian.mcap", Kind::Mcap),
+        ("packed_messages", Kind::Rosbag2),
+        ("packed_messages/packed_messages.db3", Kind::Sqlite),
     ] {
         let log = open(name, None).unwrap();
         assert_eq!((log.kind, log.topic.as_deref()), (kind, Some("/imu0")), "{name}");
@@ -80,6 +84,64 @@ fn a_topic_is_chosen_and_one_that_cannot_be_says_what_there_is() {
         error.to_string().ends_with("no topic of type sensor_msgs/Imu; it has /talk (std_msgs/String)"),
         "{error}"
     );
+}
+
+/// What is not known is named: the encoding of a channel, the representation of a message, a message's broken compression.
+#[test]
+fn messages_that_cannot_be_understood_say_how_they_are_written() {
+    for topic in [None, Some("/imu0")] {
+        let error = open("json.mcap", topic).unwrap_err();
+        assert!(
+            error
+                .to_string()
+                .ends_with("the messages on `/imu0` are written as `json`; known are cdr and ros1"),
+            "{error}"
+        );
+        assert!(error.hint().unwrap().starts_with("convert the bag to ROS 2's cdr"));
+    }
+    // Delimited CDR2 in all messages: the representation stands behind their stamps in the file.
+    let mut bytes = std::fs::read(folder().join("plain.mcap")).unwrap();
+    let header = [0, 1, 0, 0];
+    let stamp = 1_600_000_000u32.to_le_bytes();
+    let pattern: Vec<u8> = [header, stamp].concat();
+    let places: Vec<usize> = (0..bytes.len() - 8).filter(|&i| bytes[i..i + 8] == pattern[..]).collect();
+    assert_eq!(places.len(), 12);
+    for &i in &places {
+        bytes[i + 1] = 9;
+    }
+    let error = read_mcap(strip_checksums(bytes).as_slice(), Path::new("a.mcap"), &LogOptions::default());
+    let error = error.unwrap_err();
+    assert_eq!(error.to_string(), "a.mcap: 0 sample(s) of use on /imu0; a recording needs at least 2");
+    assert_eq!(
+        error.hint().unwrap(),
+        "12 of 12 messages on /imu0 are in delimited CDR (XCDR2, 0x0009), which is not known; they are left out; \
+         copy, convert or record it again"
+    );
+    let whole = std::fs::read(folder().join("packed_messages/packed_messages.db3")).unwrap();
+    let frame = b"\x28\xb5\x2f\xfd";
+    // The third message as it lies in the file: its compressed content is broken.
+    let at = (0..whole.len() - 4).filter(|&i| whole[i..i + 4] == frame[..]).nth(2).unwrap();
+    let mut broken = whole.clone();
+    broken[at + 4..at + 12].fill(0xff);
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("broken.db3");
+    std::fs::write(&path, broken).unwrap();
+    let log = read_log(&path, &LogOptions::default()).unwrap();
+    assert!(log.recording.len() < 12, "{}", log.recording.len());
+    assert!(log.warnings()[0].contains("bad zstd data"), "{:?}", log.warnings());
+}
+
+/// Sets the checksum of every chunk to 0, which says that there is none.
+fn strip_checksums(mut bytes: Vec<u8>) -> Vec<u8> {
+    let mut at = 8;
+    while at + 9 < bytes.len() {
+        let length = u64::from_le_bytes(bytes[at + 1..at + 9].try_into().unwrap()) as usize;
+        if bytes[at] == 6 {
+            bytes[at + 9 + 24..at + 9 + 28].fill(0);
+        }
+        at += 9 + length;
+    }
+    bytes
 }
 
 /// Cut at every length: what is left is a prefix of the whole, never an empty one once two messages are there, and the cut is said.

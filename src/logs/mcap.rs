@@ -117,13 +117,8 @@ fn record(op: u8, content: &[u8], schemas: &mut Schemas, topics: &mut Topics) ->
         CHANNEL => {
             let (number, schema) = (bytes.u16()?, bytes.u16()?);
             let (topic, encoding) = (bytes.text()?, bytes.text()?);
-            let encoding = match encoding.as_str() {
-                "cdr" => Some(Encoding::Cdr),
-                "ros1" => Some(Encoding::Ros1),
-                _ => None,
-            };
             let kind = schemas.get(&schema).map_or("", String::as_str);
-            topics.declare(u32::from(number), &topic, kind, encoding);
+            topics.declare(u32::from(number), &topic, kind, Encoding::named(&encoding));
         }
         MESSAGE => {
             let channel = bytes.u16()?;

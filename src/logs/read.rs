@@ -77,7 +77,7 @@ fn bag(path: &Path, kind: Kind, topics: Topics, damage: Option<String>) -> Resul
         path: path.to_path_buf(),
         topic: chosen.topic.clone(),
         found,
-        reason: damage.clone(),
+        reason: damage.clone().or_else(|| chosen.remarks.first().cloned()),
     })?;
     Ok(Log {
         kind,

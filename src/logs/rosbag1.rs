@@ -115,7 +115,7 @@ fn record(op: Option<u8>, fields: &Fields<'_>, data: &[u8], topics: &mut Topics)
             let inner = Fields::new(data);
             let kind = inner.and_then(|inner| inner.text("type")).unwrap_or_default();
             let topic = fields.text("topic").unwrap_or_default();
-            topics.declare(number, &topic, &kind, Some(Encoding::Ros1));
+            topics.declare(number, &topic, &kind, Ok(Encoding::Ros1));
         }
         Some(MESSAGE) => {
             // Seconds, then nanoseconds.

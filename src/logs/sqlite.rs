@@ -24,9 +24,8 @@ fn all(path: &Path, topics: &mut Topics) -> rusqlite::Result<Option<String>> {
         while let Some(row) = rows.next()? {
             let (id, name): (i64, String) = (row.get(0)?, row.get(1)?);
             let (kind, format): (String, String) = (row.get(2)?, row.get(3)?);
-            let encoding = (format == "cdr").then_some(Encoding::Cdr);
             let Ok(number) = u32::try_from(id) else { continue };
-            if topics.declare(number, &name, &kind, encoding) {
+            if topics.declare(number, &name, &kind, Encoding::named(&format)) {
                 wanted.push((id, number));
             }
         }
@@ -47,11 +46,19 @@ fn all(path: &Path, topics: &mut Topics) -> rusqlite::Result<Option<String>> {
         };
         let (Ok(time), Ok(data)) = (row.get::<_, i64>(1), row.get_ref(2)) else { continue };
         let Ok(data) = data.as_blob() else { continue };
-        if data.starts_with(b"\x28\xb5\x2f\xfd") {
-            // Compressed message by message.
-            topics.message(*number, time, &decompress("zstd", data.to_vec(), LARGEST).bytes);
-        } else {
-            topics.message(*number, time, data);
+        // Compressed message by message; no CDR begins like this.
+        let name = match data.first_chunk::<4>() {
+            Some(b"\x28\xb5\x2f\xfd") => "zstd",
+            Some(b"\x04\x22\x4d\x18") => "lz4",
+            _ => {
+                topics.message(*number, time, data);
+                continue;
+            }
+        };
+        let plain = decompress(name, data.to_vec(), LARGEST);
+        if let Some(damage) = plain.damage {
+            return Ok(Some(format!("damaged after {} messages: {damage}", count - 1)));
         }
+        topics.message(*number, time, &plain.bytes);
     }
 }

@@ -1,9 +1,10 @@
 //! The topics of a bag, and the samples of those that are IMUs.
 
-use crate::imu_message::{Encoding, decode};
+use crate::imu_message::{Encoding, Undecodable, decode};
 use crate::{LogError, LogOptions};
 use dpn_core::io::{Sieve, Sieved};
 use dpn_core::{ImuSample, Stamp};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// One topic.
@@ -14,6 +15,8 @@ struct Topic {
     kind: String,
     messages: u64,
     imu: Option<Imu>,
+    /// Of an IMU whose messages are written in a way that is not known: its name.
+    foreign: Option<String>,
 }
 
 /// What is kept of an IMU's topic.
@@ -21,8 +24,8 @@ struct Topic {
 struct Imu {
     encoding: Encoding,
     sieve: Sieve,
-    /// Messages that are no `sensor_msgs/Imu`, and the first of them.
-    undecodable: u64,
+    /// Messages that are no `sensor_msgs/Imu`, by why.
+    undecodable: BTreeMap<Undecodable, u64>,
     /// Messages whose header has no stamp: the bag's is taken.
     unstamped: u64,
 }
@@ -61,18 +64,20 @@ impl Topics {
         number: u32,
         name: &str,
         kind: &str,
-        encoding: Option<Encoding>,
+        encoding: Result<Encoding, String>,
     ) -> bool {
         let index = self.all.iter().position(|t| t.name == name).unwrap_or_else(|| {
             let is_imu = matches!(kind, "sensor_msgs/Imu" | "sensor_msgs/msg/Imu");
             let wanted = self.wanted.as_deref().is_none_or(|wanted| wanted == name);
-            let imu = encoding.filter(|_| is_imu && wanted).map(|encoding| Imu {
-                encoding,
-                sieve: Sieve::default(),
-                undecodable: 0,
-                unstamped: 0,
-            });
-            self.all.push(Topic { name: name.to_owned(), kind: kind.to_owned(), messages: 0, imu });
+            let (imu, foreign) = match encoding {
+                _ if !(is_imu && wanted) => (None, None),
+                Ok(encoding) => {
+                    let (sieve, undecodable) = (Sieve::default(), BTreeMap::new());
+                    (Some(Imu { encoding, sieve, undecodable, unstamped: 0 }), None)
+                }
+                Err(foreign) => (None, Some(foreign)),
+            };
+            self.all.push(Topic { name: name.to_owned(), kind: kind.to_owned(), messages: 0, imu, foreign });
             self.all.len() - 1
         });
         match self.numbers.iter_mut().find(|(n, _)| *n == number) {
@@ -91,7 +96,7 @@ impl Topics {
         topic.messages += 1;
         let Some(imu) = &mut topic.imu else { return };
         match decode(data, imu.encoding) {
-            Some(message) => {
+            Ok(message) => {
                 let mut sample = message.sample;
                 if !message.stamped {
                     imu.unstamped += 1;
@@ -99,7 +104,7 @@ impl Topics {
                 }
                 imu.sieve.push(sample, topic.messages);
             }
-            None => imu.undecodable += 1,
+            Err(why) => *imu.undecodable.entry(why).or_default() += 1,
         }
     }
 
@@ -138,8 +143,11 @@ impl Topics {
                     });
                 };
                 if self.all[at].imu.is_none() {
-                    let Topic { name, kind, .. } = self.all.swap_remove(at);
-                    return Err(LogError::NotImu { path: path_buf, topic: name, kind });
+                    let Topic { name, kind, foreign, .. } = self.all.swap_remove(at);
+                    return Err(match foreign {
+                        Some(encoding) => LogError::Encoding { path: path_buf, topic: name, encoding },
+                        None => LogError::NotImu { path: path_buf, topic: name, kind },
+                    });
                 }
                 at
             }
@@ -152,6 +160,11 @@ impl Topics {
                 }
                 match imus[..] {
                     [] => {
+                        if let Some(topic) = self.all.iter_mut().find(|t| t.foreign.is_some()) {
+                            let encoding = topic.foreign.take().unwrap_or_default();
+                            let topic = topic.name.clone();
+                            return Err(LogError::Encoding { path: path_buf, topic, encoding });
+                        }
                         return Err(LogError::NoImu {
                             path: path_buf,
                             topics: self.listed(),
@@ -177,10 +190,8 @@ impl Topics {
             return Err(LogError::NotImu { path: path_buf, topic: name, kind: String::new() });
         };
         let mut remarks = Vec::new();
-        if undecodable > 0 {
-            remarks.push(format!(
-                "{undecodable} of {messages} messages on {name} are no sensor_msgs/Imu and are left out"
-            ));
+        for (why, count) in undecodable {
+            remarks.push(format!("{count} of {messages} messages on {name} {why}; they are left out"));
         }
         if unstamped > 0 {
             remarks.push(format!(

@@ -73,6 +73,11 @@ fn a_configuration_is_held_against_the_log() {
     );
     assert!(line("gyr_n").contains("degrees where radians belong"), "{done:?}");
     assert!(line("gyr_w").starts_with("ok:"), "{done:?}");
+    std::fs::write(&config, "acc_n: 0.014\nacc_w: 4e-5\ngyr_n: 0\ngyr_w: 2e-6\n").unwrap();
+    let done =
+        allan(dir.path(), &text(&rows(12_000, 5_000_000)), &["--check", config.to_str().unwrap()]).well();
+    let zero = done.stdout.lines().find(|l| l.contains("`gyr_n` is 0.0")).unwrap_or_default();
+    assert!(zero.starts_with("warning:") && zero.contains("put the sensor's figure there"), "{done:?}");
 }
 
 #[test]

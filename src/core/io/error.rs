@@ -362,8 +362,13 @@ impl IoError {
 
 /// Names the nearest folder above `path` that is there.
 fn missing_hint(path: &Path) -> Option<String> {
-    let there = path.ancestors().skip(1).find(|p| !p.as_os_str().is_empty() && p.exists())?;
-    Some(format!("{} is there; look at the rest of the path", there.display()))
+    let there = path.ancestors().skip(1).find(|p| !p.as_os_str().is_empty() && p.exists());
+    Some(match there {
+        Some(there) => format!("{} is there; look at the rest of the path", there.display()),
+        None => {
+            "it is looked for in the folder you are in; look at its name, or give the whole path".to_owned()
+        }
+    })
 }
 
 #[cfg(test)]

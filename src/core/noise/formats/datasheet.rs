@@ -15,7 +15,7 @@ use super::format::Format;
 use super::keyed;
 use super::number::{number, short};
 use super::quantity::Quantity;
-use super::read::{Given, Source};
+use super::read::{Given, Source, Zero};
 use super::step::Step;
 use super::tree::{Node, Tree};
 use super::unit;
@@ -68,6 +68,10 @@ pub(super) fn read(tree: &Tree, path: &Path, given: &Given) -> Result<Source, Fo
             place: format!("{}: `{name}`", at(path, Some(entry.line))),
             problem,
         };
+        if given.keep_zeros && Quantity::is_zero(&text) {
+            source.zeros.push(Zero { figure, key: name.to_owned(), line: entry.line });
+            continue;
+        }
         let quantity = Quantity::parse(&text, figure).map_err(in_place)?;
         let rate = source.figures.rate;
         let steps = quantity.into_figures(name, &mut source.figures, rate).map_err(in_place)?;

@@ -5,7 +5,7 @@ use super::figures::{Axes, Figure, ImuFigures};
 use super::format::Format;
 use super::layout::{Key, Layout};
 use super::number::{number, short};
-use super::read::{Given, Source};
+use super::read::{Given, Source, Zero};
 use super::step::{Remark, Step};
 use super::tree::{Block, Entry, Item, Tree};
 use crate::config::nearest;
@@ -98,8 +98,13 @@ pub(super) fn rate(
     Ok(given)
 }
 
-/// One positive number, or three: x, y, z, or the diagonal of nine.
-pub(super) fn axes(entry: &Entry, path: &Path, remarks: &mut Vec<Remark>) -> Result<Axes<f64>, FormatError> {
+/// One positive number, or three: x, y, z, or the diagonal of nine. None where one of them is zero and `keep_zeros`.
+pub(super) fn axes(
+    entry: &Entry,
+    path: &Path,
+    keep_zeros: bool,
+    remarks: &mut Vec<Remark>,
+) -> Result<Option<Axes<f64>>, FormatError> {
     let Entry { key, line, value } = entry;
     let place = || (path.to_path_buf(), if value.line > 0 { value.line } else { *line });
     let values = match value.numbers().as_deref() {
@@ -117,15 +122,18 @@ pub(super) fn axes(entry: &Entry, path: &Path, remarks: &mut Vec<Remark>) -> Res
         _ => return Err(not_numbers(key, value, place())),
     };
     for value in values.each() {
-        if !(value.is_finite() && value > 0.0) {
+        if !(value.is_finite() && (value > 0.0 || keep_zeros && value == 0.0)) {
             let (path, line) = place();
             return Err(FormatError::NotPositive { path, line, key: key.clone(), value });
         }
     }
-    Ok(match values {
+    if values.each().contains(&0.0) {
+        return Ok(None);
+    }
+    Ok(Some(match values {
         Axes::Each([x, y, z]) if x == y && y == z => Axes::Same(x),
         values => values,
-    })
+    }))
 }
 
 fn not_numbers(key: &str, value: &Item, (path, line): (std::path::PathBuf, usize)) -> FormatError {
@@ -170,7 +178,10 @@ pub(super) fn read(
             }
             continue;
         };
-        let values = axes(entry, path, &mut source.remarks)?;
+        let Some(values) = axes(entry, path, given.keep_zeros, &mut source.remarks)? else {
+            source.zeros.push(Zero { figure: key.figure, key: key.name.to_owned(), line: entry.line });
+            continue;
+        };
         let rate = match rate {
             Some(rate) => rate,
             None if key.meaning.needs_rate() => return Err(FormatError::NeedsRate { format }),

@@ -166,7 +166,7 @@ impl ImuFigures {
     ///
     /// # Errors
     /// A number that is negative or not finite.
-    pub(super) fn set(
+    pub fn set(
         &mut self,
         figure: Figure,
         meaning: Meaning,

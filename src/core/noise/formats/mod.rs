@@ -43,6 +43,6 @@ pub use layout::{Key, Layout};
 pub use meaning::Meaning;
 pub use number::number;
 pub use quantity::{Quantity, QuantityError};
-pub use read::{Given, Source, parse, read};
+pub use read::{Given, Source, Zero, parse, read};
 pub use step::{Remark, Step};
 pub use write::{Written, write};

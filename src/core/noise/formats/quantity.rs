@@ -111,6 +111,11 @@ impl Quantity {
         Ok(Self { text, value, scale, figure, meaning })
     }
 
+    /// Whether `text` is a zero, with or without a unit.
+    pub(super) fn is_zero(text: &str) -> bool {
+        split(text.trim()).0.parse::<f64>() == Ok(0.0)
+    }
+
     /// What it means.
     pub fn meaning(&self) -> Meaning {
         self.meaning

@@ -19,6 +19,20 @@ pub struct Given {
     pub rate: Option<SampleRate>,
     /// Figures with their units.
     pub quantities: Vec<Quantity>,
+    /// Whether a zero is kept as something to be said ([`Source::zeros`]) and not refused: for whoever judges a configuration and does
+    /// not count with it.
+    pub keep_zeros: bool,
+}
+
+/// A zero where a noise figure belongs.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Zero {
+    /// Which figure.
+    pub figure: Figure,
+    /// Its key.
+    pub key: String,
+    /// Where it stands.
+    pub line: usize,
 }
 
 impl Given {
@@ -39,11 +53,19 @@ pub struct Source {
     pub steps: Vec<Step>,
     /// What should be known about them.
     pub remarks: Vec<Remark>,
+    /// Figures that are zero on some axis, with [`Given::keep_zeros`]; `figures` does not know them.
+    pub zeros: Vec<Zero>,
 }
 
 impl Source {
     pub(super) fn new(format: Format) -> Self {
-        Self { format, figures: ImuFigures::default(), steps: Vec::new(), remarks: Vec::new() }
+        Self {
+            format,
+            figures: ImuFigures::default(),
+            steps: Vec::new(),
+            remarks: Vec::new(),
+            zeros: Vec::new(),
+        }
     }
 
     /// Figures that were typed, without a file.

@@ -8,7 +8,7 @@ use super::keyed::{self, Line};
 use super::layout::Key;
 use super::meaning::Meaning;
 use super::number::number;
-use super::read::{Given, Source};
+use super::read::{Given, Source, Zero};
 use super::step::{Remark, Step};
 use super::tree::{Entry, Tree};
 use crate::time::SampleRate;
@@ -40,7 +40,10 @@ pub(super) fn read(tree: &Tree, path: &Path, given: &Given) -> Result<Source, Fo
             }
             continue;
         };
-        let variances = diagonal(entry, path, &mut source.remarks)?;
+        let Some(variances) = diagonal(entry, path, given.keep_zeros, &mut source.remarks)? else {
+            source.zeros.push(Zero { figure, key: name.to_owned(), line: entry.line });
+            continue;
+        };
         let rate = given.rate.ok_or(FormatError::NeedsRate { format: Format::Ros })?;
         let bad = |bad: crate::noise::units::BadNoise| FormatError::NotPositive {
             path: path.to_path_buf(),
@@ -64,8 +67,13 @@ pub(super) fn read(tree: &Tree, path: &Path, given: &Given) -> Result<Source, Fo
     Ok(source)
 }
 
-/// The diagonal of a message's covariance.
-fn diagonal(entry: &Entry, path: &Path, remarks: &mut Vec<Remark>) -> Result<Axes<f64>, FormatError> {
+/// The diagonal of a message's covariance; none where it has a zero and `keep_zeros`.
+fn diagonal(
+    entry: &Entry,
+    path: &Path,
+    keep_zeros: bool,
+    remarks: &mut Vec<Remark>,
+) -> Result<Option<Axes<f64>>, FormatError> {
     let says = |says| FormatError::NotInMessage {
         path: path.to_path_buf(),
         line: entry.line,
@@ -73,13 +81,13 @@ fn diagonal(entry: &Entry, path: &Path, remarks: &mut Vec<Remark>) -> Result<Axe
         says,
     };
     match entry.value.numbers().as_deref() {
-        Some(nine) if nine.len() == 9 && nine.iter().all(|v| *v == 0.0) => {
+        Some(nine) if nine.len() == 9 && nine.iter().all(|v| *v == 0.0) && !keep_zeros => {
             Err(says("is all zeros, which in a message means that the noise is not known"))
         }
         Some([first, ..]) if *first == -1.0 => {
             Err(says("begins with -1, which means that this is not measured"))
         }
-        Some(nine) if nine.len() == 9 => keyed::axes(entry, path, remarks),
+        Some(nine) if nine.len() == 9 => keyed::axes(entry, path, keep_zeros, remarks),
         _ => Err(FormatError::NotNumbers {
             path: path.to_path_buf(),
             line: entry.line,

@@ -15,7 +15,7 @@ fn text(figures: &ImuFigures, format: Format) -> String {
 }
 
 fn back(text: &str, format: Format, rate: Option<SampleRate>) -> ImuFigures {
-    let given = Given { rate, quantities: Vec::new() };
+    let given = Given { rate, ..Given::default() };
     parse(text.as_bytes(), Path::new("f"), Some(format), &given)
         .unwrap_or_else(|e| panic!("{e}\n{text}"))
         .figures
@@ -84,7 +84,7 @@ proptest! {
         if cut { bytes.truncate(at) } else { bytes[at] = byte }
         for rate in [None, Some(SampleRate::HZ_200)] {
             for format in [None, Some(format)] {
-                if let Err(error) = parse(&bytes, Path::new("f"), format, &Given { rate, quantities: Vec::new() }) {
+                if let Err(error) = parse(&bytes, Path::new("f"), format, &Given { rate, ..Given::default() }) {
                     prop_assert!(!error.to_string().contains('\n'), "{error:?}");
                     prop_assert!(error.hint().is_none_or(|hint| !hint.is_empty()));
                 }
@@ -96,7 +96,7 @@ proptest! {
 #[test]
 fn the_format_is_told_from_what_it_wrote() {
     for format in Format::ALL {
-        let given = Given { rate: Some(SampleRate::HZ_200), quantities: Vec::new() };
+        let given = Given { rate: Some(SampleRate::HZ_200), ..Given::default() };
         let source =
             parse(text(&ImuFigures::euroc(), format).as_bytes(), Path::new("f"), None, &given).unwrap();
         // Nothing but the calibration's other keys tells OpenVINS' chain from Kalibr's.
@@ -133,7 +133,7 @@ fn vins_at_another_rate_is_other_noise() {
 #[test]
 fn faults_are_named_with_line_and_remedy() {
     let case = |text: &str, from: Option<Format>, rate: Option<f64>| {
-        let given = Given { rate: rate.and_then(SampleRate::from_hz), quantities: Vec::new() };
+        let given = Given { rate: rate.and_then(SampleRate::from_hz), ..Given::default() };
         let error = parse(text.as_bytes(), Path::new("f.yaml"), from, &given).unwrap_err();
         (error.to_string(), error.hint().unwrap_or_default())
     };
@@ -187,6 +187,7 @@ fn what_is_typed_wins_over_the_file_and_fills_its_gaps() {
     let given = Given {
         rate: SampleRate::from_hz(100.0),
         quantities: vec![quantity("1 mg rms", Figure::AccelWhite), quantity("2e-5", Figure::GyroWalk)],
+        keep_zeros: false,
     };
     let text = "acc_n: 0.08\ngyr_n: 0.004\nacc_w: 4e-5\n";
     let source = parse(text.as_bytes(), Path::new("f"), None, &given).unwrap();
