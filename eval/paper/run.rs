@@ -114,7 +114,7 @@ impl Paper<'_> {
         let clock = Instant::now();
         let (closed, unseen) = self.closed_loop(&networks, stop, progress)?;
         stages.push(report("closed loop", &closed.run, closed.cached, clock));
-        let input = self.input.without(unseen);
+        let input = self.input.without(&unseen);
         if input.places.is_empty() {
             let reasons = input.not_run().map(|m| format!("{}: {}", m.name, m.reason)).collect();
             return Err(PaperError::Nothing { reasons });
