@@ -138,7 +138,7 @@ impl Sweep<'_> {
         stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<Vec<Row>, ClosedLoopError> {
-        self.into_store(dir, manifest, &Blind::Ends, stop, progress)
+        self.run_in_store(dir, manifest, &Blind::Ends, stop, progress)
     }
 
     /// The same where a sequence that cannot be seen ends nothing: it has no rows, and is named with its reason.
@@ -153,7 +153,7 @@ impl Sweep<'_> {
         progress: &mut dyn Progress,
     ) -> Result<(Vec<Row>, Vec<Unseen>), ClosedLoopError> {
         let found = Mutex::new(BTreeMap::new());
-        let rows = self.into_store(dir, manifest, &Blind::IsLeftOut(&found), stop, progress)?;
+        let rows = self.run_in_store(dir, manifest, &Blind::IsLeftOut(&found), stop, progress)?;
         let found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
         Ok((rows, found.into_iter().map(|(place, error)| Unseen { place, error }).collect()))
     }
@@ -171,7 +171,7 @@ impl Sweep<'_> {
         Ok(cells.iter().filter(|cell| !rows.contains_key(&cell.key)).count())
     }
 
-    fn into_store(
+    fn run_in_store(
         &self,
         dir: &Path,
         manifest: &Manifest,
@@ -254,7 +254,7 @@ impl Sweep<'_> {
         for &place in &self.places {
             for &seed in &seeds {
                 for (noises, _) in parts.iter().filter(|(_, seeds)| seeds.contains(&seed)) {
-                    for noise in noises.iter() {
+                    for noise in *noises {
                         let key =
                             CellKey { sequence: names[place].0.clone(), seed, noise: noise.to_string() };
                         cells.push(Cell { place, seed, noise, key });

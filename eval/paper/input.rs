@@ -240,7 +240,7 @@ impl Input {
 
     /// Without these on the odometry's side.
     #[must_use]
-    pub(super) fn without(&self, unseen: Vec<Unseen>) -> Self {
+    pub(super) fn without(&self, unseen: &[Unseen]) -> Self {
         let names = self.source.names();
         let missing = unseen.iter().map(|unseen| {
             let name = names[unseen.place].0.clone();
@@ -413,7 +413,7 @@ mod tests {
         let (source, _) = CameraChoice::Tracks.open(None, "all", &cameras()).unwrap();
         let input = check(source, &[7, 8], false).unwrap();
         let error = ClosedLoopError::NoImages { sequence: "f09-hover".into(), asked: false };
-        let left = input.without(vec![Unseen { place: 8, error }]);
+        let left = input.without(&[Unseen { place: 8, error }]);
         assert_eq!((left.places.as_slice(), left.corpus.members.len(), left.notes().len()), (&[7][..], 2, 0));
         assert_eq!(left.notes_of_runs(), ["No row for f09-hover: it has no images."]);
     }
