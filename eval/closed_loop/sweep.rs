@@ -140,7 +140,7 @@ impl Sweep<'_> {
         stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<Vec<Row>, ClosedLoopError> {
-        self.run_into(dir, manifest, &Blind::Ends, stop, progress)
+        self.run_in_store(dir, manifest, &Blind::Ends, stop, progress)
     }
 
     /// The same where a sequence that cannot be seen ends nothing: it has no rows, and is named with its reason.
@@ -155,7 +155,7 @@ impl Sweep<'_> {
         progress: &mut dyn Progress,
     ) -> Result<(Vec<Row>, Vec<Unseen>), ClosedLoopError> {
         let found = Mutex::new(BTreeMap::new());
-        let rows = self.run_into(dir, manifest, &Blind::IsLeftOut(&found), stop, progress)?;
+        let rows = self.run_in_store(dir, manifest, &Blind::IsLeftOut(&found), stop, progress)?;
         let found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
         Ok((rows, found.into_iter().map(|(place, error)| Unseen { place, error }).collect()))
     }
@@ -173,7 +173,7 @@ impl Sweep<'_> {
         Ok(cells.iter().filter(|cell| !rows.contains_key(&cell.key)).count())
     }
 
-    fn run_into(
+    fn run_in_store(
         &self,
         dir: &Path,
         manifest: &Manifest,

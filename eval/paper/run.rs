@@ -348,22 +348,25 @@ impl Paper<'_> {
                 sketch.add(name, "Noise added in a step, and who follows", &runs, &figure)?;
             }
         }
-        let rows = Rows::new(&results.closed.value);
-        let caption = medians(&rows);
-        let figure = drawings::sweep(study, &caption)?;
-        sketch.add("sweep", "Error against the constant told", &[closed], &figure)?;
+        if drawings::has_curve(study) {
+            let caption = medians(&Rows::new(&results.closed.value));
+            let figure = drawings::sweep(study, &caption)?;
+            sketch.add("sweep", "Error against the constant told", &[closed], &figure)?;
+        }
         if let Some((_, made)) = results.injected.iter().find(|(course, _)| *course == Course::Step) {
             let rows = Rows::new(&made.value);
             let study = rows.study(self.plan.margin)?;
-            let factor = self.plan.injected.noise.factor;
-            let caption = format!("Noise stepped x1, x{factor}, x1. {}", medians(&rows));
-            let figure = drawings::injected_sweep(&study, &caption)?;
-            sketch.add(
-                "injected_sweep",
-                "Error against the constant told, under injected noise",
-                &[&made.run],
-                &figure,
-            )?;
+            if drawings::has_curve(&study) {
+                let factor = self.plan.injected.noise.factor;
+                let caption = format!("Noise stepped x1, x{factor}, x1. {}", medians(&rows));
+                let figure = drawings::injected_sweep(&study, &caption)?;
+                sketch.add(
+                    "injected_sweep",
+                    "Error against the constant told, under injected noise",
+                    &[&made.run],
+                    &figure,
+                )?;
+            }
         }
         let pictures = sketch.pictures;
         progress.finish(&format!("{} figures", pictures.len()));

@@ -46,6 +46,13 @@ fn point(line: &Line) -> Option<SweepPoint> {
     })
 }
 
+/// Whether any multiple of the baseline has an error, so that there is a curve to draw.
+pub(in crate::paper) fn has_curve(study: &Study) -> bool {
+    let is_multiple =
+        |line: &&Line| line.noise.parse::<Noise>().is_ok_and(|noise| noise.multiple().is_some());
+    study.lines.iter().filter(is_multiple).any(|line| line.ate.is_some())
+}
+
 fn curve(study: &Study, marks: &[&str], caption: &str) -> Result<SweepCurve, FigureError> {
     let is_multiple =
         |line: &&Line| line.noise.parse::<Noise>().is_ok_and(|noise| noise.multiple().is_some());
