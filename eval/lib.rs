@@ -12,5 +12,7 @@ pub mod metrics;
 pub mod noise;
 pub mod open_loop;
 pub mod paper;
+#[cfg(test)]
+mod recordings;
 pub mod stats;
 pub mod table;

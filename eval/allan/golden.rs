@@ -3,12 +3,13 @@
 use super::fit::Planner;
 use super::model::Coefficient;
 use super::{deviation, simulate};
+use crate::recordings::pack;
 use dpn_core::io::{CsvOptions, read_imu_csv};
 use dpn_core::random::Stream;
 use dpn_core::{SampleRate, Sensor};
 use serde::Deserialize;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 
@@ -57,12 +58,7 @@ fn overlapping_deviations_are_those_of_allantools() {
 #[test]
 fn a_recorded_log_gives_allantools_deviations_and_its_white_noise() {
     let case = golden().adis16405;
-    let data = std::env::var_os("DPN_DATA").map_or_else(|| Path::new(ROOT).join("data"), PathBuf::from);
-    let path = data.join("static/adis16405_imu1.csv");
-    if !path.is_file() {
-        eprintln!("skipped: no data ({} is not there)", path.display());
-        return;
-    }
+    let Some(path) = pack("static/adis16405_imu1.csv") else { return };
     let recording = read_imu_csv(&path, &CsvOptions::default()).unwrap().recording;
     let rate = SampleRate::from_hz(case.rate_hz).unwrap();
     let planner = Planner::new(recording.len(), rate);

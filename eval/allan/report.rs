@@ -99,13 +99,10 @@ fn table(log: &AllanLog, sensor: Sensor) -> String {
         let label = format!("  {} {coefficient}", coefficient.letter());
         rows.push([label, x, y, z, coefficient.unit(sensor).to_owned()]);
     }
-    let per_sample = log.figures().ok().and_then(|figures| {
-        let figure = match sensor {
-            Sensor::Accel => Figure::AccelWhite,
-            Sensor::Gyro => Figure::GyroWhite,
-        };
-        figures.get(figure, Meaning::SampleStd, log.rate)
-    });
+    let per_sample = log
+        .figures()
+        .ok()
+        .and_then(|figures| figures.get(Figure::white(sensor), Meaning::SampleStd, log.rate));
     if let Some([x, y, z]) = per_sample.map(Axes::each) {
         rows.push(["    N per sample".to_owned(), three(x), three(y), three(z), sensor.unit().to_owned()]);
     }

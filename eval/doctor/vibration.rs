@@ -151,15 +151,8 @@ mod tests {
     #[test]
     fn rotors_are_found_on_recorded_flights_and_nothing_where_nothing_turns() {
         use dpn_logs::{LogOptions, read_log};
-        use std::path::{Path, PathBuf};
-        let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
-        let data = std::env::var_os("DPN_DATA").map_or_else(|| root.join("data"), PathBuf::from);
         let of = |folder: &str| {
-            let path = data.join(folder);
-            if !path.is_dir() {
-                eprintln!("skipped: no data ({} is not there)", path.display());
-                return None;
-            }
+            let path = crate::recordings::pack(folder)?;
             let spectra = spectra(&read_log(&path, &LogOptions::default()).unwrap().recording);
             let bands = |s: &AxisSpectrum| bands(&s.spectrum).into_iter().map(|b| b.peak.hz).collect();
             let axes: Vec<(Sensor, usize, Vec<f64>)> =

@@ -137,11 +137,7 @@ fn levels(calm: f64, axes: &[Vec<f64>], phases: &[Option<Phase>], walk_below: Op
 
 /// The loudest that a sample of a sensor at rest may be.
 fn calm(sensor: Sensor, rate: SampleRate) -> f64 {
-    let figure = match sensor {
-        Sensor::Accel => Figure::AccelWhite,
-        Sensor::Gyro => Figure::GyroWhite,
-    };
-    CALM * typical(figure)[1] * rate.hz().sqrt()
+    CALM * typical(Figure::white(sensor))[1] * rate.hz().sqrt()
 }
 
 /// The least walk that any axis allows at any averaging time from a second on.

@@ -3,11 +3,12 @@
 use super::compare::{Check, Standing, compare};
 use super::{Levels, phases};
 use crate::allan::compare::key_of;
+use crate::recordings::pack;
 use dpn_core::noise::formats::{Axes, Figure, Format, Given, ImuFigures, Meaning, Source, parse, write};
 use dpn_core::noise::{AccelBiasWalkDensity, AccelNoiseDensity, GyroBiasWalkDensity, GyroNoiseDensity};
 use dpn_core::{ImuRecording, SampleRate};
 use dpn_logs::{LogOptions, read_log};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 const FORMATS: [Format; 8] = [
     Format::Kalibr,
@@ -29,19 +30,13 @@ struct Case {
 }
 
 fn cases() -> Vec<Case> {
-    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
-    let data = std::env::var_os("DPN_DATA").map_or_else(|| root.join("data"), PathBuf::from);
     let mut cases = Vec::new();
     for (name, folder, figures) in [
         ("V1_01", "euroc/V1_01_easy", ImuFigures::euroc()),
         ("MH_01", "euroc/MH_01_easy", ImuFigures::euroc()),
         ("room1", "tumvi/dataset-room1_512_16", tumvi()),
     ] {
-        let path = data.join(folder);
-        if !path.is_dir() {
-            eprintln!("skipped: no data ({} is not there)", path.display());
-            continue;
-        }
+        let Some(path) = pack(folder) else { continue };
         let recording: ImuRecording = read_log(&path, &LogOptions::default()).unwrap().recording;
         let levels = Levels::of(&recording, &phases(&recording)).unwrap();
         cases.push(Case { name, levels, rate: recording.rate(), figures });

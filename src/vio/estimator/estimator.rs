@@ -233,10 +233,12 @@ impl Estimator {
         self.window = Window::new(self.config.window, *self.window.body_from_cam());
         self.rest = RestWatch::default();
         for frame in frames {
-            let samples: Vec<_> = frame.preint.iter().flat_map(Preintegration::samples).copied().collect();
-            let rest = self.rests(frame.t, &samples, &frame.seen);
+            let samples = frame.preint.as_ref().map_or(&[][..], Preintegration::samples);
+            let rest = self.rests(frame.t, samples, &frame.seen);
             self.window.add_frame(frame.t, frame.state, frame.preint, &frame.seen);
-            rest.into_iter().for_each(|rest| self.window.rest_since(rest));
+            if let Some(rest) = rest {
+                self.window.rest_since(rest);
+            }
         }
         self.window.anchor(&AnchorStd::default());
         for _ in 0..START_ROUNDS {
@@ -347,7 +349,9 @@ impl Estimator {
         let predicted = preint.as_ref().map_or(last, |p| p.predict(&last));
         let rest = self.rests(t, &interval.samples, seen);
         update.tracked = self.window.add_frame(t, predicted, preint, seen);
-        rest.into_iter().for_each(|rest| self.window.rest_since(rest));
+        if let Some(rest) = rest {
+            self.window.rest_since(rest);
+        }
         self.window.triangulate();
         clock.lap(Stage::Feed);
         let solved = self.window.optimise();

@@ -21,8 +21,8 @@ const MAX_RATE: f64 = 0.15;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct RestWatch {
     first: Option<InitFrame>,
-    last: Option<Stamp>,
-    moved: f64,
+    /// The last frame that matched the first, and by how much the image may have moved by then \[rad\].
+    last: Option<(Stamp, f64)>,
 }
 
 /// A rest.
@@ -53,15 +53,14 @@ impl RestWatch {
         });
         let still = moved.is_some();
         if let Some(moved) = moved {
-            self.last = Some(frame.t);
-            self.moved = moved;
+            self.last = Some((frame.t, moved));
         }
-        let rest = self.first.as_ref().zip(self.last).map(|(first, last)| Rest {
+        let rest = self.first.as_ref().zip(self.last).map(|(first, (last, moved))| Rest {
             from: first.t,
             to: last.plus_seconds(-SETTLED_S).max(first.t),
             lasts: still,
             seconds: last.seconds_since(first.t),
-            moved: self.moved,
+            moved,
         });
         if !still {
             self.first = Some(frame.clone());

@@ -428,7 +428,7 @@ fn add_inertial(window: &Window, layout: &Layout, j: usize, normal: &mut Normal)
     0.5 * residual.norm_squared()
 }
 
-/// Adds what rest between frame `j` and the one before says, and returns its cost.
+/// Adds what rest says of frame `j` against the rest's first frame in the window, and returns its cost.
 fn add_rest(window: &Window, layout: &Layout, j: usize, normal: &mut Normal) -> f64 {
     let Some(rest) = window.frames[j].rest else { return 0.0 };
     let Some(i) = window.frames[..j].iter().position(|frame| frame.t >= rest.from) else { return 0.0 };

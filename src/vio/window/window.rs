@@ -153,8 +153,10 @@ impl Window {
         known
     }
 
-    /// Says that nothing has moved until the newest frame since the rest's first. A rest is known only once it has lasted: frames that came meanwhile
-    /// have stood still too, and left as if they might have moved they would carry the little velocity that was guessed for them.
+    /// Says that nothing has moved until the newest frame since the rest's first.
+    ///
+    /// A rest is known only once it has lasted: frames that came meanwhile have stood still too, and left as if they might have moved they
+    /// would carry the little velocity that was guessed for them.
     pub fn rest_since(&mut self, rest: Standstill) {
         for frame in self.frames.iter_mut().rev().take_while(|frame| frame.t >= rest.from) {
             frame.rest.get_or_insert(rest);

@@ -24,6 +24,14 @@ impl Figure {
     /// All four, in the order in which they are written.
     pub const ALL: [Self; 4] = [Self::AccelWhite, Self::AccelWalk, Self::GyroWhite, Self::GyroWalk];
 
+    /// The white noise of a sensor.
+    pub fn white(sensor: Sensor) -> Self {
+        match sensor {
+            Sensor::Accel => Self::AccelWhite,
+            Sensor::Gyro => Self::GyroWhite,
+        }
+    }
+
     /// Whose noise it is.
     pub fn sensor(self) -> Sensor {
         match self {

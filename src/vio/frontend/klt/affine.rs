@@ -40,10 +40,10 @@ const BEND: usize = 4;
 /// Columns at a time: what is summed for them fits the machine's registers.
 const LANES: usize = 8;
 /// Sums over rows. First the gradients' products xx, xy, yy, each with 1, y and y^2.
-const SUMS: usize = 27;
+const SUMS: usize = 26;
 /// Gradients x and y by grey, alone, and by difference, each with 1 and y.
 const LINES: usize = 9;
-/// Difference by grey, difference, grey, grey squared, difference squared, 1.
+/// Difference by grey, difference, grey, grey squared, difference squared.
 const PLAIN: usize = 21;
 
 #[inline(always)]
@@ -116,10 +116,9 @@ pub(super) fn refine<const L: usize, const W: usize>(
             add(&mut sums[PLAIN + 2], &value);
             add(&mut sums[PLAIN + 3], &times(&value, &value));
             add(&mut sums[PLAIN + 4], &times(&difference, &difference));
-            add(&mut sums[PLAIN + 5], &[1.0; LANES]);
             above = below;
         }
-        let columns = patch.columns(block);
+        let columns = part(&patch.columns, block);
         let mut weights = [[0.0f32; LANES]; 3];
         for i in 0..LANES {
             let across = (block + i) as f32 - half;
@@ -142,13 +141,14 @@ pub(super) fn refine<const L: usize, const W: usize>(
             total[k][power] = f64::from(((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7])));
         }
     }
-    solve(&total, gained)
+    let count = patch.rows.len() as f32 * patch.total(&[1.0; L]);
+    solve(&total, f64::from(count), gained)
 }
 
-/// The shift from the sums: unknowns are taken out one by one, `M` last, so that what the others lower is known before it.
+/// The shift from the sums over `count` pixels: unknowns are taken out one by one, `M` last, so that what the others lower is known before it.
 #[inline(always)]
-fn solve(total: &[[f64; 3]; SUMS], gained: bool) -> Option<[f32; 2]> {
-    let [dv, d1, v, vv, dd, count] = [0, 1, 2, 3, 4, 5].map(|k| total[PLAIN + k][0]);
+fn solve(total: &[[f64; 3]; SUMS], count: f64, gained: bool) -> Option<[f32; 2]> {
+    let [dv, d1, v, vv, dd] = [0, 1, 2, 3, 4].map(|k| total[PLAIN + k][0]);
     let mut normal = [[0.0f64; DIM]; DIM];
     let mut side = [0.0f64; DIM];
     // Unknowns come in pairs by axis of the gradient: shift, M by x, M by y.
@@ -213,11 +213,11 @@ fn solve(total: &[[f64; 3]; SUMS], gained: bool) -> Option<[f32; 2]> {
     }
     lowered -= left;
     // What stands below the diagonal is L D. Without M the rest is solved as if it were not there.
-    let count = if lowered < 4.0 * LEAST_F * own { BEND } else { DIM };
+    let solved = if lowered < 4.0 * LEAST_F * own { BEND } else { DIM };
     let mut step = [0.0f64; DIM];
-    for k in (0..count).rev() {
+    for k in (0..solved).rev() {
         let mut value = side[k];
-        for r in k + 1..count {
+        for r in k + 1..solved {
             value -= normal[r][k] * step[r];
         }
         step[k] = value * inverses[k];

@@ -30,7 +30,7 @@ pub(super) struct Patch<const L: usize, const W: usize> {
     /// Grey values and their means, for differences to be rid of changes of light.
     pub(super) light: Light,
     /// 1 for columns that lie in the window and in the image, else 0.
-    columns: [f32; L],
+    pub(super) columns: [f32; L],
     /// The interpolated window with a pixel more on every side.
     wide: [[f32; W]; W],
 }
@@ -91,14 +91,6 @@ impl<const L: usize, const W: usize> Patch<L, W> {
             columns: [0.0; L],
             wide: [[0.0; W]; W],
         }
-    }
-
-    /// 1 for each of eight columns from `first` on that counts, else 0.
-    #[inline(always)]
-    pub(super) fn columns(&self, first: usize) -> [f32; 8] {
-        let mut columns = [0.0; 8];
-        columns.copy_from_slice(&self.columns[first..first + 8]);
-        columns
     }
 
     /// The sum of the lanes that count, the same on every machine.
