@@ -95,19 +95,19 @@ impl PairGeometry {
     }
 
     /// The landmark in the target's camera, times its inverse depth.
-    #[inline]
+    #[inline(always)]
     pub fn point(&self, ray: &Vector3<f64>, inverse_depth: f64) -> Vector3<f64> {
         self.cam_from_host_cam * ray + inverse_depth * self.host_cam_in_cam
     }
 
     /// The residual alone \[standard deviations\].
-    #[inline]
+    #[inline(always)]
     pub fn residual(&self, ray: &Vector3<f64>, target: &Sighting, inverse_depth: f64) -> Vector2<f64> {
         target.whiten * (self.point(ray, inverse_depth).normalize() - target.bearing)
     }
 
     /// The residual and its derivatives.
-    #[inline]
+    #[inline(always)]
     pub fn linearise(&self, ray: &Vector3<f64>, target: &Sighting, inverse_depth: f64) -> Linearised {
         let u = self.body_from_cam * ray + inverse_depth * self.cam_in_body;
         let w = self.target_from_host * u + inverse_depth * self.host_in_target;
@@ -153,7 +153,7 @@ impl PairGeometry {
     }
 
     /// Derivative by the host's own pixel \[deviations of it\]: the measurement that anchors a landmark is as noisy as the others.
-    #[inline]
+    #[inline(always)]
     pub fn d_host_pixel(&self, at: &Linearised, spread: &Matrix2<f64>) -> [[f64; 2]; 2] {
         let d_ray = at.d_q * self.cam_from_host_cam;
         let d = d_ray.fixed_columns::<2>(0) * spread;
@@ -170,7 +170,7 @@ impl PairGeometry {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn row(m: &Matrix2x3<f64>, r: usize) -> Vector3<f64> {
     Vector3::new(m[(r, 0)], m[(r, 1)], m[(r, 2)])
 }

@@ -1,8 +1,8 @@
 //! The sliding window: ten key frames and the newest, what was measured between them, and a prior for what has left.
 //!
 //! One frame goes through [`Window::add_frame`], [`Window::optimise`], [`Window::reject_outliers`] and [`Window::slide`].
-//! [`layout`] says where each unknown stands, [`normal`] solves, `linearise` gathers the measurements, `marginalise` makes the
-//! prior of what leaves.
+//! [`layout`] says where each unknown stands, [`normal`] solves, `linearise` gathers the measurements, `schur` takes the
+//! landmarks out, `marginalise` makes the prior of what leaves.
 
 mod config;
 pub mod landmark;
@@ -12,6 +12,7 @@ mod marginalise;
 pub mod normal;
 mod parallax;
 mod prior;
+mod schur;
 mod slide;
 mod solve;
 #[cfg(test)]

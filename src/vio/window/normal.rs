@@ -10,9 +10,11 @@
 #[derive(Debug, Clone)]
 pub struct Normal {
     dim: usize,
-    /// Lower triangle of H, row by row, `dim` apart; what is above the diagonal is never read.
+    /// From one row to the next: `dim` and room for vectors that reach beyond the last column.
+    stride: usize,
+    /// Lower triangle of H, row by row, `stride` apart; what is above the diagonal is never read.
     h: Vec<f64>,
-    /// Gradient.
+    /// Gradient, `stride` long.
     g: Vec<f64>,
 }
 
@@ -26,18 +28,24 @@ pub struct NotPositive {
 }
 
 impl Normal {
+    /// By how much a vector may reach beyond a row's last column.
+    pub const MARGIN: usize = 8;
+
     /// All zero.
     pub fn zeros(dim: usize) -> Self {
-        Self { dim, h: vec![0.0; dim * dim], g: vec![0.0; dim] }
+        let mut normal = Self { dim: 0, stride: 0, h: Vec::new(), g: Vec::new() };
+        normal.reset(dim);
+        normal
     }
 
     /// Back to zero, of a new size, keeping the memory.
     pub fn reset(&mut self, dim: usize) {
         self.dim = dim;
+        self.stride = (dim + Self::MARGIN).next_multiple_of(Self::MARGIN);
         self.h.clear();
-        self.h.resize(dim * dim, 0.0);
+        self.h.resize(dim * self.stride, 0.0);
         self.g.clear();
-        self.g.resize(dim, 0.0);
+        self.g.resize(self.stride, 0.0);
     }
 
     /// Unknowns.
@@ -47,25 +55,39 @@ impl Normal {
 
     /// The gradient.
     pub fn gradient(&self) -> &[f64] {
-        &self.g
+        &self.g[..self.dim]
     }
 
     /// The gradient, to add to.
     pub fn gradient_mut(&mut self) -> &mut [f64] {
+        &mut self.g[..self.dim]
+    }
+
+    /// The gradient with [`Self::MARGIN`] entries and more behind the last, which are never read.
+    #[inline(always)]
+    pub fn whole_gradient_mut(&mut self) -> &mut [f64] {
         &mut self.g
     }
 
     /// Row `r` of H up to and with the diagonal, to add to.
     #[inline]
     pub fn row_mut(&mut self, r: usize) -> &mut [f64] {
-        let start = r * self.dim;
+        let start = r * self.stride;
         &mut self.h[start..=start + r]
+    }
+
+    /// Row `r` of H with [`Self::MARGIN`] columns and more behind the last, to add whole vectors to: what lands above the diagonal is
+    /// never read.
+    #[inline(always)]
+    pub fn whole_row_mut(&mut self, r: usize) -> &mut [f64] {
+        let start = r * self.stride;
+        &mut self.h[start..start + self.stride]
     }
 
     /// Row `r` of H up to and with the diagonal.
     #[inline]
     pub fn row(&self, r: usize) -> &[f64] {
-        let start = r * self.dim;
+        let start = r * self.stride;
         &self.h[start..=start + r]
     }
 
@@ -73,14 +95,14 @@ impl Normal {
     #[inline]
     pub fn at(&self, r: usize, c: usize) -> f64 {
         let (r, c) = if r >= c { (r, c) } else { (c, r) };
-        self.h[r * self.dim + c]
+        self.h[r * self.stride + c]
     }
 
     /// Adds to the entry at row `r`, column `c`, once: `(r, c)` and `(c, r)` are one entry.
     #[inline]
     pub fn add(&mut self, r: usize, c: usize, value: f64) {
         let (r, c) = if r >= c { (r, c) } else { (c, r) };
-        self.h[r * self.dim + c] += value;
+        self.h[r * self.stride + c] += value;
     }
 
     /// Adds `weight * a^T b` of two sets of rows, `a` at place `at_a`, `b` at place `at_b`: for an off-diagonal block.
@@ -112,7 +134,7 @@ impl Normal {
     ) {
         debug_assert!(at_b + B <= at_a, "blocks overlap");
         for i in 0..A {
-            let start = (at_a + i) * self.dim + at_b;
+            let start = (at_a + i) * self.stride + at_b;
             let row: &mut [f64] = &mut self.h[start..start + B];
             for j in 0..B {
                 let mut sum = 0.0;
@@ -128,7 +150,7 @@ impl Normal {
     #[inline]
     pub fn add_square<const R: usize, const A: usize>(&mut self, at: usize, a: &[[f64; A]; R]) {
         for i in 0..A {
-            let start = (at + i) * self.dim + at;
+            let start = (at + i) * self.stride + at;
             let row: &mut [f64] = &mut self.h[start..start + A];
             // The upper half of the block is computed and never read: a full row is one vector loop.
             for j in 0..A {
@@ -138,17 +160,6 @@ impl Normal {
                 }
                 row[j] += sum;
             }
-        }
-    }
-
-    /// Adds another system of the same unknowns.
-    pub fn add_normal(&mut self, other: &Self) {
-        debug_assert_eq!(self.dim, other.dim);
-        for (a, b) in self.h.iter_mut().zip(&other.h) {
-            *a += b;
-        }
-        for (a, b) in self.g.iter_mut().zip(&other.g) {
-            *a += b;
         }
     }
 
@@ -180,7 +191,7 @@ impl Normal {
                     continue;
                 }
                 self.g[i] -= factor * gradient;
-                let row = &mut self.h[i * self.dim..=i * self.dim + i];
+                let row = &mut self.h[i * self.stride..=i * self.stride + i];
                 for (h, c) in row.iter_mut().zip(&column) {
                     *h -= factor * c;
                 }
@@ -188,7 +199,7 @@ impl Normal {
         }
         for i in 0..self.dim {
             let (r, c) = if i >= k { (i, k) } else { (k, i) };
-            self.h[r * self.dim + c] = 0.0;
+            self.h[r * self.stride + c] = 0.0;
         }
         self.g[k] = 0.0;
     }
@@ -200,7 +211,7 @@ impl Normal {
         for (r, &from_r) in kept.iter().enumerate() {
             out.g[r] = self.g[from_r];
             for (c, &from_c) in kept[..=r].iter().enumerate() {
-                out.h[r * out.dim + c] = self.at(from_r, from_c);
+                out.h[r * out.stride + c] = self.at(from_r, from_c);
             }
         }
         out
@@ -220,6 +231,8 @@ impl Normal {
 pub struct Factor {
     dim: usize,
     l: Vec<f64>,
+    /// One over each diagonal entry: a division would hold up every entry that waits for it.
+    inverse_pivot: Vec<f64>,
     /// First nonzero column of each row.
     first: Vec<usize>,
 }
@@ -249,6 +262,7 @@ impl Factor {
         self.l.clear();
         self.l.resize(dim * dim, 0.0);
         self.first.clear();
+        self.inverse_pivot.clear();
         for r in 0..dim {
             let source = normal.row(r);
             let first = source.iter().position(|v| *v != 0.0).unwrap_or(r);
@@ -259,7 +273,7 @@ impl Factor {
             for c in first..r {
                 let from = first.max(self.first[c]);
                 let other = &done[c * dim..c * dim + dim];
-                row[c] = (row[c] - dot(&row[from..c], &other[from..c])) / other[c];
+                row[c] = (row[c] - dot(&row[from..c], &other[from..c])) * self.inverse_pivot[c];
             }
             let pivot = source[r] + extra(r) - dot(&row[first..r], &row[first..r]);
             // Also false for NaN.
@@ -267,6 +281,7 @@ impl Factor {
                 return Err(NotPositive { row: r, pivot });
             }
             row[r] = pivot.sqrt();
+            self.inverse_pivot.push(1.0 / row[r]);
         }
         Ok(())
     }
@@ -277,12 +292,12 @@ impl Factor {
         for r in 0..dim {
             let first = self.first[r];
             let row = &self.l[r * dim..=r * dim + r];
-            x[r] = (-x[r] - dot(&row[first..r], &x[first..r])) / row[r];
+            x[r] = (-x[r] - dot(&row[first..r], &x[first..r])) * self.inverse_pivot[r];
         }
         for r in (0..dim).rev() {
             let first = self.first[r];
             let row = &self.l[r * dim..=r * dim + r];
-            let value = x[r] / row[r];
+            let value = x[r] * self.inverse_pivot[r];
             x[r] = value;
             for (x, l) in x[first..r].iter_mut().zip(&row[first..r]) {
                 *x -= value * l;

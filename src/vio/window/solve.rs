@@ -140,7 +140,7 @@ impl Window {
         if let Some(offset) = layout.offset() {
             self.time_offset += step[offset];
         }
-        for (landmark, d) in at.depth_steps(&layout, step) {
+        for (landmark, d) in at.depth_steps(step) {
             if let Some(inverse_depth) = &mut self.landmarks[landmark].inverse_depth {
                 *inverse_depth = (*inverse_depth + d).max(MIN_INVERSE_DEPTH);
             }

@@ -7,7 +7,7 @@ use crate::factors::reprojection::Sighting;
 use crate::init::tests::{Scene, body_from_cam, gentle_flight};
 use crate::state::{NavState, STATE_DIM};
 use dpn_core::camera::PinholeRadtan;
-use nalgebra::{SVector, UnitQuaternion, Vector3};
+use nalgebra::{DMatrix, DVector, SVector, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 
 const STEP: f64 = 0.15;
@@ -149,6 +149,90 @@ fn the_equations_predict_the_cost_of_a_small_step() {
     let kept = after.cost - depths_only.cost;
     assert!(promised < 0.0);
     assert!((kept - promised).abs() < 0.05 * promised.abs(), "promised {promised:.4e}, kept {kept:.4e}");
+}
+
+/// What landmarks leave over the states, against the same written down as one dense system and reduced by an inverse.
+#[test]
+fn landmarks_leave_what_a_dense_schur_complement_leaves() {
+    for (extrinsics, time_offset) in [(false, false), (true, false), (false, true), (true, true)] {
+        let config =
+            WindowConfig { estimate_extrinsics: extrinsics, estimate_time_offset: time_offset, ..config() };
+        let mut window = window(&scene(17), 7, config);
+        for (k, landmark) in window.landmarks.iter_mut().enumerate() {
+            // Some frames of the run did not see it, and its rays turn with the clock.
+            if landmark.sightings.len() > 3 && k % 3 == 0 {
+                landmark.sightings.remove(2);
+            }
+            for (_, sighting) in &mut landmark.sightings {
+                sighting.ray_rate = Vector3::new(0.2, -0.1, 0.0);
+            }
+        }
+        let layout = window.layout();
+        let linearised = |window: &Window| {
+            let mut at = Linearisation::default();
+            at.compute(window, &layout, Part::All, 0.0);
+            at
+        };
+        let all = linearised(&window);
+        let mut blind = window.clone();
+        blind.landmarks.clear();
+        let blind = linearised(&blind);
+
+        let dim = layout.dim();
+        let (mut h, mut g) = (DMatrix::zeros(dim, dim), DVector::zeros(dim));
+        for landmark in window.landmarks.iter().filter(|l| l.sightings.len() > 1) {
+            let Some(inverse_depth) = landmark.inverse_depth else { continue };
+            let (host, seen_by_host) = (landmark.host(), landmark.host_sighting());
+            let others = &landmark.sightings[1..];
+            let mut rows = DMatrix::zeros(2 * others.len() + 2, dim + 3);
+            let mut residuals = DVector::zeros(2 * others.len() + 2);
+            for (k, (target, seen)) in others.iter().enumerate() {
+                let geometry = window.geometry(host, *target);
+                let at = geometry.linearise(&seen_by_host.ray, seen, inverse_depth);
+                let (_, weight) =
+                    window.config.loss.evaluate(at.residual.norm_squared(), window.config.loss_scale);
+                let pixel = geometry.d_host_pixel(&at, &seen_by_host.spread);
+                let camera = geometry.d_camera(&at, &seen_by_host.ray, inverse_depth);
+                let clock = geometry.d_offset(&at, seen_by_host, seen);
+                for r in 0..2 {
+                    let row = 2 * k + r;
+                    residuals[row] = at.residual[r] * weight.sqrt();
+                    let mut put = |column: usize, values: &[f64]| {
+                        for (k, value) in values.iter().enumerate() {
+                            rows[(row, column + k)] = value * weight.sqrt();
+                        }
+                    };
+                    put(layout.pose(host), &at.host[r]);
+                    put(layout.pose(*target), &at.target[r]);
+                    if let Some(place) = layout.camera() {
+                        put(place, &camera[r]);
+                    }
+                    if let Some(place) = layout.offset() {
+                        put(place, &[clock[r]]);
+                    }
+                    put(dim, &[at.depth[r], pixel[r][0], pixel[r][1]]);
+                }
+            }
+            // The host's own pixel: zero, by one deviation.
+            rows[(2 * others.len(), dim + 1)] = 1.0;
+            rows[(2 * others.len() + 1, dim + 2)] = 1.0;
+            let (all_h, all_g) = (rows.tr_mul(&rows), rows.tr_mul(&residuals));
+            let w = all_h.view((dim, 0), (3, dim)).into_owned();
+            let inverse = all_h.view((dim, dim), (3, 3)).into_owned().try_inverse().unwrap();
+            h += all_h.view((0, 0), (dim, dim)) - w.transpose() * &inverse * &w;
+            g += all_g.rows(0, dim) - w.transpose() * &inverse * all_g.rows(dim, 3);
+        }
+        let largest = h.amax();
+        assert!(largest > 1.0);
+        for r in 0..dim {
+            let ours = all.normal.gradient()[r] - blind.normal.gradient()[r];
+            assert!((ours - g[r]).abs() < 1e-9 * largest, "gradient {r}: {ours} {}", g[r]);
+            for c in 0..=r {
+                let ours = all.normal.at(r, c) - blind.normal.at(r, c);
+                assert!((ours - h[(r, c)]).abs() < 1e-9 * largest, "{r}, {c}: {ours} {}", h[(r, c)]);
+            }
+        }
+    }
 }
 
 #[test]

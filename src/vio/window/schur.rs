@@ -1,0 +1,422 @@
+//! Landmarks as normal equations over the states, each taken out by Schur complement as it comes.
+//!
+//! A landmark has three unknowns: its inverse depth, and by how many deviations the host's own pixel is off in u and v, which the host's
+//! measurement holds to `0 +- 1`. They meet only the frames that saw it: with `W` their rows of the Hessian, `A` their own block and
+//! `g` their gradient, what is left over the states is `H - W^T A^-1 W` and `g_states - W^T A^-1 g`. With `A = L L^T` these are rank-one
+//! updates by the rows of `L^-1 W`. The host's pixel is taken out at every linearisation anew, about zero: the cost is the residuals'
+//! under a covariance that holds the host's error common to them, `r^T C^-1 r / 2`, and nothing of it need be kept.
+//!
+//! `W` is kept as three dense rows over one run of states, from the first that the landmark meets to the last, whole vectors long. A
+//! frame of the run that did not see it costs a few zeros; in return, all of this is loops over neighbours in memory.
+
+// Small fixed loops over rows and columns: with indices they read as the formulas do.
+#![allow(clippy::needless_range_loop)]
+
+use super::landmark::{Landmark, MIN_INVERSE_DEPTH};
+use super::layout::Layout;
+use super::linearise::Part;
+use super::normal::Normal;
+use super::window::Window;
+use crate::factors::reprojection::PairGeometry;
+use crate::state::POSE_DIM;
+use pulp::{Simd, WithSimd};
+
+/// Unknowns of a landmark: inverse depth, the host's pixel in u and v. The depth stands last, so that its step is read off first.
+const LOCAL: usize = 3;
+/// Where the depth stands.
+const DEPTH: usize = 2;
+/// Numbers that are worked on together: a block of six is filled up with zeros to one vector.
+const LANES: usize = Normal::MARGIN;
+
+/// Two rows of a Jacobian by one block of states, filled up with zeros.
+type Rows = [[f64; LANES]; 2];
+
+/// What is kept of the landmarks that were taken out: enough to find their depths' steps afterwards.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Depths {
+    rows: Vec<DepthRow>,
+    /// The rows of `L^-1 W`, [`LOCAL`] for each landmark.
+    w: Vec<f64>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct DepthRow {
+    landmark: usize,
+    /// `L^-1 g` of the depth, and its pivot.
+    g: f64,
+    pivot: f64,
+    /// Where the depth's row of `L^-1 W` begins in [`Depths::w`].
+    start: usize,
+    /// The states it is about.
+    at: usize,
+    width: usize,
+}
+
+impl Depths {
+    pub(super) fn clear(&mut self) {
+        self.rows.clear();
+        self.w.clear();
+    }
+
+    /// Each landmark's step after the states' step `d`.
+    pub(super) fn steps<'a>(&'a self, d: &'a [f64]) -> impl Iterator<Item = (usize, f64)> + 'a {
+        self.rows.iter().map(|row| {
+            let w = &self.w[row.start..row.start + row.width];
+            let sum: f64 = w.iter().zip(&d[row.at..]).map(|(w, d)| w * d).sum();
+            (row.landmark, -(row.g + sum) / row.pivot)
+        })
+    }
+}
+
+/// Geometry of all pairs of frames, host times frames plus target.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Pairs {
+    frames: usize,
+    now: Vec<Option<PairGeometry>>,
+    /// At the first estimates, where derivatives are taken there; else empty.
+    first: Vec<Option<PairGeometry>>,
+}
+
+impl Pairs {
+    pub(super) fn of(&mut self, window: &Window) {
+        let n = window.frames.len();
+        let fill = |pairs: &mut Vec<Option<PairGeometry>>,
+                    geometry: &dyn Fn(usize, usize) -> PairGeometry| {
+            pairs.clear();
+            pairs.resize(n * n, None);
+            for target in 1..n {
+                for host in 0..target {
+                    pairs[host * n + target] = Some(geometry(host, target));
+                }
+            }
+        };
+        self.frames = n;
+        fill(&mut self.now, &|host, target| window.geometry(host, target));
+        self.first.clear();
+        if window.config.first_estimates {
+            fill(&mut self.first, &|host, target| window.first_geometry(host, target));
+        }
+    }
+}
+
+/// Adds the landmarks of a window to its equations.
+pub(super) struct Landmarks<'a> {
+    pub(super) window: &'a Window,
+    pub(super) layout: &'a Layout,
+    pub(super) part: Part,
+    /// Depths are damped by the factor `1 + damping`.
+    pub(super) damping: f64,
+    pub(super) pairs: &'a Pairs,
+    pub(super) normal: &'a mut Normal,
+    pub(super) depths: &'a mut Depths,
+}
+
+impl WithSimd for Landmarks<'_> {
+    /// Their cost.
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) -> f64 {
+        let mut cost = 0.0;
+        for (index, landmark) in self.window.landmarks.iter().enumerate() {
+            let sightings = match self.part {
+                Part::All => landmark.sightings.len(),
+                Part::Oldest => self.window.handed_over(landmark),
+            };
+            if let Some(inverse_depth) = landmark.inverse_depth.filter(|_| sightings > 1) {
+                cost += self.add(simd, index, landmark, sightings, inverse_depth);
+            }
+        }
+        cost
+    }
+}
+
+impl Landmarks<'_> {
+    /// Adds one landmark and returns its cost.
+    #[inline(always)]
+    fn add<S: Simd>(
+        &mut self,
+        simd: S,
+        index: usize,
+        landmark: &Landmark,
+        sightings: usize,
+        inverse_depth: f64,
+    ) -> f64 {
+        let Self { window, layout, damping, pairs, normal, depths, .. } = self;
+        let host = landmark.host();
+        let host_place = layout.pose(host);
+        let host_sighting = landmark.host_sighting();
+        let ray = window.ray_at_offset(host_sighting);
+        // Camera, clock and poses stand in this order without a gap.
+        let at = layout.camera().or(layout.offset()).unwrap_or(host_place);
+        let width = layout.pose(landmark.sightings[sightings - 1].0) + POSE_DIM - at;
+        let stride = (width + LANES).next_multiple_of(LANES);
+        let start = depths.w.len();
+        depths.w.resize(start + LOCAL * stride, 0.0);
+        let w = &mut depths.w[start..];
+
+        let mut cost = 0.0;
+        // The host's measurement holds its pixel to zero, by one deviation.
+        let mut own = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.0]];
+        let mut g = [0.0; LOCAL];
+        let mut host_square = [[0.0; LANES]; POSE_DIM];
+        let mut host_gradient = [0.0; LANES];
+        let mut host_coupling = [[0.0; LANES]; LOCAL];
+        for (target, sighting) in &landmark.sightings[1..sightings] {
+            let pair = host * pairs.frames + target;
+            let sighting = window.sighting_at_offset(sighting);
+            let Some(geometry) = &pairs.now[pair] else { continue };
+            let mut seen = match pairs.first.get(pair) {
+                Some(Some(first)) => {
+                    let mut seen = first.linearise(&ray, &sighting, inverse_depth);
+                    seen.residual = geometry.residual(&ray, &sighting, inverse_depth);
+                    seen
+                }
+                _ => geometry.linearise(&ray, &sighting, inverse_depth),
+            };
+            let squared = seen.residual.norm_squared();
+            let (rho, weight) = window.config.loss.evaluate(squared, window.config.loss_scale);
+            cost += 0.5 * rho;
+            let pixel = geometry.d_host_pixel(&seen, &host_sighting.spread);
+            let root = weight.sqrt();
+            seen.residual *= root;
+            let residual = [seen.residual.x, seen.residual.y];
+            let local = [0, 1].map(|r| [pixel[r][0] * root, pixel[r][1] * root, seen.depth[r] * root]);
+            for r in 0..2 {
+                for i in 0..LOCAL {
+                    g[i] += local[r][i] * residual[r];
+                    for k in 0..=i {
+                        own[i][k] += local[r][i] * local[r][k];
+                    }
+                }
+            }
+
+            let by_host = filled(&seen.host, root);
+            let by_target = filled(&seen.target, root);
+            let place = layout.pose(*target);
+            let (host_rows, target_rows) =
+                ([&by_host[0][..], &by_host[1]], [&by_target[0][..], &by_target[1]]);
+            for i in 0..POSE_DIM {
+                let (by_host, by_target) =
+                    ([by_host[0][i], by_host[1][i]], [by_target[0][i], by_target[1][i]]);
+                add_weighted(simd, &mut host_square[i], by_host, host_rows);
+                let row = normal.whole_row_mut(place + i);
+                add_weighted(simd, block(row, host_place), by_target, host_rows);
+                add_weighted(simd, block(row, place), by_target, target_rows);
+            }
+            add_weighted(simd, &mut host_gradient, residual, host_rows);
+            add_weighted(simd, block(normal.whole_gradient_mut(), place), residual, target_rows);
+            for m in 0..LOCAL {
+                let factors = [local[0][m], local[1][m]];
+                add_weighted(simd, &mut host_coupling[m], factors, host_rows);
+                add_weighted(simd, block(&mut w[m * stride..], place - at), factors, target_rows);
+            }
+            if layout.extrinsics || layout.time_offset {
+                let camera = layout
+                    .camera()
+                    .map(|_| geometry.d_camera(&seen, &ray, inverse_depth).map(|row| row.map(|v| v * root)));
+                let clock = layout
+                    .offset()
+                    .map(|_| geometry.d_offset(&seen, host_sighting, &sighting).map(|v| [v * root]));
+                let shared = Shared { layout, host_place, place, by_host, by_target, local, residual };
+                shared.add(normal, w, stride, camera, clock);
+            }
+        }
+        for i in 0..POSE_DIM {
+            add_weighted(
+                simd,
+                block(normal.whole_row_mut(host_place + i), host_place),
+                [1.0],
+                [&host_square[i]],
+            );
+        }
+        add_weighted(simd, block(normal.whole_gradient_mut(), host_place), [1.0], [&host_gradient]);
+        for m in 0..LOCAL {
+            add_weighted(simd, block(&mut w[m * stride..], host_place - at), [1.0], [&host_coupling[m]]);
+        }
+        own[DEPTH][DEPTH] *= 1.0 + *damping;
+        let at_bound = inverse_depth <= MIN_INVERSE_DEPTH;
+        let own = OwnFactor::new(&own, &g, at_bound);
+        own.take_out(simd, normal, w, stride, at, width);
+        if own.unknowns == LOCAL {
+            let start = start + DEPTH * stride;
+            let (g, pivot) = (own.g[DEPTH], own.l[DEPTH][DEPTH]);
+            depths.rows.push(DepthRow { landmark: index, g, pivot, start, at, width });
+        } else {
+            depths.w.truncate(start);
+        }
+        // What the host's pixel explains is no cost.
+        cost - 0.5 * (own.g[0] * own.g[0] + own.g[1] * own.g[1])
+    }
+}
+
+/// What the camera's place and clock, which all sightings share, have to do with one sighting.
+struct Shared<'a> {
+    layout: &'a Layout,
+    host_place: usize,
+    place: usize,
+    by_host: Rows,
+    by_target: Rows,
+    local: [[f64; LOCAL]; 2],
+    residual: [f64; 2],
+}
+
+impl Shared<'_> {
+    /// Adds the sighting's derivatives by the camera's place and by the clock, where they are estimated; `w` begins with their columns.
+    fn add(
+        &self,
+        normal: &mut Normal,
+        w: &mut [f64],
+        stride: usize,
+        camera: Option<[[f64; POSE_DIM]; 2]>,
+        clock: Option<[[f64; 1]; 2]>,
+    ) {
+        let first = self.layout.camera().or(self.layout.offset()).unwrap_or(self.host_place);
+        if let (Some(place), Some(rows)) = (self.layout.camera(), camera) {
+            self.add_block(normal, &mut w[place - first..], stride, place, &rows);
+        }
+        if let (Some(place), Some(column)) = (self.layout.offset(), clock) {
+            self.add_block(normal, &mut w[place - first..], stride, place, &column);
+            if let (Some(camera_place), Some(rows)) = (self.layout.camera(), camera) {
+                normal.add_product(place, &column, camera_place, &rows);
+            }
+        }
+    }
+
+    fn add_block<const N: usize>(
+        &self,
+        normal: &mut Normal,
+        w: &mut [f64],
+        stride: usize,
+        at: usize,
+        rows: &[[f64; N]; 2],
+    ) {
+        normal.add_square(at, rows);
+        for (pose, by_pose) in [(self.host_place, &self.by_host), (self.place, &self.by_target)] {
+            let by_pose: [[f64; POSE_DIM]; 2] =
+                std::array::from_fn(|r| std::array::from_fn(|k| by_pose[r][k]));
+            normal.add_product(at, rows, pose, &by_pose);
+        }
+        for k in 0..N {
+            normal.gradient_mut()[at + k] += rows[0][k] * self.residual[0] + rows[1][k] * self.residual[1];
+            for m in 0..LOCAL {
+                w[m * stride + k] += rows[0][k] * self.local[0][m] + rows[1][k] * self.local[1][m];
+            }
+        }
+    }
+}
+
+/// A landmark's own block, factored, and `L^-1 g`.
+struct OwnFactor {
+    l: [[f64; LOCAL]; LOCAL],
+    g: [f64; LOCAL],
+    /// How many of its unknowns are unknowns: all, or all but the depth.
+    unknowns: usize,
+}
+
+impl OwnFactor {
+    /// From the block's lower triangle and the gradient; `at_bound`: the depth may not become smaller.
+    #[inline(always)]
+    fn new(own: &[[f64; LOCAL]; LOCAL], g: &[f64; LOCAL], at_bound: bool) -> Self {
+        let mut factor = Self { l: [[0.0; LOCAL]; LOCAL], g: [0.0; LOCAL], unknowns: LOCAL };
+        for i in 0..LOCAL {
+            for k in 0..=i {
+                let mut value = own[i][k];
+                for m in 0..k {
+                    value -= factor.l[i][m] * factor.l[k][m];
+                }
+                factor.l[i][k] = if i == k { value.max(0.0).sqrt() } else { value / factor.l[k][k] };
+            }
+            let mut rest = g[i];
+            for m in 0..i {
+                rest -= factor.l[i][m] * factor.g[m];
+            }
+            // A depth that nothing was said of is no unknown; nor is one at its bound that would go on beyond it.
+            if i == DEPTH && (factor.l[i][i] < 3e-5 || (at_bound && rest >= 0.0)) {
+                factor.unknowns = DEPTH;
+                break;
+            }
+            factor.g[i] = rest / factor.l[i][i];
+        }
+        factor
+    }
+
+    /// Makes `W` into `L^-1 W` and takes `W^T A^-1 W` and `W^T A^-1 g` off the `width` states from `at` on.
+    #[inline(always)]
+    fn take_out<S: Simd>(
+        &self,
+        simd: S,
+        normal: &mut Normal,
+        w: &mut [f64],
+        stride: usize,
+        at: usize,
+        width: usize,
+    ) {
+        let (w0, rest) = w.split_at_mut(stride);
+        let (w1, w2) = rest.split_at_mut(stride);
+        let pivot = |i: usize| if i < self.unknowns { 1.0 / self.l[i][i] } else { 0.0 };
+        scale(simd, w0, pivot(0));
+        add_weighted(simd, w1, [-self.l[1][0]], [w0]);
+        scale(simd, w1, pivot(1));
+        add_weighted(simd, w2, [-self.l[2][0], -self.l[2][1]], [w0, w1]);
+        scale(simd, w2, pivot(2));
+        let gradient = &mut normal.whole_gradient_mut()[at..];
+        let whole = width.next_multiple_of(LANES);
+        add_weighted(
+            simd,
+            &mut gradient[..whole],
+            self.g.map(|g| -g),
+            [&w0[..whole], &w1[..whole], &w2[..whole]],
+        );
+        for i in 0..width {
+            let factors = [-w0[i], -w1[i], -w2[i]];
+            let row = &mut normal.whole_row_mut(at + i)[at..];
+            let whole = (i + 1).next_multiple_of(LANES);
+            add_weighted(simd, &mut row[..whole], factors, [&w0[..whole], &w1[..whole], &w2[..whole]]);
+        }
+    }
+}
+
+/// A vector's worth of a row.
+#[inline(always)]
+fn block(row: &mut [f64], at: usize) -> &mut [f64] {
+    &mut row[at..at + LANES]
+}
+
+/// `to += factors . rows`, all of one length, a multiple of [`LANES`].
+///
+/// In vectors by hand: left to the compiler, loops over blocks of eight become gathers and shuffles.
+#[inline(always)]
+fn add_weighted<S: Simd, const N: usize>(simd: S, to: &mut [f64], factors: [f64; N], rows: [&[f64]; N]) {
+    let to = S::as_mut_simd_f64s(to).0;
+    let mut all: [&[S::f64s]; N] = [&[]; N];
+    for n in 0..N {
+        all[n] = &S::as_simd_f64s(rows[n]).0[..to.len()];
+    }
+    for (k, to) in to.iter_mut().enumerate() {
+        let mut sum = simd.mul_f64s(simd.splat_f64s(factors[0]), all[0][k]);
+        for n in 1..N {
+            sum = simd.add_f64s(sum, simd.mul_f64s(simd.splat_f64s(factors[n]), all[n][k]));
+        }
+        *to = simd.add_f64s(*to, sum);
+    }
+}
+
+#[inline(always)]
+fn scale<S: Simd>(simd: S, row: &mut [f64], factor: f64) {
+    for v in S::as_mut_simd_f64s(row).0 {
+        *v = simd.mul_f64s(*v, simd.splat_f64s(factor));
+    }
+}
+
+/// The rows times `factor`, filled up with zeros.
+#[inline(always)]
+fn filled(rows: &[[f64; POSE_DIM]; 2], factor: f64) -> Rows {
+    let mut all = Rows::default();
+    for r in 0..2 {
+        for k in 0..POSE_DIM {
+            all[r][k] = rows[r][k] * factor;
+        }
+    }
+    all
+}
