@@ -39,7 +39,7 @@ pub struct InjectedPlan {
     pub courses: Vec<Course>,
     /// Noises of the closed loop on `step`; a constant among them at least.
     pub noises: Vec<String>,
-    /// Noises of the closed loop on the other courses, and those whose responses are measured.
+    /// Noises of the closed loop on the other courses; those of them that are no constants are also asked how they respond.
     pub followed: Vec<String>,
     /// Seeds on `step`; 1 to 100.
     pub seeds: u64,
@@ -85,7 +85,17 @@ impl Default for InjectedPlan {
                 "plus(diff2,x4)",
                 "diff2",
             ]),
-            followed: owned(&["x4", "x8", "oracle", "dualpronet", "plus(dualpronet(wide-s0),x4)", "diff2"]),
+            followed: owned(&[
+                "x2",
+                "x4",
+                "x8",
+                "x12",
+                "x16",
+                "oracle",
+                "dualpronet",
+                "plus(dualpronet(wide-s0),x4)",
+                "diff2",
+            ]),
             seeds: 2,
             course_seeds: 1,
             most_sequences: 0,

@@ -5,19 +5,17 @@ use super::super::injected::{Response, Value};
 use super::super::input::Input;
 use super::super::study::Against;
 use super::super::table::{Cell, Table};
-use crate::injected::{Course, Injection};
+use crate::injected::{Course, Injection, TONE_HZ};
+use crate::noise::Noise;
 
 /// What is added, in a sentence.
 fn words(injection: &Injection) -> String {
+    let factor = injection.factor;
     format!(
-        "Added at x1: {} m/s^2 and {} rad/s, changing by x{} (step: x1, x{}, x1 by thirds of the recording). The oracle is told the root of the sum of \
-         squares of what is added and of {} m/s^2, {} rad/s, the best constant without anything added.",
-        injection.accel,
-        injection.gyro,
-        injection.factor,
-        injection.factor,
-        injection.own_accel,
-        injection.own_gyro
+        "Added at x1: {} m/s^2 and {} rad/s, changing by x{factor} (step: x1, x{factor}, x1 by thirds of the recording; tone: nothing white, but a sine of {TONE_HZ} Hz \
+         and x{factor} rms; bias-jump: nothing white, but a bias of x{factor} on every axis, half way). The oracle is told the root of the sum of squares of what \
+         white noise is added and of {} m/s^2, {} rad/s, the best constant without anything added.",
+        injection.accel, injection.gyro, injection.own_accel, injection.own_gyro
     )
 }
 
@@ -73,9 +71,12 @@ pub(in crate::paper) fn value(
                 "{course}: the best constant is the end of the sweep; one beyond it may be better, and the gap smaller."
             ));
         }
-        let gap = |i: usize| value.gap[i].map_or("-".to_owned(), |gap| format!("{:.0} %", 100.0 * gap));
+        let gap = |i: usize| {
+            let side = |gap: f64| if gap < 0.0 { "above" } else { "below" };
+            value.gap[i].map_or("-".to_owned(), |gap| format!("{:.0} % {}", 100.0 * gap.abs(), side(gap)))
+        };
         table.note(format!(
-            "{course}, sequences: {} ({} training, {} test): the oracle's median lies {} below that of the best constant{} (training {}, test {}).",
+            "{course}, sequences: {} ({} training, {} test): the oracle's median lies {} that of the best constant{} (training {}, test {}).",
             value.sequences[0],
             value.sequences[1],
             value.sequences[2],
@@ -122,7 +123,9 @@ pub(in crate::paper) fn responses(
     let title = "Response of each noise model to a change of the noise, or to what is no white noise";
     let mut table = Table::new("response", title, &heads, made_by);
     let mut last = None;
-    for response in responses {
+    // A constant answers nothing; it is there for the sweep of the other courses.
+    let answers = |response: &&Response| !response.noise.parse::<Noise>().is_ok_and(|n| n.is_constant());
+    for response in responses.iter().filter(answers) {
         if last.is_some_and(|course| course != response.course) {
             table.rule();
         }

@@ -156,12 +156,7 @@ impl Landmarks<'_> {
         let w = &mut depths.w[start..];
 
         let mut cost = 0.0;
-        // The host's measurement holds its pixel to zero, by one deviation.
-        let mut own = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.0]];
-        let mut g = [0.0; LOCAL];
-        let mut host_square = [[0.0; LANES]; POSE_DIM];
-        let mut host_gradient = [0.0; LANES];
-        let mut host_coupling = [[0.0; LANES]; LOCAL];
+        let mut own = Own::default();
         for (target, sighting) in &landmark.sightings[1..sightings] {
             let pair = host * pairs.frames + target;
             let sighting = window.sighting_at_offset(sighting);
@@ -177,66 +172,40 @@ impl Landmarks<'_> {
             let squared = seen.residual.norm_squared();
             let (rho, weight) = window.config.loss.evaluate(squared, window.config.loss_scale);
             cost += 0.5 * rho;
-            let pixel = geometry.d_host_pixel(&seen, &host_sighting.spread);
             let root = weight.sqrt();
             seen.residual *= root;
-            let residual = [seen.residual.x, seen.residual.y];
-            let local = [0, 1].map(|r| [pixel[r][0] * root, pixel[r][1] * root, seen.depth[r] * root]);
-            for r in 0..2 {
-                for i in 0..LOCAL {
-                    g[i] += local[r][i] * residual[r];
-                    for k in 0..=i {
-                        own[i][k] += local[r][i] * local[r][k];
-                    }
+            let pixel = geometry.d_host_pixel(&seen, &host_sighting.spread);
+            let place = layout.pose(*target);
+            let rows = SightingRows {
+                residual: [seen.residual.x, seen.residual.y],
+                by_local: [0, 1].map(|r| [pixel[r][0] * root, pixel[r][1] * root, seen.depth[r] * root]),
+                host_place,
+                by_host: filled(&seen.host, root),
+                place,
+                by_target: filled(&seen.target, root),
+            };
+            own.add(simd, &rows);
+            rows.add(simd, normal);
+            for m in 0..LOCAL {
+                let factors = [rows.by_local[0][m], rows.by_local[1][m]];
+                add_weighted(simd, block(&mut w[m * stride..], place - at), factors, both(&rows.by_target));
+            }
+            if let Some(camera_place) = layout.camera() {
+                let camera = geometry.d_camera(&seen, &ray, inverse_depth).map(|row| row.map(|v| v * root));
+                rows.add_shared(normal, &mut w[camera_place - at..], stride, camera_place, &camera);
+                if let Some(place) = layout.offset() {
+                    let clock = geometry.d_offset(&seen, host_sighting, &sighting).map(|v| [v * root]);
+                    normal.add_product(place, &clock, camera_place, &camera);
                 }
             }
-
-            let by_host = filled(&seen.host, root);
-            let by_target = filled(&seen.target, root);
-            let place = layout.pose(*target);
-            let (host_rows, target_rows) =
-                ([&by_host[0][..], &by_host[1]], [&by_target[0][..], &by_target[1]]);
-            for i in 0..POSE_DIM {
-                let (by_host, by_target) =
-                    ([by_host[0][i], by_host[1][i]], [by_target[0][i], by_target[1][i]]);
-                add_weighted(simd, &mut host_square[i], by_host, host_rows);
-                let row = normal.whole_row_mut(place + i);
-                add_weighted(simd, block(row, host_place), by_target, host_rows);
-                add_weighted(simd, block(row, place), by_target, target_rows);
-            }
-            add_weighted(simd, &mut host_gradient, residual, host_rows);
-            add_weighted(simd, block(normal.whole_gradient_mut(), place), residual, target_rows);
-            for m in 0..LOCAL {
-                let factors = [local[0][m], local[1][m]];
-                add_weighted(simd, &mut host_coupling[m], factors, host_rows);
-                add_weighted(simd, block(&mut w[m * stride..], place - at), factors, target_rows);
-            }
-            if layout.extrinsics || layout.time_offset {
-                let camera = layout
-                    .camera()
-                    .map(|_| geometry.d_camera(&seen, &ray, inverse_depth).map(|row| row.map(|v| v * root)));
-                let clock = layout
-                    .offset()
-                    .map(|_| geometry.d_offset(&seen, host_sighting, &sighting).map(|v| [v * root]));
-                let shared = Shared { layout, host_place, place, by_host, by_target, local, residual };
-                shared.add(normal, w, stride, camera, clock);
+            if let Some(place) = layout.offset() {
+                let clock = geometry.d_offset(&seen, host_sighting, &sighting).map(|v| [v * root]);
+                rows.add_shared(normal, &mut w[place - at..], stride, place, &clock);
             }
         }
-        for i in 0..POSE_DIM {
-            add_weighted(
-                simd,
-                block(normal.whole_row_mut(host_place + i), host_place),
-                [1.0],
-                [&host_square[i]],
-            );
-        }
-        add_weighted(simd, block(normal.whole_gradient_mut(), host_place), [1.0], [&host_gradient]);
-        for m in 0..LOCAL {
-            add_weighted(simd, block(&mut w[m * stride..], host_place - at), [1.0], [&host_coupling[m]]);
-        }
-        own[DEPTH][DEPTH] *= 1.0 + *damping;
-        let at_bound = inverse_depth <= MIN_INVERSE_DEPTH;
-        let own = OwnFactor::new(&own, &g, at_bound);
+        own.add_host(simd, normal, host_place, &mut w[host_place - at..], stride);
+        own.block[DEPTH][DEPTH] *= 1.0 + *damping;
+        let own = own.factor(inverse_depth <= MIN_INVERSE_DEPTH);
         own.take_out(simd, normal, w, stride, at, width);
         if own.unknowns == LOCAL {
             let start = start + DEPTH * stride;
@@ -250,40 +219,32 @@ impl Landmarks<'_> {
     }
 }
 
-/// What the camera's place and clock, which all sightings share, have to do with one sighting.
-struct Shared<'a> {
-    layout: &'a Layout,
-    host_place: usize,
-    place: usize,
-    by_host: Rows,
-    by_target: Rows,
-    local: [[f64; LOCAL]; 2],
+/// One sighting: residual and derivatives, weighted.
+struct SightingRows {
     residual: [f64; 2],
+    by_local: [[f64; LOCAL]; 2],
+    host_place: usize,
+    by_host: Rows,
+    place: usize,
+    by_target: Rows,
 }
 
-impl Shared<'_> {
-    /// Adds the sighting's derivatives by the camera's place and by the clock, where they are estimated; `w` begins with their columns.
-    fn add(
-        &self,
-        normal: &mut Normal,
-        w: &mut [f64],
-        stride: usize,
-        camera: Option<[[f64; POSE_DIM]; 2]>,
-        clock: Option<[[f64; 1]; 2]>,
-    ) {
-        let first = self.layout.camera().or(self.layout.offset()).unwrap_or(self.host_place);
-        if let (Some(place), Some(rows)) = (self.layout.camera(), camera) {
-            self.add_block(normal, &mut w[place - first..], stride, place, &rows);
+impl SightingRows {
+    /// Adds all that it says of the two poses but the host's own block, which [`Own`] gathers.
+    #[inline(always)]
+    fn add<S: Simd>(&self, simd: S, normal: &mut Normal) {
+        let (host, target) = (both(&self.by_host), both(&self.by_target));
+        for i in 0..POSE_DIM {
+            let factors = [self.by_target[0][i], self.by_target[1][i]];
+            let row = normal.whole_row_mut(self.place + i);
+            add_weighted(simd, block(row, self.host_place), factors, host);
+            add_weighted(simd, block(row, self.place), factors, target);
         }
-        if let (Some(place), Some(column)) = (self.layout.offset(), clock) {
-            self.add_block(normal, &mut w[place - first..], stride, place, &column);
-            if let (Some(camera_place), Some(rows)) = (self.layout.camera(), camera) {
-                normal.add_product(place, &column, camera_place, &rows);
-            }
-        }
+        add_weighted(simd, block(normal.whole_gradient_mut(), self.place), self.residual, target);
     }
 
-    fn add_block<const N: usize>(
+    /// Adds its derivatives `rows` by what all sightings share, at place `at`: the camera's place or its clock. `w` begins there.
+    fn add_shared<const N: usize>(
         &self,
         normal: &mut Normal,
         w: &mut [f64],
@@ -300,25 +261,76 @@ impl Shared<'_> {
         for k in 0..N {
             normal.gradient_mut()[at + k] += rows[0][k] * self.residual[0] + rows[1][k] * self.residual[1];
             for m in 0..LOCAL {
-                w[m * stride + k] += rows[0][k] * self.local[0][m] + rows[1][k] * self.local[1][m];
+                w[m * stride + k] += rows[0][k] * self.by_local[0][m] + rows[1][k] * self.by_local[1][m];
             }
         }
     }
 }
 
-/// A landmark's own block, factored, and `L^-1 g`.
-struct OwnFactor {
-    l: [[f64; LOCAL]; LOCAL],
+/// What a landmark's sightings add up to in its own unknowns and in its host.
+struct Own {
+    /// Lower triangle.
+    block: [[f64; LOCAL]; LOCAL],
     g: [f64; LOCAL],
-    /// How many of its unknowns are unknowns: all, or all but the depth.
-    unknowns: usize,
+    host_square: [[f64; LANES]; POSE_DIM],
+    host_gradient: [f64; LANES],
+    host_coupling: [[f64; LANES]; LOCAL],
 }
 
-impl OwnFactor {
-    /// From the block's lower triangle and the gradient; `at_bound`: the depth may not become smaller.
+impl Default for Own {
+    /// The host's measurement alone: it holds its pixel to zero, by one deviation.
     #[inline(always)]
-    fn new(own: &[[f64; LOCAL]; LOCAL], g: &[f64; LOCAL], at_bound: bool) -> Self {
-        let mut factor = Self { l: [[0.0; LOCAL]; LOCAL], g: [0.0; LOCAL], unknowns: LOCAL };
+    fn default() -> Self {
+        Self {
+            block: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.0]],
+            g: [0.0; LOCAL],
+            host_square: [[0.0; LANES]; POSE_DIM],
+            host_gradient: [0.0; LANES],
+            host_coupling: [[0.0; LANES]; LOCAL],
+        }
+    }
+}
+
+impl Own {
+    #[inline(always)]
+    fn add<S: Simd>(&mut self, simd: S, rows: &SightingRows) {
+        let local = &rows.by_local;
+        for r in 0..2 {
+            for i in 0..LOCAL {
+                self.g[i] += local[r][i] * rows.residual[r];
+                for k in 0..=i {
+                    self.block[i][k] += local[r][i] * local[r][k];
+                }
+            }
+        }
+        let host = both(&rows.by_host);
+        for i in 0..POSE_DIM {
+            add_weighted(simd, &mut self.host_square[i], [rows.by_host[0][i], rows.by_host[1][i]], host);
+        }
+        add_weighted(simd, &mut self.host_gradient, rows.residual, host);
+        for m in 0..LOCAL {
+            add_weighted(simd, &mut self.host_coupling[m], [local[0][m], local[1][m]], host);
+        }
+    }
+
+    /// Adds the host's part to the equations and to `W`, which begins at the host's columns.
+    #[inline(always)]
+    fn add_host<S: Simd>(&self, simd: S, normal: &mut Normal, place: usize, w: &mut [f64], stride: usize) {
+        for i in 0..POSE_DIM {
+            let row = normal.whole_row_mut(place + i);
+            add_weighted(simd, block(row, place), [1.0], [&self.host_square[i]]);
+        }
+        add_weighted(simd, block(normal.whole_gradient_mut(), place), [1.0], [&self.host_gradient]);
+        for m in 0..LOCAL {
+            add_weighted(simd, block(&mut w[m * stride..], 0), [1.0], [&self.host_coupling[m]]);
+        }
+    }
+
+    /// Factors its block; `at_bound`: the depth may not become smaller.
+    #[inline(always)]
+    fn factor(&self, at_bound: bool) -> OwnFactor {
+        let (own, g) = (&self.block, &self.g);
+        let mut factor = OwnFactor { l: [[0.0; LOCAL]; LOCAL], g: [0.0; LOCAL], unknowns: LOCAL };
         for i in 0..LOCAL {
             for k in 0..=i {
                 let mut value = own[i][k];
@@ -340,7 +352,17 @@ impl OwnFactor {
         }
         factor
     }
+}
 
+/// A landmark's own block, factored, and `L^-1 g`.
+struct OwnFactor {
+    l: [[f64; LOCAL]; LOCAL],
+    g: [f64; LOCAL],
+    /// How many of its unknowns are unknowns: all, or all but the depth.
+    unknowns: usize,
+}
+
+impl OwnFactor {
     /// Makes `W` into `L^-1 W` and takes `W^T A^-1 W` and `W^T A^-1 g` off the `width` states from `at` on.
     #[inline(always)]
     fn take_out<S: Simd>(
@@ -375,6 +397,11 @@ impl OwnFactor {
             add_weighted(simd, &mut row[..whole], factors, [&w0[..whole], &w1[..whole], &w2[..whole]]);
         }
     }
+}
+
+#[inline(always)]
+fn both(rows: &Rows) -> [&[f64]; 2] {
+    [&rows[0], &rows[1]]
 }
 
 /// A vector's worth of a row.
