@@ -247,7 +247,8 @@ mod tests {
         Plan::quick().validate().unwrap();
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../configs/paper/whole.toml");
         assert_eq!(dpn_core::config::load::<Plan>(&path).unwrap(), Plan::whole());
-        dpn_core::config::load::<Plan>(&path.with_file_name("figures.toml")).unwrap();
+        let figures = dpn_core::config::load::<Plan>(&path.with_file_name("figures.toml")).unwrap();
+        assert_eq!(figures, Plan { other_seeds: 2, ..Plan::whole() });
     }
 
     #[test]

@@ -72,8 +72,7 @@ impl Normal {
     /// Row `r` of H up to and with the diagonal, to add to.
     #[inline]
     pub fn row_mut(&mut self, r: usize) -> &mut [f64] {
-        let start = r * self.stride;
-        &mut self.h[start..=start + r]
+        &mut self.whole_row_mut(r)[..=r]
     }
 
     /// Row `r` of H with [`Self::MARGIN`] columns and more behind the last, to add whole vectors to: what lands above the diagonal is
@@ -134,8 +133,7 @@ impl Normal {
     ) {
         debug_assert!(at_b + B <= at_a, "blocks overlap");
         for i in 0..A {
-            let start = (at_a + i) * self.stride + at_b;
-            let row: &mut [f64] = &mut self.h[start..start + B];
+            let row = &mut self.whole_row_mut(at_a + i)[at_b..at_b + B];
             for j in 0..B {
                 let mut sum = 0.0;
                 for r in 0..R {
@@ -150,8 +148,7 @@ impl Normal {
     #[inline]
     pub fn add_square<const R: usize, const A: usize>(&mut self, at: usize, a: &[[f64; A]; R]) {
         for i in 0..A {
-            let start = (at + i) * self.stride + at;
-            let row: &mut [f64] = &mut self.h[start..start + A];
+            let row = &mut self.whole_row_mut(at + i)[at..at + A];
             // The upper half of the block is computed and never read: a full row is one vector loop.
             for j in 0..A {
                 let mut sum = 0.0;
@@ -191,8 +188,7 @@ impl Normal {
                     continue;
                 }
                 self.g[i] -= factor * gradient;
-                let row = &mut self.h[i * self.stride..=i * self.stride + i];
-                for (h, c) in row.iter_mut().zip(&column) {
+                for (h, c) in self.row_mut(i).iter_mut().zip(&column) {
                     *h -= factor * c;
                 }
             }

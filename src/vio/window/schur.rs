@@ -190,17 +190,17 @@ impl Landmarks<'_> {
                 let factors = [rows.by_local[0][m], rows.by_local[1][m]];
                 add_weighted(simd, block(&mut w[m * stride..], place - at), factors, both(&rows.by_target));
             }
-            if let Some(camera_place) = layout.camera() {
-                let camera = geometry.d_camera(&seen, &ray, inverse_depth).map(|row| row.map(|v| v * root));
-                rows.add_shared(normal, &mut w[camera_place - at..], stride, camera_place, &camera);
-                if let Some(place) = layout.offset() {
-                    let clock = geometry.d_offset(&seen, host_sighting, &sighting).map(|v| [v * root]);
-                    normal.add_product(place, &clock, camera_place, &camera);
-                }
-            }
-            if let Some(place) = layout.offset() {
+            let clock = layout.offset().map(|place| {
                 let clock = geometry.d_offset(&seen, host_sighting, &sighting).map(|v| [v * root]);
                 rows.add_shared(normal, &mut w[place - at..], stride, place, &clock);
+                (place, clock)
+            });
+            if let Some(place) = layout.camera() {
+                let camera = geometry.d_camera(&seen, &ray, inverse_depth).map(|row| row.map(|v| v * root));
+                rows.add_shared(normal, &mut w[place - at..], stride, place, &camera);
+                if let Some((clock_place, clock)) = &clock {
+                    normal.add_product(*clock_place, clock, place, &camera);
+                }
             }
         }
         own.add_host(simd, normal, host_place, &mut w[host_place - at..], stride);
