@@ -1,8 +1,8 @@
 //! Images for the benches of the front-end: the real ones of a camera at rest, rolled so that they seem to move.
 
 use dpn_core::GrayImage;
-use dpn_core::io::ImageFolder;
-use dpn_core::io::asl::Sequence;
+use dpn_io::ImageFolder;
+use dpn_io::asl::Sequence;
 use std::path::{Path, PathBuf};
 
 /// Images there are.

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Looks at index.html in headless Chromium: no console error, no request, no overflow, every picture loads, in light and dark, wide and on a phone.
 
-usage: check_page.py [PAGE] [--shots DIR]      PAGE: index.html beside this script
+usage: check_page.py [PAGE] [--shots DIR]      PAGE: index.html beside this script in euroc/
 
 Exit code 0 where all is well, 1 with a line for every fault. With --shots, full-page screenshots are left in DIR.
 needs: playwright (pip install playwright) and a Chromium: `playwright install chromium`, or one on the PATH.

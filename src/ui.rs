@@ -71,28 +71,28 @@ fn hint_of(cause: &(dyn std::error::Error + 'static)) -> Option<String> {
     if let Some(fault) = cause.downcast_ref::<Fault>() {
         return fault.hint.clone();
     }
-    if let Some(error) = cause.downcast_ref::<dpn_core::config::ConfigError>() {
+    if let Some(error) = cause.downcast_ref::<dpn_io::config::ConfigError>() {
         return error.hint();
     }
     if let Some(error) = cause.downcast_ref::<dpn_eval::closed_loop::ClosedLoopError>() {
         return error.hint();
     }
-    if let Some(error) = cause.downcast_ref::<dpn_eval::paper::PaperError>() {
+    if let Some(error) = cause.downcast_ref::<dpn_papers::PaperError>() {
         return error.hint();
     }
-    if let Some(error) = cause.downcast_ref::<dpn_core::io::IoError>() {
+    if let Some(error) = cause.downcast_ref::<dpn_io::IoError>() {
         return error.hint();
     }
     if let Some(error) = cause.downcast_ref::<dpn_logs::LogError>() {
         return error.hint();
     }
-    if let Some(error) = cause.downcast_ref::<dpn_core::noise::formats::FormatError>() {
+    if let Some(error) = cause.downcast_ref::<dpn_io::noise_formats::FormatError>() {
         return error.hint();
     }
-    if let Some(error) = cause.downcast_ref::<dpn_eval::log_noise::LogNoiseError>() {
+    if let Some(error) = cause.downcast_ref::<dpn_probe::log_noise::LogNoiseError>() {
         return error.hint();
     }
-    if let Some(error) = cause.downcast_ref::<dpn_eval::allan::AllanError>() {
+    if let Some(error) = cause.downcast_ref::<dpn_probe::allan::AllanError>() {
         return error.hint();
     }
     if let Some(error) = cause.downcast_ref::<dpn_train::asl::LoadError>() {

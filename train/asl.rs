@@ -2,8 +2,8 @@
 
 use crate::corpus::{Corpus, CorpusError, Member};
 use crate::split::{Side, assign, paper_side};
-use dpn_core::io::IoError;
-use dpn_core::io::asl::{Sequence, discover};
+use dpn_io::IoError;
+use dpn_io::asl::{Sequence, discover};
 use rayon::prelude::*;
 use std::path::Path;
 use thiserror::Error;

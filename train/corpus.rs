@@ -2,7 +2,7 @@
 
 use crate::split::Side;
 use crate::windows::WINDOW;
-use dpn_core::io::{CheckOptions, RecordingFault, check};
+use dpn_core::check::{CheckOptions, RecordingFault, check};
 use dpn_core::{ImuRecording, SampleRate};
 use sha2::{Digest, Sha256};
 use thiserror::Error;

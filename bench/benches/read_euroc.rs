@@ -1,6 +1,6 @@
 //! Reads the eleven EuRoC IMU files (274,241 rows), one thread; without the data, the excerpt in `tests/data` as a smoke test.
 
-use dpn_core::io::asl::{Sequence, discover};
+use dpn_io::asl::{Sequence, discover};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 

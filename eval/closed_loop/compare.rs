@@ -6,8 +6,8 @@
 //! has no error are left out.
 
 use super::row::Row;
-use crate::noise::Noise;
 use crate::stats::{Alternative, StatsError, hodges_lehmann, holm, log_ratios, signed_rank};
+use dpn_core::estimate::Noise;
 use serde::Serialize;
 
 /// Fewest sequences that are compared: of five pairs the smallest two-sided p is .0625.

@@ -7,7 +7,7 @@ use super::error::ClosedLoopError;
 use super::row::{CellKey, Row};
 use crate::metrics::{NeesReport, PoseNees, nees_report};
 use dpn_core::Stamp;
-use dpn_core::io::{IoError, atomic_write};
+use dpn_io::{IoError, atomic_write};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

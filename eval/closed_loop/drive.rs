@@ -3,7 +3,7 @@
 use super::error::ClosedLoopError;
 use super::recording::{Recording, Span};
 use cpu_time::ThreadTime;
-use dpn_core::io::StampedPose;
+use dpn_core::trajectory::StampedPose;
 use dpn_core::{NoiseTrack, Stamp, TrackFrame};
 use dpn_vio::estimator::{Estimator, EstimatorConfig, RunReport, Update};
 use dpn_vio::preint::NoisySample;

@@ -5,7 +5,7 @@ use crate::noise::NoiseError;
 use crate::stats::StatsError;
 use dpn_core::camera::BadCamera;
 use dpn_core::config::ConfigFault;
-use dpn_core::io::{Coverage, IoError};
+use dpn_io::{Coverage, IoError};
 use dpn_sim::SimulationError;
 use dpn_sim::render::RenderError;
 use dpn_sim::tracks::{BadCameraSettings, PathError, TracksError};

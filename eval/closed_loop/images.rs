@@ -5,9 +5,9 @@
 
 use super::error::ClosedLoopError;
 use super::recording::Span;
-use dpn_core::io::asl::Sequence;
-use dpn_core::io::{ImageFolder, IoError};
 use dpn_core::{GrayImage, Stamp};
+use dpn_io::asl::Sequence;
+use dpn_io::{ImageFolder, IoError};
 use dpn_sim::RenderConfig;
 use dpn_vio::frontend::FrontEndConfig;
 

@@ -10,12 +10,12 @@ use crate::metrics::{
     TruthTrack, associate_interpolated, ate, nees, rpe, scale_error, start_alignment,
 };
 use dpn_core::Stamp;
-use dpn_core::io::StampedPose;
+use dpn_core::trajectory::StampedPose;
 use dpn_vio::estimator::Stage;
 use nalgebra::Matrix6;
 
 /// True poses farther apart than this have none between them \[s\].
-pub(super) const MAX_GAP_S: f64 = 0.1;
+pub const MAX_GAP_S: f64 = 0.1;
 /// Ground truth slower than this is interpolated by a cubic \[s\].
 const SLOW_TRUTH_S: f64 = 0.01;
 /// A run whose error exceeds this share of the true path is lost.

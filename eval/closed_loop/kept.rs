@@ -4,9 +4,10 @@ use super::error::ClosedLoopError;
 use super::lazy::Shared;
 use super::recording::Recording;
 use super::sight::Seen;
-use crate::noise::{Noise, NoiseError, Recorded, Sources, of_recording};
-use crate::open_loop::Network;
+use crate::noise::{NoiseError, Recorded, Sources, of_recording};
+use dpn_core::estimate::Noise;
 use dpn_core::{ImuNoise, NoiseTrack};
+use dpn_pronet::network::Network;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

@@ -7,7 +7,6 @@
 //! * [`single`] runs one recording and says everything of it.
 //! * [`consistency`] puts the NEES of many seeds together, [`compare`] tests noises against the best constant, [`render`] prints rows beside the paper's figures and VINS-Mono's.
 
-mod album;
 mod compare;
 mod consistency;
 mod drive;
@@ -29,27 +28,25 @@ mod store;
 mod sweep;
 mod table;
 mod tally;
-mod views;
 
-pub use album::{Album, AlbumError};
 pub use compare::{Comparison, compare};
 pub use consistency::{Consistency, consistency};
 pub use drive::{Driven, FEWEST_FRAMES, drive, frames_from};
 pub use error::ClosedLoopError;
 pub use images::{ImageStream, Images, Vision, has_images};
-pub use judge::{Errors, Judged, Told, judge, paired};
+pub use judge::{Errors, Judged, MAX_GAP_S, Told, judge, paired};
 pub use paper::Peer;
 pub use recording::{Recording, Span, StartAt, first_motion};
 pub use row::{CellKey, Failure, Restart, Row, StageSeconds};
 pub use sight::{PassedOver, Seen, Sight, SightEvent, SightFigures, Watch, follow};
 pub use single::{Report, Single, single};
 pub use source::{Source, Tracks};
-pub(crate) use states::ANCHOR;
+pub use states::ANCHOR;
 pub use states::write_states;
 pub use store::{Manifest, Store};
 pub use sweep::{Keep, Sweep, Unseen};
 pub use table::{Summary, render, render_comparisons, render_consistency, summaries};
-pub use views::{timeline, top_view};
 
-#[cfg(test)]
-pub(crate) use row::testing;
+#[cfg(any(test, feature = "testing"))]
+#[doc(hidden)]
+pub use row::testing;

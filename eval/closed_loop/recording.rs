@@ -1,7 +1,7 @@
 //! One flight, ready for an estimator: samples, a camera, what is true of it.
 
 use dpn_core::camera::PinholeRadtan;
-use dpn_core::io::StampedPose;
+use dpn_core::trajectory::StampedPose;
 use dpn_core::{ImuRecording, NoiseTrack, Stamp};
 use dpn_train::split::Side;
 use nalgebra::Isometry3;

@@ -157,12 +157,13 @@ impl CellKey {
     }
 }
 
-#[cfg(test)]
-pub(crate) mod testing {
+#[cfg(any(test, feature = "testing"))]
+pub mod testing {
+    //! Rows for tests.
     use super::*;
 
     /// A row with these figures and round ones elsewhere.
-    pub(crate) fn row(sequence: &str, noise: &str, seed: u64, ate: Option<f64>) -> Row {
+    pub fn row(sequence: &str, noise: &str, seed: u64, ate: Option<f64>) -> Row {
         Row {
             sequence: sequence.into(),
             split: if sequence.starts_with("MH_01") { Side::Train } else { Side::Test },

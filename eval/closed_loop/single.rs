@@ -6,11 +6,12 @@ use super::judge::{Told, judge};
 use super::recording::Recording;
 use super::row::Row;
 use super::sight::{Seen, SightEvent};
-use crate::noise::{Fresh, Noise, Recorded};
-use crate::open_loop::Network;
-use dpn_core::io::{CheckOptions, RecordingFault, check};
+use crate::noise::{Fresh, Recorded};
+use dpn_core::check::{CheckOptions, RecordingFault, check};
+use dpn_core::estimate::Noise;
 use dpn_core::random::Stream;
 use dpn_core::{NoiseTrack, Sensor, TrackFrame};
+use dpn_pronet::network::Network;
 use dpn_vio::EstimatorConfig;
 use dpn_vio::diagnosis::{Axes, TrackHealth, axes, track_health};
 use dpn_vio::estimator::Phase;
@@ -77,7 +78,7 @@ pub fn single(
     }
     let recorded = Recorded { name: &recording.name, imu: &recording.imu, oracle: recording.oracle.as_ref() };
     let stream = Stream::new(told.seed).named("noise").named(&recording.name);
-    let track = noise.track(&recording.imu, &Fresh { recorded, networks }, &stream)?;
+    let track = crate::noise::track(noise, &recording.imu, &Fresh { recorded, networks }, &stream)?;
     let axes = axes(recording.imu.samples(), frames, &recording.camera, &recording.body_from_cam);
     let driven = drive(config, recording, frames, &track, told.seed)?;
     let mut waited_for: BTreeMap<String, usize> = BTreeMap::new();

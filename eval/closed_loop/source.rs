@@ -6,10 +6,12 @@ use super::recording::{Recording, Span};
 use super::rendered::rendered;
 use super::sight::{Seen, Watch, follow};
 use crate::metrics::poses_of;
+use dpn_core::camera::CameraConfig;
 use dpn_core::camera::PinholeRadtan;
-use dpn_core::io::asl::{CameraConfig, Sequence, discover};
-use dpn_core::io::{ImageFolder, IoError, StampedPose, read_tracks};
+use dpn_core::trajectory::StampedPose;
 use dpn_core::{SampleRate, Stamp, TrackFrame};
+use dpn_io::asl::{Sequence, discover};
+use dpn_io::{ImageFolder, IoError, read_tracks};
 use dpn_sim::flight::FlightPlan;
 use dpn_sim::tracks::{
     AnalyticPath, CameraSettings, PathConfig, RecordedPath, TracksConfig, camera_stamps, simulate_tracks,

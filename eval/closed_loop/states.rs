@@ -6,7 +6,7 @@ use dpn_vio::estimator::Phase;
 use std::io::Write;
 
 /// Before the pose that covariances are about: stamp, position, quaternion (w x y z).
-pub(crate) const ANCHOR: &str = "#anchor,";
+pub const ANCHOR: &str = "#anchor,";
 
 /// Writes a line a frame as CSV: stamp, what the estimator does, state, believed deviations of the pose, noise in force, counts. A line
 /// behind `#anchor` has the pose that the estimator took for known.

@@ -17,12 +17,13 @@ use super::source::Source;
 use super::states::write_states;
 use super::store::{Manifest, Store};
 use crate::injected::Injection;
-use crate::noise::{MeanSquare, Noise, Recorded, of_recording};
-use crate::open_loop::Network;
-use dpn_core::io::{atomic_write, write_tum};
+use crate::noise::{MeanSquare, Recorded, of_recording};
+use dpn_core::estimate::Noise;
 use dpn_core::progress::Progress;
 use dpn_core::random::Stream;
 use dpn_core::{ImuNoise, Sensor};
+use dpn_io::{atomic_write, write_tum};
+use dpn_pronet::network::Network;
 use dpn_train::split::Side;
 use dpn_vio::EstimatorConfig;
 use std::collections::{BTreeMap, BTreeSet};
@@ -324,7 +325,7 @@ impl Sweep<'_> {
         let frames = seen.span.of(&seen.frames, |frame| frame.t);
         let stream = Stream::new(cell.seed).named("noise").named(&recording.name);
         let sources = kept.sources(needs, recorded(&recording), self.networks);
-        let noise = cell.noise.track(&recording.imu, &sources, &stream)?;
+        let noise = crate::noise::track(&cell.noise, &recording.imu, &sources, &stream)?;
         let driven = drive(&self.estimator, &recording, frames, &noise, cell.seed)?;
         let told = Told {
             camera: self.source.camera().into(),

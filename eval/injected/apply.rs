@@ -8,7 +8,7 @@ use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::{SQRT_2, TAU};
 
 /// Frequency of the tone \[Hz\]: where EuRoC's rotors are.
-pub(crate) const TONE_HZ: f64 = 90.0;
+pub const TONE_HZ: f64 = 90.0;
 
 impl Injection {
     /// The samples with what is added, and what an oracle says: at every sample and axis the root of the sum of squares of the white

@@ -58,9 +58,9 @@ mod tests {
     #[test]
     fn the_written_configuration_is_the_default_and_bad_values_are_named() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../configs/injected/step.toml");
-        assert_eq!(dpn_core::config::load::<Injection>(&path).unwrap(), Injection::default());
+        assert_eq!(dpn_io::config::load::<Injection>(&path).unwrap(), Injection::default());
         let text = "accel = -1.0\nown_gyro = 0.0\nfactor = 0.5";
-        let error = dpn_core::config::parse::<Injection>(text, Path::new("a.toml")).unwrap_err().to_string();
+        let error = dpn_io::config::parse::<Injection>(text, Path::new("a.toml")).unwrap_err().to_string();
         for key in ["accel", "own_gyro", "factor"] {
             assert!(error.contains(key), "{error}");
         }

@@ -9,7 +9,7 @@ mod config;
 mod course;
 mod response;
 
-pub(crate) use apply::TONE_HZ;
+pub use apply::TONE_HZ;
 pub use config::Injection;
 pub use course::Course;
 pub use response::{StepResponse, step_response};

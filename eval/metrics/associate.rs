@@ -8,7 +8,7 @@
 use super::error::{MetricsError, Trajectory, check};
 use super::truth::{Cover, TruthTrack};
 use dpn_core::Stamp;
-use dpn_core::io::StampedPose;
+use dpn_core::trajectory::StampedPose;
 use nalgebra::Isometry3;
 
 /// A true and an estimated pose that belong together.

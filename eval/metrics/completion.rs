@@ -3,7 +3,7 @@
 use super::error::{MetricsError, Trajectory, check};
 use super::truth::{Cover, TruthTrack};
 use dpn_core::Stamp;
-use dpn_core::io::StampedPose;
+use dpn_core::trajectory::StampedPose;
 use serde::{Deserialize, Serialize};
 
 /// Frames with ground truth, and those of them with an estimated pose.

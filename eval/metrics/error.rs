@@ -1,7 +1,7 @@
 //! Why a metric cannot be computed.
 
 use crate::stats::StatsError;
-use dpn_core::io::StampedPose;
+use dpn_core::trajectory::StampedPose;
 use std::fmt;
 use thiserror::Error;
 

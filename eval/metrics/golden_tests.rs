@@ -2,7 +2,7 @@
 
 use super::*;
 use dpn_core::Stamp;
-use dpn_core::io::StampedPose;
+use dpn_core::trajectory::StampedPose;
 use nalgebra::{Isometry3, Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
 use serde::Deserialize;
 use std::collections::BTreeMap;

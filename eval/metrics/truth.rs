@@ -7,8 +7,8 @@
 
 use super::error::{MetricsError, Trajectory, check, positive};
 use dpn_core::Stamp;
-use dpn_core::io::StampedPose;
-use dpn_core::io::asl::GroundTruth;
+use dpn_core::trajectory::StampedPose;
+use dpn_core::truth::GroundTruth;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 /// How positions are interpolated; rotations always go along the geodesic.
@@ -158,7 +158,7 @@ impl<'a> TruthTrack<'a> {
 
 /// The poses of a ground-truth file, as trajectories are compared.
 pub fn poses_of(truth: &GroundTruth) -> Vec<StampedPose> {
-    let pose = |state: &dpn_core::io::asl::TrueState| StampedPose {
+    let pose = |state: &dpn_core::truth::TrueState| StampedPose {
         t: state.t,
         world_from_body: state.world_from_body,
     };

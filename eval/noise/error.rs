@@ -1,8 +1,9 @@
 //! Why there is no noise.
 
 use dpn_core::estimate::SpecError;
-use dpn_core::io::IoError;
+use dpn_io::IoError;
 use dpn_pronet::model::PairError;
+use dpn_pronet::network::UnknownNetwork;
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -12,23 +13,13 @@ pub enum NoiseError {
     /// A string that is no spec.
     #[error(transparent)]
     Spec(#[from] SpecError),
-    /// A list without a spec.
-    #[error("no noise spec among `{text}`; write for example x1,x4,dualpronet")]
-    NoSpec {
-        /// What was given.
-        text: String,
-    },
     /// A network nobody has.
-    #[error("`{spec}`: there is no {sensor} network `{tag}`; known are {}", known.join(", "))]
+    #[error("`{spec}`: {source}")]
     NoNetwork {
         /// The spec.
         spec: String,
-        /// The sensor.
-        sensor: dpn_core::Sensor,
-        /// What was asked for.
-        tag: String,
-        /// Every tag there is.
-        known: Vec<String>,
+        /// What was asked for, and what there is.
+        source: UnknownNetwork,
     },
     /// Two networks that are no pair.
     #[error(transparent)]

@@ -1,13 +1,13 @@
 //! From a spec to a noise for every sample of a recording.
 
+use super::NoiseError;
 use super::controls::{MeanSquare, shuffled};
-use super::{Noise, NoiseError};
-use crate::open_loop::Network;
-use dpn_core::estimate::{Schedule, sigma_floor};
-use dpn_core::io::read_noise_track;
+use dpn_core::estimate::{Noise, Schedule, raised_to_floor};
 use dpn_core::random::Stream;
 use dpn_core::{ImuNoise, ImuRecording, NoiseTrack, Sensor, Stamp};
+use dpn_io::read_noise_track;
 use dpn_pronet::DualProNet;
+use dpn_pronet::network::{Network, select};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -59,36 +59,35 @@ impl Sources for Fresh<'_> {
     }
 }
 
-impl Noise {
-    /// The noise in force at every sample of `imu`; a control that permutes draws from `stream`.
-    ///
-    /// # Errors
-    /// What `sources` cannot give.
-    pub fn track(
-        &self,
-        imu: &ImuRecording,
-        sources: &dyn Sources,
-        stream: &Stream,
-    ) -> Result<Arc<NoiseTrack>, NoiseError> {
-        match self {
-            Self::Shuffled(of) => {
-                let stream = stream.named("shuffled");
-                Ok(Arc::new(shuffled(&*of.track(imu, sources, &stream)?, &stream)))
-            }
-            Self::Mean(of) => {
-                let track = of.track(imu, sources, stream)?;
-                let mut mean = MeanSquare::default();
-                mean.add(&track);
-                Ok(mean.root().map_or(track, |noise| Arc::new(constant(imu, noise))))
-            }
-            Self::MeanOfTrain(of) => Ok(Arc::new(constant(imu, sources.training_mean(of.source())?))),
-            Self::Plus { of, constant } => {
-                let track = of.track(imu, sources, stream)?;
-                let constant = NoiseTrack::of(constant.model(Schedule::default())?.as_mut(), imu);
-                Ok(Arc::new(together(&track, &constant)))
-            }
-            source => sources.track(source),
+/// The noise in force at every sample of `imu`; a control that permutes draws from `stream`.
+///
+/// # Errors
+/// What `sources` cannot give.
+pub fn track(
+    spec: &Noise,
+    imu: &ImuRecording,
+    sources: &dyn Sources,
+    stream: &Stream,
+) -> Result<Arc<NoiseTrack>, NoiseError> {
+    match spec {
+        Noise::Shuffled(of) => {
+            let stream = stream.named("shuffled");
+            Ok(Arc::new(shuffled(&*track(of, imu, sources, &stream)?, &stream)))
         }
+        Noise::Mean(of) => {
+            let track = track(of, imu, sources, stream)?;
+            let mut mean = MeanSquare::default();
+            mean.add(&track);
+            let mean = mean.root().expect("a track has a sample");
+            Ok(Arc::new(constant(imu, mean)))
+        }
+        Noise::MeanOfTrain(of) => Ok(Arc::new(constant(imu, sources.training_mean(of.source())?))),
+        Noise::Plus { of, constant } => {
+            let track = track(of, imu, sources, stream)?;
+            let constant = NoiseTrack::of(constant.model(Schedule::default())?.as_mut(), imu);
+            Ok(Arc::new(together(&track, &constant)))
+        }
+        source => sources.track(source),
     }
 }
 
@@ -123,7 +122,10 @@ pub fn of_recording(
         Noise::Core(spec) => Ok(NoiseTrack::of(spec.model(Schedule::default())?.as_mut(), imu)),
         Noise::DualProNet { accel, gyro } => {
             let spec = source.to_string();
-            let of = |sensor, tag| network(networks, &spec, sensor, tag);
+            let of = |sensor, tag| {
+                select(networks, sensor, tag)
+                    .map_err(|source| NoiseError::NoNetwork { spec: spec.clone(), source })
+            };
             let (accel, gyro) = (of(Sensor::Accel, accel)?, of(Sensor::Gyro, gyro)?);
             let mut model = DualProNet::new(spec.clone(), &accel.weights, &gyro.weights, DualProNet::HOP)?;
             let (found, trained) = (imu.rate().hz(), model.trained_rate().hz());
@@ -136,7 +138,7 @@ pub fn of_recording(
                 });
             }
             let said = NoiseTrack::of(&mut model, imu);
-            let raised = said.noises().iter().map(raised).collect();
+            let raised = said.noises().iter().map(raised_to_floor).collect();
             Ok(NoiseTrack::new(said.stamps().to_vec(), raised).unwrap_or(said))
         }
         Noise::File(path) => held(path, source, recorded),
@@ -148,28 +150,6 @@ pub fn of_recording(
             of_recording(of.source(), recorded, networks)
         }
     }
-}
-
-/// The network of a sensor whose weight file is called `tag`.
-pub(crate) fn network<'a>(
-    networks: &'a [Network],
-    spec: &str,
-    sensor: Sensor,
-    tag: &str,
-) -> Result<&'a Network, NoiseError> {
-    let stem = |n: &Network| n.path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
-    networks.iter().find(|n| n.sensor() == sensor && stem(n) == tag).ok_or_else(|| NoiseError::NoNetwork {
-        spec: spec.to_owned(),
-        sensor,
-        tag: tag.to_owned(),
-        known: networks.iter().filter(|n| n.sensor() == sensor).map(stem).collect(),
-    })
-}
-
-/// At least the floor that estimates are held to: a network may say zero, whose information is infinite.
-pub(crate) fn raised(noise: &ImuNoise) -> ImuNoise {
-    let of = |sensor| noise.of(sensor).map(|sigma| sigma.max(sigma_floor(sensor)));
-    ImuNoise::from_values(of(Sensor::Accel), of(Sensor::Gyro)).unwrap_or(*noise)
 }
 
 /// A track on disk, each value held until the next.
@@ -227,7 +207,7 @@ fn median_step(stamps: &[Stamp]) -> f64 {
 mod tests {
     use super::*;
     use dpn_core::ImuSample;
-    use dpn_core::io::write_noise_track;
+    use dpn_io::write_noise_track;
 
     fn recording(samples: i64) -> ImuRecording {
         let sample = |i: i64| ImuSample {
@@ -241,7 +221,7 @@ mod tests {
     fn track(spec: &str, imu: &ImuRecording, seed: u64) -> Result<Arc<NoiseTrack>, NoiseError> {
         let recorded = Recorded { name: "made-up", imu, oracle: None };
         let sources = Fresh { recorded, networks: &[] };
-        spec.parse::<Noise>().unwrap().track(imu, &sources, &Stream::new(seed))
+        super::track(&spec.parse().unwrap(), imu, &sources, &Stream::new(seed))
     }
 
     #[test]

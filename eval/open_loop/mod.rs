@@ -1,9 +1,7 @@
 //! Estimators against windows whose noise is known, beside the Cramer-Rao bound and the paper's rows.
 
-pub mod networks;
 mod rows;
 mod run;
 
-pub use networks::Network;
 pub use rows::{Errors, Row, SigmaBin};
 pub use run::{Drawn, OpenLoop, OpenLoopError, Request, run};

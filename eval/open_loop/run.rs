@@ -5,7 +5,6 @@
 //! training side first. A collection without bases of its own (raw TUM-VI) is judged as it is, by networks and
 //! regressors of every base: nothing is ever trained on it.
 
-use super::networks::Network;
 use super::rows::{Errors, Row};
 use dpn_core::Sensor;
 use dpn_core::estimate::spec::EstimatorSpec;
@@ -13,6 +12,7 @@ use dpn_core::estimate::{EstimatorError, WindowSigma};
 use dpn_core::progress::Progress;
 use dpn_core::random::Stream;
 use dpn_core::signal::FilterError;
+use dpn_pronet::network::Network;
 use dpn_train::asl::TUM_VI;
 use dpn_train::base::{Base, Scope};
 use dpn_train::corpus::Corpus;

@@ -3,12 +3,12 @@
 
 #![allow(clippy::unwrap_used)]
 
-use dpn_core::io::asl::Sequence;
-use dpn_core::io::read_tum;
 use dpn_eval::metrics::{
     AlignmentKind, PosePair, TruthOptions, TruthTrack, associate_interpolated, associate_nearest, ate,
     poses_of,
 };
+use dpn_io::asl::Sequence;
+use dpn_io::read_tum;
 use std::path::{Path, PathBuf};
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");

@@ -1,7 +1,7 @@
 //! The strict reader of IMU logs as text.
 #![no_main]
 
-use dpn_core::io::{CsvOptions, parse_imu_csv};
+use dpn_io::{CsvOptions, parse_imu_csv};
 use libfuzzer_sys::fuzz_target;
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! The reader of anybody's text logs, and the one that takes them line by line.
 #![no_main]
 
-use dpn_core::io::{CsvOptions, ImuLines, parse_imu_csv_loosely};
+use dpn_io::{CsvOptions, ImuLines, parse_imu_csv_loosely};
 use libfuzzer_sys::fuzz_target;
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! Configurations with noise figures.
 #![no_main]
 
-use dpn_core::noise::formats::{Given, parse};
+use dpn_io::noise_formats::{Given, parse};
 use libfuzzer_sys::fuzz_target;
 use std::path::Path;
 

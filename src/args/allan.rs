@@ -2,7 +2,7 @@
 
 use super::LogArgs;
 use clap::Args;
-use dpn_core::noise::formats::Format;
+use dpn_io::noise_formats::Format;
 use std::path::PathBuf;
 
 /// Flags of `dpn allan`.

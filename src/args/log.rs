@@ -2,7 +2,7 @@
 
 use clap::Args;
 use dpn_core::SampleRate;
-use dpn_core::io::{AccelUnit, GyroUnit, ImuColumns, TimeUnit};
+use dpn_io::{AccelUnit, GyroUnit, ImuColumns, TimeUnit};
 use std::path::PathBuf;
 
 /// The log, its columns and units.

@@ -3,7 +3,7 @@
 use super::SettingsArgs;
 use clap::Args;
 use dpn_eval::closed_loop::StartAt;
-use dpn_eval::paper::CameraChoice;
+use dpn_papers::CameraChoice;
 use std::path::PathBuf;
 
 /// Flags of `dpn paper`.

@@ -3,11 +3,11 @@
 use super::log;
 use crate::args::AllanArgs;
 use anyhow::Result;
-use dpn_core::io::atomic_write;
-use dpn_core::noise::formats::{Given, read};
-use dpn_eval::allan::compare::{Finding, compare};
-use dpn_eval::allan::{AllanLog, report};
-use dpn_eval::figures::{AllanPlot, save};
+use dpn_figures::{AllanPlot, save};
+use dpn_io::atomic_write;
+use dpn_io::noise_formats::{Given, read};
+use dpn_probe::allan::compare::{Finding, compare};
+use dpn_probe::allan::{AllanLog, report};
 
 pub(crate) fn run(args: &AllanArgs) -> Result<()> {
     let recording = log::read(&args.log)?.recording;

@@ -3,9 +3,9 @@
 use super::log;
 use crate::args::CheckArgs;
 use anyhow::Result;
-use dpn_core::io::atomic_write;
-use dpn_eval::doctor::examine_log;
-use dpn_eval::figures::{SpectrumPlot, save};
+use dpn_figures::{SpectrumPlot, save};
+use dpn_io::atomic_write;
+use dpn_probe::doctor::examine_log;
 
 pub(crate) fn run(args: &CheckArgs) -> Result<()> {
     let examination = examine_log(&log::read_quietly(&args.log)?);

@@ -4,13 +4,13 @@ use super::{program, settings, shipped, stop};
 use crate::args::{CameraArg, EvalArgs};
 use crate::ui::{Bar, Fault, Interrupted};
 use anyhow::Result;
-use dpn_core::io::atomic_write;
+use dpn_core::estimate::parse_list;
 use dpn_eval::closed_loop::{
     ClosedLoopError, Images, Keep, Manifest, Source, Sweep, Tracks, Vision, compare, consistency, render,
     render_comparisons, render_consistency,
 };
-use dpn_eval::noise::parse_list;
-use dpn_eval::open_loop::networks;
+use dpn_io::atomic_write;
+use dpn_pronet::network;
 use dpn_vio::EstimatorConfig;
 use std::path::PathBuf;
 
@@ -25,7 +25,7 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
             .into());
     }
     let networks = match &args.models {
-        Some(dir) => networks::load_all(dir)?,
+        Some(dir) => network::load_all(dir)?,
         None => shipped::networks()?,
     };
     let sweep = Sweep {
@@ -41,7 +41,7 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
         threads: closed.threads.unwrap_or_else(cores).max(1),
         keep: Keep { trajectories: closed.trajectories, nees: true, states: None },
         injection: match &closed.inject {
-            Some(path) => Some(dpn_core::config::load(path)?),
+            Some(path) => Some(dpn_io::config::load(path)?),
             None => None,
         },
     };

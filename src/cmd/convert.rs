@@ -2,7 +2,8 @@
 
 use crate::args::ConvertArgs;
 use anyhow::Result;
-use dpn_core::noise::formats::{Figure, FormatError, Given, Quantity, Source, read, write};
+use dpn_core::noise::Figure;
+use dpn_io::noise_formats::{FormatError, Given, Quantity, Source, read, write};
 
 pub(crate) fn run(args: &ConvertArgs) -> Result<()> {
     let given = Given { rate: args.rate, quantities: quantities(args)?, keep_zeros: false };

@@ -5,10 +5,11 @@ use crate::args::EvalArgs;
 use crate::ui::{Bar, Fault};
 use anyhow::Result;
 use dpn_core::Sensor;
-use dpn_core::io::atomic_write;
-use dpn_eval::figures::{Predicted, PredictedVsTrue, RmseVsSigma, save};
-use dpn_eval::open_loop::{OpenLoop, Request, Row, networks, run as judge};
-use dpn_eval::table::{Layout, render, write_csv};
+use dpn_eval::open_loop::{OpenLoop, Request, Row, run as judge};
+use dpn_figures::table::{Layout, render, write_csv};
+use dpn_figures::{Predicted, PredictedVsTrue, RmseVsSigma, save};
+use dpn_io::atomic_write;
+use dpn_pronet::network;
 use dpn_train::base::Base;
 use dpn_train::windows::WINDOW;
 use std::path::{Path, PathBuf};
@@ -24,7 +25,7 @@ fn open_loop(args: &EvalArgs) -> Result<()> {
     let out = args.out.as_deref().unwrap_or(Path::new(OUT));
     let bases = bases(args.bases.as_deref())?;
     let networks = match &args.models {
-        Some(dir) => networks::load_all(dir)?,
+        Some(dir) => network::load_all(dir)?,
         None => shipped::networks()?,
     };
     let sensors = args.sensor.map_or_else(|| Sensor::ALL.to_vec(), |sensor| vec![sensor.into()]);

@@ -3,9 +3,9 @@
 use anyhow::Result;
 use dpn_core::estimate::{NoiseSpec, Schedule};
 use dpn_core::{NoiseModel, NoiseTrack, Sensor};
-use dpn_eval::figures::{Flight, FlightSigma, save};
-use dpn_eval::open_loop::Network;
+use dpn_figures::{Flight, FlightSigma, save};
 use dpn_pronet::DualProNet;
+use dpn_pronet::network::Network;
 use dpn_train::corpus::Corpus;
 use dpn_train::levels::{LevelKind, Levels};
 use dpn_train::split::Side;

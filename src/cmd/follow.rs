@@ -4,9 +4,9 @@ use super::log;
 use super::noise::json;
 use crate::args::{NoiseArgs, RowFormat};
 use anyhow::Result;
-use dpn_core::io::ImuLines;
 use dpn_core::{Sensor, Stamp};
-use dpn_eval::log_noise::{Answer, Plan};
+use dpn_io::ImuLines;
+use dpn_probe::log_noise::{Answer, Plan};
 use std::io::{self, BufRead, Write};
 use std::path::Path;
 

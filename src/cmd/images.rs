@@ -4,15 +4,17 @@ use super::tracks::{CAMERA_HZ, made_stamps, no_ground_truth, unknown_source, uns
 use crate::args::ImagesArgs;
 use crate::ui::{Bar, Fault};
 use anyhow::Result;
+use dpn_core::camera::{CameraConfig, Distortion};
 use dpn_core::config::Validate;
 use dpn_core::imu::ImuRecording;
-use dpn_core::io::IoError;
-use dpn_core::io::asl::{
-    CameraConfig, CameraFrame, Distortion, GroundTruth, ImuConfig, Sequence, SequenceParts, image_place,
-    write_camera_config, write_camera_frames, write_png, write_sequence,
-};
 use dpn_core::progress::Progress;
+use dpn_core::truth::GroundTruth;
 use dpn_core::{SampleRate, Stamp};
+use dpn_io::IoError;
+use dpn_io::asl::{
+    CameraFrame, ImuConfig, Sequence, SequenceParts, image_place, write_camera_config, write_camera_frames,
+    write_png, write_sequence,
+};
 use dpn_sim::render::{RenderError, SharedPath};
 use dpn_sim::tracks::{AnalyticPath, CameraSettings, RecordedPath};
 use dpn_sim::{Flight, FlightConfig, RenderConfig, RenderedCamera, simulate};
@@ -36,7 +38,7 @@ struct Source {
 
 pub(crate) fn run(args: &ImagesArgs) -> Result<()> {
     let mut config: RenderConfig = match &args.config {
-        Some(path) => dpn_core::config::load(path)?,
+        Some(path) => dpn_io::config::load(path)?,
         None => RenderConfig::default(),
     };
     args.over(&mut config);

@@ -2,9 +2,9 @@
 
 use crate::args::{HowArgs, LogArgs};
 use anyhow::Result;
-use dpn_core::io::CsvOptions;
-use dpn_eval::doctor::values::meaningless;
+use dpn_io::CsvOptions;
 use dpn_logs::{Log, LogOptions, read_log};
+use dpn_probe::doctor::values::meaningless;
 use std::path::Path;
 
 /// Reads the log; says on stderr what was guessed and what is wrong with it.

@@ -4,15 +4,16 @@ use super::{convert, follow, log, shipped};
 use crate::args::{NoiseArgs, NoiseWhat, RowFormat};
 use crate::ui::Fault;
 use anyhow::Result;
-use dpn_core::io::{atomic_write, write_noise_track};
-use dpn_core::noise::formats::{Given, Source, read};
+use dpn_core::estimate::Noise;
 use dpn_core::{SampleRate, Sensor};
-use dpn_eval::figures::{LogNoisePlot, save};
-use dpn_eval::log_noise::compare::{Check, compare};
-use dpn_eval::log_noise::{Answer, Levels, LogNoiseError, Plan, Summary, phases, report, track};
-use dpn_eval::noise::Noise;
-use dpn_eval::open_loop::Network;
-use dpn_eval::open_loop::networks::load_all;
+use dpn_figures::{LogNoisePlot, save};
+use dpn_io::noise_formats::{Given, Source, read};
+use dpn_io::{atomic_write, write_noise_track};
+use dpn_probe::log_noise::compare::{Check, compare};
+use dpn_probe::log_noise::{Answer, Levels, LogNoiseError, Plan, Summary, report, track};
+use dpn_probe::phases::phases;
+use dpn_pronet::network::Network;
+use dpn_pronet::network::load_all;
 use std::path::Path;
 
 /// What stands in for the networks where they cannot be asked.

@@ -5,10 +5,12 @@ use crate::args::PaperArgs;
 use crate::ui::{Bar, Interrupted};
 use anyhow::Result;
 use dpn_core::Sensor;
-use dpn_core::config::{Validate, load};
+use dpn_core::config::Validate;
 use dpn_eval::closed_loop::ClosedLoopError;
-use dpn_eval::open_loop::{Network, networks};
-use dpn_eval::paper::{Cameras, Done, Input, Paper, PaperError, Plan, id};
+use dpn_io::config::load;
+use dpn_papers::{Cameras, Done, Input, Paper, PaperError, Plan, id};
+use dpn_pronet::network;
+use dpn_pronet::network::Network;
 use dpn_train::config::TrainConfig;
 use dpn_train::corpus::Corpus;
 use dpn_train::run::{Run, RunError};
@@ -101,14 +103,14 @@ fn command() -> String {
 /// The networks: those that come with the program, a folder's, or trained now.
 fn chosen_networks(args: &PaperArgs, input: &Input, stop: &AtomicBool) -> Result<Vec<Network>> {
     if let Some(dir) = &args.models {
-        return Ok(networks::load_all(dir)?);
+        return Ok(network::load_all(dir)?);
     }
     let mut all = shipped::networks()?;
     if args.train {
         for sensor in Sensor::ALL {
             let trained = train(args, sensor, &input.corpus, stop)?;
             // It takes the place of the shipped one of that name.
-            let tag = format!("{sensor}/{}", dpn_eval::noise::DEFAULT_TAG);
+            let tag = format!("{sensor}/{}", dpn_core::estimate::DEFAULT_TAG);
             all.retain(|n| !n.path.with_extension("").to_string_lossy().ends_with(&tag));
             all.push(trained);
         }
@@ -125,7 +127,7 @@ fn train(args: &PaperArgs, sensor: Sensor, corpus: &Corpus, stop: &AtomicBool) -
     let dir = args.work.join(folder);
     let name = Path::new("trained")
         .join(sensor.name())
-        .join(format!("{}.safetensors", dpn_eval::noise::DEFAULT_TAG));
+        .join(format!("{}.safetensors", dpn_core::estimate::DEFAULT_TAG));
     let done = dir.join(format!("{sensor}.safetensors"));
     if !(done.is_file() && dir.join("summary.json").is_file()) {
         let device = device::parse("flex")?;

@@ -4,15 +4,16 @@ use super::{program, settings, shipped};
 use crate::args::{CameraArg, RunArgs};
 use crate::ui::Fault;
 use anyhow::Result;
-use dpn_core::io::asl::Sequence;
-use dpn_core::io::{atomic_write, write_tum};
+use dpn_core::estimate::Noise;
 use dpn_eval::closed_loop::{
-    Album, Images, Recording, Report, Seen, Single, Source, Span, Told, Tracks, Vision, has_images, single,
-    timeline, top_view, write_states,
+    Images, Recording, Report, Seen, Single, Source, Span, Told, Tracks, Vision, has_images, single,
+    write_states,
 };
-use dpn_eval::figures::save;
-use dpn_eval::noise::Noise;
-use dpn_eval::open_loop::networks;
+use dpn_figures::save;
+use dpn_figures::{Album, timeline, top_view};
+use dpn_io::asl::Sequence;
+use dpn_io::{atomic_write, write_tum};
+use dpn_pronet::network;
 use dpn_sim::Flight;
 use dpn_vio::EstimatorConfig;
 use std::path::{Path, PathBuf};
@@ -22,7 +23,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let estimator = settings::estimator(&args.settings)?;
     let (source, place) = open(args, &estimator)?;
     let networks = match &args.models {
-        Some(dir) => networks::load_all(dir)?,
+        Some(dir) => network::load_all(dir)?,
         None => shipped::networks()?,
     };
     let recording = source.recording(place, args.seed)?;

@@ -2,7 +2,8 @@
 
 use crate::args::SettingsArgs;
 use anyhow::Result;
-use dpn_core::config::{Validate, load, load_over};
+use dpn_core::config::Validate;
+use dpn_io::config::{load, load_over};
 use dpn_sim::tracks::TracksConfig;
 use dpn_sim::{FlightConfig, RenderConfig};
 use dpn_vio::EstimatorConfig;

@@ -1,7 +1,7 @@
 //! The networks that come with the program, in the binary itself: nothing needs training first.
 
 use anyhow::Result;
-use dpn_eval::open_loop::Network;
+use dpn_pronet::network::Network;
 use std::path::Path;
 
 include!(concat!(env!("OUT_DIR"), "/shipped.rs"));

@@ -3,9 +3,10 @@
 use super::{images, tracks};
 use crate::args::{FlightArgs, SimulateArgs, SimulateWhat};
 use anyhow::Result;
-use dpn_core::io::asl::{GroundTruth, ImuConfig, SequenceParts, write_sequence};
-use dpn_core::io::write_noise_track;
 use dpn_core::noise::{AccelNoiseDensity, GyroNoiseDensity};
+use dpn_core::truth::GroundTruth;
+use dpn_io::asl::{ImuConfig, SequenceParts, write_sequence};
+use dpn_io::write_noise_track;
 use dpn_sim::{Flight, FlightConfig, SimulatedFlight, simulate, simulate_all};
 use nalgebra::Isometry3;
 use std::path::Path;
@@ -26,7 +27,7 @@ fn flight(args: FlightArgs) -> Result<()> {
         return Ok(());
     }
     let config = match &args.config {
-        Some(path) => dpn_core::config::load(path)?,
+        Some(path) => dpn_io::config::load(path)?,
         None => FlightConfig::default(),
     };
     let name = args.name.unwrap_or_default();

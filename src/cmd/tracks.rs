@@ -4,9 +4,9 @@ use crate::args::TracksArgs;
 use crate::ui::Fault;
 use anyhow::Result;
 use dpn_core::config::Validate;
-use dpn_core::io::asl::Sequence;
-use dpn_core::io::write_tracks;
 use dpn_core::{SampleRate, Stamp};
+use dpn_io::asl::Sequence;
+use dpn_io::write_tracks;
 use dpn_sim::flight::FlightPlan;
 use dpn_sim::tracks::{
     AnalyticPath, CameraPath, CameraSettings, RecordedPath, TracksConfig, TracksError, camera_stamps,
@@ -29,7 +29,7 @@ struct Source {
 
 pub(crate) fn run(args: &TracksArgs) -> Result<()> {
     let mut config: TracksConfig = match &args.config {
-        Some(path) => dpn_core::config::load(path)?,
+        Some(path) => dpn_io::config::load(path)?,
         None => TracksConfig::default(),
     };
     args.over(&mut config);

@@ -1,8 +1,6 @@
-//! Typed TOML configuration: unknown keys are refused with the nearest known one, bad values all at once.
+//! Checked configurations: bad values are named all at once, a mistyped word with the nearest known one.
 
-use serde::de::DeserializeOwned;
 use std::fmt;
-use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// One value outside its bound.
@@ -78,140 +76,6 @@ pub trait Validate {
     }
 }
 
-/// Why a configuration is not used.
-#[derive(Debug, Error)]
-pub enum ConfigError {
-    /// The file cannot be read.
-    #[error("cannot read {}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// Not TOML, a key that is not known, or a value of the wrong kind.
-    #[error("{}{}: {message}", path.display(), line.map(|l| format!(":{l}")).unwrap_or_default())]
-    Parse {
-        /// The file.
-        path: PathBuf,
-        /// Line, from 1.
-        line: Option<usize>,
-        /// What is wrong.
-        message: String,
-        /// The nearest known word, where one is near.
-        nearest: Option<String>,
-    },
-    /// Values outside their bounds.
-    #[error("{}: {faults}", path.display())]
-    Bounds {
-        /// The file.
-        path: PathBuf,
-        /// Every fault.
-        faults: ConfigFaults,
-    },
-}
-
-impl ConfigError {
-    /// What to do about it.
-    pub fn hint(&self) -> Option<String> {
-        match self {
-            Self::Read { .. } => Some("configs/ holds files to start from".into()),
-            Self::Parse { nearest: Some(nearest), .. } => Some(format!("did you mean `{nearest}`?")),
-            _ => None,
-        }
-    }
-}
-
-/// Reads, parses and checks the configuration at `path`.
-///
-/// # Errors
-/// An unreadable file, a text that is not the configuration's TOML, values outside their bounds.
-pub fn load<T: DeserializeOwned + Validate>(path: &Path) -> Result<T, ConfigError> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|source| ConfigError::Read { path: path.to_owned(), source })?;
-    parse(&text, path)
-}
-
-/// Parses and checks `text`; `path` only names it in errors.
-///
-/// # Errors
-/// A text that is not the configuration's TOML, values outside their bounds.
-pub fn parse<T: DeserializeOwned + Validate>(text: &str, path: &Path) -> Result<T, ConfigError> {
-    let config: T = toml::from_str(text).map_err(|error| {
-        let message = error.message().to_owned();
-        ConfigError::Parse {
-            path: path.to_owned(),
-            line: error.span().map(|span| 1 + text[..span.start.min(text.len())].matches('\n').count()),
-            nearest: nearest_word(&message),
-            message,
-        }
-    })?;
-    match config.validate() {
-        Ok(()) => Ok(config),
-        Err(faults) => Err(ConfigError::Bounds { path: path.to_owned(), faults }),
-    }
-}
-
-/// As [`load`], or the defaults without a file, with single keys set over it: `("window.key_frames", "8")`, the value as TOML writes it.
-///
-/// # Errors
-/// As [`load`]; a key that is not known, a value of the wrong kind.
-pub fn load_over<T: DeserializeOwned + Validate>(
-    path: Option<&Path>,
-    sets: &[(String, String)],
-) -> Result<T, ConfigError> {
-    let (text, name) = match path {
-        Some(path) => {
-            let failed = |source| ConfigError::Read { path: path.to_owned(), source };
-            (std::fs::read_to_string(path).map_err(failed)?, path.to_owned())
-        }
-        None => (String::new(), PathBuf::from("the built-in defaults")),
-    };
-    let config = parse(&text, &name)?;
-    if sets.is_empty() {
-        return Ok(config);
-    }
-    let wrong = |path: String, message: String| ConfigError::Parse {
-        path: path.into(),
-        line: None,
-        nearest: nearest_word(&message),
-        message,
-    };
-    let mut table: toml::Table =
-        toml::from_str(&text).map_err(|e| wrong(name.display().to_string(), e.message().to_owned()))?;
-    for (key, value) in sets {
-        let typed = format!("{key}={value}");
-        // What is no TOML is a word, as `window.loss=huber` means it.
-        let parsed = toml::from_str::<toml::Table>(&format!("value = {value}"));
-        let value = parsed.ok().and_then(|mut t| t.remove("value"));
-        let value = value.unwrap_or_else(|| toml::Value::String(typed[key.len() + 1..].to_owned()));
-        put(&mut table, key, value).map_err(|message| wrong(typed.clone(), message))?;
-        // Key by key, so that the message names the one that is wrong.
-        let read: Result<T, _> = table.clone().try_into();
-        read.map_err(|e: toml::de::Error| wrong(typed, e.message().to_owned()))?;
-    }
-    let config: T = table.try_into().map_err(|e: toml::de::Error| wrong(String::new(), e.to_string()))?;
-    match config.validate() {
-        Ok(()) => Ok(config),
-        Err(faults) => Err(ConfigError::Bounds { path: name, faults }),
-    }
-}
-
-/// Puts `value` at `key`, dots of which go into tables.
-fn put(table: &mut toml::Table, key: &str, value: toml::Value) -> Result<(), String> {
-    match key.split_once('.') {
-        Some((head, rest)) => {
-            let inner = table.entry(head).or_insert_with(|| toml::Value::Table(toml::Table::new()));
-            let inner = inner.as_table_mut().ok_or_else(|| format!("`{head}` is no table"))?;
-            put(inner, rest, value)
-        }
-        None => {
-            table.insert(key.to_owned(), value);
-            Ok(())
-        }
-    }
-}
-
 /// The word among `known` that is nearest to `typed`, when it is near enough to be a slip.
 pub fn nearest<'a>(typed: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     known
@@ -222,61 +86,9 @@ pub fn nearest<'a>(typed: &str, known: impl IntoIterator<Item = &'a str>) -> Opt
         .map(|(_, word)| word)
 }
 
-/// From serde's "unknown field `a`, expected one of `b`, `c`": the expected word nearest to the unknown one.
-fn nearest_word(message: &str) -> Option<String> {
-    let mut quoted = message.split('`').skip(1).step_by(2);
-    let typed = quoted.next()?;
-    nearest(typed, quoted).map(str::to_owned)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde::Deserialize;
-
-    #[derive(Debug, Deserialize)]
-    #[serde(deny_unknown_fields, default)]
-    struct Small {
-        learning_rate: f64,
-        epochs: u64,
-    }
-
-    impl Default for Small {
-        fn default() -> Self {
-            Self { learning_rate: 1e-3, epochs: 200 }
-        }
-    }
-
-    impl Validate for Small {
-        fn faults(&self) -> Vec<ConfigFault> {
-            let mut faults = ConfigFaults::default();
-            let rate = self.learning_rate;
-            faults.check(rate > 0.0, "learning_rate", rate, "above 0");
-            faults.within("epochs", self.epochs, 1, 1000);
-            faults.0
-        }
-    }
-
-    fn parsed(text: &str) -> Result<Small, ConfigError> {
-        parse(text, Path::new("a.toml"))
-    }
-
-    #[test]
-    fn an_unknown_key_names_line_and_nearest() {
-        let error = parsed("epochs = 3\nlerning_rate = 0.1\n").unwrap_err();
-        assert!(error.to_string().starts_with("a.toml:2: unknown field `lerning_rate`"), "{error}");
-        assert_eq!(error.hint().as_deref(), Some("did you mean `learning_rate`?"));
-    }
-
-    #[test]
-    fn all_bad_values_are_named_at_once() {
-        let error = parsed("epochs = 0\nlearning_rate = -1.0").unwrap_err().to_string();
-        assert!(
-            error
-                .contains("`learning_rate` is -1, but must be above 0; `epochs` is 0, but must be 1 to 1000"),
-            "{error}"
-        );
-    }
 
     #[test]
     fn a_number_that_is_none_is_within_no_bounds() {

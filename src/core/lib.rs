@@ -1,7 +1,7 @@
 //! The words every crate of `dpn` speaks: time, IMU samples and recordings, noise types and the noise seam,
-//! signal processing, simple noise estimators, readers and writers, named random streams.
+//! signal processing, simple noise estimators, the camera model, named random streams.
 //!
-//! No machine learning and no solver live here. Lengths are metres, angles radians, times seconds (`f64`) or
+//! No files, no machine learning and no solver live here. Lengths are metres, angles radians, times seconds (`f64`) or
 //! integer nanoseconds ([`Stamp`]). The body frame is the IMU's; the world's z axis points up and gravity is
 //! `(0, 0, -9.81)`: a sensor at rest and level reads `+9.81` on z.
 
@@ -9,20 +9,23 @@
 
 pub mod bounds;
 pub mod camera;
+pub mod check;
 pub mod config;
 pub mod estimate;
 pub mod geometry;
 pub mod image;
 pub mod imu;
-pub mod io;
 #[doc(hidden)]
 pub mod jacobian;
 pub mod noise;
+mod plateaus;
 pub mod progress;
 pub mod random;
 pub mod signal;
 pub mod time;
 pub mod tracks;
+pub mod trajectory;
+pub mod truth;
 
 pub use image::{GrayImage, GrayView};
 pub use imu::{ImuRecording, ImuSample, Sensor};

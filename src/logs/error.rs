@@ -1,6 +1,6 @@
 //! Why a log gives no recording.
 
-use dpn_core::io::IoError;
+use dpn_io::IoError;
 use std::path::PathBuf;
 use thiserror::Error;
 

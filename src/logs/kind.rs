@@ -1,8 +1,8 @@
 //! What a path holds, by its first bytes or its files.
 
 use crate::LogError;
-use dpn_core::io::IoError;
-use dpn_core::io::asl::{Sequence, discover};
+use dpn_io::IoError;
+use dpn_io::asl::{Sequence, discover};
 use serde::Serialize;
 use std::fs::File;
 use std::io::Read;

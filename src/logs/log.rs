@@ -2,7 +2,7 @@
 
 use crate::Kind;
 use dpn_core::ImuRecording;
-use dpn_core::io::{LeftOut, Sieved};
+use dpn_io::{LeftOut, Sieved};
 
 /// A recording and where it came from.
 #[derive(Debug)]

@@ -3,8 +3,8 @@
 use crate::topics::Topics;
 use crate::{Kind, Log, LogError, mcap, rosbag1, rosbag2, sqlite};
 use dpn_core::ImuRecording;
-use dpn_core::io::asl::Sequence;
-use dpn_core::io::{CsvOptions, IoError, LooseImuLog, Origin, Sieved, read_imu_csv_loosely};
+use dpn_io::asl::Sequence;
+use dpn_io::{CsvOptions, IoError, LooseImuLog, Origin, Sieved, read_imu_csv_loosely};
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;

@@ -3,7 +3,7 @@
 use crate::kind::bags;
 use crate::topics::Topics;
 use crate::{mcap, sqlite};
-use dpn_core::io::IoError;
+use dpn_io::IoError;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;

@@ -2,8 +2,8 @@
 
 use crate::imu_message::{Encoding, Undecodable, decode};
 use crate::{LogError, LogOptions};
-use dpn_core::io::{Sieve, Sieved};
 use dpn_core::{ImuSample, Stamp};
+use dpn_io::{Sieve, Sieved};
 use std::collections::BTreeMap;
 use std::path::Path;
 

@@ -43,11 +43,18 @@ pub mod adam;
 mod band_pass;
 pub mod checkpoint;
 pub mod config;
+mod definition;
+// Inference uses the forward half alone.
+#[cfg_attr(not(feature = "train"), allow(dead_code))]
 mod engine;
+#[cfg(feature = "train")]
 mod fused;
 pub mod init;
 pub mod model;
+#[cfg(feature = "train")]
 pub mod module;
+pub mod network;
+#[cfg(feature = "train")]
 mod plain;
 pub mod predictor;
 pub mod range;
@@ -59,6 +66,7 @@ pub use adam::{Adam, AdamConfig};
 pub use checkpoint::Checkpoint;
 pub use config::ProNetConfig;
 pub use model::DualProNet;
+#[cfg(feature = "train")]
 pub use module::ProNet;
 pub use predictor::Predictor;
 pub use store::StoreError;

@@ -18,15 +18,6 @@ use dpn_core::config::{ConfigFaults, Validate};
 use dpn_core::random::Stream;
 use std::sync::Arc;
 
-/// Added to a variance before its root is taken, as PyTorch does.
-pub(crate) const NORM_EPSILON: f32 = 1e-5;
-/// Added to a window's mean square before its root is taken (in units of the input scale).
-pub(crate) const SCALE_EPSILON: f32 = 1e-8;
-/// Added to a channel's mean square before its root is taken.
-pub(crate) const POOL_EPSILON: f32 = 1e-8;
-/// Where the head `log-sigma` clamps its exponent.
-pub(crate) const LOG_SIGMA_RANGE: (f32, f32) = (-10.0, 5.0);
-
 /// Convolution over time.
 #[derive(Module, Debug)]
 pub struct Conv {

@@ -3,7 +3,8 @@
 //! Shapes stand at every line that changes one. The fused kernels of this crate are held to this by tests.
 
 use crate::config::{BlockOrder, Edges, Head, Input, NormAxes, Pool, ProNetConfig, Standardise};
-use crate::module::{LOG_SIGMA_RANGE, NORM_EPSILON, POOL_EPSILON, ProNet, SCALE_EPSILON};
+use crate::definition::{LOG_SIGMA_RANGE, NORM_EPSILON, POOL_EPSILON, SCALE_EPSILON};
+use crate::module::ProNet;
 use burn::module::Param;
 use burn::tensor::ops::ConvOptions;
 use burn::tensor::{Tensor, activation, module::conv1d};

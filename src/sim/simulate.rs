@@ -6,7 +6,7 @@ use crate::imu::{self, ImuTruth};
 use crate::trajectory::{SplineError, Trajectory};
 use dpn_core::config::{ConfigFaults, Validate};
 use dpn_core::imu::RecordingError;
-use dpn_core::io::asl::{Biases, TrueState};
+use dpn_core::truth::{Biases, TrueState};
 use dpn_core::{ImuRecording, ImuSample, Stamp};
 use nalgebra::{Isometry3, Translation3};
 use rayon::prelude::*;

@@ -1,8 +1,8 @@
 //! `dpn run`: one recording through the odometry, and what is said of bad input.
 
 use crate::run::{Done, dpn, end, files};
-use dpn_core::io::asl::Sequence;
-use dpn_core::io::{read_tracks, read_tum, write_tracks};
+use dpn_io::asl::Sequence;
+use dpn_io::{read_tracks, read_tum, write_tracks};
 use std::path::{Path, PathBuf};
 
 fn excerpt() -> PathBuf {

@@ -1,8 +1,8 @@
 //! `dpn simulate images`, and the odometry on what is rendered while it runs.
 
 use crate::run::{Done, dpn, end, run};
-use dpn_core::io::ImageFolder;
-use dpn_core::io::asl::Sequence;
+use dpn_io::ImageFolder;
+use dpn_io::asl::Sequence;
 use std::path::{Path, PathBuf};
 
 /// A few seconds of V1_01 with camera stamps and ground truth.

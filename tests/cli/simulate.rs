@@ -1,8 +1,8 @@
 //! `dpn simulate flight`.
 
 use crate::run::{Done, dpn, end, files, run};
-use dpn_core::io::asl::Sequence;
-use dpn_core::io::read_noise_track;
+use dpn_io::asl::Sequence;
+use dpn_io::read_noise_track;
 use std::path::Path;
 
 fn flight(name: &str, out: &Path, more: &[&str]) -> Done {

@@ -1,8 +1,8 @@
 //! `dpn simulate tracks`.
 
 use crate::run::{Done, dpn, end, run};
-use dpn_core::io::asl::Sequence;
-use dpn_core::io::read_tracks;
+use dpn_io::asl::Sequence;
+use dpn_io::read_tracks;
 use std::path::{Path, PathBuf};
 
 fn tracks(source: &Path, out: &Path, more: &[&str]) -> Done {

@@ -8,7 +8,7 @@
 //!
 //! Source: Brown 1966; Heikkila and Silven 1997, eq. 5 to 7; the same as OpenCV with five coefficients.
 
-use crate::io::asl::{CameraConfig, Distortion};
+use super::{CameraConfig, Distortion};
 use nalgebra::{Matrix2, Matrix2x3, Vector2, Vector3};
 use thiserror::Error;
 

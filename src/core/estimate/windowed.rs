@@ -38,6 +38,13 @@ pub fn sigma_floor(sensor: Sensor) -> f64 {
         }
 }
 
+/// A noise with every deviation at least [`sigma_floor`]: a network may say zero, whose information is infinite.
+pub fn raised_to_floor(noise: &ImuNoise) -> ImuNoise {
+    let of = |sensor| noise.of(sensor).map(|sigma| sigma.max(sigma_floor(sensor)));
+    ImuNoise::from_values(of(Sensor::Accel), of(Sensor::Gyro))
+        .expect("deviations only grew, to a finite floor")
+}
+
 /// One source of deviation an axis, together a noise model.
 ///
 /// Causal: the noise at a sample rests on that sample and those before. Until an axis has an estimate it answers with

@@ -1,7 +1,7 @@
 //! The last step: from the last layer's number to a deviation, forth and back.
 
 use crate::config::{Head, ProNetConfig};
-use crate::module::LOG_SIGMA_RANGE;
+use crate::definition::LOG_SIGMA_RANGE;
 
 /// What turning the last number into a deviation takes.
 #[derive(Debug, Clone, Copy)]

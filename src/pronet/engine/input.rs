@@ -1,7 +1,7 @@
 //! From a window in the sensor's unit to what the first convolution sees: the same arithmetic as [`crate::module`]'s, for one window.
 
 use crate::config::{Edges, Input, ProNetConfig, Standardise};
-use crate::module::SCALE_EPSILON;
+use crate::definition::SCALE_EPSILON;
 
 /// What preparing a window takes.
 #[derive(Debug, Clone)]

@@ -6,7 +6,7 @@
 
 use super::plan::BlockPlan;
 use crate::config::{BlockOrder, NormAxes};
-use crate::module::NORM_EPSILON;
+use crate::definition::NORM_EPSILON;
 use pulp::Simd;
 
 /// What does not change within a network.

@@ -3,7 +3,7 @@
 use super::kernel::add_row;
 use super::plan::BlockPlan;
 use crate::config::Pool;
-use crate::module::POOL_EPSILON;
+use crate::definition::POOL_EPSILON;
 use pulp::Simd;
 
 /// Means of `out` over time into `features` and, with [`Pool::MeanAndRms`], root mean squares behind them.

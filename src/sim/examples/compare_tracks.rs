@@ -3,7 +3,7 @@
 //! `cargo run -p dpn-sim --release --example compare_tracks -- DATA [SEED]`, DATA the folder with `euroc/` and `tracks/`.
 
 use dpn_core::Stamp;
-use dpn_core::io::{asl, read_tracks};
+use dpn_io::{asl, read_tracks};
 use dpn_sim::tracks::{CameraSettings, RecordedPath, Reprojection, TracksConfig, simulate_tracks, summarise};
 use std::error::Error;
 use std::path::Path;

@@ -2,7 +2,7 @@
 //!
 //! `cargo run -p dpn-sim --release --example compare_with_euroc -- DATA [SEED]`, DATA a folder of ASL sequences.
 
-use dpn_core::io::asl;
+use dpn_io::asl;
 use dpn_sim::summary::{RecordingSummary, compare, summarise};
 use dpn_sim::{FlightConfig, simulate_all};
 use std::error::Error;

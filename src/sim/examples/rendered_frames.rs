@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 use cpu_time::ThreadTime;
-use dpn_core::io::asl::{Sequence, write_png};
+use dpn_io::asl::{Sequence, write_png};
 use dpn_sim::RenderedCamera;
 use dpn_sim::render::RenderConfig;
 use dpn_sim::tracks::{CameraSettings, PathConfig, RecordedPath};

@@ -187,7 +187,7 @@ impl Validate for RenderConfig {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use dpn_core::config::parse;
+    use dpn_io::config::parse;
     use std::path::Path;
 
     fn parsed(text: &str) -> Result<RenderConfig, String> {

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use dpn_core::Stamp;
-use dpn_core::io::{asl, read_tracks};
+use dpn_io::{asl, read_tracks};
 use dpn_sim::tracks::{
     CameraPath, CameraSettings, RecordedPath, Reprojection, TracksConfig, World, camera_stamps,
     simulate_tracks, summarise,

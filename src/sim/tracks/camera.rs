@@ -1,8 +1,8 @@
 //! The camera that tracks are made with: its lens and where it sits on the body, as a table of a configuration.
 
+use dpn_core::camera::CameraConfig;
 use dpn_core::camera::{BadCamera, PinholeRadtan};
 use dpn_core::config::ConfigFault;
-use dpn_core::io::asl::CameraConfig;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;

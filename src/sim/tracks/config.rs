@@ -145,8 +145,8 @@ mod tests {
     use super::*;
     use std::path::Path;
 
-    fn parsed(text: &str) -> Result<TracksConfig, dpn_core::config::ConfigError> {
-        dpn_core::config::parse(text, Path::new("tracks.toml"))
+    fn parsed(text: &str) -> Result<TracksConfig, dpn_io::config::ConfigError> {
+        dpn_io::config::parse(text, Path::new("tracks.toml"))
     }
 
     #[test]

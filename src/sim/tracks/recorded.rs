@@ -10,7 +10,7 @@ use super::smooth::smooth;
 use super::spline::{CubicSpline, FEWEST};
 use dpn_core::Stamp;
 use dpn_core::config::{ConfigFault, Validate};
-use dpn_core::io::asl::{GroundTruth, TrueState};
+use dpn_core::truth::{GroundTruth, TrueState};
 use nalgebra::{Isometry3, Quaternion, SVector, Translation3, UnitQuaternion};
 use thiserror::Error;
 

@@ -2,7 +2,7 @@
 
 use super::update::{Phase, RestartReason, Update};
 use dpn_core::Stamp;
-use dpn_core::io::StampedPose;
+use dpn_core::trajectory::StampedPose;
 use serde::Serialize;
 
 /// Where a frame's time goes.

@@ -8,10 +8,11 @@
 
 use dpn_core::camera::PinholeRadtan;
 use dpn_core::geometry::so3;
-use dpn_core::io::asl::{self, GroundTruth};
-use dpn_core::io::read_tracks;
 use dpn_core::random::Stream;
+use dpn_core::truth::GroundTruth;
 use dpn_core::{ImuNoise, ImuRecording, Stamp, TrackFrame};
+use dpn_io::asl;
+use dpn_io::read_tracks;
 use dpn_vio::ImuBias;
 use dpn_vio::init::{InitConfig, InitFrame, InitOutcome, Initialised, Initialiser, WaitReason};
 use dpn_vio::preint::{NoisySample, Preintegration, PreintegrationConfig};

@@ -4,8 +4,8 @@
 
 use dpn_core::ImuNoise;
 use dpn_core::camera::PinholeRadtan;
-use dpn_core::io::ImageFolder;
-use dpn_core::io::asl::Sequence;
+use dpn_io::ImageFolder;
+use dpn_io::asl::Sequence;
 use dpn_vio::preint::NoisySample;
 use dpn_vio::{Estimator, EstimatorConfig};
 use std::error::Error;

@@ -4,9 +4,9 @@
 //! `cargo run --release -p dpn-vio --example rendered_tracks -- SEQUENCE OUT.txt [SEED]`
 #![allow(clippy::unwrap_used)]
 
-use dpn_core::io::asl::Sequence;
-use dpn_core::io::write_tracks;
 use dpn_core::random::Stream;
+use dpn_io::asl::Sequence;
+use dpn_io::write_tracks;
 use dpn_sim::RenderedCamera;
 use dpn_sim::render::RenderConfig;
 use dpn_sim::tracks::{CameraSettings, PathConfig, RecordedPath, summarise};

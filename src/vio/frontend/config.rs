@@ -91,7 +91,7 @@ impl Validate for FrontEndConfig {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use dpn_core::config::parse;
+    use dpn_io::config::parse;
     use std::path::Path;
 
     #[test]

@@ -4,9 +4,9 @@
 
 use dpn_core::ImuNoise;
 use dpn_core::camera::PinholeRadtan;
-use dpn_core::io::ImageFolder;
-use dpn_core::io::asl::Sequence;
 use dpn_core::random::Stream;
+use dpn_io::ImageFolder;
+use dpn_io::asl::Sequence;
 use dpn_vio::estimator::StartFrame;
 use dpn_vio::frontend::{FrontEnd, GyroTurn, turn_of_camera};
 use dpn_vio::preint::{NoisySample, Preintegration};

@@ -1,7 +1,7 @@
 //! Every file of `configs/run` is read, and the default one says, key by key, what the program does without it.
 #![allow(clippy::unwrap_used)]
 
-use dpn_core::config::load;
+use dpn_io::config::load;
 use dpn_vio::EstimatorConfig;
 use std::path::{Path, PathBuf};
 

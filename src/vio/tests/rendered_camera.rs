@@ -2,10 +2,10 @@
 #![allow(clippy::unwrap_used)]
 
 use dpn_core::camera::PinholeRadtan;
-use dpn_core::io::ImageFolder;
-use dpn_core::io::asl::Sequence;
 use dpn_core::random::Stream;
 use dpn_core::{GrayImage, Stamp};
+use dpn_io::ImageFolder;
+use dpn_io::asl::Sequence;
 use dpn_sim::flight::FlightPlan;
 use dpn_sim::render::SharedPath;
 use dpn_sim::tracks::{AnalyticPath, Bounds, CameraPath};

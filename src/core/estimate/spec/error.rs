@@ -17,6 +17,12 @@ pub enum SpecError {
         /// What should stand there.
         expected: &'static str,
     },
+    /// A list without a spec.
+    #[error("no noise spec among `{text}`; write for example x1,x4,dualpronet")]
+    NoSpec {
+        /// What was given.
+        text: String,
+    },
     /// A name nobody knows.
     #[error("`{name}` is no noise spec; {}known are {}", hint(nearest.as_deref()), known.join(", "))]
     Unknown {

@@ -17,9 +17,11 @@
 mod call;
 mod error;
 mod estimator;
+mod noise;
 mod noise_spec;
 
 pub use call::{Arg, Call};
 pub use error::SpecError;
 pub use estimator::EstimatorSpec;
+pub use noise::{DEFAULT_TAG, Noise, parse_list};
 pub use noise_spec::{NoiseSpec, SensorSpec};

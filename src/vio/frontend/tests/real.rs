@@ -3,9 +3,9 @@
 use super::super::*;
 use dpn_core::TrackFrame;
 use dpn_core::camera::PinholeRadtan;
-use dpn_core::io::ImageFolder;
-use dpn_core::io::asl::Sequence;
 use dpn_core::random::Stream;
+use dpn_io::ImageFolder;
+use dpn_io::asl::Sequence;
 use nalgebra::Vector2;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

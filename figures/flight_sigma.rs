@@ -1,0 +1,350 @@
+//! One flight: a raw signal above, the deviation that models estimate for it below (logarithmic), on one time axis, with the
+//! phases of the flight, the true deviation where it is known, and the upper end of what the models were trained on.
+
+use super::axis::Axis;
+use super::error::FigureError;
+use super::flight::{Flight, Phase};
+use super::frame::{ABOVE, BELOW, Frame, LEFT, RIGHT, Rect};
+use super::legend::{self, Entry, Key};
+use super::plot::{DrawError, Drawn, Plot};
+use super::sheet::{self, MARGIN};
+use super::style::{self, Anchor, PALETTE};
+use super::summary::{Column, columns};
+use dpn_core::Sensor;
+use plotters::coord::Shift;
+use plotters::drawing::DrawingArea;
+use plotters::style::{Color, RGBColor};
+use plotters_backend::DrawingBackend;
+
+/// The plot; see the head of its file.
+#[derive(Debug, Clone)]
+pub struct FlightSigma {
+    title: String,
+    sensor: Sensor,
+    time: Axis,
+    signal_axis: Axis,
+    sigma_axis: Axis,
+    signal: Vec<Column>,
+    models: Vec<(String, Vec<Column>)>,
+    truth: Vec<Column>,
+    phases: Vec<Phase>,
+    phases_in_legend: bool,
+    trained_up_to: Option<f64>,
+    legend: Vec<Entry>,
+    caption: String,
+}
+
+const UPPER: i32 = 300;
+const BETWEEN: i32 = 36;
+const LOWER: i32 = 420;
+/// Pixels of the time axis.
+const ROOM: i32 = style::WIDTH as i32 - LEFT - RIGHT;
+/// Pixels a column of an estimate.
+const COARSE: i32 = 4;
+/// Paper tints of phases, by label in order of appearance.
+const TINTS: [RGBColor; 4] = [
+    RGBColor(0xEA, 0xF2, 0xF9),
+    RGBColor(0xFC, 0xF2, 0xE0),
+    RGBColor(0xFA, 0xFA, 0xFA),
+    RGBColor(0xE9, 0xF5, 0xEF),
+];
+
+impl FlightSigma {
+    /// Thins the flight to what the paper can show.
+    ///
+    /// # Errors
+    /// [`FigureError`] when there is nothing to draw, a column is of another length, a value is not finite, or time does not
+    /// ascend.
+    pub fn new(flight: &Flight<'_>) -> Result<Self, FigureError> {
+        flight.check()?;
+        let (start, end) = (flight.t[0], flight.t[flight.t.len() - 1]);
+        let coarse = (ROOM / COARSE) as usize;
+        let signal = columns(flight.t, flight.signal, ROOM as usize);
+        let models: Vec<(String, Vec<Column>)> = flight
+            .models
+            .iter()
+            .map(|(name, sigma)| ((*name).to_owned(), columns(flight.t, sigma, coarse)))
+            .collect();
+        let truth = flight.truth.map_or_else(Vec::new, |truth| columns(flight.t, truth, coarse));
+        let phases: Vec<Phase> = flight
+            .phases
+            .iter()
+            .map(|phase| Phase {
+                label: phase.label.clone(),
+                from: phase.from.clamp(start, end),
+                to: phase.to.clamp(start, end),
+            })
+            .filter(|phase| phase.to > phase.from)
+            .collect();
+        let unit = style::unit(flight.sensor);
+        let extent = |columns: &[Column]| {
+            let low = columns.iter().map(|c| c.low).fold(f64::INFINITY, f64::min);
+            let high = columns.iter().map(|c| c.high).fold(f64::NEG_INFINITY, f64::max);
+            (low, high)
+        };
+        let (low, high) = extent(&signal);
+        let pad = 0.05 * (high - low);
+        let (sigma_axis, at_edge) = sigma_axis(flight, &models, &truth, unit);
+        let time = Axis::linear("time [s]".into(), start, end, 10);
+        let pixels = f64::from(ROOM) / (end - start);
+        let phases_in_legend = phases.iter().any(|phase| {
+            f64::from(style::width(&phase.label, style::CAPTION) + 8) > (phase.to - phase.from) * pixels
+        });
+        let legend = legend_of(flight, &phases, phases_in_legend);
+        let caption = format!(
+            "{} samples. Signal: smallest to largest sample in each pixel column. Estimates: median (line) and range (band) \
+             in columns of {COARSE} pixels ({:.2} s).{}{}{}",
+            super::predicted_vs_true::grouped(flight.t.len()),
+            f64::from(COARSE) / pixels,
+            if at_edge { " Estimates of 0 or below lie at the lower edge." } else { "" },
+            if flight.words.is_empty() { "" } else { " " },
+            flight.words,
+        );
+        Ok(Self {
+            title: format!("{}: {} {}", flight.name, style::title(flight.sensor).to_lowercase(), flight.axis),
+            sensor: flight.sensor,
+            time,
+            signal_axis: Axis::linear(format!("signal [{unit}]"), low - pad, high + pad, 7),
+            sigma_axis,
+            signal,
+            models,
+            truth,
+            phases,
+            phases_in_legend,
+            trained_up_to: flight.trained_up_to,
+            legend,
+            caption,
+        })
+    }
+
+    fn draw_phases<DB: DrawingBackend>(&self, frame: &Frame<'_, DB>) -> Result<(), DrawError<DB>> {
+        for phase in &self.phases {
+            let (top, bottom) = (frame.rect.top, frame.rect.bottom);
+            let tint = tint(&self.phases, &phase.label);
+            frame.block((frame.x_at(phase.from), top), (frame.x_at(phase.to), bottom), tint)?;
+        }
+        frame.grid()?;
+        for pair in self.phases.windows(2) {
+            let x = frame.x_at(pair[1].from);
+            let border = style::stroke(style::MUTED.mix(0.6), style::THIN);
+            frame.path(vec![(x, frame.rect.top), (x, frame.rect.bottom)], border)?;
+        }
+        Ok(())
+    }
+
+    fn draw_signal<DB: DrawingBackend>(&self, frame: &Frame<'_, DB>) -> Result<(), DrawError<DB>> {
+        self.draw_phases(frame)?;
+        envelope(frame, &self.signal, RGBColor(0x55, 0x55, 0x55))?;
+        frame.axes(false)?;
+        if self.phases_in_legend {
+            return Ok(());
+        }
+        for phase in &self.phases {
+            let middle = (frame.x_at(phase.from) + frame.x_at(phase.to)) / 2;
+            let at = (middle, frame.rect.top - 16);
+            frame.words(&phase.label, style::CAPTION, style::MUTED, Anchor::Centre, at)?;
+        }
+        Ok(())
+    }
+
+    fn draw_sigma<DB: DrawingBackend>(&self, frame: &Frame<'_, DB>) -> Result<(), DrawError<DB>> {
+        self.draw_phases(frame)?;
+        if let Some(limit) = self.trained_up_to {
+            let y = frame.y_at(limit);
+            let line = vec![(frame.rect.left, y), (frame.rect.right, y)];
+            frame.dashed(line, style::stroke(style::INK, style::THIN + 1))?;
+        }
+        for ((_, columns), colour) in self.models.iter().zip(PALETTE) {
+            envelope(frame, columns, colour.mix(0.22))?;
+        }
+        for ((_, columns), colour) in self.models.iter().zip(PALETTE) {
+            for part in unbroken(columns) {
+                let points = part.iter().map(|c| frame.at(c.t, c.middle)).collect();
+                frame.path(points, style::stroke(colour, style::LINE - 1))?;
+            }
+        }
+        for part in unbroken(&self.truth) {
+            let points = part.iter().map(|c| frame.at(c.t, c.middle)).collect();
+            frame.path(points, style::stroke(style::INK, style::LINE - 1))?;
+        }
+        frame.axes(true)
+    }
+}
+
+/// The axis of the deviations, and whether some of them cannot be placed on it.
+fn sigma_axis(
+    flight: &Flight<'_>,
+    models: &[(String, Vec<Column>)],
+    truth: &[Column],
+    unit: &str,
+) -> (Axis, bool) {
+    let all = || models.iter().flat_map(|(_, columns)| columns).chain(truth);
+    let positive = || all().flat_map(|c| [c.low, c.middle, c.high]).filter(|v| *v > 0.0);
+    let limit = flight.trained_up_to.unwrap_or(0.0);
+    let high = positive().fold(limit, f64::max);
+    // Five decades are enough to see; what is lower is held at the edge.
+    let low = positive().fold(high, f64::min).max(high * 1e-5);
+    let at_edge = all().any(|c| c.low <= 0.0);
+    let (low, high) = if high > 0.0 { (low, high) } else { (0.1, 1.0) };
+    (Axis::log(format!("estimated σ [{unit}]"), low / 1.3, high * 1.3), at_edge)
+}
+
+fn legend_of(flight: &Flight<'_>, phases: &[Phase], phases_in_legend: bool) -> Vec<Entry> {
+    let entry = |key, colour, words: &str| Entry { key, colour, words: words.to_owned() };
+    let mut legend: Vec<Entry> =
+        flight.models.iter().zip(PALETTE).map(|((name, _), colour)| entry(Key::Line, colour, name)).collect();
+    if flight.truth.is_some() {
+        legend.push(entry(Key::Line, style::INK, "true σ"));
+    }
+    if let Some(limit) = flight.trained_up_to {
+        let words = format!("trained up to {limit} {}", style::unit(flight.sensor));
+        legend.push(entry(Key::Dashed, style::INK, &words));
+    }
+    if phases_in_legend {
+        for label in labels(phases) {
+            legend.push(entry(Key::Tint, tint(phases, label), label));
+        }
+    }
+    legend
+}
+
+/// Labels of phases in order of appearance, each once.
+pub(super) fn labels(phases: &[Phase]) -> Vec<&str> {
+    let mut labels: Vec<&str> = Vec::new();
+    for phase in phases {
+        if !labels.contains(&phase.label.as_str()) {
+            labels.push(&phase.label);
+        }
+    }
+    labels
+}
+
+pub(super) fn tint(phases: &[Phase], label: &str) -> RGBColor {
+    let index = labels(phases).iter().position(|known| *known == label).unwrap_or(0);
+    TINTS[index % TINTS.len()]
+}
+
+/// Parts of a track without gaps: a gap is a step four times the usual one.
+pub(super) fn unbroken(columns: &[Column]) -> impl Iterator<Item = &[Column]> {
+    let mut steps: Vec<f64> = columns.windows(2).map(|pair| pair[1].t - pair[0].t).collect();
+    steps.sort_by(f64::total_cmp);
+    let usual = steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY);
+    columns.chunk_by(move |a, b| b.t - a.t <= 4.0 * usual)
+}
+
+/// The band between the smallest and the largest sample of each column, at least two pixels high.
+pub(super) fn envelope<DB: DrawingBackend>(
+    frame: &Frame<'_, DB>,
+    columns: &[Column],
+    colour: impl Color + Copy,
+) -> Result<(), DrawError<DB>> {
+    for part in unbroken(columns) {
+        let upper = part.iter().map(|c| (frame.x_at(c.t), frame.y_at(c.high) - 1));
+        let lower = part.iter().rev().map(|c| (frame.x_at(c.t), frame.y_at(c.low) + 1));
+        frame.polygon(upper.chain(lower).collect(), colour)?;
+    }
+    Ok(())
+}
+
+impl Plot for FlightSigma {
+    fn size(&self) -> (u32, u32) {
+        let height = 2 * MARGIN
+            + legend::height(&self.legend, sheet::ROOM)
+            + 2 * ABOVE
+            + UPPER
+            + BETWEEN
+            + LOWER
+            + BELOW
+            + legend::print_height(&self.caption, sheet::ROOM);
+        (style::WIDTH, height as u32)
+    }
+
+    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
+        let title = style::text(style::TITLE, style::INK, Anchor::West);
+        area.draw_text(&self.title, &title, (MARGIN, MARGIN + 18))?;
+        let top = MARGIN + ABOVE;
+        legend::draw(area, &self.legend, (MARGIN, top), sheet::ROOM)?;
+        let top = top + legend::height(&self.legend, sheet::ROOM) + ABOVE;
+        let rect = |top, height| Rect { left: LEFT, top, right: LEFT + ROOM, bottom: top + height };
+        let upper = Frame::new(area, rect(top, UPPER), &self.time, &self.signal_axis);
+        self.draw_signal(&upper)?;
+        let lower_top = top + UPPER + BETWEEN;
+        let lower = Frame::new(area, rect(lower_top, LOWER), &self.time, &self.sigma_axis);
+        self.draw_sigma(&lower)?;
+        legend::print(area, &self.caption, (MARGIN, lower_top + LOWER + BELOW + 8), sheet::ROOM)
+    }
+
+    fn csv(&self) -> Drawn {
+        let unit = self.sensor.unit();
+        let mut rows = Vec::new();
+        let mut add = |series: &str, columns: &[Column]| {
+            for c in columns {
+                let mut row = vec![series.to_owned(), unit.to_owned()];
+                row.extend([c.t, c.low, c.middle, c.high].map(|v| v.to_string()));
+                rows.push(row);
+            }
+        };
+        add("signal", &self.signal);
+        for (name, columns) in &self.models {
+            add(name, columns);
+        }
+        add("true", &self.truth);
+        Drawn { header: vec!["series", "unit", "t_s", "low", "median", "high"], rows }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plot::svg;
+
+    fn flight<'a>(t: &'a [f64], signal: &'a [f64], sigma: &'a [f64]) -> Flight<'a> {
+        Flight {
+            name: "MH_04",
+            sensor: Sensor::Accel,
+            axis: "z",
+            t,
+            signal,
+            models: vec![("network", sigma)],
+            truth: Some(sigma),
+            phases: vec![Phase { label: "at rest".into(), from: -5.0, to: 1.0 }],
+            trained_up_to: Some(0.21),
+            words: "",
+        }
+    }
+
+    #[test]
+    fn a_short_flight_is_drawn_sample_by_sample() {
+        let t = [0.0, 0.5, 1.0, 1.5, 2.0];
+        let (signal, sigma) = ([9.8, 9.9, 9.7, 10.1, 9.6], [0.1, 0.2, 0.1, 0.0, 0.3]);
+        let plot = FlightSigma::new(&flight(&t, &signal, &sigma)).unwrap();
+        let csv = plot.csv();
+        assert_eq!(csv.rows.len(), 15);
+        for (i, row) in csv.rows.iter().enumerate() {
+            let numbers: Vec<f64> = row[2..].iter().map(|v| v.parse().unwrap()).collect();
+            let value = if i < 5 { signal[i] } else { sigma[i % 5] };
+            assert_eq!(numbers, [t[i % 5], value, value, value], "{row:?}");
+        }
+        let text = String::from_utf8(svg(&plot).unwrap()).unwrap();
+        for words in [
+            "time [s]",
+            "signal [m/s²]",
+            "estimated σ [m/s²]",
+            "at rest",
+            "trained up to 0.21 m/s²",
+            "Estimates of 0 or",
+        ] {
+            assert!(text.contains(words), "{words}");
+        }
+    }
+
+    #[test]
+    fn a_long_flight_stays_small_and_keeps_its_extremes() {
+        let t: Vec<f64> = (0..36_000).map(|i| f64::from(i) * 0.005).collect();
+        let signal: Vec<f64> = (0..36_000).map(|i| f64::from((i * 7919) % 1000) / 100.0).collect();
+        let plot = FlightSigma::new(&flight(&t, &signal, &signal)).unwrap();
+        assert!(plot.signal.len() <= ROOM as usize);
+        assert_eq!(plot.signal.iter().map(|c| c.high).fold(0.0, f64::max), 9.99);
+        assert!(svg(&plot).unwrap().len() < 150_000);
+    }
+}

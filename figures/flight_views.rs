@@ -1,0 +1,163 @@
+//! What a run looks like: from above, and over time.
+
+use crate::{FigureError, Timeline, TimelinePanel, TopView};
+use dpn_core::trajectory::StampedPose;
+use dpn_core::{Sensor, Stamp, TrackFrame};
+use dpn_eval::closed_loop::{MAX_GAP_S, Recording, Seen, Single};
+use dpn_eval::metrics::{
+    AlignmentKind, Interpolation, TruthOptions, TruthTrack, align, associate_interpolated,
+};
+use dpn_vio::estimator::Phase;
+use std::collections::BTreeMap;
+
+/// Poses farther apart than this are not joined \[s\].
+const BROKEN_S: f64 = 1.0;
+
+/// The run from above, aligned in yaw and position to the truth where there is any.
+///
+/// # Errors
+/// No pose and no truth.
+pub fn top_view(recording: &Recording, single: &Single) -> Result<TopView, FigureError> {
+    let poses = single.driven.poses();
+    let alignment = recording.truth.as_deref().and_then(|truth| {
+        let options = TruthOptions { max_gap_s: MAX_GAP_S, interpolation: Interpolation::Linear };
+        let track = TruthTrack::new(truth, options).ok()?;
+        let pairs = associate_interpolated(&track, &poses).ok()?.pairs;
+        align(&pairs, AlignmentKind::YawPosition).ok()
+    });
+    let xy = |pose: &StampedPose| {
+        let moved = alignment
+            .as_ref()
+            .map_or(pose.world_from_body, |alignment| alignment.apply(&pose.world_from_body));
+        [moved.translation.x, moved.translation.y]
+    };
+    let estimate: Vec<Vec<[f64; 2]>> = poses
+        .chunk_by(|a, b| b.t.seconds_since(a.t) <= BROKEN_S)
+        .map(|part| part.iter().map(xy).collect())
+        .collect();
+    // Of the truth only what was run.
+    let frames = &single.driven.frames;
+    let within = |t: Stamp| frames.first().is_some_and(|f| *f <= t) && frames.last().is_some_and(|f| t <= *f);
+    let truth: Vec<[f64; 2]> = recording
+        .truth
+        .iter()
+        .flatten()
+        .filter(|pose| within(pose.t))
+        .map(|pose| [pose.world_from_body.translation.x, pose.world_from_body.translation.y])
+        .collect();
+    let row = &single.report.row;
+    let caption = match (alignment, row.ate_yaw) {
+        (Some(_), Some(ate)) => format!(
+            "Aligned in yaw and position; RMSE {ate:.3} m. {} poses of {} frames, {} restarts.",
+            row.poses, row.frames, row.restarts
+        ),
+        _ => format!("Not aligned. {} poses of {} frames, {} restarts.", row.poses, row.frames, row.restarts),
+    };
+    TopView::new(format!("{}, noise {}", row.sequence, row.noise), truth, estimate, caption)
+}
+
+/// The run over time: tracks, parallax, noise told, biases, residuals.
+///
+/// # Errors
+/// A run without frames.
+pub fn timeline(seen: &Seen, single: &Single) -> Result<Timeline, FigureError> {
+    let updates = &single.driven.updates;
+    let first = single.driven.frames.first().copied().unwrap_or(Stamp::from_ns(0));
+    let seconds = |t: Stamp| t.seconds_since(first);
+    let of_updates = |value: &dyn Fn(&dpn_vio::estimator::Update) -> Option<f64>| {
+        updates.iter().filter_map(|u| Some((seconds(u.t), value(u)?))).collect::<Vec<_>>()
+    };
+    let running = |u: &dpn_vio::estimator::Update| u.state.is_some();
+    let line = |name: &str, points: Vec<(f64, f64)>| (name.to_owned(), points);
+    let axes = |name: &str, value: &dyn Fn(&dpn_vio::estimator::Update, usize) -> Option<f64>| {
+        ["x", "y", "z"]
+            .into_iter()
+            .zip(0..3)
+            .map(|(axis, k)| line(&format!("{name}{axis}"), of_updates(&|u| value(u, k))))
+            .collect::<Vec<_>>()
+    };
+    let frames = seen.span.of(&seen.frames, |frame| frame.t);
+    let counts = frames.iter().map(|frame| (seconds(frame.t), frame.tracks.len() as f64)).collect();
+    let panel = |label: &str, log, lines| TimelinePanel { label: label.into(), log, lines };
+    let noise = |sensor: Sensor| {
+        let axis = |k: usize| {
+            let stamped = single.noise.stamps().iter().zip(single.noise.noises());
+            stamped.map(|(t, noise)| (seconds(*t), noise.of(sensor)[k])).filter(|(t, _)| *t >= 0.0).collect()
+        };
+        ["x", "y", "z"].into_iter().zip(0..3).map(|(name, k)| line(name, axis(k))).collect()
+    };
+    let panels = vec![
+        panel(
+            "tracks in a frame",
+            false,
+            vec![
+                line("all", counts),
+                line("in the window", of_updates(&|u| running(u).then_some(u.tracked as f64))),
+                line("landmarks with a depth", of_updates(&|u| running(u).then_some(u.landmarks as f64))),
+            ],
+        ),
+        panel(
+            "median way of a track since the frame before [px]",
+            false,
+            vec![line("", parallax(frames, first))],
+        ),
+        panel("accelerometer noise told [m/s²]", true, noise(Sensor::Accel)),
+        panel("gyroscope noise told [rad/s]", true, noise(Sensor::Gyro)),
+        panel("accelerometer bias [m/s²]", false, axes("", &|u, k| Some(u.state?.bias.accel[k]))),
+        panel("gyroscope bias [rad/s]", false, axes("", &|u, k| Some(u.state?.bias.gyro[k]))),
+        panel(
+            "whitened inertial residual (1 where the noise is right), outliers",
+            false,
+            vec![
+                line("residual", of_updates(&|u| Some((u.whitened? / 9.0).sqrt()))),
+                line("outliers", of_updates(&|u| running(u).then_some(u.outliers as f64))),
+            ],
+        ),
+    ];
+    let marks: Vec<f64> =
+        updates.iter().filter(|u| matches!(u.phase, Phase::Restarted(_))).map(|u| seconds(u.t)).collect();
+    let row = &single.report.row;
+    let mut caption = "Dashed: restarts.".to_owned();
+    if let Some(figures) = &row.front_end {
+        caption = format!(
+            "{} images, {} passed over; {:.1} % of the tracks agreed on the camera's motion. {caption}",
+            figures.images,
+            figures.passed_over,
+            100.0 * figures.inlier_share
+        );
+    }
+    Timeline::new(format!("{}, noise {}", row.sequence, row.noise), panels, marks, caption)
+}
+
+/// Median way of the tracks that two frames in a row share \[px\].
+fn parallax(frames: &[TrackFrame], first: Stamp) -> Vec<(f64, f64)> {
+    let of = |pair: &[TrackFrame]| {
+        let before: BTreeMap<u64, _> = pair[0].tracks.iter().map(|track| (track.id, track.px)).collect();
+        let shared = pair[1].tracks.iter().filter_map(|t| Some((t.px - before.get(&t.id)?).norm()));
+        let mut ways: Vec<f64> = shared.collect();
+        ways.sort_by(f64::total_cmp);
+        Some((pair[1].t.seconds_since(first), *ways.get(ways.len() / 2)?))
+    };
+    frames.windows(2).filter_map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dpn_core::Track;
+    use nalgebra::Vector2;
+
+    #[test]
+    fn the_way_is_the_median_of_shared_tracks() {
+        let frame = |t: i64, tracks: &[(u64, f64)]| TrackFrame {
+            t: Stamp::from_ns(t * 1_000_000_000),
+            tracks: tracks.iter().map(|(id, x)| Track { id: *id, px: Vector2::new(*x, 7.0) }).collect(),
+        };
+        let frames = [
+            frame(5, &[(1, 0.0), (2, 0.0), (3, 0.0)]),
+            frame(6, &[(1, 1.0), (2, 2.0), (3, 30.0), (4, 9.0)]),
+            frame(7, &[(9, 0.0)]),
+        ];
+        assert_eq!(parallax(&frames, Stamp::from_ns(0)), [(6.0, 2.0)]);
+    }
+}

@@ -1,0 +1,56 @@
+//! Figures: one style, a handful of plots, each saved as SVG, PNG and the CSV of exactly what is drawn.
+//!
+//! A plot is made from slices and labels and knows no file and no network. It checks its input and computes what will be
+//! drawn when it is built ([`PredictedVsTrue::new`], [`RmseVsSigma::new`], [`FlightSigma::new`]), so that drawing cannot
+//! fail on data. [`save`] writes it; the same input gives the same bytes. Text in SVG stays text, the font of the PNG is
+//! DejaVu Sans from a crate: no system library and no system font is used.
+
+#![cfg_attr(test, allow(clippy::unwrap_used))]
+
+mod album;
+mod allan_plot;
+mod axis;
+mod diagram;
+mod error;
+mod error_band;
+mod flight;
+mod flight_sigma;
+mod flight_views;
+mod frame;
+mod legend;
+mod log_noise_plot;
+mod plot;
+mod predicted_vs_true;
+mod raster;
+mod rmse_vs_sigma;
+mod sheet;
+mod sourced;
+mod spectrum_plot;
+mod style;
+mod summary;
+mod sweep_curve;
+pub mod table;
+mod timeline;
+mod top_view;
+mod track_picture;
+mod trajectories;
+
+pub use album::{Album, AlbumError};
+pub use allan_plot::AllanPlot;
+pub use diagram::{Arrow, Block, BlockKind, Diagram};
+pub use error::FigureError;
+pub use error_band::{ErrorBand, ErrorColumn};
+pub use flight::{Flight, Phase};
+pub use flight_sigma::FlightSigma;
+pub use flight_views::{timeline, top_view};
+pub use log_noise_plot::LogNoisePlot;
+pub use plot::{DrawError, Drawn, Plot, save};
+pub use predicted_vs_true::{Predicted, PredictedVsTrue};
+pub use rmse_vs_sigma::RmseVsSigma;
+pub use sourced::Sourced;
+pub use spectrum_plot::SpectrumPlot;
+pub use sweep_curve::{SweepCurve, SweepPoint};
+pub use timeline::{Timeline, TimelinePanel};
+pub use top_view::TopView;
+pub use track_picture::{TrackDot, TrackEnd, TrackPicture};
+pub use trajectories::{Trajectories, TrajectoryPanel};

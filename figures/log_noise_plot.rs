@@ -1,0 +1,218 @@
+//! A log and its noise: for each sensor the signal of its three axes above and the deviation of a sample below (logarithmic), over tinted
+//! phases, with the upper end of what a network was trained on.
+
+use super::axis::Axis;
+use super::error::{FigureError, check_column};
+use super::flight::Phase;
+use super::flight_sigma::{envelope, labels, tint, unbroken};
+use super::frame::{ABOVE, BELOW, Frame, LEFT, RIGHT, Rect};
+use super::legend::{self, Entry, Key};
+use super::plot::{DrawError, Drawn, Plot};
+use super::sheet::{self, MARGIN};
+use super::style::{self, PALETTE};
+use super::summary::{Column, columns};
+use dpn_core::{ImuRecording, Sensor};
+use dpn_probe::log_noise::{Plan, Track};
+use dpn_probe::phases::Stretch;
+use plotters::coord::Shift;
+use plotters::drawing::DrawingArea;
+use plotters::style::Color;
+use plotters_backend::DrawingBackend;
+
+const FIGURE: &str = "noise of a log";
+const AXES: [&str; 3] = ["x", "y", "z"];
+const SIGNAL: i32 = 200;
+const SIGMA: i32 = 300;
+const BETWEEN: i32 = 30;
+/// Pixels of the time axis.
+const ROOM: i32 = style::WIDTH as i32 - LEFT - RIGHT;
+/// Pixels a column of a deviation.
+const COARSE: i32 = 3;
+
+/// The plot; see the head of its file.
+#[derive(Debug, Clone)]
+pub struct LogNoisePlot {
+    time: Axis,
+    sensors: Vec<Panel>,
+    phases: Vec<Phase>,
+    legend: Vec<Entry>,
+    caption: String,
+}
+
+#[derive(Debug, Clone)]
+struct Panel {
+    sensor: Sensor,
+    signal_axis: Axis,
+    sigma_axis: Axis,
+    signal: Vec<Vec<Column>>,
+    sigma: Vec<Vec<Column>>,
+    trained_up_to: Option<f64>,
+}
+
+impl LogNoisePlot {
+    /// A recording, what `plan` said along it, and its phases; `words` end the small print.
+    ///
+    /// # Errors
+    /// [`FigureError`] for a track of fewer than two answers or a value that is not finite.
+    pub fn new(
+        recording: &ImuRecording,
+        track: &Track,
+        plan: &Plan<'_>,
+        stretches: &[Stretch],
+        words: &str,
+    ) -> Result<Self, FigureError> {
+        if track.answers.len() < 2 {
+            return Err(FigureError::Empty { figure: FIGURE, what: "pair of answers".into() });
+        }
+        let start = recording.samples()[0].t;
+        let t: Vec<f64> = recording.samples().iter().map(|s| s.t.seconds_since(start)).collect();
+        let answered: Vec<f64> = track.answers.iter().map(|a| a.t.seconds_since(start)).collect();
+        let sensors = Sensor::ALL
+            .into_iter()
+            .map(|sensor| Panel::new(sensor, recording, &t, track, &answered, plan))
+            .collect::<Result<Vec<_>, _>>()?;
+        let phases: Vec<Phase> = stretches
+            .iter()
+            .map(|s| Phase { label: s.phase.to_string(), from: s.from_s, to: s.to_s })
+            .collect();
+        let mut legend: Vec<Entry> = AXES
+            .into_iter()
+            .zip(PALETTE)
+            .map(|(axis, colour)| Entry { key: Key::Line, colour, words: axis.to_owned() })
+            .collect();
+        if sensors.iter().any(|s| s.trained_up_to.is_some()) {
+            let words = "end of the training's range".to_owned();
+            legend.push(Entry { key: Key::Dashed, colour: style::INK, words });
+        }
+        for label in labels(&phases) {
+            legend.push(Entry { key: Key::Tint, colour: tint(&phases, label), words: label.to_owned() });
+        }
+        let caption = format!(
+            "Above: the signal, smallest to largest sample in each pixel column. Below: deviation of one sample by {}, an answer every {} \
+             samples, causal; median in columns of {COARSE} pixels. {words}",
+            plan.spec(),
+            plan.every(),
+        );
+        Ok(Self {
+            time: Axis::linear("time [s]".into(), 0.0, recording.duration(), 10),
+            sensors,
+            phases,
+            legend,
+            caption,
+        })
+    }
+
+    fn ground<DB: DrawingBackend>(&self, frame: &Frame<'_, DB>) -> Result<(), DrawError<DB>> {
+        for phase in &self.phases {
+            let (top, bottom) = (frame.rect.top, frame.rect.bottom);
+            let tint = tint(&self.phases, &phase.label);
+            frame.block((frame.x_at(phase.from), top), (frame.x_at(phase.to), bottom), tint)?;
+        }
+        frame.grid()
+    }
+}
+
+impl Panel {
+    fn new(
+        sensor: Sensor,
+        recording: &ImuRecording,
+        t: &[f64],
+        track: &Track,
+        answered: &[f64],
+        plan: &Plan<'_>,
+    ) -> Result<Self, FigureError> {
+        let unit = style::unit(sensor);
+        let mut signal = Vec::new();
+        let mut sigma = Vec::new();
+        for (axis, name) in AXES.into_iter().enumerate() {
+            signal.push(columns(t, &recording.axis(sensor, axis), ROOM as usize));
+            let values: Vec<f64> = track.answers.iter().map(|a| a.noise.of(sensor)[axis]).collect();
+            check_column(FIGURE, &format!("deviation of {sensor} {name}"), &values, answered.len())?;
+            sigma.push(columns(answered, &values, (ROOM / COARSE) as usize));
+        }
+        let extent = |all: &[Vec<Column>]| {
+            let low = all.iter().flatten().map(|c| c.low).fold(f64::INFINITY, f64::min);
+            let high = all.iter().flatten().map(|c| c.high).fold(f64::NEG_INFINITY, f64::max);
+            (low, high)
+        };
+        let (low, high) = extent(&signal);
+        let pad = 0.05 * (high - low);
+        // Roughness is the deviation of white noise: the range's end is comparable with what is drawn.
+        let trained_up_to = plan.trained_on(sensor).map(|range| range.roughness[1]);
+        let middles = || sigma.iter().flatten().map(|c| c.middle).filter(|v| *v > 0.0);
+        let top = middles().fold(trained_up_to.unwrap_or(0.0), f64::max);
+        let bottom = middles().fold(top, f64::min);
+        let (bottom, top) = if top > 0.0 { (bottom / 1.3, top * 1.3) } else { (0.1, 1.0) };
+        Ok(Self {
+            sensor,
+            signal_axis: Axis::linear(format!("signal [{unit}]"), low - pad, high + pad, 5),
+            sigma_axis: Axis::log(format!("σ [{unit}]"), bottom, top),
+            signal,
+            sigma,
+            trained_up_to,
+        })
+    }
+}
+
+impl Plot for LogNoisePlot {
+    fn size(&self) -> (u32, u32) {
+        let panels = self.sensors.len() as i32 * (ABOVE + SIGNAL + BETWEEN + SIGMA + BELOW);
+        let around =
+            legend::height(&self.legend, sheet::ROOM) + legend::print_height(&self.caption, sheet::ROOM);
+        (style::WIDTH, (2 * MARGIN + around + panels) as u32)
+    }
+
+    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
+        legend::draw(area, &self.legend, (MARGIN, MARGIN), sheet::ROOM)?;
+        let mut top = MARGIN + legend::height(&self.legend, sheet::ROOM);
+        for panel in &self.sensors {
+            top += ABOVE;
+            let rect = |top, height| Rect { left: LEFT, top, right: LEFT + ROOM, bottom: top + height };
+            let upper = Frame::new(area, rect(top, SIGNAL), &self.time, &panel.signal_axis);
+            self.ground(&upper)?;
+            for (signal, colour) in panel.signal.iter().zip(PALETTE) {
+                envelope(&upper, signal, colour.mix(0.6))?;
+            }
+            upper.axes(false)?;
+            upper.title(style::title(panel.sensor))?;
+            top += SIGNAL + BETWEEN;
+            let lower = Frame::new(area, rect(top, SIGMA), &self.time, &panel.sigma_axis);
+            self.ground(&lower)?;
+            if let Some(limit) = panel.trained_up_to {
+                let y = lower.y_at(limit);
+                let line = vec![(lower.rect.left, y), (lower.rect.right, y)];
+                lower.dashed(line, style::stroke(style::INK, style::THIN + 1))?;
+            }
+            for (sigma, colour) in panel.sigma.iter().zip(PALETTE) {
+                for part in unbroken(sigma) {
+                    let points = part.iter().map(|c| lower.at(c.t, c.middle)).collect();
+                    lower.path(points, style::stroke(colour, style::LINE - 1))?;
+                }
+            }
+            lower.axes(true)?;
+            top += SIGMA + BELOW;
+        }
+        legend::print(area, &self.caption, (MARGIN, top + 8), sheet::ROOM)
+    }
+
+    fn csv(&self) -> Drawn {
+        let mut rows = Vec::new();
+        for panel in &self.sensors {
+            for (series, all) in [("signal", &panel.signal), ("sigma", &panel.sigma)] {
+                for (axis, columns) in AXES.into_iter().zip(all) {
+                    for c in columns {
+                        let mut row = vec![
+                            panel.sensor.name().to_owned(),
+                            axis.to_owned(),
+                            series.to_owned(),
+                            panel.sensor.unit().to_owned(),
+                        ];
+                        row.extend([c.t, c.low, c.middle, c.high].map(|v| v.to_string()));
+                        rows.push(row);
+                    }
+                }
+            }
+        }
+        Drawn { header: vec!["sensor", "axis", "series", "unit", "t_s", "low", "median", "high"], rows }
+    }
+}

@@ -1,0 +1,250 @@
+//! RMSE against true deviation, both logarithmic: one panel a sensor, one line an estimator, and the Cramer-Rao bound
+//! sigma / sqrt(2 n) below which no unbiased estimator gets.
+
+use super::axis::Axis;
+use super::error::{FigureError, check_each};
+use super::frame::{Frame, Rect};
+use super::legend::{self, Entry, Key};
+use super::plot::{DrawError, Drawn, Plot};
+use super::sheet::Sheet;
+use super::style::{self, PALETTE};
+use dpn_core::Sensor;
+use dpn_core::bounds::cramer_rao_sigma;
+use dpn_eval::open_loop::Row;
+use plotters::coord::Shift;
+use plotters::drawing::DrawingArea;
+use plotters_backend::DrawingBackend;
+
+const FIGURE: &str = "RMSE against sigma";
+const MOST: usize = 6;
+
+/// The plot; see the head of its file.
+#[derive(Debug, Clone)]
+pub struct RmseVsSigma {
+    panels: Vec<Panel>,
+    sheet: Sheet,
+}
+
+#[derive(Debug, Clone)]
+struct Panel {
+    sensor: Sensor,
+    x: Axis,
+    y: Axis,
+    bound: Vec<(f64, f64)>,
+    series: Vec<(usize, Row)>,
+}
+
+impl RmseVsSigma {
+    /// Lines from the bins of `rows`: one row an estimator and sensor, all of one base, split, kind of level and label; at
+    /// most six estimators. `window` is the number of samples an estimate is made from, which the bound depends on.
+    ///
+    /// # Errors
+    /// [`FigureError`] when there is nothing to draw, there are two rows for one line, or a value is not finite or a true
+    /// deviation not positive.
+    pub fn new(rows: &[&Row], window: usize) -> Result<Self, FigureError> {
+        let mut names: Vec<&str> = Vec::new();
+        for row in rows {
+            if !names.contains(&row.estimator.as_str()) {
+                names.push(&row.estimator);
+            }
+        }
+        if names.len() > MOST {
+            return Err(FigureError::TooMany {
+                figure: FIGURE,
+                what: "estimators",
+                found: names.len(),
+                most: MOST,
+            });
+        }
+        let panels = Sensor::ALL
+            .into_iter()
+            .map(|sensor| (sensor, rows.iter().filter(|row| row.sensor == sensor).copied().collect()))
+            .filter(|(_, rows): &(Sensor, Vec<&Row>)| !rows.is_empty())
+            .map(|(sensor, rows)| Panel::new(sensor, &rows, &names, window))
+            .collect::<Result<Vec<_>, _>>()?;
+        let Some(first) = rows.first().filter(|_| !panels.is_empty()) else {
+            return Err(FigureError::Empty { figure: FIGURE, what: "row".into() });
+        };
+        let mut legend: Vec<Entry> = (0..)
+            .zip(&names)
+            .map(|(i, name)| Entry {
+                key: Key::Marked(i),
+                colour: PALETTE[i % PALETTE.len()],
+                words: (*name).to_owned(),
+            })
+            .collect();
+        legend.push(Entry { key: Key::Line, colour: style::INK, words: "Cramér-Rao bound".into() });
+        let caption = format!(
+            "Data {}, base {}, split {}, levels {}, label {}. Bound: σ / √(2·{window}), for unbiased estimates from \
+             {window} samples of white noise.",
+            first.data, first.base, first.split, first.levels, first.label,
+        );
+        Ok(Self { panels, sheet: Sheet { legend, caption } })
+    }
+}
+
+impl Panel {
+    fn new(sensor: Sensor, rows: &[&Row], names: &[&str], window: usize) -> Result<Self, FigureError> {
+        let mut series: Vec<(usize, Row)> = Vec::new();
+        for row in rows {
+            let index = names.iter().position(|name| *name == row.estimator).unwrap_or(0);
+            if series.iter().any(|(known, _)| *known == index) {
+                return Err(FigureError::TooMany {
+                    figure: FIGURE,
+                    what: "rows for one sensor and estimator",
+                    found: 2,
+                    most: 1,
+                });
+            }
+            let what = |column: &str| format!("{column} of {sensor} {}", row.estimator);
+            if row.by_sigma.is_empty() {
+                return Err(FigureError::Empty { figure: FIGURE, what: what("bin") });
+            }
+            let sigma: Vec<f64> = row.by_sigma.iter().map(|bin| bin.sigma).collect();
+            let rmse: Vec<f64> = row.by_sigma.iter().map(|bin| bin.rmse).collect();
+            let need = "it must be finite and positive";
+            check_each(FIGURE, &what("true sigma"), &sigma, need, |v| v.is_finite() && v > 0.0)?;
+            let need = "it must be finite and not negative";
+            check_each(FIGURE, &what("RMSE"), &rmse, need, |v| v.is_finite() && v >= 0.0)?;
+            series.push((index, (*row).clone()));
+        }
+        series.sort_by_key(|(index, _)| *index);
+        let bins = || series.iter().flat_map(|(_, row)| &row.by_sigma);
+        let low = bins().map(|bin| bin.sigma).fold(f64::INFINITY, f64::min);
+        let high = bins().map(|bin| bin.sigma).fold(0.0, f64::max);
+        let bound = [low, high].map(|sigma| (sigma, cramer_rao_sigma(sigma, window)));
+        // An RMSE of 0 cannot be placed; it is held at the lower edge.
+        let least = bins().map(|bin| bin.rmse).filter(|v| *v > 0.0).fold(bound[0].1, f64::min);
+        let most = bins().map(|bin| bin.rmse).fold(bound[1].1, f64::max);
+        let unit = style::unit(sensor);
+        Ok(Self {
+            sensor,
+            x: Axis::log(format!("true σ [{unit}]"), low / 1.12, high * 1.12),
+            y: Axis::log(format!("RMSE of predicted σ [{unit}]"), least / 1.25, most * 1.25),
+            bound: bound.to_vec(),
+            series,
+        })
+    }
+
+    fn draw<DB: DrawingBackend>(
+        &self,
+        area: &DrawingArea<DB, Shift>,
+        rect: Rect,
+    ) -> Result<(), DrawError<DB>> {
+        let frame = Frame::new(area, rect, &self.x, &self.y);
+        frame.grid()?;
+        let bound = self.bound.iter().map(|&(x, y)| frame.at(x, y)).collect();
+        frame.path(bound, style::stroke(style::INK, style::LINE - 1))?;
+        for (index, row) in &self.series {
+            let colour = PALETTE[index % PALETTE.len()];
+            let points: Vec<(i32, i32)> =
+                row.by_sigma.iter().map(|bin| frame.at(bin.sigma, bin.rmse)).collect();
+            frame.path(points.clone(), style::stroke(colour, style::LINE))?;
+            for point in points {
+                legend::marker(area, *index, point, colour)?;
+            }
+        }
+        frame.axes(true)?;
+        frame.title(style::title(self.sensor))
+    }
+}
+
+impl Plot for RmseVsSigma {
+    fn size(&self) -> (u32, u32) {
+        self.sheet.size()
+    }
+
+    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
+        self.sheet.draw(area, &self.panels, |panel, rect| panel.draw(area, rect))
+    }
+
+    fn csv(&self) -> Drawn {
+        let mut rows = Vec::new();
+        for panel in &self.panels {
+            let start = || vec![panel.sensor.name().to_owned(), panel.sensor.unit().to_owned()];
+            for (_, row) in &panel.series {
+                for bin in &row.by_sigma {
+                    let mut out = start();
+                    out.extend([row.estimator.clone(), bin.sigma.to_string(), bin.rmse.to_string()]);
+                    out.extend([bin.bias.to_string(), bin.n.to_string()]);
+                    rows.push(out);
+                }
+            }
+            for (sigma, bound) in &panel.bound {
+                let mut out = start();
+                out.extend(["cramer-rao".to_owned(), sigma.to_string(), bound.to_string()]);
+                out.extend([String::new(), String::new()]);
+                rows.push(out);
+            }
+        }
+        Drawn { header: vec!["sensor", "unit", "estimator", "true_sigma", "rmse", "bias", "n"], rows }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plot::svg;
+    use dpn_eval::open_loop::SigmaBin;
+
+    fn row(sensor: Sensor, estimator: &str, rmse: &[f64]) -> Row {
+        let by_sigma = (0..)
+            .zip(rmse)
+            .map(|(i, &rmse)| SigmaBin { sigma: 0.01 + 0.02 * f64::from(i), rmse, bias: -0.1 * rmse, n: 7 })
+            .collect();
+        Row {
+            sensor,
+            base: "sg(5,2)".into(),
+            data: "euroc".into(),
+            split: "test".into(),
+            estimator: estimator.into(),
+            levels: "grid".into(),
+            label: "sigma_inj".into(),
+            rmse: 0.1,
+            rmse_spread: None,
+            bias: 0.0,
+            crb: 0.05,
+            ratio: 2.0,
+            n: 21,
+            seeds: 0,
+            by_sigma,
+        }
+    }
+
+    #[test]
+    fn the_csv_holds_the_bins_and_the_bound() {
+        let accel = row(Sensor::Accel, "a", &[0.011, 0.012, 0.013]);
+        let gyro = row(Sensor::Gyro, "a", &[0.001, 0.1 + 0.2, 0.003]);
+        let csv = RmseVsSigma::new(&[&accel, &gyro], 200).unwrap().csv();
+        assert_eq!(csv.rows.len(), 10);
+        let read = |row: usize, column: usize| csv.rows[row][column].parse::<f64>().unwrap();
+        for (i, bin) in accel.by_sigma.iter().enumerate() {
+            assert_eq!([read(i, 3), read(i, 4), read(i, 5)], [bin.sigma, bin.rmse, bin.bias]);
+        }
+        assert_eq!(csv.rows[6][4], "0.30000000000000004");
+        assert!((read(4, 4) - 0.05 / 20.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn axes_carry_units_and_the_caption_the_set_up() {
+        let rows = [row(Sensor::Accel, "a", &[0.01, 0.02]), row(Sensor::Gyro, "b", &[0.0, 0.02])];
+        let plot = RmseVsSigma::new(&[&rows[0], &rows[1]], 200).unwrap();
+        let text = String::from_utf8(svg(&plot).unwrap()).unwrap();
+        for words in
+            ["true σ [m/s²]", "RMSE of predicted σ [rad/s]", "base sg(5,2), split test", "Cramér-Rao bound"]
+        {
+            assert!(text.contains(words), "{words}");
+        }
+    }
+
+    #[test]
+    fn faults_of_the_input_are_named() {
+        let one = row(Sensor::Accel, "a", &[0.01]);
+        assert!(matches!(RmseVsSigma::new(&[], 200), Err(FigureError::Empty { .. })));
+        let twice = RmseVsSigma::new(&[&one, &one], 200).unwrap_err();
+        assert!(matches!(twice, FigureError::TooMany { most: 1, .. }));
+        let nan = row(Sensor::Accel, "a", &[0.01, f64::NAN]);
+        let error = RmseVsSigma::new(&[&nan], 200).unwrap_err().to_string();
+        assert!(error.contains("RMSE of accel a is NaN at index 1"), "{error}");
+    }
+}

@@ -1,0 +1,151 @@
+//! Spectra of a log: root of the power density over frequency, both logarithmic, a panel a sensor, a line an axis.
+
+use super::axis::Axis;
+use super::error::FigureError;
+use super::frame::{Frame, Rect};
+use super::legend::{Entry, Key};
+use super::plot::{DrawError, Drawn, Plot};
+use super::sheet::Sheet;
+use super::style::{self, PALETTE};
+use dpn_core::Sensor;
+use dpn_probe::doctor::vibration::AxisSpectrum;
+use plotters::coord::Shift;
+use plotters::drawing::DrawingArea;
+use plotters_backend::DrawingBackend;
+
+const FIGURE: &str = "spectra";
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// The plot; see the head of its file.
+#[derive(Debug, Clone)]
+pub struct SpectrumPlot {
+    panels: Vec<Panel>,
+    sheet: Sheet,
+}
+
+#[derive(Debug, Clone)]
+struct Panel {
+    sensor: Sensor,
+    x: Axis,
+    y: Axis,
+    /// Axis, then frequency and root density of its bins.
+    lines: Vec<(usize, Vec<(f64, f64)>)>,
+}
+
+impl SpectrumPlot {
+    /// Spectra of both sensors; `words` end the small print.
+    ///
+    /// # Errors
+    /// [`FigureError::Empty`] where a sensor has no spectrum with power.
+    pub fn new(spectra: &[AxisSpectrum], words: &str) -> Result<Self, FigureError> {
+        let panels = Sensor::ALL
+            .into_iter()
+            .map(|sensor| Panel::new(sensor, spectra))
+            .collect::<Result<Vec<_>, _>>()?;
+        let legend = AXES
+            .into_iter()
+            .zip(PALETTE)
+            .map(|(axis, colour)| Entry { key: Key::Line, colour, words: axis.to_owned() })
+            .collect();
+        let caption = format!(
+            "Root of the power spectral density (Welch, Hann). Flat: white noise, at its density; peaks: vibration. {words}"
+        );
+        Ok(Self { panels, sheet: Sheet { legend, caption } })
+    }
+}
+
+impl Panel {
+    fn new(sensor: Sensor, spectra: &[AxisSpectrum]) -> Result<Self, FigureError> {
+        let lines: Vec<(usize, Vec<(f64, f64)>)> = spectra
+            .iter()
+            .filter(|s| s.sensor == sensor)
+            .map(|s| {
+                let bins = s.spectrum.frequencies().zip(s.spectrum.density());
+                // The bin at zero has no place on a logarithmic axis.
+                let bins = bins.filter(|(hz, d)| *hz > 0.0 && d.is_finite() && **d > 0.0);
+                (s.axis, bins.map(|(hz, d)| (hz, d.sqrt())).collect())
+            })
+            .collect();
+        let all = || lines.iter().flat_map(|(_, bins)| bins.iter().copied());
+        let fold = |pick: fn((f64, f64)) -> f64, start: f64, best: fn(f64, f64) -> f64| {
+            all().map(pick).fold(start, best)
+        };
+        let (from, to) = (fold(|b| b.0, f64::INFINITY, f64::min), fold(|b| b.0, 0.0, f64::max));
+        let (low, high) = (fold(|b| b.1, f64::INFINITY, f64::min), fold(|b| b.1, 0.0, f64::max));
+        if to <= 0.0 {
+            return Err(FigureError::Empty { figure: FIGURE, what: format!("spectrum of the {sensor}") });
+        }
+        let unit = style::unit(sensor);
+        Ok(Self {
+            sensor,
+            x: Axis::log("frequency [Hz]".into(), from, to),
+            y: Axis::log(format!("density [{unit}/√Hz]"), low / 1.3, high * 1.3),
+            lines,
+        })
+    }
+
+    fn draw<DB: DrawingBackend>(
+        &self,
+        area: &DrawingArea<DB, Shift>,
+        rect: Rect,
+    ) -> Result<(), DrawError<DB>> {
+        let frame = Frame::new(area, rect, &self.x, &self.y);
+        frame.grid()?;
+        for (axis, bins) in &self.lines {
+            let points = bins.iter().map(|&(hz, density)| frame.at(hz, density)).collect();
+            frame.path(points, style::stroke(PALETTE[axis % PALETTE.len()], style::THIN))?;
+        }
+        frame.axes(true)?;
+        frame.title(style::title(self.sensor))
+    }
+}
+
+impl Plot for SpectrumPlot {
+    fn size(&self) -> (u32, u32) {
+        self.sheet.size()
+    }
+
+    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
+        self.sheet.draw(area, &self.panels, |panel, rect| panel.draw(area, rect))
+    }
+
+    fn csv(&self) -> Drawn {
+        let mut rows = Vec::new();
+        for panel in &self.panels {
+            for (axis, bins) in &panel.lines {
+                for (hz, density) in bins {
+                    rows.push(vec![
+                        panel.sensor.name().to_owned(),
+                        AXES[*axis % 3].to_owned(),
+                        format!("{}/sqrt(Hz)", panel.sensor.unit()),
+                        hz.to_string(),
+                        density.to_string(),
+                    ]);
+                }
+            }
+        }
+        Drawn { header: vec!["sensor", "axis", "unit", "hz", "density"], rows }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dpn_core::SampleRate;
+    use dpn_core::signal::Welch;
+
+    #[test]
+    fn a_sine_stands_where_it_belongs_and_a_missing_sensor_is_refused() {
+        let rate = SampleRate::HZ_200;
+        let signal: Vec<f64> =
+            (0..4000).map(|i| (f64::from(i) * 0.005 * 50.0 * std::f64::consts::TAU).sin()).collect();
+        let spectrum = Welch::new(400).unwrap().spectrum(&signal, rate).unwrap();
+        let of = |sensor| AxisSpectrum { sensor, axis: 1, spectrum: spectrum.clone() };
+        let plot = SpectrumPlot::new(&[of(Sensor::Accel), of(Sensor::Gyro)], "").unwrap();
+        let csv = plot.csv();
+        let value = |row: &Vec<String>| row[4].parse::<f64>().unwrap();
+        let top = csv.rows.iter().max_by(|a, b| value(a).total_cmp(&value(b))).unwrap();
+        assert_eq!((top[1].as_str(), top[3].as_str()), ("y", "50"));
+        assert!(matches!(SpectrumPlot::new(&[of(Sensor::Accel)], ""), Err(FigureError::Empty { .. })));
+    }
+}

@@ -1,0 +1,179 @@
+//! Error against the constant told, both logarithmic: the sweep with its intervals, and other noises as marks at the level they say.
+
+use super::axis::Axis;
+use super::error::{FigureError, check_each};
+use super::frame::{ABOVE, BELOW, Frame, LEFT, RIGHT, Rect};
+use super::legend::{self, Entry, Key};
+use super::plot::{DrawError, Drawn, Plot};
+use super::sheet::{MARGIN, ROOM};
+use super::style::{self, Anchor, PALETTE};
+use plotters::coord::Shift;
+use plotters::drawing::DrawingArea;
+use plotters::style::Color;
+use plotters_backend::DrawingBackend;
+
+const FIGURE: &str = "sweep of constants";
+const PANEL: i32 = 640;
+/// Marks at most: shapes and colours that can be told apart.
+const MOST: usize = 5;
+
+/// A noise's place: what it says, and the error that comes of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SweepPoint {
+    /// The noise.
+    pub name: String,
+    /// What it says, in multiples of the baseline.
+    pub multiple: f64,
+    /// The error \[m\].
+    pub error: f64,
+    /// Its interval \[m\].
+    pub interval: Option<[f64; 2]>,
+}
+
+/// The plot; see the head of its file.
+#[derive(Debug, Clone)]
+pub struct SweepCurve {
+    x: Axis,
+    y: Axis,
+    constants: Vec<SweepPoint>,
+    marks: Vec<SweepPoint>,
+    legend: Vec<Entry>,
+    caption: String,
+}
+
+impl SweepCurve {
+    /// A curve through `constants`, in rising order of multiples, and up to five `marks`; `what` names the error.
+    ///
+    /// # Errors
+    /// No constant, too many marks, values that are not finite and positive.
+    pub fn new(
+        constants: &[SweepPoint],
+        marks: &[SweepPoint],
+        what: &str,
+        caption: &str,
+    ) -> Result<Self, FigureError> {
+        if constants.is_empty() {
+            return Err(FigureError::Empty { figure: FIGURE, what: "constant".into() });
+        }
+        if marks.len() > MOST {
+            return Err(FigureError::TooMany {
+                figure: FIGURE,
+                what: "marks",
+                found: marks.len(),
+                most: MOST,
+            });
+        }
+        let all = || constants.iter().chain(marks);
+        for point in all() {
+            let ends = point.interval.unwrap_or([point.error; 2]);
+            let values = [point.multiple, point.error, ends[0], ends[1]];
+            check_each(FIGURE, &point.name, &values, "it must be finite and positive", |v| {
+                v.is_finite() && v > 0.0
+            })?;
+        }
+        let fold = |values: &mut dyn Iterator<Item = f64>| {
+            values.fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)))
+        };
+        let (left, right) = fold(&mut all().map(|p| p.multiple));
+        let (low, high) =
+            fold(&mut all().flat_map(|p| p.interval.unwrap_or([p.error; 2]).into_iter().chain([p.error])));
+        let mut legend =
+            vec![Entry { key: Key::Line, colour: style::INK, words: "constants, with 95 % interval".into() }];
+        for (i, mark) in marks.iter().enumerate() {
+            legend.push(Entry { key: Key::Marked(i), colour: PALETTE[i], words: mark.name.clone() });
+        }
+        Ok(Self {
+            x: Axis::log(
+                "noise told, in multiples of the baseline (.08 m/s², .004 rad/s)".into(),
+                left / 1.25,
+                right * 1.25,
+            ),
+            y: Axis::log(format!("{what} [m]"), low / 1.15, high * 1.15),
+            constants: constants.to_vec(),
+            marks: marks.to_vec(),
+            legend,
+            caption: caption.to_owned(),
+        })
+    }
+}
+
+impl Plot for SweepCurve {
+    fn size(&self) -> (u32, u32) {
+        let around = legend::height(&self.legend, ROOM) + legend::print_height(&self.caption, ROOM);
+        (style::WIDTH, (2 * MARGIN + around + ABOVE / 2 + PANEL + BELOW) as u32)
+    }
+
+    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
+        legend::draw(area, &self.legend, (MARGIN, MARGIN), ROOM)?;
+        let top = MARGIN + legend::height(&self.legend, ROOM) + ABOVE / 2;
+        let rect = Rect { left: LEFT, top, right: style::WIDTH as i32 - RIGHT, bottom: top + PANEL };
+        let frame = Frame::new(area, rect, &self.x, &self.y);
+        frame.grid()?;
+        let edge = |end: usize| {
+            let at = move |p: &SweepPoint| (p.multiple, p.interval.unwrap_or([p.error; 2])[end]);
+            self.constants.iter().map(at).map(|(x, y)| frame.at(x, y)).collect::<Vec<_>>()
+        };
+        let band: Vec<(i32, i32)> = edge(1).into_iter().chain(edge(0).into_iter().rev()).collect();
+        frame.polygon(band, style::MUTED.mix(0.16))?;
+        let line = self.constants.iter().map(|p| frame.at(p.multiple, p.error)).collect::<Vec<_>>();
+        frame.path(line.clone(), style::stroke(style::INK, style::LINE - 1))?;
+        for ((x, y), point) in line.into_iter().zip(&self.constants) {
+            legend::marker(area, 0, (x, y), style::INK)?;
+            frame.words(&point.name, style::CAPTION, style::MUTED, Anchor::Centre, (x, y - 28))?;
+        }
+        for (i, mark) in self.marks.iter().enumerate() {
+            let colour = PALETTE[i];
+            if let Some([low, high]) = mark.interval {
+                let ends = vec![frame.at(mark.multiple, low), frame.at(mark.multiple, high)];
+                frame.path(ends, style::stroke(colour, style::THIN))?;
+            }
+            legend::marker(area, i, frame.at(mark.multiple, mark.error), colour)?;
+        }
+        frame.axes(true)?;
+        legend::print(area, &self.caption, (MARGIN, top + PANEL + BELOW), ROOM)
+    }
+
+    fn csv(&self) -> Drawn {
+        let row = |kind: &str, p: &SweepPoint| {
+            let end = |i: usize| p.interval.map_or_else(String::new, |ends| ends[i].to_string());
+            vec![kind.to_owned(), p.name.clone(), p.multiple.to_string(), p.error.to_string(), end(0), end(1)]
+        };
+        let constants = self.constants.iter().map(|p| row("constant", p));
+        let rows = constants.chain(self.marks.iter().map(|p| row("mark", p))).collect();
+        Drawn { header: vec!["kind", "noise", "multiple", "error_m", "low_m", "high_m"], rows }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plot::svg;
+
+    fn point(name: &str, multiple: f64, error: f64) -> SweepPoint {
+        SweepPoint { name: name.into(), multiple, error, interval: Some([0.8 * error, 1.3 * error]) }
+    }
+
+    #[test]
+    fn the_csv_holds_curve_and_marks_and_the_axes_their_units() {
+        let constants = [point("x1", 1.0, 0.2), point("x4", 4.0, 0.1), point("x16", 16.0, 0.3)];
+        let marks =
+            [point("dualpronet", 3.3, 0.1), SweepPoint { interval: None, ..point("shuffled", 3.3, 0.12) }];
+        let plot = SweepCurve::new(&constants, &marks, "ATE", "Small print.").unwrap();
+        let csv = plot.csv();
+        assert_eq!((csv.rows.len(), csv.rows[1][3].as_str(), csv.rows[4][4].as_str()), (5, "0.1", ""));
+        let text = String::from_utf8(svg(&plot).unwrap()).unwrap();
+        for words in ["ATE [m]", "multiples of the baseline", "dualpronet", "x16", "Small print."] {
+            assert!(text.contains(words), "{words}");
+        }
+    }
+
+    #[test]
+    fn what_has_no_place_is_refused() {
+        let good = [point("x1", 1.0, 0.2)];
+        assert!(matches!(SweepCurve::new(&[], &good, "ATE", ""), Err(FigureError::Empty { .. })));
+        let six: Vec<_> = (1..=6).map(|i| point("m", f64::from(i), 0.1)).collect();
+        assert!(matches!(SweepCurve::new(&good, &six, "ATE", ""), Err(FigureError::TooMany { .. })));
+        let error = SweepCurve::new(&good, &[point("m", 0.0, 0.1)], "ATE", "").unwrap_err().to_string();
+        assert!(error.contains("m is 0 at index 0"), "{error}");
+    }
+}

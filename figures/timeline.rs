@@ -1,0 +1,217 @@
+//! A run over time: panels one above the other on one time axis, a few lines each, and marks where something happened.
+
+use super::axis::Axis;
+use super::error::FigureError;
+use super::frame::{BELOW, Frame, LEFT, RIGHT, Rect};
+use super::legend;
+use super::plot::{DrawError, Drawn, Plot};
+use super::sheet::{MARGIN, ROOM};
+use super::style::{self, Anchor, PALETTE};
+use super::summary::columns;
+use plotters::coord::Shift;
+use plotters::drawing::DrawingArea;
+use plotters_backend::DrawingBackend;
+
+const FIGURE: &str = "timeline";
+/// Height of a panel's data, and of the words above it.
+const PANEL: i32 = 190;
+const WORDS: i32 = 44;
+/// Pixels of the time axis.
+const WIDE: i32 = style::WIDTH as i32 - LEFT - RIGHT;
+/// Most points of a line.
+const MOST: usize = 1400;
+/// Decades that a logarithmic panel shows.
+const DECADES: f64 = 1e-5;
+
+/// One panel: what its axis says, and lines of (seconds, value) in increasing time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TimelinePanel {
+    /// What is shown, with its unit.
+    pub label: String,
+    /// Whether the axis is logarithmic; values of 0 or below are left out there.
+    pub log: bool,
+    /// Lines with their names.
+    pub lines: Vec<(String, Vec<(f64, f64)>)>,
+}
+
+/// The plot; see the head of its file.
+#[derive(Debug, Clone)]
+pub struct Timeline {
+    title: String,
+    time: Axis,
+    panels: Vec<(TimelinePanel, Axis)>,
+    /// Where something happened \[s\].
+    marks: Vec<f64>,
+    caption: String,
+}
+
+impl Timeline {
+    /// Panels from above; those without a point are left out. `marks` \[s\] are drawn through all of them, `caption` says what they are.
+    ///
+    /// # Errors
+    /// [`FigureError::Empty`] where no panel has a point.
+    pub fn new(
+        title: String,
+        panels: Vec<TimelinePanel>,
+        marks: Vec<f64>,
+        caption: String,
+    ) -> Result<Self, FigureError> {
+        let mut kept: Vec<TimelinePanel> = panels
+            .into_iter()
+            .map(|mut panel| {
+                for (_, line) in &mut panel.lines {
+                    line.retain(|(t, v)| t.is_finite() && v.is_finite() && (!panel.log || *v > 0.0));
+                }
+                panel
+            })
+            .collect();
+        kept.retain(|panel| panel.lines.iter().any(|(_, line)| !line.is_empty()));
+        let times =
+            || kept.iter().flat_map(|p| p.lines.iter().flat_map(|(_, line)| line.iter().map(|p| p.0)));
+        let (start, end) = (times().fold(f64::INFINITY, f64::min), times().fold(f64::NEG_INFINITY, f64::max));
+        if start > end {
+            return Err(FigureError::Empty { figure: FIGURE, what: "point in time".into() });
+        }
+        let time = Axis::linear("time [s]".into(), start, end, 10);
+        let panels = kept.into_iter().map(|panel| (panel.thinned(), panel.axis())).collect();
+        let marks = marks.into_iter().filter(|t| (start..=end).contains(t)).collect();
+        Ok(Self { title, time, panels, marks, caption })
+    }
+}
+
+impl TimelinePanel {
+    /// At most as many points as the paper shows, medians of equal stretches of time.
+    fn thinned(&self) -> Self {
+        let thin = |line: &[(f64, f64)]| {
+            if line.len() <= MOST {
+                return line.to_vec();
+            }
+            let (t, values): (Vec<f64>, Vec<f64>) = line.iter().copied().unzip();
+            columns(&t, &values, MOST).into_iter().map(|column| (column.t, column.middle)).collect()
+        };
+        let lines = self.lines.iter().map(|(name, line)| (name.clone(), thin(line))).collect();
+        Self { lines, ..self.clone() }
+    }
+
+    /// Without its label, which stands above the panel, where there is room for it.
+    fn axis(&self) -> Axis {
+        let values = || self.lines.iter().flat_map(|(_, line)| line.iter().map(|p| p.1));
+        let (low, high) =
+            (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+        if self.log {
+            return Axis::log(String::new(), low.max(high * DECADES) / 1.2, high * 1.2);
+        }
+        // Counts and lengths begin at nought.
+        let low = if low >= 0.0 { 0.0 } else { low };
+        let pad = 0.06 * (high - low);
+        Axis::linear(String::new(), if low < 0.0 { low - pad } else { low }, high + pad, 4)
+    }
+
+    fn draw<DB: DrawingBackend>(
+        &self,
+        frame: &Frame<'_, DB>,
+        marks: &[f64],
+        last: bool,
+    ) -> Result<(), DrawError<DB>> {
+        frame.grid()?;
+        for t in marks {
+            let x = frame.x_at(*t);
+            let line = vec![(x, frame.rect.top), (x, frame.rect.bottom)];
+            frame.dashed(line, style::stroke(style::MUTED, style::THIN))?;
+        }
+        let mut x = frame.rect.right;
+        for ((name, line), colour) in self.lines.iter().zip(PALETTE).rev() {
+            for part in unbroken(line) {
+                let points = part.iter().map(|(t, v)| frame.at(*t, *v)).collect();
+                frame.path(points, style::stroke(colour, style::THIN))?;
+            }
+            if self.lines.len() > 1 {
+                let at = (x, frame.rect.top - 18);
+                frame.words(name, style::CAPTION, colour, Anchor::East, at)?;
+                x -= style::width(name, style::CAPTION) + 24;
+            }
+        }
+        frame.axes(last)?;
+        let at = (frame.rect.left, frame.rect.top - 18);
+        frame.words(&self.label, style::CAPTION, style::INK, Anchor::West, at)
+    }
+}
+
+/// Parts of a line without a gap: where values are missing for four usual steps, no line pretends to know them.
+fn unbroken(line: &[(f64, f64)]) -> impl Iterator<Item = &[(f64, f64)]> {
+    let mut steps: Vec<f64> = line.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
+    steps.sort_by(f64::total_cmp);
+    let usual = steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY);
+    line.chunk_by(move |a, b| b.0 - a.0 <= 4.0 * usual)
+}
+
+impl Plot for Timeline {
+    fn size(&self) -> (u32, u32) {
+        let panels = self.panels.len() as i32 * (PANEL + WORDS);
+        let height = 2 * MARGIN + WORDS + panels + BELOW + legend::print_height(&self.caption, ROOM);
+        (style::WIDTH, height as u32)
+    }
+
+    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
+        let title = style::text(style::TITLE, style::INK, Anchor::West);
+        area.draw_text(&self.title, &title, (MARGIN, MARGIN + 18))?;
+        let mut top = MARGIN + WORDS;
+        for (i, (panel, axis)) in self.panels.iter().enumerate() {
+            top += WORDS;
+            let rect = Rect { left: LEFT, top, right: LEFT + WIDE, bottom: top + PANEL };
+            let frame = Frame::new(area, rect, &self.time, axis);
+            panel.draw(&frame, &self.marks, i + 1 == self.panels.len())?;
+            top += PANEL;
+        }
+        legend::print(area, &self.caption, (MARGIN, top + BELOW + 8), ROOM)
+    }
+
+    fn csv(&self) -> Drawn {
+        let mut rows = Vec::new();
+        for (panel, _) in &self.panels {
+            for (name, line) in &panel.lines {
+                for (t, value) in line {
+                    rows.push(vec![panel.label.clone(), name.clone(), t.to_string(), value.to_string()]);
+                }
+            }
+        }
+        Drawn { header: vec!["panel", "line", "t_s", "value"], rows }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plot::svg;
+
+    fn panel(label: &str, log: bool, line: &[(f64, f64)]) -> TimelinePanel {
+        TimelinePanel { label: label.into(), log, lines: vec![("a".into(), line.to_vec())] }
+    }
+
+    #[test]
+    fn a_line_breaks_off_where_values_are_missing() {
+        let line: Vec<(f64, f64)> = [0, 1, 2, 3, 9, 10, 11].map(|t| (f64::from(t), 1.0)).to_vec();
+        assert_eq!(unbroken(&line).map(<[_]>::len).collect::<Vec<_>>(), [4, 3]);
+        assert_eq!(unbroken(&[]).count(), 0);
+    }
+
+    #[test]
+    fn panels_without_points_are_left_out_and_values_are_kept() {
+        let panels = vec![
+            panel("tracks", false, &[(0.0, 10.0), (1.0, 20.0), (2.0, f64::NAN)]),
+            panel("nothing", false, &[]),
+            panel("sigma [m]", true, &[(0.5, 0.0), (1.5, 0.1)]),
+        ];
+        let plot = Timeline::new("f01".into(), panels, vec![1.0, 9.0], "Dashed: restarts.".into()).unwrap();
+        let rows = plot.csv().rows;
+        let of = |row: &Vec<String>| (row[0].clone(), row[2].clone(), row[3].clone());
+        let expected = [("tracks", "0", "10"), ("tracks", "1", "20"), ("sigma [m]", "1.5", "0.1")];
+        let expected = expected.map(|(a, b, c)| (a.to_owned(), b.to_owned(), c.to_owned()));
+        assert_eq!(rows.iter().map(of).collect::<Vec<_>>(), expected);
+        assert_eq!(plot.marks, [1.0]);
+        let text = String::from_utf8(svg(&plot).unwrap()).unwrap();
+        assert!(text.contains("time [s]") && text.contains("restarts") && !text.contains("nothing"));
+        let none = Timeline::new(String::new(), vec![panel("x", false, &[])], vec![], String::new());
+        assert!(matches!(none, Err(FigureError::Empty { .. })));
+    }
+}

@@ -1,0 +1,110 @@
+//! Why the paper could not be made.
+
+use dpn_core::estimate::SpecError;
+use dpn_eval::closed_loop::ClosedLoopError;
+use dpn_eval::metrics::MetricsError;
+use dpn_eval::noise::NoiseError;
+use dpn_eval::open_loop::OpenLoopError;
+use dpn_eval::stats::StatsError;
+use dpn_figures::FigureError;
+use dpn_io::IoError;
+use dpn_pronet::StoreError;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// Why a stage could not be finished. What earlier stages left stays, and the same command goes on from there.
+#[derive(Debug, Error)]
+pub enum PaperError {
+    /// A closed loop, injected or not.
+    #[error(transparent)]
+    ClosedLoop(#[from] ClosedLoopError),
+    /// The open loop.
+    #[error(transparent)]
+    OpenLoop(#[from] OpenLoopError),
+    /// A figure.
+    #[error(transparent)]
+    Figure(#[from] FigureError),
+    /// A noise of the plan.
+    #[error(transparent)]
+    Noise(#[from] NoiseError),
+    /// A noise of the plan that is no spec.
+    #[error("the plan: {0}")]
+    Spec(#[from] SpecError),
+    /// Figures that cannot be tested.
+    #[error(transparent)]
+    Stats(#[from] StatsError),
+    /// A trajectory that cannot be compared with the truth.
+    #[error("{sequence}: {source}")]
+    Metrics {
+        /// The sequence.
+        sequence: String,
+        /// Why.
+        source: MetricsError,
+    },
+    /// A network.
+    #[error(transparent)]
+    Network(#[from] StoreError),
+    /// A file.
+    #[error(transparent)]
+    Io(#[from] IoError),
+    /// A file of an earlier run that does not read.
+    #[error("{}: {message}; remove it, and it is made again", path.display())]
+    Stale {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        message: String,
+    },
+    /// Another program's runs are to be taken, and it has not made them all.
+    #[error("{what}: not there as made by {program}")]
+    NotMeasured {
+        /// What is missing.
+        what: String,
+        /// The program.
+        program: String,
+    },
+    /// No sequence at all can be used.
+    #[error("no sequence can be used: {}", reasons.join("; "))]
+    Nothing {
+        /// Why, one a sequence.
+        reasons: Vec<String>,
+    },
+    /// A camera that no sequence has.
+    #[error("--camera {camera}: {reason}")]
+    NoCamera {
+        /// What was asked for.
+        camera: String,
+        /// Why not.
+        reason: String,
+    },
+    /// A table of the paper, built into the program, does not read.
+    #[error("papers/{file}, line {line}: `{text}` does not read; mend it and build again")]
+    Published {
+        /// The file.
+        file: &'static str,
+        /// Line, from 1.
+        line: usize,
+        /// The line.
+        text: String,
+    },
+}
+
+impl PaperError {
+    /// What to do about it, where the message does not say it.
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::ClosedLoop(error) => error.hint(),
+            Self::Io(error) => error.hint(),
+            Self::NoCamera { .. } => Some("--camera auto takes the best that every sequence has".into()),
+            Self::NotMeasured { .. } => Some(
+                "give --measured-by the checksum that tables and run.json name, with the plan, data and settings of that run; or leave it out, and it is run"
+                    .into(),
+            ),
+            Self::Nothing { .. } => Some(
+                "give --data a folder with EuRoC's sequences, or leave it out for the simulated flights"
+                    .into(),
+            ),
+            _ => None,
+        }
+    }
+}

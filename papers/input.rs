@@ -1,0 +1,420 @@
+//! What there is to work on, and what is missing.
+
+use super::error::PaperError;
+use super::published;
+use dpn_core::ImuRecording;
+use dpn_eval::closed_loop::{ClosedLoopError, Images, Source, Tracks, Unseen, Vision, has_images};
+use dpn_io::asl::Sequence;
+use dpn_sim::tracks::TracksConfig;
+use dpn_sim::{FlightConfig, RenderConfig};
+use dpn_train::corpus::{Corpus, Member};
+use dpn_train::split::{Side, paper_side};
+use dpn_vio::frontend::FrontEndConfig;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+/// What the odometry sees.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CameraChoice {
+    /// The best that every sequence has: its own images, else rendered ones, else tracks.
+    Auto,
+    /// The sequences' own images; those without any are missing.
+    Images,
+    /// Images rendered along the ground truth.
+    Rendered,
+    /// Camera tracks, given or made along the ground truth.
+    Tracks,
+}
+
+/// What sequences and their tracks are made of, where they are not read.
+#[derive(Debug, Clone)]
+pub struct Cameras {
+    /// Folder with camera tracks, where there is one.
+    pub given: Option<PathBuf>,
+    /// Tracks along a path.
+    pub made: TracksConfig,
+    /// Images along a path.
+    pub rendered: RenderConfig,
+    /// Simulated flights.
+    pub flights: FlightConfig,
+    /// What follows points through images.
+    pub front_end: FrontEndConfig,
+    /// Whether minutes count: [`CameraChoice::Auto`] renders nothing then.
+    pub quick: bool,
+}
+
+impl CameraChoice {
+    const ALL: [Self; 4] = [Self::Auto, Self::Images, Self::Rendered, Self::Tracks];
+
+    /// The sequences of `dir` (the simulated flights without one) as this camera shows them, and why this one, in words. `wanted` are names
+    /// as for [`Source::select`].
+    ///
+    /// # Errors
+    /// A folder that cannot be listed, a sequence that is not there, images of flights.
+    pub fn open(
+        self,
+        dir: Option<&Path>,
+        wanted: &str,
+        with: &Cameras,
+    ) -> Result<(Source, String), PaperError> {
+        let images = |images: Images| Tracks::Seen(Vision { images, front_end: with.front_end });
+        let rendered = || images(Images::Rendered(Box::new(with.rendered.clone())));
+        let own = || images(Images::Folder { skip_missing: false });
+        let Some(dir) = dir else {
+            let (tracks, why) = match self {
+                Self::Images => {
+                    return Err(PaperError::NoCamera {
+                        camera: self.to_string(),
+                        reason: "simulated flights have no images".into(),
+                    });
+                }
+                Self::Rendered => (rendered(), "along the true path, as asked for"),
+                Self::Auto if !with.quick => {
+                    (rendered(), "along the true path, for simulated flights have no images")
+                }
+                Self::Auto => (
+                    Tracks::Made(with.made.clone()),
+                    "simulated flights have no images, and to render some takes long; tracks are made along their true path",
+                ),
+                Self::Tracks => (Tracks::Made(with.made.clone()), "made along the true path, as asked for"),
+            };
+            return Ok((Source::Flights { config: with.flights.clone(), tracks }, why.into()));
+        };
+        let (tracks, words) = match &with.given {
+            Some(folder) => (Tracks::Given(folder.clone()), "the given ones"),
+            None => (Tracks::Made(with.made.clone()), "made along the ground truth"),
+        };
+        let tracks = || tracks.clone();
+        match self {
+            Self::Images => {
+                return Ok((Source::recorded(dir, own())?, "the sequences' own, as asked for".into()));
+            }
+            Self::Rendered => {
+                return Ok((
+                    Source::recorded(dir, rendered())?,
+                    "along the ground truth, as asked for".into(),
+                ));
+            }
+            Self::Tracks => return Ok((Source::recorded(dir, tracks())?, format!("{words}, as asked for"))),
+            Self::Auto if with.given.is_some() => {
+                return Ok((Source::recorded(dir, tracks())?, format!("{words}, as asked for")));
+            }
+            Self::Auto => {}
+        }
+        let source = Source::recorded(dir, tracks())?;
+        let Source::Recorded { sequences, .. } = &source else { return Ok((source, words.into())) };
+        let places = source.select(wanted)?;
+        let of = |has: &dyn Fn(&Sequence) -> bool| {
+            places.iter().filter(|place| has(&sequences[**place].0)).count()
+        };
+        let without = places.len() - of(&has_images);
+        if without == 0 {
+            return Ok((Source::recorded(dir, own())?, "every sequence has its own".into()));
+        }
+        let none = format!("{without} of {} sequences have no images here", places.len());
+        if of(&|sequence| sequence.ground_truth_path().is_some()) > 0 && !with.quick {
+            return Ok((Source::recorded(dir, rendered())?, format!("along the ground truth, for {none}")));
+        }
+        let long = if with.quick { ", and to render some takes long" } else { "" };
+        Ok((source, format!("{words}, for {none}{long}")))
+    }
+}
+
+impl fmt::Display for CameraChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Auto => "auto",
+            Self::Images => "images",
+            Self::Rendered => "rendered",
+            Self::Tracks => "tracks",
+        })
+    }
+}
+
+impl FromStr for CameraChoice {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let known = || Self::ALL.map(|choice| choice.to_string()).join(", ");
+        let named = Self::ALL.into_iter().find(|choice| choice.to_string() == text);
+        named.ok_or_else(|| format!("`{text}` is no camera; known are {}", known()))
+    }
+}
+
+/// A sequence that has no rows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Missing {
+    /// Its name; of EuRoC's, the short one.
+    pub name: String,
+    /// Why.
+    pub reason: String,
+}
+
+/// Recordings that can be used, and those that cannot.
+#[derive(Debug)]
+pub struct Input {
+    /// Name of the collection, `euroc` or `simulated`.
+    pub name: String,
+    /// Sequences of the closed loop.
+    pub source: Source,
+    /// Places of those that are used.
+    pub places: Vec<usize>,
+    /// Those that are not.
+    pub missing: Vec<Missing>,
+    /// Those whose samples are used and that the odometry could not see: without rows where it runs.
+    pub unseen: Vec<Missing>,
+    /// The sequences as the odometry sees them where noise is added: [`Source`], but for rendered images, in whose place there are tracks made
+    /// along the ground truth.
+    pub injected: Source,
+    /// The recordings of those used: windows of the open loop come from them.
+    pub corpus: Corpus,
+    /// Minutes of the IMU of each sequence used, and its samples.
+    pub lengths: Vec<(String, Side, usize, f64)>,
+}
+
+impl Input {
+    /// Reads every sequence among `wanted` once; what does not read is missing, with its reason, as are sequences of the paper that are
+    /// not there. `whole`: whether all sequences were wanted; `made`: tracks of the experiment with injected noise, where images are rendered.
+    ///
+    /// # Errors
+    /// No sequence that reads.
+    pub fn check(
+        source: Source,
+        wanted: &[usize],
+        whole: bool,
+        made: &TracksConfig,
+    ) -> Result<Self, PaperError> {
+        let names = source.names();
+        let (mut places, mut missing, mut lengths) = (Vec::new(), Vec::new(), Vec::new());
+        let mut members = Vec::new();
+        for &place in wanted {
+            let (name, side) = &names[place];
+            match usable(&source, place) {
+                Ok(recording) => {
+                    places.push(place);
+                    lengths.push((name.clone(), *side, recording.len(), recording.duration() / 60.0));
+                    members.push(Member { name: name.clone(), recording, side: *side });
+                }
+                Err(reason) => missing.push(Missing { name: name.clone(), reason }),
+            }
+        }
+        if places.is_empty() {
+            let reasons = missing.iter().map(|m| format!("{}: {}", m.name, m.reason)).collect();
+            return Err(PaperError::Nothing { reasons });
+        }
+        let of_paper = names.iter().any(|(name, _)| paper_side(name).is_some());
+        if of_paper {
+            for sequence in published::sequences()? {
+                let there = names.iter().position(|(name, _)| name.starts_with(&sequence.name));
+                let reason = match there {
+                    None => "there is no such folder in the data".to_owned(),
+                    Some(place) if !wanted.contains(&place) && !whole => "not asked for".to_owned(),
+                    _ => continue,
+                };
+                missing.push(Missing { name: sequence.name, reason });
+            }
+        }
+        missing.sort_by(|a, b| a.name.cmp(&b.name));
+        let name = match &source {
+            Source::Flights { .. } => "simulated",
+            Source::Recorded { .. } if of_paper => "euroc",
+            Source::Recorded { .. } => "recorded",
+        };
+        let corpus = Corpus { name: name.into(), members };
+        let injected = match source.clone() {
+            Source::Recorded {
+                sequences,
+                tracks: Tracks::Seen(Vision { images: Images::Rendered(_), .. }),
+            } => Source::Recorded { sequences, tracks: Tracks::Made(made.clone()) },
+            Source::Flights { config, tracks: Tracks::Seen(Vision { images: Images::Rendered(_), .. }) } => {
+                Source::Flights { config, tracks: Tracks::Made(made.clone()) }
+            }
+            source => source,
+        };
+        let unseen = Vec::new();
+        Ok(Self { name: name.into(), source, places, missing, unseen, injected, corpus, lengths })
+    }
+
+    /// Without these on the odometry's side.
+    #[must_use]
+    pub(super) fn without(&self, unseen: &[Unseen]) -> Self {
+        let names = self.source.names();
+        let missing = unseen.iter().map(|unseen| {
+            let name = names[unseen.place].0.clone();
+            let words = words(&unseen.error);
+            let reason = words.strip_prefix(&format!("{name}: ")).unwrap_or(&words).to_owned();
+            Missing { name, reason }
+        });
+        let places = self.places.iter().copied();
+        Self {
+            name: self.name.clone(),
+            source: self.source.clone(),
+            places: places.filter(|place| unseen.iter().all(|unseen| unseen.place != *place)).collect(),
+            missing: self.missing.clone(),
+            unseen: self.unseen.iter().cloned().chain(missing).collect(),
+            injected: self.injected.clone(),
+            corpus: self.corpus.clone(),
+            lengths: self.lengths.clone(),
+        }
+    }
+
+    /// Whether the sequences are those of the paper.
+    pub fn is_papers(&self) -> bool {
+        self.name == "euroc"
+    }
+
+    /// Lines that say what is missing, for the foot of a table.
+    pub(super) fn notes(&self) -> Vec<String> {
+        notes(self.missing.iter())
+    }
+
+    /// What the odometry sees, in words.
+    pub(super) fn camera(&self) -> &'static str {
+        match self.source.camera() {
+            "rendered" => "rendered images",
+            camera => camera,
+        }
+    }
+
+    /// The side of a sequence that is there, or of one of the paper's.
+    pub(super) fn side(&self, name: &str) -> Option<Side> {
+        let names = self.source.names();
+        let there = names.iter().find(|(there, _)| there == name).map(|(_, side)| *side);
+        there.or_else(|| paper_side(name))
+    }
+
+    /// Every sequence without rows where the odometry runs.
+    pub(super) fn not_run(&self) -> impl Iterator<Item = &Missing> {
+        self.missing.iter().chain(&self.unseen)
+    }
+
+    /// Lines that say what is missing where the odometry runs.
+    pub(super) fn notes_of_runs(&self) -> Vec<String> {
+        notes(self.not_run())
+    }
+}
+
+/// A line a reason.
+fn notes<'a>(missing: impl Iterator<Item = &'a Missing>) -> Vec<String> {
+    let mut by_reason: Vec<(&str, Vec<&str>)> = Vec::new();
+    for Missing { name, reason } in missing {
+        match by_reason.iter_mut().find(|(there, _)| *there == reason) {
+            Some((_, names)) => names.push(name),
+            None => by_reason.push((reason, vec![name])),
+        }
+    }
+    by_reason.iter().map(|(reason, names)| format!("No row for {}: {reason}.", names.join(", "))).collect()
+}
+
+/// The samples of a sequence that a loop can be closed on and windows can be cut from.
+fn usable(source: &Source, place: usize) -> Result<ImuRecording, String> {
+    let recording = source.recording(place, 0).map_err(|error| words(&error))?;
+    if recording.truth.is_none() {
+        return Err("it has no ground truth, so that nothing can be judged".into());
+    }
+    match source {
+        Source::Recorded { tracks: Tracks::Given(_), .. } => {
+            source.frames(place, 0).map_err(|error| words(&error))?;
+        }
+        Source::Recorded {
+            sequences,
+            tracks: Tracks::Seen(Vision { images: Images::Folder { .. }, .. }),
+        } if !has_images(&sequences[place].0) => {
+            return Err("it has none of the images it lists".into());
+        }
+        _ => {}
+    }
+    let member = Member { name: recording.name, recording: recording.imu, side: recording.side };
+    let mut one = Corpus::new("one", vec![member]).map_err(|error| error.to_string())?;
+    one.members.pop().map(|member| member.recording).ok_or_else(|| "it is empty".into())
+}
+
+/// An error and its causes on one line.
+fn words(error: &ClosedLoopError) -> String {
+    let mut text = error.to_string();
+    let mut cause = std::error::Error::source(error);
+    while let Some(inner) = cause {
+        let more = inner.to_string();
+        if !text.contains(&more) {
+            text = format!("{text}: {more}");
+        }
+        cause = inner.source();
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cameras() -> Cameras {
+        Cameras {
+            given: None,
+            made: TracksConfig::default(),
+            rendered: RenderConfig::default(),
+            flights: FlightConfig::default(),
+            front_end: FrontEndConfig::default(),
+            quick: false,
+        }
+    }
+
+    fn check(source: Source, wanted: &[usize], whole: bool) -> Result<Input, PaperError> {
+        Input::check(source, wanted, whole, &TracksConfig::default())
+    }
+
+    #[test]
+    fn flights_miss_nothing_and_have_no_images() {
+        let quick = Cameras { quick: true, ..cameras() };
+        let (source, why) = CameraChoice::Auto.open(None, "all", &quick).unwrap();
+        assert!(source.camera() == "tracks" && why.contains("no images"), "{why}");
+        let (rendered, why) = CameraChoice::Auto.open(None, "all", &cameras()).unwrap();
+        assert!(rendered.camera() == "rendered" && why.contains("no images"), "{why}");
+        assert_eq!(check(rendered, &[8], false).unwrap().injected.camera(), "tracks");
+        let input = check(source, &[8], false).unwrap();
+        assert_eq!((input.places.as_slice(), input.missing.len(), input.is_papers()), (&[8][..], 0, false));
+        assert!(input.lengths[0].3 > 0.5);
+        let error = CameraChoice::Images.open(None, "all", &cameras()).unwrap_err();
+        assert!(error.to_string().contains("simulated flights have no images") && error.hint().is_some());
+    }
+
+    #[test]
+    fn without_images_they_are_rendered_and_images_asked_for_leave_nothing() {
+        let dir = tempfile::tempdir().unwrap();
+        let mav = dir.path().join("MH_01_easy/mav0");
+        let put = |name: &str| {
+            std::fs::create_dir_all(mav.join(name)).unwrap();
+            std::fs::write(mav.join(name).join("data.csv"), "#timestamp [ns]\n").unwrap();
+        };
+        put("imu0");
+        let open = |choice: CameraChoice, with: &Cameras| choice.open(Some(dir.path()), "all", with).unwrap();
+        // Without a truth nothing can be rendered; nor can it be judged, which is said later.
+        let (source, why) = open(CameraChoice::Auto, &cameras());
+        assert_eq!(source.camera(), "tracks");
+        assert_eq!(why, "made along the ground truth, for 1 of 1 sequences have no images here");
+        put("state_groundtruth_estimate0");
+        let (source, why) = open(CameraChoice::Auto, &cameras());
+        assert_eq!(source.camera(), "rendered");
+        assert_eq!(why, "along the ground truth, for 1 of 1 sequences have no images here");
+        assert_eq!(open(CameraChoice::Auto, &Cameras { quick: true, ..cameras() }).0.camera(), "tracks");
+        let given = Cameras { given: Some("tracks".into()), ..cameras() };
+        assert_eq!(open(CameraChoice::Auto, &given).1, "the given ones, as asked for");
+        let (source, _) = open(CameraChoice::Images, &cameras());
+        assert_eq!(source.camera(), "images");
+        assert!(matches!(check(source, &[0], true), Err(PaperError::Nothing { .. })));
+        let words = "film".parse::<CameraChoice>().unwrap_err();
+        assert!(words.contains("known are auto, images, rendered, tracks"), "{words}");
+    }
+
+    #[test]
+    fn what_cannot_be_seen_loses_its_place_and_keeps_its_windows() {
+        let (source, _) = CameraChoice::Tracks.open(None, "all", &cameras()).unwrap();
+        let input = check(source, &[7, 8], false).unwrap();
+        let error = ClosedLoopError::NoImages { sequence: "f09-hover".into(), asked: false };
+        let left = input.without(&[Unseen { place: 8, error }]);
+        assert_eq!((left.places.as_slice(), left.corpus.members.len(), left.notes().len()), (&[7][..], 2, 0));
+        assert_eq!(left.notes_of_runs(), ["No row for f09-hover: it has no images."]);
+    }
+}

@@ -1,0 +1,38 @@
+//! The paper again, from data: networks, open loop, closed loop, injected noise, tables, figures, one page.
+//!
+//! [`Paper::run`] goes through the stages in order. A stage is a function of its inputs; its *id* is a checksum of them (program, plan,
+//! data, networks), and its results lie in a folder of that name, so that what was made from other inputs is neither used nor lost. A
+//! stage that was broken off goes on. Tables and figures carry the ids of the runs they are made from and the command.
+//!
+//! * [`Plan`]: what is run; quick or whole.
+//! * [`Input`]: recordings that are there, and what is missing.
+//! * `results`: every stage's results, read or made.
+//! * [`Table`]: Markdown, CSV and LaTeX of one table; `tables` makes those of the paper and of the study.
+//! * `drawings`: the figures; `page`: the page that tells the story.
+
+#![cfg_attr(test, allow(clippy::unwrap_used))]
+
+mod command;
+mod drawings;
+mod error;
+mod id;
+mod injected;
+mod input;
+mod motors;
+mod page;
+mod plan;
+mod published;
+mod results;
+mod run;
+mod states;
+mod study;
+mod table;
+mod tables;
+
+pub use command::Provenance;
+pub use error::PaperError;
+pub use id::id;
+pub use input::{CameraChoice, Cameras, Input, Missing};
+pub use plan::{InjectedPlan, Plan};
+pub use run::{Done, Paper, StageReport};
+pub use table::{Cell, Column, Table};

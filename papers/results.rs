@@ -1,0 +1,348 @@
+//! Every stage's results: read where they are there, made where they are not.
+
+use super::error::PaperError;
+use super::id::id;
+use super::injected::{Response, responses};
+use super::plan::Plan;
+use super::run::Paper;
+use cpu_time::ThreadTime;
+use dpn_core::Sensor;
+use dpn_core::estimate::Noise;
+use dpn_core::progress::Progress;
+use dpn_core::random::Stream;
+use dpn_eval::closed_loop::{ClosedLoopError, Keep, Manifest, Row, Source, Sweep, Unseen};
+use dpn_eval::injected::{Course, Injection};
+use dpn_eval::noise::{Fresh, Recorded};
+use dpn_eval::open_loop::{self, Request};
+use dpn_io::{IoError, atomic_write};
+use dpn_pronet::DualProNet;
+use dpn_train::base::Base;
+use dpn_train::split::Side;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// What a stage left, and where.
+#[derive(Debug)]
+pub(super) struct Made<T> {
+    pub(super) value: T,
+    /// Name of its folder.
+    pub(super) run: String,
+    /// Whether nothing had to be made.
+    pub(super) cached: bool,
+}
+
+/// One closed loop: a folder.
+struct Loop<'a> {
+    /// What its folder's name begins with.
+    name: String,
+    source: &'a Source,
+    places: Vec<usize>,
+    /// Noises, and with how many seeds.
+    noises: (&'a [String], u64),
+    /// More noises, and with how many.
+    others: (&'a [String], u64),
+    injection: Option<Injection>,
+    keep: Keep,
+}
+
+/// Reads `path`, or makes it and writes it. A file that does not read is an error: it is not ours to throw away.
+fn cached<T: Serialize + DeserializeOwned>(
+    path: &Path,
+    make: impl FnOnce() -> Result<T, PaperError>,
+) -> Result<(T, bool), PaperError> {
+    match std::fs::read(path) {
+        Ok(bytes) => {
+            let value = serde_json::from_slice(&bytes).map_err(|error| PaperError::Stale {
+                path: path.to_path_buf(),
+                message: format!("it does not read ({error})"),
+            })?;
+            Ok((value, true))
+        }
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            let value = make()?;
+            let text = serde_json::to_string(&value).unwrap_or_default();
+            atomic_write(path, |out| writeln!(out, "{text}"))?;
+            Ok((value, false))
+        }
+        Err(source) => Err(IoError::Read { path: path.to_path_buf(), source }.into()),
+    }
+}
+
+impl Paper<'_> {
+    /// What the networks are: a checksum of their weights and cards.
+    pub(super) fn networks_id(&self) -> Result<String, PaperError> {
+        let mut parts = Vec::new();
+        for network in self.networks {
+            parts.push(network.path.to_string_lossy().into_owned().into_bytes());
+            parts.push(network.weights.to_bytes()?);
+        }
+        Ok(id(parts))
+    }
+
+    /// The rows of the open loop.
+    pub(super) fn open_loop(
+        &self,
+        networks: &str,
+        progress: &mut dyn Progress,
+    ) -> Result<Made<Vec<open_loop::Row>>, PaperError> {
+        let mut parts = vec![self.measured_by(), networks.to_owned(), self.plan.seed.to_string()];
+        parts.push(self.plan.bases.join(";"));
+        parts.extend([self.input.corpus.name.clone(), self.input.corpus.fingerprint()]);
+        let run = format!("open-loop-{}", id(&parts));
+        let bases: Vec<Base> = self.plan.bases.iter().filter_map(|base| base.parse().ok()).collect();
+        let (value, cached) = self.cached(&run, &self.work.join(&run).join("rows.json"), || {
+            let request = Request {
+                corpora: std::slice::from_ref(&self.input.corpus),
+                sensors: &Sensor::ALL,
+                bases: &bases,
+                networks: self.networks,
+                seed: self.plan.seed,
+            };
+            Ok(open_loop::run(&request, progress)?.rows)
+        })?;
+        Ok(Made { value, run, cached })
+    }
+
+    /// What the study's sweep keeps of runs for the figures.
+    pub(super) fn keep(&self) -> Keep {
+        let noises = ["x1", "dualpronet"].iter().filter_map(|noise| noise.parse().ok()).collect();
+        Keep { states: Some((noises, self.plan.seed)), ..Keep::default() }
+    }
+
+    /// The rows of the study, and the sequences that cannot be seen.
+    pub(super) fn closed_loop(
+        &self,
+        networks: &str,
+        stop: &AtomicBool,
+        progress: &mut dyn Progress,
+    ) -> Result<(Made<Vec<Row>>, Vec<Unseen>), PaperError> {
+        let study = Loop {
+            name: "closed-loop".into(),
+            source: &self.input.source,
+            places: self.input.places.clone(),
+            noises: (&self.plan.noises, self.plan.seeds),
+            others: (&self.plan.others, self.plan.other_seeds),
+            injection: None,
+            keep: self.keep(),
+        };
+        self.sweep(&study, networks, stop, progress)
+    }
+
+    /// The rows of one course of the injected experiment.
+    pub(super) fn injected(
+        &self,
+        course: Course,
+        networks: &str,
+        stop: &AtomicBool,
+        progress: &mut dyn Progress,
+    ) -> Result<Made<Vec<Row>>, PaperError> {
+        let plan = &self.plan.injected;
+        let (noises, seeds) = match course {
+            Course::Step => (&plan.noises, plan.seeds),
+            _ => (&plan.followed, plan.course_seeds),
+        };
+        let experiment = Loop {
+            name: format!("injected-{course}"),
+            source: &self.input.injected,
+            places: self.injected_places(),
+            noises: (noises, seeds),
+            others: (&[], 0),
+            injection: Some(plan.noise.with(course)),
+            keep: Keep::default(),
+        };
+        // Every sequence was seen in the closed loop or left out; one that is not seen now has no row here either.
+        let (made, unseen) = self.sweep(&experiment, networks, stop, progress)?;
+        match unseen.into_iter().next() {
+            Some(unseen) => Err(unseen.error.into()),
+            None => Ok(made),
+        }
+    }
+
+    /// The first sequences of both sides, as many of each as can be.
+    pub(super) fn injected_places(&self) -> Vec<usize> {
+        let names = self.input.source.names();
+        let most = match self.plan.injected.most_sequences {
+            0 => usize::MAX,
+            most => most,
+        };
+        let (train, test): (Vec<usize>, Vec<usize>) =
+            self.input.places.iter().partition(|place| names[**place].1 == Side::Train);
+        let tests = test.len().min(most.saturating_sub(train.len()).max(most / 2));
+        let mut places: Vec<usize> = train.into_iter().take(most.saturating_sub(tests)).collect();
+        places.extend(test.into_iter().take(tests));
+        places.sort_unstable();
+        places
+    }
+
+    /// All runs of a loop.
+    fn sweep(
+        &self,
+        wanted: &Loop<'_>,
+        networks: &str,
+        stop: &AtomicBool,
+        progress: &mut dyn Progress,
+    ) -> Result<(Made<Vec<Row>>, Vec<Unseen>), PaperError> {
+        // One seed where nothing depends on it.
+        let seeded = wanted.source.tracks_are_seeded() || wanted.source.recordings_are_seeded();
+        let first = self.plan.seed;
+        let seeds = |count: u64| (first..first + if seeded { count } else { count.min(1) }).collect();
+        let sweep = Sweep {
+            source: wanted.source,
+            places: wanted.places.clone(),
+            noises: Plan::parsed(wanted.noises.0)?,
+            seeds: seeds(wanted.noises.1),
+            others: (Plan::parsed(wanted.others.0)?, seeds(wanted.others.1)),
+            from: self.from,
+            to: None,
+            estimator: self.estimator.clone(),
+            networks: self.networks,
+            threads: self.threads,
+            keep: wanted.keep.clone(),
+            injection: wanted.injection,
+        };
+        let manifest = Manifest::of(&sweep, self.measured_by(), Some(networks.to_owned()))?;
+        let run = format!("{}-{}", wanted.name, &manifest.fingerprint()[..16]);
+        let dir = self.work.join(&run);
+        if let Some(program) = self.measured_by {
+            let left = sweep.left(&dir, &manifest)?;
+            if left > 0 {
+                let what = format!("{left} runs of {run}");
+                return Err(PaperError::NotMeasured { what, program: program.to_owned() });
+            }
+        }
+        let mut watch = Watch { inner: progress, stepped: false };
+        let (value, unseen) = sweep.run_what_is_seen(&dir, &manifest, stop, &mut watch)?;
+        Ok((Made { value, run, cached: !watch.stepped }, unseen))
+    }
+
+    /// The program whose runs are taken.
+    fn measured_by(&self) -> String {
+        self.measured_by.unwrap_or(&self.program).to_owned()
+    }
+
+    /// What lies at `path`, or is made and put there; not made where another program's runs are taken.
+    fn cached<T: Serialize + DeserializeOwned>(
+        &self,
+        run: &str,
+        path: &Path,
+        make: impl FnOnce() -> Result<T, PaperError>,
+    ) -> Result<(T, bool), PaperError> {
+        match self.measured_by {
+            Some(program) if !path.exists() => {
+                Err(PaperError::NotMeasured { what: run.to_owned(), program: program.to_owned() })
+            }
+            _ => cached(path, make),
+        }
+    }
+
+    /// How noises follow what is injected.
+    pub(super) fn responses(
+        &self,
+        networks: &str,
+        stop: &AtomicBool,
+    ) -> Result<Made<Vec<Response>>, PaperError> {
+        let plan = &self.plan.injected;
+        let places = self.injected_places();
+        let mut parts = vec![self.measured_by(), networks.to_owned(), self.plan.seed.to_string()];
+        parts.push(serde_json::to_string(&plan.noise).unwrap_or_default());
+        parts.push(plan.followed.join(";"));
+        parts.extend(self.checksums(&places)?);
+        let run = format!("response-{}", id(&parts));
+        let (value, cached) = self.cached(&run, &self.work.join(&run).join("responses.json"), || {
+            stopped(stop)?;
+            let noises = Plan::parsed(&plan.followed)?;
+            let seed = self.plan.seed;
+            responses(&self.input.source, &places, &noises, self.networks, &plan.noise, seed)
+        })?;
+        Ok(Made { value, run, cached })
+    }
+
+    /// Checksums of the sequences at `places`.
+    pub(super) fn checksums(&self, places: &[usize]) -> Result<Vec<String>, PaperError> {
+        Ok(places.iter().map(|place| self.input.source.checksum(*place)).collect::<Result<_, _>>()?)
+    }
+
+    /// CPU time of six windows of every noise of the study \[ms\], on the first sequence.
+    pub(super) fn model_times(
+        &self,
+        networks: &str,
+        stop: &AtomicBool,
+    ) -> Result<Made<Vec<(String, f64)>>, PaperError> {
+        let specs: Vec<&String> = self.plan.noises.iter().chain(&self.plan.others).collect();
+        let place = self.input.places[0];
+        let mut parts = vec![self.measured_by(), networks.to_owned()];
+        parts.extend(specs.iter().map(|spec| (*spec).clone()));
+        parts.extend(self.checksums(&[place])?);
+        let run = format!("timing-{}", id(&parts));
+        let (value, cached) = self.cached(&run, &self.work.join(&run).join("windows.json"), || {
+            stopped(stop)?;
+            let recording = self.input.source.recording(place, self.plan.seed)?;
+            let recorded =
+                Recorded { name: &recording.name, imu: &recording.imu, oracle: recording.oracle.as_ref() };
+            let sources = Fresh { recorded, networks: self.networks };
+            let answers = recording.imu.len() as f64 / DualProNet::HOP as f64;
+            let mut times = Vec::new();
+            for spec in specs {
+                let noise: Noise = spec.parse()?;
+                if noise.needs_training() {
+                    continue;
+                }
+                let clock = ThreadTime::now();
+                dpn_eval::noise::track(&noise, &recording.imu, &sources, &Stream::new(self.plan.seed))?;
+                times.push((spec.clone(), 1e3 * clock.elapsed().as_secs_f64() / answers));
+            }
+            Ok(times)
+        })?;
+        Ok(Made { value, run, cached })
+    }
+}
+
+/// An error where a stop was asked for.
+fn stopped(stop: &AtomicBool) -> Result<(), PaperError> {
+    if stop.load(Ordering::Relaxed) {
+        return Err(ClosedLoopError::Stopped { done: 0, total: 0 }.into());
+    }
+    Ok(())
+}
+
+/// Hears whether anything was done.
+struct Watch<'a> {
+    inner: &'a mut dyn Progress,
+    stepped: bool,
+}
+
+impl Progress for Watch<'_> {
+    fn start(&mut self, what: &str, total: u64) {
+        self.inner.start(what, total);
+    }
+
+    fn step(&mut self, done: u64, note: &str) {
+        self.stepped = true;
+        self.inner.step(done, note);
+    }
+
+    fn finish(&mut self, note: &str) {
+        self.inner.finish(note);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_there_is_read_and_what_does_not_read_is_named_and_kept() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a/rows.json");
+        let numbers = vec![0.1, 1.0 / 3.0];
+        assert_eq!(cached(&path, || Ok(numbers.clone())).unwrap(), (numbers.clone(), false));
+        let never = || -> Result<Vec<f64>, PaperError> { panic!("made again") };
+        assert_eq!(cached(&path, never).unwrap(), (numbers, true));
+        std::fs::write(&path, "[0.1, ").unwrap();
+        let text = cached(&path, never).unwrap_err().to_string();
+        assert!(text.contains("rows.json: it does not read") && text.ends_with("made again"), "{text}");
+        assert!(path.exists());
+    }
+}

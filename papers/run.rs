@@ -1,0 +1,449 @@
+//! The stages in their order.
+
+use super::command::Provenance;
+use super::drawings;
+use super::error::PaperError;
+use super::id::id;
+use super::injected::{Value, value};
+use super::input::Input;
+use super::page::{self, Picture};
+use super::plan::Plan;
+use super::results::Made;
+use super::study::Rows;
+use super::table::Table;
+use super::tables;
+use dpn_core::Sensor;
+use dpn_core::progress::Progress;
+use dpn_eval::closed_loop::{Images, Recording, Row, StartAt, Tracks, Vision};
+use dpn_eval::injected::Course;
+use dpn_figures::{Plot, Sourced, save};
+use dpn_io::{IoError, atomic_write};
+use dpn_pronet::network::Network;
+use dpn_train::split::Side;
+use dpn_vio::EstimatorConfig;
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+/// Everything the paper is made from.
+#[derive(Debug)]
+pub struct Paper<'a> {
+    /// What is run.
+    pub plan: &'a Plan,
+    /// On what.
+    pub input: &'a Input,
+    /// The networks.
+    pub networks: &'a [Network],
+    /// The estimator's settings; covariances are needed for NEES and for the error's band.
+    pub estimator: EstimatorConfig,
+    /// Why the odometry sees what it sees.
+    pub camera: &'a str,
+    /// Where runs begin.
+    pub from: StartAt,
+    /// Version and checksum of the program.
+    pub program: String,
+    /// Another build of it whose runs are taken, all of them; nothing is run then.
+    pub measured_by: Option<&'a str>,
+    /// The command line.
+    pub command: String,
+    /// Folder of the runs.
+    pub work: &'a Path,
+    /// Folder of tables, figures and page.
+    pub out: &'a Path,
+    /// Threads to use.
+    pub threads: usize,
+}
+
+/// A stage that is over.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StageReport {
+    /// Its name.
+    pub name: String,
+    /// The folder of its results, or the checksum of what it was made from.
+    pub run: String,
+    /// Whether nothing had to be made.
+    pub cached: bool,
+    /// Wall-clock time \[s\].
+    pub seconds: f64,
+}
+
+/// What came of it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Done {
+    /// The stages, in order.
+    pub stages: Vec<StageReport>,
+    /// What the tables say, in sentences.
+    pub findings: Vec<String>,
+    /// Every file written or found whole.
+    pub files: Vec<PathBuf>,
+    /// The page.
+    pub page: PathBuf,
+}
+
+/// What a folder of tables and figures was made from: a checksum, and those of its files.
+#[derive(Debug, Serialize, serde::Deserialize)]
+struct Receipt {
+    id: String,
+    findings: Vec<String>,
+    files: BTreeMap<String, String>,
+}
+
+const RECEIPT: &str = "made.json";
+const PAGE: &str = "index.html";
+/// Noises shown over a flight.
+const OVER_FLIGHT: [&str; 3] = ["dualpronet", "diff2", "sg(11,2)"];
+/// Noises shown following a step.
+const FOLLOWING: [&str; 3] = ["plus(dualpronet(wide-s0),x4)", "dualpronet", "diff2"];
+
+impl Paper<'_> {
+    /// Runs what has not been run, and makes tables, figures and page where their input or they themselves have changed.
+    ///
+    /// # Errors
+    /// Whatever stops a stage; a request to stop. What is finished stays, and the same call goes on from there.
+    pub fn run(&self, stop: &AtomicBool, progress: &mut dyn Progress) -> Result<Done, PaperError> {
+        let mut stages = Vec::new();
+        let clock = Instant::now();
+        let networks = self.networks_id()?;
+        stages.push(report("networks", &format!("networks-{networks}"), true, clock));
+        let clock = Instant::now();
+        let open = self.open_loop(&networks, progress)?;
+        stages.push(report("open loop", &open.run, open.cached, clock));
+        let clock = Instant::now();
+        let (closed, unseen) = self.closed_loop(&networks, stop, progress)?;
+        stages.push(report("closed loop", &closed.run, closed.cached, clock));
+        let input = self.input.without(&unseen);
+        if input.places.is_empty() {
+            let reasons = input.not_run().map(|m| format!("{}: {}", m.name, m.reason)).collect();
+            return Err(PaperError::Nothing { reasons });
+        }
+        let paper = Paper {
+            input: &input,
+            program: self.program.clone(),
+            command: self.command.clone(),
+            estimator: self.estimator.clone(),
+            ..*self
+        };
+        paper.after_the_loop(stages, &networks, open, closed, stop, progress)
+    }
+
+    /// The rest, on the sequences that the odometry has seen.
+    fn after_the_loop(
+        &self,
+        mut stages: Vec<StageReport>,
+        networks: &str,
+        open: Made<Vec<dpn_eval::open_loop::Row>>,
+        closed: Made<Vec<Row>>,
+        stop: &AtomicBool,
+        progress: &mut dyn Progress,
+    ) -> Result<Done, PaperError> {
+        let mut injected = Vec::new();
+        for course in &self.plan.injected.courses {
+            let clock = Instant::now();
+            let rows = self.injected(*course, networks, stop, progress)?;
+            stages.push(report(&format!("injected noise: {course}"), &rows.run, rows.cached, clock));
+            injected.push((*course, rows));
+        }
+        let clock = Instant::now();
+        let responses = self.responses(networks, stop)?;
+        stages.push(report("responses", &responses.run, responses.cached, clock));
+        let clock = Instant::now();
+        let times = self.model_times(networks, stop)?;
+        stages.push(report("times", &times.run, times.cached, clock));
+
+        let clock = Instant::now();
+        let id = self.paper_id(&stages, &closed.value, &injected)?;
+        if let Some(receipt) = self.intact(&id) {
+            stages.push(report("tables, figures, page", &id, true, clock));
+            return Ok(self.done(stages, receipt));
+        }
+        let results = Results { open, closed, injected, responses, times };
+        let receipt = self.write(&id, &results, progress)?;
+        stages.push(report("tables, figures, page", &id, false, clock));
+        Ok(self.done(stages, receipt))
+    }
+
+    /// What tables, figures and page are a function of.
+    fn paper_id(
+        &self,
+        stages: &[StageReport],
+        closed: &[Row],
+        injected: &[(Course, Made<Vec<Row>>)],
+    ) -> Result<String, PaperError> {
+        let mut parts = vec![
+            self.program.clone(),
+            self.command.clone(),
+            format!("{:?}", self.input.not_run().collect::<Vec<_>>()),
+        ];
+        parts.push(serde_json::to_string(self.plan).unwrap_or_default());
+        parts.push(serde_json::to_string(&self.estimator).unwrap_or_default());
+        parts.extend(stages.iter().map(|stage| stage.run.clone()));
+        let rows = closed.iter().chain(injected.iter().flat_map(|(_, made)| &made.value));
+        parts.extend(rows.map(|row| serde_json::to_string(row).unwrap_or_default()));
+        parts.extend(self.checksums(&self.input.places)?);
+        Ok(id(parts))
+    }
+
+    /// The receipt, where it is of `id` and every file is as it was written.
+    fn intact(&self, id: &str) -> Option<Receipt> {
+        let bytes = std::fs::read(self.out.join(RECEIPT)).ok()?;
+        let receipt: Receipt = serde_json::from_slice(&bytes).ok()?;
+        let whole =
+            |(name, sum): (&String, &String)| checksum(&self.out.join(name)).is_ok_and(|now| now == *sum);
+        (receipt.id == id && receipt.files.iter().all(whole)).then_some(receipt)
+    }
+
+    fn done(&self, stages: Vec<StageReport>, receipt: Receipt) -> Done {
+        let files = receipt.files.keys().map(|name| self.out.join(name)).collect();
+        Done { stages, findings: receipt.findings, files, page: self.out.join(PAGE) }
+    }
+
+    fn write(&self, id: &str, results: &Results, progress: &mut dyn Progress) -> Result<Receipt, PaperError> {
+        let rows = Rows::new(&results.closed.value);
+        let study = rows.study(self.plan.margin)?;
+        let values: Vec<(Course, Value)> = results
+            .injected
+            .iter()
+            .map(|(course, made)| Ok((*course, value(&Rows::new(&made.value), self.plan.margin)?)))
+            .collect::<Result<_, PaperError>>()?;
+        let program = match self.measured_by {
+            Some(measured) => format!("{}, of runs by {measured}", self.program),
+            None => self.program.clone(),
+        };
+        let made_by = Provenance { command: self.command.clone(), program, runs: Vec::new() };
+        let injected_runs: Vec<&str> = results.injected.iter().map(|(_, made)| made.run.as_str()).collect();
+        let (open, closed) = (results.open.run.as_str(), results.closed.run.as_str());
+        let input = self.input;
+        let noise = &self.plan.injected.noise;
+        let tables = vec![
+            tables::split(input, made_by.of(&[closed]))?,
+            tables::open_loop(input, &results.open.value, made_by.of(&[open]))?,
+            tables::closed_loop(input, &rows, made_by.of(&[closed]))?,
+            tables::study(input, &study, made_by.of(&[closed])),
+            tables::value(input, &values, noise, made_by.of(&injected_runs)),
+            tables::responses(input, &results.responses.value, noise, made_by.of(&[&results.responses.run])),
+            tables::timing(&study, &results.times.value, made_by.of(&[closed, &results.times.run])),
+        ];
+        let mut names: Vec<String> = Vec::new();
+        for table in &tables {
+            table.save(&self.out.join("tables"))?;
+            names.extend(["md", "csv", "tex"].map(|ending| format!("tables/{}.{ending}", table.name)));
+        }
+        let pictures = self.draw(results, &study, &made_by, progress)?;
+        for picture in &pictures {
+            names.extend(["svg", "png", "csv"].map(|ending| format!("{}.{ending}", picture.name)));
+        }
+        let findings = page::findings(input, &rows, &study, &values)?;
+        let story = page::Story {
+            input,
+            camera: self.camera,
+            findings: &findings,
+            tables: &tables,
+            pictures: &pictures,
+        };
+        let html = story.html(&made_by.of(&[open, closed]));
+        atomic_write(&self.out.join(PAGE), |out| out.write_all(html.as_bytes()))?;
+        let readme = story.readme(&made_by);
+        atomic_write(&self.out.join("README.md"), |out| out.write_all(readme.as_bytes()))?;
+        names.extend([PAGE.to_owned(), "README.md".to_owned()]);
+        let mut files = BTreeMap::new();
+        for name in names {
+            let path = self.out.join(&name);
+            let sum = checksum(&path).map_err(|source| IoError::Read { path, source })?;
+            files.insert(name, sum);
+        }
+        let receipt = Receipt { id: id.to_owned(), findings, files };
+        let text = serde_json::to_string_pretty(&receipt).unwrap_or_default() + "\n";
+        atomic_write(&self.out.join(RECEIPT), |out| out.write_all(text.as_bytes()))?;
+        Ok(receipt)
+    }
+
+    /// Every figure that the results allow.
+    fn draw(
+        &self,
+        results: &Results,
+        study: &super::study::Study,
+        made_by: &Provenance,
+        progress: &mut dyn Progress,
+    ) -> Result<Vec<Picture>, PaperError> {
+        const COUNT: u64 = 14;
+        progress.start("figures", COUNT);
+        let mut sketch = Sketch { out: self.out, made_by, pictures: Vec::new(), progress };
+        let (accel, gyro) = (self.network(Sensor::Accel), self.network(Sensor::Gyro));
+        let closed = results.closed.run.as_str();
+        let camera = match self.input.source.tracks() {
+            Tracks::Made(config) => format!("tracks, {} Hz", config.rate_hz),
+            Tracks::Given(_) => "given tracks".to_owned(),
+            Tracks::Seen(Vision { images: Images::Folder { .. }, .. }) => "images, followed".to_owned(),
+            Tracks::Seen(Vision { images: Images::Rendered(_), .. }) => {
+                "rendered images, followed".to_owned()
+            }
+        };
+        sketch.add(
+            "architecture_odometry",
+            "The odometry with DualProNet",
+            &[closed],
+            &drawings::odometry(&self.estimator, accel.zip(gyro), &camera)?,
+        )?;
+        sketch.add(
+            "architecture_window",
+            "The sliding window",
+            &[closed],
+            &drawings::window(&self.estimator)?,
+        )?;
+        let networks: Vec<&Network> = accel.into_iter().chain(gyro).collect();
+        if !networks.is_empty() {
+            sketch.add("architecture_networks", "The networks", &[closed], &drawings::network(&networks)?)?;
+        }
+        let open = results.open.run.as_str();
+        let figure = drawings::rmse(&results.open.value, &self.input.corpus.name)?;
+        sketch.add(
+            "open_loop_rmse_vs_sigma",
+            "Error of the estimated deviation, with its bound",
+            &[open],
+            &figure,
+        )?;
+        let recordings = self.recordings()?;
+        let keep = self.keep();
+        let dir = self.work.join(closed);
+        let rows = &results.closed.value;
+        let noises = ["x1", "dualpronet"];
+        sketch.add(
+            "trajectories",
+            "All trajectories: truth, baseline, DualProNet",
+            &[closed],
+            &drawings::trajectories(&recordings, rows, &dir, &keep, &noises)?,
+        )?;
+        let example = recordings.iter().find(|r| r.side == Side::Test).or(recordings.first());
+        if let Some(recording) = example {
+            if let Some(figure) = drawings::errors(recording, &dir, &keep, &noises)? {
+                sketch.add(
+                    "error_by_time",
+                    "Error by time, with what the estimator believes",
+                    &[closed],
+                    &figure,
+                )?;
+            }
+            for sensor in Sensor::ALL {
+                let figure = drawings::sigma_over_flight(recording, &OVER_FLIGHT, self.networks, sensor)?;
+                let name = if sensor == Sensor::Accel { "flight_sigma" } else { "flight_sigma_gyro" };
+                sketch.add(name, "What is said over a flight", &[closed], &figure)?;
+            }
+            let runs = [results.responses.run.as_str()];
+            for sensor in Sensor::ALL {
+                let noise = self.plan.injected.noise.with(Course::Step);
+                let (imu, oracle) = noise.apply(&recording.name, &recording.imu, self.plan.seed);
+                let figure = drawings::step_response(
+                    recording,
+                    &imu,
+                    &oracle,
+                    &FOLLOWING,
+                    self.networks,
+                    sensor,
+                    self.plan.seed,
+                )?;
+                let name = if sensor == Sensor::Accel { "step_response" } else { "step_response_gyro" };
+                sketch.add(name, "Noise added in a step, and who follows", &runs, &figure)?;
+            }
+        }
+        if drawings::has_curve(study) {
+            let caption = medians(&Rows::new(&results.closed.value));
+            let figure = drawings::sweep(study, &caption)?;
+            sketch.add("sweep", "Error against the constant told", &[closed], &figure)?;
+        }
+        if let Some((_, made)) = results.injected.iter().find(|(course, _)| *course == Course::Step) {
+            let rows = Rows::new(&made.value);
+            let study = rows.study(self.plan.margin)?;
+            if drawings::has_curve(&study) {
+                let factor = self.plan.injected.noise.factor;
+                let caption = format!("Noise stepped x1, x{factor}, x1. {}", medians(&rows));
+                let figure = drawings::injected_sweep(&study, &caption)?;
+                sketch.add(
+                    "injected_sweep",
+                    "Error against the constant told, under injected noise",
+                    &[&made.run],
+                    &figure,
+                )?;
+            }
+        }
+        let pictures = sketch.pictures;
+        progress.finish(&format!("{} figures", pictures.len()));
+        Ok(pictures)
+    }
+
+    /// The network that `dualpronet` stands for.
+    fn network(&self, sensor: Sensor) -> Option<&Network> {
+        let stem = |n: &Network| n.path.file_stem().map(|s| s.to_string_lossy().into_owned());
+        let own = |n: &&Network| {
+            n.sensor() == sensor && stem(n).as_deref() == Some(dpn_core::estimate::DEFAULT_TAG)
+        };
+        self.networks.iter().find(own)
+    }
+
+    fn recordings(&self) -> Result<Vec<Recording>, PaperError> {
+        let read = |place: &usize| self.input.source.recording(*place, self.plan.seed);
+        Ok(self.input.places.iter().map(read).collect::<Result<_, _>>()?)
+    }
+}
+
+/// Every stage's results.
+struct Results {
+    open: Made<Vec<dpn_eval::open_loop::Row>>,
+    closed: Made<Vec<Row>>,
+    injected: Vec<(Course, Made<Vec<Row>>)>,
+    responses: Made<Vec<super::injected::Response>>,
+    times: Made<Vec<(String, f64)>>,
+}
+
+/// Figures being saved.
+struct Sketch<'a> {
+    out: &'a Path,
+    made_by: &'a Provenance,
+    pictures: Vec<Picture>,
+    progress: &'a mut dyn Progress,
+}
+
+impl Sketch<'_> {
+    fn add(
+        &mut self,
+        name: &'static str,
+        title: &str,
+        runs: &[&str],
+        plot: &(impl Plot + Clone),
+    ) -> Result<(), PaperError> {
+        let made_by = self.made_by.of(runs);
+        let path = self.out.join(name);
+        save(&Sourced::new(plot.clone(), made_by.line(), runs.join(" ")), &path)?;
+        let file = self.out.join(format!("{name}.svg"));
+        let svg = std::fs::read_to_string(&file).map_err(|source| IoError::Read { path: file, source })?;
+        let runs = runs.iter().map(|run| (*run).to_owned()).collect();
+        self.pictures.push(Picture { name, title: title.to_owned(), runs, svg });
+        self.progress.step(self.pictures.len() as u64, name);
+        Ok(())
+    }
+}
+
+/// What a mark of a sweep is, and of how many sequences.
+fn medians(rows: &Rows<'_>) -> String {
+    format!(
+        "Medians over {} sequences of medians over seeds; bands and bars: 95 % bootstrap over sequences. Marks stand at the root mean square of \
+         what they say.",
+        rows.sequences.len()
+    )
+}
+
+fn report(name: &str, run: &str, cached: bool, clock: Instant) -> StageReport {
+    StageReport { name: name.to_owned(), run: run.to_owned(), cached, seconds: clock.elapsed().as_secs_f64() }
+}
+
+fn checksum(path: &Path) -> std::io::Result<String> {
+    let bytes = std::fs::read(path)?;
+    Ok(Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect())
+}
+
+/// The table called `name`.
+pub(super) fn table<'a>(tables: &'a [Table], name: &str) -> Option<&'a Table> {
+    tables.iter().find(|table| table.name == name)
+}

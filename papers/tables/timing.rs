@@ -1,0 +1,23 @@
+//! Times, apart from all other figures: they are the only ones that differ from run to run.
+
+use super::super::command::Provenance;
+use super::super::study::Study;
+use super::super::table::{Cell, Table};
+
+/// CPU of the odometry a second of data, told each noise.
+pub(crate) fn timing(study: &Study, windows: &[(String, f64)], made_by: Provenance) -> Table {
+    let heads = ["noise", "=odometry [CPU s / s of data]", "=six windows of the noise model [ms]"];
+    let mut table =
+        Table::new("timing", "CPU time: the one table that differs from run to run", &heads, made_by);
+    for line in &study.lines {
+        let window = windows.iter().find(|(noise, _)| *noise == line.noise).map(|(_, ms)| *ms);
+        table.row(vec![
+            Cell::text(&line.noise),
+            Cell::number(line.cpu_per_data_s, 4),
+            Cell::number(window, 4),
+        ]);
+    }
+    table.note("Median over runs, thread CPU time, other programs on the machine not told apart from caches they spoil. The odometry's figure does not \
+                hold the noise model's. Six windows: one answer for all axes of both sensors, mean over a recording.");
+    table
+}

@@ -1,0 +1,340 @@
+//! Everything that may be written for the noise: what this crate makes, and what needs networks, files or other recordings.
+//!
+//! | spec | the noise of a sample |
+//! |---|---|
+//! | `dualpronet`, `dualpronet(TAG)`, `dualpronet(ACCEL,GYRO)` | what the networks say; tags are names of weight files, `sg5-s0` |
+//! | `file("PATH")` | what a noise track on disk says; it must cover the IMU's samples |
+//! | `oracle` | the deviation it was drawn with; simulated flights only |
+//! | `shuffled(X)` | X's values, permuted in time in blocks of 1 s: the same values, not at their time |
+//! | `mean(X)` | X's root mean square over the sequence, per axis: the same level, no change in time |
+//! | `mean-of-train(X)` | X's root mean square over the training sequences, per axis: nothing of this sequence |
+//! | `plus(X,C)` | root of the sum of squares of X's and a constant's: X for what was added, C for what is there in any case |
+//!
+//! Specs nest: `shuffled(dualpronet)`, `mean(x4,x1)`. `shuffled`, `mean` and `mean-of-train` are controls: they tell what of a gain is due to
+//! knowing *when*, what to knowing *how much in this flight*, and what to a good constant.
+
+use super::{Arg, Call, NoiseSpec, SpecError};
+use crate::imu::Sensor;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+/// The shipped networks that `dualpronet` alone stands for.
+pub const DEFAULT_TAG: &str = "sg11-s0";
+
+/// Every name of this module and how it is written.
+const OTHERS: [(&str, &str); 7] = [
+    ("dualpronet", "dualpronet(tag)"),
+    ("file", "file(\"path\")"),
+    ("oracle", "oracle"),
+    ("shuffled", "shuffled(spec)"),
+    ("mean", "mean(spec)"),
+    ("mean-of-train", "mean-of-train(spec)"),
+    ("plus", "plus(spec,constant)"),
+];
+
+/// Where the noise of every sample comes from. `FromStr` reads it, `Display` writes it canonically.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum Noise {
+    /// Constants and simple estimators.
+    Core(NoiseSpec),
+    /// The networks: names of the weight files of accelerometer and gyroscope.
+    DualProNet {
+        /// The accelerometer's.
+        accel: String,
+        /// The gyroscope's.
+        gyro: String,
+    },
+    /// A noise track on disk.
+    File(PathBuf),
+    /// The truth of a simulated flight.
+    Oracle,
+    /// Another's values at other times.
+    Shuffled(Box<Noise>),
+    /// Another's root mean square over the sequence.
+    Mean(Box<Noise>),
+    /// Another's root mean square over the training sequences.
+    MeanOfTrain(Box<Noise>),
+    /// Another's and a constant's, variances added.
+    Plus {
+        /// What changes.
+        of: Box<Noise>,
+        /// What is there in any case.
+        constant: NoiseSpec,
+    },
+}
+
+impl Noise {
+    /// The spec whose track this one needs: itself, or what the controls are made of.
+    pub fn source(&self) -> &Self {
+        match self {
+            Self::Shuffled(of) | Self::Mean(of) | Self::MeanOfTrain(of) | Self::Plus { of, .. } => {
+                of.source()
+            }
+            other => other,
+        }
+    }
+
+    /// Whether the training sequences are needed.
+    pub fn needs_training(&self) -> bool {
+        match self {
+            Self::MeanOfTrain(_) => true,
+            Self::Shuffled(of) | Self::Mean(of) | Self::Plus { of, .. } => of.needs_training(),
+            _ => false,
+        }
+    }
+
+    /// The factor on the baseline of both sensors, where that is what the spec says.
+    pub fn multiple(&self) -> Option<f64> {
+        use super::SensorSpec::Multiple;
+        match self {
+            Self::Core(NoiseSpec::Sensors { accel: Multiple(accel), gyro: Multiple(gyro) })
+                if accel == gyro =>
+            {
+                Some(*accel)
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether the spec says the same of every sample: a constant, or one for each sensor.
+    pub fn is_constant(&self) -> bool {
+        matches!(self, Self::Core(spec) if is_constant(spec))
+    }
+
+    fn from_call(call: &Call) -> Result<Self, SpecError> {
+        let wrong = |problem: &str, usage: &'static str| SpecError::Arguments {
+            call: call.to_string(),
+            problem: problem.to_owned(),
+            usage,
+        };
+        let inner = |usage: &'static str| {
+            if call.args.is_empty() {
+                return Err(wrong("the spec it is made of is missing", usage));
+            }
+            let text: Vec<String> = call.args.iter().map(written).collect();
+            text.join(",").parse::<Self>().map(Box::new)
+        };
+        match call.name.as_str() {
+            "dualpronet" => match call.args.as_slice() {
+                [] => Ok(Self::DualProNet { accel: DEFAULT_TAG.into(), gyro: DEFAULT_TAG.into() }),
+                [tag] => Ok(Self::DualProNet { accel: bare(tag), gyro: bare(tag) }),
+                [accel, gyro] => Ok(Self::DualProNet { accel: bare(accel), gyro: bare(gyro) }),
+                _ => Err(wrong("at most 2 tags", "dualpronet(accel,gyro)")),
+            },
+            "file" => match call.args.as_slice() {
+                [path] => Ok(Self::File(bare(path).into())),
+                _ => Err(wrong("one path, in quotes where it holds a comma or a bracket", "file(\"path\")")),
+            },
+            "oracle" if call.args.is_empty() => Ok(Self::Oracle),
+            "oracle" => Err(wrong("at most 0 arguments", "oracle")),
+            "shuffled" => Ok(Self::Shuffled(inner("shuffled(spec)")?)),
+            "mean" => Ok(Self::Mean(inner("mean(spec)")?)),
+            "plus" => {
+                const USAGE: &str = "plus(spec,constant)";
+                let (last, rest) = match call.args.split_last() {
+                    Some((last, rest)) if !rest.is_empty() => (last, rest),
+                    _ => return Err(wrong("a spec and a constant are needed", USAGE)),
+                };
+                let constant: NoiseSpec = written(last).parse()?;
+                if !is_constant(&constant) {
+                    return Err(wrong("the last argument must be a constant, such as x4", USAGE));
+                }
+                let text: Vec<String> = rest.iter().map(written).collect();
+                Ok(Self::Plus { of: Box::new(text.join(",").parse()?), constant })
+            }
+            _ => Ok(Self::MeanOfTrain(inner("mean-of-train(spec)")?)),
+        }
+    }
+}
+
+/// Whether a spec says the same of every sample.
+fn is_constant(spec: &NoiseSpec) -> bool {
+    match spec {
+        NoiseSpec::Sensors { accel, gyro } => {
+            accel.given(Sensor::Accel).is_some() && gyro.given(Sensor::Gyro).is_some()
+        }
+        NoiseSpec::Other(_) => false,
+    }
+}
+
+/// An argument as it was written.
+fn written(arg: &Arg) -> String {
+    match arg {
+        Arg::Number(number) => number.to_string(),
+        Arg::Text(text) => format!("\"{text}\""),
+        Arg::Call(call) => call.to_string(),
+    }
+}
+
+/// An argument without its quotes.
+fn bare(arg: &Arg) -> String {
+    match arg {
+        Arg::Text(text) => text.clone(),
+        other => written(other),
+    }
+}
+
+impl FromStr for Noise {
+    type Err = SpecError;
+
+    fn from_str(spec: &str) -> Result<Self, SpecError> {
+        match NoiseSpec::parse_with(spec, &OTHERS)? {
+            NoiseSpec::Other(call) => Self::from_call(&call),
+            core => Ok(Self::Core(core)),
+        }
+    }
+}
+
+/// The specs of a list: between semicolons or blanks outside brackets, or, where there is neither, between commas outside brackets.
+///
+/// So `x1,x4,dualpronet` are three specs, as are `x1; x4,x1; dualpronet` (the middle one gives each sensor its own), and `x4,x1;` is one.
+///
+/// # Errors
+/// No spec; a spec that is none.
+pub fn parse_list(text: &str) -> Result<Vec<Noise>, SpecError> {
+    let strong = split(text, &[';', ' ', '\t', '\n']);
+    let parts = if strong.len() > 1 || text.trim_end().ends_with(';') { strong } else { split(text, &[',']) };
+    let parts: Vec<String> = parts.into_iter().filter(|part| !part.is_empty()).collect();
+    if parts.is_empty() {
+        return Err(SpecError::NoSpec { text: text.to_owned() });
+    }
+    let mut specs: Vec<Noise> = Vec::with_capacity(parts.len());
+    for part in parts {
+        let spec = part.parse()?;
+        if !specs.contains(&spec) {
+            specs.push(spec);
+        }
+    }
+    Ok(specs)
+}
+
+/// Cuts at any of `marks` outside brackets and quotes.
+fn split(text: &str, marks: &[char]) -> Vec<String> {
+    let (mut parts, mut part) = (Vec::new(), String::new());
+    let (mut depth, mut quoted) = (0_usize, false);
+    for c in text.trim().chars() {
+        match c {
+            '"' => quoted = !quoted,
+            '(' if !quoted => depth += 1,
+            ')' if !quoted => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        if depth == 0 && !quoted && marks.contains(&c) {
+            parts.push(std::mem::take(&mut part));
+        } else {
+            part.push(c);
+        }
+    }
+    parts.push(part);
+    parts.retain(|part| !part.trim().is_empty());
+    parts.iter().map(|part| part.trim().to_owned()).collect()
+}
+
+impl TryFrom<String> for Noise {
+    type Error = SpecError;
+
+    fn try_from(spec: String) -> Result<Self, SpecError> {
+        spec.parse()
+    }
+}
+
+impl From<Noise> for String {
+    fn from(spec: Noise) -> Self {
+        spec.to_string()
+    }
+}
+
+impl fmt::Display for Noise {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Core(spec) => write!(f, "{spec}"),
+            Self::DualProNet { accel, gyro } if accel == gyro && accel == DEFAULT_TAG => {
+                f.write_str("dualpronet")
+            }
+            Self::DualProNet { accel, gyro } if accel == gyro => write!(f, "dualpronet({accel})"),
+            Self::DualProNet { accel, gyro } => write!(f, "dualpronet({accel},{gyro})"),
+            Self::File(path) => write!(f, "file(\"{}\")", path.display()),
+            Self::Oracle => f.write_str("oracle"),
+            Self::Shuffled(of) => write!(f, "shuffled({of})"),
+            Self::Mean(of) => write!(f, "mean({of})"),
+            Self::MeanOfTrain(of) => write!(f, "mean-of-train({of})"),
+            Self::Plus { of, constant } => write!(f, "plus({of},{constant})"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_written_reads_as_itself() {
+        for (spec, canonical) in [
+            ("x4", "x4"),
+            ("x4, x1", "x4,x1"),
+            ("const(.1,.01)", "const(0.1,0.01)"),
+            ("diff2", "diff2"),
+            ("dualpronet", "dualpronet"),
+            ("dualpronet(sg11-s0)", "dualpronet"),
+            ("dualpronet(sg5-s0)", "dualpronet(sg5-s0)"),
+            ("dualpronet(sg5-s0, sg7-s1)", "dualpronet(sg5-s0,sg7-s1)"),
+            ("file(noise/a.csv)", "file(\"noise/a.csv\")"),
+            ("file(\"a (1), b.csv\")", "file(\"a (1), b.csv\")"),
+            ("oracle", "oracle"),
+            ("shuffled(mean(x4,x1))", "shuffled(mean(x4,x1))"),
+            ("shuffled( sg(11, 2) )", "shuffled(sg(11,2))"),
+            ("mean-of-train(dualpronet(sg5-s0))", "mean-of-train(dualpronet(sg5-s0))"),
+            ("plus( sg(11, 2), x4 )", "plus(sg(11,2),x4)"),
+            (
+                "mean(plus(dualpronet(sg5-s0),const(.3,.01)))",
+                "mean(plus(dualpronet(sg5-s0),const(0.3,0.01)))",
+            ),
+        ] {
+            let read: Noise = spec.parse().unwrap();
+            assert_eq!(read.to_string(), canonical, "{spec}");
+            assert_eq!(canonical.parse::<Noise>().unwrap(), read, "{spec}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_spec_is_refused_with_the_way_to_write_it() {
+        for (spec, words) in [
+            ("shufled(x1)", "did you mean `shuffled`?"),
+            ("shuffled", "shuffled(spec)"),
+            ("mean(nothing)", "`nothing` is no noise spec"),
+            ("oracle(3)", "at most 0"),
+            ("file()", "one path"),
+            ("dualpronet(a,b,c)", "at most 2"),
+            ("shuffled(x1),x2", "both sensors"),
+            ("plus(diff2)", "a spec and a constant"),
+            ("plus(x1,diff2)", "must be a constant"),
+        ] {
+            let text = spec.parse::<Noise>().unwrap_err().to_string();
+            assert!(text.contains(words), "{spec}: {text}");
+        }
+    }
+
+    #[test]
+    fn lists_are_cut_at_commas_or_where_a_semicolon_stands_at_semicolons() {
+        let list = |text: &str| parse_list(text).unwrap().iter().map(ToString::to_string).collect::<Vec<_>>();
+        assert_eq!(list("x0.5,x1,dualpronet"), ["x0.5", "x1", "dualpronet"]);
+        assert_eq!(list("x1; x4,x1 ;mean(x4,x1)"), ["x1", "x4,x1", "mean(x4,x1)"]);
+        assert_eq!(list("x4,x1;"), ["x4,x1"]);
+        assert_eq!(list("x1 x4,x1"), ["x1", "x4,x1"]);
+        assert_eq!(list("sg(11,2),mean(x4,x1)"), ["sg(11,2)", "mean(x4,x1)"]);
+        assert_eq!(list("x1,x1,x2"), ["x1", "x2"]);
+        assert!(parse_list(" ; ").is_err());
+        assert!(parse_list("x1;what").is_err());
+    }
+
+    #[test]
+    fn a_multiple_is_one_of_both_sensors() {
+        let of = |spec: &str| spec.parse::<Noise>().unwrap().multiple();
+        assert_eq!(of("x4"), Some(4.0));
+        assert_eq!(of("x4,x1"), None);
+        assert_eq!(of("mean(x4)"), None);
+    }
+}

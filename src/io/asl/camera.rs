@@ -1,0 +1,153 @@
+//! `cam0`: the stamps of its images and its calibration.
+
+use super::yaml::{self, Matrix};
+use crate::IoError;
+use crate::decimal::TimeUnit;
+use crate::rows::Rows;
+use dpn_core::camera::{CameraConfig, Distortion};
+use dpn_core::time::Stamp;
+use serde::Deserialize;
+use std::path::Path;
+
+/// One image: when it was taken and the file that holds it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CameraFrame {
+    /// When it was taken.
+    pub t: Stamp,
+    /// File name inside `cam0/data`.
+    pub file: String,
+}
+
+#[derive(Deserialize)]
+struct Raw {
+    rate_hz: f64,
+    resolution: [u32; 2],
+    camera_model: Option<String>,
+    intrinsics: [f64; 4],
+    distortion_model: Option<String>,
+    #[serde(default)]
+    distortion_coefficients: Vec<f64>,
+    #[serde(rename = "T_BS")]
+    t_bs: Matrix,
+}
+
+pub(super) fn read_config(path: &Path) -> Result<CameraConfig, IoError> {
+    let bytes = std::fs::read(path).map_err(|e| IoError::reading(path, e))?;
+    parse_config(&bytes, path)
+}
+
+/// Reads a `cam0/sensor.yaml` from bytes at hand; `path` is for messages. Keys it does not know are passed over.
+pub(crate) fn parse_config(bytes: &[u8], path: &Path) -> Result<CameraConfig, IoError> {
+    let raw: Raw = yaml::parse(bytes, path)?;
+    let bad = |key, problem| IoError::BadKey { path: path.to_path_buf(), key, problem };
+    if let Some(model) = raw.camera_model.as_deref().filter(|m| *m != "pinhole") {
+        return Err(bad("camera_model", format!("is \"{model}\"; known is \"pinhole\"")));
+    }
+    let (distortion, counts): (_, &[usize]) = match raw.distortion_model.as_deref() {
+        None | Some("none") => (Distortion::None, &[0]),
+        Some("radial-tangential" | "radtan" | "plumb_bob") => (Distortion::RadialTangential, &[4, 5]),
+        Some("equidistant") => (Distortion::Equidistant, &[4]),
+        Some(model) => {
+            let known = "known are \"radial-tangential\", \"equidistant\", \"none\"";
+            return Err(bad("distortion_model", format!("is \"{model}\"; {known}")));
+        }
+    };
+    let coefficients = raw.distortion_coefficients;
+    if !counts.contains(&coefficients.len()) || coefficients.iter().any(|c| !c.is_finite()) {
+        return Err(bad(
+            "distortion_coefficients",
+            format!("is {coefficients:?}; this model has {counts:?} finite numbers"),
+        ));
+    }
+    let [fu, fv, cu, cv] = raw.intrinsics;
+    if !(fu > 0.0 && fv > 0.0 && [fu, fv, cu, cv].iter().all(|v| v.is_finite())) {
+        return Err(bad(
+            "intrinsics",
+            format!("is {:?}; fu and fv must be positive, all four finite", raw.intrinsics),
+        ));
+    }
+    if raw.resolution.contains(&0) {
+        return Err(bad("resolution", format!("is {:?}", raw.resolution)));
+    }
+    Ok(CameraConfig {
+        rate: yaml::rate(raw.rate_hz, path)?,
+        resolution: raw.resolution,
+        intrinsics: raw.intrinsics,
+        distortion,
+        coefficients,
+        body_from_cam: yaml::body_from_sensor(&raw.t_bs, path)?,
+    })
+}
+
+pub(super) fn read_frames(path: &Path) -> Result<Vec<CameraFrame>, IoError> {
+    let bytes = std::fs::read(path).map_err(|e| IoError::reading(path, e))?;
+    parse_frames(&bytes, path)
+}
+
+/// Reads a `cam0/data.csv` from bytes at hand; `path` is for messages. Without a second column the file is `STAMP.png`.
+pub(crate) fn parse_frames(bytes: &[u8], path: &Path) -> Result<Vec<CameraFrame>, IoError> {
+    let mut rows = Rows::open(bytes, path)?;
+    let mut frames: Vec<CameraFrame> = Vec::with_capacity(rows.rows_left());
+    while rows.advance()? {
+        let t = rows.stamp_after(frames.last().map(|f| f.t), 0, TimeUnit::Nanos)?;
+        let file = if rows.width() > 1 { rows.text(1)?.to_owned() } else { format!("{}.png", t.ns()) };
+        frames.push(CameraFrame { t, file });
+    }
+    Ok(frames)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Point3, Vector3};
+
+    const GOOD: &str = "rate_hz: 20\nresolution: [752, 480]\ncamera_model: pinhole\n\
+        intrinsics: [458.654, 457.296, 367.215, 248.375] # fu, fv, cu, cv\ndistortion_model: radial-tangential\n\
+        distortion_coefficients: [-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05]\nT_BS:\n  cols: 4\n  rows: 4\n\
+        \x20 data: [0.0148655429818, -0.999880929698, 0.00414029679422, -0.0216401454975,\n\
+        \x20        0.999557249008, 0.0149672133247, 0.025715529948, -0.064676986768,\n\
+        \x20       -0.0257744366974, 0.00375618835797, 0.999660727178, 0.00981073058949,\n\
+        \x20        0.0, 0.0, 0.0, 1.0]\n";
+
+    fn parse(text: &str) -> Result<CameraConfig, IoError> {
+        parse_config(text.as_bytes(), Path::new("sensor.yaml"))
+    }
+
+    #[test]
+    fn the_euroc_camera_looks_where_its_matrix_says() {
+        let config = parse(GOOD).unwrap();
+        assert_eq!(config.resolution, [752, 480]);
+        assert_eq!(config.coefficients.len(), 4);
+        // The matrix times (1, 2, 3, 1), by hand.
+        let point = config.body_from_cam * Point3::new(1.0, 2.0, 3.0);
+        let expected = Vector3::new(
+            0.0148655429818 - 2.0 * 0.999880929698 + 3.0 * 0.00414029679422 - 0.0216401454975,
+            0.999557249008 + 2.0 * 0.0149672133247 + 3.0 * 0.025715529948 - 0.064676986768,
+            -0.0257744366974 + 2.0 * 0.00375618835797 + 3.0 * 0.999660727178 + 0.00981073058949,
+        );
+        assert!((point.coords - expected).norm() < 1e-9);
+    }
+
+    #[test]
+    fn values_that_cannot_be_are_refused_with_their_key() {
+        let error = |from: &str, to: &str| parse(&GOOD.replace(from, to)).unwrap_err().to_string();
+        assert!(error("pinhole", "omni").contains("`camera_model` is \"omni\""));
+        assert!(error("radial-tangential", "fov").contains("`distortion_model` is \"fov\""));
+        assert!(error(", 1.76187114e-05", "").contains("`distortion_coefficients` is"));
+        assert!(error("458.654", "-1").contains("`intrinsics` is"));
+        assert!(error("0.999660727178", "1.1").contains("`T_BS` has no rotation"));
+        assert!(error("0.0, 0.0, 0.0, 1.0", "0.0, 0.0, 0.0, 2.0").contains("`T_BS` ends with the row"));
+    }
+
+    #[test]
+    fn frames_have_names_and_increase() {
+        let parse = |text: &str| parse_frames(text.as_bytes(), Path::new("data.csv"));
+        let frames = parse("#timestamp [ns],filename\r\n10,a.png\r\n20,b.png\r\n").unwrap();
+        assert_eq!((frames[1].t.ns(), frames[1].file.as_str()), (20, "b.png"));
+        assert_eq!(parse("10\n20\n").unwrap()[0].file, "10.png");
+        assert_eq!(
+            parse("10,a\n10,b\n").unwrap_err().to_string(),
+            "data.csv:2: time goes from 10 to 10 ns; stamps must increase"
+        );
+    }
+}

@@ -1,0 +1,162 @@
+//! One recording as ASL's folder layout keeps it, its parts read when asked for.
+
+use super::camera::{self, CameraFrame};
+use super::ground_truth;
+use super::imu_config::{self, ImuConfig};
+use crate::imu_csv::{CsvOptions, parse_with};
+use crate::{IoError, TimeUnit};
+use dpn_core::camera::CameraConfig;
+use dpn_core::imu::ImuRecording;
+use dpn_core::truth::GroundTruth;
+use std::path::{Path, PathBuf};
+
+/// Where the inertial samples are, below `mav0` or the folder itself.
+pub(super) const IMU_DATA: &str = "imu0/data.csv";
+pub(super) const IMU_SENSOR: &str = "imu0/sensor.yaml";
+pub(super) const CAMERA_DATA: &str = "cam0/data.csv";
+pub(super) const CAMERA_SENSOR: &str = "cam0/sensor.yaml";
+/// Where ground truth may be, best first: EuRoC's estimate, TUM-VI's motion capture.
+pub(super) const GROUND_TRUTH: [&str; 2] = ["state_groundtruth_estimate0/data.csv", "mocap0/data.csv"];
+
+/// A folder with an IMU recording and what belongs to it. Opening looks for the IMU file only; nothing is read yet, and every
+/// call reads its file anew.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Sequence {
+    name: String,
+    dir: PathBuf,
+    root: PathBuf,
+}
+
+impl Sequence {
+    /// The sequence in `dir`, which holds `mav0/imu0/data.csv` or `imu0/data.csv`.
+    ///
+    /// # Errors
+    /// `dir` is not there, or holds neither.
+    pub fn open(dir: &Path) -> Result<Self, IoError> {
+        std::fs::read_dir(dir).map_err(|e| IoError::reading(dir, e))?;
+        Self::at(dir).ok_or_else(|| IoError::NoSequence {
+            dir: dir.to_path_buf(),
+            looked_for: format!("mav0/{IMU_DATA}, {IMU_DATA}"),
+        })
+    }
+
+    /// The same without words: `None` where there is no sequence.
+    pub(super) fn at(dir: &Path) -> Option<Self> {
+        let root =
+            [dir.join("mav0"), dir.to_path_buf()].into_iter().find(|root| root.join(IMU_DATA).is_file())?;
+        Some(Self { name: name_of(dir), dir: dir.to_path_buf(), root })
+    }
+
+    /// The folder's name, for example `MH_01_easy` or `dataset-room1_512_16`.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The name people use: TUM-VI's `dataset-room1_512_16` is `room1`; any other name is as it is.
+    pub fn short_name(&self) -> &str {
+        let name = self.name.strip_prefix("dataset-").unwrap_or(&self.name);
+        ["_512_16", "_1024_16"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(name)
+    }
+
+    /// The sequence's folder, as given.
+    pub fn dir(&self) -> &Path {
+        &self.dir
+    }
+
+    /// File of the inertial samples.
+    pub fn imu_path(&self) -> PathBuf {
+        self.root.join(IMU_DATA)
+    }
+
+    /// File of the camera's stamps.
+    pub fn camera_path(&self) -> PathBuf {
+        self.root.join(CAMERA_DATA)
+    }
+
+    /// File of the ground truth: `state_groundtruth_estimate0/data.csv`, else `mocap0/data.csv`; `None` without either.
+    pub fn ground_truth_path(&self) -> Option<PathBuf> {
+        GROUND_TRUTH.iter().map(|file| self.root.join(file)).find(|file| file.is_file())
+    }
+
+    /// The inertial samples. Columns by the header's names, ASL's order without a header.
+    ///
+    /// # Errors
+    /// As [`crate::read_imu_csv`].
+    pub fn imu(&self) -> Result<ImuRecording, IoError> {
+        read_imu(&self.imu_path())
+    }
+
+    /// What `imu0/sensor.yaml` says; `None` without the file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, lacks a key or holds a value that cannot be.
+    pub fn imu_config(&self) -> Result<Option<ImuConfig>, IoError> {
+        optional(imu_config::read(&self.root.join(IMU_SENSOR)))
+    }
+
+    /// What `cam0/sensor.yaml` says; `None` without the file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, lacks a key or holds a value that cannot be.
+    pub fn camera_config(&self) -> Result<Option<CameraConfig>, IoError> {
+        optional(camera::read_config(&self.root.join(CAMERA_SENSOR)))
+    }
+
+    /// Stamps and file names of the first camera's images, in increasing time.
+    ///
+    /// # Errors
+    /// No `cam0/data.csv`; a row that is no frame; stamps that do not increase.
+    pub fn camera_frames(&self) -> Result<Vec<CameraFrame>, IoError> {
+        camera::read_frames(&self.camera_path())
+    }
+
+    /// Where a frame's image is, when it was unpacked.
+    pub fn image_path(&self, frame: &CameraFrame) -> PathBuf {
+        self.root.join("cam0/data").join(&frame.file)
+    }
+
+    /// The ground truth.
+    ///
+    /// # Errors
+    /// No file of ground truth; a layout that is not known; a row that is no state; stamps that do not increase.
+    pub fn ground_truth(&self) -> Result<GroundTruth, IoError> {
+        let path = self
+            .ground_truth_path()
+            .ok_or_else(|| IoError::Missing { path: self.root.join(GROUND_TRUTH[0]) })?;
+        ground_truth::read(&path)
+    }
+}
+
+/// Reads an ASL `imu0/data.csv`; stamps are nanoseconds unless its header says otherwise.
+///
+/// # Errors
+/// As [`crate::read_imu_csv`].
+pub fn read_imu(path: &Path) -> Result<ImuRecording, IoError> {
+    let bytes = std::fs::read(path).map_err(|e| IoError::reading(path, e))?;
+    parse_imu(&bytes, path)
+}
+
+/// The same from bytes at hand; `path` is for messages.
+pub(crate) fn parse_imu(bytes: &[u8], path: &Path) -> Result<ImuRecording, IoError> {
+    Ok(parse_with(bytes, path, &CsvOptions::default(), Some(TimeUnit::Nanos))?.recording)
+}
+
+/// Turns "the file is not there" into `None`.
+fn optional<T>(read: Result<T, IoError>) -> Result<Option<T>, IoError> {
+    match read {
+        Ok(value) => Ok(Some(value)),
+        Err(IoError::Missing { .. }) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// The folder's own name; a folder given as `.` or as its `mav0` is looked up.
+fn name_of(dir: &Path) -> String {
+    let full = dir.canonicalize().unwrap_or_else(|_| dir.to_path_buf());
+    let named = match full.file_name() {
+        Some(name) if name == "mav0" => full.parent().and_then(Path::file_name).unwrap_or(name),
+        Some(name) => name,
+        None => full.as_os_str(),
+    };
+    named.to_string_lossy().into_owned()
+}

@@ -1,0 +1,111 @@
+//! Writes `cam0`: its calibration, the list of its images, the images.
+
+use super::camera::CameraFrame;
+use super::sequence::{CAMERA_DATA, CAMERA_SENSOR};
+use super::write::{matrix, yaml_number};
+use crate::{IoError, atomic_write};
+use dpn_core::camera::{CameraConfig, Distortion};
+use dpn_core::image::GrayView;
+use png::{BitDepth, ColorType, Compression, Encoder};
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Writes `dir/mav0/cam0/sensor.yaml`.
+///
+/// # Errors
+/// As [`atomic_write`].
+pub fn write_camera_config(dir: &Path, config: &CameraConfig) -> Result<(), IoError> {
+    let list = |values: &[f64]| values.iter().map(|v| yaml_number(*v)).collect::<Vec<_>>().join(", ");
+    let [width, height] = config.resolution;
+    let model = match config.distortion {
+        Distortion::None => "none",
+        Distortion::RadialTangential => "radial-tangential",
+        Distortion::Equidistant => "equidistant",
+    };
+    atomic_write(&dir.join("mav0").join(CAMERA_SENSOR), |out| {
+        writeln!(out, "sensor_type: camera")?;
+        matrix(out, &config.body_from_cam)?;
+        writeln!(out, "rate_hz: {}", yaml_number(config.rate.hz()))?;
+        writeln!(out, "resolution: [{width}, {height}]")?;
+        writeln!(out, "camera_model: pinhole")?;
+        writeln!(out, "intrinsics: [{}] # fu, fv, cu, cv", list(&config.intrinsics))?;
+        writeln!(out, "distortion_model: {model}")?;
+        writeln!(out, "distortion_coefficients: [{}]", list(&config.coefficients))
+    })
+}
+
+/// Writes `dir/mav0/cam0/data.csv`.
+///
+/// # Errors
+/// As [`atomic_write`].
+pub fn write_camera_frames(dir: &Path, frames: &[CameraFrame]) -> Result<(), IoError> {
+    atomic_write(&dir.join("mav0").join(CAMERA_DATA), |out| {
+        writeln!(out, "#timestamp [ns],filename")?;
+        frames.iter().try_for_each(|frame| writeln!(out, "{},{}", frame.t.ns(), frame.file))
+    })
+}
+
+/// Where the image of a frame of the sequence in `dir` belongs.
+pub fn image_place(dir: &Path, frame: &CameraFrame) -> PathBuf {
+    dir.join("mav0").join(CAMERA_DATA).with_file_name("data").join(&frame.file)
+}
+
+/// Writes a grey PNG of 8 bits a pixel.
+///
+/// # Errors
+/// As [`atomic_write`].
+pub fn write_png(path: &Path, image: GrayView<'_>) -> Result<(), IoError> {
+    let whole = image.to_image();
+    let side = |side: usize| u32::try_from(side).map_err(io::Error::other);
+    atomic_write(path, |out| {
+        let mut encoder = Encoder::new(out, side(image.width())?, side(image.height())?);
+        encoder.set_color(ColorType::Grayscale);
+        encoder.set_depth(BitDepth::Eight);
+        // Noise does not compress: more work would save little.
+        encoder.set_compression(Compression::Fast);
+        encoder.write_header()?.write_image_data(whole.pixels())?;
+        Ok(())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::asl::Sequence;
+    use crate::{ImageFolder, read_png};
+    use dpn_core::image::GrayImage;
+    use dpn_core::time::{SampleRate, Stamp};
+    use nalgebra::{Isometry3, Vector3};
+
+    #[test]
+    fn a_camera_is_read_back_to_the_bit() {
+        let dir = tempfile::tempdir().unwrap();
+        let imu = dir.path().join("mav0/imu0/data.csv");
+        std::fs::create_dir_all(imu.parent().unwrap()).unwrap();
+        std::fs::write(imu, "").unwrap();
+        let config = CameraConfig {
+            rate: SampleRate::from_hz(20.0).unwrap(),
+            resolution: [5, 3],
+            intrinsics: [4.1, 4.2, 2.3, 1.4],
+            distortion: Distortion::RadialTangential,
+            coefficients: vec![-0.3, 1e-5, 0.0, 0.1 + 0.2],
+            body_from_cam: Isometry3::new(Vector3::new(0.1, -0.2, 1e-3), Vector3::new(0.4, 2.0, -0.1)),
+        };
+        write_camera_config(dir.path(), &config).unwrap();
+        let frames: Vec<CameraFrame> = [3_i64, 50_000_003]
+            .map(|t| CameraFrame { t: Stamp::from_ns(t), file: format!("{t}.png") })
+            .into();
+        write_camera_frames(dir.path(), &frames).unwrap();
+        let image = GrayImage::from_fn(5, 3, |x, y| (40 * x + 7 * y) as u8).unwrap();
+        for frame in &frames {
+            write_png(&image_place(dir.path(), frame), image.view()).unwrap();
+        }
+        let sequence = Sequence::open(dir.path()).unwrap();
+        let read = sequence.camera_config().unwrap().unwrap();
+        assert!((read.body_from_cam.to_matrix() - config.body_from_cam.to_matrix()).norm() < 1e-15);
+        assert_eq!(CameraConfig { body_from_cam: config.body_from_cam, ..read }, config);
+        assert_eq!(sequence.camera_frames().unwrap(), frames);
+        assert!(ImageFolder::open(&sequence).unwrap().coverage().is_complete());
+        assert_eq!(read_png(&sequence.image_path(&frames[1])).unwrap(), image);
+    }
+}

@@ -1,0 +1,185 @@
+//! Units and columns that nobody named, told from the numbers.
+//!
+//! * Accelerometer: the median length of its vector is gravity's on any vehicle, within a factor: .5 to 2 is g, 500 to 2000 mg, all else m/s^2.
+//! * Gyroscope: where the accelerometer is quiet, a gyroscope's sample scatters by less than .02 rad/s, while .02 deg/s is little. Else, were
+//!   the numbers rad/s, they would turn the accelerometer's vector back to one that is the same for seconds: gravity. Where they do not, they
+//!   count in degrees. (That gravity turns in the body's frame as the gyroscope says would be simpler and is wrong in the air: a rotor craft
+//!   feels its thrust, which stays where it is.)
+//! * Columns without a header: the triple that has gravity's length is the accelerometer's.
+
+use super::columns::{AccelUnit, GyroUnit};
+use dpn_core::imu::ImuSample;
+use dpn_core::signal::stats;
+use nalgebra::{UnitQuaternion, Vector3};
+
+/// Samples that are looked at.
+const LOOKED_AT: usize = 200_000;
+/// Length of a stretch over which turned vectors should stay gravity \[s\].
+const STRETCH_S: f64 = 5.0;
+/// A stretch says something when it turns by this much, were its numbers in rad/s.
+const TURNS: f64 = 1.0;
+/// Mean of the turned vectors, in lengths of the vector, below which the numbers are no rad/s.
+const STAYS: f64 = 0.85;
+/// Noise of a sample above which a gyroscope counts in degrees.
+const LOUD: f64 = 0.02;
+/// Noise of the accelerometer, in gravities, below which nothing shakes.
+const QUIET: f64 = 0.01;
+
+fn norm(v: [f64; 3]) -> f64 {
+    v.iter().map(|v| v * v).sum::<f64>().sqrt()
+}
+
+fn thinned(samples: &[ImuSample]) -> impl Iterator<Item = &ImuSample> {
+    samples.iter().step_by(samples.len().div_ceil(LOOKED_AT).max(1))
+}
+
+/// The unit of an accelerometer whose numbers stand in `samples`.
+pub(crate) fn accel_unit(samples: &[ImuSample]) -> AccelUnit {
+    let lengths: Vec<f64> = thinned(samples).map(|s| norm(s.accel)).collect();
+    if lengths.is_empty() {
+        return AccelUnit::MetrePerSecond2;
+    }
+    match stats::median(&lengths) {
+        g if (0.5..2.0).contains(&g) => AccelUnit::StandardGravity,
+        mg if (500.0..2000.0).contains(&mg) => AccelUnit::MilliGravity,
+        _ => AccelUnit::MetrePerSecond2,
+    }
+}
+
+/// The unit of a gyroscope whose numbers stand in `samples`; the accelerometer may be in any unit.
+pub(crate) fn gyro_unit(samples: &[ImuSample]) -> GyroUnit {
+    let fastest = thinned(samples).flat_map(|s| s.gyro).map(f64::abs).fold(0.0, f64::max);
+    // 2000 deg/s, the largest range of the usual sensors, is 34.9 rad/s.
+    if fastest > 36.0 {
+        return GyroUnit::DegPerSecond;
+    }
+    let samples = &samples[..samples.len().min(LOOKED_AT)];
+    let quiet = quiet_noise(samples);
+    let scattered = stays_gravity(samples).is_some_and(|share| share < STAYS);
+    if quiet.is_some_and(|noise| noise > LOUD) || scattered {
+        GyroUnit::DegPerSecond
+    } else {
+        GyroUnit::RadPerSecond
+    }
+}
+
+/// Noise of the quietest axis over hundreds of samples in which the accelerometer does not shake: a low quantile; none where it always does.
+fn quiet_noise(samples: &[ImuSample]) -> Option<f64> {
+    let noise = |signal: &[f64]| {
+        stats::deviation(&stats::differences(signal, 2), stats::Ddof::Zero) / stats::difference_gain(2)
+    };
+    let of = |chunk: &[ImuSample], axis: fn(&ImuSample) -> [f64; 3]| {
+        (0..3).map(|i| noise(&chunk.iter().map(|s| axis(s)[i]).collect::<Vec<_>>())).fold(0.0, f64::max)
+    };
+    let mut noises: Vec<f64> = samples
+        .chunks_exact(100)
+        .filter(|chunk| of(chunk, |s| s.accel) < QUIET * norm(chunk[0].accel))
+        .map(|chunk| of(chunk, |s| s.gyro))
+        .collect();
+    noises.sort_by(f64::total_cmp);
+    (noises.len() >= 5).then(|| noises[noises.len() / 10])
+}
+
+/// Length of the mean of the accelerometer's vectors, turned back as the numbers say were they rad/s, in lengths of the vector: the median over
+/// the stretches that turn; none where hardly any does.
+fn stays_gravity(samples: &[ImuSample]) -> Option<f64> {
+    let (first, last) = (samples.first()?, samples.last()?);
+    let period = last.t.seconds_since(first.t) / samples.len() as f64;
+    let size = ((STRETCH_S / period.max(1e-6)) as usize).clamp(2, samples.len().max(2));
+    let mut shares = Vec::new();
+    for stretch in samples.chunks_exact(size) {
+        let (mut start_from_body, mut turned) = (UnitQuaternion::identity(), 0.0);
+        let (mut sum, mut length) = (Vector3::zeros(), 0.0);
+        for pair in stretch.windows(2) {
+            let accel = Vector3::from(pair[0].accel);
+            sum += start_from_body * accel;
+            length += accel.norm();
+            // A hole is no turn.
+            let turn = Vector3::from(pair[0].gyro) * pair[1].t.seconds_since(pair[0].t).min(4.0 * period);
+            turned += turn.norm();
+            start_from_body *= UnitQuaternion::from_scaled_axis(turn);
+        }
+        if turned > TURNS && length > 0.0 {
+            shares.push(sum.norm() / length);
+        }
+    }
+    (shares.len() >= 2).then(|| stats::median(&shares))
+}
+
+/// Whether the triples read as gyroscope and accelerometer are more likely the other way round: gravity stands in the former and not in
+/// the latter.
+pub(crate) fn swapped(samples: &[ImuSample]) -> bool {
+    let middle = |of: fn(&ImuSample) -> [f64; 3]| {
+        let lengths: Vec<f64> = thinned(samples).map(|s| norm(of(s))).collect();
+        if lengths.is_empty() { 0.0 } else { stats::median(&lengths) }
+    };
+    let (gyro, accel) = (middle(|s| s.gyro), middle(|s| s.accel));
+    let gravity =
+        |v: f64| (9.3..10.3).contains(&v) || (0.95..1.05).contains(&v) || (950.0..1050.0).contains(&v);
+    gravity(gyro) && !gravity(accel) && accel < gyro
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dpn_core::random::Stream;
+    use dpn_core::time::Stamp;
+    use rand_distr::{Distribution, StandardNormal};
+
+    /// A level sensor with the ADIS16448's noise that swings about x by `swing` rad at .5 Hz, and 20 s at rest.
+    fn samples(swing: f64) -> Vec<ImuSample> {
+        let mut rng = Stream::new(6).named("guess").rng();
+        let mut noise =
+            |sigma: f64| sigma * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, &mut rng);
+        (0..4000)
+            .map(|i| {
+                let t = f64::from(i) * 0.005;
+                let w = std::f64::consts::PI;
+                let (angle, rate) = (swing * (w * t).sin(), swing * w * (w * t).cos());
+                ImuSample {
+                    t: Stamp::from_ns(i64::from(i) * 5_000_000),
+                    gyro: [rate + noise(0.0024), 0.03 + noise(0.0024), noise(0.0024)],
+                    accel: [noise(0.03), 9.81 * angle.sin() + noise(0.03), 9.81 * angle.cos() + noise(0.03)],
+                }
+            })
+            .collect()
+    }
+
+    fn scaled(mut samples: Vec<ImuSample>, gyro: f64, accel: f64) -> Vec<ImuSample> {
+        for s in &mut samples {
+            s.gyro = s.gyro.map(|v| v * gyro);
+            s.accel = s.accel.map(|v| v * accel);
+        }
+        samples
+    }
+
+    #[test]
+    fn the_gyroscopes_unit_is_told_swinging_slowly_fast_and_at_rest() {
+        for swing in [0.0, 0.02, 0.2, 1.0] {
+            let rad = samples(swing);
+            let degrees = scaled(samples(swing), 180.0 / std::f64::consts::PI, 1.0 / 9.81);
+            assert_eq!(gyro_unit(&rad), GyroUnit::RadPerSecond, "{swing}");
+            assert_eq!(gyro_unit(&degrees), GyroUnit::DegPerSecond, "{swing}");
+        }
+    }
+
+    #[test]
+    fn the_accelerometers_unit_is_that_of_its_gravity() {
+        for (factor, unit) in [
+            (1.0, AccelUnit::MetrePerSecond2),
+            (1.0 / 9.80665, AccelUnit::StandardGravity),
+            (1000.0 / 9.80665, AccelUnit::MilliGravity),
+        ] {
+            assert_eq!(accel_unit(&scaled(samples(0.2), 1.0, factor)), unit);
+        }
+        assert_eq!(accel_unit(&[]), AccelUnit::MetrePerSecond2);
+    }
+
+    #[test]
+    fn gravity_in_the_gyroscopes_columns_means_that_they_are_swapped() {
+        let sound = samples(0.2);
+        let mut other = sound.clone();
+        other.iter_mut().for_each(|s| std::mem::swap(&mut s.gyro, &mut s.accel));
+        assert!(!swapped(&sound) && swapped(&other) && !swapped(&[]));
+    }
+}

@@ -1,0 +1,57 @@
+//! Readers and writers of the formats at the border.
+//!
+//! * [`asl`]: EuRoC and TUM-VI folders; [`asl::discover`] lists the sequences under a folder.
+//! * [`read_imu_csv`]: plain CSV logs, columns by header or by list; [`read_imu_csv_loosely`] uses what it can of anybody's.
+//! * [`ImuLines`]: the same line by line, as they come.
+//! * [`Sieve`]: keeps of somebody's samples what a recording may hold.
+//! * [`read_tum`], [`write_tum`]: trajectories, as evo reads them.
+//! * [`ImageFolder`]: a camera's images, also ahead of time on a second thread.
+//! * [`read_tracks`], [`write_tracks`]: camera tracks.
+//! * [`read_noise_track`], [`write_noise_track`]: noise tracks.
+//! * [`config`]: typed configurations of TOML.
+//! * [`noise_formats`]: noise parameters as other programs write them.
+//! * [`atomic_write`]: files that are there in full or not at all.
+//!
+//! A reader checks every row, and all but the loose one skip none: what it returns is finite, in SI units and in increasing time, and what is wrong is an
+//! [`IoError`] with file, line and a [hint](IoError::hint). No reader panics, whatever the bytes.
+
+#![cfg_attr(test, allow(clippy::unwrap_used))]
+
+pub mod asl;
+mod atomic;
+mod columns;
+pub mod config;
+mod decimal;
+mod error;
+mod fields;
+#[cfg(test)]
+mod fuzz;
+mod guess;
+#[cfg(feature = "images")]
+mod images;
+mod imu_csv;
+mod imu_lines;
+mod loose_csv;
+mod noise_csv;
+pub mod noise_formats;
+mod pose;
+#[cfg(test)]
+mod recordings;
+mod rows;
+mod sieve;
+mod tracks;
+mod tum;
+
+pub use atomic::atomic_write;
+pub use columns::{AccelUnit, GyroUnit, ImuColumns};
+pub use decimal::TimeUnit;
+pub use error::IoError;
+#[cfg(feature = "images")]
+pub use images::{Coverage, ImageFolder, ImageRun, Prefetch, StampedImage, read_png};
+pub use imu_csv::{CsvOptions, ImuLog, Origin, Settled, parse_imu_csv, read_imu_csv};
+pub use imu_lines::ImuLines;
+pub use loose_csv::{LooseImuLog, Unreadable, parse_imu_csv_loosely, read_imu_csv_loosely};
+pub use noise_csv::{read_noise_track, write_noise_track};
+pub use sieve::{LeftOut, Sieve, Sieved};
+pub use tracks::{read_tracks, write_tracks};
+pub use tum::{read_tum, write_tum};

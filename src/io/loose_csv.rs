@@ -1,0 +1,373 @@
+//! Somebody's IMU log as text, faults and all: what can be used is, and what cannot is counted.
+//!
+//! Where [`read_imu_csv`](super::read_imu_csv) refuses, this goes on: rows that cannot be read, and samples that a [`Sieve`] leaves out,
+//! are counted with the first one's place. A file whose rows are mostly of that kind is refused all the same, with the first row's
+//! error: it is no log of this layout.
+//!
+//! What neither caller nor header says of the units is guessed from the numbers (`guess`), and so are columns without a header. The file is
+//! read in blocks: beside the samples no more than one of them is in memory.
+
+use super::columns::{self, AccelUnit, GyroUnit, ImuColumns, SLOTS};
+use super::imu_csv::{CsvOptions, Origin, Settled, first_said, guess_time_unit, unknown_layout};
+use super::rows::{Layout, Rows};
+use super::sieve::{Sieve, Sieved};
+use super::{IoError, TimeUnit, guess};
+use dpn_core::imu::{ImuRecording, ImuSample};
+use std::io::Read;
+use std::path::Path;
+
+/// Bytes read at a time; the first block tells columns and units of time.
+const BLOCK: usize = 1 << 22;
+/// Share of rows that may be unreadable, and of samples that may be left out.
+const TOLERATED: f64 = 0.1;
+
+/// Rows that could not be read.
+#[derive(Debug, Default)]
+pub struct Unreadable {
+    /// How many.
+    pub count: usize,
+    /// What is wrong with the first.
+    pub first: Option<IoError>,
+    /// Whether the only one is the last line, cut off.
+    pub cut: bool,
+}
+
+/// A log read loosely, and how it was understood.
+#[derive(Debug)]
+pub struct LooseImuLog {
+    /// The samples that could be used, in rad/s and m/s^2.
+    pub recording: ImuRecording,
+    /// Which column was what.
+    pub columns: Settled<ImuColumns>,
+    /// Unit of the stamps.
+    pub time: Settled<TimeUnit>,
+    /// Unit of the gyroscope's columns.
+    pub gyro: Settled<GyroUnit>,
+    /// Unit of the accelerometer's columns.
+    pub accel: Settled<AccelUnit>,
+    /// Samples left out; places are lines.
+    pub sieved: Sieved,
+    /// Rows that could not be read.
+    pub unreadable: Unreadable,
+}
+
+/// How the rows are understood.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Understood {
+    pub(super) columns: Settled<ImuColumns>,
+    pub(super) time: Settled<TimeUnit>,
+    pub(super) gyro: Option<Settled<GyroUnit>>,
+    pub(super) accel: Option<Settled<AccelUnit>>,
+}
+
+/// Reads a log of all six axes, with its faults.
+///
+/// # Errors
+/// A file that cannot be read or holds no row; a column that is missing; a unit of time that cannot be told; fewer than two samples of
+/// use; a file in which more than a tenth of the rows cannot be used.
+pub fn read_imu_csv_loosely(path: &Path, options: &CsvOptions) -> Result<LooseImuLog, IoError> {
+    let file = std::fs::File::open(path).map_err(|e| IoError::reading(path, e))?;
+    parse_imu_csv_loosely(file, path, options)
+}
+
+/// The same from any source of bytes; `path` is for messages.
+///
+/// # Errors
+/// As [`read_imu_csv_loosely`].
+pub fn parse_imu_csv_loosely(
+    source: impl Read,
+    path: &Path,
+    options: &CsvOptions,
+) -> Result<LooseImuLog, IoError> {
+    let mut blocks = Blocks::new(source, path);
+    let mut sieve = Sieve::default();
+    let mut unreadable = Unreadable::default();
+    let mut known: Option<(Understood, Layout)> = None;
+    while blocks.advance()? {
+        let bytes = blocks.block();
+        let (understood, mut rows) = match known.take() {
+            None => {
+                let rows = Rows::open(bytes, path)?;
+                (understand(bytes, &rows, path, options)?, rows)
+            }
+            Some((understood, layout)) => (understood, Rows::go_on(bytes, path, layout)),
+        };
+        take(&mut rows, &understood, &mut sieve, &mut unreadable)?;
+        known = Some((understood, rows.layout()));
+    }
+    let Some((understood, layout)) = known else {
+        return Err(IoError::Empty { path: path.to_path_buf() });
+    };
+    let last_line = layout.line() as u64;
+    unreadable.cut = unreadable.count == 1
+        && !blocks.ended_with_newline
+        && {
+            let at = |e: &IoError| matches!(e, IoError::FieldCount { line, .. } | IoError::BadNumber { line, .. } if *line as u64 == last_line);
+            unreadable.first.as_ref().is_some_and(at)
+        };
+    finish(path, understood, sieve, unreadable)
+}
+
+fn finish(
+    path: &Path,
+    understood: Understood,
+    sieve: Sieve,
+    mut unreadable: Unreadable,
+) -> Result<LooseImuLog, IoError> {
+    let (mut samples, sieved) = sieve.done();
+    let all = (samples.len() + sieved.count() + unreadable.count) as f64;
+    if unreadable.count as f64 > TOLERATED * all
+        && !unreadable.cut
+        && let Some(first) = unreadable.first.take()
+    {
+        return Err(first);
+    }
+    if let Some(line) = sieved.backward.first
+        && sieved.backward.count as f64 > TOLERATED * all
+    {
+        let (path, count) = (path.to_path_buf(), sieved.backward.count);
+        return Err(IoError::GoesBack { path, count, of: all as usize, line });
+    }
+    let mut columns = understood.columns;
+    if columns.origin == Origin::Assumed && guess::swapped(&samples) {
+        let ImuColumns { time, gyro, accel } = columns.value;
+        columns = Settled { value: ImuColumns { time, gyro: accel, accel: gyro }, origin: Origin::Guessed };
+        samples.iter_mut().for_each(|s| std::mem::swap(&mut s.gyro, &mut s.accel));
+    }
+    let gyro = understood
+        .gyro
+        .unwrap_or_else(|| Settled { value: guess::gyro_unit(&samples), origin: Origin::Guessed });
+    let accel = understood
+        .accel
+        .unwrap_or_else(|| Settled { value: guess::accel_unit(&samples), origin: Origin::Guessed });
+    let (turn, force) = (gyro.value.factor(), accel.value.factor());
+    for sample in &mut samples {
+        sample.gyro = sample.gyro.map(|v| v * turn);
+        sample.accel = sample.accel.map(|v| v * force);
+    }
+    // A unit can make a number too large of one that was finite.
+    samples.retain(ImuSample::is_finite);
+    samples.shrink_to_fit();
+    let found = samples.len();
+    let recording =
+        ImuRecording::new(samples).map_err(|_| IoError::TooShort { path: path.to_path_buf(), found })?;
+    Ok(LooseImuLog { recording, columns, time: understood.time, gyro, accel, sieved, unreadable })
+}
+
+pub(super) fn understand(
+    bytes: &[u8],
+    rows: &Rows<'_>,
+    path: &Path,
+    options: &CsvOptions,
+) -> Result<Understood, IoError> {
+    let named = match (options.columns, rows.header()) {
+        (None, Some(header)) => Some(columns::from_header(header, path)?),
+        _ => None,
+    };
+    let columns = match (options.columns, named) {
+        (Some(value), _) => Settled { value, origin: Origin::Given },
+        (None, Some(named)) => Settled { value: named.columns, origin: Origin::Header },
+        (None, None) if rows.width() < 7 => return Err(unknown_layout(rows, path)),
+        (None, None) => Settled { value: ImuColumns::ASL, origin: Origin::Assumed },
+    };
+    let time = match first_said(options.time, named.and_then(|n| n.time)) {
+        Some(said) => said,
+        None => Settled {
+            value: guess_time_unit(bytes, path, columns.value.time, true)?,
+            origin: Origin::Guessed,
+        },
+    };
+    Ok(Understood {
+        columns,
+        time,
+        gyro: first_said(options.gyro, named.and_then(|n| n.gyro)),
+        accel: first_said(options.accel, named.and_then(|n| n.accel)),
+    })
+}
+
+/// Takes the rows of one block.
+fn take(
+    rows: &mut Rows<'_>,
+    understood: &Understood,
+    sieve: &mut Sieve,
+    unreadable: &mut Unreadable,
+) -> Result<(), IoError> {
+    let columns = understood.columns.value;
+    let [_, gx, gy, gz, ax, ay, az] = SLOTS;
+    loop {
+        let row = rows.advance().and_then(|more| {
+            if !more {
+                return Ok(None);
+            }
+            let t = rows.stamp(columns.time, understood.time.value)?;
+            let gyro = rows.numbers(columns.gyro, [gx, gy, gz])?;
+            let accel = rows.numbers(columns.accel, [ax, ay, az])?;
+            Ok(Some(ImuSample { t, gyro, accel }))
+        });
+        let line = rows.line() as u64;
+        match row {
+            Ok(None) => return Ok(()),
+            Ok(Some(sample)) => sieve.push(sample, line),
+            Err(IoError::NotFinite { .. }) => sieve.not_finite(line),
+            Err(error) => {
+                unreadable.count += 1;
+                unreadable.first.get_or_insert(error);
+                // Of a binary file every row is bad: enough of it.
+                if unreadable.count > 1000
+                    && sieve.is_empty()
+                    && let Some(first) = unreadable.first.take()
+                {
+                    return Err(first);
+                }
+            }
+        }
+    }
+}
+
+/// A source of bytes in blocks that end with a line.
+struct Blocks<'a, R> {
+    source: R,
+    path: &'a Path,
+    buffer: Vec<u8>,
+    /// Bytes of the block handed out, and those of the next one behind it.
+    block: usize,
+    filled: usize,
+    at_end: bool,
+    ended_with_newline: bool,
+}
+
+impl<'a, R: Read> Blocks<'a, R> {
+    fn new(source: R, path: &'a Path) -> Self {
+        Self {
+            source,
+            path,
+            buffer: vec![0; BLOCK],
+            block: 0,
+            filled: 0,
+            at_end: false,
+            ended_with_newline: true,
+        }
+    }
+
+    /// Goes to the next block; `false` at the end.
+    fn advance(&mut self) -> Result<bool, IoError> {
+        self.buffer.copy_within(self.block..self.filled, 0);
+        self.filled -= self.block;
+        self.block = 0;
+        while !self.at_end && self.filled < self.buffer.len() {
+            match self.source.read(&mut self.buffer[self.filled..]) {
+                Ok(0) => self.at_end = true,
+                Ok(read) => self.filled += read,
+                Err(e) if e.kind() == std::io::ErrorKind::Interrupted => {}
+                Err(e) => return Err(IoError::reading(self.path, e)),
+            }
+        }
+        let held = &self.buffer[..self.filled];
+        self.block = match memchr::memrchr(b'\n', held) {
+            _ if self.at_end => self.filled,
+            Some(at) => at + 1,
+            // A line longer than a block is no row; it is handed out in parts.
+            None => self.filled,
+        };
+        if let Some(last) = held.get(self.block.wrapping_sub(1)) {
+            self.ended_with_newline = *last == b'\n';
+        }
+        Ok(self.block > 0)
+    }
+
+    fn block(&self) -> &[u8] {
+        &self.buffer[..self.block]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::read_imu_csv;
+    use crate::sieve::LeftOut;
+    use dpn_core::time::Stamp;
+
+    fn read(text: &str) -> Result<LooseImuLog, IoError> {
+        parse_imu_csv_loosely(text.as_bytes(), Path::new("log.csv"), &CsvOptions::default())
+    }
+
+    /// Ten rows a sensor at rest could have written.
+    fn lines() -> Vec<String> {
+        (0..30)
+            .map(|i| format!("{},0.01,0,0,0.1,0,{}", 1.4e9 + f64::from(i) * 0.01, 9.81 + f64::from(i % 3)))
+            .collect()
+    }
+
+    #[test]
+    fn faults_are_counted_with_their_lines_and_the_rest_is_used() {
+        let mut lines = lines();
+        lines[4] = lines[3].clone();
+        lines[9] = lines[9].replace("0.01", "nan");
+        let log = read(&lines.join("\n")).unwrap();
+        assert_eq!(log.recording.len(), 28);
+        assert_eq!(log.sieved.repeated, LeftOut { count: 1, first: Some(5) });
+        assert_eq!(log.sieved.not_finite, LeftOut { count: 1, first: Some(10) });
+        assert_eq!(log.unreadable.count, 0);
+        lines[20] = "what is this".into();
+        let log = read(&lines.join("\n")).unwrap();
+        assert_eq!(log.unreadable.count, 1);
+        assert!(log.unreadable.first.unwrap().to_string().starts_with("log.csv:21: "));
+        assert!(!log.unreadable.cut);
+    }
+
+    #[test]
+    fn a_last_line_cut_off_is_told_from_a_damaged_one() {
+        let text = lines().join("\n") + "\n1400000000.3,0.01,0,";
+        let log = read(&text).unwrap();
+        assert!(log.unreadable.cut && log.unreadable.count == 1);
+        assert_eq!(log.recording.len(), 30);
+    }
+
+    #[test]
+    fn what_is_mostly_unreadable_is_refused_with_its_first_line() {
+        let mut lines = lines();
+        for line in &mut lines[5..10] {
+            *line = "1,2".into();
+        }
+        let error = read(&lines.join("\n")).unwrap_err().to_string();
+        assert!(error.starts_with("log.csv:6: 2 fields, expected 7"), "{error}");
+        assert!(matches!(read(""), Err(IoError::Empty { .. })));
+    }
+
+    #[test]
+    fn columns_and_units_that_nobody_named_are_guessed() {
+        let text: String = (0..800)
+            .map(|i| {
+                format!(
+                    "{},0,0,{},{},0,0\n",
+                    i * 5000,
+                    1.0 + 0.002 * f64::from(i % 2),
+                    0.1 * f64::from(i % 3)
+                )
+            })
+            .collect();
+        let log = read(&text).unwrap();
+        assert_eq!(log.time, Settled { value: TimeUnit::Micros, origin: Origin::Guessed });
+        assert_eq!(log.columns.value, ImuColumns { time: 0, gyro: [4, 5, 6], accel: [1, 2, 3] });
+        assert_eq!(log.columns.origin, Origin::Guessed);
+        assert_eq!((log.accel.value, log.gyro.value), (AccelUnit::StandardGravity, GyroUnit::DegPerSecond));
+        assert!((log.recording.samples()[0].accel[2] - 9.80665).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_sound_log_reads_as_the_strict_reader_reads_it_across_blocks() {
+        let mut text = String::from("t_ns,gx [rad/s],gy,gz,ax [m/s^2],ay,az\n");
+        for i in 0..120_000i64 {
+            text.push_str(&format!("{},0.0{},-0.02,0.3,1.25,-3.{},9.81\n", i * 5_000_000, i % 977, i % 613));
+        }
+        assert!(text.len() > BLOCK);
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("log.csv");
+        std::fs::write(&path, text).unwrap();
+        let loose = read_imu_csv_loosely(&path, &CsvOptions::default()).unwrap();
+        let strict = read_imu_csv(&path, &CsvOptions::default()).unwrap();
+        assert_eq!(loose.recording, strict.recording);
+        assert_eq!(loose.recording.samples()[119_999].t, Stamp::from_ns(119_999 * 5_000_000));
+        assert_eq!(loose.sieved, Sieved::default());
+    }
+}

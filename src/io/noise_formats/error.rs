@@ -1,0 +1,229 @@
+//! What can be wrong with a configuration's noise figures, and what to do about it.
+
+use super::format::Format;
+use super::quantity::QuantityError;
+use crate::IoError;
+use dpn_core::noise::Figure;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// A key that may be another one mistyped.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Slip {
+    /// Where it stands.
+    pub line: usize,
+    /// As written.
+    pub typed: String,
+    /// What it may have meant.
+    pub known: String,
+}
+
+impl fmt::Display for Slip {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "line {} has `{}`; did you mean `{}`?", self.line, self.typed, self.known)
+    }
+}
+
+/// Why noise figures could not be read or written. `Display` says what and where, [`FormatError::hint`] how to mend it.
+#[derive(Debug, Error)]
+pub enum FormatError {
+    /// The file cannot be read.
+    #[error(transparent)]
+    Io(#[from] IoError),
+    /// Bytes that are no text.
+    #[error("{}:{line}: not UTF-8 text", path.display())]
+    NotText {
+        /// The file.
+        path: PathBuf,
+        /// The line with the first such byte.
+        line: usize,
+    },
+    /// Text that is neither YAML nor JSON.
+    #[error("{}: {message}", at(path, *line))]
+    NotYaml {
+        /// The file.
+        path: PathBuf,
+        /// The line, where the parser knows one.
+        line: Option<usize>,
+        /// What is wrong.
+        message: String,
+    },
+    /// Text without a key.
+    #[error("{}: holds no keys", path.display())]
+    NoKeys {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A file with the keys of no format.
+    #[error("{}: no keys of a known format", path.display())]
+    NoFormat {
+        /// The file.
+        path: PathBuf,
+        /// A key that is nearly one of a format.
+        nearest: Option<Box<Slip>>,
+    },
+    /// Keys of the format that are not in the file.
+    #[error("{}: no {}, which {from} needs", path.display(), quoted(missing))]
+    Missing {
+        /// The file.
+        path: PathBuf,
+        /// The format it was read as.
+        from: Format,
+        /// The keys that are not there.
+        missing: Vec<String>,
+        /// Their figures.
+        figures: Vec<Figure>,
+        /// A key of the file that is nearly one of them.
+        nearest: Option<Box<Slip>>,
+        /// Another format whose keys the file has.
+        rather: Option<Format>,
+    },
+    /// A value that is no number, or not as many as there are axes.
+    #[error("{}: `{key}` is {found}; {expected} is needed", at(path, Some(*line)))]
+    NotNumbers {
+        /// The file.
+        path: PathBuf,
+        /// The line.
+        line: usize,
+        /// The key.
+        key: String,
+        /// What stands there.
+        found: String,
+        /// What should.
+        expected: &'static str,
+    },
+    /// A number that no noise has: zero, negative, not finite.
+    #[error("{}: `{key}` is {value}; a noise figure is above zero", at(path, Some(*line)))]
+    NotPositive {
+        /// The file.
+        path: PathBuf,
+        /// The line.
+        line: usize,
+        /// The key.
+        key: String,
+        /// What stands there.
+        value: f64,
+    },
+    /// A rate that is none.
+    #[error("{}: `{key}` is {found}; a rate is a number of Hz above zero", at(path, Some(*line)))]
+    BadRate {
+        /// The file.
+        path: PathBuf,
+        /// The line.
+        line: usize,
+        /// The key.
+        key: String,
+        /// What stands there.
+        found: String,
+    },
+    /// A key that a data sheet does not have.
+    #[error("{}: `{key}` is no key of a datasheet; known are {known}", at(path, Some(*line)))]
+    UnknownKey {
+        /// The file.
+        path: PathBuf,
+        /// The line.
+        line: usize,
+        /// The key.
+        key: String,
+        /// The keys there are.
+        known: String,
+        /// The nearest of them, where one is near.
+        nearest: Option<String>,
+    },
+    /// Covariances of a message that say "not known".
+    #[error("{}: `{key}` {says}", at(path, Some(*line)))]
+    NotInMessage {
+        /// The file.
+        path: PathBuf,
+        /// The line.
+        line: usize,
+        /// The key.
+        key: String,
+        /// What its value means.
+        says: &'static str,
+    },
+    /// A number with a unit that cannot be used.
+    #[error("{place}: {problem}")]
+    Quantity {
+        /// File, line and key, or the flag.
+        place: String,
+        /// What is wrong with it.
+        problem: QuantityError,
+    },
+    /// Numbers per sample without a rate.
+    #[error("{format} has its figures per sample; the rate of the samples is needed")]
+    NeedsRate {
+        /// The format.
+        format: Format,
+    },
+    /// Nothing to convert.
+    #[error("no noise figure was given")]
+    Nothing,
+}
+
+pub(super) fn at(path: &Path, line: Option<usize>) -> String {
+    match line {
+        Some(line) if line > 0 => format!("{}:{line}", path.display()),
+        _ => path.display().to_string(),
+    }
+}
+
+fn quoted(keys: &[String]) -> String {
+    let keys: Vec<String> = keys.iter().map(|key| format!("`{key}`")).collect();
+    keys.join(", ")
+}
+
+impl FormatError {
+    /// What to do about it.
+    pub fn hint(&self) -> Option<String> {
+        let text = match self {
+            Self::Io(error) => return error.hint(),
+            Self::NotText { .. } => "save the file as UTF-8 text".to_owned(),
+            Self::NotYaml { .. } => {
+                "a configuration is YAML or JSON; mend the line, or cut the file down to its IMU part"
+                    .to_owned()
+            }
+            Self::NoKeys { .. } => format!("known formats are {}", Format::names()),
+            Self::NoFormat { nearest: Some(slip), .. } => slip.to_string(),
+
+            Self::NoFormat { .. } => format!("known are {}; name one with --from", Format::names()),
+            Self::Missing { nearest: Some(slip), .. } => slip.to_string(),
+
+            Self::Missing { rather: Some(rather), .. } => {
+                format!("the file has the keys of {rather}: say --from {rather}")
+            }
+            Self::Missing { figures, .. } => {
+                let flags: Vec<String> = figures.iter().map(|f| format!("--{} NUMBER", f.flag())).collect();
+                format!("add the key, or give {} (densities, or with a unit)", flags.join(" "))
+            }
+            Self::NotNumbers { .. } => {
+                "write a plain number in the unit of the format, without the unit".to_owned()
+            }
+            Self::NotPositive { value, .. } if *value == 0.0 => {
+                "an estimator told of no noise trusts the IMU without bound; put the sensor's figure there"
+                    .to_owned()
+            }
+            Self::NotPositive { .. } => {
+                "deviations, variances and densities are above zero; look at the file it was made from"
+                    .to_owned()
+            }
+            Self::BadRate { .. } => "write the IMU's rate there, or give --rate HZ".to_owned(),
+            Self::UnknownKey { nearest: Some(nearest), .. } => format!("did you mean `{nearest}`?"),
+            Self::UnknownKey { key, .. } if key.contains("instability") || key.contains("stability") => {
+                "a bias instability is no walk and none follows from it; leave it out".to_owned()
+            }
+            Self::UnknownKey { .. } => "leave the key out".to_owned(),
+            Self::NotInMessage { .. } => {
+                "the driver does not fill it in; take the data sheet, or a log at rest and `dpn allan`"
+                    .to_owned()
+            }
+            Self::Quantity { problem, .. } => problem.hint().to_owned(),
+            Self::NeedsRate { .. } => "add --rate HZ".to_owned(),
+            Self::Nothing => {
+                "name a file, or give --accel-noise, --gyro-noise, --accel-walk, --gyro-walk".to_owned()
+            }
+        };
+        Some(text)
+    }
+}

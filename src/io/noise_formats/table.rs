@@ -1,0 +1,68 @@
+//! The table of one IMU in all formats, in `docs/noise-units.md`: made here, so that it cannot go wrong.
+//! `DPN_BLESS=1 cargo test -p dpn-core noise_units` writes it anew.
+
+use super::*;
+use dpn_core::time::SampleRate;
+use std::path::Path;
+
+const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/noise-units.md");
+const BEGIN: &str = "<!-- made by a test: begin -->\n";
+const END: &str = "<!-- made by a test: end -->\n";
+
+fn none(_: Figure) -> Option<String> {
+    None
+}
+
+/// A row a format: key, value and meaning of each figure.
+fn table() -> String {
+    let figures = ImuFigures::euroc();
+    let mut text = String::from(
+        "| format | accelerometer noise | accelerometer walk | gyroscope noise | gyroscope walk | the numbers are |\n|---|---|---|---|---|---|\n",
+    );
+    for format in Format::ALL {
+        let Some(layout) = format.layout() else { continue };
+        let cells = Figure::ALL.map(|figure| {
+            let key = layout.key(figure);
+            let value = figures.get(figure, key.meaning, SampleRate::HZ_200).map_or(0.0, Axes::largest);
+            format!("`{}: {}`<br>{}", key.name, number::short(value), key.meaning.unit(figure))
+        });
+        let key = layout.key(Figure::AccelWhite);
+        let walk = layout.key(Figure::AccelWalk);
+        text.push_str(&format!(
+            "| {format} | {} | {}; walk: {} |\n",
+            cells.join(" | "),
+            key.meaning.words(),
+            walk.meaning.words()
+        ));
+    }
+    text.push('\n');
+    for format in Format::ALL {
+        let written = write(&figures, format, none).unwrap();
+        text.push_str(&format!(
+            "### {format}\n\n```{}\n{}```\n\n",
+            if format == Format::Basalt { "json" } else { "yaml" },
+            written.text
+        ));
+        for step in written.steps {
+            text.push_str(&format!("* `{step}`\n"));
+        }
+        for remark in written.remarks {
+            text.push_str(&format!("* {remark}\n"));
+        }
+        text.push('\n');
+    }
+    text
+}
+
+#[test]
+fn noise_units_are_as_the_documentation_has_them() {
+    let text = std::fs::read_to_string(FILE).unwrap();
+    let (head, rest) = text.split_once(BEGIN).unwrap();
+    let (stands, tail) = rest.split_once(END).unwrap();
+    let made = table();
+    if std::env::var_os("DPN_BLESS").is_some() {
+        std::fs::write(Path::new(FILE), format!("{head}{BEGIN}{made}{END}{tail}")).unwrap();
+        return;
+    }
+    assert!(stands == made, "docs/noise-units.md is not what the code says; DPN_BLESS=1 writes it anew");
+}

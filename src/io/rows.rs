@@ -1,0 +1,328 @@
+//! A small fast tokenizer for tables of numbers in text: one pass over bytes, no allocation a row.
+//!
+//! What it takes: fields between commas, semicolons, tabs or blanks (told from the first line that has fields); LF and CRLF;
+//! blank lines anywhere; comment lines that start with `#` or `%`; a header, commented or not; a byte order mark; fields in
+//! double quotes as long as they hold no delimiter. Every row has as many fields as the header or the first row; one empty
+//! field after a delimiter at the end of a row is dropped.
+
+use super::IoError;
+use super::decimal::{TimeUnit, parse_stamp};
+use super::fields::{Delimiter, is_number, names_time, shown, take_line};
+use dpn_core::time::Stamp;
+use std::path::Path;
+
+/// The names over the columns.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Header {
+    /// Where it stands, from 1.
+    pub line: usize,
+    /// As written, without blanks around them and without the comment sign.
+    pub names: Vec<String>,
+}
+
+/// What of a table its later blocks need.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Layout {
+    line: usize,
+    delimiter: Delimiter,
+    width: usize,
+}
+
+impl Layout {
+    /// Line of the last row read, from 1.
+    pub(crate) fn line(&self) -> usize {
+        self.line
+    }
+}
+
+/// A cursor over the rows of a table.
+pub(crate) struct Rows<'a> {
+    path: &'a Path,
+    rest: &'a [u8],
+    /// Line of the current row, from 1.
+    line: usize,
+    delimiter: Delimiter,
+    /// Fields every row has.
+    width: usize,
+    fields: Vec<&'a [u8]>,
+    header: Option<Header>,
+}
+
+impl<'a> Rows<'a> {
+    /// Reads up to the first row of data.
+    ///
+    /// # Errors
+    /// No row of data at all; a header that is not UTF-8.
+    pub(crate) fn open(bytes: &'a [u8], path: &'a Path) -> Result<Self, IoError> {
+        let mut rest = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+        let mut header: Option<(usize, Delimiter, &[u8])> = None;
+        let mut plain_header = false;
+        let mut line = 0;
+        let mut fields = Vec::new();
+        loop {
+            let before = rest;
+            let Some(text) = take_line(&mut rest) else {
+                return Err(IoError::Empty { path: path.to_path_buf() });
+            };
+            line += 1;
+            if text.is_empty() {
+                continue;
+            }
+            if let [b'#' | b'%', comment @ ..] = text {
+                // The last comment with a time among its fields names the columns, unless a plain header did.
+                let delimiter = Delimiter::of(comment);
+                delimiter.split(comment, &mut fields);
+                if !plain_header && fields.len() > 1 && names_time(fields[0]) {
+                    header = Some((line, delimiter, comment));
+                }
+                continue;
+            }
+            let delimiter = Delimiter::of(text);
+            delimiter.split(text, &mut fields);
+            let numeric = fields.first().is_some_and(|f| is_number(f));
+            if !numeric && !plain_header && fields.len() > 1 && !fields.iter().any(|f| is_number(f)) {
+                header = Some((line, delimiter, text));
+                plain_header = true;
+                continue;
+            }
+            // Here data begins. Without a header, the first row's width is everybody's.
+            let header = match header {
+                Some((line, delimiter, text)) => {
+                    delimiter.split(text, &mut fields);
+                    let names = fields
+                        .iter()
+                        .map(|name| std::str::from_utf8(name).map(str::to_owned))
+                        .collect::<Result<Vec<_>, _>>()
+                        .map_err(|_| IoError::NotUtf8 { path: path.to_path_buf(), line })?;
+                    Some(Header { line, names })
+                }
+                None => None,
+            };
+            return Ok(Self {
+                path,
+                rest: before,
+                line: line - 1,
+                delimiter,
+                width: header.as_ref().map_or(fields.len(), |h| h.names.len()),
+                fields,
+                header,
+            });
+        }
+    }
+
+    /// Goes on with the block of bytes behind another of the same table.
+    pub(crate) fn go_on(bytes: &'a [u8], path: &'a Path, layout: Layout) -> Self {
+        let Layout { line, delimiter, width } = layout;
+        Self { path, rest: bytes, line, delimiter, width, fields: Vec::new(), header: None }
+    }
+
+    /// What the next block of this table needs, at this block's end.
+    pub(crate) fn layout(&self) -> Layout {
+        Layout { line: self.line, delimiter: self.delimiter, width: self.width }
+    }
+
+    /// The names over the columns, where the file has them.
+    pub(crate) fn header(&self) -> Option<&Header> {
+        self.header.as_ref()
+    }
+
+    /// Fields a row has.
+    pub(crate) fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Line of the current row, from 1; before the first row, the line above it.
+    pub(crate) fn line(&self) -> usize {
+        self.line
+    }
+
+    /// A guess at the rows left, good enough to reserve room.
+    pub(crate) fn rows_left(&self) -> usize {
+        let first = memchr::memchr(b'\n', self.rest).unwrap_or(self.rest.len()) + 1;
+        // A row has at least a character and a delimiter a field, so that a cut first row reserves no absurd amount.
+        self.rest.len() / first.max(2 * self.width) + 1
+    }
+
+    /// Goes to the next row; `false` at the end.
+    ///
+    /// # Errors
+    /// A row with another number of fields.
+    pub(crate) fn advance(&mut self) -> Result<bool, IoError> {
+        while let Some(text) = take_line(&mut self.rest) {
+            self.line += 1;
+            if text.is_empty() || matches!(text[0], b'#' | b'%') {
+                continue;
+            }
+            self.delimiter.split(text, &mut self.fields);
+            if self.fields.len() != self.width {
+                return Err(IoError::FieldCount {
+                    path: self.path.to_path_buf(),
+                    line: self.line,
+                    found: self.fields.len(),
+                    expected: self.width,
+                });
+            }
+            return Ok(true);
+        }
+        Ok(false)
+    }
+
+    /// The current row's field `column` as a finite number; `name` is for the message.
+    ///
+    /// # Errors
+    /// No number; NaN or an infinity; a column past the end.
+    pub(crate) fn number(&self, column: usize, name: &str) -> Result<f64, IoError> {
+        let field = self.field(column)?;
+        match fast_float2::parse::<f64, _>(field) {
+            Ok(value) if value.is_finite() => Ok(value),
+            Ok(_) => Err(self.not_finite(name, &shown(field))),
+            Err(_) if std::str::from_utf8(field).is_err() => Err(self.not_utf8()),
+            Err(_) => Err(IoError::BadNumber {
+                path: self.path.to_path_buf(),
+                line: self.line,
+                column: name.to_owned(),
+                text: shown(field),
+            }),
+        }
+    }
+
+    /// The current row's fields from `first` on as numbers.
+    ///
+    /// # Errors
+    /// As [`Rows::number`].
+    pub(crate) fn numbers<const N: usize>(
+        &self,
+        columns: [usize; N],
+        names: [&str; N],
+    ) -> Result<[f64; N], IoError> {
+        let mut values = [0.0; N];
+        for ((value, column), name) in values.iter_mut().zip(columns).zip(names) {
+            *value = self.number(column, name)?;
+        }
+        Ok(values)
+    }
+
+    /// The current row's field `column` as a stamp.
+    ///
+    /// # Errors
+    /// No decimal number, or a time out of range.
+    pub(crate) fn stamp(&self, column: usize, unit: TimeUnit) -> Result<Stamp, IoError> {
+        let field = self.field(column)?;
+        parse_stamp(field, unit).ok_or_else(|| {
+            if std::str::from_utf8(field).is_err() {
+                self.not_utf8()
+            } else {
+                IoError::BadStamp {
+                    path: self.path.to_path_buf(),
+                    line: self.line,
+                    text: shown(field),
+                    unit: unit.name(),
+                }
+            }
+        })
+    }
+
+    /// The same, later than `prev`.
+    ///
+    /// # Errors
+    /// As [`Rows::stamp`]; a stamp that does not come after `prev`.
+    pub(crate) fn stamp_after(
+        &self,
+        prev: Option<Stamp>,
+        column: usize,
+        unit: TimeUnit,
+    ) -> Result<Stamp, IoError> {
+        let t = self.stamp(column, unit)?;
+        match prev {
+            Some(prev) if prev >= t => Err(IoError::TimeNotIncreasing {
+                path: self.path.to_path_buf(),
+                line: self.line,
+                prev_ns: prev.ns(),
+                t_ns: t.ns(),
+            }),
+            _ => Ok(t),
+        }
+    }
+
+    /// The current row's field `column` as text.
+    ///
+    /// # Errors
+    /// Not UTF-8.
+    pub(crate) fn text(&self, column: usize) -> Result<&'a str, IoError> {
+        std::str::from_utf8(self.field(column)?).map_err(|_| self.not_utf8())
+    }
+
+    fn field(&self, column: usize) -> Result<&'a [u8], IoError> {
+        self.fields.get(column).copied().ok_or_else(|| IoError::FieldCount {
+            path: self.path.to_path_buf(),
+            line: self.line,
+            found: self.fields.len(),
+            expected: column + 1,
+        })
+    }
+
+    /// The error for a value of the current row that is NaN or infinite.
+    pub(crate) fn not_finite(&self, name: &str, text: &str) -> IoError {
+        IoError::NotFinite {
+            path: self.path.to_path_buf(),
+            line: self.line,
+            column: name.to_owned(),
+            text: text.to_owned(),
+        }
+    }
+
+    fn not_utf8(&self) -> IoError {
+        IoError::NotUtf8 { path: self.path.to_path_buf(), line: self.line }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn all(text: &[u8]) -> Result<Vec<Vec<f64>>, IoError> {
+        let mut rows = Rows::open(text, Path::new("f.csv"))?;
+        let mut out = Vec::new();
+        while rows.advance()? {
+            out.push((0..rows.width()).map(|c| rows.number(c, "v")).collect::<Result<_, _>>()?);
+        }
+        Ok(out)
+    }
+
+    #[test]
+    fn line_ends_blanks_quotes_and_comments_do_not_change_the_numbers() {
+        let plain = all(b"time,x\n1,2.5\n3,-4e-3\n").unwrap();
+        assert_eq!(plain, vec![vec![1.0, 2.5], vec![3.0, -4e-3]]);
+        for same in [
+            &b"#time [ns],x\r\n1,2.5\r\n3,-4e-3\r\n\r\n"[..],
+            b"\xef\xbb\xbf# made by hand, yesterday\n\n\"time\", \"x\"\n 1 , 2.5 ,\n# a note, here\n\"3\",-4e-3",
+            b"1;2.5\n3;-4e-3",
+            b"1\t2.5\n3\t-4e-3\t\n",
+            b"# t x\n1   2.5\n 3 -4e-3 \n",
+        ] {
+            assert_eq!(all(same).unwrap(), plain, "{}", String::from_utf8_lossy(same));
+        }
+    }
+
+    #[test]
+    fn errors_carry_the_line_an_editor_shows() {
+        let case = |text: &[u8]| all(text).unwrap_err().to_string();
+        assert_eq!(case(b"#time,x\n1,2\n\n2,oops\n"), "f.csv:4: v is \"oops\", not a number");
+        assert_eq!(case(b"time,x\n1,2\n2\n"), "f.csv:3: 1 fields, expected 2");
+        assert_eq!(case(b"1,2\n2,3,4\n"), "f.csv:2: 3 fields, expected 2");
+        assert_eq!(case(b"1,2\n2,NaN\n"), "f.csv:2: v is \"NaN\"; every value must be finite");
+        assert_eq!(case(b"1,2\n2,1e999\n"), "f.csv:2: v is \"1e999\"; every value must be finite");
+        assert_eq!(case(b"1,2\n2,\xff\xfe\n"), "f.csv:2: not UTF-8 text");
+        assert_eq!(case(b"1,2\n2,\n"), "f.csv:2: 1 fields, expected 2");
+        assert_eq!(case(b"1,2\n,2\n"), "f.csv:2: v is \"\", not a number");
+        assert_eq!(case(b"#time,x\n"), "f.csv: no row of data");
+        assert_eq!(case(b""), "f.csv: no row of data");
+    }
+
+    #[test]
+    fn a_long_field_is_shortened_and_made_printable() {
+        let text = format!("1,2\n2,\u{7}{}\n", "y".repeat(500));
+        let error = all(text.as_bytes()).unwrap_err().to_string();
+        assert!(error.len() < 100 && error.contains("\\u{7}yyy"), "{error}");
+    }
+}

@@ -1,0 +1,115 @@
+//! Keeps of somebody's samples what a recording may hold, and counts what it leaves out.
+//!
+//! The readers of this crate refuse a log with one bad row: what is trained on or judged must be whole. A tool that looks at anybody's
+//! log must say what is wrong with it and go on. A sample is left out when a value of it is not finite, when its stamp is that of the sample
+//! before, or when its stamp goes back.
+
+use dpn_core::imu::ImuSample;
+use dpn_core::time::Stamp;
+use serde::Serialize;
+
+/// Samples left out for one reason.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct LeftOut {
+    /// How many.
+    pub count: usize,
+    /// Where the first was: a line of a text file, a message of a bag, both from 1.
+    pub first: Option<u64>,
+}
+
+impl LeftOut {
+    pub(super) fn add(&mut self, place: u64) {
+        self.count += 1;
+        self.first.get_or_insert(place);
+    }
+}
+
+/// What of a log was left out, by reason.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct Sieved {
+    /// Samples with the stamp of the one before.
+    pub repeated: LeftOut,
+    /// Samples whose stamp goes back.
+    pub backward: LeftOut,
+    /// Samples with a value that is not finite.
+    pub not_finite: LeftOut,
+}
+
+impl Sieved {
+    /// All that were left out.
+    pub fn count(&self) -> usize {
+        self.repeated.count + self.backward.count + self.not_finite.count
+    }
+}
+
+/// Takes samples as they come.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Sieve {
+    kept: Vec<ImuSample>,
+    sieved: Sieved,
+}
+
+impl Sieve {
+    /// Takes one sample that stands at `place` (see [`LeftOut::first`]).
+    pub fn push(&mut self, sample: ImuSample, place: u64) {
+        let last = self.kept.last().map(|s| s.t);
+        match last {
+            _ if !sample.is_finite() => self.sieved.not_finite.add(place),
+            Some(last) if sample.t == last => self.sieved.repeated.add(place),
+            Some(last) if sample.t < last => self.sieved.backward.add(place),
+            _ => self.kept.push(sample),
+        }
+    }
+
+    /// Counts a sample that could not even be made, for a value that is not finite.
+    pub fn not_finite(&mut self, place: u64) {
+        self.sieved.not_finite.add(place);
+    }
+
+    /// Samples kept so far.
+    pub fn len(&self) -> usize {
+        self.kept.len()
+    }
+
+    /// Whether none was kept yet.
+    pub fn is_empty(&self) -> bool {
+        self.kept.is_empty()
+    }
+
+    /// Stamp of the last sample kept.
+    pub fn last(&self) -> Option<Stamp> {
+        self.kept.last().map(|s| s.t)
+    }
+
+    /// The samples kept, in increasing time and finite, and what was left out.
+    pub fn done(self) -> (Vec<ImuSample>, Sieved) {
+        (self.kept, self.sieved)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_fault_is_counted_under_its_name_and_the_rest_is_a_recording() {
+        let mut sieve = Sieve::default();
+        let mut push = |t: i64, value: f64, place: u64| {
+            sieve.push(ImuSample { t: Stamp::from_ns(t), gyro: [0.0; 3], accel: [value; 3] }, place);
+        };
+        for (place, (t, value)) in
+            [(5, 1.0), (10, 1.0), (10, 2.0), (7, 1.0), (15, f64::NAN), (15, 3.0), (15, 4.0)]
+                .into_iter()
+                .enumerate()
+        {
+            push(t, value, place as u64 + 1);
+        }
+        let (samples, sieved) = sieve.done();
+        assert_eq!(samples.iter().map(|s| s.t.ns()).collect::<Vec<_>>(), [5, 10, 15]);
+        assert_eq!(samples[2].accel, [3.0; 3]);
+        assert_eq!(sieved.repeated, LeftOut { count: 2, first: Some(3) });
+        assert_eq!(sieved.backward, LeftOut { count: 1, first: Some(4) });
+        assert_eq!(sieved.not_finite, LeftOut { count: 1, first: Some(5) });
+        assert!(dpn_core::imu::ImuRecording::new(samples).is_ok());
+    }
+}

@@ -1,0 +1,169 @@
+//! A whole log: where it is at rest, six Allan plots, and the figures an estimator asks for.
+
+use super::deviation;
+use super::fit::{Estimate, Fit, Planner};
+use super::model::Coefficient;
+use super::nnls::NnlsError;
+use super::rest::{Rest, rest};
+use dpn_core::noise::units::BadNoise;
+use dpn_core::noise::{AccelBiasWalkDensity, AccelNoiseDensity, GyroBiasWalkDensity, GyroNoiseDensity};
+use dpn_core::noise::{Axes, ImuFigures};
+use dpn_core::{ImuRecording, SampleRate, Sensor};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// The shortest stretch at rest that is looked at \[s\].
+pub const LEAST_S: f64 = 10.0;
+
+/// Why a log has no Allan plot.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum AllanError {
+    /// Nothing to work with between the seconds that moved and the holes.
+    #[error(
+        "the log is not at rest: {moved_s:.0} of {length_s:.0} s moved, first at {first_s:.0} s; the longest stretch at rest has {longest_s:.1} s, and {LEAST_S:.0} s are needed"
+    )]
+    NotAtRest {
+        /// Seconds that moved.
+        moved_s: f64,
+        /// Length of the log \[s\].
+        length_s: f64,
+        /// When it first moved \[s\].
+        first_s: f64,
+        /// Its longest stretch at rest \[s\].
+        longest_s: f64,
+    },
+    /// A log that is too short for anything.
+    #[error(
+        "the log has {length_s:.1} s without a hole; an Allan plot needs {LEAST_S:.0} s, one with a bias walk hours"
+    )]
+    TooShort {
+        /// Length of its longest part without a hole \[s\].
+        length_s: f64,
+    },
+    /// An axis that never changes.
+    #[error("{sensor} {} reads {value} throughout; a live sensor is never without noise", ["x", "y", "z"][*axis])]
+    Constant {
+        /// The sensor.
+        sensor: Sensor,
+        /// 0, 1, 2 for x, y, z.
+        axis: usize,
+        /// Its only value.
+        value: f64,
+    },
+    /// The fit failed.
+    #[error(transparent)]
+    Fit(#[from] NnlsError),
+    /// A fitted value that no noise has.
+    #[error(transparent)]
+    Value(#[from] BadNoise),
+}
+
+impl AllanError {
+    /// What to do about it.
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::NotAtRest { .. } => Some(
+                "record with the motors off on a heavy table; or add --all to take moving parts for noise too, or ask `dpn noise`".into(),
+            ),
+            Self::TooShort { .. } => Some("record for longer: minutes for white noise, hours for the bias".into()),
+            Self::Constant { .. } => Some("look at the wiring or the column".into()),
+            Self::Fit(_) | Self::Value(_) => None,
+        }
+    }
+}
+
+/// One axis.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AxisFit {
+    /// The sensor.
+    pub sensor: Sensor,
+    /// `x`, `y` or `z`.
+    pub axis: &'static str,
+    /// Its plot and coefficients.
+    #[serde(flatten)]
+    pub fit: Fit,
+}
+
+/// A log at rest and what it says of the sensor's noise.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AllanLog {
+    /// Samples a second \[Hz\].
+    pub rate: SampleRate,
+    /// Samples used.
+    pub samples: usize,
+    /// Their length \[s\].
+    pub length_s: f64,
+    /// When the log moved.
+    pub rest: Rest,
+    /// Whether moving parts were used too.
+    pub everything: bool,
+    /// Accelerometer x, y, z, gyroscope x, y, z.
+    pub axes: Vec<AxisFit>,
+}
+
+impl AllanLog {
+    /// Looks at `recording`: its longest stretch at rest, or with `everything` all of it.
+    ///
+    /// # Errors
+    /// See [`AllanError`].
+    pub fn of(recording: &ImuRecording, everything: bool) -> Result<Self, AllanError> {
+        let rest = rest(recording);
+        let rate = recording.rate();
+        let used = if everything { 0..recording.len() } else { rest.longest.clone() };
+        let length_s = used.len() as f64 * rate.period();
+        if length_s < LEAST_S || deviation::averages(used.len()).len() < 8 {
+            return Err(match rest.moved.first() {
+                Some(first) if !everything => AllanError::NotAtRest {
+                    moved_s: rest.moved_s,
+                    length_s: recording.duration(),
+                    first_s: first.from_s,
+                    longest_s: length_s,
+                },
+                _ => AllanError::TooShort { length_s },
+            });
+        }
+        let planner = Planner::new(used.len(), rate);
+        let all: Vec<(Sensor, usize)> =
+            Sensor::ALL.into_iter().flat_map(|s| (0..3).map(move |axis| (s, axis))).collect();
+        let axes = all
+            .into_par_iter()
+            .map(|(sensor, axis)| {
+                let signal: Vec<f64> =
+                    recording.samples()[used.clone()].iter().map(|s| s.of(sensor)[axis]).collect();
+                if signal.iter().all(|v| *v == signal[0]) {
+                    return Err(AllanError::Constant { sensor, axis, value: signal[0] });
+                }
+                Ok(AxisFit { sensor, axis: ["x", "y", "z"][axis], fit: planner.fit(&signal)? })
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        Ok(Self { rate, samples: used.len(), length_s, rest, everything, axes })
+    }
+
+    /// One coefficient of the three axes of a sensor.
+    pub fn estimates(&self, sensor: Sensor, coefficient: Coefficient) -> [Estimate; 3] {
+        let mut of = self.axes.iter().filter(|a| a.sensor == sensor).map(|a| a.fit.of(coefficient));
+        let first = self.axes[0].fit.of(coefficient);
+        std::array::from_fn(|_| of.next().unwrap_or(first))
+    }
+
+    /// Whether `coefficient` is seen on all three axes.
+    pub fn seen(&self, sensor: Sensor, coefficient: Coefficient) -> bool {
+        self.estimates(sensor, coefficient).iter().all(|e| e.seen)
+    }
+
+    /// White noise and bias walks as densities. Where a walk is not seen, what it stays below stands for it.
+    ///
+    /// # Errors
+    /// A fitted value that is not finite.
+    pub fn figures(&self) -> Result<ImuFigures, BadNoise> {
+        let value = |e: Estimate| if e.seen { e.value } else { e.high };
+        let axes = |sensor, coefficient| Axes::Each(self.estimates(sensor, coefficient).map(value));
+        Ok(ImuFigures {
+            rate: Some(self.rate),
+            accel_white: Some(axes(Sensor::Accel, Coefficient::White).try_map(AccelNoiseDensity::new)?),
+            accel_walk: Some(axes(Sensor::Accel, Coefficient::Walk).try_map(AccelBiasWalkDensity::new)?),
+            gyro_white: Some(axes(Sensor::Gyro, Coefficient::White).try_map(GyroNoiseDensity::new)?),
+            gyro_walk: Some(axes(Sensor::Gyro, Coefficient::Walk).try_map(GyroBiasWalkDensity::new)?),
+        })
+    }
+}

@@ -1,0 +1,103 @@
+//! How long the log is at rest, and how the bias drifts there.
+
+use super::Finding;
+use crate::allan::rest::Rest;
+use crate::phases::{Phase, phases};
+use dpn_core::{ImuRecording, Sensor};
+
+/// The shortest rest that says anything of a drift \[s\].
+const LEAST_S: f64 = 60.0;
+
+pub(super) fn findings(recording: &ImuRecording, rest: &Rest) -> Vec<Finding> {
+    let length = recording.duration();
+    let stretches = phases(recording);
+    let seconds =
+        |phase| stretches.iter().filter(|s| s.phase == phase).map(|s| s.to_s - s.from_s).sum::<f64>();
+    let parts: Vec<String> = Phase::ALL
+        .into_iter()
+        .filter(|phase| stretches.iter().any(|s| s.phase == *phase))
+        .map(|phase| format!("{:.0} s {phase}", seconds(phase)))
+        .collect();
+    let longest = stretches
+        .iter()
+        .filter(|s| s.phase == Phase::Rest)
+        .max_by(|a, b| (a.to_s - a.from_s).total_cmp(&(b.to_s - b.from_s)));
+    let mut findings = vec![Finding::note(
+        "motion",
+        match longest {
+            Some(_) if stretches.len() == 1 => format!("at rest throughout, {length:.0} s"),
+            Some(longest) => format!(
+                "{}; the longest rest is from {:.1} to {:.1} s",
+                parts.join(", "),
+                longest.from_s,
+                longest.to_s
+            ),
+            None => format!("{}; never at rest", parts.join(", ")),
+        },
+    )];
+    if stretches.first().is_some_and(|s| s.phase == Phase::Moving) {
+        findings.push(Finding::note(
+            "start",
+            "the log moves from its first second on: an estimator that starts from rest cannot".into(),
+        ));
+    }
+    let period = recording.rate().period();
+    if rest.longest.len() as f64 * period >= LEAST_S {
+        findings.push(drift(recording, rest, period));
+    }
+    findings
+}
+
+/// The steepest slope of a gyroscope axis over the longest rest, by least squares.
+fn drift(recording: &ImuRecording, rest: &Rest, period: f64) -> Finding {
+    let samples = &recording.samples()[rest.longest.clone()];
+    let slope = |axis: usize| {
+        let n = samples.len() as f64;
+        let middle = (n - 1.0) / 2.0;
+        let (mut up, mut down) = (0.0, 0.0);
+        for (i, s) in samples.iter().enumerate() {
+            let t = (i as f64 - middle) * period;
+            up += t * s.of(Sensor::Gyro)[axis];
+            down += t * t;
+        }
+        up / down
+    };
+    let slopes: [f64; 3] = std::array::from_fn(slope);
+    let axis = (0..3).max_by(|a, b| slopes[*a].abs().total_cmp(&slopes[*b].abs())).unwrap_or(0);
+    let span = samples.len() as f64 * period;
+    let moved = (slopes[axis] * span).abs();
+    let text = format!(
+        "over {span:.0} s at rest the bias of gyro {} drifts by {moved:.2e} rad/s ({:.2} deg/h)",
+        ["x", "y", "z"][axis],
+        moved.to_degrees() * 3600.0
+    );
+    if moved > 5e-3 {
+        Finding::warning(
+            "drift",
+            text,
+            "let the sensor warm up before use; a drift this large is mostly temperature",
+        )
+    } else {
+        Finding::note("drift", text)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::allan::rest::rest;
+    use crate::doctor::values::tests::level;
+
+    #[test]
+    fn a_warming_gyroscope_is_named_with_its_drift() {
+        let mut samples = level(100);
+        for s in &mut samples {
+            s.gyro[2] += 1e-4 * (s.t.ns() as f64 * 1e-9);
+        }
+        let recording = ImuRecording::new(samples).unwrap();
+        let found = findings(&recording, &rest(&recording));
+        let drift = found.iter().find(|f| f.about == "drift").unwrap();
+        assert!(drift.text.contains("gyro z drifts by 1.0") && drift.remedy.is_some(), "{drift:?}");
+        assert_eq!(found[0].text, "at rest throughout, 100 s");
+    }
+}

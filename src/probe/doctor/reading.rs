@@ -1,0 +1,87 @@
+//! What the reader of a log had to leave out or guess.
+
+use super::Finding;
+use dpn_io::LeftOut;
+use dpn_logs::Log;
+
+/// Share of samples left out from which the log is bad.
+const MANY: f64 = 0.001;
+
+pub(super) fn findings(log: &Log) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    if let Some(damage) = &log.damage {
+        findings.push(Finding::bad(
+            "damage",
+            format!("{damage}; the {} samples before it are used", log.recording.len()),
+            "copy or record it again",
+        ));
+    }
+    let all = log.recording.len() + log.sieved.count();
+    let mut left = |about: &'static str, left: &LeftOut, words: &str, remedy: &'static str| {
+        let Some(first) = left.first else { return };
+        let text = format!("left out: {} sample(s) {words}, first at {} {first}", left.count, log.place);
+        findings.push(if left.count as f64 > MANY * all as f64 {
+            Finding::bad(about, text, remedy)
+        } else {
+            Finding::warning(about, text, remedy)
+        });
+    };
+    let sieved = &log.sieved;
+    left(
+        "stamps",
+        &sieved.repeated,
+        "with the stamp of the one before",
+        "write stamps with more digits, or look for a message that is published twice",
+    );
+    left(
+        "stamps",
+        &sieved.backward,
+        "whose stamp goes back",
+        "look for a clock that was set, or for two writers",
+    );
+    left(
+        "values",
+        &sieved.not_finite,
+        "with NaN or infinite values",
+        "look at the driver: a failed read should be no sample",
+    );
+    findings.extend(
+        log.remarks.iter().map(|remark| Finding::warning("rows", remark.clone(), "look at what wrote them")),
+    );
+    if !log.guesses.is_empty() {
+        findings.push(Finding::note("taken for granted", log.guesses.join(", ")));
+    }
+    findings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::doctor::values::tests::level;
+    use crate::doctor::{Weight, examine_log};
+    use dpn_core::ImuRecording;
+    use dpn_io::Sieved;
+    use dpn_logs::Kind;
+
+    #[test]
+    fn damage_and_left_out_samples_are_findings_by_weight() {
+        let mut log = Log::sound(Kind::Rosbag1, ImuRecording::new(level(10)).unwrap());
+        assert_eq!(findings(&log), []);
+        log.place = "message";
+        log.damage = Some("cut off in the chunk at byte 4117".into());
+        log.sieved = Sieved {
+            backward: LeftOut { count: 1, first: Some(7) },
+            not_finite: LeftOut { count: 40, first: Some(9) },
+            ..Sieved::default()
+        };
+        let found = examine_log(&log).findings;
+        let of = |about: &str| found.iter().find(|f| f.about == about).unwrap();
+        assert_eq!(
+            of("damage").text,
+            "cut off in the chunk at byte 4117; the 2000 samples before it are used"
+        );
+        assert_eq!((of("stamps").weight, of("values").weight), (Weight::Warning, Weight::Bad));
+        assert_eq!(of("stamps").text, "left out: 1 sample(s) whose stamp goes back, first at message 7");
+        assert_eq!(found[0].weight, Weight::Bad);
+    }
+}

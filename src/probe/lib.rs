@@ -1,0 +1,11 @@
+//! What a log says of its IMU: the noise of a sensor at rest ([`allan`]), the noise along the log ([`log_noise`]), and whether the log can be
+//! trusted ([`doctor`]). Needs neither an estimator nor images.
+#![cfg_attr(test, allow(clippy::unwrap_used))]
+
+pub mod allan;
+pub mod doctor;
+#[cfg(feature = "networks")]
+pub mod log_noise;
+pub mod phases;
+#[cfg(test)]
+mod recordings;

@@ -1,0 +1,62 @@
+//! Why a spec says nothing along a log.
+
+use dpn_core::estimate::SpecError;
+use dpn_core::noise::units::BadNoise;
+use dpn_pronet::model::PairError;
+use dpn_pronet::network::UnknownNetwork;
+use thiserror::Error;
+
+/// Why there is no noise along a log.
+#[derive(Debug, Error)]
+pub enum LogNoiseError {
+    /// Parameters of the spec.
+    #[error(transparent)]
+    Spec(#[from] SpecError),
+    /// A network nobody has.
+    #[error("`{spec}`: {source}")]
+    NoNetwork {
+        /// The spec.
+        spec: String,
+        /// What was asked for, and what there is.
+        source: UnknownNetwork,
+    },
+    /// Two networks that are no pair.
+    #[error(transparent)]
+    Pair(#[from] PairError),
+    /// A spec that needs more than the samples so far.
+    #[error("`{spec}` is not causal: it needs more than the samples so far")]
+    NotCausal {
+        /// The spec.
+        spec: String,
+    },
+    /// Networks of another rate than any thinning of the log gives.
+    #[error(
+        "the log has {found_hz:.1} Hz; the networks of `{spec}` were trained at {trained_hz:.1} Hz and count samples, not time"
+    )]
+    Rate {
+        /// The spec.
+        spec: String,
+        /// The log's rate \[Hz\].
+        found_hz: f64,
+        /// The networks' \[Hz\].
+        trained_hz: f64,
+    },
+    /// A value that is no noise.
+    #[error(transparent)]
+    Value(#[from] BadNoise),
+}
+
+impl LogNoiseError {
+    /// What to do about it.
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::NotCausal { .. } => {
+                Some("give networks (dualpronet), a simple estimator (diff2, sg(11,2)) or constants".into())
+            }
+            Self::Rate { trained_hz, .. } => Some(format!(
+                "whole multiples of {trained_hz:.0} Hz are thinned by themselves; else give a simple estimator: --noise diff2"
+            )),
+            Self::Spec(_) | Self::NoNetwork { .. } | Self::Pair(_) | Self::Value(_) => None,
+        }
+    }
+}

@@ -1,0 +1,25 @@
+//! How noisy an IMU is along a log that somebody recorded: `dpn noise LOG`.
+//!
+//! * [`Plan`]: from a noise spec, the log's rate and how often an answer is wanted, to a causal [`Feed`] of samples.
+//! * [`track`]: its answers along a log, and which of the windows it looked at were unlike those it was trained on.
+//! * [`phases`](crate::phases): at rest, motors on, moving, from the samples alone.
+//! * [`Summary`]: quantiles per axis and phase.
+//! * [`Levels`]: floor at rest and envelope in motion, from the samples themselves.
+//! * [`compare`]: a configuration against both.
+//! * [`report`]: all of it in words.
+
+pub mod compare;
+mod error;
+mod levels;
+#[cfg(test)]
+mod mix_ups;
+mod plan;
+pub mod report;
+mod summary;
+mod track;
+
+pub use error::LogNoiseError;
+pub use levels::{FloorFrom, Levels, SensorLevels};
+pub use plan::{Feed, Plan};
+pub use summary::{AxisSummary, PhaseSummary, Quantiles, SensorOutside, Summary};
+pub use track::{Answer, Count, Judged, Track, track};

@@ -1,0 +1,117 @@
+//! What a track says, as a page for people.
+
+use super::{Plan, Summary};
+use crate::phases::Phase;
+use dpn_core::{SampleRate, Sensor};
+use std::fmt::Write;
+
+/// Share of windows outside the trained range from which it is shouted.
+const LOUD: f64 = 0.1;
+
+/// The warnings that go before everything else: estimates of what no network has seen.
+pub fn warnings(plan: &Plan<'_>, summary: &Summary) -> Vec<String> {
+    let mut all = Vec::new();
+    for part in &summary.phases {
+        for outside in part.outside.iter().filter(|o| o.share > LOUD) {
+            let (percent, sensor) = (100.0 * outside.share, outside.sensor);
+            match part.phase {
+                None => all.push(format!(
+                    "OUT OF RANGE: {percent:.0} % of the {sensor} windows are unlike anything its network was trained on{}; its sigma there is \
+                     extrapolated: take it for \"loud\" or \"quiet\", not for a number",
+                    plan.trained_on(sensor).map_or_else(String::new, |r| format!(
+                        " (roughness {} to {} {})",
+                        two(r.roughness[0]),
+                        two(r.roughness[1]),
+                        sensor.unit()
+                    ))
+                )),
+                Some(phase) => all.push(format!("out of range while {phase}: {percent:.0} % of the {sensor} windows")),
+            }
+        }
+    }
+    all
+}
+
+/// The page: how the log went, and quantiles by phase, per sample and as densities.
+pub fn page(plan: &Plan<'_>, summary: &Summary, rate: SampleRate) -> String {
+    let mut text =
+        format!("noise by {}, every {} samples, of the samples past only\n", plan.spec(), plan.every());
+    if plan.thin() > 1 {
+        let _ = writeln!(
+            text,
+            "the networks saw every {} sample: the log has {:.0} Hz, their training had {:.0}",
+            ordinal(plan.thin()),
+            rate.hz(),
+            rate.hz() / plan.thin() as f64
+        );
+    }
+    if summary.unknown_s > 0.0 {
+        let _ = writeln!(
+            text,
+            "the first {:.1} s have no full window: constants stand there and do not count below",
+            summary.unknown_s
+        );
+    }
+    for sensor in Sensor::ALL {
+        let name = match sensor {
+            Sensor::Accel => "accelerometer",
+            Sensor::Gyro => "gyroscope",
+        };
+        let _ = writeln!(
+            text,
+            "\n{name}: deviation of one sample [{}], median (5 % to 95 %); at {:.0} Hz density = deviation * {:.5}",
+            sensor.unit(),
+            rate.hz(),
+            1.0 / rate.hz().sqrt()
+        );
+        let mut rows = vec![["", "time", "x", "y", "z", "out of range"].map(str::to_owned)];
+        for part in &summary.phases {
+            let label = part.phase.map_or_else(|| "whole log".to_owned(), |p| p.to_string());
+            let mut row = vec![format!("  {label}"), format!("{:.0} s", part.seconds)];
+            let cells: Vec<String> = part
+                .of(sensor)
+                .map(|a| format!("{} ({} to {})", two(a.sigma.middle), two(a.sigma.low), two(a.sigma.high)))
+                .collect();
+            row.extend((0..3).map(|i| cells.get(i).cloned().unwrap_or_else(|| "-".to_owned())));
+            let outside = part.outside.iter().find(|o| o.sensor == sensor);
+            row.push(outside.map_or_else(|| "-".to_owned(), |o| format!("{:.0} %", 100.0 * o.share)));
+            if let Ok(row) = <[String; 6]>::try_from(row) {
+                rows.push(row);
+            }
+        }
+        let widths: Vec<usize> =
+            (0..6).map(|c| rows.iter().map(|r| r[c].chars().count()).max().unwrap_or(0)).collect();
+        for row in rows {
+            let cells: Vec<String> =
+                row.iter().zip(&widths).map(|(cell, width)| format!("{cell:width$}")).collect();
+            let _ = writeln!(text, "{}", cells.join("  ").trim_end());
+        }
+    }
+    if let (Some(rest), Some(moving)) = (summary.phase(Phase::Rest), summary.phase(Phase::Moving)) {
+        text.push('\n');
+        for sensor in Sensor::ALL {
+            let largest = |p: &super::PhaseSummary| p.of(sensor).map(|a| a.sigma.middle).fold(0.0, f64::max);
+            let _ = writeln!(
+                text,
+                "{sensor}: {} times as noisy moving as at rest (medians of the loudest axis)",
+                two(largest(moving) / largest(rest).max(f64::MIN_POSITIVE))
+            );
+        }
+    }
+    text
+}
+
+/// Two significant digits, plain where that is short.
+fn two(value: f64) -> String {
+    let text = format!("{value:.1e}");
+    let rounded: f64 = text.parse().unwrap_or(value);
+    if (1e-3..1e4).contains(&rounded.abs()) || rounded == 0.0 { rounded.to_string() } else { text }
+}
+
+fn ordinal(n: usize) -> String {
+    match n {
+        2 => "second".to_owned(),
+        3 => "third".to_owned(),
+        n => format!("{n}th"),
+    }
+}
