@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Looks at index.html in headless Chromium: no console error, no request, no overflow, every picture loads, in light and dark, wide and on a phone.
 
-usage: check_page.py [PAGE] [--shots DIR]      PAGE: index.html beside this script in euroc/
+usage: check_page.py [PAGE] [--shots DIR]      PAGE: euroc/index.html beside this script
 
 Exit code 0 where all is well, 1 with a line for every fault. With --shots, full-page screenshots are left in DIR.
 needs: playwright (pip install playwright) and a Chromium: `playwright install chromium`, or one on the PATH.
@@ -95,7 +95,7 @@ def look(browser, page_file, scheme, view, shots):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("page", nargs="?", type=pathlib.Path, default=pathlib.Path(__file__).with_name("index.html"))
+    parser.add_argument("page", nargs="?", type=pathlib.Path, default=pathlib.Path(__file__).with_name("euroc") / "index.html")
     parser.add_argument("--shots", type=pathlib.Path)
     args = parser.parse_args()
     if not args.page.is_file():

@@ -1,7 +1,9 @@
 //! Laws over all pairs of formats, and files as people have them.
 
 use super::*;
-use dpn_core::noise::{AccelBiasWalkDensity, AccelNoiseDensity, GyroBiasWalkDensity, GyroNoiseDensity};
+use dpn_core::noise::{
+    AccelBiasWalkDensity, AccelNoiseDensity, Axes, Figure, GyroBiasWalkDensity, GyroNoiseDensity, ImuFigures,
+};
 use dpn_core::time::SampleRate;
 use proptest::prelude::*;
 use std::path::Path;

@@ -1,7 +1,8 @@
 //! The table of one IMU in all formats, in `docs/noise-units.md`: made here, so that it cannot go wrong.
-//! `DPN_BLESS=1 cargo test -p dpn-core noise_units` writes it anew.
+//! `DPN_BLESS=1 cargo test -p dpn-io noise_units` writes it anew.
 
 use super::*;
+use dpn_core::noise::{Axes, Figure, ImuFigures};
 use dpn_core::time::SampleRate;
 use std::path::Path;
 
