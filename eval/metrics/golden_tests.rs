@@ -69,7 +69,7 @@ fn poses(rows: &[Row]) -> Vec<StampedPose> {
 
 /// Every pair of every case and association with its name and evo's figures.
 fn each(check: impl Fn(&str, &[PosePair], &Method, &Case)) {
-    let golden: Golden = serde_json::from_str(include_str!("../../golden/evo/golden.json")).unwrap();
+    let golden: Golden = dpn_testing::golden("evo");
     assert_eq!(golden.cases.len(), 2);
     for (name, case) in &golden.cases {
         let (truth, estimate) = (poses(&case.truth), poses(&case.estimate));

@@ -208,8 +208,7 @@ mod tests {
 
     #[test]
     fn intervals_of_scipys_resamples_are_scipys() {
-        let golden: Golden =
-            serde_json::from_str(include_str!("../../golden/paired_tests/golden.json")).unwrap();
+        let golden: Golden = dpn_testing::golden("paired_tests");
         for row in &golden.bootstrap {
             let statistic = statistic(row);
             let n = row.samples[0].len();

@@ -38,8 +38,7 @@ mod tests {
 
     #[test]
     fn bounds_are_scipys() {
-        let golden: Golden =
-            serde_json::from_str(include_str!("../../golden/paired_tests/golden.json")).unwrap();
+        let golden: Golden = dpn_testing::golden("paired_tests");
         for row in golden.chi_square {
             let got = chi_square_interval(row.dof, row.confidence).unwrap();
             for (got, expected) in got.into_iter().zip([row.low, row.high]) {

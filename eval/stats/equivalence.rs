@@ -137,8 +137,7 @@ mod tests {
 
     #[test]
     fn p_values_are_those_of_statsmodels_and_scipy() {
-        let golden: Golden =
-            serde_json::from_str(include_str!("../../golden/paired_tests/golden.json")).unwrap();
+        let golden: Golden = dpn_testing::golden("paired_tests");
         for row in golden.equivalence {
             let got = equivalence_t(&row.d, row.margin).unwrap();
             for (got, expected) in [(got.p_low, row.p_t_low), (got.p_high, row.p_t_high), (got.p, row.p_t)] {

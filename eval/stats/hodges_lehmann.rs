@@ -39,8 +39,7 @@ mod tests {
 
     #[test]
     fn estimates_are_numpys() {
-        let golden: Golden =
-            serde_json::from_str(include_str!("../../golden/paired_tests/golden.json")).unwrap();
+        let golden: Golden = dpn_testing::golden("paired_tests");
         for row in golden.hodges_lehmann {
             assert!((hodges_lehmann(&row.d).unwrap() - row.estimate).abs() < 1e-14);
         }

@@ -40,8 +40,7 @@ mod tests {
 
     #[test]
     fn adjusted_values_are_statsmodels() {
-        let golden: Golden =
-            serde_json::from_str(include_str!("../../golden/paired_tests/golden.json")).unwrap();
+        let golden: Golden = dpn_testing::golden("paired_tests");
         for row in golden.holm {
             for (got, expected) in holm(&row.p).unwrap().iter().zip(&row.adjusted) {
                 assert!((got - expected).abs() < 1e-14, "{:?}", row.p);

@@ -172,8 +172,7 @@ mod tests {
 
     #[test]
     fn p_is_scipys_and_with_ties_that_of_all_signs_counted_one_by_one() {
-        let golden: Golden =
-            serde_json::from_str(include_str!("../../golden/paired_tests/golden.json")).unwrap();
+        let golden: Golden = dpn_testing::golden("paired_tests");
         let rows = golden.signed_rank;
         hold(&rows.exact, NullDistribution::Exact, 1e-12);
         hold(&rows.counted, NullDistribution::Exact, 1e-12);

@@ -9,21 +9,7 @@ use dpn_eval::metrics::{
 };
 use dpn_io::asl::Sequence;
 use dpn_io::read_tum;
-use std::path::{Path, PathBuf};
-
-const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
-
-/// The unpacked data sets: `$DPN_DATA`, else `data/`; `None`, loudly, where they are not.
-fn data() -> Option<PathBuf> {
-    let data = std::env::var_os("DPN_DATA").map_or_else(|| Path::new(ROOT).join("data"), PathBuf::from);
-    for needed in ["euroc", "peers/vins_mono"] {
-        if !data.join(needed).is_dir() {
-            eprintln!("skipped: no data ({} is not there)", data.join(needed).display());
-            return None;
-        }
-    }
-    Some(data)
-}
+use dpn_testing::{packs, repository};
 
 struct Expected {
     sequence: String,
@@ -32,7 +18,7 @@ struct Expected {
 }
 
 fn table() -> Vec<Expected> {
-    let path = Path::new(ROOT).join("golden/vins_mono/ate_se3.csv");
+    let path = repository().join("golden/vins_mono/ate_se3.csv");
     let mut reader = csv::Reader::from_path(path).unwrap();
     let factors: Vec<String> = reader.headers().unwrap().iter().skip(2).map(str::to_owned).collect();
     reader
@@ -55,14 +41,14 @@ fn se3(pairs: &[PosePair]) -> f64 {
 
 #[test]
 fn the_absolute_errors_of_vins_mono_are_those_of_the_table() {
-    let Some(data) = data() else { return };
+    let Some([euroc, peers]) = packs(["euroc", "peers"]) else { return };
     let table = table();
     assert_eq!(table.len(), 66);
     for Expected { sequence, factor, ate } in &table {
-        let recorded = Sequence::open(&data.join("euroc").join(sequence)).unwrap();
+        let recorded = Sequence::open(&euroc.join(sequence)).unwrap();
         let truth = poses_of(&recorded.ground_truth().unwrap());
         let track = TruthTrack::new(&truth, TruthOptions::default()).unwrap();
-        let estimate = read_tum(&data.join(format!("peers/vins_mono/{sequence}.{factor}.tum"))).unwrap();
+        let estimate = read_tum(&peers.join(format!("vins_mono/{sequence}.{factor}.tum"))).unwrap();
 
         let interpolated = associate_interpolated(&track, &estimate).unwrap();
         let nearest = associate_nearest(&truth, &estimate, 0.01).unwrap();

@@ -1,4 +1,4 @@
-//! Draws every figure from made-up data into a folder: `cargo run -p dpn-eval --example figures -- FOLDER`.
+//! Draws every figure from made-up data into a folder: `cargo run -p dpn-figures --example figures -- FOLDER`.
 
 use dpn_core::Sensor;
 use dpn_core::bounds::cramer_rao_sigma;

@@ -15,8 +15,6 @@ pub mod estimate;
 pub mod geometry;
 pub mod image;
 pub mod imu;
-#[doc(hidden)]
-pub mod jacobian;
 pub mod noise;
 mod plateaus;
 pub mod progress;

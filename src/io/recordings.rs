@@ -6,23 +6,11 @@ use dpn_core::camera::Distortion;
 use dpn_core::check::{CheckOptions, RecordingFault, check};
 use dpn_core::imu::ImuRecording;
 use dpn_core::time::SampleRate;
+use dpn_testing::{pack, repository};
 use std::path::{Path, PathBuf};
 
-const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
-
 fn excerpts() -> PathBuf {
-    Path::new(ROOT).join("tests/data")
-}
-
-/// One part of the unpacked data sets: in `$DPN_DATA`, else `data/`; `None`, loudly, where it is not.
-fn pack(name: &str) -> Option<PathBuf> {
-    let data = std::env::var_os("DPN_DATA").map_or_else(|| Path::new(ROOT).join("data"), PathBuf::from);
-    let folder = data.join(name);
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    eprintln!("skipped: no data ({} is not there)", folder.display());
-    None
+    repository().join("tests/data")
 }
 
 fn named(dir: &Path, name: &str) -> Sequence {

@@ -7,5 +7,3 @@ pub mod doctor;
 #[cfg(feature = "networks")]
 pub mod log_noise;
 pub mod phases;
-#[cfg(test)]
-mod recordings;

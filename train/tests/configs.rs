@@ -1,5 +1,4 @@
 //! Every file of `configs/train` is read, and the default ones say what the program does without them.
-#![allow(clippy::unwrap_used)]
 
 use dpn_core::Sensor;
 use dpn_train::config::{TrainConfig, load};

@@ -1,5 +1,4 @@
 //! A run that stops and goes on ends in the same bits as one that never stopped.
-#![allow(clippy::unwrap_used)]
 
 use burn::tensor::Device;
 use dpn_core::progress::{Progress, Silent};

@@ -216,7 +216,7 @@ impl TryFrom<&CameraConfig> for PinholeRadtan {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::jacobian::check_jacobian;
+    use dpn_testing::check_jacobian;
     use nalgebra::DVector;
     use proptest::prelude::*;
 

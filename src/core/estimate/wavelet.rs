@@ -75,8 +75,7 @@ mod tests {
 
     #[test]
     fn the_excess_of_the_median_is_the_measured_one() {
-        let golden: Golden =
-            serde_json::from_str(include_str!("../../../golden/mad_bias/golden.json")).unwrap();
+        let golden: Golden = dpn_testing::golden("mad_bias");
         for row in golden.rows.iter().filter(|row| row.estimator != "mad2") {
             assert!((EXCESS - row.excess_times_values).abs() < 3.0 * row.standard_error, "{}", row.estimator);
         }

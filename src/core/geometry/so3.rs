@@ -87,7 +87,7 @@ pub fn right_jacobian_inverse(v: &Vector3<f64>) -> Matrix3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::jacobian::check_jacobian;
+    use dpn_testing::check_jacobian;
     use nalgebra::DVector;
     use proptest::prelude::*;
     use std::f64::consts::PI;

@@ -240,7 +240,7 @@ mod tests {
     }
 
     fn golden() -> Golden {
-        serde_json::from_str(include_str!("../../../golden/savitzky_golay/golden.json")).unwrap()
+        dpn_testing::golden("savitzky_golay")
     }
 
     /// Largest error relative to the largest input.

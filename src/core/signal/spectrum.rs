@@ -196,7 +196,7 @@ mod tests {
 
     #[test]
     fn the_density_agrees_with_scipy() {
-        let golden: Golden = serde_json::from_str(include_str!("../../../golden/welch/golden.json")).unwrap();
+        let golden: Golden = dpn_testing::golden("welch");
         let rate = SampleRate::from_hz(golden.rate).unwrap();
         for case in &golden.cases {
             let welch = Welch::new(case.segment).unwrap();

@@ -152,7 +152,7 @@ mod tests {
 
     #[test]
     fn statistics_agree_with_numpy_and_scipy() {
-        let golden: Golden = serde_json::from_str(include_str!("../../../golden/stats/golden.json")).unwrap();
+        let golden: Golden = dpn_testing::golden("stats");
         for (name, row) in &golden.rows {
             let x = &row.x;
             // A large offset costs both sides digits of the input itself.

@@ -103,8 +103,7 @@ mod tests {
 
     #[test]
     fn inner_coefficients_agree_with_pywavelets() {
-        let golden: Golden =
-            serde_json::from_str(include_str!("../../../golden/wavelet/golden.json")).unwrap();
+        let golden: Golden = dpn_testing::golden("wavelet");
         for case in &golden.cases {
             let wavelet = Wavelet::from_name(&case.wavelet).unwrap();
             let got = finest_detail(&case.x, wavelet);

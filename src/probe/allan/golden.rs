@@ -3,15 +3,12 @@
 use super::fit::Planner;
 use super::model::Coefficient;
 use super::{deviation, simulate};
-use crate::recordings::pack;
 use dpn_core::random::Stream;
 use dpn_core::{SampleRate, Sensor};
 use dpn_io::{CsvOptions, read_imu_csv};
+use dpn_testing::{pack, repository};
 use serde::Deserialize;
 use std::collections::BTreeMap;
-use std::path::Path;
-
-const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
 #[derive(Deserialize)]
 struct Golden {
@@ -35,7 +32,7 @@ struct Recorded {
 }
 
 fn golden() -> Golden {
-    let text = std::fs::read_to_string(Path::new(ROOT).join("golden/allantools/golden.json")).unwrap();
+    let text = std::fs::read_to_string(repository().join("golden/allantools/golden.json")).unwrap();
     serde_json::from_str(&text).unwrap()
 }
 

@@ -151,18 +151,16 @@ mod tests {
     #[test]
     fn rotors_are_found_on_recorded_flights_and_nothing_where_nothing_turns() {
         use dpn_logs::{LogOptions, read_log};
-        let of = |folder: &str| {
-            let path = crate::recordings::pack(folder)?;
+        let Some([euroc, tumvi]) = dpn_testing::packs(["euroc", "tumvi"]) else { return };
+        let of = |path: std::path::PathBuf| {
             let spectra = spectra(&read_log(&path, &LogOptions::default()).unwrap().recording);
             let bands = |s: &AxisSpectrum| bands(&s.spectrum).into_iter().map(|b| b.peak.hz).collect();
-            let axes: Vec<(Sensor, usize, Vec<f64>)> =
-                spectra.iter().map(|s| (s.sensor, s.axis, bands(s))).collect();
-            Some(axes)
+            spectra.iter().map(|s| (s.sensor, s.axis, bands(s))).collect::<Vec<(Sensor, usize, Vec<f64>)>>()
         };
         for name in
             ["MH_01_easy", "MH_03_medium", "MH_05_difficult", "V1_02_medium", "V2_01_easy", "V2_03_difficult"]
         {
-            let Some(axes) = of(&format!("euroc/{name}")) else { continue };
+            let axes = of(euroc.join(name));
             let has = |sensor: Sensor, axis: usize, low: f64, high: f64| {
                 axes.iter().any(|(s, a, all)| {
                     (*s, *a) == (sensor, axis) && all.iter().any(|hz| (low..high).contains(hz))
@@ -175,7 +173,7 @@ mod tests {
             assert!(has(Sensor::Gyro, 0, 25.0, 29.0), "{name}: {axes:?}");
         }
         for name in ["room1", "room2"] {
-            let Some(axes) = of(&format!("tumvi/dataset-{name}_512_16")) else { continue };
+            let axes = of(tumvi.join(format!("dataset-{name}_512_16")));
             assert!(axes.iter().all(|(_, _, all)| all.is_empty()), "{name}: {axes:?}");
         }
     }

@@ -1,6 +1,6 @@
 //! How often the 95 % intervals of `dpn allan` hold the truth: simulated logs with known coefficients, all five sensors' kinds of noise.
 //!
-//! `cargo run --release -p dpn-eval --example allan_coverage -- [LOGS] [HOURS]` (100 logs of .5 h at 100 Hz by default). A row a coefficient
+//! `cargo run --release -p dpn-probe --example allan_coverage -- [LOGS] [HOURS]` (100 logs of .5 h at 100 Hz by default). A row a coefficient
 //! and setting: truth, mean estimate, logs whose interval holds the truth, logs that show it, logs whose interval lies below and above the truth.
 
 use dpn_core::SampleRate;

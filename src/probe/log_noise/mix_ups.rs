@@ -4,13 +4,13 @@ use super::Levels;
 use super::compare::{Check, Standing, compare};
 use crate::allan::compare::key_of;
 use crate::phases::phases;
-use crate::recordings::pack;
 use dpn_core::noise::Meaning;
 use dpn_core::noise::{AccelBiasWalkDensity, AccelNoiseDensity, GyroBiasWalkDensity, GyroNoiseDensity};
 use dpn_core::noise::{Axes, Figure, ImuFigures};
 use dpn_core::{ImuRecording, SampleRate};
 use dpn_io::noise_formats::{Format, Given, Source, parse, write};
 use dpn_logs::{LogOptions, read_log};
+use dpn_testing::packs;
 use std::path::Path;
 
 const FORMATS: [Format; 8] = [
@@ -32,14 +32,15 @@ struct Case {
     figures: ImuFigures,
 }
 
+/// Empty, loudly, without the recordings.
 fn cases() -> Vec<Case> {
+    let Some([euroc, tumvi_rooms]) = packs(["euroc", "tumvi"]) else { return Vec::new() };
     let mut cases = Vec::new();
-    for (name, folder, figures) in [
-        ("V1_01", "euroc/V1_01_easy", ImuFigures::euroc()),
-        ("MH_01", "euroc/MH_01_easy", ImuFigures::euroc()),
-        ("room1", "tumvi/dataset-room1_512_16", tumvi()),
+    for (name, path, figures) in [
+        ("V1_01", euroc.join("V1_01_easy"), ImuFigures::euroc()),
+        ("MH_01", euroc.join("MH_01_easy"), ImuFigures::euroc()),
+        ("room1", tumvi_rooms.join("dataset-room1_512_16"), tumvi()),
     ] {
-        let Some(path) = pack(folder) else { continue };
         let recording: ImuRecording = read_log(&path, &LogOptions::default()).unwrap().recording;
         let levels = Levels::of(&recording, &phases(&recording)).unwrap();
         cases.push(Case { name, levels, rate: recording.rate(), figures });

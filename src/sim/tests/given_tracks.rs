@@ -1,5 +1,4 @@
 //! Simulated tracks against the given ones of the hybrid benchmark: the same numbers, lives and noise, made by other code from other draws.
-#![allow(clippy::unwrap_used)]
 
 use dpn_core::Stamp;
 use dpn_io::{asl, read_tracks};
@@ -7,27 +6,16 @@ use dpn_sim::tracks::{
     CameraPath, CameraSettings, RecordedPath, Reprojection, TracksConfig, World, camera_stamps,
     simulate_tracks, summarise,
 };
-use std::path::{Path, PathBuf};
-
-/// The unpacked data sets: `$DPN_DATA`, else `data/`; `None`, loudly, where a part is not there.
-fn data(parts: &[&str]) -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
-    let data = std::env::var_os("DPN_DATA").map_or(root, PathBuf::from);
-    if parts.iter().all(|part| data.join(part).is_dir()) {
-        return Some(data);
-    }
-    eprintln!("skipped: no data ({} lacks one of {parts:?})", data.display());
-    None
-}
+use dpn_testing::{pack, packs};
 
 #[test]
 fn simulated_tracks_are_like_the_given_ones_in_number_life_and_noise() {
-    let Some(data) = data(&["euroc", "tracks"]) else { return };
+    let Some([euroc, tracks]) = packs(["euroc", "tracks"]) else { return };
     let (config, camera) = (TracksConfig::default(), CameraSettings::default());
     for (name, world) in [("V1_03_difficult", World::Room), ("MH_04_difficult", World::Hall)] {
-        let sequence = asl::Sequence::open(&data.join("euroc").join(name)).unwrap();
+        let sequence = asl::Sequence::open(&euroc.join(name)).unwrap();
         let stamps: Vec<Stamp> = sequence.camera_frames().unwrap().iter().map(|frame| frame.t).collect();
-        let given = read_tracks(&data.join("tracks").join(format!("{name}.txt"))).unwrap();
+        let given = read_tracks(&tracks.join(format!("{name}.txt"))).unwrap();
         let path = RecordedPath::new(&sequence.ground_truth().unwrap(), &config.path).unwrap();
         assert_eq!(World::Auto.settled(&path.bounds()), world);
         let ours = simulate_tracks(&config, &path, &stamps, 1).unwrap();
@@ -48,8 +36,8 @@ fn simulated_tracks_are_like_the_given_ones_in_number_life_and_noise() {
 
 #[test]
 fn the_gaps_of_a_motion_capture_have_no_frames() {
-    let Some(data) = data(&["tumvi"]) else { return };
-    let dir = data.join("tumvi/dataset-room2_512_16");
+    let Some(tumvi) = pack("tumvi") else { return };
+    let dir = tumvi.join("dataset-room2_512_16");
     let truth = asl::Sequence::open(&dir).unwrap().ground_truth().unwrap();
     let config = TracksConfig::default();
     let path = RecordedPath::new(&truth, &config.path).unwrap();

@@ -1,5 +1,4 @@
 //! Camera tracks from outside: geometry, the laws of the tracker's errors, what one figure moves and what it does not.
-#![allow(clippy::unwrap_used)]
 
 use dpn_core::{Stamp, TrackFrame};
 use dpn_sim::tracks::{

@@ -165,8 +165,7 @@ mod tests {
 
     #[test]
     fn smoothing_and_spline_agree_with_scipy() {
-        let golden: Golden =
-            serde_json::from_str(include_str!("../../../golden/recorded_path/golden.json")).unwrap();
+        let golden: Golden = dpn_testing::golden("recorded_path");
         let rows = golden.t_ns.iter().zip(golden.position).zip(golden.quaternion_wxyz);
         let truth = truth(rows.map(|((t, p), q)| (*t, p, q)));
         let path = RecordedPath::new(&truth, &PathConfig::default()).unwrap();

@@ -148,7 +148,7 @@ mod tests {
     use crate::preint::{ImuCov, PreintegrationConfig};
     use crate::state::ImuBias;
     use dpn_core::ImuNoise;
-    use dpn_core::jacobian::check_jacobian;
+    use dpn_testing::check_jacobian;
     use nalgebra::DVector;
     use rand::Rng;
 

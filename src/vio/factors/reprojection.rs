@@ -194,8 +194,8 @@ pub struct Linearised {
 mod tests {
     use super::*;
     use crate::state::{pose_minus, pose_plus};
-    use dpn_core::jacobian::check_jacobian;
     use dpn_core::random::Stream;
+    use dpn_testing::check_jacobian;
     use nalgebra::{DVector, Matrix2x6, SVector, Vector6};
     use rand::Rng;
 

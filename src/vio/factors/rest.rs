@@ -57,8 +57,8 @@ pub fn rest_jacobians(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use dpn_core::jacobian::check_jacobian;
     use dpn_core::random::Stream;
+    use dpn_testing::check_jacobian;
     use nalgebra::{DVector, SVector};
     use rand::Rng;
 

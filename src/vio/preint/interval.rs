@@ -198,8 +198,8 @@ mod tests {
     use super::*;
     use crate::preint::ImuCov;
     use crate::preint::testing::{config, cube, integrate, lively, random_bias, random_state, rng};
-    use dpn_core::jacobian::check_jacobian;
     use dpn_sim::{Flight, FlightConfig, StampPattern, simulate};
+    use dpn_testing::check_jacobian;
     use nalgebra::DVector;
 
     const MODELS: [ImuCov; 3] = [ImuCov::Exact, ImuCov::Euler, ImuCov::Vins];

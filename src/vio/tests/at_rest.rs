@@ -1,31 +1,23 @@
 //! Real images of a vehicle at rest, with its real IMU: the estimate stays where it was put, within two millimetres. Idle rotors shake the
 //! vehicle by a milliradian and its accelerometer by .8 m/s^2.
-#![allow(clippy::unwrap_used)]
 
 use dpn_core::ImuNoise;
 use dpn_core::camera::PinholeRadtan;
 use dpn_core::random::Stream;
 use dpn_io::ImageFolder;
 use dpn_io::asl::Sequence;
+use dpn_testing::pack;
 use dpn_vio::estimator::StartFrame;
 use dpn_vio::frontend::{FrontEnd, GyroTurn, turn_of_camera};
 use dpn_vio::preint::{NoisySample, Preintegration};
 use dpn_vio::{Estimator, EstimatorConfig, ImuBias, NavState};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
-use std::path::{Path, PathBuf};
 
 /// Frames at rest that the window begins with.
 const KNOWN: usize = 4;
 
 fn sequence() -> Option<Sequence> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let data = std::env::var_os("DPN_DATA").map_or_else(|| root.join("data"), PathBuf::from);
-    let folder = data.join("images/V1_01_easy_static");
-    if folder.is_dir() {
-        return Some(Sequence::open(&folder).unwrap());
-    }
-    eprintln!("skipped: no data ({} is not there)", folder.display());
-    None
+    Some(Sequence::open(&pack("images")?.join("V1_01_easy_static")).unwrap())
 }
 
 #[test]

@@ -1,5 +1,4 @@
 //! Every file of `configs/run` is read, and the default one says, key by key, what the program does without it.
-#![allow(clippy::unwrap_used)]
 
 use dpn_io::config::load;
 use dpn_vio::EstimatorConfig;

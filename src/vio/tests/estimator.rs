@@ -1,5 +1,4 @@
 //! The whole estimator on a simulated flight: accuracy, determinism, and what it does when its input fails.
-#![allow(clippy::unwrap_used)]
 
 use dpn_core::camera::PinholeRadtan;
 use dpn_core::{ImuNoise, ImuSample, SampleRate, Stamp, TrackFrame};

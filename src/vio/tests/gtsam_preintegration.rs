@@ -1,7 +1,5 @@
 //! Pre-integration against GTSAM; the cases are described in `golden/gtsam_preintegration/make.py`.
 
-#![allow(clippy::unwrap_used)]
-
 use dpn_core::geometry::so3;
 use dpn_core::noise::{
     AccelBiasWalkDensity, AccelNoiseDensity, GyroBiasWalkDensity, GyroNoiseDensity, ImuNoise,
@@ -63,7 +61,7 @@ struct Expected {
 }
 
 fn golden() -> Golden {
-    serde_json::from_str(include_str!("../../../golden/gtsam_preintegration/golden.json")).unwrap()
+    dpn_testing::golden("gtsam_preintegration")
 }
 
 fn rotation(wxyz: [f64; 4]) -> UnitQuaternion<f64> {

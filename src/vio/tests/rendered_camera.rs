@@ -1,5 +1,4 @@
 //! The rendered camera through the front-end: flow that is known, scatter at rest beside a real camera's, corners beside a real picture's.
-#![allow(clippy::unwrap_used)]
 
 use dpn_core::camera::PinholeRadtan;
 use dpn_core::random::Stream;
@@ -10,12 +9,12 @@ use dpn_sim::flight::FlightPlan;
 use dpn_sim::render::SharedPath;
 use dpn_sim::tracks::{AnalyticPath, Bounds, CameraPath};
 use dpn_sim::{Flight, RenderConfig, RenderedCamera};
+use dpn_testing::pack;
 use dpn_vio::frontend::corners::{CornerConfig, Detector, Mask};
 use dpn_vio::frontend::image::Plane;
 use dpn_vio::frontend::{FrontEnd, FrontEndConfig};
 use nalgebra::{Isometry3, Matrix3, Matrix3x2, Vector2, Vector3};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A body that stands still somewhere, in a world as large as if it flew through `bounds`.
@@ -171,14 +170,7 @@ fn spread(image: &GrayImage) -> (usize, f64) {
 }
 
 fn real() -> Option<Sequence> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let data = std::env::var_os("DPN_DATA").map_or_else(|| root.join("data"), PathBuf::from);
-    let folder = data.join("images/V1_01_easy_static");
-    if folder.is_dir() {
-        return Some(Sequence::open(&folder).unwrap());
-    }
-    eprintln!("skipped: no data ({} is not there)", folder.display());
-    None
+    Some(Sequence::open(&pack("images")?.join("V1_01_easy_static")).unwrap())
 }
 
 #[test]

@@ -6,19 +6,12 @@ use dpn_core::camera::PinholeRadtan;
 use dpn_core::random::Stream;
 use dpn_io::ImageFolder;
 use dpn_io::asl::Sequence;
+use dpn_testing::pack;
 use nalgebra::Vector2;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 
 fn sequence() -> Option<Sequence> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let data = std::env::var_os("DPN_DATA").map_or_else(|| root.join("data"), PathBuf::from);
-    let folder = data.join("images/V1_01_easy_static");
-    if folder.is_dir() {
-        return Some(Sequence::open(&folder).unwrap());
-    }
-    eprintln!("skipped: no data ({} is not there)", folder.display());
-    None
+    Some(Sequence::open(&pack("images")?.join("V1_01_easy_static")).unwrap())
 }
 
 /// The common motion of a frame's tracks since the frame before: the median of each axis \[px\].

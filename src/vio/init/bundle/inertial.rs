@@ -158,7 +158,7 @@ mod tests {
     use super::super::problem::tests::random_state;
     use super::*;
     use crate::init::tests::random_preintegration;
-    use dpn_core::jacobian::check_jacobian;
+    use dpn_testing::check_jacobian;
     use nalgebra::{DMatrix, DVector};
 
     #[test]

@@ -127,7 +127,7 @@ mod tests {
     use super::*;
     use crate::state::pose_plus;
     use dpn_core::geometry::so3;
-    use dpn_core::jacobian::check_jacobian;
+    use dpn_testing::check_jacobian;
     use nalgebra::{DVector, SVector};
     use proptest::prelude::*;
 

@@ -110,7 +110,7 @@ mod tests {
     use super::super::problem::tests::random_state;
     use super::*;
     use dpn_core::geometry::so3::exp;
-    use dpn_core::jacobian::check_jacobian;
+    use dpn_testing::check_jacobian;
     use nalgebra::{DMatrix, DVector};
 
     #[test]

@@ -1,0 +1,5 @@
+//! Simulated tracks against laws and against the given ones.
+#![allow(clippy::unwrap_used)]
+
+mod given_tracks;
+mod tracks;

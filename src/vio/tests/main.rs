@@ -1,0 +1,8 @@
+//! The odometry from outside: on flights, on rendered and real images, against other people's pre-integration.
+#![allow(clippy::unwrap_used)]
+
+mod at_rest;
+mod configs;
+mod estimator;
+mod gtsam_preintegration;
+mod rendered_camera;

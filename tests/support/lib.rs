@@ -1,0 +1,14 @@
+//! What the tests of several crates share. It knows no crate of this workspace, so that every one of them can use it.
+//!
+//! * [`pack`]: one of the unpacked data packs; tests that need it are skipped, loudly, where it is not there.
+//! * [`golden`]: expected values by other people's programs, `golden/NAME/golden.json`.
+//! * [`check_jacobian`]: a derivative against central differences.
+#![allow(clippy::unwrap_used)]
+
+mod data;
+mod golden;
+mod jacobian;
+
+pub use data::{pack, packs, repository};
+pub use golden::golden;
+pub use jacobian::check_jacobian;

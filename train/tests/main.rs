@@ -1,0 +1,5 @@
+//! A training from outside: its configurations, and that it resumes.
+#![allow(clippy::unwrap_used)]
+
+mod configs;
+mod resume;
