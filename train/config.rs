@@ -203,7 +203,7 @@ impl Default for TrainConfig {
 impl TrainConfig {
     /// The default run for `sensor`: what `configs/train/accel.toml` and `gyro.toml` say.
     ///
-    /// Chosen on validation data (RESULTS.md): the first convolution sees second differences, which motion hardly
+    /// Chosen on validation data (docs/src/reads-the-noise.md): the first convolution sees second differences, which motion hardly
     /// reaches, at a tenth of the scale of the answer, so that its bias outweighs them and layer normalisation over
     /// channels stays close to linear; its kernels begin as a bank of band-pass filters.
     pub fn for_sensor(sensor: Sensor) -> Self {

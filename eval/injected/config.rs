@@ -23,7 +23,7 @@ pub struct Injection {
 }
 
 impl Default for Injection {
-    /// Chosen on the training sequences (RESULTS.md, injected noise); own noise is x4, the best constant on them.
+    /// Chosen on the training sequences (docs/src/when.md); own noise is x4, the best constant on them.
     fn default() -> Self {
         Self { course: Course::Step, accel: 0.4, gyro: 0.02, factor: 5.0, own_accel: 0.32, own_gyro: 0.016 }
     }

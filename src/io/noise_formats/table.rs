@@ -1,4 +1,4 @@
-//! The table of one IMU in all formats, in `docs/noise-units.md`: made here, so that it cannot go wrong.
+//! The table of one IMU in all formats, in `docs/src/noise-units.md`: made here, so that it cannot go wrong.
 //! `DPN_BLESS=1 cargo test -p dpn-io noise_units` writes it anew.
 
 use super::*;
@@ -6,7 +6,7 @@ use dpn_core::noise::{Axes, Figure, ImuFigures};
 use dpn_core::time::SampleRate;
 use std::path::Path;
 
-const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/noise-units.md");
+const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/src/noise-units.md");
 const BEGIN: &str = "<!-- made by a test: begin -->\n";
 const END: &str = "<!-- made by a test: end -->\n";
 
@@ -65,5 +65,5 @@ fn noise_units_are_as_the_documentation_has_them() {
         std::fs::write(Path::new(FILE), format!("{head}{BEGIN}{made}{END}{tail}")).unwrap();
         return;
     }
-    assert!(stands == made, "docs/noise-units.md is not what the code says; DPN_BLESS=1 writes it anew");
+    assert!(stands == made, "docs/src/noise-units.md is not what the code says; DPN_BLESS=1 writes it anew");
 }

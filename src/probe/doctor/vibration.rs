@@ -147,7 +147,7 @@ mod tests {
         );
     }
 
-    /// Bands of the sequences that networks were trained on; the thresholds were set on them. The others are in RESULTS.md as found.
+    /// Bands of the sequences that networks were trained on; the thresholds were set on them. The others are in docs/src/your-log.md as found.
     #[test]
     fn rotors_are_found_on_recorded_flights_and_nothing_where_nothing_turns() {
         use dpn_logs::{LogOptions, read_log};

@@ -1,0 +1,21 @@
+//! What the book of results is held to: `targets` keeps its page of targets and the headline at what `targets.csv` says, `prose` its
+//! tables, numbers and links in order. Nothing here is built outside tests; `mdbook build docs` makes the book.
+
+#![cfg_attr(test, allow(clippy::unwrap_used))]
+
+#[cfg(test)]
+mod prose;
+#[cfg(test)]
+mod targets;
+
+/// Where `path`, given from the repository's root, lies.
+#[cfg(test)]
+fn at(path: &str) -> std::path::PathBuf {
+    std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)
+}
+
+/// The text of a file of the repository.
+#[cfg(test)]
+fn read(path: &str) -> String {
+    std::fs::read_to_string(at(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+}

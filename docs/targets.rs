@@ -1,0 +1,175 @@
+//! `targets.csv`, a row a target, is where every figure stands once: the page of all targets is made from it, and the headline of README,
+//! book and study is held to its row.
+//!
+//! `DPN_BLESS=1 cargo test -p dpn-book` writes the page anew.
+
+use crate::{at, read};
+use serde::Deserialize;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write;
+
+const SOURCE: &str = "docs/targets.csv";
+const PAGE: &str = "docs/src/targets.md";
+/// The page that `dpn paper` made of the study on EuRoC.
+const STUDY: &str = "figures/euroc/index.html";
+/// What a command may begin with.
+const PROGRAMS: [&str; 4] = ["dpn", "cargo", "ls", ".ci/run"];
+
+/// One row of the file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Target {
+    id: String,
+    topic: String,
+    target: String,
+    figure: String,
+    met: Met,
+    command: String,
+    commit: String,
+    machine: String,
+}
+
+#[derive(Deserialize, Clone, Copy, PartialEq)]
+#[serde(rename_all = "lowercase")]
+enum Met {
+    Yes,
+    Partly,
+    No,
+}
+
+impl Met {
+    fn word(self) -> &'static str {
+        match self {
+            Met::Yes => "yes",
+            Met::Partly => "partly",
+            Met::No => "**no**",
+        }
+    }
+}
+
+fn targets() -> Vec<Target> {
+    let text = read(SOURCE);
+    let rows = csv::Reader::from_reader(text.as_bytes()).into_deserialize();
+    rows.map(|row| row.unwrap_or_else(|error| panic!("{SOURCE}: {error}"))).collect()
+}
+
+/// The page of the book: a table a topic, in the file's order.
+fn page(targets: &[Target]) -> String {
+    let count = |met| targets.iter().filter(|t| t.met == met).count();
+    let mut text = format!(
+        "# Every target\n\n\
+         <!-- made from docs/targets.csv by a test; DPN_BLESS=1 cargo test -p dpn-book writes it anew -->\n\n\
+         {} targets: {} met, {} in part, {} not. What a commit and a machine mean here is said [on the first page](index.md#how-to-read-the-figures).\n",
+        targets.len(),
+        count(Met::Yes),
+        count(Met::Partly),
+        count(Met::No),
+    );
+    let mut topic = "";
+    for t in targets {
+        if t.topic != topic {
+            topic = &t.topic;
+            let _ = write!(
+                text,
+                "\n## {topic}\n\n| target | figure | met | command | commit | machine |\n|---|---|---|---|---|---|\n"
+            );
+        }
+        let Target { target, figure, command, commit, machine, .. } = t;
+        let _ =
+            writeln!(text, "| {target} | {figure} | {} | `{command}` | {commit} | {machine} |", t.met.word());
+    }
+    text
+}
+
+/// Names of the workspace's packages.
+fn packages() -> BTreeSet<String> {
+    let name = |manifest: &str| {
+        let line = manifest.lines().find_map(|line| line.strip_prefix("name = "));
+        line.expect("a package has a name").trim_matches('"').to_owned()
+    };
+    let root = read("Cargo.toml");
+    let members =
+        root.lines().find_map(|line| line.strip_prefix("members = ")).expect("the workspace has members");
+    let members = members.trim_matches(['[', ']']).split(", ").map(|m| m.trim_matches('"'));
+    members.map(|m| name(&read(&format!("{m}/Cargo.toml")))).chain([name(&root)]).collect()
+}
+
+#[test]
+fn the_page_of_targets_is_as_the_file_has_it() {
+    let made = page(&targets());
+    if std::env::var_os("DPN_BLESS").is_some() {
+        std::fs::write(at(PAGE), made).unwrap();
+        return;
+    }
+    assert!(
+        read(PAGE) == made,
+        "{PAGE} is not what {SOURCE} says; DPN_BLESS=1 cargo test -p dpn-book writes it anew"
+    );
+}
+
+#[test]
+fn every_target_has_a_figure_that_a_command_measured_at_a_commit() {
+    let (mut ids, mut topics, packages) = (BTreeSet::new(), Vec::<String>::new(), packages());
+    for t in targets() {
+        let cells = [&t.id, &t.topic, &t.target, &t.figure, &t.command, &t.commit, &t.machine];
+        assert!(
+            cells.iter().all(|cell| cell.trim() == **cell && !cell.is_empty() && !cell.contains(['|', '\n'])),
+            "{}: an empty or broken cell",
+            t.id
+        );
+        assert!(ids.insert(t.id.clone()), "{} stands twice", t.id);
+        assert!(
+            t.commit.len() == 7 && t.commit.chars().all(|c| matches!(c, '0'..='9' | 'a'..='f')),
+            "{}: {} is no commit",
+            t.id,
+            t.commit
+        );
+
+        let words: Vec<&str> = t.command.split_whitespace().collect();
+        assert!(PROGRAMS.contains(&words[0]), "{}: `{}` is none of {PROGRAMS:?}", t.id, words[0]);
+        for pair in words.windows(2).filter(|pair| words[0] == "cargo" && pair[0] == "-p") {
+            assert!(packages.contains(pair[1]), "{}: there is no package {}", t.id, pair[1]);
+        }
+        for path in words
+            .iter()
+            .filter(|word| ["configs/", "models/", "golden/"].iter().any(|folder| word.starts_with(folder)))
+        {
+            assert!(at(path).exists(), "{}: there is no {path}", t.id);
+        }
+
+        if topics.last() != Some(&t.topic) {
+            assert!(!topics.contains(&t.topic), "{}: the topic {:?} begins twice", t.id, t.topic);
+            topics.push(t.topic);
+        }
+    }
+}
+
+/// The row `headline` says it once; its figure stands word for word in README and book, and its numbers are the study's.
+#[test]
+fn the_headline_is_the_same_everywhere() {
+    let by_id: BTreeMap<String, Target> = targets().into_iter().map(|t| (t.id.clone(), t)).collect();
+    let headline = &by_id["headline"].figure;
+    let one_line = |path: &str| read(path).split_whitespace().collect::<Vec<_>>().join(" ");
+    for path in ["README.md", "docs/src/index.md", "docs/src/does-it-help.md"] {
+        assert!(one_line(path).contains(headline), "{path} does not say: {headline}");
+    }
+
+    let between = |before: &str, after: &str| {
+        let rest = headline.split_once(before).unwrap_or_else(|| panic!("{before:?} in {headline:?}")).1;
+        rest.split_once(after).unwrap_or_else(|| panic!("{after:?} in {headline:?}")).0
+    };
+    let (share, ours, usual) =
+        (between("", " smaller"), between("(", " instead of "), between("instead of ", ";"));
+    let (paper, ratio, interval) =
+        (between("the paper: ", ")"), between("ratio of errors ", ","), between("interval ", ")"));
+    let study = one_line(STUDY);
+    for said in [
+        format!(
+            "mean error over 11 sequences is {ours}, {share} below that of the usual constants (x1, {usual})"
+        ),
+        format!("In the paper's table it is {paper} below."),
+        format!("sequence by sequence its error is {ratio} times as large ({interval})"),
+    ] {
+        assert!(study.contains(&said), "{STUDY} does not say: {said}");
+    }
+}
