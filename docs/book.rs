@@ -1,8 +1,10 @@
 //! What the book of results is held to: `targets` keeps its page of targets and the headline at what `targets.csv` says, `prose` its
-//! tables, numbers and links in order. Nothing here is built outside tests; `mdbook build docs` makes the book.
+//! tables, numbers and links in order, `house` the crates at what ARCHITECTURE.md draws. Nothing here is built outside tests; `mdbook build docs` makes the book.
 
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+#[cfg(test)]
+mod house;
 #[cfg(test)]
 mod prose;
 #[cfg(test)]

@@ -1,0 +1,84 @@
+//! ARCHITECTURE.md's arrows, held to the manifests: which crate of the workspace may use which, who alone sees the heavy third-party crates, and
+//! that each dependency has its reason there.
+
+use crate::read;
+use std::collections::BTreeSet;
+use toml::Table;
+
+/// Every crate that ships and what it may use of the workspace, from the ground up.
+const ARROWS: [(&str, &[&str]); 12] = [
+    ("src/core", &[]),
+    ("src/io", &["dpn-core"]),
+    ("src/logs", &["dpn-core", "dpn-io"]),
+    ("src/pronet", &["dpn-core"]),
+    ("src/probe", &["dpn-core", "dpn-io", "dpn-logs", "dpn-pronet"]),
+    ("src/sim", &["dpn-core"]),
+    ("src/vio", &["dpn-core"]),
+    ("train", &["dpn-core", "dpn-io", "dpn-pronet"]),
+    ("eval", &["dpn-core", "dpn-io", "dpn-pronet", "dpn-sim", "dpn-train", "dpn-vio"]),
+    ("figures", &["dpn-core", "dpn-eval", "dpn-io", "dpn-probe", "dpn-vio"]),
+    (
+        "papers",
+        &["dpn-core", "dpn-eval", "dpn-figures", "dpn-io", "dpn-pronet", "dpn-sim", "dpn-train", "dpn-vio"],
+    ),
+    ("tests/support", &[]),
+];
+
+/// Third-party crates that one room keeps to itself.
+const SEEN_BY: [(&str, &[&str]); 6] = [
+    ("burn", &["src/pronet", "train"]),
+    ("linfa", &["train"]),
+    ("clarabel", &["src/probe"]),
+    ("plotters", &["figures"]),
+    ("clap", &[]),
+    ("indicatif", &[]),
+];
+
+fn manifest(folder: &str) -> Table {
+    toml::from_str(&read(&format!("{folder}/Cargo.toml"))).unwrap_or_else(|error| panic!("{folder}: {error}"))
+}
+
+fn dependencies(manifest: &Table) -> BTreeSet<String> {
+    manifest
+        .get("dependencies")
+        .and_then(toml::Value::as_table)
+        .map(|t| t.keys().cloned().collect())
+        .unwrap_or_default()
+}
+
+#[test]
+fn crates_use_what_lies_below_them_and_nothing_else() {
+    for (folder, may) in ARROWS {
+        let used = dependencies(&manifest(folder));
+        let of_ours: Vec<&String> = used.iter().filter(|name| name.starts_with("dpn-")).collect();
+        let beyond: Vec<_> = of_ours.iter().filter(|name| !may.contains(&name.as_str())).collect();
+        assert!(beyond.is_empty(), "{folder} uses {beyond:?}; ARCHITECTURE.md has no such arrow");
+        for (name, rooms) in SEEN_BY {
+            assert!(!used.contains(name) || rooms.contains(&folder), "{folder} sees {name}");
+        }
+    }
+}
+
+#[test]
+fn every_member_of_the_workspace_is_looked_at() {
+    let members: BTreeSet<String> = manifest(".")["workspace"]["members"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|member| member.as_str().unwrap().to_owned())
+        .collect();
+    let known = ARROWS.iter().map(|(folder, _)| (*folder).to_owned()).chain(["bench".into(), "docs".into()]);
+    assert_eq!(members, known.collect());
+}
+
+#[test]
+fn every_dependency_has_its_reason_in_the_architecture() {
+    let text = read("ARCHITECTURE.md");
+    let (_, table) = text.split_once("## Dependencies, each with its reason").unwrap();
+    let (table, _) = table.split_once("\n## ").unwrap();
+    let words: BTreeSet<&str> =
+        table.split(|c: char| !(c.is_alphanumeric() || c == '-' || c == '_')).collect();
+    for name in manifest(".")["workspace"]["dependencies"].as_table().unwrap().keys() {
+        assert!(name.starts_with("dpn-") || words.contains(name.as_str()), "{name} has no reason");
+    }
+}
