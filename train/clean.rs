@@ -37,12 +37,11 @@ impl Cleaner {
     /// `raw` and `out`: [`WINDOW`] samples.
     pub fn clean(&self, index: usize, raw: &[f64], out: &mut [f64]) {
         match self {
-            // The window is as long as the filter needs: checked where configurations are.
-            Self::SavitzkyGolay(filter) if filter.smooth_into(raw, out).is_ok() => {}
-            Self::Gaussian(kernels) if !kernels.is_empty() => {
-                smooth(&kernels[index % kernels.len()], raw, out);
+            Self::Nothing => out.copy_from_slice(raw),
+            Self::SavitzkyGolay(filter) => {
+                filter.smooth_into(raw, out).expect("`Base::cleaner` makes no filter longer than a window");
             }
-            _ => out.copy_from_slice(raw),
+            Self::Gaussian(kernels) => smooth(&kernels[index % kernels.len()], raw, out),
         }
     }
 }

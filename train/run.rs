@@ -166,9 +166,8 @@ impl<'a> Run<'a> {
         let state = match (path.exists(), resume) {
             (true, true) => load(&path, dir, trainer.config(), &fingerprint)?,
             (true, false) => {
-                let epochs =
-                    Checkpoint::load(&path).ok().and_then(|c| notes(&c)).map_or(0, |n| n.history.len());
-                return Err(RunError::Exists { path: dir.to_owned(), epochs: epochs as u64 });
+                let epochs = notes(&Checkpoint::load(&path)?, dir)?.history.len() as u64;
+                return Err(RunError::Exists { path: dir.to_owned(), epochs });
             }
             (false, true) => return Err(RunError::Nothing { path: dir.to_owned() }),
             (false, false) => trainer.start(),
@@ -297,15 +296,17 @@ impl<'a> Run<'a> {
     }
 }
 
-fn notes(checkpoint: &Checkpoint) -> Option<Notes> {
-    checkpoint.notes.get("run").and_then(|value| serde_json::from_value(value.clone()).ok())
+fn notes(checkpoint: &Checkpoint, dir: &Path) -> Result<Notes, RunError> {
+    let notes = checkpoint.notes.get("run").and_then(|value| serde_json::from_value(value.clone()).ok());
+    let reason = "was written by another version of dpn";
+    notes.ok_or_else(|| RunError::Differs { path: dir.to_owned(), reason })
 }
 
 /// The state in a checkpoint, if it belongs to this configuration and these recordings.
 fn load(path: &Path, dir: &Path, config: &TrainConfig, fingerprint: &str) -> Result<State, RunError> {
     let differs = |reason| RunError::Differs { path: dir.to_owned(), reason };
     let mut checkpoint = Checkpoint::load(path)?;
-    let notes = notes(&checkpoint).ok_or_else(|| differs("was written by another version of dpn"))?;
+    let notes = notes(&checkpoint, dir)?;
     if notes.config != *config {
         return Err(differs("has another configuration"));
     }
@@ -315,7 +316,8 @@ fn load(path: &Path, dir: &Path, config: &TrainConfig, fingerprint: &str) -> Res
     let averaged = checkpoint.vectors.remove(AVERAGED).ok_or_else(|| differs("has no averaged weights"))?;
     let best = match (notes.best, checkpoint.vectors.remove(BEST)) {
         (Some((epoch, validation_rmse)), Some(weights)) => Some(Best { epoch, validation_rmse, weights }),
-        _ => None,
+        (None, None) => None,
+        _ => return Err(differs("does not hold its best weights")),
     };
     Ok(State {
         weights: checkpoint.parameters,

@@ -265,6 +265,15 @@ mod tests {
     }
 
     #[test]
+    fn a_filter_longer_than_a_window_is_refused_and_no_raw_window_given_for_a_filtered_one() {
+        let base = Base::SavitzkyGolay { window: 301, order: 2 };
+        let recording = ramp(1000, None);
+        let cut = |scope| WindowSet::cut(&[("a", &recording)], Sensor::Accel, base, scope, Stretch::Whole);
+        assert_eq!(cut(Scope::Window).unwrap_err(), FilterError::SignalTooShort { len: WINDOW, window: 301 });
+        assert!(cut(Scope::Recording).is_ok());
+    }
+
+    #[test]
     fn a_quadratic_passes_the_filtered_base_unchanged() {
         let set = cut(&ramp(400, None), Base::SavitzkyGolay { window: 51, order: 3 }, Stretch::Whole);
         let mut base = vec![0.0; WINDOW];

@@ -10,13 +10,10 @@ pub const BLOCK_S: f64 = 1.0;
 /// The track's values permuted in time in blocks of [`BLOCK_S`] by the count of samples, the stamps kept: every value is still there,
 /// once. The last block, if shorter, takes part.
 pub fn shuffled(track: &NoiseTrack, stream: &Stream) -> NoiseTrack {
-    let (stamps, noises) = (track.stamps(), track.noises());
-    let length = block_length(stamps);
-    let mut blocks: Vec<&[ImuNoise]> = noises.chunks(length).collect();
+    let length = block_length(track.stamps());
+    let mut blocks: Vec<&[ImuNoise]> = track.noises().chunks(length).collect();
     blocks.shuffle(&mut stream.rng());
-    let permuted = blocks.concat();
-    // The same stamps and as many values: what was a track is one.
-    NoiseTrack::new(stamps.to_vec(), permuted).unwrap_or_else(|_| track.clone())
+    track.with_noises(blocks.concat())
 }
 
 /// Samples in a block, by the median step.
@@ -58,7 +55,7 @@ impl MeanSquare {
         self.count += other.count;
     }
 
-    /// The root of the mean; `None` without values.
+    /// The root of the mean; `None` without values, or where the sum of their squares is beyond all numbers.
     pub fn root(&self) -> Option<ImuNoise> {
         let root = |sums: [f64; 3]| sums.map(|sum| (sum / self.count as f64).sqrt());
         ImuNoise::from_values(root(self.sums[0]), root(self.sums[1])).ok()

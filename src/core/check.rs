@@ -131,7 +131,7 @@ impl RecordingFault {
 }
 
 fn axis_name(axis: usize) -> &'static str {
-    ["x", "y", "z"].get(axis).copied().unwrap_or("?")
+    ["x", "y", "z"][axis]
 }
 
 /// Looks at a recording as a whole.

@@ -68,7 +68,9 @@ pub(crate) fn read(source: impl Read, topics: &mut Topics) -> io::Result<Option<
             Some(CHUNK) => {
                 let packed = source.up_to(u64::from(length))?;
                 let is_whole = packed.len() as u64 == u64::from(length);
-                let name = fields.text("compression").unwrap_or_default();
+                let Some(name) = fields.text("compression") else {
+                    return Ok(Some(format!("the chunk at byte {begin} lacks the name of its compression")));
+                };
                 let size = fields.u32("size").map_or(LARGEST, u64::from);
                 let plain = decompress(&name, packed, size);
                 let inside = records(&plain.bytes, topics);
@@ -86,7 +88,9 @@ pub(crate) fn read(source: impl Read, topics: &mut Topics) -> io::Result<Option<
                 if op == Some(BAG_HEADER) {
                     index = fields.u64("index_pos");
                 }
-                record(op, &fields, &data, topics);
+                if record(op, &fields, &data, topics).is_none() {
+                    return Ok(Some(format!("the record at byte {begin} lacks a field")));
+                }
             }
         }
     }
@@ -103,28 +107,29 @@ fn records(bytes: &[u8], topics: &mut Topics) -> Option<String> {
         let Some(fields) = Fields::new(header) else {
             return Some("holds what is no record".to_owned());
         };
-        record(fields.op(), &fields, data, topics);
+        if record(fields.op(), &fields, data, topics).is_none() {
+            return Some("holds a record that lacks a field".to_owned());
+        }
     }
     None
 }
 
-fn record(op: Option<u8>, fields: &Fields<'_>, data: &[u8], topics: &mut Topics) {
-    let Some(number) = fields.u32("conn") else { return };
+/// A connection or a message; `None` where a field is missing that it must have.
+fn record(op: Option<u8>, fields: &Fields<'_>, data: &[u8], topics: &mut Topics) -> Option<()> {
     match op {
         Some(CONNECTION) => {
-            let inner = Fields::new(data);
-            let kind = inner.and_then(|inner| inner.text("type")).unwrap_or_default();
-            let topic = fields.text("topic").unwrap_or_default();
-            topics.declare(number, &topic, &kind, Ok(Encoding::Ros1));
+            let kind = Fields::new(data)?.text("type")?;
+            topics.declare(fields.u32("conn")?, &fields.text("topic")?, &kind, Ok(Encoding::Ros1));
         }
         Some(MESSAGE) => {
             // Seconds, then nanoseconds.
-            let time = fields.u64("time").unwrap_or(0);
+            let time = fields.u64("time")?;
             let received = i64::from(time as u32) * 1_000_000_000 + i64::from((time >> 32) as u32);
-            topics.message(number, received, data);
+            topics.message(fields.u32("conn")?, received, data);
         }
         _ => {}
     }
+    Some(())
 }
 
 /// A header's fields.

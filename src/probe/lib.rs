@@ -9,3 +9,4 @@ pub mod log_noise;
 pub mod phases;
 #[cfg(test)]
 mod recordings;
+mod text;

@@ -85,7 +85,7 @@ pub struct LayerShape {
 
 /// Features that reach the first linear layer.
 pub fn features(config: &ProNetConfig) -> usize {
-    let channels = config.channels.last().copied().unwrap_or(config.input_channels());
+    let channels = *config.channels.last().expect("a checked configuration has a block");
     let pooled = match config.pool {
         Pool::Mean => channels,
         Pool::MeanAndRms => 2 * channels,

@@ -41,9 +41,9 @@ impl SgResidual {
     }
 }
 
-/// `x - SG(x)`; nothing for a window below the filter's.
+/// `x - SG(x)` of a window that is as long as the filter's or longer.
 fn residual(filter: &SavitzkyGolay, x: &[f64]) -> Vec<f64> {
-    let mut out = filter.smooth(x).unwrap_or_default();
+    let mut out = filter.smooth(x).expect("shorter windows are answered with NaN before");
     out.iter_mut().zip(x).for_each(|(y, v)| *y = v - *y);
     out
 }

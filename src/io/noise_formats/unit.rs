@@ -182,7 +182,7 @@ impl Parser<'_> {
                 inner
             }
             "sqrt" | "rt" | "root" => return self.factor()?.power(1),
-            "rtHz" => return named("Hz").unwrap_or(Unit::ONE).power(1),
+            "rtHz" => return named("Hz").expect("the table has it").power(1),
             "1" | "rms" | "RMS" => Unit::ONE,
             word => named(word).ok_or_else(|| UnitError::Unknown(word.to_owned()))?,
         };

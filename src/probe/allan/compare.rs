@@ -117,7 +117,7 @@ impl Finding {
 }
 
 fn rounded(value: f64) -> f64 {
-    format!("{value:.2e}").parse().unwrap_or(value)
+    format!("{value:.2e}").parse().expect("a number as Rust writes it is one that Rust reads")
 }
 
 /// What a log says of one figure.
@@ -134,7 +134,7 @@ pub struct Measured {
 impl Measured {
     /// What a log at rest says of `figure`.
     pub fn at_rest(log: &AllanLog, figure: Figure) -> Option<Self> {
-        let density = log.figures().ok()?.density(figure)?.largest();
+        let density = log.figures().density(figure)?.largest();
         let sensor = figure.sensor();
         let largest = |c| log.estimates(sensor, c).iter().map(|e| e.value).fold(0.0, f64::max);
         let coefficient = if figure.is_walk() { Coefficient::Walk } else { Coefficient::White };
@@ -170,7 +170,7 @@ pub fn judge(source: &Source, figure: Figure, log_rate: SampleRate, measured: &M
     let meant = |density: f64| {
         let mut figures = ImuFigures::default();
         let own = if figure.is_walk() { Meaning::WalkDensity } else { Meaning::Density };
-        figures.set(figure, own, Axes::Same(density), rate).ok()?;
+        figures.set(figure, own, Axes::Same(density), rate).expect("a density of the log's is one");
         figures.get(figure, meaning, rate).map(Axes::largest)
     };
     let at_log = meant(measured.density)?;

@@ -95,7 +95,7 @@ impl Finding {
 
     /// One line for people.
     pub fn text(&self) -> String {
-        let short = |value: f64| number(format!("{value:.2e}").parse().unwrap_or(value));
+        let short = |value: f64| number(format!("{value:.2e}").parse().expect("Rust reads its own numbers"));
         let times = |ratio: f64| if ratio >= 10.0 { format!("{ratio:.0}") } else { format!("{ratio:.1}") };
         let floor = match (self.floor, self.floor_from) {
             (Some(floor), Some(FloorFrom::Rest)) => format!("at rest {}", short(floor)),

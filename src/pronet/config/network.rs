@@ -150,8 +150,9 @@ impl Validate for ProNetConfig {
     fn faults(&self) -> Vec<ConfigFault> {
         let mut faults = ConfigFaults::default();
         let positive = |faults: &mut ConfigFaults, key: &str, scale: Option<f64>| {
-            let ok = scale.is_none_or(|s| s.is_finite() && s > 0.0 && (s as f32) > 0.0);
-            faults.check(ok, key, scale.unwrap_or_default(), "a positive number");
+            if let Some(s) = scale {
+                faults.check(s.is_finite() && (s as f32) > 0.0, key, s, "a positive number");
+            }
         };
         let all = |list: &[usize], least, most| list.iter().all(|v| (least..=most).contains(v));
         let blocks = self.channels.len();

@@ -90,9 +90,7 @@ fn window_forward<S: Simd>(
         let (stats, rest) = rest.split_at_mut(next - block.saved_stats);
         norm::forward(simd, of.norm, block, packed, &conv[..out_len], stats, &mut rest[..out_len]);
     }
-    let Some(last) = plan.blocks.last() else {
-        return scale;
-    };
+    let last = plan.blocks.last().expect("a network has a block");
     let out = &saved[plan.saved_last..][..last.time_out * last.width_out];
     pool_forward(simd, of.pool, last, out, features);
     if plan.scale_feature < features.len() && of.preparation.standardises() {

@@ -191,7 +191,7 @@ impl Plan {
             let (kernel, stride, padding) = (config.kernels[i], config.strides[i], config.paddings[i]);
             let width_out = padded(channels);
             let time_out = (time_in + 2 * padding - kernel) / stride + 1;
-            let w = find(format!("conv{}.weight", i + 1)).unwrap_or(0);
+            let w = find(format!("conv{}.weight", i + 1)).expect("every block has kernels");
             let source = |channel_out: usize, channel_in: usize, tap: usize| {
                 (channel_out < channels && channel_in < channels_in)
                     .then_some(w + (channel_out * channels_in + channel_in) * kernel + tap)
@@ -296,8 +296,8 @@ impl Plan {
         for (i, outputs) in config.hidden.iter().copied().chain([1]).enumerate() {
             let width_out = padded(outputs);
             let inputs = places.len();
-            let w = find(format!("fc{}.weight", i + 1)).unwrap_or(0);
-            let b = find(format!("fc{}.bias", i + 1)).unwrap_or(0);
+            let w = find(format!("fc{}.weight", i + 1)).expect("every layer has weights");
+            let b = find(format!("fc{}.bias", i + 1)).expect("every layer has a bias");
             let mut true_input = vec![None; width_in];
             for (feature, &place) in places.iter().enumerate() {
                 true_input[place] = Some(feature);
