@@ -8,7 +8,7 @@ pub const GAUSSIAN_WIDTHS: [f64; 4] = [1.5, 2.0, 3.0, 4.5];
 
 /// A filter for one window.
 #[derive(Debug, Clone)]
-pub enum Cleaner {
+pub(crate) enum Cleaner {
     /// Leaves the window as it is.
     Nothing,
     /// Savitzky-Golay with polynomial edges.
@@ -19,7 +19,7 @@ pub enum Cleaner {
 
 impl Cleaner {
     /// The kernels of [`GAUSSIAN_WIDTHS`], cut at six deviations.
-    pub fn gaussian() -> Self {
+    pub(crate) fn gaussian() -> Self {
         let kernel = |width: &f64| {
             let reach = (6.0 * width).ceil() as usize;
             let mut kernel: Vec<f64> =

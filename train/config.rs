@@ -249,7 +249,7 @@ impl TrainConfig {
     }
 
     /// The rule examples are drawn by.
-    pub fn draw_rule(&self) -> DrawRule {
+    pub(crate) fn draw_rule(&self) -> DrawRule {
         DrawRule { levels: self.levels(), label: self.noise.label, augment: self.augment }
     }
 

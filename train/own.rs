@@ -17,7 +17,7 @@ pub const OWN_FILTER: (usize, usize) = (5, 2);
 ///
 /// # Panics
 /// When `window` has another length.
-pub fn own_sigma(window: &[f64]) -> f64 {
+pub(crate) fn own_sigma(window: &[f64]) -> f64 {
     static FILTER: OnceLock<(SavitzkyGolay, f64)> = OnceLock::new();
     let (filter, gain) = FILTER.get_or_init(|| {
         let filter = SavitzkyGolay::new(OWN_FILTER.0, OWN_FILTER.1).expect("an odd window above its order");

@@ -139,7 +139,7 @@ impl WindowSet {
     ///
     /// # Panics
     /// When `offset` is beyond [`slack`](Self::slack) or `out` has another length.
-    pub fn base_into(&self, index: usize, offset: usize, out: &mut [f64]) {
+    pub(crate) fn base_into(&self, index: usize, offset: usize, out: &mut [f64]) {
         self.cleaner.clean(index, self.raw(index, offset), out);
     }
 

@@ -48,7 +48,7 @@ impl MeanSquare {
     }
 
     /// Adds another's values.
-    pub fn merge(&mut self, other: &Self) {
+    pub(crate) fn merge(&mut self, other: &Self) {
         for (sums, more) in self.sums.iter_mut().flatten().zip(other.sums.iter().flatten()) {
             *sums += more;
         }

@@ -262,7 +262,7 @@ impl Drop for Prefetch {
 ///
 /// # Errors
 /// A file that is not there or cannot be read; not PNG, not grey, 16 bits.
-pub fn read_png(path: &Path) -> Result<GrayImage, IoError> {
+pub(crate) fn read_png(path: &Path) -> Result<GrayImage, IoError> {
     let size = std::fs::metadata(path).map_err(|e| IoError::reading(path, e))?.len();
     if size > LARGEST_FILE {
         let problem = format!("has {size} bytes; an image has at most {LARGEST_FILE}");

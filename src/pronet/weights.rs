@@ -91,7 +91,7 @@ impl Weights {
 
     /// The burn module with these weights.
     #[cfg(feature = "train")]
-    pub fn module(&self, device: &Device) -> ProNet {
+    pub(crate) fn module(&self, device: &Device) -> ProNet {
         ProNet::build(&self.config, &self.parameters, device)
     }
 

@@ -12,7 +12,7 @@ const EXCESS: f64 = 0.37;
 /// steps. Pays for it with twice the smallest spread there can be. Fooled by vibration, and, where more
 /// than half of the differences are equal (coarse quantisation), answers zero.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Mad2;
+pub(crate) struct Mad2;
 
 impl WindowSigma for Mad2 {
     fn name(&self) -> &str {

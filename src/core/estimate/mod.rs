@@ -32,13 +32,14 @@ mod windowed;
 #[cfg(test)]
 mod white_noise_tests;
 
-pub use allan::Allan;
+pub(crate) use allan::Allan;
 pub(crate) use axis::{AxisSigma, EachSample, Given, HopWindow, Reading};
-pub use differences::Differences;
-pub use mad2::Mad2;
-pub use savgol::SgResidual;
+pub(crate) use differences::Differences;
+pub(crate) use mad2::Mad2;
+pub(crate) use savgol::SgResidual;
 pub use spec::{DEFAULT_TAG, Noise, SensorPair, SpecError, parse_list};
-pub use wavelet::WaveletMad;
+pub(crate) use wavelet::WaveletMad;
 pub use window_sigma::{EstimatorError, WindowSigma};
 pub(crate) use windowed::Windowed;
-pub use windowed::{Schedule, raised_to_floor, sigma_floor};
+pub(crate) use windowed::sigma_floor;
+pub use windowed::{Schedule, raised_to_floor};

@@ -10,7 +10,7 @@ use crate::signal::SavitzkyGolay;
 /// Fooled by vibration in that range, which it counts in full; blind to noise that a wide polynomial follows, which
 /// for white noise is corrected exactly. A trend of the polynomial's order leaves it unmoved.
 #[derive(Debug, Clone)]
-pub struct SgResidual {
+pub(crate) struct SgResidual {
     name: String,
     filter: SavitzkyGolay,
     gain: Gain,
@@ -22,7 +22,7 @@ impl SgResidual {
     /// # Errors
     /// What [`SavitzkyGolay::new`] refuses; an order of `window - 1`, which leaves no residual; `samples` below the
     /// filter's window.
-    pub fn new(window: usize, order: usize, samples: usize) -> Result<Self, EstimatorError> {
+    pub(crate) fn new(window: usize, order: usize, samples: usize) -> Result<Self, EstimatorError> {
         let filter = SavitzkyGolay::new(window, order)?;
         let name = format!("sg({window},{order})");
         if order + 1 == window {

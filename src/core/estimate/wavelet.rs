@@ -16,14 +16,14 @@ const EXCESS: f64 = 0.3094;
 /// less motion in than Haar's. Up to half of the coefficients may be anything. Fooled by vibration above a quarter of
 /// the rate: its coefficients are not normal, so a tone near Nyquist counts 2.1 times its deviation.
 #[derive(Debug, Clone)]
-pub struct WaveletMad {
+pub(crate) struct WaveletMad {
     name: String,
     wavelet: Wavelet,
 }
 
 impl WaveletMad {
     /// With the family `wavelet`.
-    pub fn new(wavelet: Wavelet) -> Self {
+    pub(crate) fn new(wavelet: Wavelet) -> Self {
         Self { name: format!("wavelet({})", wavelet.name()), wavelet }
     }
 }

@@ -30,7 +30,7 @@ const ROOT_200: f64 = 14.142_135_623_730_951;
 /// sample (2.8e-4 m/s^2, 2.4e-5 rad/s), below a tenth of what quantisation alone adds there.
 ///
 /// A constant axis would otherwise get zero noise, whose information is infinite, and break what is fed with it.
-pub fn sigma_floor(sensor: Sensor) -> f64 {
+pub(crate) fn sigma_floor(sensor: Sensor) -> f64 {
     FLOOR_SHARE
         * match sensor {
             Sensor::Accel => DATA_SHEET[0],

@@ -45,7 +45,7 @@ impl Wavelet {
     }
 
     /// The wavelet of that [`name`](Self::name).
-    pub fn from_name(name: &str) -> Option<Self> {
+    pub(crate) fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|w| w.name() == name)
     }
 
@@ -59,7 +59,7 @@ impl Wavelet {
     }
 
     /// How many inner coefficients a signal of `n` samples has.
-    pub fn detail_len(self, n: usize) -> usize {
+    pub(crate) fn detail_len(self, n: usize) -> usize {
         let taps = self.scaling().len();
         if n < taps { 0 } else { (n - taps) / 2 + 1 }
     }

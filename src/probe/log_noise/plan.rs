@@ -78,7 +78,7 @@ impl<'a> Plan<'a> {
     }
 
     /// Whether windows are held against what a network was trained on.
-    pub fn judges(&self) -> bool {
+    pub(crate) fn judges(&self) -> bool {
         self.networks.is_some()
     }
 

@@ -48,7 +48,7 @@ impl Phase {
     }
 
     /// Whether the motors run.
-    pub fn motors_on(self) -> bool {
+    pub(crate) fn motors_on(self) -> bool {
         !matches!(self, Self::RestBefore | Self::RestAfter)
     }
 

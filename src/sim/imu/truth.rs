@@ -26,7 +26,7 @@ pub struct ImuTruth {
 
 impl ImuTruth {
     /// All parts but the last together: the reading before rounding.
-    pub fn unrounded(&self) -> ImuSeries {
+    pub(crate) fn unrounded(&self) -> ImuSeries {
         let mut sum = self.clean.clone();
         for sensor in Sensor::ALL {
             for part in [&self.vibration, &self.bias, &self.white] {

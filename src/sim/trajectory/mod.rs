@@ -4,6 +4,7 @@ mod attitude;
 mod bspline;
 mod path;
 
-pub use attitude::{Attitude, attitude};
+pub use attitude::Attitude;
+pub(crate) use attitude::attitude;
 pub use bspline::{Jet, ORDER, SplineError, UniformSpline};
 pub use path::{State, Trajectory};
