@@ -35,7 +35,7 @@ impl Cleaner {
     ///
     /// # Shapes
     /// `raw` and `out`: [`WINDOW`] samples.
-    pub fn clean(&self, index: usize, raw: &[f64], out: &mut [f64]) {
+    pub(crate) fn clean(&self, index: usize, raw: &[f64], out: &mut [f64]) {
         match self {
             Self::Nothing => out.copy_from_slice(raw),
             Self::SavitzkyGolay(filter) => {

@@ -94,7 +94,7 @@ impl RunError {
 
 /// What came out of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Summary {
+pub struct RunSummary {
     /// Version of dpn.
     pub version: String,
     /// Name of the estimator in tables.
@@ -192,7 +192,7 @@ impl<'a> Run<'a> {
         mut self,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
-    ) -> Result<(Summary, PathBuf), RunError> {
+    ) -> Result<(RunSummary, PathBuf), RunError> {
         let fit = self.trainer.config().fit;
         let steps = self.trainer.steps_per_epoch();
         let sensor = self.trainer.config().sensor();
@@ -225,11 +225,11 @@ impl<'a> Run<'a> {
         Ok((summary, path))
     }
 
-    fn summary(&self) -> Summary {
+    fn summary(&self) -> RunSummary {
         let config = self.trainer.config();
         let (fit_windows, validation_windows) = self.trainer.windows();
         let best = self.state.best.as_ref();
-        Summary {
+        RunSummary {
             version: env!("CARGO_PKG_VERSION").into(),
             name: config.name.clone(),
             sensor: config.sensor().name().into(),
@@ -280,7 +280,7 @@ impl<'a> Run<'a> {
     }
 
     /// Writes weights and summary.
-    fn finish(&self, summary: &Summary, path: &Path) -> Result<(), RunError> {
+    fn finish(&self, summary: &RunSummary, path: &Path) -> Result<(), RunError> {
         let text = |error: serde_json::Error| RunError::Text { what: SUMMARY, reason: error.to_string() };
         let mut training = match serde_json::to_value(summary).map_err(text)? {
             Value::Object(map) => map,

@@ -6,6 +6,7 @@
 
 use crate::base::{Base, Scope};
 use crate::clean::Cleaner;
+use dpn_core::check::{CheckOptions, gaps};
 use dpn_core::signal::FilterError;
 use dpn_core::{ImuRecording, Sensor};
 
@@ -171,18 +172,15 @@ fn bounds(len: usize, stretch: Stretch) -> (usize, usize) {
 
 /// Maximal runs of samples in `[first, end)` without a gap in their stamps.
 fn unbroken_runs(recording: &ImuRecording, first: usize, end: usize) -> Vec<(usize, usize)> {
-    let limit = 1.5 * recording.rate().period();
-    let samples = recording.samples();
-    let mut runs = Vec::new();
+    let limit = CheckOptions::default().gap_periods * recording.rate().period();
+    let breaks = gaps(recording, limit).into_iter().map(|gap| gap.index + 1);
     let mut start = first;
-    for i in first + 1..end {
-        if samples[i].t.seconds_since(samples[i - 1].t) > limit {
-            runs.push((start, i));
-            start = i;
+    let mut runs = Vec::new();
+    for end in breaks.filter(|at| (first + 1..end).contains(at)).chain([end]) {
+        if end > start {
+            runs.push((start, end));
         }
-    }
-    if end > start {
-        runs.push((start, end));
+        start = end;
     }
     runs
 }

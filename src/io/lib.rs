@@ -46,7 +46,6 @@ pub use atomic::atomic_write;
 pub use columns::{AccelUnit, GyroUnit, ImuColumns};
 pub use decimal::TimeUnit;
 pub use error::IoError;
-pub(crate) use images::read_png;
 #[cfg(feature = "images")]
 pub use images::{Coverage, ImageFolder, ImageRun, Prefetch, StampedImage};
 pub use imu_csv::{CsvOptions, ImuLog, Origin, Settled, parse_imu_csv, read_imu_csv};

@@ -23,7 +23,7 @@ const CONNECTION: u8 = 0x07;
 /// # Errors
 /// The operating system's; a damaged bag is none.
 pub(crate) fn read(source: impl Read, topics: &mut Topics) -> io::Result<Option<String>> {
-    let mut source = Source { inner: source, at: 0 };
+    let mut source = CountedReader { inner: source, at: 0 };
     let Some(magic) = source.exactly(MAGIC.len() as u64)? else {
         return Ok(Some("ends within its first line".to_owned()));
     };
@@ -176,12 +176,12 @@ impl<'a> Fields<'a> {
 }
 
 /// Bytes of a stream and how many were taken.
-pub(crate) struct Source<R> {
+pub(crate) struct CountedReader<R> {
     pub(crate) inner: R,
     pub(crate) at: u64,
 }
 
-impl<R: Read> Source<R> {
+impl<R: Read> CountedReader<R> {
     /// As many of `count` bytes as there are; room is made as they come, not as a damaged length says.
     pub(crate) fn up_to(&mut self, count: u64) -> io::Result<Vec<u8>> {
         let mut bytes = Vec::with_capacity(count.min(1 << 16) as usize);

@@ -62,6 +62,7 @@ impl FlightConfig {
     }
 
     /// White noise alone, with its schedule.
+    #[cfg(test)]
     pub(crate) fn white_only() -> Self {
         Self { white: WhiteConfig::default(), ..Self::ideal() }
     }

@@ -41,5 +41,4 @@ pub use spec::{DEFAULT_TAG, Noise, SensorPair, SpecError, parse_list};
 pub(crate) use wavelet::WaveletMad;
 pub use window_sigma::{EstimatorError, WindowSigma};
 pub(crate) use windowed::Windowed;
-pub(crate) use windowed::sigma_floor;
 pub use windowed::{Schedule, raised_to_floor};

@@ -6,7 +6,7 @@ use super::model::Coefficient;
 use dpn_core::SampleRate;
 use dpn_core::noise::Meaning;
 use dpn_core::noise::{Axes, Figure, ImuFigures};
-use dpn_io::noise_formats::{Format, Source, number};
+use dpn_io::noise_formats::{Format, NoiseCalibration, number};
 use serde::Serialize;
 
 /// Up to this factor, up or down, a configuration agrees with a log.
@@ -157,13 +157,18 @@ impl Measured {
 const FLOOR: f64 = 0.664;
 
 /// Holds every figure of `source` against `log`.
-pub fn compare(source: &Source, log: &AllanLog) -> Vec<Finding> {
+pub fn compare(source: &NoiseCalibration, log: &AllanLog) -> Vec<Finding> {
     let judged = |figure| judge(source, figure, log.rate, &Measured::at_rest(log, figure)?);
     Figure::ALL.into_iter().filter_map(judged).collect()
 }
 
 /// Holds one figure of `source` against what a log of `log_rate` says of it; none where the configuration does not have it.
-pub fn judge(source: &Source, figure: Figure, log_rate: SampleRate, measured: &Measured) -> Option<Finding> {
+pub fn judge(
+    source: &NoiseCalibration,
+    figure: Figure,
+    log_rate: SampleRate,
+    measured: &Measured,
+) -> Option<Finding> {
     let (key, meaning) = key_of(source.format, figure);
     // Numbers per sample are meant at the rate they were read with.
     let rate = source.figures.rate.unwrap_or(log_rate);

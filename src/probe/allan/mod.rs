@@ -20,7 +20,7 @@ mod golden;
 mod inversion;
 mod log;
 #[cfg(feature = "formats")]
-mod mix_up;
+pub(crate) mod mix_up;
 pub mod model;
 mod nnls;
 #[cfg(feature = "formats")]

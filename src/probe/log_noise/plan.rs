@@ -77,11 +77,6 @@ impl<'a> Plan<'a> {
         self.thin
     }
 
-    /// Whether windows are held against what a network was trained on.
-    pub(crate) fn judges(&self) -> bool {
-        self.networks.is_some()
-    }
-
     /// What a sensor's network was trained on, where that is known.
     pub fn trained_on(&self, sensor: Sensor) -> Option<TrainedRange> {
         let (accel, gyro) = self.networks?;

@@ -1,6 +1,6 @@
 //! What a track says, as a page for people.
 
-use super::{Plan, Summary};
+use super::{Plan, TrackSummary};
 use crate::phases::Phase;
 use crate::text::aligned;
 use dpn_core::{SampleRate, Sensor};
@@ -10,7 +10,7 @@ use std::fmt::Write;
 const LOUD: f64 = 0.1;
 
 /// The warnings that go before everything else: estimates of what no network has seen.
-pub fn warnings(plan: &Plan<'_>, summary: &Summary) -> Vec<String> {
+pub fn warnings(plan: &Plan<'_>, summary: &TrackSummary) -> Vec<String> {
     let mut all = Vec::new();
     for part in &summary.phases {
         for outside in part.outside.iter().filter(|o| o.share > LOUD) {
@@ -34,7 +34,7 @@ pub fn warnings(plan: &Plan<'_>, summary: &Summary) -> Vec<String> {
 }
 
 /// The page: how the log went, and quantiles by phase, per sample and as densities.
-pub fn page(plan: &Plan<'_>, summary: &Summary, rate: SampleRate) -> String {
+pub fn page(plan: &Plan<'_>, summary: &TrackSummary, rate: SampleRate) -> String {
     let mut text =
         format!("noise by {}, every {} samples, of the samples past only\n", plan.spec(), plan.every());
     if plan.thin() > 1 {

@@ -48,6 +48,7 @@ impl Phase {
     }
 
     /// Whether the motors run.
+    #[cfg(test)]
     pub(crate) fn motors_on(self) -> bool {
         !matches!(self, Self::RestBefore | Self::RestAfter)
     }

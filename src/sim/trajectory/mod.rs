@@ -5,6 +5,5 @@ mod bspline;
 mod path;
 
 pub use attitude::Attitude;
-pub(crate) use attitude::attitude;
 pub use bspline::{Jet, ORDER, SplineError, UniformSpline};
 pub use path::{State, Trajectory};
