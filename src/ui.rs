@@ -126,7 +126,7 @@ impl Progress for Bar {
         if std::io::stderr().is_terminal() {
             let bar = ProgressBar::new(total);
             let style = ProgressStyle::with_template("{prefix} [{bar:32}] {pos}/{len} {msg} (left {eta})");
-            bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
+            bar.set_style(style.expect("the template is well formed").progress_chars("=> "));
             bar.set_prefix(what.to_owned());
             self.bar = Some(bar);
         } else {

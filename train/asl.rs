@@ -78,8 +78,10 @@ fn corpus(name: String, sequences: &[&Sequence]) -> Result<Corpus, LoadError> {
         .map(|sequence| {
             let short = sequence.short_name().to_owned();
             let known = paper_side(&short).or_else(|| tum_vi_side(&short));
-            let side = known.or_else(|| rest.iter().find(|(n, _)| *n == short).map(|(_, side)| *side));
-            Ok(Member { recording: sequence.imu()?, side: side.unwrap_or(Side::Test), name: short })
+            let side = known.unwrap_or_else(|| {
+                rest.iter().find(|(n, _)| *n == short).expect("every name was given a side").1
+            });
+            Ok(Member { recording: sequence.imu()?, side, name: short })
         })
         .collect();
     Ok(Corpus::new(name, members?)?)

@@ -1,6 +1,7 @@
 //! The signal noise is injected into (decisions 2 and 3).
 
 use crate::clean::Cleaner;
+use crate::windows::WINDOW;
 use dpn_core::signal::{FilterError, SavitzkyGolay};
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -47,10 +48,13 @@ impl Base {
     /// What cleans windows, built once.
     ///
     /// # Errors
-    /// An even window, or an order not below it.
-    pub fn cleaner(self) -> Result<Cleaner, FilterError> {
+    /// An even window, an order not below it, a filter longer than [`WINDOW`].
+    pub(crate) fn cleaner(self) -> Result<Cleaner, FilterError> {
         match self {
             Self::Raw => Ok(Cleaner::Nothing),
+            Self::SavitzkyGolay { window, .. } if window > WINDOW => {
+                Err(FilterError::SignalTooShort { len: WINDOW, window })
+            }
             Self::SavitzkyGolay { window, order } => {
                 SavitzkyGolay::new(window, order).map(Cleaner::SavitzkyGolay)
             }

@@ -8,7 +8,7 @@ pub const GAUSSIAN_WIDTHS: [f64; 4] = [1.5, 2.0, 3.0, 4.5];
 
 /// A filter for one window.
 #[derive(Debug, Clone)]
-pub enum Cleaner {
+pub(crate) enum Cleaner {
     /// Leaves the window as it is.
     Nothing,
     /// Savitzky-Golay with polynomial edges.
@@ -19,7 +19,7 @@ pub enum Cleaner {
 
 impl Cleaner {
     /// The kernels of [`GAUSSIAN_WIDTHS`], cut at six deviations.
-    pub fn gaussian() -> Self {
+    pub(crate) fn gaussian() -> Self {
         let kernel = |width: &f64| {
             let reach = (6.0 * width).ceil() as usize;
             let mut kernel: Vec<f64> =
@@ -35,14 +35,13 @@ impl Cleaner {
     ///
     /// # Shapes
     /// `raw` and `out`: [`WINDOW`] samples.
-    pub fn clean(&self, index: usize, raw: &[f64], out: &mut [f64]) {
+    pub(crate) fn clean(&self, index: usize, raw: &[f64], out: &mut [f64]) {
         match self {
-            // The window is as long as the filter needs: checked where configurations are.
-            Self::SavitzkyGolay(filter) if filter.smooth_into(raw, out).is_ok() => {}
-            Self::Gaussian(kernels) if !kernels.is_empty() => {
-                smooth(&kernels[index % kernels.len()], raw, out);
+            Self::Nothing => out.copy_from_slice(raw),
+            Self::SavitzkyGolay(filter) => {
+                filter.smooth_into(raw, out).expect("`Base::cleaner` makes no filter longer than a window");
             }
-            _ => out.copy_from_slice(raw),
+            Self::Gaussian(kernels) => smooth(&kernels[index % kernels.len()], raw, out),
         }
     }
 }

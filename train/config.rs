@@ -249,7 +249,7 @@ impl TrainConfig {
     }
 
     /// The rule examples are drawn by.
-    pub fn draw_rule(&self) -> DrawRule {
+    pub(crate) fn draw_rule(&self) -> DrawRule {
         DrawRule { levels: self.levels(), label: self.noise.label, augment: self.augment }
     }
 
@@ -266,6 +266,9 @@ impl TrainConfig {
         Self { noise, network: self.network.resolved(), ..self.clone() }
     }
 }
+
+/// Why a configuration that was read or built in can be written.
+const WRITTEN: &str = "tables of plain keys are TOML";
 
 /// Reads a configuration whose missing keys, in every table, are those of [`TrainConfig::for_sensor`]; `sensor` is the
 /// file's own where it names none.
@@ -285,14 +288,12 @@ pub fn load(path: &Path, sensor: Sensor) -> Result<TrainConfig, ConfigError> {
 pub fn parse(text: &str, path: &Path, sensor: Sensor) -> Result<TrainConfig, ConfigError> {
     // Read as it stands first: only this text's errors can name its lines.
     let written: TrainConfig = config::parse(text, path)?;
-    let table: toml::Table = toml::from_str(text).unwrap_or_default();
+    let table: toml::Table = toml::from_str(text).expect("it was read as a configuration just now");
     let names_sensor = table.get("network").and_then(|network| network.get("sensor")).is_some();
     let sensor = if names_sensor { written.sensor() } else { sensor };
-    let Ok(toml::Value::Table(mut whole)) = toml::Value::try_from(TrainConfig::for_sensor(sensor)) else {
-        return Ok(written);
-    };
+    let mut whole = toml::Table::try_from(TrainConfig::for_sensor(sensor)).expect(WRITTEN);
     overlay(&mut whole, table);
-    config::parse(&toml::to_string(&whole).unwrap_or_default(), path)
+    config::parse(&toml::to_string(&whole).expect(WRITTEN), path)
 }
 
 /// Puts the keys of `over` in place of those of `under`, table by table.

@@ -91,7 +91,7 @@ impl Corpus {
     ///
     /// # Errors
     /// No member on that side.
-    pub fn require(&self, side: Side) -> Result<Vec<(&str, &ImuRecording)>, CorpusError> {
+    pub(crate) fn require(&self, side: Side) -> Result<Vec<(&str, &ImuRecording)>, CorpusError> {
         let members = self.side(side);
         if members.is_empty() {
             let names = self.members.iter().map(|m| m.name.clone()).collect();

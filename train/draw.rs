@@ -66,7 +66,13 @@ impl DrawRule {
     ///
     /// # Shapes
     /// `out`: [`WINDOW`] samples.
-    pub fn example_into(&self, set: &WindowSet, index: usize, stream: &Stream, out: &mut [f64]) -> f64 {
+    pub(crate) fn example_into(
+        &self,
+        set: &WindowSet,
+        index: usize,
+        stream: &Stream,
+        out: &mut [f64],
+    ) -> f64 {
         let mut rng = stream.rng();
         let level = self.levels.draw(&mut rng);
         // Every choice is drawn whether it is used or not: switching one on moves no other.

@@ -69,17 +69,16 @@ impl Features {
     ///
     /// # Shapes
     /// `window`: [`WINDOW`] samples; the answer: [`COUNT`](Self::COUNT) numbers.
+    ///
+    /// # Panics
+    /// When `window` is shorter than the study's filters or a segment of the spectrum.
     pub fn of(&self, window: &[f64]) -> Vec<f64> {
         let mut features = Vec::with_capacity(Self::COUNT);
         let mut smooth = vec![0.0; window.len()];
         for (filter, gain) in &self.filters {
-            let residual = match filter.smooth_into(window, &mut smooth) {
-                Ok(()) => {
-                    window.iter().zip(&smooth).map(|(x, s)| (x - s).powi(2)).sum::<f64>()
-                        / window.len() as f64
-                }
-                Err(_) => 0.0,
-            };
+            filter.smooth_into(window, &mut smooth).expect("a window is longer than the study's filters");
+            let squares = window.iter().zip(&smooth).map(|(x, s)| (x - s).powi(2)).sum::<f64>();
+            let residual = squares / window.len() as f64;
             features.push(residual.sqrt() / gain);
         }
         for order in 1..=MAX_DIFFERENCE {
@@ -88,17 +87,11 @@ impl Features {
         features.push(mad(&differences(window, 2)) / difference_gain(2));
         features.push(mad(&finest_detail(window, Wavelet::Db4)));
         // The rate only names the bands: shares of the Nyquist frequency are meant.
-        match self.welch.spectrum(window, SampleRate::HZ_200) {
-            Ok(spectrum) => {
-                let width = 100.0 / BANDS as f64;
-                features.extend(
-                    (0..BANDS).map(|b| {
-                        spectrum.band_power(b as f64 * width, (b + 1) as f64 * width).max(0.0).sqrt()
-                    }),
-                );
-            }
-            Err(_) => features.extend([0.0; BANDS]),
-        }
+        let spectrum =
+            self.welch.spectrum(window, SampleRate::HZ_200).expect("a window is longer than a segment");
+        let width = 100.0 / BANDS as f64;
+        let band = |b: usize| spectrum.band_power(b as f64 * width, (b + 1) as f64 * width);
+        features.extend((0..BANDS).map(|b| band(b).max(0.0).sqrt()));
         features.iter_mut().for_each(|value| *value = value.max(FLOOR).ln());
         features
     }

@@ -58,11 +58,14 @@ impl Levels {
     }
 
     /// One level at random.
+    ///
+    /// # Panics
+    /// When there is none: no grid points, or `low` above `high`.
     pub fn draw(&self, rng: &mut impl Rng) -> f64 {
         match self.kind {
             LevelKind::Grid => {
-                let at = rng.random_range(0..self.steps.max(1));
-                self.grid().get(at).copied().unwrap_or(self.low)
+                let at = rng.random_range(0..self.steps);
+                self.grid()[at]
             }
             LevelKind::Uniform => rng.random_range(self.low..=self.high),
             LevelKind::LogUniform => rng.random_range(self.low.ln()..=self.high.ln()).exp(),

@@ -14,18 +14,18 @@ pub const OWN_FILTER: (usize, usize) = (5, 2);
 ///
 /// # Shapes
 /// `window`: [`WINDOW`] samples of one axis; the answer has their unit.
-pub fn own_sigma(window: &[f64]) -> f64 {
-    static FILTER: OnceLock<Option<(SavitzkyGolay, f64)>> = OnceLock::new();
-    let filter = FILTER.get_or_init(|| {
-        let filter = SavitzkyGolay::new(OWN_FILTER.0, OWN_FILTER.1).ok()?;
+///
+/// # Panics
+/// When `window` has another length.
+pub(crate) fn own_sigma(window: &[f64]) -> f64 {
+    static FILTER: OnceLock<(SavitzkyGolay, f64)> = OnceLock::new();
+    let (filter, gain) = FILTER.get_or_init(|| {
+        let filter = SavitzkyGolay::new(OWN_FILTER.0, OWN_FILTER.1).expect("an odd window above its order");
         let gain = filter.residual_gain(WINDOW);
-        Some((filter, gain))
+        (filter, gain)
     });
-    let Some((filter, gain)) = filter else { return 0.0 };
     let mut smooth = [0.0; WINDOW];
-    if window.len() != WINDOW || filter.smooth_into(window, &mut smooth).is_err() {
-        return 0.0;
-    }
+    filter.smooth_into(window, &mut smooth).expect("a window has `WINDOW` samples");
     let power = window.iter().zip(&smooth).map(|(x, s)| (x - s).powi(2)).sum::<f64>() / WINDOW as f64;
     power.sqrt() / gain
 }
@@ -40,6 +40,7 @@ mod tests {
     fn a_parabola_holds_no_noise_and_white_noise_holds_its_own() {
         let parabola: Vec<f64> = (0..WINDOW).map(|i| 9.81 + 1e-4 * (i as f64).powi(2)).collect();
         assert!(own_sigma(&parabola) < 1e-12);
+        assert!(std::panic::catch_unwind(|| own_sigma(&parabola[1..])).is_err());
         let mut power = 0.0;
         for k in 0..400 {
             let mut window = parabola.clone();

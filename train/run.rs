@@ -94,7 +94,7 @@ impl RunError {
 
 /// What came out of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Summary {
+pub struct RunSummary {
     /// Version of dpn.
     pub version: String,
     /// Name of the estimator in tables.
@@ -166,9 +166,8 @@ impl<'a> Run<'a> {
         let state = match (path.exists(), resume) {
             (true, true) => load(&path, dir, trainer.config(), &fingerprint)?,
             (true, false) => {
-                let epochs =
-                    Checkpoint::load(&path).ok().and_then(|c| notes(&c)).map_or(0, |n| n.history.len());
-                return Err(RunError::Exists { path: dir.to_owned(), epochs: epochs as u64 });
+                let epochs = notes(&Checkpoint::load(&path)?, dir)?.history.len() as u64;
+                return Err(RunError::Exists { path: dir.to_owned(), epochs });
             }
             (false, true) => return Err(RunError::Nothing { path: dir.to_owned() }),
             (false, false) => trainer.start(),
@@ -193,7 +192,7 @@ impl<'a> Run<'a> {
         mut self,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
-    ) -> Result<(Summary, PathBuf), RunError> {
+    ) -> Result<(RunSummary, PathBuf), RunError> {
         let fit = self.trainer.config().fit;
         let steps = self.trainer.steps_per_epoch();
         let sensor = self.trainer.config().sensor();
@@ -226,11 +225,11 @@ impl<'a> Run<'a> {
         Ok((summary, path))
     }
 
-    fn summary(&self) -> Summary {
+    fn summary(&self) -> RunSummary {
         let config = self.trainer.config();
         let (fit_windows, validation_windows) = self.trainer.windows();
         let best = self.state.best.as_ref();
-        Summary {
+        RunSummary {
             version: env!("CARGO_PKG_VERSION").into(),
             name: config.name.clone(),
             sensor: config.sensor().name().into(),
@@ -281,7 +280,7 @@ impl<'a> Run<'a> {
     }
 
     /// Writes weights and summary.
-    fn finish(&self, summary: &Summary, path: &Path) -> Result<(), RunError> {
+    fn finish(&self, summary: &RunSummary, path: &Path) -> Result<(), RunError> {
         let text = |error: serde_json::Error| RunError::Text { what: SUMMARY, reason: error.to_string() };
         let mut training = match serde_json::to_value(summary).map_err(text)? {
             Value::Object(map) => map,
@@ -297,15 +296,17 @@ impl<'a> Run<'a> {
     }
 }
 
-fn notes(checkpoint: &Checkpoint) -> Option<Notes> {
-    checkpoint.notes.get("run").and_then(|value| serde_json::from_value(value.clone()).ok())
+fn notes(checkpoint: &Checkpoint, dir: &Path) -> Result<Notes, RunError> {
+    let notes = checkpoint.notes.get("run").and_then(|value| serde_json::from_value(value.clone()).ok());
+    let reason = "was written by another version of dpn";
+    notes.ok_or_else(|| RunError::Differs { path: dir.to_owned(), reason })
 }
 
 /// The state in a checkpoint, if it belongs to this configuration and these recordings.
 fn load(path: &Path, dir: &Path, config: &TrainConfig, fingerprint: &str) -> Result<State, RunError> {
     let differs = |reason| RunError::Differs { path: dir.to_owned(), reason };
     let mut checkpoint = Checkpoint::load(path)?;
-    let notes = notes(&checkpoint).ok_or_else(|| differs("was written by another version of dpn"))?;
+    let notes = notes(&checkpoint, dir)?;
     if notes.config != *config {
         return Err(differs("has another configuration"));
     }
@@ -315,7 +316,8 @@ fn load(path: &Path, dir: &Path, config: &TrainConfig, fingerprint: &str) -> Res
     let averaged = checkpoint.vectors.remove(AVERAGED).ok_or_else(|| differs("has no averaged weights"))?;
     let best = match (notes.best, checkpoint.vectors.remove(BEST)) {
         (Some((epoch, validation_rmse)), Some(weights)) => Some(Best { epoch, validation_rmse, weights }),
-        _ => None,
+        (None, None) => None,
+        _ => return Err(differs("does not hold its best weights")),
     };
     Ok(State {
         weights: checkpoint.parameters,

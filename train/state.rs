@@ -55,12 +55,12 @@ impl State {
     }
 
     /// Epochs behind us.
-    pub fn epochs_done(&self) -> u64 {
+    pub(crate) fn epochs_done(&self) -> u64 {
         self.history.len() as u64
     }
 
     /// Takes the averaged weights as the best ones if `rmse` is the smallest so far.
-    pub fn keep_if_best(&mut self, epoch: u64, rmse: f64) {
+    pub(crate) fn keep_if_best(&mut self, epoch: u64, rmse: f64) {
         if self.best.as_ref().is_none_or(|best| rmse < best.validation_rmse) {
             self.best = Some(Best { epoch, validation_rmse: rmse, weights: self.averaged.clone() });
         }

@@ -117,7 +117,7 @@ impl Trainer {
     }
 
     /// Updates in one epoch.
-    pub fn steps_per_epoch(&self) -> u64 {
+    pub(crate) fn steps_per_epoch(&self) -> u64 {
         (self.fit.len() as u64 * self.config.fit.draws_per_window).div_ceil(self.config.fit.batch as u64)
     }
 
@@ -178,7 +178,7 @@ impl Trainer {
     }
 
     /// The range of the windows learned from, noise included, from one epoch's draw.
-    pub fn trained_range(&self) -> Option<TrainedRange> {
+    pub(crate) fn trained_range(&self) -> Option<TrainedRange> {
         let order: Vec<(usize, u64)> = (0..self.fit.len()).map(|window| (window, 0)).collect();
         let (windows, _) = self.draw(0, &order);
         TrainedRange::spanning(windows.chunks_exact(WINDOW))
@@ -242,7 +242,8 @@ impl Trainer {
         };
         let loss = error.clone().mul(error).mean(); // [1]
         let gradients = loss.backward();
-        let value = loss.into_data_as::<f32>().iter::<f32>().next().map_or(f64::NAN, f64::from);
+        let value =
+            loss.into_data_as::<f32>().iter::<f32>().next().map(f64::from).expect("a mean is one number");
         (value, network.flat_gradient(&gradients))
     }
 

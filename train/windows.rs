@@ -6,6 +6,7 @@
 
 use crate::base::{Base, Scope};
 use crate::clean::Cleaner;
+use dpn_core::check::{CheckOptions, gaps};
 use dpn_core::signal::FilterError;
 use dpn_core::{ImuRecording, Sensor};
 
@@ -139,7 +140,7 @@ impl WindowSet {
     ///
     /// # Panics
     /// When `offset` is beyond [`slack`](Self::slack) or `out` has another length.
-    pub fn base_into(&self, index: usize, offset: usize, out: &mut [f64]) {
+    pub(crate) fn base_into(&self, index: usize, offset: usize, out: &mut [f64]) {
         self.cleaner.clean(index, self.raw(index, offset), out);
     }
 
@@ -171,18 +172,15 @@ fn bounds(len: usize, stretch: Stretch) -> (usize, usize) {
 
 /// Maximal runs of samples in `[first, end)` without a gap in their stamps.
 fn unbroken_runs(recording: &ImuRecording, first: usize, end: usize) -> Vec<(usize, usize)> {
-    let limit = 1.5 * recording.rate().period();
-    let samples = recording.samples();
-    let mut runs = Vec::new();
+    let limit = CheckOptions::default().gap_periods * recording.rate().period();
+    let breaks = gaps(recording, limit).into_iter().map(|gap| gap.index + 1);
     let mut start = first;
-    for i in first + 1..end {
-        if samples[i].t.seconds_since(samples[i - 1].t) > limit {
-            runs.push((start, i));
-            start = i;
+    let mut runs = Vec::new();
+    for end in breaks.filter(|at| (first + 1..end).contains(at)).chain([end]) {
+        if end > start {
+            runs.push((start, end));
         }
-    }
-    if end > start {
-        runs.push((start, end));
+        start = end;
     }
     runs
 }
@@ -262,6 +260,15 @@ mod tests {
                 assert!(out[60..140].iter().all(|v| v.abs() < 0.2), "{base} {scope:?}");
             }
         }
+    }
+
+    #[test]
+    fn a_filter_longer_than_a_window_is_refused_and_no_raw_window_given_for_a_filtered_one() {
+        let base = Base::SavitzkyGolay { window: 301, order: 2 };
+        let recording = ramp(1000, None);
+        let cut = |scope| WindowSet::cut(&[("a", &recording)], Sensor::Accel, base, scope, Stretch::Whole);
+        assert_eq!(cut(Scope::Window).unwrap_err(), FilterError::SignalTooShort { len: WINDOW, window: 301 });
+        assert!(cut(Scope::Recording).is_ok());
     }
 
     #[test]

@@ -9,10 +9,15 @@ use std::f64::consts::{SQRT_2, TAU};
 
 /// Frequency of the tone \[Hz\]: where EuRoC's rotors are.
 pub const TONE_HZ: f64 = 90.0;
+/// Why what is added leaves a recording a recording.
+const BOUNDED: &str = "a checked injection adds finite noise to finite samples";
 
 impl Injection {
     /// The samples with what is added, and what an oracle says: at every sample and axis the root of the sum of squares of the white
     /// noise added and of the recording's own deviation. Noise comes from the stream (seed, "injected", course, name, sensor, axis).
+    ///
+    /// # Panics
+    /// When the injection has [faults](dpn_core::config::Validate::faults): strengths that are no numbers would leave no recording.
     pub fn apply(&self, name: &str, imu: &ImuRecording, seed: u64) -> (ImuRecording, NoiseTrack) {
         let samples = imu.samples();
         let start = samples[0].t;
@@ -20,7 +25,7 @@ impl Injection {
         let shares: Vec<f64> = samples.iter().map(|s| s.t.seconds_since(start) / length).collect();
         let stream = Stream::new(seed).named("injected").named(self.course.name()).named(name);
         let mut values: [[Vec<f64>; 3]; 2] = Default::default();
-        let mut told: [[Vec<f64>; 3]; 2] = Default::default();
+        let mut true_std: [[Vec<f64>; 3]; 2] = Default::default();
         for (place, sensor) in Sensor::ALL.into_iter().enumerate() {
             let (unit, own) = match sensor {
                 Sensor::Accel => (self.accel, self.own_accel),
@@ -40,7 +45,7 @@ impl Injection {
                         _ => sigma * normal,
                     };
                     values[place][axis].push(sample.of(sensor)[axis] + more);
-                    told[place][axis].push(sigma.hypot(own));
+                    true_std[place][axis].push(sigma.hypot(own));
                 }
             }
         }
@@ -51,13 +56,10 @@ impl Injection {
             gyro: at(&values[1], i),
         });
         let noises = (0..samples.len())
-            .map(|i| ImuNoise::from_values(at(&told[0], i), at(&told[1], i)).unwrap_or(ImuNoise::baseline()));
+            .map(|i| ImuNoise::from_values(at(&true_std[0], i), at(&true_std[1], i)).expect(BOUNDED));
         let stamps = samples.iter().map(|s| s.t).collect();
-        // The stamps are those of a recording and the values finite: neither can be refused.
-        let recording = ImuRecording::new(noisy.collect()).unwrap_or_else(|_| imu.clone());
-        let constant = ImuNoise::baseline();
-        let oracle = NoiseTrack::new(stamps, noises.collect())
-            .unwrap_or_else(|_| NoiseTrack::of(&mut dpn_core::noise::Constant::new("x1", constant), imu));
+        let recording = ImuRecording::new(noisy.collect()).expect(BOUNDED);
+        let oracle = NoiseTrack::new(stamps, noises.collect()).expect("a recording's stamps increase");
         (recording, oracle)
     }
 }
@@ -99,6 +101,12 @@ mod tests {
         assert_eq!(injection.apply("a", &imu, 3).0, noisy);
         assert_ne!(injection.apply("a", &imu, 4).0, noisy);
         assert_ne!(injection.apply("b", &imu, 3).0, noisy);
+    }
+
+    #[test]
+    #[should_panic(expected = "a checked injection")]
+    fn an_injection_of_no_number_is_not_passed_off_as_the_recording_without_it() {
+        Injection { accel: f64::NAN, ..Injection::default() }.apply("a", &still(100), 0);
     }
 
     #[test]

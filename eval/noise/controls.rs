@@ -1,6 +1,7 @@
 //! The controls' arithmetic.
 
 use dpn_core::random::Stream;
+use dpn_core::time::median_step_ns;
 use dpn_core::{ImuNoise, NoiseTrack, Sensor, Stamp};
 use rand::seq::SliceRandom;
 
@@ -10,24 +11,16 @@ pub const BLOCK_S: f64 = 1.0;
 /// The track's values permuted in time in blocks of [`BLOCK_S`] by the count of samples, the stamps kept: every value is still there,
 /// once. The last block, if shorter, takes part.
 pub fn shuffled(track: &NoiseTrack, stream: &Stream) -> NoiseTrack {
-    let (stamps, noises) = (track.stamps(), track.noises());
-    let length = block_length(stamps);
-    let mut blocks: Vec<&[ImuNoise]> = noises.chunks(length).collect();
+    let length = block_length(track.stamps());
+    let mut blocks: Vec<&[ImuNoise]> = track.noises().chunks(length).collect();
     blocks.shuffle(&mut stream.rng());
-    let permuted = blocks.concat();
-    // The same stamps and as many values: what was a track is one.
-    NoiseTrack::new(stamps.to_vec(), permuted).unwrap_or_else(|_| track.clone())
+    track.with_noises(blocks.concat())
 }
 
 /// Samples in a block, by the median step.
 fn block_length(stamps: &[Stamp]) -> usize {
-    let mut steps: Vec<i64> = stamps.windows(2).map(|w| w[1].ns() - w[0].ns()).collect();
-    if steps.is_empty() {
-        return 1;
-    }
-    let middle = steps.len() / 2;
-    let (_, median, _) = steps.select_nth_unstable(middle);
-    ((BLOCK_S * 1e9 / *median as f64).round() as usize).max(1)
+    let Some(median) = median_step_ns(stamps.iter().copied()) else { return 1 };
+    ((BLOCK_S * 1e9 / median as f64).round() as usize).max(1)
 }
 
 /// Mean of squares per axis, summed in the order of the values.
@@ -51,14 +44,14 @@ impl MeanSquare {
     }
 
     /// Adds another's values.
-    pub fn merge(&mut self, other: &Self) {
+    pub(crate) fn merge(&mut self, other: &Self) {
         for (sums, more) in self.sums.iter_mut().flatten().zip(other.sums.iter().flatten()) {
             *sums += more;
         }
         self.count += other.count;
     }
 
-    /// The root of the mean; `None` without values.
+    /// The root of the mean; `None` without values, or where the sum of their squares is beyond all numbers.
     pub fn root(&self) -> Option<ImuNoise> {
         let root = |sums: [f64; 3]| sums.map(|sum| (sum / self.count as f64).sqrt());
         ImuNoise::from_values(root(self.sums[0]), root(self.sums[1])).ok()

@@ -92,6 +92,14 @@ pub enum NoiseError {
         /// Name of the recording.
         recording: String,
     },
+    /// A mean of squares, or a sum of two, beyond all numbers.
+    #[error(
+        "`{spec}`: the squares of its deviations add up to more than any number; give deviations of an IMU"
+    )]
+    TooLarge {
+        /// The spec.
+        spec: String,
+    },
     /// No sequences to take a mean over.
     #[error(
         "`{spec}` needs training sequences to take the mean over, and there are none here; give constants instead: const(ACCEL,GYRO)"

@@ -4,7 +4,8 @@ use super::NoiseError;
 use super::controls::{MeanSquare, shuffled};
 use dpn_core::estimate::{Noise, Schedule, raised_to_floor};
 use dpn_core::random::Stream;
-use dpn_core::{ImuNoise, ImuRecording, NoiseTrack, Sensor, Stamp};
+use dpn_core::time::median_step_ns;
+use dpn_core::{ImuNoise, ImuRecording, NoiseTrack, Sensor};
 use dpn_io::read_noise_track;
 use dpn_pronet::DualProNet;
 use dpn_pronet::network::{Network, select};
@@ -78,28 +79,29 @@ pub fn track(
             let track = track(of, imu, sources, stream)?;
             let mut mean = MeanSquare::default();
             mean.add(&track);
-            let mean = mean.root().expect("a track has a sample");
+            let mean = mean.root().ok_or_else(|| NoiseError::TooLarge { spec: spec.to_string() })?;
             Ok(Arc::new(constant(imu, mean)))
         }
         Noise::MeanOfTrain(of) => Ok(Arc::new(constant(imu, sources.training_mean(of.source())?))),
         Noise::Plus { of, constant } => {
             let track = track(of, imu, sources, stream)?;
             let constant = NoiseTrack::of(constant.model(Schedule::default())?.as_mut(), imu);
-            Ok(Arc::new(together(&track, &constant)))
+            let both = root_sum_square(&track, &constant);
+            both.map(Arc::new).ok_or_else(|| NoiseError::TooLarge { spec: spec.to_string() })
         }
         source => sources.track(source),
     }
 }
 
-/// Variances added, sample by sample; both tracks are on the same stamps.
-fn together(a: &NoiseTrack, b: &NoiseTrack) -> NoiseTrack {
+/// Variances added, sample by sample, of two tracks on the same stamps; `None` where a sum is beyond all numbers.
+fn root_sum_square(a: &NoiseTrack, b: &NoiseTrack) -> Option<NoiseTrack> {
     let sum = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|axis| a[axis].hypot(b[axis]));
     let both = |(a, b): (&ImuNoise, &ImuNoise)| {
         let of = |sensor| sum(a.of(sensor), b.of(sensor));
-        ImuNoise::from_values(of(Sensor::Accel), of(Sensor::Gyro)).unwrap_or(*a)
+        ImuNoise::from_values(of(Sensor::Accel), of(Sensor::Gyro)).ok()
     };
-    let noises = a.noises().iter().zip(b.noises()).map(both).collect();
-    NoiseTrack::new(a.stamps().to_vec(), noises).unwrap_or_else(|_| a.clone())
+    let noises: Option<Vec<ImuNoise>> = a.noises().iter().zip(b.noises()).map(both).collect();
+    Some(a.with_noises(noises?))
 }
 
 /// The same noise at every sample.
@@ -119,7 +121,7 @@ pub fn of_recording(
 ) -> Result<NoiseTrack, NoiseError> {
     let imu = recorded.imu;
     match source {
-        Noise::Core(spec) => Ok(NoiseTrack::of(spec.model(Schedule::default())?.as_mut(), imu)),
+        Noise::Sensors(pair) => Ok(NoiseTrack::of(pair.model(Schedule::default())?.as_mut(), imu)),
         Noise::DualProNet { accel, gyro } => {
             let spec = source.to_string();
             let of = |sensor, tag| {
@@ -137,9 +139,8 @@ pub fn of_recording(
                     trained_hz: trained,
                 });
             }
-            let said = NoiseTrack::of(&mut model, imu);
-            let raised = said.noises().iter().map(raised_to_floor).collect();
-            Ok(NoiseTrack::new(said.stamps().to_vec(), raised).unwrap_or(said))
+            let predicted = NoiseTrack::of(&mut model, imu);
+            Ok(predicted.with_noises(predicted.noises().iter().map(raised_to_floor).collect()))
         }
         Noise::File(path) => held(path, source, recorded),
         Noise::Oracle => recorded
@@ -158,7 +159,8 @@ fn held(path: &Path, spec: &Noise, recorded: &Recorded<'_>) -> Result<NoiseTrack
     let (stamps, samples) = (file.stamps(), recorded.imu.samples());
     let (first, last) = (samples[0].t, samples[samples.len() - 1].t);
     let (from, to) = (stamps[0], stamps[stamps.len() - 1]);
-    let step = median_step(stamps);
+    // A single value has no step.
+    let step = median_step_ns(stamps.iter().copied()).map_or(0.0, |ns| ns as f64 * 1e-9);
     if from > first || to.plus_seconds(1.5 * step) < last {
         return Err(NoiseError::NotCovered {
             path: path.to_path_buf(),
@@ -192,21 +194,14 @@ fn held(path: &Path, spec: &Noise, recorded: &Recorded<'_>) -> Result<NoiseTrack
         }
         noises.push(noise);
     }
-    let track = NoiseTrack::new(samples.iter().map(|s| s.t).collect(), noises);
-    Ok(track.unwrap_or(file))
-}
-
-/// The median time between values \[s\]; 0 for one value.
-fn median_step(stamps: &[Stamp]) -> f64 {
-    let mut steps: Vec<f64> = stamps.windows(2).map(|w| w[1].seconds_since(w[0])).collect();
-    let middle = steps.len() / 2;
-    if steps.is_empty() { 0.0 } else { *steps.select_nth_unstable_by(middle, f64::total_cmp).1 }
+    let stamps = samples.iter().map(|s| s.t).collect();
+    Ok(NoiseTrack::new(stamps, noises).expect("a recording's stamps increase"))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use dpn_core::ImuSample;
+    use dpn_core::{ImuSample, Stamp};
     use dpn_io::write_noise_track;
 
     fn recording(samples: i64) -> ImuRecording {
@@ -253,6 +248,15 @@ mod tests {
                     assert!((more.of(sensor)[axis] - expected).abs() < 1e-12);
                 }
             }
+        }
+    }
+
+    #[test]
+    fn deviations_beyond_all_numbers_are_refused_and_not_answered_with_the_source() {
+        let imu = recording(10);
+        for spec in ["mean(const(1e200,1))", "plus(const(1.7e308,1),const(1.7e308,1))"] {
+            let error = track(spec, &imu, 0).unwrap_err();
+            assert!(matches!(error, NoiseError::TooLarge { .. }), "{spec}: {error}");
         }
     }
 

@@ -1,6 +1,6 @@
 //! `dpn simulate images`.
 
-use super::simulate::WorldArg;
+use super::{set, simulate::WorldArg};
 use clap::Args;
 use dpn_sim::RenderConfig;
 use dpn_sim::tracks::World;
@@ -53,9 +53,6 @@ pub(crate) struct ImagesArgs {
 impl ImagesArgs {
     /// Puts what was typed over `config`.
     pub(crate) fn over(&self, config: &mut RenderConfig) {
-        fn set<T: Copy>(flag: Option<T>, key: &mut T) {
-            *key = flag.unwrap_or(*key);
-        }
         set(self.world.map(World::from), &mut config.world);
         set(self.motion_blur, &mut config.motion_blur.exposure_s);
         set(self.low_light, &mut config.low_light.share);

@@ -26,6 +26,11 @@ pub(crate) use train::{SensorArg, TrainArgs};
 
 use clap::{Parser, Subcommand};
 
+/// Puts a flag that was typed over a configuration's key.
+fn set<T: Copy>(flag: Option<T>, key: &mut T) {
+    *key = flag.unwrap_or(*key);
+}
+
 /// How noisy is this IMU right now, and does my estimator get better when it is told?
 #[derive(Debug, Parser)]
 #[command(name = "dpn", version, propagate_version = true, max_term_width = 110)]

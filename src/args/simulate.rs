@@ -1,6 +1,6 @@
 //! `dpn simulate`.
 
-use super::ImagesArgs;
+use super::{ImagesArgs, set};
 use clap::{Args, Subcommand, ValueEnum};
 use dpn_sim::tracks::{TracksConfig, World};
 use std::path::PathBuf;
@@ -118,9 +118,6 @@ pub(crate) struct TracksArgs {
 impl TracksArgs {
     /// Puts what was typed over `config`.
     pub(crate) fn over(&self, config: &mut TracksConfig) {
-        fn set<T: Copy>(flag: Option<T>, key: &mut T) {
-            *key = flag.unwrap_or(*key);
-        }
         set(self.world.map(World::from), &mut config.world);
         set(self.max_tracks, &mut config.max_tracks);
         set(self.rate, &mut config.rate_hz);

@@ -24,7 +24,7 @@ pub(crate) fn run(args: &AllanArgs) -> Result<()> {
     let words = format!("{} samples, {:.0} s.", allan.samples, allan.length_s);
     let files = save(&AllanPlot::new(&allan.axes, &words)?, &args.out.join("allan"))?;
     let pasted = report::pasted(&allan)?;
-    let mut json = serde_json::json!({ "log": allan, "figures": allan.figures()?, "formats": pasted, "advice": report::MULTIPLY });
+    let mut json = serde_json::json!({ "log": allan, "figures": allan.figures(), "formats": pasted, "advice": report::MULTIPLY });
     if let Some(findings) = &findings {
         json["check"] = serde_json::to_value(findings)?;
     }

@@ -3,13 +3,13 @@
 use crate::args::ConvertArgs;
 use anyhow::Result;
 use dpn_core::noise::Figure;
-use dpn_io::noise_formats::{FormatError, Given, Quantity, Source, read, write};
+use dpn_io::noise_formats::{FormatError, Given, NoiseCalibration, Quantity, read, write};
 
 pub(crate) fn run(args: &ConvertArgs) -> Result<()> {
     let given = Given { rate: args.rate, quantities: quantities(args)?, keep_zeros: false };
     let source = match &args.file {
         Some(file) => read(file, args.from, &given)?,
-        None => Source::typed(&given)?,
+        None => NoiseCalibration::typed(&given)?,
     };
     let mut figures = source.figures;
     figures.rate = args.to_rate.or(figures.rate);

@@ -1,8 +1,8 @@
 //! One flight's raw signal over the noise that models see in it.
 
 use anyhow::Result;
-use dpn_core::estimate::{NoiseSpec, Schedule};
-use dpn_core::{NoiseModel, NoiseTrack, Sensor};
+use dpn_core::{NoiseTrack, Sensor};
+use dpn_eval::noise::{Recorded, of_recording};
 use dpn_figures::{Flight, FlightSigma, save};
 use dpn_pronet::DualProNet;
 use dpn_pronet::network::Network;
@@ -30,18 +30,14 @@ pub(super) fn draw(corpora: &[Corpus], networks: &[Network], out: &Path) -> Resu
     else {
         return Ok(Vec::new());
     };
-    let mut models: Vec<(&str, Box<dyn NoiseModel>)> =
-        vec![("pronet", Box::new(DualProNet::new("pronet", &accel, &gyro, HOP)?))];
+    let mut tracks =
+        vec![("pronet", NoiseTrack::of(&mut DualProNet::new("pronet", &accel, &gyro, HOP)?, recording))];
     for spec in ["diff2", "sg(11,2)"] {
-        models.push((spec, spec.parse::<NoiseSpec>()?.model(Schedule::default())?));
+        let recorded = Recorded { name, imu: recording, oracle: None };
+        tracks.push((spec, of_recording(&spec.parse()?, &recorded, networks)?));
     }
-    let tracks: Vec<(&str, Vec<f64>)> = models
-        .iter_mut()
-        .map(|(name, model)| {
-            let track = NoiseTrack::of(model.as_mut(), recording);
-            (*name, track.noises().iter().map(|noise| noise.of(Sensor::Accel)[0]).collect())
-        })
-        .collect();
+    let accel_x = |track: &NoiseTrack| track.noises().iter().map(|n| n.of(Sensor::Accel)[0]).collect();
+    let tracks: Vec<(&str, Vec<f64>)> = tracks.iter().map(|(name, track)| (*name, accel_x(track))).collect();
     let start = recording.samples()[0].t;
     let t: Vec<f64> = recording.samples().iter().map(|sample| sample.t.seconds_since(start)).collect();
     let signal = recording.axis(Sensor::Accel, 0);

@@ -26,7 +26,7 @@ use std::sync::mpsc::channel;
 const MARGIN_S: f64 = 0.5;
 
 /// Where images come from, and what goes with them.
-struct Source {
+struct SeenSequence {
     name: String,
     path: SharedPath,
     stamps: Vec<Stamp>,
@@ -77,7 +77,7 @@ pub(crate) fn run(args: &ImagesArgs) -> Result<()> {
 }
 
 /// A folder is a sequence, anything else a flight.
-fn open(args: &ImagesArgs, config: &mut RenderConfig) -> Result<Source> {
+fn open(args: &ImagesArgs, config: &mut RenderConfig) -> Result<SeenSequence> {
     let dir = Path::new(&args.source);
     if dir.exists() {
         return sequence(&Sequence::open(dir)?, config);
@@ -85,7 +85,7 @@ fn open(args: &ImagesArgs, config: &mut RenderConfig) -> Result<Source> {
     let flight: Flight = args.source.parse().map_err(|unknown| unknown_source(&args.source, &unknown))?;
     let flown = simulate(flight, args.flight_seed, &FlightConfig::default())?;
     let path = AnalyticPath::of(&flown);
-    Ok(Source {
+    Ok(SeenSequence {
         name: flight.name().to_owned(),
         stamps: made_stamps(&path, CAMERA_HZ)?,
         path: Arc::new(path),
@@ -97,7 +97,7 @@ fn open(args: &ImagesArgs, config: &mut RenderConfig) -> Result<Source> {
 }
 
 /// The sequence's own camera and stamps where it has them.
-fn sequence(sequence: &Sequence, config: &mut RenderConfig) -> Result<Source> {
+fn sequence(sequence: &Sequence, config: &mut RenderConfig) -> Result<SeenSequence> {
     let dir = sequence.dir();
     if sequence.ground_truth_path().is_none() {
         return Err(no_ground_truth(dir, "images are rendered along true poses").into());
@@ -115,7 +115,7 @@ fn sequence(sequence: &Sequence, config: &mut RenderConfig) -> Result<Source> {
     } else {
         made_stamps(&path, hz)?
     };
-    Ok(Source {
+    Ok(SeenSequence {
         name: sequence.name().to_owned(),
         path: Arc::new(path),
         stamps,
@@ -130,7 +130,7 @@ fn rate(hz: f64) -> Result<SampleRate> {
     Ok(SampleRate::from_hz(hz).ok_or_else(|| Fault::new(format!("a camera of {hz} Hz")))?)
 }
 
-impl Source {
+impl SeenSequence {
     /// Leaves the stamps asked for at which the path is known, and where a part was asked for its samples and true states alone.
     fn cut(&mut self, args: &ImagesArgs, camera: &RenderedCamera) -> Result<()> {
         let all = self.stamps.len();

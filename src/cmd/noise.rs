@@ -7,10 +7,10 @@ use anyhow::Result;
 use dpn_core::estimate::Noise;
 use dpn_core::{SampleRate, Sensor};
 use dpn_figures::{LogNoisePlot, save};
-use dpn_io::noise_formats::{Given, Source, read};
+use dpn_io::noise_formats::{Given, NoiseCalibration, read};
 use dpn_io::{atomic_write, write_noise_track};
 use dpn_probe::log_noise::compare::{Check, compare};
-use dpn_probe::log_noise::{Answer, Levels, LogNoiseError, Plan, Summary, report, track};
+use dpn_probe::log_noise::{Answer, Levels, LogNoiseError, Plan, TrackSummary, report, track};
 use dpn_probe::phases::phases;
 use dpn_pronet::network::Network;
 use dpn_pronet::network::load_all;
@@ -75,7 +75,7 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
         return Err(Fault::new(text).hint("record for longer, or ask constants (--noise x1)").into());
     }
     let track = track(&plan, &recording)?;
-    let summary = Summary::of(&track, &recording, phases(&recording), unknown_s);
+    let summary = TrackSummary::of(&track, &recording, phases(&recording), unknown_s);
     let check = match &config {
         Some(source) => Levels::of(&recording, &summary.stretches)
             .map(|levels| compare(source, &levels, rate))
@@ -125,12 +125,12 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
     Ok(())
 }
 
-fn config(args: &NoiseArgs, rate: SampleRate) -> Result<Option<Source>> {
+fn config(args: &NoiseArgs, rate: SampleRate) -> Result<Option<NoiseCalibration>> {
     let given = Given { rate: Some(rate), keep_zeros: true, ..Given::default() };
     Ok(args.check.as_ref().map(|path| read(path, args.from, &given)).transpose()?)
 }
 
-fn print_check(path: &Path, source: &Source, check: &Check) {
+fn print_check(path: &Path, source: &NoiseCalibration, check: &Check) {
     println!("\n{} as {}, against this log ({}):", path.display(), source.format, check.levels);
     for (warns, line) in check.lines() {
         println!("{} {line}", if warns { "warning:" } else { "ok:     " });

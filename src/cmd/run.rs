@@ -105,7 +105,7 @@ fn open(args: &RunArgs, estimator: &EstimatorConfig) -> Result<(Source, usize)> 
     }
     let tracks = if args.camera == Some(CameraArg::Rendered) { rendered } else { made };
     let source = Source::Flights { config: settings::flights(&args.settings)?, tracks };
-    let place = Flight::ALL.iter().position(|f| *f == flight).unwrap_or(0);
+    let place = Flight::ALL.iter().position(|f| *f == flight).expect("`ALL` holds every flight");
     Ok((source, place))
 }
 

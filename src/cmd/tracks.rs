@@ -21,7 +21,7 @@ pub(super) const CAMERA_HZ: f64 = 20.0;
 const FASTEST_CAMERA_HZ: f64 = 1000.0;
 
 /// Where tracks come from.
-struct Source {
+struct SeenPath {
     name: String,
     path: Box<dyn CameraPath>,
     stamps: Vec<Stamp>,
@@ -65,7 +65,7 @@ pub(crate) fn run(args: &TracksArgs) -> Result<()> {
 }
 
 /// A folder is a sequence, anything else a flight.
-fn open(args: &TracksArgs, config: &mut TracksConfig) -> Result<Source> {
+fn open(args: &TracksArgs, config: &mut TracksConfig) -> Result<SeenPath> {
     let dir = Path::new(&args.source);
     if dir.exists() {
         return sequence(&Sequence::open(dir)?, config);
@@ -75,7 +75,7 @@ fn open(args: &TracksArgs, config: &mut TracksConfig) -> Result<Source> {
     let start = Stamp::from_ns(FlightConfig::default().epoch_ns);
     let path = AnalyticPath::new(plan.trajectory, start);
     let stamps = made_stamps(&path, CAMERA_HZ)?;
-    Ok(Source { name: flight.name().to_owned(), path: Box::new(path), stamps })
+    Ok(SeenPath { name: flight.name().to_owned(), path: Box::new(path), stamps })
 }
 
 /// What is neither a folder nor a flight.
@@ -106,7 +106,7 @@ pub(super) fn made_stamps(path: &dyn CameraPath, hz: f64) -> Result<Vec<Stamp>> 
 }
 
 /// The sequence's own camera and stamps where it has them.
-fn sequence(sequence: &Sequence, config: &mut TracksConfig) -> Result<Source> {
+fn sequence(sequence: &Sequence, config: &mut TracksConfig) -> Result<SeenPath> {
     let dir = sequence.dir();
     if sequence.ground_truth_path().is_none() {
         return Err(no_ground_truth(dir, "tracks are made along true poses").into());
@@ -122,5 +122,5 @@ fn sequence(sequence: &Sequence, config: &mut TracksConfig) -> Result<Source> {
     } else {
         made_stamps(&path, camera.map_or(CAMERA_HZ, |camera| camera.rate.hz()))?
     };
-    Ok(Source { name: sequence.name().to_owned(), path: Box::new(path), stamps })
+    Ok(SeenPath { name: sequence.name().to_owned(), path: Box::new(path), stamps })
 }

@@ -131,7 +131,7 @@ impl RecordingFault {
 }
 
 fn axis_name(axis: usize) -> &'static str {
-    ["x", "y", "z"].get(axis).copied().unwrap_or("?")
+    ["x", "y", "z"][axis]
 }
 
 /// Looks at a recording as a whole.
@@ -179,7 +179,8 @@ pub fn check(recording: &ImuRecording, options: &CheckOptions) -> Findings {
     Findings { rate, gaps, faults }
 }
 
-fn gaps(recording: &ImuRecording, longer_than: f64) -> Vec<Gap> {
+/// Steps from sample to sample that take more than so many seconds, oldest first.
+pub fn gaps(recording: &ImuRecording, longer_than: f64) -> Vec<Gap> {
     let pairs = recording.samples().windows(2).enumerate();
     pairs
         .filter_map(|(index, pair)| {

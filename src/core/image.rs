@@ -98,11 +98,6 @@ impl GrayImage {
     pub fn view(&self) -> GrayView<'_> {
         GrayView { width: self.width, height: self.height, stride: self.width, pixels: &self.pixels }
     }
-
-    /// The bytes back, to be filled again.
-    pub fn into_pixels(self) -> Vec<u8> {
-        self.pixels
-    }
 }
 
 /// A grey image in somebody else's memory; its rows may lie apart.

@@ -37,6 +37,14 @@ impl fmt::Display for Stamp {
     }
 }
 
+/// The median time from one stamp to the next \[ns\], the upper one of two middle ones; `None` for fewer than two.
+pub fn median_step_ns(stamps: impl IntoIterator<Item = Stamp>) -> Option<i64> {
+    let stamps: Vec<i64> = stamps.into_iter().map(Stamp::ns).collect();
+    let mut steps: Vec<i64> = stamps.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let middle = steps.len() / 2;
+    (!steps.is_empty()).then(|| *steps.select_nth_unstable(middle).1)
+}
+
 /// Samples a second, positive and finite.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Serialize, Deserialize)]
 #[serde(transparent)]

@@ -234,7 +234,16 @@ impl Iterator for Prefetch {
     type Item = Result<StampedImage, IoError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        self.receiver.as_ref()?.recv().ok()
+        match self.receiver.as_ref()?.recv() {
+            Ok(image) => Some(image),
+            Err(_) => {
+                // The thread is through; that it panicked must not read as the end of the images.
+                if let Some(Err(panic)) = self.thread.take().map(JoinHandle::join) {
+                    std::panic::resume_unwind(panic);
+                }
+                None
+            }
+        }
     }
 }
 
@@ -243,8 +252,8 @@ impl Drop for Prefetch {
         // The thread may be waiting for room: without a receiver it goes home.
         self.receiver = None;
         if let Some(thread) = self.thread.take() {
-            // It does nothing that panics; if it did, its reader has seen the images end.
-            let _ = thread.join();
+            // Whoever drops it does not want the images that are left, nor what befell them.
+            drop(thread.join());
         }
     }
 }
@@ -253,7 +262,7 @@ impl Drop for Prefetch {
 ///
 /// # Errors
 /// A file that is not there or cannot be read; not PNG, not grey, 16 bits.
-pub fn read_png(path: &Path) -> Result<GrayImage, IoError> {
+pub(crate) fn read_png(path: &Path) -> Result<GrayImage, IoError> {
     let size = std::fs::metadata(path).map_err(|e| IoError::reading(path, e))?.len();
     if size > LARGEST_FILE {
         let problem = format!("has {size} bytes; an image has at most {LARGEST_FILE}");

@@ -156,9 +156,11 @@ fn samples(
 }
 
 /// Takes samples already checked row by row, so that only their number can be wrong.
-fn recording(samples: Vec<ImuSample>, path: &Path) -> Result<ImuRecording, IoError> {
-    let found = samples.len();
-    ImuRecording::new(samples).map_err(|_| IoError::TooShort { path: path.to_path_buf(), found })
+pub(super) fn recording(samples: Vec<ImuSample>, path: &Path) -> Result<ImuRecording, IoError> {
+    match samples.len() {
+        found @ 0..2 => Err(IoError::TooShort { path: path.to_path_buf(), found }),
+        _ => Ok(ImuRecording::new(samples).expect("every row was finite and later than the one before")),
+    }
 }
 
 /// Tells the unit of time from the first thousand stamps; `loose` passes over rows that cannot be read.

@@ -8,7 +8,7 @@
 //! read in blocks: beside the samples no more than one of them is in memory.
 
 use super::columns::{self, AccelUnit, GyroUnit, ImuColumns, SLOTS};
-use super::imu_csv::{CsvOptions, Origin, Settled, first_said, guess_time_unit, unknown_layout};
+use super::imu_csv::{self, CsvOptions, Origin, Settled, first_said, guess_time_unit, unknown_layout};
 use super::rows::{Layout, Rows};
 use super::sieve::{Sieve, Sieved};
 use super::{IoError, TimeUnit, guess};
@@ -148,9 +148,7 @@ fn finish(
     // A unit can make a number too large of one that was finite.
     samples.retain(ImuSample::is_finite);
     samples.shrink_to_fit();
-    let found = samples.len();
-    let recording =
-        ImuRecording::new(samples).map_err(|_| IoError::TooShort { path: path.to_path_buf(), found })?;
+    let recording = imu_csv::recording(samples, path)?;
     Ok(LooseImuLog { recording, columns, time: understood.time, gyro, accel, sieved, unreadable })
 }
 

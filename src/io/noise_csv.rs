@@ -78,19 +78,13 @@ pub(crate) fn parse(bytes: &[u8], path: &Path) -> Result<NoiseTrack, IoError> {
                 column: named
                     .into_iter()
                     .find(|(_, value)| *value == bad.0)
-                    .map_or_else(String::new, |(name, _)| (*name).to_owned()),
+                    .map(|(name, _)| (*name).to_owned())
+                    .expect("the refused value is one of this row's"),
                 value: bad.0,
             }
         })?);
     }
-    let line = rows.line();
-    // Lengths and order were checked row by row.
-    NoiseTrack::new(stamps, noises).map_err(|_| IoError::FieldCount {
-        path: path.to_path_buf(),
-        line,
-        found: 0,
-        expected: 7,
-    })
+    Ok(NoiseTrack::new(stamps, noises).expect("order was checked row by row, and a row has one of each"))
 }
 
 #[cfg(test)]

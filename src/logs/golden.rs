@@ -184,6 +184,41 @@ fn a_bag_cut_anywhere_gives_everything_before_the_cut() {
 }
 
 #[test]
+fn a_bag_whose_record_lacks_a_field_says_so() {
+    let path = folder().join("plain.bag");
+    let whole = std::fs::read(&path).unwrap();
+    for (field, damaged) in [("conn=", "conm="), ("time=", "tine="), ("compression=", "compresion_=")] {
+        let mut bytes = whole.clone();
+        let places: Vec<usize> =
+            (0..bytes.len() - field.len()).filter(|at| bytes[*at..].starts_with(field.as_bytes())).collect();
+        // In the middle of the bag: what stands before it is still read.
+        let at = places[places.len() / 2];
+        bytes[at..at + field.len()].copy_from_slice(damaged.as_bytes());
+        match read_rosbag1(bytes.as_slice(), &path, &LogOptions::default()) {
+            Ok(log) => {
+                assert!(log.damage.as_ref().is_some_and(|d| d.contains("lacks")), "{field} {:?}", log.damage);
+            }
+            Err(error) => assert!(error.to_string().contains("lacks"), "{field}: {error}"),
+        }
+    }
+}
+
+#[test]
+fn rows_of_a_database_that_hold_no_message_are_counted() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.db3");
+    std::fs::copy(folder().join("sqlite/sqlite.db3"), &path).unwrap();
+    let database = rusqlite::Connection::open(&path).unwrap();
+    let rows =
+        database.execute("UPDATE messages SET data = 7 WHERE id IN (SELECT MAX(id) FROM messages)", ());
+    assert_eq!(rows.unwrap(), 1);
+    drop(database);
+    let log = read_log(&path, &LogOptions::default()).unwrap();
+    assert_eq!(log.recording.len() + 1, expected().len());
+    assert!(log.damage.as_ref().is_some_and(|d| d.starts_with("1 of its ")), "{:?}", log.damage);
+}
+
+#[test]
 fn half_a_database_gives_what_is_in_the_half() {
     let whole = std::fs::read(folder().join("sqlite/sqlite.db3")).unwrap();
     let dir = tempfile::tempdir().unwrap();

@@ -54,9 +54,11 @@ impl Kind {
                 (None, Some(path)) => Err(LogError::Packed { path }),
                 (None, None) => Err(LogError::NoLog {
                     dir: path.to_owned(),
-                    below: discover(path)
-                        .map(|all| all.iter().map(|s| s.dir().to_owned()).collect())
-                        .unwrap_or_default(),
+                    below: match discover(path) {
+                        Ok(all) => all.iter().map(|s| s.dir().to_owned()).collect(),
+                        Err(IoError::NoSequence { .. }) => Vec::new(),
+                        Err(error) => return Err(error.into()),
+                    },
                 }),
             };
         }

@@ -6,7 +6,7 @@
 use crate::bytes::Bytes;
 use crate::decompress::{LARGEST, decompress};
 use crate::imu_message::Encoding;
-use crate::rosbag1::Source;
+use crate::rosbag1::CountedReader;
 use crate::topics::Topics;
 use std::collections::BTreeMap;
 use std::io::{self, Read};
@@ -23,7 +23,7 @@ const DATA_END: u8 = 0x0f;
 /// # Errors
 /// The operating system's; a damaged file is none.
 pub(crate) fn read(source: impl Read, topics: &mut Topics) -> io::Result<Option<String>> {
-    let mut source = Source { inner: source, at: 0 };
+    let mut source = CountedReader { inner: source, at: 0 };
     let Some(magic) = source.exactly(MAGIC.len() as u64)? else {
         return Ok(Some("ends within its first line".to_owned()));
     };

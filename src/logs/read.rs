@@ -72,13 +72,15 @@ pub fn read_sqlite(path: &Path, options: &LogOptions) -> Result<Log, LogError> {
 fn bag(path: &Path, kind: Kind, topics: Topics, damage: Option<String>) -> Result<Log, LogError> {
     let chosen = topics.choose(path, damage.as_deref())?;
     goes_forward(path, &chosen.sieved, chosen.samples.len())?;
-    let found = chosen.samples.len();
-    let recording = ImuRecording::new(chosen.samples).map_err(|_| LogError::TooFew {
-        path: path.to_path_buf(),
-        topic: chosen.topic.clone(),
-        found,
-        reason: damage.clone().or_else(|| chosen.remarks.first().cloned()),
-    })?;
+    if chosen.samples.len() < 2 {
+        return Err(LogError::TooFew {
+            path: path.to_path_buf(),
+            topic: chosen.topic,
+            found: chosen.samples.len(),
+            reason: damage.or_else(|| chosen.remarks.first().cloned()),
+        });
+    }
+    let recording = ImuRecording::new(chosen.samples).expect("a sieve lets finite samples in order through");
     Ok(Log {
         kind,
         topic: Some(chosen.topic),

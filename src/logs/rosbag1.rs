@@ -23,7 +23,7 @@ const CONNECTION: u8 = 0x07;
 /// # Errors
 /// The operating system's; a damaged bag is none.
 pub(crate) fn read(source: impl Read, topics: &mut Topics) -> io::Result<Option<String>> {
-    let mut source = Source { inner: source, at: 0 };
+    let mut source = CountedReader { inner: source, at: 0 };
     let Some(magic) = source.exactly(MAGIC.len() as u64)? else {
         return Ok(Some("ends within its first line".to_owned()));
     };
@@ -68,7 +68,9 @@ pub(crate) fn read(source: impl Read, topics: &mut Topics) -> io::Result<Option<
             Some(CHUNK) => {
                 let packed = source.up_to(u64::from(length))?;
                 let is_whole = packed.len() as u64 == u64::from(length);
-                let name = fields.text("compression").unwrap_or_default();
+                let Some(name) = fields.text("compression") else {
+                    return Ok(Some(format!("the chunk at byte {begin} lacks the name of its compression")));
+                };
                 let size = fields.u32("size").map_or(LARGEST, u64::from);
                 let plain = decompress(&name, packed, size);
                 let inside = records(&plain.bytes, topics);
@@ -86,7 +88,9 @@ pub(crate) fn read(source: impl Read, topics: &mut Topics) -> io::Result<Option<
                 if op == Some(BAG_HEADER) {
                     index = fields.u64("index_pos");
                 }
-                record(op, &fields, &data, topics);
+                if record(op, &fields, &data, topics).is_none() {
+                    return Ok(Some(format!("the record at byte {begin} lacks a field")));
+                }
             }
         }
     }
@@ -103,28 +107,29 @@ fn records(bytes: &[u8], topics: &mut Topics) -> Option<String> {
         let Some(fields) = Fields::new(header) else {
             return Some("holds what is no record".to_owned());
         };
-        record(fields.op(), &fields, data, topics);
+        if record(fields.op(), &fields, data, topics).is_none() {
+            return Some("holds a record that lacks a field".to_owned());
+        }
     }
     None
 }
 
-fn record(op: Option<u8>, fields: &Fields<'_>, data: &[u8], topics: &mut Topics) {
-    let Some(number) = fields.u32("conn") else { return };
+/// A connection or a message; `None` where a field is missing that it must have.
+fn record(op: Option<u8>, fields: &Fields<'_>, data: &[u8], topics: &mut Topics) -> Option<()> {
     match op {
         Some(CONNECTION) => {
-            let inner = Fields::new(data);
-            let kind = inner.and_then(|inner| inner.text("type")).unwrap_or_default();
-            let topic = fields.text("topic").unwrap_or_default();
-            topics.declare(number, &topic, &kind, Ok(Encoding::Ros1));
+            let kind = Fields::new(data)?.text("type")?;
+            topics.declare(fields.u32("conn")?, &fields.text("topic")?, &kind, Ok(Encoding::Ros1));
         }
         Some(MESSAGE) => {
             // Seconds, then nanoseconds.
-            let time = fields.u64("time").unwrap_or(0);
+            let time = fields.u64("time")?;
             let received = i64::from(time as u32) * 1_000_000_000 + i64::from((time >> 32) as u32);
-            topics.message(number, received, data);
+            topics.message(fields.u32("conn")?, received, data);
         }
         _ => {}
     }
+    Some(())
 }
 
 /// A header's fields.
@@ -171,12 +176,12 @@ impl<'a> Fields<'a> {
 }
 
 /// Bytes of a stream and how many were taken.
-pub(crate) struct Source<R> {
+pub(crate) struct CountedReader<R> {
     pub(crate) inner: R,
     pub(crate) at: u64,
 }
 
-impl<R: Read> Source<R> {
+impl<R: Read> CountedReader<R> {
     /// As many of `count` bytes as there are; room is made as they come, not as a damaged length says.
     pub(crate) fn up_to(&mut self, count: u64) -> io::Result<Vec<u8>> {
         let mut bytes = Vec::with_capacity(count.min(1 << 16) as usize);

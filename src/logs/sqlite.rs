@@ -21,10 +21,12 @@ fn all(path: &Path, topics: &mut Topics) -> rusqlite::Result<Option<String>> {
     {
         let mut statement = connection.prepare("SELECT id, name, type, serialization_format FROM topics")?;
         let mut rows = statement.query([])?;
+        // Numbers of our own: an id of a damaged table may be any.
+        let mut number = 0;
         while let Some(row) = rows.next()? {
             let (id, name): (i64, String) = (row.get(0)?, row.get(1)?);
             let (kind, format): (String, String) = (row.get(2)?, row.get(3)?);
-            let Ok(number) = u32::try_from(id) else { continue };
+            number += 1;
             if topics.declare(number, &name, &kind, Encoding::named(&format)) {
                 wanted.push((id, number));
             }
@@ -32,20 +34,29 @@ fn all(path: &Path, topics: &mut Topics) -> rusqlite::Result<Option<String>> {
     }
     let mut statement = connection.prepare("SELECT topic_id, timestamp, data FROM messages ORDER BY id")?;
     let mut rows = statement.query(params![])?;
-    let mut count = 0u64;
+    let (mut count, mut unreadable) = (0u64, 0u64);
     loop {
         let row = match rows.next() {
             Ok(Some(row)) => row,
-            Ok(None) => return Ok(None),
+            Ok(None) if unreadable == 0 => return Ok(None),
+            Ok(None) => return Ok(Some(format!("{unreadable} of its {count} rows hold no message"))),
             Err(error) => return Ok(Some(format!("damaged after {count} messages: {error}"))),
         };
         count += 1;
-        let Ok(id) = row.get::<_, i64>(0) else { continue };
+        let cells = (|| {
+            Some((
+                row.get::<_, i64>(0).ok()?,
+                row.get::<_, i64>(1).ok()?,
+                row.get_ref(2).ok()?.as_blob().ok()?,
+            ))
+        })();
+        let Some((id, time, data)) = cells else {
+            unreadable += 1;
+            continue;
+        };
         let Some((_, number)) = wanted.iter().find(|(known, _)| *known == id) else {
             continue;
         };
-        let (Ok(time), Ok(data)) = (row.get::<_, i64>(1), row.get_ref(2)) else { continue };
-        let Ok(data) = data.as_blob() else { continue };
         // Compressed message by message; no CDR begins like this.
         let name = match data.first_chunk::<4>() {
             Some(b"\x28\xb5\x2f\xfd") => "zstd",

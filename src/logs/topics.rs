@@ -160,9 +160,8 @@ impl Topics {
                 }
                 match imus[..] {
                     [] => {
-                        if let Some(topic) = self.all.iter_mut().find(|t| t.foreign.is_some()) {
-                            let encoding = topic.foreign.take().unwrap_or_default();
-                            let topic = topic.name.clone();
+                        let foreign = |t: &Topic| Some((t.name.clone(), t.foreign.clone()?));
+                        if let Some((topic, encoding)) = self.all.iter().find_map(foreign) {
                             return Err(LogError::Encoding { path: path_buf, topic, encoding });
                         }
                         return Err(LogError::NoImu {

@@ -7,3 +7,4 @@ pub mod doctor;
 #[cfg(feature = "networks")]
 pub mod log_noise;
 pub mod phases;
+mod text;

@@ -4,7 +4,7 @@
 //! length: white noise of deviation one comes out with deviation one. Where the first convolution sees differences of the window, kernel and
 //! differences together shall be that cosine; a kernel so short can be so only in the least-squares sense (with a ridge of 1e-4, because
 //! differences remove slow parts that the kernel would need large numbers to restore), and is scaled to unit length of the two
-//! together. With two input channels the kernel is on the second, the first starts at zero.
+//! together.
 
 use crate::config::{Input, ProNetConfig};
 use dpn_core::random::Stream;
@@ -18,9 +18,9 @@ const BAND: (f64, f64) = (0.03, 0.5);
 const FREE_PHASE: (f64, f64) = (0.02, 0.48);
 const RIDGE: f64 = 1e-4;
 
-/// The first convolution's weights, `[channels, input channels, kernel]` row by row.
+/// The first convolution's weights, `[channels, 1, kernel]` row by row.
 pub(crate) fn band_pass_kernels(config: &ProNetConfig, stream: &Stream) -> Vec<f32> {
-    let (channels, kernel, planes) = (config.channels[0], config.kernels[0], config.input_channels());
+    let (channels, kernel) = (config.channels[0], config.kernels[0]);
     let before = differences(config.input);
     let long = kernel + before.len() - 1;
     // Kernel and differences together: column `j` holds the differences of tap `j` alone.
@@ -28,12 +28,9 @@ pub(crate) fn band_pass_kernels(config: &ProNetConfig, stream: &Stream) -> Vec<f
         row.checked_sub(column).and_then(|i| before.get(i)).copied().unwrap_or(0.0)
     });
     let normal = together.transpose() * &together + DMatrix::identity(kernel, kernel) * RIDGE;
-    let mut flat = vec![0.0; channels * planes * kernel];
-    // Positive definite by the ridge.
-    let Some(solver) = normal.cholesky() else {
-        return flat;
-    };
-    for (i, out) in flat.chunks_exact_mut(planes * kernel).enumerate() {
+    let mut flat = vec![0.0; channels * kernel];
+    let solver = normal.cholesky().expect("positive definite by the ridge");
+    for (i, out) in flat.chunks_exact_mut(kernel).enumerate() {
         let f = BAND.0 + (BAND.1 - BAND.0) * (i as f64 + 0.5) / channels as f64;
         let free = FREE_PHASE.0 < f && f < FREE_PHASE.1;
         let phase = if free { stream.index(i as u64).rng().random::<f64>() * TAU } else { 0.0 };
@@ -45,22 +42,19 @@ pub(crate) fn band_pass_kernels(config: &ProNetConfig, stream: &Stream) -> Vec<f
         let taps = solver.solve(&(together.transpose() * cosine.normalize()));
         let length = (&together * &taps).norm();
         // A convolution layer correlates: its first weight meets the oldest sample.
-        let place = &mut out[(planes - 1) * kernel..];
-        for (weight, tap) in place.iter_mut().zip(taps.iter().rev()) {
+        for (weight, tap) in out.iter_mut().zip(taps.iter().rev()) {
             *weight = (tap / length) as f32;
         }
     }
     flat
 }
 
-/// What was done to the window before the last input channel, newest sample's factor first.
+/// What was done to the window before, newest sample's factor first.
 fn differences(input: Input) -> &'static [f64] {
     match input {
         Input::Demeaned | Input::Raw => &[1.0],
         Input::Differences => &[1.0, -1.0],
-        Input::SecondDifferences | Input::BothDifferences | Input::DemeanedAndSecondDifferences => {
-            &[1.0, -2.0, 1.0]
-        }
+        Input::SecondDifferences => &[1.0, -2.0, 1.0],
     }
 }
 
@@ -71,12 +65,10 @@ mod tests {
     /// Every kernel with the differences before it, newest sample's factor first.
     fn together(config: &ProNetConfig) -> Vec<Vec<f64>> {
         let kernel = config.kernels[0];
-        let planes = config.input_channels();
         band_pass_kernels(config, &Stream::new(1))
-            .chunks_exact(planes * kernel)
+            .chunks_exact(kernel)
             .map(|w| {
-                assert!(w[..(planes - 1) * kernel].iter().all(|v| *v == 0.0));
-                let taps: Vec<f64> = w[(planes - 1) * kernel..].iter().rev().map(|v| f64::from(*v)).collect();
+                let taps: Vec<f64> = w.iter().rev().map(|v| f64::from(*v)).collect();
                 let before = differences(config.input);
                 let mut out = vec![0.0; kernel + before.len() - 1];
                 for (j, tap) in taps.iter().enumerate() {

@@ -2,8 +2,6 @@
 
 /// Added to a variance before its root is taken, as PyTorch does.
 pub(crate) const NORM_EPSILON: f32 = 1e-5;
-/// Added to a window's mean square before its root is taken (in units of the input scale).
-pub(crate) const SCALE_EPSILON: f32 = 1e-8;
 /// Added to a channel's mean square before its root is taken.
 pub(crate) const POOL_EPSILON: f32 = 1e-8;
 /// Where the head `log-sigma` clamps its exponent.

@@ -52,7 +52,7 @@ mod fused;
 pub mod init;
 pub mod model;
 #[cfg(feature = "train")]
-pub mod module;
+mod module;
 pub mod network;
 #[cfg(feature = "train")]
 mod plain;

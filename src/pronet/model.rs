@@ -170,7 +170,8 @@ impl Channel {
         }
         let mut sigma = [0.0f32; 3];
         self.predictor.predict(&self.windows, &mut sigma);
-        Some(sigma.map(|s| f64::from(s).max(0.0)))
+        // NaN stays NaN: a sample beyond single precision must not pass for one without noise.
+        Some(sigma.map(|s| if s < 0.0 { 0.0 } else { f64::from(s) }))
     }
 
     fn reset(&mut self) {
@@ -197,7 +198,7 @@ impl NoiseModel for DualProNet {
             && let Some(sigma) = self.accel.judge(index)
         {
             for (noise, s) in self.noise.accel.iter_mut().zip(sigma) {
-                // What is no deviation (a sample beyond all numbers) leaves the last one in force.
+                // What is no deviation (a sample beyond single precision) leaves the last one in force.
                 *noise = AccelSampleStd::new(s).unwrap_or(*noise);
             }
         }
@@ -280,6 +281,15 @@ mod tests {
                 assert_eq!(got, f64::from(sigma[0]), "{sensor} {axis}");
             }
         }
+    }
+
+    #[test]
+    fn a_sample_beyond_single_precision_leaves_the_last_noise_in_force_not_zero() {
+        let (mut model, mut samples) = (pair(), samples(60));
+        samples[55].accel = [1e300; 3];
+        let track: Vec<ImuNoise> = samples.iter().map(|s| model.feed(s)).collect();
+        assert_eq!(track[59].accel, track[58].accel);
+        assert_ne!(track[59].gyro, track[58].gyro);
     }
 
     #[test]

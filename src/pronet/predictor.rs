@@ -11,8 +11,6 @@ pub struct Predictor {
     packed: Buffer,
     chunk: Chunk,
     config: ProNetConfig,
-    negated: Vec<f32>,
-    other: Vec<f32>,
 }
 
 impl Predictor {
@@ -21,14 +19,7 @@ impl Predictor {
         let engine = Engine::new(weights.config());
         let mut packed = Buffer::default();
         engine.pack(weights.parameters(), &mut packed);
-        Self {
-            engine,
-            packed,
-            chunk: Chunk::default(),
-            config: weights.config().clone(),
-            negated: Vec::new(),
-            other: Vec::new(),
-        }
+        Self { engine, packed, chunk: Chunk::default(), config: weights.config().clone() }
     }
 
     /// What the network was made from.
@@ -36,7 +27,7 @@ impl Predictor {
         &self.config
     }
 
-    /// Writes the deviation of each window into `sigma`; with `symmetrise` the mean of those of the window and of its negative.
+    /// Writes the deviation of each window into `sigma`.
     ///
     /// # Shapes
     /// `windows`: `[count, window]`, row by row; `sigma`: `[count]`.
@@ -48,18 +39,8 @@ impl Predictor {
     /// When `windows` does not hold one window for each entry of `sigma`.
     pub fn predict(&mut self, windows: &[f32], sigma: &mut [f32]) {
         assert_eq!(windows.len(), sigma.len() * self.config.window, "one window for each deviation");
-        if sigma.is_empty() {
-            return;
-        }
-        self.engine.infer(&self.packed, windows, &mut self.chunk, sigma);
-        if self.config.symmetrise {
-            self.negated.clear();
-            self.negated.extend(windows.iter().map(|w| -w));
-            self.other.resize(sigma.len(), 0.0);
-            self.engine.infer(&self.packed, &self.negated, &mut self.chunk, &mut self.other);
-            for (s, o) in sigma.iter_mut().zip(&self.other) {
-                *s = 0.5 * (*s + o);
-            }
+        if !sigma.is_empty() {
+            self.engine.infer(&self.packed, windows, &mut self.chunk, sigma);
         }
     }
 }
@@ -72,8 +53,8 @@ mod tests {
     use dpn_core::random::Stream;
     use rand::Rng;
 
-    fn predictor(symmetrise: bool) -> Predictor {
-        let config = ProNetConfig { symmetrise, ..ProNetConfig::default() };
+    fn predictor() -> Predictor {
+        let config = ProNetConfig::default();
         let flat = initial_parameters(&config, &Stream::new(4));
         Predictor::new(&Weights::new(&config, flat, Card::default()))
     }
@@ -87,25 +68,12 @@ mod tests {
     fn a_window_gets_the_same_bits_alone_and_in_company() {
         let x = windows(7);
         let mut together = vec![0.0; 7];
-        let mut p = predictor(false);
+        let mut p = predictor();
         p.predict(&x, &mut together);
         for (window, sigma) in x.chunks(200).zip(together) {
             let mut alone = [0.0];
             p.predict(window, &mut alone);
             assert_eq!(alone[0].to_bits(), sigma.to_bits());
         }
-    }
-
-    #[test]
-    fn symmetrised_deviations_do_not_see_the_sign() {
-        let x = windows(3);
-        let negative: Vec<f32> = x.iter().map(|v| -v).collect();
-        let (mut a, mut b, mut plain) = ([0.0; 3], [0.0; 3], [0.0; 3]);
-        let mut p = predictor(true);
-        p.predict(&x, &mut a);
-        p.predict(&negative, &mut b);
-        assert_eq!(a, b);
-        predictor(false).predict(&x, &mut plain);
-        assert_ne!(a, plain);
     }
 }

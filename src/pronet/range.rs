@@ -55,7 +55,7 @@ impl TrainedRange {
     }
 
     /// Whether a window with these figures is unlike every training window.
-    pub fn excludes(&self, f: WindowFigures) -> bool {
+    pub(crate) fn excludes(&self, f: WindowFigures) -> bool {
         let outside = |[low, high]: [f64; 2], v: f64| !(low..=high).contains(&v);
         outside(self.roughness, f.roughness) || outside(self.spread, f.spread)
     }

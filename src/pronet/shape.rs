@@ -5,7 +5,7 @@
 //! `fc1.bias` `[out]`, and so on. Joined end to end in that order they are the *flat parameters*: one vector of `f32` that the
 //! fused kernels, the optimiser and the weight files share.
 
-use crate::config::{NormAxes, Pool, ProNetConfig, Standardise};
+use crate::config::{NormAxes, Pool, ProNetConfig};
 
 /// One parameter: its name, shape and place in the flat vector.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -85,18 +85,17 @@ pub struct LayerShape {
 
 /// Features that reach the first linear layer.
 pub fn features(config: &ProNetConfig) -> usize {
-    let channels = config.channels.last().copied().unwrap_or(config.input_channels());
-    let pooled = match config.pool {
+    let channels = *config.channels.last().expect("a checked configuration has a block");
+    match config.pool {
         Pool::Mean => channels,
         Pool::MeanAndRms => 2 * channels,
-    };
-    pooled + usize::from(config.standardise != Standardise::None)
+    }
 }
 
 /// The table of layers, input first.
 pub fn layers(config: &ProNetConfig) -> Vec<LayerShape> {
     let mut length = config.input_length();
-    let mut channels = config.input_channels();
+    let mut channels = 1;
     let row = |name: String, kind, channels, length, parameters, multiplications| LayerShape {
         name,
         kind,
@@ -135,7 +134,7 @@ pub fn parameters(config: &ProNetConfig) -> Vec<ParameterShape> {
         list.push(ParameterShape { name, shape, offset, start });
         offset += len;
     };
-    let mut inputs = config.input_channels();
+    let mut inputs = 1;
     for (i, &out) in config.channels.iter().enumerate() {
         let kernel = config.kernels[i];
         let start = Start::Uniform { fan_in: inputs * kernel };
@@ -198,18 +197,10 @@ mod tests {
     fn the_table_and_the_list_count_the_same_for_every_choice() {
         for &norm_axes in NormAxes::ALL {
             for &pool in Pool::ALL {
-                for &standardise in Standardise::ALL {
-                    for conv_bias in [true, false] {
-                        let config = ProNetConfig {
-                            norm_axes,
-                            pool,
-                            standardise,
-                            conv_bias,
-                            ..ProNetConfig::default()
-                        };
-                        let table: usize = layers(&config).iter().map(|r| r.parameters).sum();
-                        assert_eq!(table, parameter_count(&config));
-                    }
+                for conv_bias in [true, false] {
+                    let config = ProNetConfig { norm_axes, pool, conv_bias, ..ProNetConfig::default() };
+                    let table: usize = layers(&config).iter().map(|r| r.parameters).sum();
+                    assert_eq!(table, parameter_count(&config));
                 }
             }
         }

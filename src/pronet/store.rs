@@ -4,6 +4,7 @@
 //! network shall be the same bytes): `{"format", "version", "sha256", "content"}`. The checksum is taken over the tensors' bytes
 //! in the order of their names.
 
+use crate::config::retired;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -164,7 +165,8 @@ pub(crate) fn to_bytes(
     let bytes: BTreeMap<&str, Vec<u8>> =
         tensors.iter().map(|t| (t.name.as_str(), le_bytes(&t.numbers))).collect();
     let sha256 = checksum(bytes.iter().map(|(n, b)| (*n, b.as_slice())));
-    let content = serde_json::to_value(content).map_err(|e| description(e.to_string()))?;
+    let mut content = serde_json::to_value(content).map_err(|e| description(e.to_string()))?;
+    retired::put(&mut content);
     let meta = json!({"format": format, "version": FORMAT_VERSION, "sha256": sha256, "content": content});
     let mut views = Vec::with_capacity(tensors.len());
     for tensor in tensors {
@@ -225,6 +227,7 @@ pub(crate) fn from_bytes<T: DeserializeOwned>(
     if meta["version"].as_u64() != Some(FORMAT_VERSION) {
         return Err(StoreError::Version { path: path.to_owned(), found: meta["version"].to_string() });
     }
+    retired::take(&mut meta["content"]);
     let content = serde_json::from_value(meta["content"].take())
         .map_err(|e| StoreError::Description { path: path.to_owned(), detail: e.to_string() })?;
     let views: BTreeMap<&str, TensorView<'_>> = tensors.iter().collect();

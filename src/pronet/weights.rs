@@ -1,13 +1,9 @@
 //! A trained network in a file: numbers by their PyTorch names, and what is needed to use them rightly.
 
 use crate::config::ProNetConfig;
-#[cfg(feature = "train")]
-use crate::module::ProNet;
 use crate::range::TrainedRange;
 use crate::shape::{ParameterShape, parameters};
 use crate::store::{self, Named, StoreError};
-#[cfg(feature = "train")]
-use burn::tensor::Device;
 use dpn_core::config::Validate;
 use dpn_core::{SampleRate, Sensor};
 use serde::{Deserialize, Serialize};
@@ -87,12 +83,6 @@ impl Weights {
     /// Which sensor they are for.
     pub fn sensor(&self) -> Sensor {
         self.config.sensor
-    }
-
-    /// The burn module with these weights.
-    #[cfg(feature = "train")]
-    pub fn module(&self, device: &Device) -> ProNet {
-        ProNet::build(&self.config, &self.parameters, device)
     }
 
     /// The file's bytes: the same weights are the same bytes.

@@ -62,7 +62,8 @@ impl FlightConfig {
     }
 
     /// White noise alone, with its schedule.
-    pub fn white_only() -> Self {
+    #[cfg(test)]
+    pub(crate) fn white_only() -> Self {
         Self { white: WhiteConfig::default(), ..Self::ideal() }
     }
 }

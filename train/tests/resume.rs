@@ -90,6 +90,9 @@ fn another_seed_gives_other_weights_and_is_not_resumed() {
         Run::open(dir.path(), &config(), &corpus, &device, false),
         Err(RunError::Exists { epochs: 4, .. })
     ));
+    // A checkpoint that cannot be read is not a run of no epochs.
+    std::fs::write(dir.path().join("checkpoint.safetensors"), b"cut off").unwrap();
+    assert!(matches!(Run::open(dir.path(), &config(), &corpus, &device, false), Err(RunError::Store(_))));
     let second = tempfile::tempdir().unwrap();
     Run::open(second.path(), &other, &corpus, &device, false).unwrap().train(&never, &mut Silent).unwrap();
     assert_ne!(weights(dir.path()), weights(second.path()));

@@ -9,7 +9,7 @@ use crate::signal::stats;
 /// Takes for noise what changes from sample to sample, like `diff1`; but the mean of the differences is not taken
 /// out, as the Allan variance has it, so a steady slope counts as noise. Fooled by vibration.
 #[derive(Debug, Clone)]
-pub struct Allan {
+pub(crate) struct Allan {
     gain: Gain,
 }
 
@@ -18,7 +18,7 @@ impl Allan {
     ///
     /// # Errors
     /// `samples` below 2.
-    pub fn new(samples: usize) -> Result<Self, EstimatorError> {
+    pub(crate) fn new(samples: usize) -> Result<Self, EstimatorError> {
         if samples < 2 {
             return Err(EstimatorError::WindowTooShort { name: "allan".into(), needs: 2, window: samples });
         }

@@ -1,11 +1,12 @@
 //! An estimator on one axis as samples come: asked every few samples for its window, or after every sample.
 
-use super::{EstimatorError, StreamSigma, WindowSigma};
+use super::moving::Moving;
+use super::{EstimatorError, WindowSigma};
 use std::sync::Arc;
 
 /// What is known about one axis at a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Reading {
+pub(crate) enum Reading {
     /// Nothing yet: too few samples so far.
     NotYet,
     /// An estimate, in the unit of the samples; may be zero.
@@ -15,7 +16,7 @@ pub enum Reading {
 }
 
 /// A causal source of one axis's deviation.
-pub trait AxisSigma: Send {
+pub(crate) trait AxisSigma: Send {
     /// Takes the next sample and returns what is known at it.
     fn feed(&mut self, value: f64) -> Reading;
 
@@ -25,7 +26,7 @@ pub trait AxisSigma: Send {
 
 /// The same figure at every sample.
 #[derive(Debug, Clone, Copy)]
-pub struct Given(pub f64);
+pub(crate) struct Given(pub(crate) f64);
 
 impl AxisSigma for Given {
     fn feed(&mut self, _value: f64) -> Reading {
@@ -37,7 +38,7 @@ impl AxisSigma for Given {
 
 /// A window estimator asked for the last `window` samples, first when there are so many, then every `hop` samples;
 /// its answer holds in between.
-pub struct HopWindow {
+pub(crate) struct HopWindow {
     estimator: Arc<dyn WindowSigma>,
     window: usize,
     hop: usize,
@@ -52,7 +53,11 @@ impl HopWindow {
     ///
     /// # Errors
     /// A window or hop of zero; a window below what the estimator needs.
-    pub fn new(estimator: Arc<dyn WindowSigma>, window: usize, hop: usize) -> Result<Self, EstimatorError> {
+    pub(crate) fn new(
+        estimator: Arc<dyn WindowSigma>,
+        window: usize,
+        hop: usize,
+    ) -> Result<Self, EstimatorError> {
         if window == 0 || hop == 0 {
             return Err(EstimatorError::EmptySchedule { window, hop });
         }
@@ -87,19 +92,17 @@ impl AxisSigma for HopWindow {
     }
 }
 
-/// A streaming estimator, asked after every sample once `warm_up` samples have been seen.
-pub struct EachSample {
-    estimator: Box<dyn StreamSigma>,
+/// A moving variance, asked after every sample once `warm_up` samples have been seen.
+pub(crate) struct EachSample {
+    estimator: Moving,
     warm_up: usize,
     fed: usize,
 }
 
 impl EachSample {
     /// Answers from sample number `warm_up` on, at the earliest from what the estimator needs.
-    pub fn new(mut estimator: Box<dyn StreamSigma>, warm_up: usize) -> Self {
-        estimator.reset();
-        let warm_up = warm_up.max(estimator.min_len());
-        Self { estimator, warm_up, fed: 0 }
+    pub(crate) fn new(estimator: Moving, warm_up: usize) -> Self {
+        Self { estimator, warm_up: warm_up.max(Moving::MIN_LEN), fed: 0 }
     }
 }
 
@@ -107,7 +110,7 @@ impl AxisSigma for EachSample {
     fn feed(&mut self, value: f64) -> Reading {
         self.estimator.push(value);
         self.fed += 1;
-        if self.fed < self.warm_up { Reading::NotYet } else { Reading::Estimate(self.estimator.sigma()) }
+        if self.fed < self.warm_up { Reading::NotYet } else { Reading::Estimate(self.estimator.now()) }
     }
 
     fn reset(&mut self) {
@@ -119,7 +122,7 @@ impl AxisSigma for EachSample {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::{FromFresh, Sliding};
+    use crate::estimate::moving::Memory;
 
     /// Answers with the first and last value of the window, to see which window it got.
     struct Ends;
@@ -159,9 +162,9 @@ mod tests {
 
     #[test]
     fn a_stream_and_its_window_form_agree_where_both_answer() {
-        let sliding = Sliding::new(20).unwrap();
-        let mut each = EachSample::new(Box::new(sliding.clone()), 20);
-        let mut hop = HopWindow::new(Arc::new(FromFresh::new(sliding)), 20, 1).unwrap();
+        let sliding = Moving::new(Memory::Last(20)).unwrap();
+        let mut each = EachSample::new(sliding.clone(), 20);
+        let mut hop = HopWindow::new(Arc::new(sliding), 20, 1).unwrap();
         for i in 0..100 {
             let value = f64::from((i * 7919) % 211);
             match (each.feed(value), hop.feed(value)) {

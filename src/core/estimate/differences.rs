@@ -11,7 +11,7 @@ use crate::signal::stats;
 /// Nyquist, which high orders exaggerate (a tone at .465 of the rate counts 1.41, 1.61, 1.76 and 1.87 times its
 /// deviation in orders 1 to 4), and by quantisation. A polynomial trend of degree k leaves order k unmoved.
 #[derive(Debug, Clone)]
-pub struct Differences {
+pub(crate) struct Differences {
     name: String,
     order: usize,
     gain: Gain,
@@ -22,7 +22,7 @@ impl Differences {
     ///
     /// # Errors
     /// Another order; `samples` below `order + 2`.
-    pub fn new(order: usize, samples: usize) -> Result<Self, EstimatorError> {
+    pub(crate) fn new(order: usize, samples: usize) -> Result<Self, EstimatorError> {
         if !(1..=4).contains(&order) {
             return Err(EstimatorError::Parameter {
                 estimator: "diff",

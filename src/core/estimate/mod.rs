@@ -13,20 +13,17 @@
 //! | `ewma(0.01)` | everything, the latest most | 1.15 |
 //! | `kalman(0.1)` | what a slow random walk does not follow | 1.04 |
 //!
-//! * [`WindowSigma`], [`StreamSigma`]: the two ways an estimator is asked.
+//! * [`WindowSigma`]: an estimator asked for a window; the moving variances are asked after every sample too.
 //! * [`Windowed`]: estimators on six axes as a [`NoiseModel`](crate::noise::NoiseModel).
 //! * [`spec`]: the strings that name all of them.
 
 mod allan;
 mod axis;
 mod differences;
-mod ewma;
-mod kalman;
 mod mad2;
+mod moving;
 mod quadratic;
-mod running;
 mod savgol;
-mod sliding;
 pub mod spec;
 mod wavelet;
 mod window_sigma;
@@ -35,16 +32,13 @@ mod windowed;
 #[cfg(test)]
 mod white_noise_tests;
 
-pub use allan::Allan;
-pub use axis::{AxisSigma, EachSample, Given, HopWindow, Reading};
-pub use differences::Differences;
-pub use ewma::Ewma;
-pub use kalman::Kalman;
-pub use mad2::Mad2;
-pub use running::Running;
-pub use savgol::SgResidual;
-pub use sliding::Sliding;
-pub use spec::{DEFAULT_TAG, Noise, NoiseSpec, SpecError, parse_list};
-pub use wavelet::WaveletMad;
-pub use window_sigma::{EstimatorError, FromFresh, StreamSigma, WindowSigma};
-pub use windowed::{Schedule, Windowed, raised_to_floor, sigma_floor};
+pub(crate) use allan::Allan;
+pub(crate) use axis::{AxisSigma, EachSample, Given, HopWindow, Reading};
+pub(crate) use differences::Differences;
+pub(crate) use mad2::Mad2;
+pub(crate) use savgol::SgResidual;
+pub use spec::{DEFAULT_TAG, Noise, SensorPair, SpecError, parse_list};
+pub(crate) use wavelet::WaveletMad;
+pub use window_sigma::{EstimatorError, WindowSigma};
+pub(crate) use windowed::Windowed;
+pub use windowed::{Schedule, raised_to_floor};

@@ -10,7 +10,7 @@ use crate::signal::SavitzkyGolay;
 /// Fooled by vibration in that range, which it counts in full; blind to noise that a wide polynomial follows, which
 /// for white noise is corrected exactly. A trend of the polynomial's order leaves it unmoved.
 #[derive(Debug, Clone)]
-pub struct SgResidual {
+pub(crate) struct SgResidual {
     name: String,
     filter: SavitzkyGolay,
     gain: Gain,
@@ -22,7 +22,7 @@ impl SgResidual {
     /// # Errors
     /// What [`SavitzkyGolay::new`] refuses; an order of `window - 1`, which leaves no residual; `samples` below the
     /// filter's window.
-    pub fn new(window: usize, order: usize, samples: usize) -> Result<Self, EstimatorError> {
+    pub(crate) fn new(window: usize, order: usize, samples: usize) -> Result<Self, EstimatorError> {
         let filter = SavitzkyGolay::new(window, order)?;
         let name = format!("sg({window},{order})");
         if order + 1 == window {
@@ -41,9 +41,9 @@ impl SgResidual {
     }
 }
 
-/// `x - SG(x)`; nothing for a window below the filter's.
+/// `x - SG(x)` of a window that is as long as the filter's or longer.
 fn residual(filter: &SavitzkyGolay, x: &[f64]) -> Vec<f64> {
-    let mut out = filter.smooth(x).unwrap_or_default();
+    let mut out = filter.smooth(x).expect("shorter windows are answered with NaN before");
     out.iter_mut().zip(x).for_each(|(y, v)| *y = v - *y);
     out
 }

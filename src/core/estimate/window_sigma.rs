@@ -1,4 +1,4 @@
-//! The two ways an estimator is asked: for a whole window, or after every sample.
+//! How an estimator is asked, and why it cannot be made.
 
 use crate::signal::FilterError;
 use thiserror::Error;
@@ -53,50 +53,4 @@ pub trait WindowSigma: Send + Sync {
     ///
     /// Zero for a window without noise, but for rounding.
     fn sigma(&self, window: &[f64]) -> f64;
-}
-
-/// Deviation of the white noise per sample, updated with every sample of one axis.
-pub trait StreamSigma: Send {
-    /// The spec that names it, for example `"ewma(0.01)"`.
-    fn name(&self) -> &str;
-
-    /// Samples below which there is no answer.
-    fn min_len(&self) -> usize;
-
-    /// Takes the next sample.
-    fn push(&mut self, value: f64);
-
-    /// The deviation by now, in the unit of the samples; NaN before [`min_len`](Self::min_len) samples.
-    fn sigma(&self) -> f64;
-
-    /// Forgets everything pushed so far.
-    fn reset(&mut self);
-}
-
-/// A streaming estimator asked for a window: its value after that window, from fresh.
-#[derive(Debug, Clone)]
-pub struct FromFresh<S>(S);
-
-impl<S: StreamSigma + Clone> FromFresh<S> {
-    /// Wraps `stream`; what it has seen so far is forgotten.
-    pub fn new(mut stream: S) -> Self {
-        stream.reset();
-        Self(stream)
-    }
-}
-
-impl<S: StreamSigma + Clone + Sync> WindowSigma for FromFresh<S> {
-    fn name(&self) -> &str {
-        self.0.name()
-    }
-
-    fn min_len(&self) -> usize {
-        self.0.min_len()
-    }
-
-    fn sigma(&self, window: &[f64]) -> f64 {
-        let mut stream = self.0.clone();
-        window.iter().for_each(|v| stream.push(*v));
-        stream.sigma()
-    }
 }

@@ -30,7 +30,7 @@ const ROOT_200: f64 = 14.142_135_623_730_951;
 /// sample (2.8e-4 m/s^2, 2.4e-5 rad/s), below a tenth of what quantisation alone adds there.
 ///
 /// A constant axis would otherwise get zero noise, whose information is infinite, and break what is fed with it.
-pub fn sigma_floor(sensor: Sensor) -> f64 {
+pub(crate) fn sigma_floor(sensor: Sensor) -> f64 {
     FLOOR_SHARE
         * match sensor {
             Sensor::Accel => DATA_SHEET[0],
@@ -51,59 +51,30 @@ pub fn raised_to_floor(noise: &ImuNoise) -> ImuNoise {
 /// the baseline, `ImuNoise::baseline()`, as it does where an estimate is not finite; estimates below [`sigma_floor`] are
 /// raised to it; given figures are taken as they are. Samples are counted, not timed: a gap in the recording leaves
 /// older samples in the window.
-pub struct Windowed {
+pub(crate) struct Windowed {
     name: String,
     accel: [Box<dyn AxisSigma>; 3],
     gyro: [Box<dyn AxisSigma>; 3],
-    fallback_samples: usize,
-    floored_samples: usize,
 }
 
 impl Windowed {
     /// A model called `name` from one source an axis: x, y, z of both sensors.
-    pub fn new(
+    pub(crate) fn new(
         name: impl Into<String>,
         accel: [Box<dyn AxisSigma>; 3],
         gyro: [Box<dyn AxisSigma>; 3],
     ) -> Self {
-        Self { name: name.into(), accel, gyro, fallback_samples: 0, floored_samples: 0 }
-    }
-
-    /// Samples since the last reset at which an axis stood below the floor and was raised.
-    pub fn floored_samples(&self) -> usize {
-        self.floored_samples
+        Self { name: name.into(), accel, gyro }
     }
 }
 
-/// What became of the readings at one sample.
-#[derive(Default)]
-struct Events {
-    fallback: bool,
-    floored: bool,
-}
-
-impl Events {
-    /// The deviation of one axis, made by `from` where the reading is one.
-    fn settle<T>(
-        &mut self,
-        reading: Reading,
-        sensor: Sensor,
-        baseline: T,
-        from: impl FnOnce(f64) -> Option<T>,
-    ) -> T {
-        let value = match reading {
-            Reading::NotYet => None,
-            Reading::Given(sigma) => Some(sigma),
-            Reading::Estimate(sigma) if sigma < sigma_floor(sensor) => {
-                self.floored = true;
-                Some(sigma_floor(sensor))
-            }
-            Reading::Estimate(sigma) => Some(sigma),
-        };
-        value.and_then(from).unwrap_or_else(|| {
-            self.fallback = true;
-            baseline
-        })
+/// What a reading says; nothing before the first estimate.
+fn settled(reading: Reading, sensor: Sensor) -> Option<f64> {
+    match reading {
+        Reading::NotYet => None,
+        Reading::Given(sigma) => Some(sigma),
+        Reading::Estimate(sigma) if sigma < sigma_floor(sensor) => Some(sigma_floor(sensor)),
+        Reading::Estimate(sigma) => Some(sigma),
     }
 }
 
@@ -114,35 +85,29 @@ impl NoiseModel for Windowed {
 
     fn feed(&mut self, sample: &ImuSample) -> ImuNoise {
         let mut noise = ImuNoise::baseline();
-        let mut events = Events::default();
+        // What is no deviation, from samples whose squares are beyond all numbers, leaves the baseline too.
         for axis in 0..3 {
-            let reading = self.accel[axis].feed(sample.accel[axis]);
-            let from = |sigma| AccelSampleStd::new(sigma).ok();
-            noise.accel[axis] = events.settle(reading, Sensor::Accel, noise.accel[axis], from);
-            let reading = self.gyro[axis].feed(sample.gyro[axis]);
-            let from = |sigma| GyroSampleStd::new(sigma).ok();
-            noise.gyro[axis] = events.settle(reading, Sensor::Gyro, noise.gyro[axis], from);
+            let sigma = settled(self.accel[axis].feed(sample.accel[axis]), Sensor::Accel);
+            if let Some(Ok(sigma)) = sigma.map(AccelSampleStd::new) {
+                noise.accel[axis] = sigma;
+            }
+            let sigma = settled(self.gyro[axis].feed(sample.gyro[axis]), Sensor::Gyro);
+            if let Some(Ok(sigma)) = sigma.map(GyroSampleStd::new) {
+                noise.gyro[axis] = sigma;
+            }
         }
-        self.fallback_samples += usize::from(events.fallback);
-        self.floored_samples += usize::from(events.floored);
         noise
     }
 
     fn reset(&mut self) {
         self.accel.iter_mut().chain(&mut self.gyro).for_each(|axis| axis.reset());
-        self.fallback_samples = 0;
-        self.floored_samples = 0;
-    }
-
-    fn fallback_samples(&self) -> usize {
-        self.fallback_samples
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::spec::NoiseSpec;
+    use crate::estimate::Noise;
     use crate::noise::NoiseTrack;
     use crate::random::Stream;
     use crate::{ImuRecording, Stamp};
@@ -163,7 +128,8 @@ mod tests {
     }
 
     fn model(spec: &str) -> Box<dyn NoiseModel> {
-        spec.parse::<NoiseSpec>().unwrap().model(Schedule::default()).unwrap()
+        let Noise::Sensors(pair) = spec.parse().unwrap() else { panic!("{spec} is made elsewhere") };
+        pair.model(Schedule::default()).unwrap()
     }
 
     const EVERY_KIND: [&str; 12] = [
@@ -186,13 +152,12 @@ mod tests {
     }
 
     #[test]
-    fn the_baseline_holds_until_the_first_window_is_full_and_is_counted() {
+    fn the_baseline_holds_until_the_first_window_is_full() {
         for spec in EVERY_KIND {
             let mut model = model(spec);
             let track = NoiseTrack::of(model.as_mut(), &recording(300));
             assert!(track.noises()[..199].iter().all(|n| *n == ImuNoise::baseline()), "{spec}");
             assert_ne!(track.noises()[199], ImuNoise::baseline(), "{spec}");
-            assert_eq!(model.fallback_samples(), 199, "{spec}");
         }
     }
 

@@ -119,7 +119,7 @@ impl<T: Copy> Axes<T> {
 impl<T: Copy + PartialOrd> Axes<T> {
     /// The largest of the three.
     pub fn largest(self) -> T {
-        self.each().into_iter().reduce(|a, b| if b > a { b } else { a }).unwrap_or_else(|| self.each()[0])
+        self.each().into_iter().reduce(|a, b| if b > a { b } else { a }).expect("there are three axes")
     }
 }
 

@@ -16,11 +16,6 @@ pub trait NoiseModel {
 
     /// Forgets everything fed so far.
     fn reset(&mut self);
-
-    /// Samples since the last reset at which the model had no estimate yet and answered with the baseline.
-    fn fallback_samples(&self) -> usize {
-        0
-    }
 }
 
 /// The same noise at every sample.

@@ -55,6 +55,16 @@ impl NoiseTrack {
         }
     }
 
+    /// The same stamps with other noises.
+    ///
+    /// # Panics
+    /// When there are not as many noises as stamps.
+    #[must_use]
+    pub fn with_noises(&self, noises: Vec<ImuNoise>) -> Self {
+        assert_eq!(noises.len(), self.stamps.len(), "a noise for every stamp");
+        Self { stamps: self.stamps.clone(), noises }
+    }
+
     /// The stamps, increasing.
     pub fn stamps(&self) -> &[Stamp] {
         &self.stamps

@@ -6,7 +6,7 @@
 //! * [`stats`]: moments, quantiles, median absolute deviation, differences.
 
 mod orthonormal;
-pub mod savitzky_golay;
+mod savitzky_golay;
 pub mod spectrum;
 pub mod stats;
 pub mod wavelet;

@@ -10,6 +10,7 @@
 //! filters". Not here: derivatives, uneven sampling.
 
 use super::orthonormal::{dot, orthonormal_polynomials};
+#[cfg(test)]
 use std::f64::consts::TAU;
 use thiserror::Error;
 
@@ -187,7 +188,8 @@ impl SavitzkyGolay {
     /// Amplitude response of the kernel at `cycles_per_sample` = frequency / rate, in \[0, 0.5\].
     ///
     /// Real (the kernel is symmetric), 1 at zero, may be negative in the stop band.
-    pub fn frequency_response(&self, cycles_per_sample: f64) -> f64 {
+    #[cfg(test)]
+    fn frequency_response(&self, cycles_per_sample: f64) -> f64 {
         let half = self.window / 2;
         let wings: f64 =
             (1..=half).map(|k| self.kernel[half + k] * (TAU * cycles_per_sample * k as f64).cos()).sum();

@@ -60,7 +60,8 @@ impl Welch {
 
     /// Leaves the mean in the segments: bin zero then shows it, and leaks into its neighbour.
     #[must_use]
-    pub fn keeping_mean(mut self) -> Self {
+    #[cfg(test)]
+    fn keeping_mean(mut self) -> Self {
         self.remove_mean = false;
         self
     }

@@ -15,9 +15,9 @@ pub use camera::CameraFrame;
 pub use discover::discover;
 pub use ground_truth::read as read_ground_truth;
 pub use imu_config::ImuConfig;
+pub use sequence::Sequence;
 #[cfg(test)]
 pub(crate) use sequence::parse_imu;
-pub use sequence::{Sequence, read_imu};
-pub use write::{SequenceParts, write_ground_truth, write_imu, write_imu_config, write_sequence};
+pub use write::{SequenceParts, write_sequence};
 #[cfg(feature = "images")]
 pub use write_camera::{image_place, write_camera_config, write_camera_frames, write_png};

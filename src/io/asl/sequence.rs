@@ -131,7 +131,7 @@ impl Sequence {
 ///
 /// # Errors
 /// As [`crate::read_imu_csv`].
-pub fn read_imu(path: &Path) -> Result<ImuRecording, IoError> {
+pub(crate) fn read_imu(path: &Path) -> Result<ImuRecording, IoError> {
     let bytes = std::fs::read(path).map_err(|e| IoError::reading(path, e))?;
     parse_imu(&bytes, path)
 }

@@ -50,7 +50,7 @@ pub fn write_sequence(dir: &Path, parts: &SequenceParts<'_>) -> Result<Sequence,
 ///
 /// # Errors
 /// As [`atomic_write`].
-pub fn write_imu(path: &Path, recording: &ImuRecording) -> Result<(), IoError> {
+pub(crate) fn write_imu(path: &Path, recording: &ImuRecording) -> Result<(), IoError> {
     atomic_write(path, |out| {
         writeln!(out, "{IMU_HEADER}")?;
         for sample in recording.samples() {
@@ -65,7 +65,7 @@ pub fn write_imu(path: &Path, recording: &ImuRecording) -> Result<(), IoError> {
 ///
 /// # Errors
 /// As [`atomic_write`].
-pub fn write_imu_config(path: &Path, config: &ImuConfig) -> Result<(), IoError> {
+pub(crate) fn write_imu_config(path: &Path, config: &ImuConfig) -> Result<(), IoError> {
     atomic_write(path, |out| {
         writeln!(out, "sensor_type: imu")?;
         matrix(out, &config.body_from_imu)?;
@@ -86,7 +86,7 @@ pub fn write_imu_config(path: &Path, config: &ImuConfig) -> Result<(), IoError> 
 ///
 /// # Errors
 /// As [`atomic_write`].
-pub fn write_ground_truth(path: &Path, truth: &GroundTruth) -> Result<(), IoError> {
+pub(crate) fn write_ground_truth(path: &Path, truth: &GroundTruth) -> Result<(), IoError> {
     atomic_write(path, |out| {
         let velocity = if truth.has_velocity() { VELOCITY_HEADER } else { "" };
         let biases = if truth.has_biases() { BIAS_HEADER } else { "" };

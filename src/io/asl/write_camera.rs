@@ -72,7 +72,7 @@ pub fn write_png(path: &Path, image: GrayView<'_>) -> Result<(), IoError> {
 mod tests {
     use super::*;
     use crate::asl::Sequence;
-    use crate::{ImageFolder, read_png};
+    use crate::{ImageFolder, images::read_png};
     use dpn_core::image::GrayImage;
     use dpn_core::time::{SampleRate, Stamp};
     use nalgebra::{Isometry3, Vector3};

@@ -14,7 +14,7 @@ use super::format::Format;
 use super::keyed;
 use super::number::{number, short};
 use super::quantity::Quantity;
-use super::read::{Given, Source, Zero};
+use super::read::{Given, NoiseCalibration, Zero};
 use super::step::Step;
 use super::tree::{Node, Tree};
 use super::unit;
@@ -31,8 +31,8 @@ pub(super) const KEYS: [(&str, Figure); 4] = [
 ];
 const RATE: &str = "update_rate";
 
-pub(super) fn read(tree: &Tree, path: &Path, given: &Given) -> Result<Source, FormatError> {
-    let mut source = Source::new(Format::Datasheet);
+pub(super) fn read(tree: &Tree, path: &Path, given: &Given) -> Result<NoiseCalibration, FormatError> {
+    let mut source = NoiseCalibration::new(Format::Datasheet);
     let blocks = tree.blocks();
     let block = &blocks[0];
     source.figures.rate = keyed::rate(block, [RATE], given.rate, path, &mut source.remarks)?;

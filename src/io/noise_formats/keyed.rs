@@ -4,7 +4,7 @@ use super::error::{FormatError, Slip, at};
 use super::format::Format;
 use super::layout::{Key, Layout};
 use super::number::{number, short};
-use super::read::{Given, Source, Zero};
+use super::read::{Given, NoiseCalibration, Zero};
 use super::step::{Remark, Step};
 use super::tree::{Block, Entry, Item, Tree};
 use dpn_core::config::nearest;
@@ -159,9 +159,9 @@ pub(super) fn read(
     layout: &Layout,
     path: &Path,
     given: &Given,
-) -> Result<Source, FormatError> {
+) -> Result<NoiseCalibration, FormatError> {
     let names = layout.keys.map(|key| key.name);
-    let mut source = Source::new(format);
+    let mut source = NoiseCalibration::new(format);
     let Some((block, others)) = block(tree, &names) else {
         return Err(missing(tree, format, layout, path, &layout.keys));
     };

@@ -34,7 +34,7 @@ pub struct Layout {
 impl Layout {
     /// The key that gives `figure`.
     pub fn key(&self, figure: Figure) -> Key {
-        self.keys.into_iter().find(|key| key.figure == figure).unwrap_or(self.keys[0])
+        self.keys.into_iter().find(|key| key.figure == figure).expect("a layout has a key for each figure")
     }
 
     /// Whether any of its numbers is only meant together with a rate.

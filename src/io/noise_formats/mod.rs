@@ -39,6 +39,6 @@ pub use format::{Format, UnknownFormat};
 pub use layout::{Key, Layout};
 pub use number::number;
 pub use quantity::{Quantity, QuantityError};
-pub use read::{Given, Source, Zero, parse, read};
+pub use read::{Given, NoiseCalibration, Zero, parse, read};
 pub use step::{Remark, Step};
 pub use write::{Written, write};

@@ -9,7 +9,7 @@ pub fn number(value: f64) -> String {
         return format!("{value:?}");
     }
     // Rounded to eight digits, then in the shortest form of that.
-    let rounded: f64 = format!("{value:.7e}").parse().unwrap_or(value);
+    let rounded: f64 = format!("{value:.7e}").parse().expect(OWN_TEXT);
     if (1e-3..1e6).contains(&rounded.abs()) {
         return format!("{rounded:?}");
     }
@@ -22,9 +22,12 @@ pub fn number(value: f64) -> String {
     format!("{mantissa}{point}e{sign}{exponent}")
 }
 
+/// Why reading back what was just written cannot fail.
+const OWN_TEXT: &str = "a number as Rust writes it is one that Rust reads";
+
 /// The same with four significant digits, for people.
 pub(super) fn short(value: f64) -> String {
-    number(format!("{value:.3e}").parse().unwrap_or(value))
+    number(format!("{value:.3e}").parse().expect(OWN_TEXT))
 }
 
 #[cfg(test)]

@@ -19,7 +19,7 @@ pub struct Given {
     pub rate: Option<SampleRate>,
     /// Figures with their units.
     pub quantities: Vec<Quantity>,
-    /// Whether a zero is kept as something to be said ([`Source::zeros`]) and not refused: for whoever judges a configuration and does
+    /// Whether a zero is kept as something to be said ([`NoiseCalibration::zeros`]) and not refused: for whoever judges a configuration and does
     /// not count with it.
     pub keep_zeros: bool,
 }
@@ -44,7 +44,7 @@ impl Given {
 
 /// Figures, where they came from, and how.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Source {
+pub struct NoiseCalibration {
     /// How they were written.
     pub format: Format,
     /// What they say.
@@ -57,7 +57,7 @@ pub struct Source {
     pub zeros: Vec<Zero>,
 }
 
-impl Source {
+impl NoiseCalibration {
     pub(super) fn new(format: Format) -> Self {
         Self {
             format,
@@ -101,7 +101,7 @@ impl Source {
 ///
 /// # Errors
 /// A file that cannot be read or is no YAML or JSON; keys that are missing; numbers that no noise has; per-sample numbers without a rate.
-pub fn read(path: &Path, format: Option<Format>, given: &Given) -> Result<Source, FormatError> {
+pub fn read(path: &Path, format: Option<Format>, given: &Given) -> Result<NoiseCalibration, FormatError> {
     let bytes = std::fs::read(path).map_err(|error| IoError::reading(path, error))?;
     parse(&bytes, path, format, given)
 }
@@ -115,7 +115,7 @@ pub fn parse(
     path: &Path,
     format: Option<Format>,
     given: &Given,
-) -> Result<Source, FormatError> {
+) -> Result<NoiseCalibration, FormatError> {
     let tree = Tree::parse(bytes, path)?;
     let Some(format) = format.or_else(|| Format::of(&tree)) else {
         let known: Vec<&str> = Format::ALL.into_iter().flat_map(Format::own_keys).collect();

@@ -7,7 +7,7 @@ use super::keyed::AxesText;
 use super::keyed::{self, Line};
 use super::layout::Key;
 use super::number::number;
-use super::read::{Given, Source, Zero};
+use super::read::{Given, NoiseCalibration, Zero};
 use super::step::{Remark, Step};
 use super::tree::{Entry, Tree};
 use dpn_core::noise::Meaning;
@@ -20,8 +20,8 @@ pub(super) const KEYS: [&str; 2] = ["linear_acceleration_covariance", "angular_v
 
 const FIGURES: [Figure; 2] = [Figure::AccelWhite, Figure::GyroWhite];
 
-pub(super) fn read(tree: &Tree, path: &Path, given: &Given) -> Result<Source, FormatError> {
-    let mut source = Source::new(Format::Ros);
+pub(super) fn read(tree: &Tree, path: &Path, given: &Given) -> Result<NoiseCalibration, FormatError> {
+    let mut source = NoiseCalibration::new(Format::Ros);
     source.figures.rate = given.rate;
     let missing = |lacking: Vec<usize>| FormatError::Missing {
         path: path.to_path_buf(),

@@ -24,7 +24,7 @@ fn table() -> String {
         let Some(layout) = format.layout() else { continue };
         let cells = Figure::ALL.map(|figure| {
             let key = layout.key(figure);
-            let value = figures.get(figure, key.meaning, SampleRate::HZ_200).map_or(0.0, Axes::largest);
+            let value = figures.get(figure, key.meaning, SampleRate::HZ_200).map(Axes::largest).unwrap();
             format!("`{}: {}`<br>{}", key.name, number::short(value), key.meaning.unit(figure))
         });
         let key = layout.key(Figure::AccelWhite);

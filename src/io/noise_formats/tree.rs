@@ -221,7 +221,7 @@ impl<'de> Deserialize<'de> for Item {
 }
 
 fn line_of<T>(spanned: &Spanned<T>) -> usize {
-    usize::try_from(spanned.referenced.line()).unwrap_or(0)
+    usize::try_from(spanned.referenced.line()).expect("a text in memory has no more lines than bytes")
 }
 
 #[cfg(test)]

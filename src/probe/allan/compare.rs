@@ -6,7 +6,7 @@ use super::model::Coefficient;
 use dpn_core::SampleRate;
 use dpn_core::noise::Meaning;
 use dpn_core::noise::{Axes, Figure, ImuFigures};
-use dpn_io::noise_formats::{Format, Source, number};
+use dpn_io::noise_formats::{Format, NoiseCalibration, number};
 use serde::Serialize;
 
 /// Up to this factor, up or down, a configuration agrees with a log.
@@ -117,7 +117,7 @@ impl Finding {
 }
 
 fn rounded(value: f64) -> f64 {
-    format!("{value:.2e}").parse().unwrap_or(value)
+    format!("{value:.2e}").parse().expect("a number as Rust writes it is one that Rust reads")
 }
 
 /// What a log says of one figure.
@@ -134,7 +134,7 @@ pub struct Measured {
 impl Measured {
     /// What a log at rest says of `figure`.
     pub fn at_rest(log: &AllanLog, figure: Figure) -> Option<Self> {
-        let density = log.figures().ok()?.density(figure)?.largest();
+        let density = log.figures().density(figure)?.largest();
         let sensor = figure.sensor();
         let largest = |c| log.estimates(sensor, c).iter().map(|e| e.value).fold(0.0, f64::max);
         let coefficient = if figure.is_walk() { Coefficient::Walk } else { Coefficient::White };
@@ -157,20 +157,25 @@ impl Measured {
 const FLOOR: f64 = 0.664;
 
 /// Holds every figure of `source` against `log`.
-pub fn compare(source: &Source, log: &AllanLog) -> Vec<Finding> {
+pub fn compare(source: &NoiseCalibration, log: &AllanLog) -> Vec<Finding> {
     let judged = |figure| judge(source, figure, log.rate, &Measured::at_rest(log, figure)?);
     Figure::ALL.into_iter().filter_map(judged).collect()
 }
 
 /// Holds one figure of `source` against what a log of `log_rate` says of it; none where the configuration does not have it.
-pub fn judge(source: &Source, figure: Figure, log_rate: SampleRate, measured: &Measured) -> Option<Finding> {
+pub fn judge(
+    source: &NoiseCalibration,
+    figure: Figure,
+    log_rate: SampleRate,
+    measured: &Measured,
+) -> Option<Finding> {
     let (key, meaning) = key_of(source.format, figure);
     // Numbers per sample are meant at the rate they were read with.
     let rate = source.figures.rate.unwrap_or(log_rate);
     let meant = |density: f64| {
         let mut figures = ImuFigures::default();
         let own = if figure.is_walk() { Meaning::WalkDensity } else { Meaning::Density };
-        figures.set(figure, own, Axes::Same(density), rate).ok()?;
+        figures.set(figure, own, Axes::Same(density), rate).expect("a density of the log's is one");
         figures.get(figure, meaning, rate).map(Axes::largest)
     };
     let at_log = meant(measured.density)?;

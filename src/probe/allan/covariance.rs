@@ -108,7 +108,8 @@ fn sums(m1: usize, m2: usize, samples: usize) -> Sums {
     // Where an end of the one meets an end of the other; beyond them only flicker noise is left, falling off by the square.
     let mut meet: Vec<i64> = (0..3).flat_map(|i| (0..3).map(move |j| i * m1 - j * m2)).collect();
     let reach = 6 * (m1 + m2);
-    meet.extend([meet.iter().min().unwrap_or(&0) - reach, meet.iter().max().unwrap_or(&0) + reach]);
+    let ends = meet.iter().min().zip(meet.iter().max()).map(|(low, high)| [low - reach, high + reach]);
+    meet.extend(ends.expect("three ends meet three"));
     for h in &mut meet {
         *h = (*h).clamp(least, most);
     }

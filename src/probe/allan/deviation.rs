@@ -10,7 +10,7 @@ use dpn_core::SampleRate;
 const PER_DECADE: f64 = 8.0;
 
 /// Averaging times from one sample to a third of `samples`, evenly spaced in their logarithm, in samples.
-pub fn averages(samples: usize) -> Vec<usize> {
+pub(crate) fn averages(samples: usize) -> Vec<usize> {
     let most = samples / 3;
     let mut averages: Vec<usize> = (0..)
         .map(|k| 10f64.powf(f64::from(k) / PER_DECADE).round() as usize)

@@ -136,14 +136,15 @@ impl AllanLog {
                 Ok(AxisFit { sensor, axis: ["x", "y", "z"][axis], fit: planner.fit(&signal)? })
             })
             .collect::<Result<Vec<_>, _>>()?;
-        Ok(Self { rate, samples: used.len(), length_s, rest, everything, axes })
+        let log = Self { rate, samples: used.len(), length_s, rest, everything, axes };
+        log.checked_figures()?;
+        Ok(log)
     }
 
     /// One coefficient of the three axes of a sensor.
     pub fn estimates(&self, sensor: Sensor, coefficient: Coefficient) -> [Estimate; 3] {
         let mut of = self.axes.iter().filter(|a| a.sensor == sensor).map(|a| a.fit.of(coefficient));
-        let first = self.axes[0].fit.of(coefficient);
-        std::array::from_fn(|_| of.next().unwrap_or(first))
+        std::array::from_fn(|_| of.next().expect("a log is fitted on three axes of either sensor"))
     }
 
     /// Whether `coefficient` is seen on all three axes.
@@ -152,10 +153,11 @@ impl AllanLog {
     }
 
     /// White noise and bias walks as densities. Where a walk is not seen, what it stays below stands for it.
-    ///
-    /// # Errors
-    /// A fitted value that is not finite.
-    pub fn figures(&self) -> Result<ImuFigures, BadNoise> {
+    pub fn figures(&self) -> ImuFigures {
+        self.checked_figures().expect("checked when the log was fitted")
+    }
+
+    fn checked_figures(&self) -> Result<ImuFigures, BadNoise> {
         let value = |e: Estimate| if e.seen { e.value } else { e.high };
         let axes = |sensor, coefficient| Axes::Each(self.estimates(sensor, coefficient).map(value));
         Ok(ImuFigures {

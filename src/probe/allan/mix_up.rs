@@ -26,7 +26,7 @@ struct MixUp {
 /// White noise: data sheets from ADIS16495 and HG4930 (20 ug/sqrt(Hz), .04 deg/sqrt(h)) to MPU-6050 and ADIS16448 (400 ug/sqrt(Hz),
 /// .0135 deg/s/sqrt(Hz)). Walks, which data sheets do not have: published calibrations and defaults, from VINS-Mono's at 200 Hz to EuRoC's
 /// `sensor.yaml` (accelerometer) and Basalt's calibration of it (gyroscope).
-pub fn typical(figure: Figure) -> [f64; 2] {
+pub(crate) fn typical(figure: Figure) -> [f64; 2] {
     match figure {
         Figure::AccelWhite => [2e-4, 4e-3],
         Figure::GyroWhite => [1.2e-5, 2.4e-4],
@@ -36,7 +36,7 @@ pub fn typical(figure: Figure) -> [f64; 2] {
 }
 
 /// Whether a density is more than twice outside [`typical`].
-pub fn unusual(figure: Figure, density: f64) -> bool {
+pub(crate) fn unusual(figure: Figure, density: f64) -> bool {
     let [low, high] = typical(figure);
     density < low / FAR || density > high * FAR
 }

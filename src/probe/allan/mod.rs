@@ -20,9 +20,9 @@ mod golden;
 mod inversion;
 mod log;
 #[cfg(feature = "formats")]
-pub mod mix_up;
+pub(crate) mod mix_up;
 pub mod model;
-pub mod nnls;
+mod nnls;
 #[cfg(feature = "formats")]
 pub mod report;
 pub mod rest;

@@ -20,7 +20,7 @@ pub struct NnlsError {
 ///
 /// # Errors
 /// A matrix or a vector with values that are not finite; a solver that gives up.
-pub fn nnls(a: &DMatrix<f64>, b: &DVector<f64>) -> Result<DVector<f64>, NnlsError> {
+pub(crate) fn nnls(a: &DMatrix<f64>, b: &DVector<f64>) -> Result<DVector<f64>, NnlsError> {
     let fault = |reason: &str| NnlsError { reason: reason.to_owned() };
     let n = a.ncols();
     // Columns of length 1: their entries span many powers of ten.

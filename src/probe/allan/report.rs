@@ -2,6 +2,7 @@
 
 use super::log::AllanLog;
 use super::model::Coefficient;
+use crate::text::aligned;
 use dpn_core::Sensor;
 use dpn_core::noise::Meaning;
 use dpn_core::noise::{Axes, Figure};
@@ -41,7 +42,7 @@ pub fn page(log: &AllanLog) -> Result<String, FormatError> {
 /// # Errors
 /// Those of writing a configuration.
 pub fn pasted(log: &AllanLog) -> Result<Vec<Written>, FormatError> {
-    let figures = log.figures().map_err(|_| FormatError::Nothing)?;
+    let figures = log.figures();
     let note = |figure: Figure| {
         let coefficient = if figure.is_walk() { Coefficient::Walk } else { Coefficient::White };
         (!log.seen(figure.sensor(), coefficient)).then(|| "not seen in this log: an upper bound".to_owned())
@@ -101,30 +102,14 @@ fn table(log: &AllanLog, sensor: Sensor) -> String {
         let label = format!("  {} {coefficient}", coefficient.letter());
         rows.push([label, x, y, z, coefficient.unit(sensor).to_owned()]);
     }
-    let per_sample = log
-        .figures()
-        .ok()
-        .and_then(|figures| figures.get(Figure::white(sensor), Meaning::SampleStd, log.rate));
-    if let Some([x, y, z]) = per_sample.map(Axes::each) {
-        rows.push(["    N per sample".to_owned(), three(x), three(y), three(z), sensor.unit().to_owned()]);
-    }
-    let misfit = log.axes.iter().filter(|a| a.sensor == sensor).map(|a| format!("{:.1}", a.fit.misfit));
-    let mut misfit: Vec<String> = misfit.collect();
-    misfit.insert(0, "    misfit (1: as the model)".to_owned());
-    misfit.push(String::new());
-    if let Ok(row) = <[String; 5]>::try_from(misfit) {
-        rows.push(row);
-    }
-    let widths: Vec<usize> =
-        (0..5).map(|c| rows.iter().map(|r| r[c].chars().count()).max().unwrap_or(0)).collect();
-    let mut text = String::from("\n");
-    for row in rows {
-        let cells: Vec<String> =
-            row.iter().zip(&widths).map(|(cell, width)| format!("{cell:width$}")).collect();
-        text.push_str(cells.join("  ").trim_end());
-        text.push('\n');
-    }
-    text
+    let per_sample = log.figures().get(Figure::white(sensor), Meaning::SampleStd, log.rate);
+    let [x, y, z] = per_sample.map(Axes::each).expect("a fitted log has all figures").map(three);
+    rows.push(["    N per sample".to_owned(), x, y, z, sensor.unit().to_owned()]);
+    let mut misfits = log.axes.iter().filter(|a| a.sensor == sensor).map(|a| format!("{:.1}", a.fit.misfit));
+    let [x, y, z] =
+        std::array::from_fn(|_| misfits.next().expect("a log is fitted on three axes of either sensor"));
+    rows.push(["    misfit (1: as the model)".to_owned(), x, y, z, String::new()]);
+    format!("\n{}", aligned(&rows))
 }
 
 /// What the log is too short for, and how long one would have to be.

@@ -49,7 +49,7 @@ pub fn examine_log(log: &Log) -> Examination {
 }
 
 /// Looks at a log as a whole.
-pub fn examine(recording: &ImuRecording) -> Examination {
+pub(crate) fn examine(recording: &ImuRecording) -> Examination {
     let rest = crate::allan::rest::rest(recording);
     let spectra = vibration::spectra(recording);
     let mut findings = timing::findings(recording);

@@ -63,7 +63,7 @@ fn drift(recording: &ImuRecording, rest: &Rest, period: f64) -> Finding {
         up / down
     };
     let slopes: [f64; 3] = std::array::from_fn(slope);
-    let axis = (0..3).max_by(|a, b| slopes[*a].abs().total_cmp(&slopes[*b].abs())).unwrap_or(0);
+    let axis = (0..3).max_by(|a, b| slopes[*a].abs().total_cmp(&slopes[*b].abs())).expect("three axes");
     let span = samples.len() as f64 * period;
     let moved = (slopes[axis] * span).abs();
     let text = format!(

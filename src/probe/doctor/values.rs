@@ -42,9 +42,8 @@ fn middle(samples: &[ImuSample], sensor: Sensor) -> [f64; 3] {
 pub fn meaningless(recording: &ImuRecording) -> Vec<Finding> {
     const SAMPLES: usize = 5000;
     let every = recording.len().div_ceil(SAMPLES);
-    let Ok(thin) = ImuRecording::new(recording.samples().iter().step_by(every).copied().collect()) else {
-        return Vec::new();
-    };
+    let thin = ImuRecording::new(recording.samples().iter().step_by(every).copied().collect())
+        .expect("every so manieth sample of a recording, thousands or all of them");
     let mut findings = gravity(&thin, &Rest::default());
     findings.retain(|finding| finding.weight == Weight::Bad);
     findings
@@ -92,7 +91,7 @@ fn gravity(recording: &ImuRecording, rest: &Rest) -> Vec<Finding> {
             "calibrate its scale and bias, or look at the unit",
         ));
     } else {
-        let up = (0..3).max_by(|a, b| accel[*a].abs().total_cmp(&accel[*b].abs())).unwrap_or(2);
+        let up = (0..3).max_by(|a, b| accel[*a].abs().total_cmp(&accel[*b].abs())).expect("three axes");
         let sign = if accel[up] < 0.0 { "-" } else { "" };
         let tilt = (accel[up].abs() / force).clamp(-1.0, 1.0).acos().to_degrees();
         findings.push(Finding::note(

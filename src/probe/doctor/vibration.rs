@@ -34,13 +34,14 @@ pub struct AxisSpectrum {
 pub fn spectra(recording: &ImuRecording) -> Vec<AxisSpectrum> {
     let rate = recording.rate();
     let segment = ((rate.hz() * SEGMENT_S) as usize).max(16);
-    let Some(welch) = Welch::new(segment).ok().filter(|_| recording.len() >= 4 * segment) else {
+    if recording.len() < 4 * segment {
         return Vec::new();
-    };
+    }
+    let welch = Welch::new(segment).expect("16 samples or more");
     let all = Sensor::ALL.into_iter().flat_map(|sensor| (0..3).map(move |axis| (sensor, axis)));
-    all.filter_map(|(sensor, axis)| {
-        let spectrum = welch.spectrum(&recording.axis(sensor, axis), rate).ok()?;
-        Some(AxisSpectrum { sensor, axis, spectrum })
+    all.map(|(sensor, axis)| {
+        let spectrum = welch.spectrum(&recording.axis(sensor, axis), rate).expect("four segments or more");
+        AxisSpectrum { sensor, axis, spectrum }
     })
     .collect()
 }

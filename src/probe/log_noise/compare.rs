@@ -13,7 +13,7 @@ use dpn_core::noise::units::BadNoise;
 use dpn_core::noise::{AccelSampleStd, GyroSampleStd};
 use dpn_core::noise::{Axes, Figure, ImuFigures};
 use dpn_core::{SampleRate, Sensor};
-use dpn_io::noise_formats::{Source, number};
+use dpn_io::noise_formats::{NoiseCalibration, number};
 use serde::Serialize;
 
 /// Up to this factor, up or down, two figures agree.
@@ -95,7 +95,7 @@ impl Finding {
 
     /// One line for people.
     pub fn text(&self) -> String {
-        let short = |value: f64| number(format!("{value:.2e}").parse().unwrap_or(value));
+        let short = |value: f64| number(format!("{value:.2e}").parse().expect("Rust reads its own numbers"));
         let times = |ratio: f64| if ratio >= 10.0 { format!("{ratio:.0}") } else { format!("{ratio:.1}") };
         let floor = match (self.floor, self.floor_from) {
             (Some(floor), Some(FloorFrom::Rest)) => format!("at rest {}", short(floor)),
@@ -158,7 +158,7 @@ impl Finding {
 ///
 /// # Errors
 /// A deviation that is no noise.
-pub fn compare(source: &Source, levels: &Levels, rate: SampleRate) -> Result<Check, BadNoise> {
+pub fn compare(source: &NoiseCalibration, levels: &Levels, rate: SampleRate) -> Result<Check, BadNoise> {
     let mut white = Vec::new();
     for figure in [Figure::AccelWhite, Figure::GyroWhite] {
         white.extend(white_noise(source, levels, rate, figure)?);
@@ -185,7 +185,7 @@ pub fn compare(source: &Source, levels: &Levels, rate: SampleRate) -> Result<Che
 }
 
 fn white_noise(
-    source: &Source,
+    source: &NoiseCalibration,
     levels: &Levels,
     rate: SampleRate,
     figure: Figure,
@@ -195,9 +195,9 @@ fn white_noise(
     let read_at = source.figures.rate.unwrap_or(rate);
     let sensor = figure.sensor();
     let of = levels.sensor(sensor);
-    let floor = of.floor.map(|(sigma, _)| told(figure, meaning, sigma, rate, read_at)).transpose()?;
-    let middle = told(figure, meaning, of.in_motion, rate, read_at)?;
-    let high = told(figure, meaning, of.envelope, rate, read_at)?;
+    let floor = of.floor.map(|(sigma, _)| converted(figure, meaning, sigma, rate, read_at)).transpose()?;
+    let middle = converted(figure, meaning, of.in_motion, rate, read_at)?;
+    let high = converted(figure, meaning, of.envelope, rate, read_at)?;
     let mut finding = Finding {
         figure,
         key,
@@ -235,7 +235,7 @@ fn white_noise(
         None => is_far || finding.unusual,
     };
     if is_apart {
-        let by = |right: Told| by_measured(figure, meaning, configured, right.meant, read_at, &[]);
+        let by = |right: Converted| by_measured(figure, meaning, configured, right.meant, read_at, &[]);
         finding.suspects = floor.map(by).unwrap_or_default();
         // The quietest seconds may still be far from the sensor's own noise.
         if finding.suspects.is_empty() {
@@ -254,23 +254,23 @@ fn white_noise(
 
 /// A deviation of one sample as a density, to hold against others, and in the format's own meaning, to print.
 #[derive(Debug, Clone, Copy)]
-struct Told {
+struct Converted {
     density: f64,
     meant: f64,
 }
 
-fn told(
+fn converted(
     figure: Figure,
     meaning: Meaning,
     sigma: f64,
     rate: SampleRate,
     read_at: SampleRate,
-) -> Result<Told, BadNoise> {
+) -> Result<Converted, BadNoise> {
     let mut figures = ImuFigures { rate: Some(rate), ..ImuFigures::default() };
     match figure.sensor() {
         Sensor::Accel => figures.accel_white = Some(Axes::Same(AccelSampleStd::new(sigma)?.to_density(rate))),
         Sensor::Gyro => figures.gyro_white = Some(Axes::Same(GyroSampleStd::new(sigma)?.to_density(rate))),
     }
     let of = |value: Option<Axes<f64>>| value.map(Axes::largest).ok_or(BadNoise(sigma));
-    Ok(Told { density: of(figures.density(figure))?, meant: of(figures.get(figure, meaning, read_at))? })
+    Ok(Converted { density: of(figures.density(figure))?, meant: of(figures.get(figure, meaning, read_at))? })
 }

@@ -71,7 +71,10 @@ impl Levels {
     /// Of a recording with its phases; none where it is shorter than a filter.
     pub fn of(recording: &ImuRecording, stretches: &[Stretch]) -> Option<Self> {
         let half = ((recording.rate().hz() * FILTER_S - 1.0) / 2.0).round().max(2.0) as usize;
-        let filter = SavitzkyGolay::new(2 * half + 1, 2).ok()?;
+        let filter = SavitzkyGolay::new(2 * half + 1, 2).expect("an odd window of five samples or more");
+        if recording.len() < filter.window() {
+            return None;
+        }
         let block = (recording.rate().hz().round() as usize).clamp(8, recording.len().max(8));
         let start = recording.samples()[0].t;
         let phases: Vec<Option<Phase>> = recording
@@ -80,11 +83,10 @@ impl Levels {
             .map(|chunk| phase_of(stretches, chunk[chunk.len() / 2].t.seconds_since(start)))
             .collect();
         let sensor = |sensor: Sensor| {
-            let axes = (0..3).map(|axis| seconds(&filter, &recording.axis(sensor, axis), block));
-            let axes = axes.collect::<Option<Vec<_>>>()?;
-            Some(levels(calm(sensor, recording.rate()), &axes, &phases, walk_below(recording, sensor)))
+            let axes = [0, 1, 2].map(|axis| seconds(&filter, &recording.axis(sensor, axis), block));
+            levels(calm(sensor, recording.rate()), &axes, &phases, walk_below(recording, sensor))
         };
-        let (accel, gyro) = (sensor(Sensor::Accel)?, sensor(Sensor::Gyro)?);
+        let (accel, gyro) = (sensor(Sensor::Accel), sensor(Sensor::Gyro));
         Some(Self { window: filter.window(), accel, gyro, rest: rest(recording, stretches) })
     }
 
@@ -110,11 +112,11 @@ fn phase_of(stretches: &[Stretch], t: f64) -> Option<Phase> {
 }
 
 /// Deviations of the residual, a second each.
-fn seconds(filter: &SavitzkyGolay, signal: &[f64], block: usize) -> Option<Vec<f64>> {
-    let smooth = filter.smooth(signal).ok()?;
+fn seconds(filter: &SavitzkyGolay, signal: &[f64], block: usize) -> Vec<f64> {
+    let smooth = filter.smooth(signal).expect("a recording as long as the filter's window");
     let residual: Vec<f64> = signal.iter().zip(smooth).map(|(x, s)| x - s).collect();
     let gain = filter.residual_gain(signal.len());
-    Some(residual.chunks(block).map(|chunk| stats::deviation(chunk, Ddof::Zero) / gain).collect())
+    residual.chunks(block).map(|chunk| stats::deviation(chunk, Ddof::Zero) / gain).collect()
 }
 
 fn levels(calm: f64, axes: &[Vec<f64>], phases: &[Option<Phase>], walk_below: Option<f64>) -> SensorLevels {

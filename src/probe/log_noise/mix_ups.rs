@@ -8,7 +8,7 @@ use dpn_core::noise::Meaning;
 use dpn_core::noise::{AccelBiasWalkDensity, AccelNoiseDensity, GyroBiasWalkDensity, GyroNoiseDensity};
 use dpn_core::noise::{Axes, Figure, ImuFigures};
 use dpn_core::{ImuRecording, SampleRate};
-use dpn_io::noise_formats::{Format, Given, Source, parse, write};
+use dpn_io::noise_formats::{Format, Given, NoiseCalibration, parse, write};
 use dpn_logs::{LogOptions, read_log};
 use dpn_testing::packs;
 use std::path::Path;
@@ -60,7 +60,7 @@ fn tumvi() -> ImuFigures {
 }
 
 /// The file a person would have, with one figure changed.
-fn source(case: &Case, format: Format, change: Option<(Figure, f64)>) -> Source {
+fn source(case: &Case, format: Format, change: Option<(Figure, f64)>) -> NoiseCalibration {
     let mut figures = case.figures;
     figures.rate = Some(case.rate);
     if let Some((figure, value)) = change {

@@ -3,7 +3,7 @@
 //! * [`Plan`]: from a noise spec, the log's rate and how often an answer is wanted, to a causal [`Feed`] of samples.
 //! * [`track`]: its answers along a log, and which of the windows it looked at were unlike those it was trained on.
 //! * [`phases`](crate::phases): at rest, motors on, moving, from the samples alone.
-//! * [`Summary`]: quantiles per axis and phase.
+//! * [`TrackSummary`]: quantiles per axis and phase.
 //! * [`Levels`]: floor at rest and envelope in motion, from the samples themselves.
 //! * [`compare`]: a configuration against both.
 //! * [`report`]: all of it in words.
@@ -21,5 +21,5 @@ mod track;
 pub use error::LogNoiseError;
 pub use levels::{FloorFrom, Levels, SensorLevels};
 pub use plan::{Feed, Plan};
-pub use summary::{AxisSummary, PhaseSummary, Quantiles, SensorOutside, Summary};
+pub use summary::{AxisSummary, PhaseSummary, Quantiles, SensorOutside, TrackSummary};
 pub use track::{Answer, Count, Judged, Track, track};

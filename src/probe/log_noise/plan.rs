@@ -40,7 +40,7 @@ impl<'a> Plan<'a> {
     ) -> Result<Self, LogNoiseError> {
         let mut plan = Self { spec: spec.clone(), networks: None, thin: 1, every: every.max(1), rate };
         match spec {
-            Noise::Core(_) => {}
+            Noise::Sensors(_) => {}
             Noise::DualProNet { accel, gyro } => {
                 let text = spec.to_string();
                 let of = |sensor, tag| {
@@ -75,11 +75,6 @@ impl<'a> Plan<'a> {
     /// Every how many samples the networks see one; 1 for all else.
     pub fn thin(&self) -> usize {
         self.thin
-    }
-
-    /// Whether windows are held against what a network was trained on.
-    pub fn judges(&self) -> bool {
-        self.networks.is_some()
     }
 
     /// What a sensor's network was trained on, where that is known.
@@ -119,9 +114,9 @@ impl<'a> Plan<'a> {
     /// Parameters out of range; two networks that are no pair.
     pub fn feed(&self) -> Result<Feed, LogNoiseError> {
         let model = match (&self.spec, self.networks) {
-            (Noise::Core(spec), _) => {
+            (Noise::Sensors(pair), _) => {
                 let window = ((self.rate.hz() * WINDOW_S).round() as usize).max(8);
-                Model::Simple(spec.model(Schedule { window, hop: self.every })?)
+                Model::Simple(pair.model(Schedule { window, hop: self.every })?)
             }
             (_, Some((accel, gyro))) => Model::Networks(Box::new(DualProNet::new(
                 self.spec.to_string(),

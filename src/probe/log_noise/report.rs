@@ -1,7 +1,8 @@
 //! What a track says, as a page for people.
 
-use super::{Plan, Summary};
+use super::{Plan, TrackSummary};
 use crate::phases::Phase;
+use crate::text::aligned;
 use dpn_core::{SampleRate, Sensor};
 use std::fmt::Write;
 
@@ -9,7 +10,7 @@ use std::fmt::Write;
 const LOUD: f64 = 0.1;
 
 /// The warnings that go before everything else: estimates of what no network has seen.
-pub fn warnings(plan: &Plan<'_>, summary: &Summary) -> Vec<String> {
+pub fn warnings(plan: &Plan<'_>, summary: &TrackSummary) -> Vec<String> {
     let mut all = Vec::new();
     for part in &summary.phases {
         for outside in part.outside.iter().filter(|o| o.share > LOUD) {
@@ -33,7 +34,7 @@ pub fn warnings(plan: &Plan<'_>, summary: &Summary) -> Vec<String> {
 }
 
 /// The page: how the log went, and quantiles by phase, per sample and as densities.
-pub fn page(plan: &Plan<'_>, summary: &Summary, rate: SampleRate) -> String {
+pub fn page(plan: &Plan<'_>, summary: &TrackSummary, rate: SampleRate) -> String {
     let mut text =
         format!("noise by {}, every {} samples, of the samples past only\n", plan.spec(), plan.every());
     if plan.thin() > 1 {
@@ -67,25 +68,16 @@ pub fn page(plan: &Plan<'_>, summary: &Summary, rate: SampleRate) -> String {
         let mut rows = vec![["", "time", "x", "y", "z", "out of range"].map(str::to_owned)];
         for part in &summary.phases {
             let label = part.phase.map_or_else(|| "whole log".to_owned(), |p| p.to_string());
-            let mut row = vec![format!("  {label}"), format!("{:.0} s", part.seconds)];
-            let cells: Vec<String> = part
+            let none = || "-".to_owned();
+            let mut axes = part
                 .of(sensor)
-                .map(|a| format!("{} ({} to {})", two(a.sigma.middle), two(a.sigma.low), two(a.sigma.high)))
-                .collect();
-            row.extend((0..3).map(|i| cells.get(i).cloned().unwrap_or_else(|| "-".to_owned())));
+                .map(|a| format!("{} ({} to {})", two(a.sigma.middle), two(a.sigma.low), two(a.sigma.high)));
+            let [x, y, z] = std::array::from_fn(|_| axes.next().unwrap_or_else(none));
             let outside = part.outside.iter().find(|o| o.sensor == sensor);
-            row.push(outside.map_or_else(|| "-".to_owned(), |o| format!("{:.0} %", 100.0 * o.share)));
-            if let Ok(row) = <[String; 6]>::try_from(row) {
-                rows.push(row);
-            }
+            let outside = outside.map_or_else(none, |o| format!("{:.0} %", 100.0 * o.share));
+            rows.push([format!("  {label}"), format!("{:.0} s", part.seconds), x, y, z, outside]);
         }
-        let widths: Vec<usize> =
-            (0..6).map(|c| rows.iter().map(|r| r[c].chars().count()).max().unwrap_or(0)).collect();
-        for row in rows {
-            let cells: Vec<String> =
-                row.iter().zip(&widths).map(|(cell, width)| format!("{cell:width$}")).collect();
-            let _ = writeln!(text, "{}", cells.join("  ").trim_end());
-        }
+        text.push_str(&aligned(&rows));
     }
     if let (Some(rest), Some(moving)) = (summary.phase(Phase::Rest), summary.phase(Phase::Moving)) {
         text.push('\n');
@@ -104,7 +96,7 @@ pub fn page(plan: &Plan<'_>, summary: &Summary, rate: SampleRate) -> String {
 /// Two significant digits, plain where that is short.
 fn two(value: f64) -> String {
     let text = format!("{value:.1e}");
-    let rounded: f64 = text.parse().unwrap_or(value);
+    let rounded: f64 = text.parse().expect("a number as Rust writes it is one that Rust reads");
     if (1e-3..1e4).contains(&rounded.abs()) || rounded == 0.0 { rounded.to_string() } else { text }
 }
 

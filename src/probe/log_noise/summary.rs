@@ -55,7 +55,7 @@ pub struct PhaseSummary {
 
 /// A track by phase.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Summary {
+pub struct TrackSummary {
     /// The whole log, then its phases in the order of [`Phase::ALL`], without those that it does not have.
     pub phases: Vec<PhaseSummary>,
     /// When is which.
@@ -64,7 +64,7 @@ pub struct Summary {
     pub unknown_s: f64,
 }
 
-impl Summary {
+impl TrackSummary {
     /// Sums up. An answer counts for a phase when the `unknown_s` seconds behind it, the estimator's window, lie in that phase; the log's
     /// first ones, in which there was no estimate yet, count for nothing.
     pub fn of(track: &Track, recording: &ImuRecording, stretches: Vec<Stretch>, unknown_s: f64) -> Self {

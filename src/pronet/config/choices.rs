@@ -82,34 +82,6 @@ choice!(
         Differences = "differences",
         /// `x[t+2] - 2 x[t+1] + x[t]`: two samples shorter.
         SecondDifferences = "second-differences",
-        /// Two channels, two samples shorter: first differences and second differences.
-        BothDifferences = "both-differences",
-        /// Two channels: the window minus its mean, and its second differences with a zero at either end.
-        DemeanedAndSecondDifferences = "demeaned-and-second-differences",
-    }
-);
-
-choice!(
-    /// Whether a window is divided by a scale of its own; the logarithm of that scale is then one more pooled feature.
-    Standardise {
-        /// It is not: the fixed input scale is all.
-        #[default]
-        None = "none",
-        /// By the root mean square of the input (after demeaning, where the input is demeaned).
-        Rms = "rms",
-        /// By the root mean square of the window's second differences.
-        SecondDifferences = "second-differences",
-    }
-);
-
-choice!(
-    /// What the first convolution finds beyond a window's ends, where its padding is above zero.
-    Edges {
-        /// Zeros.
-        #[default]
-        Zero = "zero",
-        /// The window turned about its end points: `2 x[0] - x[i]` and `2 x[n-1] - x[n-1-i]`.
-        Odd = "odd",
     }
 );
 

@@ -2,6 +2,7 @@
 
 mod choices;
 mod network;
+pub(crate) mod retired;
 
-pub use choices::{BlockOrder, Edges, FirstKernels, Head, Input, NormAxes, Pool, Standardise};
+pub use choices::{BlockOrder, FirstKernels, Head, Input, NormAxes, Pool};
 pub use network::ProNetConfig;

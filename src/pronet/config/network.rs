@@ -1,6 +1,6 @@
 //! The typed configuration of one network.
 
-use super::{BlockOrder, Edges, FirstKernels, Head, Input, NormAxes, Pool, Standardise};
+use super::{BlockOrder, FirstKernels, Head, Input, NormAxes, Pool};
 use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 use dpn_core::{Sensor, imu};
 use serde::{Deserialize, Serialize};
@@ -21,12 +21,6 @@ pub struct ProNetConfig {
     pub input: Input,
     /// Number the window is divided by first \[the sensor's unit\]; the sensor's own (.1 m/s^2, .007 rad/s) when not given.
     pub input_scale: Option<f64>,
-    /// Whether each window is divided by a scale of its own.
-    pub standardise: Standardise,
-    /// Whether the deviation is multiplied by that scale again; only with `standardise`.
-    pub rescale_output: bool,
-    /// What lies beyond the window's ends.
-    pub edges: Edges,
     /// Order of a block's steps.
     pub block_order: BlockOrder,
     /// Over what a block normalises.
@@ -53,8 +47,6 @@ pub struct ProNetConfig {
     pub head: Head,
     /// Number the head's value is multiplied by \[the sensor's unit\]; the input scale when not given.
     pub output_scale: Option<f64>,
-    /// Whether inference averages the deviations of a window and of its negative; training does not.
-    pub symmetrise: bool,
 }
 
 impl Default for ProNetConfig {
@@ -64,9 +56,6 @@ impl Default for ProNetConfig {
             window: 200,
             input: Input::Demeaned,
             input_scale: None,
-            standardise: Standardise::None,
-            rescale_output: false,
-            edges: Edges::Zero,
             block_order: BlockOrder::ConvNormAct,
             norm_axes: NormAxes::Channels,
             channels: vec![16, 32, 64],
@@ -80,7 +69,6 @@ impl Default for ProNetConfig {
             hidden: vec![64, 32, 16],
             head: Head::Softplus,
             output_scale: None,
-            symmetrise: false,
         }
     }
 }
@@ -114,20 +102,12 @@ impl ProNetConfig {
         }
     }
 
-    /// Channels of the first convolution's input.
-    pub fn input_channels(&self) -> usize {
-        match self.input {
-            Input::BothDifferences | Input::DemeanedAndSecondDifferences => 2,
-            Input::Demeaned | Input::Raw | Input::Differences | Input::SecondDifferences => 1,
-        }
-    }
-
     /// Samples of the first convolution's input, its padding not counted.
     pub fn input_length(&self) -> usize {
         match self.input {
-            Input::Demeaned | Input::Raw | Input::DemeanedAndSecondDifferences => self.window,
+            Input::Demeaned | Input::Raw => self.window,
             Input::Differences => self.window.saturating_sub(1),
-            Input::SecondDifferences | Input::BothDifferences => self.window.saturating_sub(2),
+            Input::SecondDifferences => self.window.saturating_sub(2),
         }
     }
 
@@ -150,20 +130,15 @@ impl Validate for ProNetConfig {
     fn faults(&self) -> Vec<ConfigFault> {
         let mut faults = ConfigFaults::default();
         let positive = |faults: &mut ConfigFaults, key: &str, scale: Option<f64>| {
-            let ok = scale.is_none_or(|s| s.is_finite() && s > 0.0 && (s as f32) > 0.0);
-            faults.check(ok, key, scale.unwrap_or_default(), "a positive number");
+            if let Some(s) = scale {
+                faults.check(s.is_finite() && (s as f32) > 0.0, key, s, "a positive number");
+            }
         };
         let all = |list: &[usize], least, most| list.iter().all(|v| (least..=most).contains(v));
         let blocks = self.channels.len();
 
         faults.check((8..=100_000).contains(&self.window), "window", self.window, "8 to 100000 samples");
         positive(&mut faults, "input_scale", self.input_scale);
-        faults.check(
-            !self.rescale_output || self.standardise != Standardise::None,
-            "rescale_output",
-            self.rescale_output,
-            "false unless `standardise` is given",
-        );
         faults.check(
             (1..=8).contains(&blocks) && all(&self.channels, 1, 1024),
             "channels",
@@ -185,12 +160,6 @@ impl Validate for ProNetConfig {
             "paddings",
             &paddings,
             "below the kernel of the same block",
-        );
-        faults.check(
-            self.edges == Edges::Zero || self.paddings.first().is_none_or(|p| *p < self.input_length()),
-            "paddings",
-            &paddings,
-            "below the window in the first block for `edges = \"odd\"`",
         );
         faults.within("leak", self.leak, 0.0, 1.0);
         faults.check(
@@ -250,11 +219,10 @@ mod tests {
             leak: 2.0,
             kernels: vec![7, 7],
             input_scale: Some(f64::NAN),
-            rescale_output: true,
             ..ProNetConfig::default()
         };
         let keys: Vec<_> = config.faults().into_iter().map(|fault| fault.key).collect();
-        assert_eq!(keys, ["window", "input_scale", "rescale_output", "kernels", "leak"]);
+        assert_eq!(keys, ["window", "input_scale", "kernels", "leak"]);
     }
 
     #[test]

@@ -61,7 +61,7 @@ impl WithSimd for Backward<'_> {
         let d_last = &mut gradients.levels[last];
         d_last.fill(0.0);
         for (i, d) in d_sigma.iter().enumerate() {
-            d_last[i * LANE] = of.head.backward(z[i * LANE], chunk.scales[i], *d);
+            d_last[i * LANE] = of.head.backward(z[i * LANE], *d);
         }
         for (l, linear) in plan.linears.iter().enumerate().rev() {
             let (before, after) = gradients.levels.split_at_mut(l + 1);
@@ -125,9 +125,7 @@ fn window_backward<S: Simd>(
 ) {
     let plan = &of.plan;
     let Gradients { sums, d_conv, d_out, levels, .. } = gradients;
-    let Some(last) = plan.blocks.last() else {
-        return;
-    };
+    let last = plan.blocks.last().expect("a network has a block");
     let width = plan.linears[0].width_in;
     let d_features = &levels[0][window * width..(window + 1) * width];
     let out = &saved[plan.saved_last..][..last.time_out * last.width_out];

@@ -26,7 +26,6 @@ pub(crate) struct Chunk {
     pub(super) saved: Buffer,
     /// Features, then every linear layer's output (after its leaky ReLU): `[count, width]` each.
     pub(super) levels: Vec<Buffer>,
-    pub(super) scales: Vec<f32>,
     pub(super) scratch: Vec<f32>,
 }
 
@@ -44,7 +43,6 @@ impl Chunk {
             let widths = plan.linears.iter().map(|l| l.width_out);
             let first = plan.linears[0].width_in;
             self.levels = std::iter::once(first).chain(widths).map(|w| zeros(count * w)).collect();
-            self.scales = vec![1.0; count];
             self.scratch = vec![0.0; of.window];
             self.count = count;
         }

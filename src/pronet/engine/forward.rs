@@ -31,7 +31,7 @@ impl WithSimd for Forward<'_> {
             let slot = if keep { i * plan.saved_len } else { 0 };
             let saved = &mut chunk.saved[slot..slot + plan.saved_len];
             let features = &mut chunk.levels[0][i * features_width..(i + 1) * features_width];
-            chunk.scales[i] = window_forward(simd, of, packed, window, &mut chunk.scratch, saved, features);
+            window_forward(simd, of, packed, window, &mut chunk.scratch, saved, features);
         }
         let count = sigma.len();
         let last = plan.linears.len() - 1;
@@ -48,12 +48,12 @@ impl WithSimd for Forward<'_> {
             }
         }
         for (i, s) in sigma.iter_mut().enumerate() {
-            *s = of.head.forward(chunk.levels[last + 1][i * LANE], chunk.scales[i]);
+            *s = of.head.forward(chunk.levels[last + 1][i * LANE]);
         }
     }
 }
 
-/// One window from its samples to its pooled features; returns its own scale.
+/// One window from its samples to its pooled features.
 #[inline(always)]
 fn window_forward<S: Simd>(
     simd: S,
@@ -63,10 +63,10 @@ fn window_forward<S: Simd>(
     scratch: &mut [f32],
     saved: &mut [f32],
     features: &mut [f32],
-) -> f32 {
+) {
     let plan = &of.plan;
     let first = &plan.blocks[0];
-    let scale = of.preparation.run(
+    of.preparation.run(
         window,
         scratch,
         &mut saved[..first.saved_conv][first.saved_input..][..first.input_len()],
@@ -90,13 +90,7 @@ fn window_forward<S: Simd>(
         let (stats, rest) = rest.split_at_mut(next - block.saved_stats);
         norm::forward(simd, of.norm, block, packed, &conv[..out_len], stats, &mut rest[..out_len]);
     }
-    let Some(last) = plan.blocks.last() else {
-        return scale;
-    };
+    let last = plan.blocks.last().expect("a network has a block");
     let out = &saved[plan.saved_last..][..last.time_out * last.width_out];
     pool_forward(simd, of.pool, last, out, features);
-    if plan.scale_feature < features.len() && of.preparation.standardises() {
-        features[plan.scale_feature] = scale.ln();
-    }
-    scale
 }

@@ -9,21 +9,15 @@ pub(crate) struct HeadKind {
     head: Head,
     leak: f32,
     unit: f32,
-    rescale: bool,
 }
 
 impl HeadKind {
     pub(crate) fn new(config: &ProNetConfig) -> Self {
-        Self {
-            head: config.head,
-            leak: config.leak as f32,
-            unit: config.output_scale() as f32,
-            rescale: config.rescale_output,
-        }
+        Self { head: config.head, leak: config.leak as f32, unit: config.output_scale() as f32 }
     }
 
-    /// The deviation for the last number `z` of a window whose own scale is `scale`.
-    pub(crate) fn forward(self, z: f32, scale: f32) -> f32 {
+    /// The deviation for the last number `z`.
+    pub(crate) fn forward(self, z: f32) -> f32 {
         let positive = match self.head {
             // max(z, 0) + ln(1 + exp(-|z|)): no overflow.
             Head::Softplus => z.max(0.0) + (-z.abs()).exp().ln_1p(),
@@ -31,11 +25,11 @@ impl HeadKind {
             Head::Linear => z,
             Head::LogSigma => z.clamp(LOG_SIGMA_RANGE.0, LOG_SIGMA_RANGE.1).exp(),
         };
-        positive * self.factor(scale)
+        positive * self.unit
     }
 
     /// The gradient of `z` for the gradient `d` of the deviation.
-    pub(crate) fn backward(self, z: f32, scale: f32, d: f32) -> f32 {
+    pub(crate) fn backward(self, z: f32, d: f32) -> f32 {
         let slope = match self.head {
             Head::Softplus => 1.0 / (1.0 + (-z).exp()),
             Head::LeakyRelu => {
@@ -49,10 +43,6 @@ impl HeadKind {
             Head::LogSigma if (LOG_SIGMA_RANGE.0..=LOG_SIGMA_RANGE.1).contains(&z) => z.exp(),
             Head::LogSigma => 0.0,
         };
-        d * slope * self.factor(scale)
-    }
-
-    fn factor(self, scale: f32) -> f32 {
-        if self.rescale { self.unit * scale } else { self.unit }
+        d * slope * self.unit
     }
 }

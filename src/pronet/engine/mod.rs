@@ -180,14 +180,12 @@ fn chunk_size(count: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::Input;
     use crate::init::initial_parameters;
     use dpn_core::random::Stream;
     use rand::Rng;
 
     fn config() -> ProNetConfig {
         ProNetConfig {
-            input: Input::BothDifferences,
             kernels: vec![9, 5, 3],
             strides: vec![1, 4, 2],
             paddings: vec![4, 2, 1],

@@ -4,7 +4,7 @@
 //! vectors. A block's input is stored with its time padding; the matrix of a convolution, `[time out, kernel * channels in]`, is
 //! then a view of it whose rows begin `stride * channels in` apart and overlap: nothing is copied.
 
-use crate::config::{NormAxes, Pool, ProNetConfig, Standardise};
+use crate::config::{NormAxes, Pool, ProNetConfig};
 use crate::shape::{ParameterShape, features, parameters};
 
 /// Channels are padded to a multiple of this; it is a multiple of every vector length in use.
@@ -106,8 +106,6 @@ pub(crate) struct Plan {
     pub(crate) saved_len: usize,
     /// In what a window leaves behind: the last block's output `[time, width]`.
     pub(crate) saved_last: usize,
-    /// Place of the logarithm of the window's own scale among the stored features.
-    pub(crate) scale_feature: usize,
     /// For every packed number the flat parameter it is; `parameters` stands for zero, `parameters + 1` for one.
     pub(crate) packed: Vec<u32>,
     /// For every flat parameter its place in the gradients.
@@ -185,13 +183,12 @@ impl Plan {
         let mut gradient = vec![0u32; count];
 
         let mut blocks = Vec::new();
-        let (mut width_in, mut channels_in, mut time_in) =
-            (config.input_channels(), config.input_channels(), config.input_length());
+        let (mut width_in, mut channels_in, mut time_in) = (1, 1, config.input_length());
         for (i, &channels) in config.channels.iter().enumerate() {
             let (kernel, stride, padding) = (config.kernels[i], config.strides[i], config.paddings[i]);
             let width_out = padded(channels);
             let time_out = (time_in + 2 * padding - kernel) / stride + 1;
-            let w = find(format!("conv{}.weight", i + 1)).unwrap_or(0);
+            let w = find(format!("conv{}.weight", i + 1)).expect("every block has kernels");
             let source = |channel_out: usize, channel_in: usize, tap: usize| {
                 (channel_out < channels && channel_in < channels_in)
                     .then_some(w + (channel_out * channels_in + channel_in) * kernel + tap)
@@ -283,21 +280,16 @@ impl Plan {
             Pool::Mean => 1,
             Pool::MeanAndRms => 2,
         };
-        let scale_feature = pools * width_in;
-        let stored = scale_feature + usize::from(config.standardise != Standardise::None);
         // A true feature's place among the stored ones: pools are padded apart.
-        let place = |feature: usize| match feature / channels_in {
-            pool if pool < pools => pool * width_in + feature % channels_in,
-            _ => scale_feature,
-        };
+        let place = |feature: usize| feature / channels_in * width_in + feature % channels_in;
         let mut places: Vec<usize> = (0..features(config)).map(place).collect();
-        let mut width_in = padded(stored);
+        let mut width_in = padded(pools * width_in);
         let mut linears = Vec::new();
         for (i, outputs) in config.hidden.iter().copied().chain([1]).enumerate() {
             let width_out = padded(outputs);
             let inputs = places.len();
-            let w = find(format!("fc{}.weight", i + 1)).unwrap_or(0);
-            let b = find(format!("fc{}.bias", i + 1)).unwrap_or(0);
+            let w = find(format!("fc{}.weight", i + 1)).expect("every layer has weights");
+            let b = find(format!("fc{}.bias", i + 1)).expect("every layer has a bias");
             let mut true_input = vec![None; width_in];
             for (feature, &place) in places.iter().enumerate() {
                 true_input[place] = Some(feature);
@@ -326,7 +318,6 @@ impl Plan {
             linears,
             saved_len: saved.0,
             saved_last,
-            scale_feature,
             packed: packer.packed,
             gradient,
             gradient_len: gradients.0,

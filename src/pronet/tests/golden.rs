@@ -5,7 +5,7 @@
 use burn::tensor::{Device, Tensor, TensorData};
 use dpn_core::random::Stream;
 use dpn_pronet::adam::{Adam, AdamConfig};
-use dpn_pronet::config::{Edges, Input, Pool, ProNetConfig, Standardise};
+use dpn_pronet::config::{Input, Pool, ProNetConfig};
 use dpn_pronet::init::initial_parameters;
 use dpn_pronet::shape::parameters;
 use dpn_pronet::{Card, Predictor, ProNet, Weights};
@@ -30,10 +30,7 @@ fn networks() -> [(&'static str, ProNetConfig); 3] {
         ..ProNetConfig::default()
     };
     let wide = ProNetConfig {
-        input: Input::BothDifferences,
-        standardise: Standardise::SecondDifferences,
-        rescale_output: true,
-        edges: Edges::Odd,
+        input: Input::SecondDifferences,
         pool: Pool::MeanAndRms,
         conv_bias: false,
         channels: vec![4, 18],
@@ -43,13 +40,9 @@ fn networks() -> [(&'static str, ProNetConfig); 3] {
         hidden: vec![],
         ..base.clone()
     };
-    let both = ProNetConfig {
-        input: Input::DemeanedAndSecondDifferences,
-        standardise: Standardise::Rms,
-        strides: vec![3, 4, 1],
-        ..base.clone()
-    };
-    [("base", base), ("wide", wide), ("both", both)]
+    // Some samples of the second block are seen by no tap.
+    let strided = ProNetConfig { input: Input::Raw, strides: vec![3, 4, 1], ..base.clone() };
+    [("base", base), ("wide", wide), ("strided", strided)]
 }
 
 fn weights(name: &str, config: &ProNetConfig) -> Weights {
@@ -137,7 +130,7 @@ fn deviations_are_pytorchs_for_every_order_axes_and_head() {
         agree(&streamed, &sigma, 1e-5, &format!("predictor {what}"));
         seen += 1;
     }
-    assert_eq!(seen, 2 * 3 * 4 + 4 + 2);
+    assert_eq!(seen, 2 * 3 * 4 + 3 + 2);
 }
 
 #[test]

@@ -48,7 +48,8 @@ impl Phase {
     }
 
     /// Whether the motors run.
-    pub fn motors_on(self) -> bool {
+    #[cfg(test)]
+    pub(crate) fn motors_on(self) -> bool {
         !matches!(self, Self::RestBefore | Self::RestAfter)
     }
 

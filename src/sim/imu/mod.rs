@@ -16,4 +16,4 @@ pub(crate) use reading::read;
 pub use series::ImuSeries;
 pub use truth::ImuTruth;
 pub use vibration::{AxisVibration, VibrationConfig};
-pub use white::{SigmaEvent, WhiteConfig, sigma_schedule};
+pub use white::{SigmaEvent, WhiteConfig};

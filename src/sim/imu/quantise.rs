@@ -32,7 +32,7 @@ impl QuantisationConfig {
     }
 
     /// One count of `sensor` in its unit; a g is 9.80665 m/s^2 here as in the data sheet.
-    pub fn lsb(&self, sensor: Sensor) -> f64 {
+    pub(crate) fn lsb(&self, sensor: Sensor) -> f64 {
         match sensor {
             Sensor::Accel => STANDARD_GRAVITY / self.accel_lsb_per_g,
             Sensor::Gyro => self.gyro_lsb_deg_s.to_radians(),

@@ -26,7 +26,7 @@ pub struct ImuTruth {
 
 impl ImuTruth {
     /// All parts but the last together: the reading before rounding.
-    pub fn unrounded(&self) -> ImuSeries {
+    pub(crate) fn unrounded(&self) -> ImuSeries {
         let mut sum = self.clean.clone();
         for sensor in Sensor::ALL {
             for part in [&self.vibration, &self.bias, &self.white] {
@@ -47,7 +47,9 @@ impl ImuTruth {
     pub fn oracle(&self, recording: &ImuRecording) -> Result<NoiseTrack, TrackError> {
         let stamps = recording.samples().iter().map(|s| s.t).collect();
         let sigmas = self.white_sigma.accel.iter().zip(&self.white_sigma.gyro);
-        let noises = sigmas.filter_map(|(&accel, &gyro)| ImuNoise::from_values(accel, gyro).ok()).collect();
-        NoiseTrack::new(stamps, noises)
+        let noise = |(&accel, &gyro)| {
+            ImuNoise::from_values(accel, gyro).expect("noise was drawn with a finite deviation of 0 or more")
+        };
+        NoiseTrack::new(stamps, sigmas.map(noise).collect())
     }
 }

@@ -93,7 +93,7 @@ fn event(sensor: Sensor, axes: [bool; 3], begin: f64, end: f64, from: f64, to: f
 /// | room-aggressive | stairs 2, 4, 7 | stairs 6, 3, 1.5 |
 /// | room-spiral | x, y, z one after the other x4 | x, y, z one after the other x4 |
 /// | room-wild | x ramps up while z ramps down | y steps x6 |
-pub fn sigma_schedule(flight: Flight) -> Vec<SigmaEvent> {
+pub(crate) fn sigma_schedule(flight: Flight) -> Vec<SigmaEvent> {
     use Sensor::{Accel, Gyro};
     match flight {
         Flight::HallSlow | Flight::Hover => vec![],

@@ -81,7 +81,7 @@ impl RenderedCamera {
         let model = settings.model()?;
         let stream = Stream::new(seed).named("render");
         let bounds = path.bounds();
-        let coarse = COARSE.min(model.size().map(|side| side as usize).into_iter().min().unwrap_or(1));
+        let coarse = COARSE.min(model.size()[0].min(model.size()[1]) as usize);
         Ok(Self {
             world: config.world.settled(&bounds),
             body_from_cam: settings.body_from_cam()?,
@@ -151,7 +151,7 @@ impl RenderedCamera {
         };
         let mut pixels = Vec::new();
         self.sensor.take(&self.sum, exposed, t, &mut pixels);
-        GrayImage::new(width, height, pixels).ok()
+        Some(GrayImage::new(width, height, pixels).expect("the sensor has a grey value for every pixel"))
     }
 
     fn setting(&mut self, t: Stamp) -> Setting {

@@ -107,8 +107,7 @@ impl Points {
 
 /// How far a point stands out of its face \[m\]: exponential of that mean.
 fn relief(mean: f64, rng: &mut impl Rng) -> f64 {
-    // The rate is positive and finite, so the distribution exists.
-    Exp::new(1.0 / mean).map_or(0.0, |relief| relief.sample(rng))
+    Exp::new(1.0 / mean).expect("a positive mean").sample(rng)
 }
 
 #[cfg(test)]

@@ -24,7 +24,7 @@ pub struct Attitude {
 
 /// Attitude of a vehicle with acceleration `acc_in_world` \[m/s^2\], jerk \[m/s^3\], heading `yaw` \[rad\] and its
 /// rate \[rad/s\], under `gravity_in_world`.
-pub fn attitude(
+pub(crate) fn attitude(
     acc_in_world: Vector3<f64>,
     jerk_in_world: Vector3<f64>,
     yaw: f64,

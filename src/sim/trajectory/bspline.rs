@@ -87,7 +87,7 @@ impl<const D: usize> UniformSpline<D> {
     }
 
     /// Value and derivatives `t` seconds after the start.
-    pub fn jet(&self, t: f64) -> Jet<D> {
+    pub(crate) fn jet(&self, t: f64) -> Jet<D> {
         let inside = t.clamp(0.0, self.duration()) / self.spacing;
         let mut segment = (inside.floor() as usize).min(self.segments() - 1);
         let mut u = inside - segment as f64;

@@ -4,6 +4,6 @@ mod attitude;
 mod bspline;
 mod path;
 
-pub use attitude::{Attitude, attitude};
+pub use attitude::Attitude;
 pub use bspline::{Jet, ORDER, SplineError, UniformSpline};
 pub use path::{State, Trajectory};

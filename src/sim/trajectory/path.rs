@@ -81,7 +81,7 @@ impl Trajectory {
     }
 
     /// Thrust over weight: |a - g| / 9.81; 1 in hover.
-    pub fn thrust_ratio(&self, t: f64) -> f64 {
+    pub(crate) fn thrust_ratio(&self, t: f64) -> f64 {
         (self.acceleration(t) + Vector3::new(0.0, 0.0, GRAVITY)).norm() / GRAVITY
     }
 

@@ -13,16 +13,16 @@ use std::fmt;
 
 /// A name and what stands in its brackets.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Call {
+pub(crate) struct Call {
     /// The word before the bracket.
-    pub name: String,
+    pub(crate) name: String,
     /// The arguments; empty without brackets.
-    pub args: Vec<Arg>,
+    pub(crate) args: Vec<Arg>,
 }
 
 /// One argument.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Arg {
+pub(crate) enum Arg {
     /// A finite number.
     Number(f64),
     /// A text in quotes.
@@ -36,7 +36,7 @@ impl Call {
     ///
     /// # Errors
     /// A broken grammar: an empty spec or argument, a bracket or quote left open, something behind the end.
-    pub fn parse_list(spec: &str) -> Result<Vec<Self>, SpecError> {
+    pub(crate) fn parse_list(spec: &str) -> Result<Vec<Self>, SpecError> {
         let mut reader = Reader { spec, chars: spec.chars().collect(), at: 0, depth: 0 };
         let mut calls = vec![reader.call()?];
         while reader.take(',') {

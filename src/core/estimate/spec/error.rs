@@ -59,12 +59,6 @@ pub enum SpecError {
         /// The call.
         call: String,
     },
-    /// A call of another crate, asked of this one.
-    #[error("`{call}` is not made by dpn-core; the crate that knows `{}` must make it", call.split('(').next().unwrap_or(call))]
-    MadeElsewhere {
-        /// The call.
-        call: String,
-    },
     /// A figure that is no deviation.
     #[error(transparent)]
     Noise(#[from] BadNoise),

@@ -1,9 +1,11 @@
 //! One simple estimator, named and parametrised.
 
+use super::names::ESTIMATORS;
 use super::{Arg, Call, SpecError};
+use crate::estimate::moving::{Memory, Moving};
 use crate::estimate::{
-    Allan, AxisSigma, Differences, EachSample, EstimatorError, Ewma, FromFresh, HopWindow, Kalman, Mad2,
-    Running, Schedule, SgResidual, Sliding, StreamSigma, WaveletMad, WindowSigma,
+    Allan, AxisSigma, Differences, EachSample, EstimatorError, HopWindow, Mad2, Schedule, SgResidual,
+    WaveletMad, WindowSigma,
 };
 use crate::signal::Wavelet;
 use std::fmt;
@@ -52,35 +54,22 @@ pub enum EstimatorSpec {
     },
 }
 
-/// Name and way of writing of every estimator.
-pub(super) const USAGES: [(&str, &str); 12] = [
-    ("sg", "sg(window,order)"),
-    ("diff1", "diff1"),
-    ("diff2", "diff2"),
-    ("diff3", "diff3"),
-    ("diff4", "diff4"),
-    ("mad2", "mad2"),
-    ("wavelet", "wavelet(haar|db2|db4)"),
-    ("allan", "allan"),
-    ("running", "running(first)"),
-    ("sliding", "sliding(length)"),
-    ("ewma", "ewma(alpha)"),
-    ("kalman", "kalman(q)"),
-];
-
 impl EstimatorSpec {
     /// One of every kind, each with its default parameters.
     pub fn all() -> Vec<Self> {
-        let bare = |(name, _): (&str, _)| Self::from_call(&Call { name: name.to_owned(), args: Vec::new() });
-        USAGES.into_iter().filter_map(|usage| bare(usage).ok().flatten()).collect()
+        let bare = |(name, _): (&str, _)| {
+            let call = Call { name: name.to_owned(), args: Vec::new() };
+            Self::from_call(&call).ok().flatten().expect("every estimator has defaults")
+        };
+        ESTIMATORS.into_iter().map(bare).collect()
     }
 
     /// The estimator that `call` names; `None` when it names none.
     ///
     /// # Errors
     /// Arguments that do not fit in number or kind. Their range is checked when the estimator is made.
-    pub fn from_call(call: &Call) -> Result<Option<Self>, SpecError> {
-        let Some((_, usage)) = USAGES.into_iter().find(|(name, _)| *name == call.name) else {
+    pub(crate) fn from_call(call: &Call) -> Result<Option<Self>, SpecError> {
+        let Some((_, usage)) = ESTIMATORS.into_iter().find(|(name, _)| *name == call.name) else {
             return Ok(None);
         };
         let arguments = Arguments { call, usage };
@@ -123,10 +112,9 @@ impl EstimatorSpec {
             Self::Mad2 => Arc::new(Mad2),
             Self::Wavelet(wavelet) => Arc::new(WaveletMad::new(wavelet)),
             Self::Allan => Arc::new(Allan::new(samples)?),
-            Self::Running { first } => Arc::new(FromFresh::new(running(first)?)),
-            Self::Sliding { length } => Arc::new(FromFresh::new(Sliding::new(length.unwrap_or(samples))?)),
-            Self::Ewma { alpha } => Arc::new(FromFresh::new(Ewma::new(alpha)?)),
-            Self::Kalman { ratio } => Arc::new(FromFresh::new(Kalman::new(ratio)?)),
+            Self::Running { .. } | Self::Sliding { .. } | Self::Ewma { .. } | Self::Kalman { .. } => {
+                Arc::new(Moving::new(self.memory(samples).expect("a moving variance has a memory"))?)
+            }
         };
         let needs = estimator.min_len();
         if samples < needs {
@@ -140,33 +128,30 @@ impl EstimatorSpec {
     ///
     /// # Errors
     /// As [`for_windows`](Self::for_windows); a schedule of zeros.
-    pub fn axes(&self, schedule: Schedule) -> Result<[Box<dyn AxisSigma>; 3], EstimatorError> {
+    pub(crate) fn axes(&self, schedule: Schedule) -> Result<[Box<dyn AxisSigma>; 3], EstimatorError> {
         let Schedule { window, hop } = schedule;
         if window == 0 || hop == 0 {
             return Err(EstimatorError::EmptySchedule { window, hop });
         }
-        fn each<S: StreamSigma + Clone + 'static>(stream: &S, warm_up: usize) -> [Box<dyn AxisSigma>; 3] {
-            std::array::from_fn(|_| {
-                let axis: Box<dyn AxisSigma> = Box::new(EachSample::new(Box::new(stream.clone()), warm_up));
-                axis
-            })
+        if let Some(memory) = self.memory(window) {
+            let axis = || Moving::new(memory).map(|moving| Box::new(EachSample::new(moving, window)));
+            return Ok([axis()?, axis()?, axis()?]);
         }
+        let estimator = self.for_windows(window)?;
+        let axis = || HopWindow::new(Arc::clone(&estimator), window, hop).map(Box::new);
+        Ok([axis()?, axis()?, axis()?])
+    }
+
+    /// What a moving variance remembers where windows have `samples`; `None` for a window estimator.
+    fn memory(&self, samples: usize) -> Option<Memory> {
         match *self {
-            Self::Running { first } => Ok(each(&running(first)?, window)),
-            Self::Sliding { length } => Ok(each(&Sliding::new(length.unwrap_or(window))?, window)),
-            Self::Ewma { alpha } => Ok(each(&Ewma::new(alpha)?, window)),
-            Self::Kalman { ratio } => Ok(each(&Kalman::new(ratio)?, window)),
-            _ => {
-                let estimator = self.for_windows(window)?;
-                let axis = || HopWindow::new(Arc::clone(&estimator), window, hop);
-                Ok([Box::new(axis()?), Box::new(axis()?), Box::new(axis()?)])
-            }
+            Self::Running { first } => Some(Memory::First(first.unwrap_or(usize::MAX))),
+            Self::Sliding { length } => Some(Memory::Last(length.unwrap_or(samples))),
+            Self::Ewma { alpha } => Some(Memory::Fading(alpha)),
+            Self::Kalman { ratio } => Some(Memory::Level(ratio)),
+            Self::Sg { .. } | Self::Diff { .. } | Self::Mad2 | Self::Wavelet(_) | Self::Allan => None,
         }
     }
-}
-
-fn running(first: Option<usize>) -> Result<Running, EstimatorError> {
-    first.map_or_else(|| Ok(Running::new()), Running::over_first)
 }
 
 impl fmt::Display for EstimatorSpec {

@@ -1,8 +1,8 @@
 //! Noise specs: the strings that name a noise model, parsed once.
 //!
 //! A spec is one call, for both sensors, or two with a comma between, accelerometer first: `x2`, `sg(11,2)`,
-//! `const(.08,.004)`, `x4,x1`, `diff2,sg(11,2)`. [`Call`] is the grammar alone; [`NoiseSpec`] gives the calls that
-//! this crate knows their meaning, and hands a crate with more names its own calls back.
+//! `const(.08,.004)`, `x4,x1`, `diff2,sg(11,2)`. [`Call`] is the grammar alone; [`SensorPair`] what is made of the samples so far;
+//! [`Noise`] everything that may be written, networks, files and controls included.
 //!
 //! | call | meaning |
 //! |---|---|
@@ -17,11 +17,12 @@
 mod call;
 mod error;
 mod estimator;
+mod names;
 mod noise;
-mod noise_spec;
+mod sensors;
 
-pub use call::{Arg, Call};
+pub(crate) use call::{Arg, Call};
 pub use error::SpecError;
 pub use estimator::EstimatorSpec;
 pub use noise::{DEFAULT_TAG, Noise, parse_list};
-pub use noise_spec::{NoiseSpec, SensorSpec};
+pub use sensors::{SensorPair, SensorSpec};

@@ -13,8 +13,7 @@
 //! Specs nest: `shuffled(dualpronet)`, `mean(x4,x1)`. `shuffled`, `mean` and `mean-of-train` are controls: they tell what of a gain is due to
 //! knowing *when*, what to knowing *how much in this flight*, and what to a good constant.
 
-use super::{Arg, Call, NoiseSpec, SpecError};
-use crate::imu::Sensor;
+use super::{Arg, Call, SensorPair, SensorSpec, SpecError, names};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::path::PathBuf;
@@ -23,23 +22,12 @@ use std::str::FromStr;
 /// The shipped networks that `dualpronet` alone stands for.
 pub const DEFAULT_TAG: &str = "sg11-s0";
 
-/// Every name of this module and how it is written.
-const OTHERS: [(&str, &str); 7] = [
-    ("dualpronet", "dualpronet(tag)"),
-    ("file", "file(\"path\")"),
-    ("oracle", "oracle"),
-    ("shuffled", "shuffled(spec)"),
-    ("mean", "mean(spec)"),
-    ("mean-of-train", "mean-of-train(spec)"),
-    ("plus", "plus(spec,constant)"),
-];
-
 /// Where the noise of every sample comes from. `FromStr` reads it, `Display` writes it canonically.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Noise {
     /// Constants and simple estimators.
-    Core(NoiseSpec),
+    Sensors(SensorPair),
     /// The networks: names of the weight files of accelerometer and gyroscope.
     DualProNet {
         /// The accelerometer's.
@@ -62,7 +50,7 @@ pub enum Noise {
         /// What changes.
         of: Box<Noise>,
         /// What is there in any case.
-        constant: NoiseSpec,
+        constant: SensorPair,
     },
 }
 
@@ -88,12 +76,9 @@ impl Noise {
 
     /// The factor on the baseline of both sensors, where that is what the spec says.
     pub fn multiple(&self) -> Option<f64> {
-        use super::SensorSpec::Multiple;
         match self {
-            Self::Core(NoiseSpec::Sensors { accel: Multiple(accel), gyro: Multiple(gyro) })
-                if accel == gyro =>
-            {
-                Some(*accel)
+            Self::Sensors(SensorPair { accel: SensorSpec::Multiple(accel), gyro }) => {
+                (*gyro == SensorSpec::Multiple(*accel)).then_some(*accel)
             }
             _ => None,
         }
@@ -101,7 +86,7 @@ impl Noise {
 
     /// Whether the spec says the same of every sample: a constant, or one for each sensor.
     pub fn is_constant(&self) -> bool {
-        matches!(self, Self::Core(spec) if is_constant(spec))
+        matches!(self, Self::Sensors(pair) if pair.is_constant())
     }
 
     fn from_call(call: &Call) -> Result<Self, SpecError> {
@@ -133,14 +118,15 @@ impl Noise {
             "shuffled" => Ok(Self::Shuffled(inner("shuffled(spec)")?)),
             "mean" => Ok(Self::Mean(inner("mean(spec)")?)),
             "plus" => {
-                const USAGE: &str = "plus(spec,constant)";
                 let (last, rest) = match call.args.split_last() {
                     Some((last, rest)) if !rest.is_empty() => (last, rest),
-                    _ => return Err(wrong("a spec and a constant are needed", USAGE)),
+                    _ => return Err(wrong("a spec and a constant are needed", names::PLUS)),
                 };
-                let constant: NoiseSpec = written(last).parse()?;
-                if !is_constant(&constant) {
-                    return Err(wrong("the last argument must be a constant, such as x4", USAGE));
+                let Self::Sensors(constant) = written(last).parse()? else {
+                    return Err(wrong(NO_CONSTANT, names::PLUS));
+                };
+                if !constant.is_constant() {
+                    return Err(wrong(NO_CONSTANT, names::PLUS));
                 }
                 let text: Vec<String> = rest.iter().map(written).collect();
                 Ok(Self::Plus { of: Box::new(text.join(",").parse()?), constant })
@@ -150,15 +136,7 @@ impl Noise {
     }
 }
 
-/// Whether a spec says the same of every sample.
-fn is_constant(spec: &NoiseSpec) -> bool {
-    match spec {
-        NoiseSpec::Sensors { accel, gyro } => {
-            accel.given(Sensor::Accel).is_some() && gyro.given(Sensor::Gyro).is_some()
-        }
-        NoiseSpec::Other(_) => false,
-    }
-}
+const NO_CONSTANT: &str = "the last argument must be a constant, such as x4";
 
 /// An argument as it was written.
 fn written(arg: &Arg) -> String {
@@ -181,9 +159,10 @@ impl FromStr for Noise {
     type Err = SpecError;
 
     fn from_str(spec: &str) -> Result<Self, SpecError> {
-        match NoiseSpec::parse_with(spec, &OTHERS)? {
-            NoiseSpec::Other(call) => Self::from_call(&call),
-            core => Ok(Self::Core(core)),
+        let calls = Call::parse_list(spec)?;
+        match calls.as_slice() {
+            [call] if names::is_both(&call.name) => Self::from_call(call),
+            calls => SensorPair::from_calls(spec, calls).map(Self::Sensors),
         }
     }
 }
@@ -250,7 +229,7 @@ impl From<Noise> for String {
 impl fmt::Display for Noise {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Core(spec) => write!(f, "{spec}"),
+            Self::Sensors(pair) => write!(f, "{pair}"),
             Self::DualProNet { accel, gyro } if accel == gyro && accel == DEFAULT_TAG => {
                 f.write_str("dualpronet")
             }

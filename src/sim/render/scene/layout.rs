@@ -183,7 +183,7 @@ impl<R: Rng> Builder<'_, R> {
             self.divide([0.0, 0.0, length, height], &mut fields);
             for [x, z, width, tall] in fields {
                 let gap = self.between(0.01, 0.07) * width.min(tall);
-                let relief = Exp::new(1.0 / self.scale.relief).map_or(0.0, |e| e.sample(self.rng));
+                let relief = Exp::new(1.0 / self.scale.relief).expect("a positive scale").sample(self.rng);
                 let depth = relief.clamp(0.02, deepest);
                 let origin = corner + (x + gap) * across + (z + gap) * Vector3::z();
                 let (width, tall) = (width - 2.0 * gap, tall - 2.0 * gap);

@@ -40,7 +40,7 @@ impl Atlas {
 
     /// Where a material's texture begins.
     pub(crate) fn base(material: Material) -> u32 {
-        let index = Material::ALL.iter().position(|m| *m == material).unwrap_or(0);
+        let index = Material::ALL.iter().position(|m| *m == material).expect("`ALL` holds every material");
         (index * STRIDE) as u32
     }
 
