@@ -3,13 +3,12 @@
 use super::error::PaperError;
 use super::published;
 use dpn_core::ImuRecording;
-use dpn_eval::closed_loop::{ClosedLoopError, Images, Source, Tracks, Unseen, Vision, has_images};
+use dpn_eval::closed_loop::{ClosedLoopError, Images, Source, Tracks, Unseen, has_images};
 use dpn_io::asl::Sequence;
 use dpn_sim::tracks::TracksConfig;
 use dpn_sim::{FlightConfig, RenderConfig};
 use dpn_train::corpus::{Corpus, Member};
 use dpn_train::split::{Side, paper_side};
-use dpn_vio::frontend::FrontEndConfig;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -40,8 +39,6 @@ pub struct Cameras {
     pub rendered: RenderConfig,
     /// Simulated flights.
     pub flights: FlightConfig,
-    /// What follows points through images.
-    pub front_end: FrontEndConfig,
     /// Whether minutes count: [`CameraChoice::Auto`] renders nothing then.
     pub quick: bool,
 }
@@ -60,9 +57,8 @@ impl CameraChoice {
         wanted: &str,
         with: &Cameras,
     ) -> Result<(Source, String), PaperError> {
-        let images = |images: Images| Tracks::Seen(Vision { images, front_end: with.front_end });
-        let rendered = || images(Images::Rendered(Box::new(with.rendered.clone())));
-        let own = || images(Images::Folder { skip_missing: false });
+        let rendered = || Tracks::Seen(Images::Rendered(Box::new(with.rendered.clone())));
+        let own = || Tracks::Seen(Images::Folder { skip_missing: false });
         let Some(dir) = dir else {
             let (tracks, why) = match self {
                 Self::Images => {
@@ -227,9 +223,9 @@ impl Input {
         let injected = match source.clone() {
             Source::Recorded {
                 sequences,
-                tracks: Tracks::Seen(Vision { images: Images::Rendered(_), .. }),
+                tracks: Tracks::Seen(Images::Rendered(_)),
             } => Source::Recorded { sequences, tracks: Tracks::Made(made.clone()) },
-            Source::Flights { config, tracks: Tracks::Seen(Vision { images: Images::Rendered(_), .. }) } => {
+            Source::Flights { config, tracks: Tracks::Seen(Images::Rendered(_)) } => {
                 Source::Flights { config, tracks: Tracks::Made(made.clone()) }
             }
             source => source,
@@ -321,7 +317,7 @@ fn usable(source: &Source, place: usize) -> Result<ImuRecording, String> {
         }
         Source::Recorded {
             sequences,
-            tracks: Tracks::Seen(Vision { images: Images::Folder { .. }, .. }),
+            tracks: Tracks::Seen(Images::Folder { .. }),
         } if !has_images(&sequences[place].0) => {
             return Err("it has none of the images it lists".into());
         }
@@ -356,7 +352,6 @@ mod tests {
             made: TracksConfig::default(),
             rendered: RenderConfig::default(),
             flights: FlightConfig::default(),
-            front_end: FrontEndConfig::default(),
             quick: false,
         }
     }

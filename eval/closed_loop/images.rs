@@ -9,7 +9,6 @@ use dpn_core::{GrayImage, Stamp};
 use dpn_io::asl::Sequence;
 use dpn_io::{ImageFolder, IoError};
 use dpn_sim::RenderConfig;
-use dpn_vio::frontend::FrontEndConfig;
 
 /// Images read ahead of the front-end.
 const AHEAD: usize = 4;
@@ -39,15 +38,6 @@ impl Images {
             Self::Rendered(_) => "rendered",
         }
     }
-}
-
-/// Images, and what follows points through them.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Vision {
-    /// The images.
-    pub images: Images,
-    /// The front-end's settings.
-    pub front_end: FrontEndConfig,
 }
 
 /// Whether a sequence's folder holds any of the images it lists.

@@ -4,7 +4,7 @@ use super::drive::Driven;
 use super::error::ClosedLoopError;
 use super::recording::{Recording, first_motion};
 use super::row::{Failure, Restart, Row, StageSeconds};
-use super::sight::SightFigures;
+use super::image_report::FrontEndFigures;
 use crate::metrics::{
     AlignmentKind, Interpolation, MetricsError, PoseNees, PosePair, RPE_TOLERANCE, RpeStep, TruthOptions,
     TruthTrack, associate_interpolated, ate, nees, rpe, scale_error, start_alignment,
@@ -145,7 +145,7 @@ pub struct Told {
     /// Seconds after the first frame.
     pub from_s: f64,
     /// What the front-end made of the images, where there are any.
-    pub front_end: Option<SightFigures>,
+    pub front_end: Option<FrontEndFigures>,
 }
 
 /// A finished run, judged.

@@ -3,7 +3,7 @@
 use super::error::ClosedLoopError;
 use super::lazy::Shared;
 use super::recording::Recording;
-use super::sight::Seen;
+use super::tracking::TrackedSequence;
 use crate::noise::{NoiseError, Recorded, Sources, of_recording};
 use dpn_core::estimate::Noise;
 use dpn_core::{ImuNoise, NoiseTrack};
@@ -35,7 +35,7 @@ impl Needs {
 #[derive(Debug)]
 pub(super) struct Kept {
     recordings: BTreeMap<Place, Shared<Recording>>,
-    frames: BTreeMap<Place, Shared<Seen>>,
+    frames: BTreeMap<Place, Shared<TrackedSequence>>,
     tracks: BTreeMap<(Place, String), Shared<NoiseTrack>>,
     means: BTreeMap<String, ImuNoise>,
 }
@@ -64,8 +64,8 @@ impl Kept {
     pub(super) fn frames(
         &self,
         needs: &Needs,
-        make: impl FnOnce() -> Result<Seen, ClosedLoopError>,
-    ) -> Result<Arc<Seen>, ClosedLoopError> {
+        make: impl FnOnce() -> Result<TrackedSequence, ClosedLoopError>,
+    ) -> Result<Arc<TrackedSequence>, ClosedLoopError> {
         shared(&self.frames, &needs.frames, make)
     }
 

@@ -50,8 +50,8 @@ impl Manifest {
             Tracks::Given(_) => serde_json::json!("given"),
             Tracks::Made(config) => serde_json::json!(config),
             // The front-end's settings are the estimator's.
-            Tracks::Seen(vision) => match &vision.images {
-                Images::Folder { .. } => serde_json::json!(vision.images.name()),
+            Tracks::Seen(images) => match images {
+                Images::Folder { .. } => serde_json::json!(images.name()),
                 Images::Rendered(config) => serde_json::json!({ "rendered": config }),
             },
         };

@@ -12,7 +12,7 @@ use super::kept::{Kept, Needs};
 use super::parallel::each;
 use super::recording::{Recording, Span, StartAt};
 use super::row::{CellKey, Row};
-use super::sight::Seen;
+use super::tracking::TrackedSequence;
 use super::source::Source;
 use super::states::write_states;
 use super::store::{Manifest, Store};
@@ -322,17 +322,16 @@ impl Sweep<'_> {
             Err(error) => return blind.hears(cell.place, error).map(|()| None),
         };
         let from_s = self.from.seconds(&recording.name);
-        let frames = seen.span.of(&seen.frames, |frame| frame.t);
         let stream = Stream::new(cell.seed).named("noise").named(&recording.name);
         let sources = kept.sources(needs, recorded(&recording), self.networks);
         let noise = crate::noise::track(&cell.noise, &recording.imu, &sources, &stream)?;
-        let driven = drive(&self.estimator, &recording, frames, &noise, cell.seed)?;
+        let driven = drive(&self.estimator, &recording, seen.run(), &noise, cell.seed)?;
         let told = Told {
             camera: self.source.camera().into(),
             noise: cell.key.noise.clone(),
             seed: cell.seed,
             from_s,
-            front_end: seen.sight.as_ref().map(|sight| sight.figures.clone()),
+            front_end: seen.images.as_ref().map(|images| images.figures.clone()),
         };
         if let Some(path) = self.keep.states_path(dir, &cell.key) {
             atomic_write(&path, |out| write_states(&driven, &noise, out))?;
@@ -356,11 +355,13 @@ impl Sweep<'_> {
         cell: &Cell<'_>,
         needs: &Needs,
         kept: &Kept,
-    ) -> Result<(Arc<Recording>, Arc<Seen>), ClosedLoopError> {
+    ) -> Result<(Arc<Recording>, Arc<TrackedSequence>), ClosedLoopError> {
         let recording = kept.recording(needs, || self.recording(cell.place, cell.seed))?;
         let span = Span { from_s: self.from.seconds(&recording.name), to_s: self.to };
-        let seen = kept
-            .frames(needs, || self.source.seen(cell.place, cell.seed, &span, &recording, &mut |_, _| {}))?;
+        let seen = kept.frames(needs, || {
+            let camera = self.source.camera_input(cell.place, cell.seed, &span)?;
+            camera.tracks(&recording, &self.estimator.front_end, cell.seed)
+        })?;
         frames_from(&recording, &seen.frames, &seen.span)?;
         Ok((recording, seen))
     }

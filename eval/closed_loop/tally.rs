@@ -1,9 +1,11 @@
 //! What is counted while images go through the front-end.
 
-use super::sight::{PassedOver, Sight, SightEvent, SightFigures, passed_over};
-use dpn_core::{Stamp, TrackFrame};
+use super::image_report::{FrontEndFigures, ImageEvent, ImageReport, PassedOver};
+use cpu_time::ThreadTime;
+use dpn_core::{GrayImage, Stamp, TrackFrame};
+use dpn_vio::estimator::FrontEndObserver;
 use dpn_vio::frontend::ransac::Geometry;
-use dpn_vio::frontend::{Fed, LostBy};
+use dpn_vio::frontend::{Fed, LostBy, Status};
 use std::collections::BTreeSet;
 
 /// Most events that are kept.
@@ -16,7 +18,7 @@ pub(super) struct Tally {
     over: usize,
     first: Option<Stamp>,
     last: Option<Stamp>,
-    events: Vec<SightEvent>,
+    events: Vec<ImageEvent>,
     more_events: usize,
     /// Why the image before was passed over.
     before: Option<PassedOver>,
@@ -26,6 +28,9 @@ pub(super) struct Tally {
     by_gyro: usize,
     followed: usize,
     not_home: usize,
+    /// When the image under way was begun.
+    clock: Option<ThreadTime>,
+    /// CPU time of each image \[s\].
     seconds: Vec<f64>,
 }
 
@@ -33,26 +38,6 @@ impl Tally {
     /// Images so far.
     pub(super) fn images(&self) -> usize {
         self.images
-    }
-
-    /// An image that was fed, and the CPU time that took \[s\].
-    pub(super) fn add(&mut self, fed: &Fed, camera: [u32; 2], seconds: f64) {
-        let report = &fed.report;
-        self.seconds.push(seconds);
-        if let Some((reason, words)) = passed_over(report.status, camera) {
-            self.passed_over(report.t, reason, words);
-            return;
-        }
-        self.count(report.t);
-        self.before = None;
-        self.followed += report.before;
-        self.not_home += report.lost_by(LostBy::Back);
-        if let Some(agreement) = report.agreement {
-            self.asked += agreement.asked;
-            self.agreed += agreement.agreed;
-            self.consensus += 1;
-            self.by_gyro += usize::from(agreement.geometry == Geometry::TwoPoint);
-        }
     }
 
     /// An image of which nothing was made.
@@ -66,7 +51,7 @@ impl Tally {
             Some(event) if same && self.more_events == 0 => {
                 (event.to_s, event.images) = (at_s, event.images + 1);
             }
-            _ if room => self.events.push(SightEvent { from_s: at_s, to_s: at_s, images: 1, reason, words }),
+            _ if room => self.events.push(ImageEvent { from_s: at_s, to_s: at_s, images: 1, reason, words }),
             _ => self.more_events += usize::from(!same),
         }
     }
@@ -78,25 +63,60 @@ impl Tally {
     }
 
     /// The figures; `frames` are those handed over.
-    pub(super) fn finish(mut self, frames: &[TrackFrame]) -> Sight {
-        let share = |part: usize, of: usize| if of == 0 { 1.0 } else { part as f64 / of as f64 };
+    pub(super) fn finish(mut self, frames: &[TrackFrame]) -> ImageReport {
+        let share = |part: usize, of: usize| (of > 0).then(|| part as f64 / of as f64);
         let sightings: usize = frames.iter().map(|frame| frame.tracks.len()).sum();
         let ids: BTreeSet<u64> = frames.iter().flat_map(|frame| frame.tracks.iter().map(|t| t.id)).collect();
         let span = self.first.zip(self.last).map_or(0.0, |(first, last)| last.seconds_since(first));
         self.seconds.sort_by(f64::total_cmp);
         let p95 = (0.95 * self.seconds.len() as f64).ceil() as usize;
-        let figures = SightFigures {
+        let figures = FrontEndFigures {
             images: self.images,
             passed_over: self.over,
             tracks: sightings as f64 / frames.len().max(1) as f64,
             track_length: sightings as f64 / ids.len().max(1) as f64,
             inlier_share: share(self.agreed, self.asked),
             by_gyro_share: share(self.by_gyro, self.consensus),
-            not_home_share: self.not_home as f64 / self.followed.max(1) as f64,
+            not_home_share: share(self.not_home, self.followed),
             cpu_per_data_s: if span > 0.0 { self.seconds.iter().sum::<f64>() / span } else { 0.0 },
             p95_ms: 1e3 * self.seconds.get(p95.saturating_sub(1)).copied().unwrap_or(0.0),
         };
-        Sight { figures, events: self.events, more_events: self.more_events }
+        ImageReport { figures, events: self.events, more_events: self.more_events }
+    }
+}
+
+impl FrontEndObserver for Tally {
+    fn begin(&mut self, _: Stamp) {
+        self.clock = Some(ThreadTime::now());
+    }
+
+    fn end(&mut self, _: &GrayImage, fed: &Fed) {
+        let clock = self.clock.take().expect("an image is begun before it ends");
+        self.seconds.push(clock.elapsed().as_secs_f64());
+        let report = &fed.report;
+        match report.status {
+            Status::Tracked | Status::HandedOver => {}
+            Status::Blind => {
+                return self.passed_over(report.t, PassedOver::Blind, "dark, saturated, or all alike".into());
+            }
+            Status::Repeated => {
+                let words = "the image before over again".into();
+                return self.passed_over(report.t, PassedOver::Repeated, words);
+            }
+            Status::WrongSize { .. } | Status::OutOfOrder { .. } => {
+                unreachable!("the tracker refuses such an image before the front-end sees it")
+            }
+        }
+        self.count(report.t);
+        self.before = None;
+        self.followed += report.before;
+        self.not_home += report.lost_by(LostBy::Back);
+        if let Some(agreement) = report.agreement {
+            self.asked += agreement.asked;
+            self.agreed += agreement.agreed;
+            self.consensus += 1;
+            self.by_gyro += usize::from(agreement.geometry == Geometry::TwoPoint);
+        }
     }
 }
 
