@@ -122,7 +122,8 @@ pub fn timeline(single: &Single) -> Result<Timeline, FigureError> {
         let agreed = figures.inlier_share.map_or_else(String::new, |share| {
             format!("; {:.1} % of the tracks agreed on the camera's motion", 100.0 * share)
         });
-        caption = format!("{} images, {} passed over{agreed}. {caption}", figures.images, figures.passed_over);
+        caption =
+            format!("{} images, {} passed over{agreed}. {caption}", figures.images, figures.passed_over);
     }
     Timeline::new(format!("{}, noise {}", row.sequence, row.noise), panels, marks, caption)
 }

@@ -106,7 +106,8 @@ impl CameraChoice {
         let of = |has: &dyn Fn(&Sequence) -> bool| {
             places.iter().filter(|place| has(&sequences[**place].0)).count()
         };
-        let without = places.len() - of(&has_images);
+        // One whose list of images does not read is named with its reason when the input is checked.
+        let without = of(&|sequence| matches!(has_images(sequence), Ok(false)));
         if without == 0 {
             return Ok((Source::recorded(dir, own())?, "every sequence has its own".into()));
         }
@@ -221,10 +222,9 @@ impl Input {
         };
         let corpus = Corpus { name: name.into(), members };
         let injected = match source.clone() {
-            Source::Recorded {
-                sequences,
-                tracks: Tracks::Seen(Images::Rendered(_)),
-            } => Source::Recorded { sequences, tracks: Tracks::Made(made.clone()) },
+            Source::Recorded { sequences, tracks: Tracks::Seen(Images::Rendered(_)) } => {
+                Source::Recorded { sequences, tracks: Tracks::Made(made.clone()) }
+            }
             Source::Flights { config, tracks: Tracks::Seen(Images::Rendered(_)) } => {
                 Source::Flights { config, tracks: Tracks::Made(made.clone()) }
             }
@@ -315,11 +315,10 @@ fn usable(source: &Source, place: usize) -> Result<ImuRecording, String> {
         Source::Recorded { tracks: Tracks::Given(_), .. } => {
             source.frames(place, 0).map_err(|error| words(&error))?;
         }
-        Source::Recorded {
-            sequences,
-            tracks: Tracks::Seen(Images::Folder { .. }),
-        } if !has_images(&sequences[place].0) => {
-            return Err("it has none of the images it lists".into());
+        Source::Recorded { sequences, tracks: Tracks::Seen(Images::Folder { .. }) } => {
+            if !has_images(&sequences[place].0).map_err(|error| words(&error.into()))? {
+                return Err("it has none of the images it lists".into());
+            }
         }
         _ => {}
     }

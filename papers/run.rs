@@ -277,9 +277,7 @@ impl Paper<'_> {
             Tracks::Made(config) => format!("tracks, {} Hz", config.rate_hz),
             Tracks::Given(_) => "given tracks".to_owned(),
             Tracks::Seen(Images::Folder { .. }) => "images, followed".to_owned(),
-            Tracks::Seen(Images::Rendered(_)) => {
-                "rendered images, followed".to_owned()
-            }
+            Tracks::Seen(Images::Rendered(_)) => "rendered images, followed".to_owned(),
         };
         sketch.add(
             "architecture_odometry",

@@ -98,6 +98,9 @@ pub fn frames_from<'a>(
 ///
 /// # Errors
 /// Settings out of their bounds; frames whose stamps do not increase.
+///
+/// # Panics
+/// Without frames: [`frames_from`] says whether there are enough.
 pub fn drive(
     config: &EstimatorConfig,
     recording: &Recording,
@@ -107,15 +110,13 @@ pub fn drive(
 ) -> Result<Driven, ClosedLoopError> {
     let refused = |source| ClosedLoopError::Feed { sequence: recording.name.clone(), source };
     let mut run = Run::new(config, recording, noise, seed)?;
-    if let Some(first) = frames.first() {
-        let mut samples = SampleWalk::new(recording.imu.samples(), first.t);
-        for frame in frames {
-            for place in samples.until(frame.t) {
-                run.feed_sample(place).map_err(refused)?;
-            }
-            run.estimator.feed_frame(frame.clone()).map_err(refused)?;
-            run.take_updates();
+    let mut samples = SampleWalk::new(recording.imu.samples(), ends(frames).0);
+    for frame in frames {
+        for place in samples.until(frame.t) {
+            run.feed_sample(place).map_err(refused)?;
         }
+        run.estimator.feed_frame(frame.clone()).map_err(refused)?;
+        run.take_updates();
     }
     Ok(run.finish(frames))
 }
@@ -151,6 +152,12 @@ pub(super) fn drive_images(
     })?;
     let tracked = log.finish(recording)?;
     Ok((run.finish(&tracked.frames), tracked))
+}
+
+/// Stamps of the first frame and of the last.
+fn ends(frames: &[TrackFrame]) -> (Stamp, Stamp) {
+    let (first, last) = frames.first().zip(frames.last()).expect("there is no run without frames");
+    (first.t, last.t)
 }
 
 /// A run under way.
@@ -201,13 +208,13 @@ impl<'a> Run<'a> {
 
     /// What the run left over `frames`.
     fn finish(self, frames: &[TrackFrame]) -> Driven {
-        let span = frames.first().zip(frames.last());
+        let (first, last) = ends(frames);
         Driven {
             cpu_s: self.clock.elapsed().as_secs_f64() - self.tracking_s,
             updates: self.updates,
             report: self.estimator.report().clone(),
             update_cpu_s: self.update_cpu_s,
-            data_s: span.map_or(0.0, |(first, last)| last.t.seconds_since(first.t)),
+            data_s: last.seconds_since(first),
             frames: frames.iter().map(|frame| frame.t).collect(),
         }
     }

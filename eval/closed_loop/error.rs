@@ -107,7 +107,9 @@ pub enum ClosedLoopError {
         why: String,
     },
     /// Tracks where there are none: a flight has no file of them, and images are yet to be followed through.
-    #[error("{sequence}: it has no file of tracks; a flight's are made with it, and images are followed by the odometry")]
+    #[error(
+        "{sequence}: it has no file of tracks; a flight's are made with it, and images are followed by the odometry"
+    )]
     NoTracks {
         /// The sequence.
         sequence: String,

@@ -48,8 +48,8 @@ pub use states::ANCHOR;
 pub use states::write_states;
 pub use store::{Manifest, Store};
 pub use sweep::{Keep, Sweep, Unseen};
-pub use tracking::{CameraInput, TrackedSequence};
 pub use table::{Summary, render, render_comparisons, render_consistency, summaries};
+pub use tracking::{CameraInput, TrackedSequence};
 
 #[cfg(any(test, feature = "testing"))]
 #[doc(hidden)]

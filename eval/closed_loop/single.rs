@@ -3,15 +3,15 @@
 use super::drive::{Driven, drive, drive_images, frames_from};
 use super::error::ClosedLoopError;
 use super::image_report::ImageEvent;
-use super::judge::{Told, judge};
+use super::judge::{Told, judge, noise_rms};
 use super::recording::Recording;
 use super::row::Row;
 use super::tracking::{CameraInput, TrackedSequence};
 use crate::noise::{Fresh, Recorded};
+use dpn_core::NoiseTrack;
 use dpn_core::check::{CheckOptions, RecordingFault, check};
 use dpn_core::estimate::Noise;
 use dpn_core::random::Stream;
-use dpn_core::{NoiseTrack, Sensor};
 use dpn_pronet::network::Network;
 use dpn_vio::EstimatorConfig;
 use dpn_vio::diagnosis::{Axes, TrackHealth, axes, track_health};
@@ -80,8 +80,7 @@ pub fn single(
     let noise = crate::noise::track(noise, &recording.imu, &Fresh { recorded, networks }, &stream)?;
     let (driven, tracked, health) = match camera {
         CameraInput::Images(images) => {
-            let (driven, tracked) =
-                drive_images(config, recording, images, &noise, told.seed, observer)?;
+            let (driven, tracked) = drive_images(config, recording, images, &noise, told.seed, observer)?;
             let health = fit(recording, &tracked)?;
             (driven, tracked, health)
         }
@@ -107,7 +106,7 @@ pub fn single(
         images: tracked.images.as_ref().map_or_else(Vec::new, |images| images.events.clone()),
         skipped: driven.report.skipped,
         waited_for,
-        noise_rms: rms(&noise),
+        noise_rms: noise_rms(&noise),
     };
     Ok(Single { report, driven, noise, tracked })
 }
@@ -180,10 +179,4 @@ fn warnings(
     found.extend(health.warning());
     found.extend(axes.warning());
     found
-}
-
-fn rms(track: &NoiseTrack) -> [[f64; 3]; 2] {
-    let mut mean = crate::noise::MeanSquare::default();
-    mean.add(track);
-    mean.root().map_or([[f64::NAN; 3]; 2], |noise| Sensor::ALL.map(|sensor| noise.of(sensor)))
 }

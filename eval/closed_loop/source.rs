@@ -69,7 +69,8 @@ impl Source {
         let sequences: Vec<(Sequence, Side)> = if of_paper.is_empty() {
             let sides = assign(all.iter().map(Sequence::name));
             let side = |s: &Sequence| {
-                sides.iter().find(|(name, _)| name == s.name()).map_or(Side::Test, |(_, side)| *side)
+                let found = sides.iter().find(|(name, _)| name == s.name());
+                found.expect("`assign` gives every name a side").1
             };
             all.iter().map(|s| (s.clone(), side(s))).collect()
         } else {
@@ -285,7 +286,8 @@ impl Source {
                 if let Tracks::Seen(Images::Folder { .. }) = tracks {
                     for (t, length) in ImageFolder::open(sequence)?.lengths() {
                         hash.update(t.ns().to_le_bytes());
-                        hash.update(length.unwrap_or(0).to_le_bytes());
+                        // One that is not there is not one that is empty.
+                        hash.update(length.unwrap_or(u64::MAX).to_le_bytes());
                     }
                 }
             }
@@ -313,7 +315,8 @@ fn given(dir: &Path, sequence: &Sequence) -> PathBuf {
 }
 
 fn camera_rate(camera: Option<&CameraConfig>) -> SampleRate {
-    camera.map(|c| c.rate).or(SampleRate::from_hz(CAMERA_HZ)).unwrap_or(SampleRate::HZ_200)
+    let usual = || SampleRate::from_hz(CAMERA_HZ).expect("20 Hz is a rate");
+    camera.map_or_else(usual, |camera| camera.rate)
 }
 
 fn recorded(sequence: &Sequence, side: Side, tracks: &Tracks) -> Result<Recording, ClosedLoopError> {
@@ -327,9 +330,7 @@ fn recorded(sequence: &Sequence, side: Side, tracks: &Tracks) -> Result<Recordin
             (camera, config.body_from_cam)
         }
         Tracks::Made(config) => camera_of(&name, settled(sequence, config.camera)?)?,
-        Tracks::Seen(Images::Rendered(config)) => {
-            camera_of(&name, settled(sequence, config.camera)?)?
-        }
+        Tracks::Seen(Images::Rendered(config)) => camera_of(&name, settled(sequence, config.camera)?)?,
     };
     let truth = match sequence.ground_truth_path() {
         Some(_) => Some(poses_of(&sequence.ground_truth()?)),
@@ -415,6 +416,7 @@ fn flown(
         camera,
         body_from_cam,
         truth: Some(truth),
+        // A flight without white noise has none: who asks for the oracle is told so.
         oracle: flown.truth.oracle(&flown.recording).ok(),
         imu: flown.recording,
     })

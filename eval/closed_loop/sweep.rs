@@ -7,21 +7,21 @@
 use super::consistency::{nees_path, write_nees};
 use super::drive::{drive, frames_from};
 use super::error::ClosedLoopError;
-use super::judge::{Told, judge};
+use super::judge::{Told, judge, noise_rms};
 use super::kept::{Kept, Needs};
 use super::parallel::each;
 use super::recording::{Recording, Span, StartAt};
 use super::row::{CellKey, Row};
-use super::tracking::TrackedSequence;
 use super::source::Source;
 use super::states::write_states;
 use super::store::{Manifest, Store};
+use super::tracking::TrackedSequence;
 use crate::injected::Injection;
 use crate::noise::{MeanSquare, Recorded, of_recording};
+use dpn_core::ImuNoise;
 use dpn_core::estimate::Noise;
 use dpn_core::progress::Progress;
 use dpn_core::random::Stream;
-use dpn_core::{ImuNoise, Sensor};
 use dpn_io::{atomic_write, write_tum};
 use dpn_pronet::network::Network;
 use dpn_train::split::Side;
@@ -343,10 +343,7 @@ impl Sweep<'_> {
         if let Some(nees) = judged.nees.as_ref().filter(|_| self.keep.nees) {
             write_nees(&nees_path(dir, &cell.key), nees)?;
         }
-        let mut told = MeanSquare::default();
-        told.add(&noise);
-        let noise_rms = told.root().map(|noise| Sensor::ALL.map(|sensor| noise.of(sensor)));
-        Ok(Some(Row { noise_rms, ..judged.row }))
+        Ok(Some(Row { noise_rms: Some(noise_rms(&noise)), ..judged.row }))
     }
 
     /// What a cell's odometry is given: the recording, and tracks enough.
@@ -386,7 +383,8 @@ impl Sweep<'_> {
         }
         let sides = self.source.names();
         let training: Vec<usize> = (0..sides.len()).filter(|i| sides[*i].1 == Side::Train).collect();
-        let seed = self.seeds.first().or(self.others.1.first()).copied().unwrap_or(0);
+        let seed = self.seeds.first().or(self.others.1.first()).copied();
+        let seed = seed.expect("a noise to be run has a cell, and a cell a seed");
         let of_sequence = |i: usize| {
             let recording = match self.recording(training[i], seed) {
                 Ok(recording) => recording,

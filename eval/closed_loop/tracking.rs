@@ -118,15 +118,14 @@ impl<'a> TrackingLog<'a> {
     /// # Errors
     /// No frame at all.
     pub(super) fn finish(self, recording: &Recording) -> Result<TrackedSequence, ClosedLoopError> {
-        let images = self.tally.finish(&self.frames);
         if self.frames.is_empty() {
-            let why = images.events.iter().max_by_key(|event| event.images).map(ToString::to_string);
             return Err(ClosedLoopError::NothingSeen {
                 sequence: recording.name.clone(),
-                images: images.figures.images,
-                why: why.unwrap_or_else(|| "there are none".into()),
+                images: self.tally.images(),
+                why: self.tally.worst().map_or_else(|| "there are none".into(), ToString::to_string),
             });
         }
+        let images = self.tally.finish(&self.frames);
         Ok(TrackedSequence { frames: self.frames, span: Span::from(0.0), images: Some(images) })
     }
 }

@@ -6,8 +6,7 @@ use crate::ui::Fault;
 use anyhow::Result;
 use dpn_core::estimate::Noise;
 use dpn_eval::closed_loop::{
-    Images, Recording, Report, Single, Source, Span, Told, Tracks, has_images, single,
-    write_states,
+    Images, Recording, Report, Single, Source, Span, Told, Tracks, has_images, single, write_states,
 };
 use dpn_figures::save;
 use dpn_figures::{Album, timeline, top_view};
@@ -83,7 +82,7 @@ fn open(args: &RunArgs) -> Result<(Source, usize)> {
             (Some(CameraArg::Images), None) => seen,
             (Some(CameraArg::Rendered), None) => rendered,
             (Some(CameraArg::Tracks), None) => made,
-            (None, None) if has_images(&Sequence::open(dir)?) => seen,
+            (None, None) if has_images(&Sequence::open(dir)?)? => seen,
             (None, None) => made,
         };
         return Ok((Source::one(dir, tracks)?, 0));
@@ -104,7 +103,7 @@ fn open(args: &RunArgs) -> Result<(Source, usize)> {
     }
     let tracks = if args.camera == Some(CameraArg::Rendered) { rendered } else { made };
     let source = Source::Flights { config: settings::flights(&args.settings)?, tracks };
-    let place = Flight::ALL.iter().position(|f| *f == flight).unwrap_or(0);
+    let place = Flight::ALL.iter().position(|f| *f == flight).expect("all flights are there");
     Ok((source, place))
 }
 

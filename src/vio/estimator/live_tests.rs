@@ -1,8 +1,8 @@
 //! Samples and images as they come live: late, in bursts, out of order, spoilt, in front of a wall whose picture is known.
 
 use super::{Estimator, EstimatorConfig, FeedError, FrontEndObserver, ImageTracker, Phase, Update};
-use crate::frontend::{Fed, Status};
 use crate::frontend::tests::wall::{Wall, half_camera, stamp};
+use crate::frontend::{Fed, Status};
 use crate::init::WaitReason;
 use crate::preint::NoisySample;
 use dpn_core::camera::PinholeRadtan;
@@ -206,7 +206,8 @@ fn who_looks_on_sees_every_image_once_and_changes_no_bit_nor_do_tracks_made_befo
 
     // Another name, or seed, is another chance: other tracks.
     for (name, seed) in [("floor", 1), ("wall", 2)] {
-        let mut other = ImageTracker::new(config, half_camera(), UnitQuaternion::identity(), name, seed).unwrap();
+        let mut other =
+            ImageTracker::new(config, half_camera(), UnitQuaternion::identity(), name, seed).unwrap();
         let mut alone = Statuses::default();
         case.samples.iter().for_each(|s| other.feed_imu(&s.sample).unwrap());
         for (k, image) in case.images.iter().enumerate() {

@@ -153,11 +153,7 @@ mod tests {
             gyro.feed(&sample(1_000_000 * ms, [0.1; 3]));
         }
         gyro.feed(&sample(50_000_000, [f64::NAN; 3]));
-        assert_eq!(
-            gyro.until(at(50)),
-            None,
-            "the first sample is later than the first image"
-        );
+        assert_eq!(gyro.until(at(50)), None, "the first sample is later than the first image");
         assert!(gyro.until(at(100)).is_some(), "held for 5 ms");
         assert_eq!(gyro.until(at(90)), None, "back in time");
         assert_eq!(gyro.until(at(200)), None, "105 ms without a sample");
