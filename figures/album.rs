@@ -3,6 +3,7 @@
 use crate::{FigureError, TrackDot, TrackEnd, TrackPicture};
 use dpn_core::{GrayImage, Stamp};
 use dpn_io::atomic_write;
+use dpn_vio::estimator::FrontEndObserver;
 use dpn_vio::frontend::{Fed, Lost, LostBy};
 use nalgebra::Vector2;
 use std::collections::BTreeMap;
@@ -51,8 +52,24 @@ impl Album {
         }
     }
 
-    /// Looks at an image and what was made of it.
-    pub fn see(&mut self, image: &GrayImage, fed: &Fed) {
+    /// How many pictures there are.
+    ///
+    /// # Errors
+    /// One that could not be drawn or written.
+    pub fn finish(self) -> Result<usize, AlbumError> {
+        self.failed.map_or(Ok(self.taken), Err)
+    }
+
+    fn write(&self, picture: &TrackPicture<'_>, seconds: f64) -> Result<(), AlbumError> {
+        let bytes = picture.png()?;
+        let path = self.dir.join(format!("tracks-{seconds:08.3}s.png"));
+        atomic_write(&path, |file| file.write_all(&bytes))?;
+        Ok(())
+    }
+}
+
+impl FrontEndObserver for Album {
+    fn end(&mut self, image: &GrayImage, fed: &Fed) {
         if self.failed.is_some() {
             return;
         }
@@ -88,21 +105,6 @@ impl Album {
             Ok(()) => self.taken += 1,
             Err(error) => self.failed = Some(error),
         }
-    }
-
-    fn write(&self, picture: &TrackPicture<'_>, seconds: f64) -> Result<(), AlbumError> {
-        let bytes = picture.png()?;
-        let path = self.dir.join(format!("tracks-{seconds:08.3}s.png"));
-        atomic_write(&path, |file| file.write_all(&bytes))?;
-        Ok(())
-    }
-
-    /// How many pictures there are.
-    ///
-    /// # Errors
-    /// One that could not be drawn or written.
-    pub fn finish(self) -> Result<usize, AlbumError> {
-        self.failed.map_or(Ok(self.taken), Err)
     }
 }
 

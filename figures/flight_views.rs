@@ -3,7 +3,7 @@
 use crate::{FigureError, Timeline, TimelinePanel, TopView};
 use dpn_core::trajectory::StampedPose;
 use dpn_core::{Sensor, Stamp, TrackFrame};
-use dpn_eval::closed_loop::{MAX_GAP_S, Recording, Seen, Single};
+use dpn_eval::closed_loop::{MAX_GAP_S, Recording, Single};
 use dpn_eval::metrics::{
     AlignmentKind, Interpolation, TruthOptions, TruthTrack, align, associate_interpolated,
 };
@@ -60,7 +60,7 @@ pub fn top_view(recording: &Recording, single: &Single) -> Result<TopView, Figur
 ///
 /// # Errors
 /// A run without frames.
-pub fn timeline(seen: &Seen, single: &Single) -> Result<Timeline, FigureError> {
+pub fn timeline(single: &Single) -> Result<Timeline, FigureError> {
     let updates = &single.driven.updates;
     let first = single.driven.frames.first().copied().unwrap_or(Stamp::from_ns(0));
     let seconds = |t: Stamp| t.seconds_since(first);
@@ -76,7 +76,7 @@ pub fn timeline(seen: &Seen, single: &Single) -> Result<Timeline, FigureError> {
             .map(|(axis, k)| line(&format!("{name}{axis}"), of_updates(&|u| value(u, k))))
             .collect::<Vec<_>>()
     };
-    let frames = seen.span.of(&seen.frames, |frame| frame.t);
+    let frames = single.tracked.run();
     let counts = frames.iter().map(|frame| (seconds(frame.t), frame.tracks.len() as f64)).collect();
     let panel = |label: &str, log, lines| TimelinePanel { label: label.into(), log, lines };
     let noise = |sensor: Sensor| {
@@ -119,12 +119,11 @@ pub fn timeline(seen: &Seen, single: &Single) -> Result<Timeline, FigureError> {
     let row = &single.report.row;
     let mut caption = "Dashed: restarts.".to_owned();
     if let Some(figures) = &row.front_end {
-        caption = format!(
-            "{} images, {} passed over; {:.1} % of the tracks agreed on the camera's motion. {caption}",
-            figures.images,
-            figures.passed_over,
-            100.0 * figures.inlier_share
-        );
+        let agreed = figures.inlier_share.map_or_else(String::new, |share| {
+            format!("; {:.1} % of the tracks agreed on the camera's motion", 100.0 * share)
+        });
+        caption =
+            format!("{} images, {} passed over{agreed}. {caption}", figures.images, figures.passed_over);
     }
     Timeline::new(format!("{}, noise {}", row.sequence, row.noise), panels, marks, caption)
 }

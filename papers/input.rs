@@ -3,13 +3,12 @@
 use super::error::PaperError;
 use super::published;
 use dpn_core::ImuRecording;
-use dpn_eval::closed_loop::{ClosedLoopError, Images, Source, Tracks, Unseen, Vision, has_images};
+use dpn_eval::closed_loop::{ClosedLoopError, Images, Source, Tracks, Unseen, has_images};
 use dpn_io::asl::Sequence;
 use dpn_sim::tracks::TracksConfig;
 use dpn_sim::{FlightConfig, RenderConfig};
 use dpn_train::corpus::{Corpus, Member};
 use dpn_train::split::{Side, paper_side};
-use dpn_vio::frontend::FrontEndConfig;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -40,8 +39,6 @@ pub struct Cameras {
     pub rendered: RenderConfig,
     /// Simulated flights.
     pub flights: FlightConfig,
-    /// What follows points through images.
-    pub front_end: FrontEndConfig,
     /// Whether minutes count: [`CameraChoice::Auto`] renders nothing then.
     pub quick: bool,
 }
@@ -60,9 +57,8 @@ impl CameraChoice {
         wanted: &str,
         with: &Cameras,
     ) -> Result<(Source, String), PaperError> {
-        let images = |images: Images| Tracks::Seen(Vision { images, front_end: with.front_end });
-        let rendered = || images(Images::Rendered(Box::new(with.rendered.clone())));
-        let own = || images(Images::Folder { skip_missing: false });
+        let rendered = || Tracks::Seen(Images::Rendered(Box::new(with.rendered.clone())));
+        let own = || Tracks::Seen(Images::Folder { skip_missing: false });
         let Some(dir) = dir else {
             let (tracks, why) = match self {
                 Self::Images => {
@@ -110,7 +106,8 @@ impl CameraChoice {
         let of = |has: &dyn Fn(&Sequence) -> bool| {
             places.iter().filter(|place| has(&sequences[**place].0)).count()
         };
-        let without = places.len() - of(&has_images);
+        // One whose list of images does not read is named with its reason when the input is checked.
+        let without = of(&|sequence| matches!(has_images(sequence), Ok(false)));
         if without == 0 {
             return Ok((Source::recorded(dir, own())?, "every sequence has its own".into()));
         }
@@ -225,11 +222,10 @@ impl Input {
         };
         let corpus = Corpus { name: name.into(), members };
         let injected = match source.clone() {
-            Source::Recorded {
-                sequences,
-                tracks: Tracks::Seen(Vision { images: Images::Rendered(_), .. }),
-            } => Source::Recorded { sequences, tracks: Tracks::Made(made.clone()) },
-            Source::Flights { config, tracks: Tracks::Seen(Vision { images: Images::Rendered(_), .. }) } => {
+            Source::Recorded { sequences, tracks: Tracks::Seen(Images::Rendered(_)) } => {
+                Source::Recorded { sequences, tracks: Tracks::Made(made.clone()) }
+            }
+            Source::Flights { config, tracks: Tracks::Seen(Images::Rendered(_)) } => {
                 Source::Flights { config, tracks: Tracks::Made(made.clone()) }
             }
             source => source,
@@ -319,11 +315,10 @@ fn usable(source: &Source, place: usize) -> Result<ImuRecording, String> {
         Source::Recorded { tracks: Tracks::Given(_), .. } => {
             source.frames(place, 0).map_err(|error| words(&error))?;
         }
-        Source::Recorded {
-            sequences,
-            tracks: Tracks::Seen(Vision { images: Images::Folder { .. }, .. }),
-        } if !has_images(&sequences[place].0) => {
-            return Err("it has none of the images it lists".into());
+        Source::Recorded { sequences, tracks: Tracks::Seen(Images::Folder { .. }) } => {
+            if !has_images(&sequences[place].0).map_err(|error| words(&error.into()))? {
+                return Err("it has none of the images it lists".into());
+            }
         }
         _ => {}
     }
@@ -356,7 +351,6 @@ mod tests {
             made: TracksConfig::default(),
             rendered: RenderConfig::default(),
             flights: FlightConfig::default(),
-            front_end: FrontEndConfig::default(),
             quick: false,
         }
     }

@@ -14,7 +14,7 @@ use super::table::Table;
 use super::tables;
 use dpn_core::Sensor;
 use dpn_core::progress::Progress;
-use dpn_eval::closed_loop::{Images, Recording, Row, StartAt, Tracks, Vision};
+use dpn_eval::closed_loop::{Images, Recording, Row, StartAt, Tracks};
 use dpn_eval::injected::Course;
 use dpn_figures::{Plot, Sourced, save};
 use dpn_io::{IoError, atomic_write};
@@ -276,10 +276,8 @@ impl Paper<'_> {
         let camera = match self.input.source.tracks() {
             Tracks::Made(config) => format!("tracks, {} Hz", config.rate_hz),
             Tracks::Given(_) => "given tracks".to_owned(),
-            Tracks::Seen(Vision { images: Images::Folder { .. }, .. }) => "images, followed".to_owned(),
-            Tracks::Seen(Vision { images: Images::Rendered(_), .. }) => {
-                "rendered images, followed".to_owned()
-            }
+            Tracks::Seen(Images::Folder { .. }) => "images, followed".to_owned(),
+            Tracks::Seen(Images::Rendered(_)) => "rendered images, followed".to_owned(),
         };
         sketch.add(
             "architecture_odometry",

@@ -19,7 +19,7 @@ fn main() {
         simulate_tracks(&TracksConfig::default(), &path, &stamps, 1).expect("the defaults are valid");
     let body_from_cam = CameraSettings::default().body_from_cam().expect("the default is a rotation");
     let config = EstimatorConfig::default();
-    let mut estimator = Estimator::new(config, PinholeRadtan::euroc_cam0(), body_from_cam, 1)
+    let mut estimator = Estimator::new(config, PinholeRadtan::euroc_cam0(), body_from_cam, "flight", 1)
         .expect("the defaults are valid");
     for sample in flight.recording.samples() {
         let noise = ImuNoise::baseline();

@@ -1,11 +1,14 @@
 //! One run of the estimator over one recording.
 
 use super::error::ClosedLoopError;
+use super::images::ImageStream;
 use super::recording::{Recording, Span};
+use super::tracking::{TrackedSequence, TrackingLog};
+use super::walk::{SampleWalk, Step, walk};
 use cpu_time::ThreadTime;
 use dpn_core::trajectory::StampedPose;
-use dpn_core::{NoiseTrack, Stamp, TrackFrame};
-use dpn_vio::estimator::{Estimator, EstimatorConfig, RunReport, Update};
+use dpn_core::{ImuNoise, ImuSample, NoiseTrack, Stamp, TrackFrame};
+use dpn_vio::estimator::{Estimator, EstimatorConfig, FeedError, FrontEndObserver, RunReport, Update};
 use dpn_vio::preint::NoisySample;
 use nalgebra::Matrix6;
 
@@ -19,7 +22,7 @@ pub struct Driven {
     pub updates: Vec<Update>,
     /// The estimator's own totals.
     pub report: RunReport,
-    /// CPU time of the whole run on its thread, feeding included \[s\].
+    /// CPU time of the whole run on its thread, feeding included, the front-end not \[s\].
     pub cpu_s: f64,
     /// CPU time of each update \[s\].
     pub update_cpu_s: Vec<f64>,
@@ -89,12 +92,15 @@ pub fn frames_from<'a>(
     Ok(left)
 }
 
-/// Feeds samples with their noise and frames in the order of time, and takes every update as soon as it can be had.
+/// Runs the estimator over frames of tracks, samples with their noise beside; every update is taken as soon as it can be had.
 ///
 /// `noise` has a value at each of the recording's samples; `seed` is the estimator's.
 ///
 /// # Errors
 /// Settings out of their bounds; frames whose stamps do not increase.
+///
+/// # Panics
+/// Without frames: [`frames_from`] says whether there are enough.
 pub fn drive(
     config: &EstimatorConfig,
     recording: &Recording,
@@ -103,48 +109,113 @@ pub fn drive(
     seed: u64,
 ) -> Result<Driven, ClosedLoopError> {
     let refused = |source| ClosedLoopError::Feed { sequence: recording.name.clone(), source };
-    let stamps: Vec<Stamp> = frames.iter().map(|f| f.t).collect();
-    let data_s = match (stamps.first(), stamps.last()) {
-        (Some(first), Some(last)) => last.seconds_since(*first),
-        _ => 0.0,
-    };
-    let (camera, body_from_cam) = (recording.camera, recording.body_from_cam);
-    let mut estimator =
-        Estimator::new(config.clone(), camera, body_from_cam, seed).map_err(ClosedLoopError::Config)?;
-    let samples = recording.imu.samples();
-    // The last sample before the first frame is where its interval begins.
-    let begin = frames.first().map_or(0, |f| samples.partition_point(|s| s.t <= f.t).saturating_sub(1));
-    let mut next = begin;
-    let mut driven = Driven {
-        updates: Vec::with_capacity(frames.len()),
-        report: RunReport::default(),
-        cpu_s: 0.0,
-        update_cpu_s: Vec::with_capacity(frames.len()),
-        data_s,
-        frames: stamps,
-    };
-    let clock = ThreadTime::now();
+    let mut run = Run::new(config, recording, noise, seed)?;
+    let mut samples = SampleWalk::new(recording.imu.samples(), ends(frames).0);
     for frame in frames {
-        // The first sample at or after the frame completes it.
-        while next < samples.len() && (next == begin || samples[next - 1].t < frame.t) {
-            let (sample, noise) = (samples[next], noise.noises()[next]);
-            estimator.feed_imu(NoisySample { sample, noise }).map_err(refused)?;
-            next += 1;
+        for place in samples.until(frame.t) {
+            run.feed_sample(place).map_err(refused)?;
         }
-        estimator.feed_frame(frame.clone()).map_err(refused)?;
-        take(&mut estimator, &mut driven);
+        run.estimator.feed_frame(frame.clone()).map_err(refused)?;
+        run.take_updates();
     }
-    driven.cpu_s = clock.elapsed().as_secs_f64();
-    driven.report = estimator.report().clone();
-    Ok(driven)
+    Ok(run.finish(frames))
 }
 
-/// Takes every update there is.
-fn take(estimator: &mut Estimator, driven: &mut Driven) {
-    loop {
-        let clock = ThreadTime::now();
-        let Some(update) = estimator.next_update() else { break };
-        driven.update_cpu_s.push(clock.elapsed().as_secs_f64());
-        driven.updates.push(update);
+/// The same over images, which the estimator's own front-end follows points through while `observer` looks on: what [`drive`] makes of the
+/// tracks that come back with it, bit by bit.
+///
+/// # Errors
+/// Settings out of their bounds; none of the first images can be read, or none of all shows anything.
+pub(super) fn drive_images(
+    config: &EstimatorConfig,
+    recording: &Recording,
+    images: ImageStream<'_>,
+    noise: &NoiseTrack,
+    seed: u64,
+    observer: &mut dyn FrontEndObserver,
+) -> Result<(Driven, TrackedSequence), ClosedLoopError> {
+    let mut run = Run::new(config, recording, noise, seed)?;
+    let mut log = TrackingLog::new(observer);
+    walk(recording, images, &mut log, |step, log| {
+        match step {
+            Step::Sample(place) => run.feed_sample(place)?,
+            Step::SamplesEnd => run.estimator.end_imu(),
+            Step::Image(t, image) => {
+                run.estimator.feed_image(image.view(), t)?;
+                let clock = ThreadTime::now();
+                run.estimator.track_images(log);
+                run.tracking_s += clock.elapsed().as_secs_f64();
+                run.take_updates();
+            }
+        }
+        Ok(())
+    })?;
+    let tracked = log.finish(recording)?;
+    Ok((run.finish(&tracked.frames), tracked))
+}
+
+/// Stamps of the first frame and of the last.
+fn ends(frames: &[TrackFrame]) -> (Stamp, Stamp) {
+    let (first, last) = frames.first().zip(frames.last()).expect("there is no run without frames");
+    (first.t, last.t)
+}
+
+/// A run under way.
+struct Run<'a> {
+    estimator: Estimator,
+    samples: &'a [ImuSample],
+    noises: &'a [ImuNoise],
+    updates: Vec<Update>,
+    update_cpu_s: Vec<f64>,
+    clock: ThreadTime,
+    /// CPU time of the front-end and of who looked on \[s\].
+    tracking_s: f64,
+}
+
+impl<'a> Run<'a> {
+    fn new(
+        config: &EstimatorConfig,
+        recording: &'a Recording,
+        noise: &'a NoiseTrack,
+        seed: u64,
+    ) -> Result<Self, ClosedLoopError> {
+        let (camera, body_from_cam) = (recording.camera, recording.body_from_cam);
+        let estimator = Estimator::new(config.clone(), camera, body_from_cam, &recording.name, seed);
+        Ok(Self {
+            estimator: estimator.map_err(ClosedLoopError::Config)?,
+            samples: recording.imu.samples(),
+            noises: noise.noises(),
+            updates: Vec::new(),
+            update_cpu_s: Vec::new(),
+            clock: ThreadTime::now(),
+            tracking_s: 0.0,
+        })
+    }
+
+    fn feed_sample(&mut self, place: usize) -> Result<(), FeedError> {
+        self.estimator.feed_imu(NoisySample { sample: self.samples[place], noise: self.noises[place] })
+    }
+
+    /// Takes every update there is.
+    fn take_updates(&mut self) {
+        loop {
+            let clock = ThreadTime::now();
+            let Some(update) = self.estimator.next_update() else { break };
+            self.update_cpu_s.push(clock.elapsed().as_secs_f64());
+            self.updates.push(update);
+        }
+    }
+
+    /// What the run left over `frames`.
+    fn finish(self, frames: &[TrackFrame]) -> Driven {
+        let (first, last) = ends(frames);
+        Driven {
+            cpu_s: self.clock.elapsed().as_secs_f64() - self.tracking_s,
+            updates: self.updates,
+            report: self.estimator.report().clone(),
+            update_cpu_s: self.update_cpu_s,
+            data_s: last.seconds_since(first),
+            frames: frames.iter().map(|frame| frame.t).collect(),
+        }
     }
 }

@@ -10,7 +10,6 @@ use dpn_sim::SimulationError;
 use dpn_sim::render::RenderError;
 use dpn_sim::tracks::{BadCameraSettings, PathError, TracksError};
 use dpn_vio::estimator::FeedError;
-use dpn_vio::frontend::FrontEndError;
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -107,13 +106,13 @@ pub enum ClosedLoopError {
         /// What was wrong with most of them.
         why: String,
     },
-    /// Settings of the front-end out of their bounds.
-    #[error("{sequence}: {source}")]
-    FrontEnd {
+    /// Tracks where there are none: a flight has no file of them, and images are yet to be followed through.
+    #[error(
+        "{sequence}: it has no file of tracks; a flight's are made with it, and images are followed by the odometry"
+    )]
+    NoTracks {
         /// The sequence.
         sequence: String,
-        /// Why.
-        source: FrontEndError,
     },
     /// A name no sequence has.
     #[error("no sequence is called `{name}`; there are {}", known.join(", "))]

@@ -9,7 +9,6 @@ use dpn_core::{GrayImage, Stamp};
 use dpn_io::asl::Sequence;
 use dpn_io::{ImageFolder, IoError};
 use dpn_sim::RenderConfig;
-use dpn_vio::frontend::FrontEndConfig;
 
 /// Images read ahead of the front-end.
 const AHEAD: usize = 4;
@@ -41,18 +40,16 @@ impl Images {
     }
 }
 
-/// Images, and what follows points through them.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Vision {
-    /// The images.
-    pub images: Images,
-    /// The front-end's settings.
-    pub front_end: FrontEndConfig,
-}
-
-/// Whether a sequence's folder holds any of the images it lists.
-pub fn has_images(sequence: &Sequence) -> bool {
-    ImageFolder::open(sequence).is_ok_and(|folder| folder.holds_any())
+/// Whether a sequence's folder holds any of the images it lists; one without a list or a calibration holds none that could be looked at.
+///
+/// # Errors
+/// A list or a calibration that is there and cannot be read.
+pub fn has_images(sequence: &Sequence) -> Result<bool, IoError> {
+    match ImageFolder::open(sequence) {
+        Ok(folder) => Ok(folder.holds_any()),
+        Err(IoError::Missing { .. }) => Ok(false),
+        Err(error) => Err(error),
+    }
 }
 
 /// The images that `sequence` lists within `span`, read ahead on a second thread.

@@ -2,15 +2,16 @@
 
 use super::drive::Driven;
 use super::error::ClosedLoopError;
+use super::image_report::FrontEndFigures;
 use super::recording::{Recording, first_motion};
 use super::row::{Failure, Restart, Row, StageSeconds};
-use super::sight::SightFigures;
 use crate::metrics::{
     AlignmentKind, Interpolation, MetricsError, PoseNees, PosePair, RPE_TOLERANCE, RpeStep, TruthOptions,
     TruthTrack, associate_interpolated, ate, nees, rpe, scale_error, start_alignment,
 };
-use dpn_core::Stamp;
+use crate::noise::MeanSquare;
 use dpn_core::trajectory::StampedPose;
+use dpn_core::{NoiseTrack, Sensor, Stamp};
 use dpn_vio::estimator::Stage;
 use nalgebra::Matrix6;
 
@@ -66,14 +67,14 @@ impl Errors {
         if pairs.len() < FEWEST_PAIRS {
             return Ok(Self::default());
         }
-        // A straight line leaves an alignment open: a figure that is not there, no fault.
-        let rmse = |kind| ate(&pairs, kind).ok().map(|ate| ate.translation.rmse);
+        let aligned = |kind| determined(ate(&pairs, kind));
+        let se3 = aligned(AlignmentKind::Se3)?;
         let mut errors = Self {
-            ate_se3: rmse(AlignmentKind::Se3),
-            ate_yaw: rmse(AlignmentKind::YawPosition),
-            ate_sim3: rmse(AlignmentKind::Sim3),
-            rotation_deg: ate(&pairs, AlignmentKind::Se3).ok().map(|ate| ate.rotation.rmse.to_degrees()),
-            scale_error: scale_error(&pairs).ok(),
+            ate_se3: se3.as_ref().map(|ate| ate.translation.rmse),
+            ate_yaw: aligned(AlignmentKind::YawPosition)?.map(|ate| ate.translation.rmse),
+            ate_sim3: aligned(AlignmentKind::Sim3)?.map(|ate| ate.translation.rmse),
+            rotation_deg: se3.map(|ate| ate.rotation.rmse.to_degrees()),
+            scale_error: determined(scale_error(&pairs))?,
             path_m: path_length(&pairs),
             ..Self::default()
         };
@@ -86,15 +87,17 @@ impl Errors {
             }
             None => None,
         };
-        errors.nees = covariances.and_then(|covariances| all_nees(&pairs, covariances, anchor));
+        if let Some(covariances) = covariances {
+            errors.nees = all_nees(&pairs, covariances, anchor)?;
+        }
         Ok(errors)
     }
 }
 
 /// The truth as runs are judged against it: interpolated, not across gaps.
 fn truth_track(truth: &[StampedPose]) -> Result<TruthTrack<'_>, MetricsError> {
-    let interpolation =
-        if median_step(truth) > SLOW_TRUTH_S { Interpolation::Cubic } else { Interpolation::Linear };
+    let slow = median_step(truth).is_some_and(|step| step > SLOW_TRUTH_S);
+    let interpolation = if slow { Interpolation::Cubic } else { Interpolation::Linear };
     TruthTrack::new(truth, TruthOptions { max_gap_s: MAX_GAP_S, interpolation })
 }
 
@@ -106,15 +109,29 @@ pub fn paired(truth: &[StampedPose], estimate: &[StampedPose]) -> Result<Vec<Pos
     Ok(associate_interpolated(&truth_track(truth)?, estimate)?.pairs)
 }
 
-/// Of all poses. The anchor fixes the gauge; without one the first pose does and is left out.
+/// A straight line leaves an alignment open: a figure that is not there, no fault. Everything else is one.
+fn determined<T>(figure: Result<T, MetricsError>) -> Result<Option<T>, MetricsError> {
+    match figure {
+        Ok(figure) => Ok(Some(figure)),
+        Err(MetricsError::Degenerate { .. }) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// Of all poses. The anchor fixes the gauge; without one the first pose does and is left out. None where a covariance is not positive
+/// definite: a mean over the others would be about another run.
 fn all_nees(
     pairs: &[PosePair],
     covariances: &[Matrix6<f64>],
     anchor: Option<PosePair>,
-) -> Option<Vec<PoseNees>> {
-    let (first, rest) = pairs.split_first()?;
+) -> Result<Option<Vec<PoseNees>>, MetricsError> {
+    let (first, rest) = pairs.split_first().expect("too few pairs were left out before");
     let (gauge, judged) = anchor.as_ref().map_or((first, rest), |anchor| (anchor, pairs));
-    nees(judged, covariances, &start_alignment(gauge)).ok()
+    match nees(judged, covariances, &start_alignment(gauge)) {
+        Ok(nees) => Ok(Some(nees)),
+        Err(MetricsError::NotPositiveDefinite { .. }) => Ok(None),
+        Err(error) => Err(error),
+    }
 }
 
 fn mean(nees: Option<&Vec<PoseNees>>, part: impl Fn(&PoseNees) -> f64) -> Option<f64> {
@@ -127,10 +144,10 @@ fn path_length(pairs: &[PosePair]) -> f64 {
     pairs.windows(2).map(|w| (position(&w[1]) - position(&w[0])).norm()).sum()
 }
 
-fn median_step(poses: &[StampedPose]) -> f64 {
+fn median_step(poses: &[StampedPose]) -> Option<f64> {
     let mut steps: Vec<f64> = poses.windows(2).map(|w| w[1].t.seconds_since(w[0].t)).collect();
     let middle = steps.len() / 2;
-    if steps.is_empty() { 0.0 } else { *steps.select_nth_unstable_by(middle, f64::total_cmp).1 }
+    (!steps.is_empty()).then(|| *steps.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 /// What a run was told.
@@ -145,7 +162,7 @@ pub struct Told {
     /// Seconds after the first frame.
     pub from_s: f64,
     /// What the front-end made of the images, where there are any.
-    pub front_end: Option<SightFigures>,
+    pub front_end: Option<FrontEndFigures>,
 }
 
 /// A finished run, judged.
@@ -170,8 +187,9 @@ pub fn judge(recording: &Recording, told: &Told, driven: &Driven) -> Result<Judg
         None => Errors::default(),
     };
     let report = &driven.report;
-    let first_frame = driven.frames.first().copied();
-    let since_first = |t: Stamp| first_frame.map_or(0.0, |first| t.seconds_since(first));
+    let first_frame = *driven.frames.first().expect("no run without frames is begun");
+    let since_first = |t: Stamp| t.seconds_since(first_frame);
+    let p95_update_s = percentile(&driven.update_cpu_s, 0.95);
     let completion = report.completion();
     let [rpe_5m, rpe_10m, rpe_20m, rpe_40m, rpe_1s, rpe_5s] = errors.rpe;
     let seconds = |stage: Stage| report.seconds[stage as usize];
@@ -208,7 +226,7 @@ pub fn judge(recording: &Recording, told: &Told, driven: &Driven) -> Result<Judg
         poses: poses.len(),
         noise_rms: None,
         cpu_per_data_s: driven.cpu_s / driven.data_s,
-        p95_update_ms: 1e3 * percentile(&driven.update_cpu_s, 0.95),
+        p95_update_ms: 1e3 * p95_update_s.expect("frames that have samples are worked off"),
         stage_s: StageSeconds {
             feed: seconds(Stage::Feed),
             initialise: seconds(Stage::Initialise),
@@ -222,8 +240,8 @@ pub fn judge(recording: &Recording, told: &Told, driven: &Driven) -> Result<Judg
 }
 
 /// From the first motion to the first pose.
-fn in_motion(recording: &Recording, first_frame: Option<Stamp>, initialised: Option<Stamp>) -> Option<f64> {
-    let motion = first_motion(recording.truth.as_deref()?, first_frame?)?;
+fn in_motion(recording: &Recording, first_frame: Stamp, initialised: Option<Stamp>) -> Option<f64> {
+    let motion = first_motion(recording.truth.as_deref()?, first_frame)?;
     Some(initialised?.seconds_since(motion).max(0.0))
 }
 
@@ -238,12 +256,20 @@ fn failure(judged: bool, errors: &Errors, poses: usize, completion: Option<f64>)
     lost.then_some(Failure::Diverged)
 }
 
-/// The value below which a share of all lies; 0 without values.
-fn percentile(values: &[f64], share: f64) -> f64 {
+/// The value that a share of all does not exceed; none without values.
+pub(super) fn percentile(values: &[f64], share: f64) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     let at = (share * sorted.len() as f64).ceil() as usize;
-    sorted.get(at.saturating_sub(1)).copied().unwrap_or(0.0)
+    sorted.get(at.saturating_sub(1)).copied()
+}
+
+/// Root mean square of the noise told: accelerometer x, y, z, gyroscope x, y, z.
+pub(super) fn noise_rms(track: &NoiseTrack) -> [[f64; 3]; 2] {
+    let mut mean = MeanSquare::default();
+    mean.add(track);
+    let noise = mean.root().expect("a recording has samples, and each a noise");
+    Sensor::ALL.map(|sensor| noise.of(sensor))
 }
 
 #[cfg(test)]
@@ -279,6 +305,25 @@ mod tests {
     }
 
     #[test]
+    fn a_straight_line_has_no_alignment_and_a_fault_of_the_input_is_one() {
+        let line: Vec<StampedPose> = (0..400)
+            .map(|i| StampedPose {
+                t: Stamp::from_ns(i64::from(i) * 50_000_000),
+                world_from_body: Isometry3::new(Vector3::x() * 0.1 * f64::from(i), Vector3::zeros()),
+            })
+            .collect();
+        let errors = Errors::of(&line, &line, None, None).unwrap();
+        assert_eq!((errors.ate_se3, errors.rpe[4]), (None, Some(0.0)), "{errors:?}");
+        let covariances = [Matrix6::identity(); 3];
+        let error = Errors::of(&circle(5.0, 1.0), &circle(5.0, 1.0), Some(&covariances), None).unwrap_err();
+        assert!(matches!(error, MetricsError::CovarianceMissing { covariances: 3, .. }), "{error}");
+        // A covariance that is none costs the run its NEES, and nothing else.
+        let flat = vec![Matrix6::zeros(); 400];
+        let errors = Errors::of(&circle(5.0, 1.0), &circle(5.0, 1.0), Some(&flat), None).unwrap();
+        assert!(errors.nees.is_none() && errors.ate_se3.is_some());
+    }
+
+    #[test]
     fn too_few_poses_are_a_failure_with_or_without_truth() {
         assert_eq!(failure(false, &Errors::default(), 3, Some(1.0)), Some(Failure::NoPose));
         assert_eq!(failure(true, &Errors::default(), 100, Some(1.0)), Some(Failure::NoPose));
@@ -289,8 +334,8 @@ mod tests {
     #[test]
     fn a_percentile_is_a_value_that_was_there() {
         let values: Vec<f64> = (1..=100).rev().map(f64::from).collect();
-        assert_eq!(percentile(&values, 0.95), 95.0);
-        assert_eq!(percentile(&[3.0], 0.95), 3.0);
-        assert_eq!(percentile(&[], 0.95), 0.0);
+        assert_eq!(percentile(&values, 0.95), Some(95.0));
+        assert_eq!(percentile(&[3.0], 0.95), Some(3.0));
+        assert_eq!(percentile(&[], 0.95), None);
     }
 }

@@ -3,7 +3,7 @@
 use super::error::ClosedLoopError;
 use super::lazy::Shared;
 use super::recording::Recording;
-use super::sight::Seen;
+use super::tracking::TrackedSequence;
 use crate::noise::{NoiseError, Recorded, Sources, of_recording};
 use dpn_core::estimate::Noise;
 use dpn_core::{ImuNoise, NoiseTrack};
@@ -35,7 +35,7 @@ impl Needs {
 #[derive(Debug)]
 pub(super) struct Kept {
     recordings: BTreeMap<Place, Shared<Recording>>,
-    frames: BTreeMap<Place, Shared<Seen>>,
+    frames: BTreeMap<Place, Shared<TrackedSequence>>,
     tracks: BTreeMap<(Place, String), Shared<NoiseTrack>>,
     means: BTreeMap<String, ImuNoise>,
 }
@@ -57,16 +57,16 @@ impl Kept {
         needs: &Needs,
         make: impl FnOnce() -> Result<Recording, ClosedLoopError>,
     ) -> Result<Arc<Recording>, ClosedLoopError> {
-        shared(&self.recordings, &needs.recording, make)
+        counted_before(&self.recordings, &needs.recording).get(make)
     }
 
     /// The tracks, by `make` if there are none yet.
     pub(super) fn frames(
         &self,
         needs: &Needs,
-        make: impl FnOnce() -> Result<Seen, ClosedLoopError>,
-    ) -> Result<Arc<Seen>, ClosedLoopError> {
-        shared(&self.frames, &needs.frames, make)
+        make: impl FnOnce() -> Result<TrackedSequence, ClosedLoopError>,
+    ) -> Result<Arc<TrackedSequence>, ClosedLoopError> {
+        counted_before(&self.frames, &needs.frames).get(make)
     }
 
     /// Sources of noise for one cell.
@@ -81,15 +81,9 @@ impl Kept {
 
     /// A cell is over.
     pub(super) fn done(&self, needs: &Needs) {
-        if let Some(recording) = self.recordings.get(&needs.recording) {
-            recording.done();
-        }
-        if let Some(frames) = self.frames.get(&needs.frames) {
-            frames.done();
-        }
-        if let Some(track) = self.tracks.get(&needs.track()) {
-            track.done();
-        }
+        counted_before(&self.recordings, &needs.recording).done();
+        counted_before(&self.frames, &needs.frames).done();
+        counted_before(&self.tracks, &needs.track()).done();
     }
 }
 
@@ -102,15 +96,8 @@ fn counted<K: Ord, T>(keys: impl Iterator<Item = K>) -> BTreeMap<K, Shared<T>> {
     counts.into_iter().map(|(key, uses)| (key, Shared::new(uses))).collect()
 }
 
-fn shared<K: Ord, T, E>(
-    values: &BTreeMap<K, Shared<T>>,
-    key: &K,
-    make: impl FnOnce() -> Result<T, E>,
-) -> Result<Arc<T>, E> {
-    match values.get(key) {
-        Some(value) => value.get(make),
-        None => make().map(Arc::new),
-    }
+fn counted_before<'a, K: Ord, T>(values: &'a BTreeMap<K, Shared<T>>, key: &K) -> &'a Shared<T> {
+    values.get(key).expect("every cell's needs were counted before the first cell began")
 }
 
 struct OfCell<'a> {
@@ -123,7 +110,7 @@ struct OfCell<'a> {
 impl Sources for OfCell<'_> {
     fn track(&self, source: &Noise) -> Result<Arc<NoiseTrack>, NoiseError> {
         let make = || of_recording(source, &self.recorded, self.networks);
-        shared(&self.kept.tracks, &(self.needs.recording, source.to_string()), make)
+        counted_before(&self.kept.tracks, &(self.needs.recording, source.to_string())).get(make)
     }
 
     fn training_mean(&self, source: &Noise) -> Result<ImuNoise, NoiseError> {

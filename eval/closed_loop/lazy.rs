@@ -35,7 +35,7 @@ impl<T> Shared<T> {
     /// One use is over; with the last one the value goes.
     pub(super) fn done(&self) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        state.uses_left = state.uses_left.saturating_sub(1);
+        state.uses_left = state.uses_left.checked_sub(1).expect("no use ends twice");
         if state.uses_left == 0 {
             state.value = None;
         }
@@ -62,5 +62,7 @@ mod tests {
         shared.done();
         assert_eq!(Arc::strong_count(&first), 1);
         assert_eq!(shared.get(|| Err::<i32, _>("no")), Err("no"));
+        let again = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| shared.done()));
+        assert!(again.is_err(), "one use too many goes unnoticed");
     }
 }

@@ -1,7 +1,8 @@
 //! The closed loop: the odometry, told its noise by each of several sources, over sequences, seeds and starts, judged against the truth.
 //!
 //! * [`Source`] has the sequences: recordings on disk with camera tracks given or made along their ground truth, or simulated flights.
-//! * [`ImageStream`] is the seam for images; [`follow`] makes tracks of them, whoever has them.
+//! * [`ImageStream`] is the seam for images. The estimator follows points through them; its own tracker does it once where many runs share the
+//!   tracks ([`CameraInput::tracks`]), to the same bits.
 //! * [`drive`] runs the estimator over one [`Recording`] with one noise track; [`judge`] makes a [`Row`] of what comes out.
 //! * [`Sweep`] runs all cells on all threads into a folder, which a later call goes on with.
 //! * [`single`] runs one recording and says everything of it.
@@ -11,6 +12,7 @@ mod compare;
 mod consistency;
 mod drive;
 mod error;
+mod image_report;
 mod images;
 mod judge;
 mod kept;
@@ -20,7 +22,6 @@ mod parallel;
 mod recording;
 mod rendered;
 mod row;
-mod sight;
 mod single;
 mod source;
 mod states;
@@ -28,17 +29,19 @@ mod store;
 mod sweep;
 mod table;
 mod tally;
+mod tracking;
+mod walk;
 
 pub use compare::{Comparison, compare};
 pub use consistency::{Consistency, consistency};
 pub use drive::{Driven, FEWEST_FRAMES, drive, frames_from};
 pub use error::ClosedLoopError;
-pub use images::{ImageStream, Images, Vision, has_images};
+pub use image_report::{FrontEndFigures, ImageEvent, ImageReport, PassedOver};
+pub use images::{ImageStream, Images, has_images};
 pub use judge::{Errors, Judged, MAX_GAP_S, Told, judge, paired};
 pub use paper::Peer;
 pub use recording::{Recording, Span, StartAt, first_motion};
 pub use row::{CellKey, Failure, Restart, Row, StageSeconds};
-pub use sight::{PassedOver, Seen, Sight, SightEvent, SightFigures, Watch, follow};
 pub use single::{Report, Single, single};
 pub use source::{Source, Tracks};
 pub use states::ANCHOR;
@@ -46,6 +49,7 @@ pub use states::write_states;
 pub use store::{Manifest, Store};
 pub use sweep::{Keep, Sweep, Unseen};
 pub use table::{Summary, render, render_comparisons, render_consistency, summaries};
+pub use tracking::{CameraInput, TrackedSequence};
 
 #[cfg(any(test, feature = "testing"))]
 #[doc(hidden)]

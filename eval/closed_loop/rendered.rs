@@ -47,7 +47,7 @@ impl Ahead {
         let (sender, receiver) = sync_channel(AHEAD);
         let thread = std::thread::spawn(move || {
             for t in stamps {
-                let Some(image) = camera.image(t) else { continue };
+                let image = camera.image(t).expect("only stamps at which the path is known were asked for");
                 // Nobody waits any more: the reader was dropped.
                 if sender.send((t, image)).is_err() {
                     return;
@@ -62,7 +62,15 @@ impl Iterator for Ahead {
     type Item = (Stamp, GrayImage);
 
     fn next(&mut self) -> Option<Self::Item> {
-        self.receiver.as_ref()?.recv().ok()
+        let next = self.receiver.as_ref()?.recv().ok();
+        if next.is_none() {
+            // All are done, or the thread has panicked: images that end early must not look like all there are.
+            self.receiver = None;
+            if let Some(Err(panic)) = self.thread.take().map(JoinHandle::join) {
+                std::panic::resume_unwind(panic);
+            }
+        }
+        next
     }
 }
 
@@ -71,7 +79,7 @@ impl Drop for Ahead {
         // The thread may be waiting for room: without a receiver it goes home.
         self.receiver = None;
         if let Some(thread) = self.thread.take() {
-            // It does nothing that panics; if it did, its reader has seen the images end.
+            // Whoever stops reading does not care how the rest would have ended.
             let _ = thread.join();
         }
     }

@@ -1,6 +1,6 @@
 //! One line of results.
 
-use super::sight::SightFigures;
+use super::image_report::FrontEndFigures;
 use dpn_train::split::Side;
 use dpn_vio::estimator::RestartReason;
 use serde::{Deserialize, Serialize};
@@ -127,7 +127,7 @@ pub struct Row {
     pub stage_s: StageSeconds,
     /// What the front-end made of the images; null where tracks came without any. Its time is not in `cpu_per_data_s`.
     #[serde(default)]
-    pub front_end: Option<SightFigures>,
+    pub front_end: Option<FrontEndFigures>,
 }
 
 /// What names a cell among the rows of a run.

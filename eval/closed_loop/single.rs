@@ -1,20 +1,21 @@
 //! One recording through the estimator, with everything a person wants to know of it.
 
-use super::drive::{Driven, drive, frames_from};
+use super::drive::{Driven, drive, drive_images, frames_from};
 use super::error::ClosedLoopError;
-use super::judge::{Told, judge};
+use super::image_report::ImageEvent;
+use super::judge::{Told, judge, noise_rms};
 use super::recording::Recording;
 use super::row::Row;
-use super::sight::{Seen, SightEvent};
+use super::tracking::{CameraInput, TrackedSequence};
 use crate::noise::{Fresh, Recorded};
+use dpn_core::NoiseTrack;
 use dpn_core::check::{CheckOptions, RecordingFault, check};
 use dpn_core::estimate::Noise;
 use dpn_core::random::Stream;
-use dpn_core::{NoiseTrack, Sensor, TrackFrame};
 use dpn_pronet::network::Network;
 use dpn_vio::EstimatorConfig;
 use dpn_vio::diagnosis::{Axes, TrackHealth, axes, track_health};
-use dpn_vio::estimator::Phase;
+use dpn_vio::estimator::{FrontEndObserver, Phase};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -35,6 +36,8 @@ pub struct Single {
     pub driven: Driven,
     /// The noise it was told.
     pub noise: Arc<NoiseTrack>,
+    /// The tracks it had.
+    pub tracked: TrackedSequence,
 }
 
 /// What is said of a run.
@@ -49,7 +52,7 @@ pub struct Report {
     /// Tracks from frame to frame.
     pub tracks: TrackHealth,
     /// What was wrong with images, in time; empty without images.
-    pub images: Vec<SightEvent>,
+    pub images: Vec<ImageEvent>,
     /// Frames before the first sample; left out.
     pub skipped: usize,
     /// What the initialisation waited for, and at how many frames.
@@ -58,63 +61,82 @@ pub struct Report {
     pub noise_rms: [[f64; 3]; 2],
 }
 
-/// Runs the estimator over the tracks in `seen`.
+/// Runs the estimator over what `camera` sees, with `noise` told; `observer` looks on while points are followed through images.
 ///
 /// # Errors
-/// Tracks that share no time with the samples or whose ids do not stay with points; noise that cannot be had; settings out of their
-/// bounds.
+/// Noise that cannot be had; images that cannot be, or show nothing; tracks that share no time with the samples or whose ids do not stay with
+/// points; settings out of their bounds.
 pub fn single(
     config: &EstimatorConfig,
     recording: &Recording,
-    seen: &Seen,
+    camera: CameraInput<'_>,
     noise: &Noise,
-    told: &Told,
+    told: Told,
     networks: &[Network],
+    observer: &mut dyn FrontEndObserver,
 ) -> Result<Single, ClosedLoopError> {
-    let frames = frames_from(recording, &seen.frames, &seen.span)?;
-    let health = track_health(frames);
-    if let Some(problem) = health.fault() {
-        return Err(ClosedLoopError::TrackIds { sequence: recording.name.clone(), problem });
-    }
     let recorded = Recorded { name: &recording.name, imu: &recording.imu, oracle: recording.oracle.as_ref() };
     let stream = Stream::new(told.seed).named("noise").named(&recording.name);
-    let track = crate::noise::track(noise, &recording.imu, &Fresh { recorded, networks }, &stream)?;
-    let axes = axes(recording.imu.samples(), frames, &recording.camera, &recording.body_from_cam);
-    let driven = drive(config, recording, frames, &track, told.seed)?;
+    let noise = crate::noise::track(noise, &recording.imu, &Fresh { recorded, networks }, &stream)?;
+    let (driven, tracked, health) = match camera {
+        CameraInput::Images(images) => {
+            let (driven, tracked) = drive_images(config, recording, images, &noise, told.seed, observer)?;
+            let health = fit(recording, &tracked)?;
+            (driven, tracked, health)
+        }
+        CameraInput::Tracks(frames, span) => {
+            let tracked = TrackedSequence { frames, span, images: None };
+            let health = fit(recording, &tracked)?;
+            (drive(config, recording, tracked.run(), &noise, told.seed)?, tracked, health)
+        }
+    };
+    let axes = axes(recording.imu.samples(), tracked.run(), &recording.camera, &recording.body_from_cam);
     let mut waited_for: BTreeMap<String, usize> = BTreeMap::new();
     for update in &driven.updates {
         if let Phase::Initialising(reason) = update.phase {
             *waited_for.entry(reason.name().to_owned()).or_default() += 1;
         }
     }
+    let told = Told { front_end: tracked.images.as_ref().map(|images| images.figures.clone()), ..told };
     let report = Report {
-        row: judge(recording, told, &driven)?.row,
-        warnings: warnings(recording, seen, frames, &health, &axes),
+        row: judge(recording, &told, &driven)?.row,
+        warnings: warnings(recording, &tracked, &health, &axes),
         axes,
         tracks: health,
-        images: seen.sight.as_ref().map_or_else(Vec::new, |sight| sight.events.clone()),
+        images: tracked.images.as_ref().map_or_else(Vec::new, |images| images.events.clone()),
         skipped: driven.report.skipped,
         waited_for,
-        noise_rms: rms(&track),
+        noise_rms: noise_rms(&noise),
     };
-    Ok(Single { report, driven, noise: track })
+    Ok(Single { report, driven, noise, tracked })
+}
+
+/// What the tracks that are run are like.
+///
+/// # Errors
+/// Too few of them, or none on the samples' clock; ids that do not stay with points.
+fn fit(recording: &Recording, tracked: &TrackedSequence) -> Result<TrackHealth, ClosedLoopError> {
+    let health = track_health(frames_from(recording, &tracked.frames, &tracked.span)?);
+    match health.fault() {
+        Some(problem) => Err(ClosedLoopError::TrackIds { sequence: recording.name.clone(), problem }),
+        None => Ok(health),
+    }
 }
 
 /// What is odd about the input.
 fn warnings(
     recording: &Recording,
-    seen: &Seen,
-    frames: &[TrackFrame],
+    tracked: &TrackedSequence,
     health: &TrackHealth,
     axes: &Axes,
 ) -> Vec<String> {
-    let mut found = Vec::new();
-    if let Some(sight) = &seen.sight {
-        let shown = sight.events.iter().take(SHOWN_EVENTS);
+    let (mut found, frames) = (Vec::new(), tracked.run());
+    if let Some(images) = &tracked.images {
+        let shown = images.events.iter().take(SHOWN_EVENTS);
         found.extend(shown.map(ToString::to_string));
-        let more = sight.events.len().saturating_sub(SHOWN_EVENTS) + sight.more_events;
+        let more = images.events.len().saturating_sub(SHOWN_EVENTS) + images.more_events;
         if more > 0 {
-            found.push(format!("{more} more such events, {} images in all", sight.figures.passed_over));
+            found.push(format!("{more} more such events, {} images in all", images.figures.passed_over));
         }
     }
     let samples = recording.imu.samples();
@@ -157,10 +179,4 @@ fn warnings(
     found.extend(health.warning());
     found.extend(axes.warning());
     found
-}
-
-fn rms(track: &NoiseTrack) -> [[f64; 3]; 2] {
-    let mut mean = crate::noise::MeanSquare::default();
-    mean.add(track);
-    mean.root().map_or([[f64::NAN; 3]; 2], |noise| Sensor::ALL.map(|sensor| noise.of(sensor)))
 }

@@ -1,10 +1,10 @@
 //! Where recordings and camera tracks come from: sequences on disk, or simulated flights.
 
 use super::error::ClosedLoopError;
-use super::images::{ImageStream, Images, Vision, of_folder};
+use super::images::{ImageStream, Images, of_folder};
 use super::recording::{Recording, Span};
 use super::rendered::rendered;
-use super::sight::{Seen, Watch, follow};
+use super::tracking::CameraInput;
 use crate::metrics::poses_of;
 use dpn_core::camera::CameraConfig;
 use dpn_core::camera::PinholeRadtan;
@@ -34,8 +34,8 @@ pub enum Tracks {
     Given(PathBuf),
     /// Made along the ground truth, from the seed of the cell.
     Made(TracksConfig),
-    /// Followed through images; the seed of the cell is the front-end's, and that of images that are rendered.
-    Seen(Vision),
+    /// Followed through images by the estimator's front-end; the seed of the cell is its, and that of images that are rendered.
+    Seen(Images),
 }
 
 /// Sequences that the loop can be closed on.
@@ -69,7 +69,8 @@ impl Source {
         let sequences: Vec<(Sequence, Side)> = if of_paper.is_empty() {
             let sides = assign(all.iter().map(Sequence::name));
             let side = |s: &Sequence| {
-                sides.iter().find(|(name, _)| name == s.name()).map_or(Side::Test, |(_, side)| *side)
+                let found = sides.iter().find(|(name, _)| name == s.name());
+                found.expect("`assign` gives every name a side").1
             };
             all.iter().map(|s| (s.clone(), side(s))).collect()
         } else {
@@ -163,7 +164,7 @@ impl Source {
     /// What the odometry sees, as rows call it.
     pub fn camera(&self) -> &'static str {
         match self.tracks() {
-            Tracks::Seen(vision) => vision.images.name(),
+            Tracks::Seen(images) => images.name(),
             Tracks::Given(_) | Tracks::Made(_) => "tracks",
         }
     }
@@ -182,20 +183,33 @@ impl Source {
         }
     }
 
-    /// The images of the sequence at `place` within `span`; none where tracks are not followed through images.
+    /// What the odometry sees of the sequence at `place` within `span`: its images, or its tracks.
     ///
     /// # Errors
-    /// A folder without images, or without all of them; a flight, which has no folder; nothing to render along.
-    pub fn images(
+    /// A folder without images, or without all of them; nothing to render along; a file of tracks that cannot be read; no ground truth to make
+    /// tracks along; a flight, which has neither a folder nor a file.
+    pub fn camera_input(
         &self,
         place: usize,
         seed: u64,
         span: &Span,
-    ) -> Result<Option<ImageStream<'static>>, ClosedLoopError> {
-        let Tracks::Seen(Vision { images, .. }) = self.tracks() else { return Ok(None) };
+    ) -> Result<CameraInput<'static>, ClosedLoopError> {
+        match self.tracks() {
+            Tracks::Seen(images) => Ok(CameraInput::Images(self.images(images, place, seed, span)?)),
+            Tracks::Given(_) | Tracks::Made(_) => Ok(CameraInput::Tracks(self.frames(place, seed)?, *span)),
+        }
+    }
+
+    fn images(
+        &self,
+        images: &Images,
+        place: usize,
+        seed: u64,
+        span: &Span,
+    ) -> Result<ImageStream<'static>, ClosedLoopError> {
         match (images, self) {
             (Images::Folder { skip_missing }, Self::Recorded { sequences, .. }) => {
-                Ok(Some(of_folder(&sequences[place].0, span, *skip_missing)?))
+                of_folder(&sequences[place].0, span, *skip_missing)
             }
             (Images::Folder { .. }, Self::Flights { .. }) => {
                 let sequence = Flight::ALL[place].name().to_owned();
@@ -206,52 +220,37 @@ impl Source {
                 let camera = settled(sequence, config.camera)?;
                 let config = RenderConfig { camera, ..RenderConfig::clone(config) };
                 let (path, stamps) = path_of(sequence, &config.path)?;
-                Ok(Some(rendered(sequence.name(), &config, Arc::new(path), &stamps, seed, span)?))
+                rendered(sequence.name(), &config, Arc::new(path), &stamps, seed, span)
             }
             (Images::Rendered(config), Self::Flights { config: flight, .. }) => {
                 let (path, stamps) = path_of_flight(Flight::ALL[place], flight, seed)?;
-                let name = Flight::ALL[place].name();
-                Ok(Some(rendered(name, config, Arc::new(path), &stamps, seed, span)?))
+                rendered(Flight::ALL[place].name(), config, Arc::new(path), &stamps, seed, span)
             }
         }
     }
 
-    /// The tracks of the sequence at `place`, which is `recording`: followed through its images within `span` while `watch` looks on, or
-    /// as they are.
+    /// The tracks of the sequence at `place`, given or made.
     ///
     /// # Errors
-    /// Those of [`images`](Self::images), of [`follow`] and of [`frames`](Self::frames).
-    pub fn seen(
-        &self,
-        place: usize,
-        seed: u64,
-        span: &Span,
-        recording: &Recording,
-        watch: &mut Watch<'_>,
-    ) -> Result<Seen, ClosedLoopError> {
-        match (self.tracks(), self.images(place, seed, span)?) {
-            (Tracks::Seen(vision), Some(images)) => follow(recording, images, &vision.front_end, seed, watch),
-            _ => Ok(Seen { frames: self.frames(place, seed)?, span: *span, sight: None }),
-        }
-    }
-
-    /// The tracks of the sequence at `place`, given or made; none where they are followed through images.
-    ///
-    /// # Errors
-    /// A file that cannot be read; no ground truth to make tracks along.
+    /// A file that cannot be read; no ground truth to make tracks along; tracks that images are to be looked at for, or a flight's from a file.
     pub fn frames(&self, place: usize, seed: u64) -> Result<Vec<TrackFrame>, ClosedLoopError> {
-        match self {
-            Self::Recorded { sequences, tracks } => match tracks {
-                Tracks::Given(dir) => Ok(read_tracks(&given(dir, &sequences[place].0))?),
-                Tracks::Made(config) => made(&sequences[place].0, config, seed),
-                Tracks::Seen(_) => Ok(Vec::new()),
-            },
-            Self::Flights { config, tracks } => {
-                let Tracks::Made(tracks) = tracks else { return Ok(Vec::new()) };
+        let no_tracks = |sequence: &str| ClosedLoopError::NoTracks { sequence: sequence.to_owned() };
+        match (self, self.tracks()) {
+            (Self::Recorded { sequences, .. }, Tracks::Given(dir)) => {
+                Ok(read_tracks(&given(dir, &sequences[place].0))?)
+            }
+            (Self::Recorded { sequences, .. }, Tracks::Made(config)) => {
+                made(&sequences[place].0, config, seed)
+            }
+            (Self::Recorded { sequences, .. }, Tracks::Seen(_)) => Err(no_tracks(sequences[place].0.name())),
+            (Self::Flights { config, .. }, Tracks::Made(tracks)) => {
                 let flight = Flight::ALL[place];
                 let (path, stamps) = path_of_flight(flight, config, seed)?;
                 simulate_tracks(tracks, &path, &stamps, seed)
                     .map_err(|source| ClosedLoopError::Tracks { sequence: flight.name().into(), source })
+            }
+            (Self::Flights { .. }, Tracks::Given(_) | Tracks::Seen(_)) => {
+                Err(no_tracks(Flight::ALL[place].name()))
             }
         }
     }
@@ -284,10 +283,11 @@ impl Source {
                     hash.update(&bytes);
                 }
                 // Gigabytes of images are told apart by their lengths, which differ wherever a picture does, but for great chance.
-                if let Tracks::Seen(Vision { images: Images::Folder { .. }, .. }) = tracks {
+                if let Tracks::Seen(Images::Folder { .. }) = tracks {
                     for (t, length) in ImageFolder::open(sequence)?.lengths() {
                         hash.update(t.ns().to_le_bytes());
-                        hash.update(length.unwrap_or(0).to_le_bytes());
+                        // One that is not there is not one that is empty.
+                        hash.update(length.unwrap_or(u64::MAX).to_le_bytes());
                     }
                 }
             }
@@ -315,13 +315,14 @@ fn given(dir: &Path, sequence: &Sequence) -> PathBuf {
 }
 
 fn camera_rate(camera: Option<&CameraConfig>) -> SampleRate {
-    camera.map(|c| c.rate).or(SampleRate::from_hz(CAMERA_HZ)).unwrap_or(SampleRate::HZ_200)
+    let usual = || SampleRate::from_hz(CAMERA_HZ).expect("20 Hz is a rate");
+    camera.map_or_else(usual, |camera| camera.rate)
 }
 
 fn recorded(sequence: &Sequence, side: Side, tracks: &Tracks) -> Result<Recording, ClosedLoopError> {
     let name = sequence.name().to_owned();
     let (camera, body_from_cam) = match tracks {
-        Tracks::Given(_) | Tracks::Seen(Vision { images: Images::Folder { .. }, .. }) => {
+        Tracks::Given(_) | Tracks::Seen(Images::Folder { .. }) => {
             let no_camera = || ClosedLoopError::NoCamera { dir: sequence.dir().to_path_buf() };
             let config = sequence.camera_config()?.ok_or_else(no_camera)?;
             let camera = PinholeRadtan::try_from(&config)
@@ -329,9 +330,7 @@ fn recorded(sequence: &Sequence, side: Side, tracks: &Tracks) -> Result<Recordin
             (camera, config.body_from_cam)
         }
         Tracks::Made(config) => camera_of(&name, settled(sequence, config.camera)?)?,
-        Tracks::Seen(Vision { images: Images::Rendered(config), .. }) => {
-            camera_of(&name, settled(sequence, config.camera)?)?
-        }
+        Tracks::Seen(Images::Rendered(config)) => camera_of(&name, settled(sequence, config.camera)?)?,
     };
     let truth = match sequence.ground_truth_path() {
         Some(_) => Some(poses_of(&sequence.ground_truth()?)),
@@ -405,7 +404,7 @@ fn flown(
     let flown = simulate(flight, seed, config)?;
     let settings = match tracks {
         Tracks::Made(made) => made.camera,
-        Tracks::Seen(Vision { images: Images::Rendered(rendered), .. }) => rendered.camera,
+        Tracks::Seen(Images::Rendered(rendered)) => rendered.camera,
         Tracks::Given(_) | Tracks::Seen(_) => None,
     };
     let (camera, body_from_cam) = camera_of(flight.name(), settings)?;
@@ -417,6 +416,7 @@ fn flown(
         camera,
         body_from_cam,
         truth: Some(truth),
+        // A flight without white noise has none: who asks for the oracle is told so.
         oracle: flown.truth.oracle(&flown.recording).ok(),
         imu: flown.recording,
     })

@@ -50,8 +50,8 @@ impl Manifest {
             Tracks::Given(_) => serde_json::json!("given"),
             Tracks::Made(config) => serde_json::json!(config),
             // The front-end's settings are the estimator's.
-            Tracks::Seen(vision) => match &vision.images {
-                Images::Folder { .. } => serde_json::json!(vision.images.name()),
+            Tracks::Seen(images) => match images {
+                Images::Folder { .. } => serde_json::json!(images.name()),
                 Images::Rendered(config) => serde_json::json!({ "rendered": config }),
             },
         };
@@ -60,7 +60,7 @@ impl Manifest {
             Source::Flights { config, .. } => serde_json::json!({ "flights": config, "tracks": tracks }),
         };
         if let Some(injection) = &sweep.injection {
-            source["injection"] = serde_json::to_value(injection).unwrap_or_default();
+            source["injection"] = serde_json::json!(injection);
         }
         let specs = |noises: &[Noise]| noises.iter().map(ToString::to_string).collect::<Vec<_>>();
         let sequences: Vec<&str> = sweep.places.iter().map(|place| names[*place].0.as_str()).collect();
@@ -71,7 +71,7 @@ impl Manifest {
         }
         Ok(Self {
             program,
-            estimator: serde_json::to_value(&sweep.estimator).unwrap_or_default(),
+            estimator: serde_json::json!(sweep.estimator),
             source,
             from: sweep.to.map_or_else(|| sweep.from.to_string(), |to| format!("{} to {to}", sweep.from)),
             inputs,
@@ -179,7 +179,7 @@ impl Store {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
             Err(source) => return Err(IoError::Read { path, source }.into()),
         }
-        let text = serde_json::to_string_pretty(&manifest).unwrap_or_default() + "\n";
+        let text = serde_json::to_string_pretty(&manifest).expect("texts and JSON values") + "\n";
         atomic_write(&path, |out| out.write_all(text.as_bytes()))?;
         let path = dir.join("rows.jsonl");
         let rows = read_rows(&path)?;
@@ -215,9 +215,7 @@ impl Store {
     /// # Errors
     /// A file that cannot be written to.
     pub fn append(&mut self, row: &Row) -> Result<(), ClosedLoopError> {
-        let mut line = serde_json::to_string(row).unwrap_or_default();
-        line.push('\n');
-        let written = self.file.write_all(line.as_bytes()).and_then(|()| self.file.flush());
+        let written = self.file.write_all(line(row).as_bytes()).and_then(|()| self.file.flush());
         Ok(written.map_err(|source| IoError::Write { path: self.dir.join("rows.jsonl"), source })?)
     }
 
@@ -250,11 +248,15 @@ fn read_rows(path: &Path) -> Result<Vec<Row>, ClosedLoopError> {
     whole.lines().enumerate().filter(|(_, text)| !text.is_empty()).map(read).collect()
 }
 
+/// A row as it is written.
+fn line(row: &Row) -> String {
+    serde_json::to_string(row).expect("numbers, texts and lists of them") + "\n"
+}
+
 fn write_rows<'a>(path: &Path, rows: impl Iterator<Item = &'a Row>) -> Result<(), ClosedLoopError> {
     let mut text = String::new();
     for row in rows {
-        text.push_str(&serde_json::to_string(row).unwrap_or_default());
-        text.push('\n');
+        text.push_str(&line(row));
     }
     Ok(atomic_write(path, |out| out.write_all(text.as_bytes()))?)
 }

@@ -7,21 +7,21 @@
 use super::consistency::{nees_path, write_nees};
 use super::drive::{drive, frames_from};
 use super::error::ClosedLoopError;
-use super::judge::{Told, judge};
+use super::judge::{Told, judge, noise_rms};
 use super::kept::{Kept, Needs};
 use super::parallel::each;
 use super::recording::{Recording, Span, StartAt};
 use super::row::{CellKey, Row};
-use super::sight::Seen;
 use super::source::Source;
 use super::states::write_states;
 use super::store::{Manifest, Store};
+use super::tracking::TrackedSequence;
 use crate::injected::Injection;
 use crate::noise::{MeanSquare, Recorded, of_recording};
+use dpn_core::ImuNoise;
 use dpn_core::estimate::Noise;
 use dpn_core::progress::Progress;
 use dpn_core::random::Stream;
-use dpn_core::{ImuNoise, Sensor};
 use dpn_io::{atomic_write, write_tum};
 use dpn_pronet::network::Network;
 use dpn_train::split::Side;
@@ -322,17 +322,16 @@ impl Sweep<'_> {
             Err(error) => return blind.hears(cell.place, error).map(|()| None),
         };
         let from_s = self.from.seconds(&recording.name);
-        let frames = seen.span.of(&seen.frames, |frame| frame.t);
         let stream = Stream::new(cell.seed).named("noise").named(&recording.name);
         let sources = kept.sources(needs, recorded(&recording), self.networks);
         let noise = crate::noise::track(&cell.noise, &recording.imu, &sources, &stream)?;
-        let driven = drive(&self.estimator, &recording, frames, &noise, cell.seed)?;
+        let driven = drive(&self.estimator, &recording, seen.run(), &noise, cell.seed)?;
         let told = Told {
             camera: self.source.camera().into(),
             noise: cell.key.noise.clone(),
             seed: cell.seed,
             from_s,
-            front_end: seen.sight.as_ref().map(|sight| sight.figures.clone()),
+            front_end: seen.images.as_ref().map(|images| images.figures.clone()),
         };
         if let Some(path) = self.keep.states_path(dir, &cell.key) {
             atomic_write(&path, |out| write_states(&driven, &noise, out))?;
@@ -344,10 +343,7 @@ impl Sweep<'_> {
         if let Some(nees) = judged.nees.as_ref().filter(|_| self.keep.nees) {
             write_nees(&nees_path(dir, &cell.key), nees)?;
         }
-        let mut told = MeanSquare::default();
-        told.add(&noise);
-        let noise_rms = told.root().map(|noise| Sensor::ALL.map(|sensor| noise.of(sensor)));
-        Ok(Some(Row { noise_rms, ..judged.row }))
+        Ok(Some(Row { noise_rms: Some(noise_rms(&noise)), ..judged.row }))
     }
 
     /// What a cell's odometry is given: the recording, and tracks enough.
@@ -356,11 +352,13 @@ impl Sweep<'_> {
         cell: &Cell<'_>,
         needs: &Needs,
         kept: &Kept,
-    ) -> Result<(Arc<Recording>, Arc<Seen>), ClosedLoopError> {
+    ) -> Result<(Arc<Recording>, Arc<TrackedSequence>), ClosedLoopError> {
         let recording = kept.recording(needs, || self.recording(cell.place, cell.seed))?;
         let span = Span { from_s: self.from.seconds(&recording.name), to_s: self.to };
-        let seen = kept
-            .frames(needs, || self.source.seen(cell.place, cell.seed, &span, &recording, &mut |_, _| {}))?;
+        let seen = kept.frames(needs, || {
+            let camera = self.source.camera_input(cell.place, cell.seed, &span)?;
+            camera.tracks(&recording, &self.estimator.front_end, cell.seed)
+        })?;
         frames_from(&recording, &seen.frames, &seen.span)?;
         Ok((recording, seen))
     }
@@ -385,7 +383,8 @@ impl Sweep<'_> {
         }
         let sides = self.source.names();
         let training: Vec<usize> = (0..sides.len()).filter(|i| sides[*i].1 == Side::Train).collect();
-        let seed = self.seeds.first().or(self.others.1.first()).copied().unwrap_or(0);
+        let seed = self.seeds.first().or(self.others.1.first()).copied();
+        let seed = seed.expect("a noise to be run has a cell, and a cell a seed");
         let of_sequence = |i: usize| {
             let recording = match self.recording(training[i], seed) {
                 Ok(recording) => recording,

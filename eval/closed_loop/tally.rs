@@ -1,9 +1,12 @@
 //! What is counted while images go through the front-end.
 
-use super::sight::{PassedOver, Sight, SightEvent, SightFigures, passed_over};
-use dpn_core::{Stamp, TrackFrame};
+use super::image_report::{FrontEndFigures, ImageEvent, ImageReport, PassedOver};
+use super::judge::percentile;
+use cpu_time::ThreadTime;
+use dpn_core::{GrayImage, Stamp, TrackFrame};
+use dpn_vio::estimator::FrontEndObserver;
 use dpn_vio::frontend::ransac::Geometry;
-use dpn_vio::frontend::{Fed, LostBy};
+use dpn_vio::frontend::{Fed, LostBy, Status};
 use std::collections::BTreeSet;
 
 /// Most events that are kept.
@@ -16,7 +19,7 @@ pub(super) struct Tally {
     over: usize,
     first: Option<Stamp>,
     last: Option<Stamp>,
-    events: Vec<SightEvent>,
+    events: Vec<ImageEvent>,
     more_events: usize,
     /// Why the image before was passed over.
     before: Option<PassedOver>,
@@ -26,6 +29,9 @@ pub(super) struct Tally {
     by_gyro: usize,
     followed: usize,
     not_home: usize,
+    /// When the image under way was begun.
+    clock: Option<ThreadTime>,
+    /// CPU time of each image \[s\].
     seconds: Vec<f64>,
 }
 
@@ -35,13 +41,76 @@ impl Tally {
         self.images
     }
 
-    /// An image that was fed, and the CPU time that took \[s\].
-    pub(super) fn add(&mut self, fed: &Fed, camera: [u32; 2], seconds: f64) {
+    /// An image of which nothing was made.
+    pub(super) fn passed_over(&mut self, t: Stamp, reason: PassedOver, words: String) {
+        self.count(t);
+        self.over += 1;
+        let at_s = t.seconds_since(self.first.expect("this one was counted"));
+        let same = self.before.replace(reason) == Some(reason);
+        let room = self.events.len() < MOST_EVENTS;
+        match self.events.last_mut() {
+            Some(event) if same && self.more_events == 0 => {
+                (event.to_s, event.images) = (at_s, event.images + 1);
+            }
+            _ if room => self.events.push(ImageEvent { from_s: at_s, to_s: at_s, images: 1, reason, words }),
+            _ => self.more_events += usize::from(!same),
+        }
+    }
+
+    fn count(&mut self, t: Stamp) {
+        self.images += 1;
+        self.first.get_or_insert(t);
+        self.last = self.last.max(Some(t));
+    }
+
+    /// What was wrong with most of the images that nothing was made of.
+    pub(super) fn worst(&self) -> Option<&ImageEvent> {
+        self.events.iter().max_by_key(|event| event.images)
+    }
+
+    /// The figures; `frames` are those handed over, one at least.
+    pub(super) fn finish(self, frames: &[TrackFrame]) -> ImageReport {
+        let share = |part: usize, of: usize| (of > 0).then(|| part as f64 / of as f64);
+        let sightings: usize = frames.iter().map(|frame| frame.tracks.len()).sum();
+        let ids: BTreeSet<u64> = frames.iter().flat_map(|frame| frame.tracks.iter().map(|t| t.id)).collect();
+        let (first, last) = self.first.zip(self.last).expect("a frame is of an image");
+        let p95_s = percentile(&self.seconds, 0.95).expect("an image was worked off");
+        let figures = FrontEndFigures {
+            images: self.images,
+            passed_over: self.over,
+            tracks: sightings as f64 / frames.len() as f64,
+            track_length: sightings as f64 / ids.len().max(1) as f64,
+            inlier_share: share(self.agreed, self.asked),
+            by_gyro_share: share(self.by_gyro, self.consensus),
+            not_home_share: share(self.not_home, self.followed),
+            cpu_per_data_s: self.seconds.iter().sum::<f64>() / last.seconds_since(first),
+            p95_ms: 1e3 * p95_s,
+        };
+        ImageReport { figures, events: self.events, more_events: self.more_events }
+    }
+}
+
+impl FrontEndObserver for Tally {
+    fn begin(&mut self, _: Stamp) {
+        self.clock = Some(ThreadTime::now());
+    }
+
+    fn end(&mut self, _: &GrayImage, fed: &Fed) {
+        let clock = self.clock.take().expect("an image is begun before it ends");
+        self.seconds.push(clock.elapsed().as_secs_f64());
         let report = &fed.report;
-        self.seconds.push(seconds);
-        if let Some((reason, words)) = passed_over(report.status, camera) {
-            self.passed_over(report.t, reason, words);
-            return;
+        match report.status {
+            Status::Tracked | Status::HandedOver => {}
+            Status::Blind => {
+                return self.passed_over(report.t, PassedOver::Blind, "dark, saturated, or all alike".into());
+            }
+            Status::Repeated => {
+                let words = "the image before over again".into();
+                return self.passed_over(report.t, PassedOver::Repeated, words);
+            }
+            Status::WrongSize { .. } | Status::OutOfOrder { .. } => {
+                unreachable!("the tracker refuses such an image before the front-end sees it")
+            }
         }
         self.count(report.t);
         self.before = None;
@@ -53,50 +122,6 @@ impl Tally {
             self.consensus += 1;
             self.by_gyro += usize::from(agreement.geometry == Geometry::TwoPoint);
         }
-    }
-
-    /// An image of which nothing was made.
-    pub(super) fn passed_over(&mut self, t: Stamp, reason: PassedOver, words: String) {
-        self.count(t);
-        self.over += 1;
-        let at_s = self.first.map_or(0.0, |first| t.seconds_since(first));
-        let same = self.before.replace(reason) == Some(reason);
-        let room = self.events.len() < MOST_EVENTS;
-        match self.events.last_mut() {
-            Some(event) if same && self.more_events == 0 => {
-                (event.to_s, event.images) = (at_s, event.images + 1);
-            }
-            _ if room => self.events.push(SightEvent { from_s: at_s, to_s: at_s, images: 1, reason, words }),
-            _ => self.more_events += usize::from(!same),
-        }
-    }
-
-    fn count(&mut self, t: Stamp) {
-        self.images += 1;
-        self.first.get_or_insert(t);
-        self.last = self.last.max(Some(t));
-    }
-
-    /// The figures; `frames` are those handed over.
-    pub(super) fn finish(mut self, frames: &[TrackFrame]) -> Sight {
-        let share = |part: usize, of: usize| if of == 0 { 1.0 } else { part as f64 / of as f64 };
-        let sightings: usize = frames.iter().map(|frame| frame.tracks.len()).sum();
-        let ids: BTreeSet<u64> = frames.iter().flat_map(|frame| frame.tracks.iter().map(|t| t.id)).collect();
-        let span = self.first.zip(self.last).map_or(0.0, |(first, last)| last.seconds_since(first));
-        self.seconds.sort_by(f64::total_cmp);
-        let p95 = (0.95 * self.seconds.len() as f64).ceil() as usize;
-        let figures = SightFigures {
-            images: self.images,
-            passed_over: self.over,
-            tracks: sightings as f64 / frames.len().max(1) as f64,
-            track_length: sightings as f64 / ids.len().max(1) as f64,
-            inlier_share: share(self.agreed, self.asked),
-            by_gyro_share: share(self.by_gyro, self.consensus),
-            not_home_share: self.not_home as f64 / self.followed.max(1) as f64,
-            cpu_per_data_s: if span > 0.0 { self.seconds.iter().sum::<f64>() / span } else { 0.0 },
-            p95_ms: 1e3 * self.seconds.get(p95.saturating_sub(1)).copied().unwrap_or(0.0),
-        };
-        Sight { figures, events: self.events, more_events: self.more_events }
     }
 }
 
@@ -112,10 +137,10 @@ mod tests {
             let reason = if (3..7).contains(&i) { PassedOver::Repeated } else { PassedOver::Unreadable };
             tally.passed_over(at(i), reason, format!("no {i}"));
         }
-        let sight = tally.finish(&[]);
-        assert_eq!(sight.events.iter().map(|e| e.images).collect::<Vec<_>>(), [3, 4, 3]);
-        assert_eq!((sight.figures.images, sight.figures.passed_over), (10, 10));
-        assert_eq!(sight.events[1].to_string(), "4 images passed over from 0.15 to 0.30 s: no 3");
+        assert_eq!(tally.events.iter().map(|e| e.images).collect::<Vec<_>>(), [3, 4, 3]);
+        assert_eq!((tally.images(), tally.over), (10, 10));
+        let words = tally.worst().unwrap().to_string();
+        assert_eq!(words, "4 images passed over from 0.15 to 0.30 s: no 3");
     }
 
     #[test]
@@ -125,7 +150,6 @@ mod tests {
             let reason = if i % 2 == 0 { PassedOver::Repeated } else { PassedOver::Blind };
             tally.passed_over(Stamp::from_ns(i), reason, String::new());
         }
-        let sight = tally.finish(&[]);
-        assert_eq!((sight.events.len(), sight.more_events), (200, 800));
+        assert_eq!((tally.events.len(), tally.more_events), (200, 800));
     }
 }

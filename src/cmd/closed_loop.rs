@@ -6,19 +6,18 @@ use crate::ui::{Bar, Fault, Interrupted};
 use anyhow::Result;
 use dpn_core::estimate::parse_list;
 use dpn_eval::closed_loop::{
-    ClosedLoopError, Images, Keep, Manifest, Source, Sweep, Tracks, Vision, compare, consistency, render,
+    ClosedLoopError, Images, Keep, Manifest, Source, Sweep, Tracks, compare, consistency, render,
     render_comparisons, render_consistency,
 };
 use dpn_io::atomic_write;
 use dpn_pronet::network;
-use dpn_vio::EstimatorConfig;
 use std::path::PathBuf;
 
 pub(crate) fn run(args: &EvalArgs) -> Result<()> {
     let closed = &args.closed;
     let noises = parse_list(&closed.noise)?;
     let estimator = settings::estimator(&closed.settings)?;
-    let source = source(args, &estimator)?;
+    let source = source(args)?;
     if closed.seeds > 1 && !(source.tracks_are_seeded() || source.recordings_are_seeded()) {
         return Err(Fault::new("given tracks have no seed, and --seeds asks for several")
             .hint("leave --tracks away, and tracks are made from the seed")
@@ -78,18 +77,18 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
 }
 
 /// Sequences on disk, or the simulated flights.
-fn source(args: &EvalArgs, estimator: &EstimatorConfig) -> Result<Source> {
+fn source(args: &EvalArgs) -> Result<Source> {
     let made = Tracks::Made(settings::tracks(&args.closed.settings)?);
     let tracks = match (args.closed.camera, &args.closed.tracks) {
         (CameraArg::Tracks, Some(dir)) => Tracks::Given(dir.clone()),
         (CameraArg::Tracks, None) => made,
         (CameraArg::Images, None) => {
             let images = Images::Folder { skip_missing: args.closed.skip_missing };
-            Tracks::Seen(Vision { images, front_end: estimator.front_end })
+            Tracks::Seen(images)
         }
         (CameraArg::Rendered, None) => {
             let images = Images::Rendered(Box::new(settings::images(&args.closed.settings)?));
-            Tracks::Seen(Vision { images, front_end: estimator.front_end })
+            Tracks::Seen(images)
         }
         (CameraArg::Images | CameraArg::Rendered, Some(_)) => {
             return Err(Fault::new("--tracks and --camera images or rendered ask for two things")

@@ -32,7 +32,6 @@ pub(crate) fn run(args: &PaperArgs) -> Result<()> {
         made: settings::tracks(&args.settings)?,
         rendered: settings::images(&args.settings)?,
         flights: settings::flights(&args.settings)?,
-        front_end: estimator.front_end,
         quick: args.quick,
     };
     let (source, why) = args.camera.open(args.data.as_deref(), &args.sequences, &cameras)?;

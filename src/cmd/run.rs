@@ -6,8 +6,7 @@ use crate::ui::Fault;
 use anyhow::Result;
 use dpn_core::estimate::Noise;
 use dpn_eval::closed_loop::{
-    Images, Recording, Report, Seen, Single, Source, Span, Told, Tracks, Vision, has_images, single,
-    write_states,
+    Images, Recording, Report, Single, Source, Span, Told, Tracks, has_images, single, write_states,
 };
 use dpn_figures::save;
 use dpn_figures::{Album, timeline, top_view};
@@ -15,13 +14,13 @@ use dpn_io::asl::Sequence;
 use dpn_io::{atomic_write, write_tum};
 use dpn_pronet::network;
 use dpn_sim::Flight;
-use dpn_vio::EstimatorConfig;
+use dpn_vio::estimator::FrontEndObserver;
 use std::path::{Path, PathBuf};
 
 pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let noise: Noise = args.noise.parse()?;
     let estimator = settings::estimator(&args.settings)?;
-    let (source, place) = open(args, &estimator)?;
+    let (source, place) = open(args)?;
     let networks = match &args.models {
         Some(dir) => network::load_all(dir)?,
         None => shipped::networks()?,
@@ -29,26 +28,27 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let recording = source.recording(place, args.seed)?;
     let span = Span { from_s: args.from.seconds(&recording.name), to_s: args.to };
     let mut album = args.draw.as_ref().map(|dir| Album::new(dir.clone(), args.draw_every));
-    let seen = source.seen(place, args.seed, &span, &recording, &mut |image, fed| {
-        if let Some(album) = &mut album {
-            album.see(image, fed);
-        }
-    })?;
+    let camera = source.camera_input(place, args.seed, &span)?;
     let told = Told {
         camera: source.camera().into(),
         noise: noise.to_string(),
         seed: args.seed,
         from_s: span.from_s,
-        front_end: seen.sight.as_ref().map(|sight| sight.figures.clone()),
+        front_end: None,
     };
-    let done = single(&estimator, &recording, &seen, &noise, &told, &networks)?;
+    let mut nobody = ();
+    let observer: &mut dyn FrontEndObserver = match &mut album {
+        Some(album) => album,
+        None => &mut nobody,
+    };
+    let done = single(&estimator, &recording, camera, &noise, told, &networks, observer)?;
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("runs/run-{}", recording.name)));
     let report = serde_json::json!({
         "program": program(), "estimator": estimator, "input": source.checksum(place)?, "report": done.report,
     });
     write(&done, &report, &out)?;
     if let (Some(dir), Some(album)) = (&args.draw, album) {
-        draw(dir, album, &recording, &seen, &done)?;
+        draw(dir, album, &recording, &done)?;
     }
     for warning in estimator.warnings().iter().chain(&done.report.warnings) {
         eprintln!("warning: {warning}");
@@ -66,13 +66,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
 }
 
 /// A folder is a sequence, anything else a flight.
-fn open(args: &RunArgs, estimator: &EstimatorConfig) -> Result<(Source, usize)> {
+fn open(args: &RunArgs) -> Result<(Source, usize)> {
     let dir = Path::new(&args.source);
     let made = Tracks::Made(settings::tracks(&args.settings)?);
-    let images = Images::Folder { skip_missing: args.skip_missing };
-    let seen = Tracks::Seen(Vision { images, front_end: estimator.front_end });
-    let images = Images::Rendered(Box::new(settings::images(&args.settings)?));
-    let rendered = Tracks::Seen(Vision { images, front_end: estimator.front_end });
+    let seen = Tracks::Seen(Images::Folder { skip_missing: args.skip_missing });
+    let rendered = Tracks::Seen(Images::Rendered(Box::new(settings::images(&args.settings)?)));
     if dir.exists() {
         let tracks = match (args.camera, &args.tracks) {
             (Some(CameraArg::Images | CameraArg::Rendered), Some(_)) => {
@@ -84,7 +82,7 @@ fn open(args: &RunArgs, estimator: &EstimatorConfig) -> Result<(Source, usize)> 
             (Some(CameraArg::Images), None) => seen,
             (Some(CameraArg::Rendered), None) => rendered,
             (Some(CameraArg::Tracks), None) => made,
-            (None, None) if has_images(&Sequence::open(dir)?) => seen,
+            (None, None) if has_images(&Sequence::open(dir)?)? => seen,
             (None, None) => made,
         };
         return Ok((Source::one(dir, tracks)?, 0));
@@ -118,11 +116,16 @@ fn write(done: &Single, report: &serde_json::Value, out: &Path) -> Result<()> {
 }
 
 /// The flight from above and over time, beside the frames that were drawn while images were looked at.
-fn draw(dir: &Path, album: Album, recording: &Recording, seen: &Seen, done: &Single) -> Result<()> {
+fn draw(dir: &Path, album: Album, recording: &Recording, done: &Single) -> Result<()> {
     album.finish()?;
     save(&top_view(recording, done)?, &dir.join("top"))?;
-    save(&timeline(seen, done)?, &dir.join("timeline"))?;
+    save(&timeline(done)?, &dir.join("timeline"))?;
     Ok(())
+}
+
+/// A share in percent; a dash where there is none.
+fn percent(share: Option<f64>) -> String {
+    share.map_or_else(|| "-".into(), |share| format!("{:.1}", 100.0 * share))
 }
 
 /// The summary for people.
@@ -162,12 +165,12 @@ fn words(report: &Report, done: &Single) -> String {
         line(
             "images:",
             format!(
-                "{}, {} passed over; {:.0} tracks a frame, {:.1} frames long, {:.1} % agreed; {:.4} CPU s a second, 95 % within {:.1} ms",
+                "{}, {} passed over; {:.0} tracks a frame, {:.1} frames long, {} % agreed; {:.4} CPU s a second, 95 % within {:.1} ms",
                 front_end.images,
                 front_end.passed_over,
                 front_end.tracks,
                 front_end.track_length,
-                100.0 * front_end.inlier_share,
+                percent(front_end.inlier_share),
                 front_end.cpu_per_data_s,
                 front_end.p95_ms
             ),

@@ -11,6 +11,7 @@ mod check;
 mod closed_loop;
 mod eval;
 mod images;
+mod live;
 mod logs;
 mod noise;
 mod noise_log;

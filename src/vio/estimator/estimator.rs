@@ -1,90 +1,29 @@
 //! The loop over frames.
 
 use super::config::EstimatorConfig;
-use super::eye::Eye;
+use super::feed_error::FeedError;
+use super::image_tracker::{FrontEndObserver, ImageTracker};
 use super::imu_buffer::{ImuBuffer, Interval};
 use super::ray_rates::RayRates;
 use super::report::{RunReport, Stage};
 use super::starter::{StartFrame, Starter, integrate};
 use super::update::{Phase, RestartReason, Update};
 use crate::factors::reprojection::Sighting;
-use crate::frontend::FrameReport;
 use crate::init::{InitFrame, RestWatch};
 use crate::preint::{NoisySample, Preintegration};
 use crate::state::NavState;
 use crate::window::{AnchorStd, Leaving, Seen, Standstill, Window};
 use dpn_core::camera::PinholeRadtan;
-use dpn_core::config::ConfigFault;
+use dpn_core::config::{ConfigFault, Validate};
 use dpn_core::random::Stream;
 use dpn_core::trajectory::StampedPose;
 use dpn_core::{GrayView, Stamp, TrackFrame};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use std::collections::VecDeque;
 use std::time::Instant;
-use thiserror::Error;
 
 /// Solving, telling outliers and finding depths anew, this many times over, settles a start.
 const START_ROUNDS: usize = 5;
-
-/// Input that cannot be taken.
-#[derive(Debug, Error, Clone, Copy, PartialEq, Eq)]
-pub enum FeedError {
-    /// A sample that is not later than the last.
-    #[error("an IMU sample at {t} after one at {last}; samples must come in increasing time")]
-    SampleOutOfOrder {
-        /// Its stamp.
-        t: Stamp,
-        /// The newest before it.
-        last: Stamp,
-    },
-    /// A frame that is not later than the last.
-    #[error("a frame at {t} after one at {last}; frames must come in increasing time")]
-    FrameOutOfOrder {
-        /// Its stamp.
-        t: Stamp,
-        /// The newest before it.
-        last: Stamp,
-    },
-    /// An image that is not later than the last.
-    #[error("an image at {t} after one at {last}; images must come in increasing time")]
-    ImageOutOfOrder {
-        /// Its stamp.
-        t: Stamp,
-        /// The newest before it.
-        last: Stamp,
-    },
-    /// An image of another size than the camera's.
-    #[error(
-        "an image of {} x {} px at {t}; the camera's calibration is for {} x {}",
-        found[0], found[1], camera[0], camera[1]
-    )]
-    ImageSize {
-        /// Its stamp.
-        t: Stamp,
-        /// Its width and height \[px\].
-        found: [usize; 2],
-        /// The camera's.
-        camera: [usize; 2],
-    },
-    /// Too many images wait for samples.
-    #[error(
-        "an image at {t} while {waiting} wait for samples since {first}; is the IMU silent, or its clock another?"
-    )]
-    ImuBehind {
-        /// Its stamp.
-        t: Stamp,
-        /// The first that waits.
-        first: Stamp,
-        /// How many wait.
-        waiting: usize,
-    },
-    /// A sample that is not a number.
-    #[error("an IMU sample at {t} holds a value that is not finite")]
-    NotFinite {
-        /// Its stamp.
-        t: Stamp,
-    },
-}
 
 /// A monocular visual-inertial odometry.
 #[derive(Debug, Clone)]
@@ -92,7 +31,7 @@ pub struct Estimator {
     config: EstimatorConfig,
     camera: PinholeRadtan,
     imu: ImuBuffer,
-    eye: Eye,
+    images: ImageTracker,
     frames: VecDeque<TrackFrame>,
     newest_frame: Option<Stamp>,
     window: Window,
@@ -107,7 +46,8 @@ pub struct Estimator {
 }
 
 impl Estimator {
-    /// With a camera at `body_from_cam` on the IMU; `seed` feeds the consensus of initialisation and front-end.
+    /// With a camera at `body_from_cam` on the IMU. All chance is a function of `seed` and, in the front-end, of `name`, what the recording is
+    /// called: who wants to see a live run again with `dpn run` gives it the name of the folder it will be recorded into.
     ///
     /// # Errors
     /// Settings out of their bounds, all of them.
@@ -115,13 +55,18 @@ impl Estimator {
         mut config: EstimatorConfig,
         camera: PinholeRadtan,
         body_from_cam: Isometry3<f64>,
+        name: &str,
         seed: u64,
     ) -> Result<Self, Vec<ConfigFault>> {
         config.init.focal_px = camera.focal().mean();
+        let faults = config.faults();
+        if !faults.is_empty() {
+            return Err(faults);
+        }
         let stream = Stream::new(seed).named("estimator");
         Ok(Self {
             starter: Starter::new(&config, body_from_cam, stream)?,
-            eye: Eye::new(config.front_end, camera, body_from_cam.rotation, seed)?,
+            images: ImageTracker::new(config.front_end, camera, body_from_cam.rotation, name, seed)?,
             rates: RayRates::default(),
             rest: RestWatch::default(),
             last_good: None,
@@ -142,30 +87,23 @@ impl Estimator {
     /// # Errors
     /// A sample that is not later than the last, or not finite; it is not taken.
     pub fn feed_imu(&mut self, sample: NoisySample) -> Result<(), FeedError> {
-        let t = sample.sample.t;
-        if !sample.sample.is_finite() {
-            return Err(FeedError::NotFinite { t });
-        }
-        if let Some(last) = self.imu.newest().filter(|last| t <= *last) {
-            return Err(FeedError::SampleOutOfOrder { t, last });
-        }
-        self.eye.feed_imu(&sample.sample);
+        self.images.feed_imu(&sample.sample)?;
         self.imu.push(sample);
         Ok(())
     }
 
+    /// Says that no more samples come: points are followed into images after the last one too, though there will be no pose for them.
+    pub fn end_imu(&mut self) {
+        self.images.end_imu();
+    }
+
     /// Takes an image; points are followed into it when samples reach its stamp, by [`next_update`](Self::next_update). Samples and
-    /// images may come in any order between the two, each in increasing time of its own.
+    /// images may come in any order between the two, each in increasing time of its own: what comes out is the same.
     ///
     /// # Errors
     /// An image that is not later than the last, or of another size than the camera's; 40 that wait for samples. It is not taken.
     pub fn feed_image(&mut self, image: GrayView<'_>, t: Stamp) -> Result<(), FeedError> {
-        self.eye.feed(image, t)
-    }
-
-    /// What became of the image last worked off; none where none was.
-    pub fn last_image(&self) -> Option<&FrameReport> {
-        self.eye.last()
+        self.images.feed_image(image, t)
     }
 
     /// Takes a frame's tracks; it is worked off when samples reach its stamp. Images are not fed beside.
@@ -181,24 +119,34 @@ impl Estimator {
         Ok(())
     }
 
+    /// Follows points into all images that samples have reached while `observer` looks on. [`next_update`](Self::next_update) does it by
+    /// itself, unobserved, as far as it needs to.
+    pub fn track_images(&mut self, observer: &mut dyn FrontEndObserver) {
+        while let Some(frame) = self.images.next_frame(observer) {
+            self.frames.push_back(frame);
+        }
+    }
+
     /// Works off the next frame whose samples are all there, and the images before it.
     pub fn next_update(&mut self) -> Option<Update> {
         let (oldest, newest) = (self.imu.oldest()?, self.imu.newest()?);
-        if self.frames.is_empty() {
-            // Images come in increasing time: so do their frames.
-            self.frames.extend(self.eye.look(newest));
-        }
-        while self.frames.front().is_some_and(|f| f.t < oldest) {
-            self.frames.pop_front();
-            self.report.skipped += 1;
+        let frame = loop {
             if self.frames.is_empty() {
-                self.frames.extend(self.eye.look(newest));
+                // Images come in increasing time: so do their frames.
+                self.frames.extend(self.images.next_frame(&mut ()));
             }
-        }
-        if self.frames.front()?.t > newest {
-            return None;
-        }
-        let frame = self.frames.pop_front()?;
+            let t = self.frames.front()?.t;
+            if t > newest {
+                return None;
+            }
+            let frame = self.frames.pop_front()?;
+            if t >= oldest {
+                break frame;
+            }
+            self.report.skipped += 1;
+        };
+        // Where tracks are fed no image takes the samples.
+        self.images.forget_before(frame.t);
         let began = Instant::now();
         let mut update = self.work_off(&frame);
         update.seconds = began.elapsed().as_secs_f64();
@@ -228,10 +176,15 @@ impl Estimator {
             .collect()
     }
 
-    /// Begins from known states instead of initialising: the next frame fed goes on after the last of them.
+    /// Begins from known states instead of initialising: the next frame fed goes on after the last of them. Without any, nothing is known: the
+    /// next frames initialise.
     pub fn start(&mut self, frames: Vec<StartFrame>) -> Option<NavState> {
         self.window = Window::new(self.config.window, *self.window.body_from_cam());
         self.rest = RestWatch::default();
+        self.running = false;
+        if frames.is_empty() {
+            return None;
+        }
         for frame in frames {
             let samples = frame.preint.as_ref().map_or(&[][..], Preintegration::samples);
             let rest = self.rests(frame.t, samples, &frame.seen);
@@ -246,11 +199,10 @@ impl Estimator {
             self.window.optimise();
             self.window.reject_outliers();
         }
-        let state = self.window.newest()?.state;
-        if let Some(oldest) = self.window.frames().first() {
-            let anchor = StampedPose { t: oldest.t, world_from_body: oldest.state.world_from_body };
-            self.report.anchor.get_or_insert(anchor);
-        }
+        let [oldest, ..] = self.window.frames() else { unreachable!("frames were just added") };
+        let anchor = StampedPose { t: oldest.t, world_from_body: oldest.state.world_from_body };
+        self.report.anchor.get_or_insert(anchor);
+        let state = self.window.newest().expect("frames were just added").state;
         while self.window.is_full() {
             let leaving = self.window.leaving(self.camera.focal().mean());
             self.window.slide(leaving);
@@ -343,12 +295,14 @@ impl Estimator {
         if interval.longest_step > self.config.health.max_imu_gap {
             return Err(RestartReason::ImuGap { seconds: interval.longest_step });
         }
-        let Some(last) = self.window.newest() else { return Err(RestartReason::NotFinite) };
-        let last = last.state;
-        let preint = integrate(&self.config, &last.bias, &interval.samples);
-        let predicted = preint.as_ref().map_or(last, |p| p.predict(&last));
+        let last = self.window.newest().expect("while it runs the window has frames: `start` saw one");
+        let (last_t, last) = (last.t, last.state);
+        let Some(preint) = integrate(&self.config, &last.bias, &interval.samples) else {
+            return Err(RestartReason::ImuGap { seconds: t.seconds_since(last_t) });
+        };
+        let predicted = preint.predict(&last);
         let rest = self.rests(t, &interval.samples, seen);
-        update.tracked = self.window.add_frame(t, predicted, preint, seen);
+        update.tracked = self.window.add_frame(t, predicted, Some(preint), seen);
         if let Some(rest) = rest {
             self.window.rest_since(rest);
         }
@@ -359,7 +313,7 @@ impl Estimator {
         clock.lap(Stage::Solve);
         update.outliers = self.window.reject_outliers();
         clock.lap(Stage::Reject);
-        let state = self.window.newest().map_or(predicted, |f| f.state);
+        let state = self.window.newest().expect("a frame was just added").state;
         if let Some(reason) = self.config.health.judge(&state, &predicted) {
             return Err(reason);
         }

@@ -1,13 +1,13 @@
 //! Samples and images as they come live: late, in bursts, out of order, spoilt, in front of a wall whose picture is known.
 
-use super::{Estimator, EstimatorConfig, FeedError, Phase, Update};
-use crate::frontend::Status;
+use super::{Estimator, EstimatorConfig, FeedError, FrontEndObserver, ImageTracker, Phase, Update};
 use crate::frontend::tests::wall::{Wall, half_camera, stamp};
+use crate::frontend::{Fed, Status};
 use crate::init::WaitReason;
 use crate::preint::NoisySample;
 use dpn_core::camera::PinholeRadtan;
 use dpn_core::geometry::so3;
-use dpn_core::{GrayImage, ImuNoise, ImuSample, Stamp};
+use dpn_core::{GrayImage, ImuNoise, ImuSample, Stamp, TrackFrame};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use std::sync::OnceLock;
 
@@ -49,10 +49,14 @@ fn images() -> &'static [GrayImage] {
     })
 }
 
-fn estimator(camera: PinholeRadtan) -> Estimator {
+fn config() -> EstimatorConfig {
     let mut config = EstimatorConfig::default();
     config.front_end.corners.distance_px = 20.0;
-    Estimator::new(config, camera, Isometry3::identity(), 1).unwrap()
+    config
+}
+
+fn estimator(camera: PinholeRadtan) -> Estimator {
+    Estimator::new(config(), camera, Isometry3::identity(), "wall", 1).unwrap()
 }
 
 struct Case {
@@ -137,7 +141,128 @@ fn what_comes_out_of_order_is_refused_by_name_and_changes_nothing() {
         updates.extend(std::iter::from_fn(|| estimator.next_update()));
     }
     assert_eq!(timeless(updates), once);
-    assert_eq!(estimator.last_image().map(|report| report.status), Some(Status::Tracked));
+}
+
+/// What became of the images, in their order.
+#[derive(Default)]
+struct Statuses {
+    begun: Vec<Stamp>,
+    ended: Vec<(Stamp, Status)>,
+    /// Frames handed over.
+    frames: Vec<TrackFrame>,
+}
+
+impl FrontEndObserver for Statuses {
+    fn begin(&mut self, t: Stamp) {
+        self.begun.push(t);
+    }
+
+    fn end(&mut self, image: &GrayImage, fed: &Fed) {
+        let (k, _) = (0..LONG).map(|k| (k, stamp(k))).find(|(_, t)| *t == fed.report.t).unwrap();
+        assert!(*image == images()[k], "image {k} is another");
+        self.ended.push((fed.report.t, fed.report.status));
+        self.frames.extend(fed.frame.clone());
+    }
+}
+
+#[test]
+fn who_looks_on_sees_every_image_once_and_changes_no_bit_nor_do_tracks_made_before() {
+    let case = Case::new();
+    let once = timeless(case.run(0, 1));
+
+    let mut watched = case.estimator.clone();
+    let mut seen = Statuses::default();
+    let mut updates = Vec::new();
+    for (i, sample) in case.samples.iter().enumerate() {
+        if i % 10 == 0 && i / 10 < IMAGES {
+            watched.feed_image(case.images[i / 10].view(), stamp(i / 10)).unwrap();
+        }
+        watched.feed_imu(*sample).unwrap();
+        watched.track_images(&mut seen);
+        updates.extend(std::iter::from_fn(|| watched.next_update()));
+    }
+    assert_eq!(timeless(updates), once);
+    assert_eq!(seen.begun, (0..IMAGES).map(stamp).collect::<Vec<_>>());
+    assert_eq!(seen.ended.iter().map(|(t, _)| *t).collect::<Vec<_>>(), seen.begun);
+    assert_eq!(seen.ended.iter().filter(|(_, status)| *status == Status::HandedOver).count(), IMAGES / 2);
+
+    // Tracks made by the same tracker alone, before any estimate and whatever the noise, then fed as frames.
+    let config = config().front_end;
+    let mut tracker =
+        ImageTracker::new(config, half_camera(), UnitQuaternion::identity(), "wall", 1).unwrap();
+    let mut alone = Statuses::default();
+    for (k, image) in case.images.iter().enumerate() {
+        tracker.feed_image(image.view(), stamp(k)).unwrap();
+        let samples = (0..=10 * k + 10).map(|i| &case.samples[i]);
+        samples.skip(if k == 0 { 0 } else { 10 * k + 1 }).for_each(|s| tracker.feed_imu(&s.sample).unwrap());
+        while tracker.next_frame(&mut alone).is_some() {}
+    }
+    assert_eq!(alone.frames, seen.frames);
+    let mut estimator = case.estimator.clone();
+    alone.frames.into_iter().for_each(|frame| estimator.feed_frame(frame).unwrap());
+    case.samples.iter().for_each(|sample| estimator.feed_imu(*sample).unwrap());
+    let updates = std::iter::from_fn(|| estimator.next_update()).collect();
+    assert_eq!(timeless(updates), once);
+
+    // Another name, or seed, is another chance: other tracks.
+    for (name, seed) in [("floor", 1), ("wall", 2)] {
+        let mut other =
+            ImageTracker::new(config, half_camera(), UnitQuaternion::identity(), name, seed).unwrap();
+        let mut alone = Statuses::default();
+        case.samples.iter().for_each(|s| other.feed_imu(&s.sample).unwrap());
+        for (k, image) in case.images.iter().enumerate() {
+            other.feed_image(image.view(), stamp(k)).unwrap();
+            while other.next_frame(&mut alone).is_some() {}
+        }
+        assert_ne!(alone.frames, seen.frames, "{name} {seed}");
+    }
+}
+
+#[test]
+fn images_after_the_last_sample_are_followed_when_no_more_come_and_have_no_pose() {
+    let case = Case::new();
+    let mut estimator = case.estimator.clone();
+    case.samples[..10 * 60].iter().for_each(|sample| estimator.feed_imu(*sample).unwrap());
+    let mut seen = Statuses::default();
+    for (k, image) in case.images.iter().enumerate() {
+        estimator.feed_image(image.view(), stamp(k)).unwrap();
+        estimator.track_images(&mut seen);
+    }
+    assert_eq!(seen.ended.len(), 60);
+    estimator.end_imu();
+    estimator.track_images(&mut seen);
+    assert_eq!(seen.ended.len(), IMAGES);
+    let updates: Vec<Update> = std::iter::from_fn(|| estimator.next_update()).collect();
+    assert_eq!(updates.len(), 30);
+    assert!(updates.iter().all(|update| update.t <= case.samples[599].sample.t));
+}
+
+#[test]
+fn every_fault_of_the_settings_is_named_at_once() {
+    let mut config = EstimatorConfig::default();
+    config.window.key_frames = 2;
+    config.front_end.klt.window = 20;
+    let faults = Estimator::new(config, half_camera(), Isometry3::identity(), "wall", 1).unwrap_err();
+    let keys: Vec<&str> = faults.iter().map(|fault| fault.key.as_str()).collect();
+    assert_eq!(keys, ["window.key_frames", "front_end.klt.window"]);
+}
+
+#[test]
+fn a_start_without_frames_is_none_and_the_odometry_begins_by_itself() {
+    let case = Case::new();
+    let mut estimator = case.estimator.clone();
+    assert_eq!(estimator.start(Vec::new()), None);
+    for (k, image) in case.images.iter().enumerate() {
+        case.samples[10 * k..10 * k + 10].iter().for_each(|sample| estimator.feed_imu(*sample).unwrap());
+        estimator.feed_image(image.view(), stamp(k)).unwrap();
+        while let Some(update) = estimator.next_update() {
+            assert!(!matches!(update.phase, Phase::Restarted(_)), "{update:?}");
+        }
+        if k == 60 {
+            // In the middle of a flight too: nothing is left that could run on.
+            assert_eq!(estimator.start(Vec::new()), None);
+        }
+    }
 }
 
 #[test]
@@ -146,7 +271,7 @@ fn a_silent_imu_is_said_and_costs_no_more_memory() {
     let mut estimator = case.estimator.clone();
     for (k, image) in case.images.iter().enumerate() {
         let fed = estimator.feed_image(image.view(), stamp(k));
-        if k < super::eye::MOST_WAITING {
+        if k < super::image_tracker::MOST_WAITING {
             assert_eq!(fed, Ok(()));
         } else {
             let error = fed.unwrap_err();
@@ -157,7 +282,7 @@ fn a_silent_imu_is_said_and_costs_no_more_memory() {
     // When samples come after all, what waited is worked off.
     case.samples.iter().for_each(|sample| estimator.feed_imu(*sample).unwrap());
     let updates = std::iter::from_fn(|| estimator.next_update()).count();
-    assert_eq!(updates, super::eye::MOST_WAITING / 2);
+    assert_eq!(updates, super::image_tracker::MOST_WAITING / 2);
 }
 
 /// What a spoilt flight left: updates, and every pose's error where the first pose is taken for right \[m\].
@@ -167,10 +292,20 @@ struct Spoilt {
     passed_over: usize,
 }
 
+/// Counts images that no point was followed into.
+struct PassedOver(usize);
+
+impl FrontEndObserver for PassedOver {
+    fn end(&mut self, _: &GrayImage, fed: &Fed) {
+        self.0 += usize::from(!matches!(fed.report.status, Status::Tracked | Status::HandedOver));
+    }
+}
+
 /// The long flight, with each image changed, or lost, by `spoil`.
 fn spoilt(camera: PinholeRadtan, spoil: impl Fn(usize) -> Option<GrayImage>) -> Spoilt {
     let mut estimator = estimator(camera);
     let mut left = Spoilt { updates: Vec::new(), errors: Vec::new(), passed_over: 0 };
+    let mut over = PassedOver(0);
     for i in 0..10 * LONG {
         if i % 10 == 0
             && let Some(image) = spoil(i / 10)
@@ -182,12 +317,10 @@ fn spoilt(camera: PinholeRadtan, spoil: impl Fn(usize) -> Option<GrayImage>) -> 
             }
         }
         estimator.feed_imu(sample(i)).unwrap();
-        let before = estimator.last_image().map(|report| report.t);
+        estimator.track_images(&mut over);
         left.updates.extend(std::iter::from_fn(|| estimator.next_update()));
-        let report = estimator.last_image().filter(|report| before != Some(report.t));
-        left.passed_over +=
-            usize::from(report.is_some_and(|r| !matches!(r.status, Status::Tracked | Status::HandedOver)));
     }
+    left.passed_over += over.0;
     let pose = |t: Stamp| pose_at(t.seconds_since(stamp(0)));
     let mut from_truth = None;
     for update in &left.updates {

@@ -8,8 +8,9 @@
 mod config;
 #[allow(clippy::module_inception)]
 mod estimator;
-mod eye;
+mod feed_error;
 pub mod health;
+mod image_tracker;
 mod imu_buffer;
 #[cfg(test)]
 mod live_tests;
@@ -20,7 +21,9 @@ mod update;
 mod validate;
 
 pub use config::EstimatorConfig;
-pub use estimator::{Estimator, FeedError};
+pub use estimator::Estimator;
+pub use feed_error::FeedError;
+pub use image_tracker::{FrontEndObserver, ImageTracker};
 pub use report::{RunReport, Stage};
 pub use starter::StartFrame;
 pub use update::{Phase, RestartReason, Update};

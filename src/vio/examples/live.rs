@@ -1,6 +1,7 @@
 //! The odometry as a program with a camera and an IMU uses it: feed what comes, take what there is.
 //!
-//! `cargo run --release -p dpn-vio --example live -- data/images/V1_01_easy_static` plays a folder as if its sensors were live.
+//! `cargo run --release -p dpn-vio --example live -- data/images/V1_01_easy_static` plays a folder as if its sensors were live. Its poses are
+//! those of `dpn run` on that folder, bit by bit: chance is a function of the seed and of the recording's name.
 
 use dpn_core::ImuNoise;
 use dpn_core::camera::PinholeRadtan;
@@ -16,17 +17,19 @@ fn main() -> Result<(), Box<dyn Error>> {
     let sequence = Sequence::open(&dir)?;
     let calibration = sequence.camera_config()?.ok_or("no cam0/sensor.yaml")?;
     let camera = PinholeRadtan::try_from(&calibration)?;
-    let mut estimator = Estimator::new(EstimatorConfig::default(), camera, calibration.body_from_cam, 0)
+    let (config, body_from_cam) = (EstimatorConfig::default(), calibration.body_from_cam);
+    let mut estimator = Estimator::new(config, camera, body_from_cam, sequence.name(), 0)
         .map_err(|faults| format!("{faults:?}"))?;
 
     let imu = sequence.imu()?;
-    let mut samples = imu.samples().iter().peekable();
-    for image in ImageFolder::open(&sequence)?.prefetch(2) {
-        let image = image?;
+    let mut images = ImageFolder::open(&sequence)?.prefetch(2).peekable();
+    for sample in imu.samples() {
         // Live these calls come from two drivers, in whatever order.
-        estimator.feed_image(image.image.view(), image.t)?;
-        while let Some(sample) = samples.next_if(|sample| sample.t < image.t.plus_seconds(0.01)) {
-            estimator.feed_imu(NoisySample { sample: *sample, noise: ImuNoise::baseline() })?;
+        estimator.feed_imu(NoisySample { sample: *sample, noise: ImuNoise::baseline() })?;
+        let due = |t| sample.t.seconds_since(t) >= 0.01;
+        while let Some(image) = images.next_if(|image| image.as_ref().map_or(true, |image| due(image.t))) {
+            let image = image?;
+            estimator.feed_image(image.image.view(), image.t)?;
         }
         while let Some(update) = estimator.next_update() {
             let Some(state) = update.state else {

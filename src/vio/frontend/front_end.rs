@@ -30,26 +30,17 @@ const KNOWN_DOUBT: f64 = 0.35;
 /// What so many tracks fit, they all fit but for mistakes in tracking.
 const ALL_SHARE: f64 = 0.9;
 
-/// Why there is no front-end.
+/// A mask of another size than the camera's images.
 #[derive(Debug, Error, PartialEq)]
-pub enum FrontEndError {
-    /// Settings outside their bounds.
-    #[error("front-end: {}", faults.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
-    Config {
-        /// Every fault.
-        faults: Vec<ConfigFault>,
-    },
-    /// A mask of another size than the camera's images.
-    #[error(
-        "a mask of {} x {} px for images of {} x {} px: make it for this camera",
-        mask[0], mask[1], camera[0], camera[1]
-    )]
-    MaskSize {
-        /// The mask's width and height \[px\].
-        mask: [usize; 2],
-        /// The camera's.
-        camera: [u32; 2],
-    },
+#[error(
+    "a mask of {} x {} px for images of {} x {} px: make it for this camera",
+    mask[0], mask[1], camera[0], camera[1]
+)]
+pub struct MaskSizeError {
+    /// The mask's width and height \[px\].
+    pub mask: [usize; 2],
+    /// The camera's.
+    pub camera: [u32; 2],
 }
 
 /// A track as it goes on.
@@ -123,15 +114,15 @@ impl FrontEnd {
     /// A front-end for `camera`; `stream` is the chance of its consensus.
     ///
     /// # Errors
-    /// Settings outside their bounds.
+    /// Settings outside their bounds, all of them.
     pub fn new(
         camera: PinholeRadtan,
         config: FrontEndConfig,
         stream: &Stream,
-    ) -> Result<Self, FrontEndError> {
+    ) -> Result<Self, Vec<ConfigFault>> {
         let faults = config.faults();
         if !faults.is_empty() {
-            return Err(FrontEndError::Config { faults });
+            return Err(faults);
         }
         Ok(Self {
             camera,
@@ -164,11 +155,11 @@ impl FrontEnd {
     ///
     /// # Errors
     /// A mask of another size than the camera's images.
-    pub fn with_mask(mut self, mask: GrayImage) -> Result<Self, FrontEndError> {
+    pub fn with_mask(mut self, mask: GrayImage) -> Result<Self, MaskSizeError> {
         let camera = self.camera.size();
         let size = [mask.width(), mask.height()];
         if size != camera.map(|side| side as usize) {
-            return Err(FrontEndError::MaskSize { mask: size, camera });
+            return Err(MaskSizeError { mask: size, camera });
         }
         self.allowed = Some(mask);
         Ok(self)
@@ -296,18 +287,15 @@ impl FrontEnd {
         let camera = self.camera;
         let mut found = found.into_iter();
         self.points.retain_mut(|point| {
-            let place = match found.next() {
-                Some(Ok(place)) => place,
-                Some(Err(loss)) => {
+            let place = match found.next().expect("an answer for every point") {
+                Ok(place) => place,
+                Err(loss) => {
                     report.lost.push(point.lost(loss.into()));
                     return false;
                 }
-                None => return false,
             };
-            let came_home = match home.next() {
-                Some(Ok(home)) => distance(home, point.px) <= klt.back_px,
-                _ => false,
-            };
+            let home = home.next().expect("as many ways back as points were found");
+            let came_home = home.is_ok_and(|home| distance(home, point.px) <= klt.back_px);
             if !came_home {
                 report.lost.push(point.lost(LostBy::Back));
                 return false;
@@ -396,7 +384,7 @@ impl FrontEnd {
         });
         let mut inliers = found.inliers.into_iter();
         self.points.retain(|point| {
-            let agrees = point.handed.is_none() || inliers.next().unwrap_or(true);
+            let agrees = point.handed.is_none() || inliers.next().expect("an answer for every pair asked");
             if !agrees {
                 report.lost.push(point.lost(LostBy::Ransac));
             }
@@ -433,7 +421,7 @@ impl FrontEnd {
         self.reset_mask();
         let places: Vec<[f32; 2]> = self.points.iter().map(|point| point.px).collect();
         // The image is the earlier one already: it was put there when it had been tracked into.
-        let Some(plane) = self.prev.planes().first() else { return };
+        let plane = self.prev.planes().first().expect("a pyramid that was built has its base");
         for corner in self.detector.detect(plane, &mut self.mask, &places) {
             let Some(bearing) = self.camera.bearing(&Vector2::from(corner.px.map(f64::from))) else {
                 continue;

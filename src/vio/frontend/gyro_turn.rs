@@ -7,58 +7,57 @@ use std::collections::VecDeque;
 
 /// Samples may end this long before an image \[s\]; the last is held until then. EuRoC's come every .005 s.
 const HELD_S: f64 = 0.02;
-/// Samples older than this are forgotten, so that a camera that is silent, or was never there, costs no memory \[s\].
-const KEPT_S: f64 = 10.0;
 
 /// Gyroscope samples between images, integrated from image to image.
 ///
-/// Rates are joined linearly between samples, `last_from_cur = Exp(w_1 dt_1) Exp(w_2 dt_2) ...` with the mean of neighbouring rates. Its
-/// memory does not grow: a turn over more than ten seconds is not known.
+/// Rates are joined linearly between samples, `last_from_cur = Exp(w_1 dt_1) Exp(w_2 dt_2) ...` with the mean of neighbouring rates.
+/// Samples are kept until an image has passed them, or [`forget_before`](Self::forget_before) says that none will need them.
 #[derive(Debug, Clone, Default)]
-pub struct GyroTurn {
+pub(crate) struct GyroTurn {
     samples: VecDeque<(Stamp, Vector3<f64>)>,
     from: Option<Stamp>,
 }
 
 impl GyroTurn {
     /// Nothing yet.
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self::default()
     }
 
     /// Takes a sample; one that is not later than the last, or holds no number, is passed over.
-    pub fn feed(&mut self, sample: &ImuSample) {
+    pub(crate) fn feed(&mut self, sample: &ImuSample) {
         let later = self.samples.back().is_none_or(|(t, _)| *t < sample.t);
         if later && sample.is_finite() {
             self.samples.push_back((sample.t, Vector3::from(sample.gyro)));
-            while self.samples.front().is_some_and(|(t, _)| sample.t.seconds_since(*t) > KEPT_S) {
-                self.samples.pop_front();
-            }
         }
     }
 
-    /// The turn from the image before to the one at `t`, `body_last_from_body_cur`, with `bias` \[rad/s\] taken off.
+    /// The turn from the image before to the one at `t`, `body_last_from_body_cur`, the gyroscope's bias in it.
     ///
     /// `None` at the first image, after one that is not later than the one before, and where samples do not cover the time between.
-    pub fn until(&mut self, t: Stamp, bias: &Vector3<f64>) -> Option<UnitQuaternion<f64>> {
+    pub(crate) fn until(&mut self, t: Stamp) -> Option<UnitQuaternion<f64>> {
         let from = self.from.filter(|from| *from < t);
         self.from = Some(self.from.map_or(t, |from| from.max(t)));
-        let turn = from.and_then(|from| self.integrate(from, t, bias));
-        // The last sample not after the image begins the next turn.
-        while self.samples.get(1).is_some_and(|(second, _)| *second <= t) {
-            self.samples.pop_front();
-        }
+        let turn = from.and_then(|from| self.integrate(from, t));
+        self.forget_before(t);
         turn
     }
 
-    fn integrate(&self, from: Stamp, to: Stamp, bias: &Vector3<f64>) -> Option<UnitQuaternion<f64>> {
+    /// Forgets samples that no turn from `t` on needs: all before the last that is not after it.
+    pub(crate) fn forget_before(&mut self, t: Stamp) {
+        while self.samples.get(1).is_some_and(|(second, _)| *second <= t) {
+            self.samples.pop_front();
+        }
+    }
+
+    fn integrate(&self, from: Stamp, to: Stamp) -> Option<UnitQuaternion<f64>> {
         let (first, last) = (self.samples.front()?, self.samples.back()?);
         if first.0 > from || to.seconds_since(last.0) > HELD_S {
             return None;
         }
         let mut turn = UnitQuaternion::identity();
         let mut step = |a: (Stamp, Vector3<f64>), b: (Stamp, Vector3<f64>)| {
-            turn *= so3::exp(&((0.5 * (a.1 + b.1) - bias) * b.0.seconds_since(a.0)));
+            turn *= so3::exp(&(0.5 * (a.1 + b.1) * b.0.seconds_since(a.0)));
         };
         let mut at = (from, self.rate(from)?);
         for sample in self.samples.iter().filter(|(t, _)| (from..to).contains(t)) {
@@ -89,16 +88,16 @@ mod tests {
 
     #[test]
     fn turns_add_up_to_the_body_s_rotation() {
-        // A steady turn about a tilted axis, on top of a bias.
-        let (axis, bias) = (Vector3::new(0.6, -0.9, 1.7), Vector3::new(0.05, -0.02, 0.08));
+        // A steady turn about a tilted axis.
+        let axis = Vector3::new(0.6, -0.9, 1.7);
         let mut gyro = GyroTurn::new();
         let mut sum = UnitQuaternion::identity();
         let mut image = 3_000_000;
         for i in 0..400i64 {
-            gyro.feed(&sample(5_000_000 * i, (axis + bias).into()));
+            gyro.feed(&sample(5_000_000 * i, axis.into()));
             // Images 47.3 ms apart, between samples, each asked for two samples later.
             if 5_000_000 * i > image + 10_000_000 {
-                let turn = gyro.until(Stamp::from_ns(image), &bias);
+                let turn = gyro.until(Stamp::from_ns(image));
                 assert_eq!(turn.is_none(), image == 3_000_000);
                 sum *= turn.unwrap_or_else(UnitQuaternion::identity);
                 image += 47_300_000;
@@ -115,37 +114,48 @@ mod tests {
         for i in 0..21i64 {
             gyro.feed(&sample(5_000_000 * i, [0.0, 0.0, 0.01 * i as f64]));
         }
-        assert_eq!(gyro.until(Stamp::from_ns(7_500_000), &Vector3::zeros()), None);
-        let turn = gyro.until(Stamp::from_ns(92_500_000), &Vector3::zeros()).unwrap();
+        assert_eq!(gyro.until(Stamp::from_ns(7_500_000)), None);
+        let turn = gyro.until(Stamp::from_ns(92_500_000)).unwrap();
         // The rate is 2 t: the angle is t1^2 - t0^2.
         assert!((so3::log(&turn).z - (0.0925f64.powi(2) - 0.0075f64.powi(2))).abs() < 1e-12);
     }
 
     #[test]
-    fn without_images_few_samples_are_kept() {
+    fn samples_wait_for_images_however_late_and_go_when_none_will_need_them() {
+        let turned = |ahead: i64| {
+            let mut gyro = GyroTurn::new();
+            let mut turns = Vec::new();
+            let samples = |i: i64| sample(5_000_000 * i, [0.001 * (i % 97) as f64; 3]);
+            (0..ahead).for_each(|i| gyro.feed(&samples(i)));
+            for i in 0..10_000 {
+                gyro.feed(&samples(i.max(ahead)));
+                if i % 10 == 0 {
+                    turns.push(gyro.until(Stamp::from_ns(5_000_000 * i - 2_000_000)));
+                }
+            }
+            turns
+        };
+        assert_eq!(turned(0), turned(9_999), "50 s of samples before the first image");
         let mut gyro = GyroTurn::new();
         for i in 0..10_000 {
             gyro.feed(&sample(5_000_000 * i, [0.1; 3]));
+            gyro.forget_before(Stamp::from_ns(5_000_000 * i - 2_000_000));
         }
-        assert_eq!(gyro.samples.len(), 2001);
+        assert_eq!(gyro.samples.len(), 2);
     }
 
     #[test]
     fn time_without_samples_has_no_turn() {
         let mut gyro = GyroTurn::new();
         let at = |ms: i64| Stamp::from_ns(1_000_000 * ms);
-        assert_eq!(gyro.until(at(0), &Vector3::zeros()), None);
+        assert_eq!(gyro.until(at(0)), None);
         for ms in (5..100).step_by(5) {
             gyro.feed(&sample(1_000_000 * ms, [0.1; 3]));
         }
         gyro.feed(&sample(50_000_000, [f64::NAN; 3]));
-        assert_eq!(
-            gyro.until(at(50), &Vector3::zeros()),
-            None,
-            "the first sample is later than the first image"
-        );
-        assert!(gyro.until(at(100), &Vector3::zeros()).is_some(), "held for 5 ms");
-        assert_eq!(gyro.until(at(90), &Vector3::zeros()), None, "back in time");
-        assert_eq!(gyro.until(at(200), &Vector3::zeros()), None, "105 ms without a sample");
+        assert_eq!(gyro.until(at(50)), None, "the first sample is later than the first image");
+        assert!(gyro.until(at(100)).is_some(), "held for 5 ms");
+        assert_eq!(gyro.until(at(90)), None, "back in time");
+        assert_eq!(gyro.until(at(200)), None, "105 ms without a sample");
     }
 }

@@ -31,7 +31,7 @@ mod schedule;
 pub(crate) mod tests;
 
 pub use config::{FrontEndConfig, Repeated};
-pub use front_end::{Fed, FrontEnd, FrontEndError};
-pub use gyro_turn::GyroTurn;
-pub use predict::turn_of_camera;
+pub use front_end::{Fed, FrontEnd, MaskSizeError};
+pub(crate) use gyro_turn::GyroTurn;
+pub(crate) use predict::turn_of_camera;
 pub use report::{Agreement, FrameReport, Lost, LostBy, StageTimes, Status};

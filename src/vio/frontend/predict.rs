@@ -7,7 +7,7 @@ use nalgebra::{UnitQuaternion, Vector2, Vector3};
 const FAR_OUTSIDE: f64 = 40.0;
 
 /// How the camera turned, `cam_cur_from_cam_last`, when the body turned by `body_last_from_body_cur` (what a gyroscope integrates to).
-pub fn turn_of_camera(
+pub(crate) fn turn_of_camera(
     body_last_from_body_cur: &UnitQuaternion<f64>,
     body_from_cam: &UnitQuaternion<f64>,
 ) -> UnitQuaternion<f64> {

@@ -3,12 +3,10 @@
 
 use dpn_core::ImuNoise;
 use dpn_core::camera::PinholeRadtan;
-use dpn_core::random::Stream;
 use dpn_io::ImageFolder;
 use dpn_io::asl::Sequence;
 use dpn_testing::pack;
-use dpn_vio::estimator::StartFrame;
-use dpn_vio::frontend::{FrontEnd, GyroTurn, turn_of_camera};
+use dpn_vio::estimator::{ImageTracker, StartFrame};
 use dpn_vio::preint::{NoisySample, Preintegration};
 use dpn_vio::{Estimator, EstimatorConfig, ImuBias, NavState};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
@@ -33,15 +31,15 @@ fn the_estimate_stays_within_two_millimetres() {
         imu.samples().iter().map(|sample| NoisySample { sample: *sample, noise }).collect();
 
     let config = EstimatorConfig::default();
-    let mut front_end = FrontEnd::new(camera, config.front_end, &Stream::new(1)).unwrap();
-    let mut gyro = GyroTurn::new();
-    imu.samples().iter().for_each(|sample| gyro.feed(sample));
+    let mut tracker =
+        ImageTracker::new(config.front_end, camera, body_from_cam.rotation, sequence.name(), 1).unwrap();
+    imu.samples().iter().for_each(|sample| tracker.feed_imu(sample).unwrap());
+    tracker.end_imu();
     let mut frames = Vec::new();
     for image in ImageFolder::open(&sequence).unwrap().prefetch(2) {
         let image = image.unwrap();
-        let turn = gyro.until(image.t, &Vector3::zeros());
-        let turn = turn.map(|turn| turn_of_camera(&turn, &body_from_cam.rotation));
-        frames.extend(front_end.feed(image.image.view(), image.t, turn.as_ref()).frame);
+        tracker.feed_image(image.image.view(), image.t).unwrap();
+        frames.extend(tracker.next_frame(&mut ()));
     }
     assert_eq!(frames.len(), 20);
 
@@ -59,7 +57,7 @@ fn the_estimate_stays_within_two_millimetres() {
         vel_in_world: Vector3::zeros(),
         bias,
     };
-    let mut estimator = Estimator::new(config.clone(), camera, body_from_cam, 1).unwrap();
+    let mut estimator = Estimator::new(config.clone(), camera, body_from_cam, sequence.name(), 1).unwrap();
     let mut start = Vec::new();
     for (i, frame) in frames[..KNOWN].iter().enumerate() {
         let between: Vec<&NoisySample> =

@@ -1,0 +1,138 @@
+//! Images on their way to tracks: they wait until samples reach them, then the front-end follows points into them.
+//!
+//! Whether an image or its samples come first makes no difference: an image is worked off when there is a sample at or after its stamp, so that
+//! the turn the gyroscope says is the same in any order of arrival. Nothing of it depends on the noise of the samples or on an estimate: tracks
+//! made once serve every noise, and [`Estimator::feed_frame`](crate::Estimator::feed_frame) makes of them what
+//! [`Estimator::feed_image`](crate::Estimator::feed_image) makes of the images.
+
+use super::feed_error::FeedError;
+use crate::frontend::{Fed, FrontEnd, FrontEndConfig, GyroTurn, turn_of_camera};
+use dpn_core::camera::PinholeRadtan;
+use dpn_core::config::ConfigFault;
+use dpn_core::random::Stream;
+use dpn_core::{GrayImage, GrayView, ImuSample, Stamp, TrackFrame};
+use nalgebra::UnitQuaternion;
+use std::collections::VecDeque;
+
+/// Most images that wait for samples: two seconds at 20 Hz.
+pub(super) const MOST_WAITING: usize = 40;
+
+/// Who looks on while points are followed through images: figures, pictures. What it does changes no track.
+pub trait FrontEndObserver {
+    /// The image taken at `t` is about to be worked off.
+    fn begin(&mut self, t: Stamp) {
+        let _ = t;
+    }
+
+    /// What was made of an image.
+    fn end(&mut self, image: &GrayImage, fed: &Fed);
+}
+
+/// Nobody.
+impl FrontEndObserver for () {
+    fn end(&mut self, _: &GrayImage, _: &Fed) {}
+}
+
+/// The front-end with the images and gyroscope samples that wait for it.
+#[derive(Debug, Clone)]
+pub struct ImageTracker {
+    front_end: FrontEnd,
+    gyro: GyroTurn,
+    body_from_cam: UnitQuaternion<f64>,
+    size: [usize; 2],
+    waiting: VecDeque<(Stamp, GrayImage)>,
+    newest_image: Option<Stamp>,
+    newest_sample: Option<Stamp>,
+    imu_ended: bool,
+}
+
+impl ImageTracker {
+    /// For a camera turned by `body_from_cam` on the IMU. The chance of its consensus is a function of `name`, what the recording is called,
+    /// and `seed`.
+    ///
+    /// # Errors
+    /// Settings out of their bounds, all of them.
+    pub fn new(
+        config: FrontEndConfig,
+        camera: PinholeRadtan,
+        body_from_cam: UnitQuaternion<f64>,
+        name: &str,
+        seed: u64,
+    ) -> Result<Self, Vec<ConfigFault>> {
+        Ok(Self {
+            front_end: FrontEnd::new(camera, config, &Stream::new(seed).named(name))?,
+            gyro: GyroTurn::new(),
+            body_from_cam,
+            size: camera.size().map(|side| side as usize),
+            waiting: VecDeque::new(),
+            newest_image: None,
+            newest_sample: None,
+            imu_ended: false,
+        })
+    }
+
+    /// Takes a sample.
+    ///
+    /// # Errors
+    /// A sample that is not later than the last, or not finite; it is not taken.
+    pub fn feed_imu(&mut self, sample: &ImuSample) -> Result<(), FeedError> {
+        let t = sample.t;
+        if !sample.is_finite() {
+            return Err(FeedError::NotFinite { t });
+        }
+        if let Some(last) = self.newest_sample.filter(|last| t <= *last) {
+            return Err(FeedError::SampleOutOfOrder { t, last });
+        }
+        self.newest_sample = Some(t);
+        self.imu_ended = false;
+        self.gyro.feed(sample);
+        Ok(())
+    }
+
+    /// Says that no more samples come: images do not wait for them any longer.
+    pub fn end_imu(&mut self) {
+        self.imu_ended = true;
+    }
+
+    /// Forgets samples that no image after `t` needs; [`next_frame`](Self::next_frame) does so by itself.
+    pub(super) fn forget_before(&mut self, t: Stamp) {
+        self.gyro.forget_before(t);
+    }
+
+    /// Takes an image; points are followed into it when a sample at or after its stamp is there.
+    ///
+    /// # Errors
+    /// An image that is not later than the last, or of another size than the camera's; 40 that wait for samples. It is not taken.
+    pub fn feed_image(&mut self, image: GrayView<'_>, t: Stamp) -> Result<(), FeedError> {
+        if let Some(last) = self.newest_image.filter(|last| t <= *last) {
+            return Err(FeedError::ImageOutOfOrder { t, last });
+        }
+        let found = [image.width(), image.height()];
+        if found != self.size {
+            return Err(FeedError::ImageSize { t, found, camera: self.size });
+        }
+        if let Some((first, _)) = self.waiting.front().filter(|_| self.waiting.len() >= MOST_WAITING) {
+            return Err(FeedError::ImuBehind { t, first: *first, waiting: self.waiting.len() });
+        }
+        self.newest_image = Some(t);
+        self.waiting.push_back((t, image.to_image()));
+        Ok(())
+    }
+
+    /// Follows points through the images that samples have reached until a frame is handed over, while `observer` looks on.
+    pub fn next_frame(&mut self, observer: &mut dyn FrontEndObserver) -> Option<TrackFrame> {
+        loop {
+            let reached = |t: Stamp| self.imu_ended || self.newest_sample.is_some_and(|newest| t <= newest);
+            self.waiting.front().filter(|(t, _)| reached(*t))?;
+            let (t, image) = self.waiting.pop_front()?;
+            observer.begin(t);
+            let turn = self.gyro.until(t);
+            let turn = turn.map(|turn| turn_of_camera(&turn, &self.body_from_cam));
+            let fed = self.front_end.feed(image.view(), t, turn.as_ref());
+            observer.end(&image, &fed);
+            if fed.frame.is_some() {
+                return fed.frame;
+            }
+        }
+    }
+}
