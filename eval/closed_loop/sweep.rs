@@ -329,7 +329,7 @@ impl Sweep<'_> {
         let driven = drive(&self.estimator, &recording, frames, &noise, cell.seed)?;
         let told = Told {
             camera: self.source.camera().into(),
-            noise: cell.key.noise.clone(),
+            noise: cell.noise.clone(),
             seed: cell.seed,
             from_s,
             front_end: seen.sight.as_ref().map(|sight| sight.figures.clone()),

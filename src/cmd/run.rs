@@ -6,7 +6,7 @@ use crate::ui::Fault;
 use anyhow::Result;
 use dpn_core::estimate::Noise;
 use dpn_eval::closed_loop::{
-    Images, Recording, Report, Seen, Single, Source, Span, Told, Tracks, Vision, has_images, single,
+    Images, Recording, Report, Told, Seen, Single, Source, Span, Tracks, Vision, has_images, single,
     write_states,
 };
 use dpn_figures::save;
@@ -36,7 +36,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     })?;
     let told = Told {
         camera: source.camera().into(),
-        noise: noise.to_string(),
+        noise: noise.clone(),
         seed: args.seed,
         from_s: span.from_s,
         front_end: seen.sight.as_ref().map(|sight| sight.figures.clone()),
