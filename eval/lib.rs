@@ -6,4 +6,6 @@ pub mod injected;
 pub mod metrics;
 pub mod noise;
 pub mod open_loop;
+pub mod published;
 pub mod stats;
+pub mod study;

@@ -1,5 +1,7 @@
 //! Figures: one style, a handful of plots, each saved as SVG, PNG and the CSV of exactly what is drawn.
 //!
+//! [`Table`] is the one table: Markdown, CSV, LaTeX, a console.
+//!
 //! A plot is made from slices and labels and knows no file and no network. It checks its input and computes what will be
 //! drawn when it is built ([`PredictedVsTrue::new`], [`RmseVsSigma::new`], [`FlightSigma::new`]), so that drawing cannot
 //! fail on data. [`save`] writes it; the same input gives the same bytes. Text in SVG stays text, the font of the PNG is
@@ -21,6 +23,7 @@ mod legend;
 mod log_noise_plot;
 mod plot;
 mod predicted_vs_true;
+mod provenance;
 mod raster;
 mod rmse_vs_sigma;
 mod sheet;
@@ -29,7 +32,7 @@ mod spectrum_plot;
 mod style;
 mod summary;
 mod sweep_curve;
-pub mod table;
+mod table;
 mod timeline;
 mod top_view;
 mod track_picture;
@@ -46,10 +49,12 @@ pub use flight_views::{timeline, top_view};
 pub use log_noise_plot::LogNoisePlot;
 pub use plot::{DrawError, Drawn, Plot, save};
 pub use predicted_vs_true::{Predicted, PredictedVsTrue};
+pub use provenance::Provenance;
 pub use rmse_vs_sigma::RmseVsSigma;
 pub use sourced::Sourced;
 pub use spectrum_plot::SpectrumPlot;
 pub use sweep_curve::{SweepCurve, SweepPoint};
+pub use table::{Cell, Column, ColumnKind, Line, Table};
 pub use timeline::{Timeline, TimelinePanel};
 pub use top_view::TopView;
 pub use track_picture::{TrackDot, TrackEnd, TrackPicture};

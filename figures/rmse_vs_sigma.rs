@@ -186,6 +186,8 @@ mod tests {
     use super::*;
     use crate::plot::svg;
     use dpn_eval::open_loop::SigmaBin;
+    use dpn_train::label::Label;
+    use dpn_train::split::Side;
 
     fn row(sensor: Sensor, estimator: &str, rmse: &[f64]) -> Row {
         let by_sigma = (0..)
@@ -196,10 +198,10 @@ mod tests {
             sensor,
             base: "sg(5,2)".into(),
             data: "euroc".into(),
-            split: "test".into(),
+            split: Side::Test,
             estimator: estimator.into(),
             levels: "grid".into(),
-            label: "sigma_inj".into(),
+            label: Label::Injected,
             rmse: 0.1,
             rmse_spread: None,
             bias: 0.0,

@@ -2,6 +2,7 @@
 
 use super::legend;
 use super::plot::{DrawError, Drawn, Plot};
+use super::provenance::Provenance;
 use super::sheet::{MARGIN, ROOM};
 use plotters::coord::Shift;
 use plotters::drawing::DrawingArea;
@@ -11,33 +12,32 @@ use plotters_backend::DrawingBackend;
 #[derive(Debug, Clone)]
 pub struct Sourced<P> {
     plot: P,
-    line: String,
-    runs: String,
+    made_by: Provenance,
 }
 
 impl<P: Plot> Sourced<P> {
-    /// `line` stands at the foot; `runs` in every row of the CSV.
-    pub fn new(plot: P, line: impl Into<String>, runs: impl Into<String>) -> Self {
-        Self { plot, line: line.into(), runs: runs.into() }
+    /// Its line stands at the foot, its runs in every row of the CSV.
+    pub fn new(plot: P, made_by: Provenance) -> Self {
+        Self { plot, made_by }
     }
 }
 
 impl<P: Plot> Plot for Sourced<P> {
     fn size(&self) -> (u32, u32) {
         let (width, height) = self.plot.size();
-        (width, height + legend::print_height(&self.line, ROOM) as u32)
+        (width, height + legend::print_height(&self.made_by.line(), ROOM) as u32)
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
         self.plot.draw(area)?;
-        legend::print(area, &self.line, (MARGIN, self.plot.size().1 as i32 - MARGIN / 2), ROOM)
+        legend::print(area, &self.made_by.line(), (MARGIN, self.plot.size().1 as i32 - MARGIN / 2), ROOM)
     }
 
     fn csv(&self) -> Drawn {
         let Drawn { mut header, mut rows } = self.plot.csv();
         header.push("runs");
         for row in &mut rows {
-            row.push(self.runs.clone());
+            row.push(self.made_by.runs.join(" "));
         }
         Drawn { header, rows }
     }

@@ -9,6 +9,7 @@ use dpn_eval::stats::StatsError;
 use dpn_figures::FigureError;
 use dpn_io::IoError;
 use dpn_pronet::StoreError;
+use dpn_train::base::UnknownBase;
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -30,6 +31,9 @@ pub enum PaperError {
     /// A noise of the plan that is no spec.
     #[error("the plan: {0}")]
     Spec(#[from] SpecError),
+    /// A base of the plan that is none.
+    #[error("the plan: {0}")]
+    Base(#[from] UnknownBase),
     /// Figures that cannot be tested.
     #[error(transparent)]
     Stats(#[from] StatsError),
@@ -76,16 +80,6 @@ pub enum PaperError {
         camera: String,
         /// Why not.
         reason: String,
-    },
-    /// A table of the paper, built into the program, does not read.
-    #[error("papers/{file}, line {line}: `{text}` does not read; mend it and build again")]
-    Published {
-        /// The file.
-        file: &'static str,
-        /// Line, from 1.
-        line: usize,
-        /// The line.
-        text: String,
     },
 }
 

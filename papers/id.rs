@@ -1,5 +1,6 @@
 //! Names of results: checksums of what they are made from.
 
+use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 /// Sixteen hexadecimal digits of SHA-256 over `parts`, each with its length.
@@ -11,6 +12,14 @@ pub fn id<T: AsRef<[u8]>>(parts: impl IntoIterator<Item = T>) -> String {
         hash.update(part);
     }
     hash.finalize().iter().take(8).map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// What goes into a checksum or a file of a value of this program's own.
+///
+/// # Panics
+/// For a value that is no JSON (a map whose keys are no strings): none of the plans, settings and rows here is one.
+pub(super) fn json<T: Serialize + ?Sized>(value: &T) -> String {
+    serde_json::to_string(value).expect("plans, settings and rows are JSON")
 }
 
 #[cfg(test)]

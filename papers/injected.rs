@@ -1,14 +1,16 @@
 //! What the experiment with injected noise says: how models follow, and what following is worth.
 
 use super::error::PaperError;
-use super::study::{Against, Rows, correct, median};
+use super::specs;
 use dpn_core::Sensor;
 use dpn_core::estimate::Noise;
 use dpn_core::random::Stream;
+use dpn_core::signal::stats::median_of;
 use dpn_eval::closed_loop::Source;
 use dpn_eval::injected::{Course, Injection, step_response};
 use dpn_eval::noise::{Fresh, Recorded};
 use dpn_eval::stats::StatsError;
+use dpn_eval::study::{Comparison, Criterion, Reference, RowSet, compare, correct_for_count};
 use dpn_pronet::network::Network;
 use dpn_train::split::Side;
 use rayon::prelude::*;
@@ -18,7 +20,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Response {
     pub(super) course: Course,
-    pub(super) noise: String,
+    pub(super) noise: Noise,
     pub(super) sensor: Sensor,
     /// Sequences measured.
     pub(super) sequences: usize,
@@ -76,16 +78,16 @@ pub(super) fn responses(
                 let lag = |pick: fn(&dpn_eval::injected::StepResponse) -> Option<f64>| {
                     let lags: Vec<f64> = of.iter().filter_map(pick).collect();
                     let count = lags.len();
-                    median(lags).map(|lag| (lag, count))
+                    median_of(lags).map(|lag| (lag, count))
                 };
                 let (Some(low), Some(high)) =
-                    (median(of.iter().map(|r| r.low).collect()), median(of.iter().map(|r| r.high).collect()))
+                    (median_of(of.iter().map(|r| r.low)), median_of(of.iter().map(|r| r.high)))
                 else {
                     continue;
                 };
                 found.push(Response {
                     course,
-                    noise: noise.to_string(),
+                    noise: noise.clone(),
                     sensor,
                     sequences: of.len(),
                     low,
@@ -101,70 +103,56 @@ pub(super) fn responses(
 
 /// What a noise is worth where the noise is known.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(super) struct Worth {
-    pub(super) noise: String,
+pub(super) struct NoiseWorth {
+    pub(super) noise: Noise,
     /// Median over sequences of the error \[m\]: all, training, test.
     pub(super) ate: [Option<f64>; 3],
-    /// Share of the way from the best constant to the oracle: all, training, test.
+    /// Share of the way from the reference to the oracle: all, training, test.
     pub(super) closed: [Option<f64>; 3],
     pub(super) failures: usize,
-    /// Against the best constant, sequence by sequence.
-    pub(super) against: Option<Against>,
+    /// Against the reference, sequence by sequence.
+    pub(super) comparison: Option<Comparison>,
 }
 
-/// The value of every noise of one course. The best constant is chosen on training sequences, by the median that is reported.
+/// Every noise of one course.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(super) struct Value {
-    pub(super) best_constant: Option<String>,
+pub(super) struct CourseStudy {
+    /// The best constant on training sequences by the median, which is reported.
+    pub(super) reference: Option<Reference>,
     /// Sequences: all, training, test.
     pub(super) sequences: [usize; 3],
-    /// Whether it is the end of the sweep, so that the gap is no more than said: a constant beyond may be better.
-    pub(super) at_edge: bool,
-    /// How far the oracle lies below the best constant, as a share of it: all, training, test.
+    /// How far the oracle lies below the reference, as a share of it: all, training, test.
     pub(super) gap: [Option<f64>; 3],
-    pub(super) worth: Vec<Worth>,
+    pub(super) noises: Vec<NoiseWorth>,
 }
 
 const SIDES: [Option<Side>; 3] = [None, Some(Side::Train), Some(Side::Test)];
 
-pub(super) fn value(rows: &Rows<'_>, margin: f64) -> Result<Value, StatsError> {
-    let median_of = |noise: &str, side: Option<Side>| rows.median(noise, side);
-    let train = rows.sequences.iter().any(|(_, side)| *side == Side::Train);
-    let choosing = train.then_some(Side::Train);
-    let best = rows
-        .noises
-        .iter()
-        .filter(|noise| noise.parse::<Noise>().is_ok_and(|n| n.is_constant()))
-        .filter_map(|noise| Some((median_of(noise, choosing)?, noise.clone())))
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, noise)| noise);
-    let reference = SIDES.map(|side| median_of(best.as_deref()?, side));
-    let oracle = SIDES.map(|side| median_of("oracle", side));
-    let gap = [0, 1, 2].map(|i| Some(1.0 - oracle[i]? / reference[i]?));
-    let mut worth = rows
-        .noises
-        .iter()
-        .map(|noise| {
-            let against = match best.as_deref().filter(|best| best != noise) {
-                Some(best) => rows.against(noise, best, margin)?,
+impl CourseStudy {
+    /// Of the rows of one course; `margin` as for [`compare`].
+    pub(super) fn new(rows: &RowSet<'_>, margin: f64) -> Result<Self, StatsError> {
+        let medians = |noise: &Noise| SIDES.map(|side| rows.median(noise, side));
+        let reference = rows.reference(Criterion::Median);
+        let best = reference.as_ref().map(|reference| &reference.noise);
+        let (best_ate, oracle_ate) = (best.map_or([None; 3], medians), medians(&specs::noise(specs::ORACLE)));
+        let mut noises = Vec::new();
+        for noise in rows.noises() {
+            let comparison = match best.filter(|best| best != noise) {
+                Some(best) => compare(rows, noise, best, margin)?,
                 None => None,
             };
-            let ate = SIDES.map(|side| median_of(noise, side));
+            let ate = medians(noise);
             let closed = [0, 1, 2].map(|i| {
-                let (best, oracle) = (reference[i]?, oracle[i]?);
+                let (best, oracle) = (best_ate[i]?, oracle_ate[i]?);
                 (best > oracle).then_some((best - ate[i]?) / (best - oracle))
             });
             let failures = rows.of(noise).filter(|r| r.failure.is_some()).count();
-            Ok(Worth { noise: noise.clone(), ate, closed, failures, against })
-        })
-        .collect::<Result<Vec<Worth>, StatsError>>()?;
-    correct(worth.iter_mut().filter_map(|worth| worth.against.as_mut()))?;
-    let at_edge = best.as_deref().is_some_and(|best| rows.at_edge(best));
-    let count = |side: &Option<Side>| {
-        rows.sequences.iter().filter(|(_, s)| side.is_none_or(|side| side == *s)).count()
-    };
-    let sequences = [count(&SIDES[0]), count(&SIDES[1]), count(&SIDES[2])];
-    Ok(Value { best_constant: best, sequences, at_edge, gap, worth })
+            noises.push(NoiseWorth { noise: (*noise).clone(), ate, closed, failures, comparison });
+        }
+        correct_for_count(noises.iter_mut().filter_map(|worth| worth.comparison.as_mut()))?;
+        let gap = [0, 1, 2].map(|i| Some(1.0 - oracle_ate[i]? / best_ate[i]?));
+        Ok(Self { reference, sequences: SIDES.map(|side| rows.count(side)), gap, noises })
+    }
 }
 
 #[cfg(test)]
@@ -187,12 +175,12 @@ mod tests {
                 rows.push(row);
             }
         }
-        let value = value(&Rows::new(&rows), 0.1).unwrap();
-        assert!(value.at_edge);
+        let value = CourseStudy::new(&RowSet::new(&rows), 0.1).unwrap();
         assert_eq!(value.sequences, [4, 2, 2]);
-        assert_eq!(value.best_constant.as_deref(), Some("x4"));
+        let reference = value.reference.unwrap();
+        assert!(reference.at_edge && reference.noise == specs::noise("x4"));
         assert_eq!(value.gap, [Some(0.5); 3]);
-        let worth = |noise: &str| value.worth.iter().find(|w| w.noise == noise).unwrap();
+        let worth = |noise: &str| value.noises.iter().find(|w| w.noise == specs::noise(noise)).unwrap();
         assert!((worth("diff2").closed[0].unwrap() - 0.75).abs() < 1e-12);
         assert!((worth("oracle").closed[2].unwrap() - 1.0).abs() < 1e-12);
         assert!(worth("x4").closed[1].unwrap().abs() < 1e-12);

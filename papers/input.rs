@@ -1,9 +1,9 @@
 //! What there is to work on, and what is missing.
 
 use super::error::PaperError;
-use super::published;
 use dpn_core::ImuRecording;
 use dpn_eval::closed_loop::{ClosedLoopError, Images, Source, Tracks, Unseen, has_images};
+use dpn_eval::published;
 use dpn_io::asl::Sequence;
 use dpn_sim::tracks::TracksConfig;
 use dpn_sim::{FlightConfig, RenderConfig};
@@ -204,14 +204,14 @@ impl Input {
         }
         let of_paper = names.iter().any(|(name, _)| paper_side(name).is_some());
         if of_paper {
-            for sequence in published::sequences()? {
-                let there = names.iter().position(|(name, _)| name.starts_with(&sequence.name));
+            for published::SplitSequence { sequence, .. } in published::split() {
+                let there = names.iter().position(|(name, _)| name.starts_with(&sequence));
                 let reason = match there {
                     None => "there is no such folder in the data".to_owned(),
                     Some(place) if !wanted.contains(&place) && !whole => "not asked for".to_owned(),
                     _ => continue,
                 };
-                missing.push(Missing { name: sequence.name, reason });
+                missing.push(Missing { name: sequence, reason });
             }
         }
         missing.sort_by(|a, b| a.name.cmp(&b.name));

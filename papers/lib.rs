@@ -7,32 +7,28 @@
 //! * [`Plan`]: what is run; quick or whole.
 //! * [`Input`]: recordings that are there, and what is missing.
 //! * `results`: every stage's results, read or made.
-//! * [`Table`]: Markdown, CSV and LaTeX of one table; `tables` makes those of the paper and of the study.
-//! * `drawings`: the figures; `page`: the page that tells the story.
+//! * [`tables`]: every table, from rows; those that `dpn eval` prints too.
+//! * `drawings`: the figures; `findings` and `page`: the page that tells the story, from `templates/`.
 
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
-mod command;
 mod drawings;
 mod error;
+mod findings;
 mod id;
 mod injected;
 mod input;
 mod motors;
 mod page;
 mod plan;
-mod published;
 mod results;
 mod run;
+mod specs;
 mod states;
-mod study;
-mod table;
-mod tables;
+pub mod tables;
 
-pub use command::Provenance;
 pub use error::PaperError;
 pub use id::id;
 pub use input::{CameraChoice, Cameras, Input, Missing};
 pub use plan::{InjectedPlan, Plan};
 pub use run::{Done, Paper, StageReport};
-pub use table::{Cell, Column, Table};

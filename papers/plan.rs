@@ -1,9 +1,11 @@
 //! What is run.
 
+use super::specs::{BASELINE, DATA_SHEET, DUALPRONET, ORACLE};
 use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 use dpn_core::estimate::Noise;
 use dpn_core::estimate::spec::EstimatorSpec;
 use dpn_eval::injected::{Course, Injection};
+use dpn_eval::study::MARGIN;
 use dpn_train::base::Base;
 use serde::{Deserialize, Serialize};
 
@@ -52,8 +54,6 @@ pub struct InjectedPlan {
 /// Multiples of the baseline of the study's sweep, and its ends.
 const CONSTANTS: [&str; 5] = ["x0.5", "x1", "x2", "x4", "x8"];
 const ENDS: [&str; 2] = ["x0.25", "x16"];
-/// What EuRoC's sensor, an ADIS16448, says in its data sheet: deviations a sample at 200 Hz.
-const DATA_SHEET: &str = "const(0.0283,0.0024)";
 
 fn owned(texts: &[&str]) -> Vec<String> {
     texts.iter().map(|text| (*text).to_owned()).collect()
@@ -132,7 +132,7 @@ impl Plan {
             seeds: 2,
             others,
             other_seeds: 1,
-            margin: 0.1,
+            margin: MARGIN,
             injected: InjectedPlan::default(),
         }
     }
@@ -155,7 +155,7 @@ impl Plan {
             seeds: 1,
             others: Vec::new(),
             other_seeds: 1,
-            margin: 0.1,
+            margin: MARGIN,
             injected: InjectedPlan {
                 courses: vec![Course::Step],
                 noises: owned(&[
@@ -179,8 +179,10 @@ impl Plan {
     ///
     /// # Errors
     /// A string that is no spec.
-    pub(super) fn parsed(specs: &[String]) -> Result<Vec<Noise>, dpn_core::estimate::SpecError> {
-        specs.iter().map(|spec| spec.parse()).collect()
+    pub(super) fn parsed<'a>(
+        specs: impl IntoIterator<Item = &'a String>,
+    ) -> Result<Vec<Noise>, dpn_core::estimate::SpecError> {
+        specs.into_iter().map(|spec| spec.parse()).collect()
     }
 }
 
@@ -221,7 +223,7 @@ impl Validate for Plan {
         }
         let constant =
             |specs: &[String]| specs.iter().any(|s| s.parse::<Noise>().is_ok_and(|n| n.is_constant()));
-        for needed in ["x1", "dualpronet"] {
+        for needed in [BASELINE, DUALPRONET] {
             let there = self.noises.iter().any(|spec| spec == needed);
             faults.check(there, "noises", format!("{:?}", self.noises), format!("with {needed}"));
         }
@@ -229,7 +231,7 @@ impl Validate for Plan {
         {
             let needs = key == "injected.noises";
             faults.check(!needs || constant(specs), key, format!("{specs:?}"), "with a constant");
-            let oracle = specs.iter().any(|spec| spec == "oracle");
+            let oracle = specs.iter().any(|spec| spec == ORACLE);
             faults.check(oracle, key, format!("{specs:?}"), "with oracle");
         }
         faults.0

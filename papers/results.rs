@@ -1,10 +1,11 @@
 //! Every stage's results: read where they are there, made where they are not.
 
 use super::error::PaperError;
-use super::id::id;
+use super::id::{id, json};
 use super::injected::{Response, responses};
 use super::plan::Plan;
 use super::run::Paper;
+use super::specs;
 use cpu_time::ThreadTime;
 use dpn_core::Sensor;
 use dpn_core::estimate::Noise;
@@ -25,7 +26,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What a stage left, and where.
 #[derive(Debug)]
-pub(super) struct Made<T> {
+pub(super) struct StageResult<T> {
     pub(super) value: T,
     /// Name of its folder.
     pub(super) run: String,
@@ -34,7 +35,7 @@ pub(super) struct Made<T> {
 }
 
 /// One closed loop: a folder.
-struct Loop<'a> {
+struct SweepRequest<'a> {
     /// What its folder's name begins with.
     name: String,
     source: &'a Source,
@@ -62,7 +63,7 @@ fn cached<T: Serialize + DeserializeOwned>(
         }
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
             let value = make()?;
-            let text = serde_json::to_string(&value).unwrap_or_default();
+            let text = json(&value);
             atomic_write(path, |out| writeln!(out, "{text}"))?;
             Ok((value, false))
         }
@@ -86,12 +87,12 @@ impl Paper<'_> {
         &self,
         networks: &str,
         progress: &mut dyn Progress,
-    ) -> Result<Made<Vec<open_loop::Row>>, PaperError> {
+    ) -> Result<StageResult<Vec<open_loop::Row>>, PaperError> {
         let mut parts = vec![self.measured_by(), networks.to_owned(), self.plan.seed.to_string()];
         parts.push(self.plan.bases.join(";"));
         parts.extend([self.input.corpus.name.clone(), self.input.corpus.fingerprint()]);
         let run = format!("open-loop-{}", id(&parts));
-        let bases: Vec<Base> = self.plan.bases.iter().filter_map(|base| base.parse().ok()).collect();
+        let bases: Vec<Base> = self.plan.bases.iter().map(|base| base.parse()).collect::<Result<_, _>>()?;
         let (value, cached) = self.cached(&run, &self.work.join(&run).join("rows.json"), || {
             let request = Request {
                 corpora: std::slice::from_ref(&self.input.corpus),
@@ -102,12 +103,12 @@ impl Paper<'_> {
             };
             Ok(open_loop::run(&request, progress)?.rows)
         })?;
-        Ok(Made { value, run, cached })
+        Ok(StageResult { value, run, cached })
     }
 
     /// What the study's sweep keeps of runs for the figures.
     pub(super) fn keep(&self) -> Keep {
-        let noises = ["x1", "dualpronet"].iter().filter_map(|noise| noise.parse().ok()).collect();
+        let noises = specs::noises([specs::BASELINE, specs::DUALPRONET]).to_vec();
         Keep { states: Some((noises, self.plan.seed)), ..Keep::default() }
     }
 
@@ -117,8 +118,8 @@ impl Paper<'_> {
         networks: &str,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
-    ) -> Result<(Made<Vec<Row>>, Vec<Unseen>), PaperError> {
-        let study = Loop {
+    ) -> Result<(StageResult<Vec<Row>>, Vec<Unseen>), PaperError> {
+        let study = SweepRequest {
             name: "closed-loop".into(),
             source: &self.input.source,
             places: self.input.places.clone(),
@@ -137,13 +138,13 @@ impl Paper<'_> {
         networks: &str,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
-    ) -> Result<Made<Vec<Row>>, PaperError> {
+    ) -> Result<StageResult<Vec<Row>>, PaperError> {
         let plan = &self.plan.injected;
         let (noises, seeds) = match course {
             Course::Step => (&plan.noises, plan.seeds),
             _ => (&plan.followed, plan.course_seeds),
         };
-        let experiment = Loop {
+        let experiment = SweepRequest {
             name: format!("injected-{course}"),
             source: &self.input.injected,
             places: self.injected_places(),
@@ -179,11 +180,11 @@ impl Paper<'_> {
     /// All runs of a loop.
     fn sweep(
         &self,
-        wanted: &Loop<'_>,
+        wanted: &SweepRequest<'_>,
         networks: &str,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
-    ) -> Result<(Made<Vec<Row>>, Vec<Unseen>), PaperError> {
+    ) -> Result<(StageResult<Vec<Row>>, Vec<Unseen>), PaperError> {
         // One seed where nothing depends on it.
         let seeded = wanted.source.tracks_are_seeded() || wanted.source.recordings_are_seeded();
         let first = self.plan.seed;
@@ -212,9 +213,9 @@ impl Paper<'_> {
                 return Err(PaperError::NotMeasured { what, program: program.to_owned() });
             }
         }
-        let mut watch = Watch { inner: progress, stepped: false };
+        let mut watch = StepWatch { inner: progress, stepped: false };
         let (value, unseen) = sweep.run_what_is_seen(&dir, &manifest, stop, &mut watch)?;
-        Ok((Made { value, run, cached: !watch.stepped }, unseen))
+        Ok((StageResult { value, run, cached: !watch.stepped }, unseen))
     }
 
     /// The program whose runs are taken.
@@ -242,11 +243,11 @@ impl Paper<'_> {
         &self,
         networks: &str,
         stop: &AtomicBool,
-    ) -> Result<Made<Vec<Response>>, PaperError> {
+    ) -> Result<StageResult<Vec<Response>>, PaperError> {
         let plan = &self.plan.injected;
         let places = self.injected_places();
         let mut parts = vec![self.measured_by(), networks.to_owned(), self.plan.seed.to_string()];
-        parts.push(serde_json::to_string(&plan.noise).unwrap_or_default());
+        parts.push(json(&plan.noise));
         parts.push(plan.followed.join(";"));
         parts.extend(self.checksums(&places)?);
         let run = format!("response-{}", id(&parts));
@@ -256,7 +257,7 @@ impl Paper<'_> {
             let seed = self.plan.seed;
             responses(&self.input.source, &places, &noises, self.networks, &plan.noise, seed)
         })?;
-        Ok(Made { value, run, cached })
+        Ok(StageResult { value, run, cached })
     }
 
     /// Checksums of the sequences at `places`.
@@ -269,7 +270,7 @@ impl Paper<'_> {
         &self,
         networks: &str,
         stop: &AtomicBool,
-    ) -> Result<Made<Vec<(String, f64)>>, PaperError> {
+    ) -> Result<StageResult<Vec<(Noise, f64)>>, PaperError> {
         let specs: Vec<&String> = self.plan.noises.iter().chain(&self.plan.others).collect();
         let place = self.input.places[0];
         let mut parts = vec![self.measured_by(), networks.to_owned()];
@@ -284,18 +285,14 @@ impl Paper<'_> {
             let sources = Fresh { recorded, networks: self.networks };
             let answers = recording.imu.len() as f64 / DualProNet::HOP as f64;
             let mut times = Vec::new();
-            for spec in specs {
-                let noise: Noise = spec.parse()?;
-                if noise.needs_training() {
-                    continue;
-                }
+            for noise in Plan::parsed(specs)?.into_iter().filter(|noise| !noise.needs_training()) {
                 let clock = ThreadTime::now();
                 dpn_eval::noise::track(&noise, &recording.imu, &sources, &Stream::new(self.plan.seed))?;
-                times.push((spec.clone(), 1e3 * clock.elapsed().as_secs_f64() / answers));
+                times.push((noise, 1e3 * clock.elapsed().as_secs_f64() / answers));
             }
             Ok(times)
         })?;
-        Ok(Made { value, run, cached })
+        Ok(StageResult { value, run, cached })
     }
 }
 
@@ -307,13 +304,13 @@ fn stopped(stop: &AtomicBool) -> Result<(), PaperError> {
     Ok(())
 }
 
-/// Hears whether anything was done.
-struct Watch<'a> {
+/// Passes progress on and remembers whether there was any: whether something had to be made.
+struct StepWatch<'a> {
     inner: &'a mut dyn Progress,
     stepped: bool,
 }
 
-impl Progress for Watch<'_> {
+impl Progress for StepWatch<'_> {
     fn start(&mut self, what: &str, total: u64) {
         self.inner.start(what, total);
     }

@@ -1,22 +1,24 @@
 //! The stages in their order.
 
-use super::command::Provenance;
 use super::drawings;
 use super::error::PaperError;
-use super::id::id;
-use super::injected::{Value, value};
+use super::findings::findings;
+use super::id::{id, json};
+use super::injected::CourseStudy;
 use super::input::Input;
-use super::page::{self, Picture};
+use super::page::{Page, Picture, Readme};
 use super::plan::Plan;
-use super::results::Made;
-use super::study::Rows;
-use super::table::Table;
+use super::results::StageResult;
+use super::specs;
 use super::tables;
+use askama::Template as _;
 use dpn_core::Sensor;
+use dpn_core::estimate::Noise;
 use dpn_core::progress::Progress;
 use dpn_eval::closed_loop::{Images, Recording, Row, StartAt, Tracks};
 use dpn_eval::injected::Course;
-use dpn_figures::{Plot, Sourced, save};
+use dpn_eval::study::{RowSet, Study};
+use dpn_figures::{Plot, Provenance, Sourced, Table, save};
 use dpn_io::{IoError, atomic_write};
 use dpn_pronet::network::Network;
 use dpn_train::split::Side;
@@ -93,10 +95,11 @@ struct Receipt {
 
 const RECEIPT: &str = "made.json";
 const PAGE: &str = "index.html";
+const README: &str = "README.md";
 /// Noises shown over a flight.
 const OVER_FLIGHT: [&str; 3] = ["dualpronet", "diff2", "sg(11,2)"];
 /// Noises shown following a step.
-const FOLLOWING: [&str; 3] = ["plus(dualpronet(wide-s0),x4)", "dualpronet", "diff2"];
+const FOLLOWING: [&str; 3] = [specs::WIDE_PLUS, "dualpronet", "diff2"];
 
 impl Paper<'_> {
     /// Runs what has not been run, and makes tables, figures and page where their input or they themselves have changed.
@@ -134,8 +137,8 @@ impl Paper<'_> {
         &self,
         mut stages: Vec<StageReport>,
         networks: &str,
-        open: Made<Vec<dpn_eval::open_loop::Row>>,
-        closed: Made<Vec<Row>>,
+        open: StageResult<Vec<dpn_eval::open_loop::Row>>,
+        closed: StageResult<Vec<Row>>,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<Done, PaperError> {
@@ -170,18 +173,18 @@ impl Paper<'_> {
         &self,
         stages: &[StageReport],
         closed: &[Row],
-        injected: &[(Course, Made<Vec<Row>>)],
+        injected: &[(Course, StageResult<Vec<Row>>)],
     ) -> Result<String, PaperError> {
         let mut parts = vec![
             self.program.clone(),
             self.command.clone(),
             format!("{:?}", self.input.not_run().collect::<Vec<_>>()),
         ];
-        parts.push(serde_json::to_string(self.plan).unwrap_or_default());
-        parts.push(serde_json::to_string(&self.estimator).unwrap_or_default());
+        parts.push(json(self.plan));
+        parts.push(json(&self.estimator));
         parts.extend(stages.iter().map(|stage| stage.run.clone()));
         let rows = closed.iter().chain(injected.iter().flat_map(|(_, made)| &made.value));
-        parts.extend(rows.map(|row| serde_json::to_string(row).unwrap_or_default()));
+        parts.extend(rows.map(json));
         parts.extend(self.checksums(&self.input.places)?);
         Ok(id(parts))
     }
@@ -201,12 +204,13 @@ impl Paper<'_> {
     }
 
     fn write(&self, id: &str, results: &Results, progress: &mut dyn Progress) -> Result<Receipt, PaperError> {
-        let rows = Rows::new(&results.closed.value);
-        let study = rows.study(self.plan.margin)?;
-        let values: Vec<(Course, Value)> = results
+        let margin = self.plan.margin;
+        let rows = RowSet::new(&results.closed.value);
+        let study = Study::new(&rows, margin)?;
+        let courses: Vec<(Course, CourseStudy)> = results
             .injected
             .iter()
-            .map(|(course, made)| Ok((*course, value(&Rows::new(&made.value), self.plan.margin)?)))
+            .map(|(course, made)| Ok((*course, CourseStudy::new(&RowSet::new(&made.value), margin)?)))
             .collect::<Result<_, PaperError>>()?;
         let program = match self.measured_by {
             Some(measured) => format!("{}, of runs by {measured}", self.program),
@@ -218,11 +222,11 @@ impl Paper<'_> {
         let input = self.input;
         let noise = &self.plan.injected.noise;
         let tables = vec![
-            tables::split(input, made_by.of(&[closed]))?,
-            tables::open_loop(input, &results.open.value, made_by.of(&[open]))?,
-            tables::closed_loop(input, &rows, made_by.of(&[closed]))?,
+            tables::split(input, made_by.of(&[closed])),
+            tables::open_loop(input, &results.open.value, made_by.of(&[open])),
+            tables::closed_loop(input, &rows, made_by.of(&[closed])),
             tables::study(input, &study, made_by.of(&[closed])),
-            tables::value(input, &values, noise, made_by.of(&injected_runs)),
+            tables::value(input, &courses, noise, made_by.of(&injected_runs)),
             tables::responses(input, &results.responses.value, noise, made_by.of(&[&results.responses.run])),
             tables::timing(&study, &results.times.value, made_by.of(&[closed, &results.times.run])),
         ];
@@ -235,19 +239,9 @@ impl Paper<'_> {
         for picture in &pictures {
             names.extend(["svg", "png", "csv"].map(|ending| format!("{}.{ending}", picture.name)));
         }
-        let findings = page::findings(input, &rows, &study, &values)?;
-        let story = page::Story {
-            input,
-            camera: self.camera,
-            findings: &findings,
-            tables: &tables,
-            pictures: &pictures,
-        };
-        let html = story.html(&made_by.of(&[open, closed]));
-        atomic_write(&self.out.join(PAGE), |out| out.write_all(html.as_bytes()))?;
-        let readme = story.readme(&made_by);
-        atomic_write(&self.out.join("README.md"), |out| out.write_all(readme.as_bytes()))?;
-        names.extend([PAGE.to_owned(), "README.md".to_owned()]);
+        let findings = findings(input, &rows, &study, &courses)?;
+        self.write_page(&findings, &tables, &pictures, &made_by.of(&[open, closed]))?;
+        names.extend([PAGE.to_owned(), README.to_owned()]);
         let mut files = BTreeMap::new();
         for name in names {
             let path = self.out.join(&name);
@@ -255,22 +249,40 @@ impl Paper<'_> {
             files.insert(name, sum);
         }
         let receipt = Receipt { id: id.to_owned(), findings, files };
-        let text = serde_json::to_string_pretty(&receipt).unwrap_or_default() + "\n";
+        let text = serde_json::to_string_pretty(&receipt).expect("strings are JSON") + "\n";
         atomic_write(&self.out.join(RECEIPT), |out| out.write_all(text.as_bytes()))?;
         Ok(receipt)
+    }
+
+    /// The page and the folder's README.
+    fn write_page(
+        &self,
+        findings: &[String],
+        tables: &[Table],
+        pictures: &[Picture],
+        made_by: &Provenance,
+    ) -> Result<(), PaperError> {
+        let input = self.input;
+        let readme = Readme { input, tables, pictures, made_by }.render();
+        let page = Page { input, camera: self.camera, findings, tables, pictures, made_by }.render();
+        for (name, text) in [(PAGE, page), (README, readme)] {
+            let text = text.expect("a template that compiled writes to a string");
+            atomic_write(&self.out.join(name), |out| out.write_all(text.as_bytes()))?;
+        }
+        Ok(())
     }
 
     /// Every figure that the results allow.
     fn draw(
         &self,
         results: &Results,
-        study: &super::study::Study,
+        study: &Study,
         made_by: &Provenance,
         progress: &mut dyn Progress,
     ) -> Result<Vec<Picture>, PaperError> {
         const COUNT: u64 = 14;
         progress.start("figures", COUNT);
-        let mut sketch = Sketch { out: self.out, made_by, pictures: Vec::new(), progress };
+        let mut figures = FigureWriter { out: self.out, made_by, pictures: Vec::new(), progress };
         let (accel, gyro) = (self.network(Sensor::Accel), self.network(Sensor::Gyro));
         let closed = results.closed.run.as_str();
         let camera = match self.input.source.tracks() {
@@ -279,13 +291,13 @@ impl Paper<'_> {
             Tracks::Seen(Images::Folder { .. }) => "images, followed".to_owned(),
             Tracks::Seen(Images::Rendered(_)) => "rendered images, followed".to_owned(),
         };
-        sketch.add(
+        figures.add(
             "architecture_odometry",
             "The odometry with DualProNet",
             &[closed],
             &drawings::odometry(&self.estimator, accel.zip(gyro), &camera)?,
         )?;
-        sketch.add(
+        figures.add(
             "architecture_window",
             "The sliding window",
             &[closed],
@@ -293,11 +305,16 @@ impl Paper<'_> {
         )?;
         let networks: Vec<&Network> = accel.into_iter().chain(gyro).collect();
         if !networks.is_empty() {
-            sketch.add("architecture_networks", "The networks", &[closed], &drawings::network(&networks)?)?;
+            figures.add(
+                "architecture_networks",
+                "The networks",
+                &[closed],
+                &drawings::network(&networks)?,
+            )?;
         }
         let open = results.open.run.as_str();
         let figure = drawings::rmse(&results.open.value, &self.input.corpus.name)?;
-        sketch.add(
+        figures.add(
             "open_loop_rmse_vs_sigma",
             "Error of the estimated deviation, with its bound",
             &[open],
@@ -307,8 +324,8 @@ impl Paper<'_> {
         let keep = self.keep();
         let dir = self.work.join(closed);
         let rows = &results.closed.value;
-        let noises = ["x1", "dualpronet"];
-        sketch.add(
+        let noises = specs::noises([specs::BASELINE, specs::DUALPRONET]);
+        figures.add(
             "trajectories",
             "All trajectories: truth, baseline, DualProNet",
             &[closed],
@@ -317,7 +334,7 @@ impl Paper<'_> {
         let example = recordings.iter().find(|r| r.side == Side::Test).or(recordings.first());
         if let Some(recording) = example {
             if let Some(figure) = drawings::errors(recording, &dir, &keep, &noises)? {
-                sketch.add(
+                figures.add(
                     "error_by_time",
                     "Error by time, with what the estimator believes",
                     &[closed],
@@ -325,9 +342,14 @@ impl Paper<'_> {
                 )?;
             }
             for sensor in Sensor::ALL {
-                let figure = drawings::sigma_over_flight(recording, &OVER_FLIGHT, self.networks, sensor)?;
+                let figure = drawings::sigma_over_flight(
+                    recording,
+                    &specs::noises(OVER_FLIGHT),
+                    self.networks,
+                    sensor,
+                )?;
                 let name = if sensor == Sensor::Accel { "flight_sigma" } else { "flight_sigma_gyro" };
-                sketch.add(name, "What is said over a flight", &[closed], &figure)?;
+                figures.add(name, "What is said over a flight", &[closed], &figure)?;
             }
             let runs = [results.responses.run.as_str()];
             for sensor in Sensor::ALL {
@@ -337,28 +359,28 @@ impl Paper<'_> {
                     recording,
                     &imu,
                     &oracle,
-                    &FOLLOWING,
+                    &specs::noises(FOLLOWING),
                     self.networks,
                     sensor,
                     self.plan.seed,
                 )?;
                 let name = if sensor == Sensor::Accel { "step_response" } else { "step_response_gyro" };
-                sketch.add(name, "Noise added in a step, and who follows", &runs, &figure)?;
+                figures.add(name, "Noise added in a step, and who follows", &runs, &figure)?;
             }
         }
         if drawings::has_curve(study) {
-            let caption = medians(&Rows::new(&results.closed.value));
+            let caption = medians(&RowSet::new(&results.closed.value));
             let figure = drawings::sweep(study, &caption)?;
-            sketch.add("sweep", "Error against the constant told", &[closed], &figure)?;
+            figures.add("sweep", "Error against the constant told", &[closed], &figure)?;
         }
         if let Some((_, made)) = results.injected.iter().find(|(course, _)| *course == Course::Step) {
-            let rows = Rows::new(&made.value);
-            let study = rows.study(self.plan.margin)?;
+            let rows = RowSet::new(&made.value);
+            let study = Study::new(&rows, self.plan.margin)?;
             if drawings::has_curve(&study) {
                 let factor = self.plan.injected.noise.factor;
                 let caption = format!("Noise stepped x1, x{factor}, x1. {}", medians(&rows));
                 let figure = drawings::injected_sweep(&study, &caption)?;
-                sketch.add(
+                figures.add(
                     "injected_sweep",
                     "Error against the constant told, under injected noise",
                     &[&made.run],
@@ -366,7 +388,7 @@ impl Paper<'_> {
                 )?;
             }
         }
-        let pictures = sketch.pictures;
+        let pictures = figures.pictures;
         progress.finish(&format!("{} figures", pictures.len()));
         Ok(pictures)
     }
@@ -388,22 +410,22 @@ impl Paper<'_> {
 
 /// Every stage's results.
 struct Results {
-    open: Made<Vec<dpn_eval::open_loop::Row>>,
-    closed: Made<Vec<Row>>,
-    injected: Vec<(Course, Made<Vec<Row>>)>,
-    responses: Made<Vec<super::injected::Response>>,
-    times: Made<Vec<(String, f64)>>,
+    open: StageResult<Vec<dpn_eval::open_loop::Row>>,
+    closed: StageResult<Vec<Row>>,
+    injected: Vec<(Course, StageResult<Vec<Row>>)>,
+    responses: StageResult<Vec<super::injected::Response>>,
+    times: StageResult<Vec<(Noise, f64)>>,
 }
 
 /// Figures being saved.
-struct Sketch<'a> {
+struct FigureWriter<'a> {
     out: &'a Path,
     made_by: &'a Provenance,
     pictures: Vec<Picture>,
     progress: &'a mut dyn Progress,
 }
 
-impl Sketch<'_> {
+impl FigureWriter<'_> {
     fn add(
         &mut self,
         name: &'static str,
@@ -413,7 +435,7 @@ impl Sketch<'_> {
     ) -> Result<(), PaperError> {
         let made_by = self.made_by.of(runs);
         let path = self.out.join(name);
-        save(&Sourced::new(plot.clone(), made_by.line(), runs.join(" ")), &path)?;
+        save(&Sourced::new(plot.clone(), made_by), &path)?;
         let file = self.out.join(format!("{name}.svg"));
         let svg = std::fs::read_to_string(&file).map_err(|source| IoError::Read { path: file, source })?;
         let runs = runs.iter().map(|run| (*run).to_owned()).collect();
@@ -424,11 +446,11 @@ impl Sketch<'_> {
 }
 
 /// What a mark of a sweep is, and of how many sequences.
-fn medians(rows: &Rows<'_>) -> String {
+fn medians(rows: &RowSet<'_>) -> String {
     format!(
         "Medians over {} sequences of medians over seeds; bands and bars: 95 % bootstrap over sequences. Marks stand at the root mean square of \
          what they say.",
-        rows.sequences.len()
+        rows.count(None)
     )
 }
 
@@ -439,9 +461,4 @@ fn report(name: &str, run: &str, cached: bool, clock: Instant) -> StageReport {
 fn checksum(path: &Path) -> std::io::Result<String> {
     let bytes = std::fs::read(path)?;
     Ok(Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect())
-}
-
-/// The table called `name`.
-pub(super) fn table<'a>(tables: &'a [Table], name: &str) -> Option<&'a Table> {
-    tables.iter().find(|table| table.name == name)
 }

@@ -226,16 +226,6 @@ pub enum ClosedLoopError {
         /// What is wrong.
         message: String,
     },
-    /// A table built into the program does not read.
-    #[error("papers/{file}, line {line}: `{text}` does not read; mend it and build again")]
-    Paper {
-        /// The file.
-        file: &'static str,
-        /// Line, from 1.
-        line: usize,
-        /// The line.
-        text: String,
-    },
     /// Stopped from outside; what is finished is kept.
     #[error("stopped after {done} of {total} cells")]
     Stopped {

@@ -10,6 +10,7 @@ use crate::metrics::{
     TruthTrack, associate_interpolated, ate, nees, rpe, scale_error, start_alignment,
 };
 use crate::noise::MeanSquare;
+use dpn_core::estimate::Noise;
 use dpn_core::trajectory::StampedPose;
 use dpn_core::{NoiseTrack, Sensor, Stamp};
 use dpn_vio::estimator::Stage;
@@ -156,7 +157,7 @@ pub struct Told {
     /// Where the images came from.
     pub camera: String,
     /// The noise spec.
-    pub noise: String,
+    pub noise: Noise,
     /// The seed.
     pub seed: u64,
     /// Seconds after the first frame.

@@ -6,9 +6,8 @@
 //! * [`drive`] runs the estimator over one [`Recording`] with one noise track; [`judge`] makes a [`Row`] of what comes out.
 //! * [`Sweep`] runs all cells on all threads into a folder, which a later call goes on with.
 //! * [`single`] runs one recording and says everything of it.
-//! * [`consistency`] puts the NEES of many seeds together, [`compare`] tests noises against the best constant, [`render`] prints rows beside the paper's figures and VINS-Mono's.
+//! * [`consistency`] puts the NEES of many seeds together. What rows say of noises: [`crate::study`].
 
-mod compare;
 mod consistency;
 mod drive;
 mod error;
@@ -17,7 +16,6 @@ mod images;
 mod judge;
 mod kept;
 mod lazy;
-mod paper;
 mod parallel;
 mod recording;
 mod rendered;
@@ -27,19 +25,16 @@ mod source;
 mod states;
 mod store;
 mod sweep;
-mod table;
 mod tally;
 mod tracking;
 mod walk;
 
-pub use compare::{Comparison, compare};
 pub use consistency::{Consistency, consistency};
 pub use drive::{Driven, FEWEST_FRAMES, drive, frames_from};
 pub use error::ClosedLoopError;
 pub use image_report::{FrontEndFigures, ImageEvent, ImageReport, PassedOver};
 pub use images::{ImageStream, Images, has_images};
 pub use judge::{Errors, Judged, MAX_GAP_S, Told, judge, paired};
-pub use paper::Peer;
 pub use recording::{Recording, Span, StartAt, first_motion};
 pub use row::{CellKey, Failure, Restart, Row, StageSeconds};
 pub use single::{Report, Single, single};
@@ -48,7 +43,6 @@ pub use states::ANCHOR;
 pub use states::write_states;
 pub use store::{Manifest, Store};
 pub use sweep::{Keep, Sweep, Unseen};
-pub use table::{Summary, render, render_comparisons, render_consistency, summaries};
 pub use tracking::{CameraInput, TrackedSequence};
 
 #[cfg(any(test, feature = "testing"))]

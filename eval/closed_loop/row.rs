@@ -1,6 +1,7 @@
 //! One line of results.
 
 use super::image_report::FrontEndFigures;
+use dpn_core::estimate::Noise;
 use dpn_train::split::Side;
 use dpn_vio::estimator::RestartReason;
 use serde::{Deserialize, Serialize};
@@ -62,8 +63,8 @@ pub struct Row {
     pub split: Side,
     /// What the odometry saw: `tracks`, `images`.
     pub camera: String,
-    /// The noise spec.
-    pub noise: String,
+    /// The noise spec, parsed where the row is read.
+    pub noise: Noise,
     /// Seed of tracks and flights; 0 for given tracks.
     pub seed: u64,
     /// The run begins so long after the first frame \[s\].
@@ -144,7 +145,7 @@ pub struct CellKey {
 impl Row {
     /// Which cell it is of.
     pub fn key(&self) -> CellKey {
-        CellKey { sequence: self.sequence.clone(), seed: self.seed, noise: self.noise.clone() }
+        CellKey { sequence: self.sequence.clone(), seed: self.seed, noise: self.noise.to_string() }
     }
 }
 
@@ -168,7 +169,7 @@ pub mod testing {
             sequence: sequence.into(),
             split: if sequence.starts_with("MH_01") { Side::Train } else { Side::Test },
             camera: "tracks".into(),
-            noise: noise.into(),
+            noise: noise.parse().expect("a noise spec of a test"),
             seed,
             from_s: 0.0,
             failure: ate.is_none().then_some(Failure::NoPose),

@@ -328,7 +328,7 @@ impl Sweep<'_> {
         let driven = drive(&self.estimator, &recording, seen.run(), &noise, cell.seed)?;
         let told = Told {
             camera: self.source.camera().into(),
-            noise: cell.key.noise.clone(),
+            noise: cell.noise.clone(),
             seed: cell.seed,
             from_s,
             front_end: seen.images.as_ref().map(|images| images.figures.clone()),

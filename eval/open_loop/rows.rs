@@ -2,6 +2,8 @@
 
 use dpn_core::Sensor;
 use dpn_core::bounds::cramer_rao_pooled;
+use dpn_train::label::Label;
+use dpn_train::split::Side;
 use serde::{Deserialize, Serialize};
 
 /// How one estimator did on one set of windows with known truth.
@@ -13,14 +15,14 @@ pub struct Row {
     pub base: String,
     /// Where the sequences are from, for example `euroc`.
     pub data: String,
-    /// `train` or `test`.
-    pub split: String,
+    /// Side of the split the sequences are on.
+    pub split: Side,
     /// Name of the estimator.
     pub estimator: String,
     /// `grid` or `continuous`.
     pub levels: String,
-    /// `sigma_inj` or `sigma_tot`.
-    pub label: String,
+    /// What the estimates are compared with.
+    pub label: Label,
     /// Root mean square error \[unit of the sensor\]; the mean over training seeds where there are several.
     pub rmse: f64,
     /// Standard deviation of the RMSE over training seeds; absent for one seed or none.

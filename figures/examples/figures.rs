@@ -3,8 +3,9 @@
 use dpn_core::Sensor;
 use dpn_core::bounds::cramer_rao_sigma;
 use dpn_eval::open_loop::{Errors, Row};
-use dpn_figures::table::{Layout, render};
 use dpn_figures::{Flight, FlightSigma, Phase, Plot, Predicted, PredictedVsTrue, RmseVsSigma, save};
+use dpn_train::label::Label;
+use dpn_train::split::Side;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
@@ -100,10 +101,10 @@ fn rows() -> Vec<Row> {
                 sensor,
                 base: "sg(5,2)".into(),
                 data: "euroc".into(),
-                split: "test".into(),
+                split: Side::Test,
                 estimator: estimator.0.into(),
                 levels: "grid".into(),
-                label: "sigma_inj".into(),
+                label: Label::Injected,
                 rmse: errors.rmse,
                 rmse_spread: (i < 2).then_some(0.03 * errors.rmse),
                 bias: errors.bias,
@@ -190,6 +191,5 @@ fn main() -> Result<(), Box<dyn Error>> {
     keep(&RmseVsSigma::new(&all[..2], 200)?, &folder, "rmse_vs_sigma_one_sensor")?;
     keep(&flight(false)?, &folder, "flight_sigma")?;
     keep(&flight(true)?, &folder, "flight_sigma_short_phases")?;
-    print!("{}", render(&rows, Layout::Plain)?);
     Ok(())
 }

@@ -1,9 +1,12 @@
 //! RMSE against true deviation, and errors against the constant told.
 
-use super::super::study::{Line, Study};
+use super::super::specs;
 use dpn_core::estimate::Noise;
 use dpn_eval::open_loop;
+use dpn_eval::study::{NoiseSummary, Study};
 use dpn_figures::{FigureError, RmseVsSigma, SweepCurve, SweepPoint};
+use dpn_train::label::Label;
+use dpn_train::split::Side;
 use dpn_train::windows::WINDOW;
 
 /// Estimators drawn over the bound.
@@ -13,12 +16,12 @@ const SHOWN: [&str; 5] = ["pronet", "pronet-paper", "kernel-svr", "diff2", "sg(1
 pub(crate) fn rmse(rows: &[open_loop::Row], data: &str) -> Result<RmseVsSigma, FigureError> {
     let wanted = |row: &&open_loop::Row| {
         row.levels == "grid"
-            && row.label == "sigma_inj"
+            && row.label == Label::Injected
             && row.data == data
             && SHOWN.contains(&row.estimator.as_str())
     };
     let rows: Vec<&open_loop::Row> = rows.iter().filter(wanted).collect();
-    let split = if rows.iter().any(|row| row.split == "test") { "test" } else { "train" };
+    let split = if rows.iter().any(|row| row.split == Side::Test) { Side::Test } else { Side::Train };
     let of_split = || rows.iter().copied().filter(|row| row.split == split);
     let base = of_split()
         .find(|row| row.base == "sg(11,2)")
@@ -28,38 +31,37 @@ pub(crate) fn rmse(rows: &[open_loop::Row], data: &str) -> Result<RmseVsSigma, F
     RmseVsSigma::new(&of_base, WINDOW)
 }
 
-/// What a noise says, in multiples of the baseline: the geometric mean of both sensors'.
-fn multiple(line: &Line) -> Option<f64> {
-    if let Some(multiple) = line.noise.parse::<Noise>().ok().and_then(|noise| noise.multiple()) {
-        return Some(multiple);
-    }
-    let [accel, gyro] = line.told?;
-    Some((accel / 0.08 * gyro / 0.004).sqrt())
+/// Where a noise stands among multiples of the baseline: its own, or the geometric mean of both sensors' told.
+fn multiple(line: &NoiseSummary) -> Option<f64> {
+    line.noise.multiple().or_else(|| {
+        let [accel, gyro] = line.noise_rms?;
+        Some((accel / 0.08 * gyro / 0.004).sqrt())
+    })
 }
 
-fn point(line: &Line) -> Option<SweepPoint> {
+fn point(line: &NoiseSummary) -> Option<SweepPoint> {
     Some(SweepPoint {
-        name: line.noise.clone(),
+        name: line.noise.to_string(),
         multiple: multiple(line)?,
         error: line.ate?,
         interval: line.ate_interval,
     })
 }
 
-/// Whether any multiple of the baseline has an error, so that there is a curve to draw.
-pub(crate) fn has_curve(study: &Study) -> bool {
-    let is_multiple =
-        |line: &&Line| line.noise.parse::<Noise>().is_ok_and(|noise| noise.multiple().is_some());
-    study.lines.iter().filter(is_multiple).any(|line| line.ate.is_some())
+/// The multiples of the baseline among the noises.
+fn multiples(study: &Study) -> impl Iterator<Item = &NoiseSummary> {
+    study.noises.iter().filter(|line| line.noise.multiple().is_some())
 }
 
-fn curve(study: &Study, marks: &[&str], caption: &str) -> Result<SweepCurve, FigureError> {
-    let is_multiple =
-        |line: &&Line| line.noise.parse::<Noise>().is_ok_and(|noise| noise.multiple().is_some());
-    let mut constants: Vec<SweepPoint> = study.lines.iter().filter(is_multiple).filter_map(point).collect();
+/// Whether any multiple of the baseline has an error, so that there is a curve to draw.
+pub(crate) fn has_curve(study: &Study) -> bool {
+    multiples(study).any(|line| line.ate.is_some())
+}
+
+fn curve(study: &Study, marks: &[Noise], caption: &str) -> Result<SweepCurve, FigureError> {
+    let mut constants: Vec<SweepPoint> = multiples(study).filter_map(point).collect();
     constants.sort_by(|a, b| a.multiple.total_cmp(&b.multiple));
-    let of = |name: &&str| study.lines.iter().find(|line| line.noise == **name).and_then(point);
-    let marks: Vec<SweepPoint> = marks.iter().filter_map(of).collect();
+    let marks: Vec<SweepPoint> = marks.iter().filter_map(|noise| study.of(noise).and_then(point)).collect();
     SweepCurve::new(&constants, &marks, "ATE, median over sequences", caption)
 }
 
@@ -67,13 +69,13 @@ fn curve(study: &Study, marks: &[&str], caption: &str) -> Result<SweepCurve, Fig
 pub(crate) fn sweep(study: &Study, caption: &str) -> Result<SweepCurve, FigureError> {
     let marks =
         ["dualpronet", "mean(dualpronet)", "shuffled(dualpronet)", "mean-of-train(dualpronet)", "diff2"];
-    curve(study, &marks, caption)
+    curve(study, &specs::noises(marks), caption)
 }
 
 /// The sweep under injected noise.
 pub(crate) fn injected_sweep(study: &Study, caption: &str) -> Result<SweepCurve, FigureError> {
-    let adaptive = "plus(dualpronet(wide-s0),x4)";
-    let marks =
-        ["oracle", adaptive, &format!("mean({adaptive})"), &format!("shuffled({adaptive})"), "dualpronet"];
-    curve(study, &marks, caption)
+    let [oracle, adaptive, dualpronet] = specs::noises([specs::ORACLE, specs::WIDE_PLUS, specs::DUALPRONET]);
+    let (mean, shuffled) =
+        (Noise::Mean(Box::new(adaptive.clone())), Noise::Shuffled(Box::new(adaptive.clone())));
+    curve(study, &[oracle, adaptive, mean, shuffled, dualpronet], caption)
 }

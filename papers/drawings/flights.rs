@@ -27,8 +27,8 @@ fn beside(
     Beside::new(&recording.name, truth, &read(&path)?)
 }
 
-fn key(sequence: &str, noise: &str, seed: u64) -> CellKey {
-    CellKey { sequence: sequence.to_owned(), seed, noise: noise.to_owned() }
+fn key(sequence: &str, noise: &Noise, seed: u64) -> CellKey {
+    CellKey { sequence: sequence.to_owned(), seed, noise: noise.to_string() }
 }
 
 /// Every sequence from above: truth, baseline, DualProNet.
@@ -37,7 +37,7 @@ pub(crate) fn trajectories(
     rows: &[Row],
     dir: &Path,
     keep: &Keep,
-    noises: &[&str],
+    noises: &[Noise],
 ) -> Result<Trajectories, PaperError> {
     let seed = keep.states.as_ref().map_or(0, |(_, seed)| *seed);
     let mut panels = Vec::new();
@@ -64,7 +64,9 @@ pub(crate) fn trajectories(
         "From above, equal scales; estimates after SE(3) alignment, one run each (seed {seed}); under the name the absolute error of that run. \
          Star: test sequence."
     );
-    Ok(Trajectories::new(&panels, noises, &caption)?)
+    let names: Vec<String> = noises.iter().map(ToString::to_string).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    Ok(Trajectories::new(&panels, &names, &caption)?)
 }
 
 /// Errors of one sequence by time, with what the estimator believed of them.
@@ -72,7 +74,7 @@ pub(crate) fn errors(
     recording: &Recording,
     dir: &Path,
     keep: &Keep,
-    noises: &[&str],
+    noises: &[Noise],
 ) -> Result<Option<ErrorBand>, PaperError> {
     let seed = keep.states.as_ref().map_or(0, |(_, seed)| *seed);
     let mut columns = Vec::new();
@@ -90,7 +92,7 @@ pub(crate) fn errors(
             }
         }
         if t.len() >= 2 {
-            columns.push(ErrorColumn { name: (*noise).to_owned(), t, errors, bands });
+            columns.push(ErrorColumn { name: noise.to_string(), t, errors, bands });
         }
     }
     if columns.is_empty() {
@@ -108,15 +110,15 @@ fn tracks(
     recording: &Recording,
     imu: &ImuRecording,
     oracle: Option<&NoiseTrack>,
-    noises: &[&str],
+    noises: &[Noise],
     networks: &[Network],
     seed: u64,
 ) -> Result<Vec<(String, std::sync::Arc<NoiseTrack>)>, PaperError> {
     let sources = Fresh { recorded: Recorded { name: &recording.name, imu, oracle }, networks };
     let stream = Stream::new(seed).named("noise").named(&recording.name);
-    let of = |noise: &&str| {
-        let track = dpn_eval::noise::track(&noise.parse::<Noise>()?, imu, &sources, &stream)?;
-        Ok(((*noise).to_owned(), track))
+    let of = |noise: &Noise| {
+        let track = dpn_eval::noise::track(noise, imu, &sources, &stream)?;
+        Ok((noise.to_string(), track))
     };
     noises.iter().map(of).collect()
 }
@@ -153,7 +155,7 @@ fn figure(
 /// What is said over a flight, with the times at which motors run.
 pub(crate) fn sigma_over_flight(
     recording: &Recording,
-    noises: &[&str],
+    noises: &[Noise],
     networks: &[Network],
     sensor: Sensor,
 ) -> Result<FlightSigma, PaperError> {
@@ -168,7 +170,7 @@ pub(crate) fn step_response(
     recording: &Recording,
     imu: &ImuRecording,
     truth: &NoiseTrack,
-    noises: &[&str],
+    noises: &[Noise],
     networks: &[Network],
     sensor: Sensor,
     seed: u64,

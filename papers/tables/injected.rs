@@ -1,12 +1,10 @@
 //! The experiment with injected noise: how models follow, what it is worth.
 
-use super::super::command::Provenance;
-use super::super::injected::{Response, Value};
+use super::super::injected::{CourseStudy, Response};
 use super::super::input::Input;
-use super::super::study::Against;
-use super::super::table::{Cell, Table};
-use dpn_core::estimate::Noise;
 use dpn_eval::injected::{Course, Injection, TONE_HZ};
+use dpn_eval::study::{Choice, Comparison};
+use dpn_figures::{Cell, Column, Provenance, Table};
 
 /// What is added, in a sentence.
 fn words(injection: &Injection) -> String {
@@ -22,51 +20,47 @@ fn words(injection: &Injection) -> String {
 /// Every noise on every course: error, and share of the way from the best constant to the oracle.
 pub(crate) fn value(
     input: &Input,
-    values: &[(Course, Value)],
+    values: &[(Course, CourseStudy)],
     injection: &Injection,
     made_by: Provenance,
 ) -> Table {
     let heads = [
-        "course",
-        "noise",
-        "=ATE median [m]",
-        "=train [m]",
-        "=test [m]",
-        "=of the gap closed",
-        "=train",
-        "=test",
-        "=ratio to best constant (95 %)",
-        "=better in",
-        "=p (Holm)",
-        "=failed",
+        "ATE median [m]",
+        "train [m]",
+        "test [m]",
+        "of the gap closed",
+        "train",
+        "test",
+        "ratio to best constant (95 %)",
+        "better in",
+        "p (Holm)",
+        "failed",
     ];
-    let mut table = Table::new(
-        "injected",
-        "Noise of a known course added to the IMU: what each model is worth",
-        &heads,
-        made_by,
-    );
+    let title = "Noise of a known course added to the IMU: what each model is worth";
+    let mut table = Table::new("injected", title, Column::all(&["course", "noise"], &heads)).made_by(made_by);
     for (course, value) in values {
-        for worth in &value.worth {
-            let reference = value.best_constant.as_deref() == Some(worth.noise.as_str());
-            let name =
-                if reference { format!("{} (best constant)", worth.noise) } else { worth.noise.clone() };
-            let mut cells = vec![Cell::text(course.name()), Cell::text(name)];
+        for worth in &value.noises {
+            let reference = value.reference.as_ref().filter(|reference| reference.noise == worth.noise);
+            let mark = reference.map_or("", |reference| match reference.choice {
+                Choice::Training => " (best constant)",
+                Choice::Baseline => " (reference)",
+            });
+            let mut cells = vec![Cell::text(course.name()), Cell::text(format!("{}{mark}", worth.noise))];
             cells.extend(worth.ate.map(Cell::metres));
             // A gap of less than a twentieth says nothing of who closes it.
             let told =
                 [0, 1, 2].map(|i| worth.closed[i].filter(|_| value.gap[i].is_some_and(|gap| gap >= 0.05)));
             cells.extend(told.map(|share| Cell::number(share, 2)));
-            let against = worth.against.as_ref();
+            let against = worth.comparison.as_ref();
             cells.push(Cell::interval(against.map(|a| a.ratio), against.map(|a| a.ratio_interval), 2));
-            let better = |a: &Against| format!("{} of {}", a.better, a.sequences);
+            let better = |a: &Comparison| format!("{} of {}", a.better, a.sequences);
             cells.push(Cell::text(against.map_or("-".into(), better)));
             cells.push(Cell::p(against.and_then(|a| a.p_holm)));
-            cells.push(Cell::count(worth.failures));
-            table.row(cells);
+            cells.push(Cell::text(worth.failures));
+            table.reference_row(cells, reference.is_some());
         }
         table.rule();
-        if value.at_edge {
+        if value.reference.as_ref().is_some_and(|reference| reference.at_edge) {
             table.note(format!(
                 "{course}: the best constant is the end of the sweep; one beyond it may be better, and the gap smaller."
             ));
@@ -76,12 +70,15 @@ pub(crate) fn value(
             value.gap[i].map_or("-".to_owned(), |gap| format!("{:.0} % {}", 100.0 * gap.abs(), side(gap)))
         };
         table.note(format!(
-            "{course}, sequences: {} ({} training, {} test): the oracle's median lies {} that of the best constant{} (training {}, test {}).",
+            "{course}, sequences: {} ({} training, {} test): the oracle's median lies {} that of {} (training {}, test {}).",
             value.sequences[0],
             value.sequences[1],
             value.sequences[2],
             gap(0),
-            value.best_constant.as_deref().map_or(String::new(), |best| format!(", {best},")),
+            value.reference.as_ref().map_or("a constant, of which there is none".to_owned(), |reference| match reference.choice {
+                Choice::Training => format!("the best constant, {},", reference.noise),
+                Choice::Baseline => reference.words(),
+            }),
             gap(1),
             gap(2)
         ));
@@ -96,9 +93,7 @@ pub(crate) fn value(
     }
     table.note("Medians over seeds, then over sequences (one without any pose counts as worse than all; it is left out of ratios and tests). The best constant is the one with the lowest median on the training sequences, among those \
                 listed. Share closed: (best constant - noise) / (best constant - oracle); not given where that gap is below 5 %; above 1 where a noise does better than the oracle. Ratio: geometric mean over sequences; p: two-sided signed-rank test over sequences, Holm's correction over the noises of a course.");
-    for note in input.notes_of_runs() {
-        table.note(note);
-    }
+    table.notes(input.notes_of_runs());
     table
 }
 
@@ -109,22 +104,13 @@ pub(crate) fn responses(
     injection: &Injection,
     made_by: Provenance,
 ) -> Table {
-    let heads = [
-        "course",
-        "sensor",
-        "noise",
-        "=before",
-        "=during",
-        "=during / before",
-        "=lag up [s]",
-        "=lag down [s]",
-        "=sequences",
-    ];
+    let heads = ["before", "during", "during / before", "lag up [s]", "lag down [s]", "sequences"];
     let title = "Response of each noise model to a change of the noise, or to what is no white noise";
-    let mut table = Table::new("response", title, &heads, made_by);
+    let columns = Column::all(&["course", "sensor", "noise"], &heads);
+    let mut table = Table::new("response", title, columns).made_by(made_by);
     let mut last = None;
     // A constant answers nothing; it is there for the sweep of the other courses.
-    let answers = |response: &&Response| !response.noise.parse::<Noise>().is_ok_and(|n| n.is_constant());
+    let answers = |response: &&Response| !response.noise.is_constant();
     for response in responses.iter().filter(answers) {
         if last.is_some_and(|course| course != response.course) {
             table.rule();
@@ -140,14 +126,12 @@ pub(crate) fn responses(
             Cell::number(response.high / response.low, 2),
             Cell::number(response.rise.map(|(lag, _)| lag), 2),
             Cell::number(response.fall.map(|(lag, _)| lag), 2),
-            Cell::count(response.sequences),
+            Cell::text(response.sequences),
         ]);
     }
     table.note(words(injection));
     table.note("Medians over sequences of the estimate, x, y, z together (one-axis: y alone), in m/s^2 and rad/s. Lag: from the change until the \
                 estimate has gone half of the way. For tone and bias-jump the right ratio is 1: nothing white was added.");
-    for note in input.notes_of_runs() {
-        table.note(note);
-    }
+    table.notes(input.notes_of_runs());
     table
 }

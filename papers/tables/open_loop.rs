@@ -1,51 +1,84 @@
-//! Open-loop RMSE, the paper's figures beside ours.
+//! Rows of the open loop, the paper's figures beside them: all of them, and the paper's table.
+//!
+//! The paper gives one RMSE a sensor and split, without its filter; what it shows is nearest to base SG(5,2) on its own grid with
+//! label `sigma_inj`, so its row stands under those rows alone, marked `paper`, with every cell empty that it does not fill.
 
-use super::super::command::Provenance;
-use super::super::error::PaperError;
 use super::super::input::Input;
-use super::super::published;
-use super::super::table::{Cell, Table};
 use dpn_core::Sensor;
 use dpn_core::estimate::spec::EstimatorSpec;
 use dpn_eval::open_loop::Row;
+use dpn_eval::published;
+use dpn_figures::{Cell, Column, Provenance, Table};
+use dpn_train::label::Label;
+use dpn_train::split::Side;
+
+/// All `rows` in their order; a line of the paper follows the last row it belongs to.
+pub fn open_loop_rows(rows: &[Row]) -> Table {
+    let words = ["sensor", "data", "base", "split", "levels", "label", "estimator"];
+    let numbers = ["rmse", "rmse_spread", "bias", "crb", "ratio", "n", "seeds"];
+    let mut table = Table::new("open_loop", "", Column::all(&words, &numbers));
+    for (i, row) in rows.iter().enumerate() {
+        // As many decimals as hold three digits or more of the sensor's errors; the same in all rows, so that points align.
+        let decimals = if row.sensor == Sensor::Accel { 5 } else { 6 };
+        let figure = |value: Option<f64>| Cell::number(value, decimals);
+        let (split, label) = (row.split.to_string(), row.label.to_string());
+        let words = [row.sensor.name(), &row.data, &row.base, &split, &row.levels, &label, &row.estimator];
+        let mut cells = words.map(Cell::text).to_vec();
+        cells.extend([Some(row.rmse), row.rmse_spread, Some(row.bias), Some(row.crb)].map(figure));
+        cells.extend([Cell::number(row.ratio, 2), Cell::text(row.n), Cell::text(row.seeds)]);
+        table.row(cells);
+        let is_papers = row.base == "sg(5,2)" && row.levels == "grid" && row.label == Label::Injected;
+        if is_papers && !rows[i + 1..].iter().any(|later| same_windows(row, later)) {
+            let rmse = published::network_rmse(row.sensor).of(row.split);
+            let words = [row.sensor.name(), "euroc", "", &split, &row.levels, "", "paper"];
+            let word = |word: &str| if word.is_empty() { Cell::none() } else { Cell::text(word) };
+            let mut cells = words.map(word).to_vec();
+            cells.push(Cell::text(rmse));
+            cells.resize(table.columns.len(), Cell::none());
+            table.row(cells);
+        }
+    }
+    table
+}
+
+/// Whether two rows differ in nothing but the estimator.
+fn same_windows(a: &Row, b: &Row) -> bool {
+    let windows = |row: &Row| {
+        (row.sensor, row.base.clone(), row.data.clone(), row.split, row.levels.clone(), row.label)
+    };
+    windows(a) == windows(b)
+}
 
 /// A line a sensor, base and kind of estimator: networks, the best simple estimator, the best regressor.
-pub(crate) fn open_loop(input: &Input, rows: &[Row], made_by: Provenance) -> Result<Table, PaperError> {
-    let heads = [
-        "sensor",
-        "base",
-        "levels",
-        "estimator",
-        "=train RMSE",
-        "=test RMSE",
-        "=spread over seeds",
-        "=bias",
-        "=bound",
-        "=RMSE / bound",
-        "=windows",
-        "=training seeds",
+pub(crate) fn open_loop(input: &Input, rows: &[Row], made_by: Provenance) -> Table {
+    let words = ["sensor", "base", "levels", "estimator"];
+    let numbers = [
+        "train RMSE",
+        "test RMSE",
+        "spread over seeds",
+        "bias",
+        "bound",
+        "RMSE / bound",
+        "windows",
+        "training seeds",
     ];
     let title =
         format!("RMSE of the estimated deviation of injected noise, {} windows, label sigma_inj", input.name);
-    let mut table = Table::new("open_loop", title, &heads, made_by);
+    let mut table = Table::new("open_loop", title, Column::all(&words, &numbers)).made_by(made_by);
     // A row may carry the estimator's parameters where the spec leaves them to a default.
     let stem = |name: &str| name.split('(').next().unwrap_or(name).to_owned();
     let simple: Vec<String> = EstimatorSpec::all().iter().map(|spec| stem(&spec.to_string())).collect();
     for sensor in Sensor::ALL {
         let digits = if sensor == Sensor::Accel { 4 } else { 5 };
-        if let Some([train, test]) = published::rmse(sensor)? {
-            let mut cells = vec![Cell::text(sensor.name()), Cell::text("not given"), Cell::text("grid")];
-            cells.extend([
-                Cell::text("the paper (EuRoC)"),
-                Cell::number(train, digits),
-                Cell::number(test, digits),
-            ]);
-            cells.extend(std::iter::repeat_n(Cell::number(None, 0), 6));
-            table.row(cells);
-        }
+        let paper = published::network_rmse(sensor);
+        let words = [sensor.name(), "not given", "grid", "the paper (EuRoC)"];
+        let mut cells = words.map(Cell::text).to_vec();
+        cells.extend([paper.train_rmse, paper.test_rmse].map(|rmse| Cell::number(rmse, digits)));
+        cells.resize(table.columns.len(), Cell::none());
+        table.row(cells);
         let wanted = |row: &&Row| {
             row.sensor == sensor
-                && row.label == "sigma_inj"
+                && row.label == Label::Injected
                 && row.base != "raw"
                 && row.data == input.corpus.name
         };
@@ -63,7 +96,7 @@ pub(crate) fn open_loop(input: &Input, rows: &[Row], made_by: Provenance) -> Res
                 .copied()
                 .filter(|r| r.data == data && r.base == base && r.levels == levels)
                 .collect();
-            let side = if group.iter().any(|r| r.split == "test") { "test" } else { "train" };
+            let side = if group.iter().any(|r| r.split == Side::Test) { Side::Test } else { Side::Train };
             let test = || group.iter().copied().filter(|r| r.split == side);
             if !test().any(|row| row.seeds > 0) {
                 continue; // nothing was trained for this base and kind of levels
@@ -79,8 +112,8 @@ pub(crate) fn open_loop(input: &Input, rows: &[Row], made_by: Provenance) -> Res
             shown.extend(best(&is_simple));
             shown.extend(best(&is_regressor));
             for row in shown {
-                let judged = (side == "test").then_some(row);
-                let train = group.iter().find(|r| r.split == "train" && r.estimator == row.estimator);
+                let judged = (side == Side::Test).then_some(row);
+                let train = group.iter().find(|r| r.split == Side::Train && r.estimator == row.estimator);
                 let kind = if row.seeds > 0 {
                     row.estimator.clone()
                 } else if is_simple(&row.estimator) {
@@ -99,8 +132,8 @@ pub(crate) fn open_loop(input: &Input, rows: &[Row], made_by: Provenance) -> Res
                     Cell::number(row.bias, digits),
                     Cell::number(row.crb, digits),
                     Cell::number(row.ratio, 2),
-                    Cell::count(row.n),
-                    Cell::count(row.seeds),
+                    Cell::text(row.n),
+                    Cell::text(row.seeds),
                 ]);
             }
         }
@@ -115,8 +148,6 @@ pub(crate) fn open_loop(input: &Input, rows: &[Row], made_by: Provenance) -> Res
     if !input.is_papers() {
         table.note("These windows are not the paper's: its row stands there for the order of magnitude.");
     }
-    for note in input.notes() {
-        table.note(note);
-    }
-    Ok(table)
+    table.notes(input.notes());
+    table
 }

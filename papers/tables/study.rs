@@ -1,58 +1,67 @@
 //! The study's table.
 
-use super::super::command::Provenance;
 use super::super::input::Input;
-use super::super::study::{Line, Study};
-use super::super::table::{Cell, Table};
+use super::super::specs::{self, DATA_SHEET};
+use dpn_core::estimate::{DEFAULT_TAG, Noise};
+use dpn_eval::study::{NoiseSummary, Study};
+use dpn_figures::{Cell, Column, Provenance, Table};
 
-/// Data sheet, networks and controls in the words of a reader.
-fn what(noise: &str) -> &'static str {
-    match noise {
-        "const(0.0283,0.0024)" => "data sheet",
-        "dualpronet" => "DualProNet: conv-norm-act, sigma_inj",
-        "dualpronet(order-s0)" => "DualProNet: conv-act-norm, sigma_inj",
-        "dualpronet(total-s0)" => "DualProNet: conv-norm-act, sigma_tot",
-        "dualpronet(paper-s0)" => "DualProNet: the paper as it reads",
-        "dualpronet(wide-s0)" => "DualProNet: raw base, wide range",
-        "oracle" => "the truth",
-        noise if noise.starts_with("plus(dualpronet") => "DualProNet, wide, and a constant",
-        noise if noise.starts_with("shuffled(") => "control: right values, wrong times",
-        noise if noise.starts_with("mean-of-train(") => "control: one constant from training",
-        noise if noise.starts_with("mean(") => "control: one constant a sequence",
-        noise if noise.starts_with('x') => "constant",
-        _ => "simple estimator",
-    }
+/// What a noise is, in the words of a reader.
+fn what(noise: &Noise) -> String {
+    let words = match noise {
+        Noise::DualProNet { accel, gyro } if accel == gyro => match accel.as_str() {
+            DEFAULT_TAG => "DualProNet: conv-norm-act, sigma_inj",
+            "order-s0" => "DualProNet: conv-act-norm, sigma_inj",
+            "total-s0" => "DualProNet: conv-norm-act, sigma_tot",
+            "paper-s0" => "DualProNet: the paper as it reads",
+            "wide-s0" => "DualProNet: raw base, wide range",
+            _ => "DualProNet: other networks",
+        },
+        Noise::DualProNet { .. } => "DualProNet: other networks",
+        Noise::Oracle => "the truth",
+        Noise::File(_) => "a noise track on disk",
+        Noise::Shuffled(_) => "control: right values, wrong times",
+        Noise::MeanOfTrain(_) => "control: one constant from training",
+        Noise::Mean(_) => "control: one constant a sequence",
+        Noise::Plus { of, .. } if **of == specs::noise("dualpronet(wide-s0)") => {
+            "DualProNet, wide, and a constant"
+        }
+        Noise::Plus { of, .. } => return format!("{}, and a constant", what(of)),
+        _ if *noise == specs::noise(DATA_SHEET) => "data sheet",
+        Noise::Core(_) if noise.is_constant() => "constant",
+        Noise::Core(_) => "simple estimator",
+    };
+    words.to_owned()
 }
 
 /// Every noise with its errors, its consistency and its test against the best constant.
 pub(crate) fn study(input: &Input, study: &Study, made_by: Provenance) -> Table {
-    let heads = [
-        "noise",
-        "what",
-        "=accel told [m/s^2]",
-        "=gyro told [rad/s]",
-        "=ATE median [m] (95 %)",
-        "=mean train [m]",
-        "=mean test [m]",
-        "=ratio to best constant (95 %)",
-        "=better in",
-        "=p (Holm)",
-        "=p equal",
-        "verdict",
-        "=RPE 1 s [m]",
-        "=NEES position",
-        "=NEES orientation",
-        "=whitened",
-        "=failed",
-        "=restarts",
-        "=seeds",
-    ];
-    let best = study.best_constant.as_deref().unwrap_or("none");
-    let title =
-        format!("Every noise in the closed loop against {best}, the best constant on the training sequences");
-    let mut table = Table::new("study", title, &heads, made_by);
-    for line in &study.lines {
-        table.row(cells(line, study));
+    let mut columns = Column::all(
+        &["noise", "what"],
+        &[
+            "accel told [m/s^2]",
+            "gyro told [rad/s]",
+            "ATE median [m] (95 %)",
+            "mean train [m]",
+            "mean test [m]",
+            "ratio to best constant (95 %)",
+            "better in",
+            "p (Holm)",
+            "p equal",
+        ],
+    );
+    columns.push(Column::text("verdict"));
+    let more =
+        ["RPE 1 s [m]", "NEES position", "NEES orientation", "whitened", "failed", "restarts", "seeds"];
+    columns.extend(more.map(Column::number));
+    let title = match &study.reference {
+        Some(reference) => format!("Every noise in the closed loop against {}", reference.words()),
+        None => "Every noise in the closed loop; there is no constant to compare with".to_owned(),
+    };
+    let mut table = Table::new("study", title, columns).made_by(made_by);
+    for line in &study.noises {
+        let is_reference = study.is_reference(&line.noise);
+        table.reference_row(cells(line, is_reference), is_reference);
     }
     table.note(format!(
         "Medians over seeds, then over sequences (one without any pose counts as worse than all; it is left out of ratios and tests), with the percentile bootstrap over sequences; ratio: geometric mean over sequences, on the seeds that both noises have. \
@@ -62,19 +71,20 @@ pub(crate) fn study(input: &Input, study: &Study, made_by: Provenance) -> Table 
     ));
     table.note("NEES: mean of 3 where the covariance is right; whitened: mean square of the whitened inertial residual, 1 where the noise \
                 told is the noise there is. Told: root mean square over the runs. Times are in the table `timing`.");
-    if study.at_edge {
-        table.note(format!("{best} is the end of the sweep; a constant beyond it may be better."));
+    if let Some(reference) = study.reference.as_ref().filter(|reference| reference.at_edge) {
+        table.note(format!(
+            "{} is the end of the sweep; a constant beyond it may be better.",
+            reference.noise
+        ));
     }
-    for note in input.notes_of_runs() {
-        table.note(note);
-    }
+    table.notes(input.notes_of_runs());
     table
 }
 
-fn cells(line: &Line, study: &Study) -> Vec<Cell> {
-    let against = line.against.as_ref();
+fn cells(line: &NoiseSummary, is_reference: bool) -> Vec<Cell> {
+    let against = line.comparison.as_ref();
     let verdict = match against {
-        None if Some(&line.noise) == study.best_constant.as_ref() => "reference",
+        None if is_reference => "reference",
         None => "-",
         Some(a) => match (a.p_holm, a.p_equal) {
             (None, _) => "too few sequences",
@@ -92,8 +102,8 @@ fn cells(line: &Line, study: &Study) -> Vec<Cell> {
     vec![
         Cell::text(&line.noise),
         Cell::text(what(&line.noise)),
-        Cell::number(line.told.map(|t| t[0]), 3),
-        Cell::number(line.told.map(|t| t[1]), 4),
+        Cell::number(line.noise_rms.map(|rms| rms[0]), 3),
+        Cell::number(line.noise_rms.map(|rms| rms[1]), 4),
         Cell::interval(line.ate, line.ate_interval, 3),
         Cell::metres(line.means[1]),
         Cell::metres(line.means[2]),
@@ -107,7 +117,7 @@ fn cells(line: &Line, study: &Study) -> Vec<Cell> {
         Cell::number(line.nees[1], 1),
         Cell::number(line.whitened, 2),
         Cell::text(format!("{} of {}", line.failures, line.runs)),
-        Cell::count(line.restarts),
+        Cell::text(line.restarts),
         Cell::text(seeds),
     ]
 }

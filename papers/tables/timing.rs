@@ -1,15 +1,16 @@
 //! Times, apart from all other figures: they are the only ones that differ from run to run.
 
-use super::super::command::Provenance;
-use super::super::study::Study;
-use super::super::table::{Cell, Table};
+use dpn_core::estimate::Noise;
+use dpn_eval::study::Study;
+use dpn_figures::{Cell, Column, Provenance, Table};
 
 /// CPU of the odometry a second of data, told each noise.
-pub(crate) fn timing(study: &Study, windows: &[(String, f64)], made_by: Provenance) -> Table {
-    let heads = ["noise", "=odometry [CPU s / s of data]", "=six windows of the noise model [ms]"];
-    let mut table =
-        Table::new("timing", "CPU time: the one table that differs from run to run", &heads, made_by);
-    for line in &study.lines {
+pub(crate) fn timing(study: &Study, windows: &[(Noise, f64)], made_by: Provenance) -> Table {
+    let columns =
+        Column::all(&["noise"], &["odometry [CPU s / s of data]", "six windows of the noise model [ms]"]);
+    let title = "CPU time: the one table that differs from run to run";
+    let mut table = Table::new("timing", title, columns).made_by(made_by);
+    for line in &study.noises {
         let window = windows.iter().find(|(noise, _)| *noise == line.noise).map(|(_, ms)| *ms);
         table.row(vec![
             Cell::text(&line.noise),

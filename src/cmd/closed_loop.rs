@@ -6,10 +6,11 @@ use crate::ui::{Bar, Fault, Interrupted};
 use anyhow::Result;
 use dpn_core::estimate::parse_list;
 use dpn_eval::closed_loop::{
-    ClosedLoopError, Images, Keep, Manifest, Source, Sweep, Tracks, compare, consistency, render,
-    render_comparisons, render_consistency,
+    ClosedLoopError, Consistency, Images, Keep, Manifest, Source, Sweep, Tracks, consistency,
 };
+use dpn_eval::study::{MARGIN, RowSet, Study};
 use dpn_io::atomic_write;
+use dpn_papers::tables;
 use dpn_pronet::network;
 use std::path::PathBuf;
 
@@ -61,10 +62,10 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
         other => other?,
     };
     let reports = consistency(&out, &rows)?;
-    let comparisons = compare(&rows).map_err(ClosedLoopError::from)?;
-    let parts = [render(&rows)?, render_comparisons(&comparisons), render_consistency(&reports)];
-    let table = parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n");
-    let json = serde_json::json!({ "rows": rows, "comparisons": comparisons, "consistency": reports });
+    let set = RowSet::new(&rows);
+    let study = Study::new(&set, MARGIN).map_err(ClosedLoopError::from)?;
+    let table = printed(&set, &study, &reports);
+    let json = serde_json::json!({ "rows": rows, "study": study, "consistency": reports });
     atomic_write(&out.join("closed_loop.json"), |file| writeln!(file, "{json}"))?;
     atomic_write(&out.join("closed_loop.txt"), |file| file.write_all(table.as_bytes()))?;
     if args.json {
@@ -74,6 +75,20 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
         println!("\nrows: {}", out.join("rows.jsonl").display());
     }
     Ok(())
+}
+
+/// The tables, an empty line between two.
+fn printed(rows: &RowSet<'_>, study: &Study, reports: &[Consistency]) -> String {
+    let mut parts = vec![tables::ate(rows).console(), tables::summaries(study).console()];
+    match tables::comparisons(study) {
+        Some(table) => parts.push(table.console()),
+        None if study.reference.is_none() && study.noises.len() > 1 => parts.push(
+            "Nothing is compared: x1 was not run, and a constant is chosen only where there are both training and test sequences\n".into(),
+        ),
+        None => {}
+    }
+    parts.extend(tables::consistency(reports).map(|table| table.console()));
+    parts.join("\n")
 }
 
 /// Sequences on disk, or the simulated flights.

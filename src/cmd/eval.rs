@@ -6,11 +6,13 @@ use crate::ui::{Bar, Fault};
 use anyhow::Result;
 use dpn_core::Sensor;
 use dpn_eval::open_loop::{OpenLoop, Request, Row, run as judge};
-use dpn_figures::table::{Layout, render, write_csv};
 use dpn_figures::{Predicted, PredictedVsTrue, RmseVsSigma, save};
 use dpn_io::atomic_write;
+use dpn_papers::tables::open_loop_rows;
 use dpn_pronet::network;
 use dpn_train::base::Base;
+use dpn_train::label::Label;
+use dpn_train::split::Side;
 use dpn_train::windows::WINDOW;
 use std::path::{Path, PathBuf};
 
@@ -39,7 +41,7 @@ fn open_loop(args: &EvalArgs) -> Result<()> {
     if args.json {
         println!("{}", serde_json::json!({ "rows": result.rows }));
     } else {
-        println!("{}", render(&headline(&result.rows), Layout::Plain)?);
+        println!("{}", open_loop_rows(&headline(&result.rows)).console());
         println!("all rows: {}", out.join("open_loop.csv").display());
         for picture in pictures.iter().filter(|path| path.extension().is_some_and(|e| e == "png")) {
             println!("picture:  {}", picture.display());
@@ -69,9 +71,8 @@ fn bases(text: Option<&str>) -> Result<Vec<Base>> {
 
 /// Everything as CSV and as JSON lines.
 fn write_tables(rows: &[Row], out: &Path) -> Result<()> {
-    let mut csv = Vec::new();
-    write_csv(rows, &mut csv)?;
-    atomic_write(&out.join("open_loop.csv"), |file| file.write_all(&csv))?;
+    let csv = open_loop_rows(rows).csv();
+    atomic_write(&out.join("open_loop.csv"), |file| file.write_all(csv.as_bytes()))?;
     let json = serde_json::to_string(&serde_json::json!({ "rows": rows }))? + "\n";
     atomic_write(&out.join("open_loop.json"), |file| file.write_all(json.as_bytes()))?;
     Ok(())
@@ -81,11 +82,11 @@ fn write_tables(rows: &[Row], out: &Path) -> Result<()> {
 /// total noise on raw signals; best first within each group.
 fn headline(rows: &[Row]) -> Vec<Row> {
     let wanted = |row: &&Row| {
-        row.split == "test"
+        row.split == Side::Test
             && match row.base.as_str() {
-                "raw" => row.levels == "grid" && row.label == "sigma_tot",
-                "sg(51,3)" => row.levels == "continuous" && row.label == "sigma_inj",
-                _ => row.levels == "grid" && row.label == "sigma_inj",
+                "raw" => row.levels == "grid" && row.label == Label::Total,
+                "sg(51,3)" => row.levels == "continuous" && row.label == Label::Injected,
+                _ => row.levels == "grid" && row.label == Label::Injected,
             }
     };
     let mut rows: Vec<Row> = rows.iter().filter(wanted).cloned().collect();
@@ -117,9 +118,9 @@ fn draw(result: &OpenLoop, sensors: &[Sensor], out: &Path) -> Result<Vec<PathBuf
                 .rows
                 .iter()
                 .filter(|r| {
-                    r.sensor == sensor && r.split == "test" && r.base == drawn.base && r.levels == "grid"
+                    r.sensor == sensor && r.split == Side::Test && r.base == drawn.base && r.levels == "grid"
                 })
-                .filter(|r| r.label == "sigma_inj" && SHOWN.contains(&r.estimator.as_str())),
+                .filter(|r| r.label == Label::Injected && SHOWN.contains(&r.estimator.as_str())),
         );
     }
     if predicted.is_empty() {

@@ -31,7 +31,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let camera = source.camera_input(place, args.seed, &span)?;
     let told = Told {
         camera: source.camera().into(),
-        noise: noise.to_string(),
+        noise: noise.clone(),
         seed: args.seed,
         from_s: span.from_s,
         front_end: None,

@@ -64,6 +64,12 @@ pub fn median_in_place(x: &mut [f64]) -> f64 {
     0.5 * (lower + upper)
 }
 
+/// Median of values that there may be none of.
+pub fn median_of(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.into_iter().collect();
+    (!values.is_empty()).then(|| median_in_place(&mut values))
+}
+
 /// Median absolute deviation about the median, times [`MAD_TO_SIGMA`]: estimates the deviation of a normal variable.
 pub fn mad(x: &[f64]) -> f64 {
     let mut work = x.to_vec();

@@ -1,0 +1,104 @@
+//! One cell: as people read it, and in full.
+
+use std::fmt::{Display, Write as _};
+
+/// One cell: as people read it, and in full.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Cell {
+    shown: String,
+    full: String,
+}
+
+impl Cell {
+    /// A word, or whatever is shown as it is.
+    pub fn text(text: impl Display) -> Self {
+        let shown = text.to_string();
+        Self { full: shown.clone(), shown }
+    }
+
+    /// Nothing: a dash for people, an empty field in CSV.
+    pub fn none() -> Self {
+        Self { shown: "-".into(), full: String::new() }
+    }
+
+    /// A number, shown with so many decimals; a dash where there is none.
+    pub fn number(value: impl Into<Option<f64>>, decimals: usize) -> Self {
+        match value.into() {
+            Some(value) if value.is_finite() => {
+                Self { shown: format!("{value:.decimals$}"), full: value.to_string() }
+            }
+            _ => Self::none(),
+        }
+    }
+
+    /// A length in metres: three decimals below 1 m, fewer above.
+    pub fn metres(value: impl Into<Option<f64>>) -> Self {
+        let value = value.into();
+        let decimals = match value {
+            Some(v) if v.abs() >= 10.0 => 1,
+            Some(v) if v.abs() >= 1.0 => 2,
+            _ => 3,
+        };
+        Self::number(value, decimals)
+    }
+
+    /// A share, shown in per cent.
+    pub fn percent(share: impl Into<Option<f64>>, decimals: usize) -> Self {
+        match share.into() {
+            Some(share) if share.is_finite() => {
+                Self { shown: format!("{:.decimals$} %", 100.0 * share), full: share.to_string() }
+            }
+            _ => Self::none(),
+        }
+    }
+
+    /// A number with the ends of its interval.
+    pub fn interval(value: Option<f64>, ends: Option<[f64; 2]>, decimals: usize) -> Self {
+        let mut cell = Self::number(value, decimals);
+        if let (Some(_), Some([low, high])) = (value, ends) {
+            let _ = write!(cell.shown, " ({low:.decimals$} to {high:.decimals$})");
+            let _ = write!(cell.full, " ({low} to {high})");
+        }
+        cell
+    }
+
+    /// A probability: three decimals, or the bound below which it lies.
+    pub fn p(value: impl Into<Option<f64>>) -> Self {
+        match value.into() {
+            Some(p) if p < 0.001 => Self { shown: "<.001".into(), full: p.to_string() },
+            other => Self::number(other, 3),
+        }
+    }
+
+    /// The same with a mark behind what is shown.
+    #[must_use]
+    pub fn marked(mut self, mark: &str) -> Self {
+        self.shown.push_str(mark);
+        self
+    }
+
+    /// As people read it.
+    pub fn shown(&self) -> &str {
+        &self.shown
+    }
+
+    /// In full, as CSV has it.
+    pub(super) fn full(&self) -> &str {
+        &self.full
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn people_read_rounded_numbers_and_a_dash_where_there_is_none() {
+        assert_eq!(Cell::interval(Some(0.5), Some([0.4, 0.61]), 2).shown(), "0.50 (0.40 to 0.61)");
+        assert_eq!(Cell::interval(None, Some([0.4, 0.61]), 2), Cell::none());
+        assert_eq!(Cell::metres(12.34).marked("*").shown(), "12.3*");
+        assert_eq!(Cell::percent(0.801, 1).shown(), "80.1 %");
+        assert_eq!((Cell::p(0.0004).shown(), Cell::p(0.0004).full()), ("<.001", "0.0004"));
+        assert_eq!(Cell::number(f64::NAN, 2), Cell::none());
+    }
+}
