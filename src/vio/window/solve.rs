@@ -3,9 +3,10 @@
 use super::landmark::MIN_INVERSE_DEPTH;
 use super::layout::Layout;
 use super::linearise::{Linearisation, Part};
+use super::normal::Factor;
 use super::window::Window;
 use crate::state::{NavState, POSE_DIM, STATE_DIM, pose_plus};
-use nalgebra::{Isometry3, Matrix6, SVector};
+use nalgebra::{DMatrix, Isometry3, Matrix6, SVector};
 
 /// The first damping after a step that failed; steps begin as Gauss-Newton's, as each frame begins close to its solution.
 const FIRST_DAMPING: f64 = 1e-2;
@@ -125,6 +126,20 @@ impl Window {
         self.scratch = at;
         self.factor = factor;
         covariance
+    }
+
+    /// Covariance of all unknowns but the landmarks', in the places of [`Window::layout`]; `None` where something is not known at all.
+    pub(crate) fn covariance(&self) -> Option<DMatrix<f64>> {
+        let layout = self.layout();
+        let (mut at, mut factor) = (Linearisation::default(), Factor::default());
+        at.compute(self, &layout, Part::All, 0.0);
+        at.normal.factor(|_| 0.0, &mut factor).ok()?;
+        let mut covariance = -DMatrix::<f64>::identity(layout.dim(), layout.dim());
+        covariance
+            .as_mut_slice()
+            .chunks_exact_mut(layout.dim())
+            .for_each(|column| factor.solve_negated(column));
+        covariance.iter().all(|x| x.is_finite()).then_some(covariance)
     }
 
     pub(crate) fn apply(&mut self, at: &Linearisation, step: &[f64]) {
