@@ -13,6 +13,9 @@ const OF_TWO: f64 = std::f64::consts::SQRT_2;
 /// Deviations of a track beyond which a sighting is dropped.
 pub(super) const OUTLIER_DEVIATIONS: f64 = 4.0;
 
+/// Gauss-Newton steps after each search.
+const SETTLING: usize = 4;
+
 /// An empty window with the initialisation's settings; rays parted by less than `min_angle` \[rad\] tell no depth.
 pub(super) fn window(body_from_cam: Isometry3<f64>, min_angle: f64) -> Window {
     let config = WindowConfig {
@@ -31,6 +34,7 @@ pub(super) fn window(body_from_cam: Isometry3<f64>, min_angle: f64) -> Window {
 pub(super) fn solve(window: &mut Window, steps: usize) {
     window.config.max_iterations = steps;
     window.optimise();
+    window.settle(SETTLING);
 }
 
 /// By what factor the sightings are farther off than they say, each direction of each, the host's too; 0 without any.

@@ -111,6 +111,30 @@ impl Window {
         solved
     }
 
+    /// Takes `steps` Gauss-Newton steps from near the least cost, whatever the cost says of each, but goes back where it rose by more
+    /// than a hundredth in all.
+    ///
+    /// Each linearisation weighs sightings and hosts' pixels anew: where that settles, the cost is least only to within what this
+    /// changes, and [`Self::optimise`] stops there. Weakly observed directions, as the scale of a short flight, go on for long after.
+    pub(crate) fn settle(&mut self, steps: usize) {
+        let layout = self.layout();
+        let (mut at, mut factor, before) = (Linearisation::default(), Factor::default(), self.snapshot());
+        at.compute(self, &layout, Part::All, 0.0);
+        let first_cost = at.cost;
+        for _ in 0..steps {
+            let mut step = at.normal.gradient().to_vec();
+            if at.normal.factor(|_| 0.0, &mut factor).is_err() {
+                break;
+            }
+            factor.solve_negated(&mut step);
+            self.apply(&at, &step);
+            at.compute(self, &layout, Part::All, 0.0);
+        }
+        if at.cost.is_nan() || at.cost > first_cost + 0.01 * first_cost.abs().max(1.0) {
+            self.restore(before);
+        }
+    }
+
     /// Covariance of the newest frame's pose, position then rotation on the right, as the window believes it; `None` where it does
     /// not know.
     pub fn newest_pose_covariance(&mut self) -> Option<Matrix6<f64>> {
