@@ -47,6 +47,24 @@ impl Sighting {
         let whiten = d_px_d_point * basis * basis.transpose() / px_std;
         Some(Self { ray, bearing, whiten, spread, ray_rate: Vector3::zeros() })
     }
+
+    /// The measurement of a unit `bearing`, good to `std` \[rad\] across it; `None` unless it is before the camera.
+    pub(crate) fn from_bearing(bearing: &Vector3<f64>, std: f64) -> Option<Self> {
+        if bearing.z.is_nan() || bearing.z < 1e-3 {
+            return None;
+        }
+        let ray = bearing / bearing.z;
+        let basis = tangent_basis(bearing);
+        let spread = Matrix2::from_fn(|r, c| (basis[(r, c)] - ray[r] * basis[(2, c)]) / bearing.z) * std;
+        let whiten = basis.transpose() / std;
+        Some(Self { ray, bearing: *bearing, whiten, spread, ray_rate: Vector3::zeros() })
+    }
+
+    /// Says that it is `factor` times as far off as thought.
+    pub(crate) fn rescale(&mut self, factor: f64) {
+        self.whiten /= factor;
+        self.spread *= factor;
+    }
 }
 
 /// What all landmarks of one host and one target share.

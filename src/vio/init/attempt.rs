@@ -79,7 +79,7 @@ pub(super) fn attempt(
     if aligned.scale_std.is_nan() || aligned.scale_std > HOPELESS_SCALE_STD {
         return Err(uncertain(aligned.scale_std));
     }
-    let known = Known { preints: &preints, at_rest: &chosen.at_rest, body_from_cam };
+    let known = Known { frames: &chosen.frames, preints: &preints, at_rest: &chosen.at_rest, body_from_cam };
     let refined = refine(&structure, &aligned, &known, config)?;
     Ok(Initialised {
         frames: chosen
@@ -89,8 +89,6 @@ pub(super) fn attempt(
             .map(|(frame, state)| InitialisedFrame { t: frame.t, state: *state })
             .collect(),
         bias: refined.states[0].bias,
-        points: refined.points,
-        bias_std: refined.bias_std,
         scale_std: refined.scale_std,
         gravity_std: refined.gravity_std,
         from_rest: chosen.at_rest.first().copied().unwrap_or(false),

@@ -1,5 +1,7 @@
 //! What the initialisation sees of the camera: directions to tracked points, and what two frames share.
 
+use crate::factors::reprojection::Sighting;
+use crate::window::Landmark;
 use dpn_core::time::Stamp;
 use nalgebra::Vector3;
 
@@ -50,26 +52,22 @@ pub(super) fn shared(a: &InitFrame, b: &InitFrame) -> Vec<(Vector3<f64>, Vector3
     pairs
 }
 
-/// One track through several frames.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Feature {
-    /// The track.
-    pub id: u64,
-    /// Index of the frame and direction in it, by increasing frame.
-    pub views: Vec<(usize, Vector3<f64>)>,
-}
-
-/// The tracks that at least `min_views` of `frames` see, by increasing id.
-pub(super) fn features(frames: &[&InitFrame], min_views: usize) -> Vec<Feature> {
-    let mut all: Vec<(u64, usize, Vector3<f64>)> = frames
+/// The tracks that at least two of `frames` see, by increasing id, their directions good to `std` \[rad\]; no depth is known.
+pub(super) fn tracks(frames: &[&InitFrame], std: f64) -> Vec<Landmark> {
+    let mut all: Vec<(u64, usize, Sighting)> = frames
         .iter()
         .enumerate()
-        .flat_map(|(at, frame)| frame.bearings().iter().map(move |(id, b)| (*id, at, *b)))
+        .flat_map(|(at, frame)| frame.bearings().iter().map(move |(id, b)| (id, at, b)))
+        .filter_map(|(id, at, bearing)| Some((*id, at, Sighting::from_bearing(bearing, std)?)))
         .collect();
     all.sort_by_key(|(id, at, _)| (*id, *at));
     all.chunk_by(|a, b| a.0 == b.0)
-        .filter(|views| views.len() >= min_views)
-        .map(|views| Feature { id: views[0].0, views: views.iter().map(|(_, at, b)| (*at, *b)).collect() })
+        .filter(|seen| seen.len() > 1)
+        .map(|seen| Landmark {
+            id: seen[0].0,
+            sightings: seen.iter().map(|(_, at, sighting)| (*at, *sighting)).collect(),
+            inverse_depth: None,
+        })
         .collect()
 }
 
@@ -99,10 +97,10 @@ mod tests {
     }
 
     #[test]
-    fn features_are_tracks_seen_often_enough() {
+    fn tracks_are_what_two_frames_see() {
         let frames = [frame(&[1, 2]), frame(&[2, 3]), frame(&[2, 3])];
-        let found = features(&frames.iter().collect::<Vec<_>>(), 2);
-        assert_eq!(found.iter().map(|f| (f.id, f.views.len())).collect::<Vec<_>>(), [(2, 3), (3, 2)]);
-        assert_eq!(found[1].views[0].0, 1);
+        let found = tracks(&frames.iter().collect::<Vec<_>>(), 1e-3);
+        assert_eq!(found.iter().map(|l| (l.id, l.sightings.len())).collect::<Vec<_>>(), [(2, 3), (3, 2)]);
+        assert_eq!(found[1].host(), 1);
     }
 }

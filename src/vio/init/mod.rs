@@ -12,10 +12,11 @@
 //! Frames: world z up, gravity `(0, 0, -9.81)`, the first frame at the origin with the camera's optical axis at yaw 0. Not here: the
 //! window that goes on from the answer.
 
+mod adjustment;
 mod align;
 mod attempt;
 mod buffer;
-mod bundle;
+mod certainty;
 mod config;
 mod frame;
 mod gyro_bias;
@@ -28,12 +29,9 @@ mod structure;
 #[cfg(test)]
 pub(crate) mod tests;
 mod translation;
-mod triangulate;
 
 pub use config::InitConfig;
 pub use frame::InitFrame;
 pub use initialiser::Initialiser;
-pub use outcome::{
-    Fit, Implausible, InitOutcome, Initialised, InitialisedFrame, InitialisedPoint, WaitReason,
-};
+pub use outcome::{Fit, Implausible, InitOutcome, Initialised, InitialisedFrame, WaitReason};
 pub(crate) use rest::RestWatch;

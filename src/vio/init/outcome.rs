@@ -19,19 +19,8 @@ pub enum InitOutcome {
 pub struct InitialisedFrame {
     /// The frame's stamp.
     pub t: Stamp,
-    /// Its state; all frames share one bias.
+    /// Its state.
     pub state: NavState,
-}
-
-/// A point that has got a place.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct InitialisedPoint {
-    /// The track.
-    pub id: u64,
-    /// Where it is, in the world frame \[m\].
-    pub point_in_world: Vector3<f64>,
-    /// Standard deviation of its distance over its distance, as the estimate's own covariance says.
-    pub relative_distance_std: f64,
 }
 
 /// A first estimate.
@@ -42,12 +31,8 @@ pub struct InitialisedPoint {
 pub struct Initialised {
     /// The frames in the estimate by increasing time, the newest frame last: those between them were only counted on by the IMU.
     pub frames: Vec<InitialisedFrame>,
-    /// The points, by increasing id.
-    pub points: Vec<InitialisedPoint>,
-    /// The bias that all frames share.
+    /// The bias in the first frame; over so few seconds it walks far less than it is uncertain.
     pub bias: ImuBias,
-    /// Standard deviation of the bias's axes, from the estimate's covariance.
-    pub bias_std: ImuBias,
     /// Relative standard deviation of the scale, from the estimate's covariance.
     pub scale_std: f64,
     /// Standard deviation of the direction of gravity in the newest frame \[rad\].

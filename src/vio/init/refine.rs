@@ -4,30 +4,32 @@
 //! The world is turned so that gravity points down, made metric by the alignment, and all unknowns are adjusted to tracks and IMU
 //! together (visual-inertial bundle adjustment). Then the data are asked how noisy they were: the deviation of the tracks by the
 //! median of their residuals, one factor each for the gyro's and the accelerometer's by what their rows should and do sum to
-//! ([`super::bundle`]'s covariance), a prior on these factors counting where the frames are too few or too close to tell. With these
+//! ([`super::certainty`]), a prior on these factors counting where the frames are too few or too close to tell. With these
 //! it is adjusted again. So the answer, and what it says of its own certainty, hardly depend on the noise that was told for the IMU:
 //! a vibrating one told to be quiet only makes it wait.
 
+use super::adjustment::{self, rescale, solve, track_std_factor};
 use super::align::Aligned;
-use super::bundle::{Bundle, BundleState, Covariance, InertialFactor, Landmark, Layout, Prior};
+use super::certainty::{gravity_std, inertial_excess, scale_std};
 use super::config::InitConfig;
-use super::frame::Feature;
-use super::outcome::{Fit, Implausible, InitialisedPoint, WaitReason};
-use super::robust;
+use super::frame::InitFrame;
+use super::outcome::{Fit, Implausible, WaitReason};
 use super::structure::Structure;
+use crate::factors::inertial::sqrt_information;
 use crate::preint::Preintegration;
-use crate::state::{ImuBias, NavState};
+use crate::state::{ACCEL_BIAS, GYRO_BIAS, ImuBias, NavState, POSE_DIM, POSITION, VELOCITY};
+use crate::window::{Landmark, MIN_INVERSE_DEPTH, Prior, Standstill, Window};
 use dpn_core::imu::Sensor;
-use nalgebra::{Isometry3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{DMatrix, Isometry3, Rotation3, UnitQuaternion, Vector3};
 
 /// Steps of the first adjustment, and of each after.
 const STEPS: [usize; 3] = [12, 8, 6];
-/// Deviations beyond which a view is dropped.
-const OUTLIER_DEVIATIONS: f64 = 4.0;
 /// Deviation that holds the first frame's position and yaw.
 const GAUGE_STD: f64 = 1e-5;
-/// Deviations at rest: velocity \[m/s\], position \[m\], rotation \[rad\].
-const REST_STD: (f64, f64, f64) = (0.02, 0.005, 0.002);
+/// Deviation of the velocity at rest \[m/s\].
+const REST_STD: f64 = 0.02;
+/// Smallest angle between rays that lets a depth be told anew \[rad\].
+const MIN_ANGLE: f64 = 0.01;
 /// Points that must remain.
 const MIN_POINTS: usize = 20;
 /// Largest bias of an accelerometer \[m/s^2\] and of a gyro \[rad/s\] that is believed.
@@ -42,10 +44,6 @@ const MAX_TRACK_STD_PX: f64 = 3.0;
 pub(super) struct Refined {
     /// A frame each.
     pub states: Vec<NavState>,
-    /// By increasing id.
-    pub points: Vec<InitialisedPoint>,
-    /// Deviation of the bias's axes.
-    pub bias_std: ImuBias,
     /// Relative deviation of the scale.
     pub scale_std: f64,
     /// Deviation of the direction of gravity in the newest frame \[rad\].
@@ -56,6 +54,8 @@ pub(super) struct Refined {
 
 /// What is known of the frames beside structure and alignment.
 pub(super) struct Known<'a> {
+    /// The frames.
+    pub frames: &'a [&'a InitFrame],
     /// The IMU between consecutive frames, integrated with the bias that the structure was built with.
     pub preints: &'a [Preintegration],
     /// Whether each frame stands still.
@@ -72,57 +72,54 @@ pub(super) fn refine(
     config: &InitConfig,
 ) -> Result<Refined, WaitReason> {
     let unusable = |consistent| WaitReason::NoStructure { consistent, needed: MIN_POINTS };
-    let mut bundle = bundle(structure, aligned, known, config).ok_or(unusable(0))?;
-    let mut ids: Vec<u64> = structure.features.iter().map(|f: &Feature| f.id).collect();
+    let uncertain = |relative_std| WaitReason::ScaleUncertain { relative_std, allowed: config.max_scale_std };
     let expected = expected_factors(known.preints, config);
+    let mut window = window(structure, aligned, known, config);
+    let mut track_std = structure.track_std;
     let mut fit = Fit {
-        track_std_px: structure.track_std * config.focal_px,
+        track_std_px: track_std * config.focal_px,
         gyro_factor: expected[0],
         accel_factor: expected[1],
     };
-    for factor in &mut bundle.inertial {
-        factor.rescale(fit.gyro_factor, fit.accel_factor);
-    }
-    let mut covariance = None;
+    integrate(&mut window, known.preints, &fit).ok_or(unusable(0))?;
     for steps in STEPS {
-        bundle.solve(steps);
-        if !bundle.state.is_finite() {
-            return Err(unusable(0));
-        }
-        let found = Covariance::of(&bundle).ok_or(WaitReason::ScaleUncertain {
-            relative_std: f64::INFINITY,
-            allowed: config.max_scale_std,
-        })?;
+        solve(&mut window, steps);
+        let covariance = window.covariance().ok_or(uncertain(f64::INFINITY))?;
         // Far above the bound no further round brings it below.
-        let scale_std = found.scale_std(&bundle);
+        let scale_std = scale_std(&window, &covariance);
         if scale_std > 10.0 * config.max_scale_std {
-            return Err(WaitReason::ScaleUncertain {
-                relative_std: scale_std,
-                allowed: config.max_scale_std,
-            });
+            return Err(uncertain(scale_std));
         }
-        let mut residuals = bundle.view_residuals();
-        let rows = residuals.len() as f64;
-        let freedom = (rows / found.view_redundancy(&bundle).max(0.2 * rows)).sqrt();
-        let std = freedom * robust::std_of_median(robust::median(&mut residuals));
-        bundle.track_std = std.max(config.angle(0.1));
+        let poses = (POSE_DIM * window.frames().len()) as f64;
+        let std = track_std * track_std_factor(&window, |landmarks| 3.0 * landmarks as f64 + poses);
         fit.track_std_px = std * config.focal_px;
-        let [gyro, accel] = found.inertial_excess(&bundle);
+        let std = std.max(config.angle(0.1));
+        rescale(&mut window, std / track_std);
+        track_std = std;
+        let [gyro, accel] = inertial_excess(&window, &covariance);
         fit.gyro_factor = gyro.factor(fit.gyro_factor, expected[0], config.noise_prior_weight);
         fit.accel_factor = accel.factor(fit.accel_factor, expected[1], config.noise_prior_weight);
-        for factor in &mut bundle.inertial {
-            factor.rescale(fit.gyro_factor, fit.accel_factor);
+        integrate(&mut window, known.preints, &fit).ok_or(unusable(0))?;
+        window.reject_outliers();
+        window.retain_landmarks(|l| l.inverse_depth.is_some());
+        if window.landmarks().len() < MIN_POINTS {
+            return Err(unusable(window.landmarks().len()));
         }
-        let kept = bundle.drop_outliers(OUTLIER_DEVIATIONS * bundle.track_std, 2);
-        ids = kept.into_iter().map(|k| ids[k]).collect();
-        if ids.len() < MIN_POINTS {
-            return Err(unusable(ids.len()));
-        }
-        covariance = Some(found);
     }
-    bundle.solve(STEPS[2]);
-    let covariance = Covariance::of(&bundle).or(covariance).ok_or(unusable(0))?;
-    judge(&bundle, &covariance, &ids, fit, expected, config)
+    solve(&mut window, STEPS[2]);
+    let covariance = window.covariance().ok_or(uncertain(f64::INFINITY))?;
+    judge(&window, &covariance, fit, expected, config)
+}
+
+/// Integrates the samples with the states' biases and the noise that the fit says; `None` where that gives nothing to weigh by.
+fn integrate(window: &mut Window, preints: &[Preintegration], fit: &Fit) -> Option<()> {
+    for (k, preint) in preints.iter().enumerate() {
+        let bias = window.frames[k].state.bias;
+        let preint = preint.with_noise_scaled(bias, fit.accel_factor, fit.gyro_factor).ok()?;
+        sqrt_information(&preint)?;
+        window.frames[k + 1].preint = Some(preint);
+    }
+    Some(())
 }
 
 /// Factors on the deviations told for gyro and accelerometer that bring their white noise up to the least that is believed.
@@ -144,57 +141,28 @@ fn expected_factors(preints: &[Preintegration], config: &InitConfig) -> [f64; 2]
 
 /// The result, when it is certain and plausible.
 fn judge(
-    bundle: &Bundle,
-    covariance: &Covariance,
-    ids: &[u64],
+    window: &Window,
+    covariance: &DMatrix<f64>,
     fit: Fit,
     expected: [f64; 2],
     config: &InitConfig,
 ) -> Result<Refined, WaitReason> {
-    let state = &bundle.state;
-    let scale_std = covariance.scale_std(bundle);
+    let states: Vec<NavState> = window.frames().iter().map(|f| f.state).collect();
+    let bias = states[0].bias;
+    let scale_std = scale_std(window, covariance);
     let excess = (fit.gyro_factor / expected[0]).max(fit.accel_factor / expected[1]);
     let within = |what, value: f64, allowed: f64| {
         if value <= allowed { Ok(()) } else { Err(WaitReason::Implausible { what, value, allowed }) }
     };
     within(Implausible::TrackResidual, fit.track_std_px, MAX_TRACK_STD_PX)?;
-    within(Implausible::AccelBias, state.bias.accel.norm(), MAX_BIAS.0)?;
-    within(Implausible::GyroBias, state.bias.gyro.norm(), MAX_BIAS.1)?;
+    within(Implausible::AccelBias, bias.accel.norm(), MAX_BIAS.0)?;
+    within(Implausible::GyroBias, bias.gyro.norm(), MAX_BIAS.1)?;
     within(Implausible::InertialResidual, excess, MAX_EXCESS)?;
     if scale_std.is_nan() || scale_std > config.max_scale_std {
         return Err(WaitReason::ScaleUncertain { relative_std: scale_std, allowed: config.max_scale_std });
     }
-    let points: Vec<InitialisedPoint> = (0..ids.len())
-        .filter_map(|k| {
-            let landmark = &state.landmarks[k];
-            Some(InitialisedPoint {
-                id: ids[k],
-                point_in_world: landmark.point(&bundle.origin)?,
-                relative_distance_std: covariance.inverse_distance_std(bundle, k) / landmark.inverse_distance,
-            })
-        })
-        .collect();
-    if points.len() < MIN_POINTS {
-        return Err(WaitReason::NoStructure { consistent: points.len(), needed: MIN_POINTS });
-    }
-    let [accel, gyro] = covariance.bias_std(bundle).unwrap_or_default();
-    Ok(Refined {
-        states: state
-            .poses
-            .iter()
-            .zip(&state.velocities)
-            .map(|(pose, velocity)| NavState {
-                world_from_body: *pose,
-                vel_in_world: *velocity,
-                bias: state.bias,
-            })
-            .collect(),
-        points,
-        bias_std: ImuBias { accel, gyro },
-        scale_std,
-        gravity_std: covariance.gravity_std(bundle, state.poses.len() - 1),
-        fit,
-    })
+    let gravity_std = gravity_std(window, covariance, states.len() - 1);
+    Ok(Refined { states, scale_std, gravity_std, fit })
 }
 
 /// The rotation to a world whose z axis points against `gravity` and in which `forward` has yaw 0.
@@ -209,13 +177,8 @@ fn level(gravity: &Vector3<f64>, forward: &Vector3<f64>) -> UnitQuaternion<f64> 
     UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes.transpose()))
 }
 
-/// The visual-inertial bundle at the alignment's answer.
-fn bundle(
-    structure: &Structure,
-    aligned: &Aligned,
-    known: &Known<'_>,
-    config: &InitConfig,
-) -> Option<Bundle> {
+/// The visual-inertial window at the alignment's answer.
+fn window(structure: &Structure, aligned: &Aligned, known: &Known<'_>, config: &InitConfig) -> Window {
     let scale = aligned.scale;
     let cam_from_body = known.body_from_cam.inverse();
     let optical_axis = structure.cameras[0].rotation * Vector3::z();
@@ -228,57 +191,42 @@ fn bundle(
                 * cam_from_body
         })
         .collect();
-    let shift = poses[0].translation.vector;
-    let poses: Vec<_> = poses
-        .into_iter()
-        .map(|p| Isometry3::from_parts((p.translation.vector - shift).into(), p.rotation))
-        .collect();
-    let landmarks = structure
-        .landmarks
-        .iter()
-        .map(|l| Landmark { direction: turn * l.direction, inverse_distance: l.inverse_distance / scale })
-        .collect();
     let start = known.preints[0].bias();
     let bias = ImuBias { accel: start.accel + aligned.accel_bias_change, gyro: start.gyro };
-    let inertial = known
-        .preints
-        .iter()
-        .enumerate()
-        .map(|(k, preint)| InertialFactor::new(k, k + 1, preint))
-        .collect::<Option<Vec<_>>>()?;
-    let mut priors = vec![
-        Prior::Position { frame: 0, value: Vector3::zeros(), std: GAUGE_STD },
-        Prior::Yaw { frame: 0, value: poses[0].rotation, std: GAUGE_STD },
-        Prior::Bias {
-            value: ImuBias::zero(),
-            accel_std: config.accel_bias_std,
-            gyro_std: config.gyro_bias_std,
-        },
-    ];
-    let (velocity_std, position_std, rotation_std) = REST_STD;
-    for (frame, still) in known.at_rest.iter().enumerate() {
-        if *still {
-            priors.push(Prior::NoVelocity { frame, std: velocity_std });
-            if frame > 0 && known.at_rest[frame - 1] {
-                priors.push(Prior::SamePose { first: frame - 1, second: frame, position_std, rotation_std });
-            }
+    let mut window = adjustment::window(*known.body_from_cam, MIN_ANGLE);
+    let mut rest_from = None;
+    for (k, frame) in known.frames.iter().enumerate() {
+        let shifted = poses[k].translation.vector - poses[0].translation.vector;
+        let state = NavState {
+            world_from_body: Isometry3::from_parts(shifted.into(), poses[k].rotation),
+            vel_in_world: turn * aligned.velocities[k],
+            bias,
+        };
+        window.add_frame(frame.t, state, None, &[]);
+        rest_from = known.at_rest[k].then(|| rest_from.unwrap_or(frame.t));
+        if let Some(from) = rest_from {
+            window.rest_since(Standstill { from, angle: config.angle(config.rest_track_px) });
         }
     }
-    Some(Bundle {
-        layout: Layout::inertial(poses.len()),
-        body_from_cam: *known.body_from_cam,
-        origin: turn * (scale * structure.origin) - shift,
-        state: BundleState {
-            velocities: aligned.velocities.iter().map(|v| turn * v).collect(),
-            bias,
-            landmarks,
-            poses,
-        },
-        views: structure.features.iter().map(|f| f.views.clone()).collect(),
-        track_std: structure.track_std,
-        inertial,
-        priors,
-    })
+    let metric = |l: &Landmark| {
+        let inverse_depth = l.inverse_depth.map(|d| (d / scale).max(MIN_INVERSE_DEPTH));
+        Landmark { inverse_depth, ..l.clone() }
+    };
+    window.landmarks = structure.landmarks.iter().map(metric).collect();
+    let about = window
+        .frames()
+        .iter()
+        .map(|f| NavState { world_from_body: f.state.world_from_body, ..NavState::identity() });
+    let mut prior = Prior::about(&window, about.collect());
+    prior.hold(0, POSITION, GAUGE_STD);
+    prior.hold_heading(0, GAUGE_STD);
+    prior.hold(0, ACCEL_BIAS, config.accel_bias_std);
+    prior.hold(0, GYRO_BIAS, config.gyro_bias_std);
+    for frame in (0..poses.len()).filter(|k| known.at_rest[*k]) {
+        prior.hold(frame, VELOCITY, REST_STD);
+    }
+    window.prior = Some(prior);
+    window
 }
 
 #[cfg(test)]

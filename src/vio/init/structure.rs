@@ -7,14 +7,15 @@
 //!    directions, its rotation as given; the points that it completes.
 //! 4. Bundle adjustment of cameras and points, rotations held near the gyro's; outliers out; again.
 
-use super::bundle::{Bundle, BundleState, Camera, Landmark, Layout, Prior};
+use super::adjustment::{self, OUTLIER_DEVIATIONS, rescale, solve, track_std_factor};
 use super::config::InitConfig;
-use super::frame::{Feature, InitFrame, features, shared};
+use super::frame::{InitFrame, shared, tracks};
 use super::outcome::WaitReason;
 use super::robust;
 use super::translation::{self, compensated_parallax};
-use super::triangulate::triangulate;
-use crate::state::ImuBias;
+use crate::factors::reprojection::PairGeometry;
+use crate::state::{ACCEL_BIAS, GYRO_BIAS, NavState, POSITION, ROTATION, VELOCITY};
+use crate::window::{Landmark, Prior};
 use dpn_core::random::Stream;
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 
@@ -24,10 +25,10 @@ const PAIRS_TRIED: usize = 4;
 const MIN_POINTS: usize = 8;
 /// Misfit, in deviations, up to which a triangulated point is used.
 const MAX_MISFIT: f64 = 3.0;
-/// Steps of each bundle adjustment.
-const BUNDLE_STEPS: usize = 8;
-/// Deviations beyond which a view is dropped.
-const OUTLIER_DEVIATIONS: f64 = 4.0;
+/// Parallax, in deviations, from which a point is used.
+const MIN_PARALLAX: f64 = 3.0;
+/// Steps of each adjustment.
+const STEPS: usize = 8;
 /// Deviation of the gyro's rotation between frames that the bias's uncertainty does not cover \[rad\].
 const ROTATION_FLOOR: f64 = 2e-3;
 /// Deviation that holds a gauge.
@@ -38,12 +39,8 @@ const GAUGE_STD: f64 = 1e-5;
 pub(super) struct Structure {
     /// World from camera, a frame each.
     pub cameras: Vec<Isometry3<f64>>,
-    /// The tracks that became points.
-    pub features: Vec<Feature>,
-    /// Their places, a feature each, from [`Self::origin`].
+    /// The tracks that became points, by increasing id; their sightings are good to [`Self::track_std`].
     pub landmarks: Vec<Landmark>,
-    /// From where points are parametrised.
-    pub origin: Vector3<f64>,
     /// Deviation of a track in one direction \[rad\], from the residuals.
     pub track_std: f64,
 }
@@ -65,7 +62,7 @@ pub(super) fn build(
     stream: &Stream,
 ) -> Result<Structure, WaitReason> {
     let noise = config.angle(config.track_std_px);
-    let features = features(input.frames, 2);
+    let tracks = tracks(input.frames, noise);
     let pairs = ranked_pairs(input, config)?;
     let mut most = 0;
     for (trial, (a, b)) in pairs.iter().take(PAIRS_TRIED).enumerate() {
@@ -79,7 +76,7 @@ pub(super) fn build(
         if 2 * found.inliers.len() < common.len() {
             continue;
         }
-        let mut growing = Growing::new(input, &features, *a, noise);
+        let mut growing = Growing::new(input, &tracks, noise);
         growing.place(*a, Vector3::zeros());
         growing.place(*b, input.rotations[*a] * found.direction);
         growing.complete();
@@ -138,68 +135,52 @@ fn ranked_pairs(input: &Input<'_>, config: &InitConfig) -> Result<Vec<(usize, us
 /// A structure to which frames are added.
 struct Growing<'a> {
     input: &'a Input<'a>,
-    features: &'a [Feature],
-    reference: usize,
+    tracks: &'a [Landmark],
     noise: f64,
-    cameras: Vec<Option<Camera>>,
-    poses: Vec<Isometry3<f64>>,
+    cameras: Vec<Option<Isometry3<f64>>>,
+    /// A track each, as the cameras saw it from whom it got its depth.
     landmarks: Vec<Option<Landmark>>,
 }
 
 impl<'a> Growing<'a> {
-    fn new(input: &'a Input<'a>, features: &'a [Feature], reference: usize, noise: f64) -> Self {
-        let frames = input.frames.len();
-        Self {
-            input,
-            features,
-            reference,
-            noise,
-            cameras: vec![None; frames],
-            poses: vec![Isometry3::identity(); frames],
-            landmarks: vec![None; features.len()],
-        }
-    }
-
-    /// All is seen from the reference frame's centre, where it was placed.
-    fn origin(&self) -> Vector3<f64> {
-        self.poses[self.reference].translation.vector
+    fn new(input: &'a Input<'a>, tracks: &'a [Landmark], noise: f64) -> Self {
+        let (cameras, landmarks) = (vec![None; input.frames.len()], vec![None; tracks.len()]);
+        Self { input, tracks, noise, cameras, landmarks }
     }
 
     fn place(&mut self, frame: usize, centre: Vector3<f64>) {
-        let pose = Isometry3::from_parts(centre.into(), self.input.rotations[frame]);
-        self.cameras[frame] = Some(Camera::new(&pose, &Isometry3::identity()));
-        self.poses[frame] = pose;
+        self.cameras[frame] = Some(Isometry3::from_parts(centre.into(), self.input.rotations[frame]));
     }
 
-    /// Triangulates what two placed frames see and has no place yet.
+    /// Triangulates what two placed frames see and has no depth yet.
     fn complete(&mut self) {
-        let origin = self.origin();
-        for (feature, landmark) in self.features.iter().zip(&mut self.landmarks) {
+        let poses: Vec<Isometry3<f64>> = self.cameras.iter().map(|c| c.unwrap_or_default()).collect();
+        for (track, landmark) in self.tracks.iter().zip(&mut self.landmarks) {
             if landmark.is_some() {
                 continue;
             }
-            let views = feature.views.iter().filter_map(|(f, b)| Some((self.cameras[*f].as_ref()?, *b)));
-            if views.clone().count() < 2 {
+            let mut seen = track.clone();
+            seen.sightings.retain(|(frame, _)| self.cameras[*frame].is_some());
+            if seen.sightings.len() < 2 {
                 continue;
             }
-            *landmark = triangulate(&origin, views, self.noise)
-                .filter(|t| {
-                    t.misfit <= MAX_MISFIT
-                        && t.landmark.inverse_distance > -2.0 * t.inverse_distance_std
-                        && t.inverse_distance_std.is_finite()
-                })
-                .map(|t| t.landmark);
+            seen.inverse_depth = seen.triangulate(&poses, MIN_PARALLAX * self.noise);
+            *landmark = Some(seen).filter(|l| misfit(l, &poses).is_some_and(|m| m <= MAX_MISFIT));
         }
     }
 
-    /// Points with a place that a frame sees: their places and directions in it.
-    fn known(&self, frame: usize) -> Vec<(Landmark, Vector3<f64>)> {
-        self.features
+    /// Points with a depth that a frame sees: ray and place of the host's camera in the world, inverse depth, direction seen.
+    fn known(&self, frame: usize) -> Vec<(Vector3<f64>, Vector3<f64>, f64, Vector3<f64>)> {
+        self.tracks
             .iter()
             .zip(&self.landmarks)
-            .filter_map(|(feature, landmark)| {
-                let landmark = (*landmark)?;
-                feature.views.iter().find(|(f, _)| *f == frame).map(|(_, b)| (landmark, *b))
+            .filter_map(|(track, landmark)| {
+                let landmark = landmark.as_ref()?;
+                let host = self.cameras[landmark.host()]?;
+                let (_, seen) = track.sightings.iter().find(|(f, _)| *f == frame)?;
+                let ray = host.rotation * landmark.host_sighting().ray;
+                let seen = self.input.rotations[frame] * seen.bearing;
+                Some((ray, host.translation.vector, landmark.inverse_depth?, seen))
             })
             .collect()
     }
@@ -216,104 +197,89 @@ impl<'a> Growing<'a> {
 
     /// The centre from which a frame sees the known points where it sees them.
     ///
-    /// `(I - f f^T)(u + rho (origin - c)) = 0` is linear in `c`; a residual counts by the angle that it is.
+    /// `(I - f f^T)(m + l (c_host - c)) = 0` is linear in `c`; a residual counts by the angle that it is.
     fn resect(&self, frame: usize) -> Option<Vector3<f64>> {
         let known = self.known(frame);
-        let origin = self.origin();
         let mut centre: Option<Vector3<f64>> = None;
         for round in 0..6 {
             let (mut moments, mut right) = (Matrix3::zeros(), Vector3::zeros());
             // As with the gyro's bias, the weights' scale comes down from that of a first, blind solution.
             let scale = self.noise * [8.0, 8.0, 4.0, 2.0, 1.5, 1.5][round];
-            for (landmark, measured) in &known {
-                let f = self.input.rotations[frame] * measured;
-                let rho = landmark.inverse_distance;
+            for (ray, host, inverse_depth, f) in &known {
                 let across = Matrix3::identity() - f * f.transpose();
                 let weight = centre.map_or(1.0, |c| {
-                    let seen = landmark.direction + rho * (origin - c);
+                    let seen = ray + *inverse_depth * (host - c);
                     let length = seen.norm().max(1e-3);
                     let squared = ((across * seen).norm() / length / scale).powi(2);
                     robust::weight(squared) / (length * length)
                 });
-                moments += weight * rho * rho * across;
-                right += weight * rho * across * (landmark.direction + rho * origin);
+                moments += weight * inverse_depth * inverse_depth * across;
+                right += weight * inverse_depth * across * (ray + *inverse_depth * host);
             }
             centre = Some(moments.cholesky()?.solve(&right));
         }
         let centre = centre.filter(|c| c.iter().all(|x| x.is_finite()))?;
-        let pose = Isometry3::from_parts(centre.into(), self.input.rotations[frame]);
-        let camera = Camera::new(&pose, &Isometry3::identity());
         let limit = 2.0 * OUTLIER_DEVIATIONS * self.noise;
-        let agree = known
-            .iter()
-            .filter(|(l, m)| camera.residual(&origin, l, m).is_some_and(|r| r.norm() < limit))
-            .count();
+        let agrees = |(ray, host, inverse_depth, f): &&(Vector3<f64>, Vector3<f64>, f64, Vector3<f64>)| {
+            let seen = ray + *inverse_depth * (host - centre);
+            seen.dot(f) > 0.0 && seen.cross(f).norm() < limit * seen.norm()
+        };
+        let agree = known.iter().filter(agrees).count();
         (agree >= MIN_POINTS && 2 * agree >= known.len()).then_some(centre)
     }
 }
 
-/// Bundle adjustment of all cameras and points; `None` when too little stays.
+/// Root mean square of a point's residuals \[deviations\].
+fn misfit(landmark: &Landmark, world_from_cam: &[Isometry3<f64>]) -> Option<f64> {
+    landmark.rms(|host, target| {
+        PairGeometry::new(&world_from_cam[host], &world_from_cam[target], &Isometry3::identity())
+    })
+}
+
+/// Adjusts all cameras and points; `None` when too little stays.
 fn adjust(input: &Input<'_>, growing: Growing<'_>, (a, b): (usize, usize)) -> Option<Structure> {
-    let origin = growing.origin();
-    let cameras: Vec<Camera> = growing.cameras.into_iter().collect::<Option<_>>()?;
-    let mut used = Vec::new();
-    let (mut landmarks, mut views) = (Vec::new(), Vec::new());
-    for (index, feature) in growing.features.iter().enumerate() {
-        let seen = feature.views.iter().map(|(f, m)| (&cameras[*f], *m));
-        let Some(found) = triangulate(&origin, seen, growing.noise) else { continue };
-        if found.misfit <= 2.0 * MAX_MISFIT && found.inverse_distance_std.is_finite() {
-            used.push(index);
-            landmarks.push(found.landmark);
-            views.push(feature.views.clone());
-        }
+    let poses: Vec<Isometry3<f64>> = growing.cameras.into_iter().collect::<Option<_>>()?;
+    // The "bodies" are the cameras.
+    let mut window = adjustment::window(Isometry3::identity(), MIN_PARALLAX * growing.noise);
+    for (frame, pose) in input.frames.iter().zip(&poses) {
+        let state = NavState { world_from_body: *pose, ..NavState::identity() };
+        window.add_frame(frame.t, state, None, &[]);
     }
-    let layout = Layout::visual(cameras.len());
-    let mut priors = vec![
-        Prior::Position { frame: a, value: growing.poses[a].translation.vector, std: GAUGE_STD },
-        Prior::Distance { from: a, to: b, value: 1.0, std: GAUGE_STD },
-    ];
-    for (frame, rotation) in input.rotations.iter().enumerate() {
-        let seconds = input.frames[frame].t.seconds_since(input.frames[a].t).abs();
+    window.landmarks = growing.tracks.to_vec();
+    window.triangulate();
+    window.retain_landmarks(|l| misfit(l, &poses).is_some_and(|m| m <= 2.0 * MAX_MISFIT));
+
+    let mut prior = Prior::about(&window, window.frames().iter().map(|f| f.state).collect());
+    for (frame, InitFrame { t, .. }) in input.frames.iter().enumerate() {
+        let seconds = t.seconds_since(input.frames[a].t).abs();
         let std = if frame == a { GAUGE_STD } else { ROTATION_FLOOR + input.gyro_bias_std * seconds };
-        priors.push(Prior::Rotation { frame, value: *rotation, std });
+        prior.hold(frame, ROTATION, std);
+        // Without inertial measurements these are no unknowns.
+        [VELOCITY, ACCEL_BIAS, GYRO_BIAS].into_iter().for_each(|index| prior.hold(frame, index, 1.0));
     }
-    let mut bundle = Bundle {
-        layout,
-        body_from_cam: Isometry3::identity(),
-        origin,
-        state: BundleState {
-            velocities: vec![Vector3::zeros(); cameras.len()],
-            bias: ImuBias::zero(),
-            landmarks,
-            poses: growing.poses,
-        },
-        views,
-        track_std: growing.noise,
-        inertial: Vec::new(),
-        priors,
-    };
+    prior.hold(a, POSITION, GAUGE_STD);
+    let along = (poses[b].translation.vector - poses[a].translation.vector).try_normalize(1e-9)?;
+    prior.hold_along(&[(a, POSITION, -along), (b, POSITION, along)], GAUGE_STD);
+    window.prior = Some(prior);
+
+    let mut track_std = growing.noise;
     for _ in 0..2 {
-        bundle.solve(BUNDLE_STEPS);
-        let std = robust::std_of_median(robust::median(&mut bundle.view_residuals()));
-        bundle.track_std = std.clamp(0.2 * growing.noise, 3.0 * growing.noise);
-        let kept = bundle.drop_outliers(OUTLIER_DEVIATIONS * bundle.track_std, 2);
-        used = kept.into_iter().map(|k| used[k]).collect();
+        solve(&mut window, STEPS);
+        let found = track_std_factor(&window, |_| 0.0) * track_std;
+        let found = found.clamp(0.2 * growing.noise, 3.0 * growing.noise);
+        rescale(&mut window, found / track_std);
+        track_std = found;
+        window.reject_outliers();
     }
-    let seen_by = |frame: usize| bundle.views.iter().flatten().filter(|(f, _)| *f == frame).count();
-    if (0..layout.frames()).any(|f| seen_by(f) < MIN_POINTS) || !bundle.state.is_finite() {
+    window.retain_landmarks(|l| l.inverse_depth.is_some());
+    let seen_by = |frame: usize| window.landmarks().iter().filter(|l| l.seen_by(frame)).count();
+    if (0..poses.len()).any(|f| seen_by(f) < MIN_POINTS) {
         return None;
     }
-    let features = used
-        .iter()
-        .zip(bundle.views)
-        .map(|(index, views)| Feature { id: growing.features[*index].id, views })
-        .collect();
     Some(Structure {
-        cameras: bundle.state.poses,
-        features,
-        landmarks: bundle.state.landmarks,
-        origin,
-        track_std: bundle.track_std,
+        cameras: window.frames().iter().map(|f| f.state.world_from_body).collect(),
+        landmarks: window.landmarks,
+        track_std,
     })
 }
 
@@ -342,7 +308,7 @@ mod tests {
             let off: f64 =
                 truth.iter().zip(&found).map(|(t, f)| (t - scale * f).norm_squared()).sum::<f64>().sqrt();
             assert!(off < 0.05 * size, "seed {seed}: shape off by {:.1} %", 100.0 * off / size);
-            assert!(structure.features.len() > 40);
+            assert!(structure.landmarks.len() > 40);
         }
     }
 

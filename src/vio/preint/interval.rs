@@ -6,7 +6,8 @@ use super::delta::Delta;
 use super::linear::{ACCEL, BIAS_DIM, GYRO, MOTION_DIM, Step};
 use crate::state::{ImuBias, NavState, POSITION, ROTATION, STATE_DIM, VELOCITY};
 use dpn_core::geometry::so3;
-use dpn_core::{GRAVITY, ImuNoise, ImuSample};
+use dpn_core::noise::units::BadNoise;
+use dpn_core::{GRAVITY, ImuNoise, ImuSample, Sensor};
 use nalgebra::{Isometry3, SMatrix, SVector, Vector3};
 use std::sync::OnceLock;
 
@@ -105,6 +106,23 @@ impl Preintegration {
         }
         self.integral = integral;
         self.forget();
+    }
+
+    /// The same samples integrated with another bias, their noise `accel` and `gyro` times as large.
+    ///
+    /// # Errors
+    /// A factor that makes a deviation negative or not finite.
+    pub(crate) fn with_noise_scaled(&self, bias: ImuBias, accel: f64, gyro: f64) -> Result<Self, BadNoise> {
+        let scaled = |s: &NoisySample| -> Result<NoisySample, BadNoise> {
+            let [a, g] = [(Sensor::Accel, accel), (Sensor::Gyro, gyro)]
+                .map(|(sensor, factor)| s.noise.of(sensor).map(|std| factor * std));
+            Ok(NoisySample { noise: ImuNoise::from_values(a, g)?, ..*s })
+        };
+        let mut out = Self::new(self.config, bias, scaled(&self.samples[0])?);
+        for sample in &self.samples[1..] {
+            out.push(scaled(sample)?);
+        }
+        Ok(out)
     }
 
     fn forget(&mut self) {

@@ -43,8 +43,6 @@ pub struct WindowConfig {
     pub cost_tolerance: f64,
     /// Tracks that outlive their host.
     pub handover: Handover,
-    /// Whether derivatives of states in the prior stay at their first estimate.
-    pub first_estimates: bool,
     /// Whether the camera's place on the body is estimated.
     pub estimate_extrinsics: bool,
     /// Whether the camera clock's offset is estimated.
@@ -66,7 +64,6 @@ impl Default for WindowConfig {
             max_iterations: 8,
             cost_tolerance: 1e-2,
             handover: Handover::Reuse,
-            first_estimates: false,
             estimate_extrinsics: false,
             estimate_time_offset: false,
         }

@@ -68,14 +68,7 @@ fn add_inertial(window: &Window, layout: &Layout, j: usize, normal: &mut Normal)
     let Some(preint) = &window.frames[j].preint else { return 0.0 };
     let Some(root) = sqrt_information(preint) else { return 0.0 };
     let (state_i, state_j) = (&window.frames[i].state, &window.frames[j].state);
-    let (mut residual, mut d_i, mut d_j) = inertial_jacobians(preint, state_i, state_j);
-    if window.config.first_estimates && (window.frames[i].first.is_some() || window.frames[j].first.is_some())
-    {
-        let at = (window.first_or_now(i), window.first_or_now(j));
-        let now = residual;
-        (residual, d_i, d_j) = inertial_jacobians(preint, at.0, at.1);
-        residual.copy_from(&now);
-    }
+    let (residual, d_i, d_j) = inertial_jacobians(preint, state_i, state_j);
     let residual: SVector<f64, STATE_DIM> = root * residual;
     let (d_i, d_j) = (root * d_i, root * d_j);
     let split = |d: &SMatrix<f64, STATE_DIM, STATE_DIM>| {

@@ -23,28 +23,12 @@ impl Window {
         let system = at.normal.select(&kept);
         self.scratch = at;
         let frames = &self.frames[1..];
-        let mut prior = Prior {
+        Prior {
             layout: Layout { frames: frames.len(), ..layout },
             system,
-            at: frames
-                .iter()
-                .map(|f| f.first.filter(|_| self.config.first_estimates).unwrap_or(f.state))
-                .collect(),
+            at: frames.iter().map(|f| f.state).collect(),
             at_camera: self.body_from_cam,
             at_offset: self.time_offset,
-        };
-        if self.config.first_estimates {
-            // The gradient holds at the present states; the prior is about the first estimates.
-            let frames: Vec<_> = self.frames.drain(1..).collect();
-            let oldest = std::mem::replace(&mut self.frames, frames);
-            let d = prior.displacement(self);
-            let hd = prior.system.times(&d);
-            for (g, hd) in prior.system.gradient_mut().iter_mut().zip(hd) {
-                *g -= hd;
-            }
-            let frames = std::mem::replace(&mut self.frames, oldest);
-            self.frames.extend(frames);
         }
-        prior
     }
 }

@@ -22,6 +22,7 @@ mod window;
 
 pub use config::{Handover, WindowConfig};
 pub use landmark::Landmark;
+pub(crate) use landmark::MIN_INVERSE_DEPTH;
 pub use prior::{AnchorStd, Prior};
 pub use slide::Leaving;
 pub use solve::{Solved, Stop};

@@ -26,40 +26,57 @@ impl Prior {
     /// Fixes what no measurement sees, position and heading of the window's first frame, and says what is known of its biases and
     /// its tilt beforehand.
     pub(crate) fn anchor(window: &Window, std: &AnchorStd) -> Self {
-        let layout = Layout { frames: 1, ..window.layout() };
-        let mut system = Normal::zeros(layout.dim());
-        let mut isotropic = |at: usize, std: f64| {
-            for k in at..at + 3 {
-                system.add(layout.state(0, k), layout.state(0, k), 1.0 / (std * std));
-            }
-        };
-        isotropic(POSITION, std.position);
-        isotropic(ROTATION, std.tilt);
-        isotropic(ACCEL_BIAS, std.accel_bias);
-        isotropic(GYRO_BIAS, std.gyro_bias);
-        // A turn about the world's z, seen from the right, is one about z in the body's frame.
-        let up_in_body = window.frames[0].state.world_from_body.rotation.inverse() * Vector3::z();
-        for r in 0..3 {
-            for c in 0..=r {
-                let at = layout.state(0, ROTATION);
-                system.add(at + r, at + c, up_in_body[r] * up_in_body[c] / (std.heading * std.heading));
-            }
-        }
+        let mut prior = Self::about(window, vec![window.frames[0].state]);
+        prior.hold(0, POSITION, std.position);
+        prior.hold(0, ROTATION, std.tilt);
+        prior.hold(0, ACCEL_BIAS, std.accel_bias);
+        prior.hold(0, GYRO_BIAS, std.gyro_bias);
+        prior.hold_heading(0, std.heading);
         // The camera is known to a centimetre and half a degree, its clock to some milliseconds, before anything was seen.
-        for (at, std) in [(0, 0.01), (3, 0.01)] {
-            for k in layout.camera().into_iter().flat_map(|c| c + at..c + at + 3) {
-                system.add(k, k, 1.0 / (std * std));
-            }
+        let Self { layout, system, .. } = &mut prior;
+        for k in layout.camera().into_iter().flat_map(|c| c..c + POSE_DIM) {
+            system.add(k, k, 1.0 / (0.01f64 * 0.01));
         }
         if let Some(k) = layout.offset() {
             system.add(k, k, 1.0 / (0.005f64 * 0.005));
         }
-        Self {
-            layout,
-            system,
-            at: vec![window.frames[0].state],
-            at_camera: window.body_from_cam,
-            at_offset: window.time_offset,
+        prior
+    }
+
+    /// Says nothing yet of the window's first frames; what it will say is about the states `at`, one a frame.
+    pub(crate) fn about(window: &Window, at: Vec<NavState>) -> Self {
+        let layout = Layout { frames: at.len(), ..window.layout() };
+        let system = Normal::zeros(layout.dim());
+        Self { layout, system, at, at_camera: window.body_from_cam, at_offset: window.time_offset }
+    }
+
+    /// Holds three unknowns of a frame by a deviation each; `index` is the first's in the order of [`crate::state`].
+    pub(crate) fn hold(&mut self, frame: usize, index: usize, std: f64) {
+        for k in index..index + 3 {
+            let place = self.layout.state(frame, k);
+            self.system.add(place, place, 1.0 / (std * std));
+        }
+    }
+
+    /// Holds a turn of the frame about the world's z.
+    pub(crate) fn hold_heading(&mut self, frame: usize, std: f64) {
+        // Seen from the right it is one about z in the body's frame.
+        let up_in_body = self.at[frame].world_from_body.rotation.inverse() * Vector3::z();
+        self.hold_along(&[(frame, ROTATION, up_in_body)], std);
+    }
+
+    /// Holds the sum of `direction . d` over blocks of three unknowns, each named by frame and first index.
+    pub(crate) fn hold_along(&mut self, blocks: &[(usize, usize, Vector3<f64>)], std: f64) {
+        let layout = self.layout;
+        let entry = |(frame, index, direction): &(usize, usize, Vector3<f64>), k: usize| {
+            (layout.state(*frame, index + k), direction[k])
+        };
+        let entries: Vec<(usize, f64)> =
+            blocks.iter().flat_map(|block| [0, 1, 2].map(|k| entry(block, k))).collect();
+        for (r, by_r) in &entries {
+            for (c, by_c) in entries.iter().filter(|(c, _)| c <= r) {
+                self.system.add(*r, *c, by_r * by_c / (std * std));
+            }
         }
     }
 

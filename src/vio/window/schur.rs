@@ -72,29 +72,19 @@ impl Depths {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Pairs {
     frames: usize,
-    now: Vec<Option<PairGeometry>>,
-    /// At the first estimates, where derivatives are taken there; else empty.
-    first: Vec<Option<PairGeometry>>,
+    geometry: Vec<Option<PairGeometry>>,
 }
 
 impl Pairs {
     pub(super) fn of(&mut self, window: &Window) {
         let n = window.frames.len();
-        let fill = |pairs: &mut Vec<Option<PairGeometry>>,
-                    geometry: &dyn Fn(usize, usize) -> PairGeometry| {
-            pairs.clear();
-            pairs.resize(n * n, None);
-            for target in 1..n {
-                for host in 0..target {
-                    pairs[host * n + target] = Some(geometry(host, target));
-                }
-            }
-        };
         self.frames = n;
-        fill(&mut self.now, &|host, target| window.geometry(host, target));
-        self.first.clear();
-        if window.config.first_estimates {
-            fill(&mut self.first, &|host, target| window.first_geometry(host, target));
+        self.geometry.clear();
+        self.geometry.resize(n * n, None);
+        for target in 1..n {
+            for host in 0..target {
+                self.geometry[host * n + target] = Some(window.geometry(host, target));
+            }
         }
     }
 }
@@ -158,17 +148,9 @@ impl Landmarks<'_> {
         let mut cost = 0.0;
         let mut own = Own::default();
         for (target, sighting) in &landmark.sightings[1..sightings] {
-            let pair = host * pairs.frames + target;
             let sighting = window.sighting_at_offset(sighting);
-            let Some(geometry) = &pairs.now[pair] else { continue };
-            let mut seen = match pairs.first.get(pair) {
-                Some(Some(first)) => {
-                    let mut seen = first.linearise(&ray, &sighting, inverse_depth);
-                    seen.residual = geometry.residual(&ray, &sighting, inverse_depth);
-                    seen
-                }
-                _ => geometry.linearise(&ray, &sighting, inverse_depth),
-            };
+            let Some(geometry) = &pairs.geometry[host * pairs.frames + target] else { continue };
+            let mut seen = geometry.linearise(&ray, &sighting, inverse_depth);
             let squared = seen.residual.norm_squared();
             let (rho, weight) = window.config.loss.evaluate(squared, window.config.loss_scale);
             cost += 0.5 * rho;

@@ -102,11 +102,6 @@ impl Window {
         self.prior = Some(prior);
         self.frames.remove(0);
         self.frames[0].preint = None;
-        if self.config.first_estimates {
-            for frame in &mut self.frames {
-                frame.first.get_or_insert(frame.state);
-            }
-        }
         for landmark in &mut self.landmarks {
             for (frame, _) in &mut landmark.sightings {
                 *frame -= 1;

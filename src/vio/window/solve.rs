@@ -3,9 +3,10 @@
 use super::landmark::MIN_INVERSE_DEPTH;
 use super::layout::Layout;
 use super::linearise::{Linearisation, Part};
+use super::normal::Factor;
 use super::window::Window;
 use crate::state::{NavState, POSE_DIM, STATE_DIM, pose_plus};
-use nalgebra::{Isometry3, Matrix6, SVector};
+use nalgebra::{DMatrix, Isometry3, Matrix6, SVector};
 
 /// The first damping after a step that failed; steps begin as Gauss-Newton's, as each frame begins close to its solution.
 const FIRST_DAMPING: f64 = 1e-2;
@@ -110,6 +111,30 @@ impl Window {
         solved
     }
 
+    /// Takes `steps` Gauss-Newton steps from near the least cost, whatever the cost says of each, but goes back where it rose by more
+    /// than a hundredth in all.
+    ///
+    /// Each linearisation weighs sightings and hosts' pixels anew: where that settles, the cost is least only to within what this
+    /// changes, and [`Self::optimise`] stops there. Weakly observed directions, as the scale of a short flight, go on for long after.
+    pub(crate) fn settle(&mut self, steps: usize) {
+        let layout = self.layout();
+        let (mut at, mut factor, before) = (Linearisation::default(), Factor::default(), self.snapshot());
+        at.compute(self, &layout, Part::All, 0.0);
+        let first_cost = at.cost;
+        for _ in 0..steps {
+            let mut step = at.normal.gradient().to_vec();
+            if at.normal.factor(|_| 0.0, &mut factor).is_err() {
+                break;
+            }
+            factor.solve_negated(&mut step);
+            self.apply(&at, &step);
+            at.compute(self, &layout, Part::All, 0.0);
+        }
+        if at.cost.is_nan() || at.cost > first_cost + 0.01 * first_cost.abs().max(1.0) {
+            self.restore(before);
+        }
+    }
+
     /// Covariance of the newest frame's pose, position then rotation on the right, as the window believes it; `None` where it does
     /// not know.
     pub fn newest_pose_covariance(&mut self) -> Option<Matrix6<f64>> {
@@ -125,6 +150,20 @@ impl Window {
         self.scratch = at;
         self.factor = factor;
         covariance
+    }
+
+    /// Covariance of all unknowns but the landmarks', in the places of [`Window::layout`]; `None` where something is not known at all.
+    pub(crate) fn covariance(&self) -> Option<DMatrix<f64>> {
+        let layout = self.layout();
+        let (mut at, mut factor) = (Linearisation::default(), Factor::default());
+        at.compute(self, &layout, Part::All, 0.0);
+        at.normal.factor(|_| 0.0, &mut factor).ok()?;
+        let mut covariance = -DMatrix::<f64>::identity(layout.dim(), layout.dim());
+        covariance
+            .as_mut_slice()
+            .chunks_exact_mut(layout.dim())
+            .for_each(|column| factor.solve_negated(column));
+        covariance.iter().all(|x| x.is_finite()).then_some(covariance)
     }
 
     pub(crate) fn apply(&mut self, at: &Linearisation, step: &[f64]) {

@@ -24,8 +24,6 @@ pub struct Frame {
     pub preint: Option<Preintegration>,
     /// The rest that it belongs to; `None` where something moved, or may have.
     pub rest: Option<Standstill>,
-    /// Where derivatives stay once the frame is in the prior.
-    pub(crate) first: Option<NavState>,
 }
 
 /// A rest, as one of its frames sees it.
@@ -130,7 +128,7 @@ impl Window {
         seen: &[Seen],
     ) -> usize {
         let frame = self.frames.len();
-        self.frames.push(Frame { t, state, preint, rest: None, first: None });
+        self.frames.push(Frame { t, state, preint, rest: None });
         let mut known = 0;
         let mut still_wrong = HashSet::new();
         for Seen { id, sighting } in seen {
@@ -195,16 +193,6 @@ impl Window {
     pub(crate) fn geometry(&self, host: usize, target: usize) -> PairGeometry {
         let pose = |f: usize| &self.frames[f].state.world_from_body;
         PairGeometry::new(pose(host), pose(target), &self.body_from_cam)
-    }
-
-    /// The same at the first estimates, where there are any.
-    pub(crate) fn first_geometry(&self, host: usize, target: usize) -> PairGeometry {
-        let pose = |f: usize| &self.first_or_now(f).world_from_body;
-        PairGeometry::new(pose(host), pose(target), &self.body_from_cam)
-    }
-
-    pub(crate) fn first_or_now(&self, frame: usize) -> &NavState {
-        self.frames[frame].first.as_ref().unwrap_or(&self.frames[frame].state)
     }
 
     /// The host's ray when its image was really taken.

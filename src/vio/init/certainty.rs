@@ -1,0 +1,115 @@
+//! How certain an adjusted window is of scale and gravity, and how much each inertial sensor was overruled in it.
+//!
+//! All comes from the covariance `S` of the window's unknowns ([`Window::covariance`]). For a group of whitened rows `r_g = J_g x` the
+//! redundancy is `n_g - tr(J_g S J_g^T)`: the sum of squares it should have. The root of what it has over that is the factor by which
+//! the group's noise was larger than said. Source: Forstner 1979 (variance components). The gyro's group is the rotation's three rows
+//! alone; the accelerometer's the six that position and velocity add to it.
+
+use crate::factors::inertial::{inertial_jacobians, sqrt_information};
+use crate::state::{POSITION, ROTATION, STATE_DIM};
+use crate::window::Window;
+use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3};
+
+/// Rows of position, rotation and velocity.
+const MOTION_ROWS: usize = 9;
+
+/// A group of whitened rows after the adjustment.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Excess {
+    /// Sum of squares.
+    squares: f64,
+    /// Its expectation.
+    redundancy: f64,
+}
+
+impl Excess {
+    /// The factor on the group's deviation, starting from a `prior` factor that counts as much as `weight` redundant rows, where
+    /// the rows were expected to be `now` times as large as their noise says.
+    pub(super) fn factor(&self, now: f64, prior: f64, weight: f64) -> f64 {
+        let squares = self.squares * now * now + prior * prior * weight;
+        (squares / (self.redundancy + weight)).sqrt()
+    }
+}
+
+/// Relative deviation of the frames' spread about their mean position: of the scale, when nothing else gives one.
+pub(super) fn scale_std(window: &Window, covariance: &DMatrix<f64>) -> f64 {
+    let layout = window.layout();
+    let positions: Vec<Vector3<f64>> =
+        window.frames().iter().map(|f| f.state.world_from_body.translation.vector).collect();
+    let mean = positions.iter().sum::<Vector3<f64>>() / positions.len().max(1) as f64;
+    let spread: f64 = positions.iter().map(|p| (p - mean).norm_squared()).sum();
+    if spread <= 0.0 {
+        return f64::INFINITY;
+    }
+    // d ln(sqrt(spread)) / d p_k = (p_k - mean) / spread
+    let mut slope = DVector::zeros(layout.dim());
+    for (frame, position) in positions.iter().enumerate() {
+        let at = layout.state(frame, POSITION);
+        slope.fixed_rows_mut::<3>(at).copy_from(&((position - mean) / spread));
+    }
+    slope.dot(&(covariance * &slope)).max(0.0).sqrt()
+}
+
+/// Deviation of the direction of gravity as the frame's body sees it \[rad\]: the larger of its two.
+pub(super) fn gravity_std(window: &Window, covariance: &DMatrix<f64>, frame: usize) -> f64 {
+    let at = window.layout().state(frame, ROTATION);
+    let r_wb = window.frames()[frame].state.world_from_body.rotation.to_rotation_matrix();
+    let block: Matrix3<f64> = covariance.fixed_view::<3, 3>(at, at).into_owned();
+    let in_world = r_wb.matrix() * block * r_wb.matrix().transpose();
+    let tilt = in_world.fixed_view::<2, 2>(0, 0).into_owned();
+    tilt.symmetric_eigenvalues().max().max(0.0).sqrt()
+}
+
+/// What the gyro's and the accelerometer's whitened rows sum to and should.
+pub(super) fn inertial_excess(window: &Window, covariance: &DMatrix<f64>) -> [Excess; 2] {
+    let layout = window.layout();
+    let mut excess = [Excess::default(); 2];
+    for j in 1..window.frames().len() {
+        let Some(preint) = &window.frames()[j].preint else { continue };
+        let Some(root) = sqrt_information(preint) else { continue };
+        let (i, frames) = (j - 1, window.frames());
+        let (residual, d_i, d_j) = inertial_jacobians(preint, &frames[i].state, &frames[j].state);
+        let place = |k: usize| layout.state(if k < STATE_DIM { i } else { j }, k % STATE_DIM);
+        let block = DMatrix::from_fn(2 * STATE_DIM, 2 * STATE_DIM, |r, c| covariance[(place(r), place(c))]);
+        let mut d = SMatrix::<f64, STATE_DIM, { 2 * STATE_DIM }>::zeros();
+        d.fixed_columns_mut::<STATE_DIM>(0).copy_from(&d_i);
+        d.fixed_columns_mut::<STATE_DIM>(STATE_DIM).copy_from(&d_j);
+        let explained = d * block * d.transpose();
+        // A lower triangular root whitens its first rows alone, too.
+        let motion = root.fixed_view::<MOTION_ROWS, MOTION_ROWS>(0, 0).into_owned();
+        let all = Excess {
+            squares: (motion * residual.fixed_rows::<MOTION_ROWS>(0)).norm_squared(),
+            redundancy: MOTION_ROWS as f64
+                - (motion * explained.fixed_view::<MOTION_ROWS, MOTION_ROWS>(0, 0) * motion.transpose())
+                    .trace(),
+        };
+        let rotation = preint.covariance().fixed_view::<3, 3>(ROTATION, ROTATION).into_owned();
+        let Some(information) = rotation.try_inverse() else { continue };
+        let turn = residual.fixed_rows::<3>(ROTATION).into_owned();
+        let gyro = Excess {
+            squares: turn.dot(&(information * turn)),
+            redundancy: 3.0 - (information * explained.fixed_view::<3, 3>(ROTATION, ROTATION)).trace(),
+        };
+        let accel =
+            Excess { squares: all.squares - gyro.squares, redundancy: all.redundancy - gyro.redundancy };
+        for (sum, one) in excess.iter_mut().zip([gyro, accel]) {
+            sum.squares += one.squares;
+            sum.redundancy += one.redundancy.max(0.0);
+        }
+    }
+    excess
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_factor_moves_from_the_prior_to_what_the_rows_say_as_they_outweigh_it() {
+        let none = Excess { squares: 0.0, redundancy: 0.0 };
+        assert!((none.factor(1.0, 3.0, 6.0) - 3.0).abs() < 1e-12);
+        let many = Excess { squares: 4e4, redundancy: 1e4 };
+        // Twice as large as expected, where 1.5 times the noise was expected: three times the noise.
+        assert!((many.factor(1.5, 1.0, 6.0) - 3.0).abs() < 1e-2);
+    }
+}
