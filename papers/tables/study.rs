@@ -28,8 +28,8 @@ fn what(noise: &Noise) -> String {
         }
         Noise::Plus { of, .. } => return format!("{}, and a constant", what(of)),
         _ if *noise == specs::noise(DATA_SHEET) => "data sheet",
-        Noise::Core(_) if noise.is_constant() => "constant",
-        Noise::Core(_) => "simple estimator",
+        Noise::Sensors(_) if noise.is_constant() => "constant",
+        Noise::Sensors(_) => "simple estimator",
     };
     words.to_owned()
 }
