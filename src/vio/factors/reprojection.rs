@@ -306,6 +306,36 @@ mod tests {
     }
 
     #[test]
+    fn a_bearing_is_a_sighting_whose_deviations_are_angles() {
+        for seed in 0..20 {
+            let mut rng = Stream::new(seed).named("bearing").rng();
+            let bearing =
+                Vector3::new(rng.random_range(-1.0..1.0), rng.random_range(-1.0..1.0), 1.5f64).normalize();
+            let std = 3e-3;
+            let seen = Sighting::from_bearing(&bearing, std).unwrap();
+            let moved = |d: &DVector<f64>| {
+                (bearing + tangent_basis(&bearing) * Vector2::new(d[0], d[1]) * std).normalize()
+            };
+            // Its own pixel, one deviation off, and what it says of a point seen elsewhere.
+            check_jacobian("d_ray_d_pixel", &seen.spread, 1e-6, |d| {
+                let ray = moved(d) / moved(d).z;
+                DVector::from_column_slice(&[ray.x, ray.y])
+            });
+            check_jacobian("d_res_d_bearing", &Matrix2::identity(), 1e-6, |d| {
+                DVector::from_column_slice((seen.whiten * (moved(d) - seen.bearing)).as_slice())
+            });
+            let mut louder = seen;
+            louder.rescale(2.0);
+            let again = Sighting::from_bearing(&bearing, 2.0 * std).unwrap();
+            assert!(
+                (louder.whiten - again.whiten).amax() < 1e-9 && (louder.spread - again.spread).amax() < 1e-15
+            );
+        }
+        assert_eq!(Sighting::from_bearing(&Vector3::x(), 1e-3), None);
+        assert_eq!(Sighting::from_bearing(&-Vector3::z(), 1e-3), None);
+    }
+
+    #[test]
     fn a_true_landmark_has_no_residual_and_a_pixel_off_is_one_over_its_deviation() {
         let camera = PinholeRadtan::euroc_cam0();
         let body_from_cam = Case::random(3).body_from_cam;

@@ -82,3 +82,10 @@ pub(super) fn rescale(window: &mut Window, factor: f64) {
     let sightings = window.landmarks.iter_mut().flat_map(|l| &mut l.sightings);
     sightings.for_each(|(_, sighting)| sighting.rescale(factor));
 }
+
+/// Moves to where the adjustment settles, however long that takes.
+#[cfg(test)]
+pub(super) fn settle(window: &mut Window) {
+    solve(window, 30);
+    window.settle(20);
+}

@@ -103,6 +103,120 @@ pub(super) fn inertial_excess(window: &Window, covariance: &DMatrix<f64>) -> [Ex
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::factors::loss::Loss;
+    use crate::init::adjustment::{self, settle};
+    use crate::init::frame::{InitFrame, tracks};
+    use crate::init::tests::{Scene, body_from_cam, gentle_flight};
+    use crate::preint::{NoisySample, Preintegration};
+    use crate::state::{ACCEL_BIAS, GYRO_BIAS, NavState};
+    use crate::window::Prior;
+    use dpn_core::ImuSample;
+    use dpn_core::geometry::sphere::tangent_basis;
+    use dpn_core::random::Stream;
+    use nalgebra::Vector2;
+    use rand_distr::{Distribution, StandardNormal};
+
+    const FRAMES: usize = 6;
+    /// Deviation of a direction \[rad\].
+    const TRACK_STD: f64 = 1e-3;
+
+    /// An exact flight as a window at the truth, its gauge held; the samples' noise is the baseline's.
+    fn exact(seed: u64) -> Window {
+        let scene = Scene::new(&gentle_flight(seed), FRAMES, 0.25, 0.0, seed);
+        let mut window = adjustment::window(body_from_cam(), 0.0);
+        // What is said holds for normal noise; robust weights would give up some of it.
+        window.config.loss = Loss::Squared;
+        let frames: Vec<&InitFrame> = scene.frames.iter().collect();
+        for (k, frame) in frames.iter().enumerate() {
+            let state = NavState {
+                world_from_body: scene.cameras[k] * body_from_cam().inverse(),
+                vel_in_world: scene.velocities[k],
+                bias: scene.bias,
+            };
+            let preint = k.checked_sub(1).map(|p| scene.preints[p].clone());
+            window.add_frame(frame.t, state, preint, &[]);
+        }
+        window.landmarks = tracks(&frames, TRACK_STD);
+        window.retain_landmarks(|l| l.id % 4 == 0);
+        window.triangulate();
+        let mut prior = Prior::about(&window, vec![window.frames()[0].state]);
+        prior.hold(0, POSITION, 1e-5);
+        prior.hold_heading(0, 1e-5);
+        // The biases are known: their prior's noise need not be drawn.
+        prior.hold(0, ACCEL_BIAS, 1e-6);
+        prior.hold(0, GYRO_BIAS, 1e-6);
+        window.prior = Some(prior);
+        settle(&mut window);
+        window
+    }
+
+    /// The flight as noisy tracks and a noisy IMU would have told it, adjusted.
+    fn noisy_copy(exact: &Window, copy: u64) -> Window {
+        let mut rng = Stream::new(copy).named("certainty").rng();
+        let mut normal = move || -> f64 { StandardNormal.sample(&mut rng) };
+        let mut window = exact.clone();
+        for frame in window.frames.iter_mut().skip(1) {
+            let Some(preint) = &frame.preint else { continue };
+            let mut off = |std: [f64; 3], value: [f64; 3]| [0, 1, 2].map(|k| value[k] + std[k] * normal());
+            let mut samples = preint.samples().iter().map(|s| {
+                let accel = off(s.noise.of(dpn_core::Sensor::Accel), s.sample.accel);
+                let gyro = off(s.noise.of(dpn_core::Sensor::Gyro), s.sample.gyro);
+                NoisySample { sample: ImuSample { accel, gyro, ..s.sample }, ..*s }
+            });
+            let mut again = Preintegration::new(*preint.config(), *preint.bias(), samples.next().unwrap());
+            samples.for_each(|s| again.push(s));
+            frame.preint = Some(again);
+        }
+        for (_, sighting) in window.landmarks.iter_mut().flat_map(|l| &mut l.sightings) {
+            let off = tangent_basis(&sighting.bearing) * Vector2::new(normal(), normal()) * TRACK_STD;
+            let bearing = (sighting.bearing + off).normalize();
+            *sighting = crate::factors::reprojection::Sighting::from_bearing(&bearing, TRACK_STD).unwrap();
+        }
+        settle(&mut window);
+        window
+    }
+
+    /// Natural logarithm of the frames' root mean square distance from their mean.
+    fn log_spread(window: &Window) -> f64 {
+        let positions: Vec<_> =
+            window.frames().iter().map(|f| f.state.world_from_body.translation.vector).collect();
+        let mean = positions.iter().sum::<Vector3<f64>>() / positions.len() as f64;
+        0.5 * positions.iter().map(|p| (p - mean).norm_squared()).sum::<f64>().ln()
+    }
+
+    #[test]
+    fn deviations_are_those_of_noisy_copies() {
+        /// Noisy copies.
+        const COPIES: u64 = 150;
+        let exact = exact(4);
+        let covariance = exact.covariance().unwrap();
+        let newest = FRAMES - 1;
+        let up = |w: &Window| w.frames()[newest].state.world_from_body.rotation.inverse() * Vector3::z();
+        let (mut scales, mut tilts) = (0.0, 0.0);
+        let (mut squares, mut redundancy, mut track_factor) = ([0.0; 2], [0.0; 2], 0.0);
+        for copy in 0..COPIES {
+            let noisy = noisy_copy(&exact, copy);
+            scales += (log_spread(&noisy) - log_spread(&exact)).powi(2);
+            tilts += up(&noisy).cross(&up(&exact)).norm_squared();
+            for (k, excess) in inertial_excess(&noisy, &covariance).iter().enumerate() {
+                squares[k] += excess.squares;
+                redundancy[k] += excess.redundancy;
+            }
+            track_factor += adjustment::track_std_factor(&noisy, |landmarks| 3.0 * landmarks as f64);
+        }
+        // The deviation of a deviation from n samples is 1/sqrt(2 n), here 6 %.
+        let ratio = (scales / COPIES as f64).sqrt() / scale_std(&exact, &covariance);
+        assert!((0.82..1.25).contains(&ratio), "scale: sampled over said {ratio:.3}");
+        // Two directions, of which the larger deviation is said.
+        let ratio = (tilts / COPIES as f64).sqrt() / gravity_std(&exact, &covariance, newest);
+        assert!((0.82..1.7).contains(&ratio), "tilt: sampled over said {ratio:.3}");
+        for (name, k) in [("gyro", 0), ("accelerometer", 1)] {
+            let ratio = squares[k] / redundancy[k];
+            assert!((0.85..1.15).contains(&ratio), "{name}: squares over redundancy {ratio:.3}");
+        }
+        let factor = track_factor / COPIES as f64;
+        assert!((0.93..1.07).contains(&factor), "tracks: {factor:.3} of their deviation");
+    }
 
     #[test]
     fn a_factor_moves_from_the_prior_to_what_the_rows_say_as_they_outweigh_it() {

@@ -132,6 +132,24 @@ fn ranked_pairs(input: &Input<'_>, config: &InitConfig) -> Result<Vec<(usize, us
     Ok(pairs.into_iter().map(|(_, a, b)| (a, b)).collect())
 }
 
+/// A known point and where a frame sees it, all in the world's axes.
+struct Observation {
+    /// From the host's camera, at depth 1.
+    ray: Vector3<f64>,
+    /// The host's camera.
+    host: Vector3<f64>,
+    inverse_depth: f64,
+    /// Unit vector as measured by the frame.
+    bearing: Vector3<f64>,
+}
+
+impl Observation {
+    /// The point as seen from `centre`, times its inverse depth.
+    fn point_from(&self, centre: &Vector3<f64>) -> Vector3<f64> {
+        self.ray + self.inverse_depth * (self.host - centre)
+    }
+}
+
 /// A structure to which frames are added.
 struct Growing<'a> {
     input: &'a Input<'a>,
@@ -169,8 +187,8 @@ impl<'a> Growing<'a> {
         }
     }
 
-    /// Points with a depth that a frame sees: ray and place of the host's camera in the world, inverse depth, direction seen.
-    fn known(&self, frame: usize) -> Vec<(Vector3<f64>, Vector3<f64>, f64, Vector3<f64>)> {
+    /// Points with a depth that a frame sees.
+    fn known(&self, frame: usize) -> Vec<Observation> {
         self.tracks
             .iter()
             .zip(&self.landmarks)
@@ -178,9 +196,12 @@ impl<'a> Growing<'a> {
                 let landmark = landmark.as_ref()?;
                 let host = self.cameras[landmark.host()]?;
                 let (_, seen) = track.sightings.iter().find(|(f, _)| *f == frame)?;
-                let ray = host.rotation * landmark.host_sighting().ray;
-                let seen = self.input.rotations[frame] * seen.bearing;
-                Some((ray, host.translation.vector, landmark.inverse_depth?, seen))
+                Some(Observation {
+                    ray: host.rotation * landmark.host_sighting().ray,
+                    host: host.translation.vector,
+                    inverse_depth: landmark.inverse_depth?,
+                    bearing: self.input.rotations[frame] * seen.bearing,
+                })
             })
             .collect()
     }
@@ -197,7 +218,7 @@ impl<'a> Growing<'a> {
 
     /// The centre from which a frame sees the known points where it sees them.
     ///
-    /// `(I - f f^T)(m + l (c_host - c)) = 0` is linear in `c`; a residual counts by the angle that it is.
+    /// `(I - f f^T)(m + l (c_host - c)) = 0` (ray `m`, inverse depth `l`, bearing `f`) is linear in `c`; a residual counts by the angle that it is.
     fn resect(&self, frame: usize) -> Option<Vector3<f64>> {
         let known = self.known(frame);
         let mut centre: Option<Vector3<f64>> = None;
@@ -205,26 +226,26 @@ impl<'a> Growing<'a> {
             let (mut moments, mut right) = (Matrix3::zeros(), Vector3::zeros());
             // As with the gyro's bias, the weights' scale comes down from that of a first, blind solution.
             let scale = self.noise * [8.0, 8.0, 4.0, 2.0, 1.5, 1.5][round];
-            for (ray, host, inverse_depth, f) in &known {
-                let across = Matrix3::identity() - f * f.transpose();
+            for seen in &known {
+                let across = Matrix3::identity() - seen.bearing * seen.bearing.transpose();
                 let weight = centre.map_or(1.0, |c| {
-                    let seen = ray + *inverse_depth * (host - c);
-                    let length = seen.norm().max(1e-3);
-                    let squared = ((across * seen).norm() / length / scale).powi(2);
+                    let point = seen.point_from(&c);
+                    let length = point.norm().max(1e-3);
+                    let squared = ((across * point).norm() / length / scale).powi(2);
                     robust::weight(squared) / (length * length)
                 });
-                moments += weight * inverse_depth * inverse_depth * across;
-                right += weight * inverse_depth * across * (ray + *inverse_depth * host);
+                moments += weight * seen.inverse_depth * seen.inverse_depth * across;
+                right += weight * seen.inverse_depth * across * seen.point_from(&Vector3::zeros());
             }
             centre = Some(moments.cholesky()?.solve(&right));
         }
         let centre = centre.filter(|c| c.iter().all(|x| x.is_finite()))?;
         let limit = 2.0 * OUTLIER_DEVIATIONS * self.noise;
-        let agrees = |(ray, host, inverse_depth, f): &&(Vector3<f64>, Vector3<f64>, f64, Vector3<f64>)| {
-            let seen = ray + *inverse_depth * (host - centre);
-            seen.dot(f) > 0.0 && seen.cross(f).norm() < limit * seen.norm()
-        };
-        let agree = known.iter().filter(agrees).count();
+        let agree = known.iter().filter(|seen| {
+            let point = seen.point_from(&centre);
+            point.dot(&seen.bearing) > 0.0 && point.cross(&seen.bearing).norm() < limit * point.norm()
+        });
+        let agree = agree.count();
         (agree >= MIN_POINTS && 2 * agree >= known.len()).then_some(centre)
     }
 }

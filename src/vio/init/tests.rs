@@ -19,23 +19,6 @@ pub(crate) fn body_from_cam() -> Isometry3<f64> {
     Isometry3::new(Vector3::new(-0.0216, -0.0647, 0.0098), Vector3::new(0.02, -0.03, 1.55))
 }
 
-/// Some random samples as an interval.
-pub(crate) fn random_preintegration(samples: usize, seed: u64) -> Preintegration {
-    let mut rng = Stream::new(seed).named("random-preintegration").rng();
-    let mut next = |k: usize| NoisySample {
-        sample: ImuSample {
-            t: Stamp::from_ns(5_000_000 * k as i64),
-            gyro: std::array::from_fn(|_| rng.random_range(-1.0..1.0)),
-            accel: std::array::from_fn(|_| rng.random_range(-12.0..12.0)),
-        },
-        noise: ImuNoise::baseline(),
-    };
-    let bias = ImuBias { accel: Vector3::new(0.1, -0.2, 0.05), gyro: Vector3::new(0.01, 0.02, -0.01) };
-    let mut preint = Preintegration::new(PreintegrationConfig::default(), bias, next(0));
-    (1..samples).for_each(|k| preint.push(next(k)));
-    preint
-}
-
 /// A hand-held sway of some decimetres and some degrees.
 pub(crate) fn gentle_flight(seed: u64) -> impl Fn(f64) -> Isometry3<f64> {
     let mut rng = Stream::new(seed).named("gentle-flight").rng();

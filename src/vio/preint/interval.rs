@@ -308,6 +308,29 @@ mod tests {
     }
 
     #[test]
+    fn noise_scaled_is_noise_told_so_from_the_start() {
+        let mut rng = rng("scaled", 1);
+        let (bias, other) = (random_bias(&mut rng), random_bias(&mut rng));
+        let samples = lively(&mut rng, 200.0, 30, true);
+        let told: Vec<_> = samples
+            .iter()
+            .map(|s| {
+                let [accel, gyro] = [(Sensor::Accel, 3.0), (Sensor::Gyro, 0.5)]
+                    .map(|(sensor, factor)| s.noise.of(sensor).map(|std| factor * std));
+                NoisySample { noise: ImuNoise::from_values(accel, gyro).unwrap(), ..*s }
+            })
+            .collect();
+        for imu_cov in MODELS {
+            let preint = integrate(default(imu_cov), other, &samples);
+            let scaled = preint.with_noise_scaled(bias, 3.0, 0.5).unwrap();
+            let expected = integrate(default(imu_cov), bias, &told);
+            assert_eq!(scaled.delta(), expected.delta());
+            assert_eq!(scaled.covariance(), expected.covariance());
+            assert!(preint.with_noise_scaled(bias, f64::NAN, 1.0).is_err());
+        }
+    }
+
+    #[test]
     fn a_single_sample_moves_nothing() {
         let mut rng = rng("single", 1);
         let preint = Preintegration::new(

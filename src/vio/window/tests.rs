@@ -151,6 +151,37 @@ fn the_equations_predict_the_cost_of_a_small_step() {
     assert!((kept - promised).abs() < 0.05 * promised.abs(), "promised {promised:.4e}, kept {kept:.4e}");
 }
 
+#[test]
+fn the_covariance_of_all_ends_with_that_of_the_newest_pose() {
+    let mut window = window(&scene(5), 8, config());
+    window.optimise();
+    let (all, pose) = (window.covariance().unwrap(), window.newest_pose_covariance().unwrap());
+    let corner = all.view((all.nrows() - 6, all.ncols() - 6), (6, 6)).into_owned();
+    assert!((corner - pose).amax() < 1e-6 * pose.amax());
+    assert!((&all - all.transpose()).amax() < 1e-6 * all.amax());
+    window.prior = None;
+    assert!(window.covariance().is_none(), "nothing holds the gauge");
+}
+
+#[test]
+fn settling_goes_on_to_where_robust_weights_leave_no_step() {
+    let mut window = window(&scene(9), 8, WindowConfig { loss: Loss::Cauchy, loss_scale: 1.0, ..config() });
+    window.optimise();
+    let step = |window: &Window| {
+        let layout = window.layout();
+        let mut at = Linearisation::default();
+        at.compute(window, &layout, Part::All, 0.0);
+        let mut factor = normal::Factor::default();
+        at.normal.factor(|_| 0.0, &mut factor).unwrap();
+        let mut step = at.normal.gradient().to_vec();
+        factor.solve_negated(&mut step);
+        step.iter().fold(0.0f64, |largest, d| largest.max(d.abs()))
+    };
+    let before = step(&window);
+    window.settle(20);
+    assert!(step(&window) < 1e-2 * before && step(&window) < 1e-6, "{before:.1e} {:.1e}", step(&window));
+}
+
 /// What landmarks leave over the states, against the same written down as one dense system and reduced by an inverse.
 #[test]
 fn landmarks_leave_what_a_dense_schur_complement_leaves() {
