@@ -442,6 +442,24 @@ mod tests {
     }
 
     #[test]
+    fn tracks_that_are_not_there_are_an_error_and_never_none() {
+        let config = FlightConfig::default();
+        for tracks in [
+            Tracks::Given(PathBuf::from("tracks")),
+            Tracks::Seen(Images::Rendered(Box::default())),
+            Tracks::Seen(Images::Folder { skip_missing: false }),
+        ] {
+            let source = Source::Flights { config: config.clone(), tracks };
+            let error = source.frames(0, 1).unwrap_err().to_string();
+            assert!(error.starts_with("f01-hall-slow: it has no file of tracks"), "{error}");
+        }
+        let folder = Tracks::Seen(Images::Folder { skip_missing: false });
+        let source = Source::Flights { config, tracks: folder };
+        let error = source.camera_input(0, 1, &Span::from(0.0)).err().unwrap();
+        assert!(matches!(error, ClosedLoopError::NoImages { asked: false, .. }), "{error}");
+    }
+
+    #[test]
     fn a_flight_has_truth_oracle_and_tracks_on_its_samples_clock() {
         let source = Source::Flights {
             config: FlightConfig::default(),
