@@ -10,7 +10,7 @@ use dpn_core::Sensor;
 use dpn_core::estimate::Noise;
 use dpn_core::progress::Progress;
 use dpn_core::random::Stream;
-use dpn_eval::closed_loop::{ClosedLoopError, Keep, Manifest, Row, Source, Sweep, Unseen};
+use dpn_eval::closed_loop::{ClosedLoopError, Keep, Manifest, Row, SequenceSet, Sweep, UntrackedSequence};
 use dpn_eval::injected::{Course, Injection};
 use dpn_eval::noise::{Fresh, Recorded};
 use dpn_eval::open_loop::{self, Request};
@@ -37,7 +37,7 @@ pub(super) struct Made<T> {
 struct Loop<'a> {
     /// What its folder's name begins with.
     name: String,
-    source: &'a Source,
+    source: &'a SequenceSet,
     places: Vec<usize>,
     /// Noises, and with how many seeds.
     noises: (&'a [String], u64),
@@ -117,7 +117,7 @@ impl Paper<'_> {
         networks: &str,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
-    ) -> Result<(Made<Vec<Row>>, Vec<Unseen>), PaperError> {
+    ) -> Result<(Made<Vec<Row>>, Vec<UntrackedSequence>), PaperError> {
         let study = Loop {
             name: "closed-loop".into(),
             source: &self.input.source,
@@ -183,7 +183,7 @@ impl Paper<'_> {
         networks: &str,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
-    ) -> Result<(Made<Vec<Row>>, Vec<Unseen>), PaperError> {
+    ) -> Result<(Made<Vec<Row>>, Vec<UntrackedSequence>), PaperError> {
         // One seed where nothing depends on it.
         let seeded = wanted.source.tracks_are_seeded() || wanted.source.recordings_are_seeded();
         let first = self.plan.seed;
@@ -213,7 +213,7 @@ impl Paper<'_> {
             }
         }
         let mut watch = Watch { inner: progress, stepped: false };
-        let (value, unseen) = sweep.run_what_is_seen(&dir, &manifest, stop, &mut watch)?;
+        let (value, unseen) = sweep.run_what_can_be_tracked(&dir, &manifest, stop, &mut watch)?;
         Ok((Made { value, run, cached: !watch.stepped }, unseen))
     }
 

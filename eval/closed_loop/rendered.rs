@@ -89,12 +89,12 @@ impl Drop for Ahead {
 mod tests {
     use super::*;
     use dpn_sim::Flight;
-    use dpn_sim::tracks::{Bounds, CameraPath};
-    use nalgebra::Isometry3;
-    use std::sync::atomic::{AtomicBool, Ordering};
     use dpn_sim::flight::FlightPlan;
     use dpn_sim::tracks::{AnalyticPath, CameraSettings};
+    use dpn_sim::tracks::{Bounds, CameraPath};
+    use nalgebra::Isometry3;
     use std::sync::Arc;
+    use std::sync::atomic::{AtomicBool, Ordering};
 
     fn config() -> RenderConfig {
         let camera = CameraSettings {
