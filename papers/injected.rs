@@ -6,7 +6,7 @@ use dpn_core::Sensor;
 use dpn_core::estimate::Noise;
 use dpn_core::random::Stream;
 use dpn_core::signal::stats::median_of;
-use dpn_eval::closed_loop::Source;
+use dpn_eval::closed_loop::SequenceSet;
 use dpn_eval::injected::{Course, Injection, step_response};
 use dpn_eval::noise::{Fresh, Recorded};
 use dpn_eval::stats::StatsError;
@@ -39,7 +39,7 @@ fn axes(course: Course) -> &'static [usize] {
 
 /// Responses of all `noises` to all courses with a change, over the sequences at `places`.
 pub(super) fn responses(
-    source: &Source,
+    source: &SequenceSet,
     places: &[usize],
     noises: &[Noise],
     networks: &[Network],

@@ -2,7 +2,9 @@
 
 use super::error::PaperError;
 use dpn_core::ImuRecording;
-use dpn_eval::closed_loop::{ClosedLoopError, Images, Source, Tracks, Unseen, has_images};
+use dpn_eval::closed_loop::{
+    ClosedLoopError, ImageSource, SequenceSet, TrackSource, UntrackedSequence, has_images,
+};
 use dpn_eval::published;
 use dpn_io::asl::Sequence;
 use dpn_sim::tracks::TracksConfig;
@@ -47,7 +49,7 @@ impl CameraChoice {
     const ALL: [Self; 4] = [Self::Auto, Self::Images, Self::Rendered, Self::Tracks];
 
     /// The sequences of `dir` (the simulated flights without one) as this camera shows them, and why this one, in words. `wanted` are names
-    /// as for [`Source::select`].
+    /// as for [`SequenceSet::select`].
     ///
     /// # Errors
     /// A folder that cannot be listed, a sequence that is not there, images of flights.
@@ -56,9 +58,9 @@ impl CameraChoice {
         dir: Option<&Path>,
         wanted: &str,
         with: &Cameras,
-    ) -> Result<(Source, String), PaperError> {
-        let rendered = || Tracks::Seen(Images::Rendered(Box::new(with.rendered.clone())));
-        let own = || Tracks::Seen(Images::Folder { skip_missing: false });
+    ) -> Result<(SequenceSet, String), PaperError> {
+        let rendered = || TrackSource::Images(ImageSource::Rendered(Box::new(with.rendered.clone())));
+        let own = || TrackSource::Images(ImageSource::Folder { skip_missing: false });
         let Some(dir) = dir else {
             let (tracks, why) = match self {
                 Self::Images => {
@@ -72,36 +74,40 @@ impl CameraChoice {
                     (rendered(), "along the true path, for simulated flights have no images")
                 }
                 Self::Auto => (
-                    Tracks::Made(with.made.clone()),
+                    TrackSource::Simulated(with.made.clone()),
                     "simulated flights have no images, and to render some takes long; tracks are made along their true path",
                 ),
-                Self::Tracks => (Tracks::Made(with.made.clone()), "made along the true path, as asked for"),
+                Self::Tracks => {
+                    (TrackSource::Simulated(with.made.clone()), "made along the true path, as asked for")
+                }
             };
-            return Ok((Source::Flights { config: with.flights.clone(), tracks }, why.into()));
+            return Ok((SequenceSet::Flights { config: with.flights.clone(), tracks }, why.into()));
         };
         let (tracks, words) = match &with.given {
-            Some(folder) => (Tracks::Given(folder.clone()), "the given ones"),
-            None => (Tracks::Made(with.made.clone()), "made along the ground truth"),
+            Some(folder) => (TrackSource::File(folder.clone()), "the given ones"),
+            None => (TrackSource::Simulated(with.made.clone()), "made along the ground truth"),
         };
         let tracks = || tracks.clone();
         match self {
             Self::Images => {
-                return Ok((Source::recorded(dir, own())?, "the sequences' own, as asked for".into()));
+                return Ok((SequenceSet::recorded(dir, own())?, "the sequences' own, as asked for".into()));
             }
             Self::Rendered => {
                 return Ok((
-                    Source::recorded(dir, rendered())?,
+                    SequenceSet::recorded(dir, rendered())?,
                     "along the ground truth, as asked for".into(),
                 ));
             }
-            Self::Tracks => return Ok((Source::recorded(dir, tracks())?, format!("{words}, as asked for"))),
+            Self::Tracks => {
+                return Ok((SequenceSet::recorded(dir, tracks())?, format!("{words}, as asked for")));
+            }
             Self::Auto if with.given.is_some() => {
-                return Ok((Source::recorded(dir, tracks())?, format!("{words}, as asked for")));
+                return Ok((SequenceSet::recorded(dir, tracks())?, format!("{words}, as asked for")));
             }
             Self::Auto => {}
         }
-        let source = Source::recorded(dir, tracks())?;
-        let Source::Recorded { sequences, .. } = &source else { return Ok((source, words.into())) };
+        let source = SequenceSet::recorded(dir, tracks())?;
+        let SequenceSet::Recorded { sequences, .. } = &source else { return Ok((source, words.into())) };
         let places = source.select(wanted)?;
         let of = |has: &dyn Fn(&Sequence) -> bool| {
             places.iter().filter(|place| has(&sequences[**place].0)).count()
@@ -109,11 +115,14 @@ impl CameraChoice {
         // One whose list of images does not read is named with its reason when the input is checked.
         let without = of(&|sequence| matches!(has_images(sequence), Ok(false)));
         if without == 0 {
-            return Ok((Source::recorded(dir, own())?, "every sequence has its own".into()));
+            return Ok((SequenceSet::recorded(dir, own())?, "every sequence has its own".into()));
         }
         let none = format!("{without} of {} sequences have no images here", places.len());
         if of(&|sequence| sequence.ground_truth_path().is_some()) > 0 && !with.quick {
-            return Ok((Source::recorded(dir, rendered())?, format!("along the ground truth, for {none}")));
+            return Ok((
+                SequenceSet::recorded(dir, rendered())?,
+                format!("along the ground truth, for {none}"),
+            ));
         }
         let long = if with.quick { ", and to render some takes long" } else { "" };
         Ok((source, format!("{words}, for {none}{long}")))
@@ -156,16 +165,16 @@ pub struct Input {
     /// Name of the collection, `euroc` or `simulated`.
     pub name: String,
     /// Sequences of the closed loop.
-    pub source: Source,
+    pub source: SequenceSet,
     /// Places of those that are used.
     pub places: Vec<usize>,
     /// Those that are not.
     pub missing: Vec<Missing>,
     /// Those whose samples are used and that the odometry could not see: without rows where it runs.
     pub unseen: Vec<Missing>,
-    /// The sequences as the odometry sees them where noise is added: [`Source`], but for rendered images, in whose place there are tracks made
+    /// The sequences as the odometry sees them where noise is added: [`SequenceSet`], but for rendered images, in whose place there are tracks made
     /// along the ground truth.
-    pub injected: Source,
+    pub injected: SequenceSet,
     /// The recordings of those used: windows of the open loop come from them.
     pub corpus: Corpus,
     /// Minutes of the IMU of each sequence used, and its samples.
@@ -179,7 +188,7 @@ impl Input {
     /// # Errors
     /// No sequence that reads.
     pub fn check(
-        source: Source,
+        source: SequenceSet,
         wanted: &[usize],
         whole: bool,
         made: &TracksConfig,
@@ -216,17 +225,17 @@ impl Input {
         }
         missing.sort_by(|a, b| a.name.cmp(&b.name));
         let name = match &source {
-            Source::Flights { .. } => "simulated",
-            Source::Recorded { .. } if of_paper => "euroc",
-            Source::Recorded { .. } => "recorded",
+            SequenceSet::Flights { .. } => "simulated",
+            SequenceSet::Recorded { .. } if of_paper => "euroc",
+            SequenceSet::Recorded { .. } => "recorded",
         };
         let corpus = Corpus { name: name.into(), members };
         let injected = match source.clone() {
-            Source::Recorded { sequences, tracks: Tracks::Seen(Images::Rendered(_)) } => {
-                Source::Recorded { sequences, tracks: Tracks::Made(made.clone()) }
+            SequenceSet::Recorded { sequences, tracks: TrackSource::Images(ImageSource::Rendered(_)) } => {
+                SequenceSet::Recorded { sequences, tracks: TrackSource::Simulated(made.clone()) }
             }
-            Source::Flights { config, tracks: Tracks::Seen(Images::Rendered(_)) } => {
-                Source::Flights { config, tracks: Tracks::Made(made.clone()) }
+            SequenceSet::Flights { config, tracks: TrackSource::Images(ImageSource::Rendered(_)) } => {
+                SequenceSet::Flights { config, tracks: TrackSource::Simulated(made.clone()) }
             }
             source => source,
         };
@@ -236,7 +245,7 @@ impl Input {
 
     /// Without these on the odometry's side.
     #[must_use]
-    pub(super) fn without(&self, unseen: &[Unseen]) -> Self {
+    pub(super) fn without(&self, unseen: &[UntrackedSequence]) -> Self {
         let names = self.source.names();
         let missing = unseen.iter().map(|unseen| {
             let name = names[unseen.place].0.clone();
@@ -306,17 +315,18 @@ fn notes<'a>(missing: impl Iterator<Item = &'a Missing>) -> Vec<String> {
 }
 
 /// The samples of a sequence that a loop can be closed on and windows can be cut from.
-fn usable(source: &Source, place: usize) -> Result<ImuRecording, String> {
+fn usable(source: &SequenceSet, place: usize) -> Result<ImuRecording, String> {
     let recording = source.recording(place, 0).map_err(|error| words(&error))?;
     if recording.truth.is_none() {
         return Err("it has no ground truth, so that nothing can be judged".into());
     }
     match source {
-        Source::Recorded { tracks: Tracks::Given(_), .. } => {
+        SequenceSet::Recorded { tracks: TrackSource::File(_), .. } => {
             source.frames(place, 0).map_err(|error| words(&error))?;
         }
-        Source::Recorded { sequences, tracks: Tracks::Seen(Images::Folder { .. }) } => {
-            if !has_images(&sequences[place].0).map_err(|error| words(&error.into()))? {
+        SequenceSet::Recorded { sequences, tracks: TrackSource::Images(ImageSource::Folder { .. }) } => {
+            let any = has_images(&sequences[place].0).map_err(|error| words(&error.into()))?;
+            if !any {
                 return Err("it has none of the images it lists".into());
             }
         }
@@ -355,7 +365,7 @@ mod tests {
         }
     }
 
-    fn check(source: Source, wanted: &[usize], whole: bool) -> Result<Input, PaperError> {
+    fn check(source: SequenceSet, wanted: &[usize], whole: bool) -> Result<Input, PaperError> {
         Input::check(source, wanted, whole, &TracksConfig::default())
     }
 
@@ -407,7 +417,7 @@ mod tests {
         let (source, _) = CameraChoice::Tracks.open(None, "all", &cameras()).unwrap();
         let input = check(source, &[7, 8], false).unwrap();
         let error = ClosedLoopError::NoImages { sequence: "f09-hover".into(), asked: false };
-        let left = input.without(&[Unseen { place: 8, error }]);
+        let left = input.without(&[UntrackedSequence { place: 8, error }]);
         assert_eq!((left.places.as_slice(), left.corpus.members.len(), left.notes().len()), (&[7][..], 2, 0));
         assert_eq!(left.notes_of_runs(), ["No row for f09-hover: it has no images."]);
     }

@@ -11,7 +11,7 @@ use dpn_core::Sensor;
 use dpn_core::estimate::Noise;
 use dpn_core::progress::Progress;
 use dpn_core::random::Stream;
-use dpn_eval::closed_loop::{ClosedLoopError, Keep, Manifest, Row, Source, Sweep, Unseen};
+use dpn_eval::closed_loop::{ClosedLoopError, Keep, Manifest, Row, SequenceSet, Sweep, UntrackedSequence};
 use dpn_eval::injected::{Course, Injection};
 use dpn_eval::noise::{Fresh, Recorded};
 use dpn_eval::open_loop::{self, Request};
@@ -38,7 +38,7 @@ pub(super) struct StageResult<T> {
 struct SweepRequest<'a> {
     /// What its folder's name begins with.
     name: String,
-    source: &'a Source,
+    source: &'a SequenceSet,
     places: Vec<usize>,
     /// Noises, and with how many seeds.
     noises: (&'a [String], u64),
@@ -118,7 +118,7 @@ impl Paper<'_> {
         networks: &str,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
-    ) -> Result<(StageResult<Vec<Row>>, Vec<Unseen>), PaperError> {
+    ) -> Result<(StageResult<Vec<Row>>, Vec<UntrackedSequence>), PaperError> {
         let study = SweepRequest {
             name: "closed-loop".into(),
             source: &self.input.source,
@@ -184,7 +184,7 @@ impl Paper<'_> {
         networks: &str,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
-    ) -> Result<(StageResult<Vec<Row>>, Vec<Unseen>), PaperError> {
+    ) -> Result<(StageResult<Vec<Row>>, Vec<UntrackedSequence>), PaperError> {
         // One seed where nothing depends on it.
         let seeded = wanted.source.tracks_are_seeded() || wanted.source.recordings_are_seeded();
         let first = self.plan.seed;
@@ -214,7 +214,7 @@ impl Paper<'_> {
             }
         }
         let mut watch = StepWatch { inner: progress, stepped: false };
-        let (value, unseen) = sweep.run_what_is_seen(&dir, &manifest, stop, &mut watch)?;
+        let (value, unseen) = sweep.run_what_can_be_tracked(&dir, &manifest, stop, &mut watch)?;
         Ok((StageResult { value, run, cached: !watch.stepped }, unseen))
     }
 

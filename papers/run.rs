@@ -15,7 +15,7 @@ use askama::Template as _;
 use dpn_core::Sensor;
 use dpn_core::estimate::Noise;
 use dpn_core::progress::Progress;
-use dpn_eval::closed_loop::{Images, Recording, Row, StartAt, Tracks};
+use dpn_eval::closed_loop::{ImageSource, Recording, Row, StartAt, TrackSource};
 use dpn_eval::injected::Course;
 use dpn_eval::study::{RowSet, Study};
 use dpn_figures::{Plot, Provenance, Sourced, Table, save};
@@ -286,10 +286,10 @@ impl Paper<'_> {
         let (accel, gyro) = (self.network(Sensor::Accel), self.network(Sensor::Gyro));
         let closed = results.closed.run.as_str();
         let camera = match self.input.source.tracks() {
-            Tracks::Made(config) => format!("tracks, {} Hz", config.rate_hz),
-            Tracks::Given(_) => "given tracks".to_owned(),
-            Tracks::Seen(Images::Folder { .. }) => "images, followed".to_owned(),
-            Tracks::Seen(Images::Rendered(_)) => "rendered images, followed".to_owned(),
+            TrackSource::Simulated(config) => format!("tracks, {} Hz", config.rate_hz),
+            TrackSource::File(_) => "given tracks".to_owned(),
+            TrackSource::Images(ImageSource::Folder { .. }) => "images, followed".to_owned(),
+            TrackSource::Images(ImageSource::Rendered(_)) => "rendered images, followed".to_owned(),
         };
         figures.add(
             "architecture_odometry",

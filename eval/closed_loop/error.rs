@@ -98,7 +98,7 @@ pub enum ClosedLoopError {
     },
     /// Images were looked at, and none showed anything.
     #[error("{sequence}: no track in its {images} images; {why}")]
-    NothingSeen {
+    NothingTracked {
         /// The sequence.
         sequence: String,
         /// How many there were.

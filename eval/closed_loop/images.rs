@@ -1,7 +1,7 @@
 //! The seam between whoever has images and the front-end.
 //!
 //! An [`ImageStream`] is all the front-end's side knows of them; the lens that took them is the [`Recording`](super::Recording)'s. [`Images`]
-//! names where a sequence's images come from: a new kind is a variant here and an arm in [`Source::images`](super::Source::images).
+//! names where a sequence's images come from: a new kind is a variant here and an arm in [`SequenceSet::camera_input`](super::SequenceSet::camera_input).
 
 use super::error::ClosedLoopError;
 use super::recording::Span;
@@ -20,7 +20,7 @@ pub type ImageStream<'a> = Box<dyn Iterator<Item = (Stamp, Result<GrayImage, IoE
 
 /// Where images come from.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Images {
+pub enum ImageSource {
     /// The sequence's own folder.
     Folder {
         /// Whether images that are listed but not there are passed over; else they are an error before the run begins.
@@ -30,7 +30,7 @@ pub enum Images {
     Rendered(Box<RenderConfig>),
 }
 
-impl Images {
+impl ImageSource {
     /// What a row calls them.
     pub fn name(&self) -> &'static str {
         match self {

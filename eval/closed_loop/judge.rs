@@ -153,7 +153,7 @@ fn median_step(poses: &[StampedPose]) -> Option<f64> {
 
 /// What a run was told.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Told {
+pub struct RunInfo {
     /// Where the images came from.
     pub camera: String,
     /// The noise spec.
@@ -179,7 +179,7 @@ pub struct Judged {
 ///
 /// # Errors
 /// As [`Errors::of`].
-pub fn judge(recording: &Recording, told: &Told, driven: &Driven) -> Result<Judged, ClosedLoopError> {
+pub fn judge(recording: &Recording, info: &RunInfo, driven: &Driven) -> Result<Judged, ClosedLoopError> {
     let poses = driven.poses();
     let covariances = driven.covariances();
     let errors = match &recording.truth {
@@ -197,10 +197,10 @@ pub fn judge(recording: &Recording, told: &Told, driven: &Driven) -> Result<Judg
     let row = Row {
         sequence: recording.name.clone(),
         split: recording.side,
-        camera: told.camera.clone(),
-        noise: told.noise.clone(),
-        seed: told.seed,
-        from_s: told.from_s,
+        camera: info.camera.clone(),
+        noise: info.noise.clone(),
+        seed: info.seed,
+        from_s: info.from_s,
         failure: failure(recording.truth.is_some(), &errors, poses.len(), completion),
         ate_se3: errors.ate_se3,
         ate_yaw: errors.ate_yaw,
@@ -235,7 +235,7 @@ pub fn judge(recording: &Recording, told: &Told, driven: &Driven) -> Result<Judg
             reject: seconds(Stage::Reject),
             slide: seconds(Stage::Slide),
         },
-        front_end: told.front_end.clone(),
+        front_end: info.front_end.clone(),
     };
     Ok(Judged { row, nees: errors.nees })
 }

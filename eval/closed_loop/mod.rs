@@ -1,6 +1,6 @@
 //! The closed loop: the odometry, told its noise by each of several sources, over sequences, seeds and starts, judged against the truth.
 //!
-//! * [`Source`] has the sequences: recordings on disk with camera tracks given or made along their ground truth, or simulated flights.
+//! * [`SequenceSet`] has the sequences: recordings on disk with camera tracks given or made along their ground truth, or simulated flights.
 //! * [`ImageStream`] is the seam for images. The estimator follows points through them; its own tracker does it once where many runs share the
 //!   tracks ([`CameraInput::tracks`]), to the same bits.
 //! * [`drive`] runs the estimator over one [`Recording`] with one noise track; [`judge`] makes a [`Row`] of what comes out.
@@ -14,17 +14,17 @@ mod error;
 mod image_report;
 mod images;
 mod judge;
-mod kept;
 mod lazy;
 mod parallel;
 mod recording;
 mod rendered;
 mod row;
+mod sequence_set;
 mod single;
-mod source;
 mod states;
 mod store;
 mod sweep;
+mod sweep_cache;
 mod tally;
 mod tracking;
 mod walk;
@@ -33,16 +33,16 @@ pub use consistency::{Consistency, consistency};
 pub use drive::{Driven, FEWEST_FRAMES, drive, frames_from};
 pub use error::ClosedLoopError;
 pub use image_report::{FrontEndFigures, ImageEvent, ImageReport, PassedOver};
-pub use images::{ImageStream, Images, has_images};
-pub use judge::{Errors, Judged, MAX_GAP_S, Told, judge, paired};
+pub use images::{ImageSource, ImageStream, has_images};
+pub use judge::{Errors, Judged, MAX_GAP_S, RunInfo, judge, paired};
 pub use recording::{Recording, Span, StartAt, first_motion};
 pub use row::{CellKey, Failure, Restart, Row, StageSeconds};
+pub use sequence_set::{SequenceSet, TrackSource};
 pub use single::{Report, Single, single};
-pub use source::{Source, Tracks};
 pub use states::ANCHOR;
 pub use states::write_states;
 pub use store::{Manifest, Store};
-pub use sweep::{Keep, Sweep, Unseen};
+pub use sweep::{Keep, Sweep, UntrackedSequence};
 pub use tracking::{CameraInput, TrackedSequence};
 
 #[cfg(any(test, feature = "testing"))]

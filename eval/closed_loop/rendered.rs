@@ -91,7 +91,10 @@ mod tests {
     use dpn_sim::Flight;
     use dpn_sim::flight::FlightPlan;
     use dpn_sim::tracks::{AnalyticPath, CameraSettings};
+    use dpn_sim::tracks::{Bounds, CameraPath};
+    use nalgebra::Isometry3;
     use std::sync::Arc;
+    use std::sync::atomic::{AtomicBool, Ordering};
 
     fn config() -> RenderConfig {
         let camera = CameraSettings {
@@ -100,6 +103,45 @@ mod tests {
             ..CameraSettings::default()
         };
         RenderConfig { camera: Some(camera), ..RenderConfig::default() }
+    }
+
+    /// A path that breaks, once it may.
+    struct Breaks {
+        path: SharedPath,
+        at: Stamp,
+        now: Arc<AtomicBool>,
+    }
+
+    impl CameraPath for Breaks {
+        fn world_from_body(&self, t: Stamp) -> Option<Isometry3<f64>> {
+            assert!(t < self.at || !self.now.load(Ordering::Relaxed), "broken at {t}");
+            self.path.world_from_body(t)
+        }
+
+        fn pieces(&self) -> Vec<(Stamp, Stamp)> {
+            self.path.pieces()
+        }
+
+        fn bounds(&self) -> Bounds {
+            self.path.bounds()
+        }
+    }
+
+    #[test]
+    fn a_renderer_that_breaks_does_not_look_like_the_end_of_the_images() {
+        let plan = FlightPlan::new(Flight::Hover, 1).unwrap();
+        let stamps: Vec<Stamp> = (0..20).map(|i| Stamp::from_ns(50_000_000 * i)).collect();
+        let now = Arc::new(AtomicBool::new(false));
+        let path: SharedPath = Arc::new(Breaks {
+            path: Arc::new(AnalyticPath::new(plan.trajectory, stamps[0])),
+            at: stamps[10],
+            now: now.clone(),
+        });
+        let mut images = rendered("hover", &config(), path, &stamps, 3, &Span::from(0.0)).unwrap();
+        // A few images are made ahead before it breaks.
+        now.store(true, Ordering::Relaxed);
+        let rest = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| images.by_ref().count()));
+        assert!(rest.is_err(), "{rest:?} images as if that were all");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::drive::{Driven, drive, drive_images, frames_from};
 use super::error::ClosedLoopError;
 use super::image_report::ImageEvent;
-use super::judge::{Told, judge, noise_rms};
+use super::judge::{RunInfo, judge, noise_rms};
 use super::recording::Recording;
 use super::row::Row;
 use super::tracking::{CameraInput, TrackedSequence};
@@ -71,23 +71,23 @@ pub fn single(
     recording: &Recording,
     camera: CameraInput<'_>,
     noise: &Noise,
-    told: Told,
+    info: RunInfo,
     networks: &[Network],
     observer: &mut dyn FrontEndObserver,
 ) -> Result<Single, ClosedLoopError> {
     let recorded = Recorded { name: &recording.name, imu: &recording.imu, oracle: recording.oracle.as_ref() };
-    let stream = Stream::new(told.seed).named("noise").named(&recording.name);
+    let stream = Stream::new(info.seed).named("noise").named(&recording.name);
     let noise = crate::noise::track(noise, &recording.imu, &Fresh { recorded, networks }, &stream)?;
     let (driven, tracked, health) = match camera {
         CameraInput::Images(images) => {
-            let (driven, tracked) = drive_images(config, recording, images, &noise, told.seed, observer)?;
+            let (driven, tracked) = drive_images(config, recording, images, &noise, info.seed, observer)?;
             let health = fit(recording, &tracked)?;
             (driven, tracked, health)
         }
         CameraInput::Tracks(frames, span) => {
             let tracked = TrackedSequence { frames, span, images: None };
             let health = fit(recording, &tracked)?;
-            (drive(config, recording, tracked.run(), &noise, told.seed)?, tracked, health)
+            (drive(config, recording, tracked.run(), &noise, info.seed)?, tracked, health)
         }
     };
     let axes = axes(recording.imu.samples(), tracked.run(), &recording.camera, &recording.body_from_cam);
@@ -97,9 +97,9 @@ pub fn single(
             *waited_for.entry(reason.name().to_owned()).or_default() += 1;
         }
     }
-    let told = Told { front_end: tracked.images.as_ref().map(|images| images.figures.clone()), ..told };
+    let info = RunInfo { front_end: tracked.images.as_ref().map(|images| images.figures.clone()), ..info };
     let report = Report {
-        row: judge(recording, &told, &driven)?.row,
+        row: judge(recording, &info, &driven)?.row,
         warnings: warnings(recording, &tracked, &health, &axes),
         axes,
         tracks: health,

@@ -5,9 +5,9 @@
 //! noises and seeds may have been added.
 
 use super::error::ClosedLoopError;
-use super::images::Images;
+use super::images::ImageSource;
 use super::row::{CellKey, Row};
-use super::source::{Source, Tracks};
+use super::sequence_set::{SequenceSet, TrackSource};
 use super::sweep::Sweep;
 use dpn_core::estimate::Noise;
 use dpn_io::{IoError, atomic_write};
@@ -47,17 +47,17 @@ impl Manifest {
         }
         inputs.extend(networks.map(|networks| ("models".to_owned(), networks)));
         let tracks = match sweep.source.tracks() {
-            Tracks::Given(_) => serde_json::json!("given"),
-            Tracks::Made(config) => serde_json::json!(config),
+            TrackSource::File(_) => serde_json::json!("given"),
+            TrackSource::Simulated(config) => serde_json::json!(config),
             // The front-end's settings are the estimator's.
-            Tracks::Seen(images) => match images {
-                Images::Folder { .. } => serde_json::json!(images.name()),
-                Images::Rendered(config) => serde_json::json!({ "rendered": config }),
+            TrackSource::Images(images) => match images {
+                ImageSource::Folder { .. } => serde_json::json!(images.name()),
+                ImageSource::Rendered(config) => serde_json::json!({ "rendered": config }),
             },
         };
         let mut source = match sweep.source {
-            Source::Recorded { .. } => serde_json::json!({ "tracks": tracks }),
-            Source::Flights { config, .. } => serde_json::json!({ "flights": config, "tracks": tracks }),
+            SequenceSet::Recorded { .. } => serde_json::json!({ "tracks": tracks }),
+            SequenceSet::Flights { config, .. } => serde_json::json!({ "flights": config, "tracks": tracks }),
         };
         if let Some(injection) = &sweep.injection {
             source["injection"] = serde_json::json!(injection);
@@ -143,12 +143,12 @@ pub struct Store {
     rows: Vec<Row>,
     file: File,
     /// The folder was made by this run, or at least what lies in it.
-    made: Option<Made>,
+    created: Option<Created>,
 }
 
 /// What a run that comes to nothing takes away again.
 #[derive(Debug, Clone, Copy)]
-struct Made {
+struct Created {
     folder: bool,
 }
 
@@ -159,7 +159,7 @@ impl Store {
     /// A folder that cannot be made or written to, or holds another run; a row that does not read.
     pub fn open(dir: &Path, manifest: &Manifest) -> Result<Self, ClosedLoopError> {
         let path = dir.join("run.json");
-        let made = (!path.exists()).then(|| Made { folder: !dir.exists() });
+        let created = (!path.exists()).then(|| Created { folder: !dir.exists() });
         let mut manifest = manifest.clone();
         match std::fs::read(&path) {
             Ok(bytes) => {
@@ -187,7 +187,7 @@ impl Store {
         write_rows(&path, rows.iter())?;
         let file = OpenOptions::new().append(true).open(&path);
         let file = file.map_err(|source| IoError::Write { path, source })?;
-        Ok(Self { dir: dir.to_path_buf(), rows, file, made })
+        Ok(Self { dir: dir.to_path_buf(), rows, file, created })
     }
 
     /// The rows that were there, by cell; of two of one cell, the later one.
@@ -197,7 +197,7 @@ impl Store {
 
     /// Takes away what [`open`](Self::open) made, where no row has come since: a run that was refused leaves nothing behind.
     pub fn abandon(self) {
-        let Some(Made { folder }) = self.made else { return };
+        let Some(Created { folder }) = self.created else { return };
         let rows = self.dir.join("rows.jsonl");
         if std::fs::metadata(&rows).is_ok_and(|rows| rows.len() > 0) {
             return;

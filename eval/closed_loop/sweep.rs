@@ -7,14 +7,14 @@
 use super::consistency::{nees_path, write_nees};
 use super::drive::{drive, frames_from};
 use super::error::ClosedLoopError;
-use super::judge::{Told, judge, noise_rms};
-use super::kept::{Kept, Needs};
+use super::judge::{RunInfo, judge, noise_rms};
 use super::parallel::each;
 use super::recording::{Recording, Span, StartAt};
 use super::row::{CellKey, Row};
-use super::source::Source;
+use super::sequence_set::SequenceSet;
 use super::states::write_states;
 use super::store::{Manifest, Store};
+use super::sweep_cache::{Needs, SweepCache};
 use super::tracking::TrackedSequence;
 use crate::injected::Injection;
 use crate::noise::{MeanSquare, Recorded, of_recording};
@@ -35,8 +35,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 #[derive(Debug, Clone)]
 pub struct Sweep<'a> {
     /// Where sequences come from.
-    pub source: &'a Source,
-    /// Places of the sequences to run, as [`Source::select`] gives them.
+    pub source: &'a SequenceSet,
+    /// Places of the sequences to run, as [`SequenceSet::select`] gives them.
     pub places: Vec<usize>,
     /// The noises.
     pub noises: Vec<Noise>,
@@ -82,7 +82,7 @@ impl Keep {
 
 /// A sequence that nothing could be seen of.
 #[derive(Debug)]
-pub struct Unseen {
+pub struct UntrackedSequence {
     /// Its place in the source.
     pub place: usize,
     /// Why: its files, tracks or images cannot be had, or not enough of them.
@@ -90,29 +90,29 @@ pub struct Unseen {
 }
 
 /// What becomes of the others when one sequence cannot be seen.
-enum Blind<'a> {
+enum OnUntracked<'a> {
     /// Nothing: that is an error.
-    Ends,
+    Fail,
     /// They go on; the first error of each such sequence is kept here.
-    IsLeftOut(&'a Mutex<BTreeMap<usize, ClosedLoopError>>),
+    LeaveOut(&'a Mutex<BTreeMap<usize, ClosedLoopError>>),
 }
 
-impl Blind<'_> {
+impl OnUntracked<'_> {
     /// Whether a sequence is known to be one.
-    fn knows(&self, place: usize) -> bool {
+    fn leaves_out(&self, place: usize) -> bool {
         match self {
-            Self::Ends => false,
-            Self::IsLeftOut(found) => {
+            Self::Fail => false,
+            Self::LeaveOut(found) => {
                 found.lock().unwrap_or_else(PoisonError::into_inner).contains_key(&place)
             }
         }
     }
 
     /// An error of seeing a sequence: given back, or kept.
-    fn hears(&self, place: usize, error: ClosedLoopError) -> Result<(), ClosedLoopError> {
+    fn take(&self, place: usize, error: ClosedLoopError) -> Result<(), ClosedLoopError> {
         match self {
-            Self::Ends => Err(error),
-            Self::IsLeftOut(found) => {
+            Self::Fail => Err(error),
+            Self::LeaveOut(found) => {
                 found.lock().unwrap_or_else(PoisonError::into_inner).entry(place).or_insert(error);
                 Ok(())
             }
@@ -141,24 +141,24 @@ impl Sweep<'_> {
         stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<Vec<Row>, ClosedLoopError> {
-        self.run_in_store(dir, manifest, &Blind::Ends, stop, progress)
+        self.run_in_store(dir, manifest, &OnUntracked::Fail, stop, progress)
     }
 
     /// The same where a sequence that cannot be seen ends nothing: it has no rows, and is named with its reason.
     ///
     /// # Errors
     /// As of [`run`](Self::run), but for those sequences.
-    pub fn run_what_is_seen(
+    pub fn run_what_can_be_tracked(
         &self,
         dir: &Path,
         manifest: &Manifest,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
-    ) -> Result<(Vec<Row>, Vec<Unseen>), ClosedLoopError> {
+    ) -> Result<(Vec<Row>, Vec<UntrackedSequence>), ClosedLoopError> {
         let found = Mutex::new(BTreeMap::new());
-        let rows = self.run_in_store(dir, manifest, &Blind::IsLeftOut(&found), stop, progress)?;
+        let rows = self.run_in_store(dir, manifest, &OnUntracked::LeaveOut(&found), stop, progress)?;
         let found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
-        Ok((rows, found.into_iter().map(|(place, error)| Unseen { place, error }).collect()))
+        Ok((rows, found.into_iter().map(|(place, error)| UntrackedSequence { place, error }).collect()))
     }
 
     /// How many cells have no row in `dir` yet.
@@ -178,12 +178,12 @@ impl Sweep<'_> {
         &self,
         dir: &Path,
         manifest: &Manifest,
-        blind: &Blind<'_>,
+        on_untracked: &OnUntracked<'_>,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<Vec<Row>, ClosedLoopError> {
         let mut store = Store::open(dir, manifest)?;
-        match self.fill(&mut store, dir, blind, stop, progress) {
+        match self.fill(&mut store, dir, on_untracked, stop, progress) {
             Ok(ordered) => {
                 store.finish(&ordered)?;
                 Ok(ordered)
@@ -200,7 +200,7 @@ impl Sweep<'_> {
         &self,
         store: &mut Store,
         dir: &Path,
-        blind: &Blind<'_>,
+        on_untracked: &OnUntracked<'_>,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<Vec<Row>, ClosedLoopError> {
@@ -211,9 +211,9 @@ impl Sweep<'_> {
         let todo: Vec<&Cell> =
             cells.iter().filter(|cell| !rows.contains_key(&cell.key) || gone(&cell.key)).collect();
         let todo = self.ahead(todo);
-        let means = self.training_means(&todo, blind, stop)?;
+        let means = self.training_means(&todo, on_untracked, stop)?;
         let needs: Vec<Needs> = todo.iter().map(|cell| self.needs(cell)).collect();
-        let kept = Kept::new(&needs, means);
+        let cache = SweepCache::new(&needs, means);
         progress.start("closed loop", total as u64);
         let mut done = total - todo.len();
         let finished = each(
@@ -221,8 +221,8 @@ impl Sweep<'_> {
             todo.len(),
             stop,
             |i| {
-                let row = self.cell(todo[i], &needs[i], &kept, dir, blind);
-                kept.done(&needs[i]);
+                let row = self.cell(todo[i], &needs[i], &cache, dir, on_untracked);
+                cache.done(&needs[i]);
                 row
             },
             |_, row| {
@@ -236,7 +236,7 @@ impl Sweep<'_> {
         for row in finished.into_iter().flatten().flatten() {
             rows.insert(row.key(), row);
         }
-        let seen = || cells.iter().filter(|cell| !blind.knows(cell.place));
+        let seen = || cells.iter().filter(|cell| !on_untracked.leaves_out(cell.place));
         let total = seen().count();
         let ordered: Vec<Row> = seen().filter_map(|cell| rows.remove(&cell.key)).collect();
         if ordered.len() < total {
@@ -310,23 +310,23 @@ impl Sweep<'_> {
         &self,
         cell: &Cell<'_>,
         needs: &Needs,
-        kept: &Kept,
+        cache: &SweepCache,
         dir: &Path,
-        blind: &Blind<'_>,
+        on_untracked: &OnUntracked<'_>,
     ) -> Result<Option<Row>, ClosedLoopError> {
-        if blind.knows(cell.place) {
+        if on_untracked.leaves_out(cell.place) {
             return Ok(None);
         }
-        let (recording, seen) = match self.see(cell, needs, kept) {
+        let (recording, seen) = match self.inputs(cell, needs, cache) {
             Ok(found) => found,
-            Err(error) => return blind.hears(cell.place, error).map(|()| None),
+            Err(error) => return on_untracked.take(cell.place, error).map(|()| None),
         };
         let from_s = self.from.seconds(&recording.name);
         let stream = Stream::new(cell.seed).named("noise").named(&recording.name);
-        let sources = kept.sources(needs, recorded(&recording), self.networks);
-        let noise = crate::noise::track(&cell.noise, &recording.imu, &sources, &stream)?;
+        let sources = cache.sources(needs, recorded(&recording), self.networks);
+        let noise = crate::noise::track(cell.noise, &recording.imu, &sources, &stream)?;
         let driven = drive(&self.estimator, &recording, seen.run(), &noise, cell.seed)?;
-        let told = Told {
+        let info = RunInfo {
             camera: self.source.camera().into(),
             noise: cell.noise.clone(),
             seed: cell.seed,
@@ -339,7 +339,7 @@ impl Sweep<'_> {
         if self.keep.trajectories {
             write_tum(&dir.join("trajectories").join(cell.key.file_name("tum")), &driven.poses())?;
         }
-        let judged = judge(&recording, &told, &driven)?;
+        let judged = judge(&recording, &info, &driven)?;
         if let Some(nees) = judged.nees.as_ref().filter(|_| self.keep.nees) {
             write_nees(&nees_path(dir, &cell.key), nees)?;
         }
@@ -347,15 +347,15 @@ impl Sweep<'_> {
     }
 
     /// What a cell's odometry is given: the recording, and tracks enough.
-    fn see(
+    fn inputs(
         &self,
         cell: &Cell<'_>,
         needs: &Needs,
-        kept: &Kept,
+        cache: &SweepCache,
     ) -> Result<(Arc<Recording>, Arc<TrackedSequence>), ClosedLoopError> {
-        let recording = kept.recording(needs, || self.recording(cell.place, cell.seed))?;
+        let recording = cache.recording(needs, || self.recording(cell.place, cell.seed))?;
         let span = Span { from_s: self.from.seconds(&recording.name), to_s: self.to };
-        let seen = kept.frames(needs, || {
+        let seen = cache.frames(needs, || {
             let camera = self.source.camera_input(cell.place, cell.seed, &span)?;
             camera.tracks(&recording, &self.estimator.front_end, cell.seed)
         })?;
@@ -367,7 +367,7 @@ impl Sweep<'_> {
     fn training_means(
         &self,
         todo: &[&Cell<'_>],
-        blind: &Blind<'_>,
+        on_untracked: &OnUntracked<'_>,
         stop: &AtomicBool,
     ) -> Result<BTreeMap<String, ImuNoise>, ClosedLoopError> {
         let mut sources: Vec<&Noise> = todo
@@ -388,7 +388,7 @@ impl Sweep<'_> {
         let of_sequence = |i: usize| {
             let recording = match self.recording(training[i], seed) {
                 Ok(recording) => recording,
-                Err(error) => return blind.hears(training[i], error).map(|()| Vec::new()),
+                Err(error) => return on_untracked.take(training[i], error).map(|()| Vec::new()),
             };
             let recorded = recorded(&recording);
             let mean = |source: &&Noise| {

@@ -119,7 +119,7 @@ impl<'a> TrackingLog<'a> {
     /// No frame at all.
     pub(super) fn finish(self, recording: &Recording) -> Result<TrackedSequence, ClosedLoopError> {
         if self.frames.is_empty() {
-            return Err(ClosedLoopError::NothingSeen {
+            return Err(ClosedLoopError::NothingTracked {
                 sequence: recording.name.clone(),
                 images: self.tally.images(),
                 why: self.tally.worst().map_or_else(|| "there are none".into(), ToString::to_string),

@@ -6,7 +6,7 @@ use crate::ui::{Bar, Fault, Interrupted};
 use anyhow::Result;
 use dpn_core::estimate::parse_list;
 use dpn_eval::closed_loop::{
-    ClosedLoopError, Consistency, Images, Keep, Manifest, Source, Sweep, Tracks, consistency,
+    ClosedLoopError, Consistency, ImageSource, Keep, Manifest, SequenceSet, Sweep, TrackSource, consistency,
 };
 use dpn_eval::study::{MARGIN, RowSet, Study};
 use dpn_io::atomic_write;
@@ -92,18 +92,18 @@ fn printed(rows: &RowSet<'_>, study: &Study, reports: &[Consistency]) -> String 
 }
 
 /// Sequences on disk, or the simulated flights.
-fn source(args: &EvalArgs) -> Result<Source> {
-    let made = Tracks::Made(settings::tracks(&args.closed.settings)?);
+fn source(args: &EvalArgs) -> Result<SequenceSet> {
+    let made = TrackSource::Simulated(settings::tracks(&args.closed.settings)?);
     let tracks = match (args.closed.camera, &args.closed.tracks) {
-        (CameraArg::Tracks, Some(dir)) => Tracks::Given(dir.clone()),
+        (CameraArg::Tracks, Some(dir)) => TrackSource::File(dir.clone()),
         (CameraArg::Tracks, None) => made,
         (CameraArg::Images, None) => {
-            let images = Images::Folder { skip_missing: args.closed.skip_missing };
-            Tracks::Seen(images)
+            let images = ImageSource::Folder { skip_missing: args.closed.skip_missing };
+            TrackSource::Images(images)
         }
         (CameraArg::Rendered, None) => {
-            let images = Images::Rendered(Box::new(settings::images(&args.closed.settings)?));
-            Tracks::Seen(images)
+            let images = ImageSource::Rendered(Box::new(settings::images(&args.closed.settings)?));
+            TrackSource::Images(images)
         }
         (CameraArg::Images | CameraArg::Rendered, Some(_)) => {
             return Err(Fault::new("--tracks and --camera images or rendered ask for two things")
@@ -112,8 +112,8 @@ fn source(args: &EvalArgs) -> Result<Source> {
         }
     };
     match &args.data {
-        Some(dir) => Ok(Source::recorded(dir, tracks)?),
-        None => Ok(Source::Flights { config: settings::flights(&args.closed.settings)?, tracks }),
+        Some(dir) => Ok(SequenceSet::recorded(dir, tracks)?),
+        None => Ok(SequenceSet::Flights { config: settings::flights(&args.closed.settings)?, tracks }),
     }
 }
 

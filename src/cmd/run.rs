@@ -6,7 +6,8 @@ use crate::ui::Fault;
 use anyhow::Result;
 use dpn_core::estimate::Noise;
 use dpn_eval::closed_loop::{
-    Images, Recording, Report, Single, Source, Span, Told, Tracks, has_images, single, write_states,
+    ImageSource, Recording, Report, RunInfo, SequenceSet, Single, Span, TrackSource, has_images, single,
+    write_states,
 };
 use dpn_figures::save;
 use dpn_figures::{Album, timeline, top_view};
@@ -29,7 +30,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let span = Span { from_s: args.from.seconds(&recording.name), to_s: args.to };
     let mut album = args.draw.as_ref().map(|dir| Album::new(dir.clone(), args.draw_every));
     let camera = source.camera_input(place, args.seed, &span)?;
-    let told = Told {
+    let info = RunInfo {
         camera: source.camera().into(),
         noise: noise.clone(),
         seed: args.seed,
@@ -41,7 +42,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         Some(album) => album,
         None => &mut nobody,
     };
-    let done = single(&estimator, &recording, camera, &noise, told, &networks, observer)?;
+    let done = single(&estimator, &recording, camera, &noise, info, &networks, observer)?;
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("runs/run-{}", recording.name)));
     let report = serde_json::json!({
         "program": program(), "estimator": estimator, "input": source.checksum(place)?, "report": done.report,
@@ -66,11 +67,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
 }
 
 /// A folder is a sequence, anything else a flight.
-fn open(args: &RunArgs) -> Result<(Source, usize)> {
+fn open(args: &RunArgs) -> Result<(SequenceSet, usize)> {
     let dir = Path::new(&args.source);
-    let made = Tracks::Made(settings::tracks(&args.settings)?);
-    let seen = Tracks::Seen(Images::Folder { skip_missing: args.skip_missing });
-    let rendered = Tracks::Seen(Images::Rendered(Box::new(settings::images(&args.settings)?)));
+    let made = TrackSource::Simulated(settings::tracks(&args.settings)?);
+    let seen = TrackSource::Images(ImageSource::Folder { skip_missing: args.skip_missing });
+    let rendered = TrackSource::Images(ImageSource::Rendered(Box::new(settings::images(&args.settings)?)));
     if dir.exists() {
         let tracks = match (args.camera, &args.tracks) {
             (Some(CameraArg::Images | CameraArg::Rendered), Some(_)) => {
@@ -78,14 +79,14 @@ fn open(args: &RunArgs) -> Result<(Source, usize)> {
                     .hint("leave one of them away")
                     .into());
             }
-            (_, Some(tracks)) => Tracks::Given(tracks.clone()),
+            (_, Some(tracks)) => TrackSource::File(tracks.clone()),
             (Some(CameraArg::Images), None) => seen,
             (Some(CameraArg::Rendered), None) => rendered,
             (Some(CameraArg::Tracks), None) => made,
             (None, None) if has_images(&Sequence::open(dir)?)? => seen,
             (None, None) => made,
         };
-        return Ok((Source::one(dir, tracks)?, 0));
+        return Ok((SequenceSet::one(dir, tracks)?, 0));
     }
     if args.camera == Some(CameraArg::Images) {
         let remedy = "leave --camera away, render some with --camera rendered, or name a folder";
@@ -102,7 +103,7 @@ fn open(args: &RunArgs) -> Result<(Source, usize)> {
             .into());
     }
     let tracks = if args.camera == Some(CameraArg::Rendered) { rendered } else { made };
-    let source = Source::Flights { config: settings::flights(&args.settings)?, tracks };
+    let source = SequenceSet::Flights { config: settings::flights(&args.settings)?, tracks };
     let place = Flight::ALL.iter().position(|f| *f == flight).expect("`ALL` holds every flight");
     Ok((source, place))
 }

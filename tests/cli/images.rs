@@ -177,6 +177,18 @@ fn a_recording_that_shows_nothing_and_a_calibration_of_another_camera_are_refuse
     assert!(!out.exists(), "a refused run left files");
 }
 
+#[test]
+fn a_list_of_images_that_does_not_read_is_an_error_and_no_reason_to_run_on_tracks() {
+    let tmp = tempfile::tempdir().unwrap();
+    let out = tmp.path().join("out");
+    let dir = folder(tmp.path(), "broken", |i| Some(scene(i)));
+    let list = dir.join("mav0/cam0/data.csv");
+    let text = std::fs::read_to_string(&list).unwrap().replacen(",", ";", 7);
+    std::fs::write(&list, text).unwrap();
+    refused(&odometry(&dir, &out, &[]), &["cam0/data.csv:"]);
+    assert!(!out.exists(), "a refused run left files");
+}
+
 /// Rows without what differs from run to run.
 fn rows(out: &Path) -> Vec<Value> {
     let text = std::fs::read_to_string(out.join("rows.jsonl")).unwrap();

@@ -116,12 +116,12 @@ fn live_in_batches_by_run_and_in_a_sweep_the_same_trajectory_comes_out() {
     let tmp = tempfile::tempdir().unwrap();
     let data = tmp.path().join("data");
     let dir = data.join("flown");
-    let small = tmp.path().join("small.toml");
-    let text = "[camera]\nresolution = [188, 120]\nintrinsics = [114.6, 114.3, 91.8, 62.0]\n";
-    std::fs::write(&small, text).unwrap();
+    let camera = tmp.path().join("camera.toml");
+    let text = "[camera]\nresolution = [376, 240]\nintrinsics = [229.3, 228.6, 183.4, 123.9]\n";
+    std::fs::write(&camera, text).unwrap();
     let mut command = dpn();
-    command.args(["simulate", "images", "f04", "--from", "10", "--to", "17", "--config"]);
-    end(command.arg(&small).arg("--out").arg(&dir)).well();
+    command.args(["simulate", "images", "room-medium", "--from", "12", "--to", "18", "--config"]);
+    end(command.arg(&camera).arg("--out").arg(&dir)).well();
 
     let (out, seed) = (tmp.path().join("run"), SEED.to_string());
     let common = ["--noise", NOISE, "--seed", &seed, "--camera", "images", "--out"];

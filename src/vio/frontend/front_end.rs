@@ -261,7 +261,8 @@ impl FrontEnd {
         if self.points.is_empty() {
             return 0.0;
         }
-        let seconds = self.tracked.map_or(0.0, |tracked| report.t.seconds_since(tracked));
+        let tracked = self.tracked.expect("points are of an image that was tracked into");
+        let seconds = report.t.seconds_since(tracked);
         let turn = self.since_tracked.map(|turn| self.gyro_bias.corrected(&turn, seconds));
         let guess = |point: &Point| {
             let px = turn.and_then(|turn| turned(&self.camera, &point.bearing, &turn));

@@ -135,6 +135,7 @@ fn one<const L: usize, const W: usize>(
     let base = to.planes().first().ok_or(KltLoss::Outside)?;
     if config.affine && levels > 0 {
         let gained = config.illumination == Illumination::GainOffset;
+        // Where nothing finer can be told the shift stands; whether it looks alike is asked below.
         let step = refine(patch, base, place, gained).unwrap_or_default();
         place = [place[0] + step[0], place[1] + step[1]];
     }

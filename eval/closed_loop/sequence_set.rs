@@ -1,7 +1,7 @@
 //! Where recordings and camera tracks come from: sequences on disk, or simulated flights.
 
 use super::error::ClosedLoopError;
-use super::images::{ImageStream, Images, of_folder};
+use super::images::{ImageSource, ImageStream, of_folder};
 use super::recording::{Recording, Span};
 use super::rendered::rendered;
 use super::tracking::CameraInput;
@@ -29,41 +29,41 @@ const CAMERA_HZ: f64 = 20.0;
 #[derive(Debug, Clone, PartialEq)]
 // A handful of these live at a time; their size is nobody's cost.
 #[allow(clippy::large_enum_variant)]
-pub enum Tracks {
+pub enum TrackSource {
     /// Files `SEQUENCE.txt` in this folder; or one file, of the only sequence.
-    Given(PathBuf),
+    File(PathBuf),
     /// Made along the ground truth, from the seed of the cell.
-    Made(TracksConfig),
+    Simulated(TracksConfig),
     /// Followed through images by the estimator's front-end; the seed of the cell is its, and that of images that are rendered.
-    Seen(Images),
+    Images(ImageSource),
 }
 
 /// Sequences that the loop can be closed on.
 #[derive(Debug, Clone)]
 #[allow(clippy::large_enum_variant)]
-pub enum Source {
+pub enum SequenceSet {
     /// Recordings on disk.
     Recorded {
         /// The sequences and their sides, sorted by name.
         sequences: Vec<(Sequence, Side)>,
         /// Their tracks.
-        tracks: Tracks,
+        tracks: TrackSource,
     },
     /// Simulated flights; flight and tracks are made from the seed of the cell.
     Flights {
         /// What every flight is made of.
         config: FlightConfig,
         /// Their tracks.
-        tracks: Tracks,
+        tracks: TrackSource,
     },
 }
 
-impl Source {
+impl SequenceSet {
     /// The sequences under `dir`: the paper's where there are any, else all.
     ///
     /// # Errors
     /// A folder that cannot be listed or holds no sequence, or two of one name.
-    pub fn recorded(dir: &Path, tracks: Tracks) -> Result<Self, ClosedLoopError> {
+    pub fn recorded(dir: &Path, tracks: TrackSource) -> Result<Self, ClosedLoopError> {
         let all = discover(dir)?;
         let of_paper: Vec<_> = all.iter().filter_map(|s| Some((s.clone(), paper_side(s.name())?))).collect();
         let sequences: Vec<(Sequence, Side)> = if of_paper.is_empty() {
@@ -91,7 +91,7 @@ impl Source {
     ///
     /// # Errors
     /// A folder that holds no sequence.
-    pub fn one(dir: &Path, tracks: Tracks) -> Result<Self, ClosedLoopError> {
+    pub fn one(dir: &Path, tracks: TrackSource) -> Result<Self, ClosedLoopError> {
         let sequence = Sequence::open(dir)?;
         let side = paper_side(sequence.name()).unwrap_or(Side::Test);
         Ok(Self::Recorded { sequences: vec![(sequence, side)], tracks })
@@ -151,11 +151,11 @@ impl Source {
 
     /// Whether a sequence's tracks depend on the seed.
     pub fn tracks_are_seeded(&self) -> bool {
-        !matches!(self, Self::Recorded { tracks: Tracks::Given(_), .. })
+        !matches!(self, Self::Recorded { tracks: TrackSource::File(_), .. })
     }
 
     /// Where tracks come from.
-    pub fn tracks(&self) -> &Tracks {
+    pub fn tracks(&self) -> &TrackSource {
         match self {
             Self::Recorded { tracks, .. } | Self::Flights { tracks, .. } => tracks,
         }
@@ -164,8 +164,8 @@ impl Source {
     /// What the odometry sees, as rows call it.
     pub fn camera(&self) -> &'static str {
         match self.tracks() {
-            Tracks::Seen(images) => images.name(),
-            Tracks::Given(_) | Tracks::Made(_) => "tracks",
+            TrackSource::Images(images) => images.name(),
+            TrackSource::File(_) | TrackSource::Simulated(_) => "tracks",
         }
     }
 
@@ -195,34 +195,36 @@ impl Source {
         span: &Span,
     ) -> Result<CameraInput<'static>, ClosedLoopError> {
         match self.tracks() {
-            Tracks::Seen(images) => Ok(CameraInput::Images(self.images(images, place, seed, span)?)),
-            Tracks::Given(_) | Tracks::Made(_) => Ok(CameraInput::Tracks(self.frames(place, seed)?, *span)),
+            TrackSource::Images(images) => Ok(CameraInput::Images(self.images(images, place, seed, span)?)),
+            TrackSource::File(_) | TrackSource::Simulated(_) => {
+                Ok(CameraInput::Tracks(self.frames(place, seed)?, *span))
+            }
         }
     }
 
     fn images(
         &self,
-        images: &Images,
+        images: &ImageSource,
         place: usize,
         seed: u64,
         span: &Span,
     ) -> Result<ImageStream<'static>, ClosedLoopError> {
         match (images, self) {
-            (Images::Folder { skip_missing }, Self::Recorded { sequences, .. }) => {
+            (ImageSource::Folder { skip_missing }, Self::Recorded { sequences, .. }) => {
                 of_folder(&sequences[place].0, span, *skip_missing)
             }
-            (Images::Folder { .. }, Self::Flights { .. }) => {
+            (ImageSource::Folder { .. }, Self::Flights { .. }) => {
                 let sequence = Flight::ALL[place].name().to_owned();
                 Err(ClosedLoopError::NoImages { sequence, asked: false })
             }
-            (Images::Rendered(config), Self::Recorded { sequences, .. }) => {
+            (ImageSource::Rendered(config), Self::Recorded { sequences, .. }) => {
                 let sequence = &sequences[place].0;
                 let camera = settled(sequence, config.camera)?;
                 let config = RenderConfig { camera, ..RenderConfig::clone(config) };
                 let (path, stamps) = path_of(sequence, &config.path)?;
                 rendered(sequence.name(), &config, Arc::new(path), &stamps, seed, span)
             }
-            (Images::Rendered(config), Self::Flights { config: flight, .. }) => {
+            (ImageSource::Rendered(config), Self::Flights { config: flight, .. }) => {
                 let (path, stamps) = path_of_flight(Flight::ALL[place], flight, seed)?;
                 rendered(Flight::ALL[place].name(), config, Arc::new(path), &stamps, seed, span)
             }
@@ -236,20 +238,22 @@ impl Source {
     pub fn frames(&self, place: usize, seed: u64) -> Result<Vec<TrackFrame>, ClosedLoopError> {
         let no_tracks = |sequence: &str| ClosedLoopError::NoTracks { sequence: sequence.to_owned() };
         match (self, self.tracks()) {
-            (Self::Recorded { sequences, .. }, Tracks::Given(dir)) => {
+            (Self::Recorded { sequences, .. }, TrackSource::File(dir)) => {
                 Ok(read_tracks(&given(dir, &sequences[place].0))?)
             }
-            (Self::Recorded { sequences, .. }, Tracks::Made(config)) => {
+            (Self::Recorded { sequences, .. }, TrackSource::Simulated(config)) => {
                 made(&sequences[place].0, config, seed)
             }
-            (Self::Recorded { sequences, .. }, Tracks::Seen(_)) => Err(no_tracks(sequences[place].0.name())),
-            (Self::Flights { config, .. }, Tracks::Made(tracks)) => {
+            (Self::Recorded { sequences, .. }, TrackSource::Images(_)) => {
+                Err(no_tracks(sequences[place].0.name()))
+            }
+            (Self::Flights { config, .. }, TrackSource::Simulated(tracks)) => {
                 let flight = Flight::ALL[place];
                 let (path, stamps) = path_of_flight(flight, config, seed)?;
                 simulate_tracks(tracks, &path, &stamps, seed)
                     .map_err(|source| ClosedLoopError::Tracks { sequence: flight.name().into(), source })
             }
-            (Self::Flights { .. }, Tracks::Given(_) | Tracks::Seen(_)) => {
+            (Self::Flights { .. }, TrackSource::File(_) | TrackSource::Images(_)) => {
                 Err(no_tracks(Flight::ALL[place].name()))
             }
         }
@@ -271,7 +275,7 @@ impl Source {
                 files.extend(
                     [beside(camera.clone(), "sensor.yaml"), camera].into_iter().filter(|p| p.is_file()),
                 );
-                if let Tracks::Given(dir) = tracks {
+                if let TrackSource::File(dir) = tracks {
                     files.push(given(dir, sequence));
                 }
                 for file in files {
@@ -283,7 +287,7 @@ impl Source {
                     hash.update(&bytes);
                 }
                 // Gigabytes of images are told apart by their lengths, which differ wherever a picture does, but for great chance.
-                if let Tracks::Seen(Images::Folder { .. }) = tracks {
+                if let TrackSource::Images(ImageSource::Folder { .. }) = tracks {
                     for (t, length) in ImageFolder::open(sequence)?.lengths() {
                         hash.update(t.ns().to_le_bytes());
                         // One that is not there is not one that is empty.
@@ -319,18 +323,20 @@ fn camera_rate(camera: Option<&CameraConfig>) -> SampleRate {
     camera.map_or_else(usual, |camera| camera.rate)
 }
 
-fn recorded(sequence: &Sequence, side: Side, tracks: &Tracks) -> Result<Recording, ClosedLoopError> {
+fn recorded(sequence: &Sequence, side: Side, tracks: &TrackSource) -> Result<Recording, ClosedLoopError> {
     let name = sequence.name().to_owned();
     let (camera, body_from_cam) = match tracks {
-        Tracks::Given(_) | Tracks::Seen(Images::Folder { .. }) => {
+        TrackSource::File(_) | TrackSource::Images(ImageSource::Folder { .. }) => {
             let no_camera = || ClosedLoopError::NoCamera { dir: sequence.dir().to_path_buf() };
             let config = sequence.camera_config()?.ok_or_else(no_camera)?;
             let camera = PinholeRadtan::try_from(&config)
                 .map_err(|source| ClosedLoopError::Camera { sequence: name.clone(), source })?;
             (camera, config.body_from_cam)
         }
-        Tracks::Made(config) => camera_of(&name, settled(sequence, config.camera)?)?,
-        Tracks::Seen(Images::Rendered(config)) => camera_of(&name, settled(sequence, config.camera)?)?,
+        TrackSource::Simulated(config) => camera_of(&name, settled(sequence, config.camera)?)?,
+        TrackSource::Images(ImageSource::Rendered(config)) => {
+            camera_of(&name, settled(sequence, config.camera)?)?
+        }
     };
     let truth = match sequence.ground_truth_path() {
         Some(_) => Some(poses_of(&sequence.ground_truth()?)),
@@ -399,13 +405,13 @@ fn flown(
     flight: Flight,
     seed: u64,
     config: &FlightConfig,
-    tracks: &Tracks,
+    tracks: &TrackSource,
 ) -> Result<Recording, ClosedLoopError> {
     let flown = simulate(flight, seed, config)?;
     let settings = match tracks {
-        Tracks::Made(made) => made.camera,
-        Tracks::Seen(Images::Rendered(rendered)) => rendered.camera,
-        Tracks::Given(_) | Tracks::Seen(_) => None,
+        TrackSource::Simulated(made) => made.camera,
+        TrackSource::Images(ImageSource::Rendered(rendered)) => rendered.camera,
+        TrackSource::File(_) | TrackSource::Images(_) => None,
     };
     let (camera, body_from_cam) = camera_of(flight.name(), settings)?;
     let truth = flown.ground_truth.iter();
@@ -428,9 +434,9 @@ mod tests {
 
     #[test]
     fn sequences_are_selected_by_name_short_name_or_beginning() {
-        let source = Source::Flights {
+        let source = SequenceSet::Flights {
             config: FlightConfig::default(),
-            tracks: Tracks::Made(TracksConfig::default()),
+            tracks: TrackSource::Simulated(TracksConfig::default()),
         };
         assert_eq!(source.select("all").unwrap().len(), 11);
         assert_eq!(source.select("hover, f02-hall-calm;f03").unwrap(), [1, 2, 8]);
@@ -442,10 +448,28 @@ mod tests {
     }
 
     #[test]
+    fn tracks_that_are_not_there_are_an_error_and_never_none() {
+        let config = FlightConfig::default();
+        for tracks in [
+            TrackSource::File(PathBuf::from("tracks")),
+            TrackSource::Images(ImageSource::Rendered(Box::default())),
+            TrackSource::Images(ImageSource::Folder { skip_missing: false }),
+        ] {
+            let source = SequenceSet::Flights { config: config.clone(), tracks };
+            let error = source.frames(0, 1).unwrap_err().to_string();
+            assert!(error.starts_with("f01-hall-slow: it has no file of tracks"), "{error}");
+        }
+        let folder = TrackSource::Images(ImageSource::Folder { skip_missing: false });
+        let source = SequenceSet::Flights { config, tracks: folder };
+        let error = source.camera_input(0, 1, &Span::from(0.0)).err().unwrap();
+        assert!(matches!(error, ClosedLoopError::NoImages { asked: false, .. }), "{error}");
+    }
+
+    #[test]
     fn a_flight_has_truth_oracle_and_tracks_on_its_samples_clock() {
-        let source = Source::Flights {
+        let source = SequenceSet::Flights {
             config: FlightConfig::default(),
-            tracks: Tracks::Made(TracksConfig::default()),
+            tracks: TrackSource::Simulated(TracksConfig::default()),
         };
         let place = source.select("hover").unwrap()[0];
         let recording = source.recording(place, 3).unwrap();

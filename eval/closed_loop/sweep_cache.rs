@@ -33,14 +33,14 @@ impl Needs {
 
 /// Everything that is shared, made when first needed.
 #[derive(Debug)]
-pub(super) struct Kept {
+pub(super) struct SweepCache {
     recordings: BTreeMap<Place, Shared<Recording>>,
     frames: BTreeMap<Place, Shared<TrackedSequence>>,
     tracks: BTreeMap<(Place, String), Shared<NoiseTrack>>,
     means: BTreeMap<String, ImuNoise>,
 }
 
-impl Kept {
+impl SweepCache {
     /// For cells with these needs, each of which will be [`done`](Self::done) once; `means` by the spec they are of.
     pub(super) fn new(needs: &[Needs], means: BTreeMap<String, ImuNoise>) -> Self {
         Self {
@@ -76,7 +76,7 @@ impl Kept {
         recorded: Recorded<'a>,
         networks: &'a [Network],
     ) -> impl Sources + 'a {
-        OfCell { kept: self, needs, recorded, networks }
+        OfCell { cache: self, needs, recorded, networks }
     }
 
     /// A cell is over.
@@ -101,7 +101,7 @@ fn counted_before<'a, K: Ord, T>(values: &'a BTreeMap<K, Shared<T>>, key: &K) ->
 }
 
 struct OfCell<'a> {
-    kept: &'a Kept,
+    cache: &'a SweepCache,
     needs: &'a Needs,
     recorded: Recorded<'a>,
     networks: &'a [Network],
@@ -110,11 +110,11 @@ struct OfCell<'a> {
 impl Sources for OfCell<'_> {
     fn track(&self, source: &Noise) -> Result<Arc<NoiseTrack>, NoiseError> {
         let make = || of_recording(source, &self.recorded, self.networks);
-        counted_before(&self.kept.tracks, &(self.needs.recording, source.to_string())).get(make)
+        counted_before(&self.cache.tracks, &(self.needs.recording, source.to_string())).get(make)
     }
 
     fn training_mean(&self, source: &Noise) -> Result<ImuNoise, NoiseError> {
-        let mean = self.kept.means.get(&source.to_string()).copied();
+        let mean = self.cache.means.get(&source.to_string()).copied();
         mean.ok_or_else(|| NoiseError::NoTraining { spec: format!("mean-of-train({source})") })
     }
 }
