@@ -1,6 +1,7 @@
 //! The controls' arithmetic.
 
 use dpn_core::random::Stream;
+use dpn_core::time::median_step_ns;
 use dpn_core::{ImuNoise, NoiseTrack, Sensor, Stamp};
 use rand::seq::SliceRandom;
 
@@ -21,13 +22,10 @@ pub fn shuffled(track: &NoiseTrack, stream: &Stream) -> NoiseTrack {
 
 /// Samples in a block, by the median step.
 fn block_length(stamps: &[Stamp]) -> usize {
-    let mut steps: Vec<i64> = stamps.windows(2).map(|w| w[1].ns() - w[0].ns()).collect();
-    if steps.is_empty() {
-        return 1;
+    match median_step_ns(stamps.iter().copied()) {
+        Some(step) => ((BLOCK_S * 1e9 / step as f64).round() as usize).max(1),
+        None => 1,
     }
-    let middle = steps.len() / 2;
-    let (_, median, _) = steps.select_nth_unstable(middle);
-    ((BLOCK_S * 1e9 / *median as f64).round() as usize).max(1)
 }
 
 /// Mean of squares per axis, summed in the order of the values.

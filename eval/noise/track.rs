@@ -4,7 +4,8 @@ use super::NoiseError;
 use super::controls::{MeanSquare, shuffled};
 use dpn_core::estimate::{Noise, Schedule, raised_to_floor};
 use dpn_core::random::Stream;
-use dpn_core::{ImuNoise, ImuRecording, NoiseTrack, Sensor, Stamp};
+use dpn_core::time::median_step_s;
+use dpn_core::{ImuNoise, ImuRecording, NoiseTrack, Sensor};
 use dpn_io::read_noise_track;
 use dpn_pronet::DualProNet;
 use dpn_pronet::network::{Network, select};
@@ -158,7 +159,8 @@ fn held(path: &Path, spec: &Noise, recorded: &Recorded<'_>) -> Result<NoiseTrack
     let (stamps, samples) = (file.stamps(), recorded.imu.samples());
     let (first, last) = (samples[0].t, samples[samples.len() - 1].t);
     let (from, to) = (stamps[0], stamps[stamps.len() - 1]);
-    let step = median_step(stamps);
+    // One value alone is held for no time at all.
+    let step = median_step_s(stamps.iter().copied()).unwrap_or(0.0);
     if from > first || to.plus_seconds(1.5 * step) < last {
         return Err(NoiseError::NotCovered {
             path: path.to_path_buf(),
@@ -196,17 +198,10 @@ fn held(path: &Path, spec: &Noise, recorded: &Recorded<'_>) -> Result<NoiseTrack
     Ok(track.unwrap_or(file))
 }
 
-/// The median time between values \[s\]; 0 for one value.
-fn median_step(stamps: &[Stamp]) -> f64 {
-    let mut steps: Vec<f64> = stamps.windows(2).map(|w| w[1].seconds_since(w[0])).collect();
-    let middle = steps.len() / 2;
-    if steps.is_empty() { 0.0 } else { *steps.select_nth_unstable_by(middle, f64::total_cmp).1 }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use dpn_core::ImuSample;
+    use dpn_core::{ImuSample, Stamp};
     use dpn_io::write_noise_track;
 
     fn recording(samples: i64) -> ImuRecording {

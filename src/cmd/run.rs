@@ -6,7 +6,7 @@ use crate::ui::Fault;
 use anyhow::Result;
 use dpn_core::estimate::Noise;
 use dpn_eval::closed_loop::{
-    Images, Recording, Report, Told, Seen, Single, Source, Span, Tracks, Vision, has_images, single,
+    Images, Recording, Report, Seen, Single, Source, Span, Told, Tracks, Vision, has_images, single,
     write_states,
 };
 use dpn_figures::save;

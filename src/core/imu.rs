@@ -1,6 +1,6 @@
 //! IMU samples and recordings.
 
-use crate::time::{SampleRate, Stamp};
+use crate::time::{SampleRate, Stamp, median_step_ns};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use thiserror::Error;
@@ -147,11 +147,8 @@ impl ImuRecording {
 
     /// The median rate: robust against gaps and jitter.
     pub fn rate(&self) -> SampleRate {
-        let mut steps: Vec<i64> = self.samples.windows(2).map(|w| w[1].t.ns() - w[0].t.ns()).collect();
-        let middle = steps.len() / 2;
-        let (_, median, _) = steps.select_nth_unstable(middle);
-        // Stamps increase, so the step is at least one nanosecond.
-        SampleRate::from_hz(1e9 / *median as f64).unwrap_or(SampleRate::HZ_200)
+        let step = median_step_ns(self.samples.iter().map(|s| s.t)).expect("a recording has two samples");
+        SampleRate::from_hz(1e9 / step as f64).expect("stamps increase: a step is a nanosecond or more")
     }
 
     /// One axis (0, 1, 2) of one sensor as a contiguous signal.

@@ -10,6 +10,7 @@ use super::smooth::smooth;
 use super::spline::{CubicSpline, FEWEST};
 use dpn_core::Stamp;
 use dpn_core::config::{ConfigFault, Validate};
+use dpn_core::time::median_step_s;
 use dpn_core::truth::{GroundTruth, TrueState};
 use nalgebra::{Isometry3, Quaternion, SVector, Translation3, UnitQuaternion};
 use thiserror::Error;
@@ -80,13 +81,10 @@ impl RecordedPath {
 
 /// Poses in `seconds` at the median rate, made odd as the recordings' peers do it: 21 for .1 s at 200 Hz.
 fn window(states: &[TrueState], seconds: f64) -> usize {
-    let mut steps: Vec<f64> = states.windows(2).map(|pair| pair[1].t.seconds_since(pair[0].t)).collect();
-    if steps.is_empty() {
-        return 1;
+    match median_step_s(states.iter().map(|state| state.t)) {
+        Some(step) => 2 * ((seconds / step).round() as usize / 2) + 1,
+        None => 1,
     }
-    let middle = steps.len() / 2;
-    let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
-    2 * ((seconds / *median).round() as usize / 2) + 1
 }
 
 impl Piece {

@@ -8,6 +8,7 @@ use super::tracker::Tracker;
 use super::world::Points;
 use dpn_core::config::{ConfigFault, Validate};
 use dpn_core::random::Stream;
+use dpn_core::time::median_step_s;
 use dpn_core::{Stamp, TrackFrame};
 use thiserror::Error;
 
@@ -82,7 +83,7 @@ pub fn simulate_tracks(
     let stream = Stream::new(seed).named("tracks");
     let points = Points::around(&path.bounds(), config.world, &stream);
     let mut sight = Sight::new(&points, &config.camera_or_default())?;
-    let period = median_step(stamps).unwrap_or(ONE_FRAME_PERIOD_S);
+    let period = median_step_s(stamps.iter().copied()).unwrap_or(ONE_FRAME_PERIOD_S);
     let mut tracker = Tracker::new(config, period, points.len(), &stream);
     let every = ((1.0 / (period * config.rate_hz)).round() as usize).max(1);
 
@@ -112,14 +113,4 @@ pub fn simulate_tracks(
         return Err(TracksError::Apart { frames: stamps.len(), first, last, path_first, path_last });
     }
     Ok(frames)
-}
-
-/// The median time between frames \[s\]; `None` for a single one.
-fn median_step(stamps: &[Stamp]) -> Option<f64> {
-    let mut steps: Vec<f64> = stamps.windows(2).map(|pair| pair[1].seconds_since(pair[0])).collect();
-    if steps.is_empty() {
-        return None;
-    }
-    let middle = steps.len() / 2;
-    Some(*steps.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
