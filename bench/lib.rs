@@ -5,6 +5,7 @@
 
 pub mod frames;
 
+use dpn_core::signal::stats::upper_median;
 use std::time::Instant;
 
 /// How often to run: from the command line, or once where the bench runs as a test.
@@ -42,7 +43,7 @@ pub fn time(iterations: usize, mut work: impl FnMut()) -> Timing {
         work();
     }
     let cpu = cpu_seconds();
-    let mut walls: Vec<f64> = (0..iterations.max(1))
+    let walls: Vec<f64> = (0..iterations.max(1))
         .map(|_| {
             let start = Instant::now();
             work();
@@ -50,6 +51,6 @@ pub fn time(iterations: usize, mut work: impl FnMut()) -> Timing {
         })
         .collect();
     let used = cpu.zip(cpu_seconds()).map_or(f64::NAN, |(from, to)| to - from);
-    walls.sort_by(f64::total_cmp);
-    Timing { wall_ms: walls[walls.len() / 2], cpu_ms: used * 1e3 / walls.len() as f64 }
+    let cpu_ms = used * 1e3 / walls.len() as f64;
+    Timing { wall_ms: upper_median(walls).expect("one iteration at least"), cpu_ms }
 }

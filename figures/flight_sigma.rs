@@ -11,6 +11,7 @@ use super::sheet::{self, MARGIN};
 use super::style::{self, Anchor, PALETTE};
 use super::summary::{Column, columns};
 use dpn_core::Sensor;
+use dpn_core::signal::stats::upper_median;
 use plotters::coord::Shift;
 use plotters::drawing::DrawingArea;
 use plotters::style::{Color, RGBColor};
@@ -220,15 +221,15 @@ pub(super) fn labels(phases: &[Phase]) -> Vec<&str> {
 }
 
 pub(super) fn tint(phases: &[Phase], label: &str) -> RGBColor {
-    let index = labels(phases).iter().position(|known| *known == label).unwrap_or(0);
+    let index = labels(phases).iter().position(|known| *known == label).expect("a label of these phases");
     TINTS[index % TINTS.len()]
 }
 
 /// Parts of a track without gaps: a gap is a step four times the usual one.
 pub(super) fn unbroken(columns: &[Column]) -> impl Iterator<Item = &[Column]> {
-    let mut steps: Vec<f64> = columns.windows(2).map(|pair| pair[1].t - pair[0].t).collect();
-    steps.sort_by(f64::total_cmp);
-    let usual = steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY);
+    let steps = columns.windows(2).map(|pair| pair[1].t - pair[0].t);
+    // One value alone has no gap.
+    let usual = upper_median(steps).unwrap_or(f64::INFINITY);
     columns.chunk_by(move |a, b| b.t - a.t <= 4.0 * usual)
 }
 

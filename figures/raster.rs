@@ -58,7 +58,7 @@ pub(super) fn averaged(canvas: &[u8], size: (u32, u32)) -> Vec<u8> {
 /// The back-end; draws onto a [`canvas`].
 pub(super) struct Raster<'a> {
     fine: BitMapBackend<'a>,
-    font: Option<FontRef<'static>>,
+    font: FontRef<'static>,
     size: (u32, u32),
 }
 
@@ -67,7 +67,7 @@ impl<'a> Raster<'a> {
     pub(super) fn new(canvas: &'a mut [u8], size: (u32, u32)) -> Self {
         Self {
             fine: BitMapBackend::with_buffer(canvas, (size.0 * FINE, size.1 * FINE)),
-            font: FontRef::try_from_slice(dejavu::sans::regular()).ok(),
+            font: FontRef::try_from_slice(dejavu::sans::regular()).expect("the font that is built in is one"),
             size,
         }
     }
@@ -171,9 +171,7 @@ impl<'a> DrawingBackend for Raster<'a> {
         style: &S,
         at: BackendCoord,
     ) -> Result<(), Failure<'a>> {
-        let Some(font) = self.font.clone() else {
-            return Ok(()); // `style::prepare` has refused an unreadable font before anything is drawn
-        };
+        let font = self.font.clone();
         let em = style.size() / SIZE_PER_EM * f64::from(FINE);
         let scaled = font.as_scaled(PxScale::from((em * HEIGHT_PER_EM) as f32));
         let mut pen = 0.0;

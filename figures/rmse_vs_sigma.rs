@@ -87,7 +87,8 @@ impl Panel {
     fn new(sensor: Sensor, rows: &[&Row], names: &[&str], window: usize) -> Result<Self, FigureError> {
         let mut series: Vec<(usize, Row)> = Vec::new();
         for row in rows {
-            let index = names.iter().position(|name| *name == row.estimator).unwrap_or(0);
+            let index =
+                names.iter().position(|name| *name == row.estimator).expect("names are those of the rows");
             if series.iter().any(|(known, _)| *known == index) {
                 return Err(FigureError::TooMany {
                     figure: FIGURE,

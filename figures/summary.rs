@@ -1,5 +1,7 @@
 //! Few numbers for many: quantiles by true level, envelopes by pixel column.
 
+use dpn_core::signal::stats::{quantile, quantiles};
+
 /// The 5, 25, 50, 75 and 95 % quantiles of the values at one level.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Level {
@@ -11,6 +13,8 @@ pub(super) struct Level {
     pub(super) quantiles: [f64; 5],
 }
 
+/// Shares at which quantiles are taken.
+const LEVELS: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 /// Distinct true values up to this many are levels of their own; more are binned.
 pub(super) const MOST_LEVELS: usize = 16;
 /// Bins of equal width for continuous levels.
@@ -41,24 +45,15 @@ pub(super) fn by_level(truth: &[f64], values: &[f64]) -> Vec<Level> {
         .into_iter()
         .zip(0..)
         .filter(|((_, part), _)| !part.is_empty())
-        .map(|((sum, mut part), i)| {
-            part.sort_by(f64::total_cmp);
+        .map(|((sum, part), i)| {
             Level {
                 // A level stays what it was given as: a sum of equal numbers over their count may be an ulp off.
                 truth: if discrete { levels[i] } else { sum / part.len() as f64 },
                 n: part.len(),
-                quantiles: [0.05, 0.25, 0.5, 0.75, 0.95].map(|p| quantile(&part, p)),
+                quantiles: quantiles(&part, &LEVELS).try_into().expect("a quantile a level"),
             }
         })
         .collect()
-}
-
-/// Quantile `p` of ascending values by linear interpolation (type 7, numpy's default). `sorted` is not empty.
-pub(super) fn quantile(sorted: &[f64], p: f64) -> f64 {
-    let at = p * (sorted.len() - 1) as f64;
-    let low = sorted[at.floor() as usize];
-    let high = sorted[at.ceil() as usize];
-    low + (high - low) * at.fract()
 }
 
 /// What one pixel column shows of a signal.
@@ -86,14 +81,11 @@ pub(super) fn columns(t: &[f64], values: &[f64], count: usize) -> Vec<Column> {
     while from < t.len() {
         let at = column(t[from]);
         let to = from + t[from..].partition_point(|&t| column(t) <= at);
-        let mut part = values[from..to].to_vec();
-        part.sort_by(f64::total_cmp);
-        out.push(Column {
-            t: t[from..to].iter().sum::<f64>() / (to - from) as f64,
-            low: part[0],
-            middle: quantile(&part, 0.5),
-            high: part[part.len() - 1],
-        });
+        let part = &values[from..to];
+        let ends = [part.iter().copied().min_by(f64::total_cmp), part.iter().copied().max_by(f64::total_cmp)];
+        let [low, high] = ends.map(|end| end.expect("a column has a sample"));
+        let t = t[from..to].iter().sum::<f64>() / (to - from) as f64;
+        out.push(Column { t, low, middle: quantile(part, 0.5), high });
         from = to;
     }
     out

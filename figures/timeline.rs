@@ -8,6 +8,7 @@ use super::plot::{DrawError, Drawn, Plot};
 use super::sheet::{MARGIN, ROOM};
 use super::style::{self, Anchor, PALETTE};
 use super::summary::columns;
+use dpn_core::signal::stats::upper_median;
 use plotters::coord::Shift;
 use plotters::drawing::DrawingArea;
 use plotters_backend::DrawingBackend;
@@ -139,9 +140,9 @@ impl TimelinePanel {
 
 /// Parts of a line without a gap: where values are missing for four usual steps, no line pretends to know them.
 fn unbroken(line: &[(f64, f64)]) -> impl Iterator<Item = &[(f64, f64)]> {
-    let mut steps: Vec<f64> = line.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
-    steps.sort_by(f64::total_cmp);
-    let usual = steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY);
+    let steps = line.windows(2).map(|pair| pair[1].0 - pair[0].0);
+    // One value alone has no gap.
+    let usual = upper_median(steps).unwrap_or(f64::INFINITY);
     line.chunk_by(move |a, b| b.0 - a.0 <= 4.0 * usual)
 }
 

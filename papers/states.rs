@@ -4,14 +4,14 @@ use super::error::PaperError;
 use dpn_core::Stamp;
 use dpn_core::trajectory::StampedPose;
 use dpn_eval::closed_loop::{ANCHOR, paired};
-use dpn_eval::metrics::{Alignment, AlignmentKind, PosePair, align, start_alignment};
+use dpn_eval::metrics::{AlignmentKind, MetricsError, PosePair, align, start_alignment};
 use dpn_io::IoError;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use std::path::Path;
 
 /// A pose and the deviations believed of its position.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Believed {
+pub(super) struct EstimatedPose {
     pub(super) pose: StampedPose,
     /// Of x, y, z in the estimate's world \[m\]; none where the estimator gave no covariance.
     pub(super) position_std: Option<[f64; 3]>,
@@ -25,7 +25,7 @@ const POSITION_STD: usize = 18;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct States {
     /// The frames with a pose.
-    pub(super) poses: Vec<Believed>,
+    pub(super) poses: Vec<EstimatedPose>,
     /// The pose that the estimator took for known.
     pub(super) anchor: Option<StampedPose>,
 }
@@ -36,21 +36,22 @@ pub(super) fn read(path: &Path) -> Result<States, PaperError> {
         std::fs::read_to_string(path).map_err(|source| IoError::Read { path: path.to_path_buf(), source })?;
     let mut found = States { poses: Vec::new(), anchor: None };
     for (line, text) in (1..).zip(text.lines()) {
+        let stale = |what: &str| PaperError::Stale {
+            path: path.to_path_buf(),
+            message: format!("line {line} is not {what}"),
+        };
         if let Some(anchor) = text.strip_prefix(ANCHOR) {
-            found.anchor = pose(&anchor.split(',').collect::<Vec<_>>(), 1);
+            let anchor = pose(&anchor.split(',').collect::<Vec<_>>(), 1);
+            found.anchor = Some(anchor.ok_or_else(|| stale("an anchor"))?);
         }
         if text.starts_with('#') {
             continue;
         }
         let cells: Vec<&str> = text.split(',').collect();
-        if cells.get(POSITION).is_none_or(|cell| cell.is_empty()) {
-            continue;
+        // A frame without a pose has empty cells.
+        if cells.get(POSITION) != Some(&"") {
+            found.poses.push(estimated(&cells).ok_or_else(|| stale("a frame's state"))?);
         }
-        let stale = || PaperError::Stale {
-            path: path.to_path_buf(),
-            message: format!("line {line} is not a frame's state"),
-        };
-        found.poses.push(believed(&cells).ok_or_else(stale)?);
     }
     Ok(found)
 }
@@ -73,13 +74,17 @@ fn pose(cells: &[&str], at: usize) -> Option<StampedPose> {
     Some(StampedPose { t, world_from_body: Isometry3::from_parts(translation, rotation) })
 }
 
-fn believed(cells: &[&str]) -> Option<Believed> {
-    Some(Believed { pose: pose(cells, POSITION)?, position_std: three(cells, POSITION_STD) })
+fn estimated(cells: &[&str]) -> Option<EstimatedPose> {
+    let position_std = match *cells.get(POSITION_STD)? {
+        "" => None,
+        _ => Some(three(cells, POSITION_STD)?),
+    };
+    Some(EstimatedPose { pose: pose(cells, POSITION)?, position_std })
 }
 
 /// A run beside the truth.
 #[derive(Debug, Clone)]
-pub(super) struct Beside {
+pub(super) struct PairedRun {
     /// Pairs in increasing time.
     pub(super) pairs: Vec<PosePair>,
     /// Beliefs of each pair's estimate.
@@ -88,7 +93,7 @@ pub(super) struct Beside {
     pub(super) anchor: Option<PosePair>,
 }
 
-impl Beside {
+impl PairedRun {
     /// Pairs states with the truth; nothing where fewer than ten do.
     pub(super) fn new(
         sequence: &str,
@@ -107,11 +112,14 @@ impl Beside {
         Ok((pairs.len() >= 10).then_some(Self { pairs, position_std, anchor }))
     }
 
-    /// Estimated positions after SE(3) alignment; as they are where that leaves a freedom.
-    pub(super) fn aligned(&self) -> Vec<[f64; 3]> {
-        let map = align(&self.pairs, AlignmentKind::Se3).unwrap_or_else(|_| Alignment::identity());
+    /// Estimated positions after SE(3) alignment; nothing where that leaves a freedom.
+    pub(super) fn aligned(&self) -> Result<Option<Vec<[f64; 3]>>, MetricsError> {
+        let map = match align(&self.pairs, AlignmentKind::Se3) {
+            Err(MetricsError::Degenerate { .. }) => return Ok(None),
+            map => map?,
+        };
         let position = |p: &PosePair| map.apply(&p.est_world_from_body).translation.vector.into();
-        self.pairs.iter().map(position).collect()
+        Ok(Some(self.pairs.iter().map(position).collect()))
     }
 
     /// Errors of position in the truth's world, both agreeing at the pose that the estimator took for known (the first pair where there is
@@ -161,8 +169,15 @@ mod tests {
         assert_eq!(states.poses[1].pose.world_from_body.translation.x, 1.6);
         let anchor = states.anchor.unwrap();
         assert_eq!((anchor.t.ns(), anchor.world_from_body.translation.z), (4, 9.0));
-        std::fs::write(&path, "5,tracking,1,2,x\n").unwrap();
-        assert!(read(&path).unwrap_err().to_string().contains("line 1 is not a frame's state; remove it"));
+        let whole = line(5, 1.5);
+        let cut = &whole[..whole.find(",0.1,").unwrap()];
+        for broken in ["5,tracking,1,2,x", "5,tracking", cut, &whole.replace(",0.1,", ",x,")] {
+            std::fs::write(&path, format!("{broken}\n")).unwrap();
+            let error = read(&path).unwrap_err().to_string();
+            assert!(error.contains("line 1 is not a frame's state; remove it"), "{broken}: {error}");
+        }
+        std::fs::write(&path, "#anchor,4,7.0\n").unwrap();
+        assert!(read(&path).unwrap_err().to_string().contains("line 1 is not an anchor"));
     }
 
     #[test]
@@ -180,21 +195,21 @@ mod tests {
             })
             .collect();
         let moved = Isometry3::new(Vector3::new(3.0, -2.0, 1.0), Vector3::z() * 0.7);
-        let poses: Vec<Believed> = truth
+        let poses: Vec<EstimatedPose> = truth
             .iter()
-            .map(|p| Believed {
+            .map(|p| EstimatedPose {
                 pose: StampedPose { t: p.t, world_from_body: moved * p.world_from_body },
                 position_std: Some([0.1; 3]),
             })
             .collect();
         let states = States { poses, anchor: None };
-        let beside = Beside::new("a", &truth, &states).unwrap().unwrap();
-        for ((error, band), aligned) in beside.errors().iter().zip(beside.aligned()) {
+        let beside = PairedRun::new("a", &truth, &states).unwrap().unwrap();
+        for ((error, band), aligned) in beside.errors().iter().zip(beside.aligned().unwrap().unwrap()) {
             assert!(error.iter().all(|e| e.abs() < 1e-9), "{error:?}");
             assert!(band.unwrap().iter().all(|b| (b - 0.3).abs() < 1e-12));
             assert!(aligned.iter().all(|v| v.is_finite()));
         }
         let few = States { poses: states.poses[..5].to_vec(), anchor: None };
-        assert!(Beside::new("a", &truth, &few).unwrap().is_none());
+        assert!(PairedRun::new("a", &truth, &few).unwrap().is_none());
     }
 }

@@ -11,6 +11,7 @@ use crate::metrics::{
 };
 use crate::noise::MeanSquare;
 use dpn_core::estimate::Noise;
+use dpn_core::time::median_step_s;
 use dpn_core::trajectory::StampedPose;
 use dpn_core::{NoiseTrack, Sensor, Stamp};
 use dpn_vio::estimator::Stage;
@@ -97,7 +98,7 @@ impl Errors {
 
 /// The truth as runs are judged against it: interpolated, not across gaps.
 fn truth_track(truth: &[StampedPose]) -> Result<TruthTrack<'_>, MetricsError> {
-    let slow = median_step(truth).is_some_and(|step| step > SLOW_TRUTH_S);
+    let slow = median_step_s(truth.iter().map(|pose| pose.t)).is_some_and(|step| step > SLOW_TRUTH_S);
     let interpolation = if slow { Interpolation::Cubic } else { Interpolation::Linear };
     TruthTrack::new(truth, TruthOptions { max_gap_s: MAX_GAP_S, interpolation })
 }
@@ -143,12 +144,6 @@ fn mean(nees: Option<&Vec<PoseNees>>, part: impl Fn(&PoseNees) -> f64) -> Option
 fn path_length(pairs: &[PosePair]) -> f64 {
     let position = |p: &PosePair| p.true_world_from_body.translation.vector;
     pairs.windows(2).map(|w| (position(&w[1]) - position(&w[0])).norm()).sum()
-}
-
-fn median_step(poses: &[StampedPose]) -> Option<f64> {
-    let mut steps: Vec<f64> = poses.windows(2).map(|w| w[1].t.seconds_since(w[0].t)).collect();
-    let middle = steps.len() / 2;
-    (!steps.is_empty()).then(|| *steps.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 /// What a run was told.

@@ -4,7 +4,7 @@ use super::NoiseError;
 use super::controls::{MeanSquare, shuffled};
 use dpn_core::estimate::{Noise, Schedule, raised_to_floor};
 use dpn_core::random::Stream;
-use dpn_core::time::median_step_ns;
+use dpn_core::time::median_step_s;
 use dpn_core::{ImuNoise, ImuRecording, NoiseTrack, Sensor};
 use dpn_io::read_noise_track;
 use dpn_pronet::DualProNet;
@@ -160,7 +160,7 @@ fn held(path: &Path, spec: &Noise, recorded: &Recorded<'_>) -> Result<NoiseTrack
     let (first, last) = (samples[0].t, samples[samples.len() - 1].t);
     let (from, to) = (stamps[0], stamps[stamps.len() - 1]);
     // A single value has no step.
-    let step = median_step_ns(stamps.iter().copied()).map_or(0.0, |ns| ns as f64 * 1e-9);
+    let step = median_step_s(stamps.iter().copied()).unwrap_or(0.0);
     if from > first || to.plus_seconds(1.5 * step) < last {
         return Err(NoiseError::NotCovered {
             path: path.to_path_buf(),

@@ -2,7 +2,7 @@
 
 use super::super::error::PaperError;
 use super::super::motors;
-use super::super::states::{Beside, read};
+use super::super::states::{PairedRun, read};
 use dpn_core::estimate::Noise;
 use dpn_core::random::Stream;
 use dpn_core::{ImuRecording, NoiseTrack, Sensor};
@@ -20,11 +20,16 @@ fn beside(
     keep: &Keep,
     key: &CellKey,
     recording: &Recording,
-) -> Result<Option<Beside>, PaperError> {
+) -> Result<Option<PairedRun>, PaperError> {
     let Some((path, truth)) = keep.states_path(dir, key).zip(recording.truth.as_ref()) else {
         return Ok(None);
     };
-    Beside::new(&recording.name, truth, &read(&path)?)
+    PairedRun::new(&recording.name, truth, &read(&path)?)
+}
+
+/// The seed whose states were kept.
+fn seed_of(keep: &Keep) -> u64 {
+    keep.states.as_ref().expect("the study keeps states for its figures").1
 }
 
 fn key(sequence: &str, noise: &Noise, seed: u64) -> CellKey {
@@ -39,7 +44,7 @@ pub(crate) fn trajectories(
     keep: &Keep,
     noises: &[Noise],
 ) -> Result<Trajectories, PaperError> {
-    let seed = keep.states.as_ref().map_or(0, |(_, seed)| *seed);
+    let seed = seed_of(keep);
     let mut panels = Vec::new();
     for recording in recordings {
         let mut estimates = Vec::new();
@@ -49,7 +54,11 @@ pub(crate) fn trajectories(
             let found = beside(dir, keep, &key, recording)?;
             let ate = rows.iter().find(|row| row.key() == key).and_then(|row| row.ate_se3);
             words.push(ate.map_or_else(|| format!("{noise}: no pose"), |ate| format!("{noise}: {ate:.3} m")));
-            estimates.push(found.map(|found| found.aligned()));
+            let refused = |source| PaperError::Metrics { sequence: recording.name.clone(), source };
+            estimates.push(match found {
+                Some(found) => found.aligned().map_err(refused)?,
+                None => None,
+            });
         }
         let truth = recording.truth.iter().flatten().map(|p| p.world_from_body.translation.vector.into());
         let mark = if recording.side == Side::Test { "*" } else { "" };
@@ -76,7 +85,7 @@ pub(crate) fn errors(
     keep: &Keep,
     noises: &[Noise],
 ) -> Result<Option<ErrorBand>, PaperError> {
-    let seed = keep.states.as_ref().map_or(0, |(_, seed)| *seed);
+    let seed = seed_of(keep);
     let mut columns = Vec::new();
     for noise in noises {
         let Some(found) = beside(dir, keep, &key(&recording.name, noise, seed), recording)? else {

@@ -62,18 +62,11 @@ fn time_unit(text: &str) -> Result<TimeUnit, String> {
 }
 
 fn gyro_unit(text: &str) -> Result<GyroUnit, String> {
-    match text {
-        "rad/s" => Ok(GyroUnit::RadPerSecond),
-        "deg/s" => Ok(GyroUnit::DegPerSecond),
-        _ => Err("known are rad/s, deg/s".to_owned()),
-    }
+    let known = GyroUnit::ALL.into_iter().find(|unit| unit.name() == text);
+    known.ok_or_else(|| "known are rad/s, deg/s".to_owned())
 }
 
 fn accel_unit(text: &str) -> Result<AccelUnit, String> {
-    match text {
-        "m/s^2" => Ok(AccelUnit::MetrePerSecond2),
-        "g" => Ok(AccelUnit::StandardGravity),
-        "mg" => Ok(AccelUnit::MilliGravity),
-        _ => Err("known are m/s^2, g, mg".to_owned()),
-    }
+    let known = AccelUnit::ALL.into_iter().find(|unit| unit.name() == text);
+    known.ok_or_else(|| "known are m/s^2, g, mg".to_owned())
 }

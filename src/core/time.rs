@@ -31,18 +31,24 @@ impl Stamp {
     }
 }
 
+/// The median step between instants in their order \[ns\]; of an even count the longer of the middle two, so that it is a step that was
+/// there. None for fewer than two instants.
+pub fn median_step_ns(stamps: impl IntoIterator<Item = Stamp>) -> Option<i64> {
+    let stamps: Vec<Stamp> = stamps.into_iter().collect();
+    let mut steps: Vec<i64> = stamps.windows(2).map(|pair| pair[1].0.saturating_sub(pair[0].0)).collect();
+    let middle = steps.len() / 2;
+    (!steps.is_empty()).then(|| *steps.select_nth_unstable(middle).1)
+}
+
+/// [`median_step_ns`] in seconds.
+pub fn median_step_s(stamps: impl IntoIterator<Item = Stamp>) -> Option<f64> {
+    median_step_ns(stamps).map(|step| Stamp(step).seconds_since(Stamp(0)))
+}
+
 impl fmt::Display for Stamp {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} ns", self.0)
     }
-}
-
-/// The median time from one stamp to the next \[ns\], the upper one of two middle ones; `None` for fewer than two.
-pub fn median_step_ns(stamps: impl IntoIterator<Item = Stamp>) -> Option<i64> {
-    let stamps: Vec<i64> = stamps.into_iter().map(Stamp::ns).collect();
-    let mut steps: Vec<i64> = stamps.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let middle = steps.len() / 2;
-    (!steps.is_empty()).then(|| *steps.select_nth_unstable(middle).1)
 }
 
 /// Samples a second, positive and finite.
@@ -80,6 +86,15 @@ mod tests {
         let b = Stamp::from_ns(1_403_636_579_763_555_392);
         assert!((b.seconds_since(a) - 0.005).abs() < 1e-15);
         assert_eq!(a.plus_seconds(0.005), b);
+    }
+
+    #[test]
+    fn the_median_step_is_one_that_was_there() {
+        let of = |ns: &[i64]| median_step_ns(ns.iter().copied().map(Stamp::from_ns));
+        assert_eq!(of(&[0, 5, 1000, 1007]), Some(7));
+        assert_eq!(of(&[0, 5, 12]), Some(7));
+        assert_eq!((of(&[3]), of(&[])), (None, None));
+        assert_eq!(median_step_s([0, 5_000_000].map(Stamp::from_ns)), Some(5e6 * 1e-9));
     }
 
     #[test]

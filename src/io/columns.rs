@@ -5,12 +5,10 @@
 //! the accelerometer. A unit stands in brackets (`[rad s^-1]`, `(deg/s)`) or at the end (`gyro_x_dps`, `timestamp_ns`).
 
 use super::rows::Header;
+use super::unit::{self, Dimension, STANDARD_GRAVITY};
 use super::{IoError, TimeUnit};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-
-/// Standard gravity, the `g` in which data sheets and sensors count \[m/s^2\].
-const STANDARD_GRAVITY: f64 = 9.806_65;
 
 /// Unit of a log's gyroscope columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -24,6 +22,9 @@ pub enum GyroUnit {
 }
 
 impl GyroUnit {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::RadPerSecond, Self::DegPerSecond];
+
     /// `"rad/s"` or `"deg/s"`.
     pub fn name(self) -> &'static str {
         match self {
@@ -56,6 +57,9 @@ pub enum AccelUnit {
 }
 
 impl AccelUnit {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::MetrePerSecond2, Self::StandardGravity, Self::MilliGravity];
+
     /// `"m/s^2"`, `"g"` or `"mg"`.
     pub fn name(self) -> &'static str {
         match self {
@@ -253,30 +257,28 @@ fn slot_of(name: &str) -> Option<usize> {
 }
 
 fn time_unit(unit: &str) -> Option<TimeUnit> {
-    match unit {
-        "s" | "sec" | "secs" | "second" | "seconds" => Some(TimeUnit::Seconds),
-        "ms" | "msec" | "millis" | "milliseconds" => Some(TimeUnit::Millis),
-        "us" | "usec" | "µs" | "μs" | "micros" | "microseconds" => Some(TimeUnit::Micros),
-        "ns" | "nsec" | "nanos" | "nanoseconds" => Some(TimeUnit::Nanos),
-        _ => None,
-    }
+    known(unit, Dimension::TIME, &TimeUnit::ALL, TimeUnit::seconds)
 }
 
 fn gyro_unit(unit: &str) -> Option<GyroUnit> {
-    match unit {
-        "rads1" | "rads" | "radsec" | "radpersec" => Some(GyroUnit::RadPerSecond),
-        "degs1" | "degs" | "dps" | "degsec" | "degpersec" => Some(GyroUnit::DegPerSecond),
-        _ => None,
-    }
+    known(unit, Dimension::RATE, &GyroUnit::ALL, GyroUnit::factor)
 }
 
 fn accel_unit(unit: &str) -> Option<AccelUnit> {
-    match unit {
-        "ms2" | "mss" | "mps2" | "msec2" | "mpers2" | "ms²" => Some(AccelUnit::MetrePerSecond2),
-        "g" => Some(AccelUnit::StandardGravity),
-        "mg" => Some(AccelUnit::MilliGravity),
-        _ => None,
-    }
+    known(unit, Dimension::ACCELERATION, &AccelUnit::ALL, AccelUnit::factor)
+}
+
+/// Which of `all` a [reduced] unit is.
+fn known<U: Copy>(unit: &str, dimension: Dimension, all: &[U], scale: fn(U) -> f64) -> Option<U> {
+    // What a column's name cannot hold, put back.
+    let unit = match unit {
+        "rads1" | "rads" | "radsec" | "radpersec" => "rad/s",
+        "degs1" | "degs" | "degsec" | "degpersec" => "deg/s",
+        "ms2" | "mss" | "mps2" | "msec2" | "mpers2" | "ms²" => "m/s^2",
+        unit => unit,
+    };
+    let unit = unit::parse(unit).ok()?;
+    all.iter().copied().find(|one| unit.is(scale(*one), dimension))
 }
 
 #[cfg(test)]

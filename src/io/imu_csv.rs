@@ -11,6 +11,7 @@ use super::columns::{self, AccelUnit, GyroUnit, ImuColumns, SLOTS};
 use super::rows::Rows;
 use super::{IoError, TimeUnit};
 use dpn_core::imu::{ImuRecording, ImuSample};
+use dpn_core::signal::stats::upper_median;
 use std::path::Path;
 
 /// What the caller knows about a log; `None` is left to the header or to a guess.
@@ -184,9 +185,8 @@ pub(super) fn guess_time_unit(
     let [first, _, ..] = stamps[..] else {
         return Err(IoError::TooShort { path: path.to_path_buf(), found: stamps.len() });
     };
-    let mut steps: Vec<f64> = stamps.windows(2).map(|w| w[1] - w[0]).collect();
-    let middle = steps.len() / 2;
-    let step = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let steps = stamps.windows(2).map(|w| w[1] - w[0]);
+    let step = upper_median(steps).expect("there are two stamps or more");
     // Half a per cent of slack, so that a 10 Hz log with jitter is not taken for one of 10 kHz.
     let within = |value: f64, least: f64, most: f64| (least * 0.995..most * 0.995).contains(&value);
     let since_1970 = |unit: &TimeUnit| within(first * unit.seconds(), 1e8, 1e10);

@@ -41,6 +41,7 @@ mod rows;
 mod sieve;
 mod tracks;
 mod tum;
+mod unit;
 
 pub use atomic::atomic_write;
 pub use columns::{AccelUnit, GyroUnit, ImuColumns};

@@ -70,6 +70,13 @@ pub fn median_of(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     (!values.is_empty()).then(|| median_in_place(&mut values))
 }
 
+/// The median as a value that was there: of an even count the larger of the middle two. None for no values.
+pub fn upper_median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.into_iter().collect();
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
 /// Median absolute deviation about the median, times [`MAD_TO_SIGMA`]: estimates the deviation of a normal variable.
 pub fn mad(x: &[f64]) -> f64 {
     let mut work = x.to_vec();
@@ -183,6 +190,14 @@ mod tests {
                 assert_eq!(&differences(x, k + 1), expected, "{name} order {}", k + 1);
             }
         }
+    }
+
+    #[test]
+    fn medians_of_what_there_may_be_none_of() {
+        let x = [4.0, 1.0, 2.0, 3.0];
+        assert_eq!((median_of(x), upper_median(x)), (Some(2.5), Some(3.0)));
+        assert_eq!((median_of([7.0]), upper_median([7.0])), (Some(7.0), Some(7.0)));
+        assert_eq!((median_of([]), upper_median([])), (None, None));
     }
 
     #[test]

@@ -17,7 +17,7 @@ use super::quantity::Quantity;
 use super::read::{Given, NoiseCalibration, Zero};
 use super::step::Step;
 use super::tree::{Node, Tree};
-use super::unit;
+use crate::unit;
 use dpn_core::config::nearest;
 use dpn_core::noise::{Figure, ImuFigures};
 use std::path::Path;
@@ -100,7 +100,7 @@ pub(super) fn write(figures: &ImuFigures) -> (String, Vec<Step>) {
             continue;
         };
         let density = density.largest();
-        let values = units.map(|unit| (unit, unit::parse(unit).map_or(1.0, |unit| unit.scale)));
+        let values = units.map(|unit| (unit, unit::parse(unit).expect("UNITS are units").scale));
         for (unit, scale) in values {
             steps.push(Step {
                 name: name.to_owned(),

@@ -29,7 +29,6 @@ mod step;
 #[cfg(test)]
 mod table;
 mod tree;
-mod unit;
 mod variances;
 mod vins;
 mod write;

@@ -2,7 +2,7 @@
 
 use super::number::{number, short};
 use super::step::Step;
-use super::unit::{self, Dimension};
+use crate::unit::{self, Dimension};
 use dpn_core::imu::Sensor;
 use dpn_core::noise::Meaning;
 use dpn_core::noise::{Axes, Figure, ImuFigures};

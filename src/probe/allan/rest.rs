@@ -8,6 +8,7 @@
 //!
 //! Slow drift of a bias does none of that.
 
+use dpn_core::signal::stats::upper_median;
 use dpn_core::{ImuRecording, Sensor};
 use serde::Serialize;
 use std::ops::Range;
@@ -66,9 +67,12 @@ pub fn rest(recording: &ImuRecording) -> Rest {
                 .take(blocks)
                 .map(|chunk| second(chunk.iter().map(|s| s.of(sensor)[axis])))
                 .collect();
-            let usual = median(seconds.iter().map(|s| s.std));
-            let middle = median(seconds.iter().map(|s| s.mean));
-            let leap = median(seconds.windows(2).map(|w| (w[1].mean - w[0].mean).abs()));
+            let of = |part: fn(&Second) -> f64| {
+                upper_median(seconds.iter().map(part)).expect("there is a second or more")
+            };
+            let (usual, middle) = (of(|s| s.std), of(|s| s.mean));
+            // One second alone leaps nowhere.
+            let leap = upper_median(seconds.windows(2).map(|w| (w[1].mean - w[0].mean).abs())).unwrap_or(0.0);
             // A coarse converter can show the same count for seconds; then one count's scatter is usual.
             let least = seconds.iter().map(|s| s.std).filter(|s| *s > 0.0).fold(f64::INFINITY, f64::min);
             let usual = if usual > 0.0 || !least.is_finite() { usual } else { least };
@@ -134,15 +138,6 @@ fn second(values: impl Iterator<Item = f64> + Clone) -> Second {
     let mean = values.clone().sum::<f64>() / n;
     let std = (values.map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt();
     Second { mean, std }
-}
-
-fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use super::smooth::smooth;
 use super::spline::{CubicSpline, FEWEST};
 use dpn_core::Stamp;
 use dpn_core::config::{ConfigFault, Validate};
-use dpn_core::time::median_step_ns;
+use dpn_core::time::median_step_s;
 use dpn_core::truth::{GroundTruth, TrueState};
 use nalgebra::{Isometry3, Quaternion, SVector, Translation3, UnitQuaternion};
 use thiserror::Error;
@@ -81,8 +81,8 @@ impl RecordedPath {
 
 /// Poses in `seconds` at the median rate, made odd as the recordings' peers do it: 21 for .1 s at 200 Hz.
 fn window(states: &[TrueState], seconds: f64) -> usize {
-    let Some(median) = median_step_ns(states.iter().map(|state| state.t)) else { return 1 };
-    2 * ((seconds / (median as f64 * 1e-9)).round() as usize / 2) + 1
+    let Some(median) = median_step_s(states.iter().map(|state| state.t)) else { return 1 };
+    2 * ((seconds / median).round() as usize / 2) + 1
 }
 
 impl Piece {

@@ -8,7 +8,7 @@ use super::tracker::Tracker;
 use super::world::Points;
 use dpn_core::config::{ConfigFault, Validate};
 use dpn_core::random::Stream;
-use dpn_core::time::median_step_ns;
+use dpn_core::time::median_step_s;
 use dpn_core::{Stamp, TrackFrame};
 use thiserror::Error;
 
@@ -83,7 +83,7 @@ pub fn simulate_tracks(
     let stream = Stream::new(seed).named("tracks");
     let points = Points::around(&path.bounds(), config.world, &stream);
     let mut sight = Sight::new(&points, &config.camera_or_default())?;
-    let period = median_step_ns(stamps.iter().copied()).map_or(ONE_FRAME_PERIOD_S, |ns| ns as f64 * 1e-9);
+    let period = median_step_s(stamps.iter().copied()).unwrap_or(ONE_FRAME_PERIOD_S);
     let mut tracker = Tracker::new(config, period, points.len(), &stream);
     let every = ((1.0 / (period * config.rate_hz)).round() as usize).max(1);
 

@@ -1,30 +1,37 @@
-//! Units of noise as data sheets write them, by their dimension: `mg/sqrt(Hz)`, `deg/s/√Hz`, `deg/sqrt(h)`, `(rad/s)^2/Hz`.
+//! Units as data sheets and the columns of logs write them, by their dimension: `rad/s`, `mg`, `ms`, `mg/sqrt(Hz)`, `deg/s/√Hz`, `deg/sqrt(h)`, `(rad/s)^2/Hz`.
 //!
 //! A unit is a number of SI units and a dimension in angle, length and time. A degree per root hour (angle random walk) and a degree per
 //! second per root hertz (density) have the same dimension: they are the same figure, a factor of 60 apart.
 
 use std::fmt;
 
-/// Standard gravity, the `g` in which data sheets count \[m/s^2\].
-const STANDARD_GRAVITY: f64 = 9.806_65;
+/// Standard gravity, the `g` in which data sheets and sensors count \[m/s^2\].
+pub(crate) const STANDARD_GRAVITY: f64 = 9.806_65;
 
 /// Powers of angle, length and time, in halves: a root hertz is -1 of time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) struct Dimension {
+pub(crate) struct Dimension {
     pub angle: i32,
     pub length: i32,
     pub time: i32,
 }
 
 impl Dimension {
-    pub(super) const fn new(angle: i32, length: i32, time: i32) -> Self {
+    /// Of a time.
+    pub(crate) const TIME: Self = Self::new(0, 0, 2);
+    /// Of an angular rate.
+    pub(crate) const RATE: Self = Self::new(2, 0, -2);
+    /// Of an acceleration.
+    pub(crate) const ACCELERATION: Self = Self::new(0, 2, -4);
+
+    pub(crate) const fn new(angle: i32, length: i32, time: i32) -> Self {
         Self { angle, length, time }
     }
 }
 
 /// A unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Unit {
+pub(crate) struct Unit {
     /// SI units in one of it.
     pub scale: f64,
     /// What it measures.
@@ -34,6 +41,11 @@ pub(super) struct Unit {
 }
 
 impl Unit {
+    /// Whether it is so many SI units of this dimension.
+    pub(crate) fn is(&self, scale: f64, dimension: Dimension) -> bool {
+        self.dimension == dimension && (self.scale / scale - 1.0).abs() < 1e-12
+    }
+
     const ONE: Self = Self { scale: 1.0, dimension: Dimension::new(0, 0, 0), hours: false };
 
     fn times(self, other: Self, sign: i32) -> Self {
@@ -66,7 +78,7 @@ impl Unit {
 
 /// Why a text is no unit.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum UnitError {
+pub(crate) enum UnitError {
     Unknown(String),
     Unexpected(String),
     Power,
@@ -86,7 +98,7 @@ impl fmt::Display for UnitError {
 ///
 /// # Errors
 /// Words that are no units; brackets that do not close.
-pub(super) fn parse(text: &str) -> Result<Unit, UnitError> {
+pub(crate) fn parse(text: &str) -> Result<Unit, UnitError> {
     let tokens = tokens(text);
     let mut parser = Parser { tokens: &tokens, depth: 0 };
     let unit = parser.expression()?;
@@ -226,9 +238,7 @@ fn named(word: &str) -> Option<Unit> {
     const DEGREE: f64 = std::f64::consts::PI / 180.0;
     let angle = Dimension::new(2, 0, 0);
     let length = Dimension::new(0, 2, 0);
-    let time = Dimension::new(0, 0, 2);
-    let rate = Dimension::new(2, 0, -2);
-    let accel = Dimension::new(0, 2, -4);
+    let (time, rate, accel) = (Dimension::TIME, Dimension::RATE, Dimension::ACCELERATION);
     let per_time = Dimension::new(0, 0, -2);
     let (scale, dimension) = match word {
         "rad" => (1.0, angle),
@@ -249,8 +259,10 @@ fn named(word: &str) -> Option<Unit> {
         "g" | "G" => (STANDARD_GRAVITY, accel),
         "mg" | "mG" => (1e-3 * STANDARD_GRAVITY, accel),
         "ug" | "uG" => (1e-6 * STANDARD_GRAVITY, accel),
-        "s" | "sec" | "second" | "seconds" => (1.0, time),
-        "ms" => (1e-3, time),
+        "s" | "sec" | "secs" | "second" | "seconds" => (1.0, time),
+        "ms" | "msec" | "millis" | "milliseconds" => (1e-3, time),
+        "us" | "usec" | "micros" | "microseconds" => (1e-6, time),
+        "ns" | "nsec" | "nanos" | "nanoseconds" => (1e-9, time),
         "min" => (60.0, time),
         "h" | "hr" | "hour" | "hours" => (3600.0, time),
         "Hz" | "hz" => (1.0, per_time),
