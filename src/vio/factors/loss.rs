@@ -19,7 +19,7 @@ pub enum Loss {
 impl Loss {
     /// `rho` and `rho'` at the squared residual `s`; `scale` is c, in standard deviations.
     #[inline]
-    pub fn evaluate(self, s: f64, scale: f64) -> (f64, f64) {
+    pub(crate) fn evaluate(self, s: f64, scale: f64) -> (f64, f64) {
         let c2 = scale * scale;
         match self {
             Self::Squared => (s, 1.0),

@@ -3,4 +3,4 @@
 pub mod inertial;
 pub mod loss;
 pub mod reprojection;
-pub mod rest;
+pub(crate) mod rest;

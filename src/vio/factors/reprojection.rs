@@ -69,7 +69,7 @@ impl Sighting {
 
 /// What all landmarks of one host and one target share.
 #[derive(Debug, Clone, Copy)]
-pub struct PairGeometry {
+pub(crate) struct PairGeometry {
     /// `R_wb,j^T R_wb,i`.
     target_from_host: Matrix3<f64>,
     /// `R_bc^T R_wb,j^T`: world to the target's camera.
@@ -88,7 +88,7 @@ pub struct PairGeometry {
 
 impl PairGeometry {
     /// From both bodies' poses and the camera's place on the body.
-    pub fn new(
+    pub(crate) fn new(
         world_from_host: &Isometry3<f64>,
         world_from_target: &Isometry3<f64>,
         body_from_cam: &Isometry3<f64>,
@@ -114,19 +114,19 @@ impl PairGeometry {
 
     /// The landmark in the target's camera, times its inverse depth.
     #[inline(always)]
-    pub fn point(&self, ray: &Vector3<f64>, inverse_depth: f64) -> Vector3<f64> {
+    pub(crate) fn point(&self, ray: &Vector3<f64>, inverse_depth: f64) -> Vector3<f64> {
         self.cam_from_host_cam * ray + inverse_depth * self.host_cam_in_cam
     }
 
     /// The residual alone \[standard deviations\].
     #[inline(always)]
-    pub fn residual(&self, ray: &Vector3<f64>, target: &Sighting, inverse_depth: f64) -> Vector2<f64> {
+    pub(crate) fn residual(&self, ray: &Vector3<f64>, target: &Sighting, inverse_depth: f64) -> Vector2<f64> {
         target.whiten * (self.point(ray, inverse_depth).normalize() - target.bearing)
     }
 
     /// The residual and its derivatives.
     #[inline(always)]
-    pub fn linearise(&self, ray: &Vector3<f64>, target: &Sighting, inverse_depth: f64) -> Linearised {
+    pub(crate) fn linearise(&self, ray: &Vector3<f64>, target: &Sighting, inverse_depth: f64) -> Linearised {
         let u = self.body_from_cam * ray + inverse_depth * self.cam_in_body;
         let w = self.target_from_host * u + inverse_depth * self.host_in_target;
         let q = self.point(ray, inverse_depth);
@@ -156,7 +156,7 @@ impl PairGeometry {
     }
 
     /// Derivative by the camera's place on the body: its position, then its rotation on the right.
-    pub fn d_camera(&self, at: &Linearised, ray: &Vector3<f64>, inverse_depth: f64) -> [[f64; 6]; 2] {
+    pub(crate) fn d_camera(&self, at: &Linearised, ray: &Vector3<f64>, inverse_depth: f64) -> [[f64; 6]; 2] {
         let d_position = at.d_q * (self.cam_from_host - self.body_from_cam.transpose()) * inverse_depth;
         // Once through R_bc^T on the left of everything, once through R_bc on the ray.
         let d_rotation = at.d_q * (hat(&at.q) - self.cam_from_host_cam * hat(ray));
@@ -172,14 +172,14 @@ impl PairGeometry {
 
     /// Derivative by the host's own pixel \[deviations of it\]: the measurement that anchors a landmark is as noisy as the others.
     #[inline(always)]
-    pub fn d_host_pixel(&self, at: &Linearised, spread: &Matrix2<f64>) -> [[f64; 2]; 2] {
+    pub(crate) fn d_host_pixel(&self, at: &Linearised, spread: &Matrix2<f64>) -> [[f64; 2]; 2] {
         let d_ray = at.d_q * self.cam_from_host_cam;
         let d = d_ray.fixed_columns::<2>(0) * spread;
         [[d[(0, 0)], d[(0, 1)]], [d[(1, 0)], d[(1, 1)]]]
     }
 
     /// Derivative by the camera clock's offset, both measurements moving along their tracks.
-    pub fn d_offset(&self, at: &Linearised, host: &Sighting, target: &Sighting) -> [f64; 2] {
+    pub(crate) fn d_offset(&self, at: &Linearised, host: &Sighting, target: &Sighting) -> [f64; 2] {
         let d_ray = at.d_q * (self.cam_from_host_cam * host.ray_rate);
         let along =
             (target.ray_rate - target.bearing * target.bearing.dot(&target.ray_rate)) / target.ray.norm();
@@ -195,7 +195,7 @@ fn row(m: &Matrix2x3<f64>, r: usize) -> Vector3<f64> {
 
 /// A residual and its derivatives: rows as arrays, for the normal equations.
 #[derive(Debug, Clone, Copy)]
-pub struct Linearised {
+pub(crate) struct Linearised {
     /// In standard deviations.
     pub residual: Vector2<f64>,
     /// By the host's position and rotation.

@@ -9,6 +9,8 @@
 //! 5. All of it together in one least squares (`refine`), with the noise of tracks and IMU re-estimated from their residuals. The scale's
 //!    deviation from its own information decides whether the answer is given or waited for.
 //!
+//! Structure and refinement are adjusted in windows ([`crate::window`]), the visual one without inertial measurements (`adjustment`).
+//!
 //! Frames: world z up, gravity `(0, 0, -9.81)`, the first frame at the origin with the camera's optical axis at yaw 0. Not here: the
 //! window that goes on from the answer.
 

@@ -19,32 +19,32 @@ pub struct Landmark {
 
 impl Landmark {
     /// Seen for the first time.
-    pub fn new(id: u64, frame: usize, sighting: Sighting) -> Self {
+    pub(crate) fn new(id: u64, frame: usize, sighting: Sighting) -> Self {
         Self { id, sightings: vec![(frame, sighting)], inverse_depth: None }
     }
 
     /// The frame that anchors it.
-    pub fn host(&self) -> usize {
+    pub(crate) fn host(&self) -> usize {
         self.sightings[0].0
     }
 
     /// The measurement that anchors it.
-    pub fn host_sighting(&self) -> &Sighting {
+    pub(crate) fn host_sighting(&self) -> &Sighting {
         &self.sightings[0].1
     }
 
     /// The frame that saw it last.
-    pub fn last_frame(&self) -> usize {
+    pub(crate) fn last_frame(&self) -> usize {
         self.sightings[self.sightings.len() - 1].0
     }
 
     /// Whether `frame` saw it.
-    pub fn seen_by(&self, frame: usize) -> bool {
+    pub(crate) fn seen_by(&self, frame: usize) -> bool {
         self.sightings.iter().any(|(f, _)| *f == frame)
     }
 
     /// The point where it is, in the frame that `world_from_cam` of the host maps to.
-    pub fn point(&self, world_from_host_cam: &Isometry3<f64>) -> Option<Vector3<f64>> {
+    pub(crate) fn point(&self, world_from_host_cam: &Isometry3<f64>) -> Option<Vector3<f64>> {
         let inverse_depth = self.inverse_depth?;
         (inverse_depth > 0.0).then(|| {
             (world_from_host_cam * nalgebra::Point3::from(self.host_sighting().ray / inverse_depth)).coords
@@ -54,7 +54,7 @@ impl Landmark {
     /// Inverse depth from the rays of all sightings, linear: the smallest singular direction of the rays' normals.
     ///
     /// `None` where the rays are too parallel to say (below `min_angle` \[rad\] between the host's and every other) or meet behind a camera.
-    pub fn triangulate(&self, world_from_cam: &[Isometry3<f64>], min_angle: f64) -> Option<f64> {
+    pub(crate) fn triangulate(&self, world_from_cam: &[Isometry3<f64>], min_angle: f64) -> Option<f64> {
         let host = &world_from_cam[self.host()];
         // Normal equations of "the point lies on every ray", in the host's camera; the centre of the host's rays is its origin.
         let mut a = Matrix3::zeros();
@@ -85,7 +85,7 @@ impl Landmark {
     }
 
     /// Root mean square of its residuals but the host's own \[standard deviations, one axis\].
-    pub fn rms(&self, geometry: impl Fn(usize, usize) -> PairGeometry) -> Option<f64> {
+    pub(crate) fn rms(&self, geometry: impl Fn(usize, usize) -> PairGeometry) -> Option<f64> {
         let inverse_depth = self.inverse_depth?;
         let others = &self.sightings[1..];
         let sum: f64 = others

@@ -1,11 +1,12 @@
 //! The sliding window: ten key frames and the newest, what was measured between them, and a prior for what has left.
 //!
 //! One frame goes through [`Window::add_frame`], [`Window::optimise`], [`Window::reject_outliers`] and [`Window::slide`].
+//! The initialisation adjusts in windows of its own, from which nothing leaves: [`Window::settle`], [`Window::covariance`].
 //! [`layout`] says where each unknown stands, [`normal`] solves, `linearise` gathers the measurements, `schur` takes the
 //! landmarks out, `marginalise` makes the prior of what leaves.
 
 mod config;
-pub mod landmark;
+mod landmark;
 pub mod layout;
 mod linearise;
 mod marginalise;
@@ -23,7 +24,7 @@ mod window;
 pub use config::{Handover, WindowConfig};
 pub use landmark::Landmark;
 pub(crate) use landmark::MIN_INVERSE_DEPTH;
-pub use prior::{AnchorStd, Prior};
+pub(crate) use prior::{AnchorStd, Prior};
 pub use slide::Leaving;
 pub use solve::{Solved, Stop};
 pub use window::{Frame, Seen, Standstill, Window};

@@ -65,20 +65,20 @@ impl Normal {
 
     /// The gradient with [`Self::MARGIN`] entries and more behind the last, which are never read.
     #[inline(always)]
-    pub fn whole_gradient_mut(&mut self) -> &mut [f64] {
+    pub(crate) fn whole_gradient_mut(&mut self) -> &mut [f64] {
         &mut self.g
     }
 
     /// Row `r` of H up to and with the diagonal, to add to.
     #[inline]
-    pub fn row_mut(&mut self, r: usize) -> &mut [f64] {
+    pub(crate) fn row_mut(&mut self, r: usize) -> &mut [f64] {
         &mut self.whole_row_mut(r)[..=r]
     }
 
     /// Row `r` of H with [`Self::MARGIN`] columns and more behind the last, to add whole vectors to: what lands above the diagonal is
     /// never read.
     #[inline(always)]
-    pub fn whole_row_mut(&mut self, r: usize) -> &mut [f64] {
+    pub(crate) fn whole_row_mut(&mut self, r: usize) -> &mut [f64] {
         let start = r * self.stride;
         &mut self.h[start..start + self.stride]
     }
@@ -109,7 +109,7 @@ impl Normal {
     /// # Panics
     /// Where the blocks overlap; a diagonal block is [`Self::add_square`].
     #[inline]
-    pub fn add_product<const R: usize, const A: usize, const B: usize>(
+    pub(crate) fn add_product<const R: usize, const A: usize, const B: usize>(
         &mut self,
         at_a: usize,
         a: &[[f64; A]; R],
@@ -146,7 +146,7 @@ impl Normal {
 
     /// Adds `a^T a` on the diagonal at place `at`.
     #[inline]
-    pub fn add_square<const R: usize, const A: usize>(&mut self, at: usize, a: &[[f64; A]; R]) {
+    pub(crate) fn add_square<const R: usize, const A: usize>(&mut self, at: usize, a: &[[f64; A]; R]) {
         for i in 0..A {
             let row = &mut self.whole_row_mut(at + i)[at..at + A];
             // The upper half of the block is computed and never read: a full row is one vector loop.
@@ -161,7 +161,7 @@ impl Normal {
     }
 
     /// `H d` for a full vector.
-    pub fn times(&self, d: &[f64]) -> Vec<f64> {
+    pub(crate) fn times(&self, d: &[f64]) -> Vec<f64> {
         let mut out = vec![0.0; self.dim];
         for r in 0..self.dim {
             let row = self.row(r);
@@ -177,7 +177,7 @@ impl Normal {
 
     /// Takes unknown `k` out by Schur complement: what it says about the others stays. A pivot at or below `floor` says nothing and
     /// is dropped with its couplings.
-    pub fn eliminate(&mut self, k: usize, floor: f64) {
+    pub(crate) fn eliminate(&mut self, k: usize, floor: f64) {
         let pivot = self.at(k, k);
         let column: Vec<f64> = (0..self.dim).map(|i| self.at(i, k)).collect();
         let gradient = self.g[k];
@@ -202,7 +202,7 @@ impl Normal {
 
     /// The system of the unknowns `kept`, in that order; the others must have been eliminated.
     #[must_use]
-    pub fn select(&self, kept: &[usize]) -> Self {
+    pub(crate) fn select(&self, kept: &[usize]) -> Self {
         let mut out = Self::zeros(kept.len());
         for (r, &from_r) in kept.iter().enumerate() {
             out.g[r] = self.g[from_r];
@@ -307,7 +307,7 @@ impl Factor {
     }
 
     /// The last `N x N` corner of the factor: `(L L^T)^-1` is the covariance of the last `N` unknowns.
-    pub fn last_corner<const N: usize>(&self) -> nalgebra::SMatrix<f64, N, N> {
+    pub(crate) fn last_corner<const N: usize>(&self) -> nalgebra::SMatrix<f64, N, N> {
         let start = self.dim - N;
         nalgebra::SMatrix::from_fn(|r, c| if c <= r { self.at(start + r, start + c) } else { 0.0 })
     }

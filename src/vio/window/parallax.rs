@@ -4,7 +4,7 @@ use super::window::Window;
 
 /// Parallax between two frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Parallax {
+pub(crate) struct Parallax {
     /// Tracks seen by both.
     pub common: usize,
     /// Mean angle between the rays once the rotation between the frames is undone \[rad\].
@@ -13,7 +13,7 @@ pub struct Parallax {
 
 impl Window {
     /// Parallax from `from` to `to`, the rotation between them undone by the window's own estimate of it.
-    pub fn parallax(&self, from: usize, to: usize) -> Parallax {
+    pub(crate) fn parallax(&self, from: usize, to: usize) -> Parallax {
         let rotation = |f: usize| self.frames[f].state.world_from_body.rotation * self.body_from_cam.rotation;
         let to_from_from = rotation(to).inverse() * rotation(from);
         let (mut sum, mut common) = (0.0, 0);

@@ -13,7 +13,7 @@ use nalgebra::{Isometry3, Vector3};
 
 /// A prior on the window's first `layout.frames` frames and, where estimated, camera and clock.
 #[derive(Debug, Clone)]
-pub struct Prior {
+pub(crate) struct Prior {
     pub(crate) layout: Layout,
     pub(crate) system: Normal,
     /// Where `d` is zero.
@@ -140,7 +140,7 @@ impl Prior {
 
 /// Standard deviations of what is known of the first frame without any measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AnchorStd {
+pub(crate) struct AnchorStd {
     /// Of each axis of the position \[m\]: small, as it is where the world begins.
     pub position: f64,
     /// Of the heading \[rad\]: small likewise.

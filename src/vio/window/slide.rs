@@ -155,7 +155,7 @@ impl Window {
     }
 
     /// Takes out sightings that do not agree with their landmark, and ends the tracks that made them. Returns how many.
-    pub fn reject_outliers(&mut self) -> usize {
+    pub(crate) fn reject_outliers(&mut self) -> usize {
         let limit = self.config.outlier_px / self.config.pixel_std;
         let mut ended = Vec::new();
         let mut landmarks = std::mem::take(&mut self.landmarks);

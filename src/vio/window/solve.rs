@@ -137,7 +137,7 @@ impl Window {
 
     /// Covariance of the newest frame's pose, position then rotation on the right, as the window believes it; `None` where it does
     /// not know.
-    pub fn newest_pose_covariance(&mut self) -> Option<Matrix6<f64>> {
+    pub(crate) fn newest_pose_covariance(&mut self) -> Option<Matrix6<f64>> {
         let layout = self.layout();
         let mut at = std::mem::take(&mut self.scratch);
         let mut factor = std::mem::take(&mut self.factor);

@@ -113,14 +113,14 @@ impl Window {
     }
 
     /// Whether another frame makes it slide.
-    pub fn is_full(&self) -> bool {
+    pub(crate) fn is_full(&self) -> bool {
         self.frames.len() > self.config.key_frames
     }
 
     /// Puts a frame at the end and returns how many of its tracks go on from earlier frames.
     ///
     /// `preint` holds the samples since the frame before; `state` is where the solver starts.
-    pub fn add_frame(
+    pub(crate) fn add_frame(
         &mut self,
         t: Stamp,
         state: NavState,
@@ -155,21 +155,21 @@ impl Window {
     ///
     /// A rest is known only once it has lasted: frames that came meanwhile have stood still too, and left as if they might have moved they
     /// would carry the little velocity that was guessed for them.
-    pub fn rest_since(&mut self, rest: Standstill) {
+    pub(crate) fn rest_since(&mut self, rest: Standstill) {
         for frame in self.frames.iter_mut().rev().take_while(|frame| frame.t >= rest.from) {
             frame.rest.get_or_insert(rest);
         }
     }
 
     /// Fixes position and heading of the first frame, with what is known of it beforehand.
-    pub fn anchor(&mut self, std: &AnchorStd) {
+    pub(crate) fn anchor(&mut self, std: &AnchorStd) {
         self.prior = Some(Prior::anchor(self, std));
     }
 
     /// Gives every landmark that has none a depth to start from: told by its rays where they part enough, else, once three frames
     /// saw it, the middle one of the others'. A point whose rays are parallel still says how the body turned and that it did not
     /// move far.
-    pub fn triangulate(&mut self) {
+    pub(crate) fn triangulate(&mut self) {
         let world_from_cam: Vec<Isometry3<f64>> =
             self.frames.iter().map(|f| f.state.world_from_body * self.body_from_cam).collect();
         let mut known: Vec<f64> =
