@@ -3,7 +3,7 @@
 use super::error::PaperError;
 use super::study::{Against, Rows, correct, median};
 use dpn_core::Sensor;
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_core::random::Stream;
 use dpn_eval::closed_loop::Source;
 use dpn_eval::injected::{Course, Injection, step_response};
@@ -39,7 +39,7 @@ fn axes(course: Course) -> &'static [usize] {
 pub(super) fn responses(
     source: &Source,
     places: &[usize],
-    noises: &[Noise],
+    noises: &[NoiseSpec],
     networks: &[Network],
     injection: &Injection,
     seed: u64,
@@ -56,7 +56,7 @@ pub(super) fn responses(
             let recorded = Recorded { name: &recording.name, imu: &imu, oracle: Some(&oracle) };
             let sources = Fresh { recorded, networks };
             let stream = Stream::new(seed).named("noise").named(&recording.name);
-            let of = |noise: &Noise| {
+            let of = |noise: &NoiseSpec| {
                 let track = dpn_eval::noise::track(noise, &imu, &sources, &stream)?;
                 Ok(Sensor::ALL.map(|sensor| step_response(&track, *course, sensor, axes(*course))))
             };
@@ -134,7 +134,7 @@ pub(super) fn value(rows: &Rows<'_>, margin: f64) -> Result<Value, StatsError> {
     let best = rows
         .noises
         .iter()
-        .filter(|noise| noise.parse::<Noise>().is_ok_and(|n| n.is_constant()))
+        .filter(|noise| noise.parse::<NoiseSpec>().is_ok_and(|n| n.is_constant()))
         .filter_map(|noise| Some((median_of(noise, choosing)?, noise.clone())))
         .min_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, noise)| noise);

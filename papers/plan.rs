@@ -1,7 +1,7 @@
 //! What is run.
 
 use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_core::estimate::spec::EstimatorSpec;
 use dpn_eval::injected::{Course, Injection};
 use dpn_train::base::Base;
@@ -179,7 +179,7 @@ impl Plan {
     ///
     /// # Errors
     /// A string that is no spec.
-    pub(super) fn parsed(specs: &[String]) -> Result<Vec<Noise>, dpn_core::estimate::SpecError> {
+    pub(super) fn parsed(specs: &[String]) -> Result<Vec<NoiseSpec>, dpn_core::estimate::SpecError> {
         specs.iter().map(|spec| spec.parse()).collect()
     }
 }
@@ -214,13 +214,13 @@ impl Validate for Plan {
             ("injected.followed", &injected.followed),
         ] {
             for spec in specs {
-                if let Err(error) = spec.parse::<Noise>() {
+                if let Err(error) = spec.parse::<NoiseSpec>() {
                     faults.check(false, key, spec, format!("a noise spec ({error})"));
                 }
             }
         }
         let constant =
-            |specs: &[String]| specs.iter().any(|s| s.parse::<Noise>().is_ok_and(|n| n.is_constant()));
+            |specs: &[String]| specs.iter().any(|s| s.parse::<NoiseSpec>().is_ok_and(|n| n.is_constant()));
         for needed in ["x1", "dualpronet"] {
             let there = self.noises.iter().any(|spec| spec == needed);
             faults.check(there, "noises", format!("{:?}", self.noises), format!("with {needed}"));

@@ -7,7 +7,7 @@ use super::plan::Plan;
 use super::run::Paper;
 use cpu_time::ThreadTime;
 use dpn_core::Sensor;
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_core::progress::Progress;
 use dpn_core::random::Stream;
 use dpn_eval::closed_loop::{ClosedLoopError, Keep, Manifest, Row, Source, Sweep, Unseen};
@@ -285,7 +285,7 @@ impl Paper<'_> {
             let answers = recording.imu.len() as f64 / DualProNet::HOP as f64;
             let mut times = Vec::new();
             for spec in specs {
-                let noise: Noise = spec.parse()?;
+                let noise: NoiseSpec = spec.parse()?;
                 if noise.needs_training() {
                     continue;
                 }

@@ -3,7 +3,7 @@
 //! A sequence's figure is the median over seeds; what a noise is worth is told over sequences, paired. The best constant is the one whose
 //! mean over the *training* sequences is lowest: nothing of a test sequence chooses it.
 
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_core::random::Stream;
 use dpn_core::signal::stats::{mean, median_in_place};
 use dpn_eval::closed_loop::Row;
@@ -88,7 +88,7 @@ impl<'a> Rows<'a> {
             }
             sequences.insert(row.sequence.clone(), row.split);
         }
-        let multiple = |noise: &String| noise.parse::<Noise>().ok()?.multiple();
+        let multiple = |noise: &String| noise.parse::<NoiseSpec>().ok()?.multiple();
         noises.sort_by(|a, b| {
             let [a, b] = [a, b].map(|noise| multiple(noise).unwrap_or(f64::INFINITY));
             a.total_cmp(&b)
@@ -134,14 +134,14 @@ impl<'a> Rows<'a> {
     pub(super) fn best_constant(&self) -> Option<&str> {
         let train = self.sequences.iter().any(|(_, side)| *side == Side::Train);
         let side = train.then_some(Side::Train);
-        let constants = self.noises.iter().filter(|n| n.parse::<Noise>().is_ok_and(|n| n.is_constant()));
+        let constants = self.noises.iter().filter(|n| n.parse::<NoiseSpec>().is_ok_and(|n| n.is_constant()));
         let with_mean = constants.filter_map(|noise| Some((self.mean(noise, side)?, noise.as_str())));
         with_mean.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, noise)| noise)
     }
 
     /// Whether `best` is the lowest or the highest multiple of the baseline that was run: the lowest error may lie beyond it.
     pub(super) fn at_edge(&self, best: &str) -> bool {
-        let multiple = |noise: &str| noise.parse::<Noise>().ok()?.multiple();
+        let multiple = |noise: &str| noise.parse::<NoiseSpec>().ok()?.multiple();
         let all: Vec<f64> = self.noises.iter().filter_map(|noise| multiple(noise)).collect();
         let of = multiple(best);
         of.is_some_and(|of| all.iter().all(|m| *m <= of) || all.iter().all(|m| *m >= of))

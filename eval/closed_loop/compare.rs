@@ -7,7 +7,7 @@
 
 use super::row::Row;
 use crate::stats::{Alternative, StatsError, hodges_lehmann, holm, log_ratios, signed_rank};
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use serde::Serialize;
 
 /// Fewest sequences that are compared: of five pairs the smallest two-sided p is .0625.
@@ -84,7 +84,7 @@ fn medians<'a>(rows: &'a [Row], noise: &str) -> Vec<(&'a str, f64)> {
 }
 
 fn is_constant(noise: &str) -> bool {
-    noise.parse().is_ok_and(|noise: Noise| noise.is_constant())
+    noise.parse().is_ok_and(|noise: NoiseSpec| noise.is_constant())
 }
 
 #[cfg(test)]

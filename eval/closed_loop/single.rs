@@ -8,7 +8,7 @@ use super::row::Row;
 use super::sight::{Seen, SightEvent};
 use crate::noise::{Fresh, Recorded};
 use dpn_core::check::{CheckOptions, RecordingFault, check};
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_core::random::Stream;
 use dpn_core::{NoiseTrack, Sensor, TrackFrame};
 use dpn_pronet::network::Network;
@@ -67,7 +67,7 @@ pub fn single(
     config: &EstimatorConfig,
     recording: &Recording,
     seen: &Seen,
-    noise: &Noise,
+    noise: &NoiseSpec,
     told: &Told,
     networks: &[Network],
 ) -> Result<Single, ClosedLoopError> {

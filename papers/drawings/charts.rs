@@ -1,7 +1,7 @@
 //! RMSE against true deviation, and errors against the constant told.
 
 use super::super::study::{Line, Study};
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_eval::open_loop;
 use dpn_figures::{FigureError, RmseVsSigma, SweepCurve, SweepPoint};
 use dpn_train::windows::WINDOW;
@@ -30,7 +30,7 @@ pub(crate) fn rmse(rows: &[open_loop::Row], data: &str) -> Result<RmseVsSigma, F
 
 /// What a noise says, in multiples of the baseline: the geometric mean of both sensors'.
 fn multiple(line: &Line) -> Option<f64> {
-    if let Some(multiple) = line.noise.parse::<Noise>().ok().and_then(|noise| noise.multiple()) {
+    if let Some(multiple) = line.noise.parse::<NoiseSpec>().ok().and_then(|noise| noise.multiple()) {
         return Some(multiple);
     }
     let [accel, gyro] = line.told?;
@@ -49,13 +49,13 @@ fn point(line: &Line) -> Option<SweepPoint> {
 /// Whether any multiple of the baseline has an error, so that there is a curve to draw.
 pub(crate) fn has_curve(study: &Study) -> bool {
     let is_multiple =
-        |line: &&Line| line.noise.parse::<Noise>().is_ok_and(|noise| noise.multiple().is_some());
+        |line: &&Line| line.noise.parse::<NoiseSpec>().is_ok_and(|noise| noise.multiple().is_some());
     study.lines.iter().filter(is_multiple).any(|line| line.ate.is_some())
 }
 
 fn curve(study: &Study, marks: &[&str], caption: &str) -> Result<SweepCurve, FigureError> {
     let is_multiple =
-        |line: &&Line| line.noise.parse::<Noise>().is_ok_and(|noise| noise.multiple().is_some());
+        |line: &&Line| line.noise.parse::<NoiseSpec>().is_ok_and(|noise| noise.multiple().is_some());
     let mut constants: Vec<SweepPoint> = study.lines.iter().filter(is_multiple).filter_map(point).collect();
     constants.sort_by(|a, b| a.multiple.total_cmp(&b.multiple));
     let of = |name: &&str| study.lines.iter().find(|line| line.noise == **name).and_then(point);

@@ -3,7 +3,7 @@
 use super::super::error::PaperError;
 use super::super::motors;
 use super::super::states::{Beside, read};
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_core::random::Stream;
 use dpn_core::{ImuRecording, NoiseTrack, Sensor};
 use dpn_eval::closed_loop::{CellKey, Keep, Recording, Row};
@@ -115,7 +115,7 @@ fn tracks(
     let sources = Fresh { recorded: Recorded { name: &recording.name, imu, oracle }, networks };
     let stream = Stream::new(seed).named("noise").named(&recording.name);
     let of = |noise: &&str| {
-        let track = dpn_eval::noise::track(&noise.parse::<Noise>()?, imu, &sources, &stream)?;
+        let track = dpn_eval::noise::track(&noise.parse::<NoiseSpec>()?, imu, &sources, &stream)?;
         Ok(((*noise).to_owned(), track))
     };
     noises.iter().map(of).collect()

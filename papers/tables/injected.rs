@@ -5,7 +5,7 @@ use super::super::injected::{Response, Value};
 use super::super::input::Input;
 use super::super::study::Against;
 use super::super::table::{Cell, Table};
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_eval::injected::{Course, Injection, TONE_HZ};
 
 /// What is added, in a sentence.
@@ -124,7 +124,7 @@ pub(crate) fn responses(
     let mut table = Table::new("response", title, &heads, made_by);
     let mut last = None;
     // A constant answers nothing; it is there for the sweep of the other courses.
-    let answers = |response: &&Response| !response.noise.parse::<Noise>().is_ok_and(|n| n.is_constant());
+    let answers = |response: &&Response| !response.noise.parse::<NoiseSpec>().is_ok_and(|n| n.is_constant());
     for response in responses.iter().filter(answers) {
         if last.is_some_and(|course| course != response.course) {
             table.rule();
