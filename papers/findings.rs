@@ -4,7 +4,7 @@ use super::error::PaperError;
 use super::injected::CourseStudy;
 use super::input::Input;
 use super::specs;
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_eval::injected::Course;
 use dpn_eval::published::PublishedAte;
 use dpn_eval::study::{Comparison, RowSet, Study, compare};
@@ -31,7 +31,7 @@ pub(super) fn findings(
 /// DualProNet against the usual constants, with the paper's own figure where the sequences are its.
 fn against_baseline(input: &Input, rows: &RowSet<'_>, study: &Study) -> Result<Option<String>, PaperError> {
     let [x1, dualpronet] = specs::noises([specs::BASELINE, specs::DUALPRONET]);
-    let mean = |noise: &Noise| study.of(noise).and_then(|line| line.means[0]);
+    let mean = |noise: &NoiseSpec| study.of(noise).and_then(|line| line.means[0]);
     let Some((baseline, ours)) = mean(&x1).zip(mean(&dualpronet)) else { return Ok(None) };
     let mut text = format!(
         "DualProNet's mean error over {} is {ours:.3} m, {} that of the usual constants (x1, {baseline:.3} m)",
@@ -76,8 +76,11 @@ fn controls(rows: &RowSet<'_>, study: &Study) -> Result<Vec<String>, PaperError>
     let of = || Box::new(dualpronet.clone());
     let mut found = Vec::new();
     for (control, words) in [
-        (Noise::Mean(of()), "its own mean over each sequence, one constant, instead of its values in time"),
-        (Noise::Shuffled(of()), "its values at the wrong times"),
+        (
+            NoiseSpec::Mean(of()),
+            "its own mean over each sequence, one constant, instead of its values in time",
+        ),
+        (NoiseSpec::Shuffled(of()), "its values at the wrong times"),
     ] {
         if let Some(comparison) = compare(rows, &control, &dualpronet, study.margin)? {
             let p = comparison.p.map_or(String::new(), |p| format!(", p {p:.2}"));

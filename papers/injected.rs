@@ -3,7 +3,7 @@
 use super::error::PaperError;
 use super::specs;
 use dpn_core::Sensor;
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_core::random::Stream;
 use dpn_core::signal::stats::median_of;
 use dpn_eval::closed_loop::SequenceSet;
@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Response {
     pub(super) course: Course,
-    pub(super) noise: Noise,
+    pub(super) noise: NoiseSpec,
     pub(super) sensor: Sensor,
     /// Sequences measured.
     pub(super) sequences: usize,
@@ -41,7 +41,7 @@ fn axes(course: Course) -> &'static [usize] {
 pub(super) fn responses(
     source: &SequenceSet,
     places: &[usize],
-    noises: &[Noise],
+    noises: &[NoiseSpec],
     networks: &[Network],
     injection: &Injection,
     seed: u64,
@@ -58,7 +58,7 @@ pub(super) fn responses(
             let recorded = Recorded { name: &recording.name, imu: &imu, oracle: Some(&oracle) };
             let sources = Fresh { recorded, networks };
             let stream = Stream::new(seed).named("noise").named(&recording.name);
-            let of = |noise: &Noise| {
+            let of = |noise: &NoiseSpec| {
                 let track = dpn_eval::noise::track(noise, &imu, &sources, &stream)?;
                 Ok(Sensor::ALL.map(|sensor| step_response(&track, *course, sensor, axes(*course))))
             };
@@ -104,7 +104,7 @@ pub(super) fn responses(
 /// What a noise is worth where the noise is known.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct NoiseWorth {
-    pub(super) noise: Noise,
+    pub(super) noise: NoiseSpec,
     /// Median over sequences of the error \[m\]: all, training, test.
     pub(super) ate: [Option<f64>; 3],
     /// Share of the way from the reference to the oracle: all, training, test.
@@ -131,7 +131,7 @@ const SIDES: [Option<Side>; 3] = [None, Some(Side::Train), Some(Side::Test)];
 impl CourseStudy {
     /// Of the rows of one course; `margin` as for [`compare`].
     pub(super) fn new(rows: &RowSet<'_>, margin: f64) -> Result<Self, StatsError> {
-        let medians = |noise: &Noise| SIDES.map(|side| rows.median(noise, side));
+        let medians = |noise: &NoiseSpec| SIDES.map(|side| rows.median(noise, side));
         let reference = rows.reference(Criterion::Median);
         let best = reference.as_ref().map(|reference| &reference.noise);
         let (best_ate, oracle_ate) = (best.map_or([None; 3], medians), medians(&specs::noise(specs::ORACLE)));

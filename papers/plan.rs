@@ -2,7 +2,7 @@
 
 use super::specs::{BASELINE, DATA_SHEET, DUALPRONET, ORACLE};
 use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_core::estimate::spec::EstimatorSpec;
 use dpn_eval::injected::{Course, Injection};
 use dpn_eval::study::MARGIN;
@@ -181,7 +181,7 @@ impl Plan {
     /// A string that is no spec.
     pub(super) fn parsed<'a>(
         specs: impl IntoIterator<Item = &'a String>,
-    ) -> Result<Vec<Noise>, dpn_core::estimate::SpecError> {
+    ) -> Result<Vec<NoiseSpec>, dpn_core::estimate::SpecError> {
         specs.into_iter().map(|spec| spec.parse()).collect()
     }
 }
@@ -216,13 +216,13 @@ impl Validate for Plan {
             ("injected.followed", &injected.followed),
         ] {
             for spec in specs {
-                if let Err(error) = spec.parse::<Noise>() {
+                if let Err(error) = spec.parse::<NoiseSpec>() {
                     faults.check(false, key, spec, format!("a noise spec ({error})"));
                 }
             }
         }
         let constant =
-            |specs: &[String]| specs.iter().any(|s| s.parse::<Noise>().is_ok_and(|n| n.is_constant()));
+            |specs: &[String]| specs.iter().any(|s| s.parse::<NoiseSpec>().is_ok_and(|n| n.is_constant()));
         for needed in [BASELINE, DUALPRONET] {
             let there = self.noises.iter().any(|spec| spec == needed);
             faults.check(there, "noises", format!("{:?}", self.noises), format!("with {needed}"));

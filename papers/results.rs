@@ -8,7 +8,7 @@ use super::run::Paper;
 use super::specs;
 use cpu_time::ThreadTime;
 use dpn_core::Sensor;
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_core::progress::Progress;
 use dpn_core::random::Stream;
 use dpn_eval::closed_loop::{ClosedLoopError, Keep, Manifest, Row, SequenceSet, Sweep, UntrackedSequence};
@@ -270,7 +270,7 @@ impl Paper<'_> {
         &self,
         networks: &str,
         stop: &AtomicBool,
-    ) -> Result<StageResult<Vec<(Noise, f64)>>, PaperError> {
+    ) -> Result<StageResult<Vec<(NoiseSpec, f64)>>, PaperError> {
         let specs: Vec<&String> = self.plan.noises.iter().chain(&self.plan.others).collect();
         let place = self.input.places[0];
         let mut parts = vec![self.measured_by(), networks.to_owned()];

@@ -13,7 +13,7 @@ use super::specs;
 use super::tables;
 use askama::Template as _;
 use dpn_core::Sensor;
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_core::progress::Progress;
 use dpn_eval::closed_loop::{ImageSource, Recording, Row, StartAt, TrackSource};
 use dpn_eval::injected::Course;
@@ -414,7 +414,7 @@ struct Results {
     closed: StageResult<Vec<Row>>,
     injected: Vec<(Course, StageResult<Vec<Row>>)>,
     responses: StageResult<Vec<super::injected::Response>>,
-    times: StageResult<Vec<(Noise, f64)>>,
+    times: StageResult<Vec<(NoiseSpec, f64)>>,
 }
 
 /// Figures being saved.

@@ -1,6 +1,6 @@
 //! Noise specs that the paper again names: its columns, controls and drawings.
 
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 
 /// The paper's columns of the closed loop.
 pub(super) const PAPER: [&str; 4] = ["x0.5", "x1", "x2", "dualpronet"];
@@ -16,23 +16,23 @@ pub(super) const DATA_SHEET: &str = "const(0.0283,0.0024)";
 pub(super) const WIDE_PLUS: &str = "plus(dualpronet(wide-s0),x4)";
 
 /// A spec that stands in this program, parsed.
-pub(super) fn noise(spec: &str) -> Noise {
+pub(super) fn noise(spec: &str) -> NoiseSpec {
     spec.parse().expect("a spec written in this program, held to the grammar by a test")
 }
 
 /// Several of them.
-pub(super) fn noises<const N: usize>(specs: [&str; N]) -> [Noise; N] {
+pub(super) fn noises<const N: usize>(specs: [&str; N]) -> [NoiseSpec; N] {
     specs.map(noise)
 }
 
 /// A control: a root mean square or values at other times, of another's.
-pub(super) fn is_control(noise: &Noise) -> bool {
-    matches!(noise, Noise::Shuffled(_) | Noise::Mean(_) | Noise::MeanOfTrain(_))
+pub(super) fn is_control(noise: &NoiseSpec) -> bool {
+    matches!(noise, NoiseSpec::Shuffled(_) | NoiseSpec::Mean(_) | NoiseSpec::MeanOfTrain(_))
 }
 
 /// Whether networks say the noise, alone or beside a constant.
-pub(super) fn is_network(noise: &Noise) -> bool {
-    !is_control(noise) && matches!(noise.source(), Noise::DualProNet { .. })
+pub(super) fn is_network(noise: &NoiseSpec) -> bool {
+    !is_control(noise) && matches!(noise.source(), NoiseSpec::DualProNet { .. })
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use super::error::ClosedLoopError;
 use super::row::{CellKey, Row};
 use crate::metrics::{NeesReport, PoseNees, nees_report};
 use dpn_core::Stamp;
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_io::{IoError, atomic_write};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -22,7 +22,7 @@ pub struct Consistency {
     /// The sequence.
     pub sequence: String,
     /// The noise spec.
-    pub noise: Noise,
+    pub noise: NoiseSpec,
     /// The report.
     pub nees: NeesReport,
 }
@@ -72,7 +72,7 @@ fn read_nees(path: &Path) -> Result<Vec<PoseNees>, ClosedLoopError> {
 /// # Errors
 /// A file of a cell that does not read.
 pub fn consistency(dir: &Path, rows: &[Row]) -> Result<Vec<Consistency>, ClosedLoopError> {
-    let mut found: Vec<(String, Noise, Vec<Vec<PoseNees>>)> = Vec::new();
+    let mut found: Vec<(String, NoiseSpec, Vec<Vec<PoseNees>>)> = Vec::new();
     for row in rows {
         let run = read_nees(&nees_path(dir, &row.key()))?;
         if run.is_empty() {

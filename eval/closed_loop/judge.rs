@@ -10,7 +10,7 @@ use crate::metrics::{
     TruthTrack, associate_interpolated, ate, nees, rpe, scale_error, start_alignment,
 };
 use crate::noise::MeanSquare;
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_core::time::median_step_s;
 use dpn_core::trajectory::StampedPose;
 use dpn_core::{NoiseTrack, Sensor, Stamp};
@@ -152,7 +152,7 @@ pub struct RunInfo {
     /// Where the images came from.
     pub camera: String,
     /// The noise spec.
-    pub noise: Noise,
+    pub noise: NoiseSpec,
     /// The seed.
     pub seed: u64,
     /// Seconds after the first frame.

@@ -1,7 +1,7 @@
 //! One line of results.
 
 use super::image_report::FrontEndFigures;
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_train::split::Side;
 use dpn_vio::estimator::RestartReason;
 use serde::{Deserialize, Serialize};
@@ -64,7 +64,7 @@ pub struct Row {
     /// What the odometry saw: `tracks`, `images`.
     pub camera: String,
     /// The noise spec, parsed where the row is read.
-    pub noise: Noise,
+    pub noise: NoiseSpec,
     /// Seed of tracks and flights; 0 for given tracks.
     pub seed: u64,
     /// The run begins so long after the first frame \[s\].

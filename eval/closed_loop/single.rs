@@ -10,7 +10,7 @@ use super::tracking::{CameraInput, TrackedSequence};
 use crate::noise::{Fresh, Recorded};
 use dpn_core::NoiseTrack;
 use dpn_core::check::{CheckOptions, RecordingFault, check};
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_core::random::Stream;
 use dpn_pronet::network::Network;
 use dpn_vio::EstimatorConfig;
@@ -70,7 +70,7 @@ pub fn single(
     config: &EstimatorConfig,
     recording: &Recording,
     camera: CameraInput<'_>,
-    noise: &Noise,
+    noise: &NoiseSpec,
     info: RunInfo,
     networks: &[Network],
     observer: &mut dyn FrontEndObserver,

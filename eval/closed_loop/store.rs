@@ -9,7 +9,7 @@ use super::images::ImageSource;
 use super::row::{CellKey, Row};
 use super::sequence_set::{SequenceSet, TrackSource};
 use super::sweep::Sweep;
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_io::{IoError, atomic_write};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
@@ -62,7 +62,7 @@ impl Manifest {
         if let Some(injection) = &sweep.injection {
             source["injection"] = serde_json::json!(injection);
         }
-        let specs = |noises: &[Noise]| noises.iter().map(ToString::to_string).collect::<Vec<_>>();
+        let specs = |noises: &[NoiseSpec]| noises.iter().map(ToString::to_string).collect::<Vec<_>>();
         let sequences: Vec<&str> = sweep.places.iter().map(|place| names[*place].0.as_str()).collect();
         let mut cells = serde_json::json!({ "sequences": sequences, "noises": specs(&sweep.noises), "seeds": sweep.seeds });
         if !sweep.others.0.is_empty() {

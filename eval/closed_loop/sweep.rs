@@ -19,7 +19,7 @@ use super::tracking::TrackedSequence;
 use crate::injected::Injection;
 use crate::noise::{MeanSquare, Recorded, of_recording};
 use dpn_core::ImuNoise;
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_core::progress::Progress;
 use dpn_core::random::Stream;
 use dpn_io::{atomic_write, write_tum};
@@ -39,11 +39,11 @@ pub struct Sweep<'a> {
     /// Places of the sequences to run, as [`SequenceSet::select`] gives them.
     pub places: Vec<usize>,
     /// The noises.
-    pub noises: Vec<Noise>,
+    pub noises: Vec<NoiseSpec>,
     /// The seeds.
     pub seeds: Vec<u64>,
     /// More noises, and the seeds of these.
-    pub others: (Vec<Noise>, Vec<u64>),
+    pub others: (Vec<NoiseSpec>, Vec<u64>),
     /// Where in a sequence a run begins.
     pub from: StartAt,
     /// Seconds after a sequence's first frame (or image listed) at which its run ends; without it at the last.
@@ -68,7 +68,7 @@ pub struct Keep {
     /// Whether every cell's NEES is, where the estimator gives covariances: `nees/CELL.csv`.
     pub nees: bool,
     /// Whose states are: cells of one of these noises and this seed, `states/CELL.csv`. Such a cell is run again where the file is gone.
-    pub states: Option<(Vec<Noise>, u64)>,
+    pub states: Option<(Vec<NoiseSpec>, u64)>,
 }
 
 impl Keep {
@@ -124,7 +124,7 @@ impl OnUntracked<'_> {
 struct Cell<'a> {
     place: usize,
     seed: u64,
-    noise: &'a Noise,
+    noise: &'a NoiseSpec,
     key: CellKey,
 }
 
@@ -370,11 +370,11 @@ impl Sweep<'_> {
         on_untracked: &OnUntracked<'_>,
         stop: &AtomicBool,
     ) -> Result<BTreeMap<String, ImuNoise>, ClosedLoopError> {
-        let mut sources: Vec<&Noise> = todo
+        let mut sources: Vec<&NoiseSpec> = todo
             .iter()
             .map(|cell| cell.noise)
             .filter(|noise| noise.needs_training())
-            .map(Noise::source)
+            .map(NoiseSpec::source)
             .collect();
         sources.sort_by_key(ToString::to_string);
         sources.dedup();
@@ -391,7 +391,7 @@ impl Sweep<'_> {
                 Err(error) => return on_untracked.take(training[i], error).map(|()| Vec::new()),
             };
             let recorded = recorded(&recording);
-            let mean = |source: &&Noise| {
+            let mean = |source: &&NoiseSpec| {
                 let mut mean = MeanSquare::default();
                 mean.add(&of_recording(source, &recorded, self.networks)?);
                 Ok(mean)

@@ -5,7 +5,7 @@ use super::lazy::Shared;
 use super::recording::Recording;
 use super::tracking::TrackedSequence;
 use crate::noise::{NoiseError, Recorded, Sources, of_recording};
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_core::{ImuNoise, NoiseTrack};
 use dpn_pronet::network::Network;
 use std::collections::BTreeMap;
@@ -108,12 +108,12 @@ struct OfCell<'a> {
 }
 
 impl Sources for OfCell<'_> {
-    fn track(&self, source: &Noise) -> Result<Arc<NoiseTrack>, NoiseError> {
+    fn track(&self, source: &NoiseSpec) -> Result<Arc<NoiseTrack>, NoiseError> {
         let make = || of_recording(source, &self.recorded, self.networks);
         counted_before(&self.cache.tracks, &(self.needs.recording, source.to_string())).get(make)
     }
 
-    fn training_mean(&self, source: &Noise) -> Result<ImuNoise, NoiseError> {
+    fn training_mean(&self, source: &NoiseSpec) -> Result<ImuNoise, NoiseError> {
         let mean = self.cache.means.get(&source.to_string()).copied();
         mean.ok_or_else(|| NoiseError::NoTraining { spec: format!("mean-of-train({source})") })
     }

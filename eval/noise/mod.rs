@@ -1,6 +1,6 @@
 //! Noise specs made into tracks: the deviation in force at every sample of a recording.
 //!
-//! [`track`] makes the track of a spec ([`dpn_core::estimate::Noise`]) on a recording; what is dear to make comes from [`Sources`], which may keep it.
+//! [`track`] makes the track of a spec ([`dpn_core::estimate::NoiseSpec`]) on a recording; what is dear to make comes from [`Sources`], which may keep it.
 
 mod controls;
 mod error;

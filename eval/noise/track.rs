@@ -2,7 +2,7 @@
 
 use super::NoiseError;
 use super::controls::{MeanSquare, shuffled};
-use dpn_core::estimate::{Noise, Schedule, raised_to_floor};
+use dpn_core::estimate::{NoiseSpec, Schedule, raised_to_floor};
 use dpn_core::random::Stream;
 use dpn_core::time::median_step_s;
 use dpn_core::{ImuNoise, ImuRecording, NoiseTrack, Sensor};
@@ -21,13 +21,13 @@ pub trait Sources {
     ///
     /// # Errors
     /// As [`of_recording`].
-    fn track(&self, source: &Noise) -> Result<Arc<NoiseTrack>, NoiseError>;
+    fn track(&self, source: &NoiseSpec) -> Result<Arc<NoiseTrack>, NoiseError>;
 
     /// Root mean square of a spec that is no control over the training sequences.
     ///
     /// # Errors
     /// No training sequences; as [`of_recording`].
-    fn training_mean(&self, source: &Noise) -> Result<ImuNoise, NoiseError>;
+    fn training_mean(&self, source: &NoiseSpec) -> Result<ImuNoise, NoiseError>;
 }
 
 /// A recording and what is known of its noise.
@@ -51,11 +51,11 @@ pub struct Fresh<'a> {
 }
 
 impl Sources for Fresh<'_> {
-    fn track(&self, source: &Noise) -> Result<Arc<NoiseTrack>, NoiseError> {
+    fn track(&self, source: &NoiseSpec) -> Result<Arc<NoiseTrack>, NoiseError> {
         of_recording(source, &self.recorded, self.networks).map(Arc::new)
     }
 
-    fn training_mean(&self, source: &Noise) -> Result<ImuNoise, NoiseError> {
+    fn training_mean(&self, source: &NoiseSpec) -> Result<ImuNoise, NoiseError> {
         Err(NoiseError::NoTraining { spec: format!("mean-of-train({source})") })
     }
 }
@@ -65,25 +65,25 @@ impl Sources for Fresh<'_> {
 /// # Errors
 /// What `sources` cannot give.
 pub fn track(
-    spec: &Noise,
+    spec: &NoiseSpec,
     imu: &ImuRecording,
     sources: &dyn Sources,
     stream: &Stream,
 ) -> Result<Arc<NoiseTrack>, NoiseError> {
     match spec {
-        Noise::Shuffled(of) => {
+        NoiseSpec::Shuffled(of) => {
             let stream = stream.named("shuffled");
             Ok(Arc::new(shuffled(&*track(of, imu, sources, &stream)?, &stream)))
         }
-        Noise::Mean(of) => {
+        NoiseSpec::Mean(of) => {
             let track = track(of, imu, sources, stream)?;
             let mut mean = MeanSquare::default();
             mean.add(&track);
             let mean = mean.root().ok_or_else(|| NoiseError::TooLarge { spec: spec.to_string() })?;
             Ok(Arc::new(constant(imu, mean)))
         }
-        Noise::MeanOfTrain(of) => Ok(Arc::new(constant(imu, sources.training_mean(of.source())?))),
-        Noise::Plus { of, constant } => {
+        NoiseSpec::MeanOfTrain(of) => Ok(Arc::new(constant(imu, sources.training_mean(of.source())?))),
+        NoiseSpec::Plus { of, constant } => {
             let track = track(of, imu, sources, stream)?;
             let constant = NoiseTrack::of(constant.model(Schedule::default())?.as_mut(), imu);
             let both = root_sum_square(&track, &constant);
@@ -115,14 +115,14 @@ fn constant(imu: &ImuRecording, noise: ImuNoise) -> NoiseTrack {
 /// Networks that are not there or are of another rate; a file that cannot be read, does not cover the samples or holds a zero; `oracle`
 /// on a recording; parameters out of range.
 pub fn of_recording(
-    source: &Noise,
+    source: &NoiseSpec,
     recorded: &Recorded<'_>,
     networks: &[Network],
 ) -> Result<NoiseTrack, NoiseError> {
     let imu = recorded.imu;
     match source {
-        Noise::Sensors(pair) => Ok(NoiseTrack::of(pair.model(Schedule::default())?.as_mut(), imu)),
-        Noise::DualProNet { accel, gyro } => {
+        NoiseSpec::Sensors(pair) => Ok(NoiseTrack::of(pair.model(Schedule::default())?.as_mut(), imu)),
+        NoiseSpec::DualProNet { accel, gyro } => {
             let spec = source.to_string();
             let of = |sensor, tag| {
                 select(networks, sensor, tag)
@@ -142,19 +142,20 @@ pub fn of_recording(
             let predicted = NoiseTrack::of(&mut model, imu);
             Ok(predicted.with_noises(predicted.noises().iter().map(raised_to_floor).collect()))
         }
-        Noise::File(path) => held(path, source, recorded),
-        Noise::Oracle => recorded
+        NoiseSpec::File(path) => held(path, source, recorded),
+        NoiseSpec::Oracle => recorded
             .oracle
             .cloned()
             .ok_or_else(|| NoiseError::NoOracle { recording: recorded.name.to_owned() }),
-        Noise::Shuffled(of) | Noise::Mean(of) | Noise::MeanOfTrain(of) | Noise::Plus { of, .. } => {
-            of_recording(of.source(), recorded, networks)
-        }
+        NoiseSpec::Shuffled(of)
+        | NoiseSpec::Mean(of)
+        | NoiseSpec::MeanOfTrain(of)
+        | NoiseSpec::Plus { of, .. } => of_recording(of.source(), recorded, networks),
     }
 }
 
 /// A track on disk, each value held until the next.
-fn held(path: &Path, spec: &Noise, recorded: &Recorded<'_>) -> Result<NoiseTrack, NoiseError> {
+fn held(path: &Path, spec: &NoiseSpec, recorded: &Recorded<'_>) -> Result<NoiseTrack, NoiseError> {
     let file = read_noise_track(path)?;
     let (stamps, samples) = (file.stamps(), recorded.imu.samples());
     let (first, last) = (samples[0].t, samples[samples.len() - 1].t);

@@ -1,7 +1,7 @@
 //! Absolute errors of other people's closed loops, by sequence and noise.
 
 use super::rows;
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_train::split::paper_side;
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ pub struct PublishedAte {
     pub name: &'static str,
     /// Decimals in which they are given.
     pub decimals: usize,
-    rows: Vec<(String, Vec<(Noise, f64)>)>,
+    rows: Vec<(String, Vec<(NoiseSpec, f64)>)>,
 }
 
 impl PublishedAte {
@@ -27,14 +27,14 @@ impl PublishedAte {
     }
 
     /// Absolute error of one cell \[m\]; `sequence` with or without its difficulty.
-    pub fn ate(&self, sequence: &str, noise: &Noise) -> Option<f64> {
+    pub fn ate(&self, sequence: &str, noise: &NoiseSpec) -> Option<f64> {
         paper_side(sequence)?;
         let (_, ates) = self.rows.iter().find(|(name, _)| sequence.starts_with(name.as_str()))?;
         ates.iter().find(|(of, _)| of == noise).map(|(_, ate)| *ate)
     }
 
     /// Mean over all its sequences \[m\], where it has the noise.
-    pub fn mean(&self, noise: &Noise) -> Option<f64> {
+    pub fn mean(&self, noise: &NoiseSpec) -> Option<f64> {
         let ates: Vec<f64> =
             self.rows.iter().map(|(name, _)| self.ate(name, noise)).collect::<Option<_>>()?;
         Some(ates.iter().sum::<f64>() / ates.len() as f64)
@@ -62,7 +62,7 @@ mod tests {
     #[test]
     fn the_built_in_tables_have_the_means_they_are_known_by() {
         let (paper, vins) = (PublishedAte::paper(), PublishedAte::vins_mono());
-        let noise = |spec: &str| spec.parse::<Noise>().unwrap();
+        let noise = |spec: &str| spec.parse::<NoiseSpec>().unwrap();
         // As the paper's text and the comparison give them.
         for (peer, spec, known) in [
             (&paper, "x1", 0.196),

@@ -4,7 +4,7 @@ use super::rows::RowSet;
 use crate::stats::{
     Alternative, Bootstrap, StatsError, bootstrap, equivalence_signed_rank, holm, log_ratios, signed_rank,
 };
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_core::random::Stream;
 use dpn_core::signal::stats::{mean, median_of};
 use serde::Serialize;
@@ -39,8 +39,8 @@ pub struct Comparison {
 /// An error of a run that is zero or not finite; a `margin` that is not positive and finite.
 pub fn compare(
     rows: &RowSet<'_>,
-    noise: &Noise,
-    reference: &Noise,
+    noise: &NoiseSpec,
+    reference: &NoiseSpec,
     margin: f64,
 ) -> Result<Option<Comparison>, StatsError> {
     let (ours, theirs) = pairs(rows, noise, reference);
@@ -79,8 +79,8 @@ pub fn correct_for_count<'a>(tests: impl Iterator<Item = &'a mut Comparison>) ->
 }
 
 /// Pairs of errors of two noises, by sequence: medians over the seeds that both have an error of.
-fn pairs(rows: &RowSet<'_>, noise: &Noise, reference: &Noise) -> (Vec<f64>, Vec<f64>) {
-    let by_seed = |name: &str, noise: &Noise| -> BTreeMap<u64, f64> {
+fn pairs(rows: &RowSet<'_>, noise: &NoiseSpec, reference: &NoiseSpec) -> (Vec<f64>, Vec<f64>) {
+    let by_seed = |name: &str, noise: &NoiseSpec| -> BTreeMap<u64, f64> {
         rows.cell(name, noise).filter_map(|row| Some((row.seed, row.ate_se3?))).collect()
     };
     let pair = |name: &str| {

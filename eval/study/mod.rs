@@ -16,7 +16,7 @@ pub use rows::RowSet;
 pub use summary::NoiseSummary;
 
 use crate::stats::StatsError;
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use serde::Serialize;
 
 /// Half width of what counts as equal to the reference, as a share of its error, where nothing else is asked for.
@@ -40,7 +40,7 @@ impl Study {
     /// An error of a run that is zero or not finite; a `margin` that is not positive and finite.
     pub fn new(rows: &RowSet<'_>, margin: f64) -> Result<Self, StatsError> {
         let reference = rows.reference(Criterion::Mean);
-        let of = |noise: &&Noise| NoiseSummary::new(rows, noise);
+        let of = |noise: &&NoiseSpec| NoiseSummary::new(rows, noise);
         let mut noises = rows.noises().iter().map(of).collect::<Result<Vec<_>, _>>()?;
         if let Some(reference) = &reference {
             for line in noises.iter_mut().filter(|line| line.noise != reference.noise) {
@@ -52,12 +52,12 @@ impl Study {
     }
 
     /// The line of one noise.
-    pub fn of(&self, noise: &Noise) -> Option<&NoiseSummary> {
+    pub fn of(&self, noise: &NoiseSpec) -> Option<&NoiseSummary> {
         self.noises.iter().find(|line| line.noise == *noise)
     }
 
     /// Whether `noise` is what the others are compared with.
-    pub fn is_reference(&self, noise: &Noise) -> bool {
+    pub fn is_reference(&self, noise: &NoiseSpec) -> bool {
         self.reference.as_ref().is_some_and(|reference| reference.noise == *noise)
     }
 }
@@ -65,10 +65,10 @@ impl Study {
 #[cfg(test)]
 mod testing {
     use crate::closed_loop::{Row, testing::row};
-    use dpn_core::estimate::Noise;
+    use dpn_core::estimate::NoiseSpec;
     use dpn_train::split::Side;
 
-    pub(super) fn noise(spec: &str) -> Noise {
+    pub(super) fn noise(spec: &str) -> NoiseSpec {
         spec.parse().unwrap()
     }
 

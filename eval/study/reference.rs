@@ -1,7 +1,7 @@
 //! The constant that other noises are compared with.
 
 use super::rows::RowSet;
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_train::split::Side;
 use serde::Serialize;
 
@@ -9,7 +9,7 @@ use serde::Serialize;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Reference {
     /// The constant.
-    pub noise: Noise,
+    pub noise: NoiseSpec,
     /// How it was chosen.
     pub choice: Choice,
     /// Whether it was chosen and is the lowest or the highest multiple of the baseline that was run: the lowest error may lie beyond it.
@@ -64,7 +64,7 @@ impl RowSet<'_> {
     /// The constant whose error on the training sequences is lowest, the first of equal ones; x1 where there are not both training
     /// and test sequences, or no constant has an error on all training sequences; none where x1 was not run either.
     pub fn reference(&self, by: Criterion) -> Option<Reference> {
-        let error = |noise: &Noise| match by {
+        let error = |noise: &NoiseSpec| match by {
             Criterion::Mean => self.mean(noise, Some(Side::Train)),
             Criterion::Median => self.median(noise, Some(Side::Train)),
         };
@@ -83,7 +83,7 @@ impl RowSet<'_> {
     }
 
     /// Whether `constant` is the lowest or the highest multiple of the baseline that was run.
-    fn at_edge(&self, constant: &Noise) -> bool {
+    fn at_edge(&self, constant: &NoiseSpec) -> bool {
         let all: Vec<f64> = self.noises().iter().filter_map(|noise| noise.multiple()).collect();
         let of = constant.multiple();
         of.is_some_and(|of| all.iter().all(|m| *m <= of) || all.iter().all(|m| *m >= of))

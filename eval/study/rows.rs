@@ -1,7 +1,7 @@
 //! Rows of one closed loop, by noise and sequence.
 
 use crate::closed_loop::Row;
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_core::signal::stats::{mean, median_of};
 use dpn_train::split::Side;
 use std::collections::BTreeMap;
@@ -10,14 +10,14 @@ use std::collections::BTreeMap;
 #[derive(Debug)]
 pub struct RowSet<'a> {
     rows: &'a [Row],
-    noises: Vec<&'a Noise>,
+    noises: Vec<&'a NoiseSpec>,
     sequences: Vec<(&'a str, Side)>,
 }
 
 impl<'a> RowSet<'a> {
     /// Of all `rows`.
     pub fn new(rows: &'a [Row]) -> Self {
-        let mut noises: Vec<&Noise> = Vec::new();
+        let mut noises: Vec<&NoiseSpec> = Vec::new();
         let mut sequences: BTreeMap<&str, Side> = BTreeMap::new();
         for row in rows {
             if !noises.contains(&&row.noise) {
@@ -33,7 +33,7 @@ impl<'a> RowSet<'a> {
     }
 
     /// Noises: multiples of the baseline in their order, then the others in that of the rows.
-    pub fn noises(&self) -> &[&'a Noise] {
+    pub fn noises(&self) -> &[&'a NoiseSpec] {
         &self.noises
     }
 
@@ -49,38 +49,38 @@ impl<'a> RowSet<'a> {
     }
 
     /// All rows of one noise.
-    pub fn of<'s>(&'s self, noise: &'s Noise) -> impl Iterator<Item = &'a Row> + 's {
+    pub fn of<'s>(&'s self, noise: &'s NoiseSpec) -> impl Iterator<Item = &'a Row> + 's {
         self.rows.iter().filter(move |row| row.noise == *noise)
     }
 
     /// All rows of one noise and sequence.
-    pub fn cell<'s>(&'s self, sequence: &'s str, noise: &'s Noise) -> impl Iterator<Item = &'a Row> + 's {
+    pub fn cell<'s>(&'s self, sequence: &'s str, noise: &'s NoiseSpec) -> impl Iterator<Item = &'a Row> + 's {
         self.of(noise).filter(move |row| row.sequence == sequence)
     }
 
     /// Median over seeds of the error \[m\], where any run has one.
-    pub fn ate(&self, sequence: &str, noise: &Noise) -> Option<f64> {
+    pub fn ate(&self, sequence: &str, noise: &NoiseSpec) -> Option<f64> {
         median_of(self.cell(sequence, noise).filter_map(|row| row.ate_se3))
     }
 
     /// Failed runs of one noise and sequence.
-    pub fn failures(&self, sequence: &str, noise: &Noise) -> usize {
+    pub fn failures(&self, sequence: &str, noise: &NoiseSpec) -> usize {
         self.cell(sequence, noise).filter(|row| row.failure.is_some()).count()
     }
 
     /// Medians over seeds of the sequences that have one \[m\].
-    pub fn ates(&self, noise: &Noise, side: Option<Side>) -> Vec<f64> {
+    pub fn ates(&self, noise: &NoiseSpec, side: Option<Side>) -> Vec<f64> {
         self.sequences(side).filter_map(|name| self.ate(name, noise)).collect()
     }
 
     /// Median over sequences \[m\], a sequence without an error counting as worse than any: none where that leaves no figure.
-    pub fn median(&self, noise: &Noise, side: Option<Side>) -> Option<f64> {
+    pub fn median(&self, noise: &NoiseSpec, side: Option<Side>) -> Option<f64> {
         let worst = |name: &str| self.ate(name, noise).unwrap_or(f64::INFINITY);
         median_of(self.sequences(side).map(worst)).filter(|median| median.is_finite())
     }
 
     /// Mean over sequences \[m\]; none where a sequence has no error, for means of different sets mislead.
-    pub fn mean(&self, noise: &Noise, side: Option<Side>) -> Option<f64> {
+    pub fn mean(&self, noise: &NoiseSpec, side: Option<Side>) -> Option<f64> {
         let ates = self.ates(noise, side);
         (!ates.is_empty() && ates.len() == self.count(side)).then(|| mean(&ates))
     }

@@ -4,7 +4,7 @@ use super::compare::Comparison;
 use super::rows::RowSet;
 use crate::closed_loop::Row;
 use crate::stats::{Bootstrap, StatsError, median_interval};
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_core::random::Stream;
 use dpn_core::signal::stats::median_of;
 use dpn_train::split::Side;
@@ -14,7 +14,7 @@ use serde::Serialize;
 #[derive(Debug, Clone, Serialize)]
 pub struct NoiseSummary {
     /// The noise.
-    pub noise: Noise,
+    pub noise: NoiseSpec,
     /// Fewest and most seeds of a sequence.
     pub seeds: [usize; 2],
     /// Runs.
@@ -55,7 +55,7 @@ pub struct NoiseSummary {
 
 impl NoiseSummary {
     /// Of the runs of `noise`, compared with nothing yet.
-    pub(super) fn new(rows: &RowSet<'_>, noise: &Noise) -> Result<Self, StatsError> {
+    pub(super) fn new(rows: &RowSet<'_>, noise: &NoiseSpec) -> Result<Self, StatsError> {
         let median = |f: &dyn Fn(&Row) -> Option<f64>| median_of(rows.of(noise).filter_map(f));
         let highest = |f: &dyn Fn(&Row) -> Option<f64>| rows.of(noise).filter_map(f).max_by(f64::total_cmp);
         let counts = || rows.sequences(None).map(|name| rows.cell(name, noise).count());
@@ -88,7 +88,7 @@ impl NoiseSummary {
 }
 
 /// Root mean square over the runs that say theirs, axes together.
-fn noise_rms(rows: &RowSet<'_>, noise: &Noise) -> Option<[f64; 2]> {
+fn noise_rms(rows: &RowSet<'_>, noise: &NoiseSpec) -> Option<[f64; 2]> {
     let squares: Vec<[f64; 2]> = rows
         .of(noise)
         .filter_map(|r| r.noise_rms)

@@ -1,7 +1,7 @@
 //! RMSE against true deviation, and errors against the constant told.
 
 use super::super::specs;
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_eval::open_loop;
 use dpn_eval::study::{NoiseSummary, Study};
 use dpn_figures::{FigureError, RmseVsSigma, SweepCurve, SweepPoint};
@@ -58,7 +58,7 @@ pub(crate) fn has_curve(study: &Study) -> bool {
     multiples(study).any(|line| line.ate.is_some())
 }
 
-fn curve(study: &Study, marks: &[Noise], caption: &str) -> Result<SweepCurve, FigureError> {
+fn curve(study: &Study, marks: &[NoiseSpec], caption: &str) -> Result<SweepCurve, FigureError> {
     let mut constants: Vec<SweepPoint> = multiples(study).filter_map(point).collect();
     constants.sort_by(|a, b| a.multiple.total_cmp(&b.multiple));
     let marks: Vec<SweepPoint> = marks.iter().filter_map(|noise| study.of(noise).and_then(point)).collect();
@@ -76,6 +76,6 @@ pub(crate) fn sweep(study: &Study, caption: &str) -> Result<SweepCurve, FigureEr
 pub(crate) fn injected_sweep(study: &Study, caption: &str) -> Result<SweepCurve, FigureError> {
     let [oracle, adaptive, dualpronet] = specs::noises([specs::ORACLE, specs::WIDE_PLUS, specs::DUALPRONET]);
     let (mean, shuffled) =
-        (Noise::Mean(Box::new(adaptive.clone())), Noise::Shuffled(Box::new(adaptive.clone())));
+        (NoiseSpec::Mean(Box::new(adaptive.clone())), NoiseSpec::Shuffled(Box::new(adaptive.clone())));
     curve(study, &[oracle, adaptive, mean, shuffled, dualpronet], caption)
 }

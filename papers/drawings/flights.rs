@@ -3,7 +3,7 @@
 use super::super::error::PaperError;
 use super::super::motors;
 use super::super::states::{PairedRun, read};
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_core::random::Stream;
 use dpn_core::{ImuRecording, NoiseTrack, Sensor};
 use dpn_eval::closed_loop::{CellKey, Keep, Recording, Row};
@@ -32,7 +32,7 @@ fn seed_of(keep: &Keep) -> u64 {
     keep.states.as_ref().expect("the study keeps states for its figures").1
 }
 
-fn key(sequence: &str, noise: &Noise, seed: u64) -> CellKey {
+fn key(sequence: &str, noise: &NoiseSpec, seed: u64) -> CellKey {
     CellKey { sequence: sequence.to_owned(), seed, noise: noise.to_string() }
 }
 
@@ -42,7 +42,7 @@ pub(crate) fn trajectories(
     rows: &[Row],
     dir: &Path,
     keep: &Keep,
-    noises: &[Noise],
+    noises: &[NoiseSpec],
 ) -> Result<Trajectories, PaperError> {
     let seed = seed_of(keep);
     let mut panels = Vec::new();
@@ -83,7 +83,7 @@ pub(crate) fn errors(
     recording: &Recording,
     dir: &Path,
     keep: &Keep,
-    noises: &[Noise],
+    noises: &[NoiseSpec],
 ) -> Result<Option<ErrorBand>, PaperError> {
     let seed = seed_of(keep);
     let mut columns = Vec::new();
@@ -119,13 +119,13 @@ fn tracks(
     recording: &Recording,
     imu: &ImuRecording,
     oracle: Option<&NoiseTrack>,
-    noises: &[Noise],
+    noises: &[NoiseSpec],
     networks: &[Network],
     seed: u64,
 ) -> Result<Vec<(String, std::sync::Arc<NoiseTrack>)>, PaperError> {
     let sources = Fresh { recorded: Recorded { name: &recording.name, imu, oracle }, networks };
     let stream = Stream::new(seed).named("noise").named(&recording.name);
-    let of = |noise: &Noise| {
+    let of = |noise: &NoiseSpec| {
         let track = dpn_eval::noise::track(noise, imu, &sources, &stream)?;
         Ok((noise.to_string(), track))
     };
@@ -164,7 +164,7 @@ fn figure(
 /// What is said over a flight, with the times at which motors run.
 pub(crate) fn sigma_over_flight(
     recording: &Recording,
-    noises: &[Noise],
+    noises: &[NoiseSpec],
     networks: &[Network],
     sensor: Sensor,
 ) -> Result<FlightSigma, PaperError> {
@@ -179,7 +179,7 @@ pub(crate) fn step_response(
     recording: &Recording,
     imu: &ImuRecording,
     truth: &NoiseTrack,
-    noises: &[Noise],
+    noises: &[NoiseSpec],
     networks: &[Network],
     sensor: Sensor,
     seed: u64,

@@ -1,6 +1,6 @@
 //! Absolute errors by sequence and noise, with other people's beside them and means below.
 
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_eval::published::{self, PublishedAte};
 use dpn_eval::study::RowSet;
 use dpn_figures::{Cell, Column, Table};
@@ -11,13 +11,13 @@ use dpn_train::split::Side;
 pub(super) struct Ates<'a> {
     pub(super) rows: &'a RowSet<'a>,
     /// A column each.
-    pub(super) noises: Vec<&'a Noise>,
+    pub(super) noises: Vec<&'a NoiseSpec>,
     /// A column more for every one of these that has the noise.
     pub(super) peers: Vec<PublishedAte>,
     /// Sequences without any row.
     pub(super) missing: Vec<(&'a str, Side)>,
     /// The two noises of which the second improves on the first: in columns of its own.
-    pub(super) improvement: Option<[&'a Noise; 2]>,
+    pub(super) improvement: Option<[&'a NoiseSpec; 2]>,
 }
 
 const SIDES: [Side; 2] = [Side::Train, Side::Test];
@@ -47,7 +47,7 @@ impl Ates<'_> {
     }
 
     /// The peers that have a noise.
-    fn peers_of<'s>(&'s self, noise: &'s Noise) -> impl Iterator<Item = &'s PublishedAte> {
+    fn peers_of<'s>(&'s self, noise: &'s NoiseSpec) -> impl Iterator<Item = &'s PublishedAte> {
         let knows = |peer: &&PublishedAte| self.names(None).any(|name| peer.ate(name, noise).is_some());
         self.peers.iter().filter(knows)
     }

@@ -2,14 +2,14 @@
 
 use super::super::input::Input;
 use super::super::specs::{self, DATA_SHEET};
-use dpn_core::estimate::{DEFAULT_TAG, Noise};
+use dpn_core::estimate::{DEFAULT_TAG, NoiseSpec};
 use dpn_eval::study::{NoiseSummary, Study};
 use dpn_figures::{Cell, Column, Provenance, Table};
 
 /// What a noise is, in the words of a reader.
-fn what(noise: &Noise) -> String {
+fn what(noise: &NoiseSpec) -> String {
     let words = match noise {
-        Noise::DualProNet { accel, gyro } if accel == gyro => match accel.as_str() {
+        NoiseSpec::DualProNet { accel, gyro } if accel == gyro => match accel.as_str() {
             DEFAULT_TAG => "DualProNet: conv-norm-act, sigma_inj",
             "order-s0" => "DualProNet: conv-act-norm, sigma_inj",
             "total-s0" => "DualProNet: conv-norm-act, sigma_tot",
@@ -17,19 +17,19 @@ fn what(noise: &Noise) -> String {
             "wide-s0" => "DualProNet: raw base, wide range",
             _ => "DualProNet: other networks",
         },
-        Noise::DualProNet { .. } => "DualProNet: other networks",
-        Noise::Oracle => "the truth",
-        Noise::File(_) => "a noise track on disk",
-        Noise::Shuffled(_) => "control: right values, wrong times",
-        Noise::MeanOfTrain(_) => "control: one constant from training",
-        Noise::Mean(_) => "control: one constant a sequence",
-        Noise::Plus { of, .. } if **of == specs::noise("dualpronet(wide-s0)") => {
+        NoiseSpec::DualProNet { .. } => "DualProNet: other networks",
+        NoiseSpec::Oracle => "the truth",
+        NoiseSpec::File(_) => "a noise track on disk",
+        NoiseSpec::Shuffled(_) => "control: right values, wrong times",
+        NoiseSpec::MeanOfTrain(_) => "control: one constant from training",
+        NoiseSpec::Mean(_) => "control: one constant a sequence",
+        NoiseSpec::Plus { of, .. } if **of == specs::noise("dualpronet(wide-s0)") => {
             "DualProNet, wide, and a constant"
         }
-        Noise::Plus { of, .. } => return format!("{}, and a constant", what(of)),
+        NoiseSpec::Plus { of, .. } => return format!("{}, and a constant", what(of)),
         _ if *noise == specs::noise(DATA_SHEET) => "data sheet",
-        Noise::Sensors(_) if noise.is_constant() => "constant",
-        Noise::Sensors(_) => "simple estimator",
+        NoiseSpec::Sensors(_) if noise.is_constant() => "constant",
+        NoiseSpec::Sensors(_) => "simple estimator",
     };
     words.to_owned()
 }

@@ -1,11 +1,11 @@
 //! Times, apart from all other figures: they are the only ones that differ from run to run.
 
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_eval::study::Study;
 use dpn_figures::{Cell, Column, Provenance, Table};
 
 /// CPU of the odometry a second of data, told each noise.
-pub(crate) fn timing(study: &Study, windows: &[(Noise, f64)], made_by: Provenance) -> Table {
+pub(crate) fn timing(study: &Study, windows: &[(NoiseSpec, f64)], made_by: Provenance) -> Table {
     let columns =
         Column::all(&["noise"], &["odometry [CPU s / s of data]", "six windows of the noise model [ms]"]);
     let title = "CPU time: the one table that differs from run to run";

@@ -4,7 +4,7 @@ use super::{convert, follow, log, shipped};
 use crate::args::{NoiseArgs, NoiseWhat, RowFormat};
 use crate::ui::Fault;
 use anyhow::Result;
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_core::{SampleRate, Sensor};
 use dpn_figures::{LogNoisePlot, save};
 use dpn_io::noise_formats::{Given, NoiseCalibration, read};
@@ -44,7 +44,7 @@ fn networks(dir: Option<&Path>) -> Result<Vec<Network>> {
 fn plan<'a>(args: &NoiseArgs, rate: SampleRate, networks: &'a [Network]) -> Result<Plan<'a>> {
     let every = args.every as usize;
     if let Some(text) = &args.noise {
-        let spec: Noise = text.parse()?;
+        let spec: NoiseSpec = text.parse()?;
         return Ok(Plan::new(&spec, rate, every, networks)?);
     }
     match Plan::new(&"dualpronet".parse()?, rate, every, networks) {

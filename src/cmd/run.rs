@@ -4,7 +4,7 @@ use super::{program, settings, shipped};
 use crate::args::{CameraArg, RunArgs};
 use crate::ui::Fault;
 use anyhow::Result;
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_eval::closed_loop::{
     ImageSource, Recording, Report, RunInfo, SequenceSet, Single, Span, TrackSource, has_images, single,
     write_states,
@@ -19,7 +19,7 @@ use dpn_vio::estimator::FrontEndObserver;
 use std::path::{Path, PathBuf};
 
 pub(crate) fn run(args: &RunArgs) -> Result<()> {
-    let noise: Noise = args.noise.parse()?;
+    let noise: NoiseSpec = args.noise.parse()?;
     let estimator = settings::estimator(&args.settings)?;
     let (source, place) = open(args)?;
     let networks = match &args.models {

@@ -2,7 +2,7 @@
 
 use crate::run::{dpn, end};
 use dpn_core::camera::{CameraConfig, PinholeRadtan};
-use dpn_core::estimate::Noise;
+use dpn_core::estimate::NoiseSpec;
 use dpn_core::random::Stream;
 use dpn_core::trajectory::StampedPose;
 use dpn_eval::noise::{Fresh, Recorded, track};
@@ -31,7 +31,7 @@ impl Sensors {
         let name = sequence.name().to_owned();
         let calibration = sequence.camera_config().unwrap().unwrap();
         let imu = sequence.imu().unwrap();
-        let noise: Noise = NOISE.parse().unwrap();
+        let noise: NoiseSpec = NOISE.parse().unwrap();
         let recorded = Recorded { name: &name, imu: &imu, oracle: None };
         let stream = Stream::new(SEED).named("noise").named(&name);
         let noises = track(&noise, &imu, &Fresh { recorded, networks: &[] }, &stream).unwrap();

@@ -37,7 +37,7 @@ pub(crate) use axis::{AxisSigma, EachSample, Given, HopWindow, Reading};
 pub(crate) use differences::Differences;
 pub(crate) use mad2::Mad2;
 pub(crate) use savgol::SgResidual;
-pub use spec::{DEFAULT_TAG, Noise, SensorPair, SpecError, parse_list};
+pub use spec::{DEFAULT_TAG, NoiseSpec, SensorPair, SpecError, parse_list};
 pub(crate) use wavelet::WaveletMad;
 pub use window_sigma::{EstimatorError, WindowSigma};
 pub(crate) use windowed::Windowed;

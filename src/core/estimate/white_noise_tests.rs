@@ -1,7 +1,7 @@
 //! What every estimator owes: no bias under white noise, a known spread, scale with the signal, blindness to the
 //! trends it promises to ignore.
 
-use super::spec::{EstimatorSpec, Noise, SensorPair, SensorSpec};
+use super::spec::{EstimatorSpec, NoiseSpec, SensorPair, SensorSpec};
 use super::{Allan, Differences, SgResidual, WindowSigma};
 use crate::bounds::cramer_rao_sigma;
 use crate::random::Stream;
@@ -15,7 +15,8 @@ const SAMPLES: usize = 200;
 const WINDOWS: u64 = 20_000;
 
 fn estimator(spec: &str) -> Arc<dyn WindowSigma> {
-    let Noise::Sensors(SensorPair { accel: SensorSpec::Estimator(estimator), .. }) = spec.parse().unwrap()
+    let NoiseSpec::Sensors(SensorPair { accel: SensorSpec::Estimator(estimator), .. }) =
+        spec.parse().unwrap()
     else {
         panic!("{spec} is no estimator")
     };

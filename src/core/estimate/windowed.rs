@@ -107,7 +107,7 @@ impl NoiseModel for Windowed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::Noise;
+    use crate::estimate::NoiseSpec;
     use crate::noise::NoiseTrack;
     use crate::random::Stream;
     use crate::{ImuRecording, Stamp};
@@ -128,7 +128,7 @@ mod tests {
     }
 
     fn model(spec: &str) -> Box<dyn NoiseModel> {
-        let Noise::Sensors(pair) = spec.parse().unwrap() else { panic!("{spec} is made elsewhere") };
+        let NoiseSpec::Sensors(pair) = spec.parse().unwrap() else { panic!("{spec} is made elsewhere") };
         pair.model(Schedule::default()).unwrap()
     }
 

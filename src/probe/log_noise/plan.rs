@@ -2,7 +2,7 @@
 
 use super::LogNoiseError;
 use super::track::Judged;
-use dpn_core::estimate::{Noise, Schedule, raised_to_floor};
+use dpn_core::estimate::{NoiseSpec, Schedule, raised_to_floor};
 use dpn_core::{ImuNoise, ImuSample, NoiseModel, SampleRate, Sensor};
 use dpn_pronet::DualProNet;
 use dpn_pronet::network::{Network, select};
@@ -16,7 +16,7 @@ const WINDOW_S: f64 = 1.0;
 /// What is asked, how often, and of which samples.
 #[derive(Debug, Clone)]
 pub struct Plan<'a> {
-    spec: Noise,
+    spec: NoiseSpec,
     networks: Option<(&'a Network, &'a Network)>,
     /// Every how many samples the networks see one.
     thin: usize,
@@ -33,15 +33,15 @@ impl<'a> Plan<'a> {
     /// # Errors
     /// A spec that is not causal (`file`, `oracle`, the controls), networks that are not there, a rate that is no multiple of theirs.
     pub fn new(
-        spec: &Noise,
+        spec: &NoiseSpec,
         rate: SampleRate,
         every: usize,
         networks: &'a [Network],
     ) -> Result<Self, LogNoiseError> {
         let mut plan = Self { spec: spec.clone(), networks: None, thin: 1, every: every.max(1), rate };
         match spec {
-            Noise::Sensors(_) => {}
-            Noise::DualProNet { accel, gyro } => {
+            NoiseSpec::Sensors(_) => {}
+            NoiseSpec::DualProNet { accel, gyro } => {
                 let text = spec.to_string();
                 let of = |sensor, tag| {
                     select(networks, sensor, tag)
@@ -63,7 +63,7 @@ impl<'a> Plan<'a> {
     }
 
     /// The spec.
-    pub fn spec(&self) -> &Noise {
+    pub fn spec(&self) -> &NoiseSpec {
         &self.spec
     }
 
@@ -114,7 +114,7 @@ impl<'a> Plan<'a> {
     /// Parameters out of range; two networks that are no pair.
     pub fn feed(&self) -> Result<Feed, LogNoiseError> {
         let model = match (&self.spec, self.networks) {
-            (Noise::Sensors(pair), _) => {
+            (NoiseSpec::Sensors(pair), _) => {
                 let window = ((self.rate.hz() * WINDOW_S).round() as usize).max(8);
                 Model::Simple(pair.model(Schedule { window, hop: self.every })?)
             }

@@ -155,7 +155,7 @@ fn piece(
 mod tests {
     use super::*;
     use dpn_core::SampleRate;
-    use dpn_core::estimate::Noise;
+    use dpn_core::estimate::NoiseSpec;
     use dpn_core::random::Stream;
     use dpn_pronet::network::load_all;
     use rand::Rng;
@@ -184,7 +184,7 @@ mod tests {
     #[test]
     fn pieces_on_many_threads_say_what_one_feed_says_to_the_bit() {
         let networks = load_all(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models")).unwrap();
-        let spec: Noise = "dualpronet".parse().unwrap();
+        let spec: NoiseSpec = "dualpronet".parse().unwrap();
         // At the networks' rate, at twice it with an odd number of samples between answers, and one answer a sample.
         for (hz, every, samples) in
             [(200.0, 10, 3 * PIECE * 10 + 7), (400.0, 9, 2 * PIECE * 9 + 3), (200.0, 1, PIECE + 400)]

@@ -2,7 +2,7 @@
 //!
 //! A spec is one call, for both sensors, or two with a comma between, accelerometer first: `x2`, `sg(11,2)`,
 //! `const(.08,.004)`, `x4,x1`, `diff2,sg(11,2)`. [`Call`] is the grammar alone; [`SensorPair`] what is made of the samples so far;
-//! [`Noise`] everything that may be written, networks, files and controls included.
+//! [`NoiseSpec`] everything that may be written, networks, files and controls included.
 //!
 //! | call | meaning |
 //! |---|---|
@@ -24,5 +24,5 @@ mod sensors;
 pub(crate) use call::{Arg, Call};
 pub use error::SpecError;
 pub use estimator::EstimatorSpec;
-pub use noise::{DEFAULT_TAG, Noise, parse_list};
+pub use noise::{DEFAULT_TAG, NoiseSpec, parse_list};
 pub use sensors::{SensorPair, SensorSpec};

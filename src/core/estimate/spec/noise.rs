@@ -25,7 +25,7 @@ pub const DEFAULT_TAG: &str = "sg11-s0";
 /// Where the noise of every sample comes from. `FromStr` reads it, `Display` writes it canonically.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
-pub enum Noise {
+pub enum NoiseSpec {
     /// Constants and simple estimators.
     Sensors(SensorPair),
     /// The networks: names of the weight files of accelerometer and gyroscope.
@@ -40,21 +40,21 @@ pub enum Noise {
     /// The truth of a simulated flight.
     Oracle,
     /// Another's values at other times.
-    Shuffled(Box<Noise>),
+    Shuffled(Box<NoiseSpec>),
     /// Another's root mean square over the sequence.
-    Mean(Box<Noise>),
+    Mean(Box<NoiseSpec>),
     /// Another's root mean square over the training sequences.
-    MeanOfTrain(Box<Noise>),
+    MeanOfTrain(Box<NoiseSpec>),
     /// Another's and a constant's, variances added.
     Plus {
         /// What changes.
-        of: Box<Noise>,
+        of: Box<NoiseSpec>,
         /// What is there in any case.
         constant: SensorPair,
     },
 }
 
-impl Noise {
+impl NoiseSpec {
     /// The spec whose track this one needs: itself, or what the controls are made of.
     pub fn source(&self) -> &Self {
         match self {
@@ -155,7 +155,7 @@ fn bare(arg: &Arg) -> String {
     }
 }
 
-impl FromStr for Noise {
+impl FromStr for NoiseSpec {
     type Err = SpecError;
 
     fn from_str(spec: &str) -> Result<Self, SpecError> {
@@ -173,14 +173,14 @@ impl FromStr for Noise {
 ///
 /// # Errors
 /// No spec; a spec that is none.
-pub fn parse_list(text: &str) -> Result<Vec<Noise>, SpecError> {
+pub fn parse_list(text: &str) -> Result<Vec<NoiseSpec>, SpecError> {
     let strong = split(text, &[';', ' ', '\t', '\n']);
     let parts = if strong.len() > 1 || text.trim_end().ends_with(';') { strong } else { split(text, &[',']) };
     let parts: Vec<String> = parts.into_iter().filter(|part| !part.is_empty()).collect();
     if parts.is_empty() {
         return Err(SpecError::NoSpec { text: text.to_owned() });
     }
-    let mut specs: Vec<Noise> = Vec::with_capacity(parts.len());
+    let mut specs: Vec<NoiseSpec> = Vec::with_capacity(parts.len());
     for part in parts {
         let spec = part.parse()?;
         if !specs.contains(&spec) {
@@ -212,7 +212,7 @@ fn split(text: &str, marks: &[char]) -> Vec<String> {
     parts.iter().map(|part| part.trim().to_owned()).collect()
 }
 
-impl TryFrom<String> for Noise {
+impl TryFrom<String> for NoiseSpec {
     type Error = SpecError;
 
     fn try_from(spec: String) -> Result<Self, SpecError> {
@@ -220,13 +220,13 @@ impl TryFrom<String> for Noise {
     }
 }
 
-impl From<Noise> for String {
-    fn from(spec: Noise) -> Self {
+impl From<NoiseSpec> for String {
+    fn from(spec: NoiseSpec) -> Self {
         spec.to_string()
     }
 }
 
-impl fmt::Display for Noise {
+impl fmt::Display for NoiseSpec {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Sensors(pair) => write!(f, "{pair}"),
@@ -272,9 +272,9 @@ mod tests {
                 "mean(plus(dualpronet(sg5-s0),const(0.3,0.01)))",
             ),
         ] {
-            let read: Noise = spec.parse().unwrap();
+            let read: NoiseSpec = spec.parse().unwrap();
             assert_eq!(read.to_string(), canonical, "{spec}");
-            assert_eq!(canonical.parse::<Noise>().unwrap(), read, "{spec}");
+            assert_eq!(canonical.parse::<NoiseSpec>().unwrap(), read, "{spec}");
         }
     }
 
@@ -291,7 +291,7 @@ mod tests {
             ("plus(diff2)", "a spec and a constant"),
             ("plus(x1,diff2)", "must be a constant"),
         ] {
-            let text = spec.parse::<Noise>().unwrap_err().to_string();
+            let text = spec.parse::<NoiseSpec>().unwrap_err().to_string();
             assert!(text.contains(words), "{spec}: {text}");
         }
     }
@@ -311,7 +311,7 @@ mod tests {
 
     #[test]
     fn a_multiple_is_one_of_both_sensors() {
-        let of = |spec: &str| spec.parse::<Noise>().unwrap().multiple();
+        let of = |spec: &str| spec.parse::<NoiseSpec>().unwrap().multiple();
         assert_eq!(of("x4"), Some(4.0));
         assert_eq!(of("x4,x1"), None);
         assert_eq!(of("mean(x4)"), None);
