@@ -325,7 +325,7 @@ impl Sweep<'_> {
         let frames = seen.span.of(&seen.frames, |frame| frame.t);
         let stream = Stream::new(cell.seed).named("noise").named(&recording.name);
         let sources = kept.sources(needs, recorded(&recording), self.networks);
-        let noise = crate::noise::track(&cell.noise, &recording.imu, &sources, &stream)?;
+        let noise = crate::noise::track(cell.noise, &recording.imu, &sources, &stream)?;
         let driven = drive(&self.estimator, &recording, frames, &noise, cell.seed)?;
         let told = Told {
             camera: self.source.camera().into(),
