@@ -3,8 +3,8 @@
 //! 1. [`TruthTrack`]: ground truth as a function of time, which does not reach across its own gaps.
 //! 2. [`associate_interpolated`], [`associate_nearest`]: pairs of a true and an estimated pose at one instant.
 //! 3. [`align`]: the estimate's world has a freedom that the truth's has not; four choices of it.
-//! 4. Errors: [`ate`] (absolute), [`rpe`] (relative, by distance or time), [`scale_error`], [`completion`].
-//! 5. Consistency: [`nees`] of one run, [`nees_report`] over runs, [`WhitenedResidual`].
+//! 4. Errors: [`ate`] (absolute), [`rpe`] (relative, by distance or time), [`scale_error`].
+//! 5. Consistency: [`nees`] of one run, [`nees_report`] over runs.
 //!
 //! Both trajectories are of the same body frame, in increasing time; a trajectory of another frame (a camera's, a prism's) must be
 //! moved to the body first. Every figure that evo also computes is held to evo's (`golden/evo`).
@@ -12,7 +12,6 @@
 mod align;
 mod associate;
 mod ate;
-mod completion;
 mod error;
 #[cfg(test)]
 mod golden_tests;
@@ -21,16 +20,13 @@ mod nees_report;
 mod rpe;
 mod summary;
 mod truth;
-mod whitened;
 
 pub use align::{Alignment, AlignmentKind, align};
 pub use associate::{Association, PosePair, associate_interpolated, associate_nearest};
 pub use ate::{Ate, ate, ate_aligned, scale_error};
-pub use completion::{Completion, completion};
 pub use error::{MetricsError, Trajectory};
 pub use nees::{PoseNees, nees, start_alignment};
 pub use nees_report::{NeesPart, NeesReport, nees_report};
 pub use rpe::{RPE_TOLERANCE, Rpe, RpeStep, rpe};
 pub use summary::ErrorSummary;
 pub use truth::{Cover, Interpolation, TruthOptions, TruthTrack, poses_of};
-pub use whitened::WhitenedResidual;

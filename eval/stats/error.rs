@@ -43,14 +43,6 @@ pub enum StatsError {
         /// What it may be.
         bound: &'static str,
     },
-    /// The resamples lie all on one side of the observed value, so that BCa's correction is infinite.
-    #[error("no resample lies {side} the observed {observed}; take the percentile interval")]
-    OneSided {
-        /// `below` or `above`.
-        side: &'static str,
-        /// The statistic of the sample itself.
-        observed: f64,
-    },
 }
 
 /// Refuses values that are not finite.

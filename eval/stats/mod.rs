@@ -2,9 +2,9 @@
 //!
 //! * [`signed_rank`]: Wilcoxon's test of paired differences, exact for few pairs, ties included.
 //! * [`hodges_lehmann`]: the difference that belongs to it.
-//! * [`equivalence_t`], [`equivalence_signed_rank`]: two one-sided tests, usually of [`log_ratios`].
+//! * [`equivalence_signed_rank`]: two one-sided tests, usually of [`log_ratios`].
 //! * [`holm`]: p-values of several tests at once.
-//! * [`median_interval`], [`ratio_of_means_interval`], [`bootstrap`]: bootstrap intervals from a named stream.
+//! * [`median_interval`], [`bootstrap`]: bootstrap intervals from a named stream.
 //! * [`chi_square_interval`]: bounds of a sum of squares.
 //!
 //! All take plain slices, return an error for values that are not finite, and are held to scipy and statsmodels (`golden/paired_tests`).
@@ -18,9 +18,9 @@ mod holm;
 mod ranks;
 mod signed_rank;
 
-pub use bootstrap::{Bootstrap, Interval, IntervalKind, bootstrap, median_interval, ratio_of_means_interval};
+pub use bootstrap::{Bootstrap, Interval, bootstrap, median_interval};
 pub use chi_square::chi_square_interval;
-pub use equivalence::{Equivalence, equivalence_signed_rank, equivalence_t, log_ratios};
+pub use equivalence::{Equivalence, equivalence_signed_rank, log_ratios};
 pub use error::StatsError;
 pub use hodges_lehmann::hodges_lehmann;
 pub use holm::holm;

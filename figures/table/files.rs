@@ -60,7 +60,7 @@ impl Table {
         for table_line in &self.lines {
             match table_line {
                 Line::Row { cells, .. } => {
-                    line(&mut out, cells.iter().map(|cell| latex(cell.shown())).collect())
+                    line(&mut out, cells.iter().map(|cell| latex(cell.shown())).collect());
                 }
                 Line::Rule => out.push_str("\\hline\n"),
             }
