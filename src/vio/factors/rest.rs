@@ -18,14 +18,14 @@ const LEAST_ANGLE: f64 = 1e-3;
 const SECONDS: f64 = 0.1;
 
 /// Where the rows of the first frame's velocity begin.
-pub const FIRST_VELOCITY: usize = 6;
+pub(crate) const FIRST_VELOCITY: usize = 6;
 /// Rows of the residual.
-pub const ROWS: usize = 12;
+pub(crate) const ROWS: usize = 12;
 
 /// The residual in standard deviations, and its derivatives by the first nine unknowns of both states (position, rotation, velocity).
 ///
 /// `angle` \[rad\] is by how much the image may have moved: s_rot is that, s_p half a metre's arc of it, s_v that arc in a tenth of a second.
-pub fn rest_jacobians(
+pub(crate) fn rest_jacobians(
     i: &NavState,
     j: &NavState,
     angle: f64,
