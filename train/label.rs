@@ -9,7 +9,7 @@ pub enum Label {
     /// The injected deviation alone (the paper).
     #[serde(rename = "sigma_inj")]
     Injected,
-    /// `sqrt(injected^2 + own^2)`: with the white noise the window held before ([`own_sigma`](crate::own::own_sigma)).
+    /// `sqrt(injected^2 + own^2)`: with the white noise the window held before (`own::own_sigma`).
     #[serde(rename = "sigma_tot")]
     Total,
 }

@@ -9,7 +9,7 @@
 //! * [`Weights`]: a trained network in a safetensors file that PyTorch reads by name.
 //! * [`Predictor`], [`DualProNet`]: inference without burn, for windows at hand and for a stream of samples.
 //!
-//! On burn's CPU backend, in training and in inference, the numbers come from kernels of this crate ([`module`] says when): one
+//! On burn's CPU backend, in training and in inference, the numbers come from kernels of this crate (`module` says when): one
 //! pass a window, vectors by [`pulp`], the backward pass by hand. All parallel work is split by the batch's size alone and
 //! summed in order, so that one thread and many give the same bits on one machine; machines with other vectors round differently.
 //!

@@ -14,7 +14,7 @@
 //! | `kalman(0.1)` | what a slow random walk does not follow | 1.04 |
 //!
 //! * [`WindowSigma`]: an estimator asked for a window; the moving variances are asked after every sample too.
-//! * [`Windowed`]: estimators on six axes as a [`NoiseModel`](crate::noise::NoiseModel).
+//! * `windowed`: estimators on six axes as a [`NoiseModel`](crate::noise::NoiseModel).
 //! * [`spec`]: the strings that name all of them.
 
 mod allan;

@@ -38,7 +38,7 @@ pub(crate) fn sigma_floor(sensor: Sensor) -> f64 {
         }
 }
 
-/// A noise with every deviation at least [`sigma_floor`]: a network may say zero, whose information is infinite.
+/// A noise with every deviation at least `sigma_floor`: a network may say zero, whose information is infinite.
 pub fn raised_to_floor(noise: &ImuNoise) -> ImuNoise {
     let of = |sensor| noise.of(sensor).map(|sigma| sigma.max(sigma_floor(sensor)));
     ImuNoise::from_values(of(Sensor::Accel), of(Sensor::Gyro))

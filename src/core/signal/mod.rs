@@ -1,6 +1,6 @@
 //! Signal processing on one axis: smoothing, spectra, wavelets, window statistics.
 //!
-//! * [`savitzky_golay`]: polynomial smoothing with polynomial edges.
+//! * `savitzky_golay`: polynomial smoothing with polynomial edges.
 //! * [`spectrum`]: Welch's power spectral density, band power, peaks.
 //! * [`wavelet`]: detail coefficients of the finest level.
 //! * [`stats`]: moments, quantiles, median absolute deviation, differences.

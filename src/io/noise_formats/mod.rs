@@ -1,9 +1,9 @@
 //! The noise figures of an IMU as other programs write them: reading, converting, writing, with the arithmetic said line by line.
 //!
-//! * [`ImuFigures`]: white noise and bias walk of both sensors as densities, what everything is converted through.
+//! * [`ImuFigures`](dpn_core::noise::ImuFigures): white noise and bias walk of both sensors as densities, what everything is converted through.
 //! * [`Format`]: who writes what. One file a format: [`Layout`]s of four keys for kalibr, openvins, orbslam3, okvis2, basalt, vins and
 //!   variances; `ros` (covariance matrices of a message) and `datasheet` (numbers with units) read and write in their own way.
-//! * [`Meaning`]: what a number means (density, per sample, variance, step of a walk ...), with the way to a density and back.
+//! * [`Meaning`](dpn_core::noise::Meaning): what a number means (density, per sample, variance, step of a walk ...), with the way to a density and back.
 //! * [`Quantity`]: a number with a unit, such as `0.2 mg/sqrt(Hz)` or `0.3 deg/sqrt(h)`.
 //! * [`read`], [`Given`], [`write()`]: file to figures to text.
 //!

@@ -6,7 +6,7 @@
 //! * [`fit`]: nonnegative least squares, intervals, what is seen and what is not.
 //! * [`rest`]: the seconds that moved.
 //! * [`AllanLog`]: all of it for a log; [`report`] says it in words.
-//! * [`compare`]: a configuration against it; [`mix_up`]: what may have been mixed up in it.
+//! * [`compare`]: a configuration against it; `mix_up`: what may have been mixed up in it.
 //! * [`simulate`]: signals with known coefficients.
 
 mod chi;

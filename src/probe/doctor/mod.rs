@@ -5,7 +5,7 @@
 //! * [`vibration`]: spectral peaks and what may be aliased.
 //! * [`motion`]: rest and motion, drift of the bias at rest.
 //! * [`reading`]: damage, stamps that stand still or go back, values that are no numbers, all of which the reader left out.
-//! * [`examine_log`]: all of them; [`examine`] without the last.
+//! * [`examine_log`]: all of them; `examine` without the last.
 
 mod finding;
 pub mod motion;

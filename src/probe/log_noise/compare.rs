@@ -1,7 +1,7 @@
 //! A configuration against a log that moves: its white noise against the floor at rest and the envelope in motion, both of the samples
 //! themselves ([`Levels`]); its walks against the log's longest rest, or, where there is none, against what even the motion stays below.
 //!
-//! Where the log hides the sensor's own noise, a figure is held against what IMUs have ([`typical`]); a mix-up behind which a usual one
+//! Where the log hides the sensor's own noise, a figure is held against what IMUs have (`mix_up::typical`); a mix-up behind which a usual one
 //! stands is named.
 
 use super::Levels;

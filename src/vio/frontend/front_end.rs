@@ -173,7 +173,7 @@ impl FrontEnd {
     /// Takes the image of time `t`.
     ///
     /// `cur_from_last` is the rotation from the camera's frame at the image fed before (whatever became of it, unless it was out of
-    /// order) to the camera's frame now, as the gyroscope integrates it (see [`turn_of_camera`](super::turn_of_camera)); without it
+    /// order) to the camera's frame now, as the gyroscope integrates it (see `gyro_turn`); without it
     /// points are looked for where they were. It may be a little wrong: a bias of .1 rad/s is, and is learnt within a second.
     ///
     /// Whatever the image is, the answer is a report: nothing about it is an error, and no track is made up.

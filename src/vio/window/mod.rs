@@ -1,7 +1,7 @@
 //! The sliding window: ten key frames and the newest, what was measured between them, and a prior for what has left.
 //!
-//! One frame goes through [`Window::add_frame`], [`Window::optimise`], [`Window::reject_outliers`] and [`Window::slide`].
-//! The initialisation adjusts in windows of its own, from which nothing leaves: [`Window::settle`], [`Window::covariance`].
+//! One frame goes through `Window::add_frame`, `Window::optimise`, `Window::reject_outliers` and `Window::slide`.
+//! The initialisation adjusts in windows of its own, from which nothing leaves: `Window::settle`, `Window::covariance`.
 //! [`layout`] says where each unknown stands, [`normal`] solves, `linearise` gathers the measurements, `schur` takes the
 //! landmarks out, `marginalise` makes the prior of what leaves.
 

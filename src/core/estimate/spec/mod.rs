@@ -1,7 +1,7 @@
 //! Noise specs: the strings that name a noise model, parsed once.
 //!
 //! A spec is one call, for both sensors, or two with a comma between, accelerometer first: `x2`, `sg(11,2)`,
-//! `const(.08,.004)`, `x4,x1`, `diff2,sg(11,2)`. [`Call`] is the grammar alone; [`SensorPair`] what is made of the samples so far;
+//! `const(.08,.004)`, `x4,x1`, `diff2,sg(11,2)`. `call` is the grammar alone; [`SensorPair`] what is made of the samples so far;
 //! [`NoiseSpec`] everything that may be written, networks, files and controls included.
 //!
 //! | call | meaning |
