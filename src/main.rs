@@ -12,11 +12,12 @@ fn main() -> ExitCode {
     match cmd::run(cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.is::<ui::Interrupted>() => {
-            eprintln!("{error}");
+            ui::errln!("{error}");
             ExitCode::from(130)
         }
+        Err(error) if error.downcast_ref().is_some_and(ui::OutputError::is_closed_pipe) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("{}", ui::render_error(&error));
+            ui::errln!("{}", ui::render_error(&error));
             ExitCode::from(2)
         }
     }

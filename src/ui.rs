@@ -3,8 +3,57 @@
 use dpn_core::progress::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::fmt;
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
+
+/// Standard output takes no more: the reader of a pipe has gone, or the disk is full.
+#[derive(Debug)]
+pub(crate) struct OutputError(std::io::Error);
+
+impl OutputError {
+    /// Whoever read has what he wanted (`dpn ... | head -1`): nothing is wrong.
+    pub(crate) fn is_closed_pipe(&self) -> bool {
+        self.0.kind() == std::io::ErrorKind::BrokenPipe
+    }
+}
+
+impl fmt::Display for OutputError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "standard output: {}", self.0)
+    }
+}
+
+impl std::error::Error for OutputError {}
+
+/// Data for standard output.
+///
+/// # Errors
+/// It takes no more.
+pub(crate) fn write_stdout(text: fmt::Arguments<'_>) -> Result<(), OutputError> {
+    std::io::stdout().lock().write_fmt(text).map_err(OutputError)
+}
+
+/// Talk for standard error. Where it takes nothing nobody listens, and the work goes on.
+pub(crate) fn write_stderr(text: fmt::Arguments<'_>) {
+    let _unheard = std::io::stderr().lock().write_fmt(text);
+}
+
+/// `print!` that answers instead of panicking.
+macro_rules! out {
+    ($($text:tt)*) => { $crate::ui::write_stdout(format_args!($($text)*)) };
+}
+
+/// `println!` that answers instead of panicking.
+macro_rules! outln {
+    ($($text:tt)*) => { $crate::ui::write_stdout(format_args!("{}\n", format_args!($($text)*))) };
+}
+
+/// `eprintln!` that drops what cannot be written instead of panicking.
+macro_rules! errln {
+    ($($text:tt)*) => { $crate::ui::write_stderr(format_args!("{}\n", format_args!($($text)*))) };
+}
+
+pub(crate) use {errln, out, outln};
 
 /// A message for the user with what to do about it.
 #[derive(Debug)]
@@ -130,7 +179,7 @@ impl Progress for Bar {
             bar.set_prefix(what.to_owned());
             self.bar = Some(bar);
         } else {
-            eprintln!("{what}: {total} steps");
+            errln!("{what}: {total} steps");
             self.last_line = Some(Instant::now());
         }
     }
@@ -140,7 +189,7 @@ impl Progress for Bar {
             bar.set_position(done);
             bar.set_message(note.to_owned());
         } else if self.last_line.is_none_or(|at| at.elapsed() >= Self::LINE_EVERY) {
-            eprintln!("{}: {done}/{} {note}", self.what, self.total);
+            errln!("{}: {done}/{} {note}", self.what, self.total);
             self.last_line = Some(Instant::now());
         }
     }
@@ -149,6 +198,6 @@ impl Progress for Bar {
         if let Some(bar) = self.bar.take() {
             bar.finish_and_clear();
         }
-        eprintln!("{}: {note}", self.what);
+        errln!("{}: {note}", self.what);
     }
 }

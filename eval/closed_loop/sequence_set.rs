@@ -161,6 +161,14 @@ impl SequenceSet {
         }
     }
 
+    /// Whether the camera is simulated along the ground truth: errors are those of a camera that agrees with the truth.
+    pub fn camera_is_simulated(&self) -> bool {
+        match self.tracks() {
+            TrackSource::Simulated(_) | TrackSource::Images(ImageSource::Rendered(_)) => true,
+            TrackSource::File(_) | TrackSource::Images(ImageSource::Folder { .. }) => false,
+        }
+    }
+
     /// What the odometry sees, as rows call it.
     pub fn camera(&self) -> &'static str {
         match self.tracks() {

@@ -153,7 +153,7 @@ fn warnings(
     }
     if let (Some(begin), Some(end)) = (frames.first(), frames.last()) {
         let (covered, all) = (end.t.min(last).seconds_since(begin.t.max(first)), recording.imu.duration());
-        if covered < COVERED * all {
+        if tracked.span.to_s.is_none() && tracked.span.from_s + covered < COVERED * all {
             found.push(format!(
                 "the frames cover {covered:.1} s of the IMU's {all:.1} s; the rest has no pose"
             ));

@@ -2,7 +2,7 @@
 
 use super::tracks::{CAMERA_HZ, made_stamps, no_ground_truth, unknown_source, unsuited_lens};
 use crate::args::ImagesArgs;
-use crate::ui::{Bar, Fault};
+use crate::ui::{Bar, Fault, outln};
 use anyhow::Result;
 use dpn_core::camera::{CameraConfig, Distortion};
 use dpn_core::config::Validate;
@@ -68,10 +68,10 @@ pub(crate) fn run(args: &ImagesArgs) -> Result<()> {
             "sequence": source.name, "seed": args.seed, "world": camera.world(), "images": frames.len(),
             "samples": source.imu.len(), "dir": out, "config": config,
         });
-        println!("{row}");
+        outln!("{row}")?;
     } else {
         let seconds = source.imu.duration();
-        println!("{}: {} images, {} samples, {seconds:.1} s", out.display(), frames.len(), source.imu.len());
+        outln!("{}: {} images, {} samples, {seconds:.1} s", out.display(), frames.len(), source.imu.len())?;
     }
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use super::{program, settings, shipped};
 use crate::args::{CameraArg, RunArgs};
-use crate::ui::Fault;
+use crate::ui::{Fault, errln, out, outln};
 use anyhow::Result;
 use dpn_core::estimate::NoiseSpec;
 use dpn_eval::closed_loop::{
@@ -45,22 +45,24 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let done = single(&estimator, &recording, camera, &noise, info, &networks, observer)?;
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("runs/run-{}", recording.name)));
     let report = serde_json::json!({
-        "program": program(), "estimator": estimator, "input": source.checksum(place)?, "report": done.report,
+        "program": program(), "estimator": estimator, "input": source.checksum(place)?,
+        "camera_is_simulated": source.camera_is_simulated(), "report": done.report,
     });
     write(&done, &report, &out)?;
     if let (Some(dir), Some(album)) = (&args.draw, album) {
         draw(dir, album, &recording, &done)?;
     }
     for warning in estimator.warnings().iter().chain(&done.report.warnings) {
-        eprintln!("warning: {warning}");
+        errln!("warning: {warning}");
     }
     if args.json {
-        println!("{report}");
+        outln!("{report}")?;
     } else {
-        print!("{}", words(&done.report, &done));
-        println!("files:          {}", out.display());
+        let simulated = source.camera_is_simulated();
+        out!("{}", words(&done.report, &done, simulated))?;
+        outln!("files:          {}", out.display())?;
         if let Some(dir) = &args.draw {
-            println!("pictures:       {}", dir.display());
+            outln!("pictures:       {}", dir.display())?;
         }
     }
     Ok(())
@@ -130,13 +132,20 @@ fn percent(share: Option<f64>) -> String {
 }
 
 /// The summary for people.
-fn words(report: &Report, done: &Single) -> String {
+fn words(report: &Report, done: &Single, simulated: bool) -> String {
     let row = &report.row;
     let mut lines = vec![format!(
         "{}, noise {}, {} frames in {:.1} s",
         row.sequence, row.noise, row.frames, done.driven.data_s
     )];
     let mut line = |name: &str, text: String| lines.push(format!("{name:<16}{text}"));
+    if simulated {
+        let seen = if row.front_end.is_some() { "images rendered" } else { "tracks made" };
+        line(
+            "camera:",
+            format!("simulated: {seen} along the ground truth, so the errors are no real camera's"),
+        );
+    }
     match row.init_s {
         Some(seconds) => {
             let moving = row.init_in_motion_s.map(|s| format!(", {s:.1} s after the first motion"));

@@ -2,6 +2,7 @@
 
 use super::{images, tracks};
 use crate::args::{FlightArgs, SimulateArgs, SimulateWhat};
+use crate::ui::outln;
 use anyhow::Result;
 use dpn_core::noise::{AccelNoiseDensity, GyroNoiseDensity};
 use dpn_core::truth::GroundTruth;
@@ -22,7 +23,7 @@ pub(crate) fn run(args: SimulateArgs) -> Result<()> {
 fn flight(args: FlightArgs) -> Result<()> {
     if args.list {
         for flight in Flight::ALL {
-            println!("{:24} {:?}", flight.name(), flight.split());
+            outln!("{:24} {:?}", flight.name(), flight.split())?;
         }
         return Ok(());
     }
@@ -44,14 +45,14 @@ fn flight(args: FlightArgs) -> Result<()> {
                 "flight": flight.name(), "seed": args.seed, "samples": flight.recording.len(),
                 "seconds": flight.recording.duration(), "dir": dir,
             });
-            println!("{row}");
+            outln!("{row}")?;
         } else {
-            println!(
+            outln!(
                 "{}: {} samples, {:.0} s",
                 dir.display(),
                 flight.recording.len(),
                 flight.recording.duration()
-            );
+            )?;
         }
     }
     Ok(())

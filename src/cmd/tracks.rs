@@ -1,7 +1,7 @@
 //! `dpn simulate tracks`.
 
 use crate::args::TracksArgs;
-use crate::ui::Fault;
+use crate::ui::{Fault, outln};
 use anyhow::Result;
 use dpn_core::config::Validate;
 use dpn_core::{SampleRate, Stamp};
@@ -49,9 +49,9 @@ pub(crate) fn run(args: &TracksArgs) -> Result<()> {
             "camera_frames": source.stamps.len(), "frames": counts.frames, "tracks": counts.tracks,
             "mean_in_frame": counts.mean_in_frame, "mean_life_frames": counts.mean_life, "file": out,
         });
-        println!("{row}");
+        outln!("{row}")?;
     } else {
-        println!(
+        outln!(
             "{}: {} frames of {} camera frames, {} tracks, {:.1} in a frame, each in {:.1} frames",
             out.display(),
             counts.frames,
@@ -59,7 +59,7 @@ pub(crate) fn run(args: &TracksArgs) -> Result<()> {
             counts.tracks,
             counts.mean_in_frame,
             counts.mean_life
-        );
+        )?;
     }
     Ok(())
 }

@@ -17,6 +17,7 @@ mod noise;
 mod noise_log;
 mod odometry;
 mod paper;
+mod pipes;
 mod recording;
 mod rendered;
 mod run;

@@ -31,6 +31,10 @@ const LEAST_TURNING: f64 = 0.05;
 const TURN_TOLERANCE: f64 = 0.21;
 /// Scales between this and its inverse are the same.
 const SCALE_TOLERANCE: f64 = 1.5;
+/// A scale is told where all within so many of its standard errors are outside the tolerance.
+const SCALE_CERTAINTY: f64 = 3.0;
+/// Errors of the camera's turns are alike over so many pairs: the same points at the same distances, seen again.
+const ALIKE_PAIRS: f64 = 10.0;
 /// Another reading must lower the residual to this share of that of the calibration.
 const BETTER: f64 = 0.8;
 
@@ -142,14 +146,19 @@ pub fn axes(
         let axis = away.axis().map_or([0.0; 3], |axis| axis.into_inner().into());
         AxesVerdict::Turned { degrees: away.angle().to_degrees(), axis_in_body: axis }
     } else {
-        let factor = (power_body / power_cam.trace()).sqrt();
-        if (1.0 / SCALE_TOLERANCE..SCALE_TOLERANCE).contains(&factor) {
-            AxesVerdict::Consistent
-        } else {
-            AxesVerdict::Scaled { factor }
-        }
+        scale(turned * norm, power_body, power_cam.trace(), n)
     };
     Axes { verdict, pairs: turns.len(), correlation, best_correlation: turned.max(mirrored) }
+}
+
+/// Whether the camera's turns are so many times the gyro's, by regression of the camera's on the gyro's: the camera's carry nearly all
+/// of the noise, and a ratio of powers takes that noise for turning. `agreement`, `power_body` and `power_cam` are means over `pairs`.
+fn scale(agreement: f64, power_body: f64, power_cam: f64, pairs: f64) -> AxesVerdict {
+    let slope = agreement / power_body;
+    let left_over = (power_cam - slope * agreement).max(0.0);
+    let error = SCALE_CERTAINTY * (left_over * ALIKE_PAIRS / (power_body * pairs)).sqrt();
+    let outside = slope - error > SCALE_TOLERANCE || slope + error < 1.0 / SCALE_TOLERANCE;
+    if outside { AxesVerdict::Scaled { factor: 1.0 / slope } } else { AxesVerdict::Consistent }
 }
 
 /// Rates of gyro and camera between neighbouring frames \[rad/s\], each in its own axes.
@@ -266,6 +275,7 @@ mod tests {
     use dpn_core::SampleRate;
     use dpn_sim::tracks::{AnalyticPath, TracksConfig, camera_stamps, simulate_tracks};
     use dpn_sim::{Flight, FlightConfig, simulate};
+    use rand::Rng;
 
     struct Case {
         samples: Vec<ImuSample>,
@@ -323,6 +333,34 @@ mod tests {
         let AxesVerdict::Turned { degrees, axis_in_body } = turned.verdict else { panic!("{turned:?}") };
         assert!((degrees - 90.0).abs() < 6.0 && axis_in_body[2].abs() > 0.99, "{turned:?}");
         assert!(turned.warning().unwrap().contains("T_BS"));
+    }
+
+    /// A camera carried by hand past near things: its turns are told badly, and their noise is no turning.
+    #[test]
+    fn a_camera_that_tells_turns_badly_is_no_gyro_that_reads_too_little() {
+        let mut rng = dpn_core::random::Stream::new(4).named("turns").rng();
+        let pairs = 600;
+        let mut told = |factor: f64| {
+            let (mut agreement, mut power_body, mut power_cam) = (0.0, 0.0, 0.0);
+            for _ in 0..pairs {
+                let turn = Vector3::from_fn(|_, _| rng.random::<f64>() - 0.5);
+                let cam = turn + Vector3::from_fn(|_, _| 1.4 * (rng.random::<f64>() - 0.5));
+                let body = factor * turn;
+                agreement += body.dot(&cam) / f64::from(pairs);
+                power_body += body.norm_squared() / f64::from(pairs);
+                power_cam += cam.norm_squared() / f64::from(pairs);
+            }
+            assert!(
+                power_body / power_cam < factor.powi(2) * SCALE_TOLERANCE.powi(-2),
+                "the case is too easy"
+            );
+            scale(agreement, power_body, power_cam, f64::from(pairs))
+        };
+        assert_eq!(told(1.0), AxesVerdict::Consistent);
+        for wrong in [57.3, 1.0 / 57.3] {
+            let AxesVerdict::Scaled { factor } = told(wrong) else { panic!("{wrong}") };
+            assert!((0.8..1.25).contains(&(factor / wrong)), "{factor}");
+        }
     }
 
     #[test]
