@@ -7,7 +7,7 @@ use dpn_eval::noise::NoiseError;
 use dpn_eval::open_loop::OpenLoopError;
 use dpn_eval::stats::StatsError;
 use dpn_figures::FigureError;
-use dpn_io::IoError;
+use dpn_io::{IoError, LockError};
 use dpn_pronet::StoreError;
 use dpn_train::base::UnknownBase;
 use std::path::PathBuf;
@@ -51,6 +51,9 @@ pub enum PaperError {
     /// A file.
     #[error(transparent)]
     Io(#[from] IoError),
+    /// A folder that another process writes to.
+    #[error(transparent)]
+    Locked(#[from] LockError),
     /// A file of an earlier run that does not read.
     #[error("{}: {message}; remove it, and it is made again", path.display())]
     Stale {
@@ -89,6 +92,7 @@ impl PaperError {
         match self {
             Self::ClosedLoop(error) => error.hint(),
             Self::Io(error) => error.hint(),
+            Self::Locked(error) => error.hint(),
             Self::NoCamera { .. } => Some("--camera auto takes the best that every sequence has".into()),
             Self::NotMeasured { .. } => Some(
                 "give --measured-by the checksum that tables and run.json name, with the plan, data and settings of that run; or leave it out, and it is run"

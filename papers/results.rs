@@ -3,8 +3,8 @@
 use super::error::PaperError;
 use super::id::{id, json};
 use super::injected::{Response, responses};
+use super::paper::Paper;
 use super::plan::Plan;
-use super::run::Paper;
 use super::specs;
 use cpu_time::ThreadTime;
 use dpn_core::Sensor;
@@ -13,9 +13,9 @@ use dpn_core::progress::Progress;
 use dpn_core::random::Stream;
 use dpn_eval::closed_loop::{ClosedLoopError, Keep, Manifest, Row, SequenceSet, Sweep, UntrackedSequence};
 use dpn_eval::injected::{Course, Injection};
-use dpn_eval::noise::{Fresh, Recorded};
+use dpn_eval::noise::{Fresh, Recorded, content};
 use dpn_eval::open_loop::{self, Request};
-use dpn_io::{IoError, atomic_write};
+use dpn_io::{FolderLock, IoError, atomic_write};
 use dpn_pronet::DualProNet;
 use dpn_train::base::Base;
 use dpn_train::split::Side;
@@ -72,11 +72,11 @@ fn cached<T: Serialize + DeserializeOwned>(
 }
 
 impl Paper<'_> {
-    /// What the networks are: a checksum of their weights and cards.
+    /// What the networks are: a checksum of their weights, cards and tags, wherever they lie.
     pub(super) fn networks_id(&self) -> Result<String, PaperError> {
         let mut parts = Vec::new();
         for network in self.networks {
-            parts.push(network.path.to_string_lossy().into_owned().into_bytes());
+            parts.push(network.tag().into_bytes());
             parts.push(network.weights.to_bytes()?);
         }
         Ok(id(parts))
@@ -115,7 +115,6 @@ impl Paper<'_> {
     /// The rows of the study, and the sequences that cannot be seen.
     pub(super) fn closed_loop(
         &self,
-        networks: &str,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<(StageResult<Vec<Row>>, Vec<UntrackedSequence>), PaperError> {
@@ -128,14 +127,13 @@ impl Paper<'_> {
             injection: None,
             keep: self.keep(),
         };
-        self.sweep(&study, networks, stop, progress)
+        self.sweep(&study, stop, progress)
     }
 
     /// The rows of one course of the injected experiment.
     pub(super) fn injected(
         &self,
         course: Course,
-        networks: &str,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<StageResult<Vec<Row>>, PaperError> {
@@ -154,7 +152,7 @@ impl Paper<'_> {
             keep: Keep::default(),
         };
         // Every sequence was seen in the closed loop or left out; one that is not seen now has no row here either.
-        let (made, unseen) = self.sweep(&experiment, networks, stop, progress)?;
+        let (made, unseen) = self.sweep(&experiment, stop, progress)?;
         match unseen.into_iter().next() {
             Some(unseen) => Err(unseen.error.into()),
             None => Ok(made),
@@ -181,7 +179,6 @@ impl Paper<'_> {
     fn sweep(
         &self,
         wanted: &SweepRequest<'_>,
-        networks: &str,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<(StageResult<Vec<Row>>, Vec<UntrackedSequence>), PaperError> {
@@ -203,18 +200,18 @@ impl Paper<'_> {
             keep: wanted.keep.clone(),
             injection: wanted.injection,
         };
-        let manifest = Manifest::of(&sweep, self.measured_by(), Some(networks.to_owned()))?;
+        let manifest = Manifest::of(&sweep, self.measured_by())?;
         let run = format!("{}-{}", wanted.name, &manifest.fingerprint()[..16]);
-        let dir = self.work.join(&run);
+        let lock = FolderLock::take(&self.work.join(&run))?;
         if let Some(program) = self.measured_by {
-            let left = sweep.left(&dir, &manifest)?;
+            let left = sweep.left(&lock, &manifest)?;
             if left > 0 {
                 let what = format!("{left} runs of {run}");
                 return Err(PaperError::NotMeasured { what, program: program.to_owned() });
             }
         }
         let mut watch = StepWatch { inner: progress, stepped: false };
-        let (value, unseen) = sweep.run_what_can_be_tracked(&dir, &manifest, stop, &mut watch)?;
+        let (value, unseen) = sweep.run_what_can_be_tracked(&lock, &manifest, stop, &mut watch)?;
         Ok((StageResult { value, run, cached: !watch.stepped }, unseen))
     }
 
@@ -239,25 +236,27 @@ impl Paper<'_> {
     }
 
     /// How noises follow what is injected.
-    pub(super) fn responses(
-        &self,
-        networks: &str,
-        stop: &AtomicBool,
-    ) -> Result<StageResult<Vec<Response>>, PaperError> {
+    pub(super) fn responses(&self, stop: &AtomicBool) -> Result<StageResult<Vec<Response>>, PaperError> {
         let plan = &self.plan.injected;
         let places = self.injected_places();
-        let mut parts = vec![self.measured_by(), networks.to_owned(), self.plan.seed.to_string()];
-        parts.push(json(&plan.noise));
-        parts.push(plan.followed.join(";"));
+        let noises = Plan::parsed(&plan.followed)?;
+        let mut parts = vec![self.measured_by(), self.plan.seed.to_string(), json(&plan.noise)];
+        parts.push(json(&self.input.source.description()));
+        parts.extend(self.contents(&noises)?);
         parts.extend(self.checksums(&places)?);
         let run = format!("response-{}", id(&parts));
         let (value, cached) = self.cached(&run, &self.work.join(&run).join("responses.json"), || {
             stopped(stop)?;
-            let noises = Plan::parsed(&plan.followed)?;
             let seed = self.plan.seed;
             responses(&self.input.source, &places, &noises, self.networks, &plan.noise, seed)
         })?;
         Ok(StageResult { value, run, cached })
+    }
+
+    /// Every noise, as it is called and as what it is made of: a file may be another under its old name.
+    fn contents(&self, noises: &[NoiseSpec]) -> Result<Vec<String>, PaperError> {
+        let of = |noise: &NoiseSpec| Ok([noise.to_string(), content(noise, self.networks)?]);
+        Ok(noises.iter().map(of).collect::<Result<Vec<_>, PaperError>>()?.concat())
     }
 
     /// Checksums of the sequences at `places`.
@@ -268,13 +267,14 @@ impl Paper<'_> {
     /// CPU time of six windows of every noise of the study \[ms\], on the first sequence.
     pub(super) fn model_times(
         &self,
-        networks: &str,
         stop: &AtomicBool,
     ) -> Result<StageResult<Vec<(NoiseSpec, f64)>>, PaperError> {
-        let specs: Vec<&String> = self.plan.noises.iter().chain(&self.plan.others).collect();
+        let mut noises = Plan::parsed(self.plan.noises.iter().chain(&self.plan.others))?;
+        noises.retain(|noise| !noise.needs_training());
         let place = self.input.places[0];
-        let mut parts = vec![self.measured_by(), networks.to_owned()];
-        parts.extend(specs.iter().map(|spec| (*spec).clone()));
+        let mut parts = vec![self.measured_by(), self.plan.seed.to_string()];
+        parts.push(json(&self.input.source.description()));
+        parts.extend(self.contents(&noises)?);
         parts.extend(self.checksums(&[place])?);
         let run = format!("timing-{}", id(&parts));
         let (value, cached) = self.cached(&run, &self.work.join(&run).join("windows.json"), || {
@@ -285,7 +285,7 @@ impl Paper<'_> {
             let sources = Fresh { recorded, networks: self.networks };
             let answers = recording.imu.len() as f64 / DualProNet::HOP as f64;
             let mut times = Vec::new();
-            for noise in Plan::parsed(specs)?.into_iter().filter(|noise| !noise.needs_training()) {
+            for noise in noises {
                 let clock = ThreadTime::now();
                 dpn_eval::noise::track(&noise, &recording.imu, &sources, &Stream::new(self.plan.seed))?;
                 times.push((noise, 1e3 * clock.elapsed().as_secs_f64() / answers));

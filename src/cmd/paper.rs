@@ -7,6 +7,7 @@ use anyhow::Result;
 use dpn_core::Sensor;
 use dpn_core::config::Validate;
 use dpn_eval::closed_loop::ClosedLoopError;
+use dpn_io::FolderLock;
 use dpn_io::config::load;
 use dpn_papers::{Cameras, Done, Input, Paper, PaperError, Plan, id};
 use dpn_pronet::network;
@@ -40,7 +41,10 @@ pub(crate) fn run(args: &PaperArgs) -> Result<()> {
     for missing in &input.missing {
         eprintln!("warning: no row for {}: {}", missing.name, missing.reason);
     }
-    let stop = stop::on_ctrl_c()?;
+    let _work = FolderLock::take(&args.work)?;
+    let same = std::fs::canonicalize(&args.work).ok() == std::fs::canonicalize(&args.out).ok();
+    let _out = if same { None } else { Some(FolderLock::take(&args.out)?) };
+    let stop = stop::on_ctrl_c("what was finished is kept, and the same command goes on from there")?;
     let networks = chosen_networks(args, &input, &stop)?;
     let measured_by = args.measured_by.as_deref().map(program_of);
     let paper = Paper {
