@@ -11,6 +11,7 @@ use dpn_io::{IoError, LockError};
 use dpn_pronet::StoreError;
 use dpn_train::base::UnknownBase;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
 use thiserror::Error;
 
 /// Why a stage could not be finished. What earlier stages left stays, and the same command goes on from there.
@@ -19,6 +20,9 @@ pub enum PaperError {
     /// A closed loop, injected or not.
     #[error(transparent)]
     ClosedLoop(#[from] ClosedLoopError),
+    /// Stopped from outside, between two steps of a stage; what is finished is kept.
+    #[error("stopped")]
+    Stopped,
     /// The open loop.
     #[error(transparent)]
     OpenLoop(#[from] OpenLoopError),
@@ -86,7 +90,22 @@ pub enum PaperError {
     },
 }
 
+/// An error where a stop was asked for.
+pub(super) fn stopped(stop: &AtomicBool) -> Result<(), PaperError> {
+    if stop.load(Ordering::Relaxed) { Err(PaperError::Stopped) } else { Ok(()) }
+}
+
 impl PaperError {
+    /// Whether it is no fault but a stop that was asked for.
+    pub fn is_stop(&self) -> bool {
+        matches!(
+            self,
+            Self::Stopped
+                | Self::ClosedLoop(ClosedLoopError::Stopped { .. })
+                | Self::OpenLoop(OpenLoopError::Stopped { .. })
+        )
+    }
+
     /// What to do about it, where the message does not say it.
     pub fn hint(&self) -> Option<String> {
         match self {

@@ -1,6 +1,6 @@
 //! Every stage's results: read where they are there, made where they are not.
 
-use super::error::PaperError;
+use super::error::{PaperError, stopped};
 use super::id::{id, json};
 use super::injected::{Response, responses};
 use super::paper::Paper;
@@ -11,7 +11,7 @@ use dpn_core::Sensor;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::progress::Progress;
 use dpn_core::random::Stream;
-use dpn_eval::closed_loop::{ClosedLoopError, Keep, Manifest, Row, SequenceSet, Sweep, UntrackedSequence};
+use dpn_eval::closed_loop::{Keep, Manifest, Row, SequenceSet, Sweep, UntrackedSequence};
 use dpn_eval::injected::{Course, Injection};
 use dpn_eval::noise::{Fresh, Recorded, content};
 use dpn_eval::open_loop::{self, Request};
@@ -22,7 +22,7 @@ use dpn_train::split::Side;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 /// What a stage left, and where.
 #[derive(Debug)]
@@ -86,6 +86,7 @@ impl Paper<'_> {
     pub(super) fn open_loop(
         &self,
         networks: &str,
+        stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<StageResult<Vec<open_loop::Row>>, PaperError> {
         let mut parts = vec![self.measured_by(), networks.to_owned(), self.plan.seed.to_string()];
@@ -93,6 +94,8 @@ impl Paper<'_> {
         parts.extend([self.input.corpus.name.clone(), self.input.corpus.fingerprint()]);
         let run = format!("open-loop-{}", id(&parts));
         let bases: Vec<Base> = self.plan.bases.iter().map(|base| base.parse()).collect::<Result<_, _>>()?;
+        let program = self.measured_by();
+        let cells = self.work.join(&run).join("cells");
         let (value, cached) = self.cached(&run, &self.work.join(&run).join("rows.json"), || {
             let request = Request {
                 corpora: std::slice::from_ref(&self.input.corpus),
@@ -100,9 +103,18 @@ impl Paper<'_> {
                 bases: &bases,
                 networks: self.networks,
                 seed: self.plan.seed,
+                drawn: None,
+                program: &program,
             };
-            Ok(open_loop::run(&request, progress)?.rows)
+            Ok(open_loop::run(&request, &cells, stop, progress)?.rows)
         })?;
+        // They served to go on with; the rows are whole now.
+        match std::fs::remove_dir_all(&cells) {
+            Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+                return Err(IoError::Write { path: cells, source }.into());
+            }
+            _ => {}
+        }
         Ok(StageResult { value, run, cached })
     }
 
@@ -248,7 +260,7 @@ impl Paper<'_> {
         let (value, cached) = self.cached(&run, &self.work.join(&run).join("responses.json"), || {
             stopped(stop)?;
             let seed = self.plan.seed;
-            responses(&self.input.source, &places, &noises, self.networks, &plan.noise, seed)
+            responses(&self.input.source, &places, &noises, self.networks, (&plan.noise, seed), stop)
         })?;
         Ok(StageResult { value, run, cached })
     }
@@ -286,6 +298,7 @@ impl Paper<'_> {
             let answers = recording.imu.len() as f64 / DualProNet::HOP as f64;
             let mut times = Vec::new();
             for noise in noises {
+                stopped(stop)?;
                 let clock = ThreadTime::now();
                 dpn_eval::noise::track(&noise, &recording.imu, &sources, &Stream::new(self.plan.seed))?;
                 times.push((noise, 1e3 * clock.elapsed().as_secs_f64() / answers));
@@ -294,14 +307,6 @@ impl Paper<'_> {
         })?;
         Ok(StageResult { value, run, cached })
     }
-}
-
-/// An error where a stop was asked for.
-fn stopped(stop: &AtomicBool) -> Result<(), PaperError> {
-    if stop.load(Ordering::Relaxed) {
-        return Err(ClosedLoopError::Stopped { done: 0, total: 0 }.into());
-    }
-    Ok(())
 }
 
 /// Passes progress on and remembers whether there was any: whether something had to be made.

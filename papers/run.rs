@@ -81,7 +81,7 @@ impl Paper<'_> {
         let networks = self.networks_id()?;
         stages.push(report("networks", &format!("networks-{networks}"), true, clock));
         let clock = Instant::now();
-        let open = self.open_loop(&networks, progress)?;
+        let open = self.open_loop(&networks, stop, progress)?;
         stages.push(report("open loop", &open.run, open.cached, clock));
         let clock = Instant::now();
         let (closed, unseen) = self.closed_loop(stop, progress)?;

@@ -166,7 +166,8 @@ mod tests {
             &Sweep { injection: Some(crate::injected::Injection::default()), ..base.clone() },
             "dpn 1"
         ));
-        let quiet = FlightConfig { vibration: !FlightConfig::default().vibration, ..FlightConfig::default() };
+        let mut quiet = FlightConfig::default();
+        quiet.vibration.scale = 0.0;
         let quiet = SequenceSet::Flights { config: quiet, tracks: source.tracks().clone() };
         assert!(other(&Sweep { source: &quiet, ..base.clone() }, "dpn 1"));
     }

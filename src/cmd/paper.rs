@@ -6,10 +6,9 @@ use crate::ui::{Bar, Interrupted};
 use anyhow::Result;
 use dpn_core::Sensor;
 use dpn_core::config::Validate;
-use dpn_eval::closed_loop::ClosedLoopError;
 use dpn_io::FolderLock;
 use dpn_io::config::load;
-use dpn_papers::{Cameras, Done, Input, Paper, PaperError, Plan, id};
+use dpn_papers::{Cameras, Done, Input, Paper, Plan, id};
 use dpn_pronet::network;
 use dpn_pronet::network::Network;
 use dpn_train::config::TrainConfig;
@@ -62,7 +61,7 @@ pub(crate) fn run(args: &PaperArgs) -> Result<()> {
         threads: args.threads.unwrap_or_else(cores).max(1),
     };
     match paper.run(&stop, &mut Bar::new()) {
-        Err(PaperError::ClosedLoop(error @ ClosedLoopError::Stopped { .. })) => {
+        Err(error) if error.is_stop() => {
             Err(Interrupted(format!("{error}; the same command goes on from there")).into())
         }
         Err(error) => Err(error.into()),
