@@ -7,10 +7,11 @@ use dpn_eval::noise::NoiseError;
 use dpn_eval::open_loop::OpenLoopError;
 use dpn_eval::stats::StatsError;
 use dpn_figures::FigureError;
-use dpn_io::IoError;
+use dpn_io::{IoError, LockError};
 use dpn_pronet::StoreError;
 use dpn_train::base::UnknownBase;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
 use thiserror::Error;
 
 /// Why a stage could not be finished. What earlier stages left stays, and the same command goes on from there.
@@ -19,6 +20,9 @@ pub enum PaperError {
     /// A closed loop, injected or not.
     #[error(transparent)]
     ClosedLoop(#[from] ClosedLoopError),
+    /// Stopped from outside, between two steps of a stage; what is finished is kept.
+    #[error("stopped")]
+    Stopped,
     /// The open loop.
     #[error(transparent)]
     OpenLoop(#[from] OpenLoopError),
@@ -51,6 +55,9 @@ pub enum PaperError {
     /// A file.
     #[error(transparent)]
     Io(#[from] IoError),
+    /// A folder that another process writes to.
+    #[error(transparent)]
+    Locked(#[from] LockError),
     /// A file of an earlier run that does not read.
     #[error("{}: {message}; remove it, and it is made again", path.display())]
     Stale {
@@ -83,12 +90,28 @@ pub enum PaperError {
     },
 }
 
+/// An error where a stop was asked for.
+pub(super) fn stopped(stop: &AtomicBool) -> Result<(), PaperError> {
+    if stop.load(Ordering::Relaxed) { Err(PaperError::Stopped) } else { Ok(()) }
+}
+
 impl PaperError {
+    /// Whether it is no fault but a stop that was asked for.
+    pub fn is_stop(&self) -> bool {
+        matches!(
+            self,
+            Self::Stopped
+                | Self::ClosedLoop(ClosedLoopError::Stopped { .. })
+                | Self::OpenLoop(OpenLoopError::Stopped { .. })
+        )
+    }
+
     /// What to do about it, where the message does not say it.
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::ClosedLoop(error) => error.hint(),
             Self::Io(error) => error.hint(),
+            Self::Locked(error) => error.hint(),
             Self::NoCamera { .. } => Some("--camera auto takes the best that every sequence has".into()),
             Self::NotMeasured { .. } => Some(
                 "give --measured-by the checksum that tables and run.json name, with the plan, data and settings of that run; or leave it out, and it is run"

@@ -1,6 +1,6 @@
 //! What the experiment with injected noise says: how models follow, and what following is worth.
 
-use super::error::PaperError;
+use super::error::{PaperError, stopped};
 use super::specs;
 use dpn_core::Sensor;
 use dpn_core::estimate::NoiseSpec;
@@ -15,6 +15,7 @@ use dpn_pronet::network::Network;
 use dpn_train::split::Side;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::sync::atomic::AtomicBool;
 
 /// How one noise follows one course, medians over sequences.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -43,8 +44,8 @@ pub(super) fn responses(
     places: &[usize],
     noises: &[NoiseSpec],
     networks: &[Network],
-    injection: &Injection,
-    seed: u64,
+    (injection, seed): (&Injection, u64),
+    stop: &AtomicBool,
 ) -> Result<Vec<Response>, PaperError> {
     let courses: Vec<Course> = Course::ALL.into_iter().filter(|c| *c != Course::Ramp).collect();
     let jobs: Vec<(usize, Course)> =
@@ -59,6 +60,7 @@ pub(super) fn responses(
             let sources = Fresh { recorded, networks };
             let stream = Stream::new(seed).named("noise").named(&recording.name);
             let of = |noise: &NoiseSpec| {
+                stopped(stop)?;
                 let track = dpn_eval::noise::track(noise, &imu, &sources, &stream)?;
                 Ok(Sensor::ALL.map(|sensor| step_response(&track, *course, sensor, axes(*course))))
             };

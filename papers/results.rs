@@ -1,28 +1,28 @@
 //! Every stage's results: read where they are there, made where they are not.
 
-use super::error::PaperError;
+use super::error::{PaperError, stopped};
 use super::id::{id, json};
 use super::injected::{Response, responses};
+use super::paper::Paper;
 use super::plan::Plan;
-use super::run::Paper;
 use super::specs;
 use cpu_time::ThreadTime;
 use dpn_core::Sensor;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::progress::Progress;
 use dpn_core::random::Stream;
-use dpn_eval::closed_loop::{ClosedLoopError, Keep, Manifest, Row, SequenceSet, Sweep, UntrackedSequence};
+use dpn_eval::closed_loop::{Keep, Manifest, Row, SequenceSet, Sweep, UntrackedSequence};
 use dpn_eval::injected::{Course, Injection};
-use dpn_eval::noise::{Fresh, Recorded};
+use dpn_eval::noise::{Fresh, Recorded, content};
 use dpn_eval::open_loop::{self, Request};
-use dpn_io::{IoError, atomic_write};
+use dpn_io::{FolderLock, IoError, atomic_write};
 use dpn_pronet::DualProNet;
 use dpn_train::base::Base;
 use dpn_train::split::Side;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 /// What a stage left, and where.
 #[derive(Debug)]
@@ -72,11 +72,11 @@ fn cached<T: Serialize + DeserializeOwned>(
 }
 
 impl Paper<'_> {
-    /// What the networks are: a checksum of their weights and cards.
+    /// What the networks are: a checksum of their weights, cards and tags, wherever they lie.
     pub(super) fn networks_id(&self) -> Result<String, PaperError> {
         let mut parts = Vec::new();
         for network in self.networks {
-            parts.push(network.path.to_string_lossy().into_owned().into_bytes());
+            parts.push(network.tag().into_bytes());
             parts.push(network.weights.to_bytes()?);
         }
         Ok(id(parts))
@@ -86,6 +86,7 @@ impl Paper<'_> {
     pub(super) fn open_loop(
         &self,
         networks: &str,
+        stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<StageResult<Vec<open_loop::Row>>, PaperError> {
         let mut parts = vec![self.measured_by(), networks.to_owned(), self.plan.seed.to_string()];
@@ -93,6 +94,8 @@ impl Paper<'_> {
         parts.extend([self.input.corpus.name.clone(), self.input.corpus.fingerprint()]);
         let run = format!("open-loop-{}", id(&parts));
         let bases: Vec<Base> = self.plan.bases.iter().map(|base| base.parse()).collect::<Result<_, _>>()?;
+        let program = self.measured_by();
+        let cells = self.work.join(&run).join("cells");
         let (value, cached) = self.cached(&run, &self.work.join(&run).join("rows.json"), || {
             let request = Request {
                 corpora: std::slice::from_ref(&self.input.corpus),
@@ -100,9 +103,18 @@ impl Paper<'_> {
                 bases: &bases,
                 networks: self.networks,
                 seed: self.plan.seed,
+                drawn: None,
+                program: &program,
             };
-            Ok(open_loop::run(&request, progress)?.rows)
+            Ok(open_loop::run(&request, &cells, stop, progress)?.rows)
         })?;
+        // They served to go on with; the rows are whole now.
+        match std::fs::remove_dir_all(&cells) {
+            Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+                return Err(IoError::Write { path: cells, source }.into());
+            }
+            _ => {}
+        }
         Ok(StageResult { value, run, cached })
     }
 
@@ -115,7 +127,6 @@ impl Paper<'_> {
     /// The rows of the study, and the sequences that cannot be seen.
     pub(super) fn closed_loop(
         &self,
-        networks: &str,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<(StageResult<Vec<Row>>, Vec<UntrackedSequence>), PaperError> {
@@ -128,14 +139,13 @@ impl Paper<'_> {
             injection: None,
             keep: self.keep(),
         };
-        self.sweep(&study, networks, stop, progress)
+        self.sweep(&study, stop, progress)
     }
 
     /// The rows of one course of the injected experiment.
     pub(super) fn injected(
         &self,
         course: Course,
-        networks: &str,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<StageResult<Vec<Row>>, PaperError> {
@@ -154,7 +164,7 @@ impl Paper<'_> {
             keep: Keep::default(),
         };
         // Every sequence was seen in the closed loop or left out; one that is not seen now has no row here either.
-        let (made, unseen) = self.sweep(&experiment, networks, stop, progress)?;
+        let (made, unseen) = self.sweep(&experiment, stop, progress)?;
         match unseen.into_iter().next() {
             Some(unseen) => Err(unseen.error.into()),
             None => Ok(made),
@@ -181,7 +191,6 @@ impl Paper<'_> {
     fn sweep(
         &self,
         wanted: &SweepRequest<'_>,
-        networks: &str,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<(StageResult<Vec<Row>>, Vec<UntrackedSequence>), PaperError> {
@@ -203,18 +212,18 @@ impl Paper<'_> {
             keep: wanted.keep.clone(),
             injection: wanted.injection,
         };
-        let manifest = Manifest::of(&sweep, self.measured_by(), Some(networks.to_owned()))?;
+        let manifest = Manifest::of(&sweep, self.measured_by())?;
         let run = format!("{}-{}", wanted.name, &manifest.fingerprint()[..16]);
-        let dir = self.work.join(&run);
+        let lock = FolderLock::take(&self.work.join(&run))?;
         if let Some(program) = self.measured_by {
-            let left = sweep.left(&dir, &manifest)?;
+            let left = sweep.left(&lock, &manifest)?;
             if left > 0 {
                 let what = format!("{left} runs of {run}");
                 return Err(PaperError::NotMeasured { what, program: program.to_owned() });
             }
         }
         let mut watch = StepWatch { inner: progress, stepped: false };
-        let (value, unseen) = sweep.run_what_can_be_tracked(&dir, &manifest, stop, &mut watch)?;
+        let (value, unseen) = sweep.run_what_can_be_tracked(&lock, &manifest, stop, &mut watch)?;
         Ok((StageResult { value, run, cached: !watch.stepped }, unseen))
     }
 
@@ -239,25 +248,27 @@ impl Paper<'_> {
     }
 
     /// How noises follow what is injected.
-    pub(super) fn responses(
-        &self,
-        networks: &str,
-        stop: &AtomicBool,
-    ) -> Result<StageResult<Vec<Response>>, PaperError> {
+    pub(super) fn responses(&self, stop: &AtomicBool) -> Result<StageResult<Vec<Response>>, PaperError> {
         let plan = &self.plan.injected;
         let places = self.injected_places();
-        let mut parts = vec![self.measured_by(), networks.to_owned(), self.plan.seed.to_string()];
-        parts.push(json(&plan.noise));
-        parts.push(plan.followed.join(";"));
+        let noises = Plan::parsed(&plan.followed)?;
+        let mut parts = vec![self.measured_by(), self.plan.seed.to_string(), json(&plan.noise)];
+        parts.push(json(&self.input.source.description()));
+        parts.extend(self.contents(&noises)?);
         parts.extend(self.checksums(&places)?);
         let run = format!("response-{}", id(&parts));
         let (value, cached) = self.cached(&run, &self.work.join(&run).join("responses.json"), || {
             stopped(stop)?;
-            let noises = Plan::parsed(&plan.followed)?;
             let seed = self.plan.seed;
-            responses(&self.input.source, &places, &noises, self.networks, &plan.noise, seed)
+            responses(&self.input.source, &places, &noises, self.networks, (&plan.noise, seed), stop)
         })?;
         Ok(StageResult { value, run, cached })
+    }
+
+    /// Every noise, as it is called and as what it is made of: a file may be another under its old name.
+    fn contents(&self, noises: &[NoiseSpec]) -> Result<Vec<String>, PaperError> {
+        let of = |noise: &NoiseSpec| Ok([noise.to_string(), content(noise, self.networks)?]);
+        Ok(noises.iter().map(of).collect::<Result<Vec<_>, PaperError>>()?.concat())
     }
 
     /// Checksums of the sequences at `places`.
@@ -268,13 +279,14 @@ impl Paper<'_> {
     /// CPU time of six windows of every noise of the study \[ms\], on the first sequence.
     pub(super) fn model_times(
         &self,
-        networks: &str,
         stop: &AtomicBool,
     ) -> Result<StageResult<Vec<(NoiseSpec, f64)>>, PaperError> {
-        let specs: Vec<&String> = self.plan.noises.iter().chain(&self.plan.others).collect();
+        let mut noises = Plan::parsed(self.plan.noises.iter().chain(&self.plan.others))?;
+        noises.retain(|noise| !noise.needs_training());
         let place = self.input.places[0];
-        let mut parts = vec![self.measured_by(), networks.to_owned()];
-        parts.extend(specs.iter().map(|spec| (*spec).clone()));
+        let mut parts = vec![self.measured_by(), self.plan.seed.to_string()];
+        parts.push(json(&self.input.source.description()));
+        parts.extend(self.contents(&noises)?);
         parts.extend(self.checksums(&[place])?);
         let run = format!("timing-{}", id(&parts));
         let (value, cached) = self.cached(&run, &self.work.join(&run).join("windows.json"), || {
@@ -285,7 +297,8 @@ impl Paper<'_> {
             let sources = Fresh { recorded, networks: self.networks };
             let answers = recording.imu.len() as f64 / DualProNet::HOP as f64;
             let mut times = Vec::new();
-            for noise in Plan::parsed(specs)?.into_iter().filter(|noise| !noise.needs_training()) {
+            for noise in noises {
+                stopped(stop)?;
                 let clock = ThreadTime::now();
                 dpn_eval::noise::track(&noise, &recording.imu, &sources, &Stream::new(self.plan.seed))?;
                 times.push((noise, 1e3 * clock.elapsed().as_secs_f64() / answers));
@@ -294,14 +307,6 @@ impl Paper<'_> {
         })?;
         Ok(StageResult { value, run, cached })
     }
-}
-
-/// An error where a stop was asked for.
-fn stopped(stop: &AtomicBool) -> Result<(), PaperError> {
-    if stop.load(Ordering::Relaxed) {
-        return Err(ClosedLoopError::Stopped { done: 0, total: 0 }.into());
-    }
-    Ok(())
 }
 
 /// Passes progress on and remembers whether there was any: whether something had to be made.

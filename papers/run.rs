@@ -5,9 +5,8 @@ use super::error::PaperError;
 use super::findings::findings;
 use super::id::{id, json};
 use super::injected::CourseStudy;
-use super::input::Input;
 use super::page::{Page, Picture, Readme};
-use super::plan::Plan;
+use super::paper::Paper;
 use super::results::StageResult;
 use super::specs;
 use super::tables;
@@ -15,49 +14,19 @@ use askama::Template as _;
 use dpn_core::Sensor;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::progress::Progress;
-use dpn_eval::closed_loop::{ImageSource, Recording, Row, StartAt, TrackSource};
+use dpn_eval::closed_loop::{ImageSource, Recording, Row, TrackSource};
 use dpn_eval::injected::Course;
 use dpn_eval::study::{RowSet, Study};
 use dpn_figures::{Plot, Provenance, Sourced, Table, save};
 use dpn_io::{IoError, atomic_write};
 use dpn_pronet::network::Network;
 use dpn_train::split::Side;
-use dpn_vio::EstimatorConfig;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
-
-/// Everything the paper is made from.
-#[derive(Debug)]
-pub struct Paper<'a> {
-    /// What is run.
-    pub plan: &'a Plan,
-    /// On what.
-    pub input: &'a Input,
-    /// The networks.
-    pub networks: &'a [Network],
-    /// The estimator's settings; covariances are needed for NEES and for the error's band.
-    pub estimator: EstimatorConfig,
-    /// Why the odometry sees what it sees.
-    pub camera: &'a str,
-    /// Where runs begin.
-    pub from: StartAt,
-    /// Version and checksum of the program.
-    pub program: String,
-    /// Another build of it whose runs are taken, all of them; nothing is run then.
-    pub measured_by: Option<&'a str>,
-    /// The command line.
-    pub command: String,
-    /// Folder of the runs.
-    pub work: &'a Path,
-    /// Folder of tables, figures and page.
-    pub out: &'a Path,
-    /// Threads to use.
-    pub threads: usize,
-}
 
 /// A stage that is over.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -112,10 +81,10 @@ impl Paper<'_> {
         let networks = self.networks_id()?;
         stages.push(report("networks", &format!("networks-{networks}"), true, clock));
         let clock = Instant::now();
-        let open = self.open_loop(&networks, progress)?;
+        let open = self.open_loop(&networks, stop, progress)?;
         stages.push(report("open loop", &open.run, open.cached, clock));
         let clock = Instant::now();
-        let (closed, unseen) = self.closed_loop(&networks, stop, progress)?;
+        let (closed, unseen) = self.closed_loop(stop, progress)?;
         stages.push(report("closed loop", &closed.run, closed.cached, clock));
         let input = self.input.without(&unseen);
         if input.places.is_empty() {
@@ -129,14 +98,13 @@ impl Paper<'_> {
             estimator: self.estimator.clone(),
             ..*self
         };
-        paper.after_the_loop(stages, &networks, open, closed, stop, progress)
+        paper.after_the_loop(stages, open, closed, stop, progress)
     }
 
     /// The rest, on the sequences that the odometry has seen.
     fn after_the_loop(
         &self,
         mut stages: Vec<StageReport>,
-        networks: &str,
         open: StageResult<Vec<dpn_eval::open_loop::Row>>,
         closed: StageResult<Vec<Row>>,
         stop: &AtomicBool,
@@ -145,15 +113,15 @@ impl Paper<'_> {
         let mut injected = Vec::new();
         for course in &self.plan.injected.courses {
             let clock = Instant::now();
-            let rows = self.injected(*course, networks, stop, progress)?;
+            let rows = self.injected(*course, stop, progress)?;
             stages.push(report(&format!("injected noise: {course}"), &rows.run, rows.cached, clock));
             injected.push((*course, rows));
         }
         let clock = Instant::now();
-        let responses = self.responses(networks, stop)?;
+        let responses = self.responses(stop)?;
         stages.push(report("responses", &responses.run, responses.cached, clock));
         let clock = Instant::now();
-        let times = self.model_times(networks, stop)?;
+        let times = self.model_times(stop)?;
         stages.push(report("times", &times.run, times.cached, clock));
 
         let clock = Instant::now();
@@ -178,6 +146,7 @@ impl Paper<'_> {
         let mut parts = vec![
             self.program.clone(),
             self.command.clone(),
+            self.camera.to_owned(),
             format!("{:?}", self.input.not_run().collect::<Vec<_>>()),
         ];
         parts.push(json(self.plan));

@@ -129,6 +129,9 @@ fn hint_of(cause: &(dyn std::error::Error + 'static)) -> Option<String> {
     if let Some(error) = cause.downcast_ref::<dpn_papers::PaperError>() {
         return error.hint();
     }
+    if let Some(error) = cause.downcast_ref::<dpn_io::LockError>() {
+        return error.hint();
+    }
     if let Some(error) = cause.downcast_ref::<dpn_io::IoError>() {
         return error.hint();
     }

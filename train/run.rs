@@ -2,7 +2,8 @@
 //!
 //! The folder holds `config.toml` (every default written out, written before the first epoch), `checkpoint.safetensors`,
 //! `history.jsonl`, and at the end `SENSOR.safetensors` and `summary.json`. Every file is there in full or not at all; what is
-//! lost when the process dies is the epoch it was in.
+//! lost when the process dies is the epoch it was in. The checkpoint holds the history too, and a run that goes on writes it out first: a process
+//! that died between the two leaves no line short. A run holds its folder's lock.
 
 use crate::config::TrainConfig;
 use crate::corpus::Corpus;
@@ -12,7 +13,7 @@ use crate::trainer::{TrainError, Trainer, parameter_count};
 use burn::tensor::Device;
 use dpn_core::SampleRate;
 use dpn_core::progress::Progress;
-use dpn_io::{IoError, atomic_write};
+use dpn_io::{FolderLock, IoError, LockError, atomic_write};
 use dpn_pronet::weights::{Card, Weights};
 use dpn_pronet::{Checkpoint, StoreError};
 use serde::{Deserialize, Serialize};
@@ -42,6 +43,9 @@ pub enum RunError {
     /// Another file of the run.
     #[error(transparent)]
     Io(#[from] IoError),
+    /// A folder that another process trains in.
+    #[error(transparent)]
+    Locked(#[from] LockError),
     /// The folder holds a run already.
     #[error("{}: a run stands there already ({epochs} of its epochs done)", path.display())]
     Exists {
@@ -87,6 +91,7 @@ impl RunError {
             ),
             Self::Train(TrainError::Corpus(error)) => error.hint(),
             Self::Io(error) => error.hint(),
+            Self::Locked(error) => error.hint(),
             _ => None,
         }
     }
@@ -145,14 +150,16 @@ pub struct Run<'a> {
     fingerprint: String,
     corpus: &'a Corpus,
     state: State,
+    /// Held until the run is over.
+    _lock: FolderLock,
 }
 
 impl<'a> Run<'a> {
-    /// Starts a run in `dir`, or goes on with the one that stands there.
+    /// Starts a run in `dir`, or goes on with the one that stands there; one that has not finished an epoch begins anew.
     ///
     /// # Errors
-    /// A folder that holds a run already (without `resume`), holds none (with it), or one of another configuration or data;
-    /// recordings that do not serve; files that cannot be written.
+    /// A folder that another process trains in, holds a run already (without `resume`), holds none (with it), or one of another configuration
+    /// or data; recordings that do not serve; files that cannot be written.
     pub fn open(
         dir: &'a Path,
         config: &TrainConfig,
@@ -162,6 +169,7 @@ impl<'a> Run<'a> {
     ) -> Result<Self, RunError> {
         let trainer = Trainer::new(config, corpus, device)?;
         let fingerprint = corpus.fingerprint();
+        let lock = FolderLock::take(dir)?;
         let path = dir.join(CHECKPOINT);
         let state = match (path.exists(), resume) {
             (true, true) => load(&path, dir, trainer.config(), &fingerprint)?,
@@ -169,13 +177,18 @@ impl<'a> Run<'a> {
                 let epochs = notes(&Checkpoint::load(&path)?, dir)?.history.len() as u64;
                 return Err(RunError::Exists { path: dir.to_owned(), epochs });
             }
-            (false, true) => return Err(RunError::Nothing { path: dir.to_owned() }),
-            (false, false) => trainer.start(),
+            (false, true) if !dir.join(CONFIG).exists() => {
+                return Err(RunError::Nothing { path: dir.to_owned() });
+            }
+            (false, _) => trainer.start(),
         };
-        let run = Self { dir, trainer, fingerprint, corpus, state };
+        let run = Self { dir, trainer, fingerprint, corpus, state, _lock: lock };
         let text = toml::to_string_pretty(run.trainer.config())
             .map_err(|error| RunError::Text { what: CONFIG, reason: error.to_string() })?;
         atomic_write(&dir.join(CONFIG), |out| out.write_all(text.as_bytes()))?;
+        if run.state.epochs_done() > 0 {
+            run.write_history()?;
+        }
         Ok(run)
     }
 
@@ -273,10 +286,15 @@ impl<'a> Run<'a> {
             checkpoint.vectors.insert(BEST.to_owned(), best.weights.clone());
         }
         checkpoint.save(self.dir.join(CHECKPOINT))?;
+        self.write_history()
+    }
+
+    /// A line an epoch.
+    fn write_history(&self) -> Result<(), RunError> {
         let lines: Result<Vec<String>, _> = self.state.history.iter().map(serde_json::to_string).collect();
-        let lines = lines.map_err(text(HISTORY))?.join("\n") + "\n";
-        atomic_write(&self.dir.join(HISTORY), |out| out.write_all(lines.as_bytes()))?;
-        Ok(())
+        let text = |error: serde_json::Error| RunError::Text { what: HISTORY, reason: error.to_string() };
+        let lines = lines.map_err(text)?.join("\n") + "\n";
+        Ok(atomic_write(&self.dir.join(HISTORY), |out| out.write_all(lines.as_bytes()))?)
     }
 
     /// Writes weights and summary.

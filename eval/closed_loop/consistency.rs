@@ -4,13 +4,14 @@
 //! position, NEES of orientation. [`consistency`] puts the seeds of one sequence and one noise together.
 
 use super::error::ClosedLoopError;
-use super::row::{CellKey, Row};
+use super::row::Row;
+use super::sweep_plan::nees_path;
 use crate::metrics::{NeesReport, PoseNees, nees_report};
 use dpn_core::Stamp;
 use dpn_core::estimate::NoiseSpec;
 use dpn_io::{IoError, atomic_write};
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 const HEADER: &str = "#timestamp [ns],nees_position,nees_orientation";
 /// Probability between the bounds.
@@ -25,11 +26,6 @@ pub struct Consistency {
     pub noise: NoiseSpec,
     /// The report.
     pub nees: NeesReport,
-}
-
-/// Where a cell's NEES is.
-pub(super) fn nees_path(dir: &Path, key: &CellKey) -> PathBuf {
-    dir.join("nees").join(key.file_name("csv"))
 }
 
 /// Writes the NEES of one run.

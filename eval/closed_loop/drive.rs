@@ -3,7 +3,8 @@
 use super::error::ClosedLoopError;
 use super::images::ImageStream;
 use super::recording::{Recording, Span};
-use super::tracking::{TrackedSequence, TrackingLog};
+use super::tracked::TrackedSequence;
+use super::tracking_log::TrackingLog;
 use super::walk::{SampleWalk, Step, walk};
 use cpu_time::ThreadTime;
 use dpn_core::trajectory::StampedPose;

@@ -5,7 +5,7 @@ use crate::noise::NoiseError;
 use crate::stats::StatsError;
 use dpn_core::camera::BadCamera;
 use dpn_core::config::ConfigFault;
-use dpn_io::{Coverage, IoError};
+use dpn_io::{Coverage, IoError, LockError};
 use dpn_sim::SimulationError;
 use dpn_sim::render::RenderError;
 use dpn_sim::tracks::{BadCameraSettings, PathError, TracksError};
@@ -22,6 +22,9 @@ pub enum ClosedLoopError {
     /// A file that cannot be read or written.
     #[error(transparent)]
     Io(#[from] IoError),
+    /// The results' folder is another process's.
+    #[error(transparent)]
+    Locked(#[from] LockError),
     /// A noise spec that gives no noise here.
     #[error(transparent)]
     Noise(#[from] NoiseError),
@@ -241,6 +244,7 @@ impl ClosedLoopError {
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::Io(error) => error.hint(),
+            Self::Locked(error) => error.hint(),
             Self::Noise(NoiseError::Read(error)) => error.hint(),
             Self::OtherRun { .. } => Some("give another folder with --out, or remove this one".into()),
             Self::BadRow { .. } => Some("remove the line; its cell is run again".into()),

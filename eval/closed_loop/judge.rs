@@ -10,6 +10,7 @@ use crate::metrics::{
     TruthTrack, associate_interpolated, ate, nees, rpe, scale_error, start_alignment,
 };
 use crate::noise::MeanSquare;
+use crate::stats::percentile;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::time::median_step_s;
 use dpn_core::trajectory::StampedPose;
@@ -192,6 +193,7 @@ pub fn judge(recording: &Recording, info: &RunInfo, driven: &Driven) -> Result<J
     let row = Row {
         sequence: recording.name.clone(),
         split: recording.side,
+        cell: String::new(),
         camera: info.camera.clone(),
         noise: info.noise.clone(),
         seed: info.seed,
@@ -250,14 +252,6 @@ fn failure(judged: bool, errors: &Errors, poses: usize, completion: Option<f64>)
     }
     let lost = errors.ate_se3.is_some_and(|ate| ate > LOST_SHARE * errors.path_m);
     lost.then_some(Failure::Diverged)
-}
-
-/// The value that a share of all does not exceed; none without values.
-pub(super) fn percentile(values: &[f64], share: f64) -> Option<f64> {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let at = (share * sorted.len() as f64).ceil() as usize;
-    sorted.get(at.saturating_sub(1)).copied()
 }
 
 /// Root mean square of the noise told: accelerometer x, y, z, gyroscope x, y, z.
@@ -325,13 +319,5 @@ mod tests {
         assert_eq!(failure(true, &Errors::default(), 100, Some(1.0)), Some(Failure::NoPose));
         assert_eq!(failure(false, &Errors::default(), 100, Some(0.4)), Some(Failure::FewPoses));
         assert_eq!(failure(false, &Errors::default(), 100, Some(0.6)), None);
-    }
-
-    #[test]
-    fn a_percentile_is_a_value_that_was_there() {
-        let values: Vec<f64> = (1..=100).rev().map(f64::from).collect();
-        assert_eq!(percentile(&values, 0.95), Some(95.0));
-        assert_eq!(percentile(&[3.0], 0.95), Some(3.0));
-        assert_eq!(percentile(&[], 0.95), None);
     }
 }

@@ -8,6 +8,7 @@
 //! * [`single`] runs one recording and says everything of it.
 //! * [`consistency`] puts the NEES of many seeds together. What rows say of noises: [`crate::study`].
 
+mod cell;
 mod consistency;
 mod drive;
 mod error;
@@ -15,6 +16,7 @@ mod image_report;
 mod images;
 mod judge;
 mod lazy;
+mod manifest;
 mod parallel;
 mod recording;
 mod rendered;
@@ -25,8 +27,11 @@ mod states;
 mod store;
 mod sweep;
 mod sweep_cache;
+mod sweep_plan;
 mod tally;
+mod tracked;
 mod tracking;
+mod tracking_log;
 mod walk;
 
 pub use consistency::{Consistency, consistency};
@@ -35,15 +40,18 @@ pub use error::ClosedLoopError;
 pub use image_report::{FrontEndFigures, ImageEvent, ImageReport, PassedOver};
 pub use images::{ImageSource, ImageStream, has_images};
 pub use judge::{Errors, Judged, MAX_GAP_S, RunInfo, judge, paired};
+pub use manifest::Manifest;
 pub use recording::{Recording, Span, StartAt, first_motion};
 pub use row::{CellKey, Failure, Restart, Row, StageSeconds};
 pub use sequence_set::{SequenceSet, TrackSource};
 pub use single::{Report, Single, single};
 pub use states::ANCHOR;
 pub use states::write_states;
-pub use store::{Manifest, Store};
-pub use sweep::{Keep, Sweep, UntrackedSequence};
-pub use tracking::{CameraInput, TrackedSequence};
+pub use store::Store;
+pub use sweep::UntrackedSequence;
+pub use sweep_plan::{Keep, Sweep};
+pub use tracked::TrackedSequence;
+pub use tracking::CameraInput;
 
 #[cfg(any(test, feature = "testing"))]
 #[doc(hidden)]

@@ -1,6 +1,7 @@
 //! One line of results.
 
 use super::image_report::FrontEndFigures;
+use crate::checksum::sha256;
 use dpn_core::estimate::NoiseSpec;
 use dpn_train::split::Side;
 use dpn_vio::estimator::RestartReason;
@@ -61,6 +62,9 @@ pub struct Row {
     pub sequence: String,
     /// Its side of the split of the networks' training.
     pub split: Side,
+    /// Checksum of everything that the row is a function of: program, settings, data, seed, what the noise is made of. Empty outside of a sweep.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub cell: String,
     /// What the odometry saw: `tracks`, `images`.
     pub camera: String,
     /// The noise spec, parsed where the row is read.
@@ -150,11 +154,18 @@ impl Row {
 }
 
 impl CellKey {
-    /// Name of a file of this cell: `MH_01_easy.x4.seed0.tum`.
+    /// Name of a file of this cell: `MH_01_easy.x4.seed0.tum`. A spec with characters of its own, those of a path, has a checksum behind it, so that no
+    /// two share a file.
     pub fn file_name(&self, extension: &str) -> String {
-        let keep = |c: char| if c.is_ascii_alphanumeric() || "-.".contains(c) { c } else { '_' };
-        let noise: String = self.noise.chars().map(keep).collect();
-        format!("{}.{}.seed{}.{extension}", self.sequence, noise.trim_end_matches('_'), self.seed)
+        let plain = |c: char| c.is_ascii_alphanumeric() || "-.".contains(c);
+        let noise: String = self.noise.chars().map(|c| if plain(c) { c } else { '_' }).collect();
+        let noise = noise.trim_end_matches('_');
+        let sum = if self.noise.chars().all(|c| plain(c) || "(),".contains(c)) {
+            String::new()
+        } else {
+            format!(".{}", &sha256([&self.noise])[..8])
+        };
+        format!("{}.{noise}{sum}.seed{}.{extension}", self.sequence, self.seed)
     }
 }
 
@@ -168,6 +179,7 @@ pub mod testing {
         Row {
             sequence: sequence.into(),
             split: if sequence.starts_with("MH_01") { Side::Train } else { Side::Test },
+            cell: format!("{sequence}-{noise}-{seed}"),
             camera: "tracks".into(),
             noise: noise.parse().expect("a noise spec of a test"),
             seed,
@@ -214,6 +226,20 @@ mod tests {
         let key = |noise: &str| CellKey { sequence: "f09-hover".into(), seed: 3, noise: noise.into() };
         assert_eq!(key("x0.5").file_name("tum"), "f09-hover.x0.5.seed3.tum");
         assert_eq!(key("shuffled(sg(11,2))").file_name("csv"), "f09-hover.shuffled_sg_11_2.seed3.csv");
-        assert_eq!(key("file(\"../a b.csv\")").file_name("csv"), "f09-hover.file__.._a_b.csv.seed3.csv");
+        let name = key("file(\"../a b.csv\")").file_name("csv");
+        assert!(name.starts_with("f09-hover.file__.._a_b.csv.") && name.ends_with(".seed3.csv"), "{name}");
+    }
+
+    #[test]
+    fn no_two_specs_share_a_file() {
+        let name =
+            |noise: &str| CellKey { sequence: "a".into(), seed: 0, noise: noise.into() }.file_name("tum");
+        for (one, other) in [
+            ("file(\"sub/n.csv\")", "file(\"sub_n.csv\")"),
+            ("dualpronet(a,b)", "dualpronet(a_b)"),
+            ("file(\"a b\")", "file(\"a(b\")"),
+        ] {
+            assert_ne!(name(one), name(other));
+        }
     }
 }

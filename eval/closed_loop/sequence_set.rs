@@ -5,6 +5,7 @@ use super::images::{ImageSource, ImageStream, of_folder};
 use super::recording::{Recording, Span};
 use super::rendered::rendered;
 use super::tracking::CameraInput;
+use crate::checksum::sha256;
 use crate::metrics::poses_of;
 use dpn_core::camera::CameraConfig;
 use dpn_core::camera::PinholeRadtan;
@@ -177,6 +178,21 @@ impl SequenceSet {
         }
     }
 
+    /// What recordings and tracks are made of, where they are not read: all settings that a number depends on.
+    pub fn description(&self) -> serde_json::Value {
+        let tracks = match self.tracks() {
+            TrackSource::File(_) => serde_json::json!("given"),
+            TrackSource::Simulated(config) => serde_json::json!(config),
+            // The front-end's settings are the estimator's.
+            TrackSource::Images(images @ ImageSource::Folder { .. }) => serde_json::json!(images.name()),
+            TrackSource::Images(ImageSource::Rendered(config)) => serde_json::json!({ "rendered": config }),
+        };
+        match self {
+            Self::Recorded { .. } => serde_json::json!({ "tracks": tracks }),
+            Self::Flights { config, .. } => serde_json::json!({ "flights": config, "tracks": tracks }),
+        }
+    }
+
     /// The sequence at `place`, with all but its tracks.
     ///
     /// # Errors
@@ -276,17 +292,7 @@ impl SequenceSet {
         match self {
             Self::Recorded { sequences, tracks } => {
                 let (sequence, _) = &sequences[place];
-                let mut files = vec![sequence.imu_path()];
-                files.extend(sequence.ground_truth_path());
-                let beside = |path: PathBuf, name: &str| path.with_file_name(name);
-                let camera = sequence.camera_path();
-                files.extend(
-                    [beside(camera.clone(), "sensor.yaml"), camera].into_iter().filter(|p| p.is_file()),
-                );
-                if let TrackSource::File(dir) = tracks {
-                    files.push(given(dir, sequence));
-                }
-                for file in files {
+                for file in files(sequence, tracks) {
                     let bytes = std::fs::read(&file).map_err(|source| match source.kind() {
                         std::io::ErrorKind::NotFound => IoError::Missing { path: file.clone() },
                         _ => IoError::Read { path: file.clone(), source },
@@ -307,6 +313,30 @@ impl SequenceSet {
         }
         Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
     }
+
+    /// The same of a sequence that need not be whole, without its images: what its samples are read from, as far as it is there.
+    pub(super) fn checksum_of_samples(&self, place: usize) -> String {
+        match self {
+            Self::Recorded { sequences, tracks } => {
+                let there = files(&sequences[place].0, tracks).into_iter().map(std::fs::read);
+                // A file that cannot be read is not one that is empty.
+                sha256(there.map(|read| read.map_or_else(|_| vec![0], |bytes| [&[1], &bytes[..]].concat())))
+            }
+            Self::Flights { .. } => Flight::ALL[place].name().to_owned(),
+        }
+    }
+}
+
+/// The files that a sequence is read from, but for its images.
+fn files(sequence: &Sequence, tracks: &TrackSource) -> Vec<PathBuf> {
+    let mut files = vec![sequence.imu_path()];
+    files.extend(sequence.ground_truth_path());
+    let camera = sequence.camera_path();
+    files.extend([camera.with_file_name("sensor.yaml"), camera].into_iter().filter(|path| path.is_file()));
+    if let TrackSource::File(dir) = tracks {
+        files.push(given(dir, sequence));
+    }
+    files
 }
 
 /// A name as people shorten it: `MH_01` of `MH_01_easy`, `room1` of TUM-VI's, `hover` of `f09-hover`.

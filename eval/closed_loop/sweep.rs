@@ -4,81 +4,30 @@
 //! first that asks and dropped after the last, so that memory holds what is being worked on. Rows are merged in the order of cells, so
 //! that one thread and many give the same bits, but for timing.
 
-use super::consistency::{nees_path, write_nees};
+use super::cell::Cell;
+use super::consistency::write_nees;
 use super::drive::{drive, frames_from};
 use super::error::ClosedLoopError;
 use super::judge::{RunInfo, judge, noise_rms};
+use super::manifest::Manifest;
 use super::parallel::each;
-use super::recording::{Recording, Span, StartAt};
+use super::recording::{Recording, Span};
 use super::row::{CellKey, Row};
-use super::sequence_set::SequenceSet;
 use super::states::write_states;
-use super::store::{Manifest, Store};
+use super::store::Store;
 use super::sweep_cache::{Needs, SweepCache};
-use super::tracking::TrackedSequence;
-use crate::injected::Injection;
+use super::sweep_plan::{Sweep, nees_path, remove_files, trajectory_path};
+use super::tracked::TrackedSequence;
 use crate::noise::{MeanSquare, Recorded, of_recording};
 use dpn_core::ImuNoise;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::progress::Progress;
 use dpn_core::random::Stream;
-use dpn_io::{atomic_write, write_tum};
-use dpn_pronet::network::Network;
-use dpn_train::split::Side;
-use dpn_vio::EstimatorConfig;
-use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use dpn_io::{FolderLock, atomic_write, write_tum};
+use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
-
-/// What to run.
-#[derive(Debug, Clone)]
-pub struct Sweep<'a> {
-    /// Where sequences come from.
-    pub source: &'a SequenceSet,
-    /// Places of the sequences to run, as [`SequenceSet::select`] gives them.
-    pub places: Vec<usize>,
-    /// The noises.
-    pub noises: Vec<NoiseSpec>,
-    /// The seeds.
-    pub seeds: Vec<u64>,
-    /// More noises, and the seeds of these.
-    pub others: (Vec<NoiseSpec>, Vec<u64>),
-    /// Where in a sequence a run begins.
-    pub from: StartAt,
-    /// Seconds after a sequence's first frame (or image listed) at which its run ends; without it at the last.
-    pub to: Option<f64>,
-    /// The estimator's settings.
-    pub estimator: EstimatorConfig,
-    /// Networks that noises may name.
-    pub networks: &'a [Network],
-    /// Threads to use.
-    pub threads: usize,
-    /// What is kept of a cell beside its row.
-    pub keep: Keep,
-    /// What is added to every recording's samples, from the seed of the cell.
-    pub injection: Option<Injection>,
-}
-
-/// What is kept of cells beside their rows, each a file a cell.
-#[derive(Debug, Clone, Default)]
-pub struct Keep {
-    /// Whether every cell's trajectory is written: `trajectories/CELL.tum`.
-    pub trajectories: bool,
-    /// Whether every cell's NEES is, where the estimator gives covariances: `nees/CELL.csv`.
-    pub nees: bool,
-    /// Whose states are: cells of one of these noises and this seed, `states/CELL.csv`. Such a cell is run again where the file is gone.
-    pub states: Option<(Vec<NoiseSpec>, u64)>,
-}
-
-impl Keep {
-    /// Where the states of a cell are, if they are kept.
-    pub fn states_path(&self, dir: &Path, key: &CellKey) -> Option<PathBuf> {
-        let (noises, seed) = self.states.as_ref()?;
-        let wanted = key.seed == *seed && noises.iter().any(|noise| noise.to_string() == key.noise);
-        wanted.then(|| dir.join("states").join(key.file_name("csv")))
-    }
-}
 
 /// A sequence that nothing could be seen of.
 #[derive(Debug)]
@@ -120,28 +69,20 @@ impl OnUntracked<'_> {
     }
 }
 
-/// One run of the estimator.
-struct Cell<'a> {
-    place: usize,
-    seed: u64,
-    noise: &'a NoiseSpec,
-    key: CellKey,
-}
-
 impl Sweep<'_> {
-    /// Runs every cell whose row is not in `dir` yet; the rows of all cells, in order.
+    /// Runs every cell whose row is not in the folder of `lock` yet; the rows of all cells, in order.
     ///
     /// # Errors
     /// Input that cannot be read or run on, the folder of another run; [`ClosedLoopError::Stopped`] when `stop` was set, after the rows
     /// of all finished cells were written.
     pub fn run(
         &self,
-        dir: &Path,
+        lock: &FolderLock,
         manifest: &Manifest,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<Vec<Row>, ClosedLoopError> {
-        self.run_in_store(dir, manifest, &OnUntracked::Fail, stop, progress)
+        self.run_in_store(lock, manifest, &OnUntracked::Fail, stop, progress)
     }
 
     /// The same where a sequence that cannot be seen ends nothing: it has no rows, and is named with its reason.
@@ -150,40 +91,42 @@ impl Sweep<'_> {
     /// As of [`run`](Self::run), but for those sequences.
     pub fn run_what_can_be_tracked(
         &self,
-        dir: &Path,
+        lock: &FolderLock,
         manifest: &Manifest,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<(Vec<Row>, Vec<UntrackedSequence>), ClosedLoopError> {
         let found = Mutex::new(BTreeMap::new());
-        let rows = self.run_in_store(dir, manifest, &OnUntracked::LeaveOut(&found), stop, progress)?;
+        let rows = self.run_in_store(lock, manifest, &OnUntracked::LeaveOut(&found), stop, progress)?;
         let found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
         Ok((rows, found.into_iter().map(|(place, error)| UntrackedSequence { place, error }).collect()))
     }
 
-    /// How many cells have no row in `dir` yet.
+    /// How many cells are still to be run in the folder of `lock`.
     ///
     /// # Errors
     /// As of [`run`](Self::run); nothing is run.
-    pub fn left(&self, dir: &Path, manifest: &Manifest) -> Result<usize, ClosedLoopError> {
-        let cells = self.cells();
-        if !dir.join("run.json").is_file() {
+    pub fn left(&self, lock: &FolderLock, manifest: &Manifest) -> Result<usize, ClosedLoopError> {
+        let cells = self.cells(manifest)?;
+        if !lock.dir().join("run.json").is_file() {
             return Ok(cells.len());
         }
-        let rows = Store::open(dir, manifest)?.rows();
-        Ok(cells.iter().filter(|cell| !rows.contains_key(&cell.key)).count())
+        let store = Store::open(lock, manifest)?;
+        Ok(cells.len() - self.kept(&cells, &store).len())
     }
 
     fn run_in_store(
         &self,
-        dir: &Path,
+        lock: &FolderLock,
         manifest: &Manifest,
         on_untracked: &OnUntracked<'_>,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<Vec<Row>, ClosedLoopError> {
-        let mut store = Store::open(dir, manifest)?;
-        match self.fill(&mut store, dir, on_untracked, stop, progress) {
+        // Noises that cannot be had are found out before anything is written.
+        let cells = self.cells(manifest)?;
+        let mut store = Store::open(lock, manifest)?;
+        match self.fill(&cells, &mut store, on_untracked, stop, progress) {
             Ok(ordered) => {
                 store.finish(&ordered)?;
                 Ok(ordered)
@@ -195,33 +138,50 @@ impl Sweep<'_> {
         }
     }
 
+    /// Rows of cells that need not be run, under the cells' own names: a row of the same content, and every file that is kept beside it.
+    fn kept(&self, cells: &[Cell<'_>], store: &Store<'_>) -> BTreeMap<CellKey, Row> {
+        let by_content: HashMap<&str, &Row> =
+            store.rows().iter().map(|row| (row.cell.as_str(), row)).collect();
+        let mut kept = BTreeMap::new();
+        for cell in cells {
+            let Some(&row) = by_content.get(cell.content.as_str()) else { continue };
+            // A noise track may have moved: the row is right, and the files of its cell have the old name.
+            if !self.keep.lacks(store.dir(), &cell.key, row, row.key() == cell.key) {
+                kept.insert(cell.key.clone(), Row { noise: cell.noise.clone(), ..row.clone() });
+            }
+        }
+        kept
+    }
+
     /// Runs every cell that `store` has no row of.
     fn fill(
         &self,
-        store: &mut Store,
-        dir: &Path,
+        cells: &[Cell<'_>],
+        store: &mut Store<'_>,
         on_untracked: &OnUntracked<'_>,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<Vec<Row>, ClosedLoopError> {
-        let mut rows = store.rows();
-        let cells = self.cells();
-        let total = cells.len();
-        let gone = |key: &CellKey| self.keep.states_path(dir, key).is_some_and(|path| !path.is_file());
-        let todo: Vec<&Cell> =
-            cells.iter().filter(|cell| !rows.contains_key(&cell.key) || gone(&cell.key)).collect();
+        let mut rows = self.kept(cells, store);
+        let (total, kept) = (cells.len(), rows.len());
+        let todo: Vec<&Cell> = cells.iter().filter(|cell| !rows.contains_key(&cell.key)).collect();
         let todo = self.ahead(todo);
         let means = self.training_means(&todo, on_untracked, stop)?;
+        // Rows of other contents go before their files do: at no time does a file of one content lie beside a row of another.
+        let contents: HashMap<&CellKey, &str> =
+            cells.iter().map(|cell| (&cell.key, cell.content.as_str())).collect();
+        store.forget(|row| contents.get(&row.key()).is_some_and(|content| **content != row.cell))?;
         let needs: Vec<Needs> = todo.iter().map(|cell| self.needs(cell)).collect();
         let cache = SweepCache::new(&needs, means);
         progress.start("closed loop", total as u64);
-        let mut done = total - todo.len();
+        let mut done = kept;
+        let dir = store.dir().to_path_buf();
         let finished = each(
             self.threads,
             todo.len(),
             stop,
             |i| {
-                let row = self.cell(todo[i], &needs[i], &cache, dir, on_untracked);
+                let row = self.cell(todo[i], &needs[i], &cache, &dir, on_untracked);
                 cache.done(&needs[i]);
                 row
             },
@@ -243,29 +203,12 @@ impl Sweep<'_> {
             progress.finish(&format!("stopped after {} of {total} cells", ordered.len()));
             return Err(ClosedLoopError::Stopped { done: ordered.len(), total });
         }
-        progress.finish(&format!("{total} cells"));
+        let reused = match kept {
+            0 => String::new(),
+            kept => format!(": {kept} kept from {}, {} run", dir.display(), done - kept),
+        };
+        progress.finish(&format!("{total} cells{reused}"));
         Ok(ordered)
-    }
-
-    /// All cells: noises of one seed of one sequence follow each other, for they share the most.
-    fn cells(&self) -> Vec<Cell<'_>> {
-        let names = self.source.names();
-        let (others, other_seeds) = &self.others;
-        let parts = [(&self.noises, &self.seeds), (others, other_seeds)];
-        let seeds: BTreeSet<u64> = self.seeds.iter().chain(other_seeds).copied().collect();
-        let mut cells = Vec::new();
-        for &place in &self.places {
-            for &seed in &seeds {
-                for (noises, _) in parts.iter().filter(|(_, seeds)| seeds.contains(&seed)) {
-                    for noise in *noises {
-                        let key =
-                            CellKey { sequence: names[place].0.clone(), seed, noise: noise.to_string() };
-                        cells.push(Cell { place, seed, noise, key });
-                    }
-                }
-            }
-        }
-        cells
     }
 
     /// Cells in the order in which they are begun. What the cells of a sequence and seed share is made by the first of them while the others
@@ -289,7 +232,7 @@ impl Sweep<'_> {
     fn needs(&self, cell: &Cell<'_>) -> Needs {
         let seeded = |seeded: bool| (cell.place, if seeded { cell.seed } else { 0 });
         Needs {
-            recording: seeded(self.source.recordings_are_seeded() || self.injection.is_some()),
+            recording: seeded(self.samples_are_seeded()),
             frames: seeded(self.source.tracks_are_seeded()),
             noise: cell.noise.source().to_string(),
         }
@@ -321,6 +264,7 @@ impl Sweep<'_> {
             Ok(found) => found,
             Err(error) => return on_untracked.take(cell.place, error).map(|()| None),
         };
+        remove_files(dir, &cell.key)?;
         let from_s = self.from.seconds(&recording.name);
         let stream = Stream::new(cell.seed).named("noise").named(&recording.name);
         let sources = cache.sources(needs, recorded(&recording), self.networks);
@@ -337,13 +281,13 @@ impl Sweep<'_> {
             atomic_write(&path, |out| write_states(&driven, &noise, out))?;
         }
         if self.keep.trajectories {
-            write_tum(&dir.join("trajectories").join(cell.key.file_name("tum")), &driven.poses())?;
+            write_tum(&trajectory_path(dir, &cell.key), &driven.poses())?;
         }
         let judged = judge(&recording, &info, &driven)?;
         if let Some(nees) = judged.nees.as_ref().filter(|_| self.keep.nees) {
             write_nees(&nees_path(dir, &cell.key), nees)?;
         }
-        Ok(Some(Row { noise_rms: Some(noise_rms(&noise)), ..judged.row }))
+        Ok(Some(Row { cell: cell.content.clone(), noise_rms: Some(noise_rms(&noise)), ..judged.row }))
     }
 
     /// What a cell's odometry is given: the recording, and tracks enough.
@@ -381,10 +325,7 @@ impl Sweep<'_> {
         if sources.is_empty() {
             return Ok(BTreeMap::new());
         }
-        let sides = self.source.names();
-        let training: Vec<usize> = (0..sides.len()).filter(|i| sides[*i].1 == Side::Train).collect();
-        let seed = self.seeds.first().or(self.others.1.first()).copied();
-        let seed = seed.expect("a noise to be run has a cell, and a cell a seed");
+        let (training, seed) = (self.training_places(), self.training_seed());
         let of_sequence = |i: usize| {
             let recording = match self.recording(training[i], seed) {
                 Ok(recording) => recording,

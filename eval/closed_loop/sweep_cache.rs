@@ -3,7 +3,7 @@
 use super::error::ClosedLoopError;
 use super::lazy::Shared;
 use super::recording::Recording;
-use super::tracking::TrackedSequence;
+use super::tracked::TrackedSequence;
 use crate::noise::{NoiseError, Recorded, Sources, of_recording};
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::{ImuNoise, NoiseTrack};

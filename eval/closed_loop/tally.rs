@@ -1,7 +1,7 @@
 //! What is counted while images go through the front-end.
 
 use super::image_report::{FrontEndFigures, ImageEvent, ImageReport, PassedOver};
-use super::judge::percentile;
+use crate::stats::percentile;
 use cpu_time::ThreadTime;
 use dpn_core::{GrayImage, Stamp, TrackFrame};
 use dpn_vio::estimator::FrontEndObserver;

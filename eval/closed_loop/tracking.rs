@@ -1,36 +1,14 @@
-//! Tracks of a recording: given, made, or followed through its images by the estimator's own tracker, and what became of the images.
+//! What the odometry sees of a recording, and the tracks that its own tracker follows through images.
 
 use super::error::ClosedLoopError;
-use super::image_report::{ImageReport, PassedOver};
 use super::images::ImageStream;
 use super::recording::{Recording, Span};
-use super::tally::Tally;
+use super::tracked::TrackedSequence;
+use super::tracking_log::TrackingLog;
 use super::walk::{Step, walk};
-use dpn_core::{GrayImage, Stamp, TrackFrame};
-use dpn_io::IoError;
-use dpn_vio::estimator::{FeedError, FrontEndObserver, ImageTracker};
-use dpn_vio::frontend::{Fed, FrontEndConfig};
-
-/// When none of so many first images can be read, no later one is waited for.
-const FIRST: usize = 10;
-
-/// Tracks of a recording.
-#[derive(Debug, Clone)]
-pub struct TrackedSequence {
-    /// Frame by frame.
-    pub frames: Vec<TrackFrame>,
-    /// The part of them that is run; all, where images outside were left out before.
-    pub span: Span,
-    /// What the front-end made of the images; none where tracks came without any.
-    pub images: Option<ImageReport>,
-}
-
-impl TrackedSequence {
-    /// The frames that are run.
-    pub fn run(&self) -> &[TrackFrame] {
-        self.span.of(&self.frames, |frame| frame.t)
-    }
-}
+use dpn_core::TrackFrame;
+use dpn_vio::estimator::ImageTracker;
+use dpn_vio::frontend::FrontEndConfig;
 
 /// What the odometry sees of a recording.
 pub enum CameraInput<'a> {
@@ -75,70 +53,5 @@ impl CameraInput<'_> {
             Ok(())
         })?;
         log.finish(recording)
-    }
-}
-
-/// Looks on while images are worked off: keeps the frames, counts, and shows everything to somebody else too.
-pub(super) struct TrackingLog<'a> {
-    tally: Tally,
-    frames: Vec<TrackFrame>,
-    unreadable: usize,
-    also: &'a mut dyn FrontEndObserver,
-}
-
-impl<'a> TrackingLog<'a> {
-    pub(super) fn new(also: &'a mut dyn FrontEndObserver) -> Self {
-        Self { tally: Tally::default(), frames: Vec::new(), unreadable: 0, also }
-    }
-
-    /// An image that cannot be read.
-    ///
-    /// # Errors
-    /// Its own, where it is the last of the first images and none before it could be read either.
-    pub(super) fn unreadable(&mut self, t: Stamp, error: IoError) -> Result<(), ClosedLoopError> {
-        self.unreadable += 1;
-        self.tally.passed_over(t, PassedOver::Unreadable, error.to_string());
-        if self.unreadable == FIRST && self.unreadable == self.tally.images() {
-            return Err(error.into());
-        }
-        Ok(())
-    }
-
-    /// An image that was not taken.
-    pub(super) fn refused(&mut self, t: Stamp, error: &FeedError) {
-        let reason = match error {
-            FeedError::ImageSize { .. } => PassedOver::WrongSize,
-            _ => PassedOver::OutOfOrder,
-        };
-        self.tally.passed_over(t, reason, error.to_string());
-    }
-
-    /// The tracks and the report.
-    ///
-    /// # Errors
-    /// No frame at all.
-    pub(super) fn finish(self, recording: &Recording) -> Result<TrackedSequence, ClosedLoopError> {
-        if self.frames.is_empty() {
-            return Err(ClosedLoopError::NothingTracked {
-                sequence: recording.name.clone(),
-                images: self.tally.images(),
-                why: self.tally.worst().map_or_else(|| "there are none".into(), ToString::to_string),
-            });
-        }
-        let images = self.tally.finish(&self.frames);
-        Ok(TrackedSequence { frames: self.frames, span: Span::from(0.0), images: Some(images) })
-    }
-}
-
-impl FrontEndObserver for TrackingLog<'_> {
-    fn begin(&mut self, t: Stamp) {
-        self.also.begin(t);
-        self.tally.begin(t);
-    }
-
-    fn end(&mut self, image: &GrayImage, fed: &Fed) {
-        self.tally.end(image, fed);
-        self.also.end(image, fed);
-        self.frames.extend(fed.frame.clone());
     }
 }

@@ -3,7 +3,7 @@
 use super::error::ClosedLoopError;
 use super::images::ImageStream;
 use super::recording::Recording;
-use super::tracking::TrackingLog;
+use super::tracking_log::TrackingLog;
 use dpn_core::{GrayImage, ImuSample, Stamp};
 use dpn_vio::estimator::FeedError;
 use std::ops::Range;

@@ -2,6 +2,7 @@
 
 use dpn_core::estimate::SpecError;
 use dpn_io::IoError;
+use dpn_pronet::StoreError;
 use dpn_pronet::model::PairError;
 use dpn_pronet::network::UnknownNetwork;
 use std::path::PathBuf;
@@ -24,6 +25,9 @@ pub enum NoiseError {
     /// Two networks that are no pair.
     #[error(transparent)]
     Pair(#[from] PairError),
+    /// A network whose weights have no checksum.
+    #[error(transparent)]
+    Weights(#[from] StoreError),
     /// Networks know samples, not time.
     #[error(
         "{recording}: the IMU runs at {found_hz:.1} Hz, the networks of `{spec}` were trained at {trained_hz:.1} Hz; they count samples, not time"

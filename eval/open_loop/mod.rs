@@ -1,7 +1,11 @@
 //! Estimators against windows whose noise is known, beside the Cramer-Rao bound and the paper's rows.
 
+mod cells;
+mod job;
+mod request;
 mod rows;
 mod run;
 
+pub use request::{Drawn, OpenLoop, OpenLoopError, Request};
 pub use rows::{Errors, Row, SigmaBin};
-pub use run::{Drawn, OpenLoop, OpenLoopError, Request, run};
+pub use run::run;

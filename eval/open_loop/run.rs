@@ -5,113 +5,131 @@
 //! training side first. A collection without bases of its own (raw TUM-VI) is judged as it is, by networks and
 //! regressors of every base: nothing is ever trained on it.
 
-use super::rows::{Errors, Row};
+use super::cells::Cells;
+use super::job::{Fitted, Job};
+use super::request::{OpenLoop, OpenLoopError, Request};
+use crate::checksum::sha256;
 use dpn_core::Sensor;
 use dpn_core::estimate::spec::EstimatorSpec;
 use dpn_core::estimate::{EstimatorError, WindowSigma};
 use dpn_core::progress::Progress;
-use dpn_core::random::Stream;
-use dpn_core::signal::FilterError;
-use dpn_pronet::network::Network;
+use dpn_pronet::StoreError;
 use dpn_train::asl::TUM_VI;
-use dpn_train::base::{Base, Scope};
+use dpn_train::base::Base;
 use dpn_train::corpus::Corpus;
-use dpn_train::examples::Examples;
-use dpn_train::features::{FeatureError, Features};
-use dpn_train::label::Label;
-use dpn_train::levels::{LevelKind, Levels};
-use dpn_train::regress::{RegressError, Regressor, fit_all};
-use dpn_train::split::Side;
-use dpn_train::trainer::predict;
-use dpn_train::windows::{Stretch, WINDOW, WindowSet};
-use rayon::prelude::*;
-use std::borrow::Cow;
+use dpn_train::features::Features;
+use dpn_train::levels::LevelKind;
+use dpn_train::windows::WINDOW;
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::Arc;
-use thiserror::Error;
+use std::sync::atomic::{AtomicBool, Ordering};
 
-/// What to judge, and by what.
-pub struct Request<'a> {
-    /// Recordings.
-    pub corpora: &'a [Corpus],
-    /// Sensors.
-    pub sensors: &'a [Sensor],
-    /// Bases of collections that are not raw.
-    pub bases: &'a [Base],
-    /// Trained networks.
-    pub networks: &'a [Network],
-    /// Seed of the injected noise.
-    pub seed: u64,
-}
-
-/// Why the open loop cannot be run.
-#[derive(Debug, Error)]
-pub enum OpenLoopError {
-    /// A base's filter cannot be.
-    #[error(transparent)]
-    Filter(#[from] FilterError),
-    /// A simple estimator cannot be.
-    #[error(transparent)]
-    Estimator(#[from] EstimatorError),
-    /// Features of a regressor.
-    #[error(transparent)]
-    Features(#[from] FeatureError),
-    /// A regressor cannot be fitted.
-    #[error(transparent)]
-    Regress(#[from] RegressError),
-    /// Nothing to judge on.
-    #[error("no windows to judge on in {0}; give longer recordings")]
-    NoWindows(String),
-}
-
-/// Rows, and the predictions worth drawing.
-#[derive(Debug, Default)]
-pub struct OpenLoop {
-    /// Every row.
-    pub rows: Vec<Row>,
-    /// Predictions on the test side with labels `sigma_inj`, by sensor, base and levels.
-    pub drawn: Vec<Drawn>,
-}
-
-/// Predictions of one set of windows.
-#[derive(Debug)]
-pub struct Drawn {
-    /// The sensor.
-    pub sensor: Sensor,
-    /// The base.
-    pub base: String,
-    /// `grid` or `continuous`.
-    pub levels: String,
-    /// True deviations.
-    pub truth: Vec<f64>,
-    /// Estimator and its predictions.
-    pub estimates: Vec<(String, Vec<f64>)>,
-}
-
-/// Regressors fitted on one base, with the label they answer.
-type Fitted = Vec<(Label, Vec<Box<dyn Regressor>>)>;
-
-/// Judges everything asked for.
+/// Judges everything asked for. A set of windows that is over is kept in `dir`, and taken from there by a later call with the same input.
 ///
 /// # Errors
-/// Filters or estimators that cannot be; too few windows.
-pub fn run(request: &Request<'_>, progress: &mut dyn Progress) -> Result<OpenLoop, OpenLoopError> {
-    let features = Features::new()?;
-    let simple = simple_estimators()?;
-    let mut out = OpenLoop::default();
-    let sets: Vec<(Sensor, &Corpus, Base, LevelKind)> = plan(request);
-    progress.start("open loop", sets.len() as u64);
-    let mut transfer: BTreeMap<(Sensor, &'static str), (String, Fitted)> = BTreeMap::new();
-    for (done, (sensor, corpus, base, kind)) in sets.into_iter().enumerate() {
-        progress.step(done as u64, &format!("{} {sensor} {base} {}", corpus.name, kind.family()));
-        let job = Job { request, sensor, corpus, base, kind, features: &features, simple: &simple };
-        let foreign = transfer.get(&(sensor, kind.family()));
-        if let Some(fitted) = job.judge(foreign, &mut out)? {
-            transfer.insert((sensor, kind.family()), fitted);
+/// Filters or estimators that cannot be; too few windows; a folder that cannot be written to; [`OpenLoopError::Stopped`] when `stop` was set.
+pub fn run(
+    request: &Request<'_>,
+    dir: &Path,
+    stop: &AtomicBool,
+    progress: &mut dyn Progress,
+) -> Result<OpenLoop, OpenLoopError> {
+    let (features, simple) = (Features::new()?, simple_estimators()?);
+    let job = |(sensor, corpus, base, kind)| Job {
+        request,
+        sensor,
+        corpus,
+        base,
+        kind,
+        features: &features,
+        simple: &simple,
+        stop,
+    };
+    let jobs: Vec<Job<'_>> = plan(request).into_iter().map(job).collect();
+    let contents = contents(request, &jobs)?;
+    let cells = Cells::new(dir);
+    let (mut out, mut kept, total) = (OpenLoop::default(), 0, jobs.len());
+    progress.start("open loop", total as u64);
+    let mut transfer: BTreeMap<(Sensor, &'static str), (usize, Fitted)> = BTreeMap::new();
+    for (place, (job, content)) in jobs.iter().zip(&contents).enumerate() {
+        let stopped = |error| match error {
+            OpenLoopError::Stopped { .. } => OpenLoopError::Stopped { done: place, total },
+            error => error,
+        };
+        let judged = if let Some(judged) = cells.read(content) {
+            kept += 1;
+            judged
+        } else {
+            if stop.load(Ordering::Relaxed) {
+                return Err(OpenLoopError::Stopped { done: place, total });
+            }
+            let (sensor, corpus, base, levels) = (job.sensor, job.corpus, job.base, job.kind.family());
+            progress.step(place as u64, &format!("{} {sensor} {base} {levels}", corpus.name));
+            if job.foreign() {
+                refit(&jobs, job, &mut transfer).map_err(stopped)?;
+            }
+            let foreign = transfer.get(&(sensor, levels)).map(|(_, fitted)| fitted);
+            let (judged, fitted) = job.judge(foreign).map_err(stopped)?;
+            cells.write(content, &judged)?;
+            if let Some(fitted) = fitted {
+                transfer.insert((sensor, levels), (place, fitted));
+            }
+            judged
+        };
+        out.rows.extend(judged.rows);
+        out.drawn.extend(judged.drawn);
+    }
+    let reused = match kept {
+        0 => String::new(),
+        kept => format!(": {kept} of {total} sets kept from {}, {} run", dir.display(), total - kept),
+    };
+    progress.finish(&format!("{} rows{reused}", out.rows.len()));
+    Ok(out)
+}
+
+/// Makes sure that what is carried over to `foreign` is what was fitted last on windows of its sensor and levels: of sets that were kept nothing is
+/// fitted yet.
+fn refit(
+    jobs: &[Job<'_>],
+    foreign: &Job<'_>,
+    transfer: &mut BTreeMap<(Sensor, &'static str), (usize, Fitted)>,
+) -> Result<(), OpenLoopError> {
+    let key = (foreign.sensor, foreign.kind.family());
+    for (place, job) in jobs.iter().enumerate().rev() {
+        if job.foreign() || (job.sensor, job.kind.family()) != key {
+            continue;
+        }
+        if transfer.get(&key).is_some_and(|(there, _)| *there == place) {
+            return Ok(());
+        }
+        if let Some(fitted) = job.training()?.fitted {
+            transfer.insert(key, (place, fitted));
+            return Ok(());
         }
     }
-    progress.finish(&format!("{} rows", out.rows.len()));
-    Ok(out)
+    Ok(())
+}
+
+/// Checksum of everything that each job's rows are a function of.
+fn contents(request: &Request<'_>, jobs: &[Job<'_>]) -> Result<Vec<String>, OpenLoopError> {
+    let sums: BTreeMap<&str, String> =
+        request.corpora.iter().map(|corpus| (corpus.name.as_str(), corpus.fingerprint())).collect();
+    let networks: Result<Vec<(Sensor, String)>, StoreError> =
+        request.networks.iter().map(|n| Ok((n.sensor(), sha256([n.weights.to_bytes()?])))).collect();
+    let networks = networks?;
+    let own = |job: &Job<'_>| {
+        let mut parts = vec![request.program.to_owned(), request.seed.to_string(), job.corpus.name.clone()];
+        parts.extend([sums[job.corpus.name.as_str()].clone(), job.sensor.to_string(), job.base.to_string()]);
+        parts.extend([job.kind.family().to_owned(), format!("{:?}", request.drawn)]);
+        parts.extend(networks.iter().filter(|(sensor, _)| *sensor == job.sensor).map(|(_, sum)| sum.clone()));
+        sha256(parts)
+    };
+    let all: Vec<String> = jobs.iter().map(own).collect();
+    // What nothing is fitted on depends on what is carried over to it: on any of the others.
+    let fitted = sha256(jobs.iter().zip(&all).filter(|(job, _)| !job.foreign()).map(|(_, content)| content));
+    let whole = |(job, own): (&Job<'_>, String)| if job.foreign() { sha256([&own, &fitted]) } else { own };
+    Ok(jobs.iter().zip(all).map(whole).collect())
 }
 
 /// Collections with bases first, so that what is fitted on them can be carried to the raw ones.
@@ -137,177 +155,80 @@ fn simple_estimators() -> Result<Vec<Arc<dyn WindowSigma>>, EstimatorError> {
     EstimatorSpec::all().iter().map(|spec| spec.for_windows(WINDOW)).collect()
 }
 
-/// One sensor, collection, base and kind of levels.
-struct Job<'a> {
-    request: &'a Request<'a>,
-    sensor: Sensor,
-    corpus: &'a Corpus,
-    base: Base,
-    kind: LevelKind,
-    features: &'a Features,
-    simple: &'a [Arc<dyn WindowSigma>],
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dpn_core::progress::Silent;
+    use dpn_core::random::Stream;
+    use dpn_core::{ImuRecording, ImuSample, Stamp};
+    use dpn_train::corpus::Member;
+    use dpn_train::split::Side;
+    use rand::Rng;
 
-/// What one estimator said, and under which labels it may be judged.
-struct Answer {
-    name: String,
-    seed: Option<u64>,
-    labels: Vec<Label>,
-    sigma: Vec<f64>,
-}
-
-impl Job<'_> {
-    /// Whether nothing here was trained on: the collection is judged raw.
-    fn foreign(&self) -> bool {
-        self.corpus.name == TUM_VI
-    }
-
-    /// Adds rows and drawings; returns what was fitted, if anything was.
-    fn judge(
-        &self,
-        transfer: Option<&(String, Fitted)>,
-        out: &mut OpenLoop,
-    ) -> Result<Option<(String, Fitted)>, OpenLoopError> {
-        let train = if self.foreign() { None } else { Some(self.examples(Side::Train)?) };
-        let test = self.examples(Side::Test)?;
-        let (mut fitted, mut train_table) = (None, None);
-        if let Some(train) = train.as_ref().filter(|train| !train.is_empty()) {
-            // The features are those of the noisy windows whatever they are labelled with.
-            let table = self.features.table(&train.samples);
-            let fit = |label: &Label| Ok((*label, fit_all(&table, &train.truth(*label))?));
-            let both: Result<Fitted, RegressError> = Label::ALL.par_iter().map(fit).collect();
-            fitted = Some((self.base.to_string(), both?));
-            train_table = Some(table);
-        }
-        let sides = [(Side::Train, train.as_ref(), train_table.as_deref()), (Side::Test, Some(&test), None)];
-        for (side, examples, table) in sides {
-            let Some(examples) = examples.filter(|examples| !examples.is_empty()) else {
-                continue;
-            };
-            let answers = self.answers(examples, table, fitted.as_ref(), transfer);
-            self.add_rows(side, examples, &answers, &mut out.rows);
-            if side == Side::Test && !self.foreign() {
-                out.drawn.push(self.drawn(examples, &answers));
-            }
-        }
-        if test.is_empty() && train.is_none_or(|train| train.is_empty()) {
-            return Err(OpenLoopError::NoWindows(self.corpus.name.clone()));
-        }
-        Ok(fitted)
-    }
-
-    /// Noisy windows of one side; the same noise for every base.
-    fn examples(&self, side: Side) -> Result<Examples, FilterError> {
-        let recordings = self.corpus.side(side);
-        let set = WindowSet::cut(&recordings, self.sensor, self.base, Scope::Window, Stretch::Whole)?;
-        let stream = Stream::new(self.request.seed).named("open-loop").named(self.sensor.name());
-        let stream = stream.named(&self.corpus.name).named(&side.to_string()).named(self.kind.family());
-        Ok(Examples::draw(&set, &Levels::paper(self.sensor, self.kind), &stream))
-    }
-
-    /// Every estimator's answers; `table` holds the examples' features where they were computed before.
-    fn answers(
-        &self,
-        examples: &Examples,
-        table: Option<&[f64]>,
-        fitted: Option<&(String, Fitted)>,
-        transfer: Option<&(String, Fitted)>,
-    ) -> Vec<Answer> {
-        let mut answers: Vec<Answer> = self
-            .simple
-            .par_iter()
-            .map(|estimator| Answer {
-                name: estimator.name().to_owned(),
-                seed: None,
-                labels: Label::ALL.to_vec(),
-                sigma: examples.samples.chunks_exact(WINDOW).map(|window| estimator.sigma(window)).collect(),
-            })
-            .collect();
-        let (regressors, suffix) = match (fitted, transfer) {
-            (Some((_, fitted)), _) => (Some(fitted), String::new()),
-            (None, Some((base, fitted))) if self.foreign() => (Some(fitted), format!("@{base}")),
-            _ => (None, String::new()),
-        };
-        if let Some(regressors) = regressors {
-            let table =
-                table.map_or_else(|| Cow::Owned(self.features.table(&examples.samples)), Cow::Borrowed);
-            for (label, fitted) in regressors {
-                answers.extend(fitted.iter().map(|regressor| Answer {
-                    name: format!("{}{suffix}", regressor.name()),
-                    seed: None,
-                    labels: vec![*label],
-                    sigma: regressor.predict(&table),
-                }));
-            }
-        }
-        for network in self.request.networks.iter().filter(|network| network.sensor() == self.sensor) {
-            let own = network.base == self.base.to_string() && network.levels == self.kind.family();
-            if !own && !self.foreign() {
-                continue;
-            }
-            let labels = Label::ALL.iter().copied();
-            answers.push(Answer {
-                name: if own { network.name.clone() } else { format!("{}@{}", network.name, network.base) },
-                seed: Some(network.seed),
-                labels: labels.filter(|l| self.foreign() || l.to_string() == network.label).collect(),
-                sigma: predict(&network.weights, &examples.samples),
+    fn corpus(name: &str, seed: u64) -> Corpus {
+        let member = |name: &str, side, seed| {
+            let mut rng = Stream::new(seed).named("open loop test").rng();
+            let samples = (0..1200).map(|i| {
+                let mut axes = || [(); 3].map(|()| (0.01 * i as f64).sin() + 0.01 * rng.random::<f64>());
+                ImuSample { t: Stamp::from_ns(5_000_000 * i), gyro: axes(), accel: axes() }
             });
-        }
-        answers
+            Member { name: name.into(), recording: ImuRecording::new(samples.collect()).unwrap(), side }
+        };
+        Corpus::new(name, vec![member("a", Side::Train, seed), member("b", Side::Test, seed + 1)]).unwrap()
     }
 
-    fn add_rows(&self, side: Side, examples: &Examples, answers: &[Answer], rows: &mut Vec<Row>) {
-        let bins = Levels::paper(self.sensor, self.kind).steps;
-        for label in Label::ALL {
-            let truth = examples.truth(label);
-            // Seeds of one network stand together under its name, in the order the names came.
-            let mut groups: Vec<(&str, Vec<(Errors, bool)>)> = Vec::new();
-            for answer in answers.iter().filter(|answer| answer.labels.contains(&label)) {
-                let errors = Errors::of(&answer.sigma, &truth, &examples.injected, bins, WINDOW);
-                match groups.iter_mut().find(|(name, _)| *name == answer.name) {
-                    Some((_, group)) => group.push((errors, answer.seed.is_some())),
-                    None => groups.push((&answer.name, vec![(errors, answer.seed.is_some())])),
-                }
-            }
-            for (name, group) in groups {
-                let count = group.len() as f64;
-                let rmse = group.iter().map(|(e, _)| e.rmse).sum::<f64>() / count;
-                let spread = group.iter().map(|(e, _)| (e.rmse - rmse).powi(2)).sum::<f64>() / (count - 1.0);
-                let (first, trained) = &group[0];
-                rows.push(Row {
-                    sensor: self.sensor,
-                    base: self.base.to_string(),
-                    data: self.corpus.name.clone(),
-                    split: side,
-                    estimator: name.to_owned(),
-                    levels: self.kind.family().to_owned(),
-                    label,
-                    rmse,
-                    rmse_spread: (group.len() > 1).then(|| spread.sqrt()),
-                    bias: group.iter().map(|(e, _)| e.bias).sum::<f64>() / count,
-                    crb: first.crb,
-                    ratio: rmse / first.crb,
-                    n: truth.len(),
-                    seeds: if *trained { group.len() } else { 0 },
-                    by_sigma: first.by_sigma.clone(),
-                });
-            }
+    /// Stops after so many sets.
+    struct StopAt<'a>(u64, &'a AtomicBool);
+
+    impl Progress for StopAt<'_> {
+        fn start(&mut self, _: &str, _: u64) {}
+        fn step(&mut self, done: u64, _: &str) {
+            self.1.store(done >= self.0, Ordering::Relaxed);
+        }
+        fn finish(&mut self, _: &str) {}
+    }
+
+    #[test]
+    fn an_open_loop_that_was_stopped_goes_on_to_the_same_rows() {
+        let corpora = [corpus("made", 1), corpus(TUM_VI, 3)];
+        let bases: Vec<Base> = vec!["sg(5,2)".parse().unwrap(), "sg(11,2)".parse().unwrap()];
+        let request = Request {
+            corpora: &corpora,
+            sensors: &[Sensor::Accel],
+            bases: &bases,
+            networks: &[],
+            seed: 0,
+            drawn: Some(bases[1]),
+            program: "dpn 1",
+        };
+        let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let never = AtomicBool::new(false);
+        let expected = run(&request, whole.path(), &never, &mut Silent).unwrap();
+        assert!(expected.rows.iter().any(|row| row.estimator == "kernel-svr@sg(11,2)" && row.data == TUM_VI));
+        // Four sets with bases, two without: the stop is asked for in the last one.
+        let stop = AtomicBool::new(false);
+        let stopped = run(&request, parts.path(), &stop, &mut StopAt(5, &stop)).unwrap_err();
+        assert!(matches!(stopped, OpenLoopError::Stopped { done: 5, total: 6 }), "{stopped}");
+        let files = || std::fs::read_dir(parts.path()).unwrap().count();
+        assert_eq!(files(), 5);
+        // The regressors of the sets that are kept are fitted again.
+        let found = run(&request, parts.path(), &never, &mut Silent).unwrap();
+        assert_eq!(found.rows, expected.rows);
+        assert_eq!(found.drawn.len(), 1);
+        assert_eq!(found.drawn[0].estimates, expected.drawn[0].estimates);
+        // Another program, seed or recording is another cell.
+        for other in [
+            Request { program: "dpn 2", ..request_of(&request) },
+            Request { seed: 1, ..request_of(&request) },
+            Request { corpora: &[corpus("made", 2), corpus(TUM_VI, 3)], ..request_of(&request) },
+        ] {
+            let stop = AtomicBool::new(true);
+            let error = run(&other, parts.path(), &stop, &mut Silent).unwrap_err();
+            assert!(matches!(error, OpenLoopError::Stopped { done: 0, .. }), "{error}");
         }
     }
 
-    fn drawn(&self, examples: &Examples, answers: &[Answer]) -> Drawn {
-        let mut estimates: Vec<(String, Vec<f64>)> = Vec::new();
-        for answer in answers.iter().filter(|answer| answer.labels.contains(&Label::Injected)) {
-            if !estimates.iter().any(|(name, _)| *name == answer.name) {
-                estimates.push((answer.name.clone(), answer.sigma.clone()));
-            }
-        }
-        Drawn {
-            sensor: self.sensor,
-            base: self.base.to_string(),
-            levels: self.kind.family().to_owned(),
-            truth: examples.truth(Label::Injected),
-            estimates,
-        }
+    fn request_of<'a>(request: &Request<'a>) -> Request<'a> {
+        Request { ..*request }
     }
 }

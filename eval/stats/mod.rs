@@ -6,6 +6,7 @@
 //! * [`holm`]: p-values of several tests at once.
 //! * [`median_interval`], [`bootstrap`]: bootstrap intervals from a named stream.
 //! * [`chi_square_interval`]: bounds of a sum of squares.
+//! * [`percentile`]: the value that a share of all does not exceed.
 //!
 //! All take plain slices, return an error for values that are not finite, and are held to scipy and statsmodels (`golden/paired_tests`).
 
@@ -15,6 +16,7 @@ mod equivalence;
 mod error;
 mod hodges_lehmann;
 mod holm;
+mod percentile;
 mod ranks;
 mod signed_rank;
 
@@ -24,4 +26,5 @@ pub use equivalence::{Equivalence, equivalence_signed_rank, log_ratios};
 pub use error::StatsError;
 pub use hodges_lehmann::hodges_lehmann;
 pub use holm::holm;
+pub use percentile::percentile;
 pub use signed_rank::{Alternative, EXACT_UP_TO, NullDistribution, SignedRank, signed_rank};

@@ -1,6 +1,6 @@
 //! A table as Markdown, CSV and LaTeX.
 
-use super::{Cell, Line, Table};
+use super::{Cell, Column, Line, Table};
 use dpn_io::{IoError, atomic_write};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -8,8 +8,8 @@ use std::path::Path;
 impl Table {
     /// As Markdown.
     pub fn markdown(&self) -> String {
-        let escaped = |text: &str| text.replace('|', "\\|").replace('[', "\\[").replace(']', "\\]");
-        let mut out = format!("**{}**\n\n", self.title);
+        let escaped = |text: &str| no_html(text).replace('|', "\\|").replace('[', "\\[").replace(']', "\\]");
+        let mut out = format!("**{}**\n\n", no_html(&self.title));
         let line = |out: &mut String, cells: Vec<String>| {
             let _ = writeln!(out, "| {} |", cells.join(" | "));
         };
@@ -26,20 +26,21 @@ impl Table {
         out
     }
 
-    /// As CSV: title and notes behind `#`, a header, numbers in full.
+    /// As CSV: title and notes behind `#`, a header, numbers in full, names without a meaning to a spreadsheet.
     pub fn csv(&self) -> String {
         let mut writer = csv::Writer::from_writer(Vec::new());
-        let heads = self.columns.iter().map(|c| c.name.as_str()).collect();
-        for record in
-            std::iter::once(heads).chain(self.rows().map(|row| row.iter().map(Cell::full).collect()))
-        {
-            let record: Vec<&str> = record;
+        let heads: Vec<String> = self.columns.iter().map(|c| no_formula(&c.name)).collect();
+        let cell = |(cell, column): (&Cell, &Column)| {
+            if column.is_number() { cell.full().to_owned() } else { no_formula(cell.full()) }
+        };
+        let rows = self.rows().map(|row| row.iter().zip(&self.columns).map(cell).collect());
+        for record in std::iter::once(heads).chain(rows) {
             writer.write_record(record).expect("every row has a cell a column, and memory takes it");
         }
         let text = writer.into_inner().expect("memory takes it");
         let title = Some(&self.title).filter(|title| !title.is_empty()).cloned();
         let mut out: String =
-            title.into_iter().chain(self.foot()).map(|line| format!("# {line}\n")).collect();
+            title.into_iter().chain(self.foot()).map(|line| format!("# {}\n", one_line(&line))).collect();
         out.push_str(&String::from_utf8(text).expect("strings went in"));
         out
     }
@@ -87,6 +88,31 @@ impl Table {
     }
 }
 
+/// Without the ends of lines that a name may hold.
+fn one_line(text: &str) -> String {
+    text.replace(['\n', '\r'], " ")
+}
+
+/// With every `<` escaped that would begin a tag or a comment where Markdown is shown.
+fn no_html(text: &str) -> String {
+    let text = one_line(text);
+    let mut out = String::with_capacity(text.len());
+    for (at, c) in text.char_indices() {
+        let next = text[at + c.len_utf8()..].chars().next();
+        if c == '<' && next.is_some_and(|next| next.is_ascii_alphabetic() || "/!?".contains(next)) {
+            out.push('\\');
+        }
+        out.push(c);
+    }
+    out
+}
+
+/// With a quote before what a spreadsheet would take for a formula, as OWASP advises; a number is none.
+fn no_formula(text: &str) -> String {
+    let formula = text.starts_with(['=', '+', '-', '@', '\t', '\r']) && text.parse::<f64>().is_err();
+    if formula { format!("'{text}") } else { text.to_owned() }
+}
+
 /// With LaTeX's own characters escaped.
 fn latex(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
@@ -112,7 +138,7 @@ fn latex(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Column, Provenance};
+    use super::super::Provenance;
     use super::*;
 
     fn table() -> Table {
@@ -145,6 +171,34 @@ mod tests {
             "{text}"
         );
         assert!(text.starts_with("# A table\n# 50 % are missing\n# Made by: dpn paper"));
+    }
+
+    #[test]
+    fn a_name_is_no_formula_and_no_tag() {
+        let mut table = Table::new("t", "Of <b>a</b>", Column::all(&["sequence"], &["m"]));
+        for name in [
+            "=HYPERLINK(\"u\")",
+            "+1+cmd|' /C calc'!A0",
+            "-x",
+            "@SUM(A1)",
+            "\t=1",
+            "<script>a</script>",
+            "a\nb",
+            "-1.5",
+            "x<1",
+        ] {
+            table.row(vec![Cell::text(name), Cell::number(-0.5, 1)]);
+        }
+        table.note("of\n=1");
+        let csv = table.csv();
+        let lines: Vec<&str> = csv.lines().collect();
+        assert_eq!(lines[..4], ["# Of <b>a</b>", "# of =1", "sequence,m", "\"'=HYPERLINK(\"\"u\"\")\",-0.5"]);
+        assert_eq!(lines[4..8], ["'+1+cmd|' /C calc'!A0,-0.5", "'-x,-0.5", "'@SUM(A1),-0.5", "'\t=1,-0.5"]);
+        assert!(csv.contains("\n-1.5,-0.5\n"), "{csv}");
+        let text = table.markdown();
+        assert!(text.starts_with("**Of \\<b>a\\</b>**\n"), "{text}");
+        assert!(text.contains("| \\<script>a\\</script> |") && text.contains("| a b |"), "{text}");
+        assert!(text.contains("| x<1 |") && !text.contains("\n=1"), "{text}");
     }
 
     #[test]

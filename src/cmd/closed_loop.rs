@@ -9,7 +9,7 @@ use dpn_eval::closed_loop::{
     ClosedLoopError, Consistency, ImageSource, Keep, Manifest, SequenceSet, Sweep, TrackSource, consistency,
 };
 use dpn_eval::study::{MARGIN, RowSet, Study};
-use dpn_io::atomic_write;
+use dpn_io::{FolderLock, atomic_write};
 use dpn_papers::tables;
 use dpn_pronet::network;
 use std::path::PathBuf;
@@ -48,14 +48,15 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
     for warning in sweep.estimator.warnings() {
         eprintln!("warning: {warning}");
     }
-    let models = args.models.as_ref().map(|dir| dir.display().to_string());
-    let manifest = Manifest::of(&sweep, program(), models)?;
+    let manifest = Manifest::of(&sweep, program())?;
     let out = args
         .out
         .clone()
         .unwrap_or_else(|| PathBuf::from(format!("runs/closed-loop-{}", &manifest.fingerprint()[..8])));
-    let stop = stop::on_ctrl_c()?;
-    let rows = match sweep.run(&out, &manifest, &stop, &mut Bar::new()) {
+    let stop = stop::on_ctrl_c("cells that were finished are kept, and the same command goes on from there")?;
+    // Until the tables are written: they are of these rows.
+    let lock = FolderLock::take(&out)?;
+    let rows = match sweep.run(&lock, &manifest, &stop, &mut Bar::new()) {
         Err(error @ ClosedLoopError::Stopped { .. }) => {
             return Err(Interrupted(format!("{error}; the same command goes on from there")).into());
         }

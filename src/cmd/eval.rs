@@ -1,13 +1,13 @@
 //! `dpn eval`.
 
-use super::{closed_loop, corpus, shipped};
+use super::{closed_loop, corpus, program, shipped, stop};
 use crate::args::EvalArgs;
-use crate::ui::{Bar, Fault};
-use anyhow::Result;
+use crate::ui::{Bar, Fault, Interrupted};
+use anyhow::{Context, Result};
 use dpn_core::Sensor;
-use dpn_eval::open_loop::{OpenLoop, Request, Row, run as judge};
+use dpn_eval::open_loop::{OpenLoop, OpenLoopError, Request, Row, run as judge};
 use dpn_figures::{Predicted, PredictedVsTrue, RmseVsSigma, save};
-use dpn_io::atomic_write;
+use dpn_io::{FolderLock, atomic_write};
 use dpn_papers::tables::open_loop_rows;
 use dpn_pronet::network;
 use dpn_train::base::Base;
@@ -18,6 +18,8 @@ use std::path::{Path, PathBuf};
 
 /// Folder of the results where none is named.
 const OUT: &str = "runs/open-loop";
+/// The base whose predictions are drawn, where it is asked for.
+const DRAWN: &str = "sg(11,2)";
 
 pub(crate) fn run(args: &EvalArgs) -> Result<()> {
     if args.closed_loop { closed_loop::run(args) } else { open_loop(args) }
@@ -32,12 +34,29 @@ fn open_loop(args: &EvalArgs) -> Result<()> {
     };
     let sensors = args.sensor.map_or_else(|| Sensor::ALL.to_vec(), |sensor| vec![sensor.into()]);
     let corpora = corpus::load(args.data.as_deref())?;
-    let request =
-        Request { corpora: &corpora, sensors: &sensors, bases: &bases, networks: &networks, seed: args.seed };
-    let result = judge(&request, &mut Bar::new())?;
+    let request = Request {
+        corpora: &corpora,
+        sensors: &sensors,
+        bases: &bases,
+        networks: &networks,
+        seed: args.seed,
+        drawn: bases.iter().find(|base| base.to_string() == DRAWN).or(bases.first()).copied(),
+        program: &program(),
+    };
+    let _lock = FolderLock::take(out)?;
+    let stop = stop::on_ctrl_c("what was judged is kept, and the same command goes on from there")?;
+    let cells = out.join("cells");
+    let result = match judge(&request, &cells, &stop, &mut Bar::new()) {
+        Err(error @ OpenLoopError::Stopped { .. }) => {
+            return Err(Interrupted(format!("{error}; the same command goes on from there")).into());
+        }
+        other => other?,
+    };
     write_tables(&result.rows, out)?;
     let mut pictures = draw(&result, &sensors, out)?;
     pictures.extend(super::flight::draw(&corpora, &networks, out)?);
+    // They served to go on with; rows and pictures are whole now.
+    std::fs::remove_dir_all(&cells).with_context(|| format!("cannot remove {}", cells.display()))?;
     if args.json {
         println!("{}", serde_json::json!({ "rows": result.rows }));
     } else {
@@ -99,17 +118,13 @@ fn headline(rows: &[Row]) -> Vec<Row> {
     rows
 }
 
-/// Predicted against true, and RMSE against sigma with the bound: a panel a sensor, on the paper's grid over SG(11,2), or
+/// Predicted against true, and RMSE against sigma with the bound: a panel a sensor, on the paper's grid over [`DRAWN`], or
 /// over the first base where that one was not asked for.
 fn draw(result: &OpenLoop, sensors: &[Sensor], out: &Path) -> Result<Vec<PathBuf>> {
     const SHOWN: [&str; 4] = ["pronet", "kernel-svr", "diff2", "sg(11,2)"];
-    const BASE: &str = "sg(11,2)";
     let (mut predicted, mut rows) = (Vec::new(), Vec::new());
     for &sensor in sensors {
-        let of_sensor = || result.drawn.iter().filter(|d| d.sensor == sensor && d.levels == "grid");
-        let Some(drawn) = of_sensor().find(|d| d.base == BASE).or_else(|| of_sensor().next()) else {
-            continue;
-        };
+        let Some(drawn) = result.drawn.iter().find(|drawn| drawn.sensor == sensor) else { continue };
         let named = SHOWN.iter().filter_map(|name| drawn.estimates.iter().find(|(n, _)| n == name));
         let estimates = named.map(|(name, sigma)| (name.as_str(), sigma.as_slice())).collect();
         predicted.push(Predicted { sensor, truth: &drawn.truth, estimates });

@@ -6,9 +6,9 @@ use crate::ui::{Bar, Interrupted};
 use anyhow::Result;
 use dpn_core::Sensor;
 use dpn_core::config::Validate;
-use dpn_eval::closed_loop::ClosedLoopError;
+use dpn_io::FolderLock;
 use dpn_io::config::load;
-use dpn_papers::{Cameras, Done, Input, Paper, PaperError, Plan, id};
+use dpn_papers::{Cameras, Done, Input, Paper, Plan, id};
 use dpn_pronet::network;
 use dpn_pronet::network::Network;
 use dpn_train::config::TrainConfig;
@@ -40,7 +40,10 @@ pub(crate) fn run(args: &PaperArgs) -> Result<()> {
     for missing in &input.missing {
         eprintln!("warning: no row for {}: {}", missing.name, missing.reason);
     }
-    let stop = stop::on_ctrl_c()?;
+    let _work = FolderLock::take(&args.work)?;
+    let same = std::fs::canonicalize(&args.work).ok() == std::fs::canonicalize(&args.out).ok();
+    let _out = if same { None } else { Some(FolderLock::take(&args.out)?) };
+    let stop = stop::on_ctrl_c("what was finished is kept, and the same command goes on from there")?;
     let networks = chosen_networks(args, &input, &stop)?;
     let measured_by = args.measured_by.as_deref().map(program_of);
     let paper = Paper {
@@ -58,7 +61,7 @@ pub(crate) fn run(args: &PaperArgs) -> Result<()> {
         threads: args.threads.unwrap_or_else(cores).max(1),
     };
     match paper.run(&stop, &mut Bar::new()) {
-        Err(PaperError::ClosedLoop(error @ ClosedLoopError::Stopped { .. })) => {
+        Err(error) if error.is_stop() => {
             Err(Interrupted(format!("{error}; the same command goes on from there")).into())
         }
         Err(error) => Err(error.into()),

@@ -1,17 +1,27 @@
-//! Ctrl-C: the first asks long work to stop at a safe place, the second stops at once.
+//! Ctrl-C and SIGTERM: the first asks long work to stop at a safe place, the second stops at once.
 
 use anyhow::{Context, Result};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
-/// A flag that Ctrl-C sets. To be asked for once.
-pub(crate) fn on_ctrl_c() -> Result<Arc<AtomicBool>> {
+/// How long work may take to its next safe place. What takes longer (a fit of another library, a cell of a long sequence) is broken off: files are
+/// whole or not there, so that this loses what is under way and nothing else.
+const PATIENCE: Duration = Duration::from_millis(1500);
+
+/// A flag that Ctrl-C and SIGTERM set; `kept` says what is lost by neither, where work had to be broken off. To be asked for once.
+pub(crate) fn on_ctrl_c(kept: &'static str) -> Result<Arc<AtomicBool>> {
     let stop = Arc::new(AtomicBool::new(false));
     let asked = Arc::clone(&stop);
     ctrlc::set_handler(move || {
         if asked.swap(true, Ordering::Relaxed) {
             std::process::exit(130);
         }
+        std::thread::spawn(move || {
+            std::thread::sleep(PATIENCE);
+            eprintln!("stopped; {kept}");
+            std::process::exit(130);
+        });
     })
     .context("cannot listen for Ctrl-C")?;
     Ok(stop)

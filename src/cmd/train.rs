@@ -34,9 +34,10 @@ pub(crate) fn run(args: TrainArgs) -> Result<()> {
     let (done, total) = run.epochs();
     if done > 0 {
         eprintln!("resume {} after {done} of {total} epochs", out.display());
+    } else if args.resume {
+        eprintln!("{}: no epoch was finished there; it is begun anew", out.display());
     }
-    // Asked twice, the user means now: the last finished epoch is on disk.
-    let stop = stop::on_ctrl_c()?;
+    let stop = stop::on_ctrl_c("the epochs that were finished are kept: add --resume to go on")?;
     match run.train(&stop, &mut Bar::new()) {
         Ok((summary, weights)) => {
             if args.json {
@@ -56,6 +57,10 @@ pub(crate) fn run(args: TrainArgs) -> Result<()> {
             }
             Ok(())
         }
+        Err(RunError::Train(TrainError::Stopped { epoch: 1 })) => Err(Interrupted(
+            "stopped in epoch 1, before any was finished: the same command begins anew".into(),
+        )
+        .into()),
         Err(RunError::Train(TrainError::Stopped { epoch })) => Err(Interrupted(format!(
             "stopped in epoch {epoch}; the epochs before it are kept: add --resume to go on"
         ))

@@ -10,7 +10,7 @@
 //! * [`read_noise_track`], [`write_noise_track`]: noise tracks.
 //! * [`config`]: typed configurations of TOML.
 //! * [`noise_formats`]: noise parameters as other programs write them.
-//! * [`atomic_write`]: files that are there in full or not at all.
+//! * [`atomic_write`]: files that are there in full or not at all. [`FolderLock`]: a folder for one writer at a time.
 //!
 //! A reader checks every row, and all but the loose one skip none: what it returns is finite, in SI units and in increasing time, and what is wrong is an
 //! [`IoError`] with file, line and a [hint](IoError::hint). No reader panics, whatever the bytes.
@@ -31,6 +31,7 @@ mod guess;
 mod images;
 mod imu_csv;
 mod imu_lines;
+mod lock;
 mod loose_csv;
 mod noise_csv;
 pub mod noise_formats;
@@ -51,6 +52,7 @@ pub use error::IoError;
 pub use images::{Coverage, ImageFolder, ImageRun, Prefetch, StampedImage};
 pub use imu_csv::{CsvOptions, ImuLog, Origin, Settled, parse_imu_csv, read_imu_csv};
 pub use imu_lines::ImuLines;
+pub use lock::{FolderLock, LockError};
 pub use loose_csv::{LooseImuLog, Unreadable, parse_imu_csv_loosely, read_imu_csv_loosely};
 pub use noise_csv::{read_noise_track, write_noise_track};
 pub use sieve::{LeftOut, Sieve, Sieved};

@@ -98,7 +98,7 @@ fn everything_is_made_once_goes_on_after_a_cut_and_comes_out_the_same() {
     std::fs::write(&rows, kept.join("\n") + "\n{\"sequ").unwrap();
     std::fs::write(dir.join("out/tables/split.md"), "spoilt").unwrap();
     let third = paper(dir, &["--threads", "2"]).well();
-    assert!(third.stderr.contains("closed loop: 6 cells"), "{}", third.stderr);
+    assert!(third.stderr.contains("closed loop: 6 cells: 5 kept from work/closed-loop-"), "{}", third.stderr);
     assert_eq!(lasting(dir), made);
 
     // What does not read is named and stays.

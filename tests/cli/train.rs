@@ -131,6 +131,47 @@ fn stopped_by_ctrl_c_it_says_how_to_go_on_and_does() {
     goes_on_to_the_same_bits(tmp.path(), &data, &out);
 }
 
+#[cfg(unix)]
+#[test]
+fn stopped_in_its_first_epoch_it_says_so_and_begins_anew_with_resume_or_without() {
+    let tmp = tempfile::tempdir().unwrap();
+    let (data, out) = (sound(tmp.path()), tmp.path().join("out"));
+    let long = config(tmp.path(), "[fit]\ndraws_per_window = 1000\nbatch = 64\n");
+    let mut command = dpn();
+    command.args(["train", "--sensor", "accel", "--epochs", "2", "--config"]).arg(long);
+    let mut child =
+        command.arg("--data").arg(&data).arg("--out").arg(&out).stderr(Stdio::piped()).spawn().unwrap();
+    let patience = Instant::now();
+    while !out.join("config.toml").exists() && patience.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    std::thread::sleep(Duration::from_millis(300));
+    let asked = Instant::now();
+    assert!(Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap().success());
+    let code = child.wait().unwrap().code();
+    assert!(asked.elapsed() < Duration::from_secs(2), "{:?}", asked.elapsed());
+    let stderr = std::io::read_to_string(child.stderr.take().unwrap()).unwrap();
+    assert_eq!(code, Some(130), "{stderr}");
+    let last = stderr.lines().last().unwrap();
+    assert_eq!(last, "stopped in epoch 1, before any was finished: the same command begins anew", "{stderr}");
+    let again = end(&mut with(tiny(tmp.path(), &data, 2, &out), &["--resume"])).well();
+    let words = format!("{}: no epoch was finished there; it is begun anew\n", out.display());
+    assert!(again.stderr.starts_with(&words), "{}", again.stderr);
+}
+
+#[test]
+fn a_history_that_is_a_line_short_of_its_checkpoint_is_whole_again_after_resume() {
+    let tmp = tempfile::tempdir().unwrap();
+    let (again, out) = finished(tmp.path());
+    let before = files(&out);
+    let text = String::from_utf8(before["history.jsonl"].clone()).unwrap();
+    // As a kill between the two files leaves it: a checkpoint of two epochs, a line of one.
+    std::fs::write(out.join("history.jsonl"), text.lines().next().unwrap().to_owned() + "\n").unwrap();
+    std::fs::write(out.join(".dpn-Ab12cd.tmp"), "half").unwrap();
+    again(&["--resume"]).well();
+    assert!(before == files(&out));
+}
+
 /// A finished run of two epochs, and a way to call it again.
 fn finished(dir: &Path) -> (impl Fn(&[&str]) -> Done, std::path::PathBuf) {
     let (data, out) = (sound(dir), dir.join("out"));

@@ -1,0 +1,184 @@
+//! The cells of a sweep, each named by its content: whatever is run where, a row is of this cell or of another one.
+
+use super::error::ClosedLoopError;
+use super::manifest::Manifest;
+use super::row::CellKey;
+use super::sweep_plan::Sweep;
+use crate::checksum::sha256;
+use crate::noise::content;
+use dpn_core::estimate::NoiseSpec;
+use dpn_train::split::Side;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// One run of the estimator.
+#[derive(Debug)]
+pub(super) struct Cell<'a> {
+    /// Place of the sequence in the source.
+    pub(super) place: usize,
+    /// The seed.
+    pub(super) seed: u64,
+    /// The noise told.
+    pub(super) noise: &'a NoiseSpec,
+    /// What people call the cell.
+    pub(super) key: CellKey,
+    /// Checksum of everything that the row is a function of: program, settings, the sequence's files, seed, start, the noise by content.
+    pub(super) content: String,
+}
+
+impl Sweep<'_> {
+    /// All cells: noises of one seed of one sequence follow each other, for they share the most.
+    ///
+    /// # Errors
+    /// Networks or files of noises that cannot be had.
+    pub(super) fn cells(&self, manifest: &Manifest) -> Result<Vec<Cell<'_>>, ClosedLoopError> {
+        let names = self.source.names();
+        let (others, other_seeds) = &self.others;
+        let parts = [(&self.noises, &self.seeds), (others, other_seeds)];
+        let seeds: BTreeSet<u64> = self.seeds.iter().chain(other_seeds).copied().collect();
+        let contents = self.noise_contents()?;
+        let run = sha256([&manifest.program, &manifest.estimator.to_string(), &manifest.source.to_string()]);
+        let mut cells = Vec::new();
+        for &place in &self.places {
+            let (name, side) = &names[place];
+            let from = format!("{:?} {:?}", self.from.seconds(name), self.to);
+            let of_sequence = [run.as_str(), name, &side.to_string(), &manifest.inputs[name], &from];
+            for &seed in &seeds {
+                for (noises, _) in parts.iter().filter(|(_, seeds)| seeds.contains(&seed)) {
+                    for noise in *noises {
+                        let key = CellKey { sequence: name.clone(), seed, noise: noise.to_string() };
+                        let of_cell = [&seed.to_string(), &contents[&key.noise]];
+                        let content = sha256(of_sequence.into_iter().chain(of_cell.map(String::as_str)));
+                        cells.push(Cell { place, seed, noise, key, content });
+                    }
+                }
+            }
+        }
+        Ok(cells)
+    }
+
+    /// What every noise is a function of, by its spec; a mean over the training sequences, of what these are.
+    fn noise_contents(&self) -> Result<BTreeMap<String, String>, ClosedLoopError> {
+        let noises = || self.noises.iter().chain(&self.others.0);
+        let trained_on = noises().any(NoiseSpec::needs_training).then(|| self.training_content());
+        let of = |noise: &NoiseSpec| {
+            let content = content(noise, self.networks)?;
+            Ok((
+                noise.to_string(),
+                match &trained_on {
+                    Some(sequences) if noise.needs_training() => sha256([&content, sequences]),
+                    _ => content,
+                },
+            ))
+        };
+        noises().map(of).collect()
+    }
+
+    /// Seed of the training sequences that a mean is taken over: one for all cells, the first that is run.
+    pub(super) fn training_seed(&self) -> u64 {
+        self.seeds.first().or(self.others.1.first()).copied().unwrap_or_default()
+    }
+
+    /// Whether a sequence's samples depend on the seed.
+    pub(super) fn samples_are_seeded(&self) -> bool {
+        self.source.recordings_are_seeded() || self.injection.is_some()
+    }
+
+    /// Places of all training sequences of the source, whether they are run or not.
+    pub(super) fn training_places(&self) -> Vec<usize> {
+        let sides = self.source.names();
+        (0..sides.len()).filter(|i| sides[*i].1 == Side::Train).collect()
+    }
+
+    /// What a mean over the training sequences is a function of, besides the noise. A sequence that cannot be read has no part in the mean.
+    fn training_content(&self) -> String {
+        let names = self.source.names();
+        let mut parts = Vec::new();
+        for place in self.training_places() {
+            parts.push(names[place].0.clone());
+            parts.push(self.source.checksum_of_samples(place));
+        }
+        if self.samples_are_seeded() {
+            parts.push(self.training_seed().to_string());
+        }
+        sha256(parts)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::recording::StartAt;
+    use super::super::sequence_set::{SequenceSet, TrackSource};
+    use super::super::sweep_plan::Keep;
+    use super::*;
+    use dpn_sim::FlightConfig;
+    use dpn_sim::tracks::TracksConfig;
+    use dpn_vio::EstimatorConfig;
+
+    fn flights() -> SequenceSet {
+        SequenceSet::Flights {
+            config: FlightConfig::default(),
+            tracks: TrackSource::Simulated(TracksConfig::default()),
+        }
+    }
+
+    fn sweep<'a>(source: &'a SequenceSet, noises: &[&str], seeds: &[u64]) -> Sweep<'a> {
+        Sweep {
+            source,
+            places: vec![6, 7],
+            noises: noises.iter().map(|noise| noise.parse().unwrap()).collect(),
+            seeds: seeds.to_vec(),
+            others: (Vec::new(), Vec::new()),
+            from: StartAt::Seconds(50.0),
+            to: None,
+            estimator: EstimatorConfig::default(),
+            networks: &[],
+            threads: 1,
+            keep: Keep::default(),
+            injection: None,
+        }
+    }
+
+    fn contents(sweep: &Sweep<'_>, program: &str) -> Vec<String> {
+        let manifest = Manifest::of(sweep, program.into()).unwrap();
+        sweep.cells(&manifest).unwrap().into_iter().map(|cell| cell.content).collect()
+    }
+
+    #[test]
+    fn a_cell_is_named_by_all_that_its_row_depends_on_and_by_nothing_else() {
+        let source = flights();
+        let base = sweep(&source, &["x4", "diff2"], &[0, 1]);
+        let first = contents(&base, "dpn 1");
+        assert_eq!(first.iter().collect::<BTreeSet<_>>().len(), 8);
+        // More cells, other threads, other files kept: the same names.
+        let keep = Keep { trajectories: true, ..Keep::default() };
+        let more = Sweep { threads: 7, keep, ..sweep(&source, &["x4", "x8", "diff2"], &[0, 1, 2]) };
+        let more = contents(&more, "dpn 1");
+        assert!(first.iter().all(|content| more.contains(content)));
+        let mut estimator = EstimatorConfig::default();
+        estimator.window.key_frames = 8;
+        let other = |sweep: &Sweep<'_>, program| contents(sweep, program).iter().all(|c| !first.contains(c));
+        assert!(other(&base, "dpn 2"));
+        assert!(other(&Sweep { estimator, ..base.clone() }, "dpn 1"));
+        assert!(other(&Sweep { to: Some(60.0), ..base.clone() }, "dpn 1"));
+        assert!(other(&Sweep { from: StartAt::Table, ..base.clone() }, "dpn 1"));
+        assert!(other(&Sweep { seeds: vec![5], ..base.clone() }, "dpn 1"));
+        assert!(other(
+            &Sweep { injection: Some(crate::injected::Injection::default()), ..base.clone() },
+            "dpn 1"
+        ));
+        let mut quiet = FlightConfig::default();
+        quiet.vibration.scale = 0.0;
+        let quiet = SequenceSet::Flights { config: quiet, tracks: source.tracks().clone() };
+        assert!(other(&Sweep { source: &quiet, ..base.clone() }, "dpn 1"));
+    }
+
+    #[test]
+    fn a_mean_over_the_training_sequences_is_named_by_the_seed_it_was_made_with() {
+        let source = flights();
+        let of = |seeds: &[u64]| contents(&sweep(&source, &["mean-of-train(diff2)", "x4"], seeds), "dpn 1");
+        let (first, later) = (of(&[0, 1]), of(&[1, 0]));
+        // Cells of seeds 0 and 1 in order: the constant's are the same, those of the mean are not.
+        assert_eq!((&first[1], &first[3]), (&later[1], &later[3]));
+        assert!(first[0] != later[0] && first[2] != later[2]);
+    }
+}

@@ -1,0 +1,79 @@
+//! The log of a front-end at work: frames, counts, images that nothing was made of.
+
+use super::error::ClosedLoopError;
+use super::image_report::PassedOver;
+use super::recording::{Recording, Span};
+use super::tally::Tally;
+use super::tracked::TrackedSequence;
+use dpn_core::{GrayImage, Stamp, TrackFrame};
+use dpn_io::IoError;
+use dpn_vio::estimator::{FeedError, FrontEndObserver};
+use dpn_vio::frontend::Fed;
+
+/// When none of so many first images can be read, no later one is waited for.
+const FIRST: usize = 10;
+
+/// Looks on while images are worked off: keeps the frames, counts, and shows everything to somebody else too.
+pub(super) struct TrackingLog<'a> {
+    tally: Tally,
+    frames: Vec<TrackFrame>,
+    unreadable: usize,
+    also: &'a mut dyn FrontEndObserver,
+}
+
+impl<'a> TrackingLog<'a> {
+    pub(super) fn new(also: &'a mut dyn FrontEndObserver) -> Self {
+        Self { tally: Tally::default(), frames: Vec::new(), unreadable: 0, also }
+    }
+
+    /// An image that cannot be read.
+    ///
+    /// # Errors
+    /// Its own, where it is the last of the first images and none before it could be read either.
+    pub(super) fn unreadable(&mut self, t: Stamp, error: IoError) -> Result<(), ClosedLoopError> {
+        self.unreadable += 1;
+        self.tally.passed_over(t, PassedOver::Unreadable, error.to_string());
+        if self.unreadable == FIRST && self.unreadable == self.tally.images() {
+            return Err(error.into());
+        }
+        Ok(())
+    }
+
+    /// An image that was not taken.
+    pub(super) fn refused(&mut self, t: Stamp, error: &FeedError) {
+        let reason = match error {
+            FeedError::ImageSize { .. } => PassedOver::WrongSize,
+            _ => PassedOver::OutOfOrder,
+        };
+        self.tally.passed_over(t, reason, error.to_string());
+    }
+
+    /// The tracks and the report.
+    ///
+    /// # Errors
+    /// No frame at all.
+    pub(super) fn finish(self, recording: &Recording) -> Result<TrackedSequence, ClosedLoopError> {
+        if self.frames.is_empty() {
+            return Err(ClosedLoopError::NothingTracked {
+                sequence: recording.name.clone(),
+                images: self.tally.images(),
+                why: self.tally.worst().map_or_else(|| "there are none".into(), ToString::to_string),
+            });
+        }
+        let images = self.tally.finish(&self.frames);
+        Ok(TrackedSequence { frames: self.frames, span: Span::from(0.0), images: Some(images) })
+    }
+}
+
+impl FrontEndObserver for TrackingLog<'_> {
+    fn begin(&mut self, t: Stamp) {
+        self.also.begin(t);
+        self.tally.begin(t);
+    }
+
+    fn end(&mut self, image: &GrayImage, fed: &Fed) {
+        self.tally.end(image, fed);
+        self.also.end(image, fed);
+        self.frames.extend(fed.frame.clone());
+    }
+}

@@ -1,0 +1,56 @@
+//! Kills, stops, full disks and second writers at random moments of trainings, sweeps and papers: whoever calls the same command until it ends has
+//! the bytes of a run that nobody disturbed, and nothing half-written beside them.
+//!
+//! The short tests disturb a few times. The long one (`cargo test --test chaos -- --ignored`) does so `DPN_CHAOS` times each, 100 without it; moments are
+//! drawn from `DPN_CHAOS_SEED`, and every failure names the one it was found with.
+#![cfg(unix)]
+#![allow(clippy::unwrap_used)]
+
+mod disturb;
+mod work;
+
+use disturb::{Draw, Tally, full_disk, two_writers, undisturbed, until_it_ends};
+use work::Work;
+
+/// Disturbs every kind of work so many times.
+fn chaos(of: Work, times: usize) {
+    let seed = std::env::var("DPN_CHAOS_SEED").map_or(20_261_122, |text| text.parse().unwrap());
+    let mut draw = Draw::new(seed, of.name());
+    let whole = undisturbed(of);
+    let mut tally = Tally::default();
+    while tally.disturbances() < times {
+        until_it_ends(of, &whole, &mut draw, times - tally.disturbances(), &mut tally);
+    }
+    full_disk(of, &whole);
+    two_writers(of, &whole, &mut draw);
+    eprintln!("{}: {tally}, seed {seed}, {:.1} s undisturbed", of.name(), whole.seconds);
+}
+
+#[test]
+fn a_training_survives() {
+    chaos(Work::Train, 6);
+}
+
+#[test]
+fn a_sweep_survives() {
+    chaos(Work::Sweep, 6);
+}
+
+#[test]
+fn an_open_loop_survives() {
+    chaos(Work::OpenLoop, 3);
+}
+
+#[test]
+fn a_paper_survives() {
+    chaos(Work::Paper, 3);
+}
+
+#[test]
+#[ignore = "an hour; DPN_CHAOS says how often each is disturbed"]
+fn all_survive_a_hundred_times() {
+    let times = std::env::var("DPN_CHAOS").map_or(100, |text| text.parse().unwrap());
+    for of in [Work::Train, Work::Sweep, Work::OpenLoop, Work::Paper] {
+        chaos(of, times);
+    }
+}

@@ -1,0 +1,173 @@
+//! Small work of every kind that goes on where it was broken off, and what is compared of its results.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
+use std::process::Command;
+
+/// A command and what it leaves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Work {
+    /// A network of a few hundred parameters on a still sensor.
+    Train,
+    /// Six runs over some seconds of a flight.
+    Sweep,
+    /// Estimators on a still sensor's windows.
+    OpenLoop,
+    /// Every table and figure, of one flight.
+    Paper,
+}
+
+const PLAN: &str = r#"
+bases = ["sg(11,2)"]
+noises = ["x1", "x4", "dualpronet"]
+seeds = 1
+others = []
+other_seeds = 1
+
+[injected]
+courses = ["step"]
+noises = ["x4", "oracle"]
+followed = ["oracle", "diff2"]
+seeds = 1
+most_sequences = 1
+"#;
+
+const NETWORK: &str = "\
+[fit]
+validate_every = 1
+draws_per_window = 400
+
+[network]
+channels = [4, 4, 8]
+kernels = [5, 3, 3]
+strides = [1, 4, 2]
+paddings = [2, 1, 1]
+hidden = [8, 8, 4]
+";
+
+impl Work {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Train => "train",
+            Self::Sweep => "sweep",
+            Self::OpenLoop => "open loop",
+            Self::Paper => "paper",
+        }
+    }
+
+    /// What is read, in `dir`.
+    pub(crate) fn prepare(self, dir: &Path) {
+        match self {
+            Self::Train | Self::OpenLoop => {
+                for (name, seed) in [("still", 1), ("still-2", 2)] {
+                    let imu = dir.join("log").join(name).join("mav0/imu0");
+                    std::fs::create_dir_all(&imu).unwrap();
+                    std::fs::write(imu.join("data.csv"), still(seed)).unwrap();
+                }
+                std::fs::write(dir.join("network.toml"), NETWORK).unwrap();
+            }
+            Self::Sweep => {}
+            Self::Paper => std::fs::write(dir.join("plan.toml"), PLAN).unwrap(),
+        }
+    }
+
+    /// The arguments to call in `dir`, whatever was done there before.
+    pub(crate) fn arguments(self, dir: &Path) -> Vec<&'static str> {
+        let line = match self {
+            Self::Train => "train --sensor accel --config network.toml --data log --epochs 12 --out out",
+            Self::Sweep => {
+                "eval --closed-loop --sequences room-medium --from 70 --to 80 --noise x4;diff2;shuffled(diff2) --seeds 2 \
+                 --threads 2 --trajectories --set covariance=true --out out"
+            }
+            Self::OpenLoop => "eval --open-loop --data log --sensor accel --bases sg(11,2);sg(5,2) --out out",
+            Self::Paper => {
+                "paper --plan plan.toml --camera tracks --sequences room-medium --from 75 --threads 2 --out out --work work"
+            }
+        };
+        let mut words: Vec<&str> = line.split_whitespace().collect();
+        if self == Self::Train && dir.join("out/config.toml").exists() {
+            words.push("--resume");
+        }
+        words
+    }
+
+    /// The command.
+    pub(crate) fn command(self, dir: &Path) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_dpn"));
+        command.current_dir(dir).args(self.arguments(dir));
+        command
+    }
+
+    /// Files of the results, without times.
+    pub(crate) fn results(self, dir: &Path) -> BTreeMap<String, Vec<u8>> {
+        let mut all = BTreeMap::new();
+        collect(dir, &dir.join("out"), &mut all);
+        if self == Self::Paper {
+            collect(dir, &dir.join("work"), &mut all);
+        }
+        all.retain(|name, _| self.lasts(name));
+        for (name, bytes) in &mut all {
+            if name.ends_with("rows.jsonl") {
+                *bytes = without_times(bytes);
+            }
+        }
+        all
+    }
+
+    /// Whether a file is the same in every run.
+    fn lasts(self, name: &str) -> bool {
+        let timed = name.starts_with("out/tables/timing")
+            || name.contains("/timing-")
+            || name.starts_with("out/closed_loop.");
+        // The paper's page and its receipt hold the table of times, and their checksums.
+        let pages = ["out/index.html", "out/README.md", "out/made.json", "run.json"]
+            .iter()
+            .any(|end| name.ends_with(end));
+        !timed && !pages
+    }
+}
+
+/// Every file under `dir`, by its path from `root`.
+fn collect(root: &Path, dir: &Path, out: &mut BTreeMap<String, Vec<u8>>) {
+    for entry in std::fs::read_dir(dir).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            collect(root, &path, out);
+        } else {
+            out.insert(
+                path.strip_prefix(root).unwrap().to_str().unwrap().to_owned(),
+                std::fs::read(&path).unwrap(),
+            );
+        }
+    }
+}
+
+/// Rows without what differs from run to run.
+fn without_times(rows: &[u8]) -> Vec<u8> {
+    let mut text = String::new();
+    for line in std::str::from_utf8(rows).unwrap().lines() {
+        let mut row: serde_json::Value = serde_json::from_str(line).unwrap();
+        for timing in ["cpu_per_data_s", "p95_update_ms", "stage_s"] {
+            row.as_object_mut().unwrap().remove(timing).unwrap();
+        }
+        writeln!(text, "{row}").unwrap();
+    }
+    text.into_bytes()
+}
+
+/// A still, level IMU of 15 s as an ASL file.
+fn still(seed: u64) -> String {
+    let mut draw = crate::disturb::Draw::new(seed, "still");
+    let mut text = "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],\
+                    a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n"
+        .to_owned();
+    for i in 0..3000_i64 {
+        let mut noise = |size: f64| size * (draw.share() - 0.5);
+        let [gx, gy, gz] = [(); 3].map(|()| noise(0.004));
+        let [ax, ay, az] = [(); 3].map(|()| noise(0.05));
+        let t = 1_400_000_000_000_000_000 + 5_000_000 * i;
+        writeln!(text, "{t},{gx},{gy},{gz},{ax},{ay},{}", 9.81 + az).unwrap();
+    }
+    text
+}
