@@ -22,6 +22,9 @@ pub(crate) struct HowArgs {
     /// The IMU's topic in a bag; without it, the only one of type sensor_msgs/Imu.
     #[arg(long, value_name = "NAME")]
     pub(crate) topic: Option<String>,
+    /// Bytes that a bag's chunks may unpack to, all together, for example 4GB; without it, 32 MB and 32 times the packed bytes.
+    #[arg(long, value_name = "SIZE", value_parser = bytes)]
+    pub(crate) max_uncompressed: Option<u64>,
     /// CSV columns, counted from 1: stamp, gyroscope x y z, accelerometer x y z; without it, by the header's names.
     #[arg(long, value_name = "T,GX,GY,GZ,AX,AY,AZ", value_parser = columns)]
     pub(crate) columns: Option<ImuColumns>,
@@ -40,6 +43,17 @@ pub(crate) struct HowArgs {
 pub(crate) fn rate(text: &str) -> Result<SampleRate, String> {
     let hz = text.parse::<f64>().ok().and_then(SampleRate::from_hz);
     hz.ok_or_else(|| "a rate is a number of Hz above zero".to_owned())
+}
+
+/// `4GB`, `500 MB`, `1000000`.
+fn bytes(text: &str) -> Result<u64, String> {
+    let upper = text.trim().to_ascii_uppercase();
+    let (digits, power) = [("GB", 3), ("MB", 2), ("KB", 1), ("B", 0), ("", 0)]
+        .into_iter()
+        .find_map(|(unit, power)| Some((upper.strip_suffix(unit)?, power)))
+        .expect("every text ends with nothing");
+    let number = digits.trim().parse::<u64>().ok().and_then(|n| n.checked_mul(1000u64.pow(power)));
+    number.ok_or_else(|| "a number of bytes, for example 4GB or 500MB".to_owned())
 }
 
 fn columns(text: &str) -> Result<ImuColumns, String> {

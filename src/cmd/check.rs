@@ -3,21 +3,26 @@
 use super::log;
 use crate::args::CheckArgs;
 use anyhow::Result;
-use dpn_figures::{SpectrumPlot, save};
+use dpn_figures::{FigureError, SpectrumPlot, save};
 use dpn_io::atomic_write;
 use dpn_probe::doctor::examine_log;
 
 pub(crate) fn run(args: &CheckArgs) -> Result<()> {
     let examination = examine_log(&log::read_quietly(&args.log)?);
     let text = serde_json::to_string(&examination)? + "\n";
-    atomic_write(&args.out.join("check.json"), |file| file.write_all(text.as_bytes()))?;
     let words = format!("{} samples, {:.0} s.", examination.samples, examination.length_s);
-    // A short log has findings but no spectrum.
-    let files = if examination.spectra.is_empty() {
-        Vec::new()
-    } else {
-        save(&SpectrumPlot::new(&examination.spectra, &words)?, &args.out.join("spectra"))?
+    // A short log has findings but no spectrum; a dead sensor has one without power.
+    let plot = match &examination.spectra[..] {
+        [] => None,
+        spectra => match SpectrumPlot::new(spectra, &words) {
+            Ok(plot) => Some(plot),
+            Err(FigureError::Empty { .. }) => None,
+            Err(error) => return Err(error.into()),
+        },
     };
+    let files = plot.map(|plot| save(&plot, &args.out.join("spectra"))).transpose()?.unwrap_or_default();
+    // Last: where it lies, the rest does too.
+    atomic_write(&args.out.join("check.json"), |file| file.write_all(text.as_bytes()))?;
     if args.json {
         print!("{text}");
         return Ok(());
@@ -31,6 +36,9 @@ pub(crate) fn run(args: &CheckArgs) -> Result<()> {
     }
     for file in files.iter().filter(|f| f.extension().is_some_and(|e| e == "png")) {
         println!("picture: {}", file.display());
+    }
+    if files.is_empty() && !examination.spectra.is_empty() {
+        println!("no picture: a sensor never changes, so it has no spectrum");
     }
     Ok(())
 }

@@ -37,5 +37,5 @@ pub(crate) fn read_from(path: &Path, how: &HowArgs) -> Result<Log> {
 pub(crate) fn options(how: &HowArgs) -> LogOptions {
     let csv =
         CsvOptions { columns: how.columns, time: how.time_unit, gyro: how.gyro_unit, accel: how.accel_unit };
-    LogOptions { csv, topic: how.topic.clone() }
+    LogOptions { csv, topic: how.topic.clone(), max_uncompressed: how.max_uncompressed }
 }

@@ -82,7 +82,10 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
             .transpose()?,
         None => None,
     };
-    let words = format!("{} samples, {:.0} s.", recording.len(), recording.duration());
+    let mut words = format!("{} samples, {:.0} s.", recording.len(), recording.duration());
+    for line in report::outside(&summary) {
+        words.push_str(&format!(" {line}."));
+    }
     let plot = LogNoisePlot::new(&recording, &track, &plan, &summary.stretches, &words)?;
     let files = save(&plot, &args.out.join("plot"))?;
     let written = match args.format {

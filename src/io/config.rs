@@ -1,7 +1,10 @@
 //! Typed TOML configuration: unknown keys are refused with the nearest known one, bad values all at once.
 
+use crate::printable;
+use crate::small::LARGEST_CONFIG;
 use dpn_core::config::{ConfigFaults, Validate, nearest};
 use serde::de::DeserializeOwned;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -49,14 +52,25 @@ impl ConfigError {
     }
 }
 
+/// The text of a configuration; nobody writes one of megabytes.
+fn text_of(path: &Path) -> Result<String, ConfigError> {
+    let failed = |source| ConfigError::Read { path: path.to_owned(), source };
+    let mut text = String::new();
+    let file = std::fs::File::open(path).map_err(failed)?;
+    file.take(LARGEST_CONFIG + 1).read_to_string(&mut text).map_err(failed)?;
+    if text.len() as u64 > LARGEST_CONFIG {
+        let words = format!("more than {LARGEST_CONFIG} bytes; no configuration is as large");
+        return Err(failed(std::io::Error::new(std::io::ErrorKind::InvalidData, words)));
+    }
+    Ok(text)
+}
+
 /// Reads, parses and checks the configuration at `path`.
 ///
 /// # Errors
 /// An unreadable file, a text that is not the configuration's TOML, values outside their bounds.
 pub fn load<T: DeserializeOwned + Validate>(path: &Path) -> Result<T, ConfigError> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|source| ConfigError::Read { path: path.to_owned(), source })?;
-    parse(&text, path)
+    parse(&text_of(path)?, path)
 }
 
 /// Parses and checks `text`; `path` only names it in errors.
@@ -65,7 +79,7 @@ pub fn load<T: DeserializeOwned + Validate>(path: &Path) -> Result<T, ConfigErro
 /// A text that is not the configuration's TOML, values outside their bounds.
 pub fn parse<T: DeserializeOwned + Validate>(text: &str, path: &Path) -> Result<T, ConfigError> {
     let config: T = toml::from_str(text).map_err(|error| {
-        let message = error.message().to_owned();
+        let message = printable(error.message());
         ConfigError::Parse {
             path: path.to_owned(),
             line: error.span().map(|span| 1 + text[..span.start.min(text.len())].matches('\n').count()),
@@ -88,10 +102,7 @@ pub fn load_over<T: DeserializeOwned + Validate>(
     sets: &[(String, String)],
 ) -> Result<T, ConfigError> {
     let (text, name) = match path {
-        Some(path) => {
-            let failed = |source| ConfigError::Read { path: path.to_owned(), source };
-            (std::fs::read_to_string(path).map_err(failed)?, path.to_owned())
-        }
+        Some(path) => (text_of(path)?, path.to_owned()),
         None => (String::new(), PathBuf::from("the built-in defaults")),
     };
     let config = parse(&text, &name)?;

@@ -244,6 +244,38 @@ pub enum IoError {
         /// How many fields follow the count.
         found: usize,
     },
+    /// More tracks in a frame than any tracker follows.
+    #[error("{}:{line}: {found} tracks in one frame; at most {most} are read", path.display())]
+    TooManyTracks {
+        /// The file.
+        path: PathBuf,
+        /// The frame's line.
+        line: usize,
+        /// How many it has.
+        found: u64,
+        /// How many are read.
+        most: u64,
+    },
+    /// A file that is too large for what it should be.
+    #[error("{}: more than {most} bytes; no {what} is as large", path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// What it should be.
+        what: &'static str,
+        /// Bytes that are read.
+        most: u64,
+    },
+    /// An image's name that leads out of the camera's folder.
+    #[error("{}:{line}: the image `{name}` is no file in the camera's folder", path.display())]
+    BadName {
+        /// The file.
+        path: PathBuf,
+        /// The row's line.
+        line: usize,
+        /// The name, printable.
+        name: String,
+    },
     /// An id that one frame holds twice.
     #[error("{}:{line}: track {id} is there twice in one frame", path.display())]
     TrackTwice {
@@ -350,6 +382,13 @@ impl IoError {
             }
             Self::NotWhole { .. } | Self::TrackCount { .. } => {
                 "a frame is one line: stamp_ns n, then n times id u v; mend or delete the line"
+            }
+            Self::TooManyTracks { .. } => {
+                "trackers follow some hundred points a frame: keep those that were followed longest"
+            }
+            Self::TooLarge { .. } => "name the configuration itself, not a log or a bag",
+            Self::BadName { .. } => {
+                "names are relative to cam0/data and stay in it, as 1403636579763555584.png does"
             }
             Self::TrackTwice { .. } => "an id names one point; make the file again, or delete one of the two",
             Self::BadYaml { .. } | Self::BadKey { .. } => {

@@ -1,5 +1,8 @@
 //! Bytes to lines and lines to fields.
 
+/// Fields that are told apart in a line; what is behind them is one more. No table is that wide.
+pub(super) const MOST_FIELDS: usize = 4096;
+
 /// What stands between two fields.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Delimiter {
@@ -19,7 +22,7 @@ impl Delimiter {
         match self {
             Self::Byte(byte) => {
                 let mut start = 0;
-                for end in memchr::memchr_iter(byte, line) {
+                for end in memchr::memchr_iter(byte, line).take(MOST_FIELDS) {
                     fields.push(bare(&line[start..end]));
                     start = end + 1;
                 }
@@ -29,7 +32,12 @@ impl Delimiter {
                 }
             }
             Self::Blanks => {
-                fields.extend(line.split(u8::is_ascii_whitespace).filter(|f| !f.is_empty()).map(bare));
+                fields.extend(
+                    line.split(u8::is_ascii_whitespace)
+                        .filter(|f| !f.is_empty())
+                        .map(bare)
+                        .take(MOST_FIELDS + 1),
+                );
             }
         }
     }

@@ -17,6 +17,8 @@ use std::thread::JoinHandle;
 
 /// Larger files are no camera's images \[bytes\]: an image is read whole.
 const LARGEST_FILE: u64 = 256 << 20;
+/// Deflate makes at most so many bytes of one: a file with fewer bytes than its pixels ask for is cut off, whatever its head says.
+const DEFLATE_MOST: usize = 1032;
 
 /// An image and when it was taken.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -131,14 +133,7 @@ impl ImageFolder {
     /// `index` is not below [`Self::len`].
     pub fn read(&self, index: usize) -> Result<StampedImage, IoError> {
         let (t, path) = &self.frames[index];
-        let image = read_png(path)?;
-        let found = [image.width(), image.height()];
-        if found != self.size {
-            let [width, height] = self.size;
-            let problem = format!("has {} x {} px; the camera's have {width} x {height}", found[0], found[1]);
-            return Err(IoError::BadImage { path: path.clone(), problem });
-        }
-        Ok(StampedImage { t: *t, image })
+        Ok(StampedImage { t: *t, image: read_png(path, self.size)? })
     }
 
     /// Reads all images in order on a thread of their own, at most `ahead` before they are asked for.
@@ -258,26 +253,31 @@ impl Drop for Prefetch {
     }
 }
 
-/// Reads a grey PNG of 8 bits a pixel; fewer bits are scaled up.
+/// Reads a grey PNG of 8 bits a pixel, `size` \[width, height\]; fewer bits are scaled up.
 ///
 /// # Errors
-/// A file that is not there or cannot be read; not PNG, not grey, 16 bits.
-pub(crate) fn read_png(path: &Path) -> Result<GrayImage, IoError> {
-    let size = std::fs::metadata(path).map_err(|e| IoError::reading(path, e))?.len();
-    if size > LARGEST_FILE {
-        let problem = format!("has {size} bytes; an image has at most {LARGEST_FILE}");
+/// A file that is not there or cannot be read; not PNG, not grey, 16 bits, another size.
+pub(crate) fn read_png(path: &Path, size: [usize; 2]) -> Result<GrayImage, IoError> {
+    let length = std::fs::metadata(path).map_err(|e| IoError::reading(path, e))?.len();
+    if length > LARGEST_FILE {
+        let problem = format!("has {length} bytes; an image has at most {LARGEST_FILE}");
         return Err(IoError::BadImage { path: path.to_path_buf(), problem });
     }
     let bytes = std::fs::read(path).map_err(|e| IoError::reading(path, e))?;
-    parse_png(&bytes, path)
+    parse_png(&bytes, path, size)
 }
 
-/// The same from bytes at hand; `path` is for messages.
-pub(crate) fn parse_png(bytes: &[u8], path: &Path) -> Result<GrayImage, IoError> {
+/// The same from bytes at hand; `path` is for messages. Room is made for an image of the right size alone, and for none that so few bytes
+/// cannot hold.
+///
+/// # Errors
+/// As for an image of an [`ImageFolder`].
+pub fn parse_png(bytes: &[u8], path: &Path, size: [usize; 2]) -> Result<GrayImage, IoError> {
     let bad = |problem: String| IoError::BadImage { path: path.to_path_buf(), problem };
     let unreadable = |error: png::DecodingError| bad(format!("is no readable PNG: {error}"));
     let mut decoder = Decoder::new(Cursor::new(bytes));
     decoder.set_transformations(Transformations::EXPAND);
+    decoder.set_ignore_text_chunk(true);
     let mut reader = decoder.read_info().map_err(unreadable)?;
     let (colour, depth) = (reader.info().color_type, reader.info().bit_depth);
     if depth == BitDepth::Sixteen {
@@ -288,6 +288,13 @@ pub(crate) fn parse_png(bytes: &[u8], path: &Path) -> Result<GrayImage, IoError>
         return Err(bad(format!("is {colour:?}; grey images are read")));
     }
     let (width, height) = (reader.info().width as usize, reader.info().height as usize);
+    if [width, height] != size {
+        return Err(bad(format!("has {width} x {height} px; the camera's have {} x {}", size[0], size[1])));
+    }
+    let packed = width.saturating_mul(height) / (8 / depth as usize);
+    if packed / DEFLATE_MOST > bytes.len() {
+        return Err(bad(format!("is cut off: {} bytes hold no {width} x {height} px", bytes.len())));
+    }
     let needed = reader.output_buffer_size().ok_or_else(|| bad(format!("has {width} x {height} px")))?;
     let mut pixels = vec![0; needed];
     reader.next_frame(&mut pixels).map_err(unreadable)?;
@@ -368,7 +375,7 @@ mod tests {
 
     #[test]
     fn what_is_no_grey_image_of_eight_bits_is_named() {
-        let error = |bytes: &[u8]| parse_png(bytes, Path::new("a.png")).unwrap_err().to_string();
+        let error = |bytes: &[u8]| parse_png(bytes, Path::new("a.png"), [4, 3]).unwrap_err().to_string();
         let deep = encode(2, 1, ColorType::Grayscale, BitDepth::Sixteen, &[1, 2, 3, 4]);
         assert_eq!(error(&deep), "a.png has 16 bits a pixel; 8 are read");
         let colour = encode(1, 1, ColorType::Rgb, BitDepth::Eight, &[1, 2, 3]);
@@ -378,7 +385,7 @@ mod tests {
         assert!(error(b"<html>not found</html>").starts_with("a.png is no readable PNG"));
         assert!(error(b"").starts_with("a.png is no readable PNG"));
         let two_bits = encode(4, 1, ColorType::Grayscale, BitDepth::Two, &[0b0001_1011]);
-        assert_eq!(parse_png(&two_bits, Path::new("a.png")).unwrap().pixels(), [0, 85, 170, 255]);
+        assert_eq!(parse_png(&two_bits, Path::new("a.png"), [4, 1]).unwrap().pixels(), [0, 85, 170, 255]);
     }
 
     #[test]
@@ -388,12 +395,28 @@ mod tests {
             for value in [0, 1, 0x7f, 0x80, 0xff] {
                 let mut damaged = whole.clone();
                 damaged[at] = value;
-                if let Err(error) = parse_png(&damaged, Path::new("a.png")) {
+                if let Err(error) = parse_png(&damaged, Path::new("a.png"), [4, 3]) {
                     assert!(error.to_string().starts_with("a.png") && error.hint().is_some());
                 }
-                let _ = parse_png(&damaged[..at], Path::new("a.png"));
+                let _ = parse_png(&damaged[..at], Path::new("a.png"), [4, 3]);
             }
         }
+    }
+
+    #[test]
+    fn a_head_that_says_more_than_the_file_holds_makes_no_room() {
+        let mut giant = Vec::new();
+        let mut encoder = png::Encoder::new(&mut giant, 65535, 65535);
+        encoder.set_color(ColorType::Grayscale);
+        drop(encoder.write_header().unwrap());
+        // A head ends behind byte 33.
+        giant.truncate(33);
+        giant.extend_from_slice(&grey(1)[33..]);
+        let error = |size| parse_png(&giant, Path::new("a.png"), size).unwrap_err().to_string();
+        assert_eq!(error([4, 3]), "a.png has 65535 x 65535 px; the camera's have 4 x 3");
+        // The calibration may say the same.
+        let said = format!("a.png is cut off: {} bytes hold no 65535 x 65535 px", giant.len());
+        assert_eq!(error([65535, 65535]), said);
     }
 
     #[test]

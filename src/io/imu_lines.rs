@@ -42,6 +42,10 @@ impl ImuLines {
         if !line.ends_with(b"\n") {
             self.head.push(b'\n');
         }
+        // A comment settles nothing: a head of nothing else would be read again with each of its lines.
+        if matches!(line.trim_ascii_start(), [] | [b'#' | b'%', ..]) && self.head.len() <= HEAD {
+            return Ok(Vec::new());
+        }
         let result = self.settle();
         if result.is_err() || self.head.len() > HEAD {
             self.head.clear();

@@ -4,6 +4,7 @@
 //! * [`read_imu_csv`]: plain CSV logs, columns by header or by list; [`read_imu_csv_loosely`] uses what it can of anybody's.
 //! * [`ImuLines`]: the same line by line, as they come.
 //! * [`Sieve`]: keeps of somebody's samples what a recording may hold.
+//! * [`printable`]: names out of other people's files, as they may be shown.
 //! * [`read_tum`], [`write_tum`]: trajectories, as evo reads them.
 //! * [`ImageFolder`]: a camera's images, also ahead of time on a second thread.
 //! * [`read_tracks`], [`write_tracks`]: camera tracks.
@@ -36,10 +37,12 @@ mod loose_csv;
 mod noise_csv;
 pub mod noise_formats;
 mod pose;
+mod printable;
 #[cfg(test)]
 mod recordings;
 mod rows;
 mod sieve;
+mod small;
 mod tracks;
 mod tum;
 mod unit;
@@ -49,12 +52,13 @@ pub use columns::{AccelUnit, GyroUnit, ImuColumns};
 pub use decimal::TimeUnit;
 pub use error::IoError;
 #[cfg(feature = "images")]
-pub use images::{Coverage, ImageFolder, ImageRun, Prefetch, StampedImage};
+pub use images::{Coverage, ImageFolder, ImageRun, Prefetch, StampedImage, parse_png};
 pub use imu_csv::{CsvOptions, ImuLog, Origin, Settled, parse_imu_csv, read_imu_csv};
 pub use imu_lines::ImuLines;
 pub use lock::{FolderLock, LockError};
 pub use loose_csv::{LooseImuLog, Unreadable, parse_imu_csv_loosely, read_imu_csv_loosely};
 pub use noise_csv::{read_noise_track, write_noise_track};
-pub use sieve::{LeftOut, Sieve, Sieved};
+pub use printable::printable;
+pub use sieve::{ABSURD, LeftOut, Sieve, Sieved};
 pub use tracks::{read_tracks, write_tracks};
 pub use tum::{read_tum, write_tum};

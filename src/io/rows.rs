@@ -7,7 +7,8 @@
 
 use super::IoError;
 use super::decimal::{TimeUnit, parse_stamp};
-use super::fields::{Delimiter, is_number, names_time, shown, take_line};
+use super::fields::{Delimiter, MOST_FIELDS, is_number, names_time, shown, take_line};
+use super::printable;
 use dpn_core::time::Stamp;
 use std::path::Path;
 
@@ -52,7 +53,7 @@ impl<'a> Rows<'a> {
     /// Reads up to the first row of data.
     ///
     /// # Errors
-    /// No row of data at all; a header that is not UTF-8.
+    /// No row of data at all; a header that is not UTF-8; thousands of columns.
     pub(crate) fn open(bytes: &'a [u8], path: &'a Path) -> Result<Self, IoError> {
         let mut rest = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         let mut header: Option<(usize, Delimiter, &[u8])> = None;
@@ -91,22 +92,24 @@ impl<'a> Rows<'a> {
                     delimiter.split(text, &mut fields);
                     let names = fields
                         .iter()
-                        .map(|name| std::str::from_utf8(name).map(str::to_owned))
+                        .map(|name| std::str::from_utf8(name).map(printable))
                         .collect::<Result<Vec<_>, _>>()
                         .map_err(|_| IoError::NotUtf8 { path: path.to_path_buf(), line })?;
                     Some(Header { line, names })
                 }
                 None => None,
             };
-            return Ok(Self {
-                path,
-                rest: before,
-                line: line - 1,
-                delimiter,
-                width: header.as_ref().map_or(fields.len(), |h| h.names.len()),
-                fields,
-                header,
-            });
+            let width = header.as_ref().map_or(fields.len(), |h| h.names.len());
+            if width > MOST_FIELDS {
+                let expected = "at most 4096";
+                return Err(IoError::UnknownLayout {
+                    path: path.to_path_buf(),
+                    line,
+                    found: width,
+                    expected,
+                });
+            }
+            return Ok(Self { path, rest: before, line: line - 1, delimiter, width, fields, header });
         }
     }
 
@@ -317,6 +320,18 @@ mod tests {
         assert_eq!(case(b"1,2\n,2\n"), "f.csv:2: v is \"\", not a number");
         assert_eq!(case(b"#time,x\n"), "f.csv: no row of data");
         assert_eq!(case(b""), "f.csv: no row of data");
+    }
+
+    #[test]
+    fn a_line_of_millions_of_fields_is_no_row_and_takes_no_room() {
+        let case = |text: String| all(text.as_bytes()).unwrap_err().to_string();
+        assert_eq!(case("1,".repeat(1_000_000)), "f.csv:1: 4097 columns; at most 4096 are known");
+        assert_eq!(case("1 ".repeat(1_000_000)), "f.csv:1: 4097 columns; at most 4096 are known");
+        assert_eq!(case(format!("1,2\n{}", "1,".repeat(1_000_000))), "f.csv:2: 4097 fields, expected 2");
+        assert_eq!(
+            case(format!("t,{}\n1,2\n", "a\u{1b}[2J,".repeat(5000))),
+            "f.csv:2: 4097 columns; at most 4096 are known"
+        );
     }
 
     #[test]

@@ -1,12 +1,15 @@
 //! Keeps of somebody's samples what a recording may hold, and counts what it leaves out.
 //!
 //! The readers of this crate refuse a log with one bad row: what is trained on or judged must be whole. A tool that looks at anybody's
-//! log must say what is wrong with it and go on. A sample is left out when a value of it is not finite, when its stamp is that of the sample
-//! before, or when its stamp goes back.
+//! log must say what is wrong with it and go on. A sample is left out when a value of it is not finite or beyond [`ABSURD`], when its stamp is
+//! that of the sample before, or when its stamp goes back.
 
 use dpn_core::imu::ImuSample;
 use dpn_core::time::Stamp;
 use serde::Serialize;
+
+/// Values beyond are no measurement in any unit, raw counts of 32 bits included; their squares would drown all others.
+pub const ABSURD: f64 = 1e12;
 
 /// Samples left out for one reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
@@ -33,13 +36,19 @@ pub struct Sieved {
     pub backward: LeftOut,
     /// Samples with a value that is not finite.
     pub not_finite: LeftOut,
+    /// Samples with a value beyond [`ABSURD`].
+    pub absurd: LeftOut,
 }
 
 impl Sieved {
     /// All that were left out.
     pub fn count(&self) -> usize {
-        self.repeated.count + self.backward.count + self.not_finite.count
+        self.repeated.count + self.backward.count + self.not_finite.count + self.absurd.count
     }
+}
+
+fn is_absurd(sample: &ImuSample) -> bool {
+    sample.gyro.iter().chain(&sample.accel).any(|v| v.abs() > ABSURD)
 }
 
 /// Takes samples as they come.
@@ -55,6 +64,7 @@ impl Sieve {
         let last = self.kept.last().map(|s| s.t);
         match last {
             _ if !sample.is_finite() => self.sieved.not_finite.add(place),
+            _ if is_absurd(&sample) => self.sieved.absurd.add(place),
             Some(last) if sample.t == last => self.sieved.repeated.add(place),
             Some(last) if sample.t < last => self.sieved.backward.add(place),
             _ => self.kept.push(sample),
@@ -98,7 +108,7 @@ mod tests {
             sieve.push(ImuSample { t: Stamp::from_ns(t), gyro: [0.0; 3], accel: [value; 3] }, place);
         };
         for (place, (t, value)) in
-            [(5, 1.0), (10, 1.0), (10, 2.0), (7, 1.0), (15, f64::NAN), (15, 3.0), (15, 4.0)]
+            [(5, 1.0), (10, 1.0), (10, 2.0), (7, 1.0), (15, f64::NAN), (15, 3.0), (15, 4.0), (20, 1e30)]
                 .into_iter()
                 .enumerate()
         {
@@ -110,6 +120,7 @@ mod tests {
         assert_eq!(sieved.repeated, LeftOut { count: 2, first: Some(3) });
         assert_eq!(sieved.backward, LeftOut { count: 1, first: Some(4) });
         assert_eq!(sieved.not_finite, LeftOut { count: 1, first: Some(5) });
+        assert_eq!(sieved.absurd, LeftOut { count: 1, first: Some(8) });
         assert!(dpn_core::imu::ImuRecording::new(samples).is_ok());
     }
 }

@@ -12,10 +12,13 @@ use nalgebra::Vector2;
 use std::io;
 use std::path::Path;
 
+/// Tracks that a frame may have: trackers follow hundreds, and a window of frames takes time with the square of them.
+pub(crate) const MOST_TRACKS: u64 = 5000;
+
 /// Reads the tracks of a recording, frames in increasing time, at least one.
 ///
 /// # Errors
-/// A file that cannot be read or holds no frame; a line whose count disagrees with what follows it; an id twice in one frame; what is
+/// A file that cannot be read or holds no frame; a frame of more than 5000 tracks; a line whose count disagrees with what follows it; an id twice in one frame; what is
 /// no number or not finite; stamps that do not increase.
 pub fn read_tracks(path: &Path) -> Result<Vec<TrackFrame>, IoError> {
     let bytes = std::fs::read(path).map_err(|e| IoError::reading(path, e))?;
@@ -85,6 +88,10 @@ impl Row<'_> {
             });
         };
         let said = self.whole(count, "n")?;
+        if said > MOST_TRACKS && said.checked_mul(3) == Some(self.fields.len() as u64 - 2) {
+            let (path, line) = (self.path.to_path_buf(), self.line);
+            return Err(IoError::TooManyTracks { path, line, found: said, most: MOST_TRACKS });
+        }
         let values = &self.fields[2..];
         // Three fields a track; a cut line may end inside one.
         if said.checked_mul(3) != Some(values.len() as u64) {
@@ -217,6 +224,18 @@ mod tests {
         assert_eq!(error("10 1 -4 1 2\n"), "t.txt:1: id is \"-4\", not a whole number from 0");
         assert_eq!(error("10 1.0 4 1 2\n"), "t.txt:1: n is \"1.0\", not a whole number from 0");
         assert!(error("1.5e400 0\n").starts_with("t.txt:1: stamp \"1.5e400\" is not a time in ns"));
+    }
+
+    #[test]
+    fn a_frame_of_more_tracks_than_anybody_follows_is_refused() {
+        let frame = |n: usize| {
+            let tracks: String = (0..n).map(|id| format!(" {id} 1 2")).collect();
+            case(&format!("10 0\n20 {n}{tracks}\n"))
+        };
+        assert_eq!(frame(5000).unwrap()[1].tracks.len(), 5000);
+        let error = frame(20_000).unwrap_err();
+        assert_eq!(error.to_string(), "t.txt:2: 20000 tracks in one frame; at most 5000 are read");
+        assert!(error.hint().unwrap().contains("some hundred points"));
     }
 
     #[test]

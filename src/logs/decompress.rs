@@ -1,5 +1,7 @@
 //! A chunk's compressed bytes, as far as they go.
 
+use crate::budget::Budget;
+use dpn_io::printable;
 use std::io::Read;
 
 /// A chunk is not larger than this, whatever it says; rosbag's and MCAP's writers make them of about a megabyte.
@@ -12,28 +14,72 @@ pub(crate) struct Plain {
     pub(crate) damage: Option<String>,
 }
 
-/// Undoes the compression called `name` (`""`, `none`, `lz4`, `bz2`, `zstd`), giving at most `size` bytes.
-pub(crate) fn decompress(name: &str, packed: Vec<u8>, size: u64) -> Plain {
+/// Undoes the compression called `name` (`""`, `none`, `lz4`, `bz2`, `zstd`), giving at most `size` bytes and what `budget` allows.
+pub(crate) fn decompress(name: &str, packed: Vec<u8>, size: u64, budget: &mut Budget) -> Plain {
     let size = size.min(LARGEST);
     match name {
         "" | "none" => Plain { bytes: packed, damage: None },
-        "lz4" => all(lz4_flex::frame::FrameDecoder::new(packed.as_slice()), size, "lz4"),
-        "bz2" => all(bzip2::read::MultiBzDecoder::new(packed.as_slice()), size, "bz2"),
+        "lz4" => {
+            all(lz4_flex::frame::FrameDecoder::new(packed.as_slice()), packed.len(), size, "lz4", budget)
+        }
+        "bz2" => all(bzip2::read::MultiBzDecoder::new(packed.as_slice()), packed.len(), size, "bz2", budget),
         "zstd" => match ruzstd::decoding::StreamingDecoder::new(packed.as_slice()) {
-            Ok(decoder) => all(decoder, size, "zstd"),
+            Ok(decoder) => all(decoder, packed.len(), size, "zstd", budget),
             Err(error) => Plain { bytes: Vec::new(), damage: Some(format!("bad zstd data: {error}")) },
         },
         other => Plain {
             bytes: Vec::new(),
-            damage: Some(format!("a chunk is compressed by `{other}`, which is not known")),
+            damage: Some(format!("a chunk is compressed by `{}`, which is not known", printable(other))),
         },
     }
 }
 
-fn all(decoder: impl Read, size: u64, name: &str) -> Plain {
-    let mut decoder = decoder.take(size);
-    let mut bytes = Vec::with_capacity(size.min(1 << 22) as usize);
+fn all(decoder: impl Read, packed: usize, size: u64, name: &str, budget: &mut Budget) -> Plain {
+    let room = budget.open(packed).min(size);
+    let mut decoder = decoder.take(room);
+    // All the room at once: a vector that grows holds itself twice while it does.
+    let mut bytes = Vec::with_capacity(room as usize);
     // What was decoded before an error stays in the vector.
-    let damage = decoder.read_to_end(&mut bytes).err().map(|error| format!("bad {name} data: {error}"));
+    let mut damage = decoder.read_to_end(&mut bytes).err().map(|error| format!("bad {name} data: {error}"));
+    budget.unpacked(bytes.len());
+    if damage.is_none() && room < size && bytes.len() as u64 == room {
+        decoder.set_limit(1);
+        if decoder.read(&mut [0]).is_ok_and(|more| more > 0) {
+            damage = Some(budget.exceeded());
+        }
+    }
     Plain { bytes, damage }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+
+    /// Zeros, as bz2 packs them: 70,000 times smaller.
+    fn bomb(bytes: usize) -> Vec<u8> {
+        let mut encoder = bzip2::write::BzEncoder::new(Vec::new(), bzip2::Compression::best());
+        encoder.write_all(&vec![0; bytes]).unwrap();
+        encoder.finish().unwrap()
+    }
+
+    #[test]
+    fn a_bomb_is_cut_off_where_its_bytes_no_longer_explain_it_unless_a_limit_is_given() {
+        let bomb = bomb(20 << 20);
+        let mut budget = Budget::new(None);
+        let first = decompress("bz2", bomb.clone(), 1 << 30, &mut budget);
+        assert_eq!((first.bytes.len(), first.damage), (20 << 20, None));
+        // The sum of a log's chunks counts.
+        let second = decompress("bz2", bomb.clone(), 1 << 30, &mut budget);
+        assert!(second.bytes.len() < 13 << 20);
+        let damage = second.damage.unwrap();
+        assert!(
+            damage.starts_with("unpacks to more than 32 MB, from ") && damage.contains("--max-uncompressed"),
+            "{damage}"
+        );
+        let mut given = Budget::new(Some(64 << 20));
+        for _ in 0..2 {
+            assert_eq!(decompress("bz2", bomb.clone(), 1 << 30, &mut given).damage, None);
+        }
+    }
 }

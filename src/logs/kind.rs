@@ -1,12 +1,15 @@
 //! What a path holds, by its first bytes or its files.
 
 use crate::LogError;
-use dpn_io::IoError;
 use dpn_io::asl::{Sequence, discover};
+use dpn_io::{IoError, printable};
 use serde::Serialize;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+
+/// Bytes that tell a file's kind.
+pub(crate) const HEAD: u64 = 16;
 
 /// A kind of log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -62,9 +65,14 @@ impl Kind {
                 }),
             };
         }
-        let reading = |e| IoError::reading(path, e);
         let mut head = Vec::new();
-        File::open(path).map_err(reading)?.take(16).read_to_end(&mut head).map_err(reading)?;
+        let reading = |e| IoError::reading(path, e);
+        File::open(path).map_err(reading)?.take(HEAD).read_to_end(&mut head).map_err(reading)?;
+        Self::of_head(&head, path)
+    }
+
+    /// The same for a file or a stream by its first [`HEAD`] bytes; `path` is for messages and for the end of its name.
+    pub(crate) fn of_head(head: &[u8], path: &Path) -> Result<Self, LogError> {
         let is = |magic: &[u8]| head.starts_with(magic);
         if is(b"#ROSBAG V2.0\n") {
             Ok(Self::Rosbag1)
@@ -75,8 +83,10 @@ impl Kind {
         } else if is(b"\x28\xb5\x2f\xfd") || is(b"\x1f\x8b") {
             Err(LogError::Packed { path: path.to_owned() })
         } else if is(b"#ROSBAG V") {
-            let what =
-                format!("a bag of version {}; only 2.0 is known", String::from_utf8_lossy(&head[9..12]));
+            let what = format!(
+                "a bag of version {}; only 2.0 is known",
+                printable(&String::from_utf8_lossy(head.get(9..12).unwrap_or_default()))
+            );
             Err(LogError::Damaged { path: path.to_owned(), what })
         } else {
             match path.extension().and_then(|e| e.to_str()) {

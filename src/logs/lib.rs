@@ -17,6 +17,7 @@
 //! of a record from that of its chunk unchecked, and brings two C libraries for decompression. Decompression and SQLite are crates'.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+mod budget;
 mod bytes;
 mod decompress;
 mod error;
@@ -37,4 +38,4 @@ mod topics;
 pub use error::LogError;
 pub use kind::Kind;
 pub use log::Log;
-pub use read::{LogOptions, read_log, read_mcap, read_rosbag1, read_sqlite};
+pub use read::{LogOptions, read_log, read_mcap, read_rosbag1, read_sqlite, read_stream};

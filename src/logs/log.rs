@@ -48,11 +48,12 @@ impl Log {
         let place = |left: &LeftOut| {
             left.first.map_or_else(String::new, |first| format!(", first at {} {first}", self.place))
         };
-        let Sieved { repeated, backward, not_finite } = &self.sieved;
+        let Sieved { repeated, backward, not_finite, absurd } = &self.sieved;
         for (left, words) in [
             (repeated, "sample(s) with the stamp of the one before"),
             (backward, "sample(s) whose stamp goes back"),
             (not_finite, "sample(s) with NaN or infinite values"),
+            (absurd, "sample(s) with values beyond 1e12, which no sensor measures"),
         ] {
             if left.count > 0 {
                 all.push(format!("left out: {} {words}{}", left.count, place(left)));

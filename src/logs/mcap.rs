@@ -85,7 +85,7 @@ fn chunk(content: &[u8], is_whole: bool, schemas: &mut Schemas, topics: &mut Top
     };
     let packed = bytes.rest();
     let packed = &packed[..packed.len().min(usize::try_from(length).unwrap_or(usize::MAX))];
-    let plain = decompress(&compression, packed.to_vec(), size);
+    let plain = decompress(&compression, packed.to_vec(), size, &mut topics.budget);
     if is_whole && plain.damage.is_none() && sum != 0 && crc32fast::hash(&plain.bytes) != sum {
         return Some("its content does not have its checksum".to_owned());
     }

@@ -1,10 +1,11 @@
 //! The one way in.
 
+use crate::kind::HEAD;
 use crate::topics::Topics;
 use crate::{Kind, Log, LogError, mcap, rosbag1, rosbag2, sqlite};
 use dpn_core::ImuRecording;
 use dpn_io::asl::Sequence;
-use dpn_io::{CsvOptions, IoError, LooseImuLog, Origin, Sieved, read_imu_csv_loosely};
+use dpn_io::{CsvOptions, IoError, LooseImuLog, Origin, Sieved, parse_imu_csv_loosely};
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
@@ -19,24 +20,64 @@ pub struct LogOptions {
     pub csv: CsvOptions,
     /// The bag's topic; without it, its only IMU.
     pub topic: Option<String>,
+    /// Bytes that a bag's chunks may unpack to, all together; without it, 32 MB and 32 times the packed ones.
+    pub max_uncompressed: Option<u64>,
 }
 
-/// Reads whatever log is at `path`.
+/// Reads whatever log is at `path`: a folder, a file, a pipe, or stdin for `-`. Files and pipes are opened once and read once through.
 ///
 /// # Errors
 /// See [`LogError`]: nothing there, nothing of use in it, several IMUs and no choice. Damage is none as long as two samples stand before it.
 pub fn read_log(path: &Path, options: &LogOptions) -> Result<Log, LogError> {
-    let kind = Kind::of(path)?;
-    let open = || File::open(path).map(BufReader::new).map_err(|e| IoError::reading(path, e));
-    let mut topics = Topics::new(options);
-    let damage = match kind {
-        Kind::Asl | Kind::Csv => return text(path, kind, options),
-        Kind::Rosbag1 => rosbag1::read(open()?, &mut topics).map_err(|e| IoError::reading(path, e))?,
-        Kind::Mcap => mcap::read(open()?, &mut topics).map_err(|e| IoError::reading(path, e))?,
-        Kind::Sqlite => sqlite::read(path, &mut topics),
-        Kind::Rosbag2 => rosbag2::read(path, &mut topics)?,
-    };
-    bag(path, kind, topics, damage)
+    if path == Path::new("-") {
+        return read_stream(std::io::stdin().lock(), Path::new("stdin"), options);
+    }
+    let reading = |e| IoError::reading(path, e);
+    if !path.is_dir() {
+        return read_stream(File::open(path).map_err(reading)?, path, options);
+    }
+    match Kind::of(path)? {
+        Kind::Rosbag2 => {
+            let mut topics = Topics::new(options);
+            let damage = rosbag2::read(path, &mut topics)?;
+            bag(path, Kind::Rosbag2, topics, damage)
+        }
+        kind => {
+            let file = Sequence::open(path)?.imu_path();
+            let source = File::open(&file).map_err(|e| IoError::reading(&file, e))?;
+            text(source, &file, path, kind, options)
+        }
+    }
+}
+
+/// Reads a log of any kind from bytes as they come; `path` is for messages. A database, whose reader must seek, is copied to a
+/// temporary file first where `path` is no file to seek in.
+///
+/// # Errors
+/// As [`read_log`].
+pub fn read_stream(mut source: impl Read, path: &Path, options: &LogOptions) -> Result<Log, LogError> {
+    let reading = |e| IoError::reading(path, e);
+    let mut head = Vec::new();
+    source.by_ref().take(HEAD).read_to_end(&mut head).map_err(reading)?;
+    let kind = Kind::of_head(&head, path)?;
+    let mut source = BufReader::new(head.chain(source));
+    match kind {
+        Kind::Rosbag1 => read_rosbag1(source, path, options),
+        Kind::Mcap => read_mcap(source, path, options),
+        Kind::Sqlite if path.is_file() => read_sqlite(path, options),
+        Kind::Sqlite => {
+            let mut copy = tempfile::NamedTempFile::new().map_err(reading)?;
+            std::io::copy(&mut source, &mut copy).map_err(reading)?;
+            let mut topics = Topics::new(options);
+            let damage = sqlite::read(copy.path(), &mut topics);
+            let mut log = bag(path, Kind::Sqlite, topics, damage)?;
+            log.remarks.push(
+                "a database cannot be read as it comes: it was copied to a temporary file first".to_owned(),
+            );
+            Ok(log)
+        }
+        Kind::Asl | Kind::Csv | Kind::Rosbag2 => text(source, path, path, kind, options),
+    }
 }
 
 /// A ROS 1 bag from any source of bytes; `path` is for messages.
@@ -103,15 +144,18 @@ fn goes_forward(path: &Path, sieved: &Sieved, kept: usize) -> Result<(), LogErro
     }
 }
 
-fn text(path: &Path, kind: Kind, options: &LogOptions) -> Result<Log, LogError> {
+/// A text log: `file` names its rows, `path` the whole.
+fn text(
+    source: impl Read,
+    file: &Path,
+    path: &Path,
+    kind: Kind,
+    options: &LogOptions,
+) -> Result<Log, LogError> {
     if options.topic.is_some() {
         return Err(LogError::NoTopicsHere { path: path.to_path_buf(), kind: kind.name() });
     }
-    let file = match kind {
-        Kind::Asl => Sequence::open(path)?.imu_path(),
-        _ => path.to_path_buf(),
-    };
-    let loose = read_imu_csv_loosely(&file, &options.csv)?;
+    let loose = parse_imu_csv_loosely(source, file, &options.csv)?;
     let LooseImuLog { recording, columns, time, gyro, accel, sieved, unreadable } = loose;
     let mut log = Log { sieved, ..Log::sound(kind, recording) };
     match unreadable.first {

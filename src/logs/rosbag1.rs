@@ -72,7 +72,7 @@ pub(crate) fn read(source: impl Read, topics: &mut Topics) -> io::Result<Option<
                     return Ok(Some(format!("the chunk at byte {begin} lacks the name of its compression")));
                 };
                 let size = fields.u32("size").map_or(LARGEST, u64::from);
-                let plain = decompress(&name, packed, size);
+                let plain = decompress(&name, packed, size, &mut topics.budget);
                 let inside = records(&plain.bytes, topics);
                 if !is_whole {
                     return Ok(Some(format!("cut off in the chunk at byte {begin}")));

@@ -3,7 +3,7 @@
 use crate::kind::bags;
 use crate::topics::Topics;
 use crate::{mcap, sqlite};
-use dpn_io::IoError;
+use dpn_io::{IoError, printable};
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
@@ -22,7 +22,7 @@ pub(crate) fn read(dir: &Path, topics: &mut Topics) -> Result<Option<String>, Io
             _ => sqlite::read(&file, topics),
         };
         if let Some(found) = found {
-            let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let name = printable(&file.file_name().unwrap_or_default().to_string_lossy());
             damage.get_or_insert(format!("{name}: {found}"));
         }
     }

@@ -3,21 +3,35 @@
 use crate::decompress::{LARGEST, decompress};
 use crate::imu_message::Encoding;
 use crate::topics::Topics;
+use dpn_io::printable;
 use rusqlite::{Connection, OpenFlags, params};
+use std::collections::HashMap;
 use std::path::Path;
+
+/// Views under the names of rosbag2's tables, and columns of them that are computed.
+const MADE: &str = "SELECT (SELECT count(*) FROM sqlite_schema WHERE name IN ('topics', 'messages') AND type <> 'table') \
+    + (SELECT count(*) FROM pragma_table_xinfo('topics') WHERE hidden > 0) \
+    + (SELECT count(*) FROM pragma_table_xinfo('messages') WHERE hidden > 0)";
 
 /// Reads a whole file in the order of writing; returns what was wrong where it ended early.
 pub(crate) fn read(path: &Path, topics: &mut Topics) -> Option<String> {
     match all(path, topics) {
         Ok(damage) => damage,
-        Err(error) => Some(error.to_string()),
+        Err(error) => Some(printable(&error.to_string())),
     }
 }
 
 fn all(path: &Path, topics: &mut Topics) -> rusqlite::Result<Option<String>> {
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     let connection = Connection::open_with_flags(path, flags)?;
-    let mut wanted = Vec::new();
+    // A view or a generated column is a program that a file brings along; rosbag2 writes neither.
+    let made: i64 = connection.query_row(MADE, [], |row| row.get(0))?;
+    if made > 0 {
+        return Ok(Some(
+            "its tables are made by views or generated columns, as no rosbag2 writes them".to_owned(),
+        ));
+    }
+    let mut wanted = HashMap::new();
     {
         let mut statement = connection.prepare("SELECT id, name, type, serialization_format FROM topics")?;
         let mut rows = statement.query([])?;
@@ -28,7 +42,7 @@ fn all(path: &Path, topics: &mut Topics) -> rusqlite::Result<Option<String>> {
             let (kind, format): (String, String) = (row.get(2)?, row.get(3)?);
             number += 1;
             if topics.declare(number, &name, &kind, Encoding::named(&format)) {
-                wanted.push((id, number));
+                wanted.insert(id, number);
             }
         }
     }
@@ -40,7 +54,10 @@ fn all(path: &Path, topics: &mut Topics) -> rusqlite::Result<Option<String>> {
             Ok(Some(row)) => row,
             Ok(None) if unreadable == 0 => return Ok(None),
             Ok(None) => return Ok(Some(format!("{unreadable} of its {count} rows hold no message"))),
-            Err(error) => return Ok(Some(format!("damaged after {count} messages: {error}"))),
+            Err(error) => {
+                let error = printable(&error.to_string());
+                return Ok(Some(format!("damaged after {count} messages: {error}")));
+            }
         };
         count += 1;
         let cells = (|| {
@@ -54,9 +71,7 @@ fn all(path: &Path, topics: &mut Topics) -> rusqlite::Result<Option<String>> {
             unreadable += 1;
             continue;
         };
-        let Some((_, number)) = wanted.iter().find(|(known, _)| *known == id) else {
-            continue;
-        };
+        let Some(number) = wanted.get(&id) else { continue };
         // Compressed message by message; no CDR begins like this.
         let name = match data.first_chunk::<4>() {
             Some(b"\x28\xb5\x2f\xfd") => "zstd",
@@ -66,7 +81,7 @@ fn all(path: &Path, topics: &mut Topics) -> rusqlite::Result<Option<String>> {
                 continue;
             }
         };
-        let plain = decompress(name, data.to_vec(), LARGEST);
+        let plain = decompress(name, data.to_vec(), LARGEST, &mut topics.budget);
         if let Some(damage) = plain.damage {
             return Ok(Some(format!("damaged after {} messages: {damage}", count - 1)));
         }

@@ -1,10 +1,11 @@
 //! The topics of a bag, and the samples of those that are IMUs.
 
+use crate::budget::Budget;
 use crate::imu_message::{Encoding, Undecodable, decode};
 use crate::{LogError, LogOptions};
 use dpn_core::{ImuSample, Stamp};
-use dpn_io::{Sieve, Sieved};
-use std::collections::BTreeMap;
+use dpn_io::{Sieve, Sieved, printable};
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 /// One topic.
@@ -14,7 +15,7 @@ struct Topic {
     /// Its type, as the bag writes it.
     kind: String,
     messages: u64,
-    imu: Option<Imu>,
+    imu: Option<Box<Imu>>,
     /// Of an IMU whose messages are written in a way that is not known: its name.
     foreign: Option<String>,
 }
@@ -30,13 +31,39 @@ struct Imu {
     unstamped: u64,
 }
 
+impl Imu {
+    fn new(encoding: Encoding) -> Self {
+        Self { encoding, sieve: Sieve::default(), undecodable: BTreeMap::new(), unstamped: 0 }
+    }
+}
+
+/// The first dozen of a list that a hostile bag may have made endless, each name of a length that can be read.
+fn shortened(names: impl ExactSizeIterator<Item = String>) -> String {
+    const MOST: usize = 12;
+    const LONGEST: usize = 120;
+    let is_long = names.len() > MOST;
+    let cut = |name: String| match name.char_indices().nth(LONGEST) {
+        Some((at, _)) => format!("{}...", &name[..at]),
+        None => name,
+    };
+    let mut names: Vec<String> = names.take(MOST).map(cut).collect();
+    if is_long {
+        names.push("...".to_owned());
+    }
+    names.join(", ")
+}
+
 /// Takes what a bag's reader finds, topic by topic. Only IMU messages are looked into, and with a wanted topic only that one's.
 #[derive(Debug)]
 pub(crate) struct Topics {
     wanted: Option<String>,
     all: Vec<Topic>,
+    /// From a topic's name to its place: a file may have a hundred thousand.
+    names: HashMap<String, usize>,
     /// From a connection's or channel's number to a topic.
-    numbers: Vec<(u32, usize)>,
+    numbers: HashMap<u32, usize>,
+    /// What the log may unpack to.
+    pub(crate) budget: Budget,
 }
 
 /// What the chosen topic gives.
@@ -50,7 +77,13 @@ pub(crate) struct Chosen {
 
 impl Topics {
     pub(crate) fn new(options: &LogOptions) -> Self {
-        Self { wanted: options.topic.clone(), all: Vec::new(), numbers: Vec::new() }
+        Self {
+            wanted: options.topic.clone(),
+            all: Vec::new(),
+            names: HashMap::new(),
+            numbers: HashMap::new(),
+            budget: Budget::new(options.max_uncompressed),
+        }
     }
 
     /// Forgets the numbers of connections: the next file of a bag has its own.
@@ -66,32 +99,29 @@ impl Topics {
         kind: &str,
         encoding: Result<Encoding, String>,
     ) -> bool {
-        let index = self.all.iter().position(|t| t.name == name).unwrap_or_else(|| {
-            let is_imu = matches!(kind, "sensor_msgs/Imu" | "sensor_msgs/msg/Imu");
-            let wanted = self.wanted.as_deref().is_none_or(|wanted| wanted == name);
-            let (imu, foreign) = match encoding {
-                _ if !(is_imu && wanted) => (None, None),
-                Ok(encoding) => {
-                    let (sieve, undecodable) = (Sieve::default(), BTreeMap::new());
-                    (Some(Imu { encoding, sieve, undecodable, unstamped: 0 }), None)
-                }
-                Err(foreign) => (None, Some(foreign)),
-            };
-            self.all.push(Topic { name: name.to_owned(), kind: kind.to_owned(), messages: 0, imu, foreign });
-            self.all.len() - 1
-        });
-        match self.numbers.iter_mut().find(|(n, _)| *n == number) {
-            Some(known) => known.1 = index,
-            None => self.numbers.push((number, index)),
-        }
+        let name = printable(name);
+        let index = match self.names.get(&name) {
+            Some(index) => *index,
+            None => {
+                let is_imu = matches!(kind, "sensor_msgs/Imu" | "sensor_msgs/msg/Imu");
+                let wanted = self.wanted.as_deref().is_none_or(|wanted| wanted == name);
+                let (imu, foreign) = match encoding {
+                    _ if !(is_imu && wanted) => (None, None),
+                    Ok(encoding) => (Some(Box::new(Imu::new(encoding))), None),
+                    Err(foreign) => (None, Some(printable(&foreign))),
+                };
+                self.names.insert(name.clone(), self.all.len());
+                self.all.push(Topic { name, kind: printable(kind), messages: 0, imu, foreign });
+                self.all.len() - 1
+            }
+        };
+        self.numbers.insert(number, index);
         self.all[index].imu.is_some()
     }
 
     /// A message on a declared number; `received_ns` is the bag's own stamp.
     pub(crate) fn message(&mut self, number: u32, received_ns: i64, data: &[u8]) {
-        let Some(&(_, index)) = self.numbers.iter().find(|(n, _)| *n == number) else {
-            return;
-        };
+        let Some(&index) = self.numbers.get(&number) else { return };
         let topic = &mut self.all[index];
         topic.messages += 1;
         let Some(imu) = &mut topic.imu else { return };
@@ -110,12 +140,7 @@ impl Topics {
 
     /// Every topic with its type.
     fn listed(&self) -> String {
-        let mut names: Vec<String> =
-            self.all.iter().take(12).map(|t| format!("{} ({})", t.name, t.kind)).collect();
-        if self.all.len() > 12 {
-            names.push("...".to_owned());
-        }
-        names.join(", ")
+        shortened(self.all.iter().map(|t| format!("{} ({})", t.name, t.kind)))
     }
 
     /// The wanted topic, or the only IMU there is.
@@ -126,18 +151,19 @@ impl Topics {
         let path_buf = path.to_path_buf();
         let index = match &self.wanted {
             Some(wanted) => {
-                let Some(at) = self.all.iter().position(|t| t.name == *wanted) else {
-                    let near = |t: &&Topic| strsim::normalized_damerau_levenshtein(&t.name, wanted) > 0.6;
-                    let mut names: Vec<&Topic> = self.all.iter().filter(near).collect();
-                    names.sort_by(|a, b| {
-                        strsim::normalized_damerau_levenshtein(&b.name, wanted)
-                            .total_cmp(&strsim::normalized_damerau_levenshtein(&a.name, wanted))
-                    });
+                let Some(&at) = self.names.get(wanted) else {
+                    // Nobody mistypes a name of hundreds of letters, and likening one takes time with the square of them.
+                    let likeness = |t: &Topic| strsim::normalized_damerau_levenshtein(&t.name, wanted);
+                    let short = self.all.iter().filter(|t| t.name.len() <= 200 && wanted.len() <= 200);
+                    let near = short
+                        .map(|t| (likeness(t), t))
+                        .filter(|(likeness, _)| *likeness > 0.6)
+                        .reduce(|best, next| if next.0 > best.0 { next } else { best });
                     let slashed = format!("/{wanted}");
                     let exact = self.all.iter().find(|t| t.name == slashed);
                     return Err(LogError::NoTopic {
                         path: path_buf,
-                        similar: exact.or(names.first().copied()).map(|t| t.name.clone()),
+                        similar: exact.or(near.map(|(_, t)| t)).map(|t| t.name.clone()),
                         topics: self.listed(),
                         wanted: wanted.clone(),
                     });
@@ -177,7 +203,7 @@ impl Topics {
                         return Err(LogError::SeveralTopics {
                             path: path_buf,
                             count: imus.len(),
-                            topics: imus.iter().map(name).collect::<Vec<_>>().join(", "),
+                            topics: shortened(imus.iter().map(name)),
                             one: self.all[imus[0]].name.clone(),
                         });
                     }
@@ -185,9 +211,10 @@ impl Topics {
             }
         };
         let Topic { name, messages, imu, .. } = self.all.swap_remove(index);
-        let Some(Imu { sieve, undecodable, unstamped, .. }) = imu else {
+        let Some(imu) = imu else {
             return Err(LogError::NotImu { path: path_buf, topic: name, kind: String::new() });
         };
+        let Imu { sieve, undecodable, unstamped, .. } = *imu;
         let mut remarks = Vec::new();
         for (why, count) in undecodable {
             remarks.push(format!("{count} of {messages} messages on {name} {why}; they are left out"));

@@ -65,14 +65,14 @@ impl HopWindow {
             let (name, needs) = (estimator.name().to_owned(), estimator.min_len());
             return Err(EstimatorError::WindowTooShort { name, needs, window });
         }
-        let recent = Vec::with_capacity(2 * window);
-        Ok(Self { estimator, window, hop, recent, fed: 0, held: Reading::NotYet })
+        // Room is made as samples come: a window may be longer than any log.
+        Ok(Self { estimator, window, hop, recent: Vec::new(), fed: 0, held: Reading::NotYet })
     }
 }
 
 impl AxisSigma for HopWindow {
     fn feed(&mut self, value: f64) -> Reading {
-        if self.recent.len() == 2 * self.window {
+        if self.recent.len() == self.window.saturating_mul(2) {
             self.recent.copy_within(self.window + 1.., 0);
             self.recent.truncate(self.window - 1);
         }

@@ -1,6 +1,6 @@
 //! Deviation of the Savitzky-Golay residual, corrected for what the filter keeps.
 
-use super::quadratic::Gain;
+use super::quadratic::{Gain, WIDEST};
 use super::{EstimatorError, WindowSigma};
 use crate::signal::SavitzkyGolay;
 
@@ -20,9 +20,18 @@ impl SgResidual {
     /// The filter's window and order; `samples` is the length of the windows it will mostly be asked for.
     ///
     /// # Errors
-    /// What [`SavitzkyGolay::new`] refuses; an order of `window - 1`, which leaves no residual; `samples` below the
+    /// A filter's window above 501; what [`SavitzkyGolay::new`] refuses; an order of `window - 1`, which leaves no residual; `samples` below the
     /// filter's window.
     pub(crate) fn new(window: usize, order: usize, samples: usize) -> Result<Self, EstimatorError> {
+        // Held against its bound before a filter of that size is made: it takes memory with the window's square.
+        if window > WIDEST {
+            return Err(EstimatorError::Parameter {
+                estimator: "sg",
+                parameter: "window",
+                value: window as f64,
+                range: "at most 501 samples",
+            });
+        }
         let filter = SavitzkyGolay::new(window, order)?;
         let name = format!("sg({window},{order})");
         if order + 1 == window {
@@ -91,5 +100,9 @@ mod tests {
         ));
         assert!(matches!(SgResidual::new(51, 3, 50), Err(EstimatorError::WindowTooShort { needs: 51, .. })));
         assert!(matches!(SgResidual::new(6, 2, 200), Err(EstimatorError::Filter(_))));
+        assert_eq!(
+            SgResidual::new(999_999, 3, 1_000_000).map(|_| ()).unwrap_err().to_string(),
+            "sg: window is 999999, it must be at most 501 samples"
+        );
     }
 }

@@ -28,6 +28,12 @@ pub enum FilterError {
         /// The window asked for.
         window: usize,
     },
+    /// A window whose rows would fill the memory.
+    #[error("a filter window of {window} samples is too wide; at most {} are taken", SavitzkyGolay::WIDEST)]
+    TooWide {
+        /// The window asked for.
+        window: usize,
+    },
     /// A polynomial with as many coefficients as the window has samples, or more.
     #[error(
         "order {order} needs a window above {order} samples, this one has {window}; lower the order or widen the window"
@@ -79,16 +85,22 @@ pub struct SavitzkyGolay {
 }
 
 impl SavitzkyGolay {
-    /// The filter of `window` samples (odd, at least 1) and polynomial `order` (below `window`).
+    /// The widest window \[samples\]: the rows of its edges take 16 MB.
+    pub const WIDEST: usize = 2001;
+
+    /// The filter of `window` samples (odd, 1 to [`Self::WIDEST`]) and polynomial `order` (below `window`).
     ///
     /// # Errors
-    /// An empty or even window; an order that the window cannot determine.
+    /// An empty, even or too wide window; an order that the window cannot determine.
     pub fn new(window: usize, order: usize) -> Result<Self, FilterError> {
         if window == 0 {
             return Err(FilterError::EmptyWindow);
         }
         if window.is_multiple_of(2) {
             return Err(FilterError::EvenWindow { window });
+        }
+        if window > Self::WIDEST {
+            return Err(FilterError::TooWide { window });
         }
         if order >= window {
             return Err(FilterError::OrderTooHigh { window, order });
@@ -285,6 +297,7 @@ mod tests {
         let text = SavitzkyGolay::new(10, 2).unwrap_err().to_string();
         assert!(text.contains("9 and 11"), "{text}");
         assert_eq!(SavitzkyGolay::new(0, 0).unwrap_err(), FilterError::EmptyWindow);
+        assert_eq!(SavitzkyGolay::new(999_999, 3).unwrap_err(), FilterError::TooWide { window: 999_999 });
         assert_eq!(SavitzkyGolay::new(5, 5).unwrap_err(), FilterError::OrderTooHigh { window: 5, order: 5 });
         let short = SavitzkyGolay::new(11, 2).unwrap().smooth(&[0.0; 10]).unwrap_err();
         assert_eq!(short, FilterError::SignalTooShort { len: 10, window: 11 });

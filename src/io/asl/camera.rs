@@ -3,11 +3,12 @@
 use super::yaml::{self, Matrix};
 use crate::IoError;
 use crate::decimal::TimeUnit;
+use crate::printable;
 use crate::rows::Rows;
 use dpn_core::camera::{CameraConfig, Distortion};
 use dpn_core::time::Stamp;
 use serde::Deserialize;
-use std::path::Path;
+use std::path::{Component, Path};
 
 /// One image: when it was taken and the file that holds it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -32,8 +33,7 @@ struct Raw {
 }
 
 pub(super) fn read_config(path: &Path) -> Result<CameraConfig, IoError> {
-    let bytes = std::fs::read(path).map_err(|e| IoError::reading(path, e))?;
-    parse_config(&bytes, path)
+    parse_config(&crate::small::read_config(path)?, path)
 }
 
 /// Reads a `cam0/sensor.yaml` from bytes at hand; `path` is for messages. Keys it does not know are passed over.
@@ -84,6 +84,13 @@ pub(super) fn read_frames(path: &Path) -> Result<Vec<CameraFrame>, IoError> {
     parse_frames(&bytes, path)
 }
 
+/// Whether a name joined to a folder names something in it, and can be shown.
+fn stays_inside(name: &str) -> bool {
+    let mut parts = Path::new(name).components();
+    let is_plain = |part| matches!(part, Component::Normal(_));
+    !name.is_empty() && parts.all(is_plain) && !name.contains('\\') && printable(name) == name
+}
+
 /// Reads a `cam0/data.csv` from bytes at hand; `path` is for messages. Without a second column the file is `STAMP.png`.
 pub(crate) fn parse_frames(bytes: &[u8], path: &Path) -> Result<Vec<CameraFrame>, IoError> {
     let mut rows = Rows::open(bytes, path)?;
@@ -91,6 +98,10 @@ pub(crate) fn parse_frames(bytes: &[u8], path: &Path) -> Result<Vec<CameraFrame>
     while rows.advance()? {
         let t = rows.stamp_after(frames.last().map(|f| f.t), 0, TimeUnit::Nanos)?;
         let file = if rows.width() > 1 { rows.text(1)?.to_owned() } else { format!("{}.png", t.ns()) };
+        if !stays_inside(&file) {
+            let name = printable(&file.chars().take(80).collect::<String>());
+            return Err(IoError::BadName { path: path.to_path_buf(), line: rows.line(), name });
+        }
         frames.push(CameraFrame { t, file });
     }
     Ok(frames)
@@ -145,6 +156,13 @@ mod tests {
         let frames = parse("#timestamp [ns],filename\r\n10,a.png\r\n20,b.png\r\n").unwrap();
         assert_eq!((frames[1].t.ns(), frames[1].file.as_str()), (20, "b.png"));
         assert_eq!(parse("10\n20\n").unwrap()[0].file, "10.png");
+        assert_eq!(parse("10,left/10.png\n").unwrap()[0].file, "left/10.png");
+        for out in ["../../../etc/passwd", "/etc/passwd", "a/../../b.png", "..\\b.png", "a\u{1b}[2J.png"] {
+            let error = parse(&format!("10,a.png\n20,{out}\n")).unwrap_err().to_string();
+            let said =
+                format!("data.csv:2: the image `{}` is no file in the camera's folder", printable(out));
+            assert_eq!(error, said);
+        }
         assert_eq!(
             parse("10,a\n10,b\n").unwrap_err().to_string(),
             "data.csv:2: time goes from 10 to 10 ns; stamps must increase"

@@ -38,8 +38,7 @@ struct Raw {
 }
 
 pub(super) fn read(path: &Path) -> Result<ImuConfig, IoError> {
-    let bytes = std::fs::read(path).map_err(|e| IoError::reading(path, e))?;
-    parse(&bytes, path)
+    parse(&crate::small::read_config(path)?, path)
 }
 
 /// Reads an `imu0/sensor.yaml` from bytes at hand; `path` is for messages. Keys it does not know are passed over.

@@ -106,6 +106,6 @@ mod tests {
         assert_eq!(CameraConfig { body_from_cam: config.body_from_cam, ..read }, config);
         assert_eq!(sequence.camera_frames().unwrap(), frames);
         assert!(ImageFolder::open(&sequence).unwrap().coverage().is_complete());
-        assert_eq!(read_png(&sequence.image_path(&frames[1])).unwrap(), image);
+        assert_eq!(read_png(&sequence.image_path(&frames[1]), [5, 3]).unwrap(), image);
     }
 }

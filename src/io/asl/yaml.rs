@@ -1,6 +1,6 @@
 //! What ASL's `sensor.yaml` files have in common: reading, the pose `T_BS`, the rate.
 
-use crate::IoError;
+use crate::{IoError, printable};
 use dpn_core::time::SampleRate;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use serde::Deserialize;
@@ -24,12 +24,9 @@ pub(super) fn parse<T: DeserializeOwned>(bytes: &[u8], path: &Path) -> Result<T,
         IoError::BadYaml {
             path: path.to_path_buf(),
             line: error.location().and_then(|at| usize::try_from(at.line()).ok()).filter(|line| *line > 0),
-            message: first
-                .split(" at line ")
-                .next()
-                .unwrap_or(first)
-                .trim_start_matches("error: ")
-                .to_owned(),
+            message: printable(
+                first.split(" at line ").next().unwrap_or(first).trim_start_matches("error: "),
+            ),
         }
     })
 }

@@ -6,7 +6,7 @@ use super::quantity::Quantity;
 use super::step::{Remark, Step};
 use super::tree::Tree;
 use super::{datasheet, keyed, ros, vins};
-use crate::IoError;
+use crate::small::{read_config, read_config_from};
 use dpn_core::noise::{Figure, ImuFigures};
 use dpn_core::time::SampleRate;
 use serde::Serialize;
@@ -97,13 +97,16 @@ impl NoiseCalibration {
     }
 }
 
-/// Reads the configuration at `path`; without a format, by the keys it has.
+/// Reads the configuration at `path`, or on stdin for `-`; without a format, by the keys it has.
 ///
 /// # Errors
 /// A file that cannot be read or is no YAML or JSON; keys that are missing; numbers that no noise has; per-sample numbers without a rate.
 pub fn read(path: &Path, format: Option<Format>, given: &Given) -> Result<NoiseCalibration, FormatError> {
-    let bytes = std::fs::read(path).map_err(|error| IoError::reading(path, error))?;
-    parse(&bytes, path, format, given)
+    if path == Path::new("-") {
+        let stdin = Path::new("stdin");
+        return parse(&read_config_from(std::io::stdin().lock(), stdin)?, stdin, format, given);
+    }
+    parse(&read_config(path)?, path, format, given)
 }
 
 /// The same from bytes at hand; `path` is for messages.

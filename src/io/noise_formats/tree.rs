@@ -3,6 +3,7 @@
 //! OpenCV's header `%YAML:1.0` and its tags are taken; of several documents, as `rostopic echo` writes them, the first is read. JSON is YAML.
 
 use super::error::FormatError;
+use crate::printable;
 use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
 use serde_saphyr::Spanned;
 use std::fmt;
@@ -155,7 +156,7 @@ fn bad(error: &serde_saphyr::Error, path: &Path) -> FormatError {
     FormatError::NotYaml {
         path: path.to_path_buf(),
         line: line.filter(|line| *line > 0),
-        message: first.split(" at line ").next().unwrap_or(first).trim_start_matches("error: ").to_owned(),
+        message: printable(first.split(" at line ").next().unwrap_or(first).trim_start_matches("error: ")),
     }
 }
 
@@ -204,7 +205,7 @@ impl<'de> Deserialize<'de> for Node {
             fn visit_map<A: MapAccess<'de>>(self, mut access: A) -> Result<Node, A::Error> {
                 let mut map = Vec::new();
                 while let Some((key, value)) = access.next_entry::<Spanned<String>, Item>()? {
-                    map.push(Entry { line: line_of(&key), key: key.value, value });
+                    map.push(Entry { line: line_of(&key), key: printable(&key.value), value });
                 }
                 Ok(Node::Map(map))
             }

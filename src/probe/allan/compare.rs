@@ -9,8 +9,12 @@ use dpn_core::noise::{Axes, Figure, ImuFigures};
 use dpn_io::noise_formats::{Format, NoiseCalibration, number};
 use serde::Serialize;
 
-/// Up to this factor, up or down, a configuration agrees with a log.
+/// Up to this factor, up or down, a walk agrees with a log's, which tells one to a factor of two or so.
 const AGREES: f64 = 3.0;
+/// The same of white noise: a log at rest shows it to per cents, and sensors of one kind differ by a third.
+const WHITE_AGREES: f64 = 1.5;
+/// From here on a walk that agrees is said to be near, not the same.
+const SAME: f64 = 1.5;
 /// Up to this factor people multiply on purpose.
 const USUAL: f64 = 20.0;
 
@@ -18,13 +22,13 @@ const USUAL: f64 = 20.0;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// Within three times.
+    /// White noise within half as much again, a walk within three times.
     Agrees,
-    /// Three to twenty times above: what people do on purpose for vibration.
+    /// Up to twenty times above: what people do on purpose for vibration.
     Inflated,
     /// More than twenty times above.
     TooHigh,
-    /// Below a third of the sensor's own noise.
+    /// White noise below two thirds of the sensor's own, a walk below a third.
     TooLow,
     /// The log does not show the figure; the configuration's is below what it would have shown.
     NotSeen,
@@ -83,7 +87,10 @@ impl Finding {
         };
         let than = if self.seen { "the noise at rest" } else { "what the log would show" };
         let verdict = match self.verdict {
-            Verdict::Agrees => format!("agrees (x{:.2})", self.ratio),
+            Verdict::Agrees if self.ratio.max(1.0 / self.ratio) <= SAME => {
+                format!("agrees (x{:.2})", self.ratio)
+            }
+            Verdict::Agrees => format!("x{:.2}, as near as a log tells a walk", self.ratio),
             Verdict::NotSeen => "agrees as far as the log shows".to_owned(),
             Verdict::Unusual => {
                 let [low, high] = typical(self.figure);
@@ -200,11 +207,12 @@ pub fn judge(
     let configured = source.figures.get(figure, meaning, rate)?.largest();
     let density = source.figures.density(figure)?.largest();
     let ratio = density / measured.density;
+    let agrees = if figure.is_walk() { AGREES } else { WHITE_AGREES };
     let verdict = match ratio {
         r if r <= AGREES && !seen && unusual(figure, density) => Verdict::Unusual,
         r if r <= AGREES && !seen => Verdict::NotSeen,
-        r if r < 1.0 / AGREES => Verdict::TooLow,
-        r if r <= AGREES => Verdict::Agrees,
+        r if r < 1.0 / agrees => Verdict::TooLow,
+        r if r <= agrees => Verdict::Agrees,
         r if r <= USUAL => Verdict::Inflated,
         _ => Verdict::TooHigh,
     };
@@ -281,6 +289,11 @@ mod tests {
         };
         let sound = kalibr(1.2e-3, 2e-4, 0.9e-4, 2e-5);
         assert!(sound.iter().all(|f| f.verdict == Verdict::Agrees && !f.warns()), "{sound:?}");
+        // White noise is measured to per cents: less than half of it is not what the log says.
+        let low = kalibr(0.45e-3, 0.45 * 2e-4, 0.9e-4, 2e-5);
+        assert_eq!((low[0].verdict, low[0].warns()), (Verdict::TooLow, true));
+        assert!(low[0].text().contains("2.2 times below the sensor's own noise"), "{}", low[0].text());
+        assert!(low[1].verdict == Verdict::Agrees && !low[1].text().contains("agrees"), "{}", low[1].text());
         let per_sample = kalibr(1e-2, 2e-4, 1e-3, 2e-5);
         assert_eq!(per_sample[0].suspects.first(), Some(&"a deviation per sample where a density belongs"));
         assert_eq!(per_sample[0].verdict, Verdict::Inflated);

@@ -67,7 +67,9 @@ impl AllanError {
             ),
             Self::TooShort { .. } => Some("record for longer: minutes for white noise, hours for the bias".into()),
             Self::Constant { .. } => Some("look at the wiring or the column".into()),
-            Self::Fit(_) | Self::Value(_) => None,
+            Self::Fit(_) | Self::Value(_) => {
+                Some("no sensor's noise looks like this log's: look at its values and units with `dpn check`".into())
+            }
         }
     }
 }

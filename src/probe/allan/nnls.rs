@@ -6,9 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Why there is no solution.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "the fit of the Allan plot did not come to an end: {reason}; this is a fault of the program, please report it with its log"
-)]
+#[error("the fit of the Allan plot did not come to an end: {reason}")]
 pub struct NnlsError {
     reason: String,
 }

@@ -1,12 +1,17 @@
 //! The health of somebody's log, before anybody trusts a figure made from it: findings by weight, each with a remedy.
 //!
 //! * [`timing`]: rate, jitter, dropped samples, the same sample twice.
+//! * `clock`: clocks that were set, rates that no IMU has.
 //! * [`values`]: gravity, units, swapped columns, clipped and dead axes, converter steps.
 //! * [`vibration`]: spectral peaks and what may be aliased.
 //! * [`motion`]: rest and motion, drift of the bias at rest.
 //! * [`reading`]: damage, stamps that stand still or go back, values that are no numbers, all of which the reader left out.
 //! * [`examine_log`]: all of them; `examine` without the last.
+//!
+//! Every check runs on what there is: of a clock that jumps the longest part is looked at, and a sample beyond what any IMU measures is named
+//! and left out.
 
+mod clock;
 mod finding;
 pub mod motion;
 #[cfg(feature = "logs")]
@@ -26,7 +31,7 @@ use vibration::AxisSpectrum;
 /// What an examination leaves.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Examination {
-    /// Samples of the log.
+    /// Samples that were looked at.
     pub samples: usize,
     /// From the first to the last stamp \[s\].
     pub length_s: f64,
@@ -50,12 +55,16 @@ pub fn examine_log(log: &Log) -> Examination {
 
 /// Looks at a log as a whole.
 pub(crate) fn examine(recording: &ImuRecording) -> Examination {
-    let rest = crate::allan::rest::rest(recording);
-    let spectra = vibration::spectra(recording);
-    let mut findings = timing::findings(recording);
-    findings.extend(values::findings(recording, &rest));
+    let (recording, jumps) = clock::without_jumps(recording);
+    let mut findings: Vec<Finding> = jumps.into_iter().collect();
+    findings.extend(timing::findings(&recording));
+    let (measured, outliers) = values::without_outliers(&recording);
+    findings.extend(outliers);
+    let rest = crate::allan::rest::rest(&measured);
+    let spectra = vibration::spectra(&measured);
+    findings.extend(values::findings(&measured, &rest));
     findings.extend(vibration::findings(&spectra));
-    findings.extend(motion::findings(recording, &rest));
+    findings.extend(motion::findings(&measured, &rest));
     findings.sort_by_key(|finding| finding.weight);
     Examination {
         samples: recording.len(),

@@ -45,6 +45,12 @@ pub(super) fn findings(log: &Log) -> Vec<Finding> {
         "with NaN or infinite values",
         "look at the driver: a failed read should be no sample",
     );
+    left(
+        "values",
+        &sieved.absurd,
+        "with values beyond 1e12, which no sensor measures",
+        "look at the driver: a failed read should be no sample",
+    );
     findings.extend(
         log.remarks.iter().map(|remark| Finding::warning("rows", remark.clone(), "look at what wrote them")),
     );

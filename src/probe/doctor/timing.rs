@@ -1,11 +1,13 @@
 //! Rate, jitter, dropped samples, samples that come twice.
 
-use super::Finding;
+use super::{Finding, clock};
 use dpn_core::ImuRecording;
 use dpn_core::signal::stats;
 
 /// Jitter of a step, relative to the median one, from which an integrator notices.
 const JITTER: f64 = 0.05;
+/// A step longer than nearly all others by this factor is a hole, not the pause behind a burst.
+const PAUSE: f64 = 5.0;
 /// Share of samples equal to the one before from which the log is polled faster than the sensor.
 const TWICE: f64 = 0.05;
 
@@ -19,6 +21,7 @@ pub(super) fn findings(recording: &ImuRecording) -> Vec<Finding> {
         "rate",
         format!("{:.3} Hz by the median step, {mean_hz:.3} Hz by the mean one", recording.rate().hz()),
     ));
+    findings.extend(clock::unlikely(recording.rate()));
     let [low, high] = [0.01, 0.99].map(|level| stats::quantile(&steps, level) / period - 1.0);
     let text = || {
         format!(
@@ -35,28 +38,32 @@ pub(super) fn findings(recording: &ImuRecording) -> Vec<Finding> {
         ));
     }
     // A burst empties a queue: many steps near zero, then a long one; the median step says nothing then.
-    let usual = recording.duration() / steps.len() as f64;
-    let bursts = steps.iter().filter(|s| **s < 0.2 * usual).count();
+    // Holes are no pauses behind bursts: without them, one of a minute would make every other step a short one.
+    let longest = PAUSE * stats::quantile(&steps, 0.97);
+    let even: Vec<f64> = steps.iter().copied().filter(|s| *s <= longest).collect();
+    let usual = stats::mean(&even);
+    let bursts = even.iter().filter(|s| **s < 0.2 * usual).count();
     if bursts as f64 > 0.05 * steps.len() as f64 {
         findings.push(Finding::bad(
             "jitter",
             format!("{bursts} steps are shorter than a fifth of the mean one: samples were stamped as a queue was emptied"),
             "stamp samples where they are taken",
         ));
-        findings.extend(repeated(recording));
-        return findings;
+        findings.extend(dropped(recording, &steps, longest, usual));
+    } else {
+        findings.extend(dropped(recording, &steps, 1.5 * period, period));
     }
-    findings.extend(dropped(recording, &steps, period));
     findings.extend(repeated(recording));
     findings
 }
 
-fn dropped(recording: &ImuRecording, steps: &[f64], period: f64) -> Option<Finding> {
+/// Steps longer than `limit` \[s\].
+fn dropped(recording: &ImuRecording, steps: &[f64], limit: f64, period: f64) -> Option<Finding> {
     let start = recording.samples()[0].t;
     let holes: Vec<(f64, f64)> = steps
         .iter()
         .enumerate()
-        .filter(|(_, step)| **step > 1.5 * period)
+        .filter(|(_, step)| **step > limit)
         .map(|(i, step)| (recording.samples()[i].t.seconds_since(start), *step))
         .collect();
     let (at, longest) = *holes.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -121,6 +128,29 @@ mod tests {
         assert_eq!(gaps.weight, Weight::Warning);
         assert!(gaps.text.starts_with("2 hole(s), about 4 samples lost; at "), "{gaps:?}");
         assert!(gaps.text.contains(", 20.01 s; the longest, 0.020 s, at "), "{gaps:?}");
+    }
+
+    #[test]
+    fn a_pause_of_a_minute_is_a_hole_and_no_jitter() {
+        let mut samples = level(30);
+        for s in &mut samples[3000..] {
+            s.t = Stamp::from_ns(s.t.ns() + 60_000_000_000);
+        }
+        let found = of(samples.clone());
+        assert!(find(&found, "jitter").is_none(), "{found:?}");
+        let gaps = find(&found, "gaps").unwrap();
+        assert!(
+            gaps.weight == Weight::Bad && gaps.text.contains("the longest, 60.005 s, at 14.99"),
+            "{gaps:?}"
+        );
+        // Behind bursts too.
+        for (i, s) in samples.iter_mut().enumerate() {
+            let pause = if i < 3000 { 0 } else { 60_000_000_000 };
+            s.t = Stamp::from_ns(pause + (i as i64 / 4) * 20_000_000 + (i as i64 % 4) * 100_000);
+        }
+        let found = of(samples);
+        assert!(find(&found, "jitter").is_some());
+        assert!(find(&found, "gaps").unwrap().text.starts_with("1 hole(s), "), "{found:?}");
     }
 
     #[test]

@@ -1,12 +1,52 @@
 //! Gravity, units, swapped columns, clipped and dead axes, the converter's step.
 
-use super::{Finding, Weight};
+use super::{Finding, Weight, clock};
 use crate::allan::rest::Rest;
 use dpn_core::check::{CheckOptions, RecordingFault, check};
 use dpn_core::signal::stats::{self, Ddof};
 use dpn_core::{GRAVITY, ImuRecording, ImuSample, Sensor};
+use std::borrow::Cow;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
+/// Share of the samples that may be outliers; where there are more, the unit is wrong.
+const FEW: f64 = 0.01;
+/// Length of a specific force beyond which neither m/s^2 nor g nor mg were meant \[m/s^2\].
+const COUNTS: f64 = 50.0;
+
+/// What no IMU measures: 5700 deg/s, 200 g \[rad/s, m/s^2\].
+fn most(sensor: Sensor) -> f64 {
+    match sensor {
+        Sensor::Accel => 2000.0,
+        Sensor::Gyro => 100.0,
+    }
+}
+
+/// A recording without the few samples that no IMU measures, and what is to be said of them.
+pub(super) fn without_outliers(recording: &ImuRecording) -> (Cow<'_, ImuRecording>, Option<Finding>) {
+    let beyond = |s: &ImuSample| {
+        Sensor::ALL.into_iter().find_map(|sensor| {
+            let axis = s.of(sensor).iter().position(|v| v.abs() > most(sensor))?;
+            Some((sensor, axis))
+        })
+    };
+    let samples = recording.samples();
+    let count = samples.iter().filter(|s| beyond(s).is_some()).count();
+    let first = samples.iter().find_map(|s| Some((s, beyond(s)?)));
+    let Some((sample, (sensor, axis))) = first.filter(|_| count as f64 <= FEW * samples.len() as f64) else {
+        return (Cow::Borrowed(recording), None);
+    };
+    let text = format!(
+        "{sensor} {} reads {:.4e} {} at {:.3} s, more than any IMU measures; {count} sample(s) like it are left out of what follows",
+        AXES[axis],
+        sample.of(sensor)[axis],
+        sensor.unit(),
+        sample.t.seconds_since(samples[0].t)
+    );
+    let remedy = "leave such samples out of the log: one of them throws an estimator off";
+    let kept = samples.iter().filter(|s| beyond(s).is_none()).copied().collect();
+    let kept = ImuRecording::new(kept).expect("99 of 100 samples are kept, in their order");
+    (Cow::Owned(kept), Some(Finding::bad("outliers", text, remedy)))
+}
 
 pub(super) fn findings(recording: &ImuRecording, rest: &Rest) -> Vec<Finding> {
     let mut findings = gravity(recording, rest);
@@ -38,13 +78,16 @@ fn middle(samples: &[ImuSample], sensor: Sensor) -> [f64; 3] {
     std::array::from_fn(|axis| stats::median(&samples.iter().map(|s| s.of(sensor)[axis]).collect::<Vec<_>>()))
 }
 
-/// What is so wrong with gravity, columns or units that no figure of the log means anything; from some thousand of its samples.
+/// What is so wrong with clock, gravity, columns or units that no figure of the log means anything; units from some thousand of its samples.
 pub fn meaningless(recording: &ImuRecording) -> Vec<Finding> {
     const SAMPLES: usize = 5000;
+    let (recording, jumps) = clock::without_jumps(recording);
+    let (measured, outliers) = without_outliers(&recording);
     let every = recording.len().div_ceil(SAMPLES);
-    let thin = ImuRecording::new(recording.samples().iter().step_by(every).copied().collect())
+    let thin = ImuRecording::new(measured.samples().iter().step_by(every).copied().collect())
         .expect("every so manieth sample of a recording, thousands or all of them");
     let mut findings = gravity(&thin, &Rest::default());
+    findings.extend(jumps.into_iter().chain(clock::unlikely(recording.rate())).chain(outliers));
     findings.retain(|finding| finding.weight == Weight::Bad);
     findings
 }
@@ -69,6 +112,16 @@ fn gravity(recording: &ImuRecording, rest: &Rest) -> Vec<Finding> {
             format!("{read}: it counts in mg"),
             "read the log with --accel-unit mg",
         ));
+    } else if force > COUNTS {
+        let is_whole = |s: &ImuSample| s.accel.iter().all(|v| v.fract() == 0.0);
+        let whole = if samples.iter().all(is_whole) { ", all of them whole numbers" } else { "" };
+        findings.push(Finding::bad(
+            "units",
+            format!("{read}: raw counts{whole}? Some {force:.0} of them would make a g"),
+            "divide by the data sheet's counts to a g and to a deg/s, or rad/s, and write that into the log",
+        ));
+        // The gyroscope's columns are counts then too.
+        return findings;
     } else if let Some(turn) = [turn, turn.to_degrees()].into_iter().find(|t| (t - GRAVITY).abs() < 0.5)
         && force < 3.0
     {
@@ -140,6 +193,9 @@ pub(super) fn step(signal: &[f64]) -> Option<f64> {
     (share > 0.95 && values.len() < signal.len().min(20_000) / 2).then_some(least)
 }
 
+/// Noise of a sample, in steps, of which rounding to steps (1 / sqrt(12) of one) makes half: sqrt(2 / 12).
+const CONVERTER: f64 = 0.408;
+
 fn steps(recording: &ImuRecording) -> Vec<Finding> {
     let mut findings = Vec::new();
     for sensor in Sensor::ALL {
@@ -150,7 +206,7 @@ fn steps(recording: &ImuRecording) -> Vec<Finding> {
             let Some(step) = step(&signal) else { continue };
             let noise =
                 stats::deviation(&stats::differences(&signal, 2), Ddof::Zero) / stats::difference_gain(2);
-            coarse |= noise < step;
+            coarse |= noise < CONVERTER * step;
             said.push(format!("{name} {step:.3e}"));
         }
         if said.is_empty() {
@@ -160,8 +216,8 @@ fn steps(recording: &ImuRecording) -> Vec<Finding> {
         findings.push(if coarse {
             Finding::warning(
                 "steps",
-                format!("{text}, coarser than its noise"),
-                "choose a smaller measuring range; noise per sample below a step is the converter's, not the sensor's",
+                format!("{text}, so coarse that they make more than half of its noise"),
+                "choose a smaller measuring range; `dpn allan` shows the converter's noise then, not the sensor's",
             )
         } else {
             Finding::note("steps", text)
@@ -237,6 +293,55 @@ pub(crate) mod tests {
         assert_eq!(quick(with(|s| s.accel[2] -= 9.81))[0].about, "gravity");
         let spun = with(|s| s.gyro[1] = 90.0 * (s.t.ns() as f64 * 1e-9).sin());
         assert!(said(spun, "units")[0].contains("it counts in degrees"));
+    }
+
+    #[test]
+    fn one_sample_beyond_any_imu_is_named_and_spoils_no_other_check() {
+        let sound = examine(&ImuRecording::new(level(20)).unwrap());
+        let mut samples = level(20);
+        samples[1000].gyro[0] = 1000.0;
+        samples[2000].accel[2] = 1e11;
+        let recording = ImuRecording::new(samples).unwrap();
+        let sick = examine(&recording);
+        assert_eq!(
+            sick.findings[0].text,
+            "gyro x reads 1.0000e3 rad/s at 5.000 s, more than any IMU measures; 2 sample(s) like it are left out of what follows"
+        );
+        let others = |e: &crate::doctor::Examination| e.findings.iter().map(|f| f.about).collect::<Vec<_>>();
+        assert_eq!(others(&sick)[1..], others(&sound)[..]);
+        assert_eq!(meaningless(&recording).len(), 1);
+        assert!(!sick.findings.iter().any(|f| f.text.contains("inf") || f.text.contains("NaN")), "{sick:?}");
+    }
+
+    #[test]
+    fn raw_counts_are_asked_about_and_not_per_cent_off() {
+        let counts = |whole: bool| {
+            let mut samples = level(20);
+            for s in &mut samples {
+                s.accel = s.accel.map(|v| v / GRAVITY * 4096.0).map(|v| if whole { v.round() } else { v });
+                s.gyro = s.gyro.map(|v| (v.to_degrees() * 16.4).round());
+            }
+            said(samples, "units")
+        };
+        let words = ": raw counts, all of them whole numbers? Some 4096 of them would make a g";
+        assert!(
+            counts(true)[0].starts_with("bad: ") && counts(true)[0].ends_with(words),
+            "{:?}",
+            counts(true)
+        );
+        assert!(counts(false)[0].contains(": raw counts? Some 4096 "), "{:?}", counts(false));
+    }
+
+    #[test]
+    fn steps_are_coarse_only_where_rounding_makes_most_of_the_noise() {
+        let stepped = |sigmas: f64| {
+            let mut samples = level(20);
+            let step = 0.028 / sigmas;
+            samples.iter_mut().for_each(|s| s.accel = s.accel.map(|v| (v / step).round() * step));
+            said(samples, "steps")
+        };
+        assert!(stepped(0.8)[0].starts_with("note: accel counts in steps of "), "{:?}", stepped(0.8));
+        assert!(stepped(0.2)[0].ends_with("so coarse that they make more than half of its noise"));
     }
 
     #[test]

@@ -41,6 +41,12 @@ pub enum LogNoiseError {
         /// The networks' \[Hz\].
         trained_hz: f64,
     },
+    /// Stamps in another unit than was thought.
+    #[error("the rate is {found_hz:.0} Hz; no IMU is faster than 100000 Hz")]
+    TooFast {
+        /// The log's rate \[Hz\].
+        found_hz: f64,
+    },
     /// A value that is no noise.
     #[error(transparent)]
     Value(#[from] BadNoise),
@@ -56,6 +62,9 @@ impl LogNoiseError {
             Self::Rate { trained_hz, .. } => Some(format!(
                 "whole multiples of {trained_hz:.0} Hz are thinned by themselves; else give a simple estimator: --noise diff2"
             )),
+            Self::TooFast { .. } => Some(
+                "the stamps count in another unit, it seems: name it by --time-unit s, ms, us or ns".into(),
+            ),
             Self::Spec(_) | Self::NoNetwork { .. } | Self::Pair(_) | Self::Value(_) => None,
         }
     }

@@ -71,10 +71,12 @@ impl Levels {
     /// Of a recording with its phases; none where it is shorter than a filter.
     pub fn of(recording: &ImuRecording, stretches: &[Stretch]) -> Option<Self> {
         let half = ((recording.rate().hz() * FILTER_S - 1.0) / 2.0).round().max(2.0) as usize;
-        let filter = SavitzkyGolay::new(2 * half + 1, 2).expect("an odd window of five samples or more");
-        if recording.len() < filter.window() {
+        // Beyond 36 kHz the filter is shorter in time; no IMU is there.
+        let window = 2 * half.min(SavitzkyGolay::WIDEST / 2) + 1;
+        if recording.len() < window {
             return None;
         }
+        let filter = SavitzkyGolay::new(window, 2).expect("an odd window of five samples or more");
         let block = (recording.rate().hz().round() as usize).clamp(8, recording.len().max(8));
         let start = recording.samples()[0].t;
         let phases: Vec<Option<Phase>> = recording

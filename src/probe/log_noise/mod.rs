@@ -21,5 +21,5 @@ mod track;
 pub use error::LogNoiseError;
 pub use levels::{FloorFrom, Levels, SensorLevels};
 pub use plan::{Feed, Plan};
-pub use summary::{AxisSummary, PhaseSummary, Quantiles, SensorOutside, TrackSummary};
+pub use summary::{AxisSummary, OutsideSpan, PhaseSummary, Quantiles, SensorOutside, TrackSummary};
 pub use track::{Answer, Count, Judged, Track, track};

@@ -12,6 +12,10 @@ use dpn_pronet::range::TrainedRange;
 const RATE_TOLERANCE: f64 = 0.05;
 /// Window of a simple estimator \[s\].
 const WINDOW_S: f64 = 1.0;
+/// The same in samples, at most: the deviation of so many is sure to half a per cent.
+const WINDOW_MOST: usize = 20_000;
+/// No IMU is faster: whoever is has stamps in another unit than was thought \[Hz\].
+const FASTEST_HZ: f64 = 1e5;
 
 /// What is asked, how often, and of which samples.
 #[derive(Debug, Clone)]
@@ -31,13 +35,16 @@ impl<'a> Plan<'a> {
     /// long as its noise is white.
     ///
     /// # Errors
-    /// A spec that is not causal (`file`, `oracle`, the controls), networks that are not there, a rate that is no multiple of theirs.
+    /// A spec that is not causal (`file`, `oracle`, the controls), networks that are not there, a rate that is no multiple of theirs or no IMU's.
     pub fn new(
         spec: &NoiseSpec,
         rate: SampleRate,
         every: usize,
         networks: &'a [Network],
     ) -> Result<Self, LogNoiseError> {
+        if rate.hz() > FASTEST_HZ {
+            return Err(LogNoiseError::TooFast { found_hz: rate.hz() });
+        }
         let mut plan = Self { spec: spec.clone(), networks: None, thin: 1, every: every.max(1), rate };
         match spec {
             NoiseSpec::Sensors(_) => {}
@@ -97,8 +104,14 @@ impl<'a> Plan<'a> {
         match (&self.spec, self.memory()) {
             (_, Some(memory)) => memory as f64 * self.rate.period(),
             (spec, None) if spec.is_constant() => 0.0,
-            (_, None) => WINDOW_S,
+            (_, None) if self.window() == (self.rate.hz() * WINDOW_S).round() as usize => WINDOW_S,
+            (_, None) => self.window() as f64 * self.rate.period(),
         }
+    }
+
+    /// Samples in the window of a simple estimator.
+    fn window(&self) -> usize {
+        ((self.rate.hz() * WINDOW_S).round() as usize).clamp(8, WINDOW_MOST)
     }
 
     /// The longest window of its networks, in the log's samples; none for all else, which may remember for ever.
@@ -115,8 +128,7 @@ impl<'a> Plan<'a> {
     pub fn feed(&self) -> Result<Feed, LogNoiseError> {
         let model = match (&self.spec, self.networks) {
             (NoiseSpec::Sensors(pair), _) => {
-                let window = ((self.rate.hz() * WINDOW_S).round() as usize).max(8);
-                Model::Simple(pair.model(Schedule { window, hop: self.every })?)
+                Model::Simple(pair.model(Schedule { window: self.window(), hop: self.every })?)
             }
             (_, Some((accel, gyro))) => Model::Networks(Box::new(DualProNet::new(
                 self.spec.to_string(),

@@ -82,6 +82,17 @@ pub fn page(plan: &Plan<'_>, summary: &TrackSummary, rate: SampleRate) -> String
     if let (Some(rest), Some(moving)) = (summary.phase(Phase::Rest), summary.phase(Phase::Moving)) {
         text.push('\n');
         for sensor in Sensor::ALL {
+            // What is extrapolated is no number, and neither is its ratio to one.
+            let loud =
+                |p: &super::PhaseSummary| p.outside.iter().any(|o| o.sensor == sensor && o.share > LOUD);
+            if let Some(part) = [moving, rest].into_iter().find(|part| loud(part)) {
+                let phase = part.phase.map_or_else(String::new, |phase| phase.to_string());
+                let _ = writeln!(
+                    text,
+                    "{sensor}: how much noisier moving than at rest is not known: {phase} it is out of range"
+                );
+                continue;
+            }
             let largest = |p: &super::PhaseSummary| p.of(sensor).map(|a| a.sigma.middle).fold(0.0, f64::max);
             let _ = writeln!(
                 text,
@@ -90,7 +101,28 @@ pub fn page(plan: &Plan<'_>, summary: &TrackSummary, rate: SampleRate) -> String
             );
         }
     }
+    for line in outside(summary) {
+        let _ = writeln!(text, "{line}");
+    }
     text
+}
+
+/// Where a track is extrapolated, a line a sensor: for the page, and for the small print of a picture.
+pub fn outside(summary: &TrackSummary) -> Vec<String> {
+    const MOST: usize = 8;
+    let of = |sensor: Sensor| {
+        let spans: Vec<String> = summary
+            .outside
+            .iter()
+            .filter(|span| span.sensor == sensor)
+            .map(|span| format!("{:.1}-{:.1}", span.from_s, span.to_s))
+            .collect();
+        let more = spans.len().saturating_sub(MOST);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        let listed = spans.iter().take(MOST).cloned().collect::<Vec<_>>().join(", ");
+        (!spans.is_empty()).then(|| format!("{sensor} out of range: s {listed}{more}"))
+    };
+    Sensor::ALL.into_iter().filter_map(of).collect()
 }
 
 /// Two significant digits, plain where that is short.

@@ -53,6 +53,20 @@ pub struct PhaseSummary {
     pub outside: Vec<SensorOutside>,
 }
 
+/// A stretch of time in which windows of a sensor are unlike those of its network's training.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct OutsideSpan {
+    /// The sensor.
+    pub sensor: Sensor,
+    /// From the log's begin \[s\].
+    pub from_s: f64,
+    /// To \[s\].
+    pub to_s: f64,
+}
+
+/// Seconds between two windows outside that are one span.
+const TOGETHER_S: f64 = 1.0;
+
 /// A track by phase.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TrackSummary {
@@ -60,6 +74,8 @@ pub struct TrackSummary {
     pub phases: Vec<PhaseSummary>,
     /// When is which.
     pub stretches: Vec<Stretch>,
+    /// Where windows are outside, sensor by sensor.
+    pub outside: Vec<OutsideSpan>,
     /// Seconds at the log's begin in which the estimator had no full window and said a constant.
     pub unknown_s: f64,
 }
@@ -87,7 +103,8 @@ impl TrackSummary {
             };
             phases.push(part(Some(phase), seconds, track.answers.iter().filter(known).filter(inside)));
         }
-        Self { phases, stretches, unknown_s }
+        let outside = Sensor::ALL.into_iter().flat_map(|sensor| outside(track, recording, sensor)).collect();
+        Self { phases, stretches, outside, unknown_s }
     }
 
     /// One phase.
@@ -101,6 +118,24 @@ impl PhaseSummary {
     pub fn of(&self, sensor: Sensor) -> impl Iterator<Item = &AxisSummary> {
         self.axes.iter().filter(move |a| a.sensor == sensor)
     }
+}
+
+/// Where one sensor's windows are outside.
+fn outside(track: &Track, recording: &ImuRecording, sensor: Sensor) -> Vec<OutsideSpan> {
+    let start = recording.samples()[0].t;
+    let mut spans: Vec<OutsideSpan> = Vec::new();
+    let mut before_s = 0.0;
+    for answer in &track.answers {
+        let to_s = answer.t.seconds_since(start);
+        if answer.judged.of(sensor).outside > 0 {
+            match spans.last_mut() {
+                Some(last) if before_s <= last.to_s + TOGETHER_S => last.to_s = to_s,
+                _ => spans.push(OutsideSpan { sensor, from_s: before_s, to_s }),
+            }
+        }
+        before_s = to_s;
+    }
+    spans
 }
 
 fn part<'a>(phase: Option<Phase>, seconds: f64, answers: impl Iterator<Item = &'a Answer>) -> PhaseSummary {

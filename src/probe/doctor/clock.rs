@@ -1,0 +1,126 @@
+//! Clocks that were set while a log was written, and rates that no IMU has.
+
+use super::Finding;
+use dpn_core::{ImuRecording, SampleRate};
+use std::borrow::Cow;
+
+/// A step between samples that is a jump of the clock: longer than this \[s\],
+const JUMP_S: f64 = 3600.0;
+/// and so many times as long as all that is recorded.
+const JUMP_TIMES: f64 = 10.0;
+/// Rates at which IMUs are read, a little wider \[Hz\].
+const RATES: [f64; 2] = [9.0, 9000.0];
+/// Beyond there is none at all \[Hz\].
+const FASTEST: f64 = 1e5;
+
+/// The longest part of a recording whose clock was left alone, and what is to be said of the jumps.
+pub(super) fn without_jumps(recording: &ImuRecording) -> (Cow<'_, ImuRecording>, Option<Finding>) {
+    let samples = recording.samples();
+    let step = |i: usize| samples[i + 1].t.seconds_since(samples[i].t);
+    let long: Vec<usize> = (0..samples.len() - 1).filter(|i| step(*i) > JUMP_S).collect();
+    let recorded = recording.duration() - long.iter().map(|i| step(*i)).sum::<f64>();
+    let jumps: Vec<usize> = long.into_iter().filter(|i| step(*i) > JUMP_TIMES * recorded).collect();
+    let Some(&first) = jumps.first() else { return (Cow::Borrowed(recording), None) };
+    let ends = jumps.iter().map(|i| i + 1).chain([samples.len()]);
+    let begins = [0].into_iter().chain(jumps.iter().map(|i| i + 1));
+    // Of several as long the last.
+    let longest = begins.zip(ends).max_by_key(|(begin, end)| end - begin).expect("there is a part or more");
+    let part = ImuRecording::new(samples[longest.0..longest.1].to_vec());
+    let looked_at = match &part {
+        Ok(part) => format!("looked at are the {} samples from {} on", part.len(), part.samples()[0].t),
+        Err(_) => "no part of the log has two samples".to_owned(),
+    };
+    let text = format!(
+        "the stamps jump {} time(s), first by {} after sample {}, from {} to {}; {looked_at}",
+        jumps.len(),
+        span(step(first)),
+        first + 1,
+        samples[first].t,
+        samples[first + 1].t
+    );
+    let finding = Finding::bad(
+        "clock",
+        text,
+        "cut the log there; look for a clock that was set while it was written, or for two logs in one file",
+    );
+    (part.map_or(Cow::Borrowed(recording), Cow::Owned), Some(finding))
+}
+
+/// What is to be said of a rate that IMUs do not have.
+pub(super) fn unlikely(rate: SampleRate) -> Option<Finding> {
+    let hz = rate.hz();
+    let remedy = "look at the unit of the stamps: --time-unit s, ms, us or ns";
+    if hz > FASTEST {
+        return Some(Finding::bad(
+            "rate",
+            format!("{hz:.0} Hz: no IMU is as fast; the stamps count in another unit"),
+            remedy,
+        ));
+    }
+    let words = if hz > RATES[1] { "faster" } else { "slower" };
+    let is_unlikely = !(RATES[0]..=RATES[1]).contains(&hz);
+    is_unlikely.then(|| {
+        Finding::warning("rate", format!("{hz:.3} Hz is {words} than IMUs are read (10 to 8000 Hz)"), remedy)
+    })
+}
+
+/// `2.5 h`, `3.1 days`, `44.5 years`.
+fn span(seconds: f64) -> String {
+    match seconds {
+        s if s < 172_800.0 => format!("{:.1} h", s / 3600.0),
+        s if s < 31_557_600.0 => format!("{:.1} days", s / 86_400.0),
+        s => format!("{:.1} years", s / 31_557_600.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::doctor::examine;
+    use crate::doctor::values::tests::level;
+    use dpn_core::Stamp;
+
+    #[test]
+    fn a_first_stamp_of_nothing_before_real_ones_is_a_jump_and_the_rest_is_looked_at() {
+        let mut samples = level(30);
+        for s in &mut samples[1..] {
+            s.t = Stamp::from_ns(1_403_715_285_000_000_000 + s.t.ns());
+        }
+        samples[0].t = Stamp::from_ns(976);
+        let found = examine(&ImuRecording::new(samples).unwrap());
+        assert_eq!((found.samples, found.length_s.round()), (5999, 30.0));
+        assert_eq!(
+            found.findings[0].text,
+            "the stamps jump 1 time(s), first by 44.5 years after sample 1, from 976 ns to 1403715285005000000 ns; \
+             looked at are the 5999 samples from 1403715285005000000 ns on"
+        );
+        assert!(found.findings.iter().all(|f| f.about != "jitter" && f.about != "gaps"), "{found:?}");
+        assert!(!found.spectra.is_empty());
+    }
+
+    #[test]
+    fn a_pause_of_hours_in_a_log_of_hours_is_no_jump_and_a_log_of_two_far_stamps_is_one() {
+        let at = |seconds: &[i64]| {
+            let sample = level(1)[0];
+            let all = seconds
+                .iter()
+                .map(|s| dpn_core::ImuSample { t: Stamp::from_ns(s * 1_000_000_000), ..sample });
+            ImuRecording::new(all.collect()).unwrap()
+        };
+        assert!(without_jumps(&at(&[0, 3000, 6000, 16_000])).1.is_none());
+        let two = at(&[0, 1_000_000]);
+        let (part, said) = without_jumps(&two);
+        assert!(part.len() == 2 && said.unwrap().text.ends_with("no part of the log has two samples"));
+    }
+
+    #[test]
+    fn rates_that_a_wrong_unit_makes_are_named() {
+        let of = |hz: f64| unlikely(SampleRate::from_hz(hz).unwrap()).map(|f| f.text);
+        for hz in [10.0, 200.0, 8000.0] {
+            assert_eq!(of(hz), None);
+        }
+        assert_eq!(of(10_000.0).unwrap(), "10000.000 Hz is faster than IMUs are read (10 to 8000 Hz)");
+        assert_eq!(of(0.2).unwrap(), "0.200 Hz is slower than IMUs are read (10 to 8000 Hz)");
+        assert_eq!(of(1e9).unwrap(), "1000000000 Hz: no IMU is as fast; the stamps count in another unit");
+    }
+}
