@@ -4,11 +4,9 @@ use super::axis::Axis;
 use super::error::{FigureError, check_column};
 use super::frame::{Frame, Rect};
 use super::legend::{self, Entry, Key};
-use super::plot::{DrawError, Drawn, Plot};
+use super::plot::{Area, Drawn, Painted, Plot};
 use super::sheet::{MARGIN, ROOM};
 use super::style::{self, Anchor, PALETTE};
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
 use plotters::style::Color;
 use plotters_backend::DrawingBackend;
 
@@ -133,7 +131,7 @@ impl Plot for ErrorBand {
         (style::WIDTH, height as u32)
     }
 
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
         let title = style::text(style::TITLE, style::INK, Anchor::West);
         area.draw_text(&self.title, &title, (MARGIN, MARGIN + 18))?;
         legend::draw(area, &self.legend, (MARGIN, MARGIN + NAMES), ROOM)?;

@@ -6,14 +6,12 @@ use super::error::FigureError;
 use super::flight::{Flight, Phase};
 use super::frame::{ABOVE, BELOW, Frame, LEFT, RIGHT, Rect};
 use super::legend::{self, Entry, Key};
-use super::plot::{DrawError, Drawn, Plot};
+use super::plot::{Area, Drawn, Painted, Plot};
 use super::sheet::{self, MARGIN};
 use super::style::{self, Anchor, PALETTE};
 use super::summary::{Column, columns};
 use dpn_core::Sensor;
 use dpn_core::signal::stats::upper_median;
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
 use plotters::style::{Color, RGBColor};
 use plotters_backend::DrawingBackend;
 
@@ -118,7 +116,7 @@ impl FlightSigma {
         })
     }
 
-    fn draw_phases<DB: DrawingBackend>(&self, frame: &Frame<'_, DB>) -> Result<(), DrawError<DB>> {
+    fn draw_phases<DB: DrawingBackend>(&self, frame: &Frame<'_, DB>) -> Painted<DB> {
         for phase in &self.phases {
             let (top, bottom) = (frame.rect.top, frame.rect.bottom);
             let tint = tint(&self.phases, &phase.label);
@@ -133,7 +131,7 @@ impl FlightSigma {
         Ok(())
     }
 
-    fn draw_signal<DB: DrawingBackend>(&self, frame: &Frame<'_, DB>) -> Result<(), DrawError<DB>> {
+    fn draw_signal<DB: DrawingBackend>(&self, frame: &Frame<'_, DB>) -> Painted<DB> {
         self.draw_phases(frame)?;
         envelope(frame, &self.signal, RGBColor(0x55, 0x55, 0x55))?;
         frame.axes(false)?;
@@ -148,7 +146,7 @@ impl FlightSigma {
         Ok(())
     }
 
-    fn draw_sigma<DB: DrawingBackend>(&self, frame: &Frame<'_, DB>) -> Result<(), DrawError<DB>> {
+    fn draw_sigma<DB: DrawingBackend>(&self, frame: &Frame<'_, DB>) -> Painted<DB> {
         self.draw_phases(frame)?;
         if let Some(limit) = self.trained_up_to {
             let y = frame.y_at(limit);
@@ -238,7 +236,7 @@ pub(super) fn envelope<DB: DrawingBackend>(
     frame: &Frame<'_, DB>,
     columns: &[Column],
     colour: impl Color + Copy,
-) -> Result<(), DrawError<DB>> {
+) -> Painted<DB> {
     for part in unbroken(columns) {
         let upper = part.iter().map(|c| (frame.x_at(c.t), frame.y_at(c.high) - 1));
         let lower = part.iter().rev().map(|c| (frame.x_at(c.t), frame.y_at(c.low) + 1));
@@ -260,7 +258,7 @@ impl Plot for FlightSigma {
         (style::WIDTH, height as u32)
     }
 
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
         let title = style::text(style::TITLE, style::INK, Anchor::West);
         area.draw_text(&self.title, &title, (MARGIN, MARGIN + 18))?;
         let top = MARGIN + ABOVE;

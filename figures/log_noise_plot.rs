@@ -7,15 +7,13 @@ use super::flight::Phase;
 use super::flight_sigma::{envelope, labels, tint, unbroken};
 use super::frame::{ABOVE, BELOW, Frame, LEFT, RIGHT, Rect};
 use super::legend::{self, Entry, Key};
-use super::plot::{DrawError, Drawn, Plot};
+use super::plot::{Area, Drawn, Painted, Plot};
 use super::sheet::{self, MARGIN};
 use super::style::{self, PALETTE};
 use super::summary::{Column, columns};
 use dpn_core::{ImuRecording, Sensor};
 use dpn_probe::log_noise::{Plan, Track};
 use dpn_probe::phases::Stretch;
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
 use plotters::style::Color;
 use plotters_backend::DrawingBackend;
 
@@ -102,7 +100,7 @@ impl LogNoisePlot {
         })
     }
 
-    fn ground<DB: DrawingBackend>(&self, frame: &Frame<'_, DB>) -> Result<(), DrawError<DB>> {
+    fn ground<DB: DrawingBackend>(&self, frame: &Frame<'_, DB>) -> Painted<DB> {
         for phase in &self.phases {
             let (top, bottom) = (frame.rect.top, frame.rect.bottom);
             let tint = tint(&self.phases, &phase.label);
@@ -162,7 +160,7 @@ impl Plot for LogNoisePlot {
         (style::WIDTH, (2 * MARGIN + around + panels) as u32)
     }
 
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
         legend::draw(area, &self.legend, (MARGIN, MARGIN), sheet::ROOM)?;
         let mut top = MARGIN + legend::height(&self.legend, sheet::ROOM);
         for panel in &self.sensors {

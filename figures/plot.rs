@@ -14,8 +14,11 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use tempfile::{Builder, NamedTempFile};
 
-/// What a back-end says when it cannot draw.
-pub type DrawError<DB> = DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>;
+/// What a plot is drawn on.
+pub type Area<DB> = DrawingArea<DB, Shift>;
+
+/// Drawn, or what a back-end says when it cannot draw.
+pub type Painted<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
 
 /// The numbers a plot shows: a header and rows of the same length.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,7 +38,7 @@ pub trait Plot {
     ///
     /// # Errors
     /// Those of the back-end.
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>>;
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB>;
 
     /// The numbers that are drawn.
     fn csv(&self) -> Drawn;
@@ -151,7 +154,7 @@ mod tests {
             (120, 60)
         }
 
-        fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
+        fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
             area.draw_text("σ [m/s²]", &style::text(20.0, style::INK, Anchor::Centre), (60, 30))
         }
 

@@ -5,13 +5,11 @@ use super::axis::Axis;
 use super::error::{FigureError, check_column, check_each};
 use super::frame::{Frame, Rect};
 use super::legend::{Entry, Key};
-use super::plot::{DrawError, Drawn, Plot};
+use super::plot::{Area, Drawn, Painted, Plot};
 use super::sheet::Sheet;
 use super::style::{self, PALETTE};
 use super::summary::{BINS, Level, MOST_LEVELS, by_level};
 use dpn_core::Sensor;
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
 use plotters_backend::DrawingBackend;
 
 const FIGURE: &str = "predicted against true";
@@ -142,11 +140,7 @@ impl Panel {
         })
     }
 
-    fn draw<DB: DrawingBackend>(
-        &self,
-        area: &DrawingArea<DB, Shift>,
-        rect: Rect,
-    ) -> Result<(), DrawError<DB>> {
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>, rect: Rect) -> Painted<DB> {
         let frame = Frame::new(area, rect, &self.x, &self.y);
         frame.grid()?;
         let end = self.x.high().min(self.y.high());
@@ -185,7 +179,7 @@ impl Plot for PredictedVsTrue {
         self.sheet.size()
     }
 
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
         self.sheet.draw(area, &self.panels, |panel, rect| panel.draw(area, rect))
     }
 

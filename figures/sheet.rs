@@ -2,10 +2,8 @@
 
 use super::frame::{ABOVE, BELOW, LEFT, RIGHT, Rect};
 use super::legend::{self, Entry};
-use super::plot::DrawError;
+use super::plot::{Area, Painted};
 use super::style;
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
 use plotters_backend::DrawingBackend;
 
 /// Height of the panels.
@@ -32,10 +30,10 @@ impl Sheet {
     /// Draws legend and small print, and each panel into its rectangle.
     pub(super) fn draw<DB: DrawingBackend, P>(
         &self,
-        area: &DrawingArea<DB, Shift>,
+        area: &Area<DB>,
         panels: &[P],
-        draw: impl Fn(&P, Rect) -> Result<(), DrawError<DB>>,
-    ) -> Result<(), DrawError<DB>> {
+        draw: impl Fn(&P, Rect) -> Painted<DB>,
+    ) -> Painted<DB> {
         legend::draw(area, &self.legend, (MARGIN, MARGIN), ROOM)?;
         let top = MARGIN + legend::height(&self.legend, ROOM) + ABOVE;
         let width = style::WIDTH as i32 / panels.len().max(1) as i32;

@@ -4,13 +4,11 @@ use super::axis::Axis;
 use super::error::FigureError;
 use super::frame::{Frame, Rect};
 use super::legend::{Entry, Key};
-use super::plot::{DrawError, Drawn, Plot};
+use super::plot::{Area, Drawn, Painted, Plot};
 use super::sheet::Sheet;
 use super::style::{self, PALETTE};
 use dpn_core::Sensor;
 use dpn_probe::doctor::vibration::AxisSpectrum;
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
 use plotters_backend::DrawingBackend;
 
 const FIGURE: &str = "spectra";
@@ -84,11 +82,7 @@ impl Panel {
         })
     }
 
-    fn draw<DB: DrawingBackend>(
-        &self,
-        area: &DrawingArea<DB, Shift>,
-        rect: Rect,
-    ) -> Result<(), DrawError<DB>> {
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>, rect: Rect) -> Painted<DB> {
         let frame = Frame::new(area, rect, &self.x, &self.y);
         frame.grid()?;
         for (axis, bins) in &self.lines {
@@ -105,7 +99,7 @@ impl Plot for SpectrumPlot {
         self.sheet.size()
     }
 
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
         self.sheet.draw(area, &self.panels, |panel, rect| panel.draw(area, rect))
     }
 

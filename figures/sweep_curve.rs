@@ -4,11 +4,9 @@ use super::axis::Axis;
 use super::error::{FigureError, check_each};
 use super::frame::{ABOVE, BELOW, Frame, LEFT, RIGHT, Rect};
 use super::legend::{self, Entry, Key};
-use super::plot::{DrawError, Drawn, Plot};
+use super::plot::{Area, Drawn, Painted, Plot};
 use super::sheet::{MARGIN, ROOM};
 use super::style::{self, Anchor, PALETTE};
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
 use plotters::style::Color;
 use plotters_backend::DrawingBackend;
 
@@ -103,7 +101,7 @@ impl Plot for SweepCurve {
         (style::WIDTH, (2 * MARGIN + around + ABOVE / 2 + PANEL + BELOW) as u32)
     }
 
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
         legend::draw(area, &self.legend, (MARGIN, MARGIN), ROOM)?;
         let top = MARGIN + legend::height(&self.legend, ROOM) + ABOVE / 2;
         let rect = Rect { left: LEFT, top, right: style::WIDTH as i32 - RIGHT, bottom: top + PANEL };

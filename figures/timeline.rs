@@ -4,13 +4,11 @@ use super::axis::Axis;
 use super::error::FigureError;
 use super::frame::{BELOW, Frame, LEFT, RIGHT, Rect};
 use super::legend;
-use super::plot::{DrawError, Drawn, Plot};
+use super::plot::{Area, Drawn, Painted, Plot};
 use super::sheet::{MARGIN, ROOM};
 use super::style::{self, Anchor, PALETTE};
 use super::summary::columns;
 use dpn_core::signal::stats::upper_median;
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
 use plotters_backend::DrawingBackend;
 
 const FIGURE: &str = "timeline";
@@ -108,12 +106,7 @@ impl TimelinePanel {
         Axis::linear(String::new(), if low < 0.0 { low - pad } else { low }, high + pad, 4)
     }
 
-    fn draw<DB: DrawingBackend>(
-        &self,
-        frame: &Frame<'_, DB>,
-        marks: &[f64],
-        last: bool,
-    ) -> Result<(), DrawError<DB>> {
+    fn draw<DB: DrawingBackend>(&self, frame: &Frame<'_, DB>, marks: &[f64], last: bool) -> Painted<DB> {
         frame.grid()?;
         for t in marks {
             let x = frame.x_at(*t);
@@ -153,7 +146,7 @@ impl Plot for Timeline {
         (style::WIDTH, height as u32)
     }
 
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
         let title = style::text(style::TITLE, style::INK, Anchor::West);
         area.draw_text(&self.title, &title, (MARGIN, MARGIN + 18))?;
         let mut top = MARGIN + WORDS;

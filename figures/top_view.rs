@@ -4,11 +4,9 @@ use super::axis::Axis;
 use super::error::FigureError;
 use super::frame::{ABOVE, BELOW, Frame, LEFT, RIGHT, Rect};
 use super::legend::{self, Entry, Key};
-use super::plot::{DrawError, Drawn, Plot};
+use super::plot::{Area, Drawn, Painted, Plot};
 use super::sheet::{MARGIN, ROOM};
 use super::style::{self, PALETTE};
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
 use plotters_backend::DrawingBackend;
 
 const FIGURE: &str = "top view";
@@ -84,7 +82,7 @@ impl Plot for TopView {
         (style::WIDTH, (2 * MARGIN + around + ABOVE + self.tall + BELOW) as u32)
     }
 
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
         legend::draw(area, &self.legend, (MARGIN, MARGIN), ROOM)?;
         let top = MARGIN + legend::height(&self.legend, ROOM) + ABOVE;
         let rect = Rect { left: LEFT, top, right: LEFT + SIDE, bottom: top + self.tall };

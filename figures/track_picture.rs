@@ -1,10 +1,11 @@
 //! What the camera saw and what was made of it: the image, its tracks coloured by age with the way they came, and those that ended.
 
 use super::error::FigureError;
+use super::plot::{Area, Painted};
 use super::raster::{Raster, averaged, canvas_over};
 use super::style::{self, Anchor};
 use dpn_core::GrayImage;
-use plotters::drawing::{DrawingArea, IntoDrawingArea};
+use plotters::drawing::IntoDrawingArea;
 use plotters::element::{Circle, PathElement, Rectangle};
 use plotters::style::{Color, RGBColor, WHITE};
 use plotters_backend::DrawingBackend;
@@ -84,10 +85,7 @@ impl TrackPicture<'_> {
         Ok(bytes)
     }
 
-    fn draw<DB: DrawingBackend>(
-        &self,
-        area: &DrawingArea<DB, plotters::coord::Shift>,
-    ) -> Result<(), super::plot::DrawError<DB>> {
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
         let at = |px: [f64; 2]| (px[0].round() as i32, px[1].round() as i32);
         for dot in self.tracks {
             let colour = by_age(dot.age);

@@ -4,11 +4,9 @@ use super::axis::Axis;
 use super::error::{FigureError, check_column};
 use super::frame::{Frame, Rect};
 use super::legend::{self, Entry, Key};
-use super::plot::{DrawError, Drawn, Plot};
+use super::plot::{Area, Drawn, Painted, Plot};
 use super::sheet::{MARGIN, ROOM};
 use super::style::{self, Anchor, PALETTE};
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
 use plotters::style::ShapeStyle;
 use plotters_backend::DrawingBackend;
 
@@ -147,11 +145,7 @@ impl Drawable {
         })
     }
 
-    fn draw<DB: DrawingBackend>(
-        &self,
-        area: &DrawingArea<DB, Shift>,
-        rect: Rect,
-    ) -> Result<(), DrawError<DB>> {
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>, rect: Rect) -> Painted<DB> {
         let frame = Frame::new(area, rect, &self.x, &self.y);
         frame.grid()?;
         let line = |path: &[[f64; 2]]| path.iter().map(|p| frame.at(p[0], p[1])).collect::<Vec<_>>();
@@ -182,7 +176,7 @@ impl Plot for Trajectories {
         (style::WIDTH, height as u32)
     }
 
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
         legend::draw(area, &self.legend, (MARGIN, MARGIN), ROOM)?;
         let top = MARGIN + legend::height(&self.legend, ROOM);
         let (width, height) = (AROUND.0 + PANEL.0 + AROUND.2, AROUND.1 + PANEL.1 + AROUND.3);

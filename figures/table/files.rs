@@ -7,7 +7,7 @@ use std::path::Path;
 
 impl Table {
     /// As Markdown.
-    pub fn markdown(&self) -> String {
+    pub(crate) fn markdown(&self) -> String {
         let escaped = |text: &str| text.replace('|', "\\|").replace('[', "\\[").replace(']', "\\]");
         let mut out = format!("**{}**\n\n", self.title);
         let line = |out: &mut String, cells: Vec<String>| {
@@ -45,7 +45,7 @@ impl Table {
     }
 
     /// As LaTeX: a `table` environment that needs no package but `graphicx`, for wide tables.
-    pub fn latex(&self) -> String {
+    pub(crate) fn latex(&self) -> String {
         let ends: String = self.columns.iter().map(|c| if c.is_number() { 'r' } else { 'l' }).collect();
         let mut out = format!(
             "\\begin{{table*}}\n\\centering\n\\caption{{{}}}\n\\label{{table:{}}}\n\\resizebox{{\\textwidth}}{{!}}{{%\n\\begin{{tabular}}{{{ends}}}\n\\hline\n",

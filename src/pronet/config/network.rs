@@ -103,7 +103,7 @@ impl ProNetConfig {
     }
 
     /// Samples of the first convolution's input, its padding not counted.
-    pub fn input_length(&self) -> usize {
+    pub(crate) fn input_length(&self) -> usize {
         match self.input {
             Input::Demeaned | Input::Raw => self.window,
             Input::Differences => self.window.saturating_sub(1),
