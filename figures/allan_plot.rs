@@ -8,6 +8,7 @@ use super::legend::{self, Entry, Key};
 use super::plot::{Area, Drawn, Painted, Plot};
 use super::sheet::Sheet;
 use super::style::{self, PALETTE};
+use super::summary::extent;
 use dpn_core::Sensor;
 use dpn_probe::allan::{AxisFit, Coefficient, Point};
 use plotters::style::Color;
@@ -60,7 +61,7 @@ impl AllanPlot {
             "Overlapping Allan deviation with 95 % bands; dashed: Q, N, B, K, R fitted to it; markers: the fitted white noise N \
              at 1 s, which is its density. {words}"
         );
-        Ok(Self { panels, sheet: Sheet { legend, caption } })
+        Ok(Self { panels, sheet: Sheet::of_panels(legend, caption) })
     }
 }
 
@@ -90,8 +91,8 @@ impl Panel {
             return Err(FigureError::Empty { figure: FIGURE, what: format!("axis of the {sensor}") });
         };
         let (from, to) = (first.points[0].tau, first.points[first.points.len() - 1].tau);
-        let all = || lines.iter().flat_map(|l| &l.points).map(|p| p.deviation);
-        let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
+        let all = lines.iter().flat_map(|l| &l.points).map(|p| p.deviation);
+        let (low, high) = extent(all);
         let unit = style::unit(sensor);
         Ok(Self {
             sensor,
@@ -133,7 +134,7 @@ impl Plot for AllanPlot {
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
-        self.sheet.draw(area, &self.panels, |panel, rect| panel.draw(area, rect))
+        self.sheet.side_by_side(area, &self.panels, |panel, rect| panel.draw(area, rect))
     }
 
     fn csv(&self) -> Drawn {

@@ -29,6 +29,12 @@ pub(super) struct Entry {
     pub(super) words: String,
 }
 
+/// An entry of `key` for each of `words`, in the palette's order.
+pub(super) fn entries<'a>(key: Key, words: impl IntoIterator<Item = &'a str>) -> Vec<Entry> {
+    let entry = |(words, colour): (&str, RGBColor)| Entry { key, colour, words: words.to_owned() };
+    words.into_iter().zip(style::PALETTE).map(entry).collect()
+}
+
 const KEY: i32 = 54;
 const GAP: i32 = 12;
 const BETWEEN: i32 = 42;

@@ -1,7 +1,7 @@
 //! Saving a plot: SVG, PNG and CSV, all or none of them half-written, the same bytes every time.
 
 use super::error::FigureError;
-use super::raster::{Raster, averaged, canvas};
+use super::raster::{Raster, canvas, encoded};
 use super::style;
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
@@ -120,16 +120,7 @@ fn png(plot: &impl Plot) -> Result<Vec<u8>, FigureError> {
     let size = plot.size();
     let mut memory = canvas(size);
     paint(plot, Raster::new(&mut memory, size))?;
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, size.0, size.1);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::High);
-    encoder
-        .write_header()
-        .and_then(|mut writer| writer.write_image_data(&averaged(&memory, size)))
-        .map_err(|error| FigureError::Draw { reason: error.to_string() })?;
-    Ok(bytes)
+    encoded(&memory, size, png::Compression::High)
 }
 
 fn csv(drawn: &Drawn) -> Result<Vec<u8>, FigureError> {

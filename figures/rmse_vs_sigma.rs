@@ -2,7 +2,7 @@
 //! sigma / sqrt(2 n) below which no unbiased estimator gets.
 
 use super::axis::Axis;
-use super::error::{FigureError, check_each};
+use super::error::{FigureError, check_count, check_each};
 use super::frame::{Frame, Rect};
 use super::legend::{self, Entry, Key};
 use super::plot::{Area, Drawn, Painted, Plot};
@@ -46,14 +46,7 @@ impl RmseVsSigma {
                 names.push(&row.estimator);
             }
         }
-        if names.len() > MOST {
-            return Err(FigureError::TooMany {
-                figure: FIGURE,
-                what: "estimators",
-                found: names.len(),
-                most: MOST,
-            });
-        }
+        check_count(FIGURE, "estimators", names.len(), MOST)?;
         let panels = Sensor::ALL
             .into_iter()
             .map(|sensor| (sensor, rows.iter().filter(|row| row.sensor == sensor).copied().collect()))
@@ -77,7 +70,7 @@ impl RmseVsSigma {
              {window} samples of white noise.",
             first.data, first.base, first.split, first.levels, first.label,
         );
-        Ok(Self { panels, sheet: Sheet { legend, caption } })
+        Ok(Self { panels, sheet: Sheet::of_panels(legend, caption) })
     }
 }
 
@@ -150,7 +143,7 @@ impl Plot for RmseVsSigma {
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
-        self.sheet.draw(area, &self.panels, |panel, rect| panel.draw(area, rect))
+        self.sheet.side_by_side(area, &self.panels, |panel, rect| panel.draw(area, rect))
     }
 
     fn csv(&self) -> Drawn {

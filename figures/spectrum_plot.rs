@@ -3,10 +3,11 @@
 use super::axis::Axis;
 use super::error::FigureError;
 use super::frame::{Frame, Rect};
-use super::legend::{Entry, Key};
+use super::legend::{self, Key};
 use super::plot::{Area, Drawn, Painted, Plot};
 use super::sheet::Sheet;
 use super::style::{self, PALETTE};
+use super::summary::extent;
 use dpn_core::Sensor;
 use dpn_probe::doctor::vibration::AxisSpectrum;
 use plotters_backend::DrawingBackend;
@@ -40,15 +41,11 @@ impl SpectrumPlot {
             .into_iter()
             .map(|sensor| Panel::new(sensor, spectra))
             .collect::<Result<Vec<_>, _>>()?;
-        let legend = AXES
-            .into_iter()
-            .zip(PALETTE)
-            .map(|(axis, colour)| Entry { key: Key::Line, colour, words: axis.to_owned() })
-            .collect();
+        let legend = legend::entries(Key::Line, AXES);
         let caption = format!(
             "Root of the power spectral density (Welch, Hann). Flat: white noise, at its density; peaks: vibration. {words}"
         );
-        Ok(Self { panels, sheet: Sheet { legend, caption } })
+        Ok(Self { panels, sheet: Sheet::of_panels(legend, caption) })
     }
 }
 
@@ -65,11 +62,7 @@ impl Panel {
             })
             .collect();
         let all = || lines.iter().flat_map(|(_, bins)| bins.iter().copied());
-        let fold = |pick: fn((f64, f64)) -> f64, start: f64, best: fn(f64, f64) -> f64| {
-            all().map(pick).fold(start, best)
-        };
-        let (from, to) = (fold(|b| b.0, f64::INFINITY, f64::min), fold(|b| b.0, 0.0, f64::max));
-        let (low, high) = (fold(|b| b.1, f64::INFINITY, f64::min), fold(|b| b.1, 0.0, f64::max));
+        let ((from, to), (low, high)) = (extent(all().map(|b| b.0)), extent(all().map(|b| b.1)));
         if to <= 0.0 {
             return Err(FigureError::Empty { figure: FIGURE, what: format!("spectrum of the {sensor}") });
         }
@@ -100,7 +93,7 @@ impl Plot for SpectrumPlot {
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
-        self.sheet.draw(area, &self.panels, |panel, rect| panel.draw(area, rect))
+        self.sheet.side_by_side(area, &self.panels, |panel, rect| panel.draw(area, rect))
     }
 
     fn csv(&self) -> Drawn {

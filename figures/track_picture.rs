@@ -2,7 +2,7 @@
 
 use super::error::FigureError;
 use super::plot::{Area, Painted};
-use super::raster::{Raster, averaged, canvas_over};
+use super::raster::{Raster, canvas_over, encoded};
 use super::style::{self, Anchor};
 use dpn_core::GrayImage;
 use plotters::drawing::IntoDrawingArea;
@@ -74,15 +74,7 @@ impl TrackPicture<'_> {
                 .and_then(|()| area.present())
                 .map_err(|error| FigureError::Draw { reason: error.to_string() })?;
         }
-        let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, size.0, size.1);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder
-            .write_header()
-            .and_then(|mut writer| writer.write_image_data(&averaged(&memory, size)))
-            .map_err(|error| FigureError::Draw { reason: error.to_string() })?;
-        Ok(bytes)
+        encoded(&memory, size, png::Compression::default())
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
