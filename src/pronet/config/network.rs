@@ -208,7 +208,7 @@ mod tests {
         assert_eq!(config.head, Head::LogSigma);
         assert_eq!(config.input, Input::Differences);
         for head in Head::ALL {
-            assert_eq!(serde_json::to_string(head).unwrap(), format!("\"{head}\""));
+            assert_eq!(serde_json::to_string(&head).unwrap(), format!("\"{head}\""));
         }
     }
 
