@@ -5,13 +5,12 @@ use super::axis::Axis;
 use super::error::{FigureError, check_each};
 use super::frame::{Frame, Rect};
 use super::legend::{self, Entry, Key};
-use super::plot::{DrawError, Drawn, Plot};
+use super::plot::{Area, Drawn, Painted, Plot};
 use super::sheet::Sheet;
 use super::style::{self, PALETTE};
+use super::summary::extent;
 use dpn_core::Sensor;
 use dpn_probe::allan::{AxisFit, Coefficient, Point};
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
 use plotters::style::Color;
 use plotters_backend::DrawingBackend;
 
@@ -62,7 +61,7 @@ impl AllanPlot {
             "Overlapping Allan deviation with 95 % bands; dashed: Q, N, B, K, R fitted to it; markers: the fitted white noise N \
              at 1 s, which is its density. {words}"
         );
-        Ok(Self { panels, sheet: Sheet { legend, caption } })
+        Ok(Self { panels, sheet: Sheet::of_panels(legend, caption) })
     }
 }
 
@@ -92,8 +91,8 @@ impl Panel {
             return Err(FigureError::Empty { figure: FIGURE, what: format!("axis of the {sensor}") });
         };
         let (from, to) = (first.points[0].tau, first.points[first.points.len() - 1].tau);
-        let all = || lines.iter().flat_map(|l| &l.points).map(|p| p.deviation);
-        let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
+        let all = lines.iter().flat_map(|l| &l.points).map(|p| p.deviation);
+        let (low, high) = extent(all);
         let unit = style::unit(sensor);
         Ok(Self {
             sensor,
@@ -103,11 +102,7 @@ impl Panel {
         })
     }
 
-    fn draw<DB: DrawingBackend>(
-        &self,
-        area: &DrawingArea<DB, Shift>,
-        rect: Rect,
-    ) -> Result<(), DrawError<DB>> {
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>, rect: Rect) -> Painted<DB> {
         let frame = Frame::new(area, rect, &self.x, &self.y);
         frame.grid()?;
         for (line, colour) in self.lines.iter().zip(PALETTE) {
@@ -138,8 +133,8 @@ impl Plot for AllanPlot {
         self.sheet.size()
     }
 
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
-        self.sheet.draw(area, &self.panels, |panel, rect| panel.draw(area, rect))
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
+        self.sheet.side_by_side(area, &self.panels, |panel, rect| panel.draw(area, rect))
     }
 
     fn csv(&self) -> Drawn {

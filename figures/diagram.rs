@@ -2,11 +2,9 @@
 
 use super::error::FigureError;
 use super::legend;
-use super::plot::{DrawError, Drawn, Plot};
+use super::plot::{Area, Drawn, Painted, Plot};
 use super::sheet::{MARGIN, ROOM};
 use super::style::{self, Anchor};
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
 use plotters::element::{DashedPathElement, PathElement, Polygon, Rectangle};
 use plotters::style::{Color, RGBColor};
 use plotters_backend::DrawingBackend;
@@ -153,7 +151,7 @@ impl Plot for Diagram {
         (style::WIDTH, (self.height + legend::print_height(&self.caption, ROOM) + MARGIN) as u32)
     }
 
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
         for arrow in &self.arrows {
             draw_arrow(area, arrow)?;
         }
@@ -199,7 +197,7 @@ impl Plot for Diagram {
     }
 }
 
-fn draw_arrow<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, arrow: &Arrow) -> Result<(), DrawError<DB>> {
+fn draw_arrow<DB: DrawingBackend>(area: &Area<DB>, arrow: &Arrow) -> Painted<DB> {
     let line = style::stroke(style::INK, style::THIN + 1);
     if arrow.dashed {
         area.draw(&DashedPathElement::new(arrow.path.clone(), 12, 8, line))?;
@@ -222,7 +220,7 @@ fn draw_arrow<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, arrow: &Arrow) 
 }
 
 /// Words over the middle of the longest part, on white.
-fn draw_words<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, arrow: &Arrow) -> Result<(), DrawError<DB>> {
+fn draw_words<DB: DrawingBackend>(area: &Area<DB>, arrow: &Arrow) -> Painted<DB> {
     let square = |w: &[(i32, i32)]| (w[1].0 - w[0].0).pow(2) + (w[1].1 - w[0].1).pow(2);
     let Some(part) = arrow.path.windows(2).max_by_key(|w| square(w)) else { return Ok(()) };
     let middle = ((part[0].0 + part[1].0) / 2, (part[0].1 + part[1].1) / 2);

@@ -109,6 +109,16 @@ pub(super) fn check_column(
     check_each(figure, what, values, "it must be finite", f64::is_finite)
 }
 
+/// Refuses more of `what` than a reader can tell apart.
+pub(super) fn check_count(
+    figure: &'static str,
+    what: &'static str,
+    found: usize,
+    most: usize,
+) -> Result<(), FigureError> {
+    if found > most { Err(FigureError::TooMany { figure, what, found, most }) } else { Ok(()) }
+}
+
 /// Checks every value with `good`.
 pub(super) fn check_each(
     figure: &'static str,

@@ -1,14 +1,12 @@
 //! Errors of position over time with the band of three deviations that the estimator believed: a row an axis, a column a noise.
 
 use super::axis::Axis;
-use super::error::{FigureError, check_column};
+use super::error::{FigureError, check_column, check_count};
 use super::frame::{Frame, Rect};
-use super::legend::{self, Entry, Key};
-use super::plot::{DrawError, Drawn, Plot};
-use super::sheet::{MARGIN, ROOM};
+use super::legend::{Entry, Key};
+use super::plot::{Area, Drawn, Painted, Plot};
+use super::sheet::{MARGIN, ROOM, Sheet};
 use super::style::{self, Anchor, PALETTE};
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
 use plotters::style::Color;
 use plotters_backend::DrawingBackend;
 
@@ -42,9 +40,7 @@ pub struct ErrorBand {
     columns: Vec<ErrorColumn>,
     time: Axis,
     errors: [Axis; 3],
-    legend: Vec<Entry>,
-    title: String,
-    caption: String,
+    sheet: Sheet,
 }
 
 impl ErrorBand {
@@ -56,14 +52,7 @@ impl ErrorBand {
         if columns.is_empty() || columns.iter().any(|c| c.t.len() < 2) {
             return Err(FigureError::Empty { figure: FIGURE, what: "pair of poses".into() });
         }
-        if columns.len() > MOST {
-            return Err(FigureError::TooMany {
-                figure: FIGURE,
-                what: "runs",
-                found: columns.len(),
-                most: MOST,
-            });
-        }
+        check_count(FIGURE, "runs", columns.len(), MOST)?;
         for column in columns {
             check_column(FIGURE, "time", &column.t, column.t.len())?;
             for (what, rows) in [("error", &column.errors), ("band", &column.bands)] {
@@ -94,17 +83,18 @@ impl ErrorBand {
             Axis::linear(format!("{} [m]", ["x", "y", "z"][axis]), -most, most, 4)
         });
         let entry = |key, colour, words: &str| Entry { key, colour, words: words.into() };
-        Ok(Self {
-            time: Axis::linear("time [s]".into(), start, end, 6),
-            errors,
+        let sheet = Sheet {
+            title: title.to_owned(),
+            head: NAMES,
             legend: vec![
                 entry(Key::Line, PALETTE[0], "error of position"),
                 entry(Key::Patch, style::MUTED.mix_on_white(0.25), "3 deviations, as believed"),
             ],
-            columns,
-            title: title.to_owned(),
+            body: NAMES + 3 * (AROUND.1 + HEIGHT + AROUND.3) + TICKS,
+            gap: -TICKS / 2,
             caption: caption.to_owned(),
-        })
+        };
+        Ok(Self { time: Axis::linear("time [s]".into(), start, end, 6), errors, columns, sheet })
     }
 }
 
@@ -122,48 +112,39 @@ impl OnWhite for plotters::style::RGBColor {
 
 impl Plot for ErrorBand {
     fn size(&self) -> (u32, u32) {
-        let rows = 3 * (AROUND.1 + HEIGHT + AROUND.3);
-        let height = 2 * MARGIN
-            + NAMES
-            + legend::height(&self.legend, ROOM)
-            + NAMES
-            + rows
-            + TICKS
-            + legend::print_height(&self.caption, ROOM);
-        (style::WIDTH, height as u32)
+        self.sheet.size()
     }
 
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
-        let title = style::text(style::TITLE, style::INK, Anchor::West);
-        area.draw_text(&self.title, &title, (MARGIN, MARGIN + 18))?;
-        legend::draw(area, &self.legend, (MARGIN, MARGIN + NAMES), ROOM)?;
-        let top = MARGIN + NAMES + legend::height(&self.legend, ROOM) + NAMES;
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
         let width = ROOM / self.columns.len() as i32;
-        for (i, column) in self.columns.iter().enumerate() {
-            let left = MARGIN + i as i32 * width + AROUND.0;
-            let right = MARGIN + (i as i32 + 1) * width - AROUND.2;
-            for (axis, scale) in self.errors.iter().enumerate() {
-                let top = top + axis as i32 * (AROUND.1 + HEIGHT + AROUND.3) + AROUND.1;
-                let frame =
-                    Frame::new(area, Rect { left, top, right, bottom: top + HEIGHT }, &self.time, scale);
-                frame.grid()?;
-                let edge = |sign: f64| {
-                    let at = move |(t, b): (&f64, &[f64; 3])| (*t, sign * b[axis]);
-                    column.t.iter().zip(&column.bands).map(at).collect::<Vec<_>>()
-                };
-                let band = edge(1.0).into_iter().chain(edge(-1.0).into_iter().rev());
-                frame.polygon(band.map(|(x, y)| frame.at(x, y)).collect(), style::MUTED.mix(0.25))?;
-                let line = column.t.iter().zip(&column.errors).map(|(t, e)| frame.at(*t, e[axis])).collect();
-                frame.path(line, style::stroke(PALETTE[0], style::LINE - 1))?;
-                frame.small_axes()?;
-                if axis == 0 {
-                    let at = (left, top - 26);
-                    frame.words(&column.name, style::LABEL, style::INK, Anchor::West, at)?;
+        self.sheet.draw(area, |top| {
+            let top = top + NAMES;
+            for (i, column) in self.columns.iter().enumerate() {
+                let left = MARGIN + i as i32 * width + AROUND.0;
+                let right = MARGIN + (i as i32 + 1) * width - AROUND.2;
+                for (axis, scale) in self.errors.iter().enumerate() {
+                    let top = top + axis as i32 * (AROUND.1 + HEIGHT + AROUND.3) + AROUND.1;
+                    let frame =
+                        Frame::new(area, Rect { left, top, right, bottom: top + HEIGHT }, &self.time, scale);
+                    frame.grid()?;
+                    let edge = |sign: f64| {
+                        let at = move |(t, b): (&f64, &[f64; 3])| (*t, sign * b[axis]);
+                        column.t.iter().zip(&column.bands).map(at).collect::<Vec<_>>()
+                    };
+                    let band = edge(1.0).into_iter().chain(edge(-1.0).into_iter().rev());
+                    frame.polygon(band.map(|(x, y)| frame.at(x, y)).collect(), style::MUTED.mix(0.25))?;
+                    let line =
+                        column.t.iter().zip(&column.errors).map(|(t, e)| frame.at(*t, e[axis])).collect();
+                    frame.path(line, style::stroke(PALETTE[0], style::LINE - 1))?;
+                    frame.small_axes()?;
+                    if axis == 0 {
+                        let at = (left, top - 26);
+                        frame.words(&column.name, style::LABEL, style::INK, Anchor::West, at)?;
+                    }
                 }
             }
-        }
-        let below = top + 3 * (AROUND.1 + HEIGHT + AROUND.3) + TICKS / 2;
-        legend::print(area, &self.caption, (MARGIN, below), ROOM)
+            Ok(())
+        })
     }
 
     fn csv(&self) -> Drawn {

@@ -1,6 +1,6 @@
 //! What is drawn of one flight, and what of it cannot be drawn.
 
-use super::error::{FigureError, check_column, check_each};
+use super::error::{FigureError, check_column, check_count, check_each};
 use dpn_core::Sensor;
 
 /// Name of the figure in errors.
@@ -54,14 +54,7 @@ impl Flight<'_> {
                 what: if n < 2 { "pair of samples" } else { "model" }.into(),
             });
         }
-        if self.models.len() > MOST {
-            return Err(FigureError::TooMany {
-                figure: FIGURE,
-                what: "models",
-                found: self.models.len(),
-                most: MOST,
-            });
-        }
+        check_count(FIGURE, "models", self.models.len(), MOST)?;
         check_column(FIGURE, "time", self.t, n)?;
         if let Some(i) = self.t.windows(2).position(|pair| pair[1] <= pair[0]) {
             return Err(FigureError::Value {

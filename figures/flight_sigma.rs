@@ -6,21 +6,18 @@ use super::error::FigureError;
 use super::flight::{Flight, Phase};
 use super::frame::{ABOVE, BELOW, Frame, LEFT, RIGHT, Rect};
 use super::legend::{self, Entry, Key};
-use super::plot::{DrawError, Drawn, Plot};
-use super::sheet::{self, MARGIN};
+use super::plot::{Area, Drawn, Painted, Plot};
+use super::sheet::Sheet;
 use super::style::{self, Anchor, PALETTE};
 use super::summary::{Column, columns};
 use dpn_core::Sensor;
 use dpn_core::signal::stats::upper_median;
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
 use plotters::style::{Color, RGBColor};
 use plotters_backend::DrawingBackend;
 
 /// The plot; see the head of its file.
 #[derive(Debug, Clone)]
 pub struct FlightSigma {
-    title: String,
     sensor: Sensor,
     time: Axis,
     signal_axis: Axis,
@@ -31,8 +28,7 @@ pub struct FlightSigma {
     phases: Vec<Phase>,
     phases_in_legend: bool,
     trained_up_to: Option<f64>,
-    legend: Vec<Entry>,
-    caption: String,
+    sheet: Sheet,
 }
 
 const UPPER: i32 = 300;
@@ -101,8 +97,12 @@ impl FlightSigma {
             if flight.words.is_empty() { "" } else { " " },
             flight.words,
         );
-        Ok(Self {
+        let sheet = Sheet {
             title: format!("{}: {} {}", flight.name, style::title(flight.sensor).to_lowercase(), flight.axis),
+            head: ABOVE,
+            ..Sheet::new(legend, ABOVE + UPPER + BETWEEN + LOWER + BELOW, caption)
+        };
+        Ok(Self {
             sensor: flight.sensor,
             time,
             signal_axis: Axis::linear(format!("signal [{unit}]"), low - pad, high + pad, 7),
@@ -113,18 +113,12 @@ impl FlightSigma {
             phases,
             phases_in_legend,
             trained_up_to: flight.trained_up_to,
-            legend,
-            caption,
+            sheet,
         })
     }
 
-    fn draw_phases<DB: DrawingBackend>(&self, frame: &Frame<'_, DB>) -> Result<(), DrawError<DB>> {
-        for phase in &self.phases {
-            let (top, bottom) = (frame.rect.top, frame.rect.bottom);
-            let tint = tint(&self.phases, &phase.label);
-            frame.block((frame.x_at(phase.from), top), (frame.x_at(phase.to), bottom), tint)?;
-        }
-        frame.grid()?;
+    fn draw_phases<DB: DrawingBackend>(&self, frame: &Frame<'_, DB>) -> Painted<DB> {
+        ground(frame, &self.phases)?;
         for pair in self.phases.windows(2) {
             let x = frame.x_at(pair[1].from);
             let border = style::stroke(style::MUTED.mix(0.6), style::THIN);
@@ -133,7 +127,7 @@ impl FlightSigma {
         Ok(())
     }
 
-    fn draw_signal<DB: DrawingBackend>(&self, frame: &Frame<'_, DB>) -> Result<(), DrawError<DB>> {
+    fn draw_signal<DB: DrawingBackend>(&self, frame: &Frame<'_, DB>) -> Painted<DB> {
         self.draw_phases(frame)?;
         envelope(frame, &self.signal, RGBColor(0x55, 0x55, 0x55))?;
         frame.axes(false)?;
@@ -148,26 +142,16 @@ impl FlightSigma {
         Ok(())
     }
 
-    fn draw_sigma<DB: DrawingBackend>(&self, frame: &Frame<'_, DB>) -> Result<(), DrawError<DB>> {
+    fn draw_sigma<DB: DrawingBackend>(&self, frame: &Frame<'_, DB>) -> Painted<DB> {
         self.draw_phases(frame)?;
-        if let Some(limit) = self.trained_up_to {
-            let y = frame.y_at(limit);
-            let line = vec![(frame.rect.left, y), (frame.rect.right, y)];
-            frame.dashed(line, style::stroke(style::INK, style::THIN + 1))?;
-        }
+        draw_limit(frame, self.trained_up_to)?;
         for ((_, columns), colour) in self.models.iter().zip(PALETTE) {
             envelope(frame, columns, colour.mix(0.22))?;
         }
         for ((_, columns), colour) in self.models.iter().zip(PALETTE) {
-            for part in unbroken(columns) {
-                let points = part.iter().map(|c| frame.at(c.t, c.middle)).collect();
-                frame.path(points, style::stroke(colour, style::LINE - 1))?;
-            }
+            draw_medians(frame, columns, colour)?;
         }
-        for part in unbroken(&self.truth) {
-            let points = part.iter().map(|c| frame.at(c.t, c.middle)).collect();
-            frame.path(points, style::stroke(style::INK, style::LINE - 1))?;
-        }
+        draw_medians(frame, &self.truth, style::INK)?;
         frame.axes(true)
     }
 }
@@ -192,8 +176,7 @@ fn sigma_axis(
 
 fn legend_of(flight: &Flight<'_>, phases: &[Phase], phases_in_legend: bool) -> Vec<Entry> {
     let entry = |key, colour, words: &str| Entry { key, colour, words: words.to_owned() };
-    let mut legend: Vec<Entry> =
-        flight.models.iter().zip(PALETTE).map(|((name, _), colour)| entry(Key::Line, colour, name)).collect();
+    let mut legend = legend::entries(Key::Line, flight.models.iter().map(|(name, _)| *name));
     if flight.truth.is_some() {
         legend.push(entry(Key::Line, style::INK, "true σ"));
     }
@@ -226,11 +209,41 @@ pub(super) fn tint(phases: &[Phase], label: &str) -> RGBColor {
 }
 
 /// Parts of a track without gaps: a gap is a step four times the usual one.
-pub(super) fn unbroken(columns: &[Column]) -> impl Iterator<Item = &[Column]> {
+fn unbroken(columns: &[Column]) -> impl Iterator<Item = &[Column]> {
     let steps = columns.windows(2).map(|pair| pair[1].t - pair[0].t);
     // One value alone has no gap.
     let usual = upper_median(steps).unwrap_or(f64::INFINITY);
     columns.chunk_by(move |a, b| b.t - a.t <= 4.0 * usual)
+}
+
+/// The tints of phases, and the grid on them.
+pub(super) fn ground<DB: DrawingBackend>(frame: &Frame<'_, DB>, phases: &[Phase]) -> Painted<DB> {
+    for phase in phases {
+        let (top, bottom) = (frame.rect.top, frame.rect.bottom);
+        let tint = tint(phases, &phase.label);
+        frame.block((frame.x_at(phase.from), top), (frame.x_at(phase.to), bottom), tint)?;
+    }
+    frame.grid()
+}
+
+/// The upper end of what models were trained on.
+pub(super) fn draw_limit<DB: DrawingBackend>(frame: &Frame<'_, DB>, limit: Option<f64>) -> Painted<DB> {
+    let Some(limit) = limit else { return Ok(()) };
+    let y = frame.y_at(limit);
+    let line = vec![(frame.rect.left, y), (frame.rect.right, y)];
+    frame.dashed(line, style::stroke(style::INK, style::THIN + 1))
+}
+
+/// A line through the medians of each column, broken where there are none.
+pub(super) fn draw_medians<DB: DrawingBackend>(
+    frame: &Frame<'_, DB>,
+    columns: &[Column],
+    colour: RGBColor,
+) -> Painted<DB> {
+    unbroken(columns).try_for_each(|part| {
+        let points = part.iter().map(|c| frame.at(c.t, c.middle)).collect();
+        frame.path(points, style::stroke(colour, style::LINE - 1))
+    })
 }
 
 /// The band between the smallest and the largest sample of each column, at least two pixels high.
@@ -238,7 +251,7 @@ pub(super) fn envelope<DB: DrawingBackend>(
     frame: &Frame<'_, DB>,
     columns: &[Column],
     colour: impl Color + Copy,
-) -> Result<(), DrawError<DB>> {
+) -> Painted<DB> {
     for part in unbroken(columns) {
         let upper = part.iter().map(|c| (frame.x_at(c.t), frame.y_at(c.high) - 1));
         let lower = part.iter().rev().map(|c| (frame.x_at(c.t), frame.y_at(c.low) + 1));
@@ -249,30 +262,18 @@ pub(super) fn envelope<DB: DrawingBackend>(
 
 impl Plot for FlightSigma {
     fn size(&self) -> (u32, u32) {
-        let height = 2 * MARGIN
-            + legend::height(&self.legend, sheet::ROOM)
-            + 2 * ABOVE
-            + UPPER
-            + BETWEEN
-            + LOWER
-            + BELOW
-            + legend::print_height(&self.caption, sheet::ROOM);
-        (style::WIDTH, height as u32)
+        self.sheet.size()
     }
 
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
-        let title = style::text(style::TITLE, style::INK, Anchor::West);
-        area.draw_text(&self.title, &title, (MARGIN, MARGIN + 18))?;
-        let top = MARGIN + ABOVE;
-        legend::draw(area, &self.legend, (MARGIN, top), sheet::ROOM)?;
-        let top = top + legend::height(&self.legend, sheet::ROOM) + ABOVE;
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
         let rect = |top, height| Rect { left: LEFT, top, right: LEFT + ROOM, bottom: top + height };
-        let upper = Frame::new(area, rect(top, UPPER), &self.time, &self.signal_axis);
-        self.draw_signal(&upper)?;
-        let lower_top = top + UPPER + BETWEEN;
-        let lower = Frame::new(area, rect(lower_top, LOWER), &self.time, &self.sigma_axis);
-        self.draw_sigma(&lower)?;
-        legend::print(area, &self.caption, (MARGIN, lower_top + LOWER + BELOW + 8), sheet::ROOM)
+        self.sheet.draw(area, |top| {
+            let top = top + ABOVE;
+            let upper = Frame::new(area, rect(top, UPPER), &self.time, &self.signal_axis);
+            self.draw_signal(&upper)?;
+            let lower = rect(top + UPPER + BETWEEN, LOWER);
+            self.draw_sigma(&Frame::new(area, lower, &self.time, &self.sigma_axis))
+        })
     }
 
     fn csv(&self) -> Drawn {

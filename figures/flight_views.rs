@@ -8,7 +8,6 @@ use dpn_eval::metrics::{
     AlignmentKind, Interpolation, TruthOptions, TruthTrack, align, associate_interpolated,
 };
 use dpn_vio::estimator::Phase;
-use std::collections::BTreeMap;
 
 /// Poses farther apart than this are not joined \[s\].
 const BROKEN_S: f64 = 1.0;
@@ -131,9 +130,8 @@ pub fn timeline(single: &Single) -> Result<Timeline, FigureError> {
 /// Median way of the tracks that two frames in a row share \[px\].
 fn parallax(frames: &[TrackFrame], first: Stamp) -> Vec<(f64, f64)> {
     let of = |pair: &[TrackFrame]| {
-        let before: BTreeMap<u64, _> = pair[0].tracks.iter().map(|track| (track.id, track.px)).collect();
-        let shared = pair[1].tracks.iter().filter_map(|t| Some((t.px - before.get(&t.id)?).norm()));
-        let mut ways: Vec<f64> = shared.collect();
+        let shared = pair[1].shared(&pair[0]);
+        let mut ways: Vec<f64> = shared.iter().map(|(before, px)| (px - before).norm()).collect();
         ways.sort_by(f64::total_cmp);
         Some((pair[1].t.seconds_since(first), *ways.get(ways.len() / 2)?))
     };

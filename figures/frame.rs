@@ -1,10 +1,8 @@
 //! A panel: its rectangle, axes, grid, and the way from values to pixels.
 
 use super::axis::{Axis, Scale};
-use super::plot::DrawError;
+use super::plot::{Area, Painted};
 use super::style::{self, Anchor};
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
 use plotters::element::{DashedPathElement, PathElement, Polygon, Rectangle};
 use plotters::style::{Color, RGBColor, ShapeStyle};
 use plotters_backend::DrawingBackend;
@@ -29,7 +27,7 @@ pub(super) const RIGHT: i32 = 30;
 
 /// A panel being drawn.
 pub(super) struct Frame<'a, DB: DrawingBackend> {
-    area: &'a DrawingArea<DB, Shift>,
+    area: &'a Area<DB>,
     pub(super) rect: Rect,
     x: &'a Axis,
     y: &'a Axis,
@@ -37,7 +35,7 @@ pub(super) struct Frame<'a, DB: DrawingBackend> {
 
 impl<'a, DB: DrawingBackend> Frame<'a, DB> {
     /// A panel whose data lie in `rect`.
-    pub(super) fn new(area: &'a DrawingArea<DB, Shift>, rect: Rect, x: &'a Axis, y: &'a Axis) -> Self {
+    pub(super) fn new(area: &'a Area<DB>, rect: Rect, x: &'a Axis, y: &'a Axis) -> Self {
         Self { area, rect, x, y }
     }
 
@@ -57,7 +55,7 @@ impl<'a, DB: DrawingBackend> Frame<'a, DB> {
     }
 
     /// Grid lines, below all data.
-    pub(super) fn grid(&self) -> Result<(), DrawError<DB>> {
+    pub(super) fn grid(&self) -> Painted<DB> {
         let style = style::stroke(style::GRID, style::THIN);
         for (value, _) in &self.x.ticks {
             let x = self.x_at(*value);
@@ -71,7 +69,7 @@ impl<'a, DB: DrawingBackend> Frame<'a, DB> {
     }
 
     /// Left and lower axis with ticks; `words` of the lower one are left out where the panel below has them.
-    pub(super) fn axes(&self, words: bool) -> Result<(), DrawError<DB>> {
+    pub(super) fn axes(&self, words: bool) -> Painted<DB> {
         let Rect { left, top, right, bottom } = self.rect;
         let line = style::stroke(style::INK, style::THIN);
         self.path(vec![(left, top), (left, bottom), (right, bottom)], line)?;
@@ -102,7 +100,7 @@ impl<'a, DB: DrawingBackend> Frame<'a, DB> {
     }
 
     /// As [`axes`](Self::axes) for a small panel: small words, the labels at the ends of the axes.
-    pub(super) fn small_axes(&self) -> Result<(), DrawError<DB>> {
+    pub(super) fn small_axes(&self) -> Painted<DB> {
         let Rect { left, top, right, bottom } = self.rect;
         let line = style::stroke(style::INK, style::THIN);
         self.path(vec![(left, top), (left, bottom), (right, bottom)], line)?;
@@ -127,7 +125,7 @@ impl<'a, DB: DrawingBackend> Frame<'a, DB> {
     }
 
     /// A title over the panel, at its left.
-    pub(super) fn title(&self, words: &str) -> Result<(), DrawError<DB>> {
+    pub(super) fn title(&self, words: &str) -> Painted<DB> {
         let at = (self.rect.left, self.rect.top - ABOVE / 2);
         self.words(words, style::TITLE, style::INK, Anchor::West, at)
     }
@@ -140,32 +138,27 @@ impl<'a, DB: DrawingBackend> Frame<'a, DB> {
         colour: RGBColor,
         anchor: Anchor,
         at: (i32, i32),
-    ) -> Result<(), DrawError<DB>> {
+    ) -> Painted<DB> {
         self.area.draw_text(words, &style::text(em, colour, anchor), at)
     }
 
     /// A line through pixels.
-    pub(super) fn path(&self, points: Vec<(i32, i32)>, style: ShapeStyle) -> Result<(), DrawError<DB>> {
+    pub(super) fn path(&self, points: Vec<(i32, i32)>, style: ShapeStyle) -> Painted<DB> {
         self.area.draw(&PathElement::new(points, style))
     }
 
     /// A dashed line through pixels.
-    pub(super) fn dashed(&self, points: Vec<(i32, i32)>, style: ShapeStyle) -> Result<(), DrawError<DB>> {
+    pub(super) fn dashed(&self, points: Vec<(i32, i32)>, style: ShapeStyle) -> Painted<DB> {
         self.area.draw(&DashedPathElement::new(points, 14, 9, style))
     }
 
     /// A filled polygon.
-    pub(super) fn polygon(&self, points: Vec<(i32, i32)>, colour: impl Color) -> Result<(), DrawError<DB>> {
+    pub(super) fn polygon(&self, points: Vec<(i32, i32)>, colour: impl Color) -> Painted<DB> {
         self.area.draw(&Polygon::new(points, colour.filled()))
     }
 
     /// A filled rectangle between two corners.
-    pub(super) fn block(
-        &self,
-        a: (i32, i32),
-        b: (i32, i32),
-        colour: impl Color,
-    ) -> Result<(), DrawError<DB>> {
+    pub(super) fn block(&self, a: (i32, i32), b: (i32, i32), colour: impl Color) -> Painted<DB> {
         let low = (a.0.min(b.0), a.1.min(b.1));
         let high = (a.0.max(b.0), a.1.max(b.1));
         self.area.draw(&Rectangle::new([low, high], colour.filled()))

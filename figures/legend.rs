@@ -1,9 +1,7 @@
 //! The legend, a row of keys over the panels, and the small print under them. Neither covers data.
 
-use super::plot::DrawError;
+use super::plot::{Area, Painted};
 use super::style::{self, Anchor};
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
 use plotters::element::{Circle, DashedPathElement, PathElement, Polygon, Rectangle};
 use plotters::style::{Color, RGBColor};
 use plotters_backend::DrawingBackend;
@@ -29,6 +27,12 @@ pub(super) struct Entry {
     pub(super) key: Key,
     pub(super) colour: RGBColor,
     pub(super) words: String,
+}
+
+/// An entry of `key` for each of `words`, in the palette's order.
+pub(super) fn entries<'a>(key: Key, words: impl IntoIterator<Item = &'a str>) -> Vec<Entry> {
+    let entry = |(words, colour): (&str, RGBColor)| Entry { key, colour, words: words.to_owned() };
+    words.into_iter().zip(style::PALETTE).map(entry).collect()
 }
 
 const KEY: i32 = 54;
@@ -64,11 +68,11 @@ pub(super) fn height(entries: &[Entry], room: i32) -> i32 {
 
 /// Draws the legend with its upper left corner at `at`.
 pub(super) fn draw<DB: DrawingBackend>(
-    area: &DrawingArea<DB, Shift>,
+    area: &Area<DB>,
     entries: &[Entry],
     at: (i32, i32),
     room: i32,
-) -> Result<(), DrawError<DB>> {
+) -> Painted<DB> {
     for (row, entries) in rows(entries, room).into_iter().enumerate() {
         let y = at.1 + row as i32 * ROW + ROW / 2;
         for (x, entry) in entries {
@@ -104,11 +108,11 @@ pub(super) fn draw<DB: DrawingBackend>(
 
 /// The marker of a series: shapes differ, so that lines can be told apart without colour.
 pub(super) fn marker<DB: DrawingBackend>(
-    area: &DrawingArea<DB, Shift>,
+    area: &Area<DB>,
     series: usize,
     (x, y): (i32, i32),
     colour: RGBColor,
-) -> Result<(), DrawError<DB>> {
+) -> Painted<DB> {
     const R: i32 = 9;
     let polygon = |points: Vec<(i32, i32)>| area.draw(&Polygon::new(points, colour.filled()));
     match series % 6 {
@@ -155,11 +159,11 @@ pub(super) fn print_height(words: &str, room: i32) -> i32 {
 
 /// Draws the small print with its upper left corner at `at`.
 pub(super) fn print<DB: DrawingBackend>(
-    area: &DrawingArea<DB, Shift>,
+    area: &Area<DB>,
     words: &str,
     at: (i32, i32),
     room: i32,
-) -> Result<(), DrawError<DB>> {
+) -> Painted<DB> {
     let style = style::text(style::CAPTION, style::MUTED, Anchor::West);
     for (row, words) in broken(words, room).iter().enumerate() {
         area.draw_text(words, &style, (at.0, at.1 + row as i32 * PRINT + PRINT / 2))?;

@@ -47,7 +47,7 @@ pub use flight::{Flight, Phase};
 pub use flight_sigma::FlightSigma;
 pub use flight_views::{timeline, top_view};
 pub use log_noise_plot::LogNoisePlot;
-pub use plot::{DrawError, Drawn, Plot, save};
+pub use plot::{Area, Drawn, Painted, Plot, save};
 pub use predicted_vs_true::{Predicted, PredictedVsTrue};
 pub use provenance::Provenance;
 pub use rmse_vs_sigma::RmseVsSigma;

@@ -4,18 +4,16 @@
 use super::axis::Axis;
 use super::error::{FigureError, check_column};
 use super::flight::Phase;
-use super::flight_sigma::{envelope, labels, tint, unbroken};
+use super::flight_sigma::{draw_limit, draw_medians, envelope, ground, labels, tint};
 use super::frame::{ABOVE, BELOW, Frame, LEFT, RIGHT, Rect};
 use super::legend::{self, Entry, Key};
-use super::plot::{DrawError, Drawn, Plot};
-use super::sheet::{self, MARGIN};
+use super::plot::{Area, Drawn, Painted, Plot};
+use super::sheet::Sheet;
 use super::style::{self, PALETTE};
 use super::summary::{Column, columns};
 use dpn_core::{ImuRecording, Sensor};
 use dpn_probe::log_noise::{Plan, Track};
 use dpn_probe::phases::Stretch;
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
 use plotters::style::Color;
 use plotters_backend::DrawingBackend;
 
@@ -35,8 +33,7 @@ pub struct LogNoisePlot {
     time: Axis,
     sensors: Vec<Panel>,
     phases: Vec<Phase>,
-    legend: Vec<Entry>,
-    caption: String,
+    sheet: Sheet,
 }
 
 #[derive(Debug, Clone)]
@@ -75,11 +72,7 @@ impl LogNoisePlot {
             .iter()
             .map(|s| Phase { label: s.phase.to_string(), from: s.from_s, to: s.to_s })
             .collect();
-        let mut legend: Vec<Entry> = AXES
-            .into_iter()
-            .zip(PALETTE)
-            .map(|(axis, colour)| Entry { key: Key::Line, colour, words: axis.to_owned() })
-            .collect();
+        let mut legend = legend::entries(Key::Line, AXES);
         if sensors.iter().any(|s| s.trained_up_to.is_some()) {
             let words = "end of the training's range".to_owned();
             legend.push(Entry { key: Key::Dashed, colour: style::INK, words });
@@ -93,22 +86,9 @@ impl LogNoisePlot {
             plan.spec(),
             plan.every(),
         );
-        Ok(Self {
-            time: Axis::linear("time [s]".into(), 0.0, recording.duration(), 10),
-            sensors,
-            phases,
-            legend,
-            caption,
-        })
-    }
-
-    fn ground<DB: DrawingBackend>(&self, frame: &Frame<'_, DB>) -> Result<(), DrawError<DB>> {
-        for phase in &self.phases {
-            let (top, bottom) = (frame.rect.top, frame.rect.bottom);
-            let tint = tint(&self.phases, &phase.label);
-            frame.block((frame.x_at(phase.from), top), (frame.x_at(phase.to), bottom), tint)?;
-        }
-        frame.grid()
+        let time = Axis::linear("time [s]".into(), 0.0, recording.duration(), 10);
+        let body = sensors.len() as i32 * (ABOVE + SIGNAL + BETWEEN + SIGMA + BELOW);
+        Ok(Self { time, sensors, phases, sheet: Sheet::new(legend, body, caption) })
     }
 }
 
@@ -156,43 +136,33 @@ impl Panel {
 
 impl Plot for LogNoisePlot {
     fn size(&self) -> (u32, u32) {
-        let panels = self.sensors.len() as i32 * (ABOVE + SIGNAL + BETWEEN + SIGMA + BELOW);
-        let around =
-            legend::height(&self.legend, sheet::ROOM) + legend::print_height(&self.caption, sheet::ROOM);
-        (style::WIDTH, (2 * MARGIN + around + panels) as u32)
+        self.sheet.size()
     }
 
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
-        legend::draw(area, &self.legend, (MARGIN, MARGIN), sheet::ROOM)?;
-        let mut top = MARGIN + legend::height(&self.legend, sheet::ROOM);
-        for panel in &self.sensors {
-            top += ABOVE;
-            let rect = |top, height| Rect { left: LEFT, top, right: LEFT + ROOM, bottom: top + height };
-            let upper = Frame::new(area, rect(top, SIGNAL), &self.time, &panel.signal_axis);
-            self.ground(&upper)?;
-            for (signal, colour) in panel.signal.iter().zip(PALETTE) {
-                envelope(&upper, signal, colour.mix(0.6))?;
-            }
-            upper.axes(false)?;
-            upper.title(style::title(panel.sensor))?;
-            top += SIGNAL + BETWEEN;
-            let lower = Frame::new(area, rect(top, SIGMA), &self.time, &panel.sigma_axis);
-            self.ground(&lower)?;
-            if let Some(limit) = panel.trained_up_to {
-                let y = lower.y_at(limit);
-                let line = vec![(lower.rect.left, y), (lower.rect.right, y)];
-                lower.dashed(line, style::stroke(style::INK, style::THIN + 1))?;
-            }
-            for (sigma, colour) in panel.sigma.iter().zip(PALETTE) {
-                for part in unbroken(sigma) {
-                    let points = part.iter().map(|c| lower.at(c.t, c.middle)).collect();
-                    lower.path(points, style::stroke(colour, style::LINE - 1))?;
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
+        self.sheet.draw(area, |mut top| {
+            for panel in &self.sensors {
+                top += ABOVE;
+                let rect = |top, height| Rect { left: LEFT, top, right: LEFT + ROOM, bottom: top + height };
+                let upper = Frame::new(area, rect(top, SIGNAL), &self.time, &panel.signal_axis);
+                ground(&upper, &self.phases)?;
+                for (signal, colour) in panel.signal.iter().zip(PALETTE) {
+                    envelope(&upper, signal, colour.mix(0.6))?;
                 }
+                upper.axes(false)?;
+                upper.title(style::title(panel.sensor))?;
+                top += SIGNAL + BETWEEN;
+                let lower = Frame::new(area, rect(top, SIGMA), &self.time, &panel.sigma_axis);
+                ground(&lower, &self.phases)?;
+                draw_limit(&lower, panel.trained_up_to)?;
+                for (sigma, colour) in panel.sigma.iter().zip(PALETTE) {
+                    draw_medians(&lower, sigma, colour)?;
+                }
+                lower.axes(true)?;
+                top += SIGMA + BELOW;
             }
-            lower.axes(true)?;
-            top += SIGMA + BELOW;
-        }
-        legend::print(area, &self.caption, (MARGIN, top + 8), sheet::ROOM)
+            Ok(())
+        })
     }
 
     fn csv(&self) -> Drawn {

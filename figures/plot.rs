@@ -1,7 +1,7 @@
 //! Saving a plot: SVG, PNG and CSV, all or none of them half-written, the same bytes every time.
 
 use super::error::FigureError;
-use super::raster::{Raster, averaged, canvas};
+use super::raster::{Raster, canvas, encoded};
 use super::style;
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
@@ -14,8 +14,11 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use tempfile::{Builder, NamedTempFile};
 
-/// What a back-end says when it cannot draw.
-pub type DrawError<DB> = DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>;
+/// What a plot is drawn on.
+pub type Area<DB> = DrawingArea<DB, Shift>;
+
+/// Drawn, or what a back-end says when it cannot draw.
+pub type Painted<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
 
 /// The numbers a plot shows: a header and rows of the same length.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,7 +38,7 @@ pub trait Plot {
     ///
     /// # Errors
     /// Those of the back-end.
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>>;
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB>;
 
     /// The numbers that are drawn.
     fn csv(&self) -> Drawn;
@@ -117,16 +120,7 @@ fn png(plot: &impl Plot) -> Result<Vec<u8>, FigureError> {
     let size = plot.size();
     let mut memory = canvas(size);
     paint(plot, Raster::new(&mut memory, size))?;
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, size.0, size.1);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::High);
-    encoder
-        .write_header()
-        .and_then(|mut writer| writer.write_image_data(&averaged(&memory, size)))
-        .map_err(|error| FigureError::Draw { reason: error.to_string() })?;
-    Ok(bytes)
+    encoded(&memory, size, png::Compression::High)
 }
 
 fn csv(drawn: &Drawn) -> Result<Vec<u8>, FigureError> {
@@ -151,7 +145,7 @@ mod tests {
             (120, 60)
         }
 
-        fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
+        fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
             area.draw_text("σ [m/s²]", &style::text(20.0, style::INK, Anchor::Centre), (60, 30))
         }
 

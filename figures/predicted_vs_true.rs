@@ -2,16 +2,14 @@
 //! median and the 5, 25, 75 and 95 % quantiles of what it predicted.
 
 use super::axis::Axis;
-use super::error::{FigureError, check_column, check_each};
+use super::error::{FigureError, check_column, check_count, check_each};
 use super::frame::{Frame, Rect};
-use super::legend::{Entry, Key};
-use super::plot::{DrawError, Drawn, Plot};
+use super::legend::{self, Entry, Key};
+use super::plot::{Area, Drawn, Painted, Plot};
 use super::sheet::Sheet;
 use super::style::{self, PALETTE};
 use super::summary::{BINS, Level, MOST_LEVELS, by_level};
 use dpn_core::Sensor;
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
 use plotters_backend::DrawingBackend;
 
 const FIGURE: &str = "predicted against true";
@@ -58,19 +56,8 @@ impl PredictedVsTrue {
         if panels.is_empty() {
             return Err(FigureError::Empty { figure: FIGURE, what: "sensor".into() });
         }
-        if names.len() > MOST {
-            return Err(FigureError::TooMany {
-                figure: FIGURE,
-                what: "estimators",
-                found: names.len(),
-                most: MOST,
-            });
-        }
-        let mut legend: Vec<Entry> = names
-            .into_iter()
-            .zip(PALETTE)
-            .map(|(words, colour)| Entry { key: Key::Patch, colour, words })
-            .collect();
+        check_count(FIGURE, "estimators", names.len(), MOST)?;
+        let mut legend = legend::entries(Key::Patch, names.iter().map(String::as_str));
         legend.push(Entry { key: Key::Line, colour: style::MUTED, words: "predicted = true".into() });
         let binned = predicted.iter().any(|one| {
             let mut levels = one.truth.to_vec();
@@ -91,7 +78,7 @@ impl PredictedVsTrue {
             },
             counts.join(", "),
         );
-        Ok(Self { panels, sheet: Sheet { legend, caption } })
+        Ok(Self { panels, sheet: Sheet::of_panels(legend, caption) })
     }
 }
 
@@ -142,11 +129,7 @@ impl Panel {
         })
     }
 
-    fn draw<DB: DrawingBackend>(
-        &self,
-        area: &DrawingArea<DB, Shift>,
-        rect: Rect,
-    ) -> Result<(), DrawError<DB>> {
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>, rect: Rect) -> Painted<DB> {
         let frame = Frame::new(area, rect, &self.x, &self.y);
         frame.grid()?;
         let end = self.x.high().min(self.y.high());
@@ -185,8 +168,8 @@ impl Plot for PredictedVsTrue {
         self.sheet.size()
     }
 
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
-        self.sheet.draw(area, &self.panels, |panel, rect| panel.draw(area, rect))
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
+        self.sheet.side_by_side(area, &self.panels, |panel, rect| panel.draw(area, rect))
     }
 
     fn csv(&self) -> Drawn {

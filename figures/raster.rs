@@ -4,6 +4,7 @@
 //! sits higher than in SVG. Here shapes go to that back-end at double size, and text is set with ab_glyph from the bundled
 //! font, at the places where plotters' SVG puts it. So the PNG looks like the SVG.
 
+use super::error::FigureError;
 use super::style::{HEIGHT_PER_EM, SIZE_PER_EM};
 use ab_glyph::{Font, FontRef, PxScale, ScaleFont, point};
 use dpn_core::GrayImage;
@@ -36,7 +37,7 @@ pub(super) fn canvas_over(image: &GrayImage, strip: usize) -> Vec<u8> {
 }
 
 /// Averages a canvas down to `size`: three bytes a pixel, rows from the top.
-pub(super) fn averaged(canvas: &[u8], size: (u32, u32)) -> Vec<u8> {
+fn averaged(canvas: &[u8], size: (u32, u32)) -> Vec<u8> {
     let (width, height) = (size.0 as usize, size.1 as usize);
     let fine = FINE as usize;
     let mut out = Vec::with_capacity(width * height * 3);
@@ -53,6 +54,27 @@ pub(super) fn averaged(canvas: &[u8], size: (u32, u32)) -> Vec<u8> {
         }
     }
     out
+}
+
+/// A canvas as a PNG of `size`.
+///
+/// # Errors
+/// [`FigureError::Draw`] if the encoder refuses.
+pub(super) fn encoded(
+    canvas: &[u8],
+    size: (u32, u32),
+    compression: png::Compression,
+) -> Result<Vec<u8>, FigureError> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, size.0, size.1);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(compression);
+    encoder
+        .write_header()
+        .and_then(|mut writer| writer.write_image_data(&averaged(canvas, size)))
+        .map_err(|error| FigureError::Draw { reason: error.to_string() })?;
+    Ok(bytes)
 }
 
 /// The back-end; draws onto a [`canvas`].

@@ -2,17 +2,15 @@
 //! sigma / sqrt(2 n) below which no unbiased estimator gets.
 
 use super::axis::Axis;
-use super::error::{FigureError, check_each};
+use super::error::{FigureError, check_count, check_each};
 use super::frame::{Frame, Rect};
 use super::legend::{self, Entry, Key};
-use super::plot::{DrawError, Drawn, Plot};
+use super::plot::{Area, Drawn, Painted, Plot};
 use super::sheet::Sheet;
 use super::style::{self, PALETTE};
 use dpn_core::Sensor;
 use dpn_core::bounds::cramer_rao_sigma;
 use dpn_eval::open_loop::Row;
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
 use plotters_backend::DrawingBackend;
 
 const FIGURE: &str = "RMSE against sigma";
@@ -48,14 +46,7 @@ impl RmseVsSigma {
                 names.push(&row.estimator);
             }
         }
-        if names.len() > MOST {
-            return Err(FigureError::TooMany {
-                figure: FIGURE,
-                what: "estimators",
-                found: names.len(),
-                most: MOST,
-            });
-        }
+        check_count(FIGURE, "estimators", names.len(), MOST)?;
         let panels = Sensor::ALL
             .into_iter()
             .map(|sensor| (sensor, rows.iter().filter(|row| row.sensor == sensor).copied().collect()))
@@ -79,7 +70,7 @@ impl RmseVsSigma {
              {window} samples of white noise.",
             first.data, first.base, first.split, first.levels, first.label,
         );
-        Ok(Self { panels, sheet: Sheet { legend, caption } })
+        Ok(Self { panels, sheet: Sheet::of_panels(legend, caption) })
     }
 }
 
@@ -127,11 +118,7 @@ impl Panel {
         })
     }
 
-    fn draw<DB: DrawingBackend>(
-        &self,
-        area: &DrawingArea<DB, Shift>,
-        rect: Rect,
-    ) -> Result<(), DrawError<DB>> {
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>, rect: Rect) -> Painted<DB> {
         let frame = Frame::new(area, rect, &self.x, &self.y);
         frame.grid()?;
         let bound = self.bound.iter().map(|&(x, y)| frame.at(x, y)).collect();
@@ -155,8 +142,8 @@ impl Plot for RmseVsSigma {
         self.sheet.size()
     }
 
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
-        self.sheet.draw(area, &self.panels, |panel, rect| panel.draw(area, rect))
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
+        self.sheet.side_by_side(area, &self.panels, |panel, rect| panel.draw(area, rect))
     }
 
     fn csv(&self) -> Drawn {

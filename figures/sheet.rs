@@ -1,14 +1,12 @@
-//! The sheet of a figure with panels side by side: legend above, small print below.
+//! What stands around the panels of a figure: a title, the legend above, small print below.
 
 use super::frame::{ABOVE, BELOW, LEFT, RIGHT, Rect};
 use super::legend::{self, Entry};
-use super::plot::DrawError;
-use super::style;
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
+use super::plot::{Area, Painted};
+use super::style::{self, Anchor};
 use plotters_backend::DrawingBackend;
 
-/// Height of the panels.
+/// Height of panels side by side.
 const PANEL: i32 = 620;
 /// White around everything.
 pub(super) const MARGIN: i32 = 20;
@@ -18,32 +16,66 @@ pub(super) const ROOM: i32 = style::WIDTH as i32 - 2 * MARGIN;
 /// What surrounds the panels.
 #[derive(Debug, Clone)]
 pub(super) struct Sheet {
+    /// Over everything, where `head` has room for it.
+    pub(super) title: String,
+    /// Room for the title.
+    pub(super) head: i32,
     pub(super) legend: Vec<Entry>,
+    /// Height of the panels, with what stands around each.
+    pub(super) body: i32,
+    /// From the body to the small print.
+    pub(super) gap: i32,
     pub(super) caption: String,
 }
 
 impl Sheet {
+    /// Around panels of the height `body`, without a title.
+    pub(super) fn new(legend: Vec<Entry>, body: i32, caption: String) -> Self {
+        Self { title: String::new(), head: 0, legend, body, gap: 8, caption }
+    }
+
+    /// Around panels that [`side_by_side`](Self::side_by_side) draws.
+    pub(super) fn of_panels(legend: Vec<Entry>, caption: String) -> Self {
+        Self::new(legend, ABOVE + PANEL + BELOW, caption)
+    }
+
     /// Width and height of the whole.
     pub(super) fn size(&self) -> (u32, u32) {
         let around = legend::height(&self.legend, ROOM) + legend::print_height(&self.caption, ROOM);
-        (style::WIDTH, (2 * MARGIN + around + ABOVE + PANEL + BELOW) as u32)
+        (style::WIDTH, (2 * MARGIN + self.head + around + self.body) as u32)
     }
 
-    /// Draws legend and small print, and each panel into its rectangle.
-    pub(super) fn draw<DB: DrawingBackend, P>(
+    /// Draws title, legend and small print; between them `body` draws the panels, told their upper edge.
+    pub(super) fn draw<DB: DrawingBackend>(
         &self,
-        area: &DrawingArea<DB, Shift>,
-        panels: &[P],
-        draw: impl Fn(&P, Rect) -> Result<(), DrawError<DB>>,
-    ) -> Result<(), DrawError<DB>> {
-        legend::draw(area, &self.legend, (MARGIN, MARGIN), ROOM)?;
-        let top = MARGIN + legend::height(&self.legend, ROOM) + ABOVE;
-        let width = style::WIDTH as i32 / panels.len().max(1) as i32;
-        for (i, panel) in (0..).zip(panels) {
-            let rect =
-                Rect { left: i * width + LEFT, top, right: (i + 1) * width - RIGHT, bottom: top + PANEL };
-            draw(panel, rect)?;
+        area: &Area<DB>,
+        body: impl FnOnce(i32) -> Painted<DB>,
+    ) -> Painted<DB> {
+        if self.head > 0 {
+            let title = style::text(style::TITLE, style::INK, Anchor::West);
+            area.draw_text(&self.title, &title, (MARGIN, MARGIN + 18))?;
         }
-        legend::print(area, &self.caption, (MARGIN, top + PANEL + BELOW + 8), ROOM)
+        let top = MARGIN + self.head;
+        legend::draw(area, &self.legend, (MARGIN, top), ROOM)?;
+        let top = top + legend::height(&self.legend, ROOM);
+        body(top)?;
+        legend::print(area, &self.caption, (MARGIN, top + self.body + self.gap), ROOM)
+    }
+
+    /// As [`draw`](Self::draw) for panels of equal size beside each other, each told its rectangle.
+    pub(super) fn side_by_side<DB: DrawingBackend, P>(
+        &self,
+        area: &Area<DB>,
+        panels: &[P],
+        draw: impl Fn(&P, Rect) -> Painted<DB>,
+    ) -> Painted<DB> {
+        let width = style::WIDTH as i32 / panels.len().max(1) as i32;
+        self.draw(area, |top| {
+            let top = top + ABOVE;
+            (0..).zip(panels).try_for_each(|(i, panel)| {
+                let (left, right) = (i * width + LEFT, (i + 1) * width - RIGHT);
+                draw(panel, Rect { left, top, right, bottom: top + PANEL })
+            })
+        })
     }
 }

@@ -1,11 +1,9 @@
 //! A figure with a line at its foot that says what made it, and a column of the same in its CSV.
 
 use super::legend;
-use super::plot::{DrawError, Drawn, Plot};
+use super::plot::{Area, Drawn, Painted, Plot};
 use super::provenance::Provenance;
 use super::sheet::{MARGIN, ROOM};
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
 use plotters_backend::DrawingBackend;
 
 /// A plot and what made it.
@@ -28,7 +26,7 @@ impl<P: Plot> Plot for Sourced<P> {
         (width, height + legend::print_height(&self.made_by.line(), ROOM) as u32)
     }
 
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
         self.plot.draw(area)?;
         legend::print(area, &self.made_by.line(), (MARGIN, self.plot.size().1 as i32 - MARGIN / 2), ROOM)
     }

@@ -3,14 +3,13 @@
 use super::axis::Axis;
 use super::error::FigureError;
 use super::frame::{Frame, Rect};
-use super::legend::{Entry, Key};
-use super::plot::{DrawError, Drawn, Plot};
+use super::legend::{self, Key};
+use super::plot::{Area, Drawn, Painted, Plot};
 use super::sheet::Sheet;
 use super::style::{self, PALETTE};
+use super::summary::extent;
 use dpn_core::Sensor;
 use dpn_probe::doctor::vibration::AxisSpectrum;
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
 use plotters_backend::DrawingBackend;
 
 const FIGURE: &str = "spectra";
@@ -42,15 +41,11 @@ impl SpectrumPlot {
             .into_iter()
             .map(|sensor| Panel::new(sensor, spectra))
             .collect::<Result<Vec<_>, _>>()?;
-        let legend = AXES
-            .into_iter()
-            .zip(PALETTE)
-            .map(|(axis, colour)| Entry { key: Key::Line, colour, words: axis.to_owned() })
-            .collect();
+        let legend = legend::entries(Key::Line, AXES);
         let caption = format!(
             "Root of the power spectral density (Welch, Hann). Flat: white noise, at its density; peaks: vibration. {words}"
         );
-        Ok(Self { panels, sheet: Sheet { legend, caption } })
+        Ok(Self { panels, sheet: Sheet::of_panels(legend, caption) })
     }
 }
 
@@ -67,11 +62,7 @@ impl Panel {
             })
             .collect();
         let all = || lines.iter().flat_map(|(_, bins)| bins.iter().copied());
-        let fold = |pick: fn((f64, f64)) -> f64, start: f64, best: fn(f64, f64) -> f64| {
-            all().map(pick).fold(start, best)
-        };
-        let (from, to) = (fold(|b| b.0, f64::INFINITY, f64::min), fold(|b| b.0, 0.0, f64::max));
-        let (low, high) = (fold(|b| b.1, f64::INFINITY, f64::min), fold(|b| b.1, 0.0, f64::max));
+        let ((from, to), (low, high)) = (extent(all().map(|b| b.0)), extent(all().map(|b| b.1)));
         if to <= 0.0 {
             return Err(FigureError::Empty { figure: FIGURE, what: format!("spectrum of the {sensor}") });
         }
@@ -84,11 +75,7 @@ impl Panel {
         })
     }
 
-    fn draw<DB: DrawingBackend>(
-        &self,
-        area: &DrawingArea<DB, Shift>,
-        rect: Rect,
-    ) -> Result<(), DrawError<DB>> {
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>, rect: Rect) -> Painted<DB> {
         let frame = Frame::new(area, rect, &self.x, &self.y);
         frame.grid()?;
         for (axis, bins) in &self.lines {
@@ -105,8 +92,8 @@ impl Plot for SpectrumPlot {
         self.sheet.size()
     }
 
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
-        self.sheet.draw(area, &self.panels, |panel, rect| panel.draw(area, rect))
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
+        self.sheet.side_by_side(area, &self.panels, |panel, rect| panel.draw(area, rect))
     }
 
     fn csv(&self) -> Drawn {

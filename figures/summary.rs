@@ -56,6 +56,11 @@ pub(super) fn by_level(truth: &[f64], values: &[f64]) -> Vec<Level> {
         .collect()
 }
 
+/// The smallest and the largest of some values; infinite where there is none.
+pub(super) fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
+}
+
 /// What one pixel column shows of a signal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Column {

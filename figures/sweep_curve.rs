@@ -1,14 +1,13 @@
 //! Error against the constant told, both logarithmic: the sweep with its intervals, and other noises as marks at the level they say.
 
 use super::axis::Axis;
-use super::error::{FigureError, check_each};
+use super::error::{FigureError, check_count, check_each};
 use super::frame::{ABOVE, BELOW, Frame, LEFT, RIGHT, Rect};
 use super::legend::{self, Entry, Key};
-use super::plot::{DrawError, Drawn, Plot};
-use super::sheet::{MARGIN, ROOM};
+use super::plot::{Area, Drawn, Painted, Plot};
+use super::sheet::Sheet;
 use super::style::{self, Anchor, PALETTE};
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
+use super::summary::extent;
 use plotters::style::Color;
 use plotters_backend::DrawingBackend;
 
@@ -37,8 +36,7 @@ pub struct SweepCurve {
     y: Axis,
     constants: Vec<SweepPoint>,
     marks: Vec<SweepPoint>,
-    legend: Vec<Entry>,
-    caption: String,
+    sheet: Sheet,
 }
 
 impl SweepCurve {
@@ -55,14 +53,7 @@ impl SweepCurve {
         if constants.is_empty() {
             return Err(FigureError::Empty { figure: FIGURE, what: "constant".into() });
         }
-        if marks.len() > MOST {
-            return Err(FigureError::TooMany {
-                figure: FIGURE,
-                what: "marks",
-                found: marks.len(),
-                most: MOST,
-            });
-        }
+        check_count(FIGURE, "marks", marks.len(), MOST)?;
         let all = || constants.iter().chain(marks);
         for point in all() {
             let ends = point.interval.unwrap_or([point.error; 2]);
@@ -71,12 +62,9 @@ impl SweepCurve {
                 v.is_finite() && v > 0.0
             })?;
         }
-        let fold = |values: &mut dyn Iterator<Item = f64>| {
-            values.fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)))
-        };
-        let (left, right) = fold(&mut all().map(|p| p.multiple));
+        let (left, right) = extent(all().map(|p| p.multiple));
         let (low, high) =
-            fold(&mut all().flat_map(|p| p.interval.unwrap_or([p.error; 2]).into_iter().chain([p.error])));
+            extent(all().flat_map(|p| p.interval.unwrap_or([p.error; 2]).into_iter().chain([p.error])));
         let mut legend =
             vec![Entry { key: Key::Line, colour: style::INK, words: "constants, with 95 % interval".into() }];
         for (i, mark) in marks.iter().enumerate() {
@@ -91,46 +79,44 @@ impl SweepCurve {
             y: Axis::log(format!("{what} [m]"), low / 1.15, high * 1.15),
             constants: constants.to_vec(),
             marks: marks.to_vec(),
-            legend,
-            caption: caption.to_owned(),
+            sheet: Sheet { gap: 0, ..Sheet::new(legend, ABOVE / 2 + PANEL + BELOW, caption.to_owned()) },
         })
     }
 }
 
 impl Plot for SweepCurve {
     fn size(&self) -> (u32, u32) {
-        let around = legend::height(&self.legend, ROOM) + legend::print_height(&self.caption, ROOM);
-        (style::WIDTH, (2 * MARGIN + around + ABOVE / 2 + PANEL + BELOW) as u32)
+        self.sheet.size()
     }
 
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
-        legend::draw(area, &self.legend, (MARGIN, MARGIN), ROOM)?;
-        let top = MARGIN + legend::height(&self.legend, ROOM) + ABOVE / 2;
-        let rect = Rect { left: LEFT, top, right: style::WIDTH as i32 - RIGHT, bottom: top + PANEL };
-        let frame = Frame::new(area, rect, &self.x, &self.y);
-        frame.grid()?;
-        let edge = |end: usize| {
-            let at = move |p: &SweepPoint| (p.multiple, p.interval.unwrap_or([p.error; 2])[end]);
-            self.constants.iter().map(at).map(|(x, y)| frame.at(x, y)).collect::<Vec<_>>()
-        };
-        let band: Vec<(i32, i32)> = edge(1).into_iter().chain(edge(0).into_iter().rev()).collect();
-        frame.polygon(band, style::MUTED.mix(0.16))?;
-        let line = self.constants.iter().map(|p| frame.at(p.multiple, p.error)).collect::<Vec<_>>();
-        frame.path(line.clone(), style::stroke(style::INK, style::LINE - 1))?;
-        for ((x, y), point) in line.into_iter().zip(&self.constants) {
-            legend::marker(area, 0, (x, y), style::INK)?;
-            frame.words(&point.name, style::CAPTION, style::MUTED, Anchor::Centre, (x, y - 28))?;
-        }
-        for (i, mark) in self.marks.iter().enumerate() {
-            let colour = PALETTE[i];
-            if let Some([low, high]) = mark.interval {
-                let ends = vec![frame.at(mark.multiple, low), frame.at(mark.multiple, high)];
-                frame.path(ends, style::stroke(colour, style::THIN))?;
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
+        self.sheet.draw(area, |top| {
+            let top = top + ABOVE / 2;
+            let rect = Rect { left: LEFT, top, right: style::WIDTH as i32 - RIGHT, bottom: top + PANEL };
+            let frame = Frame::new(area, rect, &self.x, &self.y);
+            frame.grid()?;
+            let edge = |end: usize| {
+                let at = move |p: &SweepPoint| (p.multiple, p.interval.unwrap_or([p.error; 2])[end]);
+                self.constants.iter().map(at).map(|(x, y)| frame.at(x, y)).collect::<Vec<_>>()
+            };
+            let band: Vec<(i32, i32)> = edge(1).into_iter().chain(edge(0).into_iter().rev()).collect();
+            frame.polygon(band, style::MUTED.mix(0.16))?;
+            let line = self.constants.iter().map(|p| frame.at(p.multiple, p.error)).collect::<Vec<_>>();
+            frame.path(line.clone(), style::stroke(style::INK, style::LINE - 1))?;
+            for ((x, y), point) in line.into_iter().zip(&self.constants) {
+                legend::marker(area, 0, (x, y), style::INK)?;
+                frame.words(&point.name, style::CAPTION, style::MUTED, Anchor::Centre, (x, y - 28))?;
             }
-            legend::marker(area, i, frame.at(mark.multiple, mark.error), colour)?;
-        }
-        frame.axes(true)?;
-        legend::print(area, &self.caption, (MARGIN, top + PANEL + BELOW), ROOM)
+            for (i, mark) in self.marks.iter().enumerate() {
+                let colour = PALETTE[i];
+                if let Some([low, high]) = mark.interval {
+                    let ends = vec![frame.at(mark.multiple, low), frame.at(mark.multiple, high)];
+                    frame.path(ends, style::stroke(colour, style::THIN))?;
+                }
+                legend::marker(area, i, frame.at(mark.multiple, mark.error), colour)?;
+            }
+            frame.axes(true)
+        })
     }
 
     fn csv(&self) -> Drawn {

@@ -3,14 +3,11 @@
 use super::axis::Axis;
 use super::error::FigureError;
 use super::frame::{BELOW, Frame, LEFT, RIGHT, Rect};
-use super::legend;
-use super::plot::{DrawError, Drawn, Plot};
-use super::sheet::{MARGIN, ROOM};
+use super::plot::{Area, Drawn, Painted, Plot};
+use super::sheet::Sheet;
 use super::style::{self, Anchor, PALETTE};
-use super::summary::columns;
+use super::summary::{columns, extent};
 use dpn_core::signal::stats::upper_median;
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
 use plotters_backend::DrawingBackend;
 
 const FIGURE: &str = "timeline";
@@ -38,12 +35,11 @@ pub struct TimelinePanel {
 /// The plot; see the head of its file.
 #[derive(Debug, Clone)]
 pub struct Timeline {
-    title: String,
     time: Axis,
     panels: Vec<(TimelinePanel, Axis)>,
     /// Where something happened \[s\].
     marks: Vec<f64>,
-    caption: String,
+    sheet: Sheet,
 }
 
 impl Timeline {
@@ -67,16 +63,17 @@ impl Timeline {
             })
             .collect();
         kept.retain(|panel| panel.lines.iter().any(|(_, line)| !line.is_empty()));
-        let times =
-            || kept.iter().flat_map(|p| p.lines.iter().flat_map(|(_, line)| line.iter().map(|p| p.0)));
-        let (start, end) = (times().fold(f64::INFINITY, f64::min), times().fold(f64::NEG_INFINITY, f64::max));
+        let times = kept.iter().flat_map(|p| p.lines.iter().flat_map(|(_, line)| line.iter().map(|p| p.0)));
+        let (start, end) = extent(times);
         if start > end {
             return Err(FigureError::Empty { figure: FIGURE, what: "point in time".into() });
         }
         let time = Axis::linear("time [s]".into(), start, end, 10);
+        let body = kept.len() as i32 * (PANEL + WORDS) + BELOW;
+        let sheet = Sheet { title, head: WORDS, ..Sheet::new(Vec::new(), body, caption) };
         let panels = kept.into_iter().map(|panel| (panel.thinned(), panel.axis())).collect();
         let marks = marks.into_iter().filter(|t| (start..=end).contains(t)).collect();
-        Ok(Self { title, time, panels, marks, caption })
+        Ok(Self { time, panels, marks, sheet })
     }
 }
 
@@ -96,9 +93,7 @@ impl TimelinePanel {
 
     /// Without its label, which stands above the panel, where there is room for it.
     fn axis(&self) -> Axis {
-        let values = || self.lines.iter().flat_map(|(_, line)| line.iter().map(|p| p.1));
-        let (low, high) =
-            (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+        let (low, high) = extent(self.lines.iter().flat_map(|(_, line)| line.iter().map(|p| p.1)));
         if self.log {
             return Axis::log(String::new(), low.max(high * DECADES) / 1.2, high * 1.2);
         }
@@ -108,12 +103,7 @@ impl TimelinePanel {
         Axis::linear(String::new(), if low < 0.0 { low - pad } else { low }, high + pad, 4)
     }
 
-    fn draw<DB: DrawingBackend>(
-        &self,
-        frame: &Frame<'_, DB>,
-        marks: &[f64],
-        last: bool,
-    ) -> Result<(), DrawError<DB>> {
+    fn draw<DB: DrawingBackend>(&self, frame: &Frame<'_, DB>, marks: &[f64], last: bool) -> Painted<DB> {
         frame.grid()?;
         for t in marks {
             let x = frame.x_at(*t);
@@ -148,23 +138,20 @@ fn unbroken(line: &[(f64, f64)]) -> impl Iterator<Item = &[(f64, f64)]> {
 
 impl Plot for Timeline {
     fn size(&self) -> (u32, u32) {
-        let panels = self.panels.len() as i32 * (PANEL + WORDS);
-        let height = 2 * MARGIN + WORDS + panels + BELOW + legend::print_height(&self.caption, ROOM);
-        (style::WIDTH, height as u32)
+        self.sheet.size()
     }
 
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
-        let title = style::text(style::TITLE, style::INK, Anchor::West);
-        area.draw_text(&self.title, &title, (MARGIN, MARGIN + 18))?;
-        let mut top = MARGIN + WORDS;
-        for (i, (panel, axis)) in self.panels.iter().enumerate() {
-            top += WORDS;
-            let rect = Rect { left: LEFT, top, right: LEFT + WIDE, bottom: top + PANEL };
-            let frame = Frame::new(area, rect, &self.time, axis);
-            panel.draw(&frame, &self.marks, i + 1 == self.panels.len())?;
-            top += PANEL;
-        }
-        legend::print(area, &self.caption, (MARGIN, top + BELOW + 8), ROOM)
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
+        self.sheet.draw(area, |mut top| {
+            for (i, (panel, axis)) in self.panels.iter().enumerate() {
+                top += WORDS;
+                let rect = Rect { left: LEFT, top, right: LEFT + WIDE, bottom: top + PANEL };
+                let frame = Frame::new(area, rect, &self.time, axis);
+                panel.draw(&frame, &self.marks, i + 1 == self.panels.len())?;
+                top += PANEL;
+            }
+            Ok(())
+        })
     }
 
     fn csv(&self) -> Drawn {

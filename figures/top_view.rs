@@ -4,11 +4,10 @@ use super::axis::Axis;
 use super::error::FigureError;
 use super::frame::{ABOVE, BELOW, Frame, LEFT, RIGHT, Rect};
 use super::legend::{self, Entry, Key};
-use super::plot::{DrawError, Drawn, Plot};
-use super::sheet::{MARGIN, ROOM};
+use super::plot::{Area, Drawn, Painted, Plot};
+use super::sheet::Sheet;
 use super::style::{self, PALETTE};
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
+use super::summary::extent;
 use plotters_backend::DrawingBackend;
 
 const FIGURE: &str = "top view";
@@ -27,8 +26,7 @@ pub struct TopView {
     truth: Vec<[f64; 2]>,
     /// Parts of the estimate without a break.
     estimate: Vec<Vec<[f64; 2]>>,
-    legend: Vec<Entry>,
-    caption: String,
+    sheet: Sheet,
 }
 
 impl TopView {
@@ -49,8 +47,7 @@ impl TopView {
             return Err(FigureError::Empty { figure: FIGURE, what: "position".into() });
         }
         let range = |axis: usize| {
-            let low = all().map(|p| p[axis]).fold(f64::INFINITY, f64::min);
-            let high = all().map(|p| p[axis]).fold(f64::NEG_INFINITY, f64::max);
+            let (low, high) = extent(all().map(|p| p[axis]));
             (0.5 * (low + high), high - low)
         };
         let ((x, wide), (y, high)) = (range(0), range(1));
@@ -72,35 +69,33 @@ impl TopView {
             tall,
             truth,
             estimate,
-            legend,
-            caption,
+            sheet: Sheet::new(legend, ABOVE + tall + BELOW, caption),
         })
     }
 }
 
 impl Plot for TopView {
     fn size(&self) -> (u32, u32) {
-        let around = legend::height(&self.legend, ROOM) + legend::print_height(&self.caption, ROOM);
-        (style::WIDTH, (2 * MARGIN + around + ABOVE + self.tall + BELOW) as u32)
+        self.sheet.size()
     }
 
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
-        legend::draw(area, &self.legend, (MARGIN, MARGIN), ROOM)?;
-        let top = MARGIN + legend::height(&self.legend, ROOM) + ABOVE;
-        let rect = Rect { left: LEFT, top, right: LEFT + SIDE, bottom: top + self.tall };
-        let frame = Frame::new(area, rect, &self.x, &self.y);
-        frame.grid()?;
-        let line = |part: &[[f64; 2]]| part.iter().map(|p| frame.at(p[0], p[1])).collect::<Vec<_>>();
-        frame.path(line(&self.truth), style::stroke(style::INK, style::THIN))?;
-        for part in &self.estimate {
-            frame.path(line(part), style::stroke(PALETTE[1], style::THIN + 1))?;
-        }
-        if let Some(first) = self.estimate.iter().flatten().next() {
-            legend::marker(area, 0, frame.at(first[0], first[1]), PALETTE[1])?;
-        }
-        frame.axes(true)?;
-        frame.title(&self.title)?;
-        legend::print(area, &self.caption, (MARGIN, top + self.tall + BELOW + 8), ROOM)
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
+        self.sheet.draw(area, |top| {
+            let top = top + ABOVE;
+            let rect = Rect { left: LEFT, top, right: LEFT + SIDE, bottom: top + self.tall };
+            let frame = Frame::new(area, rect, &self.x, &self.y);
+            frame.grid()?;
+            let line = |part: &[[f64; 2]]| part.iter().map(|p| frame.at(p[0], p[1])).collect::<Vec<_>>();
+            frame.path(line(&self.truth), style::stroke(style::INK, style::THIN))?;
+            for part in &self.estimate {
+                frame.path(line(part), style::stroke(PALETTE[1], style::THIN + 1))?;
+            }
+            if let Some(first) = self.estimate.iter().flatten().next() {
+                legend::marker(area, 0, frame.at(first[0], first[1]), PALETTE[1])?;
+            }
+            frame.axes(true)?;
+            frame.title(&self.title)
+        })
     }
 
     fn csv(&self) -> Drawn {

@@ -1,10 +1,11 @@
 //! What the camera saw and what was made of it: the image, its tracks coloured by age with the way they came, and those that ended.
 
 use super::error::FigureError;
-use super::raster::{Raster, averaged, canvas_over};
+use super::plot::{Area, Painted};
+use super::raster::{Raster, canvas_over, encoded};
 use super::style::{self, Anchor};
 use dpn_core::GrayImage;
-use plotters::drawing::{DrawingArea, IntoDrawingArea};
+use plotters::drawing::IntoDrawingArea;
 use plotters::element::{Circle, PathElement, Rectangle};
 use plotters::style::{Color, RGBColor, WHITE};
 use plotters_backend::DrawingBackend;
@@ -73,21 +74,10 @@ impl TrackPicture<'_> {
                 .and_then(|()| area.present())
                 .map_err(|error| FigureError::Draw { reason: error.to_string() })?;
         }
-        let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, size.0, size.1);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder
-            .write_header()
-            .and_then(|mut writer| writer.write_image_data(&averaged(&memory, size)))
-            .map_err(|error| FigureError::Draw { reason: error.to_string() })?;
-        Ok(bytes)
+        encoded(&memory, size, png::Compression::default())
     }
 
-    fn draw<DB: DrawingBackend>(
-        &self,
-        area: &DrawingArea<DB, plotters::coord::Shift>,
-    ) -> Result<(), super::plot::DrawError<DB>> {
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
         let at = |px: [f64; 2]| (px[0].round() as i32, px[1].round() as i32);
         for dot in self.tracks {
             let colour = by_age(dot.age);

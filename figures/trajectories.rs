@@ -1,14 +1,13 @@
 //! Trajectories from above, a panel a sequence: the ground truth, and estimates aligned to it.
 
 use super::axis::Axis;
-use super::error::{FigureError, check_column};
+use super::error::{FigureError, check_column, check_count};
 use super::frame::{Frame, Rect};
-use super::legend::{self, Entry, Key};
-use super::plot::{DrawError, Drawn, Plot};
-use super::sheet::{MARGIN, ROOM};
+use super::legend::{Entry, Key};
+use super::plot::{Area, Drawn, Painted, Plot};
+use super::sheet::{MARGIN, ROOM, Sheet};
 use super::style::{self, Anchor, PALETTE};
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
+use super::summary::extent;
 use plotters::style::ShapeStyle;
 use plotters_backend::DrawingBackend;
 
@@ -44,8 +43,7 @@ pub struct TrajectoryPanel {
 pub struct Trajectories {
     panels: Vec<Drawable>,
     names: Vec<String>,
-    legend: Vec<Entry>,
-    caption: String,
+    sheet: Sheet,
 }
 
 #[derive(Debug, Clone)]
@@ -67,30 +65,19 @@ impl Trajectories {
         if panels.is_empty() {
             return Err(FigureError::Empty { figure: FIGURE, what: "sequence".into() });
         }
-        if names.len() > MOST_ESTIMATES {
-            let what = "estimates";
-            return Err(FigureError::TooMany {
-                figure: FIGURE,
-                what,
-                found: names.len(),
-                most: MOST_ESTIMATES,
-            });
-        }
+        check_count(FIGURE, "estimates", names.len(), MOST_ESTIMATES)?;
         let mut legend = vec![Entry { key: Key::Line, colour: style::INK, words: "ground truth".into() }];
         let colours = PALETTE.iter().cycle().skip(1);
         for (i, (name, _)) in names.iter().zip(colours).enumerate() {
             legend.push(Entry { key: Key::Line, colour: colour(i), words: (*name).to_owned() });
         }
+        let rows = panels.len().div_ceil(ACROSS) as i32;
+        let body = rows * (AROUND.1 + PANEL.1 + AROUND.3);
         Ok(Self {
             panels: panels.iter().map(|p| Drawable::new(p, names)).collect::<Result<_, _>>()?,
             names: names.iter().map(|name| (*name).to_owned()).collect(),
-            legend,
-            caption: caption.to_owned(),
+            sheet: Sheet { gap: 0, ..Sheet::new(legend, body, caption.to_owned()) },
         })
-    }
-
-    fn rows(&self) -> i32 {
-        self.panels.len().div_ceil(ACROSS) as i32
     }
 }
 
@@ -129,8 +116,7 @@ impl Drawable {
             .collect::<Result<Vec<_>, _>>()?;
         // A lost run must not shrink the truth to a point: the panel holds the truth and half its size around it.
         let range = |axis: usize| {
-            let low = truth.iter().map(|p| p[axis]).fold(f64::INFINITY, f64::min);
-            let high = truth.iter().map(|p| p[axis]).fold(f64::NEG_INFINITY, f64::max);
+            let (low, high) = extent(truth.iter().map(|p| p[axis]));
             (0.5 * (low + high), high - low)
         };
         let ((x, wide), (y, high)) = (range(0), range(1));
@@ -147,11 +133,7 @@ impl Drawable {
         })
     }
 
-    fn draw<DB: DrawingBackend>(
-        &self,
-        area: &DrawingArea<DB, Shift>,
-        rect: Rect,
-    ) -> Result<(), DrawError<DB>> {
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>, rect: Rect) -> Painted<DB> {
         let frame = Frame::new(area, rect, &self.x, &self.y);
         frame.grid()?;
         let line = |path: &[[f64; 2]]| path.iter().map(|p| frame.at(p[0], p[1])).collect::<Vec<_>>();
@@ -174,25 +156,20 @@ impl Drawable {
 
 impl Plot for Trajectories {
     fn size(&self) -> (u32, u32) {
-        let row = AROUND.1 + PANEL.1 + AROUND.3;
-        let height = 2 * MARGIN
-            + legend::height(&self.legend, ROOM)
-            + self.rows() * row
-            + legend::print_height(&self.caption, ROOM);
-        (style::WIDTH, height as u32)
+        self.sheet.size()
     }
 
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), DrawError<DB>> {
-        legend::draw(area, &self.legend, (MARGIN, MARGIN), ROOM)?;
-        let top = MARGIN + legend::height(&self.legend, ROOM);
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
         let (width, height) = (AROUND.0 + PANEL.0 + AROUND.2, AROUND.1 + PANEL.1 + AROUND.3);
-        for (i, panel) in self.panels.iter().enumerate() {
-            let (column, row) = ((i % ACROSS) as i32, (i / ACROSS) as i32);
-            let left = MARGIN + column * width + AROUND.0;
-            let top = top + row * height + AROUND.1;
-            panel.draw(area, Rect { left, top, right: left + PANEL.0, bottom: top + PANEL.1 })?;
-        }
-        legend::print(area, &self.caption, (MARGIN, top + self.rows() * height), ROOM)
+        self.sheet.draw(area, |top| {
+            for (i, panel) in self.panels.iter().enumerate() {
+                let (column, row) = ((i % ACROSS) as i32, (i / ACROSS) as i32);
+                let left = MARGIN + column * width + AROUND.0;
+                let top = top + row * height + AROUND.1;
+                panel.draw(area, Rect { left, top, right: left + PANEL.0, bottom: top + PANEL.1 })?;
+            }
+            Ok(())
+        })
     }
 
     fn csv(&self) -> Drawn {

@@ -7,7 +7,7 @@ use std::path::Path;
 
 impl Table {
     /// As Markdown.
-    pub fn markdown(&self) -> String {
+    pub(crate) fn markdown(&self) -> String {
         let escaped = |text: &str| no_html(text).replace('|', "\\|").replace('[', "\\[").replace(']', "\\]");
         let mut out = format!("**{}**\n\n", no_html(&self.title));
         let line = |out: &mut String, cells: Vec<String>| {
@@ -46,7 +46,7 @@ impl Table {
     }
 
     /// As LaTeX: a `table` environment that needs no package but `graphicx`, for wide tables.
-    pub fn latex(&self) -> String {
+    pub(crate) fn latex(&self) -> String {
         let ends: String = self.columns.iter().map(|c| if c.is_number() { 'r' } else { 'l' }).collect();
         let mut out = format!(
             "\\begin{{table*}}\n\\centering\n\\caption{{{}}}\n\\label{{table:{}}}\n\\resizebox{{\\textwidth}}{{!}}{{%\n\\begin{{tabular}}{{{ends}}}\n\\hline\n",

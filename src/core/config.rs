@@ -46,6 +46,22 @@ impl ConfigFaults {
         }
     }
 
+    /// Notes a fault unless `value` is positive and finite.
+    pub fn positive(&mut self, key: impl Into<String>, value: f64) {
+        self.check(value.is_finite() && value > 0.0, key, value, "positive and finite");
+    }
+
+    /// Notes a fault unless `value` is 0 or more, and finite.
+    pub fn not_negative(&mut self, key: impl Into<String>, value: f64) {
+        self.check(value.is_finite() && value >= 0.0, key, value, "0 or more, and finite");
+    }
+
+    /// Notes the faults of a table, each key behind the table's `name`.
+    pub fn table(&mut self, name: &str, faults: Vec<ConfigFault>) {
+        let named = |fault: ConfigFault| ConfigFault { key: format!("{name}.{}", fault.key), ..fault };
+        self.0.extend(faults.into_iter().map(named));
+    }
+
     /// Notes a fault unless `low <= value <= high`; so NaN is one.
     pub fn within<T: PartialOrd + fmt::Display>(
         &mut self,
@@ -56,6 +72,12 @@ impl ConfigFaults {
     ) {
         let bound = format!("{low} to {high}");
         self.check((low..=high).contains(&value), key, value, bound);
+    }
+}
+
+impl From<ConfigFaults> for Vec<ConfigFault> {
+    fn from(faults: ConfigFaults) -> Self {
+        faults.0
     }
 }
 

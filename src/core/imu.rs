@@ -1,44 +1,29 @@
 //! IMU samples and recordings.
 
+use crate::named;
 use crate::time::{SampleRate, Stamp, median_step_ns};
 use serde::{Deserialize, Serialize};
-use std::fmt;
 use thiserror::Error;
 
-/// Which of the two inertial sensors a thing speaks of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Sensor {
-    /// Accelerometer: specific force \[m/s^2\].
-    Accel,
-    /// Gyroscope: angular rate \[rad/s\].
-    Gyro,
-}
+named!(
+    /// Which of the two inertial sensors a thing speaks of.
+    #[derive(PartialOrd, Ord, Serialize, Deserialize)]
+    #[serde(rename_all = "lowercase")]
+    pub enum Sensor {
+        /// Accelerometer: specific force \[m/s^2\].
+        Accel = "accel",
+        /// Gyroscope: angular rate \[rad/s\].
+        Gyro = "gyro",
+    }
+);
 
 impl Sensor {
-    /// Both sensors, accelerometer first.
-    pub const ALL: [Self; 2] = [Self::Accel, Self::Gyro];
-
-    /// `"accel"` or `"gyro"`: the spelling in files, flags and stream names.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Accel => "accel",
-            Self::Gyro => "gyro",
-        }
-    }
-
     /// Unit of a sample and of its standard deviation.
     pub fn unit(self) -> &'static str {
         match self {
             Self::Accel => "m/s^2",
             Self::Gyro => "rad/s",
         }
-    }
-}
-
-impl fmt::Display for Sensor {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
     }
 }
 

@@ -15,6 +15,7 @@ pub mod estimate;
 pub mod geometry;
 pub mod image;
 pub mod imu;
+mod named;
 pub mod noise;
 mod plateaus;
 pub mod progress;

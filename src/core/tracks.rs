@@ -21,3 +21,16 @@ pub struct TrackFrame {
     /// Each id at most once.
     pub tracks: Vec<Track>,
 }
+
+impl TrackFrame {
+    /// The points that an earlier frame saw too, in this frame's order: where they were \[px\] and where they are.
+    pub fn shared(&self, earlier: &Self) -> Vec<(Vector2<f64>, Vector2<f64>)> {
+        let mut before: Vec<_> = earlier.tracks.iter().map(|track| (track.id, track.px)).collect();
+        before.sort_by_key(|(id, _)| *id);
+        let both = self.tracks.iter().filter_map(|track| {
+            let at = before.binary_search_by_key(&track.id, |(id, _)| *id).ok()?;
+            Some((before[at].1, track.px))
+        });
+        both.collect()
+    }
+}

@@ -90,7 +90,7 @@ mod tests {
 
     #[test]
     fn every_filter_has_unit_gain_on_white_noise_and_peaks_in_its_band() {
-        for &input in Input::ALL {
+        for input in Input::ALL {
             let config = ProNetConfig {
                 input,
                 channels: vec![16],

@@ -86,18 +86,18 @@ mod tests {
         let blocks = rng.random_range(1..=3);
         let mut config = ProNetConfig {
             window: rng.random_range(30..60),
-            input: pick(Input::ALL, rng),
-            block_order: pick(BlockOrder::ALL, rng),
-            norm_axes: pick(NormAxes::ALL, rng),
+            input: pick(&Input::ALL, rng),
+            block_order: pick(&BlockOrder::ALL, rng),
+            norm_axes: pick(&NormAxes::ALL, rng),
             channels: (0..blocks).map(|_| pick(&[1, 3, 16, 19, 32, 48, 64], rng)).collect(),
             kernels: (0..blocks).map(|_| rng.random_range(1..8)).collect(),
             strides: (0..blocks).map(|_| rng.random_range(1..4)).collect(),
             paddings: vec![0; blocks],
             conv_bias: rng.random(),
             leak: pick(&[0.0, 0.01, 0.1, 1.0], rng),
-            pool: pick(Pool::ALL, rng),
+            pool: pick(&Pool::ALL, rng),
             hidden: (0..rng.random_range(0..4)).map(|_| pick(&[1, 5, 16, 33], rng)).collect(),
-            head: pick(Head::ALL, rng),
+            head: pick(&Head::ALL, rng),
             ..ProNetConfig::default()
         };
         for (p, k) in config.paddings.iter_mut().zip(&config.kernels) {

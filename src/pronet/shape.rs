@@ -195,8 +195,8 @@ mod tests {
 
     #[test]
     fn the_table_and_the_list_count_the_same_for_every_choice() {
-        for &norm_axes in NormAxes::ALL {
-            for &pool in Pool::ALL {
+        for norm_axes in NormAxes::ALL {
+            for pool in Pool::ALL {
                 for conv_bias in [true, false] {
                     let config = ProNetConfig { norm_axes, pool, conv_bias, ..ProNetConfig::default() };
                     let table: usize = layers(&config).iter().map(|r| r.parameters).sum();

@@ -18,7 +18,7 @@ use thiserror::Error;
 /// The metadata key the description stands under.
 const KEY: &str = "dpn";
 /// The version of the layout that is written, and the only one that is read.
-pub const FORMAT_VERSION: u64 = 1;
+pub(crate) const FORMAT_VERSION: u64 = 1;
 
 /// Why a file of weights or a checkpoint cannot be read or written.
 #[derive(Debug, Error)]

@@ -60,12 +60,6 @@ impl FlightConfig {
         config.quantisation.enabled = false;
         config
     }
-
-    /// White noise alone, with its schedule.
-    #[cfg(test)]
-    pub(crate) fn white_only() -> Self {
-        Self { white: WhiteConfig::default(), ..Self::ideal() }
-    }
 }
 
 impl Validate for FlightConfig {
@@ -88,7 +82,7 @@ mod tests {
 
     #[test]
     fn defaults_and_presets_are_valid() {
-        for config in [FlightConfig::default(), FlightConfig::ideal(), FlightConfig::white_only()] {
+        for config in [FlightConfig::default(), FlightConfig::ideal()] {
             assert_eq!(config.validate(), Ok(()));
         }
     }

@@ -3,9 +3,8 @@
 //! Eleven flights of different character ([`flight`]) along smooth trajectories with analytic derivatives
 //! ([`trajectory`]), recorded by an IMU ([`imu`]) with white noise that changes in time, walking biases, rotor vibration
 //! and quantisation. Every part is on its own named random streams and comes back beside the recording
-//! ([`SimulatedFlight`]), so that an estimator can be judged against the truth, not against a label. [`summary`] puts
-//! simulated and real recordings side by side. [`tracks`] puts a camera on any path, flown or recorded, [`render`] makes its
-//! images.
+//! ([`SimulatedFlight`]), so that an estimator can be judged against the truth, not against a label. [`tracks`]
+//! puts a camera on any path, flown or recorded, [`render`] makes its images.
 //!
 //! World z up, gravity (0, 0, -9.81), body = IMU: at rest and level the accelerometer reads +9.81 on z. Nothing here
 //! reads or writes files.
@@ -16,7 +15,6 @@ pub mod flight;
 pub mod imu;
 pub mod render;
 pub mod simulate;
-pub mod summary;
 pub mod tracks;
 pub mod trajectory;
 

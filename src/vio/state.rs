@@ -9,13 +9,13 @@ use dpn_core::geometry::so3;
 use nalgebra::{Isometry3, SVector, Vector3};
 
 /// Unknowns of one state.
-pub const STATE_DIM: usize = 15;
+pub(crate) const STATE_DIM: usize = 15;
 /// Where the position stands.
 pub const POSITION: usize = 0;
 /// Where the rotation stands; with the position before it, the pose's six.
 pub const ROTATION: usize = 3;
 /// Unknowns of a pose.
-pub const POSE_DIM: usize = 6;
+pub(crate) const POSE_DIM: usize = 6;
 /// Where the velocity stands.
 pub const VELOCITY: usize = 6;
 /// Where the accelerometer's bias stands.
@@ -95,7 +95,7 @@ impl NavState {
 }
 
 /// A pose moved by `d`: position, then rotation on the right.
-pub fn pose_plus(pose: &Isometry3<f64>, d: &SVector<f64, POSE_DIM>) -> Isometry3<f64> {
+pub(crate) fn pose_plus(pose: &Isometry3<f64>, d: &SVector<f64, POSE_DIM>) -> Isometry3<f64> {
     let rotation = pose.rotation * so3::exp(&d.fixed_rows::<3>(ROTATION).into_owned());
     // A product of unit quaternions drifts from length 1 by one rounding a step; thousands of steps would show.
     let rotation = nalgebra::UnitQuaternion::new_normalize(rotation.into_inner());
@@ -103,7 +103,7 @@ pub fn pose_plus(pose: &Isometry3<f64>, d: &SVector<f64, POSE_DIM>) -> Isometry3
 }
 
 /// The `d` for which `pose_plus(origin, d)` is `pose`.
-pub fn pose_minus(pose: &Isometry3<f64>, origin: &Isometry3<f64>) -> SVector<f64, POSE_DIM> {
+pub(crate) fn pose_minus(pose: &Isometry3<f64>, origin: &Isometry3<f64>) -> SVector<f64, POSE_DIM> {
     let mut d = SVector::<f64, POSE_DIM>::zeros();
     d.fixed_rows_mut::<3>(POSITION).copy_from(&(pose.translation.vector - origin.translation.vector));
     d.fixed_rows_mut::<3>(ROTATION).copy_from(&so3::log(&(origin.rotation.inverse() * pose.rotation)));

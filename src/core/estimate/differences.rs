@@ -1,7 +1,7 @@
 //! Deviation of differences of order 1 to 4.
 
-use super::quadratic::Gain;
-use super::{EstimatorError, WindowSigma};
+use super::EstimatorError;
+use super::quadratic::Linear;
 use crate::signal::stats;
 
 /// `diff1` to `diff4`: deviation of the differences of that order about their mean, over the gain of white noise.
@@ -10,33 +10,21 @@ use crate::signal::stats;
 /// the higher the order, the less motion and the more of the last octave below Nyquist. Fooled by vibration near
 /// Nyquist, which high orders exaggerate (a tone at .465 of the rate counts 1.41, 1.61, 1.76 and 1.87 times its
 /// deviation in orders 1 to 4), and by quantisation. A polynomial trend of degree k leaves order k unmoved.
-#[derive(Debug, Clone)]
-pub(crate) struct Differences {
-    name: String,
-    order: usize,
-    gain: Gain,
-}
-
-impl Differences {
-    /// The order, 1 to 4; `samples` is the length of the windows it will mostly be asked for.
-    ///
-    /// # Errors
-    /// Another order; `samples` below `order + 2`.
-    pub(crate) fn new(order: usize, samples: usize) -> Result<Self, EstimatorError> {
-        if !(1..=4).contains(&order) {
-            return Err(EstimatorError::Parameter {
-                estimator: "diff",
-                parameter: "order",
-                value: order as f64,
-                range: "1, 2, 3 or 4",
-            });
-        }
-        let name = format!("diff{order}");
-        if samples < order + 2 {
-            return Err(EstimatorError::WindowTooShort { name, needs: order + 2, window: samples });
-        }
-        Ok(Self { name, order, gain: Gain::of(samples, |x| centred_differences(x, order)) })
+///
+/// The order, 1 to 4; `samples` is the length of the windows it will mostly be asked for.
+///
+/// # Errors
+/// Another order; `samples` below `order + 2`.
+pub(crate) fn differences(order: usize, samples: usize) -> Result<Linear, EstimatorError> {
+    if !(1..=4).contains(&order) {
+        return Err(EstimatorError::Parameter {
+            estimator: "diff",
+            parameter: "order",
+            value: order as f64,
+            range: "1, 2, 3 or 4",
+        });
     }
+    Linear::new(format!("diff{order}"), order + 2, samples, move |x| centred_differences(x, order))
 }
 
 fn centred_differences(x: &[f64], order: usize) -> Vec<f64> {
@@ -44,24 +32,6 @@ fn centred_differences(x: &[f64], order: usize) -> Vec<f64> {
     let mean = stats::mean(&d);
     d.iter_mut().for_each(|v| *v -= mean);
     d
-}
-
-impl WindowSigma for Differences {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn min_len(&self) -> usize {
-        self.order + 2
-    }
-
-    fn sigma(&self, window: &[f64]) -> f64 {
-        if window.len() < self.min_len() {
-            return f64::NAN;
-        }
-        let map = |x: &[f64]| centred_differences(x, self.order);
-        self.gain.at(window.len(), map).sigma(&map(window))
-    }
 }
 
 #[cfg(test)]
@@ -82,8 +52,8 @@ mod tests {
 
     #[test]
     fn orders_out_of_range_are_refused() {
-        assert!(Differences::new(0, 200).is_err());
-        assert!(Differences::new(5, 200).is_err());
-        assert!(matches!(Differences::new(2, 3), Err(EstimatorError::WindowTooShort { needs: 4, .. })));
+        assert!(differences(0, 200).is_err());
+        assert!(differences(5, 200).is_err());
+        assert!(matches!(differences(2, 3), Err(EstimatorError::WindowTooShort { needs: 4, .. })));
     }
 }

@@ -32,11 +32,11 @@ mod windowed;
 #[cfg(test)]
 mod white_noise_tests;
 
-pub(crate) use allan::Allan;
+pub(crate) use allan::allan;
 pub(crate) use axis::{AxisSigma, EachSample, Given, HopWindow, Reading};
-pub(crate) use differences::Differences;
+pub(crate) use differences::differences;
 pub(crate) use mad2::Mad2;
-pub(crate) use savgol::SgResidual;
+pub(crate) use savgol::sg_residual;
 pub use spec::{DEFAULT_TAG, NoiseSpec, SensorPair, SpecError, parse_list};
 pub(crate) use wavelet::WaveletMad;
 pub use window_sigma::{EstimatorError, WindowSigma};

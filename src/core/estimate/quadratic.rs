@@ -5,6 +5,7 @@
 //! the factor `c4(nu)`, so `sigma = sqrt(r . r / tr(A)) / c4(nu)`. Its spread is `sigma / sqrt(2 nu)`: over the
 //! Cramer-Rao bound by `sqrt(n / nu)`.
 
+use super::{EstimatorError, WindowSigma};
 use nalgebra::DMatrix;
 
 /// Mean of the root of a chi-square of `nu` degrees of freedom, over `sqrt(nu)`; 1 - 1 / (4 nu) for large `nu`.
@@ -94,6 +95,50 @@ impl Gain {
     #[cfg(test)]
     pub(super) fn nu(&self) -> f64 {
         self.nu
+    }
+}
+
+/// Sigma from the residuals that a linear map leaves of a window.
+pub(crate) struct Linear {
+    name: String,
+    min_len: usize,
+    map: Box<dyn Fn(&[f64]) -> Vec<f64> + Send + Sync>,
+    pub(super) gain: Gain,
+}
+
+impl Linear {
+    /// `map` takes windows of `min_len` samples or more; `samples` is the length of those it will mostly be asked for.
+    ///
+    /// # Errors
+    /// `samples` below `min_len`.
+    pub(super) fn new(
+        name: String,
+        min_len: usize,
+        samples: usize,
+        map: impl Fn(&[f64]) -> Vec<f64> + Send + Sync + 'static,
+    ) -> Result<Self, EstimatorError> {
+        if samples < min_len {
+            return Err(EstimatorError::WindowTooShort { name, needs: min_len, window: samples });
+        }
+        let gain = Gain::of(samples, &map);
+        Ok(Self { name, min_len, map: Box::new(map), gain })
+    }
+}
+
+impl WindowSigma for Linear {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn min_len(&self) -> usize {
+        self.min_len
+    }
+
+    fn sigma(&self, window: &[f64]) -> f64 {
+        if window.len() < self.min_len {
+            return f64::NAN;
+        }
+        self.gain.at(window.len(), &self.map).sigma(&(self.map)(window))
     }
 }
 

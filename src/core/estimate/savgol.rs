@@ -1,7 +1,7 @@
 //! Deviation of the Savitzky-Golay residual, corrected for what the filter keeps.
 
-use super::quadratic::{Gain, WIDEST};
-use super::{EstimatorError, WindowSigma};
+use super::EstimatorError;
+use super::quadratic::{Linear, WIDEST};
 use crate::signal::SavitzkyGolay;
 
 /// `sg(window,order)`: sigma from `x - SG(x)` over the window, polynomial edges included.
@@ -9,45 +9,32 @@ use crate::signal::SavitzkyGolay;
 /// Takes for noise whatever a local polynomial does not follow: with (11,2) at 200 Hz most of what lies above 25 Hz.
 /// Fooled by vibration in that range, which it counts in full; blind to noise that a wide polynomial follows, which
 /// for white noise is corrected exactly. A trend of the polynomial's order leaves it unmoved.
-#[derive(Debug, Clone)]
-pub(crate) struct SgResidual {
-    name: String,
-    filter: SavitzkyGolay,
-    gain: Gain,
-}
-
-impl SgResidual {
-    /// The filter's window and order; `samples` is the length of the windows it will mostly be asked for.
-    ///
-    /// # Errors
-    /// A filter's window above 501; what [`SavitzkyGolay::new`] refuses; an order of `window - 1`, which leaves no residual; `samples` below the
-    /// filter's window.
-    pub(crate) fn new(window: usize, order: usize, samples: usize) -> Result<Self, EstimatorError> {
-        // Held against its bound before a filter of that size is made: it takes memory with the window's square.
-        if window > WIDEST {
-            return Err(EstimatorError::Parameter {
-                estimator: "sg",
-                parameter: "window",
-                value: window as f64,
-                range: "at most 501 samples",
-            });
-        }
-        let filter = SavitzkyGolay::new(window, order)?;
-        let name = format!("sg({window},{order})");
-        if order + 1 == window {
-            return Err(EstimatorError::Parameter {
-                estimator: "sg",
-                parameter: "order",
-                value: order as f64,
-                range: "at most the window less 2, or the polynomial passes through every sample",
-            });
-        }
-        if samples < window {
-            return Err(EstimatorError::WindowTooShort { name, needs: window, window: samples });
-        }
-        let gain = Gain::of(samples, |x| residual(&filter, x));
-        Ok(Self { name, filter, gain })
+///
+/// The filter's window and order; `samples` is the length of the windows it will mostly be asked for.
+///
+/// # Errors
+/// A filter's window above 501; what [`SavitzkyGolay::new`] refuses; an order of `window - 1`, which leaves no residual; `samples` below the
+/// filter's window.
+pub(crate) fn sg_residual(window: usize, order: usize, samples: usize) -> Result<Linear, EstimatorError> {
+    // Held against its bound before a filter of that size is made: it takes memory with the window's square.
+    if window > WIDEST {
+        return Err(EstimatorError::Parameter {
+            estimator: "sg",
+            parameter: "window",
+            value: window as f64,
+            range: "at most 501 samples",
+        });
     }
+    let filter = SavitzkyGolay::new(window, order)?;
+    if order + 1 == window {
+        return Err(EstimatorError::Parameter {
+            estimator: "sg",
+            parameter: "order",
+            value: order as f64,
+            range: "at most the window less 2, or the polynomial passes through every sample",
+        });
+    }
+    Linear::new(format!("sg({window},{order})"), window, samples, move |x| residual(&filter, x))
 }
 
 /// `x - SG(x)` of a window that is as long as the filter's or longer.
@@ -57,36 +44,19 @@ fn residual(filter: &SavitzkyGolay, x: &[f64]) -> Vec<f64> {
     out
 }
 
-impl WindowSigma for SgResidual {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn min_len(&self) -> usize {
-        self.filter.window()
-    }
-
-    fn sigma(&self, window: &[f64]) -> f64 {
-        if window.len() < self.min_len() {
-            return f64::NAN;
-        }
-        let map = |x: &[f64]| residual(&self.filter, x);
-        self.gain.at(window.len(), map).sigma(&map(window))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::WindowSigma;
 
     #[test]
     fn the_gain_agrees_with_the_filters_own_figure() {
         for (window, order) in [(5, 2), (11, 2), (51, 3)] {
-            let estimator = SgResidual::new(window, order, 200).unwrap();
+            let estimator = sg_residual(window, order, 200).unwrap();
+            let filter = SavitzkyGolay::new(window, order).unwrap();
             let noise: Vec<f64> = (0..200).map(|i| f64::from(i * i * 37 % 101) - 50.0).collect();
-            let r = residual(&estimator.filter, &noise);
-            let plain =
-                (r.iter().map(|v| v * v).sum::<f64>() / 200.0).sqrt() / estimator.filter.residual_gain(200);
+            let r = residual(&filter, &noise);
+            let plain = (r.iter().map(|v| v * v).sum::<f64>() / 200.0).sqrt() / filter.residual_gain(200);
             let corrected = estimator.sigma(&noise) * super::super::quadratic::c4(estimator.gain.nu());
             assert!((plain / corrected - 1.0).abs() < 1e-12, "({window},{order})");
         }
@@ -94,14 +64,11 @@ mod tests {
 
     #[test]
     fn a_filter_that_leaves_no_residual_is_refused() {
-        assert!(matches!(
-            SgResidual::new(5, 4, 200),
-            Err(EstimatorError::Parameter { parameter: "order", .. })
-        ));
-        assert!(matches!(SgResidual::new(51, 3, 50), Err(EstimatorError::WindowTooShort { needs: 51, .. })));
-        assert!(matches!(SgResidual::new(6, 2, 200), Err(EstimatorError::Filter(_))));
+        assert!(matches!(sg_residual(5, 4, 200), Err(EstimatorError::Parameter { parameter: "order", .. })));
+        assert!(matches!(sg_residual(51, 3, 50), Err(EstimatorError::WindowTooShort { needs: 51, .. })));
+        assert!(matches!(sg_residual(6, 2, 200), Err(EstimatorError::Filter(_))));
         assert_eq!(
-            SgResidual::new(999_999, 3, 1_000_000).map(|_| ()).unwrap_err().to_string(),
+            sg_residual(999_999, 3, 1_000_000).map(|_| ()).unwrap_err().to_string(),
             "sg: window is 999999, it must be at most 501 samples"
         );
     }

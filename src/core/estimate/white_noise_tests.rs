@@ -2,7 +2,7 @@
 //! trends it promises to ignore.
 
 use super::spec::{EstimatorSpec, NoiseSpec, SensorPair, SensorSpec};
-use super::{Allan, Differences, SgResidual, WindowSigma};
+use super::{WindowSigma, allan, differences, sg_residual};
 use crate::bounds::cramer_rao_sigma;
 use crate::random::Stream;
 use crate::signal::stats::{Ddof, deviation, mean};
@@ -159,10 +159,10 @@ proptest! {
 #[test]
 fn a_steep_slope_moves_those_that_promise_nothing() {
     let x: Vec<f64> = white(0, 1.0).iter().enumerate().map(|(i, v)| v + i as f64).collect();
-    assert!(Allan::new(SAMPLES).unwrap().sigma(&x) > 1.15);
+    assert!(allan(SAMPLES).unwrap().sigma(&x) > 1.15);
     for spec in ["running", "sliding", "ewma", "kalman"] {
         assert!(estimator(spec).sigma(&x) > 1.5, "{spec}");
     }
-    assert!(Differences::new(1, SAMPLES).unwrap().sigma(&x) < 1.15);
-    assert!(SgResidual::new(11, 2, SAMPLES).unwrap().sigma(&x) < 1.15);
+    assert!(differences(1, SAMPLES).unwrap().sigma(&x) < 1.15);
+    assert!(sg_residual(11, 2, SAMPLES).unwrap().sigma(&x) < 1.15);
 }

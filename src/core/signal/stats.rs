@@ -13,7 +13,7 @@ pub enum Ddof {
 }
 
 /// Deviation of a normal variable over its median absolute deviation, `1 / Phi^-1(3/4)`.
-pub const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
+pub(crate) const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
 
 /// Arithmetic mean; NaN for no values.
 pub fn mean(x: &[f64]) -> f64 {

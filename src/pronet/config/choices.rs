@@ -1,39 +1,13 @@
 //! The choices the paper leaves open, each an enum: the spelling in a TOML file is the variant's name in kebab case.
 
+use dpn_core::named;
 use serde::{Deserialize, Serialize};
-use std::fmt;
 
-macro_rules! choice {
-    ($(#[$doc:meta])* $name:ident { $($(#[$vdoc:meta])* $variant:ident = $text:literal),+ $(,)? }) => {
-        $(#[$doc])*
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
-        pub enum $name {
-            $($(#[$vdoc])* #[serde(rename = $text)] $variant,)+
-        }
-
-        impl $name {
-            /// Every choice, the default first.
-            pub const ALL: &'static [Self] = &[$(Self::$variant),+];
-
-            /// The spelling in a configuration file.
-            pub fn name(self) -> &'static str {
-                match self {
-                    $(Self::$variant => $text,)+
-                }
-            }
-        }
-
-        impl fmt::Display for $name {
-            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str(self.name())
-            }
-        }
-    };
-}
-
-choice!(
+named!(
     /// In which order a block's steps come (decision 4).
-    BlockOrder {
+    #[derive(Default, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum BlockOrder {
         /// Convolution, layer normalisation, leaky ReLU.
         #[default]
         ConvNormAct = "conv-norm-act",
@@ -42,9 +16,11 @@ choice!(
     }
 );
 
-choice!(
+named!(
     /// Over what a block normalises (decision 5). Gain and offset are per channel in every case.
-    NormAxes {
+    #[derive(Default, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum NormAxes {
         /// Over the channels, at each time step.
         #[default]
         Channels = "channels",
@@ -55,9 +31,11 @@ choice!(
     }
 );
 
-choice!(
+named!(
     /// How the last linear layer's number `z` becomes a deviation, before the output scale (decision 7).
-    Head {
+    #[derive(Default, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Head {
         /// `ln(1 + exp(z))`: positive.
         #[default]
         Softplus = "softplus",
@@ -70,9 +48,11 @@ choice!(
     }
 );
 
-choice!(
+named!(
     /// What of a window the first convolution sees, after division by the input scale (decision 8).
-    Input {
+    #[derive(Default, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Input {
         /// The window minus its mean.
         #[default]
         Demeaned = "demeaned",
@@ -85,9 +65,11 @@ choice!(
     }
 );
 
-choice!(
+named!(
     /// How the last block's channels are pooled over time.
-    Pool {
+    #[derive(Default, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Pool {
         /// Their means.
         #[default]
         Mean = "mean",
@@ -96,9 +78,11 @@ choice!(
     }
 );
 
-choice!(
+named!(
     /// What the first convolution's kernels start from; training moves them like any others.
-    FirstKernels {
+    #[derive(Default, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum FirstKernels {
         /// Uniform draws, like every other layer's.
         #[default]
         Uniform = "uniform",

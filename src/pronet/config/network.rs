@@ -103,7 +103,7 @@ impl ProNetConfig {
     }
 
     /// Samples of the first convolution's input, its padding not counted.
-    pub fn input_length(&self) -> usize {
+    pub(crate) fn input_length(&self) -> usize {
         match self.input {
             Input::Demeaned | Input::Raw => self.window,
             Input::Differences => self.window.saturating_sub(1),
@@ -208,7 +208,7 @@ mod tests {
         assert_eq!(config.head, Head::LogSigma);
         assert_eq!(config.input, Input::Differences);
         for head in Head::ALL {
-            assert_eq!(serde_json::to_string(head).unwrap(), format!("\"{head}\""));
+            assert_eq!(serde_json::to_string(&head).unwrap(), format!("\"{head}\""));
         }
     }
 

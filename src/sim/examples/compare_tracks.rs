@@ -2,9 +2,13 @@
 //!
 //! `cargo run -p dpn-sim --release --example compare_tracks -- DATA [SEED]`, DATA the folder with `euroc/` and `tracks/`.
 
+#[path = "../tests/reprojection.rs"]
+mod reprojection;
+
 use dpn_core::Stamp;
 use dpn_io::{asl, read_tracks};
-use dpn_sim::tracks::{CameraSettings, RecordedPath, Reprojection, TracksConfig, simulate_tracks, summarise};
+use dpn_sim::tracks::{CameraSettings, RecordedPath, TracksConfig, simulate_tracks, summarise};
+use reprojection::Reprojection;
 use std::error::Error;
 use std::path::Path;
 use std::time::Instant;

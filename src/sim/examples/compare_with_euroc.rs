@@ -2,11 +2,15 @@
 //!
 //! `cargo run -p dpn-sim --release --example compare_with_euroc -- DATA [SEED]`, DATA a folder of ASL sequences.
 
+#[path = "../tests/summary/mod.rs"]
+mod summary;
+
 use dpn_io::asl;
-use dpn_sim::summary::{RecordingSummary, compare, summarise};
 use dpn_sim::{FlightConfig, simulate_all};
 use std::error::Error;
 use std::path::Path;
+use summary::recording::{RecordingSummary, summarise};
+use summary::table::compare;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);

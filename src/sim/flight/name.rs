@@ -1,7 +1,7 @@
 //! The eleven flights by name, and which of them may be trained on.
 
+use dpn_core::named;
 use serde::{Deserialize, Serialize};
-use std::fmt;
 use std::str::FromStr;
 use thiserror::Error;
 
@@ -15,33 +15,35 @@ pub enum Split {
     Test,
 }
 
-/// A flight: its name is its character, its number its place.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Flight {
-    /// Slow straight lines through a hall.
-    HallSlow,
-    /// Slow circles in a hall.
-    HallCalm,
-    /// Fast lines and eights in a hall.
-    HallFast,
-    /// Brisk loops in a hall.
-    HallLoops,
-    /// Long lines in a hall, calm and fast by turns.
-    HallLines,
-    /// Slow and careful in a room.
-    RoomSlow,
-    /// Medium speed in a room.
-    RoomMedium,
-    /// Aggressive in a room, quick turns.
-    RoomAggressive,
-    /// Hovering, with short moves in between.
-    Hover,
-    /// Rising and sinking circles in a room, always turning.
-    RoomSpiral,
-    /// Aggressive eights in a room, quick turns.
-    RoomWild,
-}
+named!(
+    /// A flight: its name is its character, its number its place.
+    #[derive(PartialOrd, Ord, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Flight {
+        /// Slow straight lines through a hall.
+        HallSlow = "f01-hall-slow",
+        /// Slow circles in a hall.
+        HallCalm = "f02-hall-calm",
+        /// Fast lines and eights in a hall.
+        HallFast = "f03-hall-fast",
+        /// Brisk loops in a hall.
+        HallLoops = "f04-hall-loops",
+        /// Long lines in a hall, calm and fast by turns.
+        HallLines = "f05-hall-lines",
+        /// Slow and careful in a room.
+        RoomSlow = "f06-room-slow",
+        /// Medium speed in a room.
+        RoomMedium = "f07-room-medium",
+        /// Aggressive in a room, quick turns.
+        RoomAggressive = "f08-room-aggressive",
+        /// Hovering, with short moves in between.
+        Hover = "f09-hover",
+        /// Rising and sinking circles in a room, always turning.
+        RoomSpiral = "f10-room-spiral",
+        /// Aggressive eights in a room, quick turns.
+        RoomWild = "f11-room-wild",
+    }
+);
 
 /// A name no flight has.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
@@ -56,38 +58,6 @@ fn known() -> String {
 }
 
 impl Flight {
-    /// All eleven, by number.
-    pub const ALL: [Self; 11] = [
-        Self::HallSlow,
-        Self::HallCalm,
-        Self::HallFast,
-        Self::HallLoops,
-        Self::HallLines,
-        Self::RoomSlow,
-        Self::RoomMedium,
-        Self::RoomAggressive,
-        Self::Hover,
-        Self::RoomSpiral,
-        Self::RoomWild,
-    ];
-
-    /// The spelling in files and flags; it begins with the flight's number.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::HallSlow => "f01-hall-slow",
-            Self::HallCalm => "f02-hall-calm",
-            Self::HallFast => "f03-hall-fast",
-            Self::HallLoops => "f04-hall-loops",
-            Self::HallLines => "f05-hall-lines",
-            Self::RoomSlow => "f06-room-slow",
-            Self::RoomMedium => "f07-room-medium",
-            Self::RoomAggressive => "f08-room-aggressive",
-            Self::Hover => "f09-hover",
-            Self::RoomSpiral => "f10-room-spiral",
-            Self::RoomWild => "f11-room-wild",
-        }
-    }
-
     /// Six to train on, five to test on, alternating in character as the paper's split of EuRoC does.
     pub fn split(self) -> Split {
         match self {
@@ -96,12 +66,6 @@ impl Flight {
             }
             _ => Split::Train,
         }
-    }
-}
-
-impl fmt::Display for Flight {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
     }
 }
 

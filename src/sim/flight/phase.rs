@@ -1,52 +1,31 @@
 //! What the vehicle is doing, known exactly at every instant.
 
+use dpn_core::named;
 use serde::{Deserialize, Serialize};
 
-/// One phase of a flight. Every flight runs through all seven, in this order.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Phase {
-    /// At rest, motors off, before the flight.
-    RestBefore,
-    /// Standing, motors running, before take-off.
-    IdleBefore,
-    /// From the first motion to the flight's first waypoint.
-    TakeOff,
-    /// The flight proper.
-    Flying,
-    /// Coming down until the body stands.
-    Landing,
-    /// Standing, motors running, after landing.
-    IdleAfter,
-    /// At rest, motors off, after the flight.
-    RestAfter,
-}
+named!(
+    /// One phase of a flight. Every flight runs through all seven, in this order.
+    #[derive(PartialOrd, Ord, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Phase {
+        /// At rest, motors off, before the flight.
+        RestBefore = "rest-before",
+        /// Standing, motors running, before take-off.
+        IdleBefore = "idle-before",
+        /// From the first motion to the flight's first waypoint.
+        TakeOff = "take-off",
+        /// The flight proper.
+        Flying = "flying",
+        /// Coming down until the body stands.
+        Landing = "landing",
+        /// Standing, motors running, after landing.
+        IdleAfter = "idle-after",
+        /// At rest, motors off, after the flight.
+        RestAfter = "rest-after",
+    }
+);
 
 impl Phase {
-    /// All phases, in order of time.
-    pub const ALL: [Self; 7] = [
-        Self::RestBefore,
-        Self::IdleBefore,
-        Self::TakeOff,
-        Self::Flying,
-        Self::Landing,
-        Self::IdleAfter,
-        Self::RestAfter,
-    ];
-
-    /// The spelling in files and tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::RestBefore => "rest-before",
-            Self::IdleBefore => "idle-before",
-            Self::TakeOff => "take-off",
-            Self::Flying => "flying",
-            Self::Landing => "landing",
-            Self::IdleAfter => "idle-after",
-            Self::RestAfter => "rest-after",
-        }
-    }
-
     /// Whether the motors run.
     #[cfg(test)]
     pub(crate) fn motors_on(self) -> bool {

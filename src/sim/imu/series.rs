@@ -42,6 +42,12 @@ impl ImuSeries {
         }
     }
 
+    /// Sample `i` of axis `a` of six: accelerometer x, y, z, gyroscope x, y, z.
+    pub(crate) fn value_mut(&mut self, a: usize, i: usize) -> &mut f64 {
+        let sensor = if a < 3 { Sensor::Accel } else { Sensor::Gyro };
+        &mut self.of_mut(sensor)[i][a % 3]
+    }
+
     /// One axis (0, 1, 2) of one sensor as a contiguous signal.
     ///
     /// # Panics

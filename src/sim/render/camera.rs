@@ -73,10 +73,7 @@ impl RenderedCamera {
     /// # Errors
     /// Settings out of their bounds; a lens with pixels that see nothing.
     pub fn new(config: &RenderConfig, path: SharedPath, seed: u64) -> Result<Self, RenderError> {
-        let faults = config.faults();
-        if !faults.is_empty() {
-            return Err(RenderError::Config(faults));
-        }
+        config.validate().map_err(|faults| RenderError::Config(faults.0))?;
         let settings = config.camera_or_default();
         let model = settings.model()?;
         let stream = Stream::new(seed).named("render");

@@ -1,10 +1,10 @@
 //! Simulated tracks against the given ones of the hybrid benchmark: the same numbers, lives and noise, made by other code from other draws.
 
+use super::reprojection::Reprojection;
 use dpn_core::Stamp;
 use dpn_io::{asl, read_tracks};
 use dpn_sim::tracks::{
-    CameraPath, CameraSettings, RecordedPath, Reprojection, TracksConfig, World, camera_stamps,
-    simulate_tracks, summarise,
+    CameraPath, CameraSettings, RecordedPath, TracksConfig, World, camera_stamps, simulate_tracks, summarise,
 };
 use dpn_testing::{pack, packs};
 

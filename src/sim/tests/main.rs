@@ -2,4 +2,6 @@
 #![allow(clippy::unwrap_used)]
 
 mod given_tracks;
+mod reprojection;
+mod summary;
 mod tracks;

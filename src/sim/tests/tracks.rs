@@ -1,8 +1,9 @@
 //! Camera tracks from outside: geometry, the laws of the tracker's errors, what one figure moves and what it does not.
 
+use super::reprojection::Reprojection;
 use dpn_core::{Stamp, TrackFrame};
 use dpn_sim::tracks::{
-    AnalyticPath, Bounds, CameraPath, CameraSettings, Reprojection, TracksConfig, TracksError, camera_stamps,
+    AnalyticPath, Bounds, CameraPath, CameraSettings, TracksConfig, TracksError, camera_stamps,
     simulate_tracks, summarise,
 };
 use dpn_sim::{Flight, FlightConfig, simulate};

@@ -7,7 +7,7 @@
 //! * The tracker follows at most 150 points, at birth 30 px apart, at the camera's rate and hands over every second frame. A track ends at the
 //!   image's border, at random, when its point moves too far in one frame, or when the tracker was blind. Its error is white noise plus
 //!   a slow drift, as a template tracker's; a few tracks turn into outliers that slide away.
-//! * [`TracksConfig`] has every figure; [`summarise`] and [`Reprojection`] say what tracks are like, for comparison.
+//! * [`TracksConfig`] has every figure; [`summarise`] says what tracks are like, for comparison.
 //!
 //! Every draw has a name: the world's by the seed alone, a frame's by its stamp, a track's by its point and the stamp of its birth. So two runs that
 //! differ in one figure (a level of noise, a delay) share every other draw.
@@ -18,7 +18,6 @@ mod camera;
 mod config;
 mod path;
 mod recorded;
-mod reprojection;
 mod sight;
 mod simulate;
 mod smooth;
@@ -31,7 +30,6 @@ pub use camera::{BadCameraSettings, CameraSettings};
 pub use config::{PathConfig, TracksConfig};
 pub use path::{AnalyticPath, Bounds, CameraPath, camera_stamps};
 pub use recorded::{PathError, RecordedPath};
-pub use reprojection::Reprojection;
 pub use simulate::{TracksError, simulate_tracks};
 pub use summary::{TrackSummary, summarise};
 pub use world::World;

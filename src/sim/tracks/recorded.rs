@@ -57,10 +57,7 @@ impl RecordedPath {
     /// # Errors
     /// Settings out of their bounds; no stretch of four poses.
     pub fn new(truth: &GroundTruth, config: &PathConfig) -> Result<Self, PathError> {
-        let faults = config.faults();
-        if !faults.is_empty() {
-            return Err(PathError::Config(faults));
-        }
+        config.validate().map_err(|faults| PathError::Config(faults.0))?;
         let states = truth.states();
         let window = window(states, config.smoothing_s);
         let close = |a: &TrueState, b: &TrueState| b.t.seconds_since(a.t) <= config.longest_gap_s;

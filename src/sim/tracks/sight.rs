@@ -3,7 +3,7 @@
 use super::camera::{BadCameraSettings, CameraSettings};
 use super::world::Points;
 use dpn_core::camera::PinholeRadtan;
-use nalgebra::{Isometry3, Vector2, Vector3};
+use nalgebra::{Isometry3, Vector2};
 
 /// Nearest depth at which a point is seen \[m\].
 const NEAREST_M: f64 = 0.3;
@@ -110,21 +110,13 @@ fn reach(model: &PinholeRadtan) -> Vector2<f64> {
     })
 }
 
-/// The pixel of a point in the world.
-pub(super) fn project(
-    model: &PinholeRadtan,
-    cam_from_world: &Isometry3<f64>,
-    point_in_world: &Vector3<f64>,
-) -> Option<Vector2<f64>> {
-    model.project(&(cam_from_world.rotation * point_in_world + cam_from_world.translation.vector))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::tracks::World;
     use crate::tracks::path::Bounds;
     use dpn_core::random::Stream;
+    use nalgebra::Vector3;
 
     #[test]
     fn what_is_seen_is_what_projects_into_the_image() {
@@ -144,7 +136,8 @@ mod tests {
                 let in_cam = cam_from_world * nalgebra::Point3::from(point);
                 // 60 degrees off the axis is outside the image and inside the fold.
                 let near_axis = in_cam.z > NEAREST_M && in_cam.xy().coords.norm() < 1.73 * in_cam.z;
-                let px = project(&model, &cam_from_world, &point)
+                let px = model
+                    .project(&(cam_from_world.rotation * point + cam_from_world.translation.vector))
                     .filter(|px| near_axis && px.x > 10.0 && px.x < 741.0 && px.y > 10.0 && px.y < 469.0);
                 assert_eq!(sight.px(i as u32).is_some(), px.is_some(), "point {i}: {in_cam} {px:?}");
                 if let (Some(found), Some(px)) = (sight.px(i as u32), px) {

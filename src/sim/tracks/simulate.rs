@@ -70,10 +70,7 @@ pub fn simulate_tracks(
     stamps: &[Stamp],
     seed: u64,
 ) -> Result<Vec<TrackFrame>, TracksError> {
-    let faults = config.faults();
-    if !faults.is_empty() {
-        return Err(TracksError::Config(faults));
-    }
+    config.validate().map_err(|faults| TracksError::Config(faults.0))?;
     let (Some(&first), Some(&last)) = (stamps.first(), stamps.last()) else {
         return Err(TracksError::NoFrame);
     };

@@ -190,14 +190,8 @@ fn turns(
 
 /// Rays of the points that both frames see.
 fn shared_rays(a: &TrackFrame, b: &TrackFrame, camera: &PinholeRadtan) -> Vec<(Vector3<f64>, Vector3<f64>)> {
-    let mut before: Vec<_> = a.tracks.iter().map(|track| (track.id, track.px)).collect();
-    before.sort_by_key(|(id, _)| *id);
     let ray = |px| camera.bearing(px);
-    let both = b.tracks.iter().filter_map(|track| {
-        let at = before.binary_search_by_key(&track.id, |(id, _)| *id).ok()?;
-        Some((ray(&before[at].1)?, ray(&track.px)?))
-    });
-    both.collect()
+    b.shared(a).iter().filter_map(|(before, px)| Some((ray(before)?, ray(px)?))).collect()
 }
 
 /// The rotation that carries the first rays to the second, beside a translation before points of one distance; the worst rays left out.

@@ -68,7 +68,7 @@ pub fn track_health(frames: &[TrackFrame]) -> TrackHealth {
         if seconds > LONGEST_STEP_S || pair[0].tracks.is_empty() || pair[1].tracks.is_empty() {
             continue;
         }
-        let moves = moves(&pair[0], &pair[1]);
+        let moves: Vec<_> = pair[1].shared(&pair[0]).iter().map(|(before, px)| px - before).collect();
         pairs += 1;
         shares += moves.len() as f64 / pair[1].tracks.len() as f64;
         common += moves.len();
@@ -83,17 +83,6 @@ pub fn track_health(frames: &[TrackFrame]) -> TrackHealth {
         jumps: jumps as f64 / common.max(1) as f64,
         longest_gap_s: longest,
     }
-}
-
-/// How far each track of both frames moved \[px\].
-fn moves(a: &TrackFrame, b: &TrackFrame) -> Vec<Vector2<f64>> {
-    let mut before: Vec<_> = a.tracks.iter().map(|track| (track.id, track.px)).collect();
-    before.sort_by_key(|(id, _)| *id);
-    let of = |track: &dpn_core::Track| {
-        let at = before.binary_search_by_key(&track.id, |(id, _)| *id).ok()?;
-        Some(track.px - before[at].1)
-    };
-    b.tracks.iter().filter_map(of).collect()
 }
 
 /// The median of each coordinate.

@@ -12,7 +12,7 @@ use crate::factors::reprojection::Sighting;
 use crate::init::{InitFrame, RestWatch};
 use crate::preint::{NoisySample, Preintegration};
 use crate::state::NavState;
-use crate::window::{AnchorStd, Leaving, Seen, Standstill, Window};
+use crate::window::{Leaving, Seen, Standstill, Window};
 use dpn_core::camera::PinholeRadtan;
 use dpn_core::config::{ConfigFault, Validate};
 use dpn_core::random::Stream;
@@ -59,10 +59,7 @@ impl Estimator {
         seed: u64,
     ) -> Result<Self, Vec<ConfigFault>> {
         config.init.focal_px = camera.focal().mean();
-        let faults = config.faults();
-        if !faults.is_empty() {
-            return Err(faults);
-        }
+        config.validate()?;
         let stream = Stream::new(seed).named("estimator");
         Ok(Self {
             starter: Starter::new(&config, body_from_cam, stream)?,
@@ -193,7 +190,7 @@ impl Estimator {
                 self.window.rest_since(rest);
             }
         }
-        self.window.anchor(&AnchorStd::default());
+        self.window.anchor();
         for _ in 0..START_ROUNDS {
             self.window.triangulate();
             self.window.optimise();
@@ -213,7 +210,7 @@ impl Estimator {
     }
 
     fn work_off(&mut self, frame: &TrackFrame) -> Update {
-        let mut clock = Instant::now();
+        let mut clock = Clock::start();
         let interval = self.imu.cut(frame.t);
         let mut seen = self.sightings(frame);
         self.rates.add(frame.t, &mut seen);
@@ -229,11 +226,7 @@ impl Estimator {
             whitened: None,
             seconds: 0.0,
         };
-        let mut lap = |stage: Stage, report: &mut RunReport| {
-            report.seconds[stage as usize] += clock.elapsed().as_secs_f64();
-            clock = Instant::now();
-        };
-        lap(Stage::Feed, &mut self.report);
+        clock.lap(Stage::Feed);
         if self.running {
             if let Err(reason) = self.track(frame.t, &interval, &seen, &mut update) {
                 update = Update { state: None, covariance: None, phase: Phase::Restarted(reason), ..update };
@@ -251,8 +244,9 @@ impl Estimator {
                     self.last_good = update.state.or(self.last_good);
                 }
             }
-            lap(Stage::Initialise, &mut self.report);
+            clock.lap(Stage::Initialise);
         }
+        self.report.add_seconds(&clock.seconds);
         update
     }
 
@@ -291,7 +285,7 @@ impl Estimator {
         seen: &[Seen],
         update: &mut Update,
     ) -> Result<(), RestartReason> {
-        let mut clock = Clock { at: Instant::now(), seconds: [0.0; 5] };
+        let mut clock = Clock::start();
         if interval.longest_step > self.config.health.max_imu_gap {
             return Err(RestartReason::ImuGap { seconds: interval.longest_step });
         }
@@ -337,9 +331,7 @@ impl Estimator {
             update.whitened = self.window.slide(leaving);
         }
         clock.lap(Stage::Slide);
-        for (total, seconds) in self.report.seconds.iter_mut().zip(clock.seconds) {
-            *total += seconds;
-        }
+        self.report.add_seconds(&clock.seconds);
         Ok(())
     }
 }
@@ -350,6 +342,10 @@ struct Clock {
 }
 
 impl Clock {
+    fn start() -> Self {
+        Self { at: Instant::now(), seconds: [0.0; 5] }
+    }
+
     fn lap(&mut self, stage: Stage) {
         let now = Instant::now();
         self.seconds[stage as usize] += (now - self.at).as_secs_f64();

@@ -2,7 +2,7 @@
 
 use crate::state::NavState;
 use serde::{Deserialize, Serialize};
-use std::fmt;
+use thiserror::Error;
 
 /// Limits beyond which the estimator gives up and starts again.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -39,12 +39,14 @@ impl Default for HealthConfig {
 }
 
 /// Why the estimator started again.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Error)]
 #[serde(rename_all = "snake_case", tag = "reason")]
 pub enum RestartReason {
     /// A number that is none.
+    #[error("a state was not finite")]
     NotFinite,
     /// A bias that no sensor has \[m/s^2 or rad/s\].
+    #[error("biases of {accel:.2} m/s^2 and {gyro:.3} rad/s: no sensor has those")]
     Bias {
         /// Of the accelerometer.
         accel: f64,
@@ -52,40 +54,29 @@ pub enum RestartReason {
         gyro: f64,
     },
     /// A jump against the inertial prediction \[m\].
+    #[error("a jump of {distance:.2} m against the inertial prediction")]
     Jump {
         /// How far.
         distance: f64,
     },
     /// A speed that is not believed \[m/s\].
+    #[error("a speed of {speed:.1} m/s")]
     Speed {
         /// How fast.
         speed: f64,
     },
     /// Too few tracks for too long \[s\].
+    #[error("too few tracks for {seconds:.1} s")]
     Starved {
         /// How long.
         seconds: f64,
     },
     /// A hole in the samples \[s\].
+    #[error("a gap of {seconds:.2} s in the IMU's samples")]
     ImuGap {
         /// How long.
         seconds: f64,
     },
-}
-
-impl fmt::Display for RestartReason {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NotFinite => f.write_str("a state was not finite"),
-            Self::Bias { accel, gyro } => {
-                write!(f, "biases of {accel:.2} m/s^2 and {gyro:.3} rad/s: no sensor has those")
-            }
-            Self::Jump { distance } => write!(f, "a jump of {distance:.2} m against the inertial prediction"),
-            Self::Speed { speed } => write!(f, "a speed of {speed:.1} m/s"),
-            Self::Starved { seconds } => write!(f, "too few tracks for {seconds:.1} s"),
-            Self::ImuGap { seconds } => write!(f, "a gap of {seconds:.2} s in the IMU's samples"),
-        }
-    }
 }
 
 impl HealthConfig {

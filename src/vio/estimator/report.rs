@@ -57,6 +57,11 @@ pub struct RunReport {
 }
 
 impl RunReport {
+    /// Adds what the stages of [`Stage::ALL`] took \[s\].
+    pub(crate) fn add_seconds(&mut self, seconds: &[f64; 5]) {
+        self.seconds.iter_mut().zip(seconds).for_each(|(total, seconds)| *total += seconds);
+    }
+
     /// Adds one update.
     pub fn add(&mut self, update: &Update) {
         self.frames += 1;

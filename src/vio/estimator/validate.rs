@@ -1,58 +1,35 @@
 //! Bounds of the estimator's settings.
 
 use super::EstimatorConfig;
-use dpn_core::config::{ConfigFault, Validate};
+use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 
 impl Validate for EstimatorConfig {
     fn faults(&self) -> Vec<ConfigFault> {
-        let mut faults = Vec::new();
+        let mut faults = ConfigFaults::default();
         let (window, health) = (&self.window, &self.health);
-        let positive = [
-            ("imu.accel_bias_walk", self.imu.accel_bias_walk.get()),
-            ("imu.gyro_bias_walk", self.imu.gyro_bias_walk.get()),
-            ("window.pixel_std", window.pixel_std),
-            ("window.loss_scale", window.loss_scale),
-            ("window.min_triangulation_angle", window.min_triangulation_angle),
-            ("window.outlier_px", window.outlier_px),
-            ("health.max_accel_bias", health.max_accel_bias),
-            ("health.max_gyro_bias", health.max_gyro_bias),
-            ("health.max_jump", health.max_jump),
-            ("health.max_speed", health.max_speed),
-            ("health.max_starved", health.max_starved),
-            ("health.max_imu_gap", health.max_imu_gap),
-        ];
-        for (key, value) in positive {
-            if !(value.is_finite() && value > 0.0) {
-                faults.push(ConfigFault::new(key, value, "positive and finite"));
-            }
-        }
-        let not_negative = [
-            ("window.key_frame_parallax_px", window.key_frame_parallax_px),
-            ("window.cost_tolerance", window.cost_tolerance),
-        ];
-        for (key, value) in not_negative {
-            if !(value.is_finite() && value >= 0.0) {
-                faults.push(ConfigFault::new(key, value, "0 or more, and finite"));
-            }
-        }
-        if !(0.0..=1.0).contains(&window.key_frame_min_share) {
-            faults.push(ConfigFault::new(
-                "window.key_frame_min_share",
-                window.key_frame_min_share,
-                "from 0 to 1",
-            ));
-        }
-        if !(3..=30).contains(&window.key_frames) {
-            faults.push(ConfigFault::new("window.key_frames", window.key_frames, "from 3 to 30"));
-        }
-        if !(1..=1000).contains(&window.max_iterations) {
-            faults.push(ConfigFault::new("window.max_iterations", window.max_iterations, "from 1 to 1000"));
-        }
-        for (table, inner) in [("init", self.init.faults()), ("front_end", self.front_end.faults())] {
-            let named = inner.into_iter();
-            faults.extend(named.map(|fault| ConfigFault { key: format!("{table}.{}", fault.key), ..fault }));
-        }
-        faults
+        faults.positive("imu.accel_bias_walk", self.imu.accel_bias_walk.get());
+        faults.positive("imu.gyro_bias_walk", self.imu.gyro_bias_walk.get());
+        faults.positive("window.pixel_std", window.pixel_std);
+        faults.positive("window.loss_scale", window.loss_scale);
+        faults.positive("window.min_triangulation_angle", window.min_triangulation_angle);
+        faults.positive("window.outlier_px", window.outlier_px);
+        faults.positive("health.max_accel_bias", health.max_accel_bias);
+        faults.positive("health.max_gyro_bias", health.max_gyro_bias);
+        faults.positive("health.max_jump", health.max_jump);
+        faults.positive("health.max_speed", health.max_speed);
+        faults.positive("health.max_starved", health.max_starved);
+        faults.positive("health.max_imu_gap", health.max_imu_gap);
+        faults.not_negative("window.key_frame_parallax_px", window.key_frame_parallax_px);
+        faults.not_negative("window.cost_tolerance", window.cost_tolerance);
+        let mut between = |key: &str, value: f64, low: f64, high: f64| {
+            faults.check((low..=high).contains(&value), key, value, format!("from {low} to {high}"));
+        };
+        between("window.key_frame_min_share", window.key_frame_min_share, 0.0, 1.0);
+        between("window.key_frames", window.key_frames as f64, 3.0, 30.0);
+        between("window.max_iterations", window.max_iterations as f64, 1.0, 1000.0);
+        faults.table("init", self.init.faults());
+        faults.table("front_end", self.front_end.faults());
+        faults.0
     }
 }
 

@@ -4,7 +4,7 @@ use super::corners::CornerConfig;
 use super::image::ClaheConfig;
 use super::klt::KltConfig;
 use super::ransac::RansacConfig;
-use dpn_core::config::{ConfigFault, Validate};
+use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 use serde::{Deserialize, Serialize};
 
 /// What to do with an image that is the last one over again, byte by byte. No sensor takes the same noise twice: such an image is a
@@ -63,28 +63,18 @@ impl Default for FrontEndConfig {
 
 impl Validate for FrontEndConfig {
     fn faults(&self) -> Vec<ConfigFault> {
-        let mut faults = Vec::new();
-        let mut check = |good: bool, key: &str, value: f64, bound: &str| {
-            if !good {
-                faults.push(ConfigFault::new(key, value, bound));
-            }
-        };
+        let mut faults = ConfigFaults::default();
         let rate = self.rate_hz;
-        check(rate > 0.0 && rate <= 1000.0, "rate_hz", rate, "above 0, at most 1000");
-        check((0.0..=10.0).contains(&self.bridge_s), "bridge_s", self.bridge_s, "0 to 10");
-        check((0.01..=100.0).contains(&self.gap_s), "gap_s", self.gap_s, "0.01 to 100");
-        check((0.0..=1.0).contains(&self.blind_share), "blind_share", self.blind_share, "0 to 1");
-        check((0.0..=100.0).contains(&self.blind_std), "blind_std", self.blind_std, "0 to 100");
-        let parts = [
-            ("clahe", self.clahe.faults()),
-            ("corners", self.corners.faults()),
-            ("klt", self.klt.faults()),
-            ("ransac", self.ransac.faults()),
-        ];
-        for (part, of_part) in parts {
-            faults.extend(of_part.into_iter().map(|f| ConfigFault { key: format!("{part}.{}", f.key), ..f }));
-        }
-        faults
+        faults.check(rate > 0.0 && rate <= 1000.0, "rate_hz", rate, "above 0, at most 1000");
+        faults.within("bridge_s", self.bridge_s, 0.0, 10.0);
+        faults.within("gap_s", self.gap_s, 0.01, 100.0);
+        faults.within("blind_share", self.blind_share, 0.0, 1.0);
+        faults.within("blind_std", self.blind_std, 0.0, 100.0);
+        faults.table("clahe", self.clahe.faults());
+        faults.table("corners", self.corners.faults());
+        faults.table("klt", self.klt.faults());
+        faults.table("ransac", self.ransac.faults());
+        faults.0
     }
 }
 

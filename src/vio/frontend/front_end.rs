@@ -120,10 +120,7 @@ impl FrontEnd {
         config: FrontEndConfig,
         stream: &Stream,
     ) -> Result<Self, Vec<ConfigFault>> {
-        let faults = config.faults();
-        if !faults.is_empty() {
-            return Err(faults);
-        }
+        config.validate()?;
         Ok(Self {
             camera,
             config,

@@ -1,6 +1,6 @@
 //! What the initialisation is told: how good tracks are, how long it may look back, when it is sure enough.
 
-use dpn_core::config::{ConfigFault, Validate};
+use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 use dpn_core::noise::{AccelNoiseDensity, GyroNoiseDensity};
 use serde::{Deserialize, Serialize};
 
@@ -79,42 +79,27 @@ impl InitConfig {
 
 impl Validate for InitConfig {
     fn faults(&self) -> Vec<ConfigFault> {
-        let mut faults = Vec::new();
-        let positive = [
-            ("focal_px", self.focal_px),
-            ("track_std_px", self.track_std_px),
-            ("min_span_s", self.min_span_s),
-            ("max_scale_std", self.max_scale_std),
-            ("accel_bias_std", self.accel_bias_std),
-            ("gyro_bias_std", self.gyro_bias_std),
-            ("noise_prior_weight", self.noise_prior_weight),
-            ("rest_track_px", self.rest_track_px),
-            ("min_rest_s", self.min_rest_s),
-        ];
-        for (key, value) in positive {
-            if !(value.is_finite() && value > 0.0) {
-                faults.push(ConfigFault::new(key, value, "positive and finite"));
-            }
-        }
-        if !(self.min_parallax_px.is_finite() && self.min_parallax_px >= 0.0) {
-            faults.push(ConfigFault::new("min_parallax_px", self.min_parallax_px, "0 or more, and finite"));
-        }
-        if !(self.max_span_s.is_finite() && self.max_span_s > self.min_span_s) {
-            faults.push(ConfigFault::new("max_span_s", self.max_span_s, "above min_span_s, and finite"));
-        }
-        if self.min_frames < 4 {
-            faults.push(ConfigFault::new("min_frames", self.min_frames, "at least 4"));
-        }
-        if self.max_frames < self.min_frames || self.max_frames > 60 {
-            faults.push(ConfigFault::new("max_frames", self.max_frames, "from min_frames to 60"));
-        }
-        if self.try_every == 0 {
-            faults.push(ConfigFault::new("try_every", self.try_every, "at least 1"));
-        }
-        if self.min_shared_tracks < 8 {
-            faults.push(ConfigFault::new("min_shared_tracks", self.min_shared_tracks, "at least 8"));
-        }
-        faults
+        let mut faults = ConfigFaults::default();
+        faults.positive("focal_px", self.focal_px);
+        faults.positive("track_std_px", self.track_std_px);
+        faults.positive("min_span_s", self.min_span_s);
+        faults.positive("max_scale_std", self.max_scale_std);
+        faults.positive("accel_bias_std", self.accel_bias_std);
+        faults.positive("gyro_bias_std", self.gyro_bias_std);
+        faults.positive("noise_prior_weight", self.noise_prior_weight);
+        faults.positive("rest_track_px", self.rest_track_px);
+        faults.positive("min_rest_s", self.min_rest_s);
+        faults.not_negative("min_parallax_px", self.min_parallax_px);
+        let (span, frames) = (self.max_span_s, self.max_frames);
+        let longer = span.is_finite() && span > self.min_span_s;
+        faults.check(longer, "max_span_s", span, "above min_span_s, and finite");
+        faults.check(self.min_frames >= 4, "min_frames", self.min_frames, "at least 4");
+        let fits = (self.min_frames..=60).contains(&frames);
+        faults.check(fits, "max_frames", frames, "from min_frames to 60");
+        faults.check(self.try_every > 0, "try_every", self.try_every, "at least 1");
+        let shared = self.min_shared_tracks;
+        faults.check(shared >= 8, "min_shared_tracks", shared, "at least 8");
+        faults.0
     }
 }
 

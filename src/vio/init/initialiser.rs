@@ -33,10 +33,7 @@ impl Initialiser {
         body_from_cam: Isometry3<f64>,
         stream: Stream,
     ) -> Result<Self, Vec<ConfigFault>> {
-        let faults = config.faults();
-        if !faults.is_empty() {
-            return Err(faults);
-        }
+        config.validate()?;
         let needed = config.min_frames;
         Ok(Self {
             config,

@@ -4,6 +4,7 @@ use crate::state::{ImuBias, NavState};
 use dpn_core::time::Stamp;
 use nalgebra::Vector3;
 use std::fmt;
+use thiserror::Error;
 
 /// The answer to a frame.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,9 +56,10 @@ pub struct Fit {
 }
 
 /// What the initialisation is waiting for: the measured value and the threshold beside it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum WaitReason {
     /// Too few frames, or a span too short.
+    #[error("{frames} frames of {needed}")]
     TooFewFrames {
         /// Frames held.
         frames: usize,
@@ -65,6 +67,7 @@ pub enum WaitReason {
         needed: usize,
     },
     /// Frames share too few tracks.
+    #[error("{shared} shared tracks of {needed}")]
     TooFewTracks {
         /// Shared by the pair of frames that matters.
         shared: usize,
@@ -72,6 +75,7 @@ pub enum WaitReason {
         needed: usize,
     },
     /// Everything stands still. The direction of gravity and the gyro's bias are known.
+    #[error("at rest for {seconds:.1} s")]
     AtRest {
         /// How long already \[s\].
         seconds: f64,
@@ -81,6 +85,7 @@ pub enum WaitReason {
         gyro_bias: Vector3<f64>,
     },
     /// The camera turned, or moved too little for the distance of what it sees.
+    #[error("parallax {parallax_px:.1} px of {needed_px:.1} px, after turning by {:.0} deg", rotation.to_degrees())]
     TooLittleParallax {
         /// Largest median parallax of a pair of frames after compensating rotation \[px\].
         parallax_px: f64,
@@ -90,6 +95,7 @@ pub enum WaitReason {
         rotation: f64,
     },
     /// No consistent geometry: too few tracks agree with one motion.
+    #[error("no consistent structure: {consistent} agree, {needed} needed")]
     NoStructure {
         /// Tracks or frames that agree.
         consistent: usize,
@@ -97,6 +103,7 @@ pub enum WaitReason {
         needed: usize,
     },
     /// The scale is not certain enough.
+    #[error("scale uncertain by {:.1} %, {:.1} % allowed", 100.0 * relative_std, 100.0 * allowed)]
     ScaleUncertain {
         /// Relative standard deviation, from the estimate's covariance.
         relative_std: f64,
@@ -104,6 +111,7 @@ pub enum WaitReason {
         allowed: f64,
     },
     /// The estimate contradicts what an IMU or tracks can be.
+    #[error("implausible {what}: {value:.3}, {allowed:.3} allowed")]
     Implausible {
         /// Which quantity.
         what: Implausible,
@@ -149,33 +157,6 @@ impl WaitReason {
             Self::NoStructure { .. } => "no-structure",
             Self::ScaleUncertain { .. } => "scale-uncertain",
             Self::Implausible { .. } => "implausible",
-        }
-    }
-}
-
-impl fmt::Display for WaitReason {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TooFewFrames { frames, needed } => write!(f, "{frames} frames of {needed}"),
-            Self::TooFewTracks { shared, needed } => write!(f, "{shared} shared tracks of {needed}"),
-            Self::AtRest { seconds, .. } => write!(f, "at rest for {seconds:.1} s"),
-            Self::TooLittleParallax { parallax_px, needed_px, rotation } => write!(
-                f,
-                "parallax {parallax_px:.1} px of {needed_px:.1} px, after turning by {:.0} deg",
-                rotation.to_degrees()
-            ),
-            Self::NoStructure { consistent, needed } => {
-                write!(f, "no consistent structure: {consistent} agree, {needed} needed")
-            }
-            Self::ScaleUncertain { relative_std, allowed } => write!(
-                f,
-                "scale uncertain by {:.1} %, {:.1} % allowed",
-                100.0 * relative_std,
-                100.0 * allowed
-            ),
-            Self::Implausible { what, value, allowed } => {
-                write!(f, "implausible {what}: {value:.3}, {allowed:.3} allowed")
-            }
         }
     }
 }

@@ -9,7 +9,7 @@
 use crate::state::{POSE_DIM, STATE_DIM};
 
 /// Unknowns of a frame beside its pose: velocity, accelerometer bias, gyro bias.
-pub const MOTION_DIM: usize = STATE_DIM - POSE_DIM;
+pub(crate) const MOTION_DIM: usize = STATE_DIM - POSE_DIM;
 
 /// Places of a window's unknowns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -97,20 +97,12 @@ fn add_inertial(window: &Window, layout: &Layout, j: usize, normal: &mut Normal)
     normal.add_product(at_pose_i, &pose_i, at_motion_j, &motion_j);
     normal.add_product(at_pose_j, &pose_j, at_motion_i, &motion_i);
     normal.add_product(at_pose_j, &pose_j, at_motion_j, &motion_j);
-    let gradient = |at: usize,
-                    d: &SMatrix<f64, STATE_DIM, STATE_DIM>,
-                    from: usize,
-                    count: usize,
-                    normal: &mut Normal| {
+    for (frame, d) in [(i, &d_i), (j, &d_j)] {
         let g = d.tr_mul(&residual);
-        for k in 0..count {
-            normal.gradient_mut()[at + k] += g[from + k];
+        for k in 0..STATE_DIM {
+            normal.gradient_mut()[layout.state(frame, k)] += g[k];
         }
-    };
-    gradient(at_pose_i, &d_i, 0, POSE_DIM, normal);
-    gradient(at_motion_i, &d_i, POSE_DIM, STATE_DIM - POSE_DIM, normal);
-    gradient(at_pose_j, &d_j, 0, POSE_DIM, normal);
-    gradient(at_motion_j, &d_j, POSE_DIM, STATE_DIM - POSE_DIM, normal);
+    }
     0.5 * residual.norm_squared()
 }
 

@@ -24,7 +24,7 @@ mod window;
 pub use config::{Handover, WindowConfig};
 pub use landmark::Landmark;
 pub(crate) use landmark::MIN_INVERSE_DEPTH;
-pub(crate) use prior::{AnchorStd, Prior};
+pub(crate) use prior::Prior;
 pub use slide::Leaving;
 pub use solve::{Solved, Stop};
 pub use window::{Frame, Seen, Standstill, Window};

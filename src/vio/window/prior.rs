@@ -11,6 +11,16 @@ use super::window::Window;
 use crate::state::{ACCEL_BIAS, GYRO_BIAS, NavState, POSE_DIM, POSITION, ROTATION, STATE_DIM, pose_minus};
 use nalgebra::{Isometry3, Vector3};
 
+// Deviations of what is known of the first frame without any measurement.
+/// Of each axis of the position \[m\] and of the heading \[rad\]: small, as they are where the world begins.
+const ANCHOR_STD: f64 = 1e-3;
+/// Of roll and pitch \[rad\].
+const TILT_STD: f64 = 0.2;
+/// Of each axis of the accelerometer's bias \[m/s^2\].
+const ACCEL_BIAS_STD: f64 = 0.3;
+/// Of each axis of the gyro's bias \[rad/s\].
+const GYRO_BIAS_STD: f64 = 0.1;
+
 /// A prior on the window's first `layout.frames` frames and, where estimated, camera and clock.
 #[derive(Debug, Clone)]
 pub(crate) struct Prior {
@@ -25,13 +35,13 @@ pub(crate) struct Prior {
 impl Prior {
     /// Fixes what no measurement sees, position and heading of the window's first frame, and says what is known of its biases and
     /// its tilt beforehand.
-    pub(crate) fn anchor(window: &Window, std: &AnchorStd) -> Self {
+    pub(crate) fn anchor(window: &Window) -> Self {
         let mut prior = Self::about(window, vec![window.frames[0].state]);
-        prior.hold(0, POSITION, std.position);
-        prior.hold(0, ROTATION, std.tilt);
-        prior.hold(0, ACCEL_BIAS, std.accel_bias);
-        prior.hold(0, GYRO_BIAS, std.gyro_bias);
-        prior.hold_heading(0, std.heading);
+        prior.hold(0, POSITION, ANCHOR_STD);
+        prior.hold(0, ROTATION, TILT_STD);
+        prior.hold(0, ACCEL_BIAS, ACCEL_BIAS_STD);
+        prior.hold(0, GYRO_BIAS, GYRO_BIAS_STD);
+        prior.hold_heading(0, ANCHOR_STD);
         // The camera is known to a centimetre and half a degree, its clock to some milliseconds, before anything was seen.
         let Self { layout, system, .. } = &mut prior;
         for k in layout.camera().into_iter().flat_map(|c| c..c + POSE_DIM) {
@@ -135,26 +145,5 @@ impl Prior {
             at_camera: self.at_camera,
             at_offset: self.at_offset,
         }
-    }
-}
-
-/// Standard deviations of what is known of the first frame without any measurement.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct AnchorStd {
-    /// Of each axis of the position \[m\]: small, as it is where the world begins.
-    pub position: f64,
-    /// Of the heading \[rad\]: small likewise.
-    pub heading: f64,
-    /// Of roll and pitch \[rad\].
-    pub tilt: f64,
-    /// Of each axis of the accelerometer's bias \[m/s^2\].
-    pub accel_bias: f64,
-    /// Of each axis of the gyro's bias \[rad/s\].
-    pub gyro_bias: f64,
-}
-
-impl Default for AnchorStd {
-    fn default() -> Self {
-        Self { position: 1e-3, heading: 1e-3, tilt: 0.2, accel_bias: 0.3, gyro_bias: 0.1 }
     }
 }

@@ -55,7 +55,7 @@ fn window(scene: &Scene, frames: usize, config: WindowConfig) -> Window {
     for k in 0..frames {
         add(&mut window, scene, k);
     }
-    window.anchor(&AnchorStd::default());
+    window.anchor();
     window.triangulate();
     window
 }
@@ -89,7 +89,7 @@ fn marginalising_changes_no_estimate() {
     }
     // Without its prior the window says something else: the test above can fail.
     sliding.prior = None;
-    sliding.anchor(&AnchorStd::default());
+    sliding.anchor();
     sliding.optimise();
     let forgotten = a.minus(&sliding.newest().unwrap().state);
     assert!((0..6).any(|k| forgotten[k].abs() > 0.1 * covariance[(k, k)].sqrt()));

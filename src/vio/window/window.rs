@@ -5,7 +5,7 @@ use super::landmark::Landmark;
 use super::layout::Layout;
 use super::linearise::Linearisation;
 use super::normal::Factor;
-use super::prior::{AnchorStd, Prior};
+use super::prior::Prior;
 use crate::factors::reprojection::{PairGeometry, Sighting};
 use crate::preint::Preintegration;
 use crate::state::NavState;
@@ -162,8 +162,8 @@ impl Window {
     }
 
     /// Fixes position and heading of the first frame, with what is known of it beforehand.
-    pub(crate) fn anchor(&mut self, std: &AnchorStd) {
-        self.prior = Some(Prior::anchor(self, std));
+    pub(crate) fn anchor(&mut self) {
+        self.prior = Some(Prior::anchor(self));
     }
 
     /// Gives every landmark that has none a depth to start from: told by its rays where they part enough, else, once three frames

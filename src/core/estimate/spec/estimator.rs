@@ -4,8 +4,8 @@ use super::names::ESTIMATORS;
 use super::{Arg, Call, SpecError};
 use crate::estimate::moving::{Memory, Moving};
 use crate::estimate::{
-    Allan, AxisSigma, Differences, EachSample, EstimatorError, HopWindow, Mad2, Schedule, SgResidual,
-    WaveletMad, WindowSigma,
+    AxisSigma, EachSample, EstimatorError, HopWindow, Mad2, Schedule, WaveletMad, WindowSigma, allan,
+    differences, sg_residual,
 };
 use crate::signal::Wavelet;
 use std::fmt;
@@ -107,11 +107,11 @@ impl EstimatorSpec {
     /// Parameters out of range; `samples` below what it needs.
     pub fn for_windows(&self, samples: usize) -> Result<Arc<dyn WindowSigma>, EstimatorError> {
         let estimator: Arc<dyn WindowSigma> = match *self {
-            Self::Sg { window, order } => Arc::new(SgResidual::new(window, order, samples)?),
-            Self::Diff { order } => Arc::new(Differences::new(order, samples)?),
+            Self::Sg { window, order } => Arc::new(sg_residual(window, order, samples)?),
+            Self::Diff { order } => Arc::new(differences(order, samples)?),
             Self::Mad2 => Arc::new(Mad2),
             Self::Wavelet(wavelet) => Arc::new(WaveletMad::new(wavelet)),
-            Self::Allan => Arc::new(Allan::new(samples)?),
+            Self::Allan => Arc::new(allan(samples)?),
             Self::Running { .. } | Self::Sliding { .. } | Self::Ewma { .. } | Self::Kalman { .. } => {
                 Arc::new(Moving::new(self.memory(samples).expect("a moving variance has a memory"))?)
             }

@@ -45,12 +45,12 @@ macro_rules! bias_walk {
             }
 
             /// The same walk by its increment from one sample to the next: `density / sqrt(rate)`.
-            pub fn to_step_std(self, rate: SampleRate) -> $step {
+            pub(crate) fn to_step_std(self, rate: SampleRate) -> $step {
                 $step(self.step_std(rate))
             }
 
             /// The same walk by the rate of change the bias has during a sample: `density * sqrt(rate)`.
-            pub fn to_rate_std(self, rate: SampleRate) -> $rate_std {
+            pub(crate) fn to_rate_std(self, rate: SampleRate) -> $rate_std {
                 $rate_std(self.0 * rate.hz().sqrt())
             }
         }
@@ -62,14 +62,14 @@ macro_rules! bias_walk {
             }
 
             /// The same walk by the variance of its increment: `step^2`.
-            pub fn to_variance(self) -> $variance {
+            pub(crate) fn to_variance(self) -> $variance {
                 $variance(self.0 * self.0)
             }
         }
 
         impl $variance {
             /// The same walk by the deviation of its increment: `sqrt(variance)`.
-            pub fn to_step_std(self) -> $step {
+            pub(crate) fn to_step_std(self) -> $step {
                 $step(self.0.sqrt())
             }
         }

@@ -45,7 +45,7 @@ macro_rules! white_noise {
             }
 
             /// The same noise as a variance: `sigma^2`.
-            pub fn to_variance(self) -> $variance {
+            pub(crate) fn to_variance(self) -> $variance {
                 $variance(self.0 * self.0)
             }
         }
@@ -64,7 +64,7 @@ macro_rules! white_noise {
             }
 
             /// The same noise as a power density: `density^2`.
-            pub fn to_power(self) -> $power {
+            pub(crate) fn to_power(self) -> $power {
                 $power(self.0 * self.0)
             }
         }

@@ -5,11 +5,10 @@
 //! x_k = 2 r cos(w) x_{k-1} - r^2 x_{k-2} + e_k, scaled to unit deviation, one stream an axis; it grows with the
 //! square of the motors' speed.
 
-use super::config::{AxisVibration, VibrationConfig};
+use super::sum::Shaking;
 use crate::imu::ou::Wander;
 use crate::imu::series::ImuSeries;
-use dpn_core::Sensor;
-use dpn_core::random::{Stream, StreamRng};
+use dpn_core::random::StreamRng;
 use rand::Rng;
 use rand_distr::StandardNormal;
 use std::f64::consts::{SQRT_2, TAU};
@@ -17,16 +16,10 @@ use std::f64::consts::{SQRT_2, TAU};
 /// Correlation time of the low line's frequency \[s\].
 const LOW_LINE_WANDER_S: f64 = 0.3;
 
-/// Adds the low line. Arguments as for the rotors.
-pub(super) fn add_low_line(
-    config: &VibrationConfig,
-    axes: &[AxisVibration; 6],
-    speed: &[f64],
-    dt: f64,
-    stream: &Stream,
-    to: &mut ImuSeries,
-) {
-    let stream = stream.named("low-line");
+/// Adds the low line.
+pub(super) fn add_low_line(of: &Shaking<'_>, to: &mut ImuSeries) {
+    let Shaking { config, axes, speed, dt, .. } = *of;
+    let stream = of.stream.named("low-line");
     let mut rng = stream.named("place").rng();
     let mut phase = rng.random_range(0.0..TAU);
     let lag: [f64; 6] = std::array::from_fn(|_| rng.random_range(0.0..TAU));
@@ -42,24 +35,15 @@ pub(super) fn add_low_line(
         let ramp = (motors / config.idle_speed).min(1.0);
         let swing = SQRT_2 * ramp * (loudness.next() - swell * swell).exp();
         for (a, axis) in axes.iter().enumerate() {
-            let sensor = if a < 3 { Sensor::Accel } else { Sensor::Gyro };
-            to.of_mut(sensor)[i][a % 3] += axis.low_line * swing * (phase + lag[a]).sin();
+            *to.value_mut(a, i) += axis.low_line * swing * (phase + lag[a]).sin();
         }
     }
 }
 
 /// Adds the broad band.
-pub(super) fn add_broad_band(
-    config: &VibrationConfig,
-    axes: &[AxisVibration; 6],
-    speed: &[f64],
-    loudness: &[f64],
-    dt: f64,
-    stream: &Stream,
-    to: &mut ImuSeries,
-) {
+pub(super) fn add_broad_band(of: &Shaking<'_>, to: &mut ImuSeries) {
+    let Shaking { config, axes, speed, loudness, dt, stream } = *of;
     for (a, axis) in axes.iter().enumerate() {
-        let sensor = if a < 3 { Sensor::Accel } else { Sensor::Gyro };
         let rng = stream.named("broad-band").index(a as u64).rng();
         let mut resonance = Resonance::new(axis.broad_band_hz, dt, rng);
         // Bursts give the tails that the real residual has.
@@ -72,7 +56,7 @@ pub(super) fn add_broad_band(
         );
         for (i, (&motors, &loud)) in speed.iter().zip(loudness).enumerate() {
             let swing = motors * motors * loud * (burst.next() - swell * swell).exp();
-            to.of_mut(sensor)[i][a % 3] += axis.broad_band * swing * resonance.next();
+            *to.value_mut(a, i) += axis.broad_band * swing * resonance.next();
         }
     }
 }

@@ -7,9 +7,9 @@
 //! Rotors differ by fixed offsets and wander, hence they beat and together look like a band.
 
 use super::config::{AxisVibration, VibrationConfig};
+use super::sum::Shaking;
 use crate::imu::ou::Wander;
 use crate::imu::series::ImuSeries;
-use dpn_core::Sensor;
 use dpn_core::random::Stream;
 use rand::Rng;
 use rand_distr::StandardNormal;
@@ -58,17 +58,9 @@ impl Rotor {
     }
 }
 
-/// Adds all rotors' tones to `to`. `speed`: motors relative to hover, per sample; `loudness`: a factor per sample;
-/// `axes`: accelerometer x, y, z, gyroscope x, y, z.
-pub(crate) fn add(
-    config: &VibrationConfig,
-    axes: &[AxisVibration; 6],
-    speed: &[f64],
-    loudness: &[f64],
-    dt: f64,
-    stream: &Stream,
-    to: &mut ImuSeries,
-) {
+/// Adds all rotors' tones to `to`.
+pub(super) fn add(of: &Shaking<'_>, to: &mut ImuSeries) {
+    let Shaking { config, axes, speed, loudness, dt, stream } = *of;
     // exp of a normal of deviation s has a mean square of exp(2 s^2).
     let quiet = config.amplitude_wander.powi(2);
     for r in 0..config.rotors {
@@ -89,9 +81,7 @@ pub(crate) fn add(
             for h in 0..HARMONICS {
                 for (a, reach) in rotor.reach.iter().enumerate() {
                     let (on_sin, on_cos) = reach[h];
-                    let value = swing * (on_sin * s + on_cos * c);
-                    let sensor = if a < 3 { Sensor::Accel } else { Sensor::Gyro };
-                    to.of_mut(sensor)[i][a % 3] += value;
+                    *to.value_mut(a, i) += swing * (on_sin * s + on_cos * c);
                 }
                 // sin and cos of the next multiple of the phase.
                 (s, c) = (s * cos + c * sin, c * cos - s * sin);

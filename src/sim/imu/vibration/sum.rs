@@ -8,6 +8,20 @@ use crate::imu::series::ImuSeries;
 use dpn_core::SampleRate;
 use dpn_core::random::Stream;
 
+/// What every part of a flight's vibration follows.
+pub(super) struct Shaking<'a> {
+    pub(super) config: &'a VibrationConfig,
+    /// Accelerometer x, y, z, gyroscope x, y, z.
+    pub(super) axes: &'a [AxisVibration; 6],
+    /// Motors relative to hover, per sample.
+    pub(super) speed: &'a [f64],
+    /// A factor per sample.
+    pub(super) loudness: &'a [f64],
+    /// Time between samples \[s\].
+    pub(super) dt: f64,
+    pub(super) stream: &'a Stream,
+}
+
 /// Vibration at each of `times` \[s after the flight's start\], which are `rate` apart but for the stamps' rounding.
 pub(crate) fn draw(
     config: &VibrationConfig,
@@ -33,9 +47,10 @@ pub(crate) fn draw(
     // exp of a normal of deviation s has a mean square of exp(2 s^2).
     let quiet = config.amplitude_wander.powi(2);
     let loudness: Vec<f64> = times.iter().map(|_| (wander.next() - quiet).exp()).collect();
-    rotors::add(config, &axes, &speed, &loudness, dt, stream, &mut vibration);
-    frame::add_low_line(config, &axes, &speed, dt, stream, &mut vibration);
-    frame::add_broad_band(config, &axes, &speed, &loudness, dt, stream, &mut vibration);
+    let of = Shaking { config, axes: &axes, speed: &speed, loudness: &loudness, dt, stream };
+    rotors::add(&of, &mut vibration);
+    frame::add_low_line(&of, &mut vibration);
+    frame::add_broad_band(&of, &mut vibration);
     vibration
 }
 

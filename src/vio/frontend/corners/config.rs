@@ -1,6 +1,6 @@
 //! Which corners are taken.
 
-use dpn_core::config::{ConfigFault, Validate};
+use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 use serde::{Deserialize, Serialize};
 
 /// Settings of the detector.
@@ -33,19 +33,14 @@ impl Default for CornerConfig {
 
 impl Validate for CornerConfig {
     fn faults(&self) -> Vec<ConfigFault> {
-        let mut faults = Vec::new();
-        let mut check = |good: bool, key: &str, value: f64, bound: &str| {
-            if !good {
-                faults.push(ConfigFault::new(key, value, bound));
-            }
-        };
-        check((1..=2000).contains(&self.most), "most", self.most as f64, "1 to 2000");
-        check((0.0..=1.0).contains(&self.quality), "quality", self.quality, "0 to 1");
-        check((0.0..=1e4).contains(&self.least), "least", self.least, "0 to 1e4");
-        check((1.0..=200.0).contains(&self.distance_px), "distance_px", self.distance_px, "1 to 200");
-        check((1..=100).contains(&self.edge_px), "edge_px", self.edge_px as f64, "1 to 100");
-        check(self.cells <= 64, "cells", self.cells as f64, "0 to 64");
-        check(self.subpixel <= 10, "subpixel", self.subpixel as f64, "0 to 10");
-        faults
+        let mut faults = ConfigFaults::default();
+        faults.within("most", self.most, 1, 2000);
+        faults.within("quality", self.quality, 0.0, 1.0);
+        faults.within("least", self.least, 0.0, 1e4);
+        faults.within("distance_px", self.distance_px, 1.0, 200.0);
+        faults.within("edge_px", self.edge_px, 1, 100);
+        faults.within("cells", self.cells, 0, 64);
+        faults.within("subpixel", self.subpixel, 0, 10);
+        faults.0
     }
 }

@@ -35,7 +35,7 @@ impl Mask {
     }
 
     /// Takes all pixels nearer than `radius` to `centre`; one that is no number takes none.
-    pub fn take_disc(&mut self, centre: [f32; 2], radius: f64) {
+    pub(crate) fn take_disc(&mut self, centre: [f32; 2], radius: f64) {
         if self.radius != radius {
             self.radius = radius;
             let square = radius * radius;

@@ -5,7 +5,7 @@
 //! centres. Source: Zuiderveld 1994 (*Graphics Gems IV*, VIII.5), with OpenCV's rules for clipping and rounding.
 
 use super::plane::{PAD, Plane};
-use dpn_core::config::{ConfigFault, Validate};
+use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 use pulp::{Arch, Simd, WithSimd};
 use serde::{Deserialize, Serialize};
 
@@ -29,14 +29,10 @@ impl Default for ClaheConfig {
 
 impl Validate for ClaheConfig {
     fn faults(&self) -> Vec<ConfigFault> {
-        let mut faults = Vec::new();
-        if !(1.0..=255.0).contains(&self.clip_limit) {
-            faults.push(ConfigFault::new("clip_limit", self.clip_limit, "1 to 255"));
-        }
-        if !(1..=PAD).contains(&self.tiles) {
-            faults.push(ConfigFault::new("tiles", self.tiles, "1 to 32"));
-        }
-        faults
+        let mut faults = ConfigFaults::default();
+        faults.within("clip_limit", self.clip_limit, 1.0, 255.0);
+        faults.within("tiles", self.tiles, 1, PAD);
+        faults.0
     }
 }
 

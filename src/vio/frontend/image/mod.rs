@@ -6,6 +6,6 @@ mod pyramid;
 mod stats;
 
 pub use clahe::{Clahe, ClaheConfig};
-pub use plane::{PAD, Plane};
+pub use plane::Plane;
 pub use pyramid::{Pyramid, pyr_down};
 pub use stats::ImageStats;

@@ -5,7 +5,7 @@
 use dpn_core::GrayView;
 
 /// Width of the border on every side \[px\].
-pub const PAD: usize = 32;
+pub(crate) const PAD: usize = 32;
 
 /// How far a vector load may reach behind the last row's border.
 const SLACK: usize = 64;

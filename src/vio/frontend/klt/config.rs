@@ -1,6 +1,6 @@
 //! How points are tracked from image to image.
 
-use dpn_core::config::{ConfigFault, Validate};
+use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 use serde::{Deserialize, Serialize};
 
 /// What may happen to a patch's light between two images.
@@ -60,23 +60,16 @@ impl Default for KltConfig {
 
 impl Validate for KltConfig {
     fn faults(&self) -> Vec<ConfigFault> {
-        let mut faults = Vec::new();
-        let mut check = |good: bool, key: &str, value: f64, bound: &str| {
-            if !good {
-                faults.push(ConfigFault::new(key, value, bound));
-            }
-        };
-        let window = self.window;
-        check((7..=29).contains(&window) && window % 2 == 1, "window", window as f64, "odd, 7 to 29");
-        check((1..=6).contains(&self.levels), "levels", self.levels as f64, "1 to 6");
-        check((1..=100).contains(&self.iterations), "iterations", self.iterations as f64, "1 to 100");
-        let like = self.min_correlation;
-        check((0.0..=1.0).contains(&like), "min_correlation", like, "0 to 1");
-        let (epsilon, eigen, back) = (self.epsilon_px, self.min_eigenvalue, self.back_px);
-        check(epsilon > 0.0 && epsilon <= 1.0, "epsilon_px", epsilon, "above 0, at most 1");
-        check((0.0..=1e4).contains(&eigen), "min_eigenvalue", eigen, "0 to 1e4");
-        check((0.0..=100.0).contains(&back), "back_px", back, "0 to 100");
-        check((1..=6).contains(&self.back_levels), "back_levels", self.back_levels as f64, "1 to 6");
-        faults
+        let mut faults = ConfigFaults::default();
+        let (window, epsilon) = (self.window, self.epsilon_px);
+        faults.check((7..=29).contains(&window) && window % 2 == 1, "window", window, "odd, 7 to 29");
+        faults.within("levels", self.levels, 1, 6);
+        faults.within("iterations", self.iterations, 1, 100);
+        faults.within("min_correlation", self.min_correlation, 0.0, 1.0);
+        faults.check(epsilon > 0.0 && epsilon <= 1.0, "epsilon_px", epsilon, "above 0, at most 1");
+        faults.within("min_eigenvalue", self.min_eigenvalue, 0.0, 1e4);
+        faults.within("back_px", self.back_px, 0.0, 100.0);
+        faults.within("back_levels", self.back_levels, 1, 6);
+        faults.0
     }
 }

@@ -1,6 +1,6 @@
 //! How tracks that do not agree are told.
 
-use dpn_core::config::{ConfigFault, Validate};
+use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 use serde::{Deserialize, Serialize};
 
 /// What is known of the motion between two frames.
@@ -44,18 +44,12 @@ impl Default for RansacConfig {
 
 impl Validate for RansacConfig {
     fn faults(&self) -> Vec<ConfigFault> {
-        let mut faults = Vec::new();
-        let mut check = |good: bool, key: &str, value: f64, bound: &str| {
-            if !good {
-                faults.push(ConfigFault::new(key, value, bound));
-            }
-        };
+        let mut faults = ConfigFaults::default();
         let (threshold, confidence) = (self.threshold_px, self.confidence);
-        check(threshold > 0.0 && threshold <= 20.0, "threshold_px", threshold, "above 0, at most 20");
-        check(confidence > 0.0 && confidence < 1.0, "confidence", confidence, "above 0, below 1");
-        let trials = self.most_trials;
-        check((1..=10_000).contains(&trials), "most_trials", trials as f64, "1 to 10000");
-        check((0.0..=1.0).contains(&self.doubt_share), "doubt_share", self.doubt_share, "0 to 1");
-        faults
+        faults.check(threshold > 0.0 && threshold <= 20.0, "threshold_px", threshold, "above 0, at most 20");
+        faults.check(confidence > 0.0 && confidence < 1.0, "confidence", confidence, "above 0, below 1");
+        faults.within("most_trials", self.most_trials, 1, 10_000);
+        faults.within("doubt_share", self.doubt_share, 0.0, 1.0);
+        faults.0
     }
 }

@@ -7,7 +7,7 @@ use thiserror::Error;
 
 /// Why there is no summary.
 #[derive(Debug, Clone, PartialEq, Error)]
-pub enum SummaryError {
+pub(crate) enum SummaryError {
     /// Not one window.
     #[error("{samples} samples are less than {needed}, the second or the filter's window a summary needs")]
     TooShort {
@@ -26,7 +26,7 @@ pub enum SummaryError {
 
 /// What the vehicle seems to do in a window, by the accelerometer's residual deviation, root of the sum over axes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Activity {
+pub(crate) enum Activity {
     /// Below .12 m/s^2: nothing moves (the data sheet gives .049).
     Quiet,
     /// In between: motors idling, or handled.
@@ -37,7 +37,7 @@ pub enum Activity {
 
 impl Activity {
     /// All three.
-    pub const ALL: [Self; 3] = [Self::Quiet, Self::Stirring, Self::Running];
+    pub(crate) const ALL: [Self; 3] = [Self::Quiet, Self::Stirring, Self::Running];
 
     fn of(deviation: f64) -> Self {
         match deviation {
@@ -50,45 +50,45 @@ impl Activity {
 
 /// A spectral line and the band around it, in the windows where motors run.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Line {
+pub(crate) struct Line {
     /// Highest point of 60 to 100 Hz; none where nothing is above zero.
-    pub high: Option<Peak>,
+    pub(crate) high: Option<Peak>,
     /// Highest point of 20 to 45 Hz.
-    pub low: Option<Peak>,
+    pub(crate) low: Option<Peak>,
     /// Share of 60 to 100 Hz in the power from 20 to 100 Hz.
-    pub high_share: f64,
+    pub(crate) high_share: f64,
 }
 
 /// One axis of one sensor, in its unit.
 #[derive(Debug, Clone, PartialEq)]
-pub struct AxisSummary {
+pub(crate) struct AxisSummary {
     /// Median over all windows of the residual's deviation.
-    pub deviation: f64,
+    pub(crate) deviation: f64,
     /// The same over the windows of each [`Activity`]; none where there is no such window.
-    pub by_activity: [Option<f64>; 3],
+    pub(crate) by_activity: [Option<f64>; 3],
     /// Quantiles .5, .9, .99, .999 of |residual| / its window's deviation where motors run; .674, 1.645, 2.576, 3.291
     /// for a normal variable. Empty where they never run.
-    pub quantiles: Vec<f64>,
+    pub(crate) quantiles: Vec<f64>,
     /// Excess kurtosis of the same.
-    pub excess_kurtosis: f64,
+    pub(crate) excess_kurtosis: f64,
     /// Peaks where motors run; none below two seconds of it.
-    pub line: Option<Line>,
+    pub(crate) line: Option<Line>,
 }
 
 /// One recording.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RecordingSummary {
+pub(crate) struct RecordingSummary {
     /// Windows of each [`Activity`].
-    pub windows: [usize; 3],
+    pub(crate) windows: [usize; 3],
     /// Accelerometer x, y, z \[m/s^2\].
-    pub accel: [AxisSummary; 3],
+    pub(crate) accel: [AxisSummary; 3],
     /// Gyroscope x, y, z \[rad/s\].
-    pub gyro: [AxisSummary; 3],
+    pub(crate) gyro: [AxisSummary; 3],
 }
 
 impl RecordingSummary {
     /// The axes of one sensor.
-    pub fn of(&self, sensor: Sensor) -> &[AxisSummary; 3] {
+    pub(crate) fn of(&self, sensor: Sensor) -> &[AxisSummary; 3] {
         match sensor {
             Sensor::Accel => &self.accel,
             Sensor::Gyro => &self.gyro,
@@ -100,7 +100,7 @@ impl RecordingSummary {
 ///
 /// # Errors
 /// Less than a second, or less than the filter's 51 samples.
-pub fn summarise(recording: &ImuRecording) -> Result<RecordingSummary, SummaryError> {
+pub(crate) fn summarise(recording: &ImuRecording) -> Result<RecordingSummary, SummaryError> {
     let window = recording.rate().hz().round() as usize;
     let needed = window.max(51);
     if window == 0 || recording.len() < needed {
@@ -194,14 +194,15 @@ fn summarise_axis(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Flight, FlightConfig, simulate};
     use dpn_core::{ImuSample, Stamp};
+    use dpn_sim::imu::WhiteConfig;
+    use dpn_sim::{Flight, FlightConfig, simulate};
 
     #[test]
     fn white_noise_alone_shows_its_deviation_and_a_normal_shape() {
         // Known deviations, no motors: everything is Quiet and nothing has a line.
-        let mut config = FlightConfig::white_only();
-        config.white.schedule = false;
+        let white = WhiteConfig { schedule: false, ..WhiteConfig::default() };
+        let config = FlightConfig { white, ..FlightConfig::ideal() };
         let flight = simulate(Flight::Hover, 5, &config).unwrap();
         let summary = summarise(&flight.recording).unwrap();
         assert_eq!(summary.windows[2], 0);
@@ -256,7 +257,7 @@ mod tests {
         // gains move a flight's deviation by 7 %.
         let accel = [(1.0, 1.7), (0.44, 0.68), (0.65, 0.96)];
         let gyro = [(0.021, 0.038), (0.048, 0.090), (0.037, 0.053)];
-        let flights = [1, 8].map(|seed| crate::simulate_all(seed, &FlightConfig::default()).unwrap());
+        let flights = [1, 8].map(|seed| dpn_sim::simulate_all(seed, &FlightConfig::default()).unwrap());
         for flight in flights.iter().flatten() {
             let summary = summarise(&flight.recording).unwrap();
             for (sensor, ranges) in [(Sensor::Accel, accel), (Sensor::Gyro, gyro)] {

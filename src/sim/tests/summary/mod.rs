@@ -1,11 +1,8 @@
 //! What a recording looks like, simulated or real, in a few figures an axis, and two sets of recordings side by side.
 //!
 //! Residual: x - SG(51,3)(x) over the whole recording. Its deviation is taken over disjoint windows of one second. What
-//! the vehicle does in a window is judged from the recording alone ([`Activity`]), so that real flights, whose phases
+//! the vehicle does in a window is judged from the recording alone ([`recording::Activity`]), so that real flights, whose phases
 //! nobody wrote down, are treated as simulated ones are.
 
-mod recording;
-mod table;
-
-pub use recording::{Activity, AxisSummary, Line, RecordingSummary, SummaryError, summarise};
-pub use table::compare;
+pub(crate) mod recording;
+pub(crate) mod table;

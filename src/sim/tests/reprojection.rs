@@ -4,10 +4,9 @@
 //! `n` positions takes 3 of their 2 n degrees of freedom, so residuals are scaled by sqrt(2 n / (2 n - 3)); the deviation over all is taken from their
 //! median, which outliers hardly move.
 
-use super::camera::{BadCameraSettings, CameraSettings};
-use super::path::CameraPath;
 use dpn_core::TrackFrame;
 use dpn_core::signal::stats;
+use dpn_sim::tracks::{BadCameraSettings, CameraPath, CameraSettings};
 use nalgebra::{Isometry3, Matrix3, Vector2, Vector3};
 use std::collections::BTreeMap;
 
@@ -16,13 +15,13 @@ const ROUNDS: usize = 4;
 
 /// Residuals of tracks against a path.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Reprojection {
+pub(crate) struct Reprojection {
     /// Tracks that could be triangulated.
-    pub tracks: usize,
+    pub(crate) tracks: usize,
     /// Robust standard deviation of a position, each axis \[px\].
-    pub sigma_px: f64,
+    pub(crate) sigma_px: f64,
     /// Share of the tracks with a residual beyond 6 such deviations.
-    pub outlier_share: f64,
+    pub(crate) outlier_share: f64,
 }
 
 /// A camera at one frame and what it saw of one point.
@@ -36,7 +35,7 @@ impl Reprojection {
     ///
     /// # Errors
     /// Settings that describe no camera.
-    pub fn of(
+    pub(crate) fn of(
         frames: &[TrackFrame],
         path: &dyn CameraPath,
         camera: &CameraSettings,
@@ -58,7 +57,9 @@ impl Reprojection {
             let n = 2.0 * views.len() as f64;
             let scale = (n / (n - 3.0)).sqrt();
             let residuals = views.iter().filter_map(|view| {
-                let px = super::sight::project(&model, &view.cam_from_world, &point)?;
+                let px = model.project(
+                    &(view.cam_from_world.rotation * point + view.cam_from_world.translation.vector),
+                )?;
                 Some((view.px - px) * scale)
             });
             let first = all.len();

@@ -36,7 +36,7 @@ const FIGURES: [(&str, Figure); 9] = [
 
 /// A Markdown table: a row for each axis and figure, a column for each set, each cell the median over the set's
 /// recordings with the lowest and highest. A set without a figure shows a dash.
-pub fn compare(sets: &[(&str, &[RecordingSummary])]) -> String {
+pub(crate) fn compare(sets: &[(&str, &[RecordingSummary])]) -> String {
     let mut table = String::from("| axis | figure |");
     for (name, recordings) in sets {
         // Writing to a string cannot fail.
@@ -83,13 +83,15 @@ fn short(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::recording::summarise;
     use super::*;
-    use crate::summary::summarise;
-    use crate::{Flight, FlightConfig, simulate};
+    use dpn_sim::imu::WhiteConfig;
+    use dpn_sim::{Flight, FlightConfig, simulate};
 
     #[test]
     fn a_row_for_every_figure_and_a_dash_where_a_set_has_none() {
-        let flight = simulate(Flight::Hover, 1, &FlightConfig::white_only()).unwrap();
+        let config = FlightConfig { white: WhiteConfig::default(), ..FlightConfig::ideal() };
+        let flight = simulate(Flight::Hover, 1, &config).unwrap();
         let summary = [summarise(&flight.recording).unwrap()];
         let table = compare(&[("white only", &summary), ("nothing", &[])]);
         let lines: Vec<&str> = table.lines().collect();

@@ -1,0 +1,45 @@
+//! Enums whose variants have names.
+
+/// An enum whose variants are spelt in one way in files, flags and texts: gives it `ALL`, `name` and `Display`.
+///
+/// ```
+/// dpn_core::named!(
+///     /// A side.
+///     #[derive(PartialOrd, Ord)]
+///     pub enum Side {
+///         /// Left.
+///         Left = "left",
+///         /// Right.
+///         Right = "right",
+///     }
+/// );
+/// assert_eq!(Side::ALL.map(Side::name), ["left", "right"]);
+/// ```
+#[macro_export]
+macro_rules! named {
+    ($(#[$doc:meta])* pub enum $name:ident { $($(#[$vdoc:meta])* $variant:ident = $text:literal),+ $(,)? }) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        pub enum $name {
+            $($(#[$vdoc])* $variant,)+
+        }
+
+        impl $name {
+            /// All of them, in order.
+            pub const ALL: [Self; [$($text),+].len()] = [$(Self::$variant),+];
+
+            /// The spelling in files, flags and texts.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $text,)+
+                }
+            }
+        }
+
+        impl ::std::fmt::Display for $name {
+            fn fmt(&self, f: &mut ::std::fmt::Formatter<'_>) -> ::std::fmt::Result {
+                f.write_str(self.name())
+            }
+        }
+    };
+}
