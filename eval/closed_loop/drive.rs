@@ -4,6 +4,7 @@ use super::error::ClosedLoopError;
 use super::images::ImageStream;
 use super::recording::{Recording, Span};
 use super::tracked::TrackedSequence;
+use super::tracking::pass_over_spikes;
 use super::tracking_log::TrackingLog;
 use super::walk::{SampleWalk, Step, walk};
 use cpu_time::ThreadTime;
@@ -194,7 +195,8 @@ impl<'a> Run<'a> {
     }
 
     fn feed_sample(&mut self, place: usize) -> Result<(), FeedError> {
-        self.estimator.feed_imu(NoisySample { sample: self.samples[place], noise: self.noises[place] })
+        let sample = NoisySample { sample: self.samples[place], noise: self.noises[place] };
+        pass_over_spikes(self.estimator.feed_imu(sample))
     }
 
     /// Takes every update there is.

@@ -158,6 +158,8 @@ pub struct RunInfo {
     pub seed: u64,
     /// Seconds after the first frame.
     pub from_s: f64,
+    /// Where it was told to end, in the same seconds.
+    pub to_s: Option<f64>,
     /// What the front-end made of the images, where there are any.
     pub front_end: Option<FrontEndFigures>,
 }

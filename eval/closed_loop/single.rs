@@ -13,15 +13,17 @@ use dpn_core::NoiseTrack;
 use dpn_core::check::{CheckOptions, RecordingFault, check};
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::random::Stream;
+use dpn_core::signal::stats::median_of;
 use dpn_pronet::network::Network;
 use dpn_vio::EstimatorConfig;
 use dpn_vio::diagnosis::{Axes, TrackHealth, axes, track_health};
-use dpn_vio::estimator::{FrontEndObserver, Phase};
+use dpn_vio::estimator::{FrontEndObserver, Phase, without_spikes};
+use nalgebra::Vector3;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Mean length of the specific force of a flight \[m/s^2\]; outside, units or axes are not what they should be.
+/// Median length of the specific force of a flight \[m/s^2\]; outside, units or axes are not what they should be.
 const GRAVITY_RANGE: (f64, f64) = (8.0, 12.0);
 /// Tracks that cover less than this share of the samples' time are worth a word.
 const COVERED: f64 = 0.5;
@@ -91,7 +93,12 @@ pub fn single(
             (drive(config, recording, tracked.run(), &noise, info.seed)?, tracked, health)
         }
     };
-    let axes = axes(recording.imu.samples(), tracked.run(), &recording.camera, &recording.body_from_cam);
+    let axes = axes(
+        &without_spikes(recording.imu.samples()),
+        tracked.run(),
+        &recording.camera,
+        &recording.body_from_cam,
+    );
     let mut waited_for: BTreeMap<String, usize> = BTreeMap::new();
     for update in &driven.updates {
         if let Phase::Initialising(reason) = update.phase {
@@ -101,7 +108,7 @@ pub fn single(
     let info = RunInfo { front_end: tracked.images.as_ref().map(|images| images.figures.clone()), ..info };
     let report = Report {
         row: judge(recording, &info, &driven)?.row,
-        warnings: warnings(recording, &tracked, &health, &axes),
+        warnings: warnings(recording, &info, &tracked, &driven, &health, &axes),
         axes,
         tracks: health,
         images: tracked.images.as_ref().map_or_else(Vec::new, |images| images.events.clone()),
@@ -127,7 +134,9 @@ fn fit(recording: &Recording, tracked: &TrackedSequence) -> Result<TrackHealth, 
 /// What is odd about the input.
 fn warnings(
     recording: &Recording,
+    info: &RunInfo,
     tracked: &TrackedSequence,
+    driven: &Driven,
     health: &TrackHealth,
     axes: &Axes,
 ) -> Vec<String> {
@@ -154,7 +163,8 @@ fn warnings(
     }
     if let (Some(begin), Some(end)) = (frames.first(), frames.last()) {
         let (covered, all) = (end.t.min(last).seconds_since(begin.t.max(first)), recording.imu.duration());
-        if tracked.span.to_s.is_none() && tracked.span.from_s + covered < COVERED * all {
+        // Who asked for a part has what was asked for.
+        if info.to_s.is_none() && info.from_s + covered < COVERED * all {
             found.push(format!(
                 "the frames cover {covered:.1} s of the IMU's {all:.1} s; the rest has no pose"
             ));
@@ -170,11 +180,14 @@ fn warnings(
             RecordingFault::TooShort { .. } | RecordingFault::WrongRate { .. } => {}
         }
     }
-    let force = samples.iter().map(|s| s.accel.iter().map(|a| a * a).sum::<f64>().sqrt()).sum::<f64>();
-    let force = force / samples.len() as f64;
+    if let Some(first) = &driven.report.first_spike {
+        found.push(format!("IMU: {} sample(s) were passed over as spikes: {first}", driven.report.spikes));
+    }
+    let force = median_of(samples.iter().map(|s| Vector3::from(s.accel).norm()));
+    let force = force.expect("a recording has two samples");
     if !(GRAVITY_RANGE.0..GRAVITY_RANGE.1).contains(&force) {
         found.push(format!(
-            "the mean specific force is {force:.2} m/s^2, not near 9.81: is the accelerometer in g, or gravity taken out?"
+            "the median specific force is {force:.2} m/s^2, not near 9.81: is the accelerometer in g, or gravity taken out?"
         ));
     }
     found.extend(health.warning());

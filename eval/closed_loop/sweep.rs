@@ -275,6 +275,7 @@ impl Sweep<'_> {
             noise: cell.noise.clone(),
             seed: cell.seed,
             from_s,
+            to_s: self.to,
             front_end: seen.images.as_ref().map(|images| images.figures.clone()),
         };
         if let Some(path) = self.keep.states_path(dir, &cell.key) {

@@ -7,7 +7,7 @@ use super::tracked::TrackedSequence;
 use super::tracking_log::TrackingLog;
 use super::walk::{Step, walk};
 use dpn_core::TrackFrame;
-use dpn_vio::estimator::ImageTracker;
+use dpn_vio::estimator::{FeedError, ImageTracker};
 use dpn_vio::frontend::FrontEndConfig;
 
 /// What the odometry sees of a recording.
@@ -42,7 +42,7 @@ impl CameraInput<'_> {
         let mut log = TrackingLog::new(&mut nobody);
         walk(recording, images, &mut log, |step, log| {
             match step {
-                Step::Sample(place) => tracker.feed_imu(&recording.imu.samples()[place])?,
+                Step::Sample(place) => pass_over_spikes(tracker.feed_imu(&recording.imu.samples()[place]))?,
                 Step::SamplesEnd => tracker.end_imu(),
                 Step::Image(t, image) => {
                     tracker.feed_image(image.view(), t)?;
@@ -53,5 +53,13 @@ impl CameraInput<'_> {
             Ok(())
         })?;
         log.finish(recording)
+    }
+}
+
+/// What was fed went in, or is a single reading that no sensor gives: the estimator counts those, and the run goes on.
+pub(super) fn pass_over_spikes(fed: Result<(), FeedError>) -> Result<(), FeedError> {
+    match fed {
+        Err(FeedError::Spike { .. }) => Ok(()),
+        fed => fed,
     }
 }

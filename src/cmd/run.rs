@@ -35,6 +35,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         noise: noise.clone(),
         seed: args.seed,
         from_s: span.from_s,
+        to_s: span.to_s,
         front_end: None,
     };
     let mut nobody = ();

@@ -82,9 +82,14 @@ impl Estimator {
     /// Takes a sample with the noise in force.
     ///
     /// # Errors
-    /// A sample that is not later than the last, or not finite; it is not taken.
+    /// A sample that is not later than the last, not finite, or a [spike](FeedError::Spike); it is not taken, and the next one may be.
     pub fn feed_imu(&mut self, sample: NoisySample) -> Result<(), FeedError> {
-        self.images.feed_imu(&sample.sample)?;
+        self.images.feed_imu(&sample.sample).inspect_err(|error| {
+            if matches!(error, FeedError::Spike { .. }) {
+                self.report.spikes += 1;
+                self.report.first_spike.get_or_insert(*error);
+            }
+        })?;
         self.imu.push(sample);
         Ok(())
     }

@@ -1,10 +1,11 @@
 //! Why input is not taken.
 
 use dpn_core::Stamp;
+use dpn_core::imu::Sensor;
 use thiserror::Error;
 
 /// Input that cannot be taken.
-#[derive(Debug, Error, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Error, Clone, Copy, PartialEq)]
 pub enum FeedError {
     /// A sample that is not later than the last.
     #[error("an IMU sample at {t} after one at {last}; samples must come in increasing time")]
@@ -60,5 +61,15 @@ pub enum FeedError {
     NotFinite {
         /// Its stamp.
         t: Stamp,
+    },
+    /// A reading that no sensor gives, alone or with two more at most.
+    #[error("an IMU sample at {t} reads {reading} {}, more than any {sensor} measures", sensor.unit())]
+    Spike {
+        /// Its stamp.
+        t: Stamp,
+        /// Which sensor.
+        sensor: Sensor,
+        /// One of its axes, in the sensor's unit.
+        reading: f64,
     },
 }

@@ -6,6 +6,7 @@
 //! [`Estimator::feed_image`](crate::Estimator::feed_image) makes of the images.
 
 use super::feed_error::FeedError;
+use super::spike::SpikeFilter;
 use crate::frontend::{Fed, FrontEnd, FrontEndConfig, GyroTurn, turn_of_camera};
 use dpn_core::camera::PinholeRadtan;
 use dpn_core::config::ConfigFault;
@@ -43,6 +44,7 @@ pub struct ImageTracker {
     waiting: VecDeque<(Stamp, GrayImage)>,
     newest_image: Option<Stamp>,
     newest_sample: Option<Stamp>,
+    spikes: SpikeFilter,
     imu_ended: bool,
 }
 
@@ -67,6 +69,7 @@ impl ImageTracker {
             waiting: VecDeque::new(),
             newest_image: None,
             newest_sample: None,
+            spikes: SpikeFilter::default(),
             imu_ended: false,
         })
     }
@@ -74,7 +77,7 @@ impl ImageTracker {
     /// Takes a sample.
     ///
     /// # Errors
-    /// A sample that is not later than the last, or not finite; it is not taken.
+    /// A sample that is not later than the last, not finite, or a spike; it is not taken, and the next one may be.
     pub fn feed_imu(&mut self, sample: &ImuSample) -> Result<(), FeedError> {
         let t = sample.t;
         if !sample.is_finite() {
@@ -82,6 +85,9 @@ impl ImageTracker {
         }
         if let Some(last) = self.newest_sample.filter(|last| t <= *last) {
             return Err(FeedError::SampleOutOfOrder { t, last });
+        }
+        if let Some((sensor, reading)) = self.spikes.spike(sample) {
+            return Err(FeedError::Spike { t, sensor, reading });
         }
         self.newest_sample = Some(t);
         self.imu_ended = false;

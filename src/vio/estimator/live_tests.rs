@@ -138,9 +138,14 @@ fn what_comes_out_of_order_is_refused_by_name_and_changes_nothing() {
         }
         estimator.feed_imu(*sample).unwrap();
         assert!(matches!(estimator.feed_imu(case.samples[i / 2]), Err(FeedError::SampleOutOfOrder { .. })));
+        let mut spike = *sample;
+        spike.sample.t = sample.sample.t.plus_seconds(0.001);
+        spike.sample.gyro[0] = 1000.0;
+        assert!(matches!(estimator.feed_imu(spike), Err(FeedError::Spike { .. })));
         updates.extend(std::iter::from_fn(|| estimator.next_update()));
     }
     assert_eq!(timeless(updates), once);
+    assert_eq!(estimator.report().spikes, case.samples.len());
 }
 
 /// What became of the images, in their order.

@@ -1,5 +1,6 @@
 //! What a whole run has to say of itself.
 
+use super::feed_error::FeedError;
 use super::update::{Phase, RestartReason, Update};
 use dpn_core::Stamp;
 use dpn_core::trajectory::StampedPose;
@@ -35,6 +36,11 @@ pub struct RunReport {
     pub poses: usize,
     /// Frames before the first sample, which nothing could be done with.
     pub skipped: usize,
+    /// Samples passed over because no sensor reads as much.
+    pub spikes: usize,
+    /// What was said of the first of them.
+    #[serde(skip)]
+    pub first_spike: Option<FeedError>,
     /// Stamp of the first frame.
     pub first: Option<Stamp>,
     /// Stamp of the first pose.
