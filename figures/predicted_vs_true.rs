@@ -5,7 +5,7 @@ use super::axis::Axis;
 use super::error::{FigureError, check_column, check_count, check_each};
 use super::frame::{Frame, Rect};
 use super::legend::{self, Entry, Key};
-use super::plot::{Area, Drawn, Painted, Plot};
+use super::plot::{Area, Drawn, Painted, Plot, row};
 use super::sheet::Sheet;
 use super::style::{self, PALETTE};
 use super::summary::{BINS, Level, MOST_LEVELS, by_level};
@@ -177,13 +177,8 @@ impl Plot for PredictedVsTrue {
         for panel in &self.panels {
             for (_, name, levels) in &panel.series {
                 for level in levels {
-                    let mut row = vec![
-                        panel.sensor.name().to_owned(),
-                        panel.sensor.unit().to_owned(),
-                        name.clone(),
-                        level.truth.to_string(),
-                        level.n.to_string(),
-                    ];
+                    let (sensor, unit) = (panel.sensor.name(), panel.sensor.unit());
+                    let mut row = row![sensor, unit, name, level.truth, level.n];
                     row.extend(level.quantiles.map(|q| q.to_string()));
                     rows.push(row);
                 }
