@@ -92,11 +92,6 @@ impl Block {
         (self.at.0, self.at.1 + self.size.1 / 2)
     }
 
-    /// Middle of the upper edge.
-    pub fn north(&self) -> (i32, i32) {
-        (self.at.0 + self.size.0 / 2, self.at.1)
-    }
-
     /// Middle of the lower edge.
     pub fn south(&self) -> (i32, i32) {
         (self.at.0 + self.size.0 / 2, self.at.1 + self.size.1)

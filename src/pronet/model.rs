@@ -42,12 +42,6 @@ pub struct RangeCount {
     /// Of these, outside the trained range.
     pub outside: u64,
 }
-
-impl RangeCount {
-    /// Share of windows outside the trained range; 0 before the first window.
-    pub fn share(&self) -> f64 {
-        if self.windows == 0 { 0.0 } else { self.outside as f64 / self.windows as f64 }
-    }
 }
 
 /// Accel-ProNet and Gyro-ProNet, asked every `hop` samples about the samples just past, held in between.

@@ -157,7 +157,7 @@ impl ProNet {
     }
 
     /// All parameters as one tensor, in the order of [`crate::shape::parameters`]: `[parameter count]`. Differentiable.
-    pub fn flat(&self) -> Tensor<1> {
+    pub(crate) fn flat(&self) -> Tensor<1> {
         let mut parts = Vec::new();
         for (i, conv) in self.conv.iter().enumerate() {
             parts.push(conv.weight.val().reshape([-1])); // [out * in * kernel]

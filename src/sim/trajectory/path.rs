@@ -65,11 +65,6 @@ impl Trajectory {
         Isometry3::from_parts(Translation3::from(state.position_in_world), state.world_from_body)
     }
 
-    /// Velocity in the world \[m/s\].
-    pub fn velocity(&self, t: f64) -> Vector3<f64> {
-        self.position.jet(t).first
-    }
-
     /// Acceleration in the world \[m/s^2\], without gravity.
     pub fn acceleration(&self, t: f64) -> Vector3<f64> {
         self.position.jet(t).second

@@ -16,7 +16,7 @@ pub enum Leaving {
 
 impl Window {
     /// Which frame has to go: the second newest stays where it moved enough against the key frame before it, or lost its tracks.
-    pub fn leaving(&self, focal_px: f64) -> Leaving {
+    pub(crate) fn leaving(&self, focal_px: f64) -> Leaving {
         let n = self.frames.len();
         if n < 3 {
             return Leaving::Oldest;

@@ -79,17 +79,17 @@ impl Window {
     }
 
     /// The frames, oldest first.
-    pub fn frames(&self) -> &[Frame] {
+    pub(crate) fn frames(&self) -> &[Frame] {
         &self.frames
     }
 
     /// The newest frame.
-    pub fn newest(&self) -> Option<&Frame> {
+    pub(crate) fn newest(&self) -> Option<&Frame> {
         self.frames.last()
     }
 
     /// The landmarks, in the order in which they came.
-    pub fn landmarks(&self) -> &[Landmark] {
+    pub(crate) fn landmarks(&self) -> &[Landmark] {
         &self.landmarks
     }
 
@@ -104,7 +104,7 @@ impl Window {
     }
 
     /// Where the unknowns stand.
-    pub fn layout(&self) -> Layout {
+    pub(crate) fn layout(&self) -> Layout {
         Layout {
             frames: self.frames.len(),
             extrinsics: self.config.estimate_extrinsics,

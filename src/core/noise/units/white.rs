@@ -69,12 +69,12 @@ white_noise!(GyroSampleStd, GyroSampleVariance, GyroNoiseDensity, GyroPowerDensi
 
 impl AccelSampleStd {
     /// VINS-Mono's constant for EuRoC, the paper's "x1".
-    pub const BASELINE: Self = Self(0.08);
+    pub(crate) const BASELINE: Self = Self(0.08);
 }
 
 impl GyroSampleStd {
     /// VINS-Mono's constant for EuRoC, the paper's "x1".
-    pub const BASELINE: Self = Self(0.004);
+    pub(crate) const BASELINE: Self = Self(0.004);
 }
 
 impl AccelNoiseDensity {
