@@ -51,11 +51,7 @@ impl AllanPlot {
                 Panel::new(sensor, &of)
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let mut legend: Vec<Entry> = ["x", "y", "z"]
-            .into_iter()
-            .enumerate()
-            .map(|(i, axis)| Entry { key: Key::Marked(i), colour: PALETTE[i], words: axis.to_owned() })
-            .collect();
+        let mut legend = legend::marked(["x", "y", "z"]);
         legend.push(Entry { key: Key::Dashed, colour: style::INK, words: "fitted model".into() });
         let caption = format!(
             "Overlapping Allan deviation with 95 % bands; dashed: Q, N, B, K, R fitted to it; markers: the fitted white noise N \

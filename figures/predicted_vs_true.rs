@@ -8,7 +8,7 @@ use super::legend::{self, Entry, Key};
 use super::plot::{Area, Drawn, Painted, Plot, row};
 use super::sheet::Sheet;
 use super::style::{self, PALETTE};
-use super::summary::{BINS, Level, MOST_LEVELS, by_level};
+use super::summary::{BINS, Level, MOST_LEVELS, by_level, levels};
 use dpn_core::Sensor;
 use plotters_backend::DrawingBackend;
 
@@ -59,12 +59,7 @@ impl PredictedVsTrue {
         check_count(FIGURE, "estimators", names.len(), MOST)?;
         let mut legend = legend::entries(Key::Patch, names.iter().map(String::as_str));
         legend.push(Entry { key: Key::Line, colour: style::MUTED, words: "predicted = true".into() });
-        let binned = predicted.iter().any(|one| {
-            let mut levels = one.truth.to_vec();
-            levels.sort_by(f64::total_cmp);
-            levels.dedup();
-            levels.len() > MOST_LEVELS
-        });
+        let binned = predicted.iter().any(|one| levels(one.truth).len() > MOST_LEVELS);
         let counts: Vec<String> = predicted
             .iter()
             .map(|one| format!("{} windows ({})", grouped(one.truth.len()), one.sensor))

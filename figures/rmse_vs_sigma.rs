@@ -56,14 +56,7 @@ impl RmseVsSigma {
         let Some(first) = rows.first().filter(|_| !panels.is_empty()) else {
             return Err(FigureError::Empty { figure: FIGURE, what: "row".into() });
         };
-        let mut legend: Vec<Entry> = (0..)
-            .zip(&names)
-            .map(|(i, name)| Entry {
-                key: Key::Marked(i),
-                colour: PALETTE[i % PALETTE.len()],
-                words: (*name).to_owned(),
-            })
-            .collect();
+        let mut legend = legend::marked(names.iter().copied());
         legend.push(Entry { key: Key::Line, colour: style::INK, words: "Cramér-Rao bound".into() });
         let caption = format!(
             "Data {}, base {}, split {}, levels {}, label {}. Bound: σ / √(2·{window}), for unbiased estimates from \

@@ -20,11 +20,17 @@ pub(super) const MOST_LEVELS: usize = 16;
 /// Bins of equal width for continuous levels.
 pub(super) const BINS: usize = 12;
 
-/// Splits `values` by their truth, ascending, and summarises each part. `truth` and `values` have the same length.
-pub(super) fn by_level(truth: &[f64], values: &[f64]) -> Vec<Level> {
+/// Distinct values, ascending.
+pub(super) fn levels(truth: &[f64]) -> Vec<f64> {
     let mut levels = truth.to_vec();
     levels.sort_by(f64::total_cmp);
     levels.dedup();
+    levels
+}
+
+/// Splits `values` by their truth, ascending, and summarises each part. `truth` and `values` have the same length.
+pub(super) fn by_level(truth: &[f64], values: &[f64]) -> Vec<Level> {
+    let levels = levels(truth);
     let (Some(&low), Some(&high)) = (levels.first(), levels.last()) else {
         return Vec::new();
     };

@@ -67,9 +67,7 @@ impl SweepCurve {
             extent(all().flat_map(|p| p.interval.unwrap_or([p.error; 2]).into_iter().chain([p.error])));
         let mut legend =
             vec![Entry { key: Key::Line, colour: style::INK, words: "constants, with 95 % interval".into() }];
-        for (i, mark) in marks.iter().enumerate() {
-            legend.push(Entry { key: Key::Marked(i), colour: PALETTE[i], words: mark.name.clone() });
-        }
+        legend.extend(legend::marked(marks.iter().map(|mark| mark.name.as_str())));
         Ok(Self {
             x: Axis::log(
                 "noise told, in multiples of the baseline (.08 m/s², .004 rad/s)".into(),

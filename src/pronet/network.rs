@@ -54,7 +54,7 @@ impl Network {
     /// # Errors
     /// A file that cannot be read, is damaged, or whose card lacks what the training was for.
     pub fn load(path: &Path) -> Result<Self, NetworkError> {
-        Self::of(Weights::load_any(path)?, path)
+        Self::of(Weights::load(path)?, path)
     }
 
     /// Reads a file's bytes at hand; `path` names them.

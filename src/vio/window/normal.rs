@@ -48,11 +48,6 @@ impl Normal {
         self.g.resize(self.stride, 0.0);
     }
 
-    /// Unknowns.
-    pub fn dim(&self) -> usize {
-        self.dim
-    }
-
     /// The gradient.
     pub fn gradient(&self) -> &[f64] {
         &self.g[..self.dim]

@@ -98,11 +98,6 @@ impl Window {
         &self.body_from_cam
     }
 
-    /// The camera clock's offset: an image stamped t was taken at t + offset \[s\].
-    pub fn time_offset(&self) -> f64 {
-        self.time_offset
-    }
-
     /// Where the unknowns stand.
     pub(crate) fn layout(&self) -> Layout {
         Layout {
