@@ -5,7 +5,7 @@ use super::axis::Axis;
 use super::error::{FigureError, check_each};
 use super::frame::{Frame, Rect};
 use super::legend::{self, Entry, Key};
-use super::plot::{Area, Drawn, Painted, Plot};
+use super::plot::{Area, Drawn, Painted, Plot, row};
 use super::sheet::Sheet;
 use super::style::{self, PALETTE};
 use super::summary::extent;
@@ -51,11 +51,7 @@ impl AllanPlot {
                 Panel::new(sensor, &of)
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let mut legend: Vec<Entry> = ["x", "y", "z"]
-            .into_iter()
-            .enumerate()
-            .map(|(i, axis)| Entry { key: Key::Marked(i), colour: PALETTE[i], words: axis.to_owned() })
-            .collect();
+        let mut legend = legend::marked(["x", "y", "z"]);
         legend.push(Entry { key: Key::Dashed, colour: style::INK, words: "fitted model".into() });
         let caption = format!(
             "Overlapping Allan deviation with 95 % bands; dashed: Q, N, B, K, R fitted to it; markers: the fitted white noise N \
@@ -142,13 +138,8 @@ impl Plot for AllanPlot {
         for panel in &self.panels {
             for line in &panel.lines {
                 for p in &line.points {
-                    let mut row = vec![
-                        panel.sensor.name().to_owned(),
-                        line.axis.to_owned(),
-                        panel.sensor.unit().to_owned(),
-                    ];
-                    row.extend([p.tau, p.deviation, p.low, p.high, p.model].map(|v| v.to_string()));
-                    rows.push(row);
+                    let (name, unit) = (panel.sensor.name(), panel.sensor.unit());
+                    rows.push(row![name, line.axis, unit, p.tau, p.deviation, p.low, p.high, p.model]);
                 }
             }
         }

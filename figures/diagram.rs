@@ -2,7 +2,7 @@
 
 use super::error::FigureError;
 use super::legend;
-use super::plot::{Area, Drawn, Painted, Plot};
+use super::plot::{Area, Drawn, Painted, Plot, row};
 use super::sheet::{MARGIN, ROOM};
 use super::style::{self, Anchor};
 use plotters::element::{DashedPathElement, PathElement, Polygon, Rectangle};
@@ -92,11 +92,6 @@ impl Block {
         (self.at.0, self.at.1 + self.size.1 / 2)
     }
 
-    /// Middle of the upper edge.
-    pub fn north(&self) -> (i32, i32) {
-        (self.at.0 + self.size.0 / 2, self.at.1)
-    }
-
     /// Middle of the lower edge.
     pub fn south(&self) -> (i32, i32) {
         (self.at.0 + self.size.0 / 2, self.at.1 + self.size.1)
@@ -180,17 +175,10 @@ impl Plot for Diagram {
     }
 
     fn csv(&self) -> Drawn {
-        let block = |b: &Block| {
-            let place = [b.at.0, b.at.1, b.size.0, b.size.1].map(|v| v.to_string());
-            let mut row = vec!["box".to_owned(), b.lines.join("; ")];
-            row.extend(place);
-            row
-        };
+        let block = |b: &Block| row!["box", b.lines.join("; "), b.at.0, b.at.1, b.size.0, b.size.1];
         let arrow = |a: &Arrow| {
             let ends = [a.path.first(), a.path.last()].map(|p| p.copied().unwrap_or((0, 0)));
-            let mut row = vec!["arrow".to_owned(), a.words.clone()];
-            row.extend([ends[0].0, ends[0].1, ends[1].0, ends[1].1].map(|v| v.to_string()));
-            row
+            row!["arrow", a.words, ends[0].0, ends[0].1, ends[1].0, ends[1].1]
         };
         let rows = self.blocks.iter().map(block).chain(self.arrows.iter().map(arrow)).collect();
         Drawn { header: vec!["what", "words", "a", "b", "c", "d"], rows }

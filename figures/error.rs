@@ -1,7 +1,6 @@
 //! Why there is no figure.
 
-use std::io;
-use std::path::{Path, PathBuf};
+use dpn_io::IoError;
 use thiserror::Error;
 
 /// Why a figure could not be made or saved.
@@ -53,47 +52,15 @@ pub enum FigureError {
         /// What it should be.
         need: &'static str,
     },
-    /// The folder of the figure can be neither opened nor made.
-    #[error("{}: cannot make or write to this folder; make it writable or choose another", path.display())]
-    Folder {
-        /// The folder.
-        path: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
-    /// No room left.
-    #[error("{}: the disk is full, {bytes} bytes are needed; free some and run again", path.display())]
-    DiskFull {
-        /// The file.
-        path: PathBuf,
-        /// Its size.
-        bytes: usize,
-    },
-    /// Any other failure to write.
-    #[error("{}: cannot write the file; check that its folder is writable and that it is no folder itself", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
+    /// It could not be written.
+    #[error("a file of the figure is missing")]
+    Write(#[from] IoError),
     /// The drawing library refused.
     #[error("cannot draw: {reason}; this is a fault of the program, please report it with its input")]
     Draw {
         /// What the library says.
         reason: String,
     },
-}
-
-impl FigureError {
-    /// A failed write of `bytes` to `path`, told apart from a full disk.
-    pub(super) fn write(path: &Path, bytes: usize, source: io::Error) -> Self {
-        let path = path.to_owned();
-        match source.kind() {
-            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => Self::DiskFull { path, bytes },
-            _ => Self::Write { path, source },
-        }
-    }
 }
 
 /// Checks that `values` has `expected` entries, all finite.
@@ -138,14 +105,6 @@ pub(super) fn check_each(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_full_disk_is_told_apart() {
-        let full = FigureError::write(Path::new("a.svg"), 12, io::ErrorKind::StorageFull.into());
-        assert_eq!(full.to_string(), "a.svg: the disk is full, 12 bytes are needed; free some and run again");
-        let denied = FigureError::write(Path::new("a.svg"), 12, io::ErrorKind::PermissionDenied.into());
-        assert!(matches!(denied, FigureError::Write { .. }));
-    }
 
     #[test]
     fn the_first_bad_value_is_named() {

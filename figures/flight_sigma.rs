@@ -6,12 +6,11 @@ use super::error::FigureError;
 use super::flight::{Flight, Phase};
 use super::frame::{ABOVE, BELOW, Frame, LEFT, RIGHT, Rect};
 use super::legend::{self, Entry, Key};
-use super::plot::{Area, Drawn, Painted, Plot};
+use super::plot::{Area, Drawn, Painted, Plot, row};
 use super::sheet::Sheet;
 use super::style::{self, Anchor, PALETTE};
-use super::summary::{Column, columns};
+use super::summary::{Column, columns, unbroken};
 use dpn_core::Sensor;
-use dpn_core::signal::stats::upper_median;
 use plotters::style::{Color, RGBColor};
 use plotters_backend::DrawingBackend;
 
@@ -208,14 +207,6 @@ pub(super) fn tint(phases: &[Phase], label: &str) -> RGBColor {
     TINTS[index % TINTS.len()]
 }
 
-/// Parts of a track without gaps: a gap is a step four times the usual one.
-fn unbroken(columns: &[Column]) -> impl Iterator<Item = &[Column]> {
-    let steps = columns.windows(2).map(|pair| pair[1].t - pair[0].t);
-    // One value alone has no gap.
-    let usual = upper_median(steps).unwrap_or(f64::INFINITY);
-    columns.chunk_by(move |a, b| b.t - a.t <= 4.0 * usual)
-}
-
 /// The tints of phases, and the grid on them.
 pub(super) fn ground<DB: DrawingBackend>(frame: &Frame<'_, DB>, phases: &[Phase]) -> Painted<DB> {
     for phase in phases {
@@ -240,7 +231,7 @@ pub(super) fn draw_medians<DB: DrawingBackend>(
     columns: &[Column],
     colour: RGBColor,
 ) -> Painted<DB> {
-    unbroken(columns).try_for_each(|part| {
+    unbroken(columns, |c| c.t).try_for_each(|part| {
         let points = part.iter().map(|c| frame.at(c.t, c.middle)).collect();
         frame.path(points, style::stroke(colour, style::LINE - 1))
     })
@@ -252,7 +243,7 @@ pub(super) fn envelope<DB: DrawingBackend>(
     columns: &[Column],
     colour: impl Color + Copy,
 ) -> Painted<DB> {
-    for part in unbroken(columns) {
+    for part in unbroken(columns, |c| c.t) {
         let upper = part.iter().map(|c| (frame.x_at(c.t), frame.y_at(c.high) - 1));
         let lower = part.iter().rev().map(|c| (frame.x_at(c.t), frame.y_at(c.low) + 1));
         frame.polygon(upper.chain(lower).collect(), colour)?;
@@ -280,11 +271,7 @@ impl Plot for FlightSigma {
         let unit = self.sensor.unit();
         let mut rows = Vec::new();
         let mut add = |series: &str, columns: &[Column]| {
-            for c in columns {
-                let mut row = vec![series.to_owned(), unit.to_owned()];
-                row.extend([c.t, c.low, c.middle, c.high].map(|v| v.to_string()));
-                rows.push(row);
-            }
+            rows.extend(columns.iter().map(|c| row![series, unit, c.t, c.low, c.middle, c.high]));
         };
         add("signal", &self.signal);
         for (name, columns) in &self.models {

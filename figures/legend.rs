@@ -35,6 +35,13 @@ pub(super) fn entries<'a>(key: Key, words: impl IntoIterator<Item = &'a str>) ->
     words.into_iter().zip(style::PALETTE).map(entry).collect()
 }
 
+/// As [`entries`], each key a line with the marker of its number.
+pub(super) fn marked<'a>(words: impl IntoIterator<Item = &'a str>) -> Vec<Entry> {
+    let mut entries = entries(Key::Line, words);
+    (0..).zip(&mut entries).for_each(|(i, entry)| entry.key = Key::Marked(i));
+    entries
+}
+
 const KEY: i32 = 54;
 const GAP: i32 = 12;
 const BETWEEN: i32 = 42;

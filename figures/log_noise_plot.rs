@@ -7,7 +7,7 @@ use super::flight::Phase;
 use super::flight_sigma::{draw_limit, draw_medians, envelope, ground, labels, tint};
 use super::frame::{ABOVE, BELOW, Frame, LEFT, RIGHT, Rect};
 use super::legend::{self, Entry, Key};
-use super::plot::{Area, Drawn, Painted, Plot};
+use super::plot::{Area, Drawn, Painted, Plot, row};
 use super::sheet::Sheet;
 use super::style::{self, PALETTE};
 use super::summary::{Column, columns};
@@ -170,16 +170,9 @@ impl Plot for LogNoisePlot {
         for panel in &self.sensors {
             for (series, all) in [("signal", &panel.signal), ("sigma", &panel.sigma)] {
                 for (axis, columns) in AXES.into_iter().zip(all) {
-                    for c in columns {
-                        let mut row = vec![
-                            panel.sensor.name().to_owned(),
-                            axis.to_owned(),
-                            series.to_owned(),
-                            panel.sensor.unit().to_owned(),
-                        ];
-                        row.extend([c.t, c.low, c.middle, c.high].map(|v| v.to_string()));
-                        rows.push(row);
-                    }
+                    let (name, unit) = (panel.sensor.name(), panel.sensor.unit());
+                    let row = |c: &Column| row![name, axis, series, unit, c.t, c.low, c.middle, c.high];
+                    rows.extend(columns.iter().map(row));
                 }
             }
         }

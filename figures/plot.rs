@@ -3,16 +3,14 @@
 use super::error::FigureError;
 use super::raster::{Raster, canvas, encoded};
 use super::style;
+use dpn_io::atomic_write;
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
 use plotters::prelude::SVGBackend;
 use plotters::style::WHITE;
 use plotters_backend::DrawingBackend;
 use std::ffi::OsString;
-use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
-use tempfile::{Builder, NamedTempFile};
 
 /// What a plot is drawn on.
 pub type Area<DB> = DrawingArea<DB, Shift>;
@@ -28,6 +26,14 @@ pub struct Drawn {
     /// Numbers in the shortest form that reads back to the same `f64`.
     pub rows: Vec<Vec<String>>,
 }
+
+/// A row of [`Drawn`]: every value as `to_string` writes it.
+macro_rules! row {
+    ($($value:expr),+ $(,)?) => {
+        vec![$($value.to_string()),+]
+    };
+}
+pub(super) use row;
 
 /// Something to look at.
 pub trait Plot {
@@ -47,33 +53,19 @@ pub trait Plot {
 /// Writes `path.svg`, `path.png` and `path.csv`, making the folder if need be, and returns the three paths.
 ///
 /// # After the call
-/// Either all three files are new, or an error is returned and no half-written file is left. Files are written beside their
-/// place and renamed; should a rename fail after another succeeded, the files are whole but of two ages.
+/// Each file is new and whole, or as it was. All are made before the first is written; should writing fail midway, the files are of
+/// two ages.
 ///
 /// # Errors
-/// [`FigureError::Folder`], [`FigureError::DiskFull`], [`FigureError::Write`], [`FigureError::Draw`].
+/// [`FigureError::Write`], [`FigureError::Draw`].
 pub fn save(plot: &impl Plot, path_without_extension: &Path) -> Result<Vec<PathBuf>, FigureError> {
     let files = [("svg", svg(plot)?), ("png", png(plot)?), ("csv", csv(&plot.csv())?)];
-    let folder = match path_without_extension.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let in_folder = |source| FigureError::Folder { path: folder.to_owned(), source };
-    fs::create_dir_all(folder).map_err(in_folder)?;
-    let mut written: Vec<(NamedTempFile, PathBuf, usize)> = Vec::new();
-    for (extension, bytes) in &files {
-        let path = with(path_without_extension, extension);
-        let mut file = temporary(folder).map_err(in_folder)?;
-        file.write_all(bytes)
-            .and_then(|()| file.as_file().sync_all())
-            .map_err(|source| FigureError::write(&path, bytes.len(), source))?;
-        written.push((file, path, bytes.len()));
-    }
-    written
+    files
         .into_iter()
-        .map(|(file, path, bytes)| match file.persist(&path) {
-            Ok(_) => Ok(path),
-            Err(failed) => Err(FigureError::write(&path, bytes, failed.error)),
+        .map(|(extension, bytes)| {
+            let path = with(path_without_extension, extension);
+            atomic_write(&path, |file| file.write_all(&bytes))?;
+            Ok(path)
         })
         .collect()
 }
@@ -84,20 +76,6 @@ fn with(path: &Path, extension: &str) -> PathBuf {
     name.push(".");
     name.push(extension);
     name.into()
-}
-
-/// A file in `folder` that goes away unless it is kept, with the rights of an ordinary new file.
-fn temporary(folder: &Path) -> std::io::Result<NamedTempFile> {
-    let mut builder = Builder::new();
-    builder.prefix(".figure-");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(fs::Permissions::from_mode(0o666)); // the umask takes its share
-        builder.tempfile_in(folder)
-    }
-    #[cfg(not(unix))]
-    builder.tempfile_in(folder)
 }
 
 /// The plot on white paper.
@@ -137,6 +115,7 @@ fn csv(drawn: &Drawn) -> Result<Vec<u8>, FigureError> {
 mod tests {
     use super::*;
     use crate::style::Anchor;
+    use std::fs;
 
     struct Dot;
 
@@ -194,7 +173,9 @@ mod tests {
         let file = folder.path().join("file");
         fs::write(&file, "in the way").unwrap();
         let error = save(&Dot, &file.join("plot")).unwrap_err();
-        assert!(matches!(&error, FigureError::Folder { path, .. } if path == &file), "{error:?}");
+        assert!(matches!(&error, FigureError::Write(_)), "{error:?}");
+        let cause = std::error::Error::source(&error).unwrap().to_string();
+        assert!(cause.contains(&file.display().to_string()), "{cause}");
         assert_eq!(names(folder.path()), ["file"]);
     }
 
@@ -203,7 +184,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         fs::create_dir(folder.path().join("plot.svg")).unwrap();
         let error = save(&Dot, &folder.path().join("plot")).unwrap_err();
-        assert!(matches!(error, FigureError::Write { .. }), "{error:?}");
+        assert!(matches!(error, FigureError::Write(_)), "{error:?}");
         assert_eq!(names(folder.path()), ["plot.svg"]);
     }
 }

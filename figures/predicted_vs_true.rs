@@ -5,10 +5,10 @@ use super::axis::Axis;
 use super::error::{FigureError, check_column, check_count, check_each};
 use super::frame::{Frame, Rect};
 use super::legend::{self, Entry, Key};
-use super::plot::{Area, Drawn, Painted, Plot};
+use super::plot::{Area, Drawn, Painted, Plot, row};
 use super::sheet::Sheet;
 use super::style::{self, PALETTE};
-use super::summary::{BINS, Level, MOST_LEVELS, by_level};
+use super::summary::{BINS, Level, MOST_LEVELS, by_level, levels};
 use dpn_core::Sensor;
 use plotters_backend::DrawingBackend;
 
@@ -59,12 +59,7 @@ impl PredictedVsTrue {
         check_count(FIGURE, "estimators", names.len(), MOST)?;
         let mut legend = legend::entries(Key::Patch, names.iter().map(String::as_str));
         legend.push(Entry { key: Key::Line, colour: style::MUTED, words: "predicted = true".into() });
-        let binned = predicted.iter().any(|one| {
-            let mut levels = one.truth.to_vec();
-            levels.sort_by(f64::total_cmp);
-            levels.dedup();
-            levels.len() > MOST_LEVELS
-        });
+        let binned = predicted.iter().any(|one| levels(one.truth).len() > MOST_LEVELS);
         let counts: Vec<String> = predicted
             .iter()
             .map(|one| format!("{} windows ({})", grouped(one.truth.len()), one.sensor))
@@ -177,13 +172,8 @@ impl Plot for PredictedVsTrue {
         for panel in &self.panels {
             for (_, name, levels) in &panel.series {
                 for level in levels {
-                    let mut row = vec![
-                        panel.sensor.name().to_owned(),
-                        panel.sensor.unit().to_owned(),
-                        name.clone(),
-                        level.truth.to_string(),
-                        level.n.to_string(),
-                    ];
+                    let (sensor, unit) = (panel.sensor.name(), panel.sensor.unit());
+                    let mut row = row![sensor, unit, name, level.truth, level.n];
                     row.extend(level.quantiles.map(|q| q.to_string()));
                     rows.push(row);
                 }

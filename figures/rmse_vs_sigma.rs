@@ -5,7 +5,7 @@ use super::axis::Axis;
 use super::error::{FigureError, check_count, check_each};
 use super::frame::{Frame, Rect};
 use super::legend::{self, Entry, Key};
-use super::plot::{Area, Drawn, Painted, Plot};
+use super::plot::{Area, Drawn, Painted, Plot, row};
 use super::sheet::Sheet;
 use super::style::{self, PALETTE};
 use dpn_core::Sensor;
@@ -56,14 +56,7 @@ impl RmseVsSigma {
         let Some(first) = rows.first().filter(|_| !panels.is_empty()) else {
             return Err(FigureError::Empty { figure: FIGURE, what: "row".into() });
         };
-        let mut legend: Vec<Entry> = (0..)
-            .zip(&names)
-            .map(|(i, name)| Entry {
-                key: Key::Marked(i),
-                colour: PALETTE[i % PALETTE.len()],
-                words: (*name).to_owned(),
-            })
-            .collect();
+        let mut legend = legend::marked(names.iter().copied());
         legend.push(Entry { key: Key::Line, colour: style::INK, words: "Cramér-Rao bound".into() });
         let caption = format!(
             "Data {}, base {}, split {}, levels {}, label {}. Bound: σ / √(2·{window}), for unbiased estimates from \
@@ -149,20 +142,14 @@ impl Plot for RmseVsSigma {
     fn csv(&self) -> Drawn {
         let mut rows = Vec::new();
         for panel in &self.panels {
-            let start = || vec![panel.sensor.name().to_owned(), panel.sensor.unit().to_owned()];
+            let (name, unit) = (panel.sensor.name(), panel.sensor.unit());
             for (_, row) in &panel.series {
                 for bin in &row.by_sigma {
-                    let mut out = start();
-                    out.extend([row.estimator.clone(), bin.sigma.to_string(), bin.rmse.to_string()]);
-                    out.extend([bin.bias.to_string(), bin.n.to_string()]);
-                    rows.push(out);
+                    rows.push(row![name, unit, row.estimator, bin.sigma, bin.rmse, bin.bias, bin.n]);
                 }
             }
             for (sigma, bound) in &panel.bound {
-                let mut out = start();
-                out.extend(["cramer-rao".to_owned(), sigma.to_string(), bound.to_string()]);
-                out.extend([String::new(), String::new()]);
-                rows.push(out);
+                rows.push(row![name, unit, "cramer-rao", sigma, bound, "", ""]);
             }
         }
         Drawn { header: vec!["sensor", "unit", "estimator", "true_sigma", "rmse", "bias", "n"], rows }

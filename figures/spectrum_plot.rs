@@ -4,7 +4,7 @@ use super::axis::Axis;
 use super::error::FigureError;
 use super::frame::{Frame, Rect};
 use super::legend::{self, Key};
-use super::plot::{Area, Drawn, Painted, Plot};
+use super::plot::{Area, Drawn, Painted, Plot, row};
 use super::sheet::Sheet;
 use super::style::{self, PALETTE};
 use super::summary::extent;
@@ -101,13 +101,8 @@ impl Plot for SpectrumPlot {
         for panel in &self.panels {
             for (axis, bins) in &panel.lines {
                 for (hz, density) in bins {
-                    rows.push(vec![
-                        panel.sensor.name().to_owned(),
-                        AXES[*axis % 3].to_owned(),
-                        format!("{}/sqrt(Hz)", panel.sensor.unit()),
-                        hz.to_string(),
-                        density.to_string(),
-                    ]);
+                    let unit = format!("{}/sqrt(Hz)", panel.sensor.unit());
+                    rows.push(row![panel.sensor.name(), AXES[*axis % 3], unit, hz, density]);
                 }
             }
         }

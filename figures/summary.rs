@@ -1,6 +1,6 @@
 //! Few numbers for many: quantiles by true level, envelopes by pixel column.
 
-use dpn_core::signal::stats::{quantile, quantiles};
+use dpn_core::signal::stats::{quantile, quantiles, upper_median};
 
 /// The 5, 25, 50, 75 and 95 % quantiles of the values at one level.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,11 +20,17 @@ pub(super) const MOST_LEVELS: usize = 16;
 /// Bins of equal width for continuous levels.
 pub(super) const BINS: usize = 12;
 
-/// Splits `values` by their truth, ascending, and summarises each part. `truth` and `values` have the same length.
-pub(super) fn by_level(truth: &[f64], values: &[f64]) -> Vec<Level> {
+/// Distinct values, ascending.
+pub(super) fn levels(truth: &[f64]) -> Vec<f64> {
     let mut levels = truth.to_vec();
     levels.sort_by(f64::total_cmp);
     levels.dedup();
+    levels
+}
+
+/// Splits `values` by their truth, ascending, and summarises each part. `truth` and `values` have the same length.
+pub(super) fn by_level(truth: &[f64], values: &[f64]) -> Vec<Level> {
+    let levels = levels(truth);
     let (Some(&low), Some(&high)) = (levels.first(), levels.last()) else {
         return Vec::new();
     };
@@ -59,6 +65,14 @@ pub(super) fn by_level(truth: &[f64], values: &[f64]) -> Vec<Level> {
 /// The smallest and the largest of some values; infinite where there is none.
 pub(super) fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
+}
+
+/// Parts of a line without a gap: where values are missing for four usual steps of `time`, no line pretends to know them.
+pub(super) fn unbroken<T>(line: &[T], time: impl Fn(&T) -> f64) -> impl Iterator<Item = &[T]> {
+    let steps = line.windows(2).map(|pair| time(&pair[1]) - time(&pair[0]));
+    // One value alone has no gap.
+    let usual = upper_median(steps).unwrap_or(f64::INFINITY);
+    line.chunk_by(move |a, b| time(b) - time(a) <= 4.0 * usual)
 }
 
 /// What one pixel column shows of a signal.

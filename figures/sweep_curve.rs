@@ -4,7 +4,7 @@ use super::axis::Axis;
 use super::error::{FigureError, check_count, check_each};
 use super::frame::{ABOVE, BELOW, Frame, LEFT, RIGHT, Rect};
 use super::legend::{self, Entry, Key};
-use super::plot::{Area, Drawn, Painted, Plot};
+use super::plot::{Area, Drawn, Painted, Plot, row};
 use super::sheet::Sheet;
 use super::style::{self, Anchor, PALETTE};
 use super::summary::extent;
@@ -67,9 +67,7 @@ impl SweepCurve {
             extent(all().flat_map(|p| p.interval.unwrap_or([p.error; 2]).into_iter().chain([p.error])));
         let mut legend =
             vec![Entry { key: Key::Line, colour: style::INK, words: "constants, with 95 % interval".into() }];
-        for (i, mark) in marks.iter().enumerate() {
-            legend.push(Entry { key: Key::Marked(i), colour: PALETTE[i], words: mark.name.clone() });
-        }
+        legend.extend(legend::marked(marks.iter().map(|mark| mark.name.as_str())));
         Ok(Self {
             x: Axis::log(
                 "noise told, in multiples of the baseline (.08 m/s², .004 rad/s)".into(),
@@ -122,7 +120,7 @@ impl Plot for SweepCurve {
     fn csv(&self) -> Drawn {
         let row = |kind: &str, p: &SweepPoint| {
             let end = |i: usize| p.interval.map_or_else(String::new, |ends| ends[i].to_string());
-            vec![kind.to_owned(), p.name.clone(), p.multiple.to_string(), p.error.to_string(), end(0), end(1)]
+            row![kind, p.name, p.multiple, p.error, end(0), end(1)]
         };
         let constants = self.constants.iter().map(|p| row("constant", p));
         let rows = constants.chain(self.marks.iter().map(|p| row("mark", p))).collect();

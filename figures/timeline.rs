@@ -6,8 +6,7 @@ use super::frame::{BELOW, Frame, LEFT, RIGHT, Rect};
 use super::plot::{Area, Drawn, Painted, Plot};
 use super::sheet::Sheet;
 use super::style::{self, Anchor, PALETTE};
-use super::summary::{columns, extent};
-use dpn_core::signal::stats::upper_median;
+use super::summary::{columns, extent, unbroken};
 use plotters_backend::DrawingBackend;
 
 const FIGURE: &str = "timeline";
@@ -112,7 +111,7 @@ impl TimelinePanel {
         }
         let mut x = frame.rect.right;
         for ((name, line), colour) in self.lines.iter().zip(PALETTE).rev() {
-            for part in unbroken(line) {
+            for part in unbroken(line, |(t, _)| *t) {
                 let points = part.iter().map(|(t, v)| frame.at(*t, *v)).collect();
                 frame.path(points, style::stroke(colour, style::THIN))?;
             }
@@ -126,14 +125,6 @@ impl TimelinePanel {
         let at = (frame.rect.left, frame.rect.top - 18);
         frame.words(&self.label, style::CAPTION, style::INK, Anchor::West, at)
     }
-}
-
-/// Parts of a line without a gap: where values are missing for four usual steps, no line pretends to know them.
-fn unbroken(line: &[(f64, f64)]) -> impl Iterator<Item = &[(f64, f64)]> {
-    let steps = line.windows(2).map(|pair| pair[1].0 - pair[0].0);
-    // One value alone has no gap.
-    let usual = upper_median(steps).unwrap_or(f64::INFINITY);
-    line.chunk_by(move |a, b| b.0 - a.0 <= 4.0 * usual)
 }
 
 impl Plot for Timeline {
@@ -179,8 +170,8 @@ mod tests {
     #[test]
     fn a_line_breaks_off_where_values_are_missing() {
         let line: Vec<(f64, f64)> = [0, 1, 2, 3, 9, 10, 11].map(|t| (f64::from(t), 1.0)).to_vec();
-        assert_eq!(unbroken(&line).map(<[_]>::len).collect::<Vec<_>>(), [4, 3]);
-        assert_eq!(unbroken(&[]).count(), 0);
+        assert_eq!(unbroken(&line, |(t, _)| *t).map(<[_]>::len).collect::<Vec<_>>(), [4, 3]);
+        assert_eq!(unbroken(&[], |(t, _): &(f64, f64)| *t).count(), 0);
     }
 
     #[test]

@@ -64,7 +64,7 @@ impl TrackPicture<'_> {
     ///
     /// # Errors
     /// [`FigureError::Draw`].
-    pub fn png(&self) -> Result<Vec<u8>, FigureError> {
+    pub(crate) fn png(&self) -> Result<Vec<u8>, FigureError> {
         style::prepare()?;
         let size = (self.image.width() as u32, self.image.height() as u32 + STRIP);
         let mut memory = canvas_over(self.image, STRIP as usize);

@@ -139,7 +139,8 @@ mod tests {
         let device = Device::flex().autodiff();
         let mut rng = Stream::new(5).named("batch").index(epoch).rng();
         let x: Vec<f32> = (0..33 * 40).map(|_| 0.3 * rng.random::<f32>()).collect();
-        let net = ProNet::from_parameters(&state.config, &state.parameters, &device).unwrap();
+        let net =
+            ProNet::new(&state.config, &Stream::new(0), &device).unwrap().with_parameters(&state.parameters);
         let sigma = net.forward(Tensor::<2>::from_data(TensorData::new(x, [33, 40]), &device));
         let loss = ((sigma - 0.1) * 10.0).square().mean();
         let gradient = net.flat_gradient(&loss.backward());

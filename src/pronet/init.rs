@@ -10,28 +10,20 @@ use rand::Rng;
 ///
 /// Every parameter has a branch of its own, named as it is, so that another width in one layer moves no other layer's draw.
 pub fn initial_parameters(config: &ProNetConfig, stream: &Stream) -> Vec<f32> {
+    let band_pass = config.first_kernels == FirstKernels::BandPass;
     let mut flat = Vec::new();
     for parameter in parameters(config) {
         let len = parameter.len();
-        if config.first_kernels == FirstKernels::BandPass {
-            match parameter.name.as_str() {
-                "conv1.weight" => {
-                    flat.extend(band_pass_kernels(config, &stream.named("conv1.weight")));
-                    continue;
-                }
-                "conv1.bias" => {
-                    flat.extend(std::iter::repeat_n(0.0, len));
-                    continue;
-                }
-                _ => {}
+        match (parameter.name.as_str(), parameter.start) {
+            (name @ "conv1.weight", _) if band_pass => {
+                flat.extend(band_pass_kernels(config, &stream.named(name)));
             }
-        }
-        match parameter.start {
-            Start::One => flat.extend(std::iter::repeat_n(1.0, len)),
-            Start::Zero => flat.extend(std::iter::repeat_n(0.0, len)),
-            Start::Uniform { fan_in } => {
+            ("conv1.bias", _) if band_pass => flat.extend(std::iter::repeat_n(0.0, len)),
+            (_, Start::One) => flat.extend(std::iter::repeat_n(1.0, len)),
+            (_, Start::Zero) => flat.extend(std::iter::repeat_n(0.0, len)),
+            (name, Start::Uniform { fan_in }) => {
                 let bound = 1.0 / (fan_in as f64).sqrt();
-                let mut rng = stream.named(&parameter.name).rng();
+                let mut rng = stream.named(name).rng();
                 flat.extend((0..len).map(|_| ((2.0 * rng.random::<f64>() - 1.0) * bound) as f32));
             }
         }

@@ -69,28 +69,8 @@ impl ProNet {
     /// The faults of the configuration.
     pub fn new(config: &ProNetConfig, stream: &Stream, device: &Device) -> Result<Self, ConfigFaults> {
         config.validate()?;
-        Ok(Self::build(config, &initial_parameters(config, stream), device))
-    }
-
-    /// A network with given flat parameters (see [`crate::shape`]) on `device`.
-    ///
-    /// # Errors
-    /// The faults of the configuration.
-    ///
-    /// # Panics
-    /// When `flat` has not [`parameter_count`](crate::shape::parameter_count) numbers.
-    pub fn from_parameters(
-        config: &ProNetConfig,
-        flat: &[f32],
-        device: &Device,
-    ) -> Result<Self, ConfigFaults> {
-        config.validate()?;
-        Ok(Self::build(config, flat, device))
-    }
-
-    /// As [`Self::from_parameters`], for a configuration that was checked.
-    pub(crate) fn build(config: &ProNetConfig, flat: &[f32], device: &Device) -> Self {
-        Self::with_engine(config, flat, device, Arc::new(Engine::new(config)))
+        let engine = Arc::new(Engine::new(config));
+        Ok(Self::with_engine(config, &initial_parameters(config, stream), device, engine))
     }
 
     fn with_engine(config: &ProNetConfig, flat: &[f32], device: &Device, engine: Arc<Engine>) -> Self {
@@ -157,7 +137,7 @@ impl ProNet {
     }
 
     /// All parameters as one tensor, in the order of [`crate::shape::parameters`]: `[parameter count]`. Differentiable.
-    pub fn flat(&self) -> Tensor<1> {
+    pub(crate) fn flat(&self) -> Tensor<1> {
         let mut parts = Vec::new();
         for (i, conv) in self.conv.iter().enumerate() {
             parts.push(conv.weight.val().reshape([-1])); // [out * in * kernel]
@@ -241,7 +221,7 @@ mod tests {
     fn parameters_go_in_and_come_out_in_their_order() {
         let config = ProNetConfig::default();
         let flat: Vec<f32> = (0..crate::shape::parameter_count(&config)).map(|i| i as f32).collect();
-        let net = ProNet::from_parameters(&config, &flat, &Device::flex()).unwrap();
+        let net = ProNet::new(&config, &Stream::new(0), &Device::flex()).unwrap().with_parameters(&flat);
         assert_eq!(net.parameters(), flat);
         assert_eq!(net.num_params(), flat.len());
         let other: Vec<f32> = flat.iter().map(|v| -v).collect();

@@ -54,7 +54,7 @@ impl Network {
     /// # Errors
     /// A file that cannot be read, is damaged, or whose card lacks what the training was for.
     pub fn load(path: &Path) -> Result<Self, NetworkError> {
-        Self::of(Weights::load_any(path)?, path)
+        Self::of(Weights::load(path)?, path)
     }
 
     /// Reads a file's bytes at hand; `path` names them.
@@ -84,7 +84,7 @@ impl Network {
     }
 
     /// The name of its file without the ending; what a noise spec calls it.
-    pub fn tag(&self) -> String {
+    pub(crate) fn tag(&self) -> String {
         self.path.file_stem().expect("a file has a name").to_string_lossy().into_owned()
     }
 

@@ -25,11 +25,6 @@ impl ParameterShape {
     pub fn len(&self) -> usize {
         self.shape.iter().product()
     }
-
-    /// Never: every size is at least one.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
 }
 
 /// What a parameter starts from before training.

@@ -73,16 +73,6 @@ pub enum StoreError {
         /// What is wrong with it.
         detail: String,
     },
-    /// Another sensor's network.
-    #[error("{}: a network for the {found}, where the {wanted}'s is needed; give the {wanted}'s file", path.display())]
-    Sensor {
-        /// The file.
-        path: PathBuf,
-        /// The sensor it is for.
-        found: dpn_core::Sensor,
-        /// The sensor asked for.
-        wanted: dpn_core::Sensor,
-    },
     /// A tensor that the configuration asks for is not there.
     #[error("{}: tensor `{name}` is missing; its configuration asks for it, so the file was altered: fetch or train it again", path.display())]
     Missing {

@@ -122,26 +122,12 @@ impl Weights {
         store::write(path, &self.bytes_for(path)?)
     }
 
-    /// Reads the network of `sensor`.
+    /// Reads a network.
     ///
     /// # Errors
-    /// A file that cannot be read, is truncated or damaged, was not written by dpn or by another version, is another sensor's, has missing,
-    /// unknown or misshapen tensors, or holds NaN or infinity.
-    pub fn load(path: impl AsRef<Path>, sensor: Sensor) -> Result<Self, StoreError> {
-        let path = path.as_ref();
-        let weights = Self::load_any(path)?;
-        if weights.sensor() == sensor {
-            Ok(weights)
-        } else {
-            Err(StoreError::Sensor { path: path.to_owned(), found: weights.sensor(), wanted: sensor })
-        }
-    }
-
-    /// Reads the network of whichever sensor.
-    ///
-    /// # Errors
-    /// As [`Self::load`], sensors aside.
-    pub fn load_any(path: impl AsRef<Path>) -> Result<Self, StoreError> {
+    /// A file that cannot be read, is truncated or damaged, was not written by dpn or by another version, has missing, unknown or misshapen
+    /// tensors, or holds NaN or infinity.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, StoreError> {
         let path = path.as_ref();
         Self::from_bytes(&store::read(path)?, path)
     }
@@ -149,7 +135,7 @@ impl Weights {
     /// Takes a file's bytes, for example of weights built into a program; `path` is for messages.
     ///
     /// # Errors
-    /// As [`Self::load_any`].
+    /// As [`Self::load`].
     pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Self, StoreError> {
         let (description, mut tensors): (Description, _) = store::from_bytes(FORMAT, bytes, path)?;
         let config = description.config;
@@ -220,22 +206,10 @@ mod tests {
         let path = folder.path().join("gyro.safetensors");
         let saved = weights(Sensor::Gyro);
         saved.save(&path).unwrap();
-        assert_eq!(Weights::load(&path, Sensor::Gyro).unwrap(), saved);
+        assert_eq!(Weights::load(&path).unwrap(), saved);
         assert_eq!(std::fs::read(&path).unwrap(), weights(Sensor::Gyro).to_bytes().unwrap());
         // Nothing temporary stays.
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
-    }
-
-    #[test]
-    fn another_sensor_is_refused_with_file_and_remedy() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("w.safetensors");
-        weights(Sensor::Gyro).save(&path).unwrap();
-        let message = Weights::load(&path, Sensor::Accel).unwrap_err().to_string();
-        assert!(
-            message.contains("w.safetensors: a network for the gyro, where the accel's is needed"),
-            "{message}"
-        );
     }
 
     #[test]
@@ -281,7 +255,7 @@ mod tests {
     fn a_missing_file_and_a_missing_folder_are_said_with_their_path() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("none/w.safetensors");
-        assert!(matches!(Weights::load_any(&path), Err(StoreError::Read { .. })));
+        assert!(matches!(Weights::load(&path), Err(StoreError::Read { .. })));
         let error = weights(Sensor::Accel).save(&path).unwrap_err();
         assert!(error.to_string().contains("none/w.safetensors: cannot be written"), "{error}");
     }

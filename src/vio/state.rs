@@ -58,7 +58,7 @@ impl NavState {
 
     /// The state moved by `d`, in the order of this module.
     #[must_use]
-    pub fn plus(&self, d: &SVector<f64, STATE_DIM>) -> Self {
+    pub(crate) fn plus(&self, d: &SVector<f64, STATE_DIM>) -> Self {
         Self {
             world_from_body: pose_plus(
                 &self.world_from_body,

@@ -89,7 +89,7 @@ pub enum Axes<T> {
 
 impl<T: Copy> Axes<T> {
     /// The same with `f` applied to every value.
-    pub fn map<U>(self, mut f: impl FnMut(T) -> U) -> Axes<U> {
+    pub(crate) fn map<U>(self, mut f: impl FnMut(T) -> U) -> Axes<U> {
         match self {
             Self::Same(value) => Axes::Same(f(value)),
             Self::Each(values) => Axes::Each(values.map(f)),
@@ -157,18 +157,6 @@ impl ImuFigures {
             Figure::AccelWalk => self.accel_walk.map(|a| a.map(f64::from)),
             Figure::GyroWhite => self.gyro_white.map(|a| a.map(f64::from)),
             Figure::GyroWalk => self.gyro_walk.map(|a| a.map(f64::from)),
-        }
-    }
-
-    /// `self`, and where it does not know a figure, what `other` says.
-    #[must_use]
-    pub fn or(self, other: &Self) -> Self {
-        Self {
-            rate: self.rate.or(other.rate),
-            accel_white: self.accel_white.or(other.accel_white),
-            accel_walk: self.accel_walk.or(other.accel_walk),
-            gyro_white: self.gyro_white.or(other.gyro_white),
-            gyro_walk: self.gyro_walk.or(other.gyro_walk),
         }
     }
 }

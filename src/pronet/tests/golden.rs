@@ -80,7 +80,7 @@ fn numbers(value: &Value) -> Vec<f64> {
 
 /// The network of one case: a committed file's numbers under a changed configuration.
 fn network(case: &Value) -> (ProNetConfig, Vec<f32>) {
-    let loaded = Weights::load_any(folder().join(case["file"].as_str().unwrap())).unwrap();
+    let loaded = Weights::load(folder().join(case["file"].as_str().unwrap())).unwrap();
     let mut config = serde_json::to_value(loaded.config()).unwrap();
     for (key, value) in case["changes"].as_object().unwrap() {
         config[key] = value.clone();
@@ -117,7 +117,7 @@ fn deviations_are_pytorchs_for_every_order_axes_and_head() {
         let windows: Vec<f32> = rows.iter().flat_map(numbers).map(|v| v as f32).collect();
         let sigma = numbers(&case["sigma"]);
         let device = Device::flex();
-        let net = ProNet::from_parameters(&config, &flat, &device).unwrap();
+        let net = ProNet::new(&config, &Stream::new(0), &device).unwrap().with_parameters(&flat);
         let x =
             Tensor::<2>::from_data(TensorData::new(windows.clone(), [rows.len(), config.window]), &device);
         let fused: Vec<f32> = net.forward(x.clone()).into_data().iter::<f32>().collect();
@@ -145,7 +145,7 @@ fn loss_gradients_are_pytorchs_for_every_parameter() {
         let rows = expected["windows"][case["windows"].as_u64().unwrap() as usize].as_array().unwrap();
         let windows: Vec<f32> = rows.iter().flat_map(numbers).map(|v| v as f32).collect();
         let device = Device::flex().autodiff();
-        let net = ProNet::from_parameters(&config, &flat, &device).unwrap();
+        let net = ProNet::new(&config, &Stream::new(0), &device).unwrap().with_parameters(&flat);
         let x = Tensor::<2>::from_data(TensorData::new(windows, [rows.len(), config.window]), &device);
         let theirs: Vec<f64> = parameters(&config).iter().flat_map(|p| numbers(&gradient[&p.name])).collect();
         for (way, sigma) in [("fused", net.forward(x.clone())), ("plain", net.forward_plain(x))] {

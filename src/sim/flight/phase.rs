@@ -57,13 +57,13 @@ impl Phases {
     }
 
     /// Begin and end of `phase` \[s after the start\].
-    pub fn span(&self, phase: Phase) -> (f64, f64) {
+    pub(crate) fn span(&self, phase: Phase) -> (f64, f64) {
         let index = phase as usize;
         (if index == 0 { 0.0 } else { self.ends[index - 1] }, self.ends[index])
     }
 
     /// The phase in force `t` seconds after the start; a border belongs to the later one.
-    pub fn at(&self, t: f64) -> Phase {
+    pub(crate) fn at(&self, t: f64) -> Phase {
         let index = self.ends.iter().take_while(|&&end| t >= end).count();
         Phase::ALL[index.min(6)]
     }

@@ -22,11 +22,6 @@ impl ImuSeries {
         self.gyro.len()
     }
 
-    /// Whether there are no samples.
-    pub fn is_empty(&self) -> bool {
-        self.gyro.is_empty()
-    }
-
     /// The samples of one sensor.
     pub fn of(&self, sensor: Sensor) -> &[[f64; 3]] {
         match sensor {

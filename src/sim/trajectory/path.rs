@@ -65,11 +65,6 @@ impl Trajectory {
         Isometry3::from_parts(Translation3::from(state.position_in_world), state.world_from_body)
     }
 
-    /// Velocity in the world \[m/s\].
-    pub fn velocity(&self, t: f64) -> Vector3<f64> {
-        self.position.jet(t).first
-    }
-
     /// Acceleration in the world \[m/s^2\], without gravity.
     pub fn acceleration(&self, t: f64) -> Vector3<f64> {
         self.position.jet(t).second
@@ -122,7 +117,7 @@ mod tests {
                 let t = 0.1 * f64::from(i) + 0.007;
                 let (a, b, at) = (path.pose(t - h), path.pose(t + h), path.state(t));
                 let vel = (b.translation.vector - a.translation.vector) / (2.0 * h);
-                let acc = (path.velocity(t + h) - path.velocity(t - h)) / (2.0 * h);
+                let acc = (path.state(t + h).vel_in_world - path.state(t - h).vel_in_world) / (2.0 * h);
                 let rate = (a.rotation.inverse() * b.rotation).scaled_axis() / (2.0 * h);
                 // Rounding: 1e-16 over 1e-5 s; truncation: h^2 times third derivatives below 1e3.
                 assert!((vel - at.vel_in_world).norm() < 1e-6);

@@ -81,7 +81,7 @@ pub enum RestartReason {
 
 impl HealthConfig {
     /// What is wrong with a state, if anything; `predicted` is where the samples alone would have put it.
-    pub fn judge(&self, state: &NavState, predicted: &NavState) -> Option<RestartReason> {
+    pub(crate) fn judge(&self, state: &NavState, predicted: &NavState) -> Option<RestartReason> {
         if !state.is_finite() {
             return Some(RestartReason::NotFinite);
         }

@@ -288,7 +288,7 @@ impl FrontEnd {
             let place = match found.next().expect("an answer for every point") {
                 Ok(place) => place,
                 Err(loss) => {
-                    report.lost.push(point.lost(loss.into()));
+                    report.lost.push(point.lost(loss));
                     return false;
                 }
             };

@@ -1,7 +1,6 @@
 //! What happened to one image.
 
 use super::image::ImageStats;
-use super::klt::KltLoss;
 use super::ransac::Geometry;
 use dpn_core::Stamp;
 use nalgebra::{Vector2, Vector3};
@@ -52,16 +51,6 @@ pub enum LostBy {
     Crowded,
     /// Images showed nothing for too long.
     Blind,
-}
-
-impl From<KltLoss> for LostBy {
-    fn from(loss: KltLoss) -> Self {
-        match loss {
-            KltLoss::Outside => Self::Outside,
-            KltLoss::Flat => Self::Flat,
-            KltLoss::Unlike => Self::Unlike,
-        }
-    }
 }
 
 /// A track that ended.

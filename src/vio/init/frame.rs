@@ -24,7 +24,7 @@ impl InitFrame {
     }
 
     /// Id and unit direction, by increasing id.
-    pub fn bearings(&self) -> &[(u64, Vector3<f64>)] {
+    pub(crate) fn bearings(&self) -> &[(u64, Vector3<f64>)] {
         &self.bearings
     }
 

@@ -1,9 +1,9 @@
 //! What the initialisation answers: states of the frames, or what it is waiting for.
 
 use crate::state::{ImuBias, NavState};
+use dpn_core::named;
 use dpn_core::time::Stamp;
 use nalgebra::Vector3;
-use std::fmt;
 use thiserror::Error;
 
 /// The answer to a frame.
@@ -122,29 +122,19 @@ pub enum WaitReason {
     },
 }
 
-/// A quantity that speaks against an estimate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Implausible {
-    /// Size of the accelerometer's bias \[m/s^2\].
-    AccelBias,
-    /// Size of the gyro's bias \[rad/s\].
-    GyroBias,
-    /// Deviation of the tracks' residuals \[px\].
-    TrackResidual,
-    /// Deviation of the inertial residuals over the expected: axes, extrinsics or clocks may be wrong.
-    InertialResidual,
-}
-
-impl fmt::Display for Implausible {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::AccelBias => "accelerometer bias [m/s^2]",
-            Self::GyroBias => "gyro bias [rad/s]",
-            Self::TrackResidual => "track residual [px]",
-            Self::InertialResidual => "inertial residual over its expectation",
-        })
+named!(
+    /// A quantity that speaks against an estimate.
+    pub enum Implausible {
+        /// Size of the accelerometer's bias \[m/s^2\].
+        AccelBias = "accelerometer bias [m/s^2]",
+        /// Size of the gyro's bias \[rad/s\].
+        GyroBias = "gyro bias [rad/s]",
+        /// Deviation of the tracks' residuals \[px\].
+        TrackResidual = "track residual [px]",
+        /// Deviation of the inertial residuals over the expected: axes, extrinsics or clocks may be wrong.
+        InertialResidual = "inertial residual over its expectation",
     }
-}
+);
 
 impl WaitReason {
     /// A short name, for counting.

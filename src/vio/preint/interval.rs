@@ -90,7 +90,7 @@ impl Preintegration {
     ///
     /// # After the call
     /// The same bits as if all samples had been pushed here.
-    pub fn append(&mut self, later: &Preintegration) {
+    pub(crate) fn append(&mut self, later: &Preintegration) {
         let end = self.end();
         for sample in later.samples.iter().filter(|s| s.sample.t > end) {
             self.push(*sample);
@@ -136,7 +136,7 @@ impl Preintegration {
     }
 
     /// The bias it was integrated with.
-    pub fn bias(&self) -> &ImuBias {
+    pub(crate) fn bias(&self) -> &ImuBias {
         &self.bias
     }
 
@@ -160,7 +160,7 @@ impl Preintegration {
     }
 
     /// The increments under another bias, to first order.
-    pub fn corrected(&self, bias: &ImuBias) -> Delta {
+    pub(crate) fn corrected(&self, bias: &ImuBias) -> Delta {
         let mut shift = SVector::<f64, BIAS_DIM>::zeros();
         shift.fixed_rows_mut::<3>(ACCEL).copy_from(&(bias.accel - self.bias.accel));
         shift.fixed_rows_mut::<3>(GYRO).copy_from(&(bias.gyro - self.bias.gyro));

@@ -29,7 +29,7 @@ impl Layout {
     }
 
     /// Velocity, accelerometer bias and gyro bias of a frame.
-    pub fn motion(&self, frame: usize) -> usize {
+    pub(crate) fn motion(&self, frame: usize) -> usize {
         MOTION_DIM * (self.frames - 1 - frame)
     }
 
@@ -39,12 +39,12 @@ impl Layout {
     }
 
     /// The camera's position and rotation in the body frame, where estimated.
-    pub fn camera(&self) -> Option<usize> {
+    pub(crate) fn camera(&self) -> Option<usize> {
         self.extrinsics.then_some(MOTION_DIM * self.frames)
     }
 
     /// The camera clock's offset, where estimated.
-    pub fn offset(&self) -> Option<usize> {
+    pub(crate) fn offset(&self) -> Option<usize> {
         self.time_offset.then_some(MOTION_DIM * self.frames + self.camera_dim())
     }
 

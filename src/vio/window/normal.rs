@@ -29,7 +29,7 @@ pub struct NotPositive {
 
 impl Normal {
     /// By how much a vector may reach beyond a row's last column.
-    pub const MARGIN: usize = 8;
+    pub(crate) const MARGIN: usize = 8;
 
     /// All zero.
     pub fn zeros(dim: usize) -> Self {
@@ -46,11 +46,6 @@ impl Normal {
         self.h.resize(dim * self.stride, 0.0);
         self.g.clear();
         self.g.resize(self.stride, 0.0);
-    }
-
-    /// Unknowns.
-    pub fn dim(&self) -> usize {
-        self.dim
     }
 
     /// The gradient.
@@ -92,7 +87,7 @@ impl Normal {
 
     /// The entry of H at row `r`, column `c`, whichever triangle.
     #[inline]
-    pub fn at(&self, r: usize, c: usize) -> f64 {
+    pub(crate) fn at(&self, r: usize, c: usize) -> f64 {
         let (r, c) = if r >= c { (r, c) } else { (c, r) };
         self.h[r * self.stride + c]
     }
@@ -302,7 +297,7 @@ impl Factor {
     }
 
     /// The entry of the factor at row `r`, column `c <= r`.
-    pub fn at(&self, r: usize, c: usize) -> f64 {
+    pub(crate) fn at(&self, r: usize, c: usize) -> f64 {
         self.l[r * self.dim + c]
     }
 

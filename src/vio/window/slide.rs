@@ -4,6 +4,7 @@ use super::config::Handover;
 use super::landmark::{Landmark, MIN_INVERSE_DEPTH};
 use super::window::Window;
 use crate::factors::inertial::inertial_residual;
+use nalgebra::{Isometry3, Point3, Vector3};
 
 /// Which frame leaves a full window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,7 +17,7 @@ pub enum Leaving {
 
 impl Window {
     /// Which frame has to go: the second newest stays where it moved enough against the key frame before it, or lost its tracks.
-    pub fn leaving(&self, focal_px: f64) -> Leaving {
+    pub(crate) fn leaving(&self, focal_px: f64) -> Leaving {
         let n = self.frames.len();
         if n < 3 {
             return Leaving::Oldest;
@@ -92,10 +93,7 @@ impl Window {
             // A depth that was not told, or a point behind a camera, is found anew.
             landmark.inverse_depth = None;
             let Some((host, _)) = landmark.sightings.first() else { return false };
-            landmark.inverse_depth = point.and_then(|p| {
-                let z = (last_cameras[*host].inverse() * nalgebra::Point3::from(p)).z;
-                (z > 0.0).then(|| (1.0 / z).max(MIN_INVERSE_DEPTH))
-            });
+            landmark.inverse_depth = point.and_then(|p| inverse_depth(&last_cameras[*host], p));
             true
         });
         self.landmarks = landmarks;
@@ -124,10 +122,7 @@ impl Window {
             let Some(k) = landmark.sightings.iter().position(|(f, _)| *f == gone) else { continue };
             if k == 0 {
                 let point = landmark.point(&gone_camera);
-                landmark.inverse_depth = point.and_then(|p| {
-                    let z = (next_camera.inverse() * nalgebra::Point3::from(p)).z;
-                    (z > 0.0).then(|| (1.0 / z).max(MIN_INVERSE_DEPTH))
-                });
+                landmark.inverse_depth = point.and_then(|p| inverse_depth(&next_camera, p));
             }
             landmark.sightings.remove(k);
         }
@@ -187,4 +182,10 @@ impl Window {
         self.ended.extend(&ended);
         ended.len()
     }
+}
+
+/// The inverse depth of a point of the world in front of a camera.
+fn inverse_depth(world_from_cam: &Isometry3<f64>, point: Vector3<f64>) -> Option<f64> {
+    let z = (world_from_cam.inverse() * Point3::from(point)).z;
+    (z > 0.0).then(|| (1.0 / z).max(MIN_INVERSE_DEPTH))
 }

@@ -79,17 +79,17 @@ impl Window {
     }
 
     /// The frames, oldest first.
-    pub fn frames(&self) -> &[Frame] {
+    pub(crate) fn frames(&self) -> &[Frame] {
         &self.frames
     }
 
     /// The newest frame.
-    pub fn newest(&self) -> Option<&Frame> {
+    pub(crate) fn newest(&self) -> Option<&Frame> {
         self.frames.last()
     }
 
     /// The landmarks, in the order in which they came.
-    pub fn landmarks(&self) -> &[Landmark] {
+    pub(crate) fn landmarks(&self) -> &[Landmark] {
         &self.landmarks
     }
 
@@ -98,13 +98,8 @@ impl Window {
         &self.body_from_cam
     }
 
-    /// The camera clock's offset: an image stamped t was taken at t + offset \[s\].
-    pub fn time_offset(&self) -> f64 {
-        self.time_offset
-    }
-
     /// Where the unknowns stand.
-    pub fn layout(&self) -> Layout {
+    pub(crate) fn layout(&self) -> Layout {
         Layout {
             frames: self.frames.len(),
             extrinsics: self.config.estimate_extrinsics,

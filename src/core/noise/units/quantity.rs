@@ -6,7 +6,7 @@
 pub struct BadNoise(pub f64);
 
 macro_rules! quantity {
-    ($(#[$doc:meta])* $name:ident) => {
+    ($($(#[$doc:meta])* $name:ident;)+) => {$(
         $(#[$doc])*
         #[derive(Debug, Clone, Copy, PartialEq, PartialOrd, serde::Serialize, serde::Deserialize)]
         #[serde(try_from = "f64", into = "f64")]
@@ -39,7 +39,7 @@ macro_rules! quantity {
                 value.0
             }
         }
-    };
+    )+};
 }
 
 pub(super) use quantity;

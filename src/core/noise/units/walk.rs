@@ -5,35 +5,21 @@ use crate::time::SampleRate;
 
 quantity!(
     /// Density of the accelerometer bias's random walk \[m/s^3/sqrt(Hz)\].
-    AccelBiasWalkDensity
-);
-quantity!(
+    AccelBiasWalkDensity;
     /// Density of the gyroscope bias's random walk \[rad/s^2/sqrt(Hz)\].
-    GyroBiasWalkDensity
-);
-quantity!(
+    GyroBiasWalkDensity;
     /// Deviation of the accelerometer bias's increment from one sample to the next \[m/s^2\].
-    AccelBiasStepStd
-);
-quantity!(
+    AccelBiasStepStd;
     /// Deviation of the gyroscope bias's increment from one sample to the next \[rad/s\].
-    GyroBiasStepStd
-);
-quantity!(
+    GyroBiasStepStd;
     /// Variance of the accelerometer bias's increment from one sample to the next \[(m/s^2)^2\].
-    AccelBiasStepVariance
-);
-quantity!(
+    AccelBiasStepVariance;
     /// Variance of the gyroscope bias's increment from one sample to the next \[(rad/s)^2\].
-    GyroBiasStepVariance
-);
-quantity!(
+    GyroBiasStepVariance;
     /// Deviation of the accelerometer bias's rate of change, one value a sample, as VINS-Mono's `acc_w` \[m/s^3\].
-    AccelBiasRateStd
-);
-quantity!(
+    AccelBiasRateStd;
     /// Deviation of the gyroscope bias's rate of change, one value a sample, as VINS-Mono's `gyr_w` \[rad/s^2\].
-    GyroBiasRateStd
+    GyroBiasRateStd;
 );
 
 macro_rules! bias_walk {

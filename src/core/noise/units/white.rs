@@ -5,35 +5,21 @@ use crate::time::SampleRate;
 
 quantity!(
     /// Standard deviation of one accelerometer sample at the sensor's own rate \[m/s^2\].
-    AccelSampleStd
-);
-quantity!(
+    AccelSampleStd;
     /// Standard deviation of one gyroscope sample at the sensor's own rate \[rad/s\].
-    GyroSampleStd
-);
-quantity!(
+    GyroSampleStd;
     /// Density of the accelerometer's white noise \[m/s^2/sqrt(Hz)\].
-    AccelNoiseDensity
-);
-quantity!(
+    AccelNoiseDensity;
     /// Density of the gyroscope's white noise \[rad/s/sqrt(Hz)\].
-    GyroNoiseDensity
-);
-quantity!(
+    GyroNoiseDensity;
     /// Variance of one accelerometer sample at the sensor's own rate \[(m/s^2)^2\].
-    AccelSampleVariance
-);
-quantity!(
+    AccelSampleVariance;
     /// Variance of one gyroscope sample at the sensor's own rate \[(rad/s)^2\].
-    GyroSampleVariance
-);
-quantity!(
+    GyroSampleVariance;
     /// Power density of the accelerometer's white noise, the square of its density \[(m/s^2)^2/Hz\].
-    AccelPowerDensity
-);
-quantity!(
+    AccelPowerDensity;
     /// Power density of the gyroscope's white noise, the square of its density \[(rad/s)^2/Hz\].
-    GyroPowerDensity
+    GyroPowerDensity;
 );
 
 macro_rules! white_noise {
@@ -83,12 +69,12 @@ white_noise!(GyroSampleStd, GyroSampleVariance, GyroNoiseDensity, GyroPowerDensi
 
 impl AccelSampleStd {
     /// VINS-Mono's constant for EuRoC, the paper's "x1".
-    pub const BASELINE: Self = Self(0.08);
+    pub(crate) const BASELINE: Self = Self(0.08);
 }
 
 impl GyroSampleStd {
     /// VINS-Mono's constant for EuRoC, the paper's "x1".
-    pub const BASELINE: Self = Self(0.004);
+    pub(crate) const BASELINE: Self = Self(0.004);
 }
 
 impl AccelNoiseDensity {

@@ -96,6 +96,7 @@ impl Resonance {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use dpn_core::random::Stream;
 
     #[test]
     fn a_resonance_has_unit_deviation_at_any_centre() {

@@ -150,7 +150,10 @@ mod tests {
             std::array::from_fn(|a| if a < 3 { config.accel[a] } else { config.gyro[a - 3] });
         let n = 2000;
         let mut series = ImuSeries::zeros(n);
-        rotors::add(&config, &axes, &vec![1.0; n], &vec![1.0; n], 0.005, &Stream::new(1), &mut series);
+        let (ones, stream) = (vec![1.0; n], Stream::new(1));
+        let (config, axes, speed, loudness) = (&config, &axes, &ones, &ones);
+        let of = Shaking { config, axes, speed, loudness, dt: 0.005, stream: &stream };
+        rotors::add(&of, &mut series);
         let power = |hz: f64| {
             let (mut re, mut im) = (0.0, 0.0);
             for (i, v) in series.accel.iter().enumerate() {

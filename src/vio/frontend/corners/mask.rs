@@ -62,7 +62,7 @@ impl Mask {
     }
 
     /// Whether a corner may be at column `x` and row `y`.
-    pub fn is_free(&self, x: usize, y: usize) -> bool {
+    pub(crate) fn is_free(&self, x: usize, y: usize) -> bool {
         x < self.width && y < self.height && self.free[y * self.width + x] != 0
     }
 

@@ -7,5 +7,7 @@ mod stats;
 
 pub use clahe::{Clahe, ClaheConfig};
 pub use plane::Plane;
-pub use pyramid::{Pyramid, pyr_down};
+pub use pyramid::Pyramid;
+#[cfg(test)]
+pub(crate) use pyramid::pyr_down;
 pub use stats::ImageStats;

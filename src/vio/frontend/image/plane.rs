@@ -28,7 +28,7 @@ impl Plane {
     }
 
     /// Takes over another image; memory is kept where the size stays.
-    pub fn copy(&mut self, image: GrayView<'_>) {
+    pub(crate) fn copy(&mut self, image: GrayView<'_>) {
         self.resize(image.width(), image.height());
         for (y, row) in image.rows().enumerate() {
             self.row_mut(y).copy_from_slice(row);
@@ -37,12 +37,12 @@ impl Plane {
     }
 
     /// Columns without the border.
-    pub fn width(&self) -> usize {
+    pub(crate) fn width(&self) -> usize {
         self.width
     }
 
     /// Rows without the border.
-    pub fn height(&self) -> usize {
+    pub(crate) fn height(&self) -> usize {
         self.height
     }
 

@@ -62,7 +62,8 @@ impl Pyramid {
 }
 
 /// The next level over `from`, `(width + 1) / 2` by `(height + 1) / 2`.
-pub fn pyr_down(from: &Plane) -> Plane {
+#[cfg(test)]
+pub(crate) fn pyr_down(from: &Plane) -> Plane {
     let mut to = Plane::default();
     Arch::new().dispatch(Down { from, to: &mut to, scratch: &mut Scratch::default() });
     to

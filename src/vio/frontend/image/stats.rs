@@ -32,7 +32,7 @@ impl ImageStats {
     }
 
     /// The share of pixels that say nothing: too dark or too bright.
-    pub fn unusable(&self) -> f64 {
+    pub(crate) fn unusable(&self) -> f64 {
         self.dark + self.saturated
     }
 }

@@ -23,4 +23,4 @@ mod search;
 mod tracker;
 
 pub use config::{Illumination, KltConfig};
-pub use tracker::{Klt, KltLoss, Shift};
+pub use tracker::{Klt, Shift};

@@ -6,23 +6,11 @@ use super::likeness::likeness;
 use super::patch::Patch;
 use super::search::{Outcome, search};
 use crate::frontend::image::Pyramid;
+use crate::frontend::report::LostBy;
 use pulp::{Arch, Simd, WithSimd};
-use serde::Serialize;
 
 /// What is not the last search ends at so many times the step.
 const COARSE: f32 = 4.0;
-
-/// Why a point was not found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum KltLoss {
-    /// It left the image.
-    Outside,
-    /// Its window has no texture that says where it is.
-    Flat,
-    /// What was found does not look like it.
-    Unlike,
-}
 
 /// A point in the first image, and where to begin looking for it in the second \[px\].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,7 +47,7 @@ impl Klt {
         to: &Pyramid,
         points: &[Shift],
         levels: usize,
-    ) -> Vec<Result<[f32; 2], KltLoss>> {
+    ) -> Vec<Result<[f32; 2], LostBy>> {
         let mut out = Vec::with_capacity(points.len());
         let job = Job { config: &self.config, from, to, points, levels, out: &mut out };
         Arch::new().dispatch(job);
@@ -73,7 +61,7 @@ struct Job<'a> {
     to: &'a Pyramid,
     points: &'a [Shift],
     levels: usize,
-    out: &'a mut Vec<Result<[f32; 2], KltLoss>>,
+    out: &'a mut Vec<Result<[f32; 2], LostBy>>,
 }
 
 impl WithSimd for Job<'_> {
@@ -108,7 +96,7 @@ fn one<const L: usize, const W: usize>(
     to: &Pyramid,
     point: &Shift,
     levels: usize,
-) -> Result<[f32; 2], KltLoss> {
+) -> Result<[f32; 2], LostBy> {
     let mut shift = [point.guess[0] - point.from[0], point.guess[1] - point.from[1]];
     for level in (0..levels).rev() {
         let scale = 1.0 / (1u32 << level) as f32;
@@ -117,7 +105,7 @@ fn one<const L: usize, const W: usize>(
         // On a coarse level a point that cannot be found keeps its guess; the finest decides.
         if !patch.take(&from.planes()[level], centre, config.illumination) {
             if level == 0 {
-                return Err(KltLoss::Outside);
+                return Err(LostBy::Outside);
             }
             continue;
         }
@@ -126,13 +114,13 @@ fn one<const L: usize, const W: usize>(
         let epsilon = if coarse { COARSE } else { 1.0 } * config.epsilon_px as f32;
         match search(patch, &to.planes()[level], start, config, epsilon) {
             Outcome::At(place) => shift = [0, 1].map(|i| (place[i] - centre[i]) / scale),
-            Outcome::Outside if level == 0 => return Err(KltLoss::Outside),
-            Outcome::Flat if level == 0 => return Err(KltLoss::Flat),
+            Outcome::Outside if level == 0 => return Err(LostBy::Outside),
+            Outcome::Flat if level == 0 => return Err(LostBy::Flat),
             Outcome::Outside | Outcome::Flat => {}
         }
     }
     let mut place = [point.from[0] + shift[0], point.from[1] + shift[1]];
-    let base = to.planes().first().ok_or(KltLoss::Outside)?;
+    let base = to.planes().first().ok_or(LostBy::Outside)?;
     if config.affine && levels > 0 {
         let gained = config.illumination == Illumination::GainOffset;
         // Where nothing finer can be told the shift stands; whether it looks alike is asked below.
@@ -142,12 +130,12 @@ fn one<const L: usize, const W: usize>(
     let inside = (0.0..=(base.width() - 1) as f32).contains(&place[0])
         && (0.0..=(base.height() - 1) as f32).contains(&place[1]);
     if !inside {
-        return Err(KltLoss::Outside);
+        return Err(LostBy::Outside);
     }
     // With one level at least the patch is the finest one's now.
     let least = config.min_correlation as f32;
     let alike = least == 0.0 || levels == 0 || likeness(patch, base, place) >= least;
-    if alike { Ok(place) } else { Err(KltLoss::Unlike) }
+    if alike { Ok(place) } else { Err(LostBy::Unlike) }
 }
 
 #[cfg(test)]
@@ -239,7 +227,7 @@ mod tests {
             let pyramid = Pyramid::new(image.view(), 3);
             for illumination in [Illumination::Constant, Illumination::GainOffset] {
                 let found = Klt::new(config(illumination)).track(&pyramid, &pyramid, &[point], 3);
-                assert_eq!(found, [Err(KltLoss::Flat)]);
+                assert_eq!(found, [Err(LostBy::Flat)]);
             }
         }
     }

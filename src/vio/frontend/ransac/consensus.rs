@@ -37,7 +37,7 @@ pub struct Consensus {
 
 impl Consensus {
     /// The share of pairs that agree; 1 where there is none.
-    pub fn share(&self) -> f64 {
+    pub(crate) fn share(&self) -> f64 {
         if self.inliers.is_empty() { 1.0 } else { self.agreeing as f64 / self.inliers.len() as f64 }
     }
 }
