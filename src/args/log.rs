@@ -8,7 +8,7 @@ use std::path::PathBuf;
 /// The log, its columns and units.
 #[derive(Debug, Args)]
 pub(crate) struct LogArgs {
-    /// CSV file, rosbag1, MCAP or rosbag2 (file or folder), or folder of an ASL sequence (EuRoC, TUM-VI).
+    /// CSV file, rosbag1, MCAP or rosbag2 (file or folder), or folder of an ASL sequence (EuRoC, TUM-VI); a pipe, or - for stdin.
     #[arg(value_name = "LOG")]
     pub(crate) path: PathBuf,
     /// How it is read.

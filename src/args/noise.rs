@@ -12,7 +12,7 @@ pub(crate) struct NoiseArgs {
     /// Work on noise figures instead of a log.
     #[command(subcommand)]
     pub(crate) what: Option<NoiseWhat>,
-    /// CSV file, rosbag1, MCAP or rosbag2 (file or folder), or folder of an ASL sequence (EuRoC, TUM-VI).
+    /// CSV file, rosbag1, MCAP or rosbag2 (file or folder), or folder of an ASL sequence (EuRoC, TUM-VI); a pipe, or - for stdin.
     #[arg(value_name = "LOG", required_unless_present = "follow", conflicts_with = "follow")]
     pub(crate) log: Option<PathBuf>,
     /// How the log is read.
@@ -70,7 +70,7 @@ pub(crate) enum NoiseWhat {
 /// Flags of `dpn noise convert`.
 #[derive(Debug, Args)]
 pub(crate) struct ConvertArgs {
-    /// Configuration to read (YAML or JSON); may be left out where figures are given by flags.
+    /// Configuration to read (YAML or JSON; - for stdin); may be left out where figures are given by flags.
     #[arg(value_name = "FILE")]
     pub(crate) file: Option<PathBuf>,
     /// Whose configuration it is; without it, told from its keys: kalibr, openvins, orbslam3, okvis2, basalt, vins, ros, variances, datasheet.

@@ -3,12 +3,16 @@
 use super::log;
 use super::noise::json;
 use crate::args::{NoiseArgs, RowFormat};
+use crate::ui::Fault;
 use anyhow::Result;
 use dpn_core::{Sensor, Stamp};
 use dpn_io::ImuLines;
 use dpn_probe::log_noise::{Answer, Plan};
-use std::io::{self, BufRead, Write};
+use std::io::{self, BufRead, Read, Write};
 use std::path::Path;
+
+/// Bytes that a line may have: more is no row, and what never ends must not fill the memory.
+const LONGEST_LINE: u64 = 1 << 20;
 
 /// Samples after which the rate is held against what was said.
 const ENOUGH: usize = 400;
@@ -32,8 +36,14 @@ pub(crate) fn run(args: &NoiseArgs, plan: &Plan<'_>) -> Result<()> {
     }
     loop {
         line.clear();
-        if input.read_until(b'\n', &mut line)? == 0 {
+        if input.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut line)? == 0 {
             return Ok(());
+        }
+        if line.len() as u64 == LONGEST_LINE && !line.ends_with(b"\n") {
+            let text = format!("stdin: a line of more than {LONGEST_LINE} bytes");
+            return Err(Fault::new(text)
+                .hint("a sample is a line of text; bags are read by `dpn noise -`")
+                .into());
         }
         let samples = match lines.push(&line) {
             Ok(samples) => samples,

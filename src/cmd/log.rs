@@ -2,7 +2,7 @@
 
 use crate::args::{HowArgs, LogArgs};
 use anyhow::Result;
-use dpn_io::CsvOptions;
+use dpn_io::{CsvOptions, printable};
 use dpn_logs::{Log, LogOptions, read_log};
 use dpn_probe::doctor::values::meaningless;
 use std::path::Path;
@@ -24,7 +24,7 @@ pub(crate) fn read_from(path: &Path, how: &HowArgs) -> Result<Log> {
         eprintln!("note: taken for granted: {}", log.guesses.join(", "));
     }
     for warning in log.warnings() {
-        eprintln!("warning: {warning}");
+        eprintln!("warning: {}", printable(&warning));
     }
     for fault in meaningless(&log.recording) {
         let remedy = fault.remedy.map(|remedy| format!(" -> {remedy}")).unwrap_or_default();

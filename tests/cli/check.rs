@@ -1,7 +1,7 @@
 //! `dpn check`: the log's doctor.
 
-use crate::recording::{put, rows, text};
-use crate::run::{dpn, end, files};
+use crate::recording::{Rows, put, rows, text};
+use crate::run::{Done, dpn, end, files};
 
 #[test]
 fn a_sound_log_has_notes_only_and_a_sick_one_is_told_what_ails_it() {
@@ -31,4 +31,91 @@ fn a_sound_log_has_notes_only_and_a_sick_one_is_told_what_ails_it() {
     assert_eq!(bad, ["gaps", "units"]);
     let names: Vec<String> = files(&dir.path().join("out")).into_keys().collect();
     assert_eq!(names, ["check.json", "spectra.csv", "spectra.png", "spectra.svg"]);
+}
+
+/// Checks made-up rows; the files it left come along.
+fn check(rows: &Rows) -> (Done, Vec<String>) {
+    let dir = tempfile::tempdir().unwrap();
+    let data = put(&dir.path().join("log"), "still", &text(rows));
+    let done = end(dpn().arg("check").arg(data.join("still")).arg("--out").arg(dir.path().join("out")));
+    let left = if dir.path().join("out").exists() {
+        files(&dir.path().join("out")).into_keys().collect()
+    } else {
+        Vec::new()
+    };
+    (done, left)
+}
+
+#[test]
+fn a_dead_sensor_is_a_finding_and_the_other_checks_run() {
+    let mut dead = rows(6000, 5_000_000);
+    dead.iter_mut().for_each(|(_, values)| values[..3].fill(0.0));
+    let (done, left) = check(&dead);
+    let page = done.well().stdout;
+    for axis in ["x", "y", "z"] {
+        assert!(
+            page.contains(&format!("bad:     dead: gyro {axis} is dead: it reads 0 rad/s throughout")),
+            "{page}"
+        );
+    }
+    assert!(page.contains("up is z") && page.contains("no picture: a sensor never changes"), "{page}");
+    assert_eq!(left, ["check.json"]);
+}
+
+#[test]
+fn a_clock_that_jumps_a_pause_and_a_sample_of_nonsense_are_named() {
+    let mut jump = rows(6000, 5_000_000);
+    jump[0].0 = 976;
+    let page = check(&jump).0.well().stdout;
+    assert!(page.starts_with("5999 samples, 30.0 s, 200.00 Hz\n"), "{page}");
+    assert!(
+        page.contains(
+            "bad:     clock: the stamps jump 1 time(s), first by 44.4 years after sample 1, from 976 ns"
+        ),
+        "{page}"
+    );
+    let mut pause = rows(6000, 5_000_000);
+    pause[3000..].iter_mut().for_each(|(t, _)| *t += 60_000_000_000);
+    let page = check(&pause).0.well().stdout;
+    assert!(page.contains("bad:     gaps: 1 hole(s), ") && !page.contains("jitter"), "{page}");
+    let mut nonsense = rows(6000, 5_000_000);
+    nonsense[100].1[4] = 1e30;
+    nonsense[200].1[1] = -1000.0;
+    let page = check(&nonsense).0.well().stdout;
+    assert!(page.contains("values: left out: 1 sample(s) with values beyond 1e12, which no sensor measures, first at line 102"), "{page}");
+    assert!(
+        page.contains(
+            "bad:     outliers: gyro y reads -1.0000e3 rad/s at 1.000 s, more than any IMU measures"
+        ),
+        "{page}"
+    );
+    assert!(page.contains("up is z, 0 degrees off") && !page.contains("inf"), "{page}");
+}
+
+#[test]
+fn a_rate_of_a_wrong_unit_and_raw_counts_are_asked_about() {
+    let page = check(&rows(6000, 100_000)).0.well().stdout;
+    assert!(
+        page.contains("warning: rate: 10000.000 Hz is faster than IMUs are read (10 to 8000 Hz)"),
+        "{page}"
+    );
+    let page = check(&rows(100, 1)).0.well().stdout;
+    assert!(page.contains("bad:     rate: 1000000000 Hz: no IMU is as fast"), "{page}");
+    let mut counts = rows(6000, 5_000_000);
+    for (_, values) in &mut counts {
+        values[3..].iter_mut().for_each(|v| *v = (*v / 9.81 * 16384.0).round());
+    }
+    let page = check(&counts).0.well().stdout;
+    assert!(page.contains("raw counts, all of them whole numbers? Some 163"), "{page}");
+    assert!(!page.contains("% off 9.81"), "{page}");
+}
+
+#[test]
+fn nothing_is_left_behind_where_the_picture_cannot_be_written() {
+    let dir = tempfile::tempdir().unwrap();
+    let data = put(&dir.path().join("log"), "still", &text(&rows(6000, 5_000_000)));
+    let out = dir.path().join("out");
+    std::fs::create_dir_all(out.join("spectra.svg")).unwrap();
+    let done = end(dpn().arg("check").arg(data.join("still")).arg("--out").arg(&out));
+    assert!(done.code == Some(2) && !out.join("check.json").exists(), "{done:?}");
 }

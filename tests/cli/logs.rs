@@ -2,8 +2,10 @@
 //! nothing is left the exit code is 2.
 
 use crate::recording::{HEADER, put, rows, text};
-use crate::run::{Done, dpn, end};
+use crate::run::{Done, dpn, end, finished};
+use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::process::Stdio;
 
 fn bags() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("golden/bags")
@@ -235,3 +237,103 @@ fn what_is_no_log_is_refused_with_what_was_looked_for() {
     let done = check_text(HEADER, &[]);
     assert!(done.code == Some(2) && done.stderr.contains("no row of data"), "{done:?}");
 }
+
+/// Ends a command that reads `input` on stdin, or the pipe at `path` where there is one.
+fn piped(args: &[&str], input: &[u8], dir: &Path) -> Done {
+    let mut command = dpn();
+    command.args(args).current_dir(dir).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    // A program that refuses its input closes it early.
+    let _ = child.stdin.take().unwrap().write_all(input);
+    finished(child.wait_with_output().unwrap())
+}
+
+#[test]
+fn a_log_on_stdin_or_in_a_pipe_says_what_its_file_says() {
+    let dir = tempfile::tempdir().unwrap();
+    let csv = text(&rows(6000, 5_000_000)).into_bytes();
+    std::fs::write(dir.path().join("log.csv"), &csv).unwrap();
+    let page = |done: Done| done.well().stdout.replace("stdin", "LOG").replace("log.csv", "LOG");
+    for command in ["check", "noise", "allan"] {
+        let file = page(piped(&[command, "log.csv"], b"", dir.path()));
+        assert_eq!(page(piped(&[command, "-"], &csv, dir.path())), file, "{command}");
+        #[cfg(target_os = "linux")]
+        assert_eq!(page(piped(&[command, "/dev/stdin"], &csv, dir.path())), file, "{command}");
+    }
+    for name in ["plain.bag", "lz4.bag", "bz2.bag", "plain.mcap", "zstd.mcap", "sqlite/sqlite.db3"] {
+        let bytes = std::fs::read(bags().join(name)).unwrap();
+        let done = piped(&["check", "-"], &bytes, dir.path()).well();
+        assert!(done.stdout.starts_with("12 samples, 0.1 s, 100.00 Hz\n"), "{name}: {done:?}");
+        assert_eq!(
+            done.stdout.contains("copied to a temporary file first"),
+            name.ends_with("db3"),
+            "{done:?}"
+        );
+    }
+    let done = piped(&["check", "-"], b"", dir.path());
+    assert!(done.code == Some(2) && done.stderr.starts_with("error: stdin: no row of data"), "{done:?}");
+    let config = b"acc_n: 0.08\nacc_w: 4e-5\ngyr_n: 0.004\ngyr_w: 2e-6\n";
+    let done =
+        piped(&["noise", "convert", "-", "--to", "kalibr", "--rate", "200"], config, dir.path()).well();
+    assert!(done.stdout.contains("accelerometer_noise_density"), "{done:?}");
+}
+
+#[test]
+fn names_that_steer_a_terminal_are_spelt_out() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut bag = std::fs::read(bags().join("plain.bag")).unwrap();
+    // A name of the same length, so that all counts stay right.
+    while let Some(at) = bag.windows(5).position(|w| w == b"/imu0") {
+        bag[at..at + 5].copy_from_slice(b"/\x1b[2J");
+    }
+    let path = dir.path().join("evil.bag");
+    std::fs::write(&path, bag).unwrap();
+    let done = check(dir.path(), &path, &["--topic", "/other"]);
+    assert!(done.code == Some(2) && done.stderr.contains(", /\\u{1b}[2J (sensor_msgs/Imu)"), "{done:?}");
+    assert!(!done.stderr.contains('\u{1b}'), "{done:?}");
+    // What is shown can be typed.
+    check(dir.path(), &path, &["--topic", "/\\u{1b}[2J"]).well();
+    let done = check_text("time,\x1b]0;owned\x07,gy,gz,ax,ay,az\n1,2,3,4,5,6,7\n2,2,3,4,5,6,7\n", &[]);
+    assert!(done.code == Some(2) && done.stderr.contains("\\u{1b}]0;owned\\u{7}"), "{done:?}");
+    for said in [done.stderr, done.stdout] {
+        assert!(!said.contains(['\u{1b}', '\u{7}']), "{said:?}");
+    }
+}
+
+#[test]
+fn a_bag_that_unpacks_to_far_more_than_it_has_is_cut_off_there_unless_that_is_wanted() {
+    let dir = tempfile::tempdir().unwrap();
+    // The records of a sound bag, then a chunk of forty million zeros in fifty bytes, twice.
+    let mut bag = std::fs::read(bags().join("plain.bag")).unwrap();
+    let field = |text: &[u8]| [&(text.len() as u32).to_le_bytes()[..], text].concat();
+    let header = [
+        field(b"op=\x05"),
+        field(b"compression=bz2"),
+        field(&[b"size=", &80_000_000u32.to_le_bytes()[..]].concat()),
+    ]
+    .concat();
+    let zeros = ZEROS.repeat(2);
+    bag.extend(
+        [&(header.len() as u32).to_le_bytes()[..], &header, &(zeros.len() as u32).to_le_bytes(), &zeros]
+            .concat(),
+    );
+    let path = dir.path().join("bomb.bag");
+    std::fs::write(&path, bag).unwrap();
+    let done = check(dir.path(), &path, &[]).well();
+    assert!(
+        about(&done, "damage")[0]
+            .contains("unpacks to more than 32 MB, from 102 bytes; --max-uncompressed 4GB lets it"),
+        "{done:?}"
+    );
+    let done = check(dir.path(), &path, &["--max-uncompressed", "100MB"]).well();
+    assert!(!done.stdout.contains("unpacks to more"), "{done:?}");
+    let done = check(dir.path(), &path, &["--max-uncompressed", "much"]);
+    assert!(done.code == Some(2) && done.stderr.contains("for example 4GB or 500MB"), "{done:?}");
+}
+
+/// Forty million zeros, as bz2 packs them.
+const ZEROS: [u8; 51] = [
+    0x42, 0x5a, 0x68, 0x39, 0x31, 0x41, 0x59, 0x26, 0x53, 0x59, 0xd8, 0xec, 0xdd, 0xfe, 0x01, 0x32, 0x5f,
+    0x40, 0x08, 0xc0, 0x00, 0x00, 0x10, 0x00, 0x08, 0x20, 0x00, 0x30, 0xcc, 0x09, 0xaa, 0x69, 0xa0, 0x4a,
+    0x51, 0x5b, 0x50, 0x12, 0x94, 0x57, 0x8b, 0xb9, 0x22, 0x9c, 0x28, 0x48, 0x6c, 0x76, 0x6e, 0xff, 0x00,
+];

@@ -42,9 +42,25 @@ fn the_page_has_the_phases_and_shouts_what_is_out_of_range() {
     {
         assert!(rows.iter().any(|row| row.starts_with(words)), "{words}: {}", done.stdout);
     }
-    assert!(done.stdout.contains("times as noisy moving as at rest"), "{done:?}");
+    // What is extrapolated is no number to set against another: the spans are named, in the picture too.
+    assert!(!done.stdout.contains("times as noisy"), "{done:?}");
+    assert!(
+        done.stdout
+            .contains("accel: how much noisier moving than at rest is not known: moving it is out of range"),
+        "{done:?}"
+    );
+    assert!(done.stdout.contains("accel out of range: s 1.0-60.0\n"), "{done:?}");
+    let svg = std::fs::read_to_string(dir.path().join("out/plot.svg")).unwrap();
+    assert!(svg.contains("accel out of range: s 1.0-60.0"), "the small print lists what is extrapolated");
     let names: Vec<String> = files(&dir.path().join("out")).into_keys().collect();
     assert_eq!(names, ["noise.csv", "plot.csv", "plot.png", "plot.svg", "summary.json"]);
+}
+
+#[test]
+fn a_simple_estimator_says_how_much_noisier_moving_is() {
+    let dir = tempfile::tempdir().unwrap();
+    let done = noise(dir.path(), &flight(5_000_000), &["--noise", "diff2"]).well();
+    assert!(done.stdout.contains("times as noisy moving as at rest"), "{done:?}");
 }
 
 /// The promise of the command: what it says at a time does not depend on what comes later.
@@ -74,6 +90,7 @@ fn json_lines_summary_and_white_noise_of_a_simple_estimator() {
             .well();
     let json = done.json();
     assert_eq!((json["noise"].as_str(), json["rate_hz"].as_f64()), (Some("diff2"), Some(200.0)));
+    assert_eq!(json["summary"]["outside"].as_array().map(Vec::len), Some(0));
     let whole = &json["summary"]["phases"][0];
     assert_eq!(whole["axes"].as_array().unwrap().len(), 6);
     // Uniform noise of a width of .05 and .004.

@@ -30,7 +30,8 @@ pub(crate) fn end(command: &mut Command) -> Done {
     finished(command.output().unwrap())
 }
 
-fn finished(output: Output) -> Done {
+/// What a command that has ended left.
+pub(crate) fn finished(output: Output) -> Done {
     Done {
         code: output.status.code(),
         stdout: String::from_utf8(output.stdout).unwrap(),

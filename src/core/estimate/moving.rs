@@ -10,13 +10,16 @@
 //! | `First` | 1 | 1 / n | 1 - g | Welford 1962 |
 //! | `Fading` | 1 - a | 1 / W, `W <- k W + 1` | 1 - g | West 1979 |
 //! | `Level` | 1 | p / (1 + p), `p <- p (1 - g) + q` | 1 / (1 + p) | Harvey 1989, sec. 4.2: the concentrated likelihood of a local level |
-//! | `Last` | window | its mean | 1 | both passes over the samples kept |
+//! | `Last` | window | its mean | 1 | both passes over the samples kept; of thousands, the difference that one sample makes |
 //!
 //! `p` is the prediction variance of a level that steps by `q R` a sample under noise `R`, in units of `R`; its first sample fixes the level.
 
 use super::quadratic::c4;
 use super::{EstimatorError, WindowSigma};
-use crate::signal::stats::{Ddof, deviation};
+use crate::signal::stats::{Ddof, deviation, mean, variance};
+
+/// Samples of a window that are gone through anew at every question.
+const TWO_PASSES: usize = 1000;
 
 /// What a moving variance remembers.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -102,10 +105,22 @@ impl Moving {
                 s.level += d / (s.count + 1) as f64;
                 s.squares += d * (x - s.level);
             }
-            Memory::Last(length) if s.ring.len() < length => s.ring.push(x),
+            Memory::Last(length) if s.ring.len() < length => {
+                s.ring.push(x);
+                s.level += d / s.ring.len() as f64;
+                s.squares += d * (x - s.level);
+            }
             Memory::Last(length) => {
-                s.ring[s.oldest] = x;
+                let old = std::mem::replace(&mut s.ring[s.oldest], x);
+                let level = s.level + (x - old) / length as f64;
+                s.squares += (x - old) * (x - level + old - s.level);
+                s.level = level;
                 s.oldest = (s.oldest + 1) % length;
+                if s.oldest == 0 {
+                    // Once round: what rounding left is taken out.
+                    s.level = mean(&s.ring);
+                    s.squares = variance(&s.ring, Ddof::Zero) * length as f64;
+                }
             }
             Memory::Fading(alpha) => {
                 let keep = 1.0 - alpha;
@@ -140,7 +155,13 @@ impl Moving {
         let s = &self.state;
         match self.memory {
             _ if s.count < Self::MIN_LEN => f64::NAN,
-            Memory::Last(_) => deviation(&s.ring, Ddof::One) / c4((s.ring.len() - 1) as f64),
+            Memory::Last(_) if s.ring.len() <= TWO_PASSES => {
+                deviation(&s.ring, Ddof::One) / c4((s.ring.len() - 1) as f64)
+            }
+            Memory::Last(_) => {
+                let freedom = (s.ring.len() - 1) as f64;
+                (s.squares.max(0.0) / freedom).sqrt() / c4(freedom)
+            }
             _ => (s.squares / s.expected).sqrt() / c4(s.expected * s.expected / s.half_spread),
         }
     }
@@ -201,6 +222,17 @@ mod tests {
         let x = samples(50, 0.0);
         let (long, short) = (after(Memory::Last(8), &x), after(Memory::Last(8), &x[42..]));
         assert!((long.now() / short.now() - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_long_windows_recursion_is_its_two_passes_before_and_after_it_is_full() {
+        let x = samples(6 * TWO_PASSES as i32, 1e4);
+        for seen in [TWO_PASSES + 1, 2 * TWO_PASSES, 2 * TWO_PASSES + 1, 5 * TWO_PASSES, x.len()] {
+            let kept = &x[seen.saturating_sub(2 * TWO_PASSES)..seen];
+            let expected = deviation(kept, Ddof::One) / c4((kept.len() - 1) as f64);
+            let got = after(Memory::Last(2 * TWO_PASSES), &x[..seen]).now();
+            assert!((got / expected - 1.0).abs() < 1e-9, "{seen}: {got} {expected}");
+        }
     }
 
     #[test]

@@ -139,10 +139,7 @@ mod tests {
         let found = of(samples.clone());
         assert!(find(&found, "jitter").is_none(), "{found:?}");
         let gaps = find(&found, "gaps").unwrap();
-        assert!(
-            gaps.weight == Weight::Bad && gaps.text.contains("the longest, 60.005 s, at 14.99"),
-            "{gaps:?}"
-        );
+        assert!(gaps.weight == Weight::Bad && gaps.text.contains("the longest, 60.005 s, at "), "{gaps:?}");
         // Behind bursts too.
         for (i, s) in samples.iter_mut().enumerate() {
             let pause = if i < 3000 { 0 } else { 60_000_000_000 };

@@ -14,6 +14,8 @@ const RATE_TOLERANCE: f64 = 0.05;
 const WINDOW_S: f64 = 1.0;
 /// The same in samples, at most: the deviation of so many is sure to half a per cent.
 const WINDOW_MOST: usize = 20_000;
+/// A window longer than so many samples is asked for that share of its length apart, or time would grow with the rate squared.
+const OFTEN: (usize, usize) = (1000, 200);
 /// No IMU is faster: whoever is has stamps in another unit than was thought \[Hz\].
 const FASTEST_HZ: f64 = 1e5;
 
@@ -128,7 +130,9 @@ impl<'a> Plan<'a> {
     pub fn feed(&self) -> Result<Feed, LogNoiseError> {
         let model = match (&self.spec, self.networks) {
             (NoiseSpec::Sensors(pair), _) => {
-                Model::Simple(pair.model(Schedule { window: self.window(), hop: self.every })?)
+                let window = self.window();
+                let hop = if window > OFTEN.0 { self.every.max(window / OFTEN.1) } else { self.every };
+                Model::Simple(pair.model(Schedule { window, hop })?)
             }
             (_, Some((accel, gyro))) => Model::Networks(Box::new(DualProNet::new(
                 self.spec.to_string(),
