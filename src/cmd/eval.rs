@@ -11,9 +11,11 @@ use dpn_io::{FolderLock, atomic_write};
 use dpn_papers::tables::open_loop_rows;
 use dpn_pronet::network;
 use dpn_train::base::Base;
+use dpn_train::corpus::Corpus;
 use dpn_train::label::Label;
 use dpn_train::split::Side;
 use dpn_train::windows::WINDOW;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Folder of the results where none is named.
@@ -60,7 +62,11 @@ fn open_loop(args: &EvalArgs) -> Result<()> {
     if args.json {
         println!("{}", serde_json::json!({ "rows": result.rows }));
     } else {
-        println!("{}", open_loop_rows(&headline(&result.rows)).console());
+        let shown = headline(&result.rows);
+        for words in not_shown(&request, &shown) {
+            eprintln!("note: {words}");
+        }
+        println!("{}", open_loop_rows(&shown).console());
         println!("all rows: {}", out.join("open_loop.csv").display());
         for picture in pictures.iter().filter(|path| path.extension().is_some_and(|e| e == "png")) {
             println!("picture:  {}", picture.display());
@@ -116,6 +122,43 @@ fn headline(rows: &[Row]) -> Vec<Row> {
         group(a).cmp(&group(b)).then(place(a).cmp(&place(b))).then(a.rmse.total_cmp(&b.rmse))
     });
     rows
+}
+
+/// Why the table lacks what a reader looks for: sequences, or networks.
+fn not_shown(request: &Request<'_>, shown: &[Row]) -> Vec<String> {
+    let mut words = Vec::new();
+    for Corpus { name, members } in request.corpora {
+        if members.iter().all(|member| member.side == Side::Train) {
+            words.push(format!(
+                "{name}: no row, for the table shows test sequences and {} is to train on; give two sequences or more",
+                members.iter().map(|member| member.name.as_str()).collect::<Vec<_>>().join(", ")
+            ));
+            continue;
+        }
+        for &sensor in request.sensors {
+            let of_sensor = || request.networks.iter().filter(|network| network.sensor() == sensor);
+            let trained: BTreeSet<String> =
+                of_sensor().map(|n| format!("{} ({}, {})", n.base, n.levels, n.label)).collect();
+            let rows = || shown.iter().filter(|row| row.data == *name && row.sensor == sensor);
+            let bases: BTreeSet<(&str, &str, String)> =
+                rows().map(|row| (row.base.as_str(), row.levels.as_str(), row.label.to_string())).collect();
+            for (base, levels, label) in bases {
+                if rows().any(|row| row.base == base && row.seeds > 0) {
+                    continue;
+                }
+                let there = if trained.is_empty() {
+                    format!("no network given is for the {sensor}")
+                } else {
+                    let trained = trained.iter().cloned().collect::<Vec<_>>().join(", ");
+                    format!("a network is judged where it was trained, and those given were on {trained}")
+                };
+                words.push(format!(
+                    "{name}, {sensor}, {base} ({levels}, {label}): no row of a network; {there}"
+                ));
+            }
+        }
+    }
+    words
 }
 
 /// Predicted against true, and RMSE against sigma with the bound: a panel a sensor, on the paper's grid over [`DRAWN`], or

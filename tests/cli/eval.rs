@@ -70,6 +70,30 @@ fn it_leaves_rows_with_the_promised_keys_and_the_same_ones_twice() {
 }
 
 #[test]
+fn rows_that_a_reader_looks_for_and_cannot_find_are_explained() {
+    let tmp = tempfile::tempdir().unwrap();
+    let (data, models) = prepared(tmp.path());
+    let of = |base: &str| {
+        let mut command = dpn();
+        command.args(["eval", "--open-loop", "--sensor", "accel", "--bases", base, "--data"]).arg(&data);
+        end(command.arg("--models").arg(&models).arg("--out").arg(tmp.path().join("out"))).well()
+    };
+    assert!(!of("sg(11,2)").stderr.contains("note:"));
+    let words = "note: log, accel, raw (grid, sigma_tot): no row of a network; a network is judged where it was trained, \
+                 and those given were on sg(11,2) (grid, sigma_inj)\n";
+    let done = of("raw");
+    assert!(done.stderr.contains(words), "{}", done.stderr);
+    std::fs::remove_dir_all(data.join("still-2")).unwrap();
+    let done = of("sg(11,2)");
+    let words = "note: log: no row, for the table shows test sequences and still is to train on; give two sequences or more\n";
+    assert!(done.stderr.contains(words), "{}", done.stderr);
+    // A folder with nothing but the results.
+    let left: Vec<String> =
+        files(&tmp.path().join("out")).into_keys().filter(|name| name.starts_with("cells")).collect();
+    assert!(left.is_empty(), "{left:?}");
+}
+
+#[test]
 fn what_cannot_be_judged_is_refused_and_leaves_nothing() {
     let tmp = tempfile::tempdir().unwrap();
     let (data, models) = prepared(tmp.path());
