@@ -84,7 +84,7 @@ impl Network {
     }
 
     /// The name of its file without the ending; what a noise spec calls it.
-    pub(crate) fn tag(&self) -> String {
+    pub fn tag(&self) -> String {
         self.path.file_stem().expect("a file has a name").to_string_lossy().into_owned()
     }
 
