@@ -1,7 +1,7 @@
 //! The signal noise is injected into (decisions 2 and 3).
 
 use crate::clean::Cleaner;
-use crate::windows::WINDOW;
+use crate::window::WINDOW;
 use dpn_core::signal::{FilterError, SavitzkyGolay};
 use serde::{Deserialize, Serialize};
 use std::fmt;

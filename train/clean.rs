@@ -1,6 +1,6 @@
 //! What takes the noise out of a window before known noise is put in.
 
-use crate::windows::WINDOW;
+use crate::window::WINDOW;
 use dpn_core::signal::SavitzkyGolay;
 
 /// Deviations of the Gaussian kernels a window may be smoothed with \[samples\].

@@ -19,4 +19,5 @@ pub mod schedule;
 pub mod split;
 pub mod state;
 pub mod trainer;
+mod window;
 pub mod windows;

@@ -6,12 +6,10 @@
 
 use crate::base::{Base, Scope};
 use crate::clean::Cleaner;
+pub use crate::window::WINDOW;
 use dpn_core::check::{CheckOptions, gaps};
 use dpn_core::signal::FilterError;
 use dpn_core::{ImuRecording, Sensor};
-
-/// Samples in a window: one second of EuRoC (the paper).
-pub const WINDOW: usize = 200;
 
 /// Share of every training sequence, at its end, kept for validation (decision 13).
 pub const VALIDATION_SHARE: f64 = 0.15;

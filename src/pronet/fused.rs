@@ -5,7 +5,6 @@
 //! gradient checkpointing take the module's plain composition.
 
 use crate::engine::{Engine, Saved};
-use crate::module::ProNet;
 use burn::backend::autodiff::checkpoint::base::Checkpointer;
 use burn::backend::autodiff::checkpoint::strategy::NoCheckpointing;
 use burn::backend::autodiff::grads::Gradients;
@@ -18,12 +17,12 @@ use std::sync::Arc;
 
 type Differentiable = Autodiff<Flex, NoCheckpointing>;
 
-/// See [`ProNet::forward`].
-pub(crate) fn forward(net: &ProNet, windows: Tensor<2>) -> Tensor<1> {
-    let engine = net.engine();
+/// The deviation of each window by the kernels; `flat` are the parameters. `None` where windows or parameters are not on burn's CPU backend, or
+/// windows want a gradient.
+pub(crate) fn forward(engine: &Arc<Engine>, flat: &Tensor<1>, windows: &Tensor<2>) -> Option<Tensor<1>> {
     if let (Ok(x), Ok(flat)) = (
         windows.clone().try_into_primitive::<Differentiable>(),
-        net.flat().try_into_primitive::<Differentiable>(),
+        flat.clone().try_into_primitive::<Differentiable>(),
     ) && !x.is_tracked()
     {
         let (flat, node) = flat.into_parts();
@@ -33,14 +32,11 @@ pub(crate) fn forward(net: &ProNet, windows: Tensor<2>) -> Tensor<1> {
             OpsKind::Tracked(prep) => prep.finish((Arc::clone(engine), Arc::new(saved)), sigma),
             OpsKind::UnTracked(prep) => prep.finish(sigma),
         };
-        return Tensor::from_primitive::<Differentiable>(sigma);
+        return Some(Tensor::from_primitive::<Differentiable>(sigma));
     }
-    if let (Ok(x), Ok(flat)) =
-        (windows.clone().try_into_primitive::<Flex>(), net.flat().try_into_primitive::<Flex>())
-    {
-        return Tensor::from_primitive::<Flex>(tensor(engine.forward(&numbers(&flat), &numbers(&x)).0));
-    }
-    net.forward_plain(windows)
+    let x = windows.clone().try_into_primitive::<Flex>().ok()?;
+    let flat = flat.clone().try_into_primitive::<Flex>().ok()?;
+    Some(Tensor::from_primitive::<Flex>(tensor(engine.forward(&numbers(&flat), &numbers(&x)).0)))
 }
 
 /// The operation's step back: from the deviations' gradient to the flat parameters'.
@@ -71,6 +67,7 @@ fn tensor(numbers: Vec<f32>) -> FloatTensor<Flex> {
 mod tests {
     use super::*;
     use crate::config::{BlockOrder, Head, Input, NormAxes, Pool, ProNetConfig};
+    use crate::module::ProNet;
     use burn::tensor::Device;
     use dpn_core::config::Validate;
     use dpn_core::random::Stream;

@@ -104,10 +104,6 @@ impl ProNet {
         Self { conv, norm, fc, config: config.clone(), engine }
     }
 
-    pub(crate) fn engine(&self) -> &Arc<Engine> {
-        &self.engine
-    }
-
     /// What the network was made from.
     pub fn config(&self) -> &ProNetConfig {
         &self.config
@@ -133,7 +129,7 @@ impl ProNet {
     pub fn forward(&self, windows: Tensor<2>) -> Tensor<1> {
         let [_, window] = windows.dims();
         assert_eq!(window, self.config.window, "the network takes windows of {}", self.config.window);
-        fused::forward(self, windows)
+        fused::forward(&self.engine, &self.flat(), &windows).unwrap_or_else(|| self.forward_plain(windows))
     }
 
     /// All parameters as one tensor, in the order of [`crate::shape::parameters`]: `[parameter count]`. Differentiable.

@@ -109,7 +109,6 @@ mod tests {
     use crate::init::tests::{Scene, body_from_cam, gentle_flight};
     use crate::preint::{NoisySample, Preintegration};
     use crate::state::{ACCEL_BIAS, GYRO_BIAS, NavState};
-    use crate::window::Prior;
     use dpn_core::ImuSample;
     use dpn_core::geometry::sphere::tangent_basis;
     use dpn_core::random::Stream;
@@ -139,7 +138,7 @@ mod tests {
         window.landmarks = tracks(&frames, TRACK_STD);
         window.retain_landmarks(|l| l.id % 4 == 0);
         window.triangulate();
-        let mut prior = Prior::about(&window, vec![window.frames()[0].state]);
+        let mut prior = window.prior_about(vec![window.frames()[0].state]);
         prior.hold(0, POSITION, 1e-5);
         prior.hold_heading(0, 1e-5);
         // The biases are known: their prior's noise need not be drawn.

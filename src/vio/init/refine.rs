@@ -18,7 +18,7 @@ use super::structure::Structure;
 use crate::factors::inertial::sqrt_information;
 use crate::preint::Preintegration;
 use crate::state::{ACCEL_BIAS, GYRO_BIAS, ImuBias, NavState, POSE_DIM, POSITION, VELOCITY};
-use crate::window::{Landmark, MIN_INVERSE_DEPTH, Prior, Standstill, Window};
+use crate::window::{Landmark, MIN_INVERSE_DEPTH, Standstill, Window};
 use dpn_core::imu::Sensor;
 use nalgebra::{DMatrix, Isometry3, Rotation3, UnitQuaternion, Vector3};
 
@@ -217,7 +217,7 @@ fn window(structure: &Structure, aligned: &Aligned, known: &Known<'_>, config: &
         .frames()
         .iter()
         .map(|f| NavState { world_from_body: f.state.world_from_body, ..NavState::identity() });
-    let mut prior = Prior::about(&window, about.collect());
+    let mut prior = window.prior_about(about.collect());
     prior.hold(0, POSITION, GAUGE_STD);
     prior.hold_heading(0, GAUGE_STD);
     prior.hold(0, ACCEL_BIAS, config.accel_bias_std);

@@ -15,7 +15,7 @@ use super::robust;
 use super::translation::{self, compensated_parallax};
 use crate::factors::reprojection::PairGeometry;
 use crate::state::{ACCEL_BIAS, GYRO_BIAS, NavState, POSITION, ROTATION, VELOCITY};
-use crate::window::{Landmark, Prior};
+use crate::window::Landmark;
 use dpn_core::random::Stream;
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 
@@ -270,7 +270,7 @@ fn adjust(input: &Input<'_>, growing: Growing<'_>, (a, b): (usize, usize)) -> Op
     window.triangulate();
     window.retain_landmarks(|l| misfit(l, &poses).is_some_and(|m| m <= 2.0 * MAX_MISFIT));
 
-    let mut prior = Prior::about(&window, window.frames().iter().map(|f| f.state).collect());
+    let mut prior = window.prior_about(window.frames().iter().map(|f| f.state).collect());
     for (frame, InitFrame { t, .. }) in input.frames.iter().enumerate() {
         let seconds = t.seconds_since(input.frames[a].t).abs();
         let std = if frame == a { GAUGE_STD } else { ROTATION_FLOOR + input.gyro_bias_std * seconds };

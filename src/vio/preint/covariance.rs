@@ -1,8 +1,8 @@
 //! The covariance of an interval under the three models; derived at the head of [`super`].
 
 use super::config::{ImuCov, PreintegrationConfig};
-use super::interval::NoisySample;
 use super::linear::{ACCEL, BIAS_DIM, GYRO, MOTION_DIM, Step, Transition};
+use super::sample::NoisySample;
 use crate::state::{ACCEL_BIAS, GYRO_BIAS, POSITION, ROTATION, STATE_DIM, VELOCITY};
 use dpn_core::{ImuNoise, Sensor};
 use nalgebra::{Matrix3, SMatrix, Vector3};

@@ -4,21 +4,13 @@ use super::config::PreintegrationConfig;
 use super::covariance::Covariance;
 use super::delta::Delta;
 use super::linear::{ACCEL, BIAS_DIM, GYRO, MOTION_DIM, Step};
+use super::sample::NoisySample;
 use crate::state::{ImuBias, NavState, POSITION, ROTATION, STATE_DIM, VELOCITY};
 use dpn_core::geometry::so3;
 use dpn_core::noise::units::BadNoise;
-use dpn_core::{GRAVITY, ImuNoise, ImuSample, Sensor};
+use dpn_core::{GRAVITY, ImuNoise, Sensor};
 use nalgebra::{Isometry3, SMatrix, SVector, Vector3};
 use std::sync::OnceLock;
-
-/// One sample with the noise in force.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NoisySample {
-    /// The reading.
-    pub sample: ImuSample,
-    /// Its deviations, per axis and per sample.
-    pub noise: ImuNoise,
-}
 
 /// The samples from one instant to another, as one measurement of the motion between.
 #[derive(Debug, Clone)]
@@ -216,6 +208,7 @@ mod tests {
     use super::*;
     use crate::preint::ImuCov;
     use crate::preint::testing::{config, cube, integrate, lively, random_bias, random_state, rng};
+    use dpn_core::ImuSample;
     use dpn_sim::{Flight, FlightConfig, StampPattern, simulate};
     use dpn_testing::check_jacobian;
     use nalgebra::DVector;

@@ -60,9 +60,11 @@ mod interval;
 mod linear;
 #[cfg(test)]
 mod monte_carlo;
+mod sample;
 #[cfg(test)]
 pub(crate) mod testing;
 
 pub use config::{ImuCov, PreintegrationConfig};
 pub use delta::Delta;
-pub use interval::{NoisySample, Preintegration};
+pub use interval::Preintegration;
+pub use sample::NoisySample;

@@ -4,38 +4,16 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::layout::Layout;
+use super::linearisation::Linearisation;
 use super::normal::Normal;
-use super::schur::{Depths, Landmarks, Pairs};
+use super::part::Part;
+use super::schur::Landmarks;
 use super::window::Window;
 use crate::factors::inertial::{inertial_jacobians, sqrt_information};
 use crate::factors::rest::{self, rest_jacobians};
 use crate::state::{POSE_DIM, STATE_DIM};
 use nalgebra::{SMatrix, SVector};
 use pulp::Arch;
-
-/// Which measurements enter.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Part {
-    /// All of them.
-    All,
-    /// Those that would be lost with the oldest frame.
-    Oldest,
-}
-
-/// The equations at one point, and memory for the next.
-#[derive(Debug, Clone)]
-pub(crate) struct Linearisation {
-    pub(crate) normal: Normal,
-    pub(crate) cost: f64,
-    depths: Depths,
-    pairs: Pairs,
-}
-
-impl Default for Linearisation {
-    fn default() -> Self {
-        Self { normal: Normal::zeros(0), cost: 0.0, depths: Depths::default(), pairs: Pairs::default() }
-    }
-}
 
 impl Linearisation {
     /// Sets up the equations of `window` about its present states; depths are damped by the factor `1 + damping`.
@@ -44,21 +22,16 @@ impl Linearisation {
         self.depths.clear();
         self.cost = 0.0;
         if let Some(prior) = &window.prior {
-            self.cost += prior.add_to(window, layout, &mut self.normal);
+            self.cost += prior.add_to(window.estimates(), layout, &mut self.normal);
         }
         let last = if part == Part::All { window.frames.len() } else { 2 };
         for j in 1..last {
             self.cost += add_inertial(window, layout, j, &mut self.normal);
             self.cost += add_rest(window, layout, j, &mut self.normal);
         }
-        self.pairs.of(window);
+        self.pairs.of(window.estimates());
         let Self { normal, depths, pairs, .. } = self;
         self.cost += Arch::new().dispatch(Landmarks { window, layout, part, damping, pairs, normal, depths });
-    }
-
-    /// Each landmark's step after the states' step `d`.
-    pub(crate) fn depth_steps<'a>(&'a self, d: &'a [f64]) -> impl Iterator<Item = (usize, f64)> + 'a {
-        self.depths.steps(d)
     }
 }
 

@@ -4,7 +4,8 @@
 //! are taken out; the rest is the new prior. On a linear problem no estimate changes by that.
 
 use super::layout::Layout;
-use super::linearise::{Linearisation, Part};
+use super::linearisation::Linearisation;
+use super::part::Part;
 use super::prior::Prior;
 use super::window::Window;
 

@@ -6,12 +6,16 @@
 //! landmarks out, `marginalise` makes the prior of what leaves.
 
 mod config;
+mod frame;
 mod landmark;
+mod landmark_terms;
 pub mod layout;
+mod linearisation;
 mod linearise;
 mod marginalise;
 pub mod normal;
 mod parallax;
+mod part;
 mod prior;
 mod schur;
 mod slide;
@@ -22,9 +26,9 @@ mod tests;
 mod window;
 
 pub use config::{Handover, WindowConfig};
+pub use frame::{Frame, Seen, Standstill};
 pub use landmark::Landmark;
 pub(crate) use landmark::MIN_INVERSE_DEPTH;
-pub(crate) use prior::Prior;
 pub use slide::Leaving;
 pub use solve::{Solved, Stop};
-pub use window::{Frame, Seen, Standstill, Window};
+pub use window::Window;

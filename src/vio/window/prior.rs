@@ -5,9 +5,9 @@
 //! ```
 //! Kept as information (H, g), never inverted: directions it knows nothing of (position and heading before any anchor) are zeros.
 
+use super::frame::Estimates;
 use super::layout::Layout;
 use super::normal::Normal;
-use super::window::Window;
 use crate::state::{ACCEL_BIAS, GYRO_BIAS, NavState, POSE_DIM, POSITION, ROTATION, STATE_DIM, pose_minus};
 use nalgebra::{Isometry3, Vector3};
 
@@ -35,29 +35,21 @@ pub(crate) struct Prior {
 impl Prior {
     /// Fixes what no measurement sees, position and heading of the window's first frame, and says what is known of its biases and
     /// its tilt beforehand.
-    pub(crate) fn anchor(window: &Window) -> Self {
-        let mut prior = Self::about(window, vec![window.frames[0].state]);
-        prior.hold(0, POSITION, ANCHOR_STD);
-        prior.hold(0, ROTATION, TILT_STD);
-        prior.hold(0, ACCEL_BIAS, ACCEL_BIAS_STD);
-        prior.hold(0, GYRO_BIAS, GYRO_BIAS_STD);
-        prior.hold_heading(0, ANCHOR_STD);
+    pub(crate) fn anchored(mut self) -> Self {
+        self.hold(0, POSITION, ANCHOR_STD);
+        self.hold(0, ROTATION, TILT_STD);
+        self.hold(0, ACCEL_BIAS, ACCEL_BIAS_STD);
+        self.hold(0, GYRO_BIAS, GYRO_BIAS_STD);
+        self.hold_heading(0, ANCHOR_STD);
         // The camera is known to a centimetre and half a degree, its clock to some milliseconds, before anything was seen.
-        let Self { layout, system, .. } = &mut prior;
+        let Self { layout, system, .. } = &mut self;
         for k in layout.camera().into_iter().flat_map(|c| c..c + POSE_DIM) {
             system.add(k, k, 1.0 / (0.01f64 * 0.01));
         }
         if let Some(k) = layout.offset() {
             system.add(k, k, 1.0 / (0.005f64 * 0.005));
         }
-        prior
-    }
-
-    /// Says nothing yet of the window's first frames; what it will say is about the states `at`, one a frame.
-    pub(crate) fn about(window: &Window, at: Vec<NavState>) -> Self {
-        let layout = Layout { frames: at.len(), ..window.layout() };
-        let system = Normal::zeros(layout.dim());
-        Self { layout, system, at, at_camera: window.body_from_cam, at_offset: window.time_offset }
+        self
     }
 
     /// Holds three unknowns of a frame by a deviation each; `index` is the first's in the order of [`crate::state`].
@@ -91,27 +83,27 @@ impl Prior {
     }
 
     /// `d`: how far the window is from the point the prior is about, in the prior's own places.
-    pub(crate) fn displacement(&self, window: &Window) -> Vec<f64> {
+    pub(crate) fn displacement(&self, now: Estimates<'_>) -> Vec<f64> {
         let mut d = vec![0.0; self.layout.dim()];
         for (frame, at) in self.at.iter().enumerate() {
-            let minus = window.frames[frame].state.minus(at);
+            let minus = now.frames[frame].state.minus(at);
             for k in 0..STATE_DIM {
                 d[self.layout.state(frame, k)] = minus[k];
             }
         }
         if let Some(camera) = self.layout.camera() {
-            let minus = pose_minus(&window.body_from_cam, &self.at_camera);
+            let minus = pose_minus(now.body_from_cam, &self.at_camera);
             d[camera..camera + POSE_DIM].copy_from_slice(minus.as_slice());
         }
         if let Some(offset) = self.layout.offset() {
-            d[offset] = window.time_offset - self.at_offset;
+            d[offset] = now.time_offset - self.at_offset;
         }
         d
     }
 
     /// Adds itself to a window's equations and returns its cost, which may be negative: a constant is left out.
-    pub(crate) fn add_to(&self, window: &Window, layout: &Layout, normal: &mut Normal) -> f64 {
-        let d = self.displacement(window);
+    pub(crate) fn add_to(&self, now: Estimates<'_>, layout: &Layout, normal: &mut Normal) -> f64 {
+        let d = self.displacement(now);
         let hd = self.system.times(&d);
         // The order of places makes every one of ours the same way off in a window of more frames.
         let shift = layout.motion(0) - self.layout.motion(0);

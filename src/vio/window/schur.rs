@@ -13,11 +13,11 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::landmark::{Landmark, MIN_INVERSE_DEPTH};
+use super::landmark_terms::{DepthRow, Depths, Pairs};
 use super::layout::Layout;
-use super::linearise::Part;
 use super::normal::Normal;
+use super::part::Part;
 use super::window::Window;
-use crate::factors::reprojection::PairGeometry;
 use crate::state::POSE_DIM;
 use pulp::{Simd, WithSimd};
 
@@ -30,64 +30,6 @@ const LANES: usize = Normal::MARGIN;
 
 /// Two rows of a Jacobian by one block of states, filled up with zeros.
 type Rows = [[f64; LANES]; 2];
-
-/// What is kept of the landmarks that were taken out: enough to find their depths' steps afterwards.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Depths {
-    rows: Vec<DepthRow>,
-    /// The rows of `L^-1 W`, [`LOCAL`] for each landmark.
-    w: Vec<f64>,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct DepthRow {
-    landmark: usize,
-    /// `L^-1 g` of the depth, and its pivot.
-    g: f64,
-    pivot: f64,
-    /// Where the depth's row of `L^-1 W` begins in [`Depths::w`].
-    start: usize,
-    /// The states it is about.
-    at: usize,
-    width: usize,
-}
-
-impl Depths {
-    pub(super) fn clear(&mut self) {
-        self.rows.clear();
-        self.w.clear();
-    }
-
-    /// Each landmark's step after the states' step `d`.
-    pub(super) fn steps<'a>(&'a self, d: &'a [f64]) -> impl Iterator<Item = (usize, f64)> + 'a {
-        self.rows.iter().map(|row| {
-            let w = &self.w[row.start..row.start + row.width];
-            let sum: f64 = w.iter().zip(&d[row.at..]).map(|(w, d)| w * d).sum();
-            (row.landmark, -(row.g + sum) / row.pivot)
-        })
-    }
-}
-
-/// Geometry of all pairs of frames, host times frames plus target.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Pairs {
-    frames: usize,
-    geometry: Vec<Option<PairGeometry>>,
-}
-
-impl Pairs {
-    pub(super) fn of(&mut self, window: &Window) {
-        let n = window.frames.len();
-        self.frames = n;
-        self.geometry.clear();
-        self.geometry.resize(n * n, None);
-        for target in 1..n {
-            for host in 0..target {
-                self.geometry[host * n + target] = Some(window.geometry(host, target));
-            }
-        }
-    }
-}
 
 /// Adds the landmarks of a window to its equations.
 pub(super) struct Landmarks<'a> {

@@ -2,8 +2,9 @@
 
 use super::landmark::MIN_INVERSE_DEPTH;
 use super::layout::Layout;
-use super::linearise::{Linearisation, Part};
+use super::linearisation::Linearisation;
 use super::normal::Factor;
+use super::part::Part;
 use super::window::Window;
 use crate::state::{NavState, POSE_DIM, STATE_DIM, pose_plus};
 use nalgebra::{DMatrix, Isometry3, Matrix6, SVector};

@@ -1,6 +1,7 @@
 //! The window on a small flight with known truth.
 
-use super::linearise::{Linearisation, Part};
+use super::linearisation::Linearisation;
+use super::part::Part;
 use super::*;
 use crate::factors::loss::Loss;
 use crate::factors::reprojection::Sighting;

@@ -1,10 +1,11 @@
 //! The window's contents, and how a frame comes in.
 
 use super::config::WindowConfig;
+use super::frame::{Estimates, Frame, Seen, Standstill};
 use super::landmark::Landmark;
 use super::layout::Layout;
-use super::linearise::Linearisation;
-use super::normal::Factor;
+use super::linearisation::Linearisation;
+use super::normal::{Factor, Normal};
 use super::prior::Prior;
 use crate::factors::reprojection::{PairGeometry, Sighting};
 use crate::preint::Preintegration;
@@ -12,37 +13,6 @@ use crate::state::NavState;
 use dpn_core::Stamp;
 use nalgebra::{Isometry3, Vector3};
 use std::collections::{HashMap, HashSet};
-
-/// One image's instant.
-#[derive(Debug, Clone)]
-pub struct Frame {
-    /// When it was taken.
-    pub t: Stamp,
-    /// What is believed of the body then.
-    pub state: NavState,
-    /// The IMU's samples since the frame before; `None` for the first of all.
-    pub preint: Option<Preintegration>,
-    /// The rest that it belongs to; `None` where something moved, or may have.
-    pub rest: Option<Standstill>,
-}
-
-/// A rest, as one of its frames sees it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Standstill {
-    /// Its first frame's stamp.
-    pub from: Stamp,
-    /// By how much the image may have moved since \[rad\].
-    pub angle: f64,
-}
-
-/// A frame's tracks as the window takes them.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Seen {
-    /// The track's number.
-    pub id: u64,
-    /// What was measured.
-    pub sighting: Sighting,
-}
 
 /// The sliding window.
 #[derive(Debug, Clone)]
@@ -107,6 +77,19 @@ impl Window {
         }
     }
 
+    /// Where its states stand.
+    pub(crate) fn estimates(&self) -> Estimates<'_> {
+        let Self { frames, body_from_cam, time_offset, .. } = self;
+        Estimates { frames, body_from_cam, time_offset: *time_offset }
+    }
+
+    /// A prior that says nothing yet of the first frames; what it will say is about the states `at`, one a frame.
+    pub(crate) fn prior_about(&self, at: Vec<NavState>) -> Prior {
+        let layout = Layout { frames: at.len(), ..self.layout() };
+        let system = Normal::zeros(layout.dim());
+        Prior { layout, system, at, at_camera: self.body_from_cam, at_offset: self.time_offset }
+    }
+
     /// Whether another frame makes it slide.
     pub(crate) fn is_full(&self) -> bool {
         self.frames.len() > self.config.key_frames
@@ -158,7 +141,7 @@ impl Window {
 
     /// Fixes position and heading of the first frame, with what is known of it beforehand.
     pub(crate) fn anchor(&mut self) {
-        self.prior = Some(Prior::anchor(self));
+        self.prior = Some(self.prior_about(vec![self.frames[0].state]).anchored());
     }
 
     /// Gives every landmark that has none a depth to start from: told by its rays where they part enough, else, once three frames

@@ -5,7 +5,7 @@
 //! x_k = 2 r cos(w) x_{k-1} - r^2 x_{k-2} + e_k, scaled to unit deviation, one stream an axis; it grows with the
 //! square of the motors' speed.
 
-use super::sum::Shaking;
+use super::shaking::Shaking;
 use crate::imu::ou::Wander;
 use crate::imu::series::ImuSeries;
 use dpn_core::random::StreamRng;

@@ -7,6 +7,7 @@ mod config;
 mod frame;
 mod motors;
 mod rotors;
+mod shaking;
 mod sum;
 
 pub use config::{AxisVibration, VibrationConfig};

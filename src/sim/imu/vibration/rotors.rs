@@ -7,7 +7,7 @@
 //! Rotors differ by fixed offsets and wander, hence they beat and together look like a band.
 
 use super::config::{AxisVibration, VibrationConfig};
-use super::sum::Shaking;
+use super::shaking::Shaking;
 use crate::imu::ou::Wander;
 use crate::imu::series::ImuSeries;
 use dpn_core::random::Stream;

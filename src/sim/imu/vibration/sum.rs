@@ -1,26 +1,13 @@
 //! The vibration of one flight, all parts together.
 
 use super::config::{AxisVibration, VibrationConfig};
+use super::shaking::Shaking;
 use super::{frame, motor_speed, rotors};
 use crate::flight::FlightPlan;
 use crate::imu::ou::Wander;
 use crate::imu::series::ImuSeries;
 use dpn_core::SampleRate;
 use dpn_core::random::Stream;
-
-/// What every part of a flight's vibration follows.
-pub(super) struct Shaking<'a> {
-    pub(super) config: &'a VibrationConfig,
-    /// Accelerometer x, y, z, gyroscope x, y, z.
-    pub(super) axes: &'a [AxisVibration; 6],
-    /// Motors relative to hover, per sample.
-    pub(super) speed: &'a [f64],
-    /// A factor per sample.
-    pub(super) loudness: &'a [f64],
-    /// Time between samples \[s\].
-    pub(super) dt: f64,
-    pub(super) stream: &'a Stream,
-}
 
 /// Vibration at each of `times` \[s after the flight's start\], which are `rate` apart but for the stamps' rounding.
 pub(crate) fn draw(

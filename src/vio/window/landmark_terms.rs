@@ -1,0 +1,64 @@
+//! What a linearisation keeps of landmarks: the geometry they are linearised with, and how their depths follow the states.
+
+use super::frame::Estimates;
+use crate::factors::reprojection::PairGeometry;
+
+/// What is kept of the landmarks that were taken out: enough to find their depths' steps afterwards.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Depths {
+    pub(super) rows: Vec<DepthRow>,
+    /// The rows of `L^-1 W`, three for each landmark.
+    pub(super) w: Vec<f64>,
+}
+
+#[derive(Debug, Clone, Copy)]
+pub(super) struct DepthRow {
+    pub(super) landmark: usize,
+    /// `L^-1 g` of the depth, and its pivot.
+    pub(super) g: f64,
+    pub(super) pivot: f64,
+    /// Where the depth's row of `L^-1 W` begins in [`Depths::w`].
+    pub(super) start: usize,
+    /// The states it is about.
+    pub(super) at: usize,
+    pub(super) width: usize,
+}
+
+impl Depths {
+    pub(super) fn clear(&mut self) {
+        self.rows.clear();
+        self.w.clear();
+    }
+
+    /// Each landmark's step after the states' step `d`.
+    pub(super) fn steps<'a>(&'a self, d: &'a [f64]) -> impl Iterator<Item = (usize, f64)> + 'a {
+        self.rows.iter().map(|row| {
+            let w = &self.w[row.start..row.start + row.width];
+            let sum: f64 = w.iter().zip(&d[row.at..]).map(|(w, d)| w * d).sum();
+            (row.landmark, -(row.g + sum) / row.pivot)
+        })
+    }
+}
+
+/// Geometry of all pairs of frames, host times frames plus target.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Pairs {
+    pub(super) frames: usize,
+    pub(super) geometry: Vec<Option<PairGeometry>>,
+}
+
+impl Pairs {
+    pub(super) fn of(&mut self, now: Estimates<'_>) {
+        let n = now.frames.len();
+        let pose = |f: usize| &now.frames[f].state.world_from_body;
+        self.frames = n;
+        self.geometry.clear();
+        self.geometry.resize(n * n, None);
+        for target in 1..n {
+            for host in 0..target {
+                self.geometry[host * n + target] =
+                    Some(PairGeometry::new(pose(host), pose(target), now.body_from_cam));
+            }
+        }
+    }
+}
