@@ -20,7 +20,7 @@ fn main() {
         (Flight::HallLoops, "hall", &plain),
         (Flight::RoomMedium, "room, 5 ms of motion", &blurred),
     ] {
-        let Ok(plan) = FlightPlan::new(flight, 1) else { continue };
+        let plan = FlightPlan::new(flight, 1);
         let path: SharedPath = Arc::new(AnalyticPath::new(plan.trajectory, Stamp::from_ns(0)));
         let Ok(mut camera) = RenderedCamera::new(config, path.clone(), 1) else { continue };
         // The camera's own rate, in flight.

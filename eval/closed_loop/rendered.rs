@@ -129,7 +129,7 @@ mod tests {
 
     #[test]
     fn a_renderer_that_breaks_does_not_look_like_the_end_of_the_images() {
-        let plan = FlightPlan::new(Flight::Hover, 1).unwrap();
+        let plan = FlightPlan::new(Flight::Hover, 1);
         let stamps: Vec<Stamp> = (0..20).map(|i| Stamp::from_ns(50_000_000 * i)).collect();
         let now = Arc::new(AtomicBool::new(false));
         let path: SharedPath = Arc::new(Breaks {
@@ -147,7 +147,7 @@ mod tests {
     #[test]
     fn images_come_in_order_within_the_span_counted_from_the_first_on_the_path() {
         let start = Stamp::from_ns(1_000_000_000);
-        let plan = FlightPlan::new(Flight::Hover, 1).unwrap();
+        let plan = FlightPlan::new(Flight::Hover, 1);
         let path: SharedPath = Arc::new(AnalyticPath::new(plan.trajectory, start));
         // The camera began a second before the path is known.
         let stamps: Vec<Stamp> = (0..100).map(|i| Stamp::from_ns(50_000_000 * i)).collect();

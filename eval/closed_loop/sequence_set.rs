@@ -17,7 +17,7 @@ use dpn_sim::flight::FlightPlan;
 use dpn_sim::tracks::{
     AnalyticPath, CameraSettings, PathConfig, RecordedPath, TracksConfig, camera_stamps, simulate_tracks,
 };
-use dpn_sim::{Flight, FlightConfig, RenderConfig, SimulationError, Split, simulate};
+use dpn_sim::{Flight, FlightConfig, RenderConfig, Split, simulate};
 use dpn_train::split::{Side, assign, paper_side};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -249,7 +249,7 @@ impl SequenceSet {
                 rendered(sequence.name(), &config, Arc::new(path), &stamps, seed, span)
             }
             (ImageSource::Rendered(config), Self::Flights { config: flight, .. }) => {
-                let (path, stamps) = path_of_flight(Flight::ALL[place], flight, seed)?;
+                let (path, stamps) = path_of_flight(Flight::ALL[place], flight, seed);
                 rendered(Flight::ALL[place].name(), config, Arc::new(path), &stamps, seed, span)
             }
         }
@@ -273,7 +273,7 @@ impl SequenceSet {
             }
             (Self::Flights { config, .. }, TrackSource::Simulated(tracks)) => {
                 let flight = Flight::ALL[place];
-                let (path, stamps) = path_of_flight(flight, config, seed)?;
+                let (path, stamps) = path_of_flight(flight, config, seed);
                 simulate_tracks(tracks, &path, &stamps, seed)
                     .map_err(|source| ClosedLoopError::Tracks { sequence: flight.name().into(), source })
             }
@@ -419,16 +419,11 @@ fn path_of(sequence: &Sequence, config: &PathConfig) -> Result<(RecordedPath, Ve
 }
 
 /// A flight's exact path, and stamps of a camera on it.
-fn path_of_flight(
-    flight: Flight,
-    config: &FlightConfig,
-    seed: u64,
-) -> Result<(AnalyticPath, Vec<Stamp>), ClosedLoopError> {
-    let plan =
-        FlightPlan::new(flight, seed).map_err(|source| SimulationError::Trajectory { flight, source })?;
+fn path_of_flight(flight: Flight, config: &FlightConfig, seed: u64) -> (AnalyticPath, Vec<Stamp>) {
+    let plan = FlightPlan::new(flight, seed);
     let path = AnalyticPath::new(plan.trajectory, Stamp::from_ns(config.epoch_ns));
     let stamps = camera_stamps(&path, camera_rate(None));
-    Ok((path, stamps))
+    (path, stamps)
 }
 
 /// Tracks along the ground truth.

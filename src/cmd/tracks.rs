@@ -71,7 +71,7 @@ fn open(args: &TracksArgs, config: &mut TracksConfig) -> Result<SeenPath> {
         return sequence(&Sequence::open(dir)?, config);
     }
     let flight: Flight = args.source.parse().map_err(|unknown| unknown_source(&args.source, &unknown))?;
-    let plan = FlightPlan::new(flight, args.flight_seed)?;
+    let plan = FlightPlan::new(flight, args.flight_seed);
     let start = Stamp::from_ns(FlightConfig::default().epoch_ns);
     let path = AnalyticPath::new(plan.trajectory, start);
     let stamps = made_stamps(&path, CAMERA_HZ)?;

@@ -3,7 +3,7 @@
 use crate::config::{FlightConfig, StampPattern};
 use crate::flight::{Flight, FlightPlan, Phase, Phases, Split};
 use crate::imu::{self, ImuTruth};
-use crate::trajectory::{SplineError, Trajectory};
+use crate::trajectory::Trajectory;
 use dpn_core::config::{ConfigFaults, Validate};
 use dpn_core::imu::RecordingError;
 use dpn_core::truth::{Biases, TrueState};
@@ -18,14 +18,6 @@ pub enum SimulationError {
     /// Keys out of their bounds.
     #[error(transparent)]
     Config(#[from] ConfigFaults),
-    /// A trajectory that cannot be.
-    #[error("{flight}: its trajectory is no spline")]
-    Trajectory {
-        /// Which flight.
-        flight: Flight,
-        /// What is wrong with it.
-        source: SplineError,
-    },
     /// Readings that make no recording.
     #[error("{flight}: its readings make no recording")]
     Recording {
@@ -79,8 +71,7 @@ pub fn simulate(
     config: &FlightConfig,
 ) -> Result<SimulatedFlight, SimulationError> {
     config.validate()?;
-    let plan =
-        FlightPlan::new(flight, seed).map_err(|source| SimulationError::Trajectory { flight, source })?;
+    let plan = FlightPlan::new(flight, seed);
     let stamps = stamps(config, plan.phases.duration());
     let first = Stamp::from_ns(config.epoch_ns);
     let times: Vec<f64> = stamps.iter().map(|s| s.seconds_since(first)).collect();

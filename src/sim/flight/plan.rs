@@ -7,7 +7,7 @@
 use super::figures::Pen;
 use super::name::Flight;
 use super::phase::Phases;
-use crate::trajectory::{ORDER, SplineError, Trajectory, UniformSpline};
+use crate::trajectory::{ORDER, Trajectory, UniformSpline};
 use dpn_core::random::Stream;
 
 /// Where a flight goes and when it does what.
@@ -27,10 +27,7 @@ const REST_AFTER_S: f64 = 4.0;
 
 impl FlightPlan {
     /// Plans `flight`; the same flight and seed give the same plan.
-    ///
-    /// # Errors
-    /// A spline that cannot be: a bug in the flight's figures, never seen with the eleven.
-    pub fn new(flight: Flight, seed: u64) -> Result<Self, SplineError> {
+    pub fn new(flight: Flight, seed: u64) -> Self {
         let character = flight.character();
         let knot = character.knot_s;
         let knots = |seconds: f64| (seconds / knot).round() as usize;
@@ -53,9 +50,10 @@ impl FlightPlan {
         let phases = Phases::from_lengths(
             [rest, idle, lift, flying, lift, idle_after, rest_after].map(|n| n as f64 * knot),
         );
-        let trajectory =
-            Trajectory::new(UniformSpline::new(knot, pen.position)?, UniformSpline::new(knot, pen.yaw)?);
-        Ok(Self { flight, trajectory, phases })
+        let whole = "every flight rests, flies and lands: points enough, and all of them finite";
+        let position = UniformSpline::new(knot, pen.position).expect(whole);
+        let trajectory = Trajectory::new(position, UniformSpline::new(knot, pen.yaw).expect(whole));
+        Self { flight, trajectory, phases }
     }
 }
 
@@ -68,7 +66,7 @@ mod tests {
     #[test]
     fn the_body_stands_exactly_where_the_phase_says_so_and_moves_elsewhere() {
         for flight in Flight::ALL {
-            let plan = FlightPlan::new(flight, 7).unwrap();
+            let plan = FlightPlan::new(flight, 7);
             assert!((plan.phases.duration() - plan.trajectory.duration()).abs() < 1e-9);
             for phase in Phase::ALL {
                 let (begin, end) = plan.phases.span(phase);
@@ -89,7 +87,7 @@ mod tests {
     #[test]
     fn every_flight_can_be_flown_and_has_the_pace_of_its_kin() {
         for (flight, seed) in Flight::ALL.into_iter().flat_map(|f| (1..=6).map(move |seed| (f, seed))) {
-            let plan = FlightPlan::new(flight, seed).unwrap();
+            let plan = FlightPlan::new(flight, seed);
             let duration = plan.phases.duration();
             assert!((60.0..=150.0).contains(&duration), "{flight}: {duration} s");
             let (begin, end) = plan.phases.span(Phase::Flying);
@@ -118,7 +116,7 @@ mod tests {
     #[test]
     fn nothing_jumps_where_phases_meet() {
         for flight in Flight::ALL {
-            let plan = FlightPlan::new(flight, 4).unwrap();
+            let plan = FlightPlan::new(flight, 4);
             for phase in Phase::ALL.into_iter().skip(1) {
                 let border = plan.phases.span(phase).0;
                 let (a, b) = (plan.trajectory.state(border - 1e-8), plan.trajectory.state(border + 1e-8));
@@ -134,7 +132,7 @@ mod tests {
 
     #[test]
     fn the_same_name_and_seed_give_the_same_plan_and_another_seed_another() {
-        let plan = |seed| FlightPlan::new(Flight::RoomWild, seed).unwrap();
+        let plan = |seed| FlightPlan::new(Flight::RoomWild, seed);
         assert_eq!(plan(5), plan(5));
         assert_ne!(plan(5).trajectory.pose(30.0), plan(6).trajectory.pose(30.0));
     }

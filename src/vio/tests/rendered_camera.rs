@@ -38,7 +38,7 @@ impl CameraPath for Standing {
 }
 
 fn flown(flight: Flight) -> AnalyticPath {
-    AnalyticPath::new(FlightPlan::new(flight, 1).unwrap().trajectory, Stamp::from_ns(0))
+    AnalyticPath::new(FlightPlan::new(flight, 1).trajectory, Stamp::from_ns(0))
 }
 
 fn at(seconds: f64) -> Stamp {

@@ -33,7 +33,7 @@ mod tests {
 
     #[test]
     fn motors_turn_only_when_on_and_never_jump() {
-        let (config, plan) = (VibrationConfig::default(), FlightPlan::new(Flight::RoomWild, 2).unwrap());
+        let (config, plan) = (VibrationConfig::default(), FlightPlan::new(Flight::RoomWild, 2));
         let (mut t, mut before) = (0.0, 0.0);
         while t < plan.phases.duration() {
             let speed = motor_speed(&config, &plan, t);

@@ -67,7 +67,7 @@ mod tests {
 
     /// Vibration of a flight at 200 Hz, and the phase of each sample.
     fn vibration(flight: Flight, config: &VibrationConfig) -> (ImuSeries, Vec<Phase>) {
-        let plan = FlightPlan::new(flight, 3).unwrap();
+        let plan = FlightPlan::new(flight, 3);
         let n = (plan.phases.duration() * 200.0) as usize;
         let times: Vec<f64> = (0..n).map(|i| i as f64 * 0.005).collect();
         let phases = times.iter().map(|&t| plan.phases.at(t)).collect();
@@ -108,7 +108,7 @@ mod tests {
         for flight in Flight::ALL {
             let (series, phases) = vibration(flight, &config);
             let flying = deviation(&series, &phases, Phase::Flying);
-            let levels = levels(&config, &FlightPlan::new(flight, 3).unwrap());
+            let levels = levels(&config, &FlightPlan::new(flight, 3));
             for a in 0..6 {
                 powers[a] += (flying[a] / levels[a].total()).powi(2) / 11.0;
             }
