@@ -59,6 +59,6 @@ pub use lock::{FolderLock, LockError};
 pub use loose_csv::{LooseImuLog, Unreadable, parse_imu_csv_loosely, read_imu_csv_loosely};
 pub use noise_csv::{read_noise_track, write_noise_track};
 pub use printable::printable;
-pub use sieve::{ABSURD, LeftOut, Sieve, Sieved};
+pub use sieve::{ABSURD, LeftOut, Sieve, Sieved, TINY};
 pub use tracks::{read_tracks, write_tracks};
 pub use tum::{read_tum, write_tum};

@@ -1,8 +1,8 @@
 //! Keeps of somebody's samples what a recording may hold, and counts what it leaves out.
 //!
 //! The readers of this crate refuse a log with one bad row: what is trained on or judged must be whole. A tool that looks at anybody's
-//! log must say what is wrong with it and go on. A sample is left out when a value of it is not finite or beyond [`ABSURD`], when its stamp is
-//! that of the sample before, or when its stamp goes back.
+//! log must say what is wrong with it and go on. A sample is left out when a value of it is not finite or not between [`TINY`] and
+//! [`ABSURD`] nor zero, when its stamp is that of the sample before, or when its stamp goes back.
 
 use dpn_core::imu::ImuSample;
 use dpn_core::time::Stamp;
@@ -10,6 +10,9 @@ use serde::Serialize;
 
 /// Values beyond are no measurement in any unit, raw counts of 32 bits included; their squares would drown all others.
 pub const ABSURD: f64 = 1e12;
+
+/// Values nearer to zero are no measurement either: their squares are no numbers any more.
+pub const TINY: f64 = 1e-150;
 
 /// Samples left out for one reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
@@ -36,7 +39,7 @@ pub struct Sieved {
     pub backward: LeftOut,
     /// Samples with a value that is not finite.
     pub not_finite: LeftOut,
-    /// Samples with a value beyond [`ABSURD`].
+    /// Samples with a value beyond [`ABSURD`] or within [`TINY`] of zero.
     pub absurd: LeftOut,
 }
 
@@ -48,7 +51,7 @@ impl Sieved {
 }
 
 fn is_absurd(sample: &ImuSample) -> bool {
-    sample.gyro.iter().chain(&sample.accel).any(|v| v.abs() > ABSURD)
+    sample.gyro.iter().chain(&sample.accel).any(|v| v.abs() > ABSURD || (*v != 0.0 && v.abs() < TINY))
 }
 
 /// Takes samples as they come.
@@ -107,10 +110,19 @@ mod tests {
         let mut push = |t: i64, value: f64, place: u64| {
             sieve.push(ImuSample { t: Stamp::from_ns(t), gyro: [0.0; 3], accel: [value; 3] }, place);
         };
-        for (place, (t, value)) in
-            [(5, 1.0), (10, 1.0), (10, 2.0), (7, 1.0), (15, f64::NAN), (15, 3.0), (15, 4.0), (20, 1e30)]
-                .into_iter()
-                .enumerate()
+        for (place, (t, value)) in [
+            (5, 1.0),
+            (10, 1.0),
+            (10, 2.0),
+            (7, 1.0),
+            (15, f64::NAN),
+            (15, 3.0),
+            (15, 4.0),
+            (20, 1e30),
+            (20, -5e-324),
+        ]
+        .into_iter()
+        .enumerate()
         {
             push(t, value, place as u64 + 1);
         }
@@ -120,7 +132,7 @@ mod tests {
         assert_eq!(sieved.repeated, LeftOut { count: 2, first: Some(3) });
         assert_eq!(sieved.backward, LeftOut { count: 1, first: Some(4) });
         assert_eq!(sieved.not_finite, LeftOut { count: 1, first: Some(5) });
-        assert_eq!(sieved.absurd, LeftOut { count: 1, first: Some(8) });
+        assert_eq!(sieved.absurd, LeftOut { count: 2, first: Some(8) });
         assert!(dpn_core::imu::ImuRecording::new(samples).is_ok());
     }
 }

@@ -1,6 +1,6 @@
 //! Why a log gives no recording.
 
-use dpn_io::IoError;
+use dpn_io::{IoError, printable};
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -134,7 +134,7 @@ impl LogError {
                     return Some(format!(
                         "there are {} below it: give one, for example {}",
                         below.len(),
-                        first.display()
+                        printable(&first.display().to_string())
                     ));
                 }
                 None => {

@@ -53,7 +53,7 @@ impl Log {
             (repeated, "sample(s) with the stamp of the one before"),
             (backward, "sample(s) whose stamp goes back"),
             (not_finite, "sample(s) with NaN or infinite values"),
-            (absurd, "sample(s) with values beyond 1e12, which no sensor measures"),
+            (absurd, "sample(s) with values beyond 1e12 or below 1e-150, which no sensor measures"),
         ] {
             if left.count > 0 {
                 all.push(format!("left out: {} {words}{}", left.count, place(left)));

@@ -88,3 +88,34 @@ fn all(path: &Path, topics: &mut Topics) -> rusqlite::Result<Option<String>> {
         topics.message(*number, time, &plain.bytes);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::LogOptions;
+
+    #[test]
+    fn tables_that_a_file_computes_are_refused_and_not_run() {
+        let dir = tempfile::tempdir().unwrap();
+        let found = |name: &str, sql: &str| {
+            let path = dir.path().join(name);
+            Connection::open(&path).unwrap().execute_batch(sql).unwrap();
+            read(&path, &mut Topics::new(&LogOptions::default()))
+        };
+        let messages = "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id, timestamp, data);";
+        let topics = "CREATE TABLE topics(id INTEGER PRIMARY KEY, name, type, serialization_format);";
+        // A view without an end, and a column that makes a gigabyte a row.
+        let endless = "CREATE VIEW topics AS WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) \
+            SELECT i AS id, 'a' AS name, 'b' AS type, 'cdr' AS serialization_format FROM n;";
+        let wide = "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id, timestamp, data AS (zeroblob(1000000000)));";
+        let made =
+            Some("its tables are made by views or generated columns, as no rosbag2 writes them".to_owned());
+        assert_eq!(found("endless", &format!("{messages}{endless}")), made);
+        assert_eq!(found("wide", &format!("{topics}{wide}")), made);
+        assert_eq!(found("sound", &format!("{topics}{messages}")), None);
+        assert_eq!(
+            found("other", "CREATE TABLE a(b);").as_deref().map(|e| e.contains("no such table: topics")),
+            Some(true)
+        );
+    }
+}

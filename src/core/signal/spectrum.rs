@@ -9,7 +9,7 @@ use crate::time::SampleRate;
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 use std::f64::consts::TAU;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use thiserror::Error;
 
 /// Why there is no spectrum.
@@ -33,12 +33,13 @@ pub enum SpectrumError {
     },
 }
 
-/// Welch's method with its window and transform planned once.
+/// Welch's method with its window and transform planned once: at the first signal that fills a segment, so that no length that was only asked
+/// for takes room.
 #[derive(Clone)]
 pub struct Welch {
-    weights: Vec<f64>,
+    segment: usize,
     remove_mean: bool,
-    fft: Arc<dyn Fft<f64>>,
+    plan: OnceLock<(Vec<f64>, Arc<dyn Fft<f64>>)>,
 }
 
 impl Welch {
@@ -50,12 +51,7 @@ impl Welch {
         if segment < 2 {
             return Err(SpectrumError::SegmentTooShort { segment });
         }
-        let hann = |i: usize| 0.5 - 0.5 * (TAU * i as f64 / segment as f64).cos();
-        Ok(Self {
-            weights: (0..segment).map(hann).collect(),
-            remove_mean: true,
-            fft: FftPlanner::new().plan_fft_forward(segment),
-        })
+        Ok(Self { segment, remove_mean: true, plan: OnceLock::new() })
     }
 
     /// Leaves the mean in the segments: bin zero then shows it, and leaks into its neighbour.
@@ -71,27 +67,31 @@ impl Welch {
     /// # Errors
     /// A signal shorter than one segment.
     pub fn spectrum(&self, x: &[f64], rate: SampleRate) -> Result<Spectrum, SpectrumError> {
-        let segment = self.weights.len();
+        let segment = self.segment;
         if x.len() < segment {
             return Err(SpectrumError::SignalTooShort { len: x.len(), segment });
         }
+        let (weights, fft) = self.plan.get_or_init(|| {
+            let hann = |i: usize| 0.5 - 0.5 * (TAU * i as f64 / segment as f64).cos();
+            ((0..segment).map(hann).collect(), FftPlanner::new().plan_fft_forward(segment))
+        });
         let bins = segment / 2 + 1;
         let mut power = vec![0.0; bins];
         let mut buffer = vec![Complex::default(); segment];
-        let mut scratch = vec![Complex::default(); self.fft.get_inplace_scratch_len()];
+        let mut scratch = vec![Complex::default(); fft.get_inplace_scratch_len()];
         let mut segments = 0usize;
         for part in x.windows(segment).step_by(segment - segment / 2) {
             let level = if self.remove_mean { super::stats::mean(part) } else { 0.0 };
-            for ((z, v), w) in buffer.iter_mut().zip(part).zip(&self.weights) {
+            for ((z, v), w) in buffer.iter_mut().zip(part).zip(weights) {
                 *z = Complex::new((v - level) * w, 0.0);
             }
-            self.fft.process_with_scratch(&mut buffer, &mut scratch);
+            fft.process_with_scratch(&mut buffer, &mut scratch);
             for (p, z) in power.iter_mut().zip(&buffer) {
                 *p += z.norm_sqr();
             }
             segments += 1;
         }
-        let weight: f64 = self.weights.iter().map(|w| w * w).sum();
+        let weight: f64 = weights.iter().map(|w| w * w).sum();
         for (k, p) in power.iter_mut().enumerate() {
             // Zero and Nyquist stand once in the two-sided spectrum, every other bin twice.
             let sides = if k == 0 || 2 * k == segment { 1.0 } else { 2.0 };
@@ -232,6 +232,9 @@ mod tests {
     #[test]
     fn lengths_that_give_no_spectrum_are_refused() {
         assert_eq!(Welch::new(1).err(), Some(SpectrumError::SegmentTooShort { segment: 1 }));
+        // What a rate of 1 GHz asks for, and a hundred samples.
+        let giant = Welch::new(2_000_000_000).unwrap().spectrum(&[0.0; 100], SampleRate::HZ_200).unwrap_err();
+        assert_eq!(giant, SpectrumError::SignalTooShort { len: 100, segment: 2_000_000_000 });
         let short = Welch::new(64).unwrap().spectrum(&[0.0; 63], SampleRate::HZ_200).unwrap_err();
         assert_eq!(short, SpectrumError::SignalTooShort { len: 63, segment: 64 });
         let silence = Welch::new(64).unwrap().spectrum(&[9.81; 64], SampleRate::HZ_200).unwrap();

@@ -48,7 +48,7 @@ pub(super) fn findings(log: &Log) -> Vec<Finding> {
     left(
         "values",
         &sieved.absurd,
-        "with values beyond 1e12, which no sensor measures",
+        "with values beyond 1e12 or below 1e-150, which no sensor measures",
         "look at the driver: a failed read should be no sample",
     );
     findings.extend(

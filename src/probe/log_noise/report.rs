@@ -9,6 +9,9 @@ use std::fmt::Write;
 /// Share of windows outside the trained range from which it is shouted.
 const LOUD: f64 = 0.1;
 
+/// Share from which a median is one of what was extrapolated.
+const MOST_OF: f64 = 0.5;
+
 /// The warnings that go before everything else: estimates of what no network has seen.
 pub fn warnings(plan: &Plan<'_>, summary: &TrackSummary) -> Vec<String> {
     let mut all = Vec::new();
@@ -84,7 +87,7 @@ pub fn page(plan: &Plan<'_>, summary: &TrackSummary, rate: SampleRate) -> String
         for sensor in Sensor::ALL {
             // What is extrapolated is no number, and neither is its ratio to one.
             let loud =
-                |p: &super::PhaseSummary| p.outside.iter().any(|o| o.sensor == sensor && o.share > LOUD);
+                |p: &super::PhaseSummary| p.outside.iter().any(|o| o.sensor == sensor && o.share > MOST_OF);
             if let Some(part) = [moving, rest].into_iter().find(|part| loud(part)) {
                 let phase = part.phase.map_or_else(String::new, |phase| phase.to_string());
                 let _ = writeln!(
