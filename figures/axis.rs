@@ -65,6 +65,10 @@ fn linear_ticks(low: f64, high: f64, count: usize) -> Vec<(f64, String)> {
         .find(|&(m, p)| f64::from(m) * 10f64.powi(p) >= raw * (1.0 - 1e-9))
         .unwrap_or((1, power + 1));
     let step = f64::from(mantissa) * 10f64.powi(power);
+    // Between numbers whose distance has no root there is no tick.
+    if !step.is_normal() {
+        return Vec::new();
+    }
     let decimals = (-power).max(0) as usize;
     let first = (low / step - 1e-9).ceil() as i64;
     let last = (high / step + 1e-9).floor() as i64;

@@ -56,7 +56,7 @@ pub enum FigureError {
     #[error("a file of the figure is missing")]
     Write(#[from] IoError),
     /// The drawing library refused.
-    #[error("cannot draw: {reason}; this is a fault of the program, please report it with its input")]
+    #[error("cannot draw: {reason}; please report it with its input, from which a figure should come")]
     Draw {
         /// What the library says.
         reason: String,

@@ -1,5 +1,6 @@
 //! A log and its noise: for each sensor the signal of its three axes above and the deviation of a sample below (logarithmic), over tinted
-//! phases, with the upper end of what a network was trained on.
+//! phases, with the upper end of what a network was trained on. A band along the deviation's lower edge marks when the sensor's windows are
+//! unlike those of the training.
 
 use super::axis::Axis;
 use super::error::{FigureError, check_column};
@@ -12,9 +13,8 @@ use super::sheet::Sheet;
 use super::style::{self, PALETTE};
 use super::summary::{Column, columns};
 use dpn_core::{ImuRecording, Sensor};
-use dpn_probe::log_noise::{Plan, Track};
-use dpn_probe::phases::Stretch;
-use plotters::style::Color;
+use dpn_probe::log_noise::{Plan, Track, TrackSummary};
+use plotters::style::{Color, RGBColor};
 use plotters_backend::DrawingBackend;
 
 const FIGURE: &str = "noise of a log";
@@ -26,6 +26,9 @@ const BETWEEN: i32 = 30;
 const ROOM: i32 = style::WIDTH as i32 - LEFT - RIGHT;
 /// Pixels a column of a deviation.
 const COARSE: i32 = 3;
+/// Height of the band that marks what is out of range, and its colour.
+const BAND: i32 = 14;
+const OUTSIDE: RGBColor = RGBColor(0xC0, 0x39, 0x2B);
 
 /// The plot; see the head of its file.
 #[derive(Debug, Clone)]
@@ -44,10 +47,12 @@ struct Panel {
     signal: Vec<Vec<Column>>,
     sigma: Vec<Vec<Column>>,
     trained_up_to: Option<f64>,
+    /// When windows are out of the training's range, from and to \[s\].
+    outside: Vec<(f64, f64)>,
 }
 
 impl LogNoisePlot {
-    /// A recording, what `plan` said along it, and its phases; `words` end the small print.
+    /// A recording, what `plan` said along it, and the summary of that; `words` end the small print.
     ///
     /// # Errors
     /// [`FigureError`] for a track of fewer than two answers or a value that is not finite.
@@ -55,7 +60,7 @@ impl LogNoisePlot {
         recording: &ImuRecording,
         track: &Track,
         plan: &Plan<'_>,
-        stretches: &[Stretch],
+        summary: &TrackSummary,
         words: &str,
     ) -> Result<Self, FigureError> {
         if track.answers.len() < 2 {
@@ -66,9 +71,14 @@ impl LogNoisePlot {
         let answered: Vec<f64> = track.answers.iter().map(|a| a.t.seconds_since(start)).collect();
         let sensors = Sensor::ALL
             .into_iter()
-            .map(|sensor| Panel::new(sensor, recording, &t, track, &answered, plan))
-            .collect::<Result<Vec<_>, _>>()?;
-        let phases: Vec<Phase> = stretches
+            .map(|sensor| {
+                let outside = summary.outside.iter().filter(|span| span.sensor == sensor);
+                let outside = outside.map(|span| (span.from_s, span.to_s)).collect();
+                Ok(Panel { outside, ..Panel::new(sensor, recording, &t, track, &answered, plan)? })
+            })
+            .collect::<Result<Vec<_>, FigureError>>()?;
+        let phases: Vec<Phase> = summary
+            .stretches
             .iter()
             .map(|s| Phase { label: s.phase.to_string(), from: s.from_s, to: s.to_s })
             .collect();
@@ -76,6 +86,9 @@ impl LogNoisePlot {
         if sensors.iter().any(|s| s.trained_up_to.is_some()) {
             let words = "end of the training's range".to_owned();
             legend.push(Entry { key: Key::Dashed, colour: style::INK, words });
+        }
+        if sensors.iter().any(|s| !s.outside.is_empty()) {
+            legend.push(Entry { key: Key::Tint, colour: OUTSIDE, words: "out of that range".to_owned() });
         }
         for label in labels(&phases) {
             legend.push(Entry { key: Key::Tint, colour: tint(&phases, label), words: label.to_owned() });
@@ -130,6 +143,7 @@ impl Panel {
             signal,
             sigma,
             trained_up_to,
+            outside: Vec::new(),
         })
     }
 }
@@ -154,6 +168,12 @@ impl Plot for LogNoisePlot {
                 top += SIGNAL + BETWEEN;
                 let lower = Frame::new(area, rect(top, SIGMA), &self.time, &panel.sigma_axis);
                 ground(&lower, &self.phases)?;
+                let bottom = lower.rect.bottom;
+                for &(from, to) in &panel.outside {
+                    // A span may be narrower than a pixel, and is there all the same.
+                    let (left, right) = (lower.x_at(from), lower.x_at(to).max(lower.x_at(from) + 1));
+                    lower.block((left, bottom - BAND), (right, bottom), OUTSIDE)?;
+                }
                 draw_limit(&lower, panel.trained_up_to)?;
                 for (sigma, colour) in panel.sigma.iter().zip(PALETTE) {
                     draw_medians(&lower, sigma, colour)?;

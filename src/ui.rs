@@ -108,7 +108,10 @@ pub(crate) fn render_error(error: &anyhow::Error) -> String {
             parts.push(text);
         }
     }
-    let mut text = format!("error: {}", parts.join(": "));
+    // Paths and values are as they were typed: what steers a terminal is spelt out.
+    let lines = parts.join(": ");
+    let lines: Vec<String> = lines.lines().map(dpn_io::printable).collect();
+    let mut text = format!("error: {}", lines.join("\n"));
     if let Some(hint) = error.chain().find_map(hint_of) {
         text.push_str(&format!("\n\nhint: {hint}"));
     }

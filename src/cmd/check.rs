@@ -38,7 +38,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<()> {
         println!("picture: {}", file.display());
     }
     if files.is_empty() && !examination.spectra.is_empty() {
-        println!("no picture: a sensor never changes, so it has no spectrum");
+        println!("no picture: both sensors never change, so there is no spectrum");
     }
     Ok(())
 }

@@ -1,7 +1,6 @@
 //! `dpn noise --follow`: deviations beside a running sensor.
 
 use super::log;
-use super::noise::json;
 use crate::args::{NoiseArgs, RowFormat};
 use crate::ui::Fault;
 use anyhow::Result;
@@ -94,4 +93,12 @@ pub(crate) fn run(args: &NoiseArgs, plan: &Plan<'_>) -> Result<()> {
             index += 1;
         }
     }
+}
+
+/// One answer as an object of JSON lines.
+pub(crate) fn json(answer: &Answer) -> serde_json::Value {
+    serde_json::json!({
+        "t_ns": answer.t.ns(), "accel_std": answer.noise.of(Sensor::Accel), "gyro_std": answer.noise.of(Sensor::Gyro),
+        "judged": answer.judged,
+    })
 }

@@ -86,7 +86,7 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
     for line in report::outside(&summary) {
         words.push_str(&format!(" {line}."));
     }
-    let plot = LogNoisePlot::new(&recording, &track, &plan, &summary.stretches, &words)?;
+    let plot = LogNoisePlot::new(&recording, &track, &plan, &summary, &words)?;
     let files = save(&plot, &args.out.join("plot"))?;
     let written = match args.format {
         RowFormat::Csv => {
@@ -142,12 +142,4 @@ fn print_check(path: &Path, source: &NoiseCalibration, check: &Check) {
     for remark in &source.remarks {
         println!("note:    {remark}");
     }
-}
-
-/// One answer as an object of JSON lines.
-pub(crate) fn json(answer: &Answer) -> serde_json::Value {
-    serde_json::json!({
-        "t_ns": answer.t.ns(), "accel_std": answer.noise.of(Sensor::Accel), "gyro_std": answer.noise.of(Sensor::Gyro),
-        "judged": answer.judged,
-    })
 }
