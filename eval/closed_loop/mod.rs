@@ -4,7 +4,8 @@
 //! * [`ImageStream`] is the seam for images. The estimator follows points through them; its own tracker does it once where many runs share the
 //!   tracks ([`CameraInput::tracks`]), to the same bits.
 //! * [`drive`] runs the estimator over one [`Recording`] with one noise track; [`judge`] makes a [`Row`] of what comes out.
-//! * [`Sweep`] runs all cells on all threads into a folder, which a later call goes on with.
+//! * [`Sweep`] runs all cells on all threads into a folder, which a later call goes on with. A cell is named by a checksum of all that its row is a
+//!   function of, so that nothing stale is ever taken for it; the folder has one writer at a time.
 //! * [`single`] runs one recording and says everything of it.
 //! * [`consistency`] puts the NEES of many seeds together. What rows say of noises: [`crate::study`].
 

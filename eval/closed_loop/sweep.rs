@@ -24,7 +24,7 @@ use dpn_core::estimate::NoiseSpec;
 use dpn_core::progress::Progress;
 use dpn_core::random::Stream;
 use dpn_io::{FolderLock, atomic_write, write_tum};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -153,6 +153,24 @@ impl Sweep<'_> {
         kept
     }
 
+    /// Rows of cells that are another's now go, and then the files beside them: at no time does a file of one content lie beside a row of another.
+    fn forget_stale(
+        &self,
+        cells: &[Cell<'_>],
+        kept: &BTreeMap<CellKey, Row>,
+        store: &mut Store<'_>,
+    ) -> Result<(), ClosedLoopError> {
+        let contents: HashMap<&CellKey, &str> =
+            cells.iter().map(|cell| (&cell.key, cell.content.as_str())).collect();
+        store.forget(|row| contents.get(&row.key()).is_some_and(|content| **content != row.cell))?;
+        // What is run clears its own; what is kept from under another name has no files, and its name may have some.
+        let own: HashSet<CellKey> = store.rows().iter().map(Row::key).collect();
+        for key in kept.keys().filter(|key| !own.contains(key)) {
+            remove_files(store.dir(), key)?;
+        }
+        Ok(())
+    }
+
     /// Runs every cell that `store` has no row of.
     fn fill(
         &self,
@@ -167,10 +185,7 @@ impl Sweep<'_> {
         let todo: Vec<&Cell> = cells.iter().filter(|cell| !rows.contains_key(&cell.key)).collect();
         let todo = self.ahead(todo);
         let means = self.training_means(&todo, on_untracked, stop)?;
-        // Rows of other contents go before their files do: at no time does a file of one content lie beside a row of another.
-        let contents: HashMap<&CellKey, &str> =
-            cells.iter().map(|cell| (&cell.key, cell.content.as_str())).collect();
-        store.forget(|row| contents.get(&row.key()).is_some_and(|content| **content != row.cell))?;
+        self.forget_stale(cells, &rows, store)?;
         let needs: Vec<Needs> = todo.iter().map(|cell| self.needs(cell)).collect();
         let cache = SweepCache::new(&needs, means);
         progress.start("closed loop", total as u64);

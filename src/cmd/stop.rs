@@ -1,4 +1,7 @@
-//! Ctrl-C and SIGTERM: the first asks long work to stop at a safe place, the second stops at once.
+//! Ctrl-C: the first asks long work to stop at a safe place, the second stops at once.
+//!
+//! SIGTERM ends the process at once, as everywhere: files are whole or not there, and the next run clears what was half-written. To listen for it
+//! would be, with this library, to listen for SIGHUP too, and `nohup` would no longer keep a night's run alive.
 
 use anyhow::{Context, Result};
 use std::sync::Arc;
@@ -9,7 +12,7 @@ use std::time::Duration;
 /// whole or not there, so that this loses what is under way and nothing else.
 const PATIENCE: Duration = Duration::from_millis(1500);
 
-/// A flag that Ctrl-C and SIGTERM set; `kept` says what is lost by neither, where work had to be broken off. To be asked for once.
+/// A flag that Ctrl-C sets; `kept` says what is not lost where work had to be broken off. To be asked for once.
 pub(crate) fn on_ctrl_c(kept: &'static str) -> Result<Arc<AtomicBool>> {
     let stop = Arc::new(AtomicBool::new(false));
     let asked = Arc::clone(&stop);

@@ -77,7 +77,9 @@ pub(crate) fn until_it_ends(of: Work, whole: &Whole, draw: &mut Draw, most: usiz
         let kill = draw.share() < 0.5;
         let mut child = quietly(&mut of.command(dir));
         std::thread::sleep(at);
-        if child.try_wait().unwrap().is_some_and(|status| status.success()) {
+        if let Some(status) = child.try_wait().unwrap() {
+            let said = std::io::read_to_string(child.stderr.take().unwrap()).unwrap();
+            assert!(status.success(), "{}: {status}: {said}", of.name());
             break;
         }
         if kill {

@@ -52,11 +52,31 @@ fn a_paper_survives() {
     chaos(Work::Paper, 2);
 }
 
+/// How often each is disturbed where there is time.
+fn many() -> usize {
+    std::env::var("DPN_CHAOS").map_or(100, |text| text.parse().unwrap())
+}
+
 #[test]
-#[ignore = "an hour; DPN_CHAOS says how often each is disturbed"]
-fn all_survive_a_hundred_times() {
-    let times = std::env::var("DPN_CHAOS").map_or(100, |text| text.parse().unwrap());
-    for of in [Work::Train, Work::Sweep, Work::OpenLoop, Work::Paper] {
-        chaos(of, times);
-    }
+#[ignore = "minutes; DPN_CHAOS says how often it is disturbed"]
+fn many_trainings_survive() {
+    chaos(Work::Train, many());
+}
+
+#[test]
+#[ignore = "minutes; DPN_CHAOS says how often it is disturbed"]
+fn many_sweeps_survive() {
+    chaos(Work::Sweep, many());
+}
+
+#[test]
+#[ignore = "minutes; DPN_CHAOS says how often it is disturbed"]
+fn many_open_loops_survive() {
+    chaos(Work::OpenLoop, many());
+}
+
+#[test]
+#[ignore = "an hour; DPN_CHAOS says how often it is disturbed"]
+fn many_papers_survive() {
+    chaos(Work::Paper, many());
 }

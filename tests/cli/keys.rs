@@ -123,4 +123,13 @@ fn trajectories_asked_for_later_are_made_and_no_two_share_a_file() {
     track(&dir.join("sub_n.csv"), 0.5);
     swept(dir, noises, &[]).well();
     assert_eq!(files().count(), 1);
+
+    // One that becomes what the other is has its row, and never its own old trajectory.
+    swept(dir, noises, &["--trajectories"]).well();
+    track(&dir.join("sub_n.csv"), 0.1);
+    let done = swept(dir, noises, &[]).well();
+    assert!(done.stderr.contains("2 kept from out, 0 run"), "{}", done.stderr);
+    swept(dir, noises, &["--trajectories"]).well();
+    let texts: Vec<Vec<u8>> = files().map(|path| std::fs::read(path).unwrap()).collect();
+    assert!(texts.len() == 2 && texts[0] == texts[1]);
 }

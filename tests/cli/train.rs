@@ -147,11 +147,11 @@ fn stopped_in_its_first_epoch_it_says_so_and_begins_anew_with_resume_or_without(
     }
     std::thread::sleep(Duration::from_millis(300));
     let asked = Instant::now();
-    assert!(Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap().success());
-    let code = child.wait().unwrap().code();
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let status = child.wait().unwrap();
     assert!(asked.elapsed() < Duration::from_secs(2), "{:?}", asked.elapsed());
     let stderr = std::io::read_to_string(child.stderr.take().unwrap()).unwrap();
-    assert_eq!(code, Some(130), "{stderr}");
+    assert_eq!(status.code(), Some(130), "{status}: {stderr}");
     let last = stderr.lines().last().unwrap();
     assert_eq!(last, "stopped in epoch 1, before any was finished: the same command begins anew", "{stderr}");
     let again = end(&mut with(tiny(tmp.path(), &data, 2, &out), &["--resume"])).well();
