@@ -15,7 +15,7 @@ fn main() -> ExitCode {
             ui::errln!("{error}");
             ExitCode::from(130)
         }
-        Err(error) if error.downcast_ref().is_some_and(ui::OutputError::is_closed_pipe) => ExitCode::SUCCESS,
+        Err(error) if ui::is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             ui::errln!("{}", ui::render_error(&error));
             ExitCode::from(2)

@@ -10,13 +10,6 @@ use std::time::{Duration, Instant};
 #[derive(Debug)]
 pub(crate) struct OutputError(std::io::Error);
 
-impl OutputError {
-    /// Whoever read has what he wanted (`dpn ... | head -1`): nothing is wrong.
-    pub(crate) fn is_closed_pipe(&self) -> bool {
-        self.0.kind() == std::io::ErrorKind::BrokenPipe
-    }
-}
-
 impl fmt::Display for OutputError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "standard output: {}", self.0)
@@ -24,6 +17,12 @@ impl fmt::Display for OutputError {
 }
 
 impl std::error::Error for OutputError {}
+
+/// Whether nobody reads standard output any more (`dpn ... | head -1`): whoever did has what he wanted, and nothing is wrong.
+pub(crate) fn is_closed_pipe(error: &anyhow::Error) -> bool {
+    let io = error.downcast_ref::<OutputError>().map(|error| &error.0).or_else(|| error.downcast_ref());
+    io.is_some_and(|error| error.kind() == std::io::ErrorKind::BrokenPipe)
+}
 
 /// Data for standard output.
 ///

@@ -2,6 +2,7 @@
 
 use super::log;
 use crate::args::AllanArgs;
+use crate::ui::{out, outln};
 use anyhow::Result;
 use dpn_figures::{AllanPlot, save};
 use dpn_io::atomic_write;
@@ -31,21 +32,21 @@ pub(crate) fn run(args: &AllanArgs) -> Result<()> {
     let text = json.to_string() + "\n";
     atomic_write(&args.out.join("allan.json"), |file| file.write_all(text.as_bytes()))?;
     if args.json {
-        print!("{text}");
+        out!("{text}")?;
         return Ok(());
     }
-    print!("{}", report::page(&allan)?);
+    out!("{}", report::page(&allan)?)?;
     if let (Some((path, source)), Some(findings)) = (&config, &findings) {
-        println!("\n{} as {}, against this log at rest:", path.display(), source.format);
+        outln!("\n{} as {}, against this log at rest:", path.display(), source.format)?;
         for finding in findings {
-            println!("{} {}", if finding.warns() { "warning:" } else { "ok:     " }, finding.text());
+            outln!("{} {}", if finding.warns() { "warning:" } else { "ok:     " }, finding.text())?;
         }
         for remark in &source.remarks {
-            println!("note:    {remark}");
+            outln!("note:    {remark}")?;
         }
     }
     for file in files.iter().filter(|f| f.extension().is_some_and(|e| e == "png")) {
-        println!("\npicture:  {}", file.display());
+        outln!("\npicture:  {}", file.display())?;
     }
     Ok(())
 }

@@ -2,6 +2,7 @@
 
 use super::log;
 use crate::args::CheckArgs;
+use crate::ui::{out, outln};
 use anyhow::Result;
 use dpn_figures::{FigureError, SpectrumPlot, save};
 use dpn_io::atomic_write;
@@ -24,21 +25,21 @@ pub(crate) fn run(args: &CheckArgs) -> Result<()> {
     // Last: where it lies, the rest does too.
     atomic_write(&args.out.join("check.json"), |file| file.write_all(text.as_bytes()))?;
     if args.json {
-        print!("{text}");
+        out!("{text}")?;
         return Ok(());
     }
-    println!("{} samples, {:.1} s, {:.2} Hz", examination.samples, examination.length_s, examination.rate_hz);
+    outln!("{} samples, {:.1} s, {:.2} Hz", examination.samples, examination.length_s, examination.rate_hz)?;
     for finding in &examination.findings {
-        println!("{:8} {}: {}", format!("{}:", finding.weight), finding.about, finding.text);
+        outln!("{:8} {}: {}", format!("{}:", finding.weight), finding.about, finding.text)?;
         if let Some(remedy) = finding.remedy {
-            println!("         -> {remedy}");
+            outln!("         -> {remedy}")?;
         }
     }
     for file in files.iter().filter(|f| f.extension().is_some_and(|e| e == "png")) {
-        println!("picture: {}", file.display());
+        outln!("picture: {}", file.display())?;
     }
     if files.is_empty() && !examination.spectra.is_empty() {
-        println!("no picture: both sensors never change, so there is no spectrum");
+        outln!("no picture: both sensors never change, so there is no spectrum")?;
     }
     Ok(())
 }

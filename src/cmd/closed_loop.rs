@@ -2,7 +2,7 @@
 
 use super::{program, settings, shipped, stop};
 use crate::args::{CameraArg, EvalArgs};
-use crate::ui::{Bar, Fault, Interrupted};
+use crate::ui::{Bar, Fault, Interrupted, errln, out, outln};
 use anyhow::Result;
 use dpn_core::estimate::parse_list;
 use dpn_eval::closed_loop::{
@@ -46,7 +46,7 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
         },
     };
     for warning in sweep.estimator.warnings() {
-        eprintln!("warning: {warning}");
+        errln!("warning: {warning}");
     }
     let manifest = Manifest::of(&sweep, program())?;
     let out = args
@@ -70,10 +70,10 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
     atomic_write(&out.join("closed_loop.json"), |file| writeln!(file, "{json}"))?;
     atomic_write(&out.join("closed_loop.txt"), |file| file.write_all(table.as_bytes()))?;
     if args.json {
-        println!("{json}");
+        outln!("{json}")?;
     } else {
-        print!("{table}");
-        println!("\nrows: {}", out.join("rows.jsonl").display());
+        out!("{table}")?;
+        outln!("\nrows: {}", out.join("rows.jsonl").display())?;
     }
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! `dpn noise convert`.
 
 use crate::args::ConvertArgs;
+use crate::ui::{errln, out, outln};
 use anyhow::Result;
 use dpn_core::noise::Figure;
 use dpn_io::noise_formats::{FormatError, Given, NoiseCalibration, Quantity, read, write};
@@ -21,19 +22,19 @@ pub(crate) fn run(args: &ConvertArgs) -> Result<()> {
             "remarks": source.remarks.iter().chain(&written.remarks).collect::<Vec<_>>(),
             "text": written.text,
         });
-        println!("{all}");
+        outln!("{all}")?;
         return Ok(());
     }
     if args.from.is_none() && args.file.is_some() {
-        eprintln!("read as {}", source.format);
+        errln!("read as {}", source.format);
     }
     for step in source.steps.iter().chain(&written.steps) {
-        eprintln!("{step}");
+        errln!("{step}");
     }
     for remark in source.remarks.iter().chain(&written.remarks) {
-        eprintln!("note: {remark}");
+        errln!("note: {remark}");
     }
-    print!("{}", written.text);
+    out!("{}", written.text)?;
     Ok(())
 }
 

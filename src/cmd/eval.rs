@@ -2,7 +2,7 @@
 
 use super::{closed_loop, corpus, program, shipped, stop};
 use crate::args::EvalArgs;
-use crate::ui::{Bar, Fault, Interrupted};
+use crate::ui::{Bar, Fault, Interrupted, errln, outln};
 use anyhow::{Context, Result};
 use dpn_core::Sensor;
 use dpn_eval::open_loop::{OpenLoop, OpenLoopError, Request, Row, run as judge};
@@ -60,16 +60,16 @@ fn open_loop(args: &EvalArgs) -> Result<()> {
     // They served to go on with; rows and pictures are whole now.
     std::fs::remove_dir_all(&cells).with_context(|| format!("cannot remove {}", cells.display()))?;
     if args.json {
-        println!("{}", serde_json::json!({ "rows": result.rows }));
+        outln!("{}", serde_json::json!({ "rows": result.rows }))?;
     } else {
         let shown = headline(&result.rows);
         for words in not_shown(&request, &shown) {
-            eprintln!("note: {words}");
+            errln!("note: {words}");
         }
-        println!("{}", open_loop_rows(&shown).console());
-        println!("all rows: {}", out.join("open_loop.csv").display());
+        outln!("{}", open_loop_rows(&shown).console())?;
+        outln!("all rows: {}", out.join("open_loop.csv").display())?;
         for picture in pictures.iter().filter(|path| path.extension().is_some_and(|e| e == "png")) {
-            println!("picture:  {}", picture.display());
+            outln!("picture:  {}", picture.display())?;
         }
     }
     Ok(())

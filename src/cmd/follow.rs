@@ -2,7 +2,7 @@
 
 use super::log;
 use crate::args::{NoiseArgs, RowFormat};
-use crate::ui::Fault;
+use crate::ui::{Fault, errln};
 use anyhow::Result;
 use dpn_core::{Sensor, Stamp};
 use dpn_io::ImuLines;
@@ -49,13 +49,13 @@ pub(crate) fn run(args: &NoiseArgs, plan: &Plan<'_>) -> Result<()> {
             // Nothing after a header without the columns can be understood.
             Err(error) if index == 0 => return Err(error.into()),
             Err(error) => {
-                eprintln!("warning: {error}; passed over");
+                errln!("warning: {error}; passed over");
                 continue;
             }
         };
         for sample in samples {
             if !sample.is_finite() || last.is_some_and(|last| sample.t <= last) {
-                eprintln!(
+                errln!(
                     "warning: a stamp of {} ns does not come after the one before; passed over",
                     sample.t.ns()
                 );
@@ -67,7 +67,7 @@ pub(crate) fn run(args: &NoiseArgs, plan: &Plan<'_>) -> Result<()> {
             if index == ENOUGH {
                 let found = ENOUGH as f64 / sample.t.seconds_since(start);
                 if (found / args.rate.hz() - 1.0).abs() > 0.05 {
-                    eprintln!(
+                    errln!(
                         "warning: the samples come at {found:.1} Hz, not at {:.1} Hz (--rate)",
                         args.rate.hz()
                     );
@@ -96,7 +96,7 @@ pub(crate) fn run(args: &NoiseArgs, plan: &Plan<'_>) -> Result<()> {
 }
 
 /// One answer as an object of JSON lines.
-pub(crate) fn json(answer: &Answer) -> serde_json::Value {
+pub(super) fn json(answer: &Answer) -> serde_json::Value {
     serde_json::json!({
         "t_ns": answer.t.ns(), "accel_std": answer.noise.of(Sensor::Accel), "gyro_std": answer.noise.of(Sensor::Gyro),
         "judged": answer.judged,

@@ -1,6 +1,7 @@
 //! Somebody's log: whatever it is, to a recording.
 
 use crate::args::{HowArgs, LogArgs};
+use crate::ui::errln;
 use anyhow::Result;
 use dpn_io::{CsvOptions, printable};
 use dpn_logs::{Log, LogOptions, read_log};
@@ -21,14 +22,14 @@ pub(crate) fn read_quietly(args: &LogArgs) -> Result<Log> {
 pub(crate) fn read_from(path: &Path, how: &HowArgs) -> Result<Log> {
     let log = read_log(path, &options(how))?;
     if !log.guesses.is_empty() {
-        eprintln!("note: taken for granted: {}", log.guesses.join(", "));
+        errln!("note: taken for granted: {}", log.guesses.join(", "));
     }
     for warning in log.warnings() {
-        eprintln!("warning: {}", printable(&warning));
+        errln!("warning: {}", printable(&warning));
     }
     for fault in meaningless(&log.recording) {
         let remedy = fault.remedy.map(|remedy| format!(" -> {remedy}")).unwrap_or_default();
-        eprintln!("warning: {}: {}{remedy}", fault.about, fault.text);
+        errln!("warning: {}: {}{remedy}", fault.about, fault.text);
     }
     Ok(log)
 }

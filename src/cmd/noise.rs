@@ -2,15 +2,15 @@
 
 use super::{convert, follow, log, shipped};
 use crate::args::{NoiseArgs, NoiseWhat, RowFormat};
-use crate::ui::Fault;
+use crate::ui::{Fault, errln, out, outln};
 use anyhow::Result;
+use dpn_core::SampleRate;
 use dpn_core::estimate::NoiseSpec;
-use dpn_core::{SampleRate, Sensor};
 use dpn_figures::{LogNoisePlot, save};
 use dpn_io::noise_formats::{Given, NoiseCalibration, read};
 use dpn_io::{atomic_write, write_noise_track};
 use dpn_probe::log_noise::compare::{Check, compare};
-use dpn_probe::log_noise::{Answer, Levels, LogNoiseError, Plan, TrackSummary, report, track};
+use dpn_probe::log_noise::{Levels, LogNoiseError, Plan, TrackSummary, report, track};
 use dpn_probe::phases::phases;
 use dpn_pronet::network::Network;
 use dpn_pronet::network::load_all;
@@ -49,7 +49,7 @@ fn plan<'a>(args: &NoiseArgs, rate: SampleRate, networks: &'a [Network]) -> Resu
     }
     match Plan::new(&"dualpronet".parse()?, rate, every, networks) {
         Err(LogNoiseError::Rate { found_hz, trained_hz, .. }) => {
-            eprintln!(
+            errln!(
                 "note: the log has {found_hz:.1} Hz and the shipped networks know {trained_hz:.0} Hz and its multiples: the simple estimator {SIMPLE} \
                  is asked instead (--noise)"
             );
@@ -96,7 +96,9 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
         }
         RowFormat::Jsonl => {
             let file = args.out.join("noise.jsonl");
-            atomic_write(&file, |out| track.answers.iter().try_for_each(|a| writeln!(out, "{}", json(a))))?;
+            atomic_write(&file, |out| {
+                track.answers.iter().try_for_each(|a| writeln!(out, "{}", follow::json(a)))
+            })?;
             file
         }
     };
@@ -111,19 +113,19 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
     let text = all.to_string() + "\n";
     atomic_write(&args.out.join("summary.json"), |file| file.write_all(text.as_bytes()))?;
     for warning in &warnings {
-        eprintln!("warning: {warning}");
+        errln!("warning: {warning}");
     }
     if args.json {
-        print!("{text}");
+        out!("{text}")?;
         return Ok(());
     }
-    print!("{}", report::page(&plan, &summary, rate));
+    out!("{}", report::page(&plan, &summary, rate))?;
     if let (Some(path), Some(source), Some(check)) = (&args.check, &config, &check) {
-        print_check(path, source, check);
+        print_check(path, source, check)?;
     }
-    println!("\ntrack:    {}", written.display());
+    outln!("\ntrack:    {}", written.display())?;
     for file in files.iter().filter(|f| f.extension().is_some_and(|e| e == "png")) {
-        println!("picture:  {}", file.display());
+        outln!("picture:  {}", file.display())?;
     }
     Ok(())
 }
@@ -133,13 +135,14 @@ fn config(args: &NoiseArgs, rate: SampleRate) -> Result<Option<NoiseCalibration>
     Ok(args.check.as_ref().map(|path| read(path, args.from, &given)).transpose()?)
 }
 
-fn print_check(path: &Path, source: &NoiseCalibration, check: &Check) {
-    println!("\n{} as {}, against this log ({}):", path.display(), source.format, check.levels);
+fn print_check(path: &Path, source: &NoiseCalibration, check: &Check) -> Result<()> {
+    outln!("\n{} as {}, against this log ({}):", path.display(), source.format, check.levels)?;
     for (warns, line) in check.lines() {
-        println!("{} {line}", if warns { "warning:" } else { "ok:     " });
+        outln!("{} {line}", if warns { "warning:" } else { "ok:     " })?;
     }
-    println!("note:    {}", check.walks_by);
+    outln!("note:    {}", check.walks_by)?;
     for remark in &source.remarks {
-        println!("note:    {remark}");
+        outln!("note:    {remark}")?;
     }
+    Ok(())
 }

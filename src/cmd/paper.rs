@@ -2,7 +2,7 @@
 
 use super::{device, program, program_of, settings, shipped, stop};
 use crate::args::PaperArgs;
-use crate::ui::{Bar, Interrupted};
+use crate::ui::{Bar, Interrupted, errln, outln};
 use anyhow::Result;
 use dpn_core::Sensor;
 use dpn_core::config::Validate;
@@ -38,7 +38,7 @@ pub(crate) fn run(args: &PaperArgs) -> Result<()> {
     let wanted = source.select(&args.sequences)?;
     let input = Input::check(source, &wanted, args.sequences == "all", &cameras.made)?;
     for missing in &input.missing {
-        eprintln!("warning: no row for {}: {}", missing.name, missing.reason);
+        errln!("warning: no row for {}: {}", missing.name, missing.reason);
     }
     let _work = FolderLock::take(&args.work)?;
     let same = std::fs::canonicalize(&args.work).ok() == std::fs::canonicalize(&args.out).ok();
@@ -74,17 +74,17 @@ pub(crate) fn run(args: &PaperArgs) -> Result<()> {
 
 fn say(done: &Done, json: bool) -> Result<()> {
     if json {
-        println!("{}", serde_json::to_string(done)?);
+        outln!("{}", serde_json::to_string(done)?)?;
         return Ok(());
     }
     for stage in &done.stages {
         let how = if stage.cached { "as it was" } else { "made" };
-        eprintln!("{:28} {how:10} {:7.1} s  {}", stage.name, stage.seconds, stage.run);
+        errln!("{:28} {how:10} {:7.1} s  {}", stage.name, stage.seconds, stage.run);
     }
     for finding in &done.findings {
-        println!("* {finding}");
+        outln!("* {finding}")?;
     }
-    println!("\npage: {}", done.page.display());
+    outln!("\npage: {}", done.page.display())?;
     Ok(())
 }
 

@@ -3,6 +3,7 @@
 //! SIGTERM ends the process at once, as everywhere: files are whole or not there, and the next run clears what was half-written. To listen for it
 //! would be, with this library, to listen for SIGHUP too, and `nohup` would no longer keep a night's run alive.
 
+use crate::ui::errln;
 use anyhow::{Context, Result};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -22,7 +23,7 @@ pub(crate) fn on_ctrl_c(kept: &'static str) -> Result<Arc<AtomicBool>> {
         }
         std::thread::spawn(move || {
             std::thread::sleep(PATIENCE);
-            eprintln!("stopped; {kept}");
+            errln!("stopped; {kept}");
             std::process::exit(130);
         });
     })

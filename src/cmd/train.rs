@@ -2,7 +2,7 @@
 
 use super::{corpus, device, stop};
 use crate::args::TrainArgs;
-use crate::ui::{Bar, Fault, Interrupted};
+use crate::ui::{Bar, Fault, Interrupted, errln, outln};
 use anyhow::Result;
 use dpn_core::Sensor;
 use dpn_core::config::Validate;
@@ -33,17 +33,17 @@ pub(crate) fn run(args: TrainArgs) -> Result<()> {
     let run = Run::open(&out, &config, corpus, &device, args.resume)?;
     let (done, total) = run.epochs();
     if done > 0 {
-        eprintln!("resume {} after {done} of {total} epochs", out.display());
+        errln!("resume {} after {done} of {total} epochs", out.display());
     } else if args.resume {
-        eprintln!("{}: no epoch was finished there; it is begun anew", out.display());
+        errln!("{}: no epoch was finished there; it is begun anew", out.display());
     }
     let stop = stop::on_ctrl_c("the epochs that were finished are kept: add --resume to go on")?;
     match run.train(&stop, &mut Bar::new()) {
         Ok((summary, weights)) => {
             if args.json {
-                println!("{}", serde_json::to_string(&summary)?);
+                outln!("{}", serde_json::to_string(&summary)?)?;
             } else {
-                println!(
+                outln!(
                     "{}: {} on {}, {} windows, {} parameters, validation RMSE {:.5} {} (epoch {})",
                     weights.display(),
                     summary.base,
@@ -53,7 +53,7 @@ pub(crate) fn run(args: TrainArgs) -> Result<()> {
                     summary.validation_rmse,
                     sensor.unit(),
                     summary.best_epoch
-                );
+                )?;
             }
             Ok(())
         }
