@@ -98,11 +98,14 @@ impl Gain {
     }
 }
 
+/// Residuals of a window.
+type Residuals = Box<dyn Fn(&[f64]) -> Vec<f64> + Send + Sync>;
+
 /// Sigma from the residuals that a linear map leaves of a window.
 pub(crate) struct Linear {
     name: String,
     min_len: usize,
-    map: Box<dyn Fn(&[f64]) -> Vec<f64> + Send + Sync>,
+    map: Residuals,
     pub(super) gain: Gain,
 }
 
