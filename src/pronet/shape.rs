@@ -22,7 +22,7 @@ pub struct ParameterShape {
 
 impl ParameterShape {
     /// How many numbers it has.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.shape.iter().product()
     }
 }

@@ -18,7 +18,7 @@ impl ImuSeries {
     }
 
     /// Number of samples.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.gyro.len()
     }
 
