@@ -22,8 +22,13 @@ pub struct ParameterShape {
 
 impl ParameterShape {
     /// How many numbers it has.
-    pub(crate) fn len(&self) -> usize {
+    pub fn len(&self) -> usize {
         self.shape.iter().product()
+    }
+
+    /// Never: a parameter has a number at least.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
     }
 }
 
