@@ -77,7 +77,7 @@ pub fn upper_median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// Median absolute deviation about the median, times [`MAD_TO_SIGMA`]: estimates the deviation of a normal variable.
+/// Median absolute deviation about the median, times 1.4826: estimates the deviation of a normal variable.
 pub fn mad(x: &[f64]) -> f64 {
     let mut work = x.to_vec();
     let centre = median_in_place(&mut work);

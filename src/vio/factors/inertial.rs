@@ -66,7 +66,7 @@ pub(crate) fn inertial_residual(
     parts(preint, i, j).residual
 }
 
-/// The residual, and its derivatives by both states as [`NavState::plus`] moves them: `(residual, d_res_d_state_i, d_res_d_state_j)`.
+/// The residual, and its derivatives by both states as `NavState::plus` moves them: `(residual, d_res_d_state_i, d_res_d_state_j)`.
 pub fn inertial_jacobians(
     preint: &Preintegration,
     i: &NavState,

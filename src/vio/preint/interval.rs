@@ -146,7 +146,7 @@ impl Preintegration {
         self.end().seconds_since(self.samples[0].sample.t)
     }
 
-    /// The increments under [`bias`](Self::bias).
+    /// The increments under the bias it was integrated with.
     pub fn delta(&self) -> &Delta {
         &self.integral.delta
     }

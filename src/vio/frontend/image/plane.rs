@@ -10,7 +10,7 @@ pub(crate) const PAD: usize = 32;
 /// How far a vector load may reach behind the last row's border.
 const SLACK: usize = 64;
 
-/// An image of 8 bits a pixel with [`PAD`] mirrored pixels on every side.
+/// An image of 8 bits a pixel with `PAD` mirrored pixels on every side.
 #[derive(Debug, Clone, Default)]
 pub struct Plane {
     width: usize,
