@@ -49,7 +49,7 @@ fn an_open_loop_survives() {
 
 #[test]
 fn a_paper_survives() {
-    chaos(Work::Paper, 2);
+    chaos(Work::Paper, 1);
 }
 
 /// How often each is disturbed where there is time.
