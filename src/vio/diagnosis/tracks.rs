@@ -1,11 +1,15 @@
 //! Whether ids stay with their points.
 
 use dpn_core::TrackFrame;
-use nalgebra::Vector2;
+use nalgebra::{Matrix2x3, Matrix3, Vector2, Vector3};
 use serde::Serialize;
 
-/// A track that moves farther than this beyond its frame's median has another point than before \[px\].
+/// A track that ends farther than this from where the others' motion carries it has another point than before \[px\].
 const JUMP_PX: f64 = 60.0;
+/// Share of a frame's tracks by which their common motion is told: those that fit it best.
+const FITTED: f64 = 0.7;
+/// Fewer have no motion but their median's.
+const FEWEST_FITTED: usize = 6;
 /// Frames farther apart than this are not compared \[s\].
 const LONGEST_STEP_S: f64 = 0.3;
 /// With a lower share of tracks going on, ids do not stay with points.
@@ -24,7 +28,7 @@ pub struct TrackHealth {
     pub mean_tracks: f64,
     /// Mean share of a frame's tracks that were in the frame before; 0 where no two frames can be compared.
     pub continuing: f64,
-    /// Share of these that moved by more than 60 px beyond the frame's median.
+    /// Share of these that ended more than 60 px from where the others' affine motion carries them.
     pub jumps: f64,
     /// Longest time between two frames \[s\].
     pub longest_gap_s: f64,
@@ -68,12 +72,11 @@ pub fn track_health(frames: &[TrackFrame]) -> TrackHealth {
         if seconds > LONGEST_STEP_S || pair[0].tracks.is_empty() || pair[1].tracks.is_empty() {
             continue;
         }
-        let moves: Vec<_> = pair[1].shared(&pair[0]).iter().map(|(before, px)| px - before).collect();
+        let shared = pair[1].shared(&pair[0]);
         pairs += 1;
-        shares += moves.len() as f64 / pair[1].tracks.len() as f64;
-        common += moves.len();
-        let middle = median(&moves);
-        jumps += moves.iter().filter(|m| (*m - middle).norm() > JUMP_PX).count();
+        shares += shared.len() as f64 / pair[1].tracks.len() as f64;
+        common += shared.len();
+        jumps += beyond_the_others(&shared).iter().filter(|px| **px > JUMP_PX).count();
     }
     let tracks: usize = frames.iter().map(|f| f.tracks.len()).sum();
     TrackHealth {
@@ -83,6 +86,29 @@ pub fn track_health(frames: &[TrackFrame]) -> TrackHealth {
         jumps: jumps as f64 / common.max(1) as f64,
         longest_gap_s: longest,
     }
+}
+
+/// How far each track ends from where the others carry it \[px\]: an affine motion, for a camera that rolls moves its corners against each other.
+fn beyond_the_others(shared: &[(Vector2<f64>, Vector2<f64>)]) -> Vec<f64> {
+    let moves: Vec<_> = shared.iter().map(|(before, px)| px - before).collect();
+    let middle = median(&moves);
+    let mut off: Vec<f64> = moves.iter().map(|m| (m - middle).norm()).collect();
+    let fitted = (FITTED * shared.len() as f64) as usize;
+    for _ in 0..if fitted < FEWEST_FITTED { 0 } else { 3 } {
+        let mut order: Vec<usize> = (0..shared.len()).collect();
+        order.sort_by(|a, b| off[*a].total_cmp(&off[*b]));
+        let (mut normal, mut right) = (Matrix3::zeros(), Matrix2x3::zeros());
+        for (before, px) in order[..fitted].iter().map(|i| &shared[*i]) {
+            let at = Vector3::new(before.x, before.y, 1.0);
+            normal += at * at.transpose();
+            right += px * at.transpose();
+        }
+        // Points on one line say nothing beyond their median.
+        let Some(inverse) = normal.cholesky().map(|factor| factor.inverse()) else { break };
+        let motion = right * inverse;
+        off = shared.iter().map(|(p, px)| (px - motion * Vector3::new(p.x, p.y, 1.0)).norm()).collect();
+    }
+    off
 }
 
 /// The median of each coordinate.
@@ -129,6 +155,17 @@ mod tests {
         assert!(new.fault().unwrap().starts_with("only 0.0 %"), "{new:?}");
         let few = track_health(&frames(|f, p| if p < 8 { p ^ (f % 8) } else { p }));
         assert!(few.fault().is_none() && few.warning().is_some(), "{few:?}");
+    }
+
+    #[test]
+    fn a_camera_that_rolls_fast_reuses_no_id() {
+        let centre = Vector2::new(350.0, 225.0);
+        let mut rolling = frames(|_, p| p);
+        for (i, frame) in rolling.iter_mut().enumerate() {
+            let turn = nalgebra::Rotation2::new(0.4 * i as f64);
+            frame.tracks.iter_mut().for_each(|track| track.px = centre + turn * (track.px - centre));
+        }
+        assert_eq!(track_health(&rolling).jumps, 0.0);
     }
 
     #[test]
