@@ -1,10 +1,10 @@
 //! Typed TOML configuration: unknown keys are refused with the nearest known one, bad values all at once.
 
 use crate::printable;
-use crate::small::LARGEST_CONFIG;
+use crate::small::{LARGEST_CONFIG, bounded};
 use dpn_core::config::{ConfigFaults, Validate, nearest};
 use serde::de::DeserializeOwned;
-use std::io::Read;
+use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -55,14 +55,11 @@ impl ConfigError {
 /// The text of a configuration; nobody writes one of megabytes.
 fn text_of(path: &Path) -> Result<String, ConfigError> {
     let failed = |source| ConfigError::Read { path: path.to_owned(), source };
-    let mut text = String::new();
+    let invalid = |words: String| failed(io::Error::new(io::ErrorKind::InvalidData, words));
     let file = std::fs::File::open(path).map_err(failed)?;
-    file.take(LARGEST_CONFIG + 1).read_to_string(&mut text).map_err(failed)?;
-    if text.len() as u64 > LARGEST_CONFIG {
-        let words = format!("more than {LARGEST_CONFIG} bytes; no configuration is as large");
-        return Err(failed(std::io::Error::new(std::io::ErrorKind::InvalidData, words)));
-    }
-    Ok(text)
+    let too_large = || invalid(format!("more than {LARGEST_CONFIG} bytes; no configuration is as large"));
+    let bytes = bounded(file).map_err(failed)?.ok_or_else(too_large)?;
+    String::from_utf8(bytes).map_err(|_| invalid("stream did not contain valid UTF-8".to_owned()))
 }
 
 /// Reads, parses and checks the configuration at `path`.

@@ -2,7 +2,7 @@
 
 use crate::IoError;
 use std::fs::File;
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::Path;
 
 /// The largest configuration \[bytes\]: parsed, a byte of YAML can take forty.
@@ -19,13 +19,16 @@ pub(crate) fn read_config(path: &Path) -> Result<Vec<u8>, IoError> {
 
 /// The same from any source; `path` is for messages.
 pub(crate) fn read_config_from(source: impl Read, path: &Path) -> Result<Vec<u8>, IoError> {
+    let what = "configuration";
+    let too_large = || IoError::TooLarge { path: path.to_path_buf(), what, most: LARGEST_CONFIG };
+    bounded(source).map_err(|e| IoError::reading(path, e))?.ok_or_else(too_large)
+}
+
+/// All bytes; none where there are more than [`LARGEST_CONFIG`].
+pub(crate) fn bounded(source: impl Read) -> io::Result<Option<Vec<u8>>> {
     let mut bytes = Vec::new();
-    source.take(LARGEST_CONFIG + 1).read_to_end(&mut bytes).map_err(|e| IoError::reading(path, e))?;
-    if bytes.len() as u64 > LARGEST_CONFIG {
-        let what = "configuration";
-        return Err(IoError::TooLarge { path: path.to_path_buf(), what, most: LARGEST_CONFIG });
-    }
-    Ok(bytes)
+    source.take(LARGEST_CONFIG + 1).read_to_end(&mut bytes)?;
+    Ok((bytes.len() as u64 <= LARGEST_CONFIG).then_some(bytes))
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Small work of every kind that goes on where it was broken off, and what is compared of its results.
 
+use dpn_testing::files;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -18,33 +19,12 @@ pub(crate) enum Work {
     Paper,
 }
 
-const PLAN: &str = r#"
-bases = ["sg(11,2)"]
-noises = ["x1", "x4", "dualpronet"]
-seeds = 1
-others = []
-other_seeds = 1
+/// As little as gives every table and figure.
+const PLAN: &str = include_str!("../data/least_plan.toml");
 
-[injected]
-courses = ["step"]
-noises = ["x4", "oracle"]
-followed = ["oracle", "diff2"]
-seeds = 1
-most_sequences = 1
-"#;
-
-const NETWORK: &str = "\
-[fit]
-validate_every = 1
-draws_per_window = 400
-
-[network]
-channels = [4, 4, 8]
-kernels = [5, 3, 3]
-strides = [1, 4, 2]
-paddings = [2, 1, 1]
-hidden = [8, 8, 4]
-";
+/// A network of a few hundred parameters, whose epochs last long enough to be disturbed.
+const NETWORK: &str = include_str!("../data/tiny_network.toml");
+const LONG_EPOCHS: (&str, &str) = ("[fit]\n", "[fit]\ndraws_per_window = 400\n");
 
 impl Work {
     pub(crate) fn name(self) -> &'static str {
@@ -65,7 +45,9 @@ impl Work {
                     std::fs::create_dir_all(&imu).unwrap();
                     std::fs::write(imu.join("data.csv"), still(seed)).unwrap();
                 }
-                std::fs::write(dir.join("network.toml"), NETWORK).unwrap();
+                let network = NETWORK.replace(LONG_EPOCHS.0, LONG_EPOCHS.1);
+                assert_ne!(network, NETWORK);
+                std::fs::write(dir.join("network.toml"), network).unwrap();
             }
             Self::Sweep => {}
             Self::Paper => std::fs::write(dir.join("plan.toml"), PLAN).unwrap(),
@@ -101,10 +83,12 @@ impl Work {
 
     /// Files of the results, without times.
     pub(crate) fn results(self, dir: &Path) -> BTreeMap<String, Vec<u8>> {
-        let mut all = BTreeMap::new();
-        collect(dir, &dir.join("out"), &mut all);
+        let of = |folder: &'static str| {
+            files(&dir.join(folder)).into_iter().map(move |(name, bytes)| (format!("{folder}/{name}"), bytes))
+        };
+        let mut all: BTreeMap<String, Vec<u8>> = of("out").collect();
         if self == Self::Paper {
-            collect(dir, &dir.join("work"), &mut all);
+            all.extend(of("work"));
         }
         all.retain(|name, _| self.lasts(name));
         for (name, bytes) in &mut all {
@@ -125,21 +109,6 @@ impl Work {
             .iter()
             .any(|end| name.ends_with(end));
         !timed && !pages
-    }
-}
-
-/// Every file under `dir`, by its path from `root`.
-fn collect(root: &Path, dir: &Path, out: &mut BTreeMap<String, Vec<u8>>) {
-    for entry in std::fs::read_dir(dir).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            collect(root, &path, out);
-        } else {
-            out.insert(
-                path.strip_prefix(root).unwrap().to_str().unwrap().to_owned(),
-                std::fs::read(&path).unwrap(),
-            );
-        }
     }
 }
 

@@ -6,20 +6,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// As little as gives every table and figure.
-const PLAN: &str = r#"
-bases = ["sg(11,2)"]
-noises = ["x1", "x4", "dualpronet"]
-seeds = 1
-others = []
-other_seeds = 1
-
-[injected]
-courses = ["step"]
-noises = ["x4", "oracle"]
-followed = ["oracle", "diff2"]
-seeds = 1
-most_sequences = 1
-"#;
+const PLAN: &str = include_str!("../data/least_plan.toml");
 
 /// With networks trained on the spot, for one epoch: what they say does not matter here.
 fn paper(dir: &Path, more: &[&str]) -> Done {

@@ -1,6 +1,6 @@
 //! Runs the binary and keeps what it said.
 
-use std::collections::BTreeMap;
+pub(crate) use dpn_testing::files;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -61,22 +61,4 @@ impl Done {
     pub(crate) fn json(&self) -> serde_json::Value {
         serde_json::from_str(&self.stdout).unwrap_or_else(|error| panic!("{error}: {self:?}"))
     }
-}
-
-/// Every file under `dir` by its relative path.
-pub(crate) fn files(dir: &Path) -> BTreeMap<String, Vec<u8>> {
-    fn collect(root: &Path, dir: &Path, out: &mut BTreeMap<String, Vec<u8>>) {
-        for entry in std::fs::read_dir(dir).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                collect(root, &path, out);
-            } else {
-                let name = path.strip_prefix(root).unwrap().to_str().unwrap().replace('\\', "/");
-                out.insert(name, std::fs::read(&path).unwrap());
-            }
-        }
-    }
-    let mut out = BTreeMap::new();
-    collect(dir, dir, &mut out);
-    out
 }

@@ -5,17 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// A network of a few hundred parameters.
-pub(crate) const TINY: &str = "\
-[fit]
-validate_every = 1
-
-[network]
-channels = [4, 4, 8]
-kernels = [5, 3, 3]
-strides = [1, 4, 2]
-paddings = [2, 1, 1]
-hidden = [8, 8, 4]
-";
+pub(crate) const TINY: &str = include_str!("../data/tiny_network.toml");
 
 /// Writes `text` as a configuration in `dir`.
 pub(crate) fn config(dir: &Path, text: &str) -> PathBuf {

@@ -2,13 +2,16 @@
 //!
 //! * [`pack`]: one of the unpacked data packs; tests that need it are skipped, loudly, where it is not there.
 //! * [`golden`]: expected values by other people's programs, `golden/NAME/golden.json`.
+//! * [`files`]: everything in a folder, to be compared byte by byte.
 //! * [`check_jacobian`]: a derivative against central differences.
 #![allow(clippy::unwrap_used)]
 
 mod data;
+mod files;
 mod golden;
 mod jacobian;
 
 pub use data::{pack, packs, repository};
+pub use files::files;
 pub use golden::golden;
 pub use jacobian::check_jacobian;
