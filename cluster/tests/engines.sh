@@ -1,0 +1,93 @@
+#!/usr/bin/env bash
+# A sweep of simulated flights in twelve shards by Slurm, HyperQueue, GNU parallel and Snakemake: each collected run is the single machine's, byte for byte.
+# cluster/tests/engines.sh DPN VENV. An engine that is not installed is named and left out; where CI is true it is required.
+set -euo pipefail
+export DPN
+DPN=$(realpath "${1:?the program}")
+venv=$(realpath "${2:?a folder with Python packages, see install.sh}")
+here=$(cd "$(dirname "$0")" && pwd)
+cluster=$(dirname "$here")
+work=$(mktemp -d)
+# shellcheck source-path=SCRIPTDIR
+. "$here/slurm_loopback.sh"
+slurm_dir=
+finish() {
+  [ -z "$slurm_dir" ] || slurm_stop
+  rm -rf "$work"
+}
+trap finish EXIT
+
+missing() {
+  echo "engine not tested, $1 is not installed (cluster/tests/install.sh)" >&2
+  [ "${CI:-}" != true ] || exit 1
+}
+
+# The same plan by one process, and as it is planned for twelve shards.
+cp "$here/flights.toml" "$work/plan.toml"
+"$DPN" sweep plan "$work/plan.toml" --shards 1 --out "$work/alone"
+"$DPN" sweep run "$work/alone" --shard 0
+"$DPN" sweep collect "$work/alone" --out "$work/single"
+planned() {
+  "$DPN" sweep plan "$work/plan.toml" --shards 12 --out "$work/$1" >/dev/null
+}
+same() {
+  "$DPN" sweep collect "$work/$1" --out "$work/$1-run" >/dev/null
+  diff -r "$work/single" "$work/$1-run"
+  echo "$1: the single machine's bytes"
+}
+
+if command -v slurmctld-wlm munged >/dev/null; then
+  planned slurm
+  slurm_start "$work/cluster"
+  "$cluster/slurm/submit.sh" "$work/slurm" --chdir "$work"
+  # In the middle: a node has begun its second shard at least.
+  until [ "$(squeue -h -t running -w dpn1 -o %K)" != "" ] && [ "$(squeue -h -t running,pending -r | wc -l)" -le 9 ]; do sleep 0.1; done
+  slurm_kill_node dpn1
+  echo "slurm: node dpn1 is dead while it works on shard $(squeue -h -t running -w dpn1 -o %K)"
+  for ((i = 0; i < 600; i++)); do
+    [ -n "$(squeue -h)" ] || break
+    # A requeued job waits two minutes by default; here it need not.
+    squeue -h -t pending -o '%F_%K %r' | awk '$2 == "BeginTime" { print $1 }' | xargs -r -I{} scontrol update JobId={} StartTime=now
+    sleep 0.2
+  done
+  grep -q "requeue job .* due to failure of node dpn1" "$slurm_dir/log/slurmctld.log"
+  # A shard's file is damaged: it is named, with the command that makes it again.
+  damaged=$(ls "$work"/slurm/shards/5/rows.jsonl)
+  sed -i '1s/"ate/"eta/' "$damaged"
+  if "$DPN" sweep collect "$work/slurm" --out "$work/slurm-run" 2>"$work/refused"; then
+    echo "a damaged shard was collected" >&2
+    exit 1
+  fi
+  grep -q -- "--shard 5" "$work/refused"
+  "$DPN" sweep run "$work/slurm" --shard 5
+  same slurm
+  slurm_stop
+  slurm_dir=
+else
+  missing "slurm-wlm or munge"
+fi
+
+if "$venv/bin/python" -c 'import hyperqueue' 2>/dev/null; then
+  planned hyperqueue
+  "$venv/bin/python" "$cluster/hyperqueue/sweep.py" "$work/hyperqueue" --workers 2
+  same hyperqueue
+else
+  missing hyperqueue
+fi
+
+if command -v parallel >/dev/null; then
+  planned parallel
+  "$cluster/parallel/sweep.sh" "$work/parallel" --jobs 2
+  same parallel
+else
+  missing parallel
+fi
+
+if [ -x "$venv/bin/snakemake" ]; then
+  planned snakemake
+  "$venv/bin/snakemake" --quiet all --directory "$work/smk" --snakefile "$cluster/snakemake/Snakefile" --config sweep="$work/snakemake" out="$work/snakemake-run" --cores 2
+  diff -r "$work/single" "$work/snakemake-run"
+  echo "snakemake: the single machine's bytes"
+else
+  missing snakemake
+fi
