@@ -7,7 +7,7 @@ use dpn_core::signal::SavitzkyGolay;
 use std::sync::OnceLock;
 
 /// Window and order of the filter whose residual counts as the window's own noise.
-pub const OWN_FILTER: (usize, usize) = (5, 2);
+const OWN_FILTER: (usize, usize) = (5, 2);
 
 /// Deviation of what Savitzky-Golay (5, 2) takes out of `window`, divided by the filter's gain for white noise: the
 /// deviation of white noise that would leave the same residual.

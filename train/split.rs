@@ -23,9 +23,9 @@ impl fmt::Display for Side {
 }
 
 /// EuRoC's training sequences in the paper's table 1, by their short names.
-pub const PAPER_TRAIN: [&str; 6] = ["MH_01", "MH_03", "MH_05", "V1_02", "V2_01", "V2_03"];
+const PAPER_TRAIN: [&str; 6] = ["MH_01", "MH_03", "MH_05", "V1_02", "V2_01", "V2_03"];
 /// EuRoC's test sequences in the paper's table 1.
-pub const PAPER_TEST: [&str; 5] = ["MH_02", "MH_04", "V1_01", "V1_03", "V2_02"];
+const PAPER_TEST: [&str; 5] = ["MH_02", "MH_04", "V1_01", "V1_03", "V2_02"];
 
 /// The paper's side of an EuRoC sequence, by its short name (`MH_01`) or with its difficulty (`MH_01_easy`); `None` for
 /// any other name, a part of a sequence such as `V1_01_easy_static` included.

@@ -15,7 +15,7 @@
 use super::associate::PosePair;
 use super::error::MetricsError;
 use nalgebra::{
-    Isometry3, Matrix3, Matrix4, Point3, Quaternion, SymmetricEigen, Translation3, UnitQuaternion, Vector3,
+    Isometry3, Matrix3, Matrix4, Quaternion, SymmetricEigen, Translation3, UnitQuaternion, Vector3,
 };
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -85,14 +85,6 @@ impl Alignment {
         let position = r * est_world_from_body.translation.vector * self.scale
             + self.true_world_from_est_world.translation.vector;
         Isometry3::from_parts(Translation3::from(position), r * est_world_from_body.rotation)
-    }
-
-    /// An estimated point seen in the truth's world.
-    pub fn apply_to_point(&self, point_in_est_world: &Point3<f64>) -> Point3<f64> {
-        let r = self.true_world_from_est_world.rotation;
-        Point3::from(
-            r * point_in_est_world.coords * self.scale + self.true_world_from_est_world.translation.vector,
-        )
     }
 }
 

@@ -2,4 +2,6 @@
 #![allow(clippy::unwrap_used)]
 
 mod configs;
+#[cfg(feature = "wgpu")]
+mod gpu;
 mod resume;

@@ -13,7 +13,7 @@ use rand::Rng;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-fn corpus() -> Corpus {
+pub(super) fn corpus() -> Corpus {
     let member = |name: &str, side, seed| {
         let mut rng = Stream::new(seed).named("resume test").rng();
         let samples = (0..4000)
