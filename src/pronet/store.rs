@@ -5,11 +5,11 @@
 //! in the order of their names.
 
 use crate::config::retired;
+use dpn_core::checksum::of_parts;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, HashMap};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -134,14 +134,7 @@ fn le_bytes(numbers: &[f32]) -> Vec<u8> {
 }
 
 fn checksum<'a>(by_name: impl IntoIterator<Item = (&'a str, &'a [u8])>) -> String {
-    let mut hash = Sha256::new();
-    for (name, bytes) in by_name {
-        hash.update((name.len() as u64).to_le_bytes());
-        hash.update(name.as_bytes());
-        hash.update((bytes.len() as u64).to_le_bytes());
-        hash.update(bytes);
-    }
-    hash.finalize().iter().map(|b| format!("{b:02x}")).collect()
+    of_parts(by_name.into_iter().flat_map(|(name, bytes)| [name.as_bytes(), bytes]))
 }
 
 /// The bytes of a file with these tensors and this description. The same input gives the same bytes.
