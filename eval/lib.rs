@@ -1,7 +1,6 @@
 //! Judging: the open loop, the closed loop, trajectories and their consistency, statistics. Numbers only: nothing here draws.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
-mod checksum;
 pub mod closed_loop;
 pub mod injected;
 pub mod metrics;

@@ -1,13 +1,14 @@
 //! What the experiment with injected noise says: how models follow, and what following is worth.
 
 use super::error::{PaperError, stopped};
+use super::results::cached;
 use super::specs;
 use dpn_core::Sensor;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::random::Stream;
 use dpn_core::signal::stats::median_of;
 use dpn_eval::closed_loop::SequenceSet;
-use dpn_eval::injected::{Course, Injection, step_response};
+use dpn_eval::injected::{Course, Injection, StepResponse, step_response};
 use dpn_eval::noise::{Fresh, Recorded};
 use dpn_eval::stats::StatsError;
 use dpn_eval::study::{Comparison, Criterion, Reference, RowSet, compare, correct_for_count};
@@ -15,6 +16,7 @@ use dpn_pronet::network::Network;
 use dpn_train::split::Side;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 /// How one noise follows one course, medians over sequences.
@@ -38,22 +40,27 @@ fn axes(course: Course) -> &'static [usize] {
     if course == Course::OneAxis { &[1] } else { &[0, 1, 2] }
 }
 
-/// Responses of all `noises` to all courses with a change, over the sequences at `places`.
+/// What is measured at a time, and kept in a file of its own: the responses to one course over one sequence, of every noise to each sensor.
+type Piece = Vec<[Option<StepResponse>; 2]>;
+
+/// Responses of all `noises` to all courses with a change, over the sequences at `places`. Pieces that lie in `dir` are read, the others put there.
 pub(super) fn responses(
     source: &SequenceSet,
     places: &[usize],
     noises: &[NoiseSpec],
     networks: &[Network],
     (injection, seed): (&Injection, u64),
+    dir: &Path,
     stop: &AtomicBool,
 ) -> Result<Vec<Response>, PaperError> {
+    let names = source.names();
     let courses: Vec<Course> = Course::ALL.into_iter().filter(|c| *c != Course::Ramp).collect();
     let jobs: Vec<(usize, Course)> =
         places.iter().flat_map(|place| courses.iter().map(|course| (*place, *course))).collect();
-    // Of each job: for every noise and sensor a response.
-    let measured = jobs
-        .par_iter()
-        .map(|(place, course)| {
+    let measured = jobs.par_iter().map(|(place, course)| {
+        stopped(stop)?;
+        let path = dir.join(format!("{}-{}.json", names[*place].0, course.name()));
+        let piece = cached(&path, || {
             let recording = source.recording(*place, seed)?;
             let (imu, oracle) = injection.with(*course).apply(&recording.name, &recording.imu, seed);
             let recorded = Recorded { name: &recording.name, imu: &imu, oracle: Some(&oracle) };
@@ -64,9 +71,11 @@ pub(super) fn responses(
                 let track = dpn_eval::noise::track(noise, &imu, &sources, &stream)?;
                 Ok(Sensor::ALL.map(|sensor| step_response(&track, *course, sensor, axes(*course))))
             };
-            noises.iter().map(of).collect::<Result<Vec<_>, PaperError>>()
-        })
-        .collect::<Result<Vec<_>, PaperError>>()?;
+            noises.iter().map(of).collect::<Result<Piece, PaperError>>()
+        });
+        Ok(piece?.0)
+    });
+    let measured = measured.collect::<Result<Vec<Piece>, PaperError>>()?;
     let mut found = Vec::new();
     for course in courses {
         for (n, noise) in noises.iter().enumerate() {
@@ -77,7 +86,7 @@ pub(super) fn responses(
                     .filter(|((_, c), _)| *c == course)
                     .filter_map(|(_, responses)| responses[n][s])
                     .collect();
-                let lag = |pick: fn(&dpn_eval::injected::StepResponse) -> Option<f64>| {
+                let lag = |pick: fn(&StepResponse) -> Option<f64>| {
                     let lags: Vec<f64> = of.iter().filter_map(pick).collect();
                     let count = lags.len();
                     median_of(lags).map(|lag| (lag, count))

@@ -49,7 +49,7 @@ struct SweepRequest<'a> {
 }
 
 /// Reads `path`, or makes it and writes it. A file that does not read is an error: it is not ours to throw away.
-fn cached<T: Serialize + DeserializeOwned>(
+pub(super) fn cached<T: Serialize + DeserializeOwned>(
     path: &Path,
     make: impl FnOnce() -> Result<T, PaperError>,
 ) -> Result<(T, bool), PaperError> {
@@ -257,10 +257,18 @@ impl Paper<'_> {
         parts.extend(self.contents(&noises)?);
         parts.extend(self.checksums(&places)?);
         let run = format!("response-{}", id(&parts));
-        let (value, cached) = self.cached(&run, &self.work.join(&run).join("responses.json"), || {
-            stopped(stop)?;
-            let seed = self.plan.seed;
-            responses(&self.input.source, &places, &noises, self.networks, (&plan.noise, seed), stop)
+        let dir = self.work.join(&run);
+        let (value, cached) = self.cached(&run, &dir.join("responses.json"), || {
+            let injected = (&plan.noise, self.plan.seed);
+            responses(
+                &self.input.source,
+                &places,
+                &noises,
+                self.networks,
+                injected,
+                &dir.join("pieces"),
+                stop,
+            )
         })?;
         Ok(StageResult { value, run, cached })
     }

@@ -12,6 +12,7 @@ use super::specs;
 use super::tables;
 use askama::Template as _;
 use dpn_core::Sensor;
+use dpn_core::checksum::of_bytes;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::progress::Progress;
 use dpn_eval::closed_loop::{ImageSource, Recording, Row, TrackSource};
@@ -22,7 +23,6 @@ use dpn_io::{IoError, atomic_write};
 use dpn_pronet::network::Network;
 use dpn_train::split::Side;
 use serde::Serialize;
-use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -429,5 +429,5 @@ fn report(name: &str, run: &str, cached: bool, clock: Instant) -> StageReport {
 
 fn checksum(path: &Path) -> std::io::Result<String> {
     let bytes = std::fs::read(path)?;
-    Ok(Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(of_bytes(&bytes))
 }

@@ -276,9 +276,7 @@ const WRITTEN: &str = "tables of plain keys are TOML";
 /// # Errors
 /// A file that cannot be read or is no such configuration; values outside their bounds.
 pub fn load(path: &Path, sensor: Sensor) -> Result<TrainConfig, ConfigError> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|source| ConfigError::Read { path: path.to_owned(), source })?;
-    parse(&text, path, sensor)
+    parse(&config::text_of(path)?, path, sensor)
 }
 
 /// As [`load`], from a text at hand; `path` only names it in errors.

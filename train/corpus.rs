@@ -3,6 +3,7 @@
 use crate::split::Side;
 use crate::windows::WINDOW;
 use dpn_core::check::{CheckOptions, RecordingFault, check};
+use dpn_core::checksum::hex;
 use dpn_core::{ImuRecording, SampleRate};
 use sha2::{Digest, Sha256};
 use thiserror::Error;
@@ -113,7 +114,7 @@ impl Corpus {
                 }
             }
         }
-        hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+        hex(hash.finalize())
     }
 }
 

@@ -285,7 +285,9 @@ impl<'a> Run<'a> {
         if let Some(best) = &self.state.best {
             checkpoint.vectors.insert(BEST.to_owned(), best.weights.clone());
         }
-        checkpoint.save(self.dir.join(CHECKPOINT))?;
+        let bytes = checkpoint.to_bytes()?;
+        // A kill leaves the checkpoint before it.
+        atomic_write(&self.dir.join(CHECKPOINT), |out| out.write_all(&bytes))?;
         self.write_history()
     }
 
@@ -307,7 +309,8 @@ impl<'a> Run<'a> {
         training.insert("run".into(), json!(self.trainer.config()));
         let card = Card { rate: SampleRate::HZ_200, range: self.trainer.trained_range(), training };
         let weights: Weights = self.trainer.weights(&self.state, card);
-        weights.save(path)?;
+        let bytes = weights.to_bytes()?;
+        atomic_write(path, |out| out.write_all(&bytes))?;
         let lines = serde_json::to_string_pretty(summary).map_err(text)? + "\n";
         atomic_write(&self.dir.join(SUMMARY), |out| out.write_all(lines.as_bytes()))?;
         Ok(())

@@ -4,8 +4,8 @@ use super::error::ClosedLoopError;
 use super::manifest::Manifest;
 use super::row::CellKey;
 use super::sweep_plan::Sweep;
-use crate::checksum::sha256;
 use crate::noise::content;
+use dpn_core::checksum::of_parts;
 use dpn_core::estimate::NoiseSpec;
 use dpn_train::split::Side;
 use std::collections::{BTreeMap, BTreeSet};
@@ -36,7 +36,8 @@ impl Sweep<'_> {
         let parts = [(&self.noises, &self.seeds), (others, other_seeds)];
         let seeds: BTreeSet<u64> = self.seeds.iter().chain(other_seeds).copied().collect();
         let contents = self.noise_contents()?;
-        let run = sha256([&manifest.program, &manifest.estimator.to_string(), &manifest.source.to_string()]);
+        let run =
+            of_parts([&manifest.program, &manifest.estimator.to_string(), &manifest.source.to_string()]);
         let mut cells = Vec::new();
         for &place in &self.places {
             let (name, side) = &names[place];
@@ -47,7 +48,7 @@ impl Sweep<'_> {
                     for noise in *noises {
                         let key = CellKey { sequence: name.clone(), seed, noise: noise.to_string() };
                         let of_cell = [&seed.to_string(), &contents[&key.noise]];
-                        let content = sha256(of_sequence.into_iter().chain(of_cell.map(String::as_str)));
+                        let content = of_parts(of_sequence.into_iter().chain(of_cell.map(String::as_str)));
                         cells.push(Cell { place, seed, noise, key, content });
                     }
                 }
@@ -65,7 +66,7 @@ impl Sweep<'_> {
             Ok((
                 noise.to_string(),
                 match &trained_on {
-                    Some(sequences) if noise.needs_training() => sha256([&content, sequences]),
+                    Some(sequences) if noise.needs_training() => of_parts([&content, sequences]),
                     _ => content,
                 },
             ))
@@ -74,8 +75,9 @@ impl Sweep<'_> {
     }
 
     /// Seed of the training sequences that a mean is taken over: one for all cells, the first that is run.
-    pub(super) fn training_seed(&self) -> u64 {
-        self.seeds.first().or(self.others.1.first()).copied().unwrap_or_default()
+    /// None of a sweep without seeds, which has no cells.
+    pub(super) fn training_seed(&self) -> Option<u64> {
+        self.seeds.first().or(self.others.1.first()).copied()
     }
 
     /// Whether a sequence's samples depend on the seed.
@@ -98,14 +100,15 @@ impl Sweep<'_> {
             parts.push(self.source.checksum_of_samples(place));
         }
         if self.samples_are_seeded() {
-            parts.push(self.training_seed().to_string());
+            parts.extend(self.training_seed().map(|seed| seed.to_string()));
         }
-        sha256(parts)
+        of_parts(parts)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::images::ImageSource;
     use super::super::recording::StartAt;
     use super::super::sequence_set::{SequenceSet, TrackSource};
     use super::super::sweep_plan::Keep;
@@ -180,5 +183,32 @@ mod tests {
         // Cells of seeds 0 and 1 in order: the constant's are the same, those of the mean are not.
         assert_eq!((&first[1], &first[3]), (&later[1], &later[3]));
         assert!(first[0] != later[0] && first[2] != later[2]);
+    }
+
+    #[test]
+    fn a_changed_image_of_the_same_length_is_another_cell_and_an_image_more_is() {
+        let dir = tempfile::tempdir().unwrap();
+        let excerpt = dpn_testing::repository().join("tests/data/euroc/V1_01_easy");
+        for (name, bytes) in dpn_testing::files(&excerpt) {
+            let to = dir.path().join(name);
+            std::fs::create_dir_all(to.parent().unwrap()).unwrap();
+            std::fs::write(to, bytes).unwrap();
+        }
+        let images = TrackSource::Images(ImageSource::Folder { skip_missing: true });
+        let source = SequenceSet::one(dir.path(), images).unwrap();
+        let SequenceSet::Recorded { sequences, .. } = &source else { panic!("it was read from a folder") };
+        let frames = sequences[0].0.camera_frames().unwrap();
+        let [first, second] = [0, 1].map(|i| sequences[0].0.image_path(&frames[i]));
+        std::fs::create_dir_all(first.parent().unwrap()).unwrap();
+        let of = || contents(&Sweep { places: vec![0], ..sweep(&source, &["x4"], &[0]) }, "dpn 1");
+        let mut seen = vec![of()];
+        for (path, bytes) in [(&first, "picture"), (&first, "pictuRe"), (&second, ""), (&second, "picture")] {
+            std::fs::write(path, bytes).unwrap();
+            let now = of();
+            assert!(!seen.contains(&now), "{path:?} with {bytes}");
+            seen.push(now);
+        }
+        std::fs::remove_file(&second).unwrap();
+        assert_eq!(of(), seen[2]);
     }
 }

@@ -2,8 +2,8 @@
 
 use super::error::ClosedLoopError;
 use super::sweep_plan::Sweep;
-use crate::checksum::sha256;
 use crate::noise::NoiseError;
+use dpn_core::checksum::of_parts;
 use dpn_core::estimate::NoiseSpec;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -61,7 +61,7 @@ impl Manifest {
             source,
             from: sweep.to.map_or_else(|| sweep.from.to_string(), |to| format!("{} to {to}", sweep.from)),
             inputs,
-            networks: sha256(networks),
+            networks: of_parts(networks),
             cells,
         })
     }
@@ -70,7 +70,7 @@ impl Manifest {
     pub fn fingerprint(&self) -> String {
         let parts = [&self.program, &self.estimator.to_string(), &self.source.to_string(), &self.from];
         let inputs = self.inputs.iter().flat_map(|(name, sum)| [name.as_str(), sum]);
-        sha256(parts.map(String::as_str).into_iter().chain(inputs).chain([self.networks.as_str()]))
+        of_parts(parts.map(String::as_str).into_iter().chain(inputs).chain([self.networks.as_str()]))
     }
 
     /// The first thing in which `there` is of another run. Networks are none: which of them a cell asks is in the cell's own checksum.

@@ -1,7 +1,7 @@
 //! One line of results.
 
 use super::image_report::FrontEndFigures;
-use crate::checksum::sha256;
+use dpn_core::checksum::of_parts;
 use dpn_core::estimate::NoiseSpec;
 use dpn_train::split::Side;
 use dpn_vio::estimator::RestartReason;
@@ -163,7 +163,7 @@ impl CellKey {
         let sum = if self.noise.chars().all(|c| plain(c) || "(),".contains(c)) {
             String::new()
         } else {
-            format!(".{}", &sha256([&self.noise])[..8])
+            format!(".{}", &of_parts([&self.noise])[..8])
         };
         format!("{}.{noise}{sum}.seed{}.{extension}", self.sequence, self.seed)
     }

@@ -5,10 +5,10 @@ use super::images::{ImageSource, ImageStream, of_folder};
 use super::recording::{Recording, Span};
 use super::rendered::rendered;
 use super::tracking::CameraInput;
-use crate::checksum::sha256;
 use crate::metrics::poses_of;
 use dpn_core::camera::CameraConfig;
 use dpn_core::camera::PinholeRadtan;
+use dpn_core::checksum::{hex, of_parts};
 use dpn_core::trajectory::StampedPose;
 use dpn_core::{SampleRate, Stamp, TrackFrame};
 use dpn_io::asl::{Sequence, discover};
@@ -19,6 +19,7 @@ use dpn_sim::tracks::{
 };
 use dpn_sim::{Flight, FlightConfig, RenderConfig, Split, simulate};
 use dpn_train::split::{Side, assign, paper_side};
+use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -283,7 +284,8 @@ impl SequenceSet {
         }
     }
 
-    /// SHA-256 over the files that the sequence at `place` is read from, over its images' lengths alone; of a flight, nothing but its name.
+    /// SHA-256 over the files that the sequence at `place` is read from, its images among them; of a flight, over nothing but its name.
+    /// Images are read anew each time: a second for some gigabytes in the system's cache, and nothing remembered that may have changed.
     ///
     /// # Errors
     /// A file that cannot be read.
@@ -300,18 +302,18 @@ impl SequenceSet {
                     hash.update((bytes.len() as u64).to_le_bytes());
                     hash.update(&bytes);
                 }
-                // Gigabytes of images are told apart by their lengths, which differ wherever a picture does, but for great chance.
                 if let TrackSource::Images(ImageSource::Folder { .. }) = tracks {
-                    for (t, length) in ImageFolder::open(sequence)?.lengths() {
+                    let folder = ImageFolder::open(sequence)?;
+                    let sums = folder.files().par_iter().map(|(t, path)| Ok((t, checksum_of_image(path)?)));
+                    for (t, sum) in sums.collect::<Result<Vec<_>, IoError>>()? {
                         hash.update(t.ns().to_le_bytes());
-                        // One that is not there is not one that is empty.
-                        hash.update(length.unwrap_or(u64::MAX).to_le_bytes());
+                        hash.update(sum);
                     }
                 }
             }
             Self::Flights { .. } => hash.update(Flight::ALL[place].name()),
         }
-        Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+        Ok(hex(hash.finalize()))
     }
 
     /// The same of a sequence that need not be whole, without its images: what its samples are read from, as far as it is there.
@@ -320,11 +322,24 @@ impl SequenceSet {
             Self::Recorded { sequences, tracks } => {
                 let there = files(&sequences[place].0, tracks).into_iter().map(std::fs::read);
                 // A file that cannot be read is not one that is empty.
-                sha256(there.map(|read| read.map_or_else(|_| vec![0], |bytes| [&[1], &bytes[..]].concat())))
+                of_parts(there.map(|read| read.map_or_else(|_| vec![0], |bytes| [&[1], &bytes[..]].concat())))
             }
             Self::Flights { .. } => Flight::ALL[place].name().to_owned(),
         }
     }
+}
+
+/// SHA-256 of an image's file; zeros of one that is not there.
+fn checksum_of_image(path: &Path) -> Result<[u8; 32], IoError> {
+    // Opening a pipe of that name would wait for a writer.
+    if !path.is_file() {
+        return Ok([0; 32]);
+    }
+    let mut hash = Sha256::new();
+    std::fs::File::open(path)
+        .and_then(|mut file| std::io::copy(&mut file, &mut hash))
+        .map_err(|source| IoError::Read { path: path.to_path_buf(), source })?;
+    Ok(hash.finalize().into())
 }
 
 /// The files that a sequence is read from, but for its images.

@@ -341,7 +341,10 @@ impl Sweep<'_> {
         if sources.is_empty() {
             return Ok(BTreeMap::new());
         }
-        let (training, seed) = (self.training_places(), self.training_seed());
+        let seed = self
+            .training_seed()
+            .expect("a cell that is to be run has a seed, and a noise that needs it is such a cell's");
+        let training = self.training_places();
         let of_sequence = |i: usize| {
             let recording = match self.recording(training[i], seed) {
                 Ok(recording) => recording,

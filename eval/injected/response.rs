@@ -3,7 +3,7 @@
 use super::course::Course;
 use dpn_core::signal::stats::median_in_place;
 use dpn_core::{NoiseTrack, Sensor};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Time around a change that counts to neither level \[s\].
 const SETTLING_S: f64 = 5.0;
@@ -11,7 +11,7 @@ const SETTLING_S: f64 = 5.0;
 const LONGEST_S: f64 = 15.0;
 
 /// How one sensor's estimate follows the two changes of a step, all axes together.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct StepResponse {
     /// Median of the estimates while nothing is raised \[unit of the sensor\].
     pub low: f64,

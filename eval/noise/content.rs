@@ -1,8 +1,8 @@
 //! What a spec's noise is a function of, besides the recording: by content, whatever the path.
 
 use super::NoiseError;
-use crate::checksum::sha256;
 use dpn_core::Sensor;
+use dpn_core::checksum::of_parts;
 use dpn_core::estimate::NoiseSpec;
 use dpn_io::IoError;
 use dpn_pronet::network::{Network, select};
@@ -20,7 +20,7 @@ pub fn content(spec: &NoiseSpec, networks: &[Network]) -> Result<String, NoiseEr
                 let network = select(networks, sensor, tag);
                 let network =
                     network.map_err(|source| NoiseError::NoNetwork { spec: spec.to_string(), source })?;
-                Ok::<_, NoiseError>(sha256([network.weights.to_bytes()?]))
+                Ok::<_, NoiseError>(of_parts([network.weights.to_bytes()?]))
             };
             format!("dualpronet({},{})", of(Sensor::Accel, accel)?, of(Sensor::Gyro, gyro)?)
         }
@@ -29,7 +29,7 @@ pub fn content(spec: &NoiseSpec, networks: &[Network]) -> Result<String, NoiseEr
                 std::io::ErrorKind::NotFound => IoError::Missing { path: path.clone() },
                 _ => IoError::Read { path: path.clone(), source },
             })?;
-            format!("file({})", sha256([bytes]))
+            format!("file({})", of_parts([bytes]))
         }
         NoiseSpec::Shuffled(of) => format!("shuffled({})", content(of, networks)?),
         NoiseSpec::Mean(of) => format!("mean({})", content(of, networks)?),

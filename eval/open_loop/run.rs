@@ -8,8 +8,8 @@
 use super::cells::Cells;
 use super::job::{Fitted, Job};
 use super::request::{OpenLoop, OpenLoopError, Request};
-use crate::checksum::sha256;
 use dpn_core::Sensor;
+use dpn_core::checksum::of_parts;
 use dpn_core::estimate::spec::EstimatorSpec;
 use dpn_core::estimate::{EstimatorError, WindowSigma};
 use dpn_core::progress::Progress;
@@ -116,19 +116,20 @@ fn contents(request: &Request<'_>, jobs: &[Job<'_>]) -> Result<Vec<String>, Open
     let sums: BTreeMap<&str, String> =
         request.corpora.iter().map(|corpus| (corpus.name.as_str(), corpus.fingerprint())).collect();
     let networks: Result<Vec<(Sensor, String)>, StoreError> =
-        request.networks.iter().map(|n| Ok((n.sensor(), sha256([n.weights.to_bytes()?])))).collect();
+        request.networks.iter().map(|n| Ok((n.sensor(), of_parts([n.weights.to_bytes()?])))).collect();
     let networks = networks?;
     let own = |job: &Job<'_>| {
         let mut parts = vec![request.program.to_owned(), request.seed.to_string(), job.corpus.name.clone()];
         parts.extend([sums[job.corpus.name.as_str()].clone(), job.sensor.to_string(), job.base.to_string()]);
         parts.extend([job.kind.family().to_owned(), format!("{:?}", request.drawn)]);
         parts.extend(networks.iter().filter(|(sensor, _)| *sensor == job.sensor).map(|(_, sum)| sum.clone()));
-        sha256(parts)
+        of_parts(parts)
     };
     let all: Vec<String> = jobs.iter().map(own).collect();
     // What nothing is fitted on depends on what is carried over to it: on any of the others.
-    let fitted = sha256(jobs.iter().zip(&all).filter(|(job, _)| !job.foreign()).map(|(_, content)| content));
-    let whole = |(job, own): (&Job<'_>, String)| if job.foreign() { sha256([&own, &fitted]) } else { own };
+    let fitted =
+        of_parts(jobs.iter().zip(&all).filter(|(job, _)| !job.foreign()).map(|(_, content)| content));
+    let whole = |(job, own): (&Job<'_>, String)| if job.foreign() { of_parts([&own, &fitted]) } else { own };
     Ok(jobs.iter().zip(all).map(whole).collect())
 }
 

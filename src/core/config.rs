@@ -3,6 +3,9 @@
 use std::fmt;
 use thiserror::Error;
 
+/// Numbers with more digits are written with an exponent.
+const LONGEST_NUMBER: usize = 24;
+
 /// One value outside its bound.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ConfigFault {
@@ -17,7 +20,14 @@ pub struct ConfigFault {
 impl ConfigFault {
     /// `key` holds `value`, but must be `bound`.
     pub fn new(key: impl Into<String>, value: impl fmt::Display, bound: impl Into<String>) -> Self {
-        Self { key: key.into(), value: value.to_string(), bound: bound.into() }
+        let mut value = value.to_string();
+        // 1e300 would be three hundred digits.
+        if value.len() > LONGEST_NUMBER
+            && let Ok(number) = value.parse::<f64>()
+        {
+            value = format!("{number:e}");
+        }
+        Self { key: key.into(), value, bound: bound.into() }
     }
 }
 
@@ -118,6 +128,13 @@ mod tests {
         faults.within("a", f64::NAN, 0.0, 1.0);
         faults.within("b", 1.0, 0.0, 1.0);
         assert_eq!(faults.to_string(), "`a` is NaN, but must be 0 to 1");
+    }
+
+    #[test]
+    fn a_number_of_many_digits_is_written_with_its_exponent() {
+        let said = |value: f64| ConfigFault::new("a", value, "1").value;
+        assert_eq!([1e300, -1e-300, 1e12].map(said), ["1e300", "-1e-300", "1000000000000"]);
+        assert_eq!(ConfigFault::new("a", u64::MAX, "1").value, "18446744073709551615");
     }
 
     #[test]

@@ -10,6 +10,7 @@
 pub mod bounds;
 pub mod camera;
 pub mod check;
+pub mod checksum;
 pub mod config;
 pub mod estimate;
 pub mod geometry;

@@ -1,12 +1,14 @@
 //! Files that are there in full or not at all.
 
 use super::IoError;
+use super::leftovers;
 use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 /// Writes `path` through `fill`: into a temporary file beside it, which takes its place once all is on the disk. Folders above it are
-/// made. On any error the file that was there stays as it was and nothing half-written is left.
+/// made. On any error the file that was there stays as it was and nothing half-written is left; what a process left that was killed meanwhile goes when
+/// another one next writes into that folder.
 ///
 /// A link is followed; what is no regular file (a pipe, `/dev/stdout`) is written to directly.
 ///
@@ -33,10 +35,10 @@ fn write(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io
         _ => Path::new("."),
     };
     fs::create_dir_all(folder)?;
+    leftovers::clear_once(folder);
     let mut builder = tempfile::Builder::new();
-    // With the process in its name: what one that died left behind is known for that.
-    let prefix = format!(".dpn-{}-", std::process::id());
-    builder.prefix(&prefix).suffix(".tmp");
+    let prefix = leftovers::own_prefix();
+    builder.prefix(&prefix).suffix(leftovers::END);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
@@ -45,13 +47,45 @@ fn write(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io
     }
     // Dropping it on the way out removes it.
     let mut temporary = builder.tempfile_in(folder)?;
+    // A file system without locks has the process's number alone.
+    let _ = temporary.as_file().try_lock();
     let mut out = BufWriter::with_capacity(1 << 16, &mut temporary);
     fill(&mut out)?;
     out.flush()?;
     drop(out);
     temporary.as_file().sync_all()?;
+    #[cfg(debug_assertions)]
+    let rename = abort::next();
     temporary.persist(&target).map_err(|error| error.error)?;
+    #[cfg(debug_assertions)]
+    abort::after(rename);
     Ok(())
+}
+
+/// Ends the process as a kill would, at one rename: `DPN_ABORT_AT_RENAME=3` before the third of this process, `3+` after it. In builds with debug
+/// assertions alone; `tests/chaos` kills so.
+#[cfg(debug_assertions)]
+mod abort {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    static RENAMES: AtomicUsize = AtomicUsize::new(0);
+
+    /// The number of the rename that comes.
+    pub(super) fn next() -> usize {
+        let rename = RENAMES.fetch_add(1, Ordering::SeqCst) + 1;
+        at(&rename.to_string());
+        rename
+    }
+
+    pub(super) fn after(rename: usize) {
+        at(&format!("{rename}+"));
+    }
+
+    fn at(moment: &str) {
+        if std::env::var_os("DPN_ABORT_AT_RENAME").is_some_and(|wanted| wanted == moment) {
+            std::process::abort();
+        }
+    }
 }
 
 #[cfg(test)]

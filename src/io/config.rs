@@ -52,8 +52,11 @@ impl ConfigError {
     }
 }
 
-/// The text of a configuration; nobody writes one of megabytes.
-fn text_of(path: &Path) -> Result<String, ConfigError> {
+/// The text of the configuration at `path`, for who parses it in another way than [`load`]; nobody writes one of megabytes.
+///
+/// # Errors
+/// A file that cannot be read, is no UTF-8 or is larger than any configuration.
+pub fn text_of(path: &Path) -> Result<String, ConfigError> {
     let failed = |source| ConfigError::Read { path: path.to_owned(), source };
     let invalid = |words: String| failed(io::Error::new(io::ErrorKind::InvalidData, words));
     let file = std::fs::File::open(path).map_err(failed)?;

@@ -77,9 +77,9 @@ impl ImageFolder {
         self.frames.iter().any(|(_, path)| path.is_file())
     }
 
-    /// Stamps of all images listed, and their files' lengths \[bytes\]; none of one that is not there.
-    pub fn lengths(&self) -> impl Iterator<Item = (Stamp, Option<u64>)> + '_ {
-        self.frames.iter().map(|(t, path)| (*t, std::fs::metadata(path).ok().map(|meta| meta.len())))
+    /// Stamps and files of all images listed, whether they are there or not.
+    pub fn files(&self) -> &[(Stamp, PathBuf)] {
+        &self.frames
     }
 
     /// How many images are listed.
@@ -360,7 +360,7 @@ mod tests {
         assert!(said.starts_with("3 of 10 images are not there") && said.contains("0.png"), "{said}");
         assert!(said.ends_with("4 in a row are, from 0.3 to 0.45 s after the first listed"), "{said}");
         assert_eq!(coverage.longest_s(), Some([0.3, 0.45]));
-        assert_eq!(folder.lengths().filter(|(_, length)| length.is_none()).count(), 3);
+        assert_eq!(folder.files().iter().filter(|(_, path)| !path.exists()).count(), 3);
         assert!(folder.holds_any() && folder.clone().only_present().coverage().is_complete());
         assert!(!ImageFolder::of(vec![(Stamp::from_ns(0), dir.path().join("x.png"))], [4, 3]).holds_any());
         let part = folder.clone().between(longest.from, longest.to);

@@ -32,6 +32,7 @@ mod guess;
 mod images;
 mod imu_csv;
 mod imu_lines;
+mod leftovers;
 mod lock;
 mod loose_csv;
 mod noise_csv;

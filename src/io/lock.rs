@@ -3,6 +3,7 @@
 //! A lock is the system's own, on the file [`LOCK`] in the folder: it goes with its process, however that ends. The file says who holds it.
 
 use super::IoError;
+use super::leftovers::clear;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -87,7 +88,8 @@ impl FolderLock {
         let since = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |t| t.as_secs());
         let text = format!("process {}, since {}\n", std::process::id(), utc(since));
         lock.file.set_len(0).and_then(|()| (&lock.file).write_all(text.as_bytes())).map_err(failed)?;
-        clear(dir, DEPTH);
+        // Folders that somebody holds or held are left to their own lock; `.figure-*` is what earlier versions drew into.
+        clear(dir, DEPTH, |path| !path.join(LOCK).exists(), |name| name.starts_with(".figure-"));
         Ok(lock)
     }
 
@@ -125,35 +127,6 @@ fn is_at(file: &File, path: &Path) -> bool {
 #[cfg(not(unix))]
 fn is_at(_: &File, _: &Path) -> bool {
     true
-}
-
-/// Removes files that processes began in `dir` and never finished; folders that somebody holds or held are left to their own lock.
-fn clear(dir: &Path, depth: usize) {
-    // What cannot be listed or removed is in nobody's way.
-    let Ok(entries) = fs::read_dir(dir) else { return };
-    for entry in entries.flatten() {
-        let path = entry.path();
-        if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
-            if depth > 0 && !path.join(LOCK).exists() {
-                clear(&path, depth - 1);
-            }
-        } else if entry.file_name().to_str().is_some_and(is_abandoned) {
-            let _ = fs::remove_file(path);
-        }
-    }
-}
-
-/// Whether a file of this name is a temporary one of a process that is no more; of one without a process in its name, only the folder's holder makes any.
-fn is_abandoned(name: &str) -> bool {
-    if name.starts_with(".figure-") {
-        return true;
-    }
-    let Some(rest) = name.strip_prefix(".dpn-").and_then(|rest| rest.strip_suffix(".tmp")) else {
-        return false;
-    };
-    let process = rest.split_once('-').and_then(|(id, _)| id.parse::<u32>().ok());
-    // Only Linux says cheaply who is alive; elsewhere the lock has to do.
-    process.is_none_or(|id| !Path::new("/proc").join(id.to_string()).exists())
 }
 
 /// Seconds since 1970 as a date and a time, as `2026-11-22 12:46:19 UTC`.

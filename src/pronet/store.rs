@@ -5,13 +5,12 @@
 //! in the order of their names.
 
 use crate::config::retired;
+use dpn_core::checksum::of_parts;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, HashMap};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -20,20 +19,12 @@ const KEY: &str = "dpn";
 /// The version of the layout that is written, and the only one that is read.
 pub(crate) const FORMAT_VERSION: u64 = 1;
 
-/// Why a file of weights or a checkpoint cannot be read or written.
+/// Why weights or a checkpoint cannot be read, or made into bytes.
 #[derive(Debug, Error)]
 pub enum StoreError {
     /// The file cannot be read.
     #[error("{}: cannot be read; check that it exists and may be read", path.display())]
     Read {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// The file cannot be written; nothing was left behind.
-    #[error("{}: cannot be written; check the folder's permissions and the free space", path.display())]
-    Write {
         /// The file.
         path: PathBuf,
         /// What the system said.
@@ -134,14 +125,7 @@ fn le_bytes(numbers: &[f32]) -> Vec<u8> {
 }
 
 fn checksum<'a>(by_name: impl IntoIterator<Item = (&'a str, &'a [u8])>) -> String {
-    let mut hash = Sha256::new();
-    for (name, bytes) in by_name {
-        hash.update((name.len() as u64).to_le_bytes());
-        hash.update(name.as_bytes());
-        hash.update((bytes.len() as u64).to_le_bytes());
-        hash.update(bytes);
-    }
-    hash.finalize().iter().map(|b| format!("{b:02x}")).collect()
+    of_parts(by_name.into_iter().flat_map(|(name, bytes)| [name.as_bytes(), bytes]))
 }
 
 /// The bytes of a file with these tensors and this description. The same input gives the same bytes.
@@ -167,25 +151,6 @@ pub(crate) fn to_bytes(
     }
     safetensors::serialize(views, Some(HashMap::from([(KEY.to_owned(), meta.to_string())])))
         .map_err(|e| description(e.to_string()))
-}
-
-/// Writes `bytes` beside `path` and renames: `path` holds all of them or what it held before.
-pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
-    let failed = |source| StoreError::Write { path: path.to_owned(), source };
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".dpn-").suffix(".tmp");
-    // Temporary files are the owner's alone by default; this one becomes a file to share, under the user's mask.
-    #[cfg(unix)]
-    let builder = builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.tempfile_in(folder).map_err(failed)?;
-    file.write_all(bytes).map_err(failed)?;
-    file.as_file().sync_all().map_err(failed)?;
-    file.persist(path).map_err(|e| failed(e.error))?;
-    Ok(())
 }
 
 /// The bytes of a file.

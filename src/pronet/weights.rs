@@ -85,15 +85,11 @@ impl Weights {
         self.config.sensor
     }
 
-    /// The file's bytes: the same weights are the same bytes.
+    /// The bytes of their safetensors file: the same weights are the same bytes.
     ///
     /// # Errors
     /// A training summary that cannot be written as JSON.
     pub fn to_bytes(&self) -> Result<Vec<u8>, StoreError> {
-        self.bytes_for(Path::new("weights"))
-    }
-
-    fn bytes_for(&self, path: &Path) -> Result<Vec<u8>, StoreError> {
         let tensors: Vec<Named> = parameters(&self.config)
             .into_iter()
             .map(|p| Named {
@@ -110,16 +106,7 @@ impl Weights {
             config: self.config.clone(),
             card: self.card.clone(),
         };
-        store::to_bytes(FORMAT, &description, &tensors, path)
-    }
-
-    /// Writes a safetensors file, whole or not at all.
-    ///
-    /// # Errors
-    /// A folder that is missing or cannot be written, a full disk.
-    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), StoreError> {
-        let path = path.as_ref();
-        store::write(path, &self.bytes_for(path)?)
+        store::to_bytes(FORMAT, &description, &tensors, Path::new("weights"))
     }
 
     /// Reads a network.
@@ -201,15 +188,13 @@ mod tests {
     }
 
     #[test]
-    fn what_is_saved_is_loaded_and_the_bytes_are_the_same_twice() {
+    fn what_is_written_is_loaded_and_the_bytes_are_the_same_twice() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("gyro.safetensors");
         let saved = weights(Sensor::Gyro);
-        saved.save(&path).unwrap();
+        std::fs::write(&path, saved.to_bytes().unwrap()).unwrap();
         assert_eq!(Weights::load(&path).unwrap(), saved);
-        assert_eq!(std::fs::read(&path).unwrap(), weights(Sensor::Gyro).to_bytes().unwrap());
-        // Nothing temporary stays.
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+        assert_eq!(saved.to_bytes().unwrap(), weights(Sensor::Gyro).to_bytes().unwrap());
     }
 
     #[test]
@@ -252,12 +237,11 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_file_and_a_missing_folder_are_said_with_their_path() {
+    fn a_missing_file_is_said_with_its_path() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("none/w.safetensors");
-        assert!(matches!(Weights::load(&path), Err(StoreError::Read { .. })));
-        let error = weights(Sensor::Accel).save(&path).unwrap_err();
-        assert!(error.to_string().contains("none/w.safetensors: cannot be written"), "{error}");
+        let error = Weights::load(&path).unwrap_err();
+        assert!(error.to_string().contains("none/w.safetensors: cannot be read"), "{error}");
     }
 
     proptest! {

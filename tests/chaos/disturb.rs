@@ -1,8 +1,10 @@
 //! How work is disturbed, and what must be left afterwards.
 
 use crate::work::Work;
+use dpn_testing::forged::Draw;
 use std::collections::BTreeMap;
 use std::fmt;
+use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -10,20 +12,8 @@ use std::time::{Duration, Instant};
 /// Within this work that is asked to stop must have stopped. It has 2 s; the rest is the machine's, which is busy with other tests.
 const STOPS_WITHIN: Duration = Duration::from_secs(3);
 
-/// Numbers from a seed: Knuth's linear congruential generator, so that no crate's version moves a moment.
-pub(crate) struct Draw(u64);
-
-impl Draw {
-    pub(crate) fn new(seed: u64, name: &str) -> Self {
-        Self(name.bytes().fold(seed, |state, byte| state.wrapping_mul(31).wrapping_add(u64::from(byte))))
-    }
-
-    /// From 0 to 1.
-    pub(crate) fn share(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
+/// How a process that aborts ends.
+const SIGABRT: i32 = 6;
 
 /// What a run left that nobody disturbed.
 pub(crate) struct Whole {
@@ -101,6 +91,31 @@ pub(crate) fn until_it_ends(of: Work, whole: &Whole, draw: &mut Draw, most: usiz
     }
     ends_well(of, dir);
     compare(of, whole, dir);
+}
+
+/// Ends work just before and just after each of its renames, of which `every` so many are looked at, and compares what the same command then makes of
+/// what it left. The numbers of renames seen.
+pub(crate) fn at_renames(of: Work, whole: &Whole, every: usize) -> usize {
+    for rename in 1.. {
+        for moment in [format!("{rename}"), format!("{rename}+")] {
+            if rename % every != 1 % every {
+                continue;
+            }
+            let tmp = tempfile::tempdir().unwrap();
+            let dir = tmp.path();
+            of.prepare(dir);
+            let done = of.command(dir).env("DPN_ABORT_AT_RENAME", &moment).output().unwrap();
+            if done.status.success() {
+                assert!(rename > every, "{}: nothing was renamed", of.name());
+                return rename - 1;
+            }
+            let said = String::from_utf8_lossy(&done.stderr);
+            assert_eq!(done.status.signal(), Some(SIGABRT), "{} at {moment}: {said}", of.name());
+            ends_well(of, dir);
+            compare(of, whole, dir);
+        }
+    }
+    unreachable!("work ends")
 }
 
 /// Files may not grow beyond some sizes: a write fails in the middle. Nothing half-written is taken for whole later.

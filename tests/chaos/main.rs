@@ -1,5 +1,7 @@
-//! Kills, stops, full disks and second writers at random moments of trainings, sweeps and papers: whoever calls the same command until it ends has
+//! Kills, stops, full disks and second writers at random moments of trainings, sweeps, papers and noise tracks: whoever calls the same command until it ends has
 //! the bytes of a run that nobody disturbed, and nothing half-written beside them.
+//!
+//! At renames, too: a build with debug assertions ends itself at the one that `DPN_ABORT_AT_RENAME` numbers (`dpn_io::atomic_write`).
 //!
 //! The short tests disturb a few times. The long one (`cargo test --test chaos -- --ignored`) does so `DPN_CHAOS` times each, 100 without it; moments are
 //! drawn from `DPN_CHAOS_SEED`, and every failure names the one it was found with.
@@ -9,7 +11,8 @@
 mod disturb;
 mod work;
 
-use disturb::{Draw, Tally, full_disk, two_writers, undisturbed, until_it_ends};
+use disturb::{Tally, at_renames, full_disk, two_writers, undisturbed, until_it_ends};
+use dpn_testing::forged::Draw;
 use work::Work;
 
 /// Disturbances of a kind of work where every commit is tested.
@@ -50,6 +53,50 @@ fn an_open_loop_survives() {
 #[test]
 fn a_paper_survives() {
     chaos(Work::Paper, 1);
+}
+
+#[test]
+fn a_noise_track_survives() {
+    chaos(Work::Noise, SHORT);
+}
+
+/// Ends work at every `every`-th of its renames; builds without debug assertions cannot be told to.
+fn renames(of: Work, every: usize) {
+    if cfg!(debug_assertions) {
+        let seen = at_renames(of, &undisturbed(of), every);
+        eprintln!("{}: ended before and after every {every}. of {seen} renames, nothing lost", of.name());
+    }
+}
+
+#[test]
+fn ended_at_some_renames_nothing_is_lost() {
+    renames(Work::Noise, 1);
+    renames(Work::Train, 10);
+    renames(Work::Sweep, 8);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn ended_at_every_rename_of_a_training_nothing_is_lost() {
+    renames(Work::Train, 1);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn ended_at_every_rename_of_a_sweep_nothing_is_lost() {
+    renames(Work::Sweep, 1);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn ended_at_every_rename_of_an_open_loop_nothing_is_lost() {
+    renames(Work::OpenLoop, 1);
+}
+
+#[test]
+#[ignore = "half an hour"]
+fn ended_at_every_rename_of_a_paper_nothing_is_lost() {
+    renames(Work::Paper, 1);
 }
 
 /// How often each is disturbed where there is time.

@@ -17,6 +17,8 @@ pub(crate) enum Work {
     OpenLoop,
     /// Every table and figure, of one flight.
     Paper,
+    /// The noise along a log: no lock, and nothing to go on from.
+    Noise,
 }
 
 /// As little as gives every table and figure.
@@ -33,13 +35,14 @@ impl Work {
             Self::Sweep => "sweep",
             Self::OpenLoop => "open loop",
             Self::Paper => "paper",
+            Self::Noise => "noise",
         }
     }
 
     /// What is read, in `dir`.
     pub(crate) fn prepare(self, dir: &Path) {
         match self {
-            Self::Train | Self::OpenLoop => {
+            Self::Train | Self::OpenLoop | Self::Noise => {
                 for (name, seed) in [("still", 1), ("still-2", 2)] {
                     let imu = dir.join("log").join(name).join("mav0/imu0");
                     std::fs::create_dir_all(&imu).unwrap();
@@ -66,6 +69,7 @@ impl Work {
             Self::Paper => {
                 "paper --plan plan.toml --camera tracks --sequences room-medium --from 75 --threads 2 --out out --work work"
             }
+            Self::Noise => "noise log/still/mav0/imu0/data.csv --out out",
         };
         let mut words: Vec<&str> = line.split_whitespace().collect();
         if self == Self::Train && dir.join("out/config.toml").exists() {
@@ -127,7 +131,7 @@ fn without_times(rows: &[u8]) -> Vec<u8> {
 
 /// A still, level IMU of 15 s as an ASL file.
 fn still(seed: u64) -> String {
-    let mut draw = crate::disturb::Draw::new(seed, "still");
+    let mut draw = dpn_testing::forged::Draw::new(seed, "still");
     let mut text = "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],\
                     a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n"
         .to_owned();

@@ -48,3 +48,26 @@ fn a_second_writer_is_refused_by_name_and_writes_nothing() {
         assert!(!dir.join("other").exists(), "{held}");
     }
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn what_a_killed_command_left_is_cleared_by_the_next_and_what_a_living_one_writes_is_not() {
+    let tmp = tempfile::tempdir().unwrap();
+    let data = sound(tmp.path());
+    let log = data.join("still");
+    for words in [&["check"][..], &["noise", "--noise", "diff2"], &["allan", "--all"]] {
+        let out = tmp.path().join(words[0]);
+        std::fs::create_dir(&out).unwrap();
+        // Linux gives no process so high a number; the second is this test's own, the third's file is being written.
+        let alive = format!(".dpn-{}-x.tmp", std::process::id());
+        let (dead, held) = (".dpn-4194999-x.tmp", ".dpn-4194998-x.tmp");
+        for name in [dead, &alive, held] {
+            std::fs::write(out.join(name), "half").unwrap();
+        }
+        let held_by = std::fs::File::open(out.join(held)).unwrap();
+        held_by.try_lock().unwrap();
+        end(dpn().args(words).arg(&log).arg("--out").arg(&out)).well();
+        let there = |name: &str| out.join(name).exists();
+        assert!(!there(dead) && there(&alive) && there(held), "{words:?}");
+    }
+}

@@ -3,7 +3,7 @@
 use crate::recording;
 use crate::run::{Done, dpn, end, files};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// As little as gives every table and figure.
 const PLAN: &str = include_str!("../data/least_plan.toml");
@@ -20,6 +20,12 @@ fn on(dir: &Path, sequences: &str, from: &str, more: &[&str]) -> Done {
     command.args(["--sequences", sequences, "--from", from]);
     command.args(["--out", "out", "--work", "work", "--train", "--epochs", "1"]).args(more);
     end(&mut command)
+}
+
+/// The folder of a stage's results.
+fn stage(dir: &Path, name: &str) -> PathBuf {
+    let mut all = std::fs::read_dir(dir.join("work")).unwrap().map(|e| e.unwrap().path());
+    all.find(|path| path.file_name().unwrap().to_str().unwrap().starts_with(name)).unwrap()
 }
 
 /// Tables and SVGs, but for the table of times.
@@ -76,10 +82,23 @@ fn everything_is_made_once_goes_on_after_a_cut_and_comes_out_the_same() {
     assert!(!again.stderr.contains(" made "), "{}", again.stderr);
     assert_eq!(again.stdout, first.stdout);
 
+    // The responses are kept by sequence and course: one that was lost is measured again, the others are read.
+    let responses = stage(dir, "response-");
+    let (whole, pieces) = (responses.join("responses.json"), responses.join("pieces"));
+    let (before, measured) = (std::fs::read(&whole).unwrap(), files(&pieces));
+    assert_eq!(measured.len(), 4, "{:?}", measured.keys());
+    let lost = pieces.join("f07-room-medium-step.json");
+    for gone in [&lost, &whole] {
+        std::fs::remove_file(gone).unwrap();
+    }
+    let other = pieces.join("f07-room-medium-tone.json");
+    let touched = || std::fs::metadata(&other).unwrap().modified().unwrap();
+    let at = touched();
+    paper(dir, &["--threads", "2"]).well();
+    assert!(std::fs::read(&whole).unwrap() == before && files(&pieces) == measured && touched() == at);
+
     // A cell lost, a table spoilt, another number of threads: the same bytes. The command stands in all of them.
-    let sweep = std::fs::read_dir(dir.join("work")).unwrap().map(|e| e.unwrap().path());
-    let sweep = sweep.filter(|p| p.file_name().unwrap().to_str().unwrap().starts_with("closed-loop-"));
-    let rows = sweep.collect::<Vec<_>>()[0].join("rows.jsonl");
+    let rows = stage(dir, "closed-loop-").join("rows.jsonl");
     let text = std::fs::read_to_string(&rows).unwrap();
     let kept: Vec<&str> = text.lines().skip(1).collect();
     std::fs::write(&rows, kept.join("\n") + "\n{\"sequ").unwrap();
@@ -89,9 +108,7 @@ fn everything_is_made_once_goes_on_after_a_cut_and_comes_out_the_same() {
     assert_eq!(lasting(dir), made);
 
     // What does not read is named and stays.
-    let open = std::fs::read_dir(dir.join("work")).unwrap().map(|e| e.unwrap().path());
-    let open = open.filter(|p| p.file_name().unwrap().to_str().unwrap().starts_with("open-loop-"));
-    let path = open.collect::<Vec<_>>()[0].join("rows.json");
+    let path = stage(dir, "open-loop-").join("rows.json");
     std::fs::write(&path, "[{").unwrap();
     let stale = paper(dir, &["--threads", "2"]);
     assert_eq!((stale.code, stale.stdout.as_str()), (Some(2), ""), "{stale:?}");

@@ -3,11 +3,13 @@
 //! * [`pack`]: one of the unpacked data packs; tests that need it are skipped, loudly, where it is not there.
 //! * [`golden`]: expected values by other people's programs, `golden/NAME/golden.json`.
 //! * [`files`]: everything in a folder, to be compared byte by byte.
+//! * [`forged`]: files that nobody should have to read.
 //! * [`check_jacobian`]: a derivative against central differences.
 #![allow(clippy::unwrap_used)]
 
 mod data;
 mod files;
+pub mod forged;
 mod golden;
 mod jacobian;
 

@@ -58,7 +58,8 @@ fn weights(name: &str, config: &ProNetConfig) -> Weights {
 #[ignore = "writes the committed weight files; run it when the file format changes, then make.py"]
 fn write_the_weight_files() {
     for (name, config) in networks() {
-        weights(name, &config).save(folder().join(format!("{name}.safetensors"))).unwrap();
+        let bytes = weights(name, &config).to_bytes().unwrap();
+        std::fs::write(folder().join(format!("{name}.safetensors")), bytes).unwrap();
     }
 }
 

@@ -10,6 +10,9 @@ use thiserror::Error;
 /// How far a written rotation's columns may be from orthonormal; calibrations carry six digits or more.
 const ROTATION_TOLERANCE: f64 = 1e-3;
 
+/// Pixels of the largest camera that is simulated: ray and light of every one are held at a time.
+const MOST_PIXELS: u64 = 1 << 23;
+
 /// A camera as numbers, in the order of an ASL `sensor.yaml`. Default: EuRoC's cam0.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -45,6 +48,12 @@ pub enum BadCameraSettings {
     /// A lens that is none.
     #[error(transparent)]
     Lens(#[from] BadCamera),
+    /// More pixels than are simulated.
+    #[error("a camera of {} x {} px is too large to simulate; at most {MOST_PIXELS} pixels are", size[0], size[1])]
+    TooLarge {
+        /// Width and height \[px\].
+        size: [u32; 2],
+    },
     /// A matrix without a rotation.
     #[error(
         "the camera's `body_from_cam` holds no rotation: its columns are off orthonormal by {off}, the determinant is {determinant}"
@@ -73,8 +82,12 @@ impl CameraSettings {
     /// The lens.
     ///
     /// # Errors
-    /// Focal lengths that are not positive, values that are not finite, an empty image.
+    /// Focal lengths that are not positive, values that are not finite, an empty image or one of more than 8 million pixels.
     pub fn model(&self) -> Result<PinholeRadtan, BadCameraSettings> {
+        let [width, height] = self.resolution.map(u64::from);
+        if width * height > MOST_PIXELS {
+            return Err(BadCameraSettings::TooLarge { size: self.resolution });
+        }
         Ok(PinholeRadtan::new(self.resolution, self.intrinsics, self.distortion)?)
     }
 
@@ -102,7 +115,7 @@ impl CameraSettings {
             faults.push(ConfigFault::new(
                 "camera.intrinsics",
                 value,
-                "finite, with positive focal lengths and an image of at least 1 x 1 px",
+                format!("finite, with positive focal lengths and an image of 1 to {MOST_PIXELS} pixels"),
             ));
         }
         if let Err(error) = self.body_from_cam() {

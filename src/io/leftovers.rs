@@ -1,0 +1,83 @@
+//! Temporary files that a process began and did not live to rename: told from those of the living, and removed.
+//!
+//! A temporary file carries its process in its name and is locked while it is written. It is abandoned where no process of that number lives and
+//! nobody holds its lock: the number alone may be another container's, the lock alone may not be taken yet.
+
+use std::collections::HashSet;
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+/// What a temporary file's name begins with, before its process and random letters, and ends with.
+const BEGIN: &str = ".dpn-";
+pub(crate) const END: &str = ".tmp";
+
+/// What the names of this process's temporary files begin with.
+pub(crate) fn own_prefix() -> String {
+    format!("{BEGIN}{}-", std::process::id())
+}
+
+/// Removes what lies abandoned in `dir` and what `also` names, and so `depth` levels of folders below it that `enters` lets in.
+pub(crate) fn clear(dir: &Path, depth: usize, enters: fn(&Path) -> bool, also: fn(&str) -> bool) {
+    // What cannot be listed or removed is in nobody's way.
+    let Ok(entries) = fs::read_dir(dir) else { return };
+    for entry in entries.flatten() {
+        let path = entry.path();
+        if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+            if depth > 0 && enters(&path) {
+                clear(&path, depth - 1, enters, also);
+            }
+        } else if entry.file_name().to_str().is_some_and(|name| also(name) || is_abandoned(&path, name)) {
+            let _ = fs::remove_file(path);
+        }
+    }
+}
+
+/// The same of one folder, the first time that this process is about to write there: listing it again for every file would be quadratic.
+pub(crate) fn clear_once(dir: &Path) {
+    static SEEN: Mutex<Option<HashSet<PathBuf>>> = Mutex::new(None);
+    let mut seen = SEEN.lock().unwrap_or_else(PoisonError::into_inner);
+    if seen.get_or_insert_default().insert(dir.to_path_buf()) {
+        clear(dir, 0, |_| false, |_| false);
+    }
+}
+
+fn is_abandoned(path: &Path, name: &str) -> bool {
+    let Some(rest) = name.strip_prefix(BEGIN).and_then(|rest| rest.strip_suffix(END)) else { return false };
+    let process = rest.split_once('-').and_then(|(id, _)| id.parse::<u32>().ok());
+    // Only Linux says cheaply who is alive; elsewhere the lock has to do.
+    let lives = process.is_some_and(|id| Path::new("/proc").join(id.to_string()).exists());
+    // Nothing but a file is opened: a pipe of that name would wait for a writer.
+    let is_file = || fs::symlink_metadata(path).is_ok_and(|meta| meta.is_file());
+    !lives && is_file() && File::open(path).is_ok_and(|file| file.try_lock().is_ok())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_dead_left_goes_and_what_the_living_write_stays() {
+        let tmp = tempfile::tempdir().unwrap();
+        let alive = format!("{}x{END}", own_prefix());
+        // No process has a number so high: Linux ends at 2^22.
+        let names =
+            [".dpn-4194999-x.tmp", ".dpn-Ab12cd.tmp", ".dpn-4194999-held.tmp", "a.tmp", ".figure-Ab", &alive];
+        for name in names {
+            fs::write(tmp.path().join(name), "half").unwrap();
+        }
+        let held = File::open(tmp.path().join(names[2])).unwrap();
+        held.try_lock().unwrap();
+        clear_once(tmp.path());
+        let there = |name: &str| tmp.path().join(name).exists();
+        assert!(!there(names[0]) && !there(names[1]));
+        assert!(there(names[2]) && there(names[3]) && there(names[4]));
+        assert!(there(&alive) || cfg!(not(target_os = "linux")));
+        // Once a process.
+        drop(held);
+        clear_once(tmp.path());
+        assert!(there(names[2]));
+        clear(tmp.path(), 0, |_| false, |name| name.starts_with(".figure-"));
+        assert!(!there(names[2]) && !there(names[4]) && there(names[3]));
+    }
+}

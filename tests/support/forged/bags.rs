@@ -1,0 +1,86 @@
+//! Bags whose heads promise more than they hold, or hold more than they say.
+
+use super::Forged;
+
+/// Forty million zeros, as bz2 packs them.
+const ZEROS: [u8; 51] = [
+    0x42, 0x5a, 0x68, 0x39, 0x31, 0x41, 0x59, 0x26, 0x53, 0x59, 0xd8, 0xec, 0xdd, 0xfe, 0x01, 0x32, 0x5f,
+    0x40, 0x08, 0xc0, 0x00, 0x00, 0x10, 0x00, 0x08, 0x20, 0x00, 0x30, 0xcc, 0x09, 0xaa, 0x69, 0xa0, 0x4a,
+    0x51, 0x5b, 0x50, 0x12, 0x94, 0x57, 0x8b, 0xb9, 0x22, 0x9c, 0x28, 0x48, 0x6c, 0x76, 0x6e, 0xff, 0x00,
+];
+
+/// A record of an MCAP file.
+fn record(op: u8, content: &[u8]) -> Vec<u8> {
+    [&[op][..], &(content.len() as u64).to_le_bytes(), content].concat()
+}
+
+fn counted(text: &str) -> Vec<u8> {
+    [&(text.len() as u32).to_le_bytes()[..], text.as_bytes()].concat()
+}
+
+fn mcap(records: &[Vec<u8>]) -> Vec<u8> {
+    [b"\x89MCAP0\r\n".to_vec(), records.concat()].concat()
+}
+
+/// A chunk that says it unpacks to a gigabyte.
+fn chunk(compression: &str, packed: &[u8]) -> Vec<u8> {
+    let head = [vec![0; 16], (1u64 << 30).to_le_bytes().to_vec(), vec![0; 4], counted(compression)].concat();
+    record(6, &[head, (packed.len() as u64).to_le_bytes().to_vec(), packed.to_vec()].concat())
+}
+
+fn rosbag1(records: &[Vec<u8>]) -> Vec<u8> {
+    [b"#ROSBAG V2.0\n".to_vec(), records.concat()].concat()
+}
+
+/// A rosbag1's chunk that says it unpacks to a gigabyte.
+fn rosbag1_chunk(compression: &[u8], packed: &[u8]) -> Vec<u8> {
+    let sized = |bytes: &[u8]| [&(bytes.len() as u32).to_le_bytes()[..], bytes].concat();
+    let field = |name: &str, value: &[u8]| sized(&[name.as_bytes(), b"=", value].concat());
+    let size = (1u32 << 30).to_le_bytes();
+    let head = [field("op", &[5]), field("compression", compression), field("size", &size)].concat();
+    [sized(&head), sized(packed)].concat()
+}
+
+/// An MCAP of 150,000 channels, one of them an IMU's.
+pub fn many_channels() -> Vec<u8> {
+    let imu = record(
+        3,
+        &[1u16.to_le_bytes().to_vec(), counted("sensor_msgs/msg/Imu"), counted(""), counted("")].concat(),
+    );
+    let channels = (0..150_000u32).map(|i| {
+        let number = (i as u16).to_le_bytes().to_vec();
+        let topic = counted(&format!("/{i}"));
+        record(4, &[number, 1u16.to_le_bytes().to_vec(), topic, counted("cdr"), vec![0; 4]].concat())
+    });
+    mcap(&[vec![imu], channels.collect()].concat())
+}
+
+/// All of them, with the ending of each one's name.
+pub fn bags() -> Vec<(Forged, &'static str)> {
+    let mut all = Vec::new();
+    let mut bag = |name: &str, ending, make: fn() -> Vec<u8>| all.push((Forged::new(name, make), ending));
+    bag("a bz2 bag of a gigabyte", "bag", || rosbag1(&[rosbag1_chunk(b"bz2", &ZEROS.repeat(25))]));
+    bag("a bz2 bag of twenty gigabytes", "bag", || {
+        rosbag1(&vec![rosbag1_chunk(b"bz2", &ZEROS.repeat(25)); 20])
+    });
+    bag("an lz4 bag that says a gigabyte", "bag", || {
+        rosbag1(&vec![rosbag1_chunk(b"lz4", b"\x04\x22\x4d\x18"); 20_000])
+    });
+    bag("a header of four gigabytes", "bag", || rosbag1(&[vec![0xff; 100]]));
+    bag("a bag of zeros", "bag", || rosbag1(&[vec![0; 8 << 20]]));
+    bag("an MCAP record of many gigabytes", "mcap", || mcap(&[[&[6][..], &[0xff; 7], &[0]].concat()]));
+    bag("an MCAP of zeros", "mcap", || mcap(&[vec![0; 8 << 20]]));
+    bag("an MCAP of a zstd bomb", "mcap", || {
+        // A window of 64 MB, then blocks that each repeat a byte 128,000 times.
+        let blocks = [0x02u8, 0x00, 0x10, 0x00].repeat(8000);
+        mcap(&[chunk("zstd", &[b"\x28\xb5\x2f\xfd\x00\x80".to_vec(), blocks].concat())])
+    });
+    bag("an MCAP of a bz2 bomb", "mcap", || mcap(&[chunk("bz2", &ZEROS.repeat(25))]));
+    bag("chunks that say a gigabyte and hold nothing", "mcap", || {
+        mcap(&vec![chunk("lz4", b"\x04\x22\x4d\x18"); 20_000])
+    });
+    bag("an MCAP of 150,000 channels", "mcap", many_channels);
+    bag("a database of zeros", "db3", || [b"SQLite format 3\0".to_vec(), vec![0; 4 << 20]].concat());
+    bag("a database's head alone", "db3", || b"SQLite format 3\0".to_vec());
+    all
+}
