@@ -325,7 +325,8 @@ fn usable(source: &SequenceSet, place: usize) -> Result<ImuRecording, String> {
             source.frames(place, 0).map_err(|error| error.in_full())?;
         }
         SequenceSet::Recorded { sequences, tracks: TrackSource::Images(ImageSource::Folder { .. }) } => {
-            let any = has_images(&sequences[place].0).map_err(|error| ClosedLoopError::from(error).in_full())?;
+            let any =
+                has_images(&sequences[place].0).map_err(|error| ClosedLoopError::from(error).in_full())?;
             if !any {
                 return Err("it has none of the images it lists".into());
             }

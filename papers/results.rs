@@ -206,7 +206,10 @@ impl Paper<'_> {
     }
 
     /// The runs of a loop, the name of their folder, and what they are made from.
-    fn sweep_of<'a>(&'a self, wanted: &SweepRequest<'a>) -> Result<(String, Sweep<'a>, Manifest), PaperError> {
+    fn sweep_of<'a>(
+        &'a self,
+        wanted: &SweepRequest<'a>,
+    ) -> Result<(String, Sweep<'a>, Manifest), PaperError> {
         // One seed where nothing depends on it.
         let seeded = wanted.source.tracks_are_seeded() || wanted.source.recordings_are_seeded();
         let first = self.plan.seed;

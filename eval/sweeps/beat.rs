@@ -77,5 +77,7 @@ pub(super) fn now() -> u64 {
 pub(super) fn node() -> String {
     let named = std::env::var("SLURMD_NODENAME").ok();
     let named = named.or_else(|| std::fs::read_to_string("/proc/sys/kernel/hostname").ok());
-    named.or_else(|| std::env::var("HOSTNAME").ok()).map_or_else(|| "unknown".into(), |name| name.trim().to_owned())
+    named
+        .or_else(|| std::env::var("HOSTNAME").ok())
+        .map_or_else(|| "unknown".into(), |name| name.trim().to_owned())
 }

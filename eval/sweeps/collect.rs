@@ -144,7 +144,13 @@ impl Found<'_> {
     }
 
     /// The rows of one job in one shard.
-    fn read_rows(&mut self, shard: usize, job: usize, record: &ShardRecord, dir: &Path) -> Result<(), SweepError> {
+    fn read_rows(
+        &mut self,
+        shard: usize,
+        job: usize,
+        record: &ShardRecord,
+        dir: &Path,
+    ) -> Result<(), SweepError> {
         let name = &self.folder.manifest.jobs[job].folder;
         let path = dir.join(name).join(ROWS);
         let Some(sums) = record.rows.get(name) else { return Ok(()) };
@@ -264,8 +270,7 @@ impl Found<'_> {
             self.write_rows(place, &dir)?;
         }
         for (name, (path, sum)) in &self.files {
-            let bytes =
-                std::fs::read(path).map_err(|source| IoError::Read { path: path.clone(), source })?;
+            let bytes = std::fs::read(path).map_err(|source| IoError::Read { path: path.clone(), source })?;
             if sha256([&bytes]) != *sum {
                 return Err(self.damaged_file(path));
             }
@@ -306,7 +311,9 @@ impl Found<'_> {
                 // Neighbours mostly lie behind each other in one file.
                 let (_, input, at) = match &mut open {
                     Some(there) if there.0 == line.file => there,
-                    other => other.insert((line.file, BufReader::new(File::open(&self.sources[line.file])?), 0)),
+                    other => {
+                        other.insert((line.file, BufReader::new(File::open(&self.sources[line.file])?), 0))
+                    }
                 };
                 if *at != line.offset {
                     input.seek(SeekFrom::Start(line.offset))?;
@@ -323,7 +330,8 @@ impl Found<'_> {
 
 /// How many rows a shard has that has not ended.
 fn count_rows(folder: &SweepFolder, dir: &Path) -> Result<usize, IoError> {
-    let count = |job: &super::manifest::Job| Ok(text_of(&dir.join(&job.folder).join(ROWS))?.matches('\n').count());
+    let count =
+        |job: &super::manifest::Job| Ok(text_of(&dir.join(&job.folder).join(ROWS))?.matches('\n').count());
     folder.manifest.jobs.iter().map(count).sum()
 }
 

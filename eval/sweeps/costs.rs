@@ -104,7 +104,10 @@ impl Costs {
         let middle = |values: Vec<f64>| median_of(values).expect("an entry was made with its first value");
         Self {
             own: own.into_iter().map(|(key, values)| (key, middle(values))).collect(),
-            shared: shared.into_iter().map(|(key, seen)| (key, middle(seen.into_values().collect()))).collect(),
+            shared: shared
+                .into_iter()
+                .map(|(key, seen)| (key, middle(seen.into_values().collect())))
+                .collect(),
         }
     }
 
@@ -116,9 +119,8 @@ impl Costs {
         let own = [[cell.on, cell.what], ["", cell.what], ["", ""]]
             .into_iter()
             .find_map(|[on, what]| self.own.get(&[kind.clone(), on.to_owned(), what.to_owned()]));
-        let shared = [cell.on.to_owned(), all]
-            .into_iter()
-            .find_map(|on| self.shared.get(&[kind.clone(), on]));
+        let shared =
+            [cell.on.to_owned(), all].into_iter().find_map(|on| self.shared.get(&[kind.clone(), on]));
         CellTime {
             own_s: own.unwrap_or(&table.1) * cell.amount,
             shared_s: shared.unwrap_or(&table.2) * cell.amount,

@@ -187,14 +187,15 @@ impl SweepError {
                     .into()
             }
             Self::Mixed { command, .. } => format!("remove the shard's folder; `{command}` makes it again"),
-            Self::Contradiction { .. } => "remove one of the two shards' folders and run that shard again".into(),
+            Self::Contradiction { .. } => {
+                "remove one of the two shards' folders and run that shard again".into()
+            }
             Self::Missing { shards } => {
                 shards.iter().map(|m| m.command.as_str()).collect::<Vec<_>>().join("\n      ")
             }
-            Self::Failed { path, command, .. } => format!(
-                "all of them are named in {}; `{command}` tries them again",
-                path.display()
-            ),
+            Self::Failed { path, command, .. } => {
+                format!("all of them are named in {}; `{command}` tries them again", path.display())
+            }
             Self::Stopped { .. } => "the same command goes on where it stopped".into(),
             Self::NoCells | Self::NoShard { .. } | Self::Train(_) => return None,
         })

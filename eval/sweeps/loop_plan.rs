@@ -165,7 +165,12 @@ impl Validate for LoopPlan {
         }
         let wanted = self.tracks.is_none() || (self.data.is_some() && self.camera == Camera::Tracks);
         let tracks = || self.tracks.iter().map(|dir| dir.display().to_string()).collect::<String>();
-        faults.check(wanted, "tracks", tracks(), "left out where there is no `data`, or another camera than tracks");
+        faults.check(
+            wanted,
+            "tracks",
+            tracks(),
+            "left out where there is no `data`, or another camera than tracks",
+        );
         faults_of("estimator", &self.estimator, &mut faults);
         faults_of("simulated_tracks", &self.simulated_tracks, &mut faults);
         faults_of("images", &self.images, &mut faults);
@@ -190,7 +195,8 @@ mod tests {
         let parse = |text: &str| dpn_io::config::parse::<LoopPlan>(text, Path::new("p.toml"));
         let text = "seeds = 0\nfrom = 3\nnoises = []\ntracks = \"t\"\n[estimator.window]\nkey_frames = 1";
         let error = parse(text).unwrap_err().to_string();
-        for words in ["`seeds` is 0", "`noises` is []", "`tracks` is t", "`estimator.window.key_frames` is 1"] {
+        for words in ["`seeds` is 0", "`noises` is []", "`tracks` is t", "`estimator.window.key_frames` is 1"]
+        {
             assert!(error.contains(words), "{words}: {error}");
         }
         let error = parse("[estimator.window]\nkeyframes = 9").unwrap_err();

@@ -125,9 +125,8 @@ impl SweepFolder {
             return Err(damaged(1, message));
         }
         let manifest: SweepManifest = serde_json::from_str(&text).map_err(bad)?;
-        let bounds = |cell: &PlannedCell| {
-            cell.shard < manifest.shard_s.len() && cell.job < manifest.jobs.len()
-        };
+        let bounds =
+            |cell: &PlannedCell| cell.shard < manifest.shard_s.len() && cell.job < manifest.jobs.len();
         let in_order = manifest.cells.is_sorted_by_key(|cell| cell.job);
         if !in_order || !manifest.cells.iter().all(bounds) {
             return Err(damaged(1, "cells of shards or jobs that are not there".into()));

@@ -139,7 +139,8 @@ fn closed_loop(
         }
         let of = groups.last_mut().expect("one was just pushed, or is the last cell's");
         of.cells.push((planned.cells.len(), time.own_s));
-        let of_job = if folder.as_os_str().is_empty() { String::new() } else { format!("{}: ", folder.display()) };
+        let of_job =
+            if folder.as_os_str().is_empty() { String::new() } else { format!("{}: ", folder.display()) };
         let label = format!("{of_job}{} {} seed {}", key.sequence, key.noise, key.seed);
         planned.cells.push(PlannedCell { job, cell, label, amount, cost_s: time.own_s, shard: 0 });
     }

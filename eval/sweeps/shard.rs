@@ -107,7 +107,8 @@ pub fn run_shard(
     if number >= folder.shards() {
         return Err(SweepError::NoShard { shard: number, shards: folder.shards() });
     }
-    let pairs = [("program", &manifest.program, &here.program), ("processor", &manifest.processor, &here.processor)];
+    let pairs =
+        [("program", &manifest.program, &here.program), ("processor", &manifest.processor, &here.processor)];
     if let Some((key, planned, here)) = pairs.into_iter().find(|(_, planned, here)| planned != here) {
         return Err(differs(key, planned, here));
     }
@@ -220,8 +221,11 @@ impl<'a> Shard<'a> {
             .map(|cell| (cell.cell.as_str(), cell.amount))
             .collect();
         let only: HashSet<&str> = own.keys().copied().collect();
-        let there: HashSet<String> = sweep.named_cells(&manifest)?.into_iter().map(|(_, cell)| cell).collect();
-        if let Some(gone) = cells.iter().find(|cell| only.contains(cell.cell.as_str()) && !there.contains(&cell.cell)) {
+        let there: HashSet<String> =
+            sweep.named_cells(&manifest)?.into_iter().map(|(_, cell)| cell).collect();
+        if let Some(gone) =
+            cells.iter().find(|cell| only.contains(cell.cell.as_str()) && !there.contains(&cell.cell))
+        {
             let key = format!("network, file of a noise, or training sequence of {}", gone.label);
             return Err(differs(key, &gone.cell[..16], "not so"));
         }
@@ -321,7 +325,8 @@ impl<'a> Shard<'a> {
 
     fn failed_lines(&self) -> impl Iterator<Item = FailedLine> + '_ {
         let cells = &self.folder.manifest.cells;
-        let labels: HashMap<&str, &str> = cells.iter().map(|cell| (cell.cell.as_str(), cell.label.as_str())).collect();
+        let labels: HashMap<&str, &str> =
+            cells.iter().map(|cell| (cell.cell.as_str(), cell.label.as_str())).collect();
         self.failed.iter().map(move |FailedCell { cell, reason }| FailedLine {
             cell: cell.clone(),
             label: labels.get(cell.as_str()).copied().unwrap_or_default().to_owned(),

@@ -122,7 +122,11 @@ fn of_shard(folder: &SweepFolder, shard: usize, own: &[usize], now: u64) -> Resu
         done: own.iter().filter(is_there).count(),
         cells: own.len(),
         predicted_s,
-        left_s: if matches!(state, ShardState::Done | ShardState::Failed) { 0.0 } else { left_share * predicted_s },
+        left_s: if matches!(state, ShardState::Done | ShardState::Failed) {
+            0.0
+        } else {
+            left_share * predicted_s
+        },
         by,
         failed,
     })

@@ -23,7 +23,9 @@ pub(crate) use noise::{ConvertArgs, NoiseArgs, NoiseWhat, RowFormat};
 pub(crate) use paper::PaperArgs;
 pub(crate) use run::RunArgs;
 pub(crate) use simulate::{FlightArgs, SimulateArgs, SimulateWhat, TracksArgs};
-pub(crate) use sweep::{Shards, SweepArgs, SweepCollectArgs, SweepPlanArgs, SweepRunArgs, SweepStatusArgs, SweepWhat};
+pub(crate) use sweep::{
+    Shards, SweepArgs, SweepCollectArgs, SweepPlanArgs, SweepRunArgs, SweepStatusArgs, SweepWhat,
+};
 pub(crate) use train::{SensorArg, TrainArgs};
 
 use clap::{Parser, Subcommand};

@@ -127,7 +127,9 @@ impl FromStr for Shards {
             (from <= to).then_some((from, to))
         };
         let ranges: Option<Vec<(usize, usize)>> = text.split(',').map(range).collect();
-        ranges.map(Self::Ranges).ok_or_else(|| format!("`{text}` is neither all nor numbers as 3, 0-3 or 1,4,7"))
+        ranges
+            .map(Self::Ranges)
+            .ok_or_else(|| format!("`{text}` is neither all nor numbers as 3, 0-3 or 1,4,7"))
     }
 }
 

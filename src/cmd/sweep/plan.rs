@@ -113,7 +113,8 @@ fn tell(args: &SweepPlanArgs, planned: &Planned) -> Result<()> {
         .collect();
     if args.json {
         let others: Vec<_> = others.iter().map(|(workers, of)| predicted(*workers, of)).collect();
-        let row = serde_json::json!({ "cells": cells, "planned": predicted(shards, balance_s), "others": others });
+        let row =
+            serde_json::json!({ "cells": cells, "planned": predicted(shards, balance_s), "others": others });
         outln!("{row}")?;
         return Ok(());
     }

@@ -50,9 +50,16 @@ fn say(folder: &SweepFolder, found: &SweepStatus) -> Result<()> {
     }
     let broken = found.shards.iter().filter(|shard| shard.state == ShardState::BrokenOff);
     for shard in broken.take(SHOWN) {
-        outln!("shard {}: broken off after {} of {}; {}", shard.shard, shard.done, shard.cells, folder.command(shard.shard))?;
+        outln!(
+            "shard {}: broken off after {} of {}; {}",
+            shard.shard,
+            shard.done,
+            shard.cells,
+            folder.command(shard.shard)
+        )?;
     }
-    let failures = found.shards.iter().flat_map(|shard| shard.failed.iter().map(move |line| (shard.shard, line)));
+    let failures =
+        found.shards.iter().flat_map(|shard| shard.failed.iter().map(move |line| (shard.shard, line)));
     for (shard, line) in failures.take(SHOWN) {
         outln!("shard {shard}: {} failed: {}", line.label, line.reason)?;
     }

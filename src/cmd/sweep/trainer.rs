@@ -41,7 +41,8 @@ impl CorpusTrainer {
         let mut all = Vec::new();
         for (name, config) in plan.configurations()? {
             config.validate()?;
-            let steps = dpn_train::trainer::Trainer::new(&config, &self.corpus()?.0, &device)?.steps_per_epoch();
+            let steps =
+                dpn_train::trainer::Trainer::new(&config, &self.corpus()?.0, &device)?.steps_per_epoch();
             let updates = (steps * config.fit.epochs) as f64;
             for seed in plan.seed..plan.seed.saturating_add(plan.seeds) {
                 let config = TrainConfig { seed, ..config.clone() };
