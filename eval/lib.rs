@@ -9,3 +9,4 @@ pub mod open_loop;
 pub mod published;
 pub mod stats;
 pub mod study;
+pub mod sweeps;

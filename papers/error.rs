@@ -20,6 +20,9 @@ pub enum PaperError {
     /// A closed loop, injected or not.
     #[error(transparent)]
     ClosedLoop(#[from] ClosedLoopError),
+    /// A configuration that a plan names.
+    #[error(transparent)]
+    Config(#[from] dpn_io::config::ConfigError),
     /// Stopped from outside, between two steps of a stage; what is finished is kept.
     #[error("stopped")]
     Stopped,
@@ -111,6 +114,7 @@ impl PaperError {
         match self {
             Self::ClosedLoop(error) => error.hint(),
             Self::Io(error) => error.hint(),
+            Self::Config(error) => error.hint(),
             Self::Locked(error) => error.hint(),
             Self::NoCamera { .. } => Some("--camera auto takes the best that every sequence has".into()),
             Self::NotMeasured { .. } => Some(

@@ -249,7 +249,7 @@ impl Input {
         let names = self.source.names();
         let missing = unseen.iter().map(|unseen| {
             let name = names[unseen.place].0.clone();
-            let words = words(&unseen.error);
+            let words = unseen.error.in_full();
             let reason = words.strip_prefix(&format!("{name}: ")).unwrap_or(&words).to_owned();
             Missing { name, reason }
         });
@@ -316,16 +316,17 @@ fn notes<'a>(missing: impl Iterator<Item = &'a Missing>) -> Vec<String> {
 
 /// The samples of a sequence that a loop can be closed on and windows can be cut from.
 fn usable(source: &SequenceSet, place: usize) -> Result<ImuRecording, String> {
-    let recording = source.recording(place, 0).map_err(|error| words(&error))?;
+    let recording = source.recording(place, 0).map_err(|error| error.in_full())?;
     if recording.truth.is_none() {
         return Err("it has no ground truth, so that nothing can be judged".into());
     }
     match source {
         SequenceSet::Recorded { tracks: TrackSource::File(_), .. } => {
-            source.frames(place, 0).map_err(|error| words(&error))?;
+            source.frames(place, 0).map_err(|error| error.in_full())?;
         }
         SequenceSet::Recorded { sequences, tracks: TrackSource::Images(ImageSource::Folder { .. }) } => {
-            let any = has_images(&sequences[place].0).map_err(|error| words(&error.into()))?;
+            let any =
+                has_images(&sequences[place].0).map_err(|error| ClosedLoopError::from(error).in_full())?;
             if !any {
                 return Err("it has none of the images it lists".into());
             }
@@ -335,20 +336,6 @@ fn usable(source: &SequenceSet, place: usize) -> Result<ImuRecording, String> {
     let member = Member { name: recording.name, recording: recording.imu, side: recording.side };
     let mut one = Corpus::new("one", vec![member]).map_err(|error| error.to_string())?;
     one.members.pop().map(|member| member.recording).ok_or_else(|| "it is empty".into())
-}
-
-/// An error and its causes on one line.
-fn words(error: &ClosedLoopError) -> String {
-    let mut text = error.to_string();
-    let mut cause = std::error::Error::source(error);
-    while let Some(inner) = cause {
-        let more = inner.to_string();
-        if !text.contains(&more) {
-            text = format!("{text}: {more}");
-        }
-        cause = inner.source();
-    }
-    text
 }
 
 #[cfg(test)]

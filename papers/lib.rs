@@ -26,6 +26,8 @@ mod results;
 mod run;
 mod specs;
 mod states;
+mod sweep_page;
+mod sweep_plan;
 pub mod tables;
 
 pub use error::PaperError;
@@ -34,3 +36,5 @@ pub use input::{CameraChoice, Cameras, Input, Missing};
 pub use paper::Paper;
 pub use plan::{InjectedPlan, Plan};
 pub use run::{Done, StageReport};
+pub use sweep_page::sweep_page;
+pub use sweep_plan::PaperSweepPlan;

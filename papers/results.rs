@@ -124,13 +124,9 @@ impl Paper<'_> {
         Keep { states: Some((noises, self.plan.seed)), ..Keep::default() }
     }
 
-    /// The rows of the study, and the sequences that cannot be seen.
-    pub(super) fn closed_loop(
-        &self,
-        stop: &AtomicBool,
-        progress: &mut dyn Progress,
-    ) -> Result<(StageResult<Vec<Row>>, Vec<UntrackedSequence>), PaperError> {
-        let study = SweepRequest {
+    /// The study.
+    fn study(&self) -> SweepRequest<'_> {
+        SweepRequest {
             name: "closed-loop".into(),
             source: &self.input.source,
             places: self.input.places.clone(),
@@ -138,8 +134,44 @@ impl Paper<'_> {
             others: (&self.plan.others, self.plan.other_seeds),
             injection: None,
             keep: self.keep(),
+        }
+    }
+
+    /// One course of the injected experiment.
+    fn experiment(&self, course: Course) -> SweepRequest<'_> {
+        let plan = &self.plan.injected;
+        let (noises, seeds) = match course {
+            Course::Step => (&plan.noises, plan.seeds),
+            _ => (&plan.followed, plan.course_seeds),
         };
-        self.sweep(&study, stop, progress)
+        SweepRequest {
+            name: format!("injected-{course}"),
+            source: &self.input.injected,
+            places: self.injected_places(),
+            noises: (noises, seeds),
+            others: (&[], 0),
+            injection: Some(plan.noise.with(course)),
+            keep: Keep::default(),
+        }
+    }
+
+    /// Every closed loop of the paper: the name of its folder, the runs, and what they are made from. Nothing is run.
+    ///
+    /// # Errors
+    /// Data that cannot be read; noises that are none.
+    pub fn sweeps(&self) -> Result<Vec<(String, Sweep<'_>, Manifest)>, PaperError> {
+        let courses = self.plan.injected.courses.iter().map(|course| self.experiment(*course));
+        let requests = std::iter::once(self.study()).chain(courses);
+        requests.map(|request| self.sweep_of(&request)).collect()
+    }
+
+    /// The rows of the study, and the sequences that cannot be seen.
+    pub(super) fn closed_loop(
+        &self,
+        stop: &AtomicBool,
+        progress: &mut dyn Progress,
+    ) -> Result<(StageResult<Vec<Row>>, Vec<UntrackedSequence>), PaperError> {
+        self.sweep(&self.study(), stop, progress)
     }
 
     /// The rows of one course of the injected experiment.
@@ -149,22 +181,8 @@ impl Paper<'_> {
         stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<StageResult<Vec<Row>>, PaperError> {
-        let plan = &self.plan.injected;
-        let (noises, seeds) = match course {
-            Course::Step => (&plan.noises, plan.seeds),
-            _ => (&plan.followed, plan.course_seeds),
-        };
-        let experiment = SweepRequest {
-            name: format!("injected-{course}"),
-            source: &self.input.injected,
-            places: self.injected_places(),
-            noises: (noises, seeds),
-            others: (&[], 0),
-            injection: Some(plan.noise.with(course)),
-            keep: Keep::default(),
-        };
         // Every sequence was seen in the closed loop or left out; one that is not seen now has no row here either.
-        let (made, unseen) = self.sweep(&experiment, stop, progress)?;
+        let (made, unseen) = self.sweep(&self.experiment(course), stop, progress)?;
         match unseen.into_iter().next() {
             Some(unseen) => Err(unseen.error.into()),
             None => Ok(made),
@@ -187,13 +205,11 @@ impl Paper<'_> {
         places
     }
 
-    /// All runs of a loop.
-    fn sweep(
-        &self,
-        wanted: &SweepRequest<'_>,
-        stop: &AtomicBool,
-        progress: &mut dyn Progress,
-    ) -> Result<(StageResult<Vec<Row>>, Vec<UntrackedSequence>), PaperError> {
+    /// The runs of a loop, the name of their folder, and what they are made from.
+    fn sweep_of<'a>(
+        &'a self,
+        wanted: &SweepRequest<'a>,
+    ) -> Result<(String, Sweep<'a>, Manifest), PaperError> {
         // One seed where nothing depends on it.
         let seeded = wanted.source.tracks_are_seeded() || wanted.source.recordings_are_seeded();
         let first = self.plan.seed;
@@ -214,6 +230,17 @@ impl Paper<'_> {
         };
         let manifest = Manifest::of(&sweep, self.measured_by())?;
         let run = format!("{}-{}", wanted.name, &manifest.fingerprint()[..16]);
+        Ok((run, sweep, manifest))
+    }
+
+    /// All runs of a loop.
+    fn sweep(
+        &self,
+        wanted: &SweepRequest<'_>,
+        stop: &AtomicBool,
+        progress: &mut dyn Progress,
+    ) -> Result<(StageResult<Vec<Row>>, Vec<UntrackedSequence>), PaperError> {
+        let (run, sweep, manifest) = self.sweep_of(wanted)?;
         let lock = FolderLock::take(&self.work.join(&run))?;
         if let Some(program) = self.measured_by {
             let left = sweep.left(&lock, &manifest)?;

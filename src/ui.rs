@@ -128,6 +128,9 @@ fn hint_of(cause: &(dyn std::error::Error + 'static)) -> Option<String> {
     if let Some(error) = cause.downcast_ref::<dpn_eval::closed_loop::ClosedLoopError>() {
         return error.hint();
     }
+    if let Some(error) = cause.downcast_ref::<dpn_eval::sweeps::SweepError>() {
+        return error.hint();
+    }
     if let Some(error) = cause.downcast_ref::<dpn_papers::PaperError>() {
         return error.hint();
     }

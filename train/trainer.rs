@@ -117,7 +117,7 @@ impl Trainer {
     }
 
     /// Updates in one epoch.
-    pub(crate) fn steps_per_epoch(&self) -> u64 {
+    pub fn steps_per_epoch(&self) -> u64 {
         (self.fit.len() as u64 * self.config.fit.draws_per_window).div_ceil(self.config.fit.batch as u64)
     }
 

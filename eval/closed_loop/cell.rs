@@ -32,29 +32,53 @@ impl Sweep<'_> {
     /// Networks or files of noises that cannot be had.
     pub(super) fn cells(&self, manifest: &Manifest) -> Result<Vec<Cell<'_>>, ClosedLoopError> {
         let names = self.source.names();
-        let (others, other_seeds) = &self.others;
-        let parts = [(&self.noises, &self.seeds), (others, other_seeds)];
-        let seeds: BTreeSet<u64> = self.seeds.iter().chain(other_seeds).copied().collect();
         let contents = self.noise_contents()?;
         let run =
             of_parts([&manifest.program, &manifest.estimator.to_string(), &manifest.source.to_string()]);
         let mut cells = Vec::new();
-        for &place in &self.places {
+        for (place, seed, noise) in self.combinations() {
             let (name, side) = &names[place];
             let from = format!("{:?} {:?}", self.from.seconds(name), self.to);
             let of_sequence = [run.as_str(), name, &side.to_string(), &manifest.inputs[name], &from];
+            let key = CellKey { sequence: name.clone(), seed, noise: noise.to_string() };
+            let of_cell = [&seed.to_string(), &contents[&key.noise]];
+            let content = of_parts(of_sequence.into_iter().chain(of_cell.map(String::as_str)));
+            cells.push(Cell { place, seed, noise, key, content });
+        }
+        Ok(cells)
+    }
+
+    /// Place, seed and noise of every cell, in the order of cells.
+    fn combinations(&self) -> Vec<(usize, u64, &NoiseSpec)> {
+        let (others, other_seeds) = &self.others;
+        let parts = [(&self.noises, &self.seeds), (others, other_seeds)];
+        let seeds: BTreeSet<u64> = self.seeds.iter().chain(other_seeds).copied().collect();
+        let mut all = Vec::new();
+        for &place in &self.places {
             for &seed in &seeds {
                 for (noises, _) in parts.iter().filter(|(_, seeds)| seeds.contains(&seed)) {
-                    for noise in *noises {
-                        let key = CellKey { sequence: name.clone(), seed, noise: noise.to_string() };
-                        let of_cell = [&seed.to_string(), &contents[&key.noise]];
-                        let content = of_parts(of_sequence.into_iter().chain(of_cell.map(String::as_str)));
-                        cells.push(Cell { place, seed, noise, key, content });
-                    }
+                    all.extend(noises.iter().map(|noise| (place, seed, noise)));
                 }
             }
         }
-        Ok(cells)
+        all
+    }
+
+    /// Name and content of every cell, in order.
+    ///
+    /// # Errors
+    /// Networks or files of noises that cannot be had.
+    pub fn named_cells(&self, manifest: &Manifest) -> Result<Vec<(CellKey, String)>, ClosedLoopError> {
+        Ok(self.cells(manifest)?.into_iter().map(|cell| (cell.key, cell.content)).collect())
+    }
+
+    /// The same sweep with those sequences alone that `wanted` takes a cell of, cells counted in order: what else is in their files is not read.
+    #[must_use]
+    pub fn of_sequences_with(&self, wanted: impl Fn(usize) -> bool) -> Self {
+        let of_cells = self.combinations().into_iter().enumerate().filter(|(i, _)| wanted(*i));
+        let needed: BTreeSet<usize> = of_cells.map(|(_, (place, ..))| place).collect();
+        let places = self.places.iter().copied().filter(|place| needed.contains(place)).collect();
+        Self { places, ..self.clone() }
     }
 
     /// What every noise is a function of, by its spec; a mean over the training sequences, of what these are.

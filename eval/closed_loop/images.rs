@@ -9,6 +9,7 @@ use dpn_core::{GrayImage, Stamp};
 use dpn_io::asl::Sequence;
 use dpn_io::{ImageFolder, IoError};
 use dpn_sim::RenderConfig;
+use serde::{Deserialize, Serialize};
 
 /// Images read ahead of the front-end.
 const AHEAD: usize = 4;
@@ -19,7 +20,8 @@ const AHEAD: usize = 4;
 pub type ImageStream<'a> = Box<dyn Iterator<Item = (Stamp, Result<GrayImage, IoError>)> + 'a>;
 
 /// Where images come from.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum ImageSource {
     /// The sequence's own folder.
     Folder {

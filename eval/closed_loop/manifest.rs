@@ -5,8 +5,10 @@ use super::sweep_plan::Sweep;
 use crate::noise::NoiseError;
 use dpn_core::checksum::of_parts;
 use dpn_core::estimate::NoiseSpec;
+use dpn_io::{IoError, atomic_write};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// What a run is a function of, besides its cells.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -73,8 +75,36 @@ impl Manifest {
         of_parts(parts.map(String::as_str).into_iter().chain(inputs).chain([self.networks.as_str()]))
     }
 
+    /// Writes it as `run.json` of `dir`, the inputs that were named there before among its own.
+    ///
+    /// # Errors
+    /// A folder of another run, or one that cannot be written to; a file there that does not read.
+    pub fn put_into(mut self, dir: &Path) -> Result<(), ClosedLoopError> {
+        let path = dir.join("run.json");
+        match std::fs::read(&path) {
+            Ok(bytes) => {
+                let bad = |e: serde_json::Error| ClosedLoopError::BadRow {
+                    path: path.clone(),
+                    line: e.line(),
+                    message: e.to_string(),
+                };
+                let there: Self = serde_json::from_slice(&bytes).map_err(bad)?;
+                if let Some((key, there, here)) = self.differs(&there) {
+                    return Err(ClosedLoopError::OtherRun { dir: dir.to_path_buf(), key, there, here });
+                }
+                for (name, sum) in there.inputs {
+                    self.inputs.entry(name).or_insert(sum);
+                }
+            }
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
+            Err(source) => return Err(IoError::Read { path, source }.into()),
+        }
+        let text = serde_json::to_string_pretty(&self).expect("texts and JSON values") + "\n";
+        Ok(atomic_write(&path, |out| out.write_all(text.as_bytes()))?)
+    }
+
     /// The first thing in which `there` is of another run. Networks are none: which of them a cell asks is in the cell's own checksum.
-    pub(super) fn differs(&self, there: &Self) -> Option<(String, String, String)> {
+    pub(crate) fn differs(&self, there: &Self) -> Option<(String, String, String)> {
         let texts = |m: &Self| [m.program.clone(), m.from.clone()];
         for ((key, there), here) in ["program", "start"].into_iter().zip(texts(there)).zip(texts(self)) {
             if there != here {

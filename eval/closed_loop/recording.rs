@@ -5,6 +5,8 @@ use dpn_core::trajectory::StampedPose;
 use dpn_core::{ImuRecording, NoiseTrack, Stamp};
 use dpn_train::split::Side;
 use nalgebra::Isometry3;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// An IMU recording and the camera beside it, without what the camera saw.
 #[derive(Debug, Clone)]
@@ -66,6 +68,32 @@ impl std::str::FromStr for StartAt {
             Ok(seconds) if seconds.is_finite() && seconds >= 0.0 => Ok(Self::Seconds(seconds)),
             _ => Err(format!("`{text}` is neither `table` nor a number of seconds from 0")),
         }
+    }
+}
+
+impl Serialize for StartAt {
+    fn serialize<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Table => out.serialize_str("table"),
+            Self::Seconds(seconds) => out.serialize_f64(*seconds),
+        }
+    }
+}
+
+/// A number, or what [`FromStr`](std::str::FromStr) takes.
+impl<'de> Deserialize<'de> for StartAt {
+    fn deserialize<D: Deserializer<'de>>(input: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged)]
+        enum Written {
+            Seconds(f64),
+            Word(String),
+        }
+        let text = match Written::deserialize(input)? {
+            Written::Seconds(seconds) => seconds.to_string(),
+            Written::Word(word) => word,
+        };
+        text.parse().map_err(D::Error::custom)
     }
 }
 

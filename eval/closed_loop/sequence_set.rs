@@ -20,6 +20,7 @@ use dpn_sim::tracks::{
 use dpn_sim::{Flight, FlightConfig, RenderConfig, Split, simulate};
 use dpn_train::split::{Side, assign, paper_side};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -28,7 +29,8 @@ use std::sync::Arc;
 const CAMERA_HZ: f64 = 20.0;
 
 /// Where the tracks of recorded sequences come from.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 // A handful of these live at a time; their size is nobody's cost.
 #[allow(clippy::large_enum_variant)]
 pub enum TrackSource {

@@ -30,29 +30,8 @@ impl<'a> Store<'a> {
     /// A folder that cannot be written to, or holds another run; a row that does not read.
     pub fn open(lock: &'a FolderLock, manifest: &Manifest) -> Result<Self, ClosedLoopError> {
         let dir = lock.dir();
-        let path = dir.join("run.json");
-        let created = !path.exists();
-        let mut manifest = manifest.clone();
-        match std::fs::read(&path) {
-            Ok(bytes) => {
-                let bad = |e: serde_json::Error| ClosedLoopError::BadRow {
-                    path: path.clone(),
-                    line: e.line(),
-                    message: e.to_string(),
-                };
-                let there: Manifest = serde_json::from_slice(&bytes).map_err(bad)?;
-                if let Some((key, there, here)) = manifest.differs(&there) {
-                    return Err(ClosedLoopError::OtherRun { dir: dir.to_path_buf(), key, there, here });
-                }
-                for (name, sum) in there.inputs {
-                    manifest.inputs.entry(name).or_insert(sum);
-                }
-            }
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
-            Err(source) => return Err(IoError::Read { path, source }.into()),
-        }
-        let text = serde_json::to_string_pretty(&manifest).expect("texts and JSON values") + "\n";
-        atomic_write(&path, |out| out.write_all(text.as_bytes()))?;
+        let created = !dir.join("run.json").exists();
+        manifest.clone().put_into(dir)?;
         let path = rows_path(dir);
         let mut rows = read_rows(&path)?;
         // Of two rows of one cell, which a run that was broken off may leave, the later one.
@@ -124,7 +103,10 @@ fn rows_path(dir: &Path) -> PathBuf {
 }
 
 /// The rows of a file, none where it is not there; a last line that was cut is left out.
-fn read_rows(path: &Path) -> Result<Vec<Row>, ClosedLoopError> {
+///
+/// # Errors
+/// A file that cannot be read, a line that is no row.
+pub fn read_rows(path: &Path) -> Result<Vec<Row>, ClosedLoopError> {
     let text = match std::fs::read_to_string(path) {
         Ok(text) => text,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),

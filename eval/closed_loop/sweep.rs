@@ -16,9 +16,11 @@ use super::row::{CellKey, Row};
 use super::states::write_states;
 use super::store::Store;
 use super::sweep_cache::{Needs, SweepCache};
+use super::sweep_faults::{FailedCell, OnFault, UnseenSequences, UntrackedSequence};
 use super::sweep_plan::{Sweep, nees_path, remove_files, trajectory_path};
 use super::tracked::TrackedSequence;
 use crate::noise::{MeanSquare, Recorded, of_recording};
+use cpu_time::ThreadTime;
 use dpn_core::ImuNoise;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::progress::Progress;
@@ -29,45 +31,17 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A sequence that nothing could be seen of.
-#[derive(Debug)]
-pub struct UntrackedSequence {
-    /// Its place in the source.
-    pub place: usize,
-    /// Why: its files, tracks or images cannot be had, or not enough of them.
-    pub error: ClosedLoopError,
+/// CPU seconds of one cell on its thread.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CellTime {
+    /// For what other cells share, where this one made it.
+    pub shared_s: f64,
+    /// For the cell itself.
+    pub own_s: f64,
 }
 
-/// What becomes of the others when one sequence cannot be seen.
-enum OnUntracked<'a> {
-    /// Nothing: that is an error.
-    Fail,
-    /// They go on; the first error of each such sequence is kept here.
-    LeaveOut(&'a Mutex<BTreeMap<usize, ClosedLoopError>>),
-}
-
-impl OnUntracked<'_> {
-    /// Whether a sequence is known to be one.
-    fn leaves_out(&self, place: usize) -> bool {
-        match self {
-            Self::Fail => false,
-            Self::LeaveOut(found) => {
-                found.lock().unwrap_or_else(PoisonError::into_inner).contains_key(&place)
-            }
-        }
-    }
-
-    /// An error of seeing a sequence: given back, or kept.
-    fn take(&self, place: usize, error: ClosedLoopError) -> Result<(), ClosedLoopError> {
-        match self {
-            Self::Fail => Err(error),
-            Self::LeaveOut(found) => {
-                found.lock().unwrap_or_else(PoisonError::into_inner).entry(place).or_insert(error);
-                Ok(())
-            }
-        }
-    }
-}
+/// Who hears of every cell that was run, its row being in the folder.
+pub type CellWatch<'a> = dyn FnMut(&Row, CellTime) -> Result<(), ClosedLoopError> + 'a;
 
 impl Sweep<'_> {
     /// Runs every cell whose row is not in the folder of `lock` yet; the rows of all cells, in order.
@@ -82,7 +56,8 @@ impl Sweep<'_> {
         stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<Vec<Row>, ClosedLoopError> {
-        self.run_in_store(lock, manifest, &OnUntracked::Fail, stop, progress)
+        let cells = self.cells(manifest)?;
+        self.run_in_store(lock, manifest, &cells, &OnFault::Fail, &mut |_, _| Ok(()), (stop, progress))
     }
 
     /// The same where a sequence that cannot be seen ends nothing: it has no rows, and is named with its reason.
@@ -96,10 +71,33 @@ impl Sweep<'_> {
         stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<(Vec<Row>, Vec<UntrackedSequence>), ClosedLoopError> {
-        let found = Mutex::new(BTreeMap::new());
-        let rows = self.run_in_store(lock, manifest, &OnUntracked::LeaveOut(&found), stop, progress)?;
-        let found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
-        Ok((rows, found.into_iter().map(|(place, error)| UntrackedSequence { place, error }).collect()))
+        let found = UnseenSequences::default();
+        let cells = self.cells(manifest)?;
+        let on_fault = OnFault::LeaveOut(&found);
+        let rows =
+            self.run_in_store(lock, manifest, &cells, &on_fault, &mut |_, _| Ok(()), (stop, progress))?;
+        Ok((rows, found.into_list()))
+    }
+
+    /// Runs those cells whose content is in `only`, and whose row is not in the folder of `lock` yet. A cell that cannot be run ends nothing: it is named
+    /// with its reason. `done` hears of every cell that was run once its row is in the folder, with the time it took.
+    ///
+    /// # Errors
+    /// As of [`run`](Self::run), but for faults of cells.
+    pub fn run_cells(
+        &self,
+        only: &HashSet<&str>,
+        lock: &FolderLock,
+        manifest: &Manifest,
+        done: &mut CellWatch<'_>,
+        (stop, progress): (&AtomicBool, &mut dyn Progress),
+    ) -> Result<Vec<FailedCell>, ClosedLoopError> {
+        let (unseen, failed) = (UnseenSequences::default(), Mutex::new(Vec::new()));
+        let mut cells = self.cells(manifest)?;
+        cells.retain(|cell| only.contains(cell.content.as_str()));
+        let on_fault = OnFault::Note { unseen: &unseen, failed: &failed };
+        self.run_in_store(lock, manifest, &cells, &on_fault, done, (stop, progress))?;
+        Ok(failed.into_inner().unwrap_or_else(PoisonError::into_inner))
     }
 
     /// How many cells are still to be run in the folder of `lock`.
@@ -119,14 +117,14 @@ impl Sweep<'_> {
         &self,
         lock: &FolderLock,
         manifest: &Manifest,
-        on_untracked: &OnUntracked<'_>,
-        stop: &AtomicBool,
-        progress: &mut dyn Progress,
+        // Named before anything is written: noises that cannot be had are found out by then.
+        cells: &[Cell<'_>],
+        on_fault: &OnFault<'_>,
+        watch: &mut CellWatch<'_>,
+        (stop, progress): (&AtomicBool, &mut dyn Progress),
     ) -> Result<Vec<Row>, ClosedLoopError> {
-        // Noises that cannot be had are found out before anything is written.
-        let cells = self.cells(manifest)?;
         let mut store = Store::open(lock, manifest)?;
-        match self.fill(&cells, &mut store, on_untracked, stop, progress) {
+        match self.fill(cells, &mut store, on_fault, watch, (stop, progress)) {
             Ok(ordered) => {
                 store.finish(&ordered)?;
                 Ok(ordered)
@@ -176,15 +174,15 @@ impl Sweep<'_> {
         &self,
         cells: &[Cell<'_>],
         store: &mut Store<'_>,
-        on_untracked: &OnUntracked<'_>,
-        stop: &AtomicBool,
-        progress: &mut dyn Progress,
+        on_fault: &OnFault<'_>,
+        watch: &mut CellWatch<'_>,
+        (stop, progress): (&AtomicBool, &mut dyn Progress),
     ) -> Result<Vec<Row>, ClosedLoopError> {
         let mut rows = self.kept(cells, store);
         let (total, kept) = (cells.len(), rows.len());
         let todo: Vec<&Cell> = cells.iter().filter(|cell| !rows.contains_key(&cell.key)).collect();
         let todo = self.ahead(todo);
-        let means = self.training_means(&todo, on_untracked, stop)?;
+        let means = self.training_means(&todo, on_fault, stop)?;
         self.forget_stale(cells, &rows, store)?;
         let needs: Vec<Needs> = todo.iter().map(|cell| self.needs(cell)).collect();
         let cache = SweepCache::new(&needs, means);
@@ -196,22 +194,23 @@ impl Sweep<'_> {
             todo.len(),
             stop,
             |i| {
-                let row = self.cell(todo[i], &needs[i], &cache, &dir, on_untracked);
+                let row = self.cell(todo[i], &needs[i], &cache, &dir, on_fault);
                 cache.done(&needs[i]);
-                row
+                row.or_else(|error| on_fault.of_cell(todo[i], error).map(|()| None))
             },
             |_, row| {
-                let Some(row) = row else { return Ok(()) };
+                let Some((row, time)) = row else { return Ok(()) };
                 store.append(row)?;
+                watch(row, *time)?;
                 done += 1;
                 progress.step(done as u64, &note(row));
                 Ok(())
             },
         )?;
-        for row in finished.into_iter().flatten().flatten() {
+        for (row, _) in finished.into_iter().flatten().flatten() {
             rows.insert(row.key(), row);
         }
-        let seen = || cells.iter().filter(|cell| !on_untracked.leaves_out(cell.place));
+        let seen = || cells.iter().filter(|cell| !on_fault.leaves_out(cell));
         let total = seen().count();
         let ordered: Vec<Row> = seen().filter_map(|cell| rows.remove(&cell.key)).collect();
         if ordered.len() < total {
@@ -270,15 +269,17 @@ impl Sweep<'_> {
         needs: &Needs,
         cache: &SweepCache,
         dir: &Path,
-        on_untracked: &OnUntracked<'_>,
-    ) -> Result<Option<Row>, ClosedLoopError> {
-        if on_untracked.leaves_out(cell.place) {
+        on_fault: &OnFault<'_>,
+    ) -> Result<Option<(Row, CellTime)>, ClosedLoopError> {
+        if on_fault.passes_over(cell) {
             return Ok(None);
         }
+        let clock = ThreadTime::now();
         let (recording, seen) = match self.inputs(cell, needs, cache) {
             Ok(found) => found,
-            Err(error) => return on_untracked.take(cell.place, error).map(|()| None),
+            Err(error) => return on_fault.unseen(cell, error).map(|()| None),
         };
+        let shared_s = clock.elapsed().as_secs_f64();
         remove_files(dir, &cell.key)?;
         let from_s = self.from.seconds(&recording.name);
         let stream = Stream::new(cell.seed).named("noise").named(&recording.name);
@@ -303,7 +304,8 @@ impl Sweep<'_> {
         if let Some(nees) = judged.nees.as_ref().filter(|_| self.keep.nees) {
             write_nees(&nees_path(dir, &cell.key), nees)?;
         }
-        Ok(Some(Row { cell: cell.content.clone(), noise_rms: Some(noise_rms(&noise)), ..judged.row }))
+        let row = Row { cell: cell.content.clone(), noise_rms: Some(noise_rms(&noise)), ..judged.row };
+        Ok(Some((row, CellTime { shared_s, own_s: clock.elapsed().as_secs_f64() - shared_s })))
     }
 
     /// What a cell's odometry is given: the recording, and tracks enough.
@@ -327,7 +329,7 @@ impl Sweep<'_> {
     fn training_means(
         &self,
         todo: &[&Cell<'_>],
-        on_untracked: &OnUntracked<'_>,
+        on_fault: &OnFault<'_>,
         stop: &AtomicBool,
     ) -> Result<BTreeMap<String, ImuNoise>, ClosedLoopError> {
         let mut sources: Vec<&NoiseSpec> = todo
@@ -348,7 +350,7 @@ impl Sweep<'_> {
         let of_sequence = |i: usize| {
             let recording = match self.recording(training[i], seed) {
                 Ok(recording) => recording,
-                Err(error) => return on_untracked.take(training[i], error).map(|()| Vec::new()),
+                Err(error) => return on_fault.of_training(training[i], error).map(|()| Vec::new()),
             };
             let recorded = recorded(&recording);
             let mean = |source: &&NoiseSpec| {

@@ -8,6 +8,7 @@ use dpn_core::estimate::NoiseSpec;
 use dpn_io::IoError;
 use dpn_pronet::network::Network;
 use dpn_vio::EstimatorConfig;
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// What to run.
@@ -40,7 +41,8 @@ pub struct Sweep<'a> {
 }
 
 /// What is kept of cells beside their rows, each a file a cell. A cell is run again where such a file is not there.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Keep {
     /// Whether every cell's trajectory is written: `trajectories/CELL.tum`.
     pub trajectories: bool,

@@ -6,11 +6,13 @@
 //! 4. [`Study`]: all of it; `dpn eval --closed-loop` and `dpn paper` print the same one.
 
 mod compare;
+mod file;
 mod reference;
 mod rows;
 mod summary;
 
 pub use compare::{Comparison, FEWEST_SEQUENCES, compare, correct_for_count};
+pub use file::StudyFile;
 pub use reference::{Choice, Criterion, Reference};
 pub use rows::RowSet;
 pub use summary::NoiseSummary;

@@ -10,6 +10,7 @@ mod noise;
 mod paper;
 mod run;
 mod simulate;
+mod sweep;
 mod train;
 
 pub(crate) use allan::AllanArgs;
@@ -22,6 +23,9 @@ pub(crate) use noise::{ConvertArgs, NoiseArgs, NoiseWhat, RowFormat};
 pub(crate) use paper::PaperArgs;
 pub(crate) use run::RunArgs;
 pub(crate) use simulate::{FlightArgs, SimulateArgs, SimulateWhat, TracksArgs};
+pub(crate) use sweep::{
+    Shards, SweepArgs, SweepCollectArgs, SweepPlanArgs, SweepRunArgs, SweepStatusArgs, SweepWhat,
+};
 pub(crate) use train::{SensorArg, TrainArgs};
 
 use clap::{Parser, Subcommand};
@@ -51,6 +55,8 @@ pub(crate) enum Command {
     Run(RunArgs),
     /// The paper again, from data: every table and figure, with the controls and statistics that decide its question, on one page.
     Paper(PaperArgs),
+    /// A closed loop, a paper or trainings in shards, on as many machines as there are: plan, run, collect, status.
+    Sweep(SweepArgs),
     /// How noisy an IMU is along a log, sample by sample; and noise figures as other programs write them (convert).
     Noise(NoiseArgs),
     /// What a log at rest says of its sensor's noise: Allan plot, five coefficients an axis, configurations to paste.

@@ -2,49 +2,22 @@
 
 use super::{program, settings, shipped, stop};
 use crate::args::{CameraArg, EvalArgs};
-use crate::ui::{Bar, Fault, Interrupted, errln, out, outln};
+use crate::ui::{Bar, Interrupted, errln, out, outln};
 use anyhow::Result;
 use dpn_core::estimate::parse_list;
-use dpn_eval::closed_loop::{
-    ClosedLoopError, Consistency, ImageSource, Keep, Manifest, SequenceSet, Sweep, TrackSource, consistency,
-};
-use dpn_eval::study::{MARGIN, RowSet, Study};
+use dpn_eval::closed_loop::{ClosedLoopError, Consistency, Manifest, Row, consistency};
+use dpn_eval::study::{MARGIN, RowSet, Study, StudyFile};
+use dpn_eval::sweeps::{Camera, LoopPlan};
 use dpn_io::{FolderLock, atomic_write};
 use dpn_papers::tables;
-use dpn_pronet::network;
-use std::path::PathBuf;
+use dpn_pronet::network::{self, Network};
+use std::path::{Path, PathBuf};
 
 pub(crate) fn run(args: &EvalArgs) -> Result<()> {
-    let closed = &args.closed;
-    let noises = parse_list(&closed.noise)?;
-    let estimator = settings::estimator(&closed.settings)?;
-    let source = source(args)?;
-    if closed.seeds > 1 && !(source.tracks_are_seeded() || source.recordings_are_seeded()) {
-        return Err(Fault::new("given tracks have no seed, and --seeds asks for several")
-            .hint("leave --tracks away, and tracks are made from the seed")
-            .into());
-    }
-    let networks = match &args.models {
-        Some(dir) => network::load_all(dir)?,
-        None => shipped::networks()?,
-    };
-    let sweep = Sweep {
-        source: &source,
-        places: source.select(&closed.sequences)?,
-        noises,
-        seeds: (args.seed..args.seed.saturating_add(closed.seeds)).collect(),
-        others: (Vec::new(), Vec::new()),
-        from: closed.from,
-        to: closed.to,
-        estimator,
-        networks: &networks,
-        threads: closed.threads.unwrap_or_else(cores).max(1),
-        keep: Keep { trajectories: closed.trajectories, nees: true, states: None },
-        injection: match &closed.inject {
-            Some(path) => Some(dpn_io::config::load(path)?),
-            None => None,
-        },
-    };
+    let plan = plan(args)?;
+    let source = plan.source()?;
+    let networks = networks(plan.models.as_deref())?;
+    let sweep = plan.sweep(&source, &networks, args.closed.threads.unwrap_or_else(cores).max(1))?;
     for warning in sweep.estimator.warnings() {
         errln!("warning: {warning}");
     }
@@ -62,15 +35,64 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
         }
         other => other?,
     };
-    let reports = consistency(&out, &rows)?;
-    let set = RowSet::new(&rows);
+    tell(&out, &rows, args.json)
+}
+
+/// The networks of a folder, or those that come with the program.
+pub(crate) fn networks(models: Option<&Path>) -> Result<Vec<Network>> {
+    match models {
+        Some(dir) => Ok(network::load_all(dir)?),
+        None => shipped::networks(),
+    }
+}
+
+/// The flags as a plan.
+fn plan(args: &EvalArgs) -> Result<LoopPlan> {
+    let closed = &args.closed;
+    Ok(LoopPlan {
+        data: args.data.clone(),
+        models: args.models.clone(),
+        camera: match closed.camera {
+            CameraArg::Tracks => Camera::Tracks,
+            CameraArg::Images => Camera::Images,
+            CameraArg::Rendered => Camera::Rendered,
+        },
+        tracks: closed.tracks.clone(),
+        skip_missing: closed.skip_missing,
+        sequences: closed.sequences.clone(),
+        noises: parse_list(&closed.noise)?,
+        seed: args.seed,
+        seeds: closed.seeds,
+        from: closed.from,
+        to: closed.to,
+        estimator: settings::estimator(&closed.settings)?.into(),
+        simulated_tracks: settings::tracks(&closed.settings)?.into(),
+        images: settings::images(&closed.settings)?.into(),
+        flights: settings::flights(&closed.settings)?.into(),
+        injection: match &closed.inject {
+            Some(path) => Some(dpn_io::config::load::<dpn_eval::injected::Injection>(path)?.into()),
+            None => None,
+        },
+        trajectories: closed.trajectories,
+        ..LoopPlan::default()
+    })
+}
+
+/// Makes the tables of the rows in `out`, writes and prints them.
+pub(crate) fn tell(out: &Path, rows: &[Row], json: bool) -> Result<()> {
+    let reports = consistency(out, rows)?;
+    let set = RowSet::new(rows);
     let study = Study::new(&set, MARGIN).map_err(ClosedLoopError::from)?;
     let table = printed(&set, &study, &reports);
-    let json = serde_json::json!({ "rows": rows, "study": study, "consistency": reports });
-    atomic_write(&out.join("closed_loop.json"), |file| writeln!(file, "{json}"))?;
+    let results = StudyFile { consistency: &reports, rows, study: &study };
+    let whole = out.join("closed_loop.json");
+    atomic_write(&whole, |file| {
+        serde_json::to_writer(&mut *file, &results)?;
+        writeln!(file)
+    })?;
     atomic_write(&out.join("closed_loop.txt"), |file| file.write_all(table.as_bytes()))?;
-    if args.json {
-        outln!("{json}")?;
+    if json {
+        outln!("{}", serde_json::to_string(&results)?)?;
     } else {
         out!("{table}")?;
         outln!("\nrows: {}", out.join("rows.jsonl").display())?;
@@ -90,32 +112,6 @@ fn printed(rows: &RowSet<'_>, study: &Study, reports: &[Consistency]) -> String 
     }
     parts.extend(tables::consistency(reports).map(|table| table.console()));
     parts.join("\n")
-}
-
-/// Sequences on disk, or the simulated flights.
-fn source(args: &EvalArgs) -> Result<SequenceSet> {
-    let made = TrackSource::Simulated(settings::tracks(&args.closed.settings)?);
-    let tracks = match (args.closed.camera, &args.closed.tracks) {
-        (CameraArg::Tracks, Some(dir)) => TrackSource::File(dir.clone()),
-        (CameraArg::Tracks, None) => made,
-        (CameraArg::Images, None) => {
-            let images = ImageSource::Folder { skip_missing: args.closed.skip_missing };
-            TrackSource::Images(images)
-        }
-        (CameraArg::Rendered, None) => {
-            let images = ImageSource::Rendered(Box::new(settings::images(&args.closed.settings)?));
-            TrackSource::Images(images)
-        }
-        (CameraArg::Images | CameraArg::Rendered, Some(_)) => {
-            return Err(Fault::new("--tracks and --camera images or rendered ask for two things")
-                .hint("leave one of them away")
-                .into());
-        }
-    };
-    match &args.data {
-        Some(dir) => Ok(SequenceSet::recorded(dir, tracks)?),
-        None => Ok(SequenceSet::Flights { config: settings::flights(&args.closed.settings)?, tracks }),
-    }
 }
 
 fn cores() -> usize {

@@ -1,5 +1,6 @@
 //! Recordings from a folder, or the simulated flights.
 
+use crate::ui::Fault;
 use anyhow::Result;
 use dpn_sim::{FlightConfig, Split};
 use dpn_train::corpus::{Corpus, Member};
@@ -15,6 +16,15 @@ pub(crate) fn load(dir: Option<&Path>) -> Result<Vec<Corpus>> {
         Some(dir) => Ok(dpn_train::asl::load(dir)?),
         None => Ok(vec![simulated(0, &FlightConfig::default())?]),
     }
+}
+
+/// The collection that is trained on: the first with sequences to train on.
+pub(crate) fn to_train(mut corpora: Vec<Corpus>) -> Result<Corpus> {
+    let place = corpora.iter().position(|corpus| !corpus.side(Side::Train).is_empty()).unwrap_or(0);
+    if corpora.is_empty() {
+        return Err(Fault::new("the data hold no sequence").into());
+    }
+    Ok(corpora.swap_remove(place))
 }
 
 /// The simulated flights of `seed`.

@@ -19,6 +19,7 @@ mod settings;
 mod shipped;
 mod simulate;
 mod stop;
+mod sweep;
 mod tracks;
 mod train;
 
@@ -32,6 +33,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Eval(args) => eval::run(&args),
         Command::Run(args) => run::run(&args),
         Command::Paper(args) => paper::run(&args),
+        Command::Sweep(args) => sweep::run(args),
         Command::Noise(args) => noise::run(&args),
         Command::Allan(args) => allan::run(&args),
         Command::Check(args) => check::run(&args),

@@ -6,37 +6,25 @@ use crate::ui::{Bar, Interrupted, errln, outln};
 use anyhow::Result;
 use dpn_core::Sensor;
 use dpn_core::config::Validate;
+use dpn_eval::sweeps::Settings;
 use dpn_io::FolderLock;
-use dpn_io::config::load;
-use dpn_papers::{Cameras, Done, Input, Paper, Plan, id};
+use dpn_papers::{Done, Input, Paper, PaperSweepPlan, Plan, id};
 use dpn_pronet::network;
 use dpn_pronet::network::Network;
 use dpn_train::config::TrainConfig;
 use dpn_train::corpus::Corpus;
 use dpn_train::run::{Run, RunError};
 use dpn_train::trainer::TrainError;
+use dpn_vio::EstimatorConfig;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 pub(crate) fn run(args: &PaperArgs) -> Result<()> {
-    let plan = match &args.plan {
-        Some(path) => load(path)?,
-        None if args.quick => Plan::quick(),
-        None => Plan::whole(),
-    };
+    let asked = asked(args)?;
+    let plan = asked.plan()?;
     plan.validate()?;
-    let mut estimator = settings::estimator(&args.settings)?;
-    estimator.covariance = true;
-    let cameras = Cameras {
-        given: args.tracks.clone(),
-        made: settings::tracks(&args.settings)?,
-        rendered: settings::images(&args.settings)?,
-        flights: settings::flights(&args.settings)?,
-        quick: args.quick,
-    };
-    let (source, why) = args.camera.open(args.data.as_deref(), &args.sequences, &cameras)?;
-    let wanted = source.select(&args.sequences)?;
-    let input = Input::check(source, &wanted, args.sequences == "all", &cameras.made)?;
+    let estimator = asked.estimator()?;
+    let (input, why) = asked.input()?;
     for missing in &input.missing {
         errln!("warning: no row for {}: {}", missing.name, missing.reason);
     }
@@ -47,18 +35,12 @@ pub(crate) fn run(args: &PaperArgs) -> Result<()> {
     let networks = chosen_networks(args, &input, &stop)?;
     let measured_by = args.measured_by.as_deref().map(program_of);
     let paper = Paper {
-        plan: &plan,
-        camera: &why,
-        input: &input,
-        networks: &networks,
-        estimator,
-        from: args.from,
-        program: program(),
         measured_by: measured_by.as_deref(),
         command: command(),
         work: &args.work,
         out: &args.out,
         threads: args.threads.unwrap_or_else(cores).max(1),
+        ..unwritten(&asked, &plan, (&input, &why), &networks, estimator)
     };
     match paper.run(&stop, &mut Bar::new()) {
         Err(error) if error.is_stop() => {
@@ -69,6 +51,49 @@ pub(crate) fn run(args: &PaperArgs) -> Result<()> {
             say(&done, args.json)?;
             Ok(())
         }
+    }
+}
+
+/// The flags as a plan.
+fn asked(args: &PaperArgs) -> Result<PaperSweepPlan> {
+    Ok(PaperSweepPlan {
+        data: args.data.clone(),
+        models: args.models.clone(),
+        plan: args.plan.clone().map(Settings::File),
+        quick: args.quick,
+        camera: args.camera,
+        tracks: args.tracks.clone(),
+        sequences: args.sequences.clone(),
+        from: args.from,
+        estimator: settings::estimator(&args.settings)?.into(),
+        simulated_tracks: settings::tracks(&args.settings)?.into(),
+        images: settings::images(&args.settings)?.into(),
+        flights: settings::flights(&args.settings)?.into(),
+        ..PaperSweepPlan::default()
+    })
+}
+
+/// A paper of which nothing is written: it has no folders.
+pub(crate) fn unwritten<'a>(
+    asked: &PaperSweepPlan,
+    plan: &'a Plan,
+    (input, camera): (&'a Input, &'a str),
+    networks: &'a [Network],
+    estimator: EstimatorConfig,
+) -> Paper<'a> {
+    Paper {
+        plan,
+        input,
+        networks,
+        estimator,
+        camera,
+        from: asked.from,
+        program: program(),
+        measured_by: None,
+        command: String::new(),
+        work: Path::new(""),
+        out: Path::new(""),
+        threads: 1,
     }
 }
 

@@ -7,9 +7,7 @@ use anyhow::Result;
 use dpn_core::Sensor;
 use dpn_core::config::Validate;
 use dpn_train::config::TrainConfig;
-use dpn_train::corpus::Corpus;
 use dpn_train::run::{Run, RunError};
-use dpn_train::split::Side;
 use dpn_train::trainer::TrainError;
 use std::path::PathBuf;
 
@@ -17,11 +15,7 @@ pub(crate) fn run(args: TrainArgs) -> Result<()> {
     let sensor = Sensor::from(args.sensor);
     let config = config(&args, sensor)?;
     let device = device::parse(&args.device)?;
-    let corpora = corpus::load(args.data.as_deref())?;
-    let has_training = |corpus: &&Corpus| !corpus.side(Side::Train).is_empty();
-    let Some(corpus) = corpora.iter().find(has_training).or(corpora.first()) else {
-        return Err(Fault::new("the data hold no sequence").into());
-    };
+    let corpus = corpus::to_train(corpus::load(args.data.as_deref())?)?;
     let out = args.out.unwrap_or_else(|| {
         PathBuf::from(format!(
             "runs/train-{sensor}-{}-{}-seed{}",
@@ -30,7 +24,7 @@ pub(crate) fn run(args: TrainArgs) -> Result<()> {
             config.seed
         ))
     });
-    let run = Run::open(&out, &config, corpus, &device, args.resume)?;
+    let run = Run::open(&out, &config, &corpus, &device, args.resume)?;
     let (done, total) = run.epochs();
     if done > 0 {
         errln!("resume {} after {done} of {total} epochs", out.display());

@@ -57,6 +57,7 @@ pub mod network;
 #[cfg(feature = "train")]
 mod plain;
 pub mod predictor;
+mod processor;
 pub mod range;
 pub mod shape;
 pub mod store;
@@ -69,5 +70,6 @@ pub use model::DualProNet;
 #[cfg(feature = "train")]
 pub use module::ProNet;
 pub use predictor::Predictor;
+pub use processor::processor;
 pub use store::StoreError;
 pub use weights::{Card, Weights};

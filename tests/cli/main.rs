@@ -24,6 +24,7 @@ mod recording;
 mod rendered;
 mod run;
 mod simulate;
+mod sweep;
 mod tracks;
 mod train;
 mod training;

@@ -1,0 +1,83 @@
+//! Who works on a shard, told to whoever looks: a small file that is written anew every few seconds. A lock would not do: not every file system
+//! shows it to other machines.
+
+use dpn_io::atomic_write;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+/// Name of the file.
+pub(super) const BEAT: &str = "running.json";
+/// How often it is written.
+const EVERY: Duration = Duration::from_secs(5);
+
+/// Who works on a shard.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Beat {
+    /// The machine.
+    pub node: String,
+    /// The process there.
+    pub process: u32,
+    /// When it began [s since 1970].
+    pub since: u64,
+    /// When it was last alive [s since 1970], by the machine's clock.
+    pub beat: u64,
+    /// Cells that were there when it began.
+    pub found: usize,
+}
+
+/// Writes a [`Beat`] until it is dropped; then the file goes.
+#[derive(Debug)]
+pub(super) struct Heart {
+    stop: Option<Sender<()>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Heart {
+    /// Begins in `dir`.
+    pub(super) fn start(dir: &Path, found: usize) -> Self {
+        let path = dir.join(BEAT);
+        let since = now();
+        let mut beat = Beat { node: node(), process: std::process::id(), since, beat: since, found };
+        let (stop, stopped) = channel::<()>();
+        let thread = std::thread::spawn(move || {
+            loop {
+                beat.beat = now();
+                let text = serde_json::to_string(&beat).expect("texts and numbers");
+                // Who cannot be seen at work works all the same.
+                let _ = atomic_write(&path, |out| out.write_all(text.as_bytes()));
+                if stopped.recv_timeout(EVERY) != Err(RecvTimeoutError::Timeout) {
+                    break;
+                }
+            }
+            let _ = std::fs::remove_file(&path);
+        });
+        Self { stop: Some(stop), thread: Some(thread) }
+    }
+}
+
+impl Drop for Heart {
+    fn drop(&mut self) {
+        drop(self.stop.take());
+        if let Some(thread) = self.thread.take() {
+            // A panic there has been told by its own message.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Seconds since 1970.
+pub(super) fn now() -> u64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs())
+}
+
+/// What the machine is called.
+pub(super) fn node() -> String {
+    let named = std::env::var("SLURMD_NODENAME").ok();
+    let named = named.or_else(|| std::fs::read_to_string("/proc/sys/kernel/hostname").ok());
+    named
+        .or_else(|| std::env::var("HOSTNAME").ok())
+        .map_or_else(|| "unknown".into(), |name| name.trim().to_owned())
+}

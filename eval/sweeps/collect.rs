@@ -1,0 +1,349 @@
+//! Shards put together into the folder that one process would have left.
+//!
+//! Rows are not taken apart on the way: a line is checked against its shard's account, found by its cell's checksum, and copied byte by byte to its
+//! place in the order of cells. So memory holds where lines lie and not the lines.
+
+use super::error::{MissingShard, SweepError};
+use super::manifest::SweepFolder;
+use super::record::{Named, ROWS, ShardRecord, line_sum, text_of};
+use super::shard::{FAILED, FailedLine};
+use super::spec::JobSpec;
+use dpn_core::checksum::of_parts;
+use crate::closed_loop::{Manifest, Row, StageSeconds};
+use dpn_io::{FolderLock, IoError, atomic_write};
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+
+/// What was put together.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Collected {
+    /// The folder.
+    pub out: PathBuf,
+    /// Rows of all jobs.
+    pub rows: usize,
+    /// Files beside them.
+    pub files: usize,
+    /// Cells that have none, for they could not be run.
+    pub failed: usize,
+}
+
+/// Where a row lies.
+#[derive(Debug, Clone, Copy)]
+struct Line {
+    /// Place of its file.
+    file: usize,
+    offset: u64,
+    length: usize,
+}
+
+/// What the shards have.
+struct Found<'a> {
+    folder: &'a SweepFolder,
+    /// Of every cell, by its checksum, its place.
+    place_of: HashMap<&'a str, usize>,
+    /// Of every cell, by its place, its row.
+    lines: Vec<Option<Line>>,
+    /// The files that rows lie in.
+    sources: Vec<PathBuf>,
+    /// Files beside rows, by their path below the results' folder: where they lie, and their checksum.
+    files: BTreeMap<PathBuf, (PathBuf, String)>,
+    failed: Vec<(usize, FailedLine)>,
+    missing: Vec<MissingShard>,
+}
+
+/// Puts the shards of `folder` together in `out`; with `without_failed` where cells could not be run, too.
+///
+/// # Errors
+/// Shards that are missing, damaged, of another program, processor or sweep, or that contradict each other; cells that failed; a folder of another
+/// run, or one that cannot be written to. Nothing is written then.
+pub fn collect(folder: &SweepFolder, out: &Path, without_failed: bool) -> Result<Collected, SweepError> {
+    let cells = &folder.manifest.cells;
+    let mut found = Found {
+        folder,
+        place_of: (0..).zip(cells).map(|(place, cell)| (cell.cell.as_str(), place)).collect(),
+        lines: vec![None; cells.len()],
+        sources: Vec::new(),
+        files: BTreeMap::new(),
+        failed: Vec::new(),
+        missing: Vec::new(),
+    };
+    for shard in found.numbers()? {
+        found.read_shard(shard)?;
+    }
+    found.check(without_failed)?;
+    found.write(out)
+}
+
+impl Found<'_> {
+    /// The numbers of all shards, planned or there.
+    fn numbers(&self) -> Result<Vec<usize>, IoError> {
+        let mut numbers: Vec<usize> = (0..self.folder.shards()).collect();
+        let dir = self.folder.dir.join("shards");
+        if !dir.exists() {
+            return Ok(numbers);
+        }
+        let failed = |source| IoError::Read { path: dir.clone(), source };
+        for entry in std::fs::read_dir(&dir).map_err(failed)? {
+            let name = entry.map_err(failed)?.file_name();
+            numbers.extend(name.to_str().and_then(|name| name.parse::<usize>().ok()));
+        }
+        numbers.sort_unstable();
+        numbers.dedup();
+        Ok(numbers)
+    }
+
+    fn read_shard(&mut self, shard: usize) -> Result<(), SweepError> {
+        let (folder, dir) = (self.folder, self.folder.shard_dir(shard));
+        let planned = &folder.manifest;
+        let (own, command) = (folder.cells_of_shard(shard), folder.command(shard));
+        let Some(record) = ShardRecord::read(&dir, &command)? else {
+            let cells = own.count();
+            if cells > 0 {
+                self.missing.push(MissingShard { shard, done: 0, cells, command });
+            }
+            return Ok(());
+        };
+        let own: Vec<usize> = own.collect();
+        let id = planned.id();
+        for (key, there, here) in [
+            ("program", &record.program, &planned.program),
+            ("processor", &record.processor, &planned.processor),
+            ("list of cells, and so from other settings or inputs", &record.sweep, &id),
+        ] {
+            if there != here {
+                let label = own.first().map_or("none planned", |place| &planned.cells[*place].label);
+                return Err(SweepError::Mixed {
+                    shard,
+                    label: label.to_owned(),
+                    key: key.to_owned(),
+                    there: there.clone(),
+                    planned: here.clone(),
+                    command,
+                });
+            }
+        }
+        if !record.done {
+            let done = count_rows(folder, &dir)?;
+            self.missing.push(MissingShard { shard, done, cells: own.len(), command });
+            return Ok(());
+        }
+        for job in 0..planned.jobs.len() {
+            self.read_rows(shard, job, &record, &dir)?;
+        }
+        for (name, sum) in record.files {
+            self.files.entry(name.clone()).or_insert_with(|| (dir.join(name), sum));
+        }
+        for line in text_of(&dir.join(FAILED))?.lines() {
+            if let Ok(line) = serde_json::from_str(line) {
+                self.failed.push((shard, line));
+            }
+        }
+        Ok(())
+    }
+
+    /// The rows of one job in one shard.
+    fn read_rows(
+        &mut self,
+        shard: usize,
+        job: usize,
+        record: &ShardRecord,
+        dir: &Path,
+    ) -> Result<(), SweepError> {
+        let name = &self.folder.manifest.jobs[job].folder;
+        let path = dir.join(name).join(ROWS);
+        let Some(sums) = record.rows.get(name) else { return Ok(()) };
+        let command = || self.folder.command(shard);
+        let damaged = |line: usize, message: &str| SweepError::Damaged {
+            path: path.clone(),
+            line,
+            message: message.to_owned(),
+            command: command(),
+        };
+        let failed = |source| IoError::Read { path: path.clone(), source };
+        let mut input = match File::open(&path) {
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+                return Err(damaged(1, "the file has gone"));
+            }
+            file => BufReader::new(file.map_err(failed)?),
+        };
+        let file = self.sources.len();
+        self.sources.push(path.clone());
+        let cells = self.folder.manifest.cells_of(job);
+        let (mut offset, mut bytes, mut number) = (0, Vec::new(), 0);
+        loop {
+            bytes.clear();
+            let length = input.read_until(b'\n', &mut bytes).map_err(failed)?;
+            if length == 0 {
+                break;
+            }
+            number += 1;
+            let text = std::str::from_utf8(&bytes).ok().and_then(|text| text.strip_suffix('\n'));
+            let good = text.filter(|text| sums.get(number - 1).is_some_and(|sum| *sum == line_sum(text)));
+            let Some(text) = good else {
+                return Err(damaged(number, "not the row that the shard wrote"));
+            };
+            let Ok(Named { cell }) = serde_json::from_str(text) else {
+                return Err(damaged(number, "not a row"));
+            };
+            let Some(&place) = self.place_of.get(cell.as_str()).filter(|place| cells.contains(place)) else {
+                return Err(damaged(number, "a row of no cell of this sweep"));
+            };
+            let line = Line { file, offset, length };
+            offset += length as u64;
+            match self.lines[place] {
+                None => self.lines[place] = Some(line),
+                Some(first) if same(&self.read(first)?, text) => {}
+                Some(first) => {
+                    return Err(SweepError::Contradiction {
+                        label: self.folder.manifest.cells[place].label.clone(),
+                        first: self.sources[first.file].clone(),
+                        second: path,
+                    });
+                }
+            }
+        }
+        if number < sums.len() {
+            return Err(damaged(number + 1, "the file ends before the shard's last row"));
+        }
+        Ok(())
+    }
+
+    /// A line that lies somewhere.
+    fn read(&self, line: Line) -> Result<String, IoError> {
+        let path = &self.sources[line.file];
+        let failed = |source| IoError::Read { path: path.clone(), source };
+        let mut file = File::open(path).map_err(failed)?;
+        file.seek(SeekFrom::Start(line.offset)).map_err(failed)?;
+        let mut text = String::new();
+        file.take(line.length as u64).read_to_string(&mut text).map_err(failed)?;
+        Ok(text.trim_end_matches('\n').to_owned())
+    }
+
+    /// Whether everything is there.
+    fn check(&mut self, without_failed: bool) -> Result<(), SweepError> {
+        if !self.missing.is_empty() {
+            return Err(SweepError::Missing { shards: std::mem::take(&mut self.missing) });
+        }
+        let failed: HashSet<&str> = self.failed.iter().map(|(_, line)| line.cell.as_str()).collect();
+        let cells = &self.folder.manifest.cells;
+        let gone = |place: usize| {
+            let planned = &cells[place];
+            self.lines[place].is_none() && !failed.contains(planned.cell.as_str())
+        };
+        let mut missing: BTreeMap<usize, usize> = BTreeMap::new();
+        for place in (0..cells.len()).filter(|place| gone(*place)) {
+            *missing.entry(cells[place].shard).or_default() += 1;
+        }
+        if !missing.is_empty() {
+            let of = |(shard, gone)| {
+                let cells = self.folder.cells_of_shard(shard).count();
+                MissingShard { shard, done: cells - gone, cells, command: self.folder.command(shard) }
+            };
+            return Err(SweepError::Missing { shards: missing.into_iter().map(of).collect() });
+        }
+        self.failed.retain(|(_, line)| {
+            self.place_of.get(line.cell.as_str()).is_some_and(|place| self.lines[*place].is_none())
+        });
+        match self.failed.first() {
+            Some((shard, line)) if !without_failed => Err(SweepError::Failed {
+                count: self.failed.len(),
+                label: line.label.clone(),
+                reason: line.reason.clone(),
+                path: self.folder.shard_dir(*shard).join(FAILED),
+                command: self.folder.command(*shard),
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    fn write(&self, out: &Path) -> Result<Collected, SweepError> {
+        let _lock = FolderLock::take(out)?;
+        for (place, job) in self.folder.manifest.jobs.iter().enumerate() {
+            let dir = out.join(&job.folder);
+            if matches!(job.spec, JobSpec::ClosedLoop(_)) {
+                let manifest: Manifest = serde_json::from_value(job.made_from.clone())
+                    .expect("the sweep's file was read as this program writes it");
+                manifest.put_into(&dir)?;
+            }
+            self.write_rows(place, &dir)?;
+        }
+        for (name, (path, sum)) in &self.files {
+            let bytes = std::fs::read(path).map_err(|source| IoError::Read { path: path.clone(), source })?;
+            if of_parts([&bytes]) != *sum {
+                return Err(self.damaged_file(path));
+            }
+            atomic_write(&out.join(name), |file| file.write_all(&bytes))?;
+        }
+        let rows = self.lines.iter().flatten().count();
+        Ok(Collected { out: out.to_path_buf(), rows, files: self.files.len(), failed: self.failed.len() })
+    }
+
+    fn damaged_file(&self, path: &Path) -> SweepError {
+        let below = path.strip_prefix(self.folder.dir.join("shards")).ok();
+        let number = below.and_then(|path| path.iter().next()?.to_str()?.parse().ok());
+        SweepError::Damaged {
+            path: path.to_path_buf(),
+            line: 1,
+            message: "not the file that the shard wrote".into(),
+            command: self.folder.command(number.unwrap_or_default()),
+        }
+    }
+
+    /// The rows of a job in the order of its cells, then those of other cells that were there.
+    fn write_rows(&self, job: usize, dir: &Path) -> Result<(), SweepError> {
+        let path = dir.join(ROWS);
+        let before = text_of(&path)?;
+        let others: Vec<&str> = before
+            .split_inclusive('\n')
+            .filter(|line| line.ends_with('\n'))
+            .filter(|line| {
+                let named = serde_json::from_str::<Named>(line);
+                named.is_ok_and(|named| !self.place_of.contains_key(named.cell.as_str()))
+            })
+            .collect();
+        let mut open: Option<(usize, BufReader<File>, u64)> = None;
+        let mut bytes = Vec::new();
+        let cells = self.folder.manifest.cells_of(job);
+        Ok(atomic_write(&path, |out| {
+            for line in self.lines[cells].iter().flatten() {
+                // Neighbours mostly lie behind each other in one file.
+                let (_, input, at) = match &mut open {
+                    Some(there) if there.0 == line.file => there,
+                    other => {
+                        other.insert((line.file, BufReader::new(File::open(&self.sources[line.file])?), 0))
+                    }
+                };
+                if *at != line.offset {
+                    input.seek(SeekFrom::Start(line.offset))?;
+                }
+                bytes.resize(line.length, 0);
+                input.read_exact(&mut bytes)?;
+                *at = line.offset + line.length as u64;
+                out.write_all(&bytes)?;
+            }
+            others.iter().try_for_each(|line| out.write_all(line.as_bytes()))
+        })?)
+    }
+}
+
+/// How many rows a shard has that has not ended.
+fn count_rows(folder: &SweepFolder, dir: &Path) -> Result<usize, IoError> {
+    let count =
+        |job: &super::manifest::Job| Ok(text_of(&dir.join(&job.folder).join(ROWS))?.matches('\n').count());
+    folder.manifest.jobs.iter().map(count).sum()
+}
+
+/// Whether two rows say the same but for the times that they took.
+fn same(one: &str, other: &str) -> bool {
+    let without_times = |text: &str| {
+        let mut row: Row = serde_json::from_str(text).ok()?;
+        (row.cpu_per_data_s, row.p95_update_ms, row.stage_s) = (0.0, 0.0, StageSeconds::default());
+        if let Some(front_end) = &mut row.front_end {
+            (front_end.cpu_per_data_s, front_end.p95_ms) = (0.0, 0.0);
+        }
+        Some(row)
+    };
+    one == other || without_times(one).is_some_and(|row| without_times(other) == Some(row))
+}

@@ -1,0 +1,39 @@
+//! Sweeps beyond one process: planned once, worked off in shards wherever there is a processor, put together into what one process would have left.
+//!
+//! A sweep is a list of *jobs*, each a list of independent *cells* named by the checksum of all that their results are a function of: the runs of a closed
+//! loop, or trainings. A paper is several closed loops. Whoever runs shards (a cluster's queue, `parallel`, a shell) is told nothing but a number.
+//!
+//! * [`LoopPlan`]: a closed loop as it is asked for, by a plan's TOML or by flags, [`TrainPlan`]: trainings; [`JobSpec`] is a job with everything resolved.
+//! * [`plan`]: cells, their costs ([`Costs`]) and their shards ([`balance`]) become a folder with one file, [`SweepManifest`].
+//! * [`run_shard`] works one off, in a folder of its own; [`collect`] checks all and puts them together; [`status`] looks on.
+//!
+//! The runs themselves are those of [`crate::closed_loop`]: a shard is a [`Sweep`](crate::closed_loop::Sweep) of fewer cells in another folder.
+
+mod balance;
+mod beat;
+mod collect;
+mod costs;
+mod error;
+mod loop_plan;
+mod manifest;
+mod planning;
+mod record;
+mod settings;
+mod shard;
+mod spec;
+mod status;
+mod train_plan;
+
+pub use balance::{Balance, Group, balance, shards_within};
+pub use beat::Beat;
+pub use collect::{Collected, collect};
+pub use costs::{CellCost, CostOf, Costs};
+pub use error::{MissingShard, SweepError};
+pub use loop_plan::{Camera, LoopPlan, faults_of};
+pub use manifest::{Job, PlannedCell, SweepFolder, SweepManifest};
+pub use planning::{JobToPlan, PlanKind, Planned, Size, plan};
+pub use settings::Settings;
+pub use shard::{FailedLine, Node, ShardOutcome, TrainFault, Trainer, run_shard};
+pub use spec::{JobSpec, LoopSpec, TrainSpec};
+pub use status::{ShardState, ShardStatus, SweepStatus, status};
+pub use train_plan::TrainPlan;

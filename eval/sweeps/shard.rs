@@ -1,0 +1,376 @@
+//! One shard, worked off in its own folder.
+//!
+//! The folder is that of an ordinary run with fewer cells (of several where a sweep has several jobs), with the shard's account beside it: `shard.json`,
+//! `costs.jsonl`, `failed.jsonl` and, while it is worked on, `running.json`. Whoever runs it again finds damage by the account and makes what is
+//! damaged anew.
+
+use super::beat::{Heart, node};
+use super::costs::{COSTS, CellCost, CostOf};
+use super::error::SweepError;
+use super::manifest::SweepFolder;
+use super::record::{Named, ROWS, ShardRecord, text_of};
+use super::spec::{JobSpec, LoopSpec, TrainSpec};
+use crate::closed_loop::{CellTime, FailedCell, Manifest, Row};
+use dpn_core::progress::Progress;
+use dpn_io::{FolderLock, IoError, atomic_write};
+use dpn_pronet::network::Network;
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::fs::{File, OpenOptions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Name of the file of cells that could not be run.
+pub(super) const FAILED: &str = "failed.jsonl";
+
+/// What a shard is run with on this machine.
+#[derive(Debug)]
+pub struct Node<'a> {
+    /// Version and checksum of the program.
+    pub program: String,
+    /// The kind of processor.
+    pub processor: String,
+    /// Folder of the data, where it is not where the plan has it.
+    pub data: Option<&'a Path>,
+    /// Folder of given tracks, where it is not where the plan has it.
+    pub tracks: Option<&'a Path>,
+    /// The networks.
+    pub networks: &'a [Network],
+    /// Threads to use.
+    pub threads: usize,
+}
+
+/// Why a training has no result.
+#[derive(Debug)]
+pub enum TrainFault {
+    /// It was stopped.
+    Stopped,
+    /// Something is wrong, in words.
+    Failed(String),
+}
+
+/// Trains networks; the library that does is none of this crate's.
+pub trait Trainer {
+    /// Checksum of everything that the training is a function of.
+    ///
+    /// # Errors
+    /// Data that cannot be read.
+    fn content(&mut self, spec: &TrainSpec) -> Result<String, SweepError>;
+
+    /// Trains in `dir`, going on with what is there; the row of its result, and CPU seconds.
+    ///
+    /// # Errors
+    /// A stop; whatever is wrong.
+    fn train(
+        &mut self,
+        spec: &TrainSpec,
+        dir: &Path,
+        with: (&AtomicBool, &mut dyn Progress),
+    ) -> Result<(serde_json::Map<String, serde_json::Value>, f64), TrainFault>;
+}
+
+/// What a shard came to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ShardOutcome {
+    /// Its cells.
+    pub cells: usize,
+    /// Whether they were all there before.
+    pub was_there: bool,
+}
+
+/// A line of `failed.jsonl`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FailedLine {
+    /// Checksum of the cell.
+    pub cell: String,
+    /// What people call it.
+    pub label: String,
+    /// Why it could not be run.
+    pub reason: String,
+}
+
+/// Works off a shard as far as that was not done before.
+///
+/// # Errors
+/// Another program, processor or input than planned; a shard that another process works on; cells that failed, the others being done; a stop.
+pub fn run_shard(
+    folder: &SweepFolder,
+    number: usize,
+    here: &Node<'_>,
+    trainer: &mut dyn Trainer,
+    stop: &AtomicBool,
+    progress: &mut dyn Progress,
+) -> Result<ShardOutcome, SweepError> {
+    let manifest = &folder.manifest;
+    if number >= folder.shards() {
+        return Err(SweepError::NoShard { shard: number, shards: folder.shards() });
+    }
+    let pairs =
+        [("program", &manifest.program, &here.program), ("processor", &manifest.processor, &here.processor)];
+    if let Some((key, planned, here)) = pairs.into_iter().find(|(_, planned, here)| planned != here) {
+        return Err(differs(key, planned, here));
+    }
+    let mut shard = Shard::open(folder, number)?;
+    let cells = folder.cells_of_shard(number).count();
+    if shard.record.done && shard.whole && shard.record.failed == 0 {
+        return Ok(ShardOutcome { cells, was_there: true });
+    }
+    let result = shard.run(here, trainer, stop, progress);
+    shard.note_failed()?;
+    match result {
+        Err(error) if error.is_stop() => {
+            let done = shard.rows_there()?.len();
+            Err(SweepError::Stopped { done, total: cells })
+        }
+        other => other.and_then(|()| shard.finish(cells)),
+    }
+}
+
+fn differs(key: impl Into<String>, planned: &str, here: &str) -> SweepError {
+    SweepError::Differs { key: key.into(), planned: planned.to_owned(), here: here.to_owned() }
+}
+
+/// A shard's folder, held.
+struct Shard<'a> {
+    folder: &'a SweepFolder,
+    number: usize,
+    lock: FolderLock,
+    record: ShardRecord,
+    /// Nothing in it was damaged when it was opened.
+    whole: bool,
+    failed: Vec<FailedCell>,
+}
+
+impl<'a> Shard<'a> {
+    fn open(folder: &'a SweepFolder, number: usize) -> Result<Self, SweepError> {
+        let dir = folder.shard_dir(number);
+        let lock = FolderLock::take(&dir)?;
+        let manifest = &folder.manifest;
+        let new = || ShardRecord {
+            sweep: manifest.id(),
+            program: manifest.program.clone(),
+            processor: manifest.processor.clone(),
+            node: node(),
+            done: false,
+            failed: 0,
+            rows: BTreeMap::new(),
+            files: BTreeMap::new(),
+        };
+        // An account that does not read is one of nothing: rows are judged one by one.
+        let found = ShardRecord::read(&dir, "").ok().flatten();
+        let record = found.unwrap_or_else(new);
+        if record.sweep != manifest.id() {
+            return Err(SweepError::OtherSweep { dir });
+        }
+        let whole = record.mend(folder, &dir)?;
+        Ok(Self { folder, number, lock, record, whole, failed: Vec::new() })
+    }
+
+    fn dir(&self) -> &Path {
+        self.lock.dir()
+    }
+
+    fn run(
+        &mut self,
+        here: &Node<'_>,
+        trainer: &mut dyn Trainer,
+        stop: &AtomicBool,
+        progress: &mut dyn Progress,
+    ) -> Result<(), SweepError> {
+        self.record = ShardRecord { done: false, failed: 0, node: node(), ..self.record.clone() };
+        self.record.write(self.dir())?;
+        let _heart = Heart::start(self.dir(), self.rows_there()?.len());
+        for place in 0..self.folder.manifest.jobs.len() {
+            let cells = self.folder.manifest.cells_of(place);
+            if self.folder.manifest.cells[cells].iter().all(|cell| cell.shard != self.number) {
+                continue;
+            }
+            match &self.folder.manifest.jobs[place].spec {
+                JobSpec::ClosedLoop(spec) => self.closed_loop(place, spec, here, stop, progress)?,
+                JobSpec::Train(specs) => self.trainings(place, specs, trainer, stop, progress)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// The cells of a closed loop.
+    fn closed_loop(
+        &mut self,
+        place: usize,
+        spec: &LoopSpec,
+        here: &Node<'_>,
+        stop: &AtomicBool,
+        progress: &mut dyn Progress,
+    ) -> Result<(), SweepError> {
+        let planned = &self.folder.manifest;
+        let cells = &planned.cells[planned.cells_of(place)];
+        let source = spec.source(here.data.or(planned.data.as_deref()), here.tracks)?;
+        let whole = spec.sweep(&source, here.networks, here.threads)?;
+        let sweep = whole.of_sequences_with(|i| cells.get(i).is_some_and(|cell| cell.shard == self.number));
+        let manifest = Manifest::of(&sweep, here.program.clone())?;
+        let made_from: Manifest = serde_json::from_value(planned.jobs[place].made_from.clone())
+            .expect("the sweep's file was read as this program writes it");
+        if let Some((key, planned, here)) = manifest.differs(&made_from) {
+            return Err(differs(key, &planned, &here));
+        }
+        let own: HashMap<&str, f64> = cells
+            .iter()
+            .filter(|cell| cell.shard == self.number)
+            .map(|cell| (cell.cell.as_str(), cell.amount))
+            .collect();
+        let only: HashSet<&str> = own.keys().copied().collect();
+        let there: HashSet<String> =
+            sweep.named_cells(&manifest)?.into_iter().map(|(_, cell)| cell).collect();
+        if let Some(gone) =
+            cells.iter().find(|cell| only.contains(cell.cell.as_str()) && !there.contains(&cell.cell))
+        {
+            let key = format!("network, file of a noise, or training sequence of {}", gone.label);
+            return Err(differs(key, &gone.cell[..16], "not so"));
+        }
+        let dir = self.dir().join(&planned.jobs[place].folder);
+        let inner = if dir == self.dir() { None } else { Some(FolderLock::take(&dir)?) };
+        let mut costs = append_to(&self.dir().join(COSTS))?;
+        let mut watch = |row: &Row, time: CellTime| {
+            let noise = row.noise.to_string();
+            let amount = own.get(row.cell.as_str()).copied().unwrap_or_default();
+            let of = CostOf { kind: &row.camera, on: &row.sequence, what: &noise, amount };
+            Ok(costs.write(&CellCost::new(&of, row.seed, time))?)
+        };
+        let lock = inner.as_ref().unwrap_or(&self.lock);
+        self.failed.extend(sweep.run_cells(&only, lock, &manifest, &mut watch, (stop, progress))?);
+        Ok(())
+    }
+
+    /// Trainings, one after another; each is spread over the threads by itself.
+    fn trainings(
+        &mut self,
+        place: usize,
+        specs: &[TrainSpec],
+        trainer: &mut dyn Trainer,
+        stop: &AtomicBool,
+        progress: &mut dyn Progress,
+    ) -> Result<(), SweepError> {
+        let planned = &self.folder.manifest;
+        let there = self.rows_there()?;
+        let dir = self.dir().join(&planned.jobs[place].folder);
+        let mut rows = append_to(&dir.join(ROWS))?;
+        let mut costs = append_to(&self.dir().join(COSTS))?;
+        for (cell, spec) in planned.cells[planned.cells_of(place)].iter().zip(specs) {
+            if cell.shard != self.number {
+                continue;
+            }
+            let run = dir.join(&spec.folder);
+            if there.contains(&cell.cell) && run.join("summary.json").is_file() {
+                continue;
+            }
+            let content = trainer.content(spec)?;
+            if content != cell.cell {
+                let key = format!("data of {}", cell.label);
+                return Err(differs(key, &cell.cell[..16], &content[..16]));
+            }
+            if stop.load(Ordering::Relaxed) {
+                return Err(SweepError::Stopped { done: there.len(), total: 0 });
+            }
+            match trainer.train(spec, &run, (stop, &mut *progress)) {
+                Ok((mut row, own_s)) => {
+                    row.insert("cell".into(), cell.cell.clone().into());
+                    row.insert("folder".into(), spec.folder.clone().into());
+                    let config = &spec.config;
+                    let (on, what) = (config.sensor().name(), config.base.base().to_string());
+                    let of = CostOf { kind: "train", on, what: &what, amount: cell.amount };
+                    costs.write(&CellCost::new(&of, config.seed, CellTime { shared_s: 0.0, own_s }))?;
+                    rows.write(&row)?;
+                }
+                Err(TrainFault::Stopped) => {
+                    return Err(SweepError::Stopped { done: there.len(), total: 0 });
+                }
+                Err(TrainFault::Failed(reason)) => {
+                    self.failed.push(FailedCell { cell: cell.cell.clone(), reason });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Checksums of the cells that have a row.
+    fn rows_there(&self) -> Result<HashSet<String>, IoError> {
+        let own: HashSet<&str> = self
+            .folder
+            .cells_of_shard(self.number)
+            .map(|place| self.folder.manifest.cells[place].cell.as_str())
+            .collect();
+        let mut there = HashSet::new();
+        for job in &self.folder.manifest.jobs {
+            let text = text_of(&self.dir().join(&job.folder).join(ROWS))?;
+            let cells = text.lines().filter_map(|line| serde_json::from_str::<Named>(line).ok());
+            there.extend(cells.map(|named| named.cell).filter(|cell| own.contains(cell.as_str())));
+        }
+        Ok(there)
+    }
+
+    /// Writes the cells that failed, none where none did.
+    fn note_failed(&self) -> Result<(), IoError> {
+        let path = self.dir().join(FAILED);
+        if self.failed.is_empty() && !path.exists() {
+            return Ok(());
+        }
+        let mut text = String::new();
+        for line in self.failed_lines() {
+            text += &(serde_json::to_string(&line).expect("texts") + "\n");
+        }
+        atomic_write(&path, |out| out.write_all(text.as_bytes()))
+    }
+
+    fn failed_lines(&self) -> impl Iterator<Item = FailedLine> + '_ {
+        let cells = &self.folder.manifest.cells;
+        let labels: HashMap<&str, &str> =
+            cells.iter().map(|cell| (cell.cell.as_str(), cell.label.as_str())).collect();
+        self.failed.iter().map(move |FailedCell { cell, reason }| FailedLine {
+            cell: cell.clone(),
+            label: labels.get(cell.as_str()).copied().unwrap_or_default().to_owned(),
+            reason: reason.clone(),
+        })
+    }
+
+    /// Ends the shard: its account has a checksum of everything.
+    fn finish(mut self, cells: usize) -> Result<ShardOutcome, SweepError> {
+        let dir = self.dir().to_path_buf();
+        self.record.take_sums(self.folder, &dir)?;
+        self.record.done = true;
+        self.record.failed = self.failed.len();
+        self.record.write(&dir)?;
+        match self.failed_lines().next() {
+            None => Ok(ShardOutcome { cells, was_there: false }),
+            Some(FailedLine { label, reason, .. }) => Err(SweepError::Failed {
+                count: self.failed.len(),
+                label,
+                reason,
+                path: dir.join(FAILED),
+                command: self.folder.command(self.number),
+            }),
+        }
+    }
+}
+
+/// A file that lines are added to.
+struct Lines {
+    path: PathBuf,
+    file: File,
+}
+
+fn append_to(path: &Path) -> Result<Lines, IoError> {
+    let failed = |source| IoError::Write { path: path.to_path_buf(), source };
+    let file = OpenOptions::new().append(true).create(true).open(path).map_err(failed)?;
+    Ok(Lines { path: path.to_path_buf(), file })
+}
+
+impl Lines {
+    /// Adds a line in one go.
+    fn write<T: Serialize>(&mut self, value: &T) -> Result<(), IoError> {
+        let line = serde_json::to_string(value).expect("texts and numbers") + "\n";
+        let written = self.file.write_all(line.as_bytes());
+        written.map_err(|source| IoError::Write { path: self.path.clone(), source })
+    }
+}

@@ -1,0 +1,139 @@
+//! `dpn sweep plan`.
+
+use super::trainer::CorpusTrainer;
+use super::{MODELS, lasting};
+use crate::args::SweepPlanArgs;
+use crate::cmd::{closed_loop, paper, program};
+use crate::ui::{errln, outln};
+use anyhow::Result;
+use dpn_eval::closed_loop::Manifest;
+use dpn_eval::sweeps::{
+    Costs, JobToPlan, LoopPlan, PlanKind, Planned, Size, SweepFolder, SweepManifest, TrainPlan, balance, plan,
+};
+use dpn_io::atomic_write;
+use dpn_io::config::load;
+use dpn_papers::PaperSweepPlan;
+use dpn_pronet::network::Network;
+use std::path::PathBuf;
+
+/// Workers for whom the printed table says what they would take.
+const WORKERS: [usize; 6] = [1, 2, 8, 64, 512, 4096];
+
+pub(crate) fn run(args: &SweepPlanArgs) -> Result<()> {
+    let planned = match PlanKind::read(&args.plan)? {
+        PlanKind::ClosedLoop => of_loop(args)?,
+        PlanKind::Paper => of_paper(args)?,
+        PlanKind::Train => of_trainings(args)?,
+    };
+    tell(args, &planned)?;
+    SweepFolder::create(&args.out, planned.manifest)?;
+    Ok(())
+}
+
+fn of_loop(args: &SweepPlanArgs) -> Result<Planned> {
+    let mut asked: LoopPlan = load(&args.plan)?;
+    asked.data = args.data.clone().or(asked.data);
+    let source = asked.source()?;
+    let networks = closed_loop::networks(asked.models.as_deref())?;
+    let sweep = asked.sweep(&source, &networks, 1)?;
+    for warning in sweep.estimator.warnings() {
+        errln!("warning: {warning}");
+    }
+    let made_from = Manifest::of(&sweep, program())?;
+    let job = JobToPlan::ClosedLoop(PathBuf::new(), Box::new(sweep), Box::new(made_from));
+    cut(args, asked.data, asked.models.is_some().then_some(&networks), &[job])
+}
+
+fn of_paper(args: &SweepPlanArgs) -> Result<Planned> {
+    let mut asked: PaperSweepPlan = load(&args.plan)?;
+    asked.data = args.data.clone().or(asked.data);
+    let (plan, estimator) = (asked.plan()?, asked.estimator()?);
+    let (input, why) = asked.input()?;
+    let networks = closed_loop::networks(asked.models.as_deref())?;
+    let paper = paper::unwritten(&asked, &plan, (&input, &why), &networks, estimator);
+    let jobs = paper.sweeps()?.into_iter();
+    let jobs: Vec<JobToPlan<'_>> = jobs
+        .map(|(folder, sweep, made_from)| {
+            JobToPlan::ClosedLoop(folder.into(), Box::new(sweep), Box::new(made_from))
+        })
+        .collect();
+    cut(args, asked.data.clone(), asked.models.is_some().then_some(&networks), &jobs)
+}
+
+fn of_trainings(args: &SweepPlanArgs) -> Result<Planned> {
+    let mut asked: TrainPlan = load(&args.plan)?;
+    asked.data = args.data.clone().or(asked.data);
+    let mut trainer = CorpusTrainer::new(asked.data.clone());
+    let trainings = trainer.to_plan(&asked)?;
+    cut(args, asked.data, None, &[JobToPlan::Train(trainings)])
+}
+
+/// Cuts jobs into shards; networks that are none of the program's own go with the sweep.
+fn cut(
+    args: &SweepPlanArgs,
+    data: Option<PathBuf>,
+    networks: Option<&Vec<Network>>,
+    jobs: &[JobToPlan<'_>],
+) -> Result<Planned> {
+    let costs = match &args.costs {
+        Some(dir) => Costs::measured(dir)?,
+        None => Costs::default(),
+    };
+    let size = match (args.shards, args.minutes) {
+        (_, Some(minutes)) => Size::Minutes(minutes),
+        (shards, None) => Size::Shards(shards.map_or(1, |shards| shards as usize)),
+    };
+    let processor = args.processor.clone().unwrap_or_else(dpn_pronet::processor);
+    let manifest = SweepManifest::new(program(), processor, data, networks.is_some());
+    let planned = plan(manifest, jobs, &costs, size)?;
+    SweepFolder::may_take(&args.out, &planned.manifest)?;
+    for (number, network) in networks.into_iter().flatten().enumerate() {
+        // One folder each: two sensors' networks may have one name.
+        let name = network.path.file_name().expect("it was read from a file");
+        let path = args.out.join(MODELS).join(format!("{number:04}")).join(name);
+        let bytes = network.weights.to_bytes()?;
+        atomic_write(&path, |file| file.write_all(&bytes))?;
+    }
+    Ok(planned)
+}
+
+fn tell(args: &SweepPlanArgs, planned: &Planned) -> Result<()> {
+    let (balance_s, cells) = (&planned.balance, planned.manifest.cells.len());
+    let predicted = |shards: usize, of: &dpn_eval::sweeps::Balance| {
+        serde_json::json!({
+            "shards": shards, "longest_s": of.longest_s(), "idle_share": of.idle_share(),
+            "cpu_s": of.seconds.iter().sum::<f64>(),
+        })
+    };
+    let shards = balance_s.seconds.len();
+    let others: Vec<_> = WORKERS
+        .into_iter()
+        .filter(|workers| *workers <= cells)
+        .map(|workers| (workers, balance(&planned.groups, workers)))
+        .collect();
+    if args.json {
+        let others: Vec<_> = others.iter().map(|(workers, of)| predicted(*workers, of)).collect();
+        let row =
+            serde_json::json!({ "cells": cells, "planned": predicted(shards, balance_s), "others": others });
+        outln!("{row}")?;
+        return Ok(());
+    }
+    outln!("{cells} cells in {shards} shards: {}", words(balance_s))?;
+    for (workers, of) in &others {
+        outln!("  as {workers:4} shards: {}", words(of))?;
+    }
+    let out = args.out.display();
+    outln!("\nwork off: dpn sweep run {out} --shard K, K from 0 to {}", shards - 1)?;
+    outln!("look on:  dpn sweep status {out}")?;
+    outln!("then:     dpn sweep collect {out}")?;
+    Ok(())
+}
+
+fn words(of: &dpn_eval::sweeps::Balance) -> String {
+    format!(
+        "{} at most each, {:.1} % idle, {} of CPU in all",
+        lasting(of.longest_s()),
+        100.0 * of.idle_share(),
+        lasting(of.seconds.iter().sum())
+    )
+}

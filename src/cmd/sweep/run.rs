@@ -1,0 +1,63 @@
+//! `dpn sweep run`.
+
+use super::MODELS;
+use super::trainer::CorpusTrainer;
+use crate::args::{Shards, SweepRunArgs};
+use crate::cmd::{closed_loop, program, stop};
+use crate::ui::{Bar, Fault, Interrupted, errln};
+use anyhow::Result;
+use dpn_eval::sweeps::{Node, SweepError, SweepFolder, run_shard};
+
+/// Where Slurm says which of an array's tasks this is.
+const TASK: &str = "SLURM_ARRAY_TASK_ID";
+
+pub(crate) fn run(args: &SweepRunArgs) -> Result<()> {
+    let folder = SweepFolder::open(&args.sweep)?;
+    let shards = chosen(args)?.numbers(folder.shards());
+    let models = args.sweep.join(MODELS);
+    let networks = closed_loop::networks(folder.manifest.models.then_some(models.as_path()))?;
+    let here = Node {
+        program: program(),
+        processor: dpn_pronet::processor(),
+        data: args.data.as_deref(),
+        tracks: args.tracks.as_deref(),
+        networks: &networks,
+        threads: args.threads as usize,
+    };
+    let data = args.data.clone().or_else(|| folder.manifest.data.clone());
+    let mut trainer = CorpusTrainer::new(data);
+    let stop = stop::on_ctrl_c("cells that were finished are kept, and the same command goes on from there")?;
+    let mut failed = None;
+    for shard in shards {
+        match run_shard(&folder, shard, &here, &mut trainer, &stop, &mut Bar::new()) {
+            Ok(done) => {
+                let how = if done.was_there { "was there" } else { "done" };
+                errln!("shard {shard}: {} cells, {how}", done.cells);
+            }
+            // The shards after it have other cells.
+            Err(error @ SweepError::Failed { .. }) => {
+                errln!("shard {shard}: {error}");
+                failed.get_or_insert(error);
+            }
+            Err(error) if error.is_stop() => {
+                let words = format!("shard {shard} {error}; the same command goes on from there");
+                return Err(Interrupted(words).into());
+            }
+            Err(error) => return Err(anyhow::Error::from(error).context(format!("shard {shard}"))),
+        }
+    }
+    failed.map_or(Ok(()), |error| Err(error.into()))
+}
+
+/// The shards named, or the one that Slurm names.
+fn chosen(args: &SweepRunArgs) -> Result<Shards, Fault> {
+    let hint = "give --shard K, or start it as a task of an array: sbatch --array=0-11";
+    match (&args.shard, std::env::var(TASK)) {
+        (Some(shards), _) => Ok(shards.clone()),
+        (None, Ok(text)) => match text.trim().parse() {
+            Ok(task) => Ok(Shards::Ranges(vec![(task, task)])),
+            Err(_) => Err(Fault::new(format!("{TASK} is {text:?}, and no number of a shard")).hint(hint)),
+        },
+        (None, Err(_)) => Err(Fault::new(format!("no shard is named, and there is no {TASK}")).hint(hint)),
+    }
+}

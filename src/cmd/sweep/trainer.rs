@@ -1,0 +1,96 @@
+//! Trainings of a sweep.
+
+use crate::cmd::{corpus, device, program};
+use anyhow::Result;
+use dpn_core::config::Validate;
+use dpn_core::progress::Progress;
+use dpn_eval::sweeps::{SweepError, TrainFault, TrainPlan, TrainSpec, Trainer};
+use dpn_papers::id;
+use dpn_train::config::TrainConfig;
+use dpn_train::corpus::Corpus;
+use dpn_train::run::{Run, RunError};
+use dpn_train::trainer::TrainError;
+use serde_json::{Map, Value};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+/// Trains on one corpus, which is read when it is first needed.
+pub(crate) struct CorpusTrainer {
+    data: Option<PathBuf>,
+    read: Option<(Corpus, String)>,
+}
+
+impl CorpusTrainer {
+    pub(crate) fn new(data: Option<PathBuf>) -> Self {
+        Self { data, read: None }
+    }
+
+    fn corpus(&mut self) -> Result<&(Corpus, String)> {
+        if self.read.is_none() {
+            let corpus = corpus::to_train(corpus::load(self.data.as_deref())?)?;
+            let fingerprint = corpus.fingerprint();
+            self.read = Some((corpus, fingerprint));
+        }
+        Ok(self.read.as_ref().expect("it was read just now"))
+    }
+
+    /// Every training of a plan, with its checksum and its updates.
+    pub(crate) fn to_plan(&mut self, plan: &TrainPlan) -> Result<Vec<(TrainSpec, String, f64)>> {
+        let device = device::parse("flex")?;
+        let mut all = Vec::new();
+        for (name, config) in plan.configurations()? {
+            config.validate()?;
+            let steps =
+                dpn_train::trainer::Trainer::new(&config, &self.corpus()?.0, &device)?.steps_per_epoch();
+            let updates = (steps * config.fit.epochs) as f64;
+            for seed in plan.seed..plan.seed.saturating_add(plan.seeds) {
+                let config = TrainConfig { seed, ..config.clone() };
+                let spec = TrainSpec { folder: format!("{name}-seed{seed}"), config };
+                let content = self.content(&spec)?;
+                all.push((spec, content, updates));
+            }
+        }
+        Ok(all)
+    }
+
+    fn run(
+        &mut self,
+        spec: &TrainSpec,
+        dir: &Path,
+        (stop, progress): (&AtomicBool, &mut dyn Progress),
+    ) -> Result<Map<String, Value>> {
+        let device = device::parse("flex")?;
+        let (corpus, _) = self.corpus()?;
+        let resume = dir.join("checkpoint.safetensors").is_file();
+        let (summary, _) = Run::open(dir, &spec.config, corpus, &device, resume)?.train(stop, progress)?;
+        match serde_json::to_value(&summary)? {
+            Value::Object(row) => Ok(row),
+            other => Ok(Map::from_iter([("summary".to_owned(), other)])),
+        }
+    }
+}
+
+impl Trainer for CorpusTrainer {
+    fn content(&mut self, spec: &TrainSpec) -> Result<String, SweepError> {
+        let (_, fingerprint) = self.corpus().map_err(|error| SweepError::Train(format!("{error:#}")))?;
+        let config = serde_json::to_string(&spec.config.resolved()).expect("a configuration is JSON");
+        Ok(id([program(), fingerprint.clone(), config]))
+    }
+
+    fn train(
+        &mut self,
+        spec: &TrainSpec,
+        dir: &Path,
+        with: (&AtomicBool, &mut dyn Progress),
+    ) -> Result<(Map<String, Value>, f64), TrainFault> {
+        let clock = Instant::now();
+        match self.run(spec, dir, with) {
+            Ok(row) => Ok((row, clock.elapsed().as_secs_f64())),
+            Err(error) => Err(match error.downcast_ref() {
+                Some(RunError::Train(TrainError::Stopped { .. })) => TrainFault::Stopped,
+                _ => TrainFault::Failed(format!("{error:#}")),
+            }),
+        }
+    }
+}
