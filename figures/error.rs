@@ -53,7 +53,7 @@ pub enum FigureError {
         need: &'static str,
     },
     /// It could not be written.
-    #[error("a file of the figure is missing")]
+    #[error("{0}")]
     Write(#[from] IoError),
     /// The drawing library refused.
     #[error("cannot draw: {reason}; please report it with its input, from which a figure should come")]

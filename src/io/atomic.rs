@@ -49,7 +49,8 @@ fn write(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io
     let mut temporary = builder.tempfile_in(folder)?;
     // A file system without locks has the process's number alone.
     let _ = temporary.as_file().try_lock();
-    let mut out = BufWriter::with_capacity(1 << 16, &mut temporary);
+    // Its file and not itself: its errors would name the temporary path too.
+    let mut out = BufWriter::with_capacity(1 << 16, temporary.as_file_mut());
     fill(&mut out)?;
     out.flush()?;
     drop(out);

@@ -7,7 +7,10 @@ use std::process::{Command, ExitStatus};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-const LONGEST: Duration = Duration::from_secs(10);
+/// CPU time a command may take \[s\]: the clock on the wall counts the neighbours too.
+const LONGEST_S: u32 = 10;
+/// What waits for something is at work for longer than this.
+const HANGS: Duration = Duration::from_secs(90);
 /// Kilobytes of address space.
 const ROOM: usize = 1 << 20;
 
@@ -105,7 +108,7 @@ fn run(dir: &Path, line: &str) -> (Duration, Result<bool, String>) {
     let [out, err] = ["stdout", "stderr"].map(|name| dir.join(name));
     let binary = std::env::var_os("DPN_BIN").unwrap_or_else(|| env!("CARGO_BIN_EXE_dpn").into());
     let mut command = Command::new("sh");
-    let script = format!("ulimit -c 0; ulimit -v {ROOM}; exec \"$0\" \"$@\"");
+    let script = format!("ulimit -c 0; ulimit -t {LONGEST_S}; ulimit -v {ROOM}; exec \"$0\" \"$@\"");
     // A thread takes room for its stack and its part of the heap, on a machine with a hundred cores all there is.
     command.current_dir(dir).env("RAYON_NUM_THREADS", "2").args(["-c", &script]).arg(binary);
     command.args(line.split_whitespace()).stdin(std::process::Stdio::null());
@@ -116,7 +119,7 @@ fn run(dir: &Path, line: &str) -> (Duration, Result<bool, String>) {
         if let Some(status) = child.try_wait().unwrap() {
             break Some(status);
         }
-        if clock.elapsed() > LONGEST {
+        if clock.elapsed() > HANGS {
             child.kill().unwrap();
             child.wait().unwrap();
             break None;
@@ -129,7 +132,7 @@ fn run(dir: &Path, line: &str) -> (Duration, Result<bool, String>) {
 }
 
 fn ended(status: Option<ExitStatus>, said: &str, printed: u64) -> Result<bool, String> {
-    let Some(status) = status else { return Err(format!("still at work after {LONGEST:?}: {said}")) };
+    let Some(status) = status else { return Err(format!("still at work after {HANGS:?}: {said}")) };
     if said.contains("panicked") || said.contains("fault of the program") {
         return Err(format!("{status}: {said}"));
     }

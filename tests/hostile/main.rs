@@ -1,5 +1,5 @@
 //! Every command over files that nobody should have to read, and over damaged ones, with a gigabyte of address space: each is an answer or one
-//! error with exit code 2, within ten seconds.
+//! error with exit code 2, within ten seconds of CPU time.
 //!
 //! The short test takes what is small. The long ones (`cargo test --test hostile -- --ignored`) take the whole set, and `DPN_MUTATIONS` damaged files
 //! a command, 5000 without it; they want a release build, `DPN_BIN` names it.

@@ -69,7 +69,10 @@ impl Set {
     /// The excerpt with one file replaced.
     fn folders(&mut self) {
         for log in forged::logs() {
-            self.add(log, "seq/mav0/imu0/data.csv", &ON_FOLDERS, excerpt);
+            // What nothing is wrong with takes as long as its windows take to fit.
+            let good = log.name.ends_with("at 200 Hz");
+            let commands = if good { &ON_FOLDERS[..3] } else { &ON_FOLDERS };
+            self.add(log, "seq/mav0/imu0/data.csv", commands, excerpt);
         }
         for text in forged::yaml() {
             self.add(text, "seq/mav0/cam0/sensor.yaml", &ON_FOLDERS[1..3], excerpt);
