@@ -415,3 +415,105 @@ fn a_killed_shard_goes_on_with_nothing_lost_or_counted_twice() {
 fn a_shard_killed_fifty_times_goes_on() {
     killed(50);
 }
+
+/// Rows made up for every cell of a sweep in `dir`, as its shards would have left them.
+fn make_up(dir: &Path, template: &Value) -> usize {
+    let folder = dpn_eval::sweeps::SweepFolder::open(&dir.join("s")).unwrap();
+    let manifest = &folder.manifest;
+    for shard in 0..folder.shards() {
+        let (mut text, mut sums) = (String::new(), Vec::new());
+        for place in folder.cells_of_shard(shard) {
+            let cell = &manifest.cells[place];
+            let (sequence, rest) = cell.label.split_once(' ').unwrap();
+            let (noise, seed) = rest.rsplit_once(" seed ").unwrap();
+            let mut row = template.clone();
+            row["sequence"] = sequence.into();
+            row["noise"] = noise.into();
+            row["seed"] = seed.parse::<u64>().unwrap().into();
+            row["cell"] = cell.cell.clone().into();
+            row["ate_se3"] = (0.1 + (place % 977) as f64 / 3333.0).into();
+            let line = row.to_string();
+            sums.push(dpn_papers::id([&line]));
+            text += &(line + "\n");
+        }
+        let account = serde_json::json!({
+            "sweep": manifest.id(), "program": manifest.program, "processor": manifest.processor, "node": "made up",
+            "done": true, "failed": 0, "rows": { "": sums }, "files": {},
+        });
+        let shard = folder.shard_dir(shard);
+        std::fs::create_dir_all(&shard).unwrap();
+        std::fs::write(shard.join("rows.jsonl"), text).unwrap();
+        std::fs::write(shard.join("shard.json"), account.to_string()).unwrap();
+    }
+    manifest.cells.len()
+}
+
+/// The most memory that a process had \[MB\], asked again and again until it ends.
+fn peak_mb(child: &mut std::process::Child) -> f64 {
+    let status = format!("/proc/{}/status", child.id());
+    let mut peak = 0.0_f64;
+    while child.try_wait().unwrap().is_none() {
+        let text = std::fs::read_to_string(&status).unwrap_or_default();
+        let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        let kb = line.and_then(|line| line.trim().strip_suffix(" kB")?.trim().parse::<f64>().ok());
+        peak = peak.max(kb.unwrap_or(0.0) / 1024.0);
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    peak
+}
+
+#[test]
+#[ignore = "a minute; the figures are those of an optimised build on a machine that does nothing else"]
+fn fifty_thousand_cells_are_put_together_in_seconds_and_in_little_memory() {
+    let tmp = tempfile::tempdir().unwrap();
+    let dir = tmp.path();
+    call(dir, "eval --closed-loop --sequences hover --noise x4 --from 10 --to 16 --out one").well();
+    let template = std::fs::read_to_string(dir.join("one/rows.jsonl")).unwrap();
+    let text =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/sweep/closed_loop.toml"));
+    plan(dir, &text.unwrap().replace("seeds = 10", "seeds = 147"), "--shards 12").well();
+    let cells = make_up(dir, &serde_json::from_str(&template).unwrap());
+    assert!(cells > 50_000);
+    let clock = std::time::Instant::now();
+    let mut run = command(dir, "sweep collect s --out whole");
+    let mut child = run.stdout(Stdio::null()).spawn().unwrap();
+    let peak = peak_mb(&mut child);
+    assert!(child.wait().unwrap().success());
+    let seconds = clock.elapsed().as_secs_f64();
+    eprintln!("{cells} cells in {seconds:.1} s and {peak:.0} MB");
+    assert!(seconds < 10.0 && peak < 200.0, "{cells} cells in {seconds:.1} s and {peak:.0} MB");
+}
+
+/// CPU seconds, user's and system's, of `dpn` called with each of `lines` in turn.
+fn cpu_seconds(dir: &Path, lines: &[String]) -> f64 {
+    let script: String =
+        lines.iter().map(|line| format!("\"$0\" {line} >/dev/null 2>&1 || exit 1\n")).collect();
+    let mut shell = Command::new("sh");
+    let done =
+        end(shell.current_dir(dir).args(["-c", &(script + "times"), env!("CARGO_BIN_EXE_dpn")])).well();
+    // The second line is of children: `0m1.230s 0m0.010s`.
+    let seconds = |word: &str| {
+        let (minutes, seconds) = word.trim_end_matches('s').split_once('m').unwrap();
+        60.0 * minutes.parse::<f64>().unwrap() + seconds.parse::<f64>().unwrap()
+    };
+    done.stdout.lines().nth(1).unwrap().split_whitespace().map(seconds).sum()
+}
+
+#[test]
+#[ignore = "minutes; the figures are those of an optimised build"]
+fn twelve_shards_take_little_more_than_one_process() {
+    let tmp = tempfile::tempdir().unwrap();
+    let dir = tmp.path();
+    let noises = "x0.5 x1 x2 x4 x8 x16 diff2 dualpronet mean(dualpronet) shuffled(dualpronet)";
+    let listed = noises.split(' ').map(|noise| format!("{noise:?}")).collect::<Vec<_>>().join(", ");
+    let text = format!("kind = \"closed-loop\"\nnoises = [{listed}]\nfrom = 0\n");
+    plan(dir, &text, "--shards 12").well();
+    let one =
+        cpu_seconds(dir, &[format!("eval --closed-loop --noise '{noises}' --from 0 --threads 1 --out one")]);
+    let mut lines: Vec<String> = (0..12).map(|shard| format!("sweep run s --shard {shard}")).collect();
+    lines.push("sweep collect s --out whole".into());
+    let twelve = cpu_seconds(dir, &lines);
+    eprintln!("one process {one:.1} s, 12 shards and their collection {twelve:.1} s of CPU");
+    equal(&dir.join("one"), &dir.join("whole"));
+    assert!(twelve <= 1.05 * one, "{one} s and {twelve} s");
+}

@@ -8,7 +8,8 @@ use crate::ui::{errln, outln};
 use anyhow::Result;
 use dpn_eval::closed_loop::Manifest;
 use dpn_eval::sweeps::{
-    Costs, JobToPlan, LoopPlan, PlanKind, Planned, Size, SweepFolder, SweepManifest, TrainPlan, balance, plan,
+    Balance, Costs, Group, JobToPlan, LoopPlan, PlanKind, Planned, Size, SweepFolder, SweepManifest,
+    TrainPlan, balance, plan,
 };
 use dpn_io::atomic_write;
 use dpn_io::config::load;
@@ -25,9 +26,9 @@ pub(crate) fn run(args: &SweepPlanArgs) -> Result<()> {
         PlanKind::Paper => of_paper(args)?,
         PlanKind::Train => of_trainings(args)?,
     };
-    tell(args, &planned)?;
-    SweepFolder::create(&args.out, planned.manifest)?;
-    Ok(())
+    // Before anything is said: who reads it may have gone (`| head -1`), and the sweep is to stand all the same.
+    let folder = SweepFolder::create(&args.out, planned.manifest)?;
+    tell(args, &folder, &planned.groups, &planned.balance)
 }
 
 fn of_loop(args: &SweepPlanArgs) -> Result<Planned> {
@@ -97,28 +98,28 @@ fn cut(
     Ok(planned)
 }
 
-fn tell(args: &SweepPlanArgs, planned: &Planned) -> Result<()> {
-    let (balance_s, cells) = (&planned.balance, planned.manifest.cells.len());
-    let predicted = |shards: usize, of: &dpn_eval::sweeps::Balance| {
+fn tell(args: &SweepPlanArgs, folder: &SweepFolder, groups: &[Group], chosen: &Balance) -> Result<()> {
+    let cells = folder.manifest.cells.len();
+    let predicted = |shards: usize, of: &Balance| {
         serde_json::json!({
             "shards": shards, "longest_s": of.longest_s(), "idle_share": of.idle_share(),
             "cpu_s": of.seconds.iter().sum::<f64>(),
         })
     };
-    let shards = balance_s.seconds.len();
+    let shards = folder.shards();
     let others: Vec<_> = WORKERS
         .into_iter()
         .filter(|workers| *workers <= cells)
-        .map(|workers| (workers, balance(&planned.groups, workers)))
+        .map(|workers| (workers, balance(groups, workers)))
         .collect();
     if args.json {
         let others: Vec<_> = others.iter().map(|(workers, of)| predicted(*workers, of)).collect();
         let row =
-            serde_json::json!({ "cells": cells, "planned": predicted(shards, balance_s), "others": others });
+            serde_json::json!({ "cells": cells, "planned": predicted(shards, chosen), "others": others });
         outln!("{row}")?;
         return Ok(());
     }
-    outln!("{cells} cells in {shards} shards: {}", words(balance_s))?;
+    outln!("{cells} cells in {shards} shards: {}", words(chosen))?;
     for (workers, of) in &others {
         outln!("  as {workers:4} shards: {}", words(of))?;
     }
@@ -129,7 +130,7 @@ fn tell(args: &SweepPlanArgs, planned: &Planned) -> Result<()> {
     Ok(())
 }
 
-fn words(of: &dpn_eval::sweeps::Balance) -> String {
+fn words(of: &Balance) -> String {
     format!(
         "{} at most each, {:.1} % idle, {} of CPU in all",
         lasting(of.longest_s()),
