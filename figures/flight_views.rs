@@ -3,7 +3,7 @@
 use crate::{FigureError, Timeline, TimelinePanel, TopView};
 use dpn_core::trajectory::StampedPose;
 use dpn_core::{Sensor, Stamp, TrackFrame};
-use dpn_eval::closed_loop::{MAX_GAP_S, Recording, Single};
+use dpn_eval::closed_loop::{JudgedRun, MAX_GAP_S, Recording};
 use dpn_eval::metrics::{
     AlignmentKind, Interpolation, TruthOptions, TruthTrack, align, associate_interpolated,
 };
@@ -16,8 +16,8 @@ const BROKEN_S: f64 = 1.0;
 ///
 /// # Errors
 /// No pose and no truth.
-pub fn top_view(recording: &Recording, single: &Single) -> Result<TopView, FigureError> {
-    let poses = single.driven.poses();
+pub fn top_view(recording: &Recording, run: &JudgedRun) -> Result<TopView, FigureError> {
+    let poses = run.output.poses();
     let alignment = recording.truth.as_deref().and_then(|truth| {
         let options = TruthOptions { max_gap_s: MAX_GAP_S, interpolation: Interpolation::Linear };
         let track = TruthTrack::new(truth, options).ok()?;
@@ -35,7 +35,7 @@ pub fn top_view(recording: &Recording, single: &Single) -> Result<TopView, Figur
         .map(|part| part.iter().map(xy).collect())
         .collect();
     // Of the truth only what was run.
-    let frames = &single.driven.frames;
+    let frames = &run.output.frames;
     let within = |t: Stamp| frames.first().is_some_and(|f| *f <= t) && frames.last().is_some_and(|f| t <= *f);
     let truth: Vec<[f64; 2]> = recording
         .truth
@@ -44,7 +44,7 @@ pub fn top_view(recording: &Recording, single: &Single) -> Result<TopView, Figur
         .filter(|pose| within(pose.t))
         .map(|pose| [pose.world_from_body.translation.x, pose.world_from_body.translation.y])
         .collect();
-    let row = &single.report.row;
+    let row = &run.report.row;
     let caption = match (alignment, row.ate_yaw) {
         (Some(_), Some(ate)) => format!(
             "Aligned in yaw and position; RMSE {ate:.3} m. {} poses of {} frames, {} restarts.",
@@ -59,9 +59,9 @@ pub fn top_view(recording: &Recording, single: &Single) -> Result<TopView, Figur
 ///
 /// # Errors
 /// A run without frames.
-pub fn timeline(single: &Single) -> Result<Timeline, FigureError> {
-    let updates = &single.driven.updates;
-    let first = single.driven.frames.first().copied().unwrap_or(Stamp::from_ns(0));
+pub fn timeline(run: &JudgedRun) -> Result<Timeline, FigureError> {
+    let updates = &run.output.updates;
+    let first = run.output.frames.first().copied().unwrap_or(Stamp::from_ns(0));
     let seconds = |t: Stamp| t.seconds_since(first);
     let of_updates = |value: &dyn Fn(&dpn_vio::estimator::Update) -> Option<f64>| {
         updates.iter().filter_map(|u| Some((seconds(u.t), value(u)?))).collect::<Vec<_>>()
@@ -75,12 +75,12 @@ pub fn timeline(single: &Single) -> Result<Timeline, FigureError> {
             .map(|(axis, k)| line(&format!("{name}{axis}"), of_updates(&|u| value(u, k))))
             .collect::<Vec<_>>()
     };
-    let frames = single.tracked.run();
+    let frames = run.tracked.run();
     let counts = frames.iter().map(|frame| (seconds(frame.t), frame.tracks.len() as f64)).collect();
     let panel = |label: &str, log, lines| TimelinePanel { label: label.into(), log, lines };
     let noise = |sensor: Sensor| {
         let axis = |k: usize| {
-            let stamped = single.noise.stamps().iter().zip(single.noise.noises());
+            let stamped = run.noise.stamps().iter().zip(run.noise.noises());
             stamped.map(|(t, noise)| (seconds(*t), noise.of(sensor)[k])).filter(|(t, _)| *t >= 0.0).collect()
         };
         ["x", "y", "z"].into_iter().zip(0..3).map(|(name, k)| line(name, axis(k))).collect()
@@ -115,7 +115,7 @@ pub fn timeline(single: &Single) -> Result<Timeline, FigureError> {
     ];
     let marks: Vec<f64> =
         updates.iter().filter(|u| matches!(u.phase, Phase::Restarted(_))).map(|u| seconds(u.t)).collect();
-    let row = &single.report.row;
+    let row = &run.report.row;
     let mut caption = "Dashed: restarts.".to_owned();
     if let Some(figures) = &row.front_end {
         let agreed = figures.inlier_share.map_or_else(String::new, |share| {

@@ -11,7 +11,7 @@ use dpn_core::Sensor;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::progress::Progress;
 use dpn_core::random::Stream;
-use dpn_eval::closed_loop::{Keep, Manifest, Row, SequenceSet, Sweep, UntrackedSequence};
+use dpn_eval::closed_loop::{CellFiles, Manifest, Row, SequenceSet, Sweep, UntrackedSequence};
 use dpn_eval::injected::{Course, Injection};
 use dpn_eval::noise::{Fresh, Recorded, content};
 use dpn_eval::open_loop::{self, Request};
@@ -45,7 +45,7 @@ struct SweepRequest<'a> {
     /// More noises, and with how many.
     others: (&'a [String], u64),
     injection: Option<Injection>,
-    keep: Keep,
+    keep: CellFiles,
 }
 
 /// Reads `path`, or makes it and writes it. A file that does not read is an error: it is not ours to throw away.
@@ -119,9 +119,9 @@ impl Paper<'_> {
     }
 
     /// What the study's sweep keeps of runs for the figures.
-    pub(super) fn keep(&self) -> Keep {
+    pub(super) fn keep(&self) -> CellFiles {
         let noises = specs::noises([specs::BASELINE, specs::DUALPRONET]).to_vec();
-        Keep { states: Some((noises, self.plan.seed)), ..Keep::default() }
+        CellFiles { states: Some((noises, self.plan.seed)), ..CellFiles::default() }
     }
 
     /// The study.
@@ -151,7 +151,7 @@ impl Paper<'_> {
             noises: (noises, seeds),
             others: (&[], 0),
             injection: Some(plan.noise.with(course)),
-            keep: Keep::default(),
+            keep: CellFiles::default(),
         }
     }
 

@@ -135,7 +135,7 @@ mod tests {
     use super::super::images::ImageSource;
     use super::super::recording::StartAt;
     use super::super::sequence_set::{SequenceSet, TrackSource};
-    use super::super::sweep_plan::Keep;
+    use super::super::sweep_plan::CellFiles;
     use super::*;
     use dpn_sim::FlightConfig;
     use dpn_sim::tracks::TracksConfig;
@@ -160,7 +160,7 @@ mod tests {
             estimator: EstimatorConfig::default(),
             networks: &[],
             threads: 1,
-            keep: Keep::default(),
+            keep: CellFiles::default(),
             injection: None,
         }
     }
@@ -177,7 +177,7 @@ mod tests {
         let first = contents(&base, "dpn 1");
         assert_eq!(first.iter().collect::<BTreeSet<_>>().len(), 8);
         // More cells, other threads, other files kept: the same names.
-        let keep = Keep { trajectories: true, ..Keep::default() };
+        let keep = CellFiles { trajectories: true, ..CellFiles::default() };
         let more = Sweep { threads: 7, keep, ..sweep(&source, &["x4", "x8", "diff2"], &[0, 1, 2]) };
         let more = contents(&more, "dpn 1");
         assert!(first.iter().all(|content| more.contains(content)));

@@ -19,7 +19,7 @@ pub const FEWEST_FRAMES: usize = 20;
 
 /// What a run left.
 #[derive(Debug, Clone)]
-pub struct Driven {
+pub struct EstimatorOutput {
     /// One a frame that was worked off.
     pub updates: Vec<Update>,
     /// The estimator's own totals.
@@ -34,7 +34,7 @@ pub struct Driven {
     pub frames: Vec<Stamp>,
 }
 
-impl Driven {
+impl EstimatorOutput {
     /// The estimated trajectory: the newest pose at every frame that has one, as it was known then.
     pub fn poses(&self) -> Vec<StampedPose> {
         let pose = |u: &Update| Some(StampedPose { t: u.t, world_from_body: u.state?.world_from_body });
@@ -109,7 +109,7 @@ pub fn drive(
     frames: &[TrackFrame],
     noise: &NoiseTrack,
     seed: u64,
-) -> Result<Driven, ClosedLoopError> {
+) -> Result<EstimatorOutput, ClosedLoopError> {
     let refused = |source| ClosedLoopError::Feed { sequence: recording.name.clone(), source };
     let mut run = Run::new(config, recording, noise, seed)?;
     let mut samples = SampleWalk::new(recording.imu.samples(), ends(frames).0);
@@ -135,7 +135,7 @@ pub(super) fn drive_images(
     noise: &NoiseTrack,
     seed: u64,
     observer: &mut dyn FrontEndObserver,
-) -> Result<(Driven, TrackedSequence), ClosedLoopError> {
+) -> Result<(EstimatorOutput, TrackedSequence), ClosedLoopError> {
     let mut run = Run::new(config, recording, noise, seed)?;
     let mut log = TrackingLog::new(observer);
     walk(recording, images, &mut log, |step, log| {
@@ -210,9 +210,9 @@ impl<'a> Run<'a> {
     }
 
     /// What the run left over `frames`.
-    fn finish(self, frames: &[TrackFrame]) -> Driven {
+    fn finish(self, frames: &[TrackFrame]) -> EstimatorOutput {
         let (first, last) = ends(frames);
-        Driven {
+        EstimatorOutput {
             cpu_s: self.clock.elapsed().as_secs_f64() - self.tracking_s,
             updates: self.updates,
             report: self.estimator.report().clone(),

@@ -1,6 +1,6 @@
 //! From a finished run and the truth to a row.
 
-use super::drive::Driven;
+use super::drive::EstimatorOutput;
 use super::error::ClosedLoopError;
 use super::image_report::FrontEndFigures;
 use super::recording::{Recording, first_motion};
@@ -177,18 +177,22 @@ pub struct Judged {
 ///
 /// # Errors
 /// As [`Errors::of`].
-pub fn judge(recording: &Recording, info: &RunInfo, driven: &Driven) -> Result<Judged, ClosedLoopError> {
-    let poses = driven.poses();
-    let covariances = driven.covariances();
+pub fn judge(
+    recording: &Recording,
+    info: &RunInfo,
+    output: &EstimatorOutput,
+) -> Result<Judged, ClosedLoopError> {
+    let poses = output.poses();
+    let covariances = output.covariances();
     let errors = match &recording.truth {
-        Some(truth) => Errors::of(truth, &poses, covariances.as_deref(), driven.report.anchor.as_ref())
+        Some(truth) => Errors::of(truth, &poses, covariances.as_deref(), output.report.anchor.as_ref())
             .map_err(|source| ClosedLoopError::Metrics { sequence: recording.name.clone(), source })?,
         None => Errors::default(),
     };
-    let report = &driven.report;
-    let first_frame = *driven.frames.first().expect("no run without frames is begun");
+    let report = &output.report;
+    let first_frame = *output.frames.first().expect("no run without frames is begun");
     let since_first = |t: Stamp| t.seconds_since(first_frame);
-    let p95_update_s = percentile(&driven.update_cpu_s, 0.95);
+    let p95_update_s = percentile(&output.update_cpu_s, 0.95);
     let completion = report.completion();
     let [rpe_5m, rpe_10m, rpe_20m, rpe_40m, rpe_1s, rpe_5s] = errors.rpe;
     let seconds = |stage: Stage| report.seconds[stage as usize];
@@ -222,10 +226,10 @@ pub fn judge(recording: &Recording, info: &RunInfo, driven: &Driven) -> Result<J
         whitened: report.whitened_mean(),
         iterations: (report.poses > 0).then(|| report.iterations as f64 / report.poses as f64),
         outliers: report.outliers,
-        frames: driven.frames.len(),
+        frames: output.frames.len(),
         poses: poses.len(),
         noise_rms: None,
-        cpu_per_data_s: driven.cpu_s / driven.data_s,
+        cpu_per_data_s: output.cpu_s / output.data_s,
         p95_update_ms: 1e3 * p95_update_s.expect("frames that have samples are worked off"),
         stage_s: StageSeconds {
             feed: seconds(Stage::Feed),

@@ -1,6 +1,6 @@
 //! What the estimator believed at every frame, as a table.
 
-use super::drive::Driven;
+use super::drive::EstimatorOutput;
 use dpn_core::{NoiseTrack, Sensor};
 use dpn_vio::estimator::Phase;
 use std::io::Write;
@@ -13,7 +13,11 @@ pub const ANCHOR: &str = "#anchor,";
 ///
 /// # Errors
 /// Those of the writer.
-pub fn write_states(driven: &Driven, noise: &NoiseTrack, out: &mut dyn Write) -> std::io::Result<()> {
+pub fn write_states(
+    output: &EstimatorOutput,
+    noise: &NoiseTrack,
+    out: &mut dyn Write,
+) -> std::io::Result<()> {
     let axes = |name: &str, unit: &str| ["x", "y", "z"].map(|axis| format!("{name}_{axis}{unit}")).join(",");
     writeln!(
         out,
@@ -27,7 +31,7 @@ pub fn write_states(driven: &Driven, noise: &NoiseTrack, out: &mut dyn Write) ->
         axes("accel_noise", " [m s^-2]"),
         axes("gyro_noise", " [rad s^-1]"),
     )?;
-    if let Some(anchor) = &driven.report.anchor {
+    if let Some(anchor) = &output.report.anchor {
         let (p, q) = (anchor.world_from_body.translation.vector, anchor.world_from_body.rotation.coords);
         write!(out, "{ANCHOR}{}", anchor.t.ns())?;
         for value in p.iter().chain([&q.w, &q.x, &q.y, &q.z]) {
@@ -35,7 +39,7 @@ pub fn write_states(driven: &Driven, noise: &NoiseTrack, out: &mut dyn Write) ->
         }
         writeln!(out)?;
     }
-    for update in &driven.updates {
+    for update in &output.updates {
         let phase = match update.phase {
             Phase::Initialising(reason) => format!("initialising: {}", reason.name()),
             Phase::Tracking => "tracking".to_owned(),

@@ -285,7 +285,7 @@ impl Sweep<'_> {
         let stream = Stream::new(cell.seed).named("noise").named(&recording.name);
         let sources = cache.sources(needs, recorded(&recording), self.networks);
         let noise = crate::noise::track(cell.noise, &recording.imu, &sources, &stream)?;
-        let driven = drive(&self.estimator, &recording, seen.run(), &noise, cell.seed)?;
+        let output = drive(&self.estimator, &recording, seen.run(), &noise, cell.seed)?;
         let info = RunInfo {
             camera: self.source.camera().into(),
             noise: cell.noise.clone(),
@@ -295,12 +295,12 @@ impl Sweep<'_> {
             front_end: seen.images.as_ref().map(|images| images.figures.clone()),
         };
         if let Some(path) = self.keep.states_path(dir, &cell.key) {
-            atomic_write(&path, |out| write_states(&driven, &noise, out))?;
+            atomic_write(&path, |out| write_states(&output, &noise, out))?;
         }
         if self.keep.trajectories {
-            write_tum(&trajectory_path(dir, &cell.key), &driven.poses())?;
+            write_tum(&trajectory_path(dir, &cell.key), &output.poses())?;
         }
-        let judged = judge(&recording, &info, &driven)?;
+        let judged = judge(&recording, &info, &output)?;
         if let Some(nees) = judged.nees.as_ref().filter(|_| self.keep.nees) {
             write_nees(&nees_path(dir, &cell.key), nees)?;
         }

@@ -35,7 +35,7 @@ pub struct Sweep<'a> {
     /// Threads to use.
     pub threads: usize,
     /// What is kept of a cell beside its row.
-    pub keep: Keep,
+    pub keep: CellFiles,
     /// What is added to every recording's samples, from the seed of the cell.
     pub injection: Option<Injection>,
 }
@@ -43,7 +43,7 @@ pub struct Sweep<'a> {
 /// What is kept of cells beside their rows, each a file a cell. A cell is run again where such a file is not there.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Keep {
+pub struct CellFiles {
     /// Whether every cell's trajectory is written: `trajectories/CELL.tum`.
     pub trajectories: bool,
     /// Whether every cell's NEES is, where the estimator gives covariances: `nees/CELL.csv`.
@@ -52,7 +52,7 @@ pub struct Keep {
     pub states: Option<(Vec<NoiseSpec>, u64)>,
 }
 
-impl Keep {
+impl CellFiles {
     /// Whether a file that belongs beside a cell's `row` is not in `dir`; none of a row that has another's name (`own`) is.
     pub(super) fn lacks(&self, dir: &Path, key: &CellKey, row: &Row, own: bool) -> bool {
         let gone = |path: PathBuf| !own || !path.is_file();

@@ -2,7 +2,7 @@
 
 use super::error::SweepError;
 use super::settings::Settings;
-use crate::closed_loop::{ImageSource, Keep, SequenceSet, StartAt, Sweep, TrackSource};
+use crate::closed_loop::{CellFiles, ImageSource, SequenceSet, StartAt, Sweep, TrackSource};
 use crate::injected::Injection;
 use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 use dpn_core::estimate::NoiseSpec;
@@ -142,7 +142,7 @@ impl LoopPlan {
             estimator: self.estimator.load()?,
             networks,
             threads,
-            keep: Keep { trajectories: self.trajectories, nees: true, states: None },
+            keep: CellFiles { trajectories: self.trajectories, nees: true, states: None },
             injection: self.injection.as_ref().map(Settings::load).transpose()?,
         })
     }

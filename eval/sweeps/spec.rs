@@ -1,7 +1,7 @@
 //! A job with everything resolved: what `sweep.json` holds of it, so that a node needs the sweep's folder and the data alone.
 
 use super::error::SweepError;
-use crate::closed_loop::{Keep, SequenceSet, StartAt, Sweep, TrackSource};
+use crate::closed_loop::{CellFiles, SequenceSet, StartAt, Sweep, TrackSource};
 use crate::injected::Injection;
 use dpn_core::estimate::NoiseSpec;
 use dpn_pronet::network::Network;
@@ -29,6 +29,8 @@ pub struct TrainSpec {
     pub folder: String,
     /// The configuration, seed included.
     pub config: TrainConfig,
+    /// Where it is computed, as `dpn train --device` names it.
+    pub device: String,
 }
 
 /// A [`Sweep`] without what it borrows.
@@ -54,7 +56,7 @@ pub struct LoopSpec {
     /// The estimator's settings.
     pub estimator: EstimatorConfig,
     /// What is kept beside rows.
-    pub keep: Keep,
+    pub keep: CellFiles,
     /// What is added to recordings.
     pub injection: Option<Injection>,
 }

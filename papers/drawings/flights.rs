@@ -6,7 +6,7 @@ use super::super::states::{PairedRun, read};
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::random::Stream;
 use dpn_core::{ImuRecording, NoiseTrack, Sensor};
-use dpn_eval::closed_loop::{CellKey, Keep, Recording, Row};
+use dpn_eval::closed_loop::{CellFiles, CellKey, Recording, Row};
 use dpn_eval::noise::{Fresh, Recorded};
 use dpn_figures::{ErrorBand, ErrorColumn, Flight, FlightSigma, Trajectories, TrajectoryPanel};
 use dpn_pronet::network::Network;
@@ -17,7 +17,7 @@ use std::path::Path;
 /// What a sweep kept of one cell, beside the truth; nothing where the run has too few poses.
 fn beside(
     dir: &Path,
-    keep: &Keep,
+    keep: &CellFiles,
     key: &CellKey,
     recording: &Recording,
 ) -> Result<Option<PairedRun>, PaperError> {
@@ -28,7 +28,7 @@ fn beside(
 }
 
 /// The seed whose states were kept.
-fn seed_of(keep: &Keep) -> u64 {
+fn seed_of(keep: &CellFiles) -> u64 {
     keep.states.as_ref().expect("the study keeps states for its figures").1
 }
 
@@ -41,7 +41,7 @@ pub(crate) fn trajectories(
     recordings: &[Recording],
     rows: &[Row],
     dir: &Path,
-    keep: &Keep,
+    keep: &CellFiles,
     noises: &[NoiseSpec],
 ) -> Result<Trajectories, PaperError> {
     let seed = seed_of(keep);
@@ -82,7 +82,7 @@ pub(crate) fn trajectories(
 pub(crate) fn errors(
     recording: &Recording,
     dir: &Path,
-    keep: &Keep,
+    keep: &CellFiles,
     noises: &[NoiseSpec],
 ) -> Result<Option<ErrorBand>, PaperError> {
     let seed = seed_of(keep);

@@ -100,6 +100,9 @@ pub(crate) struct SweepStatusArgs {
     /// Print every shard as JSON on stdout.
     #[arg(long)]
     pub(crate) json: bool,
+    /// Print two numbers: how many shards there are, and the seconds that the longest is predicted to take. For scripts that submit them.
+    #[arg(long, conflicts_with = "json")]
+    pub(crate) limits: bool,
     /// Write the same as a page without scripts.
     #[arg(long, value_name = "FILE.html")]
     pub(crate) page: Option<PathBuf>,

@@ -26,8 +26,14 @@ impl From<SensorArg> for Sensor {
 #[derive(Debug, Args)]
 pub(crate) struct TrainArgs {
     /// Which sensor's network to train.
-    #[arg(long, value_enum)]
-    pub(crate) sensor: SensorArg,
+    #[arg(long, value_enum, required_unless_present = "many")]
+    pub(crate) sensor: Option<SensorArg>,
+    /// Train many networks at once, as a plan asks for them (TOML, as configs/sweep/train.toml): sensors x configurations x seeds.
+    #[arg(long, value_name = "PLAN", conflicts_with_all = ["sensor", "config", "resume", "seed", "epochs", "base"])]
+    pub(crate) many: Option<PathBuf>,
+    /// Trainings at a time; without it as many as there are cores.
+    #[arg(long, value_name = "N", requires = "many", value_parser = clap::value_parser!(u64).range(1..=4096))]
+    pub(crate) jobs: Option<u64>,
     /// Configuration (TOML); without it the built-in default, which configs/train/{accel,gyro}.toml repeat.
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
@@ -49,9 +55,9 @@ pub(crate) struct TrainArgs {
     /// Base that noise is injected into: `raw` or `sg(WINDOW,ORDER)`.
     #[arg(long, value_name = "BASE")]
     pub(crate) base: Option<dpn_train::base::Base>,
-    /// Where to compute: flex (CPU), or ndarray, wgpu, cuda where built with that feature.
-    #[arg(long, default_value = "flex")]
-    pub(crate) device: String,
+    /// Where to compute: flex (CPU), or ndarray, wgpu, cuda where built with that feature. Without it flex, or the plan's.
+    #[arg(long)]
+    pub(crate) device: Option<String>,
     /// Print the training summary as JSON on stdout.
     #[arg(long)]
     pub(crate) json: bool,

@@ -1,6 +1,6 @@
 //! `dpn eval --closed-loop`.
 
-use super::{program, settings, shipped, stop};
+use super::{cores, program, settings, shipped, stop};
 use crate::args::{CameraArg, EvalArgs};
 use crate::ui::{Bar, Interrupted, errln, out, outln};
 use anyhow::Result;
@@ -112,8 +112,4 @@ fn printed(rows: &RowSet<'_>, study: &Study, reports: &[Consistency]) -> String 
     }
     parts.extend(tables::consistency(reports).map(|table| table.console()));
     parts.join("\n")
-}
-
-fn cores() -> usize {
-    std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
 }

@@ -3,9 +3,12 @@
 use crate::ui::Fault;
 use burn::tensor::Device;
 
+/// The device of a build without features.
+pub(crate) const CPU: &str = "flex";
+
 /// Every device by name, and whether this build has it.
 const KNOWN: [(&str, bool); 4] = [
-    ("flex", true),
+    (CPU, true),
     ("ndarray", cfg!(feature = "ndarray")),
     ("wgpu", cfg!(feature = "wgpu")),
     ("cuda", cfg!(feature = "cuda")),
@@ -14,7 +17,7 @@ const KNOWN: [(&str, bool); 4] = [
 /// The device called `name`, recording gradients.
 pub(crate) fn parse(name: &str) -> Result<Device, Fault> {
     let device = match name {
-        "flex" => Some(Device::flex()),
+        CPU => Some(Device::flex()),
         #[cfg(feature = "ndarray")]
         "ndarray" => Some(Device::ndarray()),
         #[cfg(feature = "wgpu")]

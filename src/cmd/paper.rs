@@ -1,6 +1,6 @@
 //! `dpn paper`.
 
-use super::{device, program, program_of, settings, shipped, stop};
+use super::{cores, device, program, program_of, settings, shipped, stop};
 use crate::args::PaperArgs;
 use crate::ui::{Bar, Interrupted, errln, outln};
 use anyhow::Result;
@@ -111,10 +111,6 @@ fn say(done: &Done, json: bool) -> Result<()> {
     }
     outln!("\npage: {}", done.page.display())?;
     Ok(())
-}
-
-fn cores() -> usize {
-    std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
 }
 
 /// The command as a person would type it again: the program's name without its folder.

@@ -6,8 +6,8 @@ use crate::ui::{Fault, errln, out, outln};
 use anyhow::Result;
 use dpn_core::estimate::NoiseSpec;
 use dpn_eval::closed_loop::{
-    ImageSource, Recording, Report, RunInfo, SequenceSet, Single, Span, TrackSource, has_images, single,
-    write_states,
+    ImageSource, JudgedRun, Recording, Report, RunInfo, SequenceSet, Span, TrackSource, has_images,
+    judged_run, write_states,
 };
 use dpn_figures::save;
 use dpn_figures::{Album, timeline, top_view};
@@ -43,7 +43,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         Some(album) => album,
         None => &mut nobody,
     };
-    let done = single(&estimator, &recording, camera, &noise, info, &networks, observer)?;
+    let done = judged_run(&estimator, &recording, camera, &noise, info, &networks, observer)?;
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("runs/run-{}", recording.name)));
     let report = serde_json::json!({
         "program": program(), "estimator": estimator, "input": source.checksum(place)?,
@@ -111,16 +111,16 @@ fn open(args: &RunArgs) -> Result<(SequenceSet, usize)> {
     Ok((source, place))
 }
 
-fn write(done: &Single, report: &serde_json::Value, out: &Path) -> Result<()> {
-    write_tum(&out.join("trajectory.tum"), &done.driven.poses())?;
-    atomic_write(&out.join("states.csv"), |file| write_states(&done.driven, &done.noise, file))?;
+fn write(done: &JudgedRun, report: &serde_json::Value, out: &Path) -> Result<()> {
+    write_tum(&out.join("trajectory.tum"), &done.output.poses())?;
+    atomic_write(&out.join("states.csv"), |file| write_states(&done.output, &done.noise, file))?;
     let text = serde_json::to_string_pretty(report)? + "\n";
     atomic_write(&out.join("report.json"), |file| file.write_all(text.as_bytes()))?;
     Ok(())
 }
 
 /// The flight from above and over time, beside the frames that were drawn while images were looked at.
-fn draw(dir: &Path, album: Album, recording: &Recording, done: &Single) -> Result<()> {
+fn draw(dir: &Path, album: Album, recording: &Recording, done: &JudgedRun) -> Result<()> {
     album.finish()?;
     save(&top_view(recording, done)?, &dir.join("top"))?;
     save(&timeline(done)?, &dir.join("timeline"))?;
@@ -133,11 +133,11 @@ fn percent(share: Option<f64>) -> String {
 }
 
 /// The summary for people.
-fn words(report: &Report, done: &Single, simulated: bool) -> String {
+fn words(report: &Report, done: &JudgedRun, simulated: bool) -> String {
     let row = &report.row;
     let mut lines = vec![format!(
         "{}, noise {}, {} frames in {:.1} s",
-        row.sequence, row.noise, row.frames, done.driven.data_s
+        row.sequence, row.noise, row.frames, done.output.data_s
     )];
     let mut line = |name: &str, text: String| lines.push(format!("{name:<16}{text}"));
     if simulated {

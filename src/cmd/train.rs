@@ -1,6 +1,6 @@
 //! `dpn train`.
 
-use super::{corpus, device, stop};
+use super::{corpus, device, stop, sweep};
 use crate::args::TrainArgs;
 use crate::ui::{Bar, Fault, Interrupted, errln, outln};
 use anyhow::Result;
@@ -12,9 +12,12 @@ use dpn_train::trainer::TrainError;
 use std::path::PathBuf;
 
 pub(crate) fn run(args: TrainArgs) -> Result<()> {
-    let sensor = Sensor::from(args.sensor);
+    let sensor = match (&args.many, args.sensor) {
+        (Some(plan), _) => return sweep::many(plan, &args),
+        (None, sensor) => Sensor::from(sensor.expect("clap asks for a sensor where there is no plan")),
+    };
     let config = config(&args, sensor)?;
-    let device = device::parse(&args.device)?;
+    let device = device::parse(args.device.as_deref().unwrap_or(device::CPU))?;
     let corpus = corpus::to_train(corpus::load(args.data.as_deref())?)?;
     let out = args.out.unwrap_or_else(|| {
         PathBuf::from(format!(

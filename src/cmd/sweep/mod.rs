@@ -1,10 +1,13 @@
 //! `dpn sweep`.
 
 mod collect;
+mod many;
 mod plan;
 mod run;
 mod status;
 mod trainer;
+
+pub(crate) use many::many;
 
 use crate::args::{SweepArgs, SweepWhat};
 use anyhow::Result;

@@ -12,6 +12,10 @@ const SHOWN: usize = 10;
 
 pub(crate) fn run(args: &SweepStatusArgs) -> Result<()> {
     let folder = SweepFolder::open(&args.sweep)?;
+    if args.limits {
+        let longest_s = folder.manifest.shard_s.iter().copied().fold(0.0, f64::max);
+        return outln!("{} {}", folder.shards(), longest_s.ceil()).map_err(Into::into);
+    }
     let found = status(&folder)?;
     if let Some(path) = &args.page {
         let page = dpn_papers::sweep_page(&folder.dir, &found);

@@ -37,7 +37,9 @@ impl CorpusTrainer {
 
     /// Every training of a plan, with its checksum and its updates.
     pub(crate) fn to_plan(&mut self, plan: &TrainPlan) -> Result<Vec<(TrainSpec, String, f64)>> {
-        let device = device::parse("flex")?;
+        device::parse(&plan.device)?;
+        // Updates are counted, none is made.
+        let device = device::parse(device::CPU)?;
         let mut all = Vec::new();
         for (name, config) in plan.configurations()? {
             config.validate()?;
@@ -46,7 +48,8 @@ impl CorpusTrainer {
             let updates = (steps * config.fit.epochs) as f64;
             for seed in plan.seed..plan.seed.saturating_add(plan.seeds) {
                 let config = TrainConfig { seed, ..config.clone() };
-                let spec = TrainSpec { folder: format!("{name}-seed{seed}"), config };
+                let folder = format!("{name}-seed{seed}");
+                let spec = TrainSpec { folder, config, device: plan.device.clone() };
                 let content = self.content(&spec)?;
                 all.push((spec, content, updates));
             }
@@ -60,7 +63,7 @@ impl CorpusTrainer {
         dir: &Path,
         (stop, progress): (&AtomicBool, &mut dyn Progress),
     ) -> Result<Map<String, Value>> {
-        let device = device::parse("flex")?;
+        let device = device::parse(&spec.device)?;
         let (corpus, _) = self.corpus()?;
         let resume = dir.join("checkpoint.safetensors").is_file();
         let (summary, _) = Run::open(dir, &spec.config, corpus, &device, resume)?.train(stop, progress)?;
@@ -75,7 +78,7 @@ impl Trainer for CorpusTrainer {
     fn content(&mut self, spec: &TrainSpec) -> Result<String, SweepError> {
         let (_, fingerprint) = self.corpus().map_err(|error| SweepError::Train(format!("{error:#}")))?;
         let config = serde_json::to_string(&spec.config.resolved()).expect("a configuration is JSON");
-        Ok(id([program(), fingerprint.clone(), config]))
+        Ok(id([program(), fingerprint.clone(), config, spec.device.clone()]))
     }
 
     fn train(

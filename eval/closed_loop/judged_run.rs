@@ -1,6 +1,6 @@
 //! One recording through the estimator, with everything a person wants to know of it.
 
-use super::drive::{Driven, drive, drive_images, frames_from};
+use super::drive::{EstimatorOutput, drive, drive_images, frames_from};
 use super::error::ClosedLoopError;
 use super::image_report::ImageEvent;
 use super::judge::{RunInfo, judge, noise_rms};
@@ -32,11 +32,11 @@ const SHOWN_EVENTS: usize = 8;
 
 /// One run, judged.
 #[derive(Debug, Clone)]
-pub struct Single {
+pub struct JudgedRun {
     /// The figures.
     pub report: Report,
     /// What the estimator left.
-    pub driven: Driven,
+    pub output: EstimatorOutput,
     /// The noise it was told.
     pub noise: Arc<NoiseTrack>,
     /// The tracks it had.
@@ -69,7 +69,7 @@ pub struct Report {
 /// # Errors
 /// Noise that cannot be had; images that cannot be, or show nothing; tracks that share no time with the samples or whose ids do not stay with
 /// points; settings out of their bounds.
-pub fn single(
+pub fn judged_run(
     config: &EstimatorConfig,
     recording: &Recording,
     camera: CameraInput<'_>,
@@ -77,15 +77,15 @@ pub fn single(
     info: RunInfo,
     networks: &[Network],
     observer: &mut dyn FrontEndObserver,
-) -> Result<Single, ClosedLoopError> {
+) -> Result<JudgedRun, ClosedLoopError> {
     let recorded = Recorded { name: &recording.name, imu: &recording.imu, oracle: recording.oracle.as_ref() };
     let stream = Stream::new(info.seed).named("noise").named(&recording.name);
     let noise = crate::noise::track(noise, &recording.imu, &Fresh { recorded, networks }, &stream)?;
-    let (driven, tracked, health) = match camera {
+    let (output, tracked, health) = match camera {
         CameraInput::Images(images) => {
-            let (driven, tracked) = drive_images(config, recording, images, &noise, info.seed, observer)?;
+            let (output, tracked) = drive_images(config, recording, images, &noise, info.seed, observer)?;
             let health = fit(recording, &tracked)?;
-            (driven, tracked, health)
+            (output, tracked, health)
         }
         CameraInput::Tracks(frames, span) => {
             let tracked = TrackedSequence { frames, span, images: None };
@@ -100,23 +100,23 @@ pub fn single(
         &recording.body_from_cam,
     );
     let mut waited_for: BTreeMap<String, usize> = BTreeMap::new();
-    for update in &driven.updates {
+    for update in &output.updates {
         if let Phase::Initialising(reason) = update.phase {
             *waited_for.entry(reason.name().to_owned()).or_default() += 1;
         }
     }
     let info = RunInfo { front_end: tracked.images.as_ref().map(|images| images.figures.clone()), ..info };
     let report = Report {
-        row: judge(recording, &info, &driven)?.row,
-        warnings: warnings(recording, &info, &tracked, &driven, &health, &axes),
+        row: judge(recording, &info, &output)?.row,
+        warnings: warnings(recording, &info, &tracked, &output, &health, &axes),
         axes,
         tracks: health,
         images: tracked.images.as_ref().map_or_else(Vec::new, |images| images.events.clone()),
-        skipped: driven.report.skipped,
+        skipped: output.report.skipped,
         waited_for,
         noise_rms: noise_rms(&noise),
     };
-    Ok(Single { report, driven, noise, tracked })
+    Ok(JudgedRun { report, output, noise, tracked })
 }
 
 /// What the tracks that are run are like.
@@ -136,7 +136,7 @@ fn warnings(
     recording: &Recording,
     info: &RunInfo,
     tracked: &TrackedSequence,
-    driven: &Driven,
+    output: &EstimatorOutput,
     health: &TrackHealth,
     axes: &Axes,
 ) -> Vec<String> {
@@ -180,8 +180,8 @@ fn warnings(
             RecordingFault::TooShort { .. } | RecordingFault::WrongRate { .. } => {}
         }
     }
-    if let Some(first) = &driven.report.first_spike {
-        found.push(format!("IMU: {} sample(s) were passed over as spikes: {first}", driven.report.spikes));
+    if let Some(first) = &output.report.first_spike {
+        found.push(format!("IMU: {} sample(s) were passed over as spikes: {first}", output.report.spikes));
     }
     let force = median_of(samples.iter().map(|s| Vector3::from(s.accel).norm()));
     let force = force.expect("a recording has two samples");
