@@ -195,7 +195,8 @@ impl Estimator {
                 self.window.rest_since(rest);
             }
         }
-        self.window.anchor();
+        // The initialisation's own belief: a looser one would let a short start trade tilt for bias.
+        self.window.anchor([self.config.init.accel_bias_std, self.config.init.gyro_bias_std]);
         for _ in 0..START_ROUNDS {
             self.window.triangulate();
             self.window.optimise();

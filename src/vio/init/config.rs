@@ -28,9 +28,9 @@ pub struct InitConfig {
     pub min_parallax_px: f64,
     /// Largest relative standard deviation of the scale with which the estimate is given out.
     pub max_scale_std: f64,
-    /// Prior standard deviation of each axis of the accelerometer's bias \[m/s^2\].
+    /// Prior standard deviation of each axis of the accelerometer's bias, here and where the window begins \[m/s^2\].
     pub accel_bias_std: f64,
-    /// Prior standard deviation of each axis of the gyro's bias where no rest was seen \[rad/s\].
+    /// Prior standard deviation of each axis of the gyro's bias, here where no rest was seen and where the window begins \[rad/s\].
     pub gyro_bias_std: f64,
     /// Least white noise of the accelerometer that is believed, whatever is told \[m/s^2/sqrt(Hz)\]: rotors shake it more than its data
     /// sheet says.

@@ -6,3 +6,4 @@ mod configs;
 mod estimator;
 mod gtsam_preintegration;
 mod rendered_camera;
+mod take_off;

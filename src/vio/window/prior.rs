@@ -16,10 +16,6 @@ use nalgebra::{Isometry3, Vector3};
 const ANCHOR_STD: f64 = 1e-3;
 /// Of roll and pitch \[rad\].
 const TILT_STD: f64 = 0.2;
-/// Of each axis of the accelerometer's bias \[m/s^2\].
-const ACCEL_BIAS_STD: f64 = 0.3;
-/// Of each axis of the gyro's bias \[rad/s\].
-const GYRO_BIAS_STD: f64 = 0.1;
 
 /// A prior on the window's first `layout.frames` frames and, where estimated, camera and clock.
 #[derive(Debug, Clone)]
@@ -34,12 +30,12 @@ pub(crate) struct Prior {
 
 impl Prior {
     /// Fixes what no measurement sees, position and heading of the window's first frame, and says what is known of its biases and
-    /// its tilt beforehand.
-    pub(crate) fn anchored(mut self) -> Self {
+    /// its tilt beforehand: `bias_std` of each axis of the accelerometer's \[m/s^2\] and of the gyro's \[rad/s\].
+    pub(crate) fn anchored(mut self, bias_std: [f64; 2]) -> Self {
         self.hold(0, POSITION, ANCHOR_STD);
         self.hold(0, ROTATION, TILT_STD);
-        self.hold(0, ACCEL_BIAS, ACCEL_BIAS_STD);
-        self.hold(0, GYRO_BIAS, GYRO_BIAS_STD);
+        self.hold(0, ACCEL_BIAS, bias_std[0]);
+        self.hold(0, GYRO_BIAS, bias_std[1]);
         self.hold_heading(0, ANCHOR_STD);
         // The camera is known to a centimetre and half a degree, its clock to some milliseconds, before anything was seen.
         let Self { layout, system, .. } = &mut self;

@@ -22,11 +22,15 @@ impl Window {
         if n < 3 {
             return Leaving::Oldest;
         }
-        // The first and the last frame of a rest say all there is to say of it.
-        match (self.frames[n - 2].rest.is_some(), self.frames[n - 1].rest.is_some()) {
-            (true, true) => return Leaving::SecondNewest,
-            (true, false) => return Leaving::Oldest,
-            (false, _) => {}
+        // The first and the last frame of a rest say all there is to say of it. Without its first nothing would tie the last to
+        // where the body came to stand but the samples between them, integrated for as long as the rest lasts.
+        if let Some(rest) = self.frames[n - 2].rest {
+            let first = self.frames[n - 3].t < rest.from;
+            return if self.frames[n - 1].rest.is_some() && !first {
+                Leaving::SecondNewest
+            } else {
+                Leaving::Oldest
+            };
         }
         let parallax = self.parallax(n - 3, n - 2);
         let moved = parallax.mean * focal_px >= self.config.key_frame_parallax_px;

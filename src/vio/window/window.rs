@@ -139,9 +139,10 @@ impl Window {
         }
     }
 
-    /// Fixes position and heading of the first frame, with what is known of it beforehand.
-    pub(crate) fn anchor(&mut self) {
-        self.prior = Some(self.prior_about(vec![self.frames[0].state]).anchored());
+    /// Fixes position and heading of the first frame, with what is known of it beforehand: of each axis of its biases the deviations
+    /// `bias_std`, accelerometer \[m/s^2\] and gyro \[rad/s\].
+    pub(crate) fn anchor(&mut self, bias_std: [f64; 2]) {
+        self.prior = Some(self.prior_about(vec![self.frames[0].state]).anchored(bias_std));
     }
 
     /// Gives every landmark that has none a depth to start from: told by its rays where they part enough, else, once three frames
