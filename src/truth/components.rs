@@ -1,0 +1,161 @@
+//! Variance components: how noisy IMU and published poses are, by their own disagreement.
+//!
+//! Residuals come in groups of one unknown level each. With whitened residuals `r`, derivatives `A` and the covariance `P` of the unknowns,
+//! ```text
+//! level^2 <- level^2 * sum r^2 / (n - sum A P A')
+//! ```
+//! until nothing changes: the fixed point is the restricted maximum likelihood (Foerstner 1979; Koch 1986). `n - sum A P A'` is the group's redundancy:
+//! what the others know of these residuals without them. An oscillation of the rotors, which every sum over an interval loses,
+//! shows in few of them and counts little.
+//!
+//! The slow part of the published errors is a first-order Gauss-Markov process of one correlation time, estimated by
+//! expectation maximisation: `phi = sum E[e_k e_k+1] / sum E[e_k^2]`.
+
+use serde::Serialize;
+
+/// How many groups there are.
+pub(crate) const GROUPS: usize = 8;
+
+/// A group of residuals of one level.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Group {
+    Accel = 0,
+    Gyro = 1,
+    AccelWalk = 2,
+    GyroWalk = 3,
+    Position = 4,
+    Rotation = 5,
+    SlowPosition = 6,
+    SlowRotation = 7,
+}
+
+/// The levels.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Levels {
+    /// Accelerometer, what a white noise of this deviation a sample would do over an interval \[m/s^2\].
+    pub accel_sample_std: f64,
+    /// Gyro, likewise \[rad/s\].
+    pub gyro_sample_std: f64,
+    /// Walk of the accelerometer's bias \[m/s^3/sqrt(Hz)\].
+    pub accel_bias_walk: f64,
+    /// Walk of the gyro's bias \[rad/s^2/sqrt(Hz)\].
+    pub gyro_bias_walk: f64,
+    /// Published position, new at every sample, an axis \[m\].
+    pub position_std: f64,
+    /// Published rotation, new at every sample, an axis \[rad\].
+    pub rotation_std: f64,
+    /// Published position, the slow part, an axis \[m\].
+    pub slow_position_std: f64,
+    /// Published rotation, the slow part, an axis \[rad\].
+    pub slow_rotation_std: f64,
+    /// Correlation time of the slow part of positions \[s\].
+    pub slow_position_s: f64,
+    /// Correlation time of the slow part of rotations \[s\].
+    pub slow_rotation_s: f64,
+}
+
+/// Least and most of each level: a group that says nothing of its level must stop somewhere.
+const BOUNDS: [(f64, f64); GROUPS] = [
+    (1e-3, 10.0),
+    (1e-5, 1.0),
+    (1e-5, 0.1),
+    (1e-7, 1e-2),
+    (1e-5, 0.1),
+    (1e-5, 0.1),
+    (1e-5, 0.1),
+    (1e-5, 0.1),
+];
+/// Least and most of the correlation times \[s\].
+const TIMES: (f64, f64) = (0.05, 20.0);
+/// A level moves by no more than this factor at a time.
+const FASTEST: f64 = 4.0;
+
+impl Levels {
+    /// Where the search begins: a cheap IMU beside a good motion capture.
+    pub(crate) fn start() -> Self {
+        Self {
+            accel_sample_std: 0.1,
+            gyro_sample_std: 5e-3,
+            accel_bias_walk: 3e-3,
+            gyro_bias_walk: 5e-5,
+            position_std: 1e-3,
+            rotation_std: 2e-3,
+            slow_position_std: 1e-3,
+            slow_rotation_std: 2e-3,
+            slow_position_s: 0.5,
+            slow_rotation_s: 0.5,
+        }
+    }
+
+    fn of(&mut self, group: usize) -> &mut f64 {
+        match group {
+            0 => &mut self.accel_sample_std,
+            1 => &mut self.gyro_sample_std,
+            2 => &mut self.accel_bias_walk,
+            3 => &mut self.gyro_bias_walk,
+            4 => &mut self.position_std,
+            5 => &mut self.rotation_std,
+            6 => &mut self.slow_position_std,
+            _ => &mut self.slow_rotation_std,
+        }
+    }
+
+    /// The levels by what was found with these, and the largest change of any, as a factor minus 1.
+    pub(crate) fn updated(&self, found: &Found) -> (Self, f64) {
+        let mut next = *self;
+        let mut change = 0.0_f64;
+        for (group, (low, high)) in BOUNDS.into_iter().enumerate() {
+            let redundancy = found.rows[group] - found.leverage[group];
+            // Fewer than a row's worth of redundancy says nothing.
+            if redundancy < 1.0 {
+                continue;
+            }
+            let factor = (found.squares[group] / redundancy).sqrt().clamp(1.0 / FASTEST, FASTEST);
+            let level = next.of(group);
+            let before = *level;
+            *level = (before * factor).clamp(low, high);
+            change = change.max((*level / before).max(before / *level) - 1.0);
+        }
+        for (time, [cross, own], interval) in [
+            (&mut next.slow_position_s, found.position_moments, found.interval_s),
+            (&mut next.slow_rotation_s, found.rotation_moments, found.interval_s),
+        ] {
+            let phi = cross / own;
+            if phi > 0.0 && phi < 1.0 {
+                *time = (-interval / phi.ln()).clamp(TIMES.0, TIMES.1);
+            }
+        }
+        (next, change)
+    }
+
+    /// The share of a slow error that is left after `interval_s`: of positions, of rotations.
+    pub(crate) fn persistence(&self, interval_s: f64) -> [f64; 2] {
+        [self.slow_position_s, self.slow_rotation_s].map(|time| (-interval_s / time).exp())
+    }
+}
+
+/// What one adjustment says of its levels.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Found {
+    /// Rows of each group.
+    pub(crate) rows: [f64; GROUPS],
+    /// Sum of their squared whitened residuals.
+    pub(crate) squares: [f64; GROUPS],
+    /// Sum of their shares in the estimate.
+    pub(crate) leverage: [f64; GROUPS],
+    /// `sum E[e_k e_k+1]` and `sum E[e_k^2]` of the slow position error.
+    pub(crate) position_moments: [f64; 2],
+    /// The same of the rotation's.
+    pub(crate) rotation_moments: [f64; 2],
+    /// Between two keys \[s\].
+    pub(crate) interval_s: f64,
+}
+
+impl Found {
+    /// One row.
+    pub(crate) fn add(&mut self, group: Group, square: f64, leverage: f64) {
+        self.rows[group as usize] += 1.0;
+        self.squares[group as usize] += square;
+        self.leverage[group as usize] += leverage;
+    }
+}
