@@ -1,7 +1,7 @@
 //! The loop: Gauss-Newton steps, and between them the levels by their variance components.
 
 use crate::chain::ChainCovariance;
-use crate::components::{Found, Levels};
+use crate::components::{Found, Levels, Pace};
 use crate::error::TruthError;
 use crate::layout::{CONSTANTS, KEY_DIM};
 use crate::problem::{Estimate, Problem};
@@ -10,9 +10,9 @@ use dpn_vio::state::{POSITION, ROTATION};
 /// Steps before the levels are looked at: the first ones bring poses and frames together.
 const FIRST_STEPS: usize = 3;
 /// The levels stand when none changes by more than this share,
-const LEVELS_STAND: f64 = 0.02;
+const LEVELS_STAND: f64 = 0.03;
 /// and the estimate when no key moves by more than this \[m, rad\].
-const POSE_STANDS: f64 = 1e-5;
+const POSE_STANDS: f64 = 1e-4;
 
 /// An adjustment that came to rest, or ran out of iterations.
 #[derive(Debug)]
@@ -49,6 +49,7 @@ pub(crate) fn adjust(
         TruthError::Singular { seconds: k.map(seconds) }
     };
     let mut iterations = 0;
+    let mut pace = Pace::default();
     loop {
         let chain = problem.linearise(&estimate, &levels);
         let factor = chain.factor().map_err(|at| singular(at.key, &estimate))?;
@@ -69,13 +70,13 @@ pub(crate) fn adjust(
         // The factor is of the point before the step, which by now is the same but for rounding.
         let covariance = factor.covariance();
         let found = problem.found(&estimate, &levels, &covariance);
-        let (next, change) = levels.updated(&found);
+        let (next, change) = levels.updated(&found, &mut pace);
         let settled = change < LEVELS_STAND && moved < POSE_STANDS;
         if settled || iterations >= most_iterations {
             return Ok(Adjusted { estimate, levels, found, covariance, iterations, settled });
         }
         if std::env::var_os("DPN_TRUTH_TRACE").is_some() {
-            eprintln!("{iterations} moved {moved:.2e} change {change:.3} {next:?} {:?}", estimate.frames);
+            eprintln!("{iterations} moved {moved:.1e} change {change:.3} a {:.3} g {:.4} wa {:.1e} wg {:.1e} p {:.2e} r {:.2e} sp {:.2e} sr {:.2e} ({:.2} {:.2} s) delay {:.3} ms blur {:.1e} {:?}", next.accel_sample_std, next.gyro_sample_std, next.accel_bias_walk, next.gyro_bias_walk, next.position_std, next.rotation_std, next.slow_position_std, next.slow_rotation_std, next.slow_position_s, next.slow_rotation_s, 1e3*estimate.frames.delay_s, estimate.frames.blur_s2, problem.held);
         }
         levels = next;
     }

@@ -67,6 +67,8 @@ const BOUNDS: [(f64, f64); GROUPS] = [
 ];
 /// Least and most of the correlation times \[s\].
 const TIMES: (f64, f64) = (0.05, 20.0);
+/// A group of fewer rows' worth of redundancy is not waited for.
+const MATTERS: f64 = 30.0;
 /// A level moves by no more than this factor at a time.
 const FASTEST: f64 = 4.0;
 
@@ -100,8 +102,8 @@ impl Levels {
         }
     }
 
-    /// The levels by what was found with these, and the largest change of any, as a factor minus 1.
-    pub(crate) fn updated(&self, found: &Found) -> (Self, f64) {
+    /// The levels by what was found with these, and the largest change of any, as a factor minus 1. `pace` remembers how each went before.
+    pub(crate) fn updated(&self, found: &Found, pace: &mut Pace) -> (Self, f64) {
         let mut next = *self;
         let mut change = 0.0_f64;
         for (group, (low, high)) in BOUNDS.into_iter().enumerate() {
@@ -110,11 +112,14 @@ impl Levels {
             if redundancy < 1.0 {
                 continue;
             }
-            let factor = (found.squares[group] / redundancy).sqrt().clamp(1.0 / FASTEST, FASTEST);
+            let factor = pace.hurried(group, (found.squares[group] / redundancy).sqrt()).clamp(1.0 / FASTEST, FASTEST);
             let level = next.of(group);
             let before = *level;
             *level = (before * factor).clamp(low, high);
-            change = change.max((*level / before).max(before / *level) - 1.0);
+            // A level that hardly anything hangs on may go on changing.
+            if redundancy > MATTERS {
+                change = change.max((*level / before).max(before / *level) - 1.0);
+            }
         }
         for (time, [cross, own], interval) in [
             (&mut next.slow_position_s, found.position_moments, found.interval_s),
@@ -131,6 +136,28 @@ impl Levels {
     /// The share of a slow error that is left after `interval_s`: of positions, of rotations.
     pub(crate) fn persistence(&self, interval_s: f64) -> [f64; 2] {
         [self.slow_position_s, self.slow_rotation_s].map(|time| (-interval_s / time).exp())
+    }
+}
+
+/// How fast each level goes: a fixed point that is neared from one side in ever the same small steps is stepped towards in larger ones.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Pace {
+    /// The last step of each level, as a logarithm.
+    last: [f64; GROUPS],
+    /// What it was multiplied with.
+    power: [f64; GROUPS],
+}
+
+impl Pace {
+    /// The most that a step is multiplied with.
+    const MOST: f64 = 8.0;
+
+    fn hurried(&mut self, group: usize, factor: f64) -> f64 {
+        let step = factor.ln();
+        let power = &mut self.power[group];
+        *power = if step * self.last[group] > 0.0 { (*power * 1.5).clamp(1.0, Self::MOST) } else { 1.0 };
+        self.last[group] = step;
+        (step * *power).exp()
     }
 }
 

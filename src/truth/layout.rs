@@ -1,8 +1,8 @@
-//! What is estimated, and in which order: 21 unknowns a key, 11 constants.
+//! What is estimated, and in which order: 21 unknowns a key, 10 constants.
 //!
 //! ```text
 //! key:       position 0   rotation 3   velocity 6   accelerometer bias 9   gyro bias 12   published error: position 15, rotation 18
-//! constants: delay 0   mount 1   lever 4   tilt 7   blur of position 9, of rotation 10
+//! constants: delay 0   mount 1   lever 4   tilt 7   blur 9
 //! ```
 
 use dpn_core::geometry::so3;
@@ -17,7 +17,7 @@ pub(crate) const POSITION_ERROR: usize = 15;
 pub(crate) const ROTATION_ERROR: usize = 18;
 
 /// Unknown constants.
-pub(crate) const CONSTANTS: usize = 11;
+pub(crate) const CONSTANTS: usize = 10;
 /// Where the delay stands.
 pub(crate) const DELAY: usize = 0;
 /// Where the mount stands.
@@ -26,10 +26,8 @@ pub(crate) const MOUNT: usize = 1;
 pub(crate) const LEVER: usize = 4;
 /// Where the tilt about x and y stands.
 pub(crate) const TILT: usize = 7;
-/// Where the position's blur stands.
-pub(crate) const POSITION_BLUR: usize = 9;
-/// Where the rotation's blur stands.
-pub(crate) const ROTATION_BLUR: usize = 10;
+/// Where the blur stands.
+pub(crate) const BLUR: usize = 9;
 
 /// The state at one IMU sample.
 #[derive(Debug, Clone, Copy)]
@@ -67,10 +65,9 @@ pub(crate) struct Frames {
     pub(crate) lever_in_body: Vector3<f64>,
     /// Points in the gravity-aligned world to the published one; same origin, no heading of its own.
     pub(crate) published_world_from_world: UnitQuaternion<f64>,
-    /// Half the second moment of the smoothing that published positions went through \[s^2\].
-    pub(crate) position_blur_s2: f64,
-    /// The same of the rotations \[s^2\].
-    pub(crate) rotation_blur_s2: f64,
+    /// Half the second moment of the smoothing that published poses went through \[s^2\]. One for positions and rotations: under thrust along
+    /// one axis of the body a blur of positions alone cannot be told from a lever along that axis.
+    pub(crate) blur_s2: f64,
 }
 
 impl Frames {
@@ -81,8 +78,7 @@ impl Frames {
             body_from_published_body: UnitQuaternion::identity(),
             lever_in_body: Vector3::zeros(),
             published_world_from_world: UnitQuaternion::identity(),
-            position_blur_s2: 0.0,
-            rotation_blur_s2: 0.0,
+            blur_s2: 0.0,
         }
     }
 
@@ -97,8 +93,24 @@ impl Frames {
             ),
             lever_in_body: self.lever_in_body + d.fixed_rows::<3>(LEVER),
             published_world_from_world: renormalised(self.published_world_from_world * so3::exp(&tilt)),
-            position_blur_s2: self.position_blur_s2 + d[POSITION_BLUR],
-            rotation_blur_s2: self.rotation_blur_s2 + d[ROTATION_BLUR],
+            blur_s2: self.blur_s2 + d[BLUR],
         }
+    }
+}
+
+/// Constants that are told apart from nothing together: where they stand, how many, the square beyond which chance does not lead (99.9 %).
+pub(crate) const CONSTANT_GROUPS: [(usize, usize, f64); 5] =
+    [(DELAY, 1, 10.8), (MOUNT, 3, 16.3), (LEVER, 3, 16.3), (TILT, 2, 13.8), (BLUR, 1, 10.8)];
+
+impl Frames {
+    /// The step that takes the constants to the neutral ones, group by group where a group is small.
+    pub(crate) fn to_neutral(self) -> SVector<f64, CONSTANTS> {
+        let mut step = SVector::<f64, CONSTANTS>::zeros();
+        step[DELAY] = -self.delay_s;
+        step.fixed_rows_mut::<3>(MOUNT).copy_from(&-so3::log(&self.body_from_published_body));
+        step.fixed_rows_mut::<3>(LEVER).copy_from(&-self.lever_in_body);
+        step.fixed_rows_mut::<2>(TILT).copy_from(&-so3::log(&self.published_world_from_world).xy());
+        step[BLUR] = -self.blur_s2;
+        step
     }
 }

@@ -3,7 +3,7 @@
 use crate::chain::{Chain, ChainCovariance};
 use crate::components::{Found, Group, Levels};
 use crate::layout::{
-    CONSTANTS, DELAY, Frames, KEY_DIM, Key, LEVER, MOUNT, POSITION_BLUR, POSITION_ERROR, ROTATION_BLUR, TILT,
+    BLUR, CONSTANTS, DELAY, Frames, KEY_DIM, Key, LEVER, MOUNT, POSITION_ERROR, TILT,
 };
 use crate::near::Near;
 use crate::published::{Bend, POSE_ROWS, PoseTerm, pose_term};
@@ -19,8 +19,10 @@ use nalgebra::{SMatrix, SVector, Vector3};
 /// A residual beyond this many deviations pulls as if it were there (Huber).
 const HUBER: f64 = 3.0;
 /// What is known of the constants beforehand, as deviations: enough that none is free, too little to be felt.
-const PRIOR: [(usize, usize, f64); 6] =
-    [(DELAY, 1, 0.1), (MOUNT, 3, 1.0), (LEVER, 3, 0.1), (TILT, 2, 1.0), (POSITION_BLUR, 1, 0.01), (ROTATION_BLUR, 1, 0.01)];
+const PRIOR: [(usize, usize, f64); 5] =
+    [(DELAY, 1, 0.1), (MOUNT, 3, 1.0), (LEVER, 3, 0.1), (TILT, 2, 1.0), (BLUR, 1, 0.01)];
+/// A constant that is held moves by no more than this.
+const HELD: f64 = 1e-8;
 /// The same of the first key of a stretch: place, offset, deviation.
 const START: [(usize, f64); 5] =
     [(POSITION, 1e3), (ROTATION, 10.0), (VELOCITY, 100.0), (ACCEL_BIAS, 1.0), (GYRO_BIAS, 0.3)];
@@ -54,6 +56,8 @@ pub(crate) struct Problem<'a> {
     pub(crate) linked: Vec<bool>,
     /// Between two keys \[s\].
     pub(crate) interval_s: f64,
+    /// Places of the groups of constants that are held where they are.
+    pub(crate) held: Vec<usize>,
 }
 
 /// Two keys and the samples between: 15 inertial rows, 6 of the slow errors, white with variance 1.
@@ -169,10 +173,15 @@ impl Problem<'_> {
                 let (a, b) = (&keys[before], &keys[after]);
                 let span = self.seconds(b.sample) - self.seconds(a.sample);
                 if before == k || after == k {
-                    return Bend { accel_in_world: Vector3::zeros(), angular_accel_in_body: Vector3::zeros() };
+                    return Bend {
+                        accel_in_world: Vector3::zeros(),
+                        rate_in_body: mean_rate(a.sample, b.sample) - keys[k].state.bias.gyro,
+                        angular_accel_in_body: Vector3::zeros(),
+                    };
                 }
                 let rates = mean_rate(keys[k].sample, b.sample) - mean_rate(a.sample, keys[k].sample);
                 Bend {
+                    rate_in_body: mean_rate(a.sample, b.sample) - keys[k].state.bias.gyro,
                     accel_in_world: (b.state.vel_in_world - a.state.vel_in_world) / span,
                     angular_accel_in_body: rates / (0.5 * span),
                 }
@@ -193,6 +202,7 @@ impl Problem<'_> {
             let share = (near.tau.abs() / self.interval_s).min(1.0);
             let mix = |a: Vector3<f64>, b: Vector3<f64>| a + (b - a) * share;
             let bend = Bend {
+                rate_in_body: mix(bends[k].rate_in_body, bends[beside].rate_in_body),
                 accel_in_world: mix(bends[k].accel_in_world, bends[beside].accel_in_world),
                 angular_accel_in_body: mix(
                     bends[k].angular_accel_in_body,
@@ -248,12 +258,12 @@ impl Problem<'_> {
         let frames = &estimate.frames;
         for (at, count, std) in PRIOR {
             for i in 0..count {
+                let std = if self.held.contains(&at) { HELD } else { std };
                 chain.corner[(at + i, at + i)] += 1.0 / (std * std);
                 // Those whose zero means something are held to it; the others to where they are.
                 chain.gradient_of_constants[at + i] += match at {
                     LEVER => frames.lever_in_body[i],
-                    POSITION_BLUR => frames.position_blur_s2,
-                    ROTATION_BLUR => frames.rotation_blur_s2,
+                    BLUR => frames.blur_s2,
                     _ => 0.0,
                 } / (std * std);
             }

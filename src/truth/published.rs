@@ -3,15 +3,14 @@
 //! With the body's position `p`, rotation `R`, velocity, acceleration `a`, angular rate `w` and angular acceleration `w'` at the IMU's
 //! instant `t_published - delay`, the mount `M`, the lever `l`, the published world's tilt `T` and the slow errors `e_p`, `e_R`:
 //! ```text
-//! r_p   = p_published - T (p + R l + c_p a) - e_p
-//! r_rot = Log(Exp(-e_R) Exp(-c_R w') M^-1 R^-1 T^-1 R_published)      (Exp(-c_R w') in the IMU's frame, right of R)
+//! r_p   = p_published - T (p + R l + c a) - e_p
+//! r_rot = Log((T R Exp(c w') M Exp(e_R))^-1 R_published)
 //! ```
 //! `c` is half the second moment of a smoothing kernel: smoothing of x adds `c x''` to it, as being late by d adds `-d x'`. The derivatives by the
 //! biases over the 10 ms between key and pose are left out: what is known of the biases comes along the chain.
 
 use crate::layout::{
-    CONSTANTS, DELAY, Frames, KEY_DIM, Key, LEVER, MOUNT, POSITION_BLUR, POSITION_ERROR, ROTATION_BLUR,
-    ROTATION_ERROR, TILT,
+    BLUR, CONSTANTS, DELAY, Frames, KEY_DIM, Key, LEVER, MOUNT, POSITION_ERROR, ROTATION_ERROR, TILT,
 };
 use crate::near::Near;
 use dpn_core::geometry::so3;
@@ -26,6 +25,8 @@ pub(crate) const POSE_ROWS: usize = 6;
 pub(crate) struct Bend {
     /// Acceleration in the world \[m/s^2\].
     pub(crate) accel_in_world: Vector3<f64>,
+    /// Angular rate in the body frame, its mean over the keys beside \[rad/s\]: one reading's vibration is no motion.
+    pub(crate) rate_in_body: Vector3<f64>,
     /// Angular acceleration in the body frame \[rad/s^2\].
     pub(crate) angular_accel_in_body: Vector3<f64>,
 }
@@ -57,10 +58,10 @@ pub(crate) fn pose_term(
     let tilt = &frames.published_world_from_world;
     let mount = &frames.body_from_published_body;
     let lever = &frames.lever_in_body;
-    let bent = so3::exp(&(frames.rotation_blur_s2 * bend.angular_accel_in_body));
+    let bent = so3::exp(&(frames.blur_s2 * bend.angular_accel_in_body));
     let error = so3::exp(&key.rotation_error);
 
-    let origin = position + rotation * lever + frames.position_blur_s2 * bend.accel_in_world;
+    let origin = position + rotation * lever + frames.blur_s2 * bend.accel_in_world;
     let expected = tilt * origin;
     let turned = tilt * rotation * bent * mount * error;
     let off = turned.inverse() * published.rotation;
@@ -85,12 +86,12 @@ pub(crate) fn pose_term(
         tilt * (r_key * so3::hat(&near.position) + r_wb * so3::hat(lever) * near_rotation.transpose()),
     );
     put(0, POSITION_ERROR, -Matrix3::identity());
-    let moved = velocity + rotation * near.rate_in_body.cross(lever);
+    let moved = velocity + rotation * bend.rate_in_body.cross(lever);
     by_constants.fixed_view_mut::<3, 1>(0, DELAY).copy_from(&(tilt * moved));
     by_constants.fixed_view_mut::<3, 3>(0, LEVER).copy_from(&(-tilt * r_wb));
     let by_tilt = tilt * so3::hat(&origin);
     by_constants.fixed_view_mut::<3, 2>(0, TILT).copy_from(&by_tilt.fixed_view::<3, 2>(0, 0));
-    by_constants.fixed_view_mut::<3, 1>(0, POSITION_BLUR).copy_from(&(-tilt * bend.accel_in_world));
+    by_constants.fixed_view_mut::<3, 1>(0, BLUR).copy_from(&(-tilt * bend.accel_in_world));
 
     // A turn rho on the right of `turned` moves the angle by -Jr^-1(angle) Exp(-angle) rho.
     let by_turn = -so3::right_jacobian_inverse(&angle) * matrix(&so3::exp(&-angle));
@@ -100,12 +101,12 @@ pub(crate) fn pose_term(
     let mut put = |row, column, block: Matrix3<f64>| by_key.fixed_view_mut::<3, 3>(row, column).copy_from(&block);
     put(3, ROTATION, after_body * near_rotation.transpose());
     put(3, ROTATION_ERROR, by_turn * so3::right_jacobian(&key.rotation_error));
-    by_constants.fixed_view_mut::<3, 1>(3, DELAY).copy_from(&(-after_body * near.rate_in_body));
+    by_constants.fixed_view_mut::<3, 1>(3, DELAY).copy_from(&(-after_body * bend.rate_in_body));
     by_constants.fixed_view_mut::<3, 3>(3, MOUNT).copy_from(&after_mount);
     let whole = after_body * matrix(&rotation.inverse());
     by_constants.fixed_view_mut::<3, 2>(3, TILT).copy_from(&whole.fixed_view::<3, 2>(0, 0));
     by_constants
-        .fixed_view_mut::<3, 1>(3, ROTATION_BLUR)
+        .fixed_view_mut::<3, 1>(3, BLUR)
         .copy_from(&(after_bend * bend.angular_accel_in_body));
     PoseTerm { residual, by_key, by_constants }
 }
@@ -143,13 +144,13 @@ mod tests {
             // Readings that stand still: the pose's derivative by time is then exact, and only the bend's own change is left out.
             let (gyro, accel) = (vector(&mut rng, 2.0).into(), vector(&mut rng, 12.0).into());
             let sample = |i: i64| ImuSample { t: Stamp::from_ns(5_000_000 * i), gyro, accel };
+            let bias = ImuBias { accel: vector(&mut rng, 0.2), gyro: vector(&mut rng, 0.1) };
             let frames = Frames {
                 delay_s: 0.004,
                 body_from_published_body: so3::exp(&vector(&mut rng, 1.0)),
                 lever_in_body: vector(&mut rng, 0.1),
                 published_world_from_world: so3::exp(&vector(&mut rng, 0.2)),
-                position_blur_s2: 1e-3,
-                rotation_blur_s2: 2e-3,
+                blur_s2: 1e-3,
             };
             Self {
                 samples: (0..9).map(sample).collect(),
@@ -158,7 +159,7 @@ mod tests {
                     state: NavState {
                         world_from_body: pose(&mut rng),
                         vel_in_world: vector(&mut rng, 3.0),
-                        bias: ImuBias { accel: vector(&mut rng, 0.2), gyro: vector(&mut rng, 0.1) },
+                        bias,
                     },
                     position_error: vector(&mut rng, 0.01),
                     rotation_error: vector(&mut rng, 0.01),
@@ -166,6 +167,7 @@ mod tests {
                 frames,
                 bend: Bend {
                     accel_in_world: vector(&mut rng, 10.0),
+                    rate_in_body: Vector3::from(gyro) - bias.gyro,
                     angular_accel_in_body: vector(&mut rng, 20.0),
                 },
                 published: pose(&mut rng),

@@ -6,6 +6,8 @@ use crate::components::Levels;
 use crate::config::TruthConfig;
 use crate::dense::{dense, deviations};
 use crate::error::TruthError;
+use crate::layout::{CONSTANTS, CONSTANT_GROUPS};
+use crate::problem::Problem;
 use crate::report::{Report, report};
 use crate::screen::{Segment, disagreeing, segments};
 use crate::start::start;
@@ -13,6 +15,7 @@ use dpn_core::ImuRecording;
 use dpn_core::config::Validate;
 use dpn_core::trajectory::StampedPose;
 use dpn_core::truth::{GroundTruth, TrueState};
+use nalgebra::SVector;
 
 /// The fewest poses and samples.
 const LEAST: usize = 100;
@@ -68,7 +71,12 @@ pub fn reconcile(
     let mut segments = segments(&inside, config);
     let mut left_out: Vec<Segment> = Vec::new();
     let adjusted = loop {
-        let adjusted = adjust(&problem, estimate.clone(), Levels::start(), config.most_iterations)?;
+        problem.held.clear();
+        let mut adjusted = adjust(&problem, estimate.clone(), Levels::start(), config.most_iterations)?;
+        hold_insignificant(&mut problem, &mut adjusted);
+        if !problem.held.is_empty() {
+            adjusted = adjust(&problem, adjusted.estimate, adjusted.levels, config.most_iterations)?;
+        }
         let bad = disagreeing(&problem, &adjusted, &mut segments);
         if bad.is_empty() || left_out.len() >= MOST_ROUNDS {
             break adjusted;
@@ -87,11 +95,27 @@ pub fn reconcile(
     let states: Vec<TrueState> =
         dense(&problem, &adjusted.estimate).into_iter().filter(|(k, _)| good(k)).map(|(_, s)| s).collect();
     let report = report(&problem, &adjusted, &guessed, &deviations, &left_out, config);
-    let truth = GroundTruth::new(states).map_err(|_| nothing_trusted(&adjusted, &deviations, config))?;
+    let truth = GroundTruth::new(states).map_err(|_| nothing_trusted(&deviations, config))?;
     Ok(Reconciled { truth, report })
 }
 
-fn nothing_trusted(_: &Adjusted, deviations: &[(f64, f64)], config: &TruthConfig) -> TruthError {
+/// Holds the groups of constants that cannot be told from the neutral ones there: a lever of chance would move every pose.
+fn hold_insignificant(problem: &mut Problem<'_>, adjusted: &mut Adjusted) {
+    let to_neutral = adjusted.estimate.frames.to_neutral();
+    let mut step = SVector::<f64, CONSTANTS>::zeros();
+    for (at, count, beyond) in CONSTANT_GROUPS {
+        let covariance = adjusted.covariance.constants.view((at, at), (count, count)).into_owned();
+        let off = to_neutral.rows(at, count).into_owned();
+        let square = covariance.cholesky().map_or(f64::INFINITY, |c| off.dot(&c.solve(&off)));
+        if square < beyond {
+            problem.held.push(at);
+            step.rows_mut(at, count).copy_from(&off);
+        }
+    }
+    adjusted.estimate.frames = adjusted.estimate.frames.plus(&step);
+}
+
+fn nothing_trusted(deviations: &[(f64, f64)], config: &TruthConfig) -> TruthError {
     let least = |part: fn(&(f64, f64)) -> f64| deviations.iter().map(part).fold(f64::INFINITY, f64::min);
     TruthError::NothingTrusted {
         position_limit_m: config.position_limit_m,

@@ -77,10 +77,10 @@ pub struct Report {
     pub lever_mm: Estimated<[f64; 3]>,
     /// Angle between the published world's z axis and gravity's \[deg\].
     pub tilt_deg: Estimated<f64>,
-    /// How long published positions were smoothed over, as the deviation of a Gaussian \[ms\]; negative where they were sharpened.
-    pub position_blur_ms: f64,
-    /// The same of rotations.
-    pub rotation_blur_ms: f64,
+    /// How long published poses were smoothed over, as the deviation of a Gaussian \[ms\]; negative where they were sharpened.
+    pub blur_ms: f64,
+    /// Which of delay, mount, lever, tilt and blur are zero as far as can be told, and are held there.
+    pub held: Vec<&'static str>,
     /// How noisy both are, by their disagreement.
     pub levels: Levels,
     /// Redundancy of every group of residuals, in the levels' order.
@@ -103,6 +103,17 @@ pub struct Report {
     pub spans: Vec<Span>,
     /// What a reader should know.
     pub warnings: Vec<String>,
+}
+
+/// What a group of constants is called.
+fn name(at: usize) -> &'static str {
+    match at {
+        DELAY => "delay",
+        MOUNT => "mount",
+        LEVER => "lever",
+        TILT => "tilt",
+        _ => "blur",
+    }
 }
 
 /// Seconds of a blur constant, which is half a variance, with its sign.
@@ -136,8 +147,8 @@ pub(crate) fn report(
             value: up.xy().norm().atan2(up.z).to_degrees(),
             std: std(TILT).hypot(std(TILT + 1)).to_degrees(),
         },
-        position_blur_ms: blur_ms(frames.position_blur_s2),
-        rotation_blur_ms: blur_ms(frames.rotation_blur_s2),
+        blur_ms: blur_ms(frames.blur_s2),
+        held: problem.held.iter().map(|at| name(*at)).collect(),
         levels: adjusted.levels,
         redundancy: std::array::from_fn(|i| found.rows[i] - found.leverage[i]),
         published_position_error_mm: 1e3 * rms(used.iter().map(|e| e.0.norm_squared()).sum()),

@@ -42,6 +42,7 @@ pub(crate) fn start<'a>(
         published: poses.iter().map(|pose| Published { pose: *pose, used: true }).collect(),
         linked,
         interval_s: every as f64 * period_s,
+        held: Vec::new(),
     };
     let mut estimate = Estimate { keys: Vec::with_capacity(count), frames };
     for k in 0..count {
