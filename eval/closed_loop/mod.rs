@@ -44,7 +44,7 @@ pub use judge::{Errors, Judged, MAX_GAP_S, RunInfo, judge, paired};
 pub use manifest::Manifest;
 pub use recording::{Recording, Span, StartAt, first_motion};
 pub use row::{CellKey, Failure, Restart, Row, StageSeconds};
-pub use sequence_set::{SequenceSet, TrackSource};
+pub use sequence_set::{SequenceSet, TrackSource, path_config};
 pub use single::{Report, Single, single};
 pub use states::ANCHOR;
 pub use states::write_states;

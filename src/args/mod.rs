@@ -11,6 +11,7 @@ mod paper;
 mod run;
 mod simulate;
 mod train;
+mod truth;
 
 pub(crate) use allan::AllanArgs;
 pub(crate) use check::CheckArgs;
@@ -23,6 +24,7 @@ pub(crate) use paper::PaperArgs;
 pub(crate) use run::RunArgs;
 pub(crate) use simulate::{FlightArgs, SimulateArgs, SimulateWhat, TracksArgs};
 pub(crate) use train::{SensorArg, TrainArgs};
+pub(crate) use truth::TruthArgs;
 
 use clap::{Parser, Subcommand};
 
@@ -57,6 +59,8 @@ pub(crate) enum Command {
     Allan(AllanArgs),
     /// A log's doctor: rate, gaps, units, gravity, clipping, vibration, rest and motion; findings by weight.
     Check(CheckArgs),
+    /// A published ground truth reconciled with its IMU: clock, frames, noise of both, and where it can be trusted.
+    Truth(TruthArgs),
     /// Make data whose truth is known.
     Simulate(SimulateArgs),
 }

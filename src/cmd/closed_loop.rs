@@ -113,7 +113,13 @@ fn source(args: &EvalArgs) -> Result<SequenceSet> {
         }
     };
     match &args.data {
-        Some(dir) => Ok(SequenceSet::recorded(dir, tracks)?),
+        Some(dir) => {
+            let set = SequenceSet::recorded(dir, tracks)?;
+            Ok(match &args.closed.truth {
+                Some(truth) => set.with_reconciled_truth(truth),
+                None => set,
+            })
+        }
         None => Ok(SequenceSet::Flights { config: settings::flights(&args.closed.settings)?, tracks }),
     }
 }

@@ -21,6 +21,7 @@ mod simulate;
 mod stop;
 mod tracks;
 mod train;
+mod truth;
 
 use crate::args::{Cli, Command};
 use program::{program, program_of};
@@ -35,6 +36,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Noise(args) => noise::run(&args),
         Command::Allan(args) => allan::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Truth(args) => truth::run(&args),
         Command::Simulate(args) => simulate::run(args),
     }
 }

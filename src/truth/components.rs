@@ -40,9 +40,9 @@ pub struct Levels {
     pub accel_bias_walk: f64,
     /// Walk of the gyro's bias \[rad/s^2/sqrt(Hz)\].
     pub gyro_bias_walk: f64,
-    /// Published position, new at every sample, an axis \[m\].
+    /// Published position, the mean of those beside one key, what is new at every key, an axis \[m\].
     pub position_std: f64,
-    /// Published rotation, new at every sample, an axis \[rad\].
+    /// Published rotation, likewise \[rad\].
     pub rotation_std: f64,
     /// Published position, the slow part, an axis \[m\].
     pub slow_position_std: f64,
@@ -55,11 +55,13 @@ pub struct Levels {
 }
 
 /// Least and most of each level: a group that says nothing of its level must stop somewhere.
+/// That of the sensors is a good data sheet's, the most is what no working one has: a published trajectory that an IMU went into
+/// follows it too closely, and would leave it no noise at all.
 const BOUNDS: [(f64, f64); GROUPS] = [
-    (1e-3, 10.0),
-    (1e-5, 1.0),
-    (1e-5, 0.1),
-    (1e-7, 1e-2),
+    (0.02, 2.0),
+    (1e-3, 0.2),
+    (1e-4, 0.01),
+    (1e-6, 3e-4),
     (1e-5, 0.1),
     (1e-5, 0.1),
     (1e-5, 0.1),

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct TruthConfig {
-    /// Between two keys of the estimate \[s\], .01 to .1. Default .025.
+    /// Between two keys of the estimate \[s\], .01 to .5. Default .1: an oscillation is lost in a sum over it.
     pub key_interval_s: f64,
     /// A longer step between published poses \[s\] is a gap, .01 to 10: across it the samples alone lead. Default .25.
     pub longest_gap_s: f64,
@@ -17,7 +17,7 @@ pub struct TruthConfig {
     pub position_limit_m: f64,
     /// The same of the rotation \[deg\], .01 to 10. Default .1.
     pub rotation_limit_deg: f64,
-    /// Of so many published poses each second half is kept out, to be predicted; 0 keeps none out. Default 0.
+    /// The published poses beside each second of so many keys are kept out, to be predicted; 0 keeps none out. Default 0.
     pub hold_out: usize,
     /// Most adjustments, 5 to 200. Default 40.
     pub most_iterations: usize,
@@ -26,7 +26,7 @@ pub struct TruthConfig {
 impl Default for TruthConfig {
     fn default() -> Self {
         Self {
-            key_interval_s: 0.025,
+            key_interval_s: 0.1,
             longest_gap_s: 0.25,
             longest_delay_s: 1.0,
             position_limit_m: 3e-3,
@@ -40,7 +40,7 @@ impl Default for TruthConfig {
 impl Validate for TruthConfig {
     fn faults(&self) -> Vec<ConfigFault> {
         let mut faults = ConfigFaults::default();
-        faults.within("key_interval_s", self.key_interval_s, 0.01, 0.1);
+        faults.within("key_interval_s", self.key_interval_s, 0.01, 0.5);
         faults.within("longest_gap_s", self.longest_gap_s, 0.01, 10.0);
         faults.within("longest_delay_s", self.longest_delay_s, 0.0, 10.0);
         faults.within("position_limit_m", self.position_limit_m, 1e-4, 1.0);

@@ -32,8 +32,28 @@ const START: [(usize, f64); 5] =
 pub(crate) struct Published {
     /// As published.
     pub(crate) pose: StampedPose,
-    /// Whether the adjustment hears of it.
-    pub(crate) used: bool,
+    /// What becomes of it.
+    pub(crate) role: Role,
+}
+
+/// What becomes of a published pose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Role {
+    /// The adjustment hears of it.
+    Used,
+    /// Kept out to be predicted.
+    KeptOut,
+    /// It does not belong to the rest.
+    LeftOut,
+}
+
+/// The poses beside a key, each kind as their mean.
+#[derive(Debug, Clone)]
+pub(crate) struct Blocks {
+    /// Those the adjustment hears of.
+    pub(crate) used: Option<PoseTerm>,
+    /// Those kept out.
+    pub(crate) kept_out: Option<PoseTerm>,
 }
 
 /// Everything that is estimated.
@@ -214,6 +234,26 @@ impl Problem<'_> {
         terms.collect()
     }
 
+    /// The poses beside every key as one: their errors go together in ways nobody knows, and only their mean is asked how noisy it is.
+    pub(crate) fn blocks(&self, terms: &[(usize, PoseTerm)]) -> Vec<Blocks> {
+        let keys = self.linked.len() + 1;
+        let mut out: Vec<Blocks> = (0..keys).map(|_| Blocks { used: None, kept_out: None }).collect();
+        let mut counts = vec![[0.0; 2]; keys];
+        for (published, (k, term)) in self.published.iter().zip(terms) {
+            let (mean, count) = match published.role {
+                Role::Used => (&mut out[*k].used, &mut counts[*k][0]),
+                Role::KeptOut => (&mut out[*k].kept_out, &mut counts[*k][1]),
+                Role::LeftOut => continue,
+            };
+            *count += 1.0;
+            match mean {
+                None => *mean = Some(term.clone()),
+                Some(mean) => mean.take_in(term, *count),
+            }
+        }
+        out
+    }
+
     /// The normal equations at `estimate`.
     pub(crate) fn linearise(&self, estimate: &Estimate, levels: &Levels) -> Chain<KEY_DIM, CONSTANTS> {
         let keys = estimate.keys.len();
@@ -245,9 +285,9 @@ impl Problem<'_> {
                 }
             }
         }
-        for (published, (k, term)) in self.published.iter().zip(self.terms(estimate)) {
-            if published.used {
-                let white = whitened(&term, levels);
+        for (k, blocks) in self.blocks(&self.terms(estimate)).iter().enumerate() {
+            if let Some(term) = &blocks.used {
+                let white = whitened(term, levels);
                 add(&mut chain.diagonal[k], &white.by_key, &white.by_key);
                 add(&mut chain.border[k], &white.by_constants, &white.by_key);
                 add(&mut chain.corner, &white.by_constants, &white.by_constants);
@@ -300,11 +340,9 @@ impl Problem<'_> {
                 found.rotation_moments[i] += rotation[i];
             }
         }
-        for (published, (k, term)) in self.published.iter().zip(self.terms(estimate)) {
-            if !published.used {
-                continue;
-            }
-            let white = whitened(&term, levels);
+        for (k, blocks) in self.blocks(&self.terms(estimate)).iter().enumerate() {
+            let Some(term) = &blocks.used else { continue };
+            let white = whitened(term, levels);
             let spread = white.spread(covariance, k);
             for row in 0..POSE_ROWS {
                 let group = if row < 3 { Group::Position } else { Group::Rotation };
@@ -316,6 +354,13 @@ impl Problem<'_> {
 }
 
 impl PoseTerm {
+    /// One more in a mean of now `count`.
+    fn take_in(&mut self, other: &Self, count: f64) {
+        self.residual += (other.residual - self.residual) / count;
+        self.by_key += (other.by_key - self.by_key) / count;
+        self.by_constants += (other.by_constants - self.by_constants) / count;
+    }
+
     /// The variance of each row that comes from the estimate.
     pub(crate) fn spread(
         &self,

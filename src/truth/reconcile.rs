@@ -7,7 +7,7 @@ use crate::config::TruthConfig;
 use crate::dense::{dense, deviations};
 use crate::error::TruthError;
 use crate::layout::{CONSTANTS, CONSTANT_GROUPS};
-use crate::problem::Problem;
+use crate::problem::{Problem, Role};
 use crate::report::{Report, report};
 use crate::screen::{Segment, disagreeing, segments};
 use crate::start::start;
@@ -82,7 +82,7 @@ pub fn reconcile(
             break adjusted;
         }
         for segment in bad {
-            problem.published[segment.poses.clone()].iter_mut().for_each(|p| p.used = false);
+            problem.published[segment.poses.clone()].iter_mut().for_each(|p| p.role = Role::LeftOut);
             left_out.push(segment);
         }
         estimate.frames = guessed.frames;

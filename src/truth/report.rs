@@ -5,7 +5,7 @@ use crate::align::Guess;
 use crate::components::Levels;
 use crate::config::TruthConfig;
 use crate::layout::{DELAY, LEVER, MOUNT, TILT};
-use crate::problem::Problem;
+use crate::problem::{Problem, Role};
 use crate::screen::{Segment, errors};
 use dpn_core::geometry::so3;
 use serde::Serialize;
@@ -49,7 +49,7 @@ pub struct Span {
     pub why: Option<&'static str>,
 }
 
-/// How well poses that were kept out are predicted.
+/// How well poses that were kept out are predicted, each the mean of those beside a key.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct HeldOut {
     /// How many.
@@ -135,7 +135,7 @@ pub(crate) fn report(
     let mount = so3::log(&frames.body_from_published_body);
     let up = frames.published_world_from_world * nalgebra::Vector3::z();
     let errors = errors(problem, adjusted);
-    let used: Vec<_> = errors.iter().zip(&problem.published).filter(|(_, p)| p.used).map(|(e, _)| e).collect();
+    let used: Vec<_> = errors.iter().zip(&problem.published).filter(|(_, p)| p.role == Role::Used).map(|(e, _)| e).collect();
     let rms = |sum: f64| (sum / (3.0 * used.len().max(1) as f64)).sqrt();
     let found = &adjusted.found;
     let mut report = Report {
@@ -155,7 +155,7 @@ pub(crate) fn report(
         published_rotation_error_deg: rms(used.iter().map(|e| e.1.norm_squared()).sum()).to_degrees(),
         poses: problem.published.len(),
         used: used.len(),
-        held_out: held_out(problem, adjusted, left_out, config),
+        held_out: held_out(problem, adjusted, config),
         iterations: adjusted.iterations,
         settled: adjusted.settled,
         spans: spans(problem, adjusted, deviations, left_out, config),
@@ -168,7 +168,6 @@ pub(crate) fn report(
 fn held_out(
     problem: &Problem<'_>,
     adjusted: &Adjusted,
-    left_out: &[Segment],
     config: &TruthConfig,
 ) -> Option<HeldOut> {
     if config.hold_out == 0 {
@@ -176,10 +175,8 @@ fn held_out(
     }
     let mut sums = [0.0; 4];
     let mut poses = 0;
-    for (i, (published, (k, term))) in problem.published.iter().zip(problem.terms(&adjusted.estimate)).enumerate() {
-        if published.used || left_out.iter().any(|s| s.poses.contains(&i)) {
-            continue;
-        }
+    for (k, blocks) in problem.blocks(&problem.terms(&adjusted.estimate)).iter().enumerate() {
+        let Some(term) = &blocks.kept_out else { continue };
         poses += 1;
         let spread = term.spread(&adjusted.covariance, k);
         for row in 0..6 {
@@ -216,7 +213,7 @@ fn spans(
     let first = problem.samples[0].t;
     let seconds = |k: usize| problem.samples[keys[k].sample].t.seconds_since(first);
     let time = |i: usize| problem.published[i].pose.t.seconds_since(first) - delay;
-    let used: Vec<f64> = (0..problem.published.len()).filter(|i| problem.published[*i].used).map(time).collect();
+    let used: Vec<f64> = (0..problem.published.len()).filter(|i| problem.published[*i].role == Role::Used).map(time).collect();
     let why = |at: f64| {
         let holds = |s: &&Segment| time(s.poses.start) <= at && at <= time(s.poses.end - 1);
         left_out.iter().find(holds).map(|s| s.why)

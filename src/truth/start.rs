@@ -4,7 +4,7 @@ use crate::align::interpolated;
 use crate::components::Levels;
 use crate::config::TruthConfig;
 use crate::layout::{Frames, Key};
-use crate::problem::{Estimate, Problem, Published};
+use crate::problem::{Estimate, Problem, Published, Role};
 use dpn_core::ImuSample;
 use dpn_core::trajectory::StampedPose;
 use dpn_vio::{ImuBias, NavState};
@@ -39,7 +39,7 @@ pub(crate) fn start<'a>(
         .collect();
     let mut problem = Problem {
         samples,
-        published: poses.iter().map(|pose| Published { pose: *pose, used: true }).collect(),
+        published: poses.iter().map(|pose| Published { pose: *pose, role: Role::Used }).collect(),
         linked,
         interval_s: every as f64 * period_s,
         held: Vec::new(),
@@ -77,10 +77,13 @@ pub(crate) fn start<'a>(
         };
         estimate.keys.push(key);
     }
-    let held = config.hold_out;
-    if held > 0 {
-        for (i, published) in problem.published.iter_mut().enumerate() {
-            published.used = (i / held).is_multiple_of(2);
+    if config.hold_out > 0 {
+        // By the key beside: a block of poses is predicted, not one whose neighbours are at hand.
+        let terms = problem.terms(&estimate);
+        for (published, (k, _)) in problem.published.iter_mut().zip(terms) {
+            if (k / config.hold_out) % 2 == 1 {
+                published.role = Role::KeptOut;
+            }
         }
     }
     (problem, estimate)

@@ -1,4 +1,4 @@
-//! Reconciles sequences in release: `cargo run --release --example reconcile_sequences -p dpn-truth -- OUT HOLD_OUT KEY_INTERVAL DIR...`.
+//! Reconciles sequences in release: `cargo run --release --example reconcile_sequences -p dpn-truth -- OUT HOLD_OUT_KEYS KEY_INTERVAL DIR...`.
 //! Each becomes a folder of its own beside links to the rest of the sequence.
 
 use dpn_io::asl::{Sequence, write_ground_truth};
