@@ -8,9 +8,12 @@
 //! what the others know of these residuals without them. An oscillation of the rotors, which every sum over an interval loses,
 //! shows in few of them and counts little.
 //!
-//! The slow part of the published errors is a first-order Gauss-Markov process of one correlation time, estimated by
-//! expectation maximisation: `phi = sum E[e_k e_k+1] / sum E[e_k^2]`.
+//! The slow part of the published errors is a Gauss-Markov process: of the first order for rotations, whose spectrum falls as that of an integrated
+//! gyro's does, and of the second order (both poles at `-1/time`) for positions, as of an accelerometer's. So far above its corner it cannot be told from the IMU's noise,
+//! and below it can: a smooth error is not taken for a noisy IMU. Correlation times come from moments of the estimated errors,
+//! `phi = sum E[e_k e_k+1] / sum E[e_k^2]` and `1/time^2 = sum E[e'_k^2] / sum E[e_k^2]`.
 
+use nalgebra::Matrix2;
 use serde::Serialize;
 
 /// How many groups there are.
@@ -68,7 +71,7 @@ const BOUNDS: [(f64, f64); GROUPS] = [
     (1e-5, 0.1),
 ];
 /// Least and most of the correlation times \[s\].
-const TIMES: (f64, f64) = (0.05, 20.0);
+const TIMES: (f64, f64) = (0.05, 10.0);
 /// A group of fewer rows' worth of redundancy is not waited for.
 const MATTERS: f64 = 30.0;
 /// A level moves by no more than this factor at a time.
@@ -84,7 +87,7 @@ impl Levels {
             gyro_bias_walk: 5e-5,
             position_std: 1e-3,
             rotation_std: 2e-3,
-            slow_position_std: 1e-3,
+            slow_position_std: 3e-3,
             slow_rotation_std: 2e-3,
             slow_position_s: 0.5,
             slow_rotation_s: 0.5,
@@ -123,21 +126,33 @@ impl Levels {
                 change = change.max((*level / before).max(before / *level) - 1.0);
             }
         }
-        for (time, [cross, own], interval) in [
-            (&mut next.slow_position_s, found.position_moments, found.interval_s),
-            (&mut next.slow_rotation_s, found.rotation_moments, found.interval_s),
-        ] {
-            let phi = cross / own;
-            if phi > 0.0 && phi < 1.0 {
-                *time = (-interval / phi.ln()).clamp(TIMES.0, TIMES.1);
-            }
+        let [rates, own] = found.position_moments;
+        if rates > 0.0 {
+            next.slow_position_s = (own / rates).sqrt().clamp(TIMES.0, TIMES.1);
+        }
+        let [cross, own] = found.rotation_moments;
+        let phi = cross / own;
+        if phi > 0.0 && phi < 1.0 {
+            next.slow_rotation_s = (-found.interval_s / phi.ln()).clamp(TIMES.0, TIMES.1);
         }
         (next, change)
     }
 
-    /// The share of a slow error that is left after `interval_s`: of positions, of rotations.
-    pub(crate) fn persistence(&self, interval_s: f64) -> [f64; 2] {
-        [self.slow_position_s, self.slow_rotation_s].map(|time| (-interval_s / time).exp())
+    /// The share of a rotation's slow error that is left after `interval_s`.
+    pub(crate) fn persistence(&self, interval_s: f64) -> f64 {
+        (-interval_s / self.slow_rotation_s).exp()
+    }
+
+    /// How a position's slow error and its rate go on over `interval_s`, and the inverse of the root of what is new in them.
+    pub(crate) fn position_course(&self, interval_s: f64) -> (Matrix2<f64>, Matrix2<f64>) {
+        let corner = 1.0 / self.slow_position_s;
+        let x = corner * interval_s;
+        let next = Matrix2::new(1.0 + x, interval_s, -corner * x, 1.0 - x) * (-x).exp();
+        let stationary = Matrix2::new(1.0, 0.0, 0.0, corner * corner) * self.slow_position_std.powi(2);
+        let new = stationary - next * stationary * next.transpose();
+        let root = new.cholesky().expect("an interval is no less than a thousandth of the correlation time").l();
+        let inverse = root.try_inverse().expect("a Cholesky factor has an inverse");
+        (next, inverse)
     }
 }
 
@@ -172,9 +187,9 @@ pub(crate) struct Found {
     pub(crate) squares: [f64; GROUPS],
     /// Sum of their shares in the estimate.
     pub(crate) leverage: [f64; GROUPS],
-    /// `sum E[e_k e_k+1]` and `sum E[e_k^2]` of the slow position error.
+    /// `sum E[e'_k^2]` and `sum E[e_k^2]` of the slow position error.
     pub(crate) position_moments: [f64; 2],
-    /// The same of the rotation's.
+    /// `sum E[e_k e_k+1]` and `sum E[e_k^2]` of the slow rotation error.
     pub(crate) rotation_moments: [f64; 2],
     /// Between two keys \[s\].
     pub(crate) interval_s: f64,

@@ -15,7 +15,7 @@ pub struct TruthConfig {
     pub longest_delay_s: f64,
     /// Where the estimate's own deviation of position (root of the mean over the axes, \[m\]) is larger, nothing is written, 1e-4 to 1. Default .003.
     pub position_limit_m: f64,
-    /// The same of the rotation \[deg\], .01 to 10. Default .1.
+    /// The same of the rotation \[deg\], .01 to 10. Default .3.
     pub rotation_limit_deg: f64,
     /// The published poses beside each second of so many keys are kept out, to be predicted; 0 keeps none out. Default 0.
     pub hold_out: usize,
@@ -30,7 +30,7 @@ impl Default for TruthConfig {
             longest_gap_s: 0.25,
             longest_delay_s: 1.0,
             position_limit_m: 3e-3,
-            rotation_limit_deg: 0.1,
+            rotation_limit_deg: 0.3,
             hold_out: 0,
             most_iterations: 40,
         }

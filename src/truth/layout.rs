@@ -1,7 +1,8 @@
-//! What is estimated, and in which order: 21 unknowns a key, 10 constants.
+//! What is estimated, and in which order: 24 unknowns a key, 10 constants.
 //!
 //! ```text
-//! key:       position 0   rotation 3   velocity 6   accelerometer bias 9   gyro bias 12   published error: position 15, rotation 18
+//! key:       position 0   rotation 3   velocity 6   accelerometer bias 9   gyro bias 12
+//!            published error: position 15, rotation 18, rate of the position's 21
 //! constants: delay 0   mount 1   lever 4   tilt 7   blur 9
 //! ```
 
@@ -10,11 +11,13 @@ use dpn_vio::NavState;
 use nalgebra::{SVector, UnitQuaternion, Vector3};
 
 /// Unknowns of a key.
-pub(crate) const KEY_DIM: usize = 21;
+pub(crate) const KEY_DIM: usize = 24;
 /// Where the published position's slow error stands.
 pub(crate) const POSITION_ERROR: usize = 15;
 /// Where the published rotation's slow error stands.
 pub(crate) const ROTATION_ERROR: usize = 18;
+/// Where the rate of the published position's slow error stands.
+pub(crate) const ERROR_RATE: usize = 21;
 
 /// Unknown constants.
 pub(crate) const CONSTANTS: usize = 10;
@@ -40,6 +43,8 @@ pub(crate) struct Key {
     pub(crate) position_error: Vector3<f64>,
     /// The same of the rotation, on the right \[rad\].
     pub(crate) rotation_error: Vector3<f64>,
+    /// Rate of the position's error \[m/s\].
+    pub(crate) error_rate: Vector3<f64>,
 }
 
 impl Key {
@@ -50,6 +55,7 @@ impl Key {
             state: self.state.plus(&d.fixed_rows::<15>(0).into_owned()),
             position_error: self.position_error + d.fixed_rows::<3>(POSITION_ERROR),
             rotation_error: self.rotation_error + d.fixed_rows::<3>(ROTATION_ERROR),
+            error_rate: self.error_rate + d.fixed_rows::<3>(ERROR_RATE),
         }
     }
 }

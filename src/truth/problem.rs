@@ -3,7 +3,7 @@
 use crate::chain::{Chain, ChainCovariance};
 use crate::components::{Found, Group, Levels};
 use crate::layout::{
-    BLUR, CONSTANTS, DELAY, Frames, KEY_DIM, Key, LEVER, MOUNT, POSITION_ERROR, TILT,
+    BLUR, CONSTANTS, DELAY, ERROR_RATE, Frames, KEY_DIM, Key, LEVER, MOUNT, POSITION_ERROR, ROTATION_ERROR, TILT,
 };
 use crate::near::Near;
 use crate::published::{Bend, POSE_ROWS, PoseTerm, pose_term};
@@ -14,7 +14,7 @@ use dpn_core::{ImuNoise, ImuSample};
 use dpn_vio::factors::inertial::{inertial_jacobians, sqrt_information};
 use dpn_vio::preint::{ImuCov, NoisySample, Preintegration, PreintegrationConfig};
 use dpn_vio::state::{ACCEL_BIAS, GYRO_BIAS, POSITION, ROTATION, STATE_DIM, VELOCITY};
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::{SMatrix, SVector, Vector2, Vector3};
 
 /// A residual beyond this many deviations pulls as if it were there (Huber).
 const HUBER: f64 = 3.0;
@@ -80,7 +80,7 @@ pub(crate) struct Problem<'a> {
     pub(crate) held: Vec<usize>,
 }
 
-/// Two keys and the samples between: 15 inertial rows, 6 of the slow errors, white with variance 1.
+/// Two keys and the samples between: 15 inertial rows, 9 of the slow errors, white with variance 1.
 struct Link {
     residual: SVector<f64, KEY_DIM>,
     by_first: SMatrix<f64, KEY_DIM, KEY_DIM>,
@@ -94,7 +94,7 @@ fn link_group(row: usize) -> Group {
         3..6 => Group::Gyro,
         9..12 => Group::AccelWalk,
         12..15 => Group::GyroWalk,
-        15..18 => Group::SlowPosition,
+        15..18 | 21..24 => Group::SlowPosition,
         _ => Group::SlowRotation,
     }
 }
@@ -139,23 +139,26 @@ impl Problem<'_> {
         link.residual.fixed_rows_mut::<STATE_DIM>(0).copy_from(&(root * residual));
         link.by_first.fixed_view_mut::<STATE_DIM, STATE_DIM>(0, 0).copy_from(&(root * by_first));
         link.by_second.fixed_view_mut::<STATE_DIM, STATE_DIM>(0, 0).copy_from(&(root * by_second));
-        let persistence = levels.persistence(preint.duration());
-        for (at, std, phi, e, next) in [
-            (POSITION_ERROR, levels.slow_position_std, persistence[0], first.position_error, second.position_error),
-            (
-                POSITION_ERROR + 3,
-                levels.slow_rotation_std,
-                persistence[1],
-                first.rotation_error,
-                second.rotation_error,
-            ),
-        ] {
-            let weight = 1.0 / (std * (1.0 - phi * phi).sqrt());
-            for axis in 0..3 {
-                link.residual[at + axis] = weight * (next[axis] - phi * e[axis]);
-                link.by_first[(at + axis, at + axis)] = -weight * phi;
-                link.by_second[(at + axis, at + axis)] = weight;
+        let span = preint.duration();
+        let (course, root) = levels.position_course(span);
+        let by_first = root * course;
+        let phi = levels.persistence(span);
+        let weight = 1.0 / (levels.slow_rotation_std * (1.0 - phi * phi).sqrt());
+        for axis in 0..3 {
+            let (error, rate, turn) = (POSITION_ERROR + axis, ERROR_RATE + axis, ROTATION_ERROR + axis);
+            let e = Vector2::new(first.position_error[axis], first.error_rate[axis]);
+            let next = Vector2::new(second.position_error[axis], second.error_rate[axis]);
+            let residual = root * (next - course * e);
+            for (i, row) in [error, rate].into_iter().enumerate() {
+                link.residual[row] = residual[i];
+                for (j, column) in [error, rate].into_iter().enumerate() {
+                    link.by_first[(row, column)] = -by_first[(i, j)];
+                    link.by_second[(row, column)] = root[(i, j)];
+                }
             }
+            link.residual[turn] = weight * (second.rotation_error[axis] - phi * first.rotation_error[axis]);
+            link.by_first[(turn, turn)] = -weight * phi;
+            link.by_second[(turn, turn)] = weight;
         }
         Some(link)
     }
@@ -278,7 +281,12 @@ impl Problem<'_> {
             for axis in 0..3 {
                 for (at, std, error) in [
                     (POSITION_ERROR, levels.slow_position_std, estimate.keys[k].position_error),
-                    (POSITION_ERROR + 3, levels.slow_rotation_std, estimate.keys[k].rotation_error),
+                    (ROTATION_ERROR, levels.slow_rotation_std, estimate.keys[k].rotation_error),
+                    (
+                        ERROR_RATE,
+                        levels.slow_position_std / levels.slow_position_s,
+                        estimate.keys[k].error_rate,
+                    ),
                 ] {
                     chain.diagonal[k][(at + axis, at + axis)] += 1.0 / (std * std);
                     chain.gradient[k][at + axis] += error[axis] / (std * std);
@@ -322,19 +330,24 @@ impl Problem<'_> {
         for k in 0..estimate.keys.len() - 1 {
             let Some(link) = self.link(estimate, k, levels) else { continue };
             let mixed = link.by_first * covariance.keys[k] + 2.0 * link.by_second * covariance.next[k].transpose();
-            let own = link.by_second * covariance.keys[k + 1];
+            let second_own = link.by_second * covariance.keys[k + 1];
             for row in 0..KEY_DIM {
                 let leverage =
-                    mixed.row(row).dot(&link.by_first.row(row)) + own.row(row).dot(&link.by_second.row(row));
+                    mixed.row(row).dot(&link.by_first.row(row)) + second_own.row(row).dot(&link.by_second.row(row));
                 found.add(link_group(row), link.residual[row].powi(2), leverage);
             }
             let (first, second) = (&estimate.keys[k], &estimate.keys[k + 1]);
-            let moments = |at: usize, e: &Vector3<f64>, next: &Vector3<f64>| {
-                let trace = |block: &SMatrix<f64, KEY_DIM, KEY_DIM>| (at..at + 3).map(|i| block[(i, i)]).sum::<f64>();
-                [e.dot(next) + trace(&covariance.next[k]), e.dot(e) + trace(&covariance.keys[k])]
-            };
-            let position = moments(POSITION_ERROR, &first.position_error, &second.position_error);
-            let rotation = moments(POSITION_ERROR + 3, &first.rotation_error, &second.rotation_error);
+            let trace =
+                |block: &SMatrix<f64, KEY_DIM, KEY_DIM>, at: usize| (at..at + 3).map(|i| block[(i, i)]).sum::<f64>();
+            let (own, next) = (&covariance.keys[k], &covariance.next[k]);
+            let position = [
+                first.error_rate.norm_squared() + trace(own, ERROR_RATE),
+                first.position_error.norm_squared() + trace(own, POSITION_ERROR),
+            ];
+            let rotation = [
+                first.rotation_error.dot(&second.rotation_error) + trace(next, ROTATION_ERROR),
+                first.rotation_error.norm_squared() + trace(own, ROTATION_ERROR),
+            ];
             for i in 0..2 {
                 found.position_moments[i] += position[i];
                 found.rotation_moments[i] += rotation[i];

@@ -163,6 +163,7 @@ mod tests {
                     },
                     position_error: vector(&mut rng, 0.01),
                     rotation_error: vector(&mut rng, 0.01),
+                    error_rate: vector(&mut rng, 0.01),
                 },
                 frames,
                 bend: Bend {

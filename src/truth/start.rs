@@ -60,6 +60,7 @@ pub(crate) fn start<'a>(
             state: NavState { world_from_body, vel_in_world, bias: ImuBias::zero() },
             position_error: Vector3::zeros(),
             rotation_error: Vector3::zeros(),
+            error_rate: Vector3::zeros(),
         };
         let key = match (published, estimate.keys.last()) {
             (Some((pose, velocity)), _) => key(pose, velocity),
