@@ -12,8 +12,8 @@ use dpn_core::imu::ImuRecording;
 use dpn_core::progress::Progress;
 use dpn_core::truth::GroundTruth;
 use dpn_core::{SampleRate, Stamp};
-use dpn_io::IoError;
 use dpn_eval::closed_loop::path_config;
+use dpn_io::IoError;
 use dpn_io::asl::{
     CameraFrame, ImuConfig, Sequence, SequenceParts, image_place, write_camera_config, write_camera_frames,
     write_png, write_sequence,

@@ -57,7 +57,8 @@ pub(crate) fn adjust(
         let mut moved = 0.0_f64;
         for (key, step) in estimate.keys.iter_mut().zip(&steps) {
             *key = key.plus(step);
-            moved = moved.max(step.fixed_rows::<3>(POSITION).norm()).max(step.fixed_rows::<3>(ROTATION).norm());
+            moved =
+                moved.max(step.fixed_rows::<3>(POSITION).norm()).max(step.fixed_rows::<3>(ROTATION).norm());
         }
         estimate.frames = estimate.frames.plus(&constants);
         iterations += 1;
@@ -70,13 +71,10 @@ pub(crate) fn adjust(
         // The factor is of the point before the step, which by now is the same but for rounding.
         let covariance = factor.covariance();
         let found = problem.found(&estimate, &levels, &covariance);
-        let (next, change) = levels.updated(&found, &mut pace);
+        let (next, change) = levels.updated(&found, problem.ceilings, &mut pace);
         let settled = change < LEVELS_STAND && moved < POSE_STANDS;
         if settled || iterations >= most_iterations {
             return Ok(Adjusted { estimate, levels, found, covariance, iterations, settled });
-        }
-        if std::env::var_os("DPN_TRUTH_TRACE").is_some() {
-            eprintln!("{iterations} moved {moved:.1e} change {change:.3} a {:.3} g {:.4} wa {:.1e} wg {:.1e} p {:.2e} r {:.2e} sp {:.2e} sr {:.2e} ({:.2} {:.2} s) delay {:.3} ms blur {:.1e} {:?}", next.accel_sample_std, next.gyro_sample_std, next.accel_bias_walk, next.gyro_bias_walk, next.position_std, next.rotation_std, next.slow_position_std, next.slow_rotation_std, next.slow_position_s, next.slow_rotation_s, 1e3*estimate.frames.delay_s, estimate.frames.blur_s2, problem.held);
         }
         levels = next;
     }

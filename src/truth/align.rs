@@ -141,7 +141,10 @@ pub(crate) fn guess(
             .map(|i| (i, of(i)))
             .fold((0, f64::MIN), |best, next| if next.1 > best.1 { next } else { best });
         if value < LEAST_CORRELATION {
-            return Err(TruthError::RatesDisagree { correlation: value, longest_delay_s: config.longest_delay_s });
+            return Err(TruthError::RatesDisagree {
+                correlation: value,
+                longest_delay_s: config.longest_delay_s,
+            });
         }
         // The top of the parabola through the best and its neighbours.
         let (before, after) = (of(best - 1), of(best + 1));

@@ -59,14 +59,14 @@ pub struct Levels {
 
 /// Least and most of each level: a group that says nothing of its level must stop somewhere.
 /// That of the sensors is a good data sheet's, the most is what no working one has: a published trajectory that an IMU went into
-/// follows it too closely, and would leave it no noise at all.
+/// follows it too closely, and would leave it no noise at all. No motion capture is better than .2 mm and .01 deg.
 const BOUNDS: [(f64, f64); GROUPS] = [
     (0.02, 2.0),
     (1e-3, 0.2),
     (1e-4, 0.01),
     (1e-6, 3e-4),
-    (1e-5, 0.1),
-    (1e-5, 0.1),
+    (2e-4, 0.1),
+    (2e-4, 0.1),
     (1e-5, 0.1),
     (1e-5, 0.1),
 ];
@@ -107,17 +107,20 @@ impl Levels {
         }
     }
 
-    /// The levels by what was found with these, and the largest change of any, as a factor minus 1. `pace` remembers how each went before.
-    pub(crate) fn updated(&self, found: &Found, pace: &mut Pace) -> (Self, f64) {
+    /// The levels by what was found with these, and the largest change of any, as a factor minus 1. `ceilings` are the most that
+    /// accelerometer and gyro may have; `pace` remembers how each level went before.
+    pub(crate) fn updated(&self, found: &Found, ceilings: [f64; 2], pace: &mut Pace) -> (Self, f64) {
         let mut next = *self;
         let mut change = 0.0_f64;
         for (group, (low, high)) in BOUNDS.into_iter().enumerate() {
+            let high = ceilings.get(group).map_or(high, |ceiling| high.min(ceiling.max(low)));
             let redundancy = found.rows[group] - found.leverage[group];
             // Fewer than a row's worth of redundancy says nothing.
             if redundancy < 1.0 {
                 continue;
             }
-            let factor = pace.hurried(group, (found.squares[group] / redundancy).sqrt()).clamp(1.0 / FASTEST, FASTEST);
+            let factor =
+                pace.hurried(group, (found.squares[group] / redundancy).sqrt()).clamp(1.0 / FASTEST, FASTEST);
             let level = next.of(group);
             let before = *level;
             *level = (before * factor).clamp(low, high);
@@ -150,7 +153,8 @@ impl Levels {
         let next = Matrix2::new(1.0 + x, interval_s, -corner * x, 1.0 - x) * (-x).exp();
         let stationary = Matrix2::new(1.0, 0.0, 0.0, corner * corner) * self.slow_position_std.powi(2);
         let new = stationary - next * stationary * next.transpose();
-        let root = new.cholesky().expect("an interval is no less than a thousandth of the correlation time").l();
+        let root =
+            new.cholesky().expect("an interval is no less than a thousandth of the correlation time").l();
         let inverse = root.try_inverse().expect("a Cholesky factor has an inverse");
         (next, inverse)
     }

@@ -3,8 +3,8 @@
 //! From a key the samples lead to the next one, where they miss it by what the adjustment left as their residual. That is given back along the way:
 //! position by the cubic that ends with the missing position and velocity, rotation in proportion to the time.
 
-use crate::problem::{Estimate, Problem};
 use crate::near::Near;
+use crate::problem::{Estimate, Problem};
 use dpn_core::geometry::so3;
 use dpn_core::truth::{Biases, TrueState};
 use nalgebra::Isometry3;
@@ -33,12 +33,10 @@ pub(crate) fn dense(problem: &Problem<'_>, estimate: &Estimate) -> Vec<(usize, T
             let near = Near::new(problem.samples, key, sample.t);
             let (position, rotation, velocity) = near.body(key);
             let (s, span) = (near.tau / whole.tau, whole.tau);
-            let position = position
-                + missed * (s * s * (3.0 - 2.0 * s))
-                + missed_velocity * (span * s * s * (s - 1.0));
-            let velocity = velocity
-                + missed * (6.0 * s * (1.0 - s) / span)
-                + missed_velocity * (s * (3.0 * s - 2.0));
+            let position =
+                position + missed * (s * s * (3.0 - 2.0 * s)) + missed_velocity * (span * s * s * (s - 1.0));
+            let velocity =
+                velocity + missed * (6.0 * s * (1.0 - s) / span) + missed_velocity * (s * (3.0 * s - 2.0));
             let rotation = rotation * so3::exp(&(missed_turn * s));
             let world_from_body = Isometry3::from_parts(position.into(), rotation);
             out.push((k, TrueState { t: sample.t, world_from_body, vel_in_world: Some(velocity), biases }));
@@ -57,4 +55,3 @@ pub(crate) fn deviations<const N: usize, const C: usize>(
     let of = |block| (rms(block, dpn_vio::state::POSITION), rms(block, dpn_vio::state::ROTATION));
     covariance.keys.iter().map(of).collect()
 }
-

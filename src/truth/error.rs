@@ -45,7 +45,9 @@ pub enum TruthError {
         share: f64,
     },
     /// The mean specific force is not gravity.
-    #[error("the accelerometer reads {found:.2} m/s^2 on average through the published attitude, gravity is 9.81; check units and frames")]
+    #[error(
+        "the accelerometer reads {found:.2} m/s^2 on average through the published attitude, gravity is 9.81; check units and frames"
+    )]
     NotGravity {
         /// What it reads.
         found: f64,

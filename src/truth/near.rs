@@ -7,7 +7,7 @@ use dpn_core::geometry::so3;
 use dpn_core::{GRAVITY, ImuSample, Stamp};
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// The motion from a key's sample to an instant `tau` later (or earlier), and the readings there.
+/// The motion from a key's sample to an instant `tau` later (or earlier).
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Near {
     /// From the key's sample to the instant \[s\].
@@ -18,15 +18,14 @@ pub(crate) struct Near {
     pub(crate) velocity: Vector3<f64>,
     /// Double integral of the specific force, in the key's body frame \[m\].
     pub(crate) position: Vector3<f64>,
-    /// Angular rate at the instant \[rad/s\].
-    pub(crate) rate_in_body: Vector3<f64>,
 }
 
 impl Near {
     /// From `key` to `t`.
     pub(crate) fn new(samples: &[ImuSample], key: &Key, t: Stamp) -> Self {
         let bias = &key.state.bias;
-        let reading = |s: &ImuSample| (Vector3::from(s.gyro) - bias.gyro, Vector3::from(s.accel) - bias.accel);
+        let reading =
+            |s: &ImuSample| (Vector3::from(s.gyro) - bias.gyro, Vector3::from(s.accel) - bias.accel);
         let start = samples[key.sample].t;
         let tau = t.seconds_since(start);
         let (mut rate, mut force) = reading(&samples[key.sample]);
@@ -35,7 +34,6 @@ impl Near {
             rotation: UnitQuaternion::identity(),
             velocity: Vector3::zeros(),
             position: Vector3::zeros(),
-            rate_in_body: rate,
         };
         let (mut at, mut index) = (0.0, key.sample);
         let forward = tau >= 0.0;
@@ -48,7 +46,8 @@ impl Near {
             };
             let whole = to - at;
             let past = if forward { to >= tau } else { to <= tau };
-            let (dt, share) = if past && whole != 0.0 { (tau - at, (tau - at) / whole) } else { (whole, 1.0) };
+            let (dt, share) =
+                if past && whole != 0.0 { (tau - at, (tau - at) / whole) } else { (whole, 1.0) };
             let (next_rate, next_force) = (rate + (next.0 - rate) * share, force + (next.1 - force) * share);
             let turned = out.rotation * so3::exp(&(0.5 * (rate + next_rate) * dt));
             let accel = 0.5 * (out.rotation * force + turned * next_force);
@@ -58,7 +57,6 @@ impl Near {
             (rate, force, index) = (next_rate, next_force, neighbour);
             at = if past { tau } else { to };
         }
-        out.rate_in_body = rate;
         out
     }
 

@@ -3,10 +3,12 @@
 use crate::chain::{Chain, ChainCovariance};
 use crate::components::{Found, Group, Levels};
 use crate::layout::{
-    BLUR, CONSTANTS, DELAY, ERROR_RATE, Frames, KEY_DIM, Key, LEVER, MOUNT, POSITION_ERROR, ROTATION_ERROR, TILT,
+    BLUR, CONSTANTS, DELAY, ERROR_RATE, Frames, KEY_DIM, Key, LEVER, MOUNT, POSITION_ERROR, ROTATION_ERROR,
+    TILT,
 };
 use crate::near::Near;
 use crate::published::{Bend, POSE_ROWS, PoseTerm, pose_term};
+use dpn_core::geometry::so3;
 use dpn_core::noise::units::BadNoise;
 use dpn_core::noise::{AccelBiasWalkDensity, GyroBiasWalkDensity};
 use dpn_core::trajectory::StampedPose;
@@ -76,6 +78,8 @@ pub(crate) struct Problem<'a> {
     pub(crate) linked: Vec<bool>,
     /// Between two keys \[s\].
     pub(crate) interval_s: f64,
+    /// The most white noise that the accelerometer's and the gyro's spectra allow.
+    pub(crate) ceilings: [f64; 2],
     /// Places of the groups of constants that are held where they are.
     pub(crate) held: Vec<usize>,
 }
@@ -110,7 +114,12 @@ fn add<const R: usize, const A: usize, const B: usize>(
 
 impl Problem<'_> {
     /// The samples from key k to the next, integrated with the first key's bias.
-    pub(crate) fn between(&self, estimate: &Estimate, k: usize, levels: &Levels) -> Result<Preintegration, BadNoise> {
+    pub(crate) fn between(
+        &self,
+        estimate: &Estimate,
+        k: usize,
+        levels: &Levels,
+    ) -> Result<Preintegration, BadNoise> {
         let (first, second) = (&estimate.keys[k], &estimate.keys[k + 1]);
         let noise = ImuNoise::from_values([levels.accel_sample_std; 3], [levels.gyro_sample_std; 3])?;
         let config = PreintegrationConfig {
@@ -132,7 +141,8 @@ impl Problem<'_> {
         }
         let (first, second) = (&estimate.keys[k], &estimate.keys[k + 1]);
         let preint = self.between(estimate, k, levels).expect("levels are positive and finite");
-        let root = sqrt_information(&preint).expect("a key is three samples or more from the next, and no level is zero");
+        let root = sqrt_information(&preint)
+            .expect("a key is three samples or more from the next, and no level is zero");
         let (residual, by_first, by_second) = inertial_jacobians(&preint, &first.state, &second.state);
         let mut link =
             Link { residual: SVector::zeros(), by_first: SMatrix::zeros(), by_second: SMatrix::zeros() };
@@ -160,6 +170,17 @@ impl Problem<'_> {
             link.by_first[(turn, turn)] = -weight * phi;
             link.by_second[(turn, turn)] = weight;
         }
+        // A published trajectory that limps now and then is not one that is bad throughout, and no noise of the IMU's.
+        for rows in [&[15, 16, 17, 21, 22, 23][..], &[18, 19, 20]] {
+            let far = rows.iter().map(|row| link.residual[*row].powi(2)).sum::<f64>().sqrt();
+            let usual = HUBER * (rows.len() as f64 / 3.0).sqrt();
+            let weight = if far > usual { (usual / far).sqrt() } else { 1.0 };
+            for row in rows {
+                link.residual[*row] *= weight;
+                link.by_first.row_mut(*row).scale_mut(weight);
+                link.by_second.row_mut(*row).scale_mut(weight);
+            }
+        }
         Some(link)
     }
 
@@ -181,35 +202,34 @@ impl Problem<'_> {
         self.samples[sample].t.seconds_since(self.samples[0].t)
     }
 
-    /// How the motion bends at every key: velocity's and the rate's differences to the keys beside.
+    /// How the motion bends at every key, by its neighbours' estimates: by the readings themselves their noise would be taken for motion.
     fn bends(&self, estimate: &Estimate) -> Vec<Bend> {
         let keys = &estimate.keys;
-        let last = keys.len() - 1;
-        let mean_rate = |from: usize, to: usize| {
-            let samples = &self.samples[from..=to];
-            samples.iter().map(|s| Vector3::from(s.gyro)).sum::<Vector3<f64>>() / samples.len() as f64
+        let still = Bend {
+            accel_in_world: Vector3::zeros(),
+            rate_in_body: Vector3::zeros(),
+            angular_accel_in_body: Vector3::zeros(),
         };
-        (0..keys.len())
-            .map(|k| {
-                let before = if k > 0 && self.linked[k - 1] { k - 1 } else { k };
-                let after = if k < last && self.linked[k] { k + 1 } else { k };
-                let (a, b) = (&keys[before], &keys[after]);
-                let span = self.seconds(b.sample) - self.seconds(a.sample);
-                if before == k || after == k {
-                    return Bend {
-                        accel_in_world: Vector3::zeros(),
-                        rate_in_body: mean_rate(a.sample, b.sample) - keys[k].state.bias.gyro,
-                        angular_accel_in_body: Vector3::zeros(),
-                    };
-                }
-                let rates = mean_rate(keys[k].sample, b.sample) - mean_rate(a.sample, keys[k].sample);
-                Bend {
-                    rate_in_body: mean_rate(a.sample, b.sample) - keys[k].state.bias.gyro,
-                    accel_in_world: (b.state.vel_in_world - a.state.vel_in_world) / span,
-                    angular_accel_in_body: rates / (0.5 * span),
-                }
-            })
-            .collect()
+        // The ends are taken to bend as the keys beside them.
+        let last = keys.len() - 1;
+        let at = |k: usize| {
+            let k = k.clamp(1, last.max(2) - 1);
+            if last < 2 || !(self.linked[k - 1] && self.linked[k]) {
+                return still;
+            }
+            let (a, b, c) = (&keys[k - 1], &keys[k], &keys[k + 1]);
+            let half = 0.5 * (self.seconds(c.sample) - self.seconds(a.sample));
+            let turn = |from: &Key, to: &Key| {
+                so3::log(&(from.state.world_from_body.rotation.inverse() * to.state.world_from_body.rotation))
+            };
+            let (before, after) = (turn(a, b) / half, turn(b, c) / half);
+            Bend {
+                accel_in_world: (c.state.vel_in_world - a.state.vel_in_world) / (2.0 * half),
+                rate_in_body: 0.5 * (before + after),
+                angular_accel_in_body: (after - before) / half,
+            }
+        };
+        (0..keys.len()).map(at).collect()
     }
 
     /// Every published pose with its key and term, those not used too.
@@ -329,16 +349,18 @@ impl Problem<'_> {
         let mut found = Found { interval_s: self.interval_s, ..Found::default() };
         for k in 0..estimate.keys.len() - 1 {
             let Some(link) = self.link(estimate, k, levels) else { continue };
-            let mixed = link.by_first * covariance.keys[k] + 2.0 * link.by_second * covariance.next[k].transpose();
+            let mixed =
+                link.by_first * covariance.keys[k] + 2.0 * link.by_second * covariance.next[k].transpose();
             let second_own = link.by_second * covariance.keys[k + 1];
             for row in 0..KEY_DIM {
-                let leverage =
-                    mixed.row(row).dot(&link.by_first.row(row)) + second_own.row(row).dot(&link.by_second.row(row));
+                let leverage = mixed.row(row).dot(&link.by_first.row(row))
+                    + second_own.row(row).dot(&link.by_second.row(row));
                 found.add(link_group(row), link.residual[row].powi(2), leverage);
             }
             let (first, second) = (&estimate.keys[k], &estimate.keys[k + 1]);
-            let trace =
-                |block: &SMatrix<f64, KEY_DIM, KEY_DIM>, at: usize| (at..at + 3).map(|i| block[(i, i)]).sum::<f64>();
+            let trace = |block: &SMatrix<f64, KEY_DIM, KEY_DIM>, at: usize| {
+                (at..at + 3).map(|i| block[(i, i)]).sum::<f64>()
+            };
             let (own, next) = (&covariance.keys[k], &covariance.next[k]);
             let position = [
                 first.error_rate.norm_squared() + trace(own, ERROR_RATE),
@@ -380,10 +402,12 @@ impl PoseTerm {
         covariance: &ChainCovariance<KEY_DIM, CONSTANTS>,
         k: usize,
     ) -> SVector<f64, POSE_ROWS> {
-        let by_key = self.by_key * covariance.keys[k] + 2.0 * self.by_constants * covariance.with_constants[k].transpose();
+        let by_key = self.by_key * covariance.keys[k]
+            + 2.0 * self.by_constants * covariance.with_constants[k].transpose();
         let by_constants = self.by_constants * covariance.constants;
         SVector::from_fn(|row, _| {
-            by_key.row(row).dot(&self.by_key.row(row)) + by_constants.row(row).dot(&self.by_constants.row(row))
+            by_key.row(row).dot(&self.by_key.row(row))
+                + by_constants.row(row).dot(&self.by_constants.row(row))
         })
     }
 }

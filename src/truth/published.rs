@@ -77,7 +77,8 @@ pub(crate) fn pose_term(
     let (tilt, near_rotation) = (matrix(tilt), matrix(&near.rotation));
     let (r_wb, r_key) = (matrix(&rotation), matrix(&key.state.world_from_body.rotation));
 
-    let mut put = |row, column, block: Matrix3<f64>| by_key.fixed_view_mut::<3, 3>(row, column).copy_from(&block);
+    let mut put =
+        |row, column, block: Matrix3<f64>| by_key.fixed_view_mut::<3, 3>(row, column).copy_from(&block);
     put(0, POSITION, -tilt);
     put(0, VELOCITY, -tilt * near.tau);
     put(
@@ -98,16 +99,15 @@ pub(crate) fn pose_term(
     let after_mount = by_turn * matrix(&error.inverse());
     let after_bend = after_mount * matrix(&mount.inverse());
     let after_body = after_bend * matrix(&bent.inverse());
-    let mut put = |row, column, block: Matrix3<f64>| by_key.fixed_view_mut::<3, 3>(row, column).copy_from(&block);
+    let mut put =
+        |row, column, block: Matrix3<f64>| by_key.fixed_view_mut::<3, 3>(row, column).copy_from(&block);
     put(3, ROTATION, after_body * near_rotation.transpose());
     put(3, ROTATION_ERROR, by_turn * so3::right_jacobian(&key.rotation_error));
     by_constants.fixed_view_mut::<3, 1>(3, DELAY).copy_from(&(-after_body * bend.rate_in_body));
     by_constants.fixed_view_mut::<3, 3>(3, MOUNT).copy_from(&after_mount);
     let whole = after_body * matrix(&rotation.inverse());
     by_constants.fixed_view_mut::<3, 2>(3, TILT).copy_from(&whole.fixed_view::<3, 2>(0, 0));
-    by_constants
-        .fixed_view_mut::<3, 1>(3, BLUR)
-        .copy_from(&(after_bend * bend.angular_accel_in_body));
+    by_constants.fixed_view_mut::<3, 1>(3, BLUR).copy_from(&(after_bend * bend.angular_accel_in_body));
     PoseTerm { residual, by_key, by_constants }
 }
 
@@ -184,7 +184,8 @@ mod tests {
             let force = Vector3::from(self.samples[0].accel) - key.state.bias.accel;
             near.position += near.velocity * rest;
             near.velocity += near.rotation * force * rest;
-            near.rotation *= so3::exp(&(near.rate_in_body * rest));
+            let rate = Vector3::from(self.samples[0].gyro) - key.state.bias.gyro;
+            near.rotation *= so3::exp(&(rate * rest));
             near.tau += rest;
             pose_term(&self.published, key, &near, &self.bend, frames)
         }

@@ -6,7 +6,7 @@ use crate::components::Levels;
 use crate::config::TruthConfig;
 use crate::dense::{dense, deviations};
 use crate::error::TruthError;
-use crate::layout::{CONSTANTS, CONSTANT_GROUPS};
+use crate::layout::{CONSTANT_GROUPS, CONSTANTS};
 use crate::problem::{Problem, Role};
 use crate::report::{Report, report};
 use crate::screen::{Segment, disagreeing, segments};
@@ -41,8 +41,11 @@ pub fn reconcile(
     config: &TruthConfig,
 ) -> Result<Reconciled, TruthError> {
     config.validate()?;
-    let poses: Vec<StampedPose> =
-        published.states().iter().map(|s| StampedPose { t: s.t, world_from_body: s.world_from_body }).collect();
+    let poses: Vec<StampedPose> = published
+        .states()
+        .iter()
+        .map(|s| StampedPose { t: s.t, world_from_body: s.world_from_body })
+        .collect();
     let too_short = |poses: usize, samples: usize| TruthError::TooShort { poses, samples, least: LEAST };
     if poses.len() < LEAST || recording.len() < LEAST {
         return Err(too_short(poses.len(), recording.len()));
@@ -65,8 +68,7 @@ pub fn reconcile(
     if inside.len() < LEAST || samples.len() < LEAST {
         return Err(too_short(inside.len(), samples.len()));
     }
-    let (mut problem, mut estimate) =
-        start(samples, &inside, recording.rate().period(), guessed.frames, config);
+    let (mut problem, mut estimate) = start(samples, &inside, recording.rate(), guessed.frames, config);
 
     let mut segments = segments(&inside, config);
     let mut left_out: Vec<Segment> = Vec::new();

@@ -135,13 +135,17 @@ pub(crate) fn report(
     let mount = so3::log(&frames.body_from_published_body);
     let up = frames.published_world_from_world * nalgebra::Vector3::z();
     let errors = errors(problem, adjusted);
-    let used: Vec<_> = errors.iter().zip(&problem.published).filter(|(_, p)| p.role == Role::Used).map(|(e, _)| e).collect();
+    let used: Vec<_> =
+        errors.iter().zip(&problem.published).filter(|(_, p)| p.role == Role::Used).map(|(e, _)| e).collect();
     let rms = |sum: f64| (sum / (3.0 * used.len().max(1) as f64)).sqrt();
     let found = &adjusted.found;
     let mut report = Report {
         rate_correlation: guess.correlation,
         delay_ms: Estimated { value: 1e3 * frames.delay_s, std: 1e3 * std(DELAY) },
-        mount_deg: Estimated { value: (mount.map(f64::to_degrees)).into(), std: three(MOUNT, 1f64.to_degrees()) },
+        mount_deg: Estimated {
+            value: (mount.map(f64::to_degrees)).into(),
+            std: three(MOUNT, 1f64.to_degrees()),
+        },
         lever_mm: Estimated { value: (frames.lever_in_body * 1e3).into(), std: three(LEVER, 1e3) },
         tilt_deg: Estimated {
             value: up.xy().norm().atan2(up.z).to_degrees(),
@@ -165,11 +169,7 @@ pub(crate) fn report(
     report
 }
 
-fn held_out(
-    problem: &Problem<'_>,
-    adjusted: &Adjusted,
-    config: &TruthConfig,
-) -> Option<HeldOut> {
+fn held_out(problem: &Problem<'_>, adjusted: &Adjusted, config: &TruthConfig) -> Option<HeldOut> {
     if config.hold_out == 0 {
         return None;
     }
@@ -180,11 +180,8 @@ fn held_out(
         poses += 1;
         let spread = term.spread(&adjusted.covariance, k);
         for row in 0..6 {
-            let (half, white) = if row < 3 {
-                (0, adjusted.levels.position_std)
-            } else {
-                (1, adjusted.levels.rotation_std)
-            };
+            let (half, white) =
+                if row < 3 { (0, adjusted.levels.position_std) } else { (1, adjusted.levels.rotation_std) };
             let square = term.residual[row].powi(2);
             sums[half] += square;
             sums[2 + half] += square / (spread[row] + white * white);
@@ -213,7 +210,8 @@ fn spans(
     let first = problem.samples[0].t;
     let seconds = |k: usize| problem.samples[keys[k].sample].t.seconds_since(first);
     let time = |i: usize| problem.published[i].pose.t.seconds_since(first) - delay;
-    let used: Vec<f64> = (0..problem.published.len()).filter(|i| problem.published[*i].role == Role::Used).map(time).collect();
+    let used: Vec<f64> =
+        (0..problem.published.len()).filter(|i| problem.published[*i].role == Role::Used).map(time).collect();
     let why = |at: f64| {
         let holds = |s: &&Segment| time(s.poses.start) <= at && at <= time(s.poses.end - 1);
         left_out.iter().find(holds).map(|s| s.why)
@@ -222,8 +220,11 @@ fn spans(
     for k in 0..keys.len() {
         let (at, (position, rotation)) = (seconds(k), deviations[k]);
         let after = used.partition_point(|t| *t < at);
-        let near = |i: Option<usize>| i.and_then(|i| used.get(i)).is_some_and(|t| (t - at).abs() <= config.longest_gap_s);
-        let trust = if position > config.position_limit_m || rotation.to_degrees() > config.rotation_limit_deg {
+        let near = |i: Option<usize>| {
+            i.and_then(|i| used.get(i)).is_some_and(|t| (t - at).abs() <= config.longest_gap_s)
+        };
+        let trust = if position > config.position_limit_m || rotation.to_degrees() > config.rotation_limit_deg
+        {
             Trust::LeftOut
         } else if near(Some(after)) && near(after.checked_sub(1)) || near(Some(after)) && after == 0 {
             Trust::Reconciled
@@ -264,14 +265,21 @@ fn warnings(report: &Report, guess: &Guess) -> Vec<String> {
     let delay = report.delay_ms;
     if delay.value.abs() > LATE_MS && delay.value.abs() > 5.0 * delay.std {
         let word = if delay.value > 0.0 { "late" } else { "early" };
-        out.push(format!("the published poses are {word} by {:.2} ms (+- {:.2})", delay.value.abs(), delay.std));
+        out.push(format!(
+            "the published poses are {word} by {:.2} ms (+- {:.2})",
+            delay.value.abs(),
+            delay.std
+        ));
     }
     let turned = report.mount_deg.value.iter().map(|v| v * v).sum::<f64>().sqrt();
     if turned > TURNED_DEG {
         out.push(format!("the published body frame is turned by {turned:.2} deg against the IMU's"));
     }
     if report.tilt_deg.value > TURNED_DEG {
-        out.push(format!("the published world is tilted by {:.2} deg against gravity", report.tilt_deg.value));
+        out.push(format!(
+            "the published world is tilted by {:.2} deg against gravity",
+            report.tilt_deg.value
+        ));
     }
     let lever = report.lever_mm.value.iter().map(|v| v * v).sum::<f64>().sqrt();
     if lever > LEVER_MM {
@@ -285,7 +293,8 @@ fn warnings(report: &Report, guess: &Guess) -> Vec<String> {
     }
     for span in report.spans.iter().filter(|span| span.trust == Trust::LeftOut || span.why.is_some()) {
         let why = span.why.map_or_else(String::new, |why| format!(": {why}"));
-        let what = if span.trust == Trust::LeftOut { "nothing is written" } else { "published poses are not used" };
+        let what =
+            if span.trust == Trust::LeftOut { "nothing is written" } else { "published poses are not used" };
         out.push(format!("{:.1} to {:.1} s: {what}{why}", span.from_s, span.to_s));
     }
     out

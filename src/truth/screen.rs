@@ -49,7 +49,11 @@ pub(crate) fn segments(poses: &[StampedPose], config: &TruthConfig) -> Vec<Segme
     let uneven: Vec<(f64, f64)> = (0..poses.len() - 1)
         .map(|i| {
             let (seconds, rise, turn) = step(i);
-            let beside: Vec<_> = [i.checked_sub(1), (i + 2 < poses.len()).then_some(i + 1)].into_iter().flatten().map(step).collect();
+            let beside: Vec<_> = [i.checked_sub(1), (i + 2 < poses.len()).then_some(i + 1)]
+                .into_iter()
+                .flatten()
+                .map(step)
+                .collect();
             let n = beside.len() as f64;
             let mean = |part: fn(&(f64, Vector3<f64>, Vector3<f64>)) -> Vector3<f64>| {
                 beside.iter().map(part).sum::<Vector3<f64>>() / n
@@ -105,7 +109,8 @@ pub(crate) fn disagreeing(
     }
     let windows = windows(problem, segments);
     let rms = |range: &Range<usize>, part: fn(&(Vector3<f64>, Vector3<f64>)) -> Vector3<f64>| {
-        (errors[range.clone()].iter().map(|e| part(e).norm_squared()).sum::<f64>() / range.len() as f64).sqrt()
+        (errors[range.clone()].iter().map(|e| part(e).norm_squared()).sum::<f64>() / range.len() as f64)
+            .sqrt()
     };
     let of = |part: fn(&(Vector3<f64>, Vector3<f64>)) -> Vector3<f64>| -> Vec<f64> {
         windows.iter().map(|w| rms(w, part)).collect()

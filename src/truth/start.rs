@@ -1,12 +1,13 @@
 //! Where the adjustment begins: keys along the samples, at the published poses taken to the IMU's clock and frames.
 
 use crate::align::interpolated;
+use crate::ceiling::ceiling;
 use crate::components::Levels;
 use crate::config::TruthConfig;
 use crate::layout::{Frames, Key};
 use crate::problem::{Estimate, Problem, Published, Role};
-use dpn_core::ImuSample;
 use dpn_core::trajectory::StampedPose;
+use dpn_core::{ImuSample, SampleRate, Sensor};
 use dpn_vio::{ImuBias, NavState};
 use nalgebra::{Isometry3, Vector3};
 
@@ -21,10 +22,11 @@ const VELOCITY_SPAN_S: f64 = 0.1;
 pub(crate) fn start<'a>(
     samples: &'a [ImuSample],
     poses: &[StampedPose],
-    period_s: f64,
+    rate: SampleRate,
     frames: Frames,
     config: &TruthConfig,
 ) -> (Problem<'a>, Estimate) {
+    let period_s = rate.period();
     let every = ((config.key_interval_s / period_s).round() as usize).max(FEWEST_STEPS);
     let count = (samples.len() - 1) / every + 1;
     let pose_at = |seconds: f64, sample: &ImuSample| {
@@ -42,6 +44,8 @@ pub(crate) fn start<'a>(
         published: poses.iter().map(|pose| Published { pose: *pose, role: Role::Used }).collect(),
         linked,
         interval_s: every as f64 * period_s,
+        ceilings: [Sensor::Accel, Sensor::Gyro]
+            .map(|sensor| ceiling(samples, rate, sensor).unwrap_or(f64::INFINITY)),
         held: Vec::new(),
     };
     let mut estimate = Estimate { keys: Vec::with_capacity(count), frames };
@@ -67,7 +71,8 @@ pub(crate) fn start<'a>(
             (None, None) => key(Isometry3::identity(), Vector3::zeros()),
             // In a gap the samples lead.
             (None, Some(before)) => {
-                let mut both = Estimate { keys: vec![*before, key(Isometry3::identity(), Vector3::zeros())], frames };
+                let mut both =
+                    Estimate { keys: vec![*before, key(Isometry3::identity(), Vector3::zeros())], frames };
                 let preint = problem
                     .between(&both, 0, &Levels::start())
                     .expect("the first levels are positive and finite");

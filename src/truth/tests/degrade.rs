@@ -1,10 +1,10 @@
 //! Exact ground truth made as bad as published ones are.
 
+use dpn_core::Stamp;
 use dpn_core::geometry::so3;
 use dpn_core::random::Stream;
 use dpn_core::trajectory::StampedPose;
 use dpn_core::truth::{GroundTruth, TrueState};
-use dpn_core::Stamp;
 use dpn_sim::SimulatedFlight;
 use nalgebra::{Isometry3, Vector3};
 use rand::Rng;
@@ -51,15 +51,22 @@ impl Degradation {
 
     /// The degradations by name, alone with the noise and all together.
     pub(crate) fn all() -> Vec<(&'static str, Self)> {
-        let turned =
-            Self { mount_deg: [1.0, -2.0, 1.5], tilt_deg: [0.5, -0.4, 0.0], lever_m: [0.02, -0.01, 0.03], ..Self::NOISE };
+        let turned = Self {
+            mount_deg: [1.0, -2.0, 1.5],
+            tilt_deg: [0.5, -0.4, 0.0],
+            lever_m: [0.02, -0.01, 0.03],
+            ..Self::NOISE
+        };
         vec![
             ("noise", Self::NOISE),
             ("late", Self { delay_s: 2.5e-3, ..Self::NOISE }),
             ("turned", turned),
             ("gaps", Self { gap_s: 3.0, ..Self::NOISE }),
             ("20 Hz", Self { rate_hz: 20.0, ..Self::NOISE }),
-            ("smoothed", Self { smoothed_s: 0.1, position_std_m: 3e-4, rotation_std_deg: 0.03, ..Self::NONE }),
+            (
+                "smoothed",
+                Self { smoothed_s: 0.1, position_std_m: 3e-4, rotation_std_deg: 0.03, ..Self::NONE },
+            ),
             ("all", Self { delay_s: 2.5e-3, gap_s: 3.0, rate_hz: 60.0, smoothed_s: 0.05, ..turned }),
         ]
     }

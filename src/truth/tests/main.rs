@@ -1,1 +1,5 @@
-fn main(){}
+//! Degraded ground truth of simulated flights comes back, and what cannot be mended is said and left out.
+
+mod bad_input;
+mod degrade;
+mod degraded;
