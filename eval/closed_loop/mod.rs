@@ -46,7 +46,7 @@ pub use judged_run::{JudgedRun, Report, judged_run};
 pub use manifest::Manifest;
 pub use recording::{Recording, Span, StartAt, first_motion};
 pub use row::{CellKey, Failure, Restart, Row, StageSeconds};
-pub use sequence_set::{SequenceSet, TrackSource};
+pub use sequence_set::{SequenceSet, TrackSource, path_config};
 pub use states::ANCHOR;
 pub use states::write_states;
 pub use store::{Store, read_rows};

@@ -101,6 +101,36 @@ impl SequenceSet {
         Ok(Self::Recorded { sequences: vec![(sequence, side)], tracks })
     }
 
+    /// The same with the reconciled ground truth of `dir`, `NAME.csv` a sequence; flights have none but their own.
+    #[must_use]
+    pub fn with_reconciled_truth(mut self, dir: &Path) -> Self {
+        if let Self::Recorded { sequences, .. } = &mut self {
+            for (sequence, _) in sequences {
+                *sequence = sequence.clone().with_reconciled_truth(dir);
+            }
+        }
+        self
+    }
+
+    /// Folder of the reconciled ground truth.
+    pub fn reconciled_truth(&self) -> Option<&Path> {
+        match self {
+            Self::Recorded { sequences, .. } => sequences.iter().find_map(|(s, _)| s.reconciled_truth()),
+            Self::Flights { .. } => None,
+        }
+    }
+
+    /// What the ground truth is: `published` beside the recording, `reconciled` with it, or a simulation's `exact` one.
+    pub fn truth(&self) -> &'static str {
+        match self {
+            Self::Recorded { sequences, .. } if sequences.iter().any(|(s, _)| s.truth_is_reconciled()) => {
+                "reconciled"
+            }
+            Self::Recorded { .. } => "published",
+            Self::Flights { .. } => "exact",
+        }
+    }
+
     /// Names and sides of all sequences, in order.
     pub fn names(&self) -> Vec<(String, Side)> {
         match self {
@@ -191,6 +221,10 @@ impl SequenceSet {
             TrackSource::Images(ImageSource::Rendered(config)) => serde_json::json!({ "rendered": config }),
         };
         match self {
+            // The key is new: without it the cells of published truth keep their names.
+            Self::Recorded { .. } if self.truth() == "reconciled" => {
+                serde_json::json!({ "tracks": tracks, "truth": self.truth() })
+            }
             Self::Recorded { .. } => serde_json::json!({ "tracks": tracks }),
             Self::Flights { config, .. } => serde_json::json!({ "flights": config, "tracks": tracks }),
         }
@@ -425,7 +459,7 @@ fn path_of(sequence: &Sequence, config: &PathConfig) -> Result<(RecordedPath, Ve
     if sequence.ground_truth_path().is_none() {
         return Err(ClosedLoopError::NoGroundTruth { dir: sequence.dir().to_path_buf() });
     }
-    let path = RecordedPath::new(&sequence.ground_truth()?, config)
+    let path = RecordedPath::new(&sequence.ground_truth()?, &path_config(sequence, config))
         .map_err(|source| ClosedLoopError::Path { sequence: sequence.name().to_owned(), source })?;
     let stamps = if sequence.camera_path().is_file() {
         sequence.camera_frames()?.iter().map(|frame| frame.t).collect()
@@ -433,6 +467,11 @@ fn path_of(sequence: &Sequence, config: &PathConfig) -> Result<(RecordedPath, Ve
         camera_stamps(&path, camera_rate(sequence.camera_config()?.as_ref()))
     };
     Ok((path, stamps))
+}
+
+/// How a sequence's ground truth becomes a path: a reconciled one is smooth, and smoothing would take it away from the samples.
+pub fn path_config(sequence: &Sequence, config: &PathConfig) -> PathConfig {
+    if sequence.truth_is_reconciled() { PathConfig { smoothing_s: 0.0, ..*config } } else { *config }
 }
 
 /// A flight's exact path, and stamps of a camera on it.

@@ -40,6 +40,8 @@ pub struct LoopPlan {
     pub camera: Camera,
     /// Folder with camera tracks, SEQUENCE.txt each; without it tracks are made along the ground truth from the seed.
     pub tracks: Option<PathBuf>,
+    /// Folder with reconciled ground truth, NAME.csv each, as `dpn truth` writes it; without it the published one.
+    pub truth: Option<PathBuf>,
     /// Whether images that are listed but not there are passed over.
     pub skip_missing: bool,
     /// `all`, or names with commas between.
@@ -77,6 +79,7 @@ impl Default for LoopPlan {
             models: None,
             camera: Camera::Tracks,
             tracks: None,
+            truth: None,
             skip_missing: false,
             sequences: "all".into(),
             noises: noises.map(|noise| noise.parse().expect("a noise spec")).to_vec(),
@@ -112,7 +115,13 @@ impl LoopPlan {
             }
         };
         let source = match &self.data {
-            Some(dir) => SequenceSet::recorded(dir, tracks)?,
+            Some(dir) => {
+                let published = SequenceSet::recorded(dir, tracks)?;
+                match &self.truth {
+                    Some(truth) => published.with_reconciled_truth(truth),
+                    None => published,
+                }
+            }
             None => SequenceSet::Flights { config: self.flights.load()?, tracks },
         };
         if self.seeds > 1 && !(source.tracks_are_seeded() || source.recordings_are_seeded()) {
@@ -171,6 +180,9 @@ impl Validate for LoopPlan {
             tracks(),
             "left out where there is no `data`, or another camera than tracks",
         );
+        let truth = || self.truth.iter().map(|dir| dir.display().to_string()).collect::<String>();
+        let has_data = self.truth.is_none() || self.data.is_some();
+        faults.check(has_data, "truth", truth(), "left out where there is no `data`");
         faults_of("estimator", &self.estimator, &mut faults);
         faults_of("simulated_tracks", &self.simulated_tracks, &mut faults);
         faults_of("images", &self.images, &mut faults);

@@ -35,6 +35,8 @@ pub struct Node<'a> {
     pub data: Option<&'a Path>,
     /// Folder of given tracks, where it is not where the plan has it.
     pub tracks: Option<&'a Path>,
+    /// Folder of reconciled ground truth, where it is not where the plan has it.
+    pub truth: Option<&'a Path>,
     /// The networks.
     pub networks: &'a [Network],
     /// Threads to use.
@@ -206,7 +208,7 @@ impl<'a> Shard<'a> {
     ) -> Result<(), SweepError> {
         let planned = &self.folder.manifest;
         let cells = &planned.cells[planned.cells_of(place)];
-        let source = spec.source(here.data.or(planned.data.as_deref()), here.tracks)?;
+        let source = spec.source(here.data.or(planned.data.as_deref()), (here.tracks, here.truth))?;
         let whole = spec.sweep(&source, here.networks, here.threads)?;
         let sweep = whole.of_sequences_with(|i| cells.get(i).is_some_and(|cell| cell.shard == self.number));
         let manifest = Manifest::of(&sweep, here.program.clone())?;

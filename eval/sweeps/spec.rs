@@ -9,7 +9,7 @@ use dpn_sim::FlightConfig;
 use dpn_train::config::TrainConfig;
 use dpn_vio::EstimatorConfig;
 use serde::{Deserialize, Serialize};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What a job's cells are.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -41,6 +41,8 @@ pub struct LoopSpec {
     pub flights: Option<FlightConfig>,
     /// What the odometry sees.
     pub tracks: TrackSource,
+    /// Folder of reconciled ground truth; none where it is the published one.
+    pub truth: Option<PathBuf>,
     /// Names of the sequences.
     pub sequences: Vec<String>,
     /// As in [`Sweep`], as are all others.
@@ -71,6 +73,7 @@ impl LoopSpec {
                 SequenceSet::Recorded { .. } => None,
             },
             tracks: sweep.source.tracks().clone(),
+            truth: sweep.source.reconciled_truth().map(Path::to_path_buf),
             sequences: sweep.places.iter().map(|place| names[*place].0.clone()).collect(),
             noises: sweep.noises.clone(),
             seeds: sweep.seeds.clone(),
@@ -83,18 +86,28 @@ impl LoopSpec {
         }
     }
 
-    /// Its sequences, those on disk in `data`; `tracks` in place of the folder of given tracks that the spec names.
+    /// Its sequences, those on disk in `data`; `tracks` and `truth` in place of the folders of given tracks and of reconciled truth that the spec names.
     ///
     /// # Errors
     /// A folder that cannot be listed; recordings, and no folder of data.
-    pub fn source(&self, data: Option<&Path>, tracks: Option<&Path>) -> Result<SequenceSet, SweepError> {
+    pub fn source(
+        &self,
+        data: Option<&Path>,
+        (tracks, truth): (Option<&Path>, Option<&Path>),
+    ) -> Result<SequenceSet, SweepError> {
         let tracks = match (&self.tracks, tracks) {
             (TrackSource::File(_), Some(dir)) => TrackSource::File(dir.to_path_buf()),
             (as_planned, _) => as_planned.clone(),
         };
         match &self.flights {
             Some(config) => Ok(SequenceSet::Flights { config: config.clone(), tracks }),
-            None => Ok(SequenceSet::recorded(data.ok_or(SweepError::NoData)?, tracks)?),
+            None => {
+                let published = SequenceSet::recorded(data.ok_or(SweepError::NoData)?, tracks)?;
+                Ok(match &self.truth {
+                    Some(as_planned) => published.with_reconciled_truth(truth.unwrap_or(as_planned)),
+                    None => published,
+                })
+            }
         }
     }
 

@@ -21,6 +21,9 @@ pub(crate) struct ImagesArgs {
     /// Seconds after the camera's first frame at which images end.
     #[arg(long, value_name = "SECONDS")]
     pub(crate) to: Option<f64>,
+    /// Folder with reconciled ground truth, NAME.csv each, as `dpn truth` writes it; without it the published one.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) truth: Option<PathBuf>,
     /// Seed of the world, the light and the sensor's noise.
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,

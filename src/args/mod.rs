@@ -12,6 +12,7 @@ mod run;
 mod simulate;
 mod sweep;
 mod train;
+mod truth;
 
 pub(crate) use allan::AllanArgs;
 pub(crate) use check::CheckArgs;
@@ -27,6 +28,7 @@ pub(crate) use sweep::{
     Shards, SweepArgs, SweepCollectArgs, SweepPlanArgs, SweepRunArgs, SweepStatusArgs, SweepWhat,
 };
 pub(crate) use train::{SensorArg, TrainArgs};
+pub(crate) use truth::TruthArgs;
 
 use clap::{Parser, Subcommand};
 
@@ -63,6 +65,8 @@ pub(crate) enum Command {
     Allan(AllanArgs),
     /// A log's doctor: rate, gaps, units, gravity, clipping, vibration, rest and motion; findings by weight.
     Check(CheckArgs),
+    /// A published ground truth reconciled with its IMU: clock, frames, noise of both, and where it can be trusted.
+    Truth(TruthArgs),
     /// Make data whose truth is known.
     Simulate(SimulateArgs),
 }

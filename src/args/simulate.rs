@@ -77,6 +77,9 @@ pub(crate) struct TracksArgs {
     /// File to write; without it runs/tracks/NAME.txt.
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
+    /// Folder with reconciled ground truth, NAME.csv each, as `dpn truth` writes it; without it the published one.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) truth: Option<PathBuf>,
     /// Seed of the world and of the tracker's errors.
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,

@@ -69,6 +69,9 @@ pub(crate) struct SweepRunArgs {
     /// Folder of given tracks, where it is not where the plan has it.
     #[arg(long, value_name = "DIR")]
     pub(crate) tracks: Option<PathBuf>,
+    /// Folder of reconciled ground truth, where it is not where the plan has it.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) truth: Option<PathBuf>,
     /// Threads. Results do not depend on it; predicted times are of one.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=4096))]
     pub(crate) threads: u64,

@@ -58,6 +58,7 @@ fn plan(args: &EvalArgs) -> Result<LoopPlan> {
             CameraArg::Rendered => Camera::Rendered,
         },
         tracks: closed.tracks.clone(),
+        truth: closed.truth.clone(),
         skip_missing: closed.skip_missing,
         sequences: closed.sequences.clone(),
         noises: parse_list(&closed.noise)?,

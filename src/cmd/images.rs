@@ -1,6 +1,8 @@
 //! `dpn simulate images`.
 
-use super::tracks::{CAMERA_HZ, made_stamps, no_ground_truth, unknown_source, unsuited_lens};
+use super::tracks::{
+    CAMERA_HZ, made_stamps, no_ground_truth, recorded, truth_of_a_flight, unknown_source, unsuited_lens,
+};
 use crate::args::ImagesArgs;
 use crate::ui::{Bar, Fault, outln};
 use anyhow::Result;
@@ -10,6 +12,7 @@ use dpn_core::imu::ImuRecording;
 use dpn_core::progress::Progress;
 use dpn_core::truth::GroundTruth;
 use dpn_core::{SampleRate, Stamp};
+use dpn_eval::closed_loop::path_config;
 use dpn_io::IoError;
 use dpn_io::asl::{
     CameraFrame, ImuConfig, Sequence, SequenceParts, image_place, write_camera_config, write_camera_frames,
@@ -80,9 +83,12 @@ pub(crate) fn run(args: &ImagesArgs) -> Result<()> {
 fn open(args: &ImagesArgs, config: &mut RenderConfig) -> Result<SeenSequence> {
     let dir = Path::new(&args.source);
     if dir.exists() {
-        return sequence(&Sequence::open(dir)?, config);
+        return sequence(&recorded(dir, args.truth.as_deref())?, config);
     }
     let flight: Flight = args.source.parse().map_err(|unknown| unknown_source(&args.source, &unknown))?;
+    if args.truth.is_some() {
+        return Err(truth_of_a_flight().into());
+    }
     let flown = simulate(flight, args.flight_seed, &FlightConfig::default())?;
     let path = AnalyticPath::of(&flown);
     Ok(SeenSequence {
@@ -103,7 +109,7 @@ fn sequence(sequence: &Sequence, config: &mut RenderConfig) -> Result<SeenSequen
         return Err(no_ground_truth(dir, "images are rendered along true poses").into());
     }
     let truth = sequence.ground_truth()?;
-    let path = RecordedPath::new(&truth, &config.path)?;
+    let path = RecordedPath::new(&truth, &path_config(sequence, &config.path))?;
     let camera = sequence.camera_config()?;
     if let (None, Some(own)) = (&config.camera, &camera) {
         let settings = CameraSettings::try_from(own);

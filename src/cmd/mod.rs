@@ -22,6 +22,7 @@ mod stop;
 mod sweep;
 mod tracks;
 mod train;
+mod truth;
 
 use crate::args::{Cli, Command};
 use program::{program, program_of};
@@ -37,6 +38,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Noise(args) => noise::run(&args),
         Command::Allan(args) => allan::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Truth(args) => truth::run(&args),
         Command::Simulate(args) => simulate::run(args),
     }
 }

@@ -1,5 +1,6 @@
 //! `dpn run`.
 
+use super::tracks::truth_of_a_flight;
 use super::{program, settings, shipped};
 use crate::args::{CameraArg, RunArgs};
 use crate::ui::{Fault, errln, out, outln};
@@ -47,7 +48,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("runs/run-{}", recording.name)));
     let report = serde_json::json!({
         "program": program(), "estimator": estimator, "input": source.checksum(place)?,
-        "camera_is_simulated": source.camera_is_simulated(), "report": done.report,
+        "camera_is_simulated": source.camera_is_simulated(), "truth": source.truth(), "report": done.report,
     });
     write(&done, &report, &out)?;
     if let (Some(dir), Some(album)) = (&args.draw, album) {
@@ -89,7 +90,11 @@ fn open(args: &RunArgs) -> Result<(SequenceSet, usize)> {
             (None, None) if has_images(&Sequence::open(dir)?)? => seen,
             (None, None) => made,
         };
-        return Ok((SequenceSet::one(dir, tracks)?, 0));
+        let set = SequenceSet::one(dir, tracks)?;
+        return Ok(match &args.truth {
+            Some(truth) => (set.with_reconciled_truth(truth), 0),
+            None => (set, 0),
+        });
     }
     if args.camera == Some(CameraArg::Images) {
         let remedy = "leave --camera away, render some with --camera rendered, or name a folder";
@@ -99,6 +104,9 @@ fn open(args: &RunArgs) -> Result<(SequenceSet, usize)> {
         let remedy = "name a folder with an ASL sequence, or a flight of `dpn simulate flight --list`";
         Fault::new(format!("there is no folder `{}`, and {unknown}", args.source)).hint(remedy)
     })?;
+    if args.truth.is_some() {
+        return Err(truth_of_a_flight().into());
+    }
     if args.tracks.is_some() {
         let remedy = "write it with `dpn simulate flight` and name the folder";
         return Err(Fault::new("--tracks is for a folder; a flight's tracks are made with it")

@@ -5,6 +5,7 @@ use crate::ui::{Fault, outln};
 use anyhow::Result;
 use dpn_core::config::Validate;
 use dpn_core::{SampleRate, Stamp};
+use dpn_eval::closed_loop::path_config;
 use dpn_io::asl::Sequence;
 use dpn_io::write_tracks;
 use dpn_sim::flight::FlightPlan;
@@ -68,14 +69,31 @@ pub(crate) fn run(args: &TracksArgs) -> Result<()> {
 fn open(args: &TracksArgs, config: &mut TracksConfig) -> Result<SeenPath> {
     let dir = Path::new(&args.source);
     if dir.exists() {
-        return sequence(&Sequence::open(dir)?, config);
+        return sequence(&recorded(dir, args.truth.as_deref())?, config);
     }
     let flight: Flight = args.source.parse().map_err(|unknown| unknown_source(&args.source, &unknown))?;
+    if args.truth.is_some() {
+        return Err(truth_of_a_flight().into());
+    }
     let plan = FlightPlan::new(flight, args.flight_seed);
     let start = Stamp::from_ns(FlightConfig::default().epoch_ns);
     let path = AnalyticPath::new(plan.trajectory, start);
     let stamps = made_stamps(&path, CAMERA_HZ)?;
     Ok(SeenPath { name: flight.name().to_owned(), path: Box::new(path), stamps })
+}
+
+/// The sequence in `dir`, with the reconciled ground truth of another folder where one is named.
+pub(super) fn recorded(dir: &Path, truth: Option<&Path>) -> Result<Sequence> {
+    let sequence = Sequence::open(dir)?;
+    Ok(match truth {
+        Some(truth) => sequence.with_reconciled_truth(truth),
+        None => sequence,
+    })
+}
+
+/// A flight has no other ground truth than its own.
+pub(super) fn truth_of_a_flight() -> Fault {
+    Fault::new("--truth is for a recording; a flight's ground truth is exact").hint("leave --truth away")
 }
 
 /// What is neither a folder nor a flight.
@@ -111,7 +129,7 @@ fn sequence(sequence: &Sequence, config: &mut TracksConfig) -> Result<SeenPath> 
     if sequence.ground_truth_path().is_none() {
         return Err(no_ground_truth(dir, "tracks are made along true poses").into());
     }
-    let path = RecordedPath::new(&sequence.ground_truth()?, &config.path)?;
+    let path = RecordedPath::new(&sequence.ground_truth()?, &path_config(sequence, &config.path))?;
     let camera = sequence.camera_config()?;
     if let (None, Some(own)) = (&config.camera, &camera) {
         let settings = CameraSettings::try_from(own);

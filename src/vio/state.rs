@@ -9,13 +9,13 @@ use dpn_core::geometry::so3;
 use nalgebra::{Isometry3, SVector, Vector3};
 
 /// Unknowns of one state.
-pub(crate) const STATE_DIM: usize = 15;
+pub const STATE_DIM: usize = 15;
 /// Where the position stands.
 pub const POSITION: usize = 0;
 /// Where the rotation stands; with the position before it, the pose's six.
 pub const ROTATION: usize = 3;
 /// Unknowns of a pose.
-pub(crate) const POSE_DIM: usize = 6;
+pub const POSE_DIM: usize = 6;
 /// Where the velocity stands.
 pub const VELOCITY: usize = 6;
 /// Where the accelerometer's bias stands.
@@ -58,7 +58,7 @@ impl NavState {
 
     /// The state moved by `d`, in the order of this module.
     #[must_use]
-    pub(crate) fn plus(&self, d: &SVector<f64, STATE_DIM>) -> Self {
+    pub fn plus(&self, d: &SVector<f64, STATE_DIM>) -> Self {
         Self {
             world_from_body: pose_plus(
                 &self.world_from_body,

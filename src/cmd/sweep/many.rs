@@ -67,6 +67,7 @@ fn work_off(folder: &SweepFolder, workers: usize, stop: &AtomicBool) -> Result<u
             processor: processor.clone(),
             data: folder.manifest.data.as_deref(),
             tracks: None,
+            truth: None,
             networks: &[],
             threads: 1,
         };

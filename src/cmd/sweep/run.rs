@@ -21,6 +21,7 @@ pub(crate) fn run(args: &SweepRunArgs) -> Result<()> {
         processor: dpn_pronet::processor(),
         data: args.data.as_deref(),
         tracks: args.tracks.as_deref(),
+        truth: args.truth.as_deref(),
         networks: &networks,
         threads: args.threads as usize,
     };

@@ -25,6 +25,8 @@ pub struct Sequence {
     name: String,
     dir: PathBuf,
     root: PathBuf,
+    /// A reconciled ground truth in place of the published one.
+    reconciled: Option<PathBuf>,
 }
 
 impl Sequence {
@@ -44,7 +46,7 @@ impl Sequence {
     pub(super) fn at(dir: &Path) -> Option<Self> {
         let root =
             [dir.join("mav0"), dir.to_path_buf()].into_iter().find(|root| root.join(IMU_DATA).is_file())?;
-        Some(Self { name: name_of(dir), dir: dir.to_path_buf(), root })
+        Some(Self { name: name_of(dir), dir: dir.to_path_buf(), root, reconciled: None })
     }
 
     /// The folder's name, for example `MH_01_easy` or `dataset-room1_512_16`.
@@ -56,6 +58,22 @@ impl Sequence {
     pub fn short_name(&self) -> &str {
         let name = self.name.strip_prefix("dataset-").unwrap_or(&self.name);
         ["_512_16", "_1024_16"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(name)
+    }
+
+    /// The same sequence with `NAME.csv` of `dir`, as `dpn truth` writes it, for its ground truth. That it is there is found when it is read.
+    #[must_use]
+    pub fn with_reconciled_truth(self, dir: &Path) -> Self {
+        Self { reconciled: Some(dir.join(format!("{}.csv", self.name))), ..self }
+    }
+
+    /// Folder of the reconciled ground truth.
+    pub fn reconciled_truth(&self) -> Option<&Path> {
+        self.reconciled.as_deref().and_then(Path::parent)
+    }
+
+    /// Whether the ground truth is a reconciled one: it is smooth, and made to fit the samples.
+    pub fn truth_is_reconciled(&self) -> bool {
+        self.reconciled.is_some()
     }
 
     /// The sequence's folder, as given.
@@ -75,7 +93,9 @@ impl Sequence {
 
     /// File of the ground truth: `state_groundtruth_estimate0/data.csv`, else `mocap0/data.csv`; `None` without either.
     pub fn ground_truth_path(&self) -> Option<PathBuf> {
-        GROUND_TRUTH.iter().map(|file| self.root.join(file)).find(|file| file.is_file())
+        self.reconciled
+            .clone()
+            .or_else(|| GROUND_TRUTH.iter().map(|file| self.root.join(file)).find(|file| file.is_file()))
     }
 
     /// The inertial samples. Columns by the header's names, ASL's order without a header.

@@ -86,7 +86,7 @@ pub(crate) fn write_imu_config(path: &Path, config: &ImuConfig) -> Result<(), Io
 ///
 /// # Errors
 /// As [`atomic_write`].
-pub(crate) fn write_ground_truth(path: &Path, truth: &GroundTruth) -> Result<(), IoError> {
+pub fn write_ground_truth(path: &Path, truth: &GroundTruth) -> Result<(), IoError> {
     atomic_write(path, |out| {
         let velocity = if truth.has_velocity() { VELOCITY_HEADER } else { "" };
         let biases = if truth.has_biases() { BIAS_HEADER } else { "" };

@@ -1,0 +1,73 @@
+//! `dpn truth`.
+
+use super::program;
+use super::tracks::no_ground_truth;
+use crate::args::TruthArgs;
+use crate::ui::{errln, outln};
+use anyhow::{Context, Result};
+use dpn_io::asl::{Sequence, discover, write_ground_truth};
+use dpn_io::atomic_write;
+use dpn_truth::{Report, TruthConfig, reconcile};
+
+pub(crate) fn run(args: &TruthArgs) -> Result<()> {
+    let mut config: TruthConfig = match &args.config {
+        Some(path) => dpn_io::config::load(path)?,
+        None => TruthConfig::default(),
+    };
+    config.hold_out = args.hold_out.unwrap_or(config.hold_out);
+    // All are looked at before the first is worked on for a minute.
+    let sequences = discover(&args.source)?;
+    if let Some(without) = sequences.iter().find(|s| s.ground_truth_path().is_none()) {
+        return Err(no_ground_truth(without.dir(), "it is what is reconciled").into());
+    }
+    for sequence in &sequences {
+        one(sequence, &config, args).with_context(|| sequence.dir().display().to_string())?;
+    }
+    Ok(())
+}
+
+fn one(sequence: &Sequence, config: &TruthConfig, args: &TruthArgs) -> Result<()> {
+    let done = reconcile(&sequence.imu()?, &sequence.ground_truth()?, config)?;
+    let name = sequence.name();
+    let json = serde_json::json!({
+        "program": program(), "sequence": name, "config": config, "report": done.report,
+    });
+    let text = serde_json::to_string_pretty(&json)? + "\n";
+    atomic_write(&args.out.join(format!("{name}.json")), |file| file.write_all(text.as_bytes()))?;
+    // Last: where it lies, its report does too.
+    let file = args.out.join(format!("{name}.csv"));
+    write_ground_truth(&file, &done.truth)?;
+    for warning in &done.report.warnings {
+        errln!("warning: {name}: {warning}");
+    }
+    if args.json {
+        outln!("{json}")?;
+    } else {
+        outln!("{}: {} states; {}", file.display(), done.truth.states().len(), words(&done.report))?;
+    }
+    Ok(())
+}
+
+/// The report in a line.
+fn words(report: &Report) -> String {
+    let levels = &report.levels;
+    let mut text = format!(
+        "published poses late by {:.2} ms, off by {:.1} mm and {:.2} deg; IMU noise {:.3} m/s^2 and {:.4} rad/s a sample",
+        report.delay_ms.value,
+        report.published_position_error_mm,
+        report.published_rotation_error_deg,
+        levels.accel_sample_std,
+        levels.gyro_sample_std
+    );
+    if let Some(held) = &report.held_out {
+        text += &format!(
+            "; {} poses kept out: {:.2} mm and {:.3} deg, {:.2} and {:.2} of what their noise allows",
+            held.poses,
+            1e3 * held.position_m,
+            held.rotation_deg,
+            held.position_whitened,
+            held.rotation_whitened
+        );
+    }
+    text
+}

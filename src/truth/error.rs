@@ -1,0 +1,80 @@
+//! Why a published ground truth cannot be reconciled.
+
+use dpn_core::config::ConfigFaults;
+use thiserror::Error;
+
+/// Why there is no reconciled ground truth.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum TruthError {
+    /// Settings out of their bounds.
+    #[error(transparent)]
+    Config(#[from] ConfigFaults),
+    /// Too little of one or the other.
+    #[error(
+        "{poses} published poses and {samples} samples lie within each other's time; at least {least} of each are needed"
+    )]
+    TooShort {
+        /// Poses.
+        poses: usize,
+        /// Samples.
+        samples: usize,
+        /// The fewest.
+        least: usize,
+    },
+    /// No pose close to a sample.
+    #[error("no published pose lies within the samples' time; are both on one clock?")]
+    NoOverlap,
+    /// The rates do not agree, whatever the delay.
+    #[error(
+        "the published poses do not turn as the gyro does: their rates correlate by {correlation:.2} at best, with clocks up to \
+        {longest_delay_s} s apart; it is another clock, another flight, or the rotation is none that was measured"
+    )]
+    RatesDisagree {
+        /// The largest correlation.
+        correlation: f64,
+        /// The largest delay tried \[s\].
+        longest_delay_s: f64,
+    },
+    /// The absolute rates agree, their directions do not.
+    #[error(
+        "no turn of the body's frame takes the published rates to the gyro's: {:.0} % of them is explained; are the quaternions \
+        world from body, w first?", 100.0 * share
+    )]
+    AxesDisagree {
+        /// The share of the gyro's square that is explained.
+        share: f64,
+    },
+    /// The mean specific force is not gravity.
+    #[error(
+        "the accelerometer reads {found:.2} m/s^2 on average through the published attitude, gravity is 9.81; check units and frames"
+    )]
+    NotGravity {
+        /// What it reads.
+        found: f64,
+    },
+    /// The adjustment broke down.
+    #[error("the adjustment is singular {}; published poses and samples have nothing in common there", at(*.seconds))]
+    Singular {
+        /// Seconds after the first sample; `None` for the frames.
+        seconds: Option<f64>,
+    },
+    /// Nothing is good enough.
+    #[error(
+        "nowhere is the reconciled pose known to {position_limit_m} m and {rotation_limit_deg} deg (at best {best_m:.4} m, {best_deg:.3} deg); \
+        published poses and samples disagree, or raise the limits"
+    )]
+    NothingTrusted {
+        /// The limit.
+        position_limit_m: f64,
+        /// The limit.
+        rotation_limit_deg: f64,
+        /// The least deviation of position.
+        best_m: f64,
+        /// The least deviation of rotation.
+        best_deg: f64,
+    },
+}
+
+fn at(seconds: Option<f64>) -> String {
+    seconds.map_or_else(|| "in its frames".to_owned(), |s| format!("at {s:.1} s"))
+}

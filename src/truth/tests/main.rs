@@ -1,0 +1,5 @@
+//! Degraded ground truth of simulated flights comes back, and what cannot be mended is said and left out.
+
+mod bad_input;
+mod degrade;
+mod degraded;
