@@ -12,6 +12,8 @@ use nalgebra::{Vector2, Vector3};
 
 /// Tracks without which nothing is said.
 const MIN_TRACKS: usize = 10;
+/// With fewer tracks left of the frame that a rest is held against, the newest takes its place: tracks end while nothing moves.
+const RENEWED_BELOW: usize = 2 * MIN_TRACKS;
 /// A frame counts as at rest when frames this much later still are: it does not hold the first of the motion \[s\].
 const SETTLED_S: f64 = 0.15;
 /// Mean rotation rate that a gyro's bias can feign \[rad/s\].
@@ -20,7 +22,10 @@ const MAX_RATE: f64 = 0.15;
 /// Follows a sequence of frames and says until when they stood still.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct RestWatch {
-    first: Option<InitFrame>,
+    /// The rest's first frame.
+    from: Option<Stamp>,
+    /// The frame that the others are held against, and by how much the image may have moved before it \[rad\].
+    first: Option<(InitFrame, f64)>,
     /// The last frame that matched the first, and by how much the image may have moved by then \[rad\].
     last: Option<(Stamp, f64)>,
 }
@@ -43,28 +48,34 @@ pub(crate) struct Rest {
 impl RestWatch {
     /// Takes the next frame, `rate` being the gyro's mean size since the last \[rad/s\]; the rest that it is in or that it ends.
     pub(crate) fn push(&mut self, frame: &InitFrame, rate: f64, config: &InitConfig) -> Option<Rest> {
-        let moved = self.first.as_ref().and_then(|first| {
+        let found = self.first.as_ref().and_then(|(first, before)| {
             let pairs = shared(first, frame);
             let mut moves: Vec<f64> = pairs.iter().map(|(a, b)| (a - b).norm()).collect();
             let still = rate <= MAX_RATE
                 && moves.len() >= MIN_TRACKS
                 && robust::median(&mut moves) <= config.angle(config.rest_track_px);
-            still.then(|| common_motion(&pairs))
+            let fades = pairs.len() < RENEWED_BELOW && frame.t.seconds_since(first.t) >= config.min_rest_s;
+            still.then(|| (before.hypot(common_motion(&pairs)), fades))
         });
-        let still = moved.is_some();
-        if let Some(moved) = moved {
+        let still = found.is_some();
+        if let Some((moved, _)) = found {
             self.last = Some((frame.t, moved));
         }
-        let rest = self.first.as_ref().zip(self.last).map(|(first, (last, moved))| Rest {
-            from: first.t,
-            to: last.plus_seconds(-SETTLED_S).max(first.t),
+        let rest = self.from.zip(self.last).map(|(from, (last, moved))| Rest {
+            from,
+            to: last.plus_seconds(-SETTLED_S).max(from),
             lasts: still,
-            seconds: last.seconds_since(first.t),
+            seconds: last.seconds_since(from),
             moved,
         });
-        if !still {
-            self.first = Some(frame.clone());
-            self.last = None;
+        match found {
+            Some((moved, true)) => self.first = Some((frame.clone(), moved)),
+            Some(_) => {}
+            None => {
+                self.first = Some((frame.clone(), 0.0));
+                self.from = Some(frame.t);
+                self.last = None;
+            }
         }
         rest.filter(|r| r.seconds >= config.min_rest_s)
     }
@@ -128,6 +139,24 @@ mod tests {
         assert!(!ended.lasts);
         assert!((ended.to.seconds_since(Stamp::from_ns(0)) - 0.75).abs() < 1e-9);
         assert_eq!(watch.push(&frame(1.1, 20.0), 0.02, &config), None);
+    }
+
+    #[test]
+    fn tracks_that_end_while_nothing_moves_end_no_rest() {
+        let config = InitConfig::default();
+        let mut watch = RestWatch::default();
+        let mut last = None;
+        for k in 0..200u64 {
+            // Every frame one of forty tracks ends and another begins.
+            let bearings = (k..k + 40).map(|id| {
+                let (u, v) = ((id % 40) as f64 * 0.02 - 0.4, (id % 7) as f64 * 0.08 - 0.25);
+                (id, Vector3::new(u, v, 1.0).normalize())
+            });
+            let t = Stamp::from_ns(0).plus_seconds(0.1 * k as f64);
+            last = watch.push(&InitFrame::new(t, bearings.collect()), 0.02, &config);
+        }
+        let rest = last.unwrap();
+        assert!(rest.lasts && rest.from == Stamp::from_ns(0), "{rest:?}");
     }
 
     #[test]
