@@ -17,6 +17,8 @@ const GRID_S: f64 = 0.01;
 const MEAN_S: f64 = 0.05;
 /// Where the body turns less than this \[rad/s, root mean square\], nothing can be said of clock and mount.
 const LEAST_TURNING: f64 = 0.05;
+/// Where it turns less than this, rates that do not agree may be noise \[rad/s\].
+const SURE_TURNING: f64 = 0.2;
 /// Rates that agree less than this are not of one body.
 const LEAST_CORRELATION: f64 = 0.6;
 
@@ -134,13 +136,14 @@ pub(crate) fn guess(
     };
     let mut frames = Frames::identity();
     let mut found = None;
-    if !here.is_empty() && rms(|p| p.0).max(rms(|p| p.1)) > LEAST_TURNING {
+    if !here.is_empty() && rms(|p| p.0) > LEAST_TURNING {
         let steps = (config.longest_delay_s / GRID_S).round() as i64;
         let of = |i: i64| correlation(&pairs(&gyro, &published, GRID_S * i as f64));
         let (best, value) = (-steps..=steps)
             .map(|i| (i, of(i)))
             .fold((0, f64::MIN), |best, next| if next.1 > best.1 { next } else { best });
-        if value < LEAST_CORRELATION {
+        let sure = rms(|p| p.0) > SURE_TURNING;
+        if sure && value < LEAST_CORRELATION {
             return Err(TruthError::RatesDisagree {
                 correlation: value,
                 longest_delay_s: config.longest_delay_s,
@@ -150,9 +153,15 @@ pub(crate) fn guess(
         let (before, after) = (of(best - 1), of(best + 1));
         let bend = before - 2.0 * value + after;
         let shift = if bend < 0.0 { 0.5 * (before - after) / bend } else { 0.0 };
-        frames.delay_s = GRID_S * (best as f64 + shift.clamp(-1.0, 1.0));
-        frames.body_from_published_body = mount(&pairs(&gyro, &published, frames.delay_s))?;
-        found = Some(value);
+        let delay_s = GRID_S * (best as f64 + shift.clamp(-1.0, 1.0));
+        match mount(&pairs(&gyro, &published, delay_s)) {
+            Ok(mount) => {
+                (frames.delay_s, frames.body_from_published_body) = (delay_s, mount);
+                found = Some(value);
+            }
+            Err(_) if !sure => {}
+            Err(error) => return Err(error),
+        }
     }
     let tilt = up(samples, poses, &frames, config)?;
     frames.published_world_from_world = tilt;

@@ -1,7 +1,7 @@
 //! Which published poses do not belong to the rest: after a jump of the frame, under another clock, on a course of their own.
 //!
-//! Poses are cut into segments where they jump and where they pause. Of an adjustment with all of them, the mean error of a segment
-//! says whether it shares its neighbours' frame, and windows within it whether their course is the IMU's.
+//! Poses are cut into segments where they jump and where they pause. Of an adjustment with all of them, the mean errors on both sides of a cut
+//! say whether the frame is the same, and windows within it whether their course is the IMU's.
 
 use crate::adjust::Adjusted;
 use crate::config::TruthConfig;
@@ -18,6 +18,8 @@ const LEAST_JUMP_M: f64 = 0.03;
 const LEAST_JUMP_RAD: f64 = 0.05;
 /// A jump is so many times the usual unevenness.
 const JUMP: f64 = 12.0;
+/// Next to a cut is within this \[s\].
+const NEAR_S: f64 = 0.3;
 /// Windows are looked at by this \[s\].
 const WINDOW_S: f64 = 1.0;
 /// A window disagrees when its error is so many times the usual one
@@ -95,12 +97,19 @@ pub(crate) fn disagreeing(
     // A frame that jumped: neighbours whose mean errors are far apart. The shorter goes.
     let mut worst: Option<(f64, usize)> = None;
     for i in 1..segments.len() {
-        let (a, b) = (&segments[i - 1].poses, &segments[i].poses);
+        // Next to the cut: farther away the adjustment has bent the motion until it fits either.
+        let time = |i: usize| problem.published[i].pose.t;
+        let (before, after) = (&segments[i - 1].poses, &segments[i].poses);
+        let near_before =
+            before.clone().filter(|p| time(before.end - 1).seconds_since(time(*p)) < NEAR_S).count();
+        let near_after = after.clone().filter(|p| time(*p).seconds_since(time(after.start)) < NEAR_S).count();
+        let a = &(before.end - near_before..before.end);
+        let b = &(after.start..after.start + near_after);
         let metres = (mean(a, |e| e.0) - mean(b, |e| e.0)).norm() / LEAST_ERROR_M;
         let radians = (mean(a, |e| e.1) - mean(b, |e| e.1)).norm() / LEAST_ERROR_RAD;
         let apart = metres.max(radians);
         if apart > 1.0 && worst.is_none_or(|(most, _)| apart > most) {
-            worst = Some((apart, if a.len() < b.len() { i - 1 } else { i }));
+            worst = Some((apart, if before.len() < after.len() { i - 1 } else { i }));
         }
     }
     if let Some((_, i)) = worst {
