@@ -24,9 +24,9 @@ missing() {
 
 # The same plan by one process, and as it is planned for twelve shards.
 cp "$here/flights.toml" "$work/plan.toml"
-"$DPN" sweep plan "$work/plan.toml" --shards 1 --out "$work/alone"
+"$DPN" sweep plan "$work/plan.toml" --shards 1 --out "$work/alone" >/dev/null
 "$DPN" sweep run "$work/alone" --shard 0
-"$DPN" sweep collect "$work/alone" --out "$work/single"
+"$DPN" sweep collect "$work/alone" --out "$work/single" >/dev/null
 planned() {
   "$DPN" sweep plan "$work/plan.toml" --shards 12 --out "$work/$1" >/dev/null
 }
@@ -60,10 +60,14 @@ if command -v slurmctld-wlm munged >/dev/null; then
   planned slurm
   slurm_start "$work/cluster"
   "$cluster/slurm/submit.sh" "$work/slurm" --chdir "$work"
-  # In the middle: a node has begun its second shard at least.
-  until [ "$(squeue -h -t running -w dpn1 -o %K)" != "" ] && [ "$(squeue -h -t running,pending -r | wc -l)" -le 9 ]; do sleep 0.1; done
+  # In the middle, and early in a shard: its node dies while it works.
+  on_node() { squeue -h -t running -w dpn1 -o %K; }
+  until [ -n "$(on_node)" ]; do sleep 0.05; done
+  first=$(on_node)
+  until dying=$(on_node) && [ -n "$dying" ] && [ "$dying" != "$first" ]; do sleep 0.05; done
+  sleep 0.2
   slurm_kill_node dpn1
-  echo "slurm: node dpn1 is dead while it works on shard $(squeue -h -t running -w dpn1 -o %K)"
+  echo "slurm: node dpn1 is dead while it works on shard $dying"
   for ((i = 0; i < 600; i++)); do
     [ -n "$(squeue -h)" ] || break
     # A requeued job waits two minutes by default; here it need not.

@@ -36,15 +36,15 @@ KillWait=2
 MessageTimeout=5
 SchedulerParameters=sched_interval=1,batch_sched_delay=0,requeue_delay=1
 SelectType=select/cons_tres
-SelectTypeParameters=CR_CPU
+SelectTypeParameters=CR_CPU_Memory
 StateSaveLocation=$slurm_dir/state
 SlurmdSpoolDir=$slurm_dir/spool/%n
 SlurmctldPidFile=$slurm_dir/slurmctld.pid
 SlurmdPidFile=$slurm_dir/%n.pid
 SlurmctldLogFile=$slurm_dir/log/slurmctld.log
 SlurmdLogFile=$slurm_dir/log/%n.log
-NodeName=dpn0 NodeHostname=$host NodeAddr=127.0.0.1 Port=17818 CPUs=1
-NodeName=dpn1 NodeHostname=$host NodeAddr=127.0.0.1 Port=17819 CPUs=1
+NodeName=dpn0 NodeHostname=$host NodeAddr=127.0.0.1 Port=17818 CPUs=1 RealMemory=2048
+NodeName=dpn1 NodeHostname=$host NodeAddr=127.0.0.1 Port=17819 CPUs=1 RealMemory=2048
 PartitionName=all Nodes=dpn[0-1] Default=YES MaxTime=INFINITE State=UP
 CONF
   export SLURM_CONF="$slurm_dir/slurm.conf"
@@ -71,31 +71,23 @@ slurm_node() {
 
 # Ends a node as a power cut does: its daemon and everything that it has started.
 slurm_kill_node() {
-  local script dying
+  local process dying
   dying=$(cat "$slurm_dir/$1.pid")
-  # A job's script runs out of its node's spool folder; its parent is the step's daemon.
-  for script in $(pgrep -f "$slurm_dir/spool/$1/" || true); do
-    [ "$script" = "$dying" ] || dying="$dying $(ps -o ppid= -p "$script") $script $(descendants "$script")"
+  # What a node runs has its name in its environment; the parent of a job's first process is the step's daemon.
+  # shellcheck disable=SC2013
+  for process in $(grep -lsz "^SLURMD_NODENAME=$1\$" /proc/[0-9]*/environ | cut -d / -f 3); do
+    dying="$dying $(ps -o ppid= -p "$process" || true) $process"
   done
   # shellcheck disable=SC2086
   kill -9 $dying 2>/dev/null || true
-}
-
-descendants() {
-  local child
-  for child in $(pgrep -P "$1" || true); do
-    echo "$child"
-    descendants "$child"
-  done
 }
 
 # Ends everything.
 slurm_stop() {
   local file
   for file in "$slurm_dir"/*.pid "$munge_dir/pid"; do
-    [ -e "$file" ] && kill -9 "$(cat "$file")" 2>/dev/null
+    [ ! -e "$file" ] || kill -9 "$(cat "$file")" 2>/dev/null || true
   done
-  pkill -9 slurmstepd 2>/dev/null
+  pkill -9 slurmstepd 2>/dev/null || true
   rm -rf "$munge_dir"
-  return 0
 }
