@@ -4,7 +4,7 @@ use crate::window::WINDOW;
 use dpn_core::signal::SavitzkyGolay;
 
 /// Deviations of the Gaussian kernels a window may be smoothed with \[samples\].
-pub(crate) const GAUSSIAN_WIDTHS: [f64; 4] = [1.5, 2.0, 3.0, 4.5];
+pub const GAUSSIAN_WIDTHS: [f64; 4] = [1.5, 2.0, 3.0, 4.5];
 
 /// A filter for one window.
 #[derive(Debug, Clone)]

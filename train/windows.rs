@@ -12,7 +12,7 @@ use dpn_core::signal::FilterError;
 use dpn_core::{ImuRecording, Sensor};
 
 /// Share of every training sequence, at its end, kept for validation (decision 13).
-const VALIDATION_SHARE: f64 = 0.15;
+pub const VALIDATION_SHARE: f64 = 0.15;
 
 /// One axis of one sequence.
 #[derive(Debug, Clone)]

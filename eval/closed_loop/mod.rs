@@ -6,7 +6,7 @@
 //! * [`drive`] runs the estimator over one [`Recording`] with one noise track; [`judge`] makes a [`Row`] of what comes out.
 //! * [`Sweep`] runs all cells on all threads into a folder, which a later call goes on with. A cell is named by a checksum of all that its row is a
 //!   function of, so that nothing stale is ever taken for it; the folder has one writer at a time.
-//! * [`single`] runs one recording and says everything of it.
+//! * [`judged_run`] runs one recording and says everything of it.
 //! * [`consistency`] puts the NEES of many seeds together. What rows say of noises: [`crate::study`].
 
 mod cell;

@@ -63,9 +63,12 @@ pub fn balance(groups: &[Group], shards: usize) -> Balance {
     best
 }
 
+/// A part of a group: the group's number, its cells with their seconds, the sum of these \[s\].
+type Piece<'a> = (usize, &'a [(usize, f64)], f64);
+
 /// Groups in pieces that take about `piece_s` at most, the longest first.
 fn placed(groups: &[Group], shards: usize, piece_s: f64) -> Balance {
-    let mut pieces: Vec<(usize, &[(usize, f64)], f64)> = Vec::new();
+    let mut pieces: Vec<Piece<'_>> = Vec::new();
     for (number, group) in groups.iter().enumerate() {
         // A piece's share of the time goes to what is shared, or there would be no end of cutting.
         let count = (group.own_s() / (piece_s - group.shared_s).max(piece_s / 2.0)).ceil();
@@ -82,7 +85,7 @@ fn placed(groups: &[Group], shards: usize, piece_s: f64) -> Balance {
             }
         }
     }
-    let length = |(group, _, own_s): &(usize, &[_], f64)| groups[*group].shared_s + own_s;
+    let length = |(group, _, own_s): &Piece<'_>| groups[*group].shared_s + own_s;
     pieces.sort_by(|a, b| length(b).total_cmp(&length(a)));
     let cells = groups.iter().map(|group| group.cells.len()).sum();
     let (mut shard_of, mut seconds) = (vec![0; cells], vec![0.0; shards]);

@@ -3,7 +3,7 @@
 //! Rows are not taken apart on the way: a line is checked against its shard's account, found by its cell's checksum, and copied byte by byte to its
 //! place in the order of cells. So memory holds where lines lie and not the lines.
 
-use super::error::{MissingShard, SweepError};
+use super::error::{MissingShard, MixedShard, SweepError};
 use super::manifest::SweepFolder;
 use super::record::{Named, ROWS, ShardRecord, line_sum, text_of};
 use super::shard::{FAILED, FailedLine};
@@ -114,14 +114,14 @@ impl Found<'_> {
         ] {
             if there != here {
                 let label = own.first().map_or("none planned", |place| &planned.cells[*place].label);
-                return Err(SweepError::Mixed {
+                return Err(SweepError::Mixed(Box::new(MixedShard {
                     shard,
                     label: label.to_owned(),
                     key: key.to_owned(),
                     there: there.clone(),
                     planned: here.clone(),
                     command,
-                });
+                })));
             }
         }
         if !record.done {

@@ -97,21 +97,8 @@ pub enum SweepError {
         here: String,
     },
     /// A shard that was made by or from something else.
-    #[error("shard {shard} ({label}) was made with another {key}: {there} there, {planned} in the sweep")]
-    Mixed {
-        /// The shard.
-        shard: usize,
-        /// Its first cell.
-        label: String,
-        /// What differs.
-        key: String,
-        /// In the shard.
-        there: String,
-        /// In the sweep.
-        planned: String,
-        /// What makes the shard again.
-        command: String,
-    },
+    #[error(transparent)]
+    Mixed(Box<MixedShard>),
     /// Two results of one cell that are not the same.
     #[error("{label}: {} and {} have two different results of it", first.display(), second.display())]
     Contradiction {
@@ -155,6 +142,24 @@ pub enum SweepError {
     },
 }
 
+/// A shard that was made by or from something else.
+#[derive(Debug, Error)]
+#[error("shard {shard} ({label}) was made with another {key}: {there} there, {planned} in the sweep")]
+pub struct MixedShard {
+    /// The shard.
+    pub shard: usize,
+    /// Its first cell.
+    pub label: String,
+    /// What differs.
+    pub key: String,
+    /// In the shard.
+    pub there: String,
+    /// In the sweep.
+    pub planned: String,
+    /// What makes the shard again.
+    pub command: String,
+}
+
 fn counted(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
 }
@@ -186,7 +191,7 @@ impl SweepError {
                 "run it with the program, data and kind of processor it was planned with, or plan it anew"
                     .into()
             }
-            Self::Mixed { command, .. } => format!("remove the shard's folder; `{command}` makes it again"),
+            Self::Mixed(mixed) => format!("remove the shard's folder; `{}` makes it again", mixed.command),
             Self::Contradiction { .. } => {
                 "remove one of the two shards' folders and run that shard again".into()
             }

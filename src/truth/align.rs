@@ -118,6 +118,9 @@ fn correlation(pairs: &[(Vector3<f64>, Vector3<f64>)]) -> f64 {
     if moments[0] > 0.0 && moments[2] > 0.0 { moments[1] / (moments[0] * moments[2]).sqrt() } else { 0.0 }
 }
 
+/// One of two vectors: turning or shift, of position or of rotation.
+pub(crate) type PartOf = fn(&(Vector3<f64>, Vector3<f64>)) -> Vector3<f64>;
+
 /// The first guess.
 ///
 /// # Errors
@@ -131,9 +134,8 @@ pub(crate) fn guess(
     let gyro = GyroSum::new(samples);
     let here = pairs(&gyro, &published, 0.0);
     let square = |v: &Vector3<f64>| v.norm_squared();
-    let rms = |part: fn(&(Vector3<f64>, Vector3<f64>)) -> Vector3<f64>| {
-        (here.iter().map(|p| square(&part(p))).sum::<f64>() / here.len().max(1) as f64).sqrt()
-    };
+    let rms =
+        |part: PartOf| (here.iter().map(|p| square(&part(p))).sum::<f64>() / here.len().max(1) as f64).sqrt();
     let mut frames = Frames::identity();
     let mut found = None;
     if !here.is_empty() && rms(|p| p.0) > LEAST_TURNING {

@@ -241,8 +241,9 @@ mod tests {
             let expected = -&inverse * gradient;
             let (steps, constants) = factor.solve(&chain);
             let covariance = factor.covariance();
-            for k in 0..KEYS {
-                assert!((steps[k] - expected.fixed_rows::<3>(3 * k)).amax() < 1e-12);
+            assert_eq!(steps.len(), KEYS);
+            for (k, step) in steps.iter().enumerate() {
+                assert!((step - expected.fixed_rows::<3>(3 * k)).amax() < 1e-12);
                 assert!((covariance.keys[k] - inverse.fixed_view::<3, 3>(3 * k, 3 * k)).amax() < 1e-12);
                 let mixed = inverse.fixed_view::<3, 2>(3 * k, 3 * KEYS);
                 assert!((covariance.with_constants[k] - mixed).amax() < 1e-12);

@@ -217,8 +217,8 @@ fn spans(
         left_out.iter().find(holds).map(|s| s.why)
     };
     let mut out: Vec<Span> = Vec::new();
-    for k in 0..keys.len() {
-        let (at, (position, rotation)) = (seconds(k), deviations[k]);
+    for (k, &(position, rotation)) in deviations.iter().enumerate() {
+        let at = seconds(k);
         let after = used.partition_point(|t| *t < at);
         let near = |i: Option<usize>| {
             i.and_then(|i| used.get(i)).is_some_and(|t| (t - at).abs() <= config.longest_gap_s)
@@ -226,9 +226,7 @@ fn spans(
         let trust = if position > config.position_limit_m || rotation.to_degrees() > config.rotation_limit_deg
         {
             Trust::LeftOut
-        } else if near(Some(after)) && near(after.checked_sub(1)) || near(Some(after)) && after == 0 {
-            Trust::Reconciled
-        } else if near(after.checked_sub(1)) && after == used.len() {
+        } else if (near(Some(after)) || after == used.len()) && (near(after.checked_sub(1)) || after == 0) {
             Trust::Reconciled
         } else {
             Trust::Bridged

@@ -4,6 +4,7 @@
 //! say whether the frame is the same, and windows within it whether their course is the IMU's.
 
 use crate::adjust::Adjusted;
+use crate::align::PartOf;
 use crate::config::TruthConfig;
 use crate::problem::Problem;
 use dpn_core::geometry::so3;
@@ -57,10 +58,11 @@ pub(crate) fn segments(poses: &[StampedPose], config: &TruthConfig) -> Vec<Segme
                 .map(step)
                 .collect();
             let n = beside.len() as f64;
-            let mean = |part: fn(&(f64, Vector3<f64>, Vector3<f64>)) -> Vector3<f64>| {
-                beside.iter().map(part).sum::<Vector3<f64>>() / n
-            };
-            ((rise - mean(|s| s.1)).norm() * seconds, (turn - mean(|s| s.2)).norm() * seconds)
+            let (mean_rise, mean_turn) = (
+                beside.iter().map(|s| s.1).sum::<Vector3<f64>>() / n,
+                beside.iter().map(|s| s.2).sum::<Vector3<f64>>() / n,
+            );
+            ((rise - mean_rise).norm() * seconds, (turn - mean_turn).norm() * seconds)
         })
         .collect();
     let usual = |part: fn(&(f64, f64)) -> f64| median(&uneven.iter().map(part).collect::<Vec<_>>());
@@ -91,7 +93,7 @@ pub(crate) fn disagreeing(
     segments: &mut Vec<Segment>,
 ) -> Vec<Segment> {
     let errors = errors(problem, adjusted);
-    let mean = |range: &Range<usize>, part: fn(&(Vector3<f64>, Vector3<f64>)) -> Vector3<f64>| {
+    let mean = |range: &Range<usize>, part: PartOf| {
         errors[range.clone()].iter().map(part).sum::<Vector3<f64>>() / range.len() as f64
     };
     // A frame that jumped: neighbours whose mean errors are far apart. The shorter goes.
@@ -117,13 +119,11 @@ pub(crate) fn disagreeing(
         return vec![Segment { why: "its frame is not that of the poses beside it", ..segment }];
     }
     let windows = windows(problem, segments);
-    let rms = |range: &Range<usize>, part: fn(&(Vector3<f64>, Vector3<f64>)) -> Vector3<f64>| {
+    let rms = |range: &Range<usize>, part: PartOf| {
         (errors[range.clone()].iter().map(|e| part(e).norm_squared()).sum::<f64>() / range.len() as f64)
             .sqrt()
     };
-    let of = |part: fn(&(Vector3<f64>, Vector3<f64>)) -> Vector3<f64>| -> Vec<f64> {
-        windows.iter().map(|w| rms(w, part)).collect()
-    };
+    let of = |part: PartOf| -> Vec<f64> { windows.iter().map(|w| rms(w, part)).collect() };
     let (metres, radians) = (of(|e| e.0), of(|e| e.1));
     let far_m = LEAST_ERROR_M.max(DISAGREE * median(&metres));
     let far_rad = LEAST_ERROR_RAD.max(DISAGREE * median(&radians));

@@ -83,13 +83,11 @@ pub(crate) fn start<'a>(
         };
         estimate.keys.push(key);
     }
-    if config.hold_out > 0 {
-        // By the key beside: a block of poses is predicted, not one whose neighbours are at hand.
-        let terms = problem.terms(&estimate);
-        for (published, (k, _)) in problem.published.iter_mut().zip(terms) {
-            if (k / config.hold_out) % 2 == 1 {
-                published.role = Role::KeptOut;
-            }
+    // By the key beside: a block of poses is predicted, not one whose neighbours are at hand.
+    let terms = problem.terms(&estimate);
+    for (published, (k, _)) in problem.published.iter_mut().zip(terms) {
+        if k.checked_div(config.hold_out).is_some_and(|block| block % 2 == 1) {
+            published.role = Role::KeptOut;
         }
     }
     (problem, estimate)

@@ -28,3 +28,4 @@ mod sweep;
 mod tracks;
 mod train;
 mod training;
+mod truth;

@@ -39,6 +39,9 @@ const FIGURES: [&[u8]; 4] = [
       \"accel_bias_std\": [0.001, 0.001, 0.001], \"gyro_bias_std\": [0.0001, 0.0001, 0.0001], \"imu_update_rate\": 200.0}}\n",
 ];
 
+/// A file before it is damaged: its bytes, the name that it gets, and the folder that it belongs to.
+type Whole = (Arc<Vec<u8>>, String, &'static str);
+
 /// `files` damaged files for each of five commands.
 pub(crate) fn all(files: usize) -> impl Iterator<Item = Case> + Send {
     let repository = |path: &str| Arc::new(std::fs::read(repository().join(path)).unwrap());
@@ -57,7 +60,7 @@ pub(crate) fn all(files: usize) -> impl Iterator<Item = Case> + Send {
         ("noise convert --to kalibr config.yaml", figures),
     ];
     (0..files).flat_map(move |n| {
-        let of = |(line, inputs): &(&'static str, Vec<(Arc<Vec<u8>>, String, &'static str)>)| {
+        let of = |(line, inputs): &(&'static str, Vec<Whole>)| {
             let line: &'static str = line;
             let (whole, name, folder) = inputs[n % inputs.len()].clone();
             let command = line.replace("LOG", &name);

@@ -27,7 +27,7 @@ pub(crate) fn many(file: &Path, args: &TrainArgs) -> Result<()> {
     let mut asked: TrainPlan = dpn_io::config::load(file)?;
     asked.data = args.data.clone().or(asked.data);
     asked.device = args.device.clone().unwrap_or(asked.device);
-    let trainings = CorpusTrainer::new(asked.data.clone()).to_plan(&asked)?;
+    let trainings = CorpusTrainer::new(asked.data.clone()).trainings(&asked)?;
     let (count, device) = (trainings.len(), asked.device.clone());
     let manifest = SweepManifest::new(program(), dpn_pronet::processor(), asked.data, false);
     let jobs = [JobToPlan::Train(trainings)];

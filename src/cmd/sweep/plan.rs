@@ -65,7 +65,7 @@ fn of_trainings(args: &SweepPlanArgs) -> Result<Planned> {
     let mut asked: TrainPlan = load(&args.plan)?;
     asked.data = args.data.clone().or(asked.data);
     let mut trainer = CorpusTrainer::new(asked.data.clone());
-    let trainings = trainer.to_plan(&asked)?;
+    let trainings = trainer.trainings(&asked)?;
     cut(args, asked.data, None, &[JobToPlan::Train(trainings)])
 }
 

@@ -36,7 +36,7 @@ impl CorpusTrainer {
     }
 
     /// Every training of a plan, with its checksum and its updates.
-    pub(crate) fn to_plan(&mut self, plan: &TrainPlan) -> Result<Vec<(TrainSpec, String, f64)>> {
+    pub(crate) fn trainings(&mut self, plan: &TrainPlan) -> Result<Vec<(TrainSpec, String, f64)>> {
         device::parse(&plan.device)?;
         // Updates are counted, none is made.
         let device = device::parse(device::CPU)?;

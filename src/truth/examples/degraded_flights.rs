@@ -1,4 +1,5 @@
 //! How well degraded ground truth of simulated flights comes back: `cargo run --example degraded_flights -p dpn-truth -- [FLIGHT] [VIBRATION]`.
+#![allow(clippy::unwrap_used)]
 
 #[path = "../tests/degrade.rs"]
 mod degrade;
