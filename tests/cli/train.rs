@@ -233,3 +233,42 @@ fn there_must_be_a_run_to_resume() {
     );
     assert!(!out.exists());
 }
+
+#[test]
+fn many_networks_of_a_plan_are_those_that_are_trained_one_by_one() {
+    let tmp = tempfile::tempdir().unwrap();
+    let dir = tmp.path();
+    let data = sound(dir);
+    config(dir, TINY);
+    let plan = "kind = \"train\"\nsensors = [\"accel\"]\nconfigs = [\"config.toml\"]\nseed = 1\nseeds = 3\nepochs = 2\n";
+    std::fs::write(dir.join("plan.toml"), plan).unwrap();
+    let many = || {
+        let mut command = dpn();
+        command.current_dir(dir).args([
+            "train",
+            "--many",
+            "plan.toml",
+            "--jobs",
+            "2",
+            "--json",
+            "--out",
+            "many",
+        ]);
+        end(command.arg("--data").arg(&data)).well()
+    };
+    let said = many().json();
+    assert_eq!((&said["networks"], &said["trained"]), (&3.into(), &3.into()), "{said}");
+    let alone = dir.join("alone");
+    end(&mut with(tiny(dir, &data, 2, &alone), &["--seed", "2"])).well();
+    assert_eq!(weights(&dir.join("many/accel-config-seed2")), weights(&alone));
+    // What is there is not trained again.
+    assert_eq!(many().json()["trained"], 0);
+
+    std::fs::write(dir.join("plan.toml"), plan.replace("\"train\"", "\"closed-loop\"")).unwrap();
+    let mut other = dpn();
+    other.current_dir(dir).args(["train", "--many", "plan.toml", "--out", "other"]);
+    end(&mut other).refused(
+        dir,
+        "error: plan.toml: this plan trains nothing\n\nhint: its kind must be \"train\", as in configs/sweep/train.toml",
+    );
+}

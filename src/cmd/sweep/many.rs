@@ -42,7 +42,15 @@ pub(crate) fn many(file: &Path, args: &TrainArgs) -> Result<()> {
     let made = work_off(&folder, workers, &stop)?;
     let done = collect(&folder, &out, false)?;
     let hours = clock.elapsed().as_secs_f64() / 3600.0;
-    errln!("{made} networks trained on {device}, {workers} at a time: {:.0} an hour", made as f64 / hours);
+    match made {
+        0 => errln!("{count} networks, all of them trained before"),
+        made => {
+            errln!(
+                "{made} networks trained on {device}, {workers} at a time: {:.0} an hour",
+                made as f64 / hours
+            );
+        }
+    }
     if args.json {
         let words = serde_json::json!({
             "networks": done.rows, "trained": made, "at_a_time": workers, "device": device, "hours": hours,
