@@ -101,10 +101,10 @@ impl SequenceSet {
         Ok(Self::Recorded { sequences: vec![(sequence, side)], tracks })
     }
 
-    /// The same with the reconciled ground truth of `dir`, `NAME.csv` a sequence; flights have none but their own.
+    /// The same with the reconciled ground truth of `dir`, `NAME.csv` a sequence, the published one without; flights have none but their own.
     #[must_use]
-    pub fn with_reconciled_truth(mut self, dir: &Path) -> Self {
-        if let Self::Recorded { sequences, .. } = &mut self {
+    pub fn with_reconciled_truth(mut self, dir: Option<&Path>) -> Self {
+        if let (Self::Recorded { sequences, .. }, Some(dir)) = (&mut self, dir) {
             for (sequence, _) in sequences {
                 *sequence = sequence.clone().with_reconciled_truth(dir);
             }

@@ -47,8 +47,8 @@ struct Found<'a> {
     lines: Vec<Option<Line>>,
     /// The files that rows lie in.
     sources: Vec<PathBuf>,
-    /// Files beside rows, by their path below the results' folder: where they lie, and their checksum.
-    files: BTreeMap<PathBuf, (PathBuf, String)>,
+    /// Files beside rows, by their path below the results' folder: the shard that has them, and their checksum.
+    files: BTreeMap<PathBuf, (usize, String)>,
     failed: Vec<(usize, FailedLine)>,
     missing: Vec<MissingShard>,
 }
@@ -133,7 +133,7 @@ impl Found<'_> {
             self.read_rows(shard, job, &record, &dir)?;
         }
         for (name, sum) in record.files {
-            self.files.entry(name.clone()).or_insert_with(|| (dir.join(name), sum));
+            self.files.entry(name).or_insert((shard, sum));
         }
         for line in text_of(&dir.join(FAILED))?.lines() {
             if let Ok(line) = serde_json::from_str(line) {
@@ -259,6 +259,10 @@ impl Found<'_> {
     }
 
     fn write(&self, out: &Path) -> Result<Collected, SweepError> {
+        // Read twice, so that what is refused has written nothing.
+        for name in self.files.keys() {
+            self.checked_file(name)?;
+        }
         let _lock = FolderLock::take(out)?;
         for (place, job) in self.folder.manifest.jobs.iter().enumerate() {
             let dir = out.join(&job.folder);
@@ -269,26 +273,28 @@ impl Found<'_> {
             }
             self.write_rows(place, &dir)?;
         }
-        for (name, (path, sum)) in &self.files {
-            let bytes = std::fs::read(path).map_err(|source| IoError::Read { path: path.clone(), source })?;
-            if of_parts([&bytes]) != *sum {
-                return Err(self.damaged_file(path));
-            }
+        for name in self.files.keys() {
+            let bytes = self.checked_file(name)?;
             atomic_write(&out.join(name), |file| file.write_all(&bytes))?;
         }
         let rows = self.lines.iter().flatten().count();
         Ok(Collected { out: out.to_path_buf(), rows, files: self.files.len(), failed: self.failed.len() })
     }
 
-    fn damaged_file(&self, path: &Path) -> SweepError {
-        let below = path.strip_prefix(self.folder.dir.join("shards")).ok();
-        let number = below.and_then(|path| path.iter().next()?.to_str()?.parse().ok());
-        SweepError::Damaged {
-            path: path.to_path_buf(),
+    /// The bytes of a file beside rows, as its shard wrote them.
+    fn checked_file(&self, name: &Path) -> Result<Vec<u8>, SweepError> {
+        let (shard, sum) = &self.files[name];
+        let path = self.folder.shard_dir(*shard).join(name);
+        let bytes = std::fs::read(&path).map_err(|source| IoError::Read { path: path.clone(), source })?;
+        if of_parts([&bytes]) == *sum {
+            return Ok(bytes);
+        }
+        Err(SweepError::Damaged {
+            path,
             line: 1,
             message: "not the file that the shard wrote".into(),
-            command: self.folder.command(number.unwrap_or_default()),
-        }
+            command: self.folder.command(*shard),
+        })
     }
 
     /// The rows of a job in the order of its cells, then those of other cells that were there.

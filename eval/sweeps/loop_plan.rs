@@ -115,13 +115,7 @@ impl LoopPlan {
             }
         };
         let source = match &self.data {
-            Some(dir) => {
-                let published = SequenceSet::recorded(dir, tracks)?;
-                match &self.truth {
-                    Some(truth) => published.with_reconciled_truth(truth),
-                    None => published,
-                }
-            }
+            Some(dir) => SequenceSet::recorded(dir, tracks)?.with_reconciled_truth(self.truth.as_deref()),
             None => SequenceSet::Flights { config: self.flights.load()?, tracks },
         };
         if self.seeds > 1 && !(source.tracks_are_seeded() || source.recordings_are_seeded()) {

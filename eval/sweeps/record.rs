@@ -48,6 +48,17 @@ pub(super) fn file_sum(path: &Path) -> Result<String, IoError> {
     Ok(of_parts([bytes]))
 }
 
+/// Checksums of the cells that have a row in a shard's folder, whichever shard they are planned for.
+pub(super) fn cells_with_rows(folder: &SweepFolder, dir: &Path) -> Result<HashSet<String>, IoError> {
+    let mut there = HashSet::new();
+    for job in &folder.manifest.jobs {
+        let text = text_of(&dir.join(&job.folder).join(ROWS))?;
+        let named = text.lines().filter_map(|line| serde_json::from_str::<Named>(line).ok());
+        there.extend(named.map(|named| named.cell));
+    }
+    Ok(there)
+}
+
 /// The text of a file, empty where there is none.
 pub(super) fn text_of(path: &Path) -> Result<String, IoError> {
     match std::fs::read(path) {

@@ -8,7 +8,7 @@ use super::beat::{Heart, node};
 use super::costs::{COSTS, CellCost, CostOf};
 use super::error::SweepError;
 use super::manifest::SweepFolder;
-use super::record::{Named, ROWS, ShardRecord, text_of};
+use super::record::{ROWS, ShardRecord, cells_with_rows};
 use super::spec::{JobSpec, LoopSpec, TrainSpec};
 use crate::closed_loop::{CellTime, FailedCell, Manifest, Row};
 use dpn_core::progress::Progress;
@@ -236,7 +236,7 @@ impl<'a> Shard<'a> {
         let mut costs = append_to(&self.dir().join(COSTS))?;
         let mut watch = |row: &Row, time: CellTime| {
             let noise = row.noise.to_string();
-            let amount = own.get(row.cell.as_str()).copied().unwrap_or_default();
+            let amount = *own.get(row.cell.as_str()).expect("the shard's cells alone are run");
             let of = CostOf { kind: &row.camera, on: &row.sequence, what: &noise, amount };
             Ok(costs.write(&CellCost::new(&of, row.seed, time))?)
         };
@@ -303,12 +303,8 @@ impl<'a> Shard<'a> {
             .cells_of_shard(self.number)
             .map(|place| self.folder.manifest.cells[place].cell.as_str())
             .collect();
-        let mut there = HashSet::new();
-        for job in &self.folder.manifest.jobs {
-            let text = text_of(&self.dir().join(&job.folder).join(ROWS))?;
-            let cells = text.lines().filter_map(|line| serde_json::from_str::<Named>(line).ok());
-            there.extend(cells.map(|named| named.cell).filter(|cell| own.contains(cell.as_str())));
-        }
+        let mut there = cells_with_rows(self.folder, self.dir())?;
+        there.retain(|cell| own.contains(cell.as_str()));
         Ok(there)
     }
 
@@ -331,7 +327,7 @@ impl<'a> Shard<'a> {
             cells.iter().map(|cell| (cell.cell.as_str(), cell.label.as_str())).collect();
         self.failed.iter().map(move |FailedCell { cell, reason }| FailedLine {
             cell: cell.clone(),
-            label: labels.get(cell.as_str()).copied().unwrap_or_default().to_owned(),
+            label: (*labels.get(cell.as_str()).expect("cells of the sweep alone are run")).to_owned(),
             reason: reason.clone(),
         })
     }

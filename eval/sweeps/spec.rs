@@ -103,10 +103,8 @@ impl LoopSpec {
             Some(config) => Ok(SequenceSet::Flights { config: config.clone(), tracks }),
             None => {
                 let published = SequenceSet::recorded(data.ok_or(SweepError::NoData)?, tracks)?;
-                Ok(match &self.truth {
-                    Some(as_planned) => published.with_reconciled_truth(truth.unwrap_or(as_planned)),
-                    None => published,
-                })
+                let truth = self.truth.as_deref().map(|as_planned| truth.unwrap_or(as_planned));
+                Ok(published.with_reconciled_truth(truth))
             }
         }
     }

@@ -3,10 +3,9 @@
 use super::beat::{BEAT, Beat, now};
 use super::error::SweepError;
 use super::manifest::SweepFolder;
-use super::record::{Named, ROWS, ShardRecord, text_of};
+use super::record::{ShardRecord, cells_with_rows, text_of};
 use super::shard::{FAILED, FailedLine};
 use serde::Serialize;
-use std::collections::HashSet;
 
 /// A process that has not been heard of for so long is taken for gone \[s\].
 const SILENT_S: u64 = 60;
@@ -92,12 +91,7 @@ fn of_shard(folder: &SweepFolder, shard: usize, own: &[usize], now: u64) -> Resu
     let (dir, manifest) = (folder.shard_dir(shard), &folder.manifest);
     // An account that does not read is found and mended by the shard's next run.
     let record = ShardRecord::read(&dir, "").ok().flatten();
-    let mut there = HashSet::new();
-    for job in &manifest.jobs {
-        let text = text_of(&dir.join(&job.folder).join(ROWS))?;
-        let named = text.lines().filter_map(|line| serde_json::from_str::<Named>(line).ok());
-        there.extend(named.map(|named| named.cell));
-    }
+    let there = cells_with_rows(folder, &dir)?;
     let by: Option<Beat> = serde_json::from_str(&text_of(&dir.join(BEAT))?).ok();
     let failed = text_of(&dir.join(FAILED))?;
     let failed: Vec<FailedLine> = failed.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();

@@ -63,7 +63,7 @@ impl TrainPlan {
                 let mut config = dpn_train::config::load(path, sensor)?;
                 if config.sensor() == sensor {
                     config.fit.epochs = self.epochs.unwrap_or(config.fit.epochs);
-                    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+                    let stem = path.file_stem().expect("a configuration was read from it").to_string_lossy();
                     found.push((format!("{sensor}-{stem}"), config));
                 }
             }

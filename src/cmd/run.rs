@@ -91,10 +91,7 @@ fn open(args: &RunArgs) -> Result<(SequenceSet, usize)> {
             (None, None) => made,
         };
         let set = SequenceSet::one(dir, tracks)?;
-        return Ok(match &args.truth {
-            Some(truth) => (set.with_reconciled_truth(truth), 0),
-            None => (set, 0),
-        });
+        return Ok((set.with_reconciled_truth(args.truth.as_deref()), 0));
     }
     if args.camera == Some(CameraArg::Images) {
         let remedy = "leave --camera away, render some with --camera rendered, or name a folder";
