@@ -4,7 +4,7 @@ use super::drive::EstimatorOutput;
 use super::error::ClosedLoopError;
 use super::image_report::FrontEndFigures;
 use super::recording::{Recording, first_motion};
-use super::row::{Failure, Restart, Row, StageSeconds};
+use super::row::{Failure, Restart, Row, StageSeconds, TruthKind};
 use crate::metrics::{
     AlignmentKind, Interpolation, MetricsError, PoseNees, PosePair, RPE_TOLERANCE, RpeStep, TruthOptions,
     TruthTrack, associate_interpolated, ate, nees, rpe, scale_error, start_alignment,
@@ -152,6 +152,8 @@ fn path_length(pairs: &[PosePair]) -> f64 {
 pub struct RunInfo {
     /// Where the images came from.
     pub camera: String,
+    /// What the recording's ground truth is, where it has one.
+    pub truth: TruthKind,
     /// The noise spec.
     pub noise: NoiseSpec,
     /// The seed.
@@ -201,6 +203,7 @@ pub fn judge(
         split: recording.side,
         cell: String::new(),
         camera: info.camera.clone(),
+        truth: recording.truth.as_ref().map(|_| info.truth),
         noise: info.noise.clone(),
         seed: info.seed,
         from_s: info.from_s,

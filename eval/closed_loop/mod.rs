@@ -45,7 +45,7 @@ pub use judge::{Errors, Judged, MAX_GAP_S, RunInfo, judge, paired};
 pub use judged_run::{JudgedRun, Report, judged_run};
 pub use manifest::Manifest;
 pub use recording::{Recording, Span, StartAt, first_motion};
-pub use row::{CellKey, Failure, Restart, Row, StageSeconds};
+pub use row::{CellKey, Failure, Restart, Row, StageSeconds, TruthKind};
 pub use sequence_set::{SequenceSet, TrackSource, path_config};
 pub use states::ANCHOR;
 pub use states::write_states;

@@ -35,6 +35,18 @@ pub enum Failure {
     Diverged,
 }
 
+/// Which ground truth a run is judged against; simulated tracks and renderings follow it too.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TruthKind {
+    /// As it lies beside the recording.
+    Published,
+    /// Reconciled with the recording's IMU (`dpn truth`).
+    Reconciled,
+    /// A simulation's own.
+    Exact,
+}
+
 /// Why an estimator began anew.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -67,6 +79,9 @@ pub struct Row {
     pub cell: String,
     /// What the odometry saw: `tracks`, `images`.
     pub camera: String,
+    /// What it was judged against; null without ground truth, and in rows from before there were several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub truth: Option<TruthKind>,
     /// The noise spec, parsed where the row is read.
     pub noise: NoiseSpec,
     /// Seed of tracks and flights; 0 for given tracks.
@@ -181,6 +196,7 @@ pub mod testing {
             split: if sequence.starts_with("MH_01") { Side::Train } else { Side::Test },
             cell: format!("{sequence}-{noise}-{seed}"),
             camera: "tracks".into(),
+            truth: Some(TruthKind::Published),
             noise: noise.parse().expect("a noise spec of a test"),
             seed,
             from_s: 0.0,

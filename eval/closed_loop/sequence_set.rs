@@ -4,6 +4,7 @@ use super::error::ClosedLoopError;
 use super::images::{ImageSource, ImageStream, of_folder};
 use super::recording::{Recording, Span};
 use super::rendered::rendered;
+use super::row::TruthKind;
 use super::tracking::CameraInput;
 use crate::metrics::poses_of;
 use dpn_core::camera::CameraConfig;
@@ -120,14 +121,14 @@ impl SequenceSet {
         }
     }
 
-    /// What the ground truth is: `published` beside the recording, `reconciled` with it, or a simulation's `exact` one.
-    pub fn truth(&self) -> &'static str {
+    /// What the ground truth is.
+    pub fn truth(&self) -> TruthKind {
         match self {
             Self::Recorded { sequences, .. } if sequences.iter().any(|(s, _)| s.truth_is_reconciled()) => {
-                "reconciled"
+                TruthKind::Reconciled
             }
-            Self::Recorded { .. } => "published",
-            Self::Flights { .. } => "exact",
+            Self::Recorded { .. } => TruthKind::Published,
+            Self::Flights { .. } => TruthKind::Exact,
         }
     }
 
@@ -222,7 +223,7 @@ impl SequenceSet {
         };
         match self {
             // The key is new: without it the cells of published truth keep their names.
-            Self::Recorded { .. } if self.truth() == "reconciled" => {
+            Self::Recorded { .. } if self.truth() == TruthKind::Reconciled => {
                 serde_json::json!({ "tracks": tracks, "truth": self.truth() })
             }
             Self::Recorded { .. } => serde_json::json!({ "tracks": tracks }),

@@ -288,6 +288,7 @@ impl Sweep<'_> {
         let output = drive(&self.estimator, &recording, seen.run(), &noise, cell.seed)?;
         let info = RunInfo {
             camera: self.source.camera().into(),
+            truth: self.source.truth(),
             noise: cell.noise.clone(),
             seed: cell.seed,
             from_s,

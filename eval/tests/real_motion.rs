@@ -6,7 +6,7 @@
 #![allow(clippy::unwrap_used)]
 
 use dpn_core::estimate::NoiseSpec;
-use dpn_eval::closed_loop::{ImageSource, RunInfo, SequenceSet, Span, TrackSource, drive, judge};
+use dpn_eval::closed_loop::{ImageSource, RunInfo, SequenceSet, Span, TrackSource, TruthKind, drive, judge};
 use dpn_eval::noise::{Fresh, Recorded, track};
 use dpn_testing::pack;
 use dpn_vio::EstimatorConfig;
@@ -31,8 +31,15 @@ fn a_short_span_of_real_images_is_followed_no_worse_than_by_vins_mono() {
         let stream = dpn_core::random::Stream::new(0);
         let told = track(&noise, &recording.imu, &Fresh { recorded, networks: &[] }, &stream).unwrap();
         let driven = drive(&config, &recording, tracked.run(), &told, 0).unwrap();
-        let info =
-            RunInfo { camera: "images".into(), noise, seed: 0, from_s: 0.0, to_s: None, front_end: None };
+        let info = RunInfo {
+            camera: "images".into(),
+            truth: TruthKind::Published,
+            noise,
+            seed: 0,
+            from_s: 0.0,
+            to_s: None,
+            front_end: None,
+        };
         let row = judge(&recording, &info, &driven).unwrap().row;
         let (ate, scale) = (row.ate_se3.unwrap(), row.scale_error.unwrap());
         eprintln!("{spec}: {:.2} mm, scale {:+.2} %", 1e3 * ate, 1e2 * scale);

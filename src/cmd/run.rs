@@ -33,6 +33,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let camera = source.camera_input(place, args.seed, &span)?;
     let info = RunInfo {
         camera: source.camera().into(),
+        truth: source.truth(),
         noise: noise.clone(),
         seed: args.seed,
         from_s: span.from_s,

@@ -47,6 +47,7 @@ fn rows_have_the_promised_keys_and_a_broken_off_sweep_goes_on_to_the_same_ones()
     {
         assert_eq!((&row["seed"], &row["noise"]), (&seed.into(), &noise.into()));
         assert_eq!((&row["sequence"], &row["camera"]), (&"f07-room-medium".into(), &"tracks".into()));
+        assert_eq!(row["truth"], "exact");
         assert_eq!((&row["split"], &row["from_s"]), (&"train".into(), &50.0.into()));
         for key in ["ate_se3", "ate_yaw", "completion", "init_s", "cpu_per_data_s", "rpe_1s", "whitened"] {
             assert!(row[key].is_f64(), "`{key}` of {row}");

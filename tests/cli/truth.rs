@@ -24,6 +24,8 @@ fn a_reconciled_truth_is_written_with_its_report_and_runs_go_along_it() {
     call(&format!("{evaluation} --truth truth --out along")).well();
     let manifest = std::fs::read_to_string(dir.join("along/run.json")).unwrap();
     assert!(manifest.contains(r#""truth":"reconciled""#) || manifest.contains(r#""truth": "reconciled""#));
+    let rows = std::fs::read_to_string(dir.join("along/rows.jsonl")).unwrap();
+    assert!(rows.contains(r#""truth":"reconciled""#), "{rows}");
     // Another truth is another run.
     let other = call(&format!("{evaluation} --out along"));
     assert_eq!(other.code, Some(2), "{other:?}");

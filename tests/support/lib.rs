@@ -3,16 +3,19 @@
 //! * [`pack`]: one of the unpacked data packs; tests that need it are skipped, loudly, where it is not there.
 //! * [`golden`]: expected values by other people's programs, `golden/NAME/golden.json`.
 //! * [`files`]: everything in a folder, to be compared byte by byte.
+//! * [`written_out()`]: a configuration file that says every key of its type.
 //! * [`forged`]: files that nobody should have to read.
 //! * [`check_jacobian`]: a derivative against central differences.
 #![allow(clippy::unwrap_used)]
 
+mod configs;
 mod data;
 mod files;
 pub mod forged;
 mod golden;
 mod jacobian;
 
+pub use configs::written_out;
 pub use data::{pack, packs, repository};
 pub use files::files;
 pub use golden::golden;

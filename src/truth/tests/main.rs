@@ -2,5 +2,6 @@
 #![allow(clippy::unwrap_used)]
 
 mod bad_input;
+mod configs;
 mod degrade;
 mod degraded;

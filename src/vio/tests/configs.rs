@@ -1,6 +1,7 @@
 //! Every file of `configs/run` is read, and the default one says, key by key, what the program does without it.
 
 use dpn_io::config::load;
+use dpn_testing::written_out;
 use dpn_vio::EstimatorConfig;
 use std::path::{Path, PathBuf};
 
@@ -25,22 +26,5 @@ fn every_file_is_a_configuration() {
 fn the_default_file_is_the_default_and_leaves_no_key_out_and_none_without_a_comment() {
     let path = folder().join("vio.toml");
     assert_eq!(load::<EstimatorConfig>(&path).unwrap(), EstimatorConfig::default());
-    let text = std::fs::read_to_string(&path).unwrap();
-    let written: toml::Table = toml::from_str(&text).unwrap();
-    let default: toml::Table = toml::Table::try_from(EstimatorConfig::default()).unwrap();
-    all_written("", &default, &written);
-    for line in text.lines().filter(|line| line.contains('=')) {
-        assert!(line.contains('#'), "no comment: {line}");
-    }
-}
-
-/// Asserts that every key of `default`, tables within tables too, stands in `written`.
-fn all_written(at: &str, default: &toml::Table, written: &toml::Table) {
-    for (key, value) in default {
-        let at = format!("{at}.{key}");
-        let there = written.get(key).unwrap_or_else(|| panic!("{at} is not in the file"));
-        if let (Some(default), Some(written)) = (value.as_table(), there.as_table()) {
-            all_written(&at, default, written);
-        }
-    }
+    written_out(&path, &EstimatorConfig::default());
 }
