@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use toml::Table;
 
 /// Every crate that ships and what it may use of the workspace, from the ground up.
-const ARROWS: [(&str, &[&str]); 13] = [
+const ARROWS: [(&str, &[&str]); 14] = [
     ("src/core", &[]),
     ("src/io", &["dpn-core"]),
     ("src/logs", &["dpn-core", "dpn-io"]),
@@ -15,6 +15,7 @@ const ARROWS: [(&str, &[&str]); 13] = [
     ("src/sim", &["dpn-core"]),
     ("src/vio", &["dpn-core"]),
     ("src/truth", &["dpn-core", "dpn-vio"]),
+    ("src/onnx", &["dpn-core", "dpn-pronet"]),
     ("train", &["dpn-core", "dpn-io", "dpn-pronet"]),
     ("eval", &["dpn-core", "dpn-io", "dpn-pronet", "dpn-sim", "dpn-train", "dpn-vio"]),
     ("figures", &["dpn-core", "dpn-eval", "dpn-io", "dpn-probe", "dpn-vio"]),

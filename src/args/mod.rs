@@ -4,6 +4,7 @@ mod allan;
 mod check;
 mod closed_loop;
 mod eval;
+mod export;
 mod images;
 mod log;
 mod noise;
@@ -18,6 +19,7 @@ pub(crate) use allan::AllanArgs;
 pub(crate) use check::CheckArgs;
 pub(crate) use closed_loop::{CameraArg, ClosedLoopArgs, SettingsArgs};
 pub(crate) use eval::EvalArgs;
+pub(crate) use export::{ExportArgs, ExportWhat, OnnxArgs};
 pub(crate) use images::ImagesArgs;
 pub(crate) use log::{HowArgs, LogArgs, rate};
 pub(crate) use noise::{ConvertArgs, NoiseArgs, NoiseWhat, RowFormat};
@@ -67,6 +69,8 @@ pub(crate) enum Command {
     Check(CheckArgs),
     /// A published ground truth reconciled with its IMU: clock, frames, noise of both, and where it can be trusted.
     Truth(TruthArgs),
+    /// Trained networks for other programs (onnx).
+    Export(ExportArgs),
     /// Make data whose truth is known.
     Simulate(SimulateArgs),
 }

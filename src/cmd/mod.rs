@@ -7,6 +7,7 @@ mod convert;
 mod corpus;
 mod device;
 mod eval;
+mod export;
 mod flight;
 mod follow;
 mod images;
@@ -39,6 +40,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Allan(args) => allan::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Truth(args) => truth::run(&args),
+        Command::Export(args) => export::run(&args),
         Command::Simulate(args) => simulate::run(args),
     }
 }

@@ -1,8 +1,8 @@
 //! Constants of the network's definition that are no keys of its configuration.
 
 /// Added to a variance before its root is taken, as PyTorch does.
-pub(crate) const NORM_EPSILON: f32 = 1e-5;
+pub const NORM_EPSILON: f32 = 1e-5;
 /// Added to a channel's mean square before its root is taken.
-pub(crate) const POOL_EPSILON: f32 = 1e-8;
+pub const POOL_EPSILON: f32 = 1e-8;
 /// Where the head `log-sigma` clamps its exponent.
-pub(crate) const LOG_SIGMA_RANGE: (f32, f32) = (-10.0, 5.0);
+pub const LOG_SIGMA_RANGE: (f32, f32) = (-10.0, 5.0);

@@ -43,7 +43,7 @@ pub mod adam;
 mod band_pass;
 pub mod checkpoint;
 pub mod config;
-mod definition;
+pub mod definition;
 // Inference uses the forward half alone.
 #[cfg_attr(not(feature = "train"), allow(dead_code))]
 mod engine;

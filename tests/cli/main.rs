@@ -10,6 +10,7 @@ mod bad_data;
 mod check;
 mod closed_loop;
 mod eval;
+mod export;
 mod images;
 mod keys;
 mod live;

@@ -80,7 +80,7 @@ impl ProNetConfig {
     }
 
     /// The number a window is divided by first \[the sensor's unit\].
-    pub(crate) fn input_scale(&self) -> f64 {
+    pub fn input_scale(&self) -> f64 {
         self.input_scale.unwrap_or(match self.sensor {
             imu::Sensor::Accel => 0.1,
             imu::Sensor::Gyro => 0.007,

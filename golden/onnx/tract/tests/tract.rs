@@ -1,0 +1,82 @@
+//! tract, a runtime in Rust, against ours: on every choice of the configuration, and on shipped networks.
+#![allow(clippy::unwrap_used)]
+
+#[path = "../../../../src/onnx/tests/windows.rs"]
+mod windows;
+
+use dpn_core::Sensor;
+use dpn_core::random::Stream;
+use dpn_pronet::config::{BlockOrder, Head, Input, NormAxes, Pool, ProNetConfig};
+use dpn_pronet::init::initial_parameters;
+use dpn_pronet::{Card, Predictor, Weights};
+use dpn_testing::repository;
+use std::io::Cursor;
+use tract_onnx::prelude::*;
+use windows::{real, same};
+
+/// What tract makes of the model of these weights.
+fn tract(weights: &Weights, windows: &[f32]) -> Vec<f32> {
+    let bytes = dpn_onnx::to_bytes(weights).unwrap();
+    let window = weights.config().window;
+    let shape = [windows.len() / window, window];
+    let model = tract_onnx::onnx().model_for_read(&mut Cursor::new(bytes)).unwrap();
+    let model = model.with_input_fact(0, f32::fact(shape).into()).unwrap();
+    let input = Tensor::from_shape(&shape, windows).unwrap();
+    let output = model.into_optimized().unwrap().into_runnable().unwrap().run(tvec!(input.into())).unwrap();
+    output[0].to_plain_array_view::<f32>().unwrap().iter().copied().collect()
+}
+
+fn ours(weights: &Weights, windows: &[f32]) -> Vec<f32> {
+    let mut sigma = vec![0.0; windows.len() / weights.config().window];
+    Predictor::new(weights).predict(windows, &mut sigma);
+    sigma
+}
+
+#[test]
+fn shipped_networks_say_the_same() {
+    for (sensor, names) in [
+        (Sensor::Accel, ["sg11-s0", "wide-s0", "paper-s0", "raw-s0"]),
+        (Sensor::Gyro, ["sg51-s1", "wide-s0", "paper-s1", "total-s0"]),
+    ] {
+        let windows = real(sensor, 200);
+        for name in names {
+            let path = repository().join(format!("models/{sensor}/{name}.safetensors"));
+            let weights = Weights::load(&path).unwrap();
+            same(&tract(&weights, &windows), &ours(&weights, &windows), &format!("{sensor} {name}"));
+        }
+    }
+}
+
+#[test]
+fn every_choice_says_the_same() {
+    let base = ProNetConfig {
+        window: 40,
+        channels: vec![3, 5],
+        kernels: vec![5, 4],
+        strides: vec![1, 3],
+        paddings: vec![2, 0],
+        hidden: vec![6],
+        ..ProNetConfig::for_sensor(Sensor::Gyro)
+    };
+    let mut configs = vec![base.clone()];
+    configs.extend(Input::ALL.map(|input| ProNetConfig { input, ..base.clone() }));
+    configs.extend(NormAxes::ALL.map(|norm_axes| ProNetConfig { norm_axes, ..base.clone() }));
+    configs.extend(Head::ALL.map(|head| ProNetConfig { head, ..base.clone() }));
+    configs.extend(Pool::ALL.map(|pool| ProNetConfig {
+        pool,
+        conv_bias: false,
+        hidden: vec![],
+        ..base.clone()
+    }));
+    configs.extend(BlockOrder::ALL.map(|block_order| ProNetConfig {
+        block_order,
+        leak: 0.2,
+        ..base.clone()
+    }));
+    let windows = real(Sensor::Gyro, 40);
+    for config in configs {
+        let flat = initial_parameters(&config, &Stream::new(3).named("onnx"));
+        let weights = Weights::new(&config, flat, Card::default());
+        same(&tract(&weights, &windows), &ours(&weights, &windows), &format!("{config:?}"));
+    }
+}

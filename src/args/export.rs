@@ -1,0 +1,39 @@
+//! `dpn export`.
+
+use clap::{Args, Subcommand};
+use std::path::PathBuf;
+
+/// Flags of `dpn export`.
+#[derive(Debug, Args)]
+pub(crate) struct ExportArgs {
+    /// As what.
+    #[command(subcommand)]
+    pub(crate) what: ExportWhat,
+}
+
+/// What networks can be written as.
+#[derive(Debug, Subcommand)]
+pub(crate) enum ExportWhat {
+    /// ONNX models: windows in SI units in, deviations out; ONNX Runtime, tract and others run them.
+    #[command(
+        after_help = "Example:\n  dpn export onnx --network sg11-s0 --out onnx\n  python -c \"import onnxruntime as o; print(o.InferenceSession('onnx/accel/sg11-s0.onnx').get_modelmeta().custom_metadata_map)\""
+    )]
+    Onnx(OnnxArgs),
+}
+
+/// Flags of `dpn export onnx`.
+#[derive(Debug, Args)]
+pub(crate) struct OnnxArgs {
+    /// Names of networks, as files of weights and noise specs call them (`sg11-s0`), of either sensor; without any all of them.
+    #[arg(long = "network", value_name = "NAME", value_delimiter = ',')]
+    pub(crate) networks: Vec<String>,
+    /// Folder of trained networks; without it those that come with the program.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) models: Option<PathBuf>,
+    /// Folder for the models, SENSOR/NAME.onnx each.
+    #[arg(long, value_name = "DIR", default_value = "onnx")]
+    pub(crate) out: PathBuf,
+    /// Print what was written as JSON on stdout, a line a model.
+    #[arg(long)]
+    pub(crate) json: bool,
+}

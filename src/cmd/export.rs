@@ -1,0 +1,60 @@
+//! `dpn export`.
+
+use super::shipped;
+use crate::args::{ExportArgs, ExportWhat, OnnxArgs};
+use crate::ui::outln;
+use anyhow::Result;
+use dpn_core::Sensor;
+use dpn_io::atomic_write;
+use dpn_pronet::network::{Network, load_all, select};
+
+pub(crate) fn run(args: &ExportArgs) -> Result<()> {
+    match &args.what {
+        ExportWhat::Onnx(args) => onnx(args),
+    }
+}
+
+fn onnx(args: &OnnxArgs) -> Result<()> {
+    let networks = match &args.models {
+        Some(dir) => load_all(dir)?,
+        None => shipped::networks()?,
+    };
+    for network in wanted(&networks, &args.networks)? {
+        let (weights, sensor, tag) = (&network.weights, network.sensor(), network.tag());
+        let bytes = dpn_onnx::to_bytes(weights)?;
+        let file = args.out.join(sensor.to_string()).join(format!("{tag}.onnx"));
+        atomic_write(&file, |out| out.write_all(&bytes))?;
+        let (window, rate_hz, unit) = (weights.config().window, weights.card().rate.hz(), sensor.unit());
+        if args.json {
+            outln!(
+                "{}",
+                serde_json::json!({
+                    "file": file, "sensor": sensor, "network": tag, "window": window, "rate_hz": rate_hz, "unit": unit,
+                })
+            )?;
+        } else {
+            outln!(
+                "{}: {window} samples at {rate_hz} Hz in {unit}, {} kB",
+                file.display(),
+                bytes.len() / 1000
+            )?;
+        }
+    }
+    Ok(())
+}
+
+/// The networks of these names, of both sensors where both have one; all without names.
+fn wanted<'a>(networks: &'a [Network], names: &[String]) -> Result<Vec<&'a Network>> {
+    if names.is_empty() {
+        return Ok(networks.iter().collect());
+    }
+    let mut found = Vec::new();
+    for name in names {
+        let of_name = Sensor::ALL.map(|sensor| select(networks, sensor, name));
+        if let [Err(error), Err(_)] = of_name {
+            return Err(error.into());
+        }
+        found.extend(of_name.into_iter().flatten());
+    }
+    Ok(found)
+}
