@@ -1,5 +1,6 @@
 //! `dpn export`.
 
+use super::examples;
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 
@@ -15,9 +16,7 @@ pub(crate) struct ExportArgs {
 #[derive(Debug, Subcommand)]
 pub(crate) enum ExportWhat {
     /// ONNX models: windows in SI units in, deviations out; ONNX Runtime, tract and others run them.
-    #[command(
-        after_help = "Example:\n  dpn export onnx --network sg11-s0 --out onnx\n  python -c \"import onnxruntime as o; print(o.InferenceSession('onnx/accel/sg11-s0.onnx').get_modelmeta().custom_metadata_map)\""
-    )]
+    #[command(after_help = examples::ONNX)]
     Onnx(OnnxArgs),
 }
 

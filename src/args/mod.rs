@@ -4,9 +4,11 @@ mod allan;
 mod check;
 mod closed_loop;
 mod eval;
+mod examples;
 mod export;
 mod images;
 mod log;
+mod manual;
 mod noise;
 mod paper;
 mod run;
@@ -22,6 +24,7 @@ pub(crate) use eval::EvalArgs;
 pub(crate) use export::{ExportArgs, ExportWhat, OnnxArgs};
 pub(crate) use images::ImagesArgs;
 pub(crate) use log::{HowArgs, LogArgs, rate};
+pub(crate) use manual::{CompletionsArgs, ManualArgs};
 pub(crate) use noise::{ConvertArgs, NoiseArgs, NoiseWhat, RowFormat};
 pub(crate) use paper::PaperArgs;
 pub(crate) use run::RunArgs;
@@ -52,25 +55,39 @@ pub(crate) struct Cli {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Train a network that reads a sensor's noise off one second of one axis.
+    #[command(after_help = examples::TRAIN)]
     Train(TrainArgs),
     /// Judge noise estimators: open loop against the injected truth, closed loop by the odometry they drive.
+    #[command(after_help = examples::EVAL)]
     Eval(EvalArgs),
     /// Run the odometry over one recording: trajectory, states, report.
+    #[command(after_help = examples::RUN)]
     Run(RunArgs),
     /// The paper again, from data: every table and figure, with the controls and statistics that decide its question, on one page.
+    #[command(after_help = examples::PAPER)]
     Paper(PaperArgs),
     /// A closed loop, a paper or trainings in shards, on as many machines as there are: plan, run, collect, status.
     Sweep(SweepArgs),
     /// How noisy an IMU is along a log, sample by sample; and noise figures as other programs write them (convert).
+    #[command(after_help = examples::NOISE)]
     Noise(NoiseArgs),
     /// What a log at rest says of its sensor's noise: Allan plot, five coefficients an axis, configurations to paste.
+    #[command(after_help = examples::ALLAN)]
     Allan(AllanArgs),
     /// A log's doctor: rate, gaps, units, gravity, clipping, vibration, rest and motion; findings by weight.
+    #[command(after_help = examples::CHECK)]
     Check(CheckArgs),
     /// A published ground truth reconciled with its IMU: clock, frames, noise of both, and where it can be trusted.
+    #[command(after_help = examples::TRUTH)]
     Truth(TruthArgs),
     /// Trained networks for other programs (onnx).
     Export(ExportArgs),
     /// Make data whose truth is known.
     Simulate(SimulateArgs),
+    /// Completions of a shell, to standard output.
+    #[command(after_help = examples::COMPLETIONS)]
+    Completions(CompletionsArgs),
+    /// Manual pages, one a command.
+    #[command(after_help = examples::MANUAL)]
+    Manual(ManualArgs),
 }

@@ -1,6 +1,7 @@
 //! `dpn noise`.
 
 use super::HowArgs;
+use super::examples;
 use clap::{Args, Subcommand};
 use dpn_io::noise_formats::Format;
 use std::path::PathBuf;
@@ -64,6 +65,7 @@ pub(crate) enum RowFormat {
 #[derive(Debug, Subcommand)]
 pub(crate) enum NoiseWhat {
     /// Turn one program's noise figures into another's; the arithmetic goes to stderr, the text to paste to stdout.
+    #[command(after_help = examples::CONVERT)]
     Convert(ConvertArgs),
 }
 

@@ -1,5 +1,6 @@
 //! `dpn simulate`.
 
+use super::examples;
 use super::{ImagesArgs, set};
 use clap::{Args, Subcommand, ValueEnum};
 use dpn_sim::tracks::{TracksConfig, World};
@@ -17,10 +18,13 @@ pub(crate) struct SimulateArgs {
 #[derive(Debug, Subcommand)]
 pub(crate) enum SimulateWhat {
     /// A flight: IMU with exactly known noise, and its ground truth, as an ASL folder.
+    #[command(after_help = examples::FLIGHT)]
     Flight(FlightArgs),
     /// Camera tracks along the ground truth of a sequence or along a simulated flight, as a text file.
+    #[command(after_help = examples::TRACKS)]
     Tracks(TracksArgs),
     /// Images of a rendered world along the ground truth of a sequence or along a simulated flight, as an ASL folder.
+    #[command(after_help = examples::IMAGES)]
     Images(ImagesArgs),
 }
 

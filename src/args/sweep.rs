@@ -1,5 +1,6 @@
 //! `dpn sweep`.
 
+use super::examples;
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -16,12 +17,16 @@ pub(crate) struct SweepArgs {
 #[derive(Debug, Subcommand)]
 pub(crate) enum SweepWhat {
     /// List the cells of a plan, predict what they cost, cut them into shards; nothing is run.
+    #[command(after_help = examples::SWEEP_PLAN)]
     Plan(SweepPlanArgs),
     /// Work off one shard, on any machine that has the sweep's folder and the data.
+    #[command(after_help = examples::SWEEP_RUN)]
     Run(SweepRunArgs),
     /// Put the shards together into what one process would have left.
+    #[command(after_help = examples::SWEEP_COLLECT)]
     Collect(SweepCollectArgs),
     /// How far a sweep is.
+    #[command(after_help = examples::SWEEP_STATUS)]
     Status(SweepStatusArgs),
 }
 

@@ -12,6 +12,7 @@ mod flight;
 mod follow;
 mod images;
 mod log;
+mod manual;
 mod noise;
 mod paper;
 mod program;
@@ -42,6 +43,8 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Truth(args) => truth::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Simulate(args) => simulate::run(args),
+        Command::Completions(args) => Ok(manual::completions(&args)?),
+        Command::Manual(args) => manual::manual(&args),
     }
 }
 

@@ -1,0 +1,121 @@
+//! What people type most, under each command's help. A test types them.
+
+pub(super) const TRAIN: &str = "Examples:
+  dpn train --sensor accel --data data/euroc
+  dpn train --sensor gyro --config configs/train/gyro.toml --data data/euroc --out runs/gyro --seed 1
+  dpn train --many configs/sweep/train.toml --data data --jobs 2 --out runs/many";
+
+pub(super) const EVAL: &str = "Examples:
+  dpn eval --open-loop --data data/euroc
+  dpn eval --closed-loop --data data/euroc --noise 'x1;x4;dualpronet' --seeds 3
+  dpn eval --closed-loop --noise 'oracle;x1' --sequences f07-room-medium        simulated flights: no data needed";
+
+pub(super) const RUN: &str = "Examples:
+  dpn run data/euroc/V1_02_medium
+  dpn run data/euroc/V1_02_medium --noise x4 --from 10 --to 40 --draw album
+  dpn run data/motion/MH_01_easy_start --noise 'file(\"noise.csv\")' --set window.pixel_std=0.5";
+
+pub(super) const PAPER: &str = "Examples:
+  dpn paper --quick                          simulated flights, some minutes: is everything there?
+  dpn paper --data data                      the whole study
+  dpn paper --data data --plan configs/paper/figures.toml --out figures/mine";
+
+pub(super) const SWEEP_PLAN: &str = "Examples:
+  dpn sweep plan configs/sweep/closed_loop.toml --data data --shards 64 --out sweep
+  dpn sweep plan configs/sweep/paper.toml --data data --minutes 10 --out sweep --json";
+
+pub(super) const SWEEP_RUN: &str = "Examples:
+  dpn sweep run sweep --shard 3
+  dpn sweep run sweep --shard all
+  dpn sweep run sweep                        in a Slurm array: the shard is the task's number";
+
+pub(super) const SWEEP_COLLECT: &str = "Example:
+  dpn sweep collect sweep --out runs/whole";
+
+pub(super) const SWEEP_STATUS: &str = "Examples:
+  dpn sweep status sweep
+  dpn sweep status sweep --json";
+
+pub(super) const NOISE: &str = "Examples:
+  dpn noise flight.bag
+  dpn noise log.csv --columns 1,2,3,4,5,6,7 --gyro-unit deg/s --out runs/mine
+  my-driver | dpn noise - --follow
+  dpn noise convert imu.yaml --to vins --rate 200";
+
+pub(super) const CONVERT: &str = "Examples:
+  dpn noise convert imu.yaml --to vins --rate 200
+  dpn noise convert --from datasheet --accel-noise '120 ug/sqrt(Hz)' --gyro-noise '0.007 deg/s/sqrt(Hz)' --to kalibr --rate 200";
+
+pub(super) const ALLAN: &str = "Examples:
+  dpn allan static.csv
+  dpn allan two_hours_at_rest.mcap --check imu.yaml --out runs/allan";
+
+pub(super) const CHECK: &str = "Examples:
+  dpn check flight.bag
+  dpn check log.csv --json | jq '.findings[].text'";
+
+pub(super) const TRUTH: &str = "Examples:
+  dpn truth data/euroc --out truth
+  dpn eval --closed-loop --data data/euroc --truth truth --noise x1";
+
+pub(super) const ONNX: &str = "Examples:
+  dpn export onnx --out onnx
+  dpn export onnx --network sg11-s0,wide-s0 --json";
+
+pub(super) const FLIGHT: &str = "Examples:
+  dpn simulate flight --list
+  dpn simulate flight f07-room-medium --seed 3 --out flights";
+
+pub(super) const TRACKS: &str = "Example:
+  dpn simulate tracks data/euroc/V1_02_medium --out tracks.txt";
+
+pub(super) const IMAGES: &str = "Example:
+  dpn simulate images data/euroc/V1_02_medium --out rendered";
+
+pub(super) const COMPLETIONS: &str = "Examples:
+  dpn completions bash > ~/.local/share/bash-completion/completions/dpn
+  dpn completions zsh > ~/.zfunc/_dpn
+  dpn completions fish > ~/.config/fish/completions/dpn.fish";
+
+pub(super) const MANUAL: &str = "Example:
+  dpn manual --out ~/.local/share/man/man1";
+
+#[cfg(test)]
+mod tests {
+    use crate::args::Cli;
+    use clap::{Command, CommandFactory, Parser};
+
+    /// The words of a line as a shell cuts them, up to its redirection or pipe.
+    fn words(line: &str) -> Vec<String> {
+        let (mut all, mut word, mut quoted) = (Vec::new(), String::new(), false);
+        for c in line.chars() {
+            match c {
+                '\'' => quoted = !quoted,
+                '|' | '>' if !quoted => break,
+                ' ' if !quoted => all.extend((!word.is_empty()).then(|| std::mem::take(&mut word))),
+                _ => word.push(c),
+            }
+        }
+        all.extend((!word.is_empty()).then_some(word));
+        all
+    }
+
+    fn look(command: &Command, path: &str) {
+        let path = format!("{path} {}", command.get_name());
+        let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+        let leaf = command.get_subcommands().next().is_none();
+        assert!(!leaf || help.starts_with("Example"), "{path}: no example");
+        for line in help.lines().skip(1) {
+            // Several spaces stand before a remark.
+            let line = line.trim().split("    ").next().unwrap_or_default();
+            let typed = line.find("dpn ").map(|at| &line[at..]).unwrap_or_else(|| panic!("{line}"));
+            Cli::try_parse_from(words(typed)).unwrap_or_else(|error| panic!("{typed}: {error}"));
+        }
+        command.get_subcommands().for_each(|command| look(command, &path));
+    }
+
+    #[test]
+    fn every_command_has_examples_and_each_can_be_typed() {
+        look(&Cli::command(), "");
+    }
+}
