@@ -3,6 +3,7 @@
 mod allan;
 mod check;
 mod closed_loop;
+mod data;
 mod eval;
 mod images;
 mod log;
@@ -17,6 +18,7 @@ mod truth;
 pub(crate) use allan::AllanArgs;
 pub(crate) use check::CheckArgs;
 pub(crate) use closed_loop::{CameraArg, ClosedLoopArgs, SettingsArgs};
+pub(crate) use data::{DataArgs, DataFileArgs, DataWhat};
 pub(crate) use eval::EvalArgs;
 pub(crate) use images::ImagesArgs;
 pub(crate) use log::{HowArgs, LogArgs, rate};
@@ -67,6 +69,8 @@ pub(crate) enum Command {
     Check(CheckArgs),
     /// A published ground truth reconciled with its IMU: clock, frames, noise of both, and where it can be trusted.
     Truth(TruthArgs),
+    /// A data set in one file that every --data takes: pack, list, check.
+    Data(DataArgs),
     /// Make data whose truth is known.
     Simulate(SimulateArgs),
 }

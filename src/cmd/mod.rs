@@ -5,6 +5,7 @@ mod check;
 mod closed_loop;
 mod convert;
 mod corpus;
+mod data;
 mod device;
 mod eval;
 mod flight;
@@ -39,6 +40,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Allan(args) => allan::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Truth(args) => truth::run(&args),
+        Command::Data(args) => data::run(&args),
         Command::Simulate(args) => simulate::run(args),
     }
 }
