@@ -31,6 +31,7 @@ mod sweep_cache;
 mod sweep_faults;
 mod sweep_plan;
 mod tally;
+mod track_cache;
 mod tracked;
 mod tracking;
 mod tracking_log;
@@ -53,6 +54,7 @@ pub use store::{Store, read_rows};
 pub use sweep::{CellTime, CellWatch};
 pub use sweep_faults::{FailedCell, UntrackedSequence};
 pub use sweep_plan::{CellFiles, Sweep};
+pub use track_cache::TrackCache;
 pub use tracked::TrackedSequence;
 pub use tracking::CameraInput;
 

@@ -1,6 +1,7 @@
 //! What the user may type, one file a command.
 
 mod allan;
+mod cache;
 mod check;
 mod closed_loop;
 mod data;
@@ -16,6 +17,7 @@ mod train;
 mod truth;
 
 pub(crate) use allan::AllanArgs;
+pub(crate) use cache::CacheArgs;
 pub(crate) use check::CheckArgs;
 pub(crate) use closed_loop::{CameraArg, ClosedLoopArgs, SettingsArgs};
 pub(crate) use data::{DataArgs, DataFileArgs, DataWhat};

@@ -75,6 +75,9 @@ pub(crate) struct SweepRunArgs {
     /// Threads. Results do not depend on it; predicted times are of one.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=4096))]
     pub(crate) threads: u64,
+    /// Where tracks are kept.
+    #[command(flatten)]
+    pub(crate) cache: super::CacheArgs,
 }
 
 /// Flags of `dpn sweep collect`.

@@ -1,6 +1,7 @@
 //! One file a command: files and flags become library types, one library call, files again.
 
 mod allan;
+mod cache;
 mod check;
 mod closed_loop;
 mod convert;

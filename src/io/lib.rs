@@ -58,6 +58,7 @@ pub use error::IoError;
 pub use images::{Coverage, ImageFolder, ImageRun, Prefetch, StampedImage, parse_png};
 pub use imu_csv::{CsvOptions, ImuLog, Origin, Settled, parse_imu_csv, read_imu_csv};
 pub use imu_lines::ImuLines;
+pub use leftovers::scratch_file;
 pub use lock::{FolderLock, LockError};
 pub use loose_csv::{LooseImuLog, Unreadable, parse_imu_csv_loosely, read_imu_csv_loosely};
 pub use noise_csv::{read_noise_track, write_noise_track};

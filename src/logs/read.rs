@@ -5,7 +5,7 @@ use crate::topics::Topics;
 use crate::{Kind, Log, LogError, mcap, rosbag1, rosbag2, sqlite};
 use dpn_core::ImuRecording;
 use dpn_io::asl::{Sequence, is_there};
-use dpn_io::{CsvOptions, IoError, LooseImuLog, Origin, Sieved, parse_imu_csv_loosely};
+use dpn_io::{CsvOptions, IoError, LooseImuLog, Origin, Sieved, parse_imu_csv_loosely, scratch_file};
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
@@ -72,7 +72,7 @@ pub fn read_stream(mut source: impl Read, path: &Path, options: &LogOptions) -> 
         Kind::Mcap => read_mcap(source, path, options),
         Kind::Sqlite if path.is_file() => read_sqlite(path, options),
         Kind::Sqlite => {
-            let mut copy = tempfile::NamedTempFile::new().map_err(reading)?;
+            let mut copy = scratch_file().map_err(reading)?;
             std::io::copy(&mut source, &mut copy).map_err(reading)?;
             let mut topics = Topics::new(options);
             let damage = sqlite::read(copy.path(), &mut topics);
