@@ -43,7 +43,7 @@ impl EstimatorOutput {
 
     /// Covariances of the poses, where every pose has one.
     pub fn covariances(&self) -> Option<Vec<Matrix6<f64>>> {
-        self.updates.iter().filter(|u| u.state.is_some()).map(|u| u.covariance).collect()
+        self.updates.iter().filter(|u| u.state.is_some()).map(|u| u.covariance.as_deref().copied()).collect()
     }
 }
 
