@@ -35,10 +35,16 @@ impl Beat {
     /// Whether the process was of this machine, and lives no more. Where that cannot be told it is not said.
     pub(super) fn is_dead(&self) -> bool {
         let here = pids();
-        here.is_some()
-            && (&self.node, &self.pids) == (&node(), &here)
-            && !Path::new("/proc").join(self.process.to_string()).exists()
+        here.is_some() && (&self.node, &self.pids) == (&node(), &here) && !lives(self.process)
     }
+}
+
+/// Whether a process is there and has not ended; one that its parent has not asked after yet has.
+fn lives(process: u32) -> bool {
+    let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).ok();
+    // The name before the state is in brackets and may hold some itself.
+    let state = stat.as_deref().and_then(|stat| stat.rsplit_once(')')?.1.trim_start().chars().next());
+    state.is_some_and(|state| !matches!(state, 'Z' | 'X'))
 }
 
 /// The space of this process's number; only Linux says.
