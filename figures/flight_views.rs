@@ -2,7 +2,7 @@
 
 use crate::{FigureError, Timeline, TimelinePanel, TopView};
 use dpn_core::trajectory::StampedPose;
-use dpn_core::{Sensor, Stamp, TrackFrame};
+use dpn_core::{Sensor, Stamp};
 use dpn_eval::closed_loop::{JudgedRun, MAX_GAP_S, Recording};
 use dpn_eval::metrics::{
     AlignmentKind, Interpolation, TruthOptions, TruthTrack, align, associate_interpolated,
@@ -75,8 +75,8 @@ pub fn timeline(run: &JudgedRun) -> Result<Timeline, FigureError> {
             .map(|(axis, k)| line(&format!("{name}{axis}"), of_updates(&|u| value(u, k))))
             .collect::<Vec<_>>()
     };
-    let frames = run.tracked.run();
-    let counts = frames.iter().map(|frame| (seconds(frame.t), frame.tracks.len() as f64)).collect();
+    let counts = run.frames.iter().map(|frame| (seconds(frame.t), frame.tracks as f64)).collect();
+    let ways = run.frames.iter().filter_map(|frame| Some((seconds(frame.t), frame.way_px?))).collect();
     let panel = |label: &str, log, lines| TimelinePanel { label: label.into(), log, lines };
     let noise = |sensor: Sensor| {
         let axis = |k: usize| {
@@ -95,11 +95,7 @@ pub fn timeline(run: &JudgedRun) -> Result<Timeline, FigureError> {
                 line("landmarks with a depth", of_updates(&|u| running(u).then_some(u.landmarks as f64))),
             ],
         ),
-        panel(
-            "median way of a track since the frame before [px]",
-            false,
-            vec![line("", parallax(frames, first))],
-        ),
+        panel("median way of a track since the frame before [px]", false, vec![line("", ways)]),
         panel("accelerometer noise told [m/s²]", true, noise(Sensor::Accel)),
         panel("gyroscope noise told [rad/s]", true, noise(Sensor::Gyro)),
         panel("accelerometer bias [m/s²]", false, axes("", &|u, k| Some(u.state?.bias.accel[k]))),
@@ -125,36 +121,4 @@ pub fn timeline(run: &JudgedRun) -> Result<Timeline, FigureError> {
             format!("{} images, {} passed over{agreed}. {caption}", figures.images, figures.passed_over);
     }
     Timeline::new(format!("{}, noise {}", row.sequence, row.noise), panels, marks, caption)
-}
-
-/// Median way of the tracks that two frames in a row share \[px\].
-fn parallax(frames: &[TrackFrame], first: Stamp) -> Vec<(f64, f64)> {
-    let of = |pair: &[TrackFrame]| {
-        let shared = pair[1].shared(&pair[0]);
-        let mut ways: Vec<f64> = shared.iter().map(|(before, px)| (px - before).norm()).collect();
-        ways.sort_by(f64::total_cmp);
-        Some((pair[1].t.seconds_since(first), *ways.get(ways.len() / 2)?))
-    };
-    frames.windows(2).filter_map(of).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use dpn_core::Track;
-    use nalgebra::Vector2;
-
-    #[test]
-    fn the_way_is_the_median_of_shared_tracks() {
-        let frame = |t: i64, tracks: &[(u64, f64)]| TrackFrame {
-            t: Stamp::from_ns(t * 1_000_000_000),
-            tracks: tracks.iter().map(|(id, x)| Track { id: *id, px: Vector2::new(*x, 7.0) }).collect(),
-        };
-        let frames = [
-            frame(5, &[(1, 0.0), (2, 0.0), (3, 0.0)]),
-            frame(6, &[(1, 1.0), (2, 2.0), (3, 30.0), (4, 9.0)]),
-            frame(7, &[(9, 0.0)]),
-        ];
-        assert_eq!(parallax(&frames, Stamp::from_ns(0)), [(6.0, 2.0)]);
-    }
 }

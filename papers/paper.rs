@@ -2,7 +2,7 @@
 
 use super::input::Input;
 use super::plan::Plan;
-use dpn_eval::closed_loop::StartAt;
+use dpn_eval::closed_loop::{StartAt, TrackCache};
 use dpn_pronet::network::Network;
 use dpn_vio::EstimatorConfig;
 use std::path::Path;
@@ -34,4 +34,6 @@ pub struct Paper<'a> {
     pub out: &'a Path,
     /// Threads to use.
     pub threads: usize,
+    /// Where tracks that were followed through images are kept for others.
+    pub cache: Option<&'a TrackCache>,
 }

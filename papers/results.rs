@@ -225,6 +225,7 @@ impl Paper<'_> {
             estimator: self.estimator.clone(),
             networks: self.networks,
             threads: self.threads,
+            cache: self.cache,
             keep: wanted.keep.clone(),
             injection: wanted.injection,
         };

@@ -23,6 +23,8 @@ pub(super) struct Cell<'a> {
     pub(super) key: CellKey,
     /// Checksum of everything that the row is a function of: program, settings, the sequence's files, seed, start, the noise by content.
     pub(super) content: String,
+    /// The same of the tracks that its odometry has, where images are to be followed.
+    pub(super) seen: String,
 }
 
 impl Sweep<'_> {
@@ -35,6 +37,9 @@ impl Sweep<'_> {
         let contents = self.noise_contents()?;
         let run =
             of_parts([&manifest.program, &manifest.estimator.to_string(), &manifest.source.to_string()]);
+        let front_end = serde_json::json!(self.estimator.front_end).to_string();
+        let source = manifest.source.to_string();
+        let tracking = of_parts([&manifest.program, &dpn_pronet::processor(), &front_end, &source]);
         let mut cells = Vec::new();
         for (place, seed, noise) in self.combinations() {
             let (name, side) = &names[place];
@@ -42,8 +47,10 @@ impl Sweep<'_> {
             let of_sequence = [run.as_str(), name, &side.to_string(), &manifest.inputs[name], &from];
             let key = CellKey { sequence: name.clone(), seed, noise: noise.to_string() };
             let of_cell = [&seed.to_string(), &contents[&key.noise]];
+            let seen = [&tracking, name, &manifest.inputs[name], &from, of_cell[0]];
+            let seen = of_parts(seen.map(String::as_str));
             let content = of_parts(of_sequence.into_iter().chain(of_cell.map(String::as_str)));
-            cells.push(Cell { place, seed, noise, key, content });
+            cells.push(Cell { place, seed, noise, key, content, seen });
         }
         Ok(cells)
     }
@@ -100,7 +107,7 @@ impl Sweep<'_> {
 
     /// Seed of the training sequences that a mean is taken over: one for all cells, the first that is run.
     /// None of a sweep without seeds, which has no cells.
-    pub(super) fn training_seed(&self) -> Option<u64> {
+    pub(crate) fn training_seed(&self) -> Option<u64> {
         self.seeds.first().or(self.others.1.first()).copied()
     }
 
@@ -160,6 +167,7 @@ mod tests {
             estimator: EstimatorConfig::default(),
             networks: &[],
             threads: 1,
+            cache: None,
             keep: CellFiles::default(),
             injection: None,
         }

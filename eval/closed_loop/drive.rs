@@ -1,9 +1,9 @@
 //! One run of the estimator over one recording.
 
 use super::error::ClosedLoopError;
+use super::image_report::ImageReport;
 use super::images::ImageStream;
 use super::recording::{Recording, Span};
-use super::tracked::TrackedSequence;
 use super::tracking::pass_over_spikes;
 use super::tracking_log::TrackingLog;
 use super::walk::{SampleWalk, Step, walk};
@@ -43,7 +43,7 @@ impl EstimatorOutput {
 
     /// Covariances of the poses, where every pose has one.
     pub fn covariances(&self) -> Option<Vec<Matrix6<f64>>> {
-        self.updates.iter().filter(|u| u.state.is_some()).map(|u| u.covariance).collect()
+        self.updates.iter().filter(|u| u.state.is_some()).map(|u| u.covariance.as_deref().copied()).collect()
     }
 }
 
@@ -56,42 +56,40 @@ pub fn frames_from<'a>(
     frames: &'a [TrackFrame],
     span: &Span,
 ) -> Result<&'a [TrackFrame], ClosedLoopError> {
+    let stamps: Vec<Stamp> = frames.iter().map(|frame| frame.t).collect();
+    enough(recording, &stamps, span)?;
+    Ok(span.of(frames, |frame| frame.t))
+}
+
+/// The same of the frames' stamps alone.
+pub(super) fn enough(recording: &Recording, stamps: &[Stamp], span: &Span) -> Result<(), ClosedLoopError> {
     let sequence = || recording.name.clone();
-    let (Some(first), Some(last)) = (frames.first(), frames.last()) else {
-        return Err(ClosedLoopError::NothingLeft {
-            sequence: sequence(),
-            seconds: 0.0,
-            from_s: span.from_s,
-            to_s: span.to_s,
-            needed: FEWEST_FRAMES,
-        });
+    let nothing_left = |seconds| ClosedLoopError::NothingLeft {
+        sequence: sequence(),
+        seconds,
+        from_s: span.from_s,
+        to_s: span.to_s,
+        needed: FEWEST_FRAMES,
     };
+    let (Some(&first), Some(&last)) = (stamps.first(), stamps.last()) else { return Err(nothing_left(0.0)) };
     let samples = recording.imu.samples();
     let (imu_first, imu_last) = (samples[0].t, samples[samples.len() - 1].t);
-    let inside =
-        |frames: &[TrackFrame]| frames.iter().filter(|f| imu_first <= f.t && f.t <= imu_last).count();
-    if inside(frames) < FEWEST_FRAMES {
+    let inside = |stamps: &[Stamp]| stamps.iter().filter(|t| (imu_first..=imu_last).contains(t)).count();
+    if inside(stamps) < FEWEST_FRAMES {
         return Err(ClosedLoopError::Apart {
             sequence: sequence(),
-            frames: frames.len(),
-            first_ns: first.t.ns(),
-            last_ns: last.t.ns(),
+            frames: stamps.len(),
+            first_ns: first.ns(),
+            last_ns: last.ns(),
             imu_first_ns: imu_first.ns(),
             imu_last_ns: imu_last.ns(),
             needed: FEWEST_FRAMES,
         });
     }
-    let left = span.of(frames, |frame| frame.t);
-    if inside(left) < FEWEST_FRAMES {
-        return Err(ClosedLoopError::NothingLeft {
-            sequence: sequence(),
-            seconds: last.t.seconds_since(first.t),
-            from_s: span.from_s,
-            to_s: span.to_s,
-            needed: FEWEST_FRAMES,
-        });
+    if inside(span.of(stamps, |t| *t)) < FEWEST_FRAMES {
+        return Err(nothing_left(last.seconds_since(first)));
     }
-    Ok(left)
+    Ok(())
 }
 
 /// Runs the estimator over frames of tracks, samples with their noise beside; every update is taken as soon as it can be had.
@@ -112,7 +110,8 @@ pub fn drive(
 ) -> Result<EstimatorOutput, ClosedLoopError> {
     let refused = |source| ClosedLoopError::Feed { sequence: recording.name.clone(), source };
     let mut run = Run::new(config, recording, noise, seed)?;
-    let mut samples = SampleWalk::new(recording.imu.samples(), ends(frames).0);
+    let first = frames.first().expect("there is no run without frames");
+    let mut samples = SampleWalk::new(recording.imu.samples(), first.t);
     for frame in frames {
         for place in samples.until(frame.t) {
             run.feed_sample(place).map_err(refused)?;
@@ -120,11 +119,11 @@ pub fn drive(
         run.estimator.feed_frame(frame.clone()).map_err(refused)?;
         run.take_updates();
     }
-    Ok(run.finish(frames))
+    Ok(run.finish(frames.iter().map(|frame| frame.t).collect()))
 }
 
 /// The same over images, which the estimator's own front-end follows points through while `observer` looks on: what [`drive`] makes of the
-/// tracks that come back with it, bit by bit.
+/// tracks that `keep` is handed, bit by bit.
 ///
 /// # Errors
 /// Settings out of their bounds; none of the first images can be read, or none of all shows anything.
@@ -135,9 +134,15 @@ pub(super) fn drive_images(
     noise: &NoiseTrack,
     seed: u64,
     observer: &mut dyn FrontEndObserver,
-) -> Result<(EstimatorOutput, TrackedSequence), ClosedLoopError> {
+    keep: &mut dyn FnMut(&TrackFrame),
+) -> Result<(EstimatorOutput, ImageReport), ClosedLoopError> {
     let mut run = Run::new(config, recording, noise, seed)?;
-    let mut log = TrackingLog::new(observer);
+    let mut stamps = Vec::new();
+    let mut keep = |frame: &TrackFrame| {
+        stamps.push(frame.t);
+        keep(frame);
+    };
+    let mut log = TrackingLog::new(observer, &mut keep);
     walk(recording, images, &mut log, |step, log| {
         match step {
             Step::Sample(place) => run.feed_sample(place)?,
@@ -152,14 +157,8 @@ pub(super) fn drive_images(
         }
         Ok(())
     })?;
-    let tracked = log.finish(recording)?;
-    Ok((run.finish(&tracked.frames), tracked))
-}
-
-/// Stamps of the first frame and of the last.
-fn ends(frames: &[TrackFrame]) -> (Stamp, Stamp) {
-    let (first, last) = frames.first().zip(frames.last()).expect("there is no run without frames");
-    (first.t, last.t)
+    let images = log.finish(recording)?;
+    Ok((run.finish(stamps), images))
 }
 
 /// A run under way.
@@ -209,16 +208,16 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// What the run left over `frames`.
-    fn finish(self, frames: &[TrackFrame]) -> EstimatorOutput {
-        let (first, last) = ends(frames);
+    /// What the run left over frames with these stamps.
+    fn finish(self, frames: Vec<Stamp>) -> EstimatorOutput {
+        let (first, last) = frames.first().zip(frames.last()).expect("there is no run without frames");
         EstimatorOutput {
             cpu_s: self.clock.elapsed().as_secs_f64() - self.tracking_s,
             updates: self.updates,
             report: self.estimator.report().clone(),
             update_cpu_s: self.update_cpu_s,
-            data_s: last.seconds_since(first),
-            frames: frames.iter().map(|frame| frame.t).collect(),
+            data_s: last.seconds_since(*first),
+            frames,
         }
     }
 }

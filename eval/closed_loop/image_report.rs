@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// What became of a recording's images.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ImageReport {
     /// The figures.
     pub figures: FrontEndFigures,
@@ -40,7 +40,7 @@ pub struct FrontEndFigures {
 }
 
 /// Why nothing was made of an image.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PassedOver {
     /// It shows nothing: dark, saturated, or all alike.
@@ -56,7 +56,7 @@ pub enum PassedOver {
 }
 
 /// Images in a row that were passed over for one reason.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ImageEvent {
     /// Seconds of the first of them after the first image.
     pub from_s: f64,

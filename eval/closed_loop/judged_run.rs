@@ -1,23 +1,23 @@
 //! One recording through the estimator, with everything a person wants to know of it.
 
-use super::drive::{EstimatorOutput, drive, drive_images, frames_from};
+use super::drive::{EstimatorOutput, drive, drive_images, enough, frames_from};
 use super::error::ClosedLoopError;
-use super::image_report::ImageEvent;
+use super::frame_log::{FrameLog, SeenFrame};
+use super::image_report::{ImageEvent, ImageReport};
 use super::judge::{RunInfo, judge, noise_rms};
-use super::recording::Recording;
+use super::recording::{Recording, Span};
 use super::row::Row;
-use super::tracked::TrackedSequence;
 use super::tracking::CameraInput;
 use crate::noise::{Fresh, Recorded};
-use dpn_core::NoiseTrack;
 use dpn_core::check::{CheckOptions, RecordingFault, check};
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::random::Stream;
 use dpn_core::signal::stats::median_of;
+use dpn_core::{NoiseTrack, Stamp, TrackFrame};
 use dpn_pronet::network::Network;
 use dpn_vio::EstimatorConfig;
-use dpn_vio::diagnosis::{Axes, TrackHealth, axes, track_health};
-use dpn_vio::estimator::{FrontEndObserver, Phase, without_spikes};
+use dpn_vio::diagnosis::{Axes, TrackHealth};
+use dpn_vio::estimator::{FrontEndObserver, Phase};
 use nalgebra::Vector3;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -39,8 +39,8 @@ pub struct JudgedRun {
     pub output: EstimatorOutput,
     /// The noise it was told.
     pub noise: Arc<NoiseTrack>,
-    /// The tracks it had.
-    pub tracked: TrackedSequence,
+    /// The frames that were run.
+    pub frames: Vec<SeenFrame>,
 }
 
 /// What is said of a run.
@@ -81,53 +81,54 @@ pub fn judged_run(
     let recorded = Recorded { name: &recording.name, imu: &recording.imu, oracle: recording.oracle.as_ref() };
     let stream = Stream::new(info.seed).named("noise").named(&recording.name);
     let noise = crate::noise::track(noise, &recording.imu, &Fresh { recorded, networks }, &stream)?;
-    let (output, tracked, health) = match camera {
+    let mut log = FrameLog::new(recording);
+    let (output, images) = match camera {
         CameraInput::Images(images) => {
-            let (output, tracked) = drive_images(config, recording, images, &noise, info.seed, observer)?;
-            let health = fit(recording, &tracked)?;
-            (output, tracked, health)
+            let mut keep = |frame: &TrackFrame| log.feed(frame);
+            let (output, images) =
+                drive_images(config, recording, images, &noise, info.seed, observer, &mut keep)?;
+            fit(recording, &log)?;
+            (output, Some(images))
         }
         CameraInput::Tracks(frames, span) => {
-            let tracked = TrackedSequence { frames, span, images: None };
-            let health = fit(recording, &tracked)?;
-            (drive(config, recording, tracked.run(), &noise, info.seed)?, tracked, health)
+            let run = frames_from(recording, &frames, &span)?;
+            run.iter().for_each(|frame| log.feed(frame));
+            fit(recording, &log)?;
+            (drive(config, recording, run, &noise, info.seed)?, None)
         }
     };
-    let axes = axes(
-        &without_spikes(recording.imu.samples()),
-        tracked.run(),
-        &recording.camera,
-        &recording.body_from_cam,
-    );
+    let health = log.health();
+    let (frames, axes) = log.finish(recording);
     let mut waited_for: BTreeMap<String, usize> = BTreeMap::new();
     for update in &output.updates {
         if let Phase::Initialising(reason) = update.phase {
             *waited_for.entry(reason.name().to_owned()).or_default() += 1;
         }
     }
-    let info = RunInfo { front_end: tracked.images.as_ref().map(|images| images.figures.clone()), ..info };
+    let info = RunInfo { front_end: images.as_ref().map(|images| images.figures.clone()), ..info };
     let report = Report {
         row: judge(recording, &info, &output)?.row,
-        warnings: warnings(recording, &info, &tracked, &output, &health, &axes),
+        warnings: warnings(recording, &info, (&frames, images.as_ref()), &output, &health, &axes),
         axes,
         tracks: health,
-        images: tracked.images.as_ref().map_or_else(Vec::new, |images| images.events.clone()),
+        images: images.map_or_else(Vec::new, |images| images.events),
         skipped: output.report.skipped,
         waited_for,
         noise_rms: noise_rms(&noise),
     };
-    Ok(JudgedRun { report, output, noise, tracked })
+    Ok(JudgedRun { report, output, noise, frames })
 }
 
-/// What the tracks that are run are like.
+/// Whether the frames can be run on.
 ///
 /// # Errors
 /// Too few of them, or none on the samples' clock; ids that do not stay with points.
-fn fit(recording: &Recording, tracked: &TrackedSequence) -> Result<TrackHealth, ClosedLoopError> {
-    let health = track_health(frames_from(recording, &tracked.frames, &tracked.span)?);
-    match health.fault() {
+fn fit(recording: &Recording, log: &FrameLog<'_>) -> Result<(), ClosedLoopError> {
+    let stamps: Vec<Stamp> = log.seen().iter().map(|frame| frame.t).collect();
+    enough(recording, &stamps, &Span::from(0.0))?;
+    match log.health().fault() {
         Some(problem) => Err(ClosedLoopError::TrackIds { sequence: recording.name.clone(), problem }),
-        None => Ok(health),
+        None => Ok(()),
     }
 }
 
@@ -135,13 +136,13 @@ fn fit(recording: &Recording, tracked: &TrackedSequence) -> Result<TrackHealth, 
 fn warnings(
     recording: &Recording,
     info: &RunInfo,
-    tracked: &TrackedSequence,
+    (frames, images): (&[SeenFrame], Option<&ImageReport>),
     output: &EstimatorOutput,
     health: &TrackHealth,
     axes: &Axes,
 ) -> Vec<String> {
-    let (mut found, frames) = (Vec::new(), tracked.run());
-    if let Some(images) = &tracked.images {
+    let mut found = Vec::new();
+    if let Some(images) = images {
         let shown = images.events.iter().take(SHOWN_EVENTS);
         found.extend(shown.map(ToString::to_string));
         let more = images.events.len().saturating_sub(SHOWN_EVENTS) + images.more_events;

@@ -9,7 +9,7 @@ use super::tracking::CameraInput;
 use crate::metrics::poses_of;
 use dpn_core::camera::CameraConfig;
 use dpn_core::camera::PinholeRadtan;
-use dpn_core::checksum::{hex, of_parts};
+use dpn_core::checksum::{hex, of_bytes, of_parts};
 use dpn_core::trajectory::StampedPose;
 use dpn_core::{SampleRate, Stamp, TrackFrame};
 use dpn_io::asl::{Sequence, discover};
@@ -331,13 +331,8 @@ impl SequenceSet {
         match self {
             Self::Recorded { sequences, tracks } => {
                 let (sequence, _) = &sequences[place];
-                for file in files(sequence, tracks) {
-                    let bytes = std::fs::read(&file).map_err(|source| match source.kind() {
-                        std::io::ErrorKind::NotFound => IoError::Missing { path: file.clone() },
-                        _ => IoError::Read { path: file.clone(), source },
-                    })?;
-                    hash.update((bytes.len() as u64).to_le_bytes());
-                    hash.update(&bytes);
+                for sum in checksums(sequence, tracks) {
+                    hash.update(sum?);
                 }
                 if let TrackSource::Images(ImageSource::Folder { .. }) = tracks {
                     let folder = ImageFolder::open(sequence)?;
@@ -357,9 +352,8 @@ impl SequenceSet {
     pub(super) fn checksum_of_samples(&self, place: usize) -> String {
         match self {
             Self::Recorded { sequences, tracks } => {
-                let there = files(&sequences[place].0, tracks).into_iter().map(std::fs::read);
-                // A file that cannot be read is not one that is empty.
-                of_parts(there.map(|read| read.map_or_else(|_| vec![0], |bytes| [&[1], &bytes[..]].concat())))
+                // A file that cannot be read has no checksum, and one that is empty has.
+                of_parts(checksums(&sequences[place].0, tracks).into_iter().map(Result::unwrap_or_default))
             }
             Self::Flights { .. } => Flight::ALL[place].name().to_owned(),
         }
@@ -379,16 +373,15 @@ fn checksum_of_image(path: &Path) -> Result<[u8; 32], IoError> {
     Ok(hash.finalize().into())
 }
 
-/// The files that a sequence is read from, but for its images.
-fn files(sequence: &Sequence, tracks: &TrackSource) -> Vec<PathBuf> {
-    let mut files = vec![sequence.imu_path()];
-    files.extend(sequence.ground_truth_path());
-    let camera = sequence.camera_path();
-    files.extend([camera.with_file_name("sensor.yaml"), camera].into_iter().filter(|path| path.is_file()));
+/// SHA-256 of the files that a sequence is read from, but for its images.
+fn checksums(sequence: &Sequence, tracks: &TrackSource) -> Vec<Result<String, IoError>> {
+    let mut sums = sequence.checksums();
     if let TrackSource::File(dir) = tracks {
-        files.push(given(dir, sequence));
+        let file = given(dir, sequence);
+        let read = std::fs::read(&file).map_err(|e| IoError::reading(&file, e));
+        sums.push(read.map(|bytes| of_bytes(&bytes)));
     }
-    files
+    sums
 }
 
 /// A name as people shorten it: `MH_01` of `MH_01_easy`, `room1` of TUM-VI's, `hover` of `f09-hover`.
@@ -462,7 +455,7 @@ fn path_of(sequence: &Sequence, config: &PathConfig) -> Result<(RecordedPath, Ve
     }
     let path = RecordedPath::new(&sequence.ground_truth()?, &path_config(sequence, config))
         .map_err(|source| ClosedLoopError::Path { sequence: sequence.name().to_owned(), source })?;
-    let stamps = if sequence.camera_path().is_file() {
+    let stamps = if sequence.has_camera_frames() {
         sequence.camera_frames()?.iter().map(|frame| frame.t).collect()
     } else {
         camera_stamps(&path, camera_rate(sequence.camera_config()?.as_ref()))

@@ -13,6 +13,7 @@ use super::manifest::Manifest;
 use super::parallel::each;
 use super::recording::{Recording, Span};
 use super::row::{CellKey, Row};
+use super::sequence_set::TrackSource;
 use super::states::write_states;
 use super::store::Store;
 use super::sweep_cache::{Needs, SweepCache};
@@ -194,7 +195,7 @@ impl Sweep<'_> {
             todo.len(),
             stop,
             |i| {
-                let row = self.cell(todo[i], &needs[i], &cache, &dir, on_fault);
+                let row = self.cell(todo[i], &needs[i], &cache, (&dir, stop), on_fault);
                 cache.done(&needs[i]);
                 row.or_else(|error| on_fault.of_cell(todo[i], error).map(|()| None))
             },
@@ -268,18 +269,20 @@ impl Sweep<'_> {
         cell: &Cell<'_>,
         needs: &Needs,
         cache: &SweepCache,
-        dir: &Path,
+        (dir, stop): (&Path, &AtomicBool),
         on_fault: &OnFault<'_>,
     ) -> Result<Option<(Row, CellTime)>, ClosedLoopError> {
         if on_fault.passes_over(cell) {
             return Ok(None);
         }
         let clock = ThreadTime::now();
-        let (recording, seen) = match self.inputs(cell, needs, cache) {
+        let (recording, seen, kept) = match self.inputs(cell, needs, cache, stop) {
             Ok(found) => found,
             Err(error) => return on_fault.unseen(cell, error).map(|()| None),
         };
-        let shared_s = clock.elapsed().as_secs_f64();
+        let begun_s = clock.elapsed().as_secs_f64();
+        // What others made costs them.
+        let shared_s = if kept { 0.0 } else { begun_s };
         remove_files(dir, &cell.key)?;
         let from_s = self.from.seconds(&recording.name);
         let stream = Stream::new(cell.seed).named("noise").named(&recording.name);
@@ -306,24 +309,34 @@ impl Sweep<'_> {
             write_nees(&nees_path(dir, &cell.key), nees)?;
         }
         let row = Row { cell: cell.content.clone(), noise_rms: Some(noise_rms(&noise)), ..judged.row };
-        Ok(Some((row, CellTime { shared_s, own_s: clock.elapsed().as_secs_f64() - shared_s })))
+        Ok(Some((row, CellTime { shared_s, own_s: clock.elapsed().as_secs_f64() - begun_s })))
     }
 
-    /// What a cell's odometry is given: the recording, and tracks enough.
+    /// What a cell's odometry is given: the recording, and tracks enough; and whether these were kept by somebody else.
     fn inputs(
         &self,
         cell: &Cell<'_>,
         needs: &Needs,
         cache: &SweepCache,
-    ) -> Result<(Arc<Recording>, Arc<TrackedSequence>), ClosedLoopError> {
+        stop: &AtomicBool,
+    ) -> Result<(Arc<Recording>, Arc<TrackedSequence>, bool), ClosedLoopError> {
         let recording = cache.recording(needs, || self.recording(cell.place, cell.seed))?;
         let span = Span { from_s: self.from.seconds(&recording.name), to_s: self.to };
-        let seen = cache.frames(needs, || {
+        let follow = || {
             let camera = self.source.camera_input(cell.place, cell.seed, &span)?;
             camera.tracks(&recording, &self.estimator.front_end, cell.seed)
+        };
+        let mut kept = false;
+        let seen = cache.frames(needs, || match (self.cache, self.source.tracks()) {
+            (Some(folder), TrackSource::Images(_)) => {
+                let (tracked, was_there) = folder.get(&cell.seen, stop, follow)?;
+                kept = was_there;
+                Ok(tracked)
+            }
+            _ => follow(),
         })?;
         frames_from(&recording, &seen.frames, &seen.span)?;
-        Ok((recording, seen))
+        Ok((recording, seen, kept))
     }
 
     /// What `mean-of-train` needs, over all training sequences of the source that can be read, whether they are run or not.

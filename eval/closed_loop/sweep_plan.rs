@@ -3,6 +3,7 @@
 use super::recording::StartAt;
 use super::row::{CellKey, Row};
 use super::sequence_set::SequenceSet;
+use super::track_cache::TrackCache;
 use crate::injected::Injection;
 use dpn_core::estimate::NoiseSpec;
 use dpn_io::IoError;
@@ -34,6 +35,8 @@ pub struct Sweep<'a> {
     pub networks: &'a [Network],
     /// Threads to use.
     pub threads: usize,
+    /// Where tracks that were followed through images are kept for others; without it each run follows them itself.
+    pub cache: Option<&'a TrackCache>,
     /// What is kept of a cell beside its row.
     pub keep: CellFiles,
     /// What is added to every recording's samples, from the seed of the cell.

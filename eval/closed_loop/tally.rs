@@ -3,14 +3,28 @@
 use super::image_report::{FrontEndFigures, ImageEvent, ImageReport, PassedOver};
 use crate::stats::percentile;
 use cpu_time::ThreadTime;
-use dpn_core::{GrayImage, Stamp, TrackFrame};
+use dpn_core::{GrayImage, Stamp};
 use dpn_vio::estimator::FrontEndObserver;
 use dpn_vio::frontend::ransac::Geometry;
 use dpn_vio::frontend::{Fed, LostBy, Status};
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 /// Most events that are kept.
 const MOST_EVENTS: usize = 200;
+
+/// Which ids there were: a bit each, for they are given in a row.
+#[derive(Debug, Default)]
+struct IdSet(BTreeMap<u64, u64>);
+
+impl IdSet {
+    fn insert(&mut self, id: u64) {
+        *self.0.entry(id / 64).or_default() |= 1 << (id % 64);
+    }
+
+    fn len(&self) -> usize {
+        self.0.values().map(|bits| bits.count_ones() as usize).sum()
+    }
+}
 
 /// Counts, of which [`finish`](Self::finish) makes figures.
 #[derive(Debug, Default)]
@@ -29,6 +43,10 @@ pub(super) struct Tally {
     by_gyro: usize,
     followed: usize,
     not_home: usize,
+    /// Frames handed over, their tracks, and which these were.
+    frames: usize,
+    sightings: usize,
+    ids: IdSet,
     /// When the image under way was begun.
     clock: Option<ThreadTime>,
     /// CPU time of each image \[s\].
@@ -68,18 +86,21 @@ impl Tally {
         self.events.iter().max_by_key(|event| event.images)
     }
 
-    /// The figures; `frames` are those handed over, one at least.
-    pub(super) fn finish(self, frames: &[TrackFrame]) -> ImageReport {
+    /// Frames handed over so far.
+    pub(super) fn frames(&self) -> usize {
+        self.frames
+    }
+
+    /// The figures; a frame was handed over.
+    pub(super) fn finish(self) -> ImageReport {
         let share = |part: usize, of: usize| (of > 0).then(|| part as f64 / of as f64);
-        let sightings: usize = frames.iter().map(|frame| frame.tracks.len()).sum();
-        let ids: BTreeSet<u64> = frames.iter().flat_map(|frame| frame.tracks.iter().map(|t| t.id)).collect();
         let (first, last) = self.first.zip(self.last).expect("a frame is of an image");
         let p95_s = percentile(&self.seconds, 0.95).expect("an image was worked off");
         let figures = FrontEndFigures {
             images: self.images,
             passed_over: self.over,
-            tracks: sightings as f64 / frames.len() as f64,
-            track_length: sightings as f64 / ids.len().max(1) as f64,
+            tracks: self.sightings as f64 / self.frames as f64,
+            track_length: self.sightings as f64 / self.ids.len().max(1) as f64,
             inlier_share: share(self.agreed, self.asked),
             by_gyro_share: share(self.by_gyro, self.consensus),
             not_home_share: share(self.not_home, self.followed),
@@ -98,6 +119,11 @@ impl FrontEndObserver for Tally {
     fn end(&mut self, _: &GrayImage, fed: &Fed) {
         let clock = self.clock.take().expect("an image is begun before it ends");
         self.seconds.push(clock.elapsed().as_secs_f64());
+        if let Some(frame) = &fed.frame {
+            self.frames += 1;
+            self.sightings += frame.tracks.len();
+            frame.tracks.iter().for_each(|track| self.ids.insert(track.id));
+        }
         let report = &fed.report;
         match report.status {
             Status::Tracked | Status::HandedOver => {}
@@ -141,6 +167,15 @@ mod tests {
         assert_eq!((tally.images(), tally.over), (10, 10));
         let words = tally.worst().unwrap().to_string();
         assert_eq!(words, "4 images passed over from 0.15 to 0.30 s: no 3");
+    }
+
+    #[test]
+    fn an_id_is_counted_once_however_large() {
+        let mut ids = IdSet::default();
+        for id in [0, 1, 63, 64, 64, 1, u64::MAX, u64::MAX] {
+            ids.insert(id);
+        }
+        assert_eq!(ids.len(), 5);
     }
 
     #[test]

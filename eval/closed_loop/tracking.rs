@@ -39,20 +39,23 @@ impl CameraInput<'_> {
         let mut tracker = ImageTracker::new(*config, camera, mounted, &recording.name, seed)
             .map_err(ClosedLoopError::Config)?;
         let mut nobody = ();
-        let mut log = TrackingLog::new(&mut nobody);
+        let mut frames = Vec::new();
+        let mut keep = |frame: &TrackFrame| frames.push(frame.clone());
+        let mut log = TrackingLog::new(&mut nobody, &mut keep);
         walk(recording, images, &mut log, |step, log| {
             match step {
                 Step::Sample(place) => pass_over_spikes(tracker.feed_imu(&recording.imu.samples()[place]))?,
                 Step::SamplesEnd => tracker.end_imu(),
                 Step::Image(t, image) => {
                     tracker.feed_image(image.view(), t)?;
-                    // The log keeps the frames.
+                    // The log hands the frames on.
                     while tracker.next_frame(log).is_some() {}
                 }
             }
             Ok(())
         })?;
-        log.finish(recording)
+        let images = log.finish(recording)?;
+        Ok(TrackedSequence { frames, span: Span::from(0.0), images: Some(images) })
     }
 }
 

@@ -1,10 +1,9 @@
-//! The log of a front-end at work: frames, counts, images that nothing was made of.
+//! The log of a front-end at work: counts, images that nothing was made of.
 
 use super::error::ClosedLoopError;
-use super::image_report::PassedOver;
-use super::recording::{Recording, Span};
+use super::image_report::{ImageReport, PassedOver};
+use super::recording::Recording;
 use super::tally::Tally;
-use super::tracked::TrackedSequence;
 use dpn_core::{GrayImage, Stamp, TrackFrame};
 use dpn_io::IoError;
 use dpn_vio::estimator::{FeedError, FrontEndObserver};
@@ -13,17 +12,17 @@ use dpn_vio::frontend::Fed;
 /// When none of so many first images can be read, no later one is waited for.
 const FIRST: usize = 10;
 
-/// Looks on while images are worked off: keeps the frames, counts, and shows everything to somebody else too.
+/// Looks on while images are worked off: counts, hands frames to `keep`, and shows everything to somebody else too.
 pub(super) struct TrackingLog<'a> {
     tally: Tally,
-    frames: Vec<TrackFrame>,
+    keep: &'a mut dyn FnMut(&TrackFrame),
     unreadable: usize,
     also: &'a mut dyn FrontEndObserver,
 }
 
 impl<'a> TrackingLog<'a> {
-    pub(super) fn new(also: &'a mut dyn FrontEndObserver) -> Self {
-        Self { tally: Tally::default(), frames: Vec::new(), unreadable: 0, also }
+    pub(super) fn new(also: &'a mut dyn FrontEndObserver, keep: &'a mut dyn FnMut(&TrackFrame)) -> Self {
+        Self { tally: Tally::default(), keep, unreadable: 0, also }
     }
 
     /// An image that cannot be read.
@@ -48,20 +47,19 @@ impl<'a> TrackingLog<'a> {
         self.tally.passed_over(t, reason, error.to_string());
     }
 
-    /// The tracks and the report.
+    /// The report.
     ///
     /// # Errors
     /// No frame at all.
-    pub(super) fn finish(self, recording: &Recording) -> Result<TrackedSequence, ClosedLoopError> {
-        if self.frames.is_empty() {
+    pub(super) fn finish(self, recording: &Recording) -> Result<ImageReport, ClosedLoopError> {
+        if self.tally.frames() == 0 {
             return Err(ClosedLoopError::NothingTracked {
                 sequence: recording.name.clone(),
                 images: self.tally.images(),
                 why: self.tally.worst().map_or_else(|| "there are none".into(), ToString::to_string),
             });
         }
-        let images = self.tally.finish(&self.frames);
-        Ok(TrackedSequence { frames: self.frames, span: Span::from(0.0), images: Some(images) })
+        Ok(self.tally.finish())
     }
 }
 
@@ -74,6 +72,8 @@ impl FrontEndObserver for TrackingLog<'_> {
     fn end(&mut self, image: &GrayImage, fed: &Fed) {
         self.tally.end(image, fed);
         self.also.end(image, fed);
-        self.frames.extend(fed.frame.clone());
+        if let Some(frame) = &fed.frame {
+            (self.keep)(frame);
+        }
     }
 }

@@ -26,6 +26,30 @@ pub struct Beat {
     pub beat: u64,
     /// Cells that were there when it began.
     pub found: usize,
+    /// What its numbers of processes are counted in: containers of one machine may have one name and numbers of their own.
+    #[serde(default)]
+    pub pids: Option<String>,
+}
+
+impl Beat {
+    /// Whether the process was of this machine, and lives no more. Where that cannot be told it is not said.
+    pub(super) fn is_dead(&self) -> bool {
+        let here = pids();
+        here.is_some() && (&self.node, &self.pids) == (&node(), &here) && !lives(self.process)
+    }
+}
+
+/// Whether a process is there and has not ended; one that its parent has not asked after yet has.
+fn lives(process: u32) -> bool {
+    let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).ok();
+    // The name before the state is in brackets and may hold some itself.
+    let state = stat.as_deref().and_then(|stat| stat.rsplit_once(')')?.1.trim_start().chars().next());
+    state.is_some_and(|state| !matches!(state, 'Z' | 'X'))
+}
+
+/// The space of this process's number; only Linux says.
+fn pids() -> Option<String> {
+    Some(std::fs::read_link("/proc/self/ns/pid").ok()?.to_string_lossy().into_owned())
 }
 
 /// Writes a [`Beat`] until it is dropped; then the file goes.
@@ -40,7 +64,8 @@ impl Heart {
     pub(super) fn start(dir: &Path, found: usize) -> Self {
         let path = dir.join(BEAT);
         let since = now();
-        let mut beat = Beat { node: node(), process: std::process::id(), since, beat: since, found };
+        let mut beat =
+            Beat { node: node(), process: std::process::id(), since, beat: since, found, pids: pids() };
         let (stop, stopped) = channel::<()>();
         let thread = std::thread::spawn(move || {
             loop {
@@ -80,4 +105,22 @@ pub(super) fn node() -> String {
     named
         .or_else(|| std::env::var("HOSTNAME").ok())
         .map_or_else(|| "unknown".into(), |name| name.trim().to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_process_of_this_machine_that_is_gone_is_dead_at_once_and_no_other_is() {
+        let here =
+            Beat { node: node(), process: std::process::id(), since: 0, beat: now(), found: 0, pids: pids() };
+        // No process has a number so high: Linux ends at 2^22.
+        let gone = Beat { process: 4_194_999, ..here.clone() };
+        assert!(!here.is_dead());
+        assert_eq!(gone.is_dead(), cfg!(target_os = "linux"));
+        assert!(!Beat { node: "another".into(), ..gone.clone() }.is_dead());
+        assert!(!Beat { pids: Some("pid:[1]".into()), ..gone.clone() }.is_dead());
+        assert!(!Beat { pids: None, ..gone }.is_dead());
+    }
 }

@@ -101,6 +101,11 @@ impl Costs {
                 *seen = seen.max(cell.shared_s / cell.amount);
             }
         }
+        // What was taken from a cache says nothing of what it costs.
+        for seen in shared.values_mut() {
+            seen.retain(|_, cost| *cost > 0.0);
+        }
+        shared.retain(|_, seen| !seen.is_empty());
         let middle = |values: Vec<f64>| median_of(values).expect("an entry was made with its first value");
         Self {
             own: own.into_iter().map(|(key, values)| (key, middle(values))).collect(),

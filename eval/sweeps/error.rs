@@ -210,4 +210,9 @@ impl SweepError {
     pub fn is_stop(&self) -> bool {
         matches!(self, Self::Stopped { .. } | Self::ClosedLoop(ClosedLoopError::Stopped { .. }))
     }
+
+    /// Whether another process works there.
+    pub fn is_held(&self) -> bool {
+        matches!(self, Self::Locked(LockError::Held { .. }))
+    }
 }

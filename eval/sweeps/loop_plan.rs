@@ -145,6 +145,7 @@ impl LoopPlan {
             estimator: self.estimator.load()?,
             networks,
             threads,
+            cache: None,
             keep: CellFiles { trajectories: self.trajectories, nees: true, states: None },
             injection: self.injection.as_ref().map(Settings::load).transpose()?,
         })

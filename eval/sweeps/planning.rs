@@ -120,7 +120,7 @@ fn closed_loop(
     let names = sweep.source.names();
     let mut seconds = BTreeMap::new();
     for &place in &sweep.places {
-        let seed = sweep.seeds.first().copied().unwrap_or_default();
+        let seed = sweep.training_seed().unwrap_or_default();
         let name = &names[place].0;
         let whole = sweep.source.recording(place, seed)?.imu.duration();
         let run = sweep.to.unwrap_or(whole).min(whole) - sweep.from.seconds(name);

@@ -10,7 +10,7 @@ use super::error::SweepError;
 use super::manifest::SweepFolder;
 use super::record::{ROWS, ShardRecord, cells_with_rows};
 use super::spec::{JobSpec, LoopSpec, TrainSpec};
-use crate::closed_loop::{CellTime, FailedCell, Manifest, Row};
+use crate::closed_loop::{CellTime, FailedCell, Manifest, Row, Sweep, TrackCache};
 use dpn_core::progress::Progress;
 use dpn_io::{FolderLock, IoError, atomic_write};
 use dpn_pronet::network::Network;
@@ -41,6 +41,8 @@ pub struct Node<'a> {
     pub networks: &'a [Network],
     /// Threads to use.
     pub threads: usize,
+    /// Where tracks that were followed through images are kept, for all shards and nodes.
+    pub cache: Option<&'a TrackCache>,
 }
 
 /// Why a training has no result.
@@ -209,7 +211,7 @@ impl<'a> Shard<'a> {
         let planned = &self.folder.manifest;
         let cells = &planned.cells[planned.cells_of(place)];
         let source = spec.source(here.data.or(planned.data.as_deref()), (here.tracks, here.truth))?;
-        let whole = spec.sweep(&source, here.networks, here.threads)?;
+        let whole = Sweep { cache: here.cache, ..spec.sweep(&source, here.networks, here.threads)? };
         let sweep = whole.of_sequences_with(|i| cells.get(i).is_some_and(|cell| cell.shard == self.number));
         let manifest = Manifest::of(&sweep, here.program.clone())?;
         let made_from: Manifest = serde_json::from_value(planned.jobs[place].made_from.clone())

@@ -130,6 +130,7 @@ impl LoopSpec {
             estimator: self.estimator.clone(),
             networks,
             threads,
+            cache: None,
             keep: self.keep.clone(),
             injection: self.injection,
         })

@@ -95,7 +95,7 @@ fn of_shard(folder: &SweepFolder, shard: usize, own: &[usize], now: u64) -> Resu
     let by: Option<Beat> = serde_json::from_str(&text_of(&dir.join(BEAT))?).ok();
     let failed = text_of(&dir.join(FAILED))?;
     let failed: Vec<FailedLine> = failed.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
-    let alive = by.as_ref().is_some_and(|beat| now.saturating_sub(beat.beat) < SILENT_S);
+    let alive = by.as_ref().is_some_and(|beat| now.saturating_sub(beat.beat) < SILENT_S && !beat.is_dead());
     let state = match &record {
         Some(record) if record.done && record.failed > 0 => ShardState::Failed,
         Some(record) if record.done => ShardState::Done,

@@ -59,6 +59,9 @@ pub(crate) struct ClosedLoopArgs {
     /// Threads; without it as many as there are cores. Results do not depend on it.
     #[arg(long, value_name = "N", conflicts_with = "open_loop")]
     pub(crate) threads: Option<usize>,
+    /// Where tracks are kept.
+    #[command(flatten)]
+    pub(crate) cache: super::CacheArgs,
     /// Write every run's trajectory (TUM format) into the folder.
     #[arg(long, conflicts_with = "open_loop")]
     pub(crate) trajectories: bool,

@@ -1,8 +1,10 @@
 //! What the user may type, one file a command.
 
 mod allan;
+mod cache;
 mod check;
 mod closed_loop;
+mod data;
 mod eval;
 mod examples;
 mod export;
@@ -18,8 +20,10 @@ mod train;
 mod truth;
 
 pub(crate) use allan::AllanArgs;
+pub(crate) use cache::CacheArgs;
 pub(crate) use check::CheckArgs;
 pub(crate) use closed_loop::{CameraArg, ClosedLoopArgs, SettingsArgs};
+pub(crate) use data::{DataArgs, DataFileArgs, DataWhat};
 pub(crate) use eval::EvalArgs;
 pub(crate) use export::{ExportArgs, ExportWhat, OnnxArgs};
 pub(crate) use images::ImagesArgs;
@@ -82,6 +86,8 @@ pub(crate) enum Command {
     Truth(TruthArgs),
     /// Trained networks for other programs (onnx).
     Export(ExportArgs),
+    /// A data set in one file that every --data takes: pack, list, check.
+    Data(DataArgs),
     /// Make data whose truth is known.
     Simulate(SimulateArgs),
     /// Completions of a shell, to standard output.

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// Flags of `dpn paper`.
 #[derive(Debug, Args)]
 pub(crate) struct PaperArgs {
-    /// Folder of EuRoC's sequences, or of datasets as unpacked (euroc/, tumvi/); without it the simulated flights.
+    /// Folder of EuRoC's sequences, or of datasets as unpacked (euroc/, tumvi/), or a data pack of them; without it the simulated flights.
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
     /// A few minutes' worth: fewer noises, one seed.
@@ -52,6 +52,9 @@ pub(crate) struct PaperArgs {
     /// Threads; without it as many as there are cores. Results do not depend on it.
     #[arg(long, value_name = "N")]
     pub(crate) threads: Option<usize>,
+    /// Where tracks are kept.
+    #[command(flatten)]
+    pub(crate) cache: super::CacheArgs,
     /// Run nothing: make tables, figures and page of the runs of another build of this version, named by the checksum that its tables give.
     #[arg(long, value_name = "CHECKSUM", conflicts_with = "train")]
     pub(crate) measured_by: Option<String>,

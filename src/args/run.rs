@@ -8,7 +8,7 @@ use std::path::PathBuf;
 /// Flags of `dpn run`.
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
-    /// Folder of an ASL sequence (EuRoC, TUM-VI), or name of a simulated flight.
+    /// Folder of an ASL sequence (EuRoC, TUM-VI), one of a data pack (PACK/NAME), or name of a simulated flight.
     #[arg(value_name = "SEQUENCE|FLIGHT")]
     pub(crate) source: String,
     /// What the odometry sees; without it the folder's images where it holds any, else tracks.

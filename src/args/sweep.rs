@@ -45,7 +45,7 @@ pub(crate) struct SweepPlanArgs {
     /// Folder of the sweep.
     #[arg(long, value_name = "SWEEP")]
     pub(crate) out: PathBuf,
-    /// Folder of the data, over the plan's.
+    /// Folder of the data, or a data pack, over the plan's.
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
     /// Folder of an earlier sweep whose shards say what cells cost; without it a table of this program's.
@@ -68,7 +68,7 @@ pub(crate) struct SweepRunArgs {
     /// Which: 3, 0-3, 1,4,7, or all, one after another; without it the number in SLURM_ARRAY_TASK_ID.
     #[arg(long, value_name = "K")]
     pub(crate) shard: Option<Shards>,
-    /// Folder of the data, where it is not where the plan has it.
+    /// Folder of the data, or a data pack, where it is not where the plan has it.
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
     /// Folder of given tracks, where it is not where the plan has it.
@@ -80,6 +80,9 @@ pub(crate) struct SweepRunArgs {
     /// Threads. Results do not depend on it; predicted times are of one.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=4096))]
     pub(crate) threads: u64,
+    /// Where tracks are kept.
+    #[command(flatten)]
+    pub(crate) cache: super::CacheArgs,
 }
 
 /// Flags of `dpn sweep collect`.

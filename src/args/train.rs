@@ -37,7 +37,7 @@ pub(crate) struct TrainArgs {
     /// Configuration (TOML); without it the built-in default, which configs/train/{accel,gyro}.toml repeat.
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
-    /// Folder of ASL sequences (EuRoC, TUM-VI); without it the simulated flights.
+    /// Folder of ASL sequences (EuRoC, TUM-VI), or a data pack of them; without it the simulated flights.
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
     /// Folder of the run; without it runs/train-SENSOR-BASE-SEED.

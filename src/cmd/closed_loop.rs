@@ -1,11 +1,11 @@
 //! `dpn eval --closed-loop`.
 
-use super::{cores, program, settings, shipped, stop};
+use super::{cache, cores, program, settings, shipped, stop};
 use crate::args::{CameraArg, EvalArgs};
 use crate::ui::{Bar, Interrupted, errln, out, outln};
 use anyhow::Result;
 use dpn_core::estimate::parse_list;
-use dpn_eval::closed_loop::{ClosedLoopError, Consistency, Manifest, Row, consistency};
+use dpn_eval::closed_loop::{ClosedLoopError, Consistency, Manifest, Row, Sweep, consistency};
 use dpn_eval::study::{MARGIN, RowSet, Study, StudyFile};
 use dpn_eval::sweeps::{Camera, LoopPlan};
 use dpn_io::{FolderLock, atomic_write};
@@ -17,7 +17,9 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
     let plan = plan(args)?;
     let source = plan.source()?;
     let networks = networks(plan.models.as_deref())?;
-    let sweep = plan.sweep(&source, &networks, args.closed.threads.unwrap_or_else(cores).max(1))?;
+    let cache = cache::open(&args.closed.cache)?;
+    let threads = args.closed.threads.unwrap_or_else(cores).max(1);
+    let sweep = Sweep { cache: cache.as_ref(), ..plan.sweep(&source, &networks, threads)? };
     for warning in sweep.estimator.warnings() {
         errln!("warning: {warning}");
     }
@@ -35,6 +37,7 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
         }
         other => other?,
     };
+    cache::say(cache.as_ref());
     tell(&out, &rows, args.json)
 }
 

@@ -116,7 +116,7 @@ fn sequence(sequence: &Sequence, config: &mut RenderConfig) -> Result<SeenSequen
         config.camera = Some(settings.map_err(|e| unsuited_lens(dir, &e, "configs/images/euroc.toml"))?);
     }
     let hz = camera.map_or(CAMERA_HZ, |camera| camera.rate.hz());
-    let stamps = if sequence.camera_path().is_file() {
+    let stamps = if sequence.has_camera_frames() {
         sequence.camera_frames()?.iter().map(|frame| frame.t).collect()
     } else {
         made_stamps(&path, hz)?

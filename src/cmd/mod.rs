@@ -1,10 +1,12 @@
 //! One file a command: files and flags become library types, one library call, files again.
 
 mod allan;
+mod cache;
 mod check;
 mod closed_loop;
 mod convert;
 mod corpus;
+mod data;
 mod device;
 mod eval;
 mod export;
@@ -42,6 +44,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Check(args) => check::run(&args),
         Command::Truth(args) => truth::run(&args),
         Command::Export(args) => export::run(&args),
+        Command::Data(args) => data::run(&args),
         Command::Simulate(args) => simulate::run(args),
         Command::Completions(args) => Ok(manual::completions(&args)?),
         Command::Manual(args) => manual::manual(&args),

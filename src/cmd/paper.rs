@@ -1,6 +1,6 @@
 //! `dpn paper`.
 
-use super::{cores, device, program, program_of, settings, shipped, stop};
+use super::{cache, cores, device, program, program_of, settings, shipped, stop};
 use crate::args::PaperArgs;
 use crate::ui::{Bar, Interrupted, errln, outln};
 use anyhow::Result;
@@ -34,12 +34,14 @@ pub(crate) fn run(args: &PaperArgs) -> Result<()> {
     let stop = stop::on_ctrl_c("what was finished is kept, and the same command goes on from there")?;
     let networks = chosen_networks(args, &input, &stop)?;
     let measured_by = args.measured_by.as_deref().map(program_of);
+    let cache = cache::open(&args.cache)?;
     let paper = Paper {
         measured_by: measured_by.as_deref(),
         command: command(),
         work: &args.work,
         out: &args.out,
         threads: args.threads.unwrap_or_else(cores).max(1),
+        cache: cache.as_ref(),
         ..unwritten(&asked, &plan, (&input, &why), &networks, estimator)
     };
     match paper.run(&stop, &mut Bar::new()) {
@@ -48,6 +50,7 @@ pub(crate) fn run(args: &PaperArgs) -> Result<()> {
         }
         Err(error) => Err(error.into()),
         Ok(done) => {
+            cache::say(cache.as_ref());
             say(&done, args.json)?;
             Ok(())
         }
@@ -94,6 +97,7 @@ pub(crate) fn unwritten<'a>(
         work: Path::new(""),
         out: Path::new(""),
         threads: 1,
+        cache: None,
     }
 }
 

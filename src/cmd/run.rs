@@ -12,7 +12,7 @@ use dpn_eval::closed_loop::{
 };
 use dpn_figures::save;
 use dpn_figures::{Album, timeline, top_view};
-use dpn_io::asl::Sequence;
+use dpn_io::asl::{Sequence, is_there};
 use dpn_io::{atomic_write, write_tum};
 use dpn_pronet::network;
 use dpn_sim::Flight;
@@ -77,7 +77,7 @@ fn open(args: &RunArgs) -> Result<(SequenceSet, usize)> {
     let made = TrackSource::Simulated(settings::tracks(&args.settings)?);
     let seen = TrackSource::Images(ImageSource::Folder { skip_missing: args.skip_missing });
     let rendered = TrackSource::Images(ImageSource::Rendered(Box::new(settings::images(&args.settings)?)));
-    if dir.exists() {
+    if dir.exists() || is_there(dir) {
         let tracks = match (args.camera, &args.tracks) {
             (Some(CameraArg::Images | CameraArg::Rendered), Some(_)) => {
                 return Err(Fault::new("--tracks and --camera images or rendered ask for two things")

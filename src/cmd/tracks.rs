@@ -135,7 +135,7 @@ fn sequence(sequence: &Sequence, config: &mut TracksConfig) -> Result<SeenPath> 
         let settings = CameraSettings::try_from(own);
         config.camera = Some(settings.map_err(|e| unsuited_lens(dir, &e, "configs/tracks/euroc.toml"))?);
     }
-    let stamps = if sequence.camera_path().is_file() {
+    let stamps = if sequence.has_camera_frames() {
         sequence.camera_frames()?.iter().map(|frame| frame.t).collect()
     } else {
         made_stamps(&path, camera.map_or(CAMERA_HZ, |camera| camera.rate.hz()))?

@@ -1,5 +1,6 @@
 //! What can be wrong with a file, and what to do about it.
 
+use crate::column_file::ColumnFileError;
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -9,6 +10,9 @@ use thiserror::Error;
 /// Lines are counted from 1, as editors do.
 #[derive(Debug, Error)]
 pub enum IoError {
+    /// A file of columns that cannot be used.
+    #[error(transparent)]
+    ColumnFile(#[from] ColumnFileError),
     /// The operating system refused to read.
     #[error("cannot read {}", path.display())]
     Read {
@@ -337,6 +341,7 @@ impl IoError {
     /// What to do about it, where there is more to say than the message itself does.
     pub fn hint(&self) -> Option<String> {
         let text = match self {
+            Self::ColumnFile(error) => error.hint(),
             Self::Read { source, .. } => match source.kind() {
                 io::ErrorKind::PermissionDenied => "you lack the right to read it; see its owner and mode",
                 io::ErrorKind::IsADirectory => "this is a folder; name a file in it",

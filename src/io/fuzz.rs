@@ -7,6 +7,7 @@ use super::{
     tum,
 };
 use dpn_core::random::{Stream, StreamRng};
+use dpn_testing::forged::{Draw, damage};
 use rand::Rng;
 use std::path::Path;
 
@@ -67,50 +68,6 @@ fn excerpt(file: &[u8], rng: &mut StreamRng) -> Vec<u8> {
     [&lines[..1], &lines[start..start + 8]].concat().concat()
 }
 
-/// Damages as disks, editors and cut downloads do.
-fn mutate(bytes: &mut Vec<u8>, rng: &mut StreamRng) {
-    const NASTY: [&[u8]; 16] = [
-        b",",
-        b"\n",
-        b"\r",
-        b"\0",
-        b"\xff\xfe",
-        b"nan",
-        b"-inf",
-        b"1e999",
-        b"#",
-        b"\"",
-        b"-",
-        b"99999999999999999999",
-        b": ",
-        b"&a *a",
-        b"[[[[",
-        b"e",
-    ];
-    for _ in 0..rng.random_range(1..4) {
-        if bytes.is_empty() {
-            return;
-        }
-        let at = rng.random_range(0..bytes.len());
-        match rng.random_range(0..6) {
-            0 => bytes[at] = rng.random(),
-            1 => bytes[at] ^= 1 << rng.random_range(0..8),
-            2 => bytes.truncate(at),
-            3 => drop(bytes.remove(at)),
-            4 => {
-                let nasty = NASTY[rng.random_range(0..NASTY.len())];
-                bytes.splice(at..at, nasty.iter().copied());
-            }
-            _ => {
-                let end = (at + rng.random_range(1..40)).min(bytes.len());
-                let copy = bytes[at..end].to_vec();
-                let to = rng.random_range(0..=bytes.len());
-                bytes.splice(to..to, copy);
-            }
-        }
-    }
-}
-
 #[test]
 fn random_bytes_panic_no_reader() {
     const LETTERS: &[u8] = b"0123456789.,,;-+eE \t\r\n\n#%\"nai[]{}:&*!|>?x\xff\xc3";
@@ -132,7 +89,7 @@ fn damaged_files_panic_no_reader() {
     for case in 0..4000 {
         let mut rng = Stream::new(1).named("fuzz").named("damaged").index(case).rng();
         let mut bytes = excerpt(files[rng.random_range(0..files.len())], &mut rng);
-        mutate(&mut bytes, &mut rng);
+        damage(&mut bytes, &mut Draw::new(case, "damaged files"));
         feed(&bytes);
     }
 }

@@ -5,8 +5,10 @@
 
 use std::collections::HashSet;
 use std::fs::{self, File};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
+use tempfile::NamedTempFile;
 
 /// What a temporary file's name begins with, before its process and random letters, and ends with.
 const BEGIN: &str = ".dpn-";
@@ -15,6 +17,20 @@ pub(crate) const END: &str = ".tmp";
 /// What the names of this process's temporary files begin with.
 pub(crate) fn own_prefix() -> String {
     format!("{BEGIN}{}-", std::process::id())
+}
+
+/// A file in the system's folder for such, which goes when the value is dropped. What a process left there that was killed meanwhile goes
+/// when another one next makes one.
+///
+/// # Errors
+/// A folder that nothing can be made in.
+pub fn scratch_file() -> io::Result<NamedTempFile> {
+    let dir = std::env::temp_dir();
+    clear_once(&dir);
+    let file = tempfile::Builder::new().prefix(&own_prefix()).suffix(END).tempfile_in(dir)?;
+    // A file system without locks has the process's number alone.
+    let _ = file.as_file().try_lock();
+    Ok(file)
 }
 
 /// Removes what lies abandoned in `dir` and what `also` names, and so `depth` levels of folders below it that `enters` lets in.

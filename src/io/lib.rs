@@ -1,6 +1,7 @@
 //! Readers and writers of the formats at the border.
 //!
 //! * [`asl`]: EuRoC and TUM-VI folders; [`asl::discover`] lists the sequences under a folder.
+//! * [`column_file`]: columns with checksums in one file; [`asl::pack`] writes a data set as one.
 //! * [`read_imu_csv`]: plain CSV logs, columns by header or by list; [`read_imu_csv_loosely`] uses what it can of anybody's.
 //! * [`ImuLines`]: the same line by line, as they come.
 //! * [`Sieve`]: keeps of somebody's samples what a recording may hold.
@@ -20,6 +21,7 @@
 
 pub mod asl;
 mod atomic;
+pub mod column_file;
 mod columns;
 pub mod config;
 mod decimal;
@@ -56,6 +58,7 @@ pub use error::IoError;
 pub use images::{Coverage, ImageFolder, ImageRun, Prefetch, StampedImage, parse_png};
 pub use imu_csv::{CsvOptions, ImuLog, Origin, Settled, parse_imu_csv, read_imu_csv};
 pub use imu_lines::ImuLines;
+pub use leftovers::scratch_file;
 pub use lock::{FolderLock, LockError};
 pub use loose_csv::{LooseImuLog, Unreadable, parse_imu_csv_loosely, read_imu_csv_loosely};
 pub use noise_csv::{read_noise_track, write_noise_track};

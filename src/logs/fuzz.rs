@@ -3,39 +3,11 @@
 //! The same readers are fed by the targets in `fuzz/`, for as long as one likes.
 
 use crate::{LogOptions, read_log, read_mcap, read_rosbag1};
-use dpn_core::random::{Stream, StreamRng};
-use rand::Rng;
+use dpn_testing::forged::{Draw, damage};
 use std::path::{Path, PathBuf};
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../golden/bags")
-}
-
-/// Damages as disks and cut transfers do; lengths and counts get extreme values.
-fn mutate(bytes: &mut Vec<u8>, rng: &mut StreamRng) {
-    const WORDS: [u32; 6] = [0, 1, 0x7fff_ffff, 0x8000_0000, 0xffff_fffe, 0xffff_ffff];
-    for _ in 0..rng.random_range(1..5) {
-        if bytes.is_empty() {
-            return;
-        }
-        let at = rng.random_range(0..bytes.len());
-        match rng.random_range(0..6) {
-            0 => bytes[at] = rng.random(),
-            1 => bytes[at] ^= 1 << rng.random_range(0..8),
-            2 => bytes.truncate(at),
-            3 => drop(bytes.remove(at)),
-            4 => {
-                let word = WORDS[rng.random_range(0..WORDS.len())].to_le_bytes();
-                let end = (at + 4).min(bytes.len());
-                bytes[at..end].copy_from_slice(&word[..end - at]);
-            }
-            _ => {
-                let end = (at + rng.random_range(1..200)).min(bytes.len());
-                let copy = bytes[at..end].to_vec();
-                bytes.splice(at..at, copy);
-            }
-        }
-    }
 }
 
 fn speaks(result: Result<crate::Log, crate::LogError>) {
@@ -57,9 +29,8 @@ fn damaged_bags_panic_no_reader() {
     for name in ["plain.bag", "lz4.bag", "bz2.bag", "two_imus.bag", "plain.mcap", "lz4.mcap", "zstd.mcap"] {
         let whole = std::fs::read(folder().join(name)).unwrap();
         for case in 0..400 {
-            let mut rng = Stream::new(1).named("fuzz-bags").named(name).index(case).rng();
             let mut bytes = whole.clone();
-            mutate(&mut bytes, &mut rng);
+            damage(&mut bytes, &mut Draw::new(case, name));
             if name.ends_with("bag") {
                 speaks(read_rosbag1(bytes.as_slice(), Path::new(name), &options));
             } else {
@@ -75,9 +46,8 @@ fn damaged_databases_panic_no_reader() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("damaged.db3");
     for case in 0..150 {
-        let mut rng = Stream::new(1).named("fuzz-sqlite").index(case).rng();
         let mut bytes = whole.clone();
-        mutate(&mut bytes, &mut rng);
+        damage(&mut bytes, &mut Draw::new(case, "sqlite"));
         std::fs::write(&path, bytes).unwrap();
         speaks(read_log(&path, &LogOptions::default()));
     }

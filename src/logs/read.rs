@@ -4,8 +4,8 @@ use crate::kind::HEAD;
 use crate::topics::Topics;
 use crate::{Kind, Log, LogError, mcap, rosbag1, rosbag2, sqlite};
 use dpn_core::ImuRecording;
-use dpn_io::asl::Sequence;
-use dpn_io::{CsvOptions, IoError, LooseImuLog, Origin, Sieved, parse_imu_csv_loosely};
+use dpn_io::asl::{Sequence, is_there};
+use dpn_io::{CsvOptions, IoError, LooseImuLog, Origin, Sieved, parse_imu_csv_loosely, scratch_file};
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
@@ -24,7 +24,7 @@ pub struct LogOptions {
     pub max_uncompressed: Option<u64>,
 }
 
-/// Reads whatever log is at `path`: a folder, a file, a pipe, or stdin for `-`. Files and pipes are opened once and read once through.
+/// Reads whatever log is at `path`: a folder, a file, a sequence of a data pack (`PACK/NAME`), a pipe, or stdin for `-`. Files and pipes are opened once and read once through.
 ///
 /// # Errors
 /// See [`LogError`]: nothing there, nothing of use in it, several IMUs and no choice. Damage is none as long as two samples stand before it.
@@ -33,6 +33,12 @@ pub fn read_log(path: &Path, options: &LogOptions) -> Result<Log, LogError> {
         return read_stream(std::io::stdin().lock(), Path::new("stdin"), options);
     }
     let reading = |e| IoError::reading(path, e);
+    if !path.is_dir() && is_there(path) {
+        return match options.topic {
+            Some(_) => Err(LogError::NoTopicsHere { path: path.to_path_buf(), kind: "data pack" }),
+            None => Ok(Log::sound(Kind::Asl, Sequence::open(path)?.imu()?)),
+        };
+    }
     if !path.is_dir() {
         return read_stream(File::open(path).map_err(reading)?, path, options);
     }
@@ -66,7 +72,7 @@ pub fn read_stream(mut source: impl Read, path: &Path, options: &LogOptions) -> 
         Kind::Mcap => read_mcap(source, path, options),
         Kind::Sqlite if path.is_file() => read_sqlite(path, options),
         Kind::Sqlite => {
-            let mut copy = tempfile::NamedTempFile::new().map_err(reading)?;
+            let mut copy = scratch_file().map_err(reading)?;
             std::io::copy(&mut source, &mut copy).map_err(reading)?;
             let mut topics = Topics::new(options);
             let damage = sqlite::read(copy.path(), &mut topics);

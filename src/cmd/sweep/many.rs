@@ -27,7 +27,9 @@ pub(crate) fn many(file: &Path, args: &TrainArgs) -> Result<()> {
     let mut asked: TrainPlan = dpn_io::config::load(file)?;
     asked.data = args.data.clone().or(asked.data);
     asked.device = args.device.clone().unwrap_or(asked.device);
-    let trainings = CorpusTrainer::new(asked.data.clone()).trainings(&asked)?;
+    // All workers' too: the corpus is read once a process.
+    let trainer = CorpusTrainer::new(asked.data.clone());
+    let trainings = trainer.clone().trainings(&asked)?;
     let (count, device) = (trainings.len(), asked.device.clone());
     let manifest = SweepManifest::new(program(), dpn_pronet::processor(), asked.data, false);
     let jobs = [JobToPlan::Train(trainings)];
@@ -39,7 +41,7 @@ pub(crate) fn many(file: &Path, args: &TrainArgs) -> Result<()> {
         stop::on_ctrl_c("epochs that were finished are kept, and the same command goes on from there")?;
     let clock = Instant::now();
     let workers = args.jobs.map_or_else(cores, |jobs| jobs as usize).min(count);
-    let made = work_off(&folder, workers, &stop)?;
+    let made = work_off(&folder, &trainer, workers, &stop)?;
     let done = collect(&folder, &out, false)?;
     let hours = clock.elapsed().as_secs_f64() / 3600.0;
     match made {
@@ -63,7 +65,12 @@ pub(crate) fn many(file: &Path, args: &TrainArgs) -> Result<()> {
 }
 
 /// Works off every shard, `workers` at a time; how many were not there before.
-fn work_off(folder: &SweepFolder, workers: usize, stop: &AtomicBool) -> Result<usize> {
+fn work_off(
+    folder: &SweepFolder,
+    trainer: &CorpusTrainer,
+    workers: usize,
+    stop: &AtomicBool,
+) -> Result<usize> {
     let (program, processor) = (program(), dpn_pronet::processor());
     let (next, made, total) = (AtomicUsize::new(0), AtomicUsize::new(0), folder.shards());
     let bar = Mutex::new((0, Bar::new()));
@@ -78,8 +85,9 @@ fn work_off(folder: &SweepFolder, workers: usize, stop: &AtomicBool) -> Result<u
             truth: None,
             networks: &[],
             threads: 1,
+            cache: None,
         };
-        let mut trainer = CorpusTrainer::new(folder.manifest.data.clone());
+        let mut trainer = trainer.clone();
         loop {
             let shard = next.fetch_add(1, Ordering::Relaxed);
             if shard >= total {

@@ -3,10 +3,11 @@
 use super::MODELS;
 use super::trainer::CorpusTrainer;
 use crate::args::{Shards, SweepRunArgs};
-use crate::cmd::{closed_loop, program, stop};
+use crate::cmd::{cache, closed_loop, program, stop};
 use crate::ui::{Bar, Fault, Interrupted, errln};
 use anyhow::Result;
 use dpn_eval::sweeps::{Node, SweepError, SweepFolder, run_shard};
+use std::collections::VecDeque;
 
 /// Where Slurm says which of an array's tasks this is.
 const TASK: &str = "SLURM_ARRAY_TASK_ID";
@@ -16,6 +17,7 @@ pub(crate) fn run(args: &SweepRunArgs) -> Result<()> {
     let shards = chosen(args)?.numbers(folder.shards());
     let models = args.sweep.join(MODELS);
     let networks = closed_loop::networks(folder.manifest.models.then_some(models.as_path()))?;
+    let cache = cache::open(&args.cache)?;
     let here = Node {
         program: program(),
         processor: dpn_pronet::processor(),
@@ -24,16 +26,26 @@ pub(crate) fn run(args: &SweepRunArgs) -> Result<()> {
         truth: args.truth.as_deref(),
         networks: &networks,
         threads: args.threads as usize,
+        cache: cache.as_ref(),
     };
     let data = args.data.clone().or_else(|| folder.manifest.data.clone());
     let mut trainer = CorpusTrainer::new(data);
     let stop = stop::on_ctrl_c("cells that were finished are kept, and the same command goes on from there")?;
-    let mut failed = None;
-    for shard in shards {
+    let (mut failed, mut held) = (None, Vec::new());
+    let last = shards.len();
+    let mut todo: VecDeque<usize> = shards.into();
+    let mut begun = 0;
+    while let Some(shard) = todo.pop_front() {
+        begun += 1;
         match run_shard(&folder, shard, &here, &mut trainer, &stop, &mut Bar::new()) {
             Ok(done) => {
                 let how = if done.was_there { "was there" } else { "done" };
                 errln!("shard {shard}: {} cells, {how}", done.cells);
+            }
+            // Its holder may be through with it, or gone, when the others are done.
+            Err(error) if error.is_held() && begun <= last && last > 1 => {
+                errln!("shard {shard}: {error}; passed over until the others are done");
+                held.push(shard);
             }
             // The shards after it have other cells.
             Err(error @ SweepError::Failed { .. }) => {
@@ -46,7 +58,11 @@ pub(crate) fn run(args: &SweepRunArgs) -> Result<()> {
             }
             Err(error) => return Err(anyhow::Error::from(error).context(format!("shard {shard}"))),
         }
+        if todo.is_empty() {
+            todo.extend(held.drain(..));
+        }
     }
+    cache::say(cache.as_ref());
     failed.map_or(Ok(()), |error| Err(error.into()))
 }
 

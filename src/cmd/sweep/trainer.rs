@@ -13,26 +13,36 @@ use dpn_train::trainer::TrainError;
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-/// Trains on one corpus, which is read when it is first needed.
+/// Trains on one corpus, which is read when it is first needed: once, for a trainer and all its clones.
+#[derive(Clone)]
 pub(crate) struct CorpusTrainer {
     data: Option<PathBuf>,
-    read: Option<(Corpus, String)>,
+    read: Arc<Mutex<Option<Arc<Read>>>>,
+}
+
+/// A corpus and its checksum.
+struct Read {
+    corpus: Corpus,
+    fingerprint: String,
 }
 
 impl CorpusTrainer {
     pub(crate) fn new(data: Option<PathBuf>) -> Self {
-        Self { data, read: None }
+        Self { data, read: Arc::default() }
     }
 
-    fn corpus(&mut self) -> Result<&(Corpus, String)> {
-        if self.read.is_none() {
-            let corpus = corpus::to_train(corpus::load(self.data.as_deref())?)?;
-            let fingerprint = corpus.fingerprint();
-            self.read = Some((corpus, fingerprint));
+    fn corpus(&self) -> Result<Arc<Read>> {
+        // A panic while it was read left nothing there: nothing is broken.
+        let mut read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(read) = &*read {
+            return Ok(Arc::clone(read));
         }
-        Ok(self.read.as_ref().expect("it was read just now"))
+        let corpus = corpus::to_train(corpus::load(self.data.as_deref())?)?;
+        let fingerprint = corpus.fingerprint();
+        Ok(Arc::clone(read.insert(Arc::new(Read { corpus, fingerprint }))))
     }
 
     /// Every training of a plan, with its checksum and its updates.
@@ -44,7 +54,7 @@ impl CorpusTrainer {
         for (name, config) in plan.configurations()? {
             config.validate()?;
             let steps =
-                dpn_train::trainer::Trainer::new(&config, &self.corpus()?.0, &device)?.steps_per_epoch();
+                dpn_train::trainer::Trainer::new(&config, &self.corpus()?.corpus, &device)?.steps_per_epoch();
             let updates = (steps * config.fit.epochs) as f64;
             for seed in plan.seed..plan.seed.saturating_add(plan.seeds) {
                 let config = TrainConfig { seed, ..config.clone() };
@@ -64,9 +74,10 @@ impl CorpusTrainer {
         (stop, progress): (&AtomicBool, &mut dyn Progress),
     ) -> Result<Map<String, Value>> {
         let device = device::parse(&spec.device)?;
-        let (corpus, _) = self.corpus()?;
+        let read = self.corpus()?;
         let resume = dir.join("checkpoint.safetensors").is_file();
-        let (summary, _) = Run::open(dir, &spec.config, corpus, &device, resume)?.train(stop, progress)?;
+        let (summary, _) =
+            Run::open(dir, &spec.config, &read.corpus, &device, resume)?.train(stop, progress)?;
         match serde_json::to_value(&summary)? {
             Value::Object(row) => Ok(row),
             other => Ok(Map::from_iter([("summary".to_owned(), other)])),
@@ -76,9 +87,9 @@ impl CorpusTrainer {
 
 impl Trainer for CorpusTrainer {
     fn content(&mut self, spec: &TrainSpec) -> Result<String, SweepError> {
-        let (_, fingerprint) = self.corpus().map_err(|error| SweepError::Train(format!("{error:#}")))?;
+        let read = self.corpus().map_err(|error| SweepError::Train(format!("{error:#}")))?;
         let config = serde_json::to_string(&spec.config.resolved()).expect("a configuration is JSON");
-        Ok(id([program(), fingerprint.clone(), config, spec.device.clone()]))
+        Ok(id([program(), read.fingerprint.clone(), config, spec.device.clone()]))
     }
 
     fn train(

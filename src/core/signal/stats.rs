@@ -91,16 +91,23 @@ pub fn mad(x: &[f64]) -> f64 {
 pub fn quantiles(x: &[f64], levels: &[f64]) -> Vec<f64> {
     let mut sorted = x.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
-    let at = |level: &f64| {
-        if sorted.is_empty() || !(0.0..=1.0).contains(level) {
-            return f64::NAN;
-        }
-        let place = level * (sorted.len() - 1) as f64;
-        let below = place.floor() as usize;
-        let above = (below + 1).min(sorted.len() - 1);
-        sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
-    };
-    levels.iter().map(at).collect()
+    levels.iter().map(|level| of_sorted(&sorted, *level)).collect()
+}
+
+fn of_sorted(sorted: &[f64], level: f64) -> f64 {
+    if sorted.is_empty() || !(0.0..=1.0).contains(&level) {
+        return f64::NAN;
+    }
+    let place = level * (sorted.len() - 1) as f64;
+    let below = place.floor() as usize;
+    let above = (below + 1).min(sorted.len() - 1);
+    sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
+}
+
+/// As [`quantile`], sorting `x` instead of copying it.
+pub fn quantile_in_place(x: &mut [f64], level: f64) -> f64 {
+    x.sort_unstable_by(f64::total_cmp);
+    of_sorted(x, level)
 }
 
 /// The quantile at one `level`; see [`quantiles`].

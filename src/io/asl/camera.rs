@@ -85,7 +85,7 @@ pub(super) fn read_frames(path: &Path) -> Result<Vec<CameraFrame>, IoError> {
 }
 
 /// Whether a name joined to a folder names something in it, and can be shown.
-fn stays_inside(name: &str) -> bool {
+pub(super) fn stays_inside(name: &str) -> bool {
     let mut parts = Path::new(name).components();
     let is_plain = |part| matches!(part, Component::Normal(_));
     !name.is_empty() && parts.all(is_plain) && !name.contains('\\') && printable(name) == name

@@ -1,5 +1,6 @@
 //! Finds the sequences under a folder.
 
+use super::pack;
 use super::sequence::{IMU_DATA, Sequence};
 use crate::IoError;
 use std::path::{Path, PathBuf};
@@ -8,11 +9,14 @@ use std::path::{Path, PathBuf};
 const DEPTH: usize = 2;
 
 /// Every ASL sequence in `dir`: the folder itself, or those one or two levels below, sorted by name, then by path. Hidden folders
-/// and what is inside a sequence are not looked at.
+/// and what is inside a sequence are not looked at. `dir` may be a data pack, or a folder of one: `PACK/euroc`.
 ///
 /// # Errors
 /// `dir` cannot be listed; no sequence in it.
 pub fn discover(dir: &Path) -> Result<Vec<Sequence>, IoError> {
+    if let Some((file, below)) = pack::split(dir) {
+        return pack::discover(&file, &below);
+    }
     let below = folders(dir)?;
     let mut found = Vec::new();
     match Sequence::at(dir) {
@@ -27,7 +31,7 @@ pub fn discover(dir: &Path) -> Result<Vec<Sequence>, IoError> {
             .join(", ");
         return Err(IoError::NoSequence { dir: dir.to_path_buf(), looked_for });
     }
-    found.sort();
+    found.sort_by(|a, b| (a.name(), a.dir()).cmp(&(b.name(), b.dir())));
     Ok(found)
 }
 

@@ -5,6 +5,7 @@ pub(crate) mod camera;
 mod discover;
 pub(crate) mod ground_truth;
 pub(crate) mod imu_config;
+mod pack;
 mod sequence;
 mod write;
 #[cfg(feature = "images")]
@@ -15,6 +16,7 @@ pub use camera::CameraFrame;
 pub use discover::discover;
 pub use ground_truth::read as read_ground_truth;
 pub use imu_config::ImuConfig;
+pub use pack::{DataPack, PackedPart, is_there, pack, set_name};
 pub use sequence::Sequence;
 #[cfg(test)]
 pub(crate) use sequence::parse_imu;

@@ -3,9 +3,11 @@
 use super::camera::{self, CameraFrame};
 use super::ground_truth;
 use super::imu_config::{self, ImuConfig};
+use super::pack::{self, Packed};
 use crate::imu_csv::{CsvOptions, parse_with};
 use crate::{IoError, TimeUnit};
 use dpn_core::camera::CameraConfig;
+use dpn_core::checksum::of_bytes;
 use dpn_core::imu::ImuRecording;
 use dpn_core::truth::GroundTruth;
 use std::path::{Path, PathBuf};
@@ -18,23 +20,28 @@ pub(super) const CAMERA_SENSOR: &str = "cam0/sensor.yaml";
 /// Where ground truth may be, best first: EuRoC's estimate, TUM-VI's motion capture.
 pub(super) const GROUND_TRUTH: [&str; 2] = ["state_groundtruth_estimate0/data.csv", "mocap0/data.csv"];
 
-/// A folder with an IMU recording and what belongs to it. Opening looks for the IMU file only; nothing is read yet, and every
-/// call reads its file anew.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+/// A folder with an IMU recording and what belongs to it, or the same in a [data pack](super::pack()): paths are then the pack's with those of the
+/// folder behind. Opening looks for the IMU file only; nothing is read yet, and every call reads its file anew.
+#[derive(Debug, Clone)]
 pub struct Sequence {
     name: String,
     dir: PathBuf,
     root: PathBuf,
     /// A reconciled ground truth in place of the published one.
     reconciled: Option<PathBuf>,
+    /// Where it is not a folder.
+    packed: Option<Packed>,
 }
 
 impl Sequence {
-    /// The sequence in `dir`, which holds `mav0/imu0/data.csv` or `imu0/data.csv`.
+    /// The sequence in `dir`, which holds `mav0/imu0/data.csv` or `imu0/data.csv`; or in a data pack: `PACK/NAME`, or `PACK` where it holds but one.
     ///
     /// # Errors
     /// `dir` is not there, or holds neither.
     pub fn open(dir: &Path) -> Result<Self, IoError> {
+        if let Some((file, below)) = pack::split(dir) {
+            return pack::open(&file, &below);
+        }
         std::fs::read_dir(dir).map_err(|e| IoError::reading(dir, e))?;
         Self::at(dir).ok_or_else(|| IoError::NoSequence {
             dir: dir.to_path_buf(),
@@ -46,7 +53,20 @@ impl Sequence {
     pub(super) fn at(dir: &Path) -> Option<Self> {
         let root =
             [dir.join("mav0"), dir.to_path_buf()].into_iter().find(|root| root.join(IMU_DATA).is_file())?;
-        Some(Self { name: name_of(dir), dir: dir.to_path_buf(), root, reconciled: None })
+        Some(Self { name: name_of(dir), dir: dir.to_path_buf(), root, reconciled: None, packed: None })
+    }
+
+    /// One of a pack.
+    pub(super) fn of_pack(name: String, dir: PathBuf, root: PathBuf, packed: Packed) -> Self {
+        Self { name, dir, root, reconciled: None, packed: Some(packed) }
+    }
+
+    /// Whether it has this file, a path below its root.
+    fn has(&self, file: &str) -> bool {
+        match &self.packed {
+            Some(packed) => packed.has(file),
+            None => self.root.join(file).is_file(),
+        }
     }
 
     /// The folder's name, for example `MH_01_easy` or `dataset-room1_512_16`.
@@ -81,6 +101,11 @@ impl Sequence {
         &self.dir
     }
 
+    /// What its files are below: its folder, or `mav0` there.
+    pub(super) fn root(&self) -> &Path {
+        &self.root
+    }
+
     /// File of the inertial samples.
     pub fn imu_path(&self) -> PathBuf {
         self.root.join(IMU_DATA)
@@ -93,9 +118,41 @@ impl Sequence {
 
     /// File of the ground truth: `state_groundtruth_estimate0/data.csv`, else `mocap0/data.csv`; `None` without either.
     pub fn ground_truth_path(&self) -> Option<PathBuf> {
-        self.reconciled
-            .clone()
-            .or_else(|| GROUND_TRUTH.iter().map(|file| self.root.join(file)).find(|file| file.is_file()))
+        self.reconciled.clone().or_else(|| self.published_truth().map(|file| self.root.join(file)))
+    }
+
+    /// The file of the published ground truth, below the root.
+    pub(super) fn published_truth(&self) -> Option<&'static str> {
+        GROUND_TRUTH.into_iter().find(|file| self.has(file))
+    }
+
+    /// Whether there are stamps of a camera.
+    pub fn has_camera_frames(&self) -> bool {
+        self.has(CAMERA_DATA)
+    }
+
+    /// SHA-256 of each file that it is read from: samples, ground truth, the camera's calibration and stamps, those that are there. The same of a
+    /// folder and of a pack made of it.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn checksums(&self) -> Vec<Result<String, IoError>> {
+        let mut sums = vec![self.checksum_of(IMU_DATA)];
+        match (&self.reconciled, self.published_truth()) {
+            (Some(path), _) => sums.push(checksum_of_file(path)),
+            (None, Some(file)) => sums.push(self.checksum_of(file)),
+            (None, None) => {}
+        }
+        let camera = [CAMERA_SENSOR, CAMERA_DATA].into_iter().filter(|file| self.has(file));
+        sums.extend(camera.map(|file| self.checksum_of(file)));
+        sums
+    }
+
+    pub(super) fn checksum_of(&self, file: &str) -> Result<String, IoError> {
+        match &self.packed {
+            Some(packed) => packed.source_checksum(file),
+            None => checksum_of_file(&self.root.join(file)),
+        }
     }
 
     /// The inertial samples. Columns by the header's names, ASL's order without a header.
@@ -103,7 +160,10 @@ impl Sequence {
     /// # Errors
     /// As [`crate::read_imu_csv`].
     pub fn imu(&self) -> Result<ImuRecording, IoError> {
-        read_imu(&self.imu_path())
+        match &self.packed {
+            Some(packed) => packed.imu(IMU_DATA),
+            None => read_imu(&self.imu_path()),
+        }
     }
 
     /// What `imu0/sensor.yaml` says; `None` without the file.
@@ -111,7 +171,11 @@ impl Sequence {
     /// # Errors
     /// A file that cannot be read, lacks a key or holds a value that cannot be.
     pub fn imu_config(&self) -> Result<Option<ImuConfig>, IoError> {
-        optional(imu_config::read(&self.root.join(IMU_SENSOR)))
+        let path = self.root.join(IMU_SENSOR);
+        match &self.packed {
+            Some(packed) => packed.text(IMU_SENSOR)?.map(|text| imu_config::parse(&text, &path)).transpose(),
+            None => optional(imu_config::read(&path)),
+        }
     }
 
     /// What `cam0/sensor.yaml` says; `None` without the file.
@@ -119,7 +183,13 @@ impl Sequence {
     /// # Errors
     /// A file that cannot be read, lacks a key or holds a value that cannot be.
     pub fn camera_config(&self) -> Result<Option<CameraConfig>, IoError> {
-        optional(camera::read_config(&self.root.join(CAMERA_SENSOR)))
+        let path = self.root.join(CAMERA_SENSOR);
+        match &self.packed {
+            Some(packed) => {
+                packed.text(CAMERA_SENSOR)?.map(|text| camera::parse_config(&text, &path)).transpose()
+            }
+            None => optional(camera::read_config(&path)),
+        }
     }
 
     /// Stamps and file names of the first camera's images, in increasing time.
@@ -127,12 +197,17 @@ impl Sequence {
     /// # Errors
     /// No `cam0/data.csv`; a row that is no frame; stamps that do not increase.
     pub fn camera_frames(&self) -> Result<Vec<CameraFrame>, IoError> {
-        camera::read_frames(&self.camera_path())
+        match &self.packed {
+            Some(packed) if packed.has(CAMERA_DATA) => packed.frames(CAMERA_DATA),
+            Some(_) => Err(IoError::Missing { path: self.camera_path() }),
+            None => camera::read_frames(&self.camera_path()),
+        }
     }
 
-    /// Where a frame's image is, when it was unpacked.
+    /// Where a frame's image is, when it was unpacked; a pack holds none, and says where the folder is that it was made of.
     pub fn image_path(&self, frame: &CameraFrame) -> PathBuf {
-        self.root.join("cam0/data").join(&frame.file)
+        let root = self.packed.as_ref().map_or_else(|| self.root.clone(), Packed::root_of_images);
+        root.join("cam0/data").join(&frame.file)
     }
 
     /// The ground truth.
@@ -143,7 +218,10 @@ impl Sequence {
         let path = self
             .ground_truth_path()
             .ok_or_else(|| IoError::Missing { path: self.root.join(GROUND_TRUTH[0]) })?;
-        ground_truth::read(&path)
+        match (&self.reconciled, &self.packed, self.published_truth()) {
+            (None, Some(packed), Some(file)) => packed.truth(file),
+            _ => ground_truth::read(&path),
+        }
     }
 }
 
@@ -159,6 +237,11 @@ pub(crate) fn read_imu(path: &Path) -> Result<ImuRecording, IoError> {
 /// The same from bytes at hand; `path` is for messages.
 pub(crate) fn parse_imu(bytes: &[u8], path: &Path) -> Result<ImuRecording, IoError> {
     Ok(parse_with(bytes, path, &CsvOptions::default(), Some(TimeUnit::Nanos))?.recording)
+}
+
+fn checksum_of_file(path: &Path) -> Result<String, IoError> {
+    let bytes = std::fs::read(path).map_err(|e| IoError::reading(path, e))?;
+    Ok(of_bytes(&bytes))
 }
 
 /// Turns "the file is not there" into `None`.

@@ -75,7 +75,9 @@ fn norm(v: [f64; 3]) -> f64 {
 
 /// Median of each axis over the stretch at rest, or over all.
 fn middle(samples: &[ImuSample], sensor: Sensor) -> [f64; 3] {
-    std::array::from_fn(|axis| stats::median(&samples.iter().map(|s| s.of(sensor)[axis]).collect::<Vec<_>>()))
+    std::array::from_fn(|axis| {
+        stats::median_of(samples.iter().map(|s| s.of(sensor)[axis])).unwrap_or(f64::NAN)
+    })
 }
 
 /// What is so wrong with clock, gravity, columns or units that no figure of the log means anything; units from some thousand of its samples.
@@ -152,7 +154,7 @@ fn gravity(recording: &ImuRecording, rest: &Rest) -> Vec<Finding> {
             format!("{read}; up is {sign}{}, {tilt:.0} degrees off", AXES[up]),
         ));
     }
-    let fast = stats::quantile(&samples_of(recording, Sensor::Gyro), 0.999);
+    let fast = stats::quantile_in_place(&mut samples_of(recording, Sensor::Gyro), 0.999);
     if fast > 35.0 {
         findings.push(Finding::bad(
             "units",

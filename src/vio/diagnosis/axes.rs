@@ -14,7 +14,9 @@
 use dpn_core::camera::PinholeRadtan;
 use dpn_core::geometry::so3;
 use dpn_core::{ImuSample, TrackFrame};
-use nalgebra::{Isometry3, Matrix3, Matrix3x6, Matrix6, Rotation3, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{
+    Isometry3, Matrix3, Matrix3x6, Matrix6, Rotation3, UnitQuaternion, Vector2, Vector3, Vector6,
+};
 use serde::Serialize;
 
 /// Fewest tracks that two frames must share.
@@ -109,13 +111,60 @@ pub fn axes(
     camera: &PinholeRadtan,
     body_from_cam: &Isometry3<f64>,
 ) -> Axes {
-    let turns = turns(samples, frames, camera);
+    let mut meter = AxesMeter::default();
+    for pair in frames.windows(2) {
+        meter.pair(samples, (&pair[0], &pair[1]), &pair[1].shared(&pair[0]), camera);
+    }
+    meter.axes(body_from_cam)
+}
+
+/// The same of frames as they come: of a pair two rates are kept.
+#[derive(Debug, Clone, Default)]
+pub struct AxesMeter {
+    /// Rates of gyro and camera between neighbouring frames \[rad/s\], each in its own axes.
+    turns: Vec<(Vector3<f64>, Vector3<f64>)>,
+}
+
+impl AxesMeter {
+    /// Takes the step from a frame to the next, and what both see, as [`TrackFrame::shared`] gives it; `samples` are all there are.
+    pub fn pair(
+        &mut self,
+        samples: &[ImuSample],
+        (a, b): (&TrackFrame, &TrackFrame),
+        shared: &[(Vector2<f64>, Vector2<f64>)],
+        camera: &PinholeRadtan,
+    ) {
+        let seconds = b.t.seconds_since(a.t);
+        if seconds > LONGEST_STEP_S {
+            return;
+        }
+        let begin = samples.partition_point(|s| s.t < a.t);
+        let end = samples.partition_point(|s| s.t <= b.t);
+        if begin == 0 || end - begin < 2 || end == samples.len() {
+            return;
+        }
+        let gyro = samples[begin..end].iter().map(|s| Vector3::from(s.gyro)).sum::<Vector3<f64>>();
+        let ray = |px| camera.bearing(px);
+        let rays = shared.iter().filter_map(|(before, px)| Some((ray(before)?, ray(px)?)));
+        if let Some(b_from_a) = rotation_of(rays.collect()) {
+            // A camera turning by d carries points by the inverse.
+            self.turns.push((gyro / (end - begin) as f64, so3::log(&b_from_a.inverse()) / seconds));
+        }
+    }
+
+    /// What the steps so far say of a camera mounted so.
+    pub fn axes(&self, body_from_cam: &Isometry3<f64>) -> Axes {
+        compared(&self.turns, body_from_cam)
+    }
+}
+
+fn compared(turns: &[(Vector3<f64>, Vector3<f64>)], body_from_cam: &Isometry3<f64>) -> Axes {
     let unknown =
         Axes { verdict: AxesVerdict::Unknown, pairs: turns.len(), correlation: 0.0, best_correlation: 0.0 };
     if turns.len() < FEWEST_PAIRS {
         return unknown;
     }
-    let turns = centred(&turns);
+    let turns = centred(turns);
     let n = turns.len() as f64;
     let (mut cross, mut power_body, mut power_cam) = (Matrix3::zeros(), 0.0, Matrix3::zeros());
     for (body, cam) in &turns {
@@ -159,39 +208,6 @@ fn scale(agreement: f64, power_body: f64, power_cam: f64, pairs: f64) -> AxesVer
     let error = SCALE_CERTAINTY * (left_over * ALIKE_PAIRS / (power_body * pairs)).sqrt();
     let outside = slope - error > SCALE_TOLERANCE || slope + error < 1.0 / SCALE_TOLERANCE;
     if outside { AxesVerdict::Scaled { factor: 1.0 / slope } } else { AxesVerdict::Consistent }
-}
-
-/// Rates of gyro and camera between neighbouring frames \[rad/s\], each in its own axes.
-fn turns(
-    samples: &[ImuSample],
-    frames: &[TrackFrame],
-    camera: &PinholeRadtan,
-) -> Vec<(Vector3<f64>, Vector3<f64>)> {
-    let mut found = Vec::new();
-    for pair in frames.windows(2) {
-        let seconds = pair[1].t.seconds_since(pair[0].t);
-        if seconds > LONGEST_STEP_S {
-            continue;
-        }
-        let begin = samples.partition_point(|s| s.t < pair[0].t);
-        let end = samples.partition_point(|s| s.t <= pair[1].t);
-        if begin == 0 || end - begin < 2 || end == samples.len() {
-            continue;
-        }
-        let gyro = samples[begin..end].iter().map(|s| Vector3::from(s.gyro)).sum::<Vector3<f64>>();
-        let rays = shared_rays(&pair[0], &pair[1], camera);
-        if let Some(b_from_a) = rotation_of(rays) {
-            // A camera turning by d carries points by the inverse.
-            found.push((gyro / (end - begin) as f64, so3::log(&b_from_a.inverse()) / seconds));
-        }
-    }
-    found
-}
-
-/// Rays of the points that both frames see.
-fn shared_rays(a: &TrackFrame, b: &TrackFrame, camera: &PinholeRadtan) -> Vec<(Vector3<f64>, Vector3<f64>)> {
-    let ray = |px| camera.bearing(px);
-    b.shared(a).iter().filter_map(|(before, px)| Some((ray(before)?, ray(px)?))).collect()
 }
 
 /// The rotation that carries the first rays to the second, beside a translation before points of one distance; the worst rays left out.

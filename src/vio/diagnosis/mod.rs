@@ -7,5 +7,5 @@
 mod axes;
 mod tracks;
 
-pub use axes::{Axes, AxesVerdict, axes};
-pub use tracks::{TrackHealth, track_health};
+pub use axes::{Axes, AxesMeter, AxesVerdict, axes};
+pub use tracks::{TrackHealth, TrackMeter, track_health};

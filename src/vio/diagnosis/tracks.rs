@@ -62,30 +62,56 @@ impl TrackHealth {
     }
 }
 
+/// Looks at tracks as they come: memory does not grow with them.
+#[derive(Debug, Clone, Default)]
+pub struct TrackMeter {
+    frames: usize,
+    tracks: usize,
+    pairs: usize,
+    shares: f64,
+    common: usize,
+    jumps: usize,
+    longest_gap_s: f64,
+}
+
+impl TrackMeter {
+    /// Takes a frame.
+    pub fn frame(&mut self, frame: &TrackFrame) {
+        self.frames += 1;
+        self.tracks += frame.tracks.len();
+    }
+
+    /// Takes the step to a frame from the one before, and what both see, as [`TrackFrame::shared`] gives it.
+    pub fn pair(&mut self, before: &TrackFrame, frame: &TrackFrame, shared: &[(Vector2<f64>, Vector2<f64>)]) {
+        let seconds = frame.t.seconds_since(before.t);
+        self.longest_gap_s = self.longest_gap_s.max(seconds);
+        if seconds > LONGEST_STEP_S || before.tracks.is_empty() || frame.tracks.is_empty() {
+            return;
+        }
+        self.pairs += 1;
+        self.shares += shared.len() as f64 / frame.tracks.len() as f64;
+        self.common += shared.len();
+        self.jumps += beyond_the_others(shared).iter().filter(|px| **px > JUMP_PX).count();
+    }
+
+    /// What the tracks so far are like.
+    pub fn health(&self) -> TrackHealth {
+        TrackHealth {
+            frames: self.frames,
+            mean_tracks: self.tracks as f64 / self.frames.max(1) as f64,
+            continuing: self.shares / self.pairs.max(1) as f64,
+            jumps: self.jumps as f64 / self.common.max(1) as f64,
+            longest_gap_s: self.longest_gap_s,
+        }
+    }
+}
+
 /// Looks at tracks as a whole.
 pub fn track_health(frames: &[TrackFrame]) -> TrackHealth {
-    let (mut pairs, mut shares, mut common, mut jumps, mut longest) =
-        (0_usize, 0.0, 0_usize, 0_usize, 0.0_f64);
-    for pair in frames.windows(2) {
-        let seconds = pair[1].t.seconds_since(pair[0].t);
-        longest = longest.max(seconds);
-        if seconds > LONGEST_STEP_S || pair[0].tracks.is_empty() || pair[1].tracks.is_empty() {
-            continue;
-        }
-        let shared = pair[1].shared(&pair[0]);
-        pairs += 1;
-        shares += shared.len() as f64 / pair[1].tracks.len() as f64;
-        common += shared.len();
-        jumps += beyond_the_others(&shared).iter().filter(|px| **px > JUMP_PX).count();
-    }
-    let tracks: usize = frames.iter().map(|f| f.tracks.len()).sum();
-    TrackHealth {
-        frames: frames.len(),
-        mean_tracks: tracks as f64 / frames.len().max(1) as f64,
-        continuing: shares / pairs.max(1) as f64,
-        jumps: jumps as f64 / common.max(1) as f64,
-        longest_gap_s: longest,
-    }
+    let mut meter = TrackMeter::default();
+    frames.iter().for_each(|frame| meter.frame(frame));
+    frames.windows(2).for_each(|pair| meter.pair(&pair[0], &pair[1], &pair[1].shared(&pair[0])));
+    meter.health()
 }
 
 /// How far each track ends from where the others carry it \[px\]: an affine motion, for a camera that rolls moves its corners against each other.

@@ -245,7 +245,7 @@ impl Estimator {
                     let frames = self.go_on_from_last(frames);
                     update.state = self.start(frames);
                     if self.config.covariance {
-                        update.covariance = self.window.newest_pose_covariance();
+                        update.covariance = self.window.newest_pose_covariance().map(Box::new);
                     }
                     self.last_good = update.state.or(self.last_good);
                 }
@@ -329,7 +329,7 @@ impl Estimator {
         update.state = Some(state);
         self.last_good = Some(state);
         if self.config.covariance {
-            update.covariance = self.window.newest_pose_covariance();
+            update.covariance = self.window.newest_pose_covariance().map(Box::new);
         }
         update.landmarks = self.window.landmarks().iter().filter(|l| l.inverse_depth.is_some()).count();
         if self.window.is_full() {

@@ -4,6 +4,9 @@ use crate::preint::NoisySample;
 use dpn_core::{ImuSample, Stamp};
 use std::collections::VecDeque;
 
+/// Samples are kept so long for a frame that may come \[s\]; while no camera speaks, memory does not grow.
+const KEPT_S: f64 = 600.0;
+
 /// Samples since the last frame, the first of them at its very instant.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ImuBuffer {
@@ -32,8 +35,13 @@ impl ImuBuffer {
         self.samples.front().map(|s| s.sample.t)
     }
 
-    /// Appends a sample later than all others.
+    /// Appends a sample later than all others. Those more than ten minutes before it go: what is then cut has a step as long as they were.
     pub(crate) fn push(&mut self, sample: NoisySample) {
+        let old = |first: &NoisySample| sample.sample.t.seconds_since(first.sample.t) > KEPT_S;
+        while self.samples.front().is_some_and(old) {
+            self.samples.pop_front();
+            self.made = false;
+        }
         self.samples.push_back(sample);
     }
 
@@ -96,6 +104,18 @@ mod tests {
             sample: ImuSample { t: Stamp::from_ns(t), gyro: [v; 3], accel: [10.0 * v; 3] },
             noise: ImuNoise::baseline(),
         }
+    }
+
+    #[test]
+    fn samples_that_no_frame_asks_for_go_after_ten_minutes_and_leave_a_step_as_long() {
+        let mut buffer = ImuBuffer::default();
+        let second = 1_000_000_000;
+        (0..10).for_each(|t| buffer.push(sample(t * second)));
+        buffer.cut(Stamp::from_ns(9 * second / 2));
+        (10..2_000).for_each(|t| buffer.push(sample(t * second)));
+        assert_eq!(buffer.oldest(), Some(Stamp::from_ns(1_399 * second)));
+        assert_eq!(buffer.cut(Stamp::from_ns(1_500 * second)).longest_step, 1_395.0);
+        assert_eq!(buffer.cut(Stamp::from_ns(1_501 * second)).longest_step, 1.0);
     }
 
     #[test]

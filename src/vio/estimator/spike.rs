@@ -2,6 +2,7 @@
 
 use dpn_core::ImuSample;
 use dpn_core::imu::Sensor;
+use std::borrow::Cow;
 
 /// So many in a row are passed over; more are what the sensor says, in whatever unit.
 const LONGEST_SPIKE: usize = 3;
@@ -33,8 +34,12 @@ impl SpikeFilter {
     }
 }
 
-/// What of `samples` the estimator takes.
-pub fn without_spikes(samples: &[ImuSample]) -> Vec<ImuSample> {
+/// What of `samples` the estimator takes; themselves where that is all.
+pub fn without_spikes(samples: &[ImuSample]) -> Cow<'_, [ImuSample]> {
+    let mut filter = SpikeFilter::default();
+    if samples.iter().all(|sample| filter.spike(sample).is_none()) {
+        return Cow::Borrowed(samples);
+    }
     let mut filter = SpikeFilter::default();
     samples.iter().filter(|sample| filter.spike(sample).is_none()).copied().collect()
 }

@@ -19,7 +19,7 @@ pub enum Phase {
 }
 
 /// The outcome of one frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Update {
     /// The frame's stamp.
     pub t: Stamp,
@@ -27,8 +27,8 @@ pub struct Update {
     pub phase: Phase,
     /// The newest state; `None` while there is none.
     pub state: Option<NavState>,
-    /// Covariance of the newest pose (position, then rotation on the right), as believed; `None` where it was not asked for.
-    pub covariance: Option<Matrix6<f64>>,
+    /// Covariance of the newest pose (position, then rotation on the right), as believed; `None` where it was not asked for. Apart, for a run keeps an update a frame.
+    pub covariance: Option<Box<Matrix6<f64>>>,
     /// Tracks that went on from earlier frames.
     pub tracked: usize,
     /// Landmarks with a depth.

@@ -7,11 +7,13 @@ use std::collections::VecDeque;
 
 /// Samples may end this long before an image \[s\]; the last is held until then. EuRoC's come every .005 s.
 const HELD_S: f64 = 0.02;
+/// Samples are kept so long for an image that may come \[s\]; while no camera speaks, memory does not grow.
+const KEPT_S: f64 = 600.0;
 
 /// Gyroscope samples between images, integrated from image to image.
 ///
 /// Rates are joined linearly between samples, `last_from_cur = Exp(w_1 dt_1) Exp(w_2 dt_2) ...` with the mean of neighbouring rates.
-/// Samples are kept until an image has passed them, or [`forget_before`](Self::forget_before) says that none will need them.
+/// Samples are kept until an image has passed them, or [`forget_before`](Self::forget_before) says that none will need them, ten minutes at most.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct GyroTurn {
     samples: VecDeque<(Stamp, Vector3<f64>)>,
@@ -28,6 +30,9 @@ impl GyroTurn {
     pub(crate) fn feed(&mut self, sample: &ImuSample) {
         let later = self.samples.back().is_none_or(|(t, _)| *t < sample.t);
         if later && sample.is_finite() {
+            while self.samples.front().is_some_and(|(t, _)| sample.t.seconds_since(*t) > KEPT_S) {
+                self.samples.pop_front();
+            }
             self.samples.push_back((sample.t, Vector3::from(sample.gyro)));
         }
     }
@@ -142,6 +147,19 @@ mod tests {
             gyro.forget_before(Stamp::from_ns(5_000_000 * i - 2_000_000));
         }
         assert_eq!(gyro.samples.len(), 2);
+    }
+
+    #[test]
+    fn samples_wait_ten_minutes_for_an_image_and_no_longer() {
+        let mut gyro = GyroTurn::new();
+        let at = |s: i64| Stamp::from_ns(1_000_000_000 * s);
+        gyro.feed(&sample(0, [0.0; 3]));
+        assert_eq!(gyro.until(at(0)), None);
+        (1..=500).for_each(|s| gyro.feed(&sample(at(s).ns(), [0.0; 3])));
+        assert!(gyro.until(at(500)).is_some());
+        (501..5_000).for_each(|s| gyro.feed(&sample(at(s).ns(), [0.0; 3])));
+        assert_eq!(gyro.samples.len(), 601);
+        assert_eq!(gyro.until(at(4_999)), None, "its beginning is gone");
     }
 
     #[test]
