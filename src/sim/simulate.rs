@@ -189,15 +189,14 @@ mod tests {
             flight.truth.vibration.gyro[middle][1],
             state.position_in_world.x,
         ];
-        let all = found;
         for (found, pinned) in found.into_iter().zip(PINNED) {
             // The sine of a long phase may differ in its last bits from machine to machine.
-            assert!((found - pinned).abs() < 1e-9, "{found:e} {pinned:e} among {all:?}");
+            assert!((found - pinned).abs() < 1e-9, "{found:e} {pinned:e}");
         }
     }
 
     const PINNED: [f64; 6] =
-        [0.00767556111, -0.00252552623, 0.01604123035, 0.66740043251, 0.01257826466, 1.89362473177];
+        [0.00767556111, -0.00252552623, 0.01604123035, -0.17931548710, 0.02831049874, 1.89362586614];
 
     #[test]
     fn switching_a_part_off_moves_no_bit_of_another() {
