@@ -17,7 +17,7 @@
 //!
 //! where `quietest` is the lowest valley so far, smoothed over some windows: a sensor's own noise stays when vibration comes, and
 //! is what is left of a spectrum of few clean lines. The power 3 was chosen among 3 and 4 on V1_02, V2_01 and V2_03 against ground truth; .8 is
-//! what chance leaves of flat. On EuRoC what the IMU reads between 10 and 35 Hz in flight is motion of the body to nine tenths, which
+//! what chance leaves of flat. On EuRoC what the IMU reads between 10 and 35 Hz in flight is mostly motion by its ground truth (estimated with that IMU), which
 //! `MOTION_HZ` is for. A line is known to the window's 4 Hz: over spans of .1 s and more it counts with the mean of the kernel's
 //! swing, as rotors do that wander. Not seen: true noise below `MOTION_HZ` that is not white, as tones that alias to there; and
 //! white noise that grows while lines hide it.

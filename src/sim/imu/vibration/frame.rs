@@ -1,7 +1,6 @@
 //! How the frame shakes: a line near 27 Hz and a broad band. Both are true motion, which the camera sees as well.
 //!
-//! On EuRoC's flights what the IMU reads below 40 Hz and motion does not explain is a tenth and less of what it reads there: body and IMU
-//! really turn and move so. Hence the line and the band are angles and displacements on the trajectory, and no noise.
+//! EuRoC's ground truth turns and moves so as well; it was estimated with the same IMU, which makes this likely and no proof. Hence the line and the band are angles and displacements on the trajectory, and no noise.
 //!
 //! The line is one oscillation, phi' = 2 pi (f_low + wander), on all axes with its own phase, already when the motors idle. The band is white
 //! noise, loud as the motors are (the square of their speed, in bursts), through a two-pole resonance
