@@ -121,7 +121,10 @@ pub fn of_recording(
 ) -> Result<NoiseTrack, NoiseError> {
     let imu = recorded.imu;
     match source {
-        NoiseSpec::Sensors(pair) => Ok(NoiseTrack::of(pair.model(Schedule::default())?.as_mut(), imu)),
+        NoiseSpec::Sensors(pair) => Ok(NoiseTrack::of(
+            pair.model(Schedule { rate: imu.rate(), ..Schedule::default() })?.as_mut(),
+            imu,
+        )),
         NoiseSpec::DualProNet { accel, gyro } => {
             let spec = source.to_string();
             let of = |sensor, tag| {

@@ -10,7 +10,7 @@ use dpn_figures::{LogNoisePlot, save};
 use dpn_io::noise_formats::{Given, NoiseCalibration, read};
 use dpn_io::{atomic_write, write_noise_track};
 use dpn_probe::log_noise::compare::{Check, compare};
-use dpn_probe::log_noise::{Levels, LogNoiseError, Plan, TrackSummary, report, track};
+use dpn_probe::log_noise::{EffectiveNoise, Levels, LogNoiseError, Plan, TrackSummary, report, track};
 use dpn_probe::phases::phases;
 use dpn_pronet::network::Network;
 use dpn_pronet::network::load_all;
@@ -103,9 +103,11 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
         }
     };
     let warnings = report::warnings(&plan, &summary);
+    let effective = EffectiveNoise::of(&recording, &summary.stretches);
     let mut all = serde_json::json!({
         "log": path.display().to_string(), "samples": recording.len(), "rate_hz": rate.hz(), "noise": plan.spec(), "every": plan.every(),
         "thinned_to_every": plan.thin(), "summary": summary, "warnings": warnings,
+        "effective": effective,
     });
     if let Some(check) = &check {
         all["check"] = serde_json::to_value(check)?;
@@ -120,6 +122,9 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
         return Ok(());
     }
     out!("{}", report::page(&plan, &summary, rate))?;
+    if let Some(effective) = &effective {
+        out!("{}", effective.page())?;
+    }
     if let (Some(path), Some(source), Some(check)) = (&args.check, &config, &check) {
         print_check(path, source, check)?;
     }

@@ -8,7 +8,6 @@ use dpn_core::{SampleRate, Stamp};
 use dpn_eval::closed_loop::path_config;
 use dpn_io::asl::Sequence;
 use dpn_io::write_tracks;
-use dpn_sim::flight::FlightPlan;
 use dpn_sim::tracks::{
     AnalyticPath, CameraPath, CameraSettings, RecordedPath, TracksConfig, TracksError, camera_stamps,
     simulate_tracks, summarise,
@@ -75,9 +74,9 @@ fn open(args: &TracksArgs, config: &mut TracksConfig) -> Result<SeenPath> {
     if args.truth.is_some() {
         return Err(truth_of_a_flight().into());
     }
-    let plan = FlightPlan::new(flight, args.flight_seed);
-    let start = Stamp::from_ns(FlightConfig::default().epoch_ns);
-    let path = AnalyticPath::new(plan.trajectory, start);
+    let flown = FlightConfig::default();
+    let path =
+        AnalyticPath::new(dpn_sim::path(flight, args.flight_seed, &flown)?, Stamp::from_ns(flown.epoch_ns));
     let stamps = made_stamps(&path, CAMERA_HZ)?;
     Ok(SeenPath { name: flight.name().to_owned(), path: Box::new(path), stamps })
 }

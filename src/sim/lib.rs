@@ -22,7 +22,7 @@ pub use config::{FlightConfig, StampPattern};
 pub use flight::{Flight, Phase, Phases, Split};
 pub use imu::{ImuSeries, ImuTruth};
 pub use render::{RenderConfig, RenderedCamera};
-pub use simulate::{SimulatedFlight, SimulationError, simulate, simulate_all};
+pub use simulate::{SimulatedFlight, SimulationError, path, simulate, simulate_all};
 pub use tracks::{TracksConfig, simulate_tracks};
 pub use trajectory::Trajectory;
 

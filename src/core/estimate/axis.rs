@@ -36,10 +36,27 @@ impl AxisSigma for Given {
     fn reset(&mut self) {}
 }
 
+/// What a window is put to: an estimator, or one that also remembers earlier windows.
+pub(crate) trait Answer: Send {
+    /// The deviation by `window` and by what was asked before.
+    fn answer(&mut self, window: &[f64]) -> f64;
+
+    /// Forgets what was asked before.
+    fn forget(&mut self);
+}
+
+impl Answer for Arc<dyn WindowSigma> {
+    fn answer(&mut self, window: &[f64]) -> f64 {
+        self.sigma(window)
+    }
+
+    fn forget(&mut self) {}
+}
+
 /// A window estimator asked for the last `window` samples, first when there are so many, then every `hop` samples;
 /// its answer holds in between.
 pub(crate) struct HopWindow {
-    estimator: Arc<dyn WindowSigma>,
+    asked: Box<dyn Answer>,
     window: usize,
     hop: usize,
     /// The last samples, oldest first, at most twice the window: moved to the front when full.
@@ -65,8 +82,13 @@ impl HopWindow {
             let (name, needs) = (estimator.name().to_owned(), estimator.min_len());
             return Err(EstimatorError::WindowTooShort { name, needs, window });
         }
+        Ok(Self::of(Box::new(estimator), window, hop))
+    }
+
+    /// Asks on a schedule of at least one sample each, with a window that is long enough.
+    pub(crate) fn of(asked: Box<dyn Answer>, window: usize, hop: usize) -> Self {
         // Room is made as samples come: a window may be longer than any log.
-        Ok(Self { estimator, window, hop, recent: Vec::new(), fed: 0, held: Reading::NotYet })
+        Self { asked, window, hop, recent: Vec::new(), fed: 0, held: Reading::NotYet }
     }
 }
 
@@ -80,12 +102,13 @@ impl AxisSigma for HopWindow {
         self.fed += 1;
         if self.fed >= self.window && (self.fed - self.window).is_multiple_of(self.hop) {
             let last = &self.recent[self.recent.len() - self.window..];
-            self.held = Reading::Estimate(self.estimator.sigma(last));
+            self.held = Reading::Estimate(self.asked.answer(last));
         }
         self.held
     }
 
     fn reset(&mut self) {
+        self.asked.forget();
         self.recent.clear();
         self.fed = 0;
         self.held = Reading::NotYet;

@@ -13,6 +13,8 @@
 //! | `ewma(0.01)` | everything, the latest most | 1.15 |
 //! | `kalman(0.1)` | what a slow random walk does not follow | 1.04 |
 //!
+//! `effective(0.1)` is none of these: it says which white noise errs as much over a span as what the axis has, vibration included.
+//!
 //! * [`WindowSigma`]: an estimator asked for a window; the moving variances are asked after every sample too.
 //! * `windowed`: estimators on six axes as a [`NoiseModel`](crate::noise::NoiseModel).
 //! * [`spec`]: the strings that name all of them.
@@ -20,6 +22,7 @@
 mod allan;
 mod axis;
 mod differences;
+mod effective;
 mod mad2;
 mod moving;
 mod quadratic;
@@ -33,8 +36,9 @@ mod windowed;
 mod white_noise_tests;
 
 pub(crate) use allan::allan;
-pub(crate) use axis::{AxisSigma, EachSample, Given, HopWindow, Reading};
+pub(crate) use axis::{Answer, AxisSigma, EachSample, Given, HopWindow, Reading};
 pub(crate) use differences::differences;
+pub use effective::{Effective, EffectiveStream};
 pub(crate) use mad2::Mad2;
 pub(crate) use savgol::sg_residual;
 pub use spec::{DEFAULT_TAG, NoiseSpec, SensorPair, SpecError, parse_list};

@@ -3,20 +3,23 @@
 use super::{AxisSigma, Reading};
 use crate::imu::{ImuSample, Sensor};
 use crate::noise::{AccelSampleStd, GyroSampleStd, ImuNoise, NoiseModel};
+use crate::time::SampleRate;
 
 /// When estimators are asked: for how many samples, how often.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Schedule {
     /// Samples in a window; until so many have come, the baseline holds.
     pub window: usize,
     /// Samples from one question to the next.
     pub hop: usize,
+    /// Rate of the samples: what is meant by seconds and Hertz.
+    pub rate: SampleRate,
 }
 
 impl Default for Schedule {
     /// 1 s at 200 Hz, asked at 20 Hz, once a camera frame (decision 19).
     fn default() -> Self {
-        Self { window: 200, hop: 10 }
+        Self { window: 200, hop: 10, rate: SampleRate::HZ_200 }
     }
 }
 
@@ -132,9 +135,20 @@ mod tests {
         pair.model(Schedule::default()).unwrap()
     }
 
-    const EVERY_KIND: [&str; 12] = [
-        "sg(11,2)", "diff1", "diff2", "diff3", "diff4", "mad2", "wavelet", "allan", "running", "sliding",
-        "ewma", "kalman",
+    const EVERY_KIND: [&str; 13] = [
+        "sg(11,2)",
+        "diff1",
+        "diff2",
+        "diff3",
+        "diff4",
+        "mad2",
+        "wavelet",
+        "allan",
+        "running",
+        "sliding",
+        "ewma",
+        "kalman",
+        "effective",
     ];
 
     #[test]

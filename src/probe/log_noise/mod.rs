@@ -5,10 +5,12 @@
 //! * [`phases`](crate::phases): at rest, motors on, moving, from the samples alone.
 //! * [`TrackSummary`]: quantiles per axis and phase.
 //! * [`Levels`]: floor at rest and envelope in motion, from the samples themselves.
+//! * [`EffectiveNoise`]: the white noise that errs as much over a span, and what to paste.
 //! * [`compare`]: a configuration against both.
 //! * [`report`]: all of it in words.
 
 pub mod compare;
+mod effective;
 mod error;
 mod levels;
 #[cfg(test)]
@@ -18,6 +20,7 @@ pub mod report;
 mod summary;
 mod track;
 
+pub use effective::{EffectiveNoise, Increment, SpanNoise};
 pub use error::LogNoiseError;
 pub use levels::{FloorFrom, Levels, SensorLevels};
 pub use plan::{Feed, Plan};

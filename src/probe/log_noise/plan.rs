@@ -132,7 +132,7 @@ impl<'a> Plan<'a> {
             (NoiseSpec::Sensors(pair), _) => {
                 let window = self.window();
                 let hop = if window > OFTEN.0 { self.every.max(window / OFTEN.1) } else { self.every };
-                Model::Simple(pair.model(Schedule { window, hop })?)
+                Model::Simple(pair.model(Schedule { window, hop, rate: self.rate })?)
             }
             (_, Some((accel, gyro))) => Model::Networks(Box::new(DualProNet::new(
                 self.spec.to_string(),

@@ -129,7 +129,7 @@ pub fn outside(summary: &TrackSummary) -> Vec<String> {
 }
 
 /// Two significant digits, plain where that is short.
-fn two(value: f64) -> String {
+pub(super) fn two(value: f64) -> String {
     let text = format!("{value:.1e}");
     let rounded: f64 = text.parse().expect("a number as Rust writes it is one that Rust reads");
     if (1e-3..1e4).contains(&rounded.abs()) || rounded == 0.0 { rounded.to_string() } else { text }

@@ -12,7 +12,7 @@ mod white;
 
 pub use bias::BiasConfig;
 pub use quantise::QuantisationConfig;
-pub(crate) use reading::read;
+pub(crate) use reading::{flown, read};
 pub use series::ImuSeries;
 pub use truth::ImuTruth;
 pub use vibration::{AxisVibration, VibrationConfig};

@@ -10,9 +10,9 @@ use dpn_core::{ImuNoise, ImuRecording, NoiseTrack, Sensor};
 /// Every part of a recording, on its samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImuTruth {
-    /// What an ideal IMU reads.
+    /// What an ideal IMU reads, the frame's shaking included: it is motion.
     pub clean: ImuSeries,
-    /// Rotor vibration.
+    /// The rotors' tones, sampled too slowly.
     pub vibration: ImuSeries,
     /// Biases.
     pub bias: ImuSeries,

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod given_tracks;
+mod low_frequencies;
 mod reprojection;
 mod summary;
 mod tracks;

@@ -3,7 +3,9 @@
 mod attitude;
 mod bspline;
 mod path;
+mod shaking;
 
 pub use attitude::Attitude;
 pub use bspline::{Jet, ORDER, SplineError, UniformSpline};
 pub use path::{State, Trajectory};
+pub(crate) use shaking::Shaking;

@@ -129,7 +129,7 @@ impl EstimatorSpec {
     /// # Errors
     /// As [`for_windows`](Self::for_windows); a schedule of zeros.
     pub(crate) fn axes(&self, schedule: Schedule) -> Result<[Box<dyn AxisSigma>; 3], EstimatorError> {
-        let Schedule { window, hop } = schedule;
+        let Schedule { window, hop, .. } = schedule;
         if window == 0 || hop == 0 {
             return Err(EstimatorError::EmptySchedule { window, hop });
         }

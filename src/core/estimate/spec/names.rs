@@ -6,6 +6,7 @@ use crate::config::nearest;
 pub(super) const MULTIPLE: &str = "x<factor>";
 pub(super) const CONST_ONE: &str = "const(value)";
 pub(super) const CONST_BOTH: &str = "const(accel,gyro)";
+pub(super) const EFFECTIVE: &str = "effective(span)";
 pub(super) const PLUS: &str = "plus(spec,constant)";
 
 /// Name and way of writing of every estimator.
@@ -43,8 +44,8 @@ pub(super) fn is_both(name: &str) -> bool {
 /// The answer to a name that is none of these.
 pub(super) fn unknown(name: &str) -> SpecError {
     let all = || ESTIMATORS.iter().chain(&BOTH_SENSORS);
-    let names = all().map(|(name, _)| *name).chain(["const", "x1"]);
-    let usages = [MULTIPLE, CONST_BOTH].into_iter().chain(all().map(|(_, usage)| *usage));
+    let names = all().map(|(name, _)| *name).chain(["const", "x1", "effective"]);
+    let usages = [MULTIPLE, CONST_BOTH, EFFECTIVE].into_iter().chain(all().map(|(_, usage)| *usage));
     SpecError::Unknown {
         name: name.to_owned(),
         nearest: nearest(name, names).map(str::to_owned),

@@ -1,11 +1,14 @@
-//! What is said of each sensor alone: multiples of the baseline, constants, simple estimators.
+//! What is said of each sensor alone: multiples of the baseline, constants, simple estimators, the white noise that errs as much over a span.
 
 use super::estimator::Arguments;
 use super::{Call, EstimatorSpec, SpecError, names};
-use crate::estimate::{AxisSigma, Given, Schedule, Windowed};
+use crate::estimate::{
+    AxisSigma, Effective, EffectiveStream, EstimatorError, Given, HopWindow, Schedule, Windowed,
+};
 use crate::imu::Sensor;
 use crate::noise::{AccelSampleStd, Constant, GyroSampleStd, ImuNoise, NoiseModel};
 use std::fmt;
+use std::sync::Arc;
 
 /// Where one sensor's noise comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,7 +19,12 @@ pub enum SensorSpec {
     Fixed(f64),
     /// A simple estimator.
     Estimator(EstimatorSpec),
+    /// `effective(span)`: the white noise that errs as much over a span \[s\] as what the samples have.
+    Effective(f64),
 }
+
+/// A camera's interval \[s\].
+const FRAME_S: f64 = 0.1;
 
 /// A source for each sensor, made of the samples so far alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,13 +72,14 @@ impl SensorSpec {
         match self {
             Self::Multiple(factor) => Some(factor * ImuNoise::baseline().of(sensor)[0]),
             Self::Fixed(sigma) => Some(*sigma),
-            Self::Estimator(_) => None,
+            Self::Estimator(_) | Self::Effective(_) => None,
         }
     }
 
     fn axes(&self, sensor: Sensor, schedule: Schedule) -> Result<[Box<dyn AxisSigma>; 3], SpecError> {
         let sigma = match self {
             Self::Estimator(estimator) => return Ok(estimator.axes(schedule)?),
+            Self::Effective(span_s) => return Ok(effective(*span_s, schedule)?),
             Self::Multiple(factor) => factor * ImuNoise::baseline().of(sensor)[0],
             Self::Fixed(sigma) => *sigma,
         };
@@ -78,6 +87,22 @@ impl SensorSpec {
         let sigma = AccelSampleStd::new(sigma)?.get();
         Ok([Box::new(Given(sigma)), Box::new(Given(sigma)), Box::new(Given(sigma))])
     }
+}
+
+/// Three axes that share a plan.
+fn effective(span_s: f64, schedule: Schedule) -> Result<[Box<dyn AxisSigma>; 3], EstimatorError> {
+    let Schedule { window, hop, rate } = schedule;
+    if window == 0 || hop == 0 {
+        return Err(EstimatorError::EmptySchedule { window, hop });
+    }
+    let effective = Arc::new(Effective::sum(span_s, rate)?);
+    // At a fast rate a spectrum has more samples than a window meant for 200 Hz.
+    let window = window.max(effective.min_len());
+    let axis = || {
+        let stream = EffectiveStream::new(Arc::clone(&effective));
+        Box::new(HopWindow::of(Box::new(stream), window, hop))
+    };
+    Ok([axis(), axis(), axis()])
 }
 
 /// `const(accel,gyro)` for both sensors.
@@ -111,6 +136,10 @@ fn one_sensor(call: &Call) -> Result<SensorSpec, SpecError> {
             .map(SensorSpec::Fixed)
             .ok_or_else(|| arguments.wrong("the deviation is missing".to_owned()));
     }
+    if call.name == "effective" {
+        let arguments = Arguments { call, usage: names::EFFECTIVE }.at_most(1)?;
+        return Ok(SensorSpec::Effective(positive(&arguments, 0)?.unwrap_or(FRAME_S)));
+    }
     if names::is_both(&call.name) {
         return Err(SpecError::NotOneSensor { call: call.to_string() });
     }
@@ -130,6 +159,7 @@ impl fmt::Display for SensorSpec {
             Self::Multiple(factor) => write!(f, "x{factor}"),
             Self::Fixed(sigma) => write!(f, "const({sigma})"),
             Self::Estimator(estimator) => write!(f, "{estimator}"),
+            Self::Effective(span_s) => write!(f, "effective({span_s})"),
         }
     }
 }
@@ -168,6 +198,8 @@ mod tests {
             ("running(2000)", "running(2000)"),
             ("ewma(0.02)", "ewma(0.02)"),
             ("kalman", "kalman(0.1)"),
+            ("effective", "effective(0.1)"),
+            ("effective(.05),x2", "effective(0.05),x2"),
         ] {
             let read = parse(spec).unwrap();
             assert_eq!(read.to_string(), canonical, "{spec}");
@@ -199,12 +231,17 @@ mod tests {
             ("xinf", "finite"),
             ("x1,x2,x3", "3 parts"),
             ("ewma(high)", "no number"),
+            ("effective(0)", "above 0"),
         ] {
             let text = parse(spec).unwrap_err().to_string();
             assert!(text.contains(words), "{spec}: {text}");
         }
-        for (spec, words) in [("sg(10,2)", "9 and 11"), ("ewma(2)", "below 1"), ("sg(301,2)", "at least 301")]
-        {
+        for (spec, words) in [
+            ("sg(10,2)", "9 and 11"),
+            ("ewma(2)", "below 1"),
+            ("sg(301,2)", "at least 301"),
+            ("effective(0.001)", "one sample"),
+        ] {
             let text = parse(spec).unwrap().model(Schedule::default()).map(|_| ()).unwrap_err().to_string();
             assert!(text.contains(words), "{spec}: {text}");
         }

@@ -1,5 +1,6 @@
 //! Settings of the vibration: how fast the rotors turn, how they wander, what reaches which axis.
 
+use super::frame::HIGHEST_HZ;
 use dpn_core::config::ConfigFaults;
 use serde::{Deserialize, Serialize};
 
@@ -9,19 +10,18 @@ use serde::{Deserialize, Serialize};
 pub struct AxisVibration {
     /// Tones at once, twice and three times the rotors' speed, 0 to 100 each.
     pub harmonics: [f64; 3],
-    /// The line near [`VibrationConfig::low_line_hz`], 0 to 100.
+    /// Motion of the frame near [`VibrationConfig::low_line_hz`], 0 to 100.
     pub low_line: f64,
-    /// Broad-band shaking of the frame, 0 to 100.
+    /// Motion of the frame over a broad band, 0 to 100.
     pub broad_band: f64,
-    /// Centre of the broad band \[Hz\], 1 to 400.
+    /// Centre of the broad band \[Hz\], 1 to 60.
     pub broad_band_hz: f64,
 }
 
 impl AxisVibration {
-    /// All components together.
-    pub fn total(&self) -> f64 {
-        let [a, b, c] = self.harmonics;
-        [a, b, c, self.low_line, self.broad_band].iter().map(|v| v * v).sum::<f64>().sqrt()
+    /// All tones of the rotors together.
+    pub fn tones(&self) -> f64 {
+        self.harmonics.iter().map(|v| v * v).sum::<f64>().sqrt()
     }
 }
 
@@ -50,7 +50,7 @@ pub struct VibrationConfig {
     pub amplitude_wander: f64,
     /// Correlation time of amplitudes \[s\], .01 to 100, a quarter and an eighth of it in bursts. Default 2.
     pub amplitude_wander_s: f64,
-    /// Mean frequency of the low line \[Hz\], 1 to 400. Default 27.
+    /// Mean frequency of the low line \[Hz\], 1 to 60. Default 27.
     pub low_line_hz: f64,
     /// Deviation of that frequency \[Hz\], 0 to 20. Default 2; its correlation time is .3 s.
     pub low_line_wander_hz: f64,
@@ -80,15 +80,16 @@ impl Default for VibrationConfig {
             amplitude_wander_s: 2.0,
             low_line_hz: 27.0,
             low_line_wander_hz: 2.0,
+            // The sensor averages over 5 ms before it is read, which leaves little of twice the rotors' speed.
             accel: [
-                axis([0.71, 0.42, 0.28], 0.16, 0.46, 40.0),
-                axis([0.20, 0.12, 0.17], 0.31, 0.215, 40.0),
-                axis([0.51, 0.20, 0.26], 0.115, 0.36, 40.0),
+                axis([0.71, 0.12, 0.28], 0.16, 0.60, 17.0),
+                axis([0.20, 0.08, 0.17], 0.31, 0.235, 20.0),
+                axis([0.51, 0.10, 0.26], 0.115, 0.39, 17.0),
             ],
             gyro: [
-                axis([0.0052, 0.0075, 0.0025], 0.0185, 0.0170, 12.0),
-                axis([0.0300, 0.0280, 0.0100], 0.0065, 0.0290, 12.0),
-                axis([0.0150, 0.0190, 0.0060], 0.0060, 0.0380, 8.5),
+                axis([0.0052, 0.0010, 0.0025], 0.0185, 0.0184, 9.0),
+                axis([0.0300, 0.0030, 0.0060], 0.0065, 0.0400, 9.5),
+                axis([0.0150, 0.0020, 0.0045], 0.0060, 0.0420, 7.5),
             ],
         }
     }
@@ -109,7 +110,7 @@ impl VibrationConfig {
         within("speed_wander_s", self.speed_wander_s, 0.01, 100.0);
         within("amplitude_wander", self.amplitude_wander, 0.0, 0.3);
         within("amplitude_wander_s", self.amplitude_wander_s, 0.01, 100.0);
-        within("low_line_hz", self.low_line_hz, 1.0, 400.0);
+        within("low_line_hz", self.low_line_hz, 1.0, HIGHEST_HZ);
         within("low_line_wander_hz", self.low_line_wander_hz, 0.0, 20.0);
         for (sensor, axes) in [("accel", &self.accel), ("gyro", &self.gyro)] {
             for (axis, name) in axes.iter().zip(["x", "y", "z"]) {
@@ -118,6 +119,7 @@ impl VibrationConfig {
                 }
                 within(&format!("{sensor}.{name}.low_line"), axis.low_line, 0.0, 100.0);
                 within(&format!("{sensor}.{name}.broad_band"), axis.broad_band, 0.0, 100.0);
+                within(&format!("{sensor}.{name}.broad_band_hz"), axis.broad_band_hz, 1.0, HIGHEST_HZ);
             }
         }
     }

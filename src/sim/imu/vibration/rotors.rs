@@ -7,7 +7,6 @@
 //! Rotors differ by fixed offsets and wander, hence they beat and together look like a band.
 
 use super::config::{AxisVibration, VibrationConfig};
-use super::shaking::Shaking;
 use crate::imu::ou::Wander;
 use crate::imu::series::ImuSeries;
 use dpn_core::random::Stream;
@@ -17,6 +16,20 @@ use std::f64::consts::{SQRT_2, TAU};
 
 /// Harmonics of the rotor's speed that are heard.
 const HARMONICS: usize = 3;
+
+/// What the rotors of a flight follow.
+pub(super) struct Turning<'a> {
+    pub(super) config: &'a VibrationConfig,
+    /// Accelerometer x, y, z, gyroscope x, y, z.
+    pub(super) axes: &'a [AxisVibration; 6],
+    /// Motors relative to hover, per sample.
+    pub(super) speed: &'a [f64],
+    /// A factor per sample.
+    pub(super) loudness: &'a [f64],
+    /// Time between samples \[s\].
+    pub(super) dt: f64,
+    pub(super) stream: &'a Stream,
+}
 
 /// One rotor: how its harmonics reach the six axes.
 struct Rotor {
@@ -59,8 +72,8 @@ impl Rotor {
 }
 
 /// Adds all rotors' tones to `to`.
-pub(super) fn add(of: &Shaking<'_>, to: &mut ImuSeries) {
-    let Shaking { config, axes, speed, loudness, dt, stream } = *of;
+pub(super) fn add(of: &Turning<'_>, to: &mut ImuSeries) {
+    let Turning { config, axes, speed, loudness, dt, stream } = *of;
     // exp of a normal of deviation s has a mean square of exp(2 s^2).
     let quiet = config.amplitude_wander.powi(2);
     for r in 0..config.rotors {

@@ -1,0 +1,188 @@
+//! The white noise that a log's vibration amounts to, by the span of the factor that it is meant for.
+//!
+//! A configuration asks for one white noise; what sums of samples err by depends on the spectrum and the span
+//! ([`Effective`](dpn_core::estimate::Effective)). Medians over the seconds in motion, else of motors on, else of all.
+
+use super::report::two;
+use crate::phases::{Phase, Stretch};
+use crate::text::aligned;
+use dpn_core::estimate::{Effective, EffectiveStream};
+use dpn_core::noise::{Axes, Figure, ImuFigures, Meaning};
+use dpn_core::signal::stats::median;
+use dpn_core::{ImuRecording, Sensor};
+use dpn_io::noise_formats::{Format, Written, write};
+use serde::Serialize;
+use std::fmt::Write;
+use std::sync::Arc;
+
+/// Spans \[s\] from a fast camera's interval to that between key frames.
+const SPANS_S: [f64; 4] = [0.05, 0.1, 0.5, 1.0];
+/// The span whose figures are written out to paste: two frames of a camera of 20 Hz, one of 10 Hz.
+const PASTED_S: f64 = 0.1;
+/// Formats that are written out.
+const PASTED: [Format; 5] =
+    [Format::Kalibr, Format::OpenVins, Format::OrbSlam3, Format::Vins, Format::Basalt];
+
+/// What the samples are summed to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Increment {
+    /// A sample alone.
+    Sample,
+    /// A sum: angle of a gyroscope, velocity of an accelerometer.
+    Sum,
+    /// A double sum of the accelerometer.
+    Position,
+}
+
+/// One sensor over one span.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SpanNoise {
+    /// The sensor.
+    pub sensor: Sensor,
+    /// What its samples are summed to.
+    pub of: Increment,
+    /// Over how long \[s\].
+    pub span_s: f64,
+    /// Deviation of one sample of white noise that errs as much, x, y, z, in the sensor's unit.
+    pub sigma: [f64; 3],
+}
+
+/// All spans, and what follows for configurations.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EffectiveNoise {
+    /// Whose seconds were used; none for the whole log.
+    pub phase: Option<Phase>,
+    /// A row a sensor and span.
+    pub spans: Vec<SpanNoise>,
+    /// White noises over .1 s as configurations have them, of the loudest axis where they have one for all; empty where the rate has no such span.
+    pub pasted: Vec<Written>,
+}
+
+impl EffectiveNoise {
+    /// Of a recording with its phases; none where it has no second.
+    pub fn of(recording: &ImuRecording, stretches: &[Stretch]) -> Option<Self> {
+        let rate = recording.rate();
+        let phase =
+            [Phase::Moving, Phase::Motors].into_iter().find(|p| stretches.iter().any(|s| s.phase == *p));
+        let start = recording.samples()[0].t;
+        let second = Effective::sum(1.0, rate).ok()?.min_len().max(rate.hz().round() as usize);
+        // A second counts where its middle is in the phase.
+        let counts = |i: usize| {
+            let t = recording.samples()[i * second + second / 2].t.seconds_since(start);
+            let at = stretches.partition_point(|s| s.to_s <= t);
+            phase.is_none() || stretches.get(at).map(|s| s.phase) == phase
+        };
+        let seconds: Vec<bool> = (0..recording.len() / second).map(counts).collect();
+        if !seconds.contains(&true) {
+            return None;
+        }
+        let mut spans = Vec::new();
+        for sensor in Sensor::ALL {
+            let axes = [0, 1, 2].map(|axis| recording.axis(sensor, axis));
+            let mut row = |of: Increment, span_s: f64, effective: Effective| {
+                let fresh = EffectiveStream::new(Arc::new(effective));
+                let level = |x: &Vec<f64>| {
+                    let mut stream = fresh.clone();
+                    // All seconds are gone through: a rest before the motion shows the sensor's own noise.
+                    let all: Vec<f64> = x.chunks_exact(second).map(|part| stream.sigma(part)).collect();
+                    let counted = all.into_iter().zip(&seconds).filter(|(_, counts)| **counts);
+                    median(&counted.map(|(sigma, _)| sigma).collect::<Vec<_>>())
+                };
+                spans.push(SpanNoise { sensor, of, span_s, sigma: axes.each_ref().map(level) });
+            };
+            if let Ok(effective) = Effective::sum(rate.period() * (1.0 + 1e-9), rate) {
+                row(Increment::Sample, rate.period(), effective);
+            }
+            for span_s in SPANS_S {
+                if let Ok(effective) = Effective::sum(span_s, rate) {
+                    row(Increment::Sum, span_s, effective);
+                }
+                if let (Sensor::Accel, Ok(effective)) = (sensor, Effective::double(span_s, rate)) {
+                    row(Increment::Position, span_s, effective);
+                }
+            }
+        }
+        let mut figures = ImuFigures { rate: Some(rate), ..ImuFigures::default() };
+        for row in spans.iter().filter(|s| s.of == Increment::Sum && s.span_s == PASTED_S) {
+            figures.set(Figure::white(row.sensor), Meaning::SampleStd, Axes::Each(row.sigma), rate).ok()?;
+        }
+        let note =
+            |figure: Figure| (!figure.is_walk()).then(|| format!("over {PASTED_S} s, vibration included"));
+        // A rate too slow for the span leaves nothing to write.
+        let pasted = PASTED.into_iter().filter_map(|format| write(&figures, format, note).ok()).collect();
+        Some(Self { phase, spans, pasted })
+    }
+
+    /// For people: a table a sensor, then what to paste.
+    pub fn page(&self) -> String {
+        let when = self.phase.map_or_else(|| "whole log".to_owned(), |phase| phase.to_string());
+        let mut text = String::new();
+        for sensor in Sensor::ALL {
+            let _ = writeln!(
+                text,
+                "\n{sensor} {when}: white noise that errs as much over a span, deviation of one sample [{}]",
+                sensor.unit()
+            );
+            let mut rows = vec![["", "x", "y", "z"].map(str::to_owned)];
+            for row in self.spans.iter().filter(|s| s.sensor == sensor) {
+                let what = match (row.of, sensor) {
+                    (Increment::Sample, _) => "one sample".to_owned(),
+                    (Increment::Sum, Sensor::Gyro) => format!("angle over {} s", row.span_s),
+                    (Increment::Sum, Sensor::Accel) => format!("velocity over {} s", row.span_s),
+                    (Increment::Position, _) => format!("position over {} s", row.span_s),
+                };
+                let [x, y, z] = row.sigma.map(two);
+                rows.push([format!("  {what}"), x, y, z]);
+            }
+            text.push_str(&aligned(&rows));
+        }
+        for written in &self.pasted {
+            let _ = write!(text, "\n--- {} ---\n{}", written.format, written.text);
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::doctor::values::tests::level;
+    use crate::phases::phases;
+
+    #[test]
+    fn a_rotor_counts_less_the_longer_the_span_and_motion_not_at_all() {
+        let mut samples = level(40);
+        for s in &mut samples {
+            let t = s.t.ns() as f64 * 1e-9;
+            s.gyro[0] += 0.8 * (6.0 * t).sin();
+            s.accel[0] += (2.0 * std::f64::consts::PI * 91.3 * t).sin();
+        }
+        let recording = ImuRecording::new(samples).unwrap();
+        let noise = EffectiveNoise::of(&recording, &phases(&recording)).unwrap();
+        assert_eq!(noise.phase, Some(Phase::Moving));
+        let of = |sensor, of, span_s: f64| {
+            noise
+                .spans
+                .iter()
+                .find(|s| (s.sensor, s.of) == (sensor, of) && (s.span_s - span_s).abs() < 1e-3)
+                .unwrap()
+                .sigma
+        };
+        let gyro = of(Sensor::Gyro, Increment::Sum, 0.1);
+        assert!(gyro.iter().all(|g| (g / 0.0024 - 1.0).abs() < 0.15), "{gyro:?}");
+        let [sample, short, long] =
+            [(Increment::Sample, 0.005), (Increment::Sum, 0.05), (Increment::Sum, 0.5)]
+                .map(|(what, span)| of(Sensor::Accel, what, span)[0]);
+        assert!(
+            (sample / 0.5f64.sqrt() - 1.0).abs() < 0.1 && short < 0.3 * sample && long < short,
+            "{sample} {short} {long}"
+        );
+        assert_eq!(noise.pasted.len(), PASTED.len());
+        assert!(
+            noise.page().contains("velocity over 0.1 s") && noise.page().contains("acc_n"),
+            "{}",
+            noise.page()
+        );
+    }
+}
