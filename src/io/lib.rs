@@ -20,6 +20,7 @@
 
 pub mod asl;
 mod atomic;
+mod choice;
 mod columns;
 pub mod config;
 mod decimal;
@@ -28,6 +29,7 @@ mod fields;
 #[cfg(test)]
 mod fuzz;
 mod guess;
+mod head;
 #[cfg(feature = "images")]
 mod images;
 mod imu_csv;
@@ -35,6 +37,7 @@ mod imu_lines;
 mod leftovers;
 mod lock;
 mod loose_csv;
+mod names;
 mod noise_csv;
 pub mod noise_formats;
 mod pose;
@@ -49,6 +52,7 @@ mod tum;
 mod unit;
 
 pub use atomic::atomic_write;
+pub use choice::ColumnChoice;
 pub use columns::{AccelUnit, GyroUnit, ImuColumns};
 pub use decimal::TimeUnit;
 pub use error::IoError;
@@ -57,7 +61,7 @@ pub use images::{Coverage, ImageFolder, ImageRun, Prefetch, StampedImage, parse_
 pub use imu_csv::{CsvOptions, ImuLog, Origin, Settled, parse_imu_csv, read_imu_csv};
 pub use imu_lines::ImuLines;
 pub use lock::{FolderLock, LockError};
-pub use loose_csv::{LooseImuLog, Unreadable, parse_imu_csv_loosely, read_imu_csv_loosely};
+pub use loose_csv::{LooseImuLog, Unreadable, parse_imu_csv_loosely, parse_one_sensor_loosely, read_imu_csv_loosely, settle_units};
 pub use noise_csv::{read_noise_track, write_noise_track};
 pub use printable::printable;
 pub use sieve::{ABSURD, LeftOut, Sieve, Sieved, TINY};

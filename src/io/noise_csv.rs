@@ -3,7 +3,7 @@
 //! Header: `#timestamp [ns],accel_std_x [m s^-2],...,gyro_std_x [rad s^-1],...`. Read by these names in any order; other columns
 //! are passed over.
 
-use super::columns::missing;
+use super::names::missing;
 use super::decimal::TimeUnit;
 use super::rows::Rows;
 use super::{IoError, atomic_write};
