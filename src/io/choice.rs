@@ -28,7 +28,9 @@ impl FromStr for ColumnChoice {
         let column = |text: &str| match text.trim().parse::<usize>() {
             Ok(0) => None,
             Ok(number) => Some(Column::At(number - 1)),
-            Err(_) => Some(text.trim()).filter(|name| !name.is_empty()).map(|name| Column::Named(name.to_owned())),
+            Err(_) => {
+                Some(text.trim()).filter(|name| !name.is_empty()).map(|name| Column::Named(name.to_owned()))
+            }
         };
         let all: Option<Vec<Column>> = text.split(',').map(column).collect();
         let wrong = || {
@@ -76,8 +78,10 @@ mod tests {
 
     #[test]
     fn numbers_and_names_mix_and_what_is_neither_says_what_is_wanted() {
-        let header = Header { line: 3, names: ["T", "p", "q", "r", "u", "v", "w"].map(str::to_owned).to_vec() };
-        let resolve = |text: &str| text.parse::<ColumnChoice>().unwrap().resolve(Some(&header), Path::new("f.csv"));
+        let header =
+            Header { line: 3, names: ["T", "p", "q", "r", "u", "v", "w"].map(str::to_owned).to_vec() };
+        let resolve =
+            |text: &str| text.parse::<ColumnChoice>().unwrap().resolve(Some(&header), Path::new("f.csv"));
         assert_eq!(resolve("1,2,3,4,5,6,7").unwrap(), ImuColumns::ASL);
         assert_eq!(resolve("t, u,v,w, 2,3,4").unwrap(), ImuColumns::new(0, [4, 5, 6], [1, 2, 3]));
         let error = resolve("t,u,v,x,2,3,4").unwrap_err().to_string();

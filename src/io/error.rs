@@ -368,7 +368,9 @@ impl IoError {
             Self::BadNumber { .. } | Self::NotFinite { .. } => {
                 "mend or delete the line; nothing is skipped silently"
             }
-            Self::BadStamp { .. } => "mend the line, or name the stamps' unit (--time-unit s, ms, us, ns) or column (--columns)",
+            Self::BadStamp { .. } => {
+                "mend the line, or name the stamps' unit (--time-unit s, ms, us, ns) or column (--columns)"
+            }
             Self::TimeNotIncreasing { prev_ns, t_ns, .. } if prev_ns == t_ns => {
                 "two rows share a stamp: drop one, or write stamps with more digits"
             }

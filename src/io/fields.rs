@@ -13,8 +13,9 @@ pub(super) enum Delimiter {
 impl Delimiter {
     /// The one that `line` uses. Commas beside semicolons or tabs are decimal ones, unless each tab only follows a comma.
     pub(super) fn of(line: &[u8]) -> Self {
-        let behind_commas =
-            |line: &[u8]| memchr::memchr_iter(b'\t', line).all(|at| line[..at].trim_ascii_end().ends_with(b","));
+        let behind_commas = |line: &[u8]| {
+            memchr::memchr_iter(b'\t', line).all(|at| line[..at].trim_ascii_end().ends_with(b","))
+        };
         let is = |byte: u8| match byte {
             b'\t' => line.contains(&byte) && !behind_commas(line),
             _ => line.contains(&byte),

@@ -136,7 +136,8 @@ fn with_units(below: &Line<'_>, names: &[String]) -> Option<Vec<String>> {
     if units.len() > names.len() || units.iter().any(is_long) || units.iter().all(String::is_empty) {
         return None;
     }
-    let unit = |i: usize| units.get(i).map(|unit| unit.trim_matches(['[', ']', '(', ')', ' '])).unwrap_or_default();
+    let unit =
+        |i: usize| units.get(i).map(|unit| unit.trim_matches(['[', ']', '(', ')', ' '])).unwrap_or_default();
     let with = |(i, name): (usize, &String)| match unit(i) {
         "" => name.clone(),
         unit => format!("{name} [{unit}]"),
@@ -166,15 +167,24 @@ mod tests {
             b"t,\tgx,\tgy,\tgz,\tax,\tay,\taz\n0,\t2.5,\t3,\t4,\t5,\t6,\t7\n",
         ] {
             let (found, value) = opened(text);
-            assert_eq!((&found[..], value), (&names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>()[..], 2.5));
+            assert_eq!(
+                (&found[..], value),
+                (&names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>()[..], 2.5)
+            );
         }
     }
 
     #[test]
     fn a_second_line_of_units_or_of_sensors_is_part_of_the_header() {
         let (names, _) = opened(b"t,gx,gy,gz,ax,ay,az\ns,\xb0/s,\xb0/s,\xb0/s,g,g,g\n0,2,3,4,5,6,7\n");
-        assert_eq!((names[0].as_str(), names[1].as_str(), names[6].as_str()), ("t [s]", "gx [°/s]", "az [g]"));
+        assert_eq!(
+            (names[0].as_str(), names[1].as_str(), names[6].as_str()),
+            ("t [s]", "gx [°/s]", "az [g]")
+        );
         let (names, _) = opened(b",Accelerometer,,,Gyroscope,,\nTime,X,Y,Z,X,Y,Z\n0,2,3,4,5,6,7\n");
-        assert_eq!((names[0].as_str(), names[3].as_str(), names[4].as_str()), ("Time", "Accelerometer Z", "Gyroscope X"));
+        assert_eq!(
+            (names[0].as_str(), names[3].as_str(), names[4].as_str()),
+            ("Time", "Accelerometer Z", "Gyroscope X")
+        );
     }
 }

@@ -10,13 +10,16 @@
 use super::choice::ColumnChoice;
 use super::columns::{AccelUnit, GyroUnit, ImuColumns, SLOTS};
 use super::names;
+use super::names::Named;
 use super::rows::Rows;
 use super::{IoError, TimeUnit};
-use super::names::Named;
 use dpn_core::imu::{ImuRecording, ImuSample};
 use dpn_core::signal::stats::upper_median;
 use dpn_core::{Sensor, Stamp};
 use std::path::Path;
+
+/// A step between stamps since 1970 is shorter than this \[s\].
+const SLOWEST_S: f64 = 1e3;
 
 /// What the caller knows about a log; `None` is left to the header or to a guess.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -99,7 +102,8 @@ pub(crate) fn parse_with(
         (Some(said), _) => said,
         (None, Some(value)) => Settled { value, origin: Origin::Assumed },
         (None, None) => {
-            let value = guess_time_unit(&first_rows(Rows::open(bytes, path)?, &columns.value, false)?, &said, path)?;
+            let value =
+                guess_time_unit(&first_rows(Rows::open(bytes, path)?, &columns.value, false)?, &said, path)?;
             Settled { value, origin: Origin::Guessed }
         }
     };
@@ -152,14 +156,18 @@ pub(super) fn columns(
     let header = rows.header();
     if let Some(choice) = &options.columns {
         let columns = choice.resolve(header, path)?;
-        let (time, gyro, accel) = header.map_or((None, None, None), |header| names::units_at(header, &columns));
+        let (time, gyro, accel) =
+            header.map_or((None, None, None), |header| names::units_at(header, &columns));
         let said = Said { time, gyro, accel, ..Said::default() };
         return Ok((Settled { value: columns, origin: Origin::Given }, said));
     }
     if let Some(header) = header {
         let named = names::from_header(header, path, only)?;
         let Named { columns, time, fine, gyro, accel, passed } = named;
-        return Ok((Settled { value: columns, origin: Origin::Header }, Said { time, fine, gyro, accel, passed }));
+        return Ok((
+            Settled { value: columns, origin: Origin::Header },
+            Said { time, fine, gyro, accel, passed },
+        ));
     }
     let value = match only {
         _ if rows.first_is_ros2_echo() => ImuColumns::ROS2_ECHO,
@@ -237,7 +245,11 @@ impl FirstRows {
 }
 
 /// Reads them; `loose` passes over rows that cannot be read.
-pub(super) fn first_rows(mut rows: Rows<'_>, columns: &ImuColumns, loose: bool) -> Result<FirstRows, IoError> {
+pub(super) fn first_rows(
+    mut rows: Rows<'_>,
+    columns: &ImuColumns,
+    loose: bool,
+) -> Result<FirstRows, IoError> {
     const ROWS: usize = 1000;
     let mut first = FirstRows { stamps: Vec::with_capacity(ROWS), intervals: Vec::new() };
     while first.stamps.len() < ROWS {
@@ -274,7 +286,9 @@ pub(super) fn guess_time_unit(first: &FirstRows, said: &Said, path: &Path) -> Re
     }
     // Half a per cent of slack, so that a 10 Hz log with jitter is not taken for one of 10 kHz.
     let within = |value: f64, least: f64, most: f64| (least * 0.995..most * 0.995).contains(&value);
-    let since_1970 = |unit: &TimeUnit| within(start * unit.seconds(), 1e8, 1e10);
+    // Seconds since a sensor's start in ns may look like seconds since 1970, but for their steps.
+    let since_1970 =
+        |unit: &TimeUnit| within(start * unit.seconds(), 1e8, 1e10) && step * unit.seconds() < SLOWEST_S;
     let between = |unit: &TimeUnit| within(step * unit.seconds(), 1e-4, 1e-1);
     TimeUnit::ALL
         .into_iter()

@@ -61,7 +61,10 @@ pub use images::{Coverage, ImageFolder, ImageRun, Prefetch, StampedImage, parse_
 pub use imu_csv::{CsvOptions, ImuLog, Origin, Settled, parse_imu_csv, read_imu_csv};
 pub use imu_lines::ImuLines;
 pub use lock::{FolderLock, LockError};
-pub use loose_csv::{LooseImuLog, Unreadable, parse_imu_csv_loosely, parse_one_sensor_loosely, read_imu_csv_loosely, settle_units};
+pub use loose_csv::{
+    LooseImuLog, Unreadable, parse_imu_csv_loosely, parse_one_sensor_loosely, read_imu_csv_loosely,
+    settle_units,
+};
 pub use noise_csv::{read_noise_track, write_noise_track};
 pub use printable::printable;
 pub use sieve::{ABSURD, LeftOut, Sieve, Sieved, TINY};

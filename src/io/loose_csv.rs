@@ -8,7 +8,9 @@
 //! read in blocks: beside the samples no more than one of them is in memory.
 
 use super::columns::{AccelUnit, GyroUnit, ImuColumns};
-use super::imu_csv::{self, CsvOptions, Origin, Settled, first_rows, first_said, guess_interval, guess_time_unit};
+use super::imu_csv::{
+    self, CsvOptions, Origin, Settled, first_rows, first_said, guess_interval, guess_time_unit,
+};
 use super::rows::{Layout, Rows};
 use super::sieve::{Sieve, Sieved};
 use super::{IoError, TimeUnit, guess, head};
@@ -170,7 +172,8 @@ fn finish(
     let (gyro, accel) = match only {
         None => settle_units(&mut samples, understood.gyro, understood.accel),
         Some(_) => {
-            let gyro = understood.gyro.unwrap_or(Settled { value: GyroUnit::RadPerSecond, origin: Origin::Assumed });
+            let gyro =
+                understood.gyro.unwrap_or(Settled { value: GyroUnit::RadPerSecond, origin: Origin::Assumed });
             let metres = Settled { value: AccelUnit::MetrePerSecond2, origin: Origin::Assumed };
             settle_units(&mut samples, Some(gyro), Some(understood.accel.unwrap_or(metres)))
         }
@@ -189,8 +192,7 @@ pub fn settle_units(
     gyro: Option<Settled<GyroUnit>>,
     accel: Option<Settled<AccelUnit>>,
 ) -> (Settled<GyroUnit>, Settled<AccelUnit>) {
-    let gyro =
-        gyro.unwrap_or_else(|| Settled { value: guess::gyro_unit(samples), origin: Origin::Guessed });
+    let gyro = gyro.unwrap_or_else(|| Settled { value: guess::gyro_unit(samples), origin: Origin::Guessed });
     let accel =
         accel.unwrap_or_else(|| Settled { value: guess::accel_unit(samples), origin: Origin::Guessed });
     let (turn, force) = (gyro.value.factor(), accel.value.factor());

@@ -164,7 +164,10 @@ pub(crate) fn from_header(header: &Header, path: &Path, only: Option<Sensor>) ->
     let mut passed = Vec::new();
     let time = [best(&meanings, 0..1, header, path, &mut passed)?[0]];
     let [gyro, accel] = match only {
-        None => [triple(&meanings, Sensor::Gyro, header, path, &mut passed)?, triple(&meanings, Sensor::Accel, header, path, &mut passed)?],
+        None => [
+            triple(&meanings, Sensor::Gyro, header, path, &mut passed)?,
+            triple(&meanings, Sensor::Accel, header, path, &mut passed)?,
+        ],
         Some(sensor) => [triple(&meanings, sensor, header, path, &mut passed)?; 2],
     };
     let unit_of = |columns: &[usize], slot: usize| -> Result<Option<(String, usize)>, IoError> {
@@ -203,7 +206,13 @@ pub(crate) fn from_header(header: &Header, path: &Path, only: Option<Sensor>) ->
         found.map(Some).ok_or_else(|| missing(header, path, wanted))
     };
     Ok(Named {
-        columns: ImuColumns { time: time[0], nanos, gyro, accel, intervals: [interval(gyro)?, interval(accel)?] },
+        columns: ImuColumns {
+            time: time[0],
+            nanos,
+            gyro,
+            accel,
+            intervals: [interval(gyro)?, interval(accel)?],
+        },
         time: time_said.as_deref().and_then(time_unit),
         fine: time_said.as_deref() == Some("fine"),
         gyro: gyro_said.as_deref().and_then(gyro_unit),
@@ -213,7 +222,10 @@ pub(crate) fn from_header(header: &Header, path: &Path, only: Option<Sensor>) ->
 }
 
 /// The units that the header names for columns that the caller chose.
-pub(crate) fn units_at(header: &Header, columns: &ImuColumns) -> (Option<TimeUnit>, Option<GyroUnit>, Option<AccelUnit>) {
+pub(crate) fn units_at(
+    header: &Header,
+    columns: &ImuColumns,
+) -> (Option<TimeUnit>, Option<GyroUnit>, Option<AccelUnit>) {
     let said = |column: usize| {
         let name = header.names.get(column)?;
         match meaning(name) {
@@ -382,7 +394,11 @@ fn meaning(name: &str) -> Option<Meaning> {
 
 /// Lower case, letters and digits only; a degree sign is spelt out.
 fn reduced(text: &str) -> String {
-    text.replace(['°', 'º'], "deg").chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
+    text.replace(['°', 'º'], "deg")
+        .chars()
+        .filter(|c| c.is_alphanumeric())
+        .flat_map(char::to_lowercase)
+        .collect()
 }
 
 /// Without what messages and drivers put in front: `field.`, `imu0_`.

@@ -125,13 +125,31 @@ impl<'a> Rows<'a> {
         path: &'a Path,
     ) -> Self {
         let width = header.names.len();
-        Self { path, rest, line, delimiter, width, fields: Vec::new(), first: Vec::new(), header: Some(header) }
+        Self {
+            path,
+            rest,
+            line,
+            delimiter,
+            width,
+            fields: Vec::new(),
+            first: Vec::new(),
+            header: Some(header),
+        }
     }
 
     /// Goes on with the block of bytes behind another of the same table.
     pub(crate) fn go_on(bytes: &'a [u8], path: &'a Path, layout: Layout) -> Self {
         let Layout { line, delimiter, width } = layout;
-        Self { path, rest: bytes, line, delimiter, width, fields: Vec::new(), first: Vec::new(), header: None }
+        Self {
+            path,
+            rest: bytes,
+            line,
+            delimiter,
+            width,
+            fields: Vec::new(),
+            first: Vec::new(),
+            header: None,
+        }
     }
 
     /// What the next block of this table needs, at this block's end.

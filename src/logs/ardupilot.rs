@@ -35,7 +35,8 @@ impl Layout {
     /// `None` where a field is missing.
     fn new<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Option<Self> {
         let at = |name: &str| names.clone().position(|one| one.trim() == name);
-        let (time, tick_ns) = at("TimeUS").map(|at| (at, 1000)).or_else(|| Some((at("TimeMS")?, 1_000_000)))?;
+        let (time, tick_ns) =
+            at("TimeUS").map(|at| (at, 1000)).or_else(|| Some((at("TimeMS")?, 1_000_000)))?;
         let mut axes = [0; 6];
         for (axis, name) in axes.iter_mut().zip(["GyrX", "GyrY", "GyrZ", "AccX", "AccY", "AccZ"]) {
             *axis = at(name)?;
@@ -44,7 +45,13 @@ impl Layout {
     }
 
     /// A record by its fields' values.
-    fn take(&self, name: &str, value: impl Fn(usize) -> Option<f64>, time: i64, records: &mut Records) -> Option<()> {
+    fn take(
+        &self,
+        name: &str,
+        value: impl Fn(usize) -> Option<f64>,
+        time: i64,
+        records: &mut Records,
+    ) -> Option<()> {
         let number = name.strip_prefix("IMU")?.parse().unwrap_or(1u32).saturating_sub(1);
         let instance = match self.instance {
             Some(at) => value(at)? as u32,
@@ -155,7 +162,11 @@ pub(crate) fn read(source: impl Read, records: &mut Records) -> io::Result<Optio
         let length = match formats.get(&kind) {
             _ if kind == FORMAT => 86,
             Some(format) => format.length,
-            None => return Ok(Some(format!("the record at byte {begin} is of type {kind}, which no FMT describes"))),
+            None => {
+                return Ok(Some(format!(
+                    "the record at byte {begin} is of type {kind}, which no FMT describes"
+                )));
+            }
         };
         let Some(data) = source.exactly(length as u64)? else {
             return Ok(Some(format!("cut off in the record at byte {begin}")));
@@ -241,7 +252,8 @@ mod tests {
         let mut records = Records::default();
         let damage = read_text(text.as_bytes(), &mut records).unwrap();
         assert_eq!(damage.as_deref(), Some("line 4 is cut off or no record"));
-        let log = records.log(Path::new("a.log"), Kind::ArdupilotText, damage, &LogOptions::default()).unwrap();
+        let log =
+            records.log(Path::new("a.log"), Kind::ArdupilotText, damage, &LogOptions::default()).unwrap();
         assert_eq!(log.recording.samples()[1].t.ns(), 3_000_000);
         assert_eq!(log.recording.samples()[1].accel, [1.0, 2.0, -9.8]);
         assert_eq!(log.guesses, ["IMU of instance 0, of 2 (--topic IMU/1)"]);

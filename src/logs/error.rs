@@ -177,7 +177,9 @@ impl LogError {
             Self::Backward { .. } => "sort the samples by time, or cut the log where its clock was set",
             Self::Damaged { .. } => "copy or record it again",
             Self::Packed { .. } => "unpack it first, for example by `zstd -d` or `ros2 bag convert`",
-            Self::Apart { .. } => "take both from one recording, with stamps of one clock; or name their unit: --time-unit",
+            Self::Apart { .. } => {
+                "take both from one recording, with stamps of one clock; or name their unit: --time-unit"
+            }
             Self::NoTopicsHere { .. } => "leave --topic out",
         };
         Some(text.to_owned())

@@ -242,7 +242,9 @@ fn paths_without_a_log_say_what_was_looked_for() {
     let dir = tempfile::tempdir().unwrap();
     let error = read_log(dir.path(), &LogOptions::default()).unwrap_err();
     assert!(
-        error.to_string().ends_with("looked for mav0/imu0/data.csv, imu0/data.csv, *.mcap, *.db3, a *gyro* and an *accel* file"),
+        error.to_string().ends_with(
+            "looked for mav0/imu0/data.csv, imu0/data.csv, *.mcap, *.db3, a *gyro* and an *accel* file"
+        ),
         "{error}"
     );
     let deeper = dir.path().join("flight/mav0/imu0");

@@ -48,7 +48,10 @@ fn check(name: &str, expected: &Value) {
         assert_eq!(sample.t.ns(), wanted["t_ns"].as_i64().unwrap(), "{name}: stamp of sample {at}");
         for (found, wanted) in [(sample.gyro, &wanted["gyro"]), (sample.accel, &wanted["accel"])] {
             for (found, wanted) in found.into_iter().zip(numbers(wanted)) {
-                assert!((found - wanted).abs() < tolerance, "{name}, sample {at}: {found}, not {wanted}: {sample:?}");
+                assert!(
+                    (found - wanted).abs() < tolerance,
+                    "{name}, sample {at}: {found}, not {wanted}: {sample:?}"
+                );
             }
         }
     }

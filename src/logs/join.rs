@@ -63,8 +63,9 @@ impl Joined {
 
     /// What was left out, where something was.
     pub(crate) fn left_out(&self) -> Option<String> {
-        (self.left_out > 0)
-            .then(|| format!("left out: {} gyroscope sample(s) with no accelerometer beside them", self.left_out))
+        (self.left_out > 0).then(|| {
+            format!("left out: {} gyroscope sample(s) with no accelerometer beside them", self.left_out)
+        })
     }
 }
 
@@ -80,7 +81,8 @@ mod tests {
     #[test]
     fn values_lie_on_the_line_between_neighbours_and_nothing_is_made_up_outside_or_in_holes() {
         let gyro: Vec<ImuSample> = (0..200).map(|i| at(5 * i, -1.0)).collect();
-        let mut accel: Vec<ImuSample> = (0..60).map(|i| at(13 + 16 * i, 0.5 * (13 + 16 * i) as f64)).collect();
+        let mut accel: Vec<ImuSample> =
+            (0..60).map(|i| at(13 + 16 * i, 0.5 * (13 + 16 * i) as f64)).collect();
         let whole = join(&gyro, &accel);
         assert_eq!(whole.samples.len() + whole.left_out, 200);
         for s in &whole.samples {

@@ -52,5 +52,5 @@ mod ulog;
 pub use error::LogError;
 pub use kind::Kind;
 pub use log::Log;
-pub use scale::Scales;
 pub use read::{LogOptions, read_log, read_mcap, read_rosbag1, read_sqlite, read_stream};
+pub use scale::Scales;

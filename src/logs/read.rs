@@ -9,7 +9,9 @@ use crate::two_files::TwoFiles;
 use crate::{Kind, Log, LogError, ardupilot, mcap, rosbag1, rosbag2, sqlite, ulog};
 use dpn_core::{ImuRecording, ImuSample};
 use dpn_io::asl::Sequence;
-use dpn_io::{AccelUnit, CsvOptions, GyroUnit, ImuColumns, IoError, LooseImuLog, Origin, Sieved, parse_imu_csv_loosely};
+use dpn_io::{
+    AccelUnit, CsvOptions, GyroUnit, ImuColumns, IoError, LooseImuLog, Origin, Sieved, parse_imu_csv_loosely,
+};
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
@@ -255,7 +257,9 @@ fn text(
     guessed(
         guess(columns.origin),
         match columns.value {
-            ImuColumns::ROS2_ECHO => "columns as `ros2 topic echo --csv` prints an IMU's message (--columns)".to_owned(),
+            ImuColumns::ROS2_ECHO => {
+                "columns as `ros2 topic echo --csv` prints an IMU's message (--columns)".to_owned()
+            }
             _ => format!("columns as stamp, {order} (--columns)"),
         },
     );

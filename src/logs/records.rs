@@ -74,36 +74,46 @@ impl Records {
                 source.name == wanted || source.name.rsplit_once('/').is_some_and(|(name, _)| name == wanted)
             })
         };
-        let first = |holds: Holds| self.0.iter().position(|source| source.holds == holds && is_wanted(source));
+        let first =
+            |holds: Holds| self.0.iter().position(|source| source.holds == holds && is_wanted(source));
         let mut guesses = Vec::new();
         let mut remarks = Vec::new();
-        let (name, samples, sieved): (String, Vec<ImuSample>, Sieved) = match (first(Holds::Both), first(Holds::Gyro), first(Holds::Accel)) {
-            (Some(at), ..) => {
-                let others = self.0.iter().filter(|source| source.holds == Holds::Both).count() - 1;
-                let Source { name, sieve, .. } = self.0.swap_remove(at);
-                if others > 0 && wanted.is_none_or(|wanted| wanted != name) {
-                    let (record, instance) = name.rsplit_once('/').unwrap_or((&name, "0"));
-                    guesses.push(format!("{record} of instance {instance}, of {} (--topic {record}/1)", others + 1));
+        let (name, samples, sieved): (String, Vec<ImuSample>, Sieved) =
+            match (first(Holds::Both), first(Holds::Gyro), first(Holds::Accel)) {
+                (Some(at), ..) => {
+                    let others = self.0.iter().filter(|source| source.holds == Holds::Both).count() - 1;
+                    let Source { name, sieve, .. } = self.0.swap_remove(at);
+                    if others > 0 && wanted.is_none_or(|wanted| wanted != name) {
+                        let (record, instance) = name.rsplit_once('/').unwrap_or((&name, "0"));
+                        guesses.push(format!(
+                            "{record} of instance {instance}, of {} (--topic {record}/1)",
+                            others + 1
+                        ));
+                    }
+                    let (samples, sieved) = sieve.done();
+                    (name, samples, sieved)
                 }
-                let (samples, sieved) = sieve.done();
-                (name, samples, sieved)
-            }
-            (None, Some(gyro), Some(accel)) => {
-                let joined = join(self.0[gyro].sieve.samples(), self.0[accel].sieve.samples());
-                let name = self.0[gyro].name.clone();
-                guesses.push(joined.remark(&name, &self.0[accel].name));
-                remarks.extend(joined.left_out());
-                let (_, sieved) = self.0.swap_remove(gyro).sieve.done();
-                (name, joined.samples, sieved)
-            }
-            _ if wanted.is_some() && !self.0.is_empty() => {
-                let wanted = wanted.unwrap_or_default().to_owned();
-                return Err(LogError::NoTopic { path: path.to_path_buf(), wanted, similar: None, topics: listed });
-            }
-            _ => {
-                return Err(LogError::NoImu { path: path.to_path_buf(), topics: listed, damage });
-            }
-        };
+                (None, Some(gyro), Some(accel)) => {
+                    let joined = join(self.0[gyro].sieve.samples(), self.0[accel].sieve.samples());
+                    let name = self.0[gyro].name.clone();
+                    guesses.push(joined.remark(&name, &self.0[accel].name));
+                    remarks.extend(joined.left_out());
+                    let (_, sieved) = self.0.swap_remove(gyro).sieve.done();
+                    (name, joined.samples, sieved)
+                }
+                _ if wanted.is_some() && !self.0.is_empty() => {
+                    let wanted = wanted.unwrap_or_default().to_owned();
+                    return Err(LogError::NoTopic {
+                        path: path.to_path_buf(),
+                        wanted,
+                        similar: None,
+                        topics: listed,
+                    });
+                }
+                _ => {
+                    return Err(LogError::NoImu { path: path.to_path_buf(), topics: listed, damage });
+                }
+            };
         crate::read::goes_forward(path, &sieved, samples.len())?;
         let samples = Scales::of(options).apply(samples);
         if samples.len() < 2 {
@@ -111,7 +121,8 @@ impl Records {
             return Err(LogError::TooFew { path: path.to_path_buf(), topic: name, found, reason });
         }
         let recording = ImuRecording::new(samples).expect("a sieve lets finite samples in order through");
-        let mut log = Log { topic: Some(name), sieved, place: "record", damage, ..Log::sound(kind, recording) };
+        let mut log =
+            Log { topic: Some(name), sieved, place: "record", damage, ..Log::sound(kind, recording) };
         (log.guesses, log.remarks) = (guesses, remarks);
         Ok(log)
     }

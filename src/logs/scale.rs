@@ -52,7 +52,9 @@ impl FromStr for Scales {
     fn from_str(text: &str) -> Result<Self, String> {
         let lower = text.to_ascii_lowercase().replace("icm-", "icm");
         let known = || {
-            let ranges = |all: &[(u32, f64)]| all.iter().map(|(range, _)| range.to_string()).collect::<Vec<_>>().join("/");
+            let ranges = |all: &[(u32, f64)]| {
+                all.iter().map(|(range, _)| range.to_string()).collect::<Vec<_>>().join("/")
+            };
             let one = |e: &Entry| format!("{}-{{{}}}g-{{{}}}dps", e.name, ranges(e.accel), ranges(e.gyro));
             format!("known are {}", SENSORS.iter().map(one).collect::<Vec<_>>().join(", "))
         };

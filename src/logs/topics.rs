@@ -219,7 +219,8 @@ impl Topics {
                     imus.retain(|&i| self.all[i].messages > 0);
                 }
                 let all = &self.all;
-                let halves = |half| imus.iter().copied().filter(|i| all[*i].half() == half).collect::<Vec<usize>>();
+                let halves =
+                    |half| imus.iter().copied().filter(|i| all[*i].half() == half).collect::<Vec<usize>>();
                 let [whole, gyros, accels] = [None, Some(Sensor::Gyro), Some(Sensor::Accel)].map(halves);
                 match (imus.len(), &whole[..], &gyros[..], &accels[..]) {
                     (2, [], [gyro], [accel]) => {
@@ -228,7 +229,10 @@ impl Topics {
                     }
                     (2.., [whole], ..) => {
                         let name = &self.all[*whole].name;
-                        guesses.push(format!("{name}, the only topic with both sensors of {} (--topic)", imus.len()));
+                        guesses.push(format!(
+                            "{name}, the only topic with both sensors of {} (--topic)",
+                            imus.len()
+                        ));
                         imus = vec![*whole];
                     }
                     _ => {}
@@ -259,7 +263,9 @@ impl Topics {
                 }
             }
         };
-        let accel = other.and_then(|at| Some((self.all[at].name.clone(), self.all[at].imu.take()?, self.all[at].messages)));
+        let accel = other.and_then(|at| {
+            Some((self.all[at].name.clone(), self.all[at].imu.take()?, self.all[at].messages))
+        });
         let Topic { name, messages, imu, .. } = self.all.swap_remove(index);
         let Some(imu) = imu else {
             return Err(LogError::NotImu { path: path_buf, topic: name, kind: String::new() });

@@ -4,7 +4,10 @@ use crate::join::join;
 use crate::scale::Scales;
 use crate::{Kind, Log, LogError, LogOptions};
 use dpn_core::{ImuRecording, ImuSample, Sensor};
-use dpn_io::{AccelUnit, GyroUnit, IoError, LooseImuLog, Origin, Settled, parse_one_sensor_loosely, printable, settle_units};
+use dpn_io::{
+    AccelUnit, GyroUnit, IoError, LooseImuLog, Origin, Settled, parse_one_sensor_loosely, printable,
+    settle_units,
+};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
@@ -27,7 +30,9 @@ impl TwoFiles {
         let mut files = Vec::new();
         for entry in std::fs::read_dir(dir).map_err(reading)? {
             let path = entry.map_err(reading)?.path();
-            let is_table = path.extension().is_some_and(|e| ["csv", "txt", "tsv"].iter().any(|end| e.eq_ignore_ascii_case(end)));
+            let is_table = path
+                .extension()
+                .is_some_and(|e| ["csv", "txt", "tsv"].iter().any(|end| e.eq_ignore_ascii_case(end)));
             if is_table && path.is_file() {
                 let stem = path.file_stem().unwrap_or_default().to_string_lossy().to_lowercase();
                 files.push((stem, path));
@@ -42,7 +47,11 @@ impl TwoFiles {
             _ => 1,
         };
         let best = |word: &str| {
-            files.iter().filter(|(stem, _)| stem.contains(word)).min_by_key(|(stem, _)| rank(stem)).map(|(_, path)| path.clone())
+            files
+                .iter()
+                .filter(|(stem, _)| stem.contains(word))
+                .min_by_key(|(stem, _)| rank(stem))
+                .map(|(_, path)| path.clone())
         };
         let (Some(gyro), Some(accel)) = (best("gyro"), best("accel")) else { return Ok(None) };
         let gravity = files.iter().find(|(stem, _)| stem == "gravity").map(|(_, path)| path.clone());
@@ -60,13 +69,15 @@ impl TwoFiles {
         let (gyro_name, mut accel_name) = (name(&self.gyro), name(&self.accel));
         let mut forces = accel.recording.samples().to_vec();
         let mut log = Log::sound(Kind::TwoFiles, gyro.recording.clone());
-        let gravity = self.gravity.as_ref().map(|path| one(path, Sensor::Accel, options).map(|read| (path, read)));
+        let gravity =
+            self.gravity.as_ref().map(|path| one(path, Sensor::Accel, options).map(|read| (path, read)));
         if let Some((path, gravity)) = gravity.transpose()?
             && median_length(&forces) < WEIGHTLESS * median_length(gravity.recording.samples())
         {
             // The sum on the accelerometer's stamps: its values stand where a gyroscope's would.
             let both = join(&forces, gravity.recording.samples());
-            let sum = |s: &ImuSample| ImuSample { accel: std::array::from_fn(|i| s.gyro[i] + s.accel[i]), ..*s };
+            let sum =
+                |s: &ImuSample| ImuSample { accel: std::array::from_fn(|i| s.gyro[i] + s.accel[i]), ..*s };
             forces = both.samples.iter().map(sum).collect();
             accel_name = format!("{accel_name} + {}", name(path));
         }
@@ -99,7 +110,12 @@ impl TwoFiles {
         }
         let samples = scales.apply(samples);
         let found = samples.len();
-        log.recording = ImuRecording::new(samples).map_err(|_| LogError::Apart { dir: dir.to_path_buf(), gyro: gyro_name, accel: accel_name, found })?;
+        log.recording = ImuRecording::new(samples).map_err(|_| LogError::Apart {
+            dir: dir.to_path_buf(),
+            gyro: gyro_name,
+            accel: accel_name,
+            found,
+        })?;
         Ok(log)
     }
 }

@@ -95,7 +95,11 @@ pub(crate) fn read(source: impl Read, records: &mut Records) -> io::Result<Optio
                 if let Some(place) = place {
                     match sample(bytes.rest(), place) {
                         Some(sample) => records.push(place.source, sample),
-                        None => return Ok(Some(format!("the message at byte {begin} is shorter than its format"))),
+                        None => {
+                            return Ok(Some(format!(
+                                "the message at byte {begin} is shorter than its format"
+                            )));
+                        }
                     }
                 }
             }
@@ -104,7 +108,11 @@ pub(crate) fn read(source: impl Read, records: &mut Records) -> io::Result<Optio
     }
 }
 
-fn subscription(message: &[u8], formats: &HashMap<String, String>, records: &mut Records) -> Option<(u16, Place)> {
+fn subscription(
+    message: &[u8],
+    formats: &HashMap<String, String>,
+    records: &mut Records,
+) -> Option<(u16, Place)> {
     let mut bytes = Bytes::new(message);
     let (instance, number) = (bytes.u8()?, bytes.u16()?);
     let topic = std::str::from_utf8(bytes.rest()).ok()?;
