@@ -50,6 +50,7 @@ mod small;
 mod tracks;
 mod tum;
 mod unit;
+mod words;
 
 pub use atomic::atomic_write;
 pub use choice::ColumnChoice;

@@ -29,6 +29,8 @@ struct Layout {
     tick_ns: i64,
     instance: Option<usize>,
     axes: [usize; 6],
+    /// How many fields a record has.
+    count: usize,
 }
 
 impl Layout {
@@ -41,7 +43,7 @@ impl Layout {
         for (axis, name) in axes.iter_mut().zip(["GyrX", "GyrY", "GyrZ", "AccX", "AccY", "AccZ"]) {
             *axis = at(name)?;
         }
-        Some(Self { time, tick_ns, instance: at("I"), axes })
+        Some(Self { time, tick_ns, instance: at("I"), axes, count: names.clone().count() })
     }
 
     /// A record by its fields' values.
@@ -226,10 +228,12 @@ pub(crate) fn read_text(mut source: impl BufRead, records: &mut Records) -> io::
         let values: Vec<&str> = fields.collect();
         if !layouts.contains_key(name) {
             let known = if values.len() >= 15 { FIELDS } else { OLD_FIELDS };
-            layouts.extend(Layout::new(known.split(',')).map(|layout| (name.to_owned(), layout)));
+            let count = values.len();
+            let layout = Layout::new(known.split(',')).map(|layout| Layout { count, ..layout });
+            layouts.extend(layout.map(|layout| (name.to_owned(), layout)));
         }
         let value = |at: usize| values.get(at)?.parse::<f64>().ok();
-        let took = layouts.get(name).and_then(|layout| {
+        let took = layouts.get(name).filter(|layout| values.len() >= layout.count).and_then(|layout| {
             let time = values.get(layout.time)?.parse().ok()?;
             layout.take(name, value, time, records)
         });

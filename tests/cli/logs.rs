@@ -348,7 +348,8 @@ fn logs_of_every_program_go_in_untouched_and_what_was_assumed_is_one_line() {
     let expected: serde_json::Value = serde_json::from_str(&expected).unwrap();
     let mut faults = Vec::new();
     for (name, expected) in expected["logs"].as_object().unwrap() {
-        let flags: Vec<&str> = expected["flags"].as_array().unwrap().iter().map(|f| f.as_str().unwrap()).collect();
+        let flags: Vec<&str> =
+            expected["flags"].as_array().unwrap().iter().map(|f| f.as_str().unwrap()).collect();
         let done = check(dir.path(), &folder.join(name), &flags);
         let head = format!("{} samples, ", expected["count"]);
         let rate = format!("{:.2} Hz", expected["rate_hz"].as_f64().unwrap());
@@ -358,7 +359,8 @@ fn logs_of_every_program_go_in_untouched_and_what_was_assumed_is_one_line() {
         }
         let taken = about(&done, "taken for granted");
         let guesses = expected["guesses"].as_array().unwrap();
-        let said = |words: &serde_json::Value| taken.iter().any(|line| line.contains(words.as_str().unwrap()));
+        let said =
+            |words: &serde_json::Value| taken.iter().any(|line| line.contains(words.as_str().unwrap()));
         if taken.len() > 1 || !guesses.iter().all(said) {
             faults.push(format!("{name}: {taken:?} lacks one of {guesses:?}"));
         }
@@ -376,7 +378,11 @@ fn raw_counts_are_asked_about_and_mended_by_scale_or_sensor() {
     let log = Path::new(env!("CARGO_MANIFEST_DIR")).join("golden/logs/counts.csv");
     let done = check(dir.path(), &log, &[]).well();
     let units = &about(&done, "units")[0];
-    assert!(units.contains("raw counts, all of them whole numbers? Some 16") && done.stdout.contains("--sensor-scale NAME-RANGE"), "{done:?}");
+    assert!(
+        units.contains("raw counts, all of them whole numbers? Some 16")
+            && done.stdout.contains("--sensor-scale NAME-RANGE"),
+        "{done:?}"
+    );
     let sensor = check(dir.path(), &log, &["--sensor-scale", "mpu6050-2g-250dps", "--json"]).well();
     let (accel, gyro) = ((9.80665f64 / 16384.0).to_string(), (1.0f64 / 131.0).to_radians().to_string());
     let scales = check(dir.path(), &log, &["--accel-scale", &accel, "--gyro-scale", &gyro, "--json"]).well();
@@ -397,9 +403,17 @@ fn columns_are_chosen_by_name_and_a_rate_that_disagrees_with_the_text_is_a_findi
     assert!(done.code == Some(2) && done.stderr.contains("--columns T,GX,GY,GZ,AX,AY,AZ"), "{done:?}");
     let done = check_text(&odd, &["--columns", "when,p,q,R,5,v,w"]).well();
     assert!(done.stdout.starts_with("400 samples, 2.0 s, 200.00 Hz\n"), "{done:?}");
-    assert!(about(&done, "rate").iter().any(|line| line.contains("the log's text says 100 Hz, its stamps 200.00 Hz")), "{done:?}");
+    assert!(
+        about(&done, "rate")
+            .iter()
+            .any(|line| line.contains("the log's text says 100 Hz, its stamps 200.00 Hz")),
+        "{done:?}"
+    );
     let done = check_text(&odd, &["--columns", "when,p,q,s,u,v,w"]);
-    assert!(done.code == Some(2) && done.stderr.contains("no column `s`; the header names when, p, q"), "{done:?}");
+    assert!(
+        done.code == Some(2) && done.stderr.contains("no column `s`; the header names when, p, q"),
+        "{done:?}"
+    );
     let done = check_text(&odd, &["--columns", "when,p,q,r,u,v,w", "--time-unit", "us"]).well();
     assert!(about(&done, "rate").iter().any(|line| line.contains("in a unit 1000 times ")), "{done:?}");
 }

@@ -57,12 +57,21 @@ pub fn many_channels() -> Vec<u8> {
 
 /// A ULog of formats that hold one another, and subscriptions of topics that nobody knows.
 fn many_formats() -> Vec<u8> {
-    let message = |kind: u8, text: &str| [&(text.len() as u16).to_le_bytes()[..], &[kind], text.as_bytes()].concat();
+    let message =
+        |kind: u8, text: &str| [&(text.len() as u16).to_le_bytes()[..], &[kind], text.as_bytes()].concat();
     let formats = (0..100_000).map(|i| message(b'F', &format!("f{i}:f{} a;f{} b;", i + 1, i + 2)));
-    let imu = message(b'F', "sensor_combined:f0 a;float[3] gyro_rad;float[3] accelerometer_m_s2;uint64_t timestamp;");
+    let imu = message(
+        b'F',
+        "sensor_combined:f0 a;float[3] gyro_rad;float[3] accelerometer_m_s2;uint64_t timestamp;",
+    );
     let subscribed = (0..50_000).map(|_| message(b'A', "\0\x01\0sensor_combined"));
-    [[&b"ULog\x01\x12\x35\x01"[..], &[0; 8]].concat(), formats.collect::<Vec<_>>().concat(), imu, subscribed.collect::<Vec<_>>().concat()]
-        .concat()
+    [
+        [&b"ULog\x01\x12\x35\x01"[..], &[0; 8]].concat(),
+        formats.collect::<Vec<_>>().concat(),
+        imu,
+        subscribed.collect::<Vec<_>>().concat(),
+    ]
+    .concat()
 }
 
 /// All of them, with the ending of each one's name.
@@ -106,7 +115,9 @@ pub fn bags() -> Vec<(Forged, &'static str)> {
     bag("a ULog of zeros", "ulg", || [b"ULog\x01\x12\x35\x01".to_vec(), vec![0; 4 << 20]].concat());
     bag("a ULog of 100,000 formats", "ulg", many_formats);
     bag("an ArduPilot log of zeros", "bin", || [vec![0xa3, 0x95, 0x80], vec![0; 4 << 20]].concat());
-    bag("an ArduPilot log of a line without an end", "log", || [b"FMT, ".to_vec(), vec![b'7'; 8 << 20]].concat());
+    bag("an ArduPilot log of a line without an end", "log", || {
+        [b"FMT, ".to_vec(), vec![b'7'; 8 << 20]].concat()
+    });
     bag("a database of zeros", "db3", || [b"SQLite format 3\0".to_vec(), vec![0; 4 << 20]].concat());
     bag("a database's head alone", "db3", || b"SQLite format 3\0".to_vec());
     all
