@@ -1,5 +1,6 @@
 //! `dpn data`.
 
+use super::examples;
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 
@@ -15,10 +16,13 @@ pub(crate) struct DataArgs {
 #[derive(Debug, Subcommand)]
 pub(crate) enum DataWhat {
     /// Put a folder of sequences into one file: samples, ground truth, calibration and stamps; images stay where they are. Every --data takes it.
+    #[command(after_help = examples::DATA_PACK)]
     Pack(DataPackArgs),
     /// List what a data pack holds; nothing but its header is read.
+    #[command(after_help = examples::DATA_LIST)]
     List(DataFileArgs),
     /// Read a data pack whole and hold every part to its checksum: what is damaged, by its part (exit code 2).
+    #[command(after_help = examples::DATA_CHECK)]
     Check(DataFileArgs),
 }
 

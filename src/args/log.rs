@@ -2,13 +2,15 @@
 
 use clap::Args;
 use dpn_core::SampleRate;
-use dpn_io::{AccelUnit, GyroUnit, ImuColumns, TimeUnit};
+use dpn_io::{AccelUnit, ColumnChoice, GyroUnit, TimeUnit};
+use dpn_logs::Scales;
 use std::path::PathBuf;
 
 /// The log, its columns and units.
 #[derive(Debug, Args)]
 pub(crate) struct LogArgs {
-    /// CSV file, rosbag1, MCAP or rosbag2 (file or folder), or folder of an ASL sequence (EuRoC, TUM-VI); a pipe, or - for stdin.
+    /// CSV file, rosbag1, MCAP, rosbag2, ULog or ArduPilot log, packed or not; folder of an ASL sequence (EuRoC, TUM-VI), of a rosbag2 or of a
+    /// phone's two files; a pipe, or - for stdin.
     #[arg(value_name = "LOG")]
     pub(crate) path: PathBuf,
     /// How it is read.
@@ -19,16 +21,17 @@ pub(crate) struct LogArgs {
 /// Topic, columns and units.
 #[derive(Debug, Args)]
 pub(crate) struct HowArgs {
-    /// The IMU's topic in a bag; without it, the only one of type sensor_msgs/Imu.
+    /// The IMU's topic in a bag; without it, the only one of type sensor_msgs/Imu, or the two of its sensors. Of a ULog a topic, of an ArduPilot
+    /// log IMU/1 for the second.
     #[arg(long, value_name = "NAME")]
     pub(crate) topic: Option<String>,
-    /// Bytes that a bag's chunks may unpack to, all together, for example 4GB; without it, 32 MB and 32 times the packed bytes.
+    /// Bytes that a bag's chunks or a packed file may unpack to, all together, for example 4GB; without it, 32 MB and 32 times the packed bytes.
     #[arg(long, value_name = "SIZE", value_parser = bytes)]
     pub(crate) max_uncompressed: Option<u64>,
-    /// CSV columns, counted from 1: stamp, gyroscope x y z, accelerometer x y z; without it, by the header's names.
+    /// CSV columns, by number from 1 or by the header's names: stamp, gyroscope x y z, accelerometer x y z; without it, by what the names mean.
     #[arg(long, value_name = "T,GX,GY,GZ,AX,AY,AZ", value_parser = columns)]
-    pub(crate) columns: Option<ImuColumns>,
-    /// Unit of the CSV's stamps: s, ms, us, ns; without it, by the header or their size.
+    pub(crate) columns: Option<ColumnChoice>,
+    /// Unit of the CSV's stamps: s, ms, 100us, us, ns; without it, by the header or their size.
     #[arg(long, value_name = "UNIT", value_parser = time_unit)]
     pub(crate) time_unit: Option<TimeUnit>,
     /// Unit of the CSV's gyroscope: rad/s or deg/s; without it, by the header or told from its turns and noise.
@@ -37,6 +40,15 @@ pub(crate) struct HowArgs {
     /// Unit of the CSV's accelerometer: m/s^2, g or mg; without it, by the header or told from gravity.
     #[arg(long, value_name = "UNIT", value_parser = accel_unit)]
     pub(crate) accel_unit: Option<AccelUnit>,
+    /// What one of the gyroscope's numbers is, in rad/s, of a log of any kind.
+    #[arg(long, value_name = "RAD/S", value_parser = scale, conflicts_with_all = ["gyro_unit", "sensor_scale"])]
+    pub(crate) gyro_scale: Option<f64>,
+    /// What one of the accelerometer's numbers is, in m/s^2, of a log of any kind.
+    #[arg(long, value_name = "M/S^2", value_parser = scale, conflicts_with_all = ["accel_unit", "sensor_scale"])]
+    pub(crate) accel_scale: Option<f64>,
+    /// Both by sensor and ranges, where the log has raw counts: mpu6050-2g-250dps, bmi088-6g-2000dps, icm20948-4g-500dps, adis16448.
+    #[arg(long, value_name = "NAME-RANGES", value_parser = sensor_scale, conflicts_with_all = ["gyro_unit", "accel_unit"])]
+    pub(crate) sensor_scale: Option<Scales>,
 }
 
 /// A rate in Hz.
@@ -56,23 +68,25 @@ fn bytes(text: &str) -> Result<u64, String> {
     number.ok_or_else(|| "a number of bytes, for example 4GB or 500MB".to_owned())
 }
 
-fn columns(text: &str) -> Result<ImuColumns, String> {
-    let wrong = || "seven column numbers from 1, for example 1,2,3,4,5,6,7".to_owned();
-    let numbers: Option<Vec<usize>> =
-        text.split(',').map(|n| n.trim().parse::<usize>().ok().filter(|n| *n > 0)).collect();
-    match numbers.as_deref() {
-        Some([t, gx, gy, gz, ax, ay, az]) => {
-            Ok(ImuColumns { time: t - 1, gyro: [gx - 1, gy - 1, gz - 1], accel: [ax - 1, ay - 1, az - 1] })
-        }
-        _ => Err(wrong()),
-    }
+fn columns(text: &str) -> Result<ColumnChoice, String> {
+    text.parse()
+}
+
+fn sensor_scale(text: &str) -> Result<Scales, String> {
+    text.parse()
+}
+
+fn scale(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|v| v.is_finite() && *v != 0.0);
+    number.ok_or_else(|| "a number other than zero; a negative one turns the axes round".to_owned())
 }
 
 fn time_unit(text: &str) -> Result<TimeUnit, String> {
     TimeUnit::ALL
         .into_iter()
+        .chain([TimeUnit::HundredMicros])
         .find(|unit| unit.name() == text)
-        .ok_or_else(|| "known are s, ms, us, ns".to_owned())
+        .ok_or_else(|| "known are s, ms, 100us, us, ns".to_owned())
 }
 
 fn gyro_unit(text: &str) -> Result<GyroUnit, String> {

@@ -4,7 +4,7 @@ use crate::args::{HowArgs, LogArgs};
 use crate::ui::errln;
 use anyhow::Result;
 use dpn_io::{CsvOptions, printable};
-use dpn_logs::{Log, LogOptions, read_log};
+use dpn_logs::{Log, LogOptions, Scales, read_log};
 use dpn_probe::doctor::values::meaningless;
 use std::path::Path;
 
@@ -36,7 +36,12 @@ pub(crate) fn read_from(path: &Path, how: &HowArgs) -> Result<Log> {
 
 /// What was typed about columns, units and topic.
 pub(crate) fn options(how: &HowArgs) -> LogOptions {
-    let csv =
-        CsvOptions { columns: how.columns, time: how.time_unit, gyro: how.gyro_unit, accel: how.accel_unit };
-    LogOptions { csv, topic: how.topic.clone(), max_uncompressed: how.max_uncompressed }
+    let csv = CsvOptions {
+        columns: how.columns.clone(),
+        time: how.time_unit,
+        gyro: how.gyro_unit,
+        accel: how.accel_unit,
+    };
+    let scales = how.sensor_scale.unwrap_or(Scales { accel: how.accel_scale, gyro: how.gyro_scale });
+    LogOptions { csv, topic: how.topic.clone(), max_uncompressed: how.max_uncompressed, scales }
 }

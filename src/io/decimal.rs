@@ -13,6 +13,9 @@ pub enum TimeUnit {
     /// Milliseconds.
     #[serde(rename = "ms")]
     Millis,
+    /// Tenths of a millisecond, in which Xsens counts.
+    #[serde(rename = "100us")]
+    HundredMicros,
     /// Microseconds.
     #[serde(rename = "us")]
     Micros,
@@ -22,14 +25,15 @@ pub enum TimeUnit {
 }
 
 impl TimeUnit {
-    /// The four units, longest first.
+    /// The four units of most logs, longest first.
     pub const ALL: [Self; 4] = [Self::Seconds, Self::Millis, Self::Micros, Self::Nanos];
 
-    /// `"s"`, `"ms"`, `"us"` or `"ns"`.
+    /// `"s"`, `"ms"`, `"100us"`, `"us"` or `"ns"`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Seconds => "s",
             Self::Millis => "ms",
+            Self::HundredMicros => "100us",
             Self::Micros => "us",
             Self::Nanos => "ns",
         }
@@ -40,6 +44,7 @@ impl TimeUnit {
         match self {
             Self::Seconds => 1.0,
             Self::Millis => 1e-3,
+            Self::HundredMicros => 1e-4,
             Self::Micros => 1e-6,
             Self::Nanos => 1e-9,
         }
@@ -50,6 +55,7 @@ impl TimeUnit {
         match self {
             Self::Seconds => 9,
             Self::Millis => 6,
+            Self::HundredMicros => 5,
             Self::Micros => 3,
             Self::Nanos => 0,
         }

@@ -361,22 +361,30 @@ impl IoError {
             Self::Empty { .. } => "the download or export may have been cut off; make the file again",
             Self::TooShort { .. } => "record for longer, or look whether the file was cut off",
             Self::MissingColumn { .. } | Self::DoubleColumn { .. } => {
-                "rename the column in the header, or say which column is which"
+                "say which column is which, by number or name: --columns T,GX,GY,GZ,AX,AY,AZ"
             }
-            Self::UnknownUnit { .. } => "convert the column, or name its unit when you read the file",
-            Self::UnknownLayout { .. } => "add a header that names the columns",
+            Self::UnknownUnit { .. } => {
+                "name its unit: --time-unit, --gyro-unit or --accel-unit; or say what one of it is: --gyro-scale, --accel-scale"
+            }
+            Self::UnknownLayout { .. } => {
+                "add a header that names the columns, or say which is which: --columns T,GX,GY,GZ,AX,AY,AZ"
+            }
             Self::FieldCount { .. } => "the row is cut off or damaged; mend or delete the line",
             Self::BadNumber { .. } | Self::NotFinite { .. } => {
                 "mend or delete the line; nothing is skipped silently"
             }
-            Self::BadStamp { .. } => "mend the line, or name the stamps' unit (s, ms, us, ns)",
+            Self::BadStamp { .. } => {
+                "mend the line, or name the stamps' unit (--time-unit s, ms, us, ns) or column (--columns)"
+            }
             Self::TimeNotIncreasing { prev_ns, t_ns, .. } if prev_ns == t_ns => {
                 "two rows share a stamp: drop one, or write stamps with more digits"
             }
             Self::TimeNotIncreasing { .. } | Self::GoesBack { .. } => {
                 "sort the rows by time, or cut the log where its clock was set"
             }
-            Self::UnknownTimeUnit { .. } => "name the stamps' unit (s, ms, us, ns)",
+            Self::UnknownTimeUnit { .. } => {
+                "name the stamps' unit (--time-unit s, ms, us, ns), or their column: --columns T,GX,GY,GZ,AX,AY,AZ"
+            }
             Self::NotUtf8 { .. } => "save the file as UTF-8 text; a binary or UTF-16 file cannot be read",
             Self::BadQuaternion { .. } => {
                 "look at the order: ASL has w x y z, TUM has x y z w after the position"

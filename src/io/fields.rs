@@ -11,9 +11,16 @@ pub(super) enum Delimiter {
 }
 
 impl Delimiter {
-    /// The one that `line` uses.
+    /// The one that `line` uses. Commas beside semicolons or tabs are decimal ones, unless each tab only follows a comma.
     pub(super) fn of(line: &[u8]) -> Self {
-        [b',', b';', b'\t'].into_iter().find(|d| line.contains(d)).map_or(Self::Blanks, Self::Byte)
+        let behind_commas = |line: &[u8]| {
+            memchr::memchr_iter(b'\t', line).all(|at| line[..at].trim_ascii_end().ends_with(b","))
+        };
+        let is = |byte: u8| match byte {
+            b'\t' => line.contains(&byte) && !behind_commas(line),
+            _ => line.contains(&byte),
+        };
+        [b';', b'\t', b','].into_iter().find(|d| is(*d)).map_or(Self::Blanks, Self::Byte)
     }
 
     /// Puts the fields of `line` into `fields`.
@@ -71,9 +78,33 @@ pub(super) fn take_line<'a>(rest: &mut &'a [u8]) -> Option<&'a [u8]> {
     Some(line.trim_ascii())
 }
 
+/// What stands behind the sign of a comment.
+pub(super) fn comment(line: &[u8]) -> Option<&[u8]> {
+    match line {
+        [b'#' | b'%' | b'!', rest @ ..] | [b'/', b'/', rest @ ..] => Some(rest),
+        // Without the blank, a row whose first field is empty.
+        [b';', b' ', rest @ ..] => Some(rest),
+        _ => None,
+    }
+}
+
+/// A number, NaN and infinities included; `None` where it is none.
+pub(super) fn number(field: &[u8]) -> Option<f64> {
+    fast_float2::parse(field).ok().or_else(|| fast_float2::parse(with_point(field)?).ok())
+}
+
+/// The same text with a point where its one comma is.
+pub(super) fn with_point(field: &[u8]) -> Option<Vec<u8>> {
+    // No number is longer, whatever a table may hold.
+    let at = memchr::memchr(b',', field).filter(|_| field.len() <= 64)?;
+    let mut text = field.to_vec();
+    text[at] = b'.';
+    Some(text)
+}
+
 /// Whether a field reads as a number, NaN and infinities included.
 pub(super) fn is_number(field: &[u8]) -> bool {
-    fast_float2::parse::<f64, _>(field).is_ok()
+    number(field).is_some()
 }
 
 /// Whether a field is a name of time, as the first of a commented header is.

@@ -30,7 +30,7 @@ const TRACKS: &[u8] =
 fn feed(bytes: &[u8]) {
     let path = Path::new("fuzz");
     let columns = CsvOptions {
-        columns: Some(ImuColumns { time: 6, gyro: [0, 1, 2], accel: [3, 4, 900] }),
+        columns: Some(ImuColumns::new(6, [0, 1, 2], [3, 4, 900]).into()),
         time: Some(TimeUnit::Seconds),
         gyro: Some(GyroUnit::DegPerSecond),
         accel: Some(AccelUnit::StandardGravity),

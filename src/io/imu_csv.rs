@@ -1,24 +1,31 @@
 //! IMU logs as tables of numbers: ASL's `imu0/data.csv` and plain CSV files with other columns and units.
 //!
-//! Columns are found by the header's names (`columns`), else by a list, else in ASL's order. Units come from the caller, else
+//! Columns are found by the header's names (`names`), else by a list, else in ASL's order. Units come from the caller, else
 //! from the header; what neither says is SI for the sensors, and for time told from the stamps' size:
 //!
 //! * a first stamp between the years 1973 and 2286 gives the unit away: 1e8 to 1e10 in s, 1e11 to 1e13 in ms, and so on;
 //! * else the median step of the first thousand rows does, as IMUs run at 10 to 10,000 Hz: [1e-4, 1e-1) in s, [1e-1, 1e2) in ms,
 //!   [1e2, 1e5) in us, [1e5, 1e8) in ns.
 
-use super::columns::{self, AccelUnit, GyroUnit, ImuColumns, SLOTS};
+use super::choice::ColumnChoice;
+use super::columns::{AccelUnit, GyroUnit, ImuColumns, SLOTS};
+use super::names;
+use super::names::Named;
 use super::rows::Rows;
 use super::{IoError, TimeUnit};
 use dpn_core::imu::{ImuRecording, ImuSample};
 use dpn_core::signal::stats::upper_median;
+use dpn_core::{Sensor, Stamp};
 use std::path::Path;
 
+/// A step between stamps since 1970 is shorter than this \[s\].
+const SLOWEST_S: f64 = 1e3;
+
 /// What the caller knows about a log; `None` is left to the header or to a guess.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct CsvOptions {
     /// Which column is what; wins over the header.
-    pub columns: Option<ImuColumns>,
+    pub columns: Option<ColumnChoice>,
     /// Unit of the stamps.
     pub time: Option<TimeUnit>,
     /// Unit of the gyroscope.
@@ -90,30 +97,26 @@ pub(crate) fn parse_with(
     assumed_time: Option<TimeUnit>,
 ) -> Result<ImuLog, IoError> {
     let mut rows = Rows::open(bytes, path)?;
-    let named = match (options.columns, rows.header()) {
-        (None, Some(header)) => Some(columns::from_header(header, path)?),
-        _ => None,
-    };
-    let columns = match (options.columns, named) {
-        (Some(value), _) => Settled { value, origin: Origin::Given },
-        (None, Some(named)) => Settled { value: named.columns, origin: Origin::Header },
-        (None, None) if rows.width() < 7 => return Err(unknown_layout(&rows, path)),
-        (None, None) => Settled { value: ImuColumns::ASL, origin: Origin::Assumed },
-    };
-    let time = match (first_said(options.time, named.and_then(|n| n.time)), assumed_time) {
+    let (columns, said) = columns(&rows, path, options, None)?;
+    let time = match (first_said(options.time, said.time), assumed_time) {
         (Some(said), _) => said,
         (None, Some(value)) => Settled { value, origin: Origin::Assumed },
-        (None, None) => Settled {
-            value: guess_time_unit(bytes, path, columns.value.time, false)?,
-            origin: Origin::Guessed,
-        },
+        (None, None) => {
+            let value =
+                guess_time_unit(&first_rows(Rows::open(bytes, path)?, &columns.value, false)?, &said, path)?;
+            Settled { value, origin: Origin::Guessed }
+        }
     };
-    let gyro = first_said(options.gyro, named.and_then(|n| n.gyro))
+    let interval_s = match columns.value.intervals {
+        [None, None] => 1.0,
+        _ => guess_interval(&first_rows(Rows::open(bytes, path)?, &columns.value, false)?, time.value),
+    };
+    let gyro = first_said(options.gyro, said.gyro)
         .unwrap_or(Settled { value: GyroUnit::RadPerSecond, origin: Origin::Assumed });
-    let accel = first_said(options.accel, named.and_then(|n| n.accel))
+    let accel = first_said(options.accel, said.accel)
         .unwrap_or(Settled { value: AccelUnit::MetrePerSecond2, origin: Origin::Assumed });
     let factors = (gyro.value.factor(), accel.value.factor());
-    let samples = samples(&mut rows, &columns.value, time.value, factors)?;
+    let samples = samples(&mut rows, &columns.value, time.value, interval_s, factors)?;
     Ok(ImuLog { recording: recording(samples, path)?, columns, time, gyro, accel })
 }
 
@@ -133,21 +136,85 @@ pub(super) fn first_said<T>(given: Option<T>, header: Option<T>) -> Option<Settl
         .or_else(|| header.map(|value| Settled { value, origin: Origin::Header }))
 }
 
+/// What a header says of the units, and what of its columns was passed over.
+#[derive(Debug, Default)]
+pub(super) struct Said {
+    pub(super) time: Option<TimeUnit>,
+    fine: bool,
+    pub(super) gyro: Option<GyroUnit>,
+    pub(super) accel: Option<AccelUnit>,
+    pub(super) passed: Vec<String>,
+}
+
+/// Which column is what: as the caller lists them, by the header, by ASL's order.
+pub(super) fn columns(
+    rows: &Rows<'_>,
+    path: &Path,
+    options: &CsvOptions,
+    only: Option<Sensor>,
+) -> Result<(Settled<ImuColumns>, Said), IoError> {
+    let header = rows.header();
+    if let Some(choice) = &options.columns {
+        let columns = choice.resolve(header, path)?;
+        let (time, gyro, accel) =
+            header.map_or((None, None, None), |header| names::units_at(header, &columns));
+        let said = Said { time, gyro, accel, ..Said::default() };
+        return Ok((Settled { value: columns, origin: Origin::Given }, said));
+    }
+    if let Some(header) = header {
+        let named = names::from_header(header, path, only)?;
+        let Named { columns, time, fine, gyro, accel, passed } = named;
+        return Ok((
+            Settled { value: columns, origin: Origin::Header },
+            Said { time, fine, gyro, accel, passed },
+        ));
+    }
+    let value = match only {
+        _ if rows.first_is_ros2_echo() => ImuColumns::ROS2_ECHO,
+        Some(_) if rows.width() >= 4 => ImuColumns::new(0, [1, 2, 3], [1, 2, 3]),
+        None if rows.width() >= 7 => ImuColumns::ASL,
+        _ => return Err(unknown_layout(rows, path)),
+    };
+    let origin = if value == ImuColumns::ASL { Origin::Assumed } else { Origin::Guessed };
+    Ok((Settled { value, origin }, Said::default()))
+}
+
+/// The current row as a sample, its axes in the file's units; an increment is divided by its interval.
+pub(super) fn sample(
+    rows: &Rows<'_>,
+    columns: &ImuColumns,
+    time: TimeUnit,
+    interval_s: f64,
+) -> Result<ImuSample, IoError> {
+    let [_, gx, gy, gz, ax, ay, az] = SLOTS;
+    let mut t = rows.stamp(columns.time, time)?;
+    if let Some(nanos) = columns.nanos {
+        t = Stamp::from_ns(t.ns().saturating_add(rows.stamp(nanos, TimeUnit::Nanos)?.ns()));
+    }
+    let mut gyro = rows.numbers(columns.gyro, [gx, gy, gz])?;
+    let mut accel = rows.numbers(columns.accel, [ax, ay, az])?;
+    for (values, interval) in [&mut gyro, &mut accel].into_iter().zip(columns.intervals) {
+        if let Some(interval) = interval {
+            let seconds = rows.number(interval, "interval")? * interval_s;
+            *values = values.map(|v| v / seconds);
+        }
+    }
+    Ok(ImuSample { t, gyro, accel })
+}
+
 fn samples(
     rows: &mut Rows<'_>,
     columns: &ImuColumns,
     time: TimeUnit,
+    interval_s: f64,
     (gyro, accel): (f64, f64),
 ) -> Result<Vec<ImuSample>, IoError> {
-    let [_, gx, gy, gz, ax, ay, az] = SLOTS;
     let mut samples: Vec<ImuSample> = Vec::with_capacity(rows.rows_left());
     while rows.advance()? {
-        let t = rows.stamp_after(samples.last().map(|s| s.t), columns.time, time)?;
-        let sample = ImuSample {
-            t,
-            gyro: rows.numbers(columns.gyro, [gx, gy, gz])?.map(|v| v * gyro),
-            accel: rows.numbers(columns.accel, [ax, ay, az])?.map(|v| v * accel),
-        };
+        let mut sample = sample(rows, columns, time, interval_s)?;
+        rows.must_follow(samples.last().map(|s| s.t), sample.t)?;
+        sample.gyro = sample.gyro.map(|v| v * gyro);
+        sample.accel = sample.accel.map(|v| v * accel);
         if !sample.is_finite() {
             return Err(rows.not_finite("a value in SI units", "infinite"));
         }
@@ -164,38 +231,70 @@ pub(super) fn recording(samples: Vec<ImuSample>, path: &Path) -> Result<ImuRecor
     }
 }
 
-/// Tells the unit of time from the first thousand stamps; `loose` passes over rows that cannot be read.
-pub(super) fn guess_time_unit(
-    bytes: &[u8],
-    path: &Path,
-    column: usize,
+/// Stamps and intervals of the first thousand rows, as numbers.
+#[derive(Debug)]
+pub(super) struct FirstRows {
+    stamps: Vec<f64>,
+    intervals: Vec<f64>,
+}
+
+impl FirstRows {
+    fn step(&self) -> Option<f64> {
+        upper_median(self.stamps.windows(2).map(|w| w[1] - w[0]))
+    }
+}
+
+/// Reads them; `loose` passes over rows that cannot be read.
+pub(super) fn first_rows(
+    mut rows: Rows<'_>,
+    columns: &ImuColumns,
     loose: bool,
-) -> Result<TimeUnit, IoError> {
+) -> Result<FirstRows, IoError> {
     const ROWS: usize = 1000;
-    let mut rows = Rows::open(bytes, path)?;
-    let mut stamps = Vec::with_capacity(ROWS);
-    while stamps.len() < ROWS {
-        match rows.advance().and_then(|more| more.then(|| rows.number(column, SLOTS[0])).transpose()) {
+    let mut first = FirstRows { stamps: Vec::with_capacity(ROWS), intervals: Vec::new() };
+    while first.stamps.len() < ROWS {
+        match rows.advance().and_then(|more| more.then(|| rows.number(columns.time, SLOTS[0])).transpose()) {
             Ok(None) => break,
-            Ok(Some(stamp)) => stamps.push(stamp),
+            Ok(Some(stamp)) => first.stamps.push(stamp),
             Err(error) if !loose => return Err(error),
-            Err(_) => {}
+            Err(_) => continue,
+        }
+        if let Some(interval) = columns.intervals.into_iter().flatten().next() {
+            first.intervals.extend(rows.number(interval, "interval"));
         }
     }
-    let [first, _, ..] = stamps[..] else {
-        return Err(IoError::TooShort { path: path.to_path_buf(), found: stamps.len() });
+    Ok(first)
+}
+
+/// Seconds in one of the intervals' unit: the power of thousand that brings them nearest to the steps of the stamps.
+pub(super) fn guess_interval(first: &FirstRows, time: TimeUnit) -> f64 {
+    let step_s = first.step().map_or(0.0, |step| step * time.seconds());
+    let interval = upper_median(first.intervals.iter().copied()).unwrap_or(0.0);
+    let far = |unit: &TimeUnit| (interval * unit.seconds() / step_s).ln().abs();
+    let near = TimeUnit::ALL.into_iter().min_by(|a, b| far(a).total_cmp(&far(b)));
+    near.map_or(1.0, TimeUnit::seconds)
+}
+
+/// Tells the unit of time from the first stamps.
+pub(super) fn guess_time_unit(first: &FirstRows, said: &Said, path: &Path) -> Result<TimeUnit, IoError> {
+    let (Some(step), Some(&start)) = (first.step(), first.stamps.first()) else {
+        return Err(IoError::TooShort { path: path.to_path_buf(), found: first.stamps.len() });
     };
-    let steps = stamps.windows(2).map(|w| w[1] - w[0]);
-    let step = upper_median(steps).expect("there are two stamps or more");
+    if said.fine {
+        // Xsens' MTi count in 100 us, their Dots in 1 us; the former give 10 Hz or more, the latter 120 Hz or less.
+        return Ok(if step > 1000.5 { TimeUnit::Micros } else { TimeUnit::HundredMicros });
+    }
     // Half a per cent of slack, so that a 10 Hz log with jitter is not taken for one of 10 kHz.
     let within = |value: f64, least: f64, most: f64| (least * 0.995..most * 0.995).contains(&value);
-    let since_1970 = |unit: &TimeUnit| within(first * unit.seconds(), 1e8, 1e10);
+    // Seconds since a sensor's start in ns may look like seconds since 1970, but for their steps.
+    let since_1970 =
+        |unit: &TimeUnit| within(start * unit.seconds(), 1e8, 1e10) && step * unit.seconds() < SLOWEST_S;
     let between = |unit: &TimeUnit| within(step * unit.seconds(), 1e-4, 1e-1);
     TimeUnit::ALL
         .into_iter()
         .find(since_1970)
         .or_else(|| TimeUnit::ALL.into_iter().find(between))
-        .ok_or_else(|| IoError::UnknownTimeUnit { path: path.to_path_buf(), first, step })
+        .ok_or_else(|| IoError::UnknownTimeUnit { path: path.to_path_buf(), first: start, step })
 }
 
 #[cfg(test)]
@@ -259,8 +358,8 @@ mod tests {
 
     #[test]
     fn columns_can_be_listed_and_are_checked_against_the_rows() {
-        let columns = ImuColumns { time: 7, gyro: [4, 5, 6], accel: [1, 2, 3] };
-        let options = CsvOptions { columns: Some(columns), ..CsvOptions::default() };
+        let columns = ImuColumns::new(7, [4, 5, 6], [1, 2, 3]);
+        let options = CsvOptions { columns: Some(columns.into()), ..CsvOptions::default() };
         let log = case("9,1,2,3,4,5,6,0.000\n9,1,2,3,4,5,6,0.005\n", &options).unwrap();
         assert_eq!(log.recording.samples()[1].gyro, [4.0, 5.0, 6.0]);
         let error = case("1,2,3\n2,2,3\n", &options).unwrap_err().to_string();

@@ -1,8 +1,9 @@
 //! IMU samples from lines of text as they come, for what runs beside a sensor.
 
 use super::IoError;
-use super::columns::SLOTS;
-use super::imu_csv::CsvOptions;
+use super::fields::comment;
+use super::head;
+use super::imu_csv::{self, CsvOptions};
 use super::loose_csv::{Understood, understand};
 use super::rows::{Layout, Rows};
 use dpn_core::imu::ImuSample;
@@ -43,7 +44,7 @@ impl ImuLines {
             self.head.push(b'\n');
         }
         // A comment settles nothing: a head of nothing else would be read again with each of its lines.
-        if matches!(line.trim_ascii_start(), [] | [b'#' | b'%', ..]) && self.head.len() <= HEAD {
+        if (line.trim_ascii().is_empty() || comment(line.trim_ascii()).is_some()) && self.head.len() <= HEAD {
             return Ok(Vec::new());
         }
         let result = self.settle();
@@ -55,13 +56,13 @@ impl ImuLines {
 
     /// Tries to understand what has come so far.
     fn settle(&mut self) -> Result<Vec<ImuSample>, IoError> {
-        let mut rows = match Rows::open(&self.head, &self.path) {
+        let mut rows = match head::open(&self.head, &self.path, None) {
             Ok(rows) => rows,
             // Header and comments only, so far.
             Err(IoError::Empty { .. }) => return Ok(Vec::new()),
             Err(error) => return Err(error),
         };
-        let understood = match understand(&self.head, &rows, &self.path, &self.options) {
+        let understood = match understand(&self.head, &rows, &self.path, &self.options, None) {
             Ok(understood) => understood,
             // One row does not tell a step.
             Err(IoError::TooShort { .. }) => return Ok(Vec::new()),
@@ -75,18 +76,15 @@ impl ImuLines {
 }
 
 fn samples(rows: &mut Rows<'_>, understood: &Understood) -> Result<Vec<ImuSample>, IoError> {
-    let columns = understood.columns.value;
-    let [_, gx, gy, gz, ax, ay, az] = SLOTS;
+    let Understood { columns, time, interval_s, .. } = understood;
     let (turn, force) = (
         understood.gyro.map_or(1.0, |u| u.value.factor()),
         understood.accel.map_or(1.0, |u| u.value.factor()),
     );
     let mut found = Vec::new();
     while rows.advance()? {
-        let t = rows.stamp(columns.time, understood.time.value)?;
-        let gyro = rows.numbers(columns.gyro, [gx, gy, gz])?.map(|v| v * turn);
-        let accel = rows.numbers(columns.accel, [ax, ay, az])?.map(|v| v * force);
-        found.push(ImuSample { t, gyro, accel });
+        let ImuSample { t, gyro, accel } = imu_csv::sample(rows, &columns.value, time.value, *interval_s)?;
+        found.push(ImuSample { t, gyro: gyro.map(|v| v * turn), accel: accel.map(|v| v * force) });
     }
     Ok(found)
 }

@@ -21,6 +21,7 @@
 
 pub mod asl;
 mod atomic;
+mod choice;
 pub mod column_file;
 mod columns;
 pub mod config;
@@ -30,6 +31,7 @@ mod fields;
 #[cfg(test)]
 mod fuzz;
 mod guess;
+mod head;
 #[cfg(feature = "images")]
 mod images;
 mod imu_csv;
@@ -37,6 +39,7 @@ mod imu_lines;
 mod leftovers;
 mod lock;
 mod loose_csv;
+mod names;
 mod noise_csv;
 pub mod noise_formats;
 mod pose;
@@ -49,8 +52,10 @@ mod small;
 mod tracks;
 mod tum;
 mod unit;
+mod words;
 
 pub use atomic::atomic_write;
+pub use choice::ColumnChoice;
 pub use columns::{AccelUnit, GyroUnit, ImuColumns};
 pub use decimal::TimeUnit;
 pub use error::IoError;
@@ -60,7 +65,10 @@ pub use imu_csv::{CsvOptions, ImuLog, Origin, Settled, parse_imu_csv, read_imu_c
 pub use imu_lines::ImuLines;
 pub use leftovers::scratch_file;
 pub use lock::{FolderLock, LockError};
-pub use loose_csv::{LooseImuLog, Unreadable, parse_imu_csv_loosely, read_imu_csv_loosely};
+pub use loose_csv::{
+    LooseImuLog, Unreadable, parse_imu_csv_loosely, parse_one_sensor_loosely, read_imu_csv_loosely,
+    settle_units,
+};
 pub use noise_csv::{read_noise_track, write_noise_track};
 pub use printable::printable;
 pub use sieve::{ABSURD, LeftOut, Sieve, Sieved, TINY};

@@ -7,11 +7,14 @@
 //! What neither caller nor header says of the units is guessed from the numbers (`guess`), and so are columns without a header. The file is
 //! read in blocks: beside the samples no more than one of them is in memory.
 
-use super::columns::{self, AccelUnit, GyroUnit, ImuColumns, SLOTS};
-use super::imu_csv::{self, CsvOptions, Origin, Settled, first_said, guess_time_unit, unknown_layout};
+use super::columns::{AccelUnit, GyroUnit, ImuColumns};
+use super::imu_csv::{
+    self, CsvOptions, Origin, Settled, first_rows, first_said, guess_interval, guess_time_unit,
+};
 use super::rows::{Layout, Rows};
 use super::sieve::{Sieve, Sieved};
-use super::{IoError, TimeUnit, guess};
+use super::{IoError, TimeUnit, guess, head};
+use dpn_core::Sensor;
 use dpn_core::imu::{ImuRecording, ImuSample};
 use std::io::Read;
 use std::path::Path;
@@ -49,13 +52,21 @@ pub struct LooseImuLog {
     pub sieved: Sieved,
     /// Rows that could not be read.
     pub unreadable: Unreadable,
+    /// Columns that could have been meant too, each with what was taken instead.
+    pub passed: Vec<String>,
+    /// A rate that the lines above the header name \[Hz\].
+    pub said_hz: Option<f64>,
 }
 
 /// How the rows are understood.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug)]
 pub(super) struct Understood {
     pub(super) columns: Settled<ImuColumns>,
     pub(super) time: Settled<TimeUnit>,
+    /// Seconds in one of the intervals' unit.
+    pub(super) interval_s: f64,
+    pub(super) passed: Vec<String>,
+    pub(super) said_hz: Option<f64>,
     pub(super) gyro: Option<Settled<GyroUnit>>,
     pub(super) accel: Option<Settled<AccelUnit>>,
 }
@@ -79,6 +90,29 @@ pub fn parse_imu_csv_loosely(
     path: &Path,
     options: &CsvOptions,
 ) -> Result<LooseImuLog, IoError> {
+    parse(source, path, options, None)
+}
+
+/// The same from a file that holds one sensor alone, stamps and three axes: both triples of a sample are its axes. A unit that neither caller
+/// nor file names is [`Origin::Assumed`] to be SI, to be told by [`settle_units`] once the other sensor is beside it.
+///
+/// # Errors
+/// As [`read_imu_csv_loosely`].
+pub fn parse_one_sensor_loosely(
+    source: impl Read,
+    path: &Path,
+    options: &CsvOptions,
+    sensor: Sensor,
+) -> Result<LooseImuLog, IoError> {
+    parse(source, path, options, Some(sensor))
+}
+
+fn parse(
+    source: impl Read,
+    path: &Path,
+    options: &CsvOptions,
+    only: Option<Sensor>,
+) -> Result<LooseImuLog, IoError> {
     let mut blocks = Blocks::new(source, path);
     let mut sieve = Sieve::default();
     let mut unreadable = Unreadable::default();
@@ -87,8 +121,8 @@ pub fn parse_imu_csv_loosely(
         let bytes = blocks.block();
         let (understood, mut rows) = match known.take() {
             None => {
-                let rows = Rows::open(bytes, path)?;
-                (understand(bytes, &rows, path, options)?, rows)
+                let rows = head::open(bytes, path, only)?;
+                (understand(bytes, &rows, path, options, only)?, rows)
             }
             Some((understood, layout)) => (understood, Rows::go_on(bytes, path, layout)),
         };
@@ -105,7 +139,7 @@ pub fn parse_imu_csv_loosely(
             let at = |e: &IoError| matches!(e, IoError::FieldCount { line, .. } | IoError::BadNumber { line, .. } if *line as u64 == last_line);
             unreadable.first.as_ref().is_some_and(at)
         };
-    finish(path, understood, sieve, unreadable)
+    finish(path, understood, sieve, unreadable, only)
 }
 
 fn finish(
@@ -113,6 +147,7 @@ fn finish(
     understood: Understood,
     sieve: Sieve,
     mut unreadable: Unreadable,
+    only: Option<Sensor>,
 ) -> Result<LooseImuLog, IoError> {
     let (mut samples, sieved) = sieve.done();
     let all = (samples.len() + sieved.count() + unreadable.count) as f64;
@@ -130,26 +165,42 @@ fn finish(
     }
     let mut columns = understood.columns;
     if columns.origin == Origin::Assumed && guess::swapped(&samples) {
-        let ImuColumns { time, gyro, accel } = columns.value;
-        columns = Settled { value: ImuColumns { time, gyro: accel, accel: gyro }, origin: Origin::Guessed };
+        let ImuColumns { time, gyro, accel, .. } = columns.value;
+        columns = Settled { value: ImuColumns::new(time, accel, gyro), origin: Origin::Guessed };
         samples.iter_mut().for_each(|s| std::mem::swap(&mut s.gyro, &mut s.accel));
     }
-    let gyro = understood
-        .gyro
-        .unwrap_or_else(|| Settled { value: guess::gyro_unit(&samples), origin: Origin::Guessed });
-    let accel = understood
-        .accel
-        .unwrap_or_else(|| Settled { value: guess::accel_unit(&samples), origin: Origin::Guessed });
-    let (turn, force) = (gyro.value.factor(), accel.value.factor());
-    for sample in &mut samples {
-        sample.gyro = sample.gyro.map(|v| v * turn);
-        sample.accel = sample.accel.map(|v| v * force);
-    }
+    let (gyro, accel) = match only {
+        None => settle_units(&mut samples, understood.gyro, understood.accel),
+        Some(_) => {
+            let gyro =
+                understood.gyro.unwrap_or(Settled { value: GyroUnit::RadPerSecond, origin: Origin::Assumed });
+            let metres = Settled { value: AccelUnit::MetrePerSecond2, origin: Origin::Assumed };
+            settle_units(&mut samples, Some(gyro), Some(understood.accel.unwrap_or(metres)))
+        }
+    };
     // A unit can make a number too large of one that was finite.
     samples.retain(ImuSample::is_finite);
     samples.shrink_to_fit();
     let recording = imu_csv::recording(samples, path)?;
-    Ok(LooseImuLog { recording, columns, time: understood.time, gyro, accel, sieved, unreadable })
+    let Understood { time, passed, said_hz, .. } = understood;
+    Ok(LooseImuLog { recording, columns, time, gyro, accel, sieved, unreadable, passed, said_hz })
+}
+
+/// Brings samples to rad/s and m/s^2; units that nobody named are told from the numbers.
+pub fn settle_units(
+    samples: &mut [ImuSample],
+    gyro: Option<Settled<GyroUnit>>,
+    accel: Option<Settled<AccelUnit>>,
+) -> (Settled<GyroUnit>, Settled<AccelUnit>) {
+    let gyro = gyro.unwrap_or_else(|| Settled { value: guess::gyro_unit(samples), origin: Origin::Guessed });
+    let accel =
+        accel.unwrap_or_else(|| Settled { value: guess::accel_unit(samples), origin: Origin::Guessed });
+    let (turn, force) = (gyro.value.factor(), accel.value.factor());
+    for sample in samples {
+        sample.gyro = sample.gyro.map(|v| v * turn);
+        sample.accel = sample.accel.map(|v| v * force);
+    }
+    (gyro, accel)
 }
 
 pub(super) fn understand(
@@ -157,29 +208,27 @@ pub(super) fn understand(
     rows: &Rows<'_>,
     path: &Path,
     options: &CsvOptions,
+    only: Option<Sensor>,
 ) -> Result<Understood, IoError> {
-    let named = match (options.columns, rows.header()) {
-        (None, Some(header)) => Some(columns::from_header(header, path)?),
-        _ => None,
-    };
-    let columns = match (options.columns, named) {
-        (Some(value), _) => Settled { value, origin: Origin::Given },
-        (None, Some(named)) => Settled { value: named.columns, origin: Origin::Header },
-        (None, None) if rows.width() < 7 => return Err(unknown_layout(rows, path)),
-        (None, None) => Settled { value: ImuColumns::ASL, origin: Origin::Assumed },
-    };
-    let time = match first_said(options.time, named.and_then(|n| n.time)) {
+    let (columns, said) = imu_csv::columns(rows, path, options, only)?;
+    let again = || first_rows(head::open(bytes, path, only)?, &columns.value, true);
+    let seconds = columns.value.nanos.map(|_| TimeUnit::Seconds);
+    let time = match first_said(options.time, said.time.or(seconds)) {
         Some(said) => said,
-        None => Settled {
-            value: guess_time_unit(bytes, path, columns.value.time, true)?,
-            origin: Origin::Guessed,
-        },
+        None => Settled { value: guess_time_unit(&again()?, &said, path)?, origin: Origin::Guessed },
+    };
+    let interval_s = match columns.value.intervals {
+        [None, None] => 1.0,
+        _ => guess_interval(&again()?, time.value),
     };
     Ok(Understood {
         columns,
         time,
-        gyro: first_said(options.gyro, named.and_then(|n| n.gyro)),
-        accel: first_said(options.accel, named.and_then(|n| n.accel)),
+        interval_s,
+        said_hz: head::said_rate(bytes),
+        gyro: first_said(options.gyro, said.gyro),
+        accel: first_said(options.accel, said.accel),
+        passed: said.passed,
     })
 }
 
@@ -190,17 +239,10 @@ fn take(
     sieve: &mut Sieve,
     unreadable: &mut Unreadable,
 ) -> Result<(), IoError> {
-    let columns = understood.columns.value;
-    let [_, gx, gy, gz, ax, ay, az] = SLOTS;
+    let Understood { columns, time, interval_s, .. } = understood;
     loop {
         let row = rows.advance().and_then(|more| {
-            if !more {
-                return Ok(None);
-            }
-            let t = rows.stamp(columns.time, understood.time.value)?;
-            let gyro = rows.numbers(columns.gyro, [gx, gy, gz])?;
-            let accel = rows.numbers(columns.accel, [ax, ay, az])?;
-            Ok(Some(ImuSample { t, gyro, accel }))
+            more.then(|| imu_csv::sample(rows, &columns.value, time.value, *interval_s)).transpose()
         });
         let line = rows.line() as u64;
         match row {
@@ -346,7 +388,7 @@ mod tests {
             .collect();
         let log = read(&text).unwrap();
         assert_eq!(log.time, Settled { value: TimeUnit::Micros, origin: Origin::Guessed });
-        assert_eq!(log.columns.value, ImuColumns { time: 0, gyro: [4, 5, 6], accel: [1, 2, 3] });
+        assert_eq!(log.columns.value, ImuColumns::new(0, [4, 5, 6], [1, 2, 3]));
         assert_eq!(log.columns.origin, Origin::Guessed);
         assert_eq!((log.accel.value, log.gyro.value), (AccelUnit::StandardGravity, GyroUnit::DegPerSecond));
         assert!((log.recording.samples()[0].accel[2] - 9.80665).abs() < 1e-12);

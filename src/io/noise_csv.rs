@@ -3,8 +3,8 @@
 //! Header: `#timestamp [ns],accel_std_x [m s^-2],...,gyro_std_x [rad s^-1],...`. Read by these names in any order; other columns
 //! are passed over.
 
-use super::columns::missing;
 use super::decimal::TimeUnit;
+use super::names::missing;
 use super::rows::Rows;
 use super::{IoError, atomic_write};
 use dpn_core::imu::Sensor;

@@ -1,13 +1,13 @@
 //! A small fast tokenizer for tables of numbers in text: one pass over bytes, no allocation a row.
 //!
 //! What it takes: fields between commas, semicolons, tabs or blanks (told from the first line that has fields); LF and CRLF;
-//! blank lines anywhere; comment lines that start with `#` or `%`; a header, commented or not; a byte order mark; fields in
+//! blank lines anywhere; comment lines that start with `#`, `%`, `!`, `//` or `; `; a header, commented or not; a byte order mark; fields in
 //! double quotes as long as they hold no delimiter. Every row has as many fields as the header or the first row; one empty
 //! field after a delimiter at the end of a row is dropped.
 
 use super::IoError;
 use super::decimal::{TimeUnit, parse_stamp};
-use super::fields::{Delimiter, MOST_FIELDS, is_number, names_time, shown, take_line};
+use super::fields::{self, Delimiter, MOST_FIELDS, comment, is_number, names_time, shown, take_line};
 use super::printable;
 use dpn_core::time::Stamp;
 use std::path::Path;
@@ -46,6 +46,8 @@ pub(crate) struct Rows<'a> {
     /// Fields every row has.
     width: usize,
     fields: Vec<&'a [u8]>,
+    /// Where no header was, the fields of the first row, for those who know layouts.
+    first: Vec<&'a [u8]>,
     header: Option<Header>,
 }
 
@@ -69,7 +71,7 @@ impl<'a> Rows<'a> {
             if text.is_empty() {
                 continue;
             }
-            if let [b'#' | b'%', comment @ ..] = text {
+            if let Some(comment) = comment(text) {
                 // The last comment with a time among its fields names the columns, unless a plain header did.
                 let delimiter = Delimiter::of(comment);
                 delimiter.split(comment, &mut fields);
@@ -109,14 +111,45 @@ impl<'a> Rows<'a> {
                     expected,
                 });
             }
-            return Ok(Self { path, rest: before, line: line - 1, delimiter, width, fields, header });
+            let first = if header.is_none() { fields.clone() } else { Vec::new() };
+            return Ok(Self { path, rest: before, line: line - 1, delimiter, width, fields, first, header });
+        }
+    }
+
+    /// Begins behind a header that was found, at line `line` from 1.
+    pub(crate) fn behind(
+        rest: &'a [u8],
+        line: usize,
+        delimiter: Delimiter,
+        header: Header,
+        path: &'a Path,
+    ) -> Self {
+        let width = header.names.len();
+        Self {
+            path,
+            rest,
+            line,
+            delimiter,
+            width,
+            fields: Vec::new(),
+            first: Vec::new(),
+            header: Some(header),
         }
     }
 
     /// Goes on with the block of bytes behind another of the same table.
     pub(crate) fn go_on(bytes: &'a [u8], path: &'a Path, layout: Layout) -> Self {
         let Layout { line, delimiter, width } = layout;
-        Self { path, rest: bytes, line, delimiter, width, fields: Vec::new(), header: None }
+        Self {
+            path,
+            rest: bytes,
+            line,
+            delimiter,
+            width,
+            fields: Vec::new(),
+            first: Vec::new(),
+            header: None,
+        }
     }
 
     /// What the next block of this table needs, at this block's end.
@@ -153,7 +186,7 @@ impl<'a> Rows<'a> {
     pub(crate) fn advance(&mut self) -> Result<bool, IoError> {
         while let Some(text) = take_line(&mut self.rest) {
             self.line += 1;
-            if text.is_empty() || matches!(text[0], b'#' | b'%') {
+            if text.is_empty() || comment(text).is_some() {
                 continue;
             }
             self.delimiter.split(text, &mut self.fields);
@@ -176,11 +209,11 @@ impl<'a> Rows<'a> {
     /// No number; NaN or an infinity; a column past the end.
     pub(crate) fn number(&self, column: usize, name: &str) -> Result<f64, IoError> {
         let field = self.field(column)?;
-        match fast_float2::parse::<f64, _>(field) {
-            Ok(value) if value.is_finite() => Ok(value),
-            Ok(_) => Err(self.not_finite(name, &shown(field))),
-            Err(_) if std::str::from_utf8(field).is_err() => Err(self.not_utf8()),
-            Err(_) => Err(IoError::BadNumber {
+        match fields::number(field) {
+            Some(value) if value.is_finite() => Ok(value),
+            Some(_) => Err(self.not_finite(name, &shown(field))),
+            None if std::str::from_utf8(field).is_err() => Err(self.not_utf8()),
+            None => Err(IoError::BadNumber {
                 path: self.path.to_path_buf(),
                 line: self.line,
                 column: name.to_owned(),
@@ -211,7 +244,8 @@ impl<'a> Rows<'a> {
     /// No decimal number, or a time out of range.
     pub(crate) fn stamp(&self, column: usize, unit: TimeUnit) -> Result<Stamp, IoError> {
         let field = self.field(column)?;
-        parse_stamp(field, unit).ok_or_else(|| {
+        let comma = || parse_stamp(&fields::with_point(field)?, unit);
+        parse_stamp(field, unit).or_else(comma).ok_or_else(|| {
             if std::str::from_utf8(field).is_err() {
                 self.not_utf8()
             } else {
@@ -236,6 +270,15 @@ impl<'a> Rows<'a> {
         unit: TimeUnit,
     ) -> Result<Stamp, IoError> {
         let t = self.stamp(column, unit)?;
+        self.must_follow(prev, t)?;
+        Ok(t)
+    }
+
+    /// Holds the current row's stamp `t` against the one before.
+    ///
+    /// # Errors
+    /// A stamp that does not come after `prev`.
+    pub(crate) fn must_follow(&self, prev: Option<Stamp>, t: Stamp) -> Result<(), IoError> {
         match prev {
             Some(prev) if prev >= t => Err(IoError::TimeNotIncreasing {
                 path: self.path.to_path_buf(),
@@ -243,7 +286,18 @@ impl<'a> Rows<'a> {
                 prev_ns: prev.ns(),
                 t_ns: t.ns(),
             }),
-            _ => Ok(t),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether the first row reads as ROS 2 prints an IMU's message: seconds, nanoseconds, frame, then numbers, forty fields in all.
+    pub(crate) fn first_is_ros2_echo(&self) -> bool {
+        let whole = |field: &[u8]| !field.is_empty() && field.iter().all(u8::is_ascii_digit);
+        match &self.first[..] {
+            [seconds, nanos, frame, numbers @ ..] if numbers.len() == 37 => {
+                whole(seconds) && whole(nanos) && !is_number(frame) && numbers.iter().all(|f| is_number(f))
+            }
+            _ => false,
         }
     }
 

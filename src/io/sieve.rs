@@ -89,6 +89,11 @@ impl Sieve {
         self.kept.is_empty()
     }
 
+    /// The samples kept so far.
+    pub fn samples(&self) -> &[ImuSample] {
+        &self.kept
+    }
+
     /// Stamp of the last sample kept.
     pub fn last(&self) -> Option<Stamp> {
         self.kept.last().map(|s| s.t)

@@ -47,7 +47,7 @@ pub(crate) fn decompress(name: &str, packed: Vec<u8>, size: u64, budget: &mut Bu
 /// The window that a zstd frame's head asks for \[bytes\], which its decoder fills before it gives anything; 0 where there is no head.
 ///
 /// Source: RFC 8878, 3.1.1.1.
-fn window(packed: &[u8]) -> u64 {
+pub(crate) fn window(packed: &[u8]) -> u64 {
     let [_, _, _, _, descriptor, rest @ ..] = packed else { return 0 };
     if descriptor & 0x20 == 0 {
         let Some(byte) = rest.first() else { return 0 };

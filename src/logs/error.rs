@@ -11,7 +11,7 @@ pub enum LogError {
     #[error(transparent)]
     Io(#[from] IoError),
     /// A folder without a log.
-    #[error("no log in {}: looked for mav0/imu0/data.csv, imu0/data.csv, *.mcap, *.db3", dir.display())]
+    #[error("no log in {}: looked for mav0/imu0/data.csv, imu0/data.csv, *.mcap, *.db3, a *gyro* and an *accel* file", dir.display())]
     NoLog {
         /// Where.
         dir: PathBuf,
@@ -110,6 +110,18 @@ pub enum LogError {
         /// The file.
         path: PathBuf,
     },
+    /// A gyroscope's and an accelerometer's file that have no time in common.
+    #[error("{}: {gyro} and {accel} have {found} sample(s) at the same time; a recording needs at least 2", dir.display())]
+    Apart {
+        /// The folder.
+        dir: PathBuf,
+        /// The gyroscope's file.
+        gyro: String,
+        /// The accelerometer's.
+        accel: String,
+        /// How many samples have both.
+        found: usize,
+    },
     /// A topic was asked for where there are none.
     #[error("{}: --topic is for bags, and this is none: {kind}", path.display())]
     NoTopicsHere {
@@ -138,7 +150,7 @@ impl LogError {
                     ));
                 }
                 None => {
-                    "give a CSV file, a bag, or the folder of an ASL sequence (it holds `mav0` or `imu0`) or of a rosbag2"
+                    "give a CSV file, a bag, a ULog or ArduPilot log, or the folder of an ASL sequence (it holds `mav0` or `imu0`), of a rosbag2 or of a phone's two files"
                 }
             },
             Self::NoImu { damage: Some(damage), .. } => {
@@ -165,6 +177,9 @@ impl LogError {
             Self::Backward { .. } => "sort the samples by time, or cut the log where its clock was set",
             Self::Damaged { .. } => "copy or record it again",
             Self::Packed { .. } => "unpack it first, for example by `zstd -d` or `ros2 bag convert`",
+            Self::Apart { .. } => {
+                "take both from one recording, with stamps of one clock; or name their unit: --time-unit"
+            }
             Self::NoTopicsHere { .. } => "leave --topic out",
         };
         Some(text.to_owned())

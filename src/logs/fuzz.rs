@@ -2,7 +2,7 @@
 //!
 //! The same readers are fed by the targets in `fuzz/`, for as long as one likes.
 
-use crate::{LogOptions, read_log, read_mcap, read_rosbag1};
+use crate::{LogOptions, read_log, read_mcap, read_rosbag1, read_stream};
 use dpn_testing::forged::{Draw, damage};
 use std::path::{Path, PathBuf};
 
@@ -37,6 +37,53 @@ fn damaged_bags_panic_no_reader() {
                 speaks(read_mcap(bytes.as_slice(), Path::new(name), &options));
             }
         }
+    }
+}
+
+#[test]
+fn damaged_logs_of_autopilots_phones_and_packers_panic_no_reader() {
+    let options = LogOptions::default();
+    let logs = folder().join("../logs");
+    for (name, cases) in [
+        ("px4.ulg", 600),
+        ("px4_integrals.ulg", 600),
+        ("ardupilot.bin", 600),
+        ("ardupilot.log", 200),
+        ("packed.csv.gz", 300),
+        ("packed.csv.xz", 300),
+        ("packed.csv.zst", 300),
+        ("realsense.mcap.zst", 300),
+        ("ros2_echo.csv", 100),
+        ("decimal_commas.csv", 100),
+        ("px4_vehicle_imu_0.csv", 100),
+    ] {
+        let whole = std::fs::read(logs.join(name)).unwrap();
+        for case in 0..cases {
+            let mut bytes = whole.clone();
+            damage(&mut bytes, &mut Draw::new(case, name));
+            speaks(read_stream(bytes.as_slice(), Path::new(name), &options));
+        }
+    }
+}
+
+/// What is left of an autopilot's log that was cut is a prefix of the whole.
+#[test]
+fn an_autopilots_log_cut_anywhere_gives_everything_before_the_cut() {
+    let options = LogOptions::default();
+    for name in ["px4.ulg", "px4_integrals.ulg", "ardupilot.bin", "ardupilot.log"] {
+        let bytes = std::fs::read(folder().join("../logs").join(name)).unwrap();
+        let path = Path::new(name);
+        let whole = read_stream(bytes.as_slice(), path, &options).unwrap().recording;
+        let mut most = 0;
+        for cut in (0..bytes.len()).step_by(101) {
+            if let Ok(log) = read_stream(&bytes[..cut], path, &options) {
+                let found = log.recording.samples();
+                assert_eq!(found, &whole.samples()[..found.len()], "{name} {cut}");
+                assert!(found.len() >= most, "{name} {cut}");
+                most = found.len();
+            }
+        }
+        assert!(most + 5 >= whole.len(), "{name}: {most}");
     }
 }
 

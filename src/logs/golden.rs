@@ -242,7 +242,9 @@ fn paths_without_a_log_say_what_was_looked_for() {
     let dir = tempfile::tempdir().unwrap();
     let error = read_log(dir.path(), &LogOptions::default()).unwrap_err();
     assert!(
-        error.to_string().ends_with("looked for mav0/imu0/data.csv, imu0/data.csv, *.mcap, *.db3"),
+        error.to_string().ends_with(
+            "looked for mav0/imu0/data.csv, imu0/data.csv, *.mcap, *.db3, a *gyro* and an *accel* file"
+        ),
         "{error}"
     );
     let deeper = dir.path().join("flight/mav0/imu0");
@@ -256,6 +258,11 @@ fn paths_without_a_log_say_what_was_looked_for() {
     let packed = dir.path().join("a.mcap.zst");
     std::fs::write(&packed, b"\x28\xb5\x2f\xfdxxxx").unwrap();
     let error = read_log(&packed, &LogOptions::default()).unwrap_err();
+    assert!(matches!(error, LogError::Damaged { .. }), "{error}");
+    // In a folder it is one of a bag's files.
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::rename(&packed, folder.path().join("a.mcap.zst")).unwrap();
+    let error = read_log(folder.path(), &LogOptions::default()).unwrap_err();
     assert!(matches!(error, LogError::Packed { .. }), "{error}");
     let gone = read_log(&dir.path().join("gone.bag"), &LogOptions::default()).unwrap_err();
     assert!(gone.to_string().ends_with("gone.bag does not exist"), "{gone}");

@@ -1,6 +1,8 @@
 //! What a path holds, by its first bytes or its files.
 
-use crate::LogError;
+use crate::packed::Packing;
+use crate::two_files::TwoFiles;
+use crate::{LogError, ardupilot, ulog};
 use dpn_io::asl::{Sequence, discover};
 use dpn_io::{IoError, printable};
 use serde::Serialize;
@@ -9,7 +11,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Bytes that tell a file's kind.
-pub(crate) const HEAD: u64 = 16;
+pub(crate) const HEAD: u64 = 18;
 
 /// A kind of log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -27,6 +29,14 @@ pub enum Kind {
     Sqlite,
     /// A rosbag2 folder.
     Rosbag2,
+    /// A folder with a file for each sensor, as phones write them.
+    TwoFiles,
+    /// PX4's ULog.
+    Ulog,
+    /// ArduPilot's binary log.
+    Ardupilot,
+    /// ArduPilot's log as text.
+    ArdupilotText,
 }
 
 impl Kind {
@@ -39,13 +49,17 @@ impl Kind {
             Self::Mcap => "MCAP file",
             Self::Sqlite => "rosbag2 SQLite file",
             Self::Rosbag2 => "rosbag2 folder",
+            Self::TwoFiles => "folder of two files",
+            Self::Ulog => "ULog",
+            Self::Ardupilot => "ArduPilot log",
+            Self::ArdupilotText => "ArduPilot text log",
         }
     }
 
     /// Looks at `path`.
     ///
     /// # Errors
-    /// A path that is not there or cannot be read; a folder without a log; a compressed bag.
+    /// A path that is not there or cannot be read; a folder without a log, or with a compressed bag alone; a file that is packed as a whole.
     pub fn of(path: &Path) -> Result<Self, LogError> {
         if path.is_dir() {
             if Sequence::open(path).is_ok() {
@@ -55,6 +69,7 @@ impl Kind {
             return match (bags.first(), packed) {
                 (Some(_), _) => Ok(Self::Rosbag2),
                 (None, Some(path)) => Err(LogError::Packed { path }),
+                (None, None) if TwoFiles::find(path)?.is_some() => Ok(Self::TwoFiles),
                 (None, None) => Err(LogError::NoLog {
                     dir: path.to_owned(),
                     below: match discover(path) {
@@ -80,8 +95,14 @@ impl Kind {
             Ok(Self::Mcap)
         } else if is(b"SQLite format 3\0") {
             Ok(Self::Sqlite)
-        } else if is(b"\x28\xb5\x2f\xfd") || is(b"\x1f\x8b") {
+        } else if Packing::of(head).is_some() {
             Err(LogError::Packed { path: path.to_owned() })
+        } else if is(ulog::MAGIC) {
+            Ok(Self::Ulog)
+        } else if is(ardupilot::MAGIC) {
+            Ok(Self::Ardupilot)
+        } else if ardupilot::is_text(head) {
+            Ok(Self::ArdupilotText)
         } else if is(b"#ROSBAG V") {
             let what = format!(
                 "a bag of version {}; only 2.0 is known",
@@ -90,7 +111,7 @@ impl Kind {
             Err(LogError::Damaged { path: path.to_owned(), what })
         } else {
             match path.extension().and_then(|e| e.to_str()) {
-                Some(end @ ("bag" | "mcap" | "db3")) => {
+                Some(end @ ("bag" | "mcap" | "db3" | "ulg")) => {
                     let what = format!("does not begin as a {end} file does");
                     Err(LogError::Damaged { path: path.to_owned(), what })
                 }

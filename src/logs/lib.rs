@@ -7,7 +7,12 @@
 //! | rosbag1 | `#ROSBAG V2.0` | one `sensor_msgs/Imu` topic; chunks plain, lz4 or bz2 |
 //! | MCAP | its magic | one IMU topic in CDR or ROS 1 encoding; chunks plain, lz4 or zstd |
 //! | rosbag2's SQLite file | `SQLite format 3` | one IMU topic in CDR |
+//! | ULog | its magic | `sensor_combined`, `vehicle_imu`, or `sensor_gyro` and `sensor_accel` |
+//! | ArduPilot | the `FMT` of `FMT`, in binary or text | `IMU` records of one instance |
+//! | folder of a phone | a `*gyro*` and an `*accel*` file | both, joined |
 //! | CSV | all else | columns by header, list or order; units by flag, header or guess |
+//!
+//! Any of them may be packed by gzip, zstd, xz or bzip2. Sensors on two topics or in two files are joined on the gyroscope's stamps.
 //!
 //! A reader here goes on where it can: a bag that is cut off or damaged gives everything before the damage, samples that no recording may
 //! hold are left out, and [`Log::warnings`] says all of it. Files are read as a stream: beside the samples there is one chunk in memory.
@@ -17,6 +22,7 @@
 //! of a record from that of its chunk unchecked, and brings two C libraries for decompression. Decompression and SQLite are crates'.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+mod ardupilot;
 mod budget;
 mod bytes;
 mod decompress;
@@ -25,17 +31,26 @@ mod error;
 mod fuzz;
 #[cfg(test)]
 mod golden;
+#[cfg(test)]
+mod golden_logs;
 mod imu_message;
+mod join;
 mod kind;
 mod log;
 mod mcap;
+mod packed;
 mod read;
+mod records;
 mod rosbag1;
 mod rosbag2;
+mod scale;
 mod sqlite;
 mod topics;
+mod two_files;
+mod ulog;
 
 pub use error::LogError;
 pub use kind::Kind;
 pub use log::Log;
 pub use read::{LogOptions, read_log, read_mcap, read_rosbag1, read_sqlite, read_stream};
+pub use scale::Scales;

@@ -15,7 +15,7 @@ pub struct Log {
     pub recording: ImuRecording,
     /// Samples left out.
     pub sieved: Sieved,
-    /// What the places of [`Sieved`] count: `line` or `message`.
+    /// What the places of [`Sieved`] count: `line`, `message` or `record`.
     pub place: &'static str,
     /// What was wrong where the log ended early or could not be read.
     pub damage: Option<String>,
@@ -23,6 +23,8 @@ pub struct Log {
     pub guesses: Vec<String>,
     /// All else that should be known, one line each.
     pub remarks: Vec<String>,
+    /// The rate that the log's own text names \[Hz\].
+    pub said_hz: Option<f64>,
 }
 
 impl Log {
@@ -37,6 +39,7 @@ impl Log {
             damage: None,
             guesses: Vec::new(),
             remarks: Vec::new(),
+            said_hz: None,
         }
     }
 

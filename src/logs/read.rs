@@ -1,11 +1,18 @@
 //! The one way in.
 
 use crate::kind::HEAD;
+use crate::packed::{Packing, Unpacked};
+use crate::records::Records;
+use crate::scale::Scales;
 use crate::topics::Topics;
-use crate::{Kind, Log, LogError, mcap, rosbag1, rosbag2, sqlite};
-use dpn_core::ImuRecording;
+use crate::two_files::TwoFiles;
+use crate::{Kind, Log, LogError, ardupilot, mcap, rosbag1, rosbag2, sqlite, ulog};
+use dpn_core::{ImuRecording, ImuSample};
 use dpn_io::asl::{Sequence, is_there};
-use dpn_io::{CsvOptions, IoError, LooseImuLog, Origin, Sieved, parse_imu_csv_loosely, scratch_file};
+use dpn_io::{
+    AccelUnit, CsvOptions, GyroUnit, ImuColumns, IoError, LooseImuLog, Origin, Sieved, parse_imu_csv_loosely,
+    scratch_file,
+};
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
@@ -14,14 +21,16 @@ use std::path::Path;
 const TOLERATED: f64 = 0.1;
 
 /// What the caller knows about a log.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct LogOptions {
     /// Columns and units of a CSV file.
     pub csv: CsvOptions,
     /// The bag's topic; without it, its only IMU.
     pub topic: Option<String>,
-    /// Bytes that a bag's chunks may unpack to, all together; without it, 32 MB and 32 times the packed ones.
+    /// Bytes that a bag's chunks or a packed file may unpack to, all together; without it, 32 MB and 32 times the packed ones.
     pub max_uncompressed: Option<u64>,
+    /// What one of the log's numbers is, of any kind of log; it stands instead of a unit.
+    pub scales: Scales,
 }
 
 /// Reads whatever log is at `path`: a folder, a file, a sequence of a data pack (`PACK/NAME`), a pipe, or stdin for `-`. Files and pipes are opened once and read once through.
@@ -46,8 +55,12 @@ pub fn read_log(path: &Path, options: &LogOptions) -> Result<Log, LogError> {
         Kind::Rosbag2 => {
             let mut topics = Topics::new(options);
             let damage = rosbag2::read(path, &mut topics)?;
-            bag(path, Kind::Rosbag2, topics, damage)
+            bag(path, Kind::Rosbag2, topics, damage, options)
         }
+        Kind::TwoFiles => match TwoFiles::find(path)? {
+            Some(files) => files.read(path, options),
+            None => Err(LogError::NoLog { dir: path.to_path_buf(), below: Vec::new() }),
+        },
         kind => {
             let file = Sequence::open(path)?.imu_path();
             let source = File::open(&file).map_err(|e| IoError::reading(&file, e))?;
@@ -56,33 +69,75 @@ pub fn read_log(path: &Path, options: &LogOptions) -> Result<Log, LogError> {
     }
 }
 
-/// Reads a log of any kind from bytes as they come; `path` is for messages. A database, whose reader must seek, is copied to a
+/// Reads a log of any kind, packed or not, from bytes as they come; `path` is for messages. A database, whose reader must seek, is copied to a
 /// temporary file first where `path` is no file to seek in.
 ///
 /// # Errors
 /// As [`read_log`].
-pub fn read_stream(mut source: impl Read, path: &Path, options: &LogOptions) -> Result<Log, LogError> {
-    let reading = |e| IoError::reading(path, e);
+pub fn read_stream(source: impl Read, path: &Path, options: &LogOptions) -> Result<Log, LogError> {
+    let (head, source) = headed(source, path)?;
+    let Some(packing) = Packing::of(&head) else {
+        return read_plain(&head, source, path, path.is_file(), options);
+    };
+    let mut unpacked = Unpacked::new(packing, source, options.max_uncompressed);
+    let (head, plain) = headed(&mut unpacked, path)?;
+    let mut read = read_plain(&head, plain, path, false, options);
+    if let Some(damage) = unpacked.damage() {
+        match &mut read {
+            Ok(log) => log.damage = Some(damage),
+            Err(_) => return Err(LogError::Damaged { path: path.to_path_buf(), what: damage }),
+        }
+    }
+    read
+}
+
+/// The first bytes of a source, and all of it.
+fn headed<'a>(mut source: impl Read + 'a, path: &Path) -> Result<(Vec<u8>, impl Read + 'a), LogError> {
     let mut head = Vec::new();
-    source.by_ref().take(HEAD).read_to_end(&mut head).map_err(reading)?;
-    let kind = Kind::of_head(&head, path)?;
-    let mut source = BufReader::new(head.chain(source));
+    source.by_ref().take(HEAD).read_to_end(&mut head).map_err(|e| IoError::reading(path, e))?;
+    Ok((head.clone(), std::io::Cursor::new(head).chain(source)))
+}
+
+/// Reads what is not packed; `is_file` where these bytes lie at `path`.
+fn read_plain(
+    head: &[u8],
+    source: impl Read,
+    path: &Path,
+    is_file: bool,
+    options: &LogOptions,
+) -> Result<Log, LogError> {
+    let reading = |e| IoError::reading(path, e);
+    let kind = Kind::of_head(head, path)?;
+    let mut source = BufReader::new(source);
+    let mut records = Records::default();
     match kind {
         Kind::Rosbag1 => read_rosbag1(source, path, options),
         Kind::Mcap => read_mcap(source, path, options),
-        Kind::Sqlite if path.is_file() => read_sqlite(path, options),
+        Kind::Sqlite if is_file => read_sqlite(path, options),
         Kind::Sqlite => {
             let mut copy = scratch_file().map_err(reading)?;
             std::io::copy(&mut source, &mut copy).map_err(reading)?;
             let mut topics = Topics::new(options);
             let damage = sqlite::read(copy.path(), &mut topics);
-            let mut log = bag(path, Kind::Sqlite, topics, damage)?;
+            let mut log = bag(path, Kind::Sqlite, topics, damage, options)?;
             log.remarks.push(
                 "a database cannot be read as it comes: it was copied to a temporary file first".to_owned(),
             );
             Ok(log)
         }
-        Kind::Asl | Kind::Csv | Kind::Rosbag2 => text(source, path, path, kind, options),
+        Kind::Ulog => {
+            let damage = ulog::read(source, &mut records).map_err(reading)?;
+            records.log(path, kind, damage, options)
+        }
+        Kind::Ardupilot => {
+            let damage = ardupilot::read(source, &mut records).map_err(reading)?;
+            records.log(path, kind, damage, options)
+        }
+        Kind::ArdupilotText => {
+            let damage = ardupilot::read_text(source, &mut records).map_err(reading)?;
+            records.log(path, kind, damage, options)
+        }
+        Kind::Asl | Kind::Csv | Kind::Rosbag2 | Kind::TwoFiles => text(source, path, path, kind, options),
     }
 }
 
@@ -93,7 +148,7 @@ pub fn read_stream(mut source: impl Read, path: &Path, options: &LogOptions) -> 
 pub fn read_rosbag1(source: impl Read, path: &Path, options: &LogOptions) -> Result<Log, LogError> {
     let mut topics = Topics::new(options);
     let damage = rosbag1::read(source, &mut topics).map_err(|e| IoError::reading(path, e))?;
-    bag(path, Kind::Rosbag1, topics, damage)
+    bag(path, Kind::Rosbag1, topics, damage, options)
 }
 
 /// An MCAP file from any source of bytes; `path` is for messages.
@@ -103,7 +158,7 @@ pub fn read_rosbag1(source: impl Read, path: &Path, options: &LogOptions) -> Res
 pub fn read_mcap(source: impl Read, path: &Path, options: &LogOptions) -> Result<Log, LogError> {
     let mut topics = Topics::new(options);
     let damage = mcap::read(source, &mut topics).map_err(|e| IoError::reading(path, e))?;
-    bag(path, Kind::Mcap, topics, damage)
+    bag(path, Kind::Mcap, topics, damage, options)
 }
 
 /// One of rosbag2's SQLite files.
@@ -113,10 +168,16 @@ pub fn read_mcap(source: impl Read, path: &Path, options: &LogOptions) -> Result
 pub fn read_sqlite(path: &Path, options: &LogOptions) -> Result<Log, LogError> {
     let mut topics = Topics::new(options);
     let damage = sqlite::read(path, &mut topics);
-    bag(path, Kind::Sqlite, topics, damage)
+    bag(path, Kind::Sqlite, topics, damage, options)
 }
 
-fn bag(path: &Path, kind: Kind, topics: Topics, damage: Option<String>) -> Result<Log, LogError> {
+fn bag(
+    path: &Path,
+    kind: Kind,
+    topics: Topics,
+    damage: Option<String>,
+    options: &LogOptions,
+) -> Result<Log, LogError> {
     let chosen = topics.choose(path, damage.as_deref())?;
     goes_forward(path, &chosen.sieved, chosen.samples.len())?;
     if chosen.samples.len() < 2 {
@@ -127,20 +188,27 @@ fn bag(path: &Path, kind: Kind, topics: Topics, damage: Option<String>) -> Resul
             reason: damage.or_else(|| chosen.remarks.first().cloned()),
         });
     }
-    let recording = ImuRecording::new(chosen.samples).expect("a sieve lets finite samples in order through");
+    let recording = scaled(chosen.samples, path, options)?;
     Ok(Log {
-        kind,
         topic: Some(chosen.topic),
-        recording,
         sieved: chosen.sieved,
         place: "message",
         damage,
-        guesses: Vec::new(),
+        guesses: chosen.guesses,
         remarks: chosen.remarks,
+        ..Log::sound(kind, recording)
     })
 }
 
-fn goes_forward(path: &Path, sieved: &Sieved, kept: usize) -> Result<(), LogError> {
+/// A recording of samples in order, times what one of their numbers is.
+fn scaled(samples: Vec<ImuSample>, path: &Path, options: &LogOptions) -> Result<ImuRecording, LogError> {
+    let samples = Scales::of(options).apply(samples);
+    let found = samples.len();
+    let short = |_| IoError::TooShort { path: path.to_path_buf(), found };
+    Ok(ImuRecording::new(samples).map_err(short)?)
+}
+
+pub(crate) fn goes_forward(path: &Path, sieved: &Sieved, kept: usize) -> Result<(), LogError> {
     let of = kept + sieved.count();
     match sieved.backward.first {
         Some(first) if sieved.backward.count as f64 > TOLERATED * of as f64 => {
@@ -161,9 +229,17 @@ fn text(
     if options.topic.is_some() {
         return Err(LogError::NoTopicsHere { path: path.to_path_buf(), kind: kind.name() });
     }
-    let loose = parse_imu_csv_loosely(source, file, &options.csv)?;
-    let LooseImuLog { recording, columns, time, gyro, accel, sieved, unreadable } = loose;
-    let mut log = Log { sieved, ..Log::sound(kind, recording) };
+    // A scale is instead of a unit.
+    let mut csv = options.csv.clone();
+    csv.gyro = options.scales.gyro.map_or(csv.gyro, |_| Some(GyroUnit::RadPerSecond));
+    csv.accel = options.scales.accel.map_or(csv.accel, |_| Some(AccelUnit::MetrePerSecond2));
+    let loose = parse_imu_csv_loosely(source, file, &csv)?;
+    let LooseImuLog { recording, columns, time, gyro, accel, sieved, unreadable, passed, said_hz } = loose;
+    let recording = match options.scales == Scales::default() {
+        true => recording,
+        false => scaled(recording.samples().to_vec(), path, options)?,
+    };
+    let mut log = Log { sieved, said_hz, ..Log::sound(kind, recording) };
     match unreadable.first {
         Some(first) if unreadable.cut => log.damage = Some(format!("its last line is cut off ({first})")),
         Some(first) => {
@@ -185,7 +261,21 @@ fn text(
     } else {
         "accelerometer, gyroscope"
     };
-    guessed(guess(columns.origin), format!("columns as stamp, {order} (--columns)"));
+    guessed(
+        guess(columns.origin),
+        match columns.value {
+            ImuColumns::ROS2_ECHO => {
+                "columns as `ros2 topic echo --csv` prints an IMU's message (--columns)".to_owned()
+            }
+            _ => format!("columns as stamp, {order} (--columns)"),
+        },
+    );
+    for passed in passed {
+        guessed(true, format!("{passed} (--columns)"));
+    }
+    if columns.value.intervals != [None; 2] {
+        guessed(true, "increments divided by their intervals".to_owned());
+    }
     guessed(guess(time.origin), format!("stamps in {} (--time-unit)", time.value));
     guessed(guess(gyro.origin), format!("gyroscope in {} (--gyro-unit)", gyro.value.name()));
     guessed(guess(accel.origin), format!("accelerometer in {} (--accel-unit)", accel.value.name()));

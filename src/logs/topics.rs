@@ -2,8 +2,9 @@
 
 use crate::budget::Budget;
 use crate::imu_message::{Encoding, Undecodable, decode};
+use crate::join::join;
 use crate::{LogError, LogOptions};
-use dpn_core::{ImuSample, Stamp};
+use dpn_core::{ImuSample, Sensor, Stamp};
 use dpn_io::{Sieve, Sieved, printable};
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -34,6 +35,32 @@ struct Imu {
 impl Imu {
     fn new(encoding: Encoding) -> Self {
         Self { encoding, sieve: Sieve::default(), undecodable: BTreeMap::new(), unstamped: 0 }
+    }
+
+    /// Says what of its messages was left out or amended.
+    fn complain(&self, name: &str, messages: u64, remarks: &mut Vec<String>) {
+        for (why, count) in &self.undecodable {
+            remarks.push(format!("{count} of {messages} messages on {name} {why}; they are left out"));
+        }
+        if self.unstamped > 0 {
+            let unstamped = self.unstamped;
+            remarks.push(format!(
+                "{unstamped} of {messages} messages on {name} have no stamp of their own: the bag's time of arrival is taken"
+            ));
+        }
+    }
+}
+
+impl Topic {
+    /// The only sensor whose values are not zero throughout, where there is one.
+    fn half(&self) -> Option<Sensor> {
+        let samples = self.imu.as_ref()?.sieve.samples();
+        let silent = |sensor: Sensor| samples.iter().all(|s| s.of(sensor) == [0.0; 3]);
+        match (silent(Sensor::Gyro), silent(Sensor::Accel)) {
+            (false, true) => Some(Sensor::Gyro),
+            (true, false) => Some(Sensor::Accel),
+            _ => None,
+        }
     }
 }
 
@@ -73,6 +100,8 @@ pub(crate) struct Chosen {
     pub(crate) samples: Vec<ImuSample>,
     pub(crate) sieved: Sieved,
     pub(crate) remarks: Vec<String>,
+    /// What was taken for granted.
+    pub(crate) guesses: Vec<String>,
 }
 
 impl Topics {
@@ -147,8 +176,13 @@ impl Topics {
     ///
     /// # Errors
     /// No IMU, several, a wanted topic that is none of them.
+    ///
+    /// A RealSense and its like write each sensor on a topic of its own, the other's values zero: where one of each is all there is, they are
+    /// joined; beside a topic that has both, they are no choice.
     pub(crate) fn choose(mut self, path: &Path, damage: Option<&str>) -> Result<Chosen, LogError> {
         let path_buf = path.to_path_buf();
+        let mut other = None;
+        let mut guesses = Vec::new();
         let index = match &self.wanted {
             Some(wanted) => {
                 let Some(&at) = self.names.get(wanted) else {
@@ -184,6 +218,25 @@ impl Topics {
                 if imus.len() > 1 {
                     imus.retain(|&i| self.all[i].messages > 0);
                 }
+                let all = &self.all;
+                let halves =
+                    |half| imus.iter().copied().filter(|i| all[*i].half() == half).collect::<Vec<usize>>();
+                let [whole, gyros, accels] = [None, Some(Sensor::Gyro), Some(Sensor::Accel)].map(halves);
+                match (imus.len(), &whole[..], &gyros[..], &accels[..]) {
+                    (2, [], [gyro], [accel]) => {
+                        other = Some(*accel);
+                        imus = vec![*gyro];
+                    }
+                    (2.., [whole], ..) => {
+                        let name = &self.all[*whole].name;
+                        guesses.push(format!(
+                            "{name}, the only topic with both sensors of {} (--topic)",
+                            imus.len()
+                        ));
+                        imus = vec![*whole];
+                    }
+                    _ => {}
+                }
                 match imus[..] {
                     [] => {
                         let foreign = |t: &Topic| Some((t.name.clone(), t.foreign.clone()?));
@@ -210,21 +263,23 @@ impl Topics {
                 }
             }
         };
+        let accel = other.and_then(|at| {
+            Some((self.all[at].name.clone(), self.all[at].imu.take()?, self.all[at].messages))
+        });
         let Topic { name, messages, imu, .. } = self.all.swap_remove(index);
         let Some(imu) = imu else {
             return Err(LogError::NotImu { path: path_buf, topic: name, kind: String::new() });
         };
-        let Imu { sieve, undecodable, unstamped, .. } = *imu;
         let mut remarks = Vec::new();
-        for (why, count) in undecodable {
-            remarks.push(format!("{count} of {messages} messages on {name} {why}; they are left out"));
+        imu.complain(&name, messages, &mut remarks);
+        let (mut samples, sieved) = imu.sieve.done();
+        if let Some((accel_name, accel, messages)) = accel {
+            accel.complain(&accel_name, messages, &mut remarks);
+            let joined = join(&samples, accel.sieve.samples());
+            guesses.push(joined.remark(&name, &accel_name));
+            remarks.extend(joined.left_out());
+            samples = joined.samples;
         }
-        if unstamped > 0 {
-            remarks.push(format!(
-                "{unstamped} of {messages} messages on {name} have no stamp of their own: the bag's time of arrival is taken"
-            ));
-        }
-        let (samples, sieved) = sieve.done();
-        Ok(Chosen { topic: name, samples, sieved, remarks })
+        Ok(Chosen { topic: name, samples, sieved, remarks, guesses })
     }
 }

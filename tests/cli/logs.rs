@@ -220,8 +220,9 @@ fn what_is_no_log_is_refused_with_what_was_looked_for() {
     std::fs::create_dir(&empty).unwrap();
     check(dir.path(), &empty, &[]).refused(
         dir.path(),
-        "error: no log in [DIR]/empty: looked for mav0/imu0/data.csv, imu0/data.csv, *.mcap, *.db3\n\n\
-         hint: give a CSV file, a bag, or the folder of an ASL sequence (it holds `mav0` or `imu0`) or of a rosbag2",
+        "error: no log in [DIR]/empty: looked for mav0/imu0/data.csv, imu0/data.csv, *.mcap, *.db3, a *gyro* and an \
+         *accel* file\n\nhint: give a CSV file, a bag, a ULog or ArduPilot log, or the folder of an ASL sequence (it holds `mav0` or `imu0`), of a \
+         rosbag2 or of a phone's two files",
     );
     let data = put(&dir.path().join("logs"), "still", &text(&rows(300, 5_000_000)));
     let done = check(dir.path(), &data, &[]);
@@ -337,3 +338,82 @@ const ZEROS: [u8; 51] = [
     0x40, 0x08, 0xc0, 0x00, 0x00, 0x10, 0x00, 0x08, 0x20, 0x00, 0x30, 0xcc, 0x09, 0xaa, 0x69, 0xa0, 0x4a,
     0x51, 0x5b, 0x50, 0x12, 0x94, 0x57, 0x8b, 0xb9, 0x22, 0x9c, 0x28, 0x48, 0x6c, 0x76, 0x6e, 0xff, 0x00,
 ];
+
+/// Logs as people have them: none needs more than its name, and what was assumed is one line.
+#[test]
+fn logs_of_every_program_go_in_untouched_and_what_was_assumed_is_one_line() {
+    let dir = tempfile::tempdir().unwrap();
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("golden/logs");
+    let expected = std::fs::read_to_string(folder.join("expected.json")).unwrap();
+    let expected: serde_json::Value = serde_json::from_str(&expected).unwrap();
+    let mut faults = Vec::new();
+    for (name, expected) in expected["logs"].as_object().unwrap() {
+        let flags: Vec<&str> =
+            expected["flags"].as_array().unwrap().iter().map(|f| f.as_str().unwrap()).collect();
+        let done = check(dir.path(), &folder.join(name), &flags);
+        let head = format!("{} samples, ", expected["count"]);
+        let rate = format!("{:.2} Hz", expected["rate_hz"].as_f64().unwrap());
+        let first = done.stdout.lines().next().unwrap_or_default();
+        if done.code != Some(0) || !first.starts_with(&head) || !first.ends_with(&rate) {
+            faults.push(format!("{name}: {done:?}"));
+        }
+        let taken = about(&done, "taken for granted");
+        let guesses = expected["guesses"].as_array().unwrap();
+        let said =
+            |words: &serde_json::Value| taken.iter().any(|line| line.contains(words.as_str().unwrap()));
+        if taken.len() > 1 || !guesses.iter().all(said) {
+            faults.push(format!("{name}: {taken:?} lacks one of {guesses:?}"));
+        }
+        // Gravity is where it belongs, in its unit.
+        if !about(&done, "gravity").iter().any(|line| line.contains("the accelerometer reads 9.")) {
+            faults.push(format!("{name}: {done:?}"));
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn raw_counts_are_asked_about_and_mended_by_scale_or_sensor() {
+    let dir = tempfile::tempdir().unwrap();
+    let log = Path::new(env!("CARGO_MANIFEST_DIR")).join("golden/logs/counts.csv");
+    let done = check(dir.path(), &log, &[]).well();
+    let units = &about(&done, "units")[0];
+    assert!(
+        units.contains("raw counts, all of them whole numbers? Some 16")
+            && done.stdout.contains("--sensor-scale NAME-RANGE"),
+        "{done:?}"
+    );
+    let sensor = check(dir.path(), &log, &["--sensor-scale", "mpu6050-2g-250dps", "--json"]).well();
+    let (accel, gyro) = ((9.80665f64 / 16384.0).to_string(), (1.0f64 / 131.0).to_radians().to_string());
+    let scales = check(dir.path(), &log, &["--accel-scale", &accel, "--gyro-scale", &gyro, "--json"]).well();
+    assert_eq!(sensor.stdout, scales.stdout);
+    let done = check(dir.path(), &log, &["--sensor-scale", "mpu9250-2g"]);
+    assert!(done.code == Some(2) && done.stderr.contains("known are mpu6050-{2/4/8/16}g"), "{done:?}");
+    let done = check(dir.path(), &log, &["--accel-scale", "0"]);
+    assert_eq!(done.code, Some(2), "{done:?}");
+}
+
+#[test]
+fn columns_are_chosen_by_name_and_a_rate_that_disagrees_with_the_text_is_a_finding() {
+    let mut rows = rows(400, 5_000_000);
+    rows.iter_mut().for_each(|(t, _)| *t -= 1_400_000_000_000_000_000);
+    let body: String = text(&rows).lines().skip(1).map(|line| format!("{line}\n")).collect();
+    let odd = format!("# rate: 100 Hz\nwhen,p,q,r,u,v,w\n{body}");
+    let done = check_text(&odd, &[]);
+    assert!(done.code == Some(2) && done.stderr.contains("--columns T,GX,GY,GZ,AX,AY,AZ"), "{done:?}");
+    let done = check_text(&odd, &["--columns", "when,p,q,R,5,v,w"]).well();
+    assert!(done.stdout.starts_with("400 samples, 2.0 s, 200.00 Hz\n"), "{done:?}");
+    assert!(
+        about(&done, "rate")
+            .iter()
+            .any(|line| line.contains("the log's text says 100 Hz, its stamps 200.00 Hz")),
+        "{done:?}"
+    );
+    let done = check_text(&odd, &["--columns", "when,p,q,s,u,v,w"]);
+    assert!(
+        done.code == Some(2) && done.stderr.contains("no column `s`; the header names when, p, q"),
+        "{done:?}"
+    );
+    let done = check_text(&odd, &["--columns", "when,p,q,r,u,v,w", "--time-unit", "us"]).well();
+    assert!(about(&done, "rate").iter().any(|line| line.contains("in a unit 1000 times ")), "{done:?}");
+}

@@ -49,18 +49,26 @@ pub(super) fn without_jumps(recording: &ImuRecording) -> (Cow<'_, ImuRecording>,
 /// What is to be said of a rate that IMUs do not have.
 pub(super) fn unlikely(rate: SampleRate) -> Option<Finding> {
     let hz = rate.hz();
-    let remedy = "look at the unit of the stamps: --time-unit s, ms, us or ns";
+    let remedy = "look at the unit of the stamps: --time-unit s, ms, us or ns; or at their column: --columns";
+    let likely = |hz: f64| (RATES[0]..=RATES[1]).contains(&hz);
+    let factors = [1e-3, 1e3, 1e-6, 1e6, 1e-9, 1e9].into_iter();
+    let other =
+        factors.map(|factor| (factor, hz * factor)).find(|(_, hz)| likely(*hz)).map(|(factor, hz)| {
+            let (times, words) = if factor < 1.0 { (1.0 / factor, "larger") } else { (factor, "smaller") };
+            format!("; in a unit {times} times {words} it would be {hz:.1} Hz")
+        });
+    let other = other.unwrap_or_default();
     if hz > FASTEST {
         return Some(Finding::bad(
             "rate",
-            format!("{hz:.0} Hz: no IMU is as fast; the stamps count in another unit"),
+            format!("{hz:.0} Hz: no IMU is as fast; the stamps count in another unit{other}"),
             remedy,
         ));
     }
     let words = if hz > RATES[1] { "faster" } else { "slower" };
-    let is_unlikely = !(RATES[0]..=RATES[1]).contains(&hz);
-    is_unlikely.then(|| {
-        Finding::warning("rate", format!("{hz:.3} Hz is {words} than IMUs are read (10 to 8000 Hz)"), remedy)
+    (!likely(hz)).then(|| {
+        let text = format!("{hz:.3} Hz is {words} than IMUs are read (10 to 8000 Hz){other}");
+        Finding::warning("rate", text, remedy)
     })
 }
 

@@ -6,6 +6,8 @@ use dpn_logs::Log;
 
 /// Share of samples left out from which the log is bad.
 const MANY: f64 = 0.001;
+/// How far the stamps' rate may be from the one that the log's text names.
+const RATES_APART: f64 = 0.02;
 
 pub(super) fn findings(log: &Log) -> Vec<Finding> {
     let mut findings = Vec::new();
@@ -54,6 +56,14 @@ pub(super) fn findings(log: &Log) -> Vec<Finding> {
     findings.extend(
         log.remarks.iter().map(|remark| Finding::warning("rows", remark.clone(), "look at what wrote them")),
     );
+    let hz = log.recording.rate().hz();
+    if let Some(said) = log.said_hz.filter(|said| (hz / said - 1.0).abs() > RATES_APART) {
+        findings.push(Finding::warning(
+            "rate",
+            format!("the log's text says {said} Hz, its stamps {hz:.2} Hz"),
+            "look at the unit and column of the stamps (--time-unit, --columns), or for samples that were not written",
+        ));
+    }
     if !log.guesses.is_empty() {
         findings.push(Finding::note("taken for granted", log.guesses.join(", ")));
     }
@@ -68,6 +78,15 @@ mod tests {
     use dpn_core::ImuRecording;
     use dpn_io::Sieved;
     use dpn_logs::Kind;
+
+    #[test]
+    fn a_rate_that_the_text_names_and_the_stamps_do_not_have_is_a_finding() {
+        let mut log = Log::sound(Kind::Csv, ImuRecording::new(level(10)).unwrap());
+        log.said_hz = Some(200.0);
+        assert_eq!(findings(&log), []);
+        log.said_hz = Some(100.0);
+        assert_eq!(findings(&log)[0].text, "the log's text says 100 Hz, its stamps 200.00 Hz");
+    }
 
     #[test]
     fn damage_and_left_out_samples_are_findings_by_weight() {

@@ -120,7 +120,7 @@ fn gravity(recording: &ImuRecording, rest: &Rest) -> Vec<Finding> {
         findings.push(Finding::bad(
             "units",
             format!("{read}: raw counts{whole}? Some {force:.0} of them would make a g"),
-            "divide by the data sheet's counts to a g and to a deg/s, or rad/s, and write that into the log",
+            "say what a count is: --sensor-scale NAME-RANGE (mpu6050-2g), or --accel-scale [m/s^2] and --gyro-scale [rad/s] by the data sheet",
         ));
         // The gyroscope's columns are counts then too.
         return findings;

@@ -55,6 +55,25 @@ pub fn many_channels() -> Vec<u8> {
     mcap(&[vec![imu], channels.collect()].concat())
 }
 
+/// A ULog of formats that hold one another, and subscriptions of topics that nobody knows.
+fn many_formats() -> Vec<u8> {
+    let message =
+        |kind: u8, text: &str| [&(text.len() as u16).to_le_bytes()[..], &[kind], text.as_bytes()].concat();
+    let formats = (0..100_000).map(|i| message(b'F', &format!("f{i}:f{} a;f{} b;", i + 1, i + 2)));
+    let imu = message(
+        b'F',
+        "sensor_combined:f0 a;float[3] gyro_rad;float[3] accelerometer_m_s2;uint64_t timestamp;",
+    );
+    let subscribed = (0..50_000).map(|_| message(b'A', "\0\x01\0sensor_combined"));
+    [
+        [&b"ULog\x01\x12\x35\x01"[..], &[0; 8]].concat(),
+        formats.collect::<Vec<_>>().concat(),
+        imu,
+        subscribed.collect::<Vec<_>>().concat(),
+    ]
+    .concat()
+}
+
 /// All of them, with the ending of each one's name.
 pub fn bags() -> Vec<(Forged, &'static str)> {
     let mut all = Vec::new();
@@ -80,6 +99,25 @@ pub fn bags() -> Vec<(Forged, &'static str)> {
         mcap(&vec![chunk("lz4", b"\x04\x22\x4d\x18"); 20_000])
     });
     bag("an MCAP of 150,000 channels", "mcap", many_channels);
+    // Packed as a whole.
+    bag("a bz2 log of a gigabyte", "csv.bz2", || ZEROS.repeat(25));
+    bag("a zstd log of a window of 64 MB", "csv.zst", || {
+        [b"\x28\xb5\x2f\xfd\x00\x80".to_vec(), [0x02u8, 0x00, 0x10, 0x00].repeat(8000)].concat()
+    });
+    // A stream's head, then a block's that says so.
+    bag("an xz log of a dictionary of four gigabytes", "csv.xz", || {
+        b"\xfd7zXZ\0\0\x04\xe6\xd6\xb4\x46\x02\0\x21\x01\x28\0\0\0\xe6\xa0\x11\xb3".to_vec()
+    });
+    // Its index says that fifteen thousand million records follow.
+    bag("an xz log of an index without an end", "csv.xz", || {
+        b"\xfd7zXZ\0\0\x04\xe6\xd6\xb4\x46\0\xff\xff\xff\xff\x38\0\0\0".to_vec()
+    });
+    bag("a ULog of zeros", "ulg", || [b"ULog\x01\x12\x35\x01".to_vec(), vec![0; 4 << 20]].concat());
+    bag("a ULog of 100,000 formats", "ulg", many_formats);
+    bag("an ArduPilot log of zeros", "bin", || [vec![0xa3, 0x95, 0x80], vec![0; 4 << 20]].concat());
+    bag("an ArduPilot log of a line without an end", "log", || {
+        [b"FMT, ".to_vec(), vec![b'7'; 8 << 20]].concat()
+    });
     bag("a database of zeros", "db3", || [b"SQLite format 3\0".to_vec(), vec![0; 4 << 20]].concat());
     bag("a database's head alone", "db3", || b"SQLite format 3\0".to_vec());
     all

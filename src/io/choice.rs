@@ -1,0 +1,94 @@
+//! Columns as the caller lists them: by number or by name.
+
+use super::IoError;
+use super::columns::ImuColumns;
+use super::names::missing;
+use super::rows::Header;
+use std::path::Path;
+use std::str::FromStr;
+
+/// One column.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Column {
+    /// Its index from 0.
+    At(usize),
+    /// Its name in the header, whatever the case.
+    Named(String),
+}
+
+/// Seven columns in ASL's order: stamp, gyroscope x y z, accelerometer x y z. Read from text such as `1,2,3,4,5,6,7` (from 1) or
+/// `time,wx,wy,wz,5,6,7`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ColumnChoice([Column; 7]);
+
+impl FromStr for ColumnChoice {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let column = |text: &str| match text.trim().parse::<usize>() {
+            Ok(0) => None,
+            Ok(number) => Some(Column::At(number - 1)),
+            Err(_) => {
+                Some(text.trim()).filter(|name| !name.is_empty()).map(|name| Column::Named(name.to_owned()))
+            }
+        };
+        let all: Option<Vec<Column>> = text.split(',').map(column).collect();
+        let wrong = || {
+            "seven columns, by number from 1 or by the header's names: stamp, gyroscope x y z, accelerometer x y z, \
+             for example 1,2,3,4,5,6,7 or time,gx,gy,gz,ax,ay,az"
+                .to_owned()
+        };
+        all.and_then(|all| <[Column; 7]>::try_from(all).ok()).map(Self).ok_or_else(wrong)
+    }
+}
+
+impl From<ImuColumns> for ColumnChoice {
+    fn from(columns: ImuColumns) -> Self {
+        let ImuColumns { time, gyro: [gx, gy, gz], accel: [ax, ay, az], .. } = columns;
+        Self([time, gx, gy, gz, ax, ay, az].map(Column::At))
+    }
+}
+
+impl ColumnChoice {
+    /// As indices.
+    ///
+    /// # Errors
+    /// A name that the header, or a file without one, does not have.
+    pub(crate) fn resolve(&self, header: Option<&Header>, path: &Path) -> Result<ImuColumns, IoError> {
+        let empty = Header { line: 1, names: Vec::new() };
+        let header = header.unwrap_or(&empty);
+        let mut at = [0; 7];
+        for (at, column) in at.iter_mut().zip(&self.0) {
+            *at = match column {
+                Column::At(index) => *index,
+                Column::Named(name) => {
+                    let exact = header.names.iter().position(|one| one == name);
+                    let similar = || header.names.iter().position(|one| one.eq_ignore_ascii_case(name));
+                    exact.or_else(similar).ok_or_else(|| missing(header, path, name))?
+                }
+            };
+        }
+        Ok(ImuColumns::new(at[0], [at[1], at[2], at[3]], [at[4], at[5], at[6]]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_and_names_mix_and_what_is_neither_says_what_is_wanted() {
+        let header =
+            Header { line: 3, names: ["T", "p", "q", "r", "u", "v", "w"].map(str::to_owned).to_vec() };
+        let resolve =
+            |text: &str| text.parse::<ColumnChoice>().unwrap().resolve(Some(&header), Path::new("f.csv"));
+        assert_eq!(resolve("1,2,3,4,5,6,7").unwrap(), ImuColumns::ASL);
+        assert_eq!(resolve("t, u,v,w, 2,3,4").unwrap(), ImuColumns::new(0, [4, 5, 6], [1, 2, 3]));
+        let error = resolve("t,u,v,x,2,3,4").unwrap_err().to_string();
+        assert_eq!(error, "f.csv:3: no column `x`; the header names T, p, q, r, u, v, w");
+        for bad in ["", "1,2,3", "0,1,2,3,4,5,6", "1,2,3,4,5,6,", "1,2,3,4,5,6,7,8"] {
+            assert!(bad.parse::<ColumnChoice>().unwrap_err().starts_with("seven columns"), "{bad}");
+        }
+        assert!("t,2,3,4,5,6,7".parse::<ColumnChoice>().unwrap().resolve(None, Path::new("f.csv")).is_err());
+    }
+}

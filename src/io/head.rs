@@ -1,0 +1,190 @@
+//! The header of somebody's IMU log: of its first lines the one that names the columns.
+//!
+//! Above it may stand what a program or a person wrote: a preamble with numbers in it, comments of any style. It may take two lines: names
+//! above units (`t,gx,gy` over `s,deg/s,deg/s`), or sensors above axes (`,Gyro,,` over `t,x,y`). The line that names the most of the seven
+//! columns is it, as long as the next row has as many fields.
+
+use super::IoError;
+use super::fields::{Delimiter, MOST_FIELDS, comment, is_number, take_line};
+use super::names::slots;
+use super::printable;
+use super::rows::{Header, Rows};
+use dpn_core::Sensor;
+use std::path::Path;
+
+/// Lines among which the header is looked for.
+const LINES: usize = 200;
+/// Columns that a line must name to be a header: a stamp and one sensor.
+const NAMES: usize = 4;
+
+/// One of the first lines.
+struct Line<'a> {
+    /// From 1.
+    number: usize,
+    text: &'a [u8],
+    /// What follows.
+    rest: &'a [u8],
+}
+
+/// Reads up to the first row of data of an IMU log, or of one of its sensors.
+///
+/// # Errors
+/// As [`Rows::open`].
+pub(crate) fn open<'a>(bytes: &'a [u8], path: &'a Path, only: Option<Sensor>) -> Result<Rows<'a>, IoError> {
+    let lines = first_lines(bytes);
+    let mut best: Option<(usize, usize, Vec<String>)> = None;
+    for (i, line) in lines.iter().enumerate() {
+        let Some(names) = names(line.text) else { continue };
+        let above = i.checked_sub(1).and_then(|above| grouped(&lines[above], &names));
+        for names in [Some(names), above].into_iter().flatten() {
+            let count = slots(&names, only).into_iter().filter(|found| *found).count();
+            if count >= NAMES && best.as_ref().is_none_or(|(most, ..)| count > *most) {
+                best = Some((count, i, names));
+            }
+        }
+    }
+    let Some((_, at, names)) = best else { return Rows::open(bytes, path) };
+    let units = lines.get(at + 1).and_then(|below| with_units(below, &names));
+    let (last, names) = match units {
+        Some(names) => (at + 1, names),
+        None => (at, names),
+    };
+    let is_row = |line: &&Line<'_>| comment(line.text).is_none() && !line.text.is_empty();
+    match lines[last + 1..].iter().find(is_row) {
+        Some(row) if fields(row.text).len() == names.len() => {
+            let header = Header { line: lines[at].number, names };
+            let Line { number, rest, .. } = lines[last];
+            Ok(Rows::behind(rest, number, Delimiter::of(row.text), header, path))
+        }
+        // A row cut off, or no table: the plain way says what is wrong.
+        _ => Rows::open(bytes, path),
+    }
+}
+
+/// A rate that one of the comments and the preamble names: `Update Rate: 100.0Hz`, `sample_rate_hz,200`.
+pub(crate) fn said_rate(bytes: &[u8]) -> Option<f64> {
+    first_lines(bytes).iter().find_map(|line| {
+        let text = line.text.to_ascii_lowercase();
+        let at = memchr::memmem::find(&text, b"rate")?;
+        // Of the rows themselves none has the word.
+        let behind = text.get(at..at + 40).unwrap_or(&text[at..]);
+        let start = behind.iter().position(u8::is_ascii_digit)?;
+        let is_part = |byte: &u8| byte.is_ascii_digit() || *byte == b'.';
+        let end = behind[start..].iter().position(|b| !is_part(b)).map_or(behind.len(), |end| start + end);
+        let number: f64 = std::str::from_utf8(&behind[start..end]).ok()?.parse().ok()?;
+        let unit = behind[end..].trim_ascii_start();
+        let hertz = unit.starts_with(b"hz") || memchr::memmem::find(&behind[..start], b"hz").is_some();
+        (number > 0.0 && (hertz || memchr::memmem::find(&text[..at], b"sampl").is_some())).then_some(number)
+    })
+}
+
+/// The first lines that are not empty.
+fn first_lines(bytes: &[u8]) -> Vec<Line<'_>> {
+    let mut rest = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let mut lines = Vec::new();
+    for number in 1..=LINES {
+        let Some(text) = take_line(&mut rest) else { break };
+        if !text.is_empty() {
+            lines.push(Line { number, text, rest });
+        }
+    }
+    lines
+}
+
+fn fields(text: &[u8]) -> Vec<&[u8]> {
+    let mut fields = Vec::new();
+    Delimiter::of(text).split(text, &mut fields);
+    fields
+}
+
+/// The fields of a line that could be a header, a comment's too.
+fn names(text: &[u8]) -> Option<Vec<String>> {
+    let fields = fields(comment(text).unwrap_or(text));
+    let numbers = fields.iter().filter(|f| is_number(f)).count();
+    let fits = (NAMES..=MOST_FIELDS).contains(&fields.len()) && numbers == 0;
+    fits.then(|| fields.into_iter().map(text_of).collect())
+}
+
+/// A field as text; a spreadsheet's Latin-1 has degree signs and squares.
+fn text_of(field: &[u8]) -> String {
+    match std::str::from_utf8(field) {
+        Ok(text) => printable(text),
+        Err(_) => printable(&field.iter().map(|byte| char::from(*byte)).collect::<String>()),
+    }
+}
+
+/// Each name behind the group that stands above it or to the left of that.
+fn grouped(above: &Line<'_>, names: &[String]) -> Option<Vec<String>> {
+    let groups = self::names(above.text)?;
+    if groups.len() > names.len() {
+        return None;
+    }
+    let mut group = "";
+    let with = |(i, name): (usize, &String)| {
+        if let Some(next) = groups.get(i).filter(|next| !next.is_empty()) {
+            group = next;
+        }
+        format!("{group} {name}").trim().to_owned()
+    };
+    Some(names.iter().enumerate().map(with).collect())
+}
+
+/// Each name with the unit that stands below it; `None` where the line below is none of units.
+fn with_units(below: &Line<'_>, names: &[String]) -> Option<Vec<String>> {
+    let units = self::names(below.text)?;
+    let is_long = |unit: &String| unit.chars().count() > 12;
+    if units.len() > names.len() || units.iter().any(is_long) || units.iter().all(String::is_empty) {
+        return None;
+    }
+    let unit =
+        |i: usize| units.get(i).map(|unit| unit.trim_matches(['[', ']', '(', ')', ' '])).unwrap_or_default();
+    let with = |(i, name): (usize, &String)| match unit(i) {
+        "" => name.clone(),
+        unit => format!("{name} [{unit}]"),
+    };
+    Some(names.iter().enumerate().map(with).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn opened(text: &[u8]) -> (Vec<String>, f64) {
+        let mut rows = open(text, Path::new("f.csv"), None).unwrap();
+        let names = rows.header().unwrap().names.clone();
+        assert!(rows.advance().unwrap());
+        (names, rows.number(1, "v").unwrap())
+    }
+
+    #[test]
+    fn the_header_is_found_under_preambles_and_comments_of_every_style() {
+        let names = "t gx gy gz ax ay az".split(' ').collect::<Vec<_>>();
+        for text in [
+            &b"Logger,7\nSample rate,200\n\nt,gx,gy,gz,ax,ay,az\n0,2.5,3,4,5,6,7\n"[..],
+            b"// Update Rate: 100.0Hz\n// x;y\nt;gx;gy;gz;ax;ay;az\n0;2,5;3;4;5;6;7;\n",
+            b"! note\n; note\n# t,gx,gy,gz,ax,ay,az\n0,2.5,3,4,5,6,7\n",
+            b"\xef\xbb\xbft\tgx\tgy\tgz\tax\tay\taz\r\n\r\n0\t2,5\t3\t4\t5\t6\t7\r\n",
+            b"t,\tgx,\tgy,\tgz,\tax,\tay,\taz\n0,\t2.5,\t3,\t4,\t5,\t6,\t7\n",
+        ] {
+            let (found, value) = opened(text);
+            assert_eq!(
+                (&found[..], value),
+                (&names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>()[..], 2.5)
+            );
+        }
+    }
+
+    #[test]
+    fn a_second_line_of_units_or_of_sensors_is_part_of_the_header() {
+        let (names, _) = opened(b"t,gx,gy,gz,ax,ay,az\ns,\xb0/s,\xb0/s,\xb0/s,g,g,g\n0,2,3,4,5,6,7\n");
+        assert_eq!(
+            (names[0].as_str(), names[1].as_str(), names[6].as_str()),
+            ("t [s]", "gx [°/s]", "az [g]")
+        );
+        let (names, _) = opened(b",Accelerometer,,,Gyroscope,,\nTime,X,Y,Z,X,Y,Z\n0,2,3,4,5,6,7\n");
+        assert_eq!(
+            (names[0].as_str(), names[3].as_str(), names[4].as_str()),
+            ("Time", "Accelerometer Z", "Gyroscope X")
+        );
+    }
+}

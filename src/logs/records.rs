@@ -1,0 +1,129 @@
+//! IMUs of a log that names its records and numbers those who write them, as autopilots' do: one is chosen.
+
+use crate::join::join;
+use crate::scale::Scales;
+use crate::{Kind, Log, LogError, LogOptions};
+use dpn_core::{ImuRecording, ImuSample};
+use dpn_io::{Sieve, Sieved};
+use std::path::Path;
+
+/// What a record's axes are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Holds {
+    Both,
+    Gyro,
+    Accel,
+}
+
+/// One that writes.
+#[derive(Debug)]
+struct Source {
+    /// `IMU/0`, `sensor_combined/0`.
+    name: String,
+    holds: Holds,
+    /// The lower the better.
+    order: (u32, u32),
+    records: u64,
+    sieve: Sieve,
+}
+
+/// All of them.
+#[derive(Debug, Default)]
+pub(crate) struct Records(Vec<Source>);
+
+/// Logs have a few; a damaged one may name thousands, and each would make room.
+const MOST: usize = 64;
+
+impl Records {
+    /// The place of the source `name` with the number `instance`; `None` where there are too many.
+    pub(crate) fn source(&mut self, name: &str, instance: u32, holds: Holds, order: u32) -> Option<usize> {
+        let name = format!("{name}/{instance}");
+        let found = self.0.iter().position(|source| source.name == name);
+        found.or_else(|| {
+            (self.0.len() < MOST).then(|| {
+                let order = (order, instance);
+                self.0.push(Source { name, holds, order, records: 0, sieve: Sieve::default() });
+                self.0.len() - 1
+            })
+        })
+    }
+
+    pub(crate) fn push(&mut self, source: usize, sample: ImuSample) {
+        let source = &mut self.0[source];
+        source.records += 1;
+        source.sieve.push(sample, source.records);
+    }
+
+    /// The wanted one, or the first; gyroscope and accelerometer of their own are joined where no source has both.
+    ///
+    /// # Errors
+    /// None that is an IMU, or wanted; too few samples; a clock that runs back again and again.
+    pub(crate) fn log(
+        mut self,
+        path: &Path,
+        kind: Kind,
+        damage: Option<String>,
+        options: &LogOptions,
+    ) -> Result<Log, LogError> {
+        self.0.retain(|source| source.records > 0);
+        self.0.sort_by_key(|source| source.order);
+        let listed = self.0.iter().map(|source| source.name.clone()).collect::<Vec<_>>().join(", ");
+        let wanted = options.topic.as_deref();
+        let is_wanted = |source: &Source| {
+            wanted.is_none_or(|wanted| {
+                source.name == wanted || source.name.rsplit_once('/').is_some_and(|(name, _)| name == wanted)
+            })
+        };
+        let first =
+            |holds: Holds| self.0.iter().position(|source| source.holds == holds && is_wanted(source));
+        let mut guesses = Vec::new();
+        let mut remarks = Vec::new();
+        let (name, samples, sieved): (String, Vec<ImuSample>, Sieved) =
+            match (first(Holds::Both), first(Holds::Gyro), first(Holds::Accel)) {
+                (Some(at), ..) => {
+                    let others = self.0.iter().filter(|source| source.holds == Holds::Both).count() - 1;
+                    let Source { name, sieve, .. } = self.0.swap_remove(at);
+                    if others > 0 && wanted.is_none_or(|wanted| wanted != name) {
+                        let (record, instance) = name.rsplit_once('/').unwrap_or((&name, "0"));
+                        guesses.push(format!(
+                            "{record} of instance {instance}, of {} (--topic {record}/1)",
+                            others + 1
+                        ));
+                    }
+                    let (samples, sieved) = sieve.done();
+                    (name, samples, sieved)
+                }
+                (None, Some(gyro), Some(accel)) => {
+                    let joined = join(self.0[gyro].sieve.samples(), self.0[accel].sieve.samples());
+                    let name = self.0[gyro].name.clone();
+                    guesses.push(joined.remark(&name, &self.0[accel].name));
+                    remarks.extend(joined.left_out());
+                    let (_, sieved) = self.0.swap_remove(gyro).sieve.done();
+                    (name, joined.samples, sieved)
+                }
+                _ if wanted.is_some() && !self.0.is_empty() => {
+                    let wanted = wanted.unwrap_or_default().to_owned();
+                    return Err(LogError::NoTopic {
+                        path: path.to_path_buf(),
+                        wanted,
+                        similar: None,
+                        topics: listed,
+                    });
+                }
+                _ => {
+                    return Err(LogError::NoImu { path: path.to_path_buf(), topics: listed, damage });
+                }
+            };
+        crate::read::goes_forward(path, &sieved, samples.len())?;
+        let samples = Scales::of(options).apply(samples);
+        if samples.len() < 2 {
+            let (found, reason) = (samples.len(), damage);
+            return Err(LogError::TooFew { path: path.to_path_buf(), topic: name, found, reason });
+        }
+        let recording = ImuRecording::new(samples).expect("a sieve lets finite samples in order through");
+        let mut log =
+            Log { topic: Some(name), sieved, place: "record", damage, ..Log::sound(kind, recording) };
+        (log.guesses, log.remarks) = (guesses, remarks);
+        Ok(log)
+    }
+}

@@ -1,0 +1,135 @@
+//! A phone's log: a folder with a file for the gyroscope and one for the accelerometer (Sensor Logger, phyphox), joined.
+
+use crate::join::join;
+use crate::scale::Scales;
+use crate::{Kind, Log, LogError, LogOptions};
+use dpn_core::{ImuRecording, ImuSample, Sensor};
+use dpn_io::{
+    AccelUnit, GyroUnit, IoError, LooseImuLog, Origin, Settled, parse_one_sensor_loosely, printable,
+    settle_units,
+};
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+/// An accelerometer whose vectors are by their median shorter than this share of gravity's has no gravity in it.
+const WEIGHTLESS: f64 = 0.5;
+
+/// The files of a folder.
+#[derive(Debug)]
+pub(crate) struct TwoFiles {
+    gyro: PathBuf,
+    accel: PathBuf,
+    /// What Sensor Logger takes from the accelerometer.
+    gravity: Option<PathBuf>,
+}
+
+impl TwoFiles {
+    /// Looks for a file of each sensor by its name.
+    pub(crate) fn find(dir: &Path) -> Result<Option<Self>, IoError> {
+        let reading = |e| IoError::reading(dir, e);
+        let mut files = Vec::new();
+        for entry in std::fs::read_dir(dir).map_err(reading)? {
+            let path = entry.map_err(reading)?.path();
+            let is_table = path
+                .extension()
+                .is_some_and(|e| ["csv", "txt", "tsv"].iter().any(|end| e.eq_ignore_ascii_case(end)));
+            if is_table && path.is_file() {
+                let stem = path.file_stem().unwrap_or_default().to_string_lossy().to_lowercase();
+                files.push((stem, path));
+            }
+        }
+        files.sort();
+        // The whole before the calibrated before the raw; the one that lacks gravity last.
+        let rank = |stem: &str| match stem {
+            _ if stem.contains("linear") => 3,
+            _ if stem.contains("uncalibrated") => 2,
+            _ if stem.contains("total") => 0,
+            _ => 1,
+        };
+        let best = |word: &str| {
+            files
+                .iter()
+                .filter(|(stem, _)| stem.contains(word))
+                .min_by_key(|(stem, _)| rank(stem))
+                .map(|(_, path)| path.clone())
+        };
+        let (Some(gyro), Some(accel)) = (best("gyro"), best("accel")) else { return Ok(None) };
+        let gravity = files.iter().find(|(stem, _)| stem == "gravity").map(|(_, path)| path.clone());
+        Ok(Some(Self { gyro, accel, gravity }))
+    }
+
+    /// Reads and joins them.
+    ///
+    /// # Errors
+    /// A file that cannot be read; two that have no time in common.
+    pub(crate) fn read(&self, dir: &Path, options: &LogOptions) -> Result<Log, LogError> {
+        let scales = Scales::of(options);
+        let gyro = one(&self.gyro, Sensor::Gyro, options)?;
+        let accel = one(&self.accel, Sensor::Accel, options)?;
+        let (gyro_name, mut accel_name) = (name(&self.gyro), name(&self.accel));
+        let mut forces = accel.recording.samples().to_vec();
+        let mut log = Log::sound(Kind::TwoFiles, gyro.recording.clone());
+        let gravity =
+            self.gravity.as_ref().map(|path| one(path, Sensor::Accel, options).map(|read| (path, read)));
+        if let Some((path, gravity)) = gravity.transpose()?
+            && median_length(&forces) < WEIGHTLESS * median_length(gravity.recording.samples())
+        {
+            // The sum on the accelerometer's stamps: its values stand where a gyroscope's would.
+            let both = join(&forces, gravity.recording.samples());
+            let sum =
+                |s: &ImuSample| ImuSample { accel: std::array::from_fn(|i| s.gyro[i] + s.accel[i]), ..*s };
+            forces = both.samples.iter().map(sum).collect();
+            accel_name = format!("{accel_name} + {}", name(path));
+        }
+        let joined = join(gyro.recording.samples(), &forces);
+        log.guesses.push(joined.remark(&gyro_name, &accel_name));
+        log.remarks.extend(joined.left_out());
+        for (file, read) in [(&gyro_name, &gyro), (&accel_name, &accel)] {
+            log.guesses.extend(read.passed.iter().map(|passed| format!("{file}: {passed}")));
+            if read.time.origin == Origin::Guessed {
+                log.guesses.push(format!("{file}: stamps in {}", read.time.value));
+            }
+            let left = read.sieved.count() + read.unreadable.count;
+            if left > 0 {
+                log.remarks.push(format!("left out: {left} row(s) of {file} that cannot be used"));
+            }
+        }
+        let mut samples = joined.samples;
+        let named = |origin| origin != Origin::Assumed;
+        // What was named is converted already.
+        let si = Settled { value: GyroUnit::RadPerSecond, origin: Origin::Header };
+        let turn = (named(gyro.gyro.origin) || scales.gyro.is_some()).then_some(si);
+        let si = Settled { value: AccelUnit::MetrePerSecond2, origin: Origin::Header };
+        let force = (named(accel.accel.origin) || scales.accel.is_some()).then_some(si);
+        let (turn, force) = settle_units(&mut samples, turn, force);
+        if turn.origin == Origin::Guessed {
+            log.guesses.push(format!("gyroscope in {} (--gyro-unit)", turn.value.name()));
+        }
+        if force.origin == Origin::Guessed {
+            log.guesses.push(format!("accelerometer in {} (--accel-unit)", force.value.name()));
+        }
+        let samples = scales.apply(samples);
+        let found = samples.len();
+        log.recording = ImuRecording::new(samples).map_err(|_| LogError::Apart {
+            dir: dir.to_path_buf(),
+            gyro: gyro_name,
+            accel: accel_name,
+            found,
+        })?;
+        Ok(log)
+    }
+}
+
+fn one(path: &Path, sensor: Sensor, options: &LogOptions) -> Result<LooseImuLog, LogError> {
+    let file = File::open(path).map_err(|e| IoError::reading(path, e))?;
+    Ok(parse_one_sensor_loosely(file, path, &options.csv, sensor)?)
+}
+
+fn name(path: &Path) -> String {
+    printable(&path.file_name().unwrap_or_default().to_string_lossy())
+}
+
+fn median_length(samples: &[ImuSample]) -> f64 {
+    let lengths = samples.iter().map(|s| s.accel.iter().map(|v| v * v).sum::<f64>().sqrt());
+    dpn_core::signal::stats::upper_median(lengths).unwrap_or(0.0)
+}
