@@ -4,7 +4,7 @@ use super::config::RenderConfig;
 use super::exposure::{Exposure, Setting};
 use super::lens_blur::LensBlur;
 use super::raster::{Frame, Lens, NoLineOfSight};
-use super::scene::Scene;
+use super::scene::{Course, Scene};
 use super::sensor::{Exposed, Sensor};
 use crate::tracks::{BadCameraSettings, CameraPath, CameraSettings, World};
 use dpn_core::camera::PinholeRadtan;
@@ -78,11 +78,17 @@ impl RenderedCamera {
         let model = settings.model()?;
         let stream = Stream::new(seed).named("render");
         let bounds = path.bounds();
+        let body_from_cam = settings.body_from_cam()?;
         let coarse = COARSE.min(model.size()[0].min(model.size()[1]) as usize);
         Ok(Self {
             world: config.world.settled(&bounds),
-            body_from_cam: settings.body_from_cam()?,
-            scene: Arc::new(Scene::new(&bounds, config.world, config.contrast, &stream)),
+            body_from_cam,
+            scene: Arc::new(Scene::new(
+                &Course::of(path.as_ref(), &body_from_cam),
+                config.world,
+                config.contrast,
+                &stream,
+            )),
             lens: Arc::new(Lens::new(&model, 1)?),
             coarse: Arc::new(Lens::new(&model, coarse)?),
             sensor: Arc::new(Sensor::new(config.sensor, &config.lens, &model, &stream)),
