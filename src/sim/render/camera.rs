@@ -367,6 +367,19 @@ mod tests {
     }
 
     #[test]
+    fn what_a_hall_has_changes_no_room() {
+        let mut camera = camera(&RenderConfig::default(), 1);
+        assert_eq!(camera.world(), World::Room);
+        let image = camera.image(at(&camera, 12.0)).unwrap();
+        let sum =
+            image.pixels().iter().fold(0_u64, |sum, g| sum.wrapping_mul(31).wrapping_add(u64::from(*g)));
+        assert_eq!(
+            sum, 1,
+            "the room's images are another's: closed-loop figures on rooms were made with the old ones"
+        );
+    }
+
+    #[test]
     fn settings_out_of_bounds_and_lenses_that_fold_back_are_refused() {
         let path = flown(Flight::Hover);
         let refused = |config: &RenderConfig| RenderedCamera::new(config, path.clone(), 1).unwrap_err();

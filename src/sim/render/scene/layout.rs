@@ -365,6 +365,7 @@ pub(super) fn upright(turn: f64) -> [Vector3<f64>; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tracks::Bounds;
     use dpn_core::random::Stream;
 
     fn bounds(size: [f64; 3]) -> Bounds {
