@@ -9,6 +9,7 @@
 //! * [`judged_run`] runs one recording and says everything of it.
 //! * [`consistency`] puts the NEES of many seeds together. What rows say of noises: [`crate::study`].
 
+mod camera_figures;
 mod cell;
 mod consistency;
 mod drive;
@@ -38,6 +39,7 @@ mod tracking;
 mod tracking_log;
 mod walk;
 
+pub use camera_figures::CameraFigures;
 pub use consistency::{Consistency, consistency};
 pub use drive::{EstimatorOutput, FEWEST_FRAMES, drive, frames_from};
 pub use error::ClosedLoopError;

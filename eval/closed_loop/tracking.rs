@@ -6,8 +6,8 @@ use super::recording::{Recording, Span};
 use super::tracked::TrackedSequence;
 use super::tracking_log::TrackingLog;
 use super::walk::{Step, walk};
-use dpn_core::TrackFrame;
-use dpn_vio::estimator::{FeedError, ImageTracker};
+use dpn_core::{Stamp, TrackFrame};
+use dpn_vio::estimator::{FeedError, FrontEndObserver, ImageTracker};
 use dpn_vio::frontend::FrontEndConfig;
 
 /// What the odometry sees of a recording.
@@ -19,6 +19,17 @@ pub enum CameraInput<'a> {
 }
 
 impl CameraInput<'_> {
+    /// Of images, those from `from` to `to`; tracks as they are.
+    pub(super) fn between(self, from: Stamp, to: Stamp) -> Self {
+        match self {
+            Self::Images(images) => {
+                let within = images.skip_while(move |(t, _)| *t < from).take_while(move |(t, _)| *t <= to);
+                Self::Images(Box::new(within))
+            }
+            tracks @ Self::Tracks(..) => tracks,
+        }
+    }
+
     /// The tracks, followed through the images where there are images: what any number of runs with whatever noise have in common.
     ///
     /// `seed` feeds the consensus of the front-end.
@@ -31,6 +42,20 @@ impl CameraInput<'_> {
         config: &FrontEndConfig,
         seed: u64,
     ) -> Result<TrackedSequence, ClosedLoopError> {
+        self.tracks_watched(recording, config, seed, &mut ())
+    }
+
+    /// The same while somebody looks on.
+    ///
+    /// # Errors
+    /// As [`tracks`](Self::tracks).
+    pub(super) fn tracks_watched(
+        self,
+        recording: &Recording,
+        config: &FrontEndConfig,
+        seed: u64,
+        also: &mut dyn FrontEndObserver,
+    ) -> Result<TrackedSequence, ClosedLoopError> {
         let images = match self {
             Self::Images(images) => images,
             Self::Tracks(frames, span) => return Ok(TrackedSequence { frames, span, images: None }),
@@ -38,10 +63,9 @@ impl CameraInput<'_> {
         let (camera, mounted) = (recording.camera, recording.body_from_cam.rotation);
         let mut tracker = ImageTracker::new(*config, camera, mounted, &recording.name, seed)
             .map_err(ClosedLoopError::Config)?;
-        let mut nobody = ();
         let mut frames = Vec::new();
         let mut keep = |frame: &TrackFrame| frames.push(frame.clone());
-        let mut log = TrackingLog::new(&mut nobody, &mut keep);
+        let mut log = TrackingLog::new(also, &mut keep);
         walk(recording, images, &mut log, |step, log| {
             match step {
                 Step::Sample(place) => pass_over_spikes(tracker.feed_imu(&recording.imu.samples()[place]))?,

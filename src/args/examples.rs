@@ -117,7 +117,7 @@ mod tests {
         for line in help.lines().skip(1) {
             // Several spaces stand before a remark.
             let line = line.trim().split("    ").next().unwrap_or_default();
-            let typed = line.find("dpn ").map(|at| &line[at..]).unwrap_or_else(|| panic!("{line}"));
+            let typed = line.find("dpn ").map_or_else(|| panic!("{line}"), |at| &line[at..]);
             Cli::try_parse_from(words(typed)).unwrap_or_else(|error| panic!("{typed}: {error}"));
         }
         command.get_subcommands().for_each(|command| look(command, &path));

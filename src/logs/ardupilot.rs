@@ -35,7 +35,7 @@ struct Layout {
 
 impl Layout {
     /// `None` where a field is missing.
-    fn new<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Option<Self> {
+    fn new<'a>(names: &(impl Iterator<Item = &'a str> + Clone)) -> Option<Self> {
         let at = |name: &str| names.clone().position(|one| one.trim() == name);
         let (time, tick_ns) =
             at("TimeUS").map(|at| (at, 1000)).or_else(|| Some((at("TimeMS")?, 1_000_000)))?;
@@ -103,7 +103,7 @@ impl Format {
             fields.push((kind, at));
             at += size(kind)?;
         }
-        let layout = is_imu(&name).then(|| Layout::new(names.split(','))).flatten();
+        let layout = is_imu(&name).then(|| Layout::new(&names.split(','))).flatten();
         Some((number, Self { name, length: length.checked_sub(3)?, fields, layout }))
     }
 }
@@ -216,7 +216,7 @@ pub(crate) fn read_text(mut source: impl BufRead, records: &mut Records) -> io::
         if name == "FMT" {
             let names = fields.clone().skip(4);
             if let Some(imu) = fields.nth(2).filter(|name| is_imu(name))
-                && let Some(layout) = Layout::new(names)
+                && let Some(layout) = Layout::new(&names)
             {
                 layouts.insert(imu.to_owned(), layout);
             }
@@ -229,7 +229,7 @@ pub(crate) fn read_text(mut source: impl BufRead, records: &mut Records) -> io::
         if !layouts.contains_key(name) {
             let known = if values.len() >= 15 { FIELDS } else { OLD_FIELDS };
             let count = values.len();
-            let layout = Layout::new(known.split(',')).map(|layout| Layout { count, ..layout });
+            let layout = Layout::new(&known.split(',')).map(|layout| Layout { count, ..layout });
             layouts.extend(layout.map(|layout| (name.to_owned(), layout)));
         }
         let value = |at: usize| values.get(at)?.parse::<f64>().ok();

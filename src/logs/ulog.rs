@@ -43,13 +43,16 @@ const KNOWN: [Known; 4] = [
     Known { topic: "sensor_accel", stamp: "timestamp", axes: [None, Some(("x", None))] },
 ];
 
+/// Where a sensor's numbers lie in a topic's data and, of increments, where their interval lies and how many bytes it has.
+type Triple = (usize, Option<(usize, usize)>);
+
 /// Where a subscribed topic's numbers lie in its data.
 #[derive(Debug)]
 struct Place {
     source: usize,
     stamp: usize,
-    /// Of each sensor, where its numbers are and, of increments, the interval and its bytes.
-    axes: [Option<(usize, Option<(usize, usize)>)>; 2],
+    /// Of each sensor.
+    axes: [Option<Triple>; 2],
 }
 
 /// Reads a whole log; returns what was wrong where it ended early.
@@ -186,7 +189,7 @@ fn size(kind: &str, formats: &HashMap<String, String>, depth: usize) -> Option<(
 fn sample(data: &[u8], place: &Place) -> Option<ImuSample> {
     let stamp_us = Bytes::new(data.get(place.stamp..)?).u64()?;
     let t = Stamp::from_ns(i64::try_from(stamp_us).ok()?.checked_mul(1000)?);
-    let triple = |axes: Option<(usize, Option<(usize, usize)>)>| -> Option<[f64; 3]> {
+    let triple = |axes: Option<Triple>| -> Option<[f64; 3]> {
         let Some((at, interval)) = axes else { return Some([0.0; 3]) };
         let mut bytes = Bytes::new(data.get(at..)?);
         let mut values = [0.0; 3];

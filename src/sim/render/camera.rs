@@ -4,7 +4,7 @@ use super::config::RenderConfig;
 use super::exposure::{Exposure, Setting};
 use super::lens_blur::LensBlur;
 use super::raster::{Frame, Lens, NoLineOfSight};
-use super::scene::Scene;
+use super::scene::{Course, Scene};
 use super::sensor::{Exposed, Sensor};
 use crate::tracks::{BadCameraSettings, CameraPath, CameraSettings, World};
 use dpn_core::camera::PinholeRadtan;
@@ -78,11 +78,17 @@ impl RenderedCamera {
         let model = settings.model()?;
         let stream = Stream::new(seed).named("render");
         let bounds = path.bounds();
+        let body_from_cam = settings.body_from_cam()?;
         let coarse = COARSE.min(model.size()[0].min(model.size()[1]) as usize);
         Ok(Self {
             world: config.world.settled(&bounds),
-            body_from_cam: settings.body_from_cam()?,
-            scene: Arc::new(Scene::new(&bounds, config.world, config.contrast, &stream)),
+            body_from_cam,
+            scene: Arc::new(Scene::new(
+                &Course::of(path.as_ref(), &body_from_cam),
+                config.world,
+                config.contrast,
+                &stream,
+            )),
             lens: Arc::new(Lens::new(&model, 1)?),
             coarse: Arc::new(Lens::new(&model, coarse)?),
             sensor: Arc::new(Sensor::new(config.sensor, &config.lens, &model, &stream)),
@@ -358,6 +364,19 @@ mod tests {
         // Twice the variance of a grey near 128, with rounding.
         let variance = squares.sum::<f64>() / a.pixels().len() as f64 / 2.0;
         assert!((1.4..2.6).contains(&variance), "{variance}");
+    }
+
+    #[test]
+    fn what_a_hall_has_changes_no_room() {
+        let mut camera = camera(&RenderConfig::default(), 1);
+        assert_eq!(camera.world(), World::Room);
+        let image = camera.image(at(&camera, 12.0)).unwrap();
+        let sum =
+            image.pixels().iter().fold(0_u64, |sum, g| sum.wrapping_mul(31).wrapping_add(u64::from(*g)));
+        assert_eq!(
+            sum, 1,
+            "the room's images are another's: closed-loop figures on rooms were made with the old ones"
+        );
     }
 
     #[test]

@@ -170,6 +170,7 @@ fn at_edges(lens: &Lens, index: usize, places: &[u32], edges: &mut Vec<usize>) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::super::scene::Course;
     use super::super::super::texture::{LOG_SIDE, SIDE};
     use super::super::view::Facet;
     use super::*;
@@ -180,7 +181,7 @@ mod tests {
 
     fn scene() -> Scene {
         let bounds = Bounds { low: Vector3::new(-2.0, -1.5, 0.2), high: Vector3::new(2.0, 1.5, 1.4) };
-        Scene::new(&bounds, World::Room, 1.0, &Stream::new(9))
+        Scene::new(&Course::within(&bounds), World::Room, 1.0, &Stream::new(9))
     }
 
     fn poses() -> impl Iterator<Item = Isometry3<f64>> {

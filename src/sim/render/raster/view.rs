@@ -42,6 +42,7 @@ pub(crate) struct Facet {
 impl Facet {
     /// `None` where the rectangle is seen from behind.
     pub(super) fn new(rect: &Rect, texels_per_m: f64, world_from_cam: &Isometry3<f64>) -> Option<Self> {
+        let texels_per_m = texels_per_m * rect.skin.fineness;
         let turn = &world_from_cam.rotation;
         let from_origin = world_from_cam.translation.vector - rect.origin;
         let normal = rect.normal();

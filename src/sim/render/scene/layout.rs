@@ -1,9 +1,11 @@
 //! A room around a flight: walls in relief, boxes, mats, beams, windows; nothing stands where the body flies.
 
 use super::super::texture::Material;
+use super::course::Course;
+use super::hall;
 use super::light::Lights;
 use super::rect::{Rect, Skin, Slab};
-use crate::tracks::{Bounds, World};
+use crate::tracks::World;
 use nalgebra::Vector3;
 use rand::Rng;
 use rand_distr::{Distribution, Exp};
@@ -15,7 +17,7 @@ const CLEARANCE_M: f64 = 0.45;
 const OVERLAP_M: f64 = 0.02;
 
 /// How often each material is met.
-type Mix = [(Material, f64)];
+pub(super) type Mix = [(Material, f64)];
 
 const WALLS: &Mix = &[(Material::Cloth, 0.5), (Material::Blocks, 0.35), (Material::Planks, 0.15)];
 const PANELS: &Mix = &[
@@ -37,15 +39,21 @@ const MATS: &Mix = &[(Material::Print, 0.5), (Material::Clutter, 0.2), (Material
 const CEILINGS: &Mix = &[(Material::Planks, 0.6), (Material::Blocks, 0.4)];
 
 /// Figures that depend on the kind of world.
-struct Scale {
+pub(super) struct Scale {
     /// Texels a metre.
-    texels_per_m: f64,
+    pub(super) texels_per_m: f64,
+    /// Mean and half width of the logarithm of surfaces' tones.
+    pub(super) tone: [f64; 2],
+    /// Light from everywhere, beside a lamp's 1.
+    pub(super) ambient: f64,
+    /// Contrast of textures.
+    pub(super) contrast: f64,
     /// Mean relief of a panel \[m\].
-    relief: f64,
+    pub(super) relief: f64,
     /// Sides of the fields that walls are divided in \[m\].
-    field: [f64; 2],
+    pub(super) field: [f64; 2],
     /// Floor that one box or one mat has for itself \[m^2\].
-    thing_area: f64,
+    pub(super) thing_area: f64,
 }
 
 /// Everything that is seen.
@@ -54,39 +62,49 @@ pub(super) struct Layout {
     pub(super) texels_per_m: f64,
 }
 
-struct Builder<'a, R> {
-    low: Vector3<f64>,
-    high: Vector3<f64>,
-    flight: Bounds,
-    scale: Scale,
+pub(super) struct Builder<'a, R> {
+    pub(super) low: Vector3<f64>,
+    pub(super) high: Vector3<f64>,
+    pub(super) course: &'a Course,
+    pub(super) scale: Scale,
     contrast: f32,
-    rects: Vec<Rect>,
+    pub(super) rects: Vec<Rect>,
     lamps: Vec<Rect>,
     rng: &'a mut R,
 }
 
 impl Layout {
     /// The room of kind `world` around a flight within `bounds`; `contrast` scales that of all textures.
-    pub(super) fn new(bounds: &Bounds, world: World, contrast: f64, rng: &mut impl Rng) -> Self {
+    pub(super) fn new(course: &Course, world: World, contrast: f64, rng: &mut impl Rng) -> Self {
+        let bounds = &course.bounds;
         let figures = world.figures(bounds);
         let low = bounds.low - Vector3::new(figures.side, figures.side, figures.down);
         let high = bounds.high + Vector3::new(figures.side, figures.side, figures.up);
-        let scale = match world.settled(bounds) {
-            World::Hall => {
-                Scale { texels_per_m: 125.0, relief: figures.relief, field: [1.6, 4.0], thing_area: 7.0 }
-            }
-            World::Auto | World::Room => {
-                Scale { texels_per_m: 250.0, relief: figures.relief, field: [0.9, 2.2], thing_area: 2.6 }
+        let hall = world.settled(bounds) == World::Hall;
+        let scale = if hall {
+            hall::scale(figures.relief)
+        } else {
+            Scale {
+                texels_per_m: 250.0,
+                tone: [0.0, 0.32],
+                ambient: 1.2,
+                contrast: 1.0,
+                relief: figures.relief,
+                field: [0.9, 2.2],
+                thing_area: 2.6,
             }
         };
-        let contrast = contrast as f32;
+        let contrast = (scale.contrast * contrast) as f32;
         let (rects, lamps) = (Vec::new(), Vec::new());
-        let mut room = Builder { low, high, flight: *bounds, scale, contrast, rects, lamps, rng };
+        let mut room = Builder { low, high, course, scale, contrast, rects, lamps, rng };
         room.shell();
         room.walls();
         room.floor();
         room.ceiling();
-        let lights = Lights::new(&low, &high, room.rng);
+        if hall {
+            room.furnish();
+        }
+        let lights = Lights::new(&low, &high, room.scale.ambient, room.rng);
         lights.shine(&mut room.rects, room.scale.texels_per_m);
         room.rects.append(&mut room.lamps);
         Self { rects: room.rects, texels_per_m: room.scale.texels_per_m }
@@ -103,15 +121,15 @@ struct Side {
 }
 
 impl<R: Rng> Builder<'_, R> {
-    fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.rng.random::<f64>()
     }
 
-    fn chance(&mut self, share: f64) -> bool {
+    pub(super) fn chance(&mut self, share: f64) -> bool {
         self.rng.random::<f64>() < share
     }
 
-    fn skin(&mut self, mix: &Mix) -> Skin {
+    pub(super) fn skin(&mut self, mix: &Mix) -> Skin {
         let all: f64 = mix.iter().map(|(_, share)| share).sum();
         let mut draw = all * self.rng.random::<f64>();
         let mut material = mix[0].0;
@@ -125,20 +143,21 @@ impl<R: Rng> Builder<'_, R> {
         self.of(material)
     }
 
-    fn of(&mut self, material: Material) -> Skin {
+    pub(super) fn of(&mut self, material: Material) -> Skin {
         let offset = [self.rng.random::<f32>() * 1024.0, self.rng.random::<f32>() * 1024.0];
-        let tone = (0.32 * (self.rng.random::<f64>() - 0.5) * 2.0).exp() as f32;
+        let [mean, spread] = self.scale.tone;
+        let tone = (mean + spread * (self.rng.random::<f64>() - 0.5) * 2.0).exp() as f32;
         Skin::at(material, offset, tone, self.contrast)
     }
 
     /// Another piece of the same surface.
     fn shifted(&mut self, skin: &Skin) -> Skin {
         let offset = [self.rng.random::<f32>() * 1024.0, self.rng.random::<f32>() * 1024.0];
-        Skin::at(skin.material, offset, skin.tone, skin.contrast)
+        Skin { fineness: skin.fineness, ..Skin::at(skin.material, offset, skin.tone, skin.contrast) }
     }
 
     /// A box whose faces share a skin.
-    fn slab(&mut self, slab: &Slab, hidden: &[(usize, bool)], skin: &Skin) {
+    pub(super) fn slab(&mut self, slab: &Slab, hidden: &[(usize, bool)], skin: &Skin) {
         let skins: Vec<Skin> = (0..6).map(|_| self.shifted(skin)).collect();
         self.rects.extend(slab.faces(hidden, |axis, far| skins[2 * axis + usize::from(far)]));
     }
@@ -299,7 +318,7 @@ impl<R: Rng> Builder<'_, R> {
     }
 
     /// Whether a rectangle on the floor lies within the walls.
-    fn inside(&self, origin: &Vector3<f64>, axes: &[Vector3<f64>; 3], [a, b]: [f64; 2]) -> bool {
+    pub(super) fn inside(&self, origin: &Vector3<f64>, axes: &[Vector3<f64>; 3], [a, b]: [f64; 2]) -> bool {
         [(0.0, 0.0), (a, 0.0), (0.0, b), (a, b)].iter().all(|(u, v)| {
             let corner = origin + *u * axes[0] + *v * axes[1];
             (0..2).all(|i| (self.low[i]..=self.high[i]).contains(&corner[i]))
@@ -307,18 +326,18 @@ impl<R: Rng> Builder<'_, R> {
     }
 
     /// How high a thing on the floor may be, given its middle and how far it reaches from there \[m\].
-    fn headroom(&self, place: &Vector3<f64>, reach: f64) -> f64 {
+    pub(super) fn headroom(&self, place: &Vector3<f64>, reach: f64) -> f64 {
+        let flight = &self.course.bounds;
         let beside = (0..2).any(|i| {
-            place[i] + reach < self.flight.low[i] - CLEARANCE_M
-                || place[i] - reach > self.flight.high[i] + CLEARANCE_M
+            place[i] + reach < flight.low[i] - CLEARANCE_M || place[i] - reach > flight.high[i] + CLEARANCE_M
         });
-        if beside { 0.8 * (self.high.z - self.low.z) } else { self.flight.low.z - CLEARANCE_M - self.low.z }
+        if beside { 0.8 * (self.high.z - self.low.z) } else { flight.low.z - CLEARANCE_M - self.low.z }
     }
 
     /// Beams under the ceiling, in one direction, and lamps between them.
     fn ceiling(&mut self) {
         let (size, axis) = (self.high - self.low, usize::from(self.chance(0.5)));
-        let most = (self.high.z - self.flight.high.z - CLEARANCE_M).min(0.2 * self.scale.field[1]);
+        let most = (self.high.z - self.course.bounds.high.z - CLEARANCE_M).min(0.2 * self.scale.field[1]);
         let count = (size[1 - axis] / self.scale.field[1]).ceil().max(1.0) as usize;
         let (down, along) = (-Vector3::z(), Vector3::ith(axis, 1.0));
         let skin = self.skin(PANELS);
@@ -338,7 +357,7 @@ impl<R: Rng> Builder<'_, R> {
 }
 
 /// Axes of a thing that stands on the floor.
-fn upright(turn: f64) -> [Vector3<f64>; 3] {
+pub(super) fn upright(turn: f64) -> [Vector3<f64>; 3] {
     let (sin, cos) = turn.sin_cos();
     [Vector3::new(cos, sin, 0.0), Vector3::new(-sin, cos, 0.0), Vector3::z()]
 }
@@ -346,6 +365,7 @@ fn upright(turn: f64) -> [Vector3<f64>; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tracks::Bounds;
     use dpn_core::random::Stream;
 
     fn bounds(size: [f64; 3]) -> Bounds {
@@ -358,7 +378,7 @@ mod tests {
         for (seed, size) in [(1, [4.0, 3.0, 1.5]), (2, [14.0, 9.0, 5.0]), (3, [0.1, 0.0, 0.2])] {
             let bounds = bounds(size);
             let mut rng = Stream::new(seed).rng();
-            let layout = Layout::new(&bounds, World::Auto, 1.0, &mut rng);
+            let layout = Layout::new(&Course::within(&bounds), World::Auto, 1.0, &mut rng);
             let size = bounds.high - bounds.low;
             for _ in 0..400 {
                 let eye = bounds.low + size.component_mul(&Vector3::from_fn(|_, _| rng.random::<f64>()));
@@ -372,9 +392,15 @@ mod tests {
 
     #[test]
     fn a_room_has_relief_boxes_mats_and_windows() {
-        let layout = Layout::new(&bounds([5.0, 4.0, 2.0]), World::Auto, 1.0, &mut Stream::new(5).rng());
+        let layout = Layout::new(
+            &Course::within(&bounds([5.0, 4.0, 2.0])),
+            World::Auto,
+            1.0,
+            &mut Stream::new(5).rng(),
+        );
         assert!((150..1200).contains(&layout.rects.len()), "{}", layout.rects.len());
-        for material in Material::ALL {
+        let of_halls = [Material::Grain, Material::Net, Material::Grating];
+        for material in Material::ALL.into_iter().filter(|material| !of_halls.contains(material)) {
             assert!(layout.rects.iter().any(|rect| rect.skin.material == material), "no {material:?}");
         }
         for rect in &layout.rects {

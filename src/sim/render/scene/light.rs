@@ -14,9 +14,6 @@ const GRID: usize = 6;
 /// Floor that one lamp lights \[m^2\].
 const LAMP_AREA: f64 = 14.0;
 
-/// Light from everywhere, beside a lamp's 1.
-const AMBIENT: f64 = 1.2;
-
 /// Light of a window on a surface that faces it.
 const WINDOW: f64 = 0.7;
 
@@ -24,12 +21,13 @@ const WINDOW: f64 = 0.7;
 pub(super) struct Lights {
     lamps: Vec<Vector3<f64>>,
     height: f64,
+    ambient: f64,
     to_window: Vector3<f64>,
 }
 
 impl Lights {
-    /// Lights of the room from `low` to `high`.
-    pub(super) fn new(low: &Vector3<f64>, high: &Vector3<f64>, rng: &mut impl Rng) -> Self {
+    /// Lights of the room from `low` to `high`; `ambient` comes from everywhere, beside a lamp's 1.
+    pub(super) fn new(low: &Vector3<f64>, high: &Vector3<f64>, ambient: f64, rng: &mut impl Rng) -> Self {
         let size = high - low;
         let count = (size.x * size.y / LAMP_AREA).ceil().clamp(1.0, 40.0) as usize;
         let lamps = (0..count).map(|_| {
@@ -41,7 +39,7 @@ impl Lights {
         });
         let lamps = lamps.collect();
         let (sin, cos) = (std::f64::consts::TAU * rng.random::<f64>()).sin_cos();
-        Self { lamps, height: 0.5 * size.z, to_window: Vector3::new(0.9 * cos, 0.9 * sin, 0.436) }
+        Self { lamps, height: 0.5 * size.z, ambient, to_window: Vector3::new(0.9 * cos, 0.9 * sin, 0.436) }
     }
 
     /// Light on a surface with unit normal `normal` at `point`.
@@ -52,7 +50,7 @@ impl Lights {
             let square = to.norm_squared() + 0.25;
             (normal.dot(&to) / square.sqrt()).max(0.0) * self.height * self.height / square
         });
-        AMBIENT + lamps.sum::<f64>() + WINDOW * normal.dot(&self.to_window).max(0.0)
+        self.ambient + lamps.sum::<f64>() + WINDOW * normal.dot(&self.to_window).max(0.0)
     }
 
     /// Lights all rectangles but those that shine themselves; `texels_per_m` is the unit of the courses.
@@ -63,7 +61,7 @@ impl Lights {
             let of_rect = rect.size[0] * rect.size[1];
             sum += of_rect * mean(&course, rect.size);
             area += of_rect;
-            let scale = 1.0 / texels_per_m;
+            let scale = 1.0 / (texels_per_m * rect.skin.fineness);
             let units = [1.0, scale, scale, scale * scale, scale * scale, scale * scale];
             for ((to, from), unit) in rect.light.iter_mut().zip(&course).zip(units) {
                 *to = (from * unit) as f32;
@@ -109,7 +107,7 @@ mod tests {
     #[test]
     fn courses_follow_the_light_and_are_one_in_the_mean() {
         let (low, high) = (Vector3::zeros(), Vector3::new(6.0, 5.0, 3.0));
-        let lights = Lights::new(&low, &high, &mut Stream::new(4).rng());
+        let lights = Lights::new(&low, &high, 1.2, &mut Stream::new(4).rng());
         let skin = Skin::at(Material::Cloth, [0.0; 2], 1.0, 1.0);
         let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
         let floor = Rect::new(low, [x, y], [6.0, 5.0], skin);

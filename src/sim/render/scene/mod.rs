@@ -1,11 +1,14 @@
 //! The world that is rendered: rectangles with textures and light on them.
 
+mod course;
+mod hall;
 mod layout;
 mod light;
 mod rect;
 
 use super::texture::Atlas;
-use crate::tracks::{Bounds, World};
+use crate::tracks::World;
+pub(super) use course::Course;
 use dpn_core::random::Stream;
 use layout::Layout;
 use nalgebra::Vector3;
@@ -20,9 +23,9 @@ pub(super) struct Scene {
 }
 
 impl Scene {
-    /// The world around a flight within `bounds`.
-    pub(super) fn new(bounds: &Bounds, world: World, contrast: f64, stream: &Stream) -> Self {
-        let layout = Layout::new(bounds, world, contrast, &mut stream.named("layout").rng());
+    /// The world around a flight on `course`.
+    pub(super) fn new(course: &Course, world: World, contrast: f64, stream: &Stream) -> Self {
+        let layout = Layout::new(course, world, contrast, &mut stream.named("layout").rng());
         Self { rects: layout.rects, texels_per_m: layout.texels_per_m, atlas: Atlas::new(stream) }
     }
 

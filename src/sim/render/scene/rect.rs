@@ -17,6 +17,8 @@ pub(crate) struct Skin {
     pub(crate) tone: f32,
     /// How far the texture's values differ from a middle grey; 1 as painted.
     pub(crate) contrast: f32,
+    /// How many times finer than the world's its texels are.
+    pub(crate) fineness: f64,
 }
 
 impl Skin {
@@ -28,7 +30,7 @@ impl Skin {
     /// Keeps the offset within one repetition of the texture and above what half a texel to the left may reach.
     pub(crate) fn at(material: Material, offset: [f32; 2], tone: f32, contrast: f32) -> Self {
         let side = SIDE as f32;
-        Self { material, offset: offset.map(|v| v.rem_euclid(side) + side), tone, contrast }
+        Self { material, offset: offset.map(|v| v.rem_euclid(side) + side), tone, contrast, fineness: 1.0 }
     }
 }
 

@@ -25,11 +25,17 @@ pub(crate) enum Material {
     Planks,
     /// Nothing but light: windows and lamps.
     Plain,
+    /// A board's grain and knots.
+    Grain,
+    /// A net of cords over something bright.
+    Net,
+    /// A grating: the same dark holes over and over.
+    Grating,
 }
 
 impl Material {
     /// Every kind, in the order of their textures.
-    pub(crate) const ALL: [Self; 8] = [
+    pub(crate) const ALL: [Self; 11] = [
         Self::Cloth,
         Self::Carpet,
         Self::Clutter,
@@ -38,6 +44,9 @@ impl Material {
         Self::Print,
         Self::Planks,
         Self::Plain,
+        Self::Grain,
+        Self::Net,
+        Self::Grating,
     ];
 
     /// Its grey values.
@@ -51,6 +60,9 @@ impl Material {
             Self::Print => print(rng),
             Self::Planks => planks(rng),
             Self::Plain => Canvas::new(128.0),
+            Self::Grain => grain(rng),
+            Self::Net => net(rng),
+            Self::Grating => grating(rng),
         };
         canvas.soften();
         canvas.grey
@@ -205,6 +217,57 @@ fn print(rng: &mut impl Rng) -> Canvas {
         }
     }
     canvas.octaves(64, 512, 2.0, 1.0, rng);
+    canvas
+}
+
+fn grain(rng: &mut impl Rng) -> Canvas {
+    let mut canvas = Canvas::new(128.0);
+    canvas.noise(2, 9, 8.0, rng);
+    canvas.noise(3, 60, 6.0, rng);
+    canvas.noise(9, 256, 5.0, rng);
+    canvas.octaves(128, 512, 2.0, 1.0, rng);
+    for _ in 0..14 {
+        let (at, r) = (place(rng), size(6.0, 24.0, rng));
+        canvas.ellipse(at, [1.7 * r, r], 0.0, None, rng.random_range(70.0..100.0_f32));
+        canvas.ellipse(at, [1.1 * r, 0.6 * r], 0.0, None, rng.random_range(50.0..80.0_f32));
+    }
+    // Nails, chips, dirt.
+    for _ in 0..60 {
+        let (at, r) = (place(rng), size(2.0, 7.0, rng));
+        canvas.ellipse(at, [r, 0.7 * r], PI * rng.random::<f32>(), None, rng.random_range(30.0..90.0_f32));
+    }
+    canvas
+}
+
+fn net(rng: &mut impl Rng) -> Canvas {
+    let mut canvas = Canvas::new(115.0);
+    canvas.octaves(4, 32, 9.0, 0.8, rng);
+    const CELL: f32 = 32.0;
+    let cells = (SIDE as f32 / CELL) as usize;
+    for row in 0..cells {
+        for column in 0..cells {
+            let mut off = || CELL * (0.5 + 0.35 * (rng.random::<f32>() - 0.5));
+            let at = [column as f32 * CELL + off(), row as f32 * CELL + off()];
+            let turn = 0.25 * PI + 0.3 * (rng.random::<f32>() - 0.5);
+            for turn in [turn, turn + 0.5 * PI] {
+                canvas.rectangle(at, [0.75 * CELL, 2.0], turn, rng.random_range(185.0..235.0_f32));
+            }
+        }
+    }
+    canvas
+}
+
+fn grating(rng: &mut impl Rng) -> Canvas {
+    let mut canvas = Canvas::new(120.0);
+    canvas.octaves(4, 32, 7.0, 0.8, rng);
+    const CELL: f32 = 16.0;
+    let cells = (SIDE as f32 / CELL) as usize;
+    for row in 0..cells {
+        for column in 0..cells {
+            let at = [(column as f32 + 0.5) * CELL, (row as f32 + 0.5) * CELL];
+            canvas.rectangle(at, [0.36 * CELL, 0.28 * CELL], 0.0, rng.random_range(25.0..40.0_f32));
+        }
+    }
     canvas
 }
 

@@ -13,7 +13,7 @@ pub struct Pair {
 
 impl Pair {
     /// Sampson's distance from `cur^T E prev = 0`, squared \[rad^2\].
-    pub(super) fn distance_squared(&self, essential: &Matrix3<f64>) -> f64 {
+    pub fn distance_squared(&self, essential: &Matrix3<f64>) -> f64 {
         let line_cur = essential * self.prev;
         let line_prev = essential.tr_mul(&self.cur);
         let algebraic = self.cur.dot(&line_cur);
