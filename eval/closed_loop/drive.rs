@@ -8,6 +8,7 @@ use super::tracking::pass_over_spikes;
 use super::tracking_log::TrackingLog;
 use super::walk::{SampleWalk, Step, walk};
 use cpu_time::ThreadTime;
+use dpn_core::estimate::NoiseSpec;
 use dpn_core::trajectory::StampedPose;
 use dpn_core::{ImuNoise, ImuSample, NoiseTrack, Stamp, TrackFrame};
 use dpn_vio::estimator::{Estimator, EstimatorConfig, FeedError, FrontEndObserver, RunReport, Update};
@@ -92,6 +93,12 @@ pub fn frames_from<'a>(
         });
     }
     Ok(left)
+}
+
+/// The settings under which `noise` is told: levels are learned where it says so, and nowhere else.
+pub(super) fn settings_for(config: &EstimatorConfig, noise: &NoiseSpec) -> EstimatorConfig {
+    let components = noise.is_learned().then(|| config.components.unwrap_or_default());
+    EstimatorConfig { components, ..config.clone() }
 }
 
 /// Runs the estimator over frames of tracks, samples with their noise beside; every update is taken as soon as it can be had.

@@ -1,6 +1,6 @@
 //! One recording through the estimator, with everything a person wants to know of it.
 
-use super::drive::{EstimatorOutput, drive, drive_images, frames_from};
+use super::drive::{EstimatorOutput, drive, drive_images, frames_from, settings_for};
 use super::error::ClosedLoopError;
 use super::image_report::ImageEvent;
 use super::judge::{RunInfo, judge, noise_rms};
@@ -78,6 +78,7 @@ pub fn judged_run(
     networks: &[Network],
     observer: &mut dyn FrontEndObserver,
 ) -> Result<JudgedRun, ClosedLoopError> {
+    let config = &settings_for(config, noise);
     let recorded = Recorded { name: &recording.name, imu: &recording.imu, oracle: recording.oracle.as_ref() };
     let stream = Stream::new(info.seed).named("noise").named(&recording.name);
     let noise = crate::noise::track(noise, &recording.imu, &Fresh { recorded, networks }, &stream)?;
