@@ -1,4 +1,4 @@
-//! What the interval that leaves the window says of its components; the formulas stand at the head of [`super`].
+//! What the samples that leave the window say of its components; the formulas stand at the head of [`super`].
 
 use crate::factors::inertial::{inertial_jacobians, sqrt_information};
 use crate::preint::{COMPONENTS, NoiseLevels};
@@ -16,19 +16,23 @@ pub(super) struct InertialScore {
 }
 
 impl Window {
-    /// Of the oldest interval, at the present states; `None` while nothing moves (a rest's pseudo-measurements know no noise), or where the last
-    /// step was damped: the factor is then no covariance.
-    pub(super) fn oldest_inertial_score(&self) -> Option<InertialScore> {
-        let [first, second, ..] = self.frames.as_slice() else { return None };
-        if first.rest.is_some() || second.rest.is_some() || !self.factor_is_posterior {
+    /// Of the samples from the oldest frame to frame `last`, at the present states; `None` while nothing moves (a rest's pseudo-measurements know no
+    /// noise), or where the last step was damped: the factor is then no covariance.
+    pub(super) fn inertial_score(&self, last: usize) -> Option<InertialScore> {
+        let span = self.frames.get(..=last)?;
+        if span.iter().any(|frame| frame.rest.is_some()) || !self.factor_is_posterior {
             return None;
         }
-        let preint = second.preint.as_ref()?;
-        let root = sqrt_information(preint)?;
-        let (residual, d_0, d_1) = inertial_jacobians(preint, &first.state, &second.state);
-        let (d_0, d_1) = (root * d_0, root * d_1);
-        let explained = self.covariance_along([(0, &d_0), (1, &d_1)]);
-        Some(score(&(root * residual), &explained, &preint.components().map(|q| root * q * root.transpose()), preint.levels()))
+        let mut preint = span.get(1)?.preint.clone()?;
+        for frame in &span[2..] {
+            preint.append(frame.preint.as_ref()?);
+        }
+        let root = sqrt_information(&preint)?;
+        let (residual, d_i, d_j) = inertial_jacobians(&preint, &span[0].state, &span[last].state);
+        let (d_i, d_j) = (root * d_i, root * d_j);
+        let explained = self.covariance_along([(0, &d_i), (last, &d_j)]);
+        let parts = preint.components().map(|part| root * part * root.transpose());
+        Some(score(&(root * residual), &explained, &parts, preint.levels()))
     }
 
     /// `J H^-1 J^T` of rows that two frames' states enter.

@@ -10,14 +10,16 @@ use super::config::ComponentsConfig;
 use super::inertial::InertialScore;
 use super::pixels::PixelScore;
 use crate::preint::{ACCEL_WALK, COMPONENTS, GYRO_WALK, NoiseLevels, Preintegration, PreintegrationConfig};
-use crate::window::Window;
+use crate::window::{Frame, Window};
 use dpn_core::{SampleRate, Sensor, Stamp};
 use nalgebra::{SMatrix, SVector};
 
 /// What is told weighs so much in the long run: half an observation of a variance has the curvature of a quarter.
 const TOLD_INFORMATION: f64 = 0.25;
 /// A step of a logarithm that one frame may cause: a residual beyond all expectation is as often a fault as noise.
-const MAX_STEP: f64 = 0.7;
+const MAX_STEP: f64 = 1.0;
+/// The newest frames are not yet known well enough for the end of a span.
+const YOUNG: usize = 3;
 /// The same of the pixels', of which every frame says so much that smaller steps are quick.
 const MAX_PIXEL_STEP: f64 = 0.2;
 /// No level goes beyond this many times what was told, up or down; a walk's, beyond so many times its floor.
@@ -47,6 +49,8 @@ pub(crate) struct Learner {
     pixel: f64,
     pixel_information: f64,
     last: Option<Stamp>,
+    /// Up to where inertial residuals have been read.
+    read_until: Option<Stamp>,
 }
 
 impl Learner {
@@ -59,6 +63,7 @@ impl Learner {
             pixel: 0.0,
             pixel_information: 0.5 * config.prior,
             last: None,
+            read_until: None,
         };
         learner.x = learner.start();
         learner
@@ -90,6 +95,7 @@ impl Learner {
         self.information = SMatrix::identity() * (0.5 * self.config.prior);
         self.pixel_information = 0.5 * self.config.prior;
         self.last = None;
+        self.read_until = None;
     }
 
     /// Reads what is about to leave the window with its oldest frame.
@@ -98,14 +104,25 @@ impl Learner {
         let dt = self.last.map_or(0.0, |last| second.t.seconds_since(last));
         self.last = Some(second.t);
         let kept = (-dt / self.config.memory_s).exp();
-        if let Some(score) = window.oldest_inertial_score() {
+        if self.config.pixels {
+            self.take_pixels(&window.oldest_pixel_score(), kept);
+        }
+        let first = &window.frames()[0];
+        if self.read_until.is_some_and(|end| first.t < end) {
+            return;
+        }
+        let far_enough = |frame: &Frame| frame.t.seconds_since(first.t) >= self.config.span_s;
+        let newest = window.frames().len() - 1;
+        let last = window.frames().iter().position(far_enough).unwrap_or(newest).clamp(1, newest.saturating_sub(YOUNG).max(1));
+        let end = window.frames()[last].t;
+        let since = self.read_until.map_or(0.0, |before| end.seconds_since(before));
+        let kept = (-since / self.config.memory_s).exp();
+        self.read_until = Some(end);
+        if let Some(score) = window.inertial_score(last) {
             self.take_inertial(&score, kept);
             if let Some(preint) = &second.preint {
                 self.hold_within(preint);
             }
-        }
-        if self.config.pixels {
-            self.take_pixels(&window.oldest_pixel_score(), kept);
         }
     }
 
