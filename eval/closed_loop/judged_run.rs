@@ -37,7 +37,7 @@ pub struct JudgedRun {
     pub report: Report,
     /// What the estimator left.
     pub output: EstimatorOutput,
-    /// The noise it was told.
+    /// The noise in force: what it was told, times the levels it learned.
     pub noise: Arc<NoiseTrack>,
     /// The tracks it had.
     pub tracked: TrackedSequence,
@@ -60,7 +60,7 @@ pub struct Report {
     pub skipped: usize,
     /// What the initialisation waited for, and at how many frames.
     pub waited_for: BTreeMap<String, usize>,
-    /// Root mean square of the noise told: accelerometer x, y, z \[m/s^2\], gyroscope x, y, z \[rad/s\].
+    /// Root mean square of the noise in force: accelerometer x, y, z \[m/s^2\], gyroscope x, y, z \[rad/s\].
     pub noise_rms: [[f64; 3]; 2],
 }
 
@@ -94,6 +94,7 @@ pub fn judged_run(
             (drive(config, recording, tracked.run(), &noise, info.seed)?, tracked, health)
         }
     };
+    let noise = output.in_force(noise);
     let axes = axes(
         &without_spikes(recording.imu.samples()),
         tracked.run(),

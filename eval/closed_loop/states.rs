@@ -69,9 +69,7 @@ pub fn write_states(
             None => write!(out, "{}", ",".repeat(6))?,
         }
         let at = noise.stamps().partition_point(|t| *t <= update.t).max(1) - 1;
-        let told = noise.noises()[at];
-        let in_force = update.levels.map_or(told, |levels| levels.inertial.applied_to(&told).unwrap_or(told));
-        for value in Sensor::ALL.into_iter().flat_map(|sensor| in_force.of(sensor)) {
+        for value in Sensor::ALL.into_iter().flat_map(|sensor| noise.noises()[at].of(sensor)) {
             write!(out, ",{value:?}")?;
         }
         let whitened = update.whitened.map(|w| format!("{w:?}")).unwrap_or_default();

@@ -287,6 +287,7 @@ impl Sweep<'_> {
         let noise = crate::noise::track(cell.noise, &recording.imu, &sources, &stream)?;
         let estimator = settings_for(&self.estimator, cell.noise);
         let output = drive(&estimator, &recording, seen.run(), &noise, cell.seed)?;
+        let noise = output.in_force(noise);
         let info = RunInfo {
             camera: self.source.camera().into(),
             noise: cell.noise.clone(),

@@ -62,8 +62,16 @@ mod tests {
 
     #[test]
     fn specs_of_other_noises_differ() {
-        let specs =
-            ["x1", "x4,x1", "shuffled(x4)", "mean(x4)", "mean-of-train(x4)", "plus(diff2,x4)", "oracle", "self"];
+        let specs = [
+            "x1",
+            "x4,x1",
+            "shuffled(x4)",
+            "mean(x4)",
+            "mean-of-train(x4)",
+            "plus(diff2,x4)",
+            "oracle",
+            "self",
+        ];
         let contents: std::collections::BTreeSet<String> =
             specs.iter().map(|spec| content(&spec.parse().unwrap(), &[]).unwrap()).collect();
         assert_eq!(contents.len(), specs.len());

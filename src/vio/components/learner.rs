@@ -113,7 +113,12 @@ impl Learner {
         }
         let far_enough = |frame: &Frame| frame.t.seconds_since(first.t) >= self.config.span_s;
         let newest = window.frames().len() - 1;
-        let last = window.frames().iter().position(far_enough).unwrap_or(newest).clamp(1, newest.saturating_sub(YOUNG).max(1));
+        let last = window
+            .frames()
+            .iter()
+            .position(far_enough)
+            .unwrap_or(newest)
+            .clamp(1, newest.saturating_sub(YOUNG).max(1));
         let end = window.frames()[last].t;
         let since = self.read_until.map_or(0.0, |before| end.seconds_since(before));
         let kept = (-since / self.config.memory_s).exp();
@@ -128,11 +133,9 @@ impl Learner {
 
     fn take_inertial(&mut self, score: &InertialScore, kept: f64) {
         let back = (1.0 - kept) * TOLD_INFORMATION;
-        self.information =
-            self.information * kept + SMatrix::identity() * back + score.information;
+        self.information = self.information * kept + SMatrix::identity() * back + score.information;
         let at = SVector::<f64, COMPONENTS>::from_fn(|k, _| 2.0 * score.at.0[k].ln());
-        let gradient =
-            score.gradient + score.information * (at - self.x) + (self.start() - self.x) * back;
+        let gradient = score.gradient + score.information * (at - self.x) + (self.start() - self.x) * back;
         // Positive definite by the prior's share; numbers that are none move nothing.
         if let Some(step) = self.information.cholesky().map(|factor| factor.solve(&gradient))
             && step.iter().all(|d| d.is_finite())

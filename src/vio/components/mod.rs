@@ -29,6 +29,8 @@ mod config;
 mod inertial;
 mod learner;
 mod pixels;
+#[cfg(test)]
+mod tests;
 
 pub use config::ComponentsConfig;
 pub(crate) use learner::Learner;

@@ -350,8 +350,10 @@ mod tests {
             let scale = expected.covariance().diagonal().map(f64::sqrt);
             let off = |a: &SMatrix<f64, STATE_DIM, STATE_DIM>| {
                 let difference = a - expected.covariance();
-                SMatrix::<f64, STATE_DIM, STATE_DIM>::from_fn(|r, c| difference[(r, c)] / (scale[r] * scale[c]))
-                    .amax()
+                SMatrix::<f64, STATE_DIM, STATE_DIM>::from_fn(|r, c| {
+                    difference[(r, c)] / (scale[r] * scale[c])
+                })
+                .amax()
             };
             assert!(off(preint.covariance()) < 1e-12);
             assert!(off(&preint.components().iter().sum()) < 1e-12);

@@ -68,6 +68,6 @@ pub(crate) mod testing;
 pub use config::{ImuCov, PreintegrationConfig};
 pub use delta::Delta;
 pub use interval::Preintegration;
-pub use levels::{COMPONENTS, NoiseLevels};
 pub(crate) use levels::{ACCEL_WALK, GYRO_WALK};
+pub use levels::{COMPONENTS, NoiseLevels};
 pub use sample::NoisySample;
