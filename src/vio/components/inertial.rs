@@ -164,9 +164,9 @@ mod tests {
         let mut x = [0.0, 0.0, 1.0, -2.0, 0.5, 3.0];
         let b = x;
         factor.solve_lower(&mut x, 2);
-        for r in 0..6 {
+        for (r, b) in b.iter().enumerate() {
             let product: f64 = (0..=r).map(|c| factor.at(r, c) * x[c]).sum();
-            assert!((product - b[r]).abs() < 1e-12, "{r}");
+            assert!((product - b).abs() < 1e-12, "{r}");
         }
     }
 }
