@@ -96,8 +96,8 @@ pub fn timeline(run: &JudgedRun) -> Result<Timeline, FigureError> {
             ],
         ),
         panel("median way of a track since the frame before [px]", false, vec![line("", ways)]),
-        panel("accelerometer noise told [m/s²]", true, noise(Sensor::Accel)),
-        panel("gyroscope noise told [rad/s]", true, noise(Sensor::Gyro)),
+        panel("accelerometer noise in force [m/s²]", true, noise(Sensor::Accel)),
+        panel("gyroscope noise in force [rad/s]", true, noise(Sensor::Gyro)),
         panel("accelerometer bias [m/s²]", false, axes("", &|u, k| Some(u.state?.bias.accel[k]))),
         panel("gyroscope bias [rad/s]", false, axes("", &|u, k| Some(u.state?.bias.gyro[k]))),
         panel(

@@ -8,11 +8,13 @@ use super::tracking::pass_over_spikes;
 use super::tracking_log::TrackingLog;
 use super::walk::{SampleWalk, Step, walk};
 use cpu_time::ThreadTime;
+use dpn_core::estimate::NoiseSpec;
 use dpn_core::trajectory::StampedPose;
 use dpn_core::{ImuNoise, ImuSample, NoiseTrack, Stamp, TrackFrame};
 use dpn_vio::estimator::{Estimator, EstimatorConfig, FeedError, FrontEndObserver, RunReport, Update};
 use dpn_vio::preint::NoisySample;
 use nalgebra::Matrix6;
+use std::sync::Arc;
 
 /// Fewest frames with samples that are worth a run.
 pub const FEWEST_FRAMES: usize = 20;
@@ -39,6 +41,24 @@ impl EstimatorOutput {
     pub fn poses(&self) -> Vec<StampedPose> {
         let pose = |u: &Update| Some(StampedPose { t: u.t, world_from_body: u.state?.world_from_body });
         self.updates.iter().filter_map(pose).collect()
+    }
+
+    /// What was in force of the noise `told`: times the levels learned, each from its frame on.
+    pub(super) fn in_force(&self, told: Arc<NoiseTrack>) -> Arc<NoiseTrack> {
+        if self.updates.iter().all(|update| update.levels.is_none()) {
+            return told;
+        }
+        let mut updates = self.updates.iter().peekable();
+        let mut levels = None;
+        let noises = told.stamps().iter().zip(told.noises()).map(|(t, noise)| {
+            while let Some(update) = updates.next_if(|update| update.t <= *t) {
+                levels = update.levels.or(levels);
+            }
+            levels.map_or(*noise, |levels| {
+                levels.inertial.applied_to(noise).expect("levels are bounded factors of noise that is told")
+            })
+        });
+        Arc::new(told.with_noises(noises.collect()))
     }
 
     /// Covariances of the poses, where every pose has one.
@@ -90,6 +110,12 @@ pub(super) fn enough(recording: &Recording, stamps: &[Stamp], span: &Span) -> Re
         return Err(nothing_left(last.seconds_since(first)));
     }
     Ok(())
+}
+
+/// The settings under which `noise` is told: levels are learned where it says so, and nowhere else.
+pub(super) fn settings_for(config: &EstimatorConfig, noise: &NoiseSpec) -> EstimatorConfig {
+    let components = noise.is_learned().then(|| config.components.unwrap_or_default());
+    EstimatorConfig { components, ..config.clone() }
 }
 
 /// Runs the estimator over frames of tracks, samples with their noise beside; every update is taken as soon as it can be had.

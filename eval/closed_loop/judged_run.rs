@@ -1,6 +1,6 @@
 //! One recording through the estimator, with everything a person wants to know of it.
 
-use super::drive::{EstimatorOutput, drive, drive_images, enough, frames_from};
+use super::drive::{EstimatorOutput, drive, drive_images, enough, frames_from, settings_for};
 use super::error::ClosedLoopError;
 use super::frame_log::{FrameLog, SeenFrame};
 use super::image_report::{ImageEvent, ImageReport};
@@ -37,7 +37,7 @@ pub struct JudgedRun {
     pub report: Report,
     /// What the estimator left.
     pub output: EstimatorOutput,
-    /// The noise it was told.
+    /// The noise in force: what it was told, times the levels it learned.
     pub noise: Arc<NoiseTrack>,
     /// The frames that were run.
     pub frames: Vec<SeenFrame>,
@@ -60,7 +60,7 @@ pub struct Report {
     pub skipped: usize,
     /// What the initialisation waited for, and at how many frames.
     pub waited_for: BTreeMap<String, usize>,
-    /// Root mean square of the noise told: accelerometer x, y, z \[m/s^2\], gyroscope x, y, z \[rad/s\].
+    /// Root mean square of the noise in force: accelerometer x, y, z \[m/s^2\], gyroscope x, y, z \[rad/s\].
     pub noise_rms: [[f64; 3]; 2],
 }
 
@@ -78,6 +78,7 @@ pub fn judged_run(
     networks: &[Network],
     observer: &mut dyn FrontEndObserver,
 ) -> Result<JudgedRun, ClosedLoopError> {
+    let config = &settings_for(config, noise);
     let recorded = Recorded { name: &recording.name, imu: &recording.imu, oracle: recording.oracle.as_ref() };
     let stream = Stream::new(info.seed).named("noise").named(&recording.name);
     let noise = crate::noise::track(noise, &recording.imu, &Fresh { recorded, networks }, &stream)?;
@@ -99,6 +100,7 @@ pub fn judged_run(
     };
     let health = log.health();
     let (frames, axes) = log.finish(recording);
+    let noise = output.in_force(noise);
     let mut waited_for: BTreeMap<String, usize> = BTreeMap::new();
     for update in &output.updates {
         if let Phase::Initialising(reason) = update.phase {

@@ -8,7 +8,8 @@ use std::io::Write;
 /// Before the pose that covariances are about: stamp, position, quaternion (w x y z).
 pub const ANCHOR: &str = "#anchor,";
 
-/// Writes a line a frame as CSV: stamp, what the estimator does, state, believed deviations of the pose, noise in force, counts. A line
+/// Writes a line a frame as CSV: stamp, what the estimator does, state, believed deviations of the pose, noise in force, counts, and where levels are learned
+/// those of walks and pixels. A line
 /// behind `#anchor` has the pose that the estimator took for known.
 ///
 /// # Errors
@@ -19,7 +20,7 @@ pub fn write_states(
     out: &mut dyn Write,
 ) -> std::io::Result<()> {
     let axes = |name: &str, unit: &str| ["x", "y", "z"].map(|axis| format!("{name}_{axis}{unit}")).join(",");
-    writeln!(
+    write!(
         out,
         "#timestamp [ns],phase,{},q_w,q_x,q_y,q_z,{},{},{},{},{},{},{},tracked,landmarks,outliers,iterations,whitened",
         axes("p", " [m]"),
@@ -31,6 +32,8 @@ pub fn write_states(
         axes("accel_noise", " [m s^-2]"),
         axes("gyro_noise", " [rad s^-1]"),
     )?;
+    let learned = output.updates.iter().any(|update| update.levels.is_some());
+    writeln!(out, "{}", if learned { ",accel_walk_level,gyro_walk_level,pixel_level" } else { "" })?;
     if let Some(anchor) = &output.report.anchor {
         let (p, q) = (anchor.world_from_body.translation.vector, anchor.world_from_body.rotation.coords);
         write!(out, "{ANCHOR}{}", anchor.t.ns())?;
@@ -70,11 +73,16 @@ pub fn write_states(
             write!(out, ",{value:?}")?;
         }
         let whitened = update.whitened.map(|w| format!("{w:?}")).unwrap_or_default();
-        writeln!(
+        write!(
             out,
             ",{},{},{},{},{whitened}",
             update.tracked, update.landmarks, update.outliers, update.iterations
         )?;
+        if let Some(levels) = &update.levels {
+            let [.., accel_walk, gyro_walk] = levels.inertial.0;
+            write!(out, ",{accel_walk:?},{gyro_walk:?},{:?}", levels.pixel)?;
+        }
+        writeln!(out)?;
     }
     Ok(())
 }

@@ -6,7 +6,7 @@
 
 use super::cell::Cell;
 use super::consistency::write_nees;
-use super::drive::{drive, frames_from};
+use super::drive::{drive, frames_from, settings_for};
 use super::error::ClosedLoopError;
 use super::judge::{RunInfo, judge, noise_rms};
 use super::manifest::Manifest;
@@ -288,7 +288,9 @@ impl Sweep<'_> {
         let stream = Stream::new(cell.seed).named("noise").named(&recording.name);
         let sources = cache.sources(needs, recorded(&recording), self.networks);
         let noise = crate::noise::track(cell.noise, &recording.imu, &sources, &stream)?;
-        let output = drive(&self.estimator, &recording, seen.run(), &noise, cell.seed)?;
+        let estimator = settings_for(&self.estimator, cell.noise);
+        let output = drive(&estimator, &recording, seen.run(), &noise, cell.seed)?;
+        let noise = output.in_force(noise);
         let info = RunInfo {
             camera: self.source.camera().into(),
             truth: self.source.truth(),

@@ -34,6 +34,7 @@ pub fn content(spec: &NoiseSpec, networks: &[Network]) -> Result<String, NoiseEr
         NoiseSpec::Shuffled(of) => format!("shuffled({})", content(of, networks)?),
         NoiseSpec::Mean(of) => format!("mean({})", content(of, networks)?),
         NoiseSpec::MeanOfTrain(of) => format!("mean-of-train({})", content(of, networks)?),
+        NoiseSpec::Learned(of) => format!("self({})", content(of, networks)?),
         NoiseSpec::Plus { of, constant } => format!("plus({},{constant})", content(of, networks)?),
     })
 }
@@ -61,8 +62,16 @@ mod tests {
 
     #[test]
     fn specs_of_other_noises_differ() {
-        let specs =
-            ["x1", "x4,x1", "shuffled(x4)", "mean(x4)", "mean-of-train(x4)", "plus(diff2,x4)", "oracle"];
+        let specs = [
+            "x1",
+            "x4,x1",
+            "shuffled(x4)",
+            "mean(x4)",
+            "mean-of-train(x4)",
+            "plus(diff2,x4)",
+            "oracle",
+            "self",
+        ];
         let contents: std::collections::BTreeSet<String> =
             specs.iter().map(|spec| content(&spec.parse().unwrap(), &[]).unwrap()).collect();
         assert_eq!(contents.len(), specs.len());

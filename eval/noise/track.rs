@@ -75,6 +75,7 @@ pub fn track(
             let stream = stream.named("shuffled");
             Ok(Arc::new(shuffled(&*track(of, imu, sources, &stream)?, &stream)))
         }
+        NoiseSpec::Learned(of) => track(of, imu, sources, stream),
         NoiseSpec::Mean(of) => {
             let track = track(of, imu, sources, stream)?;
             let mut mean = MeanSquare::default();
@@ -153,6 +154,7 @@ pub fn of_recording(
         NoiseSpec::Shuffled(of)
         | NoiseSpec::Mean(of)
         | NoiseSpec::MeanOfTrain(of)
+        | NoiseSpec::Learned(of)
         | NoiseSpec::Plus { of, .. } => of_recording(of.source(), recorded, networks),
     }
 }

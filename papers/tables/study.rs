@@ -26,6 +26,7 @@ fn what(noise: &NoiseSpec) -> String {
         NoiseSpec::Plus { of, .. } if **of == specs::noise("dualpronet(wide-s0)") => {
             "DualProNet, wide, and a constant"
         }
+        NoiseSpec::Learned(_) => "learned while it runs",
         NoiseSpec::Plus { of, .. } => return format!("{}, and a constant", what(of)),
         _ if *noise == specs::noise(DATA_SHEET) => "data sheet",
         NoiseSpec::Sensors(_) if noise.is_constant() => "constant",

@@ -13,7 +13,7 @@ use dpn_eval::closed_loop::{
 use dpn_figures::save;
 use dpn_figures::{Album, timeline, top_view};
 use dpn_io::asl::{Sequence, is_there};
-use dpn_io::{atomic_write, write_tum};
+use dpn_io::{atomic_write, write_noise_track, write_tum};
 use dpn_pronet::network;
 use dpn_sim::Flight;
 use dpn_vio::estimator::FrontEndObserver;
@@ -120,6 +120,9 @@ fn open(args: &RunArgs) -> Result<(SequenceSet, usize)> {
 fn write(done: &JudgedRun, report: &serde_json::Value, out: &Path) -> Result<()> {
     write_tum(&out.join("trajectory.tum"), &done.output.poses())?;
     atomic_write(&out.join("states.csv"), |file| write_states(&done.output, &done.noise, file))?;
+    if done.report.row.noise.is_learned() {
+        write_noise_track(&out.join("noise_learned.csv"), &done.noise)?;
+    }
     let text = serde_json::to_string_pretty(report)? + "\n";
     atomic_write(&out.join("report.json"), |file| file.write_all(text.as_bytes()))?;
     Ok(())

@@ -5,6 +5,7 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+pub mod components;
 pub mod diagnosis;
 pub mod estimator;
 pub mod factors;

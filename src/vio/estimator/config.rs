@@ -1,6 +1,7 @@
 //! The estimator's settings.
 
 use super::health::HealthConfig;
+use crate::components::ComponentsConfig;
 use crate::frontend::FrontEndConfig;
 use crate::init::InitConfig;
 use crate::preint::PreintegrationConfig;
@@ -23,6 +24,9 @@ pub struct EstimatorConfig {
     pub front_end: FrontEndConfig,
     /// Whether every update carries the covariance of its pose: one more linear system a frame.
     pub covariance: bool,
+    /// How levels of the noise are learned; `None`: what is told is in force.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub components: Option<ComponentsConfig>,
 }
 
 impl EstimatorConfig {

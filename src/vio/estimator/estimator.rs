@@ -8,6 +8,7 @@ use super::ray_rates::RayRates;
 use super::report::{RunReport, Stage};
 use super::starter::{StartFrame, Starter, integrate};
 use super::update::{Phase, RestartReason, Update};
+use crate::components::Learner;
 use crate::factors::reprojection::Sighting;
 use crate::init::{InitFrame, RestWatch};
 use crate::preint::{NoisySample, Preintegration};
@@ -42,6 +43,7 @@ pub struct Estimator {
     /// Where the last estimate ended, for the next one to go on from.
     last_good: Option<NavState>,
     starved_since: Option<Stamp>,
+    learner: Option<Learner>,
     report: RunReport,
 }
 
@@ -74,6 +76,7 @@ impl Estimator {
             window: Window::new(config.window, body_from_cam),
             running: false,
             starved_since: None,
+            learner: config.components.map(|components| Learner::new(components, config.imu)),
             report: RunReport::default(),
             config,
         })
@@ -172,7 +175,7 @@ impl Estimator {
             .tracks
             .iter()
             .filter_map(|track| {
-                let sighting = Sighting::new(&self.camera, &track.px, self.config.window.pixel_std)?;
+                let sighting = Sighting::new(&self.camera, &track.px, self.window.config.pixel_std)?;
                 Some(Seen { id: track.id, sighting })
             })
             .collect()
@@ -196,6 +199,10 @@ impl Estimator {
             }
         }
         // The initialisation's own belief: a looser one would let a short start trade tilt for bias.
+        if let Some(learner) = &mut self.learner {
+            learner.restart();
+            learner.apply(&mut self.window, self.config.window.pixel_std);
+        }
         self.window.anchor([self.config.init.accel_bias_std, self.config.init.gyro_bias_std]);
         for _ in 0..START_ROUNDS {
             self.window.triangulate();
@@ -230,6 +237,7 @@ impl Estimator {
             outliers: 0,
             iterations: 0,
             whitened: None,
+            levels: None,
             seconds: 0.0,
         };
         clock.lap(Stage::Feed);
@@ -237,6 +245,8 @@ impl Estimator {
             if let Err(reason) = self.track(frame.t, &interval, &seen, &mut update) {
                 update = Update { state: None, covariance: None, phase: Phase::Restarted(reason), ..update };
                 self.running = false;
+                // What waits for a new start is seen with what was told.
+                self.window.config.pixel_std = self.config.window.pixel_std;
             }
         } else {
             match self.starter.push(&self.config, frame.t, interval, seen) {
@@ -252,6 +262,7 @@ impl Estimator {
             }
             clock.lap(Stage::Initialise);
         }
+        update.levels = self.learner.as_ref().map(Learner::levels);
         self.report.add_seconds(&clock.seconds);
         update
     }
@@ -297,9 +308,12 @@ impl Estimator {
         }
         let last = self.window.newest().expect("while it runs the window has frames: `start` saw one");
         let (last_t, last) = (last.t, last.state);
-        let Some(preint) = integrate(&self.config, &last.bias, &interval.samples) else {
+        let Some(mut preint) = integrate(&self.config, &last.bias, &interval.samples) else {
             return Err(RestartReason::ImuGap { seconds: t.seconds_since(last_t) });
         };
+        if let Some(learner) = &self.learner {
+            preint.set_levels(learner.levels().inertial);
+        }
         let predicted = preint.predict(&last);
         let rest = self.rests(t, &interval.samples, seen);
         update.tracked = self.window.add_frame(t, predicted, Some(preint), seen);
@@ -334,7 +348,13 @@ impl Estimator {
         update.landmarks = self.window.landmarks().iter().filter(|l| l.inverse_depth.is_some()).count();
         if self.window.is_full() {
             let leaving: Leaving = self.window.leaving(self.camera.focal().mean());
+            if let Some(learner) = self.learner.as_mut().filter(|_| leaving == Leaving::Oldest) {
+                learner.read(&self.window);
+            }
             update.whitened = self.window.slide(leaving);
+            if let Some(learner) = &self.learner {
+                learner.apply(&mut self.window, self.config.window.pixel_std);
+            }
         }
         clock.lap(Stage::Slide);
         self.report.add_seconds(&clock.seconds);

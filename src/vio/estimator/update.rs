@@ -1,5 +1,6 @@
 //! What comes out for each frame.
 
+use crate::components::Levels;
 use crate::init::WaitReason;
 use crate::state::NavState;
 use dpn_core::Stamp;
@@ -40,6 +41,8 @@ pub struct Update {
     /// Sum of squares in standard deviations of the inertial residual that left the window with this frame: position, rotation and
     /// velocity, 9 degrees of freedom.
     pub whitened: Option<f64>,
+    /// By what the noise told is multiplied from this frame on; `None` where nothing is learned.
+    pub levels: Option<Levels>,
     /// CPU time this frame took \[s\], as the wall clock saw it.
     pub seconds: f64,
 }

@@ -1,10 +1,11 @@
 //! The covariance of an interval under the three models; derived at the head of [`super`].
 
 use super::config::{ImuCov, PreintegrationConfig};
+use super::levels::{ACCEL_WALK, GYRO_WALK, NoiseLevels};
 use super::linear::{ACCEL, BIAS_DIM, GYRO, MOTION_DIM, Step, Transition};
 use super::sample::NoisySample;
 use crate::state::{ACCEL_BIAS, GYRO_BIAS, POSITION, ROTATION, STATE_DIM, VELOCITY};
-use dpn_core::{ImuNoise, Sensor};
+use dpn_core::ImuNoise;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// How one sample's noise enters `x`.
@@ -84,14 +85,10 @@ impl Entry {
     }
 }
 
-fn variances(noise: &ImuNoise) -> (Vector3<f64>, Vector3<f64>) {
-    let of = |sensor| Vector3::from(noise.of(sensor).map(|sigma| sigma * sigma));
-    (of(Sensor::Accel), of(Sensor::Gyro))
-}
-
 /// The covariance of an interval as it grows, in blocks: the biases' own is a multiple of the identity each.
 #[derive(Debug, Clone)]
 pub(super) struct Covariance {
+    levels: NoiseLevels,
     motion: SMatrix<f64, MOTION_DIM, MOTION_DIM>,
     motion_bias: SMatrix<f64, MOTION_DIM, BIAS_DIM>,
     accel_bias: f64,
@@ -101,9 +98,10 @@ pub(super) struct Covariance {
 }
 
 impl Covariance {
-    /// Of an empty interval that begins with `first`.
-    pub(super) fn new(config: &PreintegrationConfig, first: &ImuNoise) -> Self {
+    /// Of an empty interval that begins with `first`, the noise told multiplied by `levels`.
+    pub(super) fn new(config: &PreintegrationConfig, levels: NoiseLevels, first: &ImuNoise) -> Self {
         Self {
+            levels,
             motion: SMatrix::zeros(),
             motion_bias: SMatrix::zeros(),
             accel_bias: 0.0,
@@ -121,14 +119,14 @@ impl Covariance {
         sample_1: &NoisySample,
     ) {
         let dt = step.transition.dt;
-        let accel_walk = config.accel_bias_walk.get().powi(2) * dt;
-        let gyro_walk = config.gyro_bias_walk.get().powi(2) * dt;
+        let accel_walk = (config.accel_bias_walk.get() * self.levels.0[ACCEL_WALK]).powi(2) * dt;
+        let gyro_walk = (config.gyro_bias_walk.get() * self.levels.0[GYRO_WALK]).powi(2) * dt;
         match config.imu_cov {
             ImuCov::Exact => {
                 self.carry(&step.transition);
                 let half = Entry::half(step, &step.rotation_1);
                 if let Some((entry, noise)) = &self.open {
-                    let (accel, gyro) = variances(noise);
+                    let (accel, gyro) = self.levels.variances(noise);
                     entry.continued(step).add_to(&mut self.motion, &accel, &gyro);
                 }
                 // The walk's increment is in the second sample already, with the weight of its noise and a bias's sign.
@@ -148,14 +146,14 @@ impl Covariance {
                 for (rotation, noise) in
                     [(&step.rotation_0, &sample_0.noise), (&step.rotation_1, &sample_1.noise)]
                 {
-                    let (accel, gyro) = variances(noise);
+                    let (accel, gyro) = self.levels.variances(noise);
                     Entry::half(step, rotation).add_to(&mut self.motion, &accel, &gyro);
                 }
             }
             ImuCov::Euler => {
                 let transition = Transition::euler(dt, &step.rotation_0, &step.rate_0, &step.force_0);
                 self.carry(&transition);
-                let (accel, gyro) = variances(&sample_0.noise);
+                let (accel, gyro) = self.levels.variances(&sample_0.noise);
                 let mut d_motion_d_gyro = SMatrix::<f64, MOTION_DIM, 3>::zeros();
                 d_motion_d_gyro.fixed_view_mut::<3, 3>(ROTATION, 0).fill_diagonal(dt);
                 let entry = Entry {
@@ -193,7 +191,7 @@ impl Covariance {
     pub(super) fn assembled(&self) -> SMatrix<f64, STATE_DIM, STATE_DIM> {
         let mut motion = self.motion;
         if let Some((entry, noise)) = &self.open {
-            let (accel, gyro) = variances(noise);
+            let (accel, gyro) = self.levels.variances(noise);
             entry.add_to(&mut motion, &accel, &gyro);
         }
         let mut whole = SMatrix::<f64, STATE_DIM, STATE_DIM>::zeros();

@@ -3,6 +3,7 @@
 use super::config::PreintegrationConfig;
 use super::covariance::Covariance;
 use super::delta::Delta;
+use super::levels::{COMPONENTS, NoiseLevels};
 use super::linear::{ACCEL, BIAS_DIM, GYRO, MOTION_DIM, Step};
 use super::sample::NoisySample;
 use crate::state::{ImuBias, NavState, POSITION, ROTATION, STATE_DIM, VELOCITY};
@@ -17,6 +18,7 @@ use std::sync::OnceLock;
 pub struct Preintegration {
     config: PreintegrationConfig,
     bias: ImuBias,
+    levels: NoiseLevels,
     samples: Vec<NoisySample>,
     integral: Integral,
     covariance: OnceLock<SMatrix<f64, STATE_DIM, STATE_DIM>>,
@@ -32,11 +34,11 @@ struct Integral {
 }
 
 impl Integral {
-    fn new(config: &PreintegrationConfig, first: &NoisySample) -> Self {
+    fn new(config: &PreintegrationConfig, levels: NoiseLevels, first: &NoisySample) -> Self {
         Self {
             delta: Delta::identity(),
             jacobian: SMatrix::zeros(),
-            covariance: Covariance::new(config, &first.noise),
+            covariance: Covariance::new(config, levels, &first.noise),
         }
     }
 
@@ -61,7 +63,8 @@ impl Preintegration {
         Self {
             config,
             bias,
-            integral: Integral::new(&config, &first),
+            levels: NoiseLevels::TOLD,
+            integral: Integral::new(&config, NoiseLevels::TOLD, &first),
             samples: vec![first],
             covariance: OnceLock::new(),
             sqrt_information: OnceLock::new(),
@@ -77,7 +80,7 @@ impl Preintegration {
         self.forget();
     }
 
-    /// Merges the interval that follows, each sample with its own noise, under this interval's bias and configuration. The
+    /// Merges the interval that follows, each sample with its own noise, under this interval's bias, levels and configuration. The
     /// sample in which both meet is in both and is taken once.
     ///
     /// # After the call
@@ -92,12 +95,41 @@ impl Preintegration {
     /// Integrates the same samples anew, with another bias.
     pub fn reintegrate(&mut self, bias: ImuBias) {
         self.bias = bias;
-        let mut integral = Integral::new(&self.config, &self.samples[0]);
+        let mut integral = Integral::new(&self.config, self.levels, &self.samples[0]);
         for pair in self.samples.windows(2) {
             integral.advance(&self.config, &bias, &pair[0], &pair[1]);
         }
         self.integral = integral;
         self.forget();
+    }
+
+    /// Multiplies the noise told, of the samples here and of those to come: integrates anew, where the levels are others.
+    pub(crate) fn set_levels(&mut self, levels: NoiseLevels) {
+        if levels != self.levels {
+            self.levels = levels;
+            self.reintegrate(self.bias);
+        }
+    }
+
+    /// By what the noise told is multiplied.
+    pub(crate) fn levels(&self) -> &NoiseLevels {
+        &self.levels
+    }
+
+    /// What each component has in the covariance, in the order of [`COMPONENTS`]; their sum is [`Self::covariance`].
+    pub(crate) fn components(&self) -> [SMatrix<f64, STATE_DIM, STATE_DIM>; COMPONENTS] {
+        let first = &self.samples[0].noise;
+        let mut parts: [Covariance; COMPONENTS] =
+            std::array::from_fn(|k| Covariance::new(&self.config, self.levels.only(k), first));
+        let mut delta = Delta::identity();
+        for pair in self.samples.windows(2) {
+            let step = Step::mid_point(&delta, &self.bias, &pair[0].sample, &pair[1].sample);
+            for part in &mut parts {
+                part.advance(&self.config, &step, &pair[0], &pair[1]);
+            }
+            delta = step.after;
+        }
+        parts.map(|part| part.assembled())
     }
 
     /// The same samples integrated with another bias, their noise `accel` and `gyro` times as large.
@@ -297,6 +329,34 @@ mod tests {
                 assert_eq!(other.covariance(), all.covariance());
                 assert_eq!(other.duration().to_bits(), all.duration().to_bits());
             }
+        }
+    }
+
+    #[test]
+    fn levels_are_noise_told_so_and_components_add_up_to_the_covariance() {
+        let mut rng = rng("levels", 1);
+        let bias = random_bias(&mut rng);
+        let samples = lively(&mut rng, 200.0, 30, true);
+        let levels = NoiseLevels([3.0, 2.0, 1.0, 0.5, 4.0, 7.0, 20.0, 5.0]);
+        let told: Vec<_> = samples
+            .iter()
+            .map(|s| NoisySample { noise: levels.applied_to(&s.noise).unwrap(), ..*s })
+            .collect();
+        for imu_cov in MODELS {
+            let mut preint = integrate(config(imu_cov, 1e-3, 1e-4), bias, &samples);
+            preint.set_levels(levels);
+            assert_eq!(preint.delta(), integrate(config(imu_cov, 1e-3, 1e-4), bias, &samples).delta());
+            let expected = integrate(config(imu_cov, 2e-2, 5e-4), bias, &told);
+            let scale = expected.covariance().diagonal().map(f64::sqrt);
+            let off = |a: &SMatrix<f64, STATE_DIM, STATE_DIM>| {
+                let difference = a - expected.covariance();
+                SMatrix::<f64, STATE_DIM, STATE_DIM>::from_fn(|r, c| {
+                    difference[(r, c)] / (scale[r] * scale[c])
+                })
+                .amax()
+            };
+            assert!(off(preint.covariance()) < 1e-12);
+            assert!(off(&preint.components().iter().sum()) < 1e-12);
         }
     }
 

@@ -57,6 +57,7 @@ mod config;
 mod covariance;
 mod delta;
 mod interval;
+mod levels;
 mod linear;
 #[cfg(test)]
 mod monte_carlo;
@@ -67,4 +68,6 @@ pub(crate) mod testing;
 pub use config::{ImuCov, PreintegrationConfig};
 pub use delta::Delta;
 pub use interval::Preintegration;
+pub(crate) use levels::{ACCEL_WALK, GYRO_WALK};
+pub use levels::{COMPONENTS, NoiseLevels};
 pub use sample::NoisySample;

@@ -296,6 +296,17 @@ impl Factor {
         }
     }
 
+    /// Solves `L x = b` in place for a `b` whose first `from` entries are zero.
+    pub(crate) fn solve_lower(&self, x: &mut [f64], from: usize) {
+        let dim = self.dim;
+        for r in from..dim {
+            let first = self.first[r].max(from);
+            let row = &self.l[r * dim..=r * dim + r];
+            // A row may begin behind `from`, never behind its diagonal.
+            x[r] = (x[r] - dot(&row[first..r], &x[first..r])) * self.inverse_pivot[r];
+        }
+    }
+
     /// The entry of the factor at row `r`, column `c <= r`.
     pub(crate) fn at(&self, r: usize, c: usize) -> f64 {
         self.l[r * self.dim + c]

@@ -103,6 +103,7 @@ impl Window {
         self.landmarks = landmarks;
         self.prior = Some(prior);
         self.frames.remove(0);
+        self.factor_is_posterior = false;
         self.frames[0].preint = None;
         for landmark in &mut self.landmarks {
             for (frame, _) in &mut landmark.sightings {
@@ -131,6 +132,7 @@ impl Window {
             landmark.sightings.remove(k);
         }
         let frame = self.frames.remove(gone);
+        self.factor_is_posterior = false;
         if let (Some(mut earlier), Some(later)) = (frame.preint, self.frames[gone].preint.take()) {
             earlier.append(&later);
             self.frames[gone].preint = Some(earlier);

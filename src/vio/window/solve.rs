@@ -79,7 +79,9 @@ impl Window {
             solved.iterations += 1;
             let before = self.snapshot();
             let mut lowered = false;
-            if at.normal.factor(|k| damping * extra[k], &mut factor).is_ok() {
+            let factored = at.normal.factor(|k| damping * extra[k], &mut factor).is_ok();
+            self.factor_is_posterior = factored && damping == 0.0;
+            if factored {
                 step.clear();
                 step.extend_from_slice(at.normal.gradient());
                 factor.solve_negated(&mut step);

@@ -29,6 +29,8 @@ pub struct Window {
     pub(crate) prior: Option<Prior>,
     pub(crate) scratch: Linearisation,
     pub(crate) factor: Factor,
+    /// Whether `factor` is of undamped equations of the present frames: its inverse is then their covariance.
+    pub(crate) factor_is_posterior: bool,
 }
 
 impl Window {
@@ -45,6 +47,7 @@ impl Window {
             prior: None,
             scratch: Linearisation::default(),
             factor: Factor::default(),
+            factor_is_posterior: false,
         }
     }
 
@@ -106,6 +109,7 @@ impl Window {
         seen: &[Seen],
     ) -> usize {
         let frame = self.frames.len();
+        self.factor_is_posterior = false;
         self.frames.push(Frame { t, state, preint, rest: None });
         let mut known = 0;
         let mut still_wrong = HashSet::new();

@@ -26,13 +26,14 @@ pub(super) const ESTIMATORS: [(&str, &str); 12] = [
 ];
 
 /// The same of what stands for both sensors and needs more than the samples so far.
-const BOTH_SENSORS: [(&str, &str); 7] = [
+const BOTH_SENSORS: [(&str, &str); 8] = [
     ("dualpronet", "dualpronet(tag)"),
     ("file", "file(\"path\")"),
     ("oracle", "oracle"),
     ("shuffled", "shuffled(spec)"),
     ("mean", "mean(spec)"),
     ("mean-of-train", "mean-of-train(spec)"),
+    ("self", "self(spec)"),
     ("plus", PLUS),
 ];
 

@@ -8,6 +8,7 @@
 //! | `shuffled(X)` | X's values, permuted in time in blocks of 1 s: the same values, not at their time |
 //! | `mean(X)` | X's root mean square over the sequence, per axis: the same level, no change in time |
 //! | `mean-of-train(X)` | X's root mean square over the training sequences, per axis: nothing of this sequence |
+//! | `self`, `self(X)` | X's (x1 where none is said) times levels that the odometry learns while it runs, by axis |
 //! | `plus(X,C)` | root of the sum of squares of X's and a constant's: X for what was added, C for what is there in any case |
 //!
 //! Specs nest: `shuffled(dualpronet)`, `mean(x4,x1)`. `shuffled`, `mean` and `mean-of-train` are controls: they tell what of a gain is due to
@@ -45,6 +46,8 @@ pub enum NoiseSpec {
     Mean(Box<NoiseSpec>),
     /// Another's root mean square over the training sequences.
     MeanOfTrain(Box<NoiseSpec>),
+    /// Another's times levels that the odometry learns while it runs.
+    Learned(Box<NoiseSpec>),
     /// Another's and a constant's, variances added.
     Plus {
         /// What changes.
@@ -58,9 +61,11 @@ impl NoiseSpec {
     /// The spec whose track this one needs: itself, or what the controls are made of.
     pub fn source(&self) -> &Self {
         match self {
-            Self::Shuffled(of) | Self::Mean(of) | Self::MeanOfTrain(of) | Self::Plus { of, .. } => {
-                of.source()
-            }
+            Self::Shuffled(of)
+            | Self::Mean(of)
+            | Self::MeanOfTrain(of)
+            | Self::Learned(of)
+            | Self::Plus { of, .. } => of.source(),
             other => other,
         }
     }
@@ -69,9 +74,16 @@ impl NoiseSpec {
     pub fn needs_training(&self) -> bool {
         match self {
             Self::MeanOfTrain(_) => true,
-            Self::Shuffled(of) | Self::Mean(of) | Self::Plus { of, .. } => of.needs_training(),
+            Self::Shuffled(of) | Self::Mean(of) | Self::Learned(of) | Self::Plus { of, .. } => {
+                of.needs_training()
+            }
             _ => false,
         }
+    }
+
+    /// Whether the odometry learns levels while it runs.
+    pub fn is_learned(&self) -> bool {
+        matches!(self, Self::Learned(_))
     }
 
     /// The factor on the baseline of both sensors, where that is what the spec says.
@@ -100,7 +112,11 @@ impl NoiseSpec {
                 return Err(wrong("the spec it is made of is missing", usage));
             }
             let text: Vec<String> = call.args.iter().map(written).collect();
-            text.join(",").parse::<Self>().map(Box::new)
+            let of: Self = text.join(",").parse()?;
+            if of.is_learned() {
+                return Err(wrong(NOT_YET_LEARNED, usage));
+            }
+            Ok(Box::new(of))
         };
         match call.name.as_str() {
             "dualpronet" => match call.args.as_slice() {
@@ -116,6 +132,8 @@ impl NoiseSpec {
             "oracle" if call.args.is_empty() => Ok(Self::Oracle),
             "oracle" => Err(wrong("at most 0 arguments", "oracle")),
             "shuffled" => Ok(Self::Shuffled(inner("shuffled(spec)")?)),
+            "self" if call.args.is_empty() => Ok(Self::Learned(Box::new("x1".parse()?))),
+            "self" => Ok(Self::Learned(inner("self(spec)")?)),
             "mean" => Ok(Self::Mean(inner("mean(spec)")?)),
             "plus" => {
                 let (last, rest) = match call.args.split_last() {
@@ -129,13 +147,19 @@ impl NoiseSpec {
                     return Err(wrong(NO_CONSTANT, names::PLUS));
                 }
                 let text: Vec<String> = rest.iter().map(written).collect();
-                Ok(Self::Plus { of: Box::new(text.join(",").parse()?), constant })
+                let of: Self = text.join(",").parse()?;
+                if of.is_learned() {
+                    return Err(wrong(NOT_YET_LEARNED, names::PLUS));
+                }
+                Ok(Self::Plus { of: Box::new(of), constant })
             }
             _ => Ok(Self::MeanOfTrain(inner("mean-of-train(spec)")?)),
         }
     }
 }
 
+/// Levels are a function of a run, not of a recording: nothing can be made of them before it.
+const NOT_YET_LEARNED: &str = "levels of `self` are known only once the odometry has run; `dpn run --noise self` writes them as noise_learned.csv, and file(\"noise_learned.csv\") may stand here";
 const NO_CONSTANT: &str = "the last argument must be a constant, such as x4";
 
 /// An argument as it was written.
@@ -240,6 +264,8 @@ impl fmt::Display for NoiseSpec {
             Self::Shuffled(of) => write!(f, "shuffled({of})"),
             Self::Mean(of) => write!(f, "mean({of})"),
             Self::MeanOfTrain(of) => write!(f, "mean-of-train({of})"),
+            Self::Learned(of) if of.multiple() == Some(1.0) => f.write_str("self"),
+            Self::Learned(of) => write!(f, "self({of})"),
             Self::Plus { of, constant } => write!(f, "plus({of},{constant})"),
         }
     }
@@ -266,6 +292,9 @@ mod tests {
             ("shuffled(mean(x4,x1))", "shuffled(mean(x4,x1))"),
             ("shuffled( sg(11, 2) )", "shuffled(sg(11,2))"),
             ("mean-of-train(dualpronet(sg5-s0))", "mean-of-train(dualpronet(sg5-s0))"),
+            ("self", "self"),
+            ("self(x1)", "self"),
+            ("self( mean(diff2) )", "self(mean(diff2))"),
             ("plus( sg(11, 2), x4 )", "plus(sg(11,2),x4)"),
             (
                 "mean(plus(dualpronet(sg5-s0),const(.3,.01)))",
@@ -288,6 +317,9 @@ mod tests {
             ("file()", "one path"),
             ("dualpronet(a,b,c)", "at most 2"),
             ("shuffled(x1),x2", "both sensors"),
+            ("mean(self)", "once the odometry has run"),
+            ("self(self(x4))", "once the odometry has run"),
+            ("plus(self,x4)", "once the odometry has run"),
             ("plus(diff2)", "a spec and a constant"),
             ("plus(x1,diff2)", "must be a constant"),
         ] {

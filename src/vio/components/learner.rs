@@ -1,0 +1,195 @@
+//! The levels, and how what leaves the window moves them.
+//!
+//! The unknowns are logarithms of variances. Information is forgotten at the rate `1/memory` and what is told comes back at the same rate with
+//! the weight of half an observation, so that a component of which nothing is heard returns to what was told:
+//! ```text
+//! I <- f I + (1 - f) I_0 + I_new,   x <- x + I^-1 (g_new + I_new (x_new - x) + (1 - f) I_0 (x_0 - x)),   f = exp(-dt/memory)
+//! ```
+
+use super::config::ComponentsConfig;
+use super::inertial::InertialScore;
+use super::pixels::PixelScore;
+use crate::preint::{ACCEL_WALK, COMPONENTS, GYRO_WALK, NoiseLevels, Preintegration, PreintegrationConfig};
+use crate::window::{Frame, Window};
+use dpn_core::{SampleRate, Sensor, Stamp};
+use nalgebra::{SMatrix, SVector};
+
+/// What is told weighs so much in the long run: half an observation of a variance has the curvature of a quarter.
+const TOLD_INFORMATION: f64 = 0.25;
+/// A step of a logarithm that one frame may cause: a residual beyond all expectation is as often a fault as noise.
+const MAX_STEP: f64 = 1.0;
+/// The newest frames are not yet known well enough for the end of a span.
+const YOUNG: usize = 3;
+/// The same of the pixels', of which every frame says so much that smaller steps are quick.
+const MAX_PIXEL_STEP: f64 = 0.2;
+/// No level goes beyond this many times what was told, up or down; a walk's, beyond so many times its floor.
+const WIDEST: f64 = 100.0;
+/// Pixels are within this factor of what was told.
+const WIDEST_PIXEL: f64 = 4.0;
+/// Levels nearer than this to those of an interval, as logarithms of variances, are not worth integrating anew.
+const WORTHWHILE: f64 = 0.2;
+
+/// Levels in force: factors on the deviations told.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Levels {
+    /// Of the inertial noise and its walks.
+    pub inertial: NoiseLevels,
+    /// Of the pixels.
+    pub pixel: f64,
+}
+
+/// Learns them.
+#[derive(Debug, Clone)]
+pub(crate) struct Learner {
+    config: ComponentsConfig,
+    told: PreintegrationConfig,
+    /// Logarithms of the variances' factors.
+    x: SVector<f64, COMPONENTS>,
+    information: SMatrix<f64, COMPONENTS, COMPONENTS>,
+    pixel: f64,
+    pixel_information: f64,
+    last: Option<Stamp>,
+    /// Up to where inertial residuals have been read.
+    read_until: Option<Stamp>,
+}
+
+impl Learner {
+    pub(crate) fn new(config: ComponentsConfig, told: PreintegrationConfig) -> Self {
+        let mut learner = Self {
+            config,
+            told,
+            x: SVector::zeros(),
+            information: SMatrix::identity() * (0.5 * config.prior),
+            pixel: 0.0,
+            pixel_information: 0.5 * config.prior,
+            last: None,
+            read_until: None,
+        };
+        learner.x = learner.start();
+        learner
+    }
+
+    /// What is told, walks raised to their floors.
+    fn start(&self) -> SVector<f64, COMPONENTS> {
+        let mut x = SVector::zeros();
+        for (k, floor) in self.walk_floors() {
+            x[k] = f64::max(0.0, floor);
+        }
+        x
+    }
+
+    fn walk_floors(&self) -> [(usize, f64); 2] {
+        let accel = self.config.accel_walk_floor.get() / self.told.accel_bias_walk.get();
+        let gyro = self.config.gyro_walk_floor.get() / self.told.gyro_bias_walk.get();
+        [(ACCEL_WALK, 2.0 * accel.ln()), (GYRO_WALK, 2.0 * gyro.ln())]
+    }
+
+    /// The levels in force.
+    pub(crate) fn levels(&self) -> Levels {
+        let inertial = NoiseLevels(std::array::from_fn(|k| (0.5 * self.x[k]).exp()));
+        Levels { inertial, pixel: (0.5 * self.pixel).exp() }
+    }
+
+    /// Levels stay through a new start; how sure they are does not.
+    pub(crate) fn restart(&mut self) {
+        self.information = SMatrix::identity() * (0.5 * self.config.prior);
+        self.pixel_information = 0.5 * self.config.prior;
+        self.last = None;
+        self.read_until = None;
+    }
+
+    /// Reads what is about to leave the window with its oldest frame.
+    pub(crate) fn read(&mut self, window: &Window) {
+        let Some(second) = window.frames().get(1) else { return };
+        let dt = self.last.map_or(0.0, |last| second.t.seconds_since(last));
+        self.last = Some(second.t);
+        let kept = (-dt / self.config.memory_s).exp();
+        if self.config.pixels {
+            self.take_pixels(&window.oldest_pixel_score(), kept);
+        }
+        let first = &window.frames()[0];
+        if self.read_until.is_some_and(|end| first.t < end) {
+            return;
+        }
+        let far_enough = |frame: &Frame| frame.t.seconds_since(first.t) >= self.config.span_s;
+        let newest = window.frames().len() - 1;
+        let last = window
+            .frames()
+            .iter()
+            .position(far_enough)
+            .unwrap_or(newest)
+            .clamp(1, newest.saturating_sub(YOUNG).max(1));
+        let end = window.frames()[last].t;
+        let since = self.read_until.map_or(0.0, |before| end.seconds_since(before));
+        let kept = (-since / self.config.memory_s).exp();
+        self.read_until = Some(end);
+        if let Some(score) = window.inertial_score(last) {
+            self.take_inertial(&score, kept);
+            if let Some(preint) = &second.preint {
+                self.hold_within(preint);
+            }
+        }
+    }
+
+    fn take_inertial(&mut self, score: &InertialScore, kept: f64) {
+        let back = (1.0 - kept) * TOLD_INFORMATION;
+        self.information = self.information * kept + SMatrix::identity() * back + score.information;
+        let at = SVector::<f64, COMPONENTS>::from_fn(|k, _| 2.0 * score.at.0[k].ln());
+        let gradient = score.gradient + score.information * (at - self.x) + (self.start() - self.x) * back;
+        // Positive definite by the prior's share; numbers that are none move nothing.
+        if let Some(step) = self.information.cholesky().map(|factor| factor.solve(&gradient))
+            && step.iter().all(|d| d.is_finite())
+        {
+            self.x += step.map(|d| d.clamp(-MAX_STEP, MAX_STEP));
+        }
+    }
+
+    /// Levels between the data sheet and what is believed of no sensor.
+    fn hold_within(&mut self, preint: &Preintegration) {
+        let samples = preint.samples();
+        let period = preint.duration() / (samples.len() - 1).max(1) as f64;
+        let Some(rate) = SampleRate::from_hz(1.0 / period) else { return };
+        let widest = 2.0 * WIDEST.ln();
+        let floors = [
+            (Sensor::Accel, self.config.accel_floor.to_sample_std(rate).get()),
+            (Sensor::Gyro, self.config.gyro_floor.to_sample_std(rate).get()),
+        ];
+        for (first, (sensor, floor)) in [0, 3].into_iter().zip(floors) {
+            for axis in 0..3 {
+                let squares: f64 = samples.iter().map(|s| s.noise.of(sensor)[axis].powi(2)).sum();
+                let told = (squares / samples.len() as f64).sqrt();
+                let x = &mut self.x[first + axis];
+                *x = x.min(widest).max((2.0 * (floor / told).ln()).max(-widest));
+            }
+        }
+        for (k, floor) in self.walk_floors() {
+            self.x[k] = self.x[k].min(floor + widest).max(floor);
+        }
+    }
+
+    fn take_pixels(&mut self, score: &PixelScore, kept: f64) {
+        let back = (1.0 - kept) * TOLD_INFORMATION;
+        self.pixel_information = kept * self.pixel_information + back + 0.5 * score.redundancy;
+        let gradient = 0.5 * (score.squares - score.redundancy) - back * self.pixel;
+        let step = gradient / self.pixel_information;
+        if step.is_finite() {
+            let widest = 2.0 * WIDEST_PIXEL.ln();
+            self.pixel = (self.pixel + step.clamp(-MAX_PIXEL_STEP, MAX_PIXEL_STEP)).clamp(-widest, widest);
+        }
+    }
+
+    /// Weighs what is in the window by the present levels, where those in force differ enough; `told` is the deviation of a pixel that was told.
+    pub(crate) fn apply(&self, window: &mut Window, told: f64) {
+        let Levels { inertial, pixel } = self.levels();
+        for preint in window.frames.iter_mut().filter_map(|frame| frame.preint.as_mut()) {
+            let differ = |(now, then): (&f64, &f64)| 2.0 * (now / then).ln().abs() > WORTHWHILE;
+            if inertial.0.iter().zip(&preint.levels().0).any(differ) {
+                preint.set_levels(inertial);
+            }
+        }
+        let factor = pixel * told / window.config.pixel_std;
+        if 2.0 * factor.ln().abs() > 0.25 * WORTHWHILE {
+            window.rescale_pixels(factor);
+        }
+    }
+}

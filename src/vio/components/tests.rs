@@ -1,0 +1,111 @@
+//! Levels learned on simulated flights, against the noise that was drawn.
+
+use super::ComponentsConfig;
+use crate::estimator::{Estimator, EstimatorConfig, Phase, Update};
+use crate::preint::NoisySample;
+use dpn_core::camera::PinholeRadtan;
+use dpn_core::noise::{AccelNoiseDensity, GyroNoiseDensity};
+use dpn_core::{ImuNoise, ImuSample, SampleRate, TrackFrame};
+use dpn_sim::tracks::{AnalyticPath, CameraSettings, TracksConfig, camera_stamps, simulate_tracks};
+use dpn_sim::{Flight, FlightConfig, SimulatedFlight, simulate};
+use std::sync::OnceLock;
+
+/// True deviations: thrice the data sheet's, so that no level is held by a floor.
+const TRUE_SCALE: f64 = 3.0;
+const SEED: u64 = 51;
+
+struct Case {
+    flight: SimulatedFlight,
+    frames: Vec<TrackFrame>,
+    accel: f64,
+    gyro: f64,
+}
+
+/// A flight with white noise of one level and nothing else but walking biases.
+fn case() -> &'static Case {
+    static CASE: OnceLock<Case> = OnceLock::new();
+    CASE.get_or_init(|| {
+        let mut config = FlightConfig::default();
+        config.white.scale = TRUE_SCALE;
+        config.white.schedule = false;
+        config.vibration.scale = 0.0;
+        let flight = simulate(Flight::RoomWild, SEED, &config).unwrap();
+        let path = AnalyticPath::of(&flight);
+        let stamps = camera_stamps(&path, SampleRate::from_hz(10.0).unwrap());
+        let frames = simulate_tracks(&TracksConfig::default(), &path, &stamps, SEED).unwrap();
+        let accel = TRUE_SCALE * AccelNoiseDensity::EUROC.to_sample_std(SampleRate::HZ_200).get();
+        let gyro = TRUE_SCALE * GyroNoiseDensity::EUROC.to_sample_std(SampleRate::HZ_200).get();
+        Case { flight, frames, accel, gyro }
+    })
+}
+
+/// The flight through an estimator that learns, told `factor` times the truth; `add` changes a sample so many seconds after the first.
+fn run(factor: f64, add: impl Fn(f64, &mut ImuSample)) -> Vec<Update> {
+    let case = case();
+    let config = EstimatorConfig { components: Some(ComponentsConfig::default()), ..Default::default() };
+    let body_from_cam = CameraSettings::default().body_from_cam().unwrap();
+    let mut estimator =
+        Estimator::new(config, PinholeRadtan::euroc_cam0(), body_from_cam, "flight", 1).unwrap();
+    let noise = ImuNoise::from_values([factor * case.accel; 3], [factor * case.gyro; 3]).unwrap();
+    let samples = case.flight.recording.samples();
+    let mut left = samples.iter().peekable();
+    let mut updates = Vec::new();
+    for frame in &case.frames {
+        while let Some(sample) = left.next_if(|s| s.t <= frame.t.plus_seconds(0.006)) {
+            let mut sample = *sample;
+            add(sample.t.seconds_since(samples[0].t), &mut sample);
+            estimator.feed_imu(NoisySample { sample, noise }).unwrap();
+        }
+        estimator.feed_frame(frame.clone()).unwrap();
+        updates.extend(std::iter::from_fn(|| estimator.next_update()));
+    }
+    updates
+}
+
+/// Geometric mean of each level over some updates, over the truth for the six of the samples.
+fn mean_levels(updates: &[Update], factor: f64) -> [f64; 8] {
+    let levels: Vec<_> = updates.iter().filter_map(|u| u.state.and(u.levels)).collect();
+    std::array::from_fn(|k| {
+        let sum: f64 = levels.iter().map(|l| l.inertial.0[k].ln()).sum();
+        (sum / levels.len() as f64).exp() * if k < 6 { factor } else { 1.0 }
+    })
+}
+
+#[test]
+fn levels_come_out_near_what_was_drawn_whatever_is_told() {
+    for factor in [0.25, 1.0, 4.0] {
+        let updates = run(factor, |_, _| {});
+        let found = mean_levels(&updates[updates.len() / 2..], factor);
+        eprintln!("told x{factor}: {found:.3?}");
+        // A span is 1.5 s and counts for 10: some seven at a time leave a deviation of a sixth on each axis, and levels come down slowly.
+        for sensor in [&found[..3], &found[3..6]] {
+            let mean = sensor.iter().product::<f64>().cbrt();
+            assert!((0.75..1.6).contains(&mean), "told x{factor}: {found:?}");
+        }
+    }
+}
+
+/// The gyro's jump does not show in its bias: its walk lies so far below its white noise that the latter is raised.
+#[test]
+fn a_jump_of_the_biases_ends_no_run_and_the_accelerometers_is_followed() {
+    let length = case().flight.recording.duration();
+    let jump = |t: f64, sample: &mut ImuSample| {
+        if t > 0.5 * length {
+            sample.accel = sample.accel.map(|a| a + 0.3);
+            sample.gyro = sample.gyro.map(|w| w + 0.01);
+        }
+    };
+    let (calm, jumped) = (run(1.0, |_, _| {}), run(1.0, jump));
+    assert!(jumped.iter().all(|u| !matches!(u.phase, Phase::Restarted(_))));
+    let part = |updates: &[Update], from: f64, to: f64| {
+        let n = updates.len() as f64;
+        mean_levels(&updates[(from * n) as usize..(to * n) as usize], 1.0)
+    };
+    let (before, after) = (part(&calm, 0.5, 0.75), part(&jumped, 0.5, 0.75));
+    eprintln!("without: {before:.3?}\nwith:    {after:.3?}");
+    assert!(after[6] > 1.5 * before[6], "{before:?} {after:?}");
+    let last = jumped.iter().rev().find_map(|u| u.state).unwrap().bias;
+    let calm = calm.iter().rev().find_map(|u| u.state).unwrap().bias;
+    let off = ((last.accel - calm.accel).add_scalar(-0.3)).norm();
+    assert!(off < 0.15, "{} {}", last.accel, calm.accel);
+}
