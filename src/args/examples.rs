@@ -39,7 +39,7 @@ pub(super) const SWEEP_STATUS: &str = "Examples:
 pub(super) const NOISE: &str = "Examples:
   dpn noise flight.bag
   dpn noise log.csv --columns 1,2,3,4,5,6,7 --gyro-unit deg/s --out runs/mine
-  my-driver | dpn noise - --follow
+  my-driver | dpn noise --follow --rate 200
   dpn noise convert imu.yaml --to vins --rate 200";
 
 pub(super) const CONVERT: &str = "Examples:

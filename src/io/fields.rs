@@ -11,16 +11,22 @@ pub(super) enum Delimiter {
 }
 
 impl Delimiter {
-    /// The one that `line` uses. Commas beside semicolons or tabs are decimal ones, unless each tab only follows a comma.
+    /// The one that `line` uses. Commas beside semicolons or tabs are decimal ones, one a field, unless each tab only follows a comma.
     pub(super) fn of(line: &[u8]) -> Self {
-        let behind_commas = |line: &[u8]| {
-            memchr::memchr_iter(b'\t', line).all(|at| line[..at].trim_ascii_end().ends_with(b","))
-        };
-        let is = |byte: u8| match byte {
-            b'\t' => line.contains(&byte) && !behind_commas(line),
-            _ => line.contains(&byte),
-        };
-        [b';', b'\t', b','].into_iter().find(|d| is(*d)).map_or(Self::Blanks, Self::Byte)
+        let count = |byte: u8| memchr::memchr_iter(byte, line).count();
+        let commas = count(b',');
+        let decimal = |byte: u8| count(byte) > 0 && commas <= count(byte) + 1;
+        let behind_commas =
+            || memchr::memchr_iter(b'\t', line).all(|at| line[..at].trim_ascii_end().ends_with(b","));
+        if decimal(b';') {
+            Self::Byte(b';')
+        } else if decimal(b'\t') && !behind_commas() {
+            Self::Byte(b'\t')
+        } else if commas > 0 {
+            Self::Byte(b',')
+        } else {
+            Self::Blanks
+        }
     }
 
     /// Puts the fields of `line` into `fields`.

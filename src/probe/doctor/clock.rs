@@ -127,8 +127,17 @@ mod tests {
         for hz in [10.0, 200.0, 8000.0] {
             assert_eq!(of(hz), None);
         }
-        assert_eq!(of(10_000.0).unwrap(), "10000.000 Hz is faster than IMUs are read (10 to 8000 Hz)");
-        assert_eq!(of(0.2).unwrap(), "0.200 Hz is slower than IMUs are read (10 to 8000 Hz)");
-        assert_eq!(of(1e9).unwrap(), "1000000000 Hz: no IMU is as fast; the stamps count in another unit");
+        assert_eq!(
+            of(10_000.0).unwrap(),
+            "10000.000 Hz is faster than IMUs are read (10 to 8000 Hz); in a unit 1000 times larger it would be 10.0 Hz"
+        );
+        assert_eq!(
+            of(0.2).unwrap(),
+            "0.200 Hz is slower than IMUs are read (10 to 8000 Hz); in a unit 1000 times smaller it would be 200.0 Hz"
+        );
+        assert_eq!(
+            of(1e9).unwrap(),
+            "1000000000 Hz: no IMU is as fast; the stamps count in another unit; in a unit 1000000 times larger it would be 1000.0 Hz"
+        );
     }
 }

@@ -419,11 +419,13 @@ mod tests {
 
     /// Largest error of the predicted position \[m\] and velocity \[m/s\] and rotation \[rad\] over intervals of half a second.
     fn errors_along_a_flight(hz: f64) -> [f64; 3] {
-        let quiet = FlightConfig {
+        let mut quiet = FlightConfig {
             rate_hz: dpn_core::SampleRate::from_hz(hz).unwrap(),
             stamps: StampPattern::Exact,
             ..FlightConfig::default()
         };
+        // At the frame's shaking, 27 Hz, these rates are too low for the order to be seen.
+        quiet.vibration.scale = 0.0;
         let flight = simulate(Flight::ALL[0], 3, &quiet).unwrap();
         let t0 = flight.recording.samples()[0].t;
         let mut worst = [0.0f64; 3];
