@@ -18,7 +18,7 @@
 //! residual should be 1 would be the wrong target: the states are fitted to the same residuals.
 //!
 //! # In time
-//! [`Learner`] adds up `g` and `I` with exponential forgetting. An interval was weighed with the levels of its time (`Preintegration::levels`), so its
+//! `Learner` adds up `g` and `I` with exponential forgetting. An interval was weighed with the levels of its time (`Preintegration::levels`), so its
 //! derivative is carried to the present ones by `I`. New levels go into all intervals of the window, integrated anew, once they differ enough: what
 //! was weighed too firmly would else go on pulling for the two seconds until it leaves.
 //!
