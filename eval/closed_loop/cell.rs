@@ -25,6 +25,8 @@ pub(super) struct Cell<'a> {
     pub(super) content: String,
     /// The same of the tracks that its odometry has, where images are to be followed.
     pub(super) seen: String,
+    /// Cells of a lower turn are begun first.
+    pub(super) turn: u8,
 }
 
 impl Sweep<'_> {
@@ -50,7 +52,7 @@ impl Sweep<'_> {
             let seen = [&tracking, name, &manifest.inputs[name], &from, of_cell[0]];
             let seen = of_parts(seen.map(String::as_str));
             let content = of_parts(of_sequence.into_iter().chain(of_cell.map(String::as_str)));
-            cells.push(Cell { place, seed, noise, key, content, seen });
+            cells.push(Cell { place, seed, noise, key, content, seen, turn: 0 });
         }
         Ok(cells)
     }

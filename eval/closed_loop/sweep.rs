@@ -80,14 +80,14 @@ impl Sweep<'_> {
         Ok((rows, found.into_list()))
     }
 
-    /// Runs those cells whose content is in `only`, and whose row is not in the folder of `lock` yet. A cell that cannot be run ends nothing: it is named
+    /// Runs those cells whose content has a turn in `turns`, the lowest first, and whose row is not in the folder of `lock` yet. A cell that cannot be run ends nothing: it is named
     /// with its reason. `done` hears of every cell that was run once its row is in the folder, with the time it took.
     ///
     /// # Errors
     /// As of [`run`](Self::run), but for faults of cells.
     pub fn run_cells(
         &self,
-        only: &HashSet<&str>,
+        turns: &HashMap<&str, u8>,
         lock: &FolderLock,
         manifest: &Manifest,
         done: &mut CellWatch<'_>,
@@ -95,7 +95,11 @@ impl Sweep<'_> {
     ) -> Result<Vec<FailedCell>, ClosedLoopError> {
         let (unseen, failed) = (UnseenSequences::default(), Mutex::new(Vec::new()));
         let mut cells = self.cells(manifest)?;
-        cells.retain(|cell| only.contains(cell.content.as_str()));
+        cells.retain_mut(|cell| {
+            let turn = turns.get(cell.content.as_str());
+            cell.turn = turn.copied().unwrap_or_default();
+            turn.is_some()
+        });
         let on_fault = OnFault::Note { unseen: &unseen, failed: &failed };
         self.run_in_store(lock, manifest, &cells, &on_fault, done, (stop, progress))?;
         Ok(failed.into_inner().unwrap_or_else(PoisonError::into_inner))
@@ -231,7 +235,7 @@ impl Sweep<'_> {
     /// whole seeds.
     fn ahead<'c>(&self, mut cells: Vec<&'c Cell<'c>>) -> Vec<&'c Cell<'c>> {
         let place = |cell: &Cell<'_>| self.places.iter().position(|place| *place == cell.place);
-        cells.sort_by_key(|cell| (cell.seed, place(cell)));
+        cells.sort_by_key(|cell| (cell.turn, cell.seed, place(cell)));
         let groups: Vec<&[&Cell<'_>]> =
             cells.chunk_by(|a, b| (a.seed, a.place) == (b.seed, b.place)).collect();
         let first = |i: usize| groups.get(i).map(|group| group[0]);

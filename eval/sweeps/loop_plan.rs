@@ -118,7 +118,7 @@ impl LoopPlan {
             Some(dir) => SequenceSet::recorded(dir, tracks)?.with_reconciled_truth(self.truth.as_deref()),
             None => SequenceSet::Flights { config: self.flights.load()?, tracks },
         };
-        if self.seeds > 1 && !(source.tracks_are_seeded() || source.recordings_are_seeded()) {
+        if self.seeds > 1 && !source.tracks_are_seeded() {
             return Err(SweepError::Unseeded);
         }
         Ok(source)

@@ -27,6 +27,8 @@ pub struct SweepManifest {
     pub data: Option<PathBuf>,
     /// Whether the networks are those of the folder `models/` beside this file, and not the program's own.
     pub models: bool,
+    /// Whether a shard counts on tracks that another made (`dpn sweep run --cache`).
+    pub kept_tracks: bool,
     /// The lists of cells.
     pub jobs: Vec<Job>,
     /// What each shard is predicted to take \[s\].
@@ -78,7 +80,7 @@ impl SweepManifest {
     /// Of this format.
     pub fn new(program: String, processor: String, data: Option<PathBuf>, models: bool) -> Self {
         let (jobs, shard_s, cells) = (Vec::new(), Vec::new(), Vec::new());
-        Self { format: FORMAT, program, processor, data, models, jobs, shard_s, cells }
+        Self { format: FORMAT, program, processor, data, models, kept_tracks: false, jobs, shard_s, cells }
     }
 
     /// A checksum of the cells and of what they are made by and on: shards of one sweep agree in it.

@@ -5,7 +5,7 @@ use super::costs::{CostOf, Costs};
 use super::error::SweepError;
 use super::manifest::{Job, PlannedCell, SweepManifest};
 use super::spec::{JobSpec, LoopSpec, TrainSpec};
-use crate::closed_loop::{Manifest, Sweep};
+use crate::closed_loop::{Manifest, Sweep, TrackSource};
 use dpn_core::config::{ConfigFault, Validate};
 use dpn_io::config::ConfigError;
 use serde::Deserialize;
@@ -126,7 +126,8 @@ fn closed_loop(
         let run = sweep.to.unwrap_or(whole).min(whole) - sweep.from.seconds(name);
         seconds.insert(name.clone(), run.max(1.0));
     }
-    let seeded = sweep.source.tracks_are_seeded() || sweep.source.recordings_are_seeded();
+    let kept = planned.kept_tracks && matches!(sweep.source.tracks(), TrackSource::Images(_));
+    let seeded = sweep.source.tracks_are_seeded();
     let mut last = None;
     for (key, cell) in sweep.named_cells(made_from)? {
         let (noise, kind) = (key.noise.clone(), sweep.source.camera());
@@ -134,7 +135,7 @@ fn closed_loop(
         let time = costs.of_cell(&CostOf { kind, on: &key.sequence, what: &noise, amount });
         let group = (key.sequence.clone(), if seeded { key.seed } else { 0 });
         if last.as_ref() != Some(&group) {
-            groups.push(Group { shared_s: time.shared_s, cells: Vec::new() });
+            groups.push(Group { shared_s: time.shared_s, cells: Vec::new(), kept });
             last = Some(group);
         }
         let of = groups.last_mut().expect("one was just pushed, or is the last cell's");
@@ -160,7 +161,8 @@ fn train(
     for (spec, cell, amount) in trainings {
         let (on, what) = (spec.config.sensor().name(), spec.config.base.base().to_string());
         let time = costs.of_cell(&CostOf { kind: "train", on, what: &what, amount: *amount });
-        groups.push(Group { shared_s: time.shared_s, cells: vec![(planned.cells.len(), time.own_s)] });
+        let cells = vec![(planned.cells.len(), time.own_s)];
+        groups.push(Group { shared_s: time.shared_s, cells, kept: false });
         let (cell, label) = (cell.clone(), spec.folder.clone());
         planned.cells.push(PlannedCell { job, cell, label, amount: *amount, cost_s: time.own_s, shard: 0 });
     }

@@ -4,13 +4,14 @@
 //! `costs.jsonl`, `failed.jsonl` and, while it is worked on, `running.json`. Whoever runs it again finds damage by the account and makes what is
 //! damaged anew.
 
+use super::balance::Turn;
 use super::beat::{Heart, node};
 use super::costs::{COSTS, CellCost, CostOf};
 use super::error::SweepError;
-use super::manifest::SweepFolder;
+use super::manifest::{PlannedCell, SweepFolder};
 use super::record::{ROWS, ShardRecord, cells_with_rows};
 use super::spec::{JobSpec, LoopSpec, TrainSpec};
-use crate::closed_loop::{CellTime, FailedCell, Manifest, Row, Sweep, TrackCache};
+use crate::closed_loop::{CellKey, CellTime, FailedCell, Manifest, Row, Sweep, TrackCache};
 use dpn_core::progress::Progress;
 use dpn_io::{FolderLock, IoError, atomic_write};
 use dpn_pronet::network::Network;
@@ -224,11 +225,11 @@ impl<'a> Shard<'a> {
             .filter(|cell| cell.shard == self.number)
             .map(|cell| (cell.cell.as_str(), cell.amount))
             .collect();
-        let only: HashSet<&str> = own.keys().copied().collect();
-        let there: HashSet<String> =
-            sweep.named_cells(&manifest)?.into_iter().map(|(_, cell)| cell).collect();
-        if let Some(gone) =
-            cells.iter().find(|cell| only.contains(cell.cell.as_str()) && !there.contains(&cell.cell))
+        let named = sweep.named_cells(&manifest)?;
+        let there: HashSet<&str> = named.iter().map(|(_, cell)| cell.as_str()).collect();
+        if let Some(gone) = cells
+            .iter()
+            .find(|cell| own.contains_key(cell.cell.as_str()) && !there.contains(cell.cell.as_str()))
         {
             let key = format!("network, file of a noise, or training sequence of {}", gone.label);
             return Err(differs(key, &gone.cell[..16], "not so"));
@@ -243,7 +244,8 @@ impl<'a> Shard<'a> {
             Ok(costs.write(&CellCost::new(&of, row.seed, time))?)
         };
         let lock = inner.as_ref().unwrap_or(&self.lock);
-        self.failed.extend(sweep.run_cells(&only, lock, &manifest, &mut watch, (stop, progress))?);
+        let turns = turns(self.number, cells, &named, sweep.source.tracks_are_seeded());
+        self.failed.extend(sweep.run_cells(&turns, lock, &manifest, &mut watch, (stop, progress))?);
         Ok(())
     }
 
@@ -352,6 +354,28 @@ impl<'a> Shard<'a> {
             }),
         }
     }
+}
+
+/// The shard's own cells and when each has its turn: what other shards may wait for is made first, what others may be making is asked for last.
+fn turns<'c>(
+    shard: usize,
+    planned: &'c [PlannedCell],
+    named: &[(CellKey, String)],
+    by_seed: bool,
+) -> HashMap<&'c str, u8> {
+    let planned: HashMap<&str, &PlannedCell> =
+        planned.iter().map(|cell| (cell.cell.as_str(), cell)).collect();
+    let shares = |(a, _): &(CellKey, String), (b, _): &(CellKey, String)| {
+        a.sequence == b.sequence && (!by_seed || a.seed == b.seed)
+    };
+    let mut turns = HashMap::new();
+    for group in named.chunk_by(shares) {
+        let of_sweep = || group.iter().filter_map(|(_, cell)| planned.get(cell.as_str()).copied());
+        let turn = Turn::of(shard, of_sweep().map(|cell| cell.shard));
+        let own = of_sweep().filter(|cell| cell.shard == shard);
+        turns.extend(own.map(|cell| (cell.cell.as_str(), turn as u8)));
+    }
+    turns
 }
 
 /// A file that lines are added to.

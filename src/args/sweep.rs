@@ -51,6 +51,9 @@ pub(crate) struct SweepPlanArgs {
     /// Folder of an earlier sweep whose shards say what cells cost; without it a table of this program's.
     #[arg(long, value_name = "SWEEP")]
     pub(crate) costs: Option<PathBuf>,
+    /// The shards will keep tracks for each other (`dpn sweep run --cache DIR`): each rendering is counted once.
+    #[arg(long)]
+    pub(crate) kept_tracks: bool,
     /// The kind of processor that will run it (x86_64-v3), where it is not as this one.
     #[arg(long, value_name = "NAME")]
     pub(crate) processor: Option<String>,

@@ -85,7 +85,8 @@ fn cut(
         (shards, None) => Size::Shards(shards.map_or(1, |shards| shards as usize)),
     };
     let processor = args.processor.clone().unwrap_or_else(dpn_pronet::processor);
-    let manifest = SweepManifest::new(program(), processor, data, networks.is_some());
+    let made = SweepManifest::new(program(), processor, data, networks.is_some());
+    let manifest = SweepManifest { kept_tracks: args.kept_tracks, ..made };
     let planned = plan(manifest, jobs, &costs, size)?;
     SweepFolder::may_take(&args.out, &planned.manifest)?;
     for (number, network) in networks.into_iter().flatten().enumerate() {
@@ -103,7 +104,7 @@ fn tell(args: &SweepPlanArgs, folder: &SweepFolder, groups: &[Group], chosen: &B
     let predicted = |shards: usize, of: &Balance| {
         serde_json::json!({
             "shards": shards, "longest_s": of.longest_s(), "idle_share": of.idle_share(),
-            "cpu_s": of.seconds.iter().sum::<f64>(),
+            "cpu_s": of.cpu_s,
         })
     };
     let shards = folder.shards();
@@ -135,6 +136,6 @@ fn words(of: &Balance) -> String {
         "{} at most each, {:.1} % idle, {} of CPU in all",
         lasting(of.longest_s()),
         100.0 * of.idle_share(),
-        lasting(of.seconds.iter().sum())
+        lasting(of.cpu_s)
     )
 }
