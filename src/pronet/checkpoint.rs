@@ -100,7 +100,7 @@ impl Checkpoint {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "train"))]
 mod tests {
     use super::*;
     use crate::module::ProNet;

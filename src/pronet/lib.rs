@@ -40,6 +40,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 pub mod adam;
+#[cfg(feature = "train")]
 mod band_pass;
 pub mod checkpoint;
 pub mod config;
@@ -49,6 +50,7 @@ pub mod definition;
 mod engine;
 #[cfg(feature = "train")]
 mod fused;
+#[cfg(feature = "train")]
 pub mod init;
 pub mod model;
 #[cfg(feature = "train")]
@@ -73,3 +75,8 @@ pub use predictor::Predictor;
 pub use processor::processor;
 pub use store::StoreError;
 pub use weights::{Card, Weights};
+
+/// The crate's README, whose example is a test.
+#[cfg(doctest)]
+#[doc = include_str!("README.md")]
+struct Readme;

@@ -213,7 +213,7 @@ impl NoiseModel for DualProNet {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "train"))]
 mod tests {
     use super::*;
     use crate::config::ProNetConfig;

@@ -45,7 +45,7 @@ impl Predictor {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "train"))]
 mod tests {
     use super::*;
     use crate::init::initial_parameters;

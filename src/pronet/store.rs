@@ -10,7 +10,7 @@ use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -149,7 +149,7 @@ pub(crate) fn to_bytes(
             .map_err(|e| description(e.to_string()))?;
         views.push((tensor.name.as_str(), view));
     }
-    safetensors::serialize(views, Some(HashMap::from([(KEY.to_owned(), meta.to_string())])))
+    safetensors::serialize(views, Some([(KEY.to_owned(), meta.to_string())].into_iter().collect()))
         .map_err(|e| description(e.to_string()))
 }
 

@@ -147,7 +147,7 @@ impl Weights {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "train"))]
 mod tests {
     use super::*;
     use crate::init::initial_parameters;

@@ -5,7 +5,7 @@ use crate::{IoError, atomic_write};
 use dpn_core::checksum::of_bytes;
 use safetensors::tensor::{Dtype, TensorView};
 use serde::Serialize;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// A column on its way into a file.
@@ -63,7 +63,7 @@ pub fn to_bytes<T: Serialize>(
         let view = TensorView::new(*dtype, shape.clone(), bytes).map_err(|e| unwritable(e.to_string()))?;
         views.push((*name, view));
     }
-    safetensors::serialize(views, Some(HashMap::from([(KEY.to_owned(), description)])))
+    safetensors::serialize(views, Some([(KEY.to_owned(), description)].into_iter().collect()))
         .map_err(|e| unwritable(e.to_string()))
 }
 

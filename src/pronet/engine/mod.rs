@@ -5,11 +5,12 @@
 //! ([`kernel`]). The backward pass is written out by hand: weight gradients are one product with that same view, input gradients one
 //! product for every phase of the stride ([`plan::Phase`]).
 //!
-//! Windows are split into a number of chunks that depends on their count alone; chunks run on rayon's threads and are summed in
-//! their order, so that results are the same bits for any number of threads. (Not across machines: wider vectors sum in
-//! another order.)
+//! Results are the same bits for any number of threads, but not across machines: wider vectors sum in another order.
 
+#[cfg(feature = "train")]
 mod backward;
+#[cfg(feature = "train")]
+mod batch;
 mod buffer;
 mod chunk;
 mod forward;
@@ -21,9 +22,9 @@ mod plan;
 mod pool;
 
 use crate::config::ProNetConfig;
-use backward::{Backward, Gradients};
+#[cfg(feature = "train")]
+pub(crate) use batch::Saved;
 pub(crate) use buffer::Buffer;
-use buffer::zeros;
 use chunk::Arithmetic;
 pub(crate) use chunk::Chunk;
 use forward::Forward;
@@ -32,47 +33,14 @@ use input::Preparation;
 use norm::NormKind;
 use plan::Plan;
 use pulp::{Arch, Simd, WithSimd};
-use rayon::prelude::*;
-use std::sync::{Arc, Mutex, PoisonError};
-
-/// At most this many chunks a batch.
-const CHUNKS: usize = 4;
-/// Below this many windows a chunk is not worth a thread.
-const CHUNK_LEAST: usize = 8;
 
 /// Runs one configuration's network.
 #[derive(Debug)]
 pub(crate) struct Engine {
     arch: Arch,
     of: Arithmetic,
-    /// Rooms of finished passes, kept for the next: fresh memory would be paid for page by page at every step.
-    rooms: Mutex<Vec<Room>>,
-}
-
-/// Room for one pass over a batch, forth and back.
-#[derive(Debug, Default)]
-struct Room {
-    packed: Buffer,
-    chunks: Vec<Chunk>,
-    gradients: Vec<Gradients>,
-}
-
-/// What a forward pass leaves behind for its backward pass; returns its room to the engine when dropped.
-#[derive(Debug)]
-pub(crate) struct Saved {
-    engine: Arc<Engine>,
-    room: Mutex<Room>,
-    count: usize,
-}
-
-impl Drop for Saved {
-    fn drop(&mut self) {
-        let room = std::mem::take(self.room.get_mut().unwrap_or_else(PoisonError::into_inner));
-        let mut rooms = self.engine.rooms.lock().unwrap_or_else(PoisonError::into_inner);
-        if rooms.len() < 2 {
-            rooms.push(room);
-        }
-    }
+    #[cfg(feature = "train")]
+    rooms: batch::Rooms,
 }
 
 struct Lanes;
@@ -107,7 +75,8 @@ impl Engine {
                 pool: config.pool,
                 window: config.window,
             },
-            rooms: Mutex::new(Vec::new()),
+            #[cfg(feature = "train")]
+            rooms: batch::Rooms::default(),
         }
     }
 
@@ -122,49 +91,6 @@ impl Engine {
         }
     }
 
-    /// Deviations of `windows` (`[count, window]`), and what the backward pass needs.
-    pub(crate) fn forward(self: &Arc<Self>, flat: &[f32], windows: &[f32]) -> (Vec<f32>, Saved) {
-        let mut room = self.rooms.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();
-        self.pack(flat, &mut room.packed);
-        let count = windows.len() / self.of.window;
-        let mut sigma = vec![0.0; count];
-        let size = chunk_size(count);
-        room.chunks.resize_with(count.div_ceil(size), Chunk::default);
-        let packed = &room.packed;
-        room.chunks
-            .par_iter_mut()
-            .zip(sigma.par_chunks_mut(size))
-            .zip(windows.par_chunks(size * self.of.window))
-            .for_each(|((chunk, sigma), windows)| {
-                chunk.fit(&self.of, sigma.len(), true);
-                self.arch.dispatch(Forward { of: &self.of, packed, windows, keep: true, chunk, sigma });
-            });
-        let saved = Saved { engine: Arc::clone(self), room: Mutex::new(room), count };
-        (sigma, saved)
-    }
-
-    /// The flat gradient of something whose gradient with respect to the deviations is `d_sigma`.
-    pub(crate) fn backward(&self, saved: &Saved, d_sigma: &[f32]) -> Vec<f32> {
-        let plan = &self.of.plan;
-        let size = chunk_size(saved.count);
-        let mut room = saved.room.lock().unwrap_or_else(PoisonError::into_inner);
-        let Room { packed, chunks, gradients } = &mut *room;
-        gradients.resize_with(chunks.len(), Gradients::default);
-        gradients.par_iter_mut().zip(chunks.par_iter()).zip(d_sigma.par_chunks(size)).for_each(
-            |((gradients, chunk), d_sigma)| {
-                gradients.fit(plan, d_sigma.len());
-                self.arch.dispatch(Backward { of: &self.of, packed, chunk, d_sigma, gradients });
-            },
-        );
-        let mut sums = zeros(plan.gradient_len);
-        for chunk in gradients {
-            for (sum, part) in sums.iter_mut().zip(chunk.sums.iter()) {
-                *sum += part;
-            }
-        }
-        plan.gradient.iter().map(|place| sums[*place as usize]).collect()
-    }
-
     /// Deviations of a few windows with packed weights, on this thread, leaving nothing behind.
     pub(crate) fn infer(&self, packed: &Buffer, windows: &[f32], chunk: &mut Chunk, sigma: &mut [f32]) {
         chunk.fit(&self.of, sigma.len(), false);
@@ -172,12 +98,7 @@ impl Engine {
     }
 }
 
-/// Windows a chunk: a function of their count alone.
-fn chunk_size(count: usize) -> usize {
-    count.div_ceil(CHUNKS).max(CHUNK_LEAST)
-}
-
-#[cfg(test)]
+#[cfg(all(test, feature = "train"))]
 mod tests {
     use super::*;
     use crate::init::initial_parameters;
