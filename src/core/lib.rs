@@ -21,6 +21,7 @@ pub mod noise;
 mod plateaus;
 pub mod progress;
 pub mod random;
+mod samples;
 pub mod signal;
 pub mod time;
 pub mod tracks;
@@ -30,6 +31,7 @@ pub mod truth;
 pub use image::{GrayImage, GrayView};
 pub use imu::{ImuRecording, ImuSample, Sensor};
 pub use noise::{ImuNoise, NoiseModel, NoiseTrack};
+pub use samples::{Recorded, Samples, median_rate};
 pub use time::{SampleRate, Stamp};
 pub use tracks::{Track, TrackFrame};
 
