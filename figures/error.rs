@@ -55,6 +55,9 @@ pub enum FigureError {
     /// It could not be written.
     #[error("{0}")]
     Write(#[from] IoError),
+    /// What should be drawn lies in a temporary file that cannot be read again.
+    #[error("{0}")]
+    Read(#[from] std::io::Error),
     /// The drawing library refused.
     #[error("cannot draw: {reason}; please report it with its input, from which a figure should come")]
     Draw {

@@ -3,7 +3,7 @@
 //! unlike those of the training.
 
 use super::axis::Axis;
-use super::error::{FigureError, check_column};
+use super::error::FigureError;
 use super::flight::Phase;
 use super::flight_sigma::{draw_limit, draw_medians, envelope, ground, labels, tint};
 use super::frame::{ABOVE, BELOW, Frame, LEFT, RIGHT, Rect};
@@ -11,8 +11,8 @@ use super::legend::{self, Entry, Key};
 use super::plot::{Area, Drawn, Painted, Plot, row};
 use super::sheet::Sheet;
 use super::style::{self, PALETTE};
-use super::summary::{Column, columns};
-use dpn_core::{ImuRecording, Sensor};
+use super::summary::{Column, Thinned};
+use dpn_core::{Recorded, Sensor};
 use dpn_probe::log_noise::{Plan, Track, TrackSummary};
 use plotters::style::{Color, RGBColor};
 use plotters_backend::DrawingBackend;
@@ -55,28 +55,43 @@ impl LogNoisePlot {
     /// A recording, what `plan` said along it, and the summary of that; `words` end the small print.
     ///
     /// # Errors
-    /// [`FigureError`] for a track of fewer than two answers or a value that is not finite.
+    /// [`FigureError`] for a track of fewer than two answers, and for samples or answers that cannot be read again.
     pub fn new(
-        recording: &ImuRecording,
+        recording: &dyn Recorded,
         track: &Track,
         plan: &Plan<'_>,
         summary: &TrackSummary,
         words: &str,
     ) -> Result<Self, FigureError> {
-        if track.answers.len() < 2 {
+        if track.len() < 2 {
             return Err(FigureError::Empty { figure: FIGURE, what: "pair of answers".into() });
         }
-        let start = recording.samples()[0].t;
-        let t: Vec<f64> = recording.samples().iter().map(|s| s.t.seconds_since(start)).collect();
-        let answered: Vec<f64> = track.answers.iter().map(|a| a.t.seconds_since(start)).collect();
-        let sensors = Sensor::ALL
-            .into_iter()
-            .map(|sensor| {
-                let outside = summary.outside.iter().filter(|span| span.sensor == sensor);
-                let outside = outside.map(|span| (span.from_s, span.to_s)).collect();
-                Ok(Panel { outside, ..Panel::new(sensor, recording, &t, track, &answered, plan)? })
-            })
-            .collect::<Result<Vec<_>, FigureError>>()?;
+        let start = recording.span()[0];
+        let six =
+            |of: &dyn Fn(Sensor) -> [f64; 3]| -> Vec<f64> { Sensor::ALL.into_iter().flat_map(of).collect() };
+        let mut signal = Thinned::new([0.0, recording.length_s()], ROOM as usize, 6);
+        recording.each(0..recording.len(), &mut |s| {
+            signal.push(s.t.seconds_since(start), &six(&|sensor| s.of(sensor)));
+        })?;
+        let (mut first_s, mut last_s) = (f64::NAN, f64::NAN);
+        track.each(|answer| {
+            last_s = answer.t.seconds_since(start);
+            first_s = if first_s.is_nan() { last_s } else { first_s };
+            Ok(())
+        })?;
+        let mut sigma = Thinned::new([first_s, last_s], (ROOM / COARSE) as usize, 6);
+        track.each(|answer| {
+            sigma.push(answer.t.seconds_since(start), &six(&|sensor| answer.noise.of(sensor)));
+            Ok(())
+        })?;
+        let (mut signal, mut sigma) = (signal.done().into_iter(), sigma.done().into_iter());
+        let mut sensors = Vec::new();
+        for sensor in Sensor::ALL {
+            let outside = summary.outside.iter().filter(|span| span.sensor == sensor);
+            let outside = outside.map(|span| (span.from_s, span.to_s)).collect();
+            let (signal, sigma) = (signal.by_ref().take(3).collect(), sigma.by_ref().take(3).collect());
+            sensors.push(Panel { outside, ..Panel::new(sensor, signal, sigma, plan) });
+        }
         let phases: Vec<Phase> = summary
             .stretches
             .iter()
@@ -99,30 +114,15 @@ impl LogNoisePlot {
             plan.spec(),
             plan.every(),
         );
-        let time = Axis::linear("time [s]".into(), 0.0, recording.duration(), 10);
+        let time = Axis::linear("time [s]".into(), 0.0, recording.length_s(), 10);
         let body = sensors.len() as i32 * (ABOVE + SIGNAL + BETWEEN + SIGMA + BELOW);
         Ok(Self { time, sensors, phases, sheet: Sheet::new(legend, body, caption) })
     }
 }
 
 impl Panel {
-    fn new(
-        sensor: Sensor,
-        recording: &ImuRecording,
-        t: &[f64],
-        track: &Track,
-        answered: &[f64],
-        plan: &Plan<'_>,
-    ) -> Result<Self, FigureError> {
+    fn new(sensor: Sensor, signal: Vec<Vec<Column>>, sigma: Vec<Vec<Column>>, plan: &Plan<'_>) -> Self {
         let unit = style::unit(sensor);
-        let mut signal = Vec::new();
-        let mut sigma = Vec::new();
-        for (axis, name) in AXES.into_iter().enumerate() {
-            signal.push(columns(t, &recording.axis(sensor, axis), ROOM as usize));
-            let values: Vec<f64> = track.answers.iter().map(|a| a.noise.of(sensor)[axis]).collect();
-            check_column(FIGURE, &format!("deviation of {sensor} {name}"), &values, answered.len())?;
-            sigma.push(columns(answered, &values, (ROOM / COARSE) as usize));
-        }
         let extent = |all: &[Vec<Column>]| {
             let low = all.iter().flatten().map(|c| c.low).fold(f64::INFINITY, f64::min);
             let high = all.iter().flatten().map(|c| c.high).fold(f64::NEG_INFINITY, f64::max);
@@ -136,7 +136,7 @@ impl Panel {
         let top = middles().fold(trained_up_to.unwrap_or(0.0), f64::max);
         let bottom = middles().fold(top, f64::min);
         let (bottom, top) = if top > 0.0 { (bottom / 1.3, top * 1.3) } else { (0.1, 1.0) };
-        Ok(Self {
+        Self {
             sensor,
             signal_axis: Axis::linear(format!("signal [{unit}]"), low - pad, high + pad, 5),
             sigma_axis: Axis::log(format!("σ [{unit}]"), bottom, top),
@@ -144,7 +144,7 @@ impl Panel {
             sigma,
             trained_up_to,
             outside: Vec::new(),
-        })
+        }
     }
 }
 

@@ -93,21 +93,63 @@ pub(super) fn columns(t: &[f64], values: &[f64], count: usize) -> Vec<Column> {
     let (Some(&start), Some(&end)) = (t.first(), t.last()) else {
         return Vec::new();
     };
-    let column =
-        |t: f64| (((t - start) / (end - start) * count as f64) as usize).min(count.saturating_sub(1));
-    let mut out = Vec::new();
-    let mut from = 0;
-    while from < t.len() {
-        let at = column(t[from]);
-        let to = from + t[from..].partition_point(|&t| column(t) <= at);
-        let part = &values[from..to];
-        let ends = [part.iter().copied().min_by(f64::total_cmp), part.iter().copied().max_by(f64::total_cmp)];
-        let [low, high] = ends.map(|end| end.expect("a column has a sample"));
-        let t = t[from..to].iter().sum::<f64>() / (to - from) as f64;
-        out.push(Column { t, low, middle: quantile(part, 0.5), high });
-        from = to;
+    let mut thinned = Thinned::new([start, end], count, 1);
+    t.iter().zip(values).for_each(|(t, value)| thinned.push(*t, &[*value]));
+    thinned.done().pop().expect("one signal")
+}
+
+/// [`columns`] of several signals with the same times that come sample by sample: only one column's samples are held.
+#[derive(Debug)]
+pub(super) struct Thinned {
+    span: [f64; 2],
+    count: usize,
+    /// The column that is being filled.
+    at: usize,
+    times: Vec<f64>,
+    values: Vec<Vec<f64>>,
+    done: Vec<Vec<Column>>,
+}
+
+impl Thinned {
+    /// For times from the first to the last of `span`.
+    pub(super) fn new(span: [f64; 2], count: usize, signals: usize) -> Self {
+        let (values, done) = (vec![Vec::new(); signals], vec![Vec::new(); signals]);
+        Self { span, count, at: 0, times: Vec::new(), values, done }
     }
-    out
+
+    /// Takes the values of all signals at `t`, not before the last.
+    pub(super) fn push(&mut self, t: f64, values: &[f64]) {
+        let [start, end] = self.span;
+        let at =
+            (((t - start) / (end - start) * self.count as f64) as usize).min(self.count.saturating_sub(1));
+        if at > self.at {
+            self.close();
+            self.at = at;
+        }
+        self.times.push(t);
+        self.values.iter_mut().zip(values).for_each(|(all, value)| all.push(*value));
+    }
+
+    fn close(&mut self) {
+        if self.times.is_empty() {
+            return;
+        }
+        let t = self.times.iter().sum::<f64>() / self.times.len() as f64;
+        for (part, done) in self.values.iter_mut().zip(&mut self.done) {
+            let ends =
+                [part.iter().copied().min_by(f64::total_cmp), part.iter().copied().max_by(f64::total_cmp)];
+            let [low, high] = ends.map(|end| end.expect("a column has a sample"));
+            done.push(Column { t, low, middle: quantile(part, 0.5), high });
+            part.clear();
+        }
+        self.times.clear();
+    }
+
+    /// The columns, a list a signal.
+    pub(super) fn done(mut self) -> Vec<Vec<Column>> {
+        self.close();
+        self.done
+    }
 }
 
 #[cfg(test)]

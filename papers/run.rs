@@ -12,7 +12,7 @@ use super::specs;
 use super::tables;
 use askama::Template as _;
 use dpn_core::Sensor;
-use dpn_core::checksum::of_bytes;
+use dpn_core::checksum::of_source;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::progress::Progress;
 use dpn_eval::closed_loop::{ImageSource, Recording, Row, TrackSource};
@@ -428,6 +428,5 @@ fn report(name: &str, run: &str, cached: bool, clock: Instant) -> StageReport {
 }
 
 fn checksum(path: &Path) -> std::io::Result<String> {
-    let bytes = std::fs::read(path)?;
-    Ok(of_bytes(&bytes))
+    std::fs::File::open(path).and_then(of_source)
 }

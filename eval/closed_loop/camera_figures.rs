@@ -16,33 +16,9 @@ use dpn_vio::frontend::{Fed, FrontEndConfig, LostBy};
 use nalgebra::{Vector2, Vector3};
 use std::collections::BTreeMap;
 
-/// Figures of a camera's images over one span.
+/// Figures of a camera's images over one span, each with its name.
 #[derive(Debug, Clone, PartialEq)]
-pub struct CameraFigures {
-    /// Mean number of handed-over frames in which a track is.
-    pub track_life: f64,
-    /// Share of the tracks asked that agreed on the camera's motion.
-    pub agree_share: f64,
-    /// Share of the tracks followed that did not come home when followed back.
-    pub not_home_share: f64,
-    /// Median distance of a track from the motion that a frame's tracks agree on best, a fundamental matrix of their own \[px\]; those that
-    /// do not agree are counted too.
-    pub flow_median_px: f64,
-    /// 95th percentile of the same \[px\].
-    pub flow_p95_px: f64,
-    /// Mean number of tracks in a frame handed over.
-    pub tracks: f64,
-    /// Mean number of corners that a frame handed over begins with.
-    pub corners: f64,
-    /// Mean grey value.
-    pub grey: f64,
-    /// Mean deviation of an image's grey values.
-    pub grey_std: f64,
-    /// Share of pixels at 8 or below.
-    pub dark_share: f64,
-    /// Share of pixels at 250 or above.
-    pub saturated_share: f64,
-}
+pub struct CameraFigures([(&'static str, f64); 11]);
 
 impl CameraFigures {
     /// The figures of sequence `index` of `source` with this seed, from the image at `from` to the one at `to`.
@@ -65,36 +41,32 @@ impl CameraFigures {
         let images = watch.images.max(1) as f64;
         let [grey, grey_std, dark_share, saturated_share] = watch.exposure.map(|sum| sum / images);
         let residual = |share| percentile(&watch.residuals_px, share).unwrap_or(f64::NAN);
-        Ok(Self {
-            track_life: report.track_length,
-            agree_share: report.inlier_share.unwrap_or(f64::NAN),
-            not_home_share: report.not_home_share.unwrap_or(f64::NAN),
-            flow_median_px: residual(0.5),
-            flow_p95_px: residual(0.95),
-            tracks: report.tracks,
-            corners: watch.corners as f64 / frames,
-            grey,
-            grey_std,
-            dark_share,
-            saturated_share,
-        })
+        Ok(Self([
+            // Mean number of handed-over frames in which a track is.
+            ("track life, frames handed over", report.track_length),
+            // Of the tracks asked, those that agreed on the camera's motion.
+            ("share that agrees", report.inlier_share.unwrap_or(f64::NAN)),
+            // Of the tracks followed, those that did not come home when followed back.
+            ("share not home", report.not_home_share.unwrap_or(f64::NAN)),
+            // Distance of a track from the motion that a frame's tracks agree on best, a fundamental matrix of their own; those that do not agree
+            // are counted too.
+            ("flow residual, median, px", residual(0.5)),
+            ("flow residual, 95 %, px", residual(0.95)),
+            ("tracks a frame", report.tracks),
+            // With which a frame handed over begins, on the mean.
+            ("new corners a frame", watch.corners as f64 / frames),
+            ("grey, mean", grey),
+            // Mean deviation of an image's grey values.
+            ("grey, deviation", grey_std),
+            // Pixels at 8 or below, and at 250 or above.
+            ("share dark", dark_share),
+            ("share saturated", saturated_share),
+        ]))
     }
 
     /// The figures with their names, in order.
     pub fn named(&self) -> [(&'static str, f64); 11] {
-        [
-            ("track life, frames handed over", self.track_life),
-            ("share that agrees", self.agree_share),
-            ("share not home", self.not_home_share),
-            ("flow residual, median, px", self.flow_median_px),
-            ("flow residual, 95 %, px", self.flow_p95_px),
-            ("tracks a frame", self.tracks),
-            ("new corners a frame", self.corners),
-            ("grey, mean", self.grey),
-            ("grey, deviation", self.grey_std),
-            ("share dark", self.dark_share),
-            ("share saturated", self.saturated_share),
-        ]
+        self.0
     }
 
     /// The mean of several, one a seed.
@@ -102,21 +74,9 @@ impl CameraFigures {
     /// # Panics
     /// Of none.
     pub fn mean(several: &[Self]) -> Self {
-        assert!(!several.is_empty(), "a mean of nothing");
-        let mean = |value: fn(&Self) -> f64| several.iter().map(value).sum::<f64>() / several.len() as f64;
-        Self {
-            track_life: mean(|f| f.track_life),
-            agree_share: mean(|f| f.agree_share),
-            not_home_share: mean(|f| f.not_home_share),
-            flow_median_px: mean(|f| f.flow_median_px),
-            flow_p95_px: mean(|f| f.flow_p95_px),
-            tracks: mean(|f| f.tracks),
-            corners: mean(|f| f.corners),
-            grey: mean(|f| f.grey),
-            grey_std: mean(|f| f.grey_std),
-            dark_share: mean(|f| f.dark_share),
-            saturated_share: mean(|f| f.saturated_share),
-        }
+        let first = several.first().expect("a mean of something");
+        let mean = |at: usize| several.iter().map(|f| f.0[at].1).sum::<f64>() / several.len() as f64;
+        Self(std::array::from_fn(|at| (first.0[at].0, mean(at))))
     }
 }
 

@@ -9,7 +9,7 @@ use super::tracking::CameraInput;
 use crate::metrics::poses_of;
 use dpn_core::camera::CameraConfig;
 use dpn_core::camera::PinholeRadtan;
-use dpn_core::checksum::{hex, of_bytes, of_parts};
+use dpn_core::checksum::{hex, of_parts, of_source};
 use dpn_core::trajectory::StampedPose;
 use dpn_core::{SampleRate, Stamp, TrackFrame};
 use dpn_io::asl::{Sequence, discover};
@@ -378,8 +378,8 @@ fn checksums(sequence: &Sequence, tracks: &TrackSource) -> Vec<Result<String, Io
     let mut sums = sequence.checksums();
     if let TrackSource::File(dir) = tracks {
         let file = given(dir, sequence);
-        let read = std::fs::read(&file).map_err(|e| IoError::reading(&file, e));
-        sums.push(read.map(|bytes| of_bytes(&bytes)));
+        let read = std::fs::File::open(&file).and_then(of_source);
+        sums.push(read.map_err(|e| IoError::reading(&file, e)));
     }
     sums
 }

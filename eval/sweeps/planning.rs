@@ -120,7 +120,8 @@ fn closed_loop(
     let names = sweep.source.names();
     let mut seconds = BTreeMap::new();
     for &place in &sweep.places {
-        let seed = sweep.training_seed().unwrap_or_default();
+        // A sweep without seeds has no cells to be weighed.
+        let Some(seed) = sweep.training_seed() else { break };
         let name = &names[place].0;
         let whole = sweep.source.recording(place, seed)?.imu.duration();
         let run = sweep.to.unwrap_or(whole).min(whole) - sweep.from.seconds(name);

@@ -14,8 +14,8 @@ pub(crate) struct CacheArgs {
     pub(crate) cache_size: u64,
 }
 
-/// Bytes of a number with a unit.
-fn size(text: &str) -> Result<u64, String> {
+/// Bytes of a number with a unit: `20GB`, `1.5 MB`, `1000000`.
+pub(super) fn size(text: &str) -> Result<u64, String> {
     let text = text.trim();
     let digits = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());
     let (number, unit) = text.split_at(digits);
@@ -25,11 +25,11 @@ fn size(text: &str) -> Result<u64, String> {
         "mb" => 1e6,
         "gb" => 1e9,
         "tb" => 1e12,
-        _ => return Err(format!("`{unit}` is no unit; known are kB, MB, GB, TB")),
+        _ => return Err(format!("`{unit}` is no unit of bytes, for example 4GB or 500MB")),
     };
     match number.parse::<f64>() {
         Ok(number) if number > 0.0 && number * factor >= 1.0 => Ok((number * factor) as u64),
-        _ => Err(format!("`{text}` is no size; 20GB is one")),
+        _ => Err(format!("`{text}` is no number of bytes, for example 4GB or 500MB")),
     }
 }
 

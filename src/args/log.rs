@@ -1,5 +1,6 @@
 //! A log that somebody recorded, and how it is to be read.
 
+use super::cache::size;
 use clap::Args;
 use dpn_core::SampleRate;
 use dpn_io::{AccelUnit, ColumnChoice, GyroUnit, TimeUnit};
@@ -26,7 +27,7 @@ pub(crate) struct HowArgs {
     #[arg(long, value_name = "NAME")]
     pub(crate) topic: Option<String>,
     /// Bytes that a bag's chunks or a packed file may unpack to, all together, for example 4GB; without it, 32 MB and 32 times the packed bytes.
-    #[arg(long, value_name = "SIZE", value_parser = bytes)]
+    #[arg(long, value_name = "SIZE", value_parser = size)]
     pub(crate) max_uncompressed: Option<u64>,
     /// CSV columns, by number from 1 or by the header's names: stamp, gyroscope x y z, accelerometer x y z; without it, by what the names mean.
     #[arg(long, value_name = "T,GX,GY,GZ,AX,AY,AZ", value_parser = columns)]
@@ -55,17 +56,6 @@ pub(crate) struct HowArgs {
 pub(crate) fn rate(text: &str) -> Result<SampleRate, String> {
     let hz = text.parse::<f64>().ok().and_then(SampleRate::from_hz);
     hz.ok_or_else(|| "a rate is a number of Hz above zero".to_owned())
-}
-
-/// `4GB`, `500 MB`, `1000000`.
-fn bytes(text: &str) -> Result<u64, String> {
-    let upper = text.trim().to_ascii_uppercase();
-    let (digits, power) = [("GB", 3), ("MB", 2), ("KB", 1), ("B", 0), ("", 0)]
-        .into_iter()
-        .find_map(|(unit, power)| Some((upper.strip_suffix(unit)?, power)))
-        .expect("every text ends with nothing");
-    let number = digits.trim().parse::<u64>().ok().and_then(|n| n.checked_mul(1000u64.pow(power)));
-    number.ok_or_else(|| "a number of bytes, for example 4GB or 500MB".to_owned())
 }
 
 fn columns(text: &str) -> Result<ColumnChoice, String> {

@@ -11,7 +11,7 @@ use dpn_probe::allan::compare::{Finding, compare};
 use dpn_probe::allan::{AllanLog, report};
 
 pub(crate) fn run(args: &AllanArgs) -> Result<()> {
-    let recording = log::read(&args.log)?.recording;
+    let recording = log::read(&args.log)?.recording.held()?;
     // A configuration that cannot be read should not cost a fit.
     let config = match &args.check {
         Some(path) => {

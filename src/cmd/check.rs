@@ -9,7 +9,7 @@ use dpn_io::atomic_write;
 use dpn_probe::doctor::examine_log;
 
 pub(crate) fn run(args: &CheckArgs) -> Result<()> {
-    let examination = examine_log(&log::read_quietly(&args.log)?);
+    let examination = examine_log(&log::read_quietly(&args.log)?)?;
     let text = serde_json::to_string(&examination)? + "\n";
     let words = format!("{} samples, {:.0} s.", examination.samples, examination.length_s);
     // A short log has findings but no spectrum; a dead sensor has one without power.

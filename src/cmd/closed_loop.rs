@@ -10,13 +10,12 @@ use dpn_eval::study::{MARGIN, RowSet, Study, StudyFile};
 use dpn_eval::sweeps::{Camera, LoopPlan};
 use dpn_io::{FolderLock, atomic_write};
 use dpn_papers::tables;
-use dpn_pronet::network::{self, Network};
 use std::path::{Path, PathBuf};
 
 pub(crate) fn run(args: &EvalArgs) -> Result<()> {
     let plan = plan(args)?;
     let source = plan.source()?;
-    let networks = networks(plan.models.as_deref())?;
+    let networks = shipped::or_of(plan.models.as_deref())?;
     let cache = cache::open(&args.closed.cache)?;
     let threads = args.closed.threads.unwrap_or_else(cores).max(1);
     let sweep = Sweep { cache: cache.as_ref(), ..plan.sweep(&source, &networks, threads)? };
@@ -39,14 +38,6 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
     };
     cache::say(cache.as_ref());
     tell(&out, &rows, args.json)
-}
-
-/// The networks of a folder, or those that come with the program.
-pub(crate) fn networks(models: Option<&Path>) -> Result<Vec<Network>> {
-    match models {
-        Some(dir) => Ok(network::load_all(dir)?),
-        None => shipped::networks(),
-    }
 }
 
 /// The flags as a plan.

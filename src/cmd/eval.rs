@@ -9,7 +9,6 @@ use dpn_eval::open_loop::{OpenLoop, OpenLoopError, Request, Row, run as judge};
 use dpn_figures::{Predicted, PredictedVsTrue, RmseVsSigma, save};
 use dpn_io::{FolderLock, atomic_write};
 use dpn_papers::tables::open_loop_rows;
-use dpn_pronet::network;
 use dpn_train::base::Base;
 use dpn_train::corpus::Corpus;
 use dpn_train::label::Label;
@@ -30,10 +29,7 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
 fn open_loop(args: &EvalArgs) -> Result<()> {
     let out = args.out.as_deref().unwrap_or(Path::new(OUT));
     let bases = bases(args.bases.as_deref())?;
-    let networks = match &args.models {
-        Some(dir) => network::load_all(dir)?,
-        None => shipped::networks()?,
-    };
+    let networks = shipped::or_of(args.models.as_deref())?;
     let sensors = args.sensor.map_or_else(|| Sensor::ALL.to_vec(), |sensor| vec![sensor.into()]);
     let corpora = corpus::load(args.data.as_deref())?;
     let request = Request {

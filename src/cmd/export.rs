@@ -6,7 +6,7 @@ use crate::ui::outln;
 use anyhow::Result;
 use dpn_core::Sensor;
 use dpn_io::atomic_write;
-use dpn_pronet::network::{Network, load_all, select};
+use dpn_pronet::network::{Network, select};
 
 pub(crate) fn run(args: &ExportArgs) -> Result<()> {
     match &args.what {
@@ -15,10 +15,7 @@ pub(crate) fn run(args: &ExportArgs) -> Result<()> {
 }
 
 fn onnx(args: &OnnxArgs) -> Result<()> {
-    let networks = match &args.models {
-        Some(dir) => load_all(dir)?,
-        None => shipped::networks()?,
-    };
+    let networks = shipped::or_of(args.models.as_deref())?;
     for network in wanted(&networks, &args.networks)? {
         let (weights, sensor, tag) = (&network.weights, network.sensor(), network.tag());
         let bytes = dpn_onnx::to_bytes(weights)?;

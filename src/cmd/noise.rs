@@ -4,11 +4,11 @@ use super::{convert, follow, log, shipped};
 use crate::args::{NoiseArgs, NoiseWhat, RowFormat};
 use crate::ui::{Fault, errln, out, outln};
 use anyhow::Result;
-use dpn_core::SampleRate;
 use dpn_core::estimate::NoiseSpec;
+use dpn_core::{Recorded, SampleRate, Samples};
 use dpn_figures::{LogNoisePlot, save};
 use dpn_io::noise_formats::{Given, NoiseCalibration, read};
-use dpn_io::{atomic_write, write_noise_track};
+use dpn_io::{atomic_write, write_noise_rows};
 use dpn_probe::log_noise::compare::{Check, compare};
 use dpn_probe::log_noise::{EffectiveNoise, Levels, LogNoiseError, Plan, TrackSummary, report, track};
 use dpn_probe::phases::phases;
@@ -66,23 +66,23 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
     let config = config(args, rate)?;
     let plan = plan(args, rate, networks)?;
     let unknown_s = plan.unknown_s();
-    if recording.duration() <= unknown_s {
+    if recording.length_s() <= unknown_s {
         let text = format!(
             "{}: {:.2} s; the first window alone has {unknown_s:.2} s",
             path.display(),
-            recording.duration()
+            recording.length_s()
         );
         return Err(Fault::new(text).hint("record for longer, or ask constants (--noise x1)").into());
     }
     let track = track(&plan, &recording)?;
-    let summary = TrackSummary::of(&track, &recording, phases(&recording), unknown_s);
+    let summary = TrackSummary::of(&track, &recording, phases(&recording)?, unknown_s)?;
     let check = match &config {
-        Some(source) => Levels::of(&recording, &summary.stretches)
+        Some(source) => Levels::of(&recording, &summary.stretches)?
             .map(|levels| compare(source, &levels, rate))
             .transpose()?,
         None => None,
     };
-    let mut words = format!("{} samples, {:.0} s.", recording.len(), recording.duration());
+    let mut words = format!("{} samples, {:.0} s.", recording.len(), recording.length_s());
     for line in report::outside(&summary) {
         words.push_str(&format!(" {line}."));
     }
@@ -91,19 +91,17 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
     let written = match args.format {
         RowFormat::Csv => {
             let file = args.out.join("noise.csv");
-            write_noise_track(&file, &track.noise()?)?;
+            write_noise_rows(&file, |row| track.each(|a| row(a.t, &a.noise)))?;
             file
         }
         RowFormat::Jsonl => {
             let file = args.out.join("noise.jsonl");
-            atomic_write(&file, |out| {
-                track.answers.iter().try_for_each(|a| writeln!(out, "{}", follow::json(a)))
-            })?;
+            atomic_write(&file, |out| track.each(|a| writeln!(out, "{}", follow::json(a))))?;
             file
         }
     };
     let warnings = report::warnings(&plan, &summary);
-    let effective = EffectiveNoise::of(&recording, &summary.stretches);
+    let effective = EffectiveNoise::of(&recording, &summary.stretches)?;
     let mut all = serde_json::json!({
         "log": path.display().to_string(), "samples": recording.len(), "rate_hz": rate.hz(), "noise": plan.spec(), "every": plan.every(),
         "thinned_to_every": plan.thin(), "summary": summary, "warnings": warnings,

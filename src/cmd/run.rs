@@ -14,7 +14,6 @@ use dpn_figures::save;
 use dpn_figures::{Album, timeline, top_view};
 use dpn_io::asl::{Sequence, is_there};
 use dpn_io::{atomic_write, write_noise_track, write_tum};
-use dpn_pronet::network;
 use dpn_sim::Flight;
 use dpn_vio::estimator::FrontEndObserver;
 use std::path::{Path, PathBuf};
@@ -23,10 +22,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let noise: NoiseSpec = args.noise.parse()?;
     let estimator = settings::estimator(&args.settings)?;
     let (source, place) = open(args)?;
-    let networks = match &args.models {
-        Some(dir) => network::load_all(dir)?,
-        None => shipped::networks()?,
-    };
+    let networks = shipped::or_of(args.models.as_deref())?;
     let recording = source.recording(place, args.seed)?;
     let span = Span { from_s: args.from.seconds(&recording.name), to_s: args.to };
     let mut album = args.draw.as_ref().map(|dir| Album::new(dir.clone(), args.draw_every));

@@ -1,10 +1,18 @@
 //! The networks that come with the program, in the binary itself: nothing needs training first.
 
 use anyhow::Result;
-use dpn_pronet::network::Network;
+use dpn_pronet::network::{Network, load_all};
 use std::path::Path;
 
 include!(concat!(env!("OUT_DIR"), "/shipped.rs"));
+
+/// The networks of a folder, or those that come with the program.
+pub(crate) fn or_of(models: Option<&Path>) -> Result<Vec<Network>> {
+    match models {
+        Some(dir) => Ok(load_all(dir)?),
+        None => networks(),
+    }
+}
 
 /// Every shipped network.
 pub(crate) fn networks() -> Result<Vec<Network>> {

@@ -3,8 +3,10 @@
 //! Nothing here is an error by itself. A caller knows what it needs and decides which faults are fatal.
 
 use crate::imu::{ImuRecording, Sensor};
-use crate::plateaus::plateaus;
+use crate::plateaus::{Plateau, extremes};
+use crate::samples::Samples;
 use crate::time::{SampleRate, Stamp};
+use std::io;
 use thiserror::Error;
 
 /// What a recording is held against.
@@ -155,28 +157,26 @@ pub fn check(recording: &ImuRecording, options: &CheckOptions) -> Findings {
             longest_after: longest.after,
         });
     }
+    faults.extend(stuck(recording).expect("a recording lies in memory"));
+    Findings { rate, gaps, faults }
+}
+
+/// Axes that stay at an extreme value, then those that never change.
+///
+/// # Errors
+/// As [`Samples::piece`].
+pub fn stuck(samples: &dyn Samples) -> io::Result<Vec<RecordingFault>> {
     let (mut saturated, mut constant) = (Vec::new(), Vec::new());
-    for sensor in Sensor::ALL {
-        for axis in 0..3 {
-            let signal = recording.axis(sensor, axis);
-            if signal.iter().all(|v| *v == signal[0]) {
-                constant.push(RecordingFault::Constant { sensor, axis, value: signal[0] });
-                continue;
-            }
-            for plateau in plateaus(&signal) {
-                saturated.push(RecordingFault::Saturated {
-                    sensor,
-                    axis,
-                    value: plateau.value,
-                    longest: plateau.longest,
-                    first: recording.samples()[plateau.first].t,
-                });
-            }
+    for found in extremes(samples)? {
+        let (sensor, axis) = (found.sensor, found.axis);
+        constant.extend(found.constant().map(|value| RecordingFault::Constant { sensor, axis, value }));
+        for Plateau { value, longest, first } in found.plateaus {
+            let first = samples.at(first)?.t;
+            saturated.push(RecordingFault::Saturated { sensor, axis, value, longest, first });
         }
     }
-    faults.extend(saturated);
-    faults.extend(constant);
-    Findings { rate, gaps, faults }
+    saturated.extend(constant);
+    Ok(saturated)
 }
 
 /// Steps from sample to sample that take more than so many seconds, oldest first.

@@ -1,6 +1,7 @@
 //! Checksums that name results, weights and data: SHA-256 in hexadecimal digits.
 
 use sha2::{Digest, Sha256};
+use std::io;
 
 /// A digest's hexadecimal digits, two a byte.
 pub fn hex(digest: impl AsRef<[u8]>) -> String {
@@ -16,6 +17,16 @@ pub fn of_parts<T: AsRef<[u8]>>(parts: impl IntoIterator<Item = T>) -> String {
         hash.update(part);
     }
     hex(hash.finalize())
+}
+
+/// SHA-256 of all that a source holds, as `sha256sum` prints it; none of it is kept.
+///
+/// # Errors
+/// The source's own.
+pub fn of_source(mut source: impl io::Read) -> io::Result<String> {
+    let mut hash = Sha256::new();
+    io::copy(&mut source, &mut hash)?;
+    Ok(hex(hash.finalize()))
 }
 
 /// SHA-256 of bytes as they are, as `sha256sum` prints it.
@@ -37,6 +48,8 @@ mod tests {
     #[test]
     fn a_files_checksum_is_the_one_that_other_programs_print() {
         // FIPS 180-2, appendix B.1.
-        assert_eq!(of_bytes(b"abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+        let published = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+        assert_eq!(of_bytes(b"abc"), published);
+        assert_eq!(of_source(b"abc".as_slice()).unwrap(), published);
     }
 }

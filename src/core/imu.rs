@@ -115,6 +115,11 @@ impl ImuRecording {
         &self.samples
     }
 
+    /// Gives them away.
+    pub fn into_samples(self) -> Vec<ImuSample> {
+        self.samples
+    }
+
     /// Number of samples.
     pub fn len(&self) -> usize {
         self.samples.len()

@@ -33,6 +33,8 @@ pub mod progress;
 #[cfg(feature = "full")]
 pub mod random;
 #[cfg(feature = "full")]
+mod samples;
+#[cfg(feature = "full")]
 pub mod signal;
 pub mod time;
 #[cfg(feature = "full")]
@@ -46,6 +48,8 @@ pub mod truth;
 pub use image::{GrayImage, GrayView};
 pub use imu::{ImuRecording, ImuSample, Sensor};
 pub use noise::{ImuNoise, NoiseModel, NoiseTrack};
+#[cfg(feature = "full")]
+pub use samples::{Recorded, Samples, median_rate};
 pub use time::{SampleRate, Stamp};
 #[cfg(feature = "full")]
 pub use tracks::{Track, TrackFrame};

@@ -8,9 +8,11 @@
 //! * Columns without a header: the triple that has gravity's length is the accelerometer's.
 
 use super::columns::{AccelUnit, GyroUnit};
+use dpn_core::Samples;
 use dpn_core::imu::ImuSample;
 use dpn_core::signal::stats;
 use nalgebra::{UnitQuaternion, Vector3};
+use std::io;
 
 /// Samples that are looked at.
 const LOOKED_AT: usize = 200_000;
@@ -29,65 +31,82 @@ fn norm(v: [f64; 3]) -> f64 {
     v.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
-fn thinned(samples: &[ImuSample]) -> impl Iterator<Item = &ImuSample> {
-    samples.iter().step_by(samples.len().div_ceil(LOOKED_AT).max(1))
+fn thinned(samples: &dyn Samples, take: &mut dyn FnMut(&ImuSample)) -> io::Result<()> {
+    let step = samples.len().div_ceil(LOOKED_AT).max(1);
+    let mut index = 0_usize;
+    samples.each(0..samples.len(), &mut |sample| {
+        if index.is_multiple_of(step) {
+            take(sample);
+        }
+        index += 1;
+    })
+}
+
+/// Median length of a sensor's vector; none of no samples.
+fn length(samples: &dyn Samples, of: fn(&ImuSample) -> [f64; 3]) -> io::Result<Option<f64>> {
+    let mut lengths = Vec::new();
+    thinned(samples, &mut |s| lengths.push(norm(of(s))))?;
+    Ok(stats::median_of(lengths))
 }
 
 /// The unit of an accelerometer whose numbers stand in `samples`.
-pub(crate) fn accel_unit(samples: &[ImuSample]) -> AccelUnit {
-    let lengths: Vec<f64> = thinned(samples).map(|s| norm(s.accel)).collect();
-    if lengths.is_empty() {
-        return AccelUnit::MetrePerSecond2;
-    }
-    match stats::median(&lengths) {
-        g if (0.5..2.0).contains(&g) => AccelUnit::StandardGravity,
-        mg if (500.0..2000.0).contains(&mg) => AccelUnit::MilliGravity,
+pub(crate) fn accel_unit(samples: &dyn Samples) -> io::Result<AccelUnit> {
+    Ok(match length(samples, |s| s.accel)? {
+        Some(g) if (0.5..2.0).contains(&g) => AccelUnit::StandardGravity,
+        Some(mg) if (500.0..2000.0).contains(&mg) => AccelUnit::MilliGravity,
         _ => AccelUnit::MetrePerSecond2,
-    }
+    })
 }
 
 /// The unit of a gyroscope whose numbers stand in `samples`; the accelerometer may be in any unit.
-pub(crate) fn gyro_unit(samples: &[ImuSample]) -> GyroUnit {
-    let fastest = thinned(samples).flat_map(|s| s.gyro).map(f64::abs).fold(0.0, f64::max);
+pub(crate) fn gyro_unit(samples: &dyn Samples) -> io::Result<GyroUnit> {
+    let mut fastest = 0.0_f64;
+    thinned(samples, &mut |s| fastest = s.gyro.into_iter().map(f64::abs).fold(fastest, f64::max))?;
     // 2000 deg/s, the largest range of the usual sensors, is 34.9 rad/s.
     if fastest > 36.0 {
-        return GyroUnit::DegPerSecond;
+        return Ok(GyroUnit::DegPerSecond);
     }
-    let samples = &samples[..samples.len().min(LOOKED_AT)];
-    let quiet = quiet_noise(samples);
-    let scattered = stays_gravity(samples).is_some_and(|share| share < STAYS);
-    if quiet.is_some_and(|noise| noise > LOUD) || scattered {
+    let scattered = || Ok::<_, io::Error>(stays_gravity(samples)?.is_some_and(|share| share < STAYS));
+    Ok(if quiet_noise(samples)?.is_some_and(|noise| noise > LOUD) || scattered()? {
         GyroUnit::DegPerSecond
     } else {
         GyroUnit::RadPerSecond
-    }
+    })
 }
 
 /// Noise of the quietest axis over hundreds of samples in which the accelerometer does not shake: a low quantile; none where it always does.
-fn quiet_noise(samples: &[ImuSample]) -> Option<f64> {
+fn quiet_noise(samples: &dyn Samples) -> io::Result<Option<f64>> {
     let noise = |signal: &[f64]| {
         stats::deviation(&stats::differences(signal, 2), stats::Ddof::Zero) / stats::difference_gain(2)
     };
     let of = |chunk: &[ImuSample], axis: fn(&ImuSample) -> [f64; 3]| {
         (0..3).map(|i| noise(&chunk.iter().map(|s| axis(s)[i]).collect::<Vec<_>>())).fold(0.0, f64::max)
     };
-    let mut noises: Vec<f64> = samples
-        .chunks_exact(100)
-        .filter(|chunk| of(chunk, |s| s.accel) < QUIET * norm(chunk[0].accel))
-        .map(|chunk| of(chunk, |s| s.gyro))
-        .collect();
+    let mut noises = Vec::new();
+    samples.pieces(0..samples.len().min(LOOKED_AT), 100, &mut |chunk| {
+        if chunk.len() == 100 && of(chunk, |s| s.accel) < QUIET * norm(chunk[0].accel) {
+            noises.push(of(chunk, |s| s.gyro));
+        }
+        Ok(())
+    })?;
     noises.sort_by(f64::total_cmp);
-    (noises.len() >= 5).then(|| noises[noises.len() / 10])
+    Ok((noises.len() >= 5).then(|| noises[noises.len() / 10]))
 }
 
 /// Length of the mean of the accelerometer's vectors, turned back as the numbers say were they rad/s, in lengths of the vector: the median over
 /// the stretches that turn; none where hardly any does.
-fn stays_gravity(samples: &[ImuSample]) -> Option<f64> {
-    let (first, last) = (samples.first()?, samples.last()?);
-    let period = last.t.seconds_since(first.t) / samples.len() as f64;
-    let size = ((STRETCH_S / period.max(1e-6)) as usize).clamp(2, samples.len().max(2));
+fn stays_gravity(samples: &dyn Samples) -> io::Result<Option<f64>> {
+    let count = samples.len().min(LOOKED_AT);
+    if count == 0 {
+        return Ok(None);
+    }
+    let period = samples.at(count - 1)?.t.seconds_since(samples.at(0)?.t) / count as f64;
+    let size = ((STRETCH_S / period.max(1e-6)) as usize).clamp(2, count.max(2));
     let mut shares = Vec::new();
-    for stretch in samples.chunks_exact(size) {
+    samples.pieces(0..count, size, &mut |stretch| {
+        if stretch.len() < size {
+            return Ok(());
+        }
         let (mut start_from_body, mut turned) = (UnitQuaternion::identity(), 0.0);
         let (mut sum, mut length) = (Vector3::zeros(), 0.0);
         for pair in stretch.windows(2) {
@@ -102,21 +121,19 @@ fn stays_gravity(samples: &[ImuSample]) -> Option<f64> {
         if turned > TURNS && length > 0.0 {
             shares.push(sum.norm() / length);
         }
-    }
-    (shares.len() >= 2).then(|| stats::median(&shares))
+        Ok(())
+    })?;
+    Ok((shares.len() >= 2).then(|| stats::median(&shares)))
 }
 
 /// Whether the triples read as gyroscope and accelerometer are more likely the other way round: gravity stands in the former and not in
 /// the latter.
-pub(crate) fn swapped(samples: &[ImuSample]) -> bool {
-    let middle = |of: fn(&ImuSample) -> [f64; 3]| {
-        let lengths: Vec<f64> = thinned(samples).map(|s| norm(of(s))).collect();
-        if lengths.is_empty() { 0.0 } else { stats::median(&lengths) }
-    };
-    let (gyro, accel) = (middle(|s| s.gyro), middle(|s| s.accel));
+pub(crate) fn swapped(samples: &dyn Samples) -> io::Result<bool> {
+    let gyro = length(samples, |s| s.gyro)?.unwrap_or(0.0);
+    let accel = length(samples, |s| s.accel)?.unwrap_or(0.0);
     let gravity =
         |v: f64| (9.3..10.3).contains(&v) || (0.95..1.05).contains(&v) || (950.0..1050.0).contains(&v);
-    gravity(gyro) && !gravity(accel) && accel < gyro
+    Ok(gravity(gyro) && !gravity(accel) && accel < gyro)
 }
 
 #[cfg(test)]
@@ -158,8 +175,8 @@ mod tests {
         for swing in [0.0, 0.02, 0.2, 1.0] {
             let rad = samples(swing);
             let degrees = scaled(samples(swing), 180.0 / std::f64::consts::PI, 1.0 / 9.81);
-            assert_eq!(gyro_unit(&rad), GyroUnit::RadPerSecond, "{swing}");
-            assert_eq!(gyro_unit(&degrees), GyroUnit::DegPerSecond, "{swing}");
+            assert_eq!(gyro_unit(&rad.as_slice()).unwrap(), GyroUnit::RadPerSecond, "{swing}");
+            assert_eq!(gyro_unit(&degrees.as_slice()).unwrap(), GyroUnit::DegPerSecond, "{swing}");
         }
     }
 
@@ -170,9 +187,9 @@ mod tests {
             (1.0 / 9.80665, AccelUnit::StandardGravity),
             (1000.0 / 9.80665, AccelUnit::MilliGravity),
         ] {
-            assert_eq!(accel_unit(&scaled(samples(0.2), 1.0, factor)), unit);
+            assert_eq!(accel_unit(&scaled(samples(0.2), 1.0, factor).as_slice()).unwrap(), unit);
         }
-        assert_eq!(accel_unit(&[]), AccelUnit::MetrePerSecond2);
+        assert_eq!(accel_unit(&[].as_slice()).unwrap(), AccelUnit::MetrePerSecond2);
     }
 
     #[test]
@@ -180,6 +197,7 @@ mod tests {
         let sound = samples(0.2);
         let mut other = sound.clone();
         other.iter_mut().for_each(|s| std::mem::swap(&mut s.gyro, &mut s.accel));
+        let swapped = |samples: &[ImuSample]| super::swapped(&samples).unwrap();
         assert!(!swapped(&sound) && swapped(&other) && !swapped(&[]));
     }
 }

@@ -5,6 +5,7 @@
 //! * [`read_imu_csv`]: plain CSV logs, columns by header or by list; [`read_imu_csv_loosely`] uses what it can of anybody's.
 //! * [`ImuLines`]: the same line by line, as they come.
 //! * [`Sieve`]: keeps of somebody's samples what a recording may hold.
+//! * [`SampleStore`], [`StoredRecording`]: samples of a log of any length, partly in a temporary file ([`Store`]).
 //! * [`printable`]: names out of other people's files, as they may be shown.
 //! * [`read_tum`], [`write_tum`]: trajectories, as evo reads them.
 //! * [`ImageFolder`]: a camera's images, also ahead of time on a second thread.
@@ -47,8 +48,10 @@ mod printable;
 #[cfg(test)]
 mod recordings;
 mod rows;
+mod sample_store;
 mod sieve;
 mod small;
+mod store;
 mod tracks;
 mod tum;
 mod unit;
@@ -69,8 +72,10 @@ pub use loose_csv::{
     LooseImuLog, Unreadable, parse_imu_csv_loosely, parse_one_sensor_loosely, read_imu_csv_loosely,
     settle_units,
 };
-pub use noise_csv::{read_noise_track, write_noise_track};
+pub use noise_csv::{read_noise_track, write_noise_rows, write_noise_track};
 pub use printable::printable;
+pub use sample_store::{SampleStore, StoredRecording};
 pub use sieve::{ABSURD, LeftOut, Sieve, Sieved, TINY};
+pub use store::{Row, Store};
 pub use tracks::{read_tracks, write_tracks};
 pub use tum::{read_tum, write_tum};

@@ -12,11 +12,12 @@ use super::imu_csv::{
     self, CsvOptions, Origin, Settled, first_rows, first_said, guess_interval, guess_time_unit,
 };
 use super::rows::{Layout, Rows};
+use super::sample_store::{SampleStore, StoredRecording};
 use super::sieve::{Sieve, Sieved};
 use super::{IoError, TimeUnit, guess, head};
-use dpn_core::Sensor;
-use dpn_core::imu::{ImuRecording, ImuSample};
-use std::io::Read;
+use dpn_core::imu::ImuSample;
+use dpn_core::{Samples, Sensor};
+use std::io::{self, Read};
 use std::path::Path;
 
 /// Bytes read at a time; the first block tells columns and units of time.
@@ -39,7 +40,7 @@ pub struct Unreadable {
 #[derive(Debug)]
 pub struct LooseImuLog {
     /// The samples that could be used, in rad/s and m/s^2.
-    pub recording: ImuRecording,
+    pub recording: StoredRecording,
     /// Which column was what.
     pub columns: Settled<ImuColumns>,
     /// Unit of the stamps.
@@ -149,7 +150,8 @@ fn finish(
     mut unreadable: Unreadable,
     only: Option<Sensor>,
 ) -> Result<LooseImuLog, IoError> {
-    let (mut samples, sieved) = sieve.done();
+    let storing = |e| IoError::reading(path, e);
+    let (mut samples, sieved) = sieve.done().map_err(storing)?;
     let all = (samples.len() + sieved.count() + unreadable.count) as f64;
     if unreadable.count as f64 > TOLERATED * all
         && !unreadable.cut
@@ -164,43 +166,56 @@ fn finish(
         return Err(IoError::GoesBack { path, count, of: all as usize, line });
     }
     let mut columns = understood.columns;
-    if columns.origin == Origin::Assumed && guess::swapped(&samples) {
+    if columns.origin == Origin::Assumed && guess::swapped(&samples).map_err(storing)? {
         let ImuColumns { time, gyro, accel, .. } = columns.value;
         columns = Settled { value: ImuColumns::new(time, accel, gyro), origin: Origin::Guessed };
-        samples.iter_mut().for_each(|s| std::mem::swap(&mut s.gyro, &mut s.accel));
+        let swap = |s: ImuSample| Some(ImuSample { gyro: s.accel, accel: s.gyro, ..s });
+        samples = samples.changed(swap).map_err(storing)?;
     }
-    let (gyro, accel) = match only {
-        None => settle_units(&mut samples, understood.gyro, understood.accel),
+    let (samples, gyro, accel) = match only {
+        None => settle_units(samples, understood.gyro, understood.accel),
         Some(_) => {
             let gyro =
                 understood.gyro.unwrap_or(Settled { value: GyroUnit::RadPerSecond, origin: Origin::Assumed });
             let metres = Settled { value: AccelUnit::MetrePerSecond2, origin: Origin::Assumed };
-            settle_units(&mut samples, Some(gyro), Some(understood.accel.unwrap_or(metres)))
+            settle_units(samples, Some(gyro), Some(understood.accel.unwrap_or(metres)))
         }
-    };
-    // A unit can make a number too large of one that was finite.
-    samples.retain(ImuSample::is_finite);
-    samples.shrink_to_fit();
-    let recording = imu_csv::recording(samples, path)?;
+    }
+    .map_err(storing)?;
+    let short = |found| IoError::TooShort { path: path.to_path_buf(), found };
+    let recording = samples.recording().map_err(storing)?.map_err(short)?;
     let Understood { time, passed, said_hz, .. } = understood;
     Ok(LooseImuLog { recording, columns, time, gyro, accel, sieved, unreadable, passed, said_hz })
 }
 
 /// Brings samples to rad/s and m/s^2; units that nobody named are told from the numbers.
+///
+/// # Errors
+/// A temporary file that cannot be read or written.
 pub fn settle_units(
-    samples: &mut [ImuSample],
+    samples: SampleStore,
     gyro: Option<Settled<GyroUnit>>,
     accel: Option<Settled<AccelUnit>>,
-) -> (Settled<GyroUnit>, Settled<AccelUnit>) {
-    let gyro = gyro.unwrap_or_else(|| Settled { value: guess::gyro_unit(samples), origin: Origin::Guessed });
-    let accel =
-        accel.unwrap_or_else(|| Settled { value: guess::accel_unit(samples), origin: Origin::Guessed });
+) -> io::Result<(SampleStore, Settled<GyroUnit>, Settled<AccelUnit>)> {
+    let guessed = Origin::Guessed;
+    let gyro = gyro.map_or_else(
+        || Ok(Settled { value: guess::gyro_unit(&samples)?, origin: guessed }),
+        Ok::<_, io::Error>,
+    )?;
+    let accel = accel.map_or_else(
+        || Ok(Settled { value: guess::accel_unit(&samples)?, origin: guessed }),
+        Ok::<_, io::Error>,
+    )?;
     let (turn, force) = (gyro.value.factor(), accel.value.factor());
-    for sample in samples {
-        sample.gyro = sample.gyro.map(|v| v * turn);
-        sample.accel = sample.accel.map(|v| v * force);
-    }
-    (gyro, accel)
+    let samples = match (turn, force) {
+        (1.0, 1.0) => samples,
+        // A unit can make a number too large of one that was finite.
+        _ => samples.changed(|s| {
+            let (gyro, accel) = (s.gyro.map(|v| v * turn), s.accel.map(|v| v * force));
+            Some(ImuSample { gyro, accel, ..s }).filter(ImuSample::is_finite)
+        })?,
+    };
+    Ok((samples, gyro, accel))
 }
 
 pub(super) fn understand(
@@ -247,7 +262,9 @@ fn take(
         let line = rows.line() as u64;
         match row {
             Ok(None) => return Ok(()),
-            Ok(Some(sample)) => sieve.push(sample, line),
+            Ok(Some(sample)) => {
+                sieve.push(sample, line);
+            }
             Err(IoError::NotFinite { .. }) => sieve.not_finite(line),
             Err(error) => {
                 unreadable.count += 1;
@@ -391,7 +408,7 @@ mod tests {
         assert_eq!(log.columns.value, ImuColumns::new(0, [4, 5, 6], [1, 2, 3]));
         assert_eq!(log.columns.origin, Origin::Guessed);
         assert_eq!((log.accel.value, log.gyro.value), (AccelUnit::StandardGravity, GyroUnit::DegPerSecond));
-        assert!((log.recording.samples()[0].accel[2] - 9.80665).abs() < 1e-12);
+        assert!((log.recording.at(0).unwrap().accel[2] - 9.80665).abs() < 1e-12);
     }
 
     #[test]
@@ -406,8 +423,9 @@ mod tests {
         std::fs::write(&path, text).unwrap();
         let loose = read_imu_csv_loosely(&path, &CsvOptions::default()).unwrap();
         let strict = read_imu_csv(&path, &CsvOptions::default()).unwrap();
-        assert_eq!(loose.recording, strict.recording);
-        assert_eq!(loose.recording.samples()[119_999].t, Stamp::from_ns(119_999 * 5_000_000));
+        let recording = loose.recording.held().unwrap();
+        assert_eq!(recording, strict.recording);
+        assert_eq!(recording.samples()[119_999].t, Stamp::from_ns(119_999 * 5_000_000));
         assert_eq!(loose.sieved, Sieved::default());
     }
 }

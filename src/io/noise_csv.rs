@@ -10,6 +10,7 @@ use super::{IoError, atomic_write};
 use dpn_core::imu::Sensor;
 use dpn_core::noise::{ImuNoise, NoiseTrack};
 use dpn_core::time::Stamp;
+use std::io;
 use std::path::Path;
 
 const TIME: &str = "timestamp";
@@ -23,13 +24,24 @@ const HEADER: &str = "#timestamp [ns],accel_std_x [m s^-2],accel_std_y [m s^-2],
 /// # Errors
 /// As [`atomic_write`].
 pub fn write_noise_track(path: &Path, track: &NoiseTrack) -> Result<(), IoError> {
+    let mut rows = track.stamps().iter().zip(track.noises());
+    write_noise_rows(path, |row| rows.try_for_each(|(t, noise)| row(*t, noise)))
+}
+
+/// The same from rows that `rows` hands over as it goes through them, in increasing time.
+///
+/// # Errors
+/// As [`atomic_write`], and those of `rows`.
+pub fn write_noise_rows(
+    path: &Path,
+    rows: impl FnOnce(&mut dyn FnMut(Stamp, &ImuNoise) -> io::Result<()>) -> io::Result<()>,
+) -> Result<(), IoError> {
     atomic_write(path, |out| {
         writeln!(out, "{HEADER}")?;
-        for (t, noise) in track.stamps().iter().zip(track.noises()) {
+        rows(&mut |t, noise| {
             let ([ax, ay, az], [gx, gy, gz]) = (noise.of(Sensor::Accel), noise.of(Sensor::Gyro));
-            writeln!(out, "{},{ax:?},{ay:?},{az:?},{gx:?},{gy:?},{gz:?}", t.ns())?;
-        }
-        Ok(())
+            writeln!(out, "{},{ax:?},{ay:?},{az:?},{gx:?},{gy:?},{gz:?}", t.ns())
+        })
     })
 }
 

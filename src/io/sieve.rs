@@ -4,9 +4,11 @@
 //! log must say what is wrong with it and go on. A sample is left out when a value of it is not finite or not between [`TINY`] and
 //! [`ABSURD`] nor zero, when its stamp is that of the sample before, or when its stamp goes back.
 
+use super::sample_store::SampleStore;
+use dpn_core::Samples;
 use dpn_core::imu::ImuSample;
-use dpn_core::time::Stamp;
 use serde::Serialize;
+use std::io;
 
 /// Values beyond are no measurement in any unit, raw counts of 32 bits included; their squares would drown all others.
 pub const ABSURD: f64 = 1e12;
@@ -55,23 +57,27 @@ fn is_absurd(sample: &ImuSample) -> bool {
 }
 
 /// Takes samples as they come.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Default)]
 pub struct Sieve {
-    kept: Vec<ImuSample>,
+    kept: SampleStore,
     sieved: Sieved,
 }
 
 impl Sieve {
-    /// Takes one sample that stands at `place` (see [`LeftOut::first`]).
-    pub fn push(&mut self, sample: ImuSample, place: u64) {
-        let last = self.kept.last().map(|s| s.t);
-        match last {
-            _ if !sample.is_finite() => self.sieved.not_finite.add(place),
-            _ if is_absurd(&sample) => self.sieved.absurd.add(place),
-            Some(last) if sample.t == last => self.sieved.repeated.add(place),
-            Some(last) if sample.t < last => self.sieved.backward.add(place),
-            _ => self.kept.push(sample),
-        }
+    /// Takes one sample that stands at `place` (see [`LeftOut::first`]); whether it is kept.
+    pub fn push(&mut self, sample: ImuSample, place: u64) -> bool {
+        let left = match self.kept.last() {
+            _ if !sample.is_finite() => &mut self.sieved.not_finite,
+            _ if is_absurd(&sample) => &mut self.sieved.absurd,
+            Some(last) if sample.t == last => &mut self.sieved.repeated,
+            Some(last) if sample.t < last => &mut self.sieved.backward,
+            _ => {
+                self.kept.push(sample);
+                return true;
+            }
+        };
+        left.add(place);
+        false
     }
 
     /// Counts a sample that could not even be made, for a value that is not finite.
@@ -79,35 +85,24 @@ impl Sieve {
         self.sieved.not_finite.add(place);
     }
 
-    /// Samples kept so far.
-    pub fn len(&self) -> usize {
-        self.kept.len()
-    }
-
     /// Whether none was kept yet.
     pub fn is_empty(&self) -> bool {
         self.kept.is_empty()
     }
 
-    /// The samples kept so far.
-    pub fn samples(&self) -> &[ImuSample] {
-        &self.kept
-    }
-
-    /// Stamp of the last sample kept.
-    pub fn last(&self) -> Option<Stamp> {
-        self.kept.last().map(|s| s.t)
-    }
-
     /// The samples kept, in increasing time and finite, and what was left out.
-    pub fn done(self) -> (Vec<ImuSample>, Sieved) {
-        (self.kept, self.sieved)
+    ///
+    /// # Errors
+    /// A temporary file that could not be written.
+    pub fn done(self) -> io::Result<(SampleStore, Sieved)> {
+        Ok((self.kept.done()?, self.sieved))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use dpn_core::time::Stamp;
 
     #[test]
     fn each_fault_is_counted_under_its_name_and_the_rest_is_a_recording() {
@@ -131,7 +126,8 @@ mod tests {
         {
             push(t, value, place as u64 + 1);
         }
-        let (samples, sieved) = sieve.done();
+        let (samples, sieved) = sieve.done().unwrap();
+        let samples = samples.piece(0..samples.len()).unwrap().into_owned();
         assert_eq!(samples.iter().map(|s| s.t.ns()).collect::<Vec<_>>(), [5, 10, 15]);
         assert_eq!(samples[2].accel, [3.0; 3]);
         assert_eq!(sieved.repeated, LeftOut { count: 2, first: Some(3) });

@@ -247,6 +247,7 @@ pub(crate) fn read_text(mut source: impl BufRead, records: &mut Records) -> io::
 mod tests {
     use super::*;
     use crate::{Kind, LogOptions};
+    use dpn_core::Samples;
     use std::path::Path;
 
     #[test]
@@ -258,8 +259,8 @@ mod tests {
         assert_eq!(damage.as_deref(), Some("line 4 is cut off or no record"));
         let log =
             records.log(Path::new("a.log"), Kind::ArdupilotText, damage, &LogOptions::default()).unwrap();
-        assert_eq!(log.recording.samples()[1].t.ns(), 3_000_000);
-        assert_eq!(log.recording.samples()[1].accel, [1.0, 2.0, -9.8]);
+        assert_eq!(log.recording.at(1).unwrap().t.ns(), 3_000_000);
+        assert_eq!(log.recording.at(1).unwrap().accel, [1.0, 2.0, -9.8]);
         assert_eq!(log.guesses, ["IMU of instance 0, of 2 (--topic IMU/1)"]);
     }
 }

@@ -1,7 +1,7 @@
 //! Bags written by PyPI's `rosbags` and `mcap-ros2-support`, whole and damaged.
 
 use crate::{Kind, Log, LogError, LogOptions, read_log, read_mcap, read_rosbag1};
-use dpn_core::{ImuSample, Stamp};
+use dpn_core::{ImuSample, Samples, Stamp};
 use std::path::{Path, PathBuf};
 
 fn folder() -> PathBuf {
@@ -49,7 +49,7 @@ fn every_bag_holds_what_its_writer_put_there() {
     ] {
         let log = open(name, None).unwrap();
         assert_eq!((log.kind, log.topic.as_deref()), (kind, Some("/imu0")), "{name}");
-        assert_eq!(log.recording.samples(), expected, "{name}");
+        assert_eq!(*log.recording.all().unwrap(), expected, "{name}");
         assert_eq!(log.warnings(), Vec::<String>::new(), "{name}");
     }
 }
@@ -71,7 +71,7 @@ fn a_topic_is_chosen_and_one_that_cannot_be_says_what_there_is() {
             s
         })
         .collect();
-    assert_eq!(second.recording.samples(), moved);
+    assert_eq!(*second.recording.all().unwrap(), moved);
     let error = open("two_imus.bag", Some("imu1")).unwrap_err();
     assert_eq!(error.hint().unwrap(), "did you mean `/imu1`?");
     let error = open("two_imus.bag", Some("/talk")).unwrap_err();
@@ -162,8 +162,8 @@ fn a_bag_cut_anywhere_gives_everything_before_the_cut() {
             };
             match read {
                 Ok(log) => {
-                    let found = log.recording.samples();
-                    assert_eq!(found, &expected[..found.len()], "{name} {cut}");
+                    let found = log.recording.all().unwrap();
+                    assert_eq!(*found, expected[..found.len()], "{name} {cut}");
                     assert!(found.len() >= before, "{name} {cut}");
                     before = found.len();
                     // Behind the last message stand index and summary only.
@@ -228,8 +228,8 @@ fn half_a_database_gives_what_is_in_the_half() {
         std::fs::write(&path, &whole[..4096 * pages]).unwrap();
         match read_log(&path, &LogOptions::default()) {
             Ok(log) => {
-                let found = log.recording.samples();
-                assert_eq!(found, &expected[..found.len()]);
+                let found = log.recording.all().unwrap();
+                assert_eq!(*found, expected[..found.len()]);
                 assert!(log.damage.is_some() || found.len() == expected.len(), "{pages}");
             }
             Err(error) => assert!(error.hint().is_some(), "{error}"),

@@ -1,6 +1,7 @@
 //! Logs as people have them (`golden/logs`), untouched: rate, units and axes, and what was taken for granted.
 
 use crate::{LogOptions, read_log};
+use dpn_core::{Recorded, Samples};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -38,7 +39,7 @@ fn check(name: &str, expected: &Value) {
     let rate = expected["rate_hz"].as_f64().unwrap();
     let found = log.recording.rate().hz();
     assert!((found / rate - 1.0).abs() < 1e-3, "{name}: {found} Hz, not {rate}");
-    let samples = log.recording.samples();
+    let samples = log.recording.all().unwrap();
     assert_eq!(samples.len() as u64, expected["count"].as_u64().unwrap(), "{name}");
     assert_eq!(log.warnings(), Vec::<String>::new(), "{name}");
     let tolerance = expected["tolerance"].as_f64().unwrap();

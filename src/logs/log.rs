@@ -1,8 +1,8 @@
 //! A log that was read, and what is to be said of it.
 
 use crate::Kind;
-use dpn_core::ImuRecording;
-use dpn_io::{LeftOut, Sieved};
+use dpn_core::Samples;
+use dpn_io::{LeftOut, Sieved, StoredRecording};
 
 /// A recording and where it came from.
 #[derive(Debug)]
@@ -12,7 +12,7 @@ pub struct Log {
     /// The bag's topic.
     pub topic: Option<String>,
     /// The samples of use.
-    pub recording: ImuRecording,
+    pub recording: StoredRecording,
     /// Samples left out.
     pub sieved: Sieved,
     /// What the places of [`Sieved`] count: `line`, `message` or `record`.
@@ -29,11 +29,11 @@ pub struct Log {
 
 impl Log {
     /// A recording that is as it should be.
-    pub fn sound(kind: Kind, recording: ImuRecording) -> Self {
+    pub fn sound(kind: Kind, recording: impl Into<StoredRecording>) -> Self {
         Self {
             kind,
             topic: None,
-            recording,
+            recording: recording.into(),
             sieved: Sieved::default(),
             place: "line",
             damage: None,

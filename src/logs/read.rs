@@ -7,11 +7,11 @@ use crate::scale::Scales;
 use crate::topics::Topics;
 use crate::two_files::TwoFiles;
 use crate::{Kind, Log, LogError, ardupilot, mcap, rosbag1, rosbag2, sqlite, ulog};
-use dpn_core::{ImuRecording, ImuSample};
+use dpn_core::Samples;
 use dpn_io::asl::{Sequence, is_there};
 use dpn_io::{
-    AccelUnit, CsvOptions, GyroUnit, ImuColumns, IoError, LooseImuLog, Origin, Sieved, parse_imu_csv_loosely,
-    scratch_file,
+    AccelUnit, CsvOptions, GyroUnit, ImuColumns, IoError, LooseImuLog, Origin, SampleStore, Sieved,
+    StoredRecording, parse_imu_csv_loosely, scratch_file,
 };
 use std::fs::File;
 use std::io::{BufReader, Read};
@@ -109,7 +109,6 @@ fn read_plain(
     let reading = |e| IoError::reading(path, e);
     let kind = Kind::of_head(head, path)?;
     let mut source = BufReader::new(source);
-    let mut records = Records::default();
     match kind {
         Kind::Rosbag1 => read_rosbag1(source, path, options),
         Kind::Mcap => read_mcap(source, path, options),
@@ -125,17 +124,14 @@ fn read_plain(
             );
             Ok(log)
         }
-        Kind::Ulog => {
-            let damage = ulog::read(source, &mut records).map_err(reading)?;
-            records.log(path, kind, damage, options)
-        }
-        Kind::Ardupilot => {
-            let damage = ardupilot::read(source, &mut records).map_err(reading)?;
-            records.log(path, kind, damage, options)
-        }
-        Kind::ArdupilotText => {
-            let damage = ardupilot::read_text(source, &mut records).map_err(reading)?;
-            records.log(path, kind, damage, options)
+        Kind::Ulog | Kind::Ardupilot | Kind::ArdupilotText => {
+            let mut records = Records::default();
+            let damage = match kind {
+                Kind::Ulog => ulog::read(source, &mut records),
+                Kind::Ardupilot => ardupilot::read(source, &mut records),
+                _ => ardupilot::read_text(source, &mut records),
+            };
+            records.log(path, kind, damage.map_err(reading)?, options)
         }
         Kind::Asl | Kind::Csv | Kind::Rosbag2 | Kind::TwoFiles => text(source, path, path, kind, options),
     }
@@ -200,12 +196,10 @@ fn bag(
     })
 }
 
-/// A recording of samples in order, times what one of their numbers is.
-fn scaled(samples: Vec<ImuSample>, path: &Path, options: &LogOptions) -> Result<ImuRecording, LogError> {
-    let samples = Scales::of(options).apply(samples);
-    let found = samples.len();
-    let short = |_| IoError::TooShort { path: path.to_path_buf(), found };
-    Ok(ImuRecording::new(samples).map_err(short)?)
+fn scaled(samples: SampleStore, path: &Path, options: &LogOptions) -> Result<StoredRecording, LogError> {
+    let recording = options.scales.apply(samples).and_then(SampleStore::recording);
+    let short = |found| IoError::TooShort { path: path.to_path_buf(), found };
+    Ok(recording.map_err(|e| IoError::reading(path, e))?.map_err(short)?)
 }
 
 pub(crate) fn goes_forward(path: &Path, sieved: &Sieved, kept: usize) -> Result<(), LogError> {
@@ -237,7 +231,7 @@ fn text(
     let LooseImuLog { recording, columns, time, gyro, accel, sieved, unreadable, passed, said_hz } = loose;
     let recording = match options.scales == Scales::default() {
         true => recording,
-        false => scaled(recording.samples().to_vec(), path, options)?,
+        false => scaled(recording.into_store(), path, options)?,
     };
     let mut log = Log { sieved, said_hz, ..Log::sound(kind, recording) };
     match unreadable.first {

@@ -1,10 +1,9 @@
 //! IMUs of a log that names its records and numbers those who write them, as autopilots' do: one is chosen.
 
 use crate::join::join;
-use crate::scale::Scales;
 use crate::{Kind, Log, LogError, LogOptions};
-use dpn_core::{ImuRecording, ImuSample};
-use dpn_io::{Sieve, Sieved};
+use dpn_core::{ImuSample, Samples};
+use dpn_io::{IoError, SampleStore, Sieve, Sieved};
 use std::path::Path;
 
 /// What a record's axes are.
@@ -78,8 +77,9 @@ impl Records {
             |holds: Holds| self.0.iter().position(|source| source.holds == holds && is_wanted(source));
         let mut guesses = Vec::new();
         let mut remarks = Vec::new();
-        let (name, samples, sieved): (String, Vec<ImuSample>, Sieved) =
-            match (first(Holds::Both), first(Holds::Gyro), first(Holds::Accel)) {
+        let storing = |e| IoError::reading(path, e);
+        let (name, samples, sieved): (String, SampleStore, Sieved) =
+            match (first(Holds::Both), first(Holds::Gyro), first(Holds::Accel), wanted) {
                 (Some(at), ..) => {
                     let others = self.0.iter().filter(|source| source.holds == Holds::Both).count() - 1;
                     let Source { name, sieve, .. } = self.0.swap_remove(at);
@@ -90,19 +90,29 @@ impl Records {
                             others + 1
                         ));
                     }
-                    let (samples, sieved) = sieve.done();
+                    let (samples, sieved) = sieve.done().map_err(storing)?;
                     (name, samples, sieved)
                 }
-                (None, Some(gyro), Some(accel)) => {
-                    let joined = join(self.0[gyro].sieve.samples(), self.0[accel].sieve.samples());
-                    let name = self.0[gyro].name.clone();
-                    guesses.push(joined.remark(&name, &self.0[accel].name));
+                (None, Some(gyro), Some(accel), _) => {
+                    // The later in the list first: taking one moves none before it.
+                    let mut take = |at: usize| {
+                        let Source { name, sieve, .. } = self.0.remove(at);
+                        sieve.done().map(|(samples, sieved)| (name, samples, sieved)).map_err(storing)
+                    };
+                    let (gyro, accel) = match gyro > accel {
+                        true => (take(gyro)?, take(accel)?),
+                        false => {
+                            let accel = take(accel)?;
+                            (take(gyro)?, accel)
+                        }
+                    };
+                    let joined = join(&gyro.1, &accel.1).map_err(storing)?;
+                    guesses.push(joined.remark(&gyro.0, &accel.0));
                     remarks.extend(joined.left_out());
-                    let (_, sieved) = self.0.swap_remove(gyro).sieve.done();
-                    (name, joined.samples, sieved)
+                    (gyro.0, joined.samples, gyro.2)
                 }
-                _ if wanted.is_some() && !self.0.is_empty() => {
-                    let wanted = wanted.unwrap_or_default().to_owned();
+                (.., Some(wanted)) if !self.0.is_empty() => {
+                    let wanted = wanted.to_owned();
                     return Err(LogError::NoTopic {
                         path: path.to_path_buf(),
                         wanted,
@@ -115,12 +125,14 @@ impl Records {
                 }
             };
         crate::read::goes_forward(path, &sieved, samples.len())?;
-        let samples = Scales::of(options).apply(samples);
-        if samples.len() < 2 {
-            let (found, reason) = (samples.len(), damage);
-            return Err(LogError::TooFew { path: path.to_path_buf(), topic: name, found, reason });
-        }
-        let recording = ImuRecording::new(samples).expect("a sieve lets finite samples in order through");
+        let samples = options.scales.apply(samples).map_err(storing)?;
+        let recording = match samples.recording().map_err(storing)? {
+            Ok(recording) => recording,
+            Err(found) => {
+                let (path, reason) = (path.to_path_buf(), damage);
+                return Err(LogError::TooFew { path, topic: name, found, reason });
+            }
+        };
         let mut log =
             Log { topic: Some(name), sieved, place: "record", damage, ..Log::sound(kind, recording) };
         (log.guesses, log.remarks) = (guesses, remarks);

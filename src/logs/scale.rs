@@ -1,7 +1,8 @@
 //! Raw counts brought to units: by what one of them is, or by the sensor's name and range.
 
-use crate::LogOptions;
 use dpn_core::ImuSample;
+use dpn_io::SampleStore;
+use std::io;
 use std::str::FromStr;
 
 const STANDARD_GRAVITY: f64 = 9.806_65;
@@ -79,21 +80,19 @@ impl FromStr for Scales {
 }
 
 impl Scales {
-    pub(crate) fn of(options: &LogOptions) -> Self {
-        options.scales
-    }
-
     /// Multiplies; what becomes infinite is left out.
-    pub(crate) fn apply(self, mut samples: Vec<ImuSample>) -> Vec<ImuSample> {
+    ///
+    /// # Errors
+    /// A temporary file that cannot be read or written.
+    pub(crate) fn apply(self, samples: SampleStore) -> io::Result<SampleStore> {
         let (accel, gyro) = (self.accel.unwrap_or(1.0), self.gyro.unwrap_or(1.0));
-        if self != Self::default() {
-            for sample in &mut samples {
-                sample.accel = sample.accel.map(|v| v * accel);
-                sample.gyro = sample.gyro.map(|v| v * gyro);
-            }
-            samples.retain(ImuSample::is_finite);
+        if self == Self::default() {
+            return Ok(samples);
         }
-        samples
+        samples.changed(|s| {
+            let (accel, gyro) = (s.accel.map(|v| v * accel), s.gyro.map(|v| v * gyro));
+            Some(ImuSample { accel, gyro, ..s }).filter(ImuSample::is_finite)
+        })
     }
 }
 

@@ -4,8 +4,8 @@ use crate::budget::Budget;
 use crate::imu_message::{Encoding, Undecodable, decode};
 use crate::join::join;
 use crate::{LogError, LogOptions};
-use dpn_core::{ImuSample, Sensor, Stamp};
-use dpn_io::{Sieve, Sieved, printable};
+use dpn_core::{Sensor, Stamp};
+use dpn_io::{IoError, SampleStore, Sieve, Sieved, printable};
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
@@ -26,6 +26,8 @@ struct Topic {
 struct Imu {
     encoding: Encoding,
     sieve: Sieve,
+    /// Whether a sample kept has gyroscope's values that are not all zero, and accelerometer's.
+    speaks: [bool; 2],
     /// Messages that are no `sensor_msgs/Imu`, by why.
     undecodable: BTreeMap<Undecodable, u64>,
     /// Messages whose header has no stamp: the bag's is taken.
@@ -34,7 +36,13 @@ struct Imu {
 
 impl Imu {
     fn new(encoding: Encoding) -> Self {
-        Self { encoding, sieve: Sieve::default(), undecodable: BTreeMap::new(), unstamped: 0 }
+        Self {
+            encoding,
+            sieve: Sieve::default(),
+            speaks: [false; 2],
+            undecodable: BTreeMap::new(),
+            unstamped: 0,
+        }
     }
 
     /// Says what of its messages was left out or amended.
@@ -54,11 +62,9 @@ impl Imu {
 impl Topic {
     /// The only sensor whose values are not zero throughout, where there is one.
     fn half(&self) -> Option<Sensor> {
-        let samples = self.imu.as_ref()?.sieve.samples();
-        let silent = |sensor: Sensor| samples.iter().all(|s| s.of(sensor) == [0.0; 3]);
-        match (silent(Sensor::Gyro), silent(Sensor::Accel)) {
-            (false, true) => Some(Sensor::Gyro),
-            (true, false) => Some(Sensor::Accel),
+        match self.imu.as_ref()?.speaks {
+            [true, false] => Some(Sensor::Gyro),
+            [false, true] => Some(Sensor::Accel),
             _ => None,
         }
     }
@@ -97,7 +103,7 @@ pub(crate) struct Topics {
 #[derive(Debug)]
 pub(crate) struct Chosen {
     pub(crate) topic: String,
-    pub(crate) samples: Vec<ImuSample>,
+    pub(crate) samples: SampleStore,
     pub(crate) sieved: Sieved,
     pub(crate) remarks: Vec<String>,
     /// What was taken for granted.
@@ -161,7 +167,10 @@ impl Topics {
                     imu.unstamped += 1;
                     sample.t = Stamp::from_ns(received_ns);
                 }
-                imu.sieve.push(sample, topic.messages);
+                if imu.sieve.push(sample, topic.messages) {
+                    imu.speaks[0] |= sample.gyro != [0.0; 3];
+                    imu.speaks[1] |= sample.accel != [0.0; 3];
+                }
             }
             Err(why) => *imu.undecodable.entry(why).or_default() += 1,
         }
@@ -272,10 +281,11 @@ impl Topics {
         };
         let mut remarks = Vec::new();
         imu.complain(&name, messages, &mut remarks);
-        let (mut samples, sieved) = imu.sieve.done();
+        let storing = |e| IoError::reading(path, e);
+        let (mut samples, sieved) = imu.sieve.done().map_err(storing)?;
         if let Some((accel_name, accel, messages)) = accel {
             accel.complain(&accel_name, messages, &mut remarks);
-            let joined = join(&samples, accel.sieve.samples());
+            let joined = accel.sieve.done().and_then(|(accel, _)| join(&samples, &accel)).map_err(storing)?;
             guesses.push(joined.remark(&name, &accel_name));
             remarks.extend(joined.left_out());
             samples = joined.samples;

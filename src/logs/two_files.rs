@@ -1,14 +1,15 @@
 //! A phone's log: a folder with a file for the gyroscope and one for the accelerometer (Sensor Logger, phyphox), joined.
 
 use crate::join::join;
-use crate::scale::Scales;
 use crate::{Kind, Log, LogError, LogOptions};
-use dpn_core::{ImuRecording, ImuSample, Sensor};
+use dpn_core::signal::ranks::{Column, Level, levels};
+use dpn_core::{ImuSample, Samples, Sensor};
 use dpn_io::{
-    AccelUnit, GyroUnit, IoError, LooseImuLog, Origin, Settled, parse_one_sensor_loosely, printable,
-    settle_units,
+    AccelUnit, GyroUnit, IoError, LooseImuLog, Origin, SampleStore, Settled, StoredRecording,
+    parse_one_sensor_loosely, printable, settle_units,
 };
 use std::fs::File;
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// An accelerometer whose vectors are by their median shorter than this share of gravity's has no gravity in it.
@@ -63,60 +64,60 @@ impl TwoFiles {
     /// # Errors
     /// A file that cannot be read; two that have no time in common.
     pub(crate) fn read(&self, dir: &Path, options: &LogOptions) -> Result<Log, LogError> {
-        let scales = Scales::of(options);
+        let scales = options.scales;
+        let storing = |e| IoError::reading(dir, e);
         let gyro = one(&self.gyro, Sensor::Gyro, options)?;
         let accel = one(&self.accel, Sensor::Accel, options)?;
         let (gyro_name, mut accel_name) = (name(&self.gyro), name(&self.accel));
-        let mut forces = accel.recording.samples().to_vec();
-        let mut log = Log::sound(Kind::TwoFiles, gyro.recording.clone());
+        let (mut guesses, mut remarks) = (Vec::new(), Vec::new());
         let gravity =
             self.gravity.as_ref().map(|path| one(path, Sensor::Accel, options).map(|read| (path, read)));
+        let mut with_gravity = None;
         if let Some((path, gravity)) = gravity.transpose()?
-            && median_length(&forces) < WEIGHTLESS * median_length(gravity.recording.samples())
+            && weightless(&accel.recording, &gravity.recording).map_err(storing)?
         {
             // The sum on the accelerometer's stamps: its values stand where a gyroscope's would.
-            let both = join(&forces, gravity.recording.samples());
-            let sum =
-                |s: &ImuSample| ImuSample { accel: std::array::from_fn(|i| s.gyro[i] + s.accel[i]), ..*s };
-            forces = both.samples.iter().map(sum).collect();
+            let sum = |s: ImuSample| {
+                Some(ImuSample { accel: std::array::from_fn(|i| s.gyro[i] + s.accel[i]), ..s })
+            };
+            let both = join(&accel.recording, &gravity.recording);
+            with_gravity = Some(both.and_then(|both| both.samples.changed(sum)).map_err(storing)?);
             accel_name = format!("{accel_name} + {}", name(path));
         }
-        let joined = join(gyro.recording.samples(), &forces);
-        log.guesses.push(joined.remark(&gyro_name, &accel_name));
-        log.remarks.extend(joined.left_out());
+        let joined = match &with_gravity {
+            Some(forces) => join(&gyro.recording, forces),
+            None => join(&gyro.recording, &accel.recording),
+        };
+        let joined = joined.map_err(storing)?;
+        guesses.push(joined.remark(&gyro_name, &accel_name));
+        remarks.extend(joined.left_out());
         for (file, read) in [(&gyro_name, &gyro), (&accel_name, &accel)] {
-            log.guesses.extend(read.passed.iter().map(|passed| format!("{file}: {passed}")));
+            guesses.extend(read.passed.iter().map(|passed| format!("{file}: {passed}")));
             if read.time.origin == Origin::Guessed {
-                log.guesses.push(format!("{file}: stamps in {}", read.time.value));
+                guesses.push(format!("{file}: stamps in {}", read.time.value));
             }
             let left = read.sieved.count() + read.unreadable.count;
             if left > 0 {
-                log.remarks.push(format!("left out: {left} row(s) of {file} that cannot be used"));
+                remarks.push(format!("left out: {left} row(s) of {file} that cannot be used"));
             }
         }
-        let mut samples = joined.samples;
         let named = |origin| origin != Origin::Assumed;
         // What was named is converted already.
         let si = Settled { value: GyroUnit::RadPerSecond, origin: Origin::Header };
         let turn = (named(gyro.gyro.origin) || scales.gyro.is_some()).then_some(si);
         let si = Settled { value: AccelUnit::MetrePerSecond2, origin: Origin::Header };
         let force = (named(accel.accel.origin) || scales.accel.is_some()).then_some(si);
-        let (turn, force) = settle_units(&mut samples, turn, force);
+        let (samples, turn, force) = settle_units(joined.samples, turn, force).map_err(storing)?;
         if turn.origin == Origin::Guessed {
-            log.guesses.push(format!("gyroscope in {} (--gyro-unit)", turn.value.name()));
+            guesses.push(format!("gyroscope in {} (--gyro-unit)", turn.value.name()));
         }
         if force.origin == Origin::Guessed {
-            log.guesses.push(format!("accelerometer in {} (--accel-unit)", force.value.name()));
+            guesses.push(format!("accelerometer in {} (--accel-unit)", force.value.name()));
         }
-        let samples = scales.apply(samples);
-        let found = samples.len();
-        log.recording = ImuRecording::new(samples).map_err(|_| LogError::Apart {
-            dir: dir.to_path_buf(),
-            gyro: gyro_name,
-            accel: accel_name,
-            found,
-        })?;
-        Ok(log)
+        let recording = scales.apply(samples).and_then(SampleStore::recording).map_err(storing)?;
+        let (dir, accel) = (dir.to_path_buf(), accel_name);
+        let recording = recording.map_err(|found| LogError::Apart { dir, gyro: gyro_name, accel, found })?;
+        Ok(Log { guesses, remarks, ..Log::sound(Kind::TwoFiles, recording) })
     }
 }
 
@@ -129,7 +130,16 @@ fn name(path: &Path) -> String {
     printable(&path.file_name().unwrap_or_default().to_string_lossy())
 }
 
-fn median_length(samples: &[ImuSample]) -> f64 {
-    let lengths = samples.iter().map(|s| s.accel.iter().map(|v| v * v).sum::<f64>().sqrt());
-    dpn_core::signal::stats::upper_median(lengths).unwrap_or(0.0)
+/// Whether gravity is missing in `accel`, by the median lengths of the vectors.
+fn weightless(accel: &StoredRecording, gravity: &StoredRecording) -> io::Result<bool> {
+    let both = [accel, gravity];
+    let columns = both.map(|r| Column { count: r.len(), levels: &[Level::UpperMedian] });
+    let lengths = levels(&columns, |take| {
+        both.iter().enumerate().try_for_each(|(at, recording)| {
+            recording.each(0..recording.len(), &mut |s| {
+                take(at, s.accel.iter().map(|v| v * v).sum::<f64>().sqrt());
+            })
+        })
+    })?;
+    Ok(lengths[0][0] < WEIGHTLESS * lengths[1][0])
 }

@@ -6,9 +6,9 @@
 //! two seconds between two stretches of one kind is taken for theirs.
 
 use dpn_core::signal::stats::{self, Ddof};
-use dpn_core::{ImuRecording, ImuSample, Sensor};
+use dpn_core::{ImuSample, Recorded, Sensor};
 use serde::Serialize;
-use std::fmt;
+use std::{fmt, io};
 
 /// Turning over the bias that is motion \[rad/s\].
 const TURN: f64 = 0.05;
@@ -64,22 +64,34 @@ struct Second {
     to_s: f64,
     /// Shaking of accelerometer and gyroscope.
     shakes: [f64; 2],
-    /// Means over quarters.
-    gyro: Vec<[f64; 3]>,
+    /// Means over quarters; of a second of few samples there are more.
+    gyro: Box<[[f64; 3]]>,
     force: [f64; 3],
 }
 
 /// The phases of a log, without a hole from its first sample to its last.
-pub fn phases(recording: &ImuRecording) -> Vec<Stretch> {
-    let samples = recording.samples();
-    let block = (recording.rate().hz().round() as usize).clamp(8, samples.len().max(8));
-    let seconds: Vec<Second> = samples
-        .chunks(block)
-        .filter(|c| c.len() >= 8 || samples.len() < 8)
-        .map(|c| second(c, samples))
-        .collect();
-    if seconds.is_empty() {
-        return Vec::new();
+///
+/// # Errors
+/// As [`Samples::piece`](dpn_core::Samples::piece).
+pub fn phases(recording: &dyn Recorded) -> io::Result<Vec<Stretch>> {
+    let [start, end] = recording.span();
+    let block = (recording.rate().hz().round() as usize).clamp(8, recording.len().max(8));
+    let mut seconds: Vec<Second> = Vec::new();
+    recording.pieces(0..recording.len(), block, &mut |chunk| {
+        let from_s = chunk[0].t.seconds_since(start);
+        // Each lasts to the one behind it, be that a second or what is left over.
+        if let Some(before) = seconds.last_mut().filter(|s| s.to_s.is_nan()) {
+            before.to_s = from_s;
+        }
+        if chunk.len() >= 8 || recording.len() < 8 {
+            seconds.push(second(chunk, from_s));
+        }
+        Ok(())
+    })?;
+    match seconds.last_mut() {
+        Some(last) if last.to_s.is_nan() => last.to_s = end.seconds_since(start),
+        Some(_) => {}
+        None => return Ok(Vec::new()),
     }
     let bias = bias(&seconds);
     let limits: [f64; 2] = std::array::from_fn(|k| {
@@ -110,14 +122,13 @@ pub fn phases(recording: &ImuRecording) -> Vec<Stretch> {
         }
     }
     if let Some(last) = stretches.last_mut() {
-        last.to_s = recording.duration();
+        last.to_s = recording.length_s();
     }
-    stretches
+    Ok(stretches)
 }
 
-fn second(chunk: &[ImuSample], all: &[ImuSample]) -> Second {
-    let since = |s: &ImuSample| s.t.seconds_since(all[0].t);
-    let next = all.partition_point(|s| s.t <= chunk[chunk.len() - 1].t).min(all.len() - 1);
+/// What is known of a second but its end.
+fn second(chunk: &[ImuSample], from_s: f64) -> Second {
     let shakes = Sensor::ALL.map(|sensor| {
         (0..3)
             .map(|axis| {
@@ -128,8 +139,8 @@ fn second(chunk: &[ImuSample], all: &[ImuSample]) -> Second {
     });
     let quarter = (chunk.len() / 4).max(1);
     Second {
-        from_s: since(&chunk[0]),
-        to_s: since(&all[next]),
+        from_s,
+        to_s: f64::NAN,
         shakes,
         gyro: chunk.chunks_exact(quarter).map(|q| mean(q, Sensor::Gyro)).collect(),
         force: mean(chunk, Sensor::Accel),
@@ -174,6 +185,7 @@ fn settle(kinds: &mut [Phase]) {
 mod tests {
     use super::*;
     use crate::doctor::values::tests::level;
+    use dpn_core::ImuRecording;
 
     #[test]
     fn rest_motors_and_flight_are_told_apart_and_a_knock_is_no_phase() {
@@ -193,7 +205,7 @@ mod tests {
                 s.accel[1] += 2.0;
             }
         }
-        let found = phases(&ImuRecording::new(samples).unwrap());
+        let found = phases(&ImuRecording::new(samples).unwrap()).unwrap();
         let said: Vec<(Phase, f64, f64)> =
             found.iter().map(|s| (s.phase, s.from_s.round(), s.to_s.round())).collect();
         assert_eq!(

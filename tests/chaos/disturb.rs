@@ -101,21 +101,30 @@ pub(crate) fn at_renames(of: Work, whole: &Whole, every: usize) -> usize {
             if rename % every != 1 % every {
                 continue;
             }
-            let tmp = tempfile::tempdir().unwrap();
-            let dir = tmp.path();
-            of.prepare(dir);
-            let done = of.command(dir).env("DPN_ABORT_AT_RENAME", &moment).output().unwrap();
-            if done.status.success() {
+            if !at_rename(of, whole, &moment) {
                 assert!(rename > every, "{}: nothing was renamed", of.name());
                 return rename - 1;
             }
-            let said = String::from_utf8_lossy(&done.stderr);
-            assert_eq!(done.status.signal(), Some(SIGABRT), "{} at {moment}: {said}", of.name());
-            ends_well(of, dir);
-            compare(of, whole, dir);
         }
     }
     unreachable!("work ends")
+}
+
+/// Ends work before the rename of this number, or after it (`7+`), and compares what the same command then makes of what it left; whether it has so
+/// many.
+pub(crate) fn at_rename(of: Work, whole: &Whole, moment: &str) -> bool {
+    let tmp = tempfile::tempdir().unwrap();
+    let dir = tmp.path();
+    of.prepare(dir);
+    let done = of.command(dir).env("DPN_ABORT_AT_RENAME", moment).output().unwrap();
+    if done.status.success() {
+        return false;
+    }
+    let said = String::from_utf8_lossy(&done.stderr);
+    assert_eq!(done.status.signal(), Some(SIGABRT), "{} at {moment}: {said}", of.name());
+    ends_well(of, dir);
+    compare(of, whole, dir);
+    true
 }
 
 /// Files may not grow beyond some sizes: a write fails in the middle. Nothing half-written is taken for whole later.

@@ -3,7 +3,7 @@
 use super::trainer::CorpusTrainer;
 use super::{MODELS, lasting};
 use crate::args::SweepPlanArgs;
-use crate::cmd::{closed_loop, paper, program};
+use crate::cmd::{paper, program, shipped};
 use crate::ui::{errln, outln};
 use anyhow::Result;
 use dpn_eval::closed_loop::Manifest;
@@ -35,7 +35,7 @@ fn of_loop(args: &SweepPlanArgs) -> Result<Planned> {
     let mut asked: LoopPlan = load(&args.plan)?;
     asked.data = args.data.clone().or(asked.data);
     let source = asked.source()?;
-    let networks = closed_loop::networks(asked.models.as_deref())?;
+    let networks = shipped::or_of(asked.models.as_deref())?;
     let sweep = asked.sweep(&source, &networks, 1)?;
     for warning in sweep.estimator.warnings() {
         errln!("warning: {warning}");
@@ -50,7 +50,7 @@ fn of_paper(args: &SweepPlanArgs) -> Result<Planned> {
     asked.data = args.data.clone().or(asked.data);
     let (plan, estimator) = (asked.plan()?, asked.estimator()?);
     let (input, why) = asked.input()?;
-    let networks = closed_loop::networks(asked.models.as_deref())?;
+    let networks = shipped::or_of(asked.models.as_deref())?;
     let paper = paper::unwritten(&asked, &plan, (&input, &why), &networks, estimator);
     let jobs = paper.sweeps()?.into_iter();
     let jobs: Vec<JobToPlan<'_>> = jobs

@@ -3,7 +3,7 @@
 use super::MODELS;
 use super::trainer::CorpusTrainer;
 use crate::args::{Shards, SweepRunArgs};
-use crate::cmd::{cache, closed_loop, program, stop};
+use crate::cmd::{cache, program, shipped, stop};
 use crate::ui::{Bar, Fault, Interrupted, errln};
 use anyhow::Result;
 use dpn_eval::sweeps::{Node, SweepError, SweepFolder, run_shard};
@@ -16,7 +16,7 @@ pub(crate) fn run(args: &SweepRunArgs) -> Result<()> {
     let folder = SweepFolder::open(&args.sweep)?;
     let shards = chosen(args)?.numbers(folder.shards());
     let models = args.sweep.join(MODELS);
-    let networks = closed_loop::networks(folder.manifest.models.then_some(models.as_path()))?;
+    let networks = shipped::or_of(folder.manifest.models.then_some(models.as_path()))?;
     let cache = cache::open(&args.cache)?;
     let here = Node {
         program: program(),

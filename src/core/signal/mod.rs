@@ -3,9 +3,11 @@
 //! * `savitzky_golay`: polynomial smoothing with polynomial edges.
 //! * [`spectrum`]: Welch's power spectral density, band power, peaks.
 //! * [`wavelet`]: detail coefficients of the finest level.
+//! * [`ranks`]: medians and quantiles of numbers that are not held.
 //! * [`stats`]: moments, quantiles, median absolute deviation, differences.
 
 mod orthonormal;
+pub mod ranks;
 mod savitzky_golay;
 pub mod spectrum;
 pub mod stats;

@@ -62,42 +62,84 @@ impl Welch {
         self
     }
 
+    /// Samples from a segment to the next.
+    pub fn step(&self) -> usize {
+        self.segment - self.segment / 2
+    }
+
+    /// A mean of periodograms that has none yet.
+    pub fn averaging(&self) -> Averaging<'_> {
+        let segment = self.segment;
+        let (_, fft) = self.plan.get_or_init(|| {
+            let hann = |i: usize| 0.5 - 0.5 * (TAU * i as f64 / segment as f64).cos();
+            ((0..segment).map(hann).collect(), FftPlanner::new().plan_fft_forward(segment))
+        });
+        Averaging {
+            welch: self,
+            power: vec![0.0; segment / 2 + 1],
+            buffer: vec![Complex::default(); segment],
+            scratch: vec![Complex::default(); fft.get_inplace_scratch_len()],
+            segments: 0,
+        }
+    }
+
     /// The spectrum of `x`, sampled at `rate`; samples behind the last whole segment are not used.
     ///
     /// # Errors
     /// A signal shorter than one segment.
     pub fn spectrum(&self, x: &[f64], rate: SampleRate) -> Result<Spectrum, SpectrumError> {
         let segment = self.segment;
+        // No length that was only asked for takes room.
         if x.len() < segment {
             return Err(SpectrumError::SignalTooShort { len: x.len(), segment });
         }
-        let (weights, fft) = self.plan.get_or_init(|| {
-            let hann = |i: usize| 0.5 - 0.5 * (TAU * i as f64 / segment as f64).cos();
-            ((0..segment).map(hann).collect(), FftPlanner::new().plan_fft_forward(segment))
-        });
-        let bins = segment / 2 + 1;
-        let mut power = vec![0.0; bins];
-        let mut buffer = vec![Complex::default(); segment];
-        let mut scratch = vec![Complex::default(); fft.get_inplace_scratch_len()];
-        let mut segments = 0usize;
-        for part in x.windows(segment).step_by(segment - segment / 2) {
-            let level = if self.remove_mean { super::stats::mean(part) } else { 0.0 };
-            for ((z, v), w) in buffer.iter_mut().zip(part).zip(weights) {
+        let mut averaging = self.averaging();
+        averaging.take(x);
+        averaging.spectrum(rate).ok_or(SpectrumError::SignalTooShort { len: x.len(), segment })
+    }
+}
+
+/// A mean of periodograms of a signal that comes in parts.
+pub struct Averaging<'a> {
+    welch: &'a Welch,
+    power: Vec<f64>,
+    buffer: Vec<Complex<f64>>,
+    scratch: Vec<Complex<f64>>,
+    segments: usize,
+}
+
+impl Averaging<'_> {
+    /// Takes the segments of a part, [`Welch::step`] samples apart; the next part begins one step behind this one's last segment.
+    pub fn take(&mut self, part: &[f64]) {
+        let Some((weights, fft)) = self.welch.plan.get() else { return };
+        for part in part.windows(self.welch.segment).step_by(self.welch.step()) {
+            let level = if self.welch.remove_mean { super::stats::mean(part) } else { 0.0 };
+            for ((z, v), w) in self.buffer.iter_mut().zip(part).zip(weights) {
                 *z = Complex::new((v - level) * w, 0.0);
             }
-            fft.process_with_scratch(&mut buffer, &mut scratch);
-            for (p, z) in power.iter_mut().zip(&buffer) {
+            fft.process_with_scratch(&mut self.buffer, &mut self.scratch);
+            for (p, z) in self.power.iter_mut().zip(&self.buffer) {
                 *p += z.norm_sqr();
             }
-            segments += 1;
+            self.segments += 1;
         }
+    }
+
+    /// The spectrum of all segments taken; none of none.
+    pub fn spectrum(mut self, rate: SampleRate) -> Option<Spectrum> {
+        let (weights, _) = self.welch.plan.get()?;
+        if self.segments == 0 {
+            return None;
+        }
+        let segment = self.welch.segment;
         let weight: f64 = weights.iter().map(|w| w * w).sum();
-        for (k, p) in power.iter_mut().enumerate() {
+        for (k, p) in self.power.iter_mut().enumerate() {
             // Zero and Nyquist stand once in the two-sided spectrum, every other bin twice.
             let sides = if k == 0 || 2 * k == segment { 1.0 } else { 2.0 };
-            *p *= sides / (segments as f64 * rate.hz() * weight);
+            *p *= sides / (self.segments as f64 * rate.hz() * weight);
         }
-        Ok(Spectrum { density: power, bin_hz: rate.hz() / segment as f64, nyquist_hz: 0.5 * rate.hz() })
+        let (density, bin_hz, nyquist_hz) = (self.power, rate.hz() / segment as f64, 0.5 * rate.hz());
+        Some(Spectrum { density, bin_hz, nyquist_hz })
     }
 }
 

@@ -7,7 +7,7 @@ use super::pack::{self, Packed};
 use crate::imu_csv::{CsvOptions, parse_with};
 use crate::{IoError, TimeUnit};
 use dpn_core::camera::CameraConfig;
-use dpn_core::checksum::of_bytes;
+use dpn_core::checksum::of_source;
 use dpn_core::imu::ImuRecording;
 use dpn_core::truth::GroundTruth;
 use std::path::{Path, PathBuf};
@@ -240,8 +240,7 @@ pub(crate) fn parse_imu(bytes: &[u8], path: &Path) -> Result<ImuRecording, IoErr
 }
 
 fn checksum_of_file(path: &Path) -> Result<String, IoError> {
-    let bytes = std::fs::read(path).map_err(|e| IoError::reading(path, e))?;
-    Ok(of_bytes(&bytes))
+    std::fs::File::open(path).and_then(of_source).map_err(|e| IoError::reading(path, e))
 }
 
 /// Turns "the file is not there" into `None`.

@@ -109,7 +109,7 @@ impl AllanLog {
     /// # Errors
     /// See [`AllanError`].
     pub fn of(recording: &ImuRecording, everything: bool) -> Result<Self, AllanError> {
-        let rest = rest(recording);
+        let rest = rest(recording).expect("a recording lies in memory");
         let rate = recording.rate();
         let used = if everything { 0..recording.len() } else { rest.longest.clone() };
         let length_s = used.len() as f64 * rate.period();

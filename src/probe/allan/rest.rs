@@ -9,8 +9,9 @@
 //! Slow drift of a bias does none of that.
 
 use dpn_core::signal::stats::upper_median;
-use dpn_core::{ImuRecording, Sensor};
+use dpn_core::{Recorded, Sensor};
 use serde::Serialize;
+use std::io;
 use std::ops::Range;
 
 /// Seconds at another level after which that is where the log rests.
@@ -49,24 +50,31 @@ struct Second {
 }
 
 /// Looks at every second of a log.
-pub fn rest(recording: &ImuRecording) -> Rest {
-    let samples = recording.samples();
+///
+/// # Errors
+/// As [`Samples::piece`](dpn_core::Samples::piece).
+pub fn rest(recording: &dyn Recorded) -> io::Result<Rest> {
     let rate = recording.rate();
     let block = (rate.hz().round() as usize).max(2);
-    let blocks = (samples.len() / block).max(1);
+    let blocks = (recording.len() / block).max(1);
     let mut moved = vec![false; blocks];
-    for sensor in Sensor::ALL {
+    let mut axes: [[Vec<Second>; 3]; 2] = Default::default();
+    // What is left over behind the last whole second is none.
+    recording.pieces(0..(blocks * block).min(recording.len()), block, &mut |chunk| {
+        for (sensor, axes) in Sensor::ALL.into_iter().zip(&mut axes) {
+            for (axis, seconds) in axes.iter_mut().enumerate() {
+                seconds.push(second(chunk.iter().map(|s| s.of(sensor)[axis])));
+            }
+        }
+        Ok(())
+    })?;
+    for (sensor, axes) in Sensor::ALL.into_iter().zip(&axes) {
         // Scatter, distance from the middle: beyond these nothing stands still.
         let (shaking, away) = match sensor {
             Sensor::Accel => (0.5, 0.5),
             Sensor::Gyro => (0.1, 0.05),
         };
-        for axis in 0..3 {
-            let seconds: Vec<Second> = samples
-                .chunks(block)
-                .take(blocks)
-                .map(|chunk| second(chunk.iter().map(|s| s.of(sensor)[axis])))
-                .collect();
+        for seconds in axes {
             let of = |part: fn(&Second) -> f64| {
                 upper_median(seconds.iter().map(part)).expect("there is a second or more")
             };
@@ -97,9 +105,9 @@ pub fn rest(recording: &ImuRecording) -> Rest {
 }
 
 /// Spans that moved, and the longest between them and the gaps.
-fn assemble(recording: &ImuRecording, moved: &[bool], block: usize) -> Rest {
-    let samples = recording.samples();
-    let seconds = |index: usize| samples[index.min(samples.len() - 1)].t.seconds_since(samples[0].t);
+fn assemble(recording: &dyn Recorded, moved: &[bool], block: usize) -> io::Result<Rest> {
+    let (start, len) = (recording.span()[0], recording.len());
+    let seconds = |index: usize| Ok::<_, io::Error>(recording.at(index.min(len - 1))?.t.seconds_since(start));
     let mut spans: Vec<Span> = Vec::new();
     let (mut longest, mut begin, mut gaps) = (0..0, 0, 0);
     let mut close = |begin: usize, end: usize| {
@@ -108,29 +116,40 @@ fn assemble(recording: &ImuRecording, moved: &[bool], block: usize) -> Rest {
         }
     };
     let limit = 1.5 * recording.rate().period();
-    for (i, is_moved) in moved.iter().enumerate() {
-        let from = i * block;
-        let to = if i + 1 == moved.len() { samples.len() } else { from + block };
-        if *is_moved {
-            close(begin, from);
-            begin = to;
-            match spans.last_mut() {
-                Some(span) if span.to_s == seconds(from) => span.to_s = seconds(to),
-                _ => spans.push(Span { from_s: seconds(from), to_s: seconds(to) }),
-            }
-            continue;
-        }
-        for at in from.max(1)..to {
-            if samples[at].t.seconds_since(samples[at - 1].t) > limit {
-                gaps += 1;
+    let is_moved = |at: usize| moved[(at / block).min(moved.len() - 1)];
+    let (mut before, mut at) = (start, 0);
+    // Places where a second that moved begins or ends, in pairs.
+    let mut bounds: Vec<usize> = Vec::new();
+    recording.each(0..len, &mut |sample| {
+        match (at > 0 && is_moved(at - 1), is_moved(at)) {
+            (false, true) => {
                 close(begin, at);
-                begin = at;
+                bounds.push(at);
             }
+            (true, false) => {
+                begin = at;
+                bounds.push(at);
+            }
+            _ => {}
         }
+        if at > 0 && !is_moved(at) && sample.t.seconds_since(before) > limit {
+            gaps += 1;
+            close(begin, at);
+            begin = at;
+        }
+        (before, at) = (sample.t, at + 1);
+    })?;
+    if bounds.len() % 2 == 1 {
+        begin = len;
+        bounds.push(len);
     }
-    close(begin, samples.len());
-    let longest_span = Span { from_s: seconds(longest.start), to_s: seconds(longest.end) };
-    Rest { moved_s: spans.iter().map(|s| s.to_s - s.from_s).sum(), moved: spans, gaps, longest, longest_span }
+    close(begin, len);
+    for pair in bounds.chunks_exact(2) {
+        spans.push(Span { from_s: seconds(pair[0])?, to_s: seconds(pair[1])? });
+    }
+    let longest_span = Span { from_s: seconds(longest.start)?, to_s: seconds(longest.end)? };
+    let moved_s = spans.iter().map(|s| s.to_s - s.from_s).sum();
+    Ok(Rest { moved_s, moved: spans, gaps, longest, longest_span })
 }
 
 fn second(values: impl Iterator<Item = f64> + Clone) -> Second {
@@ -145,7 +164,7 @@ mod tests {
     use super::*;
     use crate::allan::simulate::at_rest;
     use dpn_core::random::Stream;
-    use dpn_core::{ImuSample, SampleRate, Stamp};
+    use dpn_core::{ImuRecording, ImuSample, SampleRate, Stamp};
 
     /// A minute at 100 Hz of white noise and a walking bias.
     fn still(seconds: usize) -> Vec<ImuSample> {
@@ -165,7 +184,7 @@ mod tests {
     }
 
     fn of(samples: Vec<ImuSample>) -> Rest {
-        rest(&ImuRecording::new(samples).unwrap())
+        rest(&ImuRecording::new(samples).unwrap()).unwrap()
     }
 
     #[test]

@@ -1,8 +1,10 @@
 //! Clocks that were set while a log was written, and rates that no IMU has.
 
 use super::Finding;
-use dpn_core::{ImuRecording, SampleRate};
-use std::borrow::Cow;
+use super::kept::Kept;
+use dpn_core::{Recorded, SampleRate, Samples, Stamp};
+use std::io;
+use std::ops::Range;
 
 /// A step between samples that is a jump of the clock: longer than this \[s\],
 const JUMP_S: f64 = 3600.0;
@@ -13,37 +15,57 @@ const RATES: [f64; 2] = [9.0, 9000.0];
 /// Beyond there is none at all \[Hz\].
 const FASTEST: f64 = 1e5;
 
-/// The longest part of a recording whose clock was left alone, and what is to be said of the jumps.
-pub(super) fn without_jumps(recording: &ImuRecording) -> (Cow<'_, ImuRecording>, Option<Finding>) {
-    let samples = recording.samples();
-    let step = |i: usize| samples[i + 1].t.seconds_since(samples[i].t);
-    let long: Vec<usize> = (0..samples.len() - 1).filter(|i| step(*i) > JUMP_S).collect();
-    let recorded = recording.duration() - long.iter().map(|i| step(*i)).sum::<f64>();
-    let jumps: Vec<usize> = long.into_iter().filter(|i| step(*i) > JUMP_TIMES * recorded).collect();
-    let Some(&first) = jumps.first() else { return (Cow::Borrowed(recording), None) };
-    let ends = jumps.iter().map(|i| i + 1).chain([samples.len()]);
-    let begins = [0].into_iter().chain(jumps.iter().map(|i| i + 1));
+/// The longest part of a recording whose clock was left alone, none where that is all of it, and what is to be said of the jumps.
+///
+/// # Errors
+/// As [`Samples::piece`](dpn_core::Samples::piece).
+pub(super) fn without_jumps(recording: &dyn Recorded) -> io::Result<(Option<Kept<'_>>, Option<Finding>)> {
+    let (mut long_s, mut longest_s) = (0.0, 0.0_f64);
+    recording.pairs(&mut |a, b| {
+        let step = b.t.seconds_since(a.t);
+        if step > JUMP_S {
+            (long_s, longest_s) = (long_s + step, longest_s.max(step));
+        }
+    })?;
+    let recorded = recording.length_s() - long_s;
+    if longest_s <= JUMP_TIMES * recorded {
+        return Ok((None, None));
+    }
+    let (mut jumps, mut first): (usize, Option<(usize, f64, [Stamp; 2])>) = (0, None);
+    let (mut index, mut begin, mut longest): (usize, usize, Range<usize>) = (0, 0, 0..0);
     // Of several as long the last.
-    let longest = begins.zip(ends).max_by_key(|(begin, end)| end - begin).expect("there is a part or more");
-    let part = ImuRecording::new(samples[longest.0..longest.1].to_vec());
+    let part = |longest: &mut Range<usize>, part: Range<usize>| {
+        if part.len() >= longest.len() {
+            *longest = part;
+        }
+    };
+    recording.pairs(&mut |a, b| {
+        index += 1;
+        let step = b.t.seconds_since(a.t);
+        if step > JUMP_S && step > JUMP_TIMES * recorded {
+            jumps += 1;
+            first.get_or_insert((index, step, [a.t, b.t]));
+            part(&mut longest, begin..index);
+            begin = index;
+        }
+    })?;
+    part(&mut longest, begin..recording.len());
+    let (index, step, [from, to]) = first.expect("the longest step is a jump");
+    let part = Kept::new(recording, longest, Vec::new())?;
     let looked_at = match &part {
-        Ok(part) => format!("looked at are the {} samples from {} on", part.len(), part.samples()[0].t),
-        Err(_) => "no part of the log has two samples".to_owned(),
+        Some(part) => format!("looked at are the {} samples from {} on", part.len(), part.span()[0]),
+        None => "no part of the log has two samples".to_owned(),
     };
     let text = format!(
-        "the stamps jump {} time(s), first by {} after sample {}, from {} to {}; {looked_at}",
-        jumps.len(),
-        span(step(first)),
-        first + 1,
-        samples[first].t,
-        samples[first + 1].t
+        "the stamps jump {jumps} time(s), first by {} after sample {index}, from {from} to {to}; {looked_at}",
+        span(step),
     );
     let finding = Finding::bad(
         "clock",
         text,
         "cut the log there; look for a clock that was set while it was written, or for two logs in one file",
     );
-    (part.map_or(Cow::Borrowed(recording), Cow::Owned), Some(finding))
+    Ok((part, Some(finding)))
 }
 
 /// What is to be said of a rate that IMUs do not have.
@@ -86,7 +108,7 @@ mod tests {
     use super::*;
     use crate::doctor::examine;
     use crate::doctor::values::tests::level;
-    use dpn_core::Stamp;
+    use dpn_core::{ImuRecording, Stamp};
 
     #[test]
     fn a_first_stamp_of_nothing_before_real_ones_is_a_jump_and_the_rest_is_looked_at() {
@@ -95,7 +117,7 @@ mod tests {
             s.t = Stamp::from_ns(1_403_715_285_000_000_000 + s.t.ns());
         }
         samples[0].t = Stamp::from_ns(976);
-        let found = examine(&ImuRecording::new(samples).unwrap());
+        let found = examine(&ImuRecording::new(samples).unwrap()).unwrap();
         assert_eq!((found.samples, found.length_s.round()), (5999, 30.0));
         assert_eq!(
             found.findings[0].text,
@@ -115,10 +137,10 @@ mod tests {
                 .map(|s| dpn_core::ImuSample { t: Stamp::from_ns(s * 1_000_000_000), ..sample });
             ImuRecording::new(all.collect()).unwrap()
         };
-        assert!(without_jumps(&at(&[0, 3000, 6000, 16_000])).1.is_none());
+        assert!(without_jumps(&at(&[0, 3000, 6000, 16_000])).unwrap().1.is_none());
         let two = at(&[0, 1_000_000]);
-        let (part, said) = without_jumps(&two);
-        assert!(part.len() == 2 && said.unwrap().text.ends_with("no part of the log has two samples"));
+        let (part, said) = without_jumps(&two).unwrap();
+        assert!(part.is_none() && said.unwrap().text.ends_with("no part of the log has two samples"));
     }
 
     #[test]

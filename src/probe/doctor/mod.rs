@@ -13,6 +13,7 @@
 
 mod clock;
 mod finding;
+mod kept;
 pub mod motion;
 #[cfg(feature = "logs")]
 pub mod reading;
@@ -22,10 +23,11 @@ pub mod vibration;
 
 pub use finding::{Finding, Weight};
 
-use dpn_core::ImuRecording;
+use dpn_core::Recorded;
 #[cfg(feature = "logs")]
 use dpn_logs::Log;
 use serde::Serialize;
+use std::io;
 use vibration::AxisSpectrum;
 
 /// What an examination leaves.
@@ -45,32 +47,37 @@ pub struct Examination {
 }
 
 /// Looks at what somebody recorded: its samples, and what the reader had to leave out or guess.
+///
+/// # Errors
+/// As [`Samples::piece`](dpn_core::Samples::piece).
 #[cfg(feature = "logs")]
-pub fn examine_log(log: &Log) -> Examination {
-    let mut examination = examine(&log.recording);
+pub fn examine_log(log: &Log) -> io::Result<Examination> {
+    let mut examination = examine(&log.recording)?;
     examination.findings.extend(reading::findings(log));
     examination.findings.sort_by_key(|finding| finding.weight);
-    examination
+    Ok(examination)
 }
 
 /// Looks at a log as a whole.
-pub(crate) fn examine(recording: &ImuRecording) -> Examination {
-    let (recording, jumps) = clock::without_jumps(recording);
+pub(crate) fn examine(recording: &dyn Recorded) -> io::Result<Examination> {
+    let (part, jumps) = clock::without_jumps(recording)?;
+    let recording = part.as_ref().map_or(recording, |part| part);
     let mut findings: Vec<Finding> = jumps.into_iter().collect();
-    findings.extend(timing::findings(&recording));
-    let (measured, outliers) = values::without_outliers(&recording);
+    findings.extend(timing::findings(recording)?);
+    let (measured, outliers) = values::without_outliers(recording)?;
+    let measured = measured.as_ref().map_or(recording, |measured| measured);
     findings.extend(outliers);
-    let rest = crate::allan::rest::rest(&measured);
-    let spectra = vibration::spectra(&measured);
-    findings.extend(values::findings(&measured, &rest));
+    let rest = crate::allan::rest::rest(measured)?;
+    let spectra = vibration::spectra(measured)?;
+    findings.extend(values::findings(measured, &rest)?);
     findings.extend(vibration::findings(&spectra));
-    findings.extend(motion::findings(&measured, &rest));
+    findings.extend(motion::findings(measured, &rest)?);
     findings.sort_by_key(|finding| finding.weight);
-    Examination {
+    Ok(Examination {
         samples: recording.len(),
-        length_s: recording.duration(),
+        length_s: recording.length_s(),
         rate_hz: recording.rate().hz(),
         findings,
         spectra,
-    }
+    })
 }

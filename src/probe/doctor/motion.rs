@@ -3,14 +3,15 @@
 use super::Finding;
 use crate::allan::rest::Rest;
 use crate::phases::{Phase, phases};
-use dpn_core::{ImuRecording, Sensor};
+use dpn_core::{Recorded, Sensor};
+use std::io;
 
 /// The shortest rest that says anything of a drift \[s\].
 const LEAST_S: f64 = 60.0;
 
-pub(super) fn findings(recording: &ImuRecording, rest: &Rest) -> Vec<Finding> {
-    let length = recording.duration();
-    let stretches = phases(recording);
+pub(super) fn findings(recording: &dyn Recorded, rest: &Rest) -> io::Result<Vec<Finding>> {
+    let length = recording.length_s();
+    let stretches = phases(recording)?;
     let seconds =
         |phase| stretches.iter().filter(|s| s.phase == phase).map(|s| s.to_s - s.from_s).sum::<f64>();
     let parts: Vec<String> = Phase::ALL
@@ -43,35 +44,34 @@ pub(super) fn findings(recording: &ImuRecording, rest: &Rest) -> Vec<Finding> {
     }
     let period = recording.rate().period();
     if rest.longest.len() as f64 * period >= LEAST_S {
-        findings.push(drift(recording, rest, period));
+        findings.push(drift(recording, rest, period)?);
     }
-    findings
+    Ok(findings)
 }
 
 /// The steepest slope of a gyroscope axis over the longest rest, by least squares.
-fn drift(recording: &ImuRecording, rest: &Rest, period: f64) -> Finding {
-    let samples = &recording.samples()[rest.longest.clone()];
-    let slope = |axis: usize| {
-        let n = samples.len() as f64;
-        let middle = (n - 1.0) / 2.0;
-        let (mut up, mut down) = (0.0, 0.0);
-        for (i, s) in samples.iter().enumerate() {
-            let t = (i as f64 - middle) * period;
-            up += t * s.of(Sensor::Gyro)[axis];
-            down += t * t;
+fn drift(recording: &dyn Recorded, rest: &Rest, period: f64) -> io::Result<Finding> {
+    let count = rest.longest.len();
+    let middle = (count as f64 - 1.0) / 2.0;
+    let (mut up, mut down, mut index) = ([0.0; 3], 0.0, 0.0);
+    recording.each(rest.longest.clone(), &mut |s| {
+        let t = (index - middle) * period;
+        for (up, v) in up.iter_mut().zip(s.of(Sensor::Gyro)) {
+            *up += t * v;
         }
-        up / down
-    };
-    let slopes: [f64; 3] = std::array::from_fn(slope);
+        down += t * t;
+        index += 1.0;
+    })?;
+    let slopes = up.map(|up| up / down);
     let axis = (0..3).max_by(|a, b| slopes[*a].abs().total_cmp(&slopes[*b].abs())).expect("three axes");
-    let span = samples.len() as f64 * period;
+    let span = count as f64 * period;
     let moved = (slopes[axis] * span).abs();
     let text = format!(
         "over {span:.0} s at rest the bias of gyro {} drifts by {moved:.2e} rad/s ({:.2} deg/h)",
         ["x", "y", "z"][axis],
         moved.to_degrees() * 3600.0
     );
-    if moved > 5e-3 {
+    Ok(if moved > 5e-3 {
         Finding::warning(
             "drift",
             text,
@@ -79,7 +79,7 @@ fn drift(recording: &ImuRecording, rest: &Rest, period: f64) -> Finding {
         )
     } else {
         Finding::note("drift", text)
-    }
+    })
 }
 
 #[cfg(test)]
@@ -87,6 +87,7 @@ mod tests {
     use super::*;
     use crate::allan::rest::rest;
     use crate::doctor::values::tests::level;
+    use dpn_core::ImuRecording;
 
     #[test]
     fn a_warming_gyroscope_is_named_with_its_drift() {
@@ -95,7 +96,7 @@ mod tests {
             s.gyro[2] += 1e-4 * (s.t.ns() as f64 * 1e-9);
         }
         let recording = ImuRecording::new(samples).unwrap();
-        let found = findings(&recording, &rest(&recording));
+        let found = findings(&recording, &rest(&recording).unwrap()).unwrap();
         let drift = found.iter().find(|f| f.about == "drift").unwrap();
         assert!(drift.text.contains("gyro z drifts by 1.0") && drift.remedy.is_some(), "{drift:?}");
         assert_eq!(found[0].text, "at rest throughout, 100 s");

@@ -1,6 +1,7 @@
 //! What the reader of a log had to leave out or guess.
 
 use super::Finding;
+use dpn_core::{Recorded, Samples};
 use dpn_io::LeftOut;
 use dpn_logs::Log;
 
@@ -99,7 +100,7 @@ mod tests {
             not_finite: LeftOut { count: 40, first: Some(9) },
             ..Sieved::default()
         };
-        let found = examine_log(&log).findings;
+        let found = examine_log(&log).unwrap().findings;
         let of = |about: &str| found.iter().find(|f| f.about == about).unwrap();
         assert_eq!(
             of("damage").text,

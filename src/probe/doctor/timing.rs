@@ -1,8 +1,9 @@
 //! Rate, jitter, dropped samples, samples that come twice.
 
 use super::{Finding, clock};
-use dpn_core::ImuRecording;
-use dpn_core::signal::stats;
+use dpn_core::Recorded;
+use dpn_core::signal::ranks::{Column, Level, levels};
+use std::io;
 
 /// Jitter of a step, relative to the median one, from which an integrator notices.
 const JITTER: f64 = 0.05;
@@ -11,18 +12,20 @@ const PAUSE: f64 = 5.0;
 /// Share of samples equal to the one before from which the log is polled faster than the sensor.
 const TWICE: f64 = 0.05;
 
-pub(super) fn findings(recording: &ImuRecording) -> Vec<Finding> {
-    let samples = recording.samples();
+pub(super) fn findings(recording: &dyn Recorded) -> io::Result<Vec<Finding>> {
     let period = recording.rate().period();
-    let steps: Vec<f64> = samples.windows(2).map(|w| w[1].t.seconds_since(w[0].t)).collect();
+    let count = recording.len() - 1;
     let mut findings = Vec::new();
-    let mean_hz = steps.len() as f64 / recording.duration();
+    let mean_hz = count as f64 / recording.length_s();
     findings.push(Finding::note(
         "rate",
         format!("{:.3} Hz by the median step, {mean_hz:.3} Hz by the mean one", recording.rate().hz()),
     ));
     findings.extend(clock::unlikely(recording.rate()));
-    let [low, high] = [0.01, 0.99].map(|level| stats::quantile(&steps, level) / period - 1.0);
+    let each_step = |take: &mut dyn FnMut(f64)| recording.pairs(&mut |a, b| take(b.t.seconds_since(a.t)));
+    let asked = [0.01, 0.99, 0.97].map(Level::Quantile);
+    let found = levels(&[Column { count, levels: &asked }], |take| each_step(&mut |step| take(0, step)))?;
+    let [low, high] = [found[0][0], found[0][1]].map(|step| step / period - 1.0);
     let text = || {
         format!(
             "1 % of the steps are shorter than {:.2} and 1 % longer than {:.2} periods",
@@ -39,61 +42,81 @@ pub(super) fn findings(recording: &ImuRecording) -> Vec<Finding> {
     }
     // A burst empties a queue: many steps near zero, then a long one; the median step says nothing then.
     // Holes are no pauses behind bursts: without them, one of a minute would make every other step a short one.
-    let longest = PAUSE * stats::quantile(&steps, 0.97);
-    let even: Vec<f64> = steps.iter().copied().filter(|s| *s <= longest).collect();
-    let usual = stats::mean(&even);
-    let bursts = even.iter().filter(|s| **s < 0.2 * usual).count();
-    if bursts as f64 > 0.05 * steps.len() as f64 {
+    let longest = PAUSE * found[0][2];
+    let (mut sum, mut even) = (0.0, 0.0);
+    each_step(&mut |step| {
+        if step <= longest {
+            (sum, even) = (sum + step, even + 1.0);
+        }
+    })?;
+    // The second pass recovers the digits the first lost, as in `stats::mean`.
+    let (rough, mut off) = (sum / even, 0.0);
+    each_step(&mut |step| off += if step <= longest { step - rough } else { 0.0 })?;
+    let usual = rough + off / even;
+    let mut bursts = 0;
+    each_step(&mut |step| bursts += usize::from(step <= longest && step < 0.2 * usual))?;
+    if bursts as f64 > 0.05 * count as f64 {
         findings.push(Finding::bad(
             "jitter",
             format!("{bursts} steps are shorter than a fifth of the mean one: samples were stamped as a queue was emptied"),
             "stamp samples where they are taken",
         ));
-        findings.extend(dropped(recording, &steps, longest, usual));
+        findings.extend(dropped(recording, longest, usual)?);
     } else {
-        findings.extend(dropped(recording, &steps, 1.5 * period, period));
+        findings.extend(dropped(recording, 1.5 * period, period)?);
     }
-    findings.extend(repeated(recording));
-    findings
+    findings.extend(repeated(recording)?);
+    Ok(findings)
 }
 
 /// Steps longer than `limit` \[s\].
-fn dropped(recording: &ImuRecording, steps: &[f64], limit: f64, period: f64) -> Option<Finding> {
-    let start = recording.samples()[0].t;
-    let holes: Vec<(f64, f64)> = steps
-        .iter()
-        .enumerate()
-        .filter(|(_, step)| **step > limit)
-        .map(|(i, step)| (recording.samples()[i].t.seconds_since(start), *step))
-        .collect();
-    let (at, longest) = *holes.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let lost: f64 = holes.iter().map(|(_, step)| (step / period).round() - 1.0).sum();
-    let places: Vec<String> = holes.iter().take(5).map(|(at, _)| format!("{at:.2}")).collect();
-    let more = if holes.len() > 5 { ", ..." } else { "" };
+fn dropped(recording: &dyn Recorded, limit: f64, period: f64) -> io::Result<Option<Finding>> {
+    /// Places that are named.
+    const NAMED: usize = 5;
+    let start = recording.span()[0];
+    let (mut holes, mut lost, mut places) = (0, 0.0, Vec::new());
+    let (mut at, mut longest) = (0.0, 0.0);
+    recording.pairs(&mut |a, b| {
+        let step = b.t.seconds_since(a.t);
+        if step > limit {
+            let from = a.t.seconds_since(start);
+            holes += 1;
+            lost += (step / period).round() - 1.0;
+            if places.len() < NAMED {
+                places.push(format!("{from:.2}"));
+            }
+            if step >= longest {
+                (at, longest) = (from, step);
+            }
+        }
+    })?;
+    if holes == 0 {
+        return Ok(None);
+    }
+    let more = if holes > NAMED { ", ..." } else { "" };
     let text = format!(
-        "{} hole(s), about {lost:.0} samples lost; at {}{more} s; the longest, {longest:.3} s, at {at:.2} s",
-        holes.len(),
+        "{holes} hole(s), about {lost:.0} samples lost; at {}{more} s; the longest, {longest:.3} s, at {at:.2} s",
         places.join(", ")
     );
     let remedy = "look for a full buffer or a slow disk where the log was written; an estimator integrates across a hole with one sample";
-    Some(if lost > 0.001 * recording.len() as f64 || longest > 0.1 {
+    Ok(Some(if lost > 0.001 * recording.len() as f64 || longest > 0.1 {
         Finding::bad("gaps", text, remedy)
     } else {
         Finding::warning("gaps", text, remedy)
-    })
+    }))
 }
 
-fn repeated(recording: &ImuRecording) -> Option<Finding> {
-    let same = |w: &[dpn_core::ImuSample]| w[0].gyro == w[1].gyro && w[0].accel == w[1].accel;
-    let twice = recording.samples().windows(2).filter(|w| same(w)).count();
+fn repeated(recording: &dyn Recorded) -> io::Result<Option<Finding>> {
+    let mut twice = 0;
+    recording.pairs(&mut |a, b| twice += usize::from(a.gyro == b.gyro && a.accel == b.accel))?;
     let share = twice as f64 / recording.len() as f64;
-    (share > TWICE).then(|| {
+    Ok((share > TWICE).then(|| {
         Finding::warning(
             "repeats",
             format!("{:.0} % of the samples are the one before once more, all six axes", 100.0 * share),
             "the sensor is read faster than it measures, or it was frozen; log at its own rate, for noise per sample is wrong like this",
         )
-    })
+    }))
 }
 
 #[cfg(test)]
@@ -101,10 +124,10 @@ mod tests {
     use super::*;
     use crate::doctor::Weight;
     use crate::doctor::values::tests::level;
-    use dpn_core::{ImuSample, Stamp};
+    use dpn_core::{ImuRecording, ImuSample, Stamp};
 
     fn of(samples: Vec<ImuSample>) -> Vec<Finding> {
-        findings(&ImuRecording::new(samples).unwrap())
+        findings(&ImuRecording::new(samples).unwrap()).unwrap()
     }
 
     fn find<'a>(findings: &'a [Finding], about: &str) -> Option<&'a Finding> {

@@ -1,11 +1,14 @@
 //! Gravity, units, swapped columns, clipped and dead axes, the converter's step.
 
+use super::kept::Kept;
 use super::{Finding, Weight, clock};
 use crate::allan::rest::Rest;
-use dpn_core::check::{CheckOptions, RecordingFault, check};
-use dpn_core::signal::stats::{self, Ddof};
-use dpn_core::{GRAVITY, ImuRecording, ImuSample, Sensor};
-use std::borrow::Cow;
+use dpn_core::check::{RecordingFault, stuck};
+use dpn_core::signal::ranks::{Column, Level, levels};
+use dpn_core::signal::stats;
+use dpn_core::{GRAVITY, ImuRecording, ImuSample, Recorded, Sensor};
+use std::io;
+use std::ops::Range;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 /// Share of the samples that may be outliers; where there are more, the unit is wrong.
@@ -21,36 +24,48 @@ fn most(sensor: Sensor) -> f64 {
     }
 }
 
-/// A recording without the few samples that no IMU measures, and what is to be said of them.
-pub(super) fn without_outliers(recording: &ImuRecording) -> (Cow<'_, ImuRecording>, Option<Finding>) {
+/// A recording without the few samples that no IMU measures, none where there are none, and what is to be said of them.
+///
+/// # Errors
+/// As [`Samples::piece`](dpn_core::Samples::piece).
+pub(super) fn without_outliers(recording: &dyn Recorded) -> io::Result<(Option<Kept<'_>>, Option<Finding>)> {
     let beyond = |s: &ImuSample| {
         Sensor::ALL.into_iter().find_map(|sensor| {
             let axis = s.of(sensor).iter().position(|v| v.abs() > most(sensor))?;
             Some((sensor, axis))
         })
     };
-    let samples = recording.samples();
-    let count = samples.iter().filter(|s| beyond(s).is_some()).count();
-    let first = samples.iter().find_map(|s| Some((s, beyond(s)?)));
-    let Some((sample, (sensor, axis))) = first.filter(|_| count as f64 <= FEW * samples.len() as f64) else {
-        return (Cow::Borrowed(recording), None);
+    let len = recording.len();
+    let few = (FEW * len as f64) as usize;
+    let (mut index, mut count, mut places, mut first) = (0, 0, Vec::new(), None);
+    recording.each(0..len, &mut |s| {
+        if let Some(found) = beyond(s) {
+            count += 1;
+            first.get_or_insert((*s, found));
+            // Beyond the few that are left out, their places are of no use.
+            if places.len() <= few {
+                places.push(index);
+            }
+        }
+        index += 1;
+    })?;
+    let Some((sample, (sensor, axis))) = first.filter(|_| count as f64 <= FEW * len as f64) else {
+        return Ok((None, None));
     };
     let text = format!(
         "{sensor} {} reads {:.4e} {} at {:.3} s, more than any IMU measures; {count} sample(s) like it are left out of what follows",
         AXES[axis],
         sample.of(sensor)[axis],
         sensor.unit(),
-        sample.t.seconds_since(samples[0].t)
+        sample.t.seconds_since(recording.span()[0])
     );
     let remedy = "leave such samples out of the log: one of them throws an estimator off";
-    let kept = samples.iter().filter(|s| beyond(s).is_none()).copied().collect();
-    let kept = ImuRecording::new(kept).expect("99 of 100 samples are kept, in their order");
-    (Cow::Owned(kept), Some(Finding::bad("outliers", text, remedy)))
+    Ok((Kept::new(recording, 0..len, places)?, Some(Finding::bad("outliers", text, remedy))))
 }
 
-pub(super) fn findings(recording: &ImuRecording, rest: &Rest) -> Vec<Finding> {
-    let mut findings = gravity(recording, rest);
-    for fault in check(recording, &CheckOptions::default()).faults {
+pub(super) fn findings(recording: &dyn Recorded, rest: &Rest) -> io::Result<Vec<Finding>> {
+    let mut findings = gravity(recording, rest)?;
+    for fault in stuck(recording)? {
         let about = match &fault {
             RecordingFault::Saturated { .. } => "clipped",
             RecordingFault::Constant { .. } => "dead",
@@ -64,8 +79,8 @@ pub(super) fn findings(recording: &ImuRecording, rest: &Rest) -> Vec<Finding> {
         };
         findings.push(Finding::bad(about, fault.to_string(), remedy));
     }
-    findings.extend(steps(recording));
-    findings
+    findings.extend(steps(recording)?);
+    Ok(findings)
 }
 
 /// Norm of a vector.
@@ -73,32 +88,55 @@ fn norm(v: [f64; 3]) -> f64 {
     v.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
-/// Median of each axis over the stretch at rest, or over all.
-fn middle(samples: &[ImuSample], sensor: Sensor) -> [f64; 3] {
-    std::array::from_fn(|axis| {
-        stats::median_of(samples.iter().map(|s| s.of(sensor)[axis])).unwrap_or(f64::NAN)
-    })
-}
-
 /// What is so wrong with clock, gravity, columns or units that no figure of the log means anything; units from some thousand of its samples.
-pub fn meaningless(recording: &ImuRecording) -> Vec<Finding> {
+///
+/// # Errors
+/// As [`Samples::piece`](dpn_core::Samples::piece).
+pub fn meaningless(recording: &dyn Recorded) -> io::Result<Vec<Finding>> {
     const SAMPLES: usize = 5000;
-    let (recording, jumps) = clock::without_jumps(recording);
-    let (measured, outliers) = without_outliers(&recording);
+    let (part, jumps) = clock::without_jumps(recording)?;
+    let recording = part.as_ref().map_or(recording, |part| part);
+    let (measured, outliers) = without_outliers(recording)?;
     let every = recording.len().div_ceil(SAMPLES);
-    let thin = ImuRecording::new(measured.samples().iter().step_by(every).copied().collect())
-        .expect("every so manieth sample of a recording, thousands or all of them");
-    let mut findings = gravity(&thin, &Rest::default());
+    let measured = measured.as_ref().map_or(recording, |measured| measured);
+    let (mut index, mut thin) = (0_usize, Vec::new());
+    measured.each(0..measured.len(), &mut |sample| {
+        if index.is_multiple_of(every) {
+            thin.push(*sample);
+        }
+        index += 1;
+    })?;
+    let thin =
+        ImuRecording::new(thin).expect("every so manieth sample of a recording, thousands or all of them");
+    let mut findings = gravity(&thin, &Rest::default())?;
     findings.extend(jumps.into_iter().chain(clock::unlikely(recording.rate())).chain(outliers));
     findings.retain(|finding| finding.weight == Weight::Bad);
-    findings
+    Ok(findings)
 }
 
-fn gravity(recording: &ImuRecording, rest: &Rest) -> Vec<Finding> {
+/// Medians of the six axes over `range`, accelerometer and gyroscope, and the length of turning that a thousandth of all samples' axes exceeds.
+fn middles(recording: &dyn Recorded, range: Range<usize>) -> io::Result<([f64; 3], [f64; 3], f64)> {
+    let median = Column { count: range.len(), levels: &[Level::Median] };
+    let fast = Column { count: 3 * recording.len(), levels: &[Level::Quantile(0.999)] };
+    let found = levels(&[median, median, median, median, median, median, fast], |take| {
+        let mut index = 0;
+        recording.each(0..recording.len(), &mut |s| {
+            if range.contains(&index) {
+                s.accel.into_iter().chain(s.gyro).enumerate().for_each(|(axis, v)| take(axis, v));
+            }
+            s.gyro.into_iter().for_each(|v| take(6, v.abs()));
+            index += 1;
+        })
+    })?;
+    let of = |first: usize| std::array::from_fn(|axis| found[first + axis][0]);
+    Ok((of(0), of(3), found[6][0]))
+}
+
+fn gravity(recording: &dyn Recorded, rest: &Rest) -> io::Result<Vec<Finding>> {
     let at_rest = rest.longest.len() as f64 * recording.rate().period() >= 1.0;
-    let samples = if at_rest { &recording.samples()[rest.longest.clone()] } else { recording.samples() };
+    let range = if at_rest { rest.longest.clone() } else { 0..recording.len() };
     let when = if at_rest { "at rest" } else { "by the median of the whole log" };
-    let (accel, gyro) = (middle(samples, Sensor::Accel), middle(samples, Sensor::Gyro));
+    let (accel, gyro, fast) = middles(recording, range.clone())?;
     let (force, turn) = (norm(accel), norm(gyro));
     let mut findings = Vec::new();
     let read = format!("the accelerometer reads {force:.3} m/s^2 {when}");
@@ -115,15 +153,16 @@ fn gravity(recording: &ImuRecording, rest: &Rest) -> Vec<Finding> {
             "read the log with --accel-unit mg",
         ));
     } else if force > COUNTS {
-        let is_whole = |s: &ImuSample| s.accel.iter().all(|v| v.fract() == 0.0);
-        let whole = if samples.iter().all(is_whole) { ", all of them whole numbers" } else { "" };
+        let mut is_whole = true;
+        recording.each(range, &mut |s| is_whole &= s.accel.iter().all(|v| v.fract() == 0.0))?;
+        let whole = if is_whole { ", all of them whole numbers" } else { "" };
         findings.push(Finding::bad(
             "units",
             format!("{read}: raw counts{whole}? Some {force:.0} of them would make a g"),
             "say what a count is: --sensor-scale NAME-RANGE (mpu6050-2g), or --accel-scale [m/s^2] and --gyro-scale [rad/s] by the data sheet",
         ));
         // The gyroscope's columns are counts then too.
-        return findings;
+        return Ok(findings);
     } else if let Some(turn) = [turn, turn.to_degrees()].into_iter().find(|t| (t - GRAVITY).abs() < 0.5)
         && force < 3.0
     {
@@ -154,7 +193,6 @@ fn gravity(recording: &ImuRecording, rest: &Rest) -> Vec<Finding> {
             format!("{read}; up is {sign}{}, {tilt:.0} degrees off", AXES[up]),
         ));
     }
-    let fast = stats::quantile_in_place(&mut samples_of(recording, Sensor::Gyro), 0.999);
     if fast > 35.0 {
         findings.push(Finding::bad(
             "units",
@@ -168,16 +206,15 @@ fn gravity(recording: &ImuRecording, rest: &Rest) -> Vec<Finding> {
             "a bias this large is rare: look at the unit (--gyro-unit deg/s), or at what turned",
         ));
     }
-    findings
+    Ok(findings)
 }
 
-fn samples_of(recording: &ImuRecording, sensor: Sensor) -> Vec<f64> {
-    recording.samples().iter().flat_map(|s| s.of(sensor)).map(f64::abs).collect()
-}
+/// Samples that tell a step.
+const TELLING: usize = 20_000;
 
 /// The step between two neighbouring values of an axis, where its values are whole numbers of one.
 pub(super) fn step(signal: &[f64]) -> Option<f64> {
-    let mut values: Vec<f64> = signal.iter().take(20_000).copied().collect();
+    let mut values = signal.to_vec();
     values.sort_by(f64::total_cmp);
     values.dedup();
     let apart: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).collect();
@@ -193,22 +230,27 @@ pub(super) fn step(signal: &[f64]) -> Option<f64> {
     };
     let share = apart.iter().filter(whole).count() as f64 / apart.len() as f64;
     // Of numbers without a step a tenth or so would pass by chance.
-    (share > 0.95 && values.len() < signal.len().min(20_000) / 2).then_some(least)
+    (share > 0.95 && values.len() < signal.len() / 2).then_some(least)
 }
 
 /// Noise of a sample, in steps, of which rounding to steps (1 / sqrt(12) of one) makes half: sqrt(2 / 12).
 const CONVERTER: f64 = 0.408;
 
-fn steps(recording: &ImuRecording) -> Vec<Finding> {
+fn steps(recording: &dyn Recorded) -> io::Result<Vec<Finding>> {
+    let told = recording.piece(0..recording.len().min(TELLING))?;
+    let step_of =
+        |sensor: Sensor, axis: usize| step(&told.iter().map(|s| s.of(sensor)[axis]).collect::<Vec<_>>());
+    let steps = Sensor::ALL.map(|sensor| [0, 1, 2].map(|axis| step_of(sensor, axis)));
+    if steps.iter().flatten().all(Option::is_none) {
+        return Ok(Vec::new());
+    }
+    let noises = noises(recording)?;
     let mut findings = Vec::new();
-    for sensor in Sensor::ALL {
+    for ((sensor, steps), noises) in Sensor::ALL.into_iter().zip(steps).zip(noises) {
         let mut said = Vec::new();
         let mut coarse = false;
-        for (axis, name) in AXES.into_iter().enumerate() {
-            let signal = recording.axis(sensor, axis);
-            let Some(step) = step(&signal) else { continue };
-            let noise =
-                stats::deviation(&stats::differences(&signal, 2), Ddof::Zero) / stats::difference_gain(2);
+        for ((name, step), noise) in AXES.into_iter().zip(steps).zip(noises) {
+            let Some(step) = step else { continue };
             coarse |= noise < CONVERTER * step;
             said.push(format!("{name} {step:.3e}"));
         }
@@ -226,7 +268,34 @@ fn steps(recording: &ImuRecording) -> Vec<Finding> {
             Finding::note("steps", text)
         });
     }
-    findings
+    Ok(findings)
+}
+
+/// Noise of the axes of both sensors by the scatter of their second differences.
+fn noises(recording: &dyn Recorded) -> io::Result<[[f64; 3]; 2]> {
+    let count = recording.len().saturating_sub(2) as f64;
+    // Moments in passes, as `stats::variance` has them: the sum, what rounding left of it, the squares.
+    let pass = |of: &dyn Fn(f64, f64) -> f64, centre: &[[f64; 3]; 2]| {
+        let mut sums = [[0.0; 3]; 2];
+        let mut last: [Option<ImuSample>; 2] = [None; 2];
+        recording.each(0..recording.len(), &mut |s| {
+            if let [Some(a), Some(b)] = &last {
+                for (k, sensor) in Sensor::ALL.into_iter().enumerate() {
+                    let (a, b, c) = (a.of(sensor), b.of(sensor), s.of(sensor));
+                    for axis in 0..3 {
+                        sums[k][axis] += of((c[axis] - b[axis]) - (b[axis] - a[axis]), centre[k][axis]);
+                    }
+                }
+            }
+            last = [last[1], Some(*s)];
+        })?;
+        Ok::<_, io::Error>(sums.map(|sums| sums.map(|sum| sum / count)))
+    };
+    let rough = pass(&|v, _| v, &[[0.0; 3]; 2])?;
+    let off = pass(&|v, rough| v - rough, &rough)?;
+    let mean = [0, 1].map(|k| [0, 1, 2].map(|axis| rough[k][axis] + off[k][axis]));
+    let squares = pass(&|v, mean| (v - mean) * (v - mean), &mean)?;
+    Ok(squares.map(|axes| axes.map(|square| square.sqrt() / stats::difference_gain(2))))
 }
 
 #[cfg(test)]
@@ -253,7 +322,7 @@ pub(crate) mod tests {
     }
 
     fn said(samples: Vec<ImuSample>, about: &str) -> Vec<String> {
-        let all = examine(&ImuRecording::new(samples).unwrap()).findings;
+        let all = examine(&ImuRecording::new(samples).unwrap()).unwrap().findings;
         all.into_iter().filter(|f| f.about == about).map(|f| format!("{}: {}", f.weight, f.text)).collect()
     }
 
@@ -291,7 +360,7 @@ pub(crate) mod tests {
         });
         let words = "gravity stands in the gyroscope's columns (9.81 of its unit)";
         assert!(said(swapped.clone(), "columns")[0].contains(words), "{:?}", said(swapped, "columns"));
-        let quick = |samples: Vec<ImuSample>| meaningless(&ImuRecording::new(samples).unwrap());
+        let quick = |samples: Vec<ImuSample>| meaningless(&ImuRecording::new(samples).unwrap()).unwrap();
         assert_eq!(quick(level(40)), []);
         assert_eq!(quick(with(|s| s.accel[2] -= 9.81))[0].about, "gravity");
         let spun = with(|s| s.gyro[1] = 90.0 * (s.t.ns() as f64 * 1e-9).sin());
@@ -300,19 +369,19 @@ pub(crate) mod tests {
 
     #[test]
     fn one_sample_beyond_any_imu_is_named_and_spoils_no_other_check() {
-        let sound = examine(&ImuRecording::new(level(20)).unwrap());
+        let sound = examine(&ImuRecording::new(level(20)).unwrap()).unwrap();
         let mut samples = level(20);
         samples[1000].gyro[0] = 1000.0;
         samples[2000].accel[2] = 1e11;
         let recording = ImuRecording::new(samples).unwrap();
-        let sick = examine(&recording);
+        let sick = examine(&recording).unwrap();
         assert_eq!(
             sick.findings[0].text,
             "gyro x reads 1.0000e3 rad/s at 5.000 s, more than any IMU measures; 2 sample(s) like it are left out of what follows"
         );
         let others = |e: &crate::doctor::Examination| e.findings.iter().map(|f| f.about).collect::<Vec<_>>();
         assert_eq!(others(&sick)[1..], others(&sound)[..]);
-        assert_eq!(meaningless(&recording).len(), 1);
+        assert_eq!(meaningless(&recording).unwrap().len(), 1);
         assert!(!sick.findings.iter().any(|f| f.text.contains("inf") || f.text.contains("NaN")), "{sick:?}");
     }
 

@@ -1,9 +1,10 @@
 //! Spectral peaks: what shakes, and what may be a higher frequency folded back.
 
 use super::Finding;
-use dpn_core::signal::spectrum::{Peak, Spectrum, Welch};
+use dpn_core::signal::spectrum::{Averaging, Peak, Spectrum, Welch};
 use dpn_core::signal::stats;
-use dpn_core::{ImuRecording, Sensor};
+use dpn_core::{Recorded, Sensor};
+use std::io;
 
 /// A band stands this many times above the middle densities of what lies on both sides of it. Motion, falling off with frequency, stays
 /// below .9 of its lower side; of white noise over four segments none reaches 2. Set on EuRoC's training sequences and TUM-VI's rooms 1 and 2.
@@ -18,6 +19,8 @@ const WIDTH_HZ: f64 = 3.0;
 const LEAST_HZ: f64 = 8.0;
 /// Length of a segment \[s\].
 const SEGMENT_S: f64 = 2.0;
+/// Segments that are read at a time.
+const SEGMENTS: usize = 8;
 
 /// The spectrum of one axis.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,19 +34,36 @@ pub struct AxisSpectrum {
 }
 
 /// Spectra of the six axes; none where the log has not four segments.
-pub fn spectra(recording: &ImuRecording) -> Vec<AxisSpectrum> {
+///
+/// # Errors
+/// As [`Samples::piece`](dpn_core::Samples::piece).
+pub fn spectra(recording: &dyn Recorded) -> io::Result<Vec<AxisSpectrum>> {
     let rate = recording.rate();
     let segment = ((rate.hz() * SEGMENT_S) as usize).max(16);
     if recording.len() < 4 * segment {
-        return Vec::new();
+        return Ok(Vec::new());
     }
     let welch = Welch::new(segment).expect("16 samples or more");
     let all = Sensor::ALL.into_iter().flat_map(|sensor| (0..3).map(move |axis| (sensor, axis)));
-    all.map(|(sensor, axis)| {
-        let spectrum = welch.spectrum(&recording.axis(sensor, axis), rate).expect("four segments or more");
+    let mut axes: Vec<(Sensor, usize, Averaging<'_>)> =
+        all.map(|(sensor, axis)| (sensor, axis, welch.averaging())).collect();
+    let step = welch.step();
+    let mut signal = Vec::with_capacity(segment);
+    // Whole segments, and half of each again.
+    for from in (0..=recording.len() - segment).step_by(step * SEGMENTS) {
+        let segments = ((recording.len() - segment - from) / step + 1).min(SEGMENTS);
+        let piece = recording.piece(from..from + (segments - 1) * step + segment)?;
+        for (sensor, axis, averaging) in &mut axes {
+            signal.clear();
+            signal.extend(piece.iter().map(|s| s.of(*sensor)[*axis]));
+            averaging.take(&signal);
+        }
+    }
+    let spectrum = |(sensor, axis, averaging): (Sensor, usize, Averaging<'_>)| {
+        let spectrum = averaging.spectrum(rate).expect("four segments or more");
         AxisSpectrum { sensor, axis, spectrum }
-    })
-    .collect()
+    };
+    Ok(axes.into_iter().map(spectrum).collect())
 }
 
 pub(super) fn findings(spectra: &[AxisSpectrum]) -> Vec<Finding> {
@@ -127,18 +147,19 @@ fn smoothed(density: &[f64], half: usize) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::doctor::values::tests::level;
+    use dpn_core::ImuRecording;
 
     #[test]
     fn a_shaking_axis_is_named_with_frequency_and_strength() {
         let mut samples = level(60);
-        assert!(findings(&spectra(&ImuRecording::new(samples.clone()).unwrap())).is_empty());
+        assert!(findings(&spectra(&ImuRecording::new(samples.clone()).unwrap()).unwrap()).is_empty());
         for s in &mut samples {
             let t = s.t.ns() as f64 * 1e-9;
             s.accel[0] += (2.0 * std::f64::consts::PI * 43.2 * t).sin();
             // 110.5 Hz, seen at 89.5.
             s.gyro[1] += 0.1 * (2.0 * std::f64::consts::PI * 110.5 * t).sin();
         }
-        let found = findings(&spectra(&ImuRecording::new(samples).unwrap()));
+        let found = findings(&spectra(&ImuRecording::new(samples).unwrap()).unwrap());
         assert_eq!(found.len(), 2, "{found:?}");
         assert!(found[0].text.starts_with("accel x shakes at 43.2 Hz: 0.7"), "{found:?}");
         assert!(
@@ -154,7 +175,7 @@ mod tests {
         use dpn_logs::{LogOptions, read_log};
         let Some([euroc, tumvi]) = dpn_testing::packs(["euroc", "tumvi"]) else { return };
         let of = |path: std::path::PathBuf| {
-            let spectra = spectra(&read_log(&path, &LogOptions::default()).unwrap().recording);
+            let spectra = spectra(&read_log(&path, &LogOptions::default()).unwrap().recording).unwrap();
             let bands = |s: &AxisSpectrum| bands(&s.spectrum).into_iter().map(|b| b.peak.hz).collect();
             spectra.iter().map(|s| (s.sensor, s.axis, bands(s))).collect::<Vec<(Sensor, usize, Vec<f64>)>>()
         };

@@ -9,10 +9,11 @@ use crate::text::aligned;
 use dpn_core::estimate::{Effective, EffectiveStream};
 use dpn_core::noise::{Axes, Figure, ImuFigures, Meaning};
 use dpn_core::signal::stats::median;
-use dpn_core::{ImuRecording, Sensor};
+use dpn_core::{ImuSample, Recorded, Sensor};
 use dpn_io::noise_formats::{Format, Written, write};
 use serde::Serialize;
 use std::fmt::Write;
+use std::io;
 use std::sync::Arc;
 
 /// Spans \[s\] from a fast camera's interval to that between key frames.
@@ -61,57 +62,80 @@ pub struct EffectiveNoise {
 
 impl EffectiveNoise {
     /// Of a recording with its phases; none where it has no second.
-    pub fn of(recording: &ImuRecording, stretches: &[Stretch]) -> Option<Self> {
+    ///
+    /// # Errors
+    /// As [`Samples::piece`](dpn_core::Samples::piece).
+    pub fn of(recording: &dyn Recorded, stretches: &[Stretch]) -> io::Result<Option<Self>> {
         let rate = recording.rate();
         let phase =
             [Phase::Moving, Phase::Motors].into_iter().find(|p| stretches.iter().any(|s| s.phase == *p));
-        let start = recording.samples()[0].t;
-        let second = Effective::sum(1.0, rate).ok()?.min_len().max(rate.hz().round() as usize);
+        let start = recording.span()[0];
+        let Ok(shortest) = Effective::sum(1.0, rate) else { return Ok(None) };
+        let second = shortest.min_len().max(rate.hz().round() as usize);
         // A second counts where its middle is in the phase.
-        let counts = |i: usize| {
-            let t = recording.samples()[i * second + second / 2].t.seconds_since(start);
+        let counts = |second: &[ImuSample]| {
+            let t = second[second.len() / 2].t.seconds_since(start);
             let at = stretches.partition_point(|s| s.to_s <= t);
             phase.is_none() || stretches.get(at).map(|s| s.phase) == phase
         };
-        let seconds: Vec<bool> = (0..recording.len() / second).map(counts).collect();
-        if !seconds.contains(&true) {
-            return None;
+        let whole = 0..recording.len() - recording.len() % second;
+        let mut any = false;
+        recording.pieces(whole.clone(), second, &mut |second| {
+            any |= counts(second);
+            Ok(())
+        })?;
+        if !any {
+            return Ok(None);
         }
+        let row = |sensor: Sensor, of: Increment, span_s: f64, effective: Effective| {
+            let fresh = EffectiveStream::new(Arc::new(effective));
+            let mut axes = [(); 3].map(|()| (fresh.clone(), Vec::new()));
+            let mut signal = Vec::with_capacity(second);
+            recording.pieces(whole.clone(), second, &mut |second| {
+                for (axis, (stream, sigmas)) in axes.iter_mut().enumerate() {
+                    signal.clear();
+                    signal.extend(second.iter().map(|s| s.of(sensor)[axis]));
+                    // All seconds are gone through: a rest before the motion shows the sensor's own noise.
+                    let sigma = stream.sigma(&signal);
+                    if counts(second) {
+                        sigmas.push(sigma);
+                    }
+                }
+                Ok(())
+            })?;
+            Ok::<_, io::Error>(SpanNoise {
+                sensor,
+                of,
+                span_s,
+                sigma: axes.map(|(_, sigmas)| median(&sigmas)),
+            })
+        };
         let mut spans = Vec::new();
         for sensor in Sensor::ALL {
-            let axes = [0, 1, 2].map(|axis| recording.axis(sensor, axis));
-            let mut row = |of: Increment, span_s: f64, effective: Effective| {
-                let fresh = EffectiveStream::new(Arc::new(effective));
-                let level = |x: &Vec<f64>| {
-                    let mut stream = fresh.clone();
-                    // All seconds are gone through: a rest before the motion shows the sensor's own noise.
-                    let all: Vec<f64> = x.chunks_exact(second).map(|part| stream.sigma(part)).collect();
-                    let counted = all.into_iter().zip(&seconds).filter(|(_, counts)| **counts);
-                    median(&counted.map(|(sigma, _)| sigma).collect::<Vec<_>>())
-                };
-                spans.push(SpanNoise { sensor, of, span_s, sigma: axes.each_ref().map(level) });
-            };
             if let Ok(effective) = Effective::sum(rate.period() * (1.0 + 1e-9), rate) {
-                row(Increment::Sample, rate.period(), effective);
+                spans.push(row(sensor, Increment::Sample, rate.period(), effective)?);
             }
             for span_s in SPANS_S {
                 if let Ok(effective) = Effective::sum(span_s, rate) {
-                    row(Increment::Sum, span_s, effective);
+                    spans.push(row(sensor, Increment::Sum, span_s, effective)?);
                 }
                 if let (Sensor::Accel, Ok(effective)) = (sensor, Effective::double(span_s, rate)) {
-                    row(Increment::Position, span_s, effective);
+                    spans.push(row(sensor, Increment::Position, span_s, effective)?);
                 }
             }
         }
         let mut figures = ImuFigures { rate: Some(rate), ..ImuFigures::default() };
         for row in spans.iter().filter(|s| s.of == Increment::Sum && s.span_s == PASTED_S) {
-            figures.set(Figure::white(row.sensor), Meaning::SampleStd, Axes::Each(row.sigma), rate).ok()?;
+            let (figure, axes) = (Figure::white(row.sensor), Axes::Each(row.sigma));
+            if figures.set(figure, Meaning::SampleStd, axes, rate).is_err() {
+                return Ok(None);
+            }
         }
         let note =
             |figure: Figure| (!figure.is_walk()).then(|| format!("over {PASTED_S} s, vibration included"));
         // A rate too slow for the span leaves nothing to write.
         let pasted = PASTED.into_iter().filter_map(|format| write(&figures, format, note).ok()).collect();
-        Some(Self { phase, spans, pasted })
+        Ok(Some(Self { phase, spans, pasted }))
     }
 
     /// For people: a table a sensor, then what to paste.
@@ -149,6 +173,7 @@ mod tests {
     use super::*;
     use crate::doctor::values::tests::level;
     use crate::phases::phases;
+    use dpn_core::ImuRecording;
 
     #[test]
     fn a_rotor_counts_less_the_longer_the_span_and_motion_not_at_all() {
@@ -159,7 +184,7 @@ mod tests {
             s.accel[0] += (2.0 * std::f64::consts::PI * 91.3 * t).sin();
         }
         let recording = ImuRecording::new(samples).unwrap();
-        let noise = EffectiveNoise::of(&recording, &phases(&recording)).unwrap();
+        let noise = EffectiveNoise::of(&recording, &phases(&recording).unwrap()).unwrap().unwrap();
         assert_eq!(noise.phase, Some(Phase::Moving));
         let of = |sensor, of, span_s: f64| {
             noise

@@ -50,6 +50,9 @@ pub enum LogNoiseError {
     /// A value that is no noise.
     #[error(transparent)]
     Value(#[from] BadNoise),
+    /// Samples or answers that cannot be kept or read again.
+    #[error(transparent)]
+    Store(#[from] std::io::Error),
 }
 
 impl LogNoiseError {
@@ -65,7 +68,7 @@ impl LogNoiseError {
             Self::TooFast { .. } => Some(
                 "the stamps count in another unit, it seems: name it by --time-unit s, ms, us or ns".into(),
             ),
-            Self::Spec(_) | Self::NoNetwork { .. } | Self::Pair(_) | Self::Value(_) => None,
+            Self::Spec(_) | Self::NoNetwork { .. } | Self::Pair(_) | Self::Value(_) | Self::Store(_) => None,
         }
     }
 }

@@ -19,8 +19,9 @@ use crate::phases::{Phase, Stretch};
 use dpn_core::noise::Figure;
 use dpn_core::signal::SavitzkyGolay;
 use dpn_core::signal::stats::{self, Ddof};
-use dpn_core::{ImuRecording, SampleRate, Sensor};
+use dpn_core::{ImuRecording, Recorded, SampleRate, Sensor};
 use serde::Serialize;
+use std::io;
 
 /// Length of the filter \[s\]; 11 samples at 200 Hz.
 const FILTER_S: f64 = 0.055;
@@ -68,28 +69,39 @@ pub struct Levels {
 }
 
 impl Levels {
-    /// Of a recording with its phases; none where it is shorter than a filter.
-    pub fn of(recording: &ImuRecording, stretches: &[Stretch]) -> Option<Self> {
+    /// Of a recording with its phases; none where it is shorter than a filter. Takes memory for one axis of the log and its longest rest.
+    ///
+    /// # Errors
+    /// As [`Samples::piece`](dpn_core::Samples::piece).
+    pub fn of(recording: &dyn Recorded, stretches: &[Stretch]) -> io::Result<Option<Self>> {
         let half = ((recording.rate().hz() * FILTER_S - 1.0) / 2.0).round().max(2.0) as usize;
         // Beyond 36 kHz the filter is shorter in time; no IMU is there.
         let window = 2 * half.min(SavitzkyGolay::WIDEST / 2) + 1;
         if recording.len() < window {
-            return None;
+            return Ok(None);
         }
         let filter = SavitzkyGolay::new(window, 2).expect("an odd window of five samples or more");
         let block = (recording.rate().hz().round() as usize).clamp(8, recording.len().max(8));
-        let start = recording.samples()[0].t;
-        let phases: Vec<Option<Phase>> = recording
-            .samples()
-            .chunks(block)
-            .map(|chunk| phase_of(stretches, chunk[chunk.len() / 2].t.seconds_since(start)))
-            .collect();
+        let start = recording.span()[0];
+        let mut phases: Vec<Option<Phase>> = Vec::new();
+        recording.pieces(0..recording.len(), block, &mut |chunk| {
+            phases.push(phase_of(stretches, chunk[chunk.len() / 2].t.seconds_since(start)));
+            Ok(())
+        })?;
         let sensor = |sensor: Sensor| {
-            let axes = [0, 1, 2].map(|axis| seconds(&filter, &recording.axis(sensor, axis), block));
-            levels(calm(sensor, recording.rate()), &axes, &phases, walk_below(recording, sensor))
+            let rate = recording.rate();
+            let mut walk: Option<f64> = None;
+            let mut axes = Vec::new();
+            for axis in 0..3 {
+                let signal = recording.signal(0..recording.len(), sensor, axis)?;
+                axes.push(seconds(&filter, &signal, block));
+                // The least walk that any axis allows.
+                walk = walk.into_iter().chain(walk_below(&signal, rate)).reduce(f64::min);
+            }
+            Ok::<_, io::Error>(levels(calm(sensor, rate), &axes, &phases, walk))
         };
-        let (accel, gyro) = (sensor(Sensor::Accel), sensor(Sensor::Gyro));
-        Some(Self { window: filter.window(), accel, gyro, rest: rest(recording, stretches) })
+        let (accel, gyro) = (sensor(Sensor::Accel)?, sensor(Sensor::Gyro)?);
+        Ok(Some(Self { window: filter.window(), accel, gyro, rest: rest(recording, stretches)? }))
     }
 
     /// One sensor's.
@@ -144,34 +156,37 @@ fn calm(sensor: Sensor, rate: SampleRate) -> f64 {
     CALM * typical(Figure::white(sensor))[1] * rate.hz().sqrt()
 }
 
-/// The least walk that any axis allows at any averaging time from a second on.
-fn walk_below(recording: &ImuRecording, sensor: Sensor) -> Option<f64> {
-    let rate = recording.rate();
-    let most = recording.len() / SHARE;
-    let mut averages = deviation::averages(recording.len());
+/// The least walk that an axis allows at any averaging time from a second on.
+fn walk_below(signal: &[f64], rate: SampleRate) -> Option<f64> {
+    let most = signal.len() / SHARE;
+    let mut averages = deviation::averages(signal.len());
     averages.retain(|m| *m <= most && *m as f64 >= rate.hz());
-    let taus: Vec<f64> = averages.iter().map(|m| *m as f64 * rate.period()).collect();
-    (0..3)
-        .flat_map(|axis| deviation::variances(&recording.axis(sensor, axis), rate, &averages))
-        .zip(taus.iter().cycle())
-        .map(|(variance, tau)| (3.0 * variance / tau).sqrt())
+    deviation::variances(signal, rate, &averages)
+        .into_iter()
+        .zip(&averages)
+        .map(|(variance, m)| (3.0 * variance / (*m as f64 * rate.period())).sqrt())
         .filter(|walk| *walk > 0.0)
         .reduce(f64::min)
 }
 
 /// The Allan plot of the longest rest.
-fn rest(recording: &ImuRecording, stretches: &[Stretch]) -> Option<AllanLog> {
+fn rest(recording: &dyn Recorded, stretches: &[Stretch]) -> io::Result<Option<AllanLog>> {
     let longest = stretches
         .iter()
         .filter(|s| s.phase == Phase::Rest)
-        .max_by(|a, b| (a.to_s - a.from_s).total_cmp(&(b.to_s - b.from_s)))?;
-    let start = recording.samples()[0].t;
+        .max_by(|a, b| (a.to_s - a.from_s).total_cmp(&(b.to_s - b.from_s)));
+    let Some(longest) = longest else { return Ok(None) };
+    let start = recording.span()[0];
     let inside = |t: f64| (longest.from_s..longest.to_s).contains(&t);
-    let samples: Vec<_> =
-        recording.samples().iter().filter(|s| inside(s.t.seconds_since(start))).copied().collect();
-    let part = ImuRecording::new(samples).ok().filter(|part| part.duration() >= LEAST_S)?;
+    let mut samples = Vec::new();
+    recording.each(0..recording.len(), &mut |s| {
+        if inside(s.t.seconds_since(start)) {
+            samples.push(*s);
+        }
+    })?;
+    let part = ImuRecording::new(samples).ok().filter(|part| part.duration() >= LEAST_S);
     // A hole ends what is used; seconds that swing do not.
-    AllanLog::of(&part, false).ok()
+    Ok(part.and_then(|part| AllanLog::of(&part, false).ok()))
 }
 
 #[cfg(test)]
@@ -182,7 +197,7 @@ mod tests {
 
     fn of(samples: Vec<dpn_core::ImuSample>) -> Levels {
         let recording = ImuRecording::new(samples).unwrap();
-        Levels::of(&recording, &phases(&recording)).unwrap()
+        Levels::of(&recording, &phases(&recording).unwrap()).unwrap().unwrap()
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::phases::phases;
 use dpn_core::noise::Meaning;
 use dpn_core::noise::{AccelBiasWalkDensity, AccelNoiseDensity, GyroBiasWalkDensity, GyroNoiseDensity};
 use dpn_core::noise::{Axes, Figure, ImuFigures};
-use dpn_core::{ImuRecording, SampleRate};
+use dpn_core::{Recorded, SampleRate};
 use dpn_io::noise_formats::{Format, Given, NoiseCalibration, parse, write};
 use dpn_logs::{LogOptions, read_log};
 use dpn_testing::packs;
@@ -41,8 +41,8 @@ fn cases() -> Vec<Case> {
         ("MH_01", euroc.join("MH_01_easy"), ImuFigures::euroc()),
         ("room1", tumvi_rooms.join("dataset-room1_512_16"), tumvi()),
     ] {
-        let recording: ImuRecording = read_log(&path, &LogOptions::default()).unwrap().recording;
-        let levels = Levels::of(&recording, &phases(&recording)).unwrap();
+        let recording = read_log(&path, &LogOptions::default()).unwrap().recording;
+        let levels = Levels::of(&recording, &phases(&recording).unwrap()).unwrap().unwrap();
         cases.push(Case { name, levels, rate: recording.rate(), figures });
     }
     cases

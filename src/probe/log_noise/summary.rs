@@ -3,9 +3,10 @@
 use super::Track;
 use super::track::{Answer, Judged};
 use crate::phases::{Phase, Stretch};
-use dpn_core::signal::stats;
-use dpn_core::{ImuRecording, Sensor};
+use dpn_core::signal::ranks::{Column, Level, levels};
+use dpn_core::{Recorded, Sensor, Stamp};
 use serde::Serialize;
+use std::io;
 
 /// Levels of a distribution.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -83,28 +84,38 @@ pub struct TrackSummary {
 impl TrackSummary {
     /// Sums up. An answer counts for a phase when the `unknown_s` seconds behind it, the estimator's window, lie in that phase; the log's
     /// first ones, in which there was no estimate yet, count for nothing.
-    pub fn of(track: &Track, recording: &ImuRecording, stretches: Vec<Stretch>, unknown_s: f64) -> Self {
-        let start = recording.samples()[0].t;
-        let known = |a: &&Answer| a.t.seconds_since(start) >= unknown_s;
-        let whole = part(None, recording.duration(), track.answers.iter().filter(known));
-        let mut phases = vec![whole];
+    ///
+    /// # Errors
+    /// A temporary file that cannot be read.
+    pub fn of(
+        track: &Track,
+        recording: &dyn Recorded,
+        stretches: Vec<Stretch>,
+        unknown_s: f64,
+    ) -> io::Result<Self> {
+        let start = recording.span()[0];
+        let known = |a: &Answer| a.t.seconds_since(start) >= unknown_s;
+        let mut phases = vec![part(None, recording.length_s(), track, &known)?];
         for phase in Phase::ALL {
             let of: Vec<&Stretch> = stretches.iter().filter(|s| s.phase == phase).collect();
             if of.is_empty() {
                 continue;
             }
             let seconds = of.iter().map(|s| s.to_s - s.from_s).sum();
-            let inside = |a: &&Answer| {
+            let inside = |a: &Answer| {
                 let t = a.t.seconds_since(start);
                 let at = stretches.partition_point(|s| s.to_s <= t);
                 // The window behind the answer must lie in the phase too.
                 let all_in = |s: &Stretch| s.phase == phase && t - s.from_s >= unknown_s;
                 stretches.get(at).or(stretches.last()).is_some_and(all_in)
             };
-            phases.push(part(Some(phase), seconds, track.answers.iter().filter(known).filter(inside)));
+            phases.push(part(Some(phase), seconds, track, &|a| known(a) && inside(a))?);
         }
-        let outside = Sensor::ALL.into_iter().flat_map(|sensor| outside(track, recording, sensor)).collect();
-        Self { phases, stretches, outside, unknown_s }
+        let mut spans = Vec::new();
+        for sensor in Sensor::ALL {
+            spans.extend(outside(track, start, sensor)?);
+        }
+        Ok(Self { phases, stretches, outside: spans, unknown_s })
     }
 
     /// One phase.
@@ -121,11 +132,10 @@ impl PhaseSummary {
 }
 
 /// Where one sensor's windows are outside.
-fn outside(track: &Track, recording: &ImuRecording, sensor: Sensor) -> Vec<OutsideSpan> {
-    let start = recording.samples()[0].t;
+fn outside(track: &Track, start: Stamp, sensor: Sensor) -> io::Result<Vec<OutsideSpan>> {
     let mut spans: Vec<OutsideSpan> = Vec::new();
     let mut before_s = 0.0;
-    for answer in &track.answers {
+    track.each(|answer| {
         let to_s = answer.t.seconds_since(start);
         if answer.judged.of(sensor).outside > 0 {
             match spans.last_mut() {
@@ -134,29 +144,50 @@ fn outside(track: &Track, recording: &ImuRecording, sensor: Sensor) -> Vec<Outsi
             }
         }
         before_s = to_s;
-    }
-    spans
+        Ok(())
+    })?;
+    Ok(spans)
 }
 
-fn part<'a>(phase: Option<Phase>, seconds: f64, answers: impl Iterator<Item = &'a Answer>) -> PhaseSummary {
-    let answers: Vec<&Answer> = answers.collect();
-    let judged = answers.iter().fold(Judged::default(), |sum, a| sum.plus(&a.judged));
+/// Of the answers that count.
+fn part(
+    phase: Option<Phase>,
+    seconds: f64,
+    track: &Track,
+    counts: &dyn Fn(&Answer) -> bool,
+) -> io::Result<PhaseSummary> {
+    let each = |take: &mut dyn FnMut(&Answer)| {
+        track.each(|answer| {
+            if counts(answer) {
+                take(answer);
+            }
+            Ok(())
+        })
+    };
+    let (mut count, mut judged) = (0, Judged::default());
+    each(&mut |answer| (count, judged) = (count + 1, judged.plus(&answer.judged)))?;
+    let asked = [0.05, 0.5, 0.95].map(Level::Quantile);
+    let found = levels(&[Column { count, levels: &asked }; 6], |take| {
+        each(&mut |answer| {
+            let all = Sensor::ALL.into_iter().flat_map(|sensor| answer.noise.of(sensor));
+            all.enumerate().for_each(|(column, sigma)| take(column, sigma));
+        })
+    })?;
     let mut axes = Vec::new();
     let mut outside = Vec::new();
-    for sensor in Sensor::ALL {
-        let count = judged.of(sensor);
-        if count.windows > 0 {
-            let share = count.outside as f64 / count.windows as f64;
-            outside.push(SensorOutside { sensor, windows: count.windows, share });
+    for (sensor, found) in Sensor::ALL.into_iter().zip(found.chunks(3)) {
+        let windows = judged.of(sensor).windows;
+        if windows > 0 {
+            let share = judged.of(sensor).outside as f64 / windows as f64;
+            outside.push(SensorOutside { sensor, windows, share });
         }
-        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-            let values: Vec<f64> = answers.iter().map(|a| a.noise.of(sensor)[axis]).collect();
-            if let [low, middle, high] = stats::quantiles(&values, &[0.05, 0.5, 0.95])[..]
-                && !values.is_empty()
-            {
-                axes.push(AxisSummary { sensor, axis: name, sigma: Quantiles { low, middle, high } });
-            }
+        if count > 0 {
+            axes.extend(["x", "y", "z"].into_iter().zip(found).map(|(axis, levels)| AxisSummary {
+                sensor,
+                axis,
+                sigma: Quantiles { low: levels[0], middle: levels[1], high: levels[2] },
+            }));
         }
     }
-    PhaseSummary { phase, seconds, axes, outside }
+    Ok(PhaseSummary { phase, seconds, axes, outside })
 }

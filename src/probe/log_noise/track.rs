@@ -1,14 +1,18 @@
 //! The answers along a log.
 
 use super::{LogNoiseError, Plan};
-use dpn_core::noise::TrackError;
-use dpn_core::{ImuNoise, ImuRecording, ImuSample, NoiseTrack, Sensor, Stamp};
+use dpn_core::{ImuNoise, ImuSample, Recorded, Sensor, Stamp};
+use dpn_io::{Row, Store};
 use dpn_pronet::model::RangeCount;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::io;
+use std::ops::Range;
 
 /// Answers a piece of work gives.
 const PIECE: usize = 2000;
+/// Pieces whose answers are held at a time.
+const PIECES: usize = 16;
 /// Beyond this a sample squared is no `f32` any more, and a network may keep an older answer than its window.
 const ABSURD: f64 = 1e15;
 
@@ -74,26 +78,57 @@ pub struct Answer {
     pub judged: Judged,
 }
 
-/// The answers along a log: at the first sample, and every so many from there.
-#[derive(Debug, Clone, PartialEq)]
+/// Stamp, deviations of accelerometer and gyroscope, counts of both.
+impl Row for Answer {
+    const BYTES: usize = 11 * 8;
+
+    fn write(&self, bytes: &mut Vec<u8>) {
+        bytes.extend(self.t.ns().to_le_bytes());
+        for sensor in Sensor::ALL {
+            bytes.extend(self.noise.of(sensor).iter().flat_map(|v| v.to_le_bytes()));
+        }
+        for count in Sensor::ALL.map(|sensor| self.judged.of(sensor)) {
+            bytes.extend([count.windows, count.outside].iter().flat_map(|n| n.to_le_bytes()));
+        }
+    }
+
+    fn read(words: &[[u8; 8]]) -> Self {
+        let sigma = |first: usize| [0, 1, 2].map(|axis| f64::from_le_bytes(words[first + axis]));
+        let count = |first: usize| {
+            let [windows, outside] = [0, 1].map(|at| u64::from_le_bytes(words[first + at]));
+            Count { windows, outside }
+        };
+        Self {
+            t: Stamp::from_ns(i64::from_le_bytes(words[0])),
+            noise: ImuNoise::from_values(sigma(1), sigma(4)).expect("a noise was written"),
+            judged: Judged { accel: count(7), gyro: count(9) },
+        }
+    }
+}
+
+/// The answers along a log: at the first sample, and every so many from there, oldest first.
+#[derive(Debug)]
 pub struct Track {
-    /// Oldest first.
-    pub answers: Vec<Answer>,
+    answers: Store<Answer>,
 }
 
 impl Track {
-    /// Stamps and noises, as other commands read them from a file.
-    ///
-    /// # Errors
-    /// None for a track of a recording, whose stamps increase.
-    pub fn noise(&self) -> Result<NoiseTrack, TrackError> {
-        let stamps = self.answers.iter().map(|a| a.t).collect();
-        NoiseTrack::new(stamps, self.answers.iter().map(|a| a.noise).collect())
+    /// Number of answers.
+    pub fn len(&self) -> usize {
+        self.answers.len()
     }
 
-    /// All windows judged.
-    pub fn judged(&self) -> Judged {
-        self.answers.iter().fold(Judged::default(), |sum, a| sum.plus(&a.judged))
+    /// Never: a recording has a first sample.
+    pub fn is_empty(&self) -> bool {
+        self.answers.is_empty()
+    }
+
+    /// Hands every answer to `take`.
+    ///
+    /// # Errors
+    /// A temporary file that cannot be read, and `take`'s own.
+    pub fn each(&self, take: impl FnMut(&Answer) -> io::Result<()>) -> io::Result<()> {
+        self.answers.each(take)
     }
 }
 
@@ -101,62 +136,72 @@ impl Track {
 /// number of threads: a network remembers one window, so the log is cut into pieces and each piece begins a little earlier.
 ///
 /// # Errors
-/// As [`Plan::feed`].
-pub fn track(plan: &Plan<'_>, recording: &ImuRecording) -> Result<Track, LogNoiseError> {
-    let samples = recording.samples();
-    let rows = samples.len().div_ceil(plan.every());
-    let absurd = |s: &ImuSample| s.gyro.iter().chain(&s.accel).any(|v| v.abs() > ABSURD);
-    let Some(memory) = plan.memory().filter(|_| rows > PIECE && !samples.iter().any(absurd)) else {
-        return Ok(Track { answers: piece(plan, samples, 0, rows, 0)? });
+/// As [`Plan::feed`]; a temporary file that cannot be read or written.
+pub fn track(plan: &Plan<'_>, recording: &dyn Recorded) -> Result<Track, LogNoiseError> {
+    let rows = recording.len().div_ceil(plan.every());
+    let mut answers = Store::default();
+    let mut absurd = false;
+    if plan.memory().is_some() && rows > PIECE {
+        let is_absurd = |s: &ImuSample| s.gyro.iter().chain(&s.accel).any(|v| v.abs() > ABSURD);
+        recording.each(0..recording.len(), &mut |s| absurd |= is_absurd(s))?;
+    }
+    let Some(memory) = plan.memory().filter(|_| rows > PIECE && !absurd) else {
+        piece(plan, recording, 0..rows, 0, |answer| answers.push(answer))?;
+        return Ok(Track { answers: answers.done()? });
     };
     // A feed asks at whole hops from its first sample, so a piece may begin at any whole number of them.
     let step = plan.hop() * plan.thin();
-    let pieces: Vec<(usize, usize)> =
-        (0..rows).step_by(PIECE).map(|from| (from, (from + PIECE).min(rows))).collect();
-    let answers = pieces
-        .into_par_iter()
-        .map(|(from, to)| {
-            // The row before counts from its own last question on.
-            let first = (from * plan.every()).saturating_sub(plan.every() + memory + 2 * step);
-            piece(plan, samples, from, to, first - first % step)
-        })
-        .collect::<Result<Vec<_>, _>>()?;
-    Ok(Track { answers: answers.concat() })
+    let pieces: Vec<Range<usize>> =
+        (0..rows).step_by(PIECE).map(|from| from..(from + PIECE).min(rows)).collect();
+    for pieces in pieces.chunks(PIECES) {
+        let answered = pieces
+            .into_par_iter()
+            .map(|rows| {
+                // The row before counts from its own last question on.
+                let first = (rows.start * plan.every()).saturating_sub(plan.every() + memory + 2 * step);
+                let mut answers = Vec::with_capacity(rows.len());
+                piece(plan, recording, rows.clone(), first - first % step, |answer| answers.push(answer))?;
+                Ok(answers)
+            })
+            .collect::<Result<Vec<_>, LogNoiseError>>()?;
+        answered.into_iter().flatten().for_each(|answer| answers.push(answer));
+    }
+    Ok(Track { answers: answers.done()? })
 }
 
-/// Rows `from..to`, by a feed that begins with sample `first`.
+/// Hands over `rows`, by a feed that begins with sample `first`.
 fn piece(
     plan: &Plan<'_>,
-    samples: &[ImuSample],
-    from: usize,
-    to: usize,
+    recording: &dyn Recorded,
+    rows: Range<usize>,
     first: usize,
-) -> Result<Vec<Answer>, LogNoiseError> {
+    mut take: impl FnMut(Answer),
+) -> Result<(), LogNoiseError> {
     let every = plan.every();
     let mut feed = plan.feed()?;
-    let mut answers = Vec::with_capacity(to - from);
     let mut before = feed.judged();
-    let last = ((to - 1) * every + 1).min(samples.len());
-    for (index, sample) in samples[..last].iter().enumerate().skip(first) {
+    let last = ((rows.end - 1) * every + 1).min(recording.len());
+    let mut index = first;
+    recording.each(first..last, &mut |sample| {
         let noise = feed.feed(sample);
-        if !index.is_multiple_of(every) {
-            continue;
+        if index.is_multiple_of(every) {
+            let judged = feed.judged();
+            if index / every >= rows.start {
+                take(Answer { t: sample.t, noise, judged: judged.since(&before) });
+            }
+            before = judged;
         }
-        let judged = feed.judged();
-        if index / every >= from {
-            answers.push(Answer { t: sample.t, noise, judged: judged.since(&before) });
-        }
-        before = judged;
-    }
-    Ok(answers)
+        index += 1;
+    })?;
+    Ok(())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use dpn_core::SampleRate;
     use dpn_core::estimate::NoiseSpec;
     use dpn_core::random::Stream;
+    use dpn_core::{ImuRecording, SampleRate};
     use dpn_pronet::network::load_all;
     use rand::Rng;
     use std::path::Path;
@@ -178,7 +223,9 @@ mod tests {
 
     /// What one feed says from the first sample to the last.
     fn fed(plan: &Plan<'_>, recording: &ImuRecording) -> Vec<Answer> {
-        piece(plan, recording.samples(), 0, recording.len().div_ceil(plan.every()), 0).unwrap()
+        let mut answers = Vec::new();
+        piece(plan, recording, 0..recording.len().div_ceil(plan.every()), 0, |a| answers.push(a)).unwrap();
+        answers
     }
 
     #[test]
@@ -192,8 +239,15 @@ mod tests {
             let recording = recording(samples, (1e9 / hz) as i64);
             let plan = Plan::new(&spec, SampleRate::from_hz(hz).unwrap(), every, &networks).unwrap();
             let whole = track(&plan, &recording).unwrap();
-            assert!(whole.answers == fed(&plan, &recording), "{hz} {every}");
-            let judged = whole.judged();
+            let (mut answers, mut judged) = (Vec::new(), Judged::default());
+            whole
+                .each(|answer| {
+                    answers.push(*answer);
+                    judged = judged.plus(&answer.judged);
+                    Ok(())
+                })
+                .unwrap();
+            assert!(answers == fed(&plan, &recording), "{hz} {every}");
             assert!(judged.accel.windows > 0 && judged.accel.windows == judged.gyro.windows);
         }
     }

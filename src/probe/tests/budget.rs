@@ -4,11 +4,12 @@
 //! or minutes, or is made to.
 #![allow(clippy::unwrap_used)]
 
+use dpn_core::Recorded;
 use dpn_core::estimate::NoiseSpec;
 use dpn_io::asl::Sequence;
 use dpn_io::noise_formats::{self, Given};
 use dpn_io::{CsvOptions, ImuLines, parse_png, read_noise_track, read_tracks, read_tum};
-use dpn_logs::{Log, LogOptions, read_stream};
+use dpn_logs::{Log, LogOptions, read_log, read_stream};
 use dpn_probe::allan::AllanLog;
 use dpn_probe::doctor::examine_log;
 use dpn_probe::log_noise::{Levels, Plan, TrackSummary, report, track};
@@ -51,7 +52,7 @@ impl Judge {
     fn log(&mut self, name: &str, bytes: &[u8], options: &LogOptions) {
         self.case(name, bytes.len(), || {
             if let Ok(log) = read_stream(bytes, Path::new("log"), options) {
-                all(&log);
+                all(log);
             }
         });
     }
@@ -65,22 +66,23 @@ impl Judge {
 }
 
 /// `dpn check`, `noise` by several estimators and `allan`, without their pictures.
-fn all(log: &Log) {
-    let said = serde_json::to_string(&examine_log(log)).unwrap();
+fn all(log: Log) {
+    let said = serde_json::to_string(&examine_log(&log).unwrap()).unwrap();
     let said = said.replace("with NaN or infinite values", "");
     assert!(!said.contains("inf ") && !said.contains("NaN"), "{said}");
     let recording = &log.recording;
-    let stretches = phases(recording);
-    let _ = Levels::of(recording, &stretches);
+    let stretches = phases(recording).unwrap();
+    drop(Levels::of(recording, &stretches).unwrap());
     for spec in ["diff2", "allan", "sg(51,3)", "kalman", "running", "sliding(1000000000)", "sg(999999,3)"] {
         let spec: NoiseSpec = spec.parse().unwrap();
         let Ok(plan) = Plan::new(&spec, recording.rate(), 10, &[]) else { continue };
         let track = track(&plan, recording).unwrap();
-        let summary = TrackSummary::of(&track, recording, stretches.clone(), plan.unknown_s());
+        let summary = TrackSummary::of(&track, recording, stretches.clone(), plan.unknown_s()).unwrap();
         report::page(&plan, &summary, recording.rate());
     }
+    let recording = log.recording.held().unwrap();
     for everything in [false, true] {
-        if let Err(error) = AllanLog::of(recording, everything) {
+        if let Err(error) = AllanLog::of(&recording, everything) {
             assert!(!error.to_string().contains("fault of the program"), "{error}");
         }
     }
@@ -97,6 +99,23 @@ fn logs(judge: &mut Judge) {
             let _ = lines.push(b"#t,x\n");
         }
     });
+    for (name, gyro, accel) in [
+        ("two files of one time", 5_000_000, 5_000_000),
+        ("two files, one 1 ns apart", 1, 5_000_000),
+        ("two files of which none has time in common", 5_000_000, 60_000_000_000),
+    ] {
+        let table = |step: i64| {
+            let row = |i: i64| format!("{},0.1,0.2,9.{}\n", 1_700_000_000_000_000_000 + i * step, i % 89 + 10);
+            ["time,x,y,z\n".to_owned(), (0..40_000).map(row).collect()].concat().into_bytes()
+        };
+        let (gyro, accel) = (table(gyro), table(accel));
+        let dir = folder(&[("Gyroscope.csv", &gyro), ("Accelerometer.csv", &accel)]);
+        judge.case(name, gyro.len() + accel.len(), || {
+            if let Ok(log) = read_log(dir.path(), &LogOptions::default()) {
+                all(log);
+            }
+        });
+    }
     let wanted = LogOptions { topic: Some("/150001".to_owned()), ..options };
     judge.log("a topic that is none of 150,000", &forged::many_channels(), &wanted);
 }

@@ -74,6 +74,29 @@ fn many_formats() -> Vec<u8> {
     .concat()
 }
 
+/// A gzip stream of zeros, 2 kB to 13 bytes: a block of fixed codes that copies the byte before 258 times over, again and again.
+fn gzip_zeros(times: usize) -> Vec<u8> {
+    // Codes come with their first bit first: a last block of fixed codes, a zero, `times` times eight copies (length 258, distance 1), the end.
+    let copy = "1100010100000";
+    let bits = ["1", "10", "00110000", &copy.repeat(8 * times), "0000000"].concat();
+    let bytes = bits.as_bytes().chunks(8).map(|bits| {
+        bits.iter().enumerate().fold(0, |byte, (at, bit)| byte | u8::from(*bit == b'1') << at)
+    });
+    [b"\x1f\x8b\x08\0\0\0\0\0\0\x03".to_vec(), bytes.collect()].concat()
+}
+
+/// ArduPilot's binary log that describes and describes records: each FMT names a length, a name and units of columns.
+fn many_records() -> Vec<u8> {
+    let format = |kind: u8, name: String| {
+        let mut record = vec![0xa3, 0x95, 0x80, kind, 89];
+        record.extend(name.bytes().chain([0; 4]).take(4));
+        record.extend(b"QffffffQQQQQQQQQ");
+        record.extend(b"TimeUS,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,I,".iter().copied().chain([0; 64]).take(64));
+        record
+    };
+    (0..60_000_u32).flat_map(|i| format(i as u8, format!("{:03x}", i % 4096))).collect()
+}
+
 /// All of them, with the ending of each one's name.
 pub fn bags() -> Vec<(Forged, &'static str)> {
     let mut all = Vec::new();
@@ -101,6 +124,7 @@ pub fn bags() -> Vec<(Forged, &'static str)> {
     bag("an MCAP of 150,000 channels", "mcap", many_channels);
     // Packed as a whole.
     bag("a bz2 log of a gigabyte", "csv.bz2", || ZEROS.repeat(25));
+    bag("a gzip log of a gigabyte", "csv.gz", || gzip_zeros(1 << 19));
     bag("a zstd log of a window of 64 MB", "csv.zst", || {
         [b"\x28\xb5\x2f\xfd\x00\x80".to_vec(), [0x02u8, 0x00, 0x10, 0x00].repeat(8000)].concat()
     });
@@ -115,6 +139,7 @@ pub fn bags() -> Vec<(Forged, &'static str)> {
     bag("a ULog of zeros", "ulg", || [b"ULog\x01\x12\x35\x01".to_vec(), vec![0; 4 << 20]].concat());
     bag("a ULog of 100,000 formats", "ulg", many_formats);
     bag("an ArduPilot log of zeros", "bin", || [vec![0xa3, 0x95, 0x80], vec![0; 4 << 20]].concat());
+    bag("an ArduPilot log of 60,000 formats", "bin", many_records);
     bag("an ArduPilot log of a line without an end", "log", || {
         [b"FMT, ".to_vec(), vec![b'7'; 8 << 20]].concat()
     });
