@@ -391,7 +391,7 @@ impl IoError {
             }
             Self::BadNoise { .. } => "standard deviations are zero or more; mend the line",
             Self::BadImage { .. } => {
-                "unpack the image again, or convert it to a grey PNG of 8 bits and the calibration's size"
+                "unpack or record the image again, or convert it to PNG or JPEG of the calibration's size"
             }
             Self::NotWhole { .. } | Self::TrackCount { .. } => {
                 "a frame is one line: stamp_ns n, then n times id u v; mend or delete the line"

@@ -30,8 +30,12 @@ mod error;
 mod fields;
 #[cfg(test)]
 mod fuzz;
+#[cfg(feature = "images")]
+mod grey;
 mod guess;
 mod head;
+#[cfg(feature = "images")]
+mod image_file;
 #[cfg(feature = "images")]
 mod images;
 mod imu_csv;
@@ -60,7 +64,11 @@ pub use columns::{AccelUnit, GyroUnit, ImuColumns};
 pub use decimal::TimeUnit;
 pub use error::IoError;
 #[cfg(feature = "images")]
-pub use images::{Coverage, ImageFolder, ImageRun, Prefetch, StampedImage, parse_png};
+pub use grey::{ByteOrder, PixelLayout};
+#[cfg(feature = "images")]
+pub use image_file::parse_image;
+#[cfg(feature = "images")]
+pub use images::{Coverage, ImageFolder, ImageRun, Prefetch, StampedImage};
 pub use imu_csv::{CsvOptions, ImuLog, Origin, Settled, parse_imu_csv, read_imu_csv};
 pub use imu_lines::ImuLines;
 pub use leftovers::scratch_file;

@@ -27,6 +27,7 @@ mod budget;
 mod bytes;
 mod decompress;
 mod error;
+mod fields;
 #[cfg(test)]
 mod fuzz;
 #[cfg(test)]
@@ -38,6 +39,7 @@ mod join;
 mod kind;
 mod log;
 mod mcap;
+mod messages;
 mod packed;
 mod read;
 mod records;
