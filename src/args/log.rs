@@ -58,7 +58,7 @@ pub(crate) fn rate(text: &str) -> Result<SampleRate, String> {
 }
 
 /// `4GB`, `500 MB`, `1000000`.
-fn bytes(text: &str) -> Result<u64, String> {
+pub(super) fn bytes(text: &str) -> Result<u64, String> {
     let upper = text.trim().to_ascii_uppercase();
     let (digits, power) = [("GB", 3), ("MB", 2), ("KB", 1), ("B", 0), ("", 0)]
         .into_iter()

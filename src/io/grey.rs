@@ -56,7 +56,14 @@ impl PixelLayout {
     /// What ROS calls `name`; `None` where that is not known.
     pub fn of_ros(name: &str, order: ByteOrder) -> Option<Self> {
         let bgr = |bytes| Self::Colour { bytes, rgb: [2, 1, 0] };
-        let filter = |kind: &str| Some([("rggb", [0, 0]), ("bggr", [1, 1]), ("gbrg", [0, 1]), ("grbg", [1, 0])].into_iter().find(|(name, _)| *name == kind)?.1);
+        let filter = |kind: &str| {
+            Some(
+                [("rggb", [0, 0]), ("bggr", [1, 1]), ("gbrg", [0, 1]), ("grbg", [1, 0])]
+                    .into_iter()
+                    .find(|(name, _)| *name == kind)?
+                    .1,
+            )
+        };
         Some(match name {
             "mono8" | "8UC1" => Self::Grey8,
             "mono16" | "16UC1" => Self::Grey16(order),
@@ -96,7 +103,9 @@ impl PixelLayout {
         let needed = step.checked_mul(height.saturating_sub(1)).and_then(|all| all.checked_add(row));
         if needed.is_none_or(|needed| needed > data.len()) || row == 0 {
             let found = data.len();
-            return Err(format!("is cut off: {found} bytes hold no {width} x {height} px in rows of {step} bytes"));
+            return Err(format!(
+                "is cut off: {found} bytes hold no {width} x {height} px in rows of {step} bytes"
+            ));
         }
         let rows = data.chunks(step).take(height).map(|bytes| &bytes[..row]);
         let mut pixels = Vec::with_capacity(width * height);
@@ -109,7 +118,8 @@ impl PixelLayout {
             Self::Yuv422(at) => rows.for_each(|row| pixels.extend(row.chunks_exact(2).map(|pair| pair[at]))),
             Self::Colour { bytes, rgb: [r, g, b] } => {
                 let ([red, green, blue], shift) = COLOUR;
-                let weigh = |p: &[u8]| red * u32::from(p[r]) + green * u32::from(p[g]) + blue * u32::from(p[b]);
+                let weigh =
+                    |p: &[u8]| red * u32::from(p[r]) + green * u32::from(p[g]) + blue * u32::from(p[b]);
                 let grey = |p: &[u8]| ((weigh(p) + (1 << (shift - 1))) >> shift) as u8;
                 rows.for_each(|row| pixels.extend(row.chunks_exact(bytes).map(grey)));
             }
@@ -185,16 +195,21 @@ mod tests {
 
     #[test]
     fn the_upper_byte_of_two_is_where_the_order_says() {
-        let grey = |order| PixelLayout::Grey16(order).grey(&[1, 2, 3, 4, 9], [2, 1], 5).unwrap().pixels().to_vec();
+        let grey =
+            |order| PixelLayout::Grey16(order).grey(&[1, 2, 3, 4, 9], [2, 1], 5).unwrap().pixels().to_vec();
         assert_eq!((grey(ByteOrder::Little), grey(ByteOrder::Big)), (vec![2, 4], vec![1, 3]));
     }
 
     #[test]
     fn rows_may_lie_apart_and_a_step_below_a_row_is_named() {
         let data: Vec<u8> = (0..8).collect();
-        let grey = |size, step| PixelLayout::Grey8.grey(&data, size, step).map(|image| image.pixels().to_vec());
+        let grey =
+            |size, step| PixelLayout::Grey8.grey(&data, size, step).map(|image| image.pixels().to_vec());
         assert_eq!(grey([3, 2], 5).unwrap(), [0, 1, 2, 5, 6, 7]);
-        assert_eq!(grey([3, 2], 2).unwrap_err(), "has rows of 3 px, which are 3 bytes, but a step of 2 bytes");
+        assert_eq!(
+            grey([3, 2], 2).unwrap_err(),
+            "has rows of 3 px, which are 3 bytes, but a step of 2 bytes"
+        );
         assert_eq!(grey([3, 3], 3).unwrap_err(), "is cut off: 8 bytes hold no 3 x 3 px in rows of 3 bytes");
         assert!(grey([3, usize::MAX], 3).is_err() && grey([0, 2], 0).is_err() && grey([2, 0], 2).is_err());
         assert!(PixelLayout::rgb(3).grey(&data, [usize::MAX / 2, 1], usize::MAX).is_err());

@@ -85,7 +85,8 @@ fn jpeg(bytes: &[u8], size: [usize; 2]) -> Result<GrayImage, String> {
         .set_max_height(size[1])
         .jpeg_set_out_colorspace(ColorSpace::Luma);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
-    let found = |decoder: &JpegDecoder<_>| decoder.info().map(|i| [usize::from(i.width), usize::from(i.height)]);
+    let found =
+        |decoder: &JpegDecoder<_>| decoder.info().map(|i| [usize::from(i.width), usize::from(i.height)]);
     let head = decoder.decode_headers();
     if let Some(found) = found(&decoder) {
         right_size(found, size)?;
@@ -93,7 +94,9 @@ fn jpeg(bytes: &[u8], size: [usize; 2]) -> Result<GrayImage, String> {
     head.map_err(unreadable)?;
     let tail = &bytes[bytes.len().saturating_sub(BEHIND_JPEG)..];
     // The decoder fills with grey what is missing.
-    if !tail.windows(2).any(|pair| pair == [0xff, 0xd9]) || size[0].saturating_mul(size[1]) / JPEG_MOST > bytes.len() {
+    if !tail.windows(2).any(|pair| pair == [0xff, 0xd9])
+        || size[0].saturating_mul(size[1]) / JPEG_MOST > bytes.len()
+    {
         return Err(cut_off(bytes.len(), size));
     }
     // What is not stored as luminance and colour differences must be weighed.
@@ -142,7 +145,8 @@ pub(crate) mod tests {
 
     #[test]
     fn every_kind_of_png_becomes_grey() {
-        let pixels = |bytes: &[u8], size| parse_image(bytes, Path::new("a.png"), size).unwrap().pixels().to_vec();
+        let pixels =
+            |bytes: &[u8], size| parse_image(bytes, Path::new("a.png"), size).unwrap().pixels().to_vec();
         let deep = encode(2, 1, ColorType::Grayscale, BitDepth::Sixteen, &[1, 2, 3, 4]);
         assert_eq!(pixels(&deep, [2, 1]), [1, 3]);
         let two_bits = encode(4, 1, ColorType::Grayscale, BitDepth::Two, &[0b0001_1011]);
@@ -168,13 +172,17 @@ pub(crate) mod tests {
 
     /// 64 x 48 px, by another program.
     fn golden(name: &str) -> Vec<u8> {
-        std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../golden/rigs/folder_jpeg/images").join(name)).unwrap()
+        std::fs::read(
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("../../golden/rigs/folder_jpeg/images").join(name),
+        )
+        .unwrap()
     }
 
     #[test]
     fn a_jpeg_that_is_cut_off_or_too_large_is_refused_before_there_is_room_for_it() {
         let whole = golden("0.jpg");
-        let parse = |bytes: &[u8], size| parse_image(bytes, &PathBuf::from("a.jpg"), size).map_err(|e| e.to_string());
+        let parse =
+            |bytes: &[u8], size| parse_image(bytes, &PathBuf::from("a.jpg"), size).map_err(|e| e.to_string());
         assert!(parse(&whole, [64, 48]).is_ok());
         let error = parse(&whole[..whole.len() - 60], [64, 48]).unwrap_err();
         assert!(error.starts_with("a.jpg is cut off: "), "{error}");

@@ -130,17 +130,10 @@ impl ImageFolder {
     }
 
     /// Reads all images in order on a thread of their own, at most `ahead` before they are asked for.
-    pub fn prefetch(self, ahead: usize) -> Prefetch {
-        let (sender, receiver) = sync_channel(ahead);
-        let thread = std::thread::spawn(move || {
-            for index in 0..self.len() {
-                // Nobody waits any more: the reader was dropped.
-                if sender.send(self.read(index)).is_err() {
-                    return;
-                }
-            }
-        });
-        Prefetch { receiver: Some(receiver), thread: Some(thread) }
+    pub fn prefetch(self, ahead: usize) -> Prefetch<Result<StampedImage, IoError>> {
+        Prefetch::spawn(ahead, move |send| {
+            let _all_sent = (0..self.len()).all(|index| send(self.read(index)));
+        })
     }
 }
 
@@ -211,21 +204,30 @@ impl fmt::Display for Coverage {
     }
 }
 
-/// Images read ahead of time, in order. Dropping it ends the reading.
+/// What a thread of its own makes ahead of time, in order: images. Dropping it ends the making.
 #[derive(Debug)]
-pub struct Prefetch {
-    receiver: Option<Receiver<Result<StampedImage, IoError>>>,
+pub struct Prefetch<T> {
+    receiver: Option<Receiver<T>>,
     thread: Option<JoinHandle<()>>,
 }
 
-impl Iterator for Prefetch {
-    type Item = Result<StampedImage, IoError>;
+impl<T: Send + 'static> Prefetch<T> {
+    /// Of what `make` sends, at most `ahead` are made before they are asked for; it is answered whether anybody still waits for more.
+    pub fn spawn(ahead: usize, make: impl FnOnce(&mut dyn FnMut(T) -> bool) + Send + 'static) -> Self {
+        let (sender, receiver) = sync_channel(ahead);
+        let thread = std::thread::spawn(move || make(&mut |item| sender.send(item).is_ok()));
+        Self { receiver: Some(receiver), thread: Some(thread) }
+    }
+}
 
-    fn next(&mut self) -> Option<Self::Item> {
+impl<T> Iterator for Prefetch<T> {
+    type Item = T;
+
+    fn next(&mut self) -> Option<T> {
         match self.receiver.as_ref()?.recv() {
-            Ok(image) => Some(image),
+            Ok(item) => Some(item),
             Err(_) => {
-                // The thread is through; that it panicked must not read as the end of the images.
+                // The thread is through; that it panicked must not read as the end.
                 if let Some(Err(panic)) = self.thread.take().map(JoinHandle::join) {
                     std::panic::resume_unwind(panic);
                 }
@@ -235,7 +237,7 @@ impl Iterator for Prefetch {
     }
 }
 
-impl Drop for Prefetch {
+impl<T> Drop for Prefetch<T> {
     fn drop(&mut self) {
         // The thread may be waiting for room: without a receiver it goes home.
         self.receiver = None;
@@ -252,7 +254,6 @@ mod tests {
     use super::*;
     use std::fs;
     use std::path::Path;
-
 
     /// Images 0 to `n`, of which those in `missing` are listed only.
     fn folder(dir: &Path, n: u8, missing: &[u8]) -> ImageFolder {

@@ -53,6 +53,7 @@ mod recordings;
 mod rows;
 mod sieve;
 mod small;
+mod times_folder;
 mod tracks;
 mod tum;
 mod unit;
@@ -80,5 +81,6 @@ pub use loose_csv::{
 pub use noise_csv::{read_noise_track, write_noise_track};
 pub use printable::printable;
 pub use sieve::{ABSURD, LeftOut, Sieve, Sieved, TINY};
+pub use times_folder::TimesFolder;
 pub use tracks::{read_tracks, write_tracks};
-pub use tum::{read_tum, write_tum};
+pub use tum::{read_tum, tum_line, write_tum};

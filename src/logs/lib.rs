@@ -23,8 +23,12 @@
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 mod ardupilot;
+#[cfg(feature = "images")]
+mod bag;
 mod budget;
 mod bytes;
+#[cfg(feature = "images")]
+mod cameras;
 mod decompress;
 mod error;
 mod fields;
@@ -34,6 +38,12 @@ mod fuzz;
 mod golden;
 #[cfg(test)]
 mod golden_logs;
+#[cfg(all(test, feature = "images"))]
+mod golden_rigs;
+#[cfg(feature = "images")]
+mod image_log;
+#[cfg(feature = "images")]
+mod image_message;
 mod imu_message;
 mod join;
 mod kind;
@@ -46,13 +56,19 @@ mod records;
 mod rosbag1;
 mod rosbag2;
 mod scale;
+#[cfg(feature = "images")]
+mod sensors;
 mod sqlite;
 mod topics;
 mod two_files;
 mod ulog;
 
 pub use error::LogError;
+#[cfg(feature = "images")]
+pub use image_log::{ImageLog, ImageLogOptions, ImageSpan, Images};
 pub use kind::Kind;
 pub use log::Log;
 pub use read::{LogOptions, read_log, read_mcap, read_rosbag1, read_sqlite, read_stream};
 pub use scale::Scales;
+#[cfg(feature = "images")]
+pub use sensors::{SensorEvent, read_sensors};

@@ -244,13 +244,7 @@ impl Messages for Topics {
         self.numbers.clear();
     }
 
-    fn declare(
-        &mut self,
-        number: u32,
-        name: &str,
-        kind: &str,
-        encoding: Result<Encoding, String>,
-    ) -> bool {
+    fn declare(&mut self, number: u32, name: &str, kind: &str, encoding: Result<Encoding, String>) -> bool {
         let name = printable(name);
         let index = match self.names.get(&name) {
             Some(index) => *index,

@@ -168,11 +168,9 @@ fn images_that_cannot_be_used_are_named_and_the_run_goes_on() {
 fn a_recording_that_shows_nothing_and_a_calibration_of_another_camera_are_refused() {
     let tmp = tempfile::tempdir().unwrap();
     let out = tmp.path().join("out");
-    let dark =
-        folder(tmp.path(), "dark", |i| Some(png(SIZE, move |x, y| ((x + y + i as u32) % 2) as u8)));
+    let dark = folder(tmp.path(), "dark", |i| Some(png(SIZE, move |x, y| ((x + y + i as u32) % 2) as u8)));
     refused(&odometry(&dark, &out, &[]), &["no track in its 80 images", "dark, saturated, or all alike"]);
-    let other =
-        folder(tmp.path(), "other", |i| Some(png([640, 400], move |x, y| (x * y + i as u32) as u8)));
+    let other = folder(tmp.path(), "other", |i| Some(png([640, 400], move |x, y| (x * y + i as u32) as u8)));
     refused(&odometry(&other, &out, &[]), &["has 640 x 400 px; the camera's have 376 x 240"]);
     assert!(!out.exists(), "a refused run left files");
 }
