@@ -32,7 +32,7 @@ mod cameras;
 mod decompress;
 mod error;
 mod fields;
-#[cfg(test)]
+#[cfg(all(test, feature = "images"))]
 mod fuzz;
 #[cfg(test)]
 mod golden;
@@ -71,4 +71,4 @@ pub use log::Log;
 pub use read::{LogOptions, read_log, read_mcap, read_rosbag1, read_sqlite, read_stream};
 pub use scale::Scales;
 #[cfg(feature = "images")]
-pub use sensors::{SensorEvent, read_sensors};
+pub use sensors::{SensorEvent, read_sensors, read_sensors_from};

@@ -11,6 +11,7 @@ use crate::{LogError, bag};
 use dpn_core::{GrayImage, ImuSample, Stamp};
 use dpn_io::{IoError, printable};
 use std::collections::HashMap;
+use std::io::Read;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
@@ -36,11 +37,25 @@ pub fn read_sensors(
     size: [usize; 2],
     take: &mut dyn FnMut(SensorEvent) -> ControlFlow<()>,
 ) -> Result<Option<String>, LogError> {
-    let mut stream = SensorStream::of_images(path, options, size, ImageSpan::ALL, take);
-    stream.imu = Some(Imus::default());
+    let mut stream = SensorStream::of_both(path, options, size, take);
     let (_, damage) = bag::read(path, options.imu.max_uncompressed, &mut stream)?;
-    stream.finish()?;
-    Ok(damage)
+    stream.finish().map(|()| damage)
+}
+
+/// The same from any source of bytes, a socket for example; `path` is for messages.
+///
+/// # Errors
+/// As [`read_sensors`].
+pub fn read_sensors_from(
+    source: impl Read,
+    path: &Path,
+    options: &ImageLogOptions,
+    size: [usize; 2],
+    take: &mut dyn FnMut(SensorEvent) -> ControlFlow<()>,
+) -> Result<Option<String>, LogError> {
+    let mut stream = SensorStream::of_both(path, options, size, take);
+    let (_, damage) = bag::stream(source, path, options.imu.max_uncompressed, &mut stream)?;
+    stream.finish().map(|()| damage)
 }
 
 /// Topics of IMUs, of which one may speak.
@@ -94,6 +109,17 @@ impl<'a> SensorStream<'a> {
             fault: None,
             take,
         }
+    }
+
+    /// Of samples and images.
+    fn of_both(
+        path: &Path,
+        options: &ImageLogOptions,
+        size: [usize; 2],
+        take: &'a mut dyn FnMut(SensorEvent) -> ControlFlow<()>,
+    ) -> Self {
+        let imu = Some(Imus::default());
+        Self { imu, ..Self::of_images(path, options, size, ImageSpan::ALL, take) }
     }
 
     /// Stamp of the last image.
