@@ -79,7 +79,8 @@ def encodings(i):
 
 
 def packed(i, end):
-    args = [cv2.IMWRITE_JPEG_QUALITY, 95] if end == ".jpg" else []
+    # The second is progressive.
+    args = [cv2.IMWRITE_JPEG_QUALITY, 95, cv2.IMWRITE_JPEG_PROGRESSIVE, i] if end == ".jpg" else []
     return cv2.imencode(end, RGB[i][:, :, ::-1], args)[1]
 
 
