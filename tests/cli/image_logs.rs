@@ -170,7 +170,7 @@ fn what_is_amiss_is_said_with_a_remedy() {
         &bag,
         calib,
         &["--image-topic", "/cam"],
-        &["no topic of images `/cam`; it has ", "/jpeg/image_raw/compressed"],
+        &["no topic of images `/cam`; it has /mono8/image_raw, "],
     );
     let one = ["--image-topic", "/jpeg/image_raw/compressed"];
     refused(
