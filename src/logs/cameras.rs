@@ -38,7 +38,7 @@ pub(crate) struct Cameras {
 
 /// An image's message, or why it is none.
 pub(crate) struct Seen<'a> {
-    pub(crate) topic: &'a str,
+    topic: String,
     /// The header's stamp, else the bag's.
     pub(crate) t: Stamp,
     message: Result<ImageMessage<'a>, Undecodable>,
@@ -52,7 +52,7 @@ impl Seen<'_> {
     /// # Errors
     /// As [`ImageMessage::grey`]; a message that is none.
     pub(crate) fn grey(&self, path: &Path, size: [usize; 2]) -> Result<GrayImage, IoError> {
-        let (number, topic) = (self.number, self.topic);
+        let (number, topic) = (self.number, &self.topic);
         let place = PathBuf::from(format!("{}: image {number} on {topic}", path.display()));
         match &self.message {
             Ok(message) => message.grey(&place, size),
@@ -103,12 +103,7 @@ impl Cameras {
     }
 
     /// A message, if it is a wanted image's.
-    pub(crate) fn message<'a>(
-        &'a mut self,
-        number: u32,
-        received_ns: i64,
-        data: &'a [u8],
-    ) -> Option<Seen<'a>> {
+    pub(crate) fn message<'a>(&mut self, number: u32, received_ns: i64, data: &'a [u8]) -> Option<Seen<'a>> {
         let topic = &mut self.all[*self.numbers.get(&number)?];
         topic.messages += 1;
         if self.wanted.as_deref().is_some_and(|wanted| wanted != topic.name) {
@@ -118,7 +113,7 @@ impl Cameras {
         let stamped = message.as_ref().map_or(0, |message| message.t_ns);
         topic.unstamped += u64::from(stamped == 0);
         let t = Stamp::from_ns(if stamped == 0 { received_ns } else { stamped });
-        Some(Seen { topic: &topic.name, t, message, number: topic.messages })
+        Some(Seen { topic: topic.name.clone(), t, message, number: topic.messages })
     }
 
     /// The same for who only wants to know what there is: reads images until one can be.

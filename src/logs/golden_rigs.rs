@@ -127,7 +127,7 @@ fn samples_and_images_come_in_the_order_of_their_recording() {
         match event {
             SensorEvent::Sample(_) => samples += 1,
             SensorEvent::Image(t, image) => {
-                images.push((t.ns(), image.unwrap().pixels() == pixels("colour", images.len()), samples))
+                images.push((t.ns(), image.unwrap().pixels() == pixels("colour", images.len()), samples));
             }
             SensorEvent::PassedOver(why) => panic!("{why}"),
         }

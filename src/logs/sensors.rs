@@ -94,6 +94,7 @@ impl<'a> SensorStream<'a> {
         span: ImageSpan,
         take: &'a mut dyn FnMut(SensorEvent) -> ControlFlow<()>,
     ) -> Self {
+        let path = if path == Path::new("-") { Path::new("stdin") } else { path };
         Self {
             path: path.to_path_buf(),
             topic: options.imu.topic.clone(),
@@ -224,6 +225,10 @@ impl Messages for SensorStream<'_> {
         let Some(seen) = self.cameras.message(number, received_ns, data) else { return };
         let t = seen.t;
         let first = *self.first.get_or_insert(t);
+        if self.cameras.are_several() {
+            let fault = self.cameras.several();
+            return self.end(fault);
+        }
         match self.span.misses(first, t) {
             Some(ControlFlow::Break(())) => self.done = true,
             Some(ControlFlow::Continue(())) => {}
@@ -232,10 +237,6 @@ impl Messages for SensorStream<'_> {
                 self.last = Some(t);
                 self.give(SensorEvent::Image(t, image));
             }
-        }
-        if self.cameras.are_several() {
-            let fault = self.cameras.several();
-            self.end(fault);
         }
     }
 
