@@ -8,6 +8,7 @@
 //! * [`printable`]: names out of other people's files, as they may be shown.
 //! * [`read_tum`], [`write_tum`]: trajectories, as evo reads them.
 //! * [`ImageFolder`]: a camera's images, also ahead of time on a second thread.
+//! * [`parse_image`], [`PixelLayout`]: PNG, JPEG and cameras' raw pixels made grey. [`TimesFolder`]: images as TUM-mono has them.
 //! * [`read_tracks`], [`write_tracks`]: camera tracks.
 //! * [`read_noise_track`], [`write_noise_track`]: noise tracks.
 //! * [`config`]: typed configurations of TOML.

@@ -102,6 +102,7 @@ impl<'a> Fields<'a> {
         Some(Header { t_ns: seconds * 1_000_000_000 + i64::from(nanos) })
     }
 
+    #[cfg(feature = "images")]
     pub(crate) fn u8(&mut self) -> Option<u8> {
         self.number::<1>().map(|[byte]| byte)
     }
@@ -123,6 +124,7 @@ impl<'a> Fields<'a> {
     }
 
     /// The same as text, without the zero that ends CDR's; what is no UTF-8 is replaced.
+    #[cfg(feature = "images")]
     pub(crate) fn text(&mut self) -> Option<String> {
         let bytes = self.counted()?;
         Some(String::from_utf8_lossy(bytes.strip_suffix(b"\0").unwrap_or(bytes)).into_owned())

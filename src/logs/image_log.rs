@@ -12,7 +12,7 @@ use crate::sensors::{SensorEvent, SensorStream};
 use crate::topics::Topics;
 use crate::{Kind, Log, LogError, LogOptions, bag, read_log};
 use dpn_core::{GrayImage, Stamp};
-use dpn_io::asl::{Sequence, is_there};
+use dpn_io::asl::{Sequence, discover, is_there};
 use dpn_io::{ImageFolder, IoError, Prefetch, TimesFolder};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -82,6 +82,8 @@ impl ImageLog {
             return of(true);
         }
         match Kind::of(path) {
+            // A stray bag beside sequences is no folder of a bag.
+            Ok(Kind::Rosbag2) if discover(path).is_ok() => None,
             Ok(Kind::Rosbag1 | Kind::Mcap | Kind::Sqlite | Kind::Rosbag2) => of(false),
             // Whether a packed file holds a bag is seen when it is read.
             Err(LogError::Packed { .. }) if path.is_file() => of(false),

@@ -14,6 +14,8 @@
 //!
 //! Any of them may be packed by gzip, zstd, xz or bzip2. Sensors on two topics or in two files are joined on the gyroscope's stamps.
 //!
+//! With the feature `images`, [`ImageLog`] reads the images beside the samples, of bags and of folders with `times.txt`, and [`read_sensors`] hands both on as they come.
+//!
 //! A reader here goes on where it can: a bag that is cut off or damaged gives everything before the damage, samples that no recording may
 //! hold are left out, and [`Log::warnings`] says all of it. Files are read as a stream: beside the samples there is one chunk in memory.
 //!
