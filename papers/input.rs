@@ -227,7 +227,7 @@ impl Input {
         let name = match &source {
             SequenceSet::Flights { .. } => "simulated",
             SequenceSet::Recorded { .. } if of_paper => "euroc",
-            SequenceSet::Recorded { .. } => "recorded",
+            SequenceSet::Recorded { .. } | SequenceSet::Logged { .. } => "recorded",
         };
         let corpus = Corpus { name: name.into(), members };
         let injected = match source.clone() {

@@ -6,6 +6,7 @@ use crate::stats::StatsError;
 use dpn_core::camera::BadCamera;
 use dpn_core::config::ConfigFault;
 use dpn_io::{Coverage, IoError, LockError};
+use dpn_logs::LogError;
 use dpn_sim::SimulationError;
 use dpn_sim::render::RenderError;
 use dpn_sim::tracks::{BadCameraSettings, PathError, TracksError};
@@ -22,6 +23,23 @@ pub enum ClosedLoopError {
     /// A file that cannot be read or written.
     #[error(transparent)]
     Io(#[from] IoError),
+    /// A log that cannot be used.
+    #[error(transparent)]
+    Log(#[from] LogError),
+    /// A log with images, and nobody knows what camera took them.
+    #[error("{}: no calibration of its camera: looked for sensor.yaml, cam0/sensor.yaml, mav0/cam0/sensor.yaml in its folder", path.display())]
+    NoCalibration {
+        /// The log.
+        path: PathBuf,
+    },
+    /// Noise that only a whole recording can tell.
+    #[error(
+        "`{spec}` cannot be told while samples come; constants, estimators, networks and `self` over them can"
+    )]
+    NotLive {
+        /// The spec.
+        spec: String,
+    },
     /// The results' folder is another process's.
     #[error(transparent)]
     Locked(#[from] LockError),
@@ -258,6 +276,11 @@ impl ClosedLoopError {
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::Io(error) => error.hint(),
+            Self::Log(error) => error.hint(),
+            Self::NoCalibration { .. } => Some(
+                "name it with --calib, or put one beside the log, in ASL's form as EuRoC's cam0/sensor.yaml"
+                    .into(),
+            ),
             Self::Locked(error) => error.hint(),
             Self::Noise(NoiseError::Read(error)) => error.hint(),
             Self::OtherRun { .. } => Some("give another folder with --out, or remove this one".into()),

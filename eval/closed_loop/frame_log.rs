@@ -94,6 +94,7 @@ mod tests {
             body_from_cam: Isometry3::identity(),
             truth: None,
             oracle: None,
+            remarks: Vec::new(),
         };
         let frame = |t: i64, tracks: &[(u64, f64)]| TrackFrame {
             t: at(t),

@@ -23,7 +23,7 @@ pub type ImageStream<'a> = Box<dyn Iterator<Item = (Stamp, Result<GrayImage, IoE
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ImageSource {
-    /// The sequence's own folder.
+    /// The sequence's own: its folder, or its log.
     Folder {
         /// Whether images that are listed but not there are passed over; else they are an error before the run begins.
         skip_missing: bool,

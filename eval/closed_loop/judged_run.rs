@@ -143,7 +143,7 @@ fn warnings(
     health: &TrackHealth,
     axes: &Axes,
 ) -> Vec<String> {
-    let mut found = Vec::new();
+    let mut found = recording.remarks.clone();
     if let Some(images) = images {
         let shown = images.events.iter().take(SHOWN_EVENTS);
         found.extend(shown.map(ToString::to_string));

@@ -25,6 +25,8 @@ pub struct Recording {
     pub truth: Option<Vec<StampedPose>>,
     /// The true deviations of the noise, where it is simulated.
     pub oracle: Option<NoiseTrack>,
+    /// What its reader has to say, a line each.
+    pub remarks: Vec<String>,
 }
 
 /// Where in a recording a run begins.

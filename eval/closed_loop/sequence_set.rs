@@ -2,6 +2,7 @@
 
 use super::error::ClosedLoopError;
 use super::images::{ImageSource, ImageStream, of_folder};
+use super::logged::LoggedSequence;
 use super::recording::{Recording, Span};
 use super::rendered::rendered;
 use super::row::TruthKind;
@@ -54,6 +55,13 @@ pub enum SequenceSet {
         /// Their tracks.
         tracks: TrackSource,
     },
+    /// A log with images; no truth is known of it.
+    Logged {
+        /// The log.
+        log: LoggedSequence,
+        /// Its own images.
+        tracks: TrackSource,
+    },
     /// Simulated flights; flight and tracks are made from the seed of the cell.
     Flights {
         /// What every flight is made of.
@@ -102,6 +110,11 @@ impl SequenceSet {
         Ok(Self::Recorded { sequences: vec![(sequence, side)], tracks })
     }
 
+    /// A log with images, seen by its own camera.
+    pub fn logged(log: LoggedSequence, skip_missing: bool) -> Self {
+        Self::Logged { log, tracks: TrackSource::Images(ImageSource::Folder { skip_missing }) }
+    }
+
     /// The same with the reconciled ground truth of `dir`, `NAME.csv` a sequence, the published one without; flights have none but their own.
     #[must_use]
     pub fn with_reconciled_truth(mut self, dir: Option<&Path>) -> Self {
@@ -117,7 +130,7 @@ impl SequenceSet {
     pub fn reconciled_truth(&self) -> Option<&Path> {
         match self {
             Self::Recorded { sequences, .. } => sequences.iter().find_map(|(s, _)| s.reconciled_truth()),
-            Self::Flights { .. } => None,
+            Self::Logged { .. } | Self::Flights { .. } => None,
         }
     }
 
@@ -127,7 +140,7 @@ impl SequenceSet {
             Self::Recorded { sequences, .. } if sequences.iter().any(|(s, _)| s.truth_is_reconciled()) => {
                 TruthKind::Reconciled
             }
-            Self::Recorded { .. } => TruthKind::Published,
+            Self::Recorded { .. } | Self::Logged { .. } => TruthKind::Published,
             Self::Flights { .. } => TruthKind::Exact,
         }
     }
@@ -138,6 +151,7 @@ impl SequenceSet {
             Self::Recorded { sequences, .. } => {
                 sequences.iter().map(|(s, side)| (s.name().to_owned(), *side)).collect()
             }
+            Self::Logged { log, .. } => vec![(log.name(), log.side())],
             Self::Flights { .. } => Flight::ALL
                 .into_iter()
                 .map(|f| {
@@ -192,7 +206,9 @@ impl SequenceSet {
     /// Where tracks come from.
     pub fn tracks(&self) -> &TrackSource {
         match self {
-            Self::Recorded { tracks, .. } | Self::Flights { tracks, .. } => tracks,
+            Self::Recorded { tracks, .. } | Self::Logged { tracks, .. } | Self::Flights { tracks, .. } => {
+                tracks
+            }
         }
     }
 
@@ -226,7 +242,7 @@ impl SequenceSet {
             Self::Recorded { .. } if self.truth() == TruthKind::Reconciled => {
                 serde_json::json!({ "tracks": tracks, "truth": self.truth() })
             }
-            Self::Recorded { .. } => serde_json::json!({ "tracks": tracks }),
+            Self::Recorded { .. } | Self::Logged { .. } => serde_json::json!({ "tracks": tracks }),
             Self::Flights { config, .. } => serde_json::json!({ "flights": config, "tracks": tracks }),
         }
     }
@@ -241,6 +257,7 @@ impl SequenceSet {
                 let (sequence, side) = &sequences[place];
                 recorded(sequence, *side, tracks)
             }
+            Self::Logged { log, .. } => log.recording(),
             Self::Flights { config, tracks } => flown(Flight::ALL[place], seed, config, tracks),
         }
     }
@@ -272,6 +289,7 @@ impl SequenceSet {
         span: &Span,
     ) -> Result<ImageStream<'static>, ClosedLoopError> {
         match (images, self) {
+            (_, Self::Logged { log, .. }) => log.images(span),
             (ImageSource::Folder { skip_missing }, Self::Recorded { sequences, .. }) => {
                 of_folder(&sequences[place].0, span, *skip_missing)
             }
@@ -309,6 +327,7 @@ impl SequenceSet {
             (Self::Recorded { sequences, .. }, TrackSource::Images(_)) => {
                 Err(no_tracks(sequences[place].0.name()))
             }
+            (Self::Logged { log, .. }, _) => Err(no_tracks(&log.name())),
             (Self::Flights { config, .. }, TrackSource::Simulated(tracks)) => {
                 let flight = Flight::ALL[place];
                 let (path, stamps) = path_of_flight(flight, config, seed);
@@ -343,6 +362,7 @@ impl SequenceSet {
                     }
                 }
             }
+            Self::Logged { log, .. } => hash.update(log.checksum()?),
             Self::Flights { .. } => hash.update(Flight::ALL[place].name()),
         }
         Ok(hex(hash.finalize()))
@@ -355,6 +375,7 @@ impl SequenceSet {
                 // A file that cannot be read has no checksum, and one that is empty has.
                 of_parts(checksums(&sequences[place].0, tracks).into_iter().map(Result::unwrap_or_default))
             }
+            Self::Logged { log, .. } => log.checksum().unwrap_or_default(),
             Self::Flights { .. } => Flight::ALL[place].name().to_owned(),
         }
     }
@@ -425,7 +446,16 @@ fn recorded(sequence: &Sequence, side: Side, tracks: &TrackSource) -> Result<Rec
         Some(_) => Some(poses_of(&sequence.ground_truth()?)),
         None => None,
     };
-    Ok(Recording { name, side, imu: sequence.imu()?, camera, body_from_cam, truth, oracle: None })
+    Ok(Recording {
+        name,
+        side,
+        imu: sequence.imu()?,
+        camera,
+        body_from_cam,
+        truth,
+        oracle: None,
+        remarks: Vec::new(),
+    })
 }
 
 /// The camera that was given, else the sequence's own where it has one.
@@ -508,6 +538,7 @@ fn flown(
         // A flight without white noise has none: who asks for the oracle is told so.
         oracle: flown.truth.oracle(&flown.recording).ok(),
         imu: flown.recording,
+        remarks: Vec::new(),
     })
 }
 

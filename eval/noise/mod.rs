@@ -11,4 +11,4 @@ mod track;
 pub use content::content;
 pub use controls::{BLOCK_S, MeanSquare, shuffled};
 pub use error::NoiseError;
-pub use track::{Fresh, Recorded, Sources, of_recording, track};
+pub use track::{Fresh, Recorded, Sources, live, of_recording, track};

@@ -3,9 +3,10 @@
 use super::NoiseError;
 use super::controls::{MeanSquare, shuffled};
 use dpn_core::estimate::{NoiseSpec, Schedule, raised_to_floor};
+use dpn_core::noise::NoiseModel;
 use dpn_core::random::Stream;
 use dpn_core::time::median_step_s;
-use dpn_core::{ImuNoise, ImuRecording, NoiseTrack, Sensor};
+use dpn_core::{ImuNoise, ImuRecording, ImuSample, NoiseTrack, SampleRate, Sensor};
 use dpn_io::read_noise_track;
 use dpn_pronet::DualProNet;
 use dpn_pronet::network::{Network, select};
@@ -110,6 +111,60 @@ fn constant(imu: &ImuRecording, noise: ImuNoise) -> NoiseTrack {
     NoiseTrack::of(&mut dpn_core::noise::Constant::new("constant", noise), imu)
 }
 
+/// What says the noise of a spec sample by sample, for samples that come at `rate`; `name` is the recording's, for messages. `None` of a spec that must know the whole
+/// recording, or is no noise of samples alone.
+///
+/// # Errors
+/// Networks that are not there or are of another rate; parameters out of range.
+pub fn live(
+    spec: &NoiseSpec,
+    name: &str,
+    rate: SampleRate,
+    networks: &[Network],
+) -> Result<Option<Box<dyn NoiseModel>>, NoiseError> {
+    match spec {
+        NoiseSpec::Sensors(pair) => Ok(Some(pair.model(Schedule { rate, ..Schedule::default() })?)),
+        NoiseSpec::DualProNet { accel, gyro } => {
+            let spec = spec.to_string();
+            let of = |sensor, tag| {
+                select(networks, sensor, tag)
+                    .map_err(|source| NoiseError::NoNetwork { spec: spec.clone(), source })
+            };
+            let (accel, gyro) = (of(Sensor::Accel, accel)?, of(Sensor::Gyro, gyro)?);
+            let model = DualProNet::new(spec.clone(), &accel.weights, &gyro.weights, DualProNet::HOP)?;
+            let (found, trained) = (rate.hz(), model.trained_rate().hz());
+            if (found / trained - 1.0).abs() > RATE_TOLERANCE {
+                return Err(NoiseError::Rate {
+                    recording: name.to_owned(),
+                    spec,
+                    found_hz: found,
+                    trained_hz: trained,
+                });
+            }
+            Ok(Some(Box::new(Raised(model))))
+        }
+        NoiseSpec::Learned(of) => live(of, name, rate, networks),
+        _ => Ok(None),
+    }
+}
+
+/// Another's noise, raised to the floor.
+struct Raised(DualProNet);
+
+impl NoiseModel for Raised {
+    fn name(&self) -> &str {
+        self.0.name()
+    }
+
+    fn feed(&mut self, sample: &ImuSample) -> ImuNoise {
+        raised_to_floor(&self.0.feed(sample))
+    }
+
+    fn reset(&mut self) {
+        self.0.reset();
+    }
+}
+
 /// The track of a spec that is no control; causal, but for `file` and `oracle`, which are as given.
 ///
 /// # Errors
@@ -122,29 +177,10 @@ pub fn of_recording(
 ) -> Result<NoiseTrack, NoiseError> {
     let imu = recorded.imu;
     match source {
-        NoiseSpec::Sensors(pair) => Ok(NoiseTrack::of(
-            pair.model(Schedule { rate: imu.rate(), ..Schedule::default() })?.as_mut(),
-            imu,
-        )),
-        NoiseSpec::DualProNet { accel, gyro } => {
-            let spec = source.to_string();
-            let of = |sensor, tag| {
-                select(networks, sensor, tag)
-                    .map_err(|source| NoiseError::NoNetwork { spec: spec.clone(), source })
-            };
-            let (accel, gyro) = (of(Sensor::Accel, accel)?, of(Sensor::Gyro, gyro)?);
-            let mut model = DualProNet::new(spec.clone(), &accel.weights, &gyro.weights, DualProNet::HOP)?;
-            let (found, trained) = (imu.rate().hz(), model.trained_rate().hz());
-            if (found / trained - 1.0).abs() > RATE_TOLERANCE {
-                return Err(NoiseError::Rate {
-                    recording: recorded.name.to_owned(),
-                    spec,
-                    found_hz: found,
-                    trained_hz: trained,
-                });
-            }
-            let predicted = NoiseTrack::of(&mut model, imu);
-            Ok(predicted.with_noises(predicted.noises().iter().map(raised_to_floor).collect()))
+        NoiseSpec::Sensors(_) | NoiseSpec::DualProNet { .. } => {
+            let model = live(source, recorded.name, imu.rate(), networks)?;
+            let mut model = model.expect("constants, estimators and networks know a sample at a time");
+            Ok(NoiseTrack::of(model.as_mut(), imu))
         }
         NoiseSpec::File(path) => held(path, source, recorded),
         NoiseSpec::Oracle => recorded

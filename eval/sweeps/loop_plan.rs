@@ -2,16 +2,17 @@
 
 use super::error::SweepError;
 use super::settings::Settings;
-use crate::closed_loop::{CellFiles, ImageSource, SequenceSet, StartAt, Sweep, TrackSource};
+use crate::closed_loop::{CellFiles, ImageSource, LoggedSequence, SequenceSet, StartAt, Sweep, TrackSource};
 use crate::injected::Injection;
 use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 use dpn_core::estimate::NoiseSpec;
+use dpn_logs::{ImageLogOptions, LogOptions};
 use dpn_pronet::network::Network;
 use dpn_sim::tracks::TracksConfig;
 use dpn_sim::{FlightConfig, RenderConfig};
 use dpn_vio::EstimatorConfig;
 use serde::Deserialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What the odometry sees.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
@@ -44,6 +45,12 @@ pub struct LoopPlan {
     pub truth: Option<PathBuf>,
     /// Whether images that are listed but not there are passed over.
     pub skip_missing: bool,
+    /// Where `data` is a bag: its topic of images; without it, the only one.
+    pub image_topic: Option<String>,
+    /// Where `data` is a bag: its IMU's topic; without it, the only one.
+    pub topic: Option<String>,
+    /// Where `data` is a log with images: its camera's calibration; without it, the one in the folder or beside the log.
+    pub calib: Option<PathBuf>,
     /// `all`, or names with commas between.
     pub sequences: String,
     /// The noises told.
@@ -81,6 +88,9 @@ impl Default for LoopPlan {
             tracks: None,
             truth: None,
             skip_missing: false,
+            image_topic: None,
+            topic: None,
+            calib: None,
             sequences: "all".into(),
             noises: noises.map(|noise| noise.parse().expect("a noise spec")).to_vec(),
             seed: 0,
@@ -115,13 +125,32 @@ impl LoopPlan {
             }
         };
         let source = match &self.data {
-            Some(dir) => SequenceSet::recorded(dir, tracks)?.with_reconciled_truth(self.truth.as_deref()),
+            Some(dir) => match self.logged(dir)? {
+                Some(log) => SequenceSet::logged(log, self.skip_missing),
+                None => SequenceSet::recorded(dir, tracks)?.with_reconciled_truth(self.truth.as_deref()),
+            },
             None => SequenceSet::Flights { config: self.flights.load()?, tracks },
         };
         if self.seeds > 1 && !source.tracks_are_seeded() {
             return Err(SweepError::Unseeded);
         }
         Ok(source)
+    }
+
+    /// The log with images that `data` is, if it is one.
+    fn logged(&self, data: &Path) -> Result<Option<LoggedSequence>, SweepError> {
+        let options = ImageLogOptions {
+            imu: LogOptions { topic: self.topic.clone(), ..LogOptions::default() },
+            image_topic: self.image_topic.clone(),
+            skip_missing: self.skip_missing,
+        };
+        let found = LoggedSequence::find(data, options, self.calib.as_deref())?;
+        match found {
+            Some(_) if self.camera != Camera::Images => {
+                Err(SweepError::OwnImages { data: data.to_path_buf() })
+            }
+            found => Ok(found),
+        }
     }
 
     /// The sweep over `source`.

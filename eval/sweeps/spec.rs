@@ -70,7 +70,7 @@ impl LoopSpec {
         Self {
             flights: match sweep.source {
                 SequenceSet::Flights { config, .. } => Some(config.clone()),
-                SequenceSet::Recorded { .. } => None,
+                SequenceSet::Recorded { .. } | SequenceSet::Logged { .. } => None,
             },
             tracks: sweep.source.tracks().clone(),
             truth: sweep.source.reconciled_truth().map(Path::to_path_buf),

@@ -30,6 +30,15 @@ pub(crate) struct ClosedLoopArgs {
     /// Pass over images that are listed but not there, instead of stopping before the first run.
     #[arg(long, conflicts_with = "open_loop")]
     pub(crate) skip_missing: bool,
+    /// Where --data is a bag: its topic of images; without it, the only one.
+    #[arg(long, value_name = "TOPIC", requires = "data", conflicts_with = "open_loop")]
+    pub(crate) image_topic: Option<String>,
+    /// Where --data is a bag: its IMU's topic; without it, the only one.
+    #[arg(long, value_name = "TOPIC", requires = "data", conflicts_with = "open_loop")]
+    pub(crate) topic: Option<String>,
+    /// Where --data is a log with images: its camera's calibration, in ASL's form; without it, the one in the folder or beside the log.
+    #[arg(long, value_name = "FILE", requires = "data", conflicts_with = "open_loop")]
+    pub(crate) calib: Option<PathBuf>,
     /// `all`, or names (MH_01, hover) with commas between.
     #[arg(long, value_name = "NAMES", default_value = "all", conflicts_with = "open_loop")]
     pub(crate) sequences: String,

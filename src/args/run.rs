@@ -1,6 +1,6 @@
 //! `dpn run`.
 
-use super::{CameraArg, SettingsArgs};
+use super::{CameraArg, ImageLogArgs, SettingsArgs};
 use clap::Args;
 use dpn_eval::closed_loop::StartAt;
 use std::path::PathBuf;
@@ -8,8 +8,9 @@ use std::path::PathBuf;
 /// Flags of `dpn run`.
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
-    /// Folder of an ASL sequence (EuRoC, TUM-VI), one of a data pack (PACK/NAME), or name of a simulated flight.
-    #[arg(value_name = "SEQUENCE|FLIGHT")]
+    /// Folder of an ASL sequence (EuRoC, TUM-VI), one of a data pack (PACK/NAME), a log with images (rosbag1, MCAP, rosbag2, a folder with times.txt), name of a
+    /// simulated flight, or a bag as it is recorded: a pipe, or - for stdin, whose poses are printed as they are made.
+    #[arg(value_name = "SEQUENCE|LOG|FLIGHT|-")]
     pub(crate) source: String,
     /// What the odometry sees; without it the folder's images where it holds any, else tracks.
     #[arg(long, value_enum)]
@@ -35,6 +36,9 @@ pub(crate) struct RunArgs {
     /// Pass over images that are listed but not there, instead of stopping before the run.
     #[arg(long)]
     pub(crate) skip_missing: bool,
+    /// How a log with images is read.
+    #[command(flatten)]
+    pub(crate) log: ImageLogArgs,
     /// Seed of simulated flights and tracks.
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,

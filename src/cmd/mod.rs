@@ -13,6 +13,7 @@ mod export;
 mod flight;
 mod follow;
 mod images;
+mod live;
 mod log;
 mod manual;
 mod noise;

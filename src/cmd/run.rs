@@ -1,24 +1,28 @@
 //! `dpn run`.
 
 use super::tracks::truth_of_a_flight;
-use super::{program, settings, shipped};
+use super::{live, program, settings, shipped};
 use crate::args::{CameraArg, RunArgs};
 use crate::ui::{Fault, errln, out, outln};
 use anyhow::Result;
 use dpn_core::estimate::NoiseSpec;
 use dpn_eval::closed_loop::{
-    ImageSource, JudgedRun, Recording, Report, RunInfo, SequenceSet, Span, TrackSource, has_images,
-    judged_run, write_states,
+    ImageSource, JudgedRun, LoggedSequence, Recording, Report, RunInfo, SequenceSet, Span, TrackSource,
+    has_images, judged_run, write_states,
 };
 use dpn_figures::save;
 use dpn_figures::{Album, timeline, top_view};
 use dpn_io::asl::{Sequence, is_there};
 use dpn_io::{atomic_write, write_noise_track, write_tum};
+use dpn_logs::{ImageLogOptions, LogOptions};
 use dpn_sim::Flight;
 use dpn_vio::estimator::FrontEndObserver;
 use std::path::{Path, PathBuf};
 
 pub(crate) fn run(args: &RunArgs) -> Result<()> {
+    if live::is_live(&args.source) {
+        return live::run(args);
+    }
     let noise: NoiseSpec = args.noise.parse()?;
     let estimator = settings::estimator(&args.settings)?;
     let (source, place) = open(args)?;
@@ -67,12 +71,34 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     Ok(())
 }
 
-/// A folder is a sequence, anything else a flight.
+/// A folder is a sequence, a bag or a folder with `times.txt` a log with images, anything else a flight.
 fn open(args: &RunArgs) -> Result<(SequenceSet, usize)> {
     let dir = Path::new(&args.source);
     let made = TrackSource::Simulated(settings::tracks(&args.settings)?);
     let seen = TrackSource::Images(ImageSource::Folder { skip_missing: args.skip_missing });
     let rendered = TrackSource::Images(ImageSource::Rendered(Box::new(settings::images(&args.settings)?)));
+    if let Some(log) = LoggedSequence::find(dir, image_log(args), args.log.calib.as_deref())? {
+        let other = args.camera.is_some_and(|camera| camera != CameraArg::Images);
+        if other || args.tracks.is_some() || args.truth.is_some() {
+            let text = format!(
+                "{} is a log with images: its camera is its own, and nobody knows its ground truth",
+                args.source
+            );
+            return Err(Fault::new(text).hint("leave --camera, --tracks and --truth away").into());
+        }
+        return Ok((SequenceSet::logged(log, args.skip_missing), 0));
+    }
+    let of_logs = [
+        ("--image-topic", args.log.image_topic.is_some()),
+        ("--topic", args.log.topic.is_some()),
+        ("--calib", args.log.calib.is_some()),
+    ];
+    if let Some((flag, _)) = of_logs.iter().find(|(_, given)| *given) {
+        let text = format!("{flag} is for logs with images; `{}` is none", args.source);
+        return Err(Fault::new(text)
+            .hint("give a rosbag1, MCAP, rosbag2 or a folder with times.txt, or leave it away")
+            .into());
+    }
     if dir.exists() || is_there(dir) {
         let tracks = match (args.camera, &args.tracks) {
             (Some(CameraArg::Images | CameraArg::Rendered), Some(_)) => {
@@ -111,6 +137,20 @@ fn open(args: &RunArgs) -> Result<(SequenceSet, usize)> {
     let source = SequenceSet::Flights { config: settings::flights(&args.settings)?, tracks };
     let place = Flight::ALL.iter().position(|f| *f == flight).expect("`ALL` holds every flight");
     Ok((source, place))
+}
+
+/// What was typed about a log with images.
+pub(super) fn image_log(args: &RunArgs) -> ImageLogOptions {
+    let log = &args.log;
+    ImageLogOptions {
+        imu: LogOptions {
+            topic: log.topic.clone(),
+            max_uncompressed: log.max_uncompressed,
+            ..LogOptions::default()
+        },
+        image_topic: log.image_topic.clone(),
+        skip_missing: args.skip_missing,
+    }
 }
 
 fn write(done: &JudgedRun, report: &serde_json::Value, out: &Path) -> Result<()> {

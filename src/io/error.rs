@@ -308,6 +308,16 @@ pub enum IoError {
         /// What is wrong with it.
         problem: String,
     },
+    /// A list of images that is longer or shorter than the folder beside it.
+    #[error("{} lists {listed} images, and images/ beside it holds {found}", path.display())]
+    TimesDiffer {
+        /// The list.
+        path: PathBuf,
+        /// How many it lists.
+        listed: usize,
+        /// How many images there are.
+        found: usize,
+    },
     /// A key of a YAML file with a value that cannot be.
     #[error("{}: `{key}` {problem}", path.display())]
     BadKey {
@@ -391,7 +401,10 @@ impl IoError {
             }
             Self::BadNoise { .. } => "standard deviations are zero or more; mend the line",
             Self::BadImage { .. } => {
-                "unpack the image again, or convert it to a grey PNG of 8 bits and the calibration's size"
+                "unpack or record the image again, or convert it to PNG or JPEG of the calibration's size"
+            }
+            Self::TimesDiffer { .. } => {
+                "take the list that belongs to these images, unpack the rest, or use what both have with --skip-missing"
             }
             Self::NotWhole { .. } | Self::TrackCount { .. } => {
                 "a frame is one line: stamp_ns n, then n times id u v; mend or delete the line"

@@ -1,24 +1,17 @@
 //! The images of a recording: which are there, one by one, and ahead of time on a second thread.
 //!
-//! Images are PNG, grey, 8 bits. One that is listed but missing, cannot be read, has another size or 16 bits a pixel is an error that
-//! names the file; whoever reads says whether that ends the run. A recording that lists images nobody unpacked is common (one has a
+//! Images are PNG or JPEG; colour becomes grey. One that is listed but missing, cannot be read or has another size is an error that names the file; whoever reads says whether that ends the run. A recording that lists images nobody unpacked is common (one has a
 //! part of a data set): [`ImageFolder::coverage`] says what there is before a run begins.
 
 use super::IoError;
 use super::asl::{CameraFrame, Sequence};
+use super::image_file::read_image;
 use dpn_core::image::GrayImage;
 use dpn_core::time::Stamp;
-use png::{BitDepth, ColorType, Decoder, Transformations};
 use std::fmt;
-use std::io::Cursor;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread::JoinHandle;
-
-/// Larger files are no camera's images \[bytes\]: an image is read whole.
-const LARGEST_FILE: u64 = 256 << 20;
-/// Deflate makes at most so many bytes of one: a file with fewer bytes than its pixels ask for is cut off, whatever its head says.
-const DEFLATE_MOST: usize = 1032;
 
 /// An image and when it was taken.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -127,27 +120,20 @@ impl ImageFolder {
     /// Reads image `index`.
     ///
     /// # Errors
-    /// A file that is not there or cannot be read; not PNG, not grey, not 8 bits, another size.
+    /// A file that is not there or cannot be read; neither PNG nor JPEG, another size.
     ///
     /// # Panics
     /// `index` is not below [`Self::len`].
     pub fn read(&self, index: usize) -> Result<StampedImage, IoError> {
         let (t, path) = &self.frames[index];
-        Ok(StampedImage { t: *t, image: read_png(path, self.size)? })
+        Ok(StampedImage { t: *t, image: read_image(path, self.size)? })
     }
 
     /// Reads all images in order on a thread of their own, at most `ahead` before they are asked for.
-    pub fn prefetch(self, ahead: usize) -> Prefetch {
-        let (sender, receiver) = sync_channel(ahead);
-        let thread = std::thread::spawn(move || {
-            for index in 0..self.len() {
-                // Nobody waits any more: the reader was dropped.
-                if sender.send(self.read(index)).is_err() {
-                    return;
-                }
-            }
-        });
-        Prefetch { receiver: Some(receiver), thread: Some(thread) }
+    pub fn prefetch(self, ahead: usize) -> Prefetch<Result<StampedImage, IoError>> {
+        Prefetch::spawn(ahead, move |send| {
+            let _all_sent = (0..self.len()).all(|index| send(self.read(index)));
+        })
     }
 }
 
@@ -218,21 +204,30 @@ impl fmt::Display for Coverage {
     }
 }
 
-/// Images read ahead of time, in order. Dropping it ends the reading.
+/// What a thread of its own makes ahead of time, in order: images. Dropping it ends the making.
 #[derive(Debug)]
-pub struct Prefetch {
-    receiver: Option<Receiver<Result<StampedImage, IoError>>>,
+pub struct Prefetch<T> {
+    receiver: Option<Receiver<T>>,
     thread: Option<JoinHandle<()>>,
 }
 
-impl Iterator for Prefetch {
-    type Item = Result<StampedImage, IoError>;
+impl<T: Send + 'static> Prefetch<T> {
+    /// Of what `make` sends, at most `ahead` are made before they are asked for; it is answered whether anybody still waits for more.
+    pub fn spawn(ahead: usize, make: impl FnOnce(&mut dyn FnMut(T) -> bool) + Send + 'static) -> Self {
+        let (sender, receiver) = sync_channel(ahead);
+        let thread = std::thread::spawn(move || make(&mut |item| sender.send(item).is_ok()));
+        Self { receiver: Some(receiver), thread: Some(thread) }
+    }
+}
 
-    fn next(&mut self) -> Option<Self::Item> {
+impl<T> Iterator for Prefetch<T> {
+    type Item = T;
+
+    fn next(&mut self) -> Option<T> {
         match self.receiver.as_ref()?.recv() {
-            Ok(image) => Some(image),
+            Ok(item) => Some(item),
             Err(_) => {
-                // The thread is through; that it panicked must not read as the end of the images.
+                // The thread is through; that it panicked must not read as the end.
                 if let Some(Err(panic)) = self.thread.take().map(JoinHandle::join) {
                     std::panic::resume_unwind(panic);
                 }
@@ -242,7 +237,7 @@ impl Iterator for Prefetch {
     }
 }
 
-impl Drop for Prefetch {
+impl<T> Drop for Prefetch<T> {
     fn drop(&mut self) {
         // The thread may be waiting for room: without a receiver it goes home.
         self.receiver = None;
@@ -253,72 +248,12 @@ impl Drop for Prefetch {
     }
 }
 
-/// Reads a grey PNG of 8 bits a pixel, `size` \[width, height\]; fewer bits are scaled up.
-///
-/// # Errors
-/// A file that is not there or cannot be read; not PNG, not grey, 16 bits, another size.
-pub(crate) fn read_png(path: &Path, size: [usize; 2]) -> Result<GrayImage, IoError> {
-    let length = std::fs::metadata(path).map_err(|e| IoError::reading(path, e))?.len();
-    if length > LARGEST_FILE {
-        let problem = format!("has {length} bytes; an image has at most {LARGEST_FILE}");
-        return Err(IoError::BadImage { path: path.to_path_buf(), problem });
-    }
-    let bytes = std::fs::read(path).map_err(|e| IoError::reading(path, e))?;
-    parse_png(&bytes, path, size)
-}
-
-/// The same from bytes at hand; `path` is for messages. Room is made for an image of the right size alone, and for none that so few bytes
-/// cannot hold.
-///
-/// # Errors
-/// As for an image of an [`ImageFolder`].
-pub fn parse_png(bytes: &[u8], path: &Path, size: [usize; 2]) -> Result<GrayImage, IoError> {
-    let bad = |problem: String| IoError::BadImage { path: path.to_path_buf(), problem };
-    let unreadable = |error: png::DecodingError| bad(format!("is no readable PNG: {error}"));
-    let mut decoder = Decoder::new(Cursor::new(bytes));
-    decoder.set_transformations(Transformations::EXPAND);
-    decoder.set_ignore_text_chunk(true);
-    let mut reader = decoder.read_info().map_err(unreadable)?;
-    let (colour, depth) = (reader.info().color_type, reader.info().bit_depth);
-    if depth == BitDepth::Sixteen {
-        return Err(bad("has 16 bits a pixel; 8 are read".into()));
-    }
-    if colour != ColorType::Grayscale || reader.output_color_type() != (ColorType::Grayscale, BitDepth::Eight)
-    {
-        return Err(bad(format!("is {colour:?}; grey images are read")));
-    }
-    let (width, height) = (reader.info().width as usize, reader.info().height as usize);
-    if [width, height] != size {
-        return Err(bad(format!("has {width} x {height} px; the camera's have {} x {}", size[0], size[1])));
-    }
-    let packed = width.saturating_mul(height) / (8 / depth as usize);
-    if packed / DEFLATE_MOST > bytes.len() {
-        return Err(bad(format!("is cut off: {} bytes hold no {width} x {height} px", bytes.len())));
-    }
-    let needed = reader.output_buffer_size().ok_or_else(|| bad(format!("has {width} x {height} px")))?;
-    let mut pixels = vec![0; needed];
-    reader.next_frame(&mut pixels).map_err(unreadable)?;
-    GrayImage::new(width, height, pixels).map_err(|error| bad(format!("is {error}")))
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::image_file::tests::grey;
     use super::*;
     use std::fs;
-
-    fn encode(width: u32, height: u32, colour: ColorType, depth: BitDepth, pixels: &[u8]) -> Vec<u8> {
-        let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, width, height);
-        encoder.set_color(colour);
-        encoder.set_depth(depth);
-        encoder.write_header().unwrap().write_image_data(pixels).unwrap();
-        bytes
-    }
-
-    fn grey(seed: u8) -> Vec<u8> {
-        let pixels: Vec<u8> = (0..12).map(|i| i * 7 + seed).collect();
-        encode(4, 3, ColorType::Grayscale, BitDepth::Eight, &pixels)
-    }
+    use std::path::Path;
 
     /// Images 0 to `n`, of which those in `missing` are listed only.
     fn folder(dir: &Path, n: u8, missing: &[u8]) -> ImageFolder {
@@ -371,52 +306,6 @@ mod tests {
         let outcomes: Vec<_> = folder.prefetch(2).collect();
         assert!(matches!(&outcomes[4], Err(IoError::Missing { path }) if path.ends_with("4.png")));
         assert_eq!(outcomes.iter().filter(|o| o.is_ok()).count(), 7);
-    }
-
-    #[test]
-    fn what_is_no_grey_image_of_eight_bits_is_named() {
-        let error = |bytes: &[u8]| parse_png(bytes, Path::new("a.png"), [4, 3]).unwrap_err().to_string();
-        let deep = encode(2, 1, ColorType::Grayscale, BitDepth::Sixteen, &[1, 2, 3, 4]);
-        assert_eq!(error(&deep), "a.png has 16 bits a pixel; 8 are read");
-        let colour = encode(1, 1, ColorType::Rgb, BitDepth::Eight, &[1, 2, 3]);
-        assert_eq!(error(&colour), "a.png is Rgb; grey images are read");
-        let whole = grey(1);
-        assert!(error(&whole[..whole.len() - 20]).starts_with("a.png is no readable PNG"), "cut off");
-        assert!(error(b"<html>not found</html>").starts_with("a.png is no readable PNG"));
-        assert!(error(b"").starts_with("a.png is no readable PNG"));
-        let two_bits = encode(4, 1, ColorType::Grayscale, BitDepth::Two, &[0b0001_1011]);
-        assert_eq!(parse_png(&two_bits, Path::new("a.png"), [4, 1]).unwrap().pixels(), [0, 85, 170, 255]);
-    }
-
-    #[test]
-    fn no_damage_makes_the_reader_panic() {
-        let whole = grey(5);
-        for at in 0..whole.len() {
-            for value in [0, 1, 0x7f, 0x80, 0xff] {
-                let mut damaged = whole.clone();
-                damaged[at] = value;
-                if let Err(error) = parse_png(&damaged, Path::new("a.png"), [4, 3]) {
-                    assert!(error.to_string().starts_with("a.png") && error.hint().is_some());
-                }
-                let _ = parse_png(&damaged[..at], Path::new("a.png"), [4, 3]);
-            }
-        }
-    }
-
-    #[test]
-    fn a_head_that_says_more_than_the_file_holds_makes_no_room() {
-        let mut giant = Vec::new();
-        let mut encoder = png::Encoder::new(&mut giant, 65535, 65535);
-        encoder.set_color(ColorType::Grayscale);
-        drop(encoder.write_header().unwrap());
-        // A head ends behind byte 33.
-        giant.truncate(33);
-        giant.extend_from_slice(&grey(1)[33..]);
-        let error = |size| parse_png(&giant, Path::new("a.png"), size).unwrap_err().to_string();
-        assert_eq!(error([4, 3]), "a.png has 65535 x 65535 px; the camera's have 4 x 3");
-        // The calibration may say the same.
-        let said = format!("a.png is cut off: {} bytes hold no 65535 x 65535 px", giant.len());
-        assert_eq!(error([65535, 65535]), said);
     }
 
     #[test]

@@ -9,6 +9,7 @@
 //! * [`printable`]: names out of other people's files, as they may be shown.
 //! * [`read_tum`], [`write_tum`]: trajectories, as evo reads them.
 //! * [`ImageFolder`]: a camera's images, also ahead of time on a second thread.
+//! * [`parse_image`], [`PixelLayout`]: PNG, JPEG and cameras' raw pixels made grey. [`TimesFolder`]: images as TUM-mono has them.
 //! * [`read_tracks`], [`write_tracks`]: camera tracks.
 //! * [`read_noise_track`], [`write_noise_track`]: noise tracks.
 //! * [`config`]: typed configurations of TOML.
@@ -31,8 +32,12 @@ mod error;
 mod fields;
 #[cfg(test)]
 mod fuzz;
+#[cfg(feature = "images")]
+mod grey;
 mod guess;
 mod head;
+#[cfg(feature = "images")]
+mod image_file;
 #[cfg(feature = "images")]
 mod images;
 mod imu_csv;
@@ -52,6 +57,7 @@ mod sample_store;
 mod sieve;
 mod small;
 mod store;
+mod times_folder;
 mod tracks;
 mod tum;
 mod unit;
@@ -63,7 +69,11 @@ pub use columns::{AccelUnit, GyroUnit, ImuColumns};
 pub use decimal::TimeUnit;
 pub use error::IoError;
 #[cfg(feature = "images")]
-pub use images::{Coverage, ImageFolder, ImageRun, Prefetch, StampedImage, parse_png};
+pub use grey::{ByteOrder, PixelLayout};
+#[cfg(feature = "images")]
+pub use image_file::parse_image;
+#[cfg(feature = "images")]
+pub use images::{Coverage, ImageFolder, ImageRun, Prefetch, StampedImage};
 pub use imu_csv::{CsvOptions, ImuLog, Origin, Settled, parse_imu_csv, read_imu_csv};
 pub use imu_lines::ImuLines;
 pub use leftovers::scratch_file;
@@ -77,5 +87,6 @@ pub use printable::printable;
 pub use sample_store::{SampleStore, StoredRecording};
 pub use sieve::{ABSURD, LeftOut, Sieve, Sieved, TINY};
 pub use store::{Row, Store};
+pub use times_folder::TimesFolder;
 pub use tracks::{read_tracks, write_tracks};
-pub use tum::{read_tum, write_tum};
+pub use tum::{read_tum, tum_line, write_tum};

@@ -56,13 +56,17 @@ pub fn write_tum(path: &Path, poses: &[StampedPose]) -> Result<(), IoError> {
     atomic_write(path, |out| {
         writeln!(out, "# timestamp tx ty tz qx qy qz qw")?;
         for pose in poses {
-            let p = pose.world_from_body.translation.vector;
-            let q = pose.world_from_body.rotation.coords;
-            let t = seconds_text(pose.t);
-            writeln!(out, "{t} {:?} {:?} {:?} {:?} {:?} {:?} {:?}", p.x, p.y, p.z, q.x, q.y, q.z, q.w)?;
+            writeln!(out, "{}", tum_line(pose))?;
         }
         Ok(())
     })
+}
+
+/// A pose as a line of a trajectory, without its end.
+pub fn tum_line(pose: &StampedPose) -> String {
+    let (p, q) = (pose.world_from_body.translation.vector, pose.world_from_body.rotation.coords);
+    let t = seconds_text(pose.t);
+    format!("{t} {:?} {:?} {:?} {:?} {:?} {:?} {:?}", p.x, p.y, p.z, q.x, q.y, q.z, q.w)
 }
 
 #[cfg(test)]

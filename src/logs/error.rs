@@ -62,7 +62,53 @@ pub enum LogError {
         /// Its type.
         kind: String,
     },
-    /// An IMU whose messages are written in a way that is not known.
+    /// A bag without images.
+    #[error("{}: no images on any topic of type sensor_msgs/Image or CompressedImage{}", path.display(), after("; it has ", topics))]
+    NoImages {
+        /// The bag.
+        path: PathBuf,
+        /// What it has.
+        topics: String,
+    },
+    /// More than one topic of images, and nobody said which.
+    #[error("{}: {} topics of images: {topics}", path.display(), *count)]
+    SeveralImageTopics {
+        /// The bag.
+        path: PathBuf,
+        /// How many.
+        count: usize,
+        /// Their names and numbers of images.
+        topics: String,
+        /// One of them.
+        one: String,
+    },
+    /// A topic of images that is not in the bag.
+    #[error("{}: no topic of images `{wanted}`{}", path.display(), after("; it has ", topics))]
+    NoImageTopic {
+        /// The bag.
+        path: PathBuf,
+        /// What was asked for.
+        wanted: String,
+        /// What it has.
+        topics: String,
+        /// The most similar name.
+        similar: Option<String>,
+    },
+    /// A folder of images without an IMU's file.
+    #[error("{}: images, and no IMU: looked for imu.txt, imu.csv", dir.display())]
+    NoImuFile {
+        /// The folder.
+        dir: PathBuf,
+    },
+    /// A log in which images cannot be.
+    #[error("{}: {kind}; images are read from rosbag1, MCAP, rosbag2, ASL folders and folders with times.txt", path.display())]
+    NoBag {
+        /// The log.
+        path: PathBuf,
+        /// What it is.
+        kind: &'static str,
+    },
+    /// An IMU or images whose messages are written in a way that is not known.
     #[error("{}: the messages on `{topic}` are written as `{encoding}`; known are cdr and ros1", path.display())]
     Encoding {
         /// The bag.
@@ -166,6 +212,20 @@ impl LogError {
             Self::NoTopic { similar: None, .. } => {
                 "topics are written in full, as `rosbag info` or `ros2 bag info` shows them"
             }
+            Self::NoImages { .. } => "record the camera's topic too, or name another log",
+            Self::SeveralImageTopics { one, .. } => {
+                return Some(format!("say which one: --image-topic {one}"));
+            }
+            Self::NoImageTopic { similar: Some(similar), .. } => {
+                return Some(format!("did you mean `{similar}`?"));
+            }
+            Self::NoImageTopic { similar: None, .. } => {
+                "topics are written in full, as `rosbag info` or `ros2 bag info` shows them"
+            }
+            Self::NoImuFile { .. } => {
+                "put the IMU's samples beside times.txt: stamp, gyroscope x y z, accelerometer x y z a row"
+            }
+            Self::NoBag { .. } => "record camera and IMU into one bag, or lay the images beside a times.txt",
             Self::NotImu { .. } => "choose the topic of the raw IMU; without --topic the only one is taken",
             Self::Encoding { .. } => {
                 "convert the bag to ROS 2's cdr or ROS 1's ros1, for example by `ros2 bag convert` or `rosbags-convert`"

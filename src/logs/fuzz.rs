@@ -2,9 +2,16 @@
 //!
 //! The same readers are fed by the targets in `fuzz/`, for as long as one likes.
 
-use crate::{LogOptions, read_log, read_mcap, read_rosbag1, read_stream};
+use crate::budget::Budget;
+use crate::fields::Encoding;
+use crate::image_message::{ImageKind, decode};
+use crate::messages::Messages;
+use crate::{
+    ImageLogOptions, LogOptions, bag, read_log, read_mcap, read_rosbag1, read_sensors_from, read_stream,
+};
 use dpn_core::Samples;
 use dpn_testing::forged::{Draw, damage};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 fn folder() -> PathBuf {
@@ -98,5 +105,92 @@ fn damaged_databases_panic_no_reader() {
         damage(&mut bytes, &mut Draw::new(case, "sqlite"));
         std::fs::write(&path, bytes).unwrap();
         speaks(read_log(&path, &LogOptions::default()));
+    }
+}
+
+/// The messages of images in a bag, as they lie in it.
+#[derive(Default)]
+struct Images {
+    numbers: Vec<(u32, ImageKind, Encoding)>,
+    messages: Vec<(ImageKind, Encoding, Vec<u8>)>,
+    budget: Budget,
+}
+
+impl Messages for Images {
+    fn next_file(&mut self) {}
+
+    fn declare(&mut self, number: u32, _name: &str, kind: &str, encoding: Result<Encoding, String>) -> bool {
+        let kind = ImageKind::of(kind).zip(encoding.ok());
+        self.numbers.extend(kind.map(|(kind, encoding)| (number, kind, encoding)));
+        kind.is_some()
+    }
+
+    fn message(&mut self, number: u32, _received_ns: i64, data: &[u8]) {
+        let found = self.numbers.iter().find(|(n, ..)| *n == number);
+        self.messages.extend(found.map(|(_, kind, encoding)| (*kind, *encoding, data.to_vec())));
+    }
+
+    fn budget(&mut self) -> &mut Budget {
+        &mut self.budget
+    }
+}
+
+#[test]
+fn damaged_messages_of_images_panic_no_decoder_and_make_no_other_size() {
+    for bag in ["encodings.bag", "encodings.mcap"] {
+        let mut images = Images::default();
+        bag::read(&folder().join("../rigs").join(bag), None, &mut images).unwrap();
+        assert_eq!(images.messages.len(), 34);
+        for (i, (kind, encoding, whole)) in images.messages.iter().enumerate() {
+            for case in 0..300 {
+                let mut bytes = whole.clone();
+                let mut draw = Draw::new(case, bag);
+                // Every other time what stands before the pixels alone, where it is read most.
+                match (case % 2, i) {
+                    (0, _) => damage(&mut bytes, &mut draw),
+                    _ => {
+                        let mut head = bytes[..80].to_vec();
+                        damage(&mut head, &mut draw);
+                        bytes.splice(..80, head);
+                    }
+                }
+                let Ok(message) = decode(&bytes, *encoding, *kind) else { continue };
+                match message.grey(Path::new("a.bag"), [64, 48]) {
+                    Ok(image) => assert_eq!((image.width(), image.height()), (64, 48)),
+                    Err(error) => {
+                        let said = error.to_string();
+                        assert!(
+                            said.starts_with("a.bag ") && !said.contains('\n') && error.hint().is_some(),
+                            "{said:?}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn damaged_bags_of_images_panic_no_reader() {
+    for name in ["encodings.bag", "encodings.mcap"] {
+        let whole = std::fs::read(folder().join("../rigs").join(name)).unwrap();
+        let options =
+            ImageLogOptions { image_topic: Some("/bgr8/image_raw".into()), ..ImageLogOptions::default() };
+        for case in 0..150 {
+            let mut bytes = whole.clone();
+            damage(&mut bytes, &mut Draw::new(case, name));
+            let mut images = 0;
+            let read = read_sensors_from(bytes.as_slice(), Path::new(name), &options, [64, 48], &mut |_| {
+                images += 1;
+                if images < 30 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+            });
+            if let Err(error) = read {
+                let said = error.to_string();
+                assert!(
+                    !said.is_empty() && !said.contains('\n') && error.hint().is_none_or(|h| !h.is_empty()),
+                    "{said:?}"
+                );
+            }
+        }
     }
 }

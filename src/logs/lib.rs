@@ -14,6 +14,8 @@
 //!
 //! Any of them may be packed by gzip, zstd, xz or bzip2. Sensors on two topics or in two files are joined on the gyroscope's stamps.
 //!
+//! With the feature `images`, [`ImageLog`] reads the images beside the samples, of bags and of folders with `times.txt`, and [`read_sensors`] hands both on as they come.
+//!
 //! A reader here goes on where it can: a bag that is cut off or damaged gives everything before the damage, samples that no recording may
 //! hold are left out, and [`Log::warnings`] says all of it. Files are read as a stream: beside the samples there is one chunk in memory.
 //!
@@ -23,34 +25,52 @@
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 mod ardupilot;
+#[cfg(feature = "images")]
+mod bag;
 mod budget;
 mod bytes;
+#[cfg(feature = "images")]
+mod cameras;
 mod decompress;
 mod error;
-#[cfg(test)]
+mod fields;
+#[cfg(all(test, feature = "images"))]
 mod fuzz;
 #[cfg(test)]
 mod golden;
 #[cfg(test)]
 mod golden_logs;
+#[cfg(all(test, feature = "images"))]
+mod golden_rigs;
+#[cfg(feature = "images")]
+mod image_log;
+#[cfg(feature = "images")]
+mod image_message;
 mod imu_message;
 mod join;
 mod kind;
 mod log;
 mod mcap;
+mod messages;
 mod packed;
 mod read;
 mod records;
 mod rosbag1;
 mod rosbag2;
 mod scale;
+#[cfg(feature = "images")]
+mod sensors;
 mod sqlite;
 mod topics;
 mod two_files;
 mod ulog;
 
 pub use error::LogError;
+#[cfg(feature = "images")]
+pub use image_log::{ImageLog, ImageLogOptions, ImageSpan, Images};
 pub use kind::Kind;
 pub use log::Log;
 pub use read::{LogOptions, read_log, read_mcap, read_rosbag1, read_sqlite, read_stream};
 pub use scale::Scales;
+#[cfg(feature = "images")]
+pub use sensors::{SensorEvent, read_sensors, read_sensors_from};

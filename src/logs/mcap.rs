@@ -5,9 +5,9 @@
 
 use crate::bytes::Bytes;
 use crate::decompress::{LARGEST, decompress};
-use crate::imu_message::Encoding;
+use crate::fields::Encoding;
+use crate::messages::Messages;
 use crate::rosbag1::CountedReader;
-use crate::topics::Topics;
 use std::collections::BTreeMap;
 use std::io::{self, Read};
 
@@ -22,7 +22,7 @@ const DATA_END: u8 = 0x0f;
 ///
 /// # Errors
 /// The operating system's; a damaged file is none.
-pub(crate) fn read(source: impl Read, topics: &mut Topics) -> io::Result<Option<String>> {
+pub(crate) fn read(source: impl Read, topics: &mut dyn Messages) -> io::Result<Option<String>> {
     let mut source = CountedReader { inner: source, at: 0 };
     let Some(magic) = source.exactly(MAGIC.len() as u64)? else {
         return Ok(Some("ends within its first line".to_owned()));
@@ -32,6 +32,9 @@ pub(crate) fn read(source: impl Read, topics: &mut Topics) -> io::Result<Option<
     }
     let mut schemas = Schemas::default();
     loop {
+        if topics.is_done() {
+            return Ok(None);
+        }
         let begin = source.at;
         let head = source.up_to(9)?;
         let mut bytes = Bytes::new(&head);
@@ -74,7 +77,7 @@ pub(crate) fn read(source: impl Read, topics: &mut Topics) -> io::Result<Option<
 type Schemas = BTreeMap<u16, String>;
 
 /// A chunk's records; returns what is wrong with it.
-fn chunk(content: &[u8], is_whole: bool, schemas: &mut Schemas, topics: &mut Topics) -> Option<String> {
+fn chunk(content: &[u8], is_whole: bool, schemas: &mut Schemas, topics: &mut dyn Messages) -> Option<String> {
     let mut bytes = Bytes::new(content);
     let header = (|| {
         let _times = bytes.take(16)?;
@@ -85,12 +88,12 @@ fn chunk(content: &[u8], is_whole: bool, schemas: &mut Schemas, topics: &mut Top
     };
     let packed = bytes.rest();
     let packed = &packed[..packed.len().min(usize::try_from(length).unwrap_or(usize::MAX))];
-    let plain = decompress(&compression, packed.to_vec(), size, &mut topics.budget);
+    let plain = decompress(&compression, packed.to_vec(), size, topics.budget());
     if is_whole && plain.damage.is_none() && sum != 0 && crc32fast::hash(&plain.bytes) != sum {
         return Some("its content does not have its checksum".to_owned());
     }
     let mut records = Bytes::new(&plain.bytes);
-    while !records.is_empty() {
+    while !records.is_empty() && !topics.is_done() {
         let parts = (|| {
             let op = records.u8()?;
             let length = records.u64()?;
@@ -107,7 +110,7 @@ fn chunk(content: &[u8], is_whole: bool, schemas: &mut Schemas, topics: &mut Top
 }
 
 /// A schema, a channel or a message; `None` when it is too short to be one.
-fn record(op: u8, content: &[u8], schemas: &mut Schemas, topics: &mut Topics) -> Option<()> {
+fn record(op: u8, content: &[u8], schemas: &mut Schemas, topics: &mut dyn Messages) -> Option<()> {
     let mut bytes = Bytes::new(content);
     match op {
         SCHEMA => {

@@ -55,7 +55,7 @@ pub fn read_log(path: &Path, options: &LogOptions) -> Result<Log, LogError> {
         Kind::Rosbag2 => {
             let mut topics = Topics::new(options);
             let damage = rosbag2::read(path, &mut topics)?;
-            bag(path, Kind::Rosbag2, topics, damage, options)
+            bag_log(path, Kind::Rosbag2, topics, damage, options)
         }
         Kind::TwoFiles => match TwoFiles::find(path)? {
             Some(files) => files.read(path, options),
@@ -92,7 +92,10 @@ pub fn read_stream(source: impl Read, path: &Path, options: &LogOptions) -> Resu
 }
 
 /// The first bytes of a source, and all of it.
-fn headed<'a>(mut source: impl Read + 'a, path: &Path) -> Result<(Vec<u8>, impl Read + 'a), LogError> {
+pub(crate) fn headed<'a>(
+    mut source: impl Read + 'a,
+    path: &Path,
+) -> Result<(Vec<u8>, impl Read + 'a), LogError> {
     let mut head = Vec::new();
     source.by_ref().take(HEAD).read_to_end(&mut head).map_err(|e| IoError::reading(path, e))?;
     Ok((head.clone(), std::io::Cursor::new(head).chain(source)))
@@ -118,7 +121,7 @@ fn read_plain(
             std::io::copy(&mut source, &mut copy).map_err(reading)?;
             let mut topics = Topics::new(options);
             let damage = sqlite::read(copy.path(), &mut topics);
-            let mut log = bag(path, Kind::Sqlite, topics, damage, options)?;
+            let mut log = bag_log(path, Kind::Sqlite, topics, damage, options)?;
             log.remarks.push(
                 "a database cannot be read as it comes: it was copied to a temporary file first".to_owned(),
             );
@@ -144,7 +147,7 @@ fn read_plain(
 pub fn read_rosbag1(source: impl Read, path: &Path, options: &LogOptions) -> Result<Log, LogError> {
     let mut topics = Topics::new(options);
     let damage = rosbag1::read(source, &mut topics).map_err(|e| IoError::reading(path, e))?;
-    bag(path, Kind::Rosbag1, topics, damage, options)
+    bag_log(path, Kind::Rosbag1, topics, damage, options)
 }
 
 /// An MCAP file from any source of bytes; `path` is for messages.
@@ -154,7 +157,7 @@ pub fn read_rosbag1(source: impl Read, path: &Path, options: &LogOptions) -> Res
 pub fn read_mcap(source: impl Read, path: &Path, options: &LogOptions) -> Result<Log, LogError> {
     let mut topics = Topics::new(options);
     let damage = mcap::read(source, &mut topics).map_err(|e| IoError::reading(path, e))?;
-    bag(path, Kind::Mcap, topics, damage, options)
+    bag_log(path, Kind::Mcap, topics, damage, options)
 }
 
 /// One of rosbag2's SQLite files.
@@ -164,10 +167,10 @@ pub fn read_mcap(source: impl Read, path: &Path, options: &LogOptions) -> Result
 pub fn read_sqlite(path: &Path, options: &LogOptions) -> Result<Log, LogError> {
     let mut topics = Topics::new(options);
     let damage = sqlite::read(path, &mut topics);
-    bag(path, Kind::Sqlite, topics, damage, options)
+    bag_log(path, Kind::Sqlite, topics, damage, options)
 }
 
-fn bag(
+pub(crate) fn bag_log(
     path: &Path,
     kind: Kind,
     topics: Topics,

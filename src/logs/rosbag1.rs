@@ -5,8 +5,8 @@
 
 use crate::bytes::Bytes;
 use crate::decompress::{LARGEST, decompress};
-use crate::imu_message::Encoding;
-use crate::topics::Topics;
+use crate::fields::Encoding;
+use crate::messages::Messages;
 use std::io::{self, Read};
 
 const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
@@ -22,7 +22,7 @@ const CONNECTION: u8 = 0x07;
 ///
 /// # Errors
 /// The operating system's; a damaged bag is none.
-pub(crate) fn read(source: impl Read, topics: &mut Topics) -> io::Result<Option<String>> {
+pub(crate) fn read(source: impl Read, topics: &mut dyn Messages) -> io::Result<Option<String>> {
     let mut source = CountedReader { inner: source, at: 0 };
     let Some(magic) = source.exactly(MAGIC.len() as u64)? else {
         return Ok(Some("ends within its first line".to_owned()));
@@ -33,6 +33,9 @@ pub(crate) fn read(source: impl Read, topics: &mut Topics) -> io::Result<Option<
     // Where the bag's header says that its index begins; 0 while it is being recorded.
     let mut index = None;
     loop {
+        if topics.is_done() {
+            return Ok(None);
+        }
         let begin = source.at;
         let cut = || Some(format!("cut off in the record at byte {begin}"));
         let header_length = match source.up_to(4)? {
@@ -72,7 +75,7 @@ pub(crate) fn read(source: impl Read, topics: &mut Topics) -> io::Result<Option<
                     return Ok(Some(format!("the chunk at byte {begin} lacks the name of its compression")));
                 };
                 let size = fields.u32("size").map_or(LARGEST, u64::from);
-                let plain = decompress(&name, packed, size, &mut topics.budget);
+                let plain = decompress(&name, packed, size, topics.budget());
                 let inside = records(&plain.bytes, topics);
                 if !is_whole {
                     return Ok(Some(format!("cut off in the chunk at byte {begin}")));
@@ -97,9 +100,9 @@ pub(crate) fn read(source: impl Read, topics: &mut Topics) -> io::Result<Option<
 }
 
 /// The records in a chunk; returns what is wrong where they end early.
-fn records(bytes: &[u8], topics: &mut Topics) -> Option<String> {
+fn records(bytes: &[u8], topics: &mut dyn Messages) -> Option<String> {
     let mut bytes = Bytes::new(bytes);
-    while !bytes.is_empty() {
+    while !bytes.is_empty() && !topics.is_done() {
         let parts = (|| Some((bytes.counted()?, bytes.counted()?)))();
         let Some((header, data)) = parts else {
             return Some("ends within a record".to_owned());
@@ -115,7 +118,7 @@ fn records(bytes: &[u8], topics: &mut Topics) -> Option<String> {
 }
 
 /// A connection or a message; `None` where a field is missing that it must have.
-fn record(op: Option<u8>, fields: &Fields<'_>, data: &[u8], topics: &mut Topics) -> Option<()> {
+fn record(op: Option<u8>, fields: &Fields<'_>, data: &[u8], topics: &mut dyn Messages) -> Option<()> {
     match op {
         Some(CONNECTION) => {
             let kind = Fields::new(data)?.text("type")?;

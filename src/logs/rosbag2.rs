@@ -1,7 +1,7 @@
 //! A rosbag2 folder: its files one after the other, as one bag.
 
 use crate::kind::bags;
-use crate::topics::Topics;
+use crate::messages::Messages;
 use crate::{mcap, sqlite};
 use dpn_io::{IoError, printable};
 use std::fs::File;
@@ -10,9 +10,12 @@ use std::path::Path;
 
 /// Reads all files of a folder; returns what was wrong with the first damaged one. The files behind it are read all the same: they are
 /// whole recordings of their own.
-pub(crate) fn read(dir: &Path, topics: &mut Topics) -> Result<Option<String>, IoError> {
+pub(crate) fn read(dir: &Path, topics: &mut dyn Messages) -> Result<Option<String>, IoError> {
     let mut damage = None;
     for file in bags(dir)?.0 {
+        if topics.is_done() {
+            break;
+        }
         topics.next_file();
         let found = match file.extension().and_then(|e| e.to_str()) {
             Some("mcap") => {

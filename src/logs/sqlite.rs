@@ -1,8 +1,8 @@
 //! One of rosbag2's SQLite files: tables `topics` and `messages`.
 
 use crate::decompress::{LARGEST, decompress};
-use crate::imu_message::Encoding;
-use crate::topics::Topics;
+use crate::fields::Encoding;
+use crate::messages::Messages;
 use dpn_io::printable;
 use rusqlite::{Connection, OpenFlags, params};
 use std::collections::HashMap;
@@ -14,14 +14,14 @@ const MADE: &str = "SELECT (SELECT count(*) FROM sqlite_schema WHERE name IN ('t
     + (SELECT count(*) FROM pragma_table_xinfo('messages') WHERE hidden > 0)";
 
 /// Reads a whole file in the order of writing; returns what was wrong where it ended early.
-pub(crate) fn read(path: &Path, topics: &mut Topics) -> Option<String> {
+pub(crate) fn read(path: &Path, topics: &mut dyn Messages) -> Option<String> {
     match all(path, topics) {
         Ok(damage) => damage,
         Err(error) => Some(printable(&error.to_string())),
     }
 }
 
-fn all(path: &Path, topics: &mut Topics) -> rusqlite::Result<Option<String>> {
+fn all(path: &Path, topics: &mut dyn Messages) -> rusqlite::Result<Option<String>> {
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     let connection = Connection::open_with_flags(path, flags)?;
     // A view or a generated column is a program that a file brings along; rosbag2 writes neither.
@@ -50,6 +50,9 @@ fn all(path: &Path, topics: &mut Topics) -> rusqlite::Result<Option<String>> {
     let mut rows = statement.query(params![])?;
     let (mut count, mut unreadable) = (0u64, 0u64);
     loop {
+        if topics.is_done() {
+            return Ok(None);
+        }
         let row = match rows.next() {
             Ok(Some(row)) => row,
             Ok(None) if unreadable == 0 => return Ok(None),
@@ -60,18 +63,17 @@ fn all(path: &Path, topics: &mut Topics) -> rusqlite::Result<Option<String>> {
             }
         };
         count += 1;
-        let cells = (|| {
-            Some((
-                row.get::<_, i64>(0).ok()?,
-                row.get::<_, i64>(1).ok()?,
-                row.get_ref(2).ok()?.as_blob().ok()?,
-            ))
-        })();
-        let Some((id, time, data)) = cells else {
+        // The bytes of messages that nobody wants, images above all, are not even fetched.
+        let cells = (|| Some((row.get::<_, i64>(0).ok()?, row.get::<_, i64>(1).ok()?)))();
+        let number = cells.map(|(id, _)| wanted.get(&id));
+        if number == Some(None) {
+            continue;
+        }
+        let data = row.get_ref(2).ok().and_then(|cell| cell.as_blob().ok());
+        let (Some((_, time)), Some(Some(number)), Some(data)) = (cells, number, data) else {
             unreadable += 1;
             continue;
         };
-        let Some(number) = wanted.get(&id) else { continue };
         // Compressed message by message; no CDR begins like this.
         let name = match data.first_chunk::<4>() {
             Some(b"\x28\xb5\x2f\xfd") => "zstd",
@@ -81,7 +83,7 @@ fn all(path: &Path, topics: &mut Topics) -> rusqlite::Result<Option<String>> {
                 continue;
             }
         };
-        let plain = decompress(name, data.to_vec(), LARGEST, &mut topics.budget);
+        let plain = decompress(name, data.to_vec(), LARGEST, topics.budget());
         if let Some(damage) = plain.damage {
             return Ok(Some(format!("damaged after {} messages: {damage}", count - 1)));
         }
@@ -93,6 +95,7 @@ fn all(path: &Path, topics: &mut Topics) -> rusqlite::Result<Option<String>> {
 mod tests {
     use super::*;
     use crate::LogOptions;
+    use crate::topics::Topics;
 
     #[test]
     fn tables_that_a_file_computes_are_refused_and_not_run() {

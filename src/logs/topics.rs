@@ -1,8 +1,10 @@
 //! The topics of a bag, and the samples of those that are IMUs.
 
 use crate::budget::Budget;
-use crate::imu_message::{Encoding, Undecodable, decode};
+use crate::fields::{Encoding, Undecodable};
+use crate::imu_message::decode;
 use crate::join::join;
+use crate::messages::Messages;
 use crate::{LogError, LogOptions};
 use dpn_core::{Sensor, Stamp};
 use dpn_io::{IoError, SampleStore, Sieve, Sieved, printable};
@@ -71,7 +73,7 @@ impl Topic {
 }
 
 /// The first dozen of a list that a hostile bag may have made endless, each name of a length that can be read.
-fn shortened(names: impl ExactSizeIterator<Item = String>) -> String {
+pub(crate) fn shortened(names: impl ExactSizeIterator<Item = String>) -> String {
     const MOST: usize = 12;
     const LONGEST: usize = 120;
     let is_long = names.len() > MOST;
@@ -86,6 +88,19 @@ fn shortened(names: impl ExactSizeIterator<Item = String>) -> String {
     names.join(", ")
 }
 
+/// Of names the one that `wanted` may have been meant for.
+pub(crate) fn similar<'a>(names: impl Iterator<Item = &'a str> + Clone, wanted: &str) -> Option<String> {
+    let slashed = format!("/{wanted}");
+    if names.clone().any(|name| name == slashed) {
+        return Some(slashed);
+    }
+    // Nobody mistypes a name of hundreds of letters, and likening one takes time with the square of them.
+    let short = names.filter(|name| name.len() <= 200 && wanted.len() <= 200);
+    let likened = short.map(|name| (strsim::normalized_damerau_levenshtein(name, wanted), name));
+    let near = likened.filter(|(likeness, _)| *likeness > 0.6);
+    near.reduce(|best, next| if next.0 > best.0 { next } else { best }).map(|(_, name)| name.to_owned())
+}
+
 /// Takes what a bag's reader finds, topic by topic. Only IMU messages are looked into, and with a wanted topic only that one's.
 #[derive(Debug)]
 pub(crate) struct Topics {
@@ -96,7 +111,7 @@ pub(crate) struct Topics {
     /// From a connection's or channel's number to a topic.
     numbers: HashMap<u32, usize>,
     /// What the log may unpack to.
-    pub(crate) budget: Budget,
+    budget: Budget,
 }
 
 /// What the chosen topic gives.
@@ -121,63 +136,8 @@ impl Topics {
         }
     }
 
-    /// Forgets the numbers of connections: the next file of a bag has its own.
-    pub(crate) fn next_file(&mut self) {
-        self.numbers.clear();
-    }
-
-    /// A connection, channel or row of a topic table. Returns whether its messages are wanted.
-    pub(crate) fn declare(
-        &mut self,
-        number: u32,
-        name: &str,
-        kind: &str,
-        encoding: Result<Encoding, String>,
-    ) -> bool {
-        let name = printable(name);
-        let index = match self.names.get(&name) {
-            Some(index) => *index,
-            None => {
-                let is_imu = matches!(kind, "sensor_msgs/Imu" | "sensor_msgs/msg/Imu");
-                let wanted = self.wanted.as_deref().is_none_or(|wanted| wanted == name);
-                let (imu, foreign) = match encoding {
-                    _ if !(is_imu && wanted) => (None, None),
-                    Ok(encoding) => (Some(Box::new(Imu::new(encoding))), None),
-                    Err(foreign) => (None, Some(printable(&foreign))),
-                };
-                self.names.insert(name.clone(), self.all.len());
-                self.all.push(Topic { name, kind: printable(kind), messages: 0, imu, foreign });
-                self.all.len() - 1
-            }
-        };
-        self.numbers.insert(number, index);
-        self.all[index].imu.is_some()
-    }
-
-    /// A message on a declared number; `received_ns` is the bag's own stamp.
-    pub(crate) fn message(&mut self, number: u32, received_ns: i64, data: &[u8]) {
-        let Some(&index) = self.numbers.get(&number) else { return };
-        let topic = &mut self.all[index];
-        topic.messages += 1;
-        let Some(imu) = &mut topic.imu else { return };
-        match decode(data, imu.encoding) {
-            Ok(message) => {
-                let mut sample = message.sample;
-                if !message.stamped {
-                    imu.unstamped += 1;
-                    sample.t = Stamp::from_ns(received_ns);
-                }
-                if imu.sieve.push(sample, topic.messages) {
-                    imu.speaks[0] |= sample.gyro != [0.0; 3];
-                    imu.speaks[1] |= sample.accel != [0.0; 3];
-                }
-            }
-            Err(why) => *imu.undecodable.entry(why).or_default() += 1,
-        }
-    }
-
     /// Every topic with its type.
-    fn listed(&self) -> String {
+    pub(crate) fn listed(&self) -> String {
         shortened(self.all.iter().map(|t| format!("{} ({})", t.name, t.kind)))
     }
 
@@ -195,18 +155,10 @@ impl Topics {
         let index = match &self.wanted {
             Some(wanted) => {
                 let Some(&at) = self.names.get(wanted) else {
-                    // Nobody mistypes a name of hundreds of letters, and likening one takes time with the square of them.
-                    let likeness = |t: &Topic| strsim::normalized_damerau_levenshtein(&t.name, wanted);
-                    let short = self.all.iter().filter(|t| t.name.len() <= 200 && wanted.len() <= 200);
-                    let near = short
-                        .map(|t| (likeness(t), t))
-                        .filter(|(likeness, _)| *likeness > 0.6)
-                        .reduce(|best, next| if next.0 > best.0 { next } else { best });
-                    let slashed = format!("/{wanted}");
-                    let exact = self.all.iter().find(|t| t.name == slashed);
+                    let names = self.all.iter().map(|t| t.name.as_str());
                     return Err(LogError::NoTopic {
                         path: path_buf,
-                        similar: exact.or(near.map(|(_, t)| t)).map(|t| t.name.clone()),
+                        similar: similar(names, wanted),
                         topics: self.listed(),
                         wanted: wanted.clone(),
                     });
@@ -291,5 +243,57 @@ impl Topics {
             samples = joined.samples;
         }
         Ok(Chosen { topic: name, samples, sieved, remarks, guesses })
+    }
+}
+
+impl Messages for Topics {
+    fn next_file(&mut self) {
+        self.numbers.clear();
+    }
+
+    fn declare(&mut self, number: u32, name: &str, kind: &str, encoding: Result<Encoding, String>) -> bool {
+        let name = printable(name);
+        let index = match self.names.get(&name) {
+            Some(index) => *index,
+            None => {
+                let is_imu = matches!(kind, "sensor_msgs/Imu" | "sensor_msgs/msg/Imu");
+                let wanted = self.wanted.as_deref().is_none_or(|wanted| wanted == name);
+                let (imu, foreign) = match encoding {
+                    _ if !(is_imu && wanted) => (None, None),
+                    Ok(encoding) => (Some(Box::new(Imu::new(encoding))), None),
+                    Err(foreign) => (None, Some(printable(&foreign))),
+                };
+                self.names.insert(name.clone(), self.all.len());
+                self.all.push(Topic { name, kind: printable(kind), messages: 0, imu, foreign });
+                self.all.len() - 1
+            }
+        };
+        self.numbers.insert(number, index);
+        self.all[index].imu.is_some()
+    }
+
+    fn message(&mut self, number: u32, received_ns: i64, data: &[u8]) {
+        let Some(&index) = self.numbers.get(&number) else { return };
+        let topic = &mut self.all[index];
+        topic.messages += 1;
+        let Some(imu) = &mut topic.imu else { return };
+        match decode(data, imu.encoding) {
+            Ok(message) => {
+                let mut sample = message.sample;
+                if !message.stamped {
+                    imu.unstamped += 1;
+                    sample.t = Stamp::from_ns(received_ns);
+                }
+                if imu.sieve.push(sample, topic.messages) {
+                    imu.speaks[0] |= sample.gyro != [0.0; 3];
+                    imu.speaks[1] |= sample.accel != [0.0; 3];
+                }
+            }
+            Err(why) => *imu.undecodable.entry(why).or_default() += 1,
+        }
+    }
+
+    fn budget(&mut self) -> &mut Budget {
+        &mut self.budget
     }
 }

@@ -9,17 +9,17 @@ const LISTED: usize = 80;
 const SIZE: [u32; 2] = [376, 240];
 
 /// Grey PNG of `size`, 8 or 16 bits.
-fn png(size: [u32; 2], deep: bool, grey: impl Fn(u32, u32) -> u8) -> Vec<u8> {
+fn png(size: [u32; 2], grey: impl Fn(u32, u32) -> u8) -> Vec<u8> {
     let mut pixels = Vec::new();
     for y in 0..size[1] {
         for x in 0..size[0] {
-            pixels.extend(std::iter::repeat_n(grey(x, y), if deep { 2 } else { 1 }));
+            pixels.push(grey(x, y));
         }
     }
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, size[0], size[1]);
     encoder.set_color(png::ColorType::Grayscale);
-    encoder.set_depth(if deep { png::BitDepth::Sixteen } else { png::BitDepth::Eight });
+    encoder.set_depth(png::BitDepth::Eight);
     encoder.write_header().unwrap().write_image_data(&pixels).unwrap();
     bytes
 }
@@ -28,7 +28,7 @@ fn png(size: [u32; 2], deep: bool, grey: impl Fn(u32, u32) -> u8) -> Vec<u8> {
 fn scene(i: usize) -> Vec<u8> {
     let hash =
         |a: u32, b: u32| (a.wrapping_mul(7919) ^ b.wrapping_mul(104_729)).wrapping_mul(2_654_435_761) >> 16;
-    png(SIZE, false, |x, y| (60 + hash(x / 13, y / 11) % 120 + hash(x + 977 * i as u32, y) % 3) as u8)
+    png(SIZE, |x, y| (60 + hash(x / 13, y / 11) % 120 + hash(x + 977 * i as u32, y) % 3) as u8)
 }
 
 /// The excerpt with a camera half as wide and an image wherever `image` has one.
@@ -140,9 +140,9 @@ fn images_that_cannot_be_used_are_named_and_the_run_goes_on() {
     let dir = folder(tmp.path(), "bad", |i| {
         Some(match i {
             10 => b"<html>not found</html>".to_vec(),
-            20 => png(SIZE, true, |x, _| x as u8),
-            30 => png([752, 480], false, |x, y| (x ^ y) as u8),
-            40..=43 => png(SIZE, false, |_, _| 0),
+            20 => b"\xff\xd8\xff\xe0no JPEG".to_vec(),
+            30 => png([752, 480], |x, y| (x ^ y) as u8),
+            40..=43 => png(SIZE, |_, _| 0),
             50 => scene(49),
             _ => scene(i),
         })
@@ -156,7 +156,7 @@ fn images_that_cannot_be_used_are_named_and_the_run_goes_on() {
     assert!((events[3]["from_s"].as_f64().unwrap() - 2.0).abs() < 0.01, "{events:?}");
     for words in [
         "is no readable PNG",
-        "has 16 bits a pixel",
+        "is no readable JPEG",
         "has 752 x 480 px; the camera's have 376 x 240",
         "4 images passed over from 2.00 to 2.15 s",
     ] {
@@ -168,11 +168,9 @@ fn images_that_cannot_be_used_are_named_and_the_run_goes_on() {
 fn a_recording_that_shows_nothing_and_a_calibration_of_another_camera_are_refused() {
     let tmp = tempfile::tempdir().unwrap();
     let out = tmp.path().join("out");
-    let dark =
-        folder(tmp.path(), "dark", |i| Some(png(SIZE, false, move |x, y| ((x + y + i as u32) % 2) as u8)));
+    let dark = folder(tmp.path(), "dark", |i| Some(png(SIZE, move |x, y| ((x + y + i as u32) % 2) as u8)));
     refused(&odometry(&dark, &out, &[]), &["no track in its 80 images", "dark, saturated, or all alike"]);
-    let other =
-        folder(tmp.path(), "other", |i| Some(png([640, 400], false, move |x, y| (x * y + i as u32) as u8)));
+    let other = folder(tmp.path(), "other", |i| Some(png([640, 400], move |x, y| (x * y + i as u32) as u8)));
     refused(&odometry(&other, &out, &[]), &["has 640 x 400 px; the camera's have 376 x 240"]);
     assert!(!out.exists(), "a refused run left files");
 }

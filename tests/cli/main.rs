@@ -12,6 +12,7 @@ mod closed_loop;
 mod data;
 mod eval;
 mod export;
+mod image_logs;
 mod images;
 mod keys;
 mod live;

@@ -29,6 +29,11 @@ const SEQUENCE: [&str; 5] = [
     "cam0/sensor.yaml",
     "state_groundtruth_estimate0/data.csv",
 ];
+/// Bags of images, and a calibration of their camera.
+const RIGS: [(&str, &str); 2] =
+    [("golden/rigs/encodings.bag", "rig.bag"), ("golden/rigs/encodings.mcap", "rig.mcap")];
+const CALIBRATION: &[u8] = b"rate_hz: 10\nresolution: [64, 48]\nintrinsics: [60, 60, 32, 24]\nT_BS:\n  \
+    data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n";
 /// Other programs' noise figures.
 const FIGURES: [&[u8]; 4] = [
     b"rostopic: /imu0\nupdate_rate: 200.0\naccelerometer_noise_density: 0.006\naccelerometer_random_walk: 0.0002\n\
@@ -42,10 +47,11 @@ const FIGURES: [&[u8]; 4] = [
 /// A file before it is damaged: its bytes, the name that it gets, and the folder that it belongs to.
 type Whole = (Arc<Vec<u8>>, String, &'static str);
 
-/// `files` damaged files for each of five commands.
+/// `files` damaged files for each of six commands.
 pub(crate) fn all(files: usize) -> impl Iterator<Item = Case> + Send {
     let repository = |path: &str| Arc::new(std::fs::read(repository().join(path)).unwrap());
     let logs = LOGS.map(|(path, name)| (repository(path), name.to_owned(), ""));
+    let rigs = RIGS.map(|(path, name)| (repository(path), name.to_owned(), "rig"));
     let parts = SEQUENCE.map(|part| {
         let path = Path::new(IMU).parent().unwrap().with_file_name(part);
         (repository(path.to_str().unwrap()), format!("seq/mav0/{part}"), "seq")
@@ -57,6 +63,7 @@ pub(crate) fn all(files: usize) -> impl Iterator<Item = Case> + Send {
         ("noise LOG --noise diff2 --out out", logs.to_vec()),
         ("allan LOG --all --out out", logs.to_vec()),
         ("run seq --noise x4 --to 1.5 --out out", parts.to_vec()),
+        ("run LOG --noise x4 --calib rig.yaml --image-topic /bgr8/image_raw --out out", rigs.to_vec()),
         ("noise convert --to kalibr config.yaml", figures),
     ];
     (0..files).flat_map(move |n| {
@@ -65,8 +72,10 @@ pub(crate) fn all(files: usize) -> impl Iterator<Item = Case> + Send {
             let (whole, name, folder) = inputs[n % inputs.len()].clone();
             let command = line.replace("LOG", &name);
             let prepare = move |dir: &Path| {
-                if !folder.is_empty() {
-                    excerpt(dir);
+                match folder {
+                    "seq" => excerpt(dir),
+                    "rig" => put(&dir.join("rig.yaml"), CALIBRATION),
+                    _ => {}
                 }
                 let mut bytes = whole.to_vec();
                 damage(&mut bytes, &mut Draw::new(n as u64, line));

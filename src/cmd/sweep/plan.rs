@@ -4,9 +4,9 @@ use super::trainer::CorpusTrainer;
 use super::{MODELS, lasting};
 use crate::args::SweepPlanArgs;
 use crate::cmd::{paper, program, shipped};
-use crate::ui::{errln, outln};
+use crate::ui::{Fault, errln, outln};
 use anyhow::Result;
-use dpn_eval::closed_loop::Manifest;
+use dpn_eval::closed_loop::{Manifest, SequenceSet};
 use dpn_eval::sweeps::{
     Balance, Costs, Group, JobToPlan, LoopPlan, PlanKind, Planned, Size, SweepFolder, SweepManifest,
     TrainPlan, balance, plan,
@@ -35,6 +35,11 @@ fn of_loop(args: &SweepPlanArgs) -> Result<Planned> {
     let mut asked: LoopPlan = load(&args.plan)?;
     asked.data = args.data.clone().or(asked.data);
     let source = asked.source()?;
+    if let SequenceSet::Logged { .. } = source {
+        return Err(Fault::new("a log with images is one sequence, and no sweep is cut of it")
+            .hint("run it with `dpn eval --closed-loop --camera images --data LOG`")
+            .into());
+    }
     let networks = shipped::or_of(asked.models.as_deref())?;
     let sweep = asked.sweep(&source, &networks, 1)?;
     for warning in sweep.estimator.warnings() {

@@ -32,7 +32,11 @@ struct Raw {
     t_bs: Matrix,
 }
 
-pub(super) fn read_config(path: &Path) -> Result<CameraConfig, IoError> {
+/// Reads a camera's calibration as ASL has it in `cam0/sensor.yaml`. Keys it does not know are passed over.
+///
+/// # Errors
+/// A file that cannot be read, lacks a key or holds a value that cannot be.
+pub fn read_config(path: &Path) -> Result<CameraConfig, IoError> {
     parse_config(&crate::small::read_config(path)?, path)
 }
 

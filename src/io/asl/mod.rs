@@ -12,7 +12,7 @@ mod write;
 mod write_camera;
 mod yaml;
 
-pub use camera::CameraFrame;
+pub use camera::{CameraFrame, read_config as read_camera_config};
 pub use discover::discover;
 pub use ground_truth::read as read_ground_truth;
 pub use imu_config::ImuConfig;

@@ -72,7 +72,7 @@ pub fn write_png(path: &Path, image: GrayView<'_>) -> Result<(), IoError> {
 mod tests {
     use super::*;
     use crate::asl::Sequence;
-    use crate::{ImageFolder, images::read_png};
+    use crate::{ImageFolder, image_file::read_image};
     use dpn_core::image::GrayImage;
     use dpn_core::time::{SampleRate, Stamp};
     use nalgebra::{Isometry3, Vector3};
@@ -106,6 +106,6 @@ mod tests {
         assert_eq!(CameraConfig { body_from_cam: config.body_from_cam, ..read }, config);
         assert_eq!(sequence.camera_frames().unwrap(), frames);
         assert!(ImageFolder::open(&sequence).unwrap().coverage().is_complete());
-        assert_eq!(read_png(&sequence.image_path(&frames[1]), [5, 3]).unwrap(), image);
+        assert_eq!(read_image(&sequence.image_path(&frames[1]), [5, 3]).unwrap(), image);
     }
 }

@@ -8,7 +8,7 @@ use dpn_core::Recorded;
 use dpn_core::estimate::NoiseSpec;
 use dpn_io::asl::Sequence;
 use dpn_io::noise_formats::{self, Given};
-use dpn_io::{CsvOptions, ImuLines, parse_png, read_noise_track, read_tracks, read_tum};
+use dpn_io::{CsvOptions, ImuLines, parse_image, read_noise_track, read_tracks, read_tum};
 use dpn_logs::{Log, LogOptions, read_log, read_stream};
 use dpn_probe::allan::AllanLog;
 use dpn_probe::doctor::examine_log;
@@ -105,7 +105,8 @@ fn logs(judge: &mut Judge) {
         ("two files of which none has time in common", 5_000_000, 60_000_000_000),
     ] {
         let table = |step: i64| {
-            let row = |i: i64| format!("{},0.1,0.2,9.{}\n", 1_700_000_000_000_000_000 + i * step, i % 89 + 10);
+            let row =
+                |i: i64| format!("{},0.1,0.2,9.{}\n", 1_700_000_000_000_000_000 + i * step, i % 89 + 10);
             ["time,x,y,z\n".to_owned(), (0..40_000).map(row).collect()].concat().into_bytes()
         };
         let (gyro, accel) = (table(gyro), table(accel));
@@ -165,8 +166,18 @@ fn tables(judge: &mut Judge) {
 fn images(judge: &mut Judge) {
     for size in [[752, 480], [65535, 65535]] {
         judge.case("a head of a giant image", forged::GIANT_PNG.len(), || {
-            assert!(parse_png(forged::GIANT_PNG, Path::new("a.png"), size).is_err());
+            assert!(parse_image(forged::GIANT_PNG, Path::new("a.png"), size).is_err());
         });
+        // Baseline and progressive: height and width stand five bytes behind their marker.
+        for (file, marker) in [("0.jpg", 0xc0), ("1.jpg", 0xc2)] {
+            let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../golden/rigs/folder_jpeg/images");
+            let mut giant = std::fs::read(folder.join(file)).unwrap();
+            let at = giant.windows(2).position(|pair| pair == [0xff, marker]).unwrap();
+            giant[at + 5..at + 9].fill(0xff);
+            judge.case("a head of a giant JPEG", giant.len(), || {
+                assert!(parse_image(&giant, Path::new("a.jpg"), size).is_err());
+            });
+        }
     }
 }
 

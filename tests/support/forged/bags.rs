@@ -79,9 +79,10 @@ fn gzip_zeros(times: usize) -> Vec<u8> {
     // Codes come with their first bit first: a last block of fixed codes, a zero, `times` times eight copies (length 258, distance 1), the end.
     let copy = "1100010100000";
     let bits = ["1", "10", "00110000", &copy.repeat(8 * times), "0000000"].concat();
-    let bytes = bits.as_bytes().chunks(8).map(|bits| {
-        bits.iter().enumerate().fold(0, |byte, (at, bit)| byte | u8::from(*bit == b'1') << at)
-    });
+    let bytes = bits
+        .as_bytes()
+        .chunks(8)
+        .map(|bits| bits.iter().enumerate().fold(0, |byte, (at, bit)| byte | u8::from(*bit == b'1') << at));
     [b"\x1f\x8b\x08\0\0\0\0\0\0\x03".to_vec(), bytes.collect()].concat()
 }
 

@@ -1,0 +1,120 @@
+//! The odometry beside running sensors: samples and images as they come, poses as soon as they can be had.
+
+use super::drive::settings_for;
+use super::error::ClosedLoopError;
+use super::tracking::pass_over_spikes;
+use crate::noise;
+use dpn_core::camera::PinholeRadtan;
+use dpn_core::estimate::NoiseSpec;
+use dpn_core::noise::NoiseModel;
+use dpn_core::{GrayImage, ImuRecording, ImuSample, Stamp};
+use dpn_pronet::network::Network;
+use dpn_vio::estimator::{Estimator, EstimatorConfig, FeedError, RunReport, Update};
+use dpn_vio::preint::NoisySample;
+use nalgebra::Isometry3;
+
+/// Samples after which their rate is known.
+const ENOUGH: usize = 100;
+
+/// An estimator and what tells it the noise. What comes out is what a run over the same recording gives, as long as the first hundred samples have its rate.
+pub struct LiveRun<'a> {
+    estimator: Estimator,
+    spec: NoiseSpec,
+    networks: &'a [Network],
+    name: String,
+    noise: Option<Box<dyn NoiseModel>>,
+    /// Until the rate is known.
+    first: Vec<ImuSample>,
+    last: Option<Stamp>,
+}
+
+impl<'a> LiveRun<'a> {
+    /// With a camera at `body_from_cam` on the IMU; `name` and `seed` as for [`Estimator::new`].
+    ///
+    /// # Errors
+    /// Settings out of their bounds.
+    pub fn new(
+        config: &EstimatorConfig,
+        spec: NoiseSpec,
+        networks: &'a [Network],
+        (camera, body_from_cam): (PinholeRadtan, Isometry3<f64>),
+        (name, seed): (&str, u64),
+    ) -> Result<Self, ClosedLoopError> {
+        let estimator = Estimator::new(settings_for(config, &spec), camera, body_from_cam, name, seed)
+            .map_err(ClosedLoopError::Config)?;
+        let (name, first) = (name.to_owned(), Vec::new());
+        Ok(Self { estimator, spec, networks, name, noise: None, first, last: None })
+    }
+
+    /// Takes a sample.
+    ///
+    /// # Errors
+    /// A sample that is not later than the last or not finite, and the next one may be taken; noise that cannot be told while samples come.
+    pub fn feed_sample(&mut self, sample: ImuSample) -> Result<(), ClosedLoopError> {
+        if let Some(last) = self.last.filter(|last| sample.t <= *last) {
+            return Err(self.refused(FeedError::SampleOutOfOrder { t: sample.t, last }));
+        }
+        if !sample.is_finite() {
+            return Err(self.refused(FeedError::NotFinite { t: sample.t }));
+        }
+        self.last = Some(sample.t);
+        if self.noise.is_some() {
+            return self.told(sample);
+        }
+        self.first.push(sample);
+        if self.first.len() < ENOUGH {
+            return Ok(());
+        }
+        self.settle()
+    }
+
+    /// Takes an image.
+    ///
+    /// # Errors
+    /// As [`Estimator::feed_image`].
+    pub fn feed_image(&mut self, t: Stamp, image: &GrayImage) -> Result<(), ClosedLoopError> {
+        self.estimator.feed_image(image.view(), t).map_err(|error| self.refused(error))
+    }
+
+    /// Works off the next frame whose samples are all there.
+    pub fn next_update(&mut self) -> Option<Update> {
+        self.estimator.next_update()
+    }
+
+    /// Says that nothing more comes.
+    ///
+    /// # Errors
+    /// Noise that cannot be told, where so few samples came that nobody asked before.
+    pub fn end(&mut self) -> Result<(), ClosedLoopError> {
+        if self.noise.is_none() && self.first.len() > 1 {
+            self.settle()?;
+        }
+        self.estimator.end_imu();
+        Ok(())
+    }
+
+    /// Totals so far.
+    pub fn report(&self) -> &RunReport {
+        self.estimator.report()
+    }
+
+    /// The rate is known: the noise can be told.
+    fn settle(&mut self) -> Result<(), ClosedLoopError> {
+        let first = std::mem::take(&mut self.first);
+        let recording = ImuRecording::new(first).expect("samples were held to increase, and there are two");
+        let model = noise::live(&self.spec, &self.name, recording.rate(), self.networks)?;
+        self.noise = Some(model.ok_or_else(|| ClosedLoopError::NotLive { spec: self.spec.to_string() })?);
+        recording.samples().iter().try_for_each(|sample| self.told(*sample))
+    }
+
+    fn told(&mut self, sample: ImuSample) -> Result<(), ClosedLoopError> {
+        let model = self.noise.as_mut().expect("the caller looked");
+        let noise = model.feed(&sample);
+        pass_over_spikes(self.estimator.feed_imu(NoisySample { sample, noise }))
+            .map_err(|error| self.refused(error))
+    }
+
+    fn refused(&self, source: FeedError) -> ClosedLoopError {
+        ClosedLoopError::Feed { sequence: self.name.clone(), source }
+    }
+}

@@ -1,0 +1,112 @@
+//! A log with images as a sequence: a bag, or a folder with `times.txt`, and the camera's calibration.
+
+use super::error::ClosedLoopError;
+use super::images::ImageStream;
+use super::recording::{Recording, Span};
+use dpn_core::camera::{CameraConfig, PinholeRadtan};
+use dpn_core::checksum::hex;
+use dpn_io::IoError;
+use dpn_io::asl::read_camera_config;
+use dpn_logs::{ImageLog, ImageLogOptions, ImageSpan};
+use dpn_train::split::{Side, paper_side};
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+
+/// A log with images, and what camera took them.
+#[derive(Debug, Clone)]
+pub struct LoggedSequence {
+    log: ImageLog,
+    calibration: PathBuf,
+}
+
+impl LoggedSequence {
+    /// The log at `path` with the `calibration` given, else the one in it or beside it; `None` where it is no such log.
+    ///
+    /// # Errors
+    /// No calibration.
+    pub fn find(
+        path: &Path,
+        options: ImageLogOptions,
+        calibration: Option<&Path>,
+    ) -> Result<Option<Self>, ClosedLoopError> {
+        let Some(log) = ImageLog::find(path, options) else { return Ok(None) };
+        let found = calibration.map(Path::to_path_buf).or_else(|| log.calibration());
+        let calibration = found.ok_or_else(|| ClosedLoopError::NoCalibration { path: path.to_path_buf() })?;
+        Ok(Some(Self { log, calibration }))
+    }
+
+    /// The log's name.
+    pub fn name(&self) -> String {
+        self.log.name()
+    }
+
+    /// Its side of the split.
+    pub fn side(&self) -> Side {
+        paper_side(&self.name()).unwrap_or(Side::Test)
+    }
+
+    /// The samples and the camera; what is to be said of the log is in the remarks.
+    ///
+    /// # Errors
+    /// No calibration that can be used; as [`ImageLog::imu`].
+    pub(super) fn recording(&self) -> Result<Recording, ClosedLoopError> {
+        let (name, config) = (self.name(), self.camera()?);
+        let camera = PinholeRadtan::try_from(&config)
+            .map_err(|source| ClosedLoopError::Camera { sequence: name.clone(), source })?;
+        let log = self.log.imu(size(&config))?;
+        let mut remarks = log.warnings();
+        if !log.guesses.is_empty() {
+            remarks.push(format!("taken for granted: {}", log.guesses.join(", ")));
+        }
+        Ok(Recording {
+            side: self.side(),
+            imu: log.recording.held().map_err(|e| IoError::reading(self.log.path(), e))?,
+            camera,
+            body_from_cam: config.body_from_cam,
+            truth: None,
+            oracle: None,
+            remarks,
+            name,
+        })
+    }
+
+    /// The images within `span`, read ahead on a second thread.
+    ///
+    /// # Errors
+    /// As [`ImageLog::images`]; of a folder, images that are listed and not there, unless those are passed over.
+    pub(super) fn images(&self, span: &Span) -> Result<ImageStream<'static>, ClosedLoopError> {
+        let size = size(&self.camera()?);
+        if self.log.is_folder() {
+            let coverage = self.log.folder(size)?.coverage();
+            if !coverage.is_complete() {
+                return Err(ClosedLoopError::ImagesMissing {
+                    sequence: self.name(),
+                    coverage: Box::new(coverage),
+                });
+            }
+        }
+        Ok(self.log.images(size, ImageSpan { from_s: span.from_s, to_s: span.to_s })?)
+    }
+
+    /// SHA-256 over the files that it is read from.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub(super) fn checksum(&self) -> Result<String, ClosedLoopError> {
+        let mut hash = Sha256::new();
+        for path in self.log.files()?.iter().chain([&self.calibration]) {
+            std::fs::File::open(path)
+                .and_then(|mut file| std::io::copy(&mut file, &mut hash))
+                .map_err(|e| IoError::reading(path, e))?;
+        }
+        Ok(hex(hash.finalize()))
+    }
+
+    fn camera(&self) -> Result<CameraConfig, ClosedLoopError> {
+        Ok(read_camera_config(&self.calibration)?)
+    }
+}
+
+fn size(config: &CameraConfig) -> [usize; 2] {
+    config.resolution.map(|side| side as usize)
+}

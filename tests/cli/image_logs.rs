@@ -1,0 +1,247 @@
+//! Bags and folders with images: the same trajectory from each, poses while a pipe is still open, and words where something is amiss.
+
+use crate::run::{Done, dpn, end, files};
+use dpn_core::ImuSample;
+use dpn_io::asl::Sequence;
+use dpn_io::{ImageFolder, StampedImage};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+use std::sync::mpsc::channel;
+use std::time::Duration;
+
+const NOISE: [&str; 4] = ["--noise", "sg(11,2)", "--seed", "3"];
+
+fn text(text: &str) -> Vec<u8> {
+    [&(text.len() as u32).to_le_bytes(), text.as_bytes()].concat()
+}
+
+/// A record of an MCAP file.
+fn record(op: u8, content: &[u8]) -> Vec<u8> {
+    [&[op], &(content.len() as u64).to_le_bytes()[..], content].concat()
+}
+
+/// An MCAP file's begin: an IMU on channel 1, a camera on channel 2, in ROS 1's encoding.
+fn begin() -> Vec<u8> {
+    let mut file = b"\x89MCAP0\r\n".to_vec();
+    for (id, kind, topic) in [(1u16, "sensor_msgs/Imu", "/imu0"), (2, "sensor_msgs/Image", "/cam0/image_raw")]
+    {
+        let number = id.to_le_bytes();
+        file.extend(record(3, &[&number[..], &text(kind), &text("ros1msg"), &text("")].concat()));
+        file.extend(record(4, &[&number[..], &number, &text(topic), &text("ros1"), &text("")].concat()));
+    }
+    file
+}
+
+fn message(channel: u16, t_ns: i64, fields: &[u8]) -> Vec<u8> {
+    let head =
+        [0u32, (t_ns / 1_000_000_000) as u32, (t_ns % 1_000_000_000) as u32].map(u32::to_le_bytes).concat();
+    let logged = t_ns.to_le_bytes();
+    record(5, &[&channel.to_le_bytes()[..], &[0; 4], &logged, &logged, &head, &text("body"), fields].concat())
+}
+
+fn sample(s: &ImuSample) -> Vec<u8> {
+    let mut values = [0.0; 37];
+    values[13..16].copy_from_slice(&s.gyro);
+    values[25..28].copy_from_slice(&s.accel);
+    message(1, s.t.ns(), &values.map(f64::to_le_bytes).concat())
+}
+
+/// As bgr8 where all three are alike, in rows three bytes longer than they need be.
+fn image(i: &StampedImage) -> Vec<u8> {
+    let (width, height) = (i.image.width(), i.image.height());
+    let mut pixels = Vec::new();
+    for row in i.image.view().rows() {
+        pixels.extend(row.iter().flat_map(|p| [*p; 3]).chain([1, 2, 3]));
+    }
+    let size = [height as u32, width as u32].map(u32::to_le_bytes).concat();
+    let step = (3 * width as u32 + 3).to_le_bytes();
+    let length = (pixels.len() as u32).to_le_bytes();
+    message(2, i.t.ns(), &[&size[..], &text("bgr8"), &[0], &step, &length, &pixels].concat())
+}
+
+/// Messages of a sequence in the order in which they are recorded: images 3 ms late.
+fn messages(dir: &Path) -> Vec<Vec<u8>> {
+    let sequence = Sequence::open(dir).unwrap();
+    let images = ImageFolder::open(&sequence).unwrap();
+    let mut all: Vec<(i64, Vec<u8>)> =
+        sequence.imu().unwrap().samples().iter().map(|s| (s.t.ns(), sample(s))).collect();
+    all.extend((0..images.len()).map(|i| images.read(i).unwrap()).map(|i| (i.t.ns() + 3_000_000, image(&i))));
+    all.sort_by_key(|(t, _)| *t);
+    all.into_iter().map(|(_, message)| message).collect()
+}
+
+fn odometry(source: &Path, out: &Path, more: &[&str]) -> Done {
+    end(dpn().arg("run").arg(source).args(NOISE).arg("--out").arg(out).args(more))
+}
+
+#[test]
+fn a_bag_gives_its_folders_trajectory_and_a_pipe_its_first_pose_before_its_end() {
+    let tmp = tempfile::tempdir().unwrap();
+    let dir = tmp.path().join("live");
+    let camera = tmp.path().join("camera.toml");
+    let config = "[camera]\nresolution = [376, 240]\nintrinsics = [229.3, 228.6, 183.4, 123.9]\n";
+    std::fs::write(&camera, config).unwrap();
+    let mut command = dpn();
+    command.args(["simulate", "images", "room-medium", "--from", "12", "--to", "18", "--config"]);
+    end(command.arg(&camera).arg("--out").arg(&dir)).well();
+    let trajectory = |name: &str| std::fs::read(tmp.path().join(name).join("trajectory.tum")).unwrap();
+    odometry(&dir, &tmp.path().join("of-folder"), &["--camera", "images"]).well();
+    let expected = trajectory("of-folder");
+
+    let messages = messages(&dir);
+    let calibration = dir.join("mav0/cam0/sensor.yaml");
+    let calib = calibration.to_str().unwrap();
+    let bag: PathBuf = tmp.path().join("live.mcap");
+    std::fs::write(&bag, [begin(), messages.concat(), record(15, &[0; 4])].concat()).unwrap();
+    let done = odometry(&bag, &tmp.path().join("of-bag"), &["--calib", calib, "--json"]).well();
+    assert_eq!(done.json()["report"]["row"]["camera"], "images");
+    assert!(trajectory("of-bag") == expected, "a bag's trajectory is another");
+
+    let mut child = dpn()
+        .args(["run", "-", "--calib", calib])
+        .args(NOISE)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let (stdin, stdout) = (child.stdin.take().unwrap(), child.stdout.take().unwrap());
+    let mut stdin = stdin;
+    let (sender, lines) = channel();
+    let reader = std::thread::spawn(move || {
+        for line in BufReader::new(stdout).lines() {
+            // The test has failed already.
+            let _ = sender.send(line.unwrap());
+        }
+    });
+    // All but the last second; the pipe stays open.
+    let part = messages.len() * 5 / 6;
+    stdin.write_all(&[begin(), messages[..part].concat()].concat()).unwrap();
+    stdin.flush().unwrap();
+    let first = lines.recv_timeout(Duration::from_secs(120)).expect("no pose while the pipe is open");
+    stdin.write_all(&messages[part..].concat()).unwrap();
+    drop(stdin);
+    reader.join().unwrap();
+    let mut said = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+    assert!(child.wait().unwrap().success(), "{said}");
+    let live: String = std::iter::once(first).chain(lines.iter()).map(|line| line + "\n").collect();
+    let expected = String::from_utf8(expected).unwrap();
+    assert_eq!(live, expected.split_once('\n').unwrap().1, "{said}");
+    assert!(said.contains("note: initialised at ") && said.contains("was never closed"), "{said}");
+}
+
+#[test]
+fn what_is_amiss_is_said_with_a_remedy() {
+    let tmp = tempfile::tempdir().unwrap();
+    let dir = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join("golden/rigs").join(name);
+    let calib = tmp.path().join("sensor.yaml");
+    let yaml = |size: &str| {
+        format!(
+            "rate_hz: 10\nresolution: [{size}]\nintrinsics: [60, 60, 32, 24]\nT_BS:\n  data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n"
+        )
+    };
+    std::fs::write(&calib, yaml("64, 48")).unwrap();
+    let other = tmp.path().join("other.yaml");
+    std::fs::write(&other, yaml("752, 480")).unwrap();
+    let refused = |source: &Path, calib: Option<&Path>, more: &[&str], words: &[&str]| {
+        let mut command = dpn();
+        command.arg("run").arg(source).args(more).arg("--out").arg(tmp.path().join("out"));
+        if let Some(calib) = calib {
+            command.arg("--calib").arg(calib);
+        }
+        let done = end(&mut command);
+        assert_eq!((done.code, done.stdout.as_str()), (Some(2), ""), "{done:?}");
+        for words in words {
+            assert!(done.stderr.contains(words), "no `{words}` in {}", done.stderr);
+        }
+        assert!(!tmp.path().join("out").exists());
+    };
+    let (bag, sqlite, calib) = (dir("encodings.mcap"), dir("sqlite"), Some(calib.as_path()));
+    refused(&sqlite, None, &[], &["no calibration of its camera", "hint: name it with --calib"]);
+    refused(
+        &sqlite,
+        calib,
+        &[],
+        &["2 topics of images: /bgr8/image_raw", "hint: say which one: --image-topic"],
+    );
+    refused(
+        &bag,
+        calib,
+        &["--image-topic", "/cam"],
+        &["no topic of images `/cam`; it has /mono8/image_raw, "],
+    );
+    let one = ["--image-topic", "/jpeg/image_raw/compressed"];
+    refused(
+        &bag,
+        Some(&other),
+        &one,
+        &["image 1 on /jpeg/image_raw/compressed has 64 x 48 px; the camera's have 752 x 480"],
+    );
+    refused(&bag, calib, &["--camera", "rendered"], &["is a log with images"]);
+    refused(
+        &dir("../bags/plain.bag"),
+        calib,
+        &[],
+        &["no images on any topic", "hint: record the camera's topic too"],
+    );
+    refused(Path::new("hover"), calib, &[], &["--calib is for logs with images"]);
+    refused(Path::new("-"), calib, &[], &["--out is for recordings"]);
+    // Images without an IMU; a list of another length; a step below a row; an encoding that nobody knows.
+    let folder = tmp.path().join("folder");
+    for (name, bytes) in files(&dir("folder_jpeg")) {
+        let to = folder.join(&name);
+        std::fs::create_dir_all(to.parent().unwrap()).unwrap();
+        std::fs::write(to, bytes).unwrap();
+    }
+    refused(&folder, calib, &[], &["2 frames"]);
+    std::fs::remove_file(folder.join("images/1.jpg")).unwrap();
+    refused(
+        &folder,
+        calib,
+        &[],
+        &["times.txt lists 2 images, and images/ beside it holds 1", "--skip-missing"],
+    );
+    std::fs::remove_file(folder.join("imu.txt")).unwrap();
+    refused(
+        &folder,
+        calib,
+        &["--skip-missing"],
+        &["images, and no IMU", "hint: put the IMU's samples beside times.txt"],
+    );
+    let seen = |encoding: &str, step: u32| {
+        let size = [48u32, 64].map(u32::to_le_bytes).concat();
+        let pixels = text(&"x".repeat(64 * 48));
+        let image = [&size[..], &text(encoding), &[0], &step.to_le_bytes(), &pixels].concat();
+        let path = tmp.path().join(format!("{encoding}.mcap"));
+        let samples: Vec<u8> = (0..40)
+            .flat_map(|i| {
+                sample(&ImuSample {
+                    t: dpn_core::Stamp::from_ns(5_000_000 * i + 1),
+                    gyro: [0.1; 3],
+                    accel: [9.8; 3],
+                })
+            })
+            .collect();
+        std::fs::write(
+            &path,
+            [begin(), samples, message(2, 100_000_000, &image), record(15, &[0; 4])].concat(),
+        )
+        .unwrap();
+        path
+    };
+    refused(
+        &seen("32FC1", 256),
+        calib,
+        &[],
+        &["image 1 on /cam0/image_raw is encoded as `32FC1`; known are mono8, mono16"],
+    );
+    refused(
+        &seen("mono8", 60),
+        calib,
+        &[],
+        &["has rows of 64 px, which are 64 bytes, but a step of 60 bytes"],
+    );
+    refused(&seen("rgb8", 192), calib, &[], &["is cut off: 3072 bytes hold no 64 x 48 px"]);
+}
