@@ -8,7 +8,7 @@ use super::row::TruthKind;
 use super::tracking::CameraInput;
 use crate::metrics::poses_of;
 use dpn_core::camera::CameraConfig;
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_core::checksum::{hex, of_bytes, of_parts};
 use dpn_core::trajectory::StampedPose;
 use dpn_core::{SampleRate, Stamp, TrackFrame};
@@ -412,7 +412,7 @@ fn recorded(sequence: &Sequence, side: Side, tracks: &TrackSource) -> Result<Rec
         TrackSource::File(_) | TrackSource::Images(ImageSource::Folder { .. }) => {
             let no_camera = || ClosedLoopError::NoCamera { dir: sequence.dir().to_path_buf() };
             let config = sequence.camera_config()?.ok_or_else(no_camera)?;
-            let camera = PinholeRadtan::try_from(&config)
+            let camera = CameraModel::try_from(&config)
                 .map_err(|source| ClosedLoopError::Camera { sequence: name.clone(), source })?;
             (camera, config.body_from_cam)
         }
@@ -442,7 +442,7 @@ fn settled(
 fn camera_of(
     sequence: &str,
     settings: Option<CameraSettings>,
-) -> Result<(PinholeRadtan, nalgebra::Isometry3<f64>), ClosedLoopError> {
+) -> Result<(CameraModel, nalgebra::Isometry3<f64>), ClosedLoopError> {
     let wrong = |source| ClosedLoopError::CameraSettings { sequence: sequence.to_owned(), source };
     let settings = settings.unwrap_or_default();
     Ok((settings.model().map_err(wrong)?, settings.body_from_cam().map_err(wrong)?))

@@ -11,7 +11,7 @@
 //! Source: G. Wahba, "A least squares estimate of satellite attitude", SIAM Review 1965; hand-eye calibration by rotations, e.g. J. Furrer et
 //! al., "Evaluation of combined time-offset estimation and hand-eye calibration on robotic datasets", FSR 2017.
 
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_core::geometry::so3;
 use dpn_core::{ImuSample, TrackFrame};
 use nalgebra::{
@@ -108,7 +108,7 @@ impl Axes {
 pub fn axes(
     samples: &[ImuSample],
     frames: &[TrackFrame],
-    camera: &PinholeRadtan,
+    camera: &CameraModel,
     body_from_cam: &Isometry3<f64>,
 ) -> Axes {
     let mut meter = AxesMeter::default();
@@ -132,7 +132,7 @@ impl AxesMeter {
         samples: &[ImuSample],
         (a, b): (&TrackFrame, &TrackFrame),
         shared: &[(Vector2<f64>, Vector2<f64>)],
-        camera: &PinholeRadtan,
+        camera: &CameraModel,
     ) {
         let seconds = b.t.seconds_since(a.t);
         if seconds > LONGEST_STEP_S {
@@ -290,7 +290,7 @@ mod tests {
     struct Case {
         samples: Vec<ImuSample>,
         frames: Vec<TrackFrame>,
-        camera: PinholeRadtan,
+        camera: CameraModel,
         body_from_cam: Isometry3<f64>,
     }
 
