@@ -13,6 +13,7 @@ use dpn_core::checksum::{hex, of_bytes, of_parts};
 use dpn_core::trajectory::StampedPose;
 use dpn_core::{SampleRate, Stamp, TrackFrame};
 use dpn_io::asl::{Sequence, discover};
+use dpn_io::calibration::Calibration;
 use dpn_io::{ImageFolder, IoError, read_tracks};
 use dpn_sim::flight::FlightPlan;
 use dpn_sim::tracks::{
@@ -108,6 +109,17 @@ impl SequenceSet {
         if let (Self::Recorded { sequences, .. }, Some(dir)) = (&mut self, dir) {
             for (sequence, _) in sequences {
                 *sequence = sequence.clone().with_reconciled_truth(dir);
+            }
+        }
+        self
+    }
+
+    /// The same with a calibration in place of every sequence's own; flights have theirs in the settings of what is simulated.
+    #[must_use]
+    pub fn with_calibration(mut self, given: Option<Calibration>) -> Self {
+        if let (Self::Recorded { sequences, .. }, Some(given)) = (&mut self, given) {
+            for (sequence, _) in sequences {
+                *sequence = sequence.clone().with_calibration(given.clone());
             }
         }
         self
@@ -301,7 +313,12 @@ impl SequenceSet {
         let no_tracks = |sequence: &str| ClosedLoopError::NoTracks { sequence: sequence.to_owned() };
         match (self, self.tracks()) {
             (Self::Recorded { sequences, .. }, TrackSource::File(dir)) => {
-                Ok(read_tracks(&given(dir, &sequences[place].0))?)
+                let sequence = &sequences[place].0;
+                let mut frames = read_tracks(&given(dir, sequence))?;
+                if let Some(given) = sequence.calibration() {
+                    frames.iter_mut().for_each(|frame| frame.t = given.on_imu_clock(frame.t));
+                }
+                Ok(frames)
             }
             (Self::Recorded { sequences, .. }, TrackSource::Simulated(config)) => {
                 made(&sequences[place].0, config, seed)

@@ -6,6 +6,7 @@ use crate::closed_loop::{CellFiles, ImageSource, SequenceSet, StartAt, Sweep, Tr
 use crate::injected::Injection;
 use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 use dpn_core::estimate::NoiseSpec;
+use dpn_io::calibration::Calibration;
 use dpn_pronet::network::Network;
 use dpn_sim::tracks::TracksConfig;
 use dpn_sim::{FlightConfig, RenderConfig};
@@ -42,6 +43,9 @@ pub struct LoopPlan {
     pub tracks: Option<PathBuf>,
     /// Folder with reconciled ground truth, NAME.csv each, as `dpn truth` writes it; without it the published one.
     pub truth: Option<PathBuf>,
+    /// A calibration in place of every sequence's own; `dpn eval --closed-loop --calib` alone has it.
+    #[serde(skip)]
+    pub calibration: Option<Calibration>,
     /// Whether images that are listed but not there are passed over.
     pub skip_missing: bool,
     /// `all`, or names with commas between.
@@ -80,6 +84,7 @@ impl Default for LoopPlan {
             camera: Camera::Tracks,
             tracks: None,
             truth: None,
+            calibration: None,
             skip_missing: false,
             sequences: "all".into(),
             noises: noises.map(|noise| noise.parse().expect("a noise spec")).to_vec(),
@@ -115,7 +120,9 @@ impl LoopPlan {
             }
         };
         let source = match &self.data {
-            Some(dir) => SequenceSet::recorded(dir, tracks)?.with_reconciled_truth(self.truth.as_deref()),
+            Some(dir) => SequenceSet::recorded(dir, tracks)?
+                .with_calibration(self.calibration.clone())
+                .with_reconciled_truth(self.truth.as_deref()),
             None => SequenceSet::Flights { config: self.flights.load()?, tracks },
         };
         if self.seeds > 1 && !(source.tracks_are_seeded() || source.recordings_are_seeded()) {

@@ -76,6 +76,9 @@ pub(crate) struct SettingsArgs {
     /// One key of the estimator's configuration, over the file: --set imu.imu_cov=vins. May be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
     pub(crate) sets: Vec<(String, String)>,
+    /// Calibration of the camera, instead of cam0/sensor.yaml (and of simulated cameras): Kalibr, OpenVINS, VINS, ORB-SLAM3, Basalt, OKVIS2, ASL.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) calib: Option<PathBuf>,
     /// Configuration of simulated tracks (TOML), as for `dpn simulate tracks`.
     #[arg(long, value_name = "FILE")]
     pub(crate) tracks_config: Option<PathBuf>,

@@ -15,6 +15,9 @@ use std::path::{Path, PathBuf};
 
 pub(crate) fn run(args: &EvalArgs) -> Result<()> {
     let plan = plan(args)?;
+    if let Some(given) = &plan.calibration {
+        errln!("calibration: {given}");
+    }
     let source = plan.source()?;
     let networks = networks(plan.models.as_deref())?;
     let cache = cache::open(&args.closed.cache)?;
@@ -62,6 +65,7 @@ fn plan(args: &EvalArgs) -> Result<LoopPlan> {
         },
         tracks: closed.tracks.clone(),
         truth: closed.truth.clone(),
+        calibration: settings::calibration(&closed.settings)?,
         skip_missing: closed.skip_missing,
         sequences: closed.sequences.clone(),
         noises: parse_list(&closed.noise)?,

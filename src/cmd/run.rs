@@ -22,6 +22,9 @@ use std::path::{Path, PathBuf};
 pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let noise: NoiseSpec = args.noise.parse()?;
     let estimator = settings::estimator(&args.settings)?;
+    if let Some(given) = settings::calibration(&args.settings)? {
+        errln!("calibration: {given}");
+    }
     let (source, place) = open(args)?;
     let networks = match &args.models {
         Some(dir) => network::load_all(dir)?,
@@ -91,7 +94,7 @@ fn open(args: &RunArgs) -> Result<(SequenceSet, usize)> {
             (None, None) if has_images(&Sequence::open(dir)?)? => seen,
             (None, None) => made,
         };
-        let set = SequenceSet::one(dir, tracks)?;
+        let set = SequenceSet::one(dir, tracks)?.with_calibration(settings::calibration(&args.settings)?);
         return Ok((set.with_reconciled_truth(args.truth.as_deref()), 0));
     }
     if args.camera == Some(CameraArg::Images) {

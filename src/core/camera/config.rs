@@ -32,14 +32,8 @@ pub struct UnknownLens(pub String);
 
 impl Distortion {
     /// All of them.
-    pub const ALL: [Self; 6] = [
-        Self::None,
-        Self::RadialTangential,
-        Self::Equidistant,
-        Self::Omni,
-        Self::DoubleSphere,
-        Self::Fov,
-    ];
+    pub const ALL: [Self; 6] =
+        [Self::None, Self::RadialTangential, Self::Equidistant, Self::Omni, Self::DoubleSphere, Self::Fov];
 
     /// As files have it: `radial-tangential`, `equidistant` and so on.
     pub fn name(self) -> &'static str {

@@ -101,7 +101,8 @@ fn what_a_lens_cannot_see_is_not_seen() {
     assert!(tumvi.sight(&Vector2::new(0.0, 0.0)).is_none() && tumvi.normalise(&Vector2::zeros()).is_none());
     assert!(!tumvi.sees_all() && CameraModel::euroc_cam0().sees_all());
     // A barrel whose polynomial folds back at r^2 = 1/3 sees nothing outside.
-    let folding = CameraModel::radtan([752, 480], [450.0, 450.0, 376.0, 240.0], [-1.0, 0.0, 0.0, 0.0, 0.0]).unwrap();
+    let folding =
+        CameraModel::radtan([752, 480], [450.0, 450.0, 376.0, 240.0], [-1.0, 0.0, 0.0, 0.0, 0.0]).unwrap();
     assert!(folding.project(&Vector3::new(0.57, 0.0, 1.0)).is_some());
     assert!(folding.project(&Vector3::new(0.58, 0.0, 1.0)).is_none());
 }

@@ -61,7 +61,11 @@ impl Equidistant {
             if error.abs() < 1e-14 {
                 break;
             }
-            if error > 0.0 { high = theta } else { low = theta }
+            if error > 0.0 {
+                high = theta
+            } else {
+                low = theta
+            }
             let next = theta - error / slope;
             theta = if next > low && next < high { next } else { 0.5 * (low + high) };
         }
@@ -158,14 +162,8 @@ fn radial(point: &Vector3<f64>, r: f64, rho: f64, [d_r, d_z]: [f64; 2]) -> Place
     // By r, over r: what x and y multiply.
     let by_r = (d_r - g) / (r * r);
     let by_z = d_z / r;
-    let d_inner = Matrix2x3::new(
-        g + x * x * by_r,
-        x * y * by_r,
-        x * by_z,
-        x * y * by_r,
-        g + y * y * by_r,
-        y * by_z,
-    );
+    let d_inner =
+        Matrix2x3::new(g + x * x * by_r, x * y * by_r, x * by_z, x * y * by_r, g + y * y * by_r, y * by_z);
     Placed { place: point.xy() * g, d_place: Matrix2::identity(), d_inner }
 }
 

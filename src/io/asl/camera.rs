@@ -78,13 +78,18 @@ fn lens_of(raw: &Raw) -> Result<(Distortion, [f64; 4], Vec<f64>), (&'static str,
         }
     };
     let named = raw.distortion_model.as_deref().unwrap_or("none").parse::<Distortion>();
-    let distortion = named.map_err(|unknown| ("distortion_model", format!("is \"{}\"; {unknown}", printable(&unknown.0))))?;
+    let distortion = named
+        .map_err(|unknown| ("distortion_model", format!("is \"{}\"; {unknown}", printable(&unknown.0))))?;
     if matches!((model, distortion), (Some(Distortion::Omni), other) if other != Distortion::RadialTangential)
         || matches!((model, distortion), (Some(Distortion::DoubleSphere), other) if other != Distortion::None)
     {
-        return Err(("distortion_model", format!("is \"{distortion}\"; a camera that is \"{camera}\" goes with no such")));
+        return Err((
+            "distortion_model",
+            format!("is \"{distortion}\"; a camera that is \"{camera}\" goes with no such"),
+        ));
     }
-    let problem = || ("intrinsics", format!("is {:?}; this camera has {} numbers", raw.intrinsics, 4 + leading));
+    let problem =
+        || ("intrinsics", format!("is {:?}; this camera has {} numbers", raw.intrinsics, 4 + leading));
     if raw.intrinsics.len() != 4 + leading {
         return Err(problem());
     }
@@ -99,7 +104,7 @@ pub(super) fn read_frames(path: &Path) -> Result<Vec<CameraFrame>, IoError> {
 }
 
 /// Whether a name joined to a folder names something in it, and can be shown.
-pub(super) fn stays_inside(name: &str) -> bool {
+pub(crate) fn stays_inside(name: &str) -> bool {
     let mut parts = Path::new(name).components();
     let is_plain = |part| matches!(part, Component::Normal(_));
     !name.is_empty() && parts.all(is_plain) && !name.contains('\\') && printable(name) == name
@@ -159,7 +164,10 @@ mod tests {
         assert!(error("pinhole", "cylinder").contains("`camera_model` is \"cylinder\""));
         assert!(error("pinhole", "omni").contains("this camera has 5 numbers"));
         assert!(error("radial-tangential", "lens").contains("`distortion_model` is \"lens\""));
-        assert!(error(", 1.76187114e-05", "").contains("`distortion_coefficients` is"));
+        assert!(
+            error(", 1.76187114e-05", "")
+                .contains("`distortion_coefficients` make a lens that is radial-tangential with")
+        );
         assert!(error("458.654", "-1").contains("`intrinsics` is"));
         assert!(error("0.999660727178", "1.1").contains("`T_BS` has no rotation"));
         assert!(error("0.0, 0.0, 0.0, 1.0", "0.0, 0.0, 0.0, 2.0").contains("`T_BS` ends with the row"));

@@ -40,7 +40,8 @@ impl TryFrom<&[f64]> for Coefficients {
     fn try_from(given: &[f64]) -> Result<Self, String> {
         let mut values = [0.0; MOST];
         let to = values.get_mut(..given.len());
-        to.ok_or_else(|| format!("a lens has at most {MOST} coefficients, not {}", given.len()))?.copy_from_slice(given);
+        to.ok_or_else(|| format!("a lens has at most {MOST} coefficients, not {}", given.len()))?
+            .copy_from_slice(given);
         Ok(Self { values, count: given.len() })
     }
 }

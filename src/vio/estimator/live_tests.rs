@@ -433,8 +433,8 @@ fn in_the_dark_there_is_no_pose_and_with_the_light_it_goes_on_or_begins_anew() {
 fn a_calibration_of_another_camera_is_no_reason_to_invent_poses() {
     let camera = half_camera();
     let focal = camera.focal() * 1.7;
-    let other =
-        CameraModel::radtan([376, 240], [focal.x, focal.y, 150.0, 160.0], [0.3, -0.2, 0.0, 0.0, 0.0]).unwrap();
+    let other = CameraModel::radtan([376, 240], [focal.x, focal.y, 150.0, 160.0], [0.3, -0.2, 0.0, 0.0, 0.0])
+        .unwrap();
     let left = spoilt(other, |i| Some(images()[i].clone()));
     assert!(left.errors.is_empty(), "{:?}", left.errors);
     // It says why: what the camera saw and what the IMU felt do not go together.

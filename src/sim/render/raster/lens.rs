@@ -116,10 +116,13 @@ fn tile(
     // A fish-eye's lines spread within a tile: its corners say by how much.
     let mut most = per_px.abs();
     if !camera.sees_all() {
-        let edges = |first: usize, side: usize| [first, first + TILE - 1].map(|i| centre(i.min(side - 1), step));
+        let edges =
+            |first: usize, side: usize| [first, first + TILE - 1].map(|i| centre(i.min(side - 1), step));
         for u in edges(left, size[0]) {
             for v in edges(top, size[1]) {
-                most = most.sup(&(jacobian(camera, &sight(u, v)?).ok_or(NoLineOfSight { u, v })? * step as f64).abs());
+                most = most.sup(
+                    &(jacobian(camera, &sight(u, v)?).ok_or(NoLineOfSight { u, v })? * step as f64).abs(),
+                );
             }
         }
     }
@@ -178,7 +181,9 @@ mod tests {
             let corner = [place % 4 * TILE, place / 4 * TILE];
             for i in (0..BATCH).step_by(7) {
                 let (u, v) = ((corner[0] + i % TILE).min(49) as f64, (corner[1] + i / TILE).min(36) as f64);
-                let px = camera.project(&Vector2::new(f64::from(tile.x[i]), f64::from(tile.y[i])).push(1.0)).unwrap();
+                let px = camera
+                    .project(&Vector2::new(f64::from(tile.x[i]), f64::from(tile.y[i])).push(1.0))
+                    .unwrap();
                 assert!((px - Vector2::new(u, v)).norm() < 1e-4, "{px} {u} {v}");
                 // A pixel aside, by the tile's own derivative, is the neighbour's line to a few hundredths of a pixel.
                 let [[a, b], [c, d]] = tile.per_px.map(|row| row.map(f64::from));
@@ -186,7 +191,9 @@ mod tests {
                     f64::from(tile.x[i]) + 0.5 * a + 0.5 * b,
                     f64::from(tile.y[i]) + 0.5 * (c + d),
                 );
-                assert!((camera.project(&aside.push(1.0)).unwrap() - Vector2::new(u + 0.5, v + 0.5)).norm() < 0.2);
+                assert!(
+                    (camera.project(&aside.push(1.0)).unwrap() - Vector2::new(u + 0.5, v + 0.5)).norm() < 0.2
+                );
                 assert!((tile.cone.x[0]..=tile.cone.x[1]).contains(&(aside.x as f32)));
                 assert!((tile.cone.y[0]..=tile.cone.y[1]).contains(&(aside.y as f32)));
             }
@@ -201,7 +208,8 @@ mod tests {
         let lens = Lens::new(&camera, 16).unwrap();
         assert_eq!(lens.size, [47, 30]);
         let tile = &lens.tiles[0];
-        let px = camera.project(&Vector2::new(f64::from(tile.x[17]), f64::from(tile.y[17])).push(1.0)).unwrap();
+        let px =
+            camera.project(&Vector2::new(f64::from(tile.x[17]), f64::from(tile.y[17])).push(1.0)).unwrap();
         assert!((px - Vector2::new(23.5, 23.5)).norm() < 1e-3, "{px}");
         let fine = Lens::new(&camera, 1).unwrap();
         // The middle of the fine one's tile (10, 8) is within that of the coarse one's first tile, whose pixels are wider.
@@ -235,7 +243,8 @@ mod tests {
     #[test]
     fn a_lens_that_folds_back_inside_the_image_is_refused() {
         let folding =
-            CameraModel::radtan([752, 480], [200.0, 200.0, 376.0, 240.0], [-0.9, 0.0, 0.0, 0.0, 0.0]).unwrap();
+            CameraModel::radtan([752, 480], [200.0, 200.0, 376.0, 240.0], [-0.9, 0.0, 0.0, 0.0, 0.0])
+                .unwrap();
         let error = Lens::new(&folding, 1).unwrap_err();
         assert!(error.to_string().starts_with("the lens model has no line of sight for pixel ("), "{error}");
     }
