@@ -48,6 +48,8 @@ pub enum AxesVerdict {
     Consistent,
     /// Too little turning, or too few tracks, to tell.
     Unknown,
+    /// They turn together if the extrinsics are taken the other way about: IMU to camera where camera to IMU belongs.
+    Swapped,
     /// They turn together if the camera is mounted otherwise.
     Turned {
         /// By how much \[deg\].
@@ -86,6 +88,10 @@ impl Axes {
             format!("the correlation of camera and gyro rotation is {:.2} as calibrated", self.correlation);
         match self.verdict {
             AxesVerdict::Consistent | AxesVerdict::Unknown => None,
+            AxesVerdict::Swapped => Some(format!(
+                "the camera's extrinsics are swapped: {seen}, {:.2} with the inverse; they must map points in the camera's frame to the IMU's: invert the matrix (`T_BS` in sensor.yaml), or name the file that has it with --calib, which knows each program's direction",
+                self.best_correlation
+            )),
             AxesVerdict::Turned { degrees, axis_in_body: [x, y, z] } => Some(format!(
                 "camera and gyro do not turn about the same axes: {seen}, {:.2} with the camera turned by {degrees:.0} degrees about ({x:.2}, {y:.2}, {z:.2}) in the body; look at the rotation of `T_BS` and at the order of the gyro's axes",
                 self.best_correlation
@@ -192,6 +198,16 @@ fn compared(turns: &[(Vector3<f64>, Vector3<f64>)], body_from_cam: &Isometry3<f6
     } else if turned.max(mirrored) < 0.5 {
         AxesVerdict::Unrelated
     } else if away.angle() > TURN_TOLERANCE && residual(turned) < BETTER * residual(correlation) {
+        let inverse = given.inverse();
+        let as_well = residual(agreement(inverse.matrix())) * BETTER < residual(turned);
+        if as_well && inverse.angle_to(&rotation) < TURN_TOLERANCE {
+            return Axes {
+                verdict: AxesVerdict::Swapped,
+                pairs: turns.len(),
+                correlation,
+                best_correlation: turned,
+            };
+        }
         let axis = away.axis().map_or([0.0; 3], |axis| axis.into_inner().into());
         AxesVerdict::Turned { degrees: away.angle().to_degrees(), axis_in_body: axis }
     } else {
@@ -380,6 +396,20 @@ mod tests {
         let judged = case.judged();
         let AxesVerdict::Turned { degrees, .. } = judged.verdict else { panic!("{judged:?}") };
         assert!((degrees - 28.6).abs() < 6.0, "{judged:?}");
+    }
+
+    #[test]
+    fn extrinsics_the_wrong_way_about_are_named_and_other_mountings_are_not() {
+        let mut case = case();
+        // EuRoC's camera is turned by 90 degrees about its axis; as good a case as any, for its inverse is 180 degrees away.
+        case.body_from_cam = case.body_from_cam.inverse();
+        let judged = case.judged();
+        assert_eq!(judged.verdict, AxesVerdict::Swapped, "{judged:?}");
+        let said = judged.warning().unwrap();
+        assert!(
+            said.starts_with("the camera's extrinsics are swapped") && said.contains("--calib"),
+            "{said}"
+        );
     }
 
     #[test]
