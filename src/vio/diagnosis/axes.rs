@@ -31,6 +31,8 @@ const LONGEST_STEP_S: f64 = 0.25;
 const LEAST_TURNING: f64 = 0.05;
 /// Turns that agree within this are from a camera mounted as said \[rad\]; parallax alone makes some degrees.
 const TURN_TOLERANCE: f64 = 0.21;
+/// A mounting that is the inverse of what was said, within this, and thrice as near to it, is that \[rad\]: real tracks tell it to 20 degrees.
+const SWAP_TOLERANCE: f64 = 0.5;
 /// Scales between this and its inverse are the same.
 const SCALE_TOLERANCE: f64 = 1.5;
 /// A scale is told where all within so many of its standard errors are outside the tolerance.
@@ -199,8 +201,8 @@ fn compared(turns: &[(Vector3<f64>, Vector3<f64>)], body_from_cam: &Isometry3<f6
         AxesVerdict::Unrelated
     } else if away.angle() > TURN_TOLERANCE && residual(turned) < BETTER * residual(correlation) {
         let inverse = given.inverse();
-        let as_well = residual(agreement(inverse.matrix())) * BETTER < residual(turned);
-        if as_well && inverse.angle_to(&rotation) < TURN_TOLERANCE {
+        let (off, as_inverse) = (inverse.angle_to(&rotation), residual(agreement(inverse.matrix())));
+        if off < SWAP_TOLERANCE.min(away.angle() / 3.0) && as_inverse < BETTER * residual(correlation) {
             return Axes {
                 verdict: AxesVerdict::Swapped,
                 pairs: turns.len(),

@@ -464,3 +464,33 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
     let result = work();
     (result, start.elapsed())
 }
+
+#[cfg(test)]
+mod circle {
+    use super::*;
+
+    #[test]
+    fn a_fish_eye_has_points_inside_its_circle_alone_and_any_mask_goes_with_it() {
+        let camera = CameraModel::tumvi_cam0();
+        let speckle =
+            |x: usize, y: usize| (x.wrapping_mul(2_654_435_761) ^ y.wrapping_mul(40_503) >> 3) as u8;
+        let image = GrayImage::from_fn(512, 512, |x, y| speckle(x / 9, y / 9)).unwrap();
+        let fed = |front_end: &mut FrontEnd| {
+            let frame = front_end.feed(image.view(), Stamp::from_ns(0), None).frame.unwrap();
+            frame.tracks.iter().map(|track| track.px).collect::<Vec<_>>()
+        };
+        let new = || FrontEnd::new(camera, FrontEndConfig::default(), &Stream::new(1)).unwrap();
+        let seen = fed(&mut new());
+        assert!(seen.len() > 50, "{}", seen.len());
+        let at_edge = |px: &Vector2<f64>| {
+            let outwards = (px - camera.principal()).normalize() * (EDGE_PX - 2.0);
+            camera.sight(&(px + outwards)).is_none()
+        };
+        assert!(!seen.iter().any(at_edge));
+        let half = GrayImage::from_fn(512, 512, |x, _| u8::from(x < 256)).unwrap();
+        let left = fed(&mut new().with_mask(half).unwrap());
+        assert!(left.len() > 20 && !left.iter().any(|px| at_edge(px) || px.x > 257.0));
+        // A pinhole's image has no such circle.
+        assert_eq!(circle_of(&CameraModel::euroc_cam0()), None);
+    }
+}
