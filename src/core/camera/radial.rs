@@ -50,7 +50,7 @@ impl Equidistant {
     }
 
     fn angle(&self, rho: f64) -> Option<f64> {
-        if !(rho < self.farthest) {
+        if rho >= self.farthest || rho.is_nan() {
             return None;
         }
         let (mut low, mut high) = (0.0, self.widest);
@@ -62,9 +62,9 @@ impl Equidistant {
                 break;
             }
             if error > 0.0 {
-                high = theta
+                high = theta;
             } else {
-                low = theta
+                low = theta;
             }
             let next = theta - error / slope;
             theta = if next > low && next < high { next } else { 0.5 * (low + high) };
@@ -77,7 +77,7 @@ impl LensModel for Equidistant {
     fn project(&self, point: &Vector3<f64>) -> Option<Vector2<f64>> {
         let r = point.xy().norm();
         let theta = r.atan2(point.z);
-        if !(theta < self.widest) {
+        if theta >= self.widest || theta.is_nan() {
             return None;
         }
         if r <= ON_AXIS * point.z.abs() {

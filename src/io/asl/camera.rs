@@ -65,8 +65,11 @@ pub(crate) fn parse_config(bytes: &[u8], path: &Path) -> Result<CameraConfig, Io
     })
 }
 
+/// Model, fu, fv, cu, cv, leading coefficients.
+type LensOf = (Distortion, [f64; 4], Vec<f64>);
+
 /// The lens, fu, fv, cu, cv, and the coefficients that stand before those: Kalibr's `omni` has xi, its `ds` xi and alpha.
-fn lens_of(raw: &Raw) -> Result<(Distortion, [f64; 4], Vec<f64>), (&'static str, String)> {
+fn lens_of(raw: &Raw) -> Result<LensOf, (&'static str, String)> {
     let camera = raw.camera_model.as_deref().unwrap_or("pinhole");
     let (model, leading) = match camera {
         "pinhole" => (None, 0),

@@ -154,7 +154,7 @@ impl Found {
             body_from_cam,
         };
         CameraModel::try_from(&camera).map_err(|problem| self.at.error(problem.to_string()))?;
-        if !(self.offset_s.abs() <= LONGEST_OFFSET_S) {
+        if self.offset_s.abs() > LONGEST_OFFSET_S {
             let problem =
                 format!("moves the camera's stamps by {} s; at most {LONGEST_OFFSET_S} s are", self.offset_s);
             return Err(self.at.error(problem));

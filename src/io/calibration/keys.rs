@@ -217,7 +217,7 @@ impl<'a> Keys<'a> {
         offset: Vector3<f64>,
     ) -> Result<Isometry3<f64>, CalibrationError> {
         let q = Quaternion::new(w, x, y, z);
-        if !((q.norm() - 1.0).abs() <= ROTATION_TOLERANCE) {
+        if (q.norm() - 1.0).abs() > ROTATION_TOLERANCE {
             return Err(
                 self.bad(key, format!("holds no rotation: its quaternion has length {:.4}", q.norm()))
             );
