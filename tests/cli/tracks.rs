@@ -144,7 +144,8 @@ fn an_equidistant_camera_is_taken_and_a_lens_that_is_none_refused() {
     tracks(&copy, &other, &[]).refused(
         tmp.path(),
         "error: [DIR]/V1_01_copy/mav0/cam0/sensor.yaml: `distortion_coefficients` make a lens that is fov with coefficients \
-         [-0.28340811, 0.07395907, 0.00019359, 1.76187114e-5]; it has 1 finite numbers, an angle between 0 and pi",
+         [-0.28340811, 0.07395907, 0.00019359, 1.76187114e-5]; it has 1 finite numbers, an angle between 0 and pi\n\n\
+         hint: compare with an ASL sensor.yaml; without the file the caller's defaults hold",
     );
     assert!(!other.exists());
 }

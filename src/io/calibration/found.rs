@@ -87,7 +87,7 @@ pub struct Calibration {
 impl Calibration {
     /// A stamp of the camera's on the IMU's clock.
     pub fn on_imu_clock(&self, t: Stamp) -> Stamp {
-        Stamp::from_ns(t.ns() + (1e9 * self.offset_s).round() as i64)
+        Stamp::from_ns(t.ns().saturating_add((1e9 * self.offset_s).round() as i64))
     }
 
     /// SHA-256 of all that a result depends on.

@@ -91,7 +91,7 @@ impl Axes {
         match self.verdict {
             AxesVerdict::Consistent | AxesVerdict::Unknown => None,
             AxesVerdict::Swapped => Some(format!(
-                "the camera's extrinsics are swapped: {seen}, {:.2} with the inverse; they must map points in the camera's frame to the IMU's: invert the matrix (`T_BS` in sensor.yaml), or name the file that has it with --calib, which knows each program's direction",
+                "the camera's extrinsics are swapped: {seen}, {:.2} with what fits best, which is about the inverse; they must map points in the camera's frame to the IMU's: invert the matrix (`T_BS` in sensor.yaml), or name the file that has it with --calib, which knows each program's direction",
                 self.best_correlation
             )),
             AxesVerdict::Turned { degrees, axis_in_body: [x, y, z] } => Some(format!(
