@@ -143,6 +143,9 @@ fn hint_of(cause: &(dyn std::error::Error + 'static)) -> Option<String> {
     if let Some(error) = cause.downcast_ref::<dpn_logs::LogError>() {
         return error.hint();
     }
+    if let Some(error) = cause.downcast_ref::<dpn_io::calibration::CalibrationError>() {
+        return error.hint();
+    }
     if let Some(error) = cause.downcast_ref::<dpn_io::noise_formats::FormatError>() {
         return error.hint();
     }

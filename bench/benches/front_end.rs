@@ -3,7 +3,7 @@
 
 use dpn_bench::frames::{COUNT, rolling};
 use dpn_bench::{cpu_seconds, iterations};
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_core::random::Stream;
 use dpn_core::{GrayImage, Stamp};
 use dpn_vio::frontend::klt::Illumination;
@@ -33,7 +33,7 @@ fn main() {
 }
 
 fn measure(name: &str, config: FrontEndConfig, images: &[GrayImage], runs: usize) {
-    let Ok(mut front_end) = FrontEnd::new(PinholeRadtan::euroc_cam0(), config, &Stream::new(1)) else {
+    let Ok(mut front_end) = FrontEnd::new(CameraModel::euroc_cam0(), config, &Stream::new(1)) else {
         return;
     };
     let (mut frames, mut tracks, mut walls) = (0u32, 0, Vec::new());

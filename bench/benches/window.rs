@@ -1,7 +1,7 @@
 //! The sliding window on a simulated flight: one solve, one slide, one factorisation of its normal equations, one whole frame; one thread.
 
 use dpn_bench::{iterations, time};
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_core::{ImuNoise, SampleRate};
 use dpn_sim::tracks::{AnalyticPath, CameraSettings, TracksConfig, camera_stamps, simulate_tracks};
 use dpn_sim::{Flight, FlightConfig, simulate};
@@ -19,7 +19,7 @@ fn main() {
         simulate_tracks(&TracksConfig::default(), &path, &stamps, 1).expect("the defaults are valid");
     let body_from_cam = CameraSettings::default().body_from_cam().expect("the default is a rotation");
     let config = EstimatorConfig::default();
-    let mut estimator = Estimator::new(config, PinholeRadtan::euroc_cam0(), body_from_cam, "flight", 1)
+    let mut estimator = Estimator::new(config, CameraModel::euroc_cam0(), body_from_cam, "flight", 1)
         .expect("the defaults are valid");
     for sample in flight.recording.samples() {
         let noise = ImuNoise::baseline();

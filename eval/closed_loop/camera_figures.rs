@@ -7,7 +7,7 @@ use super::error::ClosedLoopError;
 use super::recording::Span;
 use super::sequence_set::SequenceSet;
 use crate::stats::percentile;
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_core::random::Stream;
 use dpn_core::{GrayImage, Stamp};
 use dpn_vio::estimator::FrontEndObserver;
@@ -82,7 +82,7 @@ impl CameraFigures {
 
 /// Looks on and counts.
 struct Watch {
-    camera: PinholeRadtan,
+    camera: CameraModel,
     config: RansacConfig,
     images: usize,
     exposure: [f64; 4],
@@ -94,7 +94,7 @@ struct Watch {
 }
 
 impl Watch {
-    fn new(camera: PinholeRadtan, config: RansacConfig) -> Self {
+    fn new(camera: CameraModel, config: RansacConfig) -> Self {
         Self {
             camera,
             config: RansacConfig { geometry: Geometry::Fundamental, ..config },
@@ -116,7 +116,7 @@ impl Watch {
         let pairs: Vec<Pair> = (kept.chain(out))
             .filter_map(|(id, px)| Some(Pair { prev: *self.handed.get(&id)?, cur: bearing(&px)? }))
             .collect();
-        let focal = self.camera.focal().mean();
+        let focal = self.camera.px_per_rad();
         let stream = Stream::new(0).named("camera-figures").index(self.frames);
         if let Some(matrix) = agree(&pairs, None, focal, &self.config, &stream).essential {
             let distance = |pair: &Pair| focal * pair.distance_squared(&matrix).sqrt();

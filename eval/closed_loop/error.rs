@@ -5,6 +5,7 @@ use crate::noise::NoiseError;
 use crate::stats::StatsError;
 use dpn_core::camera::BadCamera;
 use dpn_core::config::ConfigFault;
+use dpn_io::calibration::CalibrationError;
 use dpn_io::{Coverage, IoError, LockError};
 use dpn_logs::LogError;
 use dpn_sim::SimulationError;
@@ -32,6 +33,9 @@ pub enum ClosedLoopError {
         /// The log.
         path: PathBuf,
     },
+    /// A calibration that does not read.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationError),
     /// Noise that only a whole recording can tell.
     #[error(
         "`{spec}` cannot be told while samples come; constants, estimators, networks and `self` over them can"
@@ -277,10 +281,10 @@ impl ClosedLoopError {
         match self {
             Self::Io(error) => error.hint(),
             Self::Log(error) => error.hint(),
-            Self::NoCalibration { .. } => Some(
-                "name it with --calib, or put one beside the log, in ASL's form as EuRoC's cam0/sensor.yaml"
-                    .into(),
-            ),
+            Self::Calibration(error) => error.hint(),
+            Self::NoCalibration { .. } => {
+                Some("name it with --calib, or put a cam0/sensor.yaml as EuRoC's beside the log".into())
+            }
             Self::Locked(error) => error.hint(),
             Self::Noise(NoiseError::Read(error)) => error.hint(),
             Self::OtherRun { .. } => Some("give another folder with --out, or remove this one".into()),

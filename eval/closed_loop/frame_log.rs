@@ -1,7 +1,7 @@
 //! What is kept of a run's frames: a line each, and what is judged of all of them, worked out while they come. Tracks themselves, some kilobytes a frame, go.
 
 use super::recording::Recording;
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_core::{ImuSample, Stamp, TrackFrame};
 use dpn_vio::diagnosis::{Axes, AxesMeter, TrackHealth, TrackMeter};
 use dpn_vio::estimator::without_spikes;
@@ -21,7 +21,7 @@ pub struct SeenFrame {
 /// Takes frames as they come.
 pub(super) struct FrameLog<'a> {
     samples: Cow<'a, [ImuSample]>,
-    camera: PinholeRadtan,
+    camera: CameraModel,
     before: Option<TrackFrame>,
     seen: Vec<SeenFrame>,
     tracks: TrackMeter,

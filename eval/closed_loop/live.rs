@@ -4,7 +4,7 @@ use super::drive::settings_for;
 use super::error::ClosedLoopError;
 use super::tracking::pass_over_spikes;
 use crate::noise;
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::noise::NoiseModel;
 use dpn_core::{GrayImage, ImuRecording, ImuSample, Stamp};
@@ -37,7 +37,7 @@ impl<'a> LiveRun<'a> {
         config: &EstimatorConfig,
         spec: NoiseSpec,
         networks: &'a [Network],
-        (camera, body_from_cam): (PinholeRadtan, Isometry3<f64>),
+        (camera, body_from_cam): (CameraModel, Isometry3<f64>),
         (name, seed): (&str, u64),
     ) -> Result<Self, ClosedLoopError> {
         let estimator = Estimator::new(settings_for(config, &spec), camera, body_from_cam, name, seed)

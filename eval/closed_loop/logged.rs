@@ -3,35 +3,38 @@
 use super::error::ClosedLoopError;
 use super::images::ImageStream;
 use super::recording::{Recording, Span};
-use dpn_core::camera::{CameraConfig, PinholeRadtan};
+use dpn_core::camera::{CameraConfig, CameraModel};
 use dpn_core::checksum::hex;
 use dpn_io::IoError;
-use dpn_io::asl::read_camera_config;
+use dpn_io::calibration::{self, Calibration};
 use dpn_logs::{ImageLog, ImageLogOptions, ImageSpan};
 use dpn_train::split::{Side, paper_side};
 use sha2::{Digest, Sha256};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A log with images, and what camera took them.
 #[derive(Debug, Clone)]
 pub struct LoggedSequence {
     log: ImageLog,
-    calibration: PathBuf,
+    calibration: Calibration,
 }
 
 impl LoggedSequence {
     /// The log at `path` with the `calibration` given, else the one in it or beside it; `None` where it is no such log.
     ///
     /// # Errors
-    /// No calibration.
+    /// No calibration, or one that does not read.
     pub fn find(
         path: &Path,
         options: ImageLogOptions,
-        calibration: Option<&Path>,
+        calibration: Option<&Calibration>,
     ) -> Result<Option<Self>, ClosedLoopError> {
         let Some(log) = ImageLog::find(path, options) else { return Ok(None) };
-        let found = calibration.map(Path::to_path_buf).or_else(|| log.calibration());
-        let calibration = found.ok_or_else(|| ClosedLoopError::NoCalibration { path: path.to_path_buf() })?;
+        let calibration = match (calibration, log.calibration()) {
+            (Some(given), _) => given.clone(),
+            (None, Some(file)) => calibration::read(&file)?,
+            (None, None) => return Err(ClosedLoopError::NoCalibration { path: path.to_path_buf() }),
+        };
         Ok(Some(Self { log, calibration }))
     }
 
@@ -50,10 +53,10 @@ impl LoggedSequence {
     /// # Errors
     /// No calibration that can be used; as [`ImageLog::imu`].
     pub(super) fn recording(&self) -> Result<Recording, ClosedLoopError> {
-        let (name, config) = (self.name(), self.camera()?);
-        let camera = PinholeRadtan::try_from(&config)
+        let (name, config) = (self.name(), self.camera());
+        let camera = CameraModel::try_from(config)
             .map_err(|source| ClosedLoopError::Camera { sequence: name.clone(), source })?;
-        let log = self.log.imu(size(&config))?;
+        let log = self.log.imu(size(config))?;
         let mut remarks = log.warnings();
         if !log.guesses.is_empty() {
             remarks.push(format!("taken for granted: {}", log.guesses.join(", ")));
@@ -75,7 +78,7 @@ impl LoggedSequence {
     /// # Errors
     /// As [`ImageLog::images`]; of a folder, images that are listed and not there, unless those are passed over.
     pub(super) fn images(&self, span: &Span) -> Result<ImageStream<'static>, ClosedLoopError> {
-        let size = size(&self.camera()?);
+        let size = size(self.camera());
         if self.log.is_folder() {
             let coverage = self.log.folder(size)?.coverage();
             if !coverage.is_complete() {
@@ -85,7 +88,9 @@ impl LoggedSequence {
                 });
             }
         }
-        Ok(self.log.images(size, ImageSpan { from_s: span.from_s, to_s: span.to_s })?)
+        let images = self.log.images(size, ImageSpan { from_s: span.from_s, to_s: span.to_s })?;
+        let calibration = self.calibration.clone();
+        Ok(Box::new(images.map(move |(t, image)| (calibration.on_imu_clock(t), image))))
     }
 
     /// SHA-256 over the files that it is read from.
@@ -94,16 +99,17 @@ impl LoggedSequence {
     /// A file that cannot be read.
     pub(super) fn checksum(&self) -> Result<String, ClosedLoopError> {
         let mut hash = Sha256::new();
-        for path in self.log.files()?.iter().chain([&self.calibration]) {
+        for path in &self.log.files()? {
             std::fs::File::open(path)
                 .and_then(|mut file| std::io::copy(&mut file, &mut hash))
                 .map_err(|e| IoError::reading(path, e))?;
         }
+        hash.update(self.calibration.checksum());
         Ok(hex(hash.finalize()))
     }
 
-    fn camera(&self) -> Result<CameraConfig, ClosedLoopError> {
-        Ok(read_camera_config(&self.calibration)?)
+    fn camera(&self) -> &CameraConfig {
+        &self.calibration.camera
     }
 }
 

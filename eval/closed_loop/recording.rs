@@ -1,6 +1,6 @@
 //! One flight, ready for an estimator: samples, a camera, what is true of it.
 
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_core::trajectory::StampedPose;
 use dpn_core::{ImuRecording, NoiseTrack, Stamp};
 use dpn_train::split::Side;
@@ -18,7 +18,7 @@ pub struct Recording {
     /// The samples.
     pub imu: ImuRecording,
     /// The lens.
-    pub camera: PinholeRadtan,
+    pub camera: CameraModel,
     /// Points in the camera's frame to the body's.
     pub body_from_cam: Isometry3<f64>,
     /// True poses, in increasing time, where there are any.

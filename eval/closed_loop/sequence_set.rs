@@ -9,11 +9,12 @@ use super::row::TruthKind;
 use super::tracking::CameraInput;
 use crate::metrics::poses_of;
 use dpn_core::camera::CameraConfig;
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_core::checksum::{hex, of_parts, of_source};
 use dpn_core::trajectory::StampedPose;
 use dpn_core::{SampleRate, Stamp, TrackFrame};
 use dpn_io::asl::{Sequence, discover};
+use dpn_io::calibration::Calibration;
 use dpn_io::{ImageFolder, IoError, read_tracks};
 use dpn_sim::flight::FlightPlan;
 use dpn_sim::tracks::{
@@ -121,6 +122,17 @@ impl SequenceSet {
         if let (Self::Recorded { sequences, .. }, Some(dir)) = (&mut self, dir) {
             for (sequence, _) in sequences {
                 *sequence = sequence.clone().with_reconciled_truth(dir);
+            }
+        }
+        self
+    }
+
+    /// The same with a calibration in place of every sequence's own; flights have theirs in the settings of what is simulated.
+    #[must_use]
+    pub fn with_calibration(mut self, given: Option<Calibration>) -> Self {
+        if let (Self::Recorded { sequences, .. }, Some(given)) = (&mut self, given) {
+            for (sequence, _) in sequences {
+                *sequence = sequence.clone().with_calibration(given.clone());
             }
         }
         self
@@ -319,7 +331,12 @@ impl SequenceSet {
         let no_tracks = |sequence: &str| ClosedLoopError::NoTracks { sequence: sequence.to_owned() };
         match (self, self.tracks()) {
             (Self::Recorded { sequences, .. }, TrackSource::File(dir)) => {
-                Ok(read_tracks(&given(dir, &sequences[place].0))?)
+                let sequence = &sequences[place].0;
+                let mut frames = read_tracks(&given(dir, sequence))?;
+                if let Some(given) = sequence.calibration() {
+                    frames.iter_mut().for_each(|frame| frame.t = given.on_imu_clock(frame.t));
+                }
+                Ok(frames)
             }
             (Self::Recorded { sequences, .. }, TrackSource::Simulated(config)) => {
                 made(&sequences[place].0, config, seed)
@@ -433,7 +450,7 @@ fn recorded(sequence: &Sequence, side: Side, tracks: &TrackSource) -> Result<Rec
         TrackSource::File(_) | TrackSource::Images(ImageSource::Folder { .. }) => {
             let no_camera = || ClosedLoopError::NoCamera { dir: sequence.dir().to_path_buf() };
             let config = sequence.camera_config()?.ok_or_else(no_camera)?;
-            let camera = PinholeRadtan::try_from(&config)
+            let camera = CameraModel::try_from(&config)
                 .map_err(|source| ClosedLoopError::Camera { sequence: name.clone(), source })?;
             (camera, config.body_from_cam)
         }
@@ -472,7 +489,7 @@ fn settled(
 fn camera_of(
     sequence: &str,
     settings: Option<CameraSettings>,
-) -> Result<(PinholeRadtan, nalgebra::Isometry3<f64>), ClosedLoopError> {
+) -> Result<(CameraModel, nalgebra::Isometry3<f64>), ClosedLoopError> {
     let wrong = |source| ClosedLoopError::CameraSettings { sequence: sequence.to_owned(), source };
     let settings = settings.unwrap_or_default();
     Ok((settings.model().map_err(wrong)?, settings.body_from_cam().map_err(wrong)?))

@@ -6,6 +6,7 @@ use crate::closed_loop::{CellFiles, ImageSource, LoggedSequence, SequenceSet, St
 use crate::injected::Injection;
 use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 use dpn_core::estimate::NoiseSpec;
+use dpn_io::calibration::Calibration;
 use dpn_logs::{ImageLogOptions, LogOptions};
 use dpn_pronet::network::Network;
 use dpn_sim::tracks::TracksConfig;
@@ -43,14 +44,15 @@ pub struct LoopPlan {
     pub tracks: Option<PathBuf>,
     /// Folder with reconciled ground truth, NAME.csv each, as `dpn truth` writes it; without it the published one.
     pub truth: Option<PathBuf>,
+    /// A calibration in place of every sequence's own; `dpn eval --closed-loop --calib` alone has it.
+    #[serde(skip)]
+    pub calibration: Option<Calibration>,
     /// Whether images that are listed but not there are passed over.
     pub skip_missing: bool,
     /// Where `data` is a bag: its topic of images; without it, the only one.
     pub image_topic: Option<String>,
     /// Where `data` is a bag: its IMU's topic; without it, the only one.
     pub topic: Option<String>,
-    /// Where `data` is a log with images: its camera's calibration; without it, the one in the folder or beside the log.
-    pub calib: Option<PathBuf>,
     /// `all`, or names with commas between.
     pub sequences: String,
     /// The noises told.
@@ -87,10 +89,10 @@ impl Default for LoopPlan {
             camera: Camera::Tracks,
             tracks: None,
             truth: None,
+            calibration: None,
             skip_missing: false,
             image_topic: None,
             topic: None,
-            calib: None,
             sequences: "all".into(),
             noises: noises.map(|noise| noise.parse().expect("a noise spec")).to_vec(),
             seed: 0,
@@ -127,7 +129,9 @@ impl LoopPlan {
         let source = match &self.data {
             Some(dir) => match self.logged(dir)? {
                 Some(log) => SequenceSet::logged(log, self.skip_missing),
-                None => SequenceSet::recorded(dir, tracks)?.with_reconciled_truth(self.truth.as_deref()),
+                None => SequenceSet::recorded(dir, tracks)?
+                    .with_calibration(self.calibration.clone())
+                    .with_reconciled_truth(self.truth.as_deref()),
             },
             None => SequenceSet::Flights { config: self.flights.load()?, tracks },
         };
@@ -144,7 +148,7 @@ impl LoopPlan {
             image_topic: self.image_topic.clone(),
             skip_missing: self.skip_missing,
         };
-        let found = LoggedSequence::find(data, options, self.calib.as_deref())?;
+        let found = LoggedSequence::find(data, options, self.calibration.as_ref())?;
         match found {
             Some(_) if self.camera != Camera::Images => {
                 Err(SweepError::OwnImages { data: data.to_path_buf() })

@@ -36,9 +36,6 @@ pub(crate) struct ClosedLoopArgs {
     /// Where --data is a bag: its IMU's topic; without it, the only one.
     #[arg(long, value_name = "TOPIC", requires = "data", conflicts_with = "open_loop")]
     pub(crate) topic: Option<String>,
-    /// Where --data is a log with images: its camera's calibration, in ASL's form; without it, the one in the folder or beside the log.
-    #[arg(long, value_name = "FILE", requires = "data", conflicts_with = "open_loop")]
-    pub(crate) calib: Option<PathBuf>,
     /// `all`, or names (MH_01, hover) with commas between.
     #[arg(long, value_name = "NAMES", default_value = "all", conflicts_with = "open_loop")]
     pub(crate) sequences: String,
@@ -85,6 +82,9 @@ pub(crate) struct SettingsArgs {
     /// One key of the estimator's configuration, over the file: --set imu.imu_cov=vins. May be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
     pub(crate) sets: Vec<(String, String)>,
+    /// Calibration of the camera, instead of the sensor.yaml that lies with it (and of simulated cameras): Kalibr, OpenVINS, VINS, ORB-SLAM3, Basalt, OKVIS2, ASL.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) calib: Option<PathBuf>,
     /// Configuration of simulated tracks (TOML), as for `dpn simulate tracks`.
     #[arg(long, value_name = "FILE")]
     pub(crate) tracks_config: Option<PathBuf>,

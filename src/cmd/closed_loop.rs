@@ -14,6 +14,9 @@ use std::path::{Path, PathBuf};
 
 pub(crate) fn run(args: &EvalArgs) -> Result<()> {
     let plan = plan(args)?;
+    if let Some(given) = &plan.calibration {
+        errln!("calibration: {given}");
+    }
     let source = plan.source()?;
     let networks = shipped::or_of(plan.models.as_deref())?;
     let cache = cache::open(&args.closed.cache)?;
@@ -53,10 +56,10 @@ fn plan(args: &EvalArgs) -> Result<LoopPlan> {
         },
         tracks: closed.tracks.clone(),
         truth: closed.truth.clone(),
+        calibration: settings::calibration(&closed.settings)?,
         skip_missing: closed.skip_missing,
         image_topic: closed.image_topic.clone(),
         topic: closed.topic.clone(),
-        calib: closed.calib.clone(),
         sequences: closed.sequences.clone(),
         noises: parse_list(&closed.noise)?,
         seed: args.seed,

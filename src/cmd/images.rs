@@ -6,7 +6,7 @@ use super::tracks::{
 use crate::args::ImagesArgs;
 use crate::ui::{Bar, Fault, outln};
 use anyhow::Result;
-use dpn_core::camera::{CameraConfig, Distortion};
+use dpn_core::camera::CameraConfig;
 use dpn_core::config::Validate;
 use dpn_core::imu::ImuRecording;
 use dpn_core::progress::Progress;
@@ -196,15 +196,13 @@ fn write_images(camera: &RenderedCamera, frames: &[CameraFrame], out: &Path, thr
 
 /// What `cam0/sensor.yaml` says of it.
 fn calibration(settings: &CameraSettings, rate: SampleRate) -> Result<CameraConfig> {
-    let [k1, k2, p1, p2, k3] = settings.distortion;
-    let mut coefficients = vec![k1, k2, p1, p2];
-    coefficients.extend((k3 != 0.0).then_some(k3));
+    let lens = settings.model()?.lens();
     Ok(CameraConfig {
         rate,
         resolution: settings.resolution,
         intrinsics: settings.intrinsics,
-        distortion: Distortion::RadialTangential,
-        coefficients,
+        distortion: lens.model(),
+        coefficients: lens.coefficients(),
         body_from_cam: settings.body_from_cam()?,
     })
 }

@@ -5,13 +5,12 @@ use crate::args::{CameraArg, RunArgs};
 use crate::ui::{Fault, errln, outln};
 use anyhow::Result;
 use dpn_core::Stamp;
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_core::trajectory::StampedPose;
 use dpn_eval::closed_loop::{ClosedLoopError, LiveRun};
-use dpn_io::asl::read_camera_config;
+use dpn_io::calibration::Calibration;
 use dpn_io::{printable, tum_line};
 use dpn_logs::{SensorEvent, read_sensors};
-use dpn_pronet::network;
 use dpn_vio::estimator::{FeedError, Phase, Update};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -42,25 +41,31 @@ pub(super) fn run(args: &RunArgs) -> Result<()> {
             .hint("leave it away, or record first and run on the file")
             .into());
     }
-    let calibration = args.log.calib.as_deref().ok_or_else(|| {
+    let calibration = settings::calibration(&args.settings)?.ok_or_else(|| {
         Fault::new(format!("`{}`: nobody knows what camera it comes from", args.source))
-            .hint("name its calibration, in ASL's form: --calib cam0/sensor.yaml")
+            .hint("name its calibration: --calib cam0/sensor.yaml")
     })?;
-    let config = read_camera_config(calibration)?;
-    let camera = PinholeRadtan::try_from(&config)
+    errln!("calibration: {calibration}");
+    let config = &calibration.camera;
+    let camera = CameraModel::try_from(config)
         .map_err(|source| ClosedLoopError::Camera { sequence: NAME.into(), source })?;
-    let networks = match &args.models {
-        Some(dir) => network::load_all(dir)?,
-        None => shipped::networks()?,
-    };
+    let networks = shipped::or_of(args.models.as_deref())?;
     let estimator = settings::estimator(&args.settings)?;
     for warning in estimator.warnings() {
         errln!("warning: {warning}");
     }
     let camera = (camera, config.body_from_cam);
     let run = LiveRun::new(&estimator, args.noise.parse()?, &networks, camera, (NAME, args.seed))?;
-    let mut live =
-        Live { run, json: args.json, started: false, restarts: 0, poses: 0, frames: 0, passed_over: 0 };
+    let mut live = Live {
+        run,
+        calibration: &calibration,
+        json: args.json,
+        started: false,
+        restarts: 0,
+        poses: 0,
+        frames: 0,
+        passed_over: 0,
+    };
     let mut fault = None;
     let size = config.resolution.map(|side| side as usize);
     let options = super::run::image_log(args);
@@ -87,6 +92,7 @@ pub(super) fn run(args: &RunArgs) -> Result<()> {
 
 struct Live<'a> {
     run: LiveRun<'a>,
+    calibration: &'a Calibration,
     json: bool,
     started: bool,
     restarts: usize,
@@ -99,7 +105,7 @@ impl Live<'_> {
     fn take(&mut self, event: SensorEvent) -> Result<()> {
         let taken = match event {
             SensorEvent::Sample(sample) => self.run.feed_sample(sample),
-            SensorEvent::Image(t, Ok(image)) => self.run.feed_image(t, &image),
+            SensorEvent::Image(t, Ok(image)) => self.run.feed_image(self.calibration.on_imu_clock(t), &image),
             SensorEvent::Image(_, Err(error)) => Err(error.into()),
             SensorEvent::PassedOver(why) => {
                 self.pass_over(&why);

@@ -2,7 +2,7 @@
 
 use super::{cache, cores, device, program, program_of, settings, shipped, stop};
 use crate::args::PaperArgs;
-use crate::ui::{Bar, Interrupted, errln, outln};
+use crate::ui::{Bar, Fault, Interrupted, errln, outln};
 use anyhow::Result;
 use dpn_core::Sensor;
 use dpn_core::config::Validate;
@@ -59,6 +59,10 @@ pub(crate) fn run(args: &PaperArgs) -> Result<()> {
 
 /// The flags as a plan.
 fn asked(args: &PaperArgs) -> Result<PaperSweepPlan> {
+    if args.settings.calib.is_some() {
+        let remedy = "each recording has its own cam0/sensor.yaml; --calib is for `dpn run` and `dpn eval --closed-loop`";
+        return Err(Fault::new("`dpn paper` takes no --calib").hint(remedy).into());
+    }
     Ok(PaperSweepPlan {
         data: args.data.clone(),
         models: args.models.clone(),

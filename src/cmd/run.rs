@@ -25,6 +25,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     }
     let noise: NoiseSpec = args.noise.parse()?;
     let estimator = settings::estimator(&args.settings)?;
+    if let Some(given) = settings::calibration(&args.settings)? {
+        errln!("calibration: {given}");
+    }
     let (source, place) = open(args)?;
     let networks = shipped::or_of(args.models.as_deref())?;
     let recording = source.recording(place, args.seed)?;
@@ -74,10 +77,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
 /// A folder is a sequence, a bag or a folder with `times.txt` a log with images, anything else a flight.
 fn open(args: &RunArgs) -> Result<(SequenceSet, usize)> {
     let dir = Path::new(&args.source);
+    let given = settings::calibration(&args.settings)?;
     let made = TrackSource::Simulated(settings::tracks(&args.settings)?);
     let seen = TrackSource::Images(ImageSource::Folder { skip_missing: args.skip_missing });
     let rendered = TrackSource::Images(ImageSource::Rendered(Box::new(settings::images(&args.settings)?)));
-    if let Some(log) = LoggedSequence::find(dir, image_log(args), args.log.calib.as_deref())? {
+    if let Some(log) = LoggedSequence::find(dir, image_log(args), given.as_ref())? {
         let other = args.camera.is_some_and(|camera| camera != CameraArg::Images);
         if other || args.tracks.is_some() || args.truth.is_some() {
             let text = format!(
@@ -88,11 +92,7 @@ fn open(args: &RunArgs) -> Result<(SequenceSet, usize)> {
         }
         return Ok((SequenceSet::logged(log, args.skip_missing), 0));
     }
-    let of_logs = [
-        ("--image-topic", args.log.image_topic.is_some()),
-        ("--topic", args.log.topic.is_some()),
-        ("--calib", args.log.calib.is_some()),
-    ];
+    let of_logs = [("--image-topic", args.log.image_topic.is_some()), ("--topic", args.log.topic.is_some())];
     if let Some((flag, _)) = of_logs.iter().find(|(_, given)| *given) {
         let text = format!("{flag} is for logs with images; `{}` is none", args.source);
         return Err(Fault::new(text)
@@ -113,7 +113,7 @@ fn open(args: &RunArgs) -> Result<(SequenceSet, usize)> {
             (None, None) if has_images(&Sequence::open(dir)?)? => seen,
             (None, None) => made,
         };
-        let set = SequenceSet::one(dir, tracks)?;
+        let set = SequenceSet::one(dir, tracks)?.with_calibration(given);
         return Ok((set.with_reconciled_truth(args.truth.as_deref()), 0));
     }
     if args.camera == Some(CameraArg::Images) {

@@ -3,8 +3,9 @@
 use crate::args::SettingsArgs;
 use anyhow::Result;
 use dpn_core::config::Validate;
+use dpn_io::calibration::{self, Calibration};
 use dpn_io::config::{load, load_over};
-use dpn_sim::tracks::TracksConfig;
+use dpn_sim::tracks::{CameraSettings, TracksConfig};
 use dpn_sim::{FlightConfig, RenderConfig};
 use dpn_vio::EstimatorConfig;
 
@@ -19,6 +20,9 @@ pub(crate) fn tracks(args: &SettingsArgs) -> Result<TracksConfig> {
         Some(path) => load(path)?,
         None => TracksConfig::default(),
     };
+    if let Some(given) = calibration(args)? {
+        config.camera = Some(CameraSettings::try_from(&given.camera)?);
+    }
     config.pixel_noise_px = args.pixel_noise.unwrap_or(config.pixel_noise_px);
     config.ground_truth_delay_s = args.ground_truth_delay.unwrap_or(config.ground_truth_delay_s);
     checked(config)
@@ -30,6 +34,9 @@ pub(crate) fn images(args: &SettingsArgs) -> Result<RenderConfig> {
         Some(path) => load(path)?,
         None => RenderConfig::default(),
     };
+    if let Some(given) = calibration(args)? {
+        config.camera = Some(CameraSettings::try_from(&given.camera)?);
+    }
     config.ground_truth_delay_s = args.ground_truth_delay.unwrap_or(config.ground_truth_delay_s);
     checked(config)
 }
@@ -44,6 +51,11 @@ pub(crate) fn flights(args: &SettingsArgs) -> Result<FlightConfig> {
         config.vibration.scale = 0.0;
     }
     checked(config)
+}
+
+/// The camera's calibration, where one is given.
+pub(crate) fn calibration(args: &SettingsArgs) -> Result<Option<Calibration>> {
+    Ok(args.calib.as_deref().map(calibration::read).transpose()?)
 }
 
 /// Flags may have moved a value out of its bounds.

@@ -23,6 +23,7 @@
 
 pub mod asl;
 mod atomic;
+pub mod calibration;
 mod choice;
 pub mod column_file;
 mod columns;

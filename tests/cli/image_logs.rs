@@ -186,7 +186,6 @@ fn what_is_amiss_is_said_with_a_remedy() {
         &[],
         &["no images on any topic", "hint: record the camera's topic too"],
     );
-    refused(Path::new("hover"), calib, &[], &["--calib is for logs with images"]);
     refused(Path::new("-"), calib, &[], &["--out is for recordings"]);
     // Images without an IMU; a list of another length; a step below a row; an encoding that nobody knows.
     let folder = tmp.path().join("folder");

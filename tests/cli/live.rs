@@ -1,7 +1,7 @@
 //! One way for an image: who feeds the estimator live, who feeds it in batches, `dpn run` and a sweep get the same trajectory, byte by byte.
 
 use crate::run::{dpn, end};
-use dpn_core::camera::{CameraConfig, PinholeRadtan};
+use dpn_core::camera::{CameraConfig, CameraModel};
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::random::Stream;
 use dpn_core::trajectory::StampedPose;
@@ -19,7 +19,7 @@ const NOISE: &str = "sg(11,2)";
 /// What the two sensors of a recording say, and the noise of each sample.
 struct Sensors {
     name: String,
-    camera: PinholeRadtan,
+    camera: CameraModel,
     calibration: CameraConfig,
     samples: Vec<NoisySample>,
     images: Vec<StampedImage>,
@@ -38,7 +38,7 @@ impl Sensors {
         let samples = imu.samples().iter().zip(noises.noises());
         let images = ImageFolder::open(&sequence).unwrap();
         Self {
-            camera: PinholeRadtan::try_from(&calibration).unwrap(),
+            camera: CameraModel::try_from(&calibration).unwrap(),
             samples: samples.map(|(sample, noise)| NoisySample { sample: *sample, noise: *noise }).collect(),
             images: (0..images.len()).map(|i| images.read(i).unwrap()).collect(),
             name,

@@ -206,3 +206,25 @@ fn swapped_axes_are_told_from_the_camera() {
     let done = odometry(&flight, &tmp.path().join("out"), &more).well();
     assert!(done.stderr.contains("camera and gyro turn in mirrored axes"), "{}", done.stderr);
 }
+
+#[test]
+fn a_calibration_is_taken_and_said_and_one_without_extrinsics_refused() {
+    let tmp = tempfile::tempdir().unwrap();
+    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("golden/calibrations");
+    let file = |name: &str| golden.join(name).display().to_string();
+    // The tracks that are made are those of the fish-eye that the file describes.
+    let done =
+        odometry(&excerpt(), &tmp.path().join("a"), &["--calib", &file("vins.yaml"), "--camera", "tracks"])
+            .well();
+    let said = "calibration: VINS: 512 x 512 px, equidistant lens (4 coefficients), focal lengths 191.0 and 191.0 px; \
+                `extrinsicRotation` maps camera to IMU; camera's stamps +0.0013 s; IMU noise as vins in ";
+    assert!(done.stderr.starts_with(said), "{}", done.stderr);
+    let alone = file("kalibr/camchain.yaml");
+    odometry(&excerpt(), &tmp.path().join("b"), &["--calib", &alone]).refused(
+        &golden,
+        "error: [DIR]/kalibr/camchain.yaml: no `cam0.T_cam_imu`\n\n\
+         hint: a camchain.yaml of the cameras alone does not say how they sit on the IMU: take camchain-imucam.yaml, which \
+         kalibr_calibrate_imu_camera writes",
+    );
+    assert!(!tmp.path().join("b").exists());
+}

@@ -2,19 +2,98 @@
 
 use crate::time::SampleRate;
 use nalgebra::Isometry3;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::str::FromStr;
 
 /// How a lens bends the image.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Distortion {
     /// Not at all.
     None,
-    /// Radial and tangential: k1, k2, p1, p2 and, where given, k3.
+    /// Radial and tangential: k1, k2, p1, p2; k3; k4, k5, k6 of OpenCV's rational lens.
+    #[default]
     RadialTangential,
     /// Equidistant (fish-eye, Kannala-Brandt): k1 to k4.
     Equidistant,
+    /// Unified (MEI, omnidirectional): xi, then k1, k2, p1, p2.
+    Omni,
+    /// Double sphere: xi, alpha.
+    DoubleSphere,
+    /// Field of view (ATAN): w \[rad\].
+    Fov,
 }
 
-/// A pinhole camera as its `sensor.yaml` describes it.
+/// A name that is no lens.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("there is no lens `{0}`; known are {known}", known = Distortion::names())]
+pub struct UnknownLens(pub String);
+
+impl Distortion {
+    /// All of them.
+    pub const ALL: [Self; 6] =
+        [Self::None, Self::RadialTangential, Self::Equidistant, Self::Omni, Self::DoubleSphere, Self::Fov];
+
+    /// As files have it: `radial-tangential`, `equidistant` and so on.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::RadialTangential => "radial-tangential",
+            Self::Equidistant => "equidistant",
+            Self::Omni => "omni",
+            Self::DoubleSphere => "double-sphere",
+            Self::Fov => "fov",
+        }
+    }
+
+    /// All names, for messages.
+    pub fn names() -> String {
+        Self::ALL.map(Self::name).join(", ")
+    }
+
+    /// How many coefficients it may have.
+    pub fn counts(self) -> &'static [usize] {
+        match self {
+            Self::None => &[0],
+            Self::RadialTangential => &[4, 5, 8],
+            Self::Equidistant => &[4],
+            Self::Omni => &[5],
+            Self::DoubleSphere => &[2],
+            Self::Fov => &[1],
+        }
+    }
+}
+
+impl fmt::Display for Distortion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Distortion {
+    type Err = UnknownLens;
+
+    /// Names as calibration programs write them; those of whole cameras (`KANNALA_BRANDT`, `ds`) too.
+    fn from_str(text: &str) -> Result<Self, UnknownLens> {
+        let plain: String =
+            text.chars().filter(char::is_ascii_alphanumeric).collect::<String>().to_ascii_lowercase();
+        match plain.as_str() {
+            "none" | "" => Ok(Self::None),
+            "radialtangential" | "radtan" | "plumbbob" | "radialtangential8" | "radtan8"
+            | "rationalpolynomial" | "pinhole" => Ok(Self::RadialTangential),
+            "equidistant" | "equi" | "fisheye" | "kb4" | "kb" | "kannalabrandt" | "kannalabrandt8" => {
+                Ok(Self::Equidistant)
+            }
+            "omni" | "mei" | "unified" => Ok(Self::Omni),
+            "doublesphere" | "ds" => Ok(Self::DoubleSphere),
+            "fov" | "atan" | "fieldofview" => Ok(Self::Fov),
+            _ => Err(UnknownLens(text.to_owned())),
+        }
+    }
+}
+
+/// A camera as its calibration describes it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CameraConfig {
     /// Images a second.
@@ -23,7 +102,7 @@ pub struct CameraConfig {
     pub resolution: [u32; 2],
     /// Focal lengths and principal point: fu, fv, cu, cv \[px\].
     pub intrinsics: [f64; 4],
-    /// The distortion's model.
+    /// The lens' model.
     pub distortion: Distortion,
     /// Its coefficients, in the model's order.
     pub coefficients: Vec<f64>,

@@ -5,7 +5,7 @@ use crate::IoError;
 use crate::decimal::TimeUnit;
 use crate::printable;
 use crate::rows::Rows;
-use dpn_core::camera::{CameraConfig, Distortion};
+use dpn_core::camera::{CameraConfig, Distortion, Lens};
 use dpn_core::time::Stamp;
 use serde::Deserialize;
 use std::path::{Component, Path};
@@ -24,7 +24,7 @@ struct Raw {
     rate_hz: f64,
     resolution: [u32; 2],
     camera_model: Option<String>,
-    intrinsics: [f64; 4],
+    intrinsics: Vec<f64>,
     distortion_model: Option<String>,
     #[serde(default)]
     distortion_coefficients: Vec<f64>,
@@ -44,26 +44,12 @@ pub fn read_config(path: &Path) -> Result<CameraConfig, IoError> {
 pub(crate) fn parse_config(bytes: &[u8], path: &Path) -> Result<CameraConfig, IoError> {
     let raw: Raw = yaml::parse(bytes, path)?;
     let bad = |key, problem| IoError::BadKey { path: path.to_path_buf(), key, problem };
-    if let Some(model) = raw.camera_model.as_deref().filter(|m| *m != "pinhole") {
-        return Err(bad("camera_model", format!("is \"{model}\"; known is \"pinhole\"")));
+    let (distortion, intrinsics, leading) = lens_of(&raw).map_err(|(key, problem)| bad(key, problem))?;
+    let coefficients = [leading, raw.distortion_coefficients].concat();
+    if let Err(problem) = Lens::new(distortion, &coefficients) {
+        return Err(bad("distortion_coefficients", format!("make {problem}")));
     }
-    let (distortion, counts): (_, &[usize]) = match raw.distortion_model.as_deref() {
-        None | Some("none") => (Distortion::None, &[0]),
-        Some("radial-tangential" | "radtan" | "plumb_bob") => (Distortion::RadialTangential, &[4, 5]),
-        Some("equidistant") => (Distortion::Equidistant, &[4]),
-        Some(model) => {
-            let known = "known are \"radial-tangential\", \"equidistant\", \"none\"";
-            return Err(bad("distortion_model", format!("is \"{model}\"; {known}")));
-        }
-    };
-    let coefficients = raw.distortion_coefficients;
-    if !counts.contains(&coefficients.len()) || coefficients.iter().any(|c| !c.is_finite()) {
-        return Err(bad(
-            "distortion_coefficients",
-            format!("is {coefficients:?}; this model has {counts:?} finite numbers"),
-        ));
-    }
-    let [fu, fv, cu, cv] = raw.intrinsics;
+    let [fu, fv, cu, cv] = intrinsics;
     if !(fu > 0.0 && fv > 0.0 && [fu, fv, cu, cv].iter().all(|v| v.is_finite())) {
         return Err(bad(
             "intrinsics",
@@ -76,11 +62,47 @@ pub(crate) fn parse_config(bytes: &[u8], path: &Path) -> Result<CameraConfig, Io
     Ok(CameraConfig {
         rate: yaml::rate(raw.rate_hz, path)?,
         resolution: raw.resolution,
-        intrinsics: raw.intrinsics,
+        intrinsics,
         distortion,
         coefficients,
         body_from_cam: yaml::body_from_sensor(&raw.t_bs, path)?,
     })
+}
+
+/// Model, fu, fv, cu, cv, leading coefficients.
+type LensOf = (Distortion, [f64; 4], Vec<f64>);
+
+/// The lens, fu, fv, cu, cv, and the coefficients that stand before those: Kalibr's `omni` has xi, its `ds` xi and alpha.
+fn lens_of(raw: &Raw) -> Result<LensOf, (&'static str, String)> {
+    let camera = raw.camera_model.as_deref().unwrap_or("pinhole");
+    let (model, leading) = match camera {
+        "pinhole" => (None, 0),
+        "omni" => (Some(Distortion::Omni), 1),
+        "ds" => (Some(Distortion::DoubleSphere), 2),
+        _ => {
+            let known = "known are \"pinhole\", \"omni\", \"ds\"";
+            return Err(("camera_model", format!("is \"{}\"; {known}", printable(camera))));
+        }
+    };
+    let named = raw.distortion_model.as_deref().unwrap_or("none").parse::<Distortion>();
+    let distortion = named
+        .map_err(|unknown| ("distortion_model", format!("is \"{}\"; {unknown}", printable(&unknown.0))))?;
+    if matches!((model, distortion), (Some(Distortion::Omni), other) if other != Distortion::RadialTangential)
+        || matches!((model, distortion), (Some(Distortion::DoubleSphere), other) if other != Distortion::None)
+    {
+        return Err((
+            "distortion_model",
+            format!("is \"{distortion}\"; a camera that is \"{camera}\" goes with no such"),
+        ));
+    }
+    let problem =
+        || ("intrinsics", format!("is {:?}; this camera has {} numbers", raw.intrinsics, 4 + leading));
+    if raw.intrinsics.len() != 4 + leading {
+        return Err(problem());
+    }
+    let (before, four) = raw.intrinsics.split_at(leading);
+    let four = <[f64; 4]>::try_from(four).map_err(|_| problem())?;
+    Ok((model.unwrap_or(distortion), four, before.to_vec()))
 }
 
 pub(super) fn read_frames(path: &Path) -> Result<Vec<CameraFrame>, IoError> {
@@ -89,7 +111,7 @@ pub(super) fn read_frames(path: &Path) -> Result<Vec<CameraFrame>, IoError> {
 }
 
 /// Whether a name joined to a folder names something in it, and can be shown.
-pub(super) fn stays_inside(name: &str) -> bool {
+pub(crate) fn stays_inside(name: &str) -> bool {
     let mut parts = Path::new(name).components();
     let is_plain = |part| matches!(part, Component::Normal(_));
     !name.is_empty() && parts.all(is_plain) && !name.contains('\\') && printable(name) == name
@@ -146,9 +168,13 @@ mod tests {
     #[test]
     fn values_that_cannot_be_are_refused_with_their_key() {
         let error = |from: &str, to: &str| parse(&GOOD.replace(from, to)).unwrap_err().to_string();
-        assert!(error("pinhole", "omni").contains("`camera_model` is \"omni\""));
-        assert!(error("radial-tangential", "fov").contains("`distortion_model` is \"fov\""));
-        assert!(error(", 1.76187114e-05", "").contains("`distortion_coefficients` is"));
+        assert!(error("pinhole", "cylinder").contains("`camera_model` is \"cylinder\""));
+        assert!(error("pinhole", "omni").contains("this camera has 5 numbers"));
+        assert!(error("radial-tangential", "lens").contains("`distortion_model` is \"lens\""));
+        assert!(
+            error(", 1.76187114e-05", "")
+                .contains("`distortion_coefficients` make a lens that is radial-tangential with")
+        );
         assert!(error("458.654", "-1").contains("`intrinsics` is"));
         assert!(error("0.999660727178", "1.1").contains("`T_BS` has no rotation"));
         assert!(error("0.0, 0.0, 0.0, 1.0", "0.0, 0.0, 0.0, 2.0").contains("`T_BS` ends with the row"));

@@ -4,6 +4,7 @@ use super::camera::{self, CameraFrame};
 use super::ground_truth;
 use super::imu_config::{self, ImuConfig};
 use super::pack::{self, Packed};
+use crate::calibration::Calibration;
 use crate::imu_csv::{CsvOptions, parse_with};
 use crate::{IoError, TimeUnit};
 use dpn_core::camera::CameraConfig;
@@ -31,6 +32,8 @@ pub struct Sequence {
     reconciled: Option<PathBuf>,
     /// Where it is not a folder.
     packed: Option<Packed>,
+    /// A calibration in place of `cam0/sensor.yaml`.
+    calibration: Option<Calibration>,
 }
 
 impl Sequence {
@@ -53,12 +56,19 @@ impl Sequence {
     pub(super) fn at(dir: &Path) -> Option<Self> {
         let root =
             [dir.join("mav0"), dir.to_path_buf()].into_iter().find(|root| root.join(IMU_DATA).is_file())?;
-        Some(Self { name: name_of(dir), dir: dir.to_path_buf(), root, reconciled: None, packed: None })
+        Some(Self {
+            name: name_of(dir),
+            dir: dir.to_path_buf(),
+            root,
+            reconciled: None,
+            packed: None,
+            calibration: None,
+        })
     }
 
     /// One of a pack.
     pub(super) fn of_pack(name: String, dir: PathBuf, root: PathBuf, packed: Packed) -> Self {
-        Self { name, dir, root, reconciled: None, packed: Some(packed) }
+        Self { name, dir, root, reconciled: None, packed: Some(packed), calibration: None }
     }
 
     /// Whether it has this file, a path below its root.
@@ -84,6 +94,17 @@ impl Sequence {
     #[must_use]
     pub fn with_reconciled_truth(self, dir: &Path) -> Self {
         Self { reconciled: Some(dir.join(format!("{}.csv", self.name))), ..self }
+    }
+
+    /// The same sequence with another calibration in place of `cam0/sensor.yaml`; its time offset is added to the camera's stamps.
+    #[must_use]
+    pub fn with_calibration(self, calibration: Calibration) -> Self {
+        Self { calibration: Some(calibration), ..self }
+    }
+
+    /// The calibration given in place of its own.
+    pub fn calibration(&self) -> Option<&Calibration> {
+        self.calibration.as_ref()
     }
 
     /// Folder of the reconciled ground truth.
@@ -143,8 +164,10 @@ impl Sequence {
             (None, Some(file)) => sums.push(self.checksum_of(file)),
             (None, None) => {}
         }
-        let camera = [CAMERA_SENSOR, CAMERA_DATA].into_iter().filter(|file| self.has(file));
+        let own = self.calibration.is_none().then_some(CAMERA_SENSOR);
+        let camera = own.into_iter().chain([CAMERA_DATA]).filter(|file| self.has(file));
         sums.extend(camera.map(|file| self.checksum_of(file)));
+        sums.extend(self.calibration.iter().map(|given| Ok(given.checksum())));
         sums
     }
 
@@ -178,11 +201,23 @@ impl Sequence {
         }
     }
 
-    /// What `cam0/sensor.yaml` says; `None` without the file.
+    /// What `cam0/sensor.yaml` says, or the calibration given in its place; `None` without either.
     ///
     /// # Errors
     /// A file that cannot be read, lacks a key or holds a value that cannot be.
     pub fn camera_config(&self) -> Result<Option<CameraConfig>, IoError> {
+        match &self.calibration {
+            // Few calibrations say how many images there are in a second, and one that is there need not be whole.
+            Some(given) => {
+                let own = self.own_camera().ok().flatten().map(|own| own.rate);
+                let rate = given.rate.or(own).unwrap_or(given.camera.rate);
+                Ok(Some(CameraConfig { rate, ..given.camera.clone() }))
+            }
+            None => self.own_camera(),
+        }
+    }
+
+    fn own_camera(&self) -> Result<Option<CameraConfig>, IoError> {
         let path = self.root.join(CAMERA_SENSOR);
         match &self.packed {
             Some(packed) => {
@@ -192,16 +227,20 @@ impl Sequence {
         }
     }
 
-    /// Stamps and file names of the first camera's images, in increasing time.
+    /// Stamps and file names of the first camera's images, in increasing time; on the IMU's clock where a calibration says how.
     ///
     /// # Errors
     /// No `cam0/data.csv`; a row that is no frame; stamps that do not increase.
     pub fn camera_frames(&self) -> Result<Vec<CameraFrame>, IoError> {
-        match &self.packed {
-            Some(packed) if packed.has(CAMERA_DATA) => packed.frames(CAMERA_DATA),
-            Some(_) => Err(IoError::Missing { path: self.camera_path() }),
-            None => camera::read_frames(&self.camera_path()),
+        let mut frames = match &self.packed {
+            Some(packed) if packed.has(CAMERA_DATA) => packed.frames(CAMERA_DATA)?,
+            Some(_) => return Err(IoError::Missing { path: self.camera_path() }),
+            None => camera::read_frames(&self.camera_path())?,
+        };
+        if let Some(given) = &self.calibration {
+            frames.iter_mut().for_each(|frame| frame.t = given.on_imu_clock(frame.t));
         }
+        Ok(frames)
     }
 
     /// Where a frame's image is, when it was unpacked; a pack holds none, and says where the folder is that it was made of.

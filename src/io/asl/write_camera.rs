@@ -17,20 +17,24 @@ use std::path::{Path, PathBuf};
 pub fn write_camera_config(dir: &Path, config: &CameraConfig) -> Result<(), IoError> {
     let list = |values: &[f64]| values.iter().map(|v| yaml_number(*v)).collect::<Vec<_>>().join(", ");
     let [width, height] = config.resolution;
-    let model = match config.distortion {
-        Distortion::None => "none",
-        Distortion::RadialTangential => "radial-tangential",
-        Distortion::Equidistant => "equidistant",
+    // As Kalibr has them: what a sphere needs stands before the focal lengths.
+    let (camera, model, leading) = match config.distortion {
+        Distortion::Omni => ("omni", Distortion::RadialTangential, 1),
+        Distortion::DoubleSphere => ("ds", Distortion::None, 2),
+        plain => ("pinhole", plain, 0),
     };
+    let (before, coefficients) = config.coefficients.split_at(leading.min(config.coefficients.len()));
+    let intrinsics = [before, &config.intrinsics].concat();
+    let names = ["", "xi, ", "xi, alpha, "][leading];
     atomic_write(&dir.join("mav0").join(CAMERA_SENSOR), |out| {
         writeln!(out, "sensor_type: camera")?;
         matrix(out, &config.body_from_cam)?;
         writeln!(out, "rate_hz: {}", yaml_number(config.rate.hz()))?;
         writeln!(out, "resolution: [{width}, {height}]")?;
-        writeln!(out, "camera_model: pinhole")?;
-        writeln!(out, "intrinsics: [{}] # fu, fv, cu, cv", list(&config.intrinsics))?;
+        writeln!(out, "camera_model: {camera}")?;
+        writeln!(out, "intrinsics: [{}] # {names}fu, fv, cu, cv", list(&intrinsics))?;
         writeln!(out, "distortion_model: {model}")?;
-        writeln!(out, "distortion_coefficients: [{}]", list(&config.coefficients))
+        writeln!(out, "distortion_coefficients: [{}]", list(coefficients))
     })
 }
 
@@ -78,7 +82,21 @@ mod tests {
     use nalgebra::{Isometry3, Vector3};
 
     #[test]
-    fn a_camera_is_read_back_to_the_bit() {
+    fn a_camera_of_every_lens_is_read_back_to_the_bit() {
+        for (distortion, coefficients) in [
+            (Distortion::None, vec![]),
+            (Distortion::RadialTangential, vec![-0.3, 1e-5, 0.0, 0.1 + 0.2]),
+            (Distortion::RadialTangential, vec![-0.3, 1e-5, 0.0, 0.1, 0.2, 0.3, 0.4, 0.5]),
+            (Distortion::Equidistant, vec![-0.3, 1e-5, 0.0, 0.1]),
+            (Distortion::Omni, vec![1.1, -0.3, 1e-5, 0.0, 0.1]),
+            (Distortion::DoubleSphere, vec![-0.3, 0.6]),
+            (Distortion::Fov, vec![0.9]),
+        ] {
+            read_back(distortion, coefficients);
+        }
+    }
+
+    fn read_back(distortion: Distortion, coefficients: Vec<f64>) {
         let dir = tempfile::tempdir().unwrap();
         let imu = dir.path().join("mav0/imu0/data.csv");
         std::fs::create_dir_all(imu.parent().unwrap()).unwrap();
@@ -87,8 +105,8 @@ mod tests {
             rate: SampleRate::from_hz(20.0).unwrap(),
             resolution: [5, 3],
             intrinsics: [4.1, 4.2, 2.3, 1.4],
-            distortion: Distortion::RadialTangential,
-            coefficients: vec![-0.3, 1e-5, 0.0, 0.1 + 0.2],
+            distortion,
+            coefficients,
             body_from_cam: Isometry3::new(Vector3::new(0.1, -0.2, 1e-3), Vector3::new(0.4, 2.0, -0.1)),
         };
         write_camera_config(dir.path(), &config).unwrap();

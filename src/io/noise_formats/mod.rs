@@ -28,7 +28,7 @@ mod round_trip;
 mod step;
 #[cfg(test)]
 mod table;
-mod tree;
+pub(crate) mod tree;
 mod variances;
 mod vins;
 mod write;

@@ -11,7 +11,7 @@ use std::path::Path;
 
 /// A value.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Node {
+pub(crate) enum Node {
     Nothing,
     Flag(bool),
     Number(f64),
@@ -22,14 +22,14 @@ pub(super) enum Node {
 
 /// A value and the line it stands on, from 1; 0 where that is not known.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Item {
+pub(crate) struct Item {
     pub node: Node,
     pub line: usize,
 }
 
 /// A key with its value.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Entry {
+pub(crate) struct Entry {
     pub key: String,
     pub line: usize,
     pub value: Item,
@@ -37,7 +37,7 @@ pub(super) struct Entry {
 
 impl Item {
     /// What it is, for messages.
-    pub(super) fn shown(&self) -> String {
+    pub(crate) fn shown(&self) -> String {
         match &self.node {
             Node::Nothing => "empty".into(),
             Node::Flag(flag) => format!("{flag}"),
@@ -52,7 +52,7 @@ impl Item {
     }
 
     /// All numbers of a number, a list or a list of lists, row by row; `None` where anything else stands.
-    pub(super) fn numbers(&self) -> Option<Vec<f64>> {
+    pub(crate) fn numbers(&self) -> Option<Vec<f64>> {
         match &self.node {
             Node::Number(number) => Some(vec![*number]),
             // Such as `1e-3` in quotes.
@@ -67,21 +67,21 @@ impl Item {
 
 /// A mapping of the file and the keys above it.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Block<'a> {
+pub(crate) struct Block<'a> {
     /// `imu0`, `value0`; empty for the file's own keys.
     pub path: String,
     pub entries: &'a [Entry],
 }
 
 impl<'a> Block<'a> {
-    pub(super) fn get(&self, key: &str) -> Option<&'a Entry> {
+    pub(crate) fn get(&self, key: &str) -> Option<&'a Entry> {
         self.entries.iter().find(|entry| entry.key == key)
     }
 }
 
 /// A whole file.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Tree {
+pub(crate) struct Tree {
     root: Vec<Entry>,
 }
 
@@ -90,7 +90,7 @@ impl Tree {
     ///
     /// # Errors
     /// No text, no YAML, no keys.
-    pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Self, FormatError> {
+    pub(crate) fn parse(bytes: &[u8], path: &Path) -> Result<Self, FormatError> {
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         let text = std::str::from_utf8(bytes).map_err(|error| FormatError::NotText {
             path: path.to_path_buf(),
@@ -105,8 +105,13 @@ impl Tree {
         }
     }
 
+    /// The file's own keys.
+    pub(crate) fn root(&self) -> &[Entry] {
+        &self.root
+    }
+
     /// The file's own keys, then those of every mapping in it, outer before inner.
-    pub(super) fn blocks(&self) -> Vec<Block<'_>> {
+    pub(crate) fn blocks(&self) -> Vec<Block<'_>> {
         let mut blocks = vec![Block { path: String::new(), entries: &self.root }];
         let mut at = 0;
         while at < blocks.len() {

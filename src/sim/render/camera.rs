@@ -7,7 +7,7 @@ use super::raster::{Frame, Lens, NoLineOfSight};
 use super::scene::{Course, Scene};
 use super::sensor::{Exposed, Sensor};
 use crate::tracks::{BadCameraSettings, CameraPath, CameraSettings, World};
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_core::config::{ConfigFault, Validate};
 use dpn_core::random::Stream;
 use dpn_core::{GrayImage, Stamp};
@@ -52,7 +52,7 @@ pub type SharedPath = Arc<dyn CameraPath + Send>;
 pub struct RenderedCamera {
     config: RenderConfig,
     settings: CameraSettings,
-    model: PinholeRadtan,
+    model: CameraModel,
     body_from_cam: Isometry3<f64>,
     path: SharedPath,
     world: World,
@@ -105,7 +105,7 @@ impl RenderedCamera {
     }
 
     /// The lens.
-    pub fn model(&self) -> &PinholeRadtan {
+    pub fn model(&self) -> &CameraModel {
         &self.model
     }
 
@@ -179,7 +179,7 @@ impl RenderedCamera {
         let (Some(first), Some(last)) = (at(-0.5), at(0.5)) else { return vec![*middle] };
         let turn = first.rotation.angle_to(&last.rotation);
         let step = (first.translation.vector - last.translation.vector).norm() / MIDDLE_DEPTH_M;
-        let motion = self.model.focal().mean() * (turn + step);
+        let motion = self.model.px_per_rad() * (turn + step);
         let count = ((motion / SHARP_PX).ceil() as usize).clamp(1, self.config.motion_blur.most_instants);
         (0..count).filter_map(|i| at((i as f64 + 0.5) / count as f64 - 0.5)).collect()
     }
@@ -206,8 +206,7 @@ impl RenderedCamera {
     /// without a pose.
     pub fn pixel_of(&self, t: Stamp, point: &Point3<f64>) -> Option<Vector2<f64>> {
         let in_cam = self.world_from_cam(t)?.inverse_transform_point(point);
-        // Far beside the image the distortion's polynomial folds back into it.
-        if in_cam.z <= 0.0 || in_cam.xy().coords.norm() > 2.0 * in_cam.z {
+        if in_cam.z <= 0.0 {
             return None;
         }
         let px = self.model.project(&in_cam.coords).filter(|px| self.model.contains(px, 0.0))?;
@@ -385,7 +384,7 @@ mod tests {
         let refused = |config: &RenderConfig| RenderedCamera::new(config, path.clone(), 1).unwrap_err();
         let bad = RenderConfig { contrast: -1.0, ..RenderConfig::default() };
         assert!(matches!(refused(&bad), RenderError::Config(_)));
-        let folding = CameraSettings { distortion: [-2.0, 0.0, 0.0, 0.0, 0.0], ..quarter() };
+        let folding = CameraSettings { distortion: [-2.0, 0.0, 0.0, 0.0, 0.0].into(), ..quarter() };
         let folding = RenderConfig { camera: Some(folding), ..RenderConfig::default() };
         assert!(matches!(refused(&folding), RenderError::Lens(_)));
     }

@@ -5,7 +5,7 @@
 
 use super::config::{LensConfig, SensorConfig};
 use dpn_core::Stamp;
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_core::random::Stream;
 use nalgebra::Vector2;
 use pulp::{Arch, Simd, WithSimd};
@@ -40,15 +40,20 @@ impl Sensor {
     pub(super) fn new(
         config: SensorConfig,
         lens: &LensConfig,
-        camera: &PinholeRadtan,
+        camera: &CameraModel,
         stream: &Stream,
     ) -> Self {
         let [width, height] = camera.size().map(|side| side as usize);
         let far = |at: f64, side: usize| at.max(side as f64 - 1.0 - at);
         let corner2 =
             Vector2::new(far(camera.principal().x, width), far(camera.principal().y, height)).norm_squared();
+        let sees_all = camera.sees_all();
         let share = (0..width * height).map(|i| {
             let place = Vector2::new((i % width) as f64, (i / width) as f64);
+            // Outside a fish-eye's circle it is dark.
+            if !sees_all && camera.sight(&place).is_none() {
+                return 0.0;
+            }
             // Halfway between a parabola and cos^4: little happens near the axis.
             let r2 = (place - camera.principal()).norm_squared() / corner2;
             (1.0 - lens.vignetting * r2 * (0.5 + 0.5 * r2)) as f32
@@ -112,7 +117,7 @@ mod tests {
 
     fn sensor(config: SensorConfig, vignetting: f64) -> Sensor {
         let lens = LensConfig { vignetting, ..LensConfig::default() };
-        Sensor::new(config, &lens, &PinholeRadtan::euroc_cam0(), &Stream::new(1))
+        Sensor::new(config, &lens, &CameraModel::euroc_cam0(), &Stream::new(1))
     }
 
     fn take(sensor: &Sensor, light: f32, exposed: Exposed, t: i64) -> Vec<u8> {

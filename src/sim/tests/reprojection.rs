@@ -78,7 +78,7 @@ impl Reprojection {
 }
 
 /// The point that fits all views best; `None` when rays are parallel or it falls behind a camera.
-fn triangulate(model: &dpn_core::camera::PinholeRadtan, views: &[View]) -> Option<Vector3<f64>> {
+fn triangulate(model: &dpn_core::camera::CameraModel, views: &[View]) -> Option<Vector3<f64>> {
     let (mut normal, mut rhs) = (Matrix3::zeros(), Vector3::zeros());
     for view in views {
         let world_from_cam = view.cam_from_world.inverse();

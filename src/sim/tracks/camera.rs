@@ -1,7 +1,7 @@
 //! The camera that tracks are made with: its lens and where it sits on the body, as a table of a configuration.
 
-use dpn_core::camera::CameraConfig;
-use dpn_core::camera::{BadCamera, PinholeRadtan};
+use super::coefficients::Coefficients;
+use dpn_core::camera::{BadCamera, CameraConfig, CameraModel, Distortion, Lens};
 use dpn_core::config::ConfigFault;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
@@ -21,8 +21,11 @@ pub struct CameraSettings {
     pub resolution: [u32; 2],
     /// fx, fy, cx, cy \[px\].
     pub intrinsics: [f64; 4],
-    /// k1, k2, p1, p2, k3 of the radial-tangential model.
-    pub distortion: [f64; 5],
+    /// The lens: none, radial-tangential, equidistant, omni, double-sphere, fov.
+    #[serde(skip_serializing_if = "is_default")]
+    pub lens: Distortion,
+    /// Its coefficients: k1, k2, p1, p2 (and k3; and k4, k5, k6), or k1 to k4, or xi, k1, k2, p1, p2, or xi, alpha, or w.
+    pub distortion: Coefficients,
     /// `T_BS`, its first three rows: points in the camera's frame to the body's, lengths in m.
     pub body_from_cam: [[f64; 4]; 3],
 }
@@ -32,7 +35,8 @@ impl Default for CameraSettings {
         Self {
             resolution: [752, 480],
             intrinsics: [458.654, 457.296, 367.215, 248.375],
-            distortion: [-0.283_408_11, 0.073_959_07, 0.000_193_59, 1.761_871_14e-5, 0.0],
+            lens: Distortion::RadialTangential,
+            distortion: [-0.283_408_11, 0.073_959_07, 0.000_193_59, 1.761_871_14e-5, 0.0].into(),
             body_from_cam: [
                 [0.014_865_542_981_8, -0.999_880_929_698, 0.004_140_296_794_22, -0.021_640_145_497_5],
                 [0.999_557_249_008, 0.014_967_213_324_7, 0.025_715_529_948, -0.064_676_986_768],
@@ -40,6 +44,10 @@ impl Default for CameraSettings {
             ],
         }
     }
+}
+
+fn is_default(lens: &Distortion) -> bool {
+    *lens == Distortion::default()
 }
 
 /// Settings that describe no camera.
@@ -68,13 +76,14 @@ pub enum BadCameraSettings {
 
 impl CameraSettings {
     /// The settings of a camera and its place on the body.
-    pub fn new(model: &PinholeRadtan, body_from_cam: &Isometry3<f64>) -> Self {
+    pub fn new(model: &CameraModel, body_from_cam: &Isometry3<f64>) -> Self {
         let (focal, principal) = (model.focal(), model.principal());
         let matrix = body_from_cam.to_matrix();
         Self {
             resolution: model.size(),
             intrinsics: [focal.x, focal.y, principal.x, principal.y],
-            distortion: model.distortion(),
+            lens: model.lens().model(),
+            distortion: Coefficients::of(&model.lens()),
             body_from_cam: std::array::from_fn(|row| std::array::from_fn(|column| matrix[(row, column)])),
         }
     }
@@ -83,12 +92,13 @@ impl CameraSettings {
     ///
     /// # Errors
     /// Focal lengths that are not positive, values that are not finite, an empty image or one of more than 8 million pixels.
-    pub fn model(&self) -> Result<PinholeRadtan, BadCameraSettings> {
+    pub fn model(&self) -> Result<CameraModel, BadCameraSettings> {
         let [width, height] = self.resolution.map(u64::from);
         if width * height > MOST_PIXELS {
             return Err(BadCameraSettings::TooLarge { size: self.resolution });
         }
-        Ok(PinholeRadtan::new(self.resolution, self.intrinsics, self.distortion)?)
+        let lens = Lens::new(self.lens, &self.distortion)?;
+        Ok(CameraModel::new(self.resolution, self.intrinsics, lens)?)
     }
 
     /// Points in the camera's frame to the body's.
@@ -110,7 +120,9 @@ impl CameraSettings {
 
     /// Adds what is wrong with it to `faults`, under the key `camera`.
     pub(crate) fn check(&self, faults: &mut Vec<ConfigFault>) {
-        if self.model().is_err() {
+        if let Err(error @ BadCamera::Coefficients { .. }) = Lens::new(self.lens, &self.distortion) {
+            faults.push(ConfigFault::new("camera.distortion", error, "coefficients that the lens has"));
+        } else if self.model().is_err() {
             let value = format!("{:?} with intrinsics {:?}", self.resolution, self.intrinsics);
             faults.push(ConfigFault::new(
                 "camera.intrinsics",
@@ -127,9 +139,9 @@ impl CameraSettings {
 impl TryFrom<&CameraConfig> for CameraSettings {
     type Error = BadCamera;
 
-    /// The camera of a sequence; refuses lenses that are not radial-tangential.
+    /// The camera of a sequence.
     fn try_from(config: &CameraConfig) -> Result<Self, BadCamera> {
-        Ok(Self::new(&PinholeRadtan::try_from(config)?, &config.body_from_cam))
+        Ok(Self::new(&CameraModel::try_from(config)?, &config.body_from_cam))
     }
 }
 
@@ -140,7 +152,7 @@ mod tests {
     #[test]
     fn the_default_is_eurocs_camera() {
         let settings = CameraSettings::default();
-        assert_eq!(settings.model().unwrap(), PinholeRadtan::euroc_cam0());
+        assert_eq!(settings.model().unwrap(), CameraModel::euroc_cam0());
         // A point on the optical axis, by hand.
         let ahead = settings.body_from_cam().unwrap() * nalgebra::Point3::new(0.0, 0.0, 2.0);
         let expected = Vector3::new(
@@ -154,7 +166,7 @@ mod tests {
     #[test]
     fn settings_made_from_parts_give_the_parts_back() {
         let pose = Isometry3::new(Vector3::new(0.1, -0.2, 0.3), Vector3::new(1.0, 2.0, -0.5));
-        let settings = CameraSettings::new(&PinholeRadtan::euroc_cam0(), &pose);
+        let settings = CameraSettings::new(&CameraModel::euroc_cam0(), &pose);
         let back = settings.body_from_cam().unwrap();
         assert!((back.to_matrix() - pose.to_matrix()).norm() < 1e-14);
     }

@@ -15,6 +15,7 @@
 //! Not here: motion blur, rolling shutter, light, descriptors; occlusion, for a box is convex and its relief is thin.
 
 mod camera;
+mod coefficients;
 mod config;
 mod path;
 mod recorded;
@@ -27,6 +28,7 @@ mod tracker;
 mod world;
 
 pub use camera::{BadCameraSettings, CameraSettings};
+pub use coefficients::Coefficients;
 pub use config::{PathConfig, TracksConfig};
 pub use path::{AnalyticPath, Bounds, CameraPath, camera_stamps};
 pub use recorded::{PathError, RecordedPath};

@@ -2,8 +2,8 @@
 
 use super::camera::{BadCameraSettings, CameraSettings};
 use super::world::Points;
-use dpn_core::camera::PinholeRadtan;
-use nalgebra::{Isometry3, Vector2};
+use dpn_core::camera::{CameraModel, Lens, WIDEST_RAD};
+use nalgebra::{Isometry3, Vector2, Vector3};
 
 /// Nearest depth at which a point is seen \[m\].
 const NEAREST_M: f64 = 0.3;
@@ -20,9 +20,9 @@ const NOWHERE: u32 = u32::MAX;
 /// What the camera sees of the world at one instant; kept from frame to frame for its room.
 pub(super) struct Sight<'a> {
     points: &'a Points,
-    model: PinholeRadtan,
+    model: CameraModel,
     body_from_cam: Isometry3<f64>,
-    /// Largest x/z and y/z inside the image: beyond, the distortion's polynomial folds back into it.
+    /// Largest x/z and y/z inside the image, or of use: beyond, a distortion's polynomial may fold back into it.
     reach: Vector2<f64>,
     /// Points in the camera's frame, a block at a time.
     block: [Vec<f64>; 3],
@@ -47,7 +47,7 @@ impl<'a> Sight<'a> {
     }
 
     /// The camera's lens.
-    pub(super) fn model(&self) -> &PinholeRadtan {
+    pub(super) fn model(&self) -> &CameraModel {
         &self.model
     }
 
@@ -73,12 +73,14 @@ impl<'a> Sight<'a> {
             let [cam_x, cam_y, cam_z] = &self.block;
             for i in 0..range.len() {
                 let (x, y, z) = (cam_x[i], cam_y[i], cam_z[i]);
-                if z > NEAREST_M && x.abs() < self.reach.x * z && y.abs() < self.reach.y * z {
-                    let px = self.model.pixel_of(&Vector2::new(x / z, y / z));
-                    if self.model.contains(&px, BORDER_PX) {
-                        self.place[first + i] = self.seen.len() as u32;
-                        self.seen.push(((first + i) as u32, px));
-                    }
+                if z > NEAREST_M
+                    && x.abs() < self.reach.x * z
+                    && y.abs() < self.reach.y * z
+                    && let Some(px) = self.model.project(&Vector3::new(x, y, z))
+                    && self.model.contains(&px, BORDER_PX)
+                {
+                    self.place[first + i] = self.seen.len() as u32;
+                    self.seen.push(((first + i) as u32, px));
                 }
             }
         }
@@ -96,8 +98,12 @@ impl<'a> Sight<'a> {
     }
 }
 
-/// The largest x/z and y/z that the image's border sees, in size. Where the lens model has no inverse, the pinhole's own.
-fn reach(model: &PinholeRadtan) -> Vector2<f64> {
+/// The largest x/z and y/z that the image's border sees, in size. Where a pinhole's lens has no inverse, the pinhole's own; of a lens with
+/// pixels that see nothing of use, the widest of use.
+fn reach(model: &CameraModel) -> Vector2<f64> {
+    if !matches!(model.lens(), Lens::Radtan(_)) && !model.sees_all() {
+        return Vector2::repeat(WIDEST_RAD.tan());
+    }
     const STEPS: u32 = 64;
     let [width, height] = model.size().map(|size| f64::from(size - 1));
     let along = (0..=STEPS).map(|i| f64::from(i) / f64::from(STEPS));
@@ -116,7 +122,6 @@ mod tests {
     use crate::tracks::World;
     use crate::tracks::path::Bounds;
     use dpn_core::random::Stream;
-    use nalgebra::Vector3;
 
     #[test]
     fn what_is_seen_is_what_projects_into_the_image() {

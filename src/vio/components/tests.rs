@@ -3,7 +3,7 @@
 use super::ComponentsConfig;
 use crate::estimator::{Estimator, EstimatorConfig, Phase, Update};
 use crate::preint::NoisySample;
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_core::noise::{AccelNoiseDensity, GyroNoiseDensity};
 use dpn_core::{ImuNoise, ImuSample, SampleRate, TrackFrame};
 use dpn_sim::tracks::{AnalyticPath, CameraSettings, TracksConfig, camera_stamps, simulate_tracks};
@@ -45,7 +45,7 @@ fn run(factor: f64, add: impl Fn(f64, &mut ImuSample)) -> Vec<Update> {
     let config = EstimatorConfig { components: Some(ComponentsConfig::default()), ..Default::default() };
     let body_from_cam = CameraSettings::default().body_from_cam().unwrap();
     let mut estimator =
-        Estimator::new(config, PinholeRadtan::euroc_cam0(), body_from_cam, "flight", 1).unwrap();
+        Estimator::new(config, CameraModel::euroc_cam0(), body_from_cam, "flight", 1).unwrap();
     let noise = ImuNoise::from_values([factor * case.accel; 3], [factor * case.gyro; 3]).unwrap();
     let samples = case.flight.recording.samples();
     let mut left = samples.iter().peekable();

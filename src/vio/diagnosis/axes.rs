@@ -11,7 +11,7 @@
 //! Source: G. Wahba, "A least squares estimate of satellite attitude", SIAM Review 1965; hand-eye calibration by rotations, e.g. J. Furrer et
 //! al., "Evaluation of combined time-offset estimation and hand-eye calibration on robotic datasets", FSR 2017.
 
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_core::geometry::so3;
 use dpn_core::{ImuSample, TrackFrame};
 use nalgebra::{
@@ -31,6 +31,8 @@ const LONGEST_STEP_S: f64 = 0.25;
 const LEAST_TURNING: f64 = 0.05;
 /// Turns that agree within this are from a camera mounted as said \[rad\]; parallax alone makes some degrees.
 const TURN_TOLERANCE: f64 = 0.21;
+/// A mounting that is the inverse of what was said, within this, and thrice as near to it, is that \[rad\]: real tracks tell it to 20 degrees.
+const SWAP_TOLERANCE: f64 = 0.5;
 /// Scales between this and its inverse are the same.
 const SCALE_TOLERANCE: f64 = 1.5;
 /// A scale is told where all within so many of its standard errors are outside the tolerance.
@@ -48,6 +50,8 @@ pub enum AxesVerdict {
     Consistent,
     /// Too little turning, or too few tracks, to tell.
     Unknown,
+    /// They turn together if the extrinsics are taken the other way about: IMU to camera where camera to IMU belongs.
+    Swapped,
     /// They turn together if the camera is mounted otherwise.
     Turned {
         /// By how much \[deg\].
@@ -86,6 +90,10 @@ impl Axes {
             format!("the correlation of camera and gyro rotation is {:.2} as calibrated", self.correlation);
         match self.verdict {
             AxesVerdict::Consistent | AxesVerdict::Unknown => None,
+            AxesVerdict::Swapped => Some(format!(
+                "the camera's extrinsics are swapped: {seen}, {:.2} with what fits best, which is about the inverse; they must map points in the camera's frame to the IMU's: invert the matrix (`T_BS` in sensor.yaml), or name the file that has it with --calib, which knows each program's direction",
+                self.best_correlation
+            )),
             AxesVerdict::Turned { degrees, axis_in_body: [x, y, z] } => Some(format!(
                 "camera and gyro do not turn about the same axes: {seen}, {:.2} with the camera turned by {degrees:.0} degrees about ({x:.2}, {y:.2}, {z:.2}) in the body; look at the rotation of `T_BS` and at the order of the gyro's axes",
                 self.best_correlation
@@ -108,7 +116,7 @@ impl Axes {
 pub fn axes(
     samples: &[ImuSample],
     frames: &[TrackFrame],
-    camera: &PinholeRadtan,
+    camera: &CameraModel,
     body_from_cam: &Isometry3<f64>,
 ) -> Axes {
     let mut meter = AxesMeter::default();
@@ -132,7 +140,7 @@ impl AxesMeter {
         samples: &[ImuSample],
         (a, b): (&TrackFrame, &TrackFrame),
         shared: &[(Vector2<f64>, Vector2<f64>)],
-        camera: &PinholeRadtan,
+        camera: &CameraModel,
     ) {
         let seconds = b.t.seconds_since(a.t);
         if seconds > LONGEST_STEP_S {
@@ -192,6 +200,16 @@ fn compared(turns: &[(Vector3<f64>, Vector3<f64>)], body_from_cam: &Isometry3<f6
     } else if turned.max(mirrored) < 0.5 {
         AxesVerdict::Unrelated
     } else if away.angle() > TURN_TOLERANCE && residual(turned) < BETTER * residual(correlation) {
+        let inverse = given.inverse();
+        let (off, as_inverse) = (inverse.angle_to(&rotation), residual(agreement(inverse.matrix())));
+        if off < SWAP_TOLERANCE.min(away.angle() / 3.0) && as_inverse < BETTER * residual(correlation) {
+            return Axes {
+                verdict: AxesVerdict::Swapped,
+                pairs: turns.len(),
+                correlation,
+                best_correlation: turned,
+            };
+        }
         let axis = away.axis().map_or([0.0; 3], |axis| axis.into_inner().into());
         AxesVerdict::Turned { degrees: away.angle().to_degrees(), axis_in_body: axis }
     } else {
@@ -290,7 +308,7 @@ mod tests {
     struct Case {
         samples: Vec<ImuSample>,
         frames: Vec<TrackFrame>,
-        camera: PinholeRadtan,
+        camera: CameraModel,
         body_from_cam: Isometry3<f64>,
     }
 
@@ -380,6 +398,20 @@ mod tests {
         let judged = case.judged();
         let AxesVerdict::Turned { degrees, .. } = judged.verdict else { panic!("{judged:?}") };
         assert!((degrees - 28.6).abs() < 6.0, "{judged:?}");
+    }
+
+    #[test]
+    fn extrinsics_the_wrong_way_about_are_named_and_other_mountings_are_not() {
+        let mut case = case();
+        // EuRoC's camera is turned by 90 degrees about its axis; as good a case as any, for its inverse is 180 degrees away.
+        case.body_from_cam = case.body_from_cam.inverse();
+        let judged = case.judged();
+        assert_eq!(judged.verdict, AxesVerdict::Swapped, "{judged:?}");
+        let said = judged.warning().unwrap();
+        assert!(
+            said.starts_with("the camera's extrinsics are swapped") && said.contains("--calib"),
+            "{said}"
+        );
     }
 
     #[test]

@@ -14,7 +14,7 @@ use crate::init::{InitFrame, RestWatch};
 use crate::preint::{NoisySample, Preintegration};
 use crate::state::NavState;
 use crate::window::{Leaving, Seen, Standstill, Window};
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_core::config::{ConfigFault, Validate};
 use dpn_core::random::Stream;
 use dpn_core::trajectory::StampedPose;
@@ -30,7 +30,7 @@ const START_ROUNDS: usize = 5;
 #[derive(Debug, Clone)]
 pub struct Estimator {
     config: EstimatorConfig,
-    camera: PinholeRadtan,
+    camera: CameraModel,
     imu: ImuBuffer,
     images: ImageTracker,
     frames: VecDeque<TrackFrame>,
@@ -55,12 +55,12 @@ impl Estimator {
     /// Settings out of their bounds, all of them.
     pub fn new(
         mut config: EstimatorConfig,
-        camera: PinholeRadtan,
+        camera: CameraModel,
         body_from_cam: Isometry3<f64>,
         name: &str,
         seed: u64,
     ) -> Result<Self, Vec<ConfigFault>> {
-        config.init.focal_px = camera.focal().mean();
+        config.init.focal_px = camera.px_per_rad();
         config.validate()?;
         let stream = Stream::new(seed).named("estimator");
         Ok(Self {
@@ -214,7 +214,7 @@ impl Estimator {
         self.report.anchor.get_or_insert(anchor);
         let state = self.window.newest().expect("frames were just added").state;
         while self.window.is_full() {
-            let leaving = self.window.leaving(self.camera.focal().mean());
+            let leaving = self.window.leaving(self.camera.px_per_rad());
             self.window.slide(leaving);
         }
         self.running = true;
@@ -347,7 +347,7 @@ impl Estimator {
         }
         update.landmarks = self.window.landmarks().iter().filter(|l| l.inverse_depth.is_some()).count();
         if self.window.is_full() {
-            let leaving: Leaving = self.window.leaving(self.camera.focal().mean());
+            let leaving: Leaving = self.window.leaving(self.camera.px_per_rad());
             if let Some(learner) = self.learner.as_mut().filter(|_| leaving == Leaving::Oldest) {
                 learner.read(&self.window);
             }

@@ -8,7 +8,7 @@
 use super::feed_error::FeedError;
 use super::spike::SpikeFilter;
 use crate::frontend::{Fed, FrontEnd, FrontEndConfig, GyroTurn, turn_of_camera};
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_core::config::ConfigFault;
 use dpn_core::random::Stream;
 use dpn_core::{GrayImage, GrayView, ImuSample, Stamp, TrackFrame};
@@ -56,7 +56,7 @@ impl ImageTracker {
     /// Settings out of their bounds, all of them.
     pub fn new(
         config: FrontEndConfig,
-        camera: PinholeRadtan,
+        camera: CameraModel,
         body_from_cam: UnitQuaternion<f64>,
         name: &str,
         seed: u64,

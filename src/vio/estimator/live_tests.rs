@@ -5,7 +5,7 @@ use crate::frontend::tests::wall::{Wall, half_camera, stamp};
 use crate::frontend::{Fed, Status};
 use crate::init::WaitReason;
 use crate::preint::NoisySample;
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_core::geometry::so3;
 use dpn_core::{GrayImage, ImuNoise, ImuSample, Stamp, TrackFrame};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
@@ -55,7 +55,7 @@ fn config() -> EstimatorConfig {
     config
 }
 
-fn estimator(camera: PinholeRadtan) -> Estimator {
+fn estimator(camera: CameraModel) -> Estimator {
     Estimator::new(config(), camera, Isometry3::identity(), "wall", 1).unwrap()
 }
 
@@ -307,7 +307,7 @@ impl FrontEndObserver for PassedOver {
 }
 
 /// The long flight, with each image changed, or lost, by `spoil`.
-fn spoilt(camera: PinholeRadtan, spoil: impl Fn(usize) -> Option<GrayImage>) -> Spoilt {
+fn spoilt(camera: CameraModel, spoil: impl Fn(usize) -> Option<GrayImage>) -> Spoilt {
     let mut estimator = estimator(camera);
     let mut left = Spoilt { updates: Vec::new(), errors: Vec::new(), passed_over: 0 };
     let mut over = PassedOver(0);
@@ -433,8 +433,8 @@ fn in_the_dark_there_is_no_pose_and_with_the_light_it_goes_on_or_begins_anew() {
 fn a_calibration_of_another_camera_is_no_reason_to_invent_poses() {
     let camera = half_camera();
     let focal = camera.focal() * 1.7;
-    let other =
-        PinholeRadtan::new([376, 240], [focal.x, focal.y, 150.0, 160.0], [0.3, -0.2, 0.0, 0.0, 0.0]).unwrap();
+    let other = CameraModel::radtan([376, 240], [focal.x, focal.y, 150.0, 160.0], [0.3, -0.2, 0.0, 0.0, 0.0])
+        .unwrap();
     let left = spoilt(other, |i| Some(images()[i].clone()));
     assert!(left.errors.is_empty(), "{:?}", left.errors);
     // It says why: what the camera saw and what the IMU felt do not go together.

@@ -33,12 +33,12 @@ impl RayRates {
 mod tests {
     use super::*;
     use crate::factors::reprojection::Sighting;
-    use dpn_core::camera::PinholeRadtan;
+    use dpn_core::camera::CameraModel;
     use nalgebra::Vector2;
 
     #[test]
     fn a_track_seen_twice_has_a_rate_and_a_new_one_none() {
-        let camera = PinholeRadtan::euroc_cam0();
+        let camera = CameraModel::euroc_cam0();
         let seen = |id, u| {
             let sighting = Sighting::new(&camera, &Vector2::new(u, 240.0), 0.5).unwrap();
             Seen { id, sighting }

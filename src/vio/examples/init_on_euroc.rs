@@ -6,7 +6,7 @@
 //! Data: `$DPN_DATA` or `data/`. `--noise` multiplies .08 m/s^2 and .004 rad/s; `--config` takes keys of [`InitConfig`]; `--list` prints
 //! every start.
 
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_core::geometry::so3;
 use dpn_core::random::Stream;
 use dpn_core::truth::GroundTruth;
@@ -32,7 +32,7 @@ struct Flight {
     imu: ImuRecording,
     frames: Vec<TrackFrame>,
     truth: GroundTruth,
-    camera: PinholeRadtan,
+    camera: CameraModel,
     body_from_cam: Isometry3<f64>,
 }
 
@@ -134,7 +134,7 @@ fn load(sequence: &asl::Sequence, tracks: &Path) -> Result<Flight, Box<dyn Error
         imu: sequence.imu()?,
         frames: read_tracks(&file)?,
         truth: sequence.ground_truth()?,
-        camera: PinholeRadtan::try_from(&config)?,
+        camera: CameraModel::try_from(&config)?,
         body_from_cam: config.body_from_cam,
     })
 }

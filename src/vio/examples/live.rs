@@ -4,7 +4,7 @@
 //! those of `dpn run` on that folder, bit by bit: chance is a function of the seed and of the recording's name.
 
 use dpn_core::ImuNoise;
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_io::ImageFolder;
 use dpn_io::asl::Sequence;
 use dpn_vio::preint::NoisySample;
@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let dir: PathBuf = std::env::args_os().nth(1).ok_or("name the folder of an ASL sequence")?.into();
     let sequence = Sequence::open(&dir)?;
     let calibration = sequence.camera_config()?.ok_or("no cam0/sensor.yaml")?;
-    let camera = PinholeRadtan::try_from(&calibration)?;
+    let camera = CameraModel::try_from(&calibration)?;
     let (config, body_from_cam) = (EstimatorConfig::default(), calibration.body_from_cam);
     let mut estimator = Estimator::new(config, camera, body_from_cam, sequence.name(), 0)
         .map_err(|faults| format!("{faults:?}"))?;

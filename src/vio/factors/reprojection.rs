@@ -14,7 +14,7 @@
 //! The camera clock's offset `s` moves both measurements along the track's own velocity: `m(s) = m + s m'`, `b(s)` likewise
 //! (Qin and Shen 2018, eq. 3).
 
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_core::geometry::{so3::hat, sphere::tangent_basis};
 use nalgebra::{Isometry3, Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 
@@ -35,7 +35,7 @@ pub struct Sighting {
 
 impl Sighting {
     /// The measurement at pixel `px`, good to `px_std` \[px\]; `None` where the lens has no inverse.
-    pub fn new(camera: &PinholeRadtan, px: &Vector2<f64>, px_std: f64) -> Option<Self> {
+    pub fn new(camera: &CameraModel, px: &Vector2<f64>, px_std: f64) -> Option<Self> {
         let normalised = camera.normalise(px)?;
         let ray = Vector3::new(normalised.x, normalised.y, 1.0);
         let bearing = ray.normalize();
@@ -233,7 +233,7 @@ mod tests {
             let host = pose_plus(&Isometry3::identity(), &vector(2.0));
             let target = pose_plus(&host, &vector(0.3));
             let body_from_cam = pose_plus(&Isometry3::identity(), &vector(1.0));
-            let camera = PinholeRadtan::euroc_cam0();
+            let camera = CameraModel::euroc_cam0();
             let mut px = || Vector2::new(rng.random_range(200.0..550.0), rng.random_range(100.0..380.0));
             let mut seen_by_host = Sighting::new(&camera, &px(), 0.7).unwrap();
             let mut seen_by_target = Sighting::new(&camera, &px(), 0.7).unwrap();
@@ -289,7 +289,7 @@ mod tests {
             let d_pixel = geometry.d_host_pixel(&at, &case.seen_by_host.spread);
             check_jacobian("d_res_d_host_pixel", &Matrix2::from_fn(|r, c| d_pixel[r][c]), TOLERANCE, |d| {
                 let mut moved = Case::random(seed);
-                let camera = PinholeRadtan::euroc_cam0();
+                let camera = CameraModel::euroc_cam0();
                 let px = camera.project(&moved.seen_by_host.ray).unwrap() + 0.7 * Vector2::new(d[0], d[1]);
                 moved.seen_by_host = Sighting::new(&camera, &px, 0.7).unwrap();
                 moved.residual()
@@ -337,7 +337,7 @@ mod tests {
 
     #[test]
     fn a_true_landmark_has_no_residual_and_a_pixel_off_is_one_over_its_deviation() {
-        let camera = PinholeRadtan::euroc_cam0();
+        let camera = CameraModel::euroc_cam0();
         let body_from_cam = Case::random(3).body_from_cam;
         let host = Case::random(3).host;
         // One metre to the camera's right, looking the same way.

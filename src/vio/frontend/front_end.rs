@@ -9,7 +9,7 @@ use super::predict::turned;
 use super::ransac::{Pair, agree};
 use super::report::{Agreement, FrameReport, Lost, LostBy, Status};
 use super::schedule::Schedule;
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_core::config::{ConfigFault, Validate};
 use dpn_core::random::Stream;
 use dpn_core::{GrayImage, GrayView, Stamp, Track, TrackFrame};
@@ -80,7 +80,7 @@ pub struct Fed {
 /// Its memory does not grow. Its answers are a function of images, stamps, rotations, configuration and stream.
 #[derive(Debug, Clone)]
 pub struct FrontEnd {
-    camera: PinholeRadtan,
+    camera: CameraModel,
     config: FrontEndConfig,
     stream: Stream,
     klt: Klt,
@@ -116,7 +116,7 @@ impl FrontEnd {
     /// # Errors
     /// Settings outside their bounds, all of them.
     pub fn new(
-        camera: PinholeRadtan,
+        camera: CameraModel,
         config: FrontEndConfig,
         stream: &Stream,
     ) -> Result<Self, Vec<ConfigFault>> {
@@ -130,7 +130,7 @@ impl FrontEnd {
             back: Klt::new(KltConfig { min_correlation: 0.0, affine: false, ..config.klt }),
             detector: Detector::new(config.corners),
             clahe: config.clahe.enabled.then(|| Clahe::new(config.clahe)),
-            allowed: None,
+            allowed: circle_of(&camera),
             mask: Mask::default(),
             schedule: Schedule::new(config.rate_hz),
             prev: Pyramid::default(),
@@ -158,7 +158,14 @@ impl FrontEnd {
         if size != camera.map(|side| side as usize) {
             return Err(MaskSizeError { mask: size, camera });
         }
-        self.allowed = Some(mask);
+        // Where the lens sees nothing of use there are no points, whatever the mask says.
+        self.allowed = Some(match self.allowed.take() {
+            None => mask,
+            Some(circle) => {
+                let both = |x, y| if circle.view().row(y)[x] == 0 { 0 } else { mask.view().row(y)[x] };
+                GrayImage::from_fn(mask.width(), mask.height(), both).expect("as large as the mask")
+            }
+        });
         Ok(self)
     }
 
@@ -298,7 +305,7 @@ impl FrontEnd {
                 report.lost.push(point.lost(LostBy::Back));
                 return false;
             }
-            let Some(bearing) = camera.bearing(&Vector2::from(place.map(f64::from))) else {
+            let Some(bearing) = camera.sight(&Vector2::from(place.map(f64::from))) else {
                 report.lost.push(point.lost(LostBy::Outside));
                 return false;
             };
@@ -337,7 +344,7 @@ impl FrontEnd {
             .filter_map(|point| Some(Pair { prev: point.handed?, cur: point.bearing }))
             .collect();
         let stream = self.stream.index(self.frames);
-        let focal = self.camera.focal().mean();
+        let focal = self.camera.px_per_rad();
         let seconds = self.handed.map_or(0.0, |handed| report.t.seconds_since(handed));
         let turn = self.since_handed.map(|turn| self.gyro_bias.corrected(&turn, seconds));
         let mut ransac = self.config.ransac;
@@ -421,7 +428,7 @@ impl FrontEnd {
         // The image is the earlier one already: it was put there when it had been tracked into.
         let plane = self.prev.planes().first().expect("a pyramid that was built has its base");
         for corner in self.detector.detect(plane, &mut self.mask, &places) {
-            let Some(bearing) = self.camera.bearing(&Vector2::from(corner.px.map(f64::from))) else {
+            let Some(bearing) = self.camera.sight(&Vector2::from(corner.px.map(f64::from))) else {
                 continue;
             };
             self.points.push(Point { id: self.next_id, px: corner.px, bearing, handed: None, age: 1 });
@@ -429,6 +436,23 @@ impl FrontEnd {
             report.new += 1;
         }
     }
+}
+
+/// A fish-eye's edge is a contour that stands still: new points keep so far from it \[px\].
+const EDGE_PX: f64 = 12.0;
+
+/// Where a lens sees something of use, with room beside; `None` where it does everywhere.
+fn circle_of(camera: &CameraModel) -> Option<GrayImage> {
+    if camera.sees_all() {
+        return None;
+    }
+    let [width, height] = camera.size().map(|side| side as usize);
+    let allowed = |x: usize, y: usize| {
+        let from_centre = Vector2::new(x as f64, y as f64) - camera.principal();
+        let outwards = from_centre + from_centre.try_normalize(1e-9).unwrap_or_default() * EDGE_PX;
+        u8::from(camera.sight(&(camera.principal() + outwards)).is_some())
+    };
+    GrayImage::from_fn(width, height, allowed).ok()
 }
 
 fn distance(a: [f32; 2], b: [f32; 2]) -> f64 {
@@ -439,4 +463,34 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
     let start = Instant::now();
     let result = work();
     (result, start.elapsed())
+}
+
+#[cfg(test)]
+mod circle {
+    use super::*;
+
+    #[test]
+    fn a_fish_eye_has_points_inside_its_circle_alone_and_any_mask_goes_with_it() {
+        let camera = CameraModel::tumvi_cam0();
+        let speckle =
+            |x: usize, y: usize| (x.wrapping_mul(2_654_435_761) ^ y.wrapping_mul(40_503) >> 3) as u8;
+        let image = GrayImage::from_fn(512, 512, |x, y| speckle(x / 9, y / 9)).unwrap();
+        let fed = |front_end: &mut FrontEnd| {
+            let frame = front_end.feed(image.view(), Stamp::from_ns(0), None).frame.unwrap();
+            frame.tracks.iter().map(|track| track.px).collect::<Vec<_>>()
+        };
+        let new = || FrontEnd::new(camera, FrontEndConfig::default(), &Stream::new(1)).unwrap();
+        let seen = fed(&mut new());
+        assert!(seen.len() > 50, "{}", seen.len());
+        let at_edge = |px: &Vector2<f64>| {
+            let outwards = (px - camera.principal()).normalize() * (EDGE_PX - 2.0);
+            camera.sight(&(px + outwards)).is_none()
+        };
+        assert!(!seen.iter().any(at_edge));
+        let half = GrayImage::from_fn(512, 512, |x, _| u8::from(x < 256)).unwrap();
+        let left = fed(&mut new().with_mask(half).unwrap());
+        assert!(left.len() > 20 && !left.iter().any(|px| at_edge(px) || px.x > 257.0));
+        // A pinhole's image has no such circle.
+        assert_eq!(circle_of(&CameraModel::euroc_cam0()), None);
+    }
 }

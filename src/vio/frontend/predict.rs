@@ -1,6 +1,6 @@
 //! Where a turned camera sees a point again.
 
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 
 /// A point whose prediction is farther outside the image than this \[px\] is looked for where it was.
@@ -16,7 +16,7 @@ pub(crate) fn turn_of_camera(
 
 /// The pixel of `bearing` after the camera turned; none where it is out of sight.
 pub(super) fn turned(
-    camera: &PinholeRadtan,
+    camera: &CameraModel,
     bearing: &Vector3<f64>,
     cur_from_prev: &UnitQuaternion<f64>,
 ) -> Option<Vector2<f64>> {
@@ -33,7 +33,7 @@ mod tests {
 
     #[test]
     fn a_turn_to_the_right_moves_points_to_the_left() {
-        let camera = PinholeRadtan::euroc_cam0();
+        let camera = CameraModel::euroc_cam0();
         let px = Vector2::new(400.0, 250.0);
         let bearing = camera.bearing(&px).unwrap();
         // The camera turns about its y axis (down) to the right: what it sees turns the other way.
@@ -57,7 +57,7 @@ mod tests {
 
     #[test]
     fn where_the_lens_folds_back_nothing_is_predicted() {
-        let camera = PinholeRadtan::euroc_cam0();
+        let camera = CameraModel::euroc_cam0();
         for i in 0..200 {
             let angle = 0.015 * f64::from(i);
             let bearing = Vector3::new(angle.sin(), 0.0, angle.cos());

@@ -19,6 +19,9 @@ const SETTLED_S: f64 = 0.15;
 /// Mean rotation rate that a gyro's bias can feign \[rad/s\].
 const MAX_RATE: f64 = 0.15;
 
+/// Bearings count whose cosine from the axis is above this: beside a fish-eye's edge a pixel is many times as much of the plane z = 1.
+const NEAR_AXIS: f64 = 0.5;
+
 /// Follows a sequence of frames and says until when they stood still.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct RestWatch {
@@ -86,7 +89,7 @@ impl RestWatch {
 ///
 /// Least squares for `b - a = shift + growth * a + roll * perp(a)` over the tracks but the wildest.
 fn common_motion(pairs: &[(Vector3<f64>, Vector3<f64>)]) -> f64 {
-    let flows = pairs.iter().filter(|(a, b)| a.z > 0.0 && b.z > 0.0);
+    let flows = pairs.iter().filter(|(a, b)| a.z > NEAR_AXIS && b.z > NEAR_AXIS);
     let flows: Vec<(Vector2<f64>, Vector2<f64>)> =
         flows.map(|(a, b)| (a.xy() / a.z, b.xy() / b.z - a.xy() / a.z)).collect();
     let mut sizes: Vec<f64> = flows.iter().map(|(_, flow)| flow.norm()).collect();

@@ -2,7 +2,7 @@
 //! vehicle by a milliradian and its accelerometer by .8 m/s^2.
 
 use dpn_core::ImuNoise;
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_io::ImageFolder;
 use dpn_io::asl::Sequence;
 use dpn_testing::pack;
@@ -22,7 +22,7 @@ fn sequence() -> Option<Sequence> {
 fn the_estimate_stays_within_two_millimetres() {
     let Some(sequence) = sequence() else { return };
     let calibration = sequence.camera_config().unwrap().unwrap();
-    let camera = PinholeRadtan::try_from(&calibration).unwrap();
+    let camera = CameraModel::try_from(&calibration).unwrap();
     let body_from_cam = calibration.body_from_cam;
     let imu = sequence.imu().unwrap();
     // ADIS16448 at rest: twice its data sheet.

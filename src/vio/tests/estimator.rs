@@ -1,6 +1,6 @@
 //! The whole estimator on a simulated flight: accuracy, determinism, and what it does when its input fails.
 
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_core::{ImuNoise, ImuSample, SampleRate, Stamp, TrackFrame};
 use dpn_sim::tracks::{AnalyticPath, CameraSettings, TracksConfig, camera_stamps, simulate_tracks};
 use dpn_sim::{Flight, FlightConfig, SimulatedFlight, simulate};
@@ -35,8 +35,7 @@ fn case() -> &'static Case {
 
 fn estimator() -> Estimator {
     let body_from_cam = CameraSettings::default().body_from_cam().unwrap();
-    Estimator::new(EstimatorConfig::default(), PinholeRadtan::euroc_cam0(), body_from_cam, "flight", 1)
-        .unwrap()
+    Estimator::new(EstimatorConfig::default(), CameraModel::euroc_cam0(), body_from_cam, "flight", 1).unwrap()
 }
 
 fn noisy(sample: &ImuSample) -> NoisySample {

@@ -1,6 +1,6 @@
 //! The rendered camera through the front-end: flow that is known, scatter at rest beside a real camera's, corners beside a real picture's.
 
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_core::random::Stream;
 use dpn_core::{GrayImage, Stamp};
 use dpn_io::ImageFolder;
@@ -123,7 +123,7 @@ fn noiseless() -> RenderConfig {
 /// the median, so that few that slip do not count.
 ///
 /// The real vehicle does not stand quite still: it rocks by up to a pixel, all of it in common.
-fn scatter(camera: PinholeRadtan, images: impl Iterator<Item = (Stamp, GrayImage)>) -> f64 {
+fn scatter(camera: CameraModel, images: impl Iterator<Item = (Stamp, GrayImage)>) -> f64 {
     let config = FrontEndConfig { rate_hz: 20.0, ..FrontEndConfig::default() };
     let mut front_end = FrontEnd::new(camera, config, &Stream::new(1)).unwrap();
     let mut last: BTreeMap<u64, Vector2<f64>> = BTreeMap::new();
@@ -176,7 +176,7 @@ fn real() -> Option<Sequence> {
 #[test]
 fn at_rest_tracks_scatter_as_on_real_images_and_corners_are_as_many() {
     let Some(sequence) = real() else { return };
-    let model = PinholeRadtan::try_from(&sequence.camera_config().unwrap().unwrap()).unwrap();
+    let model = CameraModel::try_from(&sequence.camera_config().unwrap().unwrap()).unwrap();
     let images: Vec<_> = ImageFolder::open(&sequence)
         .unwrap()
         .prefetch(2)

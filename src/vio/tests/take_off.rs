@@ -1,6 +1,6 @@
 //! Carried by hand, put down, flown: whatever the rest's length, nothing moves in it and the first seconds of flight are as good as others.
 
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_core::random::Stream;
 use dpn_core::{ImuNoise, ImuSample, SampleRate, Stamp};
 use dpn_sim::Trajectory;
@@ -59,7 +59,7 @@ fn updates(trajectory: &Trajectory, seed: u64) -> Vec<Update> {
     let body_from_cam = CameraSettings::default().body_from_cam().unwrap();
     let mut estimator = Estimator::new(
         EstimatorConfig::default(),
-        PinholeRadtan::euroc_cam0(),
+        CameraModel::euroc_cam0(),
         body_from_cam,
         "taken up",
         seed,

@@ -7,7 +7,7 @@ use crate::factors::loss::Loss;
 use crate::factors::reprojection::Sighting;
 use crate::init::tests::{Scene, body_from_cam, gentle_flight};
 use crate::state::{NavState, STATE_DIM};
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use nalgebra::{DMatrix, DVector, SVector, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 
@@ -26,7 +26,7 @@ fn config() -> WindowConfig {
 
 /// What frame `k` of a scene sees; points that the first frame saw are lost after the fifth.
 fn seen(scene: &Scene, k: usize) -> Vec<Seen> {
-    let camera = PinholeRadtan::euroc_cam0();
+    let camera = CameraModel::euroc_cam0();
     scene.frames[k]
         .bearings()
         .iter()

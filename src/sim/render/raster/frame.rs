@@ -175,7 +175,7 @@ mod tests {
     use super::super::view::Facet;
     use super::*;
     use crate::tracks::{Bounds, World};
-    use dpn_core::camera::PinholeRadtan;
+    use dpn_core::camera::CameraModel;
     use dpn_core::random::Stream;
     use nalgebra::Vector3;
 
@@ -195,7 +195,7 @@ mod tests {
 
     #[test]
     fn every_pixel_shows_the_nearest_surface() {
-        let (scene, camera) = (scene(), PinholeRadtan::euroc_cam0());
+        let (scene, camera) = (scene(), CameraModel::euroc_cam0());
         let (lens, mut frame) = (Lens::new(&camera, 1).unwrap(), Frame::default());
         for pose in poses() {
             frame.render(&scene, &lens, &pose);
@@ -219,7 +219,7 @@ mod tests {
 
     #[test]
     fn the_texture_lies_where_geometry_says() {
-        let (scene, camera) = (scene(), PinholeRadtan::euroc_cam0());
+        let (scene, camera) = (scene(), CameraModel::euroc_cam0());
         let (lens, mut frame) = (Lens::new(&camera, 1).unwrap(), Frame::default());
         let mut compared = 0;
         for pose in poses() {

@@ -2,7 +2,7 @@
 
 use super::super::*;
 use dpn_core::TrackFrame;
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_core::random::Stream;
 use dpn_io::ImageFolder;
 use dpn_io::asl::Sequence;
@@ -41,7 +41,7 @@ fn scatter(seen: &BTreeMap<u64, Vec<Vector2<f64>>>) -> [f64; 2] {
 #[test]
 fn a_camera_at_rest_keeps_its_tracks_and_they_stay_where_they_are() {
     let Some(sequence) = sequence() else { return };
-    let camera = PinholeRadtan::try_from(&sequence.camera_config().unwrap().unwrap()).unwrap();
+    let camera = CameraModel::try_from(&sequence.camera_config().unwrap().unwrap()).unwrap();
     let folder = ImageFolder::open(&sequence).unwrap();
     assert!(folder.coverage().is_complete() && folder.len() == 40);
     let mut front_end = FrontEnd::new(camera, FrontEndConfig::default(), &Stream::new(1)).unwrap();

@@ -1,6 +1,6 @@
 //! A camera in front of a wall with a random pattern: every track's true place is known.
 
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_core::random::Stream;
 use dpn_core::{GrayImage, Stamp};
 use nalgebra::{Isometry3, UnitQuaternion, Vector2, Vector3};
@@ -12,7 +12,7 @@ const DISTANCE: f64 = 3.0;
 
 /// The wall's coordinates of every pixel's line of sight are found with these.
 pub(crate) struct Wall {
-    pub(crate) camera: PinholeRadtan,
+    pub(crate) camera: CameraModel,
     bearings: Vec<Vector3<f64>>,
     seed: u64,
     /// Light: grey = gain * pattern + offset.
@@ -23,9 +23,9 @@ pub(crate) struct Wall {
 }
 
 /// EuRoC's camera at half its size.
-pub(crate) fn half_camera() -> PinholeRadtan {
+pub(crate) fn half_camera() -> CameraModel {
     let distortion = [-0.283_408_11, 0.073_959_07, 0.000_193_59, 1.761_871_14e-5, 0.0];
-    PinholeRadtan::new([376, 240], [229.3, 228.6, 183.6, 124.2], distortion).unwrap()
+    CameraModel::radtan([376, 240], [229.3, 228.6, 183.6, 124.2], distortion).unwrap()
 }
 
 impl Wall {
