@@ -364,7 +364,8 @@ proptest! {
 #[test]
 fn shares_handed_over_add_up_to_each_sighting_once() {
     let mut window = window(&scene(3), 9, WindowConfig { handover: Handover::Share, ..config() });
-    let landmark = window.landmarks().iter().find(|l| l.host() == 0 && l.sightings.len() > 4).unwrap().clone();
+    let landmark =
+        window.landmarks().iter().find(|l| l.host() == 0 && l.sightings.len() > 4).unwrap().clone();
     let rows = landmark.sightings.len() - 1;
     let (mut left, mut entered) = (landmark, 0.0);
     while left.sightings.len() > 1 {
@@ -394,7 +395,7 @@ fn a_share_of_a_landmark_is_that_share_of_its_information() {
     let prior = |handover| window(&scene, 3, WindowConfig { handover, ..config() }).prior_without_oldest();
     // Two sightings a landmark hand over all of it, three a half: less is known where shares are handed over.
     let (all, part) = (prior(Handover::Reuse), prior(Handover::Share));
-    let places = 0..all.system.dim();
+    let places = 0..all.layout.dim();
     assert!(places.clone().all(|k| part.system.at(k, k) <= all.system.at(k, k) * (1.0 + 1e-9)));
     assert!(places.clone().any(|k| part.system.at(k, k) < 0.9 * all.system.at(k, k)));
 }

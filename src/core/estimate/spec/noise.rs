@@ -94,7 +94,13 @@ impl NoiseSpec {
             | Self::Mean(of)
             | Self::MeanOfTrain(of)
             | Self::Learned(of)
-            | Self::Plus { of, .. } => if of.is_learned() { Some(of) } else { of.learned_before() },
+            | Self::Plus { of, .. } => {
+                if of.is_learned() {
+                    Some(of)
+                } else {
+                    of.learned_before()
+                }
+            }
             _ => None,
         }
     }
