@@ -1,7 +1,7 @@
 //! ARCHITECTURE.md's arrows, held to the manifests: which crate of the workspace may use which, who alone sees the heavy third-party crates, and
 //! that each dependency has its reason there.
 
-use crate::read;
+use crate::{at, read};
 use std::collections::BTreeSet;
 use toml::Table;
 

@@ -20,7 +20,7 @@ use super::sweep_cache::{Needs, SweepCache};
 use super::sweep_faults::{FailedCell, OnFault, UnseenSequences, UntrackedSequence};
 use super::sweep_plan::{Sweep, nees_path, remove_files, trajectory_path};
 use super::tracked::TrackedSequence;
-use crate::noise::{MeanSquare, Recorded, of_recording};
+use crate::noise::{AfterRun, MeanSquare, Recorded, of_recording};
 use cpu_time::ThreadTime;
 use dpn_core::ImuNoise;
 use dpn_core::estimate::NoiseSpec;
@@ -291,7 +291,16 @@ impl Sweep<'_> {
         let from_s = self.from.seconds(&recording.name);
         let stream = Stream::new(cell.seed).named("noise").named(&recording.name);
         let sources = cache.sources(needs, recorded(&recording), self.networks);
-        let noise = crate::noise::track(cell.noise, &recording.imu, &sources, &stream)?;
+        let noise = match cell.noise.learned_before() {
+            None => crate::noise::track(cell.noise, &recording.imu, &sources, &stream)?,
+            Some(learned) => {
+                let told = crate::noise::track(learned, &recording.imu, &sources, &stream)?;
+                let estimator = settings_for(&self.estimator, learned);
+                let output = drive(&estimator, &recording, seen.run(), &told, cell.seed)?;
+                let sources = AfterRun { sources: &sources, in_force: output.in_force(told) };
+                crate::noise::track(cell.noise, &recording.imu, &sources, &stream)?
+            }
+        };
         let estimator = settings_for(&self.estimator, cell.noise);
         let output = drive(&estimator, &recording, seen.run(), &noise, cell.seed)?;
         let noise = output.in_force(noise);

@@ -104,6 +104,14 @@ pub enum NoiseError {
         /// The spec.
         spec: String,
     },
+    /// Levels that no run has learned yet.
+    #[error(
+        "`{spec}` is learned by a run of the odometry, and there is none here; `dpn eval --closed-loop` makes that run first, or give what `dpn run --noise self` wrote: mean(file(\"noise_learned.csv\"))"
+    )]
+    NotLearned {
+        /// The spec.
+        spec: String,
+    },
     /// No sequences to take a mean over.
     #[error(
         "`{spec}` needs training sequences to take the mean over, and there are none here; give constants instead: const(ACCEL,GYRO)"

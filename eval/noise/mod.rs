@@ -11,4 +11,5 @@ mod track;
 pub use content::content;
 pub use controls::{BLOCK_S, MeanSquare, shuffled};
 pub use error::NoiseError;
+pub(crate) use track::AfterRun;
 pub use track::{Fresh, Recorded, Sources, live, of_recording, track};

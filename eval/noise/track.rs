@@ -29,6 +29,36 @@ pub trait Sources {
     /// # Errors
     /// No training sequences; as [`of_recording`].
     fn training_mean(&self, source: &NoiseSpec) -> Result<ImuNoise, NoiseError>;
+
+    /// The noise in force in a run that learned its levels, for the controls made of it.
+    ///
+    /// # Errors
+    /// There was no such run.
+    fn learned(&self, spec: &NoiseSpec) -> Result<Arc<NoiseTrack>, NoiseError> {
+        Err(NoiseError::NotLearned { spec: spec.to_string() })
+    }
+}
+
+/// Sources to which the noise in force in a first run of the same cell is known.
+pub(crate) struct AfterRun<'a> {
+    /// All else.
+    pub(crate) sources: &'a dyn Sources,
+    /// The noise in force.
+    pub(crate) in_force: Arc<NoiseTrack>,
+}
+
+impl Sources for AfterRun<'_> {
+    fn track(&self, source: &NoiseSpec) -> Result<Arc<NoiseTrack>, NoiseError> {
+        self.sources.track(source)
+    }
+
+    fn training_mean(&self, source: &NoiseSpec) -> Result<ImuNoise, NoiseError> {
+        self.sources.training_mean(source)
+    }
+
+    fn learned(&self, _: &NoiseSpec) -> Result<Arc<NoiseTrack>, NoiseError> {
+        Ok(Arc::clone(&self.in_force))
+    }
 }
 
 /// A recording and what is known of its noise.
@@ -71,14 +101,17 @@ pub fn track(
     sources: &dyn Sources,
     stream: &Stream,
 ) -> Result<Arc<NoiseTrack>, NoiseError> {
+    let made_of = |of: &NoiseSpec, stream: &Stream| {
+        if of.is_learned() { sources.learned(of) } else { track(of, imu, sources, stream) }
+    };
     match spec {
         NoiseSpec::Shuffled(of) => {
             let stream = stream.named("shuffled");
-            Ok(Arc::new(shuffled(&*track(of, imu, sources, &stream)?, &stream)))
+            Ok(Arc::new(shuffled(&*made_of(of, &stream)?, &stream)))
         }
         NoiseSpec::Learned(of) => track(of, imu, sources, stream),
         NoiseSpec::Mean(of) => {
-            let track = track(of, imu, sources, stream)?;
+            let track = made_of(of, stream)?;
             let mut mean = MeanSquare::default();
             mean.add(&track);
             let mean = mean.root().ok_or_else(|| NoiseError::TooLarge { spec: spec.to_string() })?;

@@ -104,6 +104,7 @@ mod tests {
     use crate::init::initial_parameters;
     use dpn_core::random::Stream;
     use rand::Rng;
+    use std::sync::Arc;
 
     fn config() -> ProNetConfig {
         ProNetConfig {

@@ -9,6 +9,9 @@ use serde::{Deserialize, Serialize};
 pub enum Handover {
     /// Their sightings enter the prior and are used again from the next host: information counted twice, as VINS-Mono does.
     Reuse,
+    /// As `Reuse`, but a landmark of `m` sightings enters the prior with `1/(m - 1)` of its information each time it loses its host: over its track
+    /// each sighting counts once.
+    Share,
     /// Their sightings enter the prior once; the track goes on as a new landmark from the newest frame.
     Consume,
     /// The leaving sighting is dropped, the others stay with the next host; tracks that have ended enter the prior.

@@ -51,12 +51,12 @@ impl WithSimd for Landmarks<'_> {
     fn with_simd<S: Simd>(mut self, simd: S) -> f64 {
         let mut cost = 0.0;
         for (index, landmark) in self.window.landmarks.iter().enumerate() {
-            let sightings = match self.part {
-                Part::All => landmark.sightings.len(),
-                Part::Oldest => self.window.handed_over(landmark),
+            let (sightings, share) = match self.part {
+                Part::All => (landmark.sightings.len(), 1.0),
+                Part::Oldest => (self.window.handed_over(landmark), self.window.handed_share(landmark)),
             };
             if let Some(inverse_depth) = landmark.inverse_depth.filter(|_| sightings > 1) {
-                cost += self.add(simd, index, landmark, sightings, inverse_depth);
+                cost += self.add(simd, index, landmark, (sightings, share), inverse_depth);
             }
         }
         cost
@@ -64,14 +64,14 @@ impl WithSimd for Landmarks<'_> {
 }
 
 impl Landmarks<'_> {
-    /// Adds one landmark and returns its cost.
+    /// Adds one landmark with a share of the information of its first sightings and returns its cost.
     #[inline(always)]
     fn add<S: Simd>(
         &mut self,
         simd: S,
         index: usize,
         landmark: &Landmark,
-        sightings: usize,
+        (sightings, share): (usize, f64),
         inverse_depth: f64,
     ) -> f64 {
         let Self { window, layout, damping, pairs, normal, depths, .. } = self;
@@ -88,15 +88,15 @@ impl Landmarks<'_> {
         let w = &mut depths.w[start..];
 
         let mut cost = 0.0;
-        let mut own = Own::default();
+        let mut own = Own::holding(share);
         for (target, sighting) in &landmark.sightings[1..sightings] {
             let sighting = window.sighting_at_offset(sighting);
             let Some(geometry) = &pairs.geometry[host * pairs.frames + target] else { continue };
             let mut seen = geometry.linearise(&ray, &sighting, inverse_depth);
             let squared = seen.residual.norm_squared();
             let (rho, weight) = window.config.loss.evaluate(squared, window.config.loss_scale);
-            cost += 0.5 * rho;
-            let root = weight.sqrt();
+            cost += 0.5 * share * rho;
+            let root = (share * weight).sqrt();
             seen.residual *= root;
             let pixel = geometry.d_host_pixel(&seen, &host_sighting.spread);
             let place = layout.pose(*target);
@@ -201,12 +201,12 @@ struct Own {
     host_coupling: [[f64; LANES]; LOCAL],
 }
 
-impl Default for Own {
-    /// The host's measurement alone: it holds its pixel to zero, by one deviation.
+impl Own {
+    /// A share of the host's measurement alone: the whole holds its pixel to zero, by one deviation.
     #[inline(always)]
-    fn default() -> Self {
+    fn holding(share: f64) -> Self {
         Self {
-            block: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.0]],
+            block: [[share, 0.0, 0.0], [0.0, share, 0.0], [0.0, 0.0, 0.0]],
             g: [0.0; LOCAL],
             host_square: [[0.0; LANES]; POSE_DIM],
             host_gradient: [0.0; LANES],

@@ -360,3 +360,42 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn shares_handed_over_add_up_to_each_sighting_once() {
+    let mut window = window(&scene(3), 9, WindowConfig { handover: Handover::Share, ..config() });
+    let landmark =
+        window.landmarks().iter().find(|l| l.host() == 0 && l.sightings.len() > 4).unwrap().clone();
+    let rows = landmark.sightings.len() - 1;
+    let (mut left, mut entered) = (landmark, 0.0);
+    while left.sightings.len() > 1 {
+        let used = window.handed_over(&left);
+        assert_eq!(used, left.sightings.len());
+        entered += window.handed_share(&left) * (used - 1) as f64;
+        left.sightings.remove(0);
+        for (frame, _) in &mut left.sightings {
+            *frame -= 1;
+        }
+        left.inverse_depth = Some(0.5);
+        // Its next host is the oldest frame by then.
+        let host = left.sightings[0].0;
+        for (frame, _) in &mut left.sightings {
+            *frame -= host;
+        }
+    }
+    assert!((entered - rows as f64).abs() < 1e-12, "{entered} of {rows}");
+    window.slide(Leaving::Oldest);
+    // What goes on keeps all its other sightings.
+    assert!(window.landmarks().iter().any(|l| l.host() == 0 && l.sightings.len() > 3));
+}
+
+#[test]
+fn a_share_of_a_landmark_is_that_share_of_its_information() {
+    let scene = scene(3);
+    let prior = |handover| window(&scene, 3, WindowConfig { handover, ..config() }).prior_without_oldest();
+    // Two sightings a landmark hand over all of it, three a half: less is known where shares are handed over.
+    let (all, part) = (prior(Handover::Reuse), prior(Handover::Share));
+    let places = 0..all.layout.dim();
+    assert!(places.clone().all(|k| part.system.at(k, k) <= all.system.at(k, k) * (1.0 + 1e-9)));
+    assert!(places.clone().any(|k| part.system.at(k, k) < 0.9 * all.system.at(k, k)));
+}

@@ -9,6 +9,7 @@
 //! | `mean(X)` | X's root mean square over the sequence, per axis: the same level, no change in time |
 //! | `mean-of-train(X)` | X's root mean square over the training sequences, per axis: nothing of this sequence |
 //! | `self`, `self(X)` | X's (x1 where none is said) times levels that the odometry learns while it runs, by axis |
+//! | `mean(self)`, `shuffled(self)` | made of the samples' noise in force in a first run; walks and pixels are as told |
 //! | `plus(X,C)` | root of the sum of squares of X's and a constant's: X for what was added, C for what is there in any case |
 //!
 //! Specs nest: `shuffled(dualpronet)`, `mean(x4,x1)`. `shuffled`, `mean` and `mean-of-train` are controls: they tell what of a gain is due to
@@ -86,6 +87,24 @@ impl NoiseSpec {
         matches!(self, Self::Learned(_))
     }
 
+    /// The learned noise that a first run of the odometry has to learn before this one can be told: that of a control.
+    pub fn learned_before(&self) -> Option<&Self> {
+        match self {
+            Self::Shuffled(of)
+            | Self::Mean(of)
+            | Self::MeanOfTrain(of)
+            | Self::Learned(of)
+            | Self::Plus { of, .. } => {
+                if of.is_learned() {
+                    Some(of)
+                } else {
+                    of.learned_before()
+                }
+            }
+            _ => None,
+        }
+    }
+
     /// The factor on the baseline of both sensors, where that is what the spec says.
     pub fn multiple(&self) -> Option<f64> {
         match self {
@@ -107,16 +126,19 @@ impl NoiseSpec {
             problem: problem.to_owned(),
             usage,
         };
-        let inner = |usage: &'static str| {
+        let of_run = |usage: &'static str| {
             if call.args.is_empty() {
                 return Err(wrong("the spec it is made of is missing", usage));
             }
             let text: Vec<String> = call.args.iter().map(written).collect();
-            let of: Self = text.join(",").parse()?;
-            if of.is_learned() {
-                return Err(wrong(NOT_YET_LEARNED, usage));
+            Ok(Box::new(text.join(",").parse::<Self>()?))
+        };
+        let inner = |usage: &'static str| {
+            let of = of_run(usage)?;
+            if of.is_learned() || of.learned_before().is_some() {
+                return Err(wrong(OF_NO_RUN, usage));
             }
-            Ok(Box::new(of))
+            Ok(of)
         };
         match call.name.as_str() {
             "dualpronet" => match call.args.as_slice() {
@@ -131,10 +153,10 @@ impl NoiseSpec {
             },
             "oracle" if call.args.is_empty() => Ok(Self::Oracle),
             "oracle" => Err(wrong("at most 0 arguments", "oracle")),
-            "shuffled" => Ok(Self::Shuffled(inner("shuffled(spec)")?)),
+            "shuffled" => Ok(Self::Shuffled(of_run("shuffled(spec)")?)),
             "self" if call.args.is_empty() => Ok(Self::Learned(Box::new("x1".parse()?))),
             "self" => Ok(Self::Learned(inner("self(spec)")?)),
-            "mean" => Ok(Self::Mean(inner("mean(spec)")?)),
+            "mean" => Ok(Self::Mean(of_run("mean(spec)")?)),
             "plus" => {
                 let (last, rest) = match call.args.split_last() {
                     Some((last, rest)) if !rest.is_empty() => (last, rest),
@@ -148,8 +170,8 @@ impl NoiseSpec {
                 }
                 let text: Vec<String> = rest.iter().map(written).collect();
                 let of: Self = text.join(",").parse()?;
-                if of.is_learned() {
-                    return Err(wrong(NOT_YET_LEARNED, names::PLUS));
+                if of.is_learned() || of.learned_before().is_some() {
+                    return Err(wrong(OF_NO_RUN, names::PLUS));
                 }
                 Ok(Self::Plus { of: Box::new(of), constant })
             }
@@ -158,8 +180,8 @@ impl NoiseSpec {
     }
 }
 
-/// Levels are a function of a run, not of a recording: nothing can be made of them before it.
-const NOT_YET_LEARNED: &str = "levels of `self` are known only once the odometry has run; `dpn run --noise self` writes them as noise_learned.csv, and file(\"noise_learned.csv\") may stand here";
+/// Levels are a function of a run, not of a recording: nothing but the controls can be made of them.
+const OF_NO_RUN: &str = "levels of `self` are known only once the odometry has run; mean(self) and shuffled(self) are made of a first run, and file(\"noise_learned.csv\"), which `dpn run --noise self` writes, may stand here";
 const NO_CONSTANT: &str = "the last argument must be a constant, such as x4";
 
 /// An argument as it was written.
@@ -294,6 +316,8 @@ mod tests {
             ("mean-of-train(dualpronet(sg5-s0))", "mean-of-train(dualpronet(sg5-s0))"),
             ("self", "self"),
             ("self(x1)", "self"),
+            ("mean(self(x1))", "mean(self)"),
+            ("shuffled(self(diff2))", "shuffled(self(diff2))"),
             ("self( mean(diff2) )", "self(mean(diff2))"),
             ("plus( sg(11, 2), x4 )", "plus(sg(11,2),x4)"),
             (
@@ -317,7 +341,9 @@ mod tests {
             ("file()", "one path"),
             ("dualpronet(a,b,c)", "at most 2"),
             ("shuffled(x1),x2", "both sensors"),
-            ("mean(self)", "once the odometry has run"),
+            ("mean-of-train(self)", "once the odometry has run"),
+            ("self(mean(self))", "once the odometry has run"),
+            ("plus(shuffled(self),x4)", "once the odometry has run"),
             ("self(self(x4))", "once the odometry has run"),
             ("plus(self,x4)", "once the odometry has run"),
             ("plus(diff2)", "a spec and a constant"),
