@@ -17,7 +17,7 @@ const ARROWS: [(&str, &[&str]); 14] = [
     ("src/truth", &["dpn-core", "dpn-vio"]),
     ("src/onnx", &["dpn-core", "dpn-pronet"]),
     ("train", &["dpn-core", "dpn-io", "dpn-pronet"]),
-    ("eval", &["dpn-core", "dpn-io", "dpn-pronet", "dpn-sim", "dpn-train", "dpn-vio"]),
+    ("eval", &["dpn-core", "dpn-io", "dpn-logs", "dpn-pronet", "dpn-sim", "dpn-train", "dpn-vio"]),
     ("figures", &["dpn-core", "dpn-eval", "dpn-io", "dpn-probe", "dpn-vio"]),
     (
         "papers",

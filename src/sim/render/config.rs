@@ -198,6 +198,9 @@ mod tests {
     fn the_file_that_comes_with_the_program_is_the_default() {
         let expected = RenderConfig { camera: Some(CameraSettings::default()), ..RenderConfig::default() };
         assert_eq!(parsed(include_str!("../../../configs/images/euroc.toml")).unwrap(), expected);
+        let fish_eye = parsed(include_str!("../../../configs/images/fish-eye.toml")).unwrap();
+        assert_ne!(fish_eye.camera, expected.camera);
+        assert_eq!(RenderConfig { camera: None, ..fish_eye }, RenderConfig::default());
     }
 
     #[test]

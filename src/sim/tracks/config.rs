@@ -154,6 +154,9 @@ mod tests {
         let expected = TracksConfig { camera: Some(CameraSettings::default()), ..TracksConfig::default() };
         assert_eq!(parsed(include_str!("../../../configs/tracks/euroc.toml")).unwrap(), expected);
         assert_eq!(parsed("").unwrap(), TracksConfig::default());
+        let fish_eye = parsed(include_str!("../../../configs/tracks/fish-eye.toml")).unwrap();
+        assert_ne!(fish_eye.camera, expected.camera);
+        assert_eq!(TracksConfig { camera: None, ..fish_eye }, TracksConfig::default());
     }
 
     #[test]
