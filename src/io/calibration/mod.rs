@@ -1,10 +1,10 @@
 //! A camera's calibration as other programs write it: Kalibr, OpenVINS, VINS, ORB-SLAM3, Basalt, OKVIS, ASL.
 //!
 //! * [`read`]: file to [`Calibration`], the program known by the file's keys.
-//! * One file a format, each from keys to [`Found`]; `keys` reads values with their lines, `found` holds them to what a camera can be.
+//! * One file a format, each from keys to what it says; `keys` reads values with their lines, `found` holds them to what a camera can be.
 //!
 //! Only the first camera is read. Extrinsics become `body_from_cam` whichever way they are written, time offsets what is added to the camera's
-//! stamps. Noise figures are read by [`noise_formats`](crate::noise_formats) from the same file or the one beside it. A configuration may name
+//! stamps. Noise figures are read by [`noise_formats`] from the same file or the one beside it. A configuration may name
 //! another (`cam0_calib`, `relative_config_imucam`): that is looked for in its own folder.
 
 mod basalt;
