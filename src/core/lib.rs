@@ -56,3 +56,8 @@ pub use tracks::{Track, TrackFrame};
 
 /// Norm of gravity that every crate assumes \[m/s^2\].
 pub const GRAVITY: f64 = 9.81;
+
+/// The README's code is a test.
+#[cfg(doctest)]
+#[doc = include_str!("README.md")]
+struct Readme;

@@ -91,3 +91,8 @@ pub use store::{Row, Store};
 pub use times_folder::TimesFolder;
 pub use tracks::{read_tracks, write_tracks};
 pub use tum::{read_tum, tum_line, write_tum};
+
+/// The README's code is a test.
+#[cfg(doctest)]
+#[doc = include_str!("README.md")]
+struct Readme;

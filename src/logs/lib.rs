@@ -74,3 +74,8 @@ pub use read::{LogOptions, read_log, read_mcap, read_rosbag1, read_sqlite, read_
 pub use scale::Scales;
 #[cfg(feature = "images")]
 pub use sensors::{SensorEvent, read_sensors, read_sensors_from};
+
+/// The README's code is a test.
+#[cfg(doctest)]
+#[doc = include_str!("README.md")]
+struct Readme;

@@ -8,3 +8,8 @@ pub mod doctor;
 pub mod log_noise;
 pub mod phases;
 mod text;
+
+/// The README's code is a test.
+#[cfg(doctest)]
+#[doc = include_str!("README.md")]
+struct Readme;

@@ -40,7 +40,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 pub mod adam;
-#[cfg(feature = "train")]
+#[cfg(feature = "init")]
 mod band_pass;
 pub mod checkpoint;
 pub mod config;
@@ -50,7 +50,7 @@ pub mod definition;
 mod engine;
 #[cfg(feature = "train")]
 mod fused;
-#[cfg(feature = "train")]
+#[cfg(feature = "init")]
 pub mod init;
 pub mod model;
 #[cfg(feature = "train")]

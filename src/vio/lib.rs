@@ -17,3 +17,8 @@ pub mod window;
 
 pub use estimator::{Estimator, EstimatorConfig};
 pub use state::{ImuBias, NavState};
+
+/// The README's code is a test.
+#[cfg(doctest)]
+#[doc = include_str!("README.md")]
+struct Readme;
