@@ -4,7 +4,7 @@
 //! `src/vio/examples/live.rs`; `dpn run -` does the same from a bag in a pipe. In a colcon workspace, Cargo.toml:
 //! `rclrs = "0.5"`, `sensor_msgs = "*"`, `geometry_msgs = "*"`, `dpn-core`, `dpn-io` and `dpn-vio` by path.
 
-use dpn_core::camera::PinholeRadtan;
+use dpn_core::camera::CameraModel;
 use dpn_core::{GrayView, ImuNoise, ImuSample, Stamp};
 use dpn_io::asl::read_camera_config;
 use dpn_vio::preint::NoisySample;
@@ -20,7 +20,7 @@ fn stamp(t: &builtin_interfaces::msg::Time) -> Stamp {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let calibration = read_camera_config(std::path::Path::new(&std::env::args().nth(1).ok_or("sensor.yaml?")?))?;
-    let camera = PinholeRadtan::try_from(&calibration)?;
+    let camera = CameraModel::try_from(&calibration)?;
     let estimator = Estimator::new(EstimatorConfig::default(), camera, calibration.body_from_cam, "live", 0)
         .map_err(|faults| format!("{faults:?}"))?;
     let estimator = Arc::new(Mutex::new(estimator));
