@@ -1,24 +1,7 @@
-//! The command line: parse, run, print the error chain and its hint, exit code. Nothing else.
+//! The command line: [`dpn_program::main_with`] and its exit code. Nothing else.
 
-mod args;
-mod cmd;
-mod ui;
-
-use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let cli = args::Cli::parse();
-    match cmd::run(cli) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) if error.is::<ui::Interrupted>() => {
-            ui::errln!("{error}");
-            ExitCode::from(130)
-        }
-        Err(error) if ui::is_closed_pipe(&error) => ExitCode::SUCCESS,
-        Err(error) => {
-            ui::errln!("{}", ui::render_error(&error));
-            ExitCode::from(2)
-        }
-    }
+    ExitCode::from(dpn_program::main_with(std::env::args_os()))
 }

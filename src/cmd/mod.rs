@@ -31,6 +31,7 @@ mod truth;
 
 use crate::args::{Cli, Command};
 use program::{program, program_of};
+pub(crate) use shipped::networks as shipped;
 
 /// Runs what was typed.
 pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {

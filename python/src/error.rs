@@ -1,0 +1,36 @@
+//! The one exception of the package.
+
+use pyo3::PyErr;
+use pyo3::create_exception;
+use pyo3::exceptions::PyValueError;
+
+create_exception!(
+    _dpn,
+    Error,
+    PyValueError,
+    "What was given cannot be used; says what, where and how to mend it."
+);
+
+/// The error and all of its causes in one line.
+pub(crate) fn raise(error: &dyn std::error::Error) -> PyErr {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(inner) = cause {
+        let words = inner.to_string();
+        // Some errors say their cause themselves.
+        if !text.contains(&words) {
+            text.push_str(": ");
+            text.push_str(&words);
+        }
+        cause = inner.source();
+    }
+    Error::new_err(text)
+}
+
+/// `value`, or the exception about the argument `name`.
+pub(crate) fn parsed<T: std::str::FromStr>(name: &str, text: Option<&str>) -> Result<Option<T>, PyErr>
+where
+    T::Err: std::fmt::Display,
+{
+    text.map(|text| text.parse().map_err(|error| Error::new_err(format!("{name}: {error}")))).transpose()
+}

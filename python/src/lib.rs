@@ -1,0 +1,44 @@
+//! The compiled half of the Python package `dpn`. Arguments were checked and brought to C-contiguous arrays of the right type by
+//! `dpn/__init__.py`, which has the documentation; what is a table of figures comes back as JSON, the same text that the command line prints.
+//! Long work lets go of the interpreter; a panic becomes `pyo3_runtime.PanicException`.
+
+mod error;
+mod metrics;
+mod network;
+mod noise_formats;
+mod probe;
+mod recording;
+mod simulate;
+
+use pyo3::prelude::*;
+
+/// Compiled half of `dpn`.
+#[pymodule]
+mod _dpn {
+    #[pymodule_export]
+    use crate::error::Error;
+    #[pymodule_export]
+    use crate::metrics::trajectory_errors;
+    #[pymodule_export]
+    use crate::network::Network;
+    #[pymodule_export]
+    use crate::noise_formats::convert;
+    #[pymodule_export]
+    use crate::probe::{allan, check, noise};
+    #[pymodule_export]
+    use crate::recording::{Recording, from_arrays, read};
+    #[pymodule_export]
+    use crate::simulate::simulate;
+    use pyo3::prelude::*;
+
+    /// Runs the command line; gives the exit code.
+    #[pyfunction]
+    fn main(py: Python<'_>, args: Vec<std::ffi::OsString>) -> u8 {
+        py.detach(|| dpn_program::main_with(args))
+    }
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}
