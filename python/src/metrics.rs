@@ -1,7 +1,8 @@
 //! Trajectories held against a truth.
 
 use crate::error::{Error, raise};
-use dpn_core::{Stamp, StampedPose};
+use dpn_core::Stamp;
+use dpn_core::trajectory::StampedPose;
 use dpn_eval::metrics::{AlignmentKind, ErrorSummary, RPE_TOLERANCE, RpeStep, associate_nearest, ate, rpe};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
