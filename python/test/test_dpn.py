@@ -86,7 +86,7 @@ def wrong():
     yield "2", (t[:1], gyro[:1], accel[:1])
 
 
-@pytest.mark.parametrize("words, args", wrong(), ids=lambda v: v if isinstance(v, str) else "")
+@pytest.mark.parametrize("words, args", list(wrong()), ids=lambda v: v if isinstance(v, str) else "")
 def test_a_wrong_array_is_named_with_what_was_expected(words, args):
     with pytest.raises(dpn.Error) as raised:
         dpn.recording(*args)
