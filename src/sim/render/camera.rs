@@ -3,7 +3,7 @@
 use super::config::RenderConfig;
 use super::exposure::{Exposure, Setting};
 use super::lens_blur::LensBlur;
-use super::raster::{Frame, Lens, NoLineOfSight};
+use super::raster::{Frame, Lens, NoLineOfSight, Uncalibrated};
 use super::scene::{Course, Scene};
 use super::sensor::{Exposed, Sensor};
 use crate::tracks::{BadCameraSettings, CameraPath, CameraSettings, World};
@@ -79,6 +79,7 @@ impl RenderedCamera {
         let stream = Stream::new(seed).named("render");
         let bounds = path.bounds();
         let body_from_cam = settings.body_from_cam()?;
+        let unknown = Uncalibrated::new(config.lens.uncalibrated_px, model.size()[0], &stream);
         let coarse = COARSE.min(model.size()[0].min(model.size()[1]) as usize);
         Ok(Self {
             world: config.world.settled(&bounds),
@@ -89,8 +90,8 @@ impl RenderedCamera {
                 config.contrast,
                 &stream,
             )),
-            lens: Arc::new(Lens::new(&model, 1)?),
-            coarse: Arc::new(Lens::new(&model, coarse)?),
+            lens: Arc::new(Lens::new(&model, &unknown, 1)?),
+            coarse: Arc::new(Lens::new(&model, &unknown, coarse)?),
             sensor: Arc::new(Sensor::new(config.sensor, &config.lens, &model, &stream)),
             exposure: Exposure::new(config.exposure, config.low_light, &stream),
             blur: LensBlur::new(config.lens.blur_px),
@@ -285,8 +286,10 @@ mod tests {
     #[test]
     fn grey_values_stay_on_the_points_that_have_them() {
         // A point seen from two places has the same grey value: noiseless, evenly lit, small steps, away from edges.
-        let config =
-            RenderConfig { lens: LensConfig { blur_px: 0.6, vignetting: 0.0 }, ..RenderConfig::ideal() };
+        let config = RenderConfig {
+            lens: LensConfig { blur_px: 0.6, ..RenderConfig::ideal().lens },
+            ..RenderConfig::ideal()
+        };
         let mut camera = camera(&config, 5);
         let (t0, t1) = (at(&camera, 12.0), at(&camera, 12.08));
         let (a, b) = (camera.image(t0).unwrap(), camera.image(t1).unwrap());
@@ -367,7 +370,8 @@ mod tests {
 
     #[test]
     fn what_a_hall_has_changes_no_room() {
-        let mut camera = camera(&RenderConfig::default(), 1);
+        let lens = LensConfig { uncalibrated_px: 0.0, ..LensConfig::default() };
+        let mut camera = camera(&RenderConfig { lens, ..RenderConfig::default() }, 1);
         assert_eq!(camera.world(), World::Room);
         let image = camera.image(at(&camera, 12.0)).unwrap();
         let sum =

@@ -12,11 +12,14 @@ pub struct LensConfig {
     pub blur_px: f64,
     /// Share of the light that is lost in the corner farthest from the principal point, 0 to .95. Default .25.
     pub vignetting: f64,
+    /// Standard deviation, an axis, of what the calibration does not know of the lens \[px\], 0 to 2: a smooth field that stays with the camera. Default .3,
+    /// as EuRoC's has it.
+    pub uncalibrated_px: f64,
 }
 
 impl Default for LensConfig {
     fn default() -> Self {
-        Self { blur_px: 0.45, vignetting: 0.25 }
+        Self { blur_px: 0.45, vignetting: 0.25, uncalibrated_px: 0.3 }
     }
 }
 
@@ -139,10 +142,10 @@ impl Default for RenderConfig {
 }
 
 impl RenderConfig {
-    /// A camera without noise, lens blur, vignetting and changes of exposure.
+    /// A camera without noise, lens blur, vignetting, errors of calibration and changes of exposure.
     pub fn ideal() -> Self {
         Self {
-            lens: LensConfig { blur_px: 0.0, vignetting: 0.0 },
+            lens: LensConfig { blur_px: 0.0, vignetting: 0.0, uncalibrated_px: 0.0 },
             sensor: SensorConfig { read_grey: 0.0, shot_grey: 0.0 },
             exposure: ExposureConfig { change: 0.0, ..ExposureConfig::default() },
             ..Self::default()
@@ -163,6 +166,7 @@ impl Validate for RenderConfig {
         faults.within("ground_truth_delay_s", self.ground_truth_delay_s, -1.0, 1.0);
         faults.within("lens.blur_px", lens.blur_px, 0.0, 2.0);
         faults.within("lens.vignetting", lens.vignetting, 0.0, 0.95);
+        faults.within("lens.uncalibrated_px", lens.uncalibrated_px, 0.0, 2.0);
         faults.within("sensor.read_grey", sensor.read_grey, 0.0, 50.0);
         faults.within("sensor.shot_grey", sensor.shot_grey, 0.0, 10.0);
         faults.within("exposure.target_grey", exposure.target_grey, 1.0, 254.0);

@@ -172,6 +172,7 @@ fn at_edges(lens: &Lens, index: usize, places: &[u32], edges: &mut Vec<usize>) {
 mod tests {
     use super::super::super::scene::Course;
     use super::super::super::texture::{LOG_SIDE, SIDE};
+    use super::super::uncalibrated::Uncalibrated;
     use super::super::view::Facet;
     use super::*;
     use crate::tracks::{Bounds, World};
@@ -196,7 +197,8 @@ mod tests {
     #[test]
     fn every_pixel_shows_the_nearest_surface() {
         let (scene, camera) = (scene(), CameraModel::euroc_cam0());
-        let (lens, mut frame) = (Lens::new(&camera, 1).unwrap(), Frame::default());
+        let (lens, mut frame) =
+            (Lens::new(&camera, &Uncalibrated::new(0.0, 752, &Stream::new(0)), 1).unwrap(), Frame::default());
         for pose in poses() {
             frame.render(&scene, &lens, &pose);
             let facing =
@@ -220,7 +222,8 @@ mod tests {
     #[test]
     fn the_texture_lies_where_geometry_says() {
         let (scene, camera) = (scene(), CameraModel::euroc_cam0());
-        let (lens, mut frame) = (Lens::new(&camera, 1).unwrap(), Frame::default());
+        let (lens, mut frame) =
+            (Lens::new(&camera, &Uncalibrated::new(0.0, 752, &Stream::new(0)), 1).unwrap(), Frame::default());
         let mut compared = 0;
         for pose in poses() {
             frame.render(&scene, &lens, &pose);
