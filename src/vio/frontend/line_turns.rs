@@ -16,7 +16,7 @@ const ROUNDS: usize = 5;
 
 /// The camera's turns while an image is read out.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LineTurns {
+pub(crate) struct LineTurns {
     /// The camera's frame at evenly spaced instants of the readout to that at the image's stamp.
     image_from_line: [UnitQuaternion<f64>; KNOTS],
     readout_s: f64,
