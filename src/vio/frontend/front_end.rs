@@ -458,8 +458,7 @@ impl FrontEnd {
         // The image is the earlier one already: it was put there when it had been tracked into.
         let plane = self.prev.planes().first().expect("a pyramid that was built has its base");
         for corner in self.detector.detect(plane, &mut self.mask, &places) {
-            let Some(bearing) =
-                sight(&self.camera, self.lines.as_ref(), corner.px, &self.gyro_bias.bias())
+            let Some(bearing) = sight(&self.camera, self.lines.as_ref(), corner.px, &self.gyro_bias.bias())
             else {
                 continue;
             };

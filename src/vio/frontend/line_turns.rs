@@ -70,7 +70,8 @@ impl LineTurns {
     ) -> Option<Vector2<f64>> {
         let mut px = px;
         for _ in 0..ROUNDS {
-            px = camera.project(&self.at(Self::share(camera, &px), bias).inverse_transform_vector(bearing))?;
+            px =
+                camera.project(&self.at(Self::share(camera, &px), bias).inverse_transform_vector(bearing))?;
         }
         Some(px)
     }
