@@ -133,8 +133,12 @@ impl Session {
         let findings = config.map(|config| compare(&config, &allan));
         let json = report::json(&allan, findings.as_deref())?;
         let figures = allan.figures();
-        let more = MORE.map(|format| write(&figures, format, |_| None)).into_iter().collect::<Result<Vec<_>, _>>()?;
-        let check = findings.iter().flatten().map(|finding| (finding.warns(), finding.text())).collect::<Vec<_>>();
+        let more = MORE
+            .map(|format| write(&figures, format, |_| None))
+            .into_iter()
+            .collect::<Result<Vec<_>, _>>()?;
+        let check =
+            findings.iter().flatten().map(|finding| (finding.warns(), finding.text())).collect::<Vec<_>>();
         let shown = serde_json::json!({ "formats": more, "check": check });
         Ok(format!("{json}\n{shown}\n"))
     }
