@@ -59,7 +59,7 @@ function fail(text) {
   stop();
   const [what, ...hint] = text.split("\n");
   const box = $("failure");
-  box.replaceChildren(el("strong", {}, what), ...(hint.length ? [el("p", {}, hint.join(" "))] : []));
+  box.replaceChildren(el("h1", {}, what), ...(hint.length ? [el("p", {}, hint.join(" "))] : []));
   const topic = /--topic (\S+)/.exec(text);
   if (topic && last) {
     const field = el("input", { value: topic[1], "aria-label": "Topic", spellcheck: "false" });

@@ -229,9 +229,9 @@ function plot(spec) {
     return csv(rows);
   };
   const saver = (kind, act) => el("button", { class: "small", "aria-label": `Save ${spec.title} as ${kind}`, onclick: act }, kind);
-  const tool = (sign, words, act) => el("button", { class: "small", "aria-label": `${words}: ${spec.title}`, onclick: act }, sign);
+  const tool = (sign, act) => el("button", { class: "small", "aria-label": `${sign}: ${spec.title}`, onclick: act }, sign);
   buttons.append(
-    tool("closer", "Zoom in", () => scaled(0.5)), tool("wider", "Zoom out", () => scaled(2)), tool("all", "Show all", () => zoom(...whole)),
+    tool("closer", () => scaled(0.5)), tool("wider", () => scaled(2)), tool("all", () => zoom(...whole)),
     saver("SVG", () => save(`${spec.file}.svg`, standing(), "image/svg+xml")), saver("PNG", png), saver("CSV", () => save(`${spec.file}.csv`, table(), "text/csv")),
   );
   new ResizeObserver(() => { if (svg.parentNode.clientWidth && svg.parentNode.clientWidth !== box.width) draw(); }).observe(figure);

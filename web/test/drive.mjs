@@ -2,7 +2,7 @@
 import { chromium } from "playwright-core";
 import axe from "axe-core";
 import { execFileSync, spawn } from "node:child_process";
-import { mkdirSync, mkdtempSync, readdirSync, readFileSync, statSync, writeFileSync } from "node:fs";
+import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, statSync, writeFileSync } from "node:fs";
 import { basename, join, resolve } from "node:path";
 import { tmpdir } from "node:os";
 
@@ -18,6 +18,10 @@ const LOGS = [
   "tests/data/euroc/V1_01_easy/mav0/imu0/data.csv", "tests/data/tumvi/dataset-room1_512_16/mav0/imu0/data.csv", "golden/logs/px4.ulg", "golden/logs/ardupilot.bin",
   "golden/bags/lz4.bag", "golden/bags/zstd.mcap", "golden/logs/packed.csv.xz", "golden/logs/xsens.csv",
 ];
+// Recordings that not everybody has: longer, one of them at rest.
+LOGS.push(...["data/euroc/V1_01_easy/mav0/imu0/data.csv", "data/static/adis16405_imu1.csv"].filter((log) => existsSync(join(root, log))));
+/** How far two numbers may be apart: a browser has other vector widths than a processor, which a network's sums of 32-bit numbers show, and another sine and exponential. */
+const TOLERANCE = { networks: 1e-6, else: 1e-11 };
 let faults = 0;
 const say = (ok, text) => { faults += ok ? 0 : 1; console.log(`${ok ? "ok  " : "FAIL"} ${text}`); };
 
@@ -72,10 +76,11 @@ if (wants("numbers")) {
     for (const what of ["check", "noise", "allan"]) {
       const expected = told([what, name], cwd);
       if (!expected.text || !got[what]) { say(!expected.text === !got[what], `${log} ${what}: ${got[what] ? "an answer" : "none"} in the page, ${expected.text ? "an answer" : `exit ${expected.code}`} from the command`); continue; }
+      const most = JSON.parse(expected.text).noise?.startsWith("dualpronet") ? TOLERANCE.networks : TOLERANCE.else;
       const found = compare(JSON.parse(got[what]), JSON.parse(expected.text));
       total.numbers += found.numbers; total.same += found.same; total.worst = Math.max(total.worst, found.worst);
       const bytes = got[what] === expected.text;
-      say(bytes || (found.other.length === 0 && found.worst <= Number(process.env.TOLERANCE || 0)), `${log} ${what}: ${bytes ? "the same bytes" : `${found.same} of ${found.numbers} numbers the same, farthest ${found.worst.toExponential(1)} at ${found.where} ${found.other.slice(0, 3).join("; ")}`}`);
+      say(bytes || (found.other.length === 0 && found.worst <= most), `${log} ${what}: ${bytes ? "the same bytes" : `${found.same} of ${found.numbers} numbers the same, farthest ${found.worst.toExponential(1)} at ${found.where} ${found.other.slice(0, 3).join("; ")}`}`);
     }
   }
   console.log(`     ${total.same} of ${total.numbers} numbers the same to the last digit; farthest ${total.worst.toExponential(1)}`);
