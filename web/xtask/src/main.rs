@@ -11,7 +11,8 @@ use std::path::{Path, PathBuf};
 
 fn main() -> Result<()> {
     let mut args = std::env::args().skip(1);
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().context("the project's folder")?;
+    let root =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().context("the project's folder")?;
     let mut out = root.join("target/web/page");
     match args.next().as_deref() {
         Some("web") => {}
@@ -28,6 +29,11 @@ fn main() -> Result<()> {
     std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
     let file = out.join("index.html");
     std::fs::write(&file, &page).with_context(|| file.display().to_string())?;
-    println!("{}: {} kB, {} kB as a server packs it", file.display(), page.len() / 1000, page::packed(page.as_bytes())?.len() / 1000);
+    println!(
+        "{}: {} kB, {} kB as a server packs it",
+        file.display(),
+        page.len() / 1000,
+        page::packed(page.as_bytes())?.len() / 1000
+    );
     Ok(())
 }

@@ -25,7 +25,8 @@ pub fn assemble(web: &Path, wasm: &Path) -> Result<String> {
     };
     let mut page = read("index.html")?;
     let worker = format!("{}\n{}", bindings.js(), read("worker.js")?);
-    let scripts = ["plot.js", "page.js", "study.js"].map(read).into_iter().collect::<Result<Vec<_>>>()?.join("\n");
+    let scripts =
+        ["plot.js", "page.js", "study.js"].map(read).into_iter().collect::<Result<Vec<_>>>()?.join("\n");
     // A recorded log for those who have none at hand.
     let example = web.join("../tests/data/euroc/V1_01_easy/mav0/imu0/data.csv");
     let example = std::fs::read(&example).with_context(|| example.display().to_string())?;

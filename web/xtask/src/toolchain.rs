@@ -21,7 +21,10 @@ pub fn compile(root: &Path) -> Result<PathBuf> {
         Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
     } else if [CARGO, RUSTC, LINKER, SOURCE].iter().all(|path| Path::new(path).exists()) {
         let mut cargo = Command::new(CARGO);
-        cargo.env("RUSTC", RUSTC).env("RUSTC_BOOTSTRAP", "1").env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER", LINKER);
+        cargo
+            .env("RUSTC", RUSTC)
+            .env("RUSTC_BOOTSTRAP", "1")
+            .env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER", LINKER);
         // What rustup sets for its own compiler.
         cargo.env_remove("RUSTUP_TOOLCHAIN").env_remove("LD_LIBRARY_PATH");
         cargo.args(["-Z", "build-std=std,panic_abort"]);
@@ -46,5 +49,7 @@ pub fn compile(root: &Path) -> Result<PathBuf> {
 fn has_target() -> bool {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let out = Command::new(rustc).args(["--print", "target-libdir", "--target", TARGET]).output();
-    out.is_ok_and(|out| out.status.success() && Path::new(String::from_utf8_lossy(&out.stdout).trim()).is_dir())
+    out.is_ok_and(|out| {
+        out.status.success() && Path::new(String::from_utf8_lossy(&out.stdout).trim()).is_dir()
+    })
 }
