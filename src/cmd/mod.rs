@@ -17,6 +17,7 @@ mod live;
 mod log;
 mod manual;
 mod noise;
+mod page;
 mod paper;
 mod program;
 mod run;
@@ -43,6 +44,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Noise(args) => noise::run(&args),
         Command::Allan(args) => allan::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Page(args) => page::run(&args),
         Command::Truth(args) => truth::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Data(args) => data::run(&args),

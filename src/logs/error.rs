@@ -150,6 +150,12 @@ pub enum LogError {
         /// What is wrong.
         what: String,
     },
+    /// A database, and no reader of databases in this build.
+    #[error("{}: a rosbag2 database (SQLite), and this build of dpn reads none", path.display())]
+    NoSqlite {
+        /// The file.
+        path: PathBuf,
+    },
     /// A bag that must be unpacked first.
     #[error("{}: a compressed bag", path.display())]
     Packed {
@@ -236,6 +242,9 @@ impl LogError {
             Self::TooFew { .. } => "record for longer, or look whether the file was cut off",
             Self::Backward { .. } => "sort the samples by time, or cut the log where its clock was set",
             Self::Damaged { .. } => "copy or record it again",
+            Self::NoSqlite { .. } => {
+                "open it by `dpn check`, `dpn noise` and `dpn allan`, or convert it to MCAP by `ros2 bag convert`"
+            }
             Self::Packed { .. } => "unpack it first, for example by `zstd -d` or `ros2 bag convert`",
             Self::Apart { .. } => {
                 "take both from one recording, with stamps of one clock; or name their unit: --time-unit"

@@ -6,6 +6,11 @@
 use crate::fields::{Encoding, Fields, Undecodable};
 use dpn_core::{ImuSample, Stamp};
 
+/// Whether messages of this type are an IMU's, in ROS 1 or ROS 2.
+pub(crate) fn is_imu(kind: &str) -> bool {
+    matches!(kind, "sensor_msgs/Imu" | "sensor_msgs/msg/Imu")
+}
+
 /// One message.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ImuMessage {

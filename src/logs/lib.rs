@@ -25,7 +25,6 @@
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 mod ardupilot;
-#[cfg(feature = "images")]
 mod bag;
 mod budget;
 mod bytes;
@@ -60,6 +59,10 @@ mod rosbag2;
 mod scale;
 #[cfg(feature = "images")]
 mod sensors;
+#[cfg(feature = "sqlite")]
+mod sqlite;
+#[cfg(not(feature = "sqlite"))]
+#[path = "no_sqlite.rs"]
 mod sqlite;
 mod topics;
 mod two_files;
