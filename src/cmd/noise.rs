@@ -1,6 +1,6 @@
 //! `dpn noise`.
 
-use super::{convert, follow, log, shipped};
+use super::{convert, follow, into, log, shipped};
 use crate::args::{NoiseArgs, NoiseWhat, RowFormat};
 use crate::ui::{Fault, errln, out, outln};
 use anyhow::Result;
@@ -60,7 +60,11 @@ fn plan<'a>(args: &NoiseArgs, rate: SampleRate, networks: &'a [Network]) -> Resu
 }
 
 fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
-    let recording = log::read_from(path, &args.how)?.recording;
+    let log = log::read_from(path, &args.how)?;
+    if let Some(into) = &args.into {
+        into::check(into, path, &log, &args.how)?;
+    }
+    let recording = &log.recording;
     let rate = recording.rate();
     // A configuration that cannot be read should not cost a track.
     let config = config(args, rate)?;
@@ -74,10 +78,10 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
         );
         return Err(Fault::new(text).hint("record for longer, or ask constants (--noise x1)").into());
     }
-    let track = track(&plan, &recording)?;
-    let summary = TrackSummary::of(&track, &recording, phases(&recording)?, unknown_s)?;
+    let track = track(&plan, recording)?;
+    let summary = TrackSummary::of(&track, recording, phases(recording)?, unknown_s)?;
     let check = match &config {
-        Some(source) => Levels::of(&recording, &summary.stretches)?
+        Some(source) => Levels::of(recording, &summary.stretches)?
             .map(|levels| compare(source, &levels, rate))
             .transpose()?,
         None => None,
@@ -86,7 +90,7 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
     for line in report::outside(&summary) {
         words.push_str(&format!(" {line}."));
     }
-    let plot = LogNoisePlot::new(&recording, &track, &plan, &summary, &words)?;
+    let plot = LogNoisePlot::new(recording, &track, &plan, &summary, &words)?;
     let files = save(&plot, &args.out.join("plot"))?;
     let written = match args.format {
         RowFormat::Csv => {
@@ -101,7 +105,7 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
         }
     };
     let warnings = report::warnings(&plan, &summary);
-    let effective = EffectiveNoise::of(&recording, &summary.stretches)?;
+    let effective = EffectiveNoise::of(recording, &summary.stretches)?;
     let mut all = serde_json::json!({
         "log": path.display().to_string(), "samples": recording.len(), "rate_hz": rate.hz(), "noise": plan.spec(), "every": plan.every(),
         "thinned_to_every": plan.thin(), "summary": summary, "warnings": warnings,
@@ -109,6 +113,14 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
     });
     if let Some(check) = &check {
         all["check"] = serde_json::to_value(check)?;
+    }
+    let into = args
+        .into
+        .as_ref()
+        .map(|file| into::write(file, path, &log, &args.how, (&track, unknown_s)).map(|words| (file, words)));
+    let into = into.transpose()?;
+    if let Some((file, words)) = &into {
+        all["into"] = serde_json::json!({ "file": file, "messages": words });
     }
     let text = all.to_string() + "\n";
     atomic_write(&args.out.join("summary.json"), |file| file.write_all(text.as_bytes()))?;
@@ -127,6 +139,9 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
         print_check(path, source, check)?;
     }
     outln!("\ntrack:    {}", written.display())?;
+    if let Some((file, words)) = &into {
+        outln!("log:      {} ({words})", file.display())?;
+    }
     for file in files.iter().filter(|f| f.extension().is_some_and(|e| e == "png")) {
         outln!("picture:  {}", file.display())?;
     }
