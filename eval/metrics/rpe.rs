@@ -236,7 +236,7 @@ mod tests {
 
     #[test]
     fn consecutive_stretches_begin_where_the_one_before_ended() {
-        let pairs = straight(&[0, 400, 1000, 1900, 2000, 3100], 1.0, 1.0);
+        let pairs = straight(&[0, 400, 1005, 1920, 2010, 3050], 1.0, 1.0);
         let of = |text: &str| stretches(&pairs, &text.parse().unwrap(), 0.1);
         assert_eq!(of("1m"), [(0, 2), (2, 4), (4, 5)]);
         assert_eq!(of("1s"), of("1m"));

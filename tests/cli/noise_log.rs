@@ -225,12 +225,20 @@ fn a_log_is_written_again_with_the_covariances_of_its_track() {
     let again = dir.path().join("again.mcap");
     let out = dir.path().join("out");
     let copy = |into: &Path, more: &[&str]| {
-        end(dpn().args(["noise", dir.path().join("into.mcap").to_str().unwrap(), "--noise", "diff2"])
-            .arg("--into").arg(into).arg("--out").arg(&out).args(more))
+        end(dpn()
+            .args(["noise", dir.path().join("into.mcap").to_str().unwrap(), "--noise", "diff2"])
+            .arg("--into")
+            .arg(into)
+            .arg("--out")
+            .arg(&out)
+            .args(more))
     };
     let done = copy(&again, &["--json"]).well();
     let words = done.json()["into"]["messages"].as_str().unwrap().to_owned();
-    assert_eq!(words, "11800 messages of /imu with covariances, 200 before the first window as they were, 0 of other topics");
+    assert_eq!(
+        words,
+        "11800 messages of /imu with covariances, 200 before the first window as they were, 0 of other topics"
+    );
     let (first, second) = (std::fs::read(into).unwrap(), std::fs::read(&again).unwrap());
     assert!(first.len() == second.len() && first != second, "the same messages, other covariances");
     for (into, more, words) in [

@@ -234,7 +234,8 @@ fn trajectories_for_evo_have_the_truth_line_by_line_and_relative_errors_their_na
     let tmp = tempfile::tempdir().unwrap();
     let (out, log) = (tmp.path().join("out"), tmp.path().join("run.mcap"));
     let more = ["--from", "50", "--to", "58", "--noise", "x4", "--kitti", "--json"];
-    let more = [&more[..], &["--rpe", "1m:all_pairs,1s", "--rpe", "1000m", "--mcap", log.to_str().unwrap()]].concat();
+    let more = [&more[..], &["--rpe", "1m:all_pairs,1s", "--rpe", "1000m", "--mcap", log.to_str().unwrap()]]
+        .concat();
     let said = odometry(Path::new("room-medium"), &out, &more).well().json();
     let rows = |name: &str| -> Vec<Vec<f64>> {
         let text = std::fs::read_to_string(out.join(name)).unwrap();
@@ -244,7 +245,9 @@ fn trajectories_for_evo_have_the_truth_line_by_line_and_relative_errors_their_na
     assert_eq!(truth.len(), estimate.len());
     assert_eq!(estimate.len(), read_tum(&out.join("trajectory.tum")).unwrap().len());
     assert!(truth.iter().chain(&estimate).all(|row| row.len() == 12));
-    let step = |rows: &[Vec<f64>]| (0..3).map(|k| (rows[1][4 * k + 3] - rows[0][4 * k + 3]).powi(2)).sum::<f64>().sqrt();
+    let step = |rows: &[Vec<f64>]| {
+        (0..3).map(|k| (rows[1][4 * k + 3] - rows[0][4 * k + 3]).powi(2)).sum::<f64>().sqrt()
+    };
     assert!((step(&truth) - step(&estimate)).abs() < 0.05, "the same way at the same instants");
     for name in ["1m:all_pairs", "1s"] {
         let rmse = said["rpe"][name]["translation_m"]["rmse"].as_f64().unwrap();
