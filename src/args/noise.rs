@@ -39,6 +39,9 @@ pub(crate) struct NoiseArgs {
     /// message by message, of any other log the samples are written.
     #[arg(long, value_name = "FILE", conflicts_with = "follow")]
     pub(crate) into: Option<PathBuf>,
+    /// Write a recording for the viewer of rerun.io, samples and their noise over time; of a dpn built with the feature `rerun`.
+    #[arg(long, value_name = "FILE.rrd", conflicts_with = "follow")]
+    pub(crate) rerun: Option<PathBuf>,
     /// Configuration whose noise figures are held against the log's.
     #[arg(long, value_name = "CONFIG", conflicts_with = "follow")]
     pub(crate) check: Option<PathBuf>,

@@ -55,6 +55,9 @@ pub(crate) struct RunArgs {
     /// Write poses, truth, noise, biases and levels also into this MCAP file, which Foxglove shows.
     #[arg(long, value_name = "FILE")]
     pub(crate) mcap: Option<PathBuf>,
+    /// Write a recording for the viewer of rerun.io, trajectory, truth, camera, tracks, landmarks, noise, biases and levels on one time line; of a dpn built with the feature `rerun`.
+    #[arg(long, value_name = "FILE.rrd")]
+    pub(crate) rerun: Option<PathBuf>,
     /// Relative errors over these stretches, in evo's words: 1m, 10f, 30deg, 5s; then :all_pairs, :pairs_from_reference; several between commas.
     #[arg(long, value_name = "STRETCHES", value_delimiter = ',', value_parser = stretches)]
     pub(crate) rpe: Vec<RpeSpec>,

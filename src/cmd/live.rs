@@ -36,6 +36,7 @@ pub(super) fn run(args: &RunArgs) -> Result<()> {
         ("--draw", args.draw.is_some()),
         ("--kitti", args.kitti),
         ("--mcap", args.mcap.is_some()),
+        ("--rerun", args.rerun.is_some()),
         ("--rpe", !args.rpe.is_empty()),
         ("--camera tracks or rendered", args.camera.is_some_and(|camera| camera != CameraArg::Images)),
     ];

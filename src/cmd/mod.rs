@@ -21,6 +21,7 @@ mod manual;
 mod noise;
 mod paper;
 mod program;
+mod rerun;
 mod run;
 mod settings;
 mod shipped;

@@ -1,6 +1,6 @@
 //! `dpn noise`.
 
-use super::{convert, follow, into, log, shipped};
+use super::{convert, follow, into, log, rerun, shipped};
 use crate::args::{NoiseArgs, NoiseWhat, RowFormat};
 use crate::ui::{Fault, errln, out, outln};
 use anyhow::Result;
@@ -60,6 +60,7 @@ fn plan<'a>(args: &NoiseArgs, rate: SampleRate, networks: &'a [Network]) -> Resu
 }
 
 fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
+    rerun::check(args.rerun.as_deref())?;
     let log = log::read_from(path, &args.how)?;
     if let Some(into) = &args.into {
         into::check(into, path, &log, &args.how)?;

@@ -1,14 +1,15 @@
 //! `dpn run`.
 
 use super::tracks::truth_of_a_flight;
-use super::{foxglove, live, program, settings, shipped};
+use super::{foxglove, live, program, rerun, settings, shipped};
 use crate::args::{CameraArg, RunArgs};
 use crate::ui::{Fault, errln, out, outln};
 use anyhow::Result;
 use dpn_core::estimate::NoiseSpec;
+use dpn_core::{GrayImage, Stamp};
 use dpn_eval::closed_loop::{
     ImageSource, JudgedRun, LoggedSequence, Recording, Report, RunInfo, SequenceSet, Span, TrackSource,
-    has_images, judged_run, paired, write_states,
+    UpdateWatch, has_images, paired, watched_run, write_states,
 };
 use dpn_eval::metrics::{AlignmentKind, PosePair, RPE_TOLERANCE, RpeSpec, align, rpe_by};
 use dpn_figures::save;
@@ -18,13 +19,16 @@ use dpn_io::calibration::Calibration;
 use dpn_io::{atomic_write, write_kitti, write_noise_track, write_tum};
 use dpn_logs::{ImageLogOptions, LogOptions};
 use dpn_sim::Flight;
-use dpn_vio::estimator::FrontEndObserver;
+use dpn_vio::estimator::{FrontEndObserver, Update};
+use dpn_vio::frontend::Fed;
+use dpn_vio::window::Window;
 use std::path::{Path, PathBuf};
 
 pub(crate) fn run(args: &RunArgs) -> Result<()> {
     if live::is_live(&args.source) {
         return live::run(args);
     }
+    rerun::check(args.rerun.as_deref())?;
     let noise: NoiseSpec = args.noise.parse()?;
     let estimator = settings::estimator(&args.settings)?;
     let calibration = settings::calibration(&args.settings)?;
@@ -46,12 +50,26 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         to_s: span.to_s,
         front_end: None,
     };
-    let mut nobody = ();
-    let observer: &mut dyn FrontEndObserver = match &mut album {
-        Some(album) => album,
-        None => &mut nobody,
+    #[cfg(feature = "rerun")]
+    let scene = args.rerun.as_ref().map(|_| rerun::RunScene::new(&recording)).transpose()?;
+    #[cfg(feature = "rerun")]
+    if let (Some(scene), CameraInput::Tracks(frames, _)) = (&scene, &camera) {
+        scene.tracks(frames);
+    }
+    let mut images = Lookers(Vec::new());
+    images.0.extend(album.as_mut().map(|album| album as &mut dyn FrontEndObserver));
+    #[cfg(feature = "rerun")]
+    let mut images_shown = scene.clone();
+    #[cfg(feature = "rerun")]
+    images.0.extend(images_shown.as_mut().map(|scene| scene as &mut dyn FrontEndObserver));
+    let mut watch = |_update: &Update, _window: &Window| {
+        #[cfg(feature = "rerun")]
+        if let Some(scene) = &scene {
+            scene.update(_update, _window);
+        }
     };
-    let done = judged_run(&estimator, &recording, camera, &noise, info, &networks, observer)?;
+    let watchers: (&mut dyn FrontEndObserver, _) = (&mut images, &mut watch as &mut UpdateWatch<'_>);
+    let done = watched_run(&estimator, &recording, camera, &noise, info, &networks, watchers)?;
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("runs/run-{}", recording.name)));
     let pairs = match &recording.truth {
         Some(truth) => paired(truth, &done.output.poses())?,
@@ -68,10 +86,15 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     if args.kitti {
         kitti(&done, &pairs, &out)?;
     }
+    // Of a straight line there is no heading: the estimate is shown where it is.
+    let aligned = align(&pairs, AlignmentKind::YawPosition).ok();
+    let truth_from_world = aligned.map(|alignment| alignment.true_world_from_est_world);
+    #[cfg(feature = "rerun")]
+    if let Some((scene, file)) = scene.zip(args.rerun.as_ref()) {
+        drop(images_shown);
+        scene.finish(file, &recording, &done, truth_from_world.as_ref())?;
+    }
     if let Some(file) = &args.mcap {
-        // Of a straight line there is no heading: the truth is shown where it is.
-        let aligned = align(&pairs, AlignmentKind::YawPosition).ok();
-        let truth_from_world = aligned.map(|alignment| alignment.true_world_from_est_world);
         foxglove::write(file, &recording, &done, truth_from_world.as_ref())?;
     }
     if let (Some(dir), Some(album)) = (&args.draw, album) {
@@ -94,6 +117,19 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// All who look on while images are worked off.
+struct Lookers<'a>(Vec<&'a mut dyn FrontEndObserver>);
+
+impl FrontEndObserver for Lookers<'_> {
+    fn begin(&mut self, t: Stamp) {
+        self.0.iter_mut().for_each(|looker| looker.begin(t));
+    }
+
+    fn end(&mut self, image: &GrayImage, fed: &Fed) {
+        self.0.iter_mut().for_each(|looker| looker.end(image, fed));
+    }
 }
 
 /// A folder is a sequence, a bag or a folder with `times.txt` a log with images, anything else a flight.
