@@ -23,7 +23,7 @@
 //! hold are left out, and [`Log::warnings`] says all of it. Files are read as a stream: beside the samples there is one chunk in memory.
 //!
 //! Why the bag formats are parsed here: the part that concerns an IMU is a page each. `rosbag` 0.6 maps the file with `unsafe`, trusts its
-//! strings to be UTF-8, needs a bag's index, which one that was cut off has not, and panics on an odd one; `mcap` 0.26 subtracts the length
+//! strings to be UTF-8, needs a bag's index, which one that was cut off has not, and panics on an odd one; `mcap` 0.26 (whose writer is used) subtracts the length
 //! of a record from that of its chunk unchecked, and brings two C libraries for decompression. Decompression and SQLite are crates'.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
