@@ -7,6 +7,8 @@ use crate::ui::{Fault, errln, out, outln};
 use anyhow::Result;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::{GrayImage, Stamp};
+#[cfg(feature = "rerun")]
+use dpn_eval::closed_loop::CameraInput;
 use dpn_eval::closed_loop::{
     ImageSource, JudgedRun, LoggedSequence, Recording, Report, RunInfo, SequenceSet, Span, TrackSource,
     UpdateWatch, has_images, paired, watched_run, write_states,

@@ -5,7 +5,7 @@ use dpn_core::{GrayImage, Stamp};
 use dpn_io::atomic_write;
 use nalgebra::{Isometry3, Point3, Vector2, Vector3};
 use re_sdk::sink::MemorySinkStorage;
-use re_sdk::{AsComponents, RecordingStream, RecordingStreamBuilder};
+use re_sdk::{AsComponents, RecordingStream, RecordingStreamBuilder, TimeCell};
 use re_sdk_types::archetypes::{Image, LineStrips3D, Points2D, Points3D, Scalars, SeriesLines, Transform3D};
 use re_sdk_types::datatypes::Quaternion;
 use std::path::Path;
@@ -34,7 +34,8 @@ impl RerunLog {
 
     /// What follows happens at `t`.
     pub(super) fn at(&self, t: Stamp) {
-        self.stream.set_duration_secs("time", t.seconds_since(self.first));
+        let after_ns = t.ns().saturating_sub(self.first.ns());
+        self.stream.set_time("time", TimeCell::from_duration_nanos(after_ns));
     }
 
     pub(super) fn put(&self, entity: &str, what: &impl AsComponents) -> Result<()> {
@@ -77,7 +78,7 @@ impl RerunLog {
 
     pub(super) fn pixels(&self, entity: &str, pixels: impl IntoIterator<Item = Vector2<f64>>) -> Result<()> {
         let places = pixels.into_iter().map(|px| [px.x as f32, px.y as f32]);
-        self.put(entity, &Points2D::new(places).with_radii([2.0]).with_colors([[255, 127, 14]]))
+        self.put(entity, &Points2D::new(places).with_radii([2.0_f32]).with_colors([[255_u8, 127, 14]]))
     }
 
     pub(super) fn image(&self, entity: &str, image: &GrayImage) -> Result<()> {

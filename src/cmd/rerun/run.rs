@@ -186,7 +186,7 @@ fn pinhole(camera: &CameraModel) -> Pinhole {
     let focal = [focal.x as f32, focal.y as f32];
     Pinhole::from_focal_length_and_resolution(focal, [width as f32, height as f32])
         .with_principal_point([principal.x as f32, principal.y as f32])
-        .with_image_plane_distance(0.3)
+        .with_image_plane_distance(0.3_f32)
 }
 
 /// Three deviations about a place.
