@@ -115,6 +115,10 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
     if let Some(check) = &check {
         all["check"] = serde_json::to_value(check)?;
     }
+    #[cfg(feature = "rerun")]
+    if let Some(file) = &args.rerun {
+        rerun::noise(file, &path.display().to_string(), recording, (&track, plan.every()))?;
+    }
     let into = args
         .into
         .as_ref()
