@@ -8,7 +8,7 @@ use anyhow::Result;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::{GrayImage, Stamp};
 #[cfg(feature = "rerun")]
-use dpn_eval::closed_loop::CameraInput;
+use dpn_eval::closed_loop::{CameraInput, frames_from};
 use dpn_eval::closed_loop::{
     ImageSource, JudgedRun, LoggedSequence, Recording, Report, RunInfo, SequenceSet, Span, TrackSource,
     UpdateWatch, has_images, paired, watched_run, write_states,
@@ -55,8 +55,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     #[cfg(feature = "rerun")]
     let scene = args.rerun.as_ref().map(|_| rerun::RunScene::new(&recording)).transpose()?;
     #[cfg(feature = "rerun")]
-    if let (Some(scene), CameraInput::Tracks(frames, _)) = (&scene, &camera) {
-        scene.tracks(frames);
+    if let (Some(scene), CameraInput::Tracks(frames, span)) = (&scene, &camera) {
+        scene.tracks(frames_from(&recording, frames, span)?);
     }
     let mut images = Lookers(Vec::new());
     images.0.extend(album.as_mut().map(|album| album as &mut dyn FrontEndObserver));
