@@ -44,13 +44,13 @@ mod walk;
 
 pub use camera_figures::{CameraFigures, matches};
 pub use consistency::{Consistency, consistency};
-pub use drive::{EstimatorOutput, FEWEST_FRAMES, drive, frames_from};
+pub use drive::{EstimatorOutput, FEWEST_FRAMES, UpdateWatch, drive, frames_from};
 pub use error::ClosedLoopError;
 pub use frame_log::SeenFrame;
 pub use image_report::{FrontEndFigures, ImageEvent, ImageReport, PassedOver};
 pub use images::{ImageSource, ImageStream, has_images};
 pub use judge::{Errors, Judged, MAX_GAP_S, RunInfo, judge, paired};
-pub use judged_run::{JudgedRun, Report, judged_run};
+pub use judged_run::{JudgedRun, Report, judged_run, watched_run};
 pub use lens_error::{Matched, lens_error};
 pub use live::LiveRun;
 pub use logged::LoggedSequence;

@@ -1,6 +1,6 @@
 //! `dpn noise`.
 
-use super::{convert, follow, log, shipped};
+use super::{convert, follow, into, log, rerun, shipped};
 use crate::args::{NoiseArgs, NoiseWhat, RowFormat};
 use crate::ui::{errln, out, outln};
 use anyhow::{Context, Result};
@@ -51,18 +51,23 @@ fn plan<'a>(args: &NoiseArgs, rate: SampleRate, networks: &'a [Network]) -> Resu
 }
 
 fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
-    let recording = log::read_from(path, &args.how)?.recording;
+    rerun::check(args.rerun.as_deref())?;
+    let log = log::read_from(path, &args.how)?;
+    if let Some(into) = &args.into {
+        into::check(into, path, &log, &args.how)?;
+    }
+    let recording = &log.recording;
     let rate = recording.rate();
     // A configuration that cannot be read should not cost a track.
     let config = config(args, rate)?;
     let plan = plan(args, rate, networks)?;
-    let along = Along::of(&plan, &recording, config.as_ref()).with_context(|| path.display().to_string())?;
+    let along = Along::of(&plan, recording, config.as_ref()).with_context(|| path.display().to_string())?;
     let Along { track, summary, warnings, effective, check } = &along;
     let mut words = format!("{} samples, {:.0} s.", recording.len(), recording.length_s());
     for line in report::outside(summary) {
         words.push_str(&format!(" {line}."));
     }
-    let plot = LogNoisePlot::new(&recording, track, &plan, summary, &words)?;
+    let plot = LogNoisePlot::new(recording, track, &plan, summary, &words)?;
     let files = save(&plot, &args.out.join("plot"))?;
     let written = match args.format {
         RowFormat::Csv => {
@@ -76,7 +81,20 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
             file
         }
     };
-    let text = along.json(&path.display().to_string(), &plan, &recording)?.to_string() + "\n";
+    #[cfg(feature = "rerun")]
+    if let Some(file) = &args.rerun {
+        rerun::noise(file, &path.display().to_string(), recording, (track, plan.every()))?;
+    }
+    let mut all = along.json(&path.display().to_string(), &plan, recording)?;
+    let into = args
+        .into
+        .as_ref()
+        .map(|file| into::write(file, path, &log, &args.how, (track, plan.unknown_s())).map(|words| (file, words)));
+    let into = into.transpose()?;
+    if let Some((file, words)) = &into {
+        all["into"] = serde_json::json!({ "file": file, "messages": words });
+    }
+    let text = all.to_string() + "\n";
     atomic_write(&args.out.join("summary.json"), |file| file.write_all(text.as_bytes()))?;
     for warning in warnings {
         errln!("warning: {warning}");
@@ -93,6 +111,9 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
         print_check(path, source, check)?;
     }
     outln!("\ntrack:    {}", written.display())?;
+    if let Some((file, words)) = &into {
+        outln!("log:      {} ({words})", file.display())?;
+    }
     for file in files.iter().filter(|f| f.extension().is_some_and(|e| e == "png")) {
         outln!("picture:  {}", file.display())?;
     }

@@ -108,6 +108,15 @@ pub enum LogError {
         /// What it is.
         kind: &'static str,
     },
+    /// A log that cannot be copied message by message.
+    #[cfg(feature = "write")]
+    #[error("{}: {kind}; messages are copied from MCAP, in a file or in a rosbag2 folder", path.display())]
+    NoCopy {
+        /// The log.
+        path: PathBuf,
+        /// What it is.
+        kind: &'static str,
+    },
     /// An IMU or images whose messages are written in a way that is not known.
     #[error("{}: the messages on `{topic}` are written as `{encoding}`; known are cdr and ros1", path.display())]
     Encoding {
@@ -231,6 +240,8 @@ impl LogError {
             Self::NoImuFile { .. } => {
                 "put the IMU's samples beside times.txt: stamp, gyroscope x y z, accelerometer x y z a row"
             }
+            #[cfg(feature = "write")]
+            Self::NoCopy { .. } => "convert it first, for example by `ros2 bag convert` or `mcap convert`",
             Self::NoBag { .. } => "record camera and IMU into one bag, or lay the images beside a times.txt",
             Self::NotImu { .. } => "choose the topic of the raw IMU; without --topic the only one is taken",
             Self::Encoding { .. } => {
