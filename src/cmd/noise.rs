@@ -86,10 +86,9 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
         rerun::noise(file, &path.display().to_string(), recording, (track, plan.every()))?;
     }
     let mut all = along.json(&path.display().to_string(), &plan, recording)?;
-    let into = args
-        .into
-        .as_ref()
-        .map(|file| into::write(file, path, &log, &args.how, (track, plan.unknown_s())).map(|words| (file, words)));
+    let into = args.into.as_ref().map(|file| {
+        into::write(file, path, &log, &args.how, (track, plan.unknown_s())).map(|words| (file, words))
+    });
     let into = into.transpose()?;
     if let Some((file, words)) = &into {
         all["into"] = serde_json::json!({ "file": file, "messages": words });

@@ -98,7 +98,10 @@ pub(crate) fn unpacked<T>(
 }
 
 /// The first bytes of a source, and all of it.
-fn headed<'a>(mut source: impl Read + 'a, path: &Path) -> Result<(Vec<u8>, impl Read + 'a), LogError> {
+pub(crate) fn headed<'a>(
+    mut source: impl Read + 'a,
+    path: &Path,
+) -> Result<(Vec<u8>, impl Read + 'a), LogError> {
     let mut head = Vec::new();
     source.by_ref().take(HEAD).read_to_end(&mut head).map_err(|e| IoError::reading(path, e))?;
     Ok((head.clone(), std::io::Cursor::new(head).chain(source)))

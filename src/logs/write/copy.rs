@@ -5,6 +5,7 @@
 //! place. Chunks are cut anew and not compressed. A damaged file is copied up to its damage, as it is read.
 
 use super::mcap_log::{McapLog, from_mcap};
+use crate::bag::headed;
 use crate::budget::Budget;
 use crate::bytes::Bytes;
 use crate::fields::Encoding;
@@ -12,7 +13,6 @@ use crate::imu_message::{decode, fill_covariances};
 use crate::kind::bags;
 use crate::mcap::{self, ATTACHMENT, CHANNEL, HEADER, MESSAGE, METADATA, RecordSink, SCHEMA};
 use crate::packed::{Packing, Unpacked};
-use crate::read::headed;
 use crate::{Kind, LogError};
 use ::mcap::Attachment;
 use ::mcap::records::{MessageHeader, Metadata};
