@@ -73,9 +73,10 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let watchers: (&mut dyn FrontEndObserver, _) = (&mut images, &mut watch as &mut UpdateWatch<'_>);
     let done = watched_run(&estimator, &recording, camera, &noise, info, &networks, watchers)?;
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("runs/run-{}", recording.name)));
+    let poses = done.output.poses();
     let pairs = match &recording.truth {
-        Some(truth) => paired(truth, &done.output.poses())?,
-        None => Vec::new(),
+        Some(truth) if !poses.is_empty() => paired(truth, &poses)?,
+        _ => Vec::new(),
     };
     let mut report = serde_json::json!({
         "program": program(), "estimator": estimator, "input": source.checksum(place)?,
