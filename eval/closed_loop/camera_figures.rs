@@ -4,8 +4,10 @@
 //! motion, and how bright and rich in contrast the images are.
 
 use super::error::ClosedLoopError;
+use super::lens_error::Matched;
 use super::recording::Span;
 use super::sequence_set::SequenceSet;
+use super::tracked::TrackedSequence;
 use crate::stats::percentile;
 use dpn_core::camera::CameraModel;
 use dpn_core::random::Stream;
@@ -31,16 +33,13 @@ impl CameraFigures {
         seed: u64,
         [from, to]: [Stamp; 2],
     ) -> Result<Self, ClosedLoopError> {
-        let recording = source.recording(index, seed)?;
-        let input = source.camera_input(index, seed, &Span::from(0.0))?.between(from, to);
-        let config = FrontEndConfig::default();
-        let mut watch = Watch::new(recording.camera, config.ransac);
-        let tracked = input.tracks_watched(&recording, &config, seed, &mut watch)?;
+        let (watch, tracked) = watched(source, index, seed, [from, to])?;
         let report = tracked.images.expect("images were followed").figures;
         let frames = tracked.frames.len() as f64;
         let images = watch.images.max(1) as f64;
         let [grey, grey_std, dark_share, saturated_share] = watch.exposure.map(|sum| sum / images);
-        let residual = |share| percentile(&watch.residuals_px, share).unwrap_or(f64::NAN);
+        let residuals_px: Vec<f64> = watch.matched.iter().flat_map(Matched::distances_px).collect();
+        let residual = |share| percentile(&residuals_px, share).unwrap_or(f64::NAN);
         Ok(Self([
             // Mean number of handed-over frames in which a track is.
             ("track life, frames handed over", report.track_length),
@@ -80,6 +79,34 @@ impl CameraFigures {
     }
 }
 
+/// The frames' matches of sequence `index` of `source`, from the image at `from` to the one at `to`: what [`lens_error`](super::lens_error()) is fitted to.
+///
+/// # Errors
+/// As [`CameraFigures::of`].
+pub fn matches(
+    source: &SequenceSet,
+    index: usize,
+    seed: u64,
+    span: [Stamp; 2],
+) -> Result<Vec<Matched>, ClosedLoopError> {
+    Ok(watched(source, index, seed, span)?.0.matched)
+}
+
+/// Follows points with the front-end's defaults, looked on.
+fn watched(
+    source: &SequenceSet,
+    index: usize,
+    seed: u64,
+    [from, to]: [Stamp; 2],
+) -> Result<(Watch, TrackedSequence), ClosedLoopError> {
+    let recording = source.recording(index, seed)?;
+    let input = source.camera_input(index, seed, &Span::from(0.0))?.between(from, to);
+    let config = FrontEndConfig::default();
+    let mut watch = Watch::new(recording.camera, config.ransac);
+    let tracked = input.tracks_watched(&recording, &config, seed, &mut watch)?;
+    Ok((watch, tracked))
+}
+
 /// Looks on and counts.
 struct Watch {
     camera: CameraModel,
@@ -90,7 +117,7 @@ struct Watch {
     frames: u64,
     /// Where the last frame handed over saw its tracks.
     handed: BTreeMap<u64, Vector3<f64>>,
-    residuals_px: Vec<f64>,
+    matched: Vec<Matched>,
 }
 
 impl Watch {
@@ -103,12 +130,12 @@ impl Watch {
             corners: 0,
             frames: 0,
             handed: BTreeMap::new(),
-            residuals_px: Vec::new(),
+            matched: Vec::new(),
         }
     }
 
-    /// Distances of a frame's tracks from what they agree on best; those that the front-end has taken out among them.
-    fn residuals(&mut self, fed: &Fed) {
+    /// A frame's tracks and what they agree on best; those that the front-end has taken out among them.
+    fn matches(&mut self, fed: &Fed) {
         let Some(frame) = &fed.frame else { return };
         let bearing = |px: &Vector2<f64>| self.camera.bearing(px);
         let kept = frame.tracks.iter().map(|track| (track.id, track.px));
@@ -119,8 +146,7 @@ impl Watch {
         let focal = self.camera.px_per_rad();
         let stream = Stream::new(0).named("camera-figures").index(self.frames);
         if let Some(matrix) = agree(&pairs, None, focal, &self.config, &stream).essential {
-            let distance = |pair: &Pair| focal * pair.distance_squared(&matrix).sqrt();
-            self.residuals_px.extend(pairs.iter().map(distance));
+            self.matched.push(Matched { pairs, matrix, px_per_rad: focal });
         }
         self.frames += 1;
         self.handed = frame.tracks.iter().filter_map(|t| Some((t.id, bearing(&t.px)?))).collect();
@@ -135,6 +161,6 @@ impl FrontEndObserver for Watch {
             self.exposure.iter_mut().zip(figures).for_each(|(sum, figure)| *sum += figure);
         }
         self.corners += fed.report.new;
-        self.residuals(fed);
+        self.matches(fed);
     }
 }

@@ -90,10 +90,14 @@ impl Sweep<'_> {
         Self { places, ..self.clone() }
     }
 
+    /// All noises, those with seeds of their own last.
+    pub fn every_noise(&self) -> impl Iterator<Item = &NoiseSpec> {
+        self.noises.iter().chain(&self.others.0)
+    }
+
     /// What every noise is a function of, by its spec; a mean over the training sequences, of what these are.
     fn noise_contents(&self) -> Result<BTreeMap<String, String>, ClosedLoopError> {
-        let noises = || self.noises.iter().chain(&self.others.0);
-        let trained_on = noises().any(NoiseSpec::needs_training).then(|| self.training_content());
+        let trained_on = self.every_noise().any(NoiseSpec::needs_training).then(|| self.training_content());
         let of = |noise: &NoiseSpec| {
             let content = content(noise, self.networks)?;
             Ok((
@@ -104,7 +108,7 @@ impl Sweep<'_> {
                 },
             ))
         };
-        noises().map(of).collect()
+        self.every_noise().map(of).collect()
     }
 
     /// Seed of the training sequences that a mean is taken over: one for all cells, the first that is run.

@@ -13,6 +13,7 @@ use dpn_core::trajectory::StampedPose;
 use dpn_core::{ImuNoise, ImuSample, NoiseTrack, Stamp, TrackFrame};
 use dpn_vio::estimator::{Estimator, EstimatorConfig, FeedError, FrontEndObserver, RunReport, Update};
 use dpn_vio::preint::NoisySample;
+use dpn_vio::window::Window;
 use nalgebra::Matrix6;
 use std::sync::Arc;
 
@@ -134,6 +135,21 @@ pub fn drive(
     noise: &NoiseTrack,
     seed: u64,
 ) -> Result<EstimatorOutput, ClosedLoopError> {
+    drive_tracks(config, recording, frames, noise, seed, &mut |_, _| {})
+}
+
+/// Is shown every update and the window it left.
+pub type UpdateWatch<'a> = dyn FnMut(&Update, &Window) + 'a;
+
+/// [`drive`], watched.
+pub(super) fn drive_tracks(
+    config: &EstimatorConfig,
+    recording: &Recording,
+    frames: &[TrackFrame],
+    noise: &NoiseTrack,
+    seed: u64,
+    watch: &mut UpdateWatch<'_>,
+) -> Result<EstimatorOutput, ClosedLoopError> {
     let refused = |source| ClosedLoopError::Feed { sequence: recording.name.clone(), source };
     let mut run = Run::new(config, recording, noise, seed)?;
     let first = frames.first().expect("there is no run without frames");
@@ -143,7 +159,7 @@ pub fn drive(
             run.feed_sample(place).map_err(refused)?;
         }
         run.estimator.feed_frame(frame.clone()).map_err(refused)?;
-        run.take_updates();
+        run.take_updates(watch);
     }
     Ok(run.finish(frames.iter().map(|frame| frame.t).collect()))
 }
@@ -159,7 +175,7 @@ pub(super) fn drive_images(
     images: ImageStream<'_>,
     noise: &NoiseTrack,
     seed: u64,
-    observer: &mut dyn FrontEndObserver,
+    (observer, watch): (&mut dyn FrontEndObserver, &mut UpdateWatch<'_>),
     keep: &mut dyn FnMut(&TrackFrame),
 ) -> Result<(EstimatorOutput, ImageReport), ClosedLoopError> {
     let mut run = Run::new(config, recording, noise, seed)?;
@@ -178,7 +194,7 @@ pub(super) fn drive_images(
                 let clock = ThreadTime::now();
                 run.estimator.track_images(log);
                 run.tracking_s += clock.elapsed().as_secs_f64();
-                run.take_updates();
+                run.take_updates(watch);
             }
         }
         Ok(())
@@ -225,11 +241,12 @@ impl<'a> Run<'a> {
     }
 
     /// Takes every update there is.
-    fn take_updates(&mut self) {
+    fn take_updates(&mut self, watch: &mut UpdateWatch<'_>) {
         loop {
             let clock = ThreadTime::now();
             let Some(update) = self.estimator.next_update() else { break };
             self.update_cpu_s.push(clock.elapsed().as_secs_f64());
+            watch(&update, self.estimator.window());
             self.updates.push(update);
         }
     }

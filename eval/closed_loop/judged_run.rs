@@ -1,6 +1,8 @@
 //! One recording through the estimator, with everything a person wants to know of it.
 
-use super::drive::{EstimatorOutput, drive, drive_images, enough, frames_from, settings_for};
+use super::drive::{
+    EstimatorOutput, UpdateWatch, drive_images, drive_tracks, enough, frames_from, settings_for,
+};
 use super::error::ClosedLoopError;
 use super::frame_log::{FrameLog, SeenFrame};
 use super::image_report::{ImageEvent, ImageReport};
@@ -78,6 +80,22 @@ pub fn judged_run(
     networks: &[Network],
     observer: &mut dyn FrontEndObserver,
 ) -> Result<JudgedRun, ClosedLoopError> {
+    watched_run(config, recording, camera, noise, info, networks, (observer, &mut |_, _| {}))
+}
+
+/// [`judged_run`], whose updates somebody looks at too, each with the window it left.
+///
+/// # Errors
+/// As [`judged_run`].
+pub fn watched_run(
+    config: &EstimatorConfig,
+    recording: &Recording,
+    camera: CameraInput<'_>,
+    noise: &NoiseSpec,
+    info: RunInfo,
+    networks: &[Network],
+    (observer, watch): (&mut dyn FrontEndObserver, &mut UpdateWatch<'_>),
+) -> Result<JudgedRun, ClosedLoopError> {
     let config = &settings_for(config, noise);
     let recorded = Recorded { name: &recording.name, imu: &recording.imu, oracle: recording.oracle.as_ref() };
     let stream = Stream::new(info.seed).named("noise").named(&recording.name);
@@ -87,7 +105,7 @@ pub fn judged_run(
         CameraInput::Images(images) => {
             let mut keep = |frame: &TrackFrame| log.feed(frame);
             let (output, images) =
-                drive_images(config, recording, images, &noise, info.seed, observer, &mut keep)?;
+                drive_images(config, recording, images, &noise, info.seed, (observer, watch), &mut keep)?;
             fit(recording, &log)?;
             (output, Some(images))
         }
@@ -95,7 +113,7 @@ pub fn judged_run(
             let run = frames_from(recording, &frames, &span)?;
             run.iter().for_each(|frame| log.feed(frame));
             fit(recording, &log)?;
-            (drive(config, recording, run, &noise, info.seed)?, None)
+            (drive_tracks(config, recording, run, &noise, info.seed, watch)?, None)
         }
     };
     let health = log.health();

@@ -27,7 +27,7 @@ pub(super) fn rendered(
 ) -> Result<ImageStream<'static>, ClosedLoopError> {
     let camera = RenderedCamera::new(config, path, seed)
         .map_err(|source| ClosedLoopError::Render { sequence: sequence.to_owned(), source })?;
-    let known: Vec<Stamp> = stamps.iter().copied().filter(|t| camera.world_from_cam(*t).is_some()).collect();
+    let known: Vec<Stamp> = stamps.iter().copied().filter(|t| camera.takes(*t)).collect();
     let asked = span.of(&known, |t| *t).to_vec();
     if asked.is_empty() {
         let asked = !known.is_empty();

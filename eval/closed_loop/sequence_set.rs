@@ -16,7 +16,6 @@ use dpn_core::{SampleRate, Stamp, TrackFrame};
 use dpn_io::asl::{Sequence, discover};
 use dpn_io::calibration::Calibration;
 use dpn_io::{ImageFolder, IoError, read_tracks};
-use dpn_sim::flight::FlightPlan;
 use dpn_sim::tracks::{
     AnalyticPath, CameraSettings, PathConfig, RecordedPath, TracksConfig, camera_stamps, simulate_tracks,
 };
@@ -317,7 +316,7 @@ impl SequenceSet {
                 rendered(sequence.name(), &config, Arc::new(path), &stamps, seed, span)
             }
             (ImageSource::Rendered(config), Self::Flights { config: flight, .. }) => {
-                let (path, stamps) = path_of_flight(Flight::ALL[place], flight, seed);
+                let (path, stamps) = path_of_flight(Flight::ALL[place], flight, seed)?;
                 rendered(Flight::ALL[place].name(), config, Arc::new(path), &stamps, seed, span)
             }
         }
@@ -347,7 +346,7 @@ impl SequenceSet {
             (Self::Logged { log, .. }, _) => Err(no_tracks(&log.name())),
             (Self::Flights { config, .. }, TrackSource::Simulated(tracks)) => {
                 let flight = Flight::ALL[place];
-                let (path, stamps) = path_of_flight(flight, config, seed);
+                let (path, stamps) = path_of_flight(flight, config, seed)?;
                 simulate_tracks(tracks, &path, &stamps, seed)
                     .map_err(|source| ClosedLoopError::Tracks { sequence: flight.name().into(), source })
             }
@@ -515,12 +514,15 @@ pub fn path_config(sequence: &Sequence, config: &PathConfig) -> PathConfig {
     if sequence.truth_is_reconciled() { PathConfig { smoothing_s: 0.0, ..*config } } else { *config }
 }
 
-/// A flight's exact path, and stamps of a camera on it.
-fn path_of_flight(flight: Flight, config: &FlightConfig, seed: u64) -> (AnalyticPath, Vec<Stamp>) {
-    let plan = FlightPlan::new(flight, seed);
-    let path = AnalyticPath::new(plan.trajectory, Stamp::from_ns(config.epoch_ns));
+/// A flight's exact path, and stamps of a camera on it. The frame's shaking is in it: camera and IMU ride on one body.
+fn path_of_flight(
+    flight: Flight,
+    config: &FlightConfig,
+    seed: u64,
+) -> Result<(AnalyticPath, Vec<Stamp>), ClosedLoopError> {
+    let path = AnalyticPath::new(dpn_sim::path(flight, seed, config)?, Stamp::from_ns(config.epoch_ns));
     let stamps = camera_stamps(&path, camera_rate(None));
-    (path, stamps)
+    Ok((path, stamps))
 }
 
 /// Tracks along the ground truth.
@@ -562,6 +564,8 @@ fn flown(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use dpn_sim::imu::VibrationConfig;
+    use dpn_sim::tracks::CameraPath;
 
     #[test]
     fn sequences_are_selected_by_name_short_name_or_beginning() {
@@ -610,5 +614,28 @@ mod tests {
         assert!(frames[0].t >= samples[0].t && frames.len() > 100);
         assert_ne!(frames, source.frames(place, 4).unwrap());
         assert_ne!(source.checksum(place).unwrap(), source.checksum(0).unwrap());
+    }
+
+    #[test]
+    fn a_flights_camera_rides_on_the_body_that_shakes() {
+        let config = FlightConfig::default();
+        let tracks = TrackSource::Simulated(TracksConfig::default());
+        let place = Flight::ALL.iter().position(|flight| *flight == Flight::Hover).unwrap();
+        let truth = SequenceSet::Flights { config: config.clone(), tracks }
+            .recording(place, 3)
+            .unwrap()
+            .truth
+            .unwrap();
+        let turned = |config: &FlightConfig| {
+            let (path, _) = path_of_flight(Flight::Hover, config, 3).unwrap();
+            let angle = |pose: &StampedPose| {
+                Some(pose.world_from_body.rotation.angle_to(&path.world_from_body(pose.t)?.rotation))
+            };
+            truth.iter().filter_map(angle).fold(0.0, f64::max)
+        };
+        assert!(turned(&config) < 1e-9, "{:.1e} rad", turned(&config));
+        // Half a pixel and more, where the path leaves the shaking out: the test above can fail.
+        let still = VibrationConfig { scale: 0.0, ..config.vibration.clone() };
+        assert!(turned(&FlightConfig { vibration: still, ..config }) > 1e-3);
     }
 }

@@ -6,7 +6,7 @@
 #![allow(clippy::unwrap_used)]
 
 use dpn_core::Stamp;
-use dpn_eval::closed_loop::{CameraFigures, ImageSource, SequenceSet, TrackSource};
+use dpn_eval::closed_loop::{CameraFigures, ImageSource, SequenceSet, TrackSource, lens_error, matches};
 use dpn_io::ImageFolder;
 use dpn_io::asl::Sequence;
 use dpn_sim::RenderConfig;
@@ -36,5 +36,14 @@ fn main() {
             let ratio = of_drawn / of_real;
             println!("| {what} | {of_real:.4} | {of_drawn:.4} | {ratio:.2} | {least:.4} to {most:.4} |");
         }
+    }
+    println!(
+        "\nMedian distance from the epipolar lines, second half, px: without and with the lens error that fits the first half"
+    );
+    for (name, set) in [("real", &real), ("rendered", &drawn)] {
+        let [fitted, judged] =
+            [[first, middle], [middle, last]].map(|span| matches(set, 0, 0, span).unwrap());
+        let [without, with] = lens_error(&fitted, &judged).unwrap();
+        println!("{name}: {without:.4}, {with:.4}");
     }
 }

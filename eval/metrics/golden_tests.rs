@@ -42,6 +42,13 @@ struct Method {
     absolute: BTreeMap<String, Absolute>,
     by_frames: Vec<Relative>,
     by_metres: Vec<Relative>,
+    by_name: BTreeMap<String, Errors>,
+}
+
+#[derive(Deserialize)]
+struct Errors {
+    translation: Summary,
+    rotation: Summary,
 }
 
 #[derive(Deserialize)]
@@ -155,6 +162,19 @@ fn relative_errors_are_evos() {
         for (step, tolerance, expected) in method.by_frames.iter().map(frames).chain(by_path) {
             let got = rpe(pairs, step, tolerance).unwrap().unwrap();
             let what = format!("{name}, {step:?}");
+            hold(&what, &got.translation, &expected.translation, LENGTH);
+            hold(&what, &got.rotation, &expected.rotation, ANGLE);
+        }
+    });
+}
+
+#[test]
+fn stretches_by_evos_names_are_evos() {
+    each(|name, pairs, method, _| {
+        assert_eq!(method.by_name.len(), 20);
+        for (spec, expected) in &method.by_name {
+            let got = rpe_by(pairs, &spec.parse().unwrap(), RPE_TOLERANCE).unwrap().unwrap();
+            let what = format!("{name}, {spec}");
             hold(&what, &got.translation, &expected.translation, LENGTH);
             hold(&what, &got.rotation, &expected.rotation, ANGLE);
         }

@@ -3,7 +3,7 @@
 //! 1. [`TruthTrack`]: ground truth as a function of time, which does not reach across its own gaps.
 //! 2. [`associate_interpolated`], [`associate_nearest`]: pairs of a true and an estimated pose at one instant.
 //! 3. [`align`]: the estimate's world has a freedom that the truth's has not; four choices of it.
-//! 4. Errors: [`ate`] (absolute), [`rpe`] (relative, by distance or time), [`scale_error`].
+//! 4. Errors: [`ate`] (absolute), [`rpe`], [`rpe_by`] (relative, by distance, time, frames or turn, by evo's names), [`scale_error`].
 //! 5. Consistency: [`nees`] of one run, [`nees_report`] over runs.
 //!
 //! Both trajectories are of the same body frame, in increasing time; a trajectory of another frame (a camera's, a prism's) must be
@@ -18,6 +18,7 @@ mod golden_tests;
 mod nees;
 mod nees_report;
 mod rpe;
+mod rpe_spec;
 mod summary;
 mod truth;
 
@@ -27,6 +28,7 @@ pub use ate::{Ate, ate, ate_aligned, scale_error};
 pub use error::{MetricsError, Trajectory};
 pub use nees::{PoseNees, nees, start_alignment};
 pub use nees_report::{NeesPart, NeesReport, nees_report};
-pub use rpe::{RPE_TOLERANCE, Rpe, RpeStep, rpe};
+pub use rpe::{RPE_TOLERANCE, Rpe, RpeStep, rpe, rpe_by};
+pub use rpe_spec::{BadRpeSpec, RpeSpec, StretchesOn};
 pub use summary::ErrorSummary;
 pub use truth::{Cover, Interpolation, TruthOptions, TruthTrack, poses_of};

@@ -6,22 +6,27 @@
 //!
 //! whose translation \[m\] and angle \[rad\] are the errors. No alignment enters: E does not change when either world is moved.
 //!
-//! A stretch begins at every pose, so that stretches overlap, and ends at the pose whose true path length (or time) from there is nearest to the step, the
-//! earliest of those that are equally near; one that misses the step by more than the tolerance is left out. This is evo's `--all_pairs`
-//! with `--pairs_from_reference`. Path length is along the true positions of the pairs; across a gap it is the chord.
+//! [`rpe`] takes the stretches of `--all_pairs --pairs_from_reference`, [`rpe_by`] those of any [`RpeSpec`]. Path length is along the positions of
+//! the pairs; across a gap it is the chord.
 //! Source: Sturm et al., IROS 2012, sec. VII; A. Geiger et al., "Are we ready for autonomous driving?", CVPR 2012 (by distance).
 
 use super::associate::PosePair;
 use super::error::{MetricsError, positive};
+use super::rpe_spec::{RpeSpec, StretchesOn};
 use super::summary::ErrorSummary;
+use nalgebra::Isometry3;
 
 /// Length of a stretch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RpeStep {
-    /// Metres along the true path.
+    /// Metres along the path.
     Metres(f64),
     /// Seconds.
     Seconds(f64),
+    /// Poses.
+    Frames(usize),
+    /// Degrees turned: between its ends where stretches begin everywhere, else along the way.
+    Degrees(f64),
 }
 
 impl RpeStep {
@@ -64,17 +69,25 @@ impl Rpe {
     fn metres(&self) -> Option<f64> {
         match self.step {
             RpeStep::Metres(metres) => Some(metres),
-            RpeStep::Seconds(_) => None,
+            RpeStep::Seconds(_) | RpeStep::Frames(_) | RpeStep::Degrees(_) => None,
         }
     }
 }
 
-/// Relative errors over stretches of length `step`, give or take `tolerance` times it ([`RPE_TOLERANCE`]); `None` where no stretch is that long.
+/// Relative errors over stretches of length `step` along the true path, one from every pose, give or take `tolerance` times it ([`RPE_TOLERANCE`]); `None` where no stretch is that long.
 ///
 /// # Errors
 /// A step that is not positive and finite, a tolerance outside \[0, 1).
 pub fn rpe(pairs: &[PosePair], step: RpeStep, tolerance: f64) -> Result<Option<Rpe>, MetricsError> {
-    let (RpeStep::Metres(length) | RpeStep::Seconds(length)) = step;
+    rpe_by(pairs, &RpeSpec { step, all_pairs: true, on: StretchesOn::Reference }, tolerance)
+}
+
+/// Relative errors over the stretches of `spec`; `tolerance` as in [`rpe`], and of use only where stretches begin at every pose.
+///
+/// # Errors
+/// As [`rpe`]; degrees beyond 180.
+pub fn rpe_by(pairs: &[PosePair], spec: &RpeSpec, tolerance: f64) -> Result<Option<Rpe>, MetricsError> {
+    let length = spec.length();
     positive("step", length)?;
     if !(0.0..1.0).contains(&tolerance) {
         return Err(MetricsError::BadOption {
@@ -83,47 +96,68 @@ pub fn rpe(pairs: &[PosePair], step: RpeStep, tolerance: f64) -> Result<Option<R
             bound: "0 or more and below 1",
         });
     }
-    let along = match step {
-        RpeStep::Metres(_) => path_lengths(pairs),
-        RpeStep::Seconds(_) => seconds(pairs),
-    };
-    let (translations, rotations): (Vec<f64>, Vec<f64>) = (0..pairs.len())
-        .filter_map(|i| Some((i, end_of(&along, i, length, tolerance * length)?)))
+    if let RpeStep::Degrees(value @ 180.0..) = spec.step {
+        return Err(MetricsError::BadOption { name: "step", value, bound: "below 180 degrees" });
+    }
+    let (translations, rotations): (Vec<f64>, Vec<f64>) = stretches(pairs, spec, tolerance)
+        .into_iter()
         .map(|(i, j)| {
             let error = relative_error(&pairs[i], &pairs[j]);
             (error.translation.vector.norm(), error.rotation.angle())
         })
         .unzip();
     let summaries = ErrorSummary::of(&translations).zip(ErrorSummary::of(&rotations));
-    Ok(summaries.map(|(translation, rotation)| Rpe { step, translation, rotation }))
+    Ok(summaries.map(|(translation, rotation)| Rpe { step: spec.step, translation, rotation }))
+}
+
+/// First and last pose of every stretch, as evo 1.38 chooses them (`core/filters.py`).
+fn stretches(pairs: &[PosePair], spec: &RpeSpec, tolerance: f64) -> Vec<(usize, usize)> {
+    let length = spec.length();
+    let poses: Vec<&Isometry3<f64>> = pairs.iter().map(|pair| spec.on.pose(pair)).collect();
+    if let (RpeStep::Degrees(degrees), true) = (spec.step, spec.all_pairs) {
+        let within = (1.0 - tolerance) * degrees..=(1.0 + tolerance) * degrees;
+        let turn = |i: usize, j: usize| poses[i].rotation.angle_to(&poses[j].rotation).to_degrees();
+        let from = |i: usize| (i + 1..poses.len()).map(move |j| (i, j));
+        return (0..poses.len()).flat_map(from).filter(|&(i, j)| within.contains(&turn(i, j))).collect();
+    }
+    let steps = pairs.windows(2).zip(poses.windows(2)).map(|(pair, pose)| match spec.step {
+        RpeStep::Metres(_) => (pose[1].translation.vector - pose[0].translation.vector).norm(),
+        RpeStep::Seconds(_) => pair[1].t.seconds_since(pair[0].t),
+        RpeStep::Frames(_) => 1.0,
+        RpeStep::Degrees(_) => pose[0].rotation.angle_to(&pose[1].rotation).to_degrees(),
+    });
+    if !spec.all_pairs {
+        let (mut first, mut sum, mut found) = (0, 0.0, Vec::new());
+        for (i, step) in steps.enumerate() {
+            sum += step;
+            if sum >= length {
+                found.push((first, i + 1));
+                (first, sum) = (i + 1, 0.0);
+            }
+        }
+        return found;
+    }
+    let along: Vec<f64> = match spec.step {
+        RpeStep::Seconds(_) => pairs.iter().map(|p| p.t.seconds_since(pairs[0].t)).collect(),
+        _ => std::iter::once(0.0)
+            .chain(steps.scan(0.0, |sum, step| {
+                *sum += step;
+                Some(*sum)
+            }))
+            .collect(),
+    };
+    let slack = match spec.step {
+        RpeStep::Frames(_) => 0.0,
+        _ => tolerance * length,
+    };
+    (0..pairs.len()).filter_map(|i| Some((i, end_of(&along, i, length, slack)?))).collect()
 }
 
 /// E of the module's opening.
-fn relative_error(i: &PosePair, j: &PosePair) -> nalgebra::Isometry3<f64> {
+fn relative_error(i: &PosePair, j: &PosePair) -> Isometry3<f64> {
     let true_i_from_j = i.true_world_from_body.inv_mul(&j.true_world_from_body);
     let est_i_from_j = i.est_world_from_body.inv_mul(&j.est_world_from_body);
     true_i_from_j.inv_mul(&est_i_from_j)
-}
-
-/// True path length from the first pair to each \[m\].
-fn path_lengths(pairs: &[PosePair]) -> Vec<f64> {
-    let mut sum = 0.0;
-    let mut last = None;
-    pairs
-        .iter()
-        .map(|pair| {
-            let position = pair.true_world_from_body.translation.vector;
-            if let Some(last) = last.replace(position) {
-                sum += (position - last).norm();
-            }
-            sum
-        })
-        .collect()
-}
-
-/// Time from the first pair to each \[s\].
-fn seconds(pairs: &[PosePair]) -> Vec<f64> {
-    pairs.iter().map(|p| p.t.seconds_since(pairs[0].t)).collect()
 }
 
 /// The pose after `i` whose place `along` is nearest to `length` beyond that of `i`, the earliest of several, if it misses by at most `slack`.
@@ -201,11 +235,29 @@ mod tests {
     }
 
     #[test]
+    fn consecutive_stretches_begin_where_the_one_before_ended() {
+        let pairs = straight(&[0, 400, 1005, 1920, 2010, 3050], 1.0, 1.0);
+        let of = |text: &str| stretches(&pairs, &text.parse().unwrap(), 0.1);
+        assert_eq!(of("1m"), [(0, 2), (2, 4), (4, 5)]);
+        assert_eq!(of("1s"), of("1m"));
+        assert_eq!(of("2f"), [(0, 2), (2, 4)]);
+        assert_eq!(of("2f:all_pairs"), [(0, 2), (1, 3), (2, 4), (3, 5)]);
+        assert_eq!(of("1m:all_pairs"), [(0, 2), (2, 4), (4, 5)]);
+        // The estimate turns by .01 rad a second, the truth not at all.
+        let degree = 0.01_f64.to_degrees();
+        assert_eq!(of(&format!("{degree}deg")), of("1m"));
+        assert_eq!(of(&format!("{degree}deg:all_pairs")), [(0, 2), (2, 3), (2, 4), (4, 5)]);
+        assert_eq!(of("0.1deg:pairs_from_reference"), []);
+    }
+
+    #[test]
     fn no_stretch_is_no_error_but_a_bad_step_is_one() {
         let pairs = straight(&[0, 100, 200], 1.0, 1.0);
         assert_eq!(rpe(&pairs, RpeStep::Metres(5.0), 0.1).unwrap(), None);
         assert_eq!(rpe(&[], RpeStep::Seconds(1.0), 0.1).unwrap(), None);
         assert!(rpe(&pairs, RpeStep::Seconds(0.0), 0.1).is_err());
         assert!(rpe(&pairs, RpeStep::Seconds(1.0), 1.0).is_err());
+        let turned = RpeSpec { step: RpeStep::Degrees(180.0), all_pairs: true, on: StretchesOn::Estimate };
+        assert!(rpe_by(&pairs, &turned, 0.1).is_err());
     }
 }

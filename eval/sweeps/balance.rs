@@ -19,10 +19,21 @@ const EXACTLY: f64 = 0.003;
 pub struct Group {
     /// For what they share, whichever part of them is run \[s\].
     pub shared_s: f64,
-    /// Each cell, by its place among all, and for it alone \[s\].
-    pub cells: Vec<(usize, f64)>,
+    /// Those with the same noise track beside each other.
+    pub cells: Vec<Member>,
     /// Whether what they share is kept for all shards once one has made it.
     pub kept: bool,
+}
+
+/// A cell of a group.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Member {
+    /// Its place among all cells.
+    pub place: usize,
+    /// For it alone \[s\].
+    pub own_s: f64,
+    /// Which of the group's noise tracks it needs: a network speaks once a shard, so a group is better cut where this changes.
+    pub noise: usize,
 }
 
 /// When a shard has its cells of a group whose shared part is kept.
@@ -124,12 +135,12 @@ impl<'a> Shards<'a> {
     }
 
     /// Puts cells of a group into a shard that has none of it.
-    fn put(&mut self, shard: usize, group: usize, cells: &[(usize, f64)], shared_s: f64) {
+    fn put(&mut self, shard: usize, group: usize, cells: &[Member], shared_s: f64) {
         let own_s = own_s(cells);
         self.work_s[shard] += shared_s + own_s;
         self.has[shard].insert(group, own_s);
-        for (place, _) in cells {
-            self.shard_of[*place] = shard;
+        for cell in cells {
+            self.shard_of[cell.place] = shard;
         }
     }
 
@@ -187,28 +198,35 @@ fn filled(groups: &[Group], order: &[usize], shards: usize, end_s: f64) -> Optio
     Some(filled.balance())
 }
 
-fn own_s(cells: &[(usize, f64)]) -> f64 {
-    cells.iter().map(|(_, own_s)| own_s).sum()
+fn own_s(cells: &[Member]) -> f64 {
+    cells.iter().map(|cell| cell.own_s).sum()
 }
 
-/// How many of the first cells take `room_s` at most.
-fn fitting(cells: &[(usize, f64)], room_s: f64) -> usize {
+/// How many of the first cells take `room_s` at most; not between cells with the same noise track, if it can be had.
+fn fitting(cells: &[Member], room_s: f64) -> usize {
     let mut sum_s = 0.0;
-    let fits = |(_, own_s): &&(usize, f64)| {
-        sum_s += own_s;
+    let fits = |cell: &&Member| {
+        sum_s += cell.own_s;
         sum_s <= room_s
     };
-    cells.iter().take_while(fits).count()
+    let most = cells.iter().take_while(fits).count();
+    let between = |count: &usize| cells.get(*count).is_none_or(|next| next.noise != cells[*count - 1].noise);
+    (1..=most).rev().find(between).unwrap_or(most)
 }
 
 /// When each shard ends that `has` so much of each group's own work, with what it waits for.
 fn ends(groups: &[Group], shard_of: &[usize], has: &[BTreeMap<usize, f64>]) -> Vec<f64> {
-    let turn = |group: &Group, shard: usize| {
-        if group.kept {
-            Turn::of(shard, group.cells.iter().map(|(place, _)| shard_of[*place]))
-        } else {
-            Turn::Alone
-        }
+    // A group's shards in the order of its places, which is the one that a shard knows.
+    let in_order = |group: &Group| {
+        let mut places: Vec<usize> = group.cells.iter().map(|cell| cell.place).collect();
+        places.sort_unstable();
+        places.into_iter().map(|place| shard_of[place]).collect()
+    };
+    let orders: Vec<Vec<usize>> =
+        groups.iter().map(|group| if group.kept { in_order(group) } else { Vec::new() }).collect();
+    let turn = |number: usize, shard: usize| match groups[number].kept {
+        true => Turn::of(shard, orders[number].iter().copied()),
+        false => Turn::Alone,
     };
     let mut ready = vec![0.0; groups.len()];
     let mut clocks = vec![0.0_f64; has.len()];
@@ -217,7 +235,7 @@ fn ends(groups: &[Group], shard_of: &[usize], has: &[BTreeMap<usize, f64>]) -> V
         for (shard, (clock, has)) in clocks.iter_mut().zip(has).enumerate() {
             for (&number, own_s) in has {
                 let group = &groups[number];
-                if turn(group, shard) != now {
+                if turn(number, shard) != now {
                     continue;
                 }
                 if now == Turn::Takes {
@@ -260,7 +278,8 @@ mod tests {
             let length = 60.0 + 12.0 * f64::from(i % 11);
             let cell = |noise: i32| {
                 place += 1;
-                (place - 1, length * (0.03 + 0.002 * f64::from(noise % 7)))
+                let own_s = length * (0.03 + 0.002 * f64::from(noise % 7));
+                Member { place: place - 1, own_s, noise: noise as usize }
             };
             Group { shared_s: shared * length, cells: (0..31).map(cell).collect(), kept }
         });
@@ -277,9 +296,9 @@ mod tests {
             let mut seconds = vec![0.0; shards];
             for group in &groups {
                 let mut there = vec![false; shards];
-                for (place, own_s) in &group.cells {
-                    let shard = balance.shard_of[*place];
-                    seconds[shard] += own_s + if there[shard] { 0.0 } else { group.shared_s };
+                for cell in &group.cells {
+                    let shard = balance.shard_of[cell.place];
+                    seconds[shard] += cell.own_s + if there[shard] { 0.0 } else { group.shared_s };
                     there[shard] = true;
                 }
             }
@@ -318,10 +337,20 @@ mod tests {
         let made_by_each = balance(&study(0.3, false), 64);
         assert!(balance(&groups, 64).longest_s() < made_by_each.longest_s());
         // Two shards and one group: the second waits for the first, and no more.
-        let one = [Group { shared_s: 10.0, cells: (0..20).map(|place| (place, 1.0)).collect(), kept: true }];
+        let cells = (0..20).map(|place| Member { place, own_s: 1.0, noise: 0 }).collect();
+        let one = [Group { shared_s: 10.0, cells, kept: true }];
         let two = balance(&one, 2);
         assert_eq!(two.cpu_s, 30.0);
         assert!((20.0..30.0).contains(&two.longest_s()), "{two:?}");
+    }
+
+    #[test]
+    fn cells_with_the_same_noise_track_stay_together_where_they_fit() {
+        // Twelve cells, four noise tracks of three cells each; a shard has room for five, two, or all.
+        let cells: Vec<Member> =
+            (0..12).map(|place| Member { place, own_s: 1.0, noise: place / 3 }).collect();
+        assert_eq!([5.0, 2.0, 3.0, 20.0].map(|room| fitting(&cells, room)), [3, 2, 3, 12]);
+        assert_eq!(fitting(&cells, 0.5), 0);
     }
 
     #[test]

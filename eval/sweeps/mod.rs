@@ -24,7 +24,7 @@ mod spec;
 mod status;
 mod train_plan;
 
-pub use balance::{Balance, Group, balance, shards_within};
+pub use balance::{Balance, Group, Member, balance, shards_within};
 pub use beat::Beat;
 pub use collect::{Collected, collect};
 pub use costs::{CellCost, CostOf, Costs};

@@ -1,6 +1,6 @@
 //! From jobs to a sweep: every cell with its cost and its shard.
 
-use super::balance::{Balance, Group, balance, shards_within};
+use super::balance::{Balance, Group, Member, balance, shards_within};
 use super::costs::{CostOf, Costs};
 use super::error::SweepError;
 use super::manifest::{Job, PlannedCell, SweepManifest};
@@ -97,7 +97,7 @@ pub fn plan(
     let shards = match size {
         Size::Shards(shards) => shards.clamp(1, manifest.cells.len()),
         Size::Minutes(minutes) => shards_within(&groups, 60.0 * minutes).ok_or_else(|| {
-            let longest = |g: &Group| g.shared_s + g.cells.iter().map(|(_, s)| *s).fold(0.0, f64::max);
+            let longest = |g: &Group| g.shared_s + g.cells.iter().map(|cell| cell.own_s).fold(0.0, f64::max);
             let cell_minutes = groups.iter().map(longest).fold(0.0, f64::max) / 60.0;
             SweepError::TooShort { minutes, cell_minutes }
         })?,
@@ -129,7 +129,10 @@ fn closed_loop(
     }
     let kept = planned.kept_tracks && matches!(sweep.source.tracks(), TrackSource::Images(_));
     let seeded = sweep.source.tracks_are_seeded();
-    let mut last = None;
+    let sources: BTreeMap<String, String> =
+        sweep.every_noise().map(|noise| (noise.to_string(), noise.source().to_string())).collect();
+    let mut ranks: BTreeMap<&str, usize> = BTreeMap::new();
+    let (begin, mut last) = (groups.len(), None);
     for (key, cell) in sweep.named_cells(made_from)? {
         let (noise, kind) = (key.noise.clone(), sweep.source.camera());
         let amount = seconds[&key.sequence];
@@ -140,11 +143,16 @@ fn closed_loop(
             last = Some(group);
         }
         let of = groups.last_mut().expect("one was just pushed, or is the last cell's");
-        of.cells.push((planned.cells.len(), time.own_s));
+        let ranked = ranks.len();
+        let noise = *ranks.entry(sources[&noise].as_str()).or_insert(ranked);
+        of.cells.push(Member { place: planned.cells.len(), own_s: time.own_s, noise });
         let of_job =
             if folder.as_os_str().is_empty() { String::new() } else { format!("{}: ", folder.display()) };
         let label = format!("{of_job}{} {} seed {}", key.sequence, key.noise, key.seed);
         planned.cells.push(PlannedCell { job, cell, label, amount, cost_s: time.own_s, shard: 0 });
+    }
+    for group in &mut groups[begin..] {
+        group.cells.sort_by_key(|cell| cell.noise);
     }
     let spec = JobSpec::ClosedLoop(Box::new(LoopSpec::of(sweep)));
     let made_from = serde_json::to_value(made_from).expect("texts and JSON values");
@@ -162,7 +170,7 @@ fn train(
     for (spec, cell, amount) in trainings {
         let (on, what) = (spec.config.sensor().name(), spec.config.base.base().to_string());
         let time = costs.of_cell(&CostOf { kind: "train", on, what: &what, amount: *amount });
-        let cells = vec![(planned.cells.len(), time.own_s)];
+        let cells = vec![Member { place: planned.cells.len(), own_s: time.own_s, noise: 0 }];
         groups.push(Group { shared_s: time.shared_s, cells, kept: false });
         let (cell, label) = (cell.clone(), spec.folder.clone());
         planned.cells.push(PlannedCell { job, cell, label, amount: *amount, cost_s: time.own_s, shard: 0 });

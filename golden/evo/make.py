@@ -50,6 +50,28 @@ def rpe(truth, estimate, relation, delta, unit):
     return error_summary(metric)
 
 
+def named_rpe(truth, estimate, relation, delta, unit, all_pairs, from_reference):
+    metric = metrics.RPE(
+        relation, delta, unit, rel_delta_tol=0.1, all_pairs=all_pairs, pairs_from_reference=from_reference
+    )
+    metric.process_data((truth, estimate))
+    return error_summary(metric)
+
+
+UNITS = {"m": Unit.meters, "f": Unit.frames, "deg": Unit.degrees}
+
+
+def by_name(truth, estimate):
+    """Every definition that dpn has a name for."""
+    cases = {}
+    for delta, unit in ((1.0, "m"), (2.5, "m"), (1, "f"), (7, "f"), (20.0, "deg")):
+        for all_pairs in (False, True):
+            for from_reference in (False, True):
+                name = f"{delta:g}{unit}" + ":all_pairs" * all_pairs + ":pairs_from_reference" * from_reference
+                cases[name] = both(named_rpe, truth, estimate, delta, UNITS[unit], all_pairs, from_reference)
+    return cases
+
+
 def both(kind, *arguments):
     return {
         "translation": kind(*arguments[:2], PoseRelation.translation_part, *arguments[2:]),
@@ -117,6 +139,7 @@ def case(truth_rows, estimate_rows, frames, metres):
             "first_truth_position": first[:3, 3].tolist(),
             "absolute": absolute(a, b),
             "by_frames": [{"step": n, **both(rpe, a, b, n, Unit.frames)} for n in frames],
+            "by_name": by_name(a, b),
             "by_metres": [{"step": m, **both(rpe, a, b, m, Unit.meters)} for m in metres],
         }
     return {"truth": truth_rows, "estimate": estimate_rows, "methods": methods}

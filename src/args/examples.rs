@@ -36,6 +36,10 @@ pub(super) const SWEEP_STATUS: &str = "Examples:
   dpn sweep status sweep
   dpn sweep status sweep --json";
 
+pub(super) const PAGE: &str = "Examples:
+  dpn page flight.bag
+  dpn page rosbag2_folder --topic /imu0";
+
 pub(super) const NOISE: &str = "Examples:
   dpn noise flight.bag
   dpn noise log.csv --columns 1,2,3,4,5,6,7 --gyro-unit deg/s --out runs/mine

@@ -13,6 +13,7 @@ mod images;
 mod log;
 mod manual;
 mod noise;
+mod page;
 mod paper;
 mod run;
 mod simulate;
@@ -32,6 +33,7 @@ pub(crate) use images::ImagesArgs;
 pub(crate) use log::{HowArgs, LogArgs, rate};
 pub(crate) use manual::{CompletionsArgs, ManualArgs};
 pub(crate) use noise::{ConvertArgs, NoiseArgs, NoiseWhat, RowFormat};
+pub(crate) use page::PageArgs;
 pub(crate) use paper::PaperArgs;
 pub(crate) use run::RunArgs;
 pub(crate) use simulate::{FlightArgs, SimulateArgs, SimulateWhat, TracksArgs};
@@ -83,6 +85,9 @@ pub(crate) enum Command {
     /// A log's doctor: rate, gaps, units, gravity, clipping, vibration, rest and motion; findings by weight.
     #[command(after_help = examples::CHECK)]
     Check(CheckArgs),
+    /// A log in the browser: findings, noise over time, Allan plot and figures to paste on one page, served on this machine alone.
+    #[command(after_help = examples::PAGE)]
+    Page(PageArgs),
     /// A published ground truth reconciled with its IMU: clock, frames, noise of both, and where it can be trusted.
     #[command(after_help = examples::TRUTH)]
     Truth(TruthArgs),

@@ -35,6 +35,13 @@ pub(crate) struct NoiseArgs {
     /// How the track is written.
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t = RowFormat::Csv)]
     pub(crate) format: RowFormat,
+    /// Write the log again into this MCAP file, its IMU's sensor_msgs/Imu with their covariances filled in; MCAP and rosbag2 of MCAP are copied
+    /// message by message, of any other log the samples are written.
+    #[arg(long, value_name = "FILE", conflicts_with = "follow")]
+    pub(crate) into: Option<PathBuf>,
+    /// Write a recording for the viewer of rerun.io, samples and their noise over time; of a dpn built with the feature `rerun`.
+    #[arg(long, value_name = "FILE.rrd", conflicts_with = "follow")]
+    pub(crate) rerun: Option<PathBuf>,
     /// Configuration whose noise figures are held against the log's.
     #[arg(long, value_name = "CONFIG", conflicts_with = "follow")]
     pub(crate) check: Option<PathBuf>,

@@ -3,6 +3,7 @@
 use super::{CameraArg, ImageLogArgs, SettingsArgs};
 use clap::Args;
 use dpn_eval::closed_loop::StartAt;
+use dpn_eval::metrics::{BadRpeSpec, RpeSpec};
 use std::path::PathBuf;
 
 /// Flags of `dpn run`.
@@ -48,6 +49,18 @@ pub(crate) struct RunArgs {
     /// Folder for trajectory.tum, states.csv and report.json; without it runs/run-NAME.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    /// Write also trajectory.kitti and, where there is ground truth, truth.kitti at the same instants: what `evo_ape kitti` and `evo_rpe kitti` compare.
+    #[arg(long)]
+    pub(crate) kitti: bool,
+    /// Write poses, truth, noise, biases and levels also into this MCAP file, which Foxglove shows.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) mcap: Option<PathBuf>,
+    /// Write a recording for the viewer of rerun.io, trajectory, truth, camera, tracks, landmarks, noise, biases and levels on one time line; of a dpn built with the feature `rerun`.
+    #[arg(long, value_name = "FILE.rrd")]
+    pub(crate) rerun: Option<PathBuf>,
+    /// Relative errors over these stretches, in evo's words: 1m, 10f, 30deg, 5s; then :all_pairs, :pairs_from_reference; several between commas.
+    #[arg(long, value_name = "STRETCHES", value_delimiter = ',', value_parser = stretches)]
+    pub(crate) rpe: Vec<RpeSpec>,
     /// Draw into this folder: the flight from above, tracks, noise, biases and residuals over time, and, of images, frames with tracks.
     #[arg(long, value_name = "DIR")]
     pub(crate) draw: Option<PathBuf>,
@@ -57,6 +70,10 @@ pub(crate) struct RunArgs {
     /// Print the report as JSON on stdout.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+fn stretches(text: &str) -> Result<RpeSpec, String> {
+    text.parse().map_err(|error: BadRpeSpec| error.to_string())
 }
 
 /// A number of seconds from 0.

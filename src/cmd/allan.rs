@@ -24,12 +24,7 @@ pub(crate) fn run(args: &AllanArgs) -> Result<()> {
     let findings: Option<Vec<Finding>> = config.as_ref().map(|(_, source)| compare(source, &allan));
     let words = format!("{} samples, {:.0} s.", allan.samples, allan.length_s);
     let files = save(&AllanPlot::new(&allan.axes, &words)?, &args.out.join("allan"))?;
-    let pasted = report::pasted(&allan)?;
-    let mut json = serde_json::json!({ "log": allan, "figures": allan.figures(), "formats": pasted, "advice": report::MULTIPLY });
-    if let Some(findings) = &findings {
-        json["check"] = serde_json::to_value(findings)?;
-    }
-    let text = json.to_string() + "\n";
+    let text = report::json(&allan, findings.as_deref())?.to_string() + "\n";
     atomic_write(&args.out.join("allan.json"), |file| file.write_all(text.as_bytes()))?;
     if args.json {
         out!("{text}")?;

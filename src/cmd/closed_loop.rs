@@ -46,6 +46,7 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
 /// The flags as a plan.
 fn plan(args: &EvalArgs) -> Result<LoopPlan> {
     let closed = &args.closed;
+    let calibration = settings::calibration(&closed.settings)?;
     Ok(LoopPlan {
         data: args.data.clone(),
         models: args.models.clone(),
@@ -56,7 +57,6 @@ fn plan(args: &EvalArgs) -> Result<LoopPlan> {
         },
         tracks: closed.tracks.clone(),
         truth: closed.truth.clone(),
-        calibration: settings::calibration(&closed.settings)?,
         skip_missing: closed.skip_missing,
         image_topic: closed.image_topic.clone(),
         topic: closed.topic.clone(),
@@ -67,14 +67,15 @@ fn plan(args: &EvalArgs) -> Result<LoopPlan> {
         from: closed.from,
         to: closed.to,
         estimator: settings::estimator(&closed.settings)?.into(),
-        simulated_tracks: settings::tracks(&closed.settings)?.into(),
-        images: settings::images(&closed.settings)?.into(),
+        simulated_tracks: settings::tracks(&closed.settings, calibration.as_ref())?.into(),
+        images: settings::images(&closed.settings, calibration.as_ref())?.into(),
         flights: settings::flights(&closed.settings)?.into(),
         injection: match &closed.inject {
             Some(path) => Some(dpn_io::config::load::<dpn_eval::injected::Injection>(path)?.into()),
             None => None,
         },
         trajectories: closed.trajectories,
+        calibration,
         ..LoopPlan::default()
     })
 }

@@ -146,7 +146,7 @@ impl SeenSequence {
         let (from, to) = (args.from.unwrap_or(0.0), args.to.unwrap_or(f64::INFINITY));
         // A microsecond outside is within, for seconds are rounded when they are written.
         let asked = |t: &Stamp| (from - 1e-6..=to + 1e-6).contains(&t.seconds_since(first));
-        self.stamps.retain(|t| asked(t) && camera.world_from_cam(*t).is_some());
+        self.stamps.retain(|t| asked(t) && camera.takes(*t));
         let (Some(&begin), Some(&end)) = (self.stamps.first(), self.stamps.last()) else {
             let remedy = "widen --from and --to, and see that camera and ground truth are on one clock";
             let what = format!("{}: at none of its {all} frames asked for there is a true pose", self.name);

@@ -12,13 +12,17 @@ mod eval;
 mod export;
 mod flight;
 mod follow;
+mod foxglove;
 mod images;
+mod into;
 mod live;
 mod log;
 mod manual;
 mod noise;
+mod page;
 mod paper;
 mod program;
+mod rerun;
 mod run;
 mod settings;
 mod shipped;
@@ -44,6 +48,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Noise(args) => noise::run(&args),
         Command::Allan(args) => allan::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Page(args) => page::run(&args),
         Command::Truth(args) => truth::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Data(args) => data::run(&args),

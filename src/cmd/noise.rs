@@ -1,23 +1,19 @@
 //! `dpn noise`.
 
-use super::{convert, follow, log, shipped};
+use super::{convert, follow, into, log, rerun, shipped};
 use crate::args::{NoiseArgs, NoiseWhat, RowFormat};
-use crate::ui::{Fault, errln, out, outln};
-use anyhow::Result;
+use crate::ui::{errln, out, outln};
+use anyhow::{Context, Result};
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::{Recorded, SampleRate, Samples};
 use dpn_figures::{LogNoisePlot, save};
 use dpn_io::noise_formats::{Given, NoiseCalibration, read};
 use dpn_io::{atomic_write, write_noise_rows};
-use dpn_probe::log_noise::compare::{Check, compare};
-use dpn_probe::log_noise::{EffectiveNoise, Levels, LogNoiseError, Plan, TrackSummary, report, track};
-use dpn_probe::phases::phases;
+use dpn_probe::log_noise::compare::Check;
+use dpn_probe::log_noise::{Along, Plan, report};
 use dpn_pronet::network::Network;
 use dpn_pronet::network::load_all;
 use std::path::Path;
-
-/// What stands in for the networks where they cannot be asked.
-const SIMPLE: &str = "diff2";
 
 pub(crate) fn run(args: &NoiseArgs) -> Result<()> {
     if let Some(NoiseWhat::Convert(args)) = &args.what {
@@ -47,46 +43,31 @@ fn plan<'a>(args: &NoiseArgs, rate: SampleRate, networks: &'a [Network]) -> Resu
         let spec: NoiseSpec = text.parse()?;
         return Ok(Plan::new(&spec, rate, every, networks)?);
     }
-    match Plan::new(&"dualpronet".parse()?, rate, every, networks) {
-        Err(LogNoiseError::Rate { found_hz, trained_hz, .. }) => {
-            errln!(
-                "note: the log has {found_hz:.1} Hz and the shipped networks know {trained_hz:.0} Hz and its multiples: the simple estimator {SIMPLE} \
-                 is asked instead (--noise)"
-            );
-            Ok(Plan::new(&SIMPLE.parse()?, rate, every, networks)?)
-        }
-        other => Ok(other?),
+    let (plan, note) = Plan::fitting(rate, every, networks)?;
+    if let Some(note) = note {
+        errln!("note: {note} (--noise)");
     }
+    Ok(plan)
 }
 
 fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
-    let recording = log::read_from(path, &args.how)?.recording;
+    rerun::check(args.rerun.as_deref())?;
+    let log = log::read_from(path, &args.how)?;
+    if let Some(into) = &args.into {
+        into::check(into, path, &log, &args.how)?;
+    }
+    let recording = &log.recording;
     let rate = recording.rate();
     // A configuration that cannot be read should not cost a track.
     let config = config(args, rate)?;
     let plan = plan(args, rate, networks)?;
-    let unknown_s = plan.unknown_s();
-    if recording.length_s() <= unknown_s {
-        let text = format!(
-            "{}: {:.2} s; the first window alone has {unknown_s:.2} s",
-            path.display(),
-            recording.length_s()
-        );
-        return Err(Fault::new(text).hint("record for longer, or ask constants (--noise x1)").into());
-    }
-    let track = track(&plan, &recording)?;
-    let summary = TrackSummary::of(&track, &recording, phases(&recording)?, unknown_s)?;
-    let check = match &config {
-        Some(source) => Levels::of(&recording, &summary.stretches)?
-            .map(|levels| compare(source, &levels, rate))
-            .transpose()?,
-        None => None,
-    };
+    let along = Along::of(&plan, recording, config.as_ref()).with_context(|| path.display().to_string())?;
+    let Along { track, summary, warnings, effective, check } = &along;
     let mut words = format!("{} samples, {:.0} s.", recording.len(), recording.length_s());
-    for line in report::outside(&summary) {
+    for line in report::outside(summary) {
         words.push_str(&format!(" {line}."));
     }
-    let plot = LogNoisePlot::new(&recording, &track, &plan, &summary, &words)?;
+    let plot = LogNoisePlot::new(recording, track, &plan, summary, &words)?;
     let files = save(&plot, &args.out.join("plot"))?;
     let written = match args.format {
         RowFormat::Csv => {
@@ -100,33 +81,38 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
             file
         }
     };
-    let warnings = report::warnings(&plan, &summary);
-    let effective = EffectiveNoise::of(&recording, &summary.stretches)?;
-    let mut all = serde_json::json!({
-        "log": path.display().to_string(), "samples": recording.len(), "rate_hz": rate.hz(), "noise": plan.spec(), "every": plan.every(),
-        "thinned_to_every": plan.thin(), "summary": summary, "warnings": warnings,
-        "effective": effective,
+    #[cfg(feature = "rerun")]
+    if let Some(file) = &args.rerun {
+        rerun::noise(file, &path.display().to_string(), recording, (track, plan.every()))?;
+    }
+    let mut all = along.json(&path.display().to_string(), &plan, recording)?;
+    let into = args.into.as_ref().map(|file| {
+        into::write(file, path, &log, &args.how, (track, plan.unknown_s())).map(|words| (file, words))
     });
-    if let Some(check) = &check {
-        all["check"] = serde_json::to_value(check)?;
+    let into = into.transpose()?;
+    if let Some((file, words)) = &into {
+        all["into"] = serde_json::json!({ "file": file, "messages": words });
     }
     let text = all.to_string() + "\n";
     atomic_write(&args.out.join("summary.json"), |file| file.write_all(text.as_bytes()))?;
-    for warning in &warnings {
+    for warning in warnings {
         errln!("warning: {warning}");
     }
     if args.json {
         out!("{text}")?;
         return Ok(());
     }
-    out!("{}", report::page(&plan, &summary, rate))?;
-    if let Some(effective) = &effective {
+    out!("{}", report::page(&plan, summary, rate))?;
+    if let Some(effective) = effective {
         out!("{}", effective.page())?;
     }
-    if let (Some(path), Some(source), Some(check)) = (&args.check, &config, &check) {
+    if let (Some(path), Some(source), Some(check)) = (&args.check, &config, check) {
         print_check(path, source, check)?;
     }
     outln!("\ntrack:    {}", written.display())?;
+    if let Some((file, words)) = &into {
+        outln!("log:      {} ({words})", file.display())?;
+    }
     for file in files.iter().filter(|f| f.extension().is_some_and(|e| e == "png")) {
         outln!("picture:  {}", file.display())?;
     }

@@ -73,8 +73,8 @@ fn asked(args: &PaperArgs) -> Result<PaperSweepPlan> {
         sequences: args.sequences.clone(),
         from: args.from,
         estimator: settings::estimator(&args.settings)?.into(),
-        simulated_tracks: settings::tracks(&args.settings)?.into(),
-        images: settings::images(&args.settings)?.into(),
+        simulated_tracks: settings::tracks(&args.settings, None)?.into(),
+        images: settings::images(&args.settings, None)?.into(),
         flights: settings::flights(&args.settings)?.into(),
         ..PaperSweepPlan::default()
     })

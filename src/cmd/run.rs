@@ -1,34 +1,43 @@
 //! `dpn run`.
 
 use super::tracks::truth_of_a_flight;
-use super::{live, program, settings, shipped};
+use super::{foxglove, live, program, rerun, settings, shipped};
 use crate::args::{CameraArg, RunArgs};
 use crate::ui::{Fault, errln, out, outln};
 use anyhow::Result;
 use dpn_core::estimate::NoiseSpec;
+use dpn_core::{GrayImage, Stamp};
+#[cfg(feature = "rerun")]
+use dpn_eval::closed_loop::{CameraInput, frames_from};
 use dpn_eval::closed_loop::{
     ImageSource, JudgedRun, LoggedSequence, Recording, Report, RunInfo, SequenceSet, Span, TrackSource,
-    has_images, judged_run, write_states,
+    UpdateWatch, has_images, paired, watched_run, write_states,
 };
+use dpn_eval::metrics::{AlignmentKind, PosePair, RPE_TOLERANCE, RpeSpec, align, rpe_by};
 use dpn_figures::save;
 use dpn_figures::{Album, timeline, top_view};
 use dpn_io::asl::{Sequence, is_there};
-use dpn_io::{atomic_write, write_noise_track, write_tum};
+use dpn_io::calibration::Calibration;
+use dpn_io::{atomic_write, write_kitti, write_noise_track, write_tum};
 use dpn_logs::{ImageLogOptions, LogOptions};
 use dpn_sim::Flight;
-use dpn_vio::estimator::FrontEndObserver;
+use dpn_vio::estimator::{FrontEndObserver, Update};
+use dpn_vio::frontend::Fed;
+use dpn_vio::window::Window;
 use std::path::{Path, PathBuf};
 
 pub(crate) fn run(args: &RunArgs) -> Result<()> {
     if live::is_live(&args.source) {
         return live::run(args);
     }
+    rerun::check(args.rerun.as_deref())?;
     let noise: NoiseSpec = args.noise.parse()?;
     let estimator = settings::estimator(&args.settings)?;
-    if let Some(given) = settings::calibration(&args.settings)? {
+    let calibration = settings::calibration(&args.settings)?;
+    if let Some(given) = &calibration {
         errln!("calibration: {given}");
     }
-    let (source, place) = open(args)?;
+    let (source, place) = open(args, calibration)?;
     let networks = shipped::or_of(args.models.as_deref())?;
     let recording = source.recording(place, args.seed)?;
     let span = Span { from_s: args.from.seconds(&recording.name), to_s: args.to };
@@ -43,18 +52,54 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         to_s: span.to_s,
         front_end: None,
     };
-    let mut nobody = ();
-    let observer: &mut dyn FrontEndObserver = match &mut album {
-        Some(album) => album,
-        None => &mut nobody,
+    #[cfg(feature = "rerun")]
+    let scene = args.rerun.as_ref().map(|_| rerun::RunScene::new(&recording)).transpose()?;
+    #[cfg(feature = "rerun")]
+    if let (Some(scene), CameraInput::Tracks(frames, span)) = (&scene, &camera) {
+        scene.tracks(frames_from(&recording, frames, span)?);
+    }
+    let mut images = Lookers(Vec::new());
+    images.0.extend(album.as_mut().map(|album| album as &mut dyn FrontEndObserver));
+    #[cfg(feature = "rerun")]
+    let mut images_shown = scene.clone();
+    #[cfg(feature = "rerun")]
+    images.0.extend(images_shown.as_mut().map(|scene| scene as &mut dyn FrontEndObserver));
+    let mut watch = |_update: &Update, _window: &Window| {
+        #[cfg(feature = "rerun")]
+        if let Some(scene) = &scene {
+            scene.update(_update, _window);
+        }
     };
-    let done = judged_run(&estimator, &recording, camera, &noise, info, &networks, observer)?;
+    let watchers: (&mut dyn FrontEndObserver, _) = (&mut images, &mut watch as &mut UpdateWatch<'_>);
+    let done = watched_run(&estimator, &recording, camera, &noise, info, &networks, watchers)?;
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("runs/run-{}", recording.name)));
-    let report = serde_json::json!({
+    let poses = done.output.poses();
+    let pairs = match &recording.truth {
+        Some(truth) if !poses.is_empty() => paired(truth, &poses)?,
+        _ => Vec::new(),
+    };
+    let mut report = serde_json::json!({
         "program": program(), "estimator": estimator, "input": source.checksum(place)?,
         "camera_is_simulated": source.camera_is_simulated(), "truth": source.truth(), "report": done.report,
     });
+    if !args.rpe.is_empty() {
+        report["rpe"] = relative_errors(&args.rpe, &pairs)?;
+    }
     write(&done, &report, &out)?;
+    if args.kitti {
+        kitti(&done, &pairs, &out)?;
+    }
+    // Of a straight line there is no heading: the estimate is shown where it is.
+    let aligned = align(&pairs, AlignmentKind::YawPosition).ok();
+    let truth_from_world = aligned.map(|alignment| alignment.true_world_from_est_world);
+    #[cfg(feature = "rerun")]
+    if let Some((scene, file)) = scene.zip(args.rerun.as_ref()) {
+        drop(images_shown);
+        scene.finish(file, &recording, &done, truth_from_world.as_ref())?;
+    }
+    if let Some(file) = &args.mcap {
+        foxglove::write(file, &recording, &done, truth_from_world.as_ref())?;
+    }
     if let (Some(dir), Some(album)) = (&args.draw, album) {
         draw(dir, album, &recording, &done)?;
     }
@@ -66,6 +111,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     } else {
         let simulated = source.camera_is_simulated();
         out!("{}", words(&done.report, &done, simulated))?;
+        for spec in &args.rpe {
+            outln!("{:<16}{}", "RPE:", relative_words(spec, &report["rpe"]))?;
+        }
         outln!("files:          {}", out.display())?;
         if let Some(dir) = &args.draw {
             outln!("pictures:       {}", dir.display())?;
@@ -74,13 +122,26 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     Ok(())
 }
 
+/// All who look on while images are worked off.
+struct Lookers<'a>(Vec<&'a mut dyn FrontEndObserver>);
+
+impl FrontEndObserver for Lookers<'_> {
+    fn begin(&mut self, t: Stamp) {
+        self.0.iter_mut().for_each(|looker| looker.begin(t));
+    }
+
+    fn end(&mut self, image: &GrayImage, fed: &Fed) {
+        self.0.iter_mut().for_each(|looker| looker.end(image, fed));
+    }
+}
+
 /// A folder is a sequence, a bag or a folder with `times.txt` a log with images, anything else a flight.
-fn open(args: &RunArgs) -> Result<(SequenceSet, usize)> {
+fn open(args: &RunArgs, given: Option<Calibration>) -> Result<(SequenceSet, usize)> {
     let dir = Path::new(&args.source);
-    let given = settings::calibration(&args.settings)?;
-    let made = TrackSource::Simulated(settings::tracks(&args.settings)?);
+    let made = TrackSource::Simulated(settings::tracks(&args.settings, given.as_ref())?);
     let seen = TrackSource::Images(ImageSource::Folder { skip_missing: args.skip_missing });
-    let rendered = TrackSource::Images(ImageSource::Rendered(Box::new(settings::images(&args.settings)?)));
+    let images = settings::images(&args.settings, given.as_ref())?;
+    let rendered = TrackSource::Images(ImageSource::Rendered(Box::new(images)));
     if let Some(log) = LoggedSequence::find(dir, image_log(args), given.as_ref())? {
         let other = args.camera.is_some_and(|camera| camera != CameraArg::Images);
         if other || args.tracks.is_some() || args.truth.is_some() {
@@ -161,6 +222,45 @@ fn write(done: &JudgedRun, report: &serde_json::Value, out: &Path) -> Result<()>
     }
     let text = serde_json::to_string_pretty(report)? + "\n";
     atomic_write(&out.join("report.json"), |file| file.write_all(text.as_bytes()))?;
+    Ok(())
+}
+
+/// The errors by their names; null where no stretch is that long, or there is no truth.
+fn relative_errors(specs: &[RpeSpec], pairs: &[PosePair]) -> Result<serde_json::Value> {
+    let mut all = serde_json::Map::new();
+    for spec in specs {
+        let found = rpe_by(pairs, spec, RPE_TOLERANCE)?;
+        let value = found
+            .map(|rpe| serde_json::json!({ "translation_m": rpe.translation, "rotation_rad": rpe.rotation }));
+        all.insert(spec.to_string(), value.unwrap_or_default());
+    }
+    Ok(all.into())
+}
+
+fn relative_words(spec: &RpeSpec, errors: &serde_json::Value) -> String {
+    let of = &errors[spec.to_string()];
+    match (of["translation_m"]["rmse"].as_f64(), of["rotation_rad"]["rmse"].as_f64()) {
+        (Some(metres), Some(angle)) => {
+            format!(
+                "{metres:.4} m, {:.3} deg over {spec} ({} stretches)",
+                angle.to_degrees(),
+                of["translation_m"]["count"]
+            )
+        }
+        _ => format!("none over {spec}: no ground truth, or no stretch of that length"),
+    }
+}
+
+/// Poses that have ground truth, and that truth beside them; all poses where there is none.
+fn kitti(done: &JudgedRun, pairs: &[PosePair], out: &Path) -> Result<()> {
+    let estimate = out.join("trajectory.kitti");
+    if pairs.is_empty() {
+        let poses = done.output.poses();
+        write_kitti(&estimate, poses.iter().map(|pose| &pose.world_from_body))?;
+        return Ok(());
+    }
+    write_kitti(&estimate, pairs.iter().map(|pair| &pair.est_world_from_body))?;
+    write_kitti(&out.join("truth.kitti"), pairs.iter().map(|pair| &pair.true_world_from_body))?;
     Ok(())
 }
 

@@ -14,13 +14,13 @@ pub(crate) fn estimator(args: &SettingsArgs) -> Result<EstimatorConfig> {
     Ok(load_over(args.config.as_deref(), &args.sets)?)
 }
 
-/// The file's keys, then the flags over them.
-pub(crate) fn tracks(args: &SettingsArgs) -> Result<TracksConfig> {
+/// The file's keys, then the calibration's camera and the flags over them.
+pub(crate) fn tracks(args: &SettingsArgs, calibration: Option<&Calibration>) -> Result<TracksConfig> {
     let mut config: TracksConfig = match &args.tracks_config {
         Some(path) => load(path)?,
         None => TracksConfig::default(),
     };
-    if let Some(given) = calibration(args)? {
+    if let Some(given) = calibration {
         config.camera = Some(CameraSettings::try_from(&given.camera)?);
     }
     config.pixel_noise_px = args.pixel_noise.unwrap_or(config.pixel_noise_px);
@@ -28,13 +28,13 @@ pub(crate) fn tracks(args: &SettingsArgs) -> Result<TracksConfig> {
     checked(config)
 }
 
-/// The file's keys, then the flags over them.
-pub(crate) fn images(args: &SettingsArgs) -> Result<RenderConfig> {
+/// The file's keys, then the calibration's camera and the flags over them.
+pub(crate) fn images(args: &SettingsArgs, calibration: Option<&Calibration>) -> Result<RenderConfig> {
     let mut config: RenderConfig = match &args.images_config {
         Some(path) => load(path)?,
         None => RenderConfig::default(),
     };
-    if let Some(given) = calibration(args)? {
+    if let Some(given) = calibration {
         config.camera = Some(CameraSettings::try_from(&given.camera)?);
     }
     config.ground_truth_delay_s = args.ground_truth_delay.unwrap_or(config.ground_truth_delay_s);

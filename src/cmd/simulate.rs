@@ -1,6 +1,6 @@
 //! `dpn simulate`.
 
-use super::{images, tracks};
+use super::{images, rerun, tracks};
 use crate::args::{FlightArgs, SimulateArgs, SimulateWhat};
 use crate::ui::outln;
 use anyhow::Result;
@@ -27,6 +27,7 @@ fn flight(args: FlightArgs) -> Result<()> {
         }
         return Ok(());
     }
+    rerun::check(args.rerun.as_deref())?;
     let config = match &args.config {
         Some(path) => dpn_io::config::load(path)?,
         None => FlightConfig::default(),
@@ -37,6 +38,10 @@ fn flight(args: FlightArgs) -> Result<()> {
     } else {
         vec![simulate(name.parse::<Flight>()?, args.seed, &config)?]
     };
+    #[cfg(feature = "rerun")]
+    if let Some(file) = &args.rerun {
+        rerun::flights(file, &flights)?;
+    }
     for flight in &flights {
         let dir = args.out.join(flight.name());
         write(flight, &config, &dir)?;

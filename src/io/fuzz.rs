@@ -3,8 +3,8 @@
 use super::asl::{camera, ground_truth, imu_config};
 use super::imu_csv::{CsvOptions, parse_imu_csv};
 use super::{
-    AccelUnit, GyroUnit, ImuColumns, ImuLines, IoError, TimeUnit, noise_csv, parse_imu_csv_loosely, tracks,
-    tum,
+    AccelUnit, GyroUnit, ImuColumns, ImuLines, IoError, TimeUnit, calibration, noise_csv,
+    parse_imu_csv_loosely, tracks, tum,
 };
 use dpn_core::random::{Stream, StreamRng};
 use dpn_testing::forged::{Draw, damage};
@@ -58,6 +58,20 @@ fn feed(bytes: &[u8]) {
     }
 }
 
+/// Feeds the reader of cameras, with the same demands.
+fn feed_calibration(bytes: &[u8]) {
+    let error = match calibration::parse(bytes, Path::new("fuzz")) {
+        Ok(calibration) => {
+            let numbers = format!("{:?}", calibration.camera);
+            return assert!(!numbers.contains("NaN") && !numbers.contains("inf"), "{numbers}");
+        }
+        Err(error) => error,
+    };
+    let said = error.to_string();
+    assert!(said.starts_with("fuzz") && !said.contains('\n'), "{said:?}");
+    assert_ne!(error.hint().as_deref(), Some(""));
+}
+
 /// A stretch of lines of a real file, so that cases stay small.
 fn excerpt(file: &[u8], rng: &mut StreamRng) -> Vec<u8> {
     let lines: Vec<_> = file.split_inclusive(|b| *b == b'\n').collect();
@@ -80,6 +94,27 @@ fn random_bytes_panic_no_reader() {
             (0..length).map(|_| LETTERS[rng.random_range(0..LETTERS.len())]).collect()
         };
         feed(&bytes);
+        feed_calibration(&bytes);
+    }
+}
+
+#[test]
+fn damaged_calibrations_panic_no_reader() {
+    let files: [&[u8]; 9] = [
+        include_bytes!("../../golden/calibrations/asl.yaml"),
+        include_bytes!("../../golden/calibrations/basalt.json"),
+        include_bytes!("../../golden/calibrations/kalibr/camchain-imucam.yaml"),
+        include_bytes!("../../golden/calibrations/okvis2.yaml"),
+        include_bytes!("../../golden/calibrations/openvins/kalibr_imucam_chain.yaml"),
+        include_bytes!("../../golden/calibrations/orbslam3.yaml"),
+        include_bytes!("../../golden/calibrations/orbslam3_old.yaml"),
+        include_bytes!("../../golden/calibrations/vins.yaml"),
+        include_bytes!("../../golden/calibrations/vins_fusion/cam0.yaml"),
+    ];
+    for case in 0..4500 {
+        let mut bytes = files[case as usize % files.len()].to_vec();
+        damage(&mut bytes, &mut Draw::new(case, "damaged calibrations"));
+        feed_calibration(&bytes);
     }
 }
 

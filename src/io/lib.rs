@@ -43,6 +43,7 @@ mod image_file;
 mod images;
 mod imu_csv;
 mod imu_lines;
+mod kitti;
 mod leftovers;
 mod lock;
 mod loose_csv;
@@ -77,6 +78,7 @@ pub use image_file::parse_image;
 pub use images::{Coverage, ImageFolder, ImageRun, Prefetch, StampedImage};
 pub use imu_csv::{CsvOptions, ImuLog, Origin, Settled, parse_imu_csv, read_imu_csv};
 pub use imu_lines::ImuLines;
+pub use kitti::write_kitti;
 pub use leftovers::scratch_file;
 pub use lock::{FolderLock, LockError};
 pub use loose_csv::{

@@ -1,5 +1,5 @@
 //! Rows of fixed width, as many as come: the last ones in memory, all before them in a temporary file without a name, which goes with the
-//! process.
+//! process. In a browser, where there are no files, all of them are in memory.
 
 use std::borrow::Cow;
 use std::fs::File;
@@ -60,7 +60,7 @@ impl<T: Row> Store<T> {
             return;
         }
         self.held.push(row);
-        if self.held.len() * T::BYTES >= HELD {
+        if self.held.len() * T::BYTES >= HELD && !cfg!(target_family = "wasm") {
             self.failed = self.file_held().err().map(|e| named(&e));
         }
     }

@@ -108,6 +108,15 @@ pub enum LogError {
         /// What it is.
         kind: &'static str,
     },
+    /// A log that cannot be copied message by message.
+    #[cfg(feature = "write")]
+    #[error("{}: {kind}; messages are copied from MCAP, in a file or in a rosbag2 folder", path.display())]
+    NoCopy {
+        /// The log.
+        path: PathBuf,
+        /// What it is.
+        kind: &'static str,
+    },
     /// An IMU or images whose messages are written in a way that is not known.
     #[error("{}: the messages on `{topic}` are written as `{encoding}`; known are cdr and ros1", path.display())]
     Encoding {
@@ -149,6 +158,12 @@ pub enum LogError {
         path: PathBuf,
         /// What is wrong.
         what: String,
+    },
+    /// A database, and no reader of databases in this build.
+    #[error("{}: a rosbag2 database (SQLite), and this build of dpn reads none", path.display())]
+    NoSqlite {
+        /// The file.
+        path: PathBuf,
     },
     /// A bag that must be unpacked first.
     #[error("{}: a compressed bag", path.display())]
@@ -225,6 +240,8 @@ impl LogError {
             Self::NoImuFile { .. } => {
                 "put the IMU's samples beside times.txt: stamp, gyroscope x y z, accelerometer x y z a row"
             }
+            #[cfg(feature = "write")]
+            Self::NoCopy { .. } => "convert it first, for example by `ros2 bag convert` or `mcap convert`",
             Self::NoBag { .. } => "record camera and IMU into one bag, or lay the images beside a times.txt",
             Self::NotImu { .. } => "choose the topic of the raw IMU; without --topic the only one is taken",
             Self::Encoding { .. } => {
@@ -236,6 +253,9 @@ impl LogError {
             Self::TooFew { .. } => "record for longer, or look whether the file was cut off",
             Self::Backward { .. } => "sort the samples by time, or cut the log where its clock was set",
             Self::Damaged { .. } => "copy or record it again",
+            Self::NoSqlite { .. } => {
+                "open it by `dpn check`, `dpn noise` and `dpn allan`, or convert it to MCAP by `ros2 bag convert`"
+            }
             Self::Packed { .. } => "unpack it first, for example by `zstd -d` or `ros2 bag convert`",
             Self::Apart { .. } => {
                 "take both from one recording, with stamps of one clock; or name their unit: --time-unit"

@@ -130,6 +130,17 @@ impl<'a> Fields<'a> {
         Some(String::from_utf8_lossy(bytes.strip_suffix(b"\0").unwrap_or(bytes)).into_owned())
     }
 
+    /// Where the next double lies in the message, and whether its lowest byte is first; the double is passed over.
+    #[cfg(feature = "write")]
+    pub(crate) fn place_of_f64(&mut self) -> Option<(std::ops::Range<usize>, bool)> {
+        self.f64()?;
+        let head = match self.encoding {
+            Encoding::Ros1 => 0,
+            Encoding::Cdr => 4,
+        };
+        Some((head + self.at - 8..head + self.at, self.little))
+    }
+
     /// A number's bytes, the lowest first.
     fn number<const N: usize>(&mut self) -> Option<[u8; N]> {
         let from = self.at.checked_next_multiple_of(self.align.min(N))?;

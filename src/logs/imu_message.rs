@@ -6,6 +6,11 @@
 use crate::fields::{Encoding, Fields, Undecodable};
 use dpn_core::{ImuSample, Stamp};
 
+/// Whether messages of this type are an IMU's, in ROS 1 or ROS 2.
+pub(crate) fn is_imu(kind: &str) -> bool {
+    matches!(kind, "sensor_msgs/Imu" | "sensor_msgs/msg/Imu")
+}
+
 /// One message.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ImuMessage {
@@ -22,6 +27,31 @@ pub(crate) struct ImuMessage {
 pub(crate) fn decode(data: &[u8], encoding: Encoding) -> Result<ImuMessage, Undecodable> {
     let mut fields = Fields::new(data, encoding)?;
     message(&mut fields).ok_or(Undecodable::Short)
+}
+
+/// Writes variances into a message's covariances of angular velocity and linear acceleration, their diagonals; everything else stays as it is.
+///
+/// # Errors
+/// As [`decode`]; the message is as it was.
+#[cfg(feature = "write")]
+pub(crate) fn fill_covariances(
+    data: &mut [u8],
+    encoding: Encoding,
+    gyro_var: [f64; 3],
+    accel_var: [f64; 3],
+) -> Result<(), Undecodable> {
+    let mut fields = Fields::new(data, encoding)?;
+    let places: Option<Vec<_>> =
+        fields.header().and_then(|_| (0..37).map(|_| fields.place_of_f64()).collect());
+    let places = places.ok_or(Undecodable::Short)?;
+    for (first, variances) in [(16, gyro_var), (28, accel_var)] {
+        for (k, (place, little)) in places[first..first + 9].iter().enumerate() {
+            let value = if k % 4 == 0 { variances[k / 4] } else { 0.0 };
+            let bytes = if *little { value.to_le_bytes() } else { value.to_be_bytes() };
+            data[place.clone()].copy_from_slice(&bytes);
+        }
+    }
+    Ok(())
 }
 
 fn message(fields: &mut Fields<'_>) -> Option<ImuMessage> {
@@ -70,6 +100,26 @@ mod tests {
                 assert_eq!(message.sample.gyro, [13.5, 14.5, 15.5], "{id} {frame:?}");
                 assert_eq!(message.sample.accel, [25.5, 26.5, 27.5], "{id} {frame:?}");
                 assert!(message.stamped);
+            }
+        }
+    }
+
+    #[cfg(feature = "write")]
+    #[test]
+    fn variances_go_to_the_diagonals_and_nowhere_else() {
+        for frame in [&b"imu\0"[..], b"imu_link\0"] {
+            for (id, align, little) in [(0, 8, false), (1, 8, true), (6, 4, false), (7, 4, true)] {
+                let before = bytes(id, align, little, frame);
+                let mut data = before.clone();
+                fill_covariances(&mut data, Encoding::Cdr, [1.0, 2.0, 3.0], [4.0, 5.0, 6.0]).unwrap();
+                assert_eq!(decode(&data, Encoding::Cdr).unwrap(), decode(&before, Encoding::Cdr).unwrap());
+                let mut fields = Fields::new(&data, Encoding::Cdr).unwrap();
+                fields.header().unwrap();
+                let values: Vec<f64> = (0..37).map(|_| fields.f64().unwrap()).collect();
+                assert_eq!(values[16..25], [1.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 3.0]);
+                assert_eq!(values[28..37], [4.0, 0.0, 0.0, 0.0, 5.0, 0.0, 0.0, 0.0, 6.0]);
+                assert_eq!(values[4], 4.5, "the orientation's stay");
+                assert!(fill_covariances(&mut data[..300], Encoding::Cdr, [1.0; 3], [1.0; 3]).is_err());
             }
         }
     }

@@ -16,16 +16,18 @@
 //!
 //! With the feature `images`, [`ImageLog`] reads the images beside the samples, of bags and of folders with `times.txt`, and [`read_sensors`] hands both on as they come.
 //!
+//! With the feature `write`, logs are written too, MCAP all of them: [`write_with_covariances`] copies one with its IMU's covariances filled in, and [`McapLog`] takes what anybody
+//! has to log.
+//!
 //! A reader here goes on where it can: a bag that is cut off or damaged gives everything before the damage, samples that no recording may
 //! hold are left out, and [`Log::warnings`] says all of it. Files are read as a stream: beside the samples there is one chunk in memory.
 //!
 //! Why the bag formats are parsed here: the part that concerns an IMU is a page each. `rosbag` 0.6 maps the file with `unsafe`, trusts its
-//! strings to be UTF-8, needs a bag's index, which one that was cut off has not, and panics on an odd one; `mcap` 0.26 subtracts the length
+//! strings to be UTF-8, needs a bag's index, which one that was cut off has not, and panics on an odd one; `mcap` 0.26 (whose writer is used) subtracts the length
 //! of a record from that of its chunk unchecked, and brings two C libraries for decompression. Decompression and SQLite are crates'.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 mod ardupilot;
-#[cfg(feature = "images")]
 mod bag;
 mod budget;
 mod bytes;
@@ -60,10 +62,16 @@ mod rosbag2;
 mod scale;
 #[cfg(feature = "images")]
 mod sensors;
+#[cfg(feature = "sqlite")]
+mod sqlite;
+#[cfg(not(feature = "sqlite"))]
+#[path = "no_sqlite.rs"]
 mod sqlite;
 mod topics;
 mod two_files;
 mod ulog;
+#[cfg(feature = "write")]
+mod write;
 
 pub use error::LogError;
 #[cfg(feature = "images")]
@@ -74,6 +82,9 @@ pub use read::{LogOptions, read_log, read_mcap, read_rosbag1, read_sqlite, read_
 pub use scale::Scales;
 #[cfg(feature = "images")]
 pub use sensors::{SensorEvent, read_sensors, read_sensors_from};
+
+#[cfg(feature = "write")]
+pub use write::{CovarianceCopy, McapLog, is_copied, write_imu_log, write_with_covariances};
 
 /// The README's code is a test.
 #[cfg(doctest)]

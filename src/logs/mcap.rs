@@ -3,6 +3,7 @@
 //! Source: mcap.dev/spec, version 0. A record is an opcode, a length of 64 bits, content. Of the records, schemas, channels, messages and
 //! chunks count here; a chunk's checksum is held against its content.
 
+use crate::budget::Budget;
 use crate::bytes::Bytes;
 use crate::decompress::{LARGEST, decompress};
 use crate::fields::Encoding;
@@ -12,17 +13,40 @@ use std::collections::BTreeMap;
 use std::io::{self, Read};
 
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
-const SCHEMA: u8 = 0x03;
-const CHANNEL: u8 = 0x04;
-const MESSAGE: u8 = 0x05;
+pub(crate) const HEADER: u8 = 0x01;
+pub(crate) const SCHEMA: u8 = 0x03;
+pub(crate) const CHANNEL: u8 = 0x04;
+pub(crate) const MESSAGE: u8 = 0x05;
 const CHUNK: u8 = 0x06;
+pub(crate) const ATTACHMENT: u8 = 0x09;
+pub(crate) const METADATA: u8 = 0x0c;
 const DATA_END: u8 = 0x0f;
+
+/// Takes a file's records in its order, those in chunks one by one.
+pub(crate) trait RecordSink {
+    /// One record; `None` when it is too short to be one.
+    fn record(&mut self, op: u8, content: &[u8]) -> Option<()>;
+
+    /// What the file may unpack to.
+    fn budget(&mut self) -> &mut Budget;
+
+    /// Whether nothing more is wanted.
+    fn is_done(&self) -> bool;
+}
 
 /// Reads a whole file; returns what was wrong where it ended early.
 ///
 /// # Errors
 /// The operating system's; a damaged file is none.
 pub(crate) fn read(source: impl Read, topics: &mut dyn Messages) -> io::Result<Option<String>> {
+    walk(source, &mut Reader { schemas: BTreeMap::new(), topics })
+}
+
+/// The same for all of the file's records before its summary.
+///
+/// # Errors
+/// As [`read`].
+pub(crate) fn walk(source: impl Read, sink: &mut dyn RecordSink) -> io::Result<Option<String>> {
     let mut source = CountedReader { inner: source, at: 0 };
     let Some(magic) = source.exactly(MAGIC.len() as u64)? else {
         return Ok(Some("ends within its first line".to_owned()));
@@ -30,9 +54,8 @@ pub(crate) fn read(source: impl Read, topics: &mut dyn Messages) -> io::Result<O
     if magic != MAGIC {
         return Ok(Some("does not begin as an MCAP file does".to_owned()));
     }
-    let mut schemas = Schemas::default();
     loop {
-        if topics.is_done() {
+        if sink.is_done() {
             return Ok(None);
         }
         let begin = source.at;
@@ -55,7 +78,7 @@ pub(crate) fn read(source: impl Read, topics: &mut dyn Messages) -> io::Result<O
         let content = source.up_to(length)?;
         let is_whole = content.len() as u64 == length;
         if op == CHUNK {
-            let damage = chunk(&content, is_whole, &mut schemas, topics);
+            let damage = chunk(&content, is_whole, sink);
             if !is_whole {
                 return Ok(Some(format!("cut off in the chunk at byte {begin}")));
             }
@@ -67,17 +90,14 @@ pub(crate) fn read(source: impl Read, topics: &mut dyn Messages) -> io::Result<O
         if !is_whole {
             return Ok(Some(format!("cut off in the record at byte {begin}")));
         }
-        if record(op, &content, &mut schemas, topics).is_none() {
+        if sink.record(op, &content).is_none() {
             return Ok(Some(format!("the record at byte {begin} is too short")));
         }
     }
 }
 
-/// Schemas' names by their numbers.
-type Schemas = BTreeMap<u16, String>;
-
 /// A chunk's records; returns what is wrong with it.
-fn chunk(content: &[u8], is_whole: bool, schemas: &mut Schemas, topics: &mut dyn Messages) -> Option<String> {
+fn chunk(content: &[u8], is_whole: bool, sink: &mut dyn RecordSink) -> Option<String> {
     let mut bytes = Bytes::new(content);
     let header = (|| {
         let _times = bytes.take(16)?;
@@ -88,12 +108,12 @@ fn chunk(content: &[u8], is_whole: bool, schemas: &mut Schemas, topics: &mut dyn
     };
     let packed = bytes.rest();
     let packed = &packed[..packed.len().min(usize::try_from(length).unwrap_or(usize::MAX))];
-    let plain = decompress(&compression, packed.to_vec(), size, topics.budget());
+    let plain = decompress(&compression, packed.to_vec(), size, sink.budget());
     if is_whole && plain.damage.is_none() && sum != 0 && crc32fast::hash(&plain.bytes) != sum {
         return Some("its content does not have its checksum".to_owned());
     }
     let mut records = Bytes::new(&plain.bytes);
-    while !records.is_empty() && !topics.is_done() {
+    while !records.is_empty() && !sink.is_done() {
         let parts = (|| {
             let op = records.u8()?;
             let length = records.u64()?;
@@ -102,35 +122,51 @@ fn chunk(content: &[u8], is_whole: bool, schemas: &mut Schemas, topics: &mut dyn
         let Some((op, content)) = parts else {
             return plain.damage.or_else(|| Some("ends within a record".to_owned()));
         };
-        if record(op, content, schemas, topics).is_none() {
+        if sink.record(op, content).is_none() {
             return Some("holds a record that is too short".to_owned());
         }
     }
     plain.damage
 }
 
-/// A schema, a channel or a message; `None` when it is too short to be one.
-fn record(op: u8, content: &[u8], schemas: &mut Schemas, topics: &mut dyn Messages) -> Option<()> {
-    let mut bytes = Bytes::new(content);
-    match op {
-        SCHEMA => {
-            let number = bytes.u16()?;
-            schemas.insert(number, bytes.text()?);
+/// Hands messages on.
+struct Reader<'a> {
+    /// Schemas' names by their numbers.
+    schemas: BTreeMap<u16, String>,
+    topics: &'a mut dyn Messages,
+}
+
+impl RecordSink for Reader<'_> {
+    fn record(&mut self, op: u8, content: &[u8]) -> Option<()> {
+        let mut bytes = Bytes::new(content);
+        match op {
+            SCHEMA => {
+                let number = bytes.u16()?;
+                self.schemas.insert(number, bytes.text()?);
+            }
+            CHANNEL => {
+                let (number, schema) = (bytes.u16()?, bytes.u16()?);
+                let (topic, encoding) = (bytes.text()?, bytes.text()?);
+                let kind = self.schemas.get(&schema).map_or("", String::as_str);
+                self.topics.declare(u32::from(number), &topic, kind, Encoding::named(&encoding));
+            }
+            MESSAGE => {
+                let channel = bytes.u16()?;
+                let _sequence = bytes.u32()?;
+                let logged = bytes.u64()?;
+                let _published = bytes.u64()?;
+                self.topics.message(u32::from(channel), logged.cast_signed(), bytes.rest());
+            }
+            _ => {}
         }
-        CHANNEL => {
-            let (number, schema) = (bytes.u16()?, bytes.u16()?);
-            let (topic, encoding) = (bytes.text()?, bytes.text()?);
-            let kind = schemas.get(&schema).map_or("", String::as_str);
-            topics.declare(u32::from(number), &topic, kind, Encoding::named(&encoding));
-        }
-        MESSAGE => {
-            let channel = bytes.u16()?;
-            let _sequence = bytes.u32()?;
-            let logged = bytes.u64()?;
-            let _published = bytes.u64()?;
-            topics.message(u32::from(channel), logged.cast_signed(), bytes.rest());
-        }
-        _ => {}
+        Some(())
     }
-    Some(())
+
+    fn budget(&mut self) -> &mut Budget {
+        self.topics.budget()
+    }
+
+    fn is_done(&self) -> bool {
+        self.topics.is_done()
+    }
 }

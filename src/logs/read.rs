@@ -1,17 +1,15 @@
 //! The one way in.
 
-use crate::kind::HEAD;
-use crate::packed::{Packing, Unpacked};
 use crate::records::Records;
 use crate::scale::Scales;
 use crate::topics::Topics;
 use crate::two_files::TwoFiles;
-use crate::{Kind, Log, LogError, ardupilot, mcap, rosbag1, rosbag2, sqlite, ulog};
+use crate::{Kind, Log, LogError, ardupilot, bag, mcap, rosbag1, rosbag2, sqlite, ulog};
 use dpn_core::Samples;
 use dpn_io::asl::{Sequence, is_there};
 use dpn_io::{
     AccelUnit, CsvOptions, GyroUnit, ImuColumns, IoError, LooseImuLog, Origin, SampleStore, Sieved,
-    StoredRecording, parse_imu_csv_loosely, scratch_file,
+    StoredRecording, parse_imu_csv_loosely,
 };
 use std::fs::File;
 use std::io::{BufReader, Read};
@@ -75,30 +73,10 @@ pub fn read_log(path: &Path, options: &LogOptions) -> Result<Log, LogError> {
 /// # Errors
 /// As [`read_log`].
 pub fn read_stream(source: impl Read, path: &Path, options: &LogOptions) -> Result<Log, LogError> {
-    let (head, source) = headed(source, path)?;
-    let Some(packing) = Packing::of(&head) else {
-        return read_plain(&head, source, path, path.is_file(), options);
-    };
-    let mut unpacked = Unpacked::new(packing, source, options.max_uncompressed);
-    let (head, plain) = headed(&mut unpacked, path)?;
-    let mut read = read_plain(&head, plain, path, false, options);
-    if let Some(damage) = unpacked.damage() {
-        match &mut read {
-            Ok(log) => log.damage = Some(damage),
-            Err(_) => return Err(LogError::Damaged { path: path.to_path_buf(), what: damage }),
-        }
-    }
-    read
-}
-
-/// The first bytes of a source, and all of it.
-pub(crate) fn headed<'a>(
-    mut source: impl Read + 'a,
-    path: &Path,
-) -> Result<(Vec<u8>, impl Read + 'a), LogError> {
-    let mut head = Vec::new();
-    source.by_ref().take(HEAD).read_to_end(&mut head).map_err(|e| IoError::reading(path, e))?;
-    Ok((head.clone(), std::io::Cursor::new(head).chain(source)))
+    let (log, damage) = bag::unpacked(source, path, options.max_uncompressed, |head, plain, is_file| {
+        read_plain(head, plain, path, is_file, options)
+    })?;
+    Ok(Log { damage: damage.or(log.damage), ..log })
 }
 
 /// Reads what is not packed; `is_file` where these bytes lie at `path`.
@@ -109,22 +87,19 @@ fn read_plain(
     is_file: bool,
     options: &LogOptions,
 ) -> Result<Log, LogError> {
-    let reading = |e| IoError::reading(path, e);
     let kind = Kind::of_head(head, path)?;
-    let mut source = BufReader::new(source);
+    let source = BufReader::new(source);
     match kind {
-        Kind::Rosbag1 => read_rosbag1(source, path, options),
-        Kind::Mcap => read_mcap(source, path, options),
-        Kind::Sqlite if is_file => read_sqlite(path, options),
-        Kind::Sqlite => {
-            let mut copy = scratch_file().map_err(reading)?;
-            std::io::copy(&mut source, &mut copy).map_err(reading)?;
+        Kind::Rosbag1 | Kind::Mcap | Kind::Sqlite => {
             let mut topics = Topics::new(options);
-            let damage = sqlite::read(copy.path(), &mut topics);
-            let mut log = bag_log(path, Kind::Sqlite, topics, damage, options)?;
-            log.remarks.push(
-                "a database cannot be read as it comes: it was copied to a temporary file first".to_owned(),
-            );
+            let damage = bag::plainly(kind, source, path, is_file, &mut topics)?;
+            let mut log = bag_log(path, kind, topics, damage, options)?;
+            if kind == Kind::Sqlite && !is_file {
+                log.remarks.push(
+                    "a database cannot be read as it comes: it was copied to a temporary file first"
+                        .to_owned(),
+                );
+            }
             Ok(log)
         }
         Kind::Ulog | Kind::Ardupilot | Kind::ArdupilotText => {
@@ -134,7 +109,7 @@ fn read_plain(
                 Kind::Ardupilot => ardupilot::read(source, &mut records),
                 _ => ardupilot::read_text(source, &mut records),
             };
-            records.log(path, kind, damage.map_err(reading)?, options)
+            records.log(path, kind, damage.map_err(|e| IoError::reading(path, e))?, options)
         }
         Kind::Asl | Kind::Csv | Kind::Rosbag2 | Kind::TwoFiles => text(source, path, path, kind, options),
     }
@@ -166,7 +141,7 @@ pub fn read_mcap(source: impl Read, path: &Path, options: &LogOptions) -> Result
 /// As [`read_log`].
 pub fn read_sqlite(path: &Path, options: &LogOptions) -> Result<Log, LogError> {
     let mut topics = Topics::new(options);
-    let damage = sqlite::read(path, &mut topics);
+    let damage = sqlite::read(path, &mut topics)?;
     bag_log(path, Kind::Sqlite, topics, damage, options)
 }
 

@@ -2,7 +2,7 @@
 
 use crate::kind::bags;
 use crate::messages::Messages;
-use crate::{mcap, sqlite};
+use crate::{LogError, mcap, sqlite};
 use dpn_io::{IoError, printable};
 use std::fs::File;
 use std::io::BufReader;
@@ -10,7 +10,7 @@ use std::path::Path;
 
 /// Reads all files of a folder; returns what was wrong with the first damaged one. The files behind it are read all the same: they are
 /// whole recordings of their own.
-pub(crate) fn read(dir: &Path, topics: &mut dyn Messages) -> Result<Option<String>, IoError> {
+pub(crate) fn read(dir: &Path, topics: &mut dyn Messages) -> Result<Option<String>, LogError> {
     let mut damage = None;
     for file in bags(dir)?.0 {
         if topics.is_done() {
@@ -22,7 +22,7 @@ pub(crate) fn read(dir: &Path, topics: &mut dyn Messages) -> Result<Option<Strin
                 let opened = File::open(&file).map_err(|e| IoError::reading(&file, e))?;
                 mcap::read(BufReader::new(opened), topics).map_err(|e| IoError::reading(&file, e))?
             }
-            _ => sqlite::read(&file, topics),
+            _ => sqlite::read(&file, topics)?,
         };
         if let Some(found) = found {
             let name = printable(&file.file_name().unwrap_or_default().to_string_lossy());

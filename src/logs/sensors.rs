@@ -4,7 +4,7 @@ use crate::budget::Budget;
 use crate::cameras::Cameras;
 use crate::fields::Encoding;
 use crate::image_log::{ImageLogOptions, ImageSpan};
-use crate::imu_message::decode;
+use crate::imu_message::{decode, is_imu};
 use crate::messages::Messages;
 use crate::topics::shortened;
 use crate::{LogError, bag};
@@ -197,8 +197,7 @@ impl Messages for SensorStream<'_> {
         let is_camera = self.cameras.declare(number, name, kind, encoding.clone());
         let Some(imu) = &mut self.imu else { return is_camera };
         imu.numbers.remove(&number);
-        let is_imu = matches!(kind, "sensor_msgs/Imu" | "sensor_msgs/msg/Imu");
-        if !is_imu || self.topic.as_deref().is_some_and(|wanted| wanted != shown) {
+        if !is_imu(kind) || self.topic.as_deref().is_some_and(|wanted| wanted != shown) {
             return is_camera;
         }
         match encoding {

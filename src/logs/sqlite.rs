@@ -1,11 +1,13 @@
 //! One of rosbag2's SQLite files: tables `topics` and `messages`.
 
+use crate::LogError;
 use crate::decompress::{LARGEST, decompress};
 use crate::fields::Encoding;
 use crate::messages::Messages;
-use dpn_io::printable;
+use dpn_io::{IoError, printable, scratch_file};
 use rusqlite::{Connection, OpenFlags, params};
 use std::collections::HashMap;
+use std::io::Read;
 use std::path::Path;
 
 /// Views under the names of rosbag2's tables, and columns of them that are computed.
@@ -14,11 +16,29 @@ const MADE: &str = "SELECT (SELECT count(*) FROM sqlite_schema WHERE name IN ('t
     + (SELECT count(*) FROM pragma_table_xinfo('messages') WHERE hidden > 0)";
 
 /// Reads a whole file in the order of writing; returns what was wrong where it ended early.
-pub(crate) fn read(path: &Path, topics: &mut dyn Messages) -> Option<String> {
-    match all(path, topics) {
+///
+/// # Errors
+/// None: what is wrong with a database is damage.
+pub(crate) fn read(path: &Path, topics: &mut dyn Messages) -> Result<Option<String>, LogError> {
+    Ok(match all(path, topics) {
         Ok(damage) => damage,
         Err(error) => Some(printable(&error.to_string())),
-    }
+    })
+}
+
+/// The same of one that comes through a pipe: its reader must seek, so it is copied to a temporary file first.
+///
+/// # Errors
+/// A source that cannot be read, a file that cannot be written.
+pub(crate) fn read_stream(
+    mut source: impl Read,
+    path: &Path,
+    topics: &mut dyn Messages,
+) -> Result<Option<String>, LogError> {
+    let reading = |e| IoError::reading(path, e);
+    let mut copy = scratch_file().map_err(reading)?;
+    std::io::copy(&mut source, &mut copy).map_err(reading)?;
+    read(copy.path(), topics)
 }
 
 fn all(path: &Path, topics: &mut dyn Messages) -> rusqlite::Result<Option<String>> {
@@ -103,7 +123,7 @@ mod tests {
         let found = |name: &str, sql: &str| {
             let path = dir.path().join(name);
             Connection::open(&path).unwrap().execute_batch(sql).unwrap();
-            read(&path, &mut Topics::new(&LogOptions::default()))
+            read(&path, &mut Topics::new(&LogOptions::default())).unwrap()
         };
         let messages = "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id, timestamp, data);";
         let topics = "CREATE TABLE topics(id INTEGER PRIMARY KEY, name, type, serialization_format);";

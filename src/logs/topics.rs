@@ -2,7 +2,7 @@
 
 use crate::budget::Budget;
 use crate::fields::{Encoding, Undecodable};
-use crate::imu_message::decode;
+use crate::imu_message::{decode, is_imu};
 use crate::join::join;
 use crate::messages::Messages;
 use crate::{LogError, LogOptions};
@@ -256,10 +256,9 @@ impl Messages for Topics {
         let index = match self.names.get(&name) {
             Some(index) => *index,
             None => {
-                let is_imu = matches!(kind, "sensor_msgs/Imu" | "sensor_msgs/msg/Imu");
                 let wanted = self.wanted.as_deref().is_none_or(|wanted| wanted == name);
                 let (imu, foreign) = match encoding {
-                    _ if !(is_imu && wanted) => (None, None),
+                    _ if !(is_imu(kind) && wanted) => (None, None),
                     Ok(encoding) => (Some(Box::new(Imu::new(encoding))), None),
                     Err(foreign) => (None, Some(printable(&foreign))),
                 };

@@ -211,3 +211,42 @@ fn deviations_follow_lines_on_stdin_and_are_those_of_the_log() {
     let done = end(dpn().args(["noise", "--follow"]).stdin(Stdio::null())).well();
     assert_eq!(done.stdout.lines().count(), 1);
 }
+
+#[test]
+fn a_log_is_written_again_with_the_covariances_of_its_track() {
+    let dir = tempfile::tempdir().unwrap();
+    let into = dir.path().join("into.mcap");
+    let into = into.to_str().unwrap();
+    let rows = flight(5_000_000);
+    let done = noise(dir.path(), &rows, &["--noise", "const(0.5,0.25)", "--into", into]).well();
+    assert!(done.stdout.contains(&format!("log:      {into} (12000 messages of /imu)")), "{done:?}");
+    assert!(done.stderr.contains("is copied by its samples alone"), "{done:?}");
+    // That log copied in turn: message by message, but for the second before the first window.
+    let again = dir.path().join("again.mcap");
+    let out = dir.path().join("out");
+    let copy = |into: &Path, more: &[&str]| {
+        end(dpn()
+            .args(["noise", dir.path().join("into.mcap").to_str().unwrap(), "--noise", "diff2"])
+            .arg("--into")
+            .arg(into)
+            .arg("--out")
+            .arg(&out)
+            .args(more))
+    };
+    let done = copy(&again, &["--json"]).well();
+    let words = done.json()["into"]["messages"].as_str().unwrap().to_owned();
+    assert_eq!(
+        words,
+        "11800 messages of /imu with covariances, 200 before the first window as they were, 0 of other topics"
+    );
+    let (first, second) = (std::fs::read(into).unwrap(), std::fs::read(&again).unwrap());
+    assert!(first.len() == second.len() && first != second, "the same messages, other covariances");
+    for (into, more, words) in [
+        (dir.path().join("into.mcap"), &[][..], "would write over the log that is read"),
+        (dir.path().join("c.mcap"), &["--accel-scale", "0.01"][..], "are said not to be SI units"),
+    ] {
+        let refused = copy(&into, more);
+        assert!(refused.code == Some(2) && refused.stderr.contains(words), "{refused:?}");
+    }
+    assert_eq!(std::fs::read(into).unwrap(), first);
+}

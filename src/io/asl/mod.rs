@@ -20,6 +20,6 @@ pub use pack::{DataPack, PackedPart, is_there, pack, set_name};
 pub use sequence::Sequence;
 #[cfg(test)]
 pub(crate) use sequence::parse_imu;
-pub use write::{SequenceParts, write_ground_truth, write_sequence};
+pub use write::{SequenceParts, write_ground_truth, write_imu_rows, write_sequence};
 #[cfg(feature = "images")]
 pub use write_camera::{image_place, write_camera_config, write_camera_frames, write_png};

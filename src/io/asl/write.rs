@@ -4,6 +4,7 @@
 use super::imu_config::ImuConfig;
 use super::sequence::{GROUND_TRUTH, IMU_DATA, IMU_SENSOR, Sequence};
 use crate::{IoError, atomic_write};
+use dpn_core::Recorded;
 use dpn_core::imu::ImuRecording;
 use dpn_core::truth::GroundTruth;
 use nalgebra::Isometry3;
@@ -51,14 +52,23 @@ pub fn write_sequence(dir: &Path, parts: &SequenceParts<'_>) -> Result<Sequence,
 /// # Errors
 /// As [`atomic_write`].
 pub(crate) fn write_imu(path: &Path, recording: &ImuRecording) -> Result<(), IoError> {
-    atomic_write(path, |out| {
-        writeln!(out, "{IMU_HEADER}")?;
-        for sample in recording.samples() {
-            let ([gx, gy, gz], [ax, ay, az]) = (sample.gyro, sample.accel);
-            writeln!(out, "{},{gx:?},{gy:?},{gz:?},{ax:?},{ay:?},{az:?}", sample.t.ns())?;
+    atomic_write(path, |out| write_imu_rows(out, recording))
+}
+
+/// Writes the rows of an `imu0/data.csv`, header first.
+///
+/// # Errors
+/// What cannot be written, or read again from a temporary file.
+pub fn write_imu_rows(out: &mut dyn Write, recording: &dyn Recorded) -> io::Result<()> {
+    writeln!(out, "{IMU_HEADER}")?;
+    let mut written = Ok(());
+    recording.each(0..recording.len(), &mut |sample| {
+        let ([gx, gy, gz], [ax, ay, az]) = (sample.gyro, sample.accel);
+        if written.is_ok() {
+            written = writeln!(out, "{},{gx:?},{gy:?},{gz:?},{ax:?},{ay:?},{az:?}", sample.t.ns());
         }
-        Ok(())
-    })
+    })?;
+    written
 }
 
 /// Writes an `imu0/sensor.yaml`.

@@ -33,13 +33,20 @@ use std::path::{Path, PathBuf};
 /// A file that cannot be read or is no YAML or JSON, of no known kind, without a key, with a lens that is none, a number of coefficients that
 /// it cannot have, or extrinsics that are no rigid motion.
 pub fn read(path: &Path) -> Result<Calibration, CalibrationError> {
-    let bytes = read_config(path)?;
-    let tree = Tree::parse(&bytes, path)?;
+    parse(&read_config(path)?, path)
+}
+
+/// As [`read`], of bytes; `path` is for messages, and where files that a configuration names are looked for.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(bytes: &[u8], path: &Path) -> Result<Calibration, CalibrationError> {
+    let tree = Tree::parse(bytes, path)?;
     let keys = Keys::new(path, &tree);
     let format = format_of(&keys).ok_or_else(|| CalibrationError::Unknown { path: path.to_path_buf() })?;
     let found = match format {
         CalibrationFormat::Asl => {
-            let own = parse_config(&bytes, path)?;
+            let own = parse_config(bytes, path)?;
             let extrinsics = Extrinsics::CamToImu("T_BS");
             return Ok(Calibration {
                 format,
@@ -58,7 +65,7 @@ pub fn read(path: &Path) -> Result<Calibration, CalibrationError> {
         CalibrationFormat::Okvis => okvis::read(&keys)?,
     };
     let mut calibration = found.checked(format)?;
-    calibration.imu = noise_of(path, &bytes, &keys);
+    calibration.imu = noise_of(path, bytes, &keys);
     Ok(calibration)
 }
 

@@ -5,11 +5,12 @@
 //!   variances; `ros` (covariance matrices of a message) and `datasheet` (numbers with units) read and write in their own way.
 //! * [`Meaning`](dpn_core::noise::Meaning): what a number means (density, per sample, variance, step of a walk ...), with the way to a density and back.
 //! * [`Quantity`]: a number with a unit, such as `0.2 mg/sqrt(Hz)` or `0.3 deg/sqrt(h)`.
-//! * [`read`], [`Given`], [`write()`]: file to figures to text.
+//! * [`read`], [`Given`], [`write()`]: file to figures to text; [`Conversion`]: both at once.
 //!
 //! Left out: scale, misalignment, g-sensitivity, and whatever else such a file says about cameras.
 
 mod basalt;
+mod convert;
 mod datasheet;
 mod error;
 mod format;
@@ -33,6 +34,7 @@ mod variances;
 mod vins;
 mod write;
 
+pub use convert::Conversion;
 pub use error::{FormatError, Slip};
 pub use format::{Format, UnknownFormat};
 pub use layout::{Key, Layout};

@@ -1,5 +1,6 @@
 //! What an Allan plot says, as a page for people.
 
+use super::compare::Finding;
 use super::log::AllanLog;
 use super::model::Coefficient;
 use crate::text::aligned;
@@ -48,6 +49,20 @@ pub fn pasted(log: &AllanLog) -> Result<Vec<Written>, FormatError> {
         (!log.seen(figure.sensor(), coefficient)).then(|| "not seen in this log: an upper bound".to_owned())
     };
     PASTED.into_iter().map(|format| write(&figures, format, note)).collect()
+}
+
+/// All of it for programs, with what a configuration that was held against it is told.
+///
+/// # Errors
+/// Those of writing a configuration.
+pub fn json(log: &AllanLog, check: Option<&[Finding]>) -> Result<serde_json::Value, FormatError> {
+    let pasted = pasted(log)?;
+    let mut all =
+        serde_json::json!({ "log": log, "figures": log.figures(), "formats": pasted, "advice": MULTIPLY });
+    if let Some(check) = check {
+        all["check"] = serde_json::json!(check);
+    }
+    Ok(all)
 }
 
 fn head(log: &AllanLog) -> String {

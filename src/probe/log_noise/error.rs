@@ -47,6 +47,14 @@ pub enum LogNoiseError {
         /// The log's rate \[Hz\].
         found_hz: f64,
     },
+    /// A log that ends before there is an answer.
+    #[error("{found_s:.2} s; the first window alone has {needed_s:.2} s")]
+    TooShort {
+        /// The log's length \[s\].
+        found_s: f64,
+        /// The first window's \[s\].
+        needed_s: f64,
+    },
     /// A value that is no noise.
     #[error(transparent)]
     Value(#[from] BadNoise),
@@ -68,6 +76,7 @@ impl LogNoiseError {
             Self::TooFast { .. } => Some(
                 "the stamps count in another unit, it seems: name it by --time-unit s, ms, us or ns".into(),
             ),
+            Self::TooShort { .. } => Some("record for longer, or ask constants (--noise x1)".into()),
             Self::Spec(_) | Self::NoNetwork { .. } | Self::Pair(_) | Self::Value(_) | Self::Store(_) => None,
         }
     }

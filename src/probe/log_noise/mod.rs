@@ -7,8 +7,9 @@
 //! * [`Levels`]: floor at rest and envelope in motion, from the samples themselves.
 //! * [`EffectiveNoise`]: the white noise that errs as much over a span, and what to paste.
 //! * [`compare`]: a configuration against both.
-//! * [`report`]: all of it in words.
+//! * [`Along`]: all of it, and [`report`] in words.
 
+mod along;
 pub mod compare;
 mod effective;
 mod error;
@@ -20,6 +21,7 @@ pub mod report;
 mod summary;
 mod track;
 
+pub use along::Along;
 pub use effective::{EffectiveNoise, Increment, SpanNoise};
 pub use error::LogNoiseError;
 pub use levels::{FloorFrom, Levels, SensorLevels};

@@ -23,7 +23,7 @@ fn main() {
     let mut camera = RenderedCamera::new(&config, Arc::new(path), 1).unwrap();
     println!("{camera:?} in {:.2} s", start.elapsed().as_secs_f64());
     let stamps: Vec<_> = sequence.camera_frames().unwrap().iter().map(|frame| frame.t).collect();
-    let stamps: Vec<_> = stamps.into_iter().filter(|t| camera.world_from_cam(*t).is_some()).collect();
+    let stamps: Vec<_> = stamps.into_iter().filter(|t| camera.takes(*t)).collect();
     for i in 0..count {
         let t = stamps[i * (stamps.len() - 1) / count.max(2).saturating_sub(1)];
         let image = camera.image(t).unwrap();

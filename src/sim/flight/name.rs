@@ -72,11 +72,11 @@ impl Flight {
 impl FromStr for Flight {
     type Err = UnknownFlight;
 
-    /// The full name, or the name without its number.
+    /// The full name, the name without its number, or the number alone (`f07`).
     fn from_str(given: &str) -> Result<Self, UnknownFlight> {
         Self::ALL
             .into_iter()
-            .find(|f| f.name() == given || &f.name()[4..] == given)
+            .find(|f| [f.name(), &f.name()[4..], &f.name()[..3]].contains(&given))
             .ok_or_else(|| UnknownFlight { given: given.to_owned() })
     }
 }
@@ -98,6 +98,7 @@ mod tests {
             assert_eq!(flight.name().parse::<Flight>(), Ok(flight));
         }
         assert_eq!("hover".parse::<Flight>(), Ok(Flight::Hover));
+        assert_eq!("f07".parse::<Flight>(), Ok(Flight::RoomMedium));
         let message = "hovr".parse::<Flight>().unwrap_err().to_string();
         assert!(message.starts_with("no flight is called `hovr`; known are f01-hall-slow, "));
     }

@@ -1,9 +1,9 @@
 //! The camera: images of a world along a path, and the truth about them.
 
-use super::config::RenderConfig;
+use super::config::{GapConfig, RenderConfig};
 use super::exposure::{Exposure, Setting};
 use super::lens_blur::LensBlur;
-use super::raster::{Frame, Lens, NoLineOfSight};
+use super::raster::{Frame, Lens, NoLineOfSight, Uncalibrated};
 use super::scene::{Course, Scene};
 use super::sensor::{Exposed, Sensor};
 use crate::tracks::{BadCameraSettings, CameraPath, CameraSettings, World};
@@ -12,6 +12,7 @@ use dpn_core::config::{ConfigFault, Validate};
 use dpn_core::random::Stream;
 use dpn_core::{GrayImage, Stamp};
 use nalgebra::{Isometry3, Point3, Vector2};
+use rand::Rng;
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -23,6 +24,9 @@ const SEEN_M: f64 = 1e-3;
 
 /// Motion that an image without blur may hold \[px\].
 const SHARP_PX: f64 = 0.7;
+
+/// Rounds in which the line that sees a point is found.
+const LINE_ROUNDS: usize = 12;
 
 /// Depth that motion is judged at \[m\].
 const MIDDLE_DEPTH_M: f64 = 3.0;
@@ -61,6 +65,7 @@ pub struct RenderedCamera {
     coarse: Arc<Lens>,
     sensor: Arc<Sensor>,
     exposure: Exposure,
+    gaps: Stream,
     blur: LensBlur,
     frame: Frame,
     small: Frame,
@@ -79,6 +84,7 @@ impl RenderedCamera {
         let stream = Stream::new(seed).named("render");
         let bounds = path.bounds();
         let body_from_cam = settings.body_from_cam()?;
+        let unknown = Uncalibrated::new(config.lens.uncalibrated_px, model.size()[0], &stream);
         let coarse = COARSE.min(model.size()[0].min(model.size()[1]) as usize);
         Ok(Self {
             world: config.world.settled(&bounds),
@@ -86,13 +92,14 @@ impl RenderedCamera {
             scene: Arc::new(Scene::new(
                 &Course::of(path.as_ref(), &body_from_cam),
                 config.world,
-                config.contrast,
+                [config.contrast, config.bare],
                 &stream,
             )),
-            lens: Arc::new(Lens::new(&model, 1)?),
-            coarse: Arc::new(Lens::new(&model, coarse)?),
+            lens: Arc::new(Lens::new(&model, &unknown, 1)?),
+            coarse: Arc::new(Lens::new(&model, &unknown, coarse)?),
             sensor: Arc::new(Sensor::new(config.sensor, &config.lens, &model, &stream)),
             exposure: Exposure::new(config.exposure, config.low_light, &stream),
+            gaps: stream.named("gaps"),
             blur: LensBlur::new(config.lens.blur_px),
             frame: Frame::default(),
             small: Frame::default(),
@@ -125,14 +132,58 @@ impl RenderedCamera {
         Some(pose * self.body_from_cam)
     }
 
-    /// The image taken at `t`; `None` where the path is not known.
+    /// Whether there is an image of time `t`: the path is known while its lines are read out, and it is not lost.
+    pub fn takes(&self, t: Stamp) -> bool {
+        let half = 0.5 * self.config.readout_s;
+        let known = |aside: f64| self.world_from_cam(t.plus_seconds(aside)).is_some();
+        known(-half) && known(0.0) && known(half) && !self.loses(t)
+    }
+
+    /// Whether `t` lies in a gap: one in every stretch of `gaps.every_s`, its place and length drawn from the stretch's number.
+    fn loses(&self, t: Stamp) -> bool {
+        let GapConfig { every_s, longest_s } = self.config.gaps;
+        if longest_s == 0.0 {
+            return false;
+        }
+        let stretch_ns = (every_s * 1e9) as i64;
+        let (stretch, within) = (t.ns().div_euclid(stretch_ns), t.ns().rem_euclid(stretch_ns) as f64 * 1e-9);
+        let mut rng = self.gaps.index(stretch as u64).rng();
+        let length = longest_s * rng.random::<f64>();
+        let from = (every_s - length) * rng.random::<f64>();
+        (from..from + length).contains(&within)
+    }
+
+    /// How long after an image's stamp line `y` of it is exposed \[s\].
+    fn line_delay(&self, y: f64) -> f64 {
+        let last = f64::from(self.model.size()[1]) - 1.0;
+        self.config.readout_s * (y / last.max(1.0) - 0.5)
+    }
+
+    /// The camera `aside` seconds from `t`, or at `t` where the path is not known there.
+    fn near(&self, t: Stamp, aside: f64, middle: &Isometry3<f64>) -> Isometry3<f64> {
+        self.world_from_cam(t.plus_seconds(aside)).unwrap_or(*middle)
+    }
+
+    /// The light of the image taken `aside` seconds from `t`, line after line.
+    fn expose(&mut self, t: Stamp, aside: f64, middle: &Isometry3<f64>) {
+        let mut frame = std::mem::take(&mut self.frame);
+        if self.config.readout_s == 0.0 {
+            frame.render(&self.scene, &self.lens, &self.near(t, aside, middle));
+        } else {
+            let pose = |y: usize| self.near(t, aside + self.line_delay(y as f64), middle);
+            frame.render_lines(&self.scene, &self.lens, pose);
+        }
+        self.frame = frame;
+    }
+
+    /// The image taken at `t`; `None` where there is none ([`takes`](Self::takes)).
     pub fn image(&mut self, t: Stamp) -> Option<GrayImage> {
-        let world_from_cam = self.world_from_cam(t)?;
+        let world_from_cam = self.world_from_cam(t).filter(|_| self.takes(t))?;
         let setting = self.setting(t);
-        let instants = self.instants(t, setting.time, &world_from_cam);
+        let instants = self.instants(t, setting.time);
         match instants.as_slice() {
             [] | [_] => {
-                self.frame.render(&self.scene, &self.lens, &world_from_cam);
+                self.expose(t, 0.0, &world_from_cam);
                 self.sum.clear();
                 self.sum.extend_from_slice(&self.frame.grey);
             }
@@ -140,8 +191,8 @@ impl RenderedCamera {
                 self.sum.clear();
                 self.sum.resize(self.lens.size[0] * self.lens.size[1], 0.0);
                 let share = 1.0 / several.len() as f32;
-                for pose in several {
-                    self.frame.render(&self.scene, &self.lens, pose);
+                for aside in several {
+                    self.expose(t, *aside, &world_from_cam);
                     self.sum.iter_mut().zip(&self.frame.grey).for_each(|(sum, grey)| *sum += share * grey);
                 }
             }
@@ -169,19 +220,19 @@ impl RenderedCamera {
         })
     }
 
-    /// Poses while the shutter is open, evenly about `t`: as many as the motion asks for.
-    fn instants(&self, t: Stamp, time: f64, middle: &Isometry3<f64>) -> Vec<Isometry3<f64>> {
+    /// Times from `t` while the shutter is open, evenly about it: as many as the motion asks for \[s\].
+    fn instants(&self, t: Stamp, time: f64) -> Vec<f64> {
         let open = self.config.motion_blur.exposure_s * time;
         if open <= 0.0 {
             return Vec::new();
         }
         let at = |share: f64| self.world_from_cam(t.plus_seconds(share * open));
-        let (Some(first), Some(last)) = (at(-0.5), at(0.5)) else { return vec![*middle] };
+        let (Some(first), Some(last)) = (at(-0.5), at(0.5)) else { return Vec::new() };
         let turn = first.rotation.angle_to(&last.rotation);
         let step = (first.translation.vector - last.translation.vector).norm() / MIDDLE_DEPTH_M;
         let motion = self.model.px_per_rad() * (turn + step);
         let count = ((motion / SHARP_PX).ceil() as usize).clamp(1, self.config.motion_blur.most_instants);
-        (0..count).filter_map(|i| at((i as f64 + 0.5) / count as f64 - 0.5)).collect()
+        (0..count).map(|i| open * ((i as f64 + 0.5) / count as f64 - 0.5)).collect()
     }
 
     /// The point of the world that pixel `px` sees at `t`, exactly; `None` where the path is not known.
@@ -195,7 +246,7 @@ impl RenderedCamera {
     }
 
     fn sight(&self, t: Stamp, px: &Vector2<f64>) -> Option<(usize, Point3<f64>)> {
-        let world_from_cam = self.world_from_cam(t)?;
+        let world_from_cam = self.world_from_cam(t.plus_seconds(self.line_delay(px.y)))?;
         let ray = world_from_cam.rotation * self.model.normalise(px)?.push(1.0);
         let eye = world_from_cam.translation.vector;
         let (surface, way) = self.scene.hit(&eye, &ray)?;
@@ -205,11 +256,18 @@ impl RenderedCamera {
     /// The pixel at which a point of the world is seen at `t`; `None` where it is not: outside the image, behind something, or at a time
     /// without a pose.
     pub fn pixel_of(&self, t: Stamp, point: &Point3<f64>) -> Option<Vector2<f64>> {
-        let in_cam = self.world_from_cam(t)?.inverse_transform_point(point);
-        if in_cam.z <= 0.0 {
-            return None;
+        // Which line sees the point depends on when the line is read out: the pixel moves far less in a line's time than by a line.
+        let mut line = 0.5 * f64::from(self.model.size()[1]);
+        let (mut in_cam, mut px) = (Point3::origin(), Vector2::zeros());
+        for _ in 0..if self.config.readout_s == 0.0 { 1 } else { LINE_ROUNDS } {
+            let at = t.plus_seconds(self.line_delay(line));
+            in_cam = self.world_from_cam(at)?.inverse_transform_point(point);
+            if in_cam.z <= 0.0 {
+                return None;
+            }
+            px = self.model.project(&in_cam.coords).filter(|px| self.model.contains(px, 0.0))?;
+            line = px.y;
         }
-        let px = self.model.project(&in_cam.coords).filter(|px| self.model.contains(px, 0.0))?;
         let seen = self.point_at(t, &px)?;
         ((seen - point).norm() < SEEN_M * in_cam.z.max(1.0)).then_some(px)
     }
@@ -285,8 +343,10 @@ mod tests {
     #[test]
     fn grey_values_stay_on_the_points_that_have_them() {
         // A point seen from two places has the same grey value: noiseless, evenly lit, small steps, away from edges.
-        let config =
-            RenderConfig { lens: LensConfig { blur_px: 0.6, vignetting: 0.0 }, ..RenderConfig::ideal() };
+        let config = RenderConfig {
+            lens: LensConfig { blur_px: 0.6, ..RenderConfig::ideal().lens },
+            ..RenderConfig::ideal()
+        };
         let mut camera = camera(&config, 5);
         let (t0, t1) = (at(&camera, 12.0), at(&camera, 12.08));
         let (a, b) = (camera.image(t0).unwrap(), camera.image(t1).unwrap());
@@ -367,7 +427,8 @@ mod tests {
 
     #[test]
     fn what_a_hall_has_changes_no_room() {
-        let mut camera = camera(&RenderConfig::default(), 1);
+        let lens = LensConfig { uncalibrated_px: 0.0, ..LensConfig::default() };
+        let mut camera = camera(&RenderConfig { lens, ..RenderConfig::default() }, 1);
         assert_eq!(camera.world(), World::Room);
         let image = camera.image(at(&camera, 12.0)).unwrap();
         let sum =

@@ -1,4 +1,4 @@
-//! What a rendered camera is made of: the world's kind, lens, sensor, exposure, blur by motion, dark phases.
+//! What a rendered camera is made of: the world's kind, lens, sensor, exposure, blur by motion, line readout, dark phases, gaps.
 
 use crate::tracks::{CameraSettings, PathConfig, World};
 use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
@@ -12,11 +12,14 @@ pub struct LensConfig {
     pub blur_px: f64,
     /// Share of the light that is lost in the corner farthest from the principal point, 0 to .95. Default .25.
     pub vignetting: f64,
+    /// Standard deviation, an axis, of what the calibration does not know of the lens \[px\], 0 to 2: a smooth field that stays with the camera. Default .3,
+    /// as EuRoC's has it.
+    pub uncalibrated_px: f64,
 }
 
 impl Default for LensConfig {
     fn default() -> Self {
-        Self { blur_px: 0.45, vignetting: 0.25 }
+        Self { blur_px: 0.45, vignetting: 0.25, uncalibrated_px: 0.3 }
     }
 }
 
@@ -77,6 +80,22 @@ impl Default for MotionBlurConfig {
     }
 }
 
+/// Images that a camera loses.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct GapConfig {
+    /// A gap comes this often \[s\], twice `longest_s` to 1000. Default 10.
+    pub every_s: f64,
+    /// Longest gap \[s\], 0 to 10; each is drawn evenly up to it. 0 for none. Default 0.
+    pub longest_s: f64,
+}
+
+impl Default for GapConfig {
+    fn default() -> Self {
+        Self { every_s: 10.0, longest_s: 0.0 }
+    }
+}
+
 /// Phases in which there is little light.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -103,6 +122,11 @@ pub struct RenderConfig {
     pub world: World,
     /// Contrast of all textures, 0 to 2; 1 is as they are painted. Default 1.
     pub contrast: f64,
+    /// Share of the walls' fields that show nothing but paint, 0 to 1. Default 0.
+    pub bare: f64,
+    /// Time from the first line's exposure to the last's \[s\], 0 to .1; the middle line is exposed at the image's stamp. Default 0, all
+    /// lines at once.
+    pub readout_s: f64,
     /// An image of time t is taken from the pose at t + this \[s\], -1 to 1: as if the ground truth's clock were late by it. Default 0.
     pub ground_truth_delay_s: f64,
     /// How ground truth becomes a path.
@@ -117,6 +141,8 @@ pub struct RenderConfig {
     pub motion_blur: MotionBlurConfig,
     /// Dark phases.
     pub low_light: LowLightConfig,
+    /// Images that are lost.
+    pub gaps: GapConfig,
     /// The camera; without it the sequence's own where there is one, else EuRoC's cam0.
     pub camera: Option<CameraSettings>,
 }
@@ -126,6 +152,8 @@ impl Default for RenderConfig {
         Self {
             world: World::Auto,
             contrast: 1.0,
+            bare: 0.0,
+            readout_s: 0.0,
             ground_truth_delay_s: 0.0,
             path: PathConfig::default(),
             lens: LensConfig::default(),
@@ -133,16 +161,17 @@ impl Default for RenderConfig {
             exposure: ExposureConfig::default(),
             motion_blur: MotionBlurConfig::default(),
             low_light: LowLightConfig::default(),
+            gaps: GapConfig::default(),
             camera: None,
         }
     }
 }
 
 impl RenderConfig {
-    /// A camera without noise, lens blur, vignetting and changes of exposure.
+    /// A camera without noise, lens blur, vignetting, errors of calibration and changes of exposure.
     pub fn ideal() -> Self {
         Self {
-            lens: LensConfig { blur_px: 0.0, vignetting: 0.0 },
+            lens: LensConfig { blur_px: 0.0, vignetting: 0.0, uncalibrated_px: 0.0 },
             sensor: SensorConfig { read_grey: 0.0, shot_grey: 0.0 },
             exposure: ExposureConfig { change: 0.0, ..ExposureConfig::default() },
             ..Self::default()
@@ -158,11 +187,14 @@ impl RenderConfig {
 impl Validate for RenderConfig {
     fn faults(&self) -> Vec<ConfigFault> {
         let mut faults = ConfigFaults::default();
-        let Self { lens, sensor, exposure, motion_blur, low_light, .. } = self;
+        let Self { lens, sensor, exposure, motion_blur, low_light, gaps, .. } = self;
         faults.within("contrast", self.contrast, 0.0, 2.0);
+        faults.within("bare", self.bare, 0.0, 1.0);
+        faults.within("readout_s", self.readout_s, 0.0, 0.1);
         faults.within("ground_truth_delay_s", self.ground_truth_delay_s, -1.0, 1.0);
         faults.within("lens.blur_px", lens.blur_px, 0.0, 2.0);
         faults.within("lens.vignetting", lens.vignetting, 0.0, 0.95);
+        faults.within("lens.uncalibrated_px", lens.uncalibrated_px, 0.0, 2.0);
         faults.within("sensor.read_grey", sensor.read_grey, 0.0, 50.0);
         faults.within("sensor.shot_grey", sensor.shot_grey, 0.0, 10.0);
         faults.within("exposure.target_grey", exposure.target_grey, 1.0, 254.0);
@@ -175,6 +207,8 @@ impl Validate for RenderConfig {
         faults.within("low_light.share", low_light.share, 0.0, 1.0);
         faults.within("low_light.length_s", low_light.length_s, 0.5, 1000.0);
         faults.within("low_light.light", low_light.light, 0.001, 1.0);
+        faults.within("gaps.longest_s", gaps.longest_s, 0.0, 10.0);
+        faults.within("gaps.every_s", gaps.every_s, 2.0 * gaps.longest_s, 1000.0);
         let mut faults = faults.0;
         faults.extend(self.path.faults());
         if let Some(camera) = &self.camera {
@@ -199,14 +233,16 @@ mod tests {
         let expected = RenderConfig { camera: Some(CameraSettings::default()), ..RenderConfig::default() };
         assert_eq!(parsed(include_str!("../../../configs/images/euroc.toml")).unwrap(), expected);
         let fish_eye = parsed(include_str!("../../../configs/images/fish-eye.toml")).unwrap();
+        let phone = parsed(include_str!("../../../configs/images/phone.toml")).unwrap();
+        assert!(phone.bare > 0.0 && phone.readout_s == 0.03 && phone.gaps.longest_s == 0.4);
         assert_ne!(fish_eye.camera, expected.camera);
         assert_eq!(RenderConfig { camera: None, ..fish_eye }, RenderConfig::default());
     }
 
     #[test]
     fn every_fault_is_named_at_once() {
-        let text = "contrast = -1.0\n[sensor]\nshot_grey = nan\n[exposure]\nmost_gain = 0.5\n[path]\nsmoothing_s = 11.0\n\
-            [motion_blur]\nexposure_s = 1.0\nmost_instants = 1\n[low_light]\nlight = 0.0\n[camera]\nresolution = [0, 480]";
+        let text = "contrast = -1.0\nbare = 2.0\nreadout_s = 1.0\n[sensor]\nshot_grey = nan\n[exposure]\nmost_gain = 0.5\n[path]\nsmoothing_s = 11.0\n\
+            [motion_blur]\nexposure_s = 1.0\nmost_instants = 1\n[low_light]\nlight = 0.0\n[gaps]\nlongest_s = 11.0\n[camera]\nresolution = [0, 480]";
         let error = parsed(text).unwrap_err();
         for key in [
             "contrast",
@@ -216,6 +252,10 @@ mod tests {
             "motion_blur.exposure_s",
             "motion_blur.most_instants",
             "low_light.light",
+            "bare",
+            "readout_s",
+            "gaps.longest_s",
+            "gaps.every_s",
             "camera.intrinsics",
         ] {
             assert!(error.contains(&format!("`{key}` is")), "{key} not in {error}");

@@ -11,12 +11,13 @@
 //!   between two images is known to rounding ([`RenderedCamera::point_at`], [`RenderedCamera::pixel_of`]).
 //! * Textures are painted once and looked up at the size of a pixel's footprint, several times along its long axis where a surface is seen
 //!   aslant; pixels at edges are averages over eight lines. So pictures do not shimmer.
-//! * Shot noise, vignetting, an exposure control with its lag, random changes, dark phases, blur by motion: [`RenderConfig`].
+//! * Shot noise, vignetting, an exposure control with its lag, random changes, dark phases, blur by motion, lines read out one after the other, lost
+//!   images: [`RenderConfig`].
 //!
 //! An image is a function of configuration, path, seed and stamp; every draw is named. Source of the perspective: Heckbert 1989, the
 //! rational linear map of a plane; of the levels: Williams 1983.
 //!
-//! Not here: shadows, gloss, rolling shutter, moving things, dust on the lens.
+//! Not here: shadows, gloss, moving things, dust on the lens.
 
 mod camera;
 mod config;
@@ -28,5 +29,7 @@ mod sensor;
 mod texture;
 
 pub use camera::{RenderError, RenderedCamera, SharedPath};
-pub use config::{ExposureConfig, LensConfig, LowLightConfig, MotionBlurConfig, RenderConfig, SensorConfig};
+pub use config::{
+    ExposureConfig, GapConfig, LensConfig, LowLightConfig, MotionBlurConfig, RenderConfig, SensorConfig,
+};
 pub use raster::NoLineOfSight;

@@ -28,6 +28,7 @@
 mod config;
 mod inertial;
 mod learner;
+mod level;
 mod pixels;
 #[cfg(test)]
 mod tests;
@@ -35,3 +36,4 @@ mod tests;
 pub use config::ComponentsConfig;
 pub(crate) use learner::Learner;
 pub use learner::Levels;
+pub use level::Level;

@@ -7,7 +7,7 @@
 
 use super::feed_error::FeedError;
 use super::spike::SpikeFilter;
-use crate::frontend::{Fed, FrontEnd, FrontEndConfig, GyroTurn, turn_of_camera};
+use crate::frontend::{Fed, FrontEnd, FrontEndConfig, GyroTurn, LineTurns, turn_of_camera};
 use dpn_core::camera::CameraModel;
 use dpn_core::config::ConfigFault;
 use dpn_core::random::Stream;
@@ -102,7 +102,11 @@ impl ImageTracker {
 
     /// Forgets samples that no image after `t` needs; [`next_frame`](Self::next_frame) does so by itself.
     pub(super) fn forget_before(&mut self, t: Stamp) {
-        self.gyro.forget_before(t);
+        self.gyro.forget_before(t.plus_seconds(-0.5 * self.readout_s()));
+    }
+
+    fn readout_s(&self) -> f64 {
+        self.front_end.config().readout_s
     }
 
     /// Takes an image; points are followed into it when a sample at or after its stamp is there.
@@ -125,16 +129,26 @@ impl ImageTracker {
         Ok(())
     }
 
+    /// The camera's turns while the image of time `t` is read out; none where its lines are taken at once, or no samples cover them.
+    fn line_turns(&self, t: Stamp) -> Option<LineTurns> {
+        let readout_s = self.readout_s();
+        let turns = if readout_s > 0.0 { self.gyro.over(t, readout_s)? } else { return None };
+        Some(LineTurns::new(&turns, &self.body_from_cam, readout_s))
+    }
+
     /// Follows points through the images that samples have reached until a frame is handed over, while `observer` looks on.
     pub fn next_frame(&mut self, observer: &mut dyn FrontEndObserver) -> Option<TrackFrame> {
         loop {
-            let reached = |t: Stamp| self.imu_ended || self.newest_sample.is_some_and(|newest| t <= newest);
+            let read_out = |t: Stamp| t.plus_seconds(0.5 * self.readout_s());
+            let reached =
+                |t: Stamp| self.imu_ended || self.newest_sample.is_some_and(|newest| read_out(t) <= newest);
             self.waiting.front().filter(|(t, _)| reached(*t))?;
             let (t, image) = self.waiting.pop_front()?;
             observer.begin(t);
+            let lines = self.line_turns(t);
             let turn = self.gyro.until(t);
             let turn = turn.map(|turn| turn_of_camera(&turn, &self.body_from_cam));
-            let fed = self.front_end.feed(image.view(), t, turn.as_ref());
+            let fed = self.front_end.feed_lines(image.view(), t, turn.as_ref(), lines);
             observer.end(&image, &fed);
             if fed.frame.is_some() {
                 return fed.frame;

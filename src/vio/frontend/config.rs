@@ -32,6 +32,9 @@ pub struct FrontEndConfig {
     pub blind_share: f64,
     /// An image whose grey values deviate less than this shows nothing, 0 to 100. Default 2.
     pub blind_std: f64,
+    /// Time from the first line's exposure to the last's \[s\], 0 to .1, for a rolling shutter; images are stamped at their middle line
+    /// (a stamp elsewhere is the camera clock's offset in the calibration). Default 0, all lines at once.
+    pub readout_s: f64,
     /// Images that come twice. Default `skip`.
     pub repeated: Repeated,
     /// Equalisation of contrast.
@@ -52,6 +55,7 @@ impl Default for FrontEndConfig {
             gap_s: 1.0,
             blind_share: 0.97,
             blind_std: 2.0,
+            readout_s: 0.0,
             repeated: Repeated::Skip,
             clahe: ClaheConfig::default(),
             corners: CornerConfig::default(),
@@ -70,6 +74,7 @@ impl Validate for FrontEndConfig {
         faults.within("gap_s", self.gap_s, 0.01, 100.0);
         faults.within("blind_share", self.blind_share, 0.0, 1.0);
         faults.within("blind_std", self.blind_std, 0.0, 100.0);
+        faults.within("readout_s", self.readout_s, 0.0, 0.1);
         faults.table("clahe", self.clahe.faults());
         faults.table("corners", self.corners.faults());
         faults.table("klt", self.klt.faults());

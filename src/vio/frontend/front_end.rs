@@ -5,6 +5,7 @@ use super::corners::{Detector, Mask};
 use super::gyro_bias::GyroBias;
 use super::image::{Clahe, ImageStats, Pyramid};
 use super::klt::{Klt, KltConfig, Shift};
+use super::line_turns::LineTurns;
 use super::predict::turned;
 use super::ransac::{Pair, agree};
 use super::report::{Agreement, FrameReport, Lost, LostBy, Status};
@@ -48,7 +49,7 @@ pub struct MaskSizeError {
 struct Point {
     id: u64,
     px: [f32; 2],
-    /// What `px` sees.
+    /// What `px` sees, in the camera's frame at the image's stamp.
     bearing: Vector3<f64>,
     /// The same in the last frame that was handed over.
     handed: Option<Vector3<f64>>,
@@ -104,6 +105,8 @@ pub struct FrontEnd {
     /// The camera's turn since the last image tracked into, and since the last frame handed over, as measured.
     since_tracked: Option<UnitQuaternion<f64>>,
     since_handed: Option<UnitQuaternion<f64>>,
+    /// The camera's turns while the newest image was read out; none where its lines are taken at once.
+    lines: Option<LineTurns>,
     gyro_bias: GyroBias,
     points: Vec<Point>,
     next_id: u64,
@@ -142,6 +145,7 @@ impl FrontEnd {
             gyro_bias: GyroBias::default(),
             since_tracked: None,
             since_handed: None,
+            lines: None,
             points: Vec::new(),
             next_id: 0,
             frames: 0,
@@ -187,6 +191,17 @@ impl FrontEnd {
         t: Stamp,
         cur_from_last: Option<&UnitQuaternion<f64>>,
     ) -> Fed {
+        self.feed_lines(image, t, cur_from_last, None)
+    }
+
+    /// The same for an image that was read out line after line: `lines` are the camera's turns meanwhile.
+    pub(crate) fn feed_lines(
+        &mut self,
+        image: GrayView<'_>,
+        t: Stamp,
+        cur_from_last: Option<&UnitQuaternion<f64>>,
+        lines: Option<LineTurns>,
+    ) -> Fed {
         let before = self.points.len();
         let report = |status| FrameReport::new(t, status, before);
         if let Some(last) = self.last.filter(|last| *last >= t) {
@@ -211,6 +226,7 @@ impl FrontEnd {
             report.status = if blind { Status::Blind } else { Status::Repeated };
             return self.pass_over(report);
         }
+        self.lines = lines;
         self.cur.base_mut().copy(image);
         if let Some(clahe) = &mut self.clahe {
             clahe.apply(self.cur.base_mut());
@@ -269,7 +285,15 @@ impl FrontEnd {
         let seconds = report.t.seconds_since(tracked);
         let turn = self.since_tracked.map(|turn| self.gyro_bias.corrected(&turn, seconds));
         let guess = |point: &Point| {
-            let px = turn.and_then(|turn| turned(&self.camera, &point.bearing, &turn));
+            let px = turn.and_then(|turn| {
+                let px = turned(&self.camera, &point.bearing, &turn)?;
+                match &self.lines {
+                    None => Some(px),
+                    Some(lines) => {
+                        lines.pixel(&self.camera, &(turn * point.bearing), px, &self.gyro_bias.bias())
+                    }
+                }
+            });
             px.map_or(point.px, |px| [px.x as f32, px.y as f32])
         };
         let shifts: Vec<Shift> =
@@ -289,7 +313,7 @@ impl FrontEnd {
         let mut home = home.into_iter();
 
         let mut distances = Vec::with_capacity(self.points.len());
-        let camera = self.camera;
+        let (camera, lines, bias) = (self.camera, self.lines, self.gyro_bias.bias());
         let mut found = found.into_iter();
         self.points.retain_mut(|point| {
             let place = match found.next().expect("an answer for every point") {
@@ -305,7 +329,7 @@ impl FrontEnd {
                 report.lost.push(point.lost(LostBy::Back));
                 return false;
             }
-            let Some(bearing) = camera.sight(&Vector2::from(place.map(f64::from))) else {
+            let Some(bearing) = sight(&camera, lines.as_ref(), place, &bias) else {
                 report.lost.push(point.lost(LostBy::Outside));
                 return false;
             };
@@ -333,7 +357,13 @@ impl FrontEnd {
         self.frames += 1;
         (self.handed, self.since_handed) = (Some(t), Some(UnitQuaternion::identity()));
         self.points.iter_mut().for_each(|point| point.handed = Some(point.bearing));
-        TrackFrame { t, tracks: self.points.iter().map(|p| Track { id: p.id, px: p.pixel() }).collect() }
+        // Of lines that were taken one after the other, the pixels at which the camera of the stamp would have seen the same.
+        let px = |point: &Point| match self.lines {
+            None => Some(point.pixel()),
+            Some(_) => self.camera.project(&point.bearing),
+        };
+        let tracks = self.points.iter().filter_map(|p| Some(Track { id: p.id, px: px(p)? })).collect();
+        TrackFrame { t, tracks }
     }
 
     /// Asks the tracks what they agree on since the last frame that was handed over.
@@ -428,7 +458,8 @@ impl FrontEnd {
         // The image is the earlier one already: it was put there when it had been tracked into.
         let plane = self.prev.planes().first().expect("a pyramid that was built has its base");
         for corner in self.detector.detect(plane, &mut self.mask, &places) {
-            let Some(bearing) = self.camera.sight(&Vector2::from(corner.px.map(f64::from))) else {
+            let Some(bearing) = sight(&self.camera, self.lines.as_ref(), corner.px, &self.gyro_bias.bias())
+            else {
                 continue;
             };
             self.points.push(Point { id: self.next_id, px: corner.px, bearing, handed: None, age: 1 });
@@ -453,6 +484,20 @@ fn circle_of(camera: &CameraModel) -> Option<GrayImage> {
         u8::from(camera.sight(&(camera.principal() + outwards)).is_some())
     };
     GrayImage::from_fn(width, height, allowed).ok()
+}
+
+/// What `px` sees, in the camera's frame at the image's stamp; `bias` is the gyroscope's, in that frame.
+fn sight(
+    camera: &CameraModel,
+    lines: Option<&LineTurns>,
+    px: [f32; 2],
+    bias: &Vector3<f64>,
+) -> Option<Vector3<f64>> {
+    let px = Vector2::from(px.map(f64::from));
+    match lines {
+        None => camera.sight(&px),
+        Some(lines) => lines.sight(camera, &px, bias),
+    }
 }
 
 fn distance(a: [f32; 2], b: [f32; 2]) -> f64 {

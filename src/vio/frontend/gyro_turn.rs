@@ -48,6 +48,17 @@ impl GyroTurn {
         turn
     }
 
+    /// How the body turned while an image at `t` was read out: `body_at_t_from_body_then` at evenly spaced instants of `readout_s` about `t`.
+    /// `None` where samples do not cover it. To be asked before [`until`](Self::until), which forgets.
+    pub(crate) fn over<const N: usize>(&self, t: Stamp, readout_s: f64) -> Option<[UnitQuaternion<f64>; N]> {
+        let mut turns = [UnitQuaternion::identity(); N];
+        for (k, turn) in turns.iter_mut().enumerate() {
+            let then = t.plus_seconds(readout_s * (k as f64 / (N - 1) as f64 - 0.5));
+            *turn = if then < t { self.integrate(then, t)?.inverse() } else { self.integrate(t, then)? };
+        }
+        Some(turns)
+    }
+
     /// Forgets samples that no turn from `t` on needs: all before the last that is not after it.
     pub(crate) fn forget_before(&mut self, t: Stamp) {
         while self.samples.get(1).is_some_and(|(second, _)| *second <= t) {
@@ -160,6 +171,20 @@ mod tests {
         (501..5_000).for_each(|s| gyro.feed(&sample(at(s).ns(), [0.0; 3])));
         assert_eq!(gyro.samples.len(), 601);
         assert_eq!(gyro.until(at(4_999)), None, "its beginning is gone");
+    }
+
+    #[test]
+    fn the_turns_of_a_readout_join_to_the_turn_over_it() {
+        let mut gyro = GyroTurn::new();
+        for i in 0..40i64 {
+            gyro.feed(&sample(5_000_000 * i, [0.3, -0.1 * i as f64, 1.2]));
+        }
+        let t = Stamp::from_ns(101_000_000);
+        let turns: [_; 7] = gyro.over(t, 0.03).unwrap();
+        assert_eq!(turns[3], UnitQuaternion::identity());
+        let all = gyro.integrate(t.plus_seconds(-0.015), t.plus_seconds(0.015)).unwrap();
+        assert!((turns[0].inverse() * turns[6]).angle_to(&all) < 1e-4 && all.angle() > 0.03);
+        assert_eq!(gyro.over::<7>(Stamp::from_ns(5_000_000), 0.03), None, "samples begin later");
     }
 
     #[test]

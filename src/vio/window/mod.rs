@@ -16,6 +16,7 @@ mod marginalise;
 pub mod normal;
 mod parallax;
 mod part;
+mod points;
 mod prior;
 mod schur;
 mod slide;

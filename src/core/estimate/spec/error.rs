@@ -23,6 +23,12 @@ pub enum SpecError {
         /// What was given.
         text: String,
     },
+    /// A file's name alone.
+    #[error("`{path}` is no noise spec; a noise track on disk is named file(\"{path}\")")]
+    BarePath {
+        /// The path.
+        path: String,
+    },
     /// A name nobody knows.
     #[error("`{name}` is no noise spec; {}known are {}", hint(nearest.as_deref()), known.join(", "))]
     Unknown {

@@ -205,6 +205,10 @@ impl FromStr for NoiseSpec {
     type Err = SpecError;
 
     fn from_str(spec: &str) -> Result<Self, SpecError> {
+        let bare = spec.trim();
+        if bare.to_ascii_lowercase().ends_with(".csv") && !bare.contains(['(', '"']) {
+            return Err(SpecError::BarePath { path: bare.to_owned() });
+        }
         let calls = Call::parse_list(spec)?;
         match calls.as_slice() {
             [call] if names::is_both(&call.name) => Self::from_call(call),
@@ -339,6 +343,7 @@ mod tests {
             ("mean(nothing)", "`nothing` is no noise spec"),
             ("oracle(3)", "at most 0"),
             ("file()", "one path"),
+            ("noise/a.csv", "a noise track on disk is named file(\"noise/a.csv\")"),
             ("dualpronet(a,b,c)", "at most 2"),
             ("shuffled(x1),x2", "both sensors"),
             ("mean-of-train(self)", "once the odometry has run"),

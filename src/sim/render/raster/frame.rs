@@ -7,8 +7,9 @@ use super::super::scene::Scene;
 use super::batch::{Batch, NOTHING};
 use super::lens::{BATCH, Lens, TILE, Tile};
 use super::view::View;
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Matrix3, Vector3};
 use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
 
 /// Lines of sight of a pixel at an edge.
 const PER_PX: usize = 8;
@@ -38,11 +39,43 @@ pub(crate) struct Frame {
 impl Frame {
     /// What `lens` sees of `scene` from `world_from_cam`.
     pub(crate) fn render(&mut self, scene: &Scene, lens: &Lens, world_from_cam: &Isometry3<f64>) {
-        self.view.look(scene, lens, world_from_cam);
+        self.paint(scene, lens, world_from_cam, 0..lens.tiles_across[1], None);
+    }
+
+    /// The same, line after line: line y is seen from `world_from_cam(y)`.
+    ///
+    /// Turns are exact to the line. Lines of a tile share the place of its middle one, a third of a millisecond off.
+    pub(crate) fn render_lines(
+        &mut self,
+        scene: &Scene,
+        lens: &Lens,
+        world_from_cam: impl Fn(usize) -> Isometry3<f64>,
+    ) {
+        for row in 0..lens.tiles_across[1] {
+            let middle = world_from_cam(row * TILE + TILE / 2);
+            let turns = std::array::from_fn(|line| {
+                let turn = middle.rotation.inverse() * world_from_cam(row * TILE + line).rotation;
+                turn.to_rotation_matrix().into_inner().cast::<f32>()
+            });
+            self.paint(scene, lens, &middle, row..row + 1, Some(&turns));
+        }
+    }
+
+    fn paint(
+        &mut self,
+        scene: &Scene,
+        lens: &Lens,
+        world_from_cam: &Isometry3<f64>,
+        rows: Range<usize>,
+        turns: Option<&[Matrix3<f32>; TILE]>,
+    ) {
+        let tiles = rows.start * lens.tiles_across[0]..rows.end * lens.tiles_across[0];
+        self.view.look(scene, lens, world_from_cam, &tiles);
         let pixels = lens.size[0] * lens.size[1];
         self.grey.resize(pixels, 0.0);
         self.places.resize(pixels, NOTHING);
-        Arch::new().dispatch(Paint { frame: self, scene, lens });
+        let lines = rows.start * TILE..(rows.end * TILE).min(lens.size[1]);
+        Arch::new().dispatch(Paint { frame: self, scene, lens, tiles, lines, turns });
     }
 }
 
@@ -51,6 +84,11 @@ struct Paint<'a> {
     frame: &'a mut Frame,
     scene: &'a Scene,
     lens: &'a Lens,
+    /// Those that are painted, and their lines: beyond them nothing is known yet.
+    tiles: Range<usize>,
+    lines: Range<usize>,
+    /// How each line of a tile is turned against the pose.
+    turns: Option<&'a [Matrix3<f32>; TILE]>,
 }
 
 impl WithSimd for Paint<'_> {
@@ -58,12 +96,13 @@ impl WithSimd for Paint<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { frame, scene, lens } = self;
+        let Self { frame, scene, lens, tiles, lines, turns } = self;
         let Frame { view, batch, grey, places, edges } = frame;
         let texels = scene.atlas.texels();
-        for (index, tile) in lens.tiles.iter().enumerate() {
+        for index in tiles.clone() {
             let list = view.of(index);
-            load(batch, tile);
+            load(batch, &lens.tiles[index]);
+            turn(batch, turns, |i| i / TILE);
             match list {
                 [only] => batch.fill(*only),
                 _ => batch.find(&view.facets, list),
@@ -72,14 +111,15 @@ impl WithSimd for Paint<'_> {
             store(lens, index, &batch.grey, grey);
             store(lens, index, &batch.place, places);
         }
-        for (index, tile) in lens.tiles.iter().enumerate() {
+        for index in tiles {
             let list = view.of(index);
             if list.len() < 2 {
                 continue;
             }
-            at_edges(lens, index, places, edges);
+            at_edges(lens, index, &lines, places, edges);
             for some in edges.chunks(BATCH / PER_PX) {
-                spread(batch, tile, some);
+                spread(batch, &lens.tiles[index], some);
+                turn(batch, turns, |i| some[(i / PER_PX).min(some.len() - 1)] / TILE);
                 batch.find(&view.facets, list);
                 batch.shade(&view.facets, list, texels);
                 for (n, &pixel) in some.iter().enumerate() {
@@ -96,6 +136,16 @@ impl WithSimd for Paint<'_> {
 fn load(batch: &mut Batch, tile: &Tile) {
     (batch.x, batch.y) = (tile.x, tile.y);
     batch.per_sample = tile.per_px.map(|row| row.map(|v| v * SAMPLE_PX));
+}
+
+/// Lines of sight as they are at their line's instant; `line_of` says the line of a place in the batch.
+#[inline(always)]
+fn turn(batch: &mut Batch, turns: Option<&[Matrix3<f32>; TILE]>, line_of: impl Fn(usize) -> usize) {
+    let Some(turns) = turns else { return };
+    for i in 0..BATCH {
+        let turned = turns[line_of(i)] * Vector3::new(batch.x[i], batch.y[i], 1.0);
+        (batch.x[i], batch.y[i]) = (turned.x / turned.z, turned.y / turned.z);
+    }
 }
 
 /// The lines of sight through the places of some pixels of a tile; where the batch is not full, the last pixel's again.
@@ -136,14 +186,15 @@ fn place_of(lens: &Lens, index: usize, pixel: usize) -> usize {
 
 /// Pixels of a tile with another surface to the left, right, above or below.
 #[inline(always)]
-fn at_edges(lens: &Lens, index: usize, places: &[u32], edges: &mut Vec<usize>) {
+fn at_edges(lens: &Lens, index: usize, lines: &Range<usize>, places: &[u32], edges: &mut Vec<usize>) {
     let [width, height] = lens.size;
     let (left, top) = (index % lens.tiles_across[0] * TILE, index / lens.tiles_across[0] * TILE);
     let inner = left > 0 && left + TILE < width;
     edges.clear();
     for row in 0..TILE.min(height - top) {
         let y = top + row;
-        let (above, below) = (y.saturating_sub(1) * width, (y + 1).min(height - 1) * width);
+        let (above, below) =
+            (y.saturating_sub(1).max(lines.start) * width, (y + 1).min(lines.end - 1) * width);
         // Most rows have no edge: asked at once where the tile has neighbours on both sides.
         if inner {
             let own = &places[y * width + left..][..TILE];
@@ -172,16 +223,16 @@ fn at_edges(lens: &Lens, index: usize, places: &[u32], edges: &mut Vec<usize>) {
 mod tests {
     use super::super::super::scene::Course;
     use super::super::super::texture::{LOG_SIDE, SIDE};
+    use super::super::uncalibrated::Uncalibrated;
     use super::super::view::Facet;
     use super::*;
     use crate::tracks::{Bounds, World};
     use dpn_core::camera::CameraModel;
     use dpn_core::random::Stream;
-    use nalgebra::Vector3;
 
     fn scene() -> Scene {
         let bounds = Bounds { low: Vector3::new(-2.0, -1.5, 0.2), high: Vector3::new(2.0, 1.5, 1.4) };
-        Scene::new(&Course::within(&bounds), World::Room, 1.0, &Stream::new(9))
+        Scene::new(&Course::within(&bounds), World::Room, [1.0, 0.0], &Stream::new(9))
     }
 
     fn poses() -> impl Iterator<Item = Isometry3<f64>> {
@@ -196,7 +247,8 @@ mod tests {
     #[test]
     fn every_pixel_shows_the_nearest_surface() {
         let (scene, camera) = (scene(), CameraModel::euroc_cam0());
-        let (lens, mut frame) = (Lens::new(&camera, 1).unwrap(), Frame::default());
+        let (lens, mut frame) =
+            (Lens::new(&camera, &Uncalibrated::new(0.0, 752, &Stream::new(0)), 1).unwrap(), Frame::default());
         for pose in poses() {
             frame.render(&scene, &lens, &pose);
             let facing =
@@ -220,7 +272,8 @@ mod tests {
     #[test]
     fn the_texture_lies_where_geometry_says() {
         let (scene, camera) = (scene(), CameraModel::euroc_cam0());
-        let (lens, mut frame) = (Lens::new(&camera, 1).unwrap(), Frame::default());
+        let (lens, mut frame) =
+            (Lens::new(&camera, &Uncalibrated::new(0.0, 752, &Stream::new(0)), 1).unwrap(), Frame::default());
         let mut compared = 0;
         for pose in poses() {
             frame.render(&scene, &lens, &pose);

@@ -1,5 +1,6 @@
 //! The lines of sight of a camera's pixels, in square tiles.
 
+use super::uncalibrated::Uncalibrated;
 use dpn_core::camera::{self, CameraModel};
 use nalgebra::{Matrix2, Vector2};
 use thiserror::Error;
@@ -63,18 +64,22 @@ pub(crate) struct Lens {
 }
 
 impl Lens {
-    /// The lines of sight of every `step`-th pixel of `camera`.
+    /// The lines of sight of every `step`-th pixel of `camera`, which is calibrated but for `unknown`.
     ///
     /// # Errors
     /// A pixel without one.
-    pub(crate) fn new(camera: &CameraModel, step: usize) -> Result<Self, NoLineOfSight> {
+    pub(crate) fn new(
+        camera: &CameraModel,
+        unknown: &Uncalibrated,
+        step: usize,
+    ) -> Result<Self, NoLineOfSight> {
         let full = camera.size().map(|side| side as usize);
         let size = full.map(|side| (side / step).max(1));
         let tiles_across = size.map(|side| side.div_ceil(TILE));
         let mut tiles = Vec::with_capacity(tiles_across[0] * tiles_across[1]);
         for row in 0..tiles_across[1] {
             for column in 0..tiles_across[0] {
-                tiles.push(tile(camera, step, [column * TILE, row * TILE], size)?);
+                tiles.push(tile(camera, unknown, step, [column * TILE, row * TILE], size)?);
             }
         }
         let mut blocks = Vec::new();
@@ -98,11 +103,13 @@ fn centre(index: usize, step: usize) -> f64 {
 
 fn tile(
     camera: &CameraModel,
+    unknown: &Uncalibrated,
     step: usize,
     [left, top]: [usize; 2],
     size: [usize; 2],
 ) -> Result<Tile, NoLineOfSight> {
-    let sight = |u: f64, v: f64| sight(camera, &Vector2::new(u, v)).ok_or(NoLineOfSight { u, v });
+    let sight =
+        |u: f64, v: f64| sight(camera, &unknown.calibrated(Vector2::new(u, v))).ok_or(NoLineOfSight { u, v });
     let (mut x, mut y) = ([0.0; BATCH], [0.0; BATCH]);
     for i in 0..BATCH {
         let column = (left + i % TILE).min(size[0] - 1);
@@ -170,12 +177,17 @@ fn around(cones: impl Iterator<Item = Cone>) -> Cone {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use dpn_core::random::Stream;
+
+    fn none() -> Uncalibrated {
+        Uncalibrated::new(0.0, 752, &Stream::new(0))
+    }
 
     #[test]
     fn every_pixel_has_its_line_and_tiles_hold_what_they_see() {
         let camera =
             CameraModel::radtan([50, 37], [40.0, 41.0, 24.0, 19.0], [-0.2, 0.03, 1e-3, 0.0, 0.0]).unwrap();
-        let lens = Lens::new(&camera, 1).unwrap();
+        let lens = Lens::new(&camera, &none(), 1).unwrap();
         assert_eq!((lens.size, lens.tiles_across, lens.tiles.len()), ([50, 37], [4, 3], 12));
         for (place, tile) in lens.tiles.iter().enumerate() {
             let corner = [place % 4 * TILE, place / 4 * TILE];
@@ -205,13 +217,13 @@ mod tests {
     #[test]
     fn a_coarse_lens_looks_at_the_middle_of_its_wide_pixels() {
         let camera = CameraModel::euroc_cam0();
-        let lens = Lens::new(&camera, 16).unwrap();
+        let lens = Lens::new(&camera, &none(), 16).unwrap();
         assert_eq!(lens.size, [47, 30]);
         let tile = &lens.tiles[0];
         let px =
             camera.project(&Vector2::new(f64::from(tile.x[17]), f64::from(tile.y[17])).push(1.0)).unwrap();
         assert!((px - Vector2::new(23.5, 23.5)).norm() < 1e-3, "{px}");
-        let fine = Lens::new(&camera, 1).unwrap();
+        let fine = Lens::new(&camera, &none(), 1).unwrap();
         // The middle of the fine one's tile (10, 8) is within that of the coarse one's first tile, whose pixels are wider.
         let ratio = lens.tiles[0].per_px[0][0] / fine.tiles[8 * 47 + 8].per_px[0][0];
         assert!((ratio / 16.0 - 1.0).abs() < 0.05, "{ratio}");
@@ -220,7 +232,7 @@ mod tests {
     #[test]
     fn a_fish_eyes_pixels_see_what_they_should_and_its_corners_what_its_edge_does() {
         let camera = CameraModel::tumvi_cam0();
-        let lens = Lens::new(&camera, 1).unwrap();
+        let lens = Lens::new(&camera, &none(), 1).unwrap();
         let mut outside = 0;
         for (place, tile) in lens.tiles.iter().enumerate() {
             let corner = [place % 32 * TILE, place / 32 * TILE];
@@ -245,7 +257,7 @@ mod tests {
         let folding =
             CameraModel::radtan([752, 480], [200.0, 200.0, 376.0, 240.0], [-0.9, 0.0, 0.0, 0.0, 0.0])
                 .unwrap();
-        let error = Lens::new(&folding, 1).unwrap_err();
+        let error = Lens::new(&folding, &none(), 1).unwrap_err();
         assert!(error.to_string().starts_with("the lens model has no line of sight for pixel ("), "{error}");
     }
 }

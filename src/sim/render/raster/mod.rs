@@ -3,8 +3,10 @@
 mod batch;
 mod frame;
 mod lens;
+mod uncalibrated;
 mod view;
 
 pub(super) use frame::Frame;
 pub(super) use lens::Lens;
 pub use lens::NoLineOfSight;
+pub(super) use uncalibrated::Uncalibrated;

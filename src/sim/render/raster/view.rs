@@ -13,6 +13,7 @@
 use super::super::scene::{LIGHT_TERMS, Rect, Scene};
 use super::lens::{Cone, Lens};
 use nalgebra::{Isometry3, Vector3};
+use std::ops::Range;
 
 /// An eye closer than this to a rectangle's plane does not see it \[m\].
 const GRAZING_M: f64 = 1e-5;
@@ -119,8 +120,14 @@ pub(crate) struct View {
 }
 
 impl View {
-    /// Looks from `world_from_cam`.
-    pub(crate) fn look(&mut self, scene: &Scene, lens: &Lens, world_from_cam: &Isometry3<f64>) {
+    /// Looks from `world_from_cam` through the tiles numbered `asked`.
+    pub(crate) fn look(
+        &mut self,
+        scene: &Scene,
+        lens: &Lens,
+        world_from_cam: &Isometry3<f64>,
+        asked: &Range<usize>,
+    ) {
         let facets =
             scene.rects.iter().filter_map(|rect| Facet::new(rect, scene.texels_per_m, world_from_cam));
         self.facets.clear();
@@ -130,10 +137,13 @@ impl View {
         self.spans.clear();
         self.spans.resize(lens.tiles.len(), (0, 0));
         for (cone, tiles) in &lens.blocks {
+            if !tiles.iter().any(|tile| asked.contains(tile)) {
+                continue;
+            }
             self.of_block.clear();
             let seen = self.facets.iter().zip(0_u16..).filter(|(facet, _)| facet.within(cone).is_some());
             self.of_block.extend(seen.map(|(_, place)| place));
-            for &tile in tiles {
+            for &tile in tiles.iter().filter(|tile| asked.contains(tile)) {
                 let first = self.lists.len() as u32;
                 self.list(&lens.tiles[tile].cone);
                 self.spans[tile] = (first, self.lists.len() as u32);

@@ -68,14 +68,17 @@ pub(super) struct Builder<'a, R> {
     pub(super) course: &'a Course,
     pub(super) scale: Scale,
     contrast: f32,
+    /// Share of the walls' fields that show nothing but paint.
+    bare: f64,
     pub(super) rects: Vec<Rect>,
     lamps: Vec<Rect>,
     rng: &'a mut R,
 }
 
 impl Layout {
-    /// The room of kind `world` around a flight within `bounds`; `contrast` scales that of all textures.
-    pub(super) fn new(course: &Course, world: World, contrast: f64, rng: &mut impl Rng) -> Self {
+    /// The room of kind `world` around a flight within `bounds`; `contrast` scales that of all textures, `bare` is the share of the
+    /// walls' fields that show nothing but paint.
+    pub(super) fn new(course: &Course, world: World, [contrast, bare]: [f64; 2], rng: &mut impl Rng) -> Self {
         let bounds = &course.bounds;
         let figures = world.figures(bounds);
         let low = bounds.low - Vector3::new(figures.side, figures.side, figures.down);
@@ -96,7 +99,7 @@ impl Layout {
         };
         let contrast = (scale.contrast * contrast) as f32;
         let (rects, lamps) = (Vec::new(), Vec::new());
-        let mut room = Builder { low, high, course, scale, contrast, rects, lamps, rng };
+        let mut room = Builder { low, high, course, scale, contrast, bare, rects, lamps, rng };
         room.shell();
         room.walls();
         room.floor();
@@ -127,6 +130,16 @@ impl<R: Rng> Builder<'_, R> {
 
     pub(super) fn chance(&mut self, share: f64) -> bool {
         self.rng.random::<f64>() < share
+    }
+
+    /// Whether the next surface is bare; without bare ones no chance is drawn, so that worlds stay as they were.
+    fn is_bare(&mut self) -> bool {
+        self.bare > 0.0 && self.chance(self.bare)
+    }
+
+    /// Nothing but paint, where the next surface is bare.
+    fn painted(&mut self) -> Option<Skin> {
+        self.is_bare().then(|| self.of(Material::Plain))
     }
 
     pub(super) fn skin(&mut self, mix: &Mix) -> Skin {
@@ -178,7 +191,7 @@ impl<R: Rng> Builder<'_, R> {
     fn shell(&mut self) {
         let (size, z) = (self.high - self.low, Vector3::z());
         for Side { corner, across, length, .. } in self.sides() {
-            let skin = self.skin(WALLS);
+            let skin = self.painted().unwrap_or_else(|| self.skin(WALLS));
             let origin = corner - OVERLAP_M * (across + z);
             let extent = [length + 2.0 * OVERLAP_M, size.z + 2.0 * OVERLAP_M];
             self.rects.push(Rect::new(origin, [across, z], extent, skin));
@@ -187,7 +200,7 @@ impl<R: Rng> Builder<'_, R> {
         let extent = [size.x + 2.0 * OVERLAP_M, size.y + 2.0 * OVERLAP_M];
         let floor = self.of(Material::Carpet);
         self.rects.push(Rect::new(self.low - spread, [Vector3::x(), Vector3::y()], extent, floor));
-        let ceiling = self.skin(CEILINGS);
+        let ceiling = self.painted().unwrap_or_else(|| self.skin(CEILINGS));
         let corner = Vector3::new(self.low.x, self.low.y, self.high.z) - spread;
         let extent = [extent[1], extent[0]];
         self.rects.push(Rect::new(corner, [Vector3::y(), Vector3::x()], extent, ceiling));
@@ -201,6 +214,9 @@ impl<R: Rng> Builder<'_, R> {
             let mut fields = Vec::new();
             self.divide([0.0, 0.0, length, height], &mut fields);
             for [x, z, width, tall] in fields {
+                if self.is_bare() {
+                    continue;
+                }
                 let gap = self.between(0.01, 0.07) * width.min(tall);
                 let relief = Exp::new(1.0 / self.scale.relief).expect("a positive scale").sample(self.rng);
                 let depth = relief.clamp(0.02, deepest);
@@ -378,7 +394,7 @@ mod tests {
         for (seed, size) in [(1, [4.0, 3.0, 1.5]), (2, [14.0, 9.0, 5.0]), (3, [0.1, 0.0, 0.2])] {
             let bounds = bounds(size);
             let mut rng = Stream::new(seed).rng();
-            let layout = Layout::new(&Course::within(&bounds), World::Auto, 1.0, &mut rng);
+            let layout = Layout::new(&Course::within(&bounds), World::Auto, [1.0, 0.0], &mut rng);
             let size = bounds.high - bounds.low;
             for _ in 0..400 {
                 let eye = bounds.low + size.component_mul(&Vector3::from_fn(|_, _| rng.random::<f64>()));
@@ -395,7 +411,7 @@ mod tests {
         let layout = Layout::new(
             &Course::within(&bounds([5.0, 4.0, 2.0])),
             World::Auto,
-            1.0,
+            [1.0, 0.0],
             &mut Stream::new(5).rng(),
         );
         assert!((150..1200).contains(&layout.rects.len()), "{}", layout.rects.len());
@@ -403,6 +419,20 @@ mod tests {
         for material in Material::ALL.into_iter().filter(|material| !of_halls.contains(material)) {
             assert!(layout.rects.iter().any(|rect| rect.skin.material == material), "no {material:?}");
         }
+        let bare = Layout::new(
+            &Course::within(&bounds([5.0, 4.0, 2.0])),
+            World::Auto,
+            [1.0, 1.0],
+            &mut Stream::new(5).rng(),
+        );
+        let posters = |layout: &Layout| {
+            layout
+                .rects
+                .iter()
+                .filter(|rect| rect.skin.material == Material::Chips && rect.along.z > 0.5)
+                .count()
+        };
+        assert!(posters(&layout) > 0 && posters(&bare) == 0 && bare.rects.len() < layout.rects.len());
         for rect in &layout.rects {
             assert!(rect.size.iter().all(|side| *side > 0.0), "{rect:?}");
             assert!(rect.across.dot(&rect.along).abs() < 1e-12 && (rect.normal().norm() - 1.0).abs() < 1e-12);

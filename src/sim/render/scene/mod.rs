@@ -24,8 +24,8 @@ pub(super) struct Scene {
 
 impl Scene {
     /// The world around a flight on `course`.
-    pub(super) fn new(course: &Course, world: World, contrast: f64, stream: &Stream) -> Self {
-        let layout = Layout::new(course, world, contrast, &mut stream.named("layout").rng());
+    pub(super) fn new(course: &Course, world: World, [contrast, bare]: [f64; 2], stream: &Stream) -> Self {
+        let layout = Layout::new(course, world, [contrast, bare], &mut stream.named("layout").rng());
         Self { rects: layout.rects, texels_per_m: layout.texels_per_m, atlas: Atlas::new(stream) }
     }
 

@@ -1,0 +1,19 @@
+//! dpn for C and C++. What C sees stands in `include/dpn.h`, which cbindgen makes from this crate; `cargo test -p dpn-c` says when it is stale, and
+//! `DPN_BLESS=1 cargo test -p dpn-c --test header` makes it anew.
+//!
+//! Pointers are read and written in `border` alone; handles are numbers from a table, never reused, so that a second free is an error and no crash.
+//! Nothing panics across the border: what does is caught and is `DPN_STATUS_PANIC`.
+#![cfg_attr(test, allow(clippy::unwrap_used))]
+
+mod border;
+mod level;
+mod status;
+mod stream;
+mod table;
+mod weights;
+
+pub use level::{dpn_level_factor, dpn_level_feed, dpn_level_free, dpn_level_new};
+pub use status::{Status, dpn_last_error, dpn_version};
+pub use stream::{Sigma, dpn_stream_feed, dpn_stream_free, dpn_stream_new, dpn_stream_sigma};
+pub use table::{LevelHandle, StreamHandle, WeightsHandle};
+pub use weights::{Sensor, dpn_weights_free, dpn_weights_from_bytes, dpn_weights_load, dpn_weights_shipped};

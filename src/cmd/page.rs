@@ -1,0 +1,159 @@
+//! `dpn page`: the page in the browser with a log already loaded, served to this machine alone.
+//!
+//! Two things are served, the page and the log, below a path that nobody can guess, and only to who asks for 127.0.0.1 by name. A log that the page
+//! cannot read by itself (a folder, a database, a pipe, one with flags) is read here and served as its samples, with all their digits.
+
+use super::log;
+use crate::args::PageArgs;
+use crate::ui::{Fault, outln};
+use anyhow::{Context, Result};
+use dpn_core::Samples as _;
+use dpn_io::asl::write_imu_rows;
+use dpn_io::scratch_file;
+use dpn_logs::{Kind, LogOptions};
+use std::collections::hash_map::RandomState;
+use std::fs::File;
+use std::hash::{BuildHasher, Hasher};
+use std::io::{BufWriter, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use tiny_http::{Header, Request, Response, Server, StatusCode};
+
+pub(crate) fn run(args: &PageArgs) -> Result<()> {
+    let page = page(args.web.as_deref())?;
+    let mut log = Served::of(args)?;
+    let server = Server::http("127.0.0.1:0")
+        .map_err(|e| Fault::new(format!("nothing can be served on 127.0.0.1: {e}")))?;
+    let address = server.server_addr().to_ip().context("an address of this machine")?.to_string();
+    let token = token();
+    let query = format!("log=log&size={}&name={}", log.bytes, escaped(&log.name));
+    outln!("http://{address}/{token}/#{query}")?;
+    for request in server.incoming_requests() {
+        let asked_here =
+            request.headers().iter().any(|h| h.field.equiv("Host") && h.value.as_str() == address);
+        // Who goes away in the middle is no fault.
+        let _ = match request.url().strip_prefix(&format!("/{token}/")) {
+            Some("") if asked_here => request.respond(
+                Response::from_data(page.as_slice())
+                    .with_header(header("Content-Type", "text/html; charset=utf-8"))
+                    .with_header(header("Cache-Control", "no-store")),
+            ),
+            Some("log") if asked_here => log.answer(request),
+            _ => request.respond(Response::empty(404)),
+        };
+    }
+    Ok(())
+}
+
+/// A log as bytes.
+struct Served {
+    name: String,
+    file: File,
+    bytes: u64,
+}
+
+impl Served {
+    fn of(args: &PageArgs) -> Result<Self> {
+        let path = &args.log.path;
+        let name = path.file_name().map_or_else(|| "log".into(), |name| name.to_string_lossy().into_owned());
+        let plain = path.is_file()
+            && log::options(&args.log.how) == LogOptions::default()
+            && Kind::of(path)? != Kind::Sqlite;
+        let mut file = if plain {
+            File::open(path).with_context(|| path.display().to_string())?
+        } else {
+            let recording = log::read(&args.log)?.recording;
+            let scratch = scratch_file().context("a temporary file")?;
+            let mut out = BufWriter::new(scratch.as_file());
+            write_imu_rows(&mut out, &recording).and_then(|()| out.flush()).context("a temporary file")?;
+            outln!("read here, and served as its {} samples", recording.len())?;
+            scratch.reopen().context("a temporary file")?
+        };
+        let bytes = file.seek(SeekFrom::End(0)).with_context(|| path.display().to_string())?;
+        Ok(Self { name, file, bytes })
+    }
+
+    /// The part that was asked for.
+    fn answer(&mut self, request: Request) -> std::io::Result<()> {
+        let asked = request
+            .headers()
+            .iter()
+            .find(|h| h.field.equiv("Range"))
+            .and_then(|h| range(h.value.as_str(), self.bytes));
+        let Some((from, to)) = asked else { return request.respond(Response::empty(416)) };
+        self.file.seek(SeekFrom::Start(from))?;
+        let length = to - from + 1;
+        let headers = vec![
+            header("Content-Type", "application/octet-stream"),
+            header("Content-Range", &format!("bytes {from}-{to}/{}", self.bytes)),
+            header("Cache-Control", "no-store"),
+        ];
+        request.respond(Response::new(
+            StatusCode(206),
+            headers,
+            (&self.file).take(length),
+            Some(length as usize),
+            None,
+        ))
+    }
+}
+
+/// First and last byte of `bytes=FIRST-LAST`, within a file of so many.
+fn range(text: &str, bytes: u64) -> Option<(u64, u64)> {
+    let (from, to) = text.strip_prefix("bytes=")?.split_once('-')?;
+    let (from, to) = (from.parse().ok()?, to.parse::<u64>().ok()?.min(bytes.checked_sub(1)?));
+    (from <= to).then_some((from, to))
+}
+
+fn header(name: &str, value: &str) -> Header {
+    Header::from_bytes(name, value).expect("names and values of ours are ASCII")
+}
+
+/// 128 bits that nobody can guess: the standard library's keys, which are the system's.
+fn token() -> String {
+    (0..2).map(|_| format!("{:016x}", RandomState::new().build_hasher().finish())).collect()
+}
+
+/// For an address: all but letters, digits and `.-_` by their bytes.
+fn escaped(text: &str) -> String {
+    let plain = |b: u8| b.is_ascii_alphanumeric() || b".-_".contains(&b);
+    text.bytes().map(|b| if plain(b) { char::from(b).to_string() } else { format!("%{b:02X}") }).collect()
+}
+
+/// The page, from the first place that has it.
+fn page(web: Option<&Path>) -> Result<Vec<u8>> {
+    let places: Vec<PathBuf> = match web {
+        Some(dir) => vec![dir.to_path_buf()],
+        None => {
+            let named = std::env::var_os("DPN_WEB").map(PathBuf::from);
+            let beside = std::env::current_exe().ok().and_then(|exe| Some(exe.parent()?.join("web")));
+            named.into_iter().chain(beside).chain([PathBuf::from("target/web/page")]).collect()
+        }
+    };
+    for place in &places {
+        if let Ok(page) = std::fs::read(place.join("index.html")) {
+            return Ok(page);
+        }
+    }
+    let looked: Vec<String> =
+        places.iter().map(|place| place.join("index.html").display().to_string()).collect();
+    Err(Fault::new(format!("no page: looked for {}", looked.join(", ")))
+        .hint("`cargo xtask web` makes it, in target/web/page; name its folder by --web or DPN_WEB, or lay it beside the program as `web`")
+        .into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_range_is_held_to_the_file_and_nonsense_is_none() {
+        assert_eq!(range("bytes=0-99", 1000), Some((0, 99)));
+        assert_eq!(range("bytes=990-2000", 1000), Some((990, 999)));
+        for text in ["bytes=1000-1001", "bytes=5-4", "bytes=-5", "bytes=5-", "0-5", "bytes=0-1,3-4", ""] {
+            assert_eq!(range(text, 1000), None, "{text}");
+        }
+        assert_eq!(range("bytes=0-0", 0), None);
+        assert_eq!(escaped("a b/ä.bag"), "a%20b%2F%C3%A4.bag");
+        assert!(token().len() == 32 && token() != token());
+    }
+}

@@ -1,0 +1,93 @@
+//! All that is known of the noise along a log, as the command line and the page in the browser both say it.
+
+use super::compare::{Check, compare};
+use super::{EffectiveNoise, Levels, LogNoiseError, Plan, Track, TrackSummary, report, track};
+use crate::phases::phases;
+use dpn_core::{Recorded, SampleRate};
+use dpn_io::noise_formats::NoiseCalibration;
+use dpn_pronet::network::Network;
+use serde_json::Value;
+
+/// What stands in for the networks where they cannot be asked.
+const SIMPLE: &str = "diff2";
+
+impl<'a> Plan<'a> {
+    /// The networks where the rate is theirs, and a simple estimator where it is not; then a line says so.
+    ///
+    /// # Errors
+    /// As [`Plan::new`], but for a rate that is not theirs.
+    pub fn fitting(
+        rate: SampleRate,
+        every: usize,
+        networks: &'a [Network],
+    ) -> Result<(Self, Option<String>), LogNoiseError> {
+        match Self::new(&"dualpronet".parse()?, rate, every, networks) {
+            Err(LogNoiseError::Rate { found_hz, trained_hz, .. }) => {
+                let note = format!(
+                    "the log has {found_hz:.1} Hz and the shipped networks know {trained_hz:.0} Hz and its multiples: the simple estimator {SIMPLE} \
+                     is asked instead"
+                );
+                Ok((Self::new(&SIMPLE.parse()?, rate, every, networks)?, Some(note)))
+            }
+            other => Ok((other?, None)),
+        }
+    }
+}
+
+/// The noise along a log.
+#[derive(Debug)]
+pub struct Along {
+    /// Answer by answer.
+    pub track: Track,
+    /// Quantiles by phase.
+    pub summary: TrackSummary,
+    /// What must be said before everything else.
+    pub warnings: Vec<String>,
+    /// The white noise that errs as much over a span; none where the log never moves.
+    pub effective: Option<EffectiveNoise>,
+    /// A configuration against it, where one was given and the log has levels to hold it against.
+    pub check: Option<Check>,
+}
+
+impl Along {
+    /// Asks `plan` along `recording` and holds `config` against it.
+    ///
+    /// # Errors
+    /// A recording not longer than the first window; as [`track`].
+    pub fn of(
+        plan: &Plan<'_>,
+        recording: &dyn Recorded,
+        config: Option<&NoiseCalibration>,
+    ) -> Result<Self, LogNoiseError> {
+        let (found_s, needed_s) = (recording.length_s(), plan.unknown_s());
+        if found_s <= needed_s {
+            return Err(LogNoiseError::TooShort { found_s, needed_s });
+        }
+        let track = track(plan, recording)?;
+        let summary = TrackSummary::of(&track, recording, phases(recording)?, needed_s)?;
+        let check = match config {
+            Some(source) => Levels::of(recording, &summary.stretches)?
+                .map(|levels| compare(source, &levels, recording.rate()))
+                .transpose()?,
+            None => None,
+        };
+        let warnings = report::warnings(plan, &summary);
+        let effective = EffectiveNoise::of(recording, &summary.stretches)?;
+        Ok(Self { track, summary, warnings, effective, check })
+    }
+
+    /// All but the track, for programs; `log` names the log.
+    ///
+    /// # Errors
+    /// None that is known of: what is written is finite.
+    pub fn json(&self, log: &str, plan: &Plan<'_>, recording: &dyn Recorded) -> serde_json::Result<Value> {
+        let mut all = serde_json::json!({
+            "log": log, "samples": recording.len(), "rate_hz": recording.rate().hz(), "noise": plan.spec(), "every": plan.every(),
+            "thinned_to_every": plan.thin(), "summary": self.summary, "warnings": self.warnings, "effective": self.effective,
+        });
+        if let Some(check) = &self.check {
+            all["check"] = serde_json::to_value(check)?;
+        }
+        Ok(all)
+    }
+}

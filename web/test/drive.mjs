@@ -1,0 +1,182 @@
+// Drives the page in headless Chromium: the numbers of eight logs against `dpn --json`, hostile files, accessibility, times, pictures.
+import { chromium } from "playwright-core";
+import axe from "axe-core";
+import { execFileSync, spawn } from "node:child_process";
+import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, statSync, writeFileSync } from "node:fs";
+import { basename, join, resolve } from "node:path";
+import { tmpdir } from "node:os";
+
+const root = resolve(process.env.ROOT);
+const dpn = resolve(process.env.DPN);
+const page = resolve(process.env.PAGE, "index.html");
+const out = resolve(process.env.OUT);
+mkdirSync(out, { recursive: true });
+const only = process.argv.slice(2);
+const wants = (name) => !only.length || only.includes(name);
+
+const LOGS = [
+  "tests/data/euroc/V1_01_easy/mav0/imu0/data.csv", "tests/data/tumvi/dataset-room1_512_16/mav0/imu0/data.csv", "golden/logs/px4.ulg", "golden/logs/ardupilot.bin",
+  "golden/bags/lz4.bag", "golden/bags/zstd.mcap", "golden/logs/packed.csv.xz", "golden/logs/xsens.csv",
+];
+// Recordings that not everybody has: longer, one of them at rest.
+LOGS.push(...["data/euroc/V1_01_easy/mav0/imu0/data.csv", "data/static/adis16405_imu1.csv"].filter((log) => existsSync(join(root, log))));
+/** How far two numbers may be apart: a browser has other vector widths than a processor, which a network's sums of 32-bit numbers show, and another sine and exponential. */
+const TOLERANCE = { networks: 1e-6, else: 1e-11 };
+let faults = 0;
+const say = (ok, text) => { faults += ok ? 0 : 1; console.log(`${ok ? "ok  " : "FAIL"} ${text}`); };
+
+const context = await chromium.launchPersistentContext(mkdtempSync(join(tmpdir(), "dpn-page-")), {
+  executablePath: process.env.CHROMIUM || "/usr/bin/chromium",
+  headless: true,
+  args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"],
+});
+const tab = context.pages()[0] || (await context.newPage());
+const errors = [];
+tab.on("pageerror", (error) => errors.push(error.message));
+tab.on("console", (message) => { if (message.type() === "error") errors.push(message.text()); });
+
+async function open(size = [1400, 1000], scheme = "light") {
+  await tab.setViewportSize({ width: size[0], height: size[1] });
+  await tab.emulateMedia({ colorScheme: scheme });
+  await tab.goto(`file://${page}`);
+}
+/** Drops files; returns what came back. */
+async function drop(files) {
+  await tab.evaluate(() => { delete document.body.dataset.done; });
+  await tab.setInputFiles("#file", files);
+  await tab.waitForFunction(() => document.body.dataset.done || !document.getElementById("failure").hidden, null, { timeout: 180_000 });
+  return tab.evaluate(() => ({ ...window.dpnResults, failure: document.getElementById("failure").hidden ? null : document.getElementById("failure").innerText }));
+}
+function told(args, cwd) {
+  try {
+    return { text: execFileSync(dpn, [...args, "--json", "--out", join(tmpdir(), "dpn-page-out")], { cwd, maxBuffer: 1 << 28, stdio: ["ignore", "pipe", "ignore"] }).toString().trimEnd() };
+  } catch (error) {
+    return { code: error.status };
+  }
+}
+/** Where two answers differ: numbers with their relative distance, all else as a fault. */
+function compare(a, b, at = "", found = { numbers: 0, same: 0, worst: 0, where: "", other: [] }) {
+  if (typeof a === "number" && typeof b === "number") {
+    found.numbers++;
+    const distance = a === b ? 0 : Math.abs(a - b) / Math.max(Math.abs(a), Math.abs(b));
+    if (distance === 0) found.same++;
+    if (distance > found.worst) [found.worst, found.where] = [distance, at];
+  } else if (a && b && typeof a === "object" && typeof b === "object") {
+    for (const key of new Set([...Object.keys(a), ...Object.keys(b)])) compare(a[key], b[key], `${at}/${key}`, found);
+  } else if (a !== b) found.other.push(`${at}: ${JSON.stringify(a)} | ${JSON.stringify(b)}`);
+  return found;
+}
+
+if (wants("numbers")) {
+  const total = { numbers: 0, same: 0, worst: 0 };
+  for (const log of LOGS) {
+    const [path, name, cwd] = [join(root, log), basename(log), resolve(root, log, "..")];
+    await open();
+    const got = await drop([path]);
+    for (const what of ["check", "noise", "allan"]) {
+      const expected = told([what, name], cwd);
+      if (!expected.text || !got[what]) { say(!expected.text === !got[what], `${log} ${what}: ${got[what] ? "an answer" : "none"} in the page, ${expected.text ? "an answer" : `exit ${expected.code}`} from the command`); continue; }
+      const most = JSON.parse(expected.text).noise?.startsWith("dualpronet") ? TOLERANCE.networks : TOLERANCE.else;
+      const found = compare(JSON.parse(got[what]), JSON.parse(expected.text));
+      total.numbers += found.numbers; total.same += found.same; total.worst = Math.max(total.worst, found.worst);
+      const bytes = got[what] === expected.text;
+      say(bytes || (found.other.length === 0 && found.worst <= most), `${log} ${what}: ${bytes ? "the same bytes" : `${found.same} of ${found.numbers} numbers the same, farthest ${found.worst.toExponential(1)} at ${found.where} ${found.other.slice(0, 3).join("; ")}`}`);
+    }
+  }
+  console.log(`     ${total.same} of ${total.numbers} numbers the same to the last digit; farthest ${total.worst.toExponential(1)}`);
+}
+
+if (wants("hostile")) {
+  const dir = mkdtempSync(join(tmpdir(), "dpn-hostile-"));
+  const made = (name, bytes) => { const path = join(dir, name); writeFileSync(path, bytes); return path; };
+  const whole = (name) => readFileSync(join(root, name));
+  const files = [
+    made("empty.csv", ""), made("zeros.bin", Buffer.alloc(1 << 20)), made("noise.bag", Buffer.from(Array.from({ length: 65536 }, (_, i) => (i * 7919 + (i >> 3) * 104729) & 255))),
+    made("magic.bag", "#ROSBAG V2.0\n"), made("magic.db3", "SQLite format 3\0"), made("half.gz", Buffer.from([0x1f, 0x8b, 8, 0, 0])), made("words.csv", "a,b,c\nthis is,no,log\n"),
+    made("nan.csv", "#timestamp [ns],x,y,z,a,b,c\n" + "1,nan,nan,nan,nan,nan,nan\n".repeat(500)), made("one.csv", "0,1,2,3,4,5,6\n"), made("script.csv", "<script>document.title='x'</script>,1,2,3,4,5,6\n".repeat(9)),
+    made("cut.mcap", whole("golden/bags/zstd.mcap").subarray(0, 200)), made("cut.ulg", whole("golden/logs/px4.ulg").subarray(0, 64)),
+    join(root, "golden/bags/no_imu.bag"), join(root, "golden/bags/two_imus.bag"), join(root, "golden/bags/sqlite/sqlite.db3"), join(root, "golden/bags/json.mcap"),
+  ];
+  for (const path of files) {
+    await open();
+    const got = await drop([path]);
+    const sentence = got.failure || got.check;
+    const live = await tab.evaluate(() => { document.getElementById("tab-convert").click(); return !document.getElementById("convert").hidden; });
+    say(Boolean(sentence) && live, `${basename(path)}: ${(got.failure || "findings").split("\n")[0].slice(0, 150)}`);
+  }
+  say(errors.length === 0, `no error in the console ${errors.slice(0, 3).join(" | ")}`);
+}
+
+async function accessible(what) {
+  const found = await tab.evaluate(async (source) => { (0, eval)(source); return (await window.axe.run(document, { resultTypes: ["violations"] })).violations.map((v) => `${v.id}: ${v.nodes.length} x ${v.nodes[0].target} ${v.nodes[0].failureSummary?.slice(0, 160)}`); }, axe.source);
+  say(found.length === 0, `axe, ${what}: ${found.length ? found.join("\n       ") : "no violation"}`);
+}
+const euroc = join(root, "data/euroc/V1_01_easy/mav0/imu0/data.csv");
+const static_ = join(root, "data/static/adis16405_imu1.csv");
+const there = (path) => { try { return statSync(path).size; } catch { return 0; } };
+const long = there(euroc) ? euroc : join(root, LOGS[0]);
+const rest = there(static_) ? static_ : null;
+
+if (wants("axe")) {
+  const config = join(mkdtempSync(join(tmpdir(), "dpn-config-")), "vins.yaml");
+  writeFileSync(config, "%YAML:1.0\nacc_n: 0.08\ngyr_n: 0.004\nacc_w: 0.00004\ngyr_w: 2.0e-6\n");
+  for (const scheme of ["light", "dark"]) {
+    await open([1400, 1000], scheme);
+    await accessible(`start, ${scheme}`);
+    const got = await drop([long, config]);
+    say(!got.failure && (await tab.evaluate(() => document.getElementById("config").textContent.length > 40)), `a configuration beside the log is held against it, ${scheme}`);
+    await accessible(`result, ${scheme}`);
+    await tab.click("#tab-convert");
+    await tab.waitForFunction(() => document.getElementById("converted").textContent.length > 20);
+    await accessible(`units, ${scheme}`);
+    await tab.click("#tab-study");
+    await accessible(`study, ${scheme}`);
+  }
+  await open();
+  await drop([join(root, "golden/bags/no_imu.bag")]);
+  await accessible("failure");
+}
+
+if (wants("times")) {
+  for (const path of [long, rest].filter(Boolean)) {
+    await open();
+    const got = await drop([path]);
+    const memory = await tab.evaluate(() => performance.memory?.usedJSHeapSize);
+    console.log(`     ${basename(path)} of ${(statSync(path).size / 1e6).toFixed(1)} MB: first picture ${got.firstPicture?.toFixed(2)} s, Allan ${got.allanAt?.toFixed(2) ?? "none"} s, all ${got.seconds?.toFixed(2)} s; heap of the page ${(memory / 1e6).toFixed(0)} MB`);
+  }
+}
+
+if (wants("pictures")) {
+  for (const scheme of ["light", "dark"]) for (const width of [1400, 800, 390]) {
+    await open([width, 900], scheme);
+    if (scheme === "light") await tab.screenshot({ path: join(out, `start-${width}.png`) });
+    await drop([long]);
+    await tab.evaluate(() => scrollTo(0, 0));
+    await tab.screenshot({ path: join(out, `log-${width}-${scheme}.png`), fullPage: true });
+    const wide = await tab.evaluate(() => document.documentElement.scrollWidth > innerWidth);
+    say(!wide, `nothing is wider than the page at ${width} px, ${scheme}`);
+  }
+  if (rest) {
+    await open([1400, 900]);
+    await drop([rest]);
+    await tab.screenshot({ path: join(out, "rest-1400.png"), fullPage: true });
+  }
+  await open([1400, 900]);
+  await tab.click("#tab-convert");
+  await tab.waitForFunction(() => document.getElementById("converted").textContent.length > 20);
+  await tab.screenshot({ path: join(out, "units-1400.png"), fullPage: true });
+}
+
+if (wants("serve")) {
+  const server = spawn(dpn, ["page", join(root, "golden/bags/sqlite/sqlite.db3"), "--web", resolve(process.env.PAGE)], { stdio: ["ignore", "pipe", "inherit"] });
+  const url = await new Promise((done) => { let text = ""; server.stdout.on("data", (part) => { text += part; const found = /http:\S+/.exec(text); if (found) done(found[0]); }); });
+  const status = async (path, headers) => (await fetch(new URL(path, url), { headers })).status;
+  say((await status("/")) === 404 && (await status("/etc/passwd")) === 404 && (await status("log")) === 416 && (await status("other")) === 404, "dpn page serves the page and the log, and nothing else");
+  await tab.goto(url);
+  await tab.waitForFunction(() => document.body.dataset.done || !document.getElementById("failure").hidden, null, { timeout: 60_000 });
+  say(await tab.evaluate(() => Boolean(window.dpnResults.check)), "dpn page of a rosbag2 database has findings");
+  server.kill();
+}
+await context.close();
+console.log(faults ? `${faults} fault(s)` : "all well");
+process.exit(faults ? 1 : 0);
