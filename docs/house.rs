@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use toml::Table;
 
 /// Every crate that ships and what it may use of the workspace, from the ground up.
-const ARROWS: [(&str, &[&str]); 14] = [
+const ARROWS: [(&str, &[&str]); 17] = [
     ("src/core", &[]),
     ("src/io", &["dpn-core"]),
     ("src/logs", &["dpn-core", "dpn-io"]),
@@ -23,6 +23,9 @@ const ARROWS: [(&str, &[&str]); 14] = [
         "papers",
         &["dpn-core", "dpn-eval", "dpn-figures", "dpn-io", "dpn-pronet", "dpn-sim", "dpn-train", "dpn-vio"],
     ),
+    ("c", &["dpn-core", "dpn-pronet", "dpn-vio"]),
+    ("web", &["dpn-core", "dpn-io", "dpn-logs", "dpn-probe", "dpn-pronet"]),
+    ("python", &["dpn-core", "dpn-eval", "dpn-io", "dpn-logs", "dpn-probe", "dpn-pronet", "dpn-sim"]),
     ("tests/support", &[]),
 ];
 

@@ -48,7 +48,7 @@ fn rate(text: &str) -> Result<Option<SampleRate>, Failure> {
     if text.trim().is_empty() {
         return Ok(None);
     }
-    let rate = text.trim().parse().ok().and_then(|hz| SampleRate::from_hz(hz));
+    let rate = text.trim().parse().ok().and_then(SampleRate::from_hz);
     let remedy = "give samples a second, such as 200".to_owned();
     rate.map(Some).ok_or_else(|| Failure::new(format!("`{}` is no rate", text.trim()), remedy))
 }

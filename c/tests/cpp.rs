@@ -38,7 +38,7 @@ fn rows(samples: &[ImuSample]) -> String {
 /// Variances at every 200th sample: stamp, accelerometer, gyroscope.
 fn expected(samples: &[ImuSample]) -> Vec<Vec<f64>> {
     let load = |sensor: &str| {
-        Weights::load(&here().join("../models").join(sensor).join("sg11-s0.safetensors")).unwrap()
+        Weights::load(here().join("../models").join(sensor).join("sg11-s0.safetensors")).unwrap()
     };
     let mut networks = DualProNet::new("cpp", &load("accel"), &load("gyro"), 10).unwrap();
     let mut rows = Vec::new();

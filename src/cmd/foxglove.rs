@@ -47,7 +47,7 @@ fn log(
         return log.finish();
     };
     if let Some(pose) = truth_from_world {
-        put(&mut log, tf, *first, transform(*first, "truth", "world", pose))?;
+        put(&mut log, tf, *first, &transform(*first, "truth", "world", pose))?;
     }
     let truth: Vec<StampedPose> = recording.truth.iter().flatten().copied().collect();
     let under: Vec<StampedPose> =
@@ -56,7 +56,12 @@ fn log(
         let Some(first) = poses.first() else { continue };
         let path = log.json_channel(&format!("{topic}/path"), "foxglove.PosesInFrame", &poses_schema())?;
         let all: Vec<Value> = poses.iter().map(|pose| pose_json(&pose.world_from_body)).collect();
-        put(&mut log, path, first.t, json!({ "timestamp": time(first.t), "frame_id": frame, "poses": all }))?;
+        put(
+            &mut log,
+            path,
+            first.t,
+            &json!({ "timestamp": time(first.t), "frame_id": frame, "poses": all }),
+        )?;
         let one = log.json_channel(topic, "foxglove.PoseInFrame", &pose_schema())?;
         for pose in poses {
             let value = pose_json(&pose.world_from_body);
@@ -64,16 +69,16 @@ fn log(
                 &mut log,
                 one,
                 pose.t,
-                json!({ "timestamp": time(pose.t), "frame_id": frame, "pose": value }),
+                &json!({ "timestamp": time(pose.t), "frame_id": frame, "pose": value }),
             )?;
         }
     }
     for pose in &poses {
-        put(&mut log, tf, pose.t, transform(pose.t, "world", "body", &pose.world_from_body))?;
+        put(&mut log, tf, pose.t, &transform(pose.t, "world", "body", &pose.world_from_body))?;
     }
     let state = log.json_channel("/state", "dpn.State", &object(&[]))?;
     for update in &done.output.updates {
-        put(&mut log, state, update.t, state_json(update))?;
+        put(&mut log, state, update.t, &state_json(update))?;
     }
     sigmas(&mut log, &done.noise, *first..=*last)?;
     log.finish()
@@ -91,14 +96,14 @@ fn sigmas(
         let due = last.is_none_or(|last| t.seconds_since(last) >= SIGMA_EVERY_S);
         if span.contains(t) && due {
             let [accel, gyro] = [Sensor::Accel, Sensor::Gyro].map(|sensor| vector(&noise.of(sensor).into()));
-            put(log, channel, *t, json!({ "timestamp": time(*t), "accel": accel, "gyro": gyro }))?;
+            put(log, channel, *t, &json!({ "timestamp": time(*t), "accel": accel, "gyro": gyro }))?;
             last = Some(*t);
         }
     }
     Ok(())
 }
 
-fn put(log: &mut McapLog<&mut dyn Write>, channel: u16, t: Stamp, value: Value) -> io::Result<()> {
+fn put(log: &mut McapLog<&mut dyn Write>, channel: u16, t: Stamp, value: &Value) -> io::Result<()> {
     log.message(channel, t, value.to_string().as_bytes())
 }
 
