@@ -96,7 +96,7 @@ dpn_status dpn_weights_free(dpn_weights weights);
 // `stream` is null or may be written to.
 dpn_status dpn_stream_new(dpn_weights accel, dpn_weights gyro, uint32_t every, dpn_stream *stream);
 
-// Feeds a sample: its stamp [ns], angular rate [rad/s] and specific force [m/s^2]. One that is refused changes nothing.
+// Feeds a sample: its stamp in ns, angular rate [rad/s] and specific force [m/s^2]. One that is refused changes nothing.
 //
 // # Safety
 // `gyro` and `accel` are null or point to three doubles each.
@@ -123,7 +123,7 @@ dpn_status dpn_level_new(double memory_s,
                          double prior,
                          dpn_level *level);
 
-// Feeds a residual of the time `t_ns` [ns]: the sum of its squares, whitened with the deviation told times the level in force, and its redundancy: its
+// Feeds a residual of the time `t_ns` in ns: the sum of its squares, whitened with the deviation told times the level in force, and its redundancy: its
 // rows less what the states take up, tr(J H^-1 J^T) with the whitened Jacobian J and the states' covariance H^-1.
 dpn_status dpn_level_feed(dpn_level level,
                           int64_t t_ns,

@@ -31,7 +31,7 @@ pub unsafe extern "C" fn dpn_level_new(memory_s: f64, prior: f64, level: *mut Le
     })
 }
 
-/// Feeds a residual of the time `t_ns` [ns]: the sum of its squares, whitened with the deviation told times the level in force, and its redundancy: its
+/// Feeds a residual of the time `t_ns` in ns: the sum of its squares, whitened with the deviation told times the level in force, and its redundancy: its
 /// rows less what the states take up, tr(J H^-1 J^T) with the whitened Jacobian J and the states' covariance H^-1.
 #[unsafe(no_mangle)]
 pub extern "C" fn dpn_level_feed(level: LevelHandle, t_ns: i64, squares: f64, redundancy: f64) -> Status {

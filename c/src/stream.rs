@@ -75,7 +75,7 @@ pub unsafe extern "C" fn dpn_stream_new(
     })
 }
 
-/// Feeds a sample: its stamp [ns], angular rate [rad/s] and specific force [m/s^2]. One that is refused changes nothing.
+/// Feeds a sample: its stamp in ns, angular rate [rad/s] and specific force [m/s^2]. One that is refused changes nothing.
 ///
 /// # Safety
 /// `gyro` and `accel` are null or point to three doubles each.
