@@ -2,6 +2,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 pub mod closed_loop;
+pub mod fleet;
 pub mod injected;
 pub mod metrics;
 pub mod noise;

@@ -53,7 +53,7 @@ impl EstimatorOutput {
         let mut levels = None;
         let noises = told.stamps().iter().zip(told.noises()).map(|(t, noise)| {
             while let Some(update) = updates.next_if(|update| update.t <= *t) {
-                levels = update.levels.or(levels);
+                levels = update.levels.as_deref().or(levels);
             }
             levels.map_or(*noise, |levels| {
                 levels.inertial.applied_to(noise).expect("levels are bounded factors of noise that is told")

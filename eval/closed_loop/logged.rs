@@ -5,18 +5,21 @@ use super::images::ImageStream;
 use super::recording::{Recording, Span};
 use dpn_core::camera::{CameraConfig, CameraModel};
 use dpn_core::checksum::hex;
-use dpn_io::IoError;
+use dpn_core::trajectory::StampedPose;
 use dpn_io::calibration::{self, Calibration};
+use dpn_io::{IoError, read_poses};
 use dpn_logs::{ImageLog, ImageLogOptions, ImageSpan};
 use dpn_train::split::{Side, paper_side};
 use sha2::{Digest, Sha256};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A log with images, and what camera took them.
 #[derive(Debug, Clone)]
 pub struct LoggedSequence {
     log: ImageLog,
     calibration: Calibration,
+    /// Somebody's file of true poses, and what is in it.
+    truth: Option<(PathBuf, Vec<StampedPose>)>,
 }
 
 impl LoggedSequence {
@@ -35,7 +38,16 @@ impl LoggedSequence {
             (None, Some(file)) => calibration::read(&file)?,
             (None, None) => return Err(ClosedLoopError::NoCalibration { path: path.to_path_buf() }),
         };
-        Ok(Some(Self { log, calibration }))
+        Ok(Some(Self { log, calibration, truth: None }))
+    }
+
+    /// The same with the true poses of `file`, as [`read_poses`] takes them.
+    ///
+    /// # Errors
+    /// A file that does not read.
+    pub fn with_truth(mut self, file: &Path) -> Result<Self, ClosedLoopError> {
+        self.truth = Some((file.to_path_buf(), read_poses(file)?));
+        Ok(self)
     }
 
     /// The log's name.
@@ -66,7 +78,7 @@ impl LoggedSequence {
             imu: log.recording.held().map_err(|e| IoError::reading(self.log.path(), e))?,
             camera,
             body_from_cam: config.body_from_cam,
-            truth: None,
+            truth: self.truth.as_ref().map(|(_, poses)| poses.clone()),
             oracle: None,
             remarks,
             name,
@@ -99,7 +111,8 @@ impl LoggedSequence {
     /// A file that cannot be read.
     pub(super) fn checksum(&self) -> Result<String, ClosedLoopError> {
         let mut hash = Sha256::new();
-        for path in &self.log.files()? {
+        let truth = self.truth.iter().map(|(file, _)| file.clone());
+        for path in &self.log.files()?.into_iter().chain(truth).collect::<Vec<_>>() {
             std::fs::File::open(path)
                 .and_then(|mut file| std::io::copy(&mut file, &mut hash))
                 .map_err(|e| IoError::reading(path, e))?;

@@ -12,10 +12,11 @@ use dpn_core::camera::CameraConfig;
 use dpn_core::camera::CameraModel;
 use dpn_core::checksum::{hex, of_parts, of_source};
 use dpn_core::trajectory::StampedPose;
-use dpn_core::{SampleRate, Stamp, TrackFrame};
+use dpn_core::{ImuRecording, SampleRate, Stamp, TrackFrame};
 use dpn_io::asl::{Sequence, discover};
 use dpn_io::calibration::Calibration;
 use dpn_io::{ImageFolder, IoError, read_tracks};
+use dpn_logs::{LogOptions, read_log};
 use dpn_sim::tracks::{
     AnalyticPath, CameraSettings, PathConfig, RecordedPath, TracksConfig, camera_stamps, simulate_tracks,
 };
@@ -55,7 +56,7 @@ pub enum SequenceSet {
         /// Their tracks.
         tracks: TrackSource,
     },
-    /// A log with images; no truth is known of it.
+    /// A log with images; no truth is known of it but what somebody gives.
     Logged {
         /// The log.
         log: LoggedSequence,
@@ -142,6 +143,16 @@ impl SequenceSet {
         match self {
             Self::Recorded { sequences, .. } => sequences.iter().find_map(|(s, _)| s.reconciled_truth()),
             Self::Logged { .. } | Self::Flights { .. } => None,
+        }
+    }
+
+    /// The sequences on disk at `places`; of logs and flights none.
+    pub fn recordings(&self, places: &[usize]) -> Vec<Sequence> {
+        match self {
+            Self::Recorded { sequences, .. } => {
+                places.iter().map(|place| sequences[*place].0.clone()).collect()
+            }
+            Self::Logged { .. } | Self::Flights { .. } => Vec::new(),
         }
     }
 
@@ -462,16 +473,25 @@ fn recorded(sequence: &Sequence, side: Side, tracks: &TrackSource) -> Result<Rec
         Some(_) => Some(poses_of(&sequence.ground_truth()?)),
         None => None,
     };
-    Ok(Recording {
-        name,
-        side,
-        imu: sequence.imu()?,
-        camera,
-        body_from_cam,
-        truth,
-        oracle: None,
-        remarks: Vec::new(),
-    })
+    let (imu, remarks) = match tracks {
+        TrackSource::File(_) | TrackSource::Images(ImageSource::Folder { .. }) => own_samples(sequence)?,
+        TrackSource::Simulated(_) | TrackSource::Images(ImageSource::Rendered(_)) => {
+            (sequence.imu()?, Vec::new())
+        }
+    };
+    Ok(Recording { name, side, imu, camera, body_from_cam, truth, oracle: None, remarks })
+}
+
+/// The samples of somebody's own recording: rows that no recording may hold, such as a stamp twice, are left out as everywhere else in logs, and said.
+fn own_samples(sequence: &Sequence) -> Result<(ImuRecording, Vec<String>), ClosedLoopError> {
+    let strict = match sequence.imu() {
+        Ok(imu) => return Ok((imu, Vec::new())),
+        Err(error) => error,
+    };
+    let Ok(log) = read_log(sequence.dir(), &LogOptions::default()) else { return Err(strict.into()) };
+    let remarks = log.warnings();
+    let imu = log.recording.held().map_err(|e| IoError::reading(&sequence.imu_path(), e))?;
+    Ok((imu, remarks))
 }
 
 /// The camera that was given, else the sequence's own where it has one.

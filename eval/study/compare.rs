@@ -44,10 +44,19 @@ pub fn compare(
     margin: f64,
 ) -> Result<Option<Comparison>, StatsError> {
     let (ours, theirs) = pairs(rows, noise, reference);
+    compare_pairs(&ours, &theirs, margin)
+}
+
+/// [`compare`] of errors that are paired already.
+pub(crate) fn compare_pairs(
+    ours: &[f64],
+    theirs: &[f64],
+    margin: f64,
+) -> Result<Option<Comparison>, StatsError> {
     if ours.len() < 2 {
         return Ok(None);
     }
-    let logs = log_ratios(&ours, &theirs)?;
+    let logs = log_ratios(ours, theirs)?;
     let statistic = |cases: &[usize]| mean(&cases.iter().map(|&i| logs[i]).collect::<Vec<_>>());
     let stream = Stream::new(0).named("paper").named("ratio");
     let interval = bootstrap(logs.len(), statistic, &Bootstrap::default(), &stream)?;
@@ -79,7 +88,7 @@ pub fn correct_for_count<'a>(tests: impl Iterator<Item = &'a mut Comparison>) ->
 }
 
 /// Pairs of errors of two noises, by sequence: medians over the seeds that both have an error of.
-fn pairs(rows: &RowSet<'_>, noise: &NoiseSpec, reference: &NoiseSpec) -> (Vec<f64>, Vec<f64>) {
+pub(crate) fn pairs(rows: &RowSet<'_>, noise: &NoiseSpec, reference: &NoiseSpec) -> (Vec<f64>, Vec<f64>) {
     let by_seed = |name: &str, noise: &NoiseSpec| -> BTreeMap<u64, f64> {
         rows.cell(name, noise).filter_map(|row| Some((row.seed, row.ate_se3?))).collect()
     };

@@ -12,6 +12,7 @@ mod rows;
 mod summary;
 
 pub use compare::{Comparison, FEWEST_SEQUENCES, compare, correct_for_count};
+pub(crate) use compare::{compare_pairs, pairs};
 pub use file::StudyFile;
 pub use reference::{Choice, Criterion, Reference};
 pub use rows::RowSet;

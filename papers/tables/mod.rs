@@ -3,6 +3,7 @@
 
 mod ate;
 mod closed_loop;
+mod fleet;
 mod injected;
 mod open_loop;
 mod split;
@@ -10,6 +11,7 @@ mod study;
 mod sweep;
 mod timing;
 
+pub use fleet::{fleet, fleet_platforms};
 pub use open_loop::open_loop_rows;
 pub use sweep::{ate, comparisons, consistency, summaries};
 

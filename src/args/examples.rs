@@ -58,6 +58,10 @@ pub(super) const CHECK: &str = "Examples:
   dpn check flight.bag
   dpn check log.csv --json | jq '.findings[].text'";
 
+pub(super) const FLEET: &str = "Examples:
+  dpn fleet configs/fleet/fleet.toml --data data --out runs/fleet
+  dpn fleet configs/fleet/fleet.toml --platforms flights,flights-still";
+
 pub(super) const TRUTH: &str = "Examples:
   dpn truth data/euroc --out truth
   dpn eval --closed-loop --data data/euroc --truth truth --noise x1";

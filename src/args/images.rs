@@ -45,12 +45,25 @@ pub(crate) struct ImagesArgs {
     /// Images of time t are taken from the pose at t + this, in seconds, as if the ground truth were late.
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     ground_truth_delay: Option<f64>,
+    /// Write JPEG of this quality, as phones do, in place of PNG.
+    #[arg(long, value_name = "1..100", value_parser = clap::value_parser!(u8).range(1..=100))]
+    pub(crate) jpeg: Option<u8>,
+    /// Write this share of the IMU's rows twice, evenly spread, as phones' logs have them.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = share)]
+    pub(crate) repeated_rows: f64,
     /// Threads; without it as many as there are cores. The images do not depend on it.
     #[arg(long, value_name = "N")]
     pub(crate) threads: Option<usize>,
     /// Print what was written as JSON on stdout.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(share) if (0.0..=1.0).contains(&share) => Ok(share),
+        _ => Err("a share is a number from 0 to 1".to_owned()),
+    }
 }
 
 impl ImagesArgs {

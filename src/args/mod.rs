@@ -8,6 +8,7 @@ mod data;
 mod eval;
 mod examples;
 mod export;
+mod fleet;
 mod image_log;
 mod images;
 mod log;
@@ -28,6 +29,7 @@ pub(crate) use closed_loop::{CameraArg, ClosedLoopArgs, SettingsArgs};
 pub(crate) use data::{DataArgs, DataFileArgs, DataWhat};
 pub(crate) use eval::EvalArgs;
 pub(crate) use export::{ExportArgs, ExportWhat, OnnxArgs};
+pub(crate) use fleet::FleetArgs;
 pub(crate) use image_log::ImageLogArgs;
 pub(crate) use images::ImagesArgs;
 pub(crate) use log::{HowArgs, LogArgs, rate};
@@ -74,6 +76,9 @@ pub(crate) enum Command {
     /// The paper again, from data: every table and figure, with the controls and statistics that decide its question, on one page.
     #[command(after_help = examples::PAPER)]
     Paper(PaperArgs),
+    /// Noises on many platforms, each held against that platform's best constant: one table.
+    #[command(after_help = examples::FLEET)]
+    Fleet(FleetArgs),
     /// A closed loop, a paper or trainings in shards, on as many machines as there are: plan, run, collect, status.
     Sweep(SweepArgs),
     /// How noisy an IMU is along a log, sample by sample; and noise figures as other programs write them (convert).

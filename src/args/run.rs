@@ -19,8 +19,9 @@ pub(crate) struct RunArgs {
     /// File of camera tracks; without it tracks are made along the ground truth from the seed.
     #[arg(long, value_name = "FILE")]
     pub(crate) tracks: Option<PathBuf>,
-    /// Folder with reconciled ground truth, NAME.csv each, as `dpn truth` writes it; without it the published one.
-    #[arg(long, value_name = "DIR")]
+    /// Of a sequence, folder with reconciled ground truth, NAME.csv each, as `dpn truth` writes it; without it the published one. Of a log with images, file of true
+    /// poses of the IMU: a trajectory as evo reads it (TUM), or EuRoC's ground truth.
+    #[arg(long, value_name = "DIR|FILE")]
     pub(crate) truth: Option<PathBuf>,
     /// Where every sample's noise comes from: x4, const(.3,.02), dualpronet, diff2, file("noise.csv"), ...
     #[arg(long, value_name = "SPEC", default_value = "dualpronet")]

@@ -82,24 +82,26 @@ fn plan(args: &EvalArgs) -> Result<LoopPlan> {
 
 /// Makes the tables of the rows in `out`, writes and prints them.
 pub(crate) fn tell(out: &Path, rows: &[Row], json: bool) -> Result<()> {
-    let reports = consistency(out, rows)?;
-    let set = RowSet::new(rows);
-    let study = Study::new(&set, MARGIN).map_err(ClosedLoopError::from)?;
-    let table = printed(&set, &study, &reports);
-    let results = StudyFile { consistency: &reports, rows, study: &study };
-    let whole = out.join("closed_loop.json");
-    atomic_write(&whole, |file| {
-        serde_json::to_writer(&mut *file, &results)?;
-        writeln!(file)
-    })?;
-    atomic_write(&out.join("closed_loop.txt"), |file| file.write_all(table.as_bytes()))?;
+    let (table, results) = write(out, rows)?;
     if json {
-        outln!("{}", serde_json::to_string(&results)?)?;
+        outln!("{results}")?;
     } else {
         out!("{table}")?;
         outln!("\nrows: {}", out.join("rows.jsonl").display())?;
     }
     Ok(())
+}
+
+/// Writes the tables of the rows in `out`; what stands in them, as text and as JSON.
+pub(super) fn write(out: &Path, rows: &[Row]) -> Result<(String, String)> {
+    let reports = consistency(out, rows)?;
+    let set = RowSet::new(rows);
+    let study = Study::new(&set, MARGIN).map_err(ClosedLoopError::from)?;
+    let table = printed(&set, &study, &reports);
+    let results = serde_json::to_string(&StudyFile { consistency: &reports, rows, study: &study })?;
+    atomic_write(&out.join("closed_loop.json"), |file| writeln!(file, "{results}"))?;
+    atomic_write(&out.join("closed_loop.txt"), |file| file.write_all(table.as_bytes()))?;
+    Ok((table, results))
 }
 
 /// The tables, an empty line between two.

@@ -13,11 +13,11 @@ use dpn_core::progress::Progress;
 use dpn_core::truth::GroundTruth;
 use dpn_core::{SampleRate, Stamp};
 use dpn_eval::closed_loop::path_config;
-use dpn_io::IoError;
 use dpn_io::asl::{
     CameraFrame, ImuConfig, Sequence, SequenceParts, image_place, write_camera_config, write_camera_frames,
-    write_png, write_sequence,
+    write_jpeg, write_png, write_sequence,
 };
+use dpn_io::{IoError, atomic_write};
 use dpn_sim::render::{RenderError, SharedPath};
 use dpn_sim::tracks::{AnalyticPath, CameraSettings, RecordedPath};
 use dpn_sim::{Flight, FlightConfig, RenderConfig, RenderedCamera, simulate};
@@ -58,14 +58,16 @@ pub(crate) fn run(args: &ImagesArgs) -> Result<()> {
     let camera = RenderedCamera::new(&config, source.path.clone(), args.seed)?;
     source.cut(args, &camera)?;
 
+    let ending = if args.jpeg.is_some() { "jpg" } else { "png" };
     let frames: Vec<CameraFrame> =
-        source.stamps.iter().map(|t| CameraFrame { t: *t, file: format!("{}.png", t.ns()) }).collect();
+        source.stamps.iter().map(|t| CameraFrame { t: *t, file: format!("{}.{ending}", t.ns()) }).collect();
     let cores = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    write_images(&camera, &frames, &out, args.threads.unwrap_or_else(cores).max(1))?;
+    write_images(&camera, &frames, &out, args.jpeg, args.threads.unwrap_or_else(cores).max(1))?;
     write_camera_frames(&out, &frames)?;
     write_camera_config(&out, &calibration(camera.settings(), source.rate)?)?;
     let imu_config = source.imu_config.as_ref();
     write_sequence(&out, &SequenceParts { imu: &source.imu, imu_config, ground_truth: Some(&source.truth) })?;
+    repeat_rows(&Sequence::open(&out)?.imu_path(), args.repeated_rows)?;
     if args.json {
         let row = serde_json::json!({
             "sequence": source.name, "seed": args.seed, "world": camera.world(), "images": frames.len(),
@@ -165,7 +167,13 @@ impl SeenSequence {
 }
 
 /// Renders and writes every frame; thread n of N those at n, n + N, ...
-fn write_images(camera: &RenderedCamera, frames: &[CameraFrame], out: &Path, threads: usize) -> Result<()> {
+fn write_images(
+    camera: &RenderedCamera,
+    frames: &[CameraFrame],
+    out: &Path,
+    jpeg: Option<u8>,
+    threads: usize,
+) -> Result<()> {
     let mut bar = Bar::new();
     bar.start("rendering", frames.len() as u64);
     let (sender, written) = channel::<Result<(), IoError>>();
@@ -175,8 +183,13 @@ fn write_images(camera: &RenderedCamera, frames: &[CameraFrame], out: &Path, thr
             scope.spawn(move || {
                 for frame in frames.iter().skip(first).step_by(threads) {
                     let Some(image) = camera.image(frame.t) else { continue };
+                    let place = image_place(out, frame);
+                    let written = match jpeg {
+                        Some(quality) => write_jpeg(&place, image.view(), quality),
+                        None => write_png(&place, image.view()),
+                    };
                     // Nobody listens any more after a fault.
-                    if sender.send(write_png(&image_place(out, frame), image.view())).is_err() {
+                    if sender.send(written).is_err() {
                         return;
                     }
                 }
@@ -191,6 +204,27 @@ fn write_images(camera: &RenderedCamera, frames: &[CameraFrame], out: &Path, thr
     });
     outcome?;
     bar.finish(&format!("{} images", frames.len()));
+    Ok(())
+}
+
+/// Writes a `share` of the rows of a table a second time, evenly spread.
+fn repeat_rows(table: &Path, share: f64) -> Result<()> {
+    if share == 0.0 {
+        return Ok(());
+    }
+    let text = std::fs::read_to_string(table).map_err(|e| IoError::reading(table, e))?;
+    atomic_write(table, |out| {
+        let mut due = 0.0;
+        for row in text.lines() {
+            writeln!(out, "{row}")?;
+            due += if row.starts_with('#') { 0.0 } else { share };
+            if due >= 1.0 {
+                due -= 1.0;
+                writeln!(out, "{row}")?;
+            }
+        }
+        Ok(())
+    })?;
     Ok(())
 }
 

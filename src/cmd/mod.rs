@@ -10,6 +10,7 @@ mod data;
 mod device;
 mod eval;
 mod export;
+mod fleet;
 mod flight;
 mod follow;
 mod foxglove;
@@ -44,6 +45,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Eval(args) => eval::run(&args),
         Command::Run(args) => run::run(&args),
         Command::Paper(args) => paper::run(&args),
+        Command::Fleet(args) => fleet::run(&args),
         Command::Sweep(args) => sweep::run(args),
         Command::Noise(args) => noise::run(&args),
         Command::Allan(args) => allan::run(&args),

@@ -144,13 +144,14 @@ fn open(args: &RunArgs, given: Option<Calibration>) -> Result<(SequenceSet, usiz
     let rendered = TrackSource::Images(ImageSource::Rendered(Box::new(images)));
     if let Some(log) = LoggedSequence::find(dir, image_log(args), given.as_ref())? {
         let other = args.camera.is_some_and(|camera| camera != CameraArg::Images);
-        if other || args.tracks.is_some() || args.truth.is_some() {
-            let text = format!(
-                "{} is a log with images: its camera is its own, and nobody knows its ground truth",
-                args.source
-            );
-            return Err(Fault::new(text).hint("leave --camera, --tracks and --truth away").into());
+        if other || args.tracks.is_some() {
+            let text = format!("{} is a log with images: its camera is its own", args.source);
+            return Err(Fault::new(text).hint("leave --camera and --tracks away").into());
         }
+        let log = match &args.truth {
+            Some(file) => log.with_truth(file)?,
+            None => log,
+        };
         return Ok((SequenceSet::logged(log, args.skip_missing), 0));
     }
     let of_logs = [("--image-topic", args.log.image_topic.is_some()), ("--topic", args.log.topic.is_some())];

@@ -8,6 +8,7 @@ use anyhow::{Context, Result};
 use dpn_io::asl::{Sequence, discover, write_ground_truth};
 use dpn_io::atomic_write;
 use dpn_truth::{Report, TruthConfig, reconcile};
+use std::path::Path;
 
 pub(crate) fn run(args: &TruthArgs) -> Result<()> {
     let mut config: TruthConfig = match &args.config {
@@ -21,31 +22,51 @@ pub(crate) fn run(args: &TruthArgs) -> Result<()> {
         return Err(no_ground_truth(without.dir(), "it is what is reconciled").into());
     }
     for sequence in &sequences {
-        one(sequence, &config, args).with_context(|| sequence.dir().display().to_string())?;
+        let json = one(sequence, &config, &args.out, &mut |line| match args.json {
+            true => Ok(()),
+            false => Ok(outln!("{line}")?),
+        })
+        .with_context(|| sequence.dir().display().to_string())?;
+        if args.json {
+            outln!("{json}")?;
+        }
     }
     Ok(())
 }
 
-fn one(sequence: &Sequence, config: &TruthConfig, args: &TruthArgs) -> Result<()> {
+/// Reconciles those of `sequences` that `out` does not have yet, a minute each.
+pub(super) fn reconciled(sequences: &[Sequence], out: &Path) -> Result<()> {
+    let missing = |sequence: &&Sequence| !out.join(format!("{}.csv", sequence.name())).exists();
+    for sequence in sequences.iter().filter(missing) {
+        errln!("reconciling the ground truth of {}", sequence.name());
+        one(sequence, &TruthConfig::default(), out, &mut |line| Ok(errln!("{line}")))
+            .with_context(|| sequence.dir().display().to_string())?;
+    }
+    Ok(())
+}
+
+/// Writes the reconciled ground truth of a sequence and its report, says a line of it, and returns the report.
+fn one(
+    sequence: &Sequence,
+    config: &TruthConfig,
+    out: &Path,
+    say: &mut dyn FnMut(&str) -> Result<()>,
+) -> Result<serde_json::Value> {
     let done = reconcile(&sequence.imu()?, &sequence.ground_truth()?, config)?;
     let name = sequence.name();
     let json = serde_json::json!({
         "program": program(), "sequence": name, "config": config, "report": done.report,
     });
     let text = serde_json::to_string_pretty(&json)? + "\n";
-    atomic_write(&args.out.join(format!("{name}.json")), |file| file.write_all(text.as_bytes()))?;
+    atomic_write(&out.join(format!("{name}.json")), |file| file.write_all(text.as_bytes()))?;
     // Last: where it lies, its report does too.
-    let file = args.out.join(format!("{name}.csv"));
+    let file = out.join(format!("{name}.csv"));
     write_ground_truth(&file, &done.truth)?;
     for warning in &done.report.warnings {
         errln!("warning: {name}: {warning}");
     }
-    if args.json {
-        outln!("{json}")?;
-    } else {
-        outln!("{}: {} states; {}", file.display(), done.truth.states().len(), words(&done.report))?;
-    }
-    Ok(())
+    say(&format!("{}: {} states; {}", file.display(), done.truth.states().len(), words(&done.report)))?;
+    Ok(json)
 }
 
 /// The report in a line.

@@ -7,7 +7,7 @@
 //! * [`Sieve`]: keeps of somebody's samples what a recording may hold.
 //! * [`SampleStore`], [`StoredRecording`]: samples of a log of any length, partly in a temporary file ([`Store`]).
 //! * [`printable`]: names out of other people's files, as they may be shown.
-//! * [`read_tum`], [`write_tum`]: trajectories, as evo reads them.
+//! * [`read_tum`], [`write_tum`]: trajectories, as evo reads them; [`read_poses`]: these, or ASL's ground truth.
 //! * [`ImageFolder`]: a camera's images, also ahead of time on a second thread.
 //! * [`parse_image`], [`PixelLayout`]: PNG, JPEG and cameras' raw pixels made grey. [`TimesFolder`]: images as TUM-mono has them.
 //! * [`read_tracks`], [`write_tracks`]: camera tracks.
@@ -51,6 +51,7 @@ mod names;
 mod noise_csv;
 pub mod noise_formats;
 mod pose;
+mod poses;
 mod printable;
 #[cfg(test)]
 mod recordings;
@@ -86,6 +87,7 @@ pub use loose_csv::{
     settle_units,
 };
 pub use noise_csv::{read_noise_track, write_noise_rows, write_noise_track};
+pub use poses::read_poses;
 pub use printable::printable;
 pub use sample_store::{SampleStore, StoredRecording};
 pub use sieve::{ABSURD, LeftOut, Sieve, Sieved, TINY};

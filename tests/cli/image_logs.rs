@@ -180,6 +180,7 @@ fn what_is_amiss_is_said_with_a_remedy() {
         &["image 1 on /jpeg/image_raw/compressed has 64 x 48 px; the camera's have 752 x 480"],
     );
     refused(&bag, calib, &["--camera", "rendered"], &["is a log with images"]);
+    refused(&bag, calib, &["--truth", "nothing.txt"], &["nothing.txt"]);
     refused(
         &dir("../bags/plain.bag"),
         calib,

@@ -129,6 +129,38 @@ fn what_cannot_be_rendered_is_refused_and_nothing_is_written() {
 }
 
 #[test]
+fn a_recording_as_phones_have_them_is_written_and_run_on() {
+    let tmp = tempfile::tempdir().unwrap();
+    let (small, plain, phone) =
+        (small_camera(tmp.path()), tmp.path().join("a/V1_01_easy"), tmp.path().join("b/V1_01_easy"));
+    let small = small.to_str().unwrap();
+    images(&excerpt(), &plain, &["--config", small]).well();
+    images(&excerpt(), &phone, &["--config", small, "--jpeg", "90", "--repeated-rows", "0.02"]).well();
+    let [as_it_is, repeated] =
+        [&plain, &phone].map(|dir| std::fs::read_to_string(Sequence::open(dir).unwrap().imu_path()).unwrap());
+    let twice = repeated.lines().count() - as_it_is.lines().count();
+    assert_eq!(twice, (as_it_is.lines().count() - 1) / 50);
+    let grey = |dir: &Path| ImageFolder::open(&Sequence::open(dir).unwrap()).unwrap().read(5).unwrap().image;
+    let (png, jpeg) = (grey(&plain), grey(&phone));
+    let off: Vec<f64> =
+        png.pixels().iter().zip(jpeg.pixels()).map(|(a, b)| (f64::from(*a) - f64::from(*b)).abs()).collect();
+    let mean = off.iter().sum::<f64>() / off.len() as f64;
+    assert!((0.05..4.0).contains(&mean), "{mean} grey values apart");
+    // What others refuse, the odometry takes and says.
+    assert!(Sequence::open(&phone).unwrap().imu().is_err());
+    let mut command = dpn();
+    command.arg("run").arg(&phone).args(["--camera", "images", "--noise", "x4", "--json", "--out"]);
+    let report = end(command.arg(tmp.path().join("run"))).well().json();
+    let said = report["report"]["warnings"].to_string();
+    assert!(
+        said.contains(&format!("left out: {twice} sample(s) with the stamp of the one before")),
+        "{said}"
+    );
+    let refused = run("simulate images hover --jpeg 0");
+    assert_eq!(refused.code, Some(2), "{refused:?}");
+}
+
+#[test]
 fn the_odometry_runs_on_images_that_are_rendered_meanwhile_as_on_those_written_before() {
     let tmp = tempfile::tempdir().unwrap();
     let (small, written) = (small_camera(tmp.path()), tmp.path().join("V1_01_easy"));

@@ -64,7 +64,7 @@ fn run(factor: f64, add: impl Fn(f64, &mut ImuSample)) -> Vec<Update> {
 
 /// Geometric mean of each level over some updates, over the truth for the six of the samples.
 fn mean_levels(updates: &[Update], factor: f64) -> [f64; 8] {
-    let levels: Vec<_> = updates.iter().filter_map(|u| u.state.and(u.levels)).collect();
+    let levels: Vec<_> = updates.iter().filter_map(|u| u.state.and(u.levels.as_deref().copied())).collect();
     std::array::from_fn(|k| {
         let sum: f64 = levels.iter().map(|l| l.inertial.0[k].ln()).sum();
         (sum / levels.len() as f64).exp() * if k < 6 { factor } else { 1.0 }

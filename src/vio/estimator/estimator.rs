@@ -262,7 +262,7 @@ impl Estimator {
             }
             clock.lap(Stage::Initialise);
         }
-        update.levels = self.learner.as_ref().map(Learner::levels);
+        update.levels = self.learner.as_ref().map(|learner| Box::new(learner.levels()));
         self.report.add_seconds(&clock.seconds);
         update
     }
@@ -316,22 +316,22 @@ impl Estimator {
         }
         let predicted = preint.predict(&last);
         let rest = self.rests(t, &interval.samples, seen);
-        update.tracked = self.window.add_frame(t, predicted, Some(preint), seen);
+        update.tracked = counted(self.window.add_frame(t, predicted, Some(preint), seen));
         if let Some(rest) = rest {
             self.window.rest_since(rest);
         }
         self.window.triangulate();
         clock.lap(Stage::Feed);
         let solved = self.window.optimise();
-        update.iterations = solved.iterations;
+        update.iterations = counted(solved.iterations);
         clock.lap(Stage::Solve);
-        update.outliers = self.window.reject_outliers();
+        update.outliers = counted(self.window.reject_outliers());
         clock.lap(Stage::Reject);
         let state = self.window.newest().expect("a frame was just added").state;
         if let Some(reason) = self.config.health.judge(&state, &predicted) {
             return Err(reason);
         }
-        if update.tracked >= self.config.health.min_tracks {
+        if update.tracked as usize >= self.config.health.min_tracks {
             self.starved_since = None;
         } else {
             let since = *self.starved_since.get_or_insert(t);
@@ -345,7 +345,8 @@ impl Estimator {
         if self.config.covariance {
             update.covariance = self.window.newest_pose_covariance().map(Box::new);
         }
-        update.landmarks = self.window.landmarks().iter().filter(|l| l.inverse_depth.is_some()).count();
+        update.landmarks =
+            counted(self.window.landmarks().iter().filter(|l| l.inverse_depth.is_some()).count());
         if self.window.is_full() {
             let leaving: Leaving = self.window.leaving(self.camera.px_per_rad());
             if let Some(learner) = self.learner.as_mut().filter(|_| leaving == Leaving::Oldest) {
@@ -377,4 +378,8 @@ impl Clock {
         self.seconds[stage as usize] += (now - self.at).as_secs_f64();
         self.at = now;
     }
+}
+
+fn counted(of_a_frame: usize) -> u32 {
+    u32::try_from(of_a_frame).expect("a frame's tracks fit into memory many times over")
 }

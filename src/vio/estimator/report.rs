@@ -82,8 +82,8 @@ impl RunReport {
         if let Phase::Restarted(reason) = update.phase {
             self.restarts.push((update.t, reason));
         }
-        self.iterations += update.iterations;
-        self.outliers += update.outliers;
+        self.iterations += update.iterations as usize;
+        self.outliers += update.outliers as usize;
         if let Some(squares) = update.whitened {
             self.whitened.0 += squares;
             self.whitened.1 += 9;

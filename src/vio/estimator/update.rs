@@ -19,7 +19,7 @@ pub enum Phase {
     Restarted(RestartReason),
 }
 
-/// The outcome of one frame.
+/// The outcome of one frame. A run keeps all of them, 200 bytes each: what is seldom there is apart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Update {
     /// The frame's stamp.
@@ -28,21 +28,21 @@ pub struct Update {
     pub phase: Phase,
     /// The newest state; `None` while there is none.
     pub state: Option<NavState>,
-    /// Covariance of the newest pose (position, then rotation on the right), as believed; `None` where it was not asked for. Apart, for a run keeps an update a frame.
+    /// Covariance of the newest pose (position, then rotation on the right), as believed; `None` where it was not asked for.
     pub covariance: Option<Box<Matrix6<f64>>>,
     /// Tracks that went on from earlier frames.
-    pub tracked: usize,
+    pub tracked: u32,
     /// Landmarks with a depth.
-    pub landmarks: usize,
+    pub landmarks: u32,
     /// Tracks ended as outliers at this frame.
-    pub outliers: usize,
+    pub outliers: u32,
     /// Linear systems solved.
-    pub iterations: usize,
+    pub iterations: u32,
     /// Sum of squares in standard deviations of the inertial residual that left the window with this frame: position, rotation and
     /// velocity, 9 degrees of freedom.
     pub whitened: Option<f64>,
     /// By what the noise told is multiplied from this frame on; `None` where nothing is learned.
-    pub levels: Option<Levels>,
+    pub levels: Option<Box<Levels>>,
     /// CPU time this frame took \[s\], as the wall clock saw it.
     pub seconds: f64,
 }

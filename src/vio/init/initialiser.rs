@@ -68,10 +68,9 @@ impl Initialiser {
         if let Some(rest) = &rest {
             self.buffer.mark(rest);
         }
-        let resting = mean_gyro(self.buffer.resting());
-        if let (Some(rest), Some(gyro_bias)) = (rest.filter(|r| r.lasts), resting) {
-            let mean_accel = mean_accel(self.buffer.resting()).unwrap_or_default();
-            return self.wait(WaitReason::AtRest { seconds: rest.seconds, mean_accel, gyro_bias });
+        let resting = self.resting_gyro_bias();
+        if let (Some(rest), Some(_)) = (rest.filter(|r| r.lasts), resting) {
+            return self.wait(WaitReason::AtRest { seconds: rest.seconds });
         }
         if self.buffer.len() < self.config.min_frames || self.buffer.span() < self.config.min_span_s {
             let needed = self.config.min_frames.max(self.buffer.len() + 1);
@@ -96,6 +95,11 @@ impl Initialiser {
         }
     }
 
+    /// The gyro's bias as its mean over the frames held that are at rest \[rad/s\]; `None` while there are none.
+    pub fn resting_gyro_bias(&self) -> Option<Vector3<f64>> {
+        mean_gyro(self.buffer.resting())
+    }
+
     fn attempt(
         &self,
         chosen: &Chosen<'_>,
@@ -116,22 +120,11 @@ impl Initialiser {
 }
 
 /// Mean over the samples of intervals; `None` without a sample.
-fn mean<'a>(
-    intervals: impl Iterator<Item = &'a Preintegration>,
-    of: impl Fn(&crate::preint::NoisySample) -> [f64; 3],
-) -> Option<Vector3<f64>> {
+fn mean_gyro<'a>(intervals: impl Iterator<Item = &'a Preintegration>) -> Option<Vector3<f64>> {
     let (mut sum, mut count) = (Vector3::zeros(), 0usize);
     for sample in intervals.flat_map(Preintegration::samples) {
-        sum += Vector3::from(of(sample));
+        sum += Vector3::from(sample.sample.gyro);
         count += 1;
     }
     (count > 0).then(|| sum / count as f64)
-}
-
-fn mean_gyro<'a>(intervals: impl Iterator<Item = &'a Preintegration>) -> Option<Vector3<f64>> {
-    mean(intervals, |s| s.sample.gyro)
-}
-
-fn mean_accel<'a>(intervals: impl Iterator<Item = &'a Preintegration>) -> Option<Vector3<f64>> {
-    mean(intervals, |s| s.sample.accel)
 }

@@ -3,7 +3,6 @@
 use crate::state::{ImuBias, NavState};
 use dpn_core::named;
 use dpn_core::time::Stamp;
-use nalgebra::Vector3;
 use thiserror::Error;
 
 /// The answer to a frame.
@@ -74,15 +73,11 @@ pub enum WaitReason {
         /// Needed.
         needed: usize,
     },
-    /// Everything stands still. The direction of gravity and the gyro's bias are known.
+    /// Everything stands still. Of the gyro's bias, [`Initialiser::resting_gyro_bias`](super::Initialiser::resting_gyro_bias) knows.
     #[error("at rest for {seconds:.1} s")]
     AtRest {
         /// How long already \[s\].
         seconds: f64,
-        /// The accelerometer's mean: up, in the body frame, times g, plus the bias \[m/s^2\].
-        mean_accel: Vector3<f64>,
-        /// The gyro's bias \[rad/s\].
-        gyro_bias: Vector3<f64>,
     },
     /// The camera turned, or moved too little for the distance of what it sees.
     #[error("parallax {parallax_px:.1} px of {needed_px:.1} px, after turning by {:.0} deg", rotation.to_degrees())]

@@ -1,0 +1,57 @@
+//! Somebody's true poses, in either of the two formats that people have them in.
+
+use super::asl::ground_truth;
+use super::{IoError, tum};
+use dpn_core::trajectory::StampedPose;
+use std::path::Path;
+
+/// Reads poses in increasing time: ASL's ground truth (commas, nanoseconds, quaternion `w x y z`) or a trajectory of TUM's (blanks, seconds, `x y z w`),
+/// told apart by their first row.
+///
+/// # Errors
+/// As [`super::read_tum`], and the same of ASL's layout.
+pub fn read_poses(path: &Path) -> Result<Vec<StampedPose>, IoError> {
+    let bytes = std::fs::read(path).map_err(|e| IoError::reading(path, e))?;
+    let mut rows = bytes.split(|byte| *byte == b'\n');
+    let first = rows.find(|row| !row.trim_ascii().is_empty() && !row.trim_ascii_start().starts_with(b"#"));
+    if !first.is_some_and(|row| row.contains(&b',')) {
+        return tum::parse(&bytes, path);
+    }
+    let truth = ground_truth::parse(&bytes, path)?;
+    Ok(truth.states().iter().map(|s| StampedPose { t: s.t, world_from_body: s.world_from_body }).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn case(text: &str) -> Result<Vec<StampedPose>, IoError> {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("truth");
+        std::fs::write(&path, text).unwrap();
+        read_poses(&path)
+    }
+
+    #[test]
+    fn both_formats_give_the_same_poses() {
+        let asl = case(
+            "#timestamp,p\n1403636625363555670,1,2,3,0.6,0.8,0,0\n1403636625463555670,1,2,4,0.6,0.8,0,0\n",
+        )
+        .unwrap();
+        let tum = case(
+            "# t x y z qx qy qz qw\n1403636625.363555670 1 2 3 0.8 0 0 0.6\n1403636625.463555670 1 2 4 0.8 0 0 0.6\n",
+        );
+        assert_eq!(asl, tum.unwrap());
+        assert_eq!(asl.len(), 2);
+    }
+
+    #[test]
+    fn what_is_neither_says_so() {
+        assert!(case("").is_err());
+        assert!(
+            case("1,2,3\n").unwrap_err().to_string().contains("8 (stamp, position"),
+            "ASL's by its commas"
+        );
+        assert!(case("1 2 3\n").unwrap_err().to_string().contains("8 (t x y z"), "TUM's by its blanks");
+    }
+}
