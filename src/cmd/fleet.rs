@@ -10,6 +10,7 @@ use dpn_eval::sweeps::LoopPlan;
 use dpn_io::{FolderLock, atomic_write};
 use dpn_papers::tables;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 
 pub(crate) fn run(args: &FleetArgs) -> Result<()> {
     let mut plan: FleetPlan = dpn_io::config::load(&args.plan)?;
@@ -26,10 +27,11 @@ pub(crate) fn run(args: &FleetArgs) -> Result<()> {
         source.select(&closed.sequences).with_context(|| platform.name.clone())?;
     }
     let _lock = FolderLock::take(&args.out)?;
+    let stop = stop::on_ctrl_c("cells that were finished are kept, and the same command goes on from there")?;
     let mut platforms = Vec::new();
     for (platform, closed) in plan.platform.iter().zip(&loops) {
         errln!("{}", platform.name);
-        let rows = one(platform, closed, args).with_context(|| platform.name.clone())?;
+        let rows = one(platform, closed, args, &stop).with_context(|| platform.name.clone())?;
         platforms.push((platform.name.clone(), rows));
     }
     let score = FleetScore::new(&platforms, &plan.constants, &noises)?;
@@ -53,7 +55,7 @@ fn truth_of(args: &FleetArgs, platform: &PlatformPlan) -> PathBuf {
 }
 
 /// The rows of one platform.
-fn one(platform: &PlatformPlan, closed: &LoopPlan, args: &FleetArgs) -> Result<Vec<Row>> {
+fn one(platform: &PlatformPlan, closed: &LoopPlan, args: &FleetArgs, stop: &AtomicBool) -> Result<Vec<Row>> {
     if platform.reconciled {
         let published = LoopPlan { truth: None, ..closed.clone() }.source()?;
         truth::reconciled(
@@ -68,9 +70,8 @@ fn one(platform: &PlatformPlan, closed: &LoopPlan, args: &FleetArgs) -> Result<V
     let sweep = Sweep { cache: cache.as_ref(), ..closed.sweep(&source, &networks, threads)? };
     let manifest = Manifest::of(&sweep, program())?;
     let folder = args.out.join(&platform.folder);
-    let stop = stop::on_ctrl_c("cells that were finished are kept, and the same command goes on from there")?;
     let lock = FolderLock::take(&folder)?;
-    let rows = match sweep.run(&lock, &manifest, &stop, &mut Bar::new()) {
+    let rows = match sweep.run(&lock, &manifest, stop, &mut Bar::new()) {
         Err(error @ ClosedLoopError::Stopped { .. }) => {
             return Err(Interrupted(format!("{error}; the same command goes on from there")).into());
         }

@@ -12,6 +12,7 @@ mod closed_loop;
 mod data;
 mod eval;
 mod export;
+mod fleet;
 mod image_logs;
 mod images;
 mod keys;

@@ -76,7 +76,7 @@ const WORDS = { check: "Reading", noise: "Noise along the log", allan: "Allan de
 function take(data) {
   const shown = { read: showRead, begin: (d) => { $("work").hidden = false; $("status").textContent = `${WORDS[d.what]} …`; $("bar").removeAttribute("value"); },
     check: showCheck, noise: showNoise, "noise-none": (d) => none("noise", d.text), allan: showAllan, "allan-none": showNoAllan, "config-none": (d) => none("config", d.text),
-    failure: (d) => fail(d.text), done: () => { $("work").hidden = true; results.seconds = (performance.now() - waiting) / 1000; document.body.dataset.done = "1"; showDownloads(); } };
+    failure: (d) => fail(d.text), done: (d) => { $("work").hidden = true; results.memory = d.memory; results.seconds = (performance.now() - waiting) / 1000; document.body.dataset.done = "1"; showDownloads(); } };
   shown[data.kind]?.(data);
 }
 function showRead({ done, total }) {

@@ -2,6 +2,7 @@
 "use strict";
 const PART = 4 << 20;
 let session = null;
+let wasm = null;
 
 /** A log's bytes as they are asked for; says how far it is. */
 class LogSource {
@@ -56,11 +57,12 @@ function answers() {
     const [json, more] = lines(session.allan());
     return { json, more };
   });
-  postMessage({ kind: "done" });
+  // It only grows, so that this is the most it was.
+  postMessage({ kind: "done", memory: wasm.memory.buffer.byteLength });
 }
 
 onmessage = ({ data }) => {
-  if (data.module) wasm_bindgen.initSync({ module: data.module });
+  if (data.module) wasm = wasm_bindgen.initSync({ module: data.module });
   if (data.convert) {
     try {
       postMessage({ kind: "converted", json: wasm_bindgen.convert(...data.convert) });

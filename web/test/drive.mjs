@@ -138,11 +138,12 @@ if (wants("axe")) {
 }
 
 if (wants("times")) {
-  for (const path of [long, rest].filter(Boolean)) {
+  const more = (process.env.MORE || "").split(":").filter(Boolean);
+  for (const path of [long, rest, ...more].filter(Boolean)) {
     await open();
     const got = await drop([path]);
-    const memory = await tab.evaluate(() => performance.memory?.usedJSHeapSize);
-    console.log(`     ${basename(path)} of ${(statSync(path).size / 1e6).toFixed(1)} MB: first picture ${got.firstPicture?.toFixed(2)} s, Allan ${got.allanAt?.toFixed(2) ?? "none"} s, all ${got.seconds?.toFixed(2)} s; heap of the page ${(memory / 1e6).toFixed(0)} MB`);
+    const [memory, size] = [got.memory + (await tab.evaluate(() => performance.memory?.usedJSHeapSize ?? 0)), statSync(path).size];
+    console.log(`     ${basename(path)} of ${(statSync(path).size / 1e6).toFixed(1)} MB: first picture ${got.firstPicture?.toFixed(2)} s, Allan ${got.allanAt?.toFixed(2) ?? "none"} s, all ${got.seconds?.toFixed(2)} s; memory of the worker and of the page's heap ${(memory / 1e6).toFixed(0)} MB, ${(memory / size).toFixed(1)} times the log`);
   }
 }
 
@@ -165,6 +166,103 @@ if (wants("pictures")) {
   await tab.click("#tab-convert");
   await tab.waitForFunction(() => document.getElementById("converted").textContent.length > 20);
   await tab.screenshot({ path: join(out, "units-1400.png"), fullPage: true });
+}
+
+if (wants("study")) {
+  const work = mkdtempSync(join(tmpdir(), "dpn-study-"));
+  const plan = join(work, "fleet.toml");
+  const flight = (name, folder, sequence, more = "") => `[[platform]]\nname = "${name}"\nfolder = "${folder}"\n[platform.run]\nsequences = "${sequence}"\nfrom = 70.0\nto = 80.0\nseeds = 2\n${more}`;
+  writeFileSync(plan, `constants = ["x1", "x4"]\nnoises = ["self", "mean(diff2)"]\n${flight("spiral", "spiral", "room-spiral", "trajectories = true\n")}${flight("room", "room", "room-medium")}`);
+  execFileSync(dpn, ["fleet", plan, "--data", work, "--out", join(work, "fleet")], { stdio: "ignore" });
+  execFileSync(dpn, ["run", "room-spiral", "--from", "70", "--to", "80", "--noise", "x4", "--out", join(work, "run")], { stdio: "ignore" });
+  mkdirSync(join(work, "fleet/spiral/states"));
+  const cell = readFileSync(join(work, "fleet/spiral/rows.jsonl"), "utf8").split("\n").filter(Boolean).map((line) => JSON.parse(line)).find((row) => row.noise === "x4");
+  writeFileSync(join(work, `fleet/spiral/states/${cell.sequence}.x4.seed0.csv`), readFileSync(join(work, "run/states.csv")));
+  const score = JSON.parse(readFileSync(join(work, "fleet/fleet.json"), "utf8"));
+  for (const scheme of ["light", "dark"]) {
+    await open([1400, 1000], scheme);
+    await tab.click("#tab-study");
+    await tab.setInputFiles("#study-folder", join(work, "fleet"));
+    await tab.waitForSelector("#study-out table");
+    const text = () => tab.evaluate(() => document.getElementById("study-out").innerText);
+    const shown = async (words) => (await text()).includes(words);
+    const three = (v) => String(Number(v.toPrecision(3)));
+    say(await shown(three(score.noises.find((n) => n.noise === "self").score)), `the study: the fleet's score of self, ${scheme}`);
+    // One platform alone: its own score.
+    await tab.click("#study-out fieldset:has(legend:text('Platforms')) label:has-text('room')");
+    say(await shown(three(score.platforms[0].noises.find((n) => n.noise === "self").score)), "the study: platforms are chosen");
+    await tab.locator("#study-out button.cell", { hasText: /./ }).nth(1).click();
+    await tab.waitForSelector("#study-out svg.path");
+    say((await tab.locator("#study-out svg.plot").count()) === 6, "the study: a cell's path, position, noise in force and biases");
+    await tab.locator("#study-out button[aria-label*='mean(diff2)']").first().click();
+    await tab.waitForFunction(() => document.querySelectorAll("#study-out svg.plot").length === 2);
+    say(true, "the study: a cell without states has its trajectory");
+    await tab.selectOption("#study-out select", "room");
+    await tab.locator("#study-out button.cell").first().click();
+    await tab.waitForFunction(() => document.getElementById("study-out").innerText.includes("was not kept"));
+    say(true, "the study: a cell of another run without files says so");
+    await accessible(`study with data, ${scheme}`);
+    for (const width of [1400, 390]) {
+      await tab.setViewportSize({ width, height: 900 });
+      await tab.screenshot({ path: join(out, `study-${width}-${scheme}.png`), fullPage: true });
+      say(!(await tab.evaluate(() => document.documentElement.scrollWidth > innerWidth)), `the study is not wider than the page at ${width} px`);
+    }
+  }
+}
+
+if (wants("use")) {
+  await open();
+  const saved = async (selector) => {
+    const [file] = await Promise.all([tab.waitForEvent("download"), tab.locator(selector).first().click()]);
+    return { name: file.suggestedFilename(), text: readFileSync(await file.path(), "latin1") };
+  };
+  await tab.click("#example");
+  await tab.waitForFunction(() => document.body.dataset.done);
+  say(await tab.evaluate(() => Boolean(window.dpnResults.check) && !document.getElementById("result").hidden), "the example has findings");
+  const plot = tab.locator("#noise svg.plot").first();
+  const readout = () => tab.locator("#noise .readout").first().innerText();
+  await plot.hover({ position: { x: 300, y: 60 } });
+  const pointed = await readout();
+  say(/\d s: .*m\/s/.test(pointed), `the pointer tells values: ${pointed.slice(0, 80)}`);
+  await plot.focus();
+  await tab.keyboard.press("ArrowRight");
+  await tab.keyboard.press("ArrowRight");
+  const keyed = await readout();
+  say(/\d s: /.test(keyed) && keyed !== pointed, `the arrow keys tell values: ${keyed.slice(0, 60)}`);
+  const axis = () => plot.evaluate((svg) => [...svg.querySelectorAll("text")].map((t) => t.textContent).join(" "));
+  const whole = await axis();
+  const box = await plot.boundingBox();
+  await tab.mouse.move(box.x + 0.3 * box.width, box.y + 60);
+  await tab.mouse.down();
+  await tab.mouse.move(box.x + 0.6 * box.width, box.y + 60, { steps: 5 });
+  await tab.mouse.up();
+  const part = await axis();
+  say(part !== whole, "dragging zooms");
+  await plot.focus();
+  await tab.keyboard.press("Escape");
+  const back = await axis();
+  await tab.keyboard.press("0");
+  say(back === whole || (await axis()) === whole, "a key shows all again");
+  const [svg, png, text] = [await saved("#noise button:text-is('SVG')"), await saved("#noise button:text-is('PNG')"), await saved("#noise button:text-is('CSV')")];
+  say(svg.text.includes("<svg") && svg.name.endsWith(".svg"), `a plot is saved as ${svg.name}`);
+  say(png.text.slice(1, 4) === "PNG", `a plot is saved as ${png.name}`);
+  say(text.text.split("\n").length > 10, `a plot is saved as ${text.name}`);
+  // A drop, as people do it.
+  await open();
+  const bytes = readFileSync(join(root, "golden/logs/px4.ulg")).toString("base64");
+  await tab.evaluate((bytes) => {
+    const data = new DataTransfer();
+    data.items.add(new File([Uint8Array.from(atob(bytes), (letter) => letter.charCodeAt(0))], "px4.ulg"));
+    document.dispatchEvent(new DragEvent("drop", { dataTransfer: data, bubbles: true, cancelable: true }));
+  }, bytes);
+  await tab.waitForFunction(() => document.body.dataset.done);
+  say(await tab.evaluate(() => Boolean(window.dpnResults.check)), "a dropped log has findings");
+  // Cancelling long work brings the start back.
+  await open();
+  await tab.setInputFiles("#file", long);
+  await tab.waitForSelector("#work:not([hidden])");
+  await tab.click("#cancel");
+  say(await tab.evaluate(() => !document.getElementById("drop").hidden && document.getElementById("work").hidden), "cancelling brings the start back");
 }
 
 if (wants("serve")) {
