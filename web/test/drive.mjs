@@ -44,7 +44,7 @@ async function open(size = [1400, 1000], scheme = "light") {
 async function drop(files) {
   await tab.evaluate(() => { delete document.body.dataset.done; });
   await tab.setInputFiles("#file", files);
-  await tab.waitForFunction(() => document.body.dataset.done || !document.getElementById("failure").hidden, null, { timeout: 180_000 });
+  await tab.waitForFunction(() => document.body.dataset.done || !document.getElementById("failure").hidden, null, { timeout: 600_000 });
   return tab.evaluate(() => ({ ...window.dpnResults, failure: document.getElementById("failure").hidden ? null : document.getElementById("failure").innerText }));
 }
 function told(args, cwd) {
