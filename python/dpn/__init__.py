@@ -17,12 +17,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import _dpn, metrics
-from ._arrays import matrix, stamps
+from ._arrays import matrix, stamps, whole
 from ._dpn import Error, Recording, __version__, read
+from ._run import Run, run
 
 __all__ = [
-    "Error", "Flight", "Network", "NoiseTrack", "Recording", "__version__",
-    "allan", "check", "convert", "metrics", "noise", "read", "recording", "simulate",
+    "Error", "Flight", "Network", "NoiseTrack", "Recording", "Run", "__version__",
+    "allan", "check", "convert", "metrics", "noise", "read", "recording", "run", "simulate",
 ]
 
 
@@ -92,9 +93,7 @@ def noise(log, model=None, *, every=10, weights=None) -> NoiseTrack:
 
     Raises :class:`Error`: an unknown or non-causal spec, a rate the networks do not know, a log shorter than a window.
     """
-    if isinstance(every, bool) or not isinstance(every, (int, np.integer)) or not 1 <= every <= 1_000_000:
-        raise Error(f"every: {every!r}; expected an integer from 1 to 1000000")
-    t_ns, sigma, windows, outside, summary = _dpn.noise(_recording(log), model, int(every), weights)
+    t_ns, sigma, windows, outside, summary = _dpn.noise(_recording(log), model, whole("every", every, 1, 1_000_000), weights)
     return NoiseTrack(t_ns, sigma, windows, outside, json.loads(summary))
 
 

@@ -2,23 +2,12 @@
 
 import json
 
-import numpy as np
-
 from . import _dpn
-from ._arrays import matrix, stamps
+from ._arrays import poses
 
 
 def _errors(truth, estimate, align, max_diff_s, step_m=None, step_s=None):
-    args = []
-    for name, (t, position, orientation) in (("truth", truth), ("estimate", estimate)):
-        t_ns = stamps(f"{name}[0]", t)
-        position = matrix(f"{name}[1]", position, 3, len(t_ns))
-        orientation = matrix(f"{name}[2]", orientation, 4, len(t_ns))
-        norm = np.linalg.norm(orientation, axis=1)
-        if (np.abs(norm - 1) > 1e-3).any():
-            at = int(np.argmax(np.abs(norm - 1)))
-            raise _dpn.Error(f"{name}[2]: norm {norm[at]:g} at [{at}]; expected unit quaternions w x y z")
-        args += [t_ns, np.hstack([position, orientation / norm[:, None]])]
+    args = [*poses("truth", truth), *poses("estimate", estimate)]
     return json.loads(_dpn.trajectory_errors(*args, align, max_diff_s, step_m, step_s))
 
 

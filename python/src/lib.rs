@@ -7,7 +7,10 @@ mod metrics;
 mod network;
 mod noise_formats;
 mod probe;
+mod progress;
 mod recording;
+mod run;
+mod run_result;
 mod simulate;
 
 use pyo3::prelude::*;
@@ -27,6 +30,8 @@ mod _dpn {
     use crate::probe::{allan, check, noise};
     #[pymodule_export]
     use crate::recording::{Recording, from_arrays, read};
+    #[pymodule_export]
+    use crate::run::{run_arrays, run_source};
     #[pymodule_export]
     use crate::simulate::simulate;
     use pyo3::prelude::*;

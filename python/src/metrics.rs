@@ -9,7 +9,10 @@ use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 /// Poses `(n, 7)`: x y z, then qw qx qy qz.
-fn poses(t_ns: &PyReadonlyArray1<'_, i64>, rows: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<StampedPose>> {
+pub(crate) fn poses(
+    t_ns: &PyReadonlyArray1<'_, i64>,
+    rows: &PyReadonlyArray2<'_, f64>,
+) -> PyResult<Vec<StampedPose>> {
     let rows = rows.as_slice()?.as_chunks::<7>().0;
     let pose = |(&ns, &[x, y, z, w, i, j, k]): (&i64, &[f64; 7])| StampedPose {
         t: Stamp::from_ns(ns),

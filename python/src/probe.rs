@@ -1,9 +1,9 @@
 //! What a log says of its IMU: the same calls as `dpn noise`, `dpn allan` and `dpn check`.
 
-use crate::error::{Error, raise};
+use crate::error::raise;
 use crate::recording::Recording;
 use dpn_core::estimate::NoiseSpec;
-use dpn_core::{Samples, Sensor};
+use dpn_core::{Recorded, Sensor};
 use dpn_probe::allan::AllanLog;
 use dpn_probe::doctor::examine_log;
 use dpn_probe::log_noise::{Along, Plan};
