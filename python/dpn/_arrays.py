@@ -32,6 +32,22 @@ def matrix(name: str, value: Any, columns: int, rows: int | None = None, dtype: 
     return found
 
 
+def cube(name: str, value: Any, rows: int, side: int) -> NDArray[np.float64]:
+    """``value`` of shape (rows, side, side) as a finite (rows, side * side) array."""
+    found = np.asarray(value)
+    if found.shape != (rows, side, side):
+        raise Error(f"{name}: shape {found.shape}; expected ({rows}, {side}, {side})")
+    return matrix(name, found.reshape(rows, side * side), side * side, rows)
+
+
+def vector(name: str, value: Any) -> list[float]:
+    """``value`` as three finite numbers x y z."""
+    found = np.asarray(value)
+    if found.shape != (3,) or found.dtype.kind not in "fiu" or not np.isfinite(found).all():
+        raise Error(f"{name}: {value!r}; expected three finite numbers x y z")
+    return [float(entry) for entry in found]
+
+
 def stamps(name: str, value: Any, repeated: bool = False) -> NDArray[np.int64]:
     """``value`` as increasing int64 nanoseconds (or not falling, where ``repeated``): integers are nanoseconds, floats seconds."""
     found = np.asarray(value)

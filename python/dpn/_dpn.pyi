@@ -5,6 +5,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 __version__: str
+DEFAULT_TAG: str
 
 class Error(ValueError): ...
 
@@ -42,6 +43,11 @@ class Network:
     def window(self) -> int: ...
     def predict(self, windows: NDArray[np.float32]) -> NDArray[np.float32]: ...
 
+class Stream:
+    def __new__(cls, accel: Network, gyro: Network, every: int) -> Stream: ...
+    def feed(self, t_ns: int, gyro: list[float], accel: list[float]) -> None: ...
+    def sigma(self) -> tuple[list[float], list[float], bool, list[bool], bool]: ...
+
 def read(
     path: str | PathLike[str],
     *,
@@ -63,4 +69,19 @@ def trajectory_errors(
     true_t_ns: Any, true_poses: Any, est_t_ns: Any, est_poses: Any,
     alignment: str, max_diff_s: float, step_m: float | None, step_s: float | None,
 ) -> str: ...
+def trajectory_nees(
+    true_t_ns: Any, true_poses: Any, est_t_ns: Any, est_poses: Any, covariances: Any, anchor: Any,
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]: ...
+def run_source(
+    asked: dict[str, Any], source: str, camera: str | None, tracks: str | None, truth: str | None, skip_missing: bool,
+    topic: str | None, image_topic: str | None,
+) -> dict[str, Any]: ...
+def run_arrays(
+    asked: dict[str, Any], name: str, samples: Recording, frame_t_ns: NDArray[np.int64], ids: NDArray[np.uint64],
+    px: NDArray[np.float64], truth: Any,
+) -> dict[str, Any]: ...
+def train(
+    data: str | None, recordings: list[tuple[str, Recording]], sensor: str, out: str, config_file: str | None,
+    config_text: str, resume: bool, progress: Any,
+) -> tuple[str | PathLike[str], str]: ...
 def main(args: list[str]) -> int: ...

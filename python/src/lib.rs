@@ -12,6 +12,8 @@ mod recording;
 mod run;
 mod run_result;
 mod simulate;
+mod stream;
+mod train;
 
 use pyo3::prelude::*;
 
@@ -21,7 +23,7 @@ mod _dpn {
     #[pymodule_export]
     use crate::error::Error;
     #[pymodule_export]
-    use crate::metrics::trajectory_errors;
+    use crate::metrics::{trajectory_errors, trajectory_nees};
     #[pymodule_export]
     use crate::network::Network;
     #[pymodule_export]
@@ -34,6 +36,10 @@ mod _dpn {
     use crate::run::{run_arrays, run_source};
     #[pymodule_export]
     use crate::simulate::simulate;
+    #[pymodule_export]
+    use crate::stream::Stream;
+    #[pymodule_export]
+    use crate::train::train;
     use pyo3::prelude::*;
 
     /// Runs the command line; gives the exit code.
@@ -44,6 +50,7 @@ mod _dpn {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("DEFAULT_TAG", dpn_core::estimate::DEFAULT_TAG)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }
