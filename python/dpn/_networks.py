@@ -133,6 +133,8 @@ def train(
     if isinstance(data, Recording):
         named = [("log", data)]
     elif isinstance(data, Mapping):
+        if not data:
+            raise Error("data: expected a recording or more, found none")
         for name, entry in data.items():
             if not isinstance(entry, Recording):
                 raise Error(f"data[{name!r}]: {type(entry).__name__}; expected a dpn.Recording")

@@ -1,23 +1,16 @@
 """The package against the command line it came with, and against arguments that are wrong."""
 
 import json
-import os
 import subprocess
 import sys
 
 import numpy as np
 import pytest
+from conftest import run_command as command
 
 import dpn
 
 SEED = 3
-
-
-def command(*args, code=0, cwd=None):
-    program = os.path.join(os.path.dirname(sys.executable), "dpn")
-    done = subprocess.run([program, *map(str, args)], capture_output=True, text=True, cwd=cwd)
-    assert done.returncode == code, done.stderr
-    return done
 
 
 def arrays(n=40_000, seed=SEED):
@@ -137,3 +130,12 @@ def test_import_takes_a_moment():
     code = "import time; t = time.perf_counter(); import dpn; print(time.perf_counter() - t)"
     took = min(float(subprocess.check_output([sys.executable, "-c", code])) for _ in range(3))
     assert took < 0.3
+
+
+def test_every_public_name_says_what_it_is():
+    for module in (dpn, dpn.metrics):
+        for name, thing in vars(module).items():
+            ours = getattr(thing, "__module__", "").startswith("dpn")
+            if not name.startswith("_") and callable(thing) and ours:
+                assert thing.__doc__ and len(thing.__doc__) > 20, f"{module.__name__}.{name} has no docstring"
+    assert set(dpn.__all__) <= set(dir(dpn))
