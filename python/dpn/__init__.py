@@ -71,7 +71,8 @@ class NoiseTrack:
     @property
     def t(self) -> NDArray[np.float64]:
         """(n,) seconds since the first row."""
-        return (self.t_ns - self.t_ns[0]) * 1e-9
+        seconds: NDArray[np.float64] = (self.t_ns - self.t_ns[0]) * 1e-9
+        return seconds
 
     @property
     def accel(self) -> NDArray[np.float64]:
@@ -86,7 +87,8 @@ class NoiseTrack:
     @property
     def in_range(self) -> NDArray[np.bool_]:
         """(n,) whether no window since the row before was outside the training."""
-        return ~self.outside.any(axis=1)
+        inside: NDArray[np.bool_] = np.logical_not(self.outside.any(axis=1))
+        return inside
 
 
 def noise(

@@ -14,9 +14,16 @@ from numpy.typing import NDArray
 from ._dpn import Error
 
 
+def _array(name: str, value: Any) -> NDArray[Any]:
+    try:
+        return np.asarray(value)
+    except (TypeError, ValueError) as error:
+        raise Error(f"{name}: no array ({error}); expected one") from None
+
+
 def matrix(name: str, value: Any, columns: int, rows: int | None = None, dtype: type = np.float64) -> NDArray[Any]:
     """``value`` as a finite C-contiguous (rows, columns) array; copied only where it is not one already."""
-    found = np.asarray(value)
+    found = _array(name, value)
     expected = f"expected ({'n' if rows is None else rows}, {columns})"
     if found.dtype.kind not in "fiu":
         raise Error(f"{name}: dtype {found.dtype}; expected real numbers, as float64")
@@ -34,7 +41,7 @@ def matrix(name: str, value: Any, columns: int, rows: int | None = None, dtype: 
 
 def cube(name: str, value: Any, rows: int, side: int) -> NDArray[np.float64]:
     """``value`` of shape (rows, side, side) as a finite (rows, side * side) array."""
-    found = np.asarray(value)
+    found = _array(name, value)
     if found.shape != (rows, side, side):
         raise Error(f"{name}: shape {found.shape}; expected ({rows}, {side}, {side})")
     return matrix(name, found.reshape(rows, side * side), side * side, rows)
@@ -42,7 +49,7 @@ def cube(name: str, value: Any, rows: int, side: int) -> NDArray[np.float64]:
 
 def vector(name: str, value: Any) -> list[float]:
     """``value`` as three finite numbers x y z."""
-    found = np.asarray(value)
+    found = _array(name, value)
     if found.shape != (3,) or found.dtype.kind not in "fiu" or not np.isfinite(found).all():
         raise Error(f"{name}: {value!r}; expected three finite numbers x y z")
     return [float(entry) for entry in found]
@@ -50,7 +57,7 @@ def vector(name: str, value: Any) -> list[float]:
 
 def stamps(name: str, value: Any, repeated: bool = False) -> NDArray[np.int64]:
     """``value`` as increasing int64 nanoseconds (or not falling, where ``repeated``): integers are nanoseconds, floats seconds."""
-    found = np.asarray(value)
+    found = _array(name, value)
     if found.ndim != 1:
         raise Error(f"{name}: shape {found.shape}; expected (n,)")
     if found.dtype.kind == "f":
@@ -72,7 +79,7 @@ def stamps(name: str, value: Any, repeated: bool = False) -> NDArray[np.int64]:
 
 def counts(name: str, value: Any, rows: int) -> NDArray[np.uint64]:
     """``value`` as (rows,) whole numbers from 0."""
-    found = np.asarray(value)
+    found = _array(name, value)
     if found.shape != (rows,):
         raise Error(f"{name}: shape {found.shape}; expected ({rows},)")
     if found.dtype.kind not in "iu":

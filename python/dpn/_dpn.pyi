@@ -1,14 +1,20 @@
 from os import PathLike
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = [
+    "DEFAULT_TAG", "Error", "Network", "Recording", "Stream", "__version__", "allan", "check", "convert",
+    "from_arrays", "main", "noise", "read", "run_arrays", "run_source", "simulate", "train", "trajectory_errors",
+    "trajectory_nees",
+]
 __version__: str
 DEFAULT_TAG: str
 
 class Error(ValueError): ...
 
+@final
 class Recording:
     """A log's samples: stamps, gyroscope, accelerometer as read-only arrays, made at the first question and kept."""
 
@@ -28,6 +34,7 @@ class Recording:
     def warnings(self) -> list[str]: ...
     def __len__(self) -> int: ...
 
+@final
 class Network:
     @staticmethod
     def load(path: str | PathLike[str]) -> Network: ...
@@ -43,6 +50,7 @@ class Network:
     def window(self) -> int: ...
     def predict(self, windows: NDArray[np.float32]) -> NDArray[np.float32]: ...
 
+@final
 class Stream:
     def __new__(cls, accel: Network, gyro: Network, every: int) -> Stream: ...
     def feed(self, t_ns: int, gyro: list[float], accel: list[float]) -> None: ...

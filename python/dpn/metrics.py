@@ -55,6 +55,13 @@ class Nees(NamedTuple):
     orientation: NDArray[np.float64]
 
 
+def _one(pose: Any) -> Any:
+    try:
+        return [[part] for part in pose]
+    except TypeError:
+        return pose
+
+
 def nees(truth: Any, estimate: Any, covariance: ArrayLike, *, anchor: Any = None) -> Nees:
     """NEES of a run's poses under the covariances it believes.
 
@@ -65,9 +72,9 @@ def nees(truth: Any, estimate: Any, covariance: ArrayLike, *, anchor: Any = None
 
     Raises :class:`dpn.Error`: wrong arrays, a covariance that is not positive definite, fewer than two poses with a truth.
     """
-    estimate = poses("estimate", estimate)
-    covariance = cube("covariance", covariance, len(estimate[0]), 6)
-    if anchor is not None:
-        anchor = poses("anchor", [np.atleast_1d(anchor[0]), *map(np.atleast_2d, anchor[1:])])
-    t_ns, found = _dpn.trajectory_nees(*poses("truth", truth), *estimate, covariance, anchor)
+    true_t_ns, true_poses = poses("truth", truth)
+    est_t_ns, est_poses = poses("estimate", estimate)
+    believed = cube("covariance", covariance, len(est_t_ns), 6)
+    known = None if anchor is None else poses("anchor", _one(anchor))
+    t_ns, found = _dpn.trajectory_nees(true_t_ns, true_poses, est_t_ns, est_poses, believed, known)
     return Nees(t_ns, found[:, 0], found[:, 1])

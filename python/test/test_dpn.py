@@ -70,6 +70,7 @@ def wrong():
     yield "gyro: shape (3, 100); expected (100, 3); transpose it", (t, gyro.T, accel)
     yield "gyro: shape (100,)", (t, gyro[:, 0], accel)
     yield "accel: shape (99, 3); expected (100, 3)", (t, gyro, accel[1:])
+    yield "gyro: no array", (t, [[1, 2, 3], [4]], accel)
     yield "gyro: dtype complex128", (t, gyro.astype(complex), accel)
     yield "accel: dtype object", (t, gyro, accel.astype(object))
     yield "accel: nan at [7, 1]", (t, gyro, nan)
@@ -127,7 +128,8 @@ def test_the_command_ends_as_the_binary_does(tmp_path):
 
 
 def test_import_takes_a_moment():
-    code = "import time; t = time.perf_counter(); import dpn; print(time.perf_counter() - t)"
+    code = "import time; t = time.process_time(); import dpn; print(time.process_time() - t)"
+    # Of the processor: what else the machine does is not the import's.
     took = min(float(subprocess.check_output([sys.executable, "-c", code])) for _ in range(3))
     assert took < 0.3
 

@@ -53,10 +53,10 @@ def test_a_stream_refuses_what_is_no_sample_and_is_as_it_was():
             dpn.Stream(**given)
 
 
-def test_a_training_is_the_command_lines_and_its_network_answers(tmp_path):
-    log, told = dpn.read(EXCERPT), []
+def test_a_training_is_the_command_lines_and_its_network_answers(flight, tmp_path):
+    log, told = dpn.read(flight[0]), []
     trained = dpn.train(
-        {"V1_01_easy": log}, "accel", tmp_path / "run", config=TINY, progress=lambda *step: told.append(step)
+        {flight[0].name: log}, "accel", tmp_path / "run", config=TINY, progress=lambda *step: told.append(step)
     )
     assert trained.summary["sensor"] == "accel" and trained.network.sensor == "accel"
     assert told[-1][0] == told[-1][1] == trained.summary["updates"] == len(told)
@@ -64,16 +64,16 @@ def test_a_training_is_the_command_lines_and_its_network_answers(tmp_path):
     dpn.Stream(accel=trained.network)
     text = (tmp_path / "run/config.toml").read_text()
     (tmp_path / "config.toml").write_text(text)
-    command("train", "--sensor", "accel", "--data", EXCERPT, "--config", tmp_path / "config.toml", "--out", tmp_path / "cli")
-    of_folder = dpn.train(EXCERPT, "accel", tmp_path / "same", config=tmp_path / "config.toml")
+    command("train", "--sensor", "accel", "--data", flight[0], "--config", tmp_path / "config.toml", "--out", tmp_path / "cli")
+    of_folder = dpn.train(flight[0], "accel", tmp_path / "same", config=tmp_path / "config.toml")
     ours, theirs = (dpn.Network.load(tmp_path / name / "accel.safetensors") for name in ("run", "cli"))
     windows = log.accel[:200].T.copy()
     assert (ours.predict(windows) == theirs.predict(windows)).all()
     assert (of_folder.network.predict(windows) == theirs.predict(windows)).all()
 
 
-def test_a_training_may_be_ended_and_gone_on_with(tmp_path):
-    log = dpn.read(EXCERPT)
+def test_a_training_may_be_ended_and_gone_on_with(flight, tmp_path):
+    log = dpn.read(flight[0])
     whole = dpn.train(log, "accel", tmp_path / "whole", config=TINY)
 
     def interrupt(done, total):
@@ -86,8 +86,8 @@ def test_a_training_may_be_ended_and_gone_on_with(tmp_path):
     assert resumed.summary == whole.summary
 
 
-def test_a_training_that_cannot_be_is_refused(tmp_path):
-    log = dpn.read(EXCERPT)
+def test_a_training_that_cannot_be_is_refused(flight, tmp_path):
+    log = dpn.read(flight[0])
     dpn.train(log, "gyro", tmp_path / "done", config=TINY)
     for words, (data, sensor, out), more in [
         ("sensor: \"baro\"; known are accel, gyro", (log, "baro", tmp_path / "a"), {}),

@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 import pytest
-from conftest import CAMERA, EXCERPT, ROOT, said_by_run
+from conftest import CAMERA, ROOT, said_by_run
 
 import dpn
 
@@ -100,6 +100,8 @@ def test_nees_is_that_of_the_report(flight):
     assert half.position.mean() == pytest.approx(4 * row["nees_position"], rel=1e-6)
     with pytest.raises(dpn.Error, match=r"covariance: shape \(3, 6, 6\); expected"):
         dpn.metrics.nees(truth(folder), estimate, run.covariance[:3])
+    with pytest.raises(dpn.Error, match=r"anchor: int; expected \(t, position, orientation\)"):
+        dpn.metrics.nees(truth(folder), estimate, run.covariance[known], anchor=3)
     with pytest.raises(dpn.Error, match="not positive definite"):
         dpn.metrics.nees(truth(folder), estimate, 0 * run.covariance[known])
 
@@ -162,7 +164,7 @@ def wrong(flight):
     yield "tracks: expected (t, ids, px)", of(tracks=None)
     yield "tracks: expected (t, ids, px)", of(tracks=flight[1])
     yield "calibration: None; expected a file or a dictionary", of(calibration=None)
-    yield f"tracks[0]: {t[-1]} to {t[-2]} ns", (log, {**given, "tracks": (t[::-1], ids, px)}) if t[-1] != t[-2] else of(tracks=(t[::-200], ids, px))
+    yield f"tracks[0]: {t[-1]} to ", of(tracks=(t[::-1], ids, px))
     yield "tracks[1]: dtype float64; expected whole numbers from 0", of(tracks=(t, ids * 1.0, px))
     yield f"tracks[1]: shape (5,); expected ({len(t)},)", of(tracks=(t, ids[:5], px))
     yield "tracks[1]: -1 at [0]; expected whole numbers from 0", of(tracks=(t, np.where(ids == ids[0], -1, ids), px))
@@ -173,7 +175,7 @@ def wrong(flight):
     yield "truth: int; expected (t, position, orientation)", of(truth=3)
     yield "camera: 'images'; expected none where `log` is a Recording", of(camera="images")
     yield "calibration: ", of(calibration={"T_BS": 3})
-    yield "calibration: Object of type object", (log, {**given, "calibration": {"a": object()}})
+    yield "calibration: object; expected finite numbers", (log, {**given, "calibration": {"a": object()}})
     yield "noise: ", of(noise="dualpronett")
     yield "noise: int; expected a spec", of(noise=4)
     yield "unknown field `key_frame`", of(config={"window": {"key_frame": 3}})
