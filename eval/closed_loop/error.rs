@@ -1,6 +1,6 @@
 //! Why the loop was not closed.
 
-use super::source::SourceError;
+use super::source_error::SourceError;
 use crate::metrics::MetricsError;
 use crate::noise::NoiseError;
 use crate::stats::StatsError;

@@ -140,6 +140,10 @@ def test_progress_is_told_in_seconds_and_may_end_the_run():
 
     with pytest.raises(RuntimeError, match="enough"):
         dpn.run("room-medium", "x1", progress=enough)
+    began = time.perf_counter()
+    with pytest.raises(ZeroDivisionError):
+        dpn.run("room-medium", "x1", camera="rendered", progress=lambda done, total: 1 / 0)
+    assert time.perf_counter() - began < 20
 
 
 def test_ctrl_c_ends_a_run_and_other_threads_go_on():
