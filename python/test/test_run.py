@@ -120,12 +120,13 @@ def test_noise_may_be_a_file_and_configuration_a_file(flight, tmp_path):
     assert np.array_equal(run.position, same.position, equal_nan=True)
 
 
-@pytest.mark.skipif(not (ROOT / "data/images").exists(), reason="the pack of images is not unpacked")
+@pytest.mark.skipif(not (ROOT / "data/motion").exists(), reason="the pack of images is not unpacked")
 def test_images_are_followed_as_by_the_command_line(tmp_path):
-    folder = ROOT / "data/images/V1_01_easy_static"
-    said = said_by_run(tmp_path, folder, "--noise", "x1")
-    assert figures(dpn.run(folder, "x1").report) == figures(said)
-    assert said["report"]["row"]["camera"] == "images"
+    folder = ROOT / "data/motion/MH_01_easy_start"
+    said = said_by_run(tmp_path, folder, "--noise", "x1", "--to", "10")
+    run = dpn.run(folder, "x1", end=10)
+    assert figures(run.report) == figures(said)
+    assert said["report"]["row"]["camera"] == "images" and run.known.sum() > 50
 
 
 def test_progress_is_told_in_seconds_and_may_end_the_run():
