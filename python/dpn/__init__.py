@@ -26,6 +26,8 @@ from ._dpn import Error, Recording, __version__, read
 from ._networks import Network, Sigma, Stream, Training, train
 from ._run import Run, run
 
+_dpn.code_is_in(_dpn.__file__)
+
 __all__ = [
     "Error", "Flight", "Network", "NoiseTrack", "Recording", "Run", "Sigma", "Stream", "Training", "__version__",
     "allan", "check", "convert", "metrics", "noise", "read", "recording", "run", "simulate", "train",

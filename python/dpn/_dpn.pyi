@@ -5,7 +5,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    "DEFAULT_TAG", "Error", "Network", "Recording", "Stream", "__version__", "allan", "check", "convert",
+    "DEFAULT_TAG", "Error", "Network", "Recording", "Stream", "__version__", "allan", "check", "code_is_in", "convert",
     "from_arrays", "main", "noise", "read", "run_arrays", "run_source", "simulate", "train", "trajectory_errors",
     "trajectory_nees",
 ]
@@ -92,4 +92,5 @@ def train(
     data: str | None, recordings: list[tuple[str, Recording]], sensor: str, out: str, config_file: str | None,
     config_text: str, resume: bool, progress: Any,
 ) -> tuple[str | PathLike[str], str]: ...
+def code_is_in(file: str) -> None: ...
 def main(args: list[str]) -> int: ...

@@ -48,6 +48,12 @@ mod _dpn {
         py.detach(|| dpn_program::main_with(args))
     }
 
+    /// Says where this module's file is, which it does not know by itself.
+    #[pyfunction]
+    fn code_is_in(file: std::path::PathBuf) {
+        dpn_program::code_is_in(file);
+    }
+
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("DEFAULT_TAG", dpn_core::estimate::DEFAULT_TAG)?;

@@ -24,9 +24,6 @@ use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 
-/// Which program it was: a wheel's module has no file of its own to take a checksum of before it is installed.
-const PROGRAM: &str = concat!("dpn ", env!("CARGO_PKG_VERSION"), " (Python)");
-
 /// What every run is told, as `dpn.run` hands it on.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
@@ -156,7 +153,7 @@ pub(crate) fn run_source(
             let input = set.checksum(place).map_err(|e| raise(&e))?;
             let origin = (set.camera_is_simulated(), set.truth());
             Ok(RunResult::new(
-                done.json(PROGRAM, &settings.estimator, Some(&input), origin),
+                done.json(&dpn_program::program(), &settings.estimator, Some(&input), origin),
                 &settings.estimator,
                 done,
             ))
@@ -207,7 +204,7 @@ pub(crate) fn run_arrays(
         };
         let camera = CameraInput::Tracks(frames, settings.span(&recording.name));
         let done = settings.run(&recording, camera, ("tracks", TruthKind::Published)).map(|done| {
-            let report = done.json(PROGRAM, &settings.estimator, None, (false, TruthKind::Published));
+            let report = done.json(&dpn_program::program(), &settings.estimator, None, (false, TruthKind::Published));
             RunResult::new(report, &settings.estimator, done)
         });
         settings.finish(done)

@@ -13,7 +13,7 @@ import dpn
 
 SPAN = {"start": 50.0, "end": 70.0}
 FLAGS = ["--from", "50", "--to", "70"]
-# Of one run and another: processor's times, and which program it was.
+# Of one run and another: processor's times.
 TIMES = ["cpu_per_data_s", "p95_update_ms", "stage_s"]
 
 
@@ -21,7 +21,7 @@ def figures(report):
     row = {key: value for key, value in report["report"]["row"].items() if key not in TIMES}
     if row["front_end"]:
         row["front_end"] = {k: v for k, v in row["front_end"].items() if not k.endswith("_ms") and "cpu" not in k}
-    rest = {key: value for key, value in report.items() if key not in ("program", "report")}
+    rest = {key: value for key, value in report.items() if key != "report"}
     return rest, {**report["report"], "row": row}
 
 

@@ -122,3 +122,60 @@ impl SampleStream {
         }
     }
 }
+
+#[cfg(all(test, feature = "train"))]
+mod tests {
+    use super::*;
+    use crate::config::ProNetConfig;
+    use crate::init::initial_parameters;
+    use crate::weights::{Card, Weights};
+    use dpn_core::random;
+
+    const WINDOW: usize = 40;
+
+    fn stream() -> SampleStream {
+        let weights = |sensor| {
+            let config = ProNetConfig { window: WINDOW, ..ProNetConfig::for_sensor(sensor) };
+            let flat = initial_parameters(&config, &random::Stream::new(1));
+            Weights::new(&config, flat, Card::default())
+        };
+        SampleStream::new(DualProNet::new("p", &weights(Sensor::Accel), &weights(Sensor::Gyro), 10).unwrap())
+    }
+
+    fn sample(t_ns: i64) -> ImuSample {
+        let value = (t_ns / 5_000_000 % 7) as f64 * 0.01;
+        ImuSample { t: Stamp::from_ns(t_ns), gyro: [value; 3], accel: [value, 0.0, 9.81] }
+    }
+
+    #[test]
+    fn a_refused_sample_changes_nothing_and_the_first_full_window_is_known() {
+        let (mut one, mut other) = (stream(), stream());
+        for i in 0..WINDOW as i64 {
+            assert!(!one.sigma().known && one.sigma().noise == ImuNoise::baseline());
+            let good = sample(5_000_000 * i);
+            one.feed(good).unwrap();
+            other.feed(good).unwrap();
+            let nan = ImuSample { gyro: [f64::NAN; 3], ..sample(5_000_000 * i + 1) };
+            assert_eq!(other.feed(nan), Err(StreamError::NotFinite { t_ns: 5_000_000 * i + 1 }));
+            let again = StreamError::NotIncreasing { t_ns: good.t.ns(), last_ns: good.t.ns() };
+            assert_eq!(other.feed(good), Err(again));
+        }
+        assert!(one.sigma().known && one.sigma().noise != ImuNoise::baseline());
+        assert_eq!(one.sigma(), other.sigma());
+    }
+
+    #[test]
+    fn half_the_rate_is_a_wrong_one_for_as_long_as_it_lasts() {
+        let (mut stream, mut t_ns) = (stream(), 0);
+        for (step_ns, wrong) in
+            [(10_000_000, true), (5_000_000, false), (5_300_000, true), (5_100_000, false)]
+        {
+            // A second of the one may hold samples of the other: two of them.
+            for _ in 0..2 * 1_000_000_000 / step_ns + 2 {
+                t_ns += step_ns;
+                stream.feed(sample(t_ns)).unwrap();
+            }
+            assert_eq!(stream.sigma().wrong_rate, wrong, "a sample each {step_ns} ns");
+        }
+    }
+}
