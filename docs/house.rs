@@ -25,7 +25,20 @@ const ARROWS: [(&str, &[&str]); 17] = [
     ),
     ("c", &["dpn-core", "dpn-pronet", "dpn-vio"]),
     ("web", &["dpn-core", "dpn-io", "dpn-logs", "dpn-probe", "dpn-pronet"]),
-    ("python", &["dpn-core", "dpn-eval", "dpn-io", "dpn-logs", "dpn-probe", "dpn-pronet", "dpn-sim"]),
+    (
+        "python",
+        &[
+            "dpn-core",
+            "dpn-eval",
+            "dpn-io",
+            "dpn-logs",
+            "dpn-probe",
+            "dpn-pronet",
+            "dpn-sim",
+            "dpn-train",
+            "dpn-vio",
+        ],
+    ),
     ("tests/support", &[]),
 ];
 

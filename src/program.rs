@@ -8,6 +8,7 @@ mod ui;
 use clap::Parser;
 use dpn_pronet::network::{Network, NetworkError};
 use std::ffi::OsString;
+use std::path::PathBuf;
 
 /// Runs one command; `args` has the program's name first. Returns the process's exit code: 0, 2 for bad input, 130 when interrupted.
 ///
@@ -33,6 +34,16 @@ pub fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {
             2
         }
     }
+}
+
+/// Says in which file this code stands, where the process is another's: results are named by its checksum.
+pub fn code_is_in(file: PathBuf) {
+    cmd::code_is_in(file);
+}
+
+/// Version and checksum of this build, as reports have it.
+pub fn program() -> String {
+    cmd::program()
 }
 
 /// The networks that come with the program.

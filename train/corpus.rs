@@ -70,6 +70,12 @@ impl CorpusError {
     }
 }
 
+/// The collection that is trained on: the first with sequences to train on, else the first.
+pub fn to_train(mut corpora: Vec<Corpus>) -> Option<Corpus> {
+    let place = corpora.iter().position(|corpus| !corpus.side(Side::Train).is_empty()).unwrap_or(0);
+    (place < corpora.len()).then(|| corpora.swap_remove(place))
+}
+
 impl Corpus {
     /// Checks every member and sorts them by name.
     ///

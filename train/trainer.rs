@@ -72,6 +72,11 @@ pub struct Trainer {
     network: ProNet,
 }
 
+/// The CPU, recording gradients.
+pub fn cpu() -> Device {
+    Device::flex().autodiff()
+}
+
 impl Trainer {
     /// Cuts windows and draws the validation examples.
     ///

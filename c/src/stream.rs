@@ -4,27 +4,10 @@ use crate::border::{Out, axes};
 use crate::status::{Fault, Status, call};
 use crate::table::{StreamHandle, Table, WeightsHandle};
 use crate::weights::WEIGHTS;
-use dpn_core::{ImuNoise, ImuSample, NoiseModel, Sensor, Stamp};
-use dpn_pronet::DualProNet;
+use dpn_core::{ImuSample, Sensor, Stamp};
+use dpn_pronet::{DualProNet, SampleStream, StreamSigma};
 
-/// A rate further off than this is another rate.
-const RATE_TOLERANCE: f64 = 0.05;
-/// The rate is that of so many samples \[s\].
-const RATE_OVER_S: f64 = 1.0;
-
-struct Stream {
-    networks: DualProNet,
-    noise: ImuNoise,
-    last: Option<Stamp>,
-    /// Where the present count of samples began, and how many came since.
-    counted: (Stamp, u32),
-    wrong_rate: bool,
-    /// Windows judged so far and those out of range, accelerometer and gyroscope.
-    judged: [(u64, u64); 2],
-    out_of_range: [bool; 2],
-}
-
-static STREAMS: Table<Stream> = Table::new("stream");
+static STREAMS: Table<SampleStream> = Table::new("stream");
 
 /// How noisy the IMU is at the newest sample: deviations of one sample, by axis.
 #[repr(C)]
@@ -62,15 +45,7 @@ pub unsafe extern "C" fn dpn_stream_new(
         let gyro = WEIGHTS.with(gyro, |weights| Ok(weights.clone()))?;
         let networks = DualProNet::new("c", &accel, &gyro, every as usize);
         let networks = networks.map_err(|error| Fault::bad(format!("`accel`, `gyro`, `every`: {error}")))?;
-        out.write(STREAMS.put(Stream {
-            networks,
-            noise: ImuNoise::baseline(),
-            last: None,
-            counted: (Stamp::from_ns(0), 0),
-            wrong_rate: false,
-            judged: [(0, 0); 2],
-            out_of_range: [false; 2],
-        }));
+        out.write(STREAMS.put(SampleStream::new(networks)));
         Ok(())
     })
 }
@@ -89,7 +64,8 @@ pub unsafe extern "C" fn dpn_stream_feed(
     call(|| {
         // SAFETY: as the caller promised.
         let (gyro, accel) = unsafe { (axes("gyro", gyro)?, axes("accel", accel)?) };
-        STREAMS.with(stream, |stream| stream.feed(ImuSample { t: Stamp::from_ns(t_ns), gyro, accel }))
+        let sample = ImuSample { t: Stamp::from_ns(t_ns), gyro, accel };
+        STREAMS.with(stream, |stream| stream.feed(sample).map_err(|error| Fault::bad(error.to_string())))
     })
 }
 
@@ -102,7 +78,7 @@ pub unsafe extern "C" fn dpn_stream_sigma(stream: StreamHandle, sigma: *mut Sigm
     call(|| {
         // SAFETY: as the caller promised.
         let out = unsafe { Out::new("sigma", sigma)? };
-        out.write(STREAMS.with(stream, |stream| Ok(stream.sigma()))?);
+        out.write(STREAMS.with(stream, |stream| Ok(Sigma::from(stream.sigma())))?);
         Ok(())
     })
 }
@@ -113,51 +89,16 @@ pub extern "C" fn dpn_stream_free(stream: StreamHandle) -> Status {
     call(|| STREAMS.free(stream))
 }
 
-impl Stream {
-    fn feed(&mut self, sample: ImuSample) -> Result<(), Fault> {
-        if let Some(last) = self.last.filter(|last| sample.t <= *last) {
-            let (t, last) = (sample.t.ns(), last.ns());
-            return Err(Fault::bad(format!("`t_ns` is {t} after {last}; stamps must increase")));
-        }
-        self.rate(sample.t);
-        self.last = Some(sample.t);
-        self.noise = self.networks.feed(&sample);
-        for (k, sensor) in Sensor::ALL.into_iter().enumerate() {
-            let count = self.networks.range_count(sensor);
-            let (windows, outside) = self.judged[k];
-            if count.windows > windows {
-                self.out_of_range[k] = count.outside > outside;
-                self.judged[k] = (count.windows, count.outside);
-            }
-        }
-        Ok(())
-    }
-
-    /// Counts samples by the second.
-    fn rate(&mut self, t: Stamp) {
-        let (from, count) = &mut self.counted;
-        if self.last.is_none() {
-            *from = t;
-            return;
-        }
-        *count += 1;
-        let seconds = t.seconds_since(*from);
-        if seconds >= RATE_OVER_S {
-            let share = f64::from(*count) / seconds / self.networks.trained_rate().hz();
-            self.wrong_rate = (share - 1.0).abs() > RATE_TOLERANCE;
-            self.counted = (t, 0);
-        }
-    }
-
-    fn sigma(&self) -> Sigma {
-        let [accel_out, gyro_out] = self.out_of_range.map(u8::from);
-        Sigma {
-            gyro: self.noise.of(Sensor::Gyro),
-            accel: self.noise.of(Sensor::Accel),
-            known: u8::from(self.judged.iter().all(|(windows, _)| *windows > 0)),
+impl From<StreamSigma> for Sigma {
+    fn from(found: StreamSigma) -> Self {
+        let [accel_out, gyro_out] = found.out_of_range.map(u8::from);
+        Self {
+            gyro: found.noise.of(Sensor::Gyro),
+            accel: found.noise.of(Sensor::Accel),
+            known: u8::from(found.known),
             gyro_out_of_range: gyro_out,
             accel_out_of_range: accel_out,
-            wrong_rate: u8::from(self.wrong_rate),
+            wrong_rate: u8::from(found.wrong_rate),
         }
     }
 }

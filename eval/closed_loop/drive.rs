@@ -15,6 +15,8 @@ use dpn_vio::estimator::{Estimator, EstimatorConfig, FeedError, FrontEndObserver
 use dpn_vio::preint::NoisySample;
 use dpn_vio::window::Window;
 use nalgebra::Matrix6;
+use std::cell::Cell;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 /// Fewest frames with samples that are worth a run.
@@ -135,11 +137,11 @@ pub fn drive(
     noise: &NoiseTrack,
     seed: u64,
 ) -> Result<EstimatorOutput, ClosedLoopError> {
-    drive_tracks(config, recording, frames, noise, seed, &mut |_, _| {})
+    drive_tracks(config, recording, frames, noise, seed, &mut |_, _| ControlFlow::Continue(()))
 }
 
-/// Is shown every update and the window it left.
-pub type UpdateWatch<'a> = dyn FnMut(&Update, &Window) + 'a;
+/// Is shown every update and the window it left; may end the run, which is [`ClosedLoopError::RunStopped`].
+pub type UpdateWatch<'a> = dyn FnMut(&Update, &Window) -> ControlFlow<()> + 'a;
 
 /// [`drive`], watched.
 pub(super) fn drive_tracks(
@@ -159,7 +161,9 @@ pub(super) fn drive_tracks(
             run.feed_sample(place).map_err(refused)?;
         }
         run.estimator.feed_frame(frame.clone()).map_err(refused)?;
-        run.take_updates(watch);
+        if run.take_updates(watch).is_break() {
+            return Err(ClosedLoopError::RunStopped { sequence: recording.name.clone() });
+        }
     }
     Ok(run.finish(frames.iter().map(|frame| frame.t).collect()))
 }
@@ -185,6 +189,8 @@ pub(super) fn drive_images(
         keep(frame);
     };
     let mut log = TrackingLog::new(observer, &mut keep);
+    let stopped = Cell::new(false);
+    let images = Box::new(images.take_while(|_| !stopped.get()));
     walk(recording, images, &mut log, |step, log| {
         match step {
             Step::Sample(place) => run.feed_sample(place)?,
@@ -194,11 +200,14 @@ pub(super) fn drive_images(
                 let clock = ThreadTime::now();
                 run.estimator.track_images(log);
                 run.tracking_s += clock.elapsed().as_secs_f64();
-                run.take_updates(watch);
+                stopped.set(run.take_updates(watch).is_break());
             }
         }
         Ok(())
     })?;
+    if stopped.get() {
+        return Err(ClosedLoopError::RunStopped { sequence: recording.name.clone() });
+    }
     let images = log.finish(recording)?;
     Ok((run.finish(stamps), images))
 }
@@ -240,14 +249,15 @@ impl<'a> Run<'a> {
         pass_over_spikes(self.estimator.feed_imu(sample))
     }
 
-    /// Takes every update there is.
-    fn take_updates(&mut self, watch: &mut UpdateWatch<'_>) {
+    /// Takes every update there is, until `watch` wants no more.
+    fn take_updates(&mut self, watch: &mut UpdateWatch<'_>) -> ControlFlow<()> {
         loop {
             let clock = ThreadTime::now();
-            let Some(update) = self.estimator.next_update() else { break };
+            let Some(update) = self.estimator.next_update() else { return ControlFlow::Continue(()) };
             self.update_cpu_s.push(clock.elapsed().as_secs_f64());
-            watch(&update, self.estimator.window());
+            let wanted = watch(&update, self.estimator.window());
             self.updates.push(update);
+            wanted?;
         }
     }
 

@@ -1,5 +1,6 @@
 //! Why the loop was not closed.
 
+use super::source_error::SourceError;
 use crate::metrics::MetricsError;
 use crate::noise::NoiseError;
 use crate::stats::StatsError;
@@ -27,6 +28,9 @@ pub enum ClosedLoopError {
     /// A log that cannot be used.
     #[error(transparent)]
     Log(#[from] LogError),
+    /// A run that cannot be what was asked for.
+    #[error(transparent)]
+    Source(#[from] SourceError),
     /// A log with images, and nobody knows what camera took them.
     #[error("{}: no calibration of its camera: looked for sensor.yaml, cam0/sensor.yaml, mav0/cam0/sensor.yaml in its folder", path.display())]
     NoCalibration {
@@ -251,6 +255,12 @@ pub enum ClosedLoopError {
         /// What is wrong.
         message: String,
     },
+    /// Who looked on wanted no more.
+    #[error("{sequence}: the run was stopped")]
+    RunStopped {
+        /// The sequence.
+        sequence: String,
+    },
     /// Stopped from outside; what is finished is kept.
     #[error("stopped after {done} of {total} cells")]
     Stopped {
@@ -281,6 +291,7 @@ impl ClosedLoopError {
         match self {
             Self::Io(error) => error.hint(),
             Self::Log(error) => error.hint(),
+            Self::Source(error) => Some(error.hint().into()),
             Self::Calibration(error) => error.hint(),
             Self::NoCalibration { .. } => {
                 Some("name it with --calib, or put a cam0/sensor.yaml as EuRoC's beside the log".into())

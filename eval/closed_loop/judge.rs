@@ -84,14 +84,12 @@ impl Errors {
         for (value, step) in errors.rpe.iter_mut().zip(RpeStep::USUAL) {
             *value = rpe(&pairs, step, RPE_TOLERANCE)?.map(|rpe| rpe.translation.rmse);
         }
-        let anchor = match anchor {
-            Some(anchor) => {
-                associate_interpolated(&track, std::slice::from_ref(anchor))?.pairs.first().copied()
-            }
-            None => None,
-        };
         if let Some(covariances) = covariances {
-            errors.nees = all_nees(&pairs, covariances, anchor)?;
+            errors.nees = match all_nees(&track, &pairs, covariances, anchor) {
+                // A mean over the others would be about another run.
+                Err(MetricsError::NotPositiveDefinite { .. }) => None,
+                nees => Some(nees?),
+            };
         }
         Ok(errors)
     }
@@ -121,20 +119,38 @@ fn determined<T>(figure: Result<T, MetricsError>) -> Result<Option<T>, MetricsEr
     }
 }
 
-/// Of all poses. The anchor fixes the gauge; without one the first pose does and is left out. None where a covariance is not positive
-/// definite: a mean over the others would be about another run.
+/// NEES of a run's poses: those of `estimate` that have a truth, under covariances about `anchor`, or about the first pose, which is left out then.
+///
+/// # Errors
+/// Truth or estimate that are no trajectories; fewer than two poses with a truth; as [`nees`].
+pub fn run_nees(
+    truth: &[StampedPose],
+    estimate: &[StampedPose],
+    covariances: &[Matrix6<f64>],
+    anchor: Option<&StampedPose>,
+) -> Result<Vec<PoseNees>, MetricsError> {
+    let track = truth_track(truth)?;
+    let pairs = associate_interpolated(&track, estimate)?.pairs;
+    if pairs.len() < 2 {
+        return Err(MetricsError::TooFewPairs { what: "NEES", needed: 2, found: pairs.len() });
+    }
+    all_nees(&track, &pairs, covariances, anchor)
+}
+
+/// Of all poses. The anchor fixes the gauge; without one, or without a truth there, the first pose does and is left out.
 fn all_nees(
+    track: &TruthTrack<'_>,
     pairs: &[PosePair],
     covariances: &[Matrix6<f64>],
-    anchor: Option<PosePair>,
-) -> Result<Option<Vec<PoseNees>>, MetricsError> {
+    anchor: Option<&StampedPose>,
+) -> Result<Vec<PoseNees>, MetricsError> {
+    let anchor = match anchor {
+        Some(anchor) => associate_interpolated(track, std::slice::from_ref(anchor))?.pairs.first().copied(),
+        None => None,
+    };
     let (first, rest) = pairs.split_first().expect("too few pairs were left out before");
     let (gauge, judged) = anchor.as_ref().map_or((first, rest), |anchor| (anchor, pairs));
-    match nees(judged, covariances, &start_alignment(gauge)) {
-        Ok(nees) => Ok(Some(nees)),
-        Err(MetricsError::NotPositiveDefinite { .. }) => Ok(None),
-        Err(error) => Err(error),
-    }
+    nees(judged, covariances, &start_alignment(gauge))
 }
 
 fn mean(nees: Option<&Vec<PoseNees>>, part: impl Fn(&PoseNees) -> f64) -> Option<f64> {

@@ -8,7 +8,7 @@ use super::frame_log::{FrameLog, SeenFrame};
 use super::image_report::{ImageEvent, ImageReport};
 use super::judge::{RunInfo, judge, noise_rms};
 use super::recording::{Recording, Span};
-use super::row::Row;
+use super::row::{Row, TruthKind};
 use super::tracking::CameraInput;
 use crate::noise::{Fresh, Recorded};
 use dpn_core::check::{CheckOptions, RecordingFault, check};
@@ -22,7 +22,9 @@ use dpn_vio::diagnosis::{Axes, TrackHealth};
 use dpn_vio::estimator::{FrontEndObserver, Phase};
 use nalgebra::Vector3;
 use serde::Serialize;
+use serde_json::Value;
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 /// Median length of the specific force of a flight \[m/s^2\]; outside, units or axes are not what they should be.
@@ -43,6 +45,22 @@ pub struct JudgedRun {
     pub noise: Arc<NoiseTrack>,
     /// The frames that were run.
     pub frames: Vec<SeenFrame>,
+}
+
+impl JudgedRun {
+    /// What `dpn run --json` prints; `program` says which build, `input` has the checksum of what was read where it was read from files.
+    pub fn json(
+        &self,
+        program: &str,
+        estimator: &EstimatorConfig,
+        input: Option<&str>,
+        (camera_is_simulated, truth): (bool, TruthKind),
+    ) -> Value {
+        serde_json::json!({
+            "program": program, "estimator": estimator, "input": input, "camera_is_simulated": camera_is_simulated,
+            "truth": truth, "report": self.report,
+        })
+    }
 }
 
 /// What is said of a run.
@@ -80,13 +98,21 @@ pub fn judged_run(
     networks: &[Network],
     observer: &mut dyn FrontEndObserver,
 ) -> Result<JudgedRun, ClosedLoopError> {
-    watched_run(config, recording, camera, noise, info, networks, (observer, &mut |_, _| {}))
+    watched_run(
+        config,
+        recording,
+        camera,
+        noise,
+        info,
+        networks,
+        (observer, &mut |_, _| ControlFlow::Continue(())),
+    )
 }
 
 /// [`judged_run`], whose updates somebody looks at too, each with the window it left.
 ///
 /// # Errors
-/// As [`judged_run`].
+/// As [`judged_run`]; a run that was not wanted any more.
 pub fn watched_run(
     config: &EstimatorConfig,
     recording: &Recording,

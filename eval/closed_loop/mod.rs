@@ -6,7 +6,7 @@
 //! * [`drive`] runs the estimator over one [`Recording`] with one noise track; [`judge`] makes a [`Row`] of what comes out.
 //! * [`Sweep`] runs all cells on all threads into a folder, which a later call goes on with. A cell is named by a checksum of all that its row is a
 //!   function of, so that nothing stale is ever taken for it; the folder has one writer at a time.
-//! * [`judged_run`] runs one recording and says everything of it.
+//! * [`RunSource`] says what a path or a name is; [`judged_run`] runs one recording and says everything of it.
 //! * [`consistency`] puts the NEES of many seeds together. What rows say of noises: [`crate::study`].
 
 mod camera_figures;
@@ -29,6 +29,8 @@ mod recording;
 mod rendered;
 mod row;
 mod sequence_set;
+mod source;
+mod source_error;
 mod states;
 mod store;
 mod sweep;
@@ -49,7 +51,7 @@ pub use error::ClosedLoopError;
 pub use frame_log::SeenFrame;
 pub use image_report::{FrontEndFigures, ImageEvent, ImageReport, PassedOver};
 pub use images::{ImageSource, ImageStream, has_images};
-pub use judge::{Errors, Judged, MAX_GAP_S, RunInfo, judge, paired};
+pub use judge::{Errors, Judged, MAX_GAP_S, RunInfo, judge, paired, run_nees};
 pub use judged_run::{JudgedRun, Report, judged_run, watched_run};
 pub use lens_error::{Matched, lens_error};
 pub use live::LiveRun;
@@ -58,6 +60,8 @@ pub use manifest::Manifest;
 pub use recording::{Recording, Span, StartAt, first_motion};
 pub use row::{CellKey, Failure, Restart, Row, StageSeconds, TruthKind};
 pub use sequence_set::{SequenceSet, TrackSource, path_config};
+pub use source::{Camera, RunSource};
+pub use source_error::SourceError;
 pub use states::ANCHOR;
 pub use states::write_states;
 pub use store::{Store, read_rows};

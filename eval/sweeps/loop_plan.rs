@@ -2,7 +2,9 @@
 
 use super::error::SweepError;
 use super::settings::Settings;
-use crate::closed_loop::{CellFiles, ImageSource, LoggedSequence, SequenceSet, StartAt, Sweep, TrackSource};
+use crate::closed_loop::{
+    Camera, CellFiles, ImageSource, LoggedSequence, SequenceSet, StartAt, Sweep, TrackSource,
+};
 use crate::injected::Injection;
 use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 use dpn_core::estimate::NoiseSpec;
@@ -14,19 +16,6 @@ use dpn_sim::{FlightConfig, RenderConfig};
 use dpn_vio::EstimatorConfig;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
-
-/// What the odometry sees.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Camera {
-    /// Camera tracks, given or made along the ground truth.
-    #[default]
-    Tracks,
-    /// The sequence's own images.
-    Images,
-    /// Images rendered along the ground truth while the odometry runs.
-    Rendered,
-}
 
 /// A closed loop: the keys are the flags of `dpn eval --closed-loop`, and their defaults are the same.
 #[derive(Debug, Clone, PartialEq, Deserialize)]

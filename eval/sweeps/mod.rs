@@ -29,7 +29,7 @@ pub use beat::Beat;
 pub use collect::{Collected, collect};
 pub use costs::{CellCost, CostOf, Costs};
 pub use error::{MissingShard, MixedShard, SweepError};
-pub use loop_plan::{Camera, LoopPlan, faults_of};
+pub use loop_plan::{LoopPlan, faults_of};
 pub use manifest::{Job, PlannedCell, SweepFolder, SweepManifest};
 pub use planning::{JobToPlan, PlanKind, Planned, Size, plan};
 pub use settings::Settings;

@@ -1,4 +1,4 @@
-"""How noisy an IMU is, from Python: logs into arrays, noise tracks, Allan deviations, findings.
+"""How noisy an IMU is, from Python: logs into arrays, noise tracks, Allan deviations, findings, networks, the odometry.
 
 SI units and radians; stamps are integer nanoseconds (``t_ns``) beside seconds since the first sample (``t``). Arrays are
 numpy's, C order; what comes in in another order or as another real type is copied once. Accelerometer first where six
@@ -10,23 +10,31 @@ columns hold both sensors. Every fault of what was given is a :class:`Error` tha
 >>> track.accel[-1]                         # m/s^2, standard deviation per sample    # doctest: +SKIP
 """
 
+from __future__ import annotations
+
 import json
 import os
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from . import _dpn, metrics
-from ._arrays import matrix, stamps
+from ._arrays import matrix, stamps, whole
 from ._dpn import Error, Recording, __version__, read
+from ._networks import Network, Sigma, Stream, Training, train
+from ._run import Run, run
+
+_dpn.code_is_in(_dpn.__file__)
 
 __all__ = [
-    "Error", "Flight", "Network", "NoiseTrack", "Recording", "__version__",
-    "allan", "check", "convert", "metrics", "noise", "read", "recording", "simulate",
+    "Error", "Flight", "Network", "NoiseTrack", "Recording", "Run", "Sigma", "Stream", "Training", "__version__",
+    "allan", "check", "convert", "metrics", "noise", "read", "recording", "run", "simulate", "train",
 ]
 
 
-def recording(t, gyro, accel) -> Recording:
+def recording(t: ArrayLike, gyro: ArrayLike, accel: ArrayLike) -> Recording:
     """A recording of arrays.
 
     Shapes: ``t`` (n,), int64 nanoseconds or float seconds; ``gyro`` (n, 3) rad/s; ``accel`` (n, 3) m/s^2, body frame,
@@ -38,7 +46,7 @@ def recording(t, gyro, accel) -> Recording:
     return _dpn.from_arrays(t_ns, matrix("gyro", gyro, 3, len(t_ns)), matrix("accel", accel, 3, len(t_ns)))
 
 
-def _recording(log) -> Recording:
+def _recording(log: Recording | str | os.PathLike[str]) -> Recording:
     if isinstance(log, Recording):
         return log
     if isinstance(log, (str, os.PathLike)):
@@ -56,34 +64,42 @@ class NoiseTrack:
     ``summary`` the figures of ``dpn noise --json``.
     """
 
-    t_ns: np.ndarray
-    sigma: np.ndarray
-    windows: np.ndarray
-    outside: np.ndarray
-    summary: dict
+    t_ns: NDArray[np.int64]
+    sigma: NDArray[np.float64]
+    windows: NDArray[np.uint64]
+    outside: NDArray[np.uint64]
+    summary: dict[str, Any]
 
     @property
-    def t(self) -> np.ndarray:
+    def t(self) -> NDArray[np.float64]:
         """(n,) seconds since the first row."""
-        return (self.t_ns - self.t_ns[0]) * 1e-9
+        seconds: NDArray[np.float64] = (self.t_ns - self.t_ns[0]) * 1e-9
+        return seconds
 
     @property
-    def accel(self) -> np.ndarray:
+    def accel(self) -> NDArray[np.float64]:
         """(n, 3) accelerometer [m/s^2], a view."""
         return self.sigma[:, :3]
 
     @property
-    def gyro(self) -> np.ndarray:
+    def gyro(self) -> NDArray[np.float64]:
         """(n, 3) gyroscope [rad/s], a view."""
         return self.sigma[:, 3:]
 
     @property
-    def in_range(self) -> np.ndarray:
+    def in_range(self) -> NDArray[np.bool_]:
         """(n,) whether no window since the row before was outside the training."""
-        return ~self.outside.any(axis=1)
+        inside: NDArray[np.bool_] = np.logical_not(self.outside.any(axis=1))
+        return inside
 
 
-def noise(log, model=None, *, every=10, weights=None) -> NoiseTrack:
+def noise(
+    log: Recording | str | os.PathLike[str],
+    model: str | None = None,
+    *,
+    every: int = 10,
+    weights: str | os.PathLike[str] | None = None,
+) -> NoiseTrack:
     """The noise along ``log`` (a :class:`Recording` or a path), as ``dpn noise`` finds it.
 
     ``model``: a spec as on the command line (``"dualpronet"``, ``"diff2"``, ``"sg(11,2)"``, ``"x2"``); without it the shipped
@@ -92,13 +108,11 @@ def noise(log, model=None, *, every=10, weights=None) -> NoiseTrack:
 
     Raises :class:`Error`: an unknown or non-causal spec, a rate the networks do not know, a log shorter than a window.
     """
-    if isinstance(every, bool) or not isinstance(every, (int, np.integer)) or not 1 <= every <= 1_000_000:
-        raise Error(f"every: {every!r}; expected an integer from 1 to 1000000")
-    t_ns, sigma, windows, outside, summary = _dpn.noise(_recording(log), model, int(every), weights)
+    t_ns, sigma, windows, outside, summary = _dpn.noise(_recording(log), model, whole("every", every, 1, 1_000_000), weights)
     return NoiseTrack(t_ns, sigma, windows, outside, json.loads(summary))
 
 
-def allan(log, *, all=False) -> dict:
+def allan(log: Recording | str | os.PathLike[str], *, all: bool = False) -> dict[str, Any]:
     """Allan deviation of ``log``'s longest stretch at rest, or with ``all`` of the whole, as ``dpn allan --json``.
 
     Keys: ``log`` (axes with deviations, their intervals and fitted coefficients), ``figures`` (densities and walks, SI).
@@ -106,15 +120,24 @@ def allan(log, *, all=False) -> dict:
 
     Raises :class:`Error`: not at rest, too short.
     """
-    return json.loads(_dpn.allan(_recording(log), all))
+    found: dict[str, Any] = json.loads(_dpn.allan(_recording(log), all))
+    return found
 
 
-def check(log) -> dict:
+def check(log: Recording | str | os.PathLike[str]) -> dict[str, Any]:
     """What is wrong with ``log``, as ``dpn check --json``: ``findings`` with ``weight``, ``about``, ``text``, ``remedy``, and more."""
-    return json.loads(_dpn.check(_recording(log)))
+    found: dict[str, Any] = json.loads(_dpn.check(_recording(log)))
+    return found
 
 
-def convert(path, to, *, from_format=None, rate=None, to_rate=None) -> dict:
+def convert(
+    path: str | os.PathLike[str],
+    to: str,
+    *,
+    from_format: str | None = None,
+    rate: float | None = None,
+    to_rate: float | None = None,
+) -> dict[str, Any]:
     """One program's noise figures as another's, as ``dpn noise convert --json``.
 
     ``path``: YAML or JSON; ``to``, ``from_format``: kalibr, openvins, orbslam3, okvis2, basalt, vins, ros, variances, ...;
@@ -122,7 +145,8 @@ def convert(path, to, *, from_format=None, rate=None, to_rate=None) -> dict:
 
     Raises :class:`Error`: a file or format that is not known, a rate that is needed and not given.
     """
-    return json.loads(_dpn.convert(path, to, from_format, rate, to_rate))
+    found: dict[str, Any] = json.loads(_dpn.convert(path, to, from_format, rate, to_rate))
+    return found
 
 
 @dataclass(frozen=True)
@@ -135,43 +159,14 @@ class Flight:
     """
 
     recording: Recording
-    sigma: np.ndarray
-    position: np.ndarray
-    orientation: np.ndarray
+    sigma: NDArray[np.float64]
+    position: NDArray[np.float64]
+    orientation: NDArray[np.float64]
 
 
-def simulate(flight, *, seed=0) -> Flight:
+def simulate(flight: str, *, seed: int = 0) -> Flight:
     """Flies ``flight`` (a name of ``dpn simulate flight --list``); the same seed gives the same bits.
 
     Raises :class:`Error`: a flight that is not known.
     """
-    return Flight(*_dpn.simulate(flight, seed))
-
-
-class Network:
-    """A trained network of one sensor: ``sensor`` ("accel" or "gyro"), ``tag``, ``rate`` [Hz], ``window`` [samples]."""
-
-    def __init__(self, inner):
-        self._inner = inner
-        self.sensor, self.tag, self.rate, self.window = inner.sensor, inner.tag, inner.rate, inner.window
-
-    @classmethod
-    def load(cls, path) -> "Network":
-        """Of a ``.safetensors`` file. Raises :class:`Error` where it is no network."""
-        return cls(_dpn.Network.load(path))
-
-    @classmethod
-    def shipped(cls) -> "list[Network]":
-        """Those that come with the package."""
-        return [cls(inner) for inner in _dpn.Network.shipped()]
-
-    def predict(self, windows) -> np.ndarray:
-        """The deviation of each window.
-
-        Shapes: ``windows`` (b, window) of one axis, m/s^2 or rad/s, taken as float32; result (b,) float32, the same unit.
-        The GIL is released. Raises :class:`Error`: another shape or type, NaN or infinity.
-        """
-        return self._inner.predict(matrix("windows", windows, self.window, dtype=np.float32))
-
-    def __repr__(self):
-        return repr(self._inner)
+    return Flight(*_dpn.simulate(flight, whole("seed", seed, 0, 2**64 - 1)))

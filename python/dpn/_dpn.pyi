@@ -1,13 +1,20 @@
 from os import PathLike
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = [
+    "DEFAULT_TAG", "Error", "Network", "Recording", "Stream", "__version__", "allan", "check", "code_is_in", "convert",
+    "from_arrays", "main", "noise", "read", "run_arrays", "run_source", "simulate", "train", "trajectory_errors",
+    "trajectory_nees",
+]
 __version__: str
+DEFAULT_TAG: str
 
 class Error(ValueError): ...
 
+@final
 class Recording:
     """A log's samples: stamps, gyroscope, accelerometer as read-only arrays, made at the first question and kept."""
 
@@ -27,6 +34,7 @@ class Recording:
     def warnings(self) -> list[str]: ...
     def __len__(self) -> int: ...
 
+@final
 class Network:
     @staticmethod
     def load(path: str | PathLike[str]) -> Network: ...
@@ -41,6 +49,12 @@ class Network:
     @property
     def window(self) -> int: ...
     def predict(self, windows: NDArray[np.float32]) -> NDArray[np.float32]: ...
+
+@final
+class Stream:
+    def __new__(cls, accel: Network, gyro: Network, every: int) -> Stream: ...
+    def feed(self, t_ns: int, gyro: list[float], accel: list[float]) -> None: ...
+    def sigma(self) -> tuple[list[float], list[float], bool, list[bool], bool]: ...
 
 def read(
     path: str | PathLike[str],
@@ -63,4 +77,20 @@ def trajectory_errors(
     true_t_ns: Any, true_poses: Any, est_t_ns: Any, est_poses: Any,
     alignment: str, max_diff_s: float, step_m: float | None, step_s: float | None,
 ) -> str: ...
+def trajectory_nees(
+    true_t_ns: Any, true_poses: Any, est_t_ns: Any, est_poses: Any, covariances: Any, anchor: Any,
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]: ...
+def run_source(
+    asked: dict[str, Any], source: str, camera: str | None, tracks: str | None, truth: str | None, skip_missing: bool,
+    topic: str | None, image_topic: str | None,
+) -> dict[str, Any]: ...
+def run_arrays(
+    asked: dict[str, Any], name: str, samples: Recording, frame_t_ns: NDArray[np.int64], ids: NDArray[np.uint64],
+    px: NDArray[np.float64], truth: Any,
+) -> dict[str, Any]: ...
+def train(
+    data: str | None, recordings: list[tuple[str, Recording]], sensor: str, out: str, config_file: str | None,
+    config_text: str, resume: bool, progress: Any,
+) -> tuple[str | PathLike[str], str]: ...
+def code_is_in(file: str) -> None: ...
 def main(args: list[str]) -> int: ...

@@ -7,8 +7,13 @@ mod metrics;
 mod network;
 mod noise_formats;
 mod probe;
+mod progress;
 mod recording;
+mod run;
+mod run_result;
 mod simulate;
+mod stream;
+mod train;
 
 use pyo3::prelude::*;
 
@@ -18,7 +23,7 @@ mod _dpn {
     #[pymodule_export]
     use crate::error::Error;
     #[pymodule_export]
-    use crate::metrics::trajectory_errors;
+    use crate::metrics::{trajectory_errors, trajectory_nees};
     #[pymodule_export]
     use crate::network::Network;
     #[pymodule_export]
@@ -28,7 +33,13 @@ mod _dpn {
     #[pymodule_export]
     use crate::recording::{Recording, from_arrays, read};
     #[pymodule_export]
+    use crate::run::{run_arrays, run_source};
+    #[pymodule_export]
     use crate::simulate::simulate;
+    #[pymodule_export]
+    use crate::stream::Stream;
+    #[pymodule_export]
+    use crate::train::train;
     use pyo3::prelude::*;
 
     /// Runs the command line; gives the exit code.
@@ -37,8 +48,15 @@ mod _dpn {
         py.detach(|| dpn_program::main_with(args))
     }
 
+    /// Says where this module's file is, which it does not know by itself.
+    #[pyfunction]
+    fn code_is_in(file: std::path::PathBuf) {
+        dpn_program::code_is_in(file);
+    }
+
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("DEFAULT_TAG", dpn_core::estimate::DEFAULT_TAG)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 /// A trained network of one sensor.
 #[pyclass(frozen, module = "dpn._dpn")]
 pub(crate) struct Network {
-    inner: network::Network,
+    pub(crate) inner: network::Network,
 }
 
 #[pymethods]

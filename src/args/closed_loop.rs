@@ -1,7 +1,7 @@
 //! What is said of a closed loop: sequences, tracks, noises, seeds, the estimator.
 
 use clap::{Args, ValueEnum};
-use dpn_eval::closed_loop::StartAt;
+use dpn_eval::closed_loop::{Camera, StartAt};
 use std::path::PathBuf;
 
 /// What the odometry sees.
@@ -13,6 +13,16 @@ pub(crate) enum CameraArg {
     Images,
     /// Images rendered along the ground truth while the odometry runs.
     Rendered,
+}
+
+impl From<CameraArg> for Camera {
+    fn from(arg: CameraArg) -> Self {
+        match arg {
+            CameraArg::Tracks => Self::Tracks,
+            CameraArg::Images => Self::Images,
+            CameraArg::Rendered => Self::Rendered,
+        }
+    }
 }
 
 /// Flags of `dpn eval --closed-loop`.

@@ -1,13 +1,13 @@
 //! `dpn eval --closed-loop`.
 
 use super::{cache, cores, program, settings, shipped, stop};
-use crate::args::{CameraArg, EvalArgs};
+use crate::args::EvalArgs;
 use crate::ui::{Bar, Interrupted, errln, out, outln};
 use anyhow::Result;
 use dpn_core::estimate::parse_list;
 use dpn_eval::closed_loop::{ClosedLoopError, Consistency, Manifest, Row, Sweep, consistency};
 use dpn_eval::study::{MARGIN, RowSet, Study, StudyFile};
-use dpn_eval::sweeps::{Camera, LoopPlan};
+use dpn_eval::sweeps::LoopPlan;
 use dpn_io::{FolderLock, atomic_write};
 use dpn_papers::tables;
 use std::path::{Path, PathBuf};
@@ -50,11 +50,7 @@ fn plan(args: &EvalArgs) -> Result<LoopPlan> {
     Ok(LoopPlan {
         data: args.data.clone(),
         models: args.models.clone(),
-        camera: match closed.camera {
-            CameraArg::Tracks => Camera::Tracks,
-            CameraArg::Images => Camera::Images,
-            CameraArg::Rendered => Camera::Rendered,
-        },
+        camera: closed.camera.into(),
         tracks: closed.tracks.clone(),
         truth: closed.truth.clone(),
         skip_missing: closed.skip_missing,

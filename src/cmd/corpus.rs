@@ -18,13 +18,10 @@ pub(crate) fn load(dir: Option<&Path>) -> Result<Vec<Corpus>> {
     }
 }
 
-/// The collection that is trained on: the first with sequences to train on.
-pub(crate) fn to_train(mut corpora: Vec<Corpus>) -> Result<Corpus> {
-    let place = corpora.iter().position(|corpus| !corpus.side(Side::Train).is_empty()).unwrap_or(0);
-    if corpora.is_empty() {
-        return Err(Fault::new("the data hold no sequence").into());
-    }
-    Ok(corpora.swap_remove(place))
+/// The collection that is trained on.
+pub(crate) fn to_train(corpora: Vec<Corpus>) -> Result<Corpus> {
+    let chosen = dpn_train::corpus::to_train(corpora);
+    Ok(chosen.ok_or_else(|| Fault::new("the data hold no sequence"))?)
 }
 
 /// The simulated flights of `seed`.

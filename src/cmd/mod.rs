@@ -35,7 +35,9 @@ mod train;
 mod truth;
 
 use crate::args::{Cli, Command};
-use program::{program, program_of};
+pub(crate) use program::code_is_in;
+pub(crate) use program::program;
+use program::program_of;
 pub(crate) use shipped::networks as shipped;
 
 /// Runs what was typed.

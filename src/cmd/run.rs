@@ -1,29 +1,27 @@
 //! `dpn run`.
 
-use super::tracks::truth_of_a_flight;
 use super::{foxglove, live, program, rerun, settings, shipped};
-use crate::args::{CameraArg, RunArgs};
-use crate::ui::{Fault, errln, out, outln};
+use crate::args::RunArgs;
+use crate::ui::{errln, out, outln};
 use anyhow::Result;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::{GrayImage, Stamp};
+use dpn_eval::closed_loop::{
+    Camera, JudgedRun, Recording, Report, RunInfo, RunSource, SequenceSet, Span, UpdateWatch, paired,
+    watched_run, write_states,
+};
 #[cfg(feature = "rerun")]
 use dpn_eval::closed_loop::{CameraInput, frames_from};
-use dpn_eval::closed_loop::{
-    ImageSource, JudgedRun, LoggedSequence, Recording, Report, RunInfo, SequenceSet, Span, TrackSource,
-    UpdateWatch, has_images, paired, watched_run, write_states,
-};
 use dpn_eval::metrics::{AlignmentKind, PosePair, RPE_TOLERANCE, RpeSpec, align, rpe_by};
 use dpn_figures::save;
 use dpn_figures::{Album, timeline, top_view};
-use dpn_io::asl::{Sequence, is_there};
 use dpn_io::calibration::Calibration;
 use dpn_io::{atomic_write, write_kitti, write_noise_track, write_tum};
 use dpn_logs::{ImageLogOptions, LogOptions};
-use dpn_sim::Flight;
 use dpn_vio::estimator::{FrontEndObserver, Update};
 use dpn_vio::frontend::Fed;
 use dpn_vio::window::Window;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 pub(crate) fn run(args: &RunArgs) -> Result<()> {
@@ -69,6 +67,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         if let Some(scene) = &scene {
             scene.update(_update, _window);
         }
+        ControlFlow::Continue(())
     };
     let watchers: (&mut dyn FrontEndObserver, _) = (&mut images, &mut watch as &mut UpdateWatch<'_>);
     let done = watched_run(&estimator, &recording, camera, &noise, info, &networks, watchers)?;
@@ -78,10 +77,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         Some(truth) if !poses.is_empty() => paired(truth, &poses)?,
         _ => Vec::new(),
     };
-    let mut report = serde_json::json!({
-        "program": program(), "estimator": estimator, "input": source.checksum(place)?,
-        "camera_is_simulated": source.camera_is_simulated(), "truth": source.truth(), "report": done.report,
-    });
+    let origin = (source.camera_is_simulated(), source.truth());
+    let mut report = done.json(&program(), &estimator, Some(&source.checksum(place)?), origin);
     if !args.rpe.is_empty() {
         report["rpe"] = relative_errors(&args.rpe, &pairs)?;
     }
@@ -135,70 +132,20 @@ impl FrontEndObserver for Lookers<'_> {
     }
 }
 
-/// A folder is a sequence, a bag or a folder with `times.txt` a log with images, anything else a flight.
+/// What was typed, as a sequence and its place in its set.
 fn open(args: &RunArgs, given: Option<Calibration>) -> Result<(SequenceSet, usize)> {
-    let dir = Path::new(&args.source);
-    let made = TrackSource::Simulated(settings::tracks(&args.settings, given.as_ref())?);
-    let seen = TrackSource::Images(ImageSource::Folder { skip_missing: args.skip_missing });
-    let images = settings::images(&args.settings, given.as_ref())?;
-    let rendered = TrackSource::Images(ImageSource::Rendered(Box::new(images)));
-    if let Some(log) = LoggedSequence::find(dir, image_log(args), given.as_ref())? {
-        let other = args.camera.is_some_and(|camera| camera != CameraArg::Images);
-        if other || args.tracks.is_some() {
-            let text = format!("{} is a log with images: its camera is its own", args.source);
-            return Err(Fault::new(text).hint("leave --camera and --tracks away").into());
-        }
-        let log = match &args.truth {
-            Some(file) => log.with_truth(file)?,
-            None => log,
-        };
-        return Ok((SequenceSet::logged(log, args.skip_missing), 0));
-    }
-    let of_logs = [("--image-topic", args.log.image_topic.is_some()), ("--topic", args.log.topic.is_some())];
-    if let Some((flag, _)) = of_logs.iter().find(|(_, given)| *given) {
-        let text = format!("{flag} is for logs with images; `{}` is none", args.source);
-        return Err(Fault::new(text)
-            .hint("give a rosbag1, MCAP, rosbag2 or a folder with times.txt, or leave it away")
-            .into());
-    }
-    if dir.exists() || is_there(dir) {
-        let tracks = match (args.camera, &args.tracks) {
-            (Some(CameraArg::Images | CameraArg::Rendered), Some(_)) => {
-                return Err(Fault::new("--tracks and --camera images or rendered ask for two things")
-                    .hint("leave one of them away")
-                    .into());
-            }
-            (_, Some(tracks)) => TrackSource::File(tracks.clone()),
-            (Some(CameraArg::Images), None) => seen,
-            (Some(CameraArg::Rendered), None) => rendered,
-            (Some(CameraArg::Tracks), None) => made,
-            (None, None) if has_images(&Sequence::open(dir)?)? => seen,
-            (None, None) => made,
-        };
-        let set = SequenceSet::one(dir, tracks)?.with_calibration(given);
-        return Ok((set.with_reconciled_truth(args.truth.as_deref()), 0));
-    }
-    if args.camera == Some(CameraArg::Images) {
-        let remedy = "leave --camera away, render some with --camera rendered, or name a folder";
-        return Err(Fault::new("a flight has no folder of images").hint(remedy).into());
-    }
-    let flight: Flight = args.source.parse().map_err(|unknown| {
-        let remedy = "name a folder with an ASL sequence, or a flight of `dpn simulate flight --list`";
-        Fault::new(format!("there is no folder `{}`, and {unknown}", args.source)).hint(remedy)
-    })?;
-    if args.truth.is_some() {
-        return Err(truth_of_a_flight().into());
-    }
-    if args.tracks.is_some() {
-        let remedy = "write it with `dpn simulate flight` and name the folder";
-        return Err(Fault::new("--tracks is for a folder; a flight's tracks are made with it")
-            .hint(remedy)
-            .into());
-    }
-    let tracks = if args.camera == Some(CameraArg::Rendered) { rendered } else { made };
-    let source = SequenceSet::Flights { config: settings::flights(&args.settings)?, tracks };
-    let place = Flight::ALL.iter().position(|f| *f == flight).expect("`ALL` holds every flight");
-    Ok((source, place))
+    let source = RunSource {
+        source: args.source.clone(),
+        camera: args.camera.map(Camera::from),
+        tracks: args.tracks.clone(),
+        truth: args.truth.clone(),
+        log: image_log(args),
+        simulated_tracks: settings::tracks(&args.settings, None)?,
+        images: settings::images(&args.settings, None)?,
+        flights: settings::flights(&args.settings)?,
+        calibration: None,
+    };
+    Ok(source.with_calibration(given)?.open()?)
 }
 
 /// What was typed about a log with images.

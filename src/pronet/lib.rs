@@ -63,6 +63,7 @@ mod processor;
 pub mod range;
 pub mod shape;
 pub mod store;
+pub mod stream;
 pub mod weights;
 
 pub use adam::{Adam, AdamConfig};
@@ -74,6 +75,7 @@ pub use module::ProNet;
 pub use predictor::Predictor;
 pub use processor::processor;
 pub use store::StoreError;
+pub use stream::{SampleStream, StreamError, StreamSigma};
 pub use weights::{Card, Weights};
 
 /// The crate's README, whose example is a test.

@@ -182,6 +182,6 @@ fn the_odometry_runs_on_images_that_are_rendered_meanwhile_as_on_those_written_b
     command.arg("run").arg(excerpt()).args(["--camera", "rendered", "--tracks", "x.txt"]);
     end(&mut command).refused(
         tmp.path(),
-        "error: --tracks and --camera images or rendered ask for two things\n\nhint: leave one of them away",
+        "error: `tracks` and `camera` images or rendered ask for two things\n\nhint: leave one of them away",
     );
 }

@@ -1,0 +1,34 @@
+"""The notebook's source runs on another log, and the notebook is that source's."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+from conftest import ROOT
+
+EXAMPLES = ROOT / "python/examples"
+
+
+def test_the_source_runs_on_any_log(flight):
+    pytest.importorskip("matplotlib")
+    environment = {**os.environ, "DPN_LOG": str(flight[0]), "MPLBACKEND": "Agg"}
+    done = subprocess.run([sys.executable, EXAMPLES / "noise_of_a_log.py"], capture_output=True, text=True, env=environment)
+    assert done.returncode == 0, done.stderr
+    assert "moving" in done.stdout and "accelerometer_noise_density" in done.stdout
+
+
+def test_the_notebook_is_the_sources_executed_small_and_without_a_fault():
+    pytest.importorskip("nbformat")
+    sys.path.insert(0, str(EXAMPLES))
+    from make_notebook import cells
+
+    path = EXAMPLES / "noise_of_a_log.ipynb"
+    notebook = json.loads(path.read_text())
+    assert path.stat().st_size < 300_000
+    source = cells((EXAMPLES / "noise_of_a_log.py").read_text())
+    assert ["".join(cell["source"]) for cell in notebook["cells"]] == [cell["source"] for cell in source]
+    outputs = [out for cell in notebook["cells"] for out in cell.get("outputs", [])]
+    assert any("image/svg+xml" in out.get("data", {}) for out in outputs)
+    assert not any(out["output_type"] == "error" or out.get("name") == "stderr" for out in outputs)

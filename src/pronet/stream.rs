@@ -1,0 +1,181 @@
+//! Both networks beside running samples, with what a program that weighs its measurements by them must know: whether there is an answer yet, whether it is
+//! extrapolated, whether samples come at the networks' rate. What C and Python call a stream.
+
+use crate::model::DualProNet;
+use dpn_core::{ImuNoise, ImuSample, NoiseModel, Sensor, Stamp};
+use thiserror::Error;
+
+/// A rate further off than this share is another rate.
+const RATE_TOLERANCE: f64 = 0.05;
+/// The rate is that of so many seconds' samples.
+const RATE_OVER_S: f64 = 1.0;
+
+/// A sample that is not taken; it changes nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum StreamError {
+    /// Not later than the last.
+    #[error("`t_ns` is {t_ns} after {last_ns}; stamps must increase")]
+    NotIncreasing {
+        /// Its stamp.
+        t_ns: i64,
+        /// The last one's.
+        last_ns: i64,
+    },
+    /// A value that is no number.
+    #[error("the sample of {t_ns} ns has a value that is not finite")]
+    NotFinite {
+        /// Its stamp.
+        t_ns: i64,
+    },
+}
+
+/// How noisy the IMU is at the newest sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StreamSigma {
+    /// Deviations of one sample; VINS-Mono's constants until they are known.
+    pub noise: ImuNoise,
+    /// Whether both networks have seen a full window.
+    pub known: bool,
+    /// Whether the last window was unlike all of the training on any axis, accelerometer and gyroscope: its deviations are extrapolated.
+    pub out_of_range: [bool; 2],
+    /// Whether samples come at a rate more than 5 % off the networks'; nothing is resampled.
+    pub wrong_rate: bool,
+}
+
+/// A pair of networks that is fed samples.
+#[derive(Debug)]
+pub struct SampleStream {
+    networks: DualProNet,
+    noise: ImuNoise,
+    last: Option<Stamp>,
+    /// Where the present count of samples began, and how many came since.
+    counted: (Stamp, u32),
+    wrong_rate: bool,
+    /// Windows judged so far and those out of range, accelerometer and gyroscope.
+    judged: [(u64, u64); 2],
+    out_of_range: [bool; 2],
+}
+
+impl SampleStream {
+    /// Of networks that have seen nothing.
+    pub fn new(networks: DualProNet) -> Self {
+        Self {
+            networks,
+            noise: ImuNoise::baseline(),
+            last: None,
+            counted: (Stamp::from_ns(0), 0),
+            wrong_rate: false,
+            judged: [(0, 0); 2],
+            out_of_range: [false; 2],
+        }
+    }
+
+    /// Takes the next sample.
+    ///
+    /// # Errors
+    /// One that is not later than the last, or not finite.
+    pub fn feed(&mut self, sample: ImuSample) -> Result<(), StreamError> {
+        let t_ns = sample.t.ns();
+        if let Some(last) = self.last.filter(|last| sample.t <= *last) {
+            return Err(StreamError::NotIncreasing { t_ns, last_ns: last.ns() });
+        }
+        if !sample.is_finite() {
+            return Err(StreamError::NotFinite { t_ns });
+        }
+        self.rate(sample.t);
+        self.last = Some(sample.t);
+        self.noise = self.networks.feed(&sample);
+        for (k, sensor) in Sensor::ALL.into_iter().enumerate() {
+            let count = self.networks.range_count(sensor);
+            let (windows, outside) = self.judged[k];
+            if count.windows > windows {
+                self.out_of_range[k] = count.outside > outside;
+                self.judged[k] = (count.windows, count.outside);
+            }
+        }
+        Ok(())
+    }
+
+    /// Counts samples by the second.
+    fn rate(&mut self, t: Stamp) {
+        let (from, count) = &mut self.counted;
+        if self.last.is_none() {
+            *from = t;
+            return;
+        }
+        *count += 1;
+        let seconds = t.seconds_since(*from);
+        if seconds >= RATE_OVER_S {
+            let share = f64::from(*count) / seconds / self.networks.trained_rate().hz();
+            self.wrong_rate = (share - 1.0).abs() > RATE_TOLERANCE;
+            self.counted = (t, 0);
+        }
+    }
+
+    /// How noisy the IMU is at the newest sample.
+    pub fn sigma(&self) -> StreamSigma {
+        StreamSigma {
+            noise: self.noise,
+            known: self.judged.iter().all(|(windows, _)| *windows > 0),
+            out_of_range: self.out_of_range,
+            wrong_rate: self.wrong_rate,
+        }
+    }
+}
+
+#[cfg(all(test, feature = "train"))]
+mod tests {
+    use super::*;
+    use crate::config::ProNetConfig;
+    use crate::init::initial_parameters;
+    use crate::weights::{Card, Weights};
+    use dpn_core::random;
+
+    const WINDOW: usize = 40;
+
+    fn stream() -> SampleStream {
+        let weights = |sensor| {
+            let config = ProNetConfig { window: WINDOW, ..ProNetConfig::for_sensor(sensor) };
+            let flat = initial_parameters(&config, &random::Stream::new(1));
+            Weights::new(&config, flat, Card::default())
+        };
+        SampleStream::new(DualProNet::new("p", &weights(Sensor::Accel), &weights(Sensor::Gyro), 10).unwrap())
+    }
+
+    fn sample(t_ns: i64) -> ImuSample {
+        let value = (t_ns / 5_000_000 % 7) as f64 * 0.01;
+        ImuSample { t: Stamp::from_ns(t_ns), gyro: [value; 3], accel: [value, 0.0, 9.81] }
+    }
+
+    #[test]
+    fn a_refused_sample_changes_nothing_and_the_first_full_window_is_known() {
+        let (mut one, mut other) = (stream(), stream());
+        for i in 0..WINDOW as i64 {
+            assert!(!one.sigma().known && one.sigma().noise == ImuNoise::baseline());
+            let good = sample(5_000_000 * i);
+            one.feed(good).unwrap();
+            other.feed(good).unwrap();
+            let nan = ImuSample { gyro: [f64::NAN; 3], ..sample(5_000_000 * i + 1) };
+            assert_eq!(other.feed(nan), Err(StreamError::NotFinite { t_ns: 5_000_000 * i + 1 }));
+            let again = StreamError::NotIncreasing { t_ns: good.t.ns(), last_ns: good.t.ns() };
+            assert_eq!(other.feed(good), Err(again));
+        }
+        assert!(one.sigma().known && one.sigma().noise != ImuNoise::baseline());
+        assert_eq!(one.sigma(), other.sigma());
+    }
+
+    #[test]
+    fn half_the_rate_is_a_wrong_one_for_as_long_as_it_lasts() {
+        let (mut stream, mut t_ns) = (stream(), 0);
+        for (step_ns, wrong) in
+            [(10_000_000, true), (5_000_000, false), (5_300_000, true), (5_100_000, false)]
+        {
+            // A second of the one may hold samples of the other: two of them.
+            for _ in 0..2 * 1_000_000_000 / step_ns + 2 {
+                t_ns += step_ns;
+                stream.feed(sample(t_ns)).unwrap();
+            }
+            assert_eq!(stream.sigma().wrong_rate, wrong, "a sample each {step_ns} ns");
+        }
+    }
+}
