@@ -15,6 +15,7 @@
 mod drawings;
 mod error;
 mod findings;
+mod forest;
 mod id;
 mod injected;
 mod input;
@@ -29,6 +30,7 @@ mod states;
 mod sweep_page;
 mod sweep_plan;
 pub mod tables;
+mod verdict;
 
 pub use error::PaperError;
 pub use id::id;
