@@ -57,7 +57,11 @@ impl TrainingCurve {
         }
         let mut legend = vec![Entry { key: Key::Line, colour: PALETTE[0], words: "by epoch".into() }];
         if panels.iter().any(|panel| panel.kept.is_some()) {
-            legend.push(Entry { key: Key::Marked(0), colour: PALETTE[1], words: "weights that were kept".into() });
+            legend.push(Entry {
+                key: Key::Marked(0),
+                colour: PALETTE[1],
+                words: "weights that were kept".into(),
+            });
         }
         let caption = format!(
             "{} sensor, {} epochs. Loss: of the weights as the optimiser moves them; validation: of their running mean. {words}",

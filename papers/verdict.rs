@@ -41,18 +41,25 @@ impl Standing {
             Self::Untested => "too few sequences",
         }
     }
+}
 
-    /// In a sentence, before what it is compared with.
-    fn than(self, ratio: f64) -> &'static str {
-        match self {
-            Self::Better => "better than",
-            Self::Worse => "worse than",
-            Self::Equal => "as good as",
-            Self::Open if ratio < 1.0 => "not shown to be better than",
-            Self::Open => "no better than",
-            Self::Untested => "on too few sequences to be tested against",
+/// How a noise stands against `constant`, in a sentence.
+fn clause(comparison: &Comparison, constant: &Reference) -> String {
+    let than = match Standing::of(comparison) {
+        Standing::Better => "better than",
+        Standing::Worse => "worse than",
+        Standing::Equal => "as good as",
+        Standing::Open if comparison.ratio < 1.0 => "not shown to be better than",
+        Standing::Open => "no better than",
+        Standing::Untested => {
+            let Comparison { better, sequences, .. } = comparison;
+            return format!(
+                "better in {better} of {sequences} sequences, too few to test, than {}",
+                named(constant)
+            );
         }
-    }
+    };
+    format!("{than} {}", named(constant))
 }
 
 /// What stands at the head of the page.
@@ -118,7 +125,7 @@ fn measured(input: &Input, camera: &str) -> (&'static str, String) {
 fn against(study: &Study) -> Option<String> {
     let reference = study.reference.as_ref()?;
     let comparison = study.of(&specs::noise(specs::DUALPRONET))?.comparison.as_ref()?;
-    Some(format!("{} {}", Standing::of(comparison).than(comparison.ratio), constant(reference)))
+    Some(clause(comparison, reference))
 }
 
 /// The best network where noise is added in known steps, as long as there is a gap to close.
@@ -128,16 +135,11 @@ fn following(step: &CourseStudy) -> Option<String> {
     let networks = step.noises.iter().filter(|worth| specs::is_network(&worth.noise));
     let best = networks.filter_map(|worth| Some((worth.closed[0]?, worth)));
     let (_, worth) = best.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let comparison = worth.comparison.as_ref()?;
-    Some(format!(
-        "where noise is added in known steps, {} is {} {}",
-        specs::name(&worth.noise),
-        Standing::of(comparison).than(comparison.ratio),
-        constant(reference)
-    ))
+    let clause = clause(worth.comparison.as_ref()?, reference);
+    Some(format!("where noise is added in known steps, the best network is {clause}"))
 }
 
-fn constant(reference: &Reference) -> String {
+fn named(reference: &Reference) -> String {
     match reference.choice {
         Choice::Training => format!("a constant of {}", reference.noise),
         Choice::Baseline => format!("the usual constant {}", reference.noise),
@@ -177,7 +179,7 @@ mod tests {
             (1.0, 0.01, 12, "as good as a constant of x2"),
             (1.05, 0.4, 12, "not shown to be better than a constant of x2"),
             (1.12, 0.25, 12, "no better than a constant of x2"),
-            (0.7, 0.0, 4, "on too few sequences to be tested against a constant of x2"),
+            (0.7, 0.0, 4, "better in 4 of 4 sequences, too few to test, than a constant of x2"),
         ] {
             assert_eq!(sentence(factor, swing, sequences).as_deref(), Some(expected), "{factor} {swing}");
         }

@@ -45,7 +45,7 @@ pub(crate) fn study(input: &Input, study: &Study, made_by: Provenance) -> Table 
         100.0 * study.margin
     ));
     table.note("NEES: mean of 3 where the covariance is right; whitened: mean square of the whitened inertial residual, 1 where the noise \
-                told is the noise there is. Told: root mean square over the runs. Times are in the table `timing`.");
+                told is the noise there is. Told: root mean square over the runs. Times are in a table of their own.");
     if let Some(reference) = study.reference.as_ref().filter(|reference| reference.at_edge) {
         table.note(format!(
             "{} is the end of the sweep; a constant beyond it may be better.",

@@ -89,13 +89,17 @@ fn a_finished_run_that_is_made_longer_ends_in_the_bits_of_one_as_long_from_the_s
         config
     };
     let train = |dir: &Path, config: &TrainConfig, resume: bool| {
-        Run::open(dir, config, &corpus, &device, resume)?.train(&never, &mut Silent).map(|(summary, _)| summary)
+        Run::open(dir, config, &corpus, &device, resume)?
+            .train(&never, &mut Silent)
+            .map(|(summary, _)| summary)
     };
     let summary = train(whole.path(), &of(5), false).unwrap();
     train(parts.path(), &of(2), false).unwrap();
     assert_ne!(weights(whole.path()), weights(parts.path()));
     assert_eq!(train(parts.path(), &of(5), true).unwrap(), summary);
-    for file in ["accel.safetensors", "checkpoint.safetensors", "history.jsonl", "summary.json", "config.toml"] {
+    for file in
+        ["accel.safetensors", "checkpoint.safetensors", "history.jsonl", "summary.json", "config.toml"]
+    {
         let [a, b] = [&whole, &parts].map(|dir| std::fs::read(dir.path().join(file)).unwrap());
         assert!(a == b, "{file}");
     }
