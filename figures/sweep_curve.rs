@@ -2,7 +2,7 @@
 
 use super::axis::Axis;
 use super::error::{FigureError, check_count, check_each};
-use super::frame::{ABOVE, BELOW, Frame, LEFT, RIGHT, Rect};
+use super::frame::{BELOW, Frame, LEFT, RIGHT, Rect};
 use super::legend::{self, Entry, Key};
 use super::plot::{Area, Drawn, Painted, Plot, row};
 use super::sheet::Sheet;
@@ -13,6 +13,8 @@ use plotters_backend::DrawingBackend;
 
 const FIGURE: &str = "sweep of constants";
 const PANEL: i32 = 640;
+/// Room over the panel for the constants' names, clear of the legend.
+const HEAD: i32 = 44;
 /// Marks nearer than this stand side by side \[pixels\].
 const APART: i32 = 26;
 /// Marks at most: shapes and colours that can be told apart.
@@ -79,7 +81,7 @@ impl SweepCurve {
             y: Axis::log(format!("{what} [m]"), low / 1.15, high * 1.15),
             constants: constants.to_vec(),
             marks: marks.to_vec(),
-            sheet: Sheet { gap: 0, ..Sheet::new(legend, ABOVE / 2 + PANEL + BELOW, caption.to_owned()) },
+            sheet: Sheet { gap: 0, ..Sheet::new(legend, HEAD + PANEL + BELOW, caption.to_owned()) },
         })
     }
 }
@@ -120,7 +122,7 @@ impl Plot for SweepCurve {
 
     fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
         self.sheet.draw(area, |top| {
-            let top = top + ABOVE / 2;
+            let top = top + HEAD;
             let rect = Rect { left: LEFT, top, right: style::WIDTH as i32 - RIGHT, bottom: top + PANEL };
             let frame = Frame::new(area, rect, &self.x, &self.y);
             frame.grid()?;
@@ -136,7 +138,7 @@ impl Plot for SweepCurve {
                 // Above the panel no mark and no bar can cover a name.
                 frame.path(vec![(x, rect.top), (x, y)], style::stroke(style::GRID, style::THIN))?;
                 legend::marker(area, 0, (x, y), style::INK)?;
-                frame.words(&point.name, style::CAPTION, style::MUTED, Anchor::Centre, (x, rect.top - 14))?;
+                frame.words(&point.name, style::CAPTION, style::MUTED, Anchor::Centre, (x, rect.top - 16))?;
             }
             let places: Vec<i32> = self.marks.iter().map(|mark| frame.x_at(mark.multiple)).collect();
             for (i, (mark, x)) in self.marks.iter().zip(side_by_side(&places)).enumerate() {

@@ -51,11 +51,11 @@ impl Forest {
         Self::new(&study.reference.as_ref()?.noise, compared)
     }
 
-    /// The same where noise was added: all of them.
+    /// The same where noise was added: all of them, constants last.
     pub(super) fn of_course(study: &CourseStudy) -> Option<Self> {
-        let compared =
-            study.noises.iter().filter_map(|worth| Some((&worth.noise, worth.comparison.as_ref()?)));
-        Self::new(&study.reference.as_ref()?.noise, compared)
+        let all = study.noises.iter().filter_map(|worth| Some((&worth.noise, worth.comparison.as_ref()?)));
+        let (constants, others): (Vec<_>, Vec<_>) = all.partition(|(noise, _)| noise.is_constant());
+        Self::new(&study.reference.as_ref()?.noise, others.into_iter().chain(constants))
     }
 
     /// Of the noises that were compared; nothing where none was.
@@ -90,6 +90,13 @@ impl Forest {
             .map(|tick| (format!("{tick}"), at(tick)));
         let ticks = inside.filter(|(_, at)| (2.0..=98.0).contains(at)).collect();
         (!strips.is_empty()).then(|| Self { reference: specs::name(reference), strips, ticks, one: at(1.0) })
+    }
+}
+
+impl Forest {
+    /// Whether a strip is of this kind.
+    pub(super) fn has(&self, kind: impl AsRef<str>) -> bool {
+        self.strips.iter().any(|strip| strip.kind == kind.as_ref())
     }
 }
 
