@@ -36,6 +36,7 @@ mod table;
 mod timeline;
 mod top_view;
 mod track_picture;
+mod training_curve;
 mod trajectories;
 
 pub use album::{Album, AlbumError};
@@ -58,4 +59,5 @@ pub use table::{Cell, Column, ColumnKind, Line, Table};
 pub use timeline::{Timeline, TimelinePanel};
 pub use top_view::TopView;
 pub use track_picture::{TrackDot, TrackEnd, TrackPicture};
+pub use training_curve::TrainingCurve;
 pub use trajectories::{Trajectories, TrajectoryPanel};

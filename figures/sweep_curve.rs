@@ -2,7 +2,7 @@
 
 use super::axis::Axis;
 use super::error::{FigureError, check_count, check_each};
-use super::frame::{ABOVE, BELOW, Frame, LEFT, RIGHT, Rect};
+use super::frame::{BELOW, Frame, LEFT, RIGHT, Rect};
 use super::legend::{self, Entry, Key};
 use super::plot::{Area, Drawn, Painted, Plot, row};
 use super::sheet::Sheet;
@@ -13,6 +13,10 @@ use plotters_backend::DrawingBackend;
 
 const FIGURE: &str = "sweep of constants";
 const PANEL: i32 = 640;
+/// Room over the panel for the constants' names, clear of the legend.
+const HEAD: i32 = 44;
+/// Marks nearer than this stand side by side \[pixels\].
+const APART: i32 = 26;
 /// Marks at most: shapes and colours that can be told apart.
 const MOST: usize = 5;
 
@@ -77,9 +81,38 @@ impl SweepCurve {
             y: Axis::log(format!("{what} [m]"), low / 1.15, high * 1.15),
             constants: constants.to_vec(),
             marks: marks.to_vec(),
-            sheet: Sheet { gap: 0, ..Sheet::new(legend, ABOVE / 2 + PANEL + BELOW, caption.to_owned()) },
+            sheet: Sheet { gap: 0, ..Sheet::new(legend, HEAD + PANEL + BELOW, caption.to_owned()) },
         })
     }
+}
+
+/// Places at which no mark covers another: those that are too near share out the room about their middle, in their order.
+fn side_by_side(places: &[i32]) -> Vec<i32> {
+    let mut order: Vec<usize> = (0..places.len()).collect();
+    order.sort_by_key(|&i| places[i]);
+    // Groups of neighbours, each with the room it needs; one that then touches the group before it joins it.
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    let middle = |group: &[usize]| group.iter().map(|&i| places[i]).sum::<i32>() / group.len() as i32;
+    let half = |group: &[usize]| APART * (group.len() as i32 - 1) / 2;
+    for i in order {
+        let mut group = vec![i];
+        while let Some(before) =
+            groups.pop_if(|before| middle(&group) - half(&group) - middle(before) - half(before) < APART)
+        {
+            group = before.into_iter().chain(group).collect();
+        }
+        groups.push(group);
+    }
+    let mut found = places.to_vec();
+    for group in groups {
+        let first = middle(&group) - half(&group);
+        for (n, i) in (0..).zip(&group) {
+            if group.len() > 1 {
+                found[*i] = first + n * APART;
+            }
+        }
+    }
+    found
 }
 
 impl Plot for SweepCurve {
@@ -89,7 +122,7 @@ impl Plot for SweepCurve {
 
     fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
         self.sheet.draw(area, |top| {
-            let top = top + ABOVE / 2;
+            let top = top + HEAD;
             let rect = Rect { left: LEFT, top, right: style::WIDTH as i32 - RIGHT, bottom: top + PANEL };
             let frame = Frame::new(area, rect, &self.x, &self.y);
             frame.grid()?;
@@ -102,16 +135,19 @@ impl Plot for SweepCurve {
             let line = self.constants.iter().map(|p| frame.at(p.multiple, p.error)).collect::<Vec<_>>();
             frame.path(line.clone(), style::stroke(style::INK, style::LINE - 1))?;
             for ((x, y), point) in line.into_iter().zip(&self.constants) {
+                // Above the panel no mark and no bar can cover a name.
+                frame.path(vec![(x, rect.top), (x, y)], style::stroke(style::GRID, style::THIN))?;
                 legend::marker(area, 0, (x, y), style::INK)?;
-                frame.words(&point.name, style::CAPTION, style::MUTED, Anchor::Centre, (x, y - 28))?;
+                frame.words(&point.name, style::CAPTION, style::MUTED, Anchor::Centre, (x, rect.top - 16))?;
             }
-            for (i, mark) in self.marks.iter().enumerate() {
+            let places: Vec<i32> = self.marks.iter().map(|mark| frame.x_at(mark.multiple)).collect();
+            for (i, (mark, x)) in self.marks.iter().zip(side_by_side(&places)).enumerate() {
                 let colour = PALETTE[i];
+                let at = |error: f64| (x, frame.at(mark.multiple, error).1);
                 if let Some([low, high]) = mark.interval {
-                    let ends = vec![frame.at(mark.multiple, low), frame.at(mark.multiple, high)];
-                    frame.path(ends, style::stroke(colour, style::THIN))?;
+                    frame.path(vec![at(low), at(high)], style::stroke(colour, style::THIN))?;
                 }
-                legend::marker(area, i, frame.at(mark.multiple, mark.error), colour)?;
+                legend::marker(area, i, at(mark.error), colour)?;
             }
             frame.axes(true)
         })
@@ -149,6 +185,18 @@ mod tests {
         for words in ["ATE [m]", "multiples of the baseline", "dualpronet", "x16", "Small print."] {
             assert!(text.contains(words), "{words}");
         }
+    }
+
+    #[test]
+    fn marks_that_would_cover_each_other_stand_side_by_side() {
+        assert_eq!(side_by_side(&[500, 100, 300]), [500, 100, 300]);
+        assert_eq!(side_by_side(&[101, 99, 400]), [113, 87, 400]);
+        let places = side_by_side(&[300, 302, 298, 320, 330, 700]);
+        let mut sorted = places.clone();
+        sorted.sort_unstable();
+        assert!(sorted.windows(2).all(|pair| pair[1] - pair[0] >= APART), "{places:?}");
+        assert!(places[2] < places[0] && places[0] < places[1] && places[5] == 700, "{places:?}");
+        assert!(side_by_side(&[]).is_empty());
     }
 
     #[test]

@@ -100,7 +100,7 @@ fn added_noise(course: &CourseStudy) -> Vec<String> {
         reference.short(),
     );
     if reference.at_edge {
-        let best = &reference.noise;
+        let best = specs::name(&reference.noise);
         let _ = write!(
             text,
             "; {best} is the end of that sweep, so a constant beyond it may be better, and the gap smaller"
@@ -110,7 +110,7 @@ fn added_noise(course: &CourseStudy) -> Vec<String> {
     let networks = course.noises.iter().filter(|worth| specs::is_network(&worth.noise));
     let best = networks.filter_map(|w| Some((w.closed[0]?, w))).max_by(|a, b| a.0.total_cmp(&b.0));
     if let Some((share, worth)) = best.filter(|_| gap >= 0.05) {
-        let mut text = format!("Of that gap {} closes {:.0} %", worth.noise, 100.0 * share);
+        let mut text = format!("Of that gap {} closes {:.0} %", specs::name(&worth.noise), 100.0 * share);
         if let Some(comparison) = &worth.comparison {
             let _ = write!(text, "; against {}, {}", reference.kind(), ratio(comparison));
             if let Some(p) = comparison.p_holm {

@@ -15,10 +15,12 @@
 mod drawings;
 mod error;
 mod findings;
+mod forest;
 mod id;
 mod injected;
 mod input;
 mod motors;
+mod overall;
 mod page;
 mod paper;
 mod plan;
@@ -29,6 +31,7 @@ mod states;
 mod sweep_page;
 mod sweep_plan;
 pub mod tables;
+mod verdict;
 
 pub use error::PaperError;
 pub use id::id;

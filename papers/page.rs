@@ -1,11 +1,17 @@
 //! The page and the folder's README: what their templates (`templates/`) are filled with.
 //!
-//! The page tells the story in the order in which a reader asks: what is it, how well does it say the noise, is it worth it, when. One file
-//! without scripts and without anything from elsewhere.
+//! The page tells the story in the order in which a reader asks: does it help, what are the data, when does it, how well does it say the noise,
+//! what is it. One file without anything from elsewhere; its script sorts tables and enlarges pictures, and nothing is missing without it.
 
+use super::forest::Forest;
+use super::injected::{CourseStudy, Response};
 use super::input::Input;
+use super::specs;
+use super::verdict::Verdict;
 use askama::Template;
-use dpn_figures::{Line, Provenance, Table};
+use dpn_eval::injected::Course;
+use dpn_eval::study::Study;
+use dpn_figures::{Cell, Line, Provenance, Table};
 use std::fmt::Write as _;
 
 /// A figure as it is put on the page.
@@ -41,8 +47,12 @@ impl Picture {
 #[template(path = "page.html")]
 pub(super) struct Page<'a> {
     pub(super) input: &'a Input,
-    /// Why the odometry sees what it sees.
-    pub(super) camera: &'a str,
+    pub(super) verdict: &'a Verdict,
+    /// The study's noises and those told under added noise, against their best constants.
+    pub(super) forest: Option<Forest>,
+    pub(super) added: Option<Forest>,
+    /// What is called otherwise than it is written: name and spec.
+    pub(super) names: Vec<(String, String)>,
     pub(super) findings: &'a [String],
     pub(super) tables: &'a [Table],
     pub(super) pictures: &'a [Picture],
@@ -55,10 +65,34 @@ impl Page<'_> {
         self.pictures.iter().find(|picture| picture.name == name)
     }
 
+    /// What a cell of words stands for, where that is not what is shown.
+    fn spelt(cell: &Cell) -> Option<&str> {
+        Some(cell.full()).filter(|full| !full.is_empty() && *full != cell.shown())
+    }
+
     /// The table of that name, where it was made.
     fn table(&self, name: &str) -> Option<&Table> {
         self.tables.iter().find(|table| table.name == name)
     }
+}
+
+/// Every noise that is called otherwise than it is written: name and spec.
+pub(super) fn called(
+    study: &Study,
+    courses: &[(Course, CourseStudy)],
+    responses: &[Response],
+) -> Vec<(String, String)> {
+    let of_study = study.noises.iter().map(|line| &line.noise);
+    let of_courses = courses.iter().flat_map(|(_, of)| &of.noises).map(|worth| &worth.noise);
+    let all = of_study.chain(of_courses).chain(responses.iter().map(|response| &response.noise));
+    let mut names: Vec<(String, String)> = Vec::new();
+    for noise in all {
+        let pair = (specs::name(noise), noise.to_string());
+        if pair.0 != pair.1 && !names.contains(&pair) {
+            names.push(pair);
+        }
+    }
+    names
 }
 
 /// The folder's README: figure, what it shows, runs; the command once.

@@ -3,13 +3,16 @@
 use super::drawings;
 use super::error::PaperError;
 use super::findings::findings;
+use super::forest::Forest;
 use super::id::{id, json};
-use super::injected::CourseStudy;
-use super::page::{Page, Picture, Readme};
+use super::injected::{CourseStudy, Response};
+use super::overall::Overall;
+use super::page::{Page, Picture, Readme, called};
 use super::paper::Paper;
 use super::results::StageResult;
 use super::specs;
 use super::tables;
+use super::verdict::Verdict;
 use askama::Template as _;
 use dpn_core::Sensor;
 use dpn_core::checksum::of_source;
@@ -18,7 +21,7 @@ use dpn_core::progress::Progress;
 use dpn_eval::closed_loop::{ImageSource, Recording, Row, TrackSource};
 use dpn_eval::injected::Course;
 use dpn_eval::study::{RowSet, Study};
-use dpn_figures::{Plot, Provenance, Sourced, Table, save};
+use dpn_figures::{Plot, Provenance, Sourced, save};
 use dpn_io::{IoError, atomic_write};
 use dpn_pronet::network::Network;
 use dpn_train::split::Side;
@@ -77,14 +80,16 @@ impl Paper<'_> {
     /// Whatever stops a stage; a request to stop. What is finished stays, and the same call goes on from there.
     pub fn run(&self, stop: &AtomicBool, progress: &mut dyn Progress) -> Result<Done, PaperError> {
         let mut stages = Vec::new();
+        let mut overall = Overall::new(progress, self.foreseen());
         let clock = Instant::now();
         let networks = self.networks_id()?;
         stages.push(report("networks", &format!("networks-{networks}"), true, clock));
         let clock = Instant::now();
-        let open = self.open_loop(&networks, stop, progress)?;
+        let open = self.open_loop(&networks, stop, &mut overall)?;
         stages.push(report("open loop", &open.run, open.cached, clock));
         let clock = Instant::now();
-        let (closed, unseen) = self.closed_loop(stop, progress)?;
+        overall.enter(1);
+        let (closed, unseen) = self.closed_loop(stop, &mut overall)?;
         stages.push(report("closed loop", &closed.run, closed.cached, clock));
         let input = self.input.without(&unseen);
         if input.places.is_empty() {
@@ -98,7 +103,7 @@ impl Paper<'_> {
             estimator: self.estimator.clone(),
             ..*self
         };
-        paper.after_the_loop(stages, open, closed, stop, progress)
+        paper.after_the_loop(stages, open, closed, stop, &mut overall)
     }
 
     /// The rest, on the sequences that the odometry has seen.
@@ -108,12 +113,13 @@ impl Paper<'_> {
         open: StageResult<Vec<dpn_eval::open_loop::Row>>,
         closed: StageResult<Vec<Row>>,
         stop: &AtomicBool,
-        progress: &mut dyn Progress,
+        overall: &mut Overall<'_>,
     ) -> Result<Done, PaperError> {
         let mut injected = Vec::new();
-        for course in &self.plan.injected.courses {
+        for (stage, course) in (2..).zip(&self.plan.injected.courses) {
+            overall.enter(stage);
             let clock = Instant::now();
-            let rows = self.injected(*course, stop, progress)?;
+            let rows = self.injected(*course, stop, overall)?;
             stages.push(report(&format!("injected noise: {course}"), &rows.run, rows.cached, clock));
             injected.push((*course, rows));
         }
@@ -131,7 +137,8 @@ impl Paper<'_> {
             return Ok(self.done(stages, receipt));
         }
         let results = Results { open, closed, injected, responses, times };
-        let receipt = self.write(&id, &results, progress)?;
+        overall.enter(usize::MAX);
+        let receipt = self.write(&id, &results, overall)?;
         stages.push(report("tables, figures, page", &id, false, clock));
         Ok(self.done(stages, receipt))
     }
@@ -208,8 +215,24 @@ impl Paper<'_> {
         for picture in &pictures {
             names.extend(["svg", "png", "csv"].map(|ending| format!("{}.{ending}", picture.name)));
         }
+        let verdict = Verdict::new(input, self.camera, &study, &courses);
         let findings = findings(input, &rows, &study, &courses)?;
-        self.write_page(&findings, &tables, &pictures, &made_by.of(&[open, closed]))?;
+        let page = Page {
+            input,
+            verdict: &verdict,
+            forest: Forest::of_study(&study),
+            added: courses
+                .iter()
+                .find(|(course, _)| *course == Course::Step)
+                .and_then(|(_, of)| Forest::of_course(of)),
+            names: called(&study, &courses, &results.responses.value),
+            findings: &findings,
+            tables: &tables,
+            pictures: &pictures,
+            made_by: &made_by.of(&[open, closed]),
+        };
+        self.write_page(&page)?;
+        let findings = std::iter::once(verdict.sentence).chain(findings).collect();
         names.extend([PAGE.to_owned(), README.to_owned()]);
         let mut files = BTreeMap::new();
         for name in names {
@@ -224,17 +247,10 @@ impl Paper<'_> {
     }
 
     /// The page and the folder's README.
-    fn write_page(
-        &self,
-        findings: &[String],
-        tables: &[Table],
-        pictures: &[Picture],
-        made_by: &Provenance,
-    ) -> Result<(), PaperError> {
-        let input = self.input;
+    fn write_page(&self, page: &Page<'_>) -> Result<(), PaperError> {
+        let Page { input, tables, pictures, made_by, .. } = *page;
         let readme = Readme { input, tables, pictures, made_by }.render();
-        let page = Page { input, camera: self.camera, findings, tables, pictures, made_by }.render();
-        for (name, text) in [(PAGE, page), (README, readme)] {
+        for (name, text) in [(PAGE, page.render()), (README, readme)] {
             let text = text.expect("a template that compiled writes to a string");
             atomic_write(&self.out.join(name), |out| out.write_all(text.as_bytes()))?;
         }
@@ -382,7 +398,7 @@ struct Results {
     open: StageResult<Vec<dpn_eval::open_loop::Row>>,
     closed: StageResult<Vec<Row>>,
     injected: Vec<(Course, StageResult<Vec<Row>>)>,
-    responses: StageResult<Vec<super::injected::Response>>,
+    responses: StageResult<Vec<Response>>,
     times: StageResult<Vec<(NoiseSpec, f64)>>,
 }
 
@@ -418,7 +434,7 @@ impl FigureWriter<'_> {
 fn medians(rows: &RowSet<'_>) -> String {
     format!(
         "Medians over {} sequences of medians over seeds; bands and bars: 95 % bootstrap over sequences. Marks stand at the root mean square of \
-         what they say.",
+         what they say, side by side where they would cover each other.",
         rows.count(None)
     )
 }

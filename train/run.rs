@@ -4,11 +4,14 @@
 //! `history.jsonl`, and at the end `SENSOR.safetensors` and `summary.json`. Every file is there in full or not at all; what is
 //! lost when the process dies is the epoch it was in. The checkpoint holds the history too, and a run that goes on writes it out first: a process
 //! that died between the two leaves no line short. A run holds its folder's lock.
+//!
+//! A run may be resumed with another number of epochs where what is behind it is also the beginning of that run: then it ends in the same bits as
+//! one that was as long from the start.
 
-use crate::config::TrainConfig;
+use crate::config::{Schedule, TrainConfig};
 use crate::corpus::Corpus;
 use crate::split::Side;
-use crate::state::{Best, State};
+use crate::state::{Best, EpochRecord, State};
 use crate::trainer::{TrainError, Trainer, parameter_count};
 use burn::tensor::Device;
 use dpn_core::SampleRate;
@@ -68,8 +71,18 @@ pub enum RunError {
         /// What differs.
         reason: &'static str,
     },
-    /// A configuration or summary that cannot be written as text.
-    #[error("cannot write the run's {what}: {reason}")]
+    /// The run to resume is of another number of epochs, and what is behind it is no beginning of the one asked for.
+    #[error("{}: cannot be made {epochs} epochs long, because the run there {reason}", path.display())]
+    OtherLength {
+        /// The folder.
+        path: PathBuf,
+        /// The epochs asked for.
+        epochs: u64,
+        /// Why not.
+        reason: &'static str,
+    },
+    /// A configuration, summary or history that cannot be written as text, or read.
+    #[error("the run's {what} is no text that can be written or read: {reason}")]
     Text {
         /// Which file.
         what: &'static str,
@@ -88,6 +101,11 @@ impl RunError {
             Self::Nothing { .. } => Some("leave --resume out to start a run there".into()),
             Self::Differs { .. } => Some(
                 "give the configuration and data it was started with, or start anew in another folder".into(),
+            ),
+            Self::OtherLength { .. } => Some(
+                "train anew in another folder; what may be made longer is a run with fit.schedule = \"constant\", at a multiple of \
+                 fit.validate_every epochs"
+                    .into(),
             ),
             Self::Train(TrainError::Corpus(error)) => error.hint(),
             Self::Io(error) => error.hint(),
@@ -139,7 +157,7 @@ pub struct RunSummary {
 struct Notes {
     config: TrainConfig,
     fingerprint: String,
-    history: Vec<crate::state::EpochRecord>,
+    history: Vec<EpochRecord>,
     best: Option<(u64, f64)>,
 }
 
@@ -155,11 +173,12 @@ pub struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    /// Starts a run in `dir`, or goes on with the one that stands there; one that has not finished an epoch begins anew.
+    /// Starts a run in `dir`, or goes on with the one that stands there; one that has not finished an epoch begins anew. `config` may ask for
+    /// another number of epochs than the run was begun with.
     ///
     /// # Errors
     /// A folder that another process trains in, holds a run already (without `resume`), holds none (with it), or one of another configuration
-    /// or data; recordings that do not serve; files that cannot be written.
+    /// or data, or one that no run of so many epochs begins as; recordings that do not serve; files that cannot be written.
     pub fn open(
         dir: &'a Path,
         config: &TrainConfig,
@@ -172,7 +191,7 @@ impl<'a> Run<'a> {
         let lock = FolderLock::take(dir)?;
         let path = dir.join(CHECKPOINT);
         let state = match (path.exists(), resume) {
-            (true, true) => load(&path, dir, trainer.config(), &fingerprint)?,
+            (true, true) => load(&path, dir, &trainer, &fingerprint)?,
             (true, false) => {
                 let epochs = notes(&Checkpoint::load(&path)?, dir)?.history.len() as u64;
                 return Err(RunError::Exists { path: dir.to_owned(), epochs });
@@ -317,20 +336,60 @@ impl<'a> Run<'a> {
     }
 }
 
+/// The epochs of the run in `dir`.
+///
+/// # Errors
+/// No history there, or one that does not read.
+pub fn history(dir: &Path) -> Result<Vec<EpochRecord>, RunError> {
+    let path = dir.join(HISTORY);
+    let text = std::fs::read_to_string(&path).map_err(|source| IoError::Read { path, source })?;
+    let text_error = |error: serde_json::Error| RunError::Text { what: HISTORY, reason: error.to_string() };
+    text.lines().map(|line| serde_json::from_str(line).map_err(text_error)).collect()
+}
+
 fn notes(checkpoint: &Checkpoint, dir: &Path) -> Result<Notes, RunError> {
     let notes = checkpoint.notes.get("run").and_then(|value| serde_json::from_value(value.clone()).ok());
     let reason = "was written by another version of dpn";
     notes.ok_or_else(|| RunError::Differs { path: dir.to_owned(), reason })
 }
 
-/// The state in a checkpoint, if it belongs to this configuration and these recordings.
-fn load(path: &Path, dir: &Path, config: &TrainConfig, fingerprint: &str) -> Result<State, RunError> {
+/// Whether a run of `was` with `done` epochs behind it has made the beginning of a run of `epochs`; the error says why not.
+fn begins(was: &TrainConfig, done: u64, epochs: u64, steps_per_epoch: u64) -> Result<(), &'static str> {
+    let fit = &was.fit;
+    if fit.epochs == epochs {
+        return Ok(());
+    }
+    if epochs < done {
+        return Err("has more of them behind it");
+    }
+    if fit.schedule == Schedule::Cosine {
+        return Err("lets its learning rate follow a cosine over all of its epochs");
+    }
+    if fit.warmup_steps > steps_per_epoch * epochs.min(fit.epochs) {
+        return Err("ends before its learning rate has risen");
+    }
+    // The last epoch of a run is validated in any case, and its weights may be the best.
+    let out_of_turn = |total: u64| done == total && !done.is_multiple_of(fit.validate_every);
+    if out_of_turn(fit.epochs) || out_of_turn(epochs) {
+        return Err("was, or was not, validated after its last epoch");
+    }
+    Ok(())
+}
+
+/// The state in a checkpoint, if it belongs to this run and these recordings.
+fn load(path: &Path, dir: &Path, trainer: &Trainer, fingerprint: &str) -> Result<State, RunError> {
+    let config = trainer.config();
     let differs = |reason| RunError::Differs { path: dir.to_owned(), reason };
     let mut checkpoint = Checkpoint::load(path)?;
     let notes = notes(&checkpoint, dir)?;
-    if notes.config != *config {
+    let mut as_long = notes.config.clone();
+    as_long.fit.epochs = config.fit.epochs;
+    if as_long != *config {
         return Err(differs("has another configuration"));
     }
+    let (done, epochs) = (notes.history.len() as u64, config.fit.epochs);
+    begins(&notes.config, done, epochs, trainer.steps_per_epoch())
+        .map_err(|reason| RunError::OtherLength { path: dir.to_owned(), epochs, reason })?;
     if notes.fingerprint != fingerprint {
         return Err(differs("saw other recordings"));
     }

@@ -16,6 +16,11 @@ impl Cell {
         Self { full: shown.clone(), shown }
     }
 
+    /// A word for people, and what it stands for in CSV.
+    pub fn named(shown: impl Into<String>, full: impl Display) -> Self {
+        Self { shown: shown.into(), full: full.to_string() }
+    }
+
     /// Nothing: a dash for people, an empty field in CSV.
     pub fn none() -> Self {
         Self { shown: "-".into(), full: String::new() }
@@ -83,7 +88,7 @@ impl Cell {
     }
 
     /// In full, as CSV has it.
-    pub(super) fn full(&self) -> &str {
+    pub fn full(&self) -> &str {
         &self.full
     }
 }

@@ -27,8 +27,12 @@ pub(crate) fn rmse(rows: &[open_loop::Row], data: &str) -> Result<RmseVsSigma, F
         .find(|row| row.base == "sg(11,2)")
         .or(of_split().next())
         .map_or_else(String::new, |row| row.base.clone());
-    let of_base: Vec<&open_loop::Row> = of_split().filter(|row| row.base == base).collect();
-    RmseVsSigma::new(&of_base, WINDOW)
+    let named = |row: &open_loop::Row| open_loop::Row {
+        estimator: specs::estimator_name(&row.estimator),
+        ..row.clone()
+    };
+    let of_base: Vec<open_loop::Row> = of_split().filter(|row| row.base == base).map(named).collect();
+    RmseVsSigma::new(&of_base.iter().collect::<Vec<_>>(), WINDOW)
 }
 
 /// Where a noise stands among multiples of the baseline: its own, or the geometric mean of both sensors' told.
@@ -41,7 +45,11 @@ fn multiple(line: &NoiseSummary) -> Option<f64> {
 
 fn point(line: &NoiseSummary) -> Option<SweepPoint> {
     Some(SweepPoint {
-        name: line.noise.to_string(),
+        // A constant's place says the rest.
+        name: line
+            .noise
+            .multiple()
+            .map_or_else(|| specs::name(&line.noise), |multiple| format!("x{multiple}")),
         multiple: multiple(line)?,
         error: line.ate?,
         interval: line.ate_interval,

@@ -2,6 +2,7 @@
 
 use super::super::error::PaperError;
 use super::super::motors;
+use super::super::specs;
 use super::super::states::{PairedRun, read};
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::random::Stream;
@@ -36,6 +37,11 @@ fn key(sequence: &str, noise: &NoiseSpec, seed: u64) -> CellKey {
     CellKey { sequence: sequence.to_owned(), seed, noise: noise.to_string() }
 }
 
+/// A name that fits under a panel.
+fn short(noise: &NoiseSpec) -> String {
+    noise.multiple().map_or_else(|| specs::name(noise), |multiple| format!("x{multiple}"))
+}
+
 /// Every sequence from above: truth, baseline, DualProNet.
 pub(crate) fn trajectories(
     recordings: &[Recording],
@@ -53,7 +59,8 @@ pub(crate) fn trajectories(
             let key = key(&recording.name, noise, seed);
             let found = beside(dir, keep, &key, recording)?;
             let ate = rows.iter().find(|row| row.key() == key).and_then(|row| row.ate_se3);
-            words.push(ate.map_or_else(|| format!("{noise}: no pose"), |ate| format!("{noise}: {ate:.3} m")));
+            let name = short(noise);
+            words.push(ate.map_or_else(|| format!("{name}: no pose"), |ate| format!("{name}: {ate:.3} m")));
             let refused = |source| PaperError::Metrics { sequence: recording.name.clone(), source };
             estimates.push(match found {
                 Some(found) => found.aligned().map_err(refused)?,
@@ -73,7 +80,7 @@ pub(crate) fn trajectories(
         "From above, equal scales; estimates after SE(3) alignment, one run each (seed {seed}); under the name the absolute error of that run. \
          Star: test sequence."
     );
-    let names: Vec<String> = noises.iter().map(ToString::to_string).collect();
+    let names: Vec<String> = noises.iter().map(specs::name).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     Ok(Trajectories::new(&panels, &names, &caption)?)
 }
@@ -101,7 +108,7 @@ pub(crate) fn errors(
             }
         }
         if t.len() >= 2 {
-            columns.push(ErrorColumn { name: noise.to_string(), t, errors, bands });
+            columns.push(ErrorColumn { name: specs::name(noise), t, errors, bands });
         }
     }
     if columns.is_empty() {
@@ -127,7 +134,7 @@ fn tracks(
     let stream = Stream::new(seed).named("noise").named(&recording.name);
     let of = |noise: &NoiseSpec| {
         let track = dpn_eval::noise::track(noise, imu, &sources, &stream)?;
-        Ok((noise.to_string(), track))
+        Ok((specs::name(noise), track))
     };
     noises.iter().map(of).collect()
 }

@@ -16,8 +16,10 @@ pub(super) struct Ates<'a> {
     pub(super) peers: Vec<PublishedAte>,
     /// Sequences without any row.
     pub(super) missing: Vec<(&'a str, Side)>,
-    /// The two noises of which the second improves on the first: in columns of its own.
+    /// The two noises of which the second improves on the first: in columns of its own, before all others.
     pub(super) improvement: Option<[&'a NoiseSpec; 2]>,
+    /// What a noise is called in the head of its columns.
+    pub(super) called: fn(&NoiseSpec) -> String,
 }
 
 const SIDES: [Side; 2] = [Side::Train, Side::Test];
@@ -60,16 +62,17 @@ impl Ates<'_> {
 
     fn columns(&self) -> Vec<Column> {
         let mut columns = Column::all(&["sequence", "side"], &[]);
-        for noise in &self.noises {
-            columns.push(Column::number(format!("{noise}, ours")));
-            columns
-                .extend(self.peers_of(noise).map(|peer| Column::number(format!("{noise}, {}", peer.name))));
-        }
         if self.improvement.is_some() {
             columns.push(Column::number("improvement [%], ours"));
             columns.extend(
                 self.peers.iter().map(|peer| Column::number(format!("improvement [%], {}", peer.name))),
             );
+        }
+        for noise in &self.noises {
+            let called = (self.called)(noise);
+            columns.push(Column::number(format!("{called}, ours")));
+            columns
+                .extend(self.peers_of(noise).map(|peer| Column::number(format!("{called}, {}", peer.name))));
         }
         columns
     }
@@ -77,15 +80,15 @@ impl Ates<'_> {
     fn sequence(&self, name: &str, side: Side, missing: bool) -> Vec<Cell> {
         let ours = |cell: Cell| if missing { Cell::text("missing") } else { cell };
         let mut cells = vec![Cell::text(name), Cell::text(side)];
+        if let Some(pair) = self.improvement {
+            cells.push(ours(Cell::number(rate(pair.map(|noise| self.rows.ate(name, noise))), 1)));
+            cells.extend(self.peers.iter().map(|_| Cell::number(published::printed_improvement(name), 1)));
+        }
         for noise in &self.noises {
             let failures = self.rows.failures(name, noise);
             let mark = if failures > 0 { format!("!{failures}") } else { String::new() };
             cells.push(ours(Cell::metres(self.rows.ate(name, noise)).marked(&mark)));
             cells.extend(self.peers_of(noise).map(|peer| Cell::number(peer.ate(name, noise), peer.decimals)));
-        }
-        if let Some(pair) = self.improvement {
-            cells.push(ours(Cell::number(rate(pair.map(|noise| self.rows.ate(name, noise))), 1)));
-            cells.extend(self.peers.iter().map(|_| Cell::number(published::printed_improvement(name), 1)));
         }
         cells
     }
@@ -99,12 +102,6 @@ impl Ates<'_> {
         };
         let side_name = side.map_or("both".to_owned(), |side| side.to_string());
         let mut cells = vec![Cell::text(format!("{label} ({})", names.len())), Cell::text(side_name)];
-        for noise in &self.noises {
-            cells.push(Cell::metres(self.rows.mean(noise, side)));
-            cells.extend(
-                self.peers_of(noise).map(|peer| Cell::number(mean(&|name| peer.ate(name, noise)), 3)),
-            );
-        }
         if let Some(pair) = self.improvement {
             let ours = |name: &str| rate(pair.map(|noise| self.rows.ate(name, noise)));
             cells.push(Cell::number(mean(&ours), 1));
@@ -112,6 +109,12 @@ impl Ates<'_> {
                 let theirs = |name: &str| rate(pair.map(|noise| peer.ate(name, noise)));
                 cells.push(Cell::number(mean(&theirs), 1));
             }
+        }
+        for noise in &self.noises {
+            cells.push(Cell::metres(self.rows.mean(noise, side)));
+            cells.extend(
+                self.peers_of(noise).map(|peer| Cell::number(mean(&|name| peer.ate(name, noise)), 3)),
+            );
         }
         cells
     }

@@ -11,7 +11,7 @@ use dpn_train::split::Side;
 /// The paper's columns, as far as they were run, with the improvement of DualProNet over x1.
 pub(crate) fn closed_loop(input: &Input, rows: &RowSet<'_>, made_by: Provenance) -> Table {
     let columns = specs::PAPER.map(specs::noise);
-    let [_, x1, _, dualpronet] = &columns;
+    let [x1, dualpronet, ..] = &columns;
     let beside = input.is_papers();
     let missing =
         input.not_run().filter_map(|missing| Some((missing.name.as_str(), input.side(&missing.name)?)));
@@ -21,9 +21,9 @@ pub(crate) fn closed_loop(input: &Input, rows: &RowSet<'_>, made_by: Provenance)
         peers: if beside { vec![PublishedAte::paper()] } else { Vec::new() },
         missing: missing.collect(),
         improvement: Some([x1, dualpronet]),
+        called: specs::name,
     };
-    let title =
-        "Absolute trajectory error [m] with constant noise and with DualProNet's; improvement over x1";
+    let title = "Sequence by sequence: what DualProNet improves on the usual constant x1, and absolute trajectory errors [m]";
     let mut table = ates.table("closed_loop", title).made_by(made_by);
     let of_means = |side| rate([x1, dualpronet].map(|noise| rows.mean(noise, side)));
     if let Some(rate) = of_means(None) {

@@ -2,6 +2,7 @@
 
 use super::super::injected::{CourseStudy, Response};
 use super::super::input::Input;
+use super::super::specs;
 use dpn_eval::injected::{Course, Injection, TONE_HZ};
 use dpn_eval::study::{Choice, Comparison};
 use dpn_figures::{Cell, Column, Provenance, Table};
@@ -25,19 +26,19 @@ pub(crate) fn value(
     made_by: Provenance,
 ) -> Table {
     let heads = [
-        "ATE median [m]",
-        "train [m]",
-        "test [m]",
         "of the gap closed",
-        "train",
-        "test",
         "ratio to best constant (95 %)",
-        "better in",
         "p (Holm)",
+        "ATE median [m]",
+        "better in",
+        "closed, train",
+        "closed, test",
+        "ATE, train [m]",
+        "ATE, test [m]",
         "failed",
     ];
     let title = "Noise of a known course added to the IMU: what each model is worth";
-    let mut table = Table::new("injected", title, Column::all(&["course", "noise"], &heads)).made_by(made_by);
+    let mut table = Table::new("injected", title, Column::all(&["noise", "course"], &heads)).made_by(made_by);
     for (course, value) in values {
         for worth in &value.noises {
             let reference = value.reference.as_ref().filter(|reference| reference.noise == worth.noise);
@@ -45,18 +46,26 @@ pub(crate) fn value(
                 Choice::Training => " (best constant)",
                 Choice::Baseline => " (reference)",
             });
-            let mut cells = vec![Cell::text(course.name()), Cell::text(format!("{}{mark}", worth.noise))];
-            cells.extend(worth.ate.map(Cell::metres));
+            let mut cells = vec![specs::cell(&worth.noise).marked(mark), Cell::text(course.name())];
             // A gap of less than a twentieth says nothing of who closes it.
             let told =
                 [0, 1, 2].map(|i| worth.closed[i].filter(|_| value.gap[i].is_some_and(|gap| gap >= 0.05)));
-            cells.extend(told.map(|share| Cell::number(share, 2)));
+            let [all, train, test] = told.map(|share| Cell::number(share, 2));
+            let [ate, ate_train, ate_test] = worth.ate.map(Cell::metres);
             let against = worth.comparison.as_ref();
-            cells.push(Cell::interval(against.map(|a| a.ratio), against.map(|a| a.ratio_interval), 2));
             let better = |a: &Comparison| format!("{} of {}", a.better, a.sequences);
-            cells.push(Cell::text(against.map_or("-".into(), better)));
-            cells.push(Cell::p(against.and_then(|a| a.p_holm)));
-            cells.push(Cell::text(worth.failures));
+            cells.extend([
+                all,
+                Cell::interval(against.map(|a| a.ratio), against.map(|a| a.ratio_interval), 2),
+                Cell::p(against.and_then(|a| a.p_holm)),
+                ate,
+                Cell::text(against.map_or("-".into(), better)),
+                train,
+                test,
+                ate_train,
+                ate_test,
+                Cell::text(worth.failures),
+            ]);
             table.reference_row(cells, reference.is_some());
         }
         table.rule();
@@ -76,7 +85,7 @@ pub(crate) fn value(
             value.sequences[2],
             gap(0),
             value.reference.as_ref().map_or("a constant, of which there is none".to_owned(), |reference| match reference.choice {
-                Choice::Training => format!("the best constant, {},", reference.noise),
+                Choice::Training => format!("the best, {},", specs::name(&reference.noise)),
                 Choice::Baseline => reference.words(),
             }),
             gap(1),
@@ -104,9 +113,9 @@ pub(crate) fn responses(
     injection: &Injection,
     made_by: Provenance,
 ) -> Table {
-    let heads = ["before", "during", "during / before", "lag up [s]", "lag down [s]", "sequences"];
+    let heads = ["during / before", "lag up [s]", "lag down [s]", "before", "during", "sequences"];
     let title = "Response of each noise model to a change of the noise, or to what is no white noise";
-    let columns = Column::all(&["course", "sensor", "noise"], &heads);
+    let columns = Column::all(&["noise", "course", "sensor"], &heads);
     let mut table = Table::new("response", title, columns).made_by(made_by);
     let mut last = None;
     // A constant answers nothing; it is there for the sweep of the other courses.
@@ -118,14 +127,14 @@ pub(crate) fn responses(
         last = Some(response.course);
         let digits = if response.sensor == dpn_core::Sensor::Accel { 3 } else { 4 };
         table.row(vec![
+            specs::cell(&response.noise),
             Cell::text(response.course.name()),
             Cell::text(response.sensor.name()),
-            Cell::text(&response.noise),
-            Cell::number(response.low, digits),
-            Cell::number(response.high, digits),
             Cell::number(response.high / response.low, 2),
             Cell::number(response.rise.map(|(lag, _)| lag), 2),
             Cell::number(response.fall.map(|(lag, _)| lag), 2),
+            Cell::number(response.low, digits),
+            Cell::number(response.high, digits),
             Cell::text(response.sequences),
         ]);
     }

@@ -4,6 +4,7 @@
 //! label `sigma_inj`, so its row stands under those rows alone, marked `paper`, with every cell empty that it does not fill.
 
 use super::super::input::Input;
+use super::super::specs::estimator_name;
 use dpn_core::Sensor;
 use dpn_core::estimate::spec::EstimatorSpec;
 use dpn_eval::open_loop::Row;
@@ -51,29 +52,32 @@ fn same_windows(a: &Row, b: &Row) -> bool {
 
 /// A line a sensor, base and kind of estimator: networks, the best simple estimator, the best regressor.
 pub(crate) fn open_loop(input: &Input, rows: &[Row], made_by: Provenance) -> Table {
-    let words = ["sensor", "base", "levels", "estimator"];
+    let words = ["estimator", "sensor"];
     let numbers = [
-        "train RMSE",
         "test RMSE",
+        "RMSE / bound",
+        "bound",
+        "train RMSE",
         "spread over seeds",
         "bias",
-        "bound",
-        "RMSE / bound",
         "windows",
         "training seeds",
     ];
     let title =
         format!("RMSE of the estimated deviation of injected noise, {} windows, label sigma_inj", input.name);
-    let mut table = Table::new("open_loop", title, Column::all(&words, &numbers)).made_by(made_by);
+    let mut columns = Column::all(&words, &numbers);
+    columns.splice(2..2, ["base", "levels"].map(Column::text));
+    let mut table = Table::new("open_loop", title, columns).made_by(made_by);
     // A row may carry the estimator's parameters where the spec leaves them to a default.
     let stem = |name: &str| name.split('(').next().unwrap_or(name).to_owned();
     let simple: Vec<String> = EstimatorSpec::all().iter().map(|spec| stem(&spec.to_string())).collect();
     for sensor in Sensor::ALL {
         let digits = if sensor == Sensor::Accel { 4 } else { 5 };
         let paper = published::network_rmse(sensor);
-        let words = [sensor.name(), "not given", "grid", "the paper (EuRoC)"];
+        let words = ["the paper (EuRoC)", sensor.name(), "not given", "grid"];
         let mut cells = words.map(Cell::text).to_vec();
-        cells.extend([paper.train_rmse, paper.test_rmse].map(|rmse| Cell::number(rmse, digits)));
+        let [test, train] = [paper.test_rmse, paper.train_rmse].map(|rmse| Cell::number(rmse, digits));
+        cells.extend([test, Cell::none(), Cell::none(), train]);
         cells.resize(table.columns.len(), Cell::none());
         table.row(cells);
         let wanted = |row: &&Row| {
@@ -115,23 +119,23 @@ pub(crate) fn open_loop(input: &Input, rows: &[Row], made_by: Provenance) -> Tab
                 let judged = (side == Side::Test).then_some(row);
                 let train = group.iter().find(|r| r.split == Side::Train && r.estimator == row.estimator);
                 let kind = if row.seeds > 0 {
-                    row.estimator.clone()
+                    ""
                 } else if is_simple(&row.estimator) {
-                    format!("best simple: {}", row.estimator)
+                    "best simple: "
                 } else {
-                    format!("best regressor: {}", row.estimator)
+                    "best regressor: "
                 };
                 table.row(vec![
+                    Cell::named(format!("{kind}{}", estimator_name(&row.estimator)), &row.estimator),
                     Cell::text(sensor.name()),
                     Cell::text(base),
                     Cell::text(levels),
-                    Cell::text(kind),
-                    Cell::number(train.map(|r| r.rmse), digits),
                     Cell::number(judged.map(|r| r.rmse), digits),
+                    Cell::number(row.ratio, 2),
+                    Cell::number(row.crb, digits),
+                    Cell::number(train.map(|r| r.rmse), digits),
                     Cell::number(row.rmse_spread, digits + 1),
                     Cell::number(row.bias, digits),
-                    Cell::number(row.crb, digits),
-                    Cell::number(row.ratio, 2),
                     Cell::text(row.n),
                     Cell::text(row.seeds),
                 ]);

@@ -14,6 +14,7 @@ pub fn ate(rows: &RowSet<'_>) -> Table {
         peers: vec![PublishedAte::vins_mono(), PublishedAte::paper()],
         missing: Vec::new(),
         improvement: None,
+        called: ToString::to_string,
     };
     ates.table("ate", "Absolute error [m] after SE(3) alignment, median over seeds; !: failed runs")
 }

@@ -1,5 +1,6 @@
 //! Times, apart from all other figures: they are the only ones that differ from run to run.
 
+use super::super::specs;
 use dpn_core::estimate::NoiseSpec;
 use dpn_eval::study::Study;
 use dpn_figures::{Cell, Column, Provenance, Table};
@@ -13,7 +14,7 @@ pub(crate) fn timing(study: &Study, windows: &[(NoiseSpec, f64)], made_by: Prove
     for line in &study.noises {
         let window = windows.iter().find(|(noise, _)| *noise == line.noise).map(|(_, ms)| *ms);
         table.row(vec![
-            Cell::text(&line.noise),
+            specs::cell(&line.noise),
             Cell::number(line.cpu_per_data_s, 4),
             Cell::number(window, 4),
         ]);

@@ -1,19 +1,26 @@
 //! What people type most, under each command's help. A test types them.
 
 pub(super) const TRAIN: &str = "Examples:
-  dpn train --sensor accel --data data/euroc
+  dpn train --sensor accel --data data/euroc            weights, summary and training.svg, the curve
+  dpn train --sensor accel --data data/euroc --out runs/accel --resume
+  dpn train --sensor accel --data data/euroc --config constant.toml --out runs/accel --resume --epochs 300
   dpn train --sensor gyro --config configs/train/gyro.toml --data data/euroc --out runs/gyro --seed 1
   dpn train --many configs/sweep/train.toml --data data --jobs 2 --out runs/many";
 
 pub(super) const EVAL: &str = "Examples:
   dpn eval --open-loop --data data/euroc
   dpn eval --closed-loop --data data/euroc --noise 'x1;x4;dualpronet' --seeds 3
+  dpn eval --closed-loop --data data/euroc --noise 'x1;self' --calib camchain.yaml
   dpn eval --closed-loop --noise 'oracle;x1' --sequences f07-room-medium        simulated flights: no data needed";
 
 pub(super) const RUN: &str = "Examples:
   dpn run data/euroc/V1_02_medium
   dpn run data/euroc/V1_02_medium --noise x4 --from 10 --to 40 --draw album
-  dpn run data/motion/MH_01_easy_start --noise 'file(\"noise.csv\")' --set window.pixel_std=0.5";
+  dpn run data/motion/MH_01_easy_start --noise 'file(\"noise.csv\")' --set window.pixel_std=0.5
+  dpn run flight.bag --calib camchain.yaml --image-topic /cam0/image_raw --topic /imu0
+  dpn run data/euroc/V1_02_medium --rpe 1m,10m:all_pairs --kitti            as evo_rpe has them
+  dpn run data/euroc/V1_02_medium --mcap run.mcap                           for Foxglove
+  ros2 bag play --stdin-bag | dpn run - --calib camchain.yaml               poses as they are made";
 
 pub(super) const PAPER: &str = "Examples:
   dpn paper --quick                          simulated flights, some minutes: is everything there?
@@ -38,11 +45,14 @@ pub(super) const SWEEP_STATUS: &str = "Examples:
 
 pub(super) const PAGE: &str = "Examples:
   dpn page flight.bag
-  dpn page rosbag2_folder --topic /imu0";
+  dpn page rosbag2_folder --topic /imu0
+  dpn page log.csv --columns 1,2,3,4,5,6,7 --gyro-unit deg/s --web target/web/page";
 
 pub(super) const NOISE: &str = "Examples:
   dpn noise flight.bag
   dpn noise log.csv --columns 1,2,3,4,5,6,7 --gyro-unit deg/s --out runs/mine
+  dpn noise flight.mcap --into with_covariances.mcap
+  dpn noise flight.bag --noise 'dualpronet(wide-s0)' --check vins.yaml --from vins
   my-driver | dpn noise --follow --rate 200
   dpn noise convert imu.yaml --to vins --rate 200";
 

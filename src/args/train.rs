@@ -43,7 +43,8 @@ pub(crate) struct TrainArgs {
     /// Folder of the run; without it runs/train-SENSOR-BASE-SEED.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Go on with the run in the folder, to the same bits as if it had never stopped.
+    /// Go on with the run in the folder, to the same bits as if it had never stopped. With --epochs a run of a constant learning rate, finished or
+    /// not, becomes longer, to the bits of one as long from the start.
     #[arg(long)]
     pub(crate) resume: bool,
     /// Seed of every draw and of the initial weights.

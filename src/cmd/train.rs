@@ -6,8 +6,9 @@ use crate::ui::{Bar, Fault, Interrupted, errln, outln};
 use anyhow::Result;
 use dpn_core::Sensor;
 use dpn_core::config::Validate;
+use dpn_figures::{TrainingCurve, save};
 use dpn_train::config::TrainConfig;
-use dpn_train::run::{Run, RunError};
+use dpn_train::run::{self, Run, RunError};
 use dpn_train::trainer::TrainError;
 use std::path::PathBuf;
 
@@ -37,6 +38,12 @@ pub(crate) fn run(args: TrainArgs) -> Result<()> {
     let stop = stop::on_ctrl_c("the epochs that were finished are kept: add --resume to go on")?;
     match run.train(&stop, &mut Bar::new()) {
         Ok((summary, weights)) => {
+            let words = format!("{} on {}, seed {}.", summary.name, summary.data, summary.seed);
+            let history = run::history(&out)?;
+            save(
+                &TrainingCurve::new(sensor, &history, Some(summary.best_epoch), &words)?,
+                &out.join("training"),
+            )?;
             if args.json {
                 outln!("{}", serde_json::to_string(&summary)?)?;
             } else {

@@ -4,7 +4,7 @@ use burn::tensor::Device;
 use dpn_core::progress::{Progress, Silent};
 use dpn_core::random::Stream;
 use dpn_core::{ImuRecording, ImuSample, Sensor, Stamp};
-use dpn_train::config::TrainConfig;
+use dpn_train::config::{Schedule, TrainConfig};
 use dpn_train::corpus::{Corpus, Member};
 use dpn_train::run::{Run, RunError};
 use dpn_train::split::Side;
@@ -75,6 +75,45 @@ fn a_resumed_run_ends_in_the_same_bits() {
     assert_eq!(run.epochs(), (2, 4));
     run.train(&never, &mut Silent).unwrap();
     assert_eq!(weights(whole.path()), weights(parts.path()));
+}
+
+#[test]
+fn a_finished_run_that_is_made_longer_ends_in_the_bits_of_one_as_long_from_the_start() {
+    let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let (corpus, device) = (corpus(), Device::flex().autodiff());
+    let never = AtomicBool::new(false);
+    let of = |epochs| {
+        let mut config = config();
+        config.fit.schedule = Schedule::Constant;
+        (config.fit.warmup_steps, config.fit.validate_every, config.fit.epochs) = (5, 2, epochs);
+        config
+    };
+    let train = |dir: &Path, config: &TrainConfig, resume: bool| {
+        Run::open(dir, config, &corpus, &device, resume)?
+            .train(&never, &mut Silent)
+            .map(|(summary, _)| summary)
+    };
+    let summary = train(whole.path(), &of(5), false).unwrap();
+    train(parts.path(), &of(2), false).unwrap();
+    assert_ne!(weights(whole.path()), weights(parts.path()));
+    assert_eq!(train(parts.path(), &of(5), true).unwrap(), summary);
+    for file in
+        ["accel.safetensors", "checkpoint.safetensors", "history.jsonl", "summary.json", "config.toml"]
+    {
+        let [a, b] = [&whole, &parts].map(|dir| std::fs::read(dir.path().join(file)).unwrap());
+        assert!(a == b, "{file}");
+    }
+
+    // The fifth epoch was validated because it was the last one; a longer run would not have done so.
+    let error = train(parts.path(), &of(6), true).unwrap_err();
+    assert!(matches!(error, RunError::OtherLength { epochs: 6, .. }) && error.hint().is_some(), "{error}");
+    assert!(matches!(train(parts.path(), &of(4), true), Err(RunError::OtherLength { .. })));
+    // Nor could a cosine's learning rates be those of a longer one.
+    let cosine = tempfile::tempdir().unwrap();
+    train(cosine.path(), &config(), false).unwrap();
+    let longer = TrainConfig { fit: dpn_train::config::FitConfig { epochs: 8, ..config().fit }, ..config() };
+    let error = train(cosine.path(), &longer, true).unwrap_err().to_string();
+    assert!(error.contains("cannot be made 8 epochs long") && error.contains("cosine"), "{error}");
 }
 
 #[test]

@@ -1,0 +1,188 @@
+//! The verdict in one sentence, from the numbers of the study; and what was measured, which is said before any number.
+
+use super::injected::CourseStudy;
+use super::input::Input;
+use super::specs;
+use dpn_eval::closed_loop::{SequenceSet, TrackSource};
+use dpn_eval::injected::Course;
+use dpn_eval::study::{Choice, Comparison, Reference, Study};
+
+/// How a noise stands against the constant it is compared with, at .05 after Holm's correction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Standing {
+    Better,
+    Worse,
+    /// Within the study's margin.
+    Equal,
+    /// Neither a difference nor that there is none was shown.
+    Open,
+    /// Too few sequences for a test.
+    Untested,
+}
+
+impl Standing {
+    pub(super) fn of(comparison: &Comparison) -> Self {
+        match (comparison.p_holm, comparison.p_equal) {
+            (None, _) => Self::Untested,
+            (Some(p), _) if p < 0.05 && comparison.ratio < 1.0 => Self::Better,
+            (Some(p), _) if p < 0.05 => Self::Worse,
+            (_, Some(p)) if p < 0.05 => Self::Equal,
+            _ => Self::Open,
+        }
+    }
+
+    /// In a table's cell.
+    pub(super) fn word(self) -> &'static str {
+        match self {
+            Self::Better => "better",
+            Self::Worse => "worse",
+            Self::Equal => "equal",
+            Self::Open => "open",
+            Self::Untested => "too few sequences",
+        }
+    }
+}
+
+/// How a noise stands against `constant`, in a sentence.
+fn clause(comparison: &Comparison, constant: &Reference) -> String {
+    let than = match Standing::of(comparison) {
+        Standing::Better => "better than",
+        Standing::Worse => "worse than",
+        Standing::Equal => "as good as",
+        Standing::Open if comparison.ratio < 1.0 => "not shown to be better than",
+        Standing::Open => "no better than",
+        Standing::Untested => {
+            let Comparison { better, sequences, .. } = comparison;
+            return format!(
+                "better in {better} of {sequences} sequences, too few to test, than {}",
+                named(constant)
+            );
+        }
+    };
+    format!("{than} {}", named(constant))
+}
+
+/// What stands at the head of the page.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Verdict {
+    /// What was measured, in three words.
+    pub(super) kind: &'static str,
+    /// The same in a sentence: what is recorded, what simulated.
+    pub(super) data: String,
+    /// The verdict.
+    pub(super) sentence: String,
+}
+
+impl Verdict {
+    /// Of the study and of the courses of added noise; `camera` says why the odometry sees what it sees.
+    pub(super) fn new(input: &Input, camera: &str, study: &Study, courses: &[(Course, CourseStudy)]) -> Self {
+        let (kind, data) = measured(input, camera);
+        let on = match input.name.as_str() {
+            "euroc" => "EuRoC",
+            "simulated" => "simulated flights",
+            _ => "these recordings",
+        };
+        let step = courses.iter().find(|(course, _)| *course == Course::Step).map(|(_, study)| study);
+        let told = against(study);
+        let sentence = match (told, step.and_then(following)) {
+            (Some(told), Some(following)) => format!("On {on}, told by the network: {told}; {following}."),
+            (Some(told), None) => format!("On {on}, told by the network: {told}."),
+            (None, _) => format!("On {on}, nothing was run that the network could be compared with."),
+        };
+        Self { kind, data, sentence }
+    }
+}
+
+/// What is recorded and what simulated.
+fn measured(input: &Input, camera: &str) -> (&'static str, String) {
+    let sees = input.camera();
+    let count = input.places.len();
+    match &input.source {
+        SequenceSet::Flights { .. } => (
+            "Simulated data",
+            format!(
+                "Nothing on this page was recorded: {count} flights, their IMU and their camera are simulated. The odometry sees {sees}: {camera}."
+            ),
+        ),
+        _ if input.source.camera_is_simulated() => (
+            "Recorded IMU, simulated camera",
+            format!(
+                "The IMU of {count} sequences was recorded; what the camera sees is simulated. The odometry sees {sees}: {camera}."
+            ),
+        ),
+        source if matches!(source.tracks(), TrackSource::File(_)) => (
+            "Recorded IMU, given tracks",
+            format!("The IMU of {count} sequences was recorded. The odometry sees {sees}: {camera}."),
+        ),
+        _ => (
+            "Recorded data",
+            format!("IMU and camera of {count} sequences were recorded. The odometry sees {sees}: {camera}."),
+        ),
+    }
+}
+
+/// The network against the constant that every noise is compared with.
+fn against(study: &Study) -> Option<String> {
+    let reference = study.reference.as_ref()?;
+    let comparison = study.of(&specs::noise(specs::DUALPRONET))?.comparison.as_ref()?;
+    Some(clause(comparison, reference))
+}
+
+/// The best network where noise is added in known steps, as long as there is a gap to close.
+fn following(step: &CourseStudy) -> Option<String> {
+    let reference = step.reference.as_ref()?;
+    step.gap[0].filter(|gap| *gap >= 0.05)?;
+    let networks = step.noises.iter().filter(|worth| specs::is_network(&worth.noise));
+    let best = networks.filter_map(|worth| Some((worth.closed[0]?, worth)));
+    let (_, worth) = best.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let clause = clause(worth.comparison.as_ref()?, reference);
+    Some(format!("where noise is added in known steps, the best network is {clause}"))
+}
+
+fn named(reference: &Reference) -> String {
+    match reference.choice {
+        Choice::Training => format!("a constant of {}", reference.noise),
+        Choice::Baseline => format!("the usual constant {}", reference.noise),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dpn_eval::closed_loop::testing::row;
+    use dpn_eval::study::{MARGIN, RowSet};
+    use dpn_train::split::Side;
+
+    /// Twelve sequences, x2 the best of the constants on training; the network's error is so many times that of x2, give or take `swing`.
+    fn sentence(factor: f64, swing: f64, sequences: usize) -> Option<String> {
+        let mut rows = Vec::new();
+        for i in 0..sequences {
+            let noises = [
+                ("x1", 1.3),
+                ("x2", 1.0),
+                ("dualpronet", factor * if i % 2 == 0 { 1.0 + swing } else { 1.0 - swing }),
+            ];
+            for (noise, times) in noises {
+                let mut row = row(&format!("s{i:02}"), noise, 0, Some(times * (0.1 + 0.003 * i as f64)));
+                row.split = if i % 3 == 0 { Side::Test } else { Side::Train };
+                rows.push(row);
+            }
+        }
+        against(&Study::new(&RowSet::new(&rows), MARGIN).unwrap())
+    }
+
+    #[test]
+    fn the_sentence_says_what_the_tests_show_and_no_more() {
+        for (factor, swing, sequences, expected) in [
+            (0.7, 0.0, 12, "better than a constant of x2"),
+            (1.5, 0.0, 12, "worse than a constant of x2"),
+            (1.0, 0.01, 12, "as good as a constant of x2"),
+            (1.05, 0.4, 12, "not shown to be better than a constant of x2"),
+            (1.12, 0.25, 12, "no better than a constant of x2"),
+            (0.7, 0.0, 4, "better in 4 of 4 sequences, too few to test, than a constant of x2"),
+        ] {
+            assert_eq!(sentence(factor, swing, sequences).as_deref(), Some(expected), "{factor} {swing}");
+        }
+        assert_eq!(against(&Study::new(&RowSet::new(&[]), MARGIN).unwrap()), None);
+    }
+}
