@@ -77,14 +77,17 @@ impl<'py> IntoPyObject<'py> for RunResult {
             known.then(|| covariance.call_method1("reshape", (shape,))).transpose()?,
         )?;
         let levels = rows(py, updates, LEVELS, |update| {
-            update.levels.map(|levels| levels.inertial.0.into_iter().chain([levels.pixel]).collect())
+            update
+                .levels
+                .as_deref()
+                .map(|levels| levels.inertial.0.into_iter().chain([levels.pixel]).collect())
         })?;
         dict.set_item("levels", updates.iter().any(|update| update.levels.is_some()).then_some(levels))?;
         dict.set_item("whitened", rows(py, updates, 1, |update| update.whitened.map(|w| vec![w]))?)?;
-        dict.set_item("tracked", count(|update| update.tracked))?;
-        dict.set_item("landmarks", count(|update| update.landmarks))?;
-        dict.set_item("outliers", count(|update| update.outliers))?;
-        dict.set_item("iterations", count(|update| update.iterations))?;
+        dict.set_item("tracked", count(|update| update.tracked as usize))?;
+        dict.set_item("landmarks", count(|update| update.landmarks as usize))?;
+        dict.set_item("outliers", count(|update| update.outliers as usize))?;
+        dict.set_item("iterations", count(|update| update.iterations as usize))?;
         let noise = &self.done.noise;
         let sigma: Vec<f64> =
             noise.noises().iter().flat_map(|n| Sensor::ALL.map(|sensor| n.of(sensor))).flatten().collect();
