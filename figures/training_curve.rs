@@ -42,16 +42,15 @@ impl TrainingCurve {
         kept: Option<u64>,
         words: &str,
     ) -> Result<Self, FigureError> {
-        let loss = history.iter().map(|record| (record.epoch, record.loss)).collect();
-        let validated = history.iter().filter_map(|record| Some((record.epoch, record.validation_rmse?)));
+        let loss: Vec<_> = history.iter().map(|record| (record.epoch, record.loss)).collect();
+        let validated: Vec<_> =
+            history.iter().filter_map(|record| Some((record.epoch, record.validation_rmse?))).collect();
         let error = format!("RMSE of predicted σ [{}]", style::unit(sensor));
-        let panels: Vec<Panel> = [
-            Panel::new("Training", "loss", loss, None),
-            Panel::new("Validation", &error, validated.collect(), kept),
-        ]
-        .into_iter()
-        .flatten()
-        .collect();
+        let panels: Vec<Panel> =
+            [Panel::new("Training", "loss", &loss, None), Panel::new("Validation", &error, &validated, kept)]
+                .into_iter()
+                .flatten()
+                .collect();
         if panels.is_empty() {
             return Err(FigureError::Empty { figure: FIGURE, what: "epoch with a positive loss".into() });
         }
@@ -74,7 +73,7 @@ impl TrainingCurve {
 
 impl Panel {
     /// Of what can be placed on a logarithmic axis; nothing where nothing can.
-    fn new(title: &'static str, label: &str, all: Vec<(u64, f64)>, kept: Option<u64>) -> Option<Self> {
+    fn new(title: &'static str, label: &str, all: &[(u64, f64)], kept: Option<u64>) -> Option<Self> {
         let placed = |(_, value): &(u64, f64)| value.is_finite() && *value > 0.0;
         let line: Vec<(f64, f64)> =
             all.iter().copied().filter(placed).map(|(epoch, value)| (epoch as f64, value)).collect();

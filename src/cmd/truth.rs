@@ -39,8 +39,11 @@ pub(super) fn reconciled(sequences: &[Sequence], out: &Path) -> Result<()> {
     let missing = |sequence: &&Sequence| !out.join(format!("{}.csv", sequence.name())).exists();
     for sequence in sequences.iter().filter(missing) {
         errln!("reconciling the ground truth of {}", sequence.name());
-        one(sequence, &TruthConfig::default(), out, &mut |line| Ok(errln!("{line}")))
-            .with_context(|| sequence.dir().display().to_string())?;
+        one(sequence, &TruthConfig::default(), out, &mut |line| {
+            errln!("{line}");
+            Ok(())
+        })
+        .with_context(|| sequence.dir().display().to_string())?;
     }
     Ok(())
 }
