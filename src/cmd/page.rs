@@ -54,7 +54,8 @@ struct Served {
 impl Served {
     fn of(args: &PageArgs) -> Result<Self> {
         let path = &args.log.path;
-        let name = path.file_name().map_or_else(|| "log".into(), |name| name.to_string_lossy().into_owned());
+        let mut name =
+            path.file_name().map_or_else(|| "log".into(), |name| name.to_string_lossy().into_owned());
         let plain = path.is_file()
             && log::options(&args.log.how) == LogOptions::default()
             && Kind::of(path)? != Kind::Sqlite;
@@ -66,6 +67,8 @@ impl Served {
             let mut out = BufWriter::new(scratch.as_file());
             write_imu_rows(&mut out, &recording).and_then(|()| out.flush()).context("a temporary file")?;
             outln!("read here, and served as its {} samples", recording.len())?;
+            // What a name ends in says what the file is.
+            name.push_str(".csv");
             scratch.reopen().context("a temporary file")?
         };
         let bytes = file.seek(SeekFrom::End(0)).with_context(|| path.display().to_string())?;
