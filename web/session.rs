@@ -20,10 +20,17 @@ const NETWORKS: [(&str, &[u8]); 2] = [
     ("models/accel/sg11-s0.safetensors", include_bytes!("../models/accel/sg11-s0.safetensors")),
     ("models/gyro/sg11-s0.safetensors", include_bytes!("../models/gyro/sg11-s0.safetensors")),
 ];
-/// Formats beside those that `dpn allan` writes.
+/// Formats beside those that `dpn allan` and `dpn noise` write.
 const MORE: [Format; 2] = [Format::Okvis2, Format::Ros];
 /// Samples from one answer to the next, as `dpn noise` has it by default.
 const EVERY: usize = 10;
+
+#[wasm_bindgen]
+extern "C" {
+    /// A function of the worker's: the share of the noise that is made.
+    #[wasm_bindgen(js_name = noiseProgress)]
+    fn progress(share: f64);
+}
 
 /// A log that was read.
 #[wasm_bindgen]
@@ -76,7 +83,7 @@ impl Session {
     /// # Errors
     /// A sentence, and a remedy on a second line.
     pub fn noise(&self) -> Result<String, JsError> {
-        Ok(self.along()?)
+        Ok(self.along(&progress)?)
     }
 
     /// What `dpn allan --json` prints, and on a line of its own what else is shown: more formats, and what a configuration is told.
@@ -108,13 +115,18 @@ impl Session {
         self.config.as_ref().map(|(name, bytes)| self.configuration(name, bytes)).transpose()
     }
 
-    fn along(&self) -> Result<String, Failure> {
+    fn along(&self, watch: &(dyn Fn(f64) + Sync)) -> Result<String, Failure> {
         let networks = NETWORKS.map(|(name, bytes)| Network::from_bytes(bytes, Path::new(name)));
         let networks = networks.into_iter().collect::<Result<Vec<_>, _>>()?;
         let config = self.configured()?;
         let (plan, note) = Plan::fitting(self.recording.rate(), EVERY, &networks)?;
-        let along = Along::of(&plan, &self.recording, config.as_ref())?;
+        let along = Along::watched(&plan, &self.recording, config.as_ref(), watch)?;
         let mut picture = picture::of(&along, self.recording.span()[0])?;
+        let rate = self.recording.rate();
+        picture["formats"] = along.effective.as_ref().map_or_else(
+            || serde_json::json!([]),
+            |effective| serde_json::json!(effective.in_formats(rate, &MORE)),
+        );
         picture["note"] = serde_json::json!(note);
         picture["start_ns"] = serde_json::json!(self.recording.span()[0].ns().to_string());
         if let (Some(config), Some(check)) = (&config, &along.check) {
@@ -156,7 +168,7 @@ mod tests {
         assert!(session.check.contains("\"findings\""));
         session.config =
             Some(("vins.yaml".into(), b"acc_n: 0.1\ngyr_n: 0.01\nacc_w: 0.001\ngyr_w: 0.0001\n".into()));
-        match session.along() {
+        match session.along(&|_| ()) {
             Ok(text) => assert_eq!(text.lines().count(), 2),
             Err(failure) => assert!(format!("{failure:?}").contains("first window"), "{failure:?}"),
         }

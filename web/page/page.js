@@ -74,7 +74,7 @@ function fail(text) {
 
 const WORDS = { check: "Reading", noise: "Noise along the log", allan: "Allan deviation at rest" };
 function take(data) {
-  const shown = { read: showRead, begin: (d) => { $("work").hidden = false; $("status").textContent = `${WORDS[d.what]} …`; $("bar").removeAttribute("value"); },
+  const shown = { read: showRead, made: showMade, begin: (d) => { $("work").hidden = false; $("status").textContent = `${WORDS[d.what]} …`; $("bar").removeAttribute("value"); },
     check: showCheck, noise: showNoise, "noise-none": (d) => none("noise", d.text), allan: showAllan, "allan-none": showNoAllan, "config-none": (d) => none("config", d.text),
     failure: (d) => fail(d.text), done: (d) => { $("work").hidden = true; results.memory = d.memory; results.seconds = (performance.now() - waiting) / 1000; document.body.dataset.done = "1"; showDownloads(); } };
   shown[data.kind]?.(data);
@@ -84,9 +84,14 @@ function showRead({ done, total }) {
   $("bar").value = done;
   $("status").textContent = `Reading, ${(done / 1e6).toFixed(done < 1e7 ? 1 : 0)} of ${(total / 1e6).toFixed(total < 1e7 ? 1 : 0)} MB`;
 }
+function showMade({ share }) {
+  $("bar").max = 1;
+  $("bar").value = share;
+  $("status").textContent = `${WORDS.noise}, ${Math.round(100 * share)} %`;
+}
 function none(id, text) {
   const [what, hint] = text.split("\n");
-  $(id).replaceChildren(el("p", {}, `${what[0].toUpperCase()}${what.slice(1)}.`), ...(hint ? [el("p", { class: "remedy" }, hint)] : []));
+  $(id).replaceChildren(el("p", {}, `${what[0].toUpperCase()}${what.slice(1)}.`), ...(hint ? [el("p", { class: "remedy" }, sentence(hint))] : []));
 }
 const sentence = (text) => `${text[0].toUpperCase()}${text.slice(1)}${/[.!?]$/.test(text) ? "" : "."}`;
 
@@ -131,7 +136,7 @@ function showNoise({ json, picture }) {
   const rows = summary.phases.flatMap((p) => p.axes.map((a) => [p.phase ? PHASES[p.phase] : "whole log", `${a.sensor} ${a.axis}, ${UNITS[a.sensor]}`, a.sigma.low, a.sigma.middle, a.sigma.high]));
   out.push(el("h3", {}, "Quantiles"), table("Deviation of one sample by phase", ["when", "axis", "a twentieth below", "median", "a twentieth above"], rows, "noise-quantiles"));
   $("noise").replaceChildren(...out);
-  results.moving = noise.effective?.pasted || null;
+  results.moving = noise.effective ? [...noise.effective.pasted, ...drawn.formats] : null;
   showPaste();
   const check = drawn.check;
   if (check) showConfig(`${last.config?.name || "It"}, read as ${check.format}, against this log (${check.levels})`, check.lines, [check.walks_by, ...check.remarks]);

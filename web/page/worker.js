@@ -28,6 +28,9 @@ class LogSource {
   }
 }
 
+/** Called from WebAssembly: the share of the noise that is made. */
+globalThis.noiseProgress = (share) => postMessage({ kind: "made", share });
+
 /** Runs `work`; what it throws becomes a sentence, or ends the whole where the memory is in no known state. */
 function told(kind, work) {
   try {

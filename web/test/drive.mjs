@@ -3,7 +3,7 @@ import { chromium } from "playwright-core";
 import axe from "axe-core";
 import { execFileSync, spawn } from "node:child_process";
 import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, statSync, writeFileSync } from "node:fs";
-import { basename, join, resolve } from "node:path";
+import { basename, dirname, join, resolve } from "node:path";
 import { tmpdir } from "node:os";
 
 const root = resolve(process.env.ROOT);
@@ -266,14 +266,53 @@ if (wants("use")) {
 }
 
 if (wants("serve")) {
-  const server = spawn(dpn, ["page", join(root, "golden/bags/sqlite/sqlite.db3"), "--web", resolve(process.env.PAGE)], { stdio: ["ignore", "pipe", "inherit"] });
-  const url = await new Promise((done) => { let text = ""; server.stdout.on("data", (part) => { text += part; const found = /http:\S+/.exec(text); if (found) done(found[0]); }); });
-  const status = async (path, headers) => (await fetch(new URL(path, url), { headers })).status;
-  say((await status("/")) === 404 && (await status("/etc/passwd")) === 404 && (await status("log")) === 416 && (await status("other")) === 404, "dpn page serves the page and the log, and nothing else");
-  await tab.goto(url);
-  await tab.waitForFunction(() => document.body.dataset.done || !document.getElementById("failure").hidden, null, { timeout: 60_000 });
-  say(await tab.evaluate(() => Boolean(window.dpnResults.check)), "dpn page of a rosbag2 database has findings");
-  server.kill();
+  for (const [log, what] of [["golden/bags/sqlite/sqlite.db3", "a rosbag2 database"], ["golden/logs/realsense_ros2", "a rosbag2 folder"], ["golden/logs/phyphox", "a folder of CSV"]]) {
+    const server = spawn(dpn, ["page", join(root, log), "--web", resolve(process.env.PAGE)], { stdio: ["ignore", "pipe", "inherit"] });
+    const url = await new Promise((done) => { let text = ""; server.stdout.on("data", (part) => { text += part; const found = /http:\S+/.exec(text); if (found) done(found[0]); }); });
+    const status = async (path, headers) => (await fetch(new URL(path, url), { headers })).status;
+    say((await status("/")) === 404 && (await status("/etc/passwd")) === 404 && (await status("log")) === 416 && (await status("other")) === 404, `dpn page of ${what} serves the page and the log, and nothing else`);
+    await tab.goto(url);
+    await tab.waitForFunction(() => document.body.dataset.done || !document.getElementById("failure").hidden, null, { timeout: 60_000 });
+    say(await tab.evaluate(() => Boolean(window.dpnResults.check)), `dpn page of ${what} has findings ${await tab.evaluate(() => document.getElementById("failure").innerText)}`);
+    server.kill();
+  }
+}
+
+if (wants("forms")) {
+  // A configuration after the log, in both shapes of the answer; the converter; progress.
+  const config = join(mkdtempSync(join(tmpdir(), "dpn-config-")), "vins.yaml");
+  writeFileSync(config, "%YAML:1.0\nacc_n: 0.08\ngyr_n: 0.004\nacc_w: 0.00004\ngyr_w: 2.0e-6\n");
+  await open();
+  await tab.evaluate(() => { window.dpnShares = []; new MutationObserver(() => window.dpnShares.push(document.getElementById("status").textContent)).observe(document.getElementById("status"), { childList: true, characterData: true, subtree: true }); });
+  await drop([long]);
+  const shares = await tab.evaluate(() => window.dpnShares.map((text) => /Noise along the log, (\d+) %/.exec(text)?.[1]).filter(Boolean).map(Number));
+  say(shares.length > 1 && shares.every((share) => share > 0 && share <= 100), `the share of the noise that is made is told: ${shares.slice(0, 5).join(", ")} %`);
+  for (const [format, words] of [["okvis2", "sigma_g_c"], ["ros", "covariance"], ["kalibr", "gyroscope_noise_density"]]) {
+    await tab.locator("#paste .formats button", { hasText: new RegExp(`^${format}$`) }).click();
+    say((await tab.locator("#paste pre").innerText()).includes(words), `figures to paste of a log in motion: ${format}`);
+  }
+  await tab.evaluate(() => { delete document.body.dataset.done; });
+  await tab.setInputFiles("#config-file", config);
+  await tab.waitForFunction(() => document.body.dataset.done);
+  const answer = told(["noise", long, "--check", config], dirname(long));
+  const expected = answer.text ? JSON.parse(answer.text).check : undefined;
+  const shown = await tab.evaluate(() => JSON.parse(window.dpnResults.noise).check);
+  const found = compare(shown, expected);
+  say(Boolean(expected) && found.other.length === 0 && found.worst <= TOLERANCE.networks, `a configuration after the log: as \`dpn noise --check\` ${found.other.slice(0, 3).join("; ")}`);
+  say((await tab.locator("#config .findings li").count()) > 0, "a configuration after the log is held against it");
+
+  await tab.click("#tab-convert");
+  const converted = (words) => tab.waitForFunction((words) => document.getElementById("converted").innerText.includes(words), words).then(() => true, () => false);
+  await tab.fill("input[name=accel_noise]", "0.2 mg/sqrt(Hz)");
+  await tab.selectOption("select[name=to]", "openvins");
+  say(await converted("0.0019613"), "the converter: 0.2 mg/sqrt(Hz) is 0.0019613 m/s^2/sqrt(Hz)");
+  await tab.fill("input[name=accel_noise]", "0.2 furlongs");
+  say(await converted("furlongs"), "the converter: a unit that is none is told by name");
+  await tab.fill("input[name=accel_noise]", "");
+  await tab.fill("input[name=gyro_noise]", "");
+  await tab.fill("textarea[name=config]", readFileSync(config, "utf8"));
+  await tab.selectOption("select[name=to]", "vins");
+  say(await converted("0.08"), "the converter takes a configuration");
 }
 await context.close();
 console.log(faults ? `${faults} fault(s)` : "all well");

@@ -1,7 +1,8 @@
 //! All that is known of the noise along a log, as the command line and the page in the browser both say it.
 
 use super::compare::{Check, compare};
-use super::{EffectiveNoise, Levels, LogNoiseError, Plan, Track, TrackSummary, report, track};
+use super::track::track_watched;
+use super::{EffectiveNoise, Levels, LogNoiseError, Plan, Track, TrackSummary, report};
 use crate::phases::phases;
 use dpn_core::{Recorded, SampleRate};
 use dpn_io::noise_formats::NoiseCalibration;
@@ -53,17 +54,30 @@ impl Along {
     /// Asks `plan` along `recording` and holds `config` against it.
     ///
     /// # Errors
-    /// A recording not longer than the first window; as [`track`].
+    /// A recording not longer than the first window; as [`track`](super::track()).
     pub fn of(
         plan: &Plan<'_>,
         recording: &dyn Recorded,
         config: Option<&NoiseCalibration>,
     ) -> Result<Self, LogNoiseError> {
+        Self::watched(plan, recording, config, &|_| ())
+    }
+
+    /// As [`Along::of`]; `watch` is told now and then how large a share of the answers is there.
+    ///
+    /// # Errors
+    /// As [`Along::of`].
+    pub fn watched(
+        plan: &Plan<'_>,
+        recording: &dyn Recorded,
+        config: Option<&NoiseCalibration>,
+        watch: &(dyn Fn(f64) + Sync),
+    ) -> Result<Self, LogNoiseError> {
         let (found_s, needed_s) = (recording.length_s(), plan.unknown_s());
         if found_s <= needed_s {
             return Err(LogNoiseError::TooShort { found_s, needed_s });
         }
-        let track = track(plan, recording)?;
+        let track = track_watched(plan, recording, watch)?;
         let summary = TrackSummary::of(&track, recording, phases(recording)?, needed_s)?;
         let check = match config {
             Some(source) => Levels::of(recording, &summary.stretches)?

@@ -9,7 +9,7 @@ use crate::text::aligned;
 use dpn_core::estimate::{Effective, EffectiveStream};
 use dpn_core::noise::{Axes, Figure, ImuFigures, Meaning};
 use dpn_core::signal::stats::median;
-use dpn_core::{ImuSample, Recorded, Sensor};
+use dpn_core::{ImuSample, Recorded, SampleRate, Sensor};
 use dpn_io::noise_formats::{Format, Written, write};
 use serde::Serialize;
 use std::fmt::Write;
@@ -124,18 +124,14 @@ impl EffectiveNoise {
                 }
             }
         }
-        let mut figures = ImuFigures { rate: Some(rate), ..ImuFigures::default() };
-        for row in spans.iter().filter(|s| s.of == Increment::Sum && s.span_s == PASTED_S) {
-            let (figure, axes) = (Figure::white(row.sensor), Axes::Each(row.sigma));
-            if figures.set(figure, Meaning::SampleStd, axes, rate).is_err() {
-                return Ok(None);
-            }
-        }
-        let note =
-            |figure: Figure| (!figure.is_walk()).then(|| format!("over {PASTED_S} s, vibration included"));
-        // A rate too slow for the span leaves nothing to write.
-        let pasted = PASTED.into_iter().filter_map(|format| write(&figures, format, note).ok()).collect();
+        let Some(figures) = pasted_figures(&spans, rate) else { return Ok(None) };
+        let pasted = written(&figures, &PASTED);
         Ok(Some(Self { phase, spans, pasted }))
+    }
+
+    /// What is pasted, in other formats than those of `pasted`; `rate` is the recording's.
+    pub fn in_formats(&self, rate: SampleRate, formats: &[Format]) -> Vec<Written> {
+        pasted_figures(&self.spans, rate).map_or_else(Vec::new, |figures| written(&figures, formats))
     }
 
     /// For people: a table a sensor, then what to paste.
@@ -166,6 +162,21 @@ impl EffectiveNoise {
         }
         text
     }
+}
+
+/// White noises over the pasted span; none where one is no noise.
+fn pasted_figures(spans: &[SpanNoise], rate: SampleRate) -> Option<ImuFigures> {
+    let mut figures = ImuFigures { rate: Some(rate), ..ImuFigures::default() };
+    for row in spans.iter().filter(|s| s.of == Increment::Sum && s.span_s == PASTED_S) {
+        figures.set(Figure::white(row.sensor), Meaning::SampleStd, Axes::Each(row.sigma), rate).ok()?;
+    }
+    Some(figures)
+}
+
+/// Those of `formats` that can be written: a rate too slow for the span leaves nothing to write.
+fn written(figures: &ImuFigures, formats: &[Format]) -> Vec<Written> {
+    let note = |figure: Figure| (!figure.is_walk()).then(|| format!("over {PASTED_S} s, vibration included"));
+    formats.iter().filter_map(|format| write(figures, *format, note).ok()).collect()
 }
 
 #[cfg(test)]
@@ -206,6 +217,12 @@ mod tests {
             assert!((found / expected - 1.0).abs() < 0.15, "{found} {expected}");
         }
         assert_eq!(noise.pasted.len(), PASTED.len());
+        let more = noise.in_formats(recording.rate(), &[Format::Okvis2, Format::Ros]);
+        assert_eq!(more.len(), 2);
+        assert!(
+            more.iter().all(|m| m.text.contains("vibration included") || !m.steps.is_empty()),
+            "{more:?}"
+        );
         assert!(
             noise.page().contains("velocity over 0.1 s") && noise.page().contains("acc_n"),
             "{}",

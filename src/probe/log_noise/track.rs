@@ -8,11 +8,14 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::io;
 use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Answers a piece of work gives.
 const PIECE: usize = 2000;
 /// Pieces whose answers are held at a time.
 const PIECES: usize = 16;
+/// Answers from one word to who watches to the next.
+const TOLD_EVERY: usize = 500;
 /// Beyond this a sample squared is no `f32` any more, and a network may keep an older answer than its window.
 const ABSURD: f64 = 1e15;
 
@@ -138,7 +141,23 @@ impl Track {
 /// # Errors
 /// As [`Plan::feed`]; a temporary file that cannot be read or written.
 pub fn track(plan: &Plan<'_>, recording: &dyn Recorded) -> Result<Track, LogNoiseError> {
+    track_watched(plan, recording, &|_| ())
+}
+
+/// As [`track`]; `watch` is told now and then how large a share of the answers is there, from whatever thread has it.
+pub(super) fn track_watched(
+    plan: &Plan<'_>,
+    recording: &dyn Recorded,
+    watch: &(dyn Fn(f64) + Sync),
+) -> Result<Track, LogNoiseError> {
     let rows = recording.len().div_ceil(plan.every());
+    let made = AtomicUsize::new(0);
+    let count = || {
+        let made = made.fetch_add(1, Ordering::Relaxed) + 1;
+        if made.is_multiple_of(TOLD_EVERY) {
+            watch(made as f64 / rows as f64);
+        }
+    };
     let mut answers = Store::default();
     let mut absurd = false;
     if plan.memory().is_some() && rows > PIECE {
@@ -146,7 +165,10 @@ pub fn track(plan: &Plan<'_>, recording: &dyn Recorded) -> Result<Track, LogNois
         recording.each(0..recording.len(), &mut |s| absurd |= is_absurd(s))?;
     }
     let Some(memory) = plan.memory().filter(|_| rows > PIECE && !absurd) else {
-        piece(plan, recording, 0..rows, 0, |answer| answers.push(answer))?;
+        piece(plan, recording, 0..rows, 0, |answer| {
+            answers.push(answer);
+            count();
+        })?;
         return Ok(Track { answers: answers.done()? });
     };
     // A feed asks at whole hops from its first sample, so a piece may begin at any whole number of them.
@@ -160,7 +182,10 @@ pub fn track(plan: &Plan<'_>, recording: &dyn Recorded) -> Result<Track, LogNois
                 // The row before counts from its own last question on.
                 let first = (rows.start * plan.every()).saturating_sub(plan.every() + memory + 2 * step);
                 let mut answers = Vec::with_capacity(rows.len());
-                piece(plan, recording, rows.clone(), first - first % step, |answer| answers.push(answer))?;
+                piece(plan, recording, rows.clone(), first - first % step, |answer| {
+                    answers.push(answer);
+                    count();
+                })?;
                 Ok(answers)
             })
             .collect::<Result<Vec<_>, LogNoiseError>>()?;
@@ -226,6 +251,19 @@ mod tests {
         let mut answers = Vec::new();
         piece(plan, recording, 0..recording.len().div_ceil(plan.every()), 0, |a| answers.push(a)).unwrap();
         answers
+    }
+
+    #[test]
+    fn who_watches_hears_shares_up_to_the_whole() {
+        let recording = recording(5000, 5_000_000);
+        let networks = [];
+        let plan = Plan::new(&"diff2".parse().unwrap(), recording.rate(), 1, &networks).unwrap();
+        let heard = std::sync::Mutex::new(Vec::new());
+        let watched = track_watched(&plan, &recording, &|share| heard.lock().unwrap().push(share)).unwrap();
+        let mut heard = heard.into_inner().unwrap();
+        heard.sort_by(f64::total_cmp);
+        assert_eq!(heard.len(), watched.len() / TOLD_EVERY);
+        assert!(heard[0] > 0.0 && *heard.last().unwrap() <= 1.0, "{heard:?}");
     }
 
     #[test]
