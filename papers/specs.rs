@@ -118,7 +118,6 @@ pub(super) fn estimator_name(row: &str) -> String {
         "pronet-total" => "network, trained on total noise".into(),
         "pronet-wide" => "wide network".into(),
         "kernel-svr" => "support vectors on features".into(),
-        "kernel-ridge" => "kernel ridge on features".into(),
         "elastic-net" => "elastic net on features".into(),
         other => other.parse().map_or_else(|_| other.to_owned(), |spec| name(&spec)),
     }

@@ -20,7 +20,7 @@ pub(super) const RUN: &str = "Examples:
   dpn run flight.bag --calib camchain.yaml --image-topic /cam0/image_raw --topic /imu0
   dpn run data/euroc/V1_02_medium --rpe 1m,10m:all_pairs --kitti            as evo_rpe has them
   dpn run data/euroc/V1_02_medium --mcap run.mcap                           for Foxglove
-  ros2 bag play --stdin-bag | dpn run - --calib camchain.yaml               poses as they are made";
+  cat flight.bag | dpn run - --calib camchain.yaml                          poses as they are made";
 
 pub(super) const PAPER: &str = "Examples:
   dpn paper --quick                          simulated flights, some minutes: is everything there?
