@@ -39,7 +39,9 @@ function ticks(from, to, log, most) {
     const steps = b - a > most ? [1] : b - a > 2 ? [1, 3] : [1, 2, 5];
     const all = [];
     for (let decade = a; decade <= b; decade++) for (const step of steps) all.push(Number(`${step}e${decade}`));
-    return all.filter((v) => v >= from * 0.999 && v <= to * 1.001);
+    const shown = all.filter((v) => v >= from * 0.999 && v <= to * 1.001);
+    // Within a few tenths of a decade, even steps say more than one number.
+    if (shown.length > 1) return shown;
   }
   const raw = (to - from) / most;
   const unit = 10 ** Math.floor(Math.log10(raw));
