@@ -204,7 +204,8 @@ pub(crate) fn run_arrays(
         };
         let camera = CameraInput::Tracks(frames, settings.span(&recording.name));
         let done = settings.run(&recording, camera, ("tracks", TruthKind::Published)).map(|done| {
-            let report = done.json(&dpn_program::program(), &settings.estimator, None, (false, TruthKind::Published));
+            let report =
+                done.json(&dpn_program::program(), &settings.estimator, None, (false, TruthKind::Published));
             RunResult::new(report, &settings.estimator, done)
         });
         settings.finish(done)
