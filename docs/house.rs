@@ -18,7 +18,7 @@ const ARROWS: [(&str, &[&str]); 17] = [
     ("src/onnx", &["dpn-core", "dpn-pronet"]),
     ("train", &["dpn-core", "dpn-io", "dpn-pronet"]),
     ("eval", &["dpn-core", "dpn-io", "dpn-logs", "dpn-pronet", "dpn-sim", "dpn-train", "dpn-vio"]),
-    ("figures", &["dpn-core", "dpn-eval", "dpn-io", "dpn-probe", "dpn-vio"]),
+    ("figures", &["dpn-core", "dpn-eval", "dpn-io", "dpn-probe", "dpn-train", "dpn-vio"]),
     (
         "papers",
         &["dpn-core", "dpn-eval", "dpn-figures", "dpn-io", "dpn-pronet", "dpn-sim", "dpn-train", "dpn-vio"],

@@ -8,9 +8,17 @@ use dpn_core::Sensor;
 use dpn_core::config::Validate;
 use dpn_figures::{TrainingCurve, save};
 use dpn_train::config::TrainConfig;
-use dpn_train::run::{self, Run, RunError};
+use dpn_train::run::{self, Run, RunError, RunSummary};
 use dpn_train::trainer::TrainError;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+/// Draws the curve of the finished training in `out`, beside its weights.
+pub(super) fn draw_curve(sensor: Sensor, summary: &RunSummary, out: &Path) -> Result<()> {
+    let words = format!("{} on {}, seed {}.", summary.name, summary.data, summary.seed);
+    let history = run::history(out)?;
+    save(&TrainingCurve::new(sensor, &history, Some(summary.best_epoch), &words)?, &out.join("training"))?;
+    Ok(())
+}
 
 pub(crate) fn run(args: TrainArgs) -> Result<()> {
     let sensor = match (&args.many, args.sensor) {
@@ -38,12 +46,7 @@ pub(crate) fn run(args: TrainArgs) -> Result<()> {
     let stop = stop::on_ctrl_c("the epochs that were finished are kept: add --resume to go on")?;
     match run.train(&stop, &mut Bar::new()) {
         Ok((summary, weights)) => {
-            let words = format!("{} on {}, seed {}.", summary.name, summary.data, summary.seed);
-            let history = run::history(&out)?;
-            save(
-                &TrainingCurve::new(sensor, &history, Some(summary.best_epoch), &words)?,
-                &out.join("training"),
-            )?;
+            draw_curve(sensor, &summary, &out)?;
             if args.json {
                 outln!("{}", serde_json::to_string(&summary)?)?;
             } else {

@@ -27,7 +27,16 @@ fn without_data_it_trains_on_the_simulated_flights() {
     let left: Vec<String> = files(&out).into_keys().collect();
     assert_eq!(
         left,
-        ["checkpoint.safetensors", "config.toml", "gyro.safetensors", "history.jsonl", "summary.json"]
+        [
+            "checkpoint.safetensors",
+            "config.toml",
+            "gyro.safetensors",
+            "history.jsonl",
+            "summary.json",
+            "training.csv",
+            "training.png",
+            "training.svg"
+        ]
     );
     let summary: serde_json::Value = serde_json::from_slice(&files(&out)["summary.json"]).unwrap();
     assert_eq!(summary, said);

@@ -1,5 +1,6 @@
 //! Trainings of a sweep.
 
+use crate::cmd::train::draw_curve;
 use crate::cmd::{corpus, device, program};
 use anyhow::Result;
 use dpn_core::config::Validate;
@@ -78,6 +79,7 @@ impl CorpusTrainer {
         let resume = dir.join("checkpoint.safetensors").is_file();
         let (summary, _) =
             Run::open(dir, &spec.config, &read.corpus, &device, resume)?.train(stop, progress)?;
+        draw_curve(spec.config.sensor(), &summary, dir)?;
         match serde_json::to_value(&summary)? {
             Value::Object(row) => Ok(row),
             other => Ok(Map::from_iter([("summary".to_owned(), other)])),
