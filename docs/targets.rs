@@ -162,7 +162,7 @@ fn the_headline_is_the_same_everywhere() {
         (between("", " smaller"), between("(", " instead of "), between("instead of ", ";"));
     let (paper, ratio, interval) =
         (between("the paper: ", ")"), between("ratio of errors ", ","), between("interval ", ")"));
-    let study = one_line(STUDY);
+    let study = one_line(STUDY).replace("&#39;", "'");
     for said in [
         format!(
             "mean error over 11 sequences is {ours}, {share} below that of the usual constants (x1, {usual})"
