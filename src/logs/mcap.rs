@@ -13,12 +13,15 @@ use std::collections::BTreeMap;
 use std::io::{self, Read};
 
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
+#[cfg(feature = "write")]
 pub(crate) const HEADER: u8 = 0x01;
 pub(crate) const SCHEMA: u8 = 0x03;
 pub(crate) const CHANNEL: u8 = 0x04;
 pub(crate) const MESSAGE: u8 = 0x05;
 const CHUNK: u8 = 0x06;
+#[cfg(feature = "write")]
 pub(crate) const ATTACHMENT: u8 = 0x09;
+#[cfg(feature = "write")]
 pub(crate) const METADATA: u8 = 0x0c;
 const DATA_END: u8 = 0x0f;
 
