@@ -1,6 +1,6 @@
 //! Rows of one closed loop, by noise and sequence.
 
-use crate::closed_loop::Row;
+use crate::closed_loop::{Row, TruthKind};
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::signal::stats::{mean, median_of};
 use dpn_train::split::Side;
@@ -41,6 +41,11 @@ impl<'a> RowSet<'a> {
     pub fn sequences(&self, side: Option<Side>) -> impl Iterator<Item = &'a str> {
         let wanted = self.sequences.iter().filter(move |(_, of)| side.is_none_or(|side| side == *of));
         wanted.map(|(name, _)| *name)
+    }
+
+    /// What the runs were judged by; the published truth where no row says it.
+    pub fn truth(&self) -> TruthKind {
+        self.rows.iter().find_map(|row| row.truth).unwrap_or(TruthKind::Published)
     }
 
     /// How many sequences one side or both have.

@@ -11,7 +11,7 @@ pub fn ate(rows: &RowSet<'_>) -> Table {
     let ates = Ates {
         rows,
         noises: rows.noises().to_vec(),
-        peers: vec![PublishedAte::vins_mono(), PublishedAte::paper()],
+        peers: vec![PublishedAte::vins_mono(rows.truth()), PublishedAte::paper()],
         missing: Vec::new(),
         improvement: None,
         called: ToString::to_string,
