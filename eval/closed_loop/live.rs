@@ -2,6 +2,7 @@
 
 use super::drive::settings_for;
 use super::error::ClosedLoopError;
+use super::mounting_watch::MountingWatch;
 use super::tracking::pass_over_spikes;
 use crate::noise;
 use dpn_core::camera::CameraModel;
@@ -26,6 +27,8 @@ pub struct LiveRun<'a> {
     /// Until the rate is known.
     first: Vec<ImuSample>,
     last: Option<Stamp>,
+    mounting: MountingWatch,
+    warning: Option<String>,
 }
 
 impl<'a> LiveRun<'a> {
@@ -43,7 +46,8 @@ impl<'a> LiveRun<'a> {
         let estimator = Estimator::new(settings_for(config, &spec), camera, body_from_cam, name, seed)
             .map_err(ClosedLoopError::Config)?;
         let (name, first) = (name.to_owned(), Vec::new());
-        Ok(Self { estimator, spec, networks, name, noise: None, first, last: None })
+        let mounting = MountingWatch::new(camera, body_from_cam);
+        Ok(Self { estimator, spec, networks, name, noise: None, first, last: None, mounting, warning: None })
     }
 
     /// Takes a sample.
@@ -78,7 +82,14 @@ impl<'a> LiveRun<'a> {
 
     /// Works off the next frame whose samples are all there.
     pub fn next_update(&mut self) -> Option<Update> {
+        self.estimator.track_images(&mut self.mounting);
+        self.warning = self.warning.take().or_else(|| self.mounting.warning());
         self.estimator.next_update()
+    }
+
+    /// What turned out to be wrong with how the camera is said to be mounted, once, as soon as its turns and the gyro's tell.
+    pub fn take_warning(&mut self) -> Option<String> {
+        self.warning.take()
     }
 
     /// Says that nothing more comes.
@@ -110,6 +121,7 @@ impl<'a> LiveRun<'a> {
     fn told(&mut self, sample: ImuSample) -> Result<(), ClosedLoopError> {
         let model = self.noise.as_mut().expect("the caller looked");
         let noise = model.feed(&sample);
+        self.mounting.sample(&sample);
         pass_over_spikes(self.estimator.feed_imu(NoisySample { sample, noise }))
             .map_err(|error| self.refused(error))
     }

@@ -24,6 +24,7 @@ mod lens_error;
 mod live;
 mod logged;
 mod manifest;
+mod mounting_watch;
 mod parallel;
 mod recording;
 mod rendered;

@@ -141,6 +141,9 @@ impl Live<'_> {
 
     fn updates(&mut self) -> Result<()> {
         while let Some(update) = self.run.next_update() {
+            if let Some(warning) = self.run.take_warning() {
+                errln!("warning: {warning}");
+            }
             self.frames += 1;
             self.say(&update);
             let Some(state) = update.state else { continue };

@@ -130,6 +130,20 @@ fn a_bag_gives_its_folders_trajectory_and_a_pipe_its_first_pose_before_its_end()
     let expected = String::from_utf8(expected).unwrap();
     assert_eq!(live, expected.split_once('\n').unwrap().1, "{said}");
     assert!(said.contains("note: initialised at ") && said.contains("was never closed"), "{said}");
+    assert!(!said.contains("swapped"), "{said}");
+
+    // The extrinsics the wrong way about are named while the pipe goes on.
+    let given = Sequence::open(&dir).unwrap().camera_config().unwrap().unwrap().body_from_cam;
+    let wrong = given.inverse().to_homogeneous();
+    let yaml = std::fs::read_to_string(&calibration).unwrap();
+    let (before, after) = yaml.split_once("data: [").unwrap();
+    let (_, after) = after.split_once(']').unwrap();
+    let other = tmp.path().join("swapped.yaml");
+    let numbers: Vec<String> = wrong.transpose().iter().map(f64::to_string).collect();
+    std::fs::write(&other, format!("{before}data: [{}]{after}", numbers.join(", "))).unwrap();
+    let stdin = std::fs::File::open(&bag).unwrap();
+    let said = end(dpn().args(["run", "-", "--calib"]).arg(&other).stdin(stdin)).well().stderr;
+    assert_eq!(said.matches("warning: the camera's extrinsics are swapped").count(), 1, "{said}");
 }
 
 #[test]

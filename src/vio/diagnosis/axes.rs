@@ -160,6 +160,11 @@ impl AxesMeter {
         }
     }
 
+    /// Steps so far that can be compared.
+    pub fn pairs(&self) -> usize {
+        self.turns.len()
+    }
+
     /// What the steps so far say of a camera mounted so.
     pub fn axes(&self, body_from_cam: &Isometry3<f64>) -> Axes {
         compared(&self.turns, body_from_cam)
