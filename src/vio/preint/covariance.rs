@@ -1,5 +1,6 @@
 //! The covariance of an interval under the three models; derived at the head of [`super`].
 
+use super::coloured::Coloured;
 use super::config::{ImuCov, PreintegrationConfig};
 use super::levels::{ACCEL_WALK, GYRO_WALK, NoiseLevels};
 use super::linear::{ACCEL, BIAS_DIM, GYRO, MOTION_DIM, Step, Transition};
@@ -95,6 +96,9 @@ pub(super) struct Covariance {
     gyro_bias: f64,
     /// The last sample's weight and variances, which the next step completes; under `exact` alone.
     open: Option<(Entry, ImuNoise)>,
+    /// What the noise's lines have, and the shares of the variances that are white: accelerometer, gyro.
+    coloured: Option<Box<Coloured>>,
+    white: [f64; 2],
 }
 
 impl Covariance {
@@ -107,7 +111,15 @@ impl Covariance {
             accel_bias: 0.0,
             gyro_bias: 0.0,
             open: (config.imu_cov == ImuCov::Exact).then(|| (Entry::none(), *first)),
+            coloured: Coloured::new(&config.colour).map(Box::new),
+            white: [config.colour.accel, config.colour.gyro].map(|line| 1.0 - line.share),
         }
+    }
+
+    /// Variances of the white noise in force.
+    fn variances(&self, told: &ImuNoise) -> (Vector3<f64>, Vector3<f64>) {
+        let (accel, gyro) = self.levels.variances(told);
+        (self.white[0] * accel, self.white[1] * gyro)
     }
 
     /// One step further, from sample 0 to sample 1.
@@ -126,7 +138,7 @@ impl Covariance {
                 self.carry(&step.transition);
                 let half = Entry::half(step, &step.rotation_1);
                 if let Some((entry, noise)) = &self.open {
-                    let (accel, gyro) = self.levels.variances(noise);
+                    let (accel, gyro) = self.variances(noise);
                     entry.continued(step).add_to(&mut self.motion, &accel, &gyro);
                 }
                 // The walk's increment is in the second sample already, with the weight of its noise and a bias's sign.
@@ -146,14 +158,14 @@ impl Covariance {
                 for (rotation, noise) in
                     [(&step.rotation_0, &sample_0.noise), (&step.rotation_1, &sample_1.noise)]
                 {
-                    let (accel, gyro) = self.levels.variances(noise);
+                    let (accel, gyro) = self.variances(noise);
                     Entry::half(step, rotation).add_to(&mut self.motion, &accel, &gyro);
                 }
             }
             ImuCov::Euler => {
                 let transition = Transition::euler(dt, &step.rotation_0, &step.rate_0, &step.force_0);
                 self.carry(&transition);
-                let (accel, gyro) = self.levels.variances(&sample_0.noise);
+                let (accel, gyro) = self.variances(&sample_0.noise);
                 let mut d_motion_d_gyro = SMatrix::<f64, MOTION_DIM, 3>::zeros();
                 d_motion_d_gyro.fixed_view_mut::<3, 3>(ROTATION, 0).fill_diagonal(dt);
                 let entry = Entry {
@@ -164,6 +176,9 @@ impl Covariance {
                 };
                 entry.add_to(&mut self.motion, &accel, &gyro);
             }
+        }
+        if let Some(coloured) = &mut self.coloured {
+            coloured.advance(step, &self.levels, [&sample_0.noise, &sample_1.noise]);
         }
         self.accel_bias += accel_walk;
         self.gyro_bias += gyro_walk;
@@ -191,8 +206,11 @@ impl Covariance {
     pub(super) fn assembled(&self) -> SMatrix<f64, STATE_DIM, STATE_DIM> {
         let mut motion = self.motion;
         if let Some((entry, noise)) = &self.open {
-            let (accel, gyro) = self.levels.variances(noise);
+            let (accel, gyro) = self.variances(noise);
             entry.add_to(&mut motion, &accel, &gyro);
+        }
+        if let Some(coloured) = &self.coloured {
+            motion += coloured.motion;
         }
         let mut whole = SMatrix::<f64, STATE_DIM, STATE_DIM>::zeros();
         // Symmetric to the last bit.
