@@ -1,4 +1,4 @@
-//! What a line of the noise has in the covariance of an interval.
+//! What lines of the noise have in the covariance of an interval.
 //!
 //! # Process
 //! On every axis `n_k = sigma_k sqrt(share) x_k`, where `(x, y)` is a state of unit variance that turns and decays,
@@ -18,7 +18,7 @@
 //! ```
 //! column by column, for each axis is a process of its own. What the line says of the next interval is not carried over.
 
-use super::colour::NoiseColour;
+use super::colour::{LINES, NoiseColour, NoiseLine};
 use super::levels::NoiseLevels;
 use super::linear::{ACCEL, BIAS_DIM, GYRO, MOTION_DIM, Step};
 use crate::state::{POSITION, VELOCITY};
@@ -28,25 +28,28 @@ use std::f64::consts::TAU;
 
 type ByAxis = SMatrix<f64, MOTION_DIM, BIAS_DIM>;
 
-/// An interval's covariance from the lines alone, as it grows.
+/// An interval's covariance from one line of each sensor, as it grows.
 #[derive(Debug, Clone)]
 pub(super) struct Coloured {
-    colour: NoiseColour,
+    /// The accelerometer's line, and the gyro's.
+    lines: [NoiseLine; 2],
     pub(super) motion: SMatrix<f64, MOTION_DIM, MOTION_DIM>,
     in_phase: ByAxis,
     quadrature: ByAxis,
 }
 
 impl Coloured {
-    /// Of an empty interval; `None` where there is no line.
-    pub(super) fn new(colour: &NoiseColour) -> Option<Self> {
-        let zero = ByAxis::zeros();
-        (!colour.is_white()).then(|| Self {
-            colour: *colour,
+    /// Of empty intervals, the lines of both sensors in pairs; none where there is no line. Lines are processes of their own: their covariances add up.
+    pub(super) fn all(colour: &NoiseColour) -> Vec<Self> {
+        let of = |k: usize| [colour.accel.0[k], colour.gyro.0[k]];
+        let with_share = |lines: &[NoiseLine; 2]| lines.iter().any(|line| line.share > 0.0);
+        let begun = |lines| Self {
+            lines,
             motion: SMatrix::zeros(),
-            in_phase: zero,
-            quadrature: zero,
-        })
+            in_phase: ByAxis::zeros(),
+            quadrature: ByAxis::zeros(),
+        };
+        (0..LINES).map(of).filter(with_share).map(begun).collect()
     }
 
     /// How a sample at which the body is turned by `rotation` enters the step.
@@ -60,8 +63,8 @@ impl Coloured {
         weight.fixed_view_mut::<MOTION_DIM, 3>(0, GYRO).copy_from(&by_gyro);
         for axis in 0..3 {
             let of = |variance: f64, share: f64| (variance * share).sqrt();
-            weight.column_mut(ACCEL + axis).scale_mut(of(accel[axis], self.colour.accel.share));
-            weight.column_mut(GYRO + axis).scale_mut(of(gyro[axis], self.colour.gyro.share));
+            weight.column_mut(ACCEL + axis).scale_mut(of(accel[axis], self.lines[0].share));
+            weight.column_mut(GYRO + axis).scale_mut(of(gyro[axis], self.lines[1].share));
         }
         weight
     }
@@ -70,8 +73,7 @@ impl Coloured {
     pub(super) fn advance(&mut self, step: &Step, levels: &NoiseLevels, noises: [&ImuNoise; 2]) {
         let dt = step.transition.dt;
         let turn = |part: fn(f64) -> f64| {
-            let of = [self.colour.accel, self.colour.gyro]
-                .map(|line| (-dt / line.decay_s).exp() * part(TAU * line.hz * dt));
+            let of = self.lines.map(|line| (-dt / line.decay_s).exp() * part(TAU * line.hz * dt));
             SVector::<f64, BIAS_DIM>::from_fn(|axis, _| of[axis / 3])
         };
         let (cos, sin) = (turn(f64::cos), turn(f64::sin));

@@ -29,7 +29,7 @@ pub struct PreintegrationConfig {
     pub accel_bias_walk: AccelBiasWalkDensity,
     /// Walk of the gyro's bias \[rad/s^2/sqrt(Hz)\], likewise. Default: VINS-Mono's `gyr_w = 2e-6` at its 200 Hz, 1.41e-7.
     pub gyro_bias_walk: GyroBiasWalkDensity,
-    /// What of the noise told is a line and not white; under `exact` alone. Default: nothing.
+    /// What of the noise told are lines and not white; under `exact` alone. Default: nothing.
     #[serde(skip_serializing_if = "NoiseColour::is_white")]
     pub colour: NoiseColour,
 }

@@ -97,7 +97,7 @@ pub(super) struct Covariance {
     /// The last sample's weight and variances, which the next step completes; under `exact` alone.
     open: Option<(Entry, ImuNoise)>,
     /// What the noise's lines have, and the shares of the variances that are white: accelerometer, gyro.
-    coloured: Option<Box<Coloured>>,
+    coloured: Vec<Coloured>,
     white: [f64; 2],
 }
 
@@ -111,8 +111,8 @@ impl Covariance {
             accel_bias: 0.0,
             gyro_bias: 0.0,
             open: (config.imu_cov == ImuCov::Exact).then(|| (Entry::none(), *first)),
-            coloured: Coloured::new(&config.colour).map(Box::new),
-            white: [config.colour.accel, config.colour.gyro].map(|line| 1.0 - line.share),
+            coloured: Coloured::all(&config.colour),
+            white: [config.colour.accel, config.colour.gyro].map(|lines| lines.white_share().max(0.0)),
         }
     }
 
@@ -177,7 +177,7 @@ impl Covariance {
                 entry.add_to(&mut self.motion, &accel, &gyro);
             }
         }
-        if let Some(coloured) = &mut self.coloured {
+        for coloured in &mut self.coloured {
             coloured.advance(step, &self.levels, [&sample_0.noise, &sample_1.noise]);
         }
         self.accel_bias += accel_walk;
@@ -209,7 +209,7 @@ impl Covariance {
             let (accel, gyro) = self.variances(noise);
             entry.add_to(&mut motion, &accel, &gyro);
         }
-        if let Some(coloured) = &self.coloured {
+        for coloured in &self.coloured {
             motion += coloured.motion;
         }
         let mut whole = SMatrix::<f64, STATE_DIM, STATE_DIM>::zeros();

@@ -69,7 +69,7 @@ mod sample;
 #[cfg(test)]
 pub(crate) mod testing;
 
-pub use colour::{NoiseColour, NoiseLine};
+pub use colour::{LINES, NoiseColour, NoiseLine, NoiseLines};
 pub use config::{ImuCov, PreintegrationConfig};
 pub use delta::Delta;
 pub use interval::Preintegration;

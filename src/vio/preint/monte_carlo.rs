@@ -4,7 +4,7 @@
 //! is a stochastic difference equation of its own, not even that).
 
 use super::testing::{config, integrate, lively, random_bias, rng};
-use super::{Delta, ImuCov, NoiseColour, NoiseLine, NoisySample, PreintegrationConfig};
+use super::{Delta, ImuCov, NoiseColour, NoiseLine, NoiseLines, NoisySample, PreintegrationConfig};
 use crate::factors::inertial::sqrt_information;
 use crate::preint::linear::Step;
 use crate::state::{ACCEL_BIAS, GYRO_BIAS, ImuBias, POSITION, ROTATION, STATE_DIM, VELOCITY};
@@ -252,23 +252,26 @@ fn sampled_lines(
     bias: &ImuBias,
     computed: &Delta,
 ) -> Error {
-    let lines = [(Sensor::Accel, colour.accel), (Sensor::Gyro, colour.gyro)];
-    // Both parts of the lines' states, an axis a row.
-    let mut states = lines.map(|_| [normal(rng), normal(rng)]);
+    let sensors = [(Sensor::Accel, colour.accel), (Sensor::Gyro, colour.gyro)];
+    // Both parts of every line's state, an axis a row.
+    let mut states = sensors.map(|(_, lines)| lines.0.map(|_| [normal(rng), normal(rng)]));
     let mut clean = Vec::new();
     for (k, sample) in samples.iter().enumerate() {
         let dt = if k == 0 { 0.0 } else { sample.sample.t.seconds_since(samples[k - 1].sample.t) };
         let mut noise = [Vector3::zeros(); 2];
-        for (i, (sensor, line)) in lines.iter().enumerate() {
-            let kept = (-dt / line.decay_s).exp();
-            let (sin, cos) = (std::f64::consts::TAU * line.hz * dt).sin_cos();
-            let [x, y] = states[i];
-            let fresh = (1.0 - kept * kept).max(0.0).sqrt();
-            states[i] = [
-                kept * (cos * x - sin * y) + fresh * normal(rng),
-                kept * (sin * x + cos * y) + fresh * normal(rng),
-            ];
-            let unit = line.share.sqrt() * states[i][0] + (1.0 - line.share).sqrt() * normal(rng);
+        for (i, (sensor, lines)) in sensors.iter().enumerate() {
+            let mut unit = lines.white_share().sqrt() * normal(rng);
+            for (line, state) in lines.0.iter().zip(&mut states[i]) {
+                let kept = (-dt / line.decay_s).exp();
+                let (sin, cos) = (std::f64::consts::TAU * line.hz * dt).sin_cos();
+                let [x, y] = *state;
+                let fresh = (1.0 - kept * kept).max(0.0).sqrt();
+                *state = [
+                    kept * (cos * x - sin * y) + fresh * normal(rng),
+                    kept * (sin * x + cos * y) + fresh * normal(rng),
+                ];
+                unit += line.share.sqrt() * state[0];
+            }
             noise[i] = unit.component_mul(&Vector3::from(sample.noise.of(*sensor)));
         }
         clean.push(minus(sample, &noise[0], &noise[1]));
@@ -284,9 +287,13 @@ fn sampled_lines(
 fn noise_with_lines_has_the_covariance_of_its_draws() {
     let line = |share, hz, decay_s| NoiseLine { share, hz, decay_s };
     let colours = [
-        NoiseColour { accel: line(0.9, 27.0, 0.05), gyro: line(0.6, 90.0, 0.3) },
+        NoiseColour { accel: line(0.9, 27.0, 0.05).into(), gyro: line(0.6, 90.0, 0.3).into() },
         // A bias that comes and goes; and a line that dies within a sample.
-        NoiseColour { accel: line(1.0, 0.0, 0.5), gyro: line(0.5, 40.0, 0.001) },
+        NoiseColour { accel: line(1.0, 0.0, 0.5).into(), gyro: line(0.5, 40.0, 0.001).into() },
+        NoiseColour {
+            accel: NoiseLines([line(0.3, 27.0, 0.1), line(0.5, 91.0, 0.05), line(0.1, 5.0, 0.2)]),
+            gyro: NoiseLines([NoiseLine::default(), line(0.5, 10.0, 0.05), NoiseLine::default()]),
+        },
     ];
     for (seed, colour) in colours.into_iter().enumerate() {
         let mut rng = rng("lines", seed as u64);
@@ -318,7 +325,7 @@ fn a_line_that_never_changes_is_a_bias_and_one_that_dies_at_once_is_white() {
     }
     let white = config(ImuCov::Exact, 0.0, 0.0);
     let of = |line: NoiseLine| {
-        let colour = NoiseColour { accel: line, gyro: line };
+        let colour = NoiseColour { accel: line.into(), gyro: line.into() };
         integrate(PreintegrationConfig { colour, ..white }, bias, &samples)
     };
     let near = |a: f64, b: f64, scale: f64| (a - b).abs() < 1e-9 * scale;
