@@ -4,6 +4,7 @@ use super::config::EstimatorConfig;
 use super::feed_error::FeedError;
 use super::image_tracker::{FrontEndObserver, ImageTracker};
 use super::imu_buffer::{ImuBuffer, Interval};
+use super::jump::{Found, JumpWatch};
 use super::ray_rates::RayRates;
 use super::report::{RunReport, Stage};
 use super::starter::{StartFrame, Starter, integrate};
@@ -39,6 +40,7 @@ pub struct Estimator {
     starter: Starter,
     rates: RayRates,
     rest: RestWatch,
+    jumps: JumpWatch,
     running: bool,
     /// Where the last estimate ended, for the next one to go on from.
     last_good: Option<NavState>,
@@ -68,6 +70,7 @@ impl Estimator {
             images: ImageTracker::new(config.front_end, camera, body_from_cam.rotation, name, seed)?,
             rates: RayRates::default(),
             rest: RestWatch::default(),
+            jumps: JumpWatch::new(config.jumps),
             last_good: None,
             camera,
             imu: ImuBuffer::default(),
@@ -186,6 +189,7 @@ impl Estimator {
     pub fn start(&mut self, frames: Vec<StartFrame>) -> Option<NavState> {
         self.window = Window::new(self.config.window, *self.window.body_from_cam());
         self.rest = RestWatch::default();
+        self.jumps = JumpWatch::new(self.config.jumps);
         self.running = false;
         if frames.is_empty() {
             return None;
@@ -238,6 +242,7 @@ impl Estimator {
             iterations: 0,
             whitened: None,
             levels: None,
+            jump: None,
             seconds: 0.0,
         };
         clock.lap(Stage::Feed);
@@ -324,6 +329,9 @@ impl Estimator {
         clock.lap(Stage::Feed);
         let solved = self.window.optimise();
         update.iterations = solved.iterations;
+        if let Found::Jump(jump) = self.jumps.look(&mut self.window) {
+            update.jump = Some(jump);
+        }
         clock.lap(Stage::Solve);
         update.outliers = self.window.reject_outliers();
         clock.lap(Stage::Reject);

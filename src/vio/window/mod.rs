@@ -7,6 +7,7 @@
 
 mod config;
 mod frame;
+mod jump;
 mod landmark;
 mod landmark_terms;
 pub mod layout;
@@ -29,6 +30,7 @@ mod window;
 pub use config::{Handover, WindowConfig};
 pub use frame::{Frame, Seen, Standstill};
 pub use landmark::Landmark;
+pub(crate) use jump::Doubt;
 pub(crate) use landmark::MIN_INVERSE_DEPTH;
 pub use slide::Leaving;
 pub use solve::{Solved, Stop};
