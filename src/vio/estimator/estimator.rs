@@ -4,7 +4,7 @@ use super::config::EstimatorConfig;
 use super::feed_error::FeedError;
 use super::image_tracker::{FrontEndObserver, ImageTracker};
 use super::imu_buffer::{ImuBuffer, Interval};
-use super::jump::{Found, JumpWatch};
+use super::jump::JumpWatch;
 use super::ray_rates::RayRates;
 use super::report::{RunReport, Stage};
 use super::starter::{StartFrame, Starter, integrate};
@@ -329,14 +329,12 @@ impl Estimator {
         clock.lap(Stage::Feed);
         let solved = self.window.optimise();
         update.iterations = solved.iterations;
-        if let Found::Jump(jump) = self.jumps.look(&mut self.window) {
-            update.jump = Some(jump);
-        }
+        update.jump = self.jumps.look(&mut self.window, solved.last_cost);
         clock.lap(Stage::Solve);
         update.outliers = self.window.reject_outliers();
         clock.lap(Stage::Reject);
         let state = self.window.newest().expect("a frame was just added").state;
-        if let Some(reason) = self.config.health.judge(&state, &predicted) {
+        if let Some(reason) = self.config.health.judge(&state, &predicted, self.jumps.reach()) {
             return Err(reason);
         }
         if update.tracked >= self.config.health.min_tracks {

@@ -68,17 +68,6 @@ pub struct BiasJump {
     pub gyro: [f64; 3],
 }
 
-/// What a frame's look found.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Found {
-    /// Nothing out of the usual.
-    Nothing,
-    /// The newest interval contradicts the others; what it means is not known yet.
-    Doubt,
-    /// A jump; the window allows for it now.
-    Jump(BiasJump),
-}
-
 /// Looks for them.
 #[derive(Debug, Clone)]
 pub(super) struct JumpWatch {
@@ -86,83 +75,96 @@ pub(super) struct JumpWatch {
     /// Mean squares of the scores by lag.
     usual: [SVector<f64, 6>; LAGS],
     seen: [usize; LAGS],
+    found: bool,
 }
 
 impl JumpWatch {
     pub(super) fn new(config: JumpConfig) -> Self {
-        Self { config, usual: [SVector::zeros(); LAGS], seen: [0; LAGS] }
+        Self { config, usual: [SVector::zeros(); LAGS], seen: [0; LAGS], found: false }
     }
 
-    /// Looks at a window just solved, and puts another in its place where a bias has jumped.
-    pub(super) fn look(&mut self, window: &mut Window) -> Found {
+    /// Looks at a window just solved, of this cost, and puts another in its place where a bias has jumped.
+    pub(super) fn look(&mut self, window: &mut Window, cost: f64) -> Option<BiasJump> {
         if !self.config.watch {
-            return Found::Nothing;
+            return None;
         }
         let newest = window.frames().len() - 1;
         let mut suspects = Vec::new();
         for lag in 0..LAGS.min(newest) {
             let Some(score) = window.jump_score(newest - lag) else { continue };
-            if self.unusual(lag, &score) {
-                suspects.push(newest - lag);
+            let ratio = self.ratio_to_usual(lag, &score);
+            if ratio > self.config.unusual {
+                suspects.push((newest - lag, ratio));
             }
         }
-        if suspects.is_empty() { Found::Nothing } else { self.examine(window, &suspects) }
+        let jump = self.examine(window, cost, &suspects);
+        self.found |= jump.is_some();
+        jump
     }
 
-    /// Whether a score is far beyond the usual, which it then enters.
-    fn unusual(&mut self, lag: usize, score: &SVector<f64, 6>) -> bool {
+    /// How far beyond any sensor's a bias may lie since a jump was found, accelerometer \[m/s^2\] and gyro \[rad/s\].
+    pub(super) fn reach(&self) -> [f64; 2] {
+        let JumpConfig { accel_std, gyro_std, .. } = self.config;
+        if self.found { [accel_std, gyro_std].map(|std| 3.0 * std) } else { [0.0; 2] }
+    }
+
+    /// How many times the usual a score is, in deviations of the axis on which it is most; it then enters the usual.
+    fn ratio_to_usual(&mut self, lag: usize, score: &SVector<f64, 6>) -> f64 {
         let (usual, seen) = (&mut self.usual[lag], &mut self.seen[lag]);
         let known = *seen >= WARM_UP;
         *seen += 1;
         let share = RENEWED.max(1.0 / *seen as f64);
-        let mut beyond = false;
+        let mut most: f64 = 0.0;
         for k in 0..6 {
             let mut square = score[k] * score[k];
             if !square.is_finite() {
                 continue;
             }
             if known {
-                beyond |= square > self.config.unusual.powi(2) * usual[k];
+                most = most.max(square / usual[k]);
                 square = square.min(CLIP * usual[k]);
             }
             usual[k] += share * (square - usual[k]);
         }
-        beyond
+        most.sqrt()
     }
 
-    fn examine(&self, window: &mut Window, suspects: &[usize]) -> Found {
+    fn examine(&self, window: &mut Window, cost: f64, suspects: &[(usize, f64)]) -> Option<BiasJump> {
+        let most = suspects.iter().max_by(|a, b| a.1.total_cmp(&b.1))?.0;
         let wide = Doubt::Jump([self.config.accel_std, self.config.gyro_std]);
-        let trials = suspects.iter().filter_map(|&j| {
-            let (jumped, cost) = window.doubting(j, wide)?;
-            Some((j, jumped, cost))
-        });
-        let Some((j, jumped, cost)) = trials.min_by(|a, b| a.2.total_cmp(&b.2)) else { return Found::Nothing };
-        let Some((_, disbelieved)) = window.doubting(j, Doubt::Samples) else { return Found::Nothing };
-        let unit = jumped.mean_inertial_square(j).map_or(1.0, |square| (square / FITTED).max(1.0));
-        let explained = 2.0 * (disbelieved - cost) / unit;
-        let change = jumped.bias_change(j);
+        let first = window.doubting(most, wide)?;
+        let unit = first.0.mean_inertial_square(most).map_or(1.0, |square| (square / FITTED).max(1.0));
+        let enough = |from: f64, to: f64| 2.0 * (from - to) > self.config.evidence * unit;
         if std::env::var_os("DPN_JUMPS").is_some() {
-            let (_, same) = window.doubting(j, Doubt::Jump([0.0; 2])).unwrap();
+            let change = first.0.bias_change(most);
             eprintln!(
-                "look {:?} lag {} of {suspects:?} same {same:.1} jump {cost:.1} samples {disbelieved:.1} unit {unit:.2} explained {explained:.1} a {:.3?} g {:.4?}",
+                "look {:?} suspects {suspects:.1?} D {:.1} unit {unit:.2} a {:.3?} g {:.4?}",
                 window.newest().unwrap().t,
-                window.frames().len() - 1 - j,
+                2.0 * (cost - first.1) / unit,
                 change.accel.as_slice(),
                 change.gyro.as_slice()
             );
         }
-        if explained < self.config.evidence {
-            return Found::Nothing;
+        if !enough(cost, first.1) {
+            return None;
         }
-        let size = |change: f64| 2.0 * change / 3.0f64.sqrt();
-        let std = [size(change.accel.norm()), size(change.gyro.norm())];
+        let others = suspects.iter().filter(|(j, _)| *j != most);
+        let others = others.filter_map(|&(j, _)| window.doubting(j, wide).map(|(jumped, cost)| (j, jumped, cost)));
+        let (j, jumped, jump_cost) =
+            others.chain([(most, first.0, first.1)]).min_by(|a, b| a.2.total_cmp(&b.2))?;
+        let (_, disbelieved) = window.doubting(j, Doubt::Samples)?;
+        let two = window.doubting2(j)?.1;
+        if std::env::var_os("DPN_JUMPS").is_some() {
+            eprintln!("  lag {} explained {:.1} two {:.1}", window.frames().len() - 1 - j, 2.0 * (disbelieved - jump_cost) / unit, 2.0 * (two - jump_cost) / unit);
+        }
+        if !enough(two, jump_cost) {
+            return None;
+        }
         *window = jumped;
         window.reintegrate_after(j);
-        if let Some((sized, _)) = window.doubting(j, Doubt::Jump(std)) {
-            *window = sized;
-        }
+        window.optimise();
         let (frames, change) = (window.frames(), window.bias_change(j));
         let between = [frames[j - 1].t, frames[j].t];
-        Found::Jump(BiasJump { between, accel: change.accel.into(), gyro: change.gyro.into() })
+        Some(BiasJump { between, accel: change.accel.into(), gyro: change.gyro.into() })
     }
 }

@@ -133,6 +133,11 @@ impl Preintegration {
         self.reintegrate(self.bias);
     }
 
+    /// Variances of a jump of the biases that was said to be in the interval, accelerometer and gyro.
+    pub(crate) fn jump(&self) -> [f64; 2] {
+        self.jump
+    }
+
     /// Variance that a jump adds to the walks a second.
     fn jump_rate(&self) -> [f64; 2] {
         let duration = self.duration();

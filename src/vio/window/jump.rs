@@ -60,6 +60,19 @@ impl Window {
         Some((window, cost))
     }
 
+    pub(crate) fn doubting2(&self, j: usize) -> Option<(Self, f64)> {
+        let mut window = self.clone();
+        for j in [j, j + 1] {
+            let Some(frame) = window.frames.get_mut(j) else { continue };
+            let preint = frame.preint.as_mut()?;
+            let mut levels = *preint.levels();
+            levels.0[..6].iter_mut().for_each(|level| *level *= DISBELIEVED);
+            preint.set_levels(NoiseLevels(levels.0));
+        }
+        let cost = window.optimise().last_cost;
+        Some((window, cost))
+    }
+
     /// By how much the biases changed over the interval that ends at frame `j`.
     pub(crate) fn bias_change(&self, j: usize) -> ImuBias {
         let (before, after) = (&self.frames[j - 1].state.bias, &self.frames[j].state.bias);
