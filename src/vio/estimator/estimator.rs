@@ -12,7 +12,7 @@ use super::update::{Phase, RestartReason, Update};
 use crate::components::Learner;
 use crate::factors::reprojection::Sighting;
 use crate::init::{InitFrame, RestWatch};
-use crate::preint::{NoisySample, Preintegration};
+use crate::preint::{NoiseLevels, NoisySample, Preintegration};
 use crate::state::NavState;
 use crate::window::{Leaving, Seen, Standstill, Window};
 use dpn_core::camera::CameraModel;
@@ -311,19 +311,21 @@ impl Estimator {
         if interval.longest_step > self.config.health.max_imu_gap {
             return Err(RestartReason::ImuGap { seconds: interval.longest_step });
         }
-        let last = self.window.newest().expect("while it runs the window has frames: `start` saw one");
-        let (last_t, last) = (last.t, last.state);
-        let Some(mut preint) = integrate(&self.config, &last.bias, &interval.samples) else {
-            return Err(RestartReason::ImuGap { seconds: t.seconds_since(last_t) });
-        };
-        if let Some(learner) = &self.learner {
-            preint.set_levels(learner.levels().inertial);
-        }
-        let predicted = preint.predict(&last);
         let rest = self.rests(t, &interval.samples, seen);
-        update.tracked = self.window.add_frame(t, predicted, Some(preint), seen);
-        if let Some(rest) = rest {
-            self.window.rest_since(rest);
+        let levels = self.learner.as_ref().map(|learner| learner.levels().inertial);
+        let entering = Entering { config: &self.config, levels, t, samples: &interval.samples, seen, rest };
+        let last = self.window.newest().expect("while it runs the window has frames: `start` saw one").t;
+        let Some((predicted, tracked)) = entering.enter(&mut self.window) else {
+            return Err(RestartReason::ImuGap { seconds: t.seconds_since(last) });
+        };
+        update.tracked = tracked;
+        if let Some(beside) = self.jumps.beside() {
+            while beside.is_full() {
+                // Intervals stay apart until it is known in which the jump fell.
+                beside.slide(Leaving::Oldest);
+            }
+            entering.enter(beside);
+            beside.triangulate();
         }
         self.window.triangulate();
         clock.lap(Stage::Feed);
@@ -360,11 +362,42 @@ impl Estimator {
             update.whitened = self.window.slide(leaving);
             if let Some(learner) = &self.learner {
                 learner.apply(&mut self.window, self.config.window.pixel_std);
+                if let Some(beside) = self.jumps.beside() {
+                    learner.apply(beside, self.config.window.pixel_std);
+                }
             }
         }
         clock.lap(Stage::Slide);
         self.report.add_seconds(&clock.seconds);
         Ok(())
+    }
+}
+
+/// A frame on its way into a window.
+struct Entering<'a> {
+    config: &'a EstimatorConfig,
+    levels: Option<NoiseLevels>,
+    t: Stamp,
+    samples: &'a [NoisySample],
+    seen: &'a [Seen],
+    rest: Option<Standstill>,
+}
+
+impl Entering<'_> {
+    /// Puts it at the end of a window: the state that the samples predict from the frame before, and how many tracks go on. `None`, and nothing
+    /// done, where there are too few samples.
+    fn enter(&self, window: &mut Window) -> Option<(NavState, usize)> {
+        let last = window.newest()?.state;
+        let mut preint = integrate(self.config, &last.bias, self.samples)?;
+        if let Some(levels) = self.levels {
+            preint.set_levels(levels);
+        }
+        let predicted = preint.predict(&last);
+        let tracked = window.add_frame(self.t, predicted, Some(preint), self.seen);
+        if let Some(rest) = self.rest {
+            window.rest_since(rest);
+        }
+        Some((predicted, tracked))
     }
 }
 

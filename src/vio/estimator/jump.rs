@@ -1,15 +1,19 @@
 //! Jumps of the biases: found, and allowed for in the interval in which they fell.
 //!
-//! A bias that walks as its data sheet says cannot follow one that jumps: held where it was, it turns into velocity, the window's poses leave the tracks and
-//! these are given up as outliers; some twenty seconds later the speed is beyond belief. So each frame asks, in two steps:
+//! A bias that walks as its data sheet says cannot follow one that jumps: held where it was, what it lacks turns into velocity, the window's poses leave the tracks, these are
+//! given up as outliers, and some twenty seconds later the speed is beyond belief. So each frame asks:
 //! 1. The score of a jump ([`Window::jump_score`]) in each of the last intervals, against what it usually is: truths that are wrong and vibration have
 //!    their own usual.
-//! 2. Where it is far beyond that, the window is solved with a jump in that interval, and with an interval that is not believed. What the jump explains beyond the latter
-//!    must be far beyond chance, in units of what inertial residuals of the window are worth.
+//! 2. Where it is far beyond that, the window is solved with a jump in that interval. Unless this explains far more than chance would, in units of
+//!    what inertial residuals of the window are worth, nothing has happened.
+//! 3. The same is asked against a window that does not believe the interval and the next. A jump that explains far more than that too is one: its window
+//!    takes the place of the old one.
+//! 4. It cannot when it fell in the last two intervals. Then its window goes on beside the old one for a few frames, with the tracks that the old one
+//!    gives up meanwhile, and is asked again at each.
 //!
-//! A jump found stays as a raised walk in its interval, as large as it came out; nothing else is changed.
+//! A window without a jump is not touched by any of this. A jump found stays as a raised walk in its interval.
 
-use crate::window::{Doubt, Window};
+use crate::window::Window;
 use dpn_core::Stamp;
 use dpn_core::config::ConfigFaults;
 use nalgebra::SVector;
@@ -23,8 +27,12 @@ const WARM_UP: usize = 20;
 const RENEWED: f64 = 0.02;
 /// A score counts in the usual one as at most so many times it.
 const CLIP: f64 = 9.0;
-/// Expected mean square of a whitened inertial residual where the noise told is right: the states are fitted to it.
+/// Mean square of a whitened inertial residual where the noise told is right: the states are fitted to it.
 const FITTED: f64 = 0.45;
+/// Frames for which the window of a jump goes on beside the old one.
+const BESIDE: usize = 4;
+/// How many times its deviation a jump may be.
+const REACH: f64 = 3.0;
 
 /// When a bias is held to have jumped.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -34,9 +42,9 @@ pub struct JumpConfig {
     pub watch: bool,
     /// A score so many times the usual is looked into; 2 to 1000.
     pub unusual: f64,
-    /// Twice the log likelihood that a jump must explain beyond one interval that is wrong, in units of the window's inertial residuals; 10 to 1e6.
+    /// Twice the log likelihood that a jump must explain beyond two intervals that are wrong, in units of the window's inertial residuals; 10 to 1e6.
     pub evidence: f64,
-    /// A jump's deviation that is tried, an axis of the accelerometer \[m/s^2\].
+    /// Deviation of a jump, an axis of the accelerometer \[m/s^2\].
     pub accel_std: f64,
     /// The same of the gyro \[rad/s\].
     pub gyro_std: f64,
@@ -68,6 +76,50 @@ pub struct BiasJump {
     pub gyro: [f64; 3],
 }
 
+/// A window that allows for a jump.
+#[derive(Debug, Clone)]
+struct Jumped {
+    window: Window,
+    cost: f64,
+    /// The frame at which the jump's interval ends.
+    end: Stamp,
+    frames_left: usize,
+}
+
+impl Jumped {
+    /// Where the jump's interval ends in the window now; `None` once it has left.
+    fn place(&self) -> Option<usize> {
+        self.window.frames().iter().position(|frame| frame.t == self.end).filter(|j| *j > 0)
+    }
+
+    /// What inertial residuals of the window are worth where the noise told is too small.
+    fn unit(&self) -> f64 {
+        let square = self.place().and_then(|j| self.window.mean_inertial_square(j));
+        square.map_or(1.0, |square| (square / FITTED).max(1.0))
+    }
+
+    /// The jump, where it explains what the next interval together with its own cannot.
+    fn confirmed(&self, evidence: f64) -> Option<BiasJump> {
+        let j = self.place()?;
+        let without = self.window.cost_disbelieving(j)?;
+        if std::env::var_os("DPN_JUMPS").is_some() {
+            eprintln!(
+                "  lag {} left {} two {:.1} unit {:.2}",
+                self.window.frames().len() - 1 - j,
+                self.frames_left,
+                2.0 * (without - self.cost) / self.unit(),
+                self.unit()
+            );
+        }
+        if 2.0 * (without - self.cost) < evidence * self.unit() {
+            return None;
+        }
+        let change = self.window.bias_change(j);
+        let between = [self.window.frames()[j - 1].t, self.end];
+        Some(BiasJump { between, accel: change.accel.into(), gyro: change.gyro.into() })
+    }
+}
+
 /// Looks for them.
 #[derive(Debug, Clone)]
 pub(super) struct JumpWatch {
@@ -75,15 +127,22 @@ pub(super) struct JumpWatch {
     /// Mean squares of the scores by lag.
     usual: [SVector<f64, 6>; LAGS],
     seen: [usize; LAGS],
+    beside: Option<Jumped>,
     found: bool,
 }
 
 impl JumpWatch {
     pub(super) fn new(config: JumpConfig) -> Self {
-        Self { config, usual: [SVector::zeros(); LAGS], seen: [0; LAGS], found: false }
+        Self { config, usual: [SVector::zeros(); LAGS], seen: [0; LAGS], beside: None, found: false }
     }
 
-    /// Looks at a window just solved, of this cost, and puts another in its place where a bias has jumped.
+    /// The window that goes on beside, where there is one.
+    pub(super) fn beside(&mut self) -> Option<&mut Window> {
+        self.beside.as_mut().map(|jumped| &mut jumped.window)
+    }
+
+    /// Looks at a window just solved, of this cost, and at the one beside it, which the same frame was added to. Where a bias has jumped, the window that
+    /// allows for it is put in the place of `window`.
     pub(super) fn look(&mut self, window: &mut Window, cost: f64) -> Option<BiasJump> {
         if !self.config.watch {
             return None;
@@ -97,15 +156,27 @@ impl JumpWatch {
                 suspects.push((newest - lag, ratio));
             }
         }
-        let jump = self.examine(window, cost, &suspects);
-        self.found |= jump.is_some();
+        let jump = self.ask_beside(window).or_else(|| {
+            let jumped = self.trial(window, cost, &suspects)?;
+            let jump = jumped.confirmed(self.config.evidence);
+            if jump.is_some() {
+                accept(jumped, window);
+            } else {
+                self.beside.get_or_insert(jumped);
+            }
+            jump
+        });
+        if jump.is_some() {
+            self.beside = None;
+            self.found = true;
+        }
         jump
     }
 
     /// How far beyond any sensor's a bias may lie since a jump was found, accelerometer \[m/s^2\] and gyro \[rad/s\].
     pub(super) fn reach(&self) -> [f64; 2] {
         let JumpConfig { accel_std, gyro_std, .. } = self.config;
-        if self.found { [accel_std, gyro_std].map(|std| 3.0 * std) } else { [0.0; 2] }
+        if self.found { [accel_std, gyro_std].map(|std| REACH * std) } else { [0.0; 2] }
     }
 
     /// How many times the usual a score is, in deviations of the axis on which it is most; it then enters the usual.
@@ -129,42 +200,55 @@ impl JumpWatch {
         most.sqrt()
     }
 
-    fn examine(&self, window: &mut Window, cost: f64, suspects: &[(usize, f64)]) -> Option<BiasJump> {
+    /// The window of the jump that explains most, where it explains far more than chance would.
+    fn trial(&self, window: &Window, cost: f64, suspects: &[(usize, f64)]) -> Option<Jumped> {
+        let std = [self.config.accel_std, self.config.gyro_std];
+        let jumped = |j: usize| {
+            let (window, cost) = window.with_jump(j, std)?;
+            Some(Jumped { end: window.frames()[j].t, window, cost, frames_left: BESIDE })
+        };
         let most = suspects.iter().max_by(|a, b| a.1.total_cmp(&b.1))?.0;
-        let wide = Doubt::Jump([self.config.accel_std, self.config.gyro_std]);
-        let first = window.doubting(most, wide)?;
-        let unit = first.0.mean_inertial_square(most).map_or(1.0, |square| (square / FITTED).max(1.0));
-        let enough = |from: f64, to: f64| 2.0 * (from - to) > self.config.evidence * unit;
+        let first = jumped(most)?;
         if std::env::var_os("DPN_JUMPS").is_some() {
-            let change = first.0.bias_change(most);
+            let change = first.window.bias_change(most);
             eprintln!(
-                "look {:?} suspects {suspects:.1?} D {:.1} unit {unit:.2} a {:.3?} g {:.4?}",
+                "look {:?} suspects {suspects:.1?} D {:.1} unit {:.2} a {:.3?} g {:.4?}",
                 window.newest().unwrap().t,
-                2.0 * (cost - first.1) / unit,
+                2.0 * (cost - first.cost) / first.unit(),
+                first.unit(),
                 change.accel.as_slice(),
                 change.gyro.as_slice()
             );
         }
-        if !enough(cost, first.1) {
+        if 2.0 * (cost - first.cost) < self.config.evidence * first.unit() {
             return None;
         }
-        let others = suspects.iter().filter(|(j, _)| *j != most);
-        let others = others.filter_map(|&(j, _)| window.doubting(j, wide).map(|(jumped, cost)| (j, jumped, cost)));
-        let (j, jumped, jump_cost) =
-            others.chain([(most, first.0, first.1)]).min_by(|a, b| a.2.total_cmp(&b.2))?;
-        let (_, disbelieved) = window.doubting(j, Doubt::Samples)?;
-        let two = window.doubting2(j)?.1;
-        if std::env::var_os("DPN_JUMPS").is_some() {
-            eprintln!("  lag {} explained {:.1} two {:.1}", window.frames().len() - 1 - j, 2.0 * (disbelieved - jump_cost) / unit, 2.0 * (two - jump_cost) / unit);
+        let others = suspects.iter().filter(|(j, _)| *j != most).filter_map(|(j, _)| jumped(*j));
+        others.chain([first]).min_by(|a, b| a.cost.total_cmp(&b.cost))
+    }
+
+    /// Solves the window beside, if there is one, asks it, and readies it for the next frame.
+    fn ask_beside(&mut self, window: &mut Window) -> Option<BiasJump> {
+        let mut jumped = self.beside.take()?;
+        jumped.cost = jumped.window.optimise().last_cost;
+        jumped.frames_left -= 1;
+        let jump = jumped.confirmed(self.config.evidence);
+        if jump.is_some() {
+            accept(jumped, window);
+        } else if jumped.frames_left > 0 {
+            jumped.window.reject_outliers();
+            self.beside = Some(jumped);
         }
-        if !enough(two, jump_cost) {
-            return None;
-        }
-        *window = jumped;
+        jump
+    }
+}
+
+/// Puts the window of a jump in the place of the old one.
+fn accept(jumped: Jumped, window: &mut Window) {
+    let place = jumped.place();
+    *window = jumped.window;
+    if let Some(j) = place {
         window.reintegrate_after(j);
         window.optimise();
-        let (frames, change) = (window.frames(), window.bias_change(j));
-        let between = [frames[j - 1].t, frames[j].t];
-        Some(BiasJump { between, accel: change.accel.into(), gyro: change.gyro.into() })
     }
 }

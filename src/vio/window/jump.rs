@@ -1,4 +1,4 @@
-//! A jump of the biases inside one interval of the window: what says that there was one, and the window that allows for it.
+//! A jump of the biases inside one interval of the window: what says that there was one, and the windows that allow for it or do without it.
 //!
 //! # Score
 //! A bias that changes by `d` in the middle of an interval of residual `r`, covariance `Q` and bias Jacobian `J` moves its rows by
@@ -9,27 +9,18 @@
 //! At the solution this is all that the later frames say against the bias that the earlier ones tell: the walk's own rows hold the two together.
 //!
 //! # Trial
-//! Whether there was one is asked of the whole window, solved anew with the interval's walks raised by a jump's variance. An interval that no bias
-//! explains, as under a blow or after a lost sample, is explained by that too: within it the bias may have been anything. So the same window with the interval's
-//! white noise raised is held against it; what the jump explains better, it explains in the intervals that follow.
+//! Whether there was one is asked of the whole window, solved anew with the walks of the interval raised by a jump's variance. An interval that is wrong for another
+//! reason, after a blow or where the truth has a kink, is explained by that too: within it the bias may have been anything. So the window
+//! that does not believe this interval and the next is held against it; what a jump explains better, it explains in the intervals that follow.
 
 use super::window::Window;
 use crate::factors::inertial::{inertial_residual, sqrt_information};
-use crate::preint::NoiseLevels;
+use crate::preint::Preintegration;
 use crate::state::{ACCEL_BIAS, ImuBias};
 use nalgebra::SVector;
 
 /// The white noise of an interval that is not believed, as a factor on its deviation.
 const DISBELIEVED: f64 = 100.0;
-
-/// What is said of an interval instead of what was.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Doubt {
-    /// The biases jumped, by so much an axis: accelerometer \[m/s^2\], gyro \[rad/s\].
-    Jump([f64; 2]),
-    /// Its samples say next to nothing of the motion.
-    Samples,
-}
 
 impl Window {
     /// Derivative of the cost by a jump of the biases in the interval that ends at frame `j`, in the order accelerometer, gyro; `None` where there is
@@ -44,33 +35,31 @@ impl Window {
         Some(-(0.5 * preint.jacobian().tr_mul(&motion) + weighed.fixed_rows::<6>(ACCEL_BIAS)))
     }
 
-    /// The window solved anew with `doubt` about the interval that ends at frame `j`, and its cost; `None` where there is no such interval.
-    pub(crate) fn doubting(&self, j: usize, doubt: Doubt) -> Option<(Self, f64)> {
+    /// The window solved with a jump of deviation `std` an axis, accelerometer \[m/s^2\] and gyro \[rad/s\], in the interval that ends at frame `j`, and
+    /// its cost.
+    pub(crate) fn with_jump(&self, j: usize, std: [f64; 2]) -> Option<(Self, f64)> {
         let mut window = self.clone();
-        let preint = window.frames.get_mut(j)?.preint.as_mut()?;
-        match doubt {
-            Doubt::Jump(std) => preint.set_jump(std),
-            Doubt::Samples => {
-                let mut levels = *preint.levels();
-                levels.0[..6].iter_mut().for_each(|level| *level *= DISBELIEVED);
-                preint.set_levels(NoiseLevels(levels.0));
-            }
-        }
+        window.interval_mut(j)?.set_jump(std);
         let cost = window.optimise().last_cost;
         Some((window, cost))
     }
 
-    pub(crate) fn doubting2(&self, j: usize) -> Option<(Self, f64)> {
+    /// The cost of the window solved without a jump in the interval that ends at frame `j`, the motion there and in the next not believed; `None`
+    /// where nothing comes after.
+    pub(crate) fn cost_disbelieving(&self, j: usize) -> Option<f64> {
         let mut window = self.clone();
-        for j in [j, j + 1] {
-            let Some(frame) = window.frames.get_mut(j) else { continue };
-            let preint = frame.preint.as_mut()?;
+        window.interval_mut(j)?.set_jump([0.0; 2]);
+        for k in [j, j + 1] {
+            let preint = window.interval_mut(k)?;
             let mut levels = *preint.levels();
             levels.0[..6].iter_mut().for_each(|level| *level *= DISBELIEVED);
-            preint.set_levels(NoiseLevels(levels.0));
+            preint.set_levels(levels);
         }
-        let cost = window.optimise().last_cost;
-        Some((window, cost))
+        Some(window.optimise().last_cost)
+    }
+
+    fn interval_mut(&mut self, j: usize) -> Option<&mut Preintegration> {
+        self.frames.get_mut(j)?.preint.as_mut()
     }
 
     /// By how much the biases changed over the interval that ends at frame `j`.
@@ -83,7 +72,7 @@ impl Window {
     pub(crate) fn reintegrate_after(&mut self, j: usize) {
         for k in j + 1..self.frames.len() {
             let bias = self.frames[k - 1].state.bias;
-            if let Some(preint) = &mut self.frames[k].preint {
+            if let Some(preint) = self.interval_mut(k) {
                 preint.reintegrate(bias);
             }
         }

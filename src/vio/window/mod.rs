@@ -30,7 +30,6 @@ mod window;
 pub use config::{Handover, WindowConfig};
 pub use frame::{Frame, Seen, Standstill};
 pub use landmark::Landmark;
-pub(crate) use jump::Doubt;
 pub(crate) use landmark::MIN_INVERSE_DEPTH;
 pub use slide::Leaving;
 pub use solve::{Solved, Stop};
