@@ -2,9 +2,12 @@
 
 use crate::factors::inertial::{inertial_jacobians, sqrt_information};
 use crate::preint::{COMPONENTS, NoiseLevels};
-use crate::state::STATE_DIM;
+use crate::state::{ACCEL_BIAS, GYRO_BIAS, STATE_DIM};
 use crate::window::Window;
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{SMatrix, SVector, Vector3};
+
+/// The square of a change of the bias is so many times its variance where it is told from none.
+const KNOWN: f64 = 9.0;
 
 /// Derivative and expected curvature of the restricted likelihood by the logarithms of the variances.
 #[derive(Debug, Clone)]
@@ -33,6 +36,24 @@ impl Window {
         let explained = self.covariance_along([(0, &d_i), (last, &d_j)]);
         let parts = preint.components().map(|part| root * part * root.transpose());
         Some(score(&(root * residual), &explained, &parts, preint.levels()))
+    }
+
+    /// By how much each sensor's bias jumped in the interval that ends at frame `k`; `None` for one whose change is no larger than what is not known of
+    /// it, and for all where no jump was found.
+    pub(super) fn known_jump(&self, k: usize) -> Option<[Option<Vector3<f64>>; 2]> {
+        let preint = self.frames.get(k)?.preint.as_ref()?;
+        if preint.jump() == [0.0; 2] || !self.factor_is_posterior {
+            return None;
+        }
+        let mut by_bias = SMatrix::<f64, STATE_DIM, STATE_DIM>::zeros();
+        by_bias.fixed_view_mut::<6, 6>(ACCEL_BIAS, ACCEL_BIAS).fill_with_identity();
+        let covariance = self.covariance_along([(k - 1, &-by_bias), (k, &by_bias)]);
+        let change = self.bias_change(k);
+        let known = |first: usize, change: Vector3<f64>| {
+            let unknown = covariance.fixed_view::<3, 3>(first, first).trace();
+            (change.norm_squared() > KNOWN * unknown).then_some(change)
+        };
+        Some([known(ACCEL_BIAS, change.accel), known(GYRO_BIAS, change.gyro)])
     }
 
     /// `J H^-1 J^T` of rows that two frames' states enter.

@@ -12,7 +12,7 @@ use super::pixels::PixelScore;
 use crate::preint::{ACCEL_WALK, COMPONENTS, GYRO_WALK, NoiseLevels, Preintegration, PreintegrationConfig};
 use crate::window::{Frame, Window};
 use dpn_core::{SampleRate, Sensor, Stamp};
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{SMatrix, SVector, Vector3};
 
 /// What is told weighs so much in the long run: half an observation of a variance has the curvature of a quarter.
 const TOLD_INFORMATION: f64 = 0.25;
@@ -123,6 +123,11 @@ impl Learner {
         let since = self.read_until.map_or(0.0, |before| end.seconds_since(before));
         let kept = (-since / self.config.memory_s).exp();
         self.read_until = Some(end);
+        for k in 1..=last {
+            if let Some(change) = window.known_jump(k) {
+                self.take_jump(&change, window.frames()[k].t.seconds_since(window.frames()[k - 1].t));
+            }
+        }
         if let Some(score) = window.inertial_score(last) {
             self.take_inertial(&score, kept);
             if let Some(preint) = &second.preint {
@@ -141,6 +146,21 @@ impl Learner {
             && step.iter().all(|d| d.is_finite())
         {
             self.x += step.map(|d| d.clamp(-MAX_STEP, MAX_STEP));
+        }
+    }
+
+    /// Reads a jump of the biases, found over `seconds`, as what it is: a draw of their walks. A sensor of which nothing is told did not jump.
+    fn take_jump(&mut self, change: &[Option<Vector3<f64>>; 2], seconds: f64) {
+        let walks =
+            [(ACCEL_WALK, self.told.accel_bias_walk.get()), (GYRO_WALK, self.told.gyro_bias_walk.get())];
+        for ((k, told), change) in walks.into_iter().zip(change) {
+            let Some(change) = change else { continue };
+            let variance = told * told * self.x[k].exp() * seconds;
+            self.information[(k, k)] += 1.5;
+            let step = 0.5 * (change.norm_squared() / variance - 3.0) / self.information[(k, k)];
+            if step.is_finite() {
+                self.x[k] += step.clamp(-MAX_STEP, MAX_STEP);
+            }
         }
     }
 

@@ -1,6 +1,7 @@
 //! The estimator's settings.
 
 use super::health::HealthConfig;
+use super::jump::JumpConfig;
 use crate::components::ComponentsConfig;
 use crate::frontend::FrontEndConfig;
 use crate::init::InitConfig;
@@ -20,6 +21,8 @@ pub struct EstimatorConfig {
     pub init: InitConfig,
     /// When an estimate is given up.
     pub health: HealthConfig,
+    /// When a bias is held to have jumped.
+    pub jumps: JumpConfig,
     /// What follows points through images, where images are fed and not tracks.
     pub front_end: FrontEndConfig,
     /// Whether every update carries the covariance of its pose: one more linear system a frame.

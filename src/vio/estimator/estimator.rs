@@ -4,6 +4,7 @@ use super::config::EstimatorConfig;
 use super::feed_error::FeedError;
 use super::image_tracker::{FrontEndObserver, ImageTracker};
 use super::imu_buffer::{ImuBuffer, Interval};
+use super::jump::JumpWatch;
 use super::ray_rates::RayRates;
 use super::report::{RunReport, Stage};
 use super::starter::{StartFrame, Starter, integrate};
@@ -11,7 +12,7 @@ use super::update::{Phase, RestartReason, Update};
 use crate::components::Learner;
 use crate::factors::reprojection::Sighting;
 use crate::init::{InitFrame, RestWatch};
-use crate::preint::{NoisySample, Preintegration};
+use crate::preint::{NoiseLevels, NoisySample, Preintegration};
 use crate::state::NavState;
 use crate::window::{Leaving, Seen, Standstill, Window};
 use dpn_core::camera::CameraModel;
@@ -39,6 +40,7 @@ pub struct Estimator {
     starter: Starter,
     rates: RayRates,
     rest: RestWatch,
+    jumps: JumpWatch,
     running: bool,
     /// Where the last estimate ended, for the next one to go on from.
     last_good: Option<NavState>,
@@ -68,6 +70,7 @@ impl Estimator {
             images: ImageTracker::new(config.front_end, camera, body_from_cam.rotation, name, seed)?,
             rates: RayRates::default(),
             rest: RestWatch::default(),
+            jumps: JumpWatch::new(config.jumps),
             last_good: None,
             camera,
             imu: ImuBuffer::default(),
@@ -186,6 +189,7 @@ impl Estimator {
     pub fn start(&mut self, frames: Vec<StartFrame>) -> Option<NavState> {
         self.window = Window::new(self.config.window, *self.window.body_from_cam());
         self.rest = RestWatch::default();
+        self.jumps = JumpWatch::new(self.config.jumps);
         self.running = false;
         if frames.is_empty() {
             return None;
@@ -238,6 +242,7 @@ impl Estimator {
             iterations: 0,
             whitened: None,
             levels: None,
+            jump: None,
             seconds: 0.0,
         };
         clock.lap(Stage::Feed);
@@ -306,29 +311,32 @@ impl Estimator {
         if interval.longest_step > self.config.health.max_imu_gap {
             return Err(RestartReason::ImuGap { seconds: interval.longest_step });
         }
-        let last = self.window.newest().expect("while it runs the window has frames: `start` saw one");
-        let (last_t, last) = (last.t, last.state);
-        let Some(mut preint) = integrate(&self.config, &last.bias, &interval.samples) else {
-            return Err(RestartReason::ImuGap { seconds: t.seconds_since(last_t) });
-        };
-        if let Some(learner) = &self.learner {
-            preint.set_levels(learner.levels().inertial);
-        }
-        let predicted = preint.predict(&last);
         let rest = self.rests(t, &interval.samples, seen);
-        update.tracked = counted(self.window.add_frame(t, predicted, Some(preint), seen));
-        if let Some(rest) = rest {
-            self.window.rest_since(rest);
+        let levels = self.learner.as_ref().map(|learner| learner.levels().inertial);
+        let entering = Entering { config: &self.config, levels, t, samples: &interval.samples, seen, rest };
+        let last = self.window.newest().expect("while it runs the window has frames: `start` saw one").t;
+        let Some((predicted, tracked)) = entering.enter(&mut self.window) else {
+            return Err(RestartReason::ImuGap { seconds: t.seconds_since(last) });
+        };
+        update.tracked = counted(tracked);
+        if let Some(beside) = self.jumps.beside() {
+            while beside.is_full() {
+                // Intervals stay apart until it is known in which the jump fell.
+                beside.slide(Leaving::Oldest);
+            }
+            entering.enter(beside);
+            beside.triangulate();
         }
         self.window.triangulate();
         clock.lap(Stage::Feed);
         let solved = self.window.optimise();
         update.iterations = counted(solved.iterations);
+        update.jump = self.jumps.look(&mut self.window, solved.last_cost).map(Box::new);
         clock.lap(Stage::Solve);
         update.outliers = counted(self.window.reject_outliers());
         clock.lap(Stage::Reject);
         let state = self.window.newest().expect("a frame was just added").state;
-        if let Some(reason) = self.config.health.judge(&state, &predicted) {
+        if let Some(reason) = self.config.health.judge(&state, &predicted, self.jumps.reach()) {
             return Err(reason);
         }
         if update.tracked as usize >= self.config.health.min_tracks {
@@ -355,11 +363,42 @@ impl Estimator {
             update.whitened = self.window.slide(leaving);
             if let Some(learner) = &self.learner {
                 learner.apply(&mut self.window, self.config.window.pixel_std);
+                if let Some(beside) = self.jumps.beside() {
+                    learner.apply(beside, self.config.window.pixel_std);
+                }
             }
         }
         clock.lap(Stage::Slide);
         self.report.add_seconds(&clock.seconds);
         Ok(())
+    }
+}
+
+/// A frame on its way into a window.
+struct Entering<'a> {
+    config: &'a EstimatorConfig,
+    levels: Option<NoiseLevels>,
+    t: Stamp,
+    samples: &'a [NoisySample],
+    seen: &'a [Seen],
+    rest: Option<Standstill>,
+}
+
+impl Entering<'_> {
+    /// Puts it at the end of a window: the state that the samples predict from the frame before, and how many tracks go on. `None`, and nothing
+    /// done, where there are too few samples.
+    fn enter(&self, window: &mut Window) -> Option<(NavState, usize)> {
+        let last = window.newest()?.state;
+        let mut preint = integrate(self.config, &last.bias, self.samples)?;
+        if let Some(levels) = self.levels {
+            preint.set_levels(levels);
+        }
+        let predicted = preint.predict(&last);
+        let tracked = window.add_frame(self.t, predicted, Some(preint), self.seen);
+        if let Some(rest) = self.rest {
+            window.rest_since(rest);
+        }
+        Some((predicted, tracked))
     }
 }
 

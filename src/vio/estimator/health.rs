@@ -80,13 +80,19 @@ pub enum RestartReason {
 }
 
 impl HealthConfig {
-    /// What is wrong with a state, if anything; `predicted` is where the samples alone would have put it.
-    pub(crate) fn judge(&self, state: &NavState, predicted: &NavState) -> Option<RestartReason> {
+    /// What is wrong with a state, if anything; `predicted` is where the samples alone would have put it. A bias may lie as far beyond its limit as
+    /// jumps that were found `reach`, accelerometer and gyro.
+    pub(crate) fn judge(
+        &self,
+        state: &NavState,
+        predicted: &NavState,
+        reach: [f64; 2],
+    ) -> Option<RestartReason> {
         if !state.is_finite() {
             return Some(RestartReason::NotFinite);
         }
         let (accel, gyro) = (state.bias.accel.norm(), state.bias.gyro.norm());
-        if accel > self.max_accel_bias || gyro > self.max_gyro_bias {
+        if accel > self.max_accel_bias + reach[0] || gyro > self.max_gyro_bias + reach[1] {
             return Some(RestartReason::Bias { accel, gyro });
         }
         let jump = state.world_from_body.translation.vector - predicted.world_from_body.translation.vector;
@@ -106,19 +112,20 @@ mod tests {
     #[test]
     fn each_fault_is_named() {
         let config = HealthConfig::default();
-        let good = NavState::identity();
-        assert_eq!(config.judge(&good, &good), None);
+        let (good, none) = (NavState::identity(), [0.0; 2]);
+        assert_eq!(config.judge(&good, &good, none), None);
         let mut bad = good;
         bad.vel_in_world.x = f64::NAN;
-        assert_eq!(config.judge(&bad, &good), Some(RestartReason::NotFinite));
+        assert_eq!(config.judge(&bad, &good, none), Some(RestartReason::NotFinite));
         let mut bad = good;
         bad.bias.accel = Vector3::new(3.0, 0.0, 0.0);
-        assert_eq!(config.judge(&bad, &good), Some(RestartReason::Bias { accel: 3.0, gyro: 0.0 }));
+        assert_eq!(config.judge(&bad, &good, none), Some(RestartReason::Bias { accel: 3.0, gyro: 0.0 }));
+        assert_eq!(config.judge(&bad, &good, [1.0, 0.0]), None);
         let mut bad = good;
         bad.world_from_body.translation.vector.y = 1.5;
-        assert_eq!(config.judge(&bad, &good), Some(RestartReason::Jump { distance: 1.5 }));
+        assert_eq!(config.judge(&bad, &good, none), Some(RestartReason::Jump { distance: 1.5 }));
         let mut bad = good;
         bad.vel_in_world.z = -60.0;
-        assert_eq!(config.judge(&bad, &good), Some(RestartReason::Speed { speed: 60.0 }));
+        assert_eq!(config.judge(&bad, &good, none), Some(RestartReason::Speed { speed: 60.0 }));
     }
 }

@@ -12,6 +12,7 @@ mod feed_error;
 pub mod health;
 mod image_tracker;
 mod imu_buffer;
+mod jump;
 #[cfg(test)]
 mod live_tests;
 mod ray_rates;
@@ -25,6 +26,7 @@ pub use config::EstimatorConfig;
 pub use estimator::Estimator;
 pub use feed_error::FeedError;
 pub use image_tracker::{FrontEndObserver, ImageTracker};
+pub use jump::{BiasJump, JumpConfig};
 pub use report::{RunReport, Stage};
 pub use spike::without_spikes;
 pub use starter::StartFrame;

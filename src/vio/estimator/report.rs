@@ -1,6 +1,7 @@
 //! What a whole run has to say of itself.
 
 use super::feed_error::FeedError;
+use super::jump::BiasJump;
 use super::update::{Phase, RestartReason, Update};
 use dpn_core::Stamp;
 use dpn_core::trajectory::StampedPose;
@@ -52,6 +53,8 @@ pub struct RunReport {
     pub frames_since: usize,
     /// Starts after the first, with their reasons.
     pub restarts: Vec<(Stamp, RestartReason)>,
+    /// Jumps of the biases that were found.
+    pub jumps: Vec<BiasJump>,
     /// Linear systems solved.
     pub iterations: usize,
     /// Tracks ended as outliers.
@@ -82,6 +85,7 @@ impl RunReport {
         if let Phase::Restarted(reason) = update.phase {
             self.restarts.push((update.t, reason));
         }
+        self.jumps.extend(update.jump.as_deref());
         self.iterations += update.iterations as usize;
         self.outliers += update.outliers as usize;
         if let Some(squares) = update.whitened {

@@ -7,6 +7,7 @@ use dpn_core::Stamp;
 use nalgebra::Matrix6;
 
 pub use super::health::RestartReason;
+use super::jump::BiasJump;
 
 /// What the estimator is doing.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,6 +44,8 @@ pub struct Update {
     pub whitened: Option<f64>,
     /// By what the noise told is multiplied from this frame on; `None` where nothing is learned.
     pub levels: Option<Box<Levels>>,
+    /// A jump of the biases that this frame showed.
+    pub jump: Option<Box<BiasJump>>,
     /// CPU time this frame took \[s\], as the wall clock saw it.
     pub seconds: f64,
 }

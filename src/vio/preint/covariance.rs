@@ -90,6 +90,8 @@ impl Entry {
 #[derive(Debug, Clone)]
 pub(super) struct Covariance {
     levels: NoiseLevels,
+    /// Variance a second that a jump of the biases adds to their walks, accelerometer and gyro.
+    jump_rate: [f64; 2],
     motion: SMatrix<f64, MOTION_DIM, MOTION_DIM>,
     motion_bias: SMatrix<f64, MOTION_DIM, BIAS_DIM>,
     accel_bias: f64,
@@ -102,10 +104,17 @@ pub(super) struct Covariance {
 }
 
 impl Covariance {
-    /// Of an empty interval that begins with `first`, the noise told multiplied by `levels`.
-    pub(super) fn new(config: &PreintegrationConfig, levels: NoiseLevels, first: &ImuNoise) -> Self {
+    /// Of an empty interval that begins with `first`, the noise told multiplied by `levels`, the variances of the biases' walks raised by
+    /// `jump_rate` a second.
+    pub(super) fn new(
+        config: &PreintegrationConfig,
+        levels: NoiseLevels,
+        jump_rate: [f64; 2],
+        first: &ImuNoise,
+    ) -> Self {
         Self {
             levels,
+            jump_rate,
             motion: SMatrix::zeros(),
             motion_bias: SMatrix::zeros(),
             accel_bias: 0.0,
@@ -131,8 +140,9 @@ impl Covariance {
         sample_1: &NoisySample,
     ) {
         let dt = step.transition.dt;
-        let accel_walk = (config.accel_bias_walk.get() * self.levels.0[ACCEL_WALK]).powi(2) * dt;
-        let gyro_walk = (config.gyro_bias_walk.get() * self.levels.0[GYRO_WALK]).powi(2) * dt;
+        let [accel_jump, gyro_jump] = self.jump_rate.map(|rate| rate * dt);
+        let accel_walk = (config.accel_bias_walk.get() * self.levels.0[ACCEL_WALK]).powi(2) * dt + accel_jump;
+        let gyro_walk = (config.gyro_bias_walk.get() * self.levels.0[GYRO_WALK]).powi(2) * dt + gyro_jump;
         match config.imu_cov {
             ImuCov::Exact => {
                 self.carry(&step.transition);

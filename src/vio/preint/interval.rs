@@ -19,6 +19,8 @@ pub struct Preintegration {
     config: PreintegrationConfig,
     bias: ImuBias,
     levels: NoiseLevels,
+    /// Variances of a jump of the biases somewhere in the interval, accelerometer and gyro; zero where none is known of.
+    jump: [f64; 2],
     samples: Vec<NoisySample>,
     integral: Integral,
     covariance: OnceLock<SMatrix<f64, STATE_DIM, STATE_DIM>>,
@@ -34,11 +36,16 @@ struct Integral {
 }
 
 impl Integral {
-    fn new(config: &PreintegrationConfig, levels: NoiseLevels, first: &NoisySample) -> Self {
+    fn new(
+        config: &PreintegrationConfig,
+        levels: NoiseLevels,
+        jump_rate: [f64; 2],
+        first: &NoisySample,
+    ) -> Self {
         Self {
             delta: Delta::identity(),
             jacobian: SMatrix::zeros(),
-            covariance: Covariance::new(config, levels, &first.noise),
+            covariance: Covariance::new(config, levels, jump_rate, &first.noise),
         }
     }
 
@@ -64,7 +71,8 @@ impl Preintegration {
             config,
             bias,
             levels: NoiseLevels::TOLD,
-            integral: Integral::new(&config, NoiseLevels::TOLD, &first),
+            jump: [0.0; 2],
+            integral: Integral::new(&config, NoiseLevels::TOLD, [0.0; 2], &first),
             samples: vec![first],
             covariance: OnceLock::new(),
             sqrt_information: OnceLock::new(),
@@ -81,12 +89,19 @@ impl Preintegration {
     }
 
     /// Merges the interval that follows, each sample with its own noise, under this interval's bias, levels and configuration. The
-    /// sample in which both meet is in both and is taken once.
+    /// sample in which both meet is in both and is taken once. Jumps of the biases in either are in the whole.
     ///
     /// # After the call
     /// The same bits as if all samples had been pushed here.
     pub(crate) fn append(&mut self, later: &Preintegration) {
         let end = self.end();
+        let jump = [0, 1].map(|sensor| self.jump[sensor] + later.jump[sensor]);
+        if jump != [0.0; 2] {
+            self.jump = jump;
+            self.samples.extend(later.samples.iter().filter(|s| s.sample.t > end));
+            self.reintegrate(self.bias);
+            return;
+        }
         for sample in later.samples.iter().filter(|s| s.sample.t > end) {
             self.push(*sample);
         }
@@ -95,7 +110,7 @@ impl Preintegration {
     /// Integrates the same samples anew, with another bias.
     pub fn reintegrate(&mut self, bias: ImuBias) {
         self.bias = bias;
-        let mut integral = Integral::new(&self.config, self.levels, &self.samples[0]);
+        let mut integral = Integral::new(&self.config, self.levels, self.jump_rate(), &self.samples[0]);
         for pair in self.samples.windows(2) {
             integral.advance(&self.config, &bias, &pair[0], &pair[1]);
         }
@@ -111,16 +126,34 @@ impl Preintegration {
         }
     }
 
+    /// Says that the biases jumped somewhere in the interval, by a change of the deviations `std` an axis, accelerometer \[m/s^2\] and gyro
+    /// \[rad/s\]; zeros say that they did not. When is not known: the walks of the interval are raised to have gone as far.
+    pub(crate) fn set_jump(&mut self, std: [f64; 2]) {
+        self.jump = std.map(|std| std * std);
+        self.reintegrate(self.bias);
+    }
+
+    /// Variances of a jump of the biases that was said to be in the interval, accelerometer and gyro.
+    pub(crate) fn jump(&self) -> [f64; 2] {
+        self.jump
+    }
+
+    /// Variance that a jump adds to the walks a second.
+    fn jump_rate(&self) -> [f64; 2] {
+        let duration = self.duration();
+        self.jump.map(|variance| if variance == 0.0 { 0.0 } else { variance / duration })
+    }
+
     /// By what the noise told is multiplied.
     pub(crate) fn levels(&self) -> &NoiseLevels {
         &self.levels
     }
 
-    /// What each component has in the covariance, in the order of [`COMPONENTS`]; their sum is [`Self::covariance`].
+    /// What each component has in the covariance, in the order of [`COMPONENTS`]; their sum is [`Self::covariance`], but for a jump's share.
     pub(crate) fn components(&self) -> [SMatrix<f64, STATE_DIM, STATE_DIM>; COMPONENTS] {
         let first = &self.samples[0].noise;
         let mut parts: [Covariance; COMPONENTS] =
-            std::array::from_fn(|k| Covariance::new(&self.config, self.levels.only(k), first));
+            std::array::from_fn(|k| Covariance::new(&self.config, self.levels.only(k), [0.0; 2], first));
         let mut delta = Delta::identity();
         for pair in self.samples.windows(2) {
             let step = Step::mid_point(&delta, &self.bias, &pair[0].sample, &pair[1].sample);

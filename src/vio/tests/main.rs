@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod at_rest;
+mod bias_jump;
 mod configs;
 mod estimator;
 mod gtsam_preintegration;

@@ -7,6 +7,7 @@
 
 mod config;
 mod frame;
+mod jump;
 mod landmark;
 mod landmark_terms;
 pub mod layout;

@@ -1,0 +1,133 @@
+//! Biases that jump in flight, at a known time, by a known change: found within a second, no run lost, poses as good as before.
+
+use dpn_core::camera::CameraModel;
+use dpn_core::{ImuNoise, ImuSample, SampleRate, TrackFrame};
+use dpn_sim::tracks::{AnalyticPath, CameraSettings, TracksConfig, camera_stamps, simulate_tracks};
+use dpn_sim::{Flight, FlightConfig, SimulatedFlight, simulate};
+use dpn_vio::components::{ComponentsConfig, Levels};
+use dpn_vio::estimator::{BiasJump, Phase, Update};
+use dpn_vio::preint::NoisySample;
+use dpn_vio::{Estimator, EstimatorConfig, ImuBias};
+use nalgebra::Vector3;
+use std::sync::OnceLock;
+
+struct Case {
+    flight: SimulatedFlight,
+    frames: Vec<TrackFrame>,
+}
+
+fn make(kind: Flight, seed: u64, vibration: f64) -> Case {
+    let mut config = FlightConfig::default();
+    config.vibration.scale = vibration;
+    let flight = simulate(kind, seed, &config).unwrap();
+    let path = AnalyticPath::of(&flight);
+    let stamps = camera_stamps(&path, SampleRate::from_hz(10.0).unwrap());
+    let mut frames = simulate_tracks(&TracksConfig::default(), &path, &stamps, seed).unwrap();
+    let end = frames[0].t.plus_seconds(45.0);
+    frames.retain(|f| f.t <= end);
+    Case { flight, frames }
+}
+
+fn calm() -> &'static Case {
+    static CASE: OnceLock<Case> = OnceLock::new();
+    CASE.get_or_init(|| make(Flight::RoomMedium, 3, 0.0))
+}
+
+/// Seconds after the first frame.
+const JUMP: f64 = 25.0;
+
+fn run(case: &Case, noise: [f64; 2], learn: bool, accel: f64, gyro: f64) -> Vec<Update> {
+    let config = EstimatorConfig { components: learn.then(ComponentsConfig::default), ..Default::default() };
+    let body_from_cam = CameraSettings::default().body_from_cam().unwrap();
+    let mut estimator =
+        Estimator::new(config, CameraModel::euroc_cam0(), body_from_cam, "flight", 1).unwrap();
+    let noise = ImuNoise::from_values([noise[0]; 3], [noise[1]; 3]).unwrap();
+    let mut left = case.flight.recording.samples().iter().peekable();
+    let start = case.frames[0].t;
+    let mut updates = Vec::new();
+    for frame in &case.frames {
+        while let Some(sample) = left.next_if(|s| s.t <= frame.t.plus_seconds(0.006)) {
+            let mut sample: ImuSample = *sample;
+            if sample.t.seconds_since(start) > JUMP {
+                sample.accel = sample.accel.map(|a| a + accel);
+                sample.gyro = sample.gyro.map(|w| w + gyro);
+            }
+            estimator.feed_imu(NoisySample { sample, noise }).unwrap();
+        }
+        estimator.feed_frame(frame.clone()).unwrap();
+        updates.extend(std::iter::from_fn(|| estimator.next_update()));
+    }
+    updates
+}
+
+/// Told 0.08 m/s^2 and 0.004 rad/s times `factor`.
+fn flown(case: &Case, factor: f64, learn: bool, accel: f64, gyro: f64) -> Vec<Update> {
+    run(case, [0.08 * factor, 0.004 * factor], learn, accel, gyro)
+}
+
+fn positions(updates: &[Update]) -> Vec<Option<Vector3<f64>>> {
+    updates.iter().map(|u| u.state.map(|state| state.world_from_body.translation.vector)).collect()
+}
+
+/// Root mean square of how far two runs are apart \[m\].
+fn apart(a: &[Update], b: &[Update]) -> f64 {
+    let both = positions(a).into_iter().zip(positions(b)).filter_map(|(a, b)| Some((a? - b?).norm_squared()));
+    let squares: Vec<f64> = both.collect();
+    (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+}
+
+fn found(updates: &[Update]) -> Vec<&BiasJump> {
+    updates.iter().filter_map(|u| u.jump.as_deref()).collect()
+}
+
+/// That a run with a jump goes as the one without, but for the bias.
+fn survives(case: &Case, factor: f64, learn: bool, jumps: &[(f64, f64)]) {
+    let without = flown(case, factor, learn, 0.0, 0.0);
+    assert!(found(&without).is_empty(), "x{factor}, no jump: {:?}", found(&without));
+    let bias = |updates: &[Update]| updates.last().unwrap().state.unwrap().bias;
+    let start = case.frames[0].t;
+    for &(accel, gyro) in jumps {
+        let name = format!("x{factor}, learn {learn}, jump of {accel} m/s^2, {gyro} rad/s");
+        let with = flown(case, factor, learn, accel, gyro);
+        assert!(!with.iter().any(|u| matches!(u.phase, Phase::Restarted(_))), "{name}");
+        let at = with.iter().find(|u| u.jump.is_some()).map(|u| u.t.seconds_since(start));
+        let jumps = found(&with);
+        assert_eq!(jumps.len(), 1, "{name}: {jumps:?}");
+        let [before, after] = jumps[0].between.map(|t| t.seconds_since(start));
+        assert!(before <= JUMP && JUMP <= after + 0.1, "{name}: {before} to {after}");
+        assert!(at.unwrap() < JUMP + 1.0, "{name}: found at {at:?}");
+        let change = ImuBias {
+            accel: bias(&with).accel - bias(&without).accel,
+            gyro: bias(&with).gyro - bias(&without).gyro,
+        };
+        assert!((change.accel - Vector3::repeat(accel)).amax() < 0.03, "{name}: {change:?}");
+        assert!((change.gyro - Vector3::repeat(gyro)).amax() < 0.001, "{name}: {change:?}");
+        let (far, levels) = (apart(&with, &without), with.last().unwrap().levels.clone());
+        assert!(far < 0.01, "{name}: {far} m apart");
+        if let (Some(with), Some(without)) = (levels, &without.last().unwrap().levels) {
+            let white = |levels: &Levels| levels.inertial.0[..6].iter().product::<f64>().powf(1.0 / 6.0);
+            let ratio = white(&with) / white(without);
+            assert!((0.9..1.1).contains(&ratio), "{name}: the white noise by {ratio}");
+            let walks = |levels: &Levels| levels.inertial.0[6] * levels.inertial.0[7];
+            assert!(walks(&with) > walks(without), "{name}: {with:?}");
+        }
+    }
+}
+
+#[test]
+fn a_jump_is_found_within_a_second_and_nothing_is_lost() {
+    survives(calm(), 1.0, false, &[(0.2, 0.02), (1.0, 0.1), (2.0, 0.0)]);
+    survives(calm(), 4.0, false, &[(0.0, 0.02), (2.0, 0.1)]);
+}
+
+#[test]
+fn what_learns_its_noise_takes_it_for_the_walk() {
+    survives(calm(), 1.0, true, &[(0.2, 0.02), (0.5, 0.05), (2.0, 0.1)]);
+}
+
+#[test]
+fn vibration_hides_none() {
+    let shaken = make(Flight::RoomMedium, 3, 1.0);
+    survives(&shaken, 1.0, true, &[(0.2, 0.02), (2.0, 0.1)]);
+    survives(&shaken, 4.0, false, &[(0.5, 0.0)]);
+}
