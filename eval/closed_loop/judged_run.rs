@@ -19,7 +19,7 @@ use dpn_core::{NoiseTrack, Stamp, TrackFrame};
 use dpn_pronet::network::Network;
 use dpn_vio::EstimatorConfig;
 use dpn_vio::diagnosis::{Axes, TrackHealth};
-use dpn_vio::estimator::{FrontEndObserver, Phase};
+use dpn_vio::estimator::{BiasJump, FrontEndObserver, Phase};
 use nalgebra::Vector3;
 use serde::Serialize;
 use serde_json::Value;
@@ -80,6 +80,8 @@ pub struct Report {
     pub skipped: usize,
     /// What the initialisation waited for, and at how many frames.
     pub waited_for: BTreeMap<String, usize>,
+    /// Jumps of the biases that were found; empty where there is none.
+    pub bias_jumps: Vec<BiasJump>,
     /// Root mean square of the noise in force: accelerometer x, y, z \[m/s^2\], gyroscope x, y, z \[rad/s\].
     pub noise_rms: [[f64; 3]; 2],
 }
@@ -160,6 +162,7 @@ pub fn watched_run(
         images: images.map_or_else(Vec::new, |images| images.events),
         skipped: output.report.skipped,
         waited_for,
+        bias_jumps: output.report.jumps.clone(),
         noise_rms: noise_rms(&noise),
     };
     Ok(JudgedRun { report, output, noise, frames })

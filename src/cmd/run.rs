@@ -260,6 +260,13 @@ fn words(report: &Report, done: &JudgedRun, simulated: bool) -> String {
     for restart in &row.restart_reasons {
         line("", format!("at {:.1} s: {}", restart.at_s, restart.reason));
     }
+    for jump in &report.bias_jumps {
+        let [ax, ay, az] = jump.accel;
+        let [gx, gy, gz] = jump.gyro;
+        let after = jump.between[1].seconds_since(done.output.frames[0]);
+        let by = format!("({ax:.2}, {ay:.2}, {az:.2}) m/s^2, ({gx:.3}, {gy:.3}, {gz:.3}) rad/s");
+        line("bias jumped:", format!("before {after:.1} s by {by}"));
+    }
     if let Some(whitened) = row.whitened {
         line("whitened IMU:", format!("{whitened:.2} (1 where the noise told is the noise there is)"));
     }
