@@ -18,12 +18,12 @@ pub struct PublishedAte {
 impl PublishedAte {
     /// The paper's table "ATE performance", on real images; noises `x0.5`, `x1`, `x2`, `dualpronet`.
     pub fn paper() -> Self {
-        Self::read("paper", 2, include_str!("../../papers/closed_loop.csv"))
+        Self::read("paper", 2, include_str!("closed_loop.csv"))
     }
 
     /// VINS-Mono's (C++, its own defaults) on the given tracks; noises `x0.5` to `x16`.
     pub fn vins_mono() -> Self {
-        Self::read("vins", 3, include_str!("../../papers/vins_mono_tracks.csv"))
+        Self::read("vins", 3, include_str!("vins_mono_tracks.csv"))
     }
 
     /// Absolute error of one cell \[m\]; `sequence` with or without its difficulty.
