@@ -11,3 +11,8 @@ pub mod published;
 pub mod stats;
 pub mod study;
 pub mod sweeps;
+
+/// The README's code is a test.
+#[cfg(doctest)]
+#[doc = include_str!("README.md")]
+struct Readme;

@@ -21,3 +21,8 @@ pub mod state;
 pub mod trainer;
 mod window;
 pub mod windows;
+
+/// The README's code is a test.
+#[cfg(doctest)]
+#[doc = include_str!("README.md")]
+struct Readme;

@@ -1,4 +1,4 @@
-//! Trajectories of another program by our metrics: the CSV table of absolute errors in `papers/`.
+//! Trajectories of another program by our metrics: the CSV table of absolute errors in `eval/published/`.
 //!
 //! `cargo run --release -p dpn-eval --example judge_peers -- PEERS DATA [TRUTH]`: PEERS holds `SEQUENCE.FACTOR.tum`, DATA the sequences, TRUTH their
 //! reconciled ground truth as `dpn truth` writes it; without it the published one judges. `from_s` is as in `golden/vins_mono`.

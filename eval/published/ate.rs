@@ -19,14 +19,14 @@ pub struct PublishedAte {
 impl PublishedAte {
     /// The paper's table "ATE performance", on real images; noises `x0.5`, `x1`, `x2`, `dualpronet`.
     pub fn paper() -> Self {
-        Self::read("paper", 2, include_str!("../../papers/closed_loop.csv"))
+        Self::read("paper", 2, include_str!("closed_loop.csv"))
     }
 
     /// VINS-Mono's (C++, its own defaults) on the given tracks, judged by this truth of the recordings; noises `x0.5` to `x16`.
     pub fn vins_mono(truth: TruthKind) -> Self {
         let table = match truth {
-            TruthKind::Published | TruthKind::Exact => include_str!("../../papers/vins_mono_tracks.csv"),
-            TruthKind::Reconciled => include_str!("../../papers/vins_mono_tracks_reconciled.csv"),
+            TruthKind::Published | TruthKind::Exact => include_str!("vins_mono_tracks.csv"),
+            TruthKind::Reconciled => include_str!("vins_mono_tracks_reconciled.csv"),
         };
         Self::read("vins", 3, table)
     }

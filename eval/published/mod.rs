@@ -1,6 +1,6 @@
 //! What others published: the paper's tables, and VINS-Mono measured on the given tracks. Read here and nowhere else.
 //!
-//! The files are those of `papers/`, built into the program, so that one that does not read is a mistake of whoever edited it: a test
+//! The files are those beside this one, built into the program, so that one that does not read is a mistake of whoever edited it: a test
 //! reads all of them, and the readers panic.
 //!
 //! # Source
@@ -49,7 +49,7 @@ impl NetworkRmse {
 
 /// The eleven sequences, in the paper's order.
 pub fn split() -> Vec<SplitSequence> {
-    rows(include_str!("../../papers/split.csv"))
+    rows(include_str!("split.csv"))
 }
 
 /// Minutes as the paper prints them: training, test, all.
@@ -59,19 +59,19 @@ pub fn printed_minutes() -> [f64; 3] {
         side: String,
         printed_min: f64,
     }
-    let all: Vec<Minutes> = rows(include_str!("../../papers/minutes.csv"));
+    let all: Vec<Minutes> = rows(include_str!("minutes.csv"));
     ["train", "test", "total"].map(|side| {
         all.iter()
             .find(|row| row.side == side)
-            .expect("papers/minutes.csv has both sides and their total")
+            .expect("minutes.csv has both sides and their total")
             .printed_min
     })
 }
 
 /// RMSE of the paper's network of a sensor.
 pub fn network_rmse(sensor: Sensor) -> NetworkRmse {
-    let all: Vec<NetworkRmse> = rows(include_str!("../../papers/open_loop.csv"));
-    all.into_iter().find(|row| row.sensor == sensor).expect("papers/open_loop.csv has both sensors")
+    let all: Vec<NetworkRmse> = rows(include_str!("open_loop.csv"));
+    all.into_iter().find(|row| row.sensor == sensor).expect("open_loop.csv has both sensors")
 }
 
 /// Rate of improvement over the baseline as the paper prints it \[%\]; `sequence` with or without its difficulty.
@@ -82,14 +82,14 @@ pub fn printed_improvement(sequence: &str) -> Option<f64> {
         improvement_printed_percent: f64,
     }
     paper_side(sequence)?;
-    let all: Vec<Improvement> = rows(include_str!("../../papers/closed_loop.csv"));
+    let all: Vec<Improvement> = rows(include_str!("closed_loop.csv"));
     let row = all.into_iter().find(|row| sequence.starts_with(&row.sequence))?;
     Some(row.improvement_printed_percent)
 }
 
 fn rows<T: DeserializeOwned>(text: &str) -> Vec<T> {
     let rows = csv::Reader::from_reader(text.as_bytes()).into_deserialize().collect::<Result<_, _>>();
-    rows.expect("the tables of papers/ are built in, and a test reads them all")
+    rows.expect("the tables are built in, and a test reads them all")
 }
 
 #[cfg(test)]

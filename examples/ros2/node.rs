@@ -2,7 +2,7 @@
 //!
 //! NOT BUILT HERE: it needs a ROS 2 installation, rclrs (0.5) and the messages of its workspace. What it calls of dpn is built and tested by
 //! `src/vio/examples/live.rs`; `dpn run -` does the same from a bag in a pipe. In a colcon workspace, Cargo.toml:
-//! `rclrs = "0.5"`, `sensor_msgs = "*"`, `geometry_msgs = "*"`, `dpn-core`, `dpn-io` and `dpn-vio` by path.
+//! `rclrs = "0.5"`, `sensor_msgs = "*"`, `geometry_msgs = "*"`, `dpn-core` (package `dpn-imu-core`), `dpn-io` and `dpn-vio` by path.
 
 use dpn_core::camera::CameraModel;
 use dpn_core::{GrayView, ImuNoise, ImuSample, Stamp};

@@ -49,3 +49,8 @@ pub fn to_bytes(weights: &Weights) -> Result<Vec<u8>, StoreError> {
     };
     Ok(model.encode_to_vec())
 }
+
+/// The README's code is a test.
+#[cfg(doctest)]
+#[doc = include_str!("README.md")]
+struct Readme;

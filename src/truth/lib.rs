@@ -36,3 +36,8 @@ pub use config::TruthConfig;
 pub use error::TruthError;
 pub use reconcile::{Reconciled, reconcile};
 pub use report::{Estimated, HeldOut, Report, Span, Trust};
+
+/// The README's code is a test.
+#[cfg(doctest)]
+#[doc = include_str!("README.md")]
+struct Readme;
