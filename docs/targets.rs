@@ -13,7 +13,8 @@ const PAGE: &str = "docs/src/targets.md";
 /// The page that `dpn paper` made of the study on EuRoC.
 const STUDY: &str = "figures/euroc/index.html";
 /// What a command may begin with.
-const PROGRAMS: [&str; 5] = ["dpn", "cargo", "ls", ".ci/run", "web/test/run"];
+const PROGRAMS: [&str; 7] =
+    ["dpn", "cargo", "ls", ".ci/run", "web/test/run", "python/test/run", "figures/check_page"];
 
 /// One row of the file.
 #[derive(Deserialize)]
