@@ -52,7 +52,7 @@ pub struct JumpConfig {
 
 impl Default for JumpConfig {
     fn default() -> Self {
-        Self { watch: true, unusual: 4.0, evidence: 60.0, accel_std: 2.0, gyro_std: 0.1 }
+        Self { watch: true, unusual: 4.0, evidence: 200.0, accel_std: 2.0, gyro_std: 0.1 }
     }
 }
 
