@@ -13,7 +13,9 @@ if [ -z "${ORT:-}" ]; then
   if ! [ -e "$ORT/lib/libonnxruntime.so" ]; then
     rm -rf "$ORT" "$folder/apt"
     mkdir -p "$folder/apt/lists/partial" "$folder/apt/archives/partial"
-    echo "deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] http://deb.debian.org/debian trixie main" >"$folder/apt/sources.list"
+    # The mirror that this machine uses, with a release that has the package.
+    mirror=$(apt-get indextargets --format '$(SITE)' | grep '/debian$' | head -1)
+    echo "deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] ${mirror:?no Debian mirror among the sources of apt} trixie main" >"$folder/apt/sources.list"
     # Lists of its own: nothing of the machine's is changed.
     apt=(-qq -o "Dir::Etc::sourcelist=$folder/apt/sources.list" -o Dir::Etc::sourceparts=/dev/null -o "Dir::State::lists=$folder/apt/lists" -o "Dir::Cache=$folder/apt")
     apt-get "${apt[@]}" update
