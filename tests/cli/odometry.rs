@@ -261,3 +261,15 @@ fn trajectories_for_evo_have_the_truth_line_by_line_and_relative_errors_their_na
     assert_eq!(refused.code, Some(2), "{refused:?}");
     assert!(refused.stderr.contains("`each` is not known"), "{refused:?}");
 }
+
+/// Neither quick flight nor a ground truth that disagrees with the IMU is a jump; those that are there are found in `vio/tests/bias_jump.rs`.
+#[test]
+fn on_flights_as_they_are_no_bias_jumps() {
+    let Some(euroc) = dpn_testing::pack("euroc") else { return };
+    let tmp = tempfile::tempdir().unwrap();
+    for (sequence, noise) in [("V1_02_medium", "x1"), ("V2_03_difficult", "self")] {
+        let flags = ["--camera", "tracks", "--seed", "60", "--noise", noise, "--json"];
+        let said = odometry(&euroc.join(sequence), &tmp.path().join("out"), &flags).well().json();
+        assert_eq!(said["report"]["bias_jumps"], serde_json::json!([]), "{sequence} {noise}");
+    }
+}
