@@ -82,6 +82,8 @@ pub struct Report {
     pub waited_for: BTreeMap<String, usize>,
     /// Jumps of the biases that were found; empty where there is none.
     pub bias_jumps: Vec<BiasJump>,
+    /// How far the lens was found to be off its calibration, root mean square over the points last seen \[px\]; none where that is not learned.
+    pub lens_px: Option<f64>,
     /// Root mean square of the noise in force: accelerometer x, y, z \[m/s^2\], gyroscope x, y, z \[rad/s\].
     pub noise_rms: [[f64; 3]; 2],
 }
@@ -163,6 +165,7 @@ pub fn watched_run(
         skipped: output.report.skipped,
         waited_for,
         bias_jumps: output.report.jumps.clone(),
+        lens_px: output.report.lens_px,
         noise_rms: noise_rms(&noise),
     };
     Ok(JudgedRun { report, output, noise, frames })

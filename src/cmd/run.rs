@@ -267,6 +267,9 @@ fn words(report: &Report, done: &JudgedRun, simulated: bool) -> String {
         let by = format!("({ax:.2}, {ay:.2}, {az:.2}) m/s^2, ({gx:.3}, {gy:.3}, {gz:.3}) rad/s");
         line("bias jumped:", format!("before {after:.1} s by {by}"));
     }
+    if let Some(px) = report.lens_px {
+        line("lens:", format!("{px:.2} px off its calibration, rms"));
+    }
     if let Some(whitened) = row.whitened {
         line("whitened IMU:", format!("{whitened:.2} (1 where the noise told is the noise there is)"));
     }

@@ -11,6 +11,7 @@ pub mod estimator;
 pub mod factors;
 pub mod frontend;
 pub mod init;
+pub mod lens;
 pub mod preint;
 pub mod state;
 pub mod window;

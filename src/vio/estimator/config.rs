@@ -5,6 +5,7 @@ use super::jump::JumpConfig;
 use crate::components::ComponentsConfig;
 use crate::frontend::FrontEndConfig;
 use crate::init::InitConfig;
+use crate::lens::LensConfig;
 use crate::preint::PreintegrationConfig;
 use crate::window::{Handover, WindowConfig};
 use serde::{Deserialize, Serialize};
@@ -23,6 +24,8 @@ pub struct EstimatorConfig {
     pub health: HealthConfig,
     /// When a bias is held to have jumped.
     pub jumps: JumpConfig,
+    /// What is learned of the lens beyond its calibration.
+    pub lens: LensConfig,
     /// What follows points through images, where images are fed and not tracks.
     pub front_end: FrontEndConfig,
     /// Whether every update carries the covariance of its pose: one more linear system a frame.

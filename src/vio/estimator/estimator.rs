@@ -12,6 +12,7 @@ use super::update::{Phase, RestartReason, Update};
 use crate::components::Learner;
 use crate::factors::reprojection::Sighting;
 use crate::init::{InitFrame, RestWatch};
+use crate::lens::LensField;
 use crate::preint::{NoiseLevels, NoisySample, Preintegration};
 use crate::state::NavState;
 use crate::window::{Leaving, Seen, Standstill, Window};
@@ -46,6 +47,7 @@ pub struct Estimator {
     last_good: Option<NavState>,
     starved_since: Option<Stamp>,
     learner: Option<Learner>,
+    lens: Option<LensField>,
     report: RunReport,
 }
 
@@ -80,6 +82,7 @@ impl Estimator {
             running: false,
             starved_since: None,
             learner: config.components.map(|components| Learner::new(components, config.imu)),
+            lens: config.lens.learn.then(|| LensField::new(config.lens)),
             report: RunReport::default(),
             config,
         })
@@ -172,13 +175,22 @@ impl Estimator {
         &self.window
     }
 
+    /// What was learned of the lens; `None` where that is not asked for.
+    pub fn lens(&self) -> Option<&LensField> {
+        self.lens.as_ref()
+    }
+
     /// What the camera measures of a frame's tracks; tracks outside what the lens can do are left out.
     pub fn sightings(&self, frame: &TrackFrame) -> Vec<Seen> {
         frame
             .tracks
             .iter()
             .filter_map(|track| {
-                let sighting = Sighting::new(&self.camera, &track.px, self.window.config.pixel_std)?;
+                let std = self.window.config.pixel_std;
+                let sighting = match &self.lens {
+                    Some(lens) => lens.sighting(&self.camera, &track.px, std)?,
+                    None => Sighting::new(&self.camera, &track.px, std)?,
+                };
                 Some(Seen { id: track.id, sighting })
             })
             .collect()
@@ -359,6 +371,10 @@ impl Estimator {
             let leaving: Leaving = self.window.leaving(self.camera.px_per_rad());
             if let Some(learner) = self.learner.as_mut().filter(|_| leaving == Leaving::Oldest) {
                 learner.read(&self.window);
+            }
+            if let Some(lens) = self.lens.as_mut().filter(|_| leaving == Leaving::Oldest) {
+                lens.read(&self.window);
+                self.report.lens_px = lens.rms_px(&self.window);
             }
             update.whitened = self.window.slide(leaving);
             if let Some(learner) = &self.learner {

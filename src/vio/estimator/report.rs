@@ -55,6 +55,8 @@ pub struct RunReport {
     pub restarts: Vec<(Stamp, RestartReason)>,
     /// Jumps of the biases that were found.
     pub jumps: Vec<BiasJump>,
+    /// How far the lens was found to be off its calibration, root mean square over the points last seen, both axes \[px\]; `None` where that is not learned, or not yet.
+    pub lens_px: Option<f64>,
     /// Linear systems solved.
     pub iterations: usize,
     /// Tracks ended as outliers.

@@ -15,6 +15,7 @@ impl Validate for EstimatorConfig {
         let model = format!("{:?}", self.imu.imu_cov).to_lowercase();
         faults.check(known, "imu.imu_cov", model, "exact, where imu.colour has a line");
         faults.positive("window.pixel_std", window.pixel_std);
+        self.lens.check(&mut faults);
         faults.positive("window.loss_scale", window.loss_scale);
         faults.positive("window.min_triangulation_angle", window.min_triangulation_angle);
         faults.positive("window.outlier_px", window.outlier_px);
@@ -52,12 +53,14 @@ mod tests {
         let mut config = EstimatorConfig::default();
         config.window.key_frames = 2;
         config.window.pixel_std = f64::NAN;
+        config.lens.prior_px = -1.0;
         config.init.min_frames = 1;
         config.health.max_speed = 0.0;
         config.front_end.klt.window = 20;
         let keys: Vec<_> = config.faults().into_iter().map(|f| f.key).collect();
         let expected = [
             "window.pixel_std",
+            "lens.prior_px",
             "health.max_speed",
             "window.key_frames",
             "init.min_frames",

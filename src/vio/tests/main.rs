@@ -6,5 +6,6 @@ mod bias_jump;
 mod configs;
 mod estimator;
 mod gtsam_preintegration;
+mod lens;
 mod rendered_camera;
 mod take_off;
