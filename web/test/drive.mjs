@@ -2,7 +2,7 @@
 import { chromium } from "playwright-core";
 import axe from "axe-core";
 import { execFileSync, spawn } from "node:child_process";
-import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, statSync, writeFileSync } from "node:fs";
+import { closeSync, existsSync, mkdirSync, mkdtempSync, openSync, readdirSync, readFileSync, rmSync, statSync, writeFileSync, writeSync } from "node:fs";
 import { basename, dirname, join, resolve } from "node:path";
 import { tmpdir } from "node:os";
 
@@ -105,6 +105,21 @@ if (wants("hostile")) {
     say(Boolean(sentence) && live, `${basename(path)}: ${(got.failure || "findings").split("\n")[0].slice(0, 150)}`);
   }
   say(errors.length === 0, `no error in the console ${errors.slice(0, 3).join(" | ")}`);
+}
+
+// A log of more rows than a page can hold; by name alone, for it is more than a gigabyte.
+if (only.includes("large")) {
+  const path = join(mkdtempSync(join(tmpdir(), "dpn-large-")), "large.csv");
+  const row = (i) => `${1_400_000_000n + BigInt(i) / 200n}${String((i % 200) * 5_000_000).padStart(9, "0")},0.00${i % 7},-0.00${i % 5},0.00${i % 11},0.0${i % 13},-0.0${i % 17},9.8${i % 9}\n`;
+  const file = openSync(path, "w");
+  for (let i = 0; i < 26_000_000; i += 65_536) writeSync(file, Array.from({ length: 65_536 }, (_, k) => row(i + k)).join(""));
+  closeSync(file);
+  await open();
+  const got = await drop([path]);
+  say(/does not fit[^]*dpn page/.test(got.failure || ""), `${(statSync(path).size / 1e9).toFixed(1)} GB: ${(got.failure || "findings").replace(/\n/g, " ").slice(0, 200)}`);
+  rmSync(path);
+  await drop([join(root, LOGS[0])]);
+  say(await tab.evaluate(() => Boolean(window.dpnResults.check)), "the next log is read");
 }
 
 async function accessible(what) {
