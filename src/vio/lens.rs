@@ -17,7 +17,8 @@
 // Small fixed loops over rows and axes: with indices they read as the formulas do.
 #![allow(clippy::needless_range_loop)]
 
-use crate::factors::reprojection::Sighting;
+use crate::factors::reprojection::PairGeometry;
+use crate::state::POSE_DIM;
 use crate::window::{Landmark, Window};
 use dpn_core::Stamp;
 use dpn_core::camera::CameraModel;
@@ -66,7 +67,7 @@ impl LensConfig {
 
 /// The field so far.
 #[derive(Debug, Clone)]
-pub struct LensField {
+pub(crate) struct LensField {
     information: DMatrix<f64>,
     right: DVector<f64>,
     coefficients: DVector<f64>,
@@ -82,16 +83,19 @@ impl LensField {
             information: DMatrix::zeros(FIELD, FIELD),
             right: DVector::zeros(FIELD),
             coefficients: DVector::zeros(FIELD),
-            prior: DVector::from_fn(FIELD, |k, _| {
-                let deviation = if degree(k % TERMS) < 2 { LIKE_MOTION } else { 1.0 } * config.prior_px;
-                deviation.powi(-2)
-            }),
+            prior: DVector::from_iterator(
+                FIELD,
+                degrees().chain(degrees()).map(|(i, j)| {
+                    let deviation = if i + j < 2 { LIKE_MOTION } else { 1.0 } * config.prior_px;
+                    deviation.powi(-2)
+                }),
+            ),
             read_until: None,
         }
     }
 
     /// By how much the calibration misses what is seen in a direction \[px\].
-    pub fn at(&self, bearing: &Vector3<f64>) -> Vector2<f64> {
+    fn at(&self, bearing: &Vector3<f64>) -> Vector2<f64> {
         let powers = powers(bearing);
         let of = |first: usize| {
             powers.iter().zip(&self.coefficients.as_slice()[first..]).map(|(p, c)| p * c).sum()
@@ -99,30 +103,26 @@ impl LensField {
         Vector2::new(of(0), of(TERMS))
     }
 
-    /// Its root mean square where the last window saw something, both axes \[px\]; `None` before anything was read.
-    pub(crate) fn rms_px(&self, window: &Window) -> Option<f64> {
-        self.read_until?;
+    /// Its root mean square where `window` sees something, both axes \[px\].
+    fn rms_px(&self, window: &Window) -> Option<f64> {
         let seen = window.landmarks().iter().map(|landmark| &landmark.host_sighting().bearing);
         let squares: Vec<f64> = seen.map(|bearing| self.at(bearing).norm_squared()).collect();
         (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
     }
 
-    /// What is measured at `px`, with the lens as it is known now.
-    pub(crate) fn sighting(&self, camera: &CameraModel, px: &Vector2<f64>, px_std: f64) -> Option<Sighting> {
-        let seen = Sighting::new(camera, px, px_std)?;
-        if self.read_until.is_none() {
-            return Some(seen);
-        }
-        Sighting::new(camera, &(px - self.at(&seen.bearing)), px_std)
+    /// Where the calibration has what is seen at `px`; `None` outside what the odometry uses of the lens.
+    pub(crate) fn calibrated(&self, camera: &CameraModel, px: &Vector2<f64>) -> Option<Vector2<f64>> {
+        Some(px - self.at(&camera.sight(px)?))
     }
 
-    /// Reads what is about to leave the window with its oldest frame.
-    pub(crate) fn read(&mut self, window: &Window) {
-        let [first, .., last] = window.frames() else { return };
+    /// Reads what is about to leave the window with its oldest frame, where the window has been renewed: how far off the calibration is then \[px\], root mean
+    /// square over the points seen.
+    pub(crate) fn read(&mut self, window: &Window) -> Option<f64> {
+        let [first, .., last] = window.frames() else { return None };
         if self.read_until.is_some_and(|end| first.t < end) {
-            return;
+            return None;
         }
-        let Some((information, right)) = window.lens_equations(&self.coefficients) else { return };
+        let (information, right) = window.lens_equations(&self.coefficients)?;
         self.read_until = Some(last.t);
         self.information += information * COUNTS;
         self.right += right * COUNTS;
@@ -130,13 +130,13 @@ impl LensField {
         if let Some(factor) = held.cholesky() {
             self.coefficients = factor.solve(&self.right);
         }
+        self.rms_px(window)
     }
 }
 
-/// Degree of the term at place `k` of [`powers`].
-fn degree(k: usize) -> usize {
-    let of = |i: usize| (0..=DEGREE - i).map(move |j| i + j);
-    (0..=DEGREE).flat_map(of).nth(k).expect("a term's place")
+/// Degrees in x and y of the terms of an axis, in their order.
+fn degrees() -> impl Iterator<Item = (usize, usize)> {
+    (0..=DEGREE).flat_map(|i| (0..=DEGREE - i).map(move |j| (i, j)))
 }
 
 /// Products of Legendre polynomials of the direction, the largest degree [`DEGREE`].
@@ -153,12 +153,8 @@ fn powers(bearing: &Vector3<f64>) -> [f64; TERMS] {
     };
     let (x, y) = (of(bearing.x * scale), of(bearing.y * scale));
     let mut all = [0.0; TERMS];
-    let mut k = 0;
-    for i in 0..=DEGREE {
-        for j in 0..=DEGREE - i {
-            all[k] = x[i] * y[j];
-            k += 1;
-        }
+    for (term, (i, j)) in all.iter_mut().zip(degrees()) {
+        *term = x[i] * y[j];
     }
     all
 }
@@ -166,11 +162,13 @@ fn powers(bearing: &Vector3<f64>) -> [f64; TERMS] {
 impl Window {
     /// Normal equations of the field over the landmarks that the oldest frame hosts, whose sightings were corrected by `now`; `None` where they are too few.
     fn lens_equations(&self, now: &DVector<f64>) -> Option<(DMatrix<f64>, DVector<f64>)> {
-        let poses = 6 * (self.frames.len() - 1);
+        let poses = POSE_DIM * (self.frames.len() - 1);
         // The field's columns, and last what is told.
         let mut all = DMatrix::<f64>::zeros(poses + FIELD + 1, poses + FIELD + 1);
         let hosted = |l: &&Landmark| l.host() == 0 && l.sightings.len() >= FEWEST_SIGHTINGS;
-        let rows = self.landmarks.iter().filter(hosted).filter_map(|landmark| self.lens_rows(landmark, now));
+        let targets: Vec<PairGeometry> =
+            (1..self.frames.len()).map(|frame| self.geometry(0, frame)).collect();
+        let rows = self.landmarks.iter().filter(hosted).filter_map(|l| self.lens_rows(l, &targets, now));
         if rows.map(|rows| rows.add_to(&mut all, poses)).count() < FEWEST_LANDMARKS {
             return None;
         }
@@ -185,7 +183,13 @@ impl Window {
         right.iter().all(|v| v.is_finite()).then_some((information, right))
     }
 
-    fn lens_rows(&self, landmark: &Landmark, now: &DVector<f64>) -> Option<LensRows> {
+    /// Of a landmark of the oldest frame; `targets` are all frames after it.
+    fn lens_rows(
+        &self,
+        landmark: &Landmark,
+        targets: &[PairGeometry],
+        now: &DVector<f64>,
+    ) -> Option<LensRows> {
         let inverse_depth = landmark.inverse_depth?;
         let host = landmark.host_sighting();
         let ray = self.ray_at_offset(host);
@@ -197,7 +201,7 @@ impl Window {
             by_own: DMatrix::zeros(2 * others.len(), 3),
         };
         for (k, (frame, sighting)) in others.iter().enumerate() {
-            let geometry = self.geometry(landmark.host(), *frame);
+            let geometry = &targets[frame - 1];
             let seen = geometry.linearise(&ray, &self.sighting_at_offset(sighting), inverse_depth);
             if seen.residual.norm() > LARGEST {
                 return None;
@@ -219,7 +223,7 @@ impl Window {
                 let corrected = rows.by_field.row(row).columns(0, FIELD).transpose().dot(now);
                 rows.by_field[(row, FIELD)] = seen.residual[r] - corrected;
             }
-            rows.by_pose.push((6 * (frame - 1), Matrix2x6::from_fn(|r, c| seen.target[r][c])));
+            rows.by_pose.push((POSE_DIM * (frame - 1), Matrix2x6::from_fn(|r, c| seen.target[r][c])));
         }
         Some(rows)
     }
@@ -245,10 +249,10 @@ impl LensRows {
         shared.columns_mut(poses, FIELD + 1).copy_from(&self.by_own.tr_mul(&self.by_field));
         for (k, (place, by_pose)) in self.by_pose.iter().enumerate() {
             let (by_field, by_own) = (self.by_field.rows(2 * k, 2), self.by_own.rows(2 * k, 2));
-            shared.columns_mut(*place, 6).copy_from(&by_own.tr_mul(by_pose));
-            let mut square = all.view_mut((*place, *place), (6, 6));
+            shared.columns_mut(*place, POSE_DIM).copy_from(&by_own.tr_mul(by_pose));
+            let mut square = all.view_mut((*place, *place), (POSE_DIM, POSE_DIM));
             square += by_pose.tr_mul(by_pose);
-            let mut coupling = all.view_mut((*place, poses), (6, FIELD + 1));
+            let mut coupling = all.view_mut((*place, poses), (POSE_DIM, FIELD + 1));
             coupling += by_pose.tr_mul(&by_field);
         }
         let mut field = all.view_mut((poses, poses), (FIELD + 1, FIELD + 1));
@@ -263,6 +267,7 @@ impl LensRows {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::factors::reprojection::Sighting;
     use crate::init::tests::{Scene, body_from_cam, gentle_flight};
     use crate::state::NavState;
     use crate::window::{Seen, WindowConfig};

@@ -4,7 +4,7 @@ set -euo pipefail
 packages=()
 command -v "${CHROMIUM:-chromium}" >/dev/null || packages+=(chromium)
 libraries=$(rustc --print target-libdir --target wasm32-unknown-unknown)
-[ -d "$libraries" ] || [ -x /usr/bin/wasm-ld ] || packages+=(rustc-web cargo-web rust-web-src lld)
+[ -d "$libraries" ] || packages+=(rustc-web cargo-web rust-web-src lld)
 [ ${#packages[@]} -eq 0 ] && exit
 apt-get -qq update
 DEBIAN_FRONTEND=noninteractive apt-get -qq install -y --no-install-recommends "${packages[@]}"

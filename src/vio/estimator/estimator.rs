@@ -175,22 +175,17 @@ impl Estimator {
         &self.window
     }
 
-    /// What was learned of the lens; `None` where that is not asked for.
-    pub fn lens(&self) -> Option<&LensField> {
-        self.lens.as_ref()
-    }
-
     /// What the camera measures of a frame's tracks; tracks outside what the lens can do are left out.
     pub fn sightings(&self, frame: &TrackFrame) -> Vec<Seen> {
         frame
             .tracks
             .iter()
             .filter_map(|track| {
-                let std = self.window.config.pixel_std;
-                let sighting = match &self.lens {
-                    Some(lens) => lens.sighting(&self.camera, &track.px, std)?,
-                    None => Sighting::new(&self.camera, &track.px, std)?,
+                let px = match &self.lens {
+                    Some(lens) => lens.calibrated(&self.camera, &track.px)?,
+                    None => track.px,
                 };
+                let sighting = Sighting::new(&self.camera, &px, self.window.config.pixel_std)?;
                 Some(Seen { id: track.id, sighting })
             })
             .collect()
@@ -373,8 +368,7 @@ impl Estimator {
                 learner.read(&self.window);
             }
             if let Some(lens) = self.lens.as_mut().filter(|_| leaving == Leaving::Oldest) {
-                lens.read(&self.window);
-                self.report.lens_px = lens.rms_px(&self.window);
+                self.report.lens_px = lens.read(&self.window).or(self.report.lens_px);
             }
             update.whitened = self.window.slide(leaving);
             if let Some(learner) = &self.learner {

@@ -1,79 +1,33 @@
 //! Biases that jump in flight, at a known time, by a known change: found within a second, no run lost, poses as good as before.
 
-use dpn_core::camera::CameraModel;
-use dpn_core::{ImuNoise, ImuSample, SampleRate, TrackFrame};
-use dpn_sim::tracks::{AnalyticPath, CameraSettings, TracksConfig, camera_stamps, simulate_tracks};
-use dpn_sim::{Flight, FlightConfig, SimulatedFlight, simulate};
+use crate::flown::{Case, apart, make, run};
+use dpn_core::ImuSample;
+use dpn_sim::Flight;
 use dpn_vio::components::{ComponentsConfig, Levels};
 use dpn_vio::estimator::{BiasJump, Phase, Update};
-use dpn_vio::preint::NoisySample;
-use dpn_vio::{Estimator, EstimatorConfig, ImuBias};
+use dpn_vio::{EstimatorConfig, ImuBias};
 use nalgebra::Vector3;
 use std::sync::OnceLock;
 
-struct Case {
-    flight: SimulatedFlight,
-    frames: Vec<TrackFrame>,
-}
-
-fn make(kind: Flight, seed: u64, vibration: f64) -> Case {
-    let mut config = FlightConfig::default();
-    config.vibration.scale = vibration;
-    let flight = simulate(kind, seed, &config).unwrap();
-    let path = AnalyticPath::of(&flight);
-    let stamps = camera_stamps(&path, SampleRate::from_hz(10.0).unwrap());
-    let mut frames = simulate_tracks(&TracksConfig::default(), &path, &stamps, seed).unwrap();
-    let end = frames[0].t.plus_seconds(45.0);
-    frames.retain(|f| f.t <= end);
-    Case { flight, frames }
-}
-
-fn calm() -> &'static Case {
-    static CASE: OnceLock<Case> = OnceLock::new();
-    CASE.get_or_init(|| make(Flight::RoomMedium, 3, 0.0))
-}
-
+const SECONDS: f64 = 45.0;
 /// Seconds after the first frame.
 const JUMP: f64 = 25.0;
 
-fn run(case: &Case, noise: [f64; 2], learn: bool, accel: f64, gyro: f64) -> Vec<Update> {
-    let config = EstimatorConfig { components: learn.then(ComponentsConfig::default), ..Default::default() };
-    let body_from_cam = CameraSettings::default().body_from_cam().unwrap();
-    let mut estimator =
-        Estimator::new(config, CameraModel::euroc_cam0(), body_from_cam, "flight", 1).unwrap();
-    let noise = ImuNoise::from_values([noise[0]; 3], [noise[1]; 3]).unwrap();
-    let mut left = case.flight.recording.samples().iter().peekable();
-    let start = case.frames[0].t;
-    let mut updates = Vec::new();
-    for frame in &case.frames {
-        while let Some(sample) = left.next_if(|s| s.t <= frame.t.plus_seconds(0.006)) {
-            let mut sample: ImuSample = *sample;
-            if sample.t.seconds_since(start) > JUMP {
-                sample.accel = sample.accel.map(|a| a + accel);
-                sample.gyro = sample.gyro.map(|w| w + gyro);
-            }
-            estimator.feed_imu(NoisySample { sample, noise }).unwrap();
-        }
-        estimator.feed_frame(frame.clone()).unwrap();
-        updates.extend(std::iter::from_fn(|| estimator.next_update()));
-    }
-    updates
+fn calm() -> &'static Case {
+    static CASE: OnceLock<Case> = OnceLock::new();
+    CASE.get_or_init(|| make(Flight::RoomMedium, 3, 0.0, SECONDS))
 }
 
-/// Told 0.08 m/s^2 and 0.004 rad/s times `factor`.
 fn flown(case: &Case, factor: f64, learn: bool, accel: f64, gyro: f64) -> Vec<Update> {
-    run(case, [0.08 * factor, 0.004 * factor], learn, accel, gyro)
-}
-
-fn positions(updates: &[Update]) -> Vec<Option<Vector3<f64>>> {
-    updates.iter().map(|u| u.state.map(|state| state.world_from_body.translation.vector)).collect()
-}
-
-/// Root mean square of how far two runs are apart \[m\].
-fn apart(a: &[Update], b: &[Update]) -> f64 {
-    let both = positions(a).into_iter().zip(positions(b)).filter_map(|(a, b)| Some((a? - b?).norm_squared()));
-    let squares: Vec<f64> = both.collect();
-    (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+    let config = EstimatorConfig { components: learn.then(ComponentsConfig::default), ..Default::default() };
+    let start = case.frames[0].t;
+    let jumps = |sample: &mut ImuSample| {
+        if sample.t.seconds_since(start) > JUMP {
+            sample.accel = sample.accel.map(|a| a + accel);
+            sample.gyro = sample.gyro.map(|w| w + gyro);
+        }
+    };
+    run(case, config, factor, jumps, |_| ()).0
 }
 
 fn found(updates: &[Update]) -> Vec<&BiasJump> {
@@ -127,7 +81,7 @@ fn what_learns_its_noise_takes_it_for_the_walk() {
 
 #[test]
 fn vibration_hides_none() {
-    let shaken = make(Flight::RoomMedium, 3, 1.0);
+    let shaken = make(Flight::RoomMedium, 3, 1.0, SECONDS);
     survives(&shaken, 1.0, true, &[(0.2, 0.02), (2.0, 0.1)]);
     survives(&shaken, 4.0, false, &[(0.5, 0.0)]);
 }

@@ -5,6 +5,7 @@ mod at_rest;
 mod bias_jump;
 mod configs;
 mod estimator;
+mod flown;
 mod gtsam_preintegration;
 mod lens;
 mod rendered_camera;
