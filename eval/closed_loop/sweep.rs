@@ -291,17 +291,18 @@ impl Sweep<'_> {
         let from_s = self.from.seconds(&recording.name);
         let stream = Stream::new(cell.seed).named("noise").named(&recording.name);
         let sources = cache.sources(needs, recorded(&recording), self.networks);
+        let from_images = seen.images.is_some();
         let noise = match cell.noise.learned_before() {
             None => crate::noise::track(cell.noise, &recording.imu, &sources, &stream)?,
             Some(learned) => {
                 let told = crate::noise::track(learned, &recording.imu, &sources, &stream)?;
-                let estimator = settings_for(&self.estimator, learned);
+                let estimator = settings_for(&self.estimator, learned, from_images);
                 let output = drive(&estimator, &recording, seen.run(), &told, cell.seed)?;
                 let sources = AfterRun { sources: &sources, in_force: output.in_force(told) };
                 crate::noise::track(cell.noise, &recording.imu, &sources, &stream)?
             }
         };
-        let estimator = settings_for(&self.estimator, cell.noise);
+        let estimator = settings_for(&self.estimator, cell.noise, from_images);
         let output = drive(&estimator, &recording, seen.run(), &noise, cell.seed)?;
         let noise = output.in_force(noise);
         let info = RunInfo {

@@ -25,6 +25,8 @@ pub struct ComponentsConfig {
     pub gyro_walk_floor: GyroBiasWalkDensity,
     /// Whether the pixels' level is learned too.
     pub pixels: bool,
+    /// Least deviation of a pixel \[px\]. What a followed point is off lasts and is shared by its neighbours; residuals within a window show only a part of it.
+    pub pixel_floor: f64,
 }
 
 impl Default for ComponentsConfig {
@@ -38,6 +40,7 @@ impl Default for ComponentsConfig {
             accel_walk_floor: AccelBiasWalkDensity::EUROC,
             gyro_walk_floor: GyroBiasWalkDensity::EUROC,
             pixels: true,
+            pixel_floor: 0.5,
         }
     }
 }
@@ -51,5 +54,6 @@ impl ComponentsConfig {
         faults.positive("components.gyro_floor", self.gyro_floor.get());
         faults.positive("components.accel_walk_floor", self.accel_walk_floor.get());
         faults.positive("components.gyro_walk_floor", self.gyro_walk_floor.get());
+        faults.positive("components.pixel_floor", self.pixel_floor);
     }
 }

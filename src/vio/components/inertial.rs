@@ -20,10 +20,10 @@ pub(super) struct InertialScore {
 
 impl Window {
     /// Of the samples from the oldest frame to frame `last`, at the present states; `None` while nothing moves (a rest's pseudo-measurements know no
-    /// noise), or where the last step was damped: the factor is then no covariance.
+    /// noise). The window's factor is its information's.
     pub(super) fn inertial_score(&self, last: usize) -> Option<InertialScore> {
         let span = self.frames.get(..=last)?;
-        if span.iter().any(|frame| frame.rest.is_some()) || !self.factor_is_posterior {
+        if span.iter().any(|frame| frame.rest.is_some()) {
             return None;
         }
         let mut preint = span.get(1)?.preint.clone()?;
@@ -42,7 +42,7 @@ impl Window {
     /// it, and for all where no jump was found.
     pub(super) fn known_jump(&self, k: usize) -> Option<[Option<Vector3<f64>>; 2]> {
         let preint = self.frames.get(k)?.preint.as_ref()?;
-        if preint.jump() == [0.0; 2] || !self.factor_is_posterior {
+        if preint.jump() == [0.0; 2] {
             return None;
         }
         let mut by_bias = SMatrix::<f64, STATE_DIM, STATE_DIM>::zeros();

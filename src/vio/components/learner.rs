@@ -43,6 +43,8 @@ pub struct Levels {
 pub(crate) struct Learner {
     config: ComponentsConfig,
     told: PreintegrationConfig,
+    /// Deviation of a pixel that was told.
+    told_pixel: f64,
     /// Logarithms of the variances' factors.
     x: SVector<f64, COMPONENTS>,
     information: SMatrix<f64, COMPONENTS, COMPONENTS>,
@@ -54,10 +56,12 @@ pub(crate) struct Learner {
 }
 
 impl Learner {
-    pub(crate) fn new(config: ComponentsConfig, told: PreintegrationConfig) -> Self {
+    /// Deviations told: `told`'s of the IMU, and of a pixel.
+    pub(crate) fn new(config: ComponentsConfig, told: PreintegrationConfig, told_pixel: f64) -> Self {
         let mut learner = Self {
             config,
             told,
+            told_pixel,
             x: SVector::zeros(),
             information: SMatrix::identity() * (0.5 * config.prior),
             pixel: 0.0,
@@ -99,18 +103,19 @@ impl Learner {
     }
 
     /// Reads what is about to leave the window with its oldest frame.
-    pub(crate) fn read(&mut self, window: &Window) {
-        let Some(second) = window.frames().get(1) else { return };
+    pub(crate) fn read(&mut self, window: &mut Window) {
+        let [first, second, ..] = window.frames() else { return };
+        let read_before = self.read_until.is_some_and(|end| first.t < end);
         let dt = self.last.map_or(0.0, |last| second.t.seconds_since(last));
         self.last = Some(second.t);
         let kept = (-dt / self.config.memory_s).exp();
         if self.config.pixels {
             self.take_pixels(&window.oldest_pixel_score(), kept);
         }
-        let first = &window.frames()[0];
-        if self.read_until.is_some_and(|end| first.t < end) {
+        if read_before || !window.factor_information() {
             return;
         }
+        let first = &window.frames()[0];
         let far_enough = |frame: &Frame| frame.t.seconds_since(first.t) >= self.config.span_s;
         let newest = window.frames().len() - 1;
         let last = window
@@ -130,7 +135,7 @@ impl Learner {
         }
         if let Some(score) = window.inertial_score(last) {
             self.take_inertial(&score, kept);
-            if let Some(preint) = &second.preint {
+            if let Some(preint) = &window.frames()[1].preint {
                 self.hold_within(preint);
             }
         }
@@ -194,12 +199,14 @@ impl Learner {
         let step = gradient / self.pixel_information;
         if step.is_finite() {
             let widest = 2.0 * WIDEST_PIXEL.ln();
-            self.pixel = (self.pixel + step.clamp(-MAX_PIXEL_STEP, MAX_PIXEL_STEP)).clamp(-widest, widest);
+            let floor = 2.0 * (self.config.pixel_floor / self.told_pixel).ln();
+            let moved = self.pixel + step.clamp(-MAX_PIXEL_STEP, MAX_PIXEL_STEP);
+            self.pixel = moved.min(widest).max(floor.max(-widest));
         }
     }
 
-    /// Weighs what is in the window by the present levels, where those in force differ enough; `told` is the deviation of a pixel that was told.
-    pub(crate) fn apply(&self, window: &mut Window, told: f64) {
+    /// Weighs what is in the window by the present levels, where those in force differ enough.
+    pub(crate) fn apply(&self, window: &mut Window) {
         let Levels { inertial, pixel } = self.levels();
         for preint in window.frames.iter_mut().filter_map(|frame| frame.preint.as_mut()) {
             let differ = |(now, then): (&f64, &f64)| 2.0 * (now / then).ln().abs() > WORTHWHILE;
@@ -207,7 +214,7 @@ impl Learner {
                 preint.set_levels(inertial);
             }
         }
-        let factor = pixel * told / window.config.pixel_std;
+        let factor = pixel * self.told_pixel / window.config.pixel_std;
         if 2.0 * factor.ln().abs() > 0.25 * WORTHWHILE {
             window.rescale_pixels(factor);
         }

@@ -36,10 +36,19 @@ pub struct EstimatorConfig {
 }
 
 impl EstimatorConfig {
+    /// The handover in force.
+    pub(super) fn handover(&self) -> Handover {
+        match (self.window.handover, &self.components) {
+            (Handover::Auto, Some(_)) => Handover::Share,
+            (Handover::Auto, None) => Handover::Reuse,
+            (told, _) => told,
+        }
+    }
+
     /// What settings that are allowed do not do together, for people.
     pub fn warnings(&self) -> Vec<String> {
-        let twice = self.covariance && self.window.handover == Handover::Reuse;
-        let words = "covariances are some 2 times too small in deviation with `window.handover = \"reuse\"`, which counts sightings twice (NEES 9 to 14 where 3 is right); \"drop\" does not";
+        let twice = self.covariance && self.handover() == Handover::Reuse;
+        let words = "covariances are some 2 times too small in deviation with `window.handover = \"reuse\"`, the default where the noise is told, which counts sightings twice (NEES 9 to 14 where 3 is right); \"drop\" does not";
         twice.then(|| words.to_owned()).into_iter().collect()
     }
 }
@@ -55,6 +64,9 @@ mod tests {
         config.covariance = true;
         assert!(config.warnings()[0].contains("\"drop\" does not"));
         config.window.handover = Handover::Drop;
+        assert!(config.warnings().is_empty());
+        config.window.handover = Handover::Auto;
+        config.components = Some(ComponentsConfig::default());
         assert!(config.warnings().is_empty());
     }
 }

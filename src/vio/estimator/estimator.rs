@@ -12,7 +12,7 @@ use super::update::{Phase, RestartReason, Update};
 use crate::components::Learner;
 use crate::factors::reprojection::Sighting;
 use crate::init::{InitFrame, RestWatch};
-use crate::lens::LensField;
+use crate::lens::{LearnLens, LensField};
 use crate::preint::{NoiseLevels, NoisySample, Preintegration};
 use crate::state::NavState;
 use crate::window::{Leaving, Seen, Standstill, Window};
@@ -65,6 +65,7 @@ impl Estimator {
         seed: u64,
     ) -> Result<Self, Vec<ConfigFault>> {
         config.init.focal_px = camera.px_per_rad();
+        config.window.handover = config.handover();
         config.validate()?;
         let stream = Stream::new(seed).named("estimator");
         Ok(Self {
@@ -81,8 +82,10 @@ impl Estimator {
             window: Window::new(config.window, body_from_cam),
             running: false,
             starved_since: None,
-            learner: config.components.map(|components| Learner::new(components, config.imu)),
-            lens: config.lens.learn.then(|| LensField::new(config.lens)),
+            learner: config
+                .components
+                .map(|components| Learner::new(components, config.imu, config.window.pixel_std)),
+            lens: (config.lens.learn == LearnLens::Always).then(|| LensField::new(config.lens)),
             report: RunReport::default(),
             config,
         })
@@ -114,7 +117,11 @@ impl Estimator {
     /// # Errors
     /// An image that is not later than the last, or of another size than the camera's; 40 that wait for samples. It is not taken.
     pub fn feed_image(&mut self, image: GrayView<'_>, t: Stamp) -> Result<(), FeedError> {
-        self.images.feed_image(image, t)
+        self.images.feed_image(image, t)?;
+        if self.config.lens.learn == LearnLens::Images {
+            self.lens.get_or_insert_with(|| LensField::new(self.config.lens));
+        }
+        Ok(())
     }
 
     /// Takes a frame's tracks; it is worked off when samples reach its stamp. Images are not fed beside.
@@ -212,7 +219,7 @@ impl Estimator {
         // The initialisation's own belief: a looser one would let a short start trade tilt for bias.
         if let Some(learner) = &mut self.learner {
             learner.restart();
-            learner.apply(&mut self.window, self.config.window.pixel_std);
+            learner.apply(&mut self.window);
         }
         self.window.anchor([self.config.init.accel_bias_std, self.config.init.gyro_bias_std]);
         for _ in 0..START_ROUNDS {
@@ -365,16 +372,16 @@ impl Estimator {
         if self.window.is_full() {
             let leaving: Leaving = self.window.leaving(self.camera.px_per_rad());
             if let Some(learner) = self.learner.as_mut().filter(|_| leaving == Leaving::Oldest) {
-                learner.read(&self.window);
+                learner.read(&mut self.window);
             }
             if let Some(lens) = self.lens.as_mut().filter(|_| leaving == Leaving::Oldest) {
                 self.report.lens_px = lens.read(&self.window).or(self.report.lens_px);
             }
             update.whitened = self.window.slide(leaving);
             if let Some(learner) = &self.learner {
-                learner.apply(&mut self.window, self.config.window.pixel_std);
+                learner.apply(&mut self.window);
                 if let Some(beside) = self.jumps.beside() {
-                    learner.apply(beside, self.config.window.pixel_std);
+                    learner.apply(beside);
                 }
             }
         }

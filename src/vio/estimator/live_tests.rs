@@ -4,6 +4,7 @@ use super::{Estimator, EstimatorConfig, FeedError, FrontEndObserver, ImageTracke
 use crate::frontend::tests::wall::{Wall, half_camera, stamp};
 use crate::frontend::{Fed, Status};
 use crate::init::WaitReason;
+use crate::lens::LearnLens;
 use crate::preint::NoisySample;
 use dpn_core::camera::CameraModel;
 use dpn_core::geometry::so3;
@@ -203,7 +204,9 @@ fn who_looks_on_sees_every_image_once_and_changes_no_bit_nor_do_tracks_made_befo
         while tracker.next_frame(&mut alone).is_some() {}
     }
     assert_eq!(alone.frames, seen.frames);
-    let mut estimator = case.estimator.clone();
+    let mut settings = self::config();
+    settings.lens.learn = LearnLens::Always;
+    let mut estimator = Estimator::new(settings, half_camera(), Isometry3::identity(), "wall", 1).unwrap();
     alone.frames.into_iter().for_each(|frame| estimator.feed_frame(frame).unwrap());
     case.samples.iter().for_each(|sample| estimator.feed_imu(*sample).unwrap());
     let updates = std::iter::from_fn(|| estimator.next_update()).collect();

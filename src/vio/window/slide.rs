@@ -51,7 +51,7 @@ impl Window {
         }
         let ended = landmark.last_frame() + 1 < self.frames.len();
         match self.config.handover {
-            Handover::Reuse | Handover::Share | Handover::Consume => sightings,
+            Handover::Auto | Handover::Reuse | Handover::Share | Handover::Consume => sightings,
             _ if ended => sightings,
             Handover::Drop => 0,
         }
@@ -61,7 +61,7 @@ impl Window {
     pub(super) fn handed_share(&self, landmark: &Landmark) -> f64 {
         match self.config.handover {
             Handover::Share => 1.0 / (landmark.sightings.len().max(2) - 1) as f64,
-            Handover::Reuse | Handover::Consume | Handover::Drop => 1.0,
+            Handover::Auto | Handover::Reuse | Handover::Consume | Handover::Drop => 1.0,
         }
     }
 
@@ -96,7 +96,7 @@ impl Window {
             let point = landmark.point(&last_cameras[0]);
             // What is in the prior must not be counted again, what has lost its host's frame cannot stay.
             let gone = match (handover, used[landmark_index]) {
-                (_, 0) | (Handover::Reuse | Handover::Share, _) => 1,
+                (_, 0) | (Handover::Auto | Handover::Reuse | Handover::Share, _) => 1,
                 // The newest goes on, as the anchor of what comes.
                 (Handover::Consume, all) if landmark.last_frame() == newest => all - 1,
                 (_, used) => used,
