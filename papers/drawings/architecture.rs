@@ -127,7 +127,7 @@ pub(crate) fn window(estimator: &EstimatorConfig) -> Result<Diagram, FigureError
         window.key_frame_parallax_px,
         words(window.estimate_extrinsics),
         words(window.estimate_time_offset),
-        word(window.handover),
+        word(estimator.handover()),
     );
     Diagram::new(blocks, arrows, &caption)
 }

@@ -36,8 +36,8 @@ pub struct EstimatorConfig {
 }
 
 impl EstimatorConfig {
-    /// The handover in force.
-    pub(super) fn handover(&self) -> Handover {
+    /// The handover in force: what [`Handover::Auto`] comes to.
+    pub fn handover(&self) -> Handover {
         match (self.window.handover, &self.components) {
             (Handover::Auto, Some(_)) => Handover::Share,
             (Handover::Auto, None) => Handover::Reuse,
