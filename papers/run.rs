@@ -25,6 +25,7 @@ use dpn_figures::{Plot, Provenance, Sourced, save};
 use dpn_io::{IoError, atomic_write};
 use dpn_pronet::network::Network;
 use dpn_train::split::Side;
+use dpn_vio::estimator::{EstimatorConfig, FedTracks};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -270,17 +271,23 @@ impl Paper<'_> {
         let mut figures = FigureWriter { out: self.out, made_by, pictures: Vec::new(), progress };
         let (accel, gyro) = (self.network(Sensor::Accel), self.network(Sensor::Gyro));
         let closed = results.closed.run.as_str();
-        let camera = match self.input.source.tracks() {
+        let tracks = self.input.source.tracks();
+        let camera = match tracks {
             TrackSource::Simulated(config) => format!("tracks, {} Hz", config.rate_hz),
             TrackSource::File(_) => "given tracks".to_owned(),
             TrackSource::Images(ImageSource::Folder { .. }) => "images, followed".to_owned(),
             TrackSource::Images(ImageSource::Rendered(_)) => "rendered images, followed".to_owned(),
         };
+        let fed_tracks = match tracks {
+            TrackSource::Images(_) => FedTracks::Followed,
+            TrackSource::Simulated(_) | TrackSource::File(_) => self.estimator.fed_tracks,
+        };
+        let estimator = EstimatorConfig { fed_tracks, ..self.estimator.clone() };
         figures.add(
             "architecture_odometry",
             "The odometry with DualProNet",
             &[closed],
-            &drawings::odometry(&self.estimator, accel.zip(gyro), &camera)?,
+            &drawings::odometry(&estimator, accel.zip(gyro), &camera)?,
         )?;
         figures.add(
             "architecture_window",

@@ -12,7 +12,6 @@ use dpn_core::estimate::NoiseSpec;
 use dpn_core::trajectory::StampedPose;
 use dpn_core::{ImuNoise, ImuSample, NoiseTrack, Stamp, TrackFrame};
 use dpn_vio::estimator::{Estimator, EstimatorConfig, FeedError, FrontEndObserver, RunReport, Update};
-use dpn_vio::lens::LearnLens;
 use dpn_vio::preint::NoisySample;
 use dpn_vio::window::Window;
 use nalgebra::Matrix6;
@@ -116,19 +115,10 @@ pub(super) fn enough(recording: &Recording, stamps: &[Stamp], span: &Span) -> Re
     Ok(())
 }
 
-/// The settings under which `noise` is told: levels are learned where it says so, and nowhere else. Of tracks that are fed as such, `from_images` says
-/// whether they were followed through images: what the images make of the lens's settings is then asked of the tracks.
-pub(super) fn settings_for(
-    config: &EstimatorConfig,
-    noise: &NoiseSpec,
-    from_images: bool,
-) -> EstimatorConfig {
+/// The settings under which `noise` is told: levels are learned where it says so, and nowhere else.
+pub(super) fn settings_for(config: &EstimatorConfig, noise: &NoiseSpec) -> EstimatorConfig {
     let components = noise.is_learned().then(|| config.components.unwrap_or_default());
-    let mut settings = EstimatorConfig { components, ..config.clone() };
-    if from_images && settings.lens.learn == LearnLens::Images {
-        settings.lens.learn = LearnLens::Always;
-    }
-    settings
+    EstimatorConfig { components, ..config.clone() }
 }
 
 /// Runs the estimator over frames of tracks, samples with their noise beside; every update is taken as soon as it can be had.

@@ -126,7 +126,7 @@ pub fn watched_run(
     networks: &[Network],
     (observer, watch): (&mut dyn FrontEndObserver, &mut UpdateWatch<'_>),
 ) -> Result<JudgedRun, ClosedLoopError> {
-    let config = &settings_for(config, noise, false);
+    let config = &settings_for(config, noise);
     let recorded = Recorded { name: &recording.name, imu: &recording.imu, oracle: recording.oracle.as_ref() };
     let stream = Stream::new(info.seed).named("noise").named(&recording.name);
     let noise = crate::noise::track(noise, &recording.imu, &Fresh { recorded, networks }, &stream)?;

@@ -43,7 +43,7 @@ impl<'a> LiveRun<'a> {
         (camera, body_from_cam): (CameraModel, Isometry3<f64>),
         (name, seed): (&str, u64),
     ) -> Result<Self, ClosedLoopError> {
-        let estimator = Estimator::new(settings_for(config, &spec, false), camera, body_from_cam, name, seed)
+        let estimator = Estimator::new(settings_for(config, &spec), camera, body_from_cam, name, seed)
             .map_err(ClosedLoopError::Config)?;
         let (name, first) = (name.to_owned(), Vec::new());
         let mounting = MountingWatch::new(camera, body_from_cam);

@@ -27,6 +27,7 @@ use dpn_core::estimate::NoiseSpec;
 use dpn_core::progress::Progress;
 use dpn_core::random::Stream;
 use dpn_io::{FolderLock, atomic_write, write_tum};
+use dpn_vio::estimator::{EstimatorConfig, FedTracks};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -291,18 +292,20 @@ impl Sweep<'_> {
         let from_s = self.from.seconds(&recording.name);
         let stream = Stream::new(cell.seed).named("noise").named(&recording.name);
         let sources = cache.sources(needs, recorded(&recording), self.networks);
-        let from_images = seen.images.is_some();
+        let followed = seen.images.is_some();
+        let fed_tracks = if followed { FedTracks::Followed } else { self.estimator.fed_tracks };
+        let config = EstimatorConfig { fed_tracks, ..self.estimator.clone() };
         let noise = match cell.noise.learned_before() {
             None => crate::noise::track(cell.noise, &recording.imu, &sources, &stream)?,
             Some(learned) => {
                 let told = crate::noise::track(learned, &recording.imu, &sources, &stream)?;
-                let estimator = settings_for(&self.estimator, learned, from_images);
+                let estimator = settings_for(&config, learned);
                 let output = drive(&estimator, &recording, seen.run(), &told, cell.seed)?;
                 let sources = AfterRun { sources: &sources, in_force: output.in_force(told) };
                 crate::noise::track(cell.noise, &recording.imu, &sources, &stream)?
             }
         };
-        let estimator = settings_for(&self.estimator, cell.noise, from_images);
+        let estimator = settings_for(&config, cell.noise);
         let output = drive(&estimator, &recording, seen.run(), &noise, cell.seed)?;
         let noise = output.in_force(noise);
         let info = RunInfo {

@@ -10,7 +10,7 @@ use dpn_eval::closed_loop::{ImageSource, RunInfo, SequenceSet, Span, TrackSource
 use dpn_eval::noise::{Fresh, Recorded, track};
 use dpn_testing::pack;
 use dpn_vio::EstimatorConfig;
-use dpn_vio::lens::LearnLens;
+use dpn_vio::estimator::FedTracks;
 use dpn_vio::preint::ImuCov;
 
 /// VINS-Mono's ATE \[m\] at x1, x2, x4.
@@ -24,7 +24,7 @@ fn a_short_span_of_real_images_is_followed_no_worse_than_by_vins_mono() {
     let recording = source.recording(0, 0).unwrap();
     let mut config = EstimatorConfig::default();
     config.imu.imu_cov = ImuCov::Vins;
-    config.lens.learn = LearnLens::Always;
+    config.fed_tracks = FedTracks::Followed;
     let camera = source.camera_input(0, 0, &Span::from(0.0)).unwrap();
     let tracked = camera.tracks(&recording, &config.front_end, 0).unwrap();
     let recorded = Recorded { name: &recording.name, imu: &recording.imu, oracle: None };

@@ -6,6 +6,7 @@ use dpn_pronet::config::{BlockOrder, NormAxes, ProNetConfig};
 use dpn_pronet::network::Network;
 use dpn_pronet::shape::{LayerKind, LayerShape, layers};
 use dpn_vio::EstimatorConfig;
+use dpn_vio::estimator::FedTracks;
 
 fn block(at: (i32, i32), size: (i32, i32), kind: BlockKind, lines: &[&str]) -> Block {
     Block { at, size, kind, lines: lines.iter().map(|line| (*line).to_owned()).collect() }
@@ -50,7 +51,10 @@ pub(crate) fn odometry(
     let camera_box = block((20, 470), (240, 120), Data, &["camera", camera]);
     let init = block((400, 470), (370, 120), Step, &["initialisation", "until there is a first state"]);
     let frames = format!("{} key frames and the newest", window.key_frames);
-    let loss = format!("loss: {} at {} deviations", word(window.loss), window.loss_scale);
+    let loss = match estimator.fed_tracks {
+        FedTracks::White => format!("loss: {} at {} deviations", word(window.loss), window.loss_scale),
+        FedTracks::Followed => format!("loss: {} at {} px", word(window.loss), window.followed_loss_px),
+    };
     let pixels = format!("pixels: {} px", window.pixel_std);
     let solver = block(
         (960, 430),
@@ -235,6 +239,9 @@ mod tests {
         {
             assert!(text.contains(expected), "{expected}: {text}");
         }
+        estimator.fed_tracks = FedTracks::Followed;
+        let text = words(&odometry(&estimator, None, "images, followed").unwrap());
+        assert!(text.contains("loss: huber at 0.5 px"), "{text}");
     }
 
     #[test]

@@ -117,22 +117,36 @@ pub fn load_over<T: DeserializeOwned + Validate>(
     };
     let mut table: toml::Table =
         toml::from_str(&text).map_err(|e| wrong(name.display().to_string(), e.message().to_owned()))?;
-    for (key, value) in sets {
-        let typed = format!("{key}={value}");
-        // What is no TOML is a word, as `window.loss=huber` means it.
-        let parsed = toml::from_str::<toml::Table>(&format!("value = {value}"));
-        let value = parsed.ok().and_then(|mut t| t.remove("value"));
-        let value = value.unwrap_or_else(|| toml::Value::String(typed[key.len() + 1..].to_owned()));
+    for (key, text) in sets {
+        let typed = format!("{key}={text}");
+        let value = value_of(text);
+        let refused = |e: toml::de::Error| wrong(typed.clone(), e.message().to_owned());
         put(&mut table, key, value).map_err(|message| wrong(typed.clone(), message))?;
         // Key by key, so that the message names the one that is wrong.
-        let read: Result<T, _> = table.clone().try_into();
-        read.map_err(|e: toml::de::Error| wrong(typed, e.message().to_owned()))?;
+        if let Err(error) = table.clone().try_into::<T>() {
+            // Where one of several words is expected, the message lists them only to who wrote a word.
+            let word = toml::Value::String(text.clone());
+            put(&mut table, key, word).map_err(|message| wrong(typed.clone(), message))?;
+            let as_word = table.try_into::<T>().err().filter(|e| e.message().starts_with("unknown variant"));
+            return Err(refused(as_word.unwrap_or(error)));
+        }
     }
     let config: T = table.try_into().map_err(|e: toml::de::Error| wrong(String::new(), e.to_string()))?;
     match config.validate() {
         Ok(()) => Ok(config),
         Err(faults) => Err(ConfigError::Bounds { path: name, faults }),
     }
+}
+
+/// What was written after `=`: a TOML value; else a number as people write it (`.5`), else a word, as `window.loss=huber` means it.
+fn value_of(text: &str) -> toml::Value {
+    let parsed = toml::from_str::<toml::Table>(&format!("value = {text}"));
+    let number = || text.parse().ok().map(toml::Value::Float);
+    parsed
+        .ok()
+        .and_then(|mut table| table.remove("value"))
+        .or_else(number)
+        .unwrap_or_else(|| toml::Value::String(text.to_owned()))
 }
 
 /// Puts `value` at `key`, dots of which go into tables.
@@ -195,6 +209,19 @@ mod tests {
         let error = parsed("epochs = 3\nlerning_rate = 0.1\n").unwrap_err();
         assert!(error.to_string().starts_with("a.toml:2: unknown field `lerning_rate`"), "{error}");
         assert_eq!(error.hint().as_deref(), Some("did you mean `learning_rate`?"));
+    }
+
+    #[test]
+    fn what_is_set_on_the_command_line_is_a_value_a_number_or_a_word() {
+        let set = |key: &str, text: &str| {
+            load_over::<Small>(None, &[(key.to_owned(), text.to_owned())])
+                .map(|c| (c.learning_rate, c.epochs))
+        };
+        assert_eq!(set("learning_rate", ".5").unwrap(), (0.5, 200));
+        assert_eq!(set("learning_rate", "5e-4").unwrap(), (5e-4, 200));
+        assert_eq!(set("epochs", "3").unwrap(), (1e-3, 3));
+        let error = set("epochs", "many").unwrap_err().to_string();
+        assert!(error.starts_with("epochs=many: invalid type: string \"many\""), "{error}");
     }
 
     #[test]

@@ -43,31 +43,19 @@ const LARGEST: f64 = 3.0;
 /// Errors of a track last over some images and reach over some tracks: so much of a row's information is its own.
 const COUNTS: f64 = 0.05;
 
-/// Where the field is learned.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum LearnLens {
-    /// Nowhere.
-    Never,
-    /// Where images are fed. Tracks that are fed may be of a camera that is exactly as calibrated, as simulated ones are.
-    Images,
-    /// Everywhere: for tracks that were followed through images before.
-    Always,
-}
-
 /// Settings.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LensConfig {
-    /// Where the field is learned.
-    pub learn: LearnLens,
+    /// Whether the field is learned where points are followed through images. Tracks that err each for itself are of a camera that is as calibrated.
+    pub learn: bool,
     /// How far the calibration may be off: deviation of a coefficient, which is what its term comes to at the image's edge \[px\].
     pub prior_px: f64,
 }
 
 impl Default for LensConfig {
     fn default() -> Self {
-        Self { learn: LearnLens::Images, prior_px: 1.0 }
+        Self { learn: true, prior_px: 1.0 }
     }
 }
 

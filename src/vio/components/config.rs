@@ -25,8 +25,11 @@ pub struct ComponentsConfig {
     pub gyro_walk_floor: GyroBiasWalkDensity,
     /// Whether the pixels' level is learned too.
     pub pixels: bool,
-    /// Least deviation of a pixel \[px\]. What a followed point is off lasts and is shared by its neighbours; residuals within a window show only a part of it.
+    /// Least deviation of a pixel \[px\] of tracks that are fed.
     pub pixel_floor: f64,
+    /// The same where points are followed through images. What such a point is off lasts and is shared by its neighbours; residuals within a window show only
+    /// a part of it.
+    pub followed_pixel_floor: f64,
 }
 
 impl Default for ComponentsConfig {
@@ -41,6 +44,7 @@ impl Default for ComponentsConfig {
             gyro_walk_floor: GyroBiasWalkDensity::EUROC,
             pixels: true,
             pixel_floor: 0.5,
+            followed_pixel_floor: 0.7,
         }
     }
 }
@@ -55,5 +59,6 @@ impl ComponentsConfig {
         faults.positive("components.accel_walk_floor", self.accel_walk_floor.get());
         faults.positive("components.gyro_walk_floor", self.gyro_walk_floor.get());
         faults.positive("components.pixel_floor", self.pixel_floor);
+        faults.positive("components.followed_pixel_floor", self.followed_pixel_floor);
     }
 }

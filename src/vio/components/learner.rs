@@ -38,6 +38,11 @@ pub struct Levels {
     pub pixel: f64,
 }
 
+/// A logarithm no farther than `widest` from what was told, and not below its floor.
+fn held(x: f64, floor: f64, widest: f64) -> f64 {
+    x.min(widest).max(floor.max(-widest))
+}
+
 /// Learns them.
 #[derive(Debug, Clone)]
 pub(crate) struct Learner {
@@ -110,7 +115,9 @@ impl Learner {
         self.last = Some(second.t);
         let kept = (-dt / self.config.memory_s).exp();
         if self.config.pixels {
-            self.take_pixels(&window.oldest_pixel_score(), kept);
+            let floor =
+                if window.followed { self.config.followed_pixel_floor } else { self.config.pixel_floor };
+            self.take_pixels(&window.oldest_pixel_score(), kept, floor);
         }
         if read_before || !window.factor_information() {
             return;
@@ -184,7 +191,7 @@ impl Learner {
                 let squares: f64 = samples.iter().map(|s| s.noise.of(sensor)[axis].powi(2)).sum();
                 let told = (squares / samples.len() as f64).sqrt();
                 let x = &mut self.x[first + axis];
-                *x = x.min(widest).max((2.0 * (floor / told).ln()).max(-widest));
+                *x = held(*x, 2.0 * (floor / told).ln(), widest);
             }
         }
         for (k, floor) in self.walk_floors() {
@@ -192,16 +199,16 @@ impl Learner {
         }
     }
 
-    fn take_pixels(&mut self, score: &PixelScore, kept: f64) {
+    /// `least` deviation of a pixel.
+    fn take_pixels(&mut self, score: &PixelScore, kept: f64, least: f64) {
         let back = (1.0 - kept) * TOLD_INFORMATION;
         self.pixel_information = kept * self.pixel_information + back + 0.5 * score.redundancy;
         let gradient = 0.5 * (score.squares - score.redundancy) - back * self.pixel;
         let step = gradient / self.pixel_information;
         if step.is_finite() {
             let widest = 2.0 * WIDEST_PIXEL.ln();
-            let floor = 2.0 * (self.config.pixel_floor / self.told_pixel).ln();
-            let moved = self.pixel + step.clamp(-MAX_PIXEL_STEP, MAX_PIXEL_STEP);
-            self.pixel = moved.min(widest).max(floor.max(-widest));
+            let floor = 2.0 * (least / self.told_pixel).ln();
+            self.pixel = held(self.pixel + step.clamp(-MAX_PIXEL_STEP, MAX_PIXEL_STEP), floor, widest);
         }
     }
 

@@ -10,6 +10,17 @@ use crate::preint::PreintegrationConfig;
 use crate::window::{Handover, WindowConfig};
 use serde::{Deserialize, Serialize};
 
+/// What the tracks are that are fed as such.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FedTracks {
+    /// Each sighting errs for itself, as simulated ones do.
+    #[default]
+    White,
+    /// Followed through images before: what a point is off lasts and is shared by its neighbours, as of images that are fed.
+    Followed,
+}
+
 /// All settings of the estimator.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -28,6 +39,8 @@ pub struct EstimatorConfig {
     pub lens: LensConfig,
     /// What follows points through images, where images are fed and not tracks.
     pub front_end: FrontEndConfig,
+    /// What tracks are that are fed as such.
+    pub fed_tracks: FedTracks,
     /// Whether every update carries the covariance of its pose: one more linear system a frame.
     pub covariance: bool,
     /// How levels of the noise are learned; `None`: what is told is in force.

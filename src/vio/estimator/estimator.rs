@@ -1,6 +1,6 @@
 //! The loop over frames.
 
-use super::config::EstimatorConfig;
+use super::config::{EstimatorConfig, FedTracks};
 use super::feed_error::FeedError;
 use super::image_tracker::{FrontEndObserver, ImageTracker};
 use super::imu_buffer::{ImuBuffer, Interval};
@@ -12,7 +12,7 @@ use super::update::{Phase, RestartReason, Update};
 use crate::components::Learner;
 use crate::factors::reprojection::Sighting;
 use crate::init::{InitFrame, RestWatch};
-use crate::lens::{LearnLens, LensField};
+use crate::lens::LensField;
 use crate::preint::{NoiseLevels, NoisySample, Preintegration};
 use crate::state::NavState;
 use crate::window::{Leaving, Seen, Standstill, Window};
@@ -68,7 +68,7 @@ impl Estimator {
         config.window.handover = config.handover();
         config.validate()?;
         let stream = Stream::new(seed).named("estimator");
-        Ok(Self {
+        let mut estimator = Self {
             starter: Starter::new(&config, body_from_cam, stream)?,
             images: ImageTracker::new(config.front_end, camera, body_from_cam.rotation, name, seed)?,
             rates: RayRates::default(),
@@ -85,10 +85,14 @@ impl Estimator {
             learner: config
                 .components
                 .map(|components| Learner::new(components, config.imu, config.window.pixel_std)),
-            lens: (config.lens.learn == LearnLens::Always).then(|| LensField::new(config.lens)),
+            lens: None,
             report: RunReport::default(),
             config,
-        })
+        };
+        if estimator.config.fed_tracks == FedTracks::Followed {
+            estimator.follow();
+        }
+        Ok(estimator)
     }
 
     /// Takes a sample with the noise in force.
@@ -118,10 +122,16 @@ impl Estimator {
     /// An image that is not later than the last, or of another size than the camera's; 40 that wait for samples. It is not taken.
     pub fn feed_image(&mut self, image: GrayView<'_>, t: Stamp) -> Result<(), FeedError> {
         self.images.feed_image(image, t)?;
-        if self.config.lens.learn == LearnLens::Images {
-            self.lens.get_or_insert_with(|| LensField::new(self.config.lens));
+        if !self.window.followed {
+            self.follow();
         }
         Ok(())
+    }
+
+    /// Takes tracks for what they are where points are followed through images.
+    fn follow(&mut self) {
+        self.window.followed = true;
+        self.lens = self.config.lens.learn.then(|| LensField::new(self.config.lens));
     }
 
     /// Takes a frame's tracks; it is worked off when samples reach its stamp. Images are not fed beside.
@@ -201,7 +211,9 @@ impl Estimator {
     /// Begins from known states instead of initialising: the next frame fed goes on after the last of them. Without any, nothing is known: the
     /// next frames initialise.
     pub fn start(&mut self, frames: Vec<StartFrame>) -> Option<NavState> {
+        let followed = self.window.followed;
         self.window = Window::new(self.config.window, *self.window.body_from_cam());
+        self.window.followed = followed;
         self.rest = RestWatch::default();
         self.jumps = JumpWatch::new(self.config.jumps);
         self.running = false;

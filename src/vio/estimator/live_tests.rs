@@ -1,10 +1,12 @@
 //! Samples and images as they come live: late, in bursts, out of order, spoilt, in front of a wall whose picture is known.
 
-use super::{Estimator, EstimatorConfig, FeedError, FrontEndObserver, ImageTracker, Phase, Update};
+use super::{
+    Estimator, EstimatorConfig, FedTracks, FeedError, FrontEndObserver, ImageTracker, Phase, Update,
+};
+use crate::components::ComponentsConfig;
 use crate::frontend::tests::wall::{Wall, half_camera, stamp};
 use crate::frontend::{Fed, Status};
 use crate::init::WaitReason;
-use crate::lens::LearnLens;
 use crate::preint::NoisySample;
 use dpn_core::camera::CameraModel;
 use dpn_core::geometry::so3;
@@ -205,7 +207,7 @@ fn who_looks_on_sees_every_image_once_and_changes_no_bit_nor_do_tracks_made_befo
     }
     assert_eq!(alone.frames, seen.frames);
     let mut settings = self::config();
-    settings.lens.learn = LearnLens::Always;
+    settings.fed_tracks = FedTracks::Followed;
     let mut estimator = Estimator::new(settings, half_camera(), Isometry3::identity(), "wall", 1).unwrap();
     alone.frames.into_iter().for_each(|frame| estimator.feed_frame(frame).unwrap());
     case.samples.iter().for_each(|sample| estimator.feed_imu(*sample).unwrap());
@@ -224,6 +226,43 @@ fn who_looks_on_sees_every_image_once_and_changes_no_bit_nor_do_tracks_made_befo
         }
         assert_ne!(alone.frames, seen.frames, "{name} {seed}");
     }
+}
+
+#[test]
+fn pixels_of_followed_points_are_believed_less_than_those_of_tracks_that_are_fed() {
+    let mut settings = config();
+    let components = settings.components.insert(ComponentsConfig::default());
+    assert!(components.followed_pixel_floor > components.pixel_floor);
+    let floors = [components.pixel_floor, components.followed_pixel_floor];
+    let new = |settings| Estimator::new(settings, half_camera(), Isometry3::identity(), "wall", 1).unwrap();
+    let learned = |updates: &[Update]| {
+        let levels =
+            updates.iter().rev().find_map(|update| update.levels.as_deref()).expect("they are learned");
+        levels.pixel * settings.window.pixel_std
+    };
+
+    let case = Case { estimator: new(settings.clone()), ..Case::new() };
+    let from_images = timeless(case.run(0, 1));
+    assert!((learned(&from_images) - floors[1]).abs() < 1e-9, "a wall is followed to less than a pixel");
+
+    let mut followed = Statuses::default();
+    let mut images = case.estimator.clone();
+    for (k, image) in case.images.iter().enumerate() {
+        images.feed_image(image.view(), stamp(k)).unwrap();
+        case.samples[10 * k..10 * k + 10].iter().for_each(|sample| images.feed_imu(*sample).unwrap());
+        images.track_images(&mut followed);
+    }
+    images.feed_imu(case.samples[10 * IMAGES]).unwrap();
+    images.track_images(&mut followed);
+    let fed = |settings| {
+        let mut estimator = new(settings);
+        followed.frames.iter().for_each(|frame| estimator.feed_frame(frame.clone()).unwrap());
+        case.samples.iter().for_each(|sample| estimator.feed_imu(*sample).unwrap());
+        timeless(std::iter::from_fn(|| estimator.next_update()).collect())
+    };
+    assert!(learned(&fed(settings.clone())) < 0.9 * floors[1]);
+    let followed = EstimatorConfig { fed_tracks: FedTracks::Followed, ..settings.clone() };
+    assert_eq!(fed(followed), from_images);
 }
 
 #[test]

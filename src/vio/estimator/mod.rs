@@ -22,7 +22,7 @@ mod starter;
 mod update;
 mod validate;
 
-pub use config::EstimatorConfig;
+pub use config::{EstimatorConfig, FedTracks};
 pub use estimator::Estimator;
 pub use feed_error::FeedError;
 pub use image_tracker::{FrontEndObserver, ImageTracker};

@@ -17,6 +17,7 @@ impl Validate for EstimatorConfig {
         faults.positive("window.pixel_std", window.pixel_std);
         self.lens.check(&mut faults);
         faults.positive("window.loss_scale", window.loss_scale);
+        faults.positive("window.followed_loss_px", window.followed_loss_px);
         faults.positive("window.min_triangulation_angle", window.min_triangulation_angle);
         faults.positive("window.outlier_px", window.outlier_px);
         faults.positive("health.max_accel_bias", health.max_accel_bias);

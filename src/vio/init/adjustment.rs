@@ -59,7 +59,7 @@ pub(super) fn track_std_factor(window: &Window, unknowns: impl Fn(usize) -> f64)
         let (mut information, mut gradient) = (Matrix2::identity(), Vector2::zeros());
         for (residual, d) in &rows {
             let squared = residual.norm_squared();
-            let (_, weight) = window.config.loss.evaluate(squared, window.config.loss_scale);
+            let (_, weight) = window.loss(squared);
             information += weight * d.tr_mul(d);
             gradient += weight * d.tr_mul(residual);
         }

@@ -68,7 +68,6 @@ fn survives(case: &Case, factor: f64, learn: bool, jumps: &[(f64, f64)]) {
                 Some(walks(with.levels.as_deref()?) / walks(without.levels.as_deref()?))
             };
             let highest = with.iter().zip(&without).filter_map(rise).fold(0.0, f64::max);
-            eprintln!("{name}: walks rise {highest}");
             assert!(highest > 1.2, "{name}: walks rise by {highest}");
         }
     }

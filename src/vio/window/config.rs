@@ -31,8 +31,11 @@ pub struct WindowConfig {
     pub pixel_std: f64,
     /// How far a large visual residual may pull.
     pub loss: Loss,
-    /// Where the loss turns \[standard deviations\].
+    /// Where the loss turns \[standard deviations\], of tracks whose sightings err each for itself.
     pub loss_scale: f64,
+    /// Where the loss turns where points are followed through images \[px\]: what one is off beyond that is a fault of following, however little its pixels
+    /// are believed.
+    pub followed_loss_px: f64,
     /// Mean rotation-compensated parallax that makes a key frame \[px\].
     pub key_frame_parallax_px: f64,
     /// Fewer tracks than this in common with the last key frame make one.
@@ -62,6 +65,7 @@ impl Default for WindowConfig {
             pixel_std: 0.7,
             loss: Loss::Huber,
             loss_scale: 1.5,
+            followed_loss_px: 0.5,
             key_frame_parallax_px: 10.0,
             key_frame_min_tracks: 20,
             key_frame_min_share: 0.5,

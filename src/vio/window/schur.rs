@@ -94,7 +94,7 @@ impl Landmarks<'_> {
             let Some(geometry) = &pairs.geometry[host * pairs.frames + target] else { continue };
             let mut seen = geometry.linearise(&ray, &sighting, inverse_depth);
             let squared = seen.residual.norm_squared();
-            let (rho, weight) = window.config.loss.evaluate(squared, window.config.loss_scale);
+            let (rho, weight) = window.loss(squared);
             cost += 0.5 * share * rho;
             let root = (share * weight).sqrt();
             seen.residual *= root;

@@ -140,33 +140,29 @@ impl Window {
 
     /// Sees to it that the factor is that of the window's information: the last step may have been damped. Returns whether there is one.
     pub(crate) fn factor_information(&mut self) -> bool {
-        if !self.factor_is_posterior {
-            let layout = self.layout();
-            let mut at = std::mem::take(&mut self.scratch);
-            let mut factor = std::mem::take(&mut self.factor);
-            at.compute(self, &layout, Part::All, 0.0);
-            self.factor_is_posterior = at.normal.factor(|_| 0.0, &mut factor).is_ok();
-            self.scratch = at;
-            self.factor = factor;
-        }
+        self.factor_is_posterior || self.factor_anew()
+    }
+
+    /// Factors the information at the present states, undamped. Returns whether there is a factor.
+    fn factor_anew(&mut self) -> bool {
+        let layout = self.layout();
+        let mut at = std::mem::take(&mut self.scratch);
+        let mut factor = std::mem::take(&mut self.factor);
+        at.compute(self, &layout, Part::All, 0.0);
+        self.factor_is_posterior = at.normal.factor(|_| 0.0, &mut factor).is_ok();
+        self.scratch = at;
+        self.factor = factor;
         self.factor_is_posterior
     }
 
     /// Covariance of the newest frame's pose, position then rotation on the right, as the window believes it; `None` where it does
     /// not know.
     pub(crate) fn newest_pose_covariance(&mut self) -> Option<Matrix6<f64>> {
-        let layout = self.layout();
-        let mut at = std::mem::take(&mut self.scratch);
-        let mut factor = std::mem::take(&mut self.factor);
-        at.compute(self, &layout, Part::All, 0.0);
-        let covariance = at.normal.factor(|_| 0.0, &mut factor).ok().and_then(|()| {
-            let corner = factor.last_corner::<POSE_DIM>();
-            let inverse = corner.solve_lower_triangular(&Matrix6::identity())?;
-            Some(inverse.transpose() * inverse)
-        });
-        self.scratch = at;
-        self.factor = factor;
-        covariance
+        if !self.factor_anew() {
+            return None;
+        }
+        let inverse = self.factor.last_corner::<POSE_DIM>().solve_lower_triangular(&Matrix6::identity())?;
+        Some(inverse.transpose() * inverse)
     }
 
     /// Covariance of all unknowns but the landmarks', in the places of [`Window::layout`]; `None` where something is not known at all.

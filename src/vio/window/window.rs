@@ -18,6 +18,8 @@ use std::collections::{HashMap, HashSet};
 #[derive(Debug, Clone)]
 pub struct Window {
     pub(crate) config: WindowConfig,
+    /// Whether points are followed through images, here or before: the loss turns where theirs does, and pixels have their floor.
+    pub(crate) followed: bool,
     pub(crate) frames: Vec<Frame>,
     pub(crate) landmarks: Vec<Landmark>,
     /// Track number to place in `landmarks`; looked up, never walked.
@@ -38,6 +40,7 @@ impl Window {
     pub fn new(config: WindowConfig, body_from_cam: Isometry3<f64>) -> Self {
         Self {
             config,
+            followed: false,
             frames: Vec::new(),
             landmarks: Vec::new(),
             places: HashMap::new(),
@@ -49,6 +52,13 @@ impl Window {
             factor: Factor::default(),
             factor_is_posterior: false,
         }
+    }
+
+    /// The loss of a sighting `squared` variances from its landmark, and its weight.
+    pub(crate) fn loss(&self, squared: f64) -> (f64, f64) {
+        let config = &self.config;
+        let turn = if self.followed { config.followed_loss_px / config.pixel_std } else { config.loss_scale };
+        config.loss.evaluate(squared, turn)
     }
 
     /// The frames, oldest first.
