@@ -19,8 +19,14 @@ pub(super) fn findings(
 ) -> Result<Vec<String>, PaperError> {
     let mut found = Vec::new();
     found.extend(against_baseline(input, rows, study)?);
-    found.extend(against_reference(study));
-    found.extend(controls(rows, study)?);
+    found.extend(against_reference(study, specs::DUALPRONET, "Against"));
+    found.extend(controls(rows, study, specs::DUALPRONET)?);
+    found.extend(against_reference(
+        study,
+        specs::LEARNED,
+        "The noise that the odometry learns while it runs: against",
+    ));
+    found.extend(controls(rows, study, specs::LEARNED)?);
     for (_, course) in courses.iter().filter(|(course, _)| *course == Course::Step) {
         found.extend(added_noise(course));
     }
@@ -51,11 +57,11 @@ fn against_baseline(input: &Input, rows: &RowSet<'_>, study: &Study) -> Result<O
     Ok(Some(text + "."))
 }
 
-/// DualProNet against the constant that every noise is compared with.
-fn against_reference(study: &Study) -> Option<String> {
+/// A noise against the constant that every noise is compared with; the sentence begins with `against`.
+fn against_reference(study: &Study, noise: &str, against: &str) -> Option<String> {
     let reference = study.reference.as_ref()?;
-    let comparison = study.of(&specs::noise(specs::DUALPRONET))?.comparison.as_ref()?;
-    let mut text = format!("Against {}", reference.words());
+    let comparison = study.of(&specs::noise(noise))?.comparison.as_ref()?;
+    let mut text = format!("{against} {}", reference.words());
     if let Some(mean) = study.of(&reference.noise).and_then(|line| line.means[0]) {
         let _ = write!(text, " ({mean:.3} m)");
     }
@@ -70,10 +76,10 @@ fn against_reference(study: &Study) -> Option<String> {
     Some(text + ".")
 }
 
-/// DualProNet's controls against itself.
-fn controls(rows: &RowSet<'_>, study: &Study) -> Result<Vec<String>, PaperError> {
-    let dualpronet = specs::noise(specs::DUALPRONET);
-    let of = || Box::new(dualpronet.clone());
+/// A noise's controls against itself.
+fn controls(rows: &RowSet<'_>, study: &Study, noise: &str) -> Result<Vec<String>, PaperError> {
+    let noise = specs::noise(noise);
+    let of = || Box::new(noise.clone());
     let mut found = Vec::new();
     for (control, words) in [
         (
@@ -82,9 +88,11 @@ fn controls(rows: &RowSet<'_>, study: &Study) -> Result<Vec<String>, PaperError>
         ),
         (NoiseSpec::Shuffled(of()), "its values at the wrong times"),
     ] {
-        if let Some(comparison) = compare(rows, &control, &dualpronet, study.margin)? {
+        if let Some(comparison) = compare(rows, &control, &noise, study.margin)? {
             let p = comparison.p.map_or(String::new(), |p| format!(", p {p:.2}"));
-            found.push(format!("Told {words}: {}{p}.", ratio(&comparison)));
+            // What else was learned is not told: a control is of the samples' noise.
+            let rest = if noise.is_learned() { ", pixels and walks being as configured" } else { "" };
+            found.push(format!("Told {words}{rest}: {}{p}.", ratio(&comparison)));
         }
     }
     Ok(found)

@@ -29,7 +29,7 @@ pub(super) struct Forest {
 pub(super) struct Strip {
     pub(super) name: String,
     pub(super) spec: String,
-    /// `constant`, `network`, `control` or `simple`.
+    /// `constant`, `network`, `learned`, `control` or `simple`.
     pub(super) kind: &'static str,
     /// Whether the test shows a difference.
     pub(super) shown: bool,
@@ -103,6 +103,7 @@ impl Forest {
 fn kind(noise: &NoiseSpec) -> &'static str {
     match noise {
         _ if noise.is_constant() => "constant",
+        _ if noise.is_learned() => "learned",
         _ if specs::is_network(noise) => "network",
         _ if specs::is_control(noise) => "control",
         _ => "simple",

@@ -17,7 +17,7 @@ pub struct Plan {
     pub bases: Vec<String>,
     /// First seed of everything; 0 to 1e9.
     pub seed: u64,
-    /// Noises run with `seeds` seeds: the paper's columns, the sweep of constants, DualProNet and its controls.
+    /// Noises run with `seeds` seeds: the paper's columns, the sweep of constants, DualProNet and what is learned while it runs, with their controls.
     pub noises: Vec<String>,
     /// Seeds of tracks (and flights) for each of `noises`; 1 to 100.
     pub seeds: u64,
@@ -41,7 +41,7 @@ pub struct InjectedPlan {
     pub courses: Vec<Course>,
     /// Noises of the closed loop on `step`; a constant among them at least.
     pub noises: Vec<String>,
-    /// Noises of the closed loop on the other courses; those of them that are no constants are also asked how they respond.
+    /// Noises of the closed loop on the other courses; those of them that are a noise of samples alone and no constants are also asked how they respond.
     pub followed: Vec<String>,
     /// Seeds on `step`; 1 to 100.
     pub seeds: u64,
@@ -84,6 +84,7 @@ impl Default for InjectedPlan {
                 "shuffled(plus(dualpronet(wide-s0),x4))",
                 "plus(diff2,x4)",
                 "diff2",
+                "self",
             ]),
             followed: owned(&[
                 "x2",
@@ -93,6 +94,7 @@ impl Default for InjectedPlan {
                 "x16",
                 "oracle",
                 "dualpronet",
+                "self",
                 "plus(dualpronet(wide-s0),x4)",
                 "diff2",
             ]),
@@ -114,6 +116,9 @@ impl Plan {
             "dualpronet(wide-s0)",
             "mean(dualpronet(wide-s0))",
             "shuffled(dualpronet(wide-s0))",
+            "self",
+            "mean(self)",
+            "shuffled(self)",
         ]));
         let mut others = owned(&ENDS);
         others.extend(owned(&[
@@ -151,6 +156,7 @@ impl Plan {
                 "dualpronet",
                 "mean(dualpronet)",
                 "shuffled(dualpronet)",
+                "self",
             ]),
             seeds: 1,
             others: Vec::new(),
@@ -166,6 +172,7 @@ impl Plan {
                     "oracle",
                     "dualpronet",
                     "plus(dualpronet(wide-s0),x4)",
+                    "self",
                 ]),
                 followed: owned(&["oracle", "dualpronet", "plus(dualpronet(wide-s0),x4)", "diff2"]),
                 seeds: 1,

@@ -279,7 +279,8 @@ impl Paper<'_> {
     pub(super) fn responses(&self, stop: &AtomicBool) -> Result<StageResult<Vec<Response>>, PaperError> {
         let plan = &self.plan.injected;
         let places = self.injected_places();
-        let noises = Plan::parsed(&plan.followed)?;
+        let mut noises = Plan::parsed(&plan.followed)?;
+        noises.retain(|noise| !specs::is_of_run(noise));
         let mut parts = vec![self.measured_by(), self.plan.seed.to_string(), json(&plan.noise)];
         parts.push(json(&self.input.source.description()));
         parts.extend(self.contents(&noises)?);
@@ -318,7 +319,7 @@ impl Paper<'_> {
         stop: &AtomicBool,
     ) -> Result<StageResult<Vec<(NoiseSpec, f64)>>, PaperError> {
         let mut noises = Plan::parsed(self.plan.noises.iter().chain(&self.plan.others))?;
-        noises.retain(|noise| !noise.needs_training());
+        noises.retain(|noise| !noise.needs_training() && !specs::is_of_run(noise));
         let place = self.input.places[0];
         let mut parts = vec![self.measured_by(), self.plan.seed.to_string()];
         parts.push(json(&self.input.source.description()));

@@ -12,6 +12,8 @@ pub(super) const PAPER: [&str; 4] = ["x1", "dualpronet", "x2", "x0.5"];
 pub(super) const BASELINE: &str = "x1";
 /// The paper's networks.
 pub(super) const DUALPRONET: &str = "dualpronet";
+/// What the odometry learns of its noise while it runs.
+pub(super) const LEARNED: &str = "self";
 /// The truth of what was added.
 pub(super) const ORACLE: &str = "oracle";
 /// What EuRoC's sensor, an ADIS16448, says in its data sheet: deviations a sample at 200 Hz.
@@ -20,7 +22,10 @@ pub(super) const DATA_SHEET: &str = "const(0.0283,0.0024)";
 pub(super) const WIDE_PLUS: &str = "plus(dualpronet(wide-s0),x4)";
 
 /// Noises shown against the best constant at the head of the page, as far as they were run.
-pub(super) const SHOWN: [&str; 11] = [
+pub(super) const SHOWN: [&str; 14] = [
+    LEARNED,
+    "mean(self)",
+    "shuffled(self)",
     "dualpronet",
     "mean(dualpronet)",
     "shuffled(dualpronet)",
@@ -51,7 +56,12 @@ pub(super) fn is_control(noise: &NoiseSpec) -> bool {
 
 /// Whether networks say the noise, alone or beside a constant.
 pub(super) fn is_network(noise: &NoiseSpec) -> bool {
-    !is_control(noise) && matches!(noise.source(), NoiseSpec::DualProNet { .. })
+    !is_control(noise) && !noise.is_learned() && matches!(noise.source(), NoiseSpec::DualProNet { .. })
+}
+
+/// Whether a noise is known only once the odometry has run: it has no track and no cost of its own.
+pub(super) fn is_of_run(noise: &NoiseSpec) -> bool {
+    noise.is_learned() || noise.learned_before().is_some()
 }
 
 /// What a noise is called.
@@ -73,6 +83,7 @@ pub(super) fn name(noise: &NoiseSpec) -> String {
         NoiseSpec::Shuffled(of) => format!("{}, at wrong times", name(of)),
         NoiseSpec::Mean(of) => format!("{}, its mean", name(of)),
         NoiseSpec::MeanOfTrain(of) => format!("{}, its mean in training", name(of)),
+        NoiseSpec::Learned(of) if of.multiple() == Some(1.0) => "learned while it runs".into(),
         NoiseSpec::Learned(of) => format!("learned while it runs, from {}", name(of)),
         NoiseSpec::Plus { of, constant } => format!("{} + {constant}", name(of)),
     }
@@ -153,6 +164,7 @@ mod tests {
             ("x4,x1", "constant x4 and usual constant x1"),
             ("const(0.1,0.01)", "constant 0.1 and constant 0.01"),
             (DATA_SHEET, "data sheet"),
+            ("mean(self)", "learned while it runs, its mean"),
         ] {
             assert_eq!(name(&noise(spec)), expected);
         }
@@ -162,8 +174,10 @@ mod tests {
 
     #[test]
     fn specs_of_the_program_are_written_canonically() {
-        for spec in
-            PAPER.into_iter().chain([BASELINE, DUALPRONET, ORACLE, DATA_SHEET, WIDE_PLUS]).chain(SHOWN)
+        for spec in PAPER
+            .into_iter()
+            .chain([BASELINE, DUALPRONET, LEARNED, ORACLE, DATA_SHEET, WIDE_PLUS])
+            .chain(SHOWN)
         {
             assert_eq!(noise(spec).to_string(), spec);
         }
@@ -175,5 +189,6 @@ mod tests {
         assert_eq!(of(WIDE_PLUS), (true, false));
         assert_eq!(of("mean-of-train(dualpronet)"), (false, true));
         assert_eq!(of("plus(diff2,x4)"), (false, false));
+        assert_eq!(of("self(dualpronet)"), (false, false));
     }
 }

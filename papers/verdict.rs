@@ -83,11 +83,15 @@ impl Verdict {
             _ => "these recordings",
         };
         let step = courses.iter().find(|(course, _)| *course == Course::Step).map(|(_, study)| study);
-        let told = against(study);
-        let sentence = match (told, step.and_then(following)) {
-            (Some(told), Some(following)) => format!("On {on}, told by the network: {told}; {following}."),
-            (Some(told), None) => format!("On {on}, told by the network: {told}."),
-            (None, _) => format!("On {on}, nothing was run that the network could be compared with."),
+        let told = against(study, specs::DUALPRONET).map(|told| format!("told by the network: {told}"));
+        let learned = against(study, specs::LEARNED)
+            .map(|learned| format!("with noise learned while it runs: {learned}"));
+        let following = told.as_ref().and(step.and_then(following));
+        let clauses: Vec<String> = [told, learned, following].into_iter().flatten().collect();
+        let sentence = if clauses.is_empty() {
+            format!("On {on}, nothing was run that the network could be compared with.")
+        } else {
+            format!("On {on}, {}.", clauses.join("; "))
         };
         Self { kind, data, sentence }
     }
@@ -121,10 +125,10 @@ fn measured(input: &Input, camera: &str) -> (&'static str, String) {
     }
 }
 
-/// The network against the constant that every noise is compared with.
-fn against(study: &Study) -> Option<String> {
+/// A noise against the constant that every noise is compared with.
+fn against(study: &Study, noise: &str) -> Option<String> {
     let reference = study.reference.as_ref()?;
-    let comparison = study.of(&specs::noise(specs::DUALPRONET))?.comparison.as_ref()?;
+    let comparison = study.of(&specs::noise(noise))?.comparison.as_ref()?;
     Some(clause(comparison, reference))
 }
 
@@ -168,7 +172,7 @@ mod tests {
                 rows.push(row);
             }
         }
-        against(&Study::new(&RowSet::new(&rows), MARGIN).unwrap())
+        against(&Study::new(&RowSet::new(&rows), MARGIN).unwrap(), specs::DUALPRONET)
     }
 
     #[test]
@@ -183,6 +187,6 @@ mod tests {
         ] {
             assert_eq!(sentence(factor, swing, sequences).as_deref(), Some(expected), "{factor} {swing}");
         }
-        assert_eq!(against(&Study::new(&RowSet::new(&[]), MARGIN).unwrap()), None);
+        assert_eq!(against(&Study::new(&RowSet::new(&[]), MARGIN).unwrap(), specs::LEARNED), None);
     }
 }

@@ -184,13 +184,17 @@ fn mount(pairs: &[(Vector3<f64>, Vector3<f64>)]) -> Result<UnitQuaternion<f64>, 
     let mut sign = Matrix3::identity();
     sign[(2, 2)] = (u.determinant() * v_t.determinant()).signum();
     let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(u * sign * v_t));
-    let (mut off, mut all) = (0.0, 0.0);
+    // A correlation: noise of the published attitude makes its rates larger than the gyro's, and no worse a guide.
+    let (mut along, mut squares) = (0.0, (0.0, 0.0));
     for (gyro, published) in pairs {
-        off += (gyro - means.0 - rotation * (published - means.1)).norm_squared();
-        all += (gyro - means.0).norm_squared();
+        let (gyro, published) = (gyro - means.0, rotation * (published - means.1));
+        along += gyro.dot(&published);
+        squares.0 += gyro.norm_squared();
+        squares.1 += published.norm_squared();
     }
-    if off > (1.0 - LEAST_CORRELATION * LEAST_CORRELATION) * all {
-        return Err(TruthError::AxesDisagree { share: 1.0 - off / all });
+    let correlation = if along > 0.0 { along / (squares.0 * squares.1).sqrt() } else { 0.0 };
+    if correlation < LEAST_CORRELATION {
+        return Err(TruthError::AxesDisagree { share: correlation * correlation });
     }
     Ok(rotation)
 }

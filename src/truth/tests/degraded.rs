@@ -52,6 +52,16 @@ fn gaps_of_three_seconds_are_bridged_as_well_as_the_samples_allow() {
     assert!(millimetres < 1.5 && degrees < 0.05, "{millimetres} mm {degrees} deg");
 }
 
+/// Rates of a noisy attitude at 200 Hz are larger than those of a slow flight; they turn with the gyro all the same.
+#[test]
+fn a_slow_flight_under_a_noisy_attitude_is_mounted() {
+    let flight = simulate(Flight::HallSlow, 5, &config()).unwrap();
+    let published = Degradation::NOISE.of(&flight, 1);
+    let done = reconcile(&flight.recording, &published, &TruthConfig::default()).unwrap();
+    let (_, degrees, share) = against(&done.truth, &flight);
+    assert!(degrees < 0.05 && share > 0.96, "{degrees} deg, {share} of the flight");
+}
+
 #[test]
 fn twice_the_same_is_the_same_to_the_last_bit() {
     let flight = simulate(Flight::Hover, 2, &config()).unwrap();
