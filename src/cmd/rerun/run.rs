@@ -157,6 +157,9 @@ impl Scene {
             log.lines("level/sample", LEVELS)?;
             log.lines("level/walk", WALKS)?;
         }
+        if done.output.updates.iter().any(|update| update.covariance.is_some()) {
+            log.axes("position_std")?;
+        }
         let mut last = None;
         let noises = done.noise.stamps().iter().zip(done.noise.noises());
         for ((t, noise), sample) in noises.zip(recording.imu.samples()) {
