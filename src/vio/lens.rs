@@ -192,7 +192,7 @@ impl Window {
     ) -> Option<LensRows> {
         let inverse_depth = landmark.inverse_depth?;
         let host = landmark.host_sighting();
-        let ray = self.ray_at_offset(host);
+        let seen_by_host = self.sighting_at_offset(host);
         let at_host = powers(&host.bearing);
         let others = &landmark.sightings[1..];
         let mut rows = LensRows {
@@ -202,7 +202,7 @@ impl Window {
         };
         for (k, (frame, sighting)) in others.iter().enumerate() {
             let geometry = &targets[frame - 1];
-            let seen = geometry.linearise(&ray, &self.sighting_at_offset(sighting), inverse_depth);
+            let seen = geometry.linearise(&seen_by_host, &self.sighting_at_offset(sighting), inverse_depth);
             if seen.residual.norm() > LARGEST {
                 return None;
             }

@@ -38,11 +38,11 @@ impl Window {
     fn squares(&self, landmark: &Landmark) -> Option<f64> {
         let inverse_depth = landmark.inverse_depth?;
         let host = landmark.host_sighting();
-        let ray = self.ray_at_offset(host);
+        let seen_by_host = self.sighting_at_offset(host);
         let (mut squares, mut common, mut by_host) = (0.0, Matrix2::identity(), Vector2::zeros());
         for (frame, sighting) in &landmark.sightings[1..] {
             let geometry = self.geometry(landmark.host(), *frame);
-            let seen = geometry.linearise(&ray, &self.sighting_at_offset(sighting), inverse_depth);
+            let seen = geometry.linearise(&seen_by_host, &self.sighting_at_offset(sighting), inverse_depth);
             let pixel = geometry.d_host_pixel(&seen, &host.spread);
             let pixel = Matrix2::from_fn(|r, c| pixel[r][c]);
             squares += seen.residual.norm_squared();

@@ -11,6 +11,7 @@ use super::starter::{StartFrame, Starter, integrate};
 use super::update::{Phase, RestartReason, Update};
 use crate::components::Learner;
 use crate::factors::reprojection::Sighting;
+use crate::frontend::line_delay;
 use crate::init::{InitFrame, RestWatch};
 use crate::lens::LensField;
 use crate::preint::{NoiseLevels, NoisySample, Preintegration};
@@ -202,7 +203,11 @@ impl Estimator {
                     Some(lens) => lens.calibrated(&self.camera, &track.px)?,
                     None => track.px,
                 };
-                let sighting = Sighting::new(&self.camera, &px, self.window.config.pixel_std)?;
+                let mut sighting = Sighting::new(&self.camera, &px, self.window.config.pixel_std)?;
+                if self.window.followed {
+                    // The pixel of the stamp's camera: a line or ten from the one that was exposed.
+                    sighting.delay_s = line_delay(&self.camera, &px, self.config.front_end.readout_s);
+                }
                 Some(Seen { id: track.id, sighting })
             })
             .collect()

@@ -19,7 +19,7 @@ const IMAGES: usize = 80;
 const LONG: usize = 240;
 
 /// At rest for half a second, then a lively path in front of the wall (z forward, y down).
-fn pose_at(t: f64) -> Isometry3<f64> {
+pub(super) fn pose_at(t: f64) -> Isometry3<f64> {
     let t = t - 0.5;
     let begin = if t > 0.0 { t * t * t / (0.2 + t * t * t) } else { 0.0 };
     let place = Vector3::new(0.6 * (2.1 * t).sin(), 0.4 * (2.7 * t).sin(), 0.3 * (1.9 * t).sin());
@@ -28,7 +28,7 @@ fn pose_at(t: f64) -> Isometry3<f64> {
 }
 
 /// What an IMU in the camera's place measures, by differences.
-fn sample(i: usize) -> NoisySample {
+pub(super) fn sample(i: usize) -> NoisySample {
     const STEP: f64 = 1e-4;
     let t = 0.005 * i as f64;
     let [before, now, after] = [pose_at(t - STEP), pose_at(t), pose_at(t + STEP)];

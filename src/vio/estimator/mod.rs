@@ -14,6 +14,8 @@ mod image_tracker;
 mod imu_buffer;
 mod jump;
 #[cfg(test)]
+mod line_tests;
+#[cfg(test)]
 mod live_tests;
 mod ray_rates;
 mod report;

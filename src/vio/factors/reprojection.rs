@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! u = R_bc m + l t_bc                                  the landmark in the host's body frame, times l
-//! w = R_wb,j^T (R_wb,i u + l (p_i - p_j))              in the target's body frame, times l
+//! w = R_wb,j^T (R_wb,i u + l (p_i + e_i v_i - p_j - e_j v_j))   in the target's body frame, times l
 //! q = R_bc^T (w - l t_bc)                              in the target's camera, times l
 //! r = M (q/|q| - b)                                    2 rows, in standard deviations
 //! ```
@@ -10,6 +10,10 @@
 //! `M` = (pixels per radian on the tangent plane at b, through the lens) / (deviation of a pixel). Everything is multiplied by `l`, so
 //! that a point at infinity (`l = 0`) is a point like others. Source: Qin et al. 2018, sec. VI-C, for the unit sphere; inverse depth
 //! as in Civera et al. 2008.
+//!
+//! `e` is how long after its frame's stamp a measurement's line was exposed, `v` the velocity of the camera's centre in the world then: where
+//! lines are taken one after the other the camera moves meanwhile. (Its turn is taken out of the bearings before; see `frontend::line_turns`.)
+//! Of `v` no derivative is taken: a tenth off, it moves the camera by a millimetre. All `e` are 0 where an image is taken at once.
 //!
 //! The camera clock's offset `s` moves both measurements along the track's own velocity: `m(s) = m + s m'`, `b(s)` likewise
 //! (Qin and Shen 2018, eq. 3).
@@ -31,6 +35,8 @@ pub struct Sighting {
     pub spread: Matrix2<f64>,
     /// How the ray moves \[1/s\]; zero where the track has no neighbour in time.
     pub ray_rate: Vector3<f64>,
+    /// How long after the frame's stamp it was exposed \[s\].
+    pub delay_s: f64,
 }
 
 impl Sighting {
@@ -45,7 +51,7 @@ impl Sighting {
         let spread = d_px_d_ray.fixed_columns::<2>(0).try_inverse()? * px_std;
         let basis = tangent_basis(&bearing);
         let whiten = d_px_d_point * basis * basis.transpose() / px_std;
-        Some(Self { ray, bearing, whiten, spread, ray_rate: Vector3::zeros() })
+        Some(Self { ray, bearing, whiten, spread, ray_rate: Vector3::zeros(), delay_s: 0.0 })
     }
 
     /// The measurement of a unit `bearing`, good to `std` \[rad\] across it; `None` unless it is before the camera.
@@ -57,7 +63,7 @@ impl Sighting {
         let basis = tangent_basis(bearing);
         let spread = Matrix2::from_fn(|r, c| (basis[(r, c)] - ray[r] * basis[(2, c)]) / bearing.z) * std;
         let whiten = basis.transpose() / std;
-        Some(Self { ray, bearing: *bearing, whiten, spread, ray_rate: Vector3::zeros() })
+        Some(Self { ray, bearing: *bearing, whiten, spread, ray_rate: Vector3::zeros(), delay_s: 0.0 })
     }
 
     /// Says that it is `factor` times as far off as thought.
@@ -84,6 +90,8 @@ pub(crate) struct PairGeometry {
     host_cam_in_cam: Vector3<f64>,
     body_from_cam: Matrix3<f64>,
     cam_in_body: Vector3<f64>,
+    /// Velocities of the host's camera and of the target's, both in the target's camera.
+    velocities: [Vector3<f64>; 2],
 }
 
 impl PairGeometry {
@@ -109,27 +117,46 @@ impl PairGeometry {
             host_cam_in_cam: r_bc.tr_mul(&(target_from_host * t_bc + host_in_target - t_bc)),
             body_from_cam: r_bc,
             cam_in_body: t_bc,
+            velocities: [Vector3::zeros(); 2],
         }
     }
 
-    /// The landmark in the target's camera, times its inverse depth.
+    /// With the velocities of the host's and of the target's camera in the world \[m/s\].
+    pub(crate) fn moving(self, host: &Vector3<f64>, target: &Vector3<f64>) -> Self {
+        Self { velocities: [host, target].map(|velocity| self.cam_from_world * velocity), ..self }
+    }
+
+    /// How far the host's camera has moved against the target's at their measurements' instants, in the target's camera; `None` where both are
+    /// at their frames' stamps.
     #[inline(always)]
-    pub(crate) fn point(&self, ray: &Vector3<f64>, inverse_depth: f64) -> Vector3<f64> {
-        self.cam_from_host_cam * ray + inverse_depth * self.host_cam_in_cam
+    fn moved(&self, host: &Sighting, target: &Sighting) -> Option<Vector3<f64>> {
+        let [of_host, of_target] = &self.velocities;
+        (host.delay_s != 0.0 || target.delay_s != 0.0)
+            .then(|| host.delay_s * of_host - target.delay_s * of_target)
     }
 
     /// The residual alone \[standard deviations\].
     #[inline(always)]
-    pub(crate) fn residual(&self, ray: &Vector3<f64>, target: &Sighting, inverse_depth: f64) -> Vector2<f64> {
-        target.whiten * (self.point(ray, inverse_depth).normalize() - target.bearing)
+    pub(crate) fn residual(&self, host: &Sighting, target: &Sighting, inverse_depth: f64) -> Vector2<f64> {
+        let mut host_cam = self.host_cam_in_cam;
+        if let Some(moved) = self.moved(host, target) {
+            host_cam += moved;
+        }
+        let q = self.cam_from_host_cam * host.ray + inverse_depth * host_cam;
+        target.whiten * (q.normalize() - target.bearing)
     }
 
     /// The residual and its derivatives.
     #[inline(always)]
-    pub(crate) fn linearise(&self, ray: &Vector3<f64>, target: &Sighting, inverse_depth: f64) -> Linearised {
-        let u = self.body_from_cam * ray + inverse_depth * self.cam_in_body;
-        let w = self.target_from_host * u + inverse_depth * self.host_in_target;
-        let q = self.point(ray, inverse_depth);
+    pub(crate) fn linearise(&self, host: &Sighting, target: &Sighting, inverse_depth: f64) -> Linearised {
+        let u = self.body_from_cam * host.ray + inverse_depth * self.cam_in_body;
+        let mut w = self.target_from_host * u + inverse_depth * self.host_in_target;
+        let mut host_cam = self.host_cam_in_cam;
+        if let Some(moved) = self.moved(host, target) {
+            host_cam += moved;
+            w += inverse_depth * (self.body_from_cam * moved);
+        }
+        let q = self.cam_from_host_cam * host.ray + inverse_depth * host_cam;
         let inverse_norm = 1.0 / q.norm();
         let direction = q * inverse_norm;
         let residual = target.whiten * (direction - target.bearing);
@@ -138,21 +165,21 @@ impl PairGeometry {
         let d_host_position = d_q * self.cam_from_world * inverse_depth;
         let d_host_rotation = d_q * self.cam_from_host;
         let d_target_rotation = d_q * self.body_from_cam.transpose();
-        let d_depth = d_q * self.host_cam_in_cam;
-        let mut host = [[0.0; 6]; 2];
+        let d_depth = d_q * host_cam;
+        let mut host_rows = [[0.0; 6]; 2];
         let mut target_rows = [[0.0; 6]; 2];
         for r in 0..2 {
             // A row times hat(v) is the cross product of the row with v.
             let turn_host = -row(&d_host_rotation, r).cross(&u);
             let turn_target = row(&d_target_rotation, r).cross(&w);
             for k in 0..3 {
-                host[r][k] = d_host_position[(r, k)];
-                host[r][3 + k] = turn_host[k];
+                host_rows[r][k] = d_host_position[(r, k)];
+                host_rows[r][3 + k] = turn_host[k];
                 target_rows[r][k] = -d_host_position[(r, k)];
                 target_rows[r][3 + k] = turn_target[k];
             }
         }
-        Linearised { residual, host, target: target_rows, depth: [d_depth.x, d_depth.y], d_q, q }
+        Linearised { residual, host: host_rows, target: target_rows, depth: [d_depth.x, d_depth.y], d_q, q }
     }
 
     /// Derivative by the camera's place on the body: its position, then its rotation on the right.
@@ -224,6 +251,8 @@ mod tests {
         seen_by_host: Sighting,
         seen_by_target: Sighting,
         inverse_depth: f64,
+        /// Of both cameras, in the world.
+        velocities: [Vector3<f64>; 2],
     }
 
     impl Case {
@@ -240,16 +269,22 @@ mod tests {
             seen_by_host.ray_rate = Vector3::new(0.3, -0.2, 0.0);
             seen_by_target.ray_rate = Vector3::new(-0.5, 0.4, 0.0);
             let inverse_depth = [0.0, 0.05, 0.4, 1.5][seed as usize % 4];
-            Self { host, target, body_from_cam, seen_by_host, seen_by_target, inverse_depth }
+            // Half of the cases are of an image taken at once.
+            let mut velocity = || Vector3::from_fn(|_, _| rng.random_range(-2.0..2.0));
+            let velocities = [velocity(), velocity()];
+            if seed % 8 > 3 {
+                (seen_by_host.delay_s, seen_by_target.delay_s) = (0.012, -0.015);
+            }
+            Self { host, target, body_from_cam, seen_by_host, seen_by_target, inverse_depth, velocities }
         }
 
         fn geometry(&self) -> PairGeometry {
-            PairGeometry::new(&self.host, &self.target, &self.body_from_cam)
+            let [host, target] = &self.velocities;
+            PairGeometry::new(&self.host, &self.target, &self.body_from_cam).moving(host, target)
         }
 
         fn residual(&self) -> DVector<f64> {
-            let r =
-                self.geometry().residual(&self.seen_by_host.ray, &self.seen_by_target, self.inverse_depth);
+            let r = self.geometry().residual(&self.seen_by_host, &self.seen_by_target, self.inverse_depth);
             DVector::from_column_slice(r.as_slice())
         }
     }
@@ -270,7 +305,7 @@ mod tests {
         for seed in 0..40 {
             let case = Case::random(seed);
             let geometry = case.geometry();
-            let at = geometry.linearise(&case.seen_by_host.ray, &case.seen_by_target, case.inverse_depth);
+            let at = geometry.linearise(&case.seen_by_host, &case.seen_by_target, case.inverse_depth);
             assert!((DVector::from_column_slice(at.residual.as_slice()) - case.residual()).amax() < 1e-12);
             check_jacobian("d_res_d_host", &matrix(&at.host), TOLERANCE, |d| {
                 Case { host: pose_plus(&case.host, &six(d)), ..Case::random(seed) }.residual()
@@ -291,7 +326,8 @@ mod tests {
                 let mut moved = Case::random(seed);
                 let camera = CameraModel::euroc_cam0();
                 let px = camera.project(&moved.seen_by_host.ray).unwrap() + 0.7 * Vector2::new(d[0], d[1]);
-                moved.seen_by_host = Sighting::new(&camera, &px, 0.7).unwrap();
+                let delay_s = moved.seen_by_host.delay_s;
+                moved.seen_by_host = Sighting { delay_s, ..Sighting::new(&camera, &px, 0.7).unwrap() };
                 moved.residual()
             });
             let d_offset = geometry.d_offset(&at, &case.seen_by_host, &case.seen_by_target);
@@ -349,8 +385,32 @@ mod tests {
         let px = camera.project(&(point - Vector3::x())).unwrap();
         let geometry = PairGeometry::new(&host, &target, &body_from_cam);
         let seen = Sighting::new(&camera, &px, 0.5).unwrap();
-        assert!(geometry.residual(&seen_by_host.ray, &seen, 0.25).norm() < 1e-9);
+        assert!(geometry.residual(&seen_by_host, &seen, 0.25).norm() < 1e-9);
         let off = Sighting::new(&camera, &(px + Vector2::new(0.6, 0.8)), 0.5).unwrap();
-        assert!((geometry.residual(&seen_by_host.ray, &off, 0.25).norm() - 2.0).abs() < 0.01);
+        assert!((geometry.residual(&seen_by_host, &off, 0.25).norm() - 2.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn a_line_taken_late_is_seen_from_where_the_camera_was_then() {
+        let camera = CameraModel::euroc_cam0();
+        for seed in 0..20 {
+            let case = Case::random(seed);
+            let delays = [0.014, -0.011];
+            // Where both cameras were when their lines were exposed; they do not turn.
+            let late = |body: &Isometry3<f64>, k: usize| {
+                let cam = body * case.body_from_cam;
+                nalgebra::Translation3::from(case.velocities[k] * delays[k]) * cam
+            };
+            let (host_cam, target_cam) = (late(&case.host, 0), late(&case.target, 1));
+            let in_host = case.seen_by_host.ray * 3.0;
+            let in_target = target_cam.inverse() * (host_cam * nalgebra::Point3::from(in_host));
+            let Some(px) = camera.project(&in_target.coords) else { continue };
+            let seen = Sighting { delay_s: delays[1], ..Sighting::new(&camera, &px, 0.5).unwrap() };
+            let host = Sighting { delay_s: delays[0], ..case.seen_by_host };
+            let inverse_depth = 1.0 / 3.0;
+            assert!(case.geometry().residual(&host, &seen, inverse_depth).norm() < 1e-6);
+            let at_once = Sighting { delay_s: 0.0, ..seen };
+            assert!(case.geometry().residual(&host, &at_once, inverse_depth).norm() > 0.1);
+        }
     }
 }

@@ -3,7 +3,8 @@
 //! Line y of h is exposed at `t + readout (y/(h - 1) - 1/2)`, t being the image's stamp. Where the camera turns meanwhile, a pixel does not
 //! see what the camera of the stamp would see there: at 1.5 rad/s and 30 ms the first line is 1.3 deg off. So
 //! `bearing_in_image = image_from_line(y) bearing_in_line`, from the gyroscope, and everything after the search for pixels has to do with
-//! the camera of the stamp alone. Not here: how far the camera moved meanwhile, which is alike in neighbouring frames.
+//! the camera of the stamp alone. How far the camera moved meanwhile is
+//! the window's, which knows how far off things are: it asks for [`line_delay`].
 
 use dpn_core::camera::CameraModel;
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
@@ -13,6 +14,16 @@ pub(super) const KNOTS: usize = 7;
 
 /// Rounds in which the line that sees a direction is found: a pixel moves a tenth of a line while a line is read out.
 const ROUNDS: usize = 5;
+
+/// How long after the image's stamp the line of `px` is exposed, where it takes `readout_s` from the first to the last \[s\].
+pub(crate) fn line_delay(camera: &CameraModel, px: &Vector2<f64>, readout_s: f64) -> f64 {
+    readout_s * (line_share(camera, px) - 0.5)
+}
+
+/// How far down the image the line of `px` is: 0 the first, 1 the last.
+fn line_share(camera: &CameraModel, px: &Vector2<f64>) -> f64 {
+    px.y / (f64::from(camera.size()[1]) - 1.0).max(1.0)
+}
 
 /// The camera's turns while an image is read out.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,10 +57,6 @@ impl LineTurns {
         UnitQuaternion::from_scaled_axis(-self.delay(share) * bias) * turn
     }
 
-    fn share(camera: &CameraModel, px: &Vector2<f64>) -> f64 {
-        px.y / (f64::from(camera.size()[1]) - 1.0).max(1.0)
-    }
-
     /// What `px` sees, in the camera's frame at the image's stamp.
     pub(super) fn sight(
         &self,
@@ -57,7 +64,7 @@ impl LineTurns {
         px: &Vector2<f64>,
         bias: &Vector3<f64>,
     ) -> Option<Vector3<f64>> {
-        Some(self.at(Self::share(camera, px), bias) * camera.sight(px)?)
+        Some(self.at(line_share(camera, px), bias) * camera.sight(px)?)
     }
 
     /// The pixel that sees `bearing`, which the camera of the stamp would see at `px`; none where it leaves the lens.
@@ -70,8 +77,7 @@ impl LineTurns {
     ) -> Option<Vector2<f64>> {
         let mut px = px;
         for _ in 0..ROUNDS {
-            px =
-                camera.project(&self.at(Self::share(camera, &px), bias).inverse_transform_vector(bearing))?;
+            px = camera.project(&self.at(line_share(camera, &px), bias).inverse_transform_vector(bearing))?;
         }
         Some(px)
     }

@@ -34,6 +34,6 @@ pub(crate) mod tests;
 pub use config::{FrontEndConfig, Repeated};
 pub use front_end::{Fed, FrontEnd, MaskSizeError};
 pub(crate) use gyro_turn::GyroTurn;
-pub(crate) use line_turns::LineTurns;
+pub(crate) use line_turns::{LineTurns, line_delay};
 pub(crate) use predict::turn_of_camera;
 pub use report::{Agreement, FrameReport, Lost, LostBy, StageTimes, Status};

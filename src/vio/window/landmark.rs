@@ -92,7 +92,7 @@ impl Landmark {
             .iter()
             .map(|(frame, seen)| {
                 geometry(self.host(), *frame)
-                    .residual(&self.host_sighting().ray, seen, inverse_depth)
+                    .residual(self.host_sighting(), seen, inverse_depth)
                     .norm_squared()
             })
             .sum();

@@ -50,14 +50,13 @@ pub(super) struct Pairs {
 impl Pairs {
     pub(super) fn of(&mut self, now: Estimates<'_>) {
         let n = now.frames.len();
-        let pose = |f: usize| &now.frames[f].state.world_from_body;
         self.frames = n;
         self.geometry.clear();
         self.geometry.resize(n * n, None);
         for target in 1..n {
             for host in 0..target {
                 self.geometry[host * n + target] =
-                    Some(PairGeometry::new(pose(host), pose(target), now.body_from_cam));
+                    Some(now.frames[host].seen_with(&now.frames[target], now.body_from_cam));
             }
         }
     }

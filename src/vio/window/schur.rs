@@ -78,7 +78,7 @@ impl Landmarks<'_> {
         let host = landmark.host();
         let host_place = layout.pose(host);
         let host_sighting = landmark.host_sighting();
-        let ray = window.ray_at_offset(host_sighting);
+        let host_seen = window.sighting_at_offset(host_sighting);
         // Camera, clock and poses stand in this order without a gap.
         let at = layout.camera().or(layout.offset()).unwrap_or(host_place);
         let width = layout.pose(landmark.sightings[sightings - 1].0) + POSE_DIM - at;
@@ -92,7 +92,7 @@ impl Landmarks<'_> {
         for (target, sighting) in &landmark.sightings[1..sightings] {
             let sighting = window.sighting_at_offset(sighting);
             let Some(geometry) = &pairs.geometry[host * pairs.frames + target] else { continue };
-            let mut seen = geometry.linearise(&ray, &sighting, inverse_depth);
+            let mut seen = geometry.linearise(&host_seen, &sighting, inverse_depth);
             let squared = seen.residual.norm_squared();
             let (rho, weight) = window.loss(squared);
             cost += 0.5 * share * rho;
@@ -120,7 +120,8 @@ impl Landmarks<'_> {
                 (place, clock)
             });
             if let Some(place) = layout.camera() {
-                let camera = geometry.d_camera(&seen, &ray, inverse_depth).map(|row| row.map(|v| v * root));
+                let camera =
+                    geometry.d_camera(&seen, &host_seen.ray, inverse_depth).map(|row| row.map(|v| v * root));
                 rows.add_shared(normal, &mut w[place - at..], stride, place, &camera);
                 if let Some((clock_place, clock)) = &clock {
                     normal.add_product(*clock_place, clock, place, &camera);

@@ -174,7 +174,7 @@ impl Window {
                 landmark.inverse_depth = None;
                 return true;
             }
-            let ray = self.ray_at_offset(landmark.host_sighting());
+            let seen_by_host = self.sighting_at_offset(landmark.host_sighting());
             let host = landmark.host();
             let before = landmark.sightings.len();
             let mut first = true;
@@ -183,7 +183,7 @@ impl Window {
                     return true;
                 }
                 let seen = self.sighting_at_offset(seen);
-                self.geometry(host, *frame).residual(&ray, &seen, inverse_depth).norm() <= limit
+                self.geometry(host, *frame).residual(&seen_by_host, &seen, inverse_depth).norm() <= limit
             });
             if landmark.sightings.len() < before {
                 ended.push(landmark.id);

@@ -228,7 +228,7 @@ fn landmarks_leave_what_a_dense_schur_complement_leaves() {
             let mut residuals = DVector::zeros(2 * others.len() + 2);
             for (k, (target, seen)) in others.iter().enumerate() {
                 let geometry = window.geometry(host, *target);
-                let at = geometry.linearise(&seen_by_host.ray, seen, inverse_depth);
+                let at = geometry.linearise(seen_by_host, seen, inverse_depth);
                 let (_, weight) =
                     window.config.loss.evaluate(at.residual.norm_squared(), window.config.loss_scale);
                 let pixel = geometry.d_host_pixel(&at, &seen_by_host.spread);

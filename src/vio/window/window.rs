@@ -120,7 +120,11 @@ impl Window {
     ) -> usize {
         let frame = self.frames.len();
         self.factor_is_posterior = false;
-        self.frames.push(Frame { t, state, preint, rest: None });
+        let lever = preint.as_ref().map_or_else(Vector3::zeros, |preint| {
+            let rate = preint.samples().last().map_or_else(Vector3::zeros, |s| Vector3::from(s.sample.gyro));
+            (rate - state.bias.gyro).cross(&self.body_from_cam.translation.vector)
+        });
+        self.frames.push(Frame { t, state, preint, rest: None, lever });
         let mut known = 0;
         let mut still_wrong = HashSet::new();
         for Seen { id, sighting } in seen {
@@ -184,18 +188,7 @@ impl Window {
 
     /// What landmarks of `host` and their sightings in `target` share, at the present states.
     pub(crate) fn geometry(&self, host: usize, target: usize) -> PairGeometry {
-        let pose = |f: usize| &self.frames[f].state.world_from_body;
-        PairGeometry::new(pose(host), pose(target), &self.body_from_cam)
-    }
-
-    /// The host's ray when its image was really taken.
-    #[inline]
-    pub(crate) fn ray_at_offset(&self, sighting: &Sighting) -> Vector3<f64> {
-        if self.time_offset == 0.0 {
-            sighting.ray
-        } else {
-            sighting.ray + self.time_offset * sighting.ray_rate
-        }
+        self.frames[host].seen_with(&self.frames[target], &self.body_from_cam)
     }
 
     /// A sighting when its image was really taken.
@@ -204,7 +197,7 @@ impl Window {
         if self.time_offset == 0.0 {
             return *sighting;
         }
-        let ray = self.ray_at_offset(sighting);
+        let ray = sighting.ray + self.time_offset * sighting.ray_rate;
         Sighting { ray, bearing: ray.normalize(), ..*sighting }
     }
 
