@@ -52,7 +52,7 @@ impl EstimatorConfig {
     /// The handover in force: what [`Handover::Auto`] comes to.
     pub fn handover(&self) -> Handover {
         match (self.window.handover, &self.components) {
-            (Handover::Auto, Some(_)) => Handover::Share,
+            (Handover::Auto, Some(_)) => Handover::Split,
             (Handover::Auto, None) => Handover::Reuse,
             (told, _) => told,
         }

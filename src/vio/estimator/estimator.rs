@@ -327,7 +327,11 @@ impl Estimator {
         let rates = samples.iter().map(|s| Vector3::from(s.sample.gyro)).sum::<Vector3<f64>>();
         let rate = rates.norm() / samples.len().max(1) as f64;
         let frame = InitFrame::new(t, seen.iter().map(|s| (s.id, s.sighting.bearing)).collect());
-        let rest = self.rest.push(&frame, rate, &self.config.init).filter(|rest| rest.lasts)?;
+        let rest = self.rest.push(&frame, rate, &self.config.init)?;
+        if !rest.lasts {
+            self.window.rest_ended(rest.sure_until(), self.config.init.rest_angle());
+            return None;
+        }
         Some(Standstill { from: rest.from, angle: rest.moved })
     }
 

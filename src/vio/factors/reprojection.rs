@@ -37,6 +37,8 @@ pub struct Sighting {
     pub ray_rate: Vector3<f64>,
     /// How long after the frame's stamp it was exposed \[s\].
     pub delay_s: f64,
+    /// The part of its information that no prior holds yet, 0 to 1.
+    pub left: f64,
 }
 
 impl Sighting {
@@ -51,7 +53,7 @@ impl Sighting {
         let spread = d_px_d_ray.fixed_columns::<2>(0).try_inverse()? * px_std;
         let basis = tangent_basis(&bearing);
         let whiten = d_px_d_point * basis * basis.transpose() / px_std;
-        Some(Self { ray, bearing, whiten, spread, ray_rate: Vector3::zeros(), delay_s: 0.0 })
+        Some(Self { ray, bearing, whiten, spread, ray_rate: Vector3::zeros(), delay_s: 0.0, left: 1.0 })
     }
 
     /// The measurement of a unit `bearing`, good to `std` \[rad\] across it; `None` unless it is before the camera.
@@ -63,7 +65,15 @@ impl Sighting {
         let basis = tangent_basis(bearing);
         let spread = Matrix2::from_fn(|r, c| (basis[(r, c)] - ray[r] * basis[(2, c)]) / bearing.z) * std;
         let whiten = basis.transpose() / std;
-        Some(Self { ray, bearing: *bearing, whiten, spread, ray_rate: Vector3::zeros(), delay_s: 0.0 })
+        Some(Self {
+            ray,
+            bearing: *bearing,
+            whiten,
+            spread,
+            ray_rate: Vector3::zeros(),
+            delay_s: 0.0,
+            left: 1.0,
+        })
     }
 
     /// Says that it is `factor` times as far off as thought.

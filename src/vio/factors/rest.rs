@@ -11,7 +11,7 @@ use dpn_core::geometry::so3;
 use nalgebra::{Matrix3, SMatrix, SVector};
 
 /// From the camera to where the body stands: rocking by an angle moves it by that times this \[m\].
-const LEVER: f64 = 0.5;
+pub(crate) const LEVER: f64 = 0.5;
 /// What a tracker's own error leaves open, half a pixel: no rest is known better \[rad\].
 const LEAST_ANGLE: f64 = 1e-3;
 /// The time in which rocking may go through the whole of its way \[s\].

@@ -75,6 +75,11 @@ impl InitConfig {
     pub(super) fn angle(&self, px: f64) -> f64 {
         px / self.focal_px
     }
+
+    /// By how much an image may move that counts as rest \[rad\].
+    pub(crate) fn rest_angle(&self) -> f64 {
+        self.angle(self.rest_track_px)
+    }
 }
 
 impl Validate for InitConfig {

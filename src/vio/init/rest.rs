@@ -16,6 +16,9 @@ const MIN_TRACKS: usize = 10;
 const RENEWED_BELOW: usize = 2 * MIN_TRACKS;
 /// A frame counts as at rest when frames this much later still are: it does not hold the first of the motion \[s\].
 const SETTLED_S: f64 = 0.15;
+/// Until the image shows that something moves a body may have moved for so long: at half a metre a second squared, ten metres before a wall, what
+/// counts as rest is used up after .36 s \[s\].
+const UNSEEN_S: f64 = 0.5;
 /// Mean rotation rate that a gyro's bias can feign \[rad/s\].
 const MAX_RATE: f64 = 0.15;
 
@@ -46,6 +49,13 @@ pub(crate) struct Rest {
     pub seconds: f64,
     /// By how much the image as a whole may have moved since its first frame \[rad\].
     pub moved: f64,
+}
+
+impl Rest {
+    /// Of a rest that has ended: frames after this may have moved already, too little for the image.
+    pub(crate) fn sure_until(&self) -> Stamp {
+        self.from.plus_seconds((self.seconds - UNSEEN_S).max(0.0))
+    }
 }
 
 impl RestWatch {

@@ -17,12 +17,23 @@ pub(crate) struct Case {
 
 /// `seconds` of a flight that shakes `vibration` times as much as one does.
 pub(crate) fn make(kind: Flight, seed: u64, vibration: f64, seconds: f64) -> Case {
+    make_tracked(kind, seed, vibration, seconds, &TracksConfig::default())
+}
+
+/// The same with other tracks.
+pub(crate) fn make_tracked(
+    kind: Flight,
+    seed: u64,
+    vibration: f64,
+    seconds: f64,
+    tracks: &TracksConfig,
+) -> Case {
     let mut config = FlightConfig::default();
     config.vibration.scale = vibration;
     let flight = simulate(kind, seed, &config).unwrap();
     let path = AnalyticPath::of(&flight);
     let stamps = camera_stamps(&path, SampleRate::from_hz(10.0).unwrap());
-    let mut frames = simulate_tracks(&TracksConfig::default(), &path, &stamps, seed).unwrap();
+    let mut frames = simulate_tracks(tracks, &path, &stamps, seed).unwrap();
     let end = frames[0].t.plus_seconds(seconds);
     frames.retain(|f| f.t <= end);
     Case { flight, frames }

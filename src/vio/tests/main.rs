@@ -9,4 +9,5 @@ mod flown;
 mod gtsam_preintegration;
 mod lens;
 mod rendered_camera;
+mod start_covariance;
 mod take_off;

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Handover {
-    /// `Share` where the noise is learned, else `Reuse`. Who tells the noise tells one that is right together with sightings counted twice; a level
+    /// `Split` where the noise is learned, else `Reuse`. Who tells the noise tells one that is right together with sightings counted twice; a level
     /// that is learned from residuals is right for what each sighting says.
     Auto,
     /// Their sightings enter the prior and are used again from the next host: information counted twice, as VINS-Mono does.
@@ -15,6 +15,9 @@ pub enum Handover {
     /// As `Reuse`, but a landmark of `m` sightings enters the prior with `1/(m - 1)` of its information each time it loses its host: over its track
     /// each sighting counts once.
     Share,
+    /// As `Share`, but what of a sighting has entered the prior is no longer counted in the window: each counts once at any time. A track that has
+    /// ended enters the prior with all that is left of it.
+    Split,
     /// Their sightings enter the prior once; the track goes on as a new landmark from the newest frame.
     Consume,
     /// The leaving sighting is dropped, the others stay with the next host; tracks that have ended enter the prior.

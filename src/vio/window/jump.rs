@@ -21,6 +21,8 @@ use nalgebra::SVector;
 
 /// The white noise of an interval that is not believed, as a factor on its deviation.
 const DISBELIEVED: f64 = 100.0;
+/// A sighting is off by at most so many variances when its frames are judged: what is farther off is another point.
+const CLIP: f64 = 9.0;
 
 impl Window {
     /// Derivative of the cost by a jump of the biases in the interval that ends at frame `j`, in the order accelerometer, gyro; `None` where there is
@@ -87,6 +89,25 @@ impl Window {
             let whitened = root * inertial_residual(preint, &pair[0].state, &pair[1].state);
             sum += whitened.fixed_rows::<9>(0).norm_squared();
             rows += 9;
+        }
+        (rows > 0).then(|| sum / f64::from(rows))
+    }
+
+    /// Mean square of what sightings in the frames from `j` on are off their landmarks, an axis \[variances of a pixel\], each at most nine; `None` where
+    /// there is none.
+    pub(crate) fn mean_visual_square(&self, j: usize) -> Option<f64> {
+        let (mut sum, mut rows) = (0.0, 0);
+        for landmark in &self.landmarks {
+            let Some(inverse_depth) = landmark.inverse_depth.filter(|_| landmark.sightings.len() > 2) else {
+                continue;
+            };
+            let host = self.sighting_at_offset(landmark.host_sighting());
+            for (frame, seen) in landmark.sightings[1..].iter().filter(|(frame, _)| *frame >= j) {
+                let geometry = self.geometry(landmark.host(), *frame);
+                let residual = geometry.residual(&host, &self.sighting_at_offset(seen), inverse_depth);
+                sum += (0.5 * residual.norm_squared()).min(CLIP);
+                rows += 1;
+            }
         }
         (rows > 0).then(|| sum / f64::from(rows))
     }

@@ -51,30 +51,40 @@ impl WithSimd for Landmarks<'_> {
     fn with_simd<S: Simd>(mut self, simd: S) -> f64 {
         let mut cost = 0.0;
         for (index, landmark) in self.window.landmarks.iter().enumerate() {
-            let (sightings, share) = match self.part {
-                Part::All => (landmark.sightings.len(), 1.0),
-                Part::Oldest => (self.window.handed_over(landmark), self.window.handed_share(landmark)),
+            let sightings = match self.part {
+                Part::All => landmark.sightings.len(),
+                Part::Oldest => self.window.handed_over(landmark),
             };
             if let Some(inverse_depth) = landmark.inverse_depth.filter(|_| sightings > 1) {
-                cost += self.add(simd, index, landmark, (sightings, share), inverse_depth);
+                cost += self.add(simd, index, landmark, sightings, inverse_depth);
             }
         }
         cost
     }
 }
 
+/// The part of sighting `k` of a landmark's information that is counted here.
+#[inline(always)]
+fn counted(window: &Window, part: Part, landmark: &Landmark, k: usize) -> f64 {
+    match part {
+        Part::All => landmark.sightings[k].1.left,
+        Part::Oldest => window.handed_part(landmark, k),
+    }
+}
+
 impl Landmarks<'_> {
-    /// Adds one landmark with a share of the information of its first sightings and returns its cost.
+    /// Adds one landmark with its first sightings and returns its cost.
     #[inline(always)]
     fn add<S: Simd>(
         &mut self,
         simd: S,
         index: usize,
         landmark: &Landmark,
-        (sightings, share): (usize, f64),
+        sightings: usize,
         inverse_depth: f64,
     ) -> f64 {
-        let Self { window, layout, damping, pairs, normal, depths, .. } = self;
+        let host_part = counted(self.window, self.part, landmark, 0);
+        let Self { window, layout, part: part_of, damping, pairs, normal, depths } = self;
         let host = landmark.host();
         let host_place = layout.pose(host);
         let host_sighting = landmark.host_sighting();
@@ -88,15 +98,16 @@ impl Landmarks<'_> {
         let w = &mut depths.w[start..];
 
         let mut cost = 0.0;
-        let mut own = Own::holding(share);
-        for (target, sighting) in &landmark.sightings[1..sightings] {
+        let mut own = Own::holding(host_part);
+        for (k, (target, sighting)) in landmark.sightings[..sightings].iter().enumerate().skip(1) {
+            let part = counted(window, *part_of, landmark, k);
             let sighting = window.sighting_at_offset(sighting);
             let Some(geometry) = &pairs.geometry[host * pairs.frames + target] else { continue };
             let mut seen = geometry.linearise(&host_seen, &sighting, inverse_depth);
             let squared = seen.residual.norm_squared();
             let (rho, weight) = window.loss(squared);
-            cost += 0.5 * share * rho;
-            let root = (share * weight).sqrt();
+            cost += 0.5 * part * rho;
+            let root = (part * weight).sqrt();
             seen.residual *= root;
             let pixel = geometry.d_host_pixel(&seen, &host_sighting.spread);
             let place = layout.pose(*target);
@@ -203,11 +214,11 @@ struct Own {
 }
 
 impl Own {
-    /// A share of the host's measurement alone: the whole holds its pixel to zero, by one deviation.
+    /// A part of the host's measurement alone: the whole holds its pixel to zero, by one deviation.
     #[inline(always)]
-    fn holding(share: f64) -> Self {
+    fn holding(part: f64) -> Self {
         Self {
-            block: [[share, 0.0, 0.0], [0.0, share, 0.0], [0.0, 0.0, 0.0]],
+            block: [[part, 0.0, 0.0], [0.0, part, 0.0], [0.0, 0.0, 0.0]],
             g: [0.0; LOCAL],
             host_square: [[0.0; LANES]; POSE_DIM],
             host_gradient: [0.0; LANES],

@@ -51,16 +51,24 @@ impl Window {
         }
         let ended = landmark.last_frame() + 1 < self.frames.len();
         match self.config.handover {
-            Handover::Auto | Handover::Reuse | Handover::Share | Handover::Consume => sightings,
+            Handover::Auto | Handover::Reuse | Handover::Share | Handover::Split | Handover::Consume => {
+                sightings
+            }
             _ if ended => sightings,
             Handover::Drop => 0,
         }
     }
 
-    /// The share of a landmark's information with which it enters the prior.
-    pub(super) fn handed_share(&self, landmark: &Landmark) -> f64 {
+    /// The part of sighting `k` of a landmark's information with which it enters the prior.
+    pub(super) fn handed_part(&self, landmark: &Landmark, k: usize) -> f64 {
+        let share = 1.0 / (landmark.sightings.len().max(2) - 1) as f64;
+        let left = landmark.sightings[k].1.left;
+        let ended = landmark.last_frame() + 1 < self.frames.len();
         match self.config.handover {
-            Handover::Share => 1.0 / (landmark.sightings.len().max(2) - 1) as f64,
+            Handover::Share => share,
+            Handover::Split if k == 0 || ended => left,
+            // Of two sightings the second keeps half: it is the next host, and one of which nothing is left holds no landmark.
+            Handover::Split => left * share.min(0.5),
             Handover::Auto | Handover::Reuse | Handover::Consume | Handover::Drop => 1.0,
         }
     }
@@ -86,6 +94,14 @@ impl Window {
         let handover = self.config.handover;
         let mut landmarks = std::mem::take(&mut self.landmarks);
         let used: Vec<usize> = landmarks.iter().map(|l| self.handed_over(l)).collect();
+        if handover == Handover::Split {
+            for (landmark, used) in landmarks.iter_mut().zip(&used) {
+                let parts: Vec<f64> = (0..*used).map(|k| self.handed_part(landmark, k)).collect();
+                for ((_, sighting), part) in landmark.sightings.iter_mut().zip(parts) {
+                    sighting.left -= part;
+                }
+            }
+        }
         let mut index = 0;
         landmarks.retain_mut(|landmark| {
             let landmark_index = index;
@@ -98,6 +114,7 @@ impl Window {
             let gone = match (handover, used[landmark_index]) {
                 (_, 0) | (Handover::Auto | Handover::Reuse | Handover::Share, _) => 1,
                 // The newest goes on, as the anchor of what comes.
+                (Handover::Split, _) if landmark.last_frame() == newest => 1,
                 (Handover::Consume, all) if landmark.last_frame() == newest => all - 1,
                 (_, used) => used,
             };

@@ -8,6 +8,7 @@ use super::linearisation::Linearisation;
 use super::normal::{Factor, Normal};
 use super::prior::Prior;
 use crate::factors::reprojection::{PairGeometry, Sighting};
+use crate::factors::rest;
 use crate::preint::Preintegration;
 use crate::state::NavState;
 use dpn_core::Stamp;
@@ -157,6 +158,26 @@ impl Window {
         }
     }
 
+    /// Says that the newest frame is not part of the rest before it: frames after `sure` may have moved, by less than the `angle` \[rad\] that counts
+    /// as rest. What this is in metres depends on how far away is what was seen; while no depth is known, nothing holds them.
+    pub(crate) fn rest_ended(&mut self, sure: Stamp, angle: f64) {
+        let depth = self.median_inverse_depth().map(|inverse| 1.0 / inverse);
+        for frame in self.frames.iter_mut().rev().take_while(|frame| frame.t > sure) {
+            frame.rest = frame.rest.zip(depth).map(|(rest, depth)| Standstill {
+                angle: rest.angle.max(angle * (depth / rest::LEVER).max(1.0)),
+                ..rest
+            });
+        }
+    }
+
+    /// The middle one of the known inverse depths \[1/m\].
+    fn median_inverse_depth(&self) -> Option<f64> {
+        let mut known: Vec<f64> =
+            self.landmarks.iter().filter_map(|l| l.inverse_depth).filter(|d| *d > 0.0).collect();
+        let half = known.len() / 2;
+        (!known.is_empty()).then(|| *known.select_nth_unstable_by(half, f64::total_cmp).1)
+    }
+
     /// Fixes position and heading of the first frame, with what is known of it beforehand: of each axis of its biases the deviations
     /// `bias_std`, accelerometer \[m/s^2\] and gyro \[rad/s\].
     pub(crate) fn anchor(&mut self, bias_std: [f64; 2]) {
@@ -169,14 +190,7 @@ impl Window {
     pub(crate) fn triangulate(&mut self) {
         let world_from_cam: Vec<Isometry3<f64>> =
             self.frames.iter().map(|f| f.state.world_from_body * self.body_from_cam).collect();
-        let mut known: Vec<f64> =
-            self.landmarks.iter().filter_map(|l| l.inverse_depth).filter(|d| *d > 0.0).collect();
-        let middle = if known.is_empty() {
-            None
-        } else {
-            let half = known.len() / 2;
-            Some(*known.select_nth_unstable_by(half, f64::total_cmp).1)
-        };
+        let middle = self.median_inverse_depth();
         for landmark in &mut self.landmarks {
             if landmark.inverse_depth.is_none() && landmark.sightings.len() > 1 {
                 landmark.inverse_depth = landmark

@@ -1,0 +1,62 @@
+//! The covariance of the first pose after a start: errors over flights and seeds are as large as it says.
+
+use crate::flown::make_tracked;
+use dpn_core::camera::CameraModel;
+use dpn_core::noise::{AccelNoiseDensity, GyroNoiseDensity};
+use dpn_core::{ImuNoise, SampleRate};
+use dpn_sim::Flight;
+use dpn_sim::tracks::{AnalyticPath, CameraPath, CameraSettings, TracksConfig};
+use dpn_vio::preint::NoisySample;
+use dpn_vio::{Estimator, EstimatorConfig};
+use nalgebra::{UnitQuaternion, Vector3};
+
+/// NEES of the first pose's position, about the pose that the estimator took for known: position and heading.
+fn first_position(kind: Flight, seed: u64) -> f64 {
+    let tracks = TracksConfig { drift_px: 0.0, outlier_share: 0.0, ..TracksConfig::default() };
+    let case = make_tracked(kind, seed, 0.0, 25.0, &tracks);
+    let path = AnalyticPath::of(&case.flight);
+    let mut config = EstimatorConfig { covariance: true, ..EstimatorConfig::default() };
+    config.window.pixel_std = 0.5;
+    config.window.loss_scale = 3.0;
+    let body_from_cam = CameraSettings::default().body_from_cam().unwrap();
+    let mut estimator =
+        Estimator::new(config, CameraModel::euroc_cam0(), body_from_cam, "flight", 1).unwrap();
+    let noise = ImuNoise::from_values(
+        [AccelNoiseDensity::EUROC.to_sample_std(SampleRate::HZ_200).get(); 3],
+        [GyroNoiseDensity::EUROC.to_sample_std(SampleRate::HZ_200).get(); 3],
+    )
+    .unwrap();
+    let mut left = case.flight.recording.samples().iter().copied().peekable();
+    for seen in case.frames.iter().cloned() {
+        while let Some(sample) = left.next_if(|s| s.t <= seen.t.plus_seconds(0.006)) {
+            estimator.feed_imu(NoisySample { sample, noise }).unwrap();
+        }
+        estimator.feed_frame(seen).unwrap();
+        while let Some(update) = estimator.next_update() {
+            let (Some(state), Some(covariance)) = (update.state, update.covariance) else { continue };
+            let anchor = estimator.report().anchor.unwrap();
+            let truth = |t| path.world_from_body(t).unwrap();
+            let from = truth(anchor.t);
+            let turn = anchor.world_from_body.rotation * from.rotation.inverse();
+            let yaw = 2.0 * turn.coords.z.atan2(turn.coords.w);
+            let heading = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw);
+            let moved = heading * (truth(update.t).translation.vector - from.translation.vector);
+            let error =
+                state.world_from_body.translation.vector - anchor.world_from_body.translation.vector - moved;
+            let position = covariance.fixed_view::<3, 3>(0, 0).into_owned();
+            return error.dot(&(position.try_inverse().unwrap() * error));
+        }
+    }
+    panic!("{kind:?} {seed}: no start");
+}
+
+#[test]
+fn the_first_pose_errs_as_much_as_its_covariance_says() {
+    let kinds = [Flight::HallLines, Flight::RoomMedium];
+    let nees: Vec<f64> =
+        kinds.iter().flat_map(|kind| (0..10).map(|seed| first_position(*kind, seed))).collect();
+    let mean = nees.iter().sum::<f64>() / nees.len() as f64;
+    // Twenty errors of three degrees of freedom: 1.8 to 4.5 but for one draw in a hundred. With the first of the motion held at rest it was 49, the climb
+    // up to a tenth short.
+    assert!((1.8..4.5).contains(&mean), "{mean}: {nees:.1?}");
+}
