@@ -47,10 +47,21 @@ pub(crate) fn run(
     sample: impl Fn(&mut ImuSample),
     frame: impl Fn(&mut TrackFrame),
 ) -> (Vec<Update>, RunReport) {
+    let noise = ImuNoise::from_values([0.08 * factor; 3], [0.004 * factor; 3]).unwrap();
+    run_told(case, config, noise, sample, frame)
+}
+
+/// Told `noise`.
+pub(crate) fn run_told(
+    case: &Case,
+    config: EstimatorConfig,
+    noise: ImuNoise,
+    sample: impl Fn(&mut ImuSample),
+    frame: impl Fn(&mut TrackFrame),
+) -> (Vec<Update>, RunReport) {
     let body_from_cam = CameraSettings::default().body_from_cam().unwrap();
     let mut estimator =
         Estimator::new(config, CameraModel::euroc_cam0(), body_from_cam, "flight", 1).unwrap();
-    let noise = ImuNoise::from_values([0.08 * factor; 3], [0.004 * factor; 3]).unwrap();
     let mut left = case.flight.recording.samples().iter().copied().peekable();
     let mut updates = Vec::new();
     for mut seen in case.frames.iter().cloned() {

@@ -1,13 +1,11 @@
 //! The covariance of the first pose after a start: errors over flights and seeds are as large as it says.
 
-use crate::flown::make_tracked;
-use dpn_core::camera::CameraModel;
+use crate::flown::{make_tracked, run_told};
 use dpn_core::noise::{AccelNoiseDensity, GyroNoiseDensity};
 use dpn_core::{ImuNoise, SampleRate};
 use dpn_sim::Flight;
-use dpn_sim::tracks::{AnalyticPath, CameraPath, CameraSettings, TracksConfig};
-use dpn_vio::preint::NoisySample;
-use dpn_vio::{Estimator, EstimatorConfig};
+use dpn_sim::tracks::{AnalyticPath, CameraPath, TracksConfig};
+use dpn_vio::EstimatorConfig;
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// NEES of the first pose's position, about the pose that the estimator took for known: position and heading.
@@ -18,36 +16,25 @@ fn first_position(kind: Flight, seed: u64) -> f64 {
     let mut config = EstimatorConfig { covariance: true, ..EstimatorConfig::default() };
     config.window.pixel_std = 0.5;
     config.window.loss_scale = 3.0;
-    let body_from_cam = CameraSettings::default().body_from_cam().unwrap();
-    let mut estimator =
-        Estimator::new(config, CameraModel::euroc_cam0(), body_from_cam, "flight", 1).unwrap();
     let noise = ImuNoise::from_values(
         [AccelNoiseDensity::EUROC.to_sample_std(SampleRate::HZ_200).get(); 3],
         [GyroNoiseDensity::EUROC.to_sample_std(SampleRate::HZ_200).get(); 3],
     )
     .unwrap();
-    let mut left = case.flight.recording.samples().iter().copied().peekable();
-    for seen in case.frames.iter().cloned() {
-        while let Some(sample) = left.next_if(|s| s.t <= seen.t.plus_seconds(0.006)) {
-            estimator.feed_imu(NoisySample { sample, noise }).unwrap();
-        }
-        estimator.feed_frame(seen).unwrap();
-        while let Some(update) = estimator.next_update() {
-            let (Some(state), Some(covariance)) = (update.state, update.covariance) else { continue };
-            let anchor = estimator.report().anchor.unwrap();
-            let truth = |t| path.world_from_body(t).unwrap();
-            let from = truth(anchor.t);
-            let turn = anchor.world_from_body.rotation * from.rotation.inverse();
-            let yaw = 2.0 * turn.coords.z.atan2(turn.coords.w);
-            let heading = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw);
-            let moved = heading * (truth(update.t).translation.vector - from.translation.vector);
-            let error =
-                state.world_from_body.translation.vector - anchor.world_from_body.translation.vector - moved;
-            let position = covariance.fixed_view::<3, 3>(0, 0).into_owned();
-            return error.dot(&(position.try_inverse().unwrap() * error));
-        }
-    }
-    panic!("{kind:?} {seed}: no start");
+    let (updates, report) = run_told(&case, config, noise, |_| (), |_| ());
+    let first = updates.iter().find(|update| update.state.is_some());
+    let first = first.unwrap_or_else(|| panic!("{kind:?} {seed}: no start"));
+    let (state, covariance) = (first.state.unwrap(), first.covariance.as_ref().unwrap());
+    let anchor = report.anchor.unwrap();
+    let truth = |t| path.world_from_body(t).unwrap();
+    let from = truth(anchor.t);
+    let turn = anchor.world_from_body.rotation * from.rotation.inverse();
+    let yaw = 2.0 * turn.coords.z.atan2(turn.coords.w);
+    let heading = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw);
+    let moved = heading * (truth(first.t).translation.vector - from.translation.vector);
+    let error = state.world_from_body.translation.vector - anchor.world_from_body.translation.vector - moved;
+    let position = covariance.fixed_view::<3, 3>(0, 0).into_owned();
+    error.dot(&(position.try_inverse().unwrap() * error))
 }
 
 #[test]

@@ -83,8 +83,7 @@ impl Landmarks<'_> {
         sightings: usize,
         inverse_depth: f64,
     ) -> f64 {
-        let host_part = counted(self.window, self.part, landmark, 0);
-        let Self { window, layout, part: part_of, damping, pairs, normal, depths } = self;
+        let Self { window, layout, part: of, damping, pairs, normal, depths } = self;
         let host = landmark.host();
         let host_place = layout.pose(host);
         let host_sighting = landmark.host_sighting();
@@ -98,9 +97,9 @@ impl Landmarks<'_> {
         let w = &mut depths.w[start..];
 
         let mut cost = 0.0;
-        let mut own = Own::holding(host_part);
+        let mut own = Own::holding(counted(window, *of, landmark, 0));
         for (k, (target, sighting)) in landmark.sightings[..sightings].iter().enumerate().skip(1) {
-            let part = counted(window, *part_of, landmark, k);
+            let part = counted(window, *of, landmark, k);
             let sighting = window.sighting_at_offset(sighting);
             let Some(geometry) = &pairs.geometry[host * pairs.frames + target] else { continue };
             let mut seen = geometry.linearise(&host_seen, &sighting, inverse_depth);

@@ -43,18 +43,22 @@ impl Window {
         }
     }
 
+    /// Whether the newest frame did not see a landmark.
+    fn has_ended(&self, landmark: &Landmark) -> bool {
+        landmark.last_frame() + 1 < self.frames.len()
+    }
+
     /// How many of a landmark's sightings enter the prior when the oldest frame leaves.
     pub(crate) fn handed_over(&self, landmark: &Landmark) -> usize {
         let sightings = landmark.sightings.len();
         if landmark.host() != 0 || landmark.inverse_depth.is_none() || sightings < 2 {
             return 0;
         }
-        let ended = landmark.last_frame() + 1 < self.frames.len();
         match self.config.handover {
             Handover::Auto | Handover::Reuse | Handover::Share | Handover::Split | Handover::Consume => {
                 sightings
             }
-            _ if ended => sightings,
+            _ if self.has_ended(landmark) => sightings,
             Handover::Drop => 0,
         }
     }
@@ -63,10 +67,9 @@ impl Window {
     pub(super) fn handed_part(&self, landmark: &Landmark, k: usize) -> f64 {
         let share = 1.0 / (landmark.sightings.len().max(2) - 1) as f64;
         let left = landmark.sightings[k].1.left;
-        let ended = landmark.last_frame() + 1 < self.frames.len();
         match self.config.handover {
             Handover::Share => share,
-            Handover::Split if k == 0 || ended => left,
+            Handover::Split if k == 0 || self.has_ended(landmark) => left,
             // Of two sightings the second keeps half: it is the next host, and one of which nothing is left holds no landmark.
             Handover::Split => left * share.min(0.5),
             Handover::Auto | Handover::Reuse | Handover::Consume | Handover::Drop => 1.0,
@@ -94,14 +97,6 @@ impl Window {
         let handover = self.config.handover;
         let mut landmarks = std::mem::take(&mut self.landmarks);
         let used: Vec<usize> = landmarks.iter().map(|l| self.handed_over(l)).collect();
-        if handover == Handover::Split {
-            for (landmark, used) in landmarks.iter_mut().zip(&used) {
-                let parts: Vec<f64> = (0..*used).map(|k| self.handed_part(landmark, k)).collect();
-                for ((_, sighting), part) in landmark.sightings.iter_mut().zip(parts) {
-                    sighting.left -= part;
-                }
-            }
-        }
         let mut index = 0;
         landmarks.retain_mut(|landmark| {
             let landmark_index = index;
@@ -110,11 +105,16 @@ impl Window {
                 return true;
             }
             let point = landmark.point(&last_cameras[0]);
+            if handover == Handover::Split {
+                for k in 0..used[landmark_index] {
+                    landmark.sightings[k].1.left -= self.handed_part(landmark, k);
+                }
+            }
             // What is in the prior must not be counted again, what has lost its host's frame cannot stay.
             let gone = match (handover, used[landmark_index]) {
                 (_, 0) | (Handover::Auto | Handover::Reuse | Handover::Share, _) => 1,
-                // The newest goes on, as the anchor of what comes.
                 (Handover::Split, _) if landmark.last_frame() == newest => 1,
+                // The newest goes on, as the anchor of what comes.
                 (Handover::Consume, all) if landmark.last_frame() == newest => all - 1,
                 (_, used) => used,
             };

@@ -427,8 +427,7 @@ fn split_sightings_are_one_whole_in_prior_and_window_at_any_time() {
     assert!(parts > 100, "{parts}");
 }
 
-/// The information of parts of a sighting is that of the sighting: what one landmark says in a window where a part is left is less than
-/// what it says whole, and all of it where all is left.
+/// Where half is left of every sighting, landmarks say half of what they say whole.
 #[test]
 fn what_is_left_of_a_sighting_is_what_it_weighs() {
     let scene = scene(3);
