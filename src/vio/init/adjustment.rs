@@ -74,7 +74,7 @@ pub(super) fn track_std_factor(window: &Window, unknowns: impl Fn(usize) -> f64)
     }
     let rows = residuals.len() as f64;
     let redundancy = (rows - unknowns(landmarks)).max(0.2 * rows);
-    (rows / redundancy.max(1.0)).sqrt() * robust::std_of_median(robust::median(&mut residuals))
+    (rows / redundancy.max(1.0)).sqrt() * robust::std_of_median(robust::median(residuals))
 }
 
 /// Says that all sightings are `factor` times as far off as thought.

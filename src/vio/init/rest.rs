@@ -63,10 +63,10 @@ impl RestWatch {
     pub(crate) fn push(&mut self, frame: &InitFrame, rate: f64, config: &InitConfig) -> Option<Rest> {
         let found = self.first.as_ref().and_then(|(first, before)| {
             let pairs = shared(first, frame);
-            let mut moves: Vec<f64> = pairs.iter().map(|(a, b)| (a - b).norm()).collect();
             let still = rate <= MAX_RATE
-                && moves.len() >= MIN_TRACKS
-                && robust::median(&mut moves) <= config.angle(config.rest_track_px);
+                && pairs.len() >= MIN_TRACKS
+                && robust::median(pairs.iter().map(|(a, b)| (a - b).norm()))
+                    <= config.angle(config.rest_track_px);
             let fades = pairs.len() < RENEWED_BELOW && frame.t.seconds_since(first.t) >= config.min_rest_s;
             still.then(|| (before.hypot(common_motion(&pairs)), fades))
         });
@@ -102,8 +102,7 @@ fn common_motion(pairs: &[(Vector3<f64>, Vector3<f64>)]) -> f64 {
     let flows = pairs.iter().filter(|(a, b)| a.z > NEAR_AXIS && b.z > NEAR_AXIS);
     let flows: Vec<(Vector2<f64>, Vector2<f64>)> =
         flows.map(|(a, b)| (a.xy() / a.z, b.xy() / b.z - a.xy() / a.z)).collect();
-    let mut sizes: Vec<f64> = flows.iter().map(|(_, flow)| flow.norm()).collect();
-    let most = 3.0 * robust::median(&mut sizes);
+    let most = 3.0 * robust::median(flows.iter().map(|(_, flow)| flow.norm()));
     let kept: Vec<_> = flows.iter().filter(|(_, flow)| flow.norm() <= most).collect();
     let count = kept.len().max(1) as f64;
     let centre = kept.iter().map(|(at, _)| at).sum::<Vector2<f64>>() / count;

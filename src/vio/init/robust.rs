@@ -1,6 +1,7 @@
 //! Weights that fall with the residual, and the scale of residuals by their median.
 
 use crate::factors::loss::Loss;
+use dpn_core::signal::stats::upper_median;
 
 /// Deviations at which the weight is one half: of two normal components together 99 % stay below 3.03.
 pub(super) const LOSS_SCALE: f64 = 3.0;
@@ -14,12 +15,8 @@ pub(super) fn weight(squared: f64) -> f64 {
 }
 
 /// The median of absolute values; 0 of none.
-pub(super) fn median(values: &mut [f64]) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+pub(super) fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+    upper_median(values).unwrap_or(0.0)
 }
 
 /// Deviation of normal noise whose absolute values have this median.
@@ -33,7 +30,7 @@ mod tests {
 
     #[test]
     fn the_median_ignores_an_outlier() {
-        assert_eq!(median(&mut [3.0, 1e9, 1.0, 2.0, 2.5]), 2.5);
-        assert_eq!(median(&mut []), 0.0);
+        assert_eq!(median([3.0, 1e9, 1.0, 2.0, 2.5]), 2.5);
+        assert_eq!(median([]), 0.0);
     }
 }

@@ -22,9 +22,7 @@ pub(super) fn compensated_parallax(
     first_from_second: &UnitQuaternion<f64>,
     shared: &[(Vector3<f64>, Vector3<f64>)],
 ) -> f64 {
-    let mut angles: Vec<f64> =
-        shared.iter().map(|(f, g)| f.cross(&(first_from_second * g)).norm().min(1.0).asin()).collect();
-    robust::median(&mut angles)
+    robust::median(shared.iter().map(|(f, g)| f.cross(&(first_from_second * g)).norm().min(1.0).asin()))
 }
 
 /// Two frames' directions with the second's turned into the first: what is left is translation.

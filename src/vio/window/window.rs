@@ -12,6 +12,7 @@ use crate::factors::rest;
 use crate::preint::Preintegration;
 use crate::state::NavState;
 use dpn_core::Stamp;
+use dpn_core::signal::stats::upper_median;
 use nalgebra::{Isometry3, Vector3};
 use std::collections::{HashMap, HashSet};
 
@@ -172,10 +173,7 @@ impl Window {
 
     /// The middle one of the known inverse depths \[1/m\].
     fn median_inverse_depth(&self) -> Option<f64> {
-        let mut known: Vec<f64> =
-            self.landmarks.iter().filter_map(|l| l.inverse_depth).filter(|d| *d > 0.0).collect();
-        let half = known.len() / 2;
-        (!known.is_empty()).then(|| *known.select_nth_unstable_by(half, f64::total_cmp).1)
+        upper_median(self.landmarks.iter().filter_map(|l| l.inverse_depth).filter(|d| *d > 0.0))
     }
 
     /// Fixes position and heading of the first frame, with what is known of it beforehand: of each axis of its biases the deviations
