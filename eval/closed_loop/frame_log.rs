@@ -2,6 +2,7 @@
 
 use super::recording::Recording;
 use dpn_core::camera::CameraModel;
+use dpn_core::signal::stats::upper_median;
 use dpn_core::{ImuSample, Stamp, TrackFrame};
 use dpn_vio::diagnosis::{Axes, AxesMeter, TrackHealth, TrackMeter};
 use dpn_vio::estimator::without_spikes;
@@ -49,9 +50,7 @@ impl<'a> FrameLog<'a> {
             let shared = frame.shared(before);
             self.tracks.pair(before, frame, &shared);
             self.axes.pair(&self.samples, (before, frame), &shared, &self.camera);
-            let mut ways: Vec<f64> = shared.iter().map(|(before, px)| (px - before).norm()).collect();
-            ways.sort_by(f64::total_cmp);
-            way_px = ways.get(ways.len() / 2).copied();
+            way_px = upper_median(shared.iter().map(|(before, px)| (px - before).norm()));
         }
         self.seen.push(SeenFrame { t: frame.t, tracks: frame.tracks.len(), way_px });
         self.before = Some(frame.clone());

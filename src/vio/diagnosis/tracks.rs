@@ -1,6 +1,7 @@
 //! Whether ids stay with their points.
 
 use dpn_core::TrackFrame;
+use dpn_core::signal::stats::upper_median;
 use nalgebra::{Matrix2x3, Matrix3, Vector2, Vector3};
 use serde::Serialize;
 
@@ -139,11 +140,7 @@ fn beyond_the_others(shared: &[(Vector2<f64>, Vector2<f64>)]) -> Vec<f64> {
 
 /// The median of each coordinate.
 fn median(moves: &[Vector2<f64>]) -> Vector2<f64> {
-    let of = |k: usize| {
-        let mut values: Vec<f64> = moves.iter().map(|m| m[k]).collect();
-        values.sort_by(f64::total_cmp);
-        values.get(values.len() / 2).copied().unwrap_or(0.0)
-    };
+    let of = |k: usize| upper_median(moves.iter().map(|m| m[k])).unwrap_or(0.0);
     Vector2::new(of(0), of(1))
 }
 

@@ -13,6 +13,7 @@ use super::schedule::Schedule;
 use dpn_core::camera::CameraModel;
 use dpn_core::config::{ConfigFault, Validate};
 use dpn_core::random::Stream;
+use dpn_core::signal::stats::upper_median;
 use dpn_core::{GrayImage, GrayView, Stamp, Track, TrackFrame};
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 use std::time::{Duration, Instant};
@@ -338,8 +339,7 @@ impl FrontEnd {
             point.age += 1;
             true
         });
-        distances.sort_by(f64::total_cmp);
-        distances.get(distances.len() / 2).copied().unwrap_or(0.0)
+        upper_median(distances).unwrap_or(0.0)
     }
 
     /// Takes out what does not agree, fills up with new points, and makes the frame.
