@@ -32,6 +32,9 @@ const KNOWN_DOUBT: f64 = 0.35;
 /// What so many tracks fit, they all fit but for mistakes in tracking.
 const ALL_SHARE: f64 = 0.9;
 
+/// The way back ends with a step below this share of what home is held to.
+const BACK_SHARE: f64 = 0.1;
+
 /// A mask of another size than the camera's images.
 #[derive(Debug, Error, PartialEq)]
 #[error(
@@ -54,6 +57,8 @@ struct Point {
     bearing: Vector3<f64>,
     /// The same in the last frame that was handed over.
     handed: Option<Vector3<f64>>,
+    /// How fast it moved into `px` beyond what the camera's turn explains \[px/s\]; none where it is new or the turn was not known.
+    drift: Option<[f32; 2]>,
     /// Images in which it was seen.
     age: u32,
 }
@@ -130,8 +135,13 @@ impl FrontEnd {
             config,
             stream: stream.named("front-end"),
             klt: Klt::new(config.klt),
-            // Whether it comes home within half a pixel needs no more than shifts.
-            back: Klt::new(KltConfig { min_correlation: 0.0, affine: false, ..config.klt }),
+            // Whether it comes home within half a pixel needs no more than shifts, and these not to a hundredth.
+            back: Klt::new(KltConfig {
+                min_correlation: 0.0,
+                affine: false,
+                epsilon_px: config.klt.epsilon_px.max(BACK_SHARE * config.klt.back_px).min(1.0),
+                ..config.klt
+            }),
             detector: Detector::new(config.corners),
             clahe: config.clahe.enabled.then(|| Clahe::new(config.clahe)),
             allowed: circle_of(&camera),
@@ -232,7 +242,8 @@ impl FrontEnd {
         if let Some(clahe) = &mut self.clahe {
             clahe.apply(self.cur.base_mut());
         }
-        self.cur.build(self.config.klt.levels.max(self.config.klt.back_levels));
+        let klt = self.config.klt;
+        self.cur.build(klt.levels.max(klt.foreseen_levels).max(klt.back_levels));
         report.times.image = start.elapsed();
 
         if self.tracked.is_some_and(|tracked| t.seconds_since(tracked) > self.config.gap_s + ROUNDING_S) {
@@ -285,7 +296,7 @@ impl FrontEnd {
         let tracked = self.tracked.expect("points are of an image that was tracked into");
         let seconds = report.t.seconds_since(tracked);
         let turn = self.since_tracked.map(|turn| self.gyro_bias.corrected(&turn, seconds));
-        let guess = |point: &Point| {
+        let by_turn = |point: &Point| {
             let px = turn.and_then(|turn| {
                 let px = turned(&self.camera, &point.bearing, &turn)?;
                 match &self.lines {
@@ -295,51 +306,77 @@ impl FrontEnd {
                     }
                 }
             });
-            px.map_or(point.px, |px| [px.x as f32, px.y as f32])
+            px.map(|px| [px.x as f32, px.y as f32])
         };
-        let shifts: Vec<Shift> =
-            self.points.iter().map(|point| Shift { from: point.px, guess: guess(point) }).collect();
+        let turned: Vec<Option<[f32; 2]>> = self.points.iter().map(by_turn).collect();
         let klt = self.config.klt;
-        let found = self.klt.track(&self.prev, &self.cur, &shifts, klt.levels);
-
-        // Back, from where a point was found, with home as the first guess.
-        let back: Vec<Shift> = (shifts.iter().zip(&found))
-            .filter_map(|(shift, found)| Some(Shift { from: found.ok()?, guess: shift.from }))
-            .collect();
-        let home = if klt.back_px > 0.0 {
-            self.back.track(&self.cur, &self.prev, &back, klt.back_levels)
-        } else {
-            back.iter().map(|shift| Ok(shift.guess)).collect()
+        let mut found = vec![Err(LostBy::Outside); self.points.len()];
+        let foreseen = |(at, (point, turned)): (usize, (&Point, &Option<[f32; 2]>))| {
+            let (by_turn, drift) = ((*turned)?, point.drift?);
+            let guess = [0, 1].map(|i| by_turn[i] + drift[i] * seconds as f32);
+            Some((at, Shift { from: point.px, guess }))
         };
-        let mut home = home.into_iter();
+        let near: Vec<(usize, Shift)> =
+            self.points.iter().zip(&turned).enumerate().filter_map(foreseen).collect();
+        self.there_and_back(&near, klt.foreseen_levels, &mut found);
+        // Who was not found near where it was foreseen, or has no past, is looked for from farther away.
+        let far: Vec<(usize, Shift)> = (self.points.iter().zip(&turned).enumerate())
+            .filter(|(at, _)| found[*at].is_err())
+            .map(|(at, (point, turned))| (at, Shift { from: point.px, guess: turned.unwrap_or(point.px) }))
+            .collect();
+        self.there_and_back(&far, klt.levels, &mut found);
 
         let mut distances = Vec::with_capacity(self.points.len());
         let (camera, lines, bias) = (self.camera, self.lines, self.gyro_bias.bias());
-        let mut found = found.into_iter();
+        let mut found = found.into_iter().zip(turned);
         self.points.retain_mut(|point| {
-            let place = match found.next().expect("an answer for every point") {
-                Ok(place) => place,
-                Err(loss) => {
+            let (place, turned) = match found.next().expect("an answer for every point") {
+                (Ok(place), turned) => (place, turned),
+                (Err(loss), _) => {
                     report.lost.push(point.lost(loss));
                     return false;
                 }
             };
-            let home = home.next().expect("as many ways back as points were found");
-            let came_home = home.is_ok_and(|home| distance(home, point.px) <= klt.back_px);
-            if !came_home {
-                report.lost.push(point.lost(LostBy::Back));
-                return false;
-            }
             let Some(bearing) = sight(&camera, lines.as_ref(), place, &bias) else {
                 report.lost.push(point.lost(LostBy::Outside));
                 return false;
             };
             distances.push(distance(place, point.px));
             (point.px, point.bearing) = (place, bearing);
+            point.drift = turned.map(|turned| [0, 1].map(|i| (place[i] - turned[i]) / seconds as f32));
             point.age += 1;
             true
         });
         upper_median(distances).unwrap_or(0.0)
+    }
+
+    /// Follows points, each with its number, into this image and back; what became of each goes to its place in `found`.
+    fn there_and_back(
+        &self,
+        points: &[(usize, Shift)],
+        levels: usize,
+        found: &mut [Result<[f32; 2], LostBy>],
+    ) {
+        let klt = self.config.klt;
+        let shifts: Vec<Shift> = points.iter().map(|(_, shift)| *shift).collect();
+        let places = self.klt.track(&self.prev, &self.cur, &shifts, levels);
+        // Back, from where a point was found, with home as the first guess.
+        let back: Vec<Shift> = (shifts.iter().zip(&places))
+            .filter_map(|(shift, place)| Some(Shift { from: place.ok()?, guess: shift.from }))
+            .collect();
+        let homes = if klt.back_px > 0.0 {
+            self.back.track(&self.cur, &self.prev, &back, klt.back_levels)
+        } else {
+            back.iter().map(|shift| Ok(shift.guess)).collect()
+        };
+        let mut homes = homes.into_iter();
+        for ((at, shift), place) in points.iter().zip(places) {
+            found[*at] = place.and_then(|place| {
+                let home = homes.next().expect("as many ways back as points were found");
+                let came_home = home.is_ok_and(|home| distance(home, shift.from) <= klt.back_px);
+                if came_home { Ok(place) } else { Err(LostBy::Back) }
+            });
+        }
     }
 
     /// Takes out what does not agree, fills up with new points, and makes the frame.
@@ -462,7 +499,14 @@ impl FrontEnd {
             else {
                 continue;
             };
-            self.points.push(Point { id: self.next_id, px: corner.px, bearing, handed: None, age: 1 });
+            self.points.push(Point {
+                id: self.next_id,
+                px: corner.px,
+                bearing,
+                handed: None,
+                drift: None,
+                age: 1,
+            });
             self.next_id += 1;
             report.new += 1;
         }

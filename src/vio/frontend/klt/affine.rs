@@ -16,10 +16,11 @@
 //!
 //! Source: Shi and Tomasi 1994, sec. 3 (the model); the prior and the single step are ours.
 
-// With indices the loops read as the formulas do, and the compiler makes vectors of them.
+// With indices the loops read as the formulas do.
 #![allow(clippy::needless_range_loop)]
 
-use super::patch::{Patch, between_columns, corner_of};
+use super::lanes::{LANES, Lanes, part, sum_of};
+use super::patch::{Patch, corner_of};
 use crate::frontend::image::Plane;
 
 /// Deviation of each entry of `M`: at ten pixels from the centre a fifth of a pixel.
@@ -37,8 +38,6 @@ const DIM: usize = 8;
 const LIGHT: usize = 2;
 /// Where `M` stands.
 const BEND: usize = 4;
-/// Columns at a time: what is summed for them fits the machine's registers.
-const LANES: usize = 8;
 /// Sums over rows. First the gradients' products xx, xy, yy, each with 1, y and y^2.
 const SUMS: usize = 26;
 /// Gradients x and y by grey, alone, and by difference, each with 1 and y.
@@ -46,103 +45,73 @@ const LINES: usize = 9;
 /// Difference by grey, difference, grey, grey squared, difference squared.
 const PLAIN: usize = 21;
 
-#[inline(always)]
-fn part(row: &[f32], first: usize) -> [f32; LANES] {
-    let mut part = [0.0; LANES];
-    part.copy_from_slice(&row[first..first + LANES]);
-    part
-}
-
-#[inline(always)]
-fn times(a: &[f32; LANES], b: &[f32; LANES]) -> [f32; LANES] {
-    let mut out = [0.0; LANES];
-    for i in 0..LANES {
-        out[i] = a[i] * b[i];
-    }
-    out
-}
-
-#[inline(always)]
-fn add(to: &mut [f32; LANES], what: &[f32; LANES]) {
-    for i in 0..LANES {
-        to[i] += what[i];
-    }
-}
-
 /// What is to be added to `place`, where the patch was found in `plane`; nothing where the window does not say.
 #[inline(always)]
-pub(super) fn refine<const L: usize, const W: usize>(
+pub(super) fn refine<S: Lanes, const L: usize, const W: usize>(
+    simd: S,
     patch: &Patch<L, W>,
     plane: &Plane,
     place: [f32; 2],
     gained: bool,
 ) -> Option<[f32; 2]> {
     let ([x, y], [fx, fy]) = corner_of(plane, place, patch.window)?;
-    let zero = patch.light.zero;
+    let (to_right, to_below) = (simd.splat_f32s(fx), simd.splat_f32s(fy));
+    let zero = simd.splat_f32s(patch.light.zero);
     let half = (patch.window / 2) as f32;
     // Sums over rows for every column, weighed by 1, x and x^2 of the column and taken over columns modulo eight.
-    let mut lanes = [[[0.0f32; LANES]; 3]; SUMS];
+    let mut lanes = [[simd.splat_f32s(0.0); 3]; SUMS];
     for block in (0..L).step_by(LANES) {
-        let mut sums = [[0.0f32; LANES]; SUMS];
+        let mut sums = [simd.splat_f32s(0.0); SUMS];
         let row = |dy: usize| plane.run(x + block as isize, y + dy as isize, LANES + 1);
-        let mut above = between_columns::<LANES>(row(patch.rows.start), fx);
+        let mut above = simd.between_columns(row(patch.rows.start), to_right);
         for r in patch.rows.clone() {
-            let below = between_columns::<LANES>(row(r + 1), fx);
+            let below = simd.between_columns(row(r + 1), to_right);
             let (gx, gy) = (part(&patch.grad_x[r], block), part(&patch.grad_y[r], block));
             let grey = part(&patch.grey[r], block);
-            let down = [r as f32 - half; LANES];
-            let mut difference = [0.0f32; LANES];
-            let mut value = [0.0f32; LANES];
-            for i in 0..LANES {
-                difference[i] = above[i] + fy * (below[i] - above[i]) - grey[i];
-                value[i] = grey[i] - zero;
-            }
-            let products = [times(&gx, &gx), times(&gx, &gy), times(&gy, &gy)];
+            let down = simd.splat_f32s(r as f32 - half);
+            let difference = simd.sub_f32s(simd.between(above, below, to_below), grey);
+            let value = simd.sub_f32s(grey, zero);
+            let products = [simd.mul_f32s(gx, gx), simd.mul_f32s(gx, gy), simd.mul_f32s(gy, gy)];
             for k in 0..3 {
-                let sloped = times(&down, &products[k]);
-                add(&mut sums[3 * k], &products[k]);
-                add(&mut sums[3 * k + 1], &sloped);
-                add(&mut sums[3 * k + 2], &times(&down, &sloped));
+                let sloped = simd.mul_f32s(down, products[k]);
+                simd.add_to(&mut sums[3 * k], products[k]);
+                simd.add_to(&mut sums[3 * k + 1], sloped);
+                simd.add_product(&mut sums[3 * k + 2], down, sloped);
             }
-            let by_value = [times(&gx, &value), times(&gy, &value)];
-            let by_difference = [times(&gx, &difference), times(&gy, &difference)];
+            let by_value = [simd.mul_f32s(gx, value), simd.mul_f32s(gy, value)];
+            let by_difference = [simd.mul_f32s(gx, difference), simd.mul_f32s(gy, difference)];
             let terms = [by_value[0], by_value[1], gx, gy, by_difference[0], by_difference[1]];
             for k in 0..6 {
-                add(&mut sums[LINES + 2 * k], &terms[k]);
-                add(&mut sums[LINES + 2 * k + 1], &times(&down, &terms[k]));
+                simd.add_to(&mut sums[LINES + 2 * k], terms[k]);
+                simd.add_product(&mut sums[LINES + 2 * k + 1], down, terms[k]);
             }
-            add(&mut sums[PLAIN], &times(&difference, &value));
-            add(&mut sums[PLAIN + 1], &difference);
-            add(&mut sums[PLAIN + 2], &value);
-            add(&mut sums[PLAIN + 3], &times(&value, &value));
-            add(&mut sums[PLAIN + 4], &times(&difference, &difference));
+            simd.add_product(&mut sums[PLAIN], difference, value);
+            simd.add_to(&mut sums[PLAIN + 1], difference);
+            simd.add_to(&mut sums[PLAIN + 2], value);
+            simd.add_product(&mut sums[PLAIN + 3], value, value);
+            simd.add_product(&mut sums[PLAIN + 4], difference, difference);
             above = below;
         }
-        let columns = part(&patch.columns, block);
-        let mut weights = [[0.0f32; LANES]; 3];
+        let mut across = [0.0f32; LANES];
         for i in 0..LANES {
-            let across = (block + i) as f32 - half;
-            weights[0][i] = columns[i];
-            weights[1][i] = columns[i] * across;
-            weights[2][i] = columns[i] * across * across;
+            across[i] = (block + i) as f32 - half;
         }
+        let (columns, across) = (part(&patch.columns, block), part(&across, 0));
+        let once = simd.mul_f32s(columns, across);
+        let weights = [columns, once, simd.mul_f32s(once, across)];
         for k in 0..SUMS {
             for power in 0..3 {
-                for i in 0..LANES {
-                    lanes[k][power][i] += sums[k][i] * weights[power][i];
-                }
+                simd.add_product(&mut lanes[k][power], sums[k], weights[power]);
             }
         }
     }
     let mut total = [[0.0f64; 3]; SUMS];
     for k in 0..SUMS {
         for power in 0..3 {
-            let s = &lanes[k][power];
-            total[k][power] = f64::from(((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7])));
+            total[k][power] = f64::from(sum_of(lanes[k][power]));
         }
     }
-    let count = patch.rows.len() as f32 * patch.total(&[1.0; L]);
-    solve(&total, f64::from(count), gained)
+    solve(&total, f64::from(patch.count(simd)), gained)
 }
 
 /// The shift from the sums over `count` pixels: unknowns are taken out one by one, `M` last, so that what the others lower is known before it.

@@ -21,6 +21,10 @@ pub struct KltConfig {
     pub window: usize,
     /// Images in the pyramid, the full one among them, 1 to 6. Default 4, VINS-Mono's.
     pub levels: usize,
+    /// Images in the pyramid for a point whose way is foreseen, 1 to 6; one that is lost so is looked for again with `levels`. Default 2.
+    ///
+    /// The way is foreseen where the camera's turn is known and what the point moved beyond it between the last two images.
+    pub foreseen_levels: usize,
     /// Most Gauss-Newton steps a level, 1 to 100. Default 30, OpenCV's.
     pub iterations: usize,
     /// A step below this ends the search \[px\], above 0, at most 1. Default .01, OpenCV's.
@@ -46,6 +50,7 @@ impl Default for KltConfig {
         Self {
             window: 21,
             levels: 4,
+            foreseen_levels: 2,
             iterations: 30,
             epsilon_px: 0.01,
             min_eigenvalue: 0.1,
@@ -64,6 +69,7 @@ impl Validate for KltConfig {
         let (window, epsilon) = (self.window, self.epsilon_px);
         faults.check((7..=29).contains(&window) && window % 2 == 1, "window", window, "odd, 7 to 29");
         faults.within("levels", self.levels, 1, 6);
+        faults.within("foreseen_levels", self.foreseen_levels, 1, 6);
         faults.within("iterations", self.iterations, 1, 100);
         faults.within("min_correlation", self.min_correlation, 0.0, 1.0);
         faults.check(epsilon > 0.0 && epsilon <= 1.0, "epsilon_px", epsilon, "above 0, at most 1");

@@ -1,42 +1,41 @@
 //! Whether what was found looks like what was looked for.
 
-// With indices the loops read as the formulas do, and the compiler makes vectors of them.
-#![allow(clippy::needless_range_loop)]
-
-use super::patch::{Patch, between_columns, corner_of};
+use super::lanes::{LANES, Lanes, Sums, part};
+use super::patch::{Patch, corner_of};
 use crate::frontend::image::Plane;
 
 /// The correlation of the patch with the window of `plane` around `centre`, -1 to 1; 0 where one of the two is flat, or there is no
 /// window.
 #[inline(always)]
-pub(super) fn likeness<const L: usize, const W: usize>(
+pub(super) fn likeness<S: Lanes, const L: usize, const W: usize>(
+    simd: S,
     patch: &Patch<L, W>,
     plane: &Plane,
     centre: [f32; 2],
 ) -> f32 {
     let Some(([x, y], [fx, fy])) = corner_of(plane, centre, patch.window) else { return 0.0 };
-    let zero = patch.light.zero;
-    let mut sums = [[0.0f32; L]; 5];
-    let row = |dy: usize| plane.run(x, y + dy as isize, L + 1);
-    let mut above = between_columns::<L>(row(patch.rows.start), fx);
-    for r in patch.rows.clone() {
-        let below = between_columns::<L>(row(r + 1), fx);
-        let grey = &patch.grey[r];
-        for i in 0..L {
-            let a = grey[i] - zero;
-            let b = above[i] + fy * (below[i] - above[i]) - zero;
-            sums[0][i] += a;
-            sums[1][i] += b;
-            sums[2][i] += a * a;
-            sums[3][i] += a * b;
-            sums[4][i] += b * b;
+    let (right, down) = (simd.splat_f32s(fx), simd.splat_f32s(fy));
+    let zero = simd.splat_f32s(patch.light.zero);
+    let mut lanes = Sums::<S, 5>::new(simd);
+    for block in (0..L).step_by(LANES) {
+        let mut sums = [simd.splat_f32s(0.0); 5];
+        let row = |dy: usize| plane.run(x + block as isize, y + dy as isize, LANES + 1);
+        let mut above = simd.between_columns(row(patch.rows.start), right);
+        for r in patch.rows.clone() {
+            let below = simd.between_columns(row(r + 1), right);
+            let a = simd.sub_f32s(part(&patch.grey[r], block), zero);
+            let b = simd.sub_f32s(simd.between(above, below, down), zero);
+            simd.add_to(&mut sums[0], a);
+            simd.add_to(&mut sums[1], b);
+            simd.add_product(&mut sums[2], a, a);
+            simd.add_product(&mut sums[3], a, b);
+            simd.add_product(&mut sums[4], b, b);
+            above = below;
         }
-        above = below;
+        lanes.add(&sums, part(&patch.columns, block));
     }
-    let [s0, s1, s2, s3, s4] = &sums;
-    let [a, b] = [patch.total(s0), patch.total(s1)];
-    let [aa, ab, bb] = [patch.total(s2), patch.total(s3), patch.total(s4)];
-    let inverse = 1.0 / (patch.rows.len() as f32 * patch.total(&[1.0; L])).max(1.0);
+    let [a, b, aa, ab, bb] = lanes.totals();
+    let inverse = 1.0 / patch.count(simd).max(1.0);
     let (va, vb) = (aa - a * a * inverse, bb - b * b * inverse);
     let spread = (va * vb).sqrt();
     // NaN, where rounding made a variance negative, is not above.
@@ -48,6 +47,7 @@ mod tests {
     use super::super::Illumination;
     use super::*;
     use dpn_core::GrayImage;
+    use pulp::Scalar256b;
 
     fn plane(value: impl Fn(usize, usize) -> f64) -> Plane {
         Plane::new(GrayImage::from_fn(60, 50, |x, y| value(x, y).round() as u8).unwrap().view())
@@ -67,8 +67,9 @@ mod tests {
             // In the middle, and at the edge, where half of the window is outside.
             for centre in [[30.2, 25.7], [2.5, 47.25]] {
                 let mut patch = Patch::<24, 32>::new(21);
-                assert!(patch.take(&plane(scene), centre, illumination));
-                let of = |value: &dyn Fn(usize, usize) -> f64| likeness(&patch, &plane(value), centre);
+                assert!(patch.take(Scalar256b, &plane(scene), centre, illumination));
+                let of =
+                    |value: &dyn Fn(usize, usize) -> f64| likeness(Scalar256b, &patch, &plane(value), centre);
                 assert!(of(&scene) > 0.9999);
                 assert!(of(&|x, y| 0.5 * scene(x, y) + 70.0) > 0.99);
                 assert!(of(&|x, y| 255.0 - scene(x, y)) < -0.999);
@@ -76,8 +77,8 @@ mod tests {
                 assert_eq!(of(&|_, _| 130.0), 0.0);
             }
             let mut patch = Patch::<24, 32>::new(21);
-            assert!(patch.take(&plane(scene), [30.0, 25.0], illumination));
-            assert_eq!(likeness(&patch, &plane(scene), [f32::NAN, 3.0]), 0.0);
+            assert!(patch.take(Scalar256b, &plane(scene), [30.0, 25.0], illumination));
+            assert_eq!(likeness(Scalar256b, &patch, &plane(scene), [f32::NAN, 3.0]), 0.0);
         }
     }
 }

@@ -17,6 +17,7 @@
 
 mod affine;
 mod config;
+mod lanes;
 mod likeness;
 mod patch;
 mod search;

@@ -1,16 +1,15 @@
 //! The window that is looked for: grey values, gradients, and their normal matrix.
 //!
-//! Rows are arrays of `L` numbers, a multiple of eight and at least two more than the window is wide, so that every loop over them is
-//! whole vectors. What columns past the window, or outside the image, add to a sum is taken out of its lanes in the end; rows outside the
-//! image are left out. Their mirrored values are no measurement.
+//! Rows are arrays of `L` numbers, a multiple of [`LANES`] and at least two more than the window is wide, so that every loop over them is
+//! whole vectors. Sums are taken down the rows of [`LANES`] columns, which stay in registers, then of the next. What columns past the
+//! window, or outside the image, add to a sum is taken out of its lanes in the end; rows outside the image are left out. Their mirrored
+//! values are no measurement.
 //!
 //! Where light may change, gradients made orthogonal to a constant and to the grey values `I` stand in the normal equations. They need not
 //! be made: with `c = I - mean I` and `k = sum(c g) / sum(c c)`, sums over `g - mean g - k c` follow from sums over `g`, `I` and 1.
 
-// With indices the loops read as the formulas do, and the compiler makes vectors of them.
-#![allow(clippy::needless_range_loop)]
-
 use super::config::Illumination;
+use super::lanes::{LANES, Lanes, Sums, part, put};
 use crate::frontend::image::Plane;
 use std::ops::Range;
 
@@ -50,18 +49,6 @@ pub(super) struct Light {
     slope: [f32; 2],
 }
 
-/// Grey values of `L` columns half-way between two, `weight` to the right one.
-#[inline(always)]
-pub(super) fn between_columns<const L: usize>(pixels: &[u8], weight: f32) -> [f32; L] {
-    let (left, right) = (&pixels[..L], &pixels[1..][..L]);
-    let mut out = [0.0; L];
-    for i in 0..L {
-        let (a, b) = (f32::from(left[i]), f32::from(right[i]));
-        out[i] = a + weight * (b - a);
-    }
-    out
-}
-
 /// A position as whole pixels and what is left, or nothing where a window there would leave the border.
 #[inline(always)]
 pub(super) fn corner_of(plane: &Plane, centre: [f32; 2], window: usize) -> Option<([isize; 2], [f32; 2])> {
@@ -93,32 +80,38 @@ impl<const L: usize, const W: usize> Patch<L, W> {
         }
     }
 
-    /// The sum of the lanes that count, the same on every machine.
+    /// How many pixels count.
     #[inline(always)]
-    pub(super) fn total(&self, lanes: &[f32; L]) -> f32 {
-        let mut sums = [0.0; 8];
-        for (chunk, columns) in lanes.chunks_exact(8).zip(self.columns.chunks_exact(8)) {
-            for i in 0..8 {
-                sums[i] += chunk[i] * columns[i];
-            }
+    pub(super) fn count<S: Lanes>(&self, simd: S) -> f32 {
+        let mut columns = Sums::new(simd);
+        for block in (0..L).step_by(LANES) {
+            columns.add(&[simd.splat_f32s(1.0)], part(&self.columns, block));
         }
-        ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7]))
+        let [columns] = columns.totals();
+        self.rows.len() as f32 * columns
     }
 
     /// Takes the window around `centre`; `false` where there is none.
     #[inline(always)]
-    pub(super) fn take(&mut self, plane: &Plane, centre: [f32; 2], illumination: Illumination) -> bool {
+    pub(super) fn take<S: Lanes>(
+        &mut self,
+        simd: S,
+        plane: &Plane,
+        centre: [f32; 2],
+        illumination: Illumination,
+    ) -> bool {
         let window = self.window;
         let Some(([x, y], [fx, fy])) = corner_of(plane, centre, window) else { return false };
 
-        let row = |dy: usize| plane.run(x - 1, y - 1 + dy as isize, W + 1);
-        let mut above = between_columns::<W>(row(0), fx);
-        for (dy, out) in self.wide.iter_mut().enumerate().take(window + 2) {
-            let below = between_columns::<W>(row(dy + 1), fx);
-            for i in 0..W {
-                out[i] = above[i] + fy * (below[i] - above[i]);
+        let (right, down) = (simd.splat_f32s(fx), simd.splat_f32s(fy));
+        for block in (0..W).step_by(LANES) {
+            let row = |dy: usize| plane.run(x - 1 + block as isize, y - 1 + dy as isize, LANES + 1);
+            let mut above = simd.between_columns(row(0), right);
+            for (dy, out) in self.wide.iter_mut().enumerate().take(window + 2) {
+                let below = simd.between_columns(row(dy + 1), right);
+                put(out, block, simd.between(above, below, down));
+                above = below;
             }
-            above = below;
         }
         self.columns = inside(x as f32 + fx, plane.width(), window);
         let rows: [f32; L] = inside(y as f32 + fy, plane.height(), window);
@@ -126,56 +119,57 @@ impl<const L: usize, const W: usize> Patch<L, W> {
         let count = rows.iter().filter(|row| **row > 0.0).count();
         self.rows = first..first + count;
         match illumination {
-            Illumination::Constant => self.sum_up::<false>(),
-            Illumination::GainOffset => self.sum_up::<true>(),
+            Illumination::Constant => self.sum_up::<S, false>(simd),
+            Illumination::GainOffset => self.sum_up::<S, true>(simd),
         }
         true
     }
 
     /// Gradients, and the sums over them.
     #[inline(always)]
-    fn sum_up<const GAINED: bool>(&mut self) {
+    fn sum_up<S: Lanes, const GAINED: bool>(&mut self, simd: S) {
         let middle = self.window / 2;
         let zero = self.wide[middle + 1][middle + 1];
-        let mut products = [[0.0f32; L]; 3];
-        let mut lights = [[0.0f32; L]; 6];
-        for r in self.rows.clone() {
-            let [a, b, c] = [&self.wide[r], &self.wide[r + 1], &self.wide[r + 2]];
-            let (grey, grad_x, grad_y) = (&mut self.grey[r], &mut self.grad_x[r], &mut self.grad_y[r]);
-            for i in 0..L {
-                let left = 3.0 * (a[i] + c[i]) + 10.0 * b[i];
-                let right = 3.0 * (a[i + 2] + c[i + 2]) + 10.0 * b[i + 2];
-                let sides = (c[i] - a[i]) + (c[i + 2] - a[i + 2]);
-                let (gx, gy) = (
-                    (right - left) * (1.0 / 32.0),
-                    (3.0 * sides + 10.0 * (c[i + 1] - a[i + 1])) * (1.0 / 32.0),
-                );
-                (grey[i], grad_x[i], grad_y[i]) = (b[i + 1], gx, gy);
-                products[0][i] += gx * gx;
-                products[1][i] += gx * gy;
-                products[2][i] += gy * gy;
+        let [three, ten, share] = [simd.splat_f32s(3.0), simd.splat_f32s(10.0), simd.splat_f32s(1.0 / 32.0)];
+        let zeros = simd.splat_f32s(zero);
+        let mut lanes = Sums::<S, 9>::new(simd);
+        for block in (0..L).step_by(LANES) {
+            let mut sums = [simd.splat_f32s(0.0); 9];
+            for r in self.rows.clone() {
+                let [a, b, c] = [&self.wide[r], &self.wide[r + 1], &self.wide[r + 2]];
+                let [a0, a1, a2] = [part(a, block), part(a, block + 1), part(a, block + 2)];
+                let [b0, b1, b2] = [part(b, block), part(b, block + 1), part(b, block + 2)];
+                let [c0, c1, c2] = [part(c, block), part(c, block + 1), part(c, block + 2)];
+                let left = simd.add_f32s(simd.mul_f32s(three, simd.add_f32s(a0, c0)), simd.mul_f32s(ten, b0));
+                let right =
+                    simd.add_f32s(simd.mul_f32s(three, simd.add_f32s(a2, c2)), simd.mul_f32s(ten, b2));
+                let sides = simd.add_f32s(simd.sub_f32s(c0, a0), simd.sub_f32s(c2, a2));
+                let gx = simd.mul_f32s(simd.sub_f32s(right, left), share);
+                let down = simd.mul_f32s(ten, simd.sub_f32s(c1, a1));
+                let gy = simd.mul_f32s(simd.add_f32s(simd.mul_f32s(three, sides), down), share);
+                simd.add_product(&mut sums[0], gx, gx);
+                simd.add_product(&mut sums[1], gx, gy);
+                simd.add_product(&mut sums[2], gy, gy);
                 if GAINED {
-                    let above = b[i + 1] - zero;
-                    lights[0][i] += above;
-                    lights[1][i] += above * above;
-                    lights[2][i] += gx;
-                    lights[3][i] += gy;
-                    lights[4][i] += above * gx;
-                    lights[5][i] += above * gy;
+                    let above = simd.sub_f32s(b1, zeros);
+                    simd.add_to(&mut sums[3], above);
+                    simd.add_product(&mut sums[4], above, above);
+                    simd.add_to(&mut sums[5], gx);
+                    simd.add_to(&mut sums[6], gy);
+                    simd.add_product(&mut sums[7], above, gx);
+                    simd.add_product(&mut sums[8], above, gy);
                 }
+                put(&mut self.grey[r], block, b1);
+                put(&mut self.grad_x[r], block, gx);
+                put(&mut self.grad_y[r], block, gy);
             }
+            lanes.add(&sums, part(&self.columns, block));
         }
-        // Written out: a closure in `map` may end up outside of the code compiled for the machine's vectors.
-        let [p0, p1, p2] = &products;
-        let [xx, xy, yy] = [self.total(p0), self.total(p1), self.total(p2)];
+        let [xx, xy, yy, grey, squares, x, y, grey_x, grey_y] = lanes.totals();
         self.normal = [xx, xy, yy];
         self.light = Light { zero, ..Light::default() };
         if GAINED {
-            let count = self.rows.len() as f32 * self.total(&[1.0; L]);
-            let inverse = 1.0 / count.max(1.0);
-            let [l0, l1, l2, l3, l4, l5] = &lights;
-            let [grey, squares, x] = [self.total(l0), self.total(l1), self.total(l2)];
-            let [y, grey_x, grey_y] = [self.total(l3), self.total(l4), self.total(l5)];
+            let inverse = 1.0 / self.count(simd).max(1.0);
             let (mean, gradient) = (grey * inverse, [x * inverse, y * inverse]);
             let contrast = (squares - mean * grey).max(0.0);
             // Of c times the gradient.
@@ -222,6 +216,7 @@ fn inside<const L: usize>(first: f32, size: usize, window: usize) -> [f32; L] {
 mod tests {
     use super::*;
     use dpn_core::GrayImage;
+    use pulp::Scalar256b;
 
     type Small = Patch<24, 32>;
 
@@ -236,7 +231,7 @@ mod tests {
     fn gradients_are_those_of_the_surface() {
         let plane = wavy(100, 80);
         let mut patch = Small::new(21);
-        assert!(patch.take(&plane, [50.3, 40.6], Illumination::Constant));
+        assert!(patch.take(Scalar256b, &plane, [50.3, 40.6], Illumination::Constant));
         for r in 0..21 {
             for i in 0..21 {
                 let (x, y) = (40.3 + i as f64, 30.6 + r as f64);
@@ -263,15 +258,15 @@ mod tests {
         let plane = wavy(100, 80);
         let mut patch = Small::new(21);
         for illumination in [Illumination::Constant, Illumination::GainOffset] {
-            assert!(patch.take(&plane, [3.5, 78.25], illumination));
+            assert!(patch.take(Scalar256b, &plane, [3.5, 78.25], illumination));
             // Columns -6.5 to 13.5: the first seven are outside. Rows 68.25 to 88.25: the last ten are.
             assert_eq!(patch.rows, 0..11);
-            assert_eq!((patch.total(&[1.0; 24]), pixels(&patch).len()), (14.0, 14 * 11));
+            assert_eq!((patch.count(Scalar256b), pixels(&patch).len()), (14.0 * 11.0, 14 * 11));
         }
-        assert!(patch.take(&plane, [50.0, -3.25], Illumination::Constant));
+        assert!(patch.take(Scalar256b, &plane, [50.0, -3.25], Illumination::Constant));
         assert_eq!(patch.rows, 14..21);
-        assert!(!patch.take(&plane, [-12.0, 40.0], Illumination::Constant));
-        assert!(!patch.take(&plane, [f32::NAN, 40.0], Illumination::Constant));
+        assert!(!patch.take(Scalar256b, &plane, [-12.0, 40.0], Illumination::Constant));
+        assert!(!patch.take(Scalar256b, &plane, [f32::NAN, 40.0], Illumination::Constant));
     }
 
     #[test]
@@ -279,7 +274,7 @@ mod tests {
         let plane = wavy(100, 80);
         let mut patch = Small::new(21);
         for centre in [[50.2, 40.6], [96.2, 40.6], [3.5, 78.25]] {
-            assert!(patch.take(&plane, centre, Illumination::GainOffset));
+            assert!(patch.take(Scalar256b, &plane, centre, Illumination::GainOffset));
             let pixels = pixels(&patch);
             let n = pixels.len() as f64;
             let mean = [0, 1, 2].map(|k| pixels.iter().map(|p| p[k]).sum::<f64>() / n);

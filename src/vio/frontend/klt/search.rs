@@ -1,7 +1,8 @@
 //! The Gauss-Newton search on one level.
 
 use super::config::{Illumination, KltConfig};
-use super::patch::{Patch, between_columns, corner_of};
+use super::lanes::{LANES, Lanes, Sums, part};
+use super::patch::{Patch, corner_of};
 use crate::frontend::image::Plane;
 
 /// A gain is trusted between these when a step is scaled by it; far from the goal it says nothing.
@@ -20,36 +21,40 @@ pub(super) enum Outcome {
 
 /// Sums of one look at the second image: difference times gradient in x and y, times grey value, and alone.
 #[inline(always)]
-fn look<const L: usize, const W: usize, const GAINED: bool>(
+fn look<S: Lanes, const L: usize, const W: usize, const GAINED: bool>(
+    simd: S,
     patch: &Patch<L, W>,
     plane: &Plane,
     [x, y]: [isize; 2],
     [fx, fy]: [f32; 2],
 ) -> [f32; 4] {
-    let mut sums = [[0.0f32; L]; 4];
-    let row = |dy: usize| plane.run(x, y + dy as isize, L + 1);
-    let mut above = between_columns::<L>(row(patch.rows.start), fx);
-    for r in patch.rows.clone() {
-        let below = between_columns::<L>(row(r + 1), fx);
-        let (grey, grad_x, grad_y) = (&patch.grey[r], &patch.grad_x[r], &patch.grad_y[r]);
-        for i in 0..L {
-            let difference = above[i] + fy * (below[i] - above[i]) - grey[i];
-            sums[0][i] += difference * grad_x[i];
-            sums[1][i] += difference * grad_y[i];
+    let (right, down) = (simd.splat_f32s(fx), simd.splat_f32s(fy));
+    let mut lanes = Sums::<S, 4>::new(simd);
+    for block in (0..L).step_by(LANES) {
+        let mut sums = [simd.splat_f32s(0.0); 4];
+        let row = |dy: usize| plane.run(x + block as isize, y + dy as isize, LANES + 1);
+        let mut above = simd.between_columns(row(patch.rows.start), right);
+        for r in patch.rows.clone() {
+            let below = simd.between_columns(row(r + 1), right);
+            let grey = part(&patch.grey[r], block);
+            let difference = simd.sub_f32s(simd.between(above, below, down), grey);
+            simd.add_product(&mut sums[0], difference, part(&patch.grad_x[r], block));
+            simd.add_product(&mut sums[1], difference, part(&patch.grad_y[r], block));
             if GAINED {
-                sums[2][i] += difference * grey[i];
-                sums[3][i] += difference;
+                simd.add_product(&mut sums[2], difference, grey);
+                simd.add_to(&mut sums[3], difference);
             }
+            above = below;
         }
-        above = below;
+        lanes.add(&sums, part(&patch.columns, block));
     }
-    let [x, y] = [patch.total(&sums[0]), patch.total(&sums[1])];
-    if GAINED { [x, y, patch.total(&sums[2]), patch.total(&sums[3])] } else { [x, y, 0.0, 0.0] }
+    lanes.totals()
 }
 
 /// Where the patch is in `plane`, from `start` on, to a step of `epsilon` \[px of this level\].
 #[inline(always)]
-pub(super) fn search<const L: usize, const W: usize>(
+pub(super) fn search<S: Lanes, const L: usize, const W: usize>(
+    simd: S,
     patch: &Patch<L, W>,
     plane: &Plane,
     start: [f32; 2],
@@ -71,9 +76,9 @@ pub(super) fn search<const L: usize, const W: usize>(
     for iteration in 0..config.iterations {
         let Some((corner, rest)) = corner_of(plane, place, patch.window) else { return Outcome::Outside };
         let [bx, by, excess] = if gained {
-            patch.light.taken_out(look::<L, W, true>(patch, plane, corner, rest))
+            patch.light.taken_out(look::<S, L, W, true>(simd, patch, plane, corner, rest))
         } else {
-            let [x, y, ..] = look::<L, W, false>(patch, plane, corner, rest);
+            let [x, y, ..] = look::<S, L, W, false>(simd, patch, plane, corner, rest);
             [x, y, 0.0]
         };
         let gain = (1.0 + excess).clamp(*GAIN.start(), *GAIN.end());

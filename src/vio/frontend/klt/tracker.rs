@@ -2,12 +2,12 @@
 
 use super::affine::refine;
 use super::config::{Illumination, KltConfig};
+use super::lanes::{Lanes, OnLanes, dispatch};
 use super::likeness::likeness;
 use super::patch::Patch;
 use super::search::{Outcome, search};
 use crate::frontend::image::Pyramid;
 use crate::frontend::report::LostBy;
-use pulp::{Arch, Simd, WithSimd};
 
 /// What is not the last search ends at so many times the step.
 const COARSE: f32 = 4.0;
@@ -50,7 +50,7 @@ impl Klt {
     ) -> Vec<Result<[f32; 2], LostBy>> {
         let mut out = Vec::with_capacity(points.len());
         let job = Job { config: &self.config, from, to, points, levels, out: &mut out };
-        Arch::new().dispatch(job);
+        dispatch(job);
         out
     }
 }
@@ -64,32 +64,31 @@ struct Job<'a> {
     out: &'a mut Vec<Result<[f32; 2], LostBy>>,
 }
 
-impl WithSimd for Job<'_> {
-    type Output = ();
-
+impl OnLanes for Job<'_> {
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
+    fn run<S: Lanes>(self, simd: S) {
         match self.config.window {
-            0..=14 => self.run::<16, 24>(),
-            15..=22 => self.run::<24, 32>(),
-            _ => self.run::<32, 40>(),
+            0..=14 => self.each::<S, 16, 24>(simd),
+            15..=22 => self.each::<S, 24, 32>(simd),
+            _ => self.each::<S, 32, 40>(simd),
         }
     }
 }
 
 impl Job<'_> {
     #[inline(always)]
-    fn run<const L: usize, const W: usize>(self) {
+    fn each<S: Lanes, const L: usize, const W: usize>(self, simd: S) {
         let levels = self.levels.min(self.from.planes().len()).min(self.to.planes().len());
         let mut patch = Patch::<L, W>::new(self.config.window);
         for point in self.points {
-            self.out.push(one(&mut patch, self.config, self.from, self.to, point, levels));
+            self.out.push(one(simd, &mut patch, self.config, self.from, self.to, point, levels));
         }
     }
 }
 
 #[inline(always)]
-fn one<const L: usize, const W: usize>(
+fn one<S: Lanes, const L: usize, const W: usize>(
+    simd: S,
     patch: &mut Patch<L, W>,
     config: &KltConfig,
     from: &Pyramid,
@@ -103,7 +102,7 @@ fn one<const L: usize, const W: usize>(
         let centre = point.from.map(|c| c * scale);
         let start = [centre[0] + shift[0] * scale, centre[1] + shift[1] * scale];
         // On a coarse level a point that cannot be found keeps its guess; the finest decides.
-        if !patch.take(&from.planes()[level], centre, config.illumination) {
+        if !patch.take(simd, &from.planes()[level], centre, config.illumination) {
             if level == 0 {
                 return Err(LostBy::Outside);
             }
@@ -112,7 +111,7 @@ fn one<const L: usize, const W: usize>(
         // A finer level, or the affine step, goes on from here.
         let coarse = level > 0 || config.affine;
         let epsilon = if coarse { COARSE } else { 1.0 } * config.epsilon_px as f32;
-        match search(patch, &to.planes()[level], start, config, epsilon) {
+        match search(simd, patch, &to.planes()[level], start, config, epsilon) {
             Outcome::At(place) => shift = [0, 1].map(|i| (place[i] - centre[i]) / scale),
             Outcome::Outside if level == 0 => return Err(LostBy::Outside),
             Outcome::Flat if level == 0 => return Err(LostBy::Flat),
@@ -124,7 +123,7 @@ fn one<const L: usize, const W: usize>(
     if config.affine && levels > 0 {
         let gained = config.illumination == Illumination::GainOffset;
         // Where nothing finer can be told the shift stands; whether it looks alike is asked below.
-        let step = refine(patch, base, place, gained).unwrap_or_default();
+        let step = refine(simd, patch, base, place, gained).unwrap_or_default();
         place = [place[0] + step[0], place[1] + step[1]];
     }
     let inside = (0.0..=(base.width() - 1) as f32).contains(&place[0])
@@ -134,7 +133,7 @@ fn one<const L: usize, const W: usize>(
     }
     // With one level at least the patch is the finest one's now.
     let least = config.min_correlation as f32;
-    let alike = least == 0.0 || levels == 0 || likeness(patch, base, place) >= least;
+    let alike = least == 0.0 || levels == 0 || likeness(simd, patch, base, place) >= least;
     if alike { Ok(place) } else { Err(LostBy::Unlike) }
 }
 

@@ -106,6 +106,29 @@ fn counts_of_a_report_add_up_and_numbers_are_never_used_twice() {
     assert!(last.agreement.is_some_and(|a| a.agreed * 100 >= a.asked * 95), "{:?}", last.agreement);
 }
 
+/// Sideways, faster and faster: in the end 30 px an image, which no gyroscope foresees, and which two levels do not reach.
+#[test]
+fn what_points_moved_beyond_the_turn_last_time_is_foreseen() {
+    let wall = Wall::new(7);
+    let path = |i: usize| Isometry3::translation(0.02 * (i * i) as f64 - 1.0, 0.0, 0.0);
+    let mut config = config();
+    (config.klt.levels, config.klt.foreseen_levels) = (2, 2);
+    let (early, late) = (3, 12);
+    let fed = fly(&wall, config, late + 1, path, true);
+    let frames: Vec<TrackFrame> = fed.iter().filter_map(|fed| fed.frame.clone()).collect();
+    assert!(fed[late].report.motion_px > 20.0, "{:?}", fed[late].report);
+    let kept: BTreeMap<_, _> = frames[late].tracks.iter().map(|track| (track.id, track.px)).collect();
+    let (mut in_sight, mut followed) = (0, 0);
+    for track in &frames[early].tracks {
+        let expected = wall.moved(&track.px, &path(early), &path(late));
+        if wall.camera.contains(&expected, 15.0) {
+            in_sight += 1;
+            followed += usize::from(kept.get(&track.id).is_some_and(|px| (px - expected).norm() < 0.5));
+        }
+    }
+    assert!(in_sight > 15 && followed * 10 >= in_sight * 8, "{followed} of {in_sight}");
+}
+
 #[test]
 fn the_gyroscope_carries_tracks_through_a_fast_turn() {
     let wall = Wall::new(3);
