@@ -300,17 +300,13 @@ mod tests {
                 sum(&|p| difference(p) * p[0]),
                 sum(&difference),
             ];
-            let ours = patch.light.taken_out(raw.map(|v| v as f32));
-            for k in 0..2 {
+            let [x, y, excess] = patch.light.taken_out(raw.map(|v| v as f32));
+            for (k, ours) in [x, y].into_iter().enumerate() {
                 let theirs = sum(&|p| difference(p) * made(p)[k]);
-                assert!(
-                    (f64::from(ours[k]) - theirs).abs() < 2e-3 * normal[0],
-                    "{centre:?}: {} {theirs}",
-                    ours[k]
-                );
+                assert!((f64::from(ours) - theirs).abs() < 2e-3 * normal[0], "{centre:?}: {ours} {theirs}");
             }
             let gain = sum(&|p| difference(p) * (p[0] - mean[0])) / contrast;
-            assert!((f64::from(ours[2]) - gain).abs() < 1e-3, "{} {gain}", ours[2]);
+            assert!((f64::from(excess) - gain).abs() < 1e-3, "{excess} {gain}");
         }
     }
 }
