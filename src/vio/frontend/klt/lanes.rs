@@ -1,4 +1,4 @@
-//! Eight numbers at a time, said outright: of loops over eight the compiler makes single numbers, which take five times as long.
+//! Eight numbers at a time, said outright: of loops over eight the compiler makes single numbers, and a search takes twice as long.
 //!
 //! Sums are taken eight columns at a time on every machine, and nothing is fused, so that the same numbers come out on all of them.
 
