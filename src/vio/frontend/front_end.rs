@@ -308,31 +308,32 @@ impl FrontEnd {
             });
             px.map(|px| [px.x as f32, px.y as f32])
         };
-        let turned: Vec<Option<[f32; 2]>> = self.points.iter().map(by_turn).collect();
+        let by_turn: Vec<Option<[f32; 2]>> = self.points.iter().map(by_turn).collect();
         let klt = self.config.klt;
-        let mut found = vec![Err(LostBy::Outside); self.points.len()];
-        let foreseen = |(at, (point, turned)): (usize, (&Point, &Option<[f32; 2]>))| {
-            let (by_turn, drift) = ((*turned)?, point.drift?);
-            let guess = [0, 1].map(|i| by_turn[i] + drift[i] * seconds as f32);
-            Some((at, Shift { from: point.px, guess }))
+        let shift = |at: usize, guess: [f32; 2]| (at, Shift { from: self.points[at].px, guess });
+        let foreseen = |at: usize| {
+            let (by_turn, drift) = (by_turn[at]?, self.points[at].drift?);
+            Some(shift(at, [0, 1].map(|i| by_turn[i] + drift[i] * seconds as f32)))
         };
-        let near: Vec<(usize, Shift)> =
-            self.points.iter().zip(&turned).enumerate().filter_map(foreseen).collect();
+        let near: Vec<(usize, Shift)> = (0..self.points.len()).filter_map(foreseen).collect();
+        // Who is not looked for near is looked for far: every answer is written over.
+        let mut found = vec![Err(LostBy::Outside); self.points.len()];
         self.there_and_back(&near, klt.foreseen_levels, &mut found);
         // Who was not found near where it was foreseen, or has no past, is looked for from farther away.
-        let far: Vec<(usize, Shift)> = (self.points.iter().zip(&turned).enumerate())
-            .filter(|(at, _)| found[*at].is_err())
-            .map(|(at, (point, turned))| (at, Shift { from: point.px, guess: turned.unwrap_or(point.px) }))
+        let far: Vec<(usize, Shift)> = (0..self.points.len())
+            .filter(|at| found[*at].is_err())
+            .map(|at| shift(at, by_turn[at].unwrap_or(self.points[at].px)))
             .collect();
         self.there_and_back(&far, klt.levels, &mut found);
 
         let mut distances = Vec::with_capacity(self.points.len());
         let (camera, lines, bias) = (self.camera, self.lines, self.gyro_bias.bias());
-        let mut found = found.into_iter().zip(turned);
+        let mut found = found.into_iter().zip(by_turn);
         self.points.retain_mut(|point| {
-            let (place, turned) = match found.next().expect("an answer for every point") {
-                (Ok(place), turned) => (place, turned),
-                (Err(loss), _) => {
+            let (answer, by_turn) = found.next().expect("an answer for every point");
+            let place = match answer {
+                Ok(place) => place,
+                Err(loss) => {
                     report.lost.push(point.lost(loss));
                     return false;
                 }
@@ -343,7 +344,7 @@ impl FrontEnd {
             };
             distances.push(distance(place, point.px));
             (point.px, point.bearing) = (place, bearing);
-            point.drift = turned.map(|turned| [0, 1].map(|i| (place[i] - turned[i]) / seconds as f32));
+            point.drift = by_turn.map(|by_turn| [0, 1].map(|i| (place[i] - by_turn[i]) / seconds as f32));
             point.age += 1;
             true
         });

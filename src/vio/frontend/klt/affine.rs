@@ -19,6 +19,7 @@
 // With indices the loops read as the formulas do.
 #![allow(clippy::needless_range_loop)]
 
+use super::between::RowsBetween;
 use super::lanes::{LANES, Lanes, part, sum_of};
 use super::patch::{Patch, corner_of};
 use crate::frontend::image::Plane;
@@ -54,22 +55,20 @@ pub(super) fn refine<S: Lanes, const L: usize, const W: usize>(
     place: [f32; 2],
     gained: bool,
 ) -> Option<[f32; 2]> {
-    let ([x, y], [fx, fy]) = corner_of(plane, place, patch.window)?;
-    let (to_right, to_below) = (simd.splat_f32s(fx), simd.splat_f32s(fy));
+    let ([x, y], rest) = corner_of(plane, place, patch.window)?;
     let zero = simd.splat_f32s(patch.light.zero);
     let half = (patch.window / 2) as f32;
     // Sums over rows for every column, weighed by 1, x and x^2 of the column and taken over columns modulo eight.
     let mut lanes = [[simd.splat_f32s(0.0); 3]; SUMS];
     for block in (0..L).step_by(LANES) {
         let mut sums = [simd.splat_f32s(0.0); SUMS];
-        let row = |dy: usize| plane.run(x + block as isize, y + dy as isize, LANES + 1);
-        let mut above = simd.between_columns(row(patch.rows.start), to_right);
+        let mut rows =
+            RowsBetween::new(simd, plane, [x + block as isize, y + patch.rows.start as isize], rest);
         for r in patch.rows.clone() {
-            let below = simd.between_columns(row(r + 1), to_right);
             let (gx, gy) = (part(&patch.grad_x[r], block), part(&patch.grad_y[r], block));
             let grey = part(&patch.grey[r], block);
             let down = simd.splat_f32s(r as f32 - half);
-            let difference = simd.sub_f32s(simd.between(above, below, to_below), grey);
+            let difference = simd.sub_f32s(rows.next_row(), grey);
             let value = simd.sub_f32s(grey, zero);
             let products = [simd.mul_f32s(gx, gx), simd.mul_f32s(gx, gy), simd.mul_f32s(gy, gy)];
             for k in 0..3 {
@@ -90,7 +89,6 @@ pub(super) fn refine<S: Lanes, const L: usize, const W: usize>(
             simd.add_to(&mut sums[PLAIN + 2], value);
             simd.add_product(&mut sums[PLAIN + 3], value, value);
             simd.add_product(&mut sums[PLAIN + 4], difference, difference);
-            above = below;
         }
         let mut across = [0.0f32; LANES];
         for i in 0..LANES {
@@ -111,7 +109,7 @@ pub(super) fn refine<S: Lanes, const L: usize, const W: usize>(
             total[k][power] = f64::from(sum_of(lanes[k][power]));
         }
     }
-    solve(&total, f64::from(patch.count(simd)), gained)
+    solve(&total, f64::from(patch.count()), gained)
 }
 
 /// The shift from the sums over `count` pixels: unknowns are taken out one by one, `M` last, so that what the others lower is known before it.

@@ -1,5 +1,6 @@
 //! Whether what was found looks like what was looked for.
 
+use super::between::RowsBetween;
 use super::lanes::{LANES, Lanes, Sums, part};
 use super::patch::{Patch, corner_of};
 use crate::frontend::image::Plane;
@@ -13,29 +14,26 @@ pub(super) fn likeness<S: Lanes, const L: usize, const W: usize>(
     plane: &Plane,
     centre: [f32; 2],
 ) -> f32 {
-    let Some(([x, y], [fx, fy])) = corner_of(plane, centre, patch.window) else { return 0.0 };
-    let (right, down) = (simd.splat_f32s(fx), simd.splat_f32s(fy));
+    let Some(([x, y], rest)) = corner_of(plane, centre, patch.window) else { return 0.0 };
     let zero = simd.splat_f32s(patch.light.zero);
     let mut lanes = Sums::<S, 5>::new(simd);
     for block in (0..L).step_by(LANES) {
         let mut sums = [simd.splat_f32s(0.0); 5];
-        let row = |dy: usize| plane.run(x + block as isize, y + dy as isize, LANES + 1);
-        let mut above = simd.between_columns(row(patch.rows.start), right);
+        let mut rows =
+            RowsBetween::new(simd, plane, [x + block as isize, y + patch.rows.start as isize], rest);
         for r in patch.rows.clone() {
-            let below = simd.between_columns(row(r + 1), right);
             let a = simd.sub_f32s(part(&patch.grey[r], block), zero);
-            let b = simd.sub_f32s(simd.between(above, below, down), zero);
+            let b = simd.sub_f32s(rows.next_row(), zero);
             simd.add_to(&mut sums[0], a);
             simd.add_to(&mut sums[1], b);
             simd.add_product(&mut sums[2], a, a);
             simd.add_product(&mut sums[3], a, b);
             simd.add_product(&mut sums[4], b, b);
-            above = below;
         }
         lanes.add(&sums, part(&patch.columns, block));
     }
     let [a, b, aa, ab, bb] = lanes.totals();
-    let inverse = 1.0 / patch.count(simd).max(1.0);
+    let inverse = 1.0 / patch.count().max(1.0);
     let (va, vb) = (aa - a * a * inverse, bb - b * b * inverse);
     let spread = (va * vb).sqrt();
     // NaN, where rounding made a variance negative, is not above.

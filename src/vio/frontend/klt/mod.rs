@@ -16,6 +16,7 @@
 //! Source: Lucas and Kanade 1981; Bouguet 2000. Not here: forward-backward checks (the front-end's), more than one step of an affine warp.
 
 mod affine;
+mod between;
 mod config;
 mod lanes;
 mod likeness;

@@ -8,6 +8,7 @@
 //! Where light may change, gradients made orthogonal to a constant and to the grey values `I` stand in the normal equations. They need not
 //! be made: with `c = I - mean I` and `k = sum(c g) / sum(c c)`, sums over `g - mean g - k c` follow from sums over `g`, `I` and 1.
 
+use super::between::RowsBetween;
 use super::config::Illumination;
 use super::lanes::{LANES, Lanes, Sums, part, put};
 use crate::frontend::image::Plane;
@@ -81,14 +82,8 @@ impl<const L: usize, const W: usize> Patch<L, W> {
     }
 
     /// How many pixels count.
-    #[inline(always)]
-    pub(super) fn count<S: Lanes>(&self, simd: S) -> f32 {
-        let mut columns = Sums::new(simd);
-        for block in (0..L).step_by(LANES) {
-            columns.add(&[simd.splat_f32s(1.0)], part(&self.columns, block));
-        }
-        let [columns] = columns.totals();
-        self.rows.len() as f32 * columns
+    pub(super) fn count(&self) -> f32 {
+        self.rows.len() as f32 * self.columns.iter().sum::<f32>()
     }
 
     /// Takes the window around `centre`; `false` where there is none.
@@ -103,14 +98,10 @@ impl<const L: usize, const W: usize> Patch<L, W> {
         let window = self.window;
         let Some(([x, y], [fx, fy])) = corner_of(plane, centre, window) else { return false };
 
-        let (right, down) = (simd.splat_f32s(fx), simd.splat_f32s(fy));
         for block in (0..W).step_by(LANES) {
-            let row = |dy: usize| plane.run(x - 1 + block as isize, y - 1 + dy as isize, LANES + 1);
-            let mut above = simd.between_columns(row(0), right);
-            for (dy, out) in self.wide.iter_mut().enumerate().take(window + 2) {
-                let below = simd.between_columns(row(dy + 1), right);
-                put(out, block, simd.between(above, below, down));
-                above = below;
+            let mut rows = RowsBetween::new(simd, plane, [x - 1 + block as isize, y - 1], [fx, fy]);
+            for out in &mut self.wide[..window + 2] {
+                put(out, block, rows.next_row());
             }
         }
         self.columns = inside(x as f32 + fx, plane.width(), window);
@@ -169,7 +160,7 @@ impl<const L: usize, const W: usize> Patch<L, W> {
         self.normal = [xx, xy, yy];
         self.light = Light { zero, ..Light::default() };
         if GAINED {
-            let inverse = 1.0 / self.count(simd).max(1.0);
+            let inverse = 1.0 / self.count().max(1.0);
             let (mean, gradient) = (grey * inverse, [x * inverse, y * inverse]);
             let contrast = (squares - mean * grey).max(0.0);
             // Of c times the gradient.
@@ -261,7 +252,7 @@ mod tests {
             assert!(patch.take(Scalar256b, &plane, [3.5, 78.25], illumination));
             // Columns -6.5 to 13.5: the first seven are outside. Rows 68.25 to 88.25: the last ten are.
             assert_eq!(patch.rows, 0..11);
-            assert_eq!((patch.count(Scalar256b), pixels(&patch).len()), (14.0 * 11.0, 14 * 11));
+            assert_eq!((patch.count(), pixels(&patch).len()), (14.0 * 11.0, 14 * 11));
         }
         assert!(patch.take(Scalar256b, &plane, [50.0, -3.25], Illumination::Constant));
         assert_eq!(patch.rows, 14..21);

@@ -1,5 +1,6 @@
 //! The Gauss-Newton search on one level.
 
+use super::between::RowsBetween;
 use super::config::{Illumination, KltConfig};
 use super::lanes::{LANES, Lanes, Sums, part};
 use super::patch::{Patch, corner_of};
@@ -26,25 +27,22 @@ fn look<S: Lanes, const L: usize, const W: usize, const GAINED: bool>(
     patch: &Patch<L, W>,
     plane: &Plane,
     [x, y]: [isize; 2],
-    [fx, fy]: [f32; 2],
+    rest: [f32; 2],
 ) -> [f32; 4] {
-    let (right, down) = (simd.splat_f32s(fx), simd.splat_f32s(fy));
     let mut lanes = Sums::<S, 4>::new(simd);
     for block in (0..L).step_by(LANES) {
         let mut sums = [simd.splat_f32s(0.0); 4];
-        let row = |dy: usize| plane.run(x + block as isize, y + dy as isize, LANES + 1);
-        let mut above = simd.between_columns(row(patch.rows.start), right);
+        let mut rows =
+            RowsBetween::new(simd, plane, [x + block as isize, y + patch.rows.start as isize], rest);
         for r in patch.rows.clone() {
-            let below = simd.between_columns(row(r + 1), right);
             let grey = part(&patch.grey[r], block);
-            let difference = simd.sub_f32s(simd.between(above, below, down), grey);
+            let difference = simd.sub_f32s(rows.next_row(), grey);
             simd.add_product(&mut sums[0], difference, part(&patch.grad_x[r], block));
             simd.add_product(&mut sums[1], difference, part(&patch.grad_y[r], block));
             if GAINED {
                 simd.add_product(&mut sums[2], difference, grey);
                 simd.add_to(&mut sums[3], difference);
             }
-            above = below;
         }
         lanes.add(&sums, part(&patch.columns, block));
     }
