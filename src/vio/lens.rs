@@ -206,7 +206,7 @@ impl Window {
             if seen.residual.norm() > LARGEST {
                 return None;
             }
-            let pixel = geometry.d_host_pixel(&seen, &host.spread);
+            let pixel = seen.d_host_pixel(&host.spread);
             let at_target = powers(&sighting.bearing);
             for r in 0..2 {
                 let row = 2 * k + r;

@@ -43,7 +43,7 @@ impl Window {
         for (frame, sighting) in &landmark.sightings[1..] {
             let geometry = self.geometry(landmark.host(), *frame);
             let seen = geometry.linearise(&seen_by_host, &self.sighting_at_offset(sighting), inverse_depth);
-            let pixel = geometry.d_host_pixel(&seen, &host.spread);
+            let pixel = seen.d_host_pixel(&host.spread);
             let pixel = Matrix2::from_fn(|r, c| pixel[r][c]);
             squares += seen.residual.norm_squared();
             common += pixel.tr_mul(&pixel);

@@ -83,23 +83,25 @@ impl Sighting {
     }
 }
 
+/// Columns of [`PairGeometry::by_q`].
+const BY_Q: usize = 12;
+
 /// What all landmarks of one host and one target share.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PairGeometry {
-    /// `R_wb,j^T R_wb,i`.
-    target_from_host: Matrix3<f64>,
     /// `R_bc^T R_wb,j^T`: world to the target's camera.
     cam_from_world: Matrix3<f64>,
     /// `R_bc^T R_wb,j^T R_wb,i`.
     cam_from_host: Matrix3<f64>,
     /// `R_bc^T R_wb,j^T R_wb,i R_bc`: the host's camera to the target's.
     cam_from_host_cam: Matrix3<f64>,
-    /// `R_wb,j^T (p_i - p_j)`.
-    host_in_target: Vector3<f64>,
     /// `dq/dl`: the host camera's origin in the target's camera.
     host_cam_in_cam: Vector3<f64>,
     body_from_cam: Matrix3<f64>,
     cam_in_body: Vector3<f64>,
+    /// Row by row `[R_bc^T R_wb,j^T, R_bc^T R_wb,j^T R_wb,i, R_bc^T, R_bc^T R_wb,j^T R_wb,i R_bc]`: what a derivative by `q` is multiplied with for
+    /// those by the host's position, its rotation, the target's rotation and the host's ray, side by side, so that it is done once, in vectors.
+    by_q: [[f64; BY_Q]; 3],
     /// Velocities of the host's camera and of the target's, both in the target's camera.
     velocities: [Vector3<f64>; 2],
 }
@@ -118,12 +120,15 @@ impl PairGeometry {
         let target_from_host = r_wj.tr_mul(&r_wi);
         let offset = world_from_host.translation.vector - world_from_target.translation.vector;
         let host_in_target = r_wj.tr_mul(&offset);
+        let cam_from_world = (r_wj * r_bc).transpose();
+        let cam_from_host = r_bc.tr_mul(&target_from_host);
+        let cam_from_host_cam = cam_from_host * r_bc;
+        let side_by_side = [cam_from_world, cam_from_host, r_bc.transpose(), cam_from_host_cam];
         Self {
-            target_from_host,
-            cam_from_world: (r_wj * r_bc).transpose(),
-            cam_from_host: r_bc.tr_mul(&target_from_host),
-            cam_from_host_cam: r_bc.tr_mul(&target_from_host) * r_bc,
-            host_in_target,
+            cam_from_world,
+            cam_from_host,
+            cam_from_host_cam,
+            by_q: std::array::from_fn(|r| std::array::from_fn(|c| side_by_side[c / 3][(r, c % 3)])),
             host_cam_in_cam: r_bc.tr_mul(&(target_from_host * t_bc + host_in_target - t_bc)),
             body_from_cam: r_bc,
             cam_in_body: t_bc,
@@ -148,48 +153,68 @@ impl PairGeometry {
     /// The residual alone \[standard deviations\].
     #[inline(always)]
     pub(crate) fn residual(&self, host: &Sighting, target: &Sighting, inverse_depth: f64) -> Vector2<f64> {
-        let mut host_cam = self.host_cam_in_cam;
-        if let Some(moved) = self.moved(host, target) {
-            host_cam += moved;
-        }
-        let q = self.cam_from_host_cam * host.ray + inverse_depth * host_cam;
-        target.whiten * (q.normalize() - target.bearing)
+        self.project(host, target, inverse_depth).residual
     }
 
-    /// The residual and its derivatives.
+    /// Where the target's camera has the point, and the residual there.
     #[inline(always)]
-    pub(crate) fn linearise(&self, host: &Sighting, target: &Sighting, inverse_depth: f64) -> Linearised {
-        let u = self.body_from_cam * host.ray + inverse_depth * self.cam_in_body;
-        let mut w = self.target_from_host * u + inverse_depth * self.host_in_target;
+    pub(crate) fn project(&self, host: &Sighting, target: &Sighting, inverse_depth: f64) -> Projected {
         let mut host_cam = self.host_cam_in_cam;
         if let Some(moved) = self.moved(host, target) {
             host_cam += moved;
-            w += inverse_depth * (self.body_from_cam * moved);
         }
         let q = self.cam_from_host_cam * host.ray + inverse_depth * host_cam;
         let inverse_norm = 1.0 / q.norm();
         let direction = q * inverse_norm;
         let residual = target.whiten * (direction - target.bearing);
+        Projected { residual, host_cam, q, direction, inverse_norm }
+    }
+
+    /// The residual and its derivatives.
+    pub(crate) fn linearise(&self, host: &Sighting, target: &Sighting, inverse_depth: f64) -> Linearised {
+        self.derive(&self.project(host, target, inverse_depth), host, target, inverse_depth)
+    }
+
+    /// The derivatives at what was [projected](Self::project).
+    #[inline(always)]
+    pub(crate) fn derive(
+        &self,
+        projected: &Projected,
+        host: &Sighting,
+        target: &Sighting,
+        inverse_depth: f64,
+    ) -> Linearised {
+        let Projected { residual, host_cam, q, direction, inverse_norm } = *projected;
+        let u = self.body_from_cam * host.ray + inverse_depth * self.cam_in_body;
+        let w = self.body_from_cam * q + inverse_depth * self.cam_in_body;
         // M (I - d d^T)/|q|
         let d_q = (target.whiten - (target.whiten * direction) * direction.transpose()) * inverse_norm;
-        let d_host_position = d_q * self.cam_from_world * inverse_depth;
-        let d_host_rotation = d_q * self.cam_from_host;
-        let d_target_rotation = d_q * self.body_from_cam.transpose();
         let d_depth = d_q * host_cam;
         let mut host_rows = [[0.0; 6]; 2];
         let mut target_rows = [[0.0; 6]; 2];
+        let mut ray_rows = [[0.0; 3]; 2];
         for r in 0..2 {
+            let by = self.times_by_q([d_q[(r, 0)], d_q[(r, 1)], d_q[(r, 2)]]);
             // A row times hat(v) is the cross product of the row with v.
-            let turn_host = -row(&d_host_rotation, r).cross(&u);
-            let turn_target = row(&d_target_rotation, r).cross(&w);
+            let turn_host = u.cross(&Vector3::new(by[3], by[4], by[5]));
+            let turn_target = Vector3::new(by[6], by[7], by[8]).cross(&w);
             for k in 0..3 {
-                host_rows[r][k] = d_host_position[(r, k)];
+                host_rows[r][k] = by[k] * inverse_depth;
                 host_rows[r][3 + k] = turn_host[k];
-                target_rows[r][k] = -d_host_position[(r, k)];
+                target_rows[r][k] = -host_rows[r][k];
                 target_rows[r][3 + k] = turn_target[k];
+                ray_rows[r][k] = by[9 + k];
             }
         }
-        Linearised { residual, host: host_rows, target: target_rows, depth: [d_depth.x, d_depth.y], d_q, q }
+        let depth = [d_depth.x, d_depth.y];
+        Linearised { residual, host: host_rows, target: target_rows, depth, d_ray: ray_rows, d_q, q }
+    }
+
+    /// A row by `q`, multiplied with [`Self::by_q`].
+    #[inline(always)]
+    fn times_by_q(&self, row: [f64; 3]) -> [f64; BY_Q] {
+        let [a, b, c] = &self.by_q;
+        std::array::from_fn(|k| row[0] * a[k] + row[1] * b[k] + row[2] * c[k])
     }
 
     /// Derivative by the camera's place on the body: its position, then its rotation on the right.
@@ -207,14 +232,6 @@ impl PairGeometry {
         rows
     }
 
-    /// Derivative by the host's own pixel \[deviations of it\]: the measurement that anchors a landmark is as noisy as the others.
-    #[inline(always)]
-    pub(crate) fn d_host_pixel(&self, at: &Linearised, spread: &Matrix2<f64>) -> [[f64; 2]; 2] {
-        let d_ray = at.d_q * self.cam_from_host_cam;
-        let d = d_ray.fixed_columns::<2>(0) * spread;
-        [[d[(0, 0)], d[(0, 1)]], [d[(1, 0)], d[(1, 1)]]]
-    }
-
     /// Derivative by the camera clock's offset, both measurements moving along their tracks.
     pub(crate) fn d_offset(&self, at: &Linearised, host: &Sighting, target: &Sighting) -> [f64; 2] {
         let d_ray = at.d_q * (self.cam_from_host_cam * host.ray_rate);
@@ -225,9 +242,18 @@ impl PairGeometry {
     }
 }
 
-#[inline(always)]
-fn row(m: &Matrix2x3<f64>, r: usize) -> Vector3<f64> {
-    Vector3::new(m[(r, 0)], m[(r, 1)], m[(r, 2)])
+/// A point as the target's camera has it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Projected {
+    /// In standard deviations.
+    pub(crate) residual: Vector2<f64>,
+    /// The host's camera in the target's.
+    host_cam: Vector3<f64>,
+    q: Vector3<f64>,
+    /// `q/|q|`.
+    direction: Vector3<f64>,
+    /// `1/|q|`.
+    inverse_norm: f64,
 }
 
 /// A residual and its derivatives: rows as arrays, for the normal equations.
@@ -241,8 +267,18 @@ pub(crate) struct Linearised {
     pub target: [[f64; 6]; 2],
     /// By the inverse depth.
     pub depth: [f64; 2],
+    /// By the host's ray.
+    d_ray: [[f64; 3]; 2],
     d_q: Matrix2x3<f64>,
     q: Vector3<f64>,
+}
+
+impl Linearised {
+    /// Derivative by the host's own pixel \[deviations of it\]: the measurement that anchors a landmark is as noisy as the others.
+    #[inline(always)]
+    pub(crate) fn d_host_pixel(&self, spread: &Matrix2<f64>) -> [[f64; 2]; 2] {
+        self.d_ray.map(|by| [0, 1].map(|k| by[0] * spread[(0, k)] + by[1] * spread[(1, k)]))
+    }
 }
 
 #[cfg(test)]
@@ -331,7 +367,7 @@ mod tests {
             check_jacobian("d_res_d_depth", &Vector2::from(at.depth), TOLERANCE, |d| {
                 Case { inverse_depth: case.inverse_depth + d[0], ..Case::random(seed) }.residual()
             });
-            let d_pixel = geometry.d_host_pixel(&at, &case.seen_by_host.spread);
+            let d_pixel = at.d_host_pixel(&case.seen_by_host.spread);
             check_jacobian("d_res_d_host_pixel", &Matrix2::from_fn(|r, c| d_pixel[r][c]), TOLERANCE, |d| {
                 let mut moved = Case::random(seed);
                 let camera = CameraModel::euroc_cam0();

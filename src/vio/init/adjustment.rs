@@ -51,7 +51,7 @@ pub(super) fn track_std_factor(window: &Window, unknowns: impl Fn(usize) -> f64)
             .map(|(target, seen)| {
                 let geometry = window.geometry(landmark.host(), *target);
                 let at = geometry.linearise(host, seen, inverse_depth);
-                let d = geometry.d_host_pixel(&at, &host.spread);
+                let d = at.d_host_pixel(&host.spread);
                 (at.residual, Matrix2::from_fn(|r, c| d[r][c]))
             })
             .collect();

@@ -1,7 +1,7 @@
 //! What a linearisation keeps of landmarks: the geometry they are linearised with, and how their depths follow the states.
 
 use super::frame::Estimates;
-use crate::factors::reprojection::PairGeometry;
+use crate::factors::reprojection::{PairGeometry, Projected};
 
 /// What is kept of the landmarks that were taken out: enough to find their depths' steps afterwards.
 #[derive(Debug, Clone, Default)]
@@ -9,6 +9,8 @@ pub(super) struct Depths {
     pub(super) rows: Vec<DepthRow>,
     /// The rows of `L^-1 W`, three for each landmark.
     pub(super) w: Vec<f64>,
+    /// One landmark's sightings but the host's while it is worked on: which, its point in the target's camera, the root of its weight.
+    pub(super) projected: Vec<(usize, Projected, f64)>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -28,6 +30,11 @@ impl Depths {
     pub(super) fn clear(&mut self) {
         self.rows.clear();
         self.w.clear();
+    }
+
+    /// Twice what the depths alone would lower the cost by, were the states held.
+    pub(super) fn gain(&self) -> f64 {
+        self.rows.iter().map(|row| row.g * row.g).sum()
     }
 
     /// Each landmark's step after the states' step `d`.

@@ -19,6 +19,7 @@ mod parallax;
 mod part;
 mod points;
 mod prior;
+mod row_sums;
 mod schur;
 mod slide;
 mod solve;

@@ -6,6 +6,8 @@
 // Small fixed loops over rows and columns: with indices they read as the formulas do.
 #![allow(clippy::needless_range_loop)]
 
+use pulp::Arch;
+
 /// Half of a least-squares problem's second-order model: `cost(d) = cost(0) + g.d + d.H d / 2`.
 #[derive(Debug, Clone)]
 pub struct Normal {
@@ -76,6 +78,13 @@ impl Normal {
     pub(crate) fn whole_row_mut(&mut self, r: usize) -> &mut [f64] {
         let start = r * self.stride;
         &mut self.h[start..start + self.stride]
+    }
+
+    /// `N` rows from `r` on, each as [`Self::whole_row_mut`] gives it.
+    #[inline(always)]
+    pub(crate) fn whole_rows_mut<const N: usize>(&mut self, r: usize) -> [&mut [f64]; N] {
+        let mut rows = self.h[r * self.stride..].chunks_exact_mut(self.stride);
+        std::array::from_fn(|_| rows.next().expect("the rows asked for are rows of H"))
     }
 
     /// Row `r` of H up to and with the diagonal.
@@ -213,7 +222,10 @@ impl Normal {
     /// # Errors
     /// A pivot that is not positive.
     pub fn factor(&self, extra: impl Fn(usize) -> f64, into: &mut Factor) -> Result<(), NotPositive> {
-        into.factor(self, extra)
+        Arch::new().dispatch(
+            #[inline(always)]
+            || into.factor(self, extra),
+        )
     }
 }
 
@@ -229,7 +241,7 @@ pub struct Factor {
 }
 
 /// Dot product in four running sums, so that the order of additions does not depend on the vector width chosen.
-#[inline]
+#[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 4];
     let (chunks_a, rest_a) = a.as_chunks::<4>();
@@ -247,6 +259,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 impl Factor {
+    #[inline(always)]
     fn factor(&mut self, normal: &Normal, extra: impl Fn(usize) -> f64) -> Result<(), NotPositive> {
         let dim = normal.dim;
         self.dim = dim;

@@ -17,6 +17,7 @@ use super::landmark_terms::{DepthRow, Depths, Pairs};
 use super::layout::Layout;
 use super::normal::Normal;
 use super::part::Part;
+use super::row_sums::{LANES, add_weighted, add_weighted_to_each, scale};
 use super::window::Window;
 use crate::state::POSE_DIM;
 use pulp::{Simd, WithSimd};
@@ -25,8 +26,9 @@ use pulp::{Simd, WithSimd};
 const LOCAL: usize = 3;
 /// Where the depth stands.
 const DEPTH: usize = 2;
-/// Numbers that are worked on together: a block of six is filled up with zeros to one vector.
-const LANES: usize = Normal::MARGIN;
+/// Rows of the equations that are worked on together, so that what is added to them is read once. A divisor of [`LANES`]: rows of a
+/// block end in the same vector.
+const ROWS: usize = 4;
 
 /// Two rows of a Jacobian by one block of states, filled up with zeros.
 type Rows = [[f64; LANES]; 2];
@@ -97,18 +99,25 @@ impl Landmarks<'_> {
         let w = &mut depths.w[start..];
 
         let mut cost = 0.0;
-        let mut own = Own::holding(counted(window, *of, landmark, 0));
+        // First all that has roots and divisions, which take long but do not wait for each other.
+        depths.projected.clear();
         for (k, (target, sighting)) in landmark.sightings[..sightings].iter().enumerate().skip(1) {
-            let part = counted(window, *of, landmark, k);
-            let sighting = window.sighting_at_offset(sighting);
             let Some(geometry) = &pairs.geometry[host * pairs.frames + target] else { continue };
-            let mut seen = geometry.linearise(&host_seen, &sighting, inverse_depth);
-            let squared = seen.residual.norm_squared();
-            let (rho, weight) = window.loss(squared);
+            let part = counted(window, *of, landmark, k);
+            let projected = geometry.project(&host_seen, &window.sighting_at_offset(sighting), inverse_depth);
+            let (rho, weight) = window.loss(projected.residual.norm_squared());
             cost += 0.5 * part * rho;
-            let root = (part * weight).sqrt();
+            depths.projected.push((k, projected, (part * weight).sqrt()));
+        }
+        let mut own = Own::holding(counted(window, *of, landmark, 0));
+        for (k, projected, root) in &depths.projected {
+            let ((target, sighting), root) = (&landmark.sightings[*k], *root);
+            let sighting = window.sighting_at_offset(sighting);
+            let geometry =
+                pairs.geometry[host * pairs.frames + target].as_ref().expect("it was projected by it");
+            let mut seen = geometry.derive(projected, &host_seen, &sighting, inverse_depth);
             seen.residual *= root;
-            let pixel = geometry.d_host_pixel(&seen, &host_sighting.spread);
+            let pixel = seen.d_host_pixel(&host_sighting.spread);
             let place = layout.pose(*target);
             let rows = SightingRows {
                 residual: [seen.residual.x, seen.residual.y],
@@ -325,11 +334,18 @@ impl OwnFactor {
             self.g.map(|g| -g),
             [&w0[..whole], &w1[..whole], &w2[..whole]],
         );
-        for i in 0..width {
-            let factors = [-w0[i], -w1[i], -w2[i]];
-            let row = &mut normal.whole_row_mut(at + i)[at..];
+        let factors = |i: usize| [-w0[i], -w1[i], -w2[i]];
+        let by_blocks = width - width % ROWS;
+        for i in (0..by_blocks).step_by(ROWS) {
+            let whole = (i + ROWS).next_multiple_of(LANES);
+            let rows = normal.whole_rows_mut::<ROWS>(at + i).map(|row| &mut row[at..][..whole]);
+            let factors = std::array::from_fn(|r| factors(i + r));
+            add_weighted_to_each(simd, rows, factors, [&w0[..whole], &w1[..whole], &w2[..whole]]);
+        }
+        for i in by_blocks..width {
             let whole = (i + 1).next_multiple_of(LANES);
-            add_weighted(simd, &mut row[..whole], factors, [&w0[..whole], &w1[..whole], &w2[..whole]]);
+            let row = &mut normal.whole_row_mut(at + i)[at..][..whole];
+            add_weighted(simd, row, factors(i), [&w0[..whole], &w1[..whole], &w2[..whole]]);
         }
     }
 }
@@ -343,32 +359,6 @@ fn both(rows: &Rows) -> [&[f64]; 2] {
 #[inline(always)]
 fn block(row: &mut [f64], at: usize) -> &mut [f64] {
     &mut row[at..at + LANES]
-}
-
-/// `to += factors . rows`, all of one length, a multiple of [`LANES`].
-///
-/// In vectors by hand: left to the compiler, loops over blocks of eight become gathers and shuffles.
-#[inline(always)]
-fn add_weighted<S: Simd, const N: usize>(simd: S, to: &mut [f64], factors: [f64; N], rows: [&[f64]; N]) {
-    let to = S::as_mut_simd_f64s(to).0;
-    let mut all: [&[S::f64s]; N] = [&[]; N];
-    for n in 0..N {
-        all[n] = &S::as_simd_f64s(rows[n]).0[..to.len()];
-    }
-    for (k, to) in to.iter_mut().enumerate() {
-        let mut sum = simd.mul_f64s(simd.splat_f64s(factors[0]), all[0][k]);
-        for n in 1..N {
-            sum = simd.add_f64s(sum, simd.mul_f64s(simd.splat_f64s(factors[n]), all[n][k]));
-        }
-        *to = simd.add_f64s(*to, sum);
-    }
-}
-
-#[inline(always)]
-fn scale<S: Simd>(simd: S, row: &mut [f64], factor: f64) {
-    for v in S::as_mut_simd_f64s(row).0 {
-        *v = simd.mul_f64s(*v, simd.splat_f64s(factor));
-    }
 }
 
 /// The rows times `factor`, filled up with zeros.

@@ -21,7 +21,7 @@ const REACH: [f64; 5] = [1.0, 0.1, 1.0, 0.3, 0.03];
 /// Why the solver stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stop {
-    /// The last step lowered the cost by less than the tolerance.
+    /// The last step lowered the cost by less than the tolerance, or was expected to.
     Converged,
     /// The budget of iterations was used up.
     Budget,
@@ -36,7 +36,7 @@ pub struct Solved {
     pub iterations: usize,
     /// Cost before; a constant of the prior is left out.
     pub first_cost: f64,
-    /// Cost after.
+    /// Cost after; where the last step was too small to be looked at, what its equations expect.
     pub last_cost: f64,
     /// Why it stopped.
     pub stop: Stop,
@@ -87,6 +87,13 @@ impl Window {
                 factor.solve_negated(&mut step);
                 if step.iter().all(|v| v.is_finite()) {
                     self.apply(&at, &step);
+                    // A step that is expected to lower the cost by less than the tolerance is the last; looking whether it did costs as much as a step.
+                    let expected = at.expected_gain(&step);
+                    if damping == 0.0 && expected <= self.config.cost_tolerance * at.cost.abs().max(1.0) {
+                        solved.last_cost -= expected;
+                        solved.stop = Stop::Converged;
+                        break;
+                    }
                     at.compute(self, &layout, Part::All, damping);
                     lowered = at.cost <= solved.last_cost;
                 }

@@ -231,7 +231,7 @@ fn landmarks_leave_what_a_dense_schur_complement_leaves() {
                 let at = geometry.linearise(seen_by_host, seen, inverse_depth);
                 let (_, weight) =
                     window.config.loss.evaluate(at.residual.norm_squared(), window.config.loss_scale);
-                let pixel = geometry.d_host_pixel(&at, &seen_by_host.spread);
+                let pixel = at.d_host_pixel(&seen_by_host.spread);
                 let camera = geometry.d_camera(&at, &seen_by_host.ray, inverse_depth);
                 let clock = geometry.d_offset(&at, seen_by_host, seen);
                 for r in 0..2 {
