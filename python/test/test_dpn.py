@@ -77,6 +77,8 @@ def wrong():
     yield "t: 495000000 to 490000000 ns at [1]", (t[::-1], gyro, accel)
     yield "t: dtype bool", (t > 3, gyro, accel)
     yield "t: nan at [0]", (np.full(100, np.nan), gyro, accel)
+    yield "t: 9223372037349775808 at [99]; expected nanoseconds that int64 holds", (t.astype(np.uint64) + np.uint64(2**63), gyro, accel)
+    yield "gyro: masked entries", (t, np.ma.array(gyro, mask=gyro > 0), accel)
     yield "2", (t[:1], gyro[:1], accel[:1])
 
 
