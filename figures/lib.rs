@@ -61,3 +61,8 @@ pub use top_view::TopView;
 pub use track_picture::{TrackDot, TrackEnd, TrackPicture};
 pub use training_curve::TrainingCurve;
 pub use trajectories::{Trajectories, TrajectoryPanel};
+
+/// The README's code is a test.
+#[cfg(doctest)]
+#[doc = include_str!("README.md")]
+struct Readme;

@@ -41,3 +41,8 @@ pub use plan::{InjectedPlan, Plan};
 pub use run::{Done, StageReport};
 pub use sweep_page::sweep_page;
 pub use sweep_plan::PaperSweepPlan;
+
+/// The README's code is a test.
+#[cfg(doctest)]
+#[doc = include_str!("README.md")]
+struct Readme;

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <deque>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 static const OrtApi *ort = OrtGetApiBase()->GetApi(ORT_API_VERSION);
@@ -22,11 +23,12 @@ static void check(OrtStatus *status) {
 // A network: a second of x, y and z in SI units to the deviation of their noise.
 class Network {
 public:
-    explicit Network(const char *path) {
+    Network(const char *path, const char *sensor, const char *rate_hz) {
         check(ort->CreateEnv(ORT_LOGGING_LEVEL_WARNING, "dpn", &env_));
         check(ort->CreateSessionOptions(&options_));
         check(ort->CreateSession(env_, path, options_, &session_));
         check(ort->CreateCpuMemoryInfo(OrtArenaAllocator, OrtMemTypeDefault, &memory_));
+        expect(path, "sensor", sensor), expect(path, "rate_hz", rate_hz);
     }
     ~Network() {
         ort->ReleaseMemoryInfo(memory_), ort->ReleaseSession(session_), ort->ReleaseSessionOptions(options_), ort->ReleaseEnv(env_);
@@ -49,6 +51,20 @@ public:
     }
 
 private:
+    // Another sensor's or rate's network answers without a word, and its answer means nothing.
+    void expect(const char *path, const char *key, const std::string &expected) {
+        OrtAllocator *allocator = nullptr;
+        OrtModelMetadata *metadata = nullptr;
+        char *value = nullptr;
+        check(ort->GetAllocatorWithDefaultOptions(&allocator));
+        check(ort->SessionGetModelMetadata(session_, &metadata));
+        OrtStatus *status = ort->ModelMetadataLookupCustomMetadataMap(metadata, allocator, key, &value);
+        const std::string found = value ? value : "";
+        if (value) allocator->Free(allocator, value);
+        ort->ReleaseModelMetadata(metadata), check(status);
+        if (found != expected) throw std::runtime_error(path + (": " + std::string(key)) + " is '" + found + "'; expected '" + expected + "'");
+    }
+
     OrtEnv *env_ = nullptr;
     OrtSessionOptions *options_ = nullptr;
     OrtSession *session_ = nullptr;
@@ -57,7 +73,7 @@ private:
 
 int main(int count, char **arguments) try {
     if (count != 3) throw std::runtime_error("give the accelerometer's and the gyroscope's .onnx");
-    Network accel(arguments[1]), gyro(arguments[2]);
+    Network accel(arguments[1], "accel", "200"), gyro(arguments[2], "gyro", "200");
     std::deque<std::array<double, 3>> gs, as;
     long long t;
     std::array<double, 3> g, a;

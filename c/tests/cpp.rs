@@ -5,7 +5,7 @@ use dpn_core::{ImuSample, NoiseModel, Sensor, Stamp};
 use dpn_pronet::{DualProNet, Weights};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 
 fn here() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -53,8 +53,8 @@ fn expected(samples: &[ImuSample]) -> Vec<Vec<f64>> {
     rows
 }
 
-/// Compiles an example and feeds it the samples.
-fn run(source: &str, flags: &[String], arguments: &[PathBuf], samples: &[ImuSample]) -> Vec<Vec<f64>> {
+/// Compiles an example and feeds it the samples: what it ends with.
+fn started(source: &str, flags: &[String], arguments: &[PathBuf], samples: &[ImuSample]) -> Output {
     let dir = tempfile::tempdir().unwrap();
     let program = dir.path().join("program");
     let mut compiler = Command::new("g++");
@@ -62,10 +62,21 @@ fn run(source: &str, flags: &[String], arguments: &[PathBuf], samples: &[ImuSamp
     compiler.arg(here().join("examples").join(source)).args(flags);
     let compiled = compiler.output().unwrap();
     assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
-    let mut child =
-        Command::new(&program).args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
-    child.stdin.take().unwrap().write_all(rows(samples).as_bytes()).unwrap();
-    let output = child.wait_with_output().unwrap();
+    let mut child = Command::new(&program)
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // Who refuses its arguments reads nothing.
+    let _ = child.stdin.take().unwrap().write_all(rows(samples).as_bytes());
+    child.wait_with_output().unwrap()
+}
+
+/// The variances that an example prints.
+fn run(source: &str, flags: &[String], arguments: &[PathBuf], samples: &[ImuSample]) -> Vec<Vec<f64>> {
+    let output = started(source, flags, arguments, samples);
     assert!(output.status.success(), "{output:?}");
     let text = String::from_utf8(output.stdout).unwrap();
     text.lines().map(|line| line.split(' ').map(|n| n.parse().unwrap()).collect()).collect()
@@ -109,4 +120,24 @@ fn onnx_runtime_says_the_same() {
     ];
     let networks = ["accel", "gyro"].map(|sensor| onnx.join(sensor).join("sg11-s0.onnx"));
     hold(&run("vins_weights_onnx.cpp", &flags, &networks, &samples), &expected(&samples), 1e-4);
+
+    let refused = |networks: &[PathBuf], words: &str| {
+        let output = started("vins_weights_onnx.cpp", &flags, networks, &samples);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(
+            output.status.code() == Some(2) && said.contains(words) && output.stdout.is_empty(),
+            "{said}"
+        );
+    };
+    let [accel, gyro] = networks;
+    refused(&[gyro.clone(), accel.clone()], "sensor is 'gyro'; expected 'accel'");
+    // The same network at another rate: a digit of its metadata.
+    let mut bytes = std::fs::read(&gyro).unwrap();
+    let key = b"rate_hz\x12\x03";
+    let at = bytes.windows(key.len()).position(|part| part == key).unwrap() + key.len();
+    bytes[at] = b'4';
+    let dir = tempfile::tempdir().unwrap();
+    let other = dir.path().join("other.onnx");
+    std::fs::write(&other, bytes).unwrap();
+    refused(&[accel, other], "rate_hz is '400'; expected '200'");
 }

@@ -433,13 +433,17 @@ fn checksums(sequence: &Sequence, tracks: &TrackSource) -> Vec<Result<String, Io
 }
 
 /// A name as people shorten it: `MH_01` of `MH_01_easy`, `room1` of TUM-VI's, `hover` of `f09-hover`.
+/// What a sequence may be called: its name, and the name without what every recording of a kind has.
+pub(super) fn called(full: &str) -> impl Iterator<Item = &str> {
+    let ends = ["_easy", "_medium", "_difficult", "_512_16"];
+    let short = ends.into_iter().filter_map(|end| full.strip_suffix(end));
+    let room = full.strip_prefix("dataset-").and_then(|name| name.strip_suffix("_512_16"));
+    let flight = full.starts_with('f').then(|| full.get(4..)).flatten();
+    std::iter::once(full).chain(short).chain(room).chain(flight)
+}
+
 fn matches(full: &str, name: &str) -> bool {
-    full == name
-        || ["_easy", "_medium", "_difficult", "_512_16"]
-            .iter()
-            .any(|end| full.strip_suffix(end) == Some(name))
-        || full.strip_prefix("dataset-").and_then(|f| f.strip_suffix("_512_16")) == Some(name)
-        || (full.starts_with('f') && full.get(4..) == Some(name))
+    called(full).any(|word| word == name)
 }
 
 fn given(dir: &Path, sequence: &Sequence) -> PathBuf {
@@ -598,6 +602,9 @@ mod tests {
         let error = |text: &str| source.select(text).unwrap_err().to_string();
         assert!(error("f0").contains("may be any of f01-hall-slow"));
         assert!(error("cave").contains("no sequence is called `cave`"));
+        assert!(error("f07-rom-medium").ends_with("(did you mean `f07-room-medium`?)"));
+        assert!(error("hovr").ends_with("(did you mean `f09-hover`?)"));
+        assert!(error("the-cellar-below").ends_with("f11-room-wild"));
         assert!(error(" ").contains("no sequence"));
         assert!(matches("MH_01_easy", "MH_01") && matches("dataset-room1_512_16", "room1"));
     }

@@ -15,6 +15,8 @@ from ._dpn import Error
 
 
 def _array(name: str, value: Any) -> NDArray[Any]:
+    if np.ma.is_masked(value):
+        raise Error(f"{name}: masked entries; expected an array without any, for what lies behind a mask would be taken for data")
     try:
         return np.asarray(value)
     except (TypeError, ValueError) as error:
@@ -68,6 +70,8 @@ def stamps(name: str, value: Any, repeated: bool = False) -> NDArray[np.int64]:
         found = np.round(found * 1e9)
     elif found.dtype.kind not in "iu":
         raise Error(f"{name}: dtype {found.dtype}; expected int64 nanoseconds or float seconds")
+    elif found.size and int(found.max()) > np.iinfo(np.int64).max:
+        raise Error(f"{name}: {found.max()} at [{np.argmax(found)}]; expected nanoseconds that int64 holds")
     found = np.ascontiguousarray(found, dtype=np.int64)
     back = np.flatnonzero(found[1:] < found[:-1] if repeated else found[1:] <= found[:-1])
     if back.size:

@@ -47,9 +47,11 @@ plt.show()
 print(f"{'phase':12} {'seconds':>8}   accelerometer x y z [m/s²]    gyroscope x y z [rad/s]      outside")
 for phase in track.summary["summary"]["phases"]:
     middle = [axis["sigma"]["middle"] for axis in phase["axes"]]
-    outside = max(part["share"] for part in phase["outside"])
+    # None in a phase shorter than a window, nor of a simple estimator.
+    shares = [part["share"] for part in phase["outside"]]
     accel, gyro = (" ".join(f"{value:8.4f}" for value in part) for part in (middle[:3], middle[3:]))
-    print(f"{phase['phase'] or 'all':12} {phase['seconds']:8.1f}   {accel}    {gyro}   {outside:7.0%}")
+    outside = f"{max(shares):7.0%}" if shares else "      -"
+    print(f"{phase['phase'] or 'all':12} {phase['seconds']:8.1f}   {accel}    {gyro}   {outside}")
 
 # %% [markdown]
 # ## What is wrong with the log?

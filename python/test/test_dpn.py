@@ -1,11 +1,13 @@
 """The package against the command line it came with, and against arguments that are wrong."""
 
 import json
+import re
 import subprocess
 import sys
 
 import numpy as np
 import pytest
+from conftest import ROOT
 from conftest import run_command as command
 
 import dpn
@@ -77,6 +79,8 @@ def wrong():
     yield "t: 495000000 to 490000000 ns at [1]", (t[::-1], gyro, accel)
     yield "t: dtype bool", (t > 3, gyro, accel)
     yield "t: nan at [0]", (np.full(100, np.nan), gyro, accel)
+    yield "t: 9223372037349775808 at [99]; expected nanoseconds that int64 holds", (t.astype(np.uint64) + np.uint64(2**63), gyro, accel)
+    yield "gyro: masked entries", (t, np.ma.array(gyro, mask=gyro > 0), accel)
     yield "2", (t[:1], gyro[:1], accel[:1])
 
 
@@ -125,6 +129,16 @@ def test_the_command_ends_as_the_binary_does(tmp_path):
     assert dpn.__version__ in command("--version").stdout
     assert "none.csv" in command("check", tmp_path / "none.csv", code=2).stderr
     command("no-such-command", code=2)
+
+
+def test_the_readmes_example_runs(flight, log):
+    (code,) = re.findall(r"```python\n(.*?)```", (ROOT / "python/README.md").read_text(), re.S)
+    for named, there in [("flight.bag", flight[0]), ("rest.csv", log), ("V1_02_medium", "f09-hover")]:
+        assert f'"{named}"' in code
+        code = code.replace(f'"{named}"', repr(str(there)))
+    left = {"t": 0.0, "gyro": [0, 0, 0], "accel": [0, 0, 9.81]}
+    exec(code, left)
+    assert left["run"].known.any()
 
 
 def test_import_takes_a_moment():

@@ -11,12 +11,26 @@ from conftest import ROOT
 EXAMPLES = ROOT / "python/examples"
 
 
-def test_the_source_runs_on_any_log(flight):
-    pytest.importorskip("matplotlib")
-    environment = {**os.environ, "DPN_LOG": str(flight[0]), "MPLBACKEND": "Agg"}
+def run_on(log):
+    environment = {**os.environ, "DPN_LOG": str(log), "MPLBACKEND": "Agg"}
     done = subprocess.run([sys.executable, EXAMPLES / "noise_of_a_log.py"], capture_output=True, text=True, env=environment)
     assert done.returncode == 0, done.stderr
-    assert "moving" in done.stdout and "accelerometer_noise_density" in done.stdout
+    return done.stdout
+
+
+def test_the_source_runs_on_any_log(flight):
+    pytest.importorskip("matplotlib")
+    said = run_on(flight[0])
+    assert "moving" in said and "accelerometer_noise_density" in said
+
+
+def test_the_source_runs_where_no_network_answers(flight, tmp_path):
+    """At a rate that is not the networks', so that nothing is known of what they were trained on."""
+    pytest.importorskip("matplotlib")
+    header, *rows = (flight[0] / "mav0/imu0/data.csv").read_text().splitlines()
+    (tmp_path / "slow.csv").write_text("\n".join([header, *rows[::2]]) + "\n")
+    phases = [line.split() for line in run_on(tmp_path / "slow.csv").splitlines() if line.startswith(("all ", "rest ", "moving "))]
+    assert len(phases) > 1 and all(phase[-1] == "-" for phase in phases)
 
 
 def test_the_notebook_is_the_sources_executed_small_and_without_a_fault():

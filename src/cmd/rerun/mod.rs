@@ -33,5 +33,7 @@ pub(super) fn check(flag: Option<&Path>) -> Result<()> {
         return Ok(());
     }
     let text = "this dpn was built without the SDK that --rerun needs";
-    Err(Fault::new(text).hint("build it with the feature: cargo install --path . --features rerun").into())
+    Err(Fault::new(text)
+        .hint("build it with the feature: cargo install --path . --locked --features rerun")
+        .into())
 }

@@ -1,5 +1,6 @@
 //! The eleven flights by name, and which of them may be trained on.
 
+use dpn_core::config::nearest;
 use dpn_core::named;
 use serde::{Deserialize, Serialize};
 use std::str::FromStr;
@@ -47,7 +48,7 @@ named!(
 
 /// A name no flight has.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("no flight is called `{given}`; known are {}", known())]
+#[error("no flight is called `{given}`; known are {}{}", known(), meant(given))]
 pub struct UnknownFlight {
     /// What was asked for.
     pub given: String,
@@ -57,7 +58,18 @@ fn known() -> String {
     Flight::ALL.map(Flight::name).join(", ")
 }
 
+fn meant(given: &str) -> String {
+    let names = Flight::ALL.into_iter().flat_map(Flight::names);
+    let flight = nearest(given, names).and_then(|name| name.parse::<Flight>().ok());
+    flight.map(|flight| format!(" (did you mean `{}`?)", flight.name())).unwrap_or_default()
+}
+
 impl Flight {
+    /// The full name, the name without its number, the number alone.
+    fn names(self) -> [&'static str; 3] {
+        [self.name(), &self.name()[4..], &self.name()[..3]]
+    }
+
     /// Six to train on, five to test on, alternating in character as the paper's split of EuRoC does.
     pub fn split(self) -> Split {
         match self {
@@ -76,7 +88,7 @@ impl FromStr for Flight {
     fn from_str(given: &str) -> Result<Self, UnknownFlight> {
         Self::ALL
             .into_iter()
-            .find(|f| [f.name(), &f.name()[4..], &f.name()[..3]].contains(&given))
+            .find(|flight| flight.names().contains(&given))
             .ok_or_else(|| UnknownFlight { given: given.to_owned() })
     }
 }
@@ -101,5 +113,14 @@ mod tests {
         assert_eq!("f07".parse::<Flight>(), Ok(Flight::RoomMedium));
         let message = "hovr".parse::<Flight>().unwrap_err().to_string();
         assert!(message.starts_with("no flight is called `hovr`; known are f01-hall-slow, "));
+        assert!(message.ends_with("f11-room-wild (did you mean `f09-hover`?)"), "{message}");
+        for (given, end) in [
+            ("f07-rom-medium", "(did you mean `f07-room-medium`?)"),
+            ("f7", "(did you mean `f07-room-medium`?)"),
+            ("a-cave-below-the-sea", ", f11-room-wild"),
+        ] {
+            let message = given.parse::<Flight>().unwrap_err().to_string();
+            assert!(message.ends_with(end), "{message}");
+        }
     }
 }
