@@ -432,8 +432,7 @@ fn checksums(sequence: &Sequence, tracks: &TrackSource) -> Vec<Result<String, Io
     sums
 }
 
-/// A name as people shorten it: `MH_01` of `MH_01_easy`, `room1` of TUM-VI's, `hover` of `f09-hover`.
-/// What a sequence may be called: its name, and the name without what every recording of a kind has.
+/// What a sequence may be called: its name, and the name as people shorten it, `MH_01` of `MH_01_easy`, `room1` of TUM-VI's, `hover` of `f09-hover`.
 pub(super) fn called(full: &str) -> impl Iterator<Item = &str> {
     let ends = ["_easy", "_medium", "_difficult", "_512_16"];
     let short = ends.into_iter().filter_map(|end| full.strip_suffix(end));

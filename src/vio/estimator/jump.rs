@@ -5,7 +5,8 @@
 //! 1. The score of a jump ([`Window::jump_score`]) in each of the last intervals, against what it usually is: truths that are wrong and vibration have
 //!    their own usual.
 //! 2. Where it is far beyond that, the window is solved with a jump in that interval. Unless this explains far more than chance would, in units of
-//!    what inertial residuals of the window are worth, nothing has happened.
+//!    what inertial residuals of the window are worth, nothing has happened. Nor is anything asked of a window through which the images do not reach: where
+//!    all tracks were lost, a jump explains whatever the motion over that gap was estimated wrong by.
 //! 3. The same is asked against a window that does not believe the interval and the next. A jump that explains far more than that too is one: its window
 //!    takes the place of the old one, unless its images fit badly: a bias is no reason for that, blurred or empty images are, and they are
 //!    explained by a free bias as well.
@@ -33,6 +34,9 @@ const FITTED: f64 = 0.45;
 /// Most that sightings after a jump may be off in its window, mean square in pixels as told: after 24 injected jumps, told x1 and `self`, it is .8 to
 /// 2.2, in rendered phones' spans of blur and bare walls that were taken for jumps 3.1 to 5.6.
 const MISFIT: f64 = 2.5;
+/// Landmarks that the images must have followed through every interval of a window that is asked, one more than a relative pose needs: in V2_03 all are lost
+/// five times within five seconds, and told half the noise two jumps were found right after that were none.
+const FOLLOWED: usize = 6;
 /// Frames for which the window of a jump goes on beside the old one.
 const BESIDE: usize = 4;
 /// How many times its deviation a jump may be.
@@ -153,6 +157,13 @@ impl JumpWatch {
             if ratio > self.config.unusual {
                 suspects.push((newest - lag, ratio));
             }
+        }
+        if suspects.is_empty() && self.beside.is_none() {
+            return None;
+        }
+        if window.least_followed() < FOLLOWED {
+            self.beside = None;
+            return None;
         }
         let jump = self.ask_beside(window).or_else(|| {
             let jumped = self.trial(window, cost, &suspects)?;

@@ -80,6 +80,17 @@ impl Window {
         }
     }
 
+    /// How many landmarks the images follow through the window at the place where they follow least: the fewest that are seen both before and after any
+    /// interval. Where all are lost, inertial motion alone ties the frames before to those after.
+    pub(crate) fn least_followed(&self) -> usize {
+        let mut through = vec![0_usize; self.frames.len().saturating_sub(1)];
+        for landmark in self.landmarks.iter().filter(|landmark| landmark.inverse_depth.is_some()) {
+            let last = landmark.sightings.last().map_or(landmark.host(), |(frame, _)| *frame);
+            through[landmark.host()..last].iter_mut().for_each(|count| *count += 1);
+        }
+        through.into_iter().min().unwrap_or(0)
+    }
+
     /// Mean square of the whitened motion of all intervals but the one that ends at frame `j`; `None` where there is none.
     pub(crate) fn mean_inertial_square(&self, j: usize) -> Option<f64> {
         let (mut sum, mut rows) = (0.0, 0);
