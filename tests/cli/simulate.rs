@@ -76,7 +76,7 @@ fn an_unknown_flight_is_refused_in_one_line_with_the_known_ones() {
         done.stderr.starts_with("error: no flight is called `hovr`; known are f01-hall-slow, "),
         "{done:?}"
     );
-    assert!(done.stderr.trim_end().ends_with("f11-room-wild"), "{done:?}");
+    assert!(done.stderr.trim_end().ends_with("f11-room-wild (did you mean `f09-hover`?)"), "{done:?}");
     assert!(!out.exists());
 }
 
