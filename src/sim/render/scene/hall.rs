@@ -7,11 +7,14 @@ use super::rect::{Skin, Slab};
 use nalgebra::Vector3;
 use rand::Rng;
 
-/// Tone of a pallet's boards in the light; of the deck below them; how many times finer than the hall's the grain's texels are. These,
-/// and tones, light and contrast of [`scale`], are fitted on the first 8.5 s of the real images of MH_01 (`compare_cameras`).
+/// Tone of a pallet's boards in the light, of the deck below them, of a heap's net; how many times finer than the hall's the texels of
+/// the grain and of the deck are: the deck's holes repeat every 26 mm. These, and tones, light and contrast of [`scale`], are fitted on
+/// the first 8.5 s of the real images of MH_01 (`compare_cameras`).
 const PALLET_TONE: f64 = 1.6;
 const DECK_TONE: f64 = 0.22;
+const NET_TONE: f64 = 3.2;
 const GRAIN_FINENESS: f64 = 10.0;
+const DECK_FINENESS: f64 = 5.0;
 
 /// The body's origin above what it stands on \[m\].
 const BODY_M: f64 = 0.1;
@@ -116,7 +119,7 @@ impl<R: Rng> Builder<'_, R> {
             point
         };
         // The deck.
-        let deck = self.of_tone(Material::Grating, DECK_TONE, 2.0);
+        let deck = self.of_tone(Material::Grating, DECK_TONE, DECK_FINENESS);
         let deck_z = top - 0.15;
         let (before, beside) = (0.6, 0.9);
         let size = [long + 2.0 * before, wide + 2.0 * beside, 0.06];
@@ -156,7 +159,7 @@ impl<R: Rng> Builder<'_, R> {
             let place = rest.place + self.between(0.35, 1.2) * ahead + side * self.between(0.75, 1.1) * left;
             let size = [self.between(0.2, 0.5), self.between(0.2, 0.4), self.between(0.2, 0.5)];
             let own = upright(std::f64::consts::TAU * self.between(0.0, 1.0));
-            let skin = self.of_tone(Material::Net, 2.2, 4.0);
+            let skin = self.of_tone(Material::Net, NET_TONE, 4.0);
             let mut origin = place - 0.5 * (size[0] * own[0] + size[1] * own[1]);
             origin.z = deck_z;
             let tall = size[2].min(self.room_below(&place, 0.3, 0.12) + self.low.z - deck_z);
