@@ -40,7 +40,7 @@ pub struct Errors {
     pub ate_sim3: Option<f64>,
     /// RMSE of orientations after SE(3) alignment \[deg\].
     pub rotation_deg: Option<f64>,
-    /// Metres of the truth to one of the estimate, minus 1.
+    /// Metres of the truth to one of the estimate, minus 1; above 0 the estimate is too small.
     pub scale_error: Option<f64>,
     /// RMSE of positions over the stretches of [`RpeStep::USUAL`] \[m\]: 5, 10, 20, 40 m, 1, 5 s.
     pub rpe: [Option<f64>; 6],

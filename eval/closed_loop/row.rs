@@ -98,7 +98,7 @@ pub struct Row {
     pub ate_sim3: Option<f64>,
     /// RMSE of orientations after SE(3) alignment \[deg\].
     pub rotation_deg: Option<f64>,
-    /// Metres of the truth to one of the estimate, minus 1.
+    /// Metres of the truth to one of the estimate, minus 1; above 0 the estimate is too small.
     pub scale_error: Option<f64>,
     /// RMSE of positions over stretches of 1 s \[m\].
     pub rpe_1s: Option<f64>,

@@ -53,7 +53,7 @@ pub(crate) struct TrainArgs {
     /// Epochs; one epoch shows every training window `draws_per_window` times.
     #[arg(long)]
     pub(crate) epochs: Option<u64>,
-    /// Base that noise is injected into: `raw` or `sg(WINDOW,ORDER)`.
+    /// Base that noise is injected into: `raw`, `gaussian` or `sg(WINDOW,ORDER)`.
     #[arg(long, value_name = "BASE")]
     pub(crate) base: Option<dpn_train::base::Base>,
     /// Where to compute: flex (CPU), or ndarray, wgpu, cuda where built with that feature. Without it flex, or the plan's.

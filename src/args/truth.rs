@@ -15,8 +15,8 @@ pub(crate) struct TruthArgs {
     /// Configuration (TOML); without it the built-in default.
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
-    /// Keep out each second block of so many published poses, and say how well they are predicted.
-    #[arg(long, value_name = "POSES")]
+    /// Keep out the published poses beside each second block of so many keys, and say how well they are predicted.
+    #[arg(long, value_name = "KEYS")]
     pub(crate) hold_out: Option<usize>,
     /// Print the reports as JSON on stdout, a line a sequence.
     #[arg(long)]

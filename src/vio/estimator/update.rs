@@ -46,6 +46,6 @@ pub struct Update {
     pub levels: Option<Box<Levels>>,
     /// A jump of the biases that this frame showed.
     pub jump: Option<Box<BiasJump>>,
-    /// CPU time this frame took \[s\], as the wall clock saw it.
+    /// Wall-clock time this frame took \[s\].
     pub seconds: f64,
 }
