@@ -1,7 +1,7 @@
 //! How far the whole is: behind the note of a stage's step stand the share of the paper that is done, and about how long the rest takes.
 //!
-//! The unit is a run on camera tracks. A run on images and a set of windows of the open loop count as three, a figure as a half: as they took on
-//! two cores. What was kept from an earlier call costs nothing, so the pace is that of what was made.
+//! The unit is a run on camera tracks. A run on images counts as one and a half, a set of windows of the open loop as seven, a figure as a half: as they
+//! took on two cores. What was kept from an earlier call costs nothing, so the pace is that of what was made.
 
 use super::paper::Paper;
 use dpn_core::progress::Progress;
@@ -71,13 +71,13 @@ impl Progress for Overall<'_> {
 impl Paper<'_> {
     /// The stages that tell of progress, in order: open loop, closed loop, every course, figures.
     pub(super) fn foreseen(&self) -> Vec<Foreseen> {
-        let unit = |source: &SequenceSet| if source.camera() == "tracks" { 1.0 } else { 3.0 };
+        let unit = |source: &SequenceSet| if source.camera() == "tracks" { 1.0 } else { 1.5 };
         let (plan, injected) = (self.plan, &self.plan.injected);
         let of = |noises: &[String], seeds: u64, places: usize| noises.len() as u64 * seeds * places as u64;
         let places = self.input.places.len();
         let closed = of(&plan.noises, plan.seeds, places) + of(&plan.others, plan.other_seeds, places);
         let open = 4 * plan.bases.len() as u64;
-        let mut stages = vec![(3.0, open), (unit(&self.input.source), closed)];
+        let mut stages = vec![(7.0, open), (unit(&self.input.source), closed)];
         stages.extend(injected.courses.iter().map(|course| {
             let (noises, seeds) = match course {
                 Course::Step => (&injected.noises, injected.seeds),

@@ -5,6 +5,7 @@ use super::drive::{
 };
 use super::error::ClosedLoopError;
 use super::frame_log::{FrameLog, SeenFrame};
+use super::gravity::gravity_warning;
 use super::image_report::{ImageEvent, ImageReport};
 use super::judge::{RunInfo, judge, noise_rms};
 use super::recording::{Recording, Span};
@@ -14,21 +15,17 @@ use crate::noise::{Fresh, Recorded};
 use dpn_core::check::{CheckOptions, RecordingFault, check};
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::random::Stream;
-use dpn_core::signal::stats::median_of;
 use dpn_core::{NoiseTrack, Stamp, TrackFrame};
 use dpn_pronet::network::Network;
 use dpn_vio::EstimatorConfig;
 use dpn_vio::diagnosis::{Axes, TrackHealth};
 use dpn_vio::estimator::{BiasJump, FrontEndObserver, Phase};
-use nalgebra::Vector3;
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-/// Median length of the specific force of a flight \[m/s^2\]; outside, units or axes are not what they should be.
-const GRAVITY_RANGE: (f64, f64) = (8.0, 12.0);
 /// Tracks that cover less than this share of the samples' time are worth a word.
 const COVERED: f64 = 0.5;
 /// So many of the events in images are said; all are in the report.
@@ -236,13 +233,7 @@ fn warnings(
     if let Some(first) = &output.report.first_spike {
         found.push(format!("IMU: {} sample(s) were passed over as spikes: {first}", output.report.spikes));
     }
-    let force = median_of(samples.iter().map(|s| Vector3::from(s.accel).norm()));
-    let force = force.expect("a recording has two samples");
-    if !(GRAVITY_RANGE.0..GRAVITY_RANGE.1).contains(&force) {
-        found.push(format!(
-            "the median specific force is {force:.2} m/s^2, not near 9.81: is the accelerometer in g, or gravity taken out?"
-        ));
-    }
+    found.extend(gravity_warning(samples));
     found.extend(health.warning());
     found.extend(axes.warning());
     found

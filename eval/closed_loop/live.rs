@@ -2,6 +2,7 @@
 
 use super::drive::settings_for;
 use super::error::ClosedLoopError;
+use super::gravity::gravity_warning;
 use super::mounting_watch::MountingWatch;
 use super::tracking::pass_over_spikes;
 use crate::noise;
@@ -13,9 +14,12 @@ use dpn_pronet::network::Network;
 use dpn_vio::estimator::{Estimator, EstimatorConfig, FeedError, RunReport, Update};
 use dpn_vio::preint::NoisySample;
 use nalgebra::Isometry3;
+use std::collections::VecDeque;
 
 /// Samples after which their rate is known.
 const ENOUGH: usize = 100;
+/// Samples after which it is known whether they are in m/s^2.
+const WEIGHED: usize = 1000;
 
 /// An estimator and what tells it the noise. What comes out is what a run over the same recording gives, as long as the first hundred samples have its rate.
 pub struct LiveRun<'a> {
@@ -28,7 +32,9 @@ pub struct LiveRun<'a> {
     first: Vec<ImuSample>,
     last: Option<Stamp>,
     mounting: MountingWatch,
-    warning: Option<String>,
+    /// The first samples, until they were weighed.
+    to_weigh: Option<Vec<ImuSample>>,
+    warnings: VecDeque<String>,
 }
 
 impl<'a> LiveRun<'a> {
@@ -47,7 +53,18 @@ impl<'a> LiveRun<'a> {
             .map_err(ClosedLoopError::Config)?;
         let (name, first) = (name.to_owned(), Vec::new());
         let mounting = MountingWatch::new(camera, body_from_cam);
-        Ok(Self { estimator, spec, networks, name, noise: None, first, last: None, mounting, warning: None })
+        Ok(Self {
+            estimator,
+            spec,
+            networks,
+            name,
+            noise: None,
+            first,
+            last: None,
+            mounting,
+            to_weigh: Some(Vec::new()),
+            warnings: VecDeque::new(),
+        })
     }
 
     /// Takes a sample.
@@ -62,6 +79,10 @@ impl<'a> LiveRun<'a> {
             return Err(self.refused(FeedError::NotFinite { t: sample.t }));
         }
         self.last = Some(sample.t);
+        if let Some(samples) = &mut self.to_weigh {
+            samples.push(sample);
+        }
+        self.weigh(WEIGHED);
         if self.noise.is_some() {
             return self.told(sample);
         }
@@ -83,13 +104,26 @@ impl<'a> LiveRun<'a> {
     /// Works off the next frame whose samples are all there.
     pub fn next_update(&mut self) -> Option<Update> {
         self.estimator.track_images(&mut self.mounting);
-        self.warning = self.warning.take().or_else(|| self.mounting.warning());
+        self.warnings.extend(self.mounting.warning());
         self.estimator.next_update()
     }
 
-    /// What turned out to be wrong with how the camera is said to be mounted, once, as soon as its turns and the gyro's tell.
+    /// What turned out to be wrong, each once: the accelerometer's unit, and how the camera is said to be mounted, as soon as its turns and the gyro's tell.
     pub fn take_warning(&mut self) -> Option<String> {
-        self.warning.take()
+        self.warnings.pop_front()
+    }
+
+    /// Nothing more comes, and all updates were taken: what only the whole of it says is a warning from here on.
+    pub fn look_back(&mut self) {
+        self.weigh(0);
+        self.warnings.extend(self.mounting.last_warning());
+    }
+
+    /// Looks at the first samples' force, where there are more than `count`.
+    fn weigh(&mut self, count: usize) {
+        if let Some(samples) = self.to_weigh.take_if(|samples| samples.len() > count) {
+            self.warnings.extend(gravity_warning(&samples));
+        }
     }
 
     /// Says that nothing more comes.

@@ -15,6 +15,7 @@ mod consistency;
 mod drive;
 mod error;
 mod frame_log;
+mod gravity;
 mod image_report;
 mod images;
 mod judge;

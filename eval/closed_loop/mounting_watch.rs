@@ -63,16 +63,7 @@ impl MountingWatch {
 
     /// What is wrong, said once, as soon as it is known.
     pub(super) fn warning(&mut self) -> Option<String> {
-        let newest = self.samples.last()?.t;
-        while let Some(frame) = self.waiting.pop_front_if(|frame| frame.t < newest) {
-            if let Some(before) = &self.before {
-                let shared = frame.shared(before);
-                self.meter.pair(&self.samples, (before, &frame), &shared, &self.camera);
-            }
-            let past = self.samples.partition_point(|sample| sample.t < frame.t);
-            self.samples.drain(..past.saturating_sub(1));
-            self.before = Some(frame);
-        }
+        self.compare();
         if self.done || self.meter.pairs() < self.asked + EVERY {
             return None;
         }
@@ -85,6 +76,27 @@ impl MountingWatch {
         }
         (self.samples, self.before) = (Vec::new(), None);
         axes.warning()
+    }
+
+    /// What all of a run that is over says, where nothing was known before.
+    pub(super) fn last_warning(&mut self) -> Option<String> {
+        self.compare();
+        let asked_before = std::mem::replace(&mut self.done, true);
+        if asked_before { None } else { self.meter.axes(&self.body_from_cam).warning() }
+    }
+
+    /// Compares the turns up to the newest sample.
+    fn compare(&mut self) {
+        let Some(newest) = self.samples.last().map(|sample| sample.t) else { return };
+        while let Some(frame) = self.waiting.pop_front_if(|frame| frame.t < newest) {
+            if let Some(before) = &self.before {
+                let shared = frame.shared(before);
+                self.meter.pair(&self.samples, (before, &frame), &shared, &self.camera);
+            }
+            let past = self.samples.partition_point(|sample| sample.t < frame.t);
+            self.samples.drain(..past.saturating_sub(1));
+            self.before = Some(frame);
+        }
     }
 }
 

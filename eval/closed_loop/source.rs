@@ -7,7 +7,7 @@ use super::sequence_set::{SequenceSet, TrackSource};
 use super::source_error::SourceError;
 use dpn_io::asl::{Sequence, is_there};
 use dpn_io::calibration::Calibration;
-use dpn_logs::ImageLogOptions;
+use dpn_logs::{ImageLogOptions, Scales};
 use dpn_sim::tracks::{CameraSettings, TracksConfig};
 use dpn_sim::{Flight, FlightConfig, RenderConfig};
 use serde::Deserialize;
@@ -74,8 +74,16 @@ impl RunSource {
         let seen = TrackSource::Images(ImageSource::Folder { skip_missing });
         let rendered = TrackSource::Images(ImageSource::Rendered(Box::new(self.images)));
         let (dir, source_name) = (Path::new(&self.source), || self.source.clone());
-        let of_logs =
-            [("image_topic", self.log.image_topic.is_some()), ("topic", self.log.imu.topic.is_some())];
+        let imu = &self.log.imu;
+        let of_logs = [
+            ("image_topic", self.log.image_topic.is_some()),
+            ("topic", imu.topic.is_some()),
+            ("columns", imu.csv.columns.is_some()),
+            ("time_unit", imu.csv.time.is_some()),
+            ("gyro_unit", imu.csv.gyro.is_some()),
+            ("accel_unit", imu.csv.accel.is_some()),
+            ("scale", imu.scales != Scales::default()),
+        ];
         if let Some(log) = LoggedSequence::find(dir, self.log, self.calibration.as_ref())? {
             let other = self.camera.is_some_and(|camera| camera != Camera::Images);
             if other || self.tracks.is_some() {

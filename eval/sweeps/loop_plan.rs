@@ -31,7 +31,7 @@ pub struct LoopPlan {
     pub camera: Camera,
     /// Folder with camera tracks, SEQUENCE.txt each; without it tracks are made along the ground truth from the seed.
     pub tracks: Option<PathBuf>,
-    /// Folder with reconciled ground truth, NAME.csv each, as `dpn truth` writes it; without it the published one.
+    /// Folder with reconciled ground truth, NAME.csv each, as `dpn truth` writes it; without it the published one. Of a log with images, also a file of true poses.
     pub truth: Option<PathBuf>,
     /// A calibration in place of every sequence's own; `dpn eval --closed-loop --calib` alone has it.
     #[serde(skip)]
@@ -117,7 +117,17 @@ impl LoopPlan {
         };
         let source = match &self.data {
             Some(dir) => match self.logged(dir)? {
-                Some(log) => SequenceSet::logged(log, self.skip_missing),
+                Some(log) => {
+                    // Of one log, a file of poses does as well as a folder of them.
+                    let in_folder = |dir: &PathBuf| dir.join(format!("{}.csv", log.name()));
+                    let truth =
+                        self.truth.as_ref().map(|t| if t.is_dir() { in_folder(t) } else { t.clone() });
+                    let log = match truth {
+                        Some(file) => log.with_truth(&file)?,
+                        None => log,
+                    };
+                    SequenceSet::logged(log, self.skip_missing)
+                }
                 None => SequenceSet::recorded(dir, tracks)?
                     .with_calibration(self.calibration.clone())
                     .with_reconciled_truth(self.truth.as_deref()),

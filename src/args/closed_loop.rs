@@ -34,7 +34,7 @@ pub(crate) struct ClosedLoopArgs {
     /// Folder with camera tracks, SEQUENCE.txt each; without it tracks are made along the ground truth from the seed.
     #[arg(long, value_name = "DIR", requires = "data")]
     pub(crate) tracks: Option<PathBuf>,
-    /// Folder with reconciled ground truth, NAME.csv each, as `dpn truth` writes it; without it the published one.
+    /// Folder with reconciled ground truth, NAME.csv each, as `dpn truth` writes it; without it the published one. Of a log with images, also a file of true poses.
     #[arg(long, value_name = "DIR", requires = "data", conflicts_with = "open_loop")]
     pub(crate) truth: Option<PathBuf>,
     /// Pass over images that are listed but not there, instead of stopping before the first run.

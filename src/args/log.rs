@@ -42,10 +42,10 @@ pub(crate) struct HowArgs {
     #[arg(long, value_name = "UNIT", value_parser = accel_unit)]
     pub(crate) accel_unit: Option<AccelUnit>,
     /// What one of the gyroscope's numbers is, in rad/s, of a log of any kind.
-    #[arg(long, value_name = "RAD/S", value_parser = scale, conflicts_with_all = ["gyro_unit", "sensor_scale"])]
+    #[arg(long, value_name = "RAD/S", allow_negative_numbers = true, value_parser = scale, conflicts_with_all = ["gyro_unit", "sensor_scale"])]
     pub(crate) gyro_scale: Option<f64>,
     /// What one of the accelerometer's numbers is, in m/s^2, of a log of any kind.
-    #[arg(long, value_name = "M/S^2", value_parser = scale, conflicts_with_all = ["accel_unit", "sensor_scale"])]
+    #[arg(long, value_name = "M/S^2", allow_negative_numbers = true, value_parser = scale, conflicts_with_all = ["accel_unit", "sensor_scale"])]
     pub(crate) accel_scale: Option<f64>,
     /// Both by sensor and ranges, where the log has raw counts: mpu6050-2g-250dps, bmi088-6g-2000dps, icm20948-4g-500dps, adis16448.
     #[arg(long, value_name = "NAME-RANGES", value_parser = sensor_scale, conflicts_with_all = ["gyro_unit", "accel_unit"])]

@@ -12,6 +12,7 @@ use dpn_io::calibration::Calibration;
 use dpn_io::{printable, tum_line};
 use dpn_logs::{SensorEvent, read_sensors};
 use dpn_vio::estimator::{FeedError, Phase, Update};
+use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -69,6 +70,7 @@ pub(super) fn run(args: &RunArgs) -> Result<()> {
         poses: 0,
         frames: 0,
         passed_over: 0,
+        waited_for: BTreeMap::new(),
     };
     let mut fault = None;
     let size = config.resolution.map(|side| side as usize);
@@ -86,11 +88,16 @@ pub(super) fn run(args: &RunArgs) -> Result<()> {
     let damage = read?;
     live.run.end()?;
     live.updates()?;
+    live.run.look_back();
+    live.warnings();
     if let Some(damage) = damage {
         errln!("warning: {}: {damage}; what came before was used", printable(&args.source));
     }
-    let Live { poses, frames, restarts, passed_over, .. } = live;
+    let Live { poses, frames, restarts, passed_over, waited_for, .. } = live;
     errln!("{poses} poses of {frames} frames, {restarts} restarts, {passed_over} messages passed over");
+    if poses == 0 {
+        errln!("warning: {}", super::run::no_pose(frames, &waited_for));
+    }
     Ok(())
 }
 
@@ -103,6 +110,8 @@ struct Live<'a> {
     poses: usize,
     frames: usize,
     passed_over: usize,
+    /// What frames waited for that could not be initialised with, and how many.
+    waited_for: BTreeMap<String, usize>,
 }
 
 impl Live<'_> {
@@ -141,9 +150,7 @@ impl Live<'_> {
 
     fn updates(&mut self) -> Result<()> {
         while let Some(update) = self.run.next_update() {
-            if let Some(warning) = self.run.take_warning() {
-                errln!("warning: {warning}");
-            }
+            self.warnings();
             self.frames += 1;
             self.say(&update);
             let Some(state) = update.state else { continue };
@@ -158,8 +165,17 @@ impl Live<'_> {
         Ok(())
     }
 
+    fn warnings(&mut self) {
+        while let Some(warning) = self.run.take_warning() {
+            errln!("warning: {warning}");
+        }
+    }
+
     fn say(&mut self, update: &Update) {
         match &update.phase {
+            Phase::Initialising(reason) => {
+                *self.waited_for.entry(reason.name().to_owned()).or_default() += 1;
+            }
             Phase::Restarted(reason) => {
                 self.restarts += 1;
                 errln!("warning: {}: {reason}; initialising again", update.t);

@@ -17,10 +17,11 @@ use dpn_figures::save;
 use dpn_figures::{Album, timeline, top_view};
 use dpn_io::calibration::Calibration;
 use dpn_io::{atomic_write, write_kitti, write_noise_track, write_tum};
-use dpn_logs::{ImageLogOptions, LogOptions};
+use dpn_logs::ImageLogOptions;
 use dpn_vio::estimator::{FrontEndObserver, Update};
 use dpn_vio::frontend::Fed;
 use dpn_vio::window::Window;
+use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
@@ -116,7 +117,25 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
             outln!("pictures:       {}", dir.display())?;
         }
     }
+    if poses.is_empty() {
+        errln!("warning: {}", no_pose(done.report.row.frames, &done.report.waited_for));
+    }
     Ok(())
+}
+
+/// What is said of a run without a pose: a recording may be too short for one, or at rest throughout, so that it is no error.
+pub(super) fn no_pose(frames: usize, waited_for: &BTreeMap<String, usize>) -> String {
+    format!(
+        "no pose in {frames} frames: never initialised; waited for {}. Where it should have been, look at the calibration and at other warnings; `dpn check` says \
+         what is wrong with an IMU's log, --draw shows the camera's tracks, and a rolling shutter is told by --set front_end.readout_s=0.03",
+        waiting(waited_for)
+    )
+}
+
+/// What frames waited for, and how many.
+fn waiting(waited_for: &BTreeMap<String, usize>) -> String {
+    let reasons = waited_for.iter().map(|(reason, frames)| format!("{reason} ({frames} frames)"));
+    reasons.collect::<Vec<_>>().join(", ")
 }
 
 /// All who look on while images are worked off.
@@ -152,11 +171,7 @@ fn open(args: &RunArgs, given: Option<Calibration>) -> Result<(SequenceSet, usiz
 pub(super) fn image_log(args: &RunArgs) -> ImageLogOptions {
     let log = &args.log;
     ImageLogOptions {
-        imu: LogOptions {
-            topic: log.topic.clone(),
-            max_uncompressed: log.max_uncompressed,
-            ..LogOptions::default()
-        },
+        imu: super::log::options(&log.imu),
         image_topic: log.image_topic.clone(),
         skip_missing: args.skip_missing,
     }
@@ -246,12 +261,7 @@ fn words(report: &Report, done: &JudgedRun, simulated: bool) -> String {
             line("initialised:", format!("after {seconds:.1} s{}", moving.unwrap_or_default()));
         }
         None => {
-            let reasons: Vec<String> = report
-                .waited_for
-                .iter()
-                .map(|(reason, frames)| format!("{reason} ({frames} frames)"))
-                .collect();
-            line("initialised:", format!("never; waited for: {}", reasons.join(", ")));
+            line("initialised:", format!("never; waited for: {}", waiting(&report.waited_for)));
         }
     }
     let share = row.completion.map_or_else(String::new, |c| format!(", {:.1} % since the first", 100.0 * c));

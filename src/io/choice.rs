@@ -38,7 +38,14 @@ impl FromStr for ColumnChoice {
              for example 1,2,3,4,5,6,7 or time,gx,gy,gz,ax,ay,az"
                 .to_owned()
         };
-        all.and_then(|all| <[Column; 7]>::try_from(all).ok()).map(Self).ok_or_else(wrong)
+        let all = all.and_then(|all| <[Column; 7]>::try_from(all).ok()).ok_or_else(wrong)?;
+        match (1..7).find(|&i| all[..i].contains(&all[i])) {
+            Some(i) => {
+                let column = text.split(',').nth(i).unwrap_or_default().trim();
+                Err(format!("column {column} is there twice; seven columns that differ are needed"))
+            }
+            None => Ok(Self(all)),
+        }
     }
 }
 
@@ -60,11 +67,18 @@ impl ColumnChoice {
         let mut at = [0; 7];
         for (at, column) in at.iter_mut().zip(&self.0) {
             *at = match column {
+                Column::At(index) if !header.names.is_empty() && *index >= header.names.len() => {
+                    return Err(missing(header, path, &(index + 1).to_string()));
+                }
                 Column::At(index) => *index,
                 Column::Named(name) => {
                     let exact = header.names.iter().position(|one| one == name);
                     let similar = || header.names.iter().position(|one| one.eq_ignore_ascii_case(name));
-                    exact.or_else(similar).ok_or_else(|| missing(header, path, name))?
+                    // A unit in brackets need not be typed.
+                    let bare =
+                        |one: &String| one.split(['[', '(']).next().unwrap_or_default().trim().to_owned();
+                    let without = || header.names.iter().position(|one| bare(one).eq_ignore_ascii_case(name));
+                    exact.or_else(similar).or_else(without).ok_or_else(|| missing(header, path, name))?
                 }
             };
         }
@@ -86,6 +100,13 @@ mod tests {
         assert_eq!(resolve("t, u,v,w, 2,3,4").unwrap(), ImuColumns::new(0, [4, 5, 6], [1, 2, 3]));
         let error = resolve("t,u,v,x,2,3,4").unwrap_err().to_string();
         assert_eq!(error, "f.csv:3: no column `x`; the header names T, p, q, r, u, v, w");
+        let named =
+            Header { names: header.names.iter().map(|n| format!("{n} [m/s]")).collect(), ..header.clone() };
+        let by_name = "T,p,q,r,u,v,w".parse::<ColumnChoice>().unwrap();
+        assert_eq!(by_name.resolve(Some(&named), Path::new("f.csv")).unwrap(), ImuColumns::ASL);
+        assert!(resolve("1,2,3,4,5,6,9").unwrap_err().to_string().starts_with("f.csv:3: no column `9`"));
+        let twice = "1,2,3,4,5,6,6".parse::<ColumnChoice>().unwrap_err();
+        assert!(twice.starts_with("column 6 is there twice"), "{twice}");
         for bad in ["", "1,2,3", "0,1,2,3,4,5,6", "1,2,3,4,5,6,", "1,2,3,4,5,6,7,8"] {
             assert!(bad.parse::<ColumnChoice>().unwrap_err().starts_with("seven columns"), "{bad}");
         }

@@ -366,7 +366,7 @@ impl IoError {
             },
             Self::Missing { path } => return missing_hint(path),
             Self::NoSequence { .. } => {
-                "give the folder of one sequence (it holds `mav0` or `imu0`) or one that holds sequences"
+                "give the folder of one sequence (it holds `mav0` or `imu0`) or one that holds sequences; a folder of images needs `times.txt` (name, stamp a line) and `imu.txt` or `imu.csv`"
             }
             Self::Empty { .. } => "the download or export may have been cut off; make the file again",
             Self::TooShort { .. } => "record for longer, or look whether the file was cut off",
@@ -380,6 +380,9 @@ impl IoError {
                 "add a header that names the columns, or say which is which: --columns T,GX,GY,GZ,AX,AY,AZ"
             }
             Self::FieldCount { .. } => "the row is cut off or damaged; mend or delete the line",
+            Self::BadNumber { text, .. } if text.contains(':') => {
+                "a date or a time of day is no number: write stamps as seconds, ms, us or ns, or name another column for them (--columns)"
+            }
             Self::BadNumber { .. } | Self::NotFinite { .. } => {
                 "mend or delete the line; nothing is skipped silently"
             }

@@ -54,6 +54,28 @@ impl Delimiter {
             }
         }
     }
+
+    /// The same where delimiters may stand between double quotes, as spreadsheets write decimal commas; nothing changes without quotes.
+    pub(super) fn split_quoted<'a>(self, line: &'a [u8], fields: &mut Vec<&'a [u8]>) {
+        let Self::Byte(byte) = self else { return };
+        if memchr::memchr(b'"', line).is_none() {
+            return;
+        }
+        fields.clear();
+        let (mut start, mut quoted) = (0, false);
+        for at in memchr::memchr2_iter(b'"', byte, line) {
+            if line[at] == b'"' {
+                quoted = !quoted;
+            } else if !quoted && fields.len() < MOST_FIELDS {
+                fields.push(bare(&line[start..at]));
+                start = at + 1;
+            }
+        }
+        let last = bare(&line[start..]);
+        if !last.is_empty() || start == 0 {
+            fields.push(last);
+        }
+    }
 }
 
 /// A field without blanks and double quotes around it.

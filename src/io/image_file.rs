@@ -80,9 +80,10 @@ fn jpeg(bytes: &[u8], size: [usize; 2]) -> Result<GrayImage, String> {
         let words = format!("{error:?}").split_whitespace().collect::<Vec<_>>().join(" ");
         format!("is no readable JPEG: {}", super::printable(&words))
     };
+    // The head makes no room: a wrong size is to be said with both sizes, and is refused before pixels are read.
     let options = DecoderOptions::default()
-        .set_max_width(size[0])
-        .set_max_height(size[1])
+        .set_max_width(usize::from(u16::MAX))
+        .set_max_height(usize::from(u16::MAX))
         .jpeg_set_out_colorspace(ColorSpace::Luma);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
     let found =

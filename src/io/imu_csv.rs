@@ -244,7 +244,7 @@ impl FirstRows {
     }
 }
 
-/// Reads them; `loose` passes over rows that cannot be read.
+/// Reads them; `loose` passes over rows that cannot be read, as long as one can.
 pub(super) fn first_rows(
     mut rows: Rows<'_>,
     columns: &ImuColumns,
@@ -252,18 +252,25 @@ pub(super) fn first_rows(
 ) -> Result<FirstRows, IoError> {
     const ROWS: usize = 1000;
     let mut first = FirstRows { stamps: Vec::with_capacity(ROWS), intervals: Vec::new() };
+    let mut passed = None;
     while first.stamps.len() < ROWS {
         match rows.advance().and_then(|more| more.then(|| rows.number(columns.time, SLOTS[0])).transpose()) {
             Ok(None) => break,
             Ok(Some(stamp)) => first.stamps.push(stamp),
             Err(error) if !loose => return Err(error),
-            Err(_) => continue,
+            Err(error) => {
+                passed.get_or_insert(error);
+                continue;
+            }
         }
         if let Some(interval) = columns.intervals.into_iter().flatten().next() {
             first.intervals.extend(rows.number(interval, "interval"));
         }
     }
-    Ok(first)
+    match passed {
+        Some(error) if first.stamps.is_empty() => Err(error),
+        _ => Ok(first),
+    }
 }
 
 /// Seconds in one of the intervals' unit: the power of thousand that brings them nearest to the steps of the stamps.

@@ -16,7 +16,7 @@ use super::sample_store::{SampleStore, StoredRecording};
 use super::sieve::{Sieve, Sieved};
 use super::{IoError, TimeUnit, guess, head};
 use dpn_core::imu::ImuSample;
-use dpn_core::{Samples, Sensor};
+use dpn_core::{Samples, Sensor, Stamp};
 use std::io::{self, Read};
 use std::path::Path;
 
@@ -55,6 +55,8 @@ pub struct LooseImuLog {
     pub unreadable: Unreadable,
     /// Columns that could have been meant too, each with what was taken instead.
     pub passed: Vec<String>,
+    /// How often the stamps' counter of 32 bits began anew.
+    pub wraps: usize,
     /// A rate that the lines above the header name \[Hz\].
     pub said_hz: Option<f64>,
 }
@@ -117,6 +119,7 @@ fn parse(
     let mut blocks = Blocks::new(source, path);
     let mut sieve = Sieve::default();
     let mut unreadable = Unreadable::default();
+    let mut counter = Counter::default();
     let mut known: Option<(Understood, Layout)> = None;
     while blocks.advance()? {
         let bytes = blocks.block();
@@ -127,7 +130,7 @@ fn parse(
             }
             Some((understood, layout)) => (understood, Rows::go_on(bytes, path, layout)),
         };
-        take(&mut rows, &understood, &mut sieve, &mut unreadable)?;
+        take(&mut rows, &understood, &mut counter, &mut sieve, &mut unreadable)?;
         known = Some((understood, rows.layout()));
     }
     let Some((understood, layout)) = known else {
@@ -140,7 +143,8 @@ fn parse(
             let at = |e: &IoError| matches!(e, IoError::FieldCount { line, .. } | IoError::BadNumber { line, .. } if *line as u64 == last_line);
             unreadable.first.as_ref().is_some_and(at)
         };
-    finish(path, understood, sieve, unreadable, only)
+    let log = finish(path, understood, sieve, unreadable, only)?;
+    Ok(LooseImuLog { wraps: counter.wraps, ..log })
 }
 
 fn finish(
@@ -185,7 +189,7 @@ fn finish(
     let short = |found| IoError::TooShort { path: path.to_path_buf(), found };
     let recording = samples.recording().map_err(storing)?.map_err(short)?;
     let Understood { time, passed, said_hz, .. } = understood;
-    Ok(LooseImuLog { recording, columns, time, gyro, accel, sieved, unreadable, passed, said_hz })
+    Ok(LooseImuLog { recording, columns, time, gyro, accel, sieved, unreadable, passed, wraps: 0, said_hz })
 }
 
 /// Brings samples to rad/s and m/s^2; units that nobody named are told from the numbers.
@@ -251,6 +255,7 @@ pub(super) fn understand(
 fn take(
     rows: &mut Rows<'_>,
     understood: &Understood,
+    counter: &mut Counter,
     sieve: &mut Sieve,
     unreadable: &mut Unreadable,
 ) -> Result<(), IoError> {
@@ -263,7 +268,7 @@ fn take(
         match row {
             Ok(None) => return Ok(()),
             Ok(Some(sample)) => {
-                sieve.push(sample, line);
+                sieve.push(ImuSample { t: counter.unwrapped(sample.t, time.value), ..sample }, line);
             }
             Err(IoError::NotFinite { .. }) => sieve.not_finite(line),
             Err(error) => {
@@ -278,6 +283,30 @@ fn take(
                 }
             }
         }
+    }
+}
+
+/// Stamps that may be a counter of 32 bits: one of microseconds begins anew after 71.6 minutes.
+#[derive(Debug, Default)]
+struct Counter {
+    last: Option<Stamp>,
+    wraps: usize,
+}
+
+impl Counter {
+    /// The counter's steps within which it must have been before its end, and be behind its begin.
+    const NEAR: i64 = 1 << 24;
+
+    /// `t` behind all wraps so far.
+    fn unwrapped(&mut self, t: Stamp, unit: TimeUnit) -> Stamp {
+        let step_ns = (unit.seconds() * 1e9) as i64;
+        let round_ns = step_ns << 32;
+        let near_ns = step_ns * Self::NEAR;
+        let is_wrap = |last: Stamp| {
+            (0..near_ns).contains(&t.ns()) && (round_ns - near_ns..round_ns).contains(&last.ns())
+        };
+        self.wraps += usize::from(self.last.replace(t).is_some_and(is_wrap));
+        Stamp::from_ns(t.ns().saturating_add(round_ns.saturating_mul(self.wraps as i64)))
     }
 }
 
@@ -353,6 +382,41 @@ mod tests {
         (0..30)
             .map(|i| format!("{},0.01,0,0,0.1,0,{}", 1.4e9 + f64::from(i) * 0.01, 9.81 + f64::from(i % 3)))
             .collect()
+    }
+
+    #[test]
+    fn a_spreadsheets_quotes_keep_decimal_commas_together() {
+        let quoted = |line: &String| {
+            let fields = line.split(',').map(|field| format!("\"{}\"", field.replace('.', ",")));
+            fields.collect::<Vec<_>>().join(",")
+        };
+        let plain = read(&lines().join("\n")).unwrap();
+        let text = lines().iter().map(quoted).collect::<Vec<_>>().join("\n");
+        let header = "\"t\",\"gx\",\"gy\",\"gz\",\"ax\",\"ay\",\"az\"\n";
+        let log = read(&format!("{header}{text}")).unwrap();
+        let samples = |log: &LooseImuLog| log.recording.piece(0..30).unwrap().into_owned();
+        assert_eq!(samples(&log), samples(&plain));
+    }
+
+    #[test]
+    fn stamps_that_are_times_of_day_are_named_and_not_called_too_few() {
+        let header = "time,gx,gy,gz,ax,ay,az\n";
+        let rows: String = (0..30).map(|i| format!("10:11:{i:02}.000,0,0,0,0,0,9.81\n")).collect();
+        let error = read(&format!("{header}{rows}")).unwrap_err();
+        assert!(error.to_string().starts_with("log.csv:2: "), "{error}");
+        assert!(error.hint().unwrap().contains("time of day"), "{:?}", error.hint());
+    }
+
+    #[test]
+    fn a_counter_of_32_bits_goes_on_where_it_begins_anew() {
+        let header = "SampleTimeFine,Gyr_X,Gyr_Y,Gyr_Z,Acc_X,Acc_Y,Acc_Z\n";
+        let rows: String = (0..200_u32)
+            .map(|i| format!("{},0.01,0,0,0,0,9.81\n", 4_294_500_000_u32.wrapping_add(8333 * i)))
+            .collect();
+        let log = read(&format!("{header}{rows}")).unwrap();
+        let samples = log.recording.piece(0..200).unwrap().into_owned();
+        assert!(samples.windows(2).all(|pair| pair[1].t.ns() - pair[0].t.ns() == 8_333_000));
+        assert_eq!((log.wraps, log.sieved.count()), (1, 0));
     }
 
     #[test]

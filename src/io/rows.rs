@@ -2,7 +2,7 @@
 //!
 //! What it takes: fields between commas, semicolons, tabs or blanks (told from the first line that has fields); LF and CRLF;
 //! blank lines anywhere; comment lines that start with `#`, `%`, `!`, `//` or `; `; a header, commented or not; a byte order mark; fields in
-//! double quotes as long as they hold no delimiter. Every row has as many fields as the header or the first row; one empty
+//! double quotes, with decimal commas in them. Every row has as many fields as the header or the first row; one empty
 //! field after a delimiter at the end of a row is dropped.
 
 use super::IoError;
@@ -190,6 +190,9 @@ impl<'a> Rows<'a> {
                 continue;
             }
             self.delimiter.split(text, &mut self.fields);
+            if self.fields.len() != self.width {
+                self.delimiter.split_quoted(text, &mut self.fields);
+            }
             if self.fields.len() != self.width {
                 return Err(IoError::FieldCount {
                     path: self.path.to_path_buf(),

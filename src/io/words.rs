@@ -74,7 +74,7 @@ pub(super) const GYRO: [Word; 19] = [
     ("gyrointegralrad", 1, "rads"),
 ];
 /// Of accelerometers, without the axis.
-pub(super) const ACCEL: [Word; 21] = [
+pub(super) const ACCEL: [Word; 22] = [
     ("a", 2, ""),
     ("arss", 3, ""),
     ("acc", 3, ""),
@@ -87,6 +87,8 @@ pub(super) const ACCEL: [Word; 21] = [
     ("gforce", 4, "g"),
     ("gf", 4, "g"),
     ("f", 2, ""),
+    // Kalibr's name, beside its `omega`.
+    ("alpha", 1, ""),
     ("linacc", 1, ""),
     ("linaccel", 1, ""),
     ("linearacc", 1, ""),

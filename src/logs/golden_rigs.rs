@@ -99,6 +99,8 @@ fn what_is_not_there_is_named_with_what_is() {
     let size = error("sqlite", Some("/bgr8/image_raw"), [752, 480]);
     let words = "sqlite: image 1 on /bgr8/image_raw has 64 x 48 px; the camera's have 752 x 480";
     assert!(size.to_string().ends_with(words), "{size}");
+    let jpeg = error("sqlite", Some("/jpeg/image_raw/compressed"), [32, 24]).to_string();
+    assert!(jpeg.ends_with("has 64 x 48 px; the camera's have 32 x 24"), "{jpeg}");
     let blind = error("../bags/plain.bag", None, SIZE);
     let words = "no images on any topic of type sensor_msgs/Image or CompressedImage; it has /talk (std_msgs/String), /imu0 (sensor_msgs/Imu)";
     assert!(blind.to_string().ends_with(words), "{blind}");

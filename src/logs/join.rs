@@ -4,14 +4,14 @@
 //! left where the rates have no common divisor, so a deviation reads up to 18 % low; [`Joined::remark`] says so.
 
 use dpn_core::signal::ranks::{Column, Level, levels};
-use dpn_core::{ImuSample, Samples};
+use dpn_core::{ImuSample, Samples, Stamp};
 use dpn_io::SampleStore;
 use std::io;
 
 /// Between neighbours further apart than so many of their usual steps nothing is made up.
 const STEPS: f64 = 5.0;
 /// Nor further apart than this, where that is more \[s\].
-const APART_S: f64 = 0.1;
+pub(crate) const APART_S: f64 = 0.1;
 
 /// Six axes.
 #[derive(Debug)]
@@ -55,6 +55,24 @@ impl Walk<'_> {
     }
 }
 
+/// The accelerometer at `t` from its neighbours before and at or behind that, no further apart than `apart_s`.
+pub(crate) fn accel_at(
+    t: Stamp,
+    (before, after): (Option<&ImuSample>, Option<&ImuSample>),
+    apart_s: f64,
+) -> Option<[f64; 3]> {
+    match (before, after) {
+        (_, Some(after)) if after.t == t => Some(after.accel),
+        (Some(before), Some(after)) => {
+            let gap = after.t.seconds_since(before.t);
+            let share = t.seconds_since(before.t) / gap;
+            let between = |axis: usize| before.accel[axis] * (1.0 - share) + after.accel[axis] * share;
+            (gap <= apart_s).then(|| std::array::from_fn(between))
+        }
+        _ => None,
+    }
+}
+
 /// Takes the gyroscope's axes from the one and the accelerometer's from the other, both in increasing time.
 ///
 /// # Errors
@@ -71,18 +89,7 @@ pub(crate) fn join(gyro: &dyn Samples, accel: &dyn Samples) -> io::Result<Joined
                 before = Some(passed);
                 walk.next += 1;
             }
-            let interpolated = match (before, walk.peek()?) {
-                (_, Some(after)) if after.t == sample.t => Some(after.accel),
-                (Some(before), Some(after)) => {
-                    let gap = after.t.seconds_since(before.t);
-                    let share = sample.t.seconds_since(before.t) / gap;
-                    let between =
-                        |axis: usize| before.accel[axis] * (1.0 - share) + after.accel[axis] * share;
-                    (gap <= apart).then(|| std::array::from_fn(between))
-                }
-                _ => None,
-            };
-            if let Some(accel) = interpolated {
+            if let Some(accel) = accel_at(sample.t, (before.as_ref(), walk.peek()?.as_ref()), apart) {
                 samples.push(ImuSample { t: sample.t, gyro: sample.gyro, accel });
             }
         }
@@ -114,7 +121,6 @@ impl Joined {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use dpn_core::Stamp;
 
     fn at(ms: i64, value: f64) -> ImuSample {
         ImuSample { t: Stamp::from_ns(ms * 1_000_000), gyro: [value; 3], accel: [value; 3] }

@@ -51,6 +51,10 @@ mod image_message;
 mod imu_message;
 mod join;
 mod kind;
+#[cfg(feature = "images")]
+mod live_imus;
+#[cfg(feature = "images")]
+mod live_join;
 mod log;
 mod mcap;
 mod messages;

@@ -95,7 +95,12 @@ impl Read for Unpacked<'_> {
             Err(error) => {
                 self.damage = Some(match error.kind() {
                     io::ErrorKind::UnexpectedEof => format!("its {} data is cut off", self.name),
-                    _ => format!("bad {} data: {}", self.name, dpn_io::printable(&error.to_string())),
+                    // Some decoders tell their own fields behind the words.
+                    _ => {
+                        let words = error.to_string();
+                        let words = words.split(['(', '{']).next().unwrap_or_default().trim_end();
+                        format!("bad {} data: {}", self.name, dpn_io::printable(words))
+                    }
                 });
                 Ok(0)
             }

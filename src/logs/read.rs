@@ -206,7 +206,8 @@ fn text(
     csv.gyro = options.scales.gyro.map_or(csv.gyro, |_| Some(GyroUnit::RadPerSecond));
     csv.accel = options.scales.accel.map_or(csv.accel, |_| Some(AccelUnit::MetrePerSecond2));
     let loose = parse_imu_csv_loosely(source, file, &csv)?;
-    let LooseImuLog { recording, columns, time, gyro, accel, sieved, unreadable, passed, said_hz } = loose;
+    let LooseImuLog { recording, columns, time, gyro, accel, sieved, unreadable, passed, wraps, said_hz } =
+        loose;
     let recording = match options.scales == Scales::default() {
         true => recording,
         false => scaled(recording.into_store(), path, options)?,
@@ -244,6 +245,9 @@ fn text(
     );
     for passed in passed {
         guessed(true, format!("{passed} (--columns)"));
+    }
+    if wraps > 0 {
+        guessed(true, format!("stamps a counter of 32 bits that began anew {wraps} time(s)"));
     }
     if columns.value.intervals != [None; 2] {
         guessed(true, "increments divided by their intervals".to_owned());

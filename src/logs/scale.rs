@@ -85,14 +85,16 @@ impl Scales {
     /// # Errors
     /// A temporary file that cannot be read or written.
     pub(crate) fn apply(self, samples: SampleStore) -> io::Result<SampleStore> {
-        let (accel, gyro) = (self.accel.unwrap_or(1.0), self.gyro.unwrap_or(1.0));
         if self == Self::default() {
             return Ok(samples);
         }
-        samples.changed(|s| {
-            let (accel, gyro) = (s.accel.map(|v| v * accel), s.gyro.map(|v| v * gyro));
-            Some(ImuSample { accel, gyro, ..s }).filter(ImuSample::is_finite)
-        })
+        samples.changed(|s| Some(self.of(s)).filter(ImuSample::is_finite))
+    }
+
+    /// One sample, multiplied.
+    pub(crate) fn of(self, sample: ImuSample) -> ImuSample {
+        let (accel, gyro) = (self.accel.unwrap_or(1.0), self.gyro.unwrap_or(1.0));
+        ImuSample { accel: sample.accel.map(|v| v * accel), gyro: sample.gyro.map(|v| v * gyro), ..sample }
     }
 }
 

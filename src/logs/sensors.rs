@@ -5,12 +5,12 @@ use crate::cameras::Cameras;
 use crate::fields::Encoding;
 use crate::image_log::{ImageLogOptions, ImageSpan};
 use crate::imu_message::{decode, is_imu};
+use crate::live_imus::{LiveImus, Several};
 use crate::messages::Messages;
-use crate::topics::shortened;
-use crate::{LogError, bag};
+use crate::topics::{shortened, sibling};
+use crate::{LogError, Scales, bag};
 use dpn_core::{GrayImage, ImuSample, Stamp};
 use dpn_io::{IoError, printable};
-use std::collections::HashMap;
 use std::io::Read;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -58,25 +58,18 @@ pub fn read_sensors_from(
     stream.finish().map(|()| damage)
 }
 
-/// Topics of IMUs, of which one may speak.
-#[derive(Debug, Default)]
-struct Imus {
-    all: Vec<(String, Encoding)>,
-    numbers: HashMap<u32, usize>,
-    chosen: Option<usize>,
-}
-
 /// Hands on what the sensors say.
 pub(crate) struct SensorStream<'a> {
     path: PathBuf,
     topic: Option<String>,
+    scales: Scales,
     cameras: Cameras,
     size: [usize; 2],
     span: ImageSpan,
     first: Option<Stamp>,
     last: Option<Stamp>,
     /// None where only images are wanted.
-    imu: Option<Imus>,
+    imu: Option<LiveImus>,
     /// All topics, for who finds nothing.
     others: Vec<String>,
     budget: Budget,
@@ -98,6 +91,7 @@ impl<'a> SensorStream<'a> {
         Self {
             path: path.to_path_buf(),
             topic: options.imu.topic.clone(),
+            scales: options.imu.scales,
             cameras: Cameras::new(path, options.image_topic.clone(), size),
             size,
             span,
@@ -119,7 +113,7 @@ impl<'a> SensorStream<'a> {
         size: [usize; 2],
         take: &'a mut dyn FnMut(SensorEvent) -> ControlFlow<()>,
     ) -> Self {
-        let imu = Some(Imus::default());
+        let imu = Some(LiveImus::default());
         Self { imu, ..Self::of_images(path, options, size, ImageSpan::ALL, take) }
     }
 
@@ -130,15 +124,17 @@ impl<'a> SensorStream<'a> {
 
     /// # Errors
     /// What ended it early; no sensor of one kind, where the bag ended by itself.
-    pub(crate) fn finish(self) -> Result<(), LogError> {
+    pub(crate) fn finish(mut self) -> Result<(), LogError> {
         if let Some(fault) = self.fault {
             return Err(fault);
         }
         if self.done {
             return Ok(());
         }
+        let left = self.imu.as_mut().map(LiveImus::end);
+        self.samples(left.unwrap_or_default());
         let topics = shortened(self.others.into_iter());
-        if self.imu.is_some_and(|imu| imu.chosen.is_none()) {
+        if self.imu.is_some_and(|imu| !imu.is_chosen()) {
             return Err(LogError::NoImu { path: self.path, topics, damage: None });
         }
         if self.first.is_none() {
@@ -156,26 +152,36 @@ impl<'a> SensorStream<'a> {
         self.done |= (self.take)(event).is_break();
     }
 
+    /// Hands samples on, in their units.
+    fn samples(&mut self, samples: Vec<ImuSample>) {
+        for sample in samples {
+            if self.done {
+                return;
+            }
+            self.give(SensorEvent::Sample(self.scales.of(sample)));
+        }
+    }
+
     /// A message of an IMU; `None` where it is none.
     fn sample(&mut self, number: u32, received_ns: i64, data: &[u8]) -> Option<()> {
         let imu = self.imu.as_mut()?;
-        let &index = imu.numbers.get(&number)?;
-        let chosen = *imu.chosen.get_or_insert(index);
-        let (name, encoding) = &imu.all[index];
-        if chosen != index {
-            let [one, other] = [chosen, index].map(|i| imu.all[i].0.clone());
-            let (path, topics) = (self.path.clone(), format!("{one}, {other}"));
-            self.end(LogError::SeveralTopics { path, count: 2, topics, one });
-            return Some(());
-        }
-        let event = match decode(data, *encoding) {
-            Ok(message) if message.stamped => SensorEvent::Sample(message.sample),
-            Ok(message) => {
-                SensorEvent::Sample(ImuSample { t: Stamp::from_ns(received_ns), ..message.sample })
+        let (index, name, encoding) = imu.topic(number)?;
+        let sample = match decode(data, encoding) {
+            Ok(message) if message.stamped => message.sample,
+            Ok(message) => ImuSample { t: Stamp::from_ns(received_ns), ..message.sample },
+            Err(why) => {
+                let passed_over = format!("a message on {name}: such messages {why}");
+                self.give(SensorEvent::PassedOver(passed_over));
+                return Some(());
             }
-            Err(why) => SensorEvent::PassedOver(format!("a message on {name}: such messages {why}")),
         };
-        self.give(event);
+        match imu.take(index, sample) {
+            Ok(samples) => self.samples(samples),
+            Err(Several { one, topics, count }) => {
+                let path = self.path.clone();
+                self.end(LogError::SeveralTopics { path, count, topics, one });
+            }
+        }
         Some(())
     }
 }
@@ -184,7 +190,7 @@ impl Messages for SensorStream<'_> {
     fn next_file(&mut self) {
         self.cameras.next_file();
         if let Some(imu) = &mut self.imu {
-            imu.numbers.clear();
+            imu.next_file();
         }
     }
 
@@ -196,19 +202,13 @@ impl Messages for SensorStream<'_> {
         }
         let is_camera = self.cameras.declare(number, name, kind, encoding.clone());
         let Some(imu) = &mut self.imu else { return is_camera };
-        imu.numbers.remove(&number);
-        if !is_imu(kind) || self.topic.as_deref().is_some_and(|wanted| wanted != shown) {
+        imu.forget(number);
+        let is_wanted = |wanted: &str| wanted == shown || sibling(wanted).is_some_and(|other| other == shown);
+        if !is_imu(kind) || !self.topic.as_deref().is_none_or(is_wanted) {
             return is_camera;
         }
         match encoding {
-            Ok(encoding) => {
-                let known = imu.all.iter().position(|(name, _)| *name == shown);
-                let index = known.unwrap_or_else(|| {
-                    imu.all.push((shown, encoding));
-                    imu.all.len() - 1
-                });
-                imu.numbers.insert(number, index);
-            }
+            Ok(encoding) => imu.declare(number, shown, encoding),
             Err(foreign) => {
                 let (path, encoding) = (self.path.clone(), printable(&foreign));
                 self.end(LogError::Encoding { path, topic: shown, encoding });

@@ -88,6 +88,13 @@ pub(crate) fn shortened(names: impl ExactSizeIterator<Item = String>) -> String 
     names.join(", ")
 }
 
+/// The topic of the other sensor, where a camera names its gyroscope's and its accelerometer's alike: `/camera/gyro/sample`, `/camera/accel/sample`.
+pub(crate) fn sibling(name: &str) -> Option<String> {
+    let pairs = [("gyro", "accel"), ("Gyro", "Accel"), ("GYRO", "ACCEL")];
+    let both_ways = pairs.into_iter().flat_map(|(gyro, accel)| [(gyro, accel), (accel, gyro)]);
+    both_ways.into_iter().find(|(one, _)| name.contains(one)).map(|(one, other)| name.replace(one, other))
+}
+
 /// Of names the one that `wanted` may have been meant for.
 pub(crate) fn similar<'a>(names: impl Iterator<Item = &'a str> + Clone, wanted: &str) -> Option<String> {
     let slashed = format!("/{wanted}");
@@ -101,7 +108,8 @@ pub(crate) fn similar<'a>(names: impl Iterator<Item = &'a str> + Clone, wanted: 
     near.reduce(|best, next| if next.0 > best.0 { next } else { best }).map(|(_, name)| name.to_owned())
 }
 
-/// Takes what a bag's reader finds, topic by topic. Only IMU messages are looked into, and with a wanted topic only that one's.
+/// Takes what a bag's reader finds, topic by topic. Only IMU messages are looked into, and with a wanted topic only that one's
+/// and its sibling's.
 #[derive(Debug)]
 pub(crate) struct Topics {
     wanted: Option<String>,
@@ -147,7 +155,7 @@ impl Topics {
     /// No IMU, several, a wanted topic that is none of them.
     ///
     /// A RealSense and its like write each sensor on a topic of its own, the other's values zero: where one of each is all there is, they are
-    /// joined; beside a topic that has both, they are no choice.
+    /// joined; beside a topic that has both, they are no choice. Of several such cameras the wanted topic chooses one, its [`sibling`] with it.
     pub(crate) fn choose(mut self, path: &Path, damage: Option<&str>) -> Result<Chosen, LogError> {
         let path_buf = path.to_path_buf();
         let mut other = None;
@@ -170,7 +178,18 @@ impl Topics {
                         None => LogError::NotImu { path: path_buf, topic: name, kind },
                     });
                 }
-                at
+                let beside = sibling(wanted).and_then(|name| self.names.get(&name).copied());
+                match (self.all[at].half(), beside.and_then(|i| Some((i, self.all[i].half()?)))) {
+                    (Some(Sensor::Gyro), Some((beside, Sensor::Accel))) => {
+                        other = Some(beside);
+                        at
+                    }
+                    (Some(Sensor::Accel), Some((beside, Sensor::Gyro))) => {
+                        other = Some(at);
+                        beside
+                    }
+                    _ => at,
+                }
             }
             None => {
                 let mut imus: Vec<usize> =
@@ -256,7 +275,9 @@ impl Messages for Topics {
         let index = match self.names.get(&name) {
             Some(index) => *index,
             None => {
-                let wanted = self.wanted.as_deref().is_none_or(|wanted| wanted == name);
+                let wanted = self.wanted.as_deref().is_none_or(|wanted| {
+                    wanted == name || sibling(wanted).is_some_and(|other| other == name)
+                });
                 let (imu, foreign) = match encoding {
                     _ if !(is_imu(kind) && wanted) => (None, None),
                     Ok(encoding) => (Some(Box::new(Imu::new(encoding))), None),

@@ -23,9 +23,13 @@ fn record(op: u8, content: &[u8]) -> Vec<u8> {
 
 /// An MCAP file's begin: an IMU on channel 1, a camera on channel 2, in ROS 1's encoding.
 fn begin() -> Vec<u8> {
+    channels(&[(1, "sensor_msgs/Imu", "/imu0"), (2, "sensor_msgs/Image", "/cam0/image_raw")])
+}
+
+/// The same with these channels: number, type, topic.
+fn channels(all: &[(u16, &str, &str)]) -> Vec<u8> {
     let mut file = b"\x89MCAP0\r\n".to_vec();
-    for (id, kind, topic) in [(1u16, "sensor_msgs/Imu", "/imu0"), (2, "sensor_msgs/Image", "/cam0/image_raw")]
-    {
+    for (id, kind, topic) in all {
         let number = id.to_le_bytes();
         file.extend(record(3, &[&number[..], &text(kind), &text("ros1msg"), &text("")].concat()));
         file.extend(record(4, &[&number[..], &number, &text(topic), &text("ros1"), &text("")].concat()));
@@ -40,11 +44,11 @@ fn message(channel: u16, t_ns: i64, fields: &[u8]) -> Vec<u8> {
     record(5, &[&channel.to_le_bytes()[..], &[0; 4], &logged, &logged, &head, &text("body"), fields].concat())
 }
 
-fn sample(s: &ImuSample) -> Vec<u8> {
+fn sample_on(channel: u16, s: &ImuSample) -> Vec<u8> {
     let mut values = [0.0; 37];
     values[13..16].copy_from_slice(&s.gyro);
     values[25..28].copy_from_slice(&s.accel);
-    message(1, s.t.ns(), &values.map(f64::to_le_bytes).concat())
+    message(channel, s.t.ns(), &values.map(f64::to_le_bytes).concat())
 }
 
 /// As bgr8 where all three are alike, in rows three bytes longer than they need be.
@@ -62,6 +66,11 @@ fn image(i: &StampedImage) -> Vec<u8> {
 
 /// Messages of a sequence in the order in which they are recorded: images 3 ms late.
 fn messages(dir: &Path) -> Vec<Vec<u8>> {
+    messages_of(dir, |s| sample_on(1, s))
+}
+
+/// The same with samples as `sample` writes them.
+fn messages_of(dir: &Path, sample: impl Fn(&ImuSample) -> Vec<u8>) -> Vec<Vec<u8>> {
     let sequence = Sequence::open(dir).unwrap();
     let images = ImageFolder::open(&sequence).unwrap();
     let mut all: Vec<(i64, Vec<u8>)> =
@@ -75,16 +84,87 @@ fn odometry(source: &Path, out: &Path, more: &[&str]) -> Done {
     end(dpn().arg("run").arg(source).args(NOISE).arg("--out").arg(out).args(more))
 }
 
-#[test]
-fn a_bag_gives_its_folders_trajectory_and_a_pipe_its_first_pose_before_its_end() {
-    let tmp = tempfile::tempdir().unwrap();
-    let dir = tmp.path().join("live");
-    let camera = tmp.path().join("camera.toml");
+/// Six seconds of a flight's small images, in a folder `live`: chance is a function of a recording's name.
+fn rendered(tmp: &Path) -> PathBuf {
+    let (dir, camera) = (tmp.join("live"), tmp.join("camera.toml"));
     let config = "[camera]\nresolution = [376, 240]\nintrinsics = [229.3, 228.6, 183.4, 123.9]\n";
     std::fs::write(&camera, config).unwrap();
     let mut command = dpn();
     command.args(["simulate", "images", "room-medium", "--from", "12", "--to", "18", "--config"]);
     end(command.arg(&camera).arg("--out").arg(&dir)).well();
+    dir
+}
+
+#[test]
+fn an_imu_on_two_topics_is_joined_and_wrong_units_are_named_from_a_file_and_from_a_pipe() {
+    let tmp = tempfile::tempdir().unwrap();
+    let dir = rendered(tmp.path());
+    let calibration = dir.join("mav0/cam0/sensor.yaml");
+    let calib = ["--calib", calibration.to_str().unwrap()];
+    let trajectory =
+        |name: &str| std::fs::read_to_string(tmp.path().join(name).join("trajectory.tum")).unwrap();
+    odometry(&dir, &tmp.path().join("of-folder"), &["--camera", "images"]).well();
+    let expected = trajectory("of-folder");
+    let piped = |bag: &Path, more: &[&str]| {
+        let stdin = std::fs::File::open(bag).unwrap();
+        end(dpn().args(["run", "-"]).args(calib).args(NOISE).args(more).stdin(stdin))
+    };
+    let bag = |folder: &str, begin: Vec<u8>, messages: Vec<Vec<u8>>| {
+        let path = tmp.path().join(folder).join("live.mcap");
+        std::fs::create_dir(path.parent().unwrap()).unwrap();
+        std::fs::write(&path, [begin, messages.concat(), record(15, &[0; 4])].concat()).unwrap();
+        path
+    };
+
+    // As a RealSense has it: the other sensor's values are zero.
+    let [gyro, accel] = ["/camera/gyro/sample", "/camera/accel/sample"];
+    let apart = bag(
+        "apart",
+        channels(&[
+            (1, "sensor_msgs/Imu", gyro),
+            (2, "sensor_msgs/Image", "/image"),
+            (3, "sensor_msgs/Imu", accel),
+        ]),
+        messages_of(&dir, |s| {
+            let (turn, force) = (ImuSample { accel: [0.0; 3], ..*s }, ImuSample { gyro: [0.0; 3], ..*s });
+            [sample_on(1, &turn), sample_on(3, &force)].concat()
+        }),
+    );
+    odometry(&apart, &tmp.path().join("of-apart"), &calib).well();
+    assert!(trajectory("of-apart") == expected, "two topics give another trajectory");
+    for topic in [&[][..], &["--topic", gyro], &["--topic", accel]] {
+        let live = piped(&apart, topic).well();
+        assert!(live.stdout == expected.split_once('\n').unwrap().1, "{topic:?}: {}", live.stderr);
+    }
+
+    let in_g = bag(
+        "in-g",
+        begin(),
+        messages_of(&dir, |s| sample_on(1, &ImuSample { accel: s.accel.map(|v| v / 9.80665), ..*s })),
+    );
+    let out = tmp.path().join("of-g");
+    let file = odometry(&in_g, &out, &calib);
+    let live = piped(&in_g, &[]);
+    for done in [&file, &live] {
+        assert_eq!(done.code, Some(0), "{done:?}");
+        for words in
+            ["the accelerometer in g (a log's is mended by --accel-scale 9.80665)", "warning: no pose in "]
+        {
+            assert!(done.stderr.contains(words), "no `{words}` in {}", done.stderr);
+        }
+    }
+    assert!(out.join("report.json").is_file(), "what was found out is kept");
+    let scale = ["--accel-scale", "9.80665"];
+    let live = piped(&in_g, &scale).well();
+    let file = odometry(&in_g, &tmp.path().join("mended"), &[&calib[..], &scale].concat()).well();
+    assert!(!file.stderr.contains("in g") && !live.stderr.contains("in g"));
+    assert_eq!(live.stdout, trajectory("mended").split_once('\n').unwrap().1);
+}
+
+#[test]
+fn a_bag_gives_its_folders_trajectory_and_a_pipe_its_first_pose_before_its_end() {
+    let tmp = tempfile::tempdir().unwrap();
+    let dir = rendered(tmp.path());
     let trajectory = |name: &str| std::fs::read(tmp.path().join(name).join("trajectory.tum")).unwrap();
     odometry(&dir, &tmp.path().join("of-folder"), &["--camera", "images"]).well();
     let expected = trajectory("of-folder");
@@ -231,11 +311,14 @@ fn what_is_amiss_is_said_with_a_remedy() {
         let path = tmp.path().join(format!("{encoding}.mcap"));
         let samples: Vec<u8> = (0..40)
             .flat_map(|i| {
-                sample(&ImuSample {
-                    t: dpn_core::Stamp::from_ns(5_000_000 * i + 1),
-                    gyro: [0.1; 3],
-                    accel: [9.8; 3],
-                })
+                sample_on(
+                    1,
+                    &ImuSample {
+                        t: dpn_core::Stamp::from_ns(5_000_000 * i + 1),
+                        gyro: [0.1; 3],
+                        accel: [9.8; 3],
+                    },
+                )
             })
             .collect();
         std::fs::write(

@@ -3,7 +3,7 @@
 use super::CalibrationError;
 use super::keys::Place;
 use crate::noise_formats::Format;
-use dpn_core::camera::{CameraConfig, CameraModel, Distortion};
+use dpn_core::camera::{BadCamera, CameraConfig, CameraModel, Distortion};
 use dpn_core::checksum::of_bytes;
 use dpn_core::time::{SampleRate, Stamp};
 use nalgebra::Isometry3;
@@ -153,11 +153,14 @@ impl Found {
             coefficients: self.coefficients,
             body_from_cam,
         };
-        CameraModel::try_from(&camera).map_err(|problem| self.at.error(problem.to_string()))?;
+        CameraModel::try_from(&camera).map_err(|problem| match problem {
+            BadCamera::Coefficients { .. } => self.at.error(problem.to_string()),
+            _ => self.at.block().error(problem.to_string()),
+        })?;
         if self.offset_s.abs() > LONGEST_OFFSET_S {
             let problem =
                 format!("moves the camera's stamps by {} s; at most {LONGEST_OFFSET_S} s are", self.offset_s);
-            return Err(self.at.error(problem));
+            return Err(self.at.block().error(problem));
         }
         let (rate, extrinsics, offset_s) = (self.rate, self.extrinsics, self.offset_s);
         Ok(Calibration { format, camera, rate, extrinsics, offset_s, imu: None })

@@ -25,6 +25,12 @@ impl Place {
         let Self { path, line, key } = self.clone();
         CalibrationError::Bad { path, line, key, problem }
     }
+
+    /// The block that the key stands in, where it stands in one.
+    pub(super) fn block(&self) -> Self {
+        let key = self.key.rsplit_once('.').map_or(self.key.as_str(), |(block, _)| block).to_owned();
+        Self { key, ..self.clone() }
+    }
 }
 
 /// The keys of a file, or of a block in it.

@@ -91,11 +91,11 @@ impl Axes {
         match self.verdict {
             AxesVerdict::Consistent | AxesVerdict::Unknown => None,
             AxesVerdict::Swapped => Some(format!(
-                "the camera's extrinsics are swapped: {seen}, {:.2} with what fits best, which is about the inverse; they must map points in the camera's frame to the IMU's: invert the matrix (`T_BS` in sensor.yaml), or name the file that has it with --calib, which knows each program's direction",
+                "the camera's extrinsics are swapped: {seen}, {:.2} with what fits best, which is about the inverse; they must map points in the camera's frame to the IMU's: invert the matrix where it stands (`T_BS` of an ASL sensor.yaml, `T_cam_imu` of Kalibr, the rotation and translation of VINS), or name with --calib the file that the calibration's program wrote: each program's direction is known",
                 self.best_correlation
             )),
             AxesVerdict::Turned { degrees, axis_in_body: [x, y, z] } => Some(format!(
-                "camera and gyro do not turn about the same axes: {seen}, {:.2} with the camera turned by {degrees:.0} degrees about ({x:.2}, {y:.2}, {z:.2}) in the body; look at the rotation of `T_BS` and at the order of the gyro's axes",
+                "camera and gyro do not turn about the same axes: {seen}, {:.2} with the camera turned by {degrees:.0} degrees about ({x:.2}, {y:.2}, {z:.2}) in the body; look at the rotation of the extrinsics and at the order of the gyro's axes",
                 self.best_correlation
             )),
             AxesVerdict::Mirrored => Some(format!(
