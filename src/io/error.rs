@@ -366,7 +366,7 @@ impl IoError {
             },
             Self::Missing { path } => return missing_hint(path),
             Self::NoSequence { .. } => {
-                "give the folder of one sequence (it holds `mav0` or `imu0`) or one that holds sequences; a folder of images needs `times.txt` (name, stamp a line) and `imu.txt` or `imu.csv`"
+                "give the folder of one sequence (it holds `mav0` or `imu0`) or one that holds sequences; a folder of images needs `times.txt` (id and timestamp a line) and `imu.txt` or `imu.csv`"
             }
             Self::Empty { .. } => "the download or export may have been cut off; make the file again",
             Self::TooShort { .. } => "record for longer, or look whether the file was cut off",

@@ -26,7 +26,7 @@ fn a_folder_without_a_sequence() {
         &empty,
         "error: no ASL sequence in [DIR]/empty: looked for mav0/imu0/data.csv, imu0/data.csv, \
          */mav0/imu0/data.csv, */imu0/data.csv, */*/mav0/imu0/data.csv, */*/imu0/data.csv\n\n\
-         hint: give the folder of one sequence (it holds `mav0` or `imu0`) or one that holds sequences; a folder of images needs `times.txt` (name, stamp a line) and `imu.txt` or `imu.csv`",
+         hint: give the folder of one sequence (it holds `mav0` or `imu0`) or one that holds sequences; a folder of images needs `times.txt` (id and timestamp a line) and `imu.txt` or `imu.csv`",
     );
 }
 
