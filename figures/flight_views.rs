@@ -7,6 +7,7 @@ use dpn_eval::closed_loop::{JudgedRun, MAX_GAP_S, Recording};
 use dpn_eval::metrics::{
     AlignmentKind, Interpolation, TruthOptions, TruthTrack, align, associate_interpolated,
 };
+use dpn_vio::components::Levels;
 use dpn_vio::estimator::Phase;
 
 /// Poses farther apart than this are not joined \[s\].
@@ -81,10 +82,12 @@ pub fn timeline(run: &JudgedRun) -> Result<Timeline, FigureError> {
     let noise = |sensor: Sensor| {
         let axis = |k: usize| {
             let stamped = run.noise.stamps().iter().zip(run.noise.noises());
-            stamped.map(|(t, noise)| (seconds(*t), noise.of(sensor)[k])).filter(|(t, _)| *t >= 0.0).collect()
+            let within = |(t, _): &(f64, f64)| (0.0..=run.output.data_s).contains(t);
+            stamped.map(|(t, noise)| (seconds(*t), noise.of(sensor)[k])).filter(within).collect()
         };
         ["x", "y", "z"].into_iter().zip(0..3).map(|(name, k)| line(name, axis(k))).collect()
     };
+    let level = |value: &dyn Fn(&Levels) -> f64| of_updates(&|u| Some(value(u.levels.as_deref()?)));
     let panels = vec![
         panel(
             "tracks in a frame",
@@ -98,6 +101,16 @@ pub fn timeline(run: &JudgedRun) -> Result<Timeline, FigureError> {
         panel("median way of a track since the frame before [px]", false, vec![line("", ways)]),
         panel("accelerometer noise in force [m/s²]", true, noise(Sensor::Accel)),
         panel("gyroscope noise in force [rad/s]", true, noise(Sensor::Gyro)),
+        // Without levels that are learned it has no points, and is left out.
+        panel(
+            "learned, times what is told",
+            true,
+            vec![
+                line("accelerometer's walk", level(&|l| l.inertial.0[6])),
+                line("gyroscope's walk", level(&|l| l.inertial.0[7])),
+                line("pixels", level(&|l| l.pixel)),
+            ],
+        ),
         panel("accelerometer bias [m/s²]", false, axes("", &|u, k| Some(u.state?.bias.accel[k]))),
         panel("gyroscope bias [rad/s]", false, axes("", &|u, k| Some(u.state?.bias.gyro[k]))),
         panel(

@@ -18,6 +18,7 @@ use dpn_core::random::Stream;
 use dpn_core::{NoiseTrack, Stamp, TrackFrame};
 use dpn_pronet::network::Network;
 use dpn_vio::EstimatorConfig;
+use dpn_vio::components::Levels;
 use dpn_vio::diagnosis::{Axes, TrackHealth};
 use dpn_vio::estimator::{BiasJump, FrontEndObserver, Phase};
 use serde::Serialize;
@@ -81,8 +82,33 @@ pub struct Report {
     pub bias_jumps: Vec<BiasJump>,
     /// How far the lens was found to be off its calibration, root mean square over the points last seen \[px\]; none where that is not learned.
     pub lens_px: Option<f64>,
+    /// By what the noise told is multiplied at the end, where that is learned.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub learned: Option<LearnedLevels>,
     /// Root mean square of the noise in force: accelerometer x, y, z \[m/s^2\], gyroscope x, y, z \[rad/s\].
     pub noise_rms: [[f64; 3]; 2],
+}
+
+/// Factors on the deviations told: of the samples by axis, of the biases' walks, of the pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LearnedLevels {
+    /// Accelerometer x, y, z.
+    pub accel: [f64; 3],
+    /// Gyroscope x, y, z.
+    pub gyro: [f64; 3],
+    /// The walk of the accelerometer's bias.
+    pub accel_walk: f64,
+    /// The walk of the gyroscope's bias.
+    pub gyro_walk: f64,
+    /// The pixels.
+    pub pixel: f64,
+}
+
+impl LearnedLevels {
+    fn of(levels: &Levels) -> Self {
+        let [ax, ay, az, gx, gy, gz, accel_walk, gyro_walk] = levels.inertial.0;
+        Self { accel: [ax, ay, az], gyro: [gx, gy, gz], accel_walk, gyro_walk, pixel: levels.pixel }
+    }
 }
 
 /// Runs the estimator over what `camera` sees, with `noise` told; `observer` looks on while points are followed through images.
@@ -163,6 +189,7 @@ pub fn watched_run(
         waited_for,
         bias_jumps: output.report.jumps.clone(),
         lens_px: output.report.lens_px,
+        learned: output.updates.iter().rev().find_map(|u| u.levels.as_deref()).map(LearnedLevels::of),
         noise_rms: noise_rms(&noise),
     };
     Ok(JudgedRun { report, output, noise, frames })

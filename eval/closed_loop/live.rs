@@ -155,6 +155,7 @@ impl<'a> LiveRun<'a> {
     fn told(&mut self, sample: ImuSample) -> Result<(), ClosedLoopError> {
         let model = self.noise.as_mut().expect("the caller looked");
         let noise = model.feed(&sample);
+        noise::check_range(&noise, &self.spec)?;
         self.mounting.sample(&sample);
         pass_over_spikes(self.estimator.feed_imu(NoisySample { sample, noise }))
             .map_err(|error| self.refused(error))

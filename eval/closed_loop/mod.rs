@@ -54,7 +54,7 @@ pub use frame_log::SeenFrame;
 pub use image_report::{FrontEndFigures, ImageEvent, ImageReport, PassedOver};
 pub use images::{ImageSource, ImageStream, has_images};
 pub use judge::{Errors, Judged, MAX_GAP_S, RunInfo, judge, paired, run_nees};
-pub use judged_run::{JudgedRun, Report, judged_run, watched_run};
+pub use judged_run::{JudgedRun, LearnedLevels, Report, judged_run, watched_run};
 pub use lens_error::{Matched, lens_error};
 pub use live::LiveRun;
 pub use logged::LoggedSequence;

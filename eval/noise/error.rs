@@ -1,5 +1,7 @@
 //! Why there is no noise.
 
+use super::track::{LEAST, MOST};
+use dpn_core::Sensor;
 use dpn_core::estimate::SpecError;
 use dpn_io::IoError;
 use dpn_pronet::StoreError;
@@ -87,6 +89,18 @@ pub enum NoiseError {
         recording: String,
         /// The sample.
         t_ns: i64,
+    },
+    /// A deviation whose square, or its inverse, is no number to compute with.
+    #[error(
+        "`{spec}` says a deviation of {value:e} {}: no IMU's is below {LEAST:e} or above {MOST:e}; give deviations of an IMU", sensor.unit()
+    )]
+    Absurd {
+        /// The spec.
+        spec: String,
+        /// Whose deviation.
+        sensor: Sensor,
+        /// What it says.
+        value: f64,
     },
     /// True noise of a real recording.
     #[error(

@@ -12,4 +12,4 @@ pub use content::content;
 pub use controls::{BLOCK_S, MeanSquare, shuffled};
 pub use error::NoiseError;
 pub(crate) use track::AfterRun;
-pub use track::{Fresh, Recorded, Sources, live, of_recording, track};
+pub use track::{Fresh, Recorded, Sources, check_range, live, of_recording, track};

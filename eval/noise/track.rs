@@ -91,11 +91,42 @@ impl Sources for Fresh<'_> {
     }
 }
 
+/// Least and largest deviation that a noise may say, in the sensor's unit: far beyond any IMU's, and far from where squares and their inverses end.
+pub(super) const LEAST: f64 = 1e-9;
+pub(super) const MOST: f64 = 1e9;
+
+/// That a noise told can be computed with.
+///
+/// # Errors
+/// A deviation that no IMU has.
+pub fn check_range(noise: &ImuNoise, spec: &NoiseSpec) -> Result<(), NoiseError> {
+    for sensor in Sensor::ALL {
+        for value in noise.of(sensor) {
+            if !(LEAST..=MOST).contains(&value) {
+                return Err(NoiseError::Absurd { spec: spec.to_string(), sensor, value });
+            }
+        }
+    }
+    Ok(())
+}
+
 /// The noise in force at every sample of `imu`; a control that permutes draws from `stream`.
 ///
 /// # Errors
-/// What `sources` cannot give.
+/// What `sources` cannot give; a deviation that no IMU has.
 pub fn track(
+    spec: &NoiseSpec,
+    imu: &ImuRecording,
+    sources: &dyn Sources,
+    stream: &Stream,
+) -> Result<Arc<NoiseTrack>, NoiseError> {
+    let track = made(spec, imu, sources, stream)?;
+    track.noises().iter().try_for_each(|noise| check_range(noise, spec))?;
+    Ok(track)
+}
+
+/// The same, whatever it says.
+fn made(
     spec: &NoiseSpec,
     imu: &ImuRecording,
     sources: &dyn Sources,

@@ -280,6 +280,18 @@ fn words(report: &Report, done: &JudgedRun, simulated: bool) -> String {
     if let Some(px) = report.lens_px {
         line("lens:", format!("{px:.2} px off its calibration, rms"));
     }
+    if let Some(learned) = &report.learned {
+        let three = |[x, y, z]: [f64; 3]| format!("{x:.2} {y:.2} {z:.2}");
+        let text = format!(
+            "accelerometer {}, gyroscope {}, walks {:.2} and {:.2}, pixels {:.2} times what was told, at the end",
+            three(learned.accel),
+            three(learned.gyro),
+            learned.accel_walk,
+            learned.gyro_walk,
+            learned.pixel
+        );
+        line("learned:", text);
+    }
     if let Some(whitened) = row.whitened {
         line("whitened IMU:", format!("{whitened:.2} (1 where the noise told is the noise there is)"));
     }

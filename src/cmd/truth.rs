@@ -34,9 +34,17 @@ pub(crate) fn run(args: &TruthArgs) -> Result<()> {
     Ok(())
 }
 
-/// Reconciles those of `sequences` that `out` does not have yet, a minute each.
+/// Reconciles those of `sequences` that `out` does not have yet from this program, a minute each.
 pub(super) fn reconciled(sequences: &[Sequence], out: &Path) -> Result<()> {
-    let missing = |sequence: &&Sequence| !out.join(format!("{}.csv", sequence.name())).exists();
+    let report = |name: &str| {
+        let text = std::fs::read_to_string(out.join(format!("{name}.json"))).ok()?;
+        serde_json::from_str::<serde_json::Value>(&text).ok()
+    };
+    let is_made = |name: &str| {
+        out.join(format!("{name}.csv")).exists()
+            && report(name).is_some_and(|said| said["program"] == program())
+    };
+    let missing = |sequence: &&Sequence| !is_made(sequence.name());
     for sequence in sequences.iter().filter(missing) {
         errln!("reconciling the ground truth of {}", sequence.name());
         one(sequence, &TruthConfig::default(), out, &mut |line| {

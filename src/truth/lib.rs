@@ -18,6 +18,7 @@ mod adjust;
 mod align;
 mod ceiling;
 mod chain;
+mod clock;
 mod components;
 mod config;
 mod dense;
@@ -31,6 +32,7 @@ mod report;
 mod screen;
 mod start;
 
+pub use clock::WindowDelay;
 pub use components::Levels;
 pub use config::TruthConfig;
 pub use error::TruthError;

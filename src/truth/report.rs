@@ -2,6 +2,7 @@
 
 use crate::adjust::Adjusted;
 use crate::align::Guess;
+use crate::clock::{WindowDelay, unsteady, window_delays};
 use crate::components::Levels;
 use crate::config::TruthConfig;
 use crate::layout::{DELAY, LEVER, MOUNT, TILT};
@@ -99,6 +100,8 @@ pub struct Report {
     pub iterations: usize,
     /// Whether the last one changed nothing any more.
     pub settled: bool,
+    /// How late the published poses are, window by window, where the body turns.
+    pub window_delays: Vec<WindowDelay>,
     /// How far to trust it where.
     pub spans: Vec<Span>,
     /// What a reader should know.
@@ -162,6 +165,7 @@ pub(crate) fn report(
         held_out: held_out(problem, adjusted, config),
         iterations: adjusted.iterations,
         settled: adjusted.settled,
+        window_delays: window_delays(problem, adjusted),
         spans: spans(problem, adjusted, deviations, left_out, config),
         warnings: Vec::new(),
     };
@@ -269,6 +273,7 @@ fn warnings(report: &Report, guess: &Guess) -> Vec<String> {
             delay.std
         ));
     }
+    out.extend(unsteady(&report.window_delays));
     let turned = report.mount_deg.value.iter().map(|v| v * v).sum::<f64>().sqrt();
     if turned > TURNED_DEG {
         out.push(format!("the published body frame is turned by {turned:.2} deg against the IMU's"));

@@ -273,3 +273,49 @@ fn on_flights_as_they_are_no_bias_jumps() {
         assert_eq!(said["report"]["bias_jumps"], serde_json::json!([]), "{sequence} {noise}");
     }
 }
+
+#[test]
+fn what_was_learned_is_in_the_report_the_states_the_noise_and_the_picture() {
+    let tmp = tempfile::tempdir().unwrap();
+    let (out, pictures) = (tmp.path().join("out"), tmp.path().join("pictures"));
+    let draw = ["--to", "25", "--json", "--draw", pictures.to_str().unwrap()];
+    let run = |noise: &str| {
+        odometry(Path::new("room-medium"), &out, &[&["--noise", noise][..], &draw].concat()).well().json()
+    };
+    let told = run("x1");
+    assert!(told["report"]["learned"].is_null() && !out.join("noise_learned.csv").exists());
+    let header =
+        |file: &str| std::fs::read_to_string(out.join(file)).unwrap().lines().next().unwrap().to_owned();
+    assert!(!header("states.csv").contains("level"));
+
+    let said = run("self");
+    let learned = &said["report"]["learned"];
+    for sensor in ["accel", "gyro"] {
+        let axes = learned[sensor].as_array().unwrap();
+        assert!(axes.len() == 3 && axes.iter().all(|level| level.as_f64().unwrap() > 0.0), "{learned}");
+    }
+    // What moves them is not what was told.
+    assert!(
+        learned["accel_walk"].as_f64().unwrap() > 1.0 && learned["pixel"].as_f64().unwrap() < 1.0,
+        "{learned}"
+    );
+    assert!(header("states.csv").ends_with(",accel_walk_level,gyro_walk_level,pixel_level"));
+    let noise = dpn_io::read_noise_track(&out.join("noise_learned.csv")).unwrap();
+    let accel = |at: usize| noise.noises()[at].of(dpn_core::Sensor::Accel)[0];
+    assert!(accel(0) != accel(noise.noises().len() - 1), "a noise that was learned is no constant");
+    let drawn = std::fs::read_to_string(pictures.join("timeline.csv")).unwrap();
+    assert!(drawn.contains("learned, times what is told") && drawn.contains("pixels"));
+}
+
+#[test]
+fn noise_that_no_imu_has_is_refused_and_no_panic() {
+    let tmp = tempfile::tempdir().unwrap();
+    for noise in
+        ["self(x1e-300)", "x1e300", "const(1e-200,1e-200)", "self(const(1e200,1e200))", "plus(x1,x1e160)"]
+    {
+        let done =
+            odometry(Path::new("room-medium"), &tmp.path().join("out"), &["--to", "8", "--noise", noise]);
+        assert_eq!(done.code, Some(2), "{noise}: {done:?}");
+        assert!(done.stderr.contains("give deviations of an IMU"), "{noise}: {}", done.stderr);
+    }
+}

@@ -1,6 +1,7 @@
 //! Gaps, jumps, a wrong clock, another frame, no ground truth at all: said, left out, or refused.
 
 use crate::degrade::{Degradation, against};
+use dpn_core::signal::stats::median;
 use dpn_core::truth::{GroundTruth, TrueState};
 use dpn_sim::{Flight, FlightConfig, SimulatedFlight, simulate};
 use dpn_truth::{Reconciled, Trust, TruthConfig, TruthError, reconcile};
@@ -70,6 +71,31 @@ fn a_clock_that_is_half_a_second_late_is_found() {
     let done = done.unwrap();
     assert!((done.report.delay_ms.value - 500.0).abs() < 0.2, "{:?}", done.report.delay_ms);
     assert!(against(&done.truth, &flight).0 < 3e-3);
+}
+
+#[test]
+fn stamps_that_step_or_drift_are_named_and_steady_ones_are_not() {
+    let late = |by: fn(f64) -> f64| {
+        let (_, done) = changed(|s, mut state| {
+            state.t = state.t.plus_seconds(by(s));
+            Some(state)
+        });
+        let report = done.unwrap().report;
+        let said = report.warnings.iter().any(|w| w.contains("do not keep the IMU's time"));
+        let delays: Vec<f64> = report.window_delays.iter().map(|w| w.delay_ms).collect();
+        (said, delays)
+    };
+    let (said, delays) = late(|_| 0.1);
+    assert!(!said && delays.len() > 3 && delays.iter().all(|ms| (ms - 100.0).abs() < 2.0), "{delays:?}");
+    // An adjustment of one delay bends the motion where there are two: windows tell the way of it, not each its own.
+    let rises = |delays: &[f64]| {
+        let (early, late) = delays.split_at(delays.len() / 2);
+        median(late) - median(early)
+    };
+    let (said, delays) = late(|s| if s > 30.0 { 0.03 } else { 0.0 });
+    assert!(said && rises(&delays) > 15.0, "{delays:?}");
+    let (said, delays) = late(|s| 0.002 * s);
+    assert!(said && rises(&delays) > 20.0, "{delays:?}");
 }
 
 #[test]

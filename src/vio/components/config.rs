@@ -54,11 +54,16 @@ impl ComponentsConfig {
         faults.within("components.memory_s", self.memory_s, 1.0, 1000.0);
         faults.within("components.span_s", self.span_s, 0.0, 10.0);
         faults.within("components.prior", self.prior, 0.1, 1000.0);
-        faults.positive("components.accel_floor", self.accel_floor.get());
-        faults.positive("components.gyro_floor", self.gyro_floor.get());
-        faults.positive("components.accel_walk_floor", self.accel_walk_floor.get());
-        faults.positive("components.gyro_walk_floor", self.gyro_walk_floor.get());
-        faults.positive("components.pixel_floor", self.pixel_floor);
-        faults.positive("components.followed_pixel_floor", self.followed_pixel_floor);
+        // A floor above all that sensors have would be a constant under another name.
+        for (key, value) in [
+            ("components.accel_floor", self.accel_floor.get()),
+            ("components.gyro_floor", self.gyro_floor.get()),
+            ("components.accel_walk_floor", self.accel_walk_floor.get()),
+            ("components.gyro_walk_floor", self.gyro_walk_floor.get()),
+        ] {
+            faults.within(key, value, 1e-9, 10.0);
+        }
+        faults.within("components.pixel_floor", self.pixel_floor, 0.01, 10.0);
+        faults.within("components.followed_pixel_floor", self.followed_pixel_floor, 0.01, 10.0);
     }
 }

@@ -365,7 +365,7 @@ mod tests {
         let turned = case.with_gyro(|[x, y, z]| [y, -x, z]);
         let AxesVerdict::Turned { degrees, axis_in_body } = turned.verdict else { panic!("{turned:?}") };
         assert!((degrees - 90.0).abs() < 6.0 && axis_in_body[2].abs() > 0.99, "{turned:?}");
-        assert!(turned.warning().unwrap().contains("T_BS"));
+        assert!(turned.warning().unwrap().contains("the rotation of the extrinsics"));
     }
 
     /// A camera carried by hand past near things: its turns are told badly, and their noise is no turning.
