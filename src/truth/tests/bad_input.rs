@@ -94,8 +94,8 @@ fn stamps_that_step_or_drift_are_named_and_steady_ones_are_not() {
     };
     let (said, delays) = late(|s| if s > 30.0 { 0.03 } else { 0.0 });
     assert!(said && rises(&delays) > 15.0, "{delays:?}");
-    let (said, delays) = late(|s| 0.002 * s);
-    assert!(said && rises(&delays) > 20.0, "{delays:?}");
+    let (said, delays) = late(|s| 0.0008 * s);
+    assert!(said && rises(&delays) > 10.0, "{delays:?}");
 }
 
 #[test]
