@@ -3,11 +3,10 @@
 use crate::{FigureError, Timeline, TimelinePanel, TopView};
 use dpn_core::trajectory::StampedPose;
 use dpn_core::{Sensor, Stamp};
-use dpn_eval::closed_loop::{JudgedRun, MAX_GAP_S, Recording};
+use dpn_eval::closed_loop::{JudgedRun, LearnedLevels, MAX_GAP_S, Recording};
 use dpn_eval::metrics::{
     AlignmentKind, Interpolation, TruthOptions, TruthTrack, align, associate_interpolated,
 };
-use dpn_vio::components::Levels;
 use dpn_vio::estimator::Phase;
 
 /// Poses farther apart than this are not joined \[s\].
@@ -87,7 +86,9 @@ pub fn timeline(run: &JudgedRun) -> Result<Timeline, FigureError> {
         };
         ["x", "y", "z"].into_iter().zip(0..3).map(|(name, k)| line(name, axis(k))).collect()
     };
-    let level = |value: &dyn Fn(&Levels) -> f64| of_updates(&|u| Some(value(u.levels.as_deref()?)));
+    let level = |value: &dyn Fn(LearnedLevels) -> f64| {
+        of_updates(&|u| Some(value(LearnedLevels::of(u.levels.as_deref()?))))
+    };
     let panels = vec![
         panel(
             "tracks in a frame",
@@ -106,8 +107,8 @@ pub fn timeline(run: &JudgedRun) -> Result<Timeline, FigureError> {
             "learned, times what is told",
             true,
             vec![
-                line("accelerometer's walk", level(&|l| l.inertial.0[6])),
-                line("gyroscope's walk", level(&|l| l.inertial.0[7])),
+                line("accelerometer's walk", level(&|l| l.accel_walk)),
+                line("gyroscope's walk", level(&|l| l.gyro_walk)),
                 line("pixels", level(&|l| l.pixel)),
             ],
         ),

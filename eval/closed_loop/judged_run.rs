@@ -105,7 +105,8 @@ pub struct LearnedLevels {
 }
 
 impl LearnedLevels {
-    fn of(levels: &Levels) -> Self {
+    /// Those in force.
+    pub fn of(levels: &Levels) -> Self {
         let [ax, ay, az, gx, gy, gz, accel_walk, gyro_walk] = levels.inertial.0;
         Self { accel: [ax, ay, az], gyro: [gx, gy, gz], accel_walk, gyro_walk, pixel: levels.pixel }
     }

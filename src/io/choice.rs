@@ -41,7 +41,7 @@ impl FromStr for ColumnChoice {
         let all = all.and_then(|all| <[Column; 7]>::try_from(all).ok()).ok_or_else(wrong)?;
         match (1..7).find(|&i| all[..i].contains(&all[i])) {
             Some(i) => {
-                let column = text.split(',').nth(i).unwrap_or_default().trim();
+                let column = text.split(',').nth(i).expect("it was read from there").trim();
                 Err(format!("column {column} is there twice; seven columns that differ are needed"))
             }
             None => Ok(Self(all)),
@@ -75,8 +75,9 @@ impl ColumnChoice {
                     let exact = header.names.iter().position(|one| one == name);
                     let similar = || header.names.iter().position(|one| one.eq_ignore_ascii_case(name));
                     // A unit in brackets need not be typed.
-                    let bare =
-                        |one: &String| one.split(['[', '(']).next().unwrap_or_default().trim().to_owned();
+                    let bare = |one: &String| {
+                        one.split(['[', '(']).next().expect("a split has a first part").trim().to_owned()
+                    };
                     let without = || header.names.iter().position(|one| bare(one).eq_ignore_ascii_case(name));
                     exact.or_else(similar).or_else(without).ok_or_else(|| missing(header, path, name))?
                 }

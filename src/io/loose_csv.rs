@@ -143,13 +143,13 @@ fn parse(
             let at = |e: &IoError| matches!(e, IoError::FieldCount { line, .. } | IoError::BadNumber { line, .. } if *line as u64 == last_line);
             unreadable.first.as_ref().is_some_and(at)
         };
-    let log = finish(path, understood, sieve, unreadable, only)?;
-    Ok(LooseImuLog { wraps: counter.wraps, ..log })
+    finish(path, understood, counter.wraps, sieve, unreadable, only)
 }
 
 fn finish(
     path: &Path,
     understood: Understood,
+    wraps: usize,
     sieve: Sieve,
     mut unreadable: Unreadable,
     only: Option<Sensor>,
@@ -189,7 +189,7 @@ fn finish(
     let short = |found| IoError::TooShort { path: path.to_path_buf(), found };
     let recording = samples.recording().map_err(storing)?.map_err(short)?;
     let Understood { time, passed, said_hz, .. } = understood;
-    Ok(LooseImuLog { recording, columns, time, gyro, accel, sieved, unreadable, passed, wraps: 0, said_hz })
+    Ok(LooseImuLog { recording, columns, time, gyro, accel, sieved, unreadable, passed, wraps, said_hz })
 }
 
 /// Brings samples to rad/s and m/s^2; units that nobody named are told from the numbers.

@@ -5,6 +5,7 @@
 
 use crate::fields::Encoding;
 use crate::live_join::LiveJoin;
+use crate::topics::Speaks;
 use dpn_core::{ImuSample, Sensor};
 use std::collections::HashMap;
 
@@ -24,21 +25,10 @@ pub(crate) struct Several {
 struct Source {
     name: String,
     encoding: Encoding,
-    /// Whether its gyroscope has said anything but zeros, and its accelerometer.
-    speaks: [bool; 2],
+    /// Of which sensors it speaks.
+    speaks: Speaks,
     /// What is held back.
     held: Vec<ImuSample>,
-}
-
-impl Source {
-    /// The only sensor that it speaks of.
-    fn half(&self) -> Option<Sensor> {
-        match self.speaks {
-            [true, false] => Some(Sensor::Gyro),
-            [false, true] => Some(Sensor::Accel),
-            _ => None,
-        }
-    }
 }
 
 /// Whose samples are handed on.
@@ -70,7 +60,7 @@ impl LiveImus {
     pub(crate) fn declare(&mut self, number: u32, name: String, encoding: Encoding) {
         let known = self.all.iter().position(|source| source.name == name);
         let index = known.unwrap_or_else(|| {
-            self.all.push(Source { name, encoding, speaks: [false; 2], held: Vec::new() });
+            self.all.push(Source { name, encoding, speaks: Speaks::default(), held: Vec::new() });
             self.all.len() - 1
         });
         self.numbers.insert(number, index);
@@ -92,13 +82,11 @@ impl LiveImus {
     /// # Errors
     /// Two topics could be meant.
     pub(crate) fn take(&mut self, index: usize, sample: ImuSample) -> Result<Vec<ImuSample>, Several> {
-        let source = &mut self.all[index];
-        source.speaks[0] |= sample.gyro != [0.0; 3];
-        source.speaks[1] |= sample.accel != [0.0; 3];
+        self.all[index].speaks.hear(&sample);
         match self.chosen {
             Some(Chosen::One(one)) if one == index => Ok(vec![sample]),
             // Beside a topic that has both sensors, those with one are no choice.
-            Some(Chosen::One(one)) if self.all[index].speaks == [true; 2] => Err(self.several(&[one, index])),
+            Some(Chosen::One(one)) if self.all[index].speaks.are_both() => Err(self.several(&[one, index])),
             Some(Chosen::One(_)) => Ok(Vec::new()),
             Some(Chosen::Pair { gyro, accel }) => {
                 let sensor = match index {
@@ -126,14 +114,14 @@ impl LiveImus {
 
     /// Whether it is known by now who is to be heard, the topic at `index` having spoken.
     fn decide(&mut self, index: usize) -> Result<Vec<ImuSample>, Several> {
-        let own = self.all[index].half();
-        if self.all[index].speaks == [true; 2] {
+        let own = self.all[index].speaks.half();
+        if self.all[index].speaks.are_both() {
             return Ok(self.alone(index));
         }
         let others = (0..self.all.len()).filter(|&i| i != index && !self.all[i].held.is_empty());
         let (mut same, mut counterpart) = (None, None);
         for other in others {
-            match (own, self.all[other].half()) {
+            match (own, self.all[other].speaks.half()) {
                 (Some(own), Some(half)) if own == half => same = Some(other),
                 (Some(_), Some(_)) => counterpart = Some(other),
                 _ => {}

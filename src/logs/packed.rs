@@ -98,7 +98,8 @@ impl Read for Unpacked<'_> {
                     // Some decoders tell their own fields behind the words.
                     _ => {
                         let words = error.to_string();
-                        let words = words.split(['(', '{']).next().unwrap_or_default().trim_end();
+                        let words =
+                            words.split(['(', '{']).next().expect("a split has a first part").trim_end();
                         format!("bad {} data: {}", self.name, dpn_io::printable(words))
                     }
                 });

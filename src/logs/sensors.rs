@@ -7,7 +7,7 @@ use crate::image_log::{ImageLogOptions, ImageSpan};
 use crate::imu_message::{decode, is_imu};
 use crate::live_imus::{LiveImus, Several};
 use crate::messages::Messages;
-use crate::topics::{shortened, sibling};
+use crate::topics::{is_wanted, shortened};
 use crate::{LogError, Scales, bag};
 use dpn_core::{GrayImage, ImuSample, Stamp};
 use dpn_io::{IoError, printable};
@@ -203,8 +203,7 @@ impl Messages for SensorStream<'_> {
         let is_camera = self.cameras.declare(number, name, kind, encoding.clone());
         let Some(imu) = &mut self.imu else { return is_camera };
         imu.forget(number);
-        let is_wanted = |wanted: &str| wanted == shown || sibling(wanted).is_some_and(|other| other == shown);
-        if !is_imu(kind) || !self.topic.as_deref().is_none_or(is_wanted) {
+        if !is_imu(kind) || !is_wanted(self.topic.as_deref(), &shown) {
             return is_camera;
         }
         match encoding {

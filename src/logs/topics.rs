@@ -6,7 +6,7 @@ use crate::imu_message::{decode, is_imu};
 use crate::join::join;
 use crate::messages::Messages;
 use crate::{LogError, LogOptions};
-use dpn_core::{Sensor, Stamp};
+use dpn_core::{ImuSample, Sensor, Stamp};
 use dpn_io::{IoError, SampleStore, Sieve, Sieved, printable};
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -28,8 +28,8 @@ struct Topic {
 struct Imu {
     encoding: Encoding,
     sieve: Sieve,
-    /// Whether a sample kept has gyroscope's values that are not all zero, and accelerometer's.
-    speaks: [bool; 2],
+    /// Of which sensors the samples kept speak.
+    speaks: Speaks,
     /// Messages that are no `sensor_msgs/Imu`, by why.
     undecodable: BTreeMap<Undecodable, u64>,
     /// Messages whose header has no stamp: the bag's is taken.
@@ -41,7 +41,7 @@ impl Imu {
         Self {
             encoding,
             sieve: Sieve::default(),
-            speaks: [false; 2],
+            speaks: Speaks::default(),
             undecodable: BTreeMap::new(),
             unstamped: 0,
         }
@@ -64,11 +64,7 @@ impl Imu {
 impl Topic {
     /// The only sensor whose values are not zero throughout, where there is one.
     fn half(&self) -> Option<Sensor> {
-        match self.imu.as_ref()?.speaks {
-            [true, false] => Some(Sensor::Gyro),
-            [false, true] => Some(Sensor::Accel),
-            _ => None,
-        }
+        self.imu.as_ref()?.speaks.half()
     }
 }
 
@@ -93,6 +89,37 @@ pub(crate) fn sibling(name: &str) -> Option<String> {
     let pairs = [("gyro", "accel"), ("Gyro", "Accel"), ("GYRO", "ACCEL")];
     let both_ways = pairs.into_iter().flat_map(|(gyro, accel)| [(gyro, accel), (accel, gyro)]);
     both_ways.into_iter().find(|(one, _)| name.contains(one)).map(|(one, other)| name.replace(one, other))
+}
+
+/// Whether the topic `name` is `wanted`, or its sibling; without a wanted one each is.
+pub(crate) fn is_wanted(wanted: Option<&str>, name: &str) -> bool {
+    wanted.is_none_or(|wanted| wanted == name || sibling(wanted).is_some_and(|other| other == name))
+}
+
+/// Whether a topic's gyroscope has said anything but zeros, and its accelerometer.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Speaks([bool; 2]);
+
+impl Speaks {
+    pub(crate) fn hear(&mut self, sample: &ImuSample) {
+        self.0[0] |= sample.gyro != [0.0; 3];
+        self.0[1] |= sample.accel != [0.0; 3];
+    }
+
+    /// The only sensor that has spoken, where there is one.
+    pub(crate) fn half(self) -> Option<Sensor> {
+        match self.0 {
+            [true, false] => Some(Sensor::Gyro),
+            [false, true] => Some(Sensor::Accel),
+            _ => None,
+        }
+    }
+
+    /// Whether both have.
+    #[cfg(feature = "images")]
+    pub(crate) fn are_both(self) -> bool {
+        self.0 == [true; 2]
+    }
 }
 
 /// Of names the one that `wanted` may have been meant for.
@@ -275,9 +302,7 @@ impl Messages for Topics {
         let index = match self.names.get(&name) {
             Some(index) => *index,
             None => {
-                let wanted = self.wanted.as_deref().is_none_or(|wanted| {
-                    wanted == name || sibling(wanted).is_some_and(|other| other == name)
-                });
+                let wanted = is_wanted(self.wanted.as_deref(), &name);
                 let (imu, foreign) = match encoding {
                     _ if !(is_imu(kind) && wanted) => (None, None),
                     Ok(encoding) => (Some(Box::new(Imu::new(encoding))), None),
@@ -305,8 +330,7 @@ impl Messages for Topics {
                     sample.t = Stamp::from_ns(received_ns);
                 }
                 if imu.sieve.push(sample, topic.messages) {
-                    imu.speaks[0] |= sample.gyro != [0.0; 3];
-                    imu.speaks[1] |= sample.accel != [0.0; 3];
+                    imu.speaks.hear(&sample);
                 }
             }
             Err(why) => *imu.undecodable.entry(why).or_default() += 1,

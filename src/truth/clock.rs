@@ -6,7 +6,7 @@
 use crate::adjust::Adjusted;
 use crate::layout::DELAY;
 use crate::problem::{Problem, Role};
-use crate::screen::errors;
+use nalgebra::Vector3;
 use serde::Serialize;
 
 /// Length of a window \[s\].
@@ -30,13 +30,16 @@ pub struct WindowDelay {
     pub delay_ms: f64,
 }
 
-/// The delay of every window in which the body turns.
-pub(crate) fn window_delays(problem: &Problem<'_>, adjusted: &Adjusted) -> Vec<WindowDelay> {
+/// The delay of every window in which the body turns, from what every published pose is off by.
+pub(crate) fn window_delays(
+    problem: &Problem<'_>,
+    adjusted: &Adjusted,
+    errors: &[(Vector3<f64>, Vector3<f64>)],
+) -> Vec<WindowDelay> {
     let first = problem.samples[0].t;
     let delay_s = adjusted.estimate.frames.delay_s;
-    let errors = errors(problem, adjusted);
     let terms = problem.terms(&adjusted.estimate);
-    let used = terms.iter().zip(&errors).zip(&problem.published).filter(|(_, p)| p.role == Role::Used);
+    let used = terms.iter().zip(errors).zip(&problem.published).filter(|(_, p)| p.role == Role::Used);
     let mut windows: Vec<(WindowDelay, [f64; 2], usize)> = Vec::new();
     for (((_, term), (_, rotation)), published) in used {
         let at = published.pose.t.seconds_since(first) - delay_s;

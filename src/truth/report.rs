@@ -165,7 +165,7 @@ pub(crate) fn report(
         held_out: held_out(problem, adjusted, config),
         iterations: adjusted.iterations,
         settled: adjusted.settled,
-        window_delays: window_delays(problem, adjusted),
+        window_delays: window_delays(problem, adjusted, &errors),
         spans: spans(problem, adjusted, deviations, left_out, config),
         warnings: Vec::new(),
     };
