@@ -4,7 +4,7 @@ use super::config::{FrontEndConfig, Repeated};
 use super::corners::{Detector, Mask};
 use super::gyro_bias::GyroBias;
 use super::image::{Clahe, ImageStats, Pyramid};
-use super::klt::{Klt, KltConfig, Shift};
+use super::klt::{Klt, KltConfig, Shift, Template};
 use super::line_turns::LineTurns;
 use super::predict::turned;
 use super::ransac::{Pair, agree};
@@ -49,7 +49,7 @@ pub struct MaskSizeError {
 }
 
 /// A track as it goes on.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Point {
     id: u64,
     px: [f32; 2],
@@ -61,6 +61,8 @@ struct Point {
     drift: Option<[f32; 2]>,
     /// Images in which it was seen.
     age: u32,
+    /// What it is held to; none where it began at the image's edge.
+    template: Option<Template>,
 }
 
 impl Point {
@@ -382,6 +384,10 @@ impl FrontEnd {
 
     /// Takes out what does not agree, fills up with new points, and makes the frame.
     fn hand_over(&mut self, t: Stamp, report: &mut FrameReport) -> TrackFrame {
+        if self.config.klt.template {
+            let ((), elapsed) = timed(|| self.hold(report));
+            report.times.track += elapsed;
+        }
         let ((), elapsed) = timed(|| self.reject(report));
         report.times.ransac = elapsed;
         let ((), elapsed) = timed(|| {
@@ -402,6 +408,22 @@ impl FrontEnd {
         };
         let tracks = self.points.iter().filter_map(|p| Some(Track { id: p.id, px: px(p)? })).collect();
         TrackFrame { t, tracks }
+    }
+
+    /// Moves points to where the windows they began with are.
+    fn hold(&mut self, report: &mut FrameReport) {
+        // The image is the earlier one already: it was put there when it had been tracked into.
+        let plane = self.prev.planes().first().expect("a pyramid that was built has its base");
+        self.klt.hold(plane, self.points.iter_mut().map(|point| (&mut point.template, &mut point.px)));
+        let (camera, lines, bias) = (self.camera, self.lines, self.gyro_bias.bias());
+        self.points.retain_mut(|point| {
+            let bearing = sight(&camera, lines.as_ref(), point.px, &bias);
+            match bearing {
+                Some(bearing) => point.bearing = bearing,
+                None => report.lost.push(point.lost(LostBy::Outside)),
+            }
+            bearing.is_some()
+        });
     }
 
     /// Asks the tracks what they agree on since the last frame that was handed over.
@@ -507,9 +529,14 @@ impl FrontEnd {
                 handed: None,
                 drift: None,
                 age: 1,
+                template: None,
             });
             self.next_id += 1;
             report.new += 1;
+        }
+        if self.config.klt.template {
+            let new = self.points.iter_mut().skip(places.len());
+            self.klt.hold(plane, new.map(|point| (&mut point.template, &mut point.px)));
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use dpn_core::camera::CameraModel;
 use dpn_core::random::Stream;
+use dpn_core::signal::stats::median;
 use dpn_core::{GrayImage, Stamp};
 use dpn_io::ImageFolder;
 use dpn_io::asl::Sequence;
@@ -113,6 +114,42 @@ fn flow_on_rendered_pairs_is_right_within_a_twentieth_of_a_pixel() {
     let error = rms(&judged);
     eprintln!("noisy: {} flows on one surface, {error:.4} px RMS an axis", judged.len() / 2);
     assert!(judged.len() > 4000 && error < 0.05, "{} flows: {error} px", judged.len() / 2);
+}
+
+/// How far tracks that were followed for `least` seconds or more are from what they began on, median \[px\].
+fn slide(camera: &mut RenderedCamera, from: f64, seconds: f64, least: f64, template: bool) -> f64 {
+    let mut config = FrontEndConfig::default();
+    config.klt.template = template;
+    let mut front_end = FrontEnd::new(*camera.model(), config, &Stream::new(1)).unwrap();
+    let mut began = BTreeMap::new();
+    let mut slid = Vec::new();
+    let mut last: Option<Isometry3<f64>> = None;
+    for i in 0..(20.0 * seconds) as usize {
+        let t = at(from + 0.05 * i as f64);
+        let image = camera.image(t).unwrap();
+        let pose = camera.world_from_cam(t).unwrap();
+        let turn = last.replace(pose).map(|last| pose.rotation.inverse() * last.rotation);
+        let Some(frame) = front_end.feed(image.view(), t, turn.as_ref()).frame else { continue };
+        for track in frame.tracks {
+            let (since, point) =
+                began.entry(track.id).or_insert_with(|| (t, camera.point_at(t, &track.px).unwrap()));
+            let Some(truth) = camera.pixel_of(t, point) else { continue };
+            if t.seconds_since(*since) >= least {
+                slid.push((track.px - truth).norm());
+            }
+        }
+    }
+    assert!(slid.len() > 200, "{} sightings of long tracks", slid.len());
+    median(&slid)
+}
+
+#[test]
+fn tracks_held_to_their_templates_slide_less() {
+    let path: SharedPath = Arc::new(flown(Flight::HallCalm));
+    let mut camera = RenderedCamera::new(&calibrated(), path, 1).unwrap();
+    let [held, free] = [true, false].map(|template| slide(&mut camera, 32.0, 3.0, 1.5, template));
+    eprintln!("after 1.5 s and more: held {held:.3} px, free {free:.3} px");
+    assert!(held < 0.15 && held < 0.5 * free, "held {held} px, free {free} px");
 }
 
 fn noiseless() -> RenderConfig {

@@ -72,6 +72,25 @@ impl Plane {
         &self.data[self.at(x, y)..][..count]
     }
 
+    /// Grey values along a line of points, by bilinear interpolation: from `first` on by `step` \[px\], to the position's 1/65536th. They and
+    /// their right and lower neighbours lie in the image, whose sides are below 32768 px.
+    #[inline(always)]
+    pub(crate) fn along(&self, first: [f32; 2], step: [f32; 2], grey: &mut [f32]) {
+        const ONE: f32 = 65536.0;
+        let [mut x, mut y] = first.map(|c| (c * ONE) as i32);
+        let [across, down] = step.map(|c| (c * ONE) as i32);
+        let share = |c: i32| (c & 0xffff) as f32 * (1.0 / ONE);
+        for grey in grey {
+            let at = self.at((x >> 16) as isize, (y >> 16) as isize);
+            let above: &[u8; 2] = self.data[at..].first_chunk().expect("a pixel and its right neighbour");
+            let below: &[u8; 2] = self.data[at + self.stride..].first_chunk().expect("the row below");
+            let [a, b, c, d] = [above[0], above[1], below[0], below[1]].map(f32::from);
+            let (above, below) = (a + share(x) * (b - a), c + share(x) * (d - c));
+            *grey = above + share(y) * (below - above);
+            (x, y) = (x + across, y + down);
+        }
+    }
+
     #[inline(always)]
     fn at(&self, x: isize, y: isize) -> usize {
         let pad = PAD as isize;

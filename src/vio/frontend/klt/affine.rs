@@ -24,7 +24,7 @@ use super::lanes::{LANES, Lanes, part, sum_of};
 use super::patch::{Patch, corner_of};
 use crate::frontend::image::Plane;
 
-/// Deviation of each entry of `M`: at ten pixels from the centre a fifth of a pixel.
+/// Deviation of each entry of `M` from one image to the next: at ten pixels from the centre a fifth of a pixel.
 const BEND_STD: f64 = 0.02;
 /// Least squares of differences a pixel \[grey^2\], for windows that match better than their own noise.
 const LEAST_SQUARE: f64 = 0.1;
@@ -55,6 +55,32 @@ pub(super) fn refine<S: Lanes, const L: usize, const W: usize>(
     place: [f32; 2],
     gained: bool,
 ) -> Option<[f32; 2]> {
+    let total = products(simd, patch, plane, place)?;
+    Some(solve(&total, f64::from(patch.count()), gained, BEND_STD)?.shift)
+}
+
+/// What a window did.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bent {
+    /// By how much it is elsewhere, `s` \[px\].
+    pub(super) shift: [f32; 2],
+    /// How it turned, grew and sheared, `M`, row after row; 0 where it is not believed.
+    pub(super) matrix: [[f32; 2]; 2],
+    /// The correlation of the patch with what it was held against, before the step.
+    pub(super) alike: f32,
+}
+
+/// Sums over the window, weighed by 1, x and x^2 of the column.
+pub(super) type Products = [[f64; 3]; SUMS];
+
+/// Products of gradients, grey values and differences, summed over the window; `None` where `plane` has no window at `place`.
+#[inline(always)]
+pub(super) fn products<S: Lanes, const L: usize, const W: usize>(
+    simd: S,
+    patch: &Patch<L, W>,
+    plane: &Plane,
+    place: [f32; 2],
+) -> Option<Products> {
     let ([x, y], rest) = corner_of(plane, place, patch.window)?;
     let zero = simd.splat_f32s(patch.light.zero);
     let half = (patch.window / 2) as f32;
@@ -109,12 +135,28 @@ pub(super) fn refine<S: Lanes, const L: usize, const W: usize>(
             total[k][power] = f64::from(sum_of(lanes[k][power]));
         }
     }
-    solve(&total, f64::from(patch.count()), gained)
+    Some(total)
 }
 
-/// The shift from the sums over `count` pixels: unknowns are taken out one by one, `M` last, so that what the others lower is known before it.
+/// The same with other differences: by gradients x and y each with 1 and y, weighed by 1 and x of the column, by grey value, alone, squared.
+pub(super) fn with_differences(
+    products: &Products,
+    by_gradient: [[f64; 2]; 4],
+    [value, alone, squared]: [f64; 3],
+) -> Products {
+    let mut total = *products;
+    for (sum, [once, across]) in total[LINES + 8..LINES + 12].iter_mut().zip(by_gradient) {
+        *sum = [once, across, 0.0];
+    }
+    for (sum, plain) in [(PLAIN, value), (PLAIN + 1, alone), (PLAIN + 4, squared)] {
+        total[sum][0] = plain;
+    }
+    total
+}
+
+/// The step from the sums over `count` pixels, entries of `M` deviating by `std`: unknowns are taken out one by one, `M` last, so that what the others lower is known before it.
 #[inline(always)]
-fn solve(total: &[[f64; 3]; SUMS], count: f64, gained: bool) -> Option<[f32; 2]> {
+pub(super) fn solve(total: &Products, count: f64, gained: bool, std: f64) -> Option<Bent> {
     let [dv, d1, v, vv, dd] = [0, 1, 2, 3, 4].map(|k| total[PLAIN + k][0]);
     let mut normal = [[0.0f64; DIM]; DIM];
     let mut side = [0.0f64; DIM];
@@ -159,7 +201,7 @@ fn solve(total: &[[f64; 3]; SUMS], count: f64, gained: bool) -> Option<[f32; 2]>
         if k == BEND {
             own = (left / (count - 4.0).max(1.0)).max(LEAST_SQUARE);
             for m in BEND..DIM {
-                normal[m][m] += own / (BEND_STD * BEND_STD);
+                normal[m][m] += own / (std * std);
             }
             lowered = left;
         }
@@ -190,6 +232,16 @@ fn solve(total: &[[f64; 3]; SUMS], count: f64, gained: bool) -> Option<[f32; 2]>
         step[k] = value * inverses[k];
     }
     let gain = if gained { (1.0 + step[LIGHT]).clamp(0.5, 2.0) } else { 1.0 };
-    let [x, y] = [step[0] / gain, step[1] / gain];
-    (x * x + y * y <= MOST_PX * MOST_PX).then_some([x as f32, y as f32])
+    let step = step.map(|value| (value / gain) as f32);
+    let [x, y, _, _, xx, yx, xy, yy] = step;
+    // Grey values of the two windows, counted from the patch's mean.
+    let [dv, d1, v, vv, dd] = [0, 1, 2, 3, 4].map(|k| total[PLAIN + k][0]);
+    let (own, both, other) = (
+        vv - v * v / count,
+        vv + dv - v * (v + d1) / count,
+        vv + 2.0 * dv + dd - (v + d1) * (v + d1) / count,
+    );
+    let alike = (both / (own * other).max(f64::MIN_POSITIVE).sqrt()) as f32;
+    let short = f64::from(x).hypot(f64::from(y)) <= MOST_PX;
+    short.then_some(Bent { shift: [x, y], matrix: [[xx, xy], [yx, yy]], alike })
 }

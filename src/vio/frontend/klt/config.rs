@@ -33,6 +33,9 @@ pub struct KltConfig {
     pub min_eigenvalue: f64,
     /// Whether the window may turn, grow and shear on the finest level. Default yes; VINS-Mono and OpenCV's tracker only shift it.
     pub affine: bool,
+    /// Whether a track is held to the window it began with where a frame is handed over, so that it does not slide over its surface.
+    /// Default yes; VINS-Mono's and OpenCV's trackers know the last image's alone.
+    pub template: bool,
     /// What may happen to the light. Default `gain-offset`.
     pub illumination: Illumination,
     /// Smallest correlation of the window with where it was found, gain and offset aside, 0 to 1; 0 switches the check off. Default .5.
@@ -55,6 +58,7 @@ impl Default for KltConfig {
             epsilon_px: 0.01,
             min_eigenvalue: 0.1,
             affine: true,
+            template: true,
             illumination: Illumination::GainOffset,
             min_correlation: 0.5,
             back_px: 0.5,

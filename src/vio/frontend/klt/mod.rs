@@ -11,9 +11,11 @@
 //! `J = (1 + a) I + o`: gradients are made orthogonal to the patch and to a constant, so that neither moves `b`
 //! ("project-out", Baker and Matthews 2004, sec. 4.2; Hager and Belhumeur 1998), at the cost of the plain fit.
 //!
+//! Over many images the errors of searches add up; tracks are held to the windows they began with (`template`).
+//!
 //! A search that ended is believed where the window's grey values correlate with those it found.
 //!
-//! Source: Lucas and Kanade 1981; Bouguet 2000. Not here: forward-backward checks (the front-end's), more than one step of an affine warp.
+//! Source: Lucas and Kanade 1981; Bouguet 2000. Not here: forward-backward checks (the front-end's).
 
 mod affine;
 mod between;
@@ -22,7 +24,9 @@ mod lanes;
 mod likeness;
 mod patch;
 mod search;
+mod template;
 mod tracker;
 
 pub use config::{Illumination, KltConfig};
+pub(super) use template::Template;
 pub use tracker::{Klt, Shift};

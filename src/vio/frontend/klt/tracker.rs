@@ -6,7 +6,8 @@ use super::lanes::{Lanes, OnLanes, dispatch};
 use super::likeness::likeness;
 use super::patch::Patch;
 use super::search::{Outcome, search};
-use crate::frontend::image::Pyramid;
+use super::template::{Held, Template};
+use crate::frontend::image::{Plane, Pyramid};
 use crate::frontend::report::LostBy;
 
 /// What is not the last search ends at so many times the step.
@@ -52,6 +53,16 @@ impl Klt {
         let job = Job { config: &self.config, from, to, points, levels, out: &mut out };
         dispatch(job);
         out
+    }
+
+    /// Moves points of `image` to where their templates are, by part of a pixel; one without a template, or whose template says nothing here,
+    /// stays and begins one.
+    pub(crate) fn hold<'a>(
+        &'a self,
+        image: &'a Plane,
+        points: impl Iterator<Item = (&'a mut Option<Template>, &'a mut [f32; 2])>,
+    ) {
+        dispatch(Held { config: &self.config, plane: image, points });
     }
 }
 
