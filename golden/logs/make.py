@@ -12,6 +12,7 @@ import math
 import shutil
 import struct
 import sys
+import zipfile
 from importlib.metadata import version
 from pathlib import Path
 
@@ -381,6 +382,17 @@ def tables():
         expect(f"packed.csv.{end}", "csv", 200.0, rows, T0)
 
 
+def archives():
+    """The apps share a zip of the folder."""
+    for name, folder in [("phyphox.zip", "phyphox"), ("sensor_logger.zip", "sensor_logger")]:
+        buffer = io.BytesIO()
+        with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+            for file in sorted((HERE / folder).rglob("*.csv")):
+                archive.writestr(zipfile.ZipInfo(str(file.relative_to(HERE / folder))), file.read_bytes(), zipfile.ZIP_DEFLATED)
+        write(name, buffer.getvalue())
+        EXPECTED[name] = EXPECTED[folder]
+
+
 def counts():
     """A driver's registers: MPU6050 at its power-on ranges."""
     rows = motion(200, 120)
@@ -394,7 +406,7 @@ def counts():
     expect("counts.csv", "csv", 200.0, read, 0, 1e-9, [], ["--sensor-scale", "mpu6050-2g-250dps"])
 
 
-for make in [sensor_logger, phyphox, androsensor, physics_toolbox, px4, ardupilot, rostopic, realsense, xsens, vectornav, tables, counts]:
+for make in [sensor_logger, phyphox, androsensor, physics_toolbox, px4, ardupilot, rostopic, realsense, xsens, vectornav, tables, archives, counts]:
     make()
 
 

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 pub(crate) struct LogArgs {
     /// CSV file, rosbag1, MCAP, rosbag2, ULog or ArduPilot log, packed or not; folder of an ASL sequence (EuRoC, TUM-VI), of a rosbag2 or of a
-    /// phone's two files; a pipe, or - for stdin.
+    /// phone's two files, or its zip; a pipe, or - for stdin.
     #[arg(value_name = "LOG")]
     pub(crate) path: PathBuf,
     /// How it is read.

@@ -171,6 +171,20 @@ pub enum LogError {
         /// The file.
         path: PathBuf,
     },
+    /// An archive where its files cannot be sought out: in a stream, or among images.
+    #[error("{}: a zip archive", path.display())]
+    Zipped {
+        /// The file.
+        path: PathBuf,
+    },
+    /// An archive of several files of which none can be chosen.
+    #[error("{}: {} files in a zip archive, and none is a phone's: {}", path.display(), names.len(), some(names))]
+    SeveralInZip {
+        /// The archive.
+        path: PathBuf,
+        /// What is in it.
+        names: Vec<String>,
+    },
     /// A gyroscope's and an accelerometer's file that have no time in common.
     #[error("{}: {gyro} and {accel} have {found} sample(s) at the same time; a recording needs at least 2", dir.display())]
     Apart {
@@ -191,6 +205,13 @@ pub enum LogError {
         /// What it is.
         kind: &'static str,
     },
+}
+
+/// The first names of a list.
+fn some(names: &[String]) -> String {
+    const MOST: usize = 8;
+    let more = if names.len() > MOST { ", ..." } else { "" };
+    format!("{}{more}", names[..names.len().min(MOST)].join(", "))
 }
 
 fn after(words: &str, list: &str) -> String {
@@ -257,6 +278,8 @@ impl LogError {
                 "open it by `dpn check`, `dpn noise` and `dpn allan`, or convert it to MCAP by `ros2 bag convert`"
             }
             Self::Packed { .. } => "unpack it first, for example by `zstd -d` or `ros2 bag convert`",
+            Self::Zipped { .. } => "unpack it first, for example by `unzip`, and give the file or the folder",
+            Self::SeveralInZip { .. } => "unpack it by `unzip` and give the file or the folder of the IMU",
             Self::Apart { .. } => {
                 "take both from one recording, with stamps of one clock; or name their unit: --time-unit"
             }

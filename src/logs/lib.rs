@@ -12,7 +12,7 @@
 //! | folder of a phone | a `*gyro*` and an `*accel*` file | both, joined |
 //! | CSV | all else | columns by header, list or order; units by flag, header or guess |
 //!
-//! Any of them may be packed by gzip, zstd, xz or bzip2. Sensors on two topics or in two files are joined on the gyroscope's stamps.
+//! Any of them may be packed by gzip, zstd, xz or bzip2, and lie alone in a zip archive; so may a phone's folder. Sensors on two topics or in two files are joined on the gyroscope's stamps.
 //!
 //! With the feature `images`, [`ImageLog`] reads the images beside the samples, of bags and of folders with `times.txt`, and [`read_sensors`] hands both on as they come.
 //!
@@ -76,6 +76,8 @@ mod two_files;
 mod ulog;
 #[cfg(feature = "write")]
 mod write;
+#[cfg(feature = "zip")]
+mod zipped;
 
 pub use error::LogError;
 #[cfg(feature = "images")]

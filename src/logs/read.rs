@@ -47,6 +47,10 @@ pub fn read_log(path: &Path, options: &LogOptions) -> Result<Log, LogError> {
         };
     }
     if !path.is_dir() {
+        #[cfg(feature = "zip")]
+        if is_archive(path).map_err(reading)? {
+            return crate::zipped::read(path, options);
+        }
         return read_stream(File::open(path).map_err(reading)?, path, options);
     }
     match Kind::of(path)? {
@@ -65,6 +69,16 @@ pub fn read_log(path: &Path, options: &LogOptions) -> Result<Log, LogError> {
             text(source, &file, path, kind, options)
         }
     }
+}
+
+/// Whether a file, in which one can seek, begins as a zip archive does.
+#[cfg(feature = "zip")]
+fn is_archive(path: &Path) -> std::io::Result<bool> {
+    let mut head = Vec::new();
+    if path.is_file() {
+        File::open(path)?.take(crate::kind::HEAD).read_to_end(&mut head)?;
+    }
+    Ok(crate::kind::is_zip(&head))
 }
 
 /// Reads a log of any kind, packed or not, from bytes as they come; `path` is for messages. A database, whose reader must seek, is copied to a

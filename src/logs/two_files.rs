@@ -22,6 +22,13 @@ pub(crate) struct TwoFiles {
     accel: PathBuf,
     /// What Sensor Logger takes from the accelerometer.
     gravity: Option<PathBuf>,
+    /// Where messages say that they lie, if elsewhere.
+    shown_in: Option<PathBuf>,
+}
+
+/// Whether a file is a table by its name.
+pub(crate) fn is_table(path: &Path) -> bool {
+    path.extension().is_some_and(|e| ["csv", "txt", "tsv"].iter().any(|end| e.eq_ignore_ascii_case(end)))
 }
 
 impl TwoFiles {
@@ -31,10 +38,7 @@ impl TwoFiles {
         let mut files = Vec::new();
         for entry in std::fs::read_dir(dir).map_err(reading)? {
             let path = entry.map_err(reading)?.path();
-            let is_table = path
-                .extension()
-                .is_some_and(|e| ["csv", "txt", "tsv"].iter().any(|end| e.eq_ignore_ascii_case(end)));
-            if is_table && path.is_file() {
+            if is_table(&path) && path.is_file() {
                 let stem = path.file_stem().unwrap_or_default().to_string_lossy().to_lowercase();
                 files.push((stem, path));
             }
@@ -56,7 +60,13 @@ impl TwoFiles {
         };
         let (Some(gyro), Some(accel)) = (best("gyro"), best("accel")) else { return Ok(None) };
         let gravity = files.iter().find(|(stem, _)| stem == "gravity").map(|(_, path)| path.clone());
-        Ok(Some(Self { gyro, accel, gravity }))
+        Ok(Some(Self { gyro, accel, gravity, shown_in: None }))
+    }
+
+    /// The same, lying in `place` as far as messages go.
+    #[cfg(feature = "zip")]
+    pub(crate) fn shown_in(self, place: &Path) -> Self {
+        Self { shown_in: Some(place.to_owned()), ..self }
     }
 
     /// Reads and joins them.
@@ -66,12 +76,12 @@ impl TwoFiles {
     pub(crate) fn read(&self, dir: &Path, options: &LogOptions) -> Result<Log, LogError> {
         let scales = options.scales;
         let storing = |e| IoError::reading(dir, e);
-        let gyro = one(&self.gyro, Sensor::Gyro, options)?;
-        let accel = one(&self.accel, Sensor::Accel, options)?;
+        let one = |path, sensor| one(path, sensor, options, self.shown_in.as_deref());
+        let gyro = one(&self.gyro, Sensor::Gyro)?;
+        let accel = one(&self.accel, Sensor::Accel)?;
         let (gyro_name, mut accel_name) = (name(&self.gyro), name(&self.accel));
         let (mut guesses, mut remarks) = (Vec::new(), Vec::new());
-        let gravity =
-            self.gravity.as_ref().map(|path| one(path, Sensor::Accel, options).map(|read| (path, read)));
+        let gravity = self.gravity.as_ref().map(|path| one(path, Sensor::Accel).map(|read| (path, read)));
         let mut with_gravity = None;
         if let Some((path, gravity)) = gravity.transpose()?
             && weightless(&accel.recording, &gravity.recording).map_err(storing)?
@@ -121,9 +131,15 @@ impl TwoFiles {
     }
 }
 
-fn one(path: &Path, sensor: Sensor, options: &LogOptions) -> Result<LooseImuLog, LogError> {
-    let file = File::open(path).map_err(|e| IoError::reading(path, e))?;
-    Ok(parse_one_sensor_loosely(file, path, &options.csv, sensor)?)
+fn one(
+    path: &Path,
+    sensor: Sensor,
+    options: &LogOptions,
+    shown_in: Option<&Path>,
+) -> Result<LooseImuLog, LogError> {
+    let shown = shown_in.map_or_else(|| path.to_owned(), |dir| dir.join(name(path)));
+    let file = File::open(path).map_err(|e| IoError::reading(&shown, e))?;
+    Ok(parse_one_sensor_loosely(file, &shown, &options.csv, sensor)?)
 }
 
 fn name(path: &Path) -> String {
