@@ -1,7 +1,8 @@
 """Writes golden.json: points and the pixels that lenses give them.
 
-Radial-tangential, equidistant and unified pixels are OpenCV's (cv2.projectPoints, cv2.fisheye, cv2.omnidir); double sphere and field of view are
-written out here from Usenko et al. 2018 (eq. 40 to 43, domain eq. 43 to 45) and Devernay and Faugeras 2001, on mpmath's numbers.
+Radial-tangential, equidistant and unified pixels are OpenCV's (cv2.projectPoints, cv2.fisheye, cv2.omnidir); enhanced unified, double sphere and field of
+view are written out here from Khomutenko et al. 2016 (domain Usenko et al. 2018, eq. 29), Usenko et al. 2018 (eq. 40 to 43, domain eq. 43 to 45) and Devernay and Faugeras
+2001, on mpmath's numbers.
 null is a point that the lens does not see.
 
     pip install numpy mpmath opencv-contrib-python-headless && python golden/lenses/make.py
@@ -63,6 +64,18 @@ def double_sphere(p, intrinsics, c):
     return out
 
 
+def enhanced_unified(p, intrinsics, c):
+    (fx, fy, cx, cy), (alpha, beta) = intrinsics, map(mp.mpf, c)
+    w = alpha / (1 - alpha) if alpha <= 0.5 else (1 - alpha) / alpha
+    out = []
+    for x, y, z in p.tolist():
+        x, y, z = map(mp.mpf, (x, y, z))
+        d = mp.sqrt(beta * (x**2 + y**2) + z**2)
+        under = alpha * d + (1 - alpha) * z
+        out.append([float(fx * x / under + cx), float(fy * y / under + cy)] if z > -w * d else None)
+    return out
+
+
 def field_of_view(p, intrinsics, c):
     (fx, fy, cx, cy), w = intrinsics, mp.mpf(c[0])
     out = []
@@ -87,6 +100,8 @@ CASES = [
     ("double sphere", "double-sphere", [512, 512], [158.28, 158.29, 254.96, 256.36], [-0.17215, 0.59387], 130, double_sphere),
     ("double sphere, small alpha", "double-sphere", [512, 512], [300.0, 301.0, 254.0, 256.0], [0.2, 0.4], 100, double_sphere),
     ("fov", "fov", [640, 480], [350.0, 352.0, 320.0, 240.0], [0.93], 110, field_of_view),
+    ("enhanced unified", "enhanced-unified", [512, 512], [190.9, 191.0, 254.9, 256.9], [0.6283, 1.0458], 130, enhanced_unified),
+    ("enhanced unified, small alpha", "enhanced-unified", [752, 480], [460.0, 459.0, 370.0, 245.0], [0.4, 1.3], 100, enhanced_unified),
 ]
 cases = []
 for name, model, size, intrinsics, c, widest, project in CASES:

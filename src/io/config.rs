@@ -132,9 +132,11 @@ pub fn load_over<T: DeserializeOwned + Validate>(
         }
     }
     let config: T = table.try_into().map_err(|e: toml::de::Error| wrong(String::new(), e.to_string()))?;
+    // Without the keys it was within its bounds.
+    let typed = || sets.iter().map(|(key, text)| format!("{key}={text}")).collect::<Vec<_>>().join(", ");
     match config.validate() {
         Ok(()) => Ok(config),
-        Err(faults) => Err(ConfigError::Bounds { path: name, faults }),
+        Err(faults) => Err(ConfigError::Bounds { path: typed().into(), faults }),
     }
 }
 
@@ -222,6 +224,8 @@ mod tests {
         assert_eq!(set("epochs", "3").unwrap(), (1e-3, 3));
         let error = set("epochs", "many").unwrap_err().to_string();
         assert!(error.starts_with("epochs=many: invalid type: string \"many\""), "{error}");
+        let error = set("epochs", "0").unwrap_err().to_string();
+        assert_eq!(error, "epochs=0: `epochs` is 0, but must be 1 to 1000");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! What can be wrong with a file, and what to do about it.
 
 use crate::column_file::ColumnFileError;
+use crate::printable;
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -352,7 +353,12 @@ impl IoError {
     pub fn hint(&self) -> Option<String> {
         let text = match self {
             Self::ColumnFile(error) => error.hint(),
-            Self::Read { source, .. } => match source.kind() {
+            Self::Read { path, source } => match source.kind() {
+                io::ErrorKind::NotADirectory => {
+                    let file = path.ancestors().find(|part| part.is_file())?;
+                    let file = printable(&file.display().to_string());
+                    return Some(format!("{file} is a file; name a folder in which the file above lies"));
+                }
                 io::ErrorKind::PermissionDenied => "you lack the right to read it; see its owner and mode",
                 io::ErrorKind::IsADirectory => "this is a folder; name a file in it",
                 _ => return None,
@@ -451,6 +457,17 @@ mod tests {
         assert!(error.to_string().ends_with("no/such does not exist"), "{error}");
         let hint = error.hint().unwrap();
         assert!(hint.starts_with(&format!("{} is there", dir.path().display())), "{hint}");
+    }
+
+    #[test]
+    fn a_file_that_is_taken_for_a_folder_is_named() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("truth.csv");
+        std::fs::write(&file, "t").unwrap();
+        let within = file.join("MH_01.csv");
+        let error = IoError::reading(&within, std::fs::read(&within).unwrap_err());
+        let hint = error.hint().unwrap();
+        assert!(hint.starts_with(&format!("{} is a file", file.display())), "{hint}");
     }
 
     #[test]

@@ -19,6 +19,8 @@ pub enum Distortion {
     Equidistant,
     /// Unified (MEI, omnidirectional): xi, then k1, k2, p1, p2.
     Omni,
+    /// Enhanced unified: alpha, beta.
+    EnhancedUnified,
     /// Double sphere: xi, alpha.
     DoubleSphere,
     /// Field of view (ATAN): w \[rad\].
@@ -32,8 +34,15 @@ pub struct UnknownLens(pub String);
 
 impl Distortion {
     /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::None, Self::RadialTangential, Self::Equidistant, Self::Omni, Self::DoubleSphere, Self::Fov];
+    pub const ALL: [Self; 7] = [
+        Self::None,
+        Self::RadialTangential,
+        Self::Equidistant,
+        Self::Omni,
+        Self::EnhancedUnified,
+        Self::DoubleSphere,
+        Self::Fov,
+    ];
 
     /// As files have it: `radial-tangential`, `equidistant` and so on.
     pub fn name(self) -> &'static str {
@@ -42,6 +51,7 @@ impl Distortion {
             Self::RadialTangential => "radial-tangential",
             Self::Equidistant => "equidistant",
             Self::Omni => "omni",
+            Self::EnhancedUnified => "enhanced-unified",
             Self::DoubleSphere => "double-sphere",
             Self::Fov => "fov",
         }
@@ -59,7 +69,7 @@ impl Distortion {
             Self::RadialTangential => &[4, 5, 8],
             Self::Equidistant => &[4],
             Self::Omni => &[5],
-            Self::DoubleSphere => &[2],
+            Self::EnhancedUnified | Self::DoubleSphere => &[2],
             Self::Fov => &[1],
         }
     }
@@ -86,6 +96,7 @@ impl FromStr for Distortion {
                 Ok(Self::Equidistant)
             }
             "omni" | "mei" | "unified" => Ok(Self::Omni),
+            "enhancedunified" | "eucm" => Ok(Self::EnhancedUnified),
             "doublesphere" | "ds" => Ok(Self::DoubleSphere),
             "fov" | "atan" | "fieldofview" => Ok(Self::Fov),
             _ => Err(UnknownLens(text.to_owned())),

@@ -36,7 +36,7 @@ fn golden() -> Vec<(Case, CameraModel)> {
 #[test]
 fn pixels_are_those_of_opencv_and_of_the_definitions() {
     let cases = golden();
-    assert!(cases.len() >= 9);
+    assert!(cases.len() >= 12);
     for (case, camera) in cases {
         let mut seen = 0;
         for (point, px) in case.points.iter().zip(&case.pixels) {
@@ -57,7 +57,7 @@ fn pixels_are_those_of_opencv_and_of_the_definitions() {
 proptest! {
     #[test]
     fn the_way_back_leads_home_and_the_derivative_is_the_derivative(
-        which in 0..10_usize, x in -1.0..1.0f64, y in -1.0..1.0f64, z in -0.4..1.0f64, far in 0.3..20.0f64,
+        which in 0..12_usize, x in -1.0..1.0f64, y in -1.0..1.0f64, z in -0.4..1.0f64, far in 0.3..20.0f64,
     ) {
         let cases = golden();
         let (case, camera) = &cases[which % cases.len()];
@@ -79,7 +79,7 @@ proptest! {
     }
 
     #[test]
-    fn what_a_pixel_sees_is_seen_at_the_pixel(which in 0..10_usize, u in -0.2..1.2f64, v in -0.2..1.2f64) {
+    fn what_a_pixel_sees_is_seen_at_the_pixel(which in 0..12_usize, u in -0.2..1.2f64, v in -0.2..1.2f64) {
         let cases = golden();
         let (case, camera) = &cases[which % cases.len()];
         let px = Vector2::new(u * f64::from(case.resolution[0]), v * f64::from(case.resolution[1]));
@@ -130,6 +130,8 @@ fn coefficients_that_a_lens_cannot_have_are_refused() {
         (Distortion::Omni, vec![-0.5, 0.0, 0.0, 0.0, 0.0]),
         (Distortion::DoubleSphere, vec![-1.5, 0.5]),
         (Distortion::DoubleSphere, vec![0.0, 1.5]),
+        (Distortion::EnhancedUnified, vec![1.5, 1.0]),
+        (Distortion::EnhancedUnified, vec![0.5, 0.0]),
         (Distortion::Fov, vec![3.5]),
         (Distortion::Fov, vec![f64::NAN]),
     ] {

@@ -2,7 +2,7 @@
 
 use super::radial::{Equidistant, Fov};
 use super::radtan::Radtan;
-use super::sphere::{DoubleSphere, Omni};
+use super::sphere::{DoubleSphere, EnhancedUnified, Omni};
 use super::{BadCamera, Distortion};
 use nalgebra::{Matrix2, Matrix2x3, Vector2, Vector3};
 
@@ -35,6 +35,8 @@ pub enum Lens {
     Equidistant(Equidistant),
     /// Unified (MEI, omnidirectional).
     Omni(Omni),
+    /// Enhanced unified.
+    EnhancedUnified(EnhancedUnified),
     /// Double sphere.
     DoubleSphere(DoubleSphere),
     /// Field of view.
@@ -61,6 +63,9 @@ impl Lens {
                 Some(Self::Equidistant(Equidistant::new([k1, k2, k3, k4])))
             }
             (Distortion::Omni, &[xi, k1, k2, p1, p2]) => Omni::new(xi, [k1, k2, p1, p2]).map(Self::Omni),
+            (Distortion::EnhancedUnified, &[alpha, beta]) => {
+                EnhancedUnified::new(alpha, beta).map(Self::EnhancedUnified)
+            }
             (Distortion::DoubleSphere, &[xi, alpha]) => DoubleSphere::new(xi, alpha).map(Self::DoubleSphere),
             (Distortion::Fov, &[w]) => Fov::new(w).map(Self::Fov),
             (Distortion::RadialTangential, &[k1, k2, p1, p2, k3, k4, k5, k6]) => {
@@ -81,6 +86,7 @@ impl Lens {
             Self::Radtan(_) => Distortion::RadialTangential,
             Self::Equidistant(_) => Distortion::Equidistant,
             Self::Omni(_) => Distortion::Omni,
+            Self::EnhancedUnified(_) => Distortion::EnhancedUnified,
             Self::DoubleSphere(_) => Distortion::DoubleSphere,
             Self::Fov(_) => Distortion::Fov,
         }
@@ -92,6 +98,7 @@ impl Lens {
             Self::Radtan(lens) => lens.coefficients(),
             Self::Equidistant(lens) => lens.coefficients(),
             Self::Omni(lens) => lens.coefficients(),
+            Self::EnhancedUnified(lens) => lens.coefficients(),
             Self::DoubleSphere(lens) => lens.coefficients(),
             Self::Fov(lens) => lens.coefficients(),
         }
@@ -100,7 +107,7 @@ impl Lens {
     /// How the image grows with the angle at its centre \[1/rad\]; times the focal length, pixels a radian.
     pub(super) fn slope(&self) -> f64 {
         match self {
-            Self::Radtan(_) | Self::Equidistant(_) => 1.0,
+            Self::Radtan(_) | Self::Equidistant(_) | Self::EnhancedUnified(_) => 1.0,
             Self::Omni(lens) => lens.slope(),
             Self::DoubleSphere(lens) => lens.slope(),
             Self::Fov(lens) => lens.slope(),
@@ -115,6 +122,7 @@ impl LensModel for Lens {
             Self::Radtan(lens) => lens.project(point),
             Self::Equidistant(lens) => lens.project(point),
             Self::Omni(lens) => lens.project(point),
+            Self::EnhancedUnified(lens) => lens.project(point),
             Self::DoubleSphere(lens) => lens.project(point),
             Self::Fov(lens) => lens.project(point),
         }
@@ -126,6 +134,7 @@ impl LensModel for Lens {
             Self::Radtan(lens) => lens.project_with_jacobian(point),
             Self::Equidistant(lens) => lens.project_with_jacobian(point),
             Self::Omni(lens) => lens.project_with_jacobian(point),
+            Self::EnhancedUnified(lens) => lens.project_with_jacobian(point),
             Self::DoubleSphere(lens) => lens.project_with_jacobian(point),
             Self::Fov(lens) => lens.project_with_jacobian(point),
         }
@@ -137,6 +146,7 @@ impl LensModel for Lens {
             Self::Radtan(lens) => lens.unproject(place),
             Self::Equidistant(lens) => lens.unproject(place),
             Self::Omni(lens) => lens.unproject(place),
+            Self::EnhancedUnified(lens) => lens.unproject(place),
             Self::DoubleSphere(lens) => lens.unproject(place),
             Self::Fov(lens) => lens.unproject(place),
         }

@@ -60,6 +60,7 @@ fn counts(model: Distortion) -> String {
 fn bounds(model: Distortion) -> &'static str {
     match model {
         Distortion::Omni => ", xi first and not negative",
+        Distortion::EnhancedUnified => ", alpha from 0 to 1 and beta above 0",
         Distortion::DoubleSphere => ", xi above -1 and alpha from 0 to 1",
         Distortion::Fov => ", an angle between 0 and pi",
         _ => "",

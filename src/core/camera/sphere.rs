@@ -1,11 +1,12 @@
-//! Lenses with a sphere or two before the plane: unified (MEI, omnidirectional) and double sphere.
+//! Lenses with a sphere, an ellipsoid or two spheres before the plane: unified (MEI, omnidirectional), enhanced unified, double sphere.
 //!
 //! ```text
 //! unified:        n = (x, y) / (z + xi d),  d = |p|;  then radial-tangential distortion of n (k1, k2, p1, p2)
+//! enhanced:       (x', y') = (x, y) / (alpha d + (1 - alpha) z),  d = sqrt(beta (x^2 + y^2) + z^2)
 //! double sphere:  (x', y') = (x, y) / (alpha d2 + (1 - alpha) z1),  z1 = z + xi d,  d2 = sqrt(x^2 + y^2 + z1^2)
 //! ```
 //!
-//! Source: Mei and Rives 2007 as OpenCV's `omnidir` and Kalibr's `omni` have it; Usenko, Demmel and Cremers 2018, eq. 40 to 49, for the
+//! Source: Mei and Rives 2007 as OpenCV's `omnidir` and Kalibr's `omni` have it; Khomutenko, Garcia and Martinet 2016, eq. 8 to 14, for the enhanced one; Usenko, Demmel and Cremers 2018, eq. 40 to 49, for the
 //! double sphere and for the domains (their eq. 13 to 19 with alpha = xi / (1 + xi)).
 
 use super::lens::{LensModel, Placed};
@@ -70,6 +71,62 @@ impl LensModel for Omni {
         }
         let scale = (self.xi + root.sqrt()) / (1.0 + r2);
         Some((n * scale).push(scale - self.xi))
+    }
+}
+
+/// The enhanced unified lens.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EnhancedUnified {
+    alpha: f64,
+    beta: f64,
+    /// Seen is what has `z > -back d`.
+    back: f64,
+}
+
+impl EnhancedUnified {
+    /// With alpha between 0 and 1 and beta above 0.
+    pub fn new(alpha: f64, beta: f64) -> Option<Self> {
+        if !((0.0..=1.0).contains(&alpha) && beta > 0.0 && beta.is_finite()) {
+            return None;
+        }
+        let back = if alpha <= 0.5 { alpha / (1.0 - alpha) } else { (1.0 - alpha) / alpha };
+        Some(Self { alpha, beta, back })
+    }
+
+    pub(super) fn coefficients(&self) -> Vec<f64> {
+        vec![self.alpha, self.beta]
+    }
+
+    /// d and the denominator.
+    fn lengths(&self, point: &Vector3<f64>) -> Option<[f64; 2]> {
+        let length = (self.beta * point.xy().norm_squared() + point.z * point.z).sqrt();
+        let under = self.alpha * length + (1.0 - self.alpha) * point.z;
+        (point.z > -self.back * length && under > 0.0).then_some([length, under])
+    }
+}
+
+impl LensModel for EnhancedUnified {
+    fn project(&self, point: &Vector3<f64>) -> Option<Vector2<f64>> {
+        let [_, under] = self.lengths(point)?;
+        Some(point.xy() / under)
+    }
+
+    fn project_with_jacobian(&self, point: &Vector3<f64>) -> Option<Placed> {
+        let [length, under] = self.lengths(point)?;
+        let place = point.xy() / under;
+        let d_length = Vector3::new(self.beta * point.x, self.beta * point.y, point.z) / length;
+        let d_under = (d_length * self.alpha + Vector3::z() * (1.0 - self.alpha)).transpose();
+        Some(Placed { place, d_place: Matrix2::identity(), d_inner: quotient(&place, under, &d_under) })
+    }
+
+    fn unproject(&self, place: &Vector2<f64>) -> Option<Vector3<f64>> {
+        let (alpha, scaled) = (self.alpha, self.beta * place.norm_squared());
+        let inner = 1.0 - (2.0 * alpha - 1.0) * scaled;
+        if inner < 0.0 {
+            return None;
+        }
+        let under = alpha * inner.sqrt() + 1.0 - alpha;
+        (under > 0.0).then(|| place.push((1.0 - alpha * alpha * scaled) / under))
     }
 }
 

@@ -72,15 +72,16 @@ pub(crate) fn parse_config(bytes: &[u8], path: &Path) -> Result<CameraConfig, Io
 /// Model, fu, fv, cu, cv, leading coefficients.
 type LensOf = (Distortion, [f64; 4], Vec<f64>);
 
-/// The lens, fu, fv, cu, cv, and the coefficients that stand before those: Kalibr's `omni` has xi, its `ds` xi and alpha.
+/// The lens, fu, fv, cu, cv, and the coefficients that stand before those: Kalibr's `omni` has xi, its `ds` xi and alpha, its `eucm` alpha and beta.
 fn lens_of(raw: &Raw) -> Result<LensOf, (&'static str, String)> {
     let camera = raw.camera_model.as_deref().unwrap_or("pinhole");
     let (model, leading) = match camera {
         "pinhole" => (None, 0),
         "omni" => (Some(Distortion::Omni), 1),
         "ds" => (Some(Distortion::DoubleSphere), 2),
+        "eucm" => (Some(Distortion::EnhancedUnified), 2),
         _ => {
-            let known = "known are \"pinhole\", \"omni\", \"ds\"";
+            let known = "known are \"pinhole\", \"omni\", \"ds\", \"eucm\"";
             return Err(("camera_model", format!("is \"{}\"; {known}", printable(camera))));
         }
     };
@@ -88,7 +89,7 @@ fn lens_of(raw: &Raw) -> Result<LensOf, (&'static str, String)> {
     let distortion = named
         .map_err(|unknown| ("distortion_model", format!("is \"{}\"; {unknown}", printable(&unknown.0))))?;
     if matches!((model, distortion), (Some(Distortion::Omni), other) if other != Distortion::RadialTangential)
-        || matches!((model, distortion), (Some(Distortion::DoubleSphere), other) if other != Distortion::None)
+        || matches!((model, distortion), (Some(Distortion::DoubleSphere | Distortion::EnhancedUnified), other) if other != Distortion::None)
     {
         return Err((
             "distortion_model",

@@ -18,14 +18,14 @@ pub fn write_camera_config(dir: &Path, config: &CameraConfig) -> Result<(), IoEr
     let list = |values: &[f64]| values.iter().map(|v| yaml_number(*v)).collect::<Vec<_>>().join(", ");
     let [width, height] = config.resolution;
     // As Kalibr has them: what a sphere needs stands before the focal lengths.
-    let (camera, model, leading) = match config.distortion {
-        Distortion::Omni => ("omni", Distortion::RadialTangential, 1),
-        Distortion::DoubleSphere => ("ds", Distortion::None, 2),
-        plain => ("pinhole", plain, 0),
+    let (camera, model, leading, names) = match config.distortion {
+        Distortion::Omni => ("omni", Distortion::RadialTangential, 1, "xi, "),
+        Distortion::DoubleSphere => ("ds", Distortion::None, 2, "xi, alpha, "),
+        Distortion::EnhancedUnified => ("eucm", Distortion::None, 2, "alpha, beta, "),
+        plain => ("pinhole", plain, 0, ""),
     };
     let (before, coefficients) = config.coefficients.split_at(leading.min(config.coefficients.len()));
     let intrinsics = [before, &config.intrinsics].concat();
-    let names = ["", "xi, ", "xi, alpha, "][leading];
     atomic_write(&dir.join("mav0").join(CAMERA_SENSOR), |out| {
         writeln!(out, "sensor_type: camera")?;
         matrix(out, &config.body_from_cam)?;
@@ -109,6 +109,7 @@ mod tests {
             (Distortion::Equidistant, vec![-0.3, 1e-5, 0.0, 0.1]),
             (Distortion::Omni, vec![1.1, -0.3, 1e-5, 0.0, 0.1]),
             (Distortion::DoubleSphere, vec![-0.3, 0.6]),
+            (Distortion::EnhancedUnified, vec![0.6, 1.1]),
             (Distortion::Fov, vec![0.9]),
         ] {
             read_back(distortion, coefficients);

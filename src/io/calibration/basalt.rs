@@ -1,6 +1,6 @@
 //! Basalt's calibration (JSON below `value0`): `T_imu_cam` maps camera to IMU, `cam_time_offset_ns` is added to the camera's stamps.
 //!
-//! Camera types: `pinhole`, `pinhole-radtan8`, `kb4`, `ds`, `fov`; `ucm` is a unified lens with alpha = xi / (1 + xi) and focal lengths that much
+//! Camera types: `pinhole`, `pinhole-radtan8`, `kb4`, `ds`, `eucm`, `fov`; `ucm` is a unified lens with alpha = xi / (1 + xi) and focal lengths that much
 //! smaller.
 
 use super::CalibrationError;
@@ -23,6 +23,7 @@ pub(super) fn read(keys: &Keys<'_>) -> Result<Found, CalibrationError> {
         }
         "kb4" => (Distortion::Equidistant, numbers.each(["k1", "k2", "k3", "k4"])?.to_vec()),
         "ds" => (Distortion::DoubleSphere, numbers.each(["xi", "alpha"])?.to_vec()),
+        "eucm" => (Distortion::EnhancedUnified, numbers.each(["alpha", "beta"])?.to_vec()),
         "fov" => (Distortion::Fov, numbers.each(["w"])?.to_vec()),
         "ucm" => {
             let alpha = numbers.number("alpha")?;
@@ -35,7 +36,8 @@ pub(super) fn read(keys: &Keys<'_>) -> Result<Found, CalibrationError> {
             (Distortion::Omni, vec![xi, 0.0, 0.0, 0.0, 0.0])
         }
         other => {
-            let known = "known are \"pinhole\", \"pinhole-radtan8\", \"kb4\", \"ds\", \"fov\", \"ucm\"";
+            let known =
+                "known are \"pinhole\", \"pinhole-radtan8\", \"kb4\", \"ds\", \"eucm\", \"fov\", \"ucm\"";
             return Err(camera.bad("camera_type", format!("is \"{}\"; {known}", crate::printable(other))));
         }
     };

@@ -19,8 +19,9 @@ pub(super) fn read(keys: &Keys<'_>) -> Result<Found, CalibrationError> {
         "pinhole" => (None, 0),
         "omni" => (Some(Distortion::Omni), 1),
         "ds" => (Some(Distortion::DoubleSphere), 2),
+        "eucm" => (Some(Distortion::EnhancedUnified), 2),
         other => {
-            let known = "known are \"pinhole\", \"omni\", \"ds\"";
+            let known = "known are \"pinhole\", \"omni\", \"ds\", \"eucm\"";
             return Err(camera.bad("camera_model", format!("is \"{}\"; {known}", crate::printable(other))));
         }
     };
@@ -49,7 +50,8 @@ pub(super) fn read(keys: &Keys<'_>) -> Result<Found, CalibrationError> {
     match (sphere, distortion) {
         (Some(Distortion::Omni), Distortion::None) => coefficients.extend([0.0; 4]),
         // A sphere without distortion may have zeros in its place.
-        (Some(Distortion::DoubleSphere), _) | (None, Distortion::None) if own.iter().all(|v| *v == 0.0) => {}
+        (Some(Distortion::DoubleSphere | Distortion::EnhancedUnified), _) | (None, Distortion::None)
+            if own.iter().all(|v| *v == 0.0) => {}
         _ => coefficients.extend(own),
     }
     let extrinsics = match camera.first(&["T_cam_imu", "T_imu_cam"]) {

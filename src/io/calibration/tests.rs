@@ -88,11 +88,11 @@ fn what_is_wrong_is_named_with_its_place() {
     let kalibr = "kalibr/camchain-imucam.yaml";
     let said = |from, to| spoilt(kalibr, from, to).0;
     assert_eq!(
-        said("equidistant", "eucm"),
-        "rig.yaml:10: `cam0.distortion_model` is \"eucm\": there is no lens `eucm`; known are none, radial-tangential, equidistant, omni, \
-         double-sphere, fov"
+        said("equidistant", "kb9"),
+        "rig.yaml:10: `cam0.distortion_model` is \"kb9\": there is no lens `kb9`; known are none, radial-tangential, equidistant, omni, \
+         enhanced-unified, double-sphere, fov"
     );
-    assert!(said("pinhole", "eucm").starts_with("rig.yaml:8: `cam0.camera_model` is \"eucm\"; known are"));
+    assert!(said("pinhole", "ucm").starts_with("rig.yaml:8: `cam0.camera_model` is \"ucm\"; known are"));
     assert!(
         said("[0.0034823894022493434, ", "[").starts_with(
             "rig.yaml:11: `cam0.distortion_coeffs` a lens that is equidistant with coefficients ["
@@ -162,6 +162,17 @@ fn other_lenses_of_each_program_are_read() {
         ("distortion_coeffs", "other"),
     ];
     assert_eq!(lens(kalibr, &sphere), (Distortion::DoubleSphere, vec![-0.2, 0.6]));
+    let ellipsoid = [
+        ("pinhole", "eucm"),
+        ("intrinsics: [", "intrinsics: [0.6, 1.1, "),
+        ("equidistant", "none"),
+        ("distortion_coeffs", "other"),
+    ];
+    assert_eq!(lens(kalibr, &ellipsoid), (Distortion::EnhancedUnified, vec![0.6, 1.1]));
+    assert_eq!(
+        lens("basalt.json", &[("kb4", "eucm"), ("\"k1\"", "\"alpha\": 0.6, \"beta\": 1.1, \"k1\"")]),
+        (Distortion::EnhancedUnified, vec![0.6, 1.1])
+    );
     assert_eq!(
         lens("basalt.json", &[("kb4", "ds"), ("\"k1\"", "\"xi\": -0.2, \"alpha\": 0.6, \"k1\"")]),
         (Distortion::DoubleSphere, vec![-0.2, 0.6])

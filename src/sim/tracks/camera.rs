@@ -21,7 +21,7 @@ pub struct CameraSettings {
     pub resolution: [u32; 2],
     /// fx, fy, cx, cy \[px\].
     pub intrinsics: [f64; 4],
-    /// The lens: none, radial-tangential, equidistant, omni, double-sphere, fov.
+    /// The lens: none, radial-tangential, equidistant, omni, enhanced-unified, double-sphere, fov.
     #[serde(skip_serializing_if = "is_default")]
     pub lens: Distortion,
     /// Its coefficients: k1, k2, p1, p2 (and k3; and k4, k5, k6), or k1 to k4, or xi, k1, k2, p1, p2, or xi, alpha, or w.

@@ -339,6 +339,8 @@ mod tests {
     fn what_is_no_spec_is_refused_with_the_way_to_write_it() {
         for (spec, words) in [
             ("shufled(x1)", "did you mean `shuffled`?"),
+            ("effective(0)", "0 is no span of seconds"),
+            ("const(0,1)", "0 is no deviation"),
             ("shuffled", "shuffled(spec)"),
             ("mean(nothing)", "`nothing` is no noise spec"),
             ("oracle(3)", "at most 0"),

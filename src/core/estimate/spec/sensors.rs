@@ -108,7 +108,7 @@ fn effective(span_s: f64, schedule: Schedule) -> Result<[Box<dyn AxisSigma>; 3],
 /// `const(accel,gyro)` for both sensors.
 fn constants(call: &Call) -> Result<SensorPair, SpecError> {
     let arguments = Arguments { call, usage: names::CONST_BOTH };
-    match (positive(&arguments, 0)?, positive(&arguments.at_most(2)?, 1)?) {
+    match (positive(&arguments, 0, "deviation")?, positive(&arguments.at_most(2)?, 1, "deviation")?) {
         (Some(accel), Some(gyro)) => {
             Ok(SensorPair { accel: SensorSpec::Fixed(accel), gyro: SensorSpec::Fixed(gyro) })
         }
@@ -116,10 +116,10 @@ fn constants(call: &Call) -> Result<SensorPair, SpecError> {
     }
 }
 
-fn positive(arguments: &Arguments<'_>, place: usize) -> Result<Option<f64>, SpecError> {
+fn positive(arguments: &Arguments<'_>, place: usize, what: &str) -> Result<Option<f64>, SpecError> {
     match arguments.number(place)? {
         Some(value) if value <= 0.0 => {
-            Err(arguments.wrong(format!("{value} is no deviation; it must be above 0")))
+            Err(arguments.wrong(format!("{value} is no {what}; it must be above 0")))
         }
         other => Ok(other),
     }
@@ -131,14 +131,14 @@ fn one_sensor(call: &Call) -> Result<SensorSpec, SpecError> {
     }
     if call.name == "const" {
         let arguments = Arguments { call, usage: names::CONST_ONE }.at_most(1)?;
-        let sigma = positive(&arguments, 0)?;
+        let sigma = positive(&arguments, 0, "deviation")?;
         return sigma
             .map(SensorSpec::Fixed)
             .ok_or_else(|| arguments.wrong("the deviation is missing".to_owned()));
     }
     if call.name == "effective" {
         let arguments = Arguments { call, usage: names::EFFECTIVE }.at_most(1)?;
-        return Ok(SensorSpec::Effective(positive(&arguments, 0)?.unwrap_or(FRAME_S)));
+        return Ok(SensorSpec::Effective(positive(&arguments, 0, "span of seconds")?.unwrap_or(FRAME_S)));
     }
     if names::is_both(&call.name) {
         return Err(SpecError::NotOneSensor { call: call.to_string() });
