@@ -131,7 +131,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let mut text = "t,gx,gy,gz,ax,ay,az\n".to_owned();
         (0..50).for_each(|i| {
-            writeln!(text, "{},0.01,0.02,0.03,0.1,0.2,9.8", 1_000_000_000u64 + 5_000_000 * i).unwrap()
+            writeln!(text, "{},0.01,0.02,0.03,0.1,0.2,9.8", 1_000_000_000u64 + 5_000_000 * i).unwrap();
         });
         let log =
             read_log(&zipped(dir.path(), &[("imu.csv", text.as_bytes())]), &LogOptions::default()).unwrap();
