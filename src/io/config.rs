@@ -117,8 +117,9 @@ pub fn load_over<T: DeserializeOwned + Validate>(
     };
     let mut table: toml::Table =
         toml::from_str(&text).map_err(|e| wrong(name.display().to_string(), e.message().to_owned()))?;
+    let typed = |key: &str, text: &str| format!("{key}={text}");
     for (key, text) in sets {
-        let typed = format!("{key}={text}");
+        let typed = typed(key, text);
         let value = value_of(text);
         let refused = |e: toml::de::Error| wrong(typed.clone(), e.message().to_owned());
         put(&mut table, key, value).map_err(|message| wrong(typed.clone(), message))?;
@@ -133,11 +134,11 @@ pub fn load_over<T: DeserializeOwned + Validate>(
     }
     let config: T = table.try_into().map_err(|e: toml::de::Error| wrong(String::new(), e.to_string()))?;
     // Without the keys it was within its bounds.
-    let typed = || sets.iter().map(|(key, text)| format!("{key}={text}")).collect::<Vec<_>>().join(", ");
-    match config.validate() {
-        Ok(()) => Ok(config),
-        Err(faults) => Err(ConfigError::Bounds { path: typed().into(), faults }),
-    }
+    config.validate().map_err(|faults| {
+        let all = sets.iter().map(|(key, text)| typed(key, text)).collect::<Vec<_>>().join(", ");
+        ConfigError::Bounds { path: all.into(), faults }
+    })?;
+    Ok(config)
 }
 
 /// What was written after `=`: a TOML value; else a number as people write it (`.5`), else a word, as `window.loss=huber` means it.

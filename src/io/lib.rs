@@ -43,6 +43,7 @@ mod image_file;
 mod images;
 mod imu_csv;
 mod imu_lines;
+mod kalibr_cameras;
 mod kitti;
 mod leftovers;
 mod lock;

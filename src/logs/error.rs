@@ -178,12 +178,14 @@ pub enum LogError {
         path: PathBuf,
     },
     /// An archive of several files of which none can be chosen.
-    #[error("{}: {} files in a zip archive, and none is a phone's: {}", path.display(), names.len(), some(names))]
+    #[error("{}: {count} files in a zip archive, and none is a phone's: {names}", path.display())]
     SeveralInZip {
         /// The archive.
         path: PathBuf,
-        /// What is in it.
-        names: Vec<String>,
+        /// How many.
+        count: usize,
+        /// Their names.
+        names: String,
     },
     /// A gyroscope's and an accelerometer's file that have no time in common.
     #[error("{}: {gyro} and {accel} have {found} sample(s) at the same time; a recording needs at least 2", dir.display())]
@@ -205,13 +207,6 @@ pub enum LogError {
         /// What it is.
         kind: &'static str,
     },
-}
-
-/// The first names of a list.
-fn some(names: &[String]) -> String {
-    const MOST: usize = 8;
-    let more = if names.len() > MOST { ", ..." } else { "" };
-    format!("{}{more}", names[..names.len().min(MOST)].join(", "))
 }
 
 fn after(words: &str, list: &str) -> String {

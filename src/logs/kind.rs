@@ -13,13 +13,9 @@ use std::path::{Path, PathBuf};
 /// Bytes that tell a file's kind.
 pub(crate) const HEAD: u64 = 18;
 
-/// How an archive of files begins; one without a file begins otherwise.
-const ZIP: &[u8] = b"PK\x03\x04";
-
 /// Whether `head` begins an archive, of files or of none.
-#[cfg(feature = "zip")]
 pub(crate) fn is_zip(head: &[u8]) -> bool {
-    head.starts_with(ZIP) || head.starts_with(b"PK\x05\x06")
+    head.starts_with(b"PK\x03\x04") || head.starts_with(b"PK\x05\x06")
 }
 
 /// A kind of log.
@@ -106,7 +102,7 @@ impl Kind {
             Ok(Self::Sqlite)
         } else if Packing::of(head).is_some() {
             Err(LogError::Packed { path: path.to_owned() })
-        } else if is(ZIP) {
+        } else if is_zip(head) {
             Err(LogError::Zipped { path: path.to_owned() })
         } else if is(ulog::MAGIC) {
             Ok(Self::Ulog)

@@ -12,6 +12,8 @@ use dpn_io::{
     StoredRecording, parse_imu_csv_loosely,
 };
 use std::fs::File;
+#[cfg(feature = "zip")]
+use std::io::Seek;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
@@ -47,11 +49,12 @@ pub fn read_log(path: &Path, options: &LogOptions) -> Result<Log, LogError> {
         };
     }
     if !path.is_dir() {
+        let file = File::open(path).map_err(reading)?;
         #[cfg(feature = "zip")]
-        if is_archive(path).map_err(reading)? {
-            return crate::zipped::read(path, options);
+        if is_archive(&file).map_err(reading)? {
+            return crate::zipped::read(file, path, options);
         }
-        return read_stream(File::open(path).map_err(reading)?, path, options);
+        return read_stream(file, path, options);
     }
     match Kind::of(path)? {
         Kind::Rosbag2 => {
@@ -71,12 +74,13 @@ pub fn read_log(path: &Path, options: &LogOptions) -> Result<Log, LogError> {
     }
 }
 
-/// Whether a file, in which one can seek, begins as a zip archive does.
+/// Whether a file, in which one can seek, begins as a zip archive does; it stands at its beginning again.
 #[cfg(feature = "zip")]
-fn is_archive(path: &Path) -> std::io::Result<bool> {
+fn is_archive(mut file: &File) -> std::io::Result<bool> {
     let mut head = Vec::new();
-    if path.is_file() {
-        File::open(path)?.take(crate::kind::HEAD).read_to_end(&mut head)?;
+    if file.metadata()?.is_file() {
+        file.take(crate::kind::HEAD).read_to_end(&mut head)?;
+        file.rewind()?;
     }
     Ok(crate::kind::is_zip(&head))
 }

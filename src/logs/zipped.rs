@@ -5,6 +5,7 @@
 
 use crate::budget::Budget;
 use crate::read::read_stream;
+use crate::topics::shortened;
 use crate::two_files::{TwoFiles, is_table};
 use crate::{Log, LogError, LogOptions};
 use dpn_io::{IoError, printable};
@@ -14,15 +15,14 @@ use std::path::{Path, PathBuf};
 use zip::ZipArchive;
 use zip::result::ZipError;
 
-/// Reads the log in the archive at `path`.
+/// Reads the log in the archive `file`, which lies at `path`.
 ///
 /// # Errors
 /// An archive that is cut off, damaged, or encrypted; one that unpacks to too much; no log in it, or several.
-pub(crate) fn read(path: &Path, options: &LogOptions) -> Result<Log, LogError> {
+pub(crate) fn read(file: File, path: &Path, options: &LogOptions) -> Result<Log, LogError> {
     let reading = |e| IoError::reading(path, e);
     let damaged = |what: String| LogError::Damaged { path: path.to_owned(), what };
     let of_zip = |e: ZipError| damaged(format!("a zip archive that cannot be read: {e}"));
-    let file = File::open(path).map_err(reading)?;
     let mut budget = Budget::new(options.max_uncompressed);
     let mut left = budget.open(file.metadata().map_err(reading)?.len() as usize);
     let mut archive = ZipArchive::new(file).map_err(of_zip)?;
@@ -58,7 +58,8 @@ pub(crate) fn read(path: &Path, options: &LogOptions) -> Result<Log, LogError> {
         [] => Err(damaged("a zip archive without a file".to_owned())),
         several => Err(LogError::SeveralInZip {
             path: path.to_owned(),
-            names: several.iter().map(|(_, name)| printable(&name.to_string_lossy())).collect(),
+            count: several.len(),
+            names: shortened(several.iter().map(|(_, name)| printable(&name.to_string_lossy()))),
         }),
     }
 }

@@ -89,8 +89,7 @@ impl EnhancedUnified {
         if !((0.0..=1.0).contains(&alpha) && beta > 0.0 && beta.is_finite()) {
             return None;
         }
-        let back = if alpha <= 0.5 { alpha / (1.0 - alpha) } else { (1.0 - alpha) / alpha };
-        Some(Self { alpha, beta, back })
+        Some(Self { alpha, beta, back: farthest_back(alpha) })
     }
 
     pub(super) fn coefficients(&self) -> Vec<f64> {
@@ -145,7 +144,7 @@ impl DoubleSphere {
         if !(xi > -1.0 && xi.is_finite() && (0.0..=1.0).contains(&alpha)) {
             return None;
         }
-        let w1 = if alpha <= 0.5 { alpha / (1.0 - alpha) } else { (1.0 - alpha) / alpha };
+        let w1 = farthest_back(alpha);
         let back = (w1 + xi) / (2.0 * w1 * xi + xi * xi + 1.0).sqrt();
         Some(Self { xi, alpha, back })
     }
@@ -198,6 +197,11 @@ impl LensModel for DoubleSphere {
         let scale = (z * xi + root.sqrt()) / (z * z + r2);
         Some((place * scale).push(scale * z - xi))
     }
+}
+
+/// How far behind the lens's middle a point may be, for its distance, with alpha between the sphere's centre and the lens.
+fn farthest_back(alpha: f64) -> f64 {
+    if alpha <= 0.5 { alpha / (1.0 - alpha) } else { (1.0 - alpha) / alpha }
 }
 
 /// Derivative of `n = (x, y) / under` by the point.

@@ -3,6 +3,7 @@
 use super::yaml::{self, Matrix};
 use crate::IoError;
 use crate::decimal::TimeUnit;
+use crate::kalibr_cameras::KalibrCamera;
 use crate::printable;
 use crate::rows::Rows;
 use dpn_core::camera::{CameraConfig, Distortion, Lens};
@@ -72,25 +73,20 @@ pub(crate) fn parse_config(bytes: &[u8], path: &Path) -> Result<CameraConfig, Io
 /// Model, fu, fv, cu, cv, leading coefficients.
 type LensOf = (Distortion, [f64; 4], Vec<f64>);
 
-/// The lens, fu, fv, cu, cv, and the coefficients that stand before those: Kalibr's `omni` has xi, its `ds` xi and alpha, its `eucm` alpha and beta.
+/// The lens, fu, fv, cu, cv, and the coefficients that stand before those.
 fn lens_of(raw: &Raw) -> Result<LensOf, (&'static str, String)> {
     let camera = raw.camera_model.as_deref().unwrap_or("pinhole");
-    let (model, leading) = match camera {
-        "pinhole" => (None, 0),
-        "omni" => (Some(Distortion::Omni), 1),
-        "ds" => (Some(Distortion::DoubleSphere), 2),
-        "eucm" => (Some(Distortion::EnhancedUnified), 2),
-        _ => {
-            let known = "known are \"pinhole\", \"omni\", \"ds\", \"eucm\"";
-            return Err(("camera_model", format!("is \"{}\"; {known}", printable(camera))));
-        }
-    };
+    let kind = KalibrCamera::named(camera).map_err(|problem| ("camera_model", problem))?;
+    let (model, leading) = (kind.lens, kind.leading.len());
     let named = raw.distortion_model.as_deref().unwrap_or("none").parse::<Distortion>();
     let distortion = named
         .map_err(|unknown| ("distortion_model", format!("is \"{}\"; {unknown}", printable(&unknown.0))))?;
-    if matches!((model, distortion), (Some(Distortion::Omni), other) if other != Distortion::RadialTangential)
-        || matches!((model, distortion), (Some(Distortion::DoubleSphere | Distortion::EnhancedUnified), other) if other != Distortion::None)
-    {
+    let allowed = match model {
+        None => true,
+        Some(Distortion::Omni) => distortion == Distortion::RadialTangential,
+        Some(_) => distortion == Distortion::None,
+    };
+    if !allowed {
         return Err((
             "distortion_model",
             format!("is \"{distortion}\"; a camera that is \"{camera}\" goes with no such"),

@@ -3,6 +3,7 @@
 use super::camera::CameraFrame;
 use super::sequence::{CAMERA_DATA, CAMERA_SENSOR};
 use super::write::{matrix, yaml_number};
+use crate::kalibr_cameras::KalibrCamera;
 use crate::{IoError, atomic_write};
 use dpn_core::camera::{CameraConfig, Distortion};
 use dpn_core::image::GrayView;
@@ -17,22 +18,23 @@ use std::path::{Path, PathBuf};
 pub fn write_camera_config(dir: &Path, config: &CameraConfig) -> Result<(), IoError> {
     let list = |values: &[f64]| values.iter().map(|v| yaml_number(*v)).collect::<Vec<_>>().join(", ");
     let [width, height] = config.resolution;
-    // As Kalibr has them: what a sphere needs stands before the focal lengths.
-    let (camera, model, leading, names) = match config.distortion {
-        Distortion::Omni => ("omni", Distortion::RadialTangential, 1, "xi, "),
-        Distortion::DoubleSphere => ("ds", Distortion::None, 2, "xi, alpha, "),
-        Distortion::EnhancedUnified => ("eucm", Distortion::None, 2, "alpha, beta, "),
-        plain => ("pinhole", plain, 0, ""),
+    let camera = KalibrCamera::of(config.distortion);
+    let model = match camera.lens {
+        None => config.distortion,
+        Some(Distortion::Omni) => Distortion::RadialTangential,
+        Some(_) => Distortion::None,
     };
-    let (before, coefficients) = config.coefficients.split_at(leading.min(config.coefficients.len()));
+    let leading = camera.leading.len().min(config.coefficients.len());
+    let (before, coefficients) = config.coefficients.split_at(leading);
+    let names = [camera.leading, &["fu", "fv", "cu", "cv"]].concat().join(", ");
     let intrinsics = [before, &config.intrinsics].concat();
     atomic_write(&dir.join("mav0").join(CAMERA_SENSOR), |out| {
         writeln!(out, "sensor_type: camera")?;
         matrix(out, &config.body_from_cam)?;
         writeln!(out, "rate_hz: {}", yaml_number(config.rate.hz()))?;
         writeln!(out, "resolution: [{width}, {height}]")?;
-        writeln!(out, "camera_model: {camera}")?;
-        writeln!(out, "intrinsics: [{}] # {names}fu, fv, cu, cv", list(&intrinsics))?;
+        writeln!(out, "camera_model: {}", camera.name)?;
+        writeln!(out, "intrinsics: [{}] # {names}", list(&intrinsics))?;
         writeln!(out, "distortion_model: {model}")?;
         writeln!(out, "distortion_coefficients: [{}]", list(coefficients))
     })

@@ -6,6 +6,7 @@
 use super::CalibrationError;
 use super::found::{Extrinsics, Found};
 use super::keys::Keys;
+use crate::kalibr_cameras::KalibrCamera;
 use dpn_core::camera::Distortion;
 
 const NO_IMU: &str = "a camchain.yaml of the cameras alone does not say how they sit on the IMU: take camchain-imucam.yaml, which \
@@ -15,16 +16,8 @@ pub(super) fn read(keys: &Keys<'_>) -> Result<Found, CalibrationError> {
     let camera = keys.block("cam0")?;
     // What a sphere needs stands before the focal lengths.
     let model = camera.text("camera_model")?;
-    let (sphere, leading) = match model.as_str() {
-        "pinhole" => (None, 0),
-        "omni" => (Some(Distortion::Omni), 1),
-        "ds" => (Some(Distortion::DoubleSphere), 2),
-        "eucm" => (Some(Distortion::EnhancedUnified), 2),
-        other => {
-            let known = "known are \"pinhole\", \"omni\", \"ds\", \"eucm\"";
-            return Err(camera.bad("camera_model", format!("is \"{}\"; {known}", crate::printable(other))));
-        }
-    };
+    let kind = KalibrCamera::named(&model).map_err(|problem| camera.bad("camera_model", problem))?;
+    let (sphere, leading) = (kind.lens, kind.leading.len());
     let distortion =
         if camera.has("distortion_model") { camera.lens("distortion_model")? } else { Distortion::None };
     let allowed = match sphere {

@@ -235,7 +235,6 @@ pub(super) fn solve(total: &Products, count: f64, gained: bool, std: f64) -> Opt
     let step = step.map(|value| (value / gain) as f32);
     let [x, y, _, _, xx, yx, xy, yy] = step;
     // Grey values of the two windows, counted from the patch's mean.
-    let [dv, d1, v, vv, dd] = [0, 1, 2, 3, 4].map(|k| total[PLAIN + k][0]);
     let (own, both, other) = (
         vv - v * v / count,
         vv + dv - v * (v + d1) / count,

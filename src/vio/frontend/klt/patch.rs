@@ -10,9 +10,28 @@
 
 use super::between::RowsBetween;
 use super::config::Illumination;
-use super::lanes::{LANES, Lanes, Sums, part, put};
+use super::lanes::{LANES, Lanes, OnLanes, Sums, part, put};
 use crate::frontend::image::Plane;
 use std::ops::Range;
+
+/// What is done with windows, whose rows are arrays of a length that the compiler knows.
+pub(super) trait OnWindows {
+    /// A window's side \[px\].
+    fn window(&self) -> usize;
+    /// Does it, with [`Patch`]es of `L` and `W`.
+    fn each<S: Lanes, const L: usize, const W: usize>(self, simd: S);
+}
+
+impl<T: OnWindows> OnLanes for T {
+    #[inline(always)]
+    fn run<S: Lanes>(self, simd: S) {
+        match self.window() {
+            0..=14 => self.each::<S, 16, 24>(simd),
+            15..=22 => self.each::<S, 24, 32>(simd),
+            _ => self.each::<S, 32, 40>(simd),
+        }
+    }
+}
 
 /// Windows of up to `L - 2` px a side; `W` is at least `L + 2`.
 pub(super) struct Patch<const L: usize, const W: usize> {

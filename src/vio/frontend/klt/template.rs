@@ -17,8 +17,8 @@
 
 use super::affine::{Bent, Products, products, solve, with_differences};
 use super::config::{Illumination, KltConfig};
-use super::lanes::{LANES, Lanes, OnLanes, Sums, part, sum_of};
-use super::patch::Patch;
+use super::lanes::{LANES, Lanes, Sums, part, sum_of};
+use super::patch::{OnWindows, Patch};
 use crate::frontend::image::Plane;
 
 /// Deviation of each entry of `M` from one frame that is handed over to the next.
@@ -179,18 +179,11 @@ pub(super) struct Held<'a, I> {
     pub(super) points: I,
 }
 
-impl<'a, I: Iterator<Item = (&'a mut Option<Template>, &'a mut [f32; 2])>> OnLanes for Held<'a, I> {
-    #[inline(always)]
-    fn run<S: Lanes>(self, simd: S) {
-        match self.config.window {
-            0..=14 => self.each::<S, 16, 24>(simd),
-            15..=22 => self.each::<S, 24, 32>(simd),
-            _ => self.each::<S, 32, 40>(simd),
-        }
+impl<'a, I: Iterator<Item = (&'a mut Option<Template>, &'a mut [f32; 2])>> OnWindows for Held<'a, I> {
+    fn window(&self) -> usize {
+        self.config.window
     }
-}
 
-impl<'a, I: Iterator<Item = (&'a mut Option<Template>, &'a mut [f32; 2])>> Held<'a, I> {
     #[inline(always)]
     fn each<S: Lanes, const L: usize, const W: usize>(self, simd: S) {
         let mut patch = Patch::<L, W>::new(self.config.window);
@@ -209,6 +202,7 @@ impl<'a, I: Iterator<Item = (&'a mut Option<Template>, &'a mut [f32; 2])>> Held<
 
 #[cfg(test)]
 mod tests {
+    use super::super::tracker::tests::surface;
     use super::super::{Klt, Shift};
     use super::*;
     use crate::frontend::image::Pyramid;
@@ -216,15 +210,6 @@ mod tests {
     use proptest::prelude::*;
 
     const SIZE: [usize; 2] = [160, 140];
-
-    /// A smooth surface without a period in the image.
-    fn surface([x, y]: [f64; 2]) -> f64 {
-        128.0
-            + 30.0 * (0.31 * x + 0.11 * y).sin()
-            + 30.0 * (0.27 * y - 0.07 * x).cos()
-            + 25.0 * (0.058 * x + 0.05 * y).sin() * (0.061 * y).cos()
-            + 20.0 * (0.0009 * (x * x + 0.5 * y * y)).sin()
-    }
 
     /// The surface about `from` as seen about `to`: `warp` takes offsets from the one to offsets from the other.
     fn seen(
@@ -238,7 +223,7 @@ mod tests {
         let value = |x: usize, y: usize| {
             let [u, v] = [x as f64 - to[0], y as f64 - to[1]];
             let back = [from[0] + (d * u - b * v) / det, from[1] + (a * v - c * u) / det];
-            (surface(back) + noise(x, y)).round().clamp(0.0, 255.0) as u8
+            (surface(back[0], back[1]) + noise(x, y)).round().clamp(0.0, 255.0) as u8
         };
         GrayImage::from_fn(SIZE[0], SIZE[1], value).unwrap()
     }

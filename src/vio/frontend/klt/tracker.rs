@@ -2,9 +2,9 @@
 
 use super::affine::refine;
 use super::config::{Illumination, KltConfig};
-use super::lanes::{Lanes, OnLanes, dispatch};
+use super::lanes::{Lanes, dispatch};
 use super::likeness::likeness;
-use super::patch::Patch;
+use super::patch::{OnWindows, Patch};
 use super::search::{Outcome, search};
 use super::template::{Held, Template};
 use crate::frontend::image::{Plane, Pyramid};
@@ -75,18 +75,11 @@ struct Job<'a> {
     out: &'a mut Vec<Result<[f32; 2], LostBy>>,
 }
 
-impl OnLanes for Job<'_> {
-    #[inline(always)]
-    fn run<S: Lanes>(self, simd: S) {
-        match self.config.window {
-            0..=14 => self.each::<S, 16, 24>(simd),
-            15..=22 => self.each::<S, 24, 32>(simd),
-            _ => self.each::<S, 32, 40>(simd),
-        }
+impl OnWindows for Job<'_> {
+    fn window(&self) -> usize {
+        self.config.window
     }
-}
 
-impl Job<'_> {
     #[inline(always)]
     fn each<S: Lanes, const L: usize, const W: usize>(self, simd: S) {
         let levels = self.levels.min(self.from.planes().len()).min(self.to.planes().len());
@@ -149,13 +142,13 @@ fn one<S: Lanes, const L: usize, const W: usize>(
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use dpn_core::{GrayImage, GrayView};
     use proptest::prelude::*;
 
     /// A smooth surface without a period in the image, so that only one shift fits.
-    fn surface(x: f64, y: f64) -> f64 {
+    pub(in super::super) fn surface(x: f64, y: f64) -> f64 {
         128.0
             + 30.0 * (0.31 * x + 0.11 * y).sin()
             + 30.0 * (0.27 * y - 0.07 * x).cos()
