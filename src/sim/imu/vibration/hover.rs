@@ -5,8 +5,8 @@
 //! R_h(t) = A_h^2 m cos(2 pi h f t) exp(-(2 pi h f)^2 (s_o^2 t^2 / 2 + s_w^2 tau^2 (t / tau - 1 + e^{-t / tau})))
 //!
 //! with the rotors' fixed differences s_o and their wander s_w of correlation time tau, both relative to the speed f: a Gaussian phase. m = 1 + 6 (s_o^2 + s_w^2) is
-//! what the square of the speed adds to the power. Left out: that a faster rotor is louder while it is faster, and the amplitudes' wander, which is
-//! slow against every span of interest.
+//! what the square of the speed adds to the power. Left out: that a faster rotor is louder while it is faster (a tenth of the power at most lags, which sums over a span
+//! take out again), and the amplitudes' wander, which is slow against every span of interest.
 
 use super::config::{AxisVibration, VibrationConfig};
 use super::rotors::{self, Turning};
@@ -86,10 +86,10 @@ mod tests {
             let power = tones.autocovariance(0.0);
             for (lag, sum) in found.iter().enumerate() {
                 let expected = tones.autocovariance(lag as f64 * rate.period());
-                // A draw's power scatters by some 60 % (gains, loudness, two rotors' beat): 3000 are known to 1.1 %; four of these, and as much for what
-                // the module leaves out.
+                // A draw's power scatters by some 60 % (gains, loudness, two rotors' beat): 3000 are known to 1.1 %. What the module leaves out,
+                // 4 (s_o^2 + s_w^2) h w t sin(h w t) in units of the power, is up to .1 before the phase forgets.
                 let off = (sum / draws as f64 - expected) / power;
-                assert!(off.abs() < 0.08, "{harmonics:?} {hover_hz} lag {lag}: {off}");
+                assert!(off.abs() < 0.15, "{harmonics:?} {hover_hz} lag {lag}: {off}");
             }
         }
     }
