@@ -16,7 +16,7 @@ const ARROWS: [(&str, &[&str]); 17] = [
     ("src/vio", &["dpn-core"]),
     ("src/truth", &["dpn-core", "dpn-vio"]),
     ("src/onnx", &["dpn-core", "dpn-pronet"]),
-    ("train", &["dpn-core", "dpn-io", "dpn-pronet"]),
+    ("train", &["dpn-core", "dpn-io", "dpn-pronet", "dpn-sim"]),
     ("eval", &["dpn-core", "dpn-io", "dpn-logs", "dpn-pronet", "dpn-sim", "dpn-train", "dpn-vio"]),
     ("figures", &["dpn-core", "dpn-eval", "dpn-io", "dpn-probe", "dpn-train", "dpn-vio"]),
     (

@@ -127,7 +127,7 @@ mod tests {
     use crate::plot::svg;
 
     fn record(epoch: u64, loss: f64, validation_rmse: Option<f64>) -> EpochRecord {
-        EpochRecord { epoch, loss, validation_rmse, learning_rate: 1e-3 }
+        EpochRecord { epoch, loss, validation_rmse, learning_rate: 1e-3, calibration: None }
     }
 
     #[test]

@@ -4,12 +4,13 @@ use crate::base::{Base, Scope};
 use crate::draw::{Augment, DrawRule};
 use crate::label::Label;
 use crate::levels::{LevelKind, Levels};
+use crate::vibration::VibrationDraw;
 use crate::windows::WINDOW;
-use dpn_core::Sensor;
 use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
+use dpn_core::{SampleRate, Sensor};
 use dpn_io::config::{self, ConfigError};
 use dpn_pronet::ProNetConfig;
-use dpn_pronet::config::{FirstKernels, Input};
+use dpn_pronet::config::{FirstKernels, Head, Input};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -103,6 +104,12 @@ pub struct NoiseConfig {
     pub label: Label,
     /// When noise is drawn.
     pub draws: Draws,
+    /// Span of the sums of `label = "sigma_eff"` \[s, a sample of 5 ms to 1 s\]; .1 when not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub span_s: Option<f64>,
+    /// Vibration beside the white noise, for `label = "sigma_eff"`; none when not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vibration: Option<VibrationDraw>,
 }
 
 /// Decision 11.
@@ -124,7 +131,19 @@ impl Default for NoiseConfig {
             steps: None,
             label: Label::Injected,
             draws: Draws::Epoch,
+            span_s: None,
+            vibration: None,
         }
+    }
+}
+
+/// The span of `sigma_eff` where the file gives none \[s\].
+const SPAN_S: f64 = 0.1;
+
+impl NoiseConfig {
+    /// Samples of the sums that `sigma_eff` is about.
+    pub fn span(&self) -> usize {
+        (self.span_s.unwrap_or(SPAN_S) * SampleRate::HZ_200.hz()).round() as usize
     }
 }
 
@@ -174,6 +193,8 @@ pub enum Loss {
     Mse,
     /// Mean square error of its logarithm.
     LogMse,
+    /// What a normal law of its logarithm is worth, whose deviation the network says too (`network.head = "log-sigma-and-spread"`): `e^2 / (2 s^2) + ln s`.
+    LogNll,
 }
 
 impl Default for FitConfig {
@@ -250,7 +271,13 @@ impl TrainConfig {
 
     /// The rule examples are drawn by.
     pub(crate) fn draw_rule(&self) -> DrawRule {
-        DrawRule { levels: self.levels(), label: self.noise.label, augment: self.augment }
+        DrawRule {
+            levels: self.levels(),
+            label: self.noise.label,
+            vibration: self.noise.vibration,
+            span: self.noise.span(),
+            augment: self.augment,
+        }
     }
 
     /// The same run with every default written out.
@@ -328,6 +355,28 @@ impl Validate for TrainConfig {
             "above 0 and at most `noise.high`",
         );
         faults.within("noise.steps", levels.steps, 1, 1000);
+        let noise = &self.noise;
+        if let Some(vibration) = &noise.vibration {
+            vibration.check(&mut faults);
+        }
+        faults.check(
+            noise.vibration.is_none() || noise.label == Label::Effective,
+            "noise.label",
+            format!("\"{}\"", noise.label),
+            "\"sigma_eff\" where there is `noise.vibration`, which no other label counts",
+        );
+        faults.check(
+            (1..=WINDOW).contains(&noise.span()),
+            "noise.span_s",
+            noise.span_s.unwrap_or(SPAN_S),
+            "a sample (0.005) to 1 s",
+        );
+        faults.check(
+            self.fit.loss != Loss::LogNll || self.network.head == Head::LogSigmaAndSpread,
+            "network.head",
+            format!("\"{}\"", self.network.head),
+            "\"log-sigma-and-spread\" for `fit.loss = \"log-nll\"`, which weighs errors by what the network says of itself",
+        );
         faults.within("augment.grow_share", augment.grow_share, 0.0, 1.0);
         faults.within("augment.grow", augment.grow, 1.0, 100.0);
         faults.within("augment.shrink", augment.shrink, 0.01, 1.0);
@@ -377,6 +426,21 @@ mod tests {
             "a.toml: `base.scope` is \"recording\", but must be \"window\" for `filter = \"gaussian\"`";
         assert!(error.to_string().starts_with(expected), "{error}");
         assert_eq!(read(&text("savitzky-golay")).base.scope, Scope::Recording);
+    }
+
+    #[test]
+    fn vibration_asks_for_the_label_that_counts_it_and_an_uncertainty_for_a_head_that_says_it() {
+        let vibration = "[noise.vibration]\nshare = 0.5\ndeviation = [0.02, 3.0]\nhover_hz = [50.0, 150.0]";
+        let fault = |text: &str| parse(text, Path::new("a.toml"), Sensor::Accel).unwrap_err().to_string();
+        assert!(fault(vibration).contains("`noise.label` is \"sigma_inj\""), "{}", fault(vibration));
+        let loss = "[fit]\nloss = \"log-nll\"";
+        assert!(fault(loss).contains("`network.head` is"), "{}", fault(loss));
+        let both = format!(
+            "[noise]\nlabel = \"sigma_eff\"\nspan_s = 0.05\n{vibration}\n{loss}\n[network]\nhead = \"log-sigma-and-spread\""
+        );
+        assert_eq!(read(&both).noise.span(), 10);
+        assert!(fault(&both.replace("[0.02, 3.0]", "[3.0, 0.02]")).contains("noise.vibration.deviation"));
+        assert!(fault(&both.replace("0.05", "2.0")).contains("noise.span_s"));
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! One training example: a window, changed in ways that do not change its noise, with white noise added.
+//! One training example: a window, changed in ways that do not change its noise, with white noise added and, where asked for, vibration.
 //!
 //! Everything about example (epoch, window) comes from the stream `(seed, "train", sensor, epoch, window)`, so examples
 //! can be made in any order and on any thread (decision 11).
@@ -6,6 +6,7 @@
 use crate::label::Label;
 use crate::levels::Levels;
 use crate::own::own_sigma;
+use crate::vibration::{VibrationDraw, effective};
 use crate::windows::{WINDOW, WindowSet};
 use dpn_core::random::Stream;
 use rand::Rng;
@@ -49,6 +50,10 @@ pub struct DrawRule {
     pub levels: Levels,
     /// What the label counts.
     pub label: Label,
+    /// What is injected beside white noise.
+    pub vibration: Option<VibrationDraw>,
+    /// Samples of the sums of [`Label::Effective`].
+    pub span: usize,
     /// Changes to the base.
     pub augment: Augment,
 }
@@ -93,11 +98,23 @@ impl DrawRule {
             let mean = out.iter().sum::<f64>() / WINDOW as f64;
             out.iter_mut().for_each(|v| *v = mean + factor * (*v - mean));
         }
-        let own = match self.label {
+        let beside = match self.label {
             Label::Injected => 0.0,
             Label::Total => own_sigma(out),
+            Label::Effective => self.vibrate(stream, out),
         };
         inject(out, level, &mut rng);
-        self.label.of(level, own)
+        self.label.of(level, beside)
+    }
+
+    /// Adds the vibration drawn from `stream` to `out` and returns what it counts over the span.
+    pub(crate) fn vibrate(&self, stream: &Stream, out: &mut [f64]) -> f64 {
+        let Some(vibration) = self.vibration.and_then(|draw| draw.draw(stream)) else {
+            return 0.0;
+        };
+        for (value, tone) in out.iter_mut().zip(&vibration.samples) {
+            *value += tone;
+        }
+        effective(&vibration.tones, self.span)
     }
 }

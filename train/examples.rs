@@ -1,6 +1,6 @@
 //! Fixed examples: what validation and evaluation are measured on.
 
-use crate::draw::inject;
+use crate::draw::{DrawRule, inject};
 use crate::label::Label;
 use crate::levels::{LevelKind, Levels};
 use crate::own::own_sigma;
@@ -16,6 +16,8 @@ pub struct Examples {
     pub injected: Vec<f64>,
     /// White noise each row's base held before.
     pub own: Vec<f64>,
+    /// What the vibration added to each row counts; 0 where there is none.
+    pub vibration: Vec<f64>,
     /// Window of the set each row comes from.
     pub window: Vec<usize>,
 }
@@ -31,6 +33,7 @@ impl Examples {
             samples: vec![0.0; rows * WINDOW],
             injected: Vec::with_capacity(rows),
             own: Vec::with_capacity(rows),
+            vibration: vec![0.0; rows],
             window: Vec::with_capacity(rows),
         };
         let grid = levels.grid();
@@ -56,6 +59,13 @@ impl Examples {
         out
     }
 
+    /// Adds the vibration of `rule` to every row, each from `stream.index(row)`.
+    pub(crate) fn vibrate(&mut self, rule: &DrawRule, stream: &Stream) {
+        for (row, window) in self.samples.chunks_exact_mut(WINDOW).enumerate() {
+            self.vibration[row] = rule.vibrate(&stream.index(row as u64), window);
+        }
+    }
+
     /// Number of rows.
     pub fn len(&self) -> usize {
         self.injected.len()
@@ -73,7 +83,8 @@ impl Examples {
 
     /// What a perfect estimator would answer, row by row.
     pub fn truth(&self, label: Label) -> Vec<f64> {
-        self.injected.iter().zip(&self.own).map(|(&injected, &own)| label.of(injected, own)).collect()
+        let beside = if label == Label::Effective { &self.vibration } else { &self.own };
+        self.injected.iter().zip(beside).map(|(&injected, &beside)| label.of(injected, beside)).collect()
     }
 }
 

@@ -12,17 +12,22 @@ pub enum Label {
     /// `sqrt(injected^2 + own^2)`: with the white noise the window held before (`own::own_sigma`).
     #[serde(rename = "sigma_tot")]
     Total,
+    /// The white deviation that errs as much in sums over [`NoiseConfig::span_s`](crate::config::NoiseConfig::span_s) as the injected white noise and the
+    /// vibration beside it do ([`vibration`](crate::vibration)), by the processes' expectation.
+    #[serde(rename = "sigma_eff")]
+    Effective,
 }
 
 impl Label {
-    /// Both labels.
-    pub const ALL: [Self; 2] = [Self::Injected, Self::Total];
+    /// The labels that differ where white noise alone is injected; without vibration `sigma_eff` is `sigma_inj`.
+    pub const OF_WHITE: [Self; 2] = [Self::Injected, Self::Total];
 
-    /// The label of a window with `injected` noise on top of its `own`.
-    pub fn of(self, injected: f64, own: f64) -> f64 {
+    /// The label of a window with `injected` white noise beside another deviation: its `own` for `sigma_tot`, what its vibration counts for
+    /// `sigma_eff`.
+    pub fn of(self, injected: f64, beside: f64) -> f64 {
         match self {
             Self::Injected => injected,
-            Self::Total => injected.hypot(own),
+            Self::Total | Self::Effective => injected.hypot(beside),
         }
     }
 }
@@ -32,6 +37,7 @@ impl fmt::Display for Label {
         f.write_str(match self {
             Self::Injected => "sigma_inj",
             Self::Total => "sigma_tot",
+            Self::Effective => "sigma_eff",
         })
     }
 }
@@ -44,5 +50,6 @@ mod tests {
     fn total_adds_variances() {
         assert_eq!(Label::Injected.of(3.0, 4.0), 3.0);
         assert_eq!(Label::Total.of(3.0, 4.0), 5.0);
+        assert_eq!(Label::Effective.of(3.0, 4.0), 5.0);
     }
 }

@@ -4,6 +4,7 @@
 
 pub mod asl;
 pub mod base;
+pub mod calibration;
 pub mod clean;
 pub mod config;
 pub mod corpus;
@@ -19,6 +20,7 @@ pub mod schedule;
 pub mod split;
 pub mod state;
 pub mod trainer;
+pub mod vibration;
 mod window;
 pub mod windows;
 

@@ -8,6 +8,7 @@
 //! A run may be resumed with another number of epochs where what is behind it is also the beginning of that run: then it ends in the same bits as
 //! one that was as long from the start.
 
+use crate::calibration::Calibration;
 use crate::config::{Schedule, TrainConfig};
 use crate::corpus::Corpus;
 use crate::split::Side;
@@ -128,7 +129,7 @@ pub struct RunSummary {
     pub base: String,
     /// `grid` or `continuous`.
     pub levels: String,
-    /// `sigma_inj` or `sigma_tot`.
+    /// `sigma_inj`, `sigma_tot` or `sigma_eff`.
     pub label: String,
     /// Seed.
     pub seed: u64,
@@ -150,6 +151,9 @@ pub struct RunSummary {
     pub best_epoch: u64,
     /// Their RMSE on the validation examples \[unit of the sensor\].
     pub validation_rmse: f64,
+    /// How far off they are there in logarithms, and how far they say they are; absent where they do not say it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub calibration: Option<Calibration>,
 }
 
 /// What a checkpoint says besides its numbers.
@@ -279,6 +283,9 @@ impl<'a> Run<'a> {
             best_epoch: best.map_or(self.state.epochs_done(), |best| best.epoch),
             validation_rmse: best
                 .map_or_else(|| self.trainer.validate(&self.state.averaged), |best| best.validation_rmse),
+            calibration: self
+                .trainer
+                .calibration(best.map_or(&self.state.averaged, |best| best.weights.as_slice())),
         }
     }
 

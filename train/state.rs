@@ -1,5 +1,6 @@
 //! Everything a training run carries from one epoch to the next.
 
+use crate::calibration::Calibration;
 use dpn_pronet::adam::{Adam, AdamConfig};
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +15,9 @@ pub struct EpochRecord {
     pub validation_rmse: Option<f64>,
     /// Learning rate of its last update.
     pub learning_rate: f64,
+    /// On the validation examples, of a network that says how far off it is; absent where not validated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub calibration: Option<Calibration>,
 }
 
 /// The weights kept so far.

@@ -4,6 +4,7 @@
 //! stream of its own; the network's kernels sum in a fixed order; the optimiser's state is [`State`]. A run that goes on
 //! from a saved [`State`] therefore ends in the same bits as one that never stopped.
 
+use crate::calibration::Calibration;
 use crate::config::{Draws, Loss, TrainConfig};
 use crate::corpus::{Corpus, CorpusError};
 use crate::examples::Examples;
@@ -95,7 +96,8 @@ impl Trainer {
         let stream = Stream::new(config.seed).named("train").named(config.sensor().name());
         // Validation examples are the same for every training seed, so that seeds are compared on one scale.
         let judge = Stream::new(0).named("validation").named(config.sensor().name());
-        let validation = Examples::draw(&held_out, &config.levels(), &judge);
+        let mut validation = Examples::draw(&held_out, &config.levels(), &judge);
+        validation.vibrate(&config.draw_rule(), &judge.named("vibration"));
         let truth = validation.truth(config.noise.label);
         let network = ProNet::new(&config.network, &stream.named("weights"), device)?;
         Ok(Self { config, fit, validation, truth, stream, network })
@@ -165,11 +167,12 @@ impl Trainer {
         let fit = &self.config.fit;
         let validate = epoch.is_multiple_of(fit.validate_every) || epoch == fit.epochs;
         let validation_rmse = validate.then(|| self.validate(&next.averaged));
+        let calibration = if validate { self.calibration(&next.averaged) } else { None };
         if let Some(rmse) = validation_rmse.filter(|rmse| rmse.is_finite()) {
             next.keep_if_best(epoch, rmse);
         }
-        let record =
-            EpochRecord { epoch, loss: loss_sum / order.len() as f64, validation_rmse, learning_rate: rate };
+        let loss = loss_sum / order.len() as f64;
+        let record = EpochRecord { epoch, loss, validation_rmse, learning_rate: rate, calibration };
         next.history.push(record);
         *state = next;
         Ok(record)
@@ -195,6 +198,18 @@ impl Trainer {
         let estimates = predict(&weights, &self.validation.samples);
         let square: f64 = estimates.iter().zip(&self.truth).map(|(e, t)| (e - t).powi(2)).sum();
         (square / self.truth.len().max(1) as f64).sqrt()
+    }
+
+    /// How far off `weights` are on the validation examples, and how far they say they are; none of a network that does not say it.
+    pub fn calibration(&self, weights: &[f32]) -> Option<Calibration> {
+        let weights = Weights::new(&self.config.network, weights.to_vec(), Card::default());
+        let (sigma, spread) = predict_with_spread(&weights, &self.validation.samples)?;
+        Some(Calibration::of(&sigma, &spread, &self.truth))
+    }
+
+    /// The validation examples and their true deviations, row by row.
+    pub fn validation(&self) -> (&Examples, &[f64]) {
+        (&self.validation, &self.truth)
     }
 
     /// Windows in the order of one epoch, each with the number of its draw.
@@ -237,15 +252,24 @@ impl Trainer {
         let batch = labels.len();
         let windows = Tensor::<2>::from_data(TensorData::new(windows, [batch, WINDOW]), &device); // [batch, window]
         let labels = Tensor::<1>::from_data(TensorData::new(labels.to_vec(), [batch]), &device); // [batch]
-        let sigma = network.forward(windows); // [batch]
-        let error = match self.config.fit.loss {
-            Loss::Mse => (sigma - labels) / (self.config.network.output_scale() as f32), // [batch]
+        let square = |error: Tensor<1>| error.clone().mul(error); // [batch]
+        let loss = match self.config.fit.loss {
+            Loss::Mse => {
+                let unit = self.config.network.output_scale() as f32;
+                square((network.forward(windows) - labels) / unit) // [batch]
+            }
             Loss::LogMse => {
                 let floor = (1e-3 * self.config.network.output_scale()) as f32;
-                sigma.clamp_min(floor).log() - labels.log() // [batch]
+                square(network.forward(windows).clamp_min(floor).log() - labels.log()) // [batch]
             }
-        };
-        let loss = error.clone().mul(error).mean(); // [1]
+            Loss::LogNll => {
+                let answers = network.answers(windows).log(); // [batch, 2]
+                let column = |k: usize| answers.clone().slice([0..batch, k..k + 1]).squeeze_dim::<1>(1); // [batch]
+                let (log_sigma, log_spread) = (column(0), column(1));
+                square((log_sigma - labels.log()) / log_spread.clone().exp()) * 0.5 + log_spread // [batch]
+            }
+        }
+        .mean(); // [1]
         let gradients = loss.backward();
         let value =
             loss.into_data_as::<f32>().iter::<f32>().next().map(f64::from).expect("a mean is one number");
@@ -264,21 +288,31 @@ impl Trainer {
 
 /// Deviations that `weights` give for rows of [`WINDOW`] samples, in row order.
 pub fn predict(weights: &Weights, samples: &[f64]) -> Vec<f64> {
-    const ROWS: usize = 256;
-    samples
-        .par_chunks(ROWS * WINDOW)
-        .map(|chunk| {
-            let windows: Vec<f32> = chunk.iter().map(|v| *v as f32).collect();
-            let mut sigma = vec![0f32; windows.len() / WINDOW];
-            Predictor::new(weights).predict(&windows, &mut sigma);
-            sigma
-        })
-        .collect::<Vec<_>>()
-        .concat()
-        .into_iter()
-        .map(f64::from)
-        .collect()
+    let rows = samples.par_chunks(ROWS * WINDOW).flat_map_iter(|chunk| {
+        let windows: Vec<f32> = chunk.iter().map(|v| *v as f32).collect();
+        let mut sigma = vec![0f32; windows.len() / WINDOW];
+        Predictor::new(weights).predict(&windows, &mut sigma);
+        sigma.into_iter().map(f64::from)
+    });
+    rows.collect()
 }
+
+/// As [`predict`], and the deviations of the answers' logarithms; none of a network that does not say them.
+pub fn predict_with_spread(weights: &Weights, samples: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
+    if !Predictor::new(weights).says_spread() {
+        return None;
+    }
+    let rows = samples.par_chunks(ROWS * WINDOW).flat_map_iter(|chunk| {
+        let windows: Vec<f32> = chunk.iter().map(|v| *v as f32).collect();
+        let [mut sigma, mut spread] = [(); 2].map(|()| vec![0f32; windows.len() / WINDOW]);
+        Predictor::new(weights).predict_with_spread(&windows, &mut sigma, &mut spread);
+        sigma.into_iter().zip(spread).map(|(sigma, spread)| (f64::from(sigma), f64::from(spread)))
+    });
+    Some(rows.unzip())
+}
+
+/// Rows a thread asks about at a time.
+const ROWS: usize = 256;
 
 /// Number of parameters a configuration's network has.
 pub fn parameter_count(config: &TrainConfig) -> usize {

@@ -106,7 +106,7 @@ impl Job<'_> {
             self.go_on()?;
             Ok((*label, fit_all(&table, &examples.truth(*label))?))
         };
-        let both = Label::ALL.par_iter().map(fit).collect::<Result<Vec<_>, OpenLoopError>>()?;
+        let both = Label::OF_WHITE.par_iter().map(fit).collect::<Result<Vec<_>, OpenLoopError>>()?;
         let fitted = Some(Fitted { base: self.base.to_string(), regressors: both });
         Ok(Training { examples, table: Some(table), fitted })
     }
@@ -147,7 +147,7 @@ impl Job<'_> {
             Ok(Answer {
                 name: estimator.name().to_owned(),
                 seed: None,
-                labels: Label::ALL.to_vec(),
+                labels: Label::OF_WHITE.to_vec(),
                 sigma: examples.samples.chunks_exact(WINDOW).map(|window| estimator.sigma(window)).collect(),
             })
         };
@@ -179,7 +179,7 @@ impl Job<'_> {
                 continue;
             }
             self.go_on()?;
-            let labels = Label::ALL.iter().copied();
+            let labels = Label::OF_WHITE.iter().copied();
             answers.push(Answer {
                 name: if own { network.name.clone() } else { format!("{}@{}", network.name, network.base) },
                 seed: Some(network.seed),
@@ -192,7 +192,7 @@ impl Job<'_> {
 
     fn add_rows(&self, side: Side, examples: &Examples, answers: &[Answer], rows: &mut Vec<Row>) {
         let bins = Levels::paper(self.sensor, self.kind).steps;
-        for label in Label::ALL {
+        for label in Label::OF_WHITE {
             let truth = examples.truth(label);
             // Seeds of one network stand together under its name, in the order the names came.
             let mut groups: Vec<(&str, Vec<(Errors, bool)>)> = Vec::new();

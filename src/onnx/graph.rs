@@ -69,13 +69,13 @@ impl Graph {
     }
 
     /// The whole, with what goes in and comes out.
-    pub(crate) fn finish(self, name: &str, input: ValueInfoProto, output: ValueInfoProto) -> GraphProto {
+    pub(crate) fn finish(self, name: &str, input: ValueInfoProto, output: Vec<ValueInfoProto>) -> GraphProto {
         GraphProto {
             node: self.nodes,
             name: Some(name.to_owned()),
             initializer: self.tensors,
             input: vec![input],
-            output: vec![output],
+            output,
         }
     }
 }

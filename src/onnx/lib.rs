@@ -30,7 +30,8 @@ const LAYOUT: i64 = 7;
 /// The bytes of a network's model: the same weights are the same bytes.
 ///
 /// # Shapes
-/// Of the model: input `window`, `f32` `[batch, window]`; output `sigma`, `f32` `[batch]`.
+/// Of the model: input `window`, `f32` `[batch, window]`; output `sigma`, `f32` `[batch]`, and `log_spread`, `f32` `[batch]`, of a network that says
+/// how sure it is.
 ///
 /// # Units and frames
 /// Of the model: samples of one axis and their deviation, both in m/s^2 or rad/s, which its metadata say.

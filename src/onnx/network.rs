@@ -3,7 +3,7 @@
 use crate::graph::{Graph, Setting, value};
 use crate::proto::GraphProto;
 use dpn_pronet::config::{BlockOrder, Head, Input, NormAxes, Pool, ProNetConfig};
-use dpn_pronet::definition::{LOG_SIGMA_RANGE, NORM_EPSILON, POOL_EPSILON};
+use dpn_pronet::definition::{LOG_SIGMA_RANGE, LOG_SPREAD_RANGE, NORM_EPSILON, POOL_EPSILON};
 use dpn_pronet::shape::parameters;
 use dpn_pronet::weights::Weights;
 
@@ -11,8 +11,11 @@ use dpn_pronet::weights::Weights;
 pub(crate) const INPUT: &str = "window";
 /// Name of what comes out.
 pub(crate) const OUTPUT: &str = "sigma";
+/// Name of what comes out besides, where the network says it.
+pub(crate) const SPREAD: &str = "log_spread";
 
-/// The graph of a network: `window` `[batch, window]` in, `sigma` `[batch]` out, both in the sensor's unit.
+/// The graph of a network: `window` `[batch, window]` in, `sigma` `[batch]` out, both in the sensor's unit; a network that says how sure it is has a
+/// second output, `log_spread` `[batch]`, the deviation of sigma's logarithm.
 pub(crate) fn graph(weights: &Weights) -> GraphProto {
     let config = weights.config();
     let mut graph = Graph::default();
@@ -41,7 +44,11 @@ pub(crate) fn graph(weights: &Weights) -> GraphProto {
     let windows =
         format!("windows of {} samples of one axis of the {} [{unit}]", config.window, config.sensor);
     let sigma = format!("standard deviation of the white noise in each window [{unit}]");
-    writer.graph.finish("pronet", value(INPUT, &[config.window], windows), value(OUTPUT, &[], sigma))
+    let mut outputs = vec![value(OUTPUT, &[], sigma)];
+    if config.head == Head::LogSigmaAndSpread {
+        outputs.push(value(SPREAD, &[], "standard deviation of sigma's natural logarithm".to_owned()));
+    }
+    writer.graph.finish("pronet", value(INPUT, &[config.window], windows), outputs)
 }
 
 /// What is being written, and of what.
@@ -151,18 +158,29 @@ impl Writer<'_> {
 
     /// `[batch, channels, time]` to `[batch, features]`.
     fn pool(&mut self, x: &str) -> String {
-        let mean = self.mean("pool.mean", x, &[2], false);
         match self.config.pool {
-            Pool::Mean => mean,
+            Pool::Mean => self.mean("pool.mean", x, &[2], false),
+            Pool::LogRms => {
+                let above_zero = self.mean_square(x);
+                let log = self.graph.node("Log", "pool.log", &[&above_zero], &[]);
+                let half = self.graph.float("pool.half", 0.5);
+                self.graph.node("Mul", "pool.log_rms", &[&log, &half], &[])
+            }
             Pool::MeanAndRms => {
-                let square = self.graph.node("Mul", "pool.square", &[x, x], &[]);
-                let mean_square = self.mean("pool.mean_square", &square, &[2], false);
-                let epsilon = self.graph.float("pool.epsilon", POOL_EPSILON);
-                let above_zero = self.graph.node("Add", "pool.above_zero", &[&mean_square, &epsilon], &[]);
+                let mean = self.mean("pool.mean", x, &[2], false);
+                let above_zero = self.mean_square(x);
                 let rms = self.graph.node("Sqrt", "pool.rms", &[&above_zero], &[]);
                 self.graph.node("Concat", "pool.both", &[&mean, &rms], &[("axis", Setting::Int(1))])
             }
         }
+    }
+
+    /// Mean squares over time, a little above zero: `[batch, channels, time]` to `[batch, channels]`.
+    fn mean_square(&mut self, x: &str) -> String {
+        let square = self.graph.node("Mul", "pool.square", &[x, x], &[]);
+        let mean_square = self.mean("pool.mean_square", &square, &[2], false);
+        let epsilon = self.graph.float("pool.epsilon", POOL_EPSILON);
+        self.graph.node("Add", "pool.above_zero", &[&mean_square, &epsilon], &[])
     }
 
     /// Linear layer `number` (from 1): `[batch, features in]` to `[batch, features out]`.
@@ -171,22 +189,33 @@ impl Writer<'_> {
         self.graph.node("Gemm", format!("fc{number}"), &[x, &weight, &bias], &[("transB", Setting::Int(1))])
     }
 
-    /// From the last layer's number, `[batch, 1]`, to deviations, `[batch]`.
+    /// From the last layer's numbers, `[batch, outputs]`, to deviations, `[batch]`, and what else the head says.
     fn head(&mut self, z: &str) {
         let positive = match self.config.head {
             Head::Softplus => self.graph.node("Softplus", "head", &[z], &[]),
             Head::LeakyRelu => self.leaky_relu("head", z),
             Head::Linear => z.to_owned(),
-            Head::LogSigma => {
-                let least = self.graph.float("head.least", LOG_SIGMA_RANGE.0);
-                let most = self.graph.float("head.most", LOG_SIGMA_RANGE.1);
-                let clamped = self.graph.node("Clip", "head.clamped", &[z, &least, &most], &[]);
-                self.graph.node("Exp", "head", &[&clamped], &[])
+            Head::LogSigma => self.clamped_exp("head", z, LOG_SIGMA_RANGE),
+            Head::LogSigmaAndSpread => {
+                let spread = self.between("spread.number", z, 1, 2);
+                let spread = self.clamped_exp("spread", &spread, LOG_SPREAD_RANGE);
+                let axes = self.graph.ints("spread.axis", &[1]);
+                self.graph.node("Squeeze", SPREAD, &[&spread, &axes], &[]);
+                let z = self.between("head.number", z, 0, 1);
+                self.clamped_exp("head", &z, LOG_SIGMA_RANGE)
             }
         };
         let unit = self.graph.float("output_unit", self.config.output_scale() as f32);
         let scaled = self.graph.node("Mul", "deviation", &[&positive, &unit], &[]);
         let axes = self.graph.ints("feature_axis", &[1]);
         self.graph.node("Squeeze", OUTPUT, &[&scaled, &axes], &[]);
+    }
+
+    /// `exp` of `z` clamped to `range`.
+    fn clamped_exp(&mut self, name: &str, z: &str, range: (f32, f32)) -> String {
+        let least = self.graph.float(format!("{name}.least"), range.0);
+        let most = self.graph.float(format!("{name}.most"), range.1);
+        let clamped = self.graph.node("Clip", format!("{name}.clamped"), &[z, &least, &most], &[]);
+        self.graph.node("Exp", name, &[&clamped], &[])
     }
 }

@@ -6,3 +6,5 @@ pub const NORM_EPSILON: f32 = 1e-5;
 pub const POOL_EPSILON: f32 = 1e-8;
 /// Where the head `log-sigma` clamps its exponent.
 pub const LOG_SIGMA_RANGE: (f32, f32) = (-10.0, 5.0);
+/// Where the head `log-sigma-and-spread` clamps its second exponent: a spread of .7 % to a factor of 1600.
+pub const LOG_SPREAD_RANGE: (f32, f32) = (-5.0, 2.0);

@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 type Differentiable = Autodiff<Flex, NoCheckpointing>;
 
-/// The deviation of each window by the kernels; `flat` are the parameters. `None` where windows or parameters are not on burn's CPU backend, or
+/// The answer to each window by the kernels, window by window (`[batch * outputs]`); `flat` are the parameters. `None` where windows or parameters are not on burn's CPU backend, or
 /// windows want a gradient.
 pub(crate) fn forward(engine: &Arc<Engine>, flat: &Tensor<1>, windows: &Tensor<2>) -> Option<Tensor<1>> {
     if let (Ok(x), Ok(flat)) = (
@@ -39,7 +39,7 @@ pub(crate) fn forward(engine: &Arc<Engine>, flat: &Tensor<1>, windows: &Tensor<2
     Some(Tensor::from_primitive::<Flex>(tensor(engine.forward(&numbers(&flat), &numbers(&x)).0)))
 }
 
-/// The operation's step back: from the deviations' gradient to the flat parameters'.
+/// The operation's step back: from the answers' gradient to the flat parameters'.
 #[derive(Debug)]
 struct Step;
 
@@ -107,11 +107,11 @@ mod tests {
         (0..count * length).map(|_| 0.2 * (rng.random::<f32>() - 0.5)).collect()
     }
 
-    fn loss_gradient(net: &ProNet, sigma: Tensor<1>) -> Vec<f32> {
-        let [count] = sigma.dims();
-        let weights: Vec<f32> = (0..count).map(|i| 1.0 + i as f32 / count as f32).collect();
-        let weights = Tensor::from_data(TensorData::new(weights, [count]), &sigma.device());
-        let loss = ((sigma * 10.0 - 0.3).square() * weights).mean();
+    fn loss_gradient(net: &ProNet, answers: Tensor<2>) -> Vec<f32> {
+        let [count, outputs] = answers.dims();
+        let weights: Vec<f32> = (0..count * outputs).map(|i| 1.0 + i as f32 / count as f32).collect();
+        let weights = Tensor::from_data(TensorData::new(weights, [count, outputs]), &answers.device());
+        let loss = ((answers * 10.0 - 0.3).square() * weights).mean();
         net.flat_gradient(&loss.backward())
     }
 
@@ -142,7 +142,7 @@ mod tests {
             let count = rng.random_range(1..40);
             let x = windows(count, config.window, &mut rng);
             let x = Tensor::<2>::from_data(TensorData::new(x, [count, config.window]), &device);
-            let (fused, plain) = (net.forward(x.clone()), net.forward_plain(x));
+            let (fused, plain) = (net.answers(x.clone()), net.answers_plain(x));
             let values = relative(
                 &fused.clone().into_data().try_to_vec::<f32>().unwrap(),
                 &plain.clone().into_data().try_to_vec::<f32>().unwrap(),
@@ -151,7 +151,12 @@ mod tests {
             let gradients = relative(&fused, &plain);
             // With a slope of zero below zero a network may be dead: then both gradients are zero.
             cases += usize::from(plain.iter().any(|g| g.abs() > 1e-6));
-            assert!(values < 1e-5 && gradients < 1e-5, "case {case}: {values:e} {gradients:e} {config:?}");
+            // The gradient of a logarithm is as large as what it is of is small: rounding in a channel that hardly swings counts more.
+            let tolerance = if config.pool == Pool::LogRms { 3e-4 } else { 1e-5 };
+            assert!(
+                values < 1e-5 && gradients < tolerance,
+                "case {case}: {values:e} {gradients:e} {config:?}"
+            );
         }
         assert!(cases > 40, "only {cases} of the drawn networks are alive");
     }

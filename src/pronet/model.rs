@@ -70,6 +70,8 @@ struct Channel {
     past: [Vec<f32>; 3],
     windows: Vec<f32>,
     count: RangeCount,
+    /// Of the last answers' logarithms, where the network says it and was asked.
+    spread: Option<[f64; 3]>,
 }
 
 impl DualProNet {
@@ -121,6 +123,16 @@ impl DualProNet {
             Sensor::Gyro => self.gyro.count,
         }
     }
+
+    /// How far off the network of `sensor` takes its last answer to be, axis by axis: the deviation of that answer's logarithm, .1 for 10 %. None
+    /// of a network that does not say it, and before its first full window. It knows windows like those of its training alone: outside
+    /// ([`range_count`](Self::range_count)) it is no more to be trusted than the answer.
+    pub fn spread(&self, sensor: Sensor) -> Option<[f64; 3]> {
+        match sensor {
+            Sensor::Accel => self.accel.spread,
+            Sensor::Gyro => self.gyro.spread,
+        }
+    }
 }
 
 impl Channel {
@@ -134,6 +146,7 @@ impl Channel {
             past: std::array::from_fn(|_| vec![0.0; 2 * window]),
             windows: vec![0.0; 3 * window],
             count: RangeCount::default(),
+            spread: None,
         }
     }
 
@@ -162,7 +175,13 @@ impl Channel {
             self.count.outside += u64::from(outside);
         }
         let mut sigma = [0.0f32; 3];
-        self.predictor.predict(&self.windows, &mut sigma);
+        if self.predictor.says_spread() {
+            let mut spread = [0.0f32; 3];
+            self.predictor.predict_with_spread(&self.windows, &mut sigma, &mut spread);
+            self.spread = Some(spread.map(f64::from));
+        } else {
+            self.predictor.predict(&self.windows, &mut sigma);
+        }
         // NaN stays NaN: a sample beyond single precision must not pass for one without noise.
         Some(sigma.map(|s| if s < 0.0 { 0.0 } else { f64::from(s) }))
     }
@@ -170,6 +189,7 @@ impl Channel {
     fn reset(&mut self) {
         self.past.iter_mut().for_each(|p| p.fill(0.0));
         self.count = RangeCount::default();
+        self.spread = None;
     }
 }
 
@@ -307,6 +327,32 @@ mod tests {
         assert_eq!(model.range_count(Sensor::Gyro), RangeCount { windows: 9, outside: 0 });
         let accel = model.range_count(Sensor::Accel);
         assert!(accel.windows > 0 && accel.outside == accel.windows);
+    }
+
+    #[test]
+    fn a_network_that_says_how_sure_it_is_is_heard_and_one_that_does_not_says_nothing() {
+        let config = ProNetConfig {
+            window: 40,
+            head: crate::config::Head::LogSigmaAndSpread,
+            ..ProNetConfig::for_sensor(Sensor::Accel)
+        };
+        let flat = initial_parameters(&config, &Stream::new(5));
+        let accel = Weights::new(&config, flat, Card::default());
+        let mut model = DualProNet::new("p", &accel, &weights(Sensor::Gyro, None), 10).unwrap();
+        let samples = samples(70);
+        for sample in &samples[..39] {
+            model.feed(sample);
+        }
+        assert_eq!(model.spread(Sensor::Accel), None);
+        let noise = samples[39..].iter().map(|sample| model.feed(sample)).last().unwrap();
+        let (mut sigma, mut spread) = ([0.0], [0.0]);
+        let window: Vec<f32> = samples[30..].iter().map(|s| s.accel[2] as f32).collect();
+        Predictor::new(&accel).predict_with_spread(&window, &mut sigma, &mut spread);
+        assert_eq!(noise.of(Sensor::Accel)[2], f64::from(sigma[0]));
+        assert_eq!(model.spread(Sensor::Accel).unwrap()[2], f64::from(spread[0]));
+        assert_eq!(model.spread(Sensor::Gyro), None);
+        model.reset();
+        assert_eq!(model.spread(Sensor::Accel), None);
     }
 
     #[test]

@@ -11,6 +11,7 @@ use crate::config::ProNetConfig;
 use crate::engine::Engine;
 use crate::fused;
 use crate::init::initial_parameters;
+use crate::plain::deviations;
 use crate::shape::{ParameterShape, parameters};
 use burn::module::{Module, Param, ParamId};
 use burn::tensor::{Device, Gradients, Tensor, TensorData};
@@ -127,9 +128,24 @@ impl ProNet {
     /// # Panics
     /// When a window has not the configuration's length.
     pub fn forward(&self, windows: Tensor<2>) -> Tensor<1> {
-        let [_, window] = windows.dims();
+        deviations(self.answers(windows))
+    }
+
+    /// All that the network says of each window: its deviation in the sensor's unit and, where the head has it, the deviation of that
+    /// answer's logarithm.
+    ///
+    /// # Shapes
+    /// `windows`: `[batch, window]`; returns `[batch, outputs]`, [`outputs`](crate::config::Head::outputs) of the head.
+    ///
+    /// # Panics
+    /// When a window has not the configuration's length.
+    pub fn answers(&self, windows: Tensor<2>) -> Tensor<2> {
+        let [batch, window] = windows.dims();
         assert_eq!(window, self.config.window, "the network takes windows of {}", self.config.window);
-        fused::forward(&self.engine, &self.flat(), &windows).unwrap_or_else(|| self.forward_plain(windows))
+        match fused::forward(&self.engine, &self.flat(), &windows) {
+            Some(answers) => answers.reshape([batch, self.config.head.outputs()]), // [batch, outputs]
+            None => self.answers_plain(windows),
+        }
     }
 
     /// All parameters as one tensor, in the order of [`crate::shape::parameters`]: `[parameter count]`. Differentiable.

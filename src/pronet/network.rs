@@ -16,7 +16,7 @@ pub struct Network {
     pub base: String,
     /// `grid` or `continuous`.
     pub levels: String,
-    /// `sigma_inj` or `sigma_tot`.
+    /// `sigma_inj`, `sigma_tot` or `sigma_eff`.
     pub label: String,
     /// Seed of the training.
     pub seed: u64,

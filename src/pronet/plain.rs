@@ -3,7 +3,7 @@
 //! Shapes stand at every line that changes one. The fused kernels of this crate are held to this by tests.
 
 use crate::config::{BlockOrder, Head, Input, NormAxes, Pool, ProNetConfig};
-use crate::definition::{LOG_SIGMA_RANGE, NORM_EPSILON, POOL_EPSILON};
+use crate::definition::{LOG_SIGMA_RANGE, LOG_SPREAD_RANGE, NORM_EPSILON, POOL_EPSILON};
 use crate::module::ProNet;
 use burn::module::Param;
 use burn::tensor::ops::ConvOptions;
@@ -15,6 +15,14 @@ impl ProNet {
     /// # Shapes
     /// `windows`: `[batch, window]`; returns `[batch]`.
     pub fn forward_plain(&self, windows: Tensor<2>) -> Tensor<1> {
+        deviations(self.answers_plain(windows))
+    }
+
+    /// The same as [`Self::answers`], composed of burn's primitives.
+    ///
+    /// # Shapes
+    /// `windows`: `[batch, window]`; returns `[batch, outputs]`.
+    pub fn answers_plain(&self, windows: Tensor<2>) -> Tensor<2> {
         let config = self.config();
         let mut x = prepare(config, windows); // [batch, 1, time]
         for i in 0..self.conv.len() {
@@ -22,6 +30,7 @@ impl ProNet {
         }
         let mut features = match config.pool {
             Pool::Mean => x.mean_dim(2).squeeze_dim(2), // [batch, channels]
+            Pool::LogRms => (x.square().mean_dim(2).squeeze_dim::<2>(2) + POOL_EPSILON).log() * 0.5, // [batch, channels]
             Pool::MeanAndRms => {
                 let mean = x.clone().mean_dim(2).squeeze_dim::<2>(2); // [batch, channels]
                 let rms = (x.square().mean_dim(2).squeeze_dim::<2>(2) + POOL_EPSILON).sqrt(); // [batch, channels]
@@ -40,8 +49,16 @@ impl ProNet {
             Head::LeakyRelu => activation::leaky_relu(features, config.leak),
             Head::Linear => features,
             Head::LogSigma => features.clamp(LOG_SIGMA_RANGE.0, LOG_SIGMA_RANGE.1).exp(),
+            Head::LogSigmaAndSpread => {
+                let [batch, _] = features.dims();
+                let part = |k: usize, (low, high)| {
+                    features.clone().slice([0..batch, k..k + 1]).clamp(low, high).exp() // [batch, 1]
+                };
+                let sigma = part(0, LOG_SIGMA_RANGE) * config.output_scale() as f32;
+                return Tensor::cat(vec![sigma, part(1, LOG_SPREAD_RANGE)], 1); // [batch, 2]
+            }
         };
-        (positive * config.output_scale() as f32).squeeze_dim(1) // [batch]
+        positive * config.output_scale() as f32 // [batch, 1]
     }
 
     fn block(&self, i: usize, x: Tensor<3>) -> Tensor<3> {
@@ -72,6 +89,15 @@ impl ProNet {
         let per_channel = |p: &Param<Tensor<1>>| p.val().unsqueeze::<2>().unsqueeze_dim::<3>(2); // [1, channels, 1]
         normal * per_channel(&norm.weight) + per_channel(&norm.bias)
     }
+}
+
+/// The deviations of what a network says.
+///
+/// # Shapes
+/// `answers`: `[batch, outputs]`; returns `[batch]`.
+pub(crate) fn deviations(answers: Tensor<2>) -> Tensor<1> {
+    let [batch, _] = answers.dims();
+    answers.slice([0..batch, 0..1]).squeeze_dim(1) // [batch]
 }
 
 /// What the first convolution sees.

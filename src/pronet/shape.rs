@@ -87,7 +87,7 @@ pub struct LayerShape {
 pub fn features(config: &ProNetConfig) -> usize {
     let channels = *config.channels.last().expect("a checked configuration has a block");
     match config.pool {
-        Pool::Mean => channels,
+        Pool::Mean | Pool::LogRms => channels,
         Pool::MeanAndRms => 2 * channels,
     }
 }
@@ -117,7 +117,7 @@ pub fn layers(config: &ProNetConfig) -> Vec<LayerShape> {
     }
     let mut inputs = features(config);
     rows.push(row("pool".to_owned(), LayerKind::Pool, inputs, 1, 0, 0));
-    for (i, out) in config.hidden.iter().copied().chain([1]).enumerate() {
+    for (i, out) in config.hidden.iter().copied().chain([config.head.outputs()]).enumerate() {
         let (parameters, weights) = (out * inputs + out, out * inputs);
         rows.push(row(format!("fc{}", i + 1), LayerKind::Linear, out, 1, parameters, weights));
         inputs = out;
@@ -149,7 +149,7 @@ pub fn parameters(config: &ProNetConfig) -> Vec<ParameterShape> {
         inputs = out;
     }
     inputs = features(config);
-    for (i, out) in config.hidden.iter().copied().chain([1]).enumerate() {
+    for (i, out) in config.hidden.iter().copied().chain([config.head.outputs()]).enumerate() {
         let start = Start::Uniform { fan_in: inputs };
         push(format!("fc{}.weight", i + 1), vec![out, inputs], start);
         push(format!("fc{}.bias", i + 1), vec![out], start);

@@ -38,6 +38,9 @@ pub struct StreamSigma {
     pub known: bool,
     /// Whether the last window was unlike all of the training on any axis, accelerometer and gyroscope: its deviations are extrapolated.
     pub out_of_range: [bool; 2],
+    /// How far off the networks take themselves to be, accelerometer and gyroscope, axis by axis: the deviation of the logarithm, .1 for 10 %; none of
+    /// a network that does not say it, and until it is known.
+    pub spread: [Option<[f64; 3]>; 2],
     /// Whether samples come at a rate more than 5 % off the networks'; nothing is resampled.
     pub wrong_rate: bool,
 }
@@ -118,6 +121,7 @@ impl SampleStream {
             noise: self.noise,
             known: self.judged.iter().all(|(windows, _)| *windows > 0),
             out_of_range: self.out_of_range,
+            spread: Sensor::ALL.map(|sensor| self.networks.spread(sensor)),
             wrong_rate: self.wrong_rate,
         }
     }

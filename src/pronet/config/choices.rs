@@ -45,8 +45,21 @@ named!(
         Linear = "linear",
         /// `exp(z)`, with `z` clamped to \[-10, 5\].
         LogSigma = "log-sigma",
+        /// The same of the first of two numbers, and of the second, clamped to \[-5, 2\], the deviation of the answer's logarithm: how far
+        /// off the network takes itself to be.
+        LogSigmaAndSpread = "log-sigma-and-spread",
     }
 );
+
+impl Head {
+    /// Numbers the last layer gives a window.
+    pub fn outputs(self) -> usize {
+        match self {
+            Self::LogSigmaAndSpread => 2,
+            Self::Softplus | Self::LeakyRelu | Self::Linear | Self::LogSigma => 1,
+        }
+    }
+}
 
 named!(
     /// What of a window the first convolution sees, after division by the input scale (decision 8).
@@ -75,6 +88,8 @@ named!(
         Mean = "mean",
         /// Their means and, after these, their root mean squares: twice as many features.
         MeanAndRms = "mean-and-rms",
+        /// The logarithms of their root mean squares: a factor in the window is a shift of the features, over any range of levels.
+        LogRms = "log-rms",
     }
 );
 

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Everything that fixes a network's shape and arithmetic; its weights aside.
 ///
 /// Blocks `1..n` are convolution, normalisation and leaky ReLU; their channels are pooled over time and go through the
-/// linear layers `1..m`, of which the last has one output. `channels`, `kernels`, `strides` and `paddings` have one
+/// linear layers `1..m`, of which the last has one output or, where the head says its own uncertainty, two. `channels`, `kernels`, `strides` and `paddings` have one
 /// entry a block. Windows go in and deviations come out in the sensor's unit: m/s^2 or rad/s.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]

@@ -43,8 +43,8 @@ pub(crate) struct Backward<'a> {
     pub(crate) of: &'a Arithmetic,
     pub(crate) packed: &'a [f32],
     pub(crate) chunk: &'a Chunk,
-    /// `[count]`: gradient of every deviation.
-    pub(crate) d_sigma: &'a [f32],
+    /// `[count, outputs]`: gradient of every answer.
+    pub(crate) d_answers: &'a [f32],
     pub(crate) gradients: &'a mut Gradients,
 }
 
@@ -53,15 +53,19 @@ impl WithSimd for Backward<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { of, packed, chunk, d_sigma, gradients } = self;
+        let Self { of, packed, chunk, d_answers, gradients } = self;
         let plan = &of.plan;
-        let count = d_sigma.len();
+        let count = d_answers.len() / of.head.outputs();
         let last = plan.linears.len();
         let z = &chunk.levels[last];
         let d_last = &mut gradients.levels[last];
         d_last.fill(0.0);
-        for (i, d) in d_sigma.iter().enumerate() {
-            d_last[i * LANE] = of.head.backward(z[i * LANE], *d);
+        for ((z, d), d_z) in z
+            .chunks_exact(LANE)
+            .zip(d_answers.chunks_exact(of.head.outputs()))
+            .zip(d_last.chunks_exact_mut(LANE))
+        {
+            of.head.backward(z, d, d_z);
         }
         for (l, linear) in plan.linears.iter().enumerate().rev() {
             let (before, after) = gradients.levels.split_at_mut(l + 1);

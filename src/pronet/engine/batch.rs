@@ -57,38 +57,40 @@ impl Drop for Saved {
 }
 
 impl Engine {
-    /// Deviations of `windows` (`[count, window]`), and what the backward pass needs.
+    /// Answers to `windows` (`[count, window]`), `[count, outputs]`, and what the backward pass needs.
     pub(crate) fn forward(self: &Arc<Self>, flat: &[f32], windows: &[f32]) -> (Vec<f32>, Saved) {
         let mut room = self.rooms.take();
         self.pack(flat, &mut room.packed);
         let count = windows.len() / self.of.window;
-        let mut sigma = vec![0.0; count];
+        let outputs = self.of.head.outputs();
+        let mut answers = vec![0.0; count * outputs];
         let size = chunk_size(count);
         room.chunks.resize_with(count.div_ceil(size), Chunk::default);
         let packed = &room.packed;
         room.chunks
             .par_iter_mut()
-            .zip(sigma.par_chunks_mut(size))
+            .zip(answers.par_chunks_mut(size * outputs))
             .zip(windows.par_chunks(size * self.of.window))
-            .for_each(|((chunk, sigma), windows)| {
-                chunk.fit(&self.of, sigma.len(), true);
-                self.arch.dispatch(Forward { of: &self.of, packed, windows, keep: true, chunk, sigma });
+            .for_each(|((chunk, answers), windows)| {
+                chunk.fit(&self.of, windows.len() / self.of.window, true);
+                self.arch.dispatch(Forward { of: &self.of, packed, windows, keep: true, chunk, answers });
             });
         let saved = Saved { engine: Arc::clone(self), room: Mutex::new(room), count };
-        (sigma, saved)
+        (answers, saved)
     }
 
-    /// The flat gradient of something whose gradient with respect to the deviations is `d_sigma`.
-    pub(crate) fn backward(&self, saved: &Saved, d_sigma: &[f32]) -> Vec<f32> {
+    /// The flat gradient of something whose gradient with respect to the answers is `d_answers`.
+    pub(crate) fn backward(&self, saved: &Saved, d_answers: &[f32]) -> Vec<f32> {
         let plan = &self.of.plan;
-        let size = chunk_size(saved.count);
+        let outputs = self.of.head.outputs();
+        let size = chunk_size(saved.count) * outputs;
         let mut room = saved.room.lock().unwrap_or_else(PoisonError::into_inner);
         let Room { packed, chunks, gradients } = &mut *room;
         gradients.resize_with(chunks.len(), Gradients::default);
-        gradients.par_iter_mut().zip(chunks.par_iter()).zip(d_sigma.par_chunks(size)).for_each(
-            |((gradients, chunk), d_sigma)| {
-                gradients.fit(plan, d_sigma.len());
-                self.arch.dispatch(Backward { of: &self.of, packed, chunk, d_sigma, gradients });
+        gradients.par_iter_mut().zip(chunks.par_iter()).zip(d_answers.par_chunks(size)).for_each(
+            |((gradients, chunk), d_answers)| {
+                gradients.fit(plan, d_answers.len() / outputs);
+                self.arch.dispatch(Backward { of: &self.of, packed, chunk, d_answers, gradients });
             },
         );
         let mut sums = zeros(plan.gradient_len);

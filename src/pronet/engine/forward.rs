@@ -15,8 +15,8 @@ pub(crate) struct Forward<'a> {
     pub(crate) windows: &'a [f32],
     pub(crate) keep: bool,
     pub(crate) chunk: &'a mut Chunk,
-    /// `[count]`, the sensor's unit.
-    pub(crate) sigma: &'a mut [f32],
+    /// `[count, outputs]`: a deviation in the sensor's unit, and what else the head says.
+    pub(crate) answers: &'a mut [f32],
 }
 
 impl WithSimd for Forward<'_> {
@@ -24,7 +24,7 @@ impl WithSimd for Forward<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { of, packed, windows, keep, chunk, sigma } = self;
+        let Self { of, packed, windows, keep, chunk, answers } = self;
         let plan = &of.plan;
         let features_width = plan.linears[0].width_in;
         for (i, window) in windows.chunks_exact(of.window).enumerate() {
@@ -33,7 +33,7 @@ impl WithSimd for Forward<'_> {
             let features = &mut chunk.levels[0][i * features_width..(i + 1) * features_width];
             window_forward(simd, of, packed, window, &mut chunk.scratch, saved, features);
         }
-        let count = sigma.len();
+        let count = windows.len() / of.window;
         let last = plan.linears.len() - 1;
         let leak = of.norm.leak;
         for (l, linear) in plan.linears.iter().enumerate() {
@@ -47,8 +47,10 @@ impl WithSimd for Forward<'_> {
                 }
             }
         }
-        for (i, s) in sigma.iter_mut().enumerate() {
-            *s = of.head.forward(chunk.levels[last + 1][i * LANE]);
+        for (z, answer) in
+            chunk.levels[last + 1].chunks_exact(LANE).zip(answers.chunks_exact_mut(of.head.outputs()))
+        {
+            of.head.forward(z, answer);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The network without burn: flat parameters in, deviations and gradients out, on this machine's vectors.
+//! The network without burn: flat parameters in, answers (deviations, and how sure the network is of them) and gradients out, on this machine's vectors.
 //!
 //! One pass takes a window through all blocks while it is in the cache. Rows are time steps and channels are contiguous, so that layer
 //! normalisation over channels reads one row, and a convolution is a matrix product whose left factor is a view of its padded input
@@ -91,10 +91,13 @@ impl Engine {
         }
     }
 
-    /// Deviations of a few windows with packed weights, on this thread, leaving nothing behind.
-    pub(crate) fn infer(&self, packed: &Buffer, windows: &[f32], chunk: &mut Chunk, sigma: &mut [f32]) {
-        chunk.fit(&self.of, sigma.len(), false);
-        self.arch.dispatch(Forward { of: &self.of, packed, windows, keep: false, chunk, sigma });
+    /// Answers to a few windows with packed weights, on this thread, leaving nothing behind.
+    ///
+    /// # Shapes
+    /// `windows`: `[count, window]`; `answers`: `[count, outputs]`.
+    pub(crate) fn infer(&self, packed: &Buffer, windows: &[f32], chunk: &mut Chunk, answers: &mut [f32]) {
+        chunk.fit(&self.of, windows.len() / self.of.window, false);
+        self.arch.dispatch(Forward { of: &self.of, packed, windows, keep: false, chunk, answers });
     }
 }
 

@@ -277,7 +277,7 @@ impl Plan {
         let saved_last = saved.take(time_in * width_in);
 
         let pools = match config.pool {
-            Pool::Mean => 1,
+            Pool::Mean | Pool::LogRms => 1,
             Pool::MeanAndRms => 2,
         };
         // A true feature's place among the stored ones: pools are padded apart.
@@ -285,7 +285,7 @@ impl Plan {
         let mut places: Vec<usize> = (0..features(config)).map(place).collect();
         let mut width_in = padded(pools * width_in);
         let mut linears = Vec::new();
-        for (i, outputs) in config.hidden.iter().copied().chain([1]).enumerate() {
+        for (i, outputs) in config.hidden.iter().copied().chain([config.head.outputs()]).enumerate() {
             let width_out = padded(outputs);
             let inputs = places.len();
             let w = find(format!("fc{}.weight", i + 1)).expect("every layer has weights");

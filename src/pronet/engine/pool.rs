@@ -6,7 +6,8 @@ use crate::config::Pool;
 use crate::definition::POOL_EPSILON;
 use pulp::Simd;
 
-/// Means of `out` over time into `features` and, with [`Pool::MeanAndRms`], root mean squares behind them.
+/// Means of `out` over time into `features` and, with [`Pool::MeanAndRms`], root mean squares behind them; with [`Pool::LogRms`] the logarithms of these
+/// alone.
 ///
 /// # Shapes
 /// `out`: `[time, width]`; `features`: `[width]` or `[2 width]`.
@@ -21,6 +22,13 @@ pub(super) fn pool_forward<S: Simd>(
     let width = last.width_out;
     let each = 1.0 / last.time_out as f32;
     let (mean, rest) = features.split_at_mut(width);
+    if pool == Pool::LogRms {
+        add_squares(out, mean);
+        for f in &mut mean[..last.channels] {
+            *f = 0.5 * (*f * each + POOL_EPSILON).ln();
+        }
+        return;
+    }
     mean.fill(0.0);
     for row in out.chunks_exact(width) {
         add_row(simd, mean, row);
@@ -30,14 +38,20 @@ pub(super) fn pool_forward<S: Simd>(
     }
     if pool == Pool::MeanAndRms {
         let rms = &mut rest[..width];
-        rms.fill(0.0);
-        for row in out.chunks_exact(width) {
-            for (r, v) in rms.iter_mut().zip(row) {
-                *r += v * v;
-            }
-        }
+        add_squares(out, rms);
         for r in &mut rms[..last.channels] {
             *r = (*r * each + POOL_EPSILON).sqrt();
+        }
+    }
+}
+
+/// Sums of the squares of every column of `out` into `sums`.
+#[inline(always)]
+fn add_squares(out: &[f32], sums: &mut [f32]) {
+    sums.fill(0.0);
+    for row in out.chunks_exact(sums.len()) {
+        for (r, v) in sums.iter_mut().zip(row) {
+            *r += v * v;
         }
     }
 }
@@ -57,6 +71,16 @@ pub(super) fn pool_backward(
 ) {
     let width = last.width_out;
     let each = 1.0 / last.time_out as f32;
+    if pool == Pool::LogRms {
+        for (row, x) in d_out.chunks_exact_mut(width).zip(out.chunks_exact(width)) {
+            row.fill(0.0);
+            for c in 0..last.channels {
+                // The mean square is exp(2 feature).
+                row[c] = d[c] * each * x[c] * (-2.0 * features[c]).exp();
+            }
+        }
+        return;
+    }
     for row in d_out.chunks_exact_mut(width) {
         for (o, d) in row.iter_mut().zip(d) {
             *o = d * each;

@@ -14,16 +14,21 @@ use std::io::Cursor;
 use tract_onnx::prelude::*;
 use windows::{real, same};
 
-/// What tract makes of the model of these weights.
+/// The deviations that tract makes of the model of these weights.
 fn tract(weights: &Weights, windows: &[f32]) -> Vec<f32> {
+    outputs(weights, windows).swap_remove(0)
+}
+
+/// Everything that it makes of it.
+fn outputs(weights: &Weights, windows: &[f32]) -> Vec<Vec<f32>> {
     let bytes = dpn_onnx::to_bytes(weights).unwrap();
     let window = weights.config().window;
     let shape = [windows.len() / window, window];
     let model = tract_onnx::onnx().model_for_read(&mut Cursor::new(bytes)).unwrap();
     let model = model.with_input_fact(0, f32::fact(shape).into()).unwrap();
     let input = Tensor::from_shape(&shape, windows).unwrap();
-    let output = model.into_optimized().unwrap().into_runnable().unwrap().run(tvec!(input.into())).unwrap();
-    output[0].to_plain_array_view::<f32>().unwrap().iter().copied().collect()
+    let outputs = model.into_optimized().unwrap().into_runnable().unwrap().run(tvec!(input.into())).unwrap();
+    outputs.iter().map(|o| o.to_plain_array_view::<f32>().unwrap().iter().copied().collect()).collect()
 }
 
 fn ours(weights: &Weights, windows: &[f32]) -> Vec<f32> {
@@ -44,6 +49,21 @@ fn shipped_networks_say_the_same() {
             let weights = Weights::load(&path).unwrap();
             same(&tract(&weights, &windows), &ours(&weights, &windows), &format!("{sensor} {name}"));
         }
+    }
+}
+
+#[test]
+fn how_sure_a_network_is_comes_out_second() {
+    for sensor in Sensor::ALL {
+        let windows = real(sensor, 200);
+        let path = repository().join(format!("models/{sensor}/effective-s0.safetensors"));
+        let weights = Weights::load(&path).unwrap();
+        let theirs = outputs(&weights, &windows);
+        let [mut sigma, mut spread] = [(); 2].map(|()| vec![0.0; windows.len() / 200]);
+        Predictor::new(&weights).predict_with_spread(&windows, &mut sigma, &mut spread);
+        assert_eq!(theirs.len(), 2);
+        same(&theirs[0], &sigma, &format!("{sensor} sigma"));
+        same(&theirs[1], &spread, &format!("{sensor} spread"));
     }
 }
 
