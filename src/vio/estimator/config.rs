@@ -1,5 +1,6 @@
 //! The estimator's settings.
 
+use super::delayed::DelayedConfig;
 use super::health::HealthConfig;
 use super::jump::JumpConfig;
 use crate::components::ComponentsConfig;
@@ -35,6 +36,8 @@ pub struct EstimatorConfig {
     pub health: HealthConfig,
     /// When a bias is held to have jumped.
     pub jumps: JumpConfig,
+    /// Whether, and how, the prior is made again from key frames that have left.
+    pub delayed: DelayedConfig,
     /// What is learned of the lens beyond its calibration.
     pub lens: LensConfig,
     /// What follows points through images, where images are fed and not tracks.

@@ -1,6 +1,7 @@
 //! The loop over frames.
 
 use super::config::{EstimatorConfig, FedTracks};
+use super::delayed::Delayed;
 use super::feed_error::FeedError;
 use super::image_tracker::{FrontEndObserver, ImageTracker};
 use super::imu_buffer::{ImuBuffer, Interval};
@@ -43,6 +44,7 @@ pub struct Estimator {
     rates: RayRates,
     rest: RestWatch,
     jumps: JumpWatch,
+    delayed: Option<Delayed>,
     running: bool,
     /// Where the last estimate ended, for the next one to go on from.
     last_good: Option<NavState>,
@@ -75,6 +77,7 @@ impl Estimator {
             rates: RayRates::default(),
             rest: RestWatch::default(),
             jumps: JumpWatch::new(config.jumps),
+            delayed: None,
             last_good: None,
             camera,
             imu: ImuBuffer::default(),
@@ -252,6 +255,7 @@ impl Estimator {
             let leaving = self.window.leaving(self.camera.px_per_rad());
             self.window.slide(leaving);
         }
+        self.delayed = Delayed::beside(&self.window, self.config.delayed);
         self.running = true;
         self.starved_since = None;
         Some(state)
@@ -362,11 +366,18 @@ impl Estimator {
             entering.enter(beside);
             beside.triangulate();
         }
+        if let Some(delayed) = &mut self.delayed {
+            delayed.enter(&self.window, seen);
+        }
         self.window.triangulate();
         clock.lap(Stage::Feed);
         let solved = self.window.optimise();
         update.iterations = counted(solved.iterations);
         update.jump = self.jumps.look(&mut self.window, solved.last_cost).map(Box::new);
+        if update.jump.is_some() {
+            // The prior of before does not allow for it.
+            self.delayed = Delayed::beside(&self.window, self.config.delayed);
+        }
         clock.lap(Stage::Solve);
         update.outliers = counted(self.window.reject_outliers());
         clock.lap(Stage::Reject);
@@ -399,10 +410,16 @@ impl Estimator {
                 self.report.lens_px = lens.read(&self.window).or(self.report.lens_px);
             }
             update.whitened = self.window.slide(leaving);
+            if let Some(delayed) = &mut self.delayed {
+                delayed.follow(&mut self.window, leaving);
+            }
             if let Some(learner) = &self.learner {
                 learner.apply(&mut self.window);
                 if let Some(beside) = self.jumps.beside() {
                     learner.apply(beside);
+                }
+                if let Some(delayed) = &mut self.delayed {
+                    learner.apply(delayed.window());
                 }
             }
         }

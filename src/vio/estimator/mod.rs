@@ -6,6 +6,7 @@
 //! estimates, [`health`] judges, and a failure starts again from the last good pose.
 
 mod config;
+mod delayed;
 #[allow(clippy::module_inception)]
 mod estimator;
 mod feed_error;
@@ -25,6 +26,7 @@ mod update;
 mod validate;
 
 pub use config::{EstimatorConfig, FedTracks};
+pub use delayed::DelayedConfig;
 pub use estimator::Estimator;
 pub use feed_error::FeedError;
 pub use image_tracker::{FrontEndObserver, ImageTracker};

@@ -35,6 +35,7 @@ impl Validate for EstimatorConfig {
         between("window.key_frames", window.key_frames as f64, 3.0, 30.0);
         between("window.max_iterations", window.max_iterations as f64, 1.0, 1000.0);
         self.jumps.check(&mut faults);
+        self.delayed.check(&mut faults);
         if let Some(components) = &self.components {
             components.check(&mut faults);
         }

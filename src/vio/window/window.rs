@@ -98,6 +98,18 @@ impl Window {
         Estimates { frames, body_from_cam, time_offset: *time_offset }
     }
 
+    /// Takes over from a window whose frames are the last of this one's: where its states stand, what it rests on, which tracks it found wrong.
+    pub(crate) fn take_estimates(&mut self, other: &Self) {
+        let first = self.frames.len() - other.frames.len();
+        for (frame, known) in self.frames[first..].iter_mut().zip(&other.frames) {
+            (frame.state, frame.rest) = (known.state, known.rest);
+        }
+        self.body_from_cam = other.body_from_cam;
+        self.time_offset = other.time_offset;
+        self.ended.clone_from(&other.ended);
+        self.factor_is_posterior = false;
+    }
+
     /// A prior that says nothing yet of the first frames; what it will say is about the states `at`, one a frame.
     pub(crate) fn prior_about(&self, at: Vec<NavState>) -> Prior {
         let layout = Layout { frames: at.len(), ..self.layout() };

@@ -1,0 +1,173 @@
+//! Delayed marginalisation: the prior made again, at what is believed today, from key frames that the window has let go.
+//!
+//! A prior is linearised where its states stood when they left, and stays there; scale and biases of a young flight move on. So a second window
+//! goes on beside the one that is solved. It has some key frames more and is not solved with each frame: the states of the frames that both have
+//! are copied. Every so many key frames it is solved as a whole, and its older frames are let go once more, each at its new place. What stays is
+//! the window, with a prior that knows of it. After von Stumberg and Cremers, DM-VIO (2022), whose delayed graph is asked when scale or bias have
+//! left where they were linearised; here it is asked by count.
+
+use crate::window::{Leaving, Seen, Window};
+use dpn_core::config::ConfigFaults;
+use serde::{Deserialize, Serialize};
+
+/// Settings of delayed marginalisation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct DelayedConfig {
+    /// Key frames that the second window has more than the first; 0 for no second window, at most 100.
+    pub key_frames: usize,
+    /// Key frames from one renewal of the prior to the next; 1 to 1000.
+    pub every: usize,
+}
+
+impl Default for DelayedConfig {
+    fn default() -> Self {
+        Self { key_frames: 0, every: 5 }
+    }
+}
+
+impl DelayedConfig {
+    pub(crate) fn check(&self, faults: &mut ConfigFaults) {
+        faults.within("delayed.key_frames", self.key_frames as f64, 0.0, 100.0);
+        faults.within("delayed.every", self.every as f64, 1.0, 1000.0);
+    }
+}
+
+/// The window that goes on beside.
+#[derive(Debug, Clone)]
+pub(super) struct Delayed {
+    window: Window,
+    every: usize,
+    /// Key frames since the prior was made again.
+    since: usize,
+}
+
+impl Delayed {
+    /// From what `window` holds; `None` where nothing is to be delayed.
+    pub(super) fn beside(window: &Window, config: DelayedConfig) -> Option<Self> {
+        (config.key_frames > 0).then(|| {
+            let mut window = window.clone();
+            window.config.key_frames += config.key_frames;
+            Self { window, every: config.every, since: 0 }
+        })
+    }
+
+    /// The window, which the levels that are learned are told too.
+    pub(super) fn window(&mut self) -> &mut Window {
+        &mut self.window
+    }
+
+    /// Takes in the frame that `window` has just taken in with the sightings `seen`.
+    pub(super) fn enter(&mut self, window: &Window, seen: &[Seen]) {
+        let newest = window.newest().expect("a frame was just added");
+        self.window.add_frame(newest.t, newest.state, newest.preint.clone(), seen);
+    }
+
+    /// Follows `window`, which has just let a frame go. Where it is time, its prior is made again.
+    pub(super) fn follow(&mut self, window: &mut Window, leaving: Leaving) {
+        if leaving == Leaving::SecondNewest || self.window.is_full() {
+            self.window.slide(leaving);
+        }
+        self.window.take_estimates(window);
+        self.since += usize::from(leaving == Leaving::Oldest);
+        if self.since >= self.every {
+            self.since = 0;
+            self.renew(window);
+        }
+    }
+
+    fn renew(&mut self, window: &mut Window) {
+        self.window.triangulate();
+        self.window.optimise();
+        self.window.reject_outliers();
+        let mut renewed = self.window.clone();
+        renewed.config = window.config;
+        while renewed.frames().len() > window.frames().len() {
+            renewed.slide(Leaving::Oldest);
+        }
+        *window = renewed;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::factors::loss::Loss;
+    use crate::factors::reprojection::Sighting;
+    use crate::init::tests::{Scene, body_from_cam, gentle_flight};
+    use crate::state::NavState;
+    use crate::window::{Handover, WindowConfig};
+    use dpn_core::camera::CameraModel;
+    use nalgebra::Vector3;
+
+    const FRAMES: usize = 10;
+
+    /// What frame `k` of a scene sees; points that the first frame saw are lost after the third.
+    fn seen(scene: &Scene, k: usize) -> Vec<Seen> {
+        let camera = CameraModel::euroc_cam0();
+        let sighting = |bearing| Sighting::new(&camera, &camera.project(bearing)?, 0.5);
+        let bearings = scene.frames[k].bearings().iter();
+        bearings
+            .filter(|(id, _)| k < 3 || scene.frames[0].bearing(*id).is_none())
+            .filter_map(|(id, bearing)| Some(Seen { id: *id, sighting: sighting(bearing)? }))
+            .collect()
+    }
+
+    fn converging(key_frames: usize) -> WindowConfig {
+        WindowConfig {
+            key_frames,
+            loss: Loss::Squared,
+            cost_tolerance: 1e-14,
+            max_iterations: 60,
+            outlier_px: 1e6,
+            handover: Handover::Consume,
+            ..WindowConfig::default()
+        }
+    }
+
+    /// The newest position after all frames, in a window that slides; its first frames begin with a scale of 1.3 and leave without having been solved.
+    fn newest(scene: &Scene, key_frames: usize, config: DelayedConfig) -> Vector3<f64> {
+        let mut window = Window::new(converging(key_frames), body_from_cam());
+        let mut delayed = None;
+        for k in 0..FRAMES {
+            let mut state = NavState {
+                world_from_body: scene.cameras[k] * body_from_cam().inverse(),
+                vel_in_world: scene.velocities[k] * 1.3,
+                bias: scene.bias,
+            };
+            state.world_from_body.translation.vector *= 1.3;
+            let preint = k.checked_sub(1).map(|p| scene.preints[p].clone());
+            let seen = seen(scene, k);
+            window.add_frame(scene.frames[k].t, state, preint, &seen);
+            window.triangulate();
+            match &mut delayed {
+                None => {
+                    window.anchor([0.3, 0.1]);
+                    delayed = Some(Delayed::beside(&window, config));
+                }
+                Some(delayed) => {
+                    delayed.iter_mut().for_each(|delayed| delayed.enter(&window, &seen));
+                    if window.is_full() {
+                        window.slide(Leaving::Oldest);
+                        delayed.iter_mut().for_each(|delayed| delayed.follow(&mut window, Leaving::Oldest));
+                    }
+                }
+            }
+        }
+        window.triangulate();
+        window.optimise();
+        window.newest().expect("frames were added").state.world_from_body.translation.vector
+    }
+
+    #[test]
+    fn a_prior_that_is_made_again_stands_for_what_has_left_as_if_it_were_there() {
+        for seed in 0..6 {
+            let scene = Scene::new(&gentle_flight(seed), FRAMES, 0.15, 0.5, seed);
+            let none = DelayedConfig { key_frames: 0, every: 1 };
+            let all = newest(&scene, FRAMES, none);
+            let once = (newest(&scene, 4, none) - all).norm();
+            let again = (newest(&scene, 4, DelayedConfig { key_frames: FRAMES, every: 1 }) - all).norm();
+            assert!(again < 0.02 * once, "seed {seed}: {again} and {once} m off");
+        }
+    }
+}
