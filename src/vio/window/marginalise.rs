@@ -16,12 +16,7 @@ impl Window {
         let mut at: Linearisation = std::mem::take(&mut self.scratch);
         at.compute(self, &layout, Part::Oldest, 0.0);
         let places: Vec<usize> = layout.frame_places(0).collect();
-        for &k in &places {
-            // Far below any information a measurement gives (1e-3 and more), far above rounding.
-            at.normal.eliminate(k, 1e-9);
-        }
-        let kept: Vec<usize> = (0..layout.dim()).filter(|k| !places.contains(k)).collect();
-        let system = at.normal.select(&kept);
+        let system = at.normal.without(&places);
         self.scratch = at;
         let frames = &self.frames[1..];
         Prior {

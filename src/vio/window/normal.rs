@@ -8,6 +8,9 @@
 
 use pulp::Arch;
 
+/// A pivot up to here says nothing of its unknown: far below any information a measurement gives (1e-3 and more), far above rounding.
+const SAYS_NOTHING: f64 = 1e-9;
+
 /// Half of a least-squares problem's second-order model: `cost(d) = cost(0) + g.d + d.H d / 2`.
 #[derive(Debug, Clone)]
 pub struct Normal {
@@ -179,20 +182,39 @@ impl Normal {
         out
     }
 
-    /// Takes unknown `k` out by Schur complement: what it says about the others stays. A pivot at or below `floor` says nothing and
-    /// is dropped with its couplings.
-    pub(crate) fn eliminate(&mut self, k: usize, floor: f64) {
+    /// The system of the others once the unknowns `places` are taken out by Schur complement, one after the other: what they say about the others
+    /// stays. `self` is used up.
+    #[must_use]
+    pub(crate) fn without(&mut self, places: &[usize]) -> Self {
+        Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                let mut column = vec![0.0; self.dim];
+                for &k in places {
+                    self.eliminate(k, &mut column);
+                }
+            },
+        );
+        let kept: Vec<usize> = (0..self.dim).filter(|k| !places.contains(k)).collect();
+        self.select(&kept)
+    }
+
+    /// Takes unknown `k` out. A pivot that says nothing is dropped with its couplings. `column` is memory for one.
+    #[inline(always)]
+    fn eliminate(&mut self, k: usize, column: &mut [f64]) {
         let pivot = self.at(k, k);
-        let column: Vec<f64> = (0..self.dim).map(|i| self.at(i, k)).collect();
+        for (i, value) in column.iter_mut().enumerate() {
+            *value = self.at(i, k);
+        }
         let gradient = self.g[k];
-        if pivot > floor {
+        if pivot > SAYS_NOTHING {
             for i in 0..self.dim {
                 let factor = column[i] / pivot;
                 if i == k || factor == 0.0 {
                     continue;
                 }
                 self.g[i] -= factor * gradient;
-                for (h, c) in self.row_mut(i).iter_mut().zip(&column) {
+                for (h, c) in self.row_mut(i).iter_mut().zip(&*column) {
                     *h -= factor * c;
                 }
             }
@@ -205,8 +227,7 @@ impl Normal {
     }
 
     /// The system of the unknowns `kept`, in that order; the others must have been eliminated.
-    #[must_use]
-    pub(crate) fn select(&self, kept: &[usize]) -> Self {
+    fn select(&self, kept: &[usize]) -> Self {
         let mut out = Self::zeros(kept.len());
         for (r, &from_r) in kept.iter().enumerate() {
             out.g[r] = self.g[from_r];
@@ -376,9 +397,8 @@ mod tests {
         fn elimination_keeps_the_others_solution(values in prop::collection::vec(-1.0..1.0f64, 97), gone in 0usize..12) {
             let (mut normal, dense) = system(&values, 12);
             let all = dense.cholesky().unwrap().solve(&-DVector::from_column_slice(normal.gradient()));
-            normal.eliminate(gone, 0.0);
+            let small = normal.without(&[gone]);
             let kept: Vec<usize> = (0..12).filter(|k| *k != gone).collect();
-            let small = normal.select(&kept);
             let mut factor = Factor::default();
             small.factor(|_| 0.0, &mut factor).unwrap();
             let mut d = small.gradient().to_vec();

@@ -118,17 +118,12 @@ impl Prior {
     /// Takes `frame` out: what the prior says through it about the others stays.
     pub(crate) fn without(&self, frame: usize) -> Self {
         let places: Vec<usize> = self.layout.frame_places(frame).collect();
-        let mut system = self.system.clone();
-        for &k in &places {
-            // Far below any information a measurement gives (1e-3 and more), far above rounding.
-            system.eliminate(k, 1e-9);
-        }
-        let kept: Vec<usize> = (0..self.layout.dim()).filter(|k| !places.contains(k)).collect();
+        let system = self.system.clone().without(&places);
         let mut at = self.at.clone();
         at.remove(frame);
         Self {
             layout: Layout { frames: self.layout.frames - 1, ..self.layout },
-            system: system.select(&kept),
+            system,
             at,
             at_camera: self.at_camera,
             at_offset: self.at_offset,
