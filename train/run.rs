@@ -265,6 +265,13 @@ impl<'a> Run<'a> {
         let config = self.trainer.config();
         let (fit_windows, validation_windows) = self.trainer.windows();
         let best = self.state.best.as_ref();
+        let (validation_rmse, calibration) = match best {
+            Some(best) => {
+                let record = self.state.history.iter().find(|record| record.epoch == best.epoch);
+                (best.validation_rmse, record.and_then(|record| record.calibration))
+            }
+            None => self.trainer.judge(&self.state.averaged),
+        };
         RunSummary {
             version: env!("CARGO_PKG_VERSION").into(),
             name: config.name.clone(),
@@ -281,11 +288,8 @@ impl<'a> Run<'a> {
             parameters: parameter_count(config),
             updates: self.trainer.steps_per_epoch() * config.fit.epochs,
             best_epoch: best.map_or(self.state.epochs_done(), |best| best.epoch),
-            validation_rmse: best
-                .map_or_else(|| self.trainer.validate(&self.state.averaged), |best| best.validation_rmse),
-            calibration: self
-                .trainer
-                .calibration(best.map_or(&self.state.averaged, |best| best.weights.as_slice())),
+            validation_rmse,
+            calibration,
         }
     }
 

@@ -166,13 +166,18 @@ impl Trainer {
         let epoch = epoch + 1;
         let fit = &self.config.fit;
         let validate = epoch.is_multiple_of(fit.validate_every) || epoch == fit.epochs;
-        let validation_rmse = validate.then(|| self.validate(&next.averaged));
-        let calibration = if validate { self.calibration(&next.averaged) } else { None };
+        let (validation_rmse, calibration) = validate.then(|| self.judge(&next.averaged)).unzip();
         if let Some(rmse) = validation_rmse.filter(|rmse| rmse.is_finite()) {
             next.keep_if_best(epoch, rmse);
         }
         let loss = loss_sum / order.len() as f64;
-        let record = EpochRecord { epoch, loss, validation_rmse, learning_rate: rate, calibration };
+        let record = EpochRecord {
+            epoch,
+            loss,
+            validation_rmse,
+            learning_rate: rate,
+            calibration: calibration.flatten(),
+        };
         next.history.push(record);
         *state = next;
         Ok(record)
@@ -192,19 +197,14 @@ impl Trainer {
         TrainedRange::spanning(windows.chunks_exact(WINDOW))
     }
 
-    /// RMSE of `weights` on the validation examples \[unit of the sensor\].
-    pub fn validate(&self, weights: &[f32]) -> f64 {
+    /// RMSE of `weights` on the validation examples \[unit of the sensor\], and whether they are as far off as they say; none of a network that does
+    /// not say it.
+    pub fn judge(&self, weights: &[f32]) -> (f64, Option<Calibration>) {
         let weights = Weights::new(&self.config.network, weights.to_vec(), Card::default());
-        let estimates = predict(&weights, &self.validation.samples);
-        let square: f64 = estimates.iter().zip(&self.truth).map(|(e, t)| (e - t).powi(2)).sum();
-        (square / self.truth.len().max(1) as f64).sqrt()
-    }
-
-    /// How far off `weights` are on the validation examples, and how far they say they are; none of a network that does not say it.
-    pub fn calibration(&self, weights: &[f32]) -> Option<Calibration> {
-        let weights = Weights::new(&self.config.network, weights.to_vec(), Card::default());
-        let (sigma, spread) = predict_with_spread(&weights, &self.validation.samples)?;
-        Some(Calibration::of(&sigma, &spread, &self.truth))
+        let (sigma, spread) = predict_with_spread(&weights, &self.validation.samples);
+        let square: f64 = sigma.iter().zip(&self.truth).map(|(e, t)| (e - t).powi(2)).sum();
+        let rmse = (square / self.truth.len().max(1) as f64).sqrt();
+        (rmse, spread.map(|spread| Calibration::of(&sigma, &spread, &self.truth)))
     }
 
     /// The validation examples and their true deviations, row by row.
@@ -288,27 +288,24 @@ impl Trainer {
 
 /// Deviations that `weights` give for rows of [`WINDOW`] samples, in row order.
 pub fn predict(weights: &Weights, samples: &[f64]) -> Vec<f64> {
-    let rows = samples.par_chunks(ROWS * WINDOW).flat_map_iter(|chunk| {
-        let windows: Vec<f32> = chunk.iter().map(|v| *v as f32).collect();
-        let mut sigma = vec![0f32; windows.len() / WINDOW];
-        Predictor::new(weights).predict(&windows, &mut sigma);
-        sigma.into_iter().map(f64::from)
-    });
-    rows.collect()
+    predict_with_spread(weights, samples).0
 }
 
 /// As [`predict`], and the deviations of the answers' logarithms; none of a network that does not say them.
-pub fn predict_with_spread(weights: &Weights, samples: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
-    if !Predictor::new(weights).says_spread() {
-        return None;
-    }
+pub fn predict_with_spread(weights: &Weights, samples: &[f64]) -> (Vec<f64>, Option<Vec<f64>>) {
     let rows = samples.par_chunks(ROWS * WINDOW).flat_map_iter(|chunk| {
         let windows: Vec<f32> = chunk.iter().map(|v| *v as f32).collect();
         let [mut sigma, mut spread] = [(); 2].map(|()| vec![0f32; windows.len() / WINDOW]);
-        Predictor::new(weights).predict_with_spread(&windows, &mut sigma, &mut spread);
+        let mut predictor = Predictor::new(weights);
+        if predictor.says_spread() {
+            predictor.predict_with_spread(&windows, &mut sigma, &mut spread);
+        } else {
+            predictor.predict(&windows, &mut sigma);
+        }
         sigma.into_iter().zip(spread).map(|(sigma, spread)| (f64::from(sigma), f64::from(spread)))
     });
-    Some(rows.unzip())
+    let (sigma, spread) = rows.unzip();
+    (sigma, (weights.config().head.outputs() > 1).then_some(spread))
 }
 
 /// Rows a thread asks about at a time.

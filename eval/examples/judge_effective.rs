@@ -53,7 +53,8 @@ fn main() {
     let rough = each(&mut |window| {
         WindowFigures::of(&window.iter().map(|v| *v as f32).collect::<Vec<_>>()).roughness
     });
-    let (said, spread) = predict_with_spread(&weights, &examples.samples).unwrap();
+    let (said, spread) = predict_with_spread(&weights, &examples.samples);
+    let spread = spread.unwrap();
     let pick = |wanted: &dyn Fn(usize) -> bool| (0..examples.len()).filter(|&row| wanted(row)).collect();
     let share = |row: usize| examples.vibration[row] / truth[row];
     let parts: [(&str, Vec<usize>); 4] = [

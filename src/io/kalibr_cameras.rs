@@ -9,16 +9,27 @@ pub(crate) struct KalibrCamera {
     pub(crate) name: &'static str,
     /// The lens; none where `distortion_model` says it.
     pub(crate) lens: Option<Distortion>,
+    /// What `distortion_model` says beside a lens of its own.
+    pub(crate) distortion: Option<Distortion>,
     /// What stands before fu, fv, cu, cv.
     pub(crate) leading: &'static [&'static str],
 }
 
 const ALL: [KalibrCamera; 4] = [
-    KalibrCamera { name: "pinhole", lens: None, leading: &[] },
-    KalibrCamera { name: "omni", lens: Some(Distortion::Omni), leading: &["xi"] },
-    KalibrCamera { name: "ds", lens: Some(Distortion::DoubleSphere), leading: &["xi", "alpha"] },
-    KalibrCamera { name: "eucm", lens: Some(Distortion::EnhancedUnified), leading: &["alpha", "beta"] },
+    KalibrCamera { name: "pinhole", lens: None, distortion: None, leading: &[] },
+    sphere("omni", Distortion::Omni, Distortion::RadialTangential, &["xi"]),
+    sphere("ds", Distortion::DoubleSphere, Distortion::None, &["xi", "alpha"]),
+    sphere("eucm", Distortion::EnhancedUnified, Distortion::None, &["alpha", "beta"]),
 ];
+
+const fn sphere(
+    name: &'static str,
+    lens: Distortion,
+    distortion: Distortion,
+    leading: &'static [&'static str],
+) -> KalibrCamera {
+    KalibrCamera { name, lens: Some(lens), distortion: Some(distortion), leading }
+}
 
 impl KalibrCamera {
     /// The one that is called so; else what is wrong with the name.

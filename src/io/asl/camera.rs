@@ -81,12 +81,7 @@ fn lens_of(raw: &Raw) -> Result<LensOf, (&'static str, String)> {
     let named = raw.distortion_model.as_deref().unwrap_or("none").parse::<Distortion>();
     let distortion = named
         .map_err(|unknown| ("distortion_model", format!("is \"{}\"; {unknown}", printable(&unknown.0))))?;
-    let allowed = match model {
-        None => true,
-        Some(Distortion::Omni) => distortion == Distortion::RadialTangential,
-        Some(_) => distortion == Distortion::None,
-    };
-    if !allowed {
+    if kind.distortion.is_some_and(|only| distortion != only) {
         return Err((
             "distortion_model",
             format!("is \"{distortion}\"; a camera that is \"{camera}\" goes with no such"),

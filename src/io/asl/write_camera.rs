@@ -5,7 +5,7 @@ use super::sequence::{CAMERA_DATA, CAMERA_SENSOR};
 use super::write::{matrix, yaml_number};
 use crate::kalibr_cameras::KalibrCamera;
 use crate::{IoError, atomic_write};
-use dpn_core::camera::{CameraConfig, Distortion};
+use dpn_core::camera::CameraConfig;
 use dpn_core::image::GrayView;
 use png::{BitDepth, ColorType, Compression, Encoder};
 use std::io;
@@ -19,11 +19,7 @@ pub fn write_camera_config(dir: &Path, config: &CameraConfig) -> Result<(), IoEr
     let list = |values: &[f64]| values.iter().map(|v| yaml_number(*v)).collect::<Vec<_>>().join(", ");
     let [width, height] = config.resolution;
     let camera = KalibrCamera::of(config.distortion);
-    let model = match camera.lens {
-        None => config.distortion,
-        Some(Distortion::Omni) => Distortion::RadialTangential,
-        Some(_) => Distortion::None,
-    };
+    let model = camera.distortion.unwrap_or(config.distortion);
     let leading = camera.leading.len().min(config.coefficients.len());
     let (before, coefficients) = config.coefficients.split_at(leading);
     let names = [camera.leading, &["fu", "fv", "cu", "cv"]].concat().join(", ");
@@ -98,6 +94,7 @@ mod tests {
     use super::*;
     use crate::asl::Sequence;
     use crate::{ImageFolder, image_file::read_image};
+    use dpn_core::camera::Distortion;
     use dpn_core::image::GrayImage;
     use dpn_core::time::{SampleRate, Stamp};
     use nalgebra::{Isometry3, Vector3};

@@ -20,12 +20,7 @@ pub(super) fn read(keys: &Keys<'_>) -> Result<Found, CalibrationError> {
     let (sphere, leading) = (kind.lens, kind.leading.len());
     let distortion =
         if camera.has("distortion_model") { camera.lens("distortion_model")? } else { Distortion::None };
-    let allowed = match sphere {
-        None => true,
-        Some(Distortion::Omni) => matches!(distortion, Distortion::RadialTangential | Distortion::None),
-        Some(_) => distortion == Distortion::None,
-    };
-    if !allowed {
+    if kind.distortion.is_some_and(|only| distortion != only && distortion != Distortion::None) {
         return Err(camera.bad(
             "distortion_model",
             format!("is \"{distortion}\"; a camera that is \"{model}\" goes with no such"),

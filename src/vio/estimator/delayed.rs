@@ -28,8 +28,8 @@ impl Default for DelayedConfig {
 
 impl DelayedConfig {
     pub(crate) fn check(&self, faults: &mut ConfigFaults) {
-        faults.within("delayed.key_frames", self.key_frames as f64, 0.0, 100.0);
-        faults.within("delayed.every", self.every as f64, 1.0, 1000.0);
+        faults.within("delayed.key_frames", self.key_frames, 0, 100);
+        faults.within("delayed.every", self.every, 1, 1000);
     }
 }
 
@@ -92,52 +92,23 @@ impl Delayed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::factors::loss::Loss;
-    use crate::factors::reprojection::Sighting;
     use crate::init::tests::{Scene, body_from_cam, gentle_flight};
-    use crate::state::NavState;
-    use crate::window::{Handover, WindowConfig};
-    use dpn_core::camera::CameraModel;
+    use crate::window::WindowConfig;
+    use crate::window::tests::{config as converging, seen, truth};
     use nalgebra::Vector3;
 
     const FRAMES: usize = 10;
 
-    /// What frame `k` of a scene sees; points that the first frame saw are lost after the third.
-    fn seen(scene: &Scene, k: usize) -> Vec<Seen> {
-        let camera = CameraModel::euroc_cam0();
-        let sighting = |bearing| Sighting::new(&camera, &camera.project(bearing)?, 0.5);
-        let bearings = scene.frames[k].bearings().iter();
-        bearings
-            .filter(|(id, _)| k < 3 || scene.frames[0].bearing(*id).is_none())
-            .filter_map(|(id, bearing)| Some(Seen { id: *id, sighting: sighting(bearing)? }))
-            .collect()
-    }
-
-    fn converging(key_frames: usize) -> WindowConfig {
-        WindowConfig {
-            key_frames,
-            loss: Loss::Squared,
-            cost_tolerance: 1e-14,
-            max_iterations: 60,
-            outlier_px: 1e6,
-            handover: Handover::Consume,
-            ..WindowConfig::default()
-        }
-    }
-
     /// The newest position after all frames, in a window that slides; its first frames begin with a scale of 1.3 and leave without having been solved.
     fn newest(scene: &Scene, key_frames: usize, config: DelayedConfig) -> Vector3<f64> {
-        let mut window = Window::new(converging(key_frames), body_from_cam());
+        let mut window = Window::new(WindowConfig { key_frames, ..converging() }, body_from_cam());
         let mut delayed = None;
         for k in 0..FRAMES {
-            let mut state = NavState {
-                world_from_body: scene.cameras[k] * body_from_cam().inverse(),
-                vel_in_world: scene.velocities[k] * 1.3,
-                bias: scene.bias,
-            };
+            let mut state = truth(scene, k);
+            state.vel_in_world *= 1.3;
             state.world_from_body.translation.vector *= 1.3;
             let preint = k.checked_sub(1).map(|p| scene.preints[p].clone());
-            let seen = seen(scene, k);
+            let seen = seen(scene, k, 3);
             window.add_frame(scene.frames[k].t, state, preint, &seen);
             window.triangulate();
             match &mut delayed {

@@ -415,12 +415,8 @@ impl Estimator {
             }
             if let Some(learner) = &self.learner {
                 learner.apply(&mut self.window);
-                if let Some(beside) = self.jumps.beside() {
-                    learner.apply(beside);
-                }
-                if let Some(delayed) = &mut self.delayed {
-                    learner.apply(delayed.window());
-                }
+                let beside = [self.jumps.beside(), self.delayed.as_mut().map(Delayed::window)];
+                beside.into_iter().flatten().for_each(|window| learner.apply(window));
             }
         }
         clock.lap(Stage::Slide);

@@ -24,7 +24,7 @@ mod schur;
 mod slide;
 mod solve;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 #[allow(clippy::module_inception)]
 mod window;
 

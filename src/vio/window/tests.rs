@@ -13,7 +13,7 @@ use proptest::prelude::*;
 
 const STEP: f64 = 0.15;
 
-fn config() -> WindowConfig {
+pub(crate) fn config() -> WindowConfig {
     WindowConfig {
         loss: Loss::Squared,
         cost_tolerance: 1e-14,
@@ -24,13 +24,13 @@ fn config() -> WindowConfig {
     }
 }
 
-/// What frame `k` of a scene sees; points that the first frame saw are lost after the fifth.
-fn seen(scene: &Scene, k: usize) -> Vec<Seen> {
+/// What frame `k` of a scene sees; points that the first frame saw are lost after `followed` frames.
+pub(crate) fn seen(scene: &Scene, k: usize, followed: usize) -> Vec<Seen> {
     let camera = CameraModel::euroc_cam0();
     scene.frames[k]
         .bearings()
         .iter()
-        .filter(|(id, _)| k < 5 || scene.frames[0].bearing(*id).is_none())
+        .filter(|(id, _)| k < followed || scene.frames[0].bearing(*id).is_none())
         .filter_map(|(id, bearing)| {
             let px = camera.project(bearing)?;
             Some(Seen { id: *id, sighting: Sighting::new(&camera, &px, 0.5)? })
@@ -38,7 +38,7 @@ fn seen(scene: &Scene, k: usize) -> Vec<Seen> {
         .collect()
 }
 
-fn truth(scene: &Scene, k: usize) -> NavState {
+pub(crate) fn truth(scene: &Scene, k: usize) -> NavState {
     NavState {
         world_from_body: scene.cameras[k] * body_from_cam().inverse(),
         vel_in_world: scene.velocities[k],
@@ -48,7 +48,7 @@ fn truth(scene: &Scene, k: usize) -> NavState {
 
 fn add(window: &mut Window, scene: &Scene, k: usize) {
     let preint = k.checked_sub(1).map(|p| scene.preints[p].clone());
-    window.add_frame(scene.frames[k].t, truth(scene, k), preint, &seen(scene, k));
+    window.add_frame(scene.frames[k].t, truth(scene, k), preint, &seen(scene, k, 5));
 }
 
 fn window(scene: &Scene, frames: usize, config: WindowConfig) -> Window {

@@ -60,6 +60,9 @@ pub struct VibrationConfig {
     pub gyro: [AxisVibration; 3],
 }
 
+/// An axis that hears nothing.
+pub(super) const SILENT: AxisVibration = axis([0.0; 3], 0.0, 0.0, 40.0);
+
 /// Shorthand for the table of defaults.
 const fn axis(harmonics: [f64; 3], low_line: f64, broad_band: f64, broad_band_hz: f64) -> AxisVibration {
     AxisVibration { harmonics, low_line, broad_band, broad_band_hz }

@@ -8,15 +8,12 @@
 //! what the square of the speed adds to the power. Left out: that a faster rotor is louder while it is faster (a tenth of the power at most lags, which sums over a span
 //! take out again), and the amplitudes' wander, which is slow against every span of interest.
 
-use super::config::{AxisVibration, VibrationConfig};
+use super::config::{SILENT, VibrationConfig};
 use super::rotors::{self, Turning};
 use crate::imu::series::ImuSeries;
 use dpn_core::SampleRate;
 use dpn_core::random::Stream;
 use std::f64::consts::TAU;
-
-const SILENT: AxisVibration =
-    AxisVibration { harmonics: [0.0; 3], low_line: 0.0, broad_band: 0.0, broad_band_hz: 40.0 };
 
 /// Rotors in a steady hover, heard on one axis.
 #[derive(Debug, Clone, PartialEq)]

@@ -62,6 +62,7 @@ pub(super) fn levels(config: &VibrationConfig, plan: &FlightPlan) -> [AxisVibrat
 
 #[cfg(test)]
 mod tests {
+    use super::super::config::SILENT;
     use super::*;
     use crate::flight::{Flight, Phase};
 
@@ -121,15 +122,13 @@ mod tests {
     #[test]
     fn harmonics_above_half_the_rate_alias_where_they_must() {
         // One rotor that neither wanders nor is joined by anything: 91.5 Hz, and 2 x 91.5 at 200 - 183 = 17 Hz.
-        let silent =
-            AxisVibration { harmonics: [0.0; 3], low_line: 0.0, broad_band: 0.0, broad_band_hz: 40.0 };
         let mut config = VibrationConfig {
             rotors: 1,
             rotor_spread: 0.0,
             speed_wander: 0.0,
             amplitude_wander: 0.0,
-            accel: [silent; 3],
-            gyro: [silent; 3],
+            accel: [SILENT; 3],
+            gyro: [SILENT; 3],
             ..VibrationConfig::default()
         };
         config.accel[0].harmonics = [0.0, 1.0, 0.0];
