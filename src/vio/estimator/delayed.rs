@@ -22,7 +22,7 @@ pub struct DelayedConfig {
 
 impl Default for DelayedConfig {
     fn default() -> Self {
-        Self { key_frames: 0, every: 5 }
+        Self { key_frames: 10, every: 5 }
     }
 }
 
@@ -80,8 +80,9 @@ impl Delayed {
         self.window.triangulate();
         self.window.optimise();
         self.window.reject_outliers();
-        let mut renewed = self.window.clone();
+        let mut renewed = self.window.copy();
         renewed.config = window.config;
+        std::mem::swap(&mut renewed.scratch, &mut window.scratch);
         while renewed.frames().len() > window.frames().len() {
             renewed.slide(Leaving::Oldest);
         }

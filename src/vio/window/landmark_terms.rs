@@ -47,7 +47,7 @@ impl Depths {
     }
 }
 
-/// Geometry of all pairs of frames, host times frames plus target.
+/// Geometry of pairs of frames, host times frames plus target.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Pairs {
     pub(super) frames: usize,
@@ -55,13 +55,14 @@ pub(super) struct Pairs {
 }
 
 impl Pairs {
-    pub(super) fn of(&mut self, now: Estimates<'_>) {
+    /// Of all pairs whose host is one of the first `hosts` frames.
+    pub(super) fn of(&mut self, now: Estimates<'_>, hosts: usize) {
         let n = now.frames.len();
         self.frames = n;
         self.geometry.clear();
         self.geometry.resize(n * n, None);
         for target in 1..n {
-            for host in 0..target {
+            for host in 0..target.min(hosts) {
                 self.geometry[host * n + target] =
                     Some(now.frames[host].seen_with(&now.frames[target], now.body_from_cam));
             }

@@ -24,12 +24,15 @@ impl Linearisation {
         if let Some(prior) = &window.prior {
             self.cost += prior.add_to(window.estimates(), layout, &mut self.normal);
         }
-        let last = if part == Part::All { window.frames.len() } else { 2 };
+        let (last, hosts) = match part {
+            Part::All => (window.frames.len(), window.frames.len()),
+            Part::Oldest => (2, 1),
+        };
         for j in 1..last {
             self.cost += add_inertial(window, layout, j, &mut self.normal);
             self.cost += add_rest(window, layout, j, &mut self.normal);
         }
-        self.pairs.of(window.estimates());
+        self.pairs.of(window.estimates(), hosts);
         let Self { normal, depths, pairs, .. } = self;
         self.cost += Arch::new().dispatch(Landmarks { window, layout, part, damping, pairs, normal, depths });
     }

@@ -3,9 +3,10 @@
 //! One frame goes through `Window::add_frame`, `Window::optimise`, `Window::reject_outliers` and `Window::slide`.
 //! The initialisation adjusts in windows of its own, from which nothing leaves: `Window::settle`, `Window::covariance`.
 //! [`layout`] says where each unknown stands, [`normal`] solves, `linearise` gathers the measurements, `schur` takes the
-//! landmarks out, `marginalise` makes the prior of what leaves.
+//! landmarks out, `elimination` any other unknown, `marginalise` makes the prior of what leaves.
 
 mod config;
+mod elimination;
 mod frame;
 mod jump;
 mod landmark;

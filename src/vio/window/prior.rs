@@ -104,11 +104,14 @@ impl Prior {
         // The order of places makes every one of ours the same way off in a window of more frames.
         let shift = layout.motion(0) - self.layout.motion(0);
         let mut cost = 0.0;
-        for r in 0..self.layout.dim() {
+        let first = self.system.first_told();
+        for r in first..self.layout.dim() {
             let g = self.system.gradient()[r];
             cost += d[r] * (g + 0.5 * hd[r]);
             normal.gradient_mut()[shift + r] += g + hd[r];
-            for (to, from) in normal.row_mut(shift + r)[shift..].iter_mut().zip(self.system.row(r)) {
+            for (to, from) in
+                normal.row_mut(shift + r)[shift + first..].iter_mut().zip(&self.system.row(r)[first..])
+            {
                 *to += from;
             }
         }
@@ -118,7 +121,7 @@ impl Prior {
     /// Takes `frame` out: what the prior says through it about the others stays.
     pub(crate) fn without(&self, frame: usize) -> Self {
         let places: Vec<usize> = self.layout.frame_places(frame).collect();
-        let system = self.system.clone().without(&places);
+        let system = self.system.without(&places);
         let mut at = self.at.clone();
         at.remove(frame);
         Self {

@@ -110,6 +110,14 @@ impl Window {
         self.factor_is_posterior = false;
     }
 
+    /// A copy without the solver's memory, which is most of a window and nothing that lasts.
+    pub(crate) fn copy(&mut self) -> Self {
+        let (scratch, factor) = (std::mem::take(&mut self.scratch), std::mem::take(&mut self.factor));
+        let copy = Self { factor_is_posterior: false, ..self.clone() };
+        (self.scratch, self.factor) = (scratch, factor);
+        copy
+    }
+
     /// A prior that says nothing yet of the first frames; what it will say is about the states `at`, one a frame.
     pub(crate) fn prior_about(&self, at: Vec<NavState>) -> Prior {
         let layout = Layout { frames: at.len(), ..self.layout() };
