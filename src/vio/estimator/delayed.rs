@@ -22,7 +22,7 @@ pub struct DelayedConfig {
 
 impl Default for DelayedConfig {
     fn default() -> Self {
-        Self { key_frames: 10, every: 5 }
+        Self { key_frames: 0, every: 5 }
     }
 }
 
@@ -63,12 +63,17 @@ impl Delayed {
         self.window.add_frame(newest.t, newest.state, newest.preint.clone(), seen);
     }
 
+    /// Takes over what `window`, which has the same newest frames, has just found. What leaves next is linearised there, and not where its newest
+    /// frame was predicted to be: sightings far from there would count for nothing.
+    pub(super) fn take_estimates(&mut self, window: &Window) {
+        self.window.take_estimates(window);
+    }
+
     /// Follows `window`, which has just let a frame go. Where it is time, its prior is made again.
     pub(super) fn follow(&mut self, window: &mut Window, leaving: Leaving) {
         if leaving == Leaving::SecondNewest || self.window.is_full() {
             self.window.slide(leaving);
         }
-        self.window.take_estimates(window);
         self.since += usize::from(leaving == Leaving::Oldest);
         if self.since >= self.every {
             self.since = 0;
@@ -120,6 +125,7 @@ mod tests {
                 Some(delayed) => {
                     delayed.iter_mut().for_each(|delayed| delayed.enter(&window, &seen));
                     if window.is_full() {
+                        delayed.iter_mut().for_each(|delayed| delayed.take_estimates(&window));
                         window.slide(Leaving::Oldest);
                         delayed.iter_mut().for_each(|delayed| delayed.follow(&mut window, Leaving::Oldest));
                     }

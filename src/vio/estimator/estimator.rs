@@ -401,6 +401,9 @@ impl Estimator {
         }
         update.landmarks =
             counted(self.window.landmarks().iter().filter(|l| l.inverse_depth.is_some()).count());
+        if let Some(delayed) = &mut self.delayed {
+            delayed.take_estimates(&self.window);
+        }
         if self.window.is_full() {
             let leaving: Leaving = self.window.leaving(self.camera.px_per_rad());
             if let Some(learner) = self.learner.as_mut().filter(|_| leaving == Leaving::Oldest) {
