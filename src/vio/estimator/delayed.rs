@@ -5,6 +5,9 @@
 //! are copied. Every so many key frames it is solved as a whole, and its older frames are let go once more, each at its new place. What stays is
 //! the window, with a prior that knows of it. After von Stumberg and Cremers, DM-VIO (2022), whose delayed graph is asked when scale or bias have
 //! left where they were linearised; here it is asked by count.
+//!
+//! Off by default: where the inertial noise is loud the scale comes out some per cent too small, which a window as long from the start does not
+//! do, nor one whose sightings are shared (`share`); the book has the figures.
 
 use crate::window::{Leaving, Seen, Window};
 use dpn_core::config::ConfigFaults;
