@@ -293,11 +293,12 @@ pub fn predict(weights: &Weights, samples: &[f64]) -> Vec<f64> {
 
 /// As [`predict`], and the deviations of the answers' logarithms; none of a network that does not say them.
 pub fn predict_with_spread(weights: &Weights, samples: &[f64]) -> (Vec<f64>, Option<Vec<f64>>) {
+    let says_spread = Predictor::new(weights).says_spread();
     let rows = samples.par_chunks(ROWS * WINDOW).flat_map_iter(|chunk| {
         let windows: Vec<f32> = chunk.iter().map(|v| *v as f32).collect();
         let [mut sigma, mut spread] = [(); 2].map(|()| vec![0f32; windows.len() / WINDOW]);
         let mut predictor = Predictor::new(weights);
-        if predictor.says_spread() {
+        if says_spread {
             predictor.predict_with_spread(&windows, &mut sigma, &mut spread);
         } else {
             predictor.predict(&windows, &mut sigma);
@@ -305,7 +306,7 @@ pub fn predict_with_spread(weights: &Weights, samples: &[f64]) -> (Vec<f64>, Opt
         sigma.into_iter().zip(spread).map(|(sigma, spread)| (f64::from(sigma), f64::from(spread)))
     });
     let (sigma, spread) = rows.unzip();
-    (sigma, (weights.config().head.outputs() > 1).then_some(spread))
+    (sigma, says_spread.then_some(spread))
 }
 
 /// Rows a thread asks about at a time.

@@ -7,7 +7,7 @@
 //! left where they were linearised; here it is asked by count.
 //!
 //! Off by default: where the inertial noise is loud the scale comes out some per cent too small, which a window as long from the start does not
-//! do, nor one whose sightings are shared (`share`); the book has the figures.
+//! do; the book has the figures.
 
 use crate::window::{Leaving, Seen, Window};
 use dpn_core::config::ConfigFaults;

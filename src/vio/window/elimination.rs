@@ -22,9 +22,12 @@ impl Normal {
         let mut out = self.select(&kept);
         let met: Vec<usize> =
             (0..kept.len()).filter(|k| places.iter().any(|place| self.at(kept[*k], *place) != 0.0)).collect();
+        if met.is_empty() {
+            return out;
+        }
         let stride = met.len().next_multiple_of(LANES);
         let mut rows = vec![0.0; places.len().next_multiple_of(ROWS) * stride];
-        for (row, place) in rows.chunks_exact_mut(stride.max(1)).zip(places) {
+        for (row, place) in rows.chunks_exact_mut(stride).zip(places) {
             for (coupling, k) in row.iter_mut().zip(&met) {
                 *coupling = self.at(kept[*k], *place);
             }
@@ -53,9 +56,6 @@ impl WithSimd for Elimination<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
-        if self.met.is_empty() {
-            return;
-        }
         for k in 0..self.own.len() {
             self.factor_row(simd, k);
         }
