@@ -20,6 +20,12 @@ pub fn iterations(default: usize) -> usize {
     }
 }
 
+/// What the environment's variable `name` lists, split at its commas; none where it is not set.
+pub fn asked(name: &str) -> Option<Vec<String>> {
+    let list = std::env::var(name).ok()?;
+    Some(list.split(',').map(str::to_owned).collect())
+}
+
 /// CPU time this process has used \[s\]; none where the system does not say (it says so in hundredths on Linux).
 pub fn cpu_seconds() -> Option<f64> {
     let stat = std::fs::read_to_string("/proc/self/stat").ok()?;

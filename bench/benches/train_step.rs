@@ -1,15 +1,19 @@
-//! One training step (forward, backward, Adam) on a batch of 200 windows of 200; beside `golden/bench_pytorch/train_step.py`.
+//! One training step (forward, backward, Adam, each way between host and device) on batches of windows of 200; beside
+//! `golden/bench_pytorch/train_step.py`.
 //!
-//! Threads by `RAYON_NUM_THREADS`. Three architectures: the default, the same at stride 1, and a long first kernel on second differences.
+//! Threads by `RAYON_NUM_THREADS`. Three architectures: 16/32/64, the same at stride 1, and the default accelerometer network's. The environment
+//! may ask for others than all of them on a batch of 200 on the CPU:
+//!
+//! * `DPN_BENCH_NETS=kernel-41`, `DPN_BENCH_BATCHES=200,1000,5000`
+//! * `DPN_BENCH_DEVICE=wgpu`, built with `--features wgpu`; the adapter is named, and whether it is a card or software
+//! * `DPN_BENCH_PLAIN=1`: beside the fused kernels the composition in burn's primitives, which is all there is on other devices than the CPU
 
 use burn::tensor::{Device, Tensor, TensorData};
-use dpn_bench::{iterations, time};
+use dpn_bench::{asked, iterations, time};
 use dpn_core::random::Stream;
 use dpn_pronet::config::Input;
 use dpn_pronet::{Adam, AdamConfig, ProNet, ProNetConfig};
 use rand::Rng;
-
-const BATCH: usize = 200;
 
 fn main() {
     let strided = ProNetConfig::default();
@@ -19,37 +23,67 @@ fn main() {
         channels: vec![32, 32, 64],
         kernels: vec![41, 5, 3],
         strides: vec![1, 4, 2],
-        paddings: vec![21, 2, 1],
+        paddings: vec![20, 2, 1],
         hidden: vec![32, 32, 16],
         leak: 0.1,
         ..ProNetConfig::default()
     };
-    for (name, config) in [("strides-1-2-2", strided), ("strides-1-1-1", dense), ("kernel-41", long)] {
-        step(name, &config, true);
-        if std::env::var_os("DPN_BENCH_PLAIN").is_some() {
-            step(&format!("{name} plain"), &config, false);
+    let nets = [("strides-1-2-2", strided), ("strides-1-1-1", dense), ("kernel-41", long)];
+    let (chosen, batches) = (asked("DPN_BENCH_NETS"), asked("DPN_BENCH_BATCHES"));
+    let batches: Vec<usize> = match &batches {
+        Some(sizes) => sizes.iter().map(|size| size.parse().expect("a number of windows")).collect(),
+        None => vec![200],
+    };
+    let device = device();
+    for (name, config) in &nets {
+        if chosen.as_ref().is_some_and(|chosen| !chosen.iter().any(|net| net == name)) {
+            continue;
+        }
+        for &batch in &batches {
+            step(&format!("{name}, {batch} windows"), config, batch, &device, true);
+            if asked("DPN_BENCH_PLAIN").is_some() {
+                step(&format!("{name}, {batch} windows, plain"), config, batch, &device, false);
+            }
         }
     }
 }
 
-fn step(name: &str, config: &ProNetConfig, fused: bool) {
-    let device = Device::flex().autodiff();
+/// Where to compute, recording gradients.
+fn device() -> Device {
+    let name = asked("DPN_BENCH_DEVICE").map_or_else(|| "flex".to_owned(), |names| names.concat());
+    let device = match name.as_str() {
+        "flex" => Device::flex(),
+        #[cfg(feature = "wgpu")]
+        "wgpu" => {
+            let device = Device::wgpu(burn::tensor::DeviceKind::DefaultDevice);
+            let identity = device.identity().expect("wgpu knows its adapter");
+            let kind = if identity.physical.is_some() { "a card" } else { "software" };
+            println!("train_step on {} ({kind}, {})", identity.name, identity.fingerprint);
+            device
+        }
+        _ => panic!("this bench was built without the device `{name}`"),
+    };
+    device.autodiff()
+}
+
+fn step(name: &str, config: &ProNetConfig, batch: usize, device: &Device, fused: bool) {
     let stream = Stream::new(1).named("bench");
-    let mut net = match ProNet::new(config, &stream, &device) {
+    let mut net = match ProNet::new(config, &stream, device) {
         Ok(net) => net,
         Err(error) => panic!("{error}"),
     };
     let mut rng = stream.named("windows").rng();
-    let windows: Vec<f32> = (0..BATCH * config.window).map(|_| 0.2 * (rng.random::<f32>() - 0.5)).collect();
+    let windows: Vec<f32> = (0..batch * config.window).map(|_| 0.2 * (rng.random::<f32>() - 0.5)).collect();
     let mut parameters = net.parameters();
     let mut adam = Adam::new(AdamConfig::default(), parameters.len());
     let timing = time(iterations(40), || {
-        let x = Tensor::<2>::from_data(TensorData::new(windows.clone(), [BATCH, config.window]), &device);
+        let x = Tensor::<2>::from_data(TensorData::new(windows.clone(), [batch, config.window]), device);
         let sigma = if fused { net.forward(x) } else { net.forward_plain(x) };
         let loss = ((sigma - 0.1) * 10.0).square().mean();
         let gradient = net.flat_gradient(&loss.backward());
         adam.step(&mut parameters, &gradient, 1e-3);
         net = net.with_parameters(&parameters);
+        device.sync().expect("the device did what it was asked");
     });
     println!("train_step {name}: median {:.2} ms, cpu {:.2} ms", timing.wall_ms, timing.cpu_ms);
 }

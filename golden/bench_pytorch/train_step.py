@@ -1,20 +1,31 @@
 """The architectures, batch and optimiser of bench/benches/train_step.rs and inference.rs in PyTorch.
 
 requirements: torch==2.15.0
-usage: python train_step.py [threads] [steps]
+usage: python train_step.py [threads] [steps] [--device cuda] [--batches 200,1000] [--nets kernel-41]
+
+Each step takes its windows from the host to the device, as the bench's does; weights and Adam stay on the device. On CUDA everything is in single
+precision (no TF32), and a second row replays the same step as a CUDA graph, without the time Python takes to ask for kernels.
 """
-import sys
+import argparse
 import time
 
 import torch
 import torch.nn as nn
 import torch.nn.functional as F
 
-threads = int(sys.argv[1]) if len(sys.argv) > 1 else 1
-steps = int(sys.argv[2]) if len(sys.argv) > 2 else 40
+parser = argparse.ArgumentParser()
+parser.add_argument("threads", nargs="?", type=int, default=1)
+parser.add_argument("steps", nargs="?", type=int, default=40)
+parser.add_argument("--device", default="cpu")
+parser.add_argument("--batches", type=lambda text: [int(size) for size in text.split(",")], default=[200])
+parser.add_argument("--nets", type=lambda text: text.split(","))
+arguments = parser.parse_args()
+threads, steps, device = arguments.threads, arguments.steps, torch.device(arguments.device)
 torch.set_num_threads(threads)
 torch.manual_seed(1)
-BATCH, WINDOW = 200, 200
+torch.backends.cudnn.allow_tf32 = False
+torch.backends.cuda.matmul.allow_tf32 = False
+WINDOW = 200
 
 
 class Net(nn.Module):
@@ -45,8 +56,13 @@ class Net(nn.Module):
 NETS = {
     "strides-1-2-2": dict(channels=[16, 32, 64], kernels=[7] * 3, strides=[1, 2, 2], paddings=[3] * 3, hidden=[64, 32, 16], leak=0.01, differences=False),
     "strides-1-1-1": dict(channels=[16, 32, 64], kernels=[7] * 3, strides=[1, 1, 1], paddings=[3] * 3, hidden=[64, 32, 16], leak=0.01, differences=False),
-    "kernel-41": dict(channels=[32, 32, 64], kernels=[41, 5, 3], strides=[1, 4, 2], paddings=[21, 2, 1], hidden=[32, 32, 16], leak=0.1, differences=True),
+    "kernel-41": dict(channels=[32, 32, 64], kernels=[41, 5, 3], strides=[1, 4, 2], paddings=[20, 2, 1], hidden=[32, 32, 16], leak=0.1, differences=True),
 }
+
+
+if arguments.nets:
+    NETS = {name: NETS[name] for name in arguments.nets}
+where = f"{threads} threads" if device.type == "cpu" else torch.cuda.get_device_name(device)
 
 
 def timed(work, count):
@@ -56,26 +72,59 @@ def timed(work, count):
     for _ in range(count):
         t = time.perf_counter()
         work()
+        if device.type == "cuda":
+            torch.cuda.synchronize()
         walls.append(time.perf_counter() - t)
     cpu = (time.process_time() - cpu) / count
     return sorted(walls)[count // 2] * 1e3, cpu * 1e3
 
 
+def told(name, wall, cpu):
+    print(f"pytorch train_step {name}: median {wall:.2f} ms, cpu {cpu:.2f} ms ({where})", flush=True)
+
+
+def captured(work):
+    """`work` as a CUDA graph."""
+    side = torch.cuda.Stream()
+    side.wait_stream(torch.cuda.current_stream())
+    with torch.cuda.stream(side):
+        for _ in range(3):
+            work()
+    torch.cuda.current_stream().wait_stream(side)
+    graph = torch.cuda.CUDAGraph()
+    with torch.cuda.graph(graph):
+        work()
+    return graph.replay
+
+
 for name, kinds in NETS.items():
-    net = Net(**kinds)
-    adam = torch.optim.Adam(net.parameters(), lr=1e-3)
-    x = 0.2 * (torch.rand(BATCH, WINDOW) - 0.5)
+    for batch in arguments.batches:
+        net = Net(**kinds).to(device)
+        adam = torch.optim.Adam(net.parameters(), lr=1e-3, capturable=device.type == "cuda")
+        windows = 0.2 * (torch.rand(batch, WINDOW) - 0.5)
+        x = windows.to(device)
 
-    def step():
-        adam.zero_grad()
-        (((net(x) - 0.1) * 10) ** 2).mean().backward()
-        adam.step()
+        def update():
+            adam.zero_grad()
+            (((net(x) - 0.1) * 10) ** 2).mean().backward()
+            adam.step()
 
-    wall, cpu = timed(step, steps)
-    print(f"pytorch train_step {name}: median {wall:.2f} ms, cpu {cpu:.2f} ms ({threads} threads)", flush=True)
+        def step():
+            x.copy_(windows)
+            update()
+
+        told(f"{name}, {batch} windows", *timed(step, steps))
+        if device.type == "cuda":
+            replay = captured(update)
+
+            def replayed():
+                x.copy_(windows)
+                replay()
+
+            told(f"{name}, {batch} windows, as a graph", *timed(replayed, steps))
 
 for name, kinds in NETS.items():
-    if name == "strides-1-1-1":
+    if name == "strides-1-1-1" or device.type != "cpu":
         continue
     nets = [Net(**kinds).eval(), Net(**kinds).eval()]
     x = torch.rand(3, WINDOW) - 0.5
