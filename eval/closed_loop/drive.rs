@@ -116,7 +116,7 @@ pub(super) fn enough(recording: &Recording, stamps: &[Stamp], span: &Span) -> Re
 }
 
 /// The settings under which `noise` is told: levels are learned where it says so, and nowhere else.
-pub(super) fn settings_for(config: &EstimatorConfig, noise: &NoiseSpec) -> EstimatorConfig {
+pub fn settings_for(config: &EstimatorConfig, noise: &NoiseSpec) -> EstimatorConfig {
     let components = noise.is_learned().then(|| config.components.unwrap_or_default());
     EstimatorConfig { components, ..config.clone() }
 }

@@ -48,7 +48,7 @@ mod walk;
 
 pub use camera_figures::{CameraFigures, matches};
 pub use consistency::{Consistency, consistency};
-pub use drive::{EstimatorOutput, FEWEST_FRAMES, UpdateWatch, drive, frames_from};
+pub use drive::{EstimatorOutput, FEWEST_FRAMES, UpdateWatch, drive, frames_from, settings_for};
 pub use error::ClosedLoopError;
 pub use frame_log::SeenFrame;
 pub use image_report::{FrontEndFigures, ImageEvent, ImageReport, PassedOver};

@@ -22,7 +22,7 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
     let cache = cache::open(&args.closed.cache)?;
     let threads = args.closed.threads.unwrap_or_else(cores).max(1);
     let sweep = Sweep { cache: cache.as_ref(), ..plan.sweep(&source, &networks, threads)? };
-    for warning in sweep.estimator.warnings() {
+    for warning in sweep.warnings() {
         errln!("warning: {warning}");
     }
     let manifest = Manifest::of(&sweep, program())?;

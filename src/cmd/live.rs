@@ -7,7 +7,7 @@ use anyhow::Result;
 use dpn_core::Stamp;
 use dpn_core::camera::CameraModel;
 use dpn_core::trajectory::StampedPose;
-use dpn_eval::closed_loop::{ClosedLoopError, LiveRun};
+use dpn_eval::closed_loop::{ClosedLoopError, LiveRun, settings_for};
 use dpn_io::calibration::Calibration;
 use dpn_io::{printable, tum_line};
 use dpn_logs::{SensorEvent, read_sensors};
@@ -56,11 +56,12 @@ pub(super) fn run(args: &RunArgs) -> Result<()> {
         .map_err(|source| ClosedLoopError::Camera { sequence: NAME.into(), source })?;
     let networks = shipped::or_of(args.models.as_deref())?;
     let estimator = settings::estimator(&args.settings)?;
-    for warning in estimator.warnings() {
+    let camera = (camera, config.body_from_cam);
+    let noise = args.noise.parse()?;
+    for warning in settings_for(&estimator, &noise).warnings() {
         errln!("warning: {warning}");
     }
-    let camera = (camera, config.body_from_cam);
-    let run = LiveRun::new(&estimator, args.noise.parse()?, &networks, camera, (NAME, args.seed))?;
+    let run = LiveRun::new(&estimator, noise, &networks, camera, (NAME, args.seed))?;
     let mut live = Live {
         run,
         calibration: &calibration,

@@ -8,7 +8,7 @@ use dpn_core::estimate::NoiseSpec;
 use dpn_core::{GrayImage, Stamp};
 use dpn_eval::closed_loop::{
     Camera, JudgedRun, Recording, Report, RunInfo, RunSource, SequenceSet, Span, UpdateWatch, paired,
-    watched_run, write_states,
+    settings_for, watched_run, write_states,
 };
 #[cfg(feature = "rerun")]
 use dpn_eval::closed_loop::{CameraInput, frames_from};
@@ -101,7 +101,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     if let (Some(dir), Some(album)) = (&args.draw, album) {
         draw(dir, album, &recording, &done)?;
     }
-    for warning in estimator.warnings().iter().chain(&done.report.warnings) {
+    for warning in
+        settings_for(&estimator, &done.report.row.noise).warnings().iter().chain(&done.report.warnings)
+    {
         errln!("warning: {warning}");
     }
     if args.json {

@@ -57,7 +57,13 @@ fn a_flight_leaves_a_trajectory_states_and_a_report_and_the_same_ones_twice() {
     assert!(widths.iter().all(|w| *w == widths[0]) && widths.len() > poses.len(), "{widths:?}");
     assert!(!states.contains("NaN") && !states.contains("inf"));
 
-    let words = flight(&again, &["--set", "covariance=true"]).well().stdout;
+    let done = flight(&again, &["--set", "covariance=true"]).well();
+    // Told a noise, sightings count twice; where it is learned they do not.
+    assert!(done.stderr.contains("warning: covariances are some 2 times too small"), "{}", done.stderr);
+    let learned =
+        flight(&tmp.path().join("c"), &["--to", "54", "--noise", "self", "--set", "covariance=true"]);
+    assert!(!learned.well().stderr.contains("covariances are"));
+    let words = done.stdout;
     for word in ["initialised:", "poses:", "restarts:", "time:", "ATE [m]:"] {
         assert!(words.contains(word), "no `{word}` in {words}");
     }

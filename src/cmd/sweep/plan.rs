@@ -42,7 +42,7 @@ fn of_loop(args: &SweepPlanArgs) -> Result<Planned> {
     }
     let networks = shipped::or_of(asked.models.as_deref())?;
     let sweep = asked.sweep(&source, &networks, 1)?;
-    for warning in sweep.estimator.warnings() {
+    for warning in sweep.warnings() {
         errln!("warning: {warning}");
     }
     let made_from = Manifest::of(&sweep, program())?;

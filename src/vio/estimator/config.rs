@@ -1,6 +1,6 @@
 //! The estimator's settings.
 
-use super::delayed::DelayedConfig;
+use super::delayed::{Delay, DelayedConfig};
 use super::health::HealthConfig;
 use super::jump::JumpConfig;
 use crate::components::ComponentsConfig;
@@ -57,6 +57,15 @@ impl EstimatorConfig {
         match (self.window.handover, &self.components) {
             (Handover::Auto, Some(_)) => Handover::Split,
             (Handover::Auto, None) => Handover::Reuse,
+            (told, _) => told,
+        }
+    }
+
+    /// When the prior is made again: what [`Delay::Auto`] comes to.
+    pub(super) fn delay(&self) -> Delay {
+        match (self.delayed.when, &self.components) {
+            (Delay::Auto, Some(_)) => Delay::Always,
+            (Delay::Auto, None) => Delay::Never,
             (told, _) => told,
         }
     }

@@ -2,37 +2,50 @@
 //!
 //! A prior is linearised where its states stood when they left, and stays there; scale and biases of a young flight move on. So a second window
 //! goes on beside the one that is solved. It has some key frames more and is not solved with each frame: the states of the frames that both have
-//! are copied. Every so many key frames it is solved as a whole, and its older frames are let go once more, each at its new place. What stays is
-//! the window, with a prior that knows of it. After von Stumberg and Cremers, DM-VIO (2022), whose delayed graph is asked when scale or bias have
-//! left where they were linearised; here it is asked by count.
-//!
-//! Off by default: where the inertial noise is loud the scale comes out some per cent too small, which a window as long from the start does not
-//! do; the book has the figures.
+//! are copied, and its older frames go along with them as one body. Every so many key frames it is solved as a whole, what is beyond its length
+//! leaves it for good, and its older frames are let go once more in a copy, each at its new place. What stays is the window, with a prior that knows
+//! of it. After von Stumberg and Cremers, DM-VIO (2022), whose delayed graph is asked when scale or bias have left where they were linearised; here it
+//! is asked by count.
 
 use crate::window::{Leaving, Seen, Window};
 use dpn_core::config::ConfigFaults;
 use serde::{Deserialize, Serialize};
 
+/// When there is a second window.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Delay {
+    /// Where the noise is learned. With a noise that is told and sightings counted twice (`handover = "reuse"`) the larger window counts them oftener
+    /// still.
+    Auto,
+    /// With every noise.
+    Always,
+    /// With none.
+    Never,
+}
+
 /// Settings of delayed marginalisation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct DelayedConfig {
-    /// Key frames that the second window has more than the first; 0 for no second window, at most 100.
+    /// When there is a second window.
+    pub when: Delay,
+    /// Key frames that the second window has more than the first; 1 to 100.
     pub key_frames: usize,
-    /// Key frames from one renewal of the prior to the next; 1 to 1000.
+    /// Key frames from one renewal of the prior to the next, by which the second window grows meanwhile; 1 to 100.
     pub every: usize,
 }
 
 impl Default for DelayedConfig {
     fn default() -> Self {
-        Self { key_frames: 0, every: 5 }
+        Self { when: Delay::Auto, key_frames: 5, every: 10 }
     }
 }
 
 impl DelayedConfig {
     pub(crate) fn check(&self, faults: &mut ConfigFaults) {
-        faults.within("delayed.key_frames", self.key_frames, 0, 100);
-        faults.within("delayed.every", self.every, 1, 1000);
+        faults.within("delayed.key_frames", self.key_frames, 1, 100);
+        faults.within("delayed.every", self.every, 1, 100);
     }
 }
 
@@ -46,9 +59,9 @@ pub(super) struct Delayed {
 }
 
 impl Delayed {
-    /// From what `window` holds; `None` where nothing is to be delayed.
+    /// From what `window` holds; `None` where nothing is to be delayed. [`Delay::Auto`] has been settled.
     pub(super) fn beside(window: &Window, config: DelayedConfig) -> Option<Self> {
-        (config.key_frames > 0).then(|| {
+        (config.when == Delay::Always).then(|| {
             let mut window = window.clone();
             window.config.key_frames += config.key_frames;
             Self { window, every: config.every, since: 0 }
@@ -66,33 +79,41 @@ impl Delayed {
         self.window.add_frame(newest.t, newest.state, newest.preint.clone(), seen);
     }
 
-    /// Takes over what `window`, which has the same newest frames, has just found. What leaves next is linearised there, and not where its newest
-    /// frame was predicted to be: sightings far from there would count for nothing.
+    /// Takes over what `window`, which has the same newest frames, has just found.
     pub(super) fn take_estimates(&mut self, window: &Window) {
         self.window.take_estimates(window);
     }
 
     /// Follows `window`, which has just let a frame go. Where it is time, its prior is made again.
     pub(super) fn follow(&mut self, window: &mut Window, leaving: Leaving) {
-        if leaving == Leaving::SecondNewest || self.window.is_full() {
+        if leaving == Leaving::SecondNewest {
             self.window.slide(leaving);
+            return;
         }
-        self.since += usize::from(leaving == Leaving::Oldest);
+        self.since += 1;
         if self.since >= self.every {
             self.since = 0;
             self.renew(window);
         }
     }
 
+    /// Solves the larger window, lets go what is beyond its length, and has `window` go on with the prior of all but its newest frames. Only from a
+    /// window that has just been solved may frames leave: where its older and its newer frames do not agree yet, what ties them together is read
+    /// as news of the scale.
     fn renew(&mut self, window: &mut Window) {
         self.window.triangulate();
         self.window.optimise();
         self.window.reject_outliers();
+        let too_many = self.window.frames().len().saturating_sub(self.window.config.key_frames);
+        if too_many > 0 {
+            self.window.slide_oldest(too_many);
+        }
         let mut renewed = self.window.copy();
         renewed.config = window.config;
         std::mem::swap(&mut renewed.scratch, &mut window.scratch);
-        while renewed.frames().len() > window.frames().len() {
-            renewed.slide(Leaving::Oldest);
+        let older = renewed.frames().len() - window.frames().len();
+        if older > 0 {
+            renewed.slide_oldest(older);
         }
         *window = renewed;
     }
@@ -144,10 +165,13 @@ mod tests {
     fn a_prior_that_is_made_again_stands_for_what_has_left_as_if_it_were_there() {
         for seed in 0..6 {
             let scene = Scene::new(&gentle_flight(seed), FRAMES, 0.15, 0.5, seed);
-            let none = DelayedConfig { key_frames: 0, every: 1 };
+            let none = DelayedConfig { when: Delay::Never, ..DelayedConfig::default() };
             let all = newest(&scene, FRAMES, none);
             let once = (newest(&scene, 4, none) - all).norm();
-            let again = (newest(&scene, 4, DelayedConfig { key_frames: FRAMES, every: 1 }) - all).norm();
+            let again =
+                (newest(&scene, 4, DelayedConfig { when: Delay::Always, key_frames: FRAMES, every: 1 })
+                    - all)
+                    .norm();
             assert!(again < 0.02 * once, "seed {seed}: {again} and {once} m off");
         }
     }

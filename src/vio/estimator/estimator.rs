@@ -69,6 +69,7 @@ impl Estimator {
     ) -> Result<Self, Vec<ConfigFault>> {
         config.init.focal_px = camera.px_per_rad();
         config.window.handover = config.handover();
+        config.delayed.when = config.delay();
         config.validate()?;
         let stream = Stream::new(seed).named("estimator");
         let mut estimator = Self {

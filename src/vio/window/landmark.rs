@@ -38,6 +38,11 @@ impl Landmark {
         self.sightings[self.sightings.len() - 1].0
     }
 
+    /// How many of its sightings are of the window's first `frames`.
+    pub(super) fn sightings_before(&self, frames: usize) -> usize {
+        self.sightings.partition_point(|(frame, _)| *frame < frames)
+    }
+
     /// Whether `frame` saw it.
     pub(crate) fn seen_by(&self, frame: usize) -> bool {
         self.sightings.iter().any(|(f, _)| *f == frame)

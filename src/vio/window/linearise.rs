@@ -26,7 +26,7 @@ impl Linearisation {
         }
         let (last, hosts) = match part {
             Part::All => (window.frames.len(), window.frames.len()),
-            Part::Oldest => (2, 1),
+            Part::Oldest(leaving) => (leaving + 1, leaving),
         };
         for j in 1..last {
             self.cost += add_inertial(window, layout, j, &mut self.normal);

@@ -1,6 +1,6 @@
-//! The prior of what leaves: the oldest frame, its inertial interval and its landmarks, by Schur complement.
+//! The prior of what leaves: the oldest frames, their inertial intervals and their landmarks, by Schur complement.
 //!
-//! The equations of all measurements that would be lost are set up at the present states; depths, then the frame's fifteen unknowns
+//! The equations of all measurements that would be lost are set up at the present states; depths, then the frames' fifteen unknowns each
 //! are taken out; the rest is the new prior. On a linear problem no estimate changes by that.
 
 use super::layout::Layout;
@@ -10,15 +10,15 @@ use super::prior::Prior;
 use super::window::Window;
 
 impl Window {
-    /// The prior that stands for the oldest frame once it has left, in places of the frames that stay.
-    pub(crate) fn prior_without_oldest(&mut self) -> Prior {
+    /// The prior that stands for the `leaving` oldest frames once they have left, in places of the frames that stay.
+    pub(super) fn prior_without_oldest(&mut self, leaving: usize) -> Prior {
         let layout = self.layout();
         let mut at: Linearisation = std::mem::take(&mut self.scratch);
-        at.compute(self, &layout, Part::Oldest, 0.0);
-        let places: Vec<usize> = layout.frame_places(0).collect();
+        at.compute(self, &layout, Part::Oldest(leaving), 0.0);
+        let places: Vec<usize> = (0..leaving).flat_map(|frame| layout.frame_places(frame)).collect();
         let system = at.normal.without(&places);
         self.scratch = at;
-        let frames = &self.frames[1..];
+        let frames = &self.frames[leaving..];
         Prior {
             layout: Layout { frames: frames.len(), ..layout },
             system,

@@ -5,6 +5,6 @@
 pub(crate) enum Part {
     /// All of them.
     All,
-    /// Those that would be lost with the oldest frame.
-    Oldest,
+    /// Those that would be lost with so many of the oldest frames.
+    Oldest(usize),
 }

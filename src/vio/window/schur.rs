@@ -55,7 +55,7 @@ impl WithSimd for Landmarks<'_> {
         for (index, landmark) in self.window.landmarks.iter().enumerate() {
             let sightings = match self.part {
                 Part::All => landmark.sightings.len(),
-                Part::Oldest => self.window.handed_over(landmark),
+                Part::Oldest(leaving) => self.window.handed_over(landmark, leaving),
             };
             if let Some(inverse_depth) = landmark.inverse_depth.filter(|_| sightings > 1) {
                 cost += self.add(simd, index, landmark, sightings, inverse_depth);
@@ -70,7 +70,7 @@ impl WithSimd for Landmarks<'_> {
 fn counted(window: &Window, part: Part, landmark: &Landmark, k: usize) -> f64 {
     match part {
         Part::All => landmark.sightings[k].1.left,
-        Part::Oldest => window.handed_part(landmark, k),
+        Part::Oldest(leaving) => window.handed_part(landmark, k, leaving),
     }
 }
 

@@ -48,10 +48,10 @@ impl Window {
         landmark.last_frame() + 1 < self.frames.len()
     }
 
-    /// How many of a landmark's sightings enter the prior when the oldest frame leaves.
-    pub(crate) fn handed_over(&self, landmark: &Landmark) -> usize {
+    /// How many of a landmark's sightings enter the prior when the `leaving` oldest frames leave.
+    pub(crate) fn handed_over(&self, landmark: &Landmark, leaving: usize) -> usize {
         let sightings = landmark.sightings.len();
-        if landmark.host() != 0 || landmark.inverse_depth.is_none() || sightings < 2 {
+        if landmark.host() >= leaving || landmark.inverse_depth.is_none() || sightings < 2 {
             return 0;
         }
         match self.config.handover {
@@ -63,15 +63,19 @@ impl Window {
         }
     }
 
-    /// The part of sighting `k` of a landmark's information with which it enters the prior.
-    pub(super) fn handed_part(&self, landmark: &Landmark, k: usize) -> f64 {
-        let share = 1.0 / (landmark.sightings.len().max(2) - 1) as f64;
+    /// The part of sighting `k` of a landmark's information with which it enters the prior when the `leaving` oldest frames leave.
+    ///
+    /// Of `m` sightings of which `g` go, `g/(m - 1)` are handed over: as much as when the frames left one after the other, each time `1/(m - 1)` of
+    /// what there was.
+    pub(super) fn handed_part(&self, landmark: &Landmark, k: usize, leaving: usize) -> f64 {
+        let rows = (landmark.sightings.len().max(2) - 1) as f64;
+        let going = landmark.sightings_before(leaving);
         let left = landmark.sightings[k].1.left;
         match self.config.handover {
-            Handover::Share => share,
-            Handover::Split if k == 0 || self.has_ended(landmark) => left,
-            // Of two sightings the second keeps half: it is the next host, and one of which nothing is left holds no landmark.
-            Handover::Split => left * share.min(0.5),
+            Handover::Share => (going as f64 / rows).min(1.0),
+            Handover::Split if k < going || self.has_ended(landmark) => left,
+            // The last one keeps half of that: it is the next host, and one of which nothing is left holds no landmark.
+            Handover::Split => left * (1.0 - (rows - going as f64).max(0.5) / rows),
             Handover::Auto | Handover::Reuse | Handover::Consume | Handover::Drop => 1.0,
         }
     }
@@ -80,7 +84,11 @@ impl Window {
     /// standard deviations over position, rotation and velocity (9 degrees of freedom).
     pub fn slide(&mut self, leaving: Leaving) -> Option<f64> {
         match leaving {
-            Leaving::Oldest => self.slide_oldest(),
+            Leaving::Oldest => {
+                let whitened = self.oldest_inertial_residual();
+                self.slide_oldest(1);
+                whitened
+            }
             Leaving::SecondNewest => {
                 self.slide_second_newest();
                 None
@@ -88,32 +96,35 @@ impl Window {
         }
     }
 
-    fn slide_oldest(&mut self) -> Option<f64> {
-        let whitened = self.oldest_inertial_residual();
-        let prior = self.prior_without_oldest();
+    /// Lets the `leaving` oldest frames go at once, into one prior.
+    pub(crate) fn slide_oldest(&mut self, leaving: usize) {
+        let prior = self.prior_without_oldest(leaving);
         let newest = self.frames.len() - 1;
         let last_cameras: Vec<_> =
             self.frames.iter().map(|f| f.state.world_from_body * self.body_from_cam).collect();
         let handover = self.config.handover;
         let mut landmarks = std::mem::take(&mut self.landmarks);
-        let used: Vec<usize> = landmarks.iter().map(|l| self.handed_over(l)).collect();
+        let used: Vec<usize> = landmarks.iter().map(|l| self.handed_over(l, leaving)).collect();
         let mut index = 0;
         landmarks.retain_mut(|landmark| {
             let landmark_index = index;
             index += 1;
-            if landmark.host() != 0 {
+            if landmark.host() >= leaving {
                 return true;
             }
-            let point = landmark.point(&last_cameras[0]);
+            let point = landmark.point(&last_cameras[landmark.host()]);
             if handover == Handover::Split {
-                for k in 0..used[landmark_index] {
-                    landmark.sightings[k].1.left -= self.handed_part(landmark, k);
+                let parts: Vec<f64> =
+                    (0..used[landmark_index]).map(|k| self.handed_part(landmark, k, leaving)).collect();
+                for ((_, sighting), part) in landmark.sightings.iter_mut().zip(parts) {
+                    sighting.left -= part;
                 }
             }
+            let going = landmark.sightings_before(leaving);
             // What is in the prior must not be counted again, what has lost its host's frame cannot stay.
             let gone = match (handover, used[landmark_index]) {
-                (_, 0) | (Handover::Auto | Handover::Reuse | Handover::Share, _) => 1,
-                (Handover::Split, _) if landmark.last_frame() == newest => 1,
+                (_, 0) | (Handover::Auto | Handover::Reuse | Handover::Share, _) => going,
+                (Handover::Split, _) if landmark.last_frame() == newest => going,
                 // The newest goes on, as the anchor of what comes.
                 (Handover::Consume, all) if landmark.last_frame() == newest => all - 1,
                 (_, used) => used,
@@ -127,17 +138,16 @@ impl Window {
         });
         self.landmarks = landmarks;
         self.prior = Some(prior);
-        self.frames.remove(0);
+        self.frames.drain(..leaving);
         self.factor_is_posterior = false;
         self.frames[0].preint = None;
         for landmark in &mut self.landmarks {
             for (frame, _) in &mut landmark.sightings {
-                *frame -= 1;
+                *frame -= leaving;
             }
         }
         let last = self.frames.len() - 1;
         self.retain_landmarks(|l| l.sightings.len() > 1 || l.last_frame() == last);
-        whitened
     }
 
     fn slide_second_newest(&mut self) {

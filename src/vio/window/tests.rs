@@ -96,6 +96,36 @@ fn marginalising_changes_no_estimate() {
     assert!((0..6).any(|k| forgotten[k].abs() > 0.1 * covariance[(k, k)].sqrt()));
 }
 
+/// What several frames leave behind together is what they leave one after the other.
+#[test]
+fn frames_leave_at_once_as_they_leave_one_by_one() {
+    for (seed, leaving) in [(3, 2), (4, 3), (5, 5)] {
+        let scene = scene(seed);
+        let mut each = window(&scene, 9, config());
+        each.optimise();
+        let mut once = each.clone();
+        once.slide_oldest(leaving);
+        for _ in 0..leaving {
+            each.slide(Leaving::Oldest);
+        }
+        for w in [&mut once, &mut each] {
+            add(w, &scene, 9);
+            w.triangulate();
+            w.optimise();
+        }
+        let std = each.newest_pose_covariance().unwrap().diagonal().map(f64::sqrt);
+        let moved = once.newest().unwrap().state.minus(&each.newest().unwrap().state);
+        for k in 0..6 {
+            assert!(
+                moved[k].abs() < 1e-3 * std[k],
+                "{leaving} left: unknown {k} differs by {:.2e}, std {:.2e}",
+                moved[k],
+                std[k]
+            );
+        }
+    }
+}
+
 #[test]
 fn the_gradient_vanishes_where_the_solver_stops() {
     let mut window = window(&scene(5), 8, config());
@@ -281,7 +311,7 @@ fn a_prior_without_anchor_knows_neither_place_nor_heading() {
     let mut window = window(&scene, 9, config());
     window.optimise();
     window.prior = None;
-    let prior = window.prior_without_oldest();
+    let prior = window.prior_without_oldest(1);
     let layout = prior.layout;
     let scale = (0..layout.dim()).map(|k| prior.system.at(k, k)).fold(0.0, f64::max);
     let mut direction = vec![0.0; layout.dim()];
@@ -350,7 +380,7 @@ proptest! {
         for handover in [Handover::Drop, Handover::Consume] {
             let mut window = window(&scene, 9, WindowConfig { handover, ..config() });
             let total: usize = window.landmarks().iter().map(|l| l.sightings.len()).sum();
-            let used: usize = window.landmarks().iter().map(|l| window.handed_over(l)).sum();
+            let used: usize = window.landmarks().iter().map(|l| window.handed_over(l, 1)).sum();
             window.slide(Leaving::Oldest);
             let left: usize = window.landmarks().iter().map(|l| l.sightings.len()).sum();
             // Consume keeps the newest sighting as the anchor of what comes; alone it is no measurement.
@@ -369,9 +399,9 @@ fn shares_handed_over_add_up_to_each_sighting_once() {
     let rows = landmark.sightings.len() - 1;
     let (mut left, mut entered) = (landmark, 0.0);
     while left.sightings.len() > 1 {
-        let used = window.handed_over(&left);
+        let used = window.handed_over(&left, 1);
         assert_eq!(used, left.sightings.len());
-        entered += (1..used).map(|k| window.handed_part(&left, k)).sum::<f64>();
+        entered += (1..used).map(|k| window.handed_part(&left, k, 1)).sum::<f64>();
         left.sightings.remove(0);
         for (frame, _) in &mut left.sightings {
             *frame -= 1;
@@ -399,7 +429,7 @@ fn split_sightings_are_one_whole_in_prior_and_window_at_any_time() {
         let before: Vec<Landmark> = window.landmarks().to_vec();
         let handed: Vec<Vec<f64>> = before
             .iter()
-            .map(|l| (0..window.handed_over(l)).map(|k| window.handed_part(l, k)).collect())
+            .map(|l| (0..window.handed_over(l, 1)).map(|k| window.handed_part(l, k, 1)).collect())
             .collect();
         let last = window.frames().len() - 1;
         window.slide(Leaving::Oldest);
@@ -425,6 +455,28 @@ fn split_sightings_are_one_whole_in_prior_and_window_at_any_time() {
         }
     }
     assert!(parts > 100, "{parts}");
+}
+
+/// Frames that leave together take with them what they take one after the other.
+#[test]
+fn split_sightings_keep_as_much_when_frames_leave_at_once() {
+    for leaving in 1..7 {
+        let scene = scene(3);
+        let mut once = window(&scene, 9, WindowConfig { handover: Handover::Split, ..config() });
+        let mut each = once.clone();
+        once.slide_oldest(leaving);
+        for _ in 0..leaving {
+            each.slide(Leaving::Oldest);
+        }
+        assert_eq!(once.landmarks().len(), each.landmarks().len());
+        for (a, b) in once.landmarks().iter().zip(each.landmarks()) {
+            assert_eq!((a.id, a.sightings.len()), (b.id, b.sightings.len()));
+            for ((frame_a, a), (frame_b, b)) in a.sightings.iter().zip(&b.sightings) {
+                assert_eq!(frame_a, frame_b);
+                assert!((a.left - b.left).abs() < 1e-12, "{leaving} left: {} and {}", a.left, b.left);
+            }
+        }
+    }
 }
 
 /// Where half is left of every sighting, landmarks say half of what they say whole.
@@ -458,7 +510,7 @@ fn what_is_left_of_a_sighting_is_what_it_weighs() {
 #[test]
 fn a_share_of_a_landmark_is_that_share_of_its_information() {
     let scene = scene(3);
-    let prior = |handover| window(&scene, 3, WindowConfig { handover, ..config() }).prior_without_oldest();
+    let prior = |handover| window(&scene, 3, WindowConfig { handover, ..config() }).prior_without_oldest(1);
     // Two sightings a landmark hand over all of it, three a half: less is known where shares are handed over.
     let (all, part) = (prior(Handover::Reuse), prior(Handover::Share));
     let places = 0..all.layout.dim();
@@ -480,4 +532,31 @@ fn sightings_off_their_landmarks_show_in_the_mean_square() {
     assert!(good < 2.0 && moved > 2.0 * good && far > moved, "{good} {moved} {far}");
     assert!(far <= 9.0 && far > 8.0, "{far}");
     assert_eq!(window.mean_visual_square(last + 1), None);
+}
+
+#[test]
+fn frames_that_only_the_longer_window_has_go_along_when_the_others_are_moved() {
+    for seed in 0..6 {
+        let scene = scene(seed);
+        let mut longer = window(&scene, 8, config());
+        longer.prior = None;
+        let cost = |window: &Window| {
+            let mut at = Linearisation::default();
+            at.compute(window, &window.layout(), Part::All, 0.0);
+            at.cost
+        };
+        let before = cost(&longer);
+        // No measurement knows where the world begins, nor of its heading.
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.4);
+        let moved = nalgebra::Isometry3::from_parts(Vector3::new(2.0, -1.0, 0.5).into(), turn);
+        let mut newest = longer.clone();
+        newest.frames.drain(..5);
+        for frame in &mut newest.frames {
+            frame.state.world_from_body = moved * frame.state.world_from_body;
+            frame.state.vel_in_world = turn * frame.state.vel_in_world;
+        }
+        longer.take_estimates(&newest);
+        let after = cost(&longer);
+        assert!((after - before).abs() < 1e-6 * before, "seed {seed}: {before} became {after}");
+    }
 }

@@ -98,9 +98,18 @@ impl Window {
         Estimates { frames, body_from_cam, time_offset: *time_offset }
     }
 
-    /// Takes over from a window whose frames are the last of this one's: where its states stand, what it rests on, which tracks it found wrong.
+    /// Takes over from a window whose frames are the last of this one's: where its states stand, what it rests on, which tracks it found wrong. The
+    /// frames before go along with the first of them as one body: where they stand among themselves is as good as it was.
     pub(crate) fn take_estimates(&mut self, other: &Self) {
         let first = self.frames.len() - other.frames.len();
+        let moved =
+            other.frames[0].state.world_from_body * self.frames[first].state.world_from_body.inverse();
+        for NavState { world_from_body, vel_in_world, .. } in
+            self.frames[..first].iter_mut().map(|frame| &mut frame.state)
+        {
+            *world_from_body = moved * *world_from_body;
+            *vel_in_world = moved.rotation * *vel_in_world;
+        }
         for (frame, known) in self.frames[first..].iter_mut().zip(&other.frames) {
             (frame.state, frame.rest) = (known.state, known.rest);
         }
