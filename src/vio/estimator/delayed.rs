@@ -104,17 +104,11 @@ impl Delayed {
         self.window.triangulate();
         self.window.optimise();
         self.window.reject_outliers();
-        let too_many = self.window.frames().len().saturating_sub(self.window.config.key_frames);
-        if too_many > 0 {
-            self.window.slide_oldest(too_many);
-        }
+        self.window.slide_oldest(self.window.frames().len().saturating_sub(self.window.config.key_frames));
         let mut renewed = self.window.copy();
         renewed.config = window.config;
         std::mem::swap(&mut renewed.scratch, &mut window.scratch);
-        let older = renewed.frames().len() - window.frames().len();
-        if older > 0 {
-            renewed.slide_oldest(older);
-        }
+        renewed.slide_oldest(renewed.frames().len() - window.frames().len());
         *window = renewed;
     }
 }

@@ -96,8 +96,11 @@ impl Window {
         }
     }
 
-    /// Lets the `leaving` oldest frames go at once, into one prior.
+    /// Lets the `leaving` oldest frames go at once, into one prior; nothing changes where that is none.
     pub(crate) fn slide_oldest(&mut self, leaving: usize) {
+        if leaving == 0 {
+            return;
+        }
         let prior = self.prior_without_oldest(leaving);
         let newest = self.frames.len() - 1;
         let last_cameras: Vec<_> =
@@ -114,10 +117,8 @@ impl Window {
             }
             let point = landmark.point(&last_cameras[landmark.host()]);
             if handover == Handover::Split {
-                let parts: Vec<f64> =
-                    (0..used[landmark_index]).map(|k| self.handed_part(landmark, k, leaving)).collect();
-                for ((_, sighting), part) in landmark.sightings.iter_mut().zip(parts) {
-                    sighting.left -= part;
+                for k in 0..used[landmark_index] {
+                    landmark.sightings[k].1.left -= self.handed_part(landmark, k, leaving);
                 }
             }
             let going = landmark.sightings_before(leaving);
