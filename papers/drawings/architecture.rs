@@ -131,7 +131,7 @@ pub(crate) fn window(estimator: &EstimatorConfig) -> Result<Diagram, FigureError
         window.key_frame_parallax_px,
         words(window.estimate_extrinsics),
         words(window.estimate_time_offset),
-        word(estimator.handover()),
+        word(window.handover),
     );
     Diagram::new(blocks, arrows, &caption)
 }

@@ -1,6 +1,6 @@
 //! The estimator's settings.
 
-use super::delayed::{Delay, DelayedConfig};
+use super::delayed::DelayedConfig;
 use super::health::HealthConfig;
 use super::jump::JumpConfig;
 use crate::components::ComponentsConfig;
@@ -52,28 +52,10 @@ pub struct EstimatorConfig {
 }
 
 impl EstimatorConfig {
-    /// The handover in force: what [`Handover::Auto`] comes to.
-    pub fn handover(&self) -> Handover {
-        match (self.window.handover, &self.components) {
-            (Handover::Auto, Some(_)) => Handover::Split,
-            (Handover::Auto, None) => Handover::Reuse,
-            (told, _) => told,
-        }
-    }
-
-    /// When the prior is made again: what [`Delay::Auto`] comes to.
-    pub(super) fn delay(&self) -> Delay {
-        match (self.delayed.when, &self.components) {
-            (Delay::Auto, Some(_)) => Delay::Always,
-            (Delay::Auto, None) => Delay::Never,
-            (told, _) => told,
-        }
-    }
-
     /// What settings that are allowed do not do together, for people.
     pub fn warnings(&self) -> Vec<String> {
-        let twice = self.covariance && self.handover() == Handover::Reuse;
-        let words = "covariances are some 2 times too small in deviation with `window.handover = \"reuse\"`, the default where the noise is told, which counts sightings twice (NEES 9 to 14 where 3 is right); \"drop\" does not";
+        let twice = self.covariance && self.window.handover == Handover::Reuse;
+        let words = "covariances are some 2 times too small in deviation with `window.handover = \"reuse\"`, which counts sightings twice (NEES 9 to 14 where 3 is right); \"split\", the default, does not";
         twice.then(|| words.to_owned()).into_iter().collect()
     }
 }
@@ -84,14 +66,11 @@ mod tests {
 
     #[test]
     fn covariances_of_sightings_counted_twice_are_warned_of() {
-        let mut config = EstimatorConfig::default();
+        let mut config = EstimatorConfig { covariance: true, ..EstimatorConfig::default() };
         assert!(config.warnings().is_empty());
-        config.covariance = true;
-        assert!(config.warnings()[0].contains("\"drop\" does not"));
-        config.window.handover = Handover::Drop;
-        assert!(config.warnings().is_empty());
-        config.window.handover = Handover::Auto;
-        config.components = Some(ComponentsConfig::default());
+        config.window.handover = Handover::Reuse;
+        assert!(config.warnings()[0].contains("\"split\", the default, does not"));
+        config.covariance = false;
         assert!(config.warnings().is_empty());
     }
 }

@@ -11,25 +11,12 @@ use crate::window::{Leaving, Seen, Window};
 use dpn_core::config::ConfigFaults;
 use serde::{Deserialize, Serialize};
 
-/// When there is a second window.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Delay {
-    /// Where the noise is learned. With a noise that is told and sightings counted twice (`handover = "reuse"`) the larger window counts them oftener
-    /// still.
-    Auto,
-    /// With every noise.
-    Always,
-    /// With none.
-    Never,
-}
-
 /// Settings of delayed marginalisation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct DelayedConfig {
-    /// When there is a second window.
-    pub when: Delay,
+    /// Whether there is a second window.
+    pub enabled: bool,
     /// Key frames that the second window has more than the first; 1 to 100.
     pub key_frames: usize,
     /// Key frames from one renewal of the prior to the next, by which the second window grows meanwhile; 1 to 100.
@@ -38,7 +25,7 @@ pub struct DelayedConfig {
 
 impl Default for DelayedConfig {
     fn default() -> Self {
-        Self { when: Delay::Auto, key_frames: 5, every: 10 }
+        Self { enabled: true, key_frames: 5, every: 10 }
     }
 }
 
@@ -59,9 +46,9 @@ pub(super) struct Delayed {
 }
 
 impl Delayed {
-    /// From what `window` holds; `None` where nothing is to be delayed. [`Delay::Auto`] has been settled.
+    /// From what `window` holds; `None` where nothing is to be delayed.
     pub(super) fn beside(window: &Window, config: DelayedConfig) -> Option<Self> {
-        (config.when == Delay::Always).then(|| {
+        config.enabled.then(|| {
             let mut window = window.clone();
             window.config.key_frames += config.key_frames;
             Self { window, every: config.every, since: 0 }
@@ -159,13 +146,12 @@ mod tests {
     fn a_prior_that_is_made_again_stands_for_what_has_left_as_if_it_were_there() {
         for seed in 0..6 {
             let scene = Scene::new(&gentle_flight(seed), FRAMES, 0.15, 0.5, seed);
-            let none = DelayedConfig { when: Delay::Never, ..DelayedConfig::default() };
+            let none = DelayedConfig { enabled: false, ..DelayedConfig::default() };
             let all = newest(&scene, FRAMES, none);
             let once = (newest(&scene, 4, none) - all).norm();
-            let again =
-                (newest(&scene, 4, DelayedConfig { when: Delay::Always, key_frames: FRAMES, every: 1 })
-                    - all)
-                    .norm();
+            let again = (newest(&scene, 4, DelayedConfig { enabled: true, key_frames: FRAMES, every: 1 })
+                - all)
+                .norm();
             assert!(again < 0.02 * once, "seed {seed}: {again} and {once} m off");
         }
     }

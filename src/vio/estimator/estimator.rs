@@ -68,8 +68,6 @@ impl Estimator {
         seed: u64,
     ) -> Result<Self, Vec<ConfigFault>> {
         config.init.focal_px = camera.px_per_rad();
-        config.window.handover = config.handover();
-        config.delayed.when = config.delay();
         config.validate()?;
         let stream = Stream::new(seed).named("estimator");
         let mut estimator = Self {

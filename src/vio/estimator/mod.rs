@@ -26,7 +26,7 @@ mod update;
 mod validate;
 
 pub use config::{EstimatorConfig, FedTracks};
-pub use delayed::{Delay, DelayedConfig};
+pub use delayed::DelayedConfig;
 pub use estimator::Estimator;
 pub use feed_error::FeedError;
 pub use image_tracker::{FrontEndObserver, ImageTracker};

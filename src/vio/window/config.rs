@@ -7,9 +7,6 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Handover {
-    /// `Split` where the noise is learned, else `Reuse`. Who tells the noise tells one that is right together with sightings counted twice; a level
-    /// that is learned from residuals is right for what each sighting says.
-    Auto,
     /// Their sightings enter the prior and are used again from the next host: information counted twice, as VINS-Mono does.
     Reuse,
     /// As `Reuse`, but a landmark of `m` sightings enters the prior with `1/(m - 1)` of its information each time it loses its host: over its track
@@ -76,7 +73,7 @@ impl Default for WindowConfig {
             outlier_px: 6.0,
             max_iterations: 8,
             cost_tolerance: 1e-2,
-            handover: Handover::Auto,
+            handover: Handover::Split,
             estimate_extrinsics: false,
             estimate_time_offset: false,
         }

@@ -55,9 +55,7 @@ impl Window {
             return 0;
         }
         match self.config.handover {
-            Handover::Auto | Handover::Reuse | Handover::Share | Handover::Split | Handover::Consume => {
-                sightings
-            }
+            Handover::Reuse | Handover::Share | Handover::Split | Handover::Consume => sightings,
             _ if self.has_ended(landmark) => sightings,
             Handover::Drop => 0,
         }
@@ -76,7 +74,7 @@ impl Window {
             Handover::Split if k < going || self.has_ended(landmark) => left,
             // The last one keeps half of that: it is the next host, and one of which nothing is left holds no landmark.
             Handover::Split => left * (1.0 - (rows - going as f64).max(0.5) / rows),
-            Handover::Auto | Handover::Reuse | Handover::Consume | Handover::Drop => 1.0,
+            Handover::Reuse | Handover::Consume | Handover::Drop => 1.0,
         }
     }
 
@@ -124,7 +122,7 @@ impl Window {
             let going = landmark.sightings_before(leaving);
             // What is in the prior must not be counted again, what has lost its host's frame cannot stay.
             let gone = match (handover, used[landmark_index]) {
-                (_, 0) | (Handover::Auto | Handover::Reuse | Handover::Share, _) => going,
+                (_, 0) | (Handover::Reuse | Handover::Share, _) => going,
                 (Handover::Split, _) if landmark.last_frame() == newest => going,
                 // The newest goes on, as the anchor of what comes.
                 (Handover::Consume, all) if landmark.last_frame() == newest => all - 1,
