@@ -6,7 +6,7 @@ use crate::metrics::MetricsError;
 use crate::noise::NoiseError;
 use crate::stats::StatsError;
 use dpn_core::camera::BadCamera;
-use dpn_core::config::{ConfigFault, meant, nearest};
+use dpn_core::config::{ConfigFault, nearest};
 use dpn_io::calibration::CalibrationError;
 use dpn_io::{Coverage, IoError, LockError};
 use dpn_logs::LogError;
@@ -145,7 +145,7 @@ pub enum ClosedLoopError {
         sequence: String,
     },
     /// A name no sequence has.
-    #[error("no sequence is called `{name}`; there are {}{}", known.join(", "), meant(probable(name, known)))]
+    #[error("no sequence is called `{name}`; there are {}{}", known.join(", "), meant(name, known))]
     UnknownSequence {
         /// What was asked for.
         name: String,
@@ -272,12 +272,12 @@ pub enum ClosedLoopError {
     },
 }
 
-/// The sequence that was probably meant.
-fn probable<'a>(name: &str, known: &'a [String]) -> Option<&'a str> {
+/// The sequence that was probably meant, in brackets.
+fn meant(name: &str, known: &[String]) -> String {
     let words = known.iter().flat_map(|full| called(full));
     let full =
         nearest(name, words).and_then(|word| known.iter().find(|full| called(full).any(|w| w == word)));
-    full.map(String::as_str)
+    full.map(|full| format!(" (did you mean `{full}`?)")).unwrap_or_default()
 }
 
 impl ClosedLoopError {

@@ -119,12 +119,6 @@ pub fn nearest<'a>(typed: &str, known: impl IntoIterator<Item = &'a str>) -> Opt
         .map(|(_, word)| word)
 }
 
-/// What follows a message in brackets where a slip is suspected: the word that was probably meant. Empty where there is none.
-#[cfg(feature = "full")]
-pub fn meant(word: Option<&str>) -> String {
-    word.map(|word| format!(" (did you mean `{word}`?)")).unwrap_or_default()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

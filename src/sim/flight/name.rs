@@ -1,6 +1,6 @@
 //! The eleven flights by name, and which of them may be trained on.
 
-use dpn_core::config::{meant, nearest};
+use dpn_core::config::nearest;
 use dpn_core::named;
 use serde::{Deserialize, Serialize};
 use std::str::FromStr;
@@ -48,7 +48,7 @@ named!(
 
 /// A name no flight has.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("no flight is called `{given}`; known are {}{}", known(), meant(probable(given)))]
+#[error("no flight is called `{given}`; known are {}{}", known(), meant(given))]
 pub struct UnknownFlight {
     /// What was asked for.
     pub given: String,
@@ -58,9 +58,10 @@ fn known() -> String {
     Flight::ALL.map(Flight::name).join(", ")
 }
 
-fn probable(given: &str) -> Option<&'static str> {
+fn meant(given: &str) -> String {
     let names = Flight::ALL.into_iter().flat_map(Flight::names);
-    nearest(given, names).and_then(|name| name.parse::<Flight>().ok()).map(Flight::name)
+    let flight = nearest(given, names).and_then(|name| name.parse::<Flight>().ok());
+    flight.map(|flight| format!(" (did you mean `{}`?)", flight.name())).unwrap_or_default()
 }
 
 impl Flight {
