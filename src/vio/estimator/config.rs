@@ -72,5 +72,10 @@ mod tests {
         assert!(config.warnings()[0].contains("\"split\", the default, does not"));
         config.covariance = false;
         assert!(config.warnings().is_empty());
+        config = EstimatorConfig { covariance: true, ..EstimatorConfig::default() };
+        config.components = Some(ComponentsConfig::default());
+        assert!(config.warnings().is_empty());
+        config.window.handover = Handover::Drop;
+        assert!(config.warnings().is_empty());
     }
 }
