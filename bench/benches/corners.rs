@@ -1,9 +1,9 @@
-//! 150 corners of a real image of 752 x 480, 30 px apart; and contrast equalised.
+//! 150 corners of a real image of 752 x 480, 30 px apart.
 
 use dpn_bench::frames::rolling;
 use dpn_bench::{iterations, time};
 use dpn_vio::frontend::corners::{CornerConfig, Detector, Mask};
-use dpn_vio::frontend::image::{Clahe, ClaheConfig, Plane};
+use dpn_vio::frontend::image::Plane;
 use std::hint::black_box;
 
 fn main() {
@@ -23,11 +23,4 @@ fn main() {
             timing.wall_ms, timing.cpu_ms
         );
     }
-    let mut clahe = Clahe::new(ClaheConfig::default());
-    let timing = time(iterations(100), || {
-        let mut plane = plane.clone();
-        clahe.apply(&mut plane);
-        black_box(&plane);
-    });
-    println!("clahe: median {:.3} ms, cpu {:.3} ms", timing.wall_ms, timing.cpu_ms);
 }

@@ -16,8 +16,6 @@ fn main() {
     plain.klt.illumination = Illumination::Constant;
     plain.klt.affine = false;
     plain.klt.back_px = 0.0;
-    let mut equalised = default;
-    equalised.clahe.enabled = true;
     let mut shifted = default;
     shifted.klt.affine = false;
     let runs = iterations(10);
@@ -26,7 +24,6 @@ fn main() {
         ("default", default),
         ("shifts only", shifted),
         ("no light, no way back", plain),
-        ("with CLAHE", equalised),
     ] {
         measure(name, config, &images, runs);
     }

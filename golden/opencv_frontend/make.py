@@ -54,8 +54,6 @@ few = cv2.goodFeaturesToTrack(first, 25, 0.05, 20, mask=inner).reshape(-1, 2)
 mask = inner.copy()
 mask[:, 100:] = 0
 masked = cv2.goodFeaturesToTrack(first, 60, 0.01, 10, mask=mask).reshape(-1, 2)
-criteria = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 20, 0.01)
-refined = cv2.cornerSubPix(first, corners.copy().reshape(-1, 1, 2), (5, 5), (-1, -1), criteria).reshape(-1, 2)
 
 
 def flow(levels, window):
@@ -76,8 +74,6 @@ for f in flows:
 
 pyramid = [cv2.pyrDown(first)]
 pyramid.append(cv2.pyrDown(pyramid[0]))
-clahe = cv2.createCLAHE(3.0, (8, 8)).apply(first)
-clahe_odd = cv2.createCLAHE(2.0, (4, 4)).apply(first)
 
 
 def samples(image, n):
@@ -92,11 +88,9 @@ json.dump(
         "corners": {"most": 60, "quality": 0.01, "distance": 10, "px": corners.tolist()},
         "few": {"most": 25, "quality": 0.05, "distance": 20, "px": few.tolist()},
         "masked": {"most": 60, "quality": 0.01, "distance": 10, "px": masked.tolist(), "free_columns": 100},
-        "refined": refined.tolist(),
         "truth": truth.tolist(),
         "flows": flows,
         "pyramid": [samples(level, 150) for level in pyramid],
-        "clahe": [{"clip": 3.0, "tiles": 8, **samples(clahe, 300)}, {"clip": 2.0, "tiles": 4, **samples(clahe_odd, 300)}],
     },
     open("golden.json", "w"),
 )

@@ -1,5 +1,6 @@
 //! Typed TOML configuration: unknown keys are refused with the nearest known one, bad values all at once.
 
+use crate::gone::gone;
 use crate::printable;
 use crate::small::{LARGEST_CONFIG, bounded};
 use dpn_core::config::{ConfigFaults, Validate, nearest};
@@ -80,12 +81,8 @@ pub fn load<T: DeserializeOwned + Validate>(path: &Path) -> Result<T, ConfigErro
 pub fn parse<T: DeserializeOwned + Validate>(text: &str, path: &Path) -> Result<T, ConfigError> {
     let config: T = toml::from_str(text).map_err(|error| {
         let message = printable(error.message());
-        ConfigError::Parse {
-            path: path.to_owned(),
-            line: error.span().map(|span| 1 + text[..span.start.min(text.len())].matches('\n').count()),
-            nearest: nearest_word(&message),
-            message,
-        }
+        let line = error.span().map(|span| 1 + text[..span.start.min(text.len())].matches('\n').count());
+        refused(path.to_owned(), line, message)
     })?;
     match config.validate() {
         Ok(()) => Ok(config),
@@ -109,12 +106,7 @@ pub fn load_over<T: DeserializeOwned + Validate>(
     if sets.is_empty() {
         return Ok(config);
     }
-    let wrong = |path: String, message: String| ConfigError::Parse {
-        path: path.into(),
-        line: None,
-        nearest: nearest_word(&message),
-        message,
-    };
+    let wrong = |path: String, message: String| refused(path.into(), None, message);
     let mut table: toml::Table =
         toml::from_str(&text).map_err(|e| wrong(name.display().to_string(), e.message().to_owned()))?;
     let typed = |key: &str, text: &str| format!("{key}={text}");
@@ -167,6 +159,15 @@ fn put(table: &mut toml::Table, key: &str, value: toml::Value) -> Result<(), Str
     }
 }
 
+/// A text that serde refuses with `message`: a key that was there once is named as such, another has the nearest known one beside it.
+fn refused(path: PathBuf, line: Option<usize>, message: String) -> ConfigError {
+    let unknown = message.starts_with("unknown ").then(|| message.split('`').nth(1)).flatten();
+    match unknown.and_then(gone) {
+        Some(message) => ConfigError::Parse { path, line, message, nearest: None },
+        None => ConfigError::Parse { path, line, nearest: nearest_word(&message), message },
+    }
+}
+
 /// From serde's "unknown field `a`, expected one of `b`, `c`": the expected word nearest to the unknown one.
 fn nearest_word(message: &str) -> Option<String> {
     let mut quoted = message.split('`').skip(1).step_by(2);
@@ -212,6 +213,16 @@ mod tests {
         let error = parsed("epochs = 3\nlerning_rate = 0.1\n").unwrap_err();
         assert!(error.to_string().starts_with("a.toml:2: unknown field `lerning_rate`"), "{error}");
         assert_eq!(error.hint().as_deref(), Some("did you mean `learning_rate`?"));
+    }
+
+    #[test]
+    fn a_key_that_is_gone_is_named_with_since_when_and_what_to_write_instead() {
+        let error = parsed("epochs = 3\nclahe = { enabled = true }").unwrap_err();
+        let words = "a.toml:2: `clahe` is gone since 0.3.0; leave it out: images are tracked as they are";
+        assert_eq!((error.to_string().as_str(), error.hint()), (words, None));
+        let set = [("subpixel".to_owned(), "4".to_owned())];
+        let error = load_over::<Small>(None, &set).unwrap_err().to_string();
+        assert!(error.starts_with("subpixel=4: `subpixel` is gone since 0.3.0; "), "{error}");
     }
 
     #[test]

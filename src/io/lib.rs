@@ -34,6 +34,7 @@ mod fields;
 #[cfg(test)]
 mod fuzz;
 #[cfg(feature = "images")]
+mod gone;
 mod grey;
 mod guess;
 mod head;

@@ -1,7 +1,6 @@
 //! Bounds of the estimator's settings.
 
 use super::EstimatorConfig;
-use crate::preint::ImuCov;
 use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 
 impl Validate for EstimatorConfig {
@@ -10,10 +9,6 @@ impl Validate for EstimatorConfig {
         let (window, health) = (&self.window, &self.health);
         faults.positive("imu.accel_bias_walk", self.imu.accel_bias_walk.get());
         faults.positive("imu.gyro_bias_walk", self.imu.gyro_bias_walk.get());
-        self.imu.colour.check(&mut faults);
-        let known = self.imu.colour.is_white() || self.imu.imu_cov == ImuCov::Exact;
-        let model = format!("{:?}", self.imu.imu_cov).to_lowercase();
-        faults.check(known, "imu.imu_cov", model, "exact, where imu.colour has a line");
         faults.positive("window.pixel_std", window.pixel_std);
         self.lens.check(&mut faults);
         faults.positive("window.loss_scale", window.loss_scale);

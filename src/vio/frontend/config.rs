@@ -1,22 +1,10 @@
 //! Settings of the whole front-end.
 
 use super::corners::CornerConfig;
-use super::image::ClaheConfig;
 use super::klt::KltConfig;
 use super::ransac::RansacConfig;
 use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 use serde::{Deserialize, Serialize};
-
-/// What to do with an image that is the last one over again, byte by byte. No sensor takes the same noise twice: such an image is a
-/// driver's copy and says nothing of the time it is stamped with. A noiseless rendering at rest is the exception.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Repeated {
-    /// Pass it over.
-    Skip,
-    /// Take it as an image like any other.
-    Use,
-}
 
 /// Settings of the front-end.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -35,10 +23,6 @@ pub struct FrontEndConfig {
     /// Time from the first line's exposure to the last's \[s\], 0 to .1, for a rolling shutter; images are stamped at their middle line
     /// (a stamp elsewhere is the camera clock's offset in the calibration). Default 0, all lines at once.
     pub readout_s: f64,
-    /// Images that come twice. Default `skip`.
-    pub repeated: Repeated,
-    /// Equalisation of contrast.
-    pub clahe: ClaheConfig,
     /// New points.
     pub corners: CornerConfig,
     /// Tracking from image to image.
@@ -56,8 +40,6 @@ impl Default for FrontEndConfig {
             blind_share: 0.97,
             blind_std: 2.0,
             readout_s: 0.0,
-            repeated: Repeated::Skip,
-            clahe: ClaheConfig::default(),
             corners: CornerConfig::default(),
             klt: KltConfig::default(),
             ransac: RansacConfig::default(),
@@ -75,7 +57,6 @@ impl Validate for FrontEndConfig {
         faults.within("blind_share", self.blind_share, 0.0, 1.0);
         faults.within("blind_std", self.blind_std, 0.0, 100.0);
         faults.within("readout_s", self.readout_s, 0.0, 0.1);
-        faults.table("clahe", self.clahe.faults());
         faults.table("corners", self.corners.faults());
         faults.table("klt", self.klt.faults());
         faults.table("ransac", self.ransac.faults());
@@ -91,14 +72,13 @@ mod tests {
 
     #[test]
     fn every_fault_is_named_at_once_with_its_part() {
-        let text = "rate_hz = 0.0\n[klt]\nwindow = 20\n[corners]\nmost = 0\n[ransac]\nconfidence = 1.0\n[clahe]\ntiles = 40";
+        let text = "rate_hz = 0.0\n[klt]\nwindow = 20\n[corners]\nmost = 0\n[ransac]\nconfidence = 1.0";
         let error = parse::<FrontEndConfig>(text, Path::new("f.toml")).unwrap_err().to_string();
         for key in [
             "`rate_hz` is 0",
             "`klt.window` is 20",
             "`corners.most` is 0",
             "`ransac.confidence` is 1",
-            "`clahe.tiles` is 40",
         ] {
             assert!(error.contains(key), "{key} not in {error}");
         }

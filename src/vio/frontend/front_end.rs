@@ -1,9 +1,9 @@
 //! The front-end itself: images in, tracks out.
 
-use super::config::{FrontEndConfig, Repeated};
+use super::config::FrontEndConfig;
 use super::corners::{Detector, Mask};
 use super::gyro_bias::GyroBias;
-use super::image::{Clahe, ImageStats, Pyramid};
+use super::image::{ImageStats, Pyramid};
 use super::klt::{Klt, KltConfig, Shift, Template};
 use super::line_turns::LineTurns;
 use super::predict::turned;
@@ -96,7 +96,6 @@ pub struct FrontEnd {
     /// The way back, which need not look like anything: it is compared with home.
     back: Klt,
     detector: Detector,
-    clahe: Option<Clahe>,
     allowed: Option<GrayImage>,
     mask: Mask,
     schedule: Schedule,
@@ -145,7 +144,6 @@ impl FrontEnd {
                 ..config.klt
             }),
             detector: Detector::new(config.corners),
-            clahe: config.clahe.enabled.then(|| Clahe::new(config.clahe)),
             allowed: circle_of(&camera),
             mask: Mask::default(),
             schedule: Schedule::new(config.rate_hz),
@@ -234,16 +232,13 @@ impl FrontEnd {
         let mut report = FrameReport { image: Some(stats), ..report(Status::Tracked) };
         let repeated = self.fingerprint.replace(stats.fingerprint) == Some(stats.fingerprint);
         let blind = stats.unusable() >= self.config.blind_share || stats.std < self.config.blind_std;
-        if blind || (repeated && self.config.repeated == Repeated::Skip) {
+        if blind || repeated {
             report.times.image = start.elapsed();
             report.status = if blind { Status::Blind } else { Status::Repeated };
             return self.pass_over(report);
         }
         self.lines = lines;
         self.cur.base_mut().copy(image);
-        if let Some(clahe) = &mut self.clahe {
-            clahe.apply(self.cur.base_mut());
-        }
         let klt = self.config.klt;
         self.cur.build(klt.levels.max(klt.foreseen_levels).max(klt.back_levels));
         report.times.image = start.elapsed();

@@ -31,7 +31,7 @@ mod schedule;
 #[cfg(test)]
 pub(crate) mod tests;
 
-pub use config::{FrontEndConfig, Repeated};
+pub use config::FrontEndConfig;
 pub use front_end::{Fed, FrontEnd, MaskSizeError};
 pub(crate) use gyro_turn::GyroTurn;
 pub(crate) use line_turns::{LineTurns, line_delay};

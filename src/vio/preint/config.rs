@@ -1,6 +1,5 @@
 //! How noise enters a pre-integrated interval.
 
-use super::colour::NoiseColour;
 use dpn_core::SampleRate;
 use dpn_core::noise::{AccelBiasRateStd, AccelBiasWalkDensity, GyroBiasRateStd, GyroBiasWalkDensity};
 use serde::{Deserialize, Serialize};
@@ -29,9 +28,6 @@ pub struct PreintegrationConfig {
     pub accel_bias_walk: AccelBiasWalkDensity,
     /// Walk of the gyro's bias \[rad/s^2/sqrt(Hz)\], likewise. Default: VINS-Mono's `gyr_w = 2e-6` at its 200 Hz, 1.41e-7.
     pub gyro_bias_walk: GyroBiasWalkDensity,
-    /// What of the noise told are lines and not white; under `exact` alone. Default: nothing.
-    #[serde(skip_serializing_if = "NoiseColour::is_white")]
-    pub colour: NoiseColour,
 }
 
 impl Default for PreintegrationConfig {
@@ -40,7 +36,6 @@ impl Default for PreintegrationConfig {
             imu_cov: ImuCov::default(),
             accel_bias_walk: AccelBiasRateStd::VINS_MONO.to_density(SampleRate::HZ_200),
             gyro_bias_walk: GyroBiasRateStd::VINS_MONO.to_density(SampleRate::HZ_200),
-            colour: NoiseColour::default(),
         }
     }
 }

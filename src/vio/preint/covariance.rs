@@ -1,6 +1,5 @@
 //! The covariance of an interval under the three models; derived at the head of [`super`].
 
-use super::coloured::Coloured;
 use super::config::{ImuCov, PreintegrationConfig};
 use super::levels::{ACCEL_WALK, GYRO_WALK, NoiseLevels};
 use super::linear::{ACCEL, BIAS_DIM, GYRO, MOTION_DIM, Step, Transition};
@@ -98,9 +97,6 @@ pub(super) struct Covariance {
     gyro_bias: f64,
     /// The last sample's weight and variances, which the next step completes; under `exact` alone.
     open: Option<(Entry, ImuNoise)>,
-    /// What the noise's lines have, and the shares of the variances that are white: accelerometer, gyro.
-    coloured: Vec<Coloured>,
-    white: [f64; 2],
 }
 
 impl Covariance {
@@ -120,15 +116,7 @@ impl Covariance {
             accel_bias: 0.0,
             gyro_bias: 0.0,
             open: (config.imu_cov == ImuCov::Exact).then(|| (Entry::none(), *first)),
-            coloured: Coloured::all(&config.colour),
-            white: [config.colour.accel, config.colour.gyro].map(|lines| lines.white_share().max(0.0)),
         }
-    }
-
-    /// Variances of the white noise in force.
-    fn variances(&self, told: &ImuNoise) -> (Vector3<f64>, Vector3<f64>) {
-        let (accel, gyro) = self.levels.variances(told);
-        (self.white[0] * accel, self.white[1] * gyro)
     }
 
     /// One step further, from sample 0 to sample 1.
@@ -148,7 +136,7 @@ impl Covariance {
                 self.carry(&step.transition);
                 let half = Entry::half(step, &step.rotation_1);
                 if let Some((entry, noise)) = &self.open {
-                    let (accel, gyro) = self.variances(noise);
+                    let (accel, gyro) = self.levels.variances(noise);
                     entry.continued(step).add_to(&mut self.motion, &accel, &gyro);
                 }
                 // The walk's increment is in the second sample already, with the weight of its noise and a bias's sign.
@@ -168,14 +156,14 @@ impl Covariance {
                 for (rotation, noise) in
                     [(&step.rotation_0, &sample_0.noise), (&step.rotation_1, &sample_1.noise)]
                 {
-                    let (accel, gyro) = self.variances(noise);
+                    let (accel, gyro) = self.levels.variances(noise);
                     Entry::half(step, rotation).add_to(&mut self.motion, &accel, &gyro);
                 }
             }
             ImuCov::Euler => {
                 let transition = Transition::euler(dt, &step.rotation_0, &step.rate_0, &step.force_0);
                 self.carry(&transition);
-                let (accel, gyro) = self.variances(&sample_0.noise);
+                let (accel, gyro) = self.levels.variances(&sample_0.noise);
                 let mut d_motion_d_gyro = SMatrix::<f64, MOTION_DIM, 3>::zeros();
                 d_motion_d_gyro.fixed_view_mut::<3, 3>(ROTATION, 0).fill_diagonal(dt);
                 let entry = Entry {
@@ -186,9 +174,6 @@ impl Covariance {
                 };
                 entry.add_to(&mut self.motion, &accel, &gyro);
             }
-        }
-        for coloured in &mut self.coloured {
-            coloured.advance(step, &self.levels, [&sample_0.noise, &sample_1.noise]);
         }
         self.accel_bias += accel_walk;
         self.gyro_bias += gyro_walk;
@@ -216,11 +201,8 @@ impl Covariance {
     pub(super) fn assembled(&self) -> SMatrix<f64, STATE_DIM, STATE_DIM> {
         let mut motion = self.motion;
         if let Some((entry, noise)) = &self.open {
-            let (accel, gyro) = self.variances(noise);
+            let (accel, gyro) = self.levels.variances(noise);
             entry.add_to(&mut motion, &accel, &gyro);
-        }
-        for coloured in &self.coloured {
-            motion += coloured.motion;
         }
         let mut whole = SMatrix::<f64, STATE_DIM, STATE_DIM>::zeros();
         // Symmetric to the last bit.

@@ -47,16 +47,12 @@
 //!   0 (`theta' = -hat(w_0) theta - bg - n_g`, `v' = -R_0 hat(f_0) theta - R_0 (ba + n_a)`, `p' = v`) and `Q = Q_0`: each sample but
 //!   the last counts once, in full. The mean and the bias Jacobian remain those of the mid-point.
 //!
-//! Noise whose samples are correlated ([`NoiseColour`]) has a part of its own in `P`, derived in `coloured.rs`.
-//!
 //! Two intervals that meet in one sample each give it half a weight and treat its two halves as independent: of `n` steps
 //! 1/2 of a sample's variance is missing (2.5 % at 20 steps) under `exact`, and comes back when the intervals are merged.
 //!
 //! Sources: Forster et al. 2017 (right Jacobians, bias update), Qin et al. 2018, sec. IV-B (increments in the first body frame,
 //! mid-point). The weights are derived here. Not here: the residual between two states ([`crate::factors::inertial`]).
 
-mod colour;
-mod coloured;
 mod config;
 mod covariance;
 mod delta;
@@ -69,7 +65,6 @@ mod sample;
 #[cfg(test)]
 pub(crate) mod testing;
 
-pub use colour::{LINES, NoiseColour, NoiseLine, NoiseLines};
 pub use config::{ImuCov, PreintegrationConfig};
 pub use delta::Delta;
 pub use interval::Preintegration;

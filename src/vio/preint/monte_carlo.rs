@@ -4,7 +4,7 @@
 //! is a stochastic difference equation of its own, not even that).
 
 use super::testing::{config, integrate, lively, random_bias, rng};
-use super::{Delta, ImuCov, NoiseColour, NoiseLine, NoiseLines, NoisySample, PreintegrationConfig};
+use super::{Delta, ImuCov, NoisySample, PreintegrationConfig};
 use crate::factors::inertial::sqrt_information;
 use crate::preint::linear::Step;
 use crate::state::{ACCEL_BIAS, GYRO_BIAS, ImuBias, POSITION, ROTATION, STATE_DIM, VELOCITY};
@@ -241,115 +241,5 @@ fn the_test_tells_the_models_apart() {
     for other in [ImuCov::Vins, ImuCov::Euler] {
         let propagated = case(other, all, 200.0, 3).propagated;
         assert!(std::panic::catch_unwind(|| assert_sampled("other", &propagated, &sampled)).is_err());
-    }
-}
-
-/// One draw of the truth about `samples` whose noise has lines.
-fn sampled_lines(
-    rng: &mut impl Rng,
-    colour: &NoiseColour,
-    samples: &[NoisySample],
-    bias: &ImuBias,
-    computed: &Delta,
-) -> Error {
-    let sensors = [(Sensor::Accel, colour.accel), (Sensor::Gyro, colour.gyro)];
-    // Both parts of every line's state, an axis a row.
-    let mut states = sensors.map(|(_, lines)| lines.0.map(|_| [normal(rng), normal(rng)]));
-    let mut clean = Vec::new();
-    for (k, sample) in samples.iter().enumerate() {
-        let dt = if k == 0 { 0.0 } else { sample.sample.t.seconds_since(samples[k - 1].sample.t) };
-        let mut noise = [Vector3::zeros(); 2];
-        for (i, (sensor, lines)) in sensors.iter().enumerate() {
-            let mut unit = lines.white_share().sqrt() * normal(rng);
-            for (line, state) in lines.0.iter().zip(&mut states[i]) {
-                let kept = (-dt / line.decay_s).exp();
-                let (sin, cos) = (std::f64::consts::TAU * line.hz * dt).sin_cos();
-                let [x, y] = *state;
-                let fresh = (1.0 - kept * kept).max(0.0).sqrt();
-                *state = [
-                    kept * (cos * x - sin * y) + fresh * normal(rng),
-                    kept * (sin * x + cos * y) + fresh * normal(rng),
-                ];
-                unit += line.share.sqrt() * state[0];
-            }
-            noise[i] = unit.component_mul(&Vector3::from(sample.noise.of(*sensor)));
-        }
-        clean.push(minus(sample, &noise[0], &noise[1]));
-    }
-    let mut truth = Delta::identity();
-    for pair in clean.windows(2) {
-        truth = Step::mid_point(&truth, bias, &pair[0].sample, &pair[1].sample).after;
-    }
-    error(&truth, computed, &Vector3::zeros(), &Vector3::zeros())
-}
-
-#[test]
-fn noise_with_lines_has_the_covariance_of_its_draws() {
-    let line = |share, hz, decay_s| NoiseLine { share, hz, decay_s };
-    let colours = [
-        NoiseColour { accel: line(0.9, 27.0, 0.05).into(), gyro: line(0.6, 90.0, 0.3).into() },
-        // A bias that comes and goes; and a line that dies within a sample.
-        NoiseColour { accel: line(1.0, 0.0, 0.5).into(), gyro: line(0.5, 40.0, 0.001).into() },
-        NoiseColour {
-            accel: NoiseLines([line(0.3, 27.0, 0.1), line(0.5, 91.0, 0.05), line(0.1, 5.0, 0.2)]),
-            gyro: NoiseLines([NoiseLine::default(), line(0.5, 10.0, 0.05), NoiseLine::default()]),
-        },
-    ];
-    for (seed, colour) in colours.into_iter().enumerate() {
-        let mut rng = rng("lines", seed as u64);
-        let bias = random_bias(&mut rng);
-        let mut samples = lively(&mut rng, 200.0, 20, true);
-        noisy(&mut samples, Sources { accel: 1e-3, gyro: 1e-4, ..NONE }, 200.0);
-        let white = config(ImuCov::Exact, 0.0, 0.0);
-        let coloured = PreintegrationConfig { colour, ..white };
-        let preint = integrate(coloured, bias, &samples);
-        let mut sum = Square::zeros();
-        for _ in 0..DRAWS {
-            let e = sampled_lines(&mut rng, &colour, &samples, &bias, preint.delta());
-            sum += e * e.transpose();
-        }
-        let sampled = sum / DRAWS as f64;
-        assert_sampled(&format!("{colour:?}"), preint.covariance(), &sampled);
-        let told = *integrate(white, bias, &samples).covariance();
-        assert!(std::panic::catch_unwind(|| assert_sampled("white", &told, &sampled)).is_err());
-    }
-}
-
-#[test]
-fn a_line_that_never_changes_is_a_bias_and_one_that_dies_at_once_is_white() {
-    let mut rng = rng("limits", 1);
-    let bias = random_bias(&mut rng);
-    let mut samples = lively(&mut rng, 200.0, 20, false);
-    for sample in &mut samples {
-        sample.noise = ImuNoise::from_values([0.1, 0.2, 0.3], [0.01, 0.02, 0.03]).unwrap();
-    }
-    let white = config(ImuCov::Exact, 0.0, 0.0);
-    let of = |line: NoiseLine| {
-        let colour = NoiseColour { accel: line.into(), gyro: line.into() };
-        integrate(PreintegrationConfig { colour, ..white }, bias, &samples)
-    };
-    let near = |a: f64, b: f64, scale: f64| (a - b).abs() < 1e-9 * scale;
-
-    let constant = of(NoiseLine { share: 1.0, hz: 0.0, decay_s: 1e12 });
-    let variances = SVector::<f64, 6>::from([0.01, 0.04, 0.09, 1e-4, 4e-4, 9e-4]);
-    let expected = constant.jacobian() * SMatrix::from_diagonal(&variances) * constant.jacobian().transpose();
-    for r in 0..9 {
-        for c in 0..9 {
-            let scale = (expected[(r, r)] * expected[(c, c)]).sqrt();
-            assert!(near(constant.covariance()[(r, c)], expected[(r, c)], scale), "({r}, {c})");
-        }
-    }
-    let (gone, told) =
-        (of(NoiseLine { share: 0.7, hz: 50.0, decay_s: 1e-6 }), integrate(white, bias, &samples));
-    for r in 0..9 {
-        for c in 0..9 {
-            let scale = (told.covariance()[(r, r)] * told.covariance()[(c, c)]).sqrt();
-            assert!(near(gone.covariance()[(r, c)], told.covariance()[(r, c)], scale), "({r}, {c})");
-        }
-    }
-    // An oscillation cancels in a sum.
-    let turning = of(NoiseLine { share: 0.95, hz: 90.0, decay_s: 1.0 });
-    for row in [ROTATION, VELOCITY] {
-        assert!(turning.covariance()[(row, row)] < 0.1 * told.covariance()[(row, row)]);
     }
 }

@@ -21,13 +21,11 @@ pub struct CornerConfig {
     ///
     /// A cell is square; one that has half as much again as its share waits until all others had their turn.
     pub cells: usize,
-    /// Half a side of the window in which a corner is placed between pixels \[px\], 1 to 10; 0 leaves it on its pixel. Default 0.
-    pub subpixel: usize,
 }
 
 impl Default for CornerConfig {
     fn default() -> Self {
-        Self { most: 150, quality: 0.01, least: 1.0, distance_px: 30.0, edge_px: 5, cells: 8, subpixel: 0 }
+        Self { most: 150, quality: 0.01, least: 1.0, distance_px: 30.0, edge_px: 5, cells: 8 }
     }
 }
 
@@ -40,7 +38,6 @@ impl Validate for CornerConfig {
         faults.within("distance_px", self.distance_px, 1.0, 200.0);
         faults.within("edge_px", self.edge_px, 1, 100);
         faults.within("cells", self.cells, 0, 64);
-        faults.within("subpixel", self.subpixel, 0, 10);
         faults.0
     }
 }

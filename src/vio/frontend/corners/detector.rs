@@ -3,7 +3,6 @@
 use super::config::CornerConfig;
 use super::mask::Mask;
 use super::response::{Candidate, Find, Rows};
-use super::subpixel::refine;
 use crate::frontend::image::Plane;
 use pulp::Arch;
 use std::cmp::Ordering;
@@ -67,7 +66,7 @@ impl Detector {
     /// # After the call
     /// `mask`, which said where corners may be, has also the discs around tracked points and around those found.
     pub fn detect(&mut self, plane: &Plane, mask: &mut Mask, tracked: &[[f32; 2]]) -> Vec<Corner> {
-        let CornerConfig { most, quality, least, distance_px, edge_px, cells, subpixel } = self.config;
+        let CornerConfig { most, quality, least, distance_px, edge_px, cells } = self.config;
         let room = most.saturating_sub(tracked.len());
         if room == 0 {
             return Vec::new();
@@ -114,9 +113,6 @@ impl Detector {
                 break;
             }
             take(candidate, &mut corners);
-        }
-        if subpixel > 0 {
-            corners.iter_mut().for_each(|corner| corner.px = refine(plane, corner.px, subpixel));
         }
         self.candidates = heap.into_vec().into_iter().map(|strongest| strongest.0).collect();
         corners

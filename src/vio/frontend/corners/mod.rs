@@ -9,9 +9,7 @@ mod config;
 mod detector;
 mod mask;
 mod response;
-mod subpixel;
 
 pub use config::CornerConfig;
 pub use detector::{Corner, Detector};
 pub use mask::Mask;
-pub use subpixel::refine;

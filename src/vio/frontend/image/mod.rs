@@ -1,11 +1,9 @@
 //! Images as the kernels want them: padded planes, pyramids, equalised contrast, and figures about an image as a whole.
 
-mod clahe;
 mod plane;
 mod pyramid;
 mod stats;
 
-pub use clahe::{Clahe, ClaheConfig};
 pub use plane::Plane;
 pub use pyramid::Pyramid;
 #[cfg(test)]

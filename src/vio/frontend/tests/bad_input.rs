@@ -117,20 +117,6 @@ fn a_repeated_image_says_nothing_of_its_time() {
 }
 
 #[test]
-fn a_noiseless_rendering_at_rest_may_repeat() {
-    let mut wall = Wall::new(5);
-    wall.noise = false;
-    let config = FrontEndConfig { repeated: Repeated::Use, ..FrontEndConfig::default() };
-    let mut front_end = FrontEnd::new(wall.camera, config, &Stream::new(1)).unwrap();
-    let image = wall.image(&pose(0), 0);
-    for i in 0..10 {
-        let fed = front_end.feed(image.view(), stamp(i), None);
-        assert_eq!(fed.frame.is_some(), i % 2 == 0);
-        assert!(fed.report.lost.is_empty() && fed.report.motion_px < 1e-3);
-    }
-}
-
-#[test]
 fn a_jump_in_exposure_costs_few_tracks() {
     for (gain, offset) in [(0.5, 0.0), (1.25, -15.0), (0.6, 70.0)] {
         let mut flight = Flight::new(6);

@@ -203,9 +203,7 @@ fn the_same_images_give_the_same_tracks_and_a_copy_goes_on_alike() {
         };
         fed.into_iter().map(strip).collect()
     };
-    let mut config = config();
-    config.clahe.enabled = true;
-    config.corners.subpixel = 4;
+    let config = config();
     let once = strip(fly(&wall, config, 12, pose, true));
     let again = std::thread::scope(|scope| {
         let runs: Vec<_> =
