@@ -20,11 +20,7 @@ fn main() {
     shifted.klt.affine = false;
     let runs = iterations(10);
     let images = rolling(if runs == 1 { 6 } else { COUNT });
-    for (name, config) in [
-        ("default", default),
-        ("shifts only", shifted),
-        ("no light, no way back", plain),
-    ] {
+    for (name, config) in [("default", default), ("shifts only", shifted), ("no light, no way back", plain)] {
         measure(name, config, &images, runs);
     }
 }

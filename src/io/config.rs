@@ -218,11 +218,11 @@ mod tests {
     #[test]
     fn a_key_that_is_gone_is_named_with_since_when_and_what_to_write_instead() {
         let error = parsed("epochs = 3\nclahe = { enabled = true }").unwrap_err();
-        let words = "a.toml:2: `clahe` is gone since 0.3.0; leave it out: images are tracked as they are";
+        let words = "a.toml:2: `clahe` is gone since 0.2.0; leave it out: images are tracked as they are";
         assert_eq!((error.to_string().as_str(), error.hint()), (words, None));
         let set = [("subpixel".to_owned(), "4".to_owned())];
         let error = load_over::<Small>(None, &set).unwrap_err().to_string();
-        assert!(error.starts_with("subpixel=4: `subpixel` is gone since 0.3.0; "), "{error}");
+        assert!(error.starts_with("subpixel=4: `subpixel` is gone since 0.2.0; "), "{error}");
     }
 
     #[test]

@@ -25,7 +25,7 @@ impl Window {
             let Some(squares) = self.squares(landmark) else { continue };
             let others = (landmark.sightings.len() - 1) as f64;
             let redundancy = 2.0 * others - 1.0;
-            let once = matches!(self.config.handover, Handover::Consume | Handover::Drop);
+            let once = self.config.handover == Handover::Consume;
             let all = once && self.handed_over(landmark, 1) > 0;
             let share = if all { 1.0 } else { 1.0 / others };
             score.squares += share * squares.min(CLIP * redundancy);

@@ -75,7 +75,5 @@ mod tests {
         config = EstimatorConfig { covariance: true, ..EstimatorConfig::default() };
         config.components = Some(ComponentsConfig::default());
         assert!(config.warnings().is_empty());
-        config.window.handover = Handover::Drop;
-        assert!(config.warnings().is_empty());
     }
 }

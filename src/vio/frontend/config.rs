@@ -74,12 +74,8 @@ mod tests {
     fn every_fault_is_named_at_once_with_its_part() {
         let text = "rate_hz = 0.0\n[klt]\nwindow = 20\n[corners]\nmost = 0\n[ransac]\nconfidence = 1.0";
         let error = parse::<FrontEndConfig>(text, Path::new("f.toml")).unwrap_err().to_string();
-        for key in [
-            "`rate_hz` is 0",
-            "`klt.window` is 20",
-            "`corners.most` is 0",
-            "`ransac.confidence` is 1",
-        ] {
+        for key in ["`rate_hz` is 0", "`klt.window` is 20", "`corners.most` is 0", "`ransac.confidence` is 1"]
+        {
             assert!(error.contains(key), "{key} not in {error}");
         }
         let nan = FrontEndConfig { bridge_s: f64::NAN, ..FrontEndConfig::default() };

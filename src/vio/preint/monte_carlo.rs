@@ -4,7 +4,7 @@
 //! is a stochastic difference equation of its own, not even that).
 
 use super::testing::{config, integrate, lively, random_bias, rng};
-use super::{Delta, ImuCov, NoisySample, PreintegrationConfig};
+use super::{Delta, ImuCov, NoisySample};
 use crate::factors::inertial::sqrt_information;
 use crate::preint::linear::Step;
 use crate::state::{ACCEL_BIAS, GYRO_BIAS, ImuBias, POSITION, ROTATION, STATE_DIM, VELOCITY};

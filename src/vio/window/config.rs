@@ -9,16 +9,12 @@ use serde::{Deserialize, Serialize};
 pub enum Handover {
     /// Their sightings enter the prior and are used again from the next host: information counted twice, as VINS-Mono does.
     Reuse,
-    /// As `Reuse`, but a landmark of `m` sightings enters the prior with `1/(m - 1)` of its information each time it loses its host: over its track
-    /// each sighting counts once.
-    Share,
-    /// As `Share`, but what of a sighting has entered the prior is no longer counted in the window: each counts once at any time. A track that has
-    /// ended enters the prior with all that is left of it.
+    /// A landmark of `m` sightings enters the prior with `1/(m - 1)` of its information each time it loses its host, and what of a sighting has
+    /// entered is no longer counted in the window: each counts once at any time. A track that has ended enters the prior with all that is left of it.
     Split,
-    /// Their sightings enter the prior once; the track goes on as a new landmark from the newest frame.
+    /// Their sightings enter the prior once and whole; the track goes on as a new landmark from the newest frame. Nothing is approximated: what
+    /// marginalising is held to by tests.
     Consume,
-    /// The leaving sighting is dropped, the others stay with the next host; tracks that have ended enter the prior.
-    Drop,
 }
 
 /// Settings of the sliding window and its solver.

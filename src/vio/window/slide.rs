@@ -54,11 +54,7 @@ impl Window {
         if landmark.host() >= leaving || landmark.inverse_depth.is_none() || sightings < 2 {
             return 0;
         }
-        match self.config.handover {
-            Handover::Reuse | Handover::Share | Handover::Split | Handover::Consume => sightings,
-            _ if self.has_ended(landmark) => sightings,
-            Handover::Drop => 0,
-        }
+        sightings
     }
 
     /// The part of sighting `k` of a landmark's information with which it enters the prior when the `leaving` oldest frames leave.
@@ -70,11 +66,10 @@ impl Window {
         let going = landmark.sightings_before(leaving);
         let left = landmark.sightings[k].1.left;
         match self.config.handover {
-            Handover::Share => (going as f64 / rows).min(1.0),
             Handover::Split if k < going || self.has_ended(landmark) => left,
             // The last one keeps half of that: it is the next host, and one of which nothing is left holds no landmark.
             Handover::Split => left * (1.0 - (rows - going as f64).max(0.5) / rows),
-            Handover::Reuse | Handover::Consume | Handover::Drop => 1.0,
+            Handover::Reuse | Handover::Consume => 1.0,
         }
     }
 
@@ -122,7 +117,7 @@ impl Window {
             let going = landmark.sightings_before(leaving);
             // What is in the prior must not be counted again, what has lost its host's frame cannot stay.
             let gone = match (handover, used[landmark_index]) {
-                (_, 0) | (Handover::Reuse | Handover::Share, _) => going,
+                (_, 0) | (Handover::Reuse, _) => going,
                 (Handover::Split, _) if landmark.last_frame() == newest => going,
                 // The newest goes on, as the anchor of what comes.
                 (Handover::Consume, all) if landmark.last_frame() == newest => all - 1,

@@ -375,48 +375,17 @@ fn parallax_of_a_pure_rotation_is_none() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(8))]
     #[test]
-    fn every_handover_counts_a_sighting_at_most_once_but_reuse(seed in 0u64..50) {
+    fn what_is_consumed_counts_a_sighting_at_most_once(seed in 0u64..50) {
         let scene = scene(seed);
-        for handover in [Handover::Drop, Handover::Consume] {
-            let mut window = window(&scene, 9, WindowConfig { handover, ..config() });
-            let total: usize = window.landmarks().iter().map(|l| l.sightings.len()).sum();
-            let used: usize = window.landmarks().iter().map(|l| window.handed_over(l, 1)).sum();
-            window.slide(Leaving::Oldest);
-            let left: usize = window.landmarks().iter().map(|l| l.sightings.len()).sum();
-            // Consume keeps the newest sighting as the anchor of what comes; alone it is no measurement.
-            let anchors = if handover == Handover::Consume { window.landmarks().len() } else { 0 };
-            prop_assert!(used + left <= total + anchors, "{handover:?}: {used} + {left} of {total}");
-            prop_assert!(window.landmarks().iter().all(|l| l.sightings.iter().all(|(f, _)| *f < 8)));
-        }
+        let mut window = window(&scene, 9, config());
+        let total: usize = window.landmarks().iter().map(|l| l.sightings.len()).sum();
+        let used: usize = window.landmarks().iter().map(|l| window.handed_over(l, 1)).sum();
+        window.slide(Leaving::Oldest);
+        let left: usize = window.landmarks().iter().map(|l| l.sightings.len()).sum();
+        // The newest sighting stays as the anchor of what comes; alone it is no measurement.
+        prop_assert!(used + left <= total + window.landmarks().len(), "{used} + {left} of {total}");
+        prop_assert!(window.landmarks().iter().all(|l| l.sightings.iter().all(|(f, _)| *f < 8)));
     }
-}
-
-#[test]
-fn shares_handed_over_add_up_to_each_sighting_once() {
-    let mut window = window(&scene(3), 9, WindowConfig { handover: Handover::Share, ..config() });
-    let landmark =
-        window.landmarks().iter().find(|l| l.host() == 0 && l.sightings.len() > 4).unwrap().clone();
-    let rows = landmark.sightings.len() - 1;
-    let (mut left, mut entered) = (landmark, 0.0);
-    while left.sightings.len() > 1 {
-        let used = window.handed_over(&left, 1);
-        assert_eq!(used, left.sightings.len());
-        entered += (1..used).map(|k| window.handed_part(&left, k, 1)).sum::<f64>();
-        left.sightings.remove(0);
-        for (frame, _) in &mut left.sightings {
-            *frame -= 1;
-        }
-        left.inverse_depth = Some(0.5);
-        // Its next host is the oldest frame by then.
-        let host = left.sightings[0].0;
-        for (frame, _) in &mut left.sightings {
-            *frame -= host;
-        }
-    }
-    assert!((entered - rows as f64).abs() < 1e-12, "{entered} of {rows}");
-    window.slide(Leaving::Oldest);
-    // What goes on keeps all its other sightings.
-    assert!(window.landmarks().iter().any(|l| l.host() == 0 && l.sightings.len() > 3));
 }
 
 /// Whatever leaves and whenever: of each sighting the prior and the window together hold one whole, at any time.
@@ -512,7 +481,7 @@ fn a_share_of_a_landmark_is_that_share_of_its_information() {
     let scene = scene(3);
     let prior = |handover| window(&scene, 3, WindowConfig { handover, ..config() }).prior_without_oldest(1);
     // Two sightings a landmark hand over all of it, three a half: less is known where shares are handed over.
-    let (all, part) = (prior(Handover::Reuse), prior(Handover::Share));
+    let (all, part) = (prior(Handover::Reuse), prior(Handover::Split));
     let places = 0..all.layout.dim();
     assert!(places.clone().all(|k| part.system.at(k, k) <= all.system.at(k, k) * (1.0 + 1e-9)));
     assert!(places.clone().any(|k| part.system.at(k, k) < 0.9 * all.system.at(k, k)));
