@@ -1,10 +1,12 @@
-//! What the book of results is held to: `targets` keeps its page of targets and the headline at what `targets.csv` says, `prose` its
-//! tables, numbers and links in order, `house` the crates at what ARCHITECTURE.md draws. Nothing here is built outside tests; `mdbook build docs` makes the book.
+//! What the book of results is held to: `targets` keeps its page of targets and the headline at what `targets.csv` says, `numbers` its
+//! marked numbers at the study's tables, `prose` its tables and links in order, `house` the crates at what ARCHITECTURE.md draws. Nothing here is built outside tests; `mdbook build docs` makes the book.
 
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 #[cfg(test)]
 mod house;
+#[cfg(test)]
+mod numbers;
 #[cfg(test)]
 mod prose;
 #[cfg(test)]

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 const BOOK: &str = "docs/src";
 
 /// The book's pages and the README, by path from the repository's root.
-fn pages() -> Vec<String> {
+pub(crate) fn pages() -> Vec<String> {
     let names =
         std::fs::read_dir(at(BOOK)).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
     let mut pages: Vec<String> = names.map(|name| format!("{BOOK}/{name}")).collect();
