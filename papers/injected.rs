@@ -1,7 +1,7 @@
 //! What the experiment with injected noise says: how models follow, and what following is worth.
 
+use super::cache::cached;
 use super::error::{PaperError, stopped};
-use super::results::cached;
 use super::specs;
 use dpn_core::Sensor;
 use dpn_core::estimate::NoiseSpec;

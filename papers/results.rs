@@ -1,5 +1,6 @@
 //! Every stage's results: read where they are there, made where they are not.
 
+use super::cache::cached;
 use super::error::{PaperError, stopped};
 use super::id::{id, json};
 use super::injected::{Response, responses};
@@ -15,7 +16,7 @@ use dpn_eval::closed_loop::{CellFiles, Manifest, Row, SequenceSet, Sweep, Untrac
 use dpn_eval::injected::{Course, Injection};
 use dpn_eval::noise::{Fresh, Recorded, content};
 use dpn_eval::open_loop::{self, Request};
-use dpn_io::{FolderLock, IoError, atomic_write};
+use dpn_io::{FolderLock, IoError};
 use dpn_pronet::DualProNet;
 use dpn_train::base::Base;
 use dpn_train::split::Side;
@@ -46,29 +47,6 @@ struct SweepRequest<'a> {
     others: (&'a [String], u64),
     injection: Option<Injection>,
     keep: CellFiles,
-}
-
-/// Reads `path`, or makes it and writes it. A file that does not read is an error: it is not ours to throw away.
-pub(super) fn cached<T: Serialize + DeserializeOwned>(
-    path: &Path,
-    make: impl FnOnce() -> Result<T, PaperError>,
-) -> Result<(T, bool), PaperError> {
-    match std::fs::read(path) {
-        Ok(bytes) => {
-            let value = serde_json::from_slice(&bytes).map_err(|error| PaperError::Stale {
-                path: path.to_path_buf(),
-                message: format!("it does not read ({error})"),
-            })?;
-            Ok((value, true))
-        }
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-            let value = make()?;
-            let text = json(&value);
-            atomic_write(path, |out| writeln!(out, "{text}"))?;
-            Ok((value, false))
-        }
-        Err(source) => Err(IoError::Read { path: path.to_path_buf(), source }.into()),
-    }
 }
 
 impl Paper<'_> {
@@ -364,24 +342,5 @@ impl Progress for StepWatch<'_> {
 
     fn finish(&mut self, note: &str) {
         self.inner.finish(note);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_there_is_read_and_what_does_not_read_is_named_and_kept() {
-        let dir = tempfile::tempdir().unwrap();
-        let path = dir.path().join("a/rows.json");
-        let numbers = vec![0.1, 1.0 / 3.0];
-        assert_eq!(cached(&path, || Ok(numbers.clone())).unwrap(), (numbers.clone(), false));
-        let never = || -> Result<Vec<f64>, PaperError> { panic!("made again") };
-        assert_eq!(cached(&path, never).unwrap(), (numbers, true));
-        std::fs::write(&path, "[0.1, ").unwrap();
-        let text = cached(&path, never).unwrap_err().to_string();
-        assert!(text.contains("rows.json: it does not read") && text.ends_with("made again"), "{text}");
-        assert!(path.exists());
     }
 }

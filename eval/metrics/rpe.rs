@@ -12,34 +12,9 @@
 
 use super::associate::PosePair;
 use super::error::{MetricsError, positive};
-use super::rpe_spec::{RpeSpec, StretchesOn};
+use super::rpe_spec::{RpeSpec, RpeStep, StretchesOn};
 use super::summary::ErrorSummary;
 use nalgebra::Isometry3;
-
-/// Length of a stretch.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum RpeStep {
-    /// Metres along the path.
-    Metres(f64),
-    /// Seconds.
-    Seconds(f64),
-    /// Poses.
-    Frames(usize),
-    /// Degrees turned: between its ends where stretches begin everywhere, else along the way.
-    Degrees(f64),
-}
-
-impl RpeStep {
-    /// The usual ones: 5, 10, 20 and 40 m, 1 and 5 s.
-    pub const USUAL: [Self; 6] = [
-        Self::Metres(5.0),
-        Self::Metres(10.0),
-        Self::Metres(20.0),
-        Self::Metres(40.0),
-        Self::Seconds(1.0),
-        Self::Seconds(5.0),
-    ];
-}
 
 /// How much the length of a stretch may differ from the step, relative to it, unless the caller says otherwise.
 pub const RPE_TOLERANCE: f64 = 0.1;

@@ -9,11 +9,35 @@
 //! Units are `m`, `f` (frames), `deg` and `s`; evo has no seconds.
 
 use super::associate::PosePair;
-use super::rpe::RpeStep;
 use nalgebra::Isometry3;
 use std::fmt;
 use std::str::FromStr;
 use thiserror::Error;
+
+/// Length of a stretch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum RpeStep {
+    /// Metres along the path.
+    Metres(f64),
+    /// Seconds.
+    Seconds(f64),
+    /// Poses.
+    Frames(usize),
+    /// Degrees turned: between its ends where stretches begin everywhere, else along the way.
+    Degrees(f64),
+}
+
+impl RpeStep {
+    /// The usual ones: 5, 10, 20 and 40 m, 1 and 5 s.
+    pub const USUAL: [Self; 6] = [
+        Self::Metres(5.0),
+        Self::Metres(10.0),
+        Self::Metres(20.0),
+        Self::Metres(40.0),
+        Self::Seconds(1.0),
+        Self::Seconds(5.0),
+    ];
+}
 
 /// Stretches by name.
 #[derive(Debug, Clone, Copy, PartialEq)]
