@@ -1,12 +1,12 @@
 //! Why the loop was not closed.
 
-use super::sequence_set::called;
+use super::sequence_name::meant;
 use super::source_error::SourceError;
 use crate::metrics::MetricsError;
 use crate::noise::NoiseError;
 use crate::stats::StatsError;
 use dpn_core::camera::BadCamera;
-use dpn_core::config::{ConfigFault, nearest};
+use dpn_core::config::ConfigFault;
 use dpn_io::calibration::CalibrationError;
 use dpn_io::{Coverage, IoError, LockError};
 use dpn_logs::LogError;
@@ -270,14 +270,6 @@ pub enum ClosedLoopError {
         /// Cells in all.
         total: usize,
     },
-}
-
-/// The sequence that was probably meant, in brackets.
-fn meant(name: &str, known: &[String]) -> String {
-    let words = known.iter().flat_map(|full| called(full));
-    let full =
-        nearest(name, words).and_then(|word| known.iter().find(|full| called(full).any(|w| w == word)));
-    full.map(|full| format!(" (did you mean `{full}`?)")).unwrap_or_default()
 }
 
 impl ClosedLoopError {

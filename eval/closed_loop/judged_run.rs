@@ -1,8 +1,7 @@
 //! One recording through the estimator, with everything a person wants to know of it.
 
-use super::drive::{
-    EstimatorOutput, UpdateWatch, drive_images, drive_tracks, enough, frames_from, settings_for,
-};
+use super::cell_run::{noise_stream, run_on_tracks};
+use super::drive::{EstimatorOutput, UpdateWatch, drive_images, enough, frames_from, settings_for};
 use super::error::ClosedLoopError;
 use super::frame_log::{FrameLog, SeenFrame};
 use super::gravity::gravity_warning;
@@ -14,7 +13,6 @@ use super::tracking::CameraInput;
 use crate::noise::{Fresh, Recorded};
 use dpn_core::check::{CheckOptions, RecordingFault, check};
 use dpn_core::estimate::NoiseSpec;
-use dpn_core::random::Stream;
 use dpn_core::{NoiseTrack, Stamp, TrackFrame};
 use dpn_pronet::network::Network;
 use dpn_vio::EstimatorConfig;
@@ -150,29 +148,33 @@ pub fn watched_run(
     networks: &[Network],
     (observer, watch): (&mut dyn FrontEndObserver, &mut UpdateWatch<'_>),
 ) -> Result<JudgedRun, ClosedLoopError> {
-    let config = &settings_for(config, noise);
     let recorded = Recorded { name: &recording.name, imu: &recording.imu, oracle: recording.oracle.as_ref() };
-    let stream = Stream::new(info.seed).named("noise").named(&recording.name);
-    let noise = crate::noise::track(noise, &recording.imu, &Fresh { recorded, networks }, &stream)?;
+    let sources = Fresh { recorded, networks };
     let mut log = FrameLog::new(recording);
-    let (output, images) = match camera {
-        CameraInput::Images(images) => {
+    let (output, noise, images) = match camera {
+        CameraInput::Images(images) if noise.learned_before().is_none() => {
+            let stream = noise_stream(recording, info.seed);
+            let config = settings_for(config, noise);
+            let given = crate::noise::track(noise, &recording.imu, &sources, &stream)?;
             let mut keep = |frame: &TrackFrame| log.feed(frame);
             let (output, images) =
-                drive_images(config, recording, images, &noise, info.seed, (observer, watch), &mut keep)?;
+                drive_images(&config, recording, images, &given, info.seed, (observer, watch), &mut keep)?;
             fit(recording, &log)?;
-            (output, Some(images))
+            let in_force = output.in_force(given);
+            (output, in_force, Some(images))
         }
-        CameraInput::Tracks(frames, span) => {
-            let run = frames_from(recording, &frames, &span)?;
-            run.iter().for_each(|frame| log.feed(frame));
+        // A noise that is made of a first run needs the tracks twice: images are followed before.
+        camera => {
+            let seen = camera.tracks_watched(recording, &config.front_end, info.seed, observer)?;
+            frames_from(recording, &seen.frames, &seen.span)?.iter().for_each(|frame| log.feed(frame));
             fit(recording, &log)?;
-            (drive_tracks(config, recording, run, &noise, info.seed, watch)?, None)
+            let (output, in_force) =
+                run_on_tracks(config, recording, &seen, noise, &sources, info.seed, watch)?;
+            (output, in_force, seen.images)
         }
     };
     let health = log.health();
     let (frames, axes) = log.finish(recording);
-    let noise = output.in_force(noise);
     let mut waited_for: BTreeMap<String, usize> = BTreeMap::new();
     for update in &output.updates {
         if let Phase::Initialising(reason) = update.phase {

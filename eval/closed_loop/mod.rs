@@ -11,6 +11,7 @@
 
 mod camera_figures;
 mod cell;
+mod cell_run;
 mod consistency;
 mod drive;
 mod error;
@@ -30,6 +31,7 @@ mod parallel;
 mod recording;
 mod rendered;
 mod row;
+mod sequence_name;
 mod sequence_set;
 mod source;
 mod source_error;

@@ -6,6 +6,7 @@ use super::logged::LoggedSequence;
 use super::recording::{Recording, Span};
 use super::rendered::rendered;
 use super::row::TruthKind;
+use super::sequence_name::is_called;
 use super::tracking::CameraInput;
 use crate::metrics::poses_of;
 use dpn_core::camera::CameraConfig;
@@ -194,7 +195,7 @@ impl SequenceSet {
         }
         let mut found = Vec::new();
         for name in wanted.split([',', ';', ' ']).filter(|name| !name.is_empty()) {
-            let exact: Vec<usize> = (0..names.len()).filter(|i| matches(&names[*i], name)).collect();
+            let exact: Vec<usize> = (0..names.len()).filter(|i| is_called(&names[*i], name)).collect();
             let begins = (0..names.len()).filter(|i| names[*i].starts_with(name)).collect();
             match if exact.is_empty() { begins } else { exact }.as_slice() {
                 [one] => found.push(*one),
@@ -432,19 +433,6 @@ fn checksums(sequence: &Sequence, tracks: &TrackSource) -> Vec<Result<String, Io
     sums
 }
 
-/// What a sequence may be called: its name, and the name as people shorten it, `MH_01` of `MH_01_easy`, `room1` of TUM-VI's, `hover` of `f09-hover`.
-pub(super) fn called(full: &str) -> impl Iterator<Item = &str> {
-    let ends = ["_easy", "_medium", "_difficult", "_512_16"];
-    let short = ends.into_iter().filter_map(|end| full.strip_suffix(end));
-    let room = full.strip_prefix("dataset-").and_then(|name| name.strip_suffix("_512_16"));
-    let flight = full.starts_with('f').then(|| full.get(4..)).flatten();
-    std::iter::once(full).chain(short).chain(room).chain(flight)
-}
-
-fn matches(full: &str, name: &str) -> bool {
-    called(full).any(|word| word == name)
-}
-
 fn given(dir: &Path, sequence: &Sequence) -> PathBuf {
     if dir.is_file() {
         return dir.to_path_buf();
@@ -605,7 +593,7 @@ mod tests {
         assert!(error("hovr").ends_with("(did you mean `f09-hover`?)"));
         assert!(error("the-cellar-below").ends_with("f11-room-wild"));
         assert!(error(" ").contains("no sequence"));
-        assert!(matches("MH_01_easy", "MH_01") && matches("dataset-room1_512_16", "room1"));
+        assert!(is_called("MH_01_easy", "MH_01") && is_called("dataset-room1_512_16", "room1"));
     }
 
     #[test]

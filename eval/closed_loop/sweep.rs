@@ -5,8 +5,9 @@
 //! that one thread and many give the same bits, but for timing.
 
 use super::cell::Cell;
+use super::cell_run::run_on_tracks;
 use super::consistency::write_nees;
-use super::drive::{drive, frames_from, settings_for};
+use super::drive::frames_from;
 use super::error::ClosedLoopError;
 use super::judge::{RunInfo, judge, noise_rms};
 use super::manifest::Manifest;
@@ -20,15 +21,16 @@ use super::sweep_cache::{Needs, SweepCache};
 use super::sweep_faults::{FailedCell, OnFault, UnseenSequences, UntrackedSequence};
 use super::sweep_plan::{Sweep, nees_path, remove_files, trajectory_path};
 use super::tracked::TrackedSequence;
-use crate::noise::{AfterRun, MeanSquare, Recorded, of_recording};
+use crate::noise::{MeanSquare, Recorded, of_recording};
 use cpu_time::ThreadTime;
 use dpn_core::ImuNoise;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::progress::Progress;
-use dpn_core::random::Stream;
 use dpn_io::{FolderLock, atomic_write, write_tum};
-use dpn_vio::estimator::{EstimatorConfig, FedTracks};
+use dpn_vio::estimator::Update;
+use dpn_vio::window::Window;
 use std::collections::{BTreeMap, HashMap, HashSet};
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -290,24 +292,10 @@ impl Sweep<'_> {
         let shared_s = if kept { 0.0 } else { begun_s };
         remove_files(dir, &cell.key)?;
         let from_s = self.from.seconds(&recording.name);
-        let stream = Stream::new(cell.seed).named("noise").named(&recording.name);
         let sources = cache.sources(needs, recorded(&recording), self.networks);
-        let followed = seen.images.is_some();
-        let fed_tracks = if followed { FedTracks::Followed } else { self.estimator.fed_tracks };
-        let config = EstimatorConfig { fed_tracks, ..self.estimator.clone() };
-        let noise = match cell.noise.learned_before() {
-            None => crate::noise::track(cell.noise, &recording.imu, &sources, &stream)?,
-            Some(learned) => {
-                let told = crate::noise::track(learned, &recording.imu, &sources, &stream)?;
-                let estimator = settings_for(&config, learned);
-                let output = drive(&estimator, &recording, seen.run(), &told, cell.seed)?;
-                let sources = AfterRun { sources: &sources, in_force: output.in_force(told) };
-                crate::noise::track(cell.noise, &recording.imu, &sources, &stream)?
-            }
-        };
-        let estimator = settings_for(&config, cell.noise);
-        let output = drive(&estimator, &recording, seen.run(), &noise, cell.seed)?;
-        let noise = output.in_force(noise);
+        let mut watch = |_: &Update, _: &Window| ControlFlow::Continue(());
+        let (output, noise) =
+            run_on_tracks(&self.estimator, &recording, &seen, cell.noise, &sources, cell.seed, &mut watch)?;
         let info = RunInfo {
             camera: self.source.camera().into(),
             truth: self.source.truth(),

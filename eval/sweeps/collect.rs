@@ -5,8 +5,9 @@
 
 use super::error::{MissingShard, MixedShard, SweepError};
 use super::manifest::SweepFolder;
-use super::record::{Named, ROWS, ShardRecord, line_sum, text_of};
-use super::shard::{FAILED, FailedLine};
+use super::record::{Named, ShardRecord, line_sum};
+use super::shard::FailedLine;
+use super::shard_files::{FAILED, ROWS, text_of};
 use super::spec::JobSpec;
 use crate::closed_loop::{Manifest, Row, StageSeconds};
 use dpn_core::checksum::of_parts;

@@ -1,16 +1,13 @@
 //! What cells cost: measured by the shards of earlier sweeps, by a small table where nothing was.
 
 use super::error::SweepError;
-use super::record::text_of;
+use super::shard_files::{COSTS, text_of};
 use crate::closed_loop::CellTime;
 use dpn_core::signal::stats::median_of;
 use dpn_io::IoError;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
-
-/// Name of a shard's file of costs.
-pub(super) const COSTS: &str = "costs.jsonl";
 
 /// CPU seconds a second of recording \[s/s\] of a cell, and of what it shares (recording, tracks, rendered images), by camera: EuRoC on one core of a
 /// server of 2023. Of a training, CPU seconds an update of the default network.

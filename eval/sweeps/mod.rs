@@ -20,6 +20,7 @@ mod planning;
 mod record;
 mod settings;
 mod shard;
+mod shard_files;
 mod spec;
 mod status;
 mod train_plan;

@@ -1,20 +1,18 @@
 //! A shard's own account, `shard.json`: who made it and, at its end, a checksum of every row and file, by which damage is told.
 
+use super::beat::BEAT;
 use super::error::SweepError;
 use super::manifest::SweepFolder;
+use super::shard_files::{COSTS, FAILED, ROWS, text_of};
 use dpn_core::checksum::of_parts;
 use dpn_io::{IoError, atomic_write};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashSet};
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 const NAME: &str = "shard.json";
-/// Name of a job's rows in its folder.
-pub(super) const ROWS: &str = "rows.jsonl";
 /// Files that are a shard's account and no result.
-const ACCOUNTS: [&str; 7] =
-    [NAME, ROWS, "run.json", super::costs::COSTS, super::shard::FAILED, super::beat::BEAT, ".dpn.lock"];
+const ACCOUNTS: [&str; 7] = [NAME, ROWS, "run.json", COSTS, FAILED, BEAT, ".dpn.lock"];
 
 /// A shard's account.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -57,16 +55,6 @@ pub(super) fn cells_with_rows(folder: &SweepFolder, dir: &Path) -> Result<HashSe
         there.extend(named.map(|named| named.cell));
     }
     Ok(there)
-}
-
-/// The text of a file, empty where there is none.
-pub(super) fn text_of(path: &Path) -> Result<String, IoError> {
-    match std::fs::read(path) {
-        // What is no text is damage, which its line's checksum tells.
-        Ok(bytes) => Ok(String::from_utf8_lossy(&bytes).into_owned()),
-        Err(error) if error.kind() == ErrorKind::NotFound => Ok(String::new()),
-        Err(source) => Err(IoError::Read { path: path.to_path_buf(), source }),
-    }
 }
 
 impl ShardRecord {

@@ -6,10 +6,11 @@
 
 use super::balance::Turn;
 use super::beat::{Heart, node};
-use super::costs::{COSTS, CellCost, CostOf};
+use super::costs::{CellCost, CostOf};
 use super::error::SweepError;
 use super::manifest::{PlannedCell, SweepFolder};
-use super::record::{ROWS, ShardRecord, cells_with_rows};
+use super::record::{ShardRecord, cells_with_rows};
+use super::shard_files::{COSTS, FAILED, ROWS};
 use super::spec::{JobSpec, LoopSpec, TrainSpec};
 use crate::closed_loop::{CellKey, CellTime, FailedCell, Manifest, Row, Sweep, TrackCache};
 use dpn_core::progress::Progress;
@@ -21,9 +22,6 @@ use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-
-/// Name of the file of cells that could not be run.
-pub(super) const FAILED: &str = "failed.jsonl";
 
 /// What a shard is run with on this machine.
 #[derive(Debug)]

@@ -3,8 +3,9 @@
 use super::beat::{BEAT, Beat, now};
 use super::error::SweepError;
 use super::manifest::SweepFolder;
-use super::record::{ShardRecord, cells_with_rows, text_of};
-use super::shard::{FAILED, FailedLine};
+use super::record::{ShardRecord, cells_with_rows};
+use super::shard::FailedLine;
+use super::shard_files::{FAILED, text_of};
 use serde::Serialize;
 
 /// A process that has not been heard of for so long is taken for gone \[s\].

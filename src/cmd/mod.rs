@@ -32,6 +32,7 @@ mod stop;
 mod sweep;
 mod tracks;
 mod train;
+mod training_curve;
 mod truth;
 
 use crate::args::{Cli, Command};
@@ -45,6 +46,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
     match cli.command {
         Command::Train(args) => train::run(args),
         Command::Eval(args) => eval::run(&args),
+        Command::Run(args) if live::is_live(&args.source) => live::run(&args),
         Command::Run(args) => run::run(&args),
         Command::Paper(args) => paper::run(&args),
         Command::Fleet(args) => fleet::run(&args),

@@ -1,6 +1,6 @@
 //! `dpn run`.
 
-use super::{foxglove, live, program, rerun, settings, shipped};
+use super::{foxglove, program, rerun, settings, shipped};
 use crate::args::RunArgs;
 use crate::ui::{errln, out, outln};
 use anyhow::Result;
@@ -26,9 +26,6 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 pub(crate) fn run(args: &RunArgs) -> Result<()> {
-    if live::is_live(&args.source) {
-        return live::run(args);
-    }
     rerun::check(args.rerun.as_deref())?;
     let noise: NoiseSpec = args.noise.parse()?;
     let estimator = settings::estimator(&args.settings)?;

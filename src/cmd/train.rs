@@ -1,24 +1,16 @@
 //! `dpn train`.
 
+use super::training_curve::draw_curve;
 use super::{corpus, device, stop, sweep};
 use crate::args::TrainArgs;
 use crate::ui::{Bar, Fault, Interrupted, errln, outln};
 use anyhow::Result;
 use dpn_core::Sensor;
 use dpn_core::config::Validate;
-use dpn_figures::{TrainingCurve, save};
 use dpn_train::config::TrainConfig;
-use dpn_train::run::{self, Run, RunError, RunSummary};
+use dpn_train::run::{Run, RunError};
 use dpn_train::trainer::TrainError;
-use std::path::{Path, PathBuf};
-
-/// Draws the curve of the finished training in `out`, beside its weights.
-pub(super) fn draw_curve(sensor: Sensor, summary: &RunSummary, out: &Path) -> Result<()> {
-    let words = format!("{} on {}, seed {}.", summary.name, summary.data, summary.seed);
-    let history = run::history(out)?;
-    save(&TrainingCurve::new(sensor, &history, Some(summary.best_epoch), &words)?, &out.join("training"))?;
-    Ok(())
-}
+use std::path::PathBuf;
 
 pub(crate) fn run(args: TrainArgs) -> Result<()> {
     let sensor = match (&args.many, args.sensor) {

@@ -283,6 +283,22 @@ fn on_flights_as_they_are_no_bias_jumps() {
 }
 
 #[test]
+fn a_noise_made_of_a_first_run_is_that_of_a_closed_loop() {
+    let tmp = tempfile::tempdir().unwrap();
+    let span = ["--from", "50", "--to", "58", "--noise", "mean(self)"];
+    let run = tmp.path().join("run");
+    odometry(Path::new("room-medium"), &run, &span).well();
+    let cells = tmp.path().join("cells");
+    let mut closed = dpn();
+    closed
+        .args(["eval", "--closed-loop", "--sequences", "room-medium", "--trajectories", "--out"])
+        .arg(&cells);
+    end(closed.args(span)).well();
+    let cell = std::fs::read(cells.join("trajectories/f07-room-medium.mean_self.seed0.tum")).unwrap();
+    assert!(!cell.is_empty() && std::fs::read(run.join("trajectory.tum")).unwrap() == cell);
+}
+
+#[test]
 fn what_was_learned_is_in_the_report_the_states_the_noise_and_the_picture() {
     let tmp = tempfile::tempdir().unwrap();
     let (out, pictures) = (tmp.path().join("out"), tmp.path().join("pictures"));

@@ -1,6 +1,6 @@
 //! Trainings of a sweep.
 
-use crate::cmd::train::draw_curve;
+use crate::cmd::training_curve::draw_curve;
 use crate::cmd::{corpus, device, program};
 use anyhow::Result;
 use dpn_core::config::Validate;

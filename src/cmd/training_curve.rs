@@ -1,0 +1,15 @@
+//! The curve of a finished training.
+
+use anyhow::Result;
+use dpn_core::Sensor;
+use dpn_figures::{TrainingCurve, save};
+use dpn_train::run::{RunSummary, history};
+use std::path::Path;
+
+/// Draws the curve of the finished training in `out`, beside its weights.
+pub(super) fn draw_curve(sensor: Sensor, summary: &RunSummary, out: &Path) -> Result<()> {
+    let words = format!("{} on {}, seed {}.", summary.name, summary.data, summary.seed);
+    let history = history(out)?;
+    save(&TrainingCurve::new(sensor, &history, Some(summary.best_epoch), &words)?, &out.join("training"))?;
+    Ok(())
+}
