@@ -126,7 +126,6 @@ impl Problem<'_> {
             imu_cov: ImuCov::Exact,
             accel_bias_walk: AccelBiasWalkDensity::new(levels.accel_bias_walk)?,
             gyro_bias_walk: GyroBiasWalkDensity::new(levels.gyro_bias_walk)?,
-            ..PreintegrationConfig::default()
         };
         let noisy = |sample: &ImuSample| NoisySample { sample: *sample, noise };
         let mut preint = Preintegration::new(config, first.state.bias, noisy(&self.samples[first.sample]));

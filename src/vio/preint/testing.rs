@@ -80,6 +80,5 @@ pub(crate) fn config(imu_cov: ImuCov, accel_walk: f64, gyro_walk: f64) -> Preint
         imu_cov,
         accel_bias_walk: AccelBiasWalkDensity::new(accel_walk).unwrap(),
         gyro_bias_walk: GyroBiasWalkDensity::new(gyro_walk).unwrap(),
-        ..PreintegrationConfig::default()
     }
 }

@@ -135,7 +135,6 @@ impl Continuum {
             imu_cov,
             accel_bias_walk: AccelBiasWalkDensity::new(on * self.accel_walk).unwrap(),
             gyro_bias_walk: GyroBiasWalkDensity::new(on * self.gyro_walk).unwrap(),
-            ..PreintegrationConfig::default()
         };
         let bias = ImuBias { accel: self.accel_bias.into(), gyro: self.gyro_bias.into() };
         pushed(config, bias, &samples)
