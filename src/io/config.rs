@@ -161,8 +161,7 @@ fn put(table: &mut toml::Table, key: &str, value: toml::Value) -> Result<(), Str
 
 /// A text that serde refuses with `message`: a key that was there once is named as such, another has the nearest known one beside it.
 fn refused(path: PathBuf, line: Option<usize>, message: String) -> ConfigError {
-    let unknown = message.starts_with("unknown ").then(|| message.split('`').nth(1)).flatten();
-    match unknown.and_then(gone) {
+    match gone(&message) {
         Some(message) => ConfigError::Parse { path, line, message, nearest: None },
         None => ConfigError::Parse { path, line, nearest: nearest_word(&message), message },
     }
