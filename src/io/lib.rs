@@ -33,8 +33,8 @@ mod error;
 mod fields;
 #[cfg(test)]
 mod fuzz;
-#[cfg(feature = "images")]
 mod gone;
+#[cfg(feature = "images")]
 mod grey;
 mod guess;
 mod head;
