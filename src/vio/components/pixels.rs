@@ -26,7 +26,7 @@ impl Window {
             let others = (landmark.sightings.len() - 1) as f64;
             let redundancy = 2.0 * others - 1.0;
             let once = self.config.handover == Handover::Consume;
-            let all = once && self.handed_over(landmark, 1) > 0;
+            let all = once && landmark.handed_over(1) > 0;
             let share = if all { 1.0 } else { 1.0 / others };
             score.squares += share * squares.min(CLIP * redundancy);
             score.redundancy += share * redundancy;

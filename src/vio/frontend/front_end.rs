@@ -238,9 +238,8 @@ impl FrontEnd {
             return self.pass_over(report);
         }
         self.lines = lines;
-        self.cur.base_mut().copy(image);
         let klt = self.config.klt;
-        self.cur.build(klt.levels.max(klt.foreseen_levels).max(klt.back_levels));
+        self.cur.build(image, klt.levels.max(klt.foreseen_levels).max(klt.back_levels));
         report.times.image = start.elapsed();
 
         if self.tracked.is_some_and(|tracked| t.seconds_since(tracked) > self.config.gap_s + ROUNDING_S) {

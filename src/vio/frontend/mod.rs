@@ -1,10 +1,10 @@
 //! From images to tracks: the visual front-end.
 //!
 //! ```text
-//! image -> figures -> (equalised) -> pyramid -> tracked from the last image, from where the gyroscope says, and back
-//!                                                 |  every so often (`rate_hz`)
-//!                                                 v
-//!                       consensus with the last frame handed over -> thinned out -> new corners -> TrackFrame
+//! image -> figures -> pyramid -> tracked from the last image, from where the gyroscope says, and back
+//!                                  |  every so often (`rate_hz`)
+//!                                  v
+//!        consensus with the last frame handed over -> thinned out -> new corners -> TrackFrame
 //! ```
 //!
 //! Where the gyroscope says is its turn less a bias that the tracks have shown (`gyro_bias`): nobody has told it yet.

@@ -80,7 +80,7 @@ pub struct Agreement {
 /// Wall time of the stages; what was not done took none.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct StageTimes {
-    /// Figures of the image, equalisation, pyramid.
+    /// Figures of the image, pyramid.
     pub image: Duration,
     /// Tracking and tracking back.
     pub track: Duration,

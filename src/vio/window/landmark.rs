@@ -43,6 +43,13 @@ impl Landmark {
         self.sightings.partition_point(|(frame, _)| *frame < frames)
     }
 
+    /// How many of its sightings enter the prior when the window's `leaving` oldest frames leave: all where its host leaves and its depth is known.
+    pub(crate) fn handed_over(&self, leaving: usize) -> usize {
+        let sightings = self.sightings.len();
+        let goes = self.host() < leaving && self.inverse_depth.is_some() && sightings > 1;
+        if goes { sightings } else { 0 }
+    }
+
     /// Whether `frame` saw it.
     pub(crate) fn seen_by(&self, frame: usize) -> bool {
         self.sightings.iter().any(|(f, _)| *f == frame)

@@ -55,7 +55,7 @@ impl WithSimd for Landmarks<'_> {
         for (index, landmark) in self.window.landmarks.iter().enumerate() {
             let sightings = match self.part {
                 Part::All => landmark.sightings.len(),
-                Part::Oldest(leaving) => self.window.handed_over(landmark, leaving),
+                Part::Oldest(leaving) => landmark.handed_over(leaving),
             };
             if let Some(inverse_depth) = landmark.inverse_depth.filter(|_| sightings > 1) {
                 cost += self.add(simd, index, landmark, sightings, inverse_depth);

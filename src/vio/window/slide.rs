@@ -48,15 +48,6 @@ impl Window {
         landmark.last_frame() + 1 < self.frames.len()
     }
 
-    /// How many of a landmark's sightings enter the prior when the `leaving` oldest frames leave.
-    pub(crate) fn handed_over(&self, landmark: &Landmark, leaving: usize) -> usize {
-        let sightings = landmark.sightings.len();
-        if landmark.host() >= leaving || landmark.inverse_depth.is_none() || sightings < 2 {
-            return 0;
-        }
-        sightings
-    }
-
     /// The part of sighting `k` of a landmark's information with which it enters the prior when the `leaving` oldest frames leave.
     ///
     /// Of `m` sightings of which `g` go, `g/(m - 1)` are handed over: as much as when the frames left one after the other, each time `1/(m - 1)` of
@@ -100,23 +91,20 @@ impl Window {
             self.frames.iter().map(|f| f.state.world_from_body * self.body_from_cam).collect();
         let handover = self.config.handover;
         let mut landmarks = std::mem::take(&mut self.landmarks);
-        let used: Vec<usize> = landmarks.iter().map(|l| self.handed_over(l, leaving)).collect();
-        let mut index = 0;
         landmarks.retain_mut(|landmark| {
-            let landmark_index = index;
-            index += 1;
             if landmark.host() >= leaving {
                 return true;
             }
             let point = landmark.point(&last_cameras[landmark.host()]);
+            let used = landmark.handed_over(leaving);
             if handover == Handover::Split {
-                for k in 0..used[landmark_index] {
+                for k in 0..used {
                     landmark.sightings[k].1.left -= self.handed_part(landmark, k, leaving);
                 }
             }
             let going = landmark.sightings_before(leaving);
             // What is in the prior must not be counted again, what has lost its host's frame cannot stay.
-            let gone = match (handover, used[landmark_index]) {
+            let gone = match (handover, used) {
                 (_, 0) | (Handover::Reuse, _) => going,
                 (Handover::Split, _) if landmark.last_frame() == newest => going,
                 // The newest goes on, as the anchor of what comes.

@@ -379,7 +379,7 @@ proptest! {
         let scene = scene(seed);
         let mut window = window(&scene, 9, config());
         let total: usize = window.landmarks().iter().map(|l| l.sightings.len()).sum();
-        let used: usize = window.landmarks().iter().map(|l| window.handed_over(l, 1)).sum();
+        let used: usize = window.landmarks().iter().map(|l| l.handed_over(1)).sum();
         window.slide(Leaving::Oldest);
         let left: usize = window.landmarks().iter().map(|l| l.sightings.len()).sum();
         // The newest sighting stays as the anchor of what comes; alone it is no measurement.
@@ -398,7 +398,7 @@ fn split_sightings_are_one_whole_in_prior_and_window_at_any_time() {
         let before: Vec<Landmark> = window.landmarks().to_vec();
         let handed: Vec<Vec<f64>> = before
             .iter()
-            .map(|l| (0..window.handed_over(l, 1)).map(|k| window.handed_part(l, k, 1)).collect())
+            .map(|l| (0..l.handed_over(1)).map(|k| window.handed_part(l, k, 1)).collect())
             .collect();
         let last = window.frames().len() - 1;
         window.slide(Leaving::Oldest);

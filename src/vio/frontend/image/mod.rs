@@ -1,4 +1,4 @@
-//! Images as the kernels want them: padded planes, pyramids, equalised contrast, and figures about an image as a whole.
+//! Images as the kernels want them: padded planes, pyramids, and figures about an image as a whole.
 
 mod plane;
 mod pyramid;

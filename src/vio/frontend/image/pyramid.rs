@@ -26,25 +26,16 @@ impl Pyramid {
     /// The pyramid of `image` with `levels` planes, the image itself among them; fewer where one would be under 8 px.
     pub fn new(image: GrayView<'_>, levels: usize) -> Self {
         let mut pyramid = Self::default();
-        pyramid.base_mut().copy(image);
-        pyramid.build(levels);
+        pyramid.build(image, levels);
         pyramid
     }
 
-    /// The lowest plane, to be filled before [`Self::build`].
-    pub(crate) fn base_mut(&mut self) -> &mut Plane {
-        if self.planes.is_empty() {
-            self.planes.push(Plane::default());
-        }
-        &mut self.planes[0]
-    }
-
-    /// Makes the levels above the lowest; memory is kept where the size stays.
-    pub(crate) fn build(&mut self, levels: usize) {
-        let Some(base) = self.planes.first() else { return };
-        let smallest = base.width().min(base.height());
+    /// The same in place of what it was; memory is kept where the size stays.
+    pub(crate) fn build(&mut self, image: GrayView<'_>, levels: usize) {
+        let smallest = image.width().min(image.height());
         let levels = (1..levels).take_while(|&level| smallest >> level >= 8).count() + 1;
         self.planes.resize_with(levels, Plane::default);
+        self.planes[0].copy(image);
         for level in 1..levels {
             let (below, above) = self.planes.split_at_mut(level);
             Arch::new().dispatch(Down {
