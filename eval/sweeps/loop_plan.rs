@@ -70,7 +70,7 @@ pub struct LoopPlan {
 
 impl Default for LoopPlan {
     fn default() -> Self {
-        let noises = ["x0.5", "x1", "x2", "x4", "x8", "dualpronet"];
+        let noises = ["x0.5", "x1", "x2", "x4", "x8", "self", "dualpronet"];
         Self {
             kind: "closed-loop".into(),
             data: None,

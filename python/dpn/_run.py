@@ -86,7 +86,7 @@ def _tracks(value: Any) -> tuple[NDArray[np.int64], NDArray[np.uint64], NDArray[
 
 def run(
     log: Recording | str | os.PathLike[str],
-    noise: str = "dualpronet",
+    noise: str = "self",
     *,
     tracks: Any = None,
     calibration: Mapping[str, Any] | str | os.PathLike[str] | None = None,
@@ -107,7 +107,8 @@ def run(
 
     ``log``: a folder with an ASL sequence, one of a data pack, a log with images (rosbag1, MCAP, rosbag2, a folder with
     times.txt), the name of a flight; or a :class:`Recording` with ``tracks`` and ``calibration``.
-    ``noise``: where every sample's noise comes from: ``"x4"``, ``"dualpronet"``, ``"self"``, ``'file("noise.csv")'``, ...
+    ``noise``: where every sample's noise comes from: ``"self"`` (the odometry estimates
+    it while it runs), ``"x4"``, ``"dualpronet"``, ``'file("noise.csv")'``, ...
     ``tracks``: of a recording (t, ids, px), a row an observation: ``t`` (m,) its frame's stamp, int64 ns or float s on the
     IMU's clock, not falling; ``ids`` (m,) the same number for the same point; ``px`` (m, 2) distorted pixels. Of a folder the
     file of tracks; without it its images, else tracks made along the ground truth.
@@ -126,7 +127,7 @@ def run(
     """
     listener(progress)
     if not isinstance(noise, str):
-        raise Error(f"noise: {type(noise).__name__}; expected a spec as \"x4\", \"dualpronet\" or 'file(\"noise.csv\")'")
+        raise Error(f"noise: {type(noise).__name__}; expected a spec as \"self\", \"x4\" or 'file(\"noise.csv\")'")
     given, as_json = (None, None) if calibration is None else file_or_json("calibration", calibration)
     file, sets = file_or_keys("config", config)
     asked = {

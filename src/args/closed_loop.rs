@@ -53,7 +53,7 @@ pub(crate) struct ClosedLoopArgs {
     #[arg(
         long,
         value_name = "SPECS",
-        default_value = "x0.5,x1,x2,x4,x8,dualpronet",
+        default_value = "x0.5,x1,x2,x4,x8,self,dualpronet",
         conflicts_with = "open_loop"
     )]
     pub(crate) noise: String,

@@ -23,8 +23,8 @@ pub(crate) struct RunArgs {
     /// poses of the IMU: a trajectory as evo reads it (TUM), or EuRoC's ground truth.
     #[arg(long, value_name = "DIR|FILE")]
     pub(crate) truth: Option<PathBuf>,
-    /// Where every sample's noise comes from: x4, const(.3,.02), dualpronet, diff2, file("noise.csv"), ...
-    #[arg(long, value_name = "SPEC", default_value = "dualpronet")]
+    /// Where every sample's noise comes from: self (the odometry estimates it while it runs), x4, const(.3,.02), dualpronet, diff2, file("noise.csv"), ...
+    #[arg(long, value_name = "SPEC", default_value = "self")]
     pub(crate) noise: String,
     /// Folder of trained networks; without it those that come with the program.
     #[arg(long, value_name = "DIR")]

@@ -62,7 +62,8 @@ fn a_flight_leaves_a_trajectory_states_and_a_report_and_the_same_ones_twice() {
     let args = ["--from", "50", "--to", "54", "--noise", "self", "--set", "covariance=true"];
     let learned = odometry(Path::new("room-medium"), &tmp.path().join("c"), &args).well();
     assert!(!learned.stderr.contains("covariances are"), "{}", learned.stderr);
-    let args = ["--from", "50", "--to", "54", "--set", "covariance=true", "--set", "window.handover=reuse"];
+    let of_networks = ["--from", "50", "--to", "54", "--noise", "dualpronet"];
+    let args = [&of_networks[..], &["--set", "covariance=true", "--set", "window.handover=reuse"]].concat();
     let twice = odometry(Path::new("room-medium"), &tmp.path().join("d"), &args).well();
     assert!(twice.stderr.contains("warning: covariances are some 2 times too small"), "{}", twice.stderr);
     let words = done.stdout;

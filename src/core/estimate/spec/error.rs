@@ -18,7 +18,7 @@ pub enum SpecError {
         expected: &'static str,
     },
     /// A list without a spec.
-    #[error("no noise spec among `{text}`; write for example x1,x4,dualpronet")]
+    #[error("no noise spec among `{text}`; write for example x1,x4,self")]
     NoSpec {
         /// What was given.
         text: String,

@@ -27,13 +27,13 @@ pub(super) const ESTIMATORS: [(&str, &str); 12] = [
 
 /// The same of what stands for both sensors and needs more than the samples so far.
 const BOTH_SENSORS: [(&str, &str); 8] = [
+    ("self", "self(spec)"),
     ("dualpronet", "dualpronet(tag)"),
     ("file", "file(\"path\")"),
     ("oracle", "oracle"),
     ("shuffled", "shuffled(spec)"),
     ("mean", "mean(spec)"),
     ("mean-of-train", "mean-of-train(spec)"),
-    ("self", "self(spec)"),
     ("plus", PLUS),
 ];
 
@@ -44,7 +44,7 @@ pub(super) fn is_both(name: &str) -> bool {
 
 /// The answer to a name that is none of these.
 pub(super) fn unknown(name: &str) -> SpecError {
-    let all = || ESTIMATORS.iter().chain(&BOTH_SENSORS);
+    let all = || BOTH_SENSORS.iter().chain(&ESTIMATORS);
     let names = all().map(|(name, _)| *name).chain(["const", "x1", "effective"]);
     let usages = [MULTIPLE, CONST_BOTH, EFFECTIVE].into_iter().chain(all().map(|(_, usage)| *usage));
     SpecError::Unknown {
