@@ -1,6 +1,6 @@
 //! What people call a sequence.
 
-use dpn_core::config::nearest;
+use dpn_core::config::{nearest, suggestion};
 
 /// What a sequence may be called: its name, and the name as people shorten it, `MH_01` of `MH_01_easy`, `room1` of TUM-VI's, `hover` of `f09-hover`.
 fn called(full: &str) -> impl Iterator<Item = &str> {
@@ -19,6 +19,5 @@ pub(super) fn is_called(full: &str, name: &str) -> bool {
 /// The sequence that was probably meant, in brackets; empty where none is near.
 pub(super) fn meant(name: &str, known: &[String]) -> String {
     let words = known.iter().flat_map(|full| called(full));
-    let full = nearest(name, words).and_then(|word| known.iter().find(|full| is_called(full, word)));
-    full.map(|full| format!(" (did you mean `{full}`?)")).unwrap_or_default()
+    suggestion(nearest(name, words).and_then(|word| known.iter().find(|full| is_called(full, word))))
 }

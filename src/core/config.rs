@@ -119,6 +119,16 @@ pub fn nearest<'a>(typed: &str, known: impl IntoIterator<Item = &'a str>) -> Opt
         .map(|(_, word)| word)
 }
 
+/// The question that a mistyped word is answered with, as a hint.
+pub fn did_you_mean(word: impl fmt::Display) -> String {
+    format!("did you mean `{word}`?")
+}
+
+/// The same behind a message, in brackets; empty where no word is near.
+pub fn suggestion(word: Option<impl fmt::Display>) -> String {
+    word.map(|word| format!(" ({})", did_you_mean(word))).unwrap_or_default()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,7 +3,7 @@
 use crate::gone::gone;
 use crate::printable;
 use crate::small::{LARGEST_CONFIG, bounded};
-use dpn_core::config::{ConfigFaults, Validate, nearest};
+use dpn_core::config::{ConfigFaults, Validate, did_you_mean, nearest};
 use serde::de::DeserializeOwned;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -47,7 +47,7 @@ impl ConfigError {
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::Read { .. } => Some("configs/ holds files to start from".into()),
-            Self::Parse { nearest: Some(nearest), .. } => Some(format!("did you mean `{nearest}`?")),
+            Self::Parse { nearest: Some(nearest), .. } => Some(did_you_mean(nearest)),
             _ => None,
         }
     }

@@ -1,5 +1,6 @@
 //! Why a log gives no recording.
 
+use dpn_core::config::did_you_mean;
 use dpn_io::{IoError, printable};
 use std::path::PathBuf;
 use thiserror::Error;
@@ -237,21 +238,14 @@ impl LogError {
                 "record the IMU's topic too; a driver that publishes another type must be converted to sensor_msgs/Imu"
             }
             Self::SeveralTopics { one, .. } => return Some(format!("say which one: --topic {one}")),
-            Self::NoTopic { similar: Some(similar), .. } => {
-                return Some(format!("did you mean `{similar}`?"));
-            }
-            Self::NoTopic { similar: None, .. } => {
+            Self::NoTopic { similar: Some(similar), .. }
+            | Self::NoImageTopic { similar: Some(similar), .. } => return Some(did_you_mean(similar)),
+            Self::NoTopic { similar: None, .. } | Self::NoImageTopic { similar: None, .. } => {
                 "topics are written in full, as `rosbag info` or `ros2 bag info` shows them"
             }
             Self::NoImages { .. } => "record the camera's topic too, or name another log",
             Self::SeveralImageTopics { one, .. } => {
                 return Some(format!("say which one: --image-topic {one}"));
-            }
-            Self::NoImageTopic { similar: Some(similar), .. } => {
-                return Some(format!("did you mean `{similar}`?"));
-            }
-            Self::NoImageTopic { similar: None, .. } => {
-                "topics are written in full, as `rosbag info` or `ros2 bag info` shows them"
             }
             Self::NoImuFile { .. } => {
                 "put the IMU's samples beside times.txt: stamp, gyroscope x y z, accelerometer x y z a row"

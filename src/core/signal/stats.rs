@@ -104,12 +104,6 @@ fn of_sorted(sorted: &[f64], level: f64) -> f64 {
     sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
 }
 
-/// As [`quantile`], sorting `x` instead of copying it.
-pub fn quantile_in_place(x: &mut [f64], level: f64) -> f64 {
-    x.sort_unstable_by(f64::total_cmp);
-    of_sorted(x, level)
-}
-
 /// The quantile at one `level`; see [`quantiles`].
 pub fn quantile(x: &[f64], level: f64) -> f64 {
     quantiles(x, &[level])[0]

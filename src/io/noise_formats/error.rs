@@ -3,6 +3,7 @@
 use super::format::Format;
 use super::quantity::QuantityError;
 use crate::IoError;
+use dpn_core::config::did_you_mean;
 use dpn_core::noise::Figure;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -21,7 +22,7 @@ pub struct Slip {
 
 impl fmt::Display for Slip {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "line {} has `{}`; did you mean `{}`?", self.line, self.typed, self.known)
+        write!(f, "line {} has `{}`; {}", self.line, self.typed, did_you_mean(&self.known))
     }
 }
 
@@ -209,7 +210,7 @@ impl FormatError {
                     .to_owned()
             }
             Self::BadRate { .. } => "write the IMU's rate there, or give --rate HZ".to_owned(),
-            Self::UnknownKey { nearest: Some(nearest), .. } => format!("did you mean `{nearest}`?"),
+            Self::UnknownKey { nearest: Some(nearest), .. } => did_you_mean(nearest),
             Self::UnknownKey { key, .. } if key.contains("instability") || key.contains("stability") => {
                 "a bias instability is no walk and none follows from it; leave it out".to_owned()
             }

@@ -3,7 +3,7 @@
 use super::layout::Layout;
 use super::tree::Tree;
 use super::{basalt, datasheet, kalibr, okvis2, openvins, orbslam3, ros, variances, vins};
-use dpn_core::config::nearest;
+use dpn_core::config::{nearest, suggestion};
 use serde::Serialize;
 use std::fmt;
 use std::str::FromStr;
@@ -34,7 +34,7 @@ pub enum Format {
 
 /// A name that is no format.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("there is no format `{typed}`; known are {}{}", Format::names(), nearest.map(|n| format!(" (did you mean `{n}`?)")).unwrap_or_default())]
+#[error("there is no format `{typed}`; known are {}{}", Format::names(), suggestion(*nearest))]
 pub struct UnknownFormat {
     typed: String,
     nearest: Option<Format>,

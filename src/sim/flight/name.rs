@@ -1,6 +1,6 @@
 //! The eleven flights by name, and which of them may be trained on.
 
-use dpn_core::config::nearest;
+use dpn_core::config::{nearest, suggestion};
 use dpn_core::named;
 use serde::{Deserialize, Serialize};
 use std::str::FromStr;
@@ -60,8 +60,7 @@ fn known() -> String {
 
 fn meant(given: &str) -> String {
     let names = Flight::ALL.into_iter().flat_map(Flight::names);
-    let flight = nearest(given, names).and_then(|name| name.parse::<Flight>().ok());
-    flight.map(|flight| format!(" (did you mean `{}`?)", flight.name())).unwrap_or_default()
+    suggestion(nearest(given, names).and_then(|name| name.parse::<Flight>().ok()).map(Flight::name))
 }
 
 impl Flight {

@@ -1,5 +1,6 @@
 //! What can be wrong with a noise spec.
 
+use crate::config::suggestion;
 use crate::estimate::EstimatorError;
 use crate::noise::units::BadNoise;
 use thiserror::Error;
@@ -30,7 +31,7 @@ pub enum SpecError {
         path: String,
     },
     /// A name nobody knows.
-    #[error("`{name}` is no noise spec; {}known are {}", hint(nearest.as_deref()), known.join(", "))]
+    #[error("`{name}` is no noise spec; known are {}{}", known.join(", "), suggestion(nearest.as_deref()))]
     Unknown {
         /// The name.
         name: String,
@@ -71,8 +72,4 @@ pub enum SpecError {
     /// The estimator refuses its parameters.
     #[error(transparent)]
     Estimator(#[from] EstimatorError),
-}
-
-fn hint(nearest: Option<&str>) -> String {
-    nearest.map(|n| format!("did you mean `{n}`? ")).unwrap_or_default()
 }
