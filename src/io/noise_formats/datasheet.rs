@@ -9,12 +9,12 @@
 //!
 //! Any of them may be missing; a bare number is a density in SI units.
 
+use super::calibration::{Given, NoiseCalibration, Zero};
 use super::error::{FormatError, at};
 use super::format::Format;
 use super::keyed;
 use super::number::{number, short};
 use super::quantity::Quantity;
-use super::read::{Given, NoiseCalibration, Zero};
 use super::step::Step;
 use super::tree::{Node, Tree};
 use crate::unit;

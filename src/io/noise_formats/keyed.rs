@@ -1,10 +1,10 @@
 //! Reading and writing formats that are four keys of numbers.
 
+use super::calibration::{Given, NoiseCalibration, Zero};
 use super::error::{FormatError, Slip, at};
 use super::format::Format;
 use super::layout::{Key, Layout};
 use super::number::{number, short};
-use super::read::{Given, NoiseCalibration, Zero};
 use super::step::{Remark, Step};
 use super::tree::{Block, Entry, Item, Tree};
 use dpn_core::config::nearest;
@@ -241,15 +241,13 @@ pub(super) fn written_step(key: Key, figures: &ImuFigures, written: Axes<f64>, r
 
 fn missing(tree: &Tree, format: Format, layout: &Layout, path: &Path, lacking: &[Key]) -> FormatError {
     let names = layout.keys.map(|key| key.name);
-    let none = lacking.len() == names.len();
-    let rather = Format::of(tree).filter(|other| *other != format && none);
     FormatError::Missing {
         path: path.to_path_buf(),
         from: format,
         missing: lacking.iter().map(|key| key.name.to_owned()).collect(),
         figures: lacking.iter().map(|key| key.figure).collect::<Vec<Figure>>(),
-        nearest: if rather.is_some() { None } else { slip(tree, lacking.iter().map(|key| key.name), &names) },
-        rather,
+        nearest: slip(tree, lacking.iter().map(|key| key.name), &names),
+        rather: None,
     }
 }
 

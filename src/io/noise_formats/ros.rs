@@ -1,13 +1,13 @@
 //! The covariances of ROS's `sensor_msgs/Imu`, as `rostopic echo` and `ros2 topic echo` print a message: variances of one sample, nine
 //! numbers row by row about x, y, z. All zeros say "not known", -1 in the first place says "this is not measured". No walks.
 
+use super::calibration::{Given, NoiseCalibration, Zero};
 use super::error::FormatError;
 use super::format::Format;
 use super::keyed::AxesText;
 use super::keyed::{self, Line};
 use super::layout::Key;
 use super::number::number;
-use super::read::{Given, NoiseCalibration, Zero};
 use super::step::{Remark, Step};
 use super::tree::{Entry, Tree};
 use dpn_core::noise::Meaning;
@@ -29,7 +29,7 @@ pub(super) fn read(tree: &Tree, path: &Path, given: &Given) -> Result<NoiseCalib
         missing: lacking.iter().map(|i| KEYS[*i].to_owned()).collect(),
         figures: lacking.iter().map(|i| FIGURES[*i]).collect(),
         nearest: keyed::slip(tree, KEYS.into_iter(), &KEYS),
-        rather: Format::of(tree).filter(|other| *other != Format::Ros),
+        rather: None,
     };
     let Some((block, _)) = keyed::block(tree, &KEYS) else {
         return Err(missing(vec![0, 1]));

@@ -1,32 +1,14 @@
-//! VINS-Mono's and VINS-Fusion's configuration: deviations per sample, which the code squares and never scales by the rate.
+//! What VINS-Mono and VINS-Fusion make of their figures: deviations per sample, which the code squares and never scales by the rate.
 //!
 //! A step of its mid-point integration counts the noise of two samples with half weight each and takes the sample that two steps share
 //! for two independent ones. So what it propagates is half of the variance of white noise of that deviation: a density of
 //! `acc_n * sqrt(dt / 2)`, not `acc_n * sqrt(dt)`. `acc_w` and `gyr_w` enter as a rate of change of the bias that holds for one step.
 
-use super::keyed::{self, Line};
-use super::layout::{Layout, keys};
 use super::number::{number, short};
 use super::step::Remark;
 use dpn_core::noise::Meaning;
 use dpn_core::noise::{Figure, ImuFigures};
 use dpn_core::time::SampleRate;
-
-/// The keys of the configuration.
-pub(super) const LAYOUT: Layout = Layout {
-    keys: keys(["acc_n", "acc_w", "gyr_n", "gyr_w"], Meaning::SampleStd, Meaning::WalkRateStd),
-    rate: None,
-    other_rates: &[],
-    marks: &[],
-    per_axis: false,
-    walks_required: true,
-};
-
-pub(super) fn write(lines: &[Line], rate: Option<&str>) -> String {
-    let at = rate.map(|rate| format!(" at {rate} Hz")).unwrap_or_default();
-    format!("%YAML:1.0\n# VINS-Mono, VINS-Fusion: per sample{at}; another rate needs other numbers\n")
-        + &keyed::yaml(lines, "")
-}
 
 /// What VINS makes of numbers it is given.
 pub(super) fn written(figures: &ImuFigures, rate: SampleRate) -> Option<Remark> {

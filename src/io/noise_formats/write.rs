@@ -5,7 +5,7 @@ use super::format::Format;
 use super::keyed::{self, Line};
 use super::number::{number, short};
 use super::step::{Remark, Step};
-use super::{basalt, datasheet, kalibr, okvis2, openvins, orbslam3, ros, variances, vins};
+use super::{datasheet, layouts, ros, vins};
 use dpn_core::noise::{Axes, Figure, ImuFigures};
 use dpn_core::time::SampleRate;
 use serde::Serialize;
@@ -67,15 +67,9 @@ pub fn write(
         .iter()
         .filter_map(|line| Some(keyed::written_step(line.key, figures, line.values?, rate)))
         .collect();
-    let text = match format {
-        Format::Kalibr => kalibr::write(&lines, rate_text),
-        Format::OpenVins => openvins::write(&lines, rate_text),
-        Format::OrbSlam3 => orbslam3::write(&lines, rate_text),
-        Format::Okvis2 => okvis2::write(&lines, rate_text),
-        Format::Basalt => basalt::write(&lines, rate_text),
-        Format::Vins => vins::write(&lines, rate_text),
-        Format::Variances => variances::write(&lines, rate_text),
-        Format::Ros | Format::Datasheet => ros::write(&lines, &short(rate.hz())),
+    let text = match format.layout() {
+        Some(layout) => layouts::write(layout, &lines, rate_text),
+        None => ros::write(&lines, &short(rate.hz())),
     };
     if format == Format::Vins {
         remarks.extend(vins::written(figures, rate));
