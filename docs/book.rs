@@ -1,8 +1,10 @@
 //! What the book of results is held to: `targets` keeps its page of targets and the headline at what `targets.csv` says, `numbers` its
-//! marked numbers at the study's tables, `prose` its tables and links in order, `house` the crates at what ARCHITECTURE.md draws. Nothing here is built outside tests; `mdbook build docs` makes the book.
+//! marked numbers at the study's tables, `prose` its tables and links in order, `house` the crates at what ARCHITECTURE.md draws, `circles` their files at imports that lead nowhere back. Nothing here is built outside tests; `mdbook build docs` makes the book.
 
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+#[cfg(test)]
+mod circles;
 #[cfg(test)]
 mod house;
 #[cfg(test)]
