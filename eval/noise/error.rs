@@ -1,6 +1,5 @@
 //! Why there is no noise.
 
-use super::track::{LEAST, MOST};
 use dpn_core::Sensor;
 use dpn_core::estimate::SpecError;
 use dpn_io::IoError;
@@ -9,6 +8,10 @@ use dpn_pronet::model::PairError;
 use dpn_pronet::network::UnknownNetwork;
 use std::path::PathBuf;
 use thiserror::Error;
+
+/// Least and largest deviation that a noise may say, in the sensor's unit: far beyond any IMU's, and far from where squares and their inverses end.
+pub(super) const LEAST: f64 = 1e-9;
+pub(super) const MOST: f64 = 1e9;
 
 /// Why a noise spec gives no noise for a recording.
 #[derive(Debug, Error)]

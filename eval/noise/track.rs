@@ -2,6 +2,7 @@
 
 use super::NoiseError;
 use super::controls::{MeanSquare, shuffled};
+use super::error::{LEAST, MOST};
 use dpn_core::estimate::{NoiseSpec, Schedule, raised_to_floor};
 use dpn_core::noise::NoiseModel;
 use dpn_core::random::Stream;
@@ -90,10 +91,6 @@ impl Sources for Fresh<'_> {
         Err(NoiseError::NoTraining { spec: format!("mean-of-train({source})") })
     }
 }
-
-/// Least and largest deviation that a noise may say, in the sensor's unit: far beyond any IMU's, and far from where squares and their inverses end.
-pub(super) const LEAST: f64 = 1e-9;
-pub(super) const MOST: f64 = 1e9;
 
 /// That a noise told can be computed with.
 ///

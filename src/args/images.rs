@@ -1,6 +1,7 @@
 //! `dpn simulate images`.
 
-use super::{set, simulate::WorldArg};
+use super::set::set;
+use super::world::WorldArg;
 use clap::Args;
 use dpn_sim::RenderConfig;
 use dpn_sim::tracks::World;

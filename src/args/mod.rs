@@ -17,10 +17,12 @@ mod noise;
 mod page;
 mod paper;
 mod run;
+mod set;
 mod simulate;
 mod sweep;
 mod train;
 mod truth;
+mod world;
 
 pub(crate) use allan::AllanArgs;
 pub(crate) use cache::CacheArgs;
@@ -46,11 +48,6 @@ pub(crate) use train::{SensorArg, TrainArgs};
 pub(crate) use truth::TruthArgs;
 
 use clap::{Parser, Subcommand};
-
-/// Puts a flag that was typed over a configuration's key.
-fn set<T: Copy>(flag: Option<T>, key: &mut T) {
-    *key = flag.unwrap_or(*key);
-}
 
 /// How noisy is this IMU right now, and does my estimator get better when it is told?
 #[derive(Debug, Parser)]

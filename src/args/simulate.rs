@@ -1,8 +1,9 @@
 //! `dpn simulate`.
 
-use super::examples;
-use super::{ImagesArgs, set};
-use clap::{Args, Subcommand, ValueEnum};
+use super::set::set;
+use super::world::WorldArg;
+use super::{ImagesArgs, examples};
+use clap::{Args, Subcommand};
 use dpn_sim::tracks::{TracksConfig, World};
 use std::path::PathBuf;
 
@@ -52,27 +53,6 @@ pub(crate) struct FlightArgs {
     /// Print what was written as JSON on stdout.
     #[arg(long)]
     pub(crate) json: bool,
-}
-
-/// Kind of world as typed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum WorldArg {
-    /// By the flight's size.
-    Auto,
-    /// Walls near.
-    Room,
-    /// Walls far.
-    Hall,
-}
-
-impl From<WorldArg> for World {
-    fn from(arg: WorldArg) -> Self {
-        match arg {
-            WorldArg::Auto => Self::Auto,
-            WorldArg::Room => Self::Room,
-            WorldArg::Hall => Self::Hall,
-        }
-    }
 }
 
 /// Flags of `dpn simulate tracks`. A flag overrides the configuration's key of the same meaning.

@@ -1,6 +1,7 @@
 //! `dpn eval --closed-loop`.
 
-use super::{cache, cores, program, settings, shipped, stop};
+use super::cores::cores;
+use super::{cache, program, settings, shipped, stop};
 use crate::args::EvalArgs;
 use crate::ui::{Bar, Interrupted, errln, out, outln};
 use anyhow::Result;

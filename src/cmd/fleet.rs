@@ -1,6 +1,7 @@
 //! `dpn fleet`.
 
-use super::{cache, closed_loop, cores, program, shipped, stop, truth};
+use super::cores::cores;
+use super::{cache, closed_loop, program, shipped, stop, truth};
 use crate::args::FleetArgs;
 use crate::ui::{Bar, Fault, Interrupted, errln, out, outln};
 use anyhow::{Context, Result};

@@ -5,6 +5,7 @@ mod cache;
 mod check;
 mod closed_loop;
 mod convert;
+mod cores;
 mod corpus;
 mod data;
 mod device;
@@ -62,9 +63,4 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Completions(args) => Ok(manual::completions(&args)?),
         Command::Manual(args) => manual::manual(&args),
     }
-}
-
-/// How many threads this machine runs at a time.
-fn cores() -> usize {
-    std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
 }

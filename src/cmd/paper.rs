@@ -1,6 +1,7 @@
 //! `dpn paper`.
 
-use super::{cache, cores, device, program, program_of, settings, shipped, stop};
+use super::cores::cores;
+use super::{cache, device, program, program_of, settings, shipped, stop};
 use crate::args::PaperArgs;
 use crate::ui::{Bar, Fault, Interrupted, errln, outln};
 use anyhow::Result;

@@ -1,6 +1,6 @@
 //! A bag of any kind, read once through for whoever wants its messages.
 
-use crate::kind::HEAD;
+use crate::detect::HEAD;
 use crate::messages::Messages;
 use crate::packed::{Packing, Unpacked};
 #[cfg(feature = "images")]

@@ -10,7 +10,7 @@ use crate::messages::Messages;
 use crate::read::bag_log;
 use crate::sensors::{SensorEvent, SensorStream};
 use crate::topics::Topics;
-use crate::{Kind, Log, LogError, LogOptions, bag, read_log};
+use crate::{ImageLogOptions, ImageSpan, Kind, Log, LogError, bag, read_log};
 use dpn_core::{GrayImage, Stamp};
 use dpn_io::asl::{Sequence, discover, is_there};
 use dpn_io::{ImageFolder, IoError, Prefetch, TimesFolder};
@@ -23,40 +23,6 @@ const AHEAD: usize = 4;
 const IMU_FILES: [&str; 2] = ["imu.txt", "imu.csv"];
 /// Where a camera's calibration may lie in a folder, as ASL has it.
 const CALIBRATIONS: [&str; 3] = ["sensor.yaml", "cam0/sensor.yaml", "mav0/cam0/sensor.yaml"];
-
-/// What the caller knows about a log with images.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct ImageLogOptions {
-    /// About its IMU.
-    pub imu: LogOptions,
-    /// The topic of the images; without it, the only one.
-    pub image_topic: Option<String>,
-    /// Whether a list of images may be longer or shorter than the folder beside it.
-    pub skip_missing: bool,
-}
-
-/// The part that is wanted, in seconds after the first image.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ImageSpan {
-    /// Where it begins.
-    pub from_s: f64,
-    /// Where it ends; without it at the last image.
-    pub to_s: Option<f64>,
-}
-
-impl ImageSpan {
-    /// All images.
-    pub const ALL: Self = Self { from_s: 0.0, to_s: None };
-    /// So much outside is within, for seconds are rounded when they are written.
-    const ROUNDED_S: f64 = 1e-6;
-
-    /// Whether an image at `t` comes before the part, or after it, which nothing behind can mend.
-    pub(crate) fn misses(&self, first: Stamp, t: Stamp) -> Option<ControlFlow<()>> {
-        let after = self.to_s.is_some_and(|to_s| t > first.plus_seconds(to_s + Self::ROUNDED_S));
-        let before = t < first.plus_seconds(self.from_s - Self::ROUNDED_S);
-        if after { Some(ControlFlow::Break(())) } else { before.then_some(ControlFlow::Continue(())) }
-    }
-}
 
 /// A log with images.
 #[derive(Debug, Clone, PartialEq)]
@@ -125,7 +91,7 @@ impl ImageLog {
             return Ok([times, self.imu_file()?].into_iter().chain(images).collect());
         }
         if self.path.is_dir() {
-            return Ok(crate::kind::bags(&self.path)?.0);
+            return Ok(crate::rosbag2::bags(&self.path)?.0);
         }
         Ok(vec![self.path.clone()])
     }

@@ -34,6 +34,7 @@ mod bytes;
 #[cfg(feature = "images")]
 mod cameras;
 mod decompress;
+mod detect;
 mod error;
 mod fields;
 #[cfg(all(test, feature = "images"))]
@@ -48,6 +49,8 @@ mod golden_rigs;
 mod image_log;
 #[cfg(feature = "images")]
 mod image_message;
+#[cfg(feature = "images")]
+mod image_options;
 mod imu_message;
 mod join;
 mod kind;
@@ -58,6 +61,7 @@ mod live_join;
 mod log;
 mod mcap;
 mod messages;
+mod options;
 mod packed;
 mod read;
 mod records;
@@ -81,10 +85,13 @@ mod zipped;
 
 pub use error::LogError;
 #[cfg(feature = "images")]
-pub use image_log::{ImageLog, ImageLogOptions, ImageSpan, Images};
+pub use image_log::{ImageLog, Images};
+#[cfg(feature = "images")]
+pub use image_options::{ImageLogOptions, ImageSpan};
 pub use kind::Kind;
 pub use log::Log;
-pub use read::{LogOptions, read_log, read_mcap, read_rosbag1, read_sqlite, read_stream};
+pub use options::LogOptions;
+pub use read::{read_log, read_mcap, read_rosbag1, read_sqlite, read_stream};
 pub use scale::Scales;
 #[cfg(feature = "images")]
 pub use sensors::{SensorEvent, read_sensors, read_sensors_from};

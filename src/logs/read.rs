@@ -1,37 +1,21 @@
 //! The one way in.
 
+use crate::log::goes_forward;
 use crate::records::Records;
-use crate::scale::Scales;
 use crate::topics::Topics;
 use crate::two_files::TwoFiles;
-use crate::{Kind, Log, LogError, ardupilot, bag, mcap, rosbag1, rosbag2, sqlite, ulog};
+use crate::{Kind, Log, LogError, LogOptions, Scales, ardupilot, bag, mcap, rosbag1, rosbag2, sqlite, ulog};
 use dpn_core::Samples;
 use dpn_io::asl::{Sequence, is_there};
 use dpn_io::{
-    AccelUnit, CsvOptions, GyroUnit, ImuColumns, IoError, LooseImuLog, Origin, SampleStore, Sieved,
-    StoredRecording, parse_imu_csv_loosely,
+    AccelUnit, GyroUnit, ImuColumns, IoError, LooseImuLog, Origin, SampleStore, StoredRecording,
+    parse_imu_csv_loosely,
 };
 use std::fs::File;
 #[cfg(feature = "zip")]
 use std::io::Seek;
 use std::io::{BufReader, Read};
 use std::path::Path;
-
-/// Share of the samples whose stamps may go back.
-const TOLERATED: f64 = 0.1;
-
-/// What the caller knows about a log.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct LogOptions {
-    /// Columns and units of a CSV file.
-    pub csv: CsvOptions,
-    /// The bag's topic; without it, its only IMU.
-    pub topic: Option<String>,
-    /// Bytes that a bag's chunks or a packed file may unpack to, all together; without it, 32 MB and 32 times the packed ones.
-    pub max_uncompressed: Option<u64>,
-    /// What one of the log's numbers is, of any kind of log; it stands instead of a unit.
-    pub scales: Scales,
-}
 
 /// Reads whatever log is at `path`: a folder, a file, a sequence of a data pack (`PACK/NAME`), a pipe, or stdin for `-`. Files and pipes are opened once and read once through.
 ///
@@ -52,7 +36,9 @@ pub fn read_log(path: &Path, options: &LogOptions) -> Result<Log, LogError> {
         let file = File::open(path).map_err(reading)?;
         #[cfg(feature = "zip")]
         if is_archive(&file).map_err(reading)? {
-            return crate::zipped::read(file, path, options);
+            return crate::zipped::read(file, path, options, &|source, path| {
+                read_stream(source, path, options)
+            });
         }
         return read_stream(file, path, options);
     }
@@ -79,10 +65,10 @@ pub fn read_log(path: &Path, options: &LogOptions) -> Result<Log, LogError> {
 fn is_archive(mut file: &File) -> std::io::Result<bool> {
     let mut head = Vec::new();
     if file.metadata()?.is_file() {
-        file.take(crate::kind::HEAD).read_to_end(&mut head)?;
+        file.take(crate::detect::HEAD).read_to_end(&mut head)?;
         file.rewind()?;
     }
-    Ok(crate::kind::is_zip(&head))
+    Ok(crate::detect::is_zip(&head))
 }
 
 /// Reads a log of any kind, packed or not, from bytes as they come; `path` is for messages. A database, whose reader must seek, is copied to a
@@ -196,16 +182,6 @@ fn scaled(samples: SampleStore, path: &Path, options: &LogOptions) -> Result<Sto
     let recording = options.scales.apply(samples).and_then(SampleStore::recording);
     let short = |found| IoError::TooShort { path: path.to_path_buf(), found };
     Ok(recording.map_err(|e| IoError::reading(path, e))?.map_err(short)?)
-}
-
-pub(crate) fn goes_forward(path: &Path, sieved: &Sieved, kept: usize) -> Result<(), LogError> {
-    let of = kept + sieved.count();
-    match sieved.backward.first {
-        Some(first) if sieved.backward.count as f64 > TOLERATED * of as f64 => {
-            Err(LogError::Backward { path: path.to_path_buf(), count: sieved.backward.count, of, first })
-        }
-        _ => Ok(()),
-    }
 }
 
 /// A text log: `file` names its rows, `path` the whole.

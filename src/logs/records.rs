@@ -1,6 +1,7 @@
 //! IMUs of a log that names its records and numbers those who write them, as autopilots' do: one is chosen.
 
 use crate::join::join;
+use crate::log::goes_forward;
 use crate::{Kind, Log, LogError, LogOptions};
 use dpn_core::{ImuSample, Samples};
 use dpn_io::{IoError, SampleStore, Sieve, Sieved};
@@ -124,7 +125,7 @@ impl Records {
                     return Err(LogError::NoImu { path: path.to_path_buf(), topics: listed, damage });
                 }
             };
-        crate::read::goes_forward(path, &sieved, samples.len())?;
+        goes_forward(path, &sieved, samples.len())?;
         let samples = options.scales.apply(samples).map_err(storing)?;
         let recording = match samples.recording().map_err(storing)? {
             Ok(recording) => recording,

@@ -3,12 +3,11 @@
 use crate::budget::Budget;
 use crate::cameras::Cameras;
 use crate::fields::Encoding;
-use crate::image_log::{ImageLogOptions, ImageSpan};
 use crate::imu_message::{decode, is_imu};
 use crate::live_imus::{LiveImus, Several};
 use crate::messages::Messages;
 use crate::topics::{is_wanted, shortened};
-use crate::{LogError, Scales, bag};
+use crate::{ImageLogOptions, ImageSpan, LogError, Scales, bag};
 use dpn_core::{GrayImage, ImuSample, Stamp};
 use dpn_io::{IoError, printable};
 use std::io::Read;

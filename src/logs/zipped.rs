@@ -4,7 +4,6 @@
 //! the [`Budget`] of everything that is packed.
 
 use crate::budget::Budget;
-use crate::read::read_stream;
 use crate::topics::shortened;
 use crate::two_files::{TwoFiles, is_table};
 use crate::{Log, LogError, LogOptions};
@@ -15,11 +14,16 @@ use std::path::{Path, PathBuf};
 use zip::ZipArchive;
 use zip::result::ZipError;
 
-/// Reads the log in the archive `file`, which lies at `path`.
+/// Reads the log in the archive `file`, which lies at `path`; a single file in it by `read_stream`.
 ///
 /// # Errors
 /// An archive that is cut off, damaged, or encrypted; one that unpacks to too much; no log in it, or several.
-pub(crate) fn read(file: File, path: &Path, options: &LogOptions) -> Result<Log, LogError> {
+pub(crate) fn read(
+    file: File,
+    path: &Path,
+    options: &LogOptions,
+    read_stream: &dyn Fn(&mut dyn Read, &Path) -> Result<Log, LogError>,
+) -> Result<Log, LogError> {
     let reading = |e| IoError::reading(path, e);
     let damaged = |what: String| LogError::Damaged { path: path.to_owned(), what };
     let of_zip = |e: ZipError| damaged(format!("a zip archive that cannot be read: {e}"));
@@ -52,7 +56,7 @@ pub(crate) fn read(file: File, path: &Path, options: &LogOptions) -> Result<Log,
     match files.as_slice() {
         [(at, name)] => {
             let mut entry = archive.by_index(*at).map_err(of_zip)?.take(left.saturating_add(1));
-            let log = read_stream(&mut entry, &path.join(name), options);
+            let log = read_stream(&mut entry, &path.join(name));
             if entry.limit() == 0 { Err(damaged(budget.exceeded())) } else { log }
         }
         [] => Err(damaged("a zip archive without a file".to_owned())),
@@ -74,7 +78,7 @@ fn is_hidden(name: &Path) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Kind, read_log};
+    use crate::{Kind, read_log, read_stream};
     use dpn_core::Samples;
     use std::fmt::Write as _;
     use std::io::Write as _;

@@ -11,7 +11,6 @@ use crate::config::ProNetConfig;
 use crate::engine::Engine;
 use crate::fused;
 use crate::init::initial_parameters;
-use crate::plain::deviations;
 use crate::shape::{ParameterShape, parameters};
 use burn::module::{Module, Param, ParamId};
 use burn::tensor::{Device, Gradients, Tensor, TensorData};
@@ -223,6 +222,15 @@ fn param<const D: usize>(
     // Numbered, not drawn: burn's own optimiser records then fit any network of the same configuration.
     let tensor = if device.is_autodiff() { tensor.require_grad() } else { tensor };
     Param::initialized(ParamId::from(index as u64), tensor)
+}
+
+/// The deviations of what a network says.
+///
+/// # Shapes
+/// `answers`: `[batch, outputs]`; returns `[batch]`.
+pub(crate) fn deviations(answers: Tensor<2>) -> Tensor<1> {
+    let [batch, _] = answers.dims();
+    answers.slice([0..batch, 0..1]).squeeze_dim(1) // [batch]
 }
 
 #[cfg(test)]

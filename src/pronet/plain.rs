@@ -4,7 +4,7 @@
 
 use crate::config::{BlockOrder, Head, Input, NormAxes, Pool, ProNetConfig};
 use crate::definition::{LOG_SIGMA_RANGE, LOG_SPREAD_RANGE, NORM_EPSILON, POOL_EPSILON};
-use crate::module::ProNet;
+use crate::module::{ProNet, deviations};
 use burn::module::Param;
 use burn::tensor::ops::ConvOptions;
 use burn::tensor::{Tensor, activation, module::conv1d};
@@ -89,15 +89,6 @@ impl ProNet {
         let per_channel = |p: &Param<Tensor<1>>| p.val().unsqueeze::<2>().unsqueeze_dim::<3>(2); // [1, channels, 1]
         normal * per_channel(&norm.weight) + per_channel(&norm.bias)
     }
-}
-
-/// The deviations of what a network says.
-///
-/// # Shapes
-/// `answers`: `[batch, outputs]`; returns `[batch]`.
-pub(crate) fn deviations(answers: Tensor<2>) -> Tensor<1> {
-    let [batch, _] = answers.dims();
-    answers.slice([0..batch, 0..1]).squeeze_dim(1) // [batch]
 }
 
 /// What the first convolution sees.

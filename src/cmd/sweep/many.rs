@@ -2,7 +2,8 @@
 
 use super::trainer::CorpusTrainer;
 use crate::args::TrainArgs;
-use crate::cmd::{cores, program, stop};
+use crate::cmd::cores::cores;
+use crate::cmd::{program, stop};
 use crate::ui::{Bar, Fault, Interrupted, errln, outln};
 use anyhow::Result;
 use dpn_core::progress::{Progress, Silent};

@@ -1,7 +1,7 @@
 //! `dpn sweep plan`.
 
-use super::trainer::CorpusTrainer;
-use super::{MODELS, lasting};
+use super::lasting::lasting;
+use super::trainer::{CorpusTrainer, MODELS};
 use crate::args::SweepPlanArgs;
 use crate::cmd::{paper, program, shipped};
 use crate::ui::{Fault, errln, outln};

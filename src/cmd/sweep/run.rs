@@ -1,7 +1,6 @@
 //! `dpn sweep run`.
 
-use super::MODELS;
-use super::trainer::CorpusTrainer;
+use super::trainer::{CorpusTrainer, MODELS};
 use crate::args::{Shards, SweepRunArgs};
 use crate::cmd::{cache, program, shipped, stop};
 use crate::ui::{Bar, Fault, Interrupted, errln};

@@ -1,6 +1,6 @@
 //! `dpn sweep status`.
 
-use super::lasting;
+use super::lasting::lasting;
 use crate::args::SweepStatusArgs;
 use crate::ui::{errln, outln};
 use anyhow::Result;

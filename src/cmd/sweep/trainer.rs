@@ -17,6 +17,9 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
+/// Folder of a sweep's own networks.
+pub(super) const MODELS: &str = "models";
+
 /// Trains on one corpus, which is read when it is first needed: once, for a trainer and all its clones.
 #[derive(Clone)]
 pub(crate) struct CorpusTrainer {

@@ -6,19 +6,22 @@
 //! * [`CameraConfig`]: a calibration as files write it. [`CameraModel`]: what projects.
 //! * [`Lens`]: pinhole with radial-tangential distortion (4, 5, 8 coefficients), equidistant, unified (MEI), double sphere, field of view.
 
+mod bad_camera;
 mod config;
 mod fold;
 #[cfg(test)]
 mod golden;
 mod lens;
+mod lens_model;
 mod model;
 mod radial;
 mod radtan;
 mod sphere;
 
+pub use bad_camera::BadCamera;
 pub use config::{CameraConfig, Distortion, UnknownLens};
 pub use lens::Lens;
-pub use model::{BadCamera, CameraModel, WIDEST_RAD};
+pub use model::{CameraModel, WIDEST_RAD};
 pub use radial::{Equidistant, Fov};
 pub use radtan::Radtan;
 pub use sphere::{DoubleSphere, Omni};

@@ -4,10 +4,9 @@
 //! u = fx x' + cx,  v = fy y' + cy      (x', y') the lens' image in a plane of unit focal length
 //! ```
 
-use super::lens::LensModel;
-use super::{CameraConfig, Distortion, Equidistant, Lens};
+use super::lens_model::LensModel;
+use super::{BadCamera, CameraConfig, Distortion, Equidistant, Lens};
 use nalgebra::{Matrix2, Matrix2x3, Vector2, Vector3};
-use thiserror::Error;
 
 /// How far off the axis a point is of use \[rad\]: 80 degrees. Landmarks hang on rays `(x, y, 1)`, whose deviation at 80 degrees is 33
 /// times that on the axis and has no end at 90.
@@ -15,57 +14,6 @@ pub const WIDEST_RAD: f64 = 80.0 / 180.0 * std::f64::consts::PI;
 
 /// Its tangent, squared.
 const WIDEST_TAN2: f64 = 32.163_437_477_526_32;
-
-/// A calibration that describes no camera.
-#[derive(Debug, Error, PartialEq)]
-pub enum BadCamera {
-    /// A focal length that is not positive, or a value that is not finite.
-    #[error(
-        "camera intrinsics fx {fx}, fy {fy}, cx {cx}, cy {cy}: focal lengths must be positive, all values finite"
-    )]
-    Intrinsics {
-        /// Focal length in u \[px\].
-        fx: f64,
-        /// Focal length in v \[px\].
-        fy: f64,
-        /// Principal point, u \[px\].
-        cx: f64,
-        /// Principal point, v \[px\].
-        cy: f64,
-    },
-    /// An image without pixels.
-    #[error("an image of {width} x {height} px")]
-    Size {
-        /// Columns.
-        width: u32,
-        /// Rows.
-        height: u32,
-    },
-    /// Coefficients that the lens cannot have.
-    #[error(
-        "a lens that is {model} with coefficients {found:?}; it has {} finite numbers{}", counts(*model), bounds(*model)
-    )]
-    Coefficients {
-        /// The lens.
-        model: Distortion,
-        /// What was given.
-        found: Vec<f64>,
-    },
-}
-
-fn counts(model: Distortion) -> String {
-    model.counts().iter().map(ToString::to_string).collect::<Vec<_>>().join(" or ")
-}
-
-fn bounds(model: Distortion) -> &'static str {
-    match model {
-        Distortion::Omni => ", xi first and not negative",
-        Distortion::EnhancedUnified => ", alpha from 0 to 1 and beta above 0",
-        Distortion::DoubleSphere => ", xi above -1 and alpha from 0 to 1",
-        Distortion::Fov => ", an angle between 0 and pi",
-        _ => "",
-    }
-}
 
 /// Intrinsics of one camera.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -10,7 +10,7 @@
 //! al. 2018, eq. 29 to 32. Seen is what is nearer the axis than where `rho` stops rising.
 
 use super::fold::first_fold;
-use super::lens::{LensModel, Placed};
+use super::lens_model::{LensModel, Placed};
 use nalgebra::{Matrix2, Matrix2x3, Vector2, Vector3};
 use std::f64::consts::PI;
 

@@ -8,7 +8,7 @@
 //! Source: Brown 1966; Heikkila and Silven 1997, eq. 5 to 7; the same as OpenCV with 4, 5 or 8 coefficients.
 
 use super::fold::first_fold;
-use super::lens::{LensModel, Placed};
+use super::lens_model::{LensModel, Placed};
 use nalgebra::{Matrix2, Matrix2x3, Vector2, Vector3};
 
 /// Newton steps of the undistortion; inside an image of a usable lens three suffice.

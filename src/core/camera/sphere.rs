@@ -9,7 +9,7 @@
 //! Source: Mei and Rives 2007 as OpenCV's `omnidir` and Kalibr's `omni` have it; Khomutenko, Garcia and Martinet 2016, eq. 8 to 14, for the enhanced one; Usenko, Demmel and Cremers 2018, eq. 40 to 49, for the
 //! double sphere and for the domains (their eq. 13 to 19 with alpha = xi / (1 + xi)).
 
-use super::lens::{LensModel, Placed};
+use super::lens_model::{LensModel, Placed};
 use super::radtan::Radtan;
 use nalgebra::{Matrix2, Matrix2x3, RowVector3, Vector2, Vector3};
 

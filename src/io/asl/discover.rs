@@ -35,6 +35,23 @@ pub fn discover(dir: &Path) -> Result<Vec<Sequence>, IoError> {
     Ok(found)
 }
 
+impl Sequence {
+    /// The sequence in `dir`, which holds `mav0/imu0/data.csv` or `imu0/data.csv`; or in a data pack: `PACK/NAME`, or `PACK` where it holds but one.
+    ///
+    /// # Errors
+    /// `dir` is not there, or holds neither.
+    pub fn open(dir: &Path) -> Result<Self, IoError> {
+        if let Some((file, below)) = pack::split(dir) {
+            return pack::open(&file, &below);
+        }
+        std::fs::read_dir(dir).map_err(|e| IoError::reading(dir, e))?;
+        Self::at(dir).ok_or_else(|| IoError::NoSequence {
+            dir: dir.to_path_buf(),
+            looked_for: format!("mav0/{IMU_DATA}, {IMU_DATA}"),
+        })
+    }
+}
+
 fn collect(dir: &Path, levels: usize, found: &mut Vec<Sequence>) {
     if let Some(sequence) = Sequence::at(dir) {
         found.push(sequence);

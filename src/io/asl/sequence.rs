@@ -3,7 +3,7 @@
 use super::camera::{self, CameraFrame};
 use super::ground_truth;
 use super::imu_config::{self, ImuConfig};
-use super::pack::{self, Packed};
+use super::pack::Packed;
 use crate::calibration::Calibration;
 use crate::imu_csv::{CsvOptions, parse_with};
 use crate::{IoError, TimeUnit};
@@ -37,22 +37,7 @@ pub struct Sequence {
 }
 
 impl Sequence {
-    /// The sequence in `dir`, which holds `mav0/imu0/data.csv` or `imu0/data.csv`; or in a data pack: `PACK/NAME`, or `PACK` where it holds but one.
-    ///
-    /// # Errors
-    /// `dir` is not there, or holds neither.
-    pub fn open(dir: &Path) -> Result<Self, IoError> {
-        if let Some((file, below)) = pack::split(dir) {
-            return pack::open(&file, &below);
-        }
-        std::fs::read_dir(dir).map_err(|e| IoError::reading(dir, e))?;
-        Self::at(dir).ok_or_else(|| IoError::NoSequence {
-            dir: dir.to_path_buf(),
-            looked_for: format!("mav0/{IMU_DATA}, {IMU_DATA}"),
-        })
-    }
-
-    /// The same without words: `None` where there is no sequence.
+    /// The sequence in the folder `dir`; `None` where there is none.
     pub(super) fn at(dir: &Path) -> Option<Self> {
         let root =
             [dir.join("mav0"), dir.to_path_buf()].into_iter().find(|root| root.join(IMU_DATA).is_file())?;

@@ -47,8 +47,14 @@ impl<'a> Keys<'a> {
         Self { path, above: String::new(), entries: tree.root() }
     }
 
-    pub(super) fn path(&self) -> &'a Path {
-        self.path
+    /// The file that `key` names, which stands in the same folder.
+    pub(super) fn beside(&self, key: &'static str) -> Result<PathBuf, CalibrationError> {
+        let name = self.text(key)?;
+        if !crate::asl::camera::stays_inside(&name) {
+            let problem = format!("is \"{}\"; a file of the same folder is needed", printable(&name));
+            return Err(self.bad(key, problem));
+        }
+        Ok(self.path.with_file_name(name))
     }
 
     fn find(&self, key: &str) -> Option<&'a Entry> {

@@ -99,21 +99,9 @@ fn open_vins(keys: &Keys<'_>) -> Result<Found, CalibrationError> {
     if !keys.has("relative_config_imucam") {
         return kalibr::read(keys);
     }
-    let path = beside(keys, "relative_config_imucam")?;
+    let path = keys.beside("relative_config_imucam")?;
     let tree = Tree::parse(&read_config(&path)?, &path)?;
     kalibr::read(&Keys::new(&path, &tree))
-}
-
-/// The file that `key` names, which stands in the same folder.
-fn beside(keys: &Keys<'_>, key: &'static str) -> Result<PathBuf, CalibrationError> {
-    let name = keys.text(key)?;
-    let plain = crate::asl::camera::stays_inside(&name);
-    if !plain {
-        return Err(
-            keys.bad(key, format!("is \"{}\"; a file of the same folder is needed", crate::printable(&name)))
-        );
-    }
-    Ok(keys.path().with_file_name(name))
 }
 
 /// Whose keys of the IMU's noise there are, and in which file: in this one, else the one it names, else one beside it by its usual name. What cannot
@@ -129,7 +117,7 @@ fn noise_of(path: &Path, bytes: &[u8], keys: &Keys<'_>) -> Option<(PathBuf, Form
     if let Some(own) = format(noise_formats::parse(bytes, path, None, &given)) {
         return Some((path.to_path_buf(), own));
     }
-    let named = keys.has("relative_config_imu").then(|| beside(keys, "relative_config_imu").ok()).flatten();
+    let named = keys.has("relative_config_imu").then(|| keys.beside("relative_config_imu").ok()).flatten();
     let usual = ["imu.yaml", "kalibr_imu_chain.yaml", "imu0.yaml"].map(|name| path.with_file_name(name));
     let mut files = named.into_iter().chain(usual).filter(|file| file.is_file());
     files.find_map(|file| Some((file.clone(), format(noise_formats::read(&file, None, &given))?)))

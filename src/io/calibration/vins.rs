@@ -5,7 +5,6 @@
 //! v0), MEI (`mirror_parameters`).
 
 use super::CalibrationError;
-use super::beside;
 use super::found::{Extrinsics, Found};
 use super::keys::Keys;
 use crate::noise_formats::tree::Tree;
@@ -17,7 +16,7 @@ pub(super) fn read(keys: &Keys<'_>) -> Result<Found, CalibrationError> {
     let mut found = if keys.has("model_type") || !keys.has("cam0_calib") {
         lens(keys)?
     } else {
-        let path = beside(keys, "cam0_calib")?;
+        let path = keys.beside("cam0_calib")?;
         let tree = Tree::parse(&read_config(&path)?, &path)?;
         lens(&Keys::new(&path, &tree))?
     };

@@ -13,6 +13,7 @@ mod along;
 pub mod compare;
 mod effective;
 mod error;
+mod judged;
 mod levels;
 #[cfg(test)]
 mod mix_ups;
@@ -24,7 +25,8 @@ mod track;
 pub use along::Along;
 pub use effective::{EffectiveNoise, Increment, SpanNoise};
 pub use error::LogNoiseError;
+pub use judged::{Count, Judged};
 pub use levels::{FloorFrom, Levels, SensorLevels};
 pub use plan::{Feed, Plan};
 pub use summary::{AxisSummary, OutsideSpan, PhaseSummary, Quantiles, SensorOutside, TrackSummary};
-pub use track::{Answer, Count, Judged, Track, track};
+pub use track::{Answer, Track, track};

@@ -1,7 +1,6 @@
 //! From a spec to something that is fed samples one by one.
 
-use super::LogNoiseError;
-use super::track::Judged;
+use super::{Judged, LogNoiseError};
 use dpn_core::estimate::{NoiseSpec, Schedule, raised_to_floor};
 use dpn_core::{ImuNoise, ImuSample, NoiseModel, SampleRate, Sensor};
 use dpn_pronet::DualProNet;

@@ -5,9 +5,10 @@
 
 use super::Engine;
 use super::backward::{Backward, Gradients};
-use super::buffer::{Buffer, zeros};
+use super::buffer::zeros;
 use super::chunk::Chunk;
 use super::forward::Forward;
+use super::rooms::Room;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -15,31 +16,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 const CHUNKS: usize = 4;
 /// Below this many windows a chunk is not worth a thread.
 const CHUNK_LEAST: usize = 8;
-
-/// Rooms of finished passes, kept for the next: fresh memory would be paid for page by page at every step.
-#[derive(Debug, Default)]
-pub(super) struct Rooms(Mutex<Vec<Room>>);
-
-impl Rooms {
-    fn take(&self) -> Room {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default()
-    }
-
-    fn give_back(&self, room: Room) {
-        let mut rooms = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if rooms.len() < 2 {
-            rooms.push(room);
-        }
-    }
-}
-
-/// Room for one pass over a batch, forth and back.
-#[derive(Debug, Default)]
-struct Room {
-    packed: Buffer,
-    chunks: Vec<Chunk>,
-    gradients: Vec<Gradients>,
-}
 
 /// What a forward pass leaves behind for its backward pass; returns its room to the engine when dropped.
 #[derive(Debug)]

@@ -20,6 +20,8 @@ mod kernel;
 mod norm;
 mod plan;
 mod pool;
+#[cfg(feature = "train")]
+mod rooms;
 
 use crate::config::ProNetConfig;
 #[cfg(feature = "train")]
@@ -40,7 +42,7 @@ pub(crate) struct Engine {
     arch: Arch,
     of: Arithmetic,
     #[cfg(feature = "train")]
-    rooms: batch::Rooms,
+    rooms: rooms::Rooms,
 }
 
 struct Lanes;
@@ -76,7 +78,7 @@ impl Engine {
                 window: config.window,
             },
             #[cfg(feature = "train")]
-            rooms: batch::Rooms::default(),
+            rooms: rooms::Rooms::default(),
         }
     }
 

@@ -4,8 +4,10 @@ mod attitude;
 mod bspline;
 mod path;
 mod shaking;
+mod state;
 
 pub use attitude::Attitude;
 pub use bspline::{Jet, ORDER, SplineError, UniformSpline};
-pub use path::{State, Trajectory};
+pub use path::Trajectory;
 pub(crate) use shaking::Shaking;
+pub use state::State;

@@ -6,25 +6,9 @@
 use super::attitude::{Attitude, attitude};
 use super::bspline::UniformSpline;
 use super::shaking::Shaking;
+use super::state::State;
 use dpn_core::GRAVITY;
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
-
-/// Everything known about the body at one instant.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct State {
-    /// Position \[m\].
-    pub position_in_world: Vector3<f64>,
-    /// Velocity \[m/s\].
-    pub vel_in_world: Vector3<f64>,
-    /// Acceleration \[m/s^2\].
-    pub acc_in_world: Vector3<f64>,
-    /// Orientation.
-    pub world_from_body: UnitQuaternion<f64>,
-    /// Angular rate \[rad/s\]: what an ideal gyroscope reads.
-    pub gyro_in_body: Vector3<f64>,
-    /// Specific force \[m/s^2\]: what an ideal accelerometer reads.
-    pub specific_force_in_body: Vector3<f64>,
-}
 
 /// A smooth trajectory over \[0, duration\] seconds; before and after, the body stands at its ends.
 #[derive(Debug, Clone, PartialEq)]

@@ -9,7 +9,7 @@
 //! so that an ideal IMU and a camera on it see one and the same motion.
 
 use super::bspline::UniformSpline;
-use super::path::State;
+use super::state::State;
 use dpn_core::geometry::so3;
 use nalgebra::Vector3;
 

@@ -8,6 +8,7 @@
 //! images are a thousand times the rest. The pack says where that folder is, relative to itself where it lies beside or above it.
 
 mod discover;
+mod faults;
 mod manifest;
 mod packed;
 mod write;

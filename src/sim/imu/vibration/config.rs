@@ -1,8 +1,10 @@
 //! Settings of the vibration: how fast the rotors turn, how they wander, what reaches which axis.
 
-use super::frame::HIGHEST_HZ;
 use dpn_core::config::ConfigFaults;
 use serde::{Deserialize, Serialize};
+
+/// Highest frequency that the knots of the frame's motion carry with more than half of its amplitude \[Hz\].
+const HIGHEST_HZ: f64 = 60.0;
 
 /// Deviations one axis shows in a steady hover of a flight of level 1, in the sensor's unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

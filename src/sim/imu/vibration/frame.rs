@@ -23,8 +23,6 @@ use std::f64::consts::{PI, SQRT_2, TAU};
 const LOW_LINE_WANDER_S: f64 = 0.3;
 /// Knots of the motion \[s\], whatever the IMU's rate.
 const KNOT_S: f64 = 0.005;
-/// Highest frequency that the knots carry with more than half of its amplitude \[Hz\].
-pub(super) const HIGHEST_HZ: f64 = 60.0;
 
 /// The frame's motion over a flight; none where vibration is off.
 pub(crate) fn shaking(config: &VibrationConfig, plan: &FlightPlan, stream: &Stream) -> Option<Shaking> {

@@ -1,8 +1,8 @@
 //! What a machine hall has and a room has not: dark, things near the flight's course, thin things, and what the body stood on.
 
 use super::super::texture::Material;
+use super::builder::{Builder, Mix, Scale, upright};
 use super::course::Rest;
-use super::layout::{Builder, Mix, Scale, upright};
 use super::rect::{Skin, Slab};
 use nalgebra::Vector3;
 use rand::Rng;

@@ -1,5 +1,6 @@
 //! The world that is rendered: rectangles with textures and light on them.
 
+mod builder;
 mod course;
 mod hall;
 mod layout;
