@@ -6,18 +6,22 @@ use std::collections::BTreeSet;
 use toml::Table;
 
 /// Every crate that ships and what it may use of the workspace, from the ground up.
-const ARROWS: [(&str, &[&str]); 17] = [
+const ARROWS: [(&str, &[&str]); 18] = [
     ("src/core", &[]),
     ("src/io", &["dpn-core"]),
     ("src/logs", &["dpn-core", "dpn-io"]),
     ("src/pronet", &["dpn-core"]),
-    ("src/probe", &["dpn-core", "dpn-io", "dpn-logs", "dpn-pronet"]),
+    ("src/noise", &["dpn-core", "dpn-io", "dpn-pronet"]),
+    ("src/probe", &["dpn-core", "dpn-io", "dpn-logs", "dpn-noise", "dpn-pronet"]),
     ("src/sim", &["dpn-core"]),
     ("src/vio", &["dpn-core"]),
     ("src/truth", &["dpn-core", "dpn-vio"]),
     ("src/onnx", &["dpn-core", "dpn-pronet"]),
     ("train", &["dpn-core", "dpn-io", "dpn-pronet", "dpn-sim"]),
-    ("eval", &["dpn-core", "dpn-io", "dpn-logs", "dpn-pronet", "dpn-sim", "dpn-train", "dpn-vio"]),
+    (
+        "eval",
+        &["dpn-core", "dpn-io", "dpn-logs", "dpn-noise", "dpn-pronet", "dpn-sim", "dpn-train", "dpn-vio"],
+    ),
     ("figures", &["dpn-core", "dpn-eval", "dpn-io", "dpn-probe", "dpn-train", "dpn-vio"]),
     (
         "papers",

@@ -5,12 +5,14 @@ pub mod closed_loop;
 pub mod fleet;
 pub mod injected;
 pub mod metrics;
-pub mod noise;
 pub mod open_loop;
 pub mod published;
 pub mod stats;
 pub mod study;
 pub mod sweeps;
+
+/// Noise specs made into tracks.
+pub use dpn_noise as noise;
 
 /// The README's code is a test.
 #[cfg(doctest)]

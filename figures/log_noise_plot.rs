@@ -111,7 +111,7 @@ impl LogNoisePlot {
         let caption = format!(
             "Above: the signal, smallest to largest sample in each pixel column. Below: deviation of one sample by {}, an answer every {} \
              samples, causal; median in columns of {COARSE} pixels. {words}",
-            plan.spec(),
+            plan.noise.spec(),
             plan.every(),
         );
         let time = Axis::linear("time [s]".into(), 0.0, recording.length_s(), 10);
@@ -131,7 +131,7 @@ impl Panel {
         let (low, high) = extent(&signal);
         let pad = 0.05 * (high - low);
         // Roughness is the deviation of white noise: the range's end is comparable with what is drawn.
-        let trained_up_to = plan.trained_on(sensor).map(|range| range.roughness[1]);
+        let trained_up_to = plan.noise.trained_on(sensor).map(|range| range.roughness[1]);
         let middles = || sigma.iter().flatten().map(|c| c.middle).filter(|v| *v > 0.0);
         let top = middles().fold(trained_up_to.unwrap_or(0.0), f64::max);
         let bottom = middles().fold(top, f64::min);

@@ -5,11 +5,10 @@ use crate::windows::WINDOW;
 use dpn_core::check::{CheckOptions, RecordingFault, check};
 use dpn_core::checksum::hex;
 use dpn_core::{ImuRecording, SampleRate};
+use dpn_pronet::DualProNet;
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 
-/// Largest share by which a recording's rate may differ from 200 Hz: windows are counted in samples.
-const RATE_TOLERANCE: f64 = 0.05;
 /// The rate windows are cut for \[Hz\].
 const RATE_HZ: f64 = 200.0;
 
@@ -128,7 +127,7 @@ impl Corpus {
 fn refuse(member: &Member) -> Result<(), CorpusError> {
     let options = CheckOptions {
         expected_rate: SampleRate::from_hz(RATE_HZ),
-        rate_tolerance: RATE_TOLERANCE,
+        rate_tolerance: DualProNet::RATE_TOLERANCE,
         min_samples: WINDOW,
         ..CheckOptions::default()
     };

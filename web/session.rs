@@ -6,7 +6,8 @@ use crate::source::{Bytes, Source};
 use dpn_core::{ImuRecording, Recorded};
 use dpn_io::noise_formats::{Format, Given, NoiseCalibration, parse, write};
 use dpn_logs::{LogOptions, read_stream};
-use dpn_probe::allan::compare::compare;
+use dpn_probe::Finding;
+use dpn_probe::allan::compare::{FigureCheck, compare};
 use dpn_probe::allan::{AllanLog, report};
 use dpn_probe::doctor::examine_log;
 use dpn_probe::log_noise::{Along, Plan};
@@ -131,7 +132,7 @@ impl Session {
         picture["start_ns"] = serde_json::json!(self.recording.span()[0].ns().to_string());
         if let (Some(config), Some(check)) = (&config, &along.check) {
             picture["check"] = serde_json::json!({
-                "format": config.format, "levels": check.levels.to_string(), "lines": check.lines(), "walks_by": check.walks_by,
+                "format": config.format, "levels": check.levels.to_string(), "findings": check.findings(), "walks_by": check.walks_by,
                 "remarks": config.remarks,
             });
         }
@@ -149,8 +150,7 @@ impl Session {
             .map(|format| write(&figures, format, |_| None))
             .into_iter()
             .collect::<Result<Vec<_>, _>>()?;
-        let check =
-            findings.iter().flatten().map(|finding| (finding.warns(), finding.text())).collect::<Vec<_>>();
+        let check: Vec<Finding> = findings.iter().flatten().map(FigureCheck::finding).collect();
         let shown = serde_json::json!({ "formats": more, "check": check });
         Ok(format!("{json}\n{shown}\n"))
     }

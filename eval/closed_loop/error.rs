@@ -41,14 +41,6 @@ pub enum ClosedLoopError {
     /// A calibration that does not read.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
-    /// Noise that only a whole recording can tell.
-    #[error(
-        "`{spec}` cannot be told while samples come; constants, estimators, networks and `self` over them can"
-    )]
-    NotLive {
-        /// The spec.
-        spec: String,
-    },
     /// The results' folder is another process's.
     #[error(transparent)]
     Locked(#[from] LockError),
@@ -298,7 +290,7 @@ impl ClosedLoopError {
                 Some("name it with --calib, or put a cam0/sensor.yaml as EuRoC's beside the log".into())
             }
             Self::Locked(error) => error.hint(),
-            Self::Noise(NoiseError::Read(error)) => error.hint(),
+            Self::Noise(error) => error.hint(),
             Self::OtherRun { .. } => Some("give another folder with --out, or remove this one".into()),
             Self::BadRow { .. } => Some("remove the line; its cell is run again".into()),
             Self::NoImages { .. } => Some(

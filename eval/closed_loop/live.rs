@@ -27,7 +27,7 @@ pub struct LiveRun<'a> {
     spec: NoiseSpec,
     networks: &'a [Network],
     name: String,
-    noise: Option<Box<dyn NoiseModel>>,
+    noise: Option<noise::Feed>,
     /// Until the rate is known.
     first: Vec<ImuSample>,
     last: Option<Stamp>,
@@ -147,8 +147,7 @@ impl<'a> LiveRun<'a> {
     fn settle(&mut self) -> Result<(), ClosedLoopError> {
         let first = std::mem::take(&mut self.first);
         let recording = ImuRecording::new(first).expect("samples were held to increase, and there are two");
-        let model = noise::live(&self.spec, &self.name, recording.rate(), self.networks)?;
-        self.noise = Some(model.ok_or_else(|| ClosedLoopError::NotLive { spec: self.spec.to_string() })?);
+        self.noise = Some(noise::live(&self.spec, &self.name, recording.rate(), self.networks)?);
         recording.samples().iter().try_for_each(|sample| self.told(*sample))
     }
 

@@ -4,9 +4,10 @@ use super::log;
 use crate::args::{NoiseArgs, RowFormat};
 use crate::ui::{Fault, errln};
 use anyhow::Result;
-use dpn_core::{Sensor, Stamp};
+use dpn_core::{NoiseModel, Sensor, Stamp};
 use dpn_io::ImuLines;
 use dpn_probe::log_noise::{Answer, Plan};
+use dpn_pronet::DualProNet;
 use std::io::{self, BufRead, Read, Write};
 use std::path::Path;
 
@@ -66,7 +67,7 @@ pub(crate) fn run(args: &NoiseArgs, plan: &Plan<'_>) -> Result<()> {
             let noise = feed.feed(&sample);
             if index == ENOUGH {
                 let found = ENOUGH as f64 / sample.t.seconds_since(start);
-                if (found / args.rate.hz() - 1.0).abs() > 0.05 {
+                if (found / args.rate.hz() - 1.0).abs() > DualProNet::RATE_TOLERANCE {
                     errln!(
                         "warning: the samples come at {found:.1} Hz, not at {:.1} Hz (--rate)",
                         args.rate.hz()

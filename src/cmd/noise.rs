@@ -7,9 +7,9 @@ use anyhow::{Context, Result};
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::{Recorded, SampleRate, Samples};
 use dpn_figures::{LogNoisePlot, save};
-use dpn_io::noise_formats::{Given, NoiseCalibration, read};
+use dpn_io::noise_formats::{Format, Given, NoiseCalibration, read};
 use dpn_io::{atomic_write, write_noise_rows};
-use dpn_probe::log_noise::compare::Check;
+use dpn_probe::Finding;
 use dpn_probe::log_noise::{Along, Plan, report};
 use dpn_pronet::network::Network;
 use dpn_pronet::network::load_all;
@@ -59,7 +59,7 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
     let recording = &log.recording;
     let rate = recording.rate();
     // A configuration that cannot be read should not cost a track.
-    let config = config(args, rate)?;
+    let config = config(args.check.as_deref(), args.from, rate)?;
     let plan = plan(args, rate, networks)?;
     let along = Along::of(&plan, recording, config.as_ref()).with_context(|| path.display().to_string())?;
     let Along { track, summary, warnings, effective, check } = &along;
@@ -107,7 +107,11 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
         out!("{}", effective.page())?;
     }
     if let (Some(path), Some(source), Some(check)) = (&args.check, &config, check) {
-        print_check(path, source, check)?;
+        let (path, format, levels) = (path.display(), source.format, &check.levels);
+        outln!("\n{path} as {format}, against this log ({levels}):")?;
+        print_findings(check.findings())?;
+        outln!("note:    {}", check.walks_by)?;
+        print_remarks(source)?;
     }
     outln!("\ntrack:    {}", written.display())?;
     if let Some((file, words)) = &into {
@@ -119,17 +123,26 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
     Ok(())
 }
 
-fn config(args: &NoiseArgs, rate: SampleRate) -> Result<Option<NoiseCalibration>> {
+/// A configuration that is held against a log of `rate`.
+pub(super) fn config(
+    path: Option<&Path>,
+    format: Option<Format>,
+    rate: SampleRate,
+) -> Result<Option<NoiseCalibration>> {
     let given = Given { rate: Some(rate), keep_zeros: true, ..Given::default() };
-    Ok(args.check.as_ref().map(|path| read(path, args.from, &given)).transpose()?)
+    Ok(path.map(|path| read(path, format, &given)).transpose()?)
 }
 
-fn print_check(path: &Path, source: &NoiseCalibration, check: &Check) -> Result<()> {
-    outln!("\n{} as {}, against this log ({}):", path.display(), source.format, check.levels)?;
-    for (warns, line) in check.lines() {
-        outln!("{} {line}", if warns { "warning:" } else { "ok:     " })?;
+/// What is said of a configuration's figures, a line each.
+pub(super) fn print_findings(findings: impl IntoIterator<Item = Finding>) -> Result<()> {
+    for finding in findings {
+        outln!("{} {}", if finding.warns() { "warning:" } else { "ok:     " }, finding.text)?;
     }
-    outln!("note:    {}", check.walks_by)?;
+    Ok(())
+}
+
+/// What its reader remarked.
+pub(super) fn print_remarks(source: &NoiseCalibration) -> Result<()> {
     for remark in &source.remarks {
         outln!("note:    {remark}")?;
     }

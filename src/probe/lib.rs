@@ -4,10 +4,13 @@
 
 pub mod allan;
 pub mod doctor;
+mod finding;
 #[cfg(feature = "networks")]
 pub mod log_noise;
 pub mod phases;
 mod text;
+
+pub use finding::{Finding, Weight};
 
 /// The README's code is a test.
 #[cfg(doctest)]

@@ -6,6 +6,7 @@ use crate::weights::Weights;
 use dpn_core::imu::ImuSample;
 use dpn_core::noise::{AccelSampleStd, GyroSampleStd, ImuNoise, NoiseModel};
 use dpn_core::{SampleRate, Sensor};
+use serde::Serialize;
 use thiserror::Error;
 
 /// Why two networks are no pair.
@@ -35,7 +36,7 @@ pub enum PairError {
 }
 
 /// How many windows were judged, and how many of them were unlike those of the training.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct RangeCount {
     /// Windows judged, an axis each.
     pub windows: u64,
@@ -46,7 +47,7 @@ pub struct RangeCount {
 /// Accel-ProNet and Gyro-ProNet, asked every `hop` samples about the samples just past, held in between.
 ///
 /// Until a sensor's first full window the paper's baseline constants are in force for it. The networks know samples, not
-/// time: a recording whose rate is more than 5 % off [`Self::trained_rate`] is the caller's business, nothing is resampled. A network's
+/// time: who feeds them takes every so many samples ([`Self::thinning`]), nothing is resampled. A network's
 /// deviation that is not above zero (some heads allow it) is taken as zero.
 #[derive(Debug)]
 pub struct DualProNet {
@@ -77,6 +78,17 @@ struct Channel {
 impl DualProNet {
     /// The paper's hop: one camera frame at 20 Hz, with samples at 200 Hz.
     pub const HOP: usize = 10;
+
+    /// Largest share by which the rate of the samples may differ from that of the training.
+    pub const RATE_TOLERANCE: f64 = 0.05;
+
+    /// Every how many samples of `rate` networks trained at `trained` see one: thinning leaves the deviation of a sample as it is, as long as its noise
+    /// is white. None where no thinning comes within [`Self::RATE_TOLERANCE`].
+    pub fn thinning(rate: SampleRate, trained: SampleRate) -> Option<usize> {
+        let thin = (rate.hz() / trained.hz()).round().max(1.0);
+        let is_near = (rate.hz() / (trained.hz() * thin) - 1.0).abs() <= Self::RATE_TOLERANCE;
+        is_near.then_some(thin as usize)
+    }
 
     /// The pair of these weights, asked every `hop` samples.
     ///

@@ -5,8 +5,6 @@ use crate::model::DualProNet;
 use dpn_core::{ImuNoise, ImuSample, NoiseModel, Sensor, Stamp};
 use thiserror::Error;
 
-/// A rate further off than this share is another rate.
-const RATE_TOLERANCE: f64 = 0.05;
 /// The rate is that of so many seconds' samples.
 const RATE_OVER_S: f64 = 1.0;
 
@@ -110,7 +108,7 @@ impl SampleStream {
         let seconds = t.seconds_since(*from);
         if seconds >= RATE_OVER_S {
             let share = f64::from(*count) / seconds / self.networks.trained_rate().hz();
-            self.wrong_rate = (share - 1.0).abs() > RATE_TOLERANCE;
+            self.wrong_rate = (share - 1.0).abs() > DualProNet::RATE_TOLERANCE;
             self.counted = (t, 0);
         }
     }

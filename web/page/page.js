@@ -139,7 +139,7 @@ function showNoise({ json, picture }) {
   results.moving = noise.effective ? [...noise.effective.pasted, ...drawn.formats] : null;
   showPaste();
   const check = drawn.check;
-  if (check) showConfig(`${last.config?.name || "It"}, read as ${check.format}, against this log (${check.levels})`, check.lines, [check.walks_by, ...check.remarks]);
+  if (check) showConfig(`${last.config?.name || "It"}, read as ${check.format}, against this log (${check.levels})`, check.findings, [check.walks_by, ...check.remarks]);
 }
 
 function showAllan({ json, more }) {
@@ -184,8 +184,8 @@ function pasted(written) {
     steps.length ? table("The arithmetic", ["key", "from", "as", "becomes"], steps, `${written.format}-arithmetic`) : null,
     written.remarks.length ? el("ul", { class: "remarks" }, ...written.remarks.map((r) => el("li", {}, sentence(r)))) : null].filter(Boolean);
 }
-function showConfig(head, lines, remarks) {
-  $("config").append(el("h3", {}, head), el("ul", { class: "findings" }, ...lines.map(([warns, text]) => el("li", {}, el("span", { class: `weight ${warns ? "warning" : "ok"}` }, warns ? "warning" : "ok"), el("p", {}, sentence(text))))),
+function showConfig(head, findings, remarks) {
+  $("config").append(el("h3", {}, head), el("ul", { class: "findings" }, ...findings.map(({ weight, text }) => [weight === "note" ? "ok" : weight, text]).map(([weight, text]) => el("li", {}, el("span", { class: `weight ${weight}` }, weight), el("p", {}, sentence(text))))),
     ...(remarks.length ? [el("ul", { class: "remarks" }, ...remarks.map((r) => el("li", {}, sentence(r))))] : []));
 }
 function showDownloads() {

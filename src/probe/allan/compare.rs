@@ -3,6 +3,7 @@
 use super::log::AllanLog;
 use super::mix_up::{by_measured, by_typical, typical, unusual};
 use super::model::Coefficient;
+use crate::finding::Finding;
 use dpn_core::SampleRate;
 use dpn_core::noise::Meaning;
 use dpn_core::noise::{Axes, Figure, ImuFigures};
@@ -42,9 +43,9 @@ pub enum Verdict {
 pub(crate) const ZERO: &str =
     "an estimator told of no noise trusts the IMU without bound; put the sensor's figure there";
 
-/// One figure.
+/// One figure of a configuration against a log's.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Finding {
+pub struct FigureCheck {
     /// Which.
     pub figure: Figure,
     /// Its key in the configuration.
@@ -65,26 +66,9 @@ pub struct Finding {
     pub suspects: Vec<&'static str>,
 }
 
-impl Finding {
-    /// Whether a person should look at it.
-    pub fn warns(&self) -> bool {
-        !matches!(self.verdict, Verdict::Agrees | Verdict::NotSeen)
-    }
-
-    /// One line for people.
-    pub fn text(&self) -> String {
-        let head = format!(
-            "{}: `{}` is {} {}, the log says {}{}",
-            self.figure,
-            self.key,
-            number(self.configured),
-            self.unit,
-            if self.seen { "" } else { "below " },
-            number(rounded(self.measured)),
-        );
-        let times = |ratio: f64| {
-            if ratio >= 10.0 { format!("{ratio:.0}") } else { format!("{ratio:.1}") }
-        };
+impl FigureCheck {
+    /// In words.
+    pub fn finding(&self) -> Finding {
         let than = if self.seen { "the noise at rest" } else { "what the log would show" };
         let verdict = match self.verdict {
             Verdict::Agrees if self.ratio.max(1.0 / self.ratio) <= SAME => {
@@ -93,38 +77,48 @@ impl Finding {
             Verdict::Agrees => format!("x{:.2}, as near as a log tells a walk", self.ratio),
             Verdict::NotSeen => "agrees as far as the log shows".to_owned(),
             Verdict::Unusual => {
-                let [low, high] = typical(self.figure);
-                format!(
-                    "agrees as far as the log shows, but IMUs have {} to {} {}",
-                    number(low),
-                    number(high),
-                    self.figure.unit()
-                )
+                format!("agrees as far as the log shows, but IMUs have {}", usual(self.figure))
             }
             Verdict::Zero => ZERO.to_owned(),
             Verdict::Inflated => {
                 format!("{} times {than}: usual for a moving vehicle, if meant", times(self.ratio))
             }
-            Verdict::TooHigh => {
-                format!("{} times {than}: more than motion explains", times(self.ratio))
-            }
-            Verdict::TooLow => {
-                format!(
-                    "{} times below the sensor's own noise: the IMU is trusted too much",
-                    times(1.0 / self.ratio)
-                )
-            }
+            Verdict::TooHigh => format!("{} times {than}: more than motion explains", times(self.ratio)),
+            Verdict::TooLow => format!(
+                "{} times below the sensor's own noise: the IMU is trusted too much",
+                times(1.0 / self.ratio)
+            ),
         };
-        let mut text = format!("{head}: {verdict}");
+        let mut text = format!(
+            "{}: `{}` is {} {}, the log says {}{}: {verdict}",
+            self.figure,
+            self.key,
+            number(self.configured),
+            self.unit,
+            if self.seen { "" } else { "below " },
+            short(self.measured),
+        );
         if !self.suspects.is_empty() {
             text.push_str(&format!("; looks like {}", self.suspects.join(", or ")));
         }
-        text
+        Finding::figure(!matches!(self.verdict, Verdict::Agrees | Verdict::NotSeen), text)
     }
 }
 
-fn rounded(value: f64) -> f64 {
-    format!("{value:.2e}").parse().expect("a number as Rust writes it is one that Rust reads")
+/// Three digits.
+pub(crate) fn short(value: f64) -> String {
+    number(format!("{value:.2e}").parse().expect("a number as Rust writes it is one that Rust reads"))
+}
+
+/// How often one figure is the other.
+pub(crate) fn times(ratio: f64) -> String {
+    if ratio >= 10.0 { format!("{ratio:.0}") } else { format!("{ratio:.1}") }
+}
+
+/// What IMUs have, with its unit.
+pub(crate) fn usual(figure: Figure) -> String {
+    let [low, high] = typical(figure);
+    format!("{} to {} {}", number(low), number(high), figure.unit())
 }
 
 /// What a log says of one figure.
@@ -164,7 +158,7 @@ impl Measured {
 const FLOOR: f64 = 0.664;
 
 /// Holds every figure of `source` against `log`.
-pub fn compare(source: &NoiseCalibration, log: &AllanLog) -> Vec<Finding> {
+pub fn compare(source: &NoiseCalibration, log: &AllanLog) -> Vec<FigureCheck> {
     let judged = |figure| judge(source, figure, log.rate, &Measured::at_rest(log, figure)?);
     Figure::ALL.into_iter().filter_map(judged).collect()
 }
@@ -175,7 +169,7 @@ pub fn judge(
     figure: Figure,
     log_rate: SampleRate,
     measured: &Measured,
-) -> Option<Finding> {
+) -> Option<FigureCheck> {
     let (key, meaning) = key_of(source.format, figure);
     // Numbers per sample are meant at the rate they were read with.
     let rate = source.figures.rate.unwrap_or(log_rate);
@@ -188,18 +182,8 @@ pub fn judge(
     let at_log = meant(measured.density)?;
     let seen = measured.seen;
     let found = |configured, ratio, verdict, suspects| {
-        let unit = meaning.unit(figure);
-        Some(Finding {
-            figure,
-            key: key.clone(),
-            configured,
-            measured: at_log,
-            unit,
-            seen,
-            ratio,
-            verdict,
-            suspects,
-        })
+        let (key, unit) = (key.clone(), meaning.unit(figure));
+        Some(FigureCheck { figure, key, configured, measured: at_log, unit, seen, ratio, verdict, suspects })
     };
     if source.zeros.iter().any(|zero| zero.figure == figure) {
         return found(0.0, 0.0, Verdict::Zero, Vec::new());
@@ -288,12 +272,20 @@ mod tests {
             ))
         };
         let sound = kalibr(1.2e-3, 2e-4, 0.9e-4, 2e-5);
-        assert!(sound.iter().all(|f| f.verdict == Verdict::Agrees && !f.warns()), "{sound:?}");
+        assert!(sound.iter().all(|f| f.verdict == Verdict::Agrees && !f.finding().warns()), "{sound:?}");
         // White noise is measured to per cents: less than half of it is not what the log says.
         let low = kalibr(0.45e-3, 0.45 * 2e-4, 0.9e-4, 2e-5);
-        assert_eq!((low[0].verdict, low[0].warns()), (Verdict::TooLow, true));
-        assert!(low[0].text().contains("2.2 times below the sensor's own noise"), "{}", low[0].text());
-        assert!(low[1].verdict == Verdict::Agrees && !low[1].text().contains("agrees"), "{}", low[1].text());
+        assert_eq!((low[0].verdict, low[0].finding().warns()), (Verdict::TooLow, true));
+        assert!(
+            low[0].finding().text.contains("2.2 times below the sensor's own noise"),
+            "{}",
+            low[0].finding().text
+        );
+        assert!(
+            low[1].verdict == Verdict::Agrees && !low[1].finding().text.contains("agrees"),
+            "{}",
+            low[1].finding().text
+        );
         let per_sample = kalibr(1e-2, 2e-4, 1e-3, 2e-5);
         assert_eq!(per_sample[0].suspects.first(), Some(&"a deviation per sample where a density belongs"));
         assert_eq!(per_sample[0].verdict, Verdict::Inflated);
@@ -314,18 +306,24 @@ mod tests {
         // Who reads the instability off the plot takes its lowest point over .664: sqrt(2 N K / sqrt(3)) / .664.
         let instability = kalibr(1e-3, 2e-4, 1e-4, (2.0 * 1e-4 * 2e-5 / 3f64.sqrt()).sqrt() / 0.664);
         assert_eq!(instability[3].suspects.first(), Some(&"a bias instability where a walk belongs"));
-        assert!(instability[3].warns(), "{:?}", instability[3]);
+        assert!(instability[3].finding().warns(), "{:?}", instability[3]);
         let zero = {
             let given = Given { rate: SampleRate::from_hz(100.0), keep_zeros: true, ..Given::default() };
             let text = "acc_n: 0.01\nacc_w: 0\ngyr_n: 0.001\ngyr_w: 2e-4\n";
             compare(&parse(text.as_bytes(), Path::new("f"), None, &given).unwrap(), &log)
         };
         assert_eq!(zero[1].verdict, Verdict::Zero);
-        assert!(zero[1].warns() && zero[1].text().contains("put the sensor's figure there"));
+        assert!(
+            zero[1].finding().warns() && zero[1].finding().text.contains("put the sensor's figure there")
+        );
         let vins = check("acc_n: 0.001\nacc_w: 0.002\ngyr_n: 0.001\ngyr_w: 2e-4\n");
         assert_eq!(vins[0].suspects[0], "a density where a deviation per sample belongs");
         assert_eq!((vins[1].verdict, vins[2].verdict), (Verdict::Agrees, Verdict::Agrees));
-        assert!(vins[0].text().contains("10 times below the sensor's own noise"), "{}", vins[0].text());
+        assert!(
+            vins[0].finding().text.contains("10 times below the sensor's own noise"),
+            "{}",
+            vins[0].finding().text
+        );
         let deviation = check("AccelerometerNoise: 0.01\nGyroscopeNoise: 1e-6\n");
         assert_eq!(deviation[0].suspects[0], "a deviation where a variance belongs");
         assert_eq!(deviation[1].verdict, Verdict::Agrees);

@@ -1,6 +1,6 @@
 //! What an Allan plot says, as a page for people.
 
-use super::compare::Finding;
+use super::compare::FigureCheck;
 use super::log::AllanLog;
 use super::model::Coefficient;
 use crate::text::aligned;
@@ -55,7 +55,7 @@ pub fn pasted(log: &AllanLog) -> Result<Vec<Written>, FormatError> {
 ///
 /// # Errors
 /// Those of writing a configuration.
-pub fn json(log: &AllanLog, check: Option<&[Finding]>) -> Result<serde_json::Value, FormatError> {
+pub fn json(log: &AllanLog, check: Option<&[FigureCheck]>) -> Result<serde_json::Value, FormatError> {
     let pasted = pasted(log)?;
     let mut all =
         serde_json::json!({ "log": log, "figures": log.figures(), "formats": pasted, "advice": MULTIPLY });

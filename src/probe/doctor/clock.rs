@@ -1,7 +1,7 @@
 //! Clocks that were set while a log was written, and rates that no IMU has.
 
-use super::Finding;
 use super::kept::Kept;
+use crate::finding::Finding;
 use dpn_core::{Recorded, SampleRate, Samples, Stamp};
 use std::io;
 use std::ops::Range;

@@ -12,7 +12,6 @@
 //! and left out.
 
 mod clock;
-mod finding;
 mod kept;
 pub mod motion;
 #[cfg(feature = "logs")]
@@ -21,8 +20,7 @@ pub mod timing;
 pub mod values;
 pub mod vibration;
 
-pub use finding::{Finding, Weight};
-
+use crate::finding::Finding;
 use dpn_core::Recorded;
 #[cfg(feature = "logs")]
 use dpn_logs::Log;

@@ -1,7 +1,7 @@
 //! How long the log is at rest, and how the bias drifts there.
 
-use super::Finding;
 use crate::allan::rest::Rest;
+use crate::finding::Finding;
 use crate::phases::{Phase, phases};
 use dpn_core::{Recorded, Sensor};
 use std::io;

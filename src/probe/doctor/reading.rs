@@ -1,6 +1,6 @@
 //! What the reader of a log had to leave out or guess.
 
-use super::Finding;
+use crate::finding::Finding;
 use dpn_core::{Recorded, Samples};
 use dpn_io::LeftOut;
 use dpn_logs::Log;
@@ -74,8 +74,9 @@ pub(super) fn findings(log: &Log) -> Vec<Finding> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::doctor::examine_log;
     use crate::doctor::values::tests::level;
-    use crate::doctor::{Weight, examine_log};
+    use crate::finding::Weight;
     use dpn_core::ImuRecording;
     use dpn_io::Sieved;
     use dpn_logs::Kind;

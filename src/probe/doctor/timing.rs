@@ -1,6 +1,7 @@
 //! Rate, jitter, dropped samples, samples that come twice.
 
-use super::{Finding, clock};
+use super::clock;
+use crate::finding::Finding;
 use dpn_core::Recorded;
 use dpn_core::signal::ranks::{Column, Level, levels};
 use std::io;
@@ -122,7 +123,7 @@ fn repeated(recording: &dyn Recorded) -> io::Result<Option<Finding>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::doctor::Weight;
+    use crate::Weight;
     use crate::doctor::values::tests::level;
     use dpn_core::{ImuRecording, ImuSample, Stamp};
 

@@ -1,8 +1,9 @@
 //! Gravity, units, swapped columns, clipped and dead axes, the converter's step.
 
+use super::clock;
 use super::kept::Kept;
-use super::{Finding, Weight, clock};
 use crate::allan::rest::Rest;
+use crate::finding::{Finding, Weight};
 use dpn_core::check::{RecordingFault, stuck};
 use dpn_core::signal::ranks::{Column, Level, levels};
 use dpn_core::signal::stats;

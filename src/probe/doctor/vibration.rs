@@ -1,6 +1,6 @@
 //! Spectral peaks: what shakes, and what may be a higher frequency folded back.
 
-use super::Finding;
+use crate::finding::Finding;
 use dpn_core::signal::spectrum::{Averaging, Peak, Spectrum, Welch};
 use dpn_core::signal::stats;
 use dpn_core::{Recorded, Sensor};

@@ -4,36 +4,9 @@ use super::compare::{Check, compare};
 use super::track::track_watched;
 use super::{EffectiveNoise, Levels, LogNoiseError, Plan, Track, TrackSummary, report};
 use crate::phases::phases;
-use dpn_core::{Recorded, SampleRate};
+use dpn_core::Recorded;
 use dpn_io::noise_formats::NoiseCalibration;
-use dpn_pronet::network::Network;
 use serde_json::Value;
-
-/// What stands in for the networks where they cannot be asked.
-const SIMPLE: &str = "diff2";
-
-impl<'a> Plan<'a> {
-    /// The networks where the rate is theirs, and a simple estimator where it is not; then a line says so.
-    ///
-    /// # Errors
-    /// As [`Plan::new`], but for a rate that is not theirs.
-    pub fn fitting(
-        rate: SampleRate,
-        every: usize,
-        networks: &'a [Network],
-    ) -> Result<(Self, Option<String>), LogNoiseError> {
-        match Self::new(&"dualpronet".parse()?, rate, every, networks) {
-            Err(LogNoiseError::Rate { found_hz, trained_hz, .. }) => {
-                let note = format!(
-                    "the log has {found_hz:.1} Hz and the shipped networks know {trained_hz:.0} Hz and its multiples: the simple estimator {SIMPLE} \
-                     is asked instead"
-                );
-                Ok((Self::new(&SIMPLE.parse()?, rate, every, networks)?, Some(note)))
-            }
-            other => Ok((other?, None)),
-        }
-    }
-}
 
 /// The noise along a log.
 #[derive(Debug)]
@@ -96,8 +69,8 @@ impl Along {
     /// None that is known of: what is written is finite.
     pub fn json(&self, log: &str, plan: &Plan<'_>, recording: &dyn Recorded) -> serde_json::Result<Value> {
         let mut all = serde_json::json!({
-            "log": log, "samples": recording.len(), "rate_hz": recording.rate().hz(), "noise": plan.spec(), "every": plan.every(),
-            "thinned_to_every": plan.thin(), "summary": self.summary, "warnings": self.warnings, "effective": self.effective,
+            "log": log, "samples": recording.len(), "rate_hz": recording.rate().hz(), "noise": plan.noise.spec(), "every": plan.every(),
+            "thinned_to_every": plan.noise.thin(), "summary": self.summary, "warnings": self.warnings, "effective": self.effective,
         });
         if let Some(check) = &self.check {
             all["check"] = serde_json::to_value(check)?;

@@ -6,8 +6,9 @@
 
 use super::Levels;
 use super::levels::FloorFrom;
-use crate::allan::compare::{self as at_rest, Measured, ZERO, judge, key_of};
-use crate::allan::mix_up::{MG, by_measured, by_typical, typical, unusual};
+use crate::allan::compare::{FigureCheck, Measured, ZERO, judge, key_of, short, times, usual};
+use crate::allan::mix_up::{MG, by_measured, by_typical, unusual};
+use crate::finding::Finding;
 use dpn_core::noise::Meaning;
 use dpn_core::noise::units::BadNoise;
 use dpn_core::noise::{AccelSampleStd, GyroSampleStd};
@@ -37,9 +38,9 @@ pub enum Standing {
     AboveEnvelope,
 }
 
-/// One figure of white noise.
+/// One figure of white noise of a configuration against a log that moves.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Finding {
+pub struct WhiteCheck {
     /// Which.
     pub figure: Figure,
     /// Its key in the configuration.
@@ -70,33 +71,24 @@ pub struct Check {
     /// What the log's levels are.
     pub levels: String,
     /// White noises.
-    pub white: Vec<Finding>,
+    pub white: Vec<WhiteCheck>,
     /// Walks.
-    pub walks: Vec<at_rest::Finding>,
+    pub walks: Vec<FigureCheck>,
     /// What the walks were held against.
     pub walks_by: String,
 }
 
 impl Check {
-    /// A line a figure, and whether a person should look at it.
-    pub fn lines(&self) -> Vec<(bool, String)> {
-        let white = self.white.iter().map(|f| (f.warns(), f.text()));
-        white.chain(self.walks.iter().map(|f| (f.warns(), f.text()))).collect()
+    /// All of it in words, one a figure.
+    pub fn findings(&self) -> Vec<Finding> {
+        let white = self.white.iter().map(WhiteCheck::finding);
+        white.chain(self.walks.iter().map(FigureCheck::finding)).collect()
     }
 }
 
-impl Finding {
-    /// Whether a person should look at it.
-    pub fn warns(&self) -> bool {
-        matches!(self.standing, Standing::Zero | Standing::BelowFloor | Standing::AboveEnvelope)
-            || !self.suspects.is_empty()
-            || (self.unusual && self.standing == Standing::FitsRest)
-    }
-
-    /// One line for people.
-    pub fn text(&self) -> String {
-        let short = |value: f64| number(format!("{value:.2e}").parse().expect("Rust reads its own numbers"));
-        let times = |ratio: f64| if ratio >= 10.0 { format!("{ratio:.0}") } else { format!("{ratio:.1}") };
+impl WhiteCheck {
+    /// In words.
+    pub fn finding(&self) -> Finding {
         let floor = match (self.floor, self.floor_from) {
             (Some(floor), Some(FloorFrom::Rest)) => format!("at rest {}", short(floor)),
             (Some(floor), _) => format!("in its quietest seconds {}", short(floor)),
@@ -137,20 +129,17 @@ impl Finding {
             short(self.envelope)
         );
         if self.unusual {
-            let [low, high] = typical(self.figure);
-            text.push_str(&format!(
-                "; IMUs at rest have {} to {} {}",
-                number(low),
-                number(high),
-                self.figure.unit()
-            ));
+            text.push_str(&format!("; IMUs at rest have {}", usual(self.figure)));
         }
         if !self.suspects.is_empty() {
             let unless =
                 if self.standing == Standing::FitsMotion { "unless raised on purpose, " } else { "" };
             text.push_str(&format!("; {unless}looks like {}", self.suspects.join(", or ")));
         }
-        text
+        let warns = matches!(self.standing, Standing::Zero | Standing::BelowFloor | Standing::AboveEnvelope)
+            || !self.suspects.is_empty()
+            || (self.unusual && self.standing == Standing::FitsRest);
+        Finding::figure(warns, text)
     }
 }
 
@@ -189,7 +178,7 @@ fn white_noise(
     levels: &Levels,
     rate: SampleRate,
     figure: Figure,
-) -> Result<Option<Finding>, BadNoise> {
+) -> Result<Option<WhiteCheck>, BadNoise> {
     let (key, meaning) = key_of(source.format, figure);
     // Numbers per sample are meant at the rate they were read with.
     let read_at = source.figures.rate.unwrap_or(rate);
@@ -198,7 +187,7 @@ fn white_noise(
     let floor = of.floor.map(|(sigma, _)| converted(figure, meaning, sigma, rate, read_at)).transpose()?;
     let middle = converted(figure, meaning, of.in_motion, rate, read_at)?;
     let high = converted(figure, meaning, of.envelope, rate, read_at)?;
-    let mut finding = Finding {
+    let mut finding = WhiteCheck {
         figure,
         key,
         configured: 0.0,

@@ -3,6 +3,7 @@
 use super::Levels;
 use super::compare::{Check, Standing, compare};
 use crate::allan::compare::key_of;
+use crate::finding::Finding;
 use crate::phases::phases;
 use dpn_core::noise::Meaning;
 use dpn_core::noise::{AccelBiasWalkDensity, AccelNoiseDensity, GyroBiasWalkDensity, GyroNoiseDensity};
@@ -105,9 +106,9 @@ fn sound_figures_raise_no_warning_and_every_mix_up_of_white_noise_is_named() {
     let mut missed = Vec::new();
     for case in cases() {
         for format in FORMATS {
-            for (warns, line) in check(&case, format, None).lines() {
-                if warns {
-                    missed.push(format!("{} {format}, sound: {line}", case.name));
+            for finding in check(&case, format, None).findings() {
+                if finding.warns() {
+                    missed.push(format!("{} {format}, sound: {}", case.name, finding.text));
                 }
             }
             for figure in [Figure::AccelWhite, Figure::GyroWhite] {
@@ -116,8 +117,8 @@ fn sound_figures_raise_no_warning_and_every_mix_up_of_white_noise_is_named() {
                 for (wrong, words) in mistakes(figure, meaning, right, case.rate) {
                     let check = check(&case, format, Some((figure, wrong)));
                     let found = check.white.iter().find(|f| f.figure == figure).unwrap();
-                    if !(found.warns() && found.suspects.contains(&words)) {
-                        missed.push(format!("{} {format}, {words}: {}", case.name, found.text()));
+                    if !(found.finding().warns() && found.suspects.contains(&words)) {
+                        missed.push(format!("{} {format}, {words}: {}", case.name, found.finding().text));
                     }
                 }
             }
@@ -145,9 +146,9 @@ fn a_walk_in_degrees_or_squared_is_named_where_a_log_allows() {
             let wrong = if words.starts_with("degrees") { right * 57.3 } else { right * right };
             let check = check(&case, Format::Kalibr, Some((figure, wrong)));
             let found = check.walks.iter().find(|f| f.figure == figure).unwrap();
-            let is_named = found.warns() && found.suspects.contains(&words);
+            let is_named = found.finding().warns() && found.suspects.contains(&words);
             let is_hidden = hidden.contains(&(case.name, figure, words));
-            assert_eq!(is_named, !is_hidden, "{} {words}: {}", case.name, found.text());
+            assert_eq!(is_named, !is_hidden, "{} {words}: {}", case.name, found.finding().text);
         }
     }
 }
@@ -161,7 +162,7 @@ fn a_zero_is_a_warning_with_its_remedy() {
         let check = compare(&source, &case.levels, case.rate).unwrap();
         assert_eq!(check.white[0].standing, Standing::Zero);
         let warned: Vec<String> =
-            check.lines().into_iter().filter(|(warns, _)| *warns).map(|(_, line)| line).collect();
+            check.findings().into_iter().filter(Finding::warns).map(|finding| finding.text).collect();
         assert_eq!(warned.len(), 2, "{warned:?}");
         assert!(warned.iter().all(|w| w.contains("put the sensor's figure there")), "{warned:?}");
     }

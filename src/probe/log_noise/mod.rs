@@ -1,6 +1,6 @@
 //! How noisy an IMU is along a log that somebody recorded: `dpn noise LOG`.
 //!
-//! * [`Plan`]: from a noise spec, the log's rate and how often an answer is wanted, to a causal [`Feed`] of samples.
+//! * [`Plan`]: a noise spec ([`Causal`](dpn_noise::Causal)) and how often an answer is wanted.
 //! * [`track`]: its answers along a log, and which of the windows it looked at were unlike those it was trained on.
 //! * [`phases`](crate::phases): at rest, motors on, moving, from the samples alone.
 //! * [`TrackSummary`]: quantiles per axis and phase.
@@ -13,7 +13,6 @@ mod along;
 pub mod compare;
 mod effective;
 mod error;
-mod judged;
 mod levels;
 #[cfg(test)]
 mod mix_ups;
@@ -25,8 +24,7 @@ mod track;
 pub use along::Along;
 pub use effective::{EffectiveNoise, Increment, SpanNoise};
 pub use error::LogNoiseError;
-pub use judged::{Count, Judged};
 pub use levels::{FloorFrom, Levels, SensorLevels};
-pub use plan::{Feed, Plan};
+pub use plan::Plan;
 pub use summary::{AxisSummary, OutsideSpan, PhaseSummary, Quantiles, SensorOutside, TrackSummary};
 pub use track::{Answer, Track, track};

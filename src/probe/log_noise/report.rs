@@ -22,7 +22,7 @@ pub fn warnings(plan: &Plan<'_>, summary: &TrackSummary) -> Vec<String> {
                 None => all.push(format!(
                     "OUT OF RANGE: {percent:.0} % of the {sensor} windows are unlike anything its network was trained on{}; its sigma there is \
                      extrapolated: take it for \"loud\" or \"quiet\", not for a number",
-                    plan.trained_on(sensor).map_or_else(String::new, |r| format!(
+                    plan.noise.trained_on(sensor).map_or_else(String::new, |r| format!(
                         " (roughness {} to {} {})",
                         two(r.roughness[0]),
                         two(r.roughness[1]),
@@ -39,14 +39,14 @@ pub fn warnings(plan: &Plan<'_>, summary: &TrackSummary) -> Vec<String> {
 /// The page: how the log went, and quantiles by phase, per sample and as densities.
 pub fn page(plan: &Plan<'_>, summary: &TrackSummary, rate: SampleRate) -> String {
     let mut text =
-        format!("noise by {}, every {} samples, of the samples past only\n", plan.spec(), plan.every());
-    if plan.thin() > 1 {
+        format!("noise by {}, every {} samples, of the samples past only\n", plan.noise.spec(), plan.every());
+    if plan.noise.thin() > 1 {
         let _ = writeln!(
             text,
             "the networks saw every {} sample: the log has {:.0} Hz, their training had {:.0}",
-            ordinal(plan.thin()),
+            ordinal(plan.noise.thin()),
             rate.hz(),
-            rate.hz() / plan.thin() as f64
+            rate.hz() / plan.noise.thin() as f64
         );
     }
     if summary.unknown_s > 0.0 {

@@ -1,11 +1,11 @@
 //! Quantiles of a track, per axis and phase.
 
-use super::Judged;
 use super::Track;
 use super::track::Answer;
 use crate::phases::{Phase, Stretch};
 use dpn_core::signal::ranks::{Column, Level, levels};
 use dpn_core::{Recorded, Sensor, Stamp};
+use dpn_noise::Judged;
 use serde::Serialize;
 use std::io;
 

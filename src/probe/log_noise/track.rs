@@ -1,8 +1,10 @@
 //! The answers along a log.
 
-use super::{Count, Judged, LogNoiseError, Plan};
-use dpn_core::{ImuNoise, ImuSample, Recorded, Sensor, Stamp};
+use super::{LogNoiseError, Plan};
+use dpn_core::{ImuNoise, ImuSample, NoiseModel, Recorded, Sensor, Stamp};
 use dpn_io::{Row, Store};
+use dpn_noise::Judged;
+use dpn_pronet::model::RangeCount;
 use rayon::prelude::*;
 use std::io;
 use std::ops::Range;
@@ -46,7 +48,7 @@ impl Row for Answer {
         let sigma = |first: usize| [0, 1, 2].map(|axis| f64::from_le_bytes(words[first + axis]));
         let count = |first: usize| {
             let [windows, outside] = [0, 1].map(|at| u64::from_le_bytes(words[first + at]));
-            Count { windows, outside }
+            RangeCount { windows, outside }
         };
         Self {
             t: Stamp::from_ns(i64::from_le_bytes(words[0])),
@@ -82,7 +84,7 @@ impl Track {
     }
 }
 
-/// Asks `plan` along a log. The answers are those of one [`Feed`](super::Feed) from its first sample to its last, to the bit, whatever the
+/// Asks `plan` along a log. The answers are those of one [`Feed`](dpn_noise::Feed) from its first sample to its last, to the bit, whatever the
 /// number of threads: a network remembers one window, so the log is cut into pieces and each piece begins a little earlier.
 ///
 /// # Errors
@@ -107,11 +109,11 @@ pub(super) fn track_watched(
     };
     let mut answers = Store::default();
     let mut absurd = false;
-    if plan.memory().is_some() && rows > PIECE {
+    if plan.noise.memory().is_some() && rows > PIECE {
         let is_absurd = |s: &ImuSample| s.gyro.iter().chain(&s.accel).any(|v| v.abs() > ABSURD);
         recording.each(0..recording.len(), &mut |s| absurd |= is_absurd(s))?;
     }
-    let Some(memory) = plan.memory().filter(|_| rows > PIECE && !absurd) else {
+    let Some(memory) = plan.noise.memory().filter(|_| rows > PIECE && !absurd) else {
         piece(plan, recording, 0..rows, 0, |answer| {
             answers.push(answer);
             count();
@@ -119,7 +121,7 @@ pub(super) fn track_watched(
         return Ok(Track { answers: answers.done()? });
     };
     // A feed asks at whole hops from its first sample, so a piece may begin at any whole number of them.
-    let step = plan.hop() * plan.thin();
+    let step = plan.hop() * plan.noise.thin();
     let pieces: Vec<Range<usize>> =
         (0..rows).step_by(PIECE).map(|from| from..(from + PIECE).min(rows)).collect();
     for pieces in pieces.chunks(PIECES) {
@@ -174,6 +176,7 @@ mod tests {
     use dpn_core::estimate::NoiseSpec;
     use dpn_core::random::Stream;
     use dpn_core::{ImuRecording, SampleRate};
+    use dpn_noise::CausalError;
     use dpn_pronet::network::load_all;
     use rand::Rng;
     use std::path::Path;
@@ -242,15 +245,18 @@ mod tests {
         let networks = load_all(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models")).unwrap();
         let plan = |spec: &str, hz: f64| {
             Plan::new(&spec.parse().unwrap(), SampleRate::from_hz(hz).unwrap(), 10, &networks)
-                .map(|p| p.thin())
+                .map(|p| p.noise.thin())
         };
         assert_eq!(plan("dualpronet", 199.4).unwrap(), 1);
         assert_eq!(plan("dualpronet", 1000.0).unwrap(), 5);
         assert_eq!(plan("diff2", 37.0).unwrap(), 1);
-        assert!(matches!(plan("dualpronet", 100.0), Err(LogNoiseError::Rate { .. })));
-        assert!(matches!(plan("dualpronet", 300.0), Err(LogNoiseError::Rate { .. })));
+        assert!(matches!(plan("dualpronet", 100.0), Err(LogNoiseError::Noise(CausalError::Rate { .. }))));
+        assert!(matches!(plan("dualpronet", 300.0), Err(LogNoiseError::Noise(CausalError::Rate { .. }))));
         for spec in ["oracle", "mean(x1)", "shuffled(diff2)", "file(a.csv)"] {
-            assert!(matches!(plan(spec, 200.0), Err(LogNoiseError::NotCausal { .. })), "{spec}");
+            assert!(
+                matches!(plan(spec, 200.0), Err(LogNoiseError::Noise(CausalError::NotCausal { .. }))),
+                "{spec}"
+            );
         }
     }
 }

@@ -1,4 +1,4 @@
-//! One thing that was found.
+//! One thing that was found, of a log or of a configuration held against it.
 
 use serde::Serialize;
 use std::fmt;
@@ -39,15 +39,27 @@ pub struct Finding {
 }
 
 impl Finding {
-    pub(super) fn bad(about: &'static str, text: String, remedy: &'static str) -> Self {
+    pub(crate) fn bad(about: &'static str, text: String, remedy: &'static str) -> Self {
         Self { weight: Weight::Bad, about, text, remedy: Some(remedy) }
     }
 
-    pub(super) fn warning(about: &'static str, text: String, remedy: &'static str) -> Self {
+    pub(crate) fn warning(about: &'static str, text: String, remedy: &'static str) -> Self {
         Self { weight: Weight::Warning, about, text, remedy: Some(remedy) }
     }
 
-    pub(super) fn note(about: &'static str, text: String) -> Self {
+    pub(crate) fn note(about: &'static str, text: String) -> Self {
         Self { weight: Weight::Note, about, text, remedy: None }
+    }
+
+    /// Of a figure of a configuration; `warns` whether a person should look at it.
+    #[cfg(feature = "formats")]
+    pub(crate) fn figure(warns: bool, text: String) -> Self {
+        let weight = if warns { Weight::Warning } else { Weight::Note };
+        Self { weight, about: "noise parameters", text, remedy: None }
+    }
+
+    /// Whether a person should look at it.
+    pub fn warns(&self) -> bool {
+        self.weight != Weight::Note
     }
 }

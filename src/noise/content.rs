@@ -1,11 +1,11 @@
 //! What a spec's noise is a function of, besides the recording: by content, whatever the path.
 
 use super::NoiseError;
-use dpn_core::Sensor;
+use super::causal::pair;
 use dpn_core::checksum::of_parts;
 use dpn_core::estimate::NoiseSpec;
 use dpn_io::IoError;
-use dpn_pronet::network::{Network, select};
+use dpn_pronet::network::Network;
 
 /// The spec with a checksum in place of every file: of weights, of noise tracks. Two that agree in it tell the same noise of the same
 /// recording; those that [need the training sequences](NoiseSpec::needs_training), where these agree too.
@@ -16,13 +16,12 @@ pub fn content(spec: &NoiseSpec, networks: &[Network]) -> Result<String, NoiseEr
     Ok(match spec {
         NoiseSpec::Sensors(_) | NoiseSpec::Oracle => spec.to_string(),
         NoiseSpec::DualProNet { accel, gyro } => {
-            let of = |sensor, tag: &str| {
-                let network = select(networks, sensor, tag);
-                let network =
-                    network.map_err(|source| NoiseError::NoNetwork { spec: spec.to_string(), source })?;
-                Ok::<_, NoiseError>(of_parts([network.weights.to_bytes()?]))
-            };
-            format!("dualpronet({},{})", of(Sensor::Accel, accel)?, of(Sensor::Gyro, gyro)?)
+            let [accel, gyro] = pair(spec, [accel, gyro], networks)?;
+            format!(
+                "dualpronet({},{})",
+                of_parts([accel.weights.to_bytes()?]),
+                of_parts([gyro.weights.to_bytes()?])
+            )
         }
         NoiseSpec::File(path) => {
             let bytes = std::fs::read(path).map_err(|source| match source.kind() {

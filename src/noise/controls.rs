@@ -44,7 +44,7 @@ impl MeanSquare {
     }
 
     /// Adds another's values.
-    pub(crate) fn merge(&mut self, other: &Self) {
+    pub fn merge(&mut self, other: &Self) {
         for (sums, more) in self.sums.iter_mut().flatten().zip(other.sums.iter().flatten()) {
             *sums += more;
         }

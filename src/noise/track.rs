@@ -1,21 +1,16 @@
 //! From a spec to a noise for every sample of a recording.
 
-use super::NoiseError;
 use super::controls::{MeanSquare, shuffled};
 use super::error::{LEAST, MOST};
-use dpn_core::estimate::{NoiseSpec, Schedule, raised_to_floor};
-use dpn_core::noise::NoiseModel;
+use super::{Causal, CausalError, Feed, NoiseError};
+use dpn_core::estimate::{NoiseSpec, Schedule};
 use dpn_core::random::Stream;
 use dpn_core::time::median_step_s;
-use dpn_core::{ImuNoise, ImuRecording, ImuSample, NoiseTrack, SampleRate, Sensor};
+use dpn_core::{ImuNoise, ImuRecording, NoiseTrack, SampleRate, Sensor};
 use dpn_io::read_noise_track;
-use dpn_pronet::DualProNet;
-use dpn_pronet::network::{Network, select};
+use dpn_pronet::network::Network;
 use std::path::Path;
 use std::sync::Arc;
-
-/// Largest share by which a recording's rate may differ from that of the networks' training.
-const RATE_TOLERANCE: f64 = 0.05;
 
 /// What a spec may need besides the recording it is for. The sweep keeps the answers; [`Fresh`] makes them anew.
 pub trait Sources {
@@ -41,11 +36,11 @@ pub trait Sources {
 }
 
 /// Sources to which the noise in force in a first run of the same cell is known.
-pub(crate) struct AfterRun<'a> {
+pub struct AfterRun<'a> {
     /// All else.
-    pub(crate) sources: &'a dyn Sources,
+    pub sources: &'a dyn Sources,
     /// The noise in force.
-    pub(crate) in_force: Arc<NoiseTrack>,
+    pub in_force: Arc<NoiseTrack>,
 }
 
 impl Sources for AfterRun<'_> {
@@ -148,7 +143,8 @@ fn made(
         NoiseSpec::MeanOfTrain(of) => Ok(Arc::new(constant(imu, sources.training_mean(of.source())?))),
         NoiseSpec::Plus { of, constant } => {
             let track = made(of, imu, sources, stream)?;
-            let constant = NoiseTrack::of(constant.model(Schedule::default())?.as_mut(), imu);
+            let mut constant = constant.model(Schedule::default()).map_err(CausalError::from)?;
+            let constant = NoiseTrack::of(constant.as_mut(), imu);
             let both = root_sum_square(&track, &constant);
             both.map(Arc::new).ok_or_else(|| NoiseError::TooLarge { spec: spec.to_string() })
         }
@@ -172,58 +168,23 @@ fn constant(imu: &ImuRecording, noise: ImuNoise) -> NoiseTrack {
     NoiseTrack::of(&mut dpn_core::noise::Constant::new("constant", noise), imu)
 }
 
-/// What says the noise of a spec sample by sample, for samples that come at `rate`; `name` is the recording's, for messages. `None` of a spec that must know the whole
-/// recording, or is no noise of samples alone.
+/// What says the noise of a spec sample by sample, for samples that come at `rate`, as the odometry is given it: over 200 samples, every 10. Of `self` the noise
+/// whose levels are estimated. `name` is the recording's, for messages.
 ///
 /// # Errors
-/// Networks that are not there or are of another rate; parameters out of range.
+/// A spec that must know the whole recording; networks that are not there or are of another rate; parameters out of range.
 pub fn live(
     spec: &NoiseSpec,
     name: &str,
     rate: SampleRate,
     networks: &[Network],
-) -> Result<Option<Box<dyn NoiseModel>>, NoiseError> {
-    match spec {
-        NoiseSpec::Sensors(pair) => Ok(Some(pair.model(Schedule { rate, ..Schedule::default() })?)),
-        NoiseSpec::DualProNet { accel, gyro } => {
-            let spec = spec.to_string();
-            let of = |sensor, tag| {
-                select(networks, sensor, tag)
-                    .map_err(|source| NoiseError::NoNetwork { spec: spec.clone(), source })
-            };
-            let (accel, gyro) = (of(Sensor::Accel, accel)?, of(Sensor::Gyro, gyro)?);
-            let model = DualProNet::new(spec.clone(), &accel.weights, &gyro.weights, DualProNet::HOP)?;
-            let (found, trained) = (rate.hz(), model.trained_rate().hz());
-            if (found / trained - 1.0).abs() > RATE_TOLERANCE {
-                return Err(NoiseError::Rate {
-                    recording: name.to_owned(),
-                    spec,
-                    found_hz: found,
-                    trained_hz: trained,
-                });
-            }
-            Ok(Some(Box::new(Raised(model))))
-        }
-        NoiseSpec::Learned(of) => live(of, name, rate, networks),
-        _ => Ok(None),
+) -> Result<Feed, NoiseError> {
+    if let NoiseSpec::Learned(of) = spec {
+        return live(of, name, rate, networks);
     }
-}
-
-/// Another's noise, raised to the floor.
-struct Raised(DualProNet);
-
-impl NoiseModel for Raised {
-    fn name(&self) -> &str {
-        self.0.name()
-    }
-
-    fn feed(&mut self, sample: &ImuSample) -> ImuNoise {
-        raised_to_floor(&self.0.feed(sample))
-    }
-
-    fn reset(&mut self) {
-        self.0.reset();
-    }
+    let Schedule { window, hop, .. } = Schedule::default();
+    let feed = Causal::new(spec, rate, networks).and_then(|causal| causal.feed(window, hop));
+    feed.map_err(|source| NoiseError::Causal { recording: name.to_owned(), source })
 }
 
 /// The track of a spec that is no control; causal, but for `file` and `oracle`, which are as given.
@@ -239,9 +200,7 @@ pub fn of_recording(
     let imu = recorded.imu;
     match source {
         NoiseSpec::Sensors(_) | NoiseSpec::DualProNet { .. } => {
-            let model = live(source, recorded.name, imu.rate(), networks)?;
-            let mut model = model.expect("constants, estimators and networks know a sample at a time");
-            Ok(NoiseTrack::of(model.as_mut(), imu))
+            Ok(NoiseTrack::of(&mut live(source, recorded.name, imu.rate(), networks)?, imu))
         }
         NoiseSpec::File(path) => held(path, source, recorded),
         NoiseSpec::Oracle => recorded

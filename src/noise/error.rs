@@ -13,10 +13,10 @@ use thiserror::Error;
 pub(super) const LEAST: f64 = 1e-9;
 pub(super) const MOST: f64 = 1e9;
 
-/// Why a noise spec gives no noise for a recording.
+/// Why a spec says nothing of samples as they come.
 #[derive(Debug, Error)]
-pub enum NoiseError {
-    /// A string that is no spec.
+pub enum CausalError {
+    /// Parameters of the spec.
     #[error(transparent)]
     Spec(#[from] SpecError),
     /// A network nobody has.
@@ -30,23 +30,58 @@ pub enum NoiseError {
     /// Two networks that are no pair.
     #[error(transparent)]
     Pair(#[from] PairError),
+    /// A spec that needs more than the samples so far.
+    #[error("`{spec}` is not causal: it needs more than the samples so far")]
+    NotCausal {
+        /// The spec.
+        spec: String,
+    },
+    /// Networks of another rate than any thinning of the log gives.
+    #[error(
+        "the log has {found_hz:.1} Hz; the networks of `{spec}` were trained at {trained_hz:.1} Hz and count samples, not time"
+    )]
+    Rate {
+        /// The spec.
+        spec: String,
+        /// The log's rate \[Hz\].
+        found_hz: f64,
+        /// The networks' \[Hz\].
+        trained_hz: f64,
+    },
+}
+
+impl CausalError {
+    /// What to do about it.
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::NotCausal { .. } => {
+                Some("give networks (dualpronet), a simple estimator (diff2, sg(11,2)) or constants".into())
+            }
+            Self::Rate { trained_hz, .. } => Some(format!(
+                "whole multiples of {trained_hz:.0} Hz are thinned by themselves; else give a simple estimator: --noise diff2"
+            )),
+            Self::Spec(_) | Self::NoNetwork { .. } | Self::Pair(_) => None,
+        }
+    }
+}
+
+/// Why a noise spec gives no noise for a recording.
+#[derive(Debug, Error)]
+pub enum NoiseError {
+    /// The spec says nothing of this recording's samples.
+    #[error("{recording}: {source}")]
+    Causal {
+        /// Name of the recording.
+        recording: String,
+        /// Why.
+        source: CausalError,
+    },
+    /// The spec says nothing of any.
+    #[error(transparent)]
+    Spec(#[from] CausalError),
     /// A network whose weights have no checksum.
     #[error(transparent)]
     Weights(#[from] StoreError),
-    /// Networks know samples, not time.
-    #[error(
-        "{recording}: the IMU runs at {found_hz:.1} Hz, the networks of `{spec}` were trained at {trained_hz:.1} Hz; they count samples, not time"
-    )]
-    Rate {
-        /// Name of the recording.
-        recording: String,
-        /// The spec.
-        spec: String,
-        /// Its rate \[Hz\].
-        found_hz: f64,
-        /// The networks' rate \[Hz\].
-        trained_hz: f64,
-    },
     /// A noise track that cannot be read.
     #[error(transparent)]
     Read(#[from] IoError),
@@ -137,4 +172,15 @@ pub enum NoiseError {
         /// The spec.
         spec: String,
     },
+}
+
+impl NoiseError {
+    /// What to do about it.
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::Causal { source, .. } | Self::Spec(source) => source.hint(),
+            Self::Read(error) => error.hint(),
+            _ => None,
+        }
+    }
 }

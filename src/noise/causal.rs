@@ -1,0 +1,202 @@
+//! From a spec to something that is fed samples one by one.
+
+use super::CausalError;
+use dpn_core::estimate::{NoiseSpec, Schedule, raised_to_floor};
+use dpn_core::{ImuNoise, ImuSample, NoiseModel, SampleRate, Sensor};
+use dpn_pronet::DualProNet;
+use dpn_pronet::model::RangeCount;
+use dpn_pronet::network::{Network, select};
+use dpn_pronet::range::TrainedRange;
+use serde::Serialize;
+
+/// A spec that needs the samples so far and nothing else, for samples of one rate: constants, simple estimators, networks.
+#[derive(Debug, Clone)]
+pub struct Causal<'a> {
+    spec: NoiseSpec,
+    networks: Option<[&'a Network; 2]>,
+    rate: SampleRate,
+    thin: usize,
+}
+
+impl<'a> Causal<'a> {
+    /// `spec` for samples of `rate`.
+    ///
+    /// # Errors
+    /// A spec that needs more than the samples so far (`file`, `oracle`, `self`, the controls); networks that are not there; a rate that is no
+    /// multiple of theirs.
+    pub fn new(spec: &NoiseSpec, rate: SampleRate, networks: &'a [Network]) -> Result<Self, CausalError> {
+        let mut causal = Self { spec: spec.clone(), networks: None, rate, thin: 1 };
+        match spec {
+            NoiseSpec::Sensors(_) => {}
+            NoiseSpec::DualProNet { accel, gyro } => {
+                let pair = pair(spec, [accel, gyro], networks)?;
+                let trained = pair[0].weights.card().rate;
+                causal.thin = DualProNet::thinning(rate, trained).ok_or_else(|| CausalError::Rate {
+                    spec: spec.to_string(),
+                    found_hz: rate.hz(),
+                    trained_hz: trained.hz(),
+                })?;
+                causal.networks = Some(pair);
+            }
+            _ => return Err(CausalError::NotCausal { spec: spec.to_string() }),
+        }
+        Ok(causal)
+    }
+
+    /// The spec.
+    pub fn spec(&self) -> &NoiseSpec {
+        &self.spec
+    }
+
+    /// Rate of the samples.
+    pub fn rate(&self) -> SampleRate {
+        self.rate
+    }
+
+    /// Every how many samples the networks see one; 1 for all else.
+    pub fn thin(&self) -> usize {
+        self.thin
+    }
+
+    /// What a sensor's network was trained on, where that is known.
+    pub fn trained_on(&self, sensor: Sensor) -> Option<TrainedRange> {
+        self.networks?.into_iter().find(|network| network.sensor() == sensor)?.weights.card().range
+    }
+
+    /// The longest window of its networks, in samples that are fed; none for all else, which may remember for ever.
+    pub fn memory(&self) -> Option<usize> {
+        let windows = self.networks?.map(|network| network.weights.config().window);
+        windows.into_iter().max().map(|window| window * self.thin)
+    }
+
+    /// A model that has seen nothing, asked every `hop` samples that it sees (every [`thin`](Self::thin)th that is fed); a simple estimator about the
+    /// last `window` samples, networks about windows of their own.
+    ///
+    /// # Errors
+    /// Parameters out of range; two networks that are no pair.
+    pub fn feed(&self, window: usize, hop: usize) -> Result<Feed, CausalError> {
+        let model = match (&self.spec, self.networks) {
+            (NoiseSpec::Sensors(pair), _) => {
+                Model::Simple(pair.model(Schedule { window, hop, rate: self.rate })?)
+            }
+            (spec, networks) => {
+                let [accel, gyro] = networks.expect("what is neither of sensors nor networks was refused");
+                let networks = DualProNet::new(spec.to_string(), &accel.weights, &gyro.weights, hop)?;
+                Model::Networks(Box::new(networks))
+            }
+        };
+        Ok(Feed { model, thin: self.thin, index: 0, noise: ImuNoise::baseline() })
+    }
+}
+
+/// The networks of two tags, accelerometer first.
+pub(crate) fn pair<'a>(
+    spec: &NoiseSpec,
+    tags: [&String; 2],
+    networks: &'a [Network],
+) -> Result<[&'a Network; 2], CausalError> {
+    let of = |sensor, tag| {
+        select(networks, sensor, tag)
+            .map_err(|source| CausalError::NoNetwork { spec: spec.to_string(), source })
+    };
+    Ok([of(Sensor::Accel, tags[0])?, of(Sensor::Gyro, tags[1])?])
+}
+
+enum Model {
+    Simple(Box<dyn NoiseModel>),
+    Networks(Box<DualProNet>),
+}
+
+/// Takes samples one by one and says the noise in force at each. Nothing it says depends on a later sample.
+pub struct Feed {
+    model: Model,
+    thin: usize,
+    index: usize,
+    noise: ImuNoise,
+}
+
+impl std::fmt::Debug for Feed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Feed").field("thin", &self.thin).field("index", &self.index).finish_non_exhaustive()
+    }
+}
+
+impl Feed {
+    /// Windows judged so far, and those unlike every window of the training.
+    pub fn judged(&self) -> Judged {
+        match &self.model {
+            Model::Simple(_) => Judged::default(),
+            Model::Networks(model) => {
+                Judged { accel: model.range_count(Sensor::Accel), gyro: model.range_count(Sensor::Gyro) }
+            }
+        }
+    }
+}
+
+impl NoiseModel for Feed {
+    fn name(&self) -> &str {
+        match &self.model {
+            Model::Simple(model) => model.name(),
+            Model::Networks(model) => model.name(),
+        }
+    }
+
+    fn feed(&mut self, sample: &ImuSample) -> ImuNoise {
+        let is_seen = self.index.is_multiple_of(self.thin);
+        self.index += 1;
+        match &mut self.model {
+            Model::Simple(model) => self.noise = model.feed(sample),
+            Model::Networks(model) if is_seen => self.noise = raised_to_floor(&model.feed(sample)),
+            Model::Networks(_) => {}
+        }
+        self.noise
+    }
+
+    fn reset(&mut self) {
+        match &mut self.model {
+            Model::Simple(model) => model.reset(),
+            Model::Networks(model) => model.reset(),
+        }
+        self.index = 0;
+        self.noise = ImuNoise::baseline();
+    }
+}
+
+/// Windows of both sensors, an axis each, and how many of them were unlike every window of the training.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct Judged {
+    /// The accelerometer's.
+    pub accel: RangeCount,
+    /// The gyroscope's.
+    pub gyro: RangeCount,
+}
+
+impl Judged {
+    /// One sensor's.
+    pub fn of(&self, sensor: Sensor) -> RangeCount {
+        match sensor {
+            Sensor::Accel => self.accel,
+            Sensor::Gyro => self.gyro,
+        }
+    }
+
+    /// What came between `before` and this.
+    #[must_use]
+    pub fn since(&self, before: &Self) -> Self {
+        let of = |now: RangeCount, then: RangeCount| RangeCount {
+            windows: now.windows - then.windows,
+            outside: now.outside - then.outside,
+        };
+        Self { accel: of(self.accel, before.accel), gyro: of(self.gyro, before.gyro) }
+    }
+
+    /// Both together.
+    #[must_use]
+    pub fn plus(&self, other: &Self) -> Self {
+        let of = |a: RangeCount, b: RangeCount| RangeCount {
+            windows: a.windows + b.windows,
+            outside: a.outside + b.outside,
+        };
+        Self { accel: of(self.accel, other.accel), gyro: of(self.gyro, other.gyro) }
+    }
+}
