@@ -207,11 +207,7 @@ pub fn of_recording(
             .oracle
             .cloned()
             .ok_or_else(|| NoiseError::NoOracle { recording: recorded.name.to_owned() }),
-        NoiseSpec::Shuffled(of)
-        | NoiseSpec::Mean(of)
-        | NoiseSpec::MeanOfTrain(of)
-        | NoiseSpec::Learned(of)
-        | NoiseSpec::Plus { of, .. } => of_recording(of.source(), recorded, networks),
+        made_of_another => of_recording(made_of_another.source(), recorded, networks),
     }
 }
 
@@ -329,6 +325,33 @@ mod tests {
         assert_eq!(of(1), of(1));
         assert_ne!(of(1), of(2));
         assert_ne!(of(1), track("diff2", &imu, 1).unwrap());
+    }
+
+    /// As `dpn noise` sees it: every second sample, asked as often in time.
+    #[test]
+    fn a_log_of_twice_the_networks_rate_has_the_noise_of_every_second_sample_and_another_rate_is_refused() {
+        let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models");
+        let load = |sensor: &str| Network::load(&models.join(sensor).join("sg11-s0.safetensors")).unwrap();
+        let networks = [load("accel"), load("gyro")];
+        let at = |step_ns: i64, each: usize| {
+            let whole = recording(2000);
+            let samples = whole.samples().iter().enumerate().step_by(each);
+            let stamped =
+                |(i, s): (usize, &ImuSample)| ImuSample { t: Stamp::from_ns(step_ns * i as i64), ..*s };
+            ImuRecording::new(samples.map(stamped).collect()).unwrap()
+        };
+        let of = |imu: &ImuRecording| {
+            let recorded = Recorded { name: "made-up", imu, oracle: None };
+            of_recording(&"dualpronet".parse().unwrap(), &recorded, &networks)
+        };
+        let (fast, slow) = (of(&at(2_500_000, 1)).unwrap(), of(&at(2_500_000, 2)).unwrap());
+        assert_ne!(slow.noises()[0], slow.noises()[999]);
+        for (i, noise) in fast.noises().iter().enumerate() {
+            assert_eq!(*noise, slow.noises()[i / 2], "{i}");
+        }
+        let error = of(&at(3_333_333, 1)).unwrap_err();
+        assert!(error.to_string().starts_with("made-up: the log has 300.0 Hz; "), "{error}");
+        assert!(error.hint().unwrap().starts_with("whole multiples of 200 Hz are thinned"));
     }
 
     #[test]

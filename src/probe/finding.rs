@@ -47,6 +47,11 @@ impl Finding {
         Self { weight: Weight::Warning, about, text, remedy: Some(remedy) }
     }
 
+    /// Bad where `is_bad`, else a warning.
+    pub(crate) fn bad_where(is_bad: bool, about: &'static str, text: String, remedy: &'static str) -> Self {
+        if is_bad { Self::bad(about, text, remedy) } else { Self::warning(about, text, remedy) }
+    }
+
     pub(crate) fn note(about: &'static str, text: String) -> Self {
         Self { weight: Weight::Note, about, text, remedy: None }
     }

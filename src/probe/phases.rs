@@ -58,6 +58,24 @@ pub struct Stretch {
     pub to_s: f64,
 }
 
+impl Stretch {
+    /// How long it lasts \[s\].
+    pub fn length_s(&self) -> f64 {
+        self.to_s - self.from_s
+    }
+}
+
+/// The phase `t` seconds after the log's begin.
+pub(crate) fn phase_at(stretches: &[Stretch], t: f64) -> Option<Phase> {
+    stretches.get(stretches.partition_point(|s| s.to_s <= t)).map(|s| s.phase)
+}
+
+/// The last of the longest rests.
+pub(crate) fn longest_rest(stretches: &[Stretch]) -> Option<&Stretch> {
+    let rests = stretches.iter().filter(|s| s.phase == Phase::Rest);
+    rests.max_by(|a, b| a.length_s().total_cmp(&b.length_s()))
+}
+
 /// What is known of a second.
 struct Second {
     from_s: f64,

@@ -1,4 +1,26 @@
-//! Columns for a terminal.
+//! Words and columns for a terminal.
+
+use dpn_core::Sensor;
+
+/// Items that a line lists at most.
+const MOST: usize = 8;
+
+/// What the sensor is called in a headline.
+pub(crate) fn instrument(sensor: Sensor) -> &'static str {
+    match sensor {
+        Sensor::Accel => "accelerometer",
+        Sensor::Gyro => "gyroscope",
+    }
+}
+
+/// The first items, and how many more there are.
+pub(crate) fn listed(items: &[String]) -> String {
+    let listed = items[..items.len().min(MOST)].join(", ");
+    match items.len().saturating_sub(MOST) {
+        0 => listed,
+        more => format!("{listed} and {more} more"),
+    }
+}
 
 /// A line a row, each column as wide as its widest cell, two blanks between.
 pub(crate) fn aligned<const N: usize>(rows: &[[String; N]]) -> String {

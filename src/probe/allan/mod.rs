@@ -7,7 +7,6 @@
 //! * [`rest`]: the seconds that moved.
 //! * [`AllanLog`]: all of it for a log; [`report`] says it in words.
 //! * [`compare`]: a configuration against it; `mix_up`: what may have been mixed up in it.
-//! * [`simulate`]: signals with known coefficients.
 
 mod chi;
 #[cfg(feature = "formats")]
@@ -26,7 +25,8 @@ mod nnls;
 #[cfg(feature = "formats")]
 pub mod report;
 pub mod rest;
-pub mod simulate;
+#[cfg(test)]
+mod simulate;
 
 pub use fit::{Estimate, Fit, Hump, Planner, Point};
 pub use log::{AllanError, AllanLog, AxisFit, LEAST_S};

@@ -3,14 +3,14 @@
 use super::compare::FigureCheck;
 use super::log::AllanLog;
 use super::model::Coefficient;
-use crate::text::aligned;
+use crate::text::{aligned, instrument, listed};
 use dpn_core::Sensor;
 use dpn_core::noise::Meaning;
 use dpn_core::noise::{Axes, Figure};
 use dpn_io::noise_formats::{Format, FormatError, Written, number, write};
 
 /// Formats that are written out, ready to paste.
-const PASTED: [Format; 5] =
+pub(crate) const PASTED: [Format; 5] =
     [Format::Kalibr, Format::OpenVins, Format::OrbSlam3, Format::Vins, Format::Basalt];
 
 /// What people do with such numbers, and why.
@@ -75,13 +75,11 @@ fn head(log: &AllanLog) -> String {
     let rest = &log.rest;
     if !rest.moved.is_empty() {
         let spans: Vec<String> =
-            rest.moved.iter().take(8).map(|s| format!("{:.0}-{:.0}", s.from_s, s.to_s)).collect();
-        let more = rest.moved.len().saturating_sub(8);
+            rest.moved.iter().map(|s| format!("{:.0}-{:.0}", s.from_s, s.to_s)).collect();
         text.push_str(&format!(
-            "not at rest throughout: {:.0} s moved (s {}{}); {}\n",
+            "not at rest throughout: {:.0} s moved (s {}); {}\n",
             rest.moved_s,
-            spans.join(", "),
-            if more > 0 { format!(" and {more} more") } else { String::new() },
+            listed(&spans),
             if log.everything {
                 "used all the same, as asked".to_owned()
             } else {
@@ -101,11 +99,7 @@ fn head(log: &AllanLog) -> String {
 }
 
 fn table(log: &AllanLog, sensor: Sensor) -> String {
-    let name = match sensor {
-        Sensor::Accel => "accelerometer",
-        Sensor::Gyro => "gyroscope",
-    };
-    let mut rows = vec![[name, "x", "y", "z", ""].map(str::to_owned)];
+    let mut rows = vec![[instrument(sensor), "x", "y", "z", ""].map(str::to_owned)];
     for coefficient in Coefficient::ALL {
         let [x, y, z] = log.estimates(sensor, coefficient).map(|e| {
             if e.seen {

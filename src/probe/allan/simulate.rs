@@ -1,6 +1,5 @@
 //! Signals of a sensor at rest whose five coefficients are known, to hold the fit to.
 
-use super::model::Squares;
 use dpn_core::SampleRate;
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -10,7 +9,7 @@ use std::f64::consts::PI;
 ///
 /// A sample is the mean of the noise over its period, as the model has it. Flicker noise is a sum of first-order processes, three to a
 /// decade of time constants, from a hundredth of a sample to ten lengths of the log.
-pub fn at_rest(squares: &Squares, samples: usize, rate: SampleRate, rng: &mut impl Rng) -> Vec<f64> {
+pub(crate) fn at_rest(squares: &[f64; 5], samples: usize, rate: SampleRate, rng: &mut impl Rng) -> Vec<f64> {
     let [quantisation, white, flicker, walk, ramp] = squares.map(f64::sqrt);
     let dt = rate.period();
     let mut normal = || -> f64 { StandardNormal.sample(&mut *rng) };

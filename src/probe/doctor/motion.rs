@@ -2,7 +2,7 @@
 
 use crate::allan::rest::Rest;
 use crate::finding::Finding;
-use crate::phases::{Phase, phases};
+use crate::phases::{Phase, Stretch, longest_rest, phases};
 use dpn_core::{Recorded, Sensor};
 use std::io;
 
@@ -12,20 +12,15 @@ const LEAST_S: f64 = 60.0;
 pub(super) fn findings(recording: &dyn Recorded, rest: &Rest) -> io::Result<Vec<Finding>> {
     let length = recording.length_s();
     let stretches = phases(recording)?;
-    let seconds =
-        |phase| stretches.iter().filter(|s| s.phase == phase).map(|s| s.to_s - s.from_s).sum::<f64>();
+    let seconds = |phase| stretches.iter().filter(|s| s.phase == phase).map(Stretch::length_s).sum::<f64>();
     let parts: Vec<String> = Phase::ALL
         .into_iter()
         .filter(|phase| stretches.iter().any(|s| s.phase == *phase))
         .map(|phase| format!("{:.0} s {phase}", seconds(phase)))
         .collect();
-    let longest = stretches
-        .iter()
-        .filter(|s| s.phase == Phase::Rest)
-        .max_by(|a, b| (a.to_s - a.from_s).total_cmp(&(b.to_s - b.from_s)));
     let mut findings = vec![Finding::note(
         "motion",
-        match longest {
+        match longest_rest(&stretches) {
             Some(_) if stretches.len() == 1 => format!("at rest throughout, {length:.0} s"),
             Some(longest) => format!(
                 "{}; the longest rest is from {:.1} to {:.1} s",

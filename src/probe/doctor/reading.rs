@@ -23,11 +23,7 @@ pub(super) fn findings(log: &Log) -> Vec<Finding> {
     let mut left = |about: &'static str, left: &LeftOut, words: &str, remedy: &'static str| {
         let Some(first) = left.first else { return };
         let text = format!("left out: {} sample(s) {words}, first at {} {first}", left.count, log.place);
-        findings.push(if left.count as f64 > MANY * all as f64 {
-            Finding::bad(about, text, remedy)
-        } else {
-            Finding::warning(about, text, remedy)
-        });
+        findings.push(Finding::bad_where(left.count as f64 > MANY * all as f64, about, text, remedy));
     };
     let sieved = &log.sieved;
     left(

@@ -100,11 +100,8 @@ fn dropped(recording: &dyn Recorded, limit: f64, period: f64) -> io::Result<Opti
         places.join(", ")
     );
     let remedy = "look for a full buffer or a slow disk where the log was written; an estimator integrates across a hole with one sample";
-    Ok(Some(if lost > 0.001 * recording.len() as f64 || longest > 0.1 {
-        Finding::bad("gaps", text, remedy)
-    } else {
-        Finding::warning("gaps", text, remedy)
-    }))
+    let is_bad = lost > 0.001 * recording.len() as f64 || longest > 0.1;
+    Ok(Some(Finding::bad_where(is_bad, "gaps", text, remedy)))
 }
 
 fn repeated(recording: &dyn Recorded) -> io::Result<Option<Finding>> {

@@ -5,8 +5,11 @@
 
 use dpn_core::SampleRate;
 use dpn_core::random::Stream;
-use dpn_probe::allan::{Coefficient, Planner, simulate};
+use dpn_probe::allan::{Coefficient, Planner};
 use rayon::prelude::*;
+
+#[path = "../allan/simulate.rs"]
+mod simulate;
 
 /// Q, N, B, K, R: a gyroscope like the ADIS16448's, one without instability, one without a walk, white noise alone, all five.
 const SETTINGS: [(&str, [f64; 5]); 5] = [

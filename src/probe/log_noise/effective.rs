@@ -4,7 +4,8 @@
 //! ([`Effective`](dpn_core::estimate::Effective)). Medians over the seconds in motion, else of motors on, else of all.
 
 use super::report::two;
-use crate::phases::{Phase, Stretch};
+use crate::allan::report::PASTED;
+use crate::phases::{Phase, Stretch, phase_at};
 use crate::text::aligned;
 use dpn_core::estimate::{Effective, EffectiveStream};
 use dpn_core::noise::{Axes, Figure, ImuFigures, Meaning};
@@ -20,9 +21,6 @@ use std::sync::Arc;
 const SPANS_S: [f64; 4] = [0.05, 0.1, 0.5, 1.0];
 /// The span whose figures are written out to paste: two frames of a camera of 20 Hz, one of 10 Hz.
 const PASTED_S: f64 = 0.1;
-/// Formats that are written out.
-const PASTED: [Format; 5] =
-    [Format::Kalibr, Format::OpenVins, Format::OrbSlam3, Format::Vins, Format::Basalt];
 
 /// What the samples are summed to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -75,8 +73,7 @@ impl EffectiveNoise {
         // A second counts where its middle is in the phase.
         let counts = |second: &[ImuSample]| {
             let t = second[second.len() / 2].t.seconds_since(start);
-            let at = stretches.partition_point(|s| s.to_s <= t);
-            phase.is_none() || stretches.get(at).map(|s| s.phase) == phase
+            phase.is_none() || phase_at(stretches, t) == phase
         };
         let whole = 0..recording.len() - recording.len() % second;
         let mut any = false;

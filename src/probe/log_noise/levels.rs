@@ -15,7 +15,7 @@
 use crate::allan::deviation;
 use crate::allan::mix_up::typical;
 use crate::allan::{AllanLog, LEAST_S};
-use crate::phases::{Phase, Stretch};
+use crate::phases::{Phase, Stretch, longest_rest, phase_at};
 use dpn_core::noise::Figure;
 use dpn_core::signal::SavitzkyGolay;
 use dpn_core::signal::stats::{self, Ddof};
@@ -85,7 +85,7 @@ impl Levels {
         let start = recording.span()[0];
         let mut phases: Vec<Option<Phase>> = Vec::new();
         recording.pieces(0..recording.len(), block, &mut |chunk| {
-            phases.push(phase_of(stretches, chunk[chunk.len() / 2].t.seconds_since(start)));
+            phases.push(phase_at(stretches, chunk[chunk.len() / 2].t.seconds_since(start)));
             Ok(())
         })?;
         let sensor = |sensor: Sensor| {
@@ -119,10 +119,6 @@ impl Levels {
             self.window
         )
     }
-}
-
-fn phase_of(stretches: &[Stretch], t: f64) -> Option<Phase> {
-    stretches.get(stretches.partition_point(|s| s.to_s <= t)).map(|s| s.phase)
 }
 
 /// Deviations of the residual, a second each.
@@ -171,11 +167,7 @@ fn walk_below(signal: &[f64], rate: SampleRate) -> Option<f64> {
 
 /// The Allan plot of the longest rest.
 fn rest(recording: &dyn Recorded, stretches: &[Stretch]) -> io::Result<Option<AllanLog>> {
-    let longest = stretches
-        .iter()
-        .filter(|s| s.phase == Phase::Rest)
-        .max_by(|a, b| (a.to_s - a.from_s).total_cmp(&(b.to_s - b.from_s)));
-    let Some(longest) = longest else { return Ok(None) };
+    let Some(longest) = longest_rest(stretches) else { return Ok(None) };
     let start = recording.span()[0];
     let inside = |t: f64| (longest.from_s..longest.to_s).contains(&t);
     let mut samples = Vec::new();

@@ -2,7 +2,7 @@
 
 use super::{Plan, TrackSummary};
 use crate::phases::Phase;
-use crate::text::aligned;
+use crate::text::{aligned, instrument, listed};
 use dpn_core::{SampleRate, Sensor};
 use std::fmt::Write;
 
@@ -57,13 +57,10 @@ pub fn page(plan: &Plan<'_>, summary: &TrackSummary, rate: SampleRate) -> String
         );
     }
     for sensor in Sensor::ALL {
-        let name = match sensor {
-            Sensor::Accel => "accelerometer",
-            Sensor::Gyro => "gyroscope",
-        };
         let _ = writeln!(
             text,
-            "\n{name}: deviation of one sample [{}], median (5 % to 95 %); at {:.0} Hz density = deviation * {:.5}",
+            "\n{}: deviation of one sample [{}], median (5 % to 95 %); at {:.0} Hz density = deviation * {:.5}",
+            instrument(sensor),
             sensor.unit(),
             rate.hz(),
             1.0 / rate.hz().sqrt()
@@ -112,7 +109,6 @@ pub fn page(plan: &Plan<'_>, summary: &TrackSummary, rate: SampleRate) -> String
 
 /// Where a track is extrapolated, a line a sensor: for the page, and for the small print of a picture.
 pub fn outside(summary: &TrackSummary) -> Vec<String> {
-    const MOST: usize = 8;
     let of = |sensor: Sensor| {
         let spans: Vec<String> = summary
             .outside
@@ -120,10 +116,7 @@ pub fn outside(summary: &TrackSummary) -> Vec<String> {
             .filter(|span| span.sensor == sensor)
             .map(|span| format!("{:.1}-{:.1}", span.from_s, span.to_s))
             .collect();
-        let more = spans.len().saturating_sub(MOST);
-        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-        let listed = spans.iter().take(MOST).cloned().collect::<Vec<_>>().join(", ");
-        (!spans.is_empty()).then(|| format!("{sensor} out of range: s {listed}{more}"))
+        (!spans.is_empty()).then(|| format!("{sensor} out of range: s {}", listed(&spans)))
     };
     Sensor::ALL.into_iter().filter_map(of).collect()
 }

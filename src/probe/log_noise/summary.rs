@@ -102,7 +102,7 @@ impl TrackSummary {
             if of.is_empty() {
                 continue;
             }
-            let seconds = of.iter().map(|s| s.to_s - s.from_s).sum();
+            let seconds = of.iter().map(|s| s.length_s()).sum();
             let inside = |a: &Answer| {
                 let t = a.t.seconds_since(start);
                 let at = stretches.partition_point(|s| s.to_s <= t);

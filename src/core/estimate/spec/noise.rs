@@ -59,27 +59,26 @@ pub enum NoiseSpec {
 }
 
 impl NoiseSpec {
-    /// The spec whose track this one needs: itself, or what the controls are made of.
-    pub fn source(&self) -> &Self {
+    /// The spec that this one is made of, where it is made of one.
+    fn made_of(&self) -> Option<&Self> {
         match self {
             Self::Shuffled(of)
             | Self::Mean(of)
             | Self::MeanOfTrain(of)
             | Self::Learned(of)
-            | Self::Plus { of, .. } => of.source(),
-            other => other,
+            | Self::Plus { of, .. } => Some(of),
+            Self::Sensors(_) | Self::DualProNet { .. } | Self::File(_) | Self::Oracle => None,
         }
+    }
+
+    /// The spec whose track this one needs: itself, or what the controls are made of.
+    pub fn source(&self) -> &Self {
+        self.made_of().map_or(self, Self::source)
     }
 
     /// Whether the training sequences are needed.
     pub fn needs_training(&self) -> bool {
-        match self {
-            Self::MeanOfTrain(_) => true,
-            Self::Shuffled(of) | Self::Mean(of) | Self::Learned(of) | Self::Plus { of, .. } => {
-                of.needs_training()
-            }
-            _ => false,
-        }
+        matches!(self, Self::MeanOfTrain(_)) || self.made_of().is_some_and(Self::needs_training)
     }
 
     /// Whether the odometry learns levels while it runs.
@@ -89,20 +88,8 @@ impl NoiseSpec {
 
     /// The learned noise that a first run of the odometry has to learn before this one can be told: that of a control.
     pub fn learned_before(&self) -> Option<&Self> {
-        match self {
-            Self::Shuffled(of)
-            | Self::Mean(of)
-            | Self::MeanOfTrain(of)
-            | Self::Learned(of)
-            | Self::Plus { of, .. } => {
-                if of.is_learned() {
-                    Some(of)
-                } else {
-                    of.learned_before()
-                }
-            }
-            _ => None,
-        }
+        let of = self.made_of()?;
+        if of.is_learned() { Some(of) } else { of.learned_before() }
     }
 
     /// The factor on the baseline of both sensors, where that is what the spec says.
@@ -126,15 +113,15 @@ impl NoiseSpec {
             problem: problem.to_owned(),
             usage,
         };
-        let of_run = |usage: &'static str| {
-            if call.args.is_empty() {
+        let of = |args: &[Arg], usage| {
+            if args.is_empty() {
                 return Err(wrong("the spec it is made of is missing", usage));
             }
-            let text: Vec<String> = call.args.iter().map(written).collect();
+            let text: Vec<String> = args.iter().map(written).collect();
             Ok(Box::new(text.join(",").parse::<Self>()?))
         };
-        let inner = |usage: &'static str| {
-            let of = of_run(usage)?;
+        let of_no_run = |args: &[Arg], usage| {
+            let of = of(args, usage)?;
             if of.is_learned() || of.learned_before().is_some() {
                 return Err(wrong(OF_NO_RUN, usage));
             }
@@ -153,29 +140,22 @@ impl NoiseSpec {
             },
             "oracle" if call.args.is_empty() => Ok(Self::Oracle),
             "oracle" => Err(wrong("at most 0 arguments", "oracle")),
-            "shuffled" => Ok(Self::Shuffled(of_run("shuffled(spec)")?)),
+            "shuffled" => Ok(Self::Shuffled(of(&call.args, "shuffled(spec)")?)),
             "self" if call.args.is_empty() => Ok(Self::Learned(Box::new("x1".parse()?))),
-            "self" => Ok(Self::Learned(inner("self(spec)")?)),
-            "mean" => Ok(Self::Mean(of_run("mean(spec)")?)),
+            "self" => Ok(Self::Learned(of_no_run(&call.args, "self(spec)")?)),
+            "mean" => Ok(Self::Mean(of(&call.args, "mean(spec)")?)),
             "plus" => {
                 let (last, rest) = match call.args.split_last() {
                     Some((last, rest)) if !rest.is_empty() => (last, rest),
                     _ => return Err(wrong("a spec and a constant are needed", names::PLUS)),
                 };
-                let Self::Sensors(constant) = written(last).parse()? else {
-                    return Err(wrong(NO_CONSTANT, names::PLUS));
+                let constant = match written(last).parse()? {
+                    Self::Sensors(pair) if pair.is_constant() => pair,
+                    _ => return Err(wrong(NO_CONSTANT, names::PLUS)),
                 };
-                if !constant.is_constant() {
-                    return Err(wrong(NO_CONSTANT, names::PLUS));
-                }
-                let text: Vec<String> = rest.iter().map(written).collect();
-                let of: Self = text.join(",").parse()?;
-                if of.is_learned() || of.learned_before().is_some() {
-                    return Err(wrong(OF_NO_RUN, names::PLUS));
-                }
-                Ok(Self::Plus { of: Box::new(of), constant })
+                Ok(Self::Plus { of: of_no_run(rest, names::PLUS)?, constant })
             }
-            _ => Ok(Self::MeanOfTrain(inner("mean-of-train(spec)")?)),
+            _ => Ok(Self::MeanOfTrain(of_no_run(&call.args, "mean-of-train(spec)")?)),
         }
     }
 }
