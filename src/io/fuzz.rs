@@ -1,7 +1,8 @@
 //! Random and damaged bytes for every reader: whatever comes, it is a value or an error with a message, never a panic.
 
 use super::asl::{camera, ground_truth, imu_config};
-use super::imu_csv::{CsvOptions, parse_imu_csv};
+use super::imu_csv::parse_imu_csv;
+use super::understood::CsvOptions;
 use super::{
     AccelUnit, GyroUnit, ImuColumns, ImuLines, IoError, TimeUnit, calibration, noise_csv,
     parse_imu_csv_loosely, tracks, tum,

@@ -3,9 +3,8 @@
 use super::IoError;
 use super::fields::comment;
 use super::head;
-use super::imu_csv::{self, CsvOptions};
-use super::loose_csv::{Understood, understand};
 use super::rows::{Layout, Rows};
+use super::understood::{CsvOptions, Understood};
 use dpn_core::imu::ImuSample;
 use std::path::{Path, PathBuf};
 
@@ -62,7 +61,7 @@ impl ImuLines {
             Err(IoError::Empty { .. }) => return Ok(Vec::new()),
             Err(error) => return Err(error),
         };
-        let understood = match understand(&self.head, &rows, &self.path, &self.options, None) {
+        let understood = match Understood::of(&rows, &self.path, &self.options, None, None, true) {
             Ok(understood) => understood,
             // One row does not tell a step.
             Err(IoError::TooShort { .. }) => return Ok(Vec::new()),
@@ -76,15 +75,9 @@ impl ImuLines {
 }
 
 fn samples(rows: &mut Rows<'_>, understood: &Understood) -> Result<Vec<ImuSample>, IoError> {
-    let Understood { columns, time, interval_s, .. } = understood;
-    let (turn, force) = (
-        understood.gyro.map_or(1.0, |u| u.value.factor()),
-        understood.accel.map_or(1.0, |u| u.value.factor()),
-    );
     let mut found = Vec::new();
-    while rows.advance()? {
-        let ImuSample { t, gyro, accel } = imu_csv::sample(rows, &columns.value, time.value, *interval_s)?;
-        found.push(ImuSample { t, gyro: gyro.map(|v| v * turn), accel: accel.map(|v| v * force) });
+    while let Some(sample) = understood.next(rows)? {
+        found.push(understood.in_si(sample));
     }
     Ok(found)
 }

@@ -65,6 +65,7 @@ mod store;
 mod times_folder;
 mod tracks;
 mod tum;
+mod understood;
 mod unit;
 mod words;
 
@@ -79,7 +80,7 @@ pub use grey::{ByteOrder, PixelLayout};
 pub use image_file::parse_image;
 #[cfg(feature = "images")]
 pub use images::{Coverage, ImageFolder, ImageRun, Prefetch, StampedImage};
-pub use imu_csv::{CsvOptions, ImuLog, Origin, Settled, parse_imu_csv, read_imu_csv};
+pub use imu_csv::{ImuLog, parse_imu_csv, read_imu_csv};
 pub use imu_lines::ImuLines;
 pub use kitti::write_kitti;
 pub use leftovers::scratch_file;
@@ -97,6 +98,7 @@ pub use store::{Row, Store};
 pub use times_folder::TimesFolder;
 pub use tracks::{read_tracks, write_tracks};
 pub use tum::{read_tum, tum_line, write_tum};
+pub use understood::{CsvOptions, Origin, Settled, Understood};
 
 /// The README's code is a test.
 #[cfg(doctest)]

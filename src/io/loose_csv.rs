@@ -8,12 +8,10 @@
 //! read in blocks: beside the samples no more than one of them is in memory.
 
 use super::columns::{AccelUnit, GyroUnit, ImuColumns};
-use super::imu_csv::{
-    self, CsvOptions, Origin, Settled, first_rows, first_said, guess_interval, guess_time_unit,
-};
 use super::rows::{Layout, Rows};
 use super::sample_store::{SampleStore, StoredRecording};
 use super::sieve::{Sieve, Sieved};
+use super::understood::{CsvOptions, Origin, Settled, Understood};
 use super::{IoError, TimeUnit, guess, head};
 use dpn_core::imu::ImuSample;
 use dpn_core::{Samples, Sensor, Stamp};
@@ -41,37 +39,16 @@ pub struct Unreadable {
 pub struct LooseImuLog {
     /// The samples that could be used, in rad/s and m/s^2.
     pub recording: StoredRecording,
-    /// Which column was what.
-    pub columns: Settled<ImuColumns>,
-    /// Unit of the stamps.
-    pub time: Settled<TimeUnit>,
-    /// Unit of the gyroscope's columns.
-    pub gyro: Settled<GyroUnit>,
-    /// Unit of the accelerometer's columns.
-    pub accel: Settled<AccelUnit>,
+    /// Its columns and their units.
+    pub understood: Understood,
     /// Samples left out; places are lines.
     pub sieved: Sieved,
     /// Rows that could not be read.
     pub unreadable: Unreadable,
-    /// Columns that could have been meant too, each with what was taken instead.
-    pub passed: Vec<String>,
     /// How often the stamps' counter of 32 bits began anew.
     pub wraps: usize,
     /// A rate that the lines above the header name \[Hz\].
     pub said_hz: Option<f64>,
-}
-
-/// How the rows are understood.
-#[derive(Debug)]
-pub(super) struct Understood {
-    pub(super) columns: Settled<ImuColumns>,
-    pub(super) time: Settled<TimeUnit>,
-    /// Seconds in one of the intervals' unit.
-    pub(super) interval_s: f64,
-    pub(super) passed: Vec<String>,
-    pub(super) said_hz: Option<f64>,
-    pub(super) gyro: Option<Settled<GyroUnit>>,
-    pub(super) accel: Option<Settled<AccelUnit>>,
 }
 
 /// Reads a log of all six axes, with its faults.
@@ -120,13 +97,15 @@ fn parse(
     let mut sieve = Sieve::default();
     let mut unreadable = Unreadable::default();
     let mut counter = Counter::default();
+    let mut said_hz = None;
     let mut known: Option<(Understood, Layout)> = None;
     while blocks.advance()? {
         let bytes = blocks.block();
         let (understood, mut rows) = match known.take() {
             None => {
+                said_hz = head::said_rate(bytes);
                 let rows = head::open(bytes, path, only)?;
-                (understand(bytes, &rows, path, options, only)?, rows)
+                (Understood::of(&rows, path, options, only, None, true)?, rows)
             }
             Some((understood, layout)) => (understood, Rows::go_on(bytes, path, layout)),
         };
@@ -143,13 +122,13 @@ fn parse(
             let at = |e: &IoError| matches!(e, IoError::FieldCount { line, .. } | IoError::BadNumber { line, .. } if *line as u64 == last_line);
             unreadable.first.as_ref().is_some_and(at)
         };
-    finish(path, understood, counter.wraps, sieve, unreadable, only)
+    let log = finish(path, understood, sieve, unreadable, only)?;
+    Ok(LooseImuLog { wraps: counter.wraps, said_hz, ..log })
 }
 
 fn finish(
     path: &Path,
-    understood: Understood,
-    wraps: usize,
+    mut understood: Understood,
     sieve: Sieve,
     mut unreadable: Unreadable,
     only: Option<Sensor>,
@@ -169,86 +148,52 @@ fn finish(
         let (path, count) = (path.to_path_buf(), sieved.backward.count);
         return Err(IoError::GoesBack { path, count, of: all as usize, line });
     }
-    let mut columns = understood.columns;
+    let columns = &mut understood.columns;
     if columns.origin == Origin::Assumed && guess::swapped(&samples).map_err(storing)? {
         let ImuColumns { time, gyro, accel, .. } = columns.value;
-        columns = Settled { value: ImuColumns::new(time, accel, gyro), origin: Origin::Guessed };
+        *columns = Settled { value: ImuColumns::new(time, accel, gyro), origin: Origin::Guessed };
         let swap = |s: ImuSample| Some(ImuSample { gyro: s.accel, accel: s.gyro, ..s });
         samples = samples.changed(swap).map_err(storing)?;
     }
-    let (samples, gyro, accel) = match only {
-        None => settle_units(samples, understood.gyro, understood.accel),
-        Some(_) => {
-            let gyro =
-                understood.gyro.unwrap_or(Settled { value: GyroUnit::RadPerSecond, origin: Origin::Assumed });
-            let metres = Settled { value: AccelUnit::MetrePerSecond2, origin: Origin::Assumed };
-            settle_units(samples, Some(gyro), Some(understood.accel.unwrap_or(metres)))
-        }
-    }
-    .map_err(storing)?;
+    let (gyro, accel) = (understood.gyro, understood.accel);
+    let settled = match only {
+        None => settle_units(samples, gyro, accel),
+        Some(_) => in_si(samples, gyro.value, accel.value).map(|samples| (samples, gyro, accel)),
+    };
+    let samples;
+    (samples, understood.gyro, understood.accel) = settled.map_err(storing)?;
     let short = |found| IoError::TooShort { path: path.to_path_buf(), found };
     let recording = samples.recording().map_err(storing)?.map_err(short)?;
-    let Understood { time, passed, said_hz, .. } = understood;
-    Ok(LooseImuLog { recording, columns, time, gyro, accel, sieved, unreadable, passed, wraps, said_hz })
+    Ok(LooseImuLog { recording, understood, sieved, unreadable, wraps: 0, said_hz: None })
 }
 
-/// Brings samples to rad/s and m/s^2; units that nobody named are told from the numbers.
+/// Brings samples to rad/s and m/s^2; units that are [`Origin::Assumed`] are told from the numbers.
 ///
 /// # Errors
 /// A temporary file that cannot be read or written.
 pub fn settle_units(
     samples: SampleStore,
-    gyro: Option<Settled<GyroUnit>>,
-    accel: Option<Settled<AccelUnit>>,
+    mut gyro: Settled<GyroUnit>,
+    mut accel: Settled<AccelUnit>,
 ) -> io::Result<(SampleStore, Settled<GyroUnit>, Settled<AccelUnit>)> {
-    let guessed = Origin::Guessed;
-    let gyro = gyro.map_or_else(
-        || Ok(Settled { value: guess::gyro_unit(&samples)?, origin: guessed }),
-        Ok::<_, io::Error>,
-    )?;
-    let accel = accel.map_or_else(
-        || Ok(Settled { value: guess::accel_unit(&samples)?, origin: guessed }),
-        Ok::<_, io::Error>,
-    )?;
-    let (turn, force) = (gyro.value.factor(), accel.value.factor());
-    let samples = match (turn, force) {
-        (1.0, 1.0) => samples,
-        // A unit can make a number too large of one that was finite.
-        _ => samples.changed(|s| {
-            let (gyro, accel) = (s.gyro.map(|v| v * turn), s.accel.map(|v| v * force));
-            Some(ImuSample { gyro, accel, ..s }).filter(ImuSample::is_finite)
-        })?,
-    };
-    Ok((samples, gyro, accel))
+    if gyro.origin == Origin::Assumed {
+        gyro = Settled { value: guess::gyro_unit(&samples)?, origin: Origin::Guessed };
+    }
+    if accel.origin == Origin::Assumed {
+        accel = Settled { value: guess::accel_unit(&samples)?, origin: Origin::Guessed };
+    }
+    Ok((in_si(samples, gyro.value, accel.value)?, gyro, accel))
 }
 
-pub(super) fn understand(
-    bytes: &[u8],
-    rows: &Rows<'_>,
-    path: &Path,
-    options: &CsvOptions,
-    only: Option<Sensor>,
-) -> Result<Understood, IoError> {
-    let (columns, said) = imu_csv::columns(rows, path, options, only)?;
-    let again = || first_rows(head::open(bytes, path, only)?, &columns.value, true);
-    let seconds = columns.value.nanos.map(|_| TimeUnit::Seconds);
-    let time = match first_said(options.time, said.time.or(seconds)) {
-        Some(said) => said,
-        None => Settled { value: guess_time_unit(&again()?, &said, path)?, origin: Origin::Guessed },
-    };
-    let interval_s = match columns.value.intervals {
-        [None, None] => 1.0,
-        _ => guess_interval(&again()?, time.value),
-    };
-    Ok(Understood {
-        columns,
-        time,
-        interval_s,
-        said_hz: head::said_rate(bytes),
-        gyro: first_said(options.gyro, said.gyro),
-        accel: first_said(options.accel, said.accel),
-        passed: said.passed,
-    })
+fn in_si(samples: SampleStore, gyro: GyroUnit, accel: AccelUnit) -> io::Result<SampleStore> {
+    match (gyro.factor(), accel.factor()) {
+        (1.0, 1.0) => Ok(samples),
+        // A unit can make a number too large of one that was finite.
+        (turn, force) => samples.changed(|s| {
+            let (gyro, accel) = (s.gyro.map(|v| v * turn), s.accel.map(|v| v * force));
+            Some(ImuSample { gyro, accel, ..s }).filter(ImuSample::is_finite)
+        }),
+    }
 }
 
 /// Takes the rows of one block.
@@ -259,16 +204,14 @@ fn take(
     sieve: &mut Sieve,
     unreadable: &mut Unreadable,
 ) -> Result<(), IoError> {
-    let Understood { columns, time, interval_s, .. } = understood;
+    let time = understood.time.value;
     loop {
-        let row = rows.advance().and_then(|more| {
-            more.then(|| imu_csv::sample(rows, &columns.value, time.value, *interval_s)).transpose()
-        });
+        let row = understood.next(rows);
         let line = rows.line() as u64;
         match row {
             Ok(None) => return Ok(()),
             Ok(Some(sample)) => {
-                sieve.push(ImuSample { t: counter.unwrapped(sample.t, time.value), ..sample }, line);
+                sieve.push(ImuSample { t: counter.unwrapped(sample.t, time), ..sample }, line);
             }
             Err(IoError::NotFinite { .. }) => sieve.not_finite(line),
             Err(error) => {
@@ -468,10 +411,13 @@ mod tests {
             })
             .collect();
         let log = read(&text).unwrap();
-        assert_eq!(log.time, Settled { value: TimeUnit::Micros, origin: Origin::Guessed });
-        assert_eq!(log.columns.value, ImuColumns::new(0, [4, 5, 6], [1, 2, 3]));
-        assert_eq!(log.columns.origin, Origin::Guessed);
-        assert_eq!((log.accel.value, log.gyro.value), (AccelUnit::StandardGravity, GyroUnit::DegPerSecond));
+        assert_eq!(log.understood.time, Settled { value: TimeUnit::Micros, origin: Origin::Guessed });
+        assert_eq!(log.understood.columns.value, ImuColumns::new(0, [4, 5, 6], [1, 2, 3]));
+        assert_eq!(log.understood.columns.origin, Origin::Guessed);
+        assert_eq!(
+            (log.understood.accel.value, log.understood.gyro.value),
+            (AccelUnit::StandardGravity, GyroUnit::DegPerSecond)
+        );
         assert!((log.recording.at(0).unwrap().accel[2] - 9.80665).abs() < 1e-12);
     }
 

@@ -1,6 +1,7 @@
-//! Four numbers of text to a rotation.
+//! Numbers of text to rotations and rigid motions.
 
-use nalgebra::{Quaternion, UnitQuaternion};
+use dpn_core::geometry;
+use nalgebra::{Isometry3, Matrix3, Quaternion, UnitQuaternion, Vector3};
 
 /// How far a quaternion's norm may be from 1: files carry six digits or fewer (EuRoC's are off by up to 3.3e-4).
 const NORM_TOLERANCE: f64 = 1e-2;
@@ -22,4 +23,27 @@ pub(crate) fn rotation([w, x, y, z]: [f64; 4]) -> Result<UnitQuaternion<f64>, f6
     } else {
         Ok(UnitQuaternion::new_normalize(quaternion))
     }
+}
+
+/// The rigid motion of a matrix of 4 (or 3) rows of 4; what is wrong with it where it is none.
+pub(crate) fn rigid(m: &[f64]) -> Result<Isometry3<f64>, String> {
+    let rows = match m.len() {
+        _ if m.iter().any(|v| !v.is_finite()) => {
+            return Err("holds a value that is not finite".to_owned());
+        }
+        16 if m[12..] == [0.0, 0.0, 0.0, 1.0] => &m[..12],
+        16 => return Err(format!("ends with the row {:?}, not 0 0 0 1", &m[12..])),
+        12 => m,
+        n => return Err(format!("has {n} numbers; a pose has 4 rows of 4")),
+    };
+    let rotation = Matrix3::from_fn(|row, column| rows[4 * row + column]);
+    turned(&rotation, Vector3::new(rows[3], rows[7], rows[11]))
+}
+
+/// The same of a rotation and a translation.
+pub(crate) fn turned(rotation: &Matrix3<f64>, offset: Vector3<f64>) -> Result<Isometry3<f64>, String> {
+    let motion = geometry::rigid::rigid(rotation, offset).map_err(|problem| problem.to_string())?;
+    // The files carry a dozen digits; the quaternion is brought back to length 1.
+    let rotation = UnitQuaternion::new_normalize(motion.rotation.into_inner());
+    Ok(Isometry3::from_parts(motion.translation, rotation))
 }

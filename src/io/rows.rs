@@ -37,6 +37,7 @@ impl Layout {
 }
 
 /// A cursor over the rows of a table.
+#[derive(Clone)]
 pub(crate) struct Rows<'a> {
     path: &'a Path,
     rest: &'a [u8],

@@ -8,7 +8,7 @@ use crate::{Kind, Log, LogError, LogOptions, Scales, ardupilot, bag, mcap, rosba
 use dpn_core::Samples;
 use dpn_io::asl::{Sequence, is_there};
 use dpn_io::{
-    AccelUnit, GyroUnit, ImuColumns, IoError, LooseImuLog, Origin, SampleStore, StoredRecording,
+    AccelUnit, GyroUnit, ImuColumns, IoError, LooseImuLog, Origin, SampleStore, StoredRecording, Understood,
     parse_imu_csv_loosely,
 };
 use std::fs::File;
@@ -200,8 +200,8 @@ fn text(
     csv.gyro = options.scales.gyro.map_or(csv.gyro, |_| Some(GyroUnit::RadPerSecond));
     csv.accel = options.scales.accel.map_or(csv.accel, |_| Some(AccelUnit::MetrePerSecond2));
     let loose = parse_imu_csv_loosely(source, file, &csv)?;
-    let LooseImuLog { recording, columns, time, gyro, accel, sieved, unreadable, passed, wraps, said_hz } =
-        loose;
+    let LooseImuLog { recording, understood, sieved, unreadable, wraps, said_hz } = loose;
+    let Understood { columns, time, gyro, accel, passed, .. } = understood;
     let recording = match options.scales == Scales::default() {
         true => recording,
         false => scaled(recording.into_store(), path, options)?,

@@ -102,21 +102,25 @@ impl TwoFiles {
         guesses.push(joined.remark(&gyro_name, &accel_name));
         remarks.extend(joined.left_out());
         for (file, read) in [(&gyro_name, &gyro), (&accel_name, &accel)] {
-            guesses.extend(read.passed.iter().map(|passed| format!("{file}: {passed}")));
-            if read.time.origin == Origin::Guessed {
-                guesses.push(format!("{file}: stamps in {}", read.time.value));
+            guesses.extend(read.understood.passed.iter().map(|passed| format!("{file}: {passed}")));
+            if read.understood.time.origin == Origin::Guessed {
+                guesses.push(format!("{file}: stamps in {}", read.understood.time.value));
             }
             let left = read.sieved.count() + read.unreadable.count;
             if left > 0 {
                 remarks.push(format!("left out: {left} row(s) of {file} that cannot be used"));
             }
         }
-        let named = |origin| origin != Origin::Assumed;
         // What was named is converted already.
-        let si = Settled { value: GyroUnit::RadPerSecond, origin: Origin::Header };
-        let turn = (named(gyro.gyro.origin) || scales.gyro.is_some()).then_some(si);
-        let si = Settled { value: AccelUnit::MetrePerSecond2, origin: Origin::Header };
-        let force = (named(accel.accel.origin) || scales.accel.is_some()).then_some(si);
+        let named = |origin, is_scaled: bool| if is_scaled { Origin::Header } else { origin };
+        let turn = Settled {
+            value: GyroUnit::RadPerSecond,
+            origin: named(gyro.understood.gyro.origin, scales.gyro.is_some()),
+        };
+        let force = Settled {
+            value: AccelUnit::MetrePerSecond2,
+            origin: named(accel.understood.accel.origin, scales.accel.is_some()),
+        };
         let (samples, turn, force) = settle_units(joined.samples, turn, force).map_err(storing)?;
         if turn.origin == Origin::Guessed {
             guesses.push(format!("gyroscope in {} (--gyro-unit)", turn.value.name()));

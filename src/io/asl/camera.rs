@@ -168,7 +168,7 @@ mod tests {
                 .contains("`distortion_coefficients` make a lens that is radial-tangential with")
         );
         assert!(error("458.654", "-1").contains("`intrinsics` is"));
-        assert!(error("0.999660727178", "1.1").contains("`T_BS` has no rotation"));
+        assert!(error("0.999660727178", "1.1").contains("`T_BS` holds no rotation"));
         assert!(error("0.0, 0.0, 0.0, 1.0", "0.0, 0.0, 0.0, 2.0").contains("`T_BS` ends with the row"));
     }
 

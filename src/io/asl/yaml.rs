@@ -1,8 +1,9 @@
 //! What ASL's `sensor.yaml` files have in common: reading, the pose `T_BS`, the rate.
 
+use crate::pose::rigid;
 use crate::{IoError, printable};
 use dpn_core::time::SampleRate;
-use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::Isometry3;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
@@ -34,28 +35,10 @@ pub(super) fn parse<T: DeserializeOwned>(bytes: &[u8], path: &Path) -> Result<T,
 /// The `T_BS` of a sensor: maps points in the sensor's frame to the body's.
 ///
 /// # Errors
-/// Not 16 finite numbers, a last row other than 0 0 0 1, a rotation that is none within 1e-3.
+/// No finite numbers of a rigid motion.
 pub(super) fn body_from_sensor(matrix: &Matrix, path: &Path) -> Result<Isometry3<f64>, IoError> {
-    let bad = |problem: String| IoError::BadKey { path: path.to_path_buf(), key: "T_BS", problem };
-    let Ok(m) = <&[f64; 16]>::try_from(matrix.data.as_slice()) else {
-        return Err(bad(format!("has {} numbers; a pose has 4 rows of 4", matrix.data.len())));
-    };
-    if m.iter().any(|v| !v.is_finite()) {
-        return Err(bad("holds a value that is not finite".to_owned()));
-    }
-    if m[12..] != [0.0, 0.0, 0.0, 1.0] {
-        return Err(bad(format!("ends with the row {:?}, not 0 0 0 1", &m[12..])));
-    }
-    let rotation = Matrix3::new(m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]);
-    let off = (rotation.transpose() * rotation - Matrix3::identity()).abs().max();
-    if off > 1e-3 || rotation.determinant() < 0.0 {
-        return Err(bad(format!("has no rotation in its upper left corner (off by {off:.2e})")));
-    }
-    // The files carry a dozen digits; the quaternion is brought back to length 1.
-    let near = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(rotation));
-    let rotation = UnitQuaternion::new_normalize(near.into_inner());
-    let translation = Translation3::from(Vector3::new(m[3], m[7], m[11]));
-    Ok(Isometry3::from_parts(translation, rotation))
+    let bad = |problem| IoError::BadKey { path: path.to_path_buf(), key: "T_BS", problem };
+    rigid(&matrix.data).map_err(bad)
 }
 
 /// The key `rate_hz`.

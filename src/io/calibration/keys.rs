@@ -2,14 +2,13 @@
 
 use super::CalibrationError;
 use crate::noise_formats::tree::{Entry, Item, Node, Tree};
+use crate::pose::{self, rigid};
 use crate::printable;
 use dpn_core::camera::Distortion;
+use dpn_core::geometry::rigid::ROTATION_TOLERANCE;
 use dpn_core::time::SampleRate;
-use nalgebra::{Isometry3, Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use std::path::{Path, PathBuf};
-
-/// How far a written rotation may be from orthonormal; calibrations carry six digits or more.
-const ROTATION_TOLERANCE: f64 = 1e-3;
 
 /// Where a value stands.
 #[derive(Debug, Clone)]
@@ -188,15 +187,7 @@ impl<'a> Keys<'a> {
         remedy: &'static str,
     ) -> Result<Isometry3<f64>, CalibrationError> {
         self.get(key, remedy)?;
-        let m = self.list(key)?;
-        let rows = match m.len() {
-            16 if m[12..] == [0.0, 0.0, 0.0, 1.0] => &m[..12],
-            16 => return Err(self.bad(key, format!("ends with the row {:?}, not 0 0 0 1", &m[12..]))),
-            12 => &m[..],
-            n => return Err(self.bad(key, format!("has {n} numbers; a pose has 4 rows of 4"))),
-        };
-        let rotation = Matrix3::from_fn(|row, column| rows[4 * row + column]);
-        self.rigid(key, &rotation, Vector3::new(rows[3], rows[7], rows[11]))
+        rigid(&self.list(key)?).map_err(|problem| self.bad(key, problem))
     }
 
     /// The same of a rotation's nine numbers and a translation's three.
@@ -206,19 +197,7 @@ impl<'a> Keys<'a> {
         rotation: &Matrix3<f64>,
         offset: Vector3<f64>,
     ) -> Result<Isometry3<f64>, CalibrationError> {
-        let off = (rotation.transpose() * rotation - Matrix3::identity()).amax();
-        let determinant = rotation.determinant();
-        if !(off <= ROTATION_TOLERANCE && determinant > 0.0) {
-            let problem = format!(
-                "holds no rotation: its columns are off orthonormal by {off:.2e}, the determinant is {determinant:.3}"
-            );
-            return Err(self.bad(key, problem));
-        }
-        let near = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation));
-        Ok(Isometry3::from_parts(
-            Translation3::from(offset),
-            UnitQuaternion::new_normalize(near.into_inner()),
-        ))
+        pose::turned(rotation, offset).map_err(|problem| self.bad(key, problem))
     }
 
     /// The same of a unit quaternion x, y, z, w.

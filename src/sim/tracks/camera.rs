@@ -3,12 +3,10 @@
 use super::coefficients::Coefficients;
 use dpn_core::camera::{BadCamera, CameraConfig, CameraModel, Distortion, Lens};
 use dpn_core::config::ConfigFault;
-use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use dpn_core::geometry::rigid::{NotRigid, rigid};
+use nalgebra::{Isometry3, Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
-
-/// How far a written rotation's columns may be from orthonormal; calibrations carry six digits or more.
-const ROTATION_TOLERANCE: f64 = 1e-3;
 
 /// Pixels of the largest camera that is simulated: ray and light of every one are held at a time.
 const MOST_PIXELS: u64 = 1 << 23;
@@ -63,15 +61,8 @@ pub enum BadCameraSettings {
         size: [u32; 2],
     },
     /// A matrix without a rotation.
-    #[error(
-        "the camera's `body_from_cam` holds no rotation: its columns are off orthonormal by {off}, the determinant is {determinant}"
-    )]
-    Pose {
-        /// Largest entry of R^T R - I.
-        off: f64,
-        /// Determinant of R.
-        determinant: f64,
-    },
+    #[error("the camera's `body_from_cam` {0}")]
+    Pose(NotRigid),
 }
 
 impl CameraSettings {
@@ -109,13 +100,7 @@ impl CameraSettings {
         let rows = self.body_from_cam;
         let matrix = Matrix3::from_fn(|row, column| rows[row][column]);
         let offset = Vector3::from_fn(|row, _| rows[row][3]);
-        let off = (matrix.transpose() * matrix - Matrix3::identity()).amax();
-        let determinant = matrix.determinant();
-        if !(off <= ROTATION_TOLERANCE && determinant > 0.0 && offset.iter().all(|v| v.is_finite())) {
-            return Err(BadCameraSettings::Pose { off, determinant });
-        }
-        let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix));
-        Ok(Isometry3::from_parts(Translation3::from(offset), rotation))
+        rigid(&matrix, offset).map_err(BadCameraSettings::Pose)
     }
 
     /// Adds what is wrong with it to `faults`, under the key `camera`.
