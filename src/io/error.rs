@@ -2,6 +2,7 @@
 
 use crate::column_file::ColumnFileError;
 use crate::printable;
+use crate::row_fault::{BACK, RowFault};
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -58,117 +59,15 @@ pub enum IoError {
         /// How many samples it holds.
         found: usize,
     },
-    /// A column the reader needs is not in the header.
-    #[error("{}:{line}: no column `{column}`; the header names {found}", path.display())]
-    MissingColumn {
+    /// A row or a header that cannot be.
+    #[error("{}:{line}: {fault}", path.display())]
+    Row {
         /// The file.
         path: PathBuf,
-        /// The header's line.
+        /// The line.
         line: usize,
-        /// What was looked for.
-        column: String,
-        /// What the header names instead.
-        found: String,
-    },
-    /// Two columns of the header mean the same.
-    #[error("{}:{line}: columns {} and {} both read as `{column}`", path.display(), first + 1, second + 1)]
-    DoubleColumn {
-        /// The file.
-        path: PathBuf,
-        /// The header's line.
-        line: usize,
-        /// What both mean.
-        column: String,
-        /// Index of the one, from 0.
-        first: usize,
-        /// Index of the other, from 0.
-        second: usize,
-    },
-    /// A unit the reader does not know.
-    #[error("{}:{line}: column `{column}` has the unit \"{unit}\"; known are {known}", path.display())]
-    UnknownUnit {
-        /// The file.
-        path: PathBuf,
-        /// The header's line.
-        line: usize,
-        /// The column's name.
-        column: String,
-        /// Its unit, as written.
-        unit: String,
-        /// The units that can stand there.
-        known: &'static str,
-    },
-    /// A header, or a row, with a number of columns that fits no format of this file.
-    #[error("{}:{line}: {found} columns; {expected} are known", path.display())]
-    UnknownLayout {
-        /// The file.
-        path: PathBuf,
-        /// The header's line, or the first row's.
-        line: usize,
-        /// How many columns there are.
-        found: usize,
-        /// The layouts that can be read.
-        expected: &'static str,
-    },
-    /// A row with more or fewer fields than the header or the rows before it.
-    #[error("{}:{line}: {found} fields, expected {expected}", path.display())]
-    FieldCount {
-        /// The file.
-        path: PathBuf,
-        /// The row's line.
-        line: usize,
-        /// How many fields it has.
-        found: usize,
-        /// How many it should have.
-        expected: usize,
-    },
-    /// Text that is no number.
-    #[error("{}:{line}: {column} is \"{text}\", not a number", path.display())]
-    BadNumber {
-        /// The file.
-        path: PathBuf,
-        /// The row's line.
-        line: usize,
-        /// The column's name.
-        column: String,
-        /// What stands there, shortened.
-        text: String,
-    },
-    /// NaN, an infinity or a number too large.
-    #[error("{}:{line}: {column} is \"{text}\"; every value must be finite", path.display())]
-    NotFinite {
-        /// The file.
-        path: PathBuf,
-        /// The row's line.
-        line: usize,
-        /// The column's name.
-        column: String,
-        /// What stands there.
-        text: String,
-    },
-    /// A stamp that is no time in the range of 64-bit nanoseconds.
-    #[error("{}:{line}: stamp \"{text}\" is not a time in {unit}", path.display())]
-    BadStamp {
-        /// The file.
-        path: PathBuf,
-        /// The row's line.
-        line: usize,
-        /// What stands there, shortened.
-        text: String,
-        /// The unit it was read in.
-        unit: &'static str,
-    },
-    /// Stamps that stand still or go back.
-    #[error("{}:{line}: time goes from {prev_ns} to {t_ns} ns; stamps must increase", path.display())]
-    TimeNotIncreasing {
-        /// The file.
-        path: PathBuf,
-        /// Line of the later row.
-        line: usize,
-        /// Stamp of the row before.
-        prev_ns: i64,
-        /// Stamp of this row.
-        t_ns: i64,
+        /// What is wrong with it.
+        fault: RowFault,
     },
     /// Stamps that go back again and again.
     #[error("{}: time goes back at {count} of {of} samples, first at line {line}", path.display())]
@@ -192,75 +91,6 @@ pub enum IoError {
         /// The median step between stamps, as a number.
         step: f64,
     },
-    /// Bytes that are no text.
-    #[error("{}:{line}: not UTF-8 text", path.display())]
-    NotUtf8 {
-        /// The file.
-        path: PathBuf,
-        /// The line with the first such byte.
-        line: usize,
-    },
-    /// A quaternion too far from length 1 to be a rotation.
-    #[error("{}:{line}: the quaternion has norm {norm}; a rotation has norm 1", path.display())]
-    BadQuaternion {
-        /// The file.
-        path: PathBuf,
-        /// The row's line.
-        line: usize,
-        /// Its norm.
-        norm: f64,
-    },
-    /// A standard deviation below zero.
-    #[error("{}:{line}: {column} is {value}; a noise figure is not negative", path.display())]
-    BadNoise {
-        /// The file.
-        path: PathBuf,
-        /// The row's line.
-        line: usize,
-        /// The column's name.
-        column: String,
-        /// What stands there.
-        value: f64,
-    },
-    /// A count or a name that is no whole number from 0.
-    #[error("{}:{line}: {column} is \"{text}\", not a whole number from 0", path.display())]
-    NotWhole {
-        /// The file.
-        path: PathBuf,
-        /// The row's line.
-        line: usize,
-        /// What should stand there.
-        column: String,
-        /// What stands there, shortened.
-        text: String,
-    },
-    /// A frame of tracks whose count disagrees with the tracks after it.
-    #[error(
-        "{}:{line}: the frame says {said} tracks ({} fields: id u v), but {found} fields follow",
-        path.display(), u128::from(*said) * 3
-    )]
-    TrackCount {
-        /// The file.
-        path: PathBuf,
-        /// The frame's line.
-        line: usize,
-        /// How many tracks it says it has.
-        said: u64,
-        /// How many fields follow the count.
-        found: usize,
-    },
-    /// More tracks in a frame than any tracker follows.
-    #[error("{}:{line}: {found} tracks in one frame; at most {most} are read", path.display())]
-    TooManyTracks {
-        /// The file.
-        path: PathBuf,
-        /// The frame's line.
-        line: usize,
-        /// How many it has.
-        found: u64,
-        /// How many are read.
-        most: u64,
-    },
     /// A file that is too large for what it should be.
     #[error("{}: more than {most} bytes; no {what} is as large", path.display())]
     TooLarge {
@@ -270,26 +100,6 @@ pub enum IoError {
         what: &'static str,
         /// Bytes that are read.
         most: u64,
-    },
-    /// An image's name that leads out of the camera's folder.
-    #[error("{}:{line}: the image `{name}` is no file in the camera's folder", path.display())]
-    BadName {
-        /// The file.
-        path: PathBuf,
-        /// The row's line.
-        line: usize,
-        /// The name, printable.
-        name: String,
-    },
-    /// An id that one frame holds twice.
-    #[error("{}:{line}: track {id} is there twice in one frame", path.display())]
-    TrackTwice {
-        /// The file.
-        path: PathBuf,
-        /// The frame's line.
-        line: usize,
-        /// The id.
-        id: u64,
     },
     /// A YAML file that cannot be read or lacks a key.
     #[error("{}: {message}", at(path, *line))]
@@ -339,6 +149,11 @@ fn at(path: &Path, line: Option<usize>) -> String {
 }
 
 impl IoError {
+    /// What is wrong with line `line` of `path`.
+    pub(crate) fn row(path: &Path, line: usize, fault: RowFault) -> Self {
+        Self::Row { path: path.to_path_buf(), line, fault }
+    }
+
     /// Wraps a failure to read: a thing that is not there is [`IoError::Missing`], all else [`IoError::Read`].
     pub fn reading(path: &Path, source: io::Error) -> Self {
         let path = path.to_path_buf();
@@ -376,56 +191,18 @@ impl IoError {
             }
             Self::Empty { .. } => "the download or export may have been cut off; make the file again",
             Self::TooShort { .. } => "record for longer, or look whether the file was cut off",
-            Self::MissingColumn { .. } | Self::DoubleColumn { .. } => {
-                "say which column is which, by number or name: --columns T,GX,GY,GZ,AX,AY,AZ"
-            }
-            Self::UnknownUnit { .. } => {
-                "name its unit: --time-unit, --gyro-unit or --accel-unit; or say what one of it is: --gyro-scale, --accel-scale"
-            }
-            Self::UnknownLayout { .. } => {
-                "add a header that names the columns, or say which is which: --columns T,GX,GY,GZ,AX,AY,AZ"
-            }
-            Self::FieldCount { .. } => "the row is cut off or damaged; mend or delete the line",
-            Self::BadNumber { text, .. } if text.contains(':') => {
-                "a date or a time of day is no number: write stamps as seconds, ms, us or ns, or name another column for them (--columns)"
-            }
-            Self::BadNumber { .. } | Self::NotFinite { .. } => {
-                "mend or delete the line; nothing is skipped silently"
-            }
-            Self::BadStamp { .. } => {
-                "mend the line, or name the stamps' unit (--time-unit s, ms, us, ns) or column (--columns)"
-            }
-            Self::TimeNotIncreasing { prev_ns, t_ns, .. } if prev_ns == t_ns => {
-                "two rows share a stamp: drop one, or write stamps with more digits"
-            }
-            Self::TimeNotIncreasing { .. } | Self::GoesBack { .. } => {
-                "sort the rows by time, or cut the log where its clock was set"
-            }
+            Self::GoesBack { .. } => BACK,
+            Self::Row { fault, .. } => fault.hint(),
             Self::UnknownTimeUnit { .. } => {
                 "name the stamps' unit (--time-unit s, ms, us, ns), or their column: --columns T,GX,GY,GZ,AX,AY,AZ"
             }
-            Self::NotUtf8 { .. } => "save the file as UTF-8 text; a binary or UTF-16 file cannot be read",
-            Self::BadQuaternion { .. } => {
-                "look at the order: ASL has w x y z, TUM has x y z w after the position"
-            }
-            Self::BadNoise { .. } => "standard deviations are zero or more; mend the line",
             Self::BadImage { .. } => {
                 "unpack or record the image again, or convert it to PNG or JPEG of the calibration's size"
             }
             Self::TimesDiffer { .. } => {
                 "take the list that belongs to these images, unpack the rest, or use what both have with --skip-missing"
             }
-            Self::NotWhole { .. } | Self::TrackCount { .. } => {
-                "a frame is one line: stamp_ns n, then n times id u v; mend or delete the line"
-            }
-            Self::TooManyTracks { .. } => {
-                "trackers follow some hundred points a frame: keep those that were followed longest"
-            }
             Self::TooLarge { .. } => "name the configuration itself, not a log or a bag",
-            Self::BadName { .. } => {
-                "names are relative to cam0/data and stay in it, as 1403636579763555584.png does"
-            }
-            Self::TrackTwice { .. } => "an id names one point; make the file again, or delete one of the two",
             Self::BadYaml { .. } | Self::BadKey { .. } => {
                 "compare with an ASL sensor.yaml; without the file the caller's defaults hold"
             }

@@ -2,6 +2,7 @@
 
 use super::asl::{camera, ground_truth, imu_config};
 use super::imu_csv::parse_imu_csv;
+use super::row_fault::RowFault;
 use super::understood::CsvOptions;
 use super::{
     AccelUnit, GyroUnit, ImuColumns, ImuLines, IoError, TimeUnit, calibration, noise_csv,
@@ -138,6 +139,9 @@ fn a_row_cut_anywhere_but_in_its_last_field_is_an_error_with_its_line() {
     let last_field = last.iter().rposition(|b| *b == b',').unwrap();
     for cut in 1..=last_field {
         let error = super::asl::parse_imu(&whole[..head + cut], Path::new("f")).unwrap_err();
-        assert!(matches!(error, IoError::FieldCount { line: 4, .. }), "{cut}: {error}");
+        assert!(
+            matches!(error, IoError::Row { line: 4, fault: RowFault::FieldCount { .. }, .. }),
+            "{cut}: {error}"
+        );
     }
 }

@@ -65,6 +65,7 @@ pub(crate) fn parse_with(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::row_fault::RowFault;
     use crate::{AccelUnit, GyroUnit, ImuColumns, Origin, Settled};
     use dpn_core::Stamp;
 
@@ -145,6 +146,6 @@ mod tests {
         assert!(matches!(error("1,1,2,3,4,5,6\n"), IoError::TooShort { found: 1, .. }));
         let g = CsvOptions { accel: Some(AccelUnit::StandardGravity), ..CsvOptions::default() };
         let error = case("0.1,1,2,3,4,5,6\n0.105,1,2,3,4,5,1.7e308\n", &g).unwrap_err();
-        assert!(matches!(error, IoError::NotFinite { line: 2, .. }), "{error}");
+        assert!(matches!(error, IoError::Row { line: 2, fault: RowFault::NotFinite { .. }, .. }), "{error}");
     }
 }

@@ -57,6 +57,7 @@ mod poses;
 mod printable;
 #[cfg(test)]
 mod recordings;
+mod row_fault;
 mod rows;
 mod sample_store;
 mod sieve;
@@ -92,6 +93,7 @@ pub use loose_csv::{
 pub use noise_csv::{read_noise_track, write_noise_rows, write_noise_track};
 pub use poses::read_poses;
 pub use printable::printable;
+pub use row_fault::RowFault;
 pub use sample_store::{SampleStore, StoredRecording};
 pub use sieve::{ABSURD, LeftOut, Sieve, Sieved, TINY};
 pub use store::{Row, Store};

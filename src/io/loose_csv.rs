@@ -8,6 +8,7 @@
 //! read in blocks: beside the samples no more than one of them is in memory.
 
 use super::columns::{AccelUnit, GyroUnit, ImuColumns};
+use super::row_fault::RowFault;
 use super::rows::{Layout, Rows};
 use super::sample_store::{SampleStore, StoredRecording};
 use super::sieve::{Sieve, Sieved};
@@ -119,7 +120,7 @@ fn parse(
     unreadable.cut = unreadable.count == 1
         && !blocks.ended_with_newline
         && {
-            let at = |e: &IoError| matches!(e, IoError::FieldCount { line, .. } | IoError::BadNumber { line, .. } if *line as u64 == last_line);
+            let at = |e: &IoError| matches!(e, IoError::Row { line, fault: RowFault::FieldCount { .. } | RowFault::BadNumber { .. }, .. } if *line as u64 == last_line);
             unreadable.first.as_ref().is_some_and(at)
         };
     let log = finish(path, understood, sieve, unreadable, only)?;
@@ -213,7 +214,7 @@ fn take(
             Ok(Some(sample)) => {
                 sieve.push(ImuSample { t: counter.unwrapped(sample.t, time), ..sample }, line);
             }
-            Err(IoError::NotFinite { .. }) => sieve.not_finite(line),
+            Err(IoError::Row { fault: RowFault::NotFinite { .. }, .. }) => sieve.not_finite(line),
             Err(error) => {
                 unreadable.count += 1;
                 unreadable.first.get_or_insert(error);

@@ -7,6 +7,7 @@
 //! error. What was passed over is in [`Named::passed`].
 
 use super::columns::{AccelUnit, GyroUnit, ImuColumns, SLOTS};
+use super::row_fault::RowFault;
 use super::rows::Header;
 use super::unit::{self, Dimension};
 use super::words::{ACCEL, GYRO, INTERVALS, NANOS, TIME, Word};
@@ -182,12 +183,9 @@ fn best(
         }
     }
     words.sort_by_key(|(rank, _)| std::cmp::Reverse(*rank));
-    let twice = |slot: usize, first: usize, second: usize| IoError::DoubleColumn {
-        path: path.to_path_buf(),
-        line: header.line,
-        column: SLOTS[slot].to_owned(),
-        first: first.min(second),
-        second: first.max(second),
+    let twice = |slot: usize, a: usize, b: usize| {
+        let (column, first, second) = (SLOTS[slot].to_owned(), a.min(b), a.max(b));
+        IoError::row(path, header.line, RowFault::DoubleColumn { column, first, second })
     };
     let chosen = match words[..] {
         // Words may differ between axes, as long as each axis is named once.
@@ -221,21 +219,17 @@ pub(crate) fn missing(header: &Header, path: &Path, column: &str) -> IoError {
         found.truncate(cut);
         found.push_str("...");
     }
-    IoError::MissingColumn { path: path.to_path_buf(), line: header.line, column: column.to_owned(), found }
+    IoError::row(path, header.line, RowFault::MissingColumn { column: column.to_owned(), found })
 }
 
 fn unknown_unit(header: &Header, path: &Path, column: usize, unit: &str, slot: usize) -> IoError {
-    IoError::UnknownUnit {
-        path: path.to_path_buf(),
-        line: header.line,
-        column: header.names[column].clone(),
-        unit: unit.to_owned(),
-        known: match slot {
-            0 => "s, ms, us, ns",
-            1..=3 => "rad/s, deg/s (the same for all axes)",
-            _ => "m/s^2, g, mg (the same for all axes)",
-        },
-    }
+    let known = match slot {
+        0 => "s, ms, us, ns",
+        1..=3 => "rad/s, deg/s (the same for all axes)",
+        _ => "m/s^2, g, mg (the same for all axes)",
+    };
+    let (column, unit) = (header.names[column].clone(), unit.to_owned());
+    IoError::row(path, header.line, RowFault::UnknownUnit { column, unit, known })
 }
 
 fn is_known(unit: &str, slot: usize) -> bool {

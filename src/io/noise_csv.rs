@@ -5,6 +5,7 @@
 
 use super::decimal::TimeUnit;
 use super::names::missing;
+use super::row_fault::RowFault;
 use super::rows::Rows;
 use super::{IoError, atomic_write};
 use dpn_core::imu::Sensor;
@@ -59,12 +60,7 @@ pub fn read_noise_track(path: &Path) -> Result<NoiseTrack, IoError> {
 pub(crate) fn parse(bytes: &[u8], path: &Path) -> Result<NoiseTrack, IoError> {
     let mut rows = Rows::open(bytes, path)?;
     let Some(header) = rows.header() else {
-        return Err(IoError::UnknownLayout {
-            path: path.to_path_buf(),
-            line: rows.line() + 1,
-            found: rows.width(),
-            expected: "a header with timestamp, accel_std_x to _z and gyro_std_x to _z",
-        });
+        return Err(rows.unknown_layout("a header with timestamp, accel_std_x to _z and gyro_std_x to _z"));
     };
     let column = |name: &str| {
         let is_it = |n: &String| n.split('[').next().map(str::trim) == Some(name);
@@ -84,16 +80,10 @@ pub(crate) fn parse(bytes: &[u8], path: &Path) -> Result<NoiseTrack, IoError> {
         let gyro = rows.numbers(gyro_at, GYRO)?;
         noises.push(ImuNoise::from_values(accel, gyro).map_err(|bad| {
             let named = ACCEL.iter().zip(accel).chain(GYRO.iter().zip(gyro));
-            IoError::BadNoise {
-                path: path.to_path_buf(),
-                line: rows.line(),
-                column: named
-                    .into_iter()
-                    .find(|(_, value)| *value == bad.0)
-                    .map(|(name, _)| (*name).to_owned())
-                    .expect("the refused value is one of this row's"),
-                value: bad.0,
-            }
+            let column = named.into_iter().find(|(_, value)| *value == bad.0);
+            let column = column.map(|(name, _)| (*name).to_owned());
+            let column = column.expect("the refused value is one of this row's");
+            rows.fault(RowFault::BadNoise { column, value: bad.0 })
         })?);
     }
     Ok(NoiseTrack::new(stamps, noises).expect("order was checked row by row, and a row has one of each"))

@@ -9,6 +9,7 @@ use super::IoError;
 use super::decimal::{TimeUnit, parse_stamp};
 use super::fields::{self, Delimiter, MOST_FIELDS, comment, is_number, names_time, shown, take_line};
 use super::printable;
+use super::row_fault::RowFault;
 use dpn_core::time::Stamp;
 use std::path::Path;
 
@@ -97,7 +98,7 @@ impl<'a> Rows<'a> {
                         .iter()
                         .map(|name| std::str::from_utf8(name).map(printable))
                         .collect::<Result<Vec<_>, _>>()
-                        .map_err(|_| IoError::NotUtf8 { path: path.to_path_buf(), line })?;
+                        .map_err(|_| IoError::row(path, line, RowFault::NotUtf8))?;
                     Some(Header { line, names })
                 }
                 None => None,
@@ -105,12 +106,7 @@ impl<'a> Rows<'a> {
             let width = header.as_ref().map_or(fields.len(), |h| h.names.len());
             if width > MOST_FIELDS {
                 let expected = "at most 4096";
-                return Err(IoError::UnknownLayout {
-                    path: path.to_path_buf(),
-                    line,
-                    found: width,
-                    expected,
-                });
+                return Err(IoError::row(path, line, RowFault::UnknownLayout { found: width, expected }));
             }
             let first = if header.is_none() { fields.clone() } else { Vec::new() };
             return Ok(Self { path, rest: before, line: line - 1, delimiter, width, fields, first, header });
@@ -195,12 +191,7 @@ impl<'a> Rows<'a> {
                 self.delimiter.split_quoted(text, &mut self.fields);
             }
             if self.fields.len() != self.width {
-                return Err(IoError::FieldCount {
-                    path: self.path.to_path_buf(),
-                    line: self.line,
-                    found: self.fields.len(),
-                    expected: self.width,
-                });
+                return Err(self.field_count(self.width));
             }
             return Ok(true);
         }
@@ -216,13 +207,8 @@ impl<'a> Rows<'a> {
         match fields::number(field) {
             Some(value) if value.is_finite() => Ok(value),
             Some(_) => Err(self.not_finite(name, &shown(field))),
-            None if std::str::from_utf8(field).is_err() => Err(self.not_utf8()),
-            None => Err(IoError::BadNumber {
-                path: self.path.to_path_buf(),
-                line: self.line,
-                column: name.to_owned(),
-                text: shown(field),
-            }),
+            None if std::str::from_utf8(field).is_err() => Err(self.fault(RowFault::NotUtf8)),
+            None => Err(self.fault(RowFault::BadNumber { column: name.to_owned(), text: shown(field) })),
         }
     }
 
@@ -250,16 +236,10 @@ impl<'a> Rows<'a> {
         let field = self.field(column)?;
         let comma = || parse_stamp(&fields::with_point(field)?, unit);
         parse_stamp(field, unit).or_else(comma).ok_or_else(|| {
-            if std::str::from_utf8(field).is_err() {
-                self.not_utf8()
-            } else {
-                IoError::BadStamp {
-                    path: self.path.to_path_buf(),
-                    line: self.line,
-                    text: shown(field),
-                    unit: unit.name(),
-                }
-            }
+            self.fault(match std::str::from_utf8(field) {
+                Err(_) => RowFault::NotUtf8,
+                Ok(_) => RowFault::BadStamp { text: shown(field), unit: unit.name() },
+            })
         })
     }
 
@@ -284,12 +264,9 @@ impl<'a> Rows<'a> {
     /// A stamp that does not come after `prev`.
     pub(crate) fn must_follow(&self, prev: Option<Stamp>, t: Stamp) -> Result<(), IoError> {
         match prev {
-            Some(prev) if prev >= t => Err(IoError::TimeNotIncreasing {
-                path: self.path.to_path_buf(),
-                line: self.line,
-                prev_ns: prev.ns(),
-                t_ns: t.ns(),
-            }),
+            Some(prev) if prev >= t => {
+                Err(self.fault(RowFault::TimeNotIncreasing { prev_ns: prev.ns(), t_ns: t.ns() }))
+            }
             _ => Ok(()),
         }
     }
@@ -310,30 +287,30 @@ impl<'a> Rows<'a> {
     /// # Errors
     /// Not UTF-8.
     pub(crate) fn text(&self, column: usize) -> Result<&'a str, IoError> {
-        std::str::from_utf8(self.field(column)?).map_err(|_| self.not_utf8())
+        std::str::from_utf8(self.field(column)?).map_err(|_| self.fault(RowFault::NotUtf8))
     }
 
     fn field(&self, column: usize) -> Result<&'a [u8], IoError> {
-        self.fields.get(column).copied().ok_or_else(|| IoError::FieldCount {
-            path: self.path.to_path_buf(),
-            line: self.line,
-            found: self.fields.len(),
-            expected: column + 1,
-        })
+        self.fields.get(column).copied().ok_or_else(|| self.field_count(column + 1))
     }
 
     /// The error for a value of the current row that is NaN or infinite.
     pub(crate) fn not_finite(&self, name: &str, text: &str) -> IoError {
-        IoError::NotFinite {
-            path: self.path.to_path_buf(),
-            line: self.line,
-            column: name.to_owned(),
-            text: text.to_owned(),
-        }
+        self.fault(RowFault::NotFinite { column: name.to_owned(), text: text.to_owned() })
     }
 
-    fn not_utf8(&self) -> IoError {
-        IoError::NotUtf8 { path: self.path.to_path_buf(), line: self.line }
+    /// The error for rows, of which this stands before the first, of a width that is none of `expected`.
+    pub(crate) fn unknown_layout(&self, expected: &'static str) -> IoError {
+        IoError::row(self.path, self.line + 1, RowFault::UnknownLayout { found: self.width, expected })
+    }
+
+    fn field_count(&self, expected: usize) -> IoError {
+        self.fault(RowFault::FieldCount { found: self.fields.len(), expected })
+    }
+
+    /// The error for the current row.
+    pub(crate) fn fault(&self, fault: RowFault) -> IoError {
+        IoError::row(self.path, self.line, fault)
     }
 }
 

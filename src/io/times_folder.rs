@@ -93,14 +93,8 @@ fn file_of(id: &str, names: &HashMap<String, PathBuf>, images: &Path) -> PathBuf
 
 fn rows(bytes: &[u8], path: &Path, file: impl Fn(&str) -> PathBuf) -> Result<Vec<(Stamp, PathBuf)>, IoError> {
     let mut rows = Rows::open(bytes, path)?;
-    let (path, found, line) = (path.to_path_buf(), rows.width(), rows.line() + 1);
-    if !(2..=3).contains(&found) {
-        return Err(IoError::UnknownLayout {
-            path,
-            line,
-            found,
-            expected: "id timestamp exposure, or the first two,",
-        });
+    if !(2..=3).contains(&rows.width()) {
+        return Err(rows.unknown_layout("id timestamp exposure, or the first two,"));
     }
     let mut frames: Vec<(Stamp, PathBuf)> = Vec::new();
     while rows.advance()? {

@@ -5,6 +5,7 @@
 
 use super::decimal::{TimeUnit, parse_stamp};
 use super::fields::{shown, take_line};
+use super::row_fault::RowFault;
 use super::{IoError, atomic_write};
 use dpn_core::time::Stamp;
 use dpn_core::tracks::{Track, TrackFrame};
@@ -42,16 +43,11 @@ pub(crate) fn parse(bytes: &[u8], path: &Path) -> Result<Vec<TrackFrame>, IoErro
         let row = Row { path, line, fields: &fields };
         let t = row.stamp()?;
         if let Some(prev) = frames.last().map(|frame| frame.t).filter(|prev| *prev >= t) {
-            return Err(IoError::TimeNotIncreasing {
-                path: path.to_path_buf(),
-                line,
-                prev_ns: prev.ns(),
-                t_ns: t.ns(),
-            });
+            return Err(row.fault(RowFault::TimeNotIncreasing { prev_ns: prev.ns(), t_ns: t.ns() }));
         }
         let tracks = row.tracks()?;
         if let Some(id) = repeated(&tracks, &mut ids) {
-            return Err(IoError::TrackTwice { path: path.to_path_buf(), line, id });
+            return Err(row.fault(RowFault::TrackTwice { id }));
         }
         frames.push(TrackFrame { t, tracks });
     }
@@ -69,38 +65,28 @@ struct Row<'a> {
 }
 
 impl Row<'_> {
+    fn fault(&self, fault: RowFault) -> IoError {
+        IoError::row(self.path, self.line, fault)
+    }
+
     fn stamp(&self) -> Result<Stamp, IoError> {
-        parse_stamp(self.fields[0], TimeUnit::Nanos).ok_or_else(|| IoError::BadStamp {
-            path: self.path.to_path_buf(),
-            line: self.line,
-            text: shown(self.fields[0]),
-            unit: TimeUnit::Nanos.name(),
-        })
+        let (text, unit) = (self.fields[0], TimeUnit::Nanos);
+        let bad = || self.fault(RowFault::BadStamp { text: shown(text), unit: unit.name() });
+        parse_stamp(text, unit).ok_or_else(bad)
     }
 
     fn tracks(&self) -> Result<Vec<Track>, IoError> {
         let Some(count) = self.fields.get(1) else {
-            return Err(IoError::FieldCount {
-                path: self.path.to_path_buf(),
-                line: self.line,
-                found: self.fields.len(),
-                expected: 2,
-            });
+            return Err(self.fault(RowFault::FieldCount { found: self.fields.len(), expected: 2 }));
         };
         let said = self.whole(count, "n")?;
         if said > MOST_TRACKS && said.checked_mul(3) == Some(self.fields.len() as u64 - 2) {
-            let (path, line) = (self.path.to_path_buf(), self.line);
-            return Err(IoError::TooManyTracks { path, line, found: said, most: MOST_TRACKS });
+            return Err(self.fault(RowFault::TooManyTracks { found: said, most: MOST_TRACKS }));
         }
         let values = &self.fields[2..];
         // Three fields a track; a cut line may end inside one.
         if said.checked_mul(3) != Some(values.len() as u64) {
-            return Err(IoError::TrackCount {
-                path: self.path.to_path_buf(),
-                line: self.line,
-                said,
-                found: values.len(),
-            });
+            return Err(self.fault(RowFault::TrackCount { said, found: values.len() }));
         }
         values
             .chunks_exact(3)
@@ -115,22 +101,19 @@ impl Row<'_> {
     fn whole(&self, field: &[u8], name: &str) -> Result<u64, IoError> {
         let digits = !field.is_empty() && field.iter().all(u8::is_ascii_digit);
         let value = digits.then(|| std::str::from_utf8(field).ok()?.parse().ok()).flatten();
-        value.ok_or_else(|| IoError::NotWhole {
-            path: self.path.to_path_buf(),
-            line: self.line,
-            column: name.to_owned(),
-            text: shown(field),
-        })
+        value.ok_or_else(|| self.fault(RowFault::NotWhole { column: name.to_owned(), text: shown(field) }))
     }
 
     fn pixel(&self, field: &[u8], name: &str, id: u64) -> Result<f64, IoError> {
-        let (path, line) = (self.path.to_path_buf(), self.line);
-        let column = || format!("{name} of track {id}");
-        match fast_float2::parse::<f64, _>(field) {
-            Ok(value) if value.is_finite() => Ok(value),
-            Ok(_) => Err(IoError::NotFinite { path, line, column: column(), text: shown(field) }),
-            Err(_) => Err(IoError::BadNumber { path, line, column: column(), text: shown(field) }),
+        let parsed = fast_float2::parse::<f64, _>(field);
+        if let Some(value) = parsed.as_ref().ok().filter(|value| value.is_finite()) {
+            return Ok(*value);
         }
+        let (column, text) = (format!("{name} of track {id}"), shown(field));
+        Err(self.fault(match parsed {
+            Ok(_) => RowFault::NotFinite { column, text },
+            Err(_) => RowFault::BadNumber { column, text },
+        }))
     }
 }
 

@@ -5,6 +5,7 @@
 
 use super::decimal::{TimeUnit, seconds_text};
 use super::pose::rotation;
+use super::row_fault::RowFault;
 use super::rows::Rows;
 use super::{IoError, atomic_write};
 use dpn_core::trajectory::StampedPose;
@@ -25,23 +26,15 @@ pub fn read_tum(path: &Path) -> Result<Vec<StampedPose>, IoError> {
 pub(crate) fn parse(bytes: &[u8], path: &Path) -> Result<Vec<StampedPose>, IoError> {
     let mut rows = Rows::open(bytes, path)?;
     if rows.width() != 8 {
-        return Err(IoError::UnknownLayout {
-            path: path.to_path_buf(),
-            line: rows.line() + 1,
-            found: rows.width(),
-            expected: "8 (t x y z qx qy qz qw)",
-        });
+        return Err(rows.unknown_layout("8 (t x y z qx qy qz qw)"));
     }
     let mut poses: Vec<StampedPose> = Vec::with_capacity(rows.rows_left());
     while rows.advance()? {
         let t = rows.stamp_after(poses.last().map(|p| p.t), 0, TimeUnit::Seconds)?;
         let [x, y, z, qx, qy, qz, qw] =
             rows.numbers([1, 2, 3, 4, 5, 6, 7], ["x", "y", "z", "qx", "qy", "qz", "qw"])?;
-        let rotation = rotation([qw, qx, qy, qz]).map_err(|norm| IoError::BadQuaternion {
-            path: path.to_path_buf(),
-            line: rows.line(),
-            norm,
-        })?;
+        let bad = |norm| rows.fault(RowFault::BadQuaternion { norm });
+        let rotation = rotation([qw, qx, qy, qz]).map_err(bad)?;
         let world_from_body = Isometry3::from_parts(Translation3::new(x, y, z), rotation);
         poses.push(StampedPose { t, world_from_body });
     }

@@ -190,12 +190,7 @@ fn columns(
         Some(_) if rows.width() >= 4 => ImuColumns::new(0, [1, 2, 3], [1, 2, 3]),
         None if rows.width() >= 7 => ImuColumns::ASL,
         _ => {
-            return Err(IoError::UnknownLayout {
-                path: path.to_path_buf(),
-                line: rows.line() + 1,
-                found: rows.width(),
-                expected: "at least 7 (stamp, gyroscope x y z, accelerometer x y z)",
-            });
+            return Err(rows.unknown_layout("at least 7 (stamp, gyroscope x y z, accelerometer x y z)"));
         }
     };
     let origin = if value == ImuColumns::ASL { Origin::Assumed } else { Origin::Guessed };

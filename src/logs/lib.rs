@@ -37,13 +37,15 @@ mod decompress;
 mod detect;
 mod error;
 mod fields;
-#[cfg(all(test, feature = "images"))]
+#[cfg(test)]
+#[cfg(feature = "images")]
 mod fuzz;
 #[cfg(test)]
 mod golden;
 #[cfg(test)]
 mod golden_logs;
-#[cfg(all(test, feature = "images"))]
+#[cfg(test)]
+#[cfg(feature = "images")]
 mod golden_rigs;
 #[cfg(feature = "images")]
 mod image_log;

@@ -5,6 +5,7 @@ use crate::IoError;
 use crate::decimal::TimeUnit;
 use crate::kalibr_cameras::KalibrCamera;
 use crate::printable;
+use crate::row_fault::RowFault;
 use crate::rows::Rows;
 use dpn_core::camera::{CameraConfig, Distortion, Lens};
 use dpn_core::time::Stamp;
@@ -118,7 +119,7 @@ pub(crate) fn parse_frames(bytes: &[u8], path: &Path) -> Result<Vec<CameraFrame>
         let file = if rows.width() > 1 { rows.text(1)?.to_owned() } else { format!("{}.png", t.ns()) };
         if !stays_inside(&file) {
             let name = printable(&file.chars().take(80).collect::<String>());
-            return Err(IoError::BadName { path: path.to_path_buf(), line: rows.line(), name });
+            return Err(rows.fault(RowFault::BadName { name }));
         }
         frames.push(CameraFrame { t, file });
     }

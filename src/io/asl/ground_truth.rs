@@ -7,6 +7,7 @@
 use crate::IoError;
 use crate::decimal::TimeUnit;
 use crate::pose::rotation;
+use crate::row_fault::RowFault;
 use crate::rows::Rows;
 use dpn_core::truth::{Biases, GroundTruth, TrueState};
 use nalgebra::{Isometry3, Translation3, Vector3};
@@ -32,12 +33,9 @@ pub(crate) fn parse(bytes: &[u8], path: &Path) -> Result<GroundTruth, IoError> {
     let mut rows = Rows::open(bytes, path)?;
     let width = rows.width();
     if !matches!(width, 8 | 11 | 17) {
-        return Err(IoError::UnknownLayout {
-            path: path.to_path_buf(),
-            line: rows.header().map_or(rows.line() + 1, |h| h.line),
-            found: width,
-            expected: "8 (stamp, position, quaternion w x y z), 11 (and velocity) and 17 (and biases)",
-        });
+        let line = rows.header().map_or(rows.line() + 1, |h| h.line);
+        let expected = "8 (stamp, position, quaternion w x y z), 11 (and velocity) and 17 (and biases)";
+        return Err(IoError::row(path, line, RowFault::UnknownLayout { found: width, expected }));
     }
     let mut states: Vec<TrueState> = Vec::with_capacity(rows.rows_left());
     while rows.advance()? {
@@ -49,11 +47,7 @@ pub(crate) fn parse(bytes: &[u8], path: &Path) -> Result<GroundTruth, IoError> {
             t,
             world_from_body: Isometry3::from_parts(
                 Translation3::new(x, y, z),
-                rotation([qw, qx, qy, qz]).map_err(|norm| IoError::BadQuaternion {
-                    path: path.to_path_buf(),
-                    line: rows.line(),
-                    norm,
-                })?,
+                rotation([qw, qx, qy, qz]).map_err(|norm| rows.fault(RowFault::BadQuaternion { norm }))?,
             ),
             vel_in_world: if width >= 11 { Some(vector([8, 9, 10], VELOCITY)?) } else { None },
             biases: if width == 17 {

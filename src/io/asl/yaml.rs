@@ -1,6 +1,7 @@
 //! What ASL's `sensor.yaml` files have in common: reading, the pose `T_BS`, the rate.
 
 use crate::pose::rigid;
+use crate::row_fault::RowFault;
 use crate::{IoError, printable};
 use dpn_core::time::SampleRate;
 use nalgebra::Isometry3;
@@ -15,9 +16,9 @@ pub(super) struct Matrix {
 }
 
 pub(super) fn parse<T: DeserializeOwned>(bytes: &[u8], path: &Path) -> Result<T, IoError> {
-    let text = std::str::from_utf8(bytes).map_err(|error| IoError::NotUtf8 {
-        path: path.to_path_buf(),
-        line: 1 + memchr::memchr_iter(b'\n', &bytes[..error.valid_up_to()]).count(),
+    let text = std::str::from_utf8(bytes).map_err(|error| {
+        let line = 1 + memchr::memchr_iter(b'\n', &bytes[..error.valid_up_to()]).count();
+        IoError::row(path, line, RowFault::NotUtf8)
     })?;
     serde_saphyr::from_str(text).map_err(|error| {
         let whole = error.without_snippet().to_string();
