@@ -12,6 +12,7 @@
 use super::calibration::{Given, NoiseCalibration, Zero};
 use super::error::{FormatError, at};
 use super::format::Format;
+use super::key_fault::KeyFault;
 use super::keyed;
 use super::number::{number, short};
 use super::quantity::Quantity;
@@ -43,25 +44,16 @@ pub(super) fn read(tree: &Tree, path: &Path, given: &Given) -> Result<NoiseCalib
         let known = KEYS.map(|(name, _)| name);
         let Some((name, figure)) = KEYS.into_iter().find(|(name, _)| *name == entry.key) else {
             let nearest = nearest(&entry.key, known).filter(|_| !entry.key.contains("stability"));
-            return Err(FormatError::UnknownKey {
-                path: path.to_path_buf(),
-                line: entry.line,
-                key: entry.key.clone(),
-                known: format!("{}, {RATE}", known.join(", ")),
-                nearest: nearest.map(str::to_owned),
-            });
+            let (known, nearest) = (format!("{}, {RATE}", known.join(", ")), nearest.map(str::to_owned));
+            return Err(FormatError::key(path, entry.line, &entry.key, KeyFault::Unknown { known, nearest }));
         };
         let text = match &entry.value.node {
             Node::Number(value) => format!("{value:e}"),
             Node::Text(text) => text.clone(),
             _ => {
-                return Err(FormatError::NotNumbers {
-                    path: path.to_path_buf(),
-                    line: entry.line,
-                    key: entry.key.clone(),
-                    found: entry.value.shown(),
-                    expected: "a number with its unit",
-                });
+                let (found, expected) = (entry.value.shown(), "a number with its unit");
+                let fault = KeyFault::NotNumbers { found, expected };
+                return Err(FormatError::key(path, entry.line, &entry.key, fault));
             }
         };
         let in_place = |problem| FormatError::Quantity {

@@ -1,6 +1,7 @@
 //! What can be wrong with a configuration's noise figures, and what to do about it.
 
 use super::format::Format;
+use super::key_fault::KeyFault;
 use super::quantity::QuantityError;
 use crate::IoError;
 use dpn_core::config::did_you_mean;
@@ -80,69 +81,17 @@ pub enum FormatError {
         /// Another format whose keys the file has.
         rather: Option<Format>,
     },
-    /// A value that is no number, or not as many as there are axes.
-    #[error("{}: `{key}` is {found}; {expected} is needed", at(path, Some(*line)))]
-    NotNumbers {
+    /// A key whose value cannot be, or that is none.
+    #[error("{}: `{key}` {fault}", at(path, Some(*line)))]
+    Key {
         /// The file.
         path: PathBuf,
         /// The line.
         line: usize,
         /// The key.
         key: String,
-        /// What stands there.
-        found: String,
-        /// What should.
-        expected: &'static str,
-    },
-    /// A number that no noise has: zero, negative, not finite.
-    #[error("{}: `{key}` is {value}; a noise figure is above zero", at(path, Some(*line)))]
-    NotPositive {
-        /// The file.
-        path: PathBuf,
-        /// The line.
-        line: usize,
-        /// The key.
-        key: String,
-        /// What stands there.
-        value: f64,
-    },
-    /// A rate that is none.
-    #[error("{}: `{key}` is {found}; a rate is a number of Hz above zero", at(path, Some(*line)))]
-    BadRate {
-        /// The file.
-        path: PathBuf,
-        /// The line.
-        line: usize,
-        /// The key.
-        key: String,
-        /// What stands there.
-        found: String,
-    },
-    /// A key that a data sheet does not have.
-    #[error("{}: `{key}` is no key of a datasheet; known are {known}", at(path, Some(*line)))]
-    UnknownKey {
-        /// The file.
-        path: PathBuf,
-        /// The line.
-        line: usize,
-        /// The key.
-        key: String,
-        /// The keys there are.
-        known: String,
-        /// The nearest of them, where one is near.
-        nearest: Option<String>,
-    },
-    /// Covariances of a message that say "not known".
-    #[error("{}: `{key}` {says}", at(path, Some(*line)))]
-    NotInMessage {
-        /// The file.
-        path: PathBuf,
-        /// The line.
-        line: usize,
-        /// The key.
-        key: String,
-        /// What its value means.
-        says: &'static str,
+        /// What is wrong with it.
+        fault: KeyFault,
     },
     /// A number with a unit that cannot be used.
     #[error("{place}: {problem}")]
@@ -176,6 +125,10 @@ fn quoted(keys: &[String]) -> String {
 }
 
 impl FormatError {
+    pub(super) fn key(path: &Path, line: usize, key: &str, fault: KeyFault) -> Self {
+        Self::Key { path: path.to_path_buf(), line, key: key.to_owned(), fault }
+    }
+
     /// What to do about it.
     pub fn hint(&self) -> Option<String> {
         let text = match self {
@@ -187,10 +140,8 @@ impl FormatError {
             }
             Self::NoKeys { .. } => format!("known formats are {}", Format::names()),
             Self::NoFormat { nearest: Some(slip), .. } => slip.to_string(),
-
             Self::NoFormat { .. } => format!("known are {}; name one with --from", Format::names()),
             Self::Missing { nearest: Some(slip), .. } => slip.to_string(),
-
             Self::Missing { rather: Some(rather), .. } => {
                 format!("the file has the keys of {rather}: say --from {rather}")
             }
@@ -198,27 +149,7 @@ impl FormatError {
                 let flags: Vec<String> = figures.iter().map(|f| format!("--{} NUMBER", f.flag())).collect();
                 format!("add the key, or give {} (densities, or with a unit)", flags.join(" "))
             }
-            Self::NotNumbers { .. } => {
-                "write a plain number in the unit of the format, without the unit".to_owned()
-            }
-            Self::NotPositive { value, .. } if *value == 0.0 => {
-                "an estimator told of no noise trusts the IMU without bound; put the sensor's figure there"
-                    .to_owned()
-            }
-            Self::NotPositive { .. } => {
-                "deviations, variances and densities are above zero; look at the file it was made from"
-                    .to_owned()
-            }
-            Self::BadRate { .. } => "write the IMU's rate there, or give --rate HZ".to_owned(),
-            Self::UnknownKey { nearest: Some(nearest), .. } => did_you_mean(nearest),
-            Self::UnknownKey { key, .. } if key.contains("instability") || key.contains("stability") => {
-                "a bias instability is no walk and none follows from it; leave it out".to_owned()
-            }
-            Self::UnknownKey { .. } => "leave the key out".to_owned(),
-            Self::NotInMessage { .. } => {
-                "the driver does not fill it in; take the data sheet, or a log at rest and `dpn allan`"
-                    .to_owned()
-            }
+            Self::Key { key, fault, .. } => fault.hint(key),
             Self::Quantity { problem, .. } => problem.hint().to_owned(),
             Self::NeedsRate { .. } => "add --rate HZ".to_owned(),
             Self::Nothing => {

@@ -3,11 +3,13 @@
 use super::calibration::{Given, NoiseCalibration, Zero};
 use super::error::{FormatError, Slip, at};
 use super::format::Format;
+use super::key_fault::KeyFault;
 use super::layout::{Key, Layout};
 use super::number::{number, short};
 use super::step::{Remark, Step};
-use super::tree::{Block, Entry, Item, Tree};
+use super::tree::{Block, Entry, Tree};
 use dpn_core::config::nearest;
+use dpn_core::noise::units::BadNoise;
 use dpn_core::noise::{Axes, Figure, ImuFigures};
 use dpn_core::time::SampleRate;
 use std::path::Path;
@@ -78,12 +80,8 @@ pub(super) fn rate(
 ) -> Result<Option<SampleRate>, FormatError> {
     for name in names {
         let Some(entry) = block.get(name) else { continue };
-        let bad = || FormatError::BadRate {
-            path: path.to_path_buf(),
-            line: entry.line,
-            key: name.to_owned(),
-            found: entry.value.shown(),
-        };
+        let bad =
+            || FormatError::key(path, entry.line, name, KeyFault::BadRate { found: entry.value.shown() });
         let value = match entry.value.numbers().as_deref() {
             Some([value]) => *value,
             _ => return Err(bad()),
@@ -112,7 +110,7 @@ pub(super) fn axes(
     remarks: &mut Vec<Remark>,
 ) -> Result<Option<Axes<f64>>, FormatError> {
     let Entry { key, line, value } = entry;
-    let place = || (path.to_path_buf(), if value.line > 0 { value.line } else { *line });
+    let bad = |fault| FormatError::key(path, if value.line > 0 { value.line } else { *line }, key, fault);
     let values = match value.numbers().as_deref() {
         Some([one]) => Axes::Same(*one),
         Some([x, y, z]) => Axes::Each([*x, *y, *z]),
@@ -125,12 +123,16 @@ pub(super) fn axes(
             }
             Axes::Each([*x, *y, *z])
         }
-        _ => return Err(not_numbers(key, value, place())),
+        _ => {
+            return Err(bad(KeyFault::NotNumbers {
+                found: value.shown(),
+                expected: "one number, or three (x, y, z),",
+            }));
+        }
     };
     for value in values.each() {
         if !(value.is_finite() && (value > 0.0 || keep_zeros && value == 0.0)) {
-            let (path, line) = place();
-            return Err(FormatError::NotPositive { path, line, key: key.clone(), value });
+            return Err(bad(KeyFault::NotPositive { value }));
         }
     }
     if values.each().contains(&0.0) {
@@ -140,16 +142,6 @@ pub(super) fn axes(
         Axes::Each([x, y, z]) if x == y && y == z => Axes::Same(x),
         values => values,
     }))
-}
-
-fn not_numbers(key: &str, value: &Item, (path, line): (std::path::PathBuf, usize)) -> FormatError {
-    FormatError::NotNumbers {
-        path,
-        line,
-        key: key.to_owned(),
-        found: value.shown(),
-        expected: "one number, or three (x, y, z),",
-    }
 }
 
 /// Reads the four keys.
@@ -193,11 +185,8 @@ pub(super) fn read(
             None if key.meaning.needs_rate() => return Err(FormatError::NeedsRate { format }),
             None => SampleRate::HZ_200, // densities do not ask
         };
-        let bad = |bad: dpn_core::noise::units::BadNoise| FormatError::NotPositive {
-            path: path.to_path_buf(),
-            line: entry.line,
-            key: key.name.to_owned(),
-            value: bad.0,
+        let bad = |bad: BadNoise| {
+            FormatError::key(path, entry.line, key.name, KeyFault::NotPositive { value: bad.0 })
         };
         source.figures.set(key.figure, key.meaning, values, rate).map_err(bad)?;
         source.steps.push(read_step(key, values, &source.figures, rate));

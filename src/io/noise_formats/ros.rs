@@ -4,14 +4,14 @@
 use super::calibration::{Given, NoiseCalibration, Zero};
 use super::error::FormatError;
 use super::format::Format;
-use super::keyed::AxesText;
-use super::keyed::{self, Line};
+use super::key_fault::KeyFault;
+use super::keyed::{self, AxesText, Line};
 use super::layout::Key;
 use super::number::number;
 use super::step::{Remark, Step};
 use super::tree::{Entry, Tree};
-use dpn_core::noise::Meaning;
-use dpn_core::noise::{Axes, Figure, ImuFigures};
+use dpn_core::noise::units::BadNoise;
+use dpn_core::noise::{Axes, Figure, ImuFigures, Meaning};
 use dpn_core::time::SampleRate;
 use std::path::Path;
 
@@ -46,12 +46,8 @@ pub(super) fn read(tree: &Tree, path: &Path, given: &Given) -> Result<NoiseCalib
             continue;
         };
         let rate = given.rate.ok_or(FormatError::NeedsRate { format: Format::Ros })?;
-        let bad = |bad: dpn_core::noise::units::BadNoise| FormatError::NotPositive {
-            path: path.to_path_buf(),
-            line: entry.line,
-            key: name.to_owned(),
-            value: bad.0,
-        };
+        let bad =
+            |bad: BadNoise| FormatError::key(path, entry.line, name, KeyFault::NotPositive { value: bad.0 });
         source.figures.set(figure, Meaning::SampleVariance, variances, rate).map_err(bad)?;
         let number = format!("{} {}", variances.text(), Meaning::SampleVariance.unit(figure));
         source.steps.push(Step {
@@ -75,12 +71,8 @@ fn diagonal(
     keep_zeros: bool,
     remarks: &mut Vec<Remark>,
 ) -> Result<Option<Axes<f64>>, FormatError> {
-    let says = |says| FormatError::NotInMessage {
-        path: path.to_path_buf(),
-        line: entry.line,
-        key: entry.key.clone(),
-        says,
-    };
+    let bad = |fault| FormatError::key(path, entry.line, &entry.key, fault);
+    let says = |says| bad(KeyFault::NotInMessage { says });
     match entry.value.numbers().as_deref() {
         Some(nine) if nine.len() == 9 && nine.iter().all(|v| *v == 0.0) && !keep_zeros => {
             Err(says("is all zeros, which in a message means that the noise is not known"))
@@ -89,13 +81,9 @@ fn diagonal(
             Err(says("begins with -1, which means that this is not measured"))
         }
         Some(nine) if nine.len() == 9 => keyed::axes(entry, path, keep_zeros, remarks),
-        _ => Err(FormatError::NotNumbers {
-            path: path.to_path_buf(),
-            line: entry.line,
-            key: entry.key.clone(),
-            found: entry.value.shown(),
-            expected: "a list of nine numbers",
-        }),
+        _ => {
+            Err(bad(KeyFault::NotNumbers { found: entry.value.shown(), expected: "a list of nine numbers" }))
+        }
     }
 }
 
