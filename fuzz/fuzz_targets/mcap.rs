@@ -1,10 +1,10 @@
 //! MCAP files.
 #![no_main]
 
-use dpn_logs::{LogOptions, read_mcap};
+use dpn_logs::{Kind, LogOptions, read_bag};
 use libfuzzer_sys::fuzz_target;
 use std::path::Path;
 
 fuzz_target!(|bytes: &[u8]| {
-    let _ = read_mcap(bytes, Path::new("fuzz"), &LogOptions::default());
+    let _ = read_bag(Kind::Mcap, bytes, Path::new("fuzz"), &LogOptions::default());
 });

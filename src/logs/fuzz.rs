@@ -6,9 +6,7 @@ use crate::budget::Budget;
 use crate::fields::Encoding;
 use crate::image_message::{ImageKind, decode};
 use crate::messages::Messages;
-use crate::{
-    ImageLogOptions, LogOptions, bag, read_log, read_mcap, read_rosbag1, read_sensors_from, read_stream,
-};
+use crate::{ImageLogOptions, Kind, LogOptions, bag, read_bag, read_log, read_sensors_from, read_stream};
 use dpn_core::Samples;
 use dpn_testing::forged::{Draw, damage};
 use std::ops::ControlFlow;
@@ -40,9 +38,9 @@ fn damaged_bags_panic_no_reader() {
             let mut bytes = whole.clone();
             damage(&mut bytes, &mut Draw::new(case, name));
             if name.ends_with("bag") {
-                speaks(read_rosbag1(bytes.as_slice(), Path::new(name), &options));
+                speaks(read_bag(Kind::Rosbag1, bytes.as_slice(), Path::new(name), &options));
             } else {
-                speaks(read_mcap(bytes.as_slice(), Path::new(name), &options));
+                speaks(read_bag(Kind::Mcap, bytes.as_slice(), Path::new(name), &options));
             }
         }
     }

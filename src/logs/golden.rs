@@ -1,6 +1,6 @@
 //! Bags written by PyPI's `rosbags` and `mcap-ros2-support`, whole and damaged.
 
-use crate::{Kind, Log, LogError, LogOptions, read_log, read_mcap, read_rosbag1};
+use crate::{Kind, Log, LogError, LogOptions, read_bag, read_log};
 use dpn_core::{ImuSample, Samples, Stamp};
 use std::path::{Path, PathBuf};
 
@@ -109,7 +109,8 @@ fn messages_that_cannot_be_understood_say_how_they_are_written() {
     for &i in &places {
         bytes[i + 1] = 9;
     }
-    let error = read_mcap(strip_checksums(bytes).as_slice(), Path::new("a.mcap"), &LogOptions::default());
+    let error =
+        read_bag(Kind::Mcap, strip_checksums(bytes).as_slice(), Path::new("a.mcap"), &LogOptions::default());
     let error = error.unwrap_err();
     assert_eq!(error.to_string(), "a.mcap: 0 sample(s) of use on /imu0; a recording needs at least 2");
     assert_eq!(
@@ -156,9 +157,9 @@ fn a_bag_cut_anywhere_gives_everything_before_the_cut() {
         for cut in (0..whole.len()).step_by(37) {
             let bytes = &whole[..cut];
             let read = if name.ends_with("bag") {
-                read_rosbag1(bytes, path, &options)
+                read_bag(Kind::Rosbag1, bytes, path, &options)
             } else {
-                read_mcap(bytes, path, &options)
+                read_bag(Kind::Mcap, bytes, path, &options)
             };
             match read {
                 Ok(log) => {
@@ -194,7 +195,7 @@ fn a_bag_whose_record_lacks_a_field_says_so() {
         // In the middle of the bag: what stands before it is still read.
         let at = places[places.len() / 2];
         bytes[at..at + field.len()].copy_from_slice(damaged.as_bytes());
-        match read_rosbag1(bytes.as_slice(), &path, &LogOptions::default()) {
+        match read_bag(Kind::Rosbag1, bytes.as_slice(), &path, &LogOptions::default()) {
             Ok(log) => {
                 assert!(log.damage.as_ref().is_some_and(|d| d.contains("lacks")), "{field} {:?}", log.damage);
             }

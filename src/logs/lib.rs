@@ -33,6 +33,7 @@ mod budget;
 mod bytes;
 #[cfg(feature = "images")]
 mod cameras;
+mod chosen;
 mod decompress;
 mod detect;
 mod error;
@@ -93,7 +94,7 @@ pub use image_options::{ImageLogOptions, ImageSpan};
 pub use kind::Kind;
 pub use log::Log;
 pub use options::LogOptions;
-pub use read::{read_log, read_mcap, read_rosbag1, read_sqlite, read_stream};
+pub use read::{read_bag, read_log, read_stream};
 pub use scale::Scales;
 #[cfg(feature = "images")]
 pub use sensors::{SensorEvent, read_sensors, read_sensors_from};

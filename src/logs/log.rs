@@ -1,12 +1,8 @@
 //! A log that was read, and what is to be said of it.
 
-use crate::{Kind, LogError};
+use crate::Kind;
 use dpn_core::Samples;
 use dpn_io::{LeftOut, Sieved, StoredRecording};
-use std::path::Path;
-
-/// Share of the samples whose stamps may go back.
-const TOLERATED: f64 = 0.1;
 
 /// A recording and where it came from.
 #[derive(Debug)]
@@ -68,16 +64,5 @@ impl Log {
         }
         all.extend(self.remarks.iter().cloned());
         all
-    }
-}
-
-/// Refuses a log whose clock runs back again and again.
-pub(crate) fn goes_forward(path: &Path, sieved: &Sieved, kept: usize) -> Result<(), LogError> {
-    let of = kept + sieved.count();
-    match sieved.backward.first {
-        Some(first) if sieved.backward.count as f64 > TOLERATED * of as f64 => {
-            Err(LogError::Backward { path: path.to_path_buf(), count: sieved.backward.count, of, first })
-        }
-        _ => Ok(()),
     }
 }

@@ -1,11 +1,9 @@
 //! The one way in.
 
-use crate::log::goes_forward;
 use crate::records::Records;
 use crate::topics::Topics;
 use crate::two_files::TwoFiles;
-use crate::{Kind, Log, LogError, LogOptions, Scales, ardupilot, bag, mcap, rosbag1, rosbag2, sqlite, ulog};
-use dpn_core::Samples;
+use crate::{Kind, Log, LogError, LogOptions, Scales, ardupilot, bag, rosbag2, ulog};
 use dpn_io::asl::{Sequence, is_there};
 use dpn_io::{
     AccelUnit, GyroUnit, ImuColumns, IoError, LooseImuLog, Origin, SampleStore, StoredRecording, Understood,
@@ -92,22 +90,10 @@ fn read_plain(
     options: &LogOptions,
 ) -> Result<Log, LogError> {
     let kind = Kind::of_head(head, path)?;
-    let source = BufReader::new(source);
     match kind {
-        Kind::Rosbag1 | Kind::Mcap | Kind::Sqlite => {
-            let mut topics = Topics::new(options);
-            let damage = bag::plainly(kind, source, path, is_file, &mut topics)?;
-            let mut log = bag_log(path, kind, topics, damage, options)?;
-            if kind == Kind::Sqlite && !is_file {
-                log.remarks.push(
-                    "a database cannot be read as it comes: it was copied to a temporary file first"
-                        .to_owned(),
-                );
-            }
-            Ok(log)
-        }
+        Kind::Rosbag1 | Kind::Mcap | Kind::Sqlite => bag_file(kind, source, path, is_file, options),
         Kind::Ulog | Kind::Ardupilot | Kind::ArdupilotText => {
-            let mut records = Records::default();
+            let (mut records, source) = (Records::default(), BufReader::new(source));
             let damage = match kind {
                 Kind::Ulog => ulog::read(source, &mut records),
                 Kind::Ardupilot => ardupilot::read(source, &mut records),
@@ -119,34 +105,31 @@ fn read_plain(
     }
 }
 
-/// A ROS 1 bag from any source of bytes; `path` is for messages.
+/// A bag of this kind, not packed, from any source of bytes; `path` is for messages.
 ///
 /// # Errors
-/// As [`read_log`].
-pub fn read_rosbag1(source: impl Read, path: &Path, options: &LogOptions) -> Result<Log, LogError> {
-    let mut topics = Topics::new(options);
-    let damage = rosbag1::read(source, &mut topics).map_err(|e| IoError::reading(path, e))?;
-    bag_log(path, Kind::Rosbag1, topics, damage, options)
+/// As [`read_log`]; a kind that is no bag's file.
+pub fn read_bag(kind: Kind, source: impl Read, path: &Path, options: &LogOptions) -> Result<Log, LogError> {
+    bag_file(kind, source, path, false, options)
 }
 
-/// An MCAP file from any source of bytes; `path` is for messages.
-///
-/// # Errors
-/// As [`read_log`].
-pub fn read_mcap(source: impl Read, path: &Path, options: &LogOptions) -> Result<Log, LogError> {
+/// The same; `is_file` where these bytes lie at `path`.
+fn bag_file(
+    kind: Kind,
+    source: impl Read,
+    path: &Path,
+    is_file: bool,
+    options: &LogOptions,
+) -> Result<Log, LogError> {
     let mut topics = Topics::new(options);
-    let damage = mcap::read(source, &mut topics).map_err(|e| IoError::reading(path, e))?;
-    bag_log(path, Kind::Mcap, topics, damage, options)
-}
-
-/// One of rosbag2's SQLite files.
-///
-/// # Errors
-/// As [`read_log`].
-pub fn read_sqlite(path: &Path, options: &LogOptions) -> Result<Log, LogError> {
-    let mut topics = Topics::new(options);
-    let damage = sqlite::read(path, &mut topics)?;
-    bag_log(path, Kind::Sqlite, topics, damage, options)
+    let damage = bag::plainly(kind, BufReader::new(source), path, is_file, &mut topics)?;
+    let mut log = bag_log(path, kind, topics, damage, options)?;
+    if kind == Kind::Sqlite && !is_file {
+        log.remarks.push(
+            "a database cannot be read as it comes: it was copied to a temporary file first".to_owned(),
+        );
+    }
+    Ok(log)
 }
 
 pub(crate) fn bag_log(
@@ -156,26 +139,7 @@ pub(crate) fn bag_log(
     damage: Option<String>,
     options: &LogOptions,
 ) -> Result<Log, LogError> {
-    let chosen = topics.choose(path, damage.as_deref())?;
-    goes_forward(path, &chosen.sieved, chosen.samples.len())?;
-    if chosen.samples.len() < 2 {
-        return Err(LogError::TooFew {
-            path: path.to_path_buf(),
-            topic: chosen.topic,
-            found: chosen.samples.len(),
-            reason: damage.or_else(|| chosen.remarks.first().cloned()),
-        });
-    }
-    let recording = scaled(chosen.samples, path, options)?;
-    Ok(Log {
-        topic: Some(chosen.topic),
-        sieved: chosen.sieved,
-        place: "message",
-        damage,
-        guesses: chosen.guesses,
-        remarks: chosen.remarks,
-        ..Log::sound(kind, recording)
-    })
+    topics.choose(path, damage.as_deref())?.log(path, kind, "message", damage, options)
 }
 
 fn scaled(samples: SampleStore, path: &Path, options: &LogOptions) -> Result<StoredRecording, LogError> {

@@ -1,10 +1,10 @@
 //! IMUs of a log that names its records and numbers those who write them, as autopilots' do: one is chosen.
 
+use crate::chosen::Chosen;
 use crate::join::join;
-use crate::log::goes_forward;
 use crate::{Kind, Log, LogError, LogOptions};
-use dpn_core::{ImuSample, Samples};
-use dpn_io::{IoError, SampleStore, Sieve, Sieved};
+use dpn_core::ImuSample;
+use dpn_io::{IoError, Sieve};
 use std::path::Path;
 
 /// What a record's axes are.
@@ -79,7 +79,7 @@ impl Records {
         let mut guesses = Vec::new();
         let mut remarks = Vec::new();
         let storing = |e| IoError::reading(path, e);
-        let (name, samples, sieved): (String, SampleStore, Sieved) =
+        let (topic, samples, sieved) =
             match (first(Holds::Both), first(Holds::Gyro), first(Holds::Accel), wanted) {
                 (Some(at), ..) => {
                     let others = self.0.iter().filter(|source| source.holds == Holds::Both).count() - 1;
@@ -125,18 +125,6 @@ impl Records {
                     return Err(LogError::NoImu { path: path.to_path_buf(), topics: listed, damage });
                 }
             };
-        goes_forward(path, &sieved, samples.len())?;
-        let samples = options.scales.apply(samples).map_err(storing)?;
-        let recording = match samples.recording().map_err(storing)? {
-            Ok(recording) => recording,
-            Err(found) => {
-                let (path, reason) = (path.to_path_buf(), damage);
-                return Err(LogError::TooFew { path, topic: name, found, reason });
-            }
-        };
-        let mut log =
-            Log { topic: Some(name), sieved, place: "record", damage, ..Log::sound(kind, recording) };
-        (log.guesses, log.remarks) = (guesses, remarks);
-        Ok(log)
+        Chosen { topic, samples, sieved, remarks, guesses }.log(path, kind, "record", damage, options)
     }
 }

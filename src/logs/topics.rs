@@ -1,13 +1,14 @@
 //! The topics of a bag, and the samples of those that are IMUs.
 
 use crate::budget::Budget;
+use crate::chosen::Chosen;
 use crate::fields::{Encoding, Undecodable};
 use crate::imu_message::{decode, is_imu};
 use crate::join::join;
 use crate::messages::Messages;
 use crate::{LogError, LogOptions};
 use dpn_core::{ImuSample, Sensor, Stamp};
-use dpn_io::{IoError, SampleStore, Sieve, Sieved, printable};
+use dpn_io::{IoError, Sieve, printable};
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
@@ -147,17 +148,6 @@ pub(crate) struct Topics {
     numbers: HashMap<u32, usize>,
     /// What the log may unpack to.
     budget: Budget,
-}
-
-/// What the chosen topic gives.
-#[derive(Debug)]
-pub(crate) struct Chosen {
-    pub(crate) topic: String,
-    pub(crate) samples: SampleStore,
-    pub(crate) sieved: Sieved,
-    pub(crate) remarks: Vec<String>,
-    /// What was taken for granted.
-    pub(crate) guesses: Vec<String>,
 }
 
 impl Topics {
