@@ -349,3 +349,35 @@ fn no_file_imports_itself_through_others() {
     }
     assert!(found.is_empty(), "files that import each other in a circle:\n{}", found.join("\n"));
 }
+
+#[test]
+fn a_circle_is_found_through_re_exports_globs_and_plain_paths_and_none_in_tests_and_words() {
+    let root = std::env::temp_dir().join(format!("dpn-circles-{}", std::process::id()));
+    let circle = |files: &[(&str, &str)]| {
+        std::fs::create_dir_all(root.join("a")).unwrap();
+        for (name, text) in files {
+            std::fs::write(root.join(name), text).unwrap();
+        }
+        let all = Crate::read(&root.join("lib.rs"));
+        let found = shortest(&all.imports());
+        let found =
+            found.map(|files| files.iter().map(|f| f.strip_prefix(&root).unwrap().to_owned()).collect());
+        std::fs::remove_dir_all(&root).unwrap();
+        found.unwrap_or_else(Vec::<PathBuf>::new)
+    };
+    let lib = ("lib.rs", "mod a;\nmod b;\npub use a::One;\n");
+    let a = ("a/mod.rs", "mod one;\npub use one::One;\n");
+    let of = |one: &'static str, b: &'static str| circle(&[lib, a, ("a/one.rs", one), ("b.rs", b)]);
+    let back = ["a/one.rs", "b.rs", "a/one.rs"].map(PathBuf::from);
+    let two = "use crate::One;\npub struct Two(One);\n";
+    assert_eq!(of("use crate::b::Two;\npub struct One;\n", two), back);
+    assert_eq!(of("pub struct One;\nfn f() -> usize { size_of::<super::super::b::Two>() }\n", two), back);
+    assert_eq!(of("use crate::b::*;\npub struct One(Two);\n", "pub struct Two;\n"), [] as [PathBuf; 0]);
+    for no_import in [
+        "pub struct One;\n#[cfg(test)]\nmod tests {\n    use crate::b::Two;\n}\n",
+        "/// As [`crate::b::Two`].\npub struct One;\nconst A: &str = \"crate::b::Two\"; // crate::b::Two\n",
+        "use std::b::Two;\npub struct One;\n",
+    ] {
+        assert_eq!(of(no_import, two), [] as [PathBuf; 0], "{no_import}");
+    }
+}
