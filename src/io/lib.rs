@@ -2,7 +2,7 @@
 //!
 //! * [`asl`]: EuRoC and TUM-VI folders; [`asl::discover`] lists the sequences under a folder.
 //! * [`column_file`]: columns with checksums in one file; [`asl::pack`] writes a data set as one.
-//! * [`read_imu_csv`]: plain CSV logs, columns by header or by list; [`read_imu_csv_loosely`] uses what it can of anybody's.
+//! * [`read_imu_csv`]: plain CSV logs, columns by header or by list; [`parse_imu_csv_loosely`] uses what it can of anybody's.
 //! * [`ImuLines`]: the same line by line, as they come.
 //! * [`Sieve`]: keeps of somebody's samples what a recording may hold.
 //! * [`SampleStore`], [`StoredRecording`]: samples of a log of any length, partly in a temporary file ([`Store`]).
@@ -86,10 +86,7 @@ pub use imu_lines::ImuLines;
 pub use kitti::write_kitti;
 pub use leftovers::scratch_file;
 pub use lock::{FolderLock, LockError};
-pub use loose_csv::{
-    LooseImuLog, Unreadable, parse_imu_csv_loosely, parse_one_sensor_loosely, read_imu_csv_loosely,
-    settle_units,
-};
+pub use loose_csv::{LooseImuLog, Unreadable, parse_imu_csv_loosely, parse_one_sensor_loosely, settle_units};
 pub use noise_csv::{read_noise_track, write_noise_rows, write_noise_track};
 pub use poses::read_poses;
 pub use printable::printable;

@@ -52,20 +52,11 @@ pub struct LooseImuLog {
     pub said_hz: Option<f64>,
 }
 
-/// Reads a log of all six axes, with its faults.
+/// Reads a log of all six axes, with its faults, from any source of bytes; `path` is for messages.
 ///
 /// # Errors
-/// A file that cannot be read or holds no row; a column that is missing; a unit of time that cannot be told; fewer than two samples of
-/// use; a file in which more than a tenth of the rows cannot be used.
-pub fn read_imu_csv_loosely(path: &Path, options: &CsvOptions) -> Result<LooseImuLog, IoError> {
-    let file = std::fs::File::open(path).map_err(|e| IoError::reading(path, e))?;
-    parse_imu_csv_loosely(file, path, options)
-}
-
-/// The same from any source of bytes; `path` is for messages.
-///
-/// # Errors
-/// As [`read_imu_csv_loosely`].
+/// A source that cannot be read or holds no row; a column that is missing; a unit of time that cannot be told; fewer than two samples of
+/// use; a log in which more than a tenth of the rows cannot be used.
 pub fn parse_imu_csv_loosely(
     source: impl Read,
     path: &Path,
@@ -78,7 +69,7 @@ pub fn parse_imu_csv_loosely(
 /// nor file names is [`Origin::Assumed`] to be SI, to be told by [`settle_units`] once the other sensor is beside it.
 ///
 /// # Errors
-/// As [`read_imu_csv_loosely`].
+/// As [`parse_imu_csv_loosely`].
 pub fn parse_one_sensor_loosely(
     source: impl Read,
     path: &Path,
@@ -432,7 +423,8 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("log.csv");
         std::fs::write(&path, text).unwrap();
-        let loose = read_imu_csv_loosely(&path, &CsvOptions::default()).unwrap();
+        let loose = parse_imu_csv_loosely(std::fs::File::open(&path).unwrap(), &path, &CsvOptions::default())
+            .unwrap();
         let strict = read_imu_csv(&path, &CsvOptions::default()).unwrap();
         let recording = loose.recording.held().unwrap();
         assert_eq!(recording, strict.recording);
