@@ -1,6 +1,6 @@
 //! Lines of code a crate, without tests, comments and blank lines: `cargo run -p dpn-book --example lines`.
 //!
-//! Left out are items and modules under `#[cfg(test)]` and everything in `tests`, `examples`, `bench`, `fuzz` and `docs`. Code is taken as rustfmt leaves it: an
+//! Left out are items and modules under `#[cfg(test)]` or `#[cfg(all(test, ...))]` and everything in `tests`, `examples`, `bench`, `fuzz` and `docs`. Code is taken as rustfmt leaves it: an
 //! item ends at the closing bracket that is indented as its first line is.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -56,7 +56,7 @@ fn code(path: &Path, text: &str) -> (usize, Vec<PathBuf>) {
     let mut lines = text.lines();
     while let Some(line) = lines.next() {
         let trimmed = line.trim();
-        if trimmed == "#[cfg(test)]" {
+        if trimmed == "#[cfg(test)]" || trimmed.starts_with("#[cfg(all(test,") {
             let Some(first) = lines.by_ref().find(|line| !line.trim().starts_with("#[")) else { break };
             let item = first.trim();
             if let Some((_, name)) =

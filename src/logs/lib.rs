@@ -38,15 +38,13 @@ mod decompress;
 mod detect;
 mod error;
 mod fields;
-#[cfg(test)]
-#[cfg(feature = "images")]
+#[cfg(all(test, feature = "images"))]
 mod fuzz;
 #[cfg(test)]
 mod golden;
 #[cfg(test)]
 mod golden_logs;
-#[cfg(test)]
-#[cfg(feature = "images")]
+#[cfg(all(test, feature = "images"))]
 mod golden_rigs;
 #[cfg(feature = "images")]
 mod image_log;
