@@ -14,8 +14,10 @@ pub struct Paper<'a> {
     pub plan: &'a Plan,
     /// On what.
     pub input: &'a Input,
-    /// The networks.
+    /// The networks that the odometry may be given noise by.
     pub networks: &'a [Network],
+    /// Those of the open loop: these, and the others of the study.
+    pub judged: &'a [Network],
     /// The estimator's settings; covariances are needed for NEES and for the error's band.
     pub estimator: EstimatorConfig,
     /// Why the odometry sees what it sees.

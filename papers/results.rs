@@ -50,10 +50,10 @@ struct SweepRequest<'a> {
 }
 
 impl Paper<'_> {
-    /// What the networks are: a checksum of their weights, cards and tags, wherever they lie.
+    /// What the judged networks are: a checksum of their weights, cards and tags, wherever they lie.
     pub(super) fn networks_id(&self) -> Result<String, PaperError> {
         let mut parts = Vec::new();
-        for network in self.networks {
+        for network in self.judged {
             parts.push(network.tag().into_bytes());
             parts.push(network.weights.to_bytes()?);
         }
@@ -79,7 +79,7 @@ impl Paper<'_> {
                 corpora: std::slice::from_ref(&self.input.corpus),
                 sensors: &Sensor::ALL,
                 bases: &bases,
-                networks: self.networks,
+                networks: self.judged,
                 seed: self.plan.seed,
                 drawn: None,
                 program: &program,

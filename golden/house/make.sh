@@ -4,7 +4,7 @@
 # leaves them as they are.
 # usage: make.sh DPN DATA OUT     writes OUT/SHA256SUMS; compare with SHA256SUMS beside this script
 set -euo pipefail
-dpn=$(realpath "$1") data=$(realpath "$2") out=$3
+dpn=$(realpath "$1") data=$(realpath "$2") out=$3 study=$(realpath "$(dirname "$0")/../../papers/networks")
 mkdir -p "$out" && cd "$out"
 "$dpn" eval --closed-loop --data "$data" --camera tracks --tracks "$data/tracks" --from table --noise x1 \
   --trajectories --out tracks >tracks.txt
@@ -20,7 +20,7 @@ mkdir -p log
 for sensor in accel gyro; do
   "$dpn" train --sensor $sensor --data "$data" --epochs 2 --out train-$sensor >/dev/null
 done
-"$dpn" paper --quick --work work --out quick >quick.txt
+"$dpn" paper --quick --more-models "$study" --work work --out quick >quick.txt
 # The program's own checksum, ids made from it, and times differ by build and by machine: they are blanked.
 DATA=$data python3 - <<'P' >SHA256SUMS
 import hashlib, os, pathlib, re

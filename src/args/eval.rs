@@ -26,6 +26,9 @@ pub(crate) struct EvalArgs {
     /// Folder of trained networks; without it those that come with the program.
     #[arg(long, value_name = "DIR")]
     pub(crate) models: Option<PathBuf>,
+    /// Folder of the other networks of the study, judged in the open loop beside those that come with the program; where it is.
+    #[arg(long, value_name = "DIR", default_value = "papers/networks", conflicts_with_all = ["models", "closed_loop"])]
+    pub(crate) more_models: PathBuf,
     /// Folder of the results: runs/open-loop, or runs/closed-loop- and a checksum of settings and input; a closed loop goes on where
     /// it stopped.
     #[arg(long, value_name = "DIR")]

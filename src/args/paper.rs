@@ -46,6 +46,9 @@ pub(crate) struct PaperArgs {
     /// Folder of trained networks, instead of those that come with the program.
     #[arg(long, value_name = "DIR")]
     pub(crate) models: Option<PathBuf>,
+    /// Folder of the other networks of the study, judged in the open loop beside those that come with the program; where it is.
+    #[arg(long, value_name = "DIR", default_value = "papers/networks", conflicts_with = "models")]
+    pub(crate) more_models: PathBuf,
     /// Settings of the estimator and of what is simulated.
     #[command(flatten)]
     pub(crate) settings: SettingsArgs,

@@ -29,7 +29,8 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
 fn open_loop(args: &EvalArgs) -> Result<()> {
     let out = args.out.as_deref().unwrap_or(Path::new(OUT));
     let bases = bases(args.bases.as_deref())?;
-    let networks = shipped::or_of(args.models.as_deref())?;
+    let models = args.models.as_deref();
+    let networks = shipped::judged(&shipped::or_of(models)?, models, &args.more_models)?;
     let sensors = args.sensor.map_or_else(|| Sensor::ALL.to_vec(), |sensor| vec![sensor.into()]);
     let corpora = corpus::load(args.data.as_deref())?;
     let request = Request {

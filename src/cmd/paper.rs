@@ -34,9 +34,11 @@ pub(crate) fn run(args: &PaperArgs) -> Result<()> {
     let _out = if same { None } else { Some(FolderLock::take(&args.out)?) };
     let stop = stop::on_ctrl_c("what was finished is kept, and the same command goes on from there")?;
     let networks = chosen_networks(args, &input, &stop)?;
+    let judged = shipped::judged(&networks, args.models.as_deref(), &args.more_models)?;
     let measured_by = args.measured_by.as_deref().map(program_of);
     let cache = cache::open(&args.cache)?;
     let paper = Paper {
+        judged: &judged,
         measured_by: measured_by.as_deref(),
         command: command(),
         work: &args.work,
@@ -93,6 +95,7 @@ pub(crate) fn unwritten<'a>(
         plan,
         input,
         networks,
+        judged: networks,
         estimator,
         camera,
         from: asked.from,

@@ -1,4 +1,4 @@
-//! tract, a runtime in Rust, against ours: on every choice of the configuration, and on shipped networks.
+//! tract, a runtime in Rust, against ours: on every choice of the configuration, and on shipped networks and some of the study.
 #![allow(clippy::unwrap_used)]
 
 #[path = "../../../../src/onnx/tests/windows.rs"]
@@ -45,8 +45,11 @@ fn shipped_networks_say_the_same() {
     ] {
         let windows = real(sensor, 200);
         for name in names {
-            let path = repository().join(format!("models/{sensor}/{name}.safetensors"));
-            let weights = Weights::load(&path).unwrap();
+            let path = ["models", "papers/networks"]
+                .map(|folder| repository().join(format!("{folder}/{sensor}/{name}.safetensors")))
+                .into_iter()
+                .find(|path| path.is_file());
+            let weights = Weights::load(path.unwrap()).unwrap();
             same(&tract(&weights, &windows), &ours(&weights, &windows), &format!("{sensor} {name}"));
         }
     }
