@@ -53,10 +53,9 @@ pub(super) fn refine<S: Lanes, const L: usize, const W: usize>(
     patch: &Patch<L, W>,
     plane: &Plane,
     place: [f32; 2],
-    gained: bool,
 ) -> Option<[f32; 2]> {
     let total = products(simd, patch, plane, place)?;
-    Some(solve(&total, f64::from(patch.count()), gained, BEND_STD)?.shift)
+    Some(solve(&total, f64::from(patch.count()), BEND_STD)?.shift)
 }
 
 /// What a window did.
@@ -156,7 +155,7 @@ pub(super) fn with_differences(
 
 /// The step from the sums over `count` pixels, entries of `M` deviating by `std`: unknowns are taken out one by one, `M` last, so that what the others lower is known before it.
 #[inline(always)]
-pub(super) fn solve(total: &Products, count: f64, gained: bool, std: f64) -> Option<Bent> {
+pub(super) fn solve(total: &Products, count: f64, std: f64) -> Option<Bent> {
     let [dv, d1, v, vv, dd] = [0, 1, 2, 3, 4].map(|k| total[PLAIN + k][0]);
     let mut normal = [[0.0f64; DIM]; DIM];
     let mut side = [0.0f64; DIM];
@@ -174,25 +173,18 @@ pub(super) fn solve(total: &Products, count: f64, gained: bool, std: f64) -> Opt
         for axis in 0..2 {
             let line = |k: usize| total[LINES + 4 * k + 2 * axis + py][px];
             side[at + axis] = -line(2);
-            if gained {
-                // Below the diagonal: light stands behind the shift and before M.
-                for (light, sum) in [(LIGHT, line(0)), (LIGHT + 1, line(1))] {
-                    let (row, column) = if at == 0 { (light, axis) } else { (at + axis, light) };
-                    normal[row][column] = -sum;
-                }
+            // Below the diagonal: light stands behind the shift and before M.
+            for (light, sum) in [(LIGHT, line(0)), (LIGHT + 1, line(1))] {
+                let (row, column) = if at == 0 { (light, axis) } else { (at + axis, light) };
+                normal[row][column] = -sum;
             }
         }
     }
-    if gained {
-        normal[LIGHT][LIGHT] = vv.max(1e-6);
-        normal[LIGHT + 1][LIGHT] = v;
-        normal[LIGHT + 1][LIGHT + 1] = count;
-        side[LIGHT] = dv;
-        side[LIGHT + 1] = d1;
-    } else {
-        normal[LIGHT][LIGHT] = 1.0;
-        normal[LIGHT + 1][LIGHT + 1] = 1.0;
-    }
+    normal[LIGHT][LIGHT] = vv.max(1e-6);
+    normal[LIGHT + 1][LIGHT] = v;
+    normal[LIGHT + 1][LIGHT + 1] = count;
+    side[LIGHT] = dv;
+    side[LIGHT + 1] = d1;
 
     // L D L^T in place; `side` becomes L^-1 of itself, and each unknown lowers the squares by side^2 / D.
     let (mut left, mut own, mut lowered) = (dd, 0.0, 0.0);
@@ -231,7 +223,7 @@ pub(super) fn solve(total: &Products, count: f64, gained: bool, std: f64) -> Opt
         }
         step[k] = value * inverses[k];
     }
-    let gain = if gained { (1.0 + step[LIGHT]).clamp(0.5, 2.0) } else { 1.0 };
+    let gain = (1.0 + step[LIGHT]).clamp(0.5, 2.0);
     let step = step.map(|value| (value / gain) as f32);
     let [x, y, _, _, xx, yx, xy, yy] = step;
     // Grey values of the two windows, counted from the patch's mean.

@@ -3,16 +3,6 @@
 use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 use serde::{Deserialize, Serialize};
 
-/// What may happen to a patch's light between two images.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Illumination {
-    /// Nothing, as OpenCV and VINS-Mono take it.
-    Constant,
-    /// A gain and an offset of its own for every patch.
-    GainOffset,
-}
-
 /// Settings of the tracker.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -36,8 +26,6 @@ pub struct KltConfig {
     /// Whether a track is held to the window it began with where a frame is handed over, so that it does not slide over its surface.
     /// Default yes; VINS-Mono's and OpenCV's trackers know the last image's alone.
     pub template: bool,
-    /// What may happen to the light. Default `gain-offset`.
-    pub illumination: Illumination,
     /// Smallest correlation of the window with where it was found, gain and offset aside, 0 to 1; 0 switches the check off. Default .5.
     ///
     /// In noise a search ends where it began, and so does the way back: that a point came home does not say that it was found.
@@ -59,7 +47,6 @@ impl Default for KltConfig {
             min_eigenvalue: 0.1,
             affine: true,
             template: true,
-            illumination: Illumination::GainOffset,
             min_correlation: 0.5,
             back_px: 0.5,
             back_levels: 2,

@@ -27,6 +27,8 @@ mod search;
 mod template;
 mod tracker;
 
-pub use config::{Illumination, KltConfig};
+pub use config::KltConfig;
 pub(super) use template::Template;
+#[cfg(test)]
+pub(super) use tracker::tests::track_in_steady_light;
 pub use tracker::{Klt, Shift};

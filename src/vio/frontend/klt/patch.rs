@@ -5,11 +5,10 @@
 //! window, or outside the image, add to a sum is taken out of its lanes in the end; rows outside the image are left out. Their mirrored
 //! values are no measurement.
 //!
-//! Where light may change, gradients made orthogonal to a constant and to the grey values `I` stand in the normal equations. They need not
+//! Light may change by a gain and an offset of each patch's own: gradients made orthogonal to a constant and to the grey values `I` stand in the normal equations. They need not
 //! be made: with `c = I - mean I` and `k = sum(c g) / sum(c c)`, sums over `g - mean g - k c` follow from sums over `g`, `I` and 1.
 
 use super::between::RowsBetween;
-use super::config::Illumination;
 use super::lanes::{LANES, Lanes, OnLanes, Sums, part, put};
 use crate::frontend::image::Plane;
 use std::ops::Range;
@@ -44,7 +43,7 @@ pub(super) struct Patch<const L: usize, const W: usize> {
     pub(super) grad_x: [[f32; L]; L],
     /// Gradient in y.
     pub(super) grad_y: [[f32; L]; L],
-    /// Sums of the gradients' products: xx, xy, yy, of what is orthogonal to light's changes where those are fitted.
+    /// Sums of the gradients' products: xx, xy, yy, of what is orthogonal to light's changes.
     pub(super) normal: [f32; 3],
     /// Grey values and their means, for differences to be rid of changes of light.
     pub(super) light: Light,
@@ -107,13 +106,7 @@ impl<const L: usize, const W: usize> Patch<L, W> {
 
     /// Takes the window around `centre`; `false` where there is none.
     #[inline(always)]
-    pub(super) fn take<S: Lanes>(
-        &mut self,
-        simd: S,
-        plane: &Plane,
-        centre: [f32; 2],
-        illumination: Illumination,
-    ) -> bool {
+    pub(super) fn take<S: Lanes>(&mut self, simd: S, plane: &Plane, centre: [f32; 2]) -> bool {
         let window = self.window;
         let Some(([x, y], [fx, fy])) = corner_of(plane, centre, window) else { return false };
 
@@ -128,16 +121,27 @@ impl<const L: usize, const W: usize> Patch<L, W> {
         let first = rows.iter().position(|row| *row > 0.0).unwrap_or(0);
         let count = rows.iter().filter(|row| **row > 0.0).count();
         self.rows = first..first + count;
-        match illumination {
-            Illumination::Constant => self.sum_up::<S, false>(simd),
-            Illumination::GainOffset => self.sum_up::<S, true>(simd),
-        }
+        self.sum_up(simd);
         true
+    }
+
+    /// Sums over the gradients as they are, as if light did not change.
+    #[cfg(test)]
+    pub(super) fn keep_light(&mut self) {
+        self.light = Light { zero: self.light.zero, ..Light::default() };
+        self.normal = [0.0; 3];
+        for r in self.rows.clone() {
+            for ((weight, x), y) in self.columns.iter().zip(&self.grad_x[r]).zip(&self.grad_y[r]) {
+                for (sum, product) in self.normal.iter_mut().zip([x * x, x * y, y * y]) {
+                    *sum += weight * product;
+                }
+            }
+        }
     }
 
     /// Gradients, and the sums over them.
     #[inline(always)]
-    fn sum_up<S: Lanes, const GAINED: bool>(&mut self, simd: S) {
+    fn sum_up<S: Lanes>(&mut self, simd: S) {
         let middle = self.window / 2;
         let zero = self.wide[middle + 1][middle + 1];
         let [three, ten, share] = [simd.splat_f32s(3.0), simd.splat_f32s(10.0), simd.splat_f32s(1.0 / 32.0)];
@@ -160,15 +164,13 @@ impl<const L: usize, const W: usize> Patch<L, W> {
                 simd.add_product(&mut sums[0], gx, gx);
                 simd.add_product(&mut sums[1], gx, gy);
                 simd.add_product(&mut sums[2], gy, gy);
-                if GAINED {
-                    let above = simd.sub_f32s(b1, zeros);
-                    simd.add_to(&mut sums[3], above);
-                    simd.add_product(&mut sums[4], above, above);
-                    simd.add_to(&mut sums[5], gx);
-                    simd.add_to(&mut sums[6], gy);
-                    simd.add_product(&mut sums[7], above, gx);
-                    simd.add_product(&mut sums[8], above, gy);
-                }
+                let above = simd.sub_f32s(b1, zeros);
+                simd.add_to(&mut sums[3], above);
+                simd.add_product(&mut sums[4], above, above);
+                simd.add_to(&mut sums[5], gx);
+                simd.add_to(&mut sums[6], gy);
+                simd.add_product(&mut sums[7], above, gx);
+                simd.add_product(&mut sums[8], above, gy);
                 put(&mut self.grey[r], block, b1);
                 put(&mut self.grad_x[r], block, gx);
                 put(&mut self.grad_y[r], block, gy);
@@ -176,22 +178,18 @@ impl<const L: usize, const W: usize> Patch<L, W> {
             lanes.add(&sums, part(&self.columns, block));
         }
         let [xx, xy, yy, grey, squares, x, y, grey_x, grey_y] = lanes.totals();
-        self.normal = [xx, xy, yy];
-        self.light = Light { zero, ..Light::default() };
-        if GAINED {
-            let inverse = 1.0 / self.count().max(1.0);
-            let (mean, gradient) = (grey * inverse, [x * inverse, y * inverse]);
-            let contrast = (squares - mean * grey).max(0.0);
-            // Of c times the gradient.
-            let [cx, cy] = [grey_x - mean * x, grey_y - mean * y];
-            let slope = if contrast > 0.0 { [cx / contrast, cy / contrast] } else { [0.0; 2] };
-            self.light = Light { zero, mean, contrast, gradient, slope };
-            self.normal = [
-                xx - gradient[0] * x - slope[0] * cx,
-                xy - gradient[0] * y - slope[0] * cy,
-                yy - gradient[1] * y - slope[1] * cy,
-            ];
-        }
+        let inverse = 1.0 / self.count().max(1.0);
+        let (mean, gradient) = (grey * inverse, [x * inverse, y * inverse]);
+        let contrast = (squares - mean * grey).max(0.0);
+        // Of c times the gradient.
+        let [cx, cy] = [grey_x - mean * x, grey_y - mean * y];
+        let slope = if contrast > 0.0 { [cx / contrast, cy / contrast] } else { [0.0; 2] };
+        self.light = Light { zero, mean, contrast, gradient, slope };
+        self.normal = [
+            xx - gradient[0] * x - slope[0] * cx,
+            xy - gradient[0] * y - slope[0] * cy,
+            yy - gradient[1] * y - slope[1] * cy,
+        ];
     }
 }
 
@@ -241,7 +239,7 @@ mod tests {
     fn gradients_are_those_of_the_surface() {
         let plane = wavy(100, 80);
         let mut patch = Small::new(21);
-        assert!(patch.take(Scalar256b, &plane, [50.3, 40.6], Illumination::Constant));
+        assert!(patch.take(Scalar256b, &plane, [50.3, 40.6]));
         for r in 0..21 {
             for i in 0..21 {
                 let (x, y) = (40.3 + i as f64, 30.6 + r as f64);
@@ -267,16 +265,14 @@ mod tests {
     fn outside_the_image_nothing_weighs() {
         let plane = wavy(100, 80);
         let mut patch = Small::new(21);
-        for illumination in [Illumination::Constant, Illumination::GainOffset] {
-            assert!(patch.take(Scalar256b, &plane, [3.5, 78.25], illumination));
-            // Columns -6.5 to 13.5: the first seven are outside. Rows 68.25 to 88.25: the last ten are.
-            assert_eq!(patch.rows, 0..11);
-            assert_eq!((patch.count(), pixels(&patch).len()), (14.0 * 11.0, 14 * 11));
-        }
-        assert!(patch.take(Scalar256b, &plane, [50.0, -3.25], Illumination::Constant));
+        assert!(patch.take(Scalar256b, &plane, [3.5, 78.25]));
+        // Columns -6.5 to 13.5: the first seven are outside. Rows 68.25 to 88.25: the last ten are.
+        assert_eq!(patch.rows, 0..11);
+        assert_eq!((patch.count(), pixels(&patch).len()), (14.0 * 11.0, 14 * 11));
+        assert!(patch.take(Scalar256b, &plane, [50.0, -3.25]));
         assert_eq!(patch.rows, 14..21);
-        assert!(!patch.take(Scalar256b, &plane, [-12.0, 40.0], Illumination::Constant));
-        assert!(!patch.take(Scalar256b, &plane, [f32::NAN, 40.0], Illumination::Constant));
+        assert!(!patch.take(Scalar256b, &plane, [-12.0, 40.0]));
+        assert!(!patch.take(Scalar256b, &plane, [f32::NAN, 40.0]));
     }
 
     #[test]
@@ -284,7 +280,7 @@ mod tests {
         let plane = wavy(100, 80);
         let mut patch = Small::new(21);
         for centre in [[50.2, 40.6], [96.2, 40.6], [3.5, 78.25]] {
-            assert!(patch.take(Scalar256b, &plane, centre, Illumination::GainOffset));
+            assert!(patch.take(Scalar256b, &plane, centre));
             let pixels = pixels(&patch);
             let n = pixels.len() as f64;
             let mean = [0, 1, 2].map(|k| pixels.iter().map(|p| p[k]).sum::<f64>() / n);

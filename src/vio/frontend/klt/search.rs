@@ -1,7 +1,7 @@
 //! The Gauss-Newton search on one level.
 
 use super::between::RowsBetween;
-use super::config::{Illumination, KltConfig};
+use super::config::KltConfig;
 use super::lanes::{LANES, Lanes, Sums, part};
 use super::patch::{Patch, corner_of};
 use crate::frontend::image::Plane;
@@ -22,7 +22,7 @@ pub(super) enum Outcome {
 
 /// Sums of one look at the second image: difference times gradient in x and y, times grey value, and alone.
 #[inline(always)]
-fn look<S: Lanes, const L: usize, const W: usize, const GAINED: bool>(
+fn look<S: Lanes, const L: usize, const W: usize>(
     simd: S,
     patch: &Patch<L, W>,
     plane: &Plane,
@@ -39,10 +39,8 @@ fn look<S: Lanes, const L: usize, const W: usize, const GAINED: bool>(
             let difference = simd.sub_f32s(rows.next_row(), grey);
             simd.add_product(&mut sums[0], difference, part(&patch.grad_x[r], block));
             simd.add_product(&mut sums[1], difference, part(&patch.grad_y[r], block));
-            if GAINED {
-                simd.add_product(&mut sums[2], difference, grey);
-                simd.add_to(&mut sums[3], difference);
-            }
+            simd.add_product(&mut sums[2], difference, grey);
+            simd.add_to(&mut sums[3], difference);
         }
         lanes.add(&sums, part(&patch.columns, block));
     }
@@ -67,18 +65,12 @@ pub(super) fn search<S: Lanes, const L: usize, const W: usize>(
         return Outcome::Flat;
     }
     let inverse = 1.0 / determinant;
-    let gained = config.illumination == Illumination::GainOffset;
 
     let mut place = start;
     let mut before = [0.0f32; 2];
     for iteration in 0..config.iterations {
         let Some((corner, rest)) = corner_of(plane, place, patch.window) else { return Outcome::Outside };
-        let [bx, by, excess] = if gained {
-            patch.light.taken_out(look::<S, L, W, true>(simd, patch, plane, corner, rest))
-        } else {
-            let [x, y, ..] = look::<S, L, W, false>(simd, patch, plane, corner, rest);
-            [x, y, 0.0]
-        };
+        let [bx, by, excess] = patch.light.taken_out(look(simd, patch, plane, corner, rest));
         let gain = (1.0 + excess).clamp(*GAIN.start(), *GAIN.end());
         let scale = -inverse / gain;
         let step = [(yy * bx - xy * by) * scale, (xx * by - xy * bx) * scale];

@@ -16,7 +16,7 @@
 //! (composing a step with the warp).
 
 use super::affine::{Bent, Products, products, solve, with_differences};
-use super::config::{Illumination, KltConfig};
+use super::config::KltConfig;
 use super::lanes::{LANES, Lanes, Sums, part, sum_of};
 use super::patch::{OnWindows, Patch};
 use crate::frontend::image::Plane;
@@ -51,11 +51,10 @@ impl Template {
         patch: &mut Patch<L, W>,
         plane: &Plane,
         centre: [f32; 2],
-        illumination: Illumination,
     ) -> Option<Self> {
         let whole = inside(plane, centre, [(patch.window / 2) as f32; 2])
             && plane.width().max(plane.height()) < LONGEST_PX
-            && patch.take(simd, plane, centre, illumination);
+            && patch.take(simd, plane, centre);
         if !whole {
             return None;
         }
@@ -94,13 +93,7 @@ impl Template {
 
     /// How the template has to move to what was `seen` of it.
     #[inline(always)]
-    fn bend<S: Lanes, const L: usize>(
-        &self,
-        simd: S,
-        seen: &[[f32; L]; L],
-        window: usize,
-        gained: bool,
-    ) -> Option<Bent> {
+    fn bend<S: Lanes, const L: usize>(&self, simd: S, seen: &[[f32; L]; L], window: usize) -> Option<Bent> {
         let half = (window / 2) as f32;
         let zero = simd.splat_f32s(self.zero);
         let (grey, rest) = self.rows.split_at(window * L);
@@ -136,7 +129,7 @@ impl Template {
         let once = once.totals().map(f64::from);
         let by_gradient = [0, 1, 2, 3].map(|k| [once[k], f64::from(sum_of(across[k]))]);
         let total = with_differences(&self.products, by_gradient, [once[4], once[5], once[6]]);
-        solve(&total, (window * window) as f64, gained, BEND_STD)
+        solve(&total, (window * window) as f64, BEND_STD)
     }
 
     /// One step: where the template is; `None` where it does not say.
@@ -152,7 +145,7 @@ impl Template {
         if !self.sample(plane, place, config.window, seen) {
             return None;
         }
-        let bent = self.bend(simd, seen, config.window, config.illumination == Illumination::GainOffset)?;
+        let bent = self.bend(simd, seen, config.window)?;
         let [[mxx, mxy], [myx, myy]] = bent.matrix;
         let warp = self.warp.map(|[a, b]| [a + a * mxx + b * myx, b + a * mxy + b * myy]);
         let area = warp[0][0] * warp[1][1] - warp[0][1] * warp[1][0];
@@ -192,9 +185,7 @@ impl<'a, I: Iterator<Item = (&'a mut Option<Template>, &'a mut [f32; 2])>> OnWin
             let held = template.as_mut().and_then(|t| t.step(simd, &mut seen, self.plane, *px, self.config));
             match held {
                 Some(place) => *px = place,
-                None => {
-                    *template = Template::take(simd, &mut patch, self.plane, *px, self.config.illumination);
-                }
+                None => *template = Template::take(simd, &mut patch, self.plane, *px),
             }
         }
     }
@@ -252,28 +243,26 @@ mod tests {
         fn what_turns_and_grows_bit_by_bit_is_followed_with_its_warp(
             turn in -0.02..0.02f64, grow in -0.01..0.01f64, x in 60.0..90.0f32, y in 60.0..80.0f32, window in 9..15usize,
         ) {
-            for illumination in [Illumination::Constant, Illumination::GainOffset] {
-                let config = KltConfig { window: 2 * window + 1, illumination, ..KltConfig::default() };
-                let first = [x, y];
-                let image = seen(f64s(first), f64s(first), [[1.0, 0.0], [0.0, 1.0]], |_, _| 0.0);
-                let mut template = take(config, &Plane::new(image.view()), first);
-                let (mut px, mut goal, mut warp) = (first, f64s(first), [[1.0, 0.0], [0.0, 1.0]]);
-                for k in 1..=15 {
-                    let scale = (grow * f64::from(k)).exp();
-                    let (sin, cos) = (turn * f64::from(k)).sin_cos();
-                    warp = [[scale * cos, -scale * sin], [scale * sin, scale * cos]];
-                    goal = [goal[0] + 0.21, goal[1] - 0.13];
-                    // What a search found, a fifth of a pixel off.
-                    px = [(goal[0] + 0.15) as f32, (goal[1] - 0.13) as f32];
-                    hold(config, &seen(f64s(first), goal, warp, |_, _| 0.0), &mut template, &mut px);
-                }
-                prop_assert!(distance(px, goal) < 0.03, "{illumination:?}: {} px", distance(px, goal));
-                let found = template.unwrap().warp;
-                for i in 0..2 {
-                    for j in 0..2 {
-                        let error = f64::from(found[i][j]) - warp[i][j];
-                        prop_assert!(error.abs() < 0.02, "{illumination:?}: {found:?} for {warp:?}");
-                    }
+            let config = KltConfig { window: 2 * window + 1, ..KltConfig::default() };
+            let first = [x, y];
+            let image = seen(f64s(first), f64s(first), [[1.0, 0.0], [0.0, 1.0]], |_, _| 0.0);
+            let mut template = take(config, &Plane::new(image.view()), first);
+            let (mut px, mut goal, mut warp) = (first, f64s(first), [[1.0, 0.0], [0.0, 1.0]]);
+            for k in 1..=15 {
+                let scale = (grow * f64::from(k)).exp();
+                let (sin, cos) = (turn * f64::from(k)).sin_cos();
+                warp = [[scale * cos, -scale * sin], [scale * sin, scale * cos]];
+                goal = [goal[0] + 0.21, goal[1] - 0.13];
+                // What a search found, a fifth of a pixel off.
+                px = [(goal[0] + 0.15) as f32, (goal[1] - 0.13) as f32];
+                hold(config, &seen(f64s(first), goal, warp, |_, _| 0.0), &mut template, &mut px);
+            }
+            prop_assert!(distance(px, goal) < 0.03, "{} px", distance(px, goal));
+            let found = template.unwrap().warp;
+            for i in 0..2 {
+                for j in 0..2 {
+                    let error = f64::from(found[i][j]) - warp[i][j];
+                    prop_assert!(error.abs() < 0.02, "{found:?} for {warp:?}");
                 }
             }
         }
