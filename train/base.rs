@@ -3,20 +3,8 @@
 use crate::clean::Cleaner;
 use crate::window::WINDOW;
 use dpn_core::signal::{FilterError, SavitzkyGolay};
-use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
-
-/// What a filter works on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Scope {
-    /// Each window on its own, polynomial edges at both its ends: as the paper is written.
-    #[default]
-    Window,
-    /// The whole recording before it is cut.
-    Recording,
-}
 
 /// The signal's treatment before noise is injected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

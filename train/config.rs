@@ -1,6 +1,6 @@
 //! Everything that decides a training run, as one typed TOML file.
 
-use crate::base::{Base, Scope};
+use crate::base::Base;
 use crate::draw::{Augment, DrawRule};
 use crate::label::Label;
 use crate::levels::{LevelKind, Levels};
@@ -34,7 +34,7 @@ pub struct TrainConfig {
     pub network: ProNetConfig,
 }
 
-/// Decisions 2 and 3.
+/// Decision 2.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct BaseConfig {
@@ -44,8 +44,6 @@ pub struct BaseConfig {
     pub window: usize,
     /// Degree of its polynomial, below `window`.
     pub order: usize,
-    /// Filtered window by window, or the recording before it is cut; the latter by Savitzky-Golay alone.
-    pub scope: Scope,
 }
 
 /// What cleans the signal before noise is injected.
@@ -62,7 +60,7 @@ pub enum FilterKind {
 
 impl Default for BaseConfig {
     fn default() -> Self {
-        Self { filter: FilterKind::SavitzkyGolay, window: 11, order: 2, scope: Scope::Window }
+        Self { filter: FilterKind::SavitzkyGolay, window: 11, order: 2 }
     }
 }
 
@@ -88,7 +86,7 @@ impl BaseConfig {
     }
 }
 
-/// Decisions 9 to 11. `low` and `high` that do not stand in the file are the paper's for the sensor.
+/// Decisions 9 and 10. `low` and `high` that do not stand in the file are the paper's for the sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct NoiseConfig {
@@ -102,24 +100,12 @@ pub struct NoiseConfig {
     pub steps: Option<usize>,
     /// What a window is labelled with.
     pub label: Label,
-    /// When noise is drawn.
-    pub draws: Draws,
     /// Span of the sums of `label = "sigma_eff"` \[s, a sample of 5 ms to 1 s\]; .1 when not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub span_s: Option<f64>,
     /// Vibration beside the white noise, for `label = "sigma_eff"`; none when not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vibration: Option<VibrationDraw>,
-}
-
-/// Decision 11.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Draws {
-    /// Anew every epoch.
-    Epoch,
-    /// Once: every epoch shows the same examples.
-    Fixed,
 }
 
 impl Default for NoiseConfig {
@@ -130,7 +116,6 @@ impl Default for NoiseConfig {
             high: None,
             steps: None,
             label: Label::Injected,
-            draws: Draws::Epoch,
             span_s: None,
             vibration: None,
         }
@@ -294,16 +279,26 @@ impl TrainConfig {
     }
 }
 
-/// Why a configuration that was read or built in can be written.
-const WRITTEN: &str = "tables of plain keys are TOML";
-
 /// Reads a configuration whose missing keys, in every table, are those of [`TrainConfig::for_sensor`]; `sensor` is the
 /// file's own where it names none.
 ///
 /// # Errors
 /// A file that cannot be read or is no such configuration; values outside their bounds.
 pub fn load(path: &Path, sensor: Sensor) -> Result<TrainConfig, ConfigError> {
-    parse(&config::text_of(path)?, path, sensor)
+    load_over(Some(path), &[], sensor)
+}
+
+/// As [`load`], or the sensor's defaults without a file, with single keys set over it: `("network.leak", "0.2")`.
+///
+/// # Errors
+/// As [`load`]; a key that is not known, a value of the wrong kind.
+pub fn load_over(
+    path: Option<&Path>,
+    sets: &[(String, String)],
+    sensor: Sensor,
+) -> Result<TrainConfig, ConfigError> {
+    let table = config::table_over::<TrainConfig>(path, sets)?;
+    config::of_table(over_defaults(table, sensor), path, sets)
 }
 
 /// As [`load`], from a text at hand; `path` only names it in errors.
@@ -312,13 +307,19 @@ pub fn load(path: &Path, sensor: Sensor) -> Result<TrainConfig, ConfigError> {
 /// A text that is no such configuration; values outside their bounds.
 pub fn parse(text: &str, path: &Path, sensor: Sensor) -> Result<TrainConfig, ConfigError> {
     // Read as it stands first: only this text's errors can name its lines.
-    let written: TrainConfig = config::parse(text, path)?;
-    let table: toml::Table = toml::from_str(text).expect("it was read as a configuration just now");
-    let names_sensor = table.get("network").and_then(|network| network.get("sensor")).is_some();
-    let sensor = if names_sensor { written.sensor() } else { sensor };
-    let mut whole = toml::Table::try_from(TrainConfig::for_sensor(sensor)).expect(WRITTEN);
+    config::parse::<TrainConfig>(text, path)?;
+    let table = toml::from_str(text).expect("it was read as a configuration just now");
+    config::of_table(over_defaults(table, sensor), Some(path), &[])
+}
+
+/// The keys of `table` over the defaults of the sensor that it names, or of `sensor`.
+fn over_defaults(table: toml::Table, sensor: Sensor) -> toml::Table {
+    let named = table.get("network").and_then(|network| network.get("sensor")).cloned();
+    let sensor = named.and_then(|name| name.try_into().ok()).unwrap_or(sensor);
+    let defaults = TrainConfig::for_sensor(sensor);
+    let mut whole = toml::Table::try_from(defaults).expect("tables of plain keys are TOML");
     overlay(&mut whole, table);
-    config::parse(&toml::to_string(&whole).expect(WRITTEN), path)
+    whole
 }
 
 /// Puts the keys of `over` in place of those of `under`, table by table.
@@ -342,12 +343,6 @@ impl Validate for TrainConfig {
         let (base, augment, fit, levels) = (&self.base, &self.augment, &self.fit, self.levels());
         faults.check(base.base().filter().is_ok(), "base", base.base(), "an odd window above its order");
         faults.check(base.window <= WINDOW, "base.window", base.window, format!("at most {WINDOW} samples"));
-        faults.check(
-            base.scope == Scope::Window || base.filter != FilterKind::Gaussian,
-            "base.scope",
-            "\"recording\"",
-            "\"window\" for `filter = \"gaussian\"`, whose width changes from window to window",
-        );
         faults.check(
             levels.low > 0.0 && levels.low <= levels.high && levels.high.is_finite(),
             "noise.low",
@@ -400,6 +395,7 @@ impl Validate for TrainConfig {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use dpn_pronet::config::BlockOrder;
 
     fn read(text: &str) -> TrainConfig {
         parse(text, Path::new("a.toml"), Sensor::Gyro).unwrap()
@@ -419,13 +415,24 @@ mod tests {
     }
 
     #[test]
-    fn a_gaussian_base_is_refused_over_whole_recordings() {
-        let text = |filter: &str| format!("[base]\nfilter = \"{filter}\"\nscope = \"recording\"");
-        let error = parse(&text("gaussian"), Path::new("a.toml"), Sensor::Accel).unwrap_err();
-        let expected =
-            "a.toml: `base.scope` is \"recording\", but must be \"window\" for `filter = \"gaussian\"`";
-        assert!(error.to_string().starts_with(expected), "{error}");
-        assert_eq!(read(&text("savitzky-golay")).base.scope, Scope::Recording);
+    fn single_keys_go_over_the_defaults_of_the_sensor() {
+        let set = |key: &str, text: &str| [(key.to_owned(), text.to_owned())];
+        let expected = {
+            let mut config = TrainConfig::for_sensor(Sensor::Gyro);
+            config.network.block_order = BlockOrder::ConvActNorm;
+            config
+        };
+        for word in ["conv-act-norm", "\"conv-act-norm\""] {
+            let config = load_over(None, &set("network.block_order", word), Sensor::Gyro).unwrap();
+            assert_eq!(config.resolved(), expected.resolved());
+        }
+        let fault = |key, text| load_over(None, &set(key, text), Sensor::Gyro).unwrap_err().to_string();
+        assert!(fault("fit.epochs", "0").starts_with("fit.epochs=0: `fit.epochs` is 0, "));
+        assert!(fault("noise.draws", "fixed").contains("`draws` is gone since 0.2.0; "));
+        for word in ["linear", "\"linear\"", "'linear'"] {
+            let said = fault("network.head", word);
+            assert!(said.contains("`linear` is gone since 0.2.0; write `head = "), "{said}");
+        }
     }
 
     #[test]

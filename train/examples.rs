@@ -101,7 +101,7 @@ fn slice(levels: &Levels, kind: LevelKind, step: usize) -> Levels {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::{Base, Scope};
+    use crate::base::Base;
     use crate::windows::Stretch;
     use dpn_core::{ImuRecording, ImuSample, Sensor, Stamp};
 
@@ -114,8 +114,7 @@ mod tests {
             })
             .collect();
         let recording = ImuRecording::new(samples).unwrap();
-        WindowSet::cut(&[("flat", &recording)], Sensor::Accel, Base::Raw, Scope::Window, Stretch::Whole)
-            .unwrap()
+        WindowSet::cut(&[("flat", &recording)], Sensor::Accel, Base::Raw, Stretch::Whole).unwrap()
     }
 
     #[test]

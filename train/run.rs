@@ -13,7 +13,7 @@ use crate::config::{Schedule, TrainConfig};
 use crate::corpus::Corpus;
 use crate::split::Side;
 use crate::state::{Best, EpochRecord, State};
-use crate::trainer::{TrainError, Trainer, parameter_count};
+use crate::trainer::{TrainError, Trainer};
 use burn::tensor::Device;
 use dpn_core::SampleRate;
 use dpn_core::progress::Progress;
@@ -285,7 +285,7 @@ impl<'a> Run<'a> {
             fingerprint: self.fingerprint.clone(),
             fit_windows,
             validation_windows,
-            parameters: parameter_count(config),
+            parameters: dpn_pronet::shape::parameter_count(&config.network),
             updates: self.trainer.steps_per_epoch() * config.fit.epochs,
             best_epoch: best.map_or(self.state.epochs_done(), |best| best.epoch),
             validation_rmse,

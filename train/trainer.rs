@@ -5,7 +5,7 @@
 //! from a saved [`State`] therefore ends in the same bits as one that never stopped.
 
 use crate::calibration::Calibration;
-use crate::config::{Draws, Loss, TrainConfig};
+use crate::config::{Loss, TrainConfig};
 use crate::corpus::{Corpus, CorpusError};
 use crate::examples::Examples;
 use crate::schedule::learning_rate;
@@ -19,7 +19,7 @@ use dpn_core::signal::FilterError;
 use dpn_pronet::adam::{AdamConfig, clip_length};
 use dpn_pronet::range::TrainedRange;
 use dpn_pronet::weights::{Card, Weights};
-use dpn_pronet::{Predictor, ProNet, shape};
+use dpn_pronet::{Predictor, ProNet};
 use rand::seq::SliceRandom;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -86,9 +86,7 @@ impl Trainer {
     pub fn new(config: &TrainConfig, corpus: &Corpus, device: &Device) -> Result<Self, TrainError> {
         let config = config.resolved();
         let recordings = corpus.require(Side::Train)?;
-        let cut = |stretch| {
-            WindowSet::cut(&recordings, config.sensor(), config.base.base(), config.base.scope, stretch)
-        };
+        let cut = |stretch| WindowSet::cut(&recordings, config.sensor(), config.base.base(), stretch);
         let (fit, held_out) = (cut(Stretch::Fit)?, cut(Stretch::Validation)?);
         if fit.is_empty() || held_out.is_empty() {
             return Err(TrainError::NoWindows { fit: fit.len(), validation: held_out.len() });
@@ -207,11 +205,6 @@ impl Trainer {
         (rmse, spread.map(|spread| Calibration::of(&sigma, &spread, &self.truth)))
     }
 
-    /// The validation examples and their true deviations, row by row.
-    pub fn validation(&self) -> (&Examples, &[f64]) {
-        (&self.validation, &self.truth)
-    }
-
     /// Windows in the order of one epoch, each with the number of its draw.
     fn order(&self, epoch: u64) -> Vec<(usize, u64)> {
         let draws = self.config.fit.draws_per_window;
@@ -223,10 +216,6 @@ impl Trainer {
 
     /// Noisy windows and their labels.
     fn draw(&self, epoch: u64, batch: &[(usize, u64)]) -> (Vec<f32>, Vec<f32>) {
-        let epoch = match self.config.noise.draws {
-            Draws::Epoch => epoch,
-            Draws::Fixed => 0,
-        };
         let rule = self.config.draw_rule();
         let mut windows = vec![0f32; batch.len() * WINDOW];
         let labels = windows
@@ -292,7 +281,7 @@ pub fn predict(weights: &Weights, samples: &[f64]) -> Vec<f64> {
 }
 
 /// As [`predict`], and the deviations of the answers' logarithms; none of a network that does not say them.
-pub fn predict_with_spread(weights: &Weights, samples: &[f64]) -> (Vec<f64>, Option<Vec<f64>>) {
+fn predict_with_spread(weights: &Weights, samples: &[f64]) -> (Vec<f64>, Option<Vec<f64>>) {
     let says_spread = Predictor::new(weights).says_spread();
     let rows = samples.par_chunks(ROWS * WINDOW).flat_map_iter(|chunk| {
         let windows: Vec<f32> = chunk.iter().map(|v| *v as f32).collect();
@@ -311,8 +300,3 @@ pub fn predict_with_spread(weights: &Weights, samples: &[f64]) -> (Vec<f64>, Opt
 
 /// Rows a thread asks about at a time.
 const ROWS: usize = 256;
-
-/// Number of parameters a configuration's network has.
-pub fn parameter_count(config: &TrainConfig) -> usize {
-    shape::parameter_count(&config.network)
-}

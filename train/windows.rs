@@ -1,10 +1,10 @@
 //! Windows of one axis, cut from recordings and cleaned.
 //!
 //! A window is [`WINDOW`] consecutive samples of one axis. Evaluation and validation use disjoint windows; training may
-//! shift each by a random offset. A Savitzky-Golay base of [`Scope::Window`] is filtered after cutting, so that its
-//! polynomial edges are the window's; a Gaussian base, whose width changes from window to window, always is.
+//! shift each by a random offset. The base is filtered after cutting: a Savitzky-Golay filter's polynomial
+//! edges are the window's, a Gaussian's width changes from window to window.
 
-use crate::base::{Base, Scope};
+use crate::base::Base;
 use crate::clean::Cleaner;
 pub use crate::window::WINDOW;
 use dpn_core::check::{CheckOptions, gaps};
@@ -64,15 +64,13 @@ impl WindowSet {
         recordings: &[(&str, &ImuRecording)],
         sensor: Sensor,
         base: Base,
-        scope: Scope,
         stretch: Stretch,
     ) -> Result<Self, FilterError> {
-        let filter = base.filter()?;
         let mut set = Self {
             names: Vec::new(),
             signals: Vec::new(),
             places: Vec::new(),
-            cleaner: Cleaner::Nothing,
+            cleaner: base.cleaner()?,
             skipped_for_gaps: 0,
         };
         for (index, (name, recording)) in recordings.iter().enumerate() {
@@ -83,10 +81,6 @@ impl WindowSet {
                 * (end.saturating_sub(first) / WINDOW)
                     .saturating_sub(runs.iter().map(|(a, b)| (b - a) / WINDOW).sum());
             for axis in 0..3 {
-                let mut samples = recording.axis(sensor, axis);
-                if let (Some(filter), Scope::Recording) = (&filter, scope) {
-                    samples = filter.smooth(&samples)?;
-                }
                 let signal = set.signals.len();
                 for &(run_start, run_end) in &runs {
                     let mut start = run_start;
@@ -96,12 +90,8 @@ impl WindowSet {
                         start += WINDOW;
                     }
                 }
-                set.signals.push(Axis { sequence: index, axis, samples });
+                set.signals.push(Axis { sequence: index, axis, samples: recording.axis(sensor, axis) });
             }
-        }
-        // Only a Savitzky-Golay filter has done its work on the recording; no other base may be left uncleaned.
-        if scope == Scope::Window || filter.is_none() {
-            set.cleaner = base.cleaner()?;
         }
         Ok(set)
     }
@@ -204,7 +194,7 @@ mod tests {
     }
 
     fn cut(recording: &ImuRecording, base: Base, stretch: Stretch) -> WindowSet {
-        WindowSet::cut(&[("a", recording)], Sensor::Accel, base, Scope::Window, stretch).unwrap()
+        WindowSet::cut(&[("a", recording)], Sensor::Accel, base, stretch).unwrap()
     }
 
     #[test]
@@ -244,29 +234,25 @@ mod tests {
     }
 
     #[test]
-    fn no_scope_leaves_a_base_uncleaned() {
+    fn no_base_is_left_uncleaned() {
         let mut samples = ramp(400, None).samples().to_vec();
         for (i, sample) in samples.iter_mut().enumerate() {
             sample.accel[0] = if i % 2 == 0 { 1.0 } else { -1.0 };
         }
         let recording = ImuRecording::new(samples).unwrap();
         for base in [Base::Gaussian, Base::SavitzkyGolay { window: 51, order: 3 }] {
-            for scope in [Scope::Window, Scope::Recording] {
-                let cut = WindowSet::cut(&[("a", &recording)], Sensor::Accel, base, scope, Stretch::Whole);
-                let mut out = vec![0.0; WINDOW];
-                cut.unwrap().base_into(0, 0, &mut out);
-                assert!(out[60..140].iter().all(|v| v.abs() < 0.2), "{base} {scope:?}");
-            }
+            let mut out = vec![0.0; WINDOW];
+            cut(&recording, base, Stretch::Whole).base_into(0, 0, &mut out);
+            assert!(out[60..140].iter().all(|v| v.abs() < 0.2), "{base}");
         }
     }
 
     #[test]
-    fn a_filter_longer_than_a_window_is_refused_and_no_raw_window_given_for_a_filtered_one() {
+    fn a_filter_longer_than_a_window_is_refused() {
         let base = Base::SavitzkyGolay { window: 301, order: 2 };
         let recording = ramp(1000, None);
-        let cut = |scope| WindowSet::cut(&[("a", &recording)], Sensor::Accel, base, scope, Stretch::Whole);
-        assert_eq!(cut(Scope::Window).unwrap_err(), FilterError::SignalTooShort { len: WINDOW, window: 301 });
-        assert!(cut(Scope::Recording).is_ok());
+        let cut = WindowSet::cut(&[("a", &recording)], Sensor::Accel, base, Stretch::Whole);
+        assert_eq!(cut.unwrap_err(), FilterError::SignalTooShort { len: WINDOW, window: 301 });
     }
 
     #[test]

@@ -8,7 +8,7 @@ use dpn_core::estimate::WindowSigma;
 use dpn_core::random::Stream;
 use dpn_core::signal::FilterError;
 use dpn_train::asl::TUM_VI;
-use dpn_train::base::{Base, Scope};
+use dpn_train::base::Base;
 use dpn_train::corpus::Corpus;
 use dpn_train::examples::Examples;
 use dpn_train::features::Features;
@@ -128,7 +128,7 @@ impl Job<'_> {
     /// Noisy windows of one side; the same noise for every base.
     fn examples(&self, side: Side) -> Result<Examples, FilterError> {
         let recordings = self.corpus.side(side);
-        let set = WindowSet::cut(&recordings, self.sensor, self.base, Scope::Window, Stretch::Whole)?;
+        let set = WindowSet::cut(&recordings, self.sensor, self.base, Stretch::Whole)?;
         let stream = Stream::new(self.request.seed).named("open-loop").named(self.sensor.name());
         let stream = stream.named(&self.corpus.name).named(&side.to_string()).named(self.kind.family());
         Ok(Examples::draw(&set, &Levels::paper(self.sensor, self.kind), &stream))

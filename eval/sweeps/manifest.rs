@@ -3,6 +3,7 @@
 use super::error::SweepError;
 use super::spec::JobSpec;
 use dpn_core::checksum::of_parts;
+use dpn_core::config::gone;
 use dpn_io::{IoError, atomic_write};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
@@ -120,7 +121,10 @@ impl SweepFolder {
         }
         let text = std::io::read_to_string(BufReader::new(file))
             .map_err(|source| IoError::Read { path: path.clone(), source })?;
-        let bad = |error: serde_json::Error| damaged(error.line(), error.to_string());
+        let bad = |error: serde_json::Error| {
+            let words = error.to_string();
+            damaged(error.line(), gone(&words).unwrap_or(words))
+        };
         let version: Version = serde_json::from_str(&text).map_err(bad)?;
         if version.format != FORMAT {
             let message = format!("a sweep of format {}, and this program reads {FORMAT}", version.format);

@@ -31,8 +31,6 @@ class ProNet(nn.Module):
             setattr(self, f"conv{i + 1}", nn.Conv1d(a, b, k, stride=s, bias=c["conv_bias"]))
             if c["norm_axes"] == "channels":
                 setattr(self, f"norm{i + 1}", nn.LayerNorm(b))
-            elif c["norm_axes"] == "channels-and-time":
-                setattr(self, f"norm{i + 1}", nn.GroupNorm(1, b))
         features = widths[-1] * (2 if c["pool"] == "mean-and-rms" else 1)
         widths = [features] + c["hidden"] + [1]
         for i, (a, b) in enumerate(zip(widths, widths[1:])):
@@ -41,10 +39,7 @@ class ProNet(nn.Module):
     def norm(self, i, h):
         if self.c["norm_axes"] == "none":
             return h
-        layer = getattr(self, f"norm{i + 1}")
-        if self.c["norm_axes"] == "channels":
-            return layer(h.transpose(1, 2)).transpose(1, 2)
-        return layer(h)
+        return getattr(self, f"norm{i + 1}")(h.transpose(1, 2)).transpose(1, 2)
 
     def forward(self, x):
         c = self.c
@@ -52,7 +47,6 @@ class ProNet(nn.Module):
         h = {
             "demeaned": lambda: x - x.mean(1, keepdim=True),
             "raw": lambda: x,
-            "differences": lambda: x.diff(dim=1),
             "second-differences": lambda: x.diff(n=2, dim=1),
         }[c["input"]]()[:, None]
         for i in range(len(c["channels"])):
@@ -75,7 +69,6 @@ class ProNet(nn.Module):
         y = {
             "softplus": lambda: F.softplus(z),
             "leaky-relu": lambda: F.leaky_relu(z, c["leak"]),
-            "linear": lambda: z,
             "log-sigma": lambda: z.clamp(-10, 5).exp(),
         }[c["head"]]()
         return y * c["output_scale"]
@@ -122,13 +115,13 @@ def adam(weight_decay, decoupled):
 def main():
     base, wide, strided = "base.safetensors", "wide.safetensors", "strided.safetensors"
     orders = ["conv-norm-act", "conv-act-norm"]
-    axes = ["channels", "channels-and-time", "none"]
-    heads = ["softplus", "leaky-relu", "linear", "log-sigma"]
+    axes = ["channels", "none"]
+    heads = ["softplus", "leaky-relu", "log-sigma"]
     cases = []
     for order, axis, head in itertools.product(orders, axes, heads):
         changes = {"block_order": order, "norm_axes": axis, "head": head}
         cases.append(case(base, changes, head == "softplus"))
-    for kind in ["raw", "differences", "second-differences"]:
+    for kind in ["raw", "second-differences"]:
         cases.append(case(base, {"input": kind}, False))
     cases.append(case(wide, {}, True))
     cases.append(case(strided, {}, True))

@@ -5,6 +5,7 @@ pub(super) const TRAIN: &str = "Examples:
   dpn train --sensor accel --data data/euroc --out runs/accel --resume
   dpn train --sensor accel --data data/euroc --config constant.toml --out runs/accel --resume --epochs 300
   dpn train --sensor gyro --config configs/train/gyro.toml --data data/euroc --out runs/gyro --seed 1
+  dpn train --sensor accel --set network.block_order=conv-act-norm --data data/euroc
   dpn train --many configs/sweep/train.toml --data data --jobs 2 --out runs/many";
 
 pub(super) const EVAL: &str = "Examples:

@@ -1,5 +1,6 @@
 //! `dpn train`.
 
+use super::closed_loop::key_value;
 use clap::{Args, ValueEnum};
 use dpn_core::Sensor;
 use std::path::PathBuf;
@@ -29,7 +30,7 @@ pub(crate) struct TrainArgs {
     #[arg(long, value_enum, required_unless_present = "many")]
     pub(crate) sensor: Option<SensorArg>,
     /// Train many networks at once, as a plan asks for them (TOML, as configs/sweep/train.toml): sensors x configurations x seeds.
-    #[arg(long, value_name = "PLAN", conflicts_with_all = ["sensor", "config", "resume", "seed", "epochs", "base"])]
+    #[arg(long, value_name = "PLAN", conflicts_with_all = ["sensor", "config", "sets", "resume", "seed", "epochs", "base"])]
     pub(crate) many: Option<PathBuf>,
     /// Trainings at a time; without it as many as there are cores.
     #[arg(long, value_name = "N", requires = "many", value_parser = clap::value_parser!(u64).range(1..=4096))]
@@ -37,6 +38,9 @@ pub(crate) struct TrainArgs {
     /// Configuration (TOML); without it the built-in default, which configs/train/{accel,gyro}.toml repeat.
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
+    /// One key of the configuration, over the file: --set network.block_order=conv-act-norm. May be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub(crate) sets: Vec<(String, String)>,
     /// Folder of ASL sequences (EuRoC, TUM-VI), or a data pack of them; without it the simulated flights.
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,

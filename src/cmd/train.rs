@@ -10,7 +10,7 @@ use dpn_core::config::Validate;
 use dpn_train::config::TrainConfig;
 use dpn_train::run::{Run, RunError};
 use dpn_train::trainer::TrainError;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 pub(crate) fn run(args: TrainArgs) -> Result<()> {
     let sensor = match (&args.many, args.sensor) {
@@ -70,22 +70,13 @@ pub(crate) fn run(args: TrainArgs) -> Result<()> {
 
 /// The file's keys, then the flags over them.
 fn config(args: &TrainArgs, sensor: Sensor) -> Result<TrainConfig> {
-    let mut config = match &args.config {
-        Some(path) => {
-            let config = dpn_train::config::load(path, sensor)?;
-            if config.sensor() != sensor {
-                return Err(Fault::new(format!(
-                    "{} is for the sensor `{}`",
-                    path.display(),
-                    config.sensor()
-                ))
-                .hint(format!("say --sensor {}, or give a configuration for `{sensor}`", config.sensor()))
-                .into());
-            }
-            config
-        }
-        None => TrainConfig::for_sensor(sensor),
-    };
+    let mut config = dpn_train::config::load_over(args.config.as_deref(), &args.sets, sensor)?;
+    if config.sensor() != sensor {
+        let named = args.config.as_deref().unwrap_or(Path::new("--set network.sensor"));
+        return Err(Fault::new(format!("{} is for the sensor `{}`", named.display(), config.sensor()))
+            .hint(format!("say --sensor {}, or give a configuration for `{sensor}`", config.sensor()))
+            .into());
+    }
     if let Some(seed) = args.seed {
         config.seed = seed;
     }

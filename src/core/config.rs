@@ -1,5 +1,6 @@
 //! Checked configurations: bad values are named all at once, a mistyped word with the nearest known one.
 
+pub use crate::gone::gone;
 use std::fmt;
 use thiserror::Error;
 

@@ -21,6 +21,7 @@ pub mod config;
 pub mod estimate;
 #[cfg(feature = "full")]
 pub mod geometry;
+mod gone;
 #[cfg(feature = "full")]
 pub mod image;
 pub mod imu;

@@ -1,9 +1,8 @@
 //! Typed TOML configuration: unknown keys are refused with the nearest known one, bad values all at once.
 
-use crate::gone::gone;
 use crate::printable;
 use crate::small::{LARGEST_CONFIG, bounded};
-use dpn_core::config::{ConfigFaults, Validate, did_you_mean, nearest};
+use dpn_core::config::{ConfigFaults, Validate, did_you_mean, gone, nearest};
 use serde::de::DeserializeOwned;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -98,39 +97,62 @@ pub fn load_over<T: DeserializeOwned + Validate>(
     path: Option<&Path>,
     sets: &[(String, String)],
 ) -> Result<T, ConfigError> {
-    let (text, name) = match path {
-        Some(path) => (text_of(path)?, path.to_owned()),
-        None => (String::new(), PathBuf::from("the built-in defaults")),
-    };
-    let config = parse(&text, &name)?;
-    if sets.is_empty() {
-        return Ok(config);
-    }
-    let wrong = |path: String, message: String| refused(path.into(), None, message);
+    of_table(table_over::<T>(path, sets)?, path, sets)
+}
+
+/// The keys of a file, or none without one, with single keys set over them, each known to `T`: for who has defaults of its own to lay them over.
+///
+/// # Errors
+/// As [`load_over`].
+pub fn table_over<T: DeserializeOwned + Validate>(
+    path: Option<&Path>,
+    sets: &[(String, String)],
+) -> Result<toml::Table, ConfigError> {
+    let text = path.map(text_of).transpose()?.unwrap_or_default();
+    let name = named(path, &[]);
+    // Its errors alone can name lines.
+    parse::<T>(&text, &name)?;
     let mut table: toml::Table =
-        toml::from_str(&text).map_err(|e| wrong(name.display().to_string(), e.message().to_owned()))?;
-    let typed = |key: &str, text: &str| format!("{key}={text}");
+        toml::from_str(&text).map_err(|e| refused(name, None, e.message().to_owned()))?;
     for (key, text) in sets {
-        let typed = typed(key, text);
-        let value = value_of(text);
-        let refused = |e: toml::de::Error| wrong(typed.clone(), e.message().to_owned());
-        put(&mut table, key, value).map_err(|message| wrong(typed.clone(), message))?;
+        let wrong = |message: String| refused(PathBuf::from(format!("{key}={text}")), None, message);
+        put(&mut table, key, value_of(text)).map_err(wrong)?;
         // Key by key, so that the message names the one that is wrong.
         if let Err(error) = table.clone().try_into::<T>() {
-            // Where one of several words is expected, the message lists them only to who wrote a word.
-            let word = toml::Value::String(text.clone());
-            put(&mut table, key, word).map_err(|message| wrong(typed.clone(), message))?;
+            // Where one of several words is expected, the message lists them only to who wrote a word, without its quotes.
+            let word = toml::Value::String(text.trim_matches(['"', '\'']).to_owned());
+            put(&mut table, key, word).map_err(wrong)?;
             let as_word = table.try_into::<T>().err().filter(|e| e.message().starts_with("unknown variant"));
-            return Err(refused(as_word.unwrap_or(error)));
+            return Err(wrong(as_word.unwrap_or(error).message().to_owned()));
         }
     }
-    let config: T = table.try_into().map_err(|e: toml::de::Error| wrong(String::new(), e.to_string()))?;
-    // Without the keys it was within its bounds.
-    config.validate().map_err(|faults| {
-        let all = sets.iter().map(|(key, text)| typed(key, text)).collect::<Vec<_>>().join(", ");
-        ConfigError::Bounds { path: all.into(), faults }
-    })?;
-    Ok(config)
+    Ok(table)
+}
+
+/// The checked configuration of a table that was made of `path` and `sets`, which errors name.
+///
+/// # Errors
+/// A key that is not known, a value of the wrong kind or outside its bounds.
+pub fn of_table<T: DeserializeOwned + Validate>(
+    table: toml::Table,
+    path: Option<&Path>,
+    sets: &[(String, String)],
+) -> Result<T, ConfigError> {
+    let config: T = table
+        .try_into()
+        .map_err(|e: toml::de::Error| refused(named(path, sets), None, e.message().to_owned()))?;
+    match config.validate() {
+        Ok(()) => Ok(config),
+        Err(faults) => Err(ConfigError::Bounds { path: named(path, sets), faults }),
+    }
+}
+
+/// What errors call it: without its single keys a file is within its bounds.
+fn named(path: Option<&Path>, sets: &[(String, String)]) -> PathBuf {
+    if sets.is_empty() {
+        return path.unwrap_or(Path::new("the built-in defaults")).to_owned();
+    }
+    sets.iter().map(|(key, text)| format!("{key}={text}")).collect::<Vec<_>>().join(", ").into()
 }
 
 /// What was written after `=`: a TOML value; else a number as people write it (`.5`), else a word, as `window.loss=huber` means it.

@@ -33,7 +33,6 @@ mod error;
 mod fields;
 #[cfg(test)]
 mod fuzz;
-mod gone;
 #[cfg(feature = "images")]
 mod grey;
 mod guess;

@@ -72,7 +72,6 @@ impl Writer<'_> {
                 let mean = self.mean("window_mean", &moved, &[1], true);
                 self.graph.node("Sub", "demeaned", &[&moved, &mean], &[])
             }
-            Input::Differences => self.difference("difference", &scaled, window),
             Input::SecondDifferences => {
                 let first = self.difference("difference", &scaled, window);
                 self.difference("second_difference", &first, window - 1)
@@ -134,16 +133,14 @@ impl Writer<'_> {
     }
 
     fn normalise(&mut self, number: usize, x: &str) -> String {
-        let axes: &[i64] = match self.config.norm_axes {
-            NormAxes::Channels => &[1],
-            NormAxes::ChannelsAndTime => &[1, 2],
-            NormAxes::None => return x.to_owned(),
-        };
+        if self.config.norm_axes == NormAxes::None {
+            return x.to_owned();
+        }
         let name = |part: &str| format!("norm{number}.{part}");
-        let mean = self.mean(&name("mean"), x, axes, true);
+        let mean = self.mean(&name("mean"), x, &[1], true);
         let centred = self.graph.node("Sub", name("centred"), &[x, &mean], &[]);
         let square = self.graph.node("Mul", name("square"), &[&centred, &centred], &[]);
-        let variance = self.mean(&name("variance"), &square, axes, true);
+        let variance = self.mean(&name("variance"), &square, &[1], true);
         let epsilon = self.graph.float(name("epsilon"), NORM_EPSILON);
         let above_zero = self.graph.node("Add", name("above_zero"), &[&variance, &epsilon], &[]);
         let deviation = self.graph.node("Sqrt", name("deviation"), &[&above_zero], &[]);
@@ -194,7 +191,6 @@ impl Writer<'_> {
         let positive = match self.config.head {
             Head::Softplus => self.graph.node("Softplus", "head", &[z], &[]),
             Head::LeakyRelu => self.leaky_relu("head", z),
-            Head::Linear => z.to_owned(),
             Head::LogSigma => self.clamped_exp("head", z, LOG_SIGMA_RANGE),
             Head::LogSigmaAndSpread => {
                 let spread = self.between("spread.number", z, 1, 2);

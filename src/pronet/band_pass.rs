@@ -53,7 +53,6 @@ pub(crate) fn band_pass_kernels(config: &ProNetConfig, stream: &Stream) -> Vec<f
 fn differences(input: Input) -> &'static [f64] {
     match input {
         Input::Demeaned | Input::Raw => &[1.0],
-        Input::Differences => &[1.0, -1.0],
         Input::SecondDifferences => &[1.0, -2.0, 1.0],
     }
 }

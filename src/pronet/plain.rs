@@ -2,7 +2,7 @@
 //!
 //! Shapes stand at every line that changes one. The fused kernels of this crate are held to this by tests.
 
-use crate::config::{BlockOrder, Head, Input, NormAxes, Pool, ProNetConfig};
+use crate::config::{BlockOrder, Head, Input, Pool, ProNetConfig};
 use crate::definition::{LOG_SIGMA_RANGE, LOG_SPREAD_RANGE, NORM_EPSILON, POOL_EPSILON};
 use crate::module::{ProNet, deviations};
 use burn::module::Param;
@@ -47,7 +47,6 @@ impl ProNet {
         let positive = match config.head {
             Head::Softplus => activation::softplus(features, 1.0),
             Head::LeakyRelu => activation::leaky_relu(features, config.leak),
-            Head::Linear => features,
             Head::LogSigma => features.clamp(LOG_SIGMA_RANGE.0, LOG_SIGMA_RANGE.1).exp(),
             Head::LogSigmaAndSpread => {
                 let [batch, _] = features.dims();
@@ -75,16 +74,11 @@ impl ProNet {
     }
 
     fn normalise(&self, i: usize, x: Tensor<3>) -> Tensor<3> {
-        let over = |x: Tensor<3>| match self.config().norm_axes {
-            NormAxes::Channels => x.mean_dim(1),                    // [batch, 1, time]
-            NormAxes::ChannelsAndTime => x.mean_dim(1).mean_dim(2), // [batch, 1, 1]
-            NormAxes::None => x,
-        };
         let Some(norm) = self.norm.get(i) else {
             return x;
         };
-        let centred = x.clone() - over(x); // [batch, channels, time]
-        let variance = over(centred.clone().square());
+        let centred = x.clone() - x.mean_dim(1); // [batch, channels, time]
+        let variance = centred.clone().square().mean_dim(1); // [batch, 1, time]
         let normal = centred / (variance + NORM_EPSILON).sqrt(); // [batch, channels, time]
         let per_channel = |p: &Param<Tensor<1>>| p.val().unsqueeze::<2>().unsqueeze_dim::<3>(2); // [1, channels, 1]
         normal * per_channel(&norm.weight) + per_channel(&norm.bias)
@@ -105,7 +99,6 @@ fn prepare(config: &ProNetConfig, windows: Tensor<2>) -> Tensor<3> {
     let x = match config.input {
         Input::Raw => x,
         Input::Demeaned => x.clone() - x.mean_dim(1),
-        Input::Differences => difference(x), // [batch, window - 1]
         Input::SecondDifferences => difference(difference(x)), // [batch, window - 2]
     };
     x.unsqueeze_dim(1) // [batch, 1, time]

@@ -4,8 +4,8 @@
 //! network shall be the same bytes): `{"format", "version", "sha256", "content"}`. The checksum is taken over the tensors' bytes
 //! in the order of their names.
 
-use crate::config::retired;
 use dpn_core::checksum::of_parts;
+use dpn_core::config::gone;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -139,8 +139,7 @@ pub(crate) fn to_bytes(
     let bytes: BTreeMap<&str, Vec<u8>> =
         tensors.iter().map(|t| (t.name.as_str(), le_bytes(&t.numbers))).collect();
     let sha256 = checksum(bytes.iter().map(|(n, b)| (*n, b.as_slice())));
-    let mut content = serde_json::to_value(content).map_err(|e| description(e.to_string()))?;
-    retired::put(&mut content);
+    let content = serde_json::to_value(content).map_err(|e| description(e.to_string()))?;
     let meta = json!({"format": format, "version": FORMAT_VERSION, "sha256": sha256, "content": content});
     let mut views = Vec::with_capacity(tensors.len());
     for tensor in tensors {
@@ -182,9 +181,10 @@ pub(crate) fn from_bytes<T: DeserializeOwned>(
     if meta["version"].as_u64() != Some(FORMAT_VERSION) {
         return Err(StoreError::Version { path: path.to_owned(), found: meta["version"].to_string() });
     }
-    retired::take(&mut meta["content"]);
-    let content = serde_json::from_value(meta["content"].take())
-        .map_err(|e| StoreError::Description { path: path.to_owned(), detail: e.to_string() })?;
+    let content = serde_json::from_value(meta["content"].take()).map_err(|e| {
+        let detail = gone(&e.to_string()).unwrap_or_else(|| e.to_string());
+        StoreError::Description { path: path.to_owned(), detail }
+    })?;
     let views: BTreeMap<&str, TensorView<'_>> = tensors.iter().collect();
     let mut named = BTreeMap::new();
     for (name, view) in &views {

@@ -213,6 +213,13 @@ mod tests {
     }
 
     #[test]
+    fn a_key_that_is_gone_is_named_with_what_to_do() {
+        let error = forged("\\\"input_scale\\\"", "\\\"standardise\\\"").unwrap_err().to_string();
+        let said = "(`standardise` is gone since 0.2.0; train again, or take such keys out of the file by";
+        assert!(error.contains(said), "{error}");
+    }
+
+    #[test]
     fn one_changed_number_breaks_the_checksum_and_nan_is_named() {
         let mut bytes = weights(Sensor::Accel).to_bytes().unwrap();
         let last = bytes.len() - 4;

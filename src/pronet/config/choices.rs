@@ -17,15 +17,13 @@ named!(
 );
 
 named!(
-    /// Over what a block normalises (decision 5). Gain and offset are per channel in every case.
+    /// Over what a block normalises (decision 5). Gain and offset are per channel.
     #[derive(Default, Serialize, Deserialize)]
     #[serde(rename_all = "kebab-case")]
     pub enum NormAxes {
         /// Over the channels, at each time step.
         #[default]
         Channels = "channels",
-        /// Over channels and time: one mean and one variance a window (PyTorch's `GroupNorm(1, channels)`).
-        ChannelsAndTime = "channels-and-time",
         /// Not at all; the block has no gain and no offset.
         None = "none",
     }
@@ -41,8 +39,6 @@ named!(
         Softplus = "softplus",
         /// `z` for `z > 0`, `leak * z` below: the paper; may give a negative deviation.
         LeakyRelu = "leaky-relu",
-        /// `z`.
-        Linear = "linear",
         /// `exp(z)`, with `z` clamped to \[-10, 5\].
         LogSigma = "log-sigma",
         /// The same of the first of two numbers, and of the second, clamped to \[-5, 2\], the deviation of the answer's logarithm: how far
@@ -56,7 +52,7 @@ impl Head {
     pub fn outputs(self) -> usize {
         match self {
             Self::LogSigmaAndSpread => 2,
-            Self::Softplus | Self::LeakyRelu | Self::Linear | Self::LogSigma => 1,
+            Self::Softplus | Self::LeakyRelu | Self::LogSigma => 1,
         }
     }
 }
@@ -71,8 +67,6 @@ named!(
         Demeaned = "demeaned",
         /// The window as it is: the paper. Gravity included.
         Raw = "raw",
-        /// `x[t+1] - x[t]`: one sample shorter.
-        Differences = "differences",
         /// `x[t+2] - 2 x[t+1] + x[t]`: two samples shorter.
         SecondDifferences = "second-differences",
     }

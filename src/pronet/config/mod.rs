@@ -2,7 +2,6 @@
 
 mod choices;
 mod network;
-pub(crate) mod retired;
 
 pub use choices::{BlockOrder, FirstKernels, Head, Input, NormAxes, Pool};
 pub use network::ProNetConfig;

@@ -106,7 +106,6 @@ impl ProNetConfig {
     pub(crate) fn input_length(&self) -> usize {
         match self.input {
             Input::Demeaned | Input::Raw => self.window,
-            Input::Differences => self.window.saturating_sub(1),
             Input::SecondDifferences => self.window.saturating_sub(2),
         }
     }
@@ -201,12 +200,13 @@ mod tests {
 
     #[test]
     fn choices_are_spelt_as_their_names() {
-        let text = "block_order = \"conv-act-norm\"\nnorm_axes = \"channels-and-time\"\nhead = \"log-sigma\"\ninput = \"differences\"\n";
+        let text =
+            "block_order = \"conv-act-norm\"\nnorm_axes = \"none\"\nhead = \"log-sigma\"\ninput = \"raw\"\n";
         let config: ProNetConfig = toml::from_str(text).unwrap();
         assert_eq!(config.block_order, BlockOrder::ConvActNorm);
-        assert_eq!(config.norm_axes, NormAxes::ChannelsAndTime);
+        assert_eq!(config.norm_axes, NormAxes::None);
         assert_eq!(config.head, Head::LogSigma);
-        assert_eq!(config.input, Input::Differences);
+        assert_eq!(config.input, Input::Raw);
         for head in Head::ALL {
             assert_eq!(serde_json::to_string(&head).unwrap(), format!("\"{head}\""));
         }

@@ -30,7 +30,6 @@ impl HeadKind {
             // max(z, 0) + ln(1 + exp(-|z|)): no overflow.
             Head::Softplus => z[0].max(0.0) + (-z[0].abs()).exp().ln_1p(),
             Head::LeakyRelu => z[0].max(self.leak * z[0]),
-            Head::Linear => z[0],
             Head::LogSigma | Head::LogSigmaAndSpread => {
                 z[0].clamp(LOG_SIGMA_RANGE.0, LOG_SIGMA_RANGE.1).exp()
             }
@@ -56,7 +55,6 @@ impl HeadKind {
                     self.leak
                 }
             }
-            Head::Linear => 1.0,
             Head::LogSigma | Head::LogSigmaAndSpread => exp_within(z[0], LOG_SIGMA_RANGE),
         };
         d_z[0] = d[0] * slope * self.unit;

@@ -43,11 +43,6 @@ impl Preparation {
         after.fill(0.0);
         match self.input {
             Input::Demeaned | Input::Raw => inner.copy_from_slice(x),
-            Input::Differences => {
-                for (o, w) in inner.iter_mut().zip(x.windows(2)) {
-                    *o = w[1] - w[0];
-                }
-            }
             Input::SecondDifferences => {
                 for (o, w) in inner.iter_mut().zip(x.windows(3)) {
                     // As two first differences, like the module's.

@@ -2,7 +2,7 @@
 //!
 //! With `n = (x - mean) / sqrt(var + 1e-5)`, the block gives `act(gain n + offset)` of the convolution's output `x = c`, or in the paper's
 //! other order `gain n + offset` of `x = act(c)`. Back through the normalisation: `dx = (dn - mean(dn) - n mean(dn n)) / sqrt(..)` with
-//! `dn = gain * dz`, means taken over what was normalised over. Padded channels have gain and mask zero and stay out of every sum.
+//! `dn = gain * dz`, means taken over the channels. Padded channels have gain and mask zero and stay out of every sum.
 
 use super::plan::BlockPlan;
 use crate::config::{BlockOrder, NormAxes};
@@ -55,7 +55,7 @@ fn normalised<S: Simd>(simd: S, order: BlockOrder, leak: S::f32s, conv: S::f32s)
 }
 
 /// From the convolution's output `conv` to the block's output `out`, both `[time out, width out]`; leaves mean and reciprocal
-/// deviation of every row (or of the window) in `stats`.
+/// deviation of every row in `stats`.
 #[inline(always)]
 pub(crate) fn forward<S: Simd>(
     simd: S,
@@ -85,19 +85,6 @@ pub(crate) fn forward<S: Simd>(
                 let variance = sum_of_squares(simd, kind.order, leak, rows.mask, conv, mean) * each;
                 let inverse = 1.0 / (variance + NORM_EPSILON).sqrt();
                 (stats[0], stats[1]) = (mean, inverse);
-                apply(simd, kind.order, leak, &rows, conv, (mean, inverse), out);
-            }
-        }
-        NormAxes::ChannelsAndTime => {
-            let each = 1.0 / (block.channels * block.time_out) as f32;
-            let mean = conv.chunks_exact(width).map(|c| sum(simd, kind.order, leak, c)).sum::<f32>() * each;
-            let mut squares = 0.0;
-            for conv in conv.chunks_exact(width) {
-                squares += sum_of_squares(simd, kind.order, leak, rows.mask, conv, mean);
-            }
-            let inverse = 1.0 / (squares * each + NORM_EPSILON).sqrt();
-            (stats[0], stats[1]) = (mean, inverse);
-            for (conv, out) in conv.chunks_exact(width).zip(out.chunks_exact_mut(width)) {
                 apply(simd, kind.order, leak, &rows, conv, (mean, inverse), out);
             }
         }
@@ -208,22 +195,6 @@ pub(crate) fn backward<S: Simd>(
                 let stats = (stats[0], stats[1]);
                 let (s1, s2) = to_normal(simd, kind.order, leak, &rows, conv, stats, d, gain, offset);
                 let means = (s1 * each, s2 * each);
-                through(simd, kind.order, leak, rows.mask, conv, stats, means, d, d_conv, bias);
-            }
-        }
-        NormAxes::ChannelsAndTime => {
-            let each = 1.0 / (block.channels * block.time_out) as f32;
-            let stats = (stats[0], stats[1]);
-            let (mut s1, mut s2) = (0.0, 0.0);
-            for (conv, d) in conv.chunks_exact(width).zip(d.chunks_exact_mut(width)) {
-                let (a, b) = to_normal(simd, kind.order, leak, &rows, conv, stats, d, gain, offset);
-                s1 += a;
-                s2 += b;
-            }
-            let means = (s1 * each, s2 * each);
-            let iter =
-                conv.chunks_exact(width).zip(d.chunks_exact(width)).zip(d_conv.chunks_exact_mut(width));
-            for ((conv, d), d_conv) in iter {
                 through(simd, kind.order, leak, rows.mask, conv, stats, means, d, d_conv, bias);
             }
         }

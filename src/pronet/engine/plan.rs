@@ -267,7 +267,7 @@ impl Plan {
                 saved_conv: saved.take(time_out * width_out),
                 saved_stats: saved.take(match config.norm_axes {
                     NormAxes::Channels => 2 * time_out,
-                    NormAxes::ChannelsAndTime | NormAxes::None => 2,
+                    NormAxes::None => 0,
                 }),
                 d_weights,
                 d_bias,

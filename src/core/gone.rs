@@ -1,4 +1,4 @@
-//! Keys and words that configurations once had: who has an old file reads since when one is gone, and what to write instead.
+//! Keys and words that configurations and the headers of weights once had: who has an old file reads since when one is gone, and what to write instead.
 
 /// One of them.
 struct Gone {
@@ -6,7 +6,7 @@ struct Gone {
     refusal: &'static str,
     /// The key, or the word that a key once took.
     name: &'static str,
-    /// A word that the same key takes still, for other keys may take words of the same name; empty for a key.
+    /// A key of the same table, or a word that the same key takes still: elsewhere another may have the name. Empty where no other has.
     beside: &'static str,
     /// The first version without it.
     since: &'static str,
@@ -18,23 +18,44 @@ const fn key(name: &'static str, instead: &'static str) -> Gone {
     Gone { refusal: "unknown field", name, beside: "", since: "0.2.0", instead }
 }
 
-const fn handover(name: &'static str) -> Gone {
-    Gone { refusal: "unknown variant", name, beside: "`split`", since: "0.2.0", instead: HANDOVER }
+const fn word(name: &'static str, beside: &'static str, instead: &'static str) -> Gone {
+    Gone { refusal: "unknown variant", name, beside, since: "0.2.0", instead }
 }
 
-const GONE: [Gone; 6] = [
+/// A key that every network's configuration had, with one and the same value.
+const fn header(name: &'static str) -> Gone {
+    Gone { beside: "`norm_axes`", ..key(name, HEADER) }
+}
+
+const GONE: [Gone; 16] = [
     key("colour", "leave it out and give the noise that errs as much over 0.1 s, `--noise 'effective(.1)'`"),
     key("clahe", "leave it out: images are tracked as they are"),
     key("subpixel", "leave it out: corners begin on their pixel"),
+    key("illumination", "leave it out: every patch has a gain and an offset of its own"),
     key("repeated", "leave it out: an image that comes twice is passed over"),
-    handover("share"),
-    handover("drop"),
+    word("share", "`split`", HANDOVER),
+    word("drop", "`split`", HANDOVER),
+    Gone { beside: "`filter`", ..key("scope", "leave it out: every window is filtered on its own") },
+    Gone { beside: "`levels`", ..key("draws", "leave it out: noise is drawn anew every epoch") },
+    word("channels-and-time", "`channels`", "write `norm_axes = \"channels\"`, the default"),
+    word(
+        "linear",
+        "`softplus`",
+        "write `head = \"leaky-relu\"`, the paper's, or `\"softplus\"`, the default",
+    ),
+    word("differences", "`second-differences`", "write `input = \"second-differences\"`"),
+    header("edges"),
+    header("rescale_output"),
+    header("standardise"),
+    header("symmetrise"),
 ];
+
+const HEADER: &str = "train again, or take such keys out of the file by `python models/gone_keys.py FILE`";
 
 const HANDOVER: &str = "write `handover = \"split\"`, the default: each sighting counts once";
 
 /// What to say where serde refuses a text with `message`, if that is for one of them.
-pub(crate) fn gone(message: &str) -> Option<String> {
+pub fn gone(message: &str) -> Option<String> {
     let refused = |gone: &&Gone| {
         message.starts_with(&format!("{} `{}`", gone.refusal, gone.name)) && message.contains(gone.beside)
     };
