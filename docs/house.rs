@@ -48,7 +48,7 @@ const ARROWS: [(&str, &[&str]); 18] = [
 
 /// Third-party crates that one room keeps to itself.
 const SEEN_BY: [(&str, &[&str]); 6] = [
-    ("burn", &["src/pronet", "train"]),
+    ("burn", &["src/pronet"]),
     ("linfa", &["train"]),
     ("clarabel", &["src/probe"]),
     ("plotters", &["figures"]),

@@ -13,6 +13,7 @@ pub mod examples;
 pub mod features;
 pub mod label;
 pub mod levels;
+mod loss;
 pub mod own;
 pub mod regress;
 pub mod run;

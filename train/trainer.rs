@@ -5,21 +5,21 @@
 //! from a saved [`State`] therefore ends in the same bits as one that never stopped.
 
 use crate::calibration::Calibration;
-use crate::config::{Loss, TrainConfig};
+use crate::config::TrainConfig;
 use crate::corpus::{Corpus, CorpusError};
 use crate::examples::Examples;
+use crate::loss::loss;
 use crate::schedule::learning_rate;
 use crate::split::Side;
 use crate::state::{EpochRecord, State};
 use crate::windows::{Stretch, WINDOW, WindowSet};
-use burn::tensor::{Device, Tensor, TensorData};
 use dpn_core::config::ConfigFaults;
 use dpn_core::random::Stream;
 use dpn_core::signal::FilterError;
 use dpn_pronet::adam::{AdamConfig, clip_length};
 use dpn_pronet::range::TrainedRange;
 use dpn_pronet::weights::{Card, Weights};
-use dpn_pronet::{Predictor, ProNet};
+use dpn_pronet::{Device, Predictor, Trainable, init};
 use rand::seq::SliceRandom;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -70,12 +70,7 @@ pub struct Trainer {
     validation: Examples,
     truth: Vec<f64>,
     stream: Stream,
-    network: ProNet,
-}
-
-/// The CPU, recording gradients.
-pub fn cpu() -> Device {
-    Device::flex().autodiff()
+    network: Trainable,
 }
 
 impl Trainer {
@@ -97,7 +92,7 @@ impl Trainer {
         let mut validation = Examples::draw(&held_out, &config.levels(), &judge);
         validation.vibrate(&config.draw_rule(), &judge.named("vibration"));
         let truth = validation.truth(config.noise.label);
-        let network = ProNet::new(&config.network, &stream.named("weights"), device)?;
+        let network = Trainable::new(&config.network, device)?;
         Ok(Self { config, fit, validation, truth, stream, network })
     }
 
@@ -113,7 +108,7 @@ impl Trainer {
 
     /// The state before the first epoch.
     pub fn start(&self) -> State {
-        State::new(self.network.parameters(), self.adam())
+        State::new(init::initial_parameters(&self.config.network, &self.stream.named("weights")), self.adam())
     }
 
     /// The optimiser's settings.
@@ -147,7 +142,7 @@ impl Trainer {
                 return Err(TrainError::Stopped { epoch: epoch + 1 });
             }
             let (windows, labels) = self.draw(epoch, batch);
-            let (loss, mut gradient) = self.gradient(&next.weights, windows, &labels);
+            let (loss, mut gradient) = self.gradient(&next.weights, &windows, &labels);
             if !loss.is_finite() {
                 return Err(TrainError::Diverged { epoch: epoch + 1, loss });
             }
@@ -235,34 +230,9 @@ impl Trainer {
     }
 
     /// Loss of a batch and its gradient.
-    fn gradient(&self, weights: &[f32], windows: Vec<f32>, labels: &[f32]) -> (f64, Vec<f32>) {
-        let network = self.network.with_parameters(weights);
-        let device = network.device();
-        let batch = labels.len();
-        let windows = Tensor::<2>::from_data(TensorData::new(windows, [batch, WINDOW]), &device); // [batch, window]
-        let labels = Tensor::<1>::from_data(TensorData::new(labels.to_vec(), [batch]), &device); // [batch]
-        let square = |error: Tensor<1>| error.clone().mul(error); // [batch]
-        let loss = match self.config.fit.loss {
-            Loss::Mse => {
-                let unit = self.config.network.output_scale() as f32;
-                square((network.forward(windows) - labels) / unit) // [batch]
-            }
-            Loss::LogMse => {
-                let floor = (1e-3 * self.config.network.output_scale()) as f32;
-                square(network.forward(windows).clamp_min(floor).log() - labels.log()) // [batch]
-            }
-            Loss::LogNll => {
-                let answers = network.answers(windows).log(); // [batch, 2]
-                let column = |k: usize| answers.clone().slice([0..batch, k..k + 1]).squeeze_dim::<1>(1); // [batch]
-                let (log_sigma, log_spread) = (column(0), column(1));
-                square((log_sigma - labels.log()) / log_spread.clone().exp()) * 0.5 + log_spread // [batch]
-            }
-        }
-        .mean(); // [1]
-        let gradients = loss.backward();
-        let value =
-            loss.into_data_as::<f32>().iter::<f32>().next().map(f64::from).expect("a mean is one number");
-        (value, network.flat_gradient(&gradients))
+    fn gradient(&self, weights: &[f32], windows: &[f32], labels: &[f32]) -> (f64, Vec<f32>) {
+        let (kind, scale) = (self.config.fit.loss, self.config.network.output_scale());
+        self.network.gradient(weights, windows, |answers| loss(kind, scale, answers, labels))
     }
 
     /// Moves the running mean of the weights. It starts as a plain mean, so that early weights do not linger.

@@ -6,13 +6,11 @@
 //!
 //! * `DPN_BENCH_NETS=kernel-41`, `DPN_BENCH_BATCHES=200,1000,5000`
 //! * `DPN_BENCH_DEVICE=wgpu`, built with `--features wgpu`; the adapter is named, and whether it is a card or software
-//! * `DPN_BENCH_PLAIN=1`: beside the fused kernels the composition in burn's primitives, which is all there is on other devices than the CPU
 
-use burn::tensor::{Device, Tensor, TensorData};
 use dpn_bench::{asked, iterations, time};
 use dpn_core::random::Stream;
 use dpn_pronet::config::Input;
-use dpn_pronet::{Adam, AdamConfig, ProNet, ProNetConfig};
+use dpn_pronet::{Adam, AdamConfig, Device, ProNetConfig, Trainable, init::initial_parameters};
 use rand::Rng;
 
 fn main() {
@@ -40,50 +38,38 @@ fn main() {
             continue;
         }
         for &batch in &batches {
-            step(&format!("{name}, {batch} windows"), config, batch, &device, true);
-            if asked("DPN_BENCH_PLAIN").is_some() {
-                step(&format!("{name}, {batch} windows, plain"), config, batch, &device, false);
-            }
+            step(&format!("{name}, {batch} windows"), config, batch, &device);
         }
     }
 }
 
-/// Where to compute, recording gradients.
+/// Where to compute.
 fn device() -> Device {
-    let name = asked("DPN_BENCH_DEVICE").map_or_else(|| "flex".to_owned(), |names| names.concat());
-    let device = match name.as_str() {
-        "flex" => Device::flex(),
-        #[cfg(feature = "wgpu")]
-        "wgpu" => {
-            let device = Device::wgpu(burn::tensor::DeviceKind::DefaultDevice);
-            let identity = device.identity().expect("wgpu knows its adapter");
-            let kind = if identity.physical.is_some() { "a card" } else { "software" };
-            println!("train_step on {} ({kind}, {})", identity.name, identity.fingerprint);
-            device
-        }
-        _ => panic!("this bench was built without the device `{name}`"),
-    };
-    device.autodiff()
+    let name = asked("DPN_BENCH_DEVICE").map_or_else(|| "cpu".to_owned(), |names| names.concat());
+    let device =
+        Device::named(&name).unwrap_or_else(|| panic!("this bench was built without the device `{name}`"));
+    #[cfg(feature = "wgpu")]
+    if let Device::Burn(device) = &device {
+        let identity = device.identity().expect("wgpu knows its adapter");
+        let kind = if identity.physical.is_some() { "a card" } else { "software" };
+        println!("train_step on {} ({kind}, {})", identity.name, identity.fingerprint);
+    }
+    device
 }
 
-fn step(name: &str, config: &ProNetConfig, batch: usize, device: &Device, fused: bool) {
+fn step(name: &str, config: &ProNetConfig, batch: usize, device: &Device) {
     let stream = Stream::new(1).named("bench");
-    let mut net = match ProNet::new(config, &stream, device) {
-        Ok(net) => net,
-        Err(error) => panic!("{error}"),
-    };
+    let network = Trainable::new(config, device).expect("its keys go together");
     let mut rng = stream.named("windows").rng();
     let windows: Vec<f32> = (0..batch * config.window).map(|_| 0.2 * (rng.random::<f32>() - 0.5)).collect();
-    let mut parameters = net.parameters();
+    let mut parameters = initial_parameters(config, &stream);
     let mut adam = Adam::new(AdamConfig::default(), parameters.len());
     let timing = time(iterations(40), || {
-        let x = Tensor::<2>::from_data(TensorData::new(windows.clone(), [batch, config.window]), device);
-        let sigma = if fused { net.forward(x) } else { net.forward_plain(x) };
-        let loss = ((sigma - 0.1) * 10.0).square().mean();
-        let gradient = net.flat_gradient(&loss.backward());
+        // Of the mean of (10 (sigma - 0.1))^2.
+        let (_, gradient) = network.gradient(&parameters, &windows, |sigma| {
+            (0.0, sigma.iter().map(|sigma| (sigma - 0.1) * 200.0 / batch as f32).collect())
+        });
         adam.step(&mut parameters, &gradient, 1e-3);
-        net = net.with_parameters(&parameters);
-        device.sync().expect("the device did what it was asked");
     });
     println!("train_step {name}: median {:.2} ms, cpu {:.2} ms", timing.wall_ms, timing.cpu_ms);
 }

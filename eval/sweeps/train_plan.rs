@@ -25,14 +25,14 @@ pub struct TrainPlan {
     pub seeds: u64,
     /// Epochs, over the configurations'.
     pub epochs: Option<u64>,
-    /// Where to compute: flex (CPU), or ndarray, wgpu, cuda where the program is built with that feature.
+    /// Where to compute: cpu, or ndarray, wgpu, cuda where the program is built with that feature.
     pub device: String,
 }
 
 impl Default for TrainPlan {
     fn default() -> Self {
         let (kind, sensors) = ("train".into(), Sensor::ALL.to_vec());
-        let device = "flex".into();
+        let device = "cpu".into();
         Self { kind, data: None, sensors, configs: Vec::new(), seed: 0, seeds: 1, epochs: None, device }
     }
 }

@@ -60,7 +60,7 @@ pub(crate) struct TrainArgs {
     /// Base that noise is injected into: `raw`, `gaussian` or `sg(WINDOW,ORDER)`.
     #[arg(long, value_name = "BASE")]
     pub(crate) base: Option<dpn_train::base::Base>,
-    /// Where to compute: flex (CPU), or ndarray, wgpu, cuda where built with that feature. Without it flex, or the plan's.
+    /// Where to compute: cpu, or ndarray, wgpu, cuda where built with that feature. Without it cpu, or the plan's.
     #[arg(long)]
     pub(crate) device: Option<String>,
     /// Print the training summary as JSON on stdout.

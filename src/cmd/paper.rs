@@ -165,7 +165,7 @@ fn train(args: &PaperArgs, sensor: Sensor, corpus: &Corpus, stop: &AtomicBool) -
         .join(format!("{}.safetensors", dpn_core::estimate::DEFAULT_TAG));
     let done = dir.join(format!("{sensor}.safetensors"));
     if !(done.is_file() && dir.join("summary.json").is_file()) {
-        let device = device::parse("flex")?;
+        let device = device::parse(device::CPU)?;
         let resume = dir.join("checkpoint.safetensors").is_file();
         match Run::open(&dir, &config, corpus, &device, resume)?.train(stop, &mut Bar::new()) {
             Err(RunError::Train(TrainError::Stopped { epoch })) => {

@@ -103,8 +103,7 @@ impl Checkpoint {
 #[cfg(all(test, feature = "train"))]
 mod tests {
     use super::*;
-    use crate::module::ProNet;
-    use burn::tensor::{Device, Tensor, TensorData};
+    use crate::{Device, Trainable};
     use dpn_core::random::Stream;
     use rand::Rng;
     use serde_json::json;
@@ -135,14 +134,12 @@ mod tests {
 
     /// One step on the windows of `epoch`.
     fn step(state: &mut Checkpoint, epoch: u64) {
-        let device = Device::flex().autodiff();
         let mut rng = Stream::new(5).named("batch").index(epoch).rng();
         let x: Vec<f32> = (0..33 * 40).map(|_| 0.3 * rng.random::<f32>()).collect();
-        let net =
-            ProNet::new(&state.config, &Stream::new(0), &device).unwrap().with_parameters(&state.parameters);
-        let sigma = net.forward(Tensor::<2>::from_data(TensorData::new(x, [33, 40]), &device));
-        let loss = ((sigma - 0.1) * 10.0).square().mean();
-        let gradient = net.flat_gradient(&loss.backward());
+        let network = Trainable::new(&state.config, &Device::Cpu).unwrap();
+        let (_, gradient) = network.gradient(&state.parameters, &x, |sigma| {
+            (0.0, sigma.iter().map(|sigma| (sigma - 0.1) * 200.0 / 33.0).collect())
+        });
         state.adam.step(&mut state.parameters, &gradient, 1e-3);
     }
 

@@ -4,29 +4,31 @@
 //! it: three blocks of convolution, layer normalisation and leaky ReLU, pooling over time, four linear layers
 //! (VIO-DualProNet, arXiv 2308.11228). Every choice the paper leaves open is a key of [`ProNetConfig`].
 //!
-//! * [`ProNet`]: the network as a burn module, to train and to run on any burn device.
+//! * [`Trainable`]: a loss and its gradient, by kernels of this crate; with the feature `burn` on any of its devices, of the network as a burn
+//!   module (`ProNet`).
 //! * [`Adam`], [`Checkpoint`]: the optimiser over the flat parameters, and a training's state in a file, to the bit.
 //! * [`Weights`]: a trained network in a safetensors file that PyTorch reads by name.
 //! * [`Predictor`], [`DualProNet`]: inference without burn, for windows at hand and for a stream of samples.
 //!
-//! On burn's CPU backend, in training and in inference, the numbers come from kernels of this crate (`module` says when): one
+//! On the processor, in training and in inference, the numbers come from kernels of this crate: one
 //! pass a window, vectors by [`pulp`], the backward pass by hand. All parallel work is split by the batch's size alone and
 //! summed in order, so that one thread and many give the same bits on one machine; machines with other vectors round differently.
 //!
 //! ```
-//! use burn::tensor::{Device, Tensor};
 //! use dpn_core::{Sensor, random::Stream};
-//! use dpn_pronet::{Adam, AdamConfig, Card, Predictor, ProNet, ProNetConfig, Weights};
+//! use dpn_pronet::{Adam, AdamConfig, Card, Device, Predictor, ProNetConfig, Trainable, Weights, init::initial_parameters};
 //!
 //! let config = ProNetConfig { window: 20, channels: vec![4, 4, 4], ..ProNetConfig::for_sensor(Sensor::Gyro) };
-//! let net = ProNet::new(&config, &Stream::new(1).named("init"), &Device::flex().autodiff())?;
-//! let windows = Tensor::<2>::from_data([[0.01f32; 20], [0.02; 20]], &net.device()); // [batch, window]
-//! let target = Tensor::<1>::from_data([0.004f32, 0.008], &net.device()); // [batch]
+//! let network = Trainable::new(&config, &Device::Cpu)?;
+//! let mut parameters = initial_parameters(&config, &Stream::new(1).named("init"));
+//! let windows = [[0.01; 20], [0.02; 20]].concat(); // [batch, window]
+//! let target = [0.004, 0.008]; // [batch]
 //!
 //! // One step of training.
-//! let loss = (net.forward(windows) - target).square().mean();
-//! let gradient = net.flat_gradient(&loss.backward());
-//! let mut parameters = net.parameters();
+//! let (_loss, gradient) = network.gradient(&parameters, &windows, |sigma| {
+//!     let error = [sigma[0] - target[0], sigma[1] - target[1]];
+//!     (f64::from(error[0].powi(2) + error[1].powi(2)) / 2.0, error.to_vec())
+//! });
 //! let mut adam = Adam::new(AdamConfig::default(), parameters.len());
 //! adam.step(&mut parameters, &gradient, 1e-3);
 //!
@@ -48,15 +50,13 @@ pub mod definition;
 // Inference uses the forward half alone.
 #[cfg_attr(not(feature = "train"), allow(dead_code))]
 mod engine;
-#[cfg(feature = "train")]
-mod fused;
 #[cfg(feature = "init")]
 pub mod init;
 pub mod model;
-#[cfg(feature = "train")]
+#[cfg(feature = "burn")]
 mod module;
 pub mod network;
-#[cfg(feature = "train")]
+#[cfg(feature = "burn")]
 mod plain;
 pub mod predictor;
 mod processor;
@@ -64,18 +64,22 @@ pub mod range;
 pub mod shape;
 pub mod store;
 pub mod stream;
+#[cfg(feature = "train")]
+mod trainable;
 pub mod weights;
 
 pub use adam::{Adam, AdamConfig};
 pub use checkpoint::Checkpoint;
 pub use config::ProNetConfig;
 pub use model::DualProNet;
-#[cfg(feature = "train")]
+#[cfg(feature = "burn")]
 pub use module::ProNet;
 pub use predictor::Predictor;
 pub use processor::processor;
 pub use store::StoreError;
 pub use stream::{SampleStream, StreamError, StreamSigma};
+#[cfg(feature = "train")]
+pub use trainable::{Device, Trainable};
 pub use weights::{Card, Weights};
 
 /// The crate's README, whose example is a test.

@@ -1,22 +1,18 @@
-//! The network as a burn module.
+//! The network as a burn module, in primitives that every device of burn knows: what the kernels of this crate are held to, and what learns on
+//! other devices than the processor.
 //!
 //! Blocks of convolution, layer normalisation and leaky ReLU (or the paper's other order), pooling over time, linear layers with
-//! leaky ReLU, and a head that turns the last number into a deviation. On burn's CPU backend [`ProNet::forward`] takes the fused
-//! kernels of this crate instead (same numbers to rounding, a fraction of the time); [`ProNet::forward_plain`] is the
-//! reference, in primitives that every burn device knows, and what runs on every other device.
+//! leaky ReLU, and a head that turns the last number into a deviation (`plain`).
 //!
 //! Source: VIO-DualProNet (arXiv 2308.11228), sec. III-B; the open choices are keys of [`ProNetConfig`].
 
 use crate::config::ProNetConfig;
-use crate::engine::Engine;
-use crate::fused;
 use crate::init::initial_parameters;
 use crate::shape::{ParameterShape, parameters};
 use burn::module::{Module, Param, ParamId};
 use burn::tensor::{Device, Gradients, Tensor, TensorData};
 use dpn_core::config::{ConfigFaults, Validate};
 use dpn_core::random::Stream;
-use std::sync::Arc;
 
 /// Convolution over time.
 #[derive(Module, Debug)]
@@ -57,9 +53,6 @@ pub struct ProNet {
     /// What it was made from.
     #[module(skip)]
     config: ProNetConfig,
-    /// The fused kernels for that configuration.
-    #[module(skip)]
-    engine: Arc<Engine>,
 }
 
 impl ProNet {
@@ -69,11 +62,14 @@ impl ProNet {
     /// The faults of the configuration.
     pub fn new(config: &ProNetConfig, stream: &Stream, device: &Device) -> Result<Self, ConfigFaults> {
         config.validate()?;
-        let engine = Arc::new(Engine::new(config));
-        Ok(Self::with_engine(config, &initial_parameters(config, stream), device, engine))
+        Ok(Self::of(config, &initial_parameters(config, stream), device))
     }
 
-    fn with_engine(config: &ProNetConfig, flat: &[f32], device: &Device, engine: Arc<Engine>) -> Self {
+    /// The network of a checked configuration with flat parameters.
+    ///
+    /// # Panics
+    /// When `flat` has not as many numbers as the network has parameters.
+    pub(crate) fn of(config: &ProNetConfig, flat: &[f32], device: &Device) -> Self {
         let list = parameters(config);
         let count: usize = list.iter().map(ParameterShape::len).sum();
         assert_eq!(flat.len(), count, "the network has {count} parameters, not {}", flat.len());
@@ -101,7 +97,7 @@ impl ProNet {
                 })
             })
             .collect();
-        Self { conv, norm, fc, config: config.clone(), engine }
+        Self { conv, norm, fc, config: config.clone() }
     }
 
     /// What the network was made from.
@@ -114,41 +110,8 @@ impl ProNet {
         self.fc[0].bias.val().device()
     }
 
-    /// The deviation of each window, in the sensor's unit.
-    ///
-    /// On burn's CPU backend this runs the fused kernels, elsewhere [`Self::forward_plain`].
-    ///
-    /// # Shapes
-    /// `windows`: `[batch, window]`; returns `[batch]`.
-    ///
-    /// # Units and frames
-    /// Samples of one axis and their deviation, both in m/s^2 or rad/s.
-    ///
-    /// # Panics
-    /// When a window has not the configuration's length.
-    pub fn forward(&self, windows: Tensor<2>) -> Tensor<1> {
-        deviations(self.answers(windows))
-    }
-
-    /// All that the network says of each window: its deviation in the sensor's unit and, where the head has it, the deviation of that
-    /// answer's logarithm.
-    ///
-    /// # Shapes
-    /// `windows`: `[batch, window]`; returns `[batch, outputs]`, [`outputs`](crate::config::Head::outputs) of the head.
-    ///
-    /// # Panics
-    /// When a window has not the configuration's length.
-    pub fn answers(&self, windows: Tensor<2>) -> Tensor<2> {
-        let [batch, window] = windows.dims();
-        assert_eq!(window, self.config.window, "the network takes windows of {}", self.config.window);
-        match fused::forward(&self.engine, &self.flat(), &windows) {
-            Some(answers) => answers.reshape([batch, self.config.head.outputs()]), // [batch, outputs]
-            None => self.answers_plain(windows),
-        }
-    }
-
-    /// All parameters as one tensor, in the order of [`crate::shape::parameters`]: `[parameter count]`. Differentiable.
-    pub(crate) fn flat(&self) -> Tensor<1> {
+    /// All parameters as numbers, in the order of [`crate::shape::parameters`].
+    pub fn parameters(&self) -> Vec<f32> {
         let mut parts = Vec::new();
         for (i, conv) in self.conv.iter().enumerate() {
             parts.push(conv.weight.val().reshape([-1])); // [out * in * kernel]
@@ -161,12 +124,7 @@ impl ProNet {
             parts.push(layer.weight.val().reshape([-1])); // [out * in]
             parts.push(layer.bias.val()); // [out]
         }
-        Tensor::cat(parts, 0) // [parameter count]
-    }
-
-    /// All parameters as numbers, in the order of [`crate::shape::parameters`].
-    pub fn parameters(&self) -> Vec<f32> {
-        floats(self.flat())
+        floats(Tensor::cat(parts, 0)) // [parameter count]
     }
 
     /// The gradient of whatever `gradients` was computed from, in the order of [`Self::parameters`]; zeros for parameters that
@@ -203,12 +161,12 @@ impl ProNet {
     /// When `flat` has not as many numbers as the network has parameters.
     #[must_use]
     pub fn with_parameters(&self, flat: &[f32]) -> Self {
-        Self::with_engine(&self.config, flat, &self.device(), Arc::clone(&self.engine))
+        Self::of(&self.config, flat, &self.device())
     }
 }
 
 /// Numbers of a float tensor, row by row.
-fn floats<const D: usize>(tensor: Tensor<D>) -> Vec<f32> {
+pub(crate) fn floats<const D: usize>(tensor: Tensor<D>) -> Vec<f32> {
     tensor.into_data_as::<f32>().iter::<f32>().collect()
 }
 

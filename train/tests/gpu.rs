@@ -2,8 +2,8 @@
 //! `cargo test -p dpn-train --features wgpu gpu -- --nocapture` prints the time of a step as well.
 
 use super::resume::corpus;
-use burn::tensor::{Device, DeviceKind};
 use dpn_core::Sensor;
+use dpn_pronet::Device;
 use dpn_train::config::TrainConfig;
 use dpn_train::trainer::Trainer;
 use std::sync::atomic::AtomicBool;
@@ -42,8 +42,8 @@ fn length(values: impl Iterator<Item = f32>) -> f64 {
 #[test]
 fn weights_after_ten_steps_are_the_processors() {
     for sensor in Sensor::ALL {
-        let (before, cpu, cpu_s) = trained(sensor, &Device::flex().autodiff());
-        let (_, gpu, gpu_s) = trained(sensor, &Device::wgpu(DeviceKind::DefaultDevice).autodiff());
+        let (before, cpu, cpu_s) = trained(sensor, &Device::Cpu);
+        let (_, gpu, gpu_s) = trained(sensor, &Device::named("wgpu").unwrap());
         let apart = length(gpu.iter().zip(&cpu).map(|(a, b)| a - b));
         let (whole, moved) =
             (length(cpu.iter().copied()), length(cpu.iter().zip(&before).map(|(a, b)| a - b)));

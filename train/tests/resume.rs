@@ -1,9 +1,9 @@
 //! A run that stops and goes on ends in the same bits as one that never stopped.
 
-use burn::tensor::Device;
 use dpn_core::progress::{Progress, Silent};
 use dpn_core::random::Stream;
 use dpn_core::{ImuRecording, ImuSample, Sensor, Stamp};
+use dpn_pronet::Device;
 use dpn_train::config::{Schedule, TrainConfig};
 use dpn_train::corpus::{Corpus, Member};
 use dpn_train::run::{Run, RunError};
@@ -60,7 +60,7 @@ impl Progress for StopAfter<'_> {
 #[test]
 fn a_resumed_run_ends_in_the_same_bits() {
     let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    let (corpus, device) = (corpus(), Device::flex().autodiff());
+    let (corpus, device) = (corpus(), Device::Cpu);
     let never = AtomicBool::new(false);
     let run = Run::open(whole.path(), &config(), &corpus, &device, false).unwrap();
     run.train(&never, &mut Silent).unwrap();
@@ -80,7 +80,7 @@ fn a_resumed_run_ends_in_the_same_bits() {
 #[test]
 fn a_finished_run_that_is_made_longer_ends_in_the_bits_of_one_as_long_from_the_start() {
     let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    let (corpus, device) = (corpus(), Device::flex().autodiff());
+    let (corpus, device) = (corpus(), Device::Cpu);
     let never = AtomicBool::new(false);
     let of = |epochs| {
         let mut config = config();
@@ -119,7 +119,7 @@ fn a_finished_run_that_is_made_longer_ends_in_the_bits_of_one_as_long_from_the_s
 #[test]
 fn another_seed_gives_other_weights_and_is_not_resumed() {
     let dir = tempfile::tempdir().unwrap();
-    let (corpus, device) = (corpus(), Device::flex().autodiff());
+    let (corpus, device) = (corpus(), Device::Cpu);
     let never = AtomicBool::new(false);
     Run::open(dir.path(), &config(), &corpus, &device, false).unwrap().train(&never, &mut Silent).unwrap();
     let mut other = config();

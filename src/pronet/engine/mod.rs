@@ -24,8 +24,6 @@ mod pool;
 mod rooms;
 
 use crate::config::ProNetConfig;
-#[cfg(feature = "train")]
-pub(crate) use batch::Saved;
 pub(crate) use buffer::Buffer;
 use chunk::Arithmetic;
 pub(crate) use chunk::Chunk;

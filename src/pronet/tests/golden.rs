@@ -2,13 +2,12 @@
 
 #![allow(clippy::unwrap_used)]
 
-use burn::tensor::{Device, Tensor, TensorData};
 use dpn_core::random::Stream;
 use dpn_pronet::adam::{Adam, AdamConfig};
 use dpn_pronet::config::{Input, Pool, ProNetConfig};
 use dpn_pronet::init::initial_parameters;
 use dpn_pronet::shape::parameters;
-use dpn_pronet::{Card, Predictor, ProNet, Weights};
+use dpn_pronet::{Card, Device, Predictor, Trainable, Weights};
 use rand::Rng;
 use serde_json::Value;
 use std::path::PathBuf;
@@ -98,6 +97,15 @@ fn network(case: &Value) -> (ProNetConfig, Vec<f32>) {
     (config, flat)
 }
 
+/// The kernels, and with burn the composition in its primitives.
+fn devices() -> Vec<(&'static str, Device)> {
+    #[cfg_attr(not(feature = "burn"), expect(unused_mut, reason = "one way alone"))]
+    let mut devices = vec![("kernels", Device::Cpu)];
+    #[cfg(feature = "burn")]
+    devices.push(("plain", Device::Burn(burn::tensor::Device::flex().autodiff())));
+    devices
+}
+
 /// Asserts agreement to `tolerance` of the largest number.
 fn agree(ours: &[f32], theirs: &[f64], tolerance: f64, what: &str) {
     assert_eq!(ours.len(), theirs.len(), "{what}");
@@ -117,17 +125,17 @@ fn deviations_are_pytorchs_for_every_order_axes_and_head() {
         let rows = expected["windows"][case["windows"].as_u64().unwrap() as usize].as_array().unwrap();
         let windows: Vec<f32> = rows.iter().flat_map(numbers).map(|v| v as f32).collect();
         let sigma = numbers(&case["sigma"]);
-        let device = Device::flex();
-        let net = ProNet::new(&config, &Stream::new(0), &device).unwrap().with_parameters(&flat);
-        let x =
-            Tensor::<2>::from_data(TensorData::new(windows.clone(), [rows.len(), config.window]), &device);
-        let fused: Vec<f32> = net.forward(x.clone()).into_data().iter::<f32>().collect();
-        let plain: Vec<f32> = net.forward_plain(x).into_data().iter::<f32>().collect();
+        let what = format!("{} {}", case["file"], case["changes"]);
+        for (way, device) in devices() {
+            let mut ours = Vec::new();
+            Trainable::new(&config, &device).unwrap().gradient(&flat, &windows, |sigma| {
+                ours = sigma.to_vec();
+                (0.0, vec![0.0; sigma.len()])
+            });
+            agree(&ours, &sigma, 1e-5, &format!("{way} {what}"));
+        }
         let mut streamed = vec![0.0; rows.len()];
         Predictor::new(&Weights::new(&config, flat, Card::default())).predict(&windows, &mut streamed);
-        let what = format!("{} {}", case["file"], case["changes"]);
-        agree(&fused, &sigma, 1e-5, &format!("fused {what}"));
-        agree(&plain, &sigma, 1e-5, &format!("plain {what}"));
         agree(&streamed, &sigma, 1e-5, &format!("predictor {what}"));
         seen += 1;
     }
@@ -145,13 +153,13 @@ fn loss_gradients_are_pytorchs_for_every_parameter() {
         let (config, flat) = network(case);
         let rows = expected["windows"][case["windows"].as_u64().unwrap() as usize].as_array().unwrap();
         let windows: Vec<f32> = rows.iter().flat_map(numbers).map(|v| v as f32).collect();
-        let device = Device::flex().autodiff();
-        let net = ProNet::new(&config, &Stream::new(0), &device).unwrap().with_parameters(&flat);
-        let x = Tensor::<2>::from_data(TensorData::new(windows, [rows.len(), config.window]), &device);
         let theirs: Vec<f64> = parameters(&config).iter().flat_map(|p| numbers(&gradient[&p.name])).collect();
-        for (way, sigma) in [("fused", net.forward(x.clone())), ("plain", net.forward_plain(x))] {
-            let loss = ((sigma - 0.1) * 10.0).square().mean();
-            let ours = net.flat_gradient(&loss.backward());
+        let count = rows.len() as f32;
+        for (way, device) in devices() {
+            let (_, ours) = Trainable::new(&config, &device).unwrap().gradient(&flat, &windows, |sigma| {
+                // Of the mean of (10 (sigma - 0.1))^2.
+                (0.0, sigma.iter().map(|sigma| (sigma - 0.1) * 200.0 / count).collect())
+            });
             agree(&ours, &theirs, 2e-5, &format!("{way} {} {}", case["file"], case["changes"]));
         }
         seen += 1;
