@@ -5,10 +5,10 @@ use crate::progress::Listener;
 use crate::recording::Recording;
 use dpn_core::Sensor;
 use dpn_core::progress::Progress;
+use dpn_pronet::Device;
 use dpn_train::corpus::{Corpus, Member, to_train};
 use dpn_train::run::Run;
 use dpn_train::split::Side;
-use dpn_train::trainer::cpu;
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -70,7 +70,7 @@ pub(crate) fn train(
                 .ok_or_else(|| Error::new_err(format!("data: no sequence in {}", dir.display())))?,
             None => Corpus::new("python", members).map_err(|e| raise(&e))?,
         };
-        let run = Run::open(&out, &config, &corpus, &cpu(), resume).map_err(|e| raise(&e))?;
+        let run = Run::open(&out, &config, &corpus, &Device::Cpu, resume).map_err(|e| raise(&e))?;
         let mut steps = Steps { listener: &mut listener, stop: &stop, total: 0 };
         let (summary, path) = run.train(&stop, &mut steps).map_err(|e| raise(&e))?;
         let summary = serde_json::to_string(&summary).map_err(|e| raise(&e))?;
