@@ -3,17 +3,14 @@
 use super::error::PaperError;
 use dpn_core::ImuRecording;
 use dpn_eval::closed_loop::{
-    ClosedLoopError, ImageSource, SequenceSet, TrackSource, UntrackedSequence, has_images,
+    Camera, ClosedLoopError, Experiment, ImageSource, SequenceSet, TrackSource, UntrackedSequence, has_images,
 };
 use dpn_eval::published;
-use dpn_io::asl::Sequence;
 use dpn_sim::tracks::TracksConfig;
-use dpn_sim::{FlightConfig, RenderConfig};
 use dpn_train::corpus::{Corpus, Member};
 use dpn_train::split::{Side, paper_side};
 use serde::{Deserialize, Serialize};
 use std::fmt;
-use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 /// What the odometry sees.
@@ -30,102 +27,68 @@ pub enum CameraChoice {
     Tracks,
 }
 
-/// What sequences and their tracks are made of, where they are not read.
-#[derive(Debug, Clone)]
-pub struct Cameras {
-    /// Folder with camera tracks, where there is one.
-    pub given: Option<PathBuf>,
-    /// Tracks along a path.
-    pub made: TracksConfig,
-    /// Images along a path.
-    pub rendered: RenderConfig,
-    /// Simulated flights.
-    pub flights: FlightConfig,
-    /// Whether minutes count: [`CameraChoice::Auto`] renders nothing then.
-    pub quick: bool,
-}
-
 impl CameraChoice {
     const ALL: [Self; 4] = [Self::Auto, Self::Images, Self::Rendered, Self::Tracks];
 
-    /// The sequences of `dir` (the simulated flights without one) as this camera shows them, and why this one, in words. `wanted` are names
-    /// as for [`SequenceSet::select`].
+    /// The experiment `asked` for with this camera, its sequences, and why this camera, in words; `quick` where minutes count: [`Auto`](Self::Auto) renders
+    /// nothing then.
     ///
     /// # Errors
     /// A folder that cannot be listed, a sequence that is not there, images of flights.
     pub fn open(
         self,
-        dir: Option<&Path>,
-        wanted: &str,
-        with: &Cameras,
-    ) -> Result<(SequenceSet, String), PaperError> {
-        let rendered = || TrackSource::Images(ImageSource::Rendered(Box::new(with.rendered.clone())));
-        let own = || TrackSource::Images(ImageSource::Folder { skip_missing: false });
-        let Some(dir) = dir else {
-            let (tracks, why) = match self {
-                Self::Images => {
-                    return Err(PaperError::NoCamera {
-                        camera: self.to_string(),
-                        reason: "simulated flights have no images".into(),
-                    });
-                }
-                Self::Rendered => (rendered(), "along the true path, as asked for"),
-                Self::Auto if !with.quick => {
-                    (rendered(), "along the true path, for simulated flights have no images")
-                }
-                Self::Auto => (
-                    TrackSource::Simulated(with.made.clone()),
-                    "simulated flights have no images, and to render some takes long; tracks are made along their true path",
-                ),
-                Self::Tracks => {
-                    (TrackSource::Simulated(with.made.clone()), "made along the true path, as asked for")
-                }
-            };
-            return Ok((SequenceSet::Flights { config: with.flights.clone(), tracks }, why.into()));
+        asked: &Experiment,
+        quick: bool,
+    ) -> Result<(Experiment, SequenceSet, String), PaperError> {
+        let (camera, why) = self.chosen(asked, quick)?;
+        let run = Experiment { camera, ..asked.clone() };
+        let source = run.source()?;
+        Ok((run, source, why))
+    }
+
+    fn chosen(self, asked: &Experiment, quick: bool) -> Result<(Camera, String), PaperError> {
+        let flies = asked.data.is_none();
+        let tracks = match (flies, &asked.tracks) {
+            (true, _) => "made along the true path",
+            (false, Some(_)) => "the given ones",
+            (false, None) => "made along the ground truth",
         };
-        let (tracks, words) = match &with.given {
-            Some(folder) => (TrackSource::File(folder.clone()), "the given ones"),
-            None => (TrackSource::Simulated(with.made.clone()), "made along the ground truth"),
+        let path = if flies { "along the true path" } else { "along the ground truth" };
+        let (camera, why) = match self {
+            Self::Images if flies => {
+                return Err(PaperError::NoCamera {
+                    camera: self.to_string(),
+                    reason: "simulated flights have no images".into(),
+                });
+            }
+            Self::Images => (Camera::Images, "the sequences' own, as asked for".into()),
+            Self::Rendered => (Camera::Rendered, format!("{path}, as asked for")),
+            Self::Tracks => (Camera::Tracks, format!("{tracks}, as asked for")),
+            Self::Auto if flies && quick => (
+                Camera::Tracks,
+                "simulated flights have no images, and to render some takes long; tracks are made along their true path".into(),
+            ),
+            Self::Auto if flies => {
+                (Camera::Rendered, format!("{path}, for simulated flights have no images"))
+            }
+            Self::Auto if asked.tracks.is_some() => (Camera::Tracks, format!("{tracks}, as asked for")),
+            Self::Auto => {
+                let source = Experiment { camera: Camera::Tracks, ..asked.clone() }.source()?;
+                let sequences = source.recordings(&source.select(&asked.sequences)?);
+                // One whose list of images does not read is named with its reason when the input is checked.
+                let without = sequences.iter().filter(|s| matches!(has_images(s), Ok(false))).count();
+                let none = format!("{without} of {} sequences have no images here", sequences.len());
+                let long = if quick { ", and to render some takes long" } else { "" };
+                if without == 0 {
+                    (Camera::Images, "every sequence has its own".into())
+                } else if !quick && sequences.iter().any(|s| s.ground_truth_path().is_some()) {
+                    (Camera::Rendered, format!("{path}, for {none}"))
+                } else {
+                    (Camera::Tracks, format!("{tracks}, for {none}{long}"))
+                }
+            }
         };
-        let tracks = || tracks.clone();
-        match self {
-            Self::Images => {
-                return Ok((SequenceSet::recorded(dir, own())?, "the sequences' own, as asked for".into()));
-            }
-            Self::Rendered => {
-                return Ok((
-                    SequenceSet::recorded(dir, rendered())?,
-                    "along the ground truth, as asked for".into(),
-                ));
-            }
-            Self::Tracks => {
-                return Ok((SequenceSet::recorded(dir, tracks())?, format!("{words}, as asked for")));
-            }
-            Self::Auto if with.given.is_some() => {
-                return Ok((SequenceSet::recorded(dir, tracks())?, format!("{words}, as asked for")));
-            }
-            Self::Auto => {}
-        }
-        let source = SequenceSet::recorded(dir, tracks())?;
-        let SequenceSet::Recorded { sequences, .. } = &source else { return Ok((source, words.into())) };
-        let places = source.select(wanted)?;
-        let of = |has: &dyn Fn(&Sequence) -> bool| {
-            places.iter().filter(|place| has(&sequences[**place].0)).count()
-        };
-        // One whose list of images does not read is named with its reason when the input is checked.
-        let without = of(&|sequence| matches!(has_images(sequence), Ok(false)));
-        if without == 0 {
-            return Ok((SequenceSet::recorded(dir, own())?, "every sequence has its own".into()));
-        }
-        let none = format!("{without} of {} sequences have no images here", places.len());
-        if of(&|sequence| sequence.ground_truth_path().is_some()) > 0 && !with.quick {
-            return Ok((
-                SequenceSet::recorded(dir, rendered())?,
-                format!("along the ground truth, for {none}"),
-            ));
-        }
-        let long = if with.quick { ", and to render some takes long" } else { "" };
-        Ok((source, format!("{words}, for {none}{long}")))
+        Ok((camera, why))
     }
 }
 
@@ -230,14 +193,11 @@ impl Input {
             SequenceSet::Recorded { .. } | SequenceSet::Logged { .. } => "recorded",
         };
         let corpus = Corpus { name: name.into(), members };
-        let injected = match source.clone() {
-            SequenceSet::Recorded { sequences, tracks: TrackSource::Images(ImageSource::Rendered(_)) } => {
-                SequenceSet::Recorded { sequences, tracks: TrackSource::Simulated(made.clone()) }
+        let injected = match source.tracks() {
+            TrackSource::Images(ImageSource::Rendered(_)) => {
+                source.clone().with_tracks(TrackSource::Simulated(made.clone()))
             }
-            SequenceSet::Flights { config, tracks: TrackSource::Images(ImageSource::Rendered(_)) } => {
-                SequenceSet::Flights { config, tracks: TrackSource::Simulated(made.clone()) }
-            }
-            source => source,
+            _ => source.clone(),
         };
         let unseen = Vec::new();
         Ok(Self { name: name.into(), source, places, missing, unseen, injected, corpus, lengths })
@@ -341,15 +301,15 @@ fn usable(source: &SequenceSet, place: usize) -> Result<ImuRecording, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::path::Path;
 
-    fn cameras() -> Cameras {
-        Cameras {
-            given: None,
-            made: TracksConfig::default(),
-            rendered: RenderConfig::default(),
-            flights: FlightConfig::default(),
-            quick: false,
-        }
+    fn asked(data: Option<&Path>) -> Experiment {
+        Experiment { data: data.map(Path::to_path_buf), ..Experiment::default() }
+    }
+
+    fn opened(choice: CameraChoice, asked: &Experiment, quick: bool) -> (SequenceSet, String) {
+        let (_, source, why) = choice.open(asked, quick).unwrap();
+        (source, why)
     }
 
     fn check(source: SequenceSet, wanted: &[usize], whole: bool) -> Result<Input, PaperError> {
@@ -358,16 +318,15 @@ mod tests {
 
     #[test]
     fn flights_miss_nothing_and_have_no_images() {
-        let quick = Cameras { quick: true, ..cameras() };
-        let (source, why) = CameraChoice::Auto.open(None, "all", &quick).unwrap();
+        let (source, why) = opened(CameraChoice::Auto, &asked(None), true);
         assert!(source.camera() == "tracks" && why.contains("no images"), "{why}");
-        let (rendered, why) = CameraChoice::Auto.open(None, "all", &cameras()).unwrap();
+        let (rendered, why) = opened(CameraChoice::Auto, &asked(None), false);
         assert!(rendered.camera() == "rendered" && why.contains("no images"), "{why}");
         assert_eq!(check(rendered, &[8], false).unwrap().injected.camera(), "tracks");
         let input = check(source, &[8], false).unwrap();
         assert_eq!((input.places.as_slice(), input.missing.len(), input.is_papers()), (&[8][..], 0, false));
         assert!(input.lengths[0].3 > 0.5);
-        let error = CameraChoice::Images.open(None, "all", &cameras()).unwrap_err();
+        let error = CameraChoice::Images.open(&asked(None), false).unwrap_err();
         assert!(error.to_string().contains("simulated flights have no images") && error.hint().is_some());
     }
 
@@ -380,19 +339,19 @@ mod tests {
             std::fs::write(mav.join(name).join("data.csv"), "#timestamp [ns]\n").unwrap();
         };
         put("imu0");
-        let open = |choice: CameraChoice, with: &Cameras| choice.open(Some(dir.path()), "all", with).unwrap();
+        let recorded = asked(Some(dir.path()));
         // Without a truth nothing can be rendered; nor can it be judged, which is said later.
-        let (source, why) = open(CameraChoice::Auto, &cameras());
+        let (source, why) = opened(CameraChoice::Auto, &recorded, false);
         assert_eq!(source.camera(), "tracks");
         assert_eq!(why, "made along the ground truth, for 1 of 1 sequences have no images here");
         put("state_groundtruth_estimate0");
-        let (source, why) = open(CameraChoice::Auto, &cameras());
+        let (source, why) = opened(CameraChoice::Auto, &recorded, false);
         assert_eq!(source.camera(), "rendered");
         assert_eq!(why, "along the ground truth, for 1 of 1 sequences have no images here");
-        assert_eq!(open(CameraChoice::Auto, &Cameras { quick: true, ..cameras() }).0.camera(), "tracks");
-        let given = Cameras { given: Some("tracks".into()), ..cameras() };
-        assert_eq!(open(CameraChoice::Auto, &given).1, "the given ones, as asked for");
-        let (source, _) = open(CameraChoice::Images, &cameras());
+        assert_eq!(opened(CameraChoice::Auto, &recorded, true).0.camera(), "tracks");
+        let given = Experiment { tracks: Some("tracks".into()), ..recorded.clone() };
+        assert_eq!(opened(CameraChoice::Auto, &given, false).1, "the given ones, as asked for");
+        let (source, _) = opened(CameraChoice::Images, &recorded, false);
         assert_eq!(source.camera(), "images");
         assert!(matches!(check(source, &[0], true), Err(PaperError::Nothing { .. })));
         let words = "film".parse::<CameraChoice>().unwrap_err();
@@ -401,7 +360,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_seen_loses_its_place_and_keeps_its_windows() {
-        let (source, _) = CameraChoice::Tracks.open(None, "all", &cameras()).unwrap();
+        let (source, _) = opened(CameraChoice::Tracks, &asked(None), false);
         let input = check(source, &[7, 8], false).unwrap();
         let error = ClosedLoopError::NoImages { sequence: "f09-hover".into(), asked: false };
         let left = input.without(&[UntrackedSequence { place: 8, error }]);

@@ -12,6 +12,7 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+mod asked;
 mod cache;
 mod drawings;
 mod error;
@@ -29,19 +30,16 @@ mod results;
 mod run;
 mod specs;
 mod states;
-mod sweep_page;
-mod sweep_plan;
 pub mod tables;
 mod verdict;
 
+pub use asked::{Opened, PaperPlan};
 pub use error::PaperError;
 pub use id::id;
-pub use input::{CameraChoice, Cameras, Input, Missing};
+pub use input::{CameraChoice, Input, Missing};
 pub use paper::Paper;
 pub use plan::{InjectedPlan, Plan};
 pub use run::{Done, StageReport};
-pub use sweep_page::sweep_page;
-pub use sweep_plan::PaperSweepPlan;
 
 /// The README's code is a test.
 #[cfg(doctest)]

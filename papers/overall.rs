@@ -3,10 +3,11 @@
 //! The unit is a run on camera tracks. A run on images counts as one and a half, a set of windows of the open loop as seven, a figure as a half: as they
 //! took on two cores. What was kept from an earlier call costs nothing, so the pace is that of what was made.
 
+use super::error::PaperError;
 use super::paper::Paper;
+use super::results::PaperLoop;
+use dpn_core::estimate::NoiseSpec;
 use dpn_core::progress::Progress;
-use dpn_eval::closed_loop::SequenceSet;
-use dpn_eval::injected::Course;
 use std::time::Instant;
 
 /// Units of a step of a stage, and steps as foreseen.
@@ -70,23 +71,17 @@ impl Progress for Overall<'_> {
 
 impl Paper<'_> {
     /// The stages that tell of progress, in order: open loop, closed loop, every course, figures.
-    pub(super) fn foreseen(&self) -> Vec<Foreseen> {
-        let unit = |source: &SequenceSet| if source.camera() == "tracks" { 1.0 } else { 1.5 };
-        let (plan, injected) = (self.plan, &self.plan.injected);
-        let of = |noises: &[String], seeds: u64, places: usize| noises.len() as u64 * seeds * places as u64;
-        let places = self.input.places.len();
-        let closed = of(&plan.noises, plan.seeds, places) + of(&plan.others, plan.other_seeds, places);
-        let open = 4 * plan.bases.len() as u64;
-        let mut stages = vec![(7.0, open), (unit(&self.input.source), closed)];
-        stages.extend(injected.courses.iter().map(|course| {
-            let (noises, seeds) = match course {
-                Course::Step => (&injected.noises, injected.seeds),
-                _ => (&injected.followed, injected.course_seeds),
-            };
-            (unit(&self.input.injected), of(noises, seeds, self.injected_places().len()))
-        }));
+    pub(super) fn foreseen(&self) -> Result<Vec<Foreseen>, PaperError> {
+        let mut stages = vec![(7.0, 4 * self.plan.bases.len() as u64)];
+        for closed in self.requests() {
+            let PaperLoop { experiment, source, count, .. } = closed?;
+            let of = |noises: &[NoiseSpec], seeds: u64| noises.len() as u64 * seeds;
+            let cells =
+                of(&experiment.noises, experiment.seeds) + of(&experiment.others, experiment.other_seeds);
+            stages.push((if source.camera() == "tracks" { 1.0 } else { 1.5 }, cells * count as u64));
+        }
         stages.push((0.5, 14));
-        stages
+        Ok(stages)
     }
 }
 

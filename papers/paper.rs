@@ -1,8 +1,9 @@
 //! Everything the paper is made from.
 
+use super::asked::Opened;
 use super::input::Input;
 use super::plan::Plan;
-use dpn_eval::closed_loop::{StartAt, TrackCache};
+use dpn_eval::closed_loop::{Experiment, TrackCache};
 use dpn_pronet::network::Network;
 use dpn_vio::EstimatorConfig;
 use std::path::Path;
@@ -20,10 +21,10 @@ pub struct Paper<'a> {
     pub judged: &'a [Network],
     /// The estimator's settings; covariances are needed for NEES and for the error's band.
     pub estimator: EstimatorConfig,
+    /// What every closed loop is made from, but for noises and seeds.
+    pub run: Experiment,
     /// Why the odometry sees what it sees.
     pub camera: &'a str,
-    /// Where runs begin.
-    pub from: StartAt,
     /// Version and checksum of the program.
     pub program: String,
     /// Another build of it whose runs are taken, all of them; nothing is run then.
@@ -38,4 +39,26 @@ pub struct Paper<'a> {
     pub threads: usize,
     /// Where tracks that were followed through images are kept for others.
     pub cache: Option<&'a TrackCache>,
+}
+
+impl<'a> Paper<'a> {
+    /// Of what was opened, by `program`, on one thread; nothing of it is written, for it has no folders yet.
+    pub fn new(opened: &'a Opened, networks: &'a [Network], program: String) -> Self {
+        Self {
+            plan: &opened.plan,
+            input: &opened.input,
+            networks,
+            judged: networks,
+            estimator: opened.estimator.clone(),
+            run: opened.run.clone(),
+            camera: &opened.camera,
+            program,
+            measured_by: None,
+            command: String::new(),
+            work: Path::new(""),
+            out: Path::new(""),
+            threads: 1,
+            cache: None,
+        }
+    }
 }

@@ -12,17 +12,19 @@ use dpn_core::Sensor;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::progress::Progress;
 use dpn_core::random::Stream;
-use dpn_eval::closed_loop::{CellFiles, Manifest, Row, SequenceSet, Sweep, UntrackedSequence};
-use dpn_eval::injected::{Course, Injection};
+use dpn_eval::closed_loop::{Camera, CellFiles, Experiment, Row, SequenceSet, UntrackedSequence};
+use dpn_eval::injected::Course;
 use dpn_eval::noise::{Fresh, Recorded, content};
 use dpn_eval::open_loop::{self, Request};
+use dpn_eval::sweeps::LoopJob;
 use dpn_io::{FolderLock, IoError};
 use dpn_pronet::DualProNet;
 use dpn_train::base::Base;
 use dpn_train::split::Side;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use std::path::Path;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 /// What a stage left, and where.
@@ -35,18 +37,13 @@ pub(super) struct StageResult<T> {
     pub(super) cached: bool,
 }
 
-/// One closed loop: a folder.
-struct SweepRequest<'a> {
-    /// What its folder's name begins with.
+/// One closed loop: what its folder's name begins with, what is run, and over which sequences.
+pub(super) struct PaperLoop<'a> {
     name: String,
-    source: &'a SequenceSet,
-    places: Vec<usize>,
-    /// Noises, and with how many seeds.
-    noises: (&'a [String], u64),
-    /// More noises, and with how many.
-    others: (&'a [String], u64),
-    injection: Option<Injection>,
-    keep: CellFiles,
+    pub(super) experiment: Experiment,
+    pub(super) source: &'a SequenceSet,
+    /// How many sequences.
+    pub(super) count: usize,
 }
 
 impl Paper<'_> {
@@ -98,49 +95,76 @@ impl Paper<'_> {
 
     /// What the study's sweep keeps of runs for the figures.
     pub(super) fn keep(&self) -> CellFiles {
-        let noises = specs::noises([specs::BASELINE, specs::DUALPRONET]).to_vec();
-        CellFiles { states: Some((noises, self.plan.seed)), ..CellFiles::default() }
+        CellFiles { states: Some((self.states(), self.plan.seed)), ..CellFiles::default() }
+    }
+
+    fn states(&self) -> Vec<NoiseSpec> {
+        specs::noises([specs::BASELINE, specs::DUALPRONET]).to_vec()
     }
 
     /// The study.
-    fn study(&self) -> SweepRequest<'_> {
-        SweepRequest {
-            name: "closed-loop".into(),
-            source: &self.input.source,
-            places: self.input.places.clone(),
-            noises: (&self.plan.noises, self.plan.seeds),
-            others: (&self.plan.others, self.plan.other_seeds),
-            injection: None,
-            keep: self.keep(),
-        }
+    fn study(&self) -> Result<PaperLoop<'_>, PaperError> {
+        let (plan, source) = (self.plan, &self.input.source);
+        let experiment = Experiment {
+            noises: Plan::parsed(&plan.noises)?,
+            seeds: plan.seeds,
+            others: Plan::parsed(&plan.others)?,
+            other_seeds: plan.other_seeds,
+            states: self.states(),
+            ..self.run.clone()
+        };
+        Ok(self.closed("closed-loop".into(), experiment, source, &self.input.places))
     }
 
     /// One course of the injected experiment.
-    fn experiment(&self, course: Course) -> SweepRequest<'_> {
+    fn experiment(&self, course: Course) -> Result<PaperLoop<'_>, PaperError> {
         let plan = &self.plan.injected;
         let (noises, seeds) = match course {
             Course::Step => (&plan.noises, plan.seeds),
             _ => (&plan.followed, plan.course_seeds),
         };
-        SweepRequest {
-            name: format!("injected-{course}"),
-            source: &self.input.injected,
-            places: self.injected_places(),
-            noises: (noises, seeds),
-            others: (&[], 0),
-            injection: Some(plan.noise.with(course)),
-            keep: CellFiles::default(),
-        }
+        let experiment = Experiment {
+            // Rendered images would take long.
+            camera: if self.run.camera == Camera::Rendered { Camera::Tracks } else { self.run.camera },
+            noises: Plan::parsed(noises)?,
+            seeds,
+            injection: Some(plan.noise.with(course).into()),
+            ..self.run.clone()
+        };
+        let places = self.injected_places();
+        Ok(self.closed(format!("injected-{course}"), experiment, &self.input.injected, &places))
     }
 
-    /// Every closed loop of the paper: the name of its folder, the runs, and what they are made from. Nothing is run.
+    fn closed<'a>(
+        &self,
+        name: String,
+        mut experiment: Experiment,
+        source: &'a SequenceSet,
+        places: &[usize],
+    ) -> PaperLoop<'a> {
+        let names = source.names();
+        experiment.sequences =
+            places.iter().map(|place| names[*place].0.as_str()).collect::<Vec<_>>().join(",");
+        experiment.seed = self.plan.seed;
+        // One seed where nothing depends on it.
+        if !source.tracks_are_seeded() && !source.recordings_are_seeded() {
+            (experiment.seeds, experiment.other_seeds) = (1, 1);
+        }
+        PaperLoop { name, experiment, source, count: places.len() }
+    }
+
+    /// Every closed loop of the paper. Nothing is run.
     ///
     /// # Errors
     /// Data that cannot be read; noises that are none.
-    pub fn sweeps(&self) -> Result<Vec<(String, Sweep<'_>, Manifest)>, PaperError> {
+    pub fn loops(&self) -> Result<Vec<LoopJob<'_>>, PaperError> {
+        self.requests().map(|closed| self.job(closed?)).collect()
+    }
+
+    /// The study, then every course.
+    pub(super) fn requests(&self) -> impl Iterator<Item = Result<PaperLoop<'_>, PaperError>> {
         let courses = self.plan.injected.courses.iter().map(|course| self.experiment(*course));
-        let requests = std::iter::once(self.study()).chain(courses);
-        requests.map(|request| self.sweep_of(&request)).collect()
+        std::iter::once(self.study()).chain(courses)
     }
 
     /// The rows of the study, and the sequences that cannot be seen.
@@ -149,7 +173,7 @@ impl Paper<'_> {
         stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<(StageResult<Vec<Row>>, Vec<UntrackedSequence>), PaperError> {
-        self.sweep(&self.study(), stop, progress)
+        self.sweep(self.study()?, stop, progress)
     }
 
     /// The rows of one course of the injected experiment.
@@ -160,7 +184,7 @@ impl Paper<'_> {
         progress: &mut dyn Progress,
     ) -> Result<StageResult<Vec<Row>>, PaperError> {
         // Every sequence was seen in the closed loop or left out; one that is not seen now has no row here either.
-        let (made, unseen) = self.sweep(&self.experiment(course), stop, progress)?;
+        let (made, unseen) = self.sweep(self.experiment(course)?, stop, progress)?;
         match unseen.into_iter().next() {
             Some(unseen) => Err(unseen.error.into()),
             None => Ok(made),
@@ -183,43 +207,39 @@ impl Paper<'_> {
         places
     }
 
-    /// The runs of a loop, the name of their folder, and what they are made from.
-    fn sweep_of<'a>(
-        &'a self,
-        wanted: &SweepRequest<'a>,
-    ) -> Result<(String, Sweep<'a>, Manifest), PaperError> {
-        // One seed where nothing depends on it.
-        let seeded = wanted.source.tracks_are_seeded() || wanted.source.recordings_are_seeded();
-        let first = self.plan.seed;
-        let seeds = |count: u64| (first..first + if seeded { count } else { count.min(1) }).collect();
-        let sweep = Sweep {
-            source: wanted.source,
-            places: wanted.places.clone(),
-            noises: Plan::parsed(wanted.noises.0)?,
-            seeds: seeds(wanted.noises.1),
-            others: (Plan::parsed(wanted.others.0)?, seeds(wanted.others.1)),
-            from: self.from,
-            to: None,
-            estimator: self.estimator.clone(),
-            networks: self.networks,
-            threads: self.threads,
-            cache: self.cache,
-            keep: wanted.keep.clone(),
-            injection: wanted.injection,
-        };
-        let manifest = Manifest::of(&sweep, self.measured_by())?;
-        let run = format!("{}-{}", wanted.name, &manifest.fingerprint()[..16]);
-        Ok((run, sweep, manifest))
+    /// The runs of a loop, the folder of their results, and what they are made from.
+    fn job<'a>(&self, wanted: PaperLoop<'a>) -> Result<LoopJob<'a>, PaperError>
+    where
+        Self: 'a,
+    {
+        let PaperLoop { name, experiment, source, .. } = wanted;
+        let mut job = LoopJob::new(PathBuf::new(), experiment, source, self.networks, self.measured_by())?;
+        (job.sweep.threads, job.sweep.cache) = (self.threads, self.cache);
+        job.folder = format!("{name}-{}", &job.made_from.fingerprint()[..16]).into();
+        Ok(job)
+    }
+
+    /// What is to be said of the settings of all closed loops.
+    ///
+    /// # Errors
+    /// Noises that are none.
+    pub fn warnings(&self) -> Result<BTreeSet<String>, PaperError> {
+        let mut all = BTreeSet::new();
+        for closed in self.requests() {
+            all.extend(closed?.experiment.warnings()?);
+        }
+        Ok(all)
     }
 
     /// All runs of a loop.
     fn sweep(
         &self,
-        wanted: &SweepRequest<'_>,
+        wanted: PaperLoop<'_>,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<(StageResult<Vec<Row>>, Vec<UntrackedSequence>), PaperError> {
-        let (run, sweep, manifest) = self.sweep_of(wanted)?;
+        let LoopJob { folder, sweep, made_from: manifest, .. } = self.job(wanted)?;
+        let run = folder.display().to_string();
         let lock = FolderLock::take(&self.work.join(&run))?;
         if let Some(program) = self.measured_by {
             let left = sweep.left(&lock, &manifest)?;

@@ -81,7 +81,7 @@ impl Paper<'_> {
     /// Whatever stops a stage; a request to stop. What is finished stays, and the same call goes on from there.
     pub fn run(&self, stop: &AtomicBool, progress: &mut dyn Progress) -> Result<Done, PaperError> {
         let mut stages = Vec::new();
-        let mut overall = Overall::new(progress, self.foreseen());
+        let mut overall = Overall::new(progress, self.foreseen()?);
         let clock = Instant::now();
         let networks = self.networks_id()?;
         stages.push(report("networks", &format!("networks-{networks}"), true, clock));
@@ -102,6 +102,7 @@ impl Paper<'_> {
             program: self.program.clone(),
             command: self.command.clone(),
             estimator: self.estimator.clone(),
+            run: self.run.clone(),
             ..*self
         };
         paper.after_the_loop(stages, open, closed, stop, &mut overall)

@@ -54,6 +54,13 @@ macro_rules! errln {
 
 pub(crate) use {errln, out, outln};
 
+/// Says warnings, a line each.
+pub(crate) fn warn<W: fmt::Display>(warnings: impl IntoIterator<Item = W>) {
+    for warning in warnings {
+        errln!("warning: {warning}");
+    }
+}
+
 /// A message for the user with what to do about it.
 #[derive(Debug)]
 pub(crate) struct Fault {

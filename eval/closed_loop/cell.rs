@@ -25,8 +25,6 @@ pub(super) struct Cell<'a> {
     pub(super) content: String,
     /// The same of the tracks that its odometry has, where images are to be followed.
     pub(super) seen: String,
-    /// Cells of a lower turn are begun first.
-    pub(super) turn: u8,
 }
 
 impl Sweep<'_> {
@@ -52,16 +50,15 @@ impl Sweep<'_> {
             let seen = [&tracking, name, &manifest.inputs[name], &from, of_cell[0]];
             let seen = of_parts(seen.map(String::as_str));
             let content = of_parts(of_sequence.into_iter().chain(of_cell.map(String::as_str)));
-            cells.push(Cell { place, seed, noise, key, content, seen, turn: 0 });
+            cells.push(Cell { place, seed, noise, key, content, seen });
         }
         Ok(cells)
     }
 
     /// Place, seed and noise of every cell, in the order of cells.
     fn combinations(&self) -> Vec<(usize, u64, &NoiseSpec)> {
-        let (others, other_seeds) = &self.others;
-        let parts = [(&self.noises, &self.seeds), (others, other_seeds)];
-        let seeds: BTreeSet<u64> = self.seeds.iter().chain(other_seeds).copied().collect();
+        let parts = [(&self.noises, &self.seeds), (&self.others, &self.other_seeds)];
+        let seeds: BTreeSet<u64> = self.seeds.iter().chain(&self.other_seeds).copied().collect();
         let mut all = Vec::new();
         for &place in &self.places {
             for &seed in &seeds {
@@ -92,7 +89,7 @@ impl Sweep<'_> {
 
     /// All noises, those with seeds of their own last.
     pub fn every_noise(&self) -> impl Iterator<Item = &NoiseSpec> {
-        self.noises.iter().chain(&self.others.0)
+        self.noises.iter().chain(&self.others)
     }
 
     /// What every noise is a function of, by its spec; a mean over the training sequences, of what these are.
@@ -114,7 +111,7 @@ impl Sweep<'_> {
     /// Seed of the training sequences that a mean is taken over: one for all cells, the first that is run.
     /// None of a sweep without seeds, which has no cells.
     pub(crate) fn training_seed(&self) -> Option<u64> {
-        self.seeds.first().or(self.others.1.first()).copied()
+        self.seeds.first().or(self.other_seeds.first()).copied()
     }
 
     /// Whether a sequence's samples depend on the seed.
@@ -167,7 +164,8 @@ mod tests {
             places: vec![6, 7],
             noises: noises.iter().map(|noise| noise.parse().unwrap()).collect(),
             seeds: seeds.to_vec(),
-            others: (Vec::new(), Vec::new()),
+            others: Vec::new(),
+            other_seeds: Vec::new(),
             from: StartAt::Seconds(50.0),
             to: None,
             estimator: EstimatorConfig::default(),

@@ -8,6 +8,7 @@ use crate::stats::StatsError;
 use dpn_core::camera::BadCamera;
 use dpn_core::config::ConfigFault;
 use dpn_io::calibration::CalibrationError;
+use dpn_io::config::ConfigError;
 use dpn_io::{Coverage, IoError, LockError};
 use dpn_logs::LogError;
 use dpn_sim::SimulationError;
@@ -29,6 +30,9 @@ pub enum ClosedLoopError {
     /// A log that cannot be used.
     #[error(transparent)]
     Log(#[from] LogError),
+    /// A file of settings.
+    #[error(transparent)]
+    Settings(#[from] ConfigError),
     /// A run that cannot be what was asked for.
     #[error(transparent)]
     Source(#[from] SourceError),
@@ -284,6 +288,7 @@ impl ClosedLoopError {
         match self {
             Self::Io(error) => error.hint(),
             Self::Log(error) => error.hint(),
+            Self::Settings(error) => error.hint(),
             Self::Source(error) => Some(error.hint().into()),
             Self::Calibration(error) => error.hint(),
             Self::NoCalibration { .. } => {

@@ -3,8 +3,9 @@
 use super::drive::EstimatorOutput;
 use super::error::ClosedLoopError;
 use super::image_report::FrontEndFigures;
-use super::recording::{Recording, first_motion};
+use super::recording::{Recording, Span, first_motion};
 use super::row::{Failure, Restart, Row, StageSeconds, TruthKind};
+use super::sequence_set::SequenceSet;
 use crate::metrics::{
     AlignmentKind, Interpolation, MetricsError, PoseNees, PosePair, RPE_TOLERANCE, RpeStep, TruthOptions,
     TruthTrack, associate_interpolated, ate, nees, rpe, scale_error, start_alignment,
@@ -180,6 +181,21 @@ pub struct RunInfo {
     pub to_s: Option<f64>,
     /// What the front-end made of the images, where there are any.
     pub front_end: Option<FrontEndFigures>,
+}
+
+impl RunInfo {
+    /// Of a run over one of `source`'s sequences.
+    pub fn new(source: &SequenceSet, noise: &NoiseSpec, seed: u64, span: &Span) -> Self {
+        Self {
+            camera: source.camera().into(),
+            truth: source.truth(),
+            noise: noise.clone(),
+            seed,
+            from_s: span.from_s,
+            to_s: span.to_s,
+            front_end: None,
+        }
+    }
 }
 
 /// A finished run, judged.

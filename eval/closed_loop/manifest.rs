@@ -53,9 +53,9 @@ impl Manifest {
         let specs = |noises: &[NoiseSpec]| noises.iter().map(ToString::to_string).collect::<Vec<_>>();
         let sequences: Vec<&str> = sweep.places.iter().map(|place| names[*place].0.as_str()).collect();
         let mut cells = serde_json::json!({ "sequences": sequences, "noises": specs(&sweep.noises), "seeds": sweep.seeds });
-        if !sweep.others.0.is_empty() {
+        if !sweep.others.is_empty() {
             cells["others"] =
-                serde_json::json!({ "noises": specs(&sweep.others.0), "seeds": sweep.others.1 });
+                serde_json::json!({ "noises": specs(&sweep.others), "seeds": sweep.other_seeds });
         }
         Ok(Self {
             program,

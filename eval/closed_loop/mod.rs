@@ -1,20 +1,21 @@
 //! The closed loop: the odometry, told its noise by each of several sources, over sequences, seeds and starts, judged against the truth.
 //!
+//! * [`Experiment`] says what is run: source, camera, span, noises, seeds, estimator, injection. [`RunSource`] opens sources.
 //! * [`SequenceSet`] has the sequences: recordings on disk with camera tracks given or made along their ground truth, or simulated flights.
 //! * [`ImageStream`] is the seam for images. The estimator follows points through them; its own tracker does it once where many runs share the
 //!   tracks ([`CameraInput::tracks`]), to the same bits.
 //! * [`drive`] runs the estimator over one [`Recording`] with one noise track; [`judge`] makes a [`Row`] of what comes out.
 //! * [`Sweep`] runs all cells on all threads into a folder, which a later call goes on with. A cell is named by a checksum of all that its row is a
 //!   function of, so that nothing stale is ever taken for it; the folder has one writer at a time.
-//! * [`RunSource`] says what a path or a name is; [`judged_run`] runs one recording and says everything of it.
+//! * [`judged_run`] runs one recording and says everything of it.
 //! * [`consistency`] puts the NEES of many seeds together. What rows say of noises: [`crate::study`].
 
-mod camera_figures;
 mod cell;
 mod cell_run;
 mod consistency;
 mod drive;
 mod error;
+mod experiment;
 mod frame_log;
 mod gravity;
 mod image_report;
@@ -22,7 +23,6 @@ mod images;
 mod judge;
 mod judged_run;
 mod lazy;
-mod lens_error;
 mod live;
 mod logged;
 mod manifest;
@@ -31,8 +31,11 @@ mod parallel;
 mod recording;
 mod rendered;
 mod row;
+mod sequence;
+mod sequence_checksum;
 mod sequence_name;
 mod sequence_set;
+mod settings;
 mod source;
 mod source_error;
 mod states;
@@ -48,28 +51,28 @@ mod tracking;
 mod tracking_log;
 mod walk;
 
-pub use camera_figures::{CameraFigures, matches};
 pub use consistency::{Consistency, consistency};
 pub use drive::{EstimatorOutput, FEWEST_FRAMES, UpdateWatch, drive, frames_from, settings_for};
 pub use error::ClosedLoopError;
+pub use experiment::Experiment;
 pub use frame_log::SeenFrame;
 pub use image_report::{FrontEndFigures, ImageEvent, ImageReport, PassedOver};
 pub use images::{ImageSource, ImageStream, has_images};
 pub use judge::{Errors, Judged, MAX_GAP_S, RunInfo, judge, paired, run_nees};
 pub use judged_run::{JudgedRun, LearnedLevels, Report, judged_run, watched_run};
-pub use lens_error::{Matched, lens_error};
 pub use live::LiveRun;
 pub use logged::LoggedSequence;
 pub use manifest::Manifest;
 pub use recording::{Recording, Span, StartAt, first_motion};
 pub use row::{CellKey, Failure, Restart, Row, StageSeconds, TruthKind};
-pub use sequence_set::{SequenceSet, TrackSource, path_config};
+pub use sequence::path_config;
+pub use sequence_set::{SequenceSet, TrackSource};
+pub use settings::Settings;
 pub use source::{Camera, RunSource};
 pub use source_error::SourceError;
 pub use states::ANCHOR;
 pub use states::write_states;
 pub use store::{Store, read_rows};
-pub use sweep::{CellTime, CellWatch};
 pub use sweep_faults::{FailedCell, UntrackedSequence};
 pub use sweep_plan::{CellFiles, Sweep};
 pub use track_cache::TrackCache;

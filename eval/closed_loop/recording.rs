@@ -29,13 +29,19 @@ pub struct Recording {
     pub remarks: Vec<String>,
 }
 
-/// Where in a recording a run begins.
+/// Where in a recording a run begins; at its first frame where nobody says.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum StartAt {
     /// Where VINS-Mono's runs of the comparison begin: 40 s into MH_01's frames, 35 s into MH_02's, at the first frame elsewhere.
     Table,
     /// So many seconds after the first frame.
     Seconds(f64),
+}
+
+impl Default for StartAt {
+    fn default() -> Self {
+        Self::Seconds(0.0)
+    }
 }
 
 impl StartAt {

@@ -1,4 +1,4 @@
-//! One run as it is asked for: what a path or a name is, and what the odometry sees of it.
+//! What a path or a name is, and what the odometry sees of it. Every source of recordings is opened here.
 
 use super::error::ClosedLoopError;
 use super::images::{ImageSource, has_images};
@@ -10,11 +10,11 @@ use dpn_io::calibration::Calibration;
 use dpn_logs::{ImageLogOptions, Scales};
 use dpn_sim::tracks::{CameraSettings, TracksConfig};
 use dpn_sim::{Flight, FlightConfig, RenderConfig};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// What the odometry sees.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Camera {
     /// Camera tracks, given or made along the ground truth.
@@ -26,16 +26,14 @@ pub enum Camera {
     Rendered,
 }
 
-/// One run as it is asked for.
+/// What recordings are read or made with: all that is said of a source but its name.
 #[derive(Debug, Clone, Default)]
 pub struct RunSource {
-    /// A folder with an ASL sequence, a log with images, or the name of a flight.
-    pub source: String,
-    /// What the odometry sees; without it the folder's images where it holds any, else tracks.
+    /// What the odometry sees; without it a sequence's images where it holds any, else tracks.
     pub camera: Option<Camera>,
-    /// File of camera tracks; without it tracks are made along the ground truth from the seed.
+    /// File of camera tracks, or folder with SEQUENCE.txt each; without it tracks are made along the ground truth from the seed.
     pub tracks: Option<PathBuf>,
-    /// Of a sequence, folder with reconciled ground truth, the published one without it; of a log with images, file of true poses.
+    /// Of sequences, folder with reconciled ground truth, the published one without it; of a log with images, file of true poses, or folder with NAME.csv.
     pub truth: Option<PathBuf>,
     /// How a log with images is read; whether images that are listed but not there are passed over, of a folder too.
     pub log: ImageLogOptions,
@@ -57,77 +55,113 @@ impl RunSource {
     pub fn with_calibration(mut self, given: Option<Calibration>) -> Result<Self, ClosedLoopError> {
         if let Some(given) = &given {
             let camera = CameraSettings::try_from(&given.camera)
-                .map_err(|source| ClosedLoopError::Camera { sequence: self.source.clone(), source })?;
+                .map_err(|source| ClosedLoopError::Camera { sequence: given.to_string(), source })?;
             (self.simulated_tracks.camera, self.images.camera) = (Some(camera), Some(camera));
         }
         self.calibration = given;
         Ok(self)
     }
 
-    /// The sequence, and its place in its set. A folder is a sequence, a bag or a folder with `times.txt` a log with images, anything else a flight.
+    /// The sequence called `name`, and its place in its set. A folder is a sequence, a bag or a folder with `times.txt` a log with images, anything else a flight.
     ///
     /// # Errors
     /// What is neither; arguments that do not go together, or not with what the source is; files that cannot be read.
-    pub fn open(self) -> Result<(SequenceSet, usize), ClosedLoopError> {
-        let skip_missing = self.log.skip_missing;
-        let made = TrackSource::Simulated(self.simulated_tracks);
-        let seen = TrackSource::Images(ImageSource::Folder { skip_missing });
-        let rendered = TrackSource::Images(ImageSource::Rendered(Box::new(self.images)));
-        let (dir, source_name) = (Path::new(&self.source), || self.source.clone());
-        let imu = &self.log.imu;
-        let of_logs = [
-            ("image_topic", self.log.image_topic.is_some()),
-            ("topic", imu.topic.is_some()),
-            ("columns", imu.csv.columns.is_some()),
-            ("time_unit", imu.csv.time.is_some()),
-            ("gyro_unit", imu.csv.gyro.is_some()),
-            ("accel_unit", imu.csv.accel.is_some()),
-            ("scale", imu.scales != Scales::default()),
-        ];
-        if let Some(log) = LoggedSequence::find(dir, self.log, self.calibration.as_ref())? {
-            let other = self.camera.is_some_and(|camera| camera != Camera::Images);
-            if other || self.tracks.is_some() {
-                return Err(SourceError::OwnCamera { source_name: source_name() }.into());
-            }
-            let log = match &self.truth {
-                Some(file) => log.with_truth(file)?,
-                None => log,
-            };
-            return Ok((SequenceSet::logged(log, skip_missing), 0));
-        }
-        if let Some((argument, _)) = of_logs.into_iter().find(|(_, given)| *given) {
-            return Err(SourceError::Topic { argument, source_name: source_name() }.into());
+    pub fn one(self, name: &str) -> Result<(SequenceSet, usize), ClosedLoopError> {
+        let dir = Path::new(name);
+        if let Some(log) = self.logged(dir)? {
+            return Ok((log, 0));
         }
         if dir.exists() || is_there(dir) {
-            let tracks = match (self.camera, self.tracks) {
-                (Some(Camera::Images | Camera::Rendered), Some(_)) => {
-                    return Err(SourceError::TwoCameras.into());
+            let chosen = self.camera.is_some() || self.tracks.is_some();
+            let tracks = self.seen(!chosen && has_images(&Sequence::open(dir)?)?)?;
+            return Ok((self.completed(SequenceSet::one(dir, tracks)?), 0));
+        }
+        let flight: Flight =
+            name.parse().map_err(|unknown| SourceError::Unknown { source_name: name.to_owned(), unknown })?;
+        let place = Flight::ALL.iter().position(|f| *f == flight).expect("`ALL` holds every flight");
+        Ok((self.flown()?, place))
+    }
+
+    /// All sequences below `data`, the log with images that it is, or the simulated flights without it.
+    ///
+    /// # Errors
+    /// As [`one`](Self::one).
+    pub fn all(self, data: Option<&Path>) -> Result<SequenceSet, ClosedLoopError> {
+        let Some(dir) = data else { return Ok(self.flown()?) };
+        if let Some(log) = self.logged(dir)? {
+            return Ok(log);
+        }
+        let tracks = self.seen(false)?;
+        Ok(self.completed(SequenceSet::recorded(dir, tracks)?))
+    }
+
+    /// The log with images at `dir`, if there is one.
+    fn logged(&self, dir: &Path) -> Result<Option<SequenceSet>, ClosedLoopError> {
+        let source_name = || dir.display().to_string();
+        let Some(log) = LoggedSequence::find(dir, self.log.clone(), self.calibration.as_ref())? else {
+            let imu = &self.log.imu;
+            let of_logs = [
+                ("image_topic", self.log.image_topic.is_some()),
+                ("topic", imu.topic.is_some()),
+                ("columns", imu.csv.columns.is_some()),
+                ("time_unit", imu.csv.time.is_some()),
+                ("gyro_unit", imu.csv.gyro.is_some()),
+                ("accel_unit", imu.csv.accel.is_some()),
+                ("scale", imu.scales != Scales::default()),
+            ];
+            return match of_logs.into_iter().find(|(_, given)| *given) {
+                Some((argument, _)) => {
+                    Err(SourceError::Topic { argument, source_name: source_name() }.into())
                 }
-                (_, Some(tracks)) => TrackSource::File(tracks),
-                (Some(Camera::Images), None) => seen,
-                (Some(Camera::Rendered), None) => rendered,
-                (Some(Camera::Tracks), None) => made,
-                (None, None) if has_images(&Sequence::open(dir)?)? => seen,
-                (None, None) => made,
+                None => Ok(None),
             };
-            let set = SequenceSet::one(dir, tracks)?.with_calibration(self.calibration);
-            return Ok((set.with_reconciled_truth(self.truth.as_deref()), 0));
+        };
+        let other = self.camera.is_some_and(|camera| camera != Camera::Images);
+        if other || self.tracks.is_some() {
+            return Err(SourceError::OwnCamera { source_name: source_name() }.into());
         }
+        let log = match &self.truth {
+            Some(dir) if dir.is_dir() => {
+                let file = dir.join(format!("{}.csv", log.name()));
+                log.with_truth(&file)?
+            }
+            Some(file) => log.with_truth(file)?,
+            None => log,
+        };
+        Ok(Some(SequenceSet::logged(log, self.log.skip_missing)))
+    }
+
+    /// What the odometry sees of sequences; `images` where nobody says it.
+    fn seen(&self, images: bool) -> Result<TrackSource, SourceError> {
+        let by_itself = if images { Camera::Images } else { Camera::Tracks };
+        match (self.camera.unwrap_or(by_itself), &self.tracks) {
+            (Camera::Images | Camera::Rendered, Some(_)) => Err(SourceError::TwoCameras),
+            (Camera::Tracks, Some(tracks)) => Ok(TrackSource::File(tracks.clone())),
+            (Camera::Tracks, None) => Ok(TrackSource::Simulated(self.simulated_tracks.clone())),
+            (Camera::Images, None) => {
+                Ok(TrackSource::Images(ImageSource::Folder { skip_missing: self.log.skip_missing }))
+            }
+            (Camera::Rendered, None) => {
+                Ok(TrackSource::Images(ImageSource::Rendered(Box::new(self.images.clone()))))
+            }
+        }
+    }
+
+    fn completed(self, set: SequenceSet) -> SequenceSet {
+        set.with_calibration(self.calibration).with_reconciled_truth(self.truth.as_deref())
+    }
+
+    fn flown(self) -> Result<SequenceSet, SourceError> {
         if self.camera == Some(Camera::Images) {
-            return Err(SourceError::FlightImages.into());
+            return Err(SourceError::FlightImages);
         }
-        let flight: Flight = self
-            .source
-            .parse()
-            .map_err(|unknown| SourceError::Unknown { source_name: source_name(), unknown })?;
         if self.truth.is_some() {
-            return Err(SourceError::FlightTruth.into());
+            return Err(SourceError::FlightTruth);
         }
         if self.tracks.is_some() {
-            return Err(SourceError::FlightTracks.into());
+            return Err(SourceError::FlightTracks);
         }
-        let tracks = if self.camera == Some(Camera::Rendered) { rendered } else { made };
-        let place = Flight::ALL.iter().position(|f| *f == flight).expect("`ALL` holds every flight");
-        Ok((SequenceSet::Flights { config: self.flights, tracks }, place))
+        let tracks = self.seen(false)?;
+        Ok(SequenceSet::Flights { config: self.flights, tracks })
     }
 }

@@ -23,6 +23,9 @@ pub enum SourceError {
     /// Tracks, and a camera that needs none.
     #[error("`tracks` and `camera` images or rendered ask for two things")]
     TwoCameras,
+    /// Several seeds of what has none.
+    #[error("given tracks have no seed, and `seeds` asks for several")]
+    Unseeded,
     /// Neither a folder nor a flight.
     #[error("there is no folder `{source_name}`, and {unknown}")]
     Unknown {
@@ -46,7 +49,8 @@ impl SourceError {
     /// What to do about it.
     pub fn hint(&self) -> &'static str {
         match self {
-            Self::OwnCamera { .. } => "leave `camera` and `tracks` away",
+            Self::OwnCamera { .. } => "say `camera` images or nothing, and leave `tracks` away",
+            Self::Unseeded => "leave `tracks` away, and tracks are made from the seed",
             Self::Topic { .. } => {
                 "give a rosbag1, MCAP, rosbag2 or a folder with times.txt, or leave it away"
             }

@@ -22,7 +22,6 @@ use super::sweep_faults::{FailedCell, OnFault, UnseenSequences, UntrackedSequenc
 use super::sweep_plan::{Sweep, nees_path, remove_files, trajectory_path};
 use super::tracked::TrackedSequence;
 use crate::noise::{MeanSquare, Recorded, of_recording};
-use cpu_time::ThreadTime;
 use dpn_core::ImuNoise;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::progress::Progress;
@@ -34,18 +33,6 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
-
-/// CPU seconds of one cell on its thread.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CellTime {
-    /// For what other cells share, where this one made it.
-    pub shared_s: f64,
-    /// For the cell itself.
-    pub own_s: f64,
-}
-
-/// Who hears of every cell that was run, its row being in the folder.
-pub type CellWatch<'a> = dyn FnMut(&Row, CellTime) -> Result<(), ClosedLoopError> + 'a;
 
 impl Sweep<'_> {
     /// Runs every cell whose row is not in the folder of `lock` yet; the rows of all cells, in order.
@@ -61,7 +48,7 @@ impl Sweep<'_> {
         progress: &mut dyn Progress,
     ) -> Result<Vec<Row>, ClosedLoopError> {
         let cells = self.cells(manifest)?;
-        self.run_in_store(lock, manifest, &cells, &OnFault::Fail, &mut |_, _| Ok(()), (stop, progress))
+        self.run_in_store(lock, manifest, &cells, &OnFault::Fail, (stop, progress))
     }
 
     /// The same where a sequence that cannot be seen ends nothing: it has no rows, and is named with its reason.
@@ -78,33 +65,26 @@ impl Sweep<'_> {
         let found = UnseenSequences::default();
         let cells = self.cells(manifest)?;
         let on_fault = OnFault::LeaveOut(&found);
-        let rows =
-            self.run_in_store(lock, manifest, &cells, &on_fault, &mut |_, _| Ok(()), (stop, progress))?;
+        let rows = self.run_in_store(lock, manifest, &cells, &on_fault, (stop, progress))?;
         Ok((rows, found.into_list()))
     }
 
-    /// Runs those cells whose content has a turn in `turns`, the lowest first, and whose row is not in the folder of `lock` yet. A cell that cannot be run ends nothing: it is named
-    /// with its reason. `done` hears of every cell that was run once its row is in the folder, with the time it took.
+    /// Runs those cells whose content is `wanted` and whose row is not in the folder of `lock` yet. A cell that cannot be run ends nothing: it is named with its reason.
     ///
     /// # Errors
     /// As of [`run`](Self::run), but for faults of cells.
     pub fn run_cells(
         &self,
-        turns: &HashMap<&str, u8>,
+        wanted: &HashSet<&str>,
         lock: &FolderLock,
         manifest: &Manifest,
-        done: &mut CellWatch<'_>,
         (stop, progress): (&AtomicBool, &mut dyn Progress),
     ) -> Result<Vec<FailedCell>, ClosedLoopError> {
         let (unseen, failed) = (UnseenSequences::default(), Mutex::new(Vec::new()));
         let mut cells = self.cells(manifest)?;
-        cells.retain_mut(|cell| {
-            let turn = turns.get(cell.content.as_str());
-            cell.turn = turn.copied().unwrap_or_default();
-            turn.is_some()
-        });
+        cells.retain(|cell| wanted.contains(cell.content.as_str()));
         let on_fault = OnFault::Note { unseen: &unseen, failed: &failed };
-        self.run_in_store(lock, manifest, &cells, &on_fault, done, (stop, progress))?;
+        self.run_in_store(lock, manifest, &cells, &on_fault, (stop, progress))?;
         Ok(failed.into_inner().unwrap_or_else(PoisonError::into_inner))
     }
 
@@ -128,11 +108,10 @@ impl Sweep<'_> {
         // Named before anything is written: noises that cannot be had are found out by then.
         cells: &[Cell<'_>],
         on_fault: &OnFault<'_>,
-        watch: &mut CellWatch<'_>,
         (stop, progress): (&AtomicBool, &mut dyn Progress),
     ) -> Result<Vec<Row>, ClosedLoopError> {
         let mut store = Store::open(lock, manifest)?;
-        match self.fill(cells, &mut store, on_fault, watch, (stop, progress)) {
+        match self.fill(cells, &mut store, on_fault, (stop, progress)) {
             Ok(ordered) => {
                 store.finish(&ordered)?;
                 Ok(ordered)
@@ -159,6 +138,25 @@ impl Sweep<'_> {
         kept
     }
 
+    /// Takes the rows of cells that another command ran with the same cache, where no file belongs beside them.
+    fn take_from_cache(
+        &self,
+        cells: &[Cell<'_>],
+        rows: &mut BTreeMap<CellKey, Row>,
+        store: &mut Store<'_>,
+    ) -> Result<(), ClosedLoopError> {
+        let Some(cache) = self.cache else { return Ok(()) };
+        for cell in cells.iter().filter(|cell| !rows.contains_key(&cell.key)).collect::<Vec<_>>() {
+            let Some(row) = cache.row(&cell.content) else { continue };
+            if !self.keep.lacks(store.dir(), &cell.key, &row, false) {
+                let row = Row { noise: cell.noise.clone(), ..row };
+                store.append(&row)?;
+                rows.insert(cell.key.clone(), row);
+            }
+        }
+        Ok(())
+    }
+
     /// Rows of cells that are another's now go, and then the files beside them: at no time does a file of one content lie beside a row of another.
     fn forget_stale(
         &self,
@@ -183,19 +181,20 @@ impl Sweep<'_> {
         cells: &[Cell<'_>],
         store: &mut Store<'_>,
         on_fault: &OnFault<'_>,
-        watch: &mut CellWatch<'_>,
         (stop, progress): (&AtomicBool, &mut dyn Progress),
     ) -> Result<Vec<Row>, ClosedLoopError> {
         let mut rows = self.kept(cells, store);
+        self.forget_stale(cells, &rows, store)?;
         let (total, kept) = (cells.len(), rows.len());
+        self.take_from_cache(cells, &mut rows, store)?;
         let todo: Vec<&Cell> = cells.iter().filter(|cell| !rows.contains_key(&cell.key)).collect();
         let todo = self.ahead(todo);
         let means = self.training_means(&todo, on_fault, stop)?;
-        self.forget_stale(cells, &rows, store)?;
         let needs: Vec<Needs> = todo.iter().map(|cell| self.needs(cell)).collect();
         let cache = SweepCache::new(&needs, means);
         progress.start("closed loop", total as u64);
-        let mut done = kept;
+        let there = rows.len();
+        let mut done = there;
         let dir = store.dir().to_path_buf();
         let finished = each(
             self.threads,
@@ -207,15 +206,17 @@ impl Sweep<'_> {
                 row.or_else(|error| on_fault.of_cell(todo[i], error).map(|()| None))
             },
             |_, row| {
-                let Some((row, time)) = row else { return Ok(()) };
+                let Some(row) = row else { return Ok(()) };
                 store.append(row)?;
-                watch(row, *time)?;
+                if let Some(cache) = self.cache {
+                    cache.keep_row(row);
+                }
                 done += 1;
                 progress.step(done as u64, &note(row));
                 Ok(())
             },
         )?;
-        for (row, _) in finished.into_iter().flatten().flatten() {
+        for row in finished.into_iter().flatten().flatten() {
             rows.insert(row.key(), row);
         }
         let seen = || cells.iter().filter(|cell| !on_fault.leaves_out(cell));
@@ -227,7 +228,7 @@ impl Sweep<'_> {
         }
         let reused = match kept {
             0 => String::new(),
-            kept => format!(": {kept} kept from {}, {} run", dir.display(), done - kept),
+            kept => format!(": {kept} kept from {}, {} run", dir.display(), done - there),
         };
         progress.finish(&format!("{total} cells{reused}"));
         Ok(ordered)
@@ -238,7 +239,7 @@ impl Sweep<'_> {
     /// whole seeds.
     fn ahead<'c>(&self, mut cells: Vec<&'c Cell<'c>>) -> Vec<&'c Cell<'c>> {
         let place = |cell: &Cell<'_>| self.places.iter().position(|place| *place == cell.place);
-        cells.sort_by_key(|cell| (cell.turn, cell.seed, place(cell)));
+        cells.sort_by_key(|cell| (cell.seed, place(cell)));
         let groups: Vec<&[&Cell<'_>]> =
             cells.chunk_by(|a, b| (a.seed, a.place) == (b.seed, b.place)).collect();
         let first = |i: usize| groups.get(i).map(|group| group[0]);
@@ -260,6 +261,11 @@ impl Sweep<'_> {
         }
     }
 
+    /// The part of a recording that is run.
+    fn span(&self, recording: &Recording) -> Span {
+        Span { from_s: self.from.seconds(&recording.name), to_s: self.to }
+    }
+
     /// The recording of a cell, with what is added to it.
     fn recording(&self, place: usize, seed: u64) -> Result<Recording, ClosedLoopError> {
         let mut recording = self.source.recording(place, seed)?;
@@ -278,32 +284,22 @@ impl Sweep<'_> {
         cache: &SweepCache,
         (dir, stop): (&Path, &AtomicBool),
         on_fault: &OnFault<'_>,
-    ) -> Result<Option<(Row, CellTime)>, ClosedLoopError> {
+    ) -> Result<Option<Row>, ClosedLoopError> {
         if on_fault.passes_over(cell) {
             return Ok(None);
         }
-        let clock = ThreadTime::now();
-        let (recording, seen, kept) = match self.inputs(cell, needs, cache, stop) {
+        let (recording, seen) = match self.inputs(cell, needs, cache, stop) {
             Ok(found) => found,
             Err(error) => return on_fault.unseen(cell, error).map(|()| None),
         };
-        let begun_s = clock.elapsed().as_secs_f64();
-        // What others made costs them.
-        let shared_s = if kept { 0.0 } else { begun_s };
         remove_files(dir, &cell.key)?;
-        let from_s = self.from.seconds(&recording.name);
         let sources = cache.sources(needs, recorded(&recording), self.networks);
         let mut watch = |_: &Update, _: &Window| ControlFlow::Continue(());
         let (output, noise) =
             run_on_tracks(&self.estimator, &recording, &seen, cell.noise, &sources, cell.seed, &mut watch)?;
         let info = RunInfo {
-            camera: self.source.camera().into(),
-            truth: self.source.truth(),
-            noise: cell.noise.clone(),
-            seed: cell.seed,
-            from_s,
-            to_s: self.to,
             front_end: seen.images.as_ref().map(|images| images.figures.clone()),
+            ..RunInfo::new(self.source, cell.noise, cell.seed, &self.span(&recording))
         };
         if let Some(path) = self.keep.states_path(dir, &cell.key) {
             atomic_write(&path, |out| write_states(&output, &noise, out))?;
@@ -315,35 +311,29 @@ impl Sweep<'_> {
         if let Some(nees) = judged.nees.as_ref().filter(|_| self.keep.nees) {
             write_nees(&nees_path(dir, &cell.key), nees)?;
         }
-        let row = Row { cell: cell.content.clone(), noise_rms: Some(noise_rms(&noise)), ..judged.row };
-        Ok(Some((row, CellTime { shared_s, own_s: clock.elapsed().as_secs_f64() - begun_s })))
+        Ok(Some(Row { cell: cell.content.clone(), noise_rms: Some(noise_rms(&noise)), ..judged.row }))
     }
 
-    /// What a cell's odometry is given: the recording, and tracks enough; and whether these were kept by somebody else.
+    /// What a cell's odometry is given: the recording, and tracks enough.
     fn inputs(
         &self,
         cell: &Cell<'_>,
         needs: &Needs,
         cache: &SweepCache,
         stop: &AtomicBool,
-    ) -> Result<(Arc<Recording>, Arc<TrackedSequence>, bool), ClosedLoopError> {
+    ) -> Result<(Arc<Recording>, Arc<TrackedSequence>), ClosedLoopError> {
         let recording = cache.recording(needs, || self.recording(cell.place, cell.seed))?;
-        let span = Span { from_s: self.from.seconds(&recording.name), to_s: self.to };
+        let span = self.span(&recording);
         let follow = || {
             let camera = self.source.camera_input(cell.place, cell.seed, &span)?;
             camera.tracks(&recording, &self.estimator.front_end, cell.seed)
         };
-        let mut kept = false;
         let seen = cache.frames(needs, || match (self.cache, self.source.tracks()) {
-            (Some(folder), TrackSource::Images(_)) => {
-                let (tracked, was_there) = folder.get(&cell.seen, stop, follow)?;
-                kept = was_there;
-                Ok(tracked)
-            }
+            (Some(folder), TrackSource::Images(_)) => Ok(folder.get(&cell.seen, stop, follow)?.0),
             _ => follow(),
         })?;
         frames_from(&recording, &seen.frames, &seen.span)?;
-        Ok((recording, seen, kept))
+        Ok((recording, seen))
     }
 
     /// What `mean-of-train` needs, over all training sequences of the source that can be read, whether they are run or not.

@@ -1,6 +1,5 @@
 //! What a sweep runs, and what is kept of it.
 
-use super::drive::settings_for;
 use super::recording::StartAt;
 use super::row::{CellKey, Row};
 use super::sequence_set::SequenceSet;
@@ -11,7 +10,6 @@ use dpn_io::IoError;
 use dpn_pronet::network::Network;
 use dpn_vio::EstimatorConfig;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// What to run.
@@ -25,8 +23,10 @@ pub struct Sweep<'a> {
     pub noises: Vec<NoiseSpec>,
     /// The seeds.
     pub seeds: Vec<u64>,
-    /// More noises, and the seeds of these.
-    pub others: (Vec<NoiseSpec>, Vec<u64>),
+    /// More noises.
+    pub others: Vec<NoiseSpec>,
+    /// The seeds of these.
+    pub other_seeds: Vec<u64>,
     /// Where in a sequence a run begins.
     pub from: StartAt,
     /// Seconds after a sequence's first frame (or image listed) at which its run ends; without it at the last.
@@ -43,16 +43,6 @@ pub struct Sweep<'a> {
     pub keep: CellFiles,
     /// What is added to every recording's samples, from the seed of the cell.
     pub injection: Option<Injection>,
-}
-
-impl Sweep<'_> {
-    /// What settings that are allowed do not do together, for people: of each noise under which it is so, said once.
-    pub fn warnings(&self) -> Vec<String> {
-        let noises = self.noises.iter().chain(&self.others.0);
-        let all: BTreeSet<String> =
-            noises.flat_map(|noise| settings_for(&self.estimator, noise).warnings()).collect();
-        all.into_iter().collect()
-    }
 }
 
 /// What is kept of cells beside their rows, each a file a cell. A cell is run again where such a file is not there.

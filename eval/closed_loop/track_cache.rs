@@ -1,4 +1,4 @@
-//! Tracks that were followed through images, kept in a folder for whoever needs the same again: another shard, another node, another run.
+//! Tracks that were followed through images and rows of cells, kept in a folder for whoever needs the same again: another shard, another node, another command.
 //!
 //! An entry is named by the checksum of everything that the tracks are a function of (program, processor, the sequence's files, camera, front-end, seed, start and end), so
 //! it is right or not there. It is a [column file](dpn_io::column_file), whole or not there; one that is damaged is made anew, and said. While one process
@@ -7,7 +7,9 @@
 
 use super::image_report::ImageReport;
 use super::recording::Span;
+use super::row::Row;
 use super::tracked::TrackedSequence;
+use dpn_core::checksum::of_parts;
 use dpn_core::{Stamp, Track, TrackFrame};
 use dpn_io::IoError;
 use dpn_io::column_file::{Column, ColumnFile, Format, to_bytes};
@@ -35,6 +37,7 @@ pub struct TrackCache {
     most: u64,
     taken: AtomicUsize,
     made: AtomicUsize,
+    rows: AtomicUsize,
     remarks: Mutex<Vec<String>>,
 }
 
@@ -52,8 +55,8 @@ impl TrackCache {
     /// A folder that cannot be made.
     pub fn open(dir: &Path, most: u64) -> Result<Self, IoError> {
         std::fs::create_dir_all(dir).map_err(|source| IoError::Write { path: dir.to_path_buf(), source })?;
-        let (taken, made) = (AtomicUsize::new(0), AtomicUsize::new(0));
-        Ok(Self { dir: dir.to_path_buf(), most, taken, made, remarks: Mutex::default() })
+        let [taken, made, rows] = std::array::from_fn(|_| AtomicUsize::new(0));
+        Ok(Self { dir: dir.to_path_buf(), most, taken, made, rows, remarks: Mutex::default() })
     }
 
     /// What was taken and made, and what was wrong, a line each; nothing where nothing was asked.
@@ -63,7 +66,34 @@ impl TrackCache {
         if taken + made > 0 {
             words.push(format!("tracks: {taken} taken from {}, {made} made", self.dir.display()));
         }
+        match self.rows.load(Ordering::Relaxed) {
+            0 => {}
+            rows => words.push(format!("cells: {rows} taken from {}", self.dir.display())),
+        }
         words
+    }
+
+    /// The row of the cell of this content, where it was run with this cache by whatever command.
+    pub(super) fn row(&self, content: &str) -> Option<Row> {
+        let text = std::fs::read(self.row_path(content)).ok()?;
+        let row: Row = serde_json::from_slice(&text).ok().filter(|row: &Row| row.cell == content)?;
+        self.rows.fetch_add(1, Ordering::Relaxed);
+        Some(row)
+    }
+
+    /// Keeps a cell's row.
+    pub(super) fn keep_row(&self, row: &Row) {
+        let text = serde_json::to_string(row).expect("numbers, texts and lists of them");
+        let kept = dpn_io::atomic_write(&self.row_path(&row.cell), |out| out.write_all(text.as_bytes()));
+        if let Err(error) = kept {
+            self.remark(format!("a row is not kept: {}", with_cause(&error)));
+        }
+    }
+
+    /// Processors of another kind make other bits.
+    fn row_path(&self, content: &str) -> PathBuf {
+        let name = of_parts([content, &dpn_pronet::processor()]);
+        self.dir.join("cells").join(&name[..2]).join(format!("{name}.json"))
     }
 
     /// The tracks of `key`, and whether they were there; `make` makes them where they are not. A fault of the folder ends nothing: it is a remark.

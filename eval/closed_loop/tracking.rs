@@ -6,7 +6,7 @@ use super::recording::{Recording, Span};
 use super::tracked::TrackedSequence;
 use super::tracking_log::TrackingLog;
 use super::walk::{Step, walk};
-use dpn_core::{Stamp, TrackFrame};
+use dpn_core::TrackFrame;
 use dpn_vio::estimator::{FeedError, FrontEndObserver, ImageTracker};
 use dpn_vio::frontend::FrontEndConfig;
 
@@ -19,17 +19,6 @@ pub enum CameraInput<'a> {
 }
 
 impl CameraInput<'_> {
-    /// Of images, those from `from` to `to`; tracks as they are.
-    pub(super) fn between(self, from: Stamp, to: Stamp) -> Self {
-        match self {
-            Self::Images(images) => {
-                let within = images.skip_while(move |(t, _)| *t < from).take_while(move |(t, _)| *t <= to);
-                Self::Images(Box::new(within))
-            }
-            tracks @ Self::Tracks(..) => tracks,
-        }
-    }
-
     /// The tracks, followed through the images where there are images: what any number of runs with whatever noise have in common.
     ///
     /// `seed` feeds the consensus of the front-end.
@@ -49,7 +38,7 @@ impl CameraInput<'_> {
     ///
     /// # Errors
     /// As [`tracks`](Self::tracks).
-    pub(super) fn tracks_watched(
+    pub fn tracks_watched(
         self,
         recording: &Recording,
         config: &FrontEndConfig,

@@ -5,8 +5,12 @@
 //! `dpn simulate images`.
 #![allow(clippy::unwrap_used)]
 
+#[path = "../tests/camera/mod.rs"]
+mod camera;
+
+use camera::{CameraFigures, lens_error, matches};
 use dpn_core::Stamp;
-use dpn_eval::closed_loop::{CameraFigures, ImageSource, SequenceSet, TrackSource, lens_error, matches};
+use dpn_eval::closed_loop::{ImageSource, SequenceSet, TrackSource};
 use dpn_io::ImageFolder;
 use dpn_io::asl::Sequence;
 use dpn_sim::RenderConfig;

@@ -1,6 +1,6 @@
 //! Which platforms, and which noises on them.
 
-use crate::sweeps::LoopPlan;
+use crate::closed_loop::Experiment;
 use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 use dpn_core::estimate::NoiseSpec;
 use serde::Deserialize;
@@ -11,18 +11,21 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FleetPlan {
+    /// `fleet`, where a sweep is to be cut of it.
+    #[serde(default)]
+    pub kind: Option<String>,
     /// Constants that are swept on every platform; its best one is what all others are scored by.
     pub constants: Vec<NoiseSpec>,
     /// What is scored beside them.
     pub noises: Vec<NoiseSpec>,
     /// The platforms.
-    pub platform: Vec<PlatformPlan>,
+    pub platform: Vec<Platform>,
 }
 
 /// One platform.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct PlatformPlan {
+pub struct Platform {
     /// What a reader calls it.
     pub name: String,
     /// The folder of its rows, in that of the results.
@@ -30,9 +33,9 @@ pub struct PlatformPlan {
     /// Whether its ground truth is reconciled with its IMU before anything is run (`dpn truth`).
     #[serde(default)]
     pub reconciled: bool,
-    /// The closed loop; its noises are the fleet's. A relative `data` is looked for in the folder of the data packs.
+    /// What is run on it; its noises are the fleet's. A relative `data` is looked for in the folder of the data packs.
     #[serde(default)]
-    pub run: LoopPlan,
+    pub run: Experiment,
 }
 
 impl FleetPlan {
@@ -48,10 +51,10 @@ impl FleetPlan {
     }
 }
 
-impl PlatformPlan {
-    /// Its closed loop with the fleet's `noises`, its data in `data`; `truth` is where reconciled ground truth is.
-    pub fn closed_loop(&self, noises: Vec<NoiseSpec>, data: &Path, truth: &Path) -> LoopPlan {
-        LoopPlan {
+impl Platform {
+    /// Its experiment with the fleet's `noises`, its data in `data`; `truth` is where reconciled ground truth is.
+    pub fn experiment(&self, noises: Vec<NoiseSpec>, data: &Path, truth: &Path) -> Experiment {
+        Experiment {
             noises,
             data: self.data(data),
             truth: self.reconciled.then(|| truth.to_path_buf()).or_else(|| self.run.truth.clone()),
@@ -86,7 +89,7 @@ impl Validate for FleetPlan {
             );
             let has_data = !platform.reconciled || platform.run.data.is_some();
             faults.check(has_data, key("reconciled"), true, "left out where there is no `data`");
-            let run = LoopPlan { noises: self.constants.clone(), ..platform.run.clone() };
+            let run = Experiment { noises: self.constants.clone(), ..platform.run.clone() };
             faults.table(&key("run"), run.faults());
         }
         faults.0
@@ -106,7 +109,7 @@ mod tests {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../configs/fleet");
         let plan: FleetPlan = dpn_io::config::load(&folder.join("fleet.toml")).unwrap();
         assert!(plan.platform.len() >= 6 && plan.platform.iter().any(|platform| platform.reconciled));
-        let run = plan.platform[0].closed_loop(plan.all_noises(), Path::new("packs"), Path::new("t"));
+        let run = plan.platform[0].experiment(plan.all_noises(), Path::new("packs"), Path::new("t"));
         assert_eq!((run.data.as_deref(), run.truth), (Some(Path::new("packs/euroc")), None));
         assert_eq!(run.noises.len(), plan.constants.len() + plan.noises.len());
     }

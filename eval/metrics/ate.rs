@@ -33,7 +33,7 @@ pub fn ate(pairs: &[PosePair], kind: AlignmentKind) -> Result<Ate, MetricsError>
 ///
 /// # Errors
 /// No pair.
-pub fn ate_aligned(pairs: &[PosePair], alignment: Alignment) -> Result<Ate, MetricsError> {
+pub(super) fn ate_aligned(pairs: &[PosePair], alignment: Alignment) -> Result<Ate, MetricsError> {
     let (distances, angles): (Vec<f64>, Vec<f64>) = pairs
         .iter()
         .map(|pair| {

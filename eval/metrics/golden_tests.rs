@@ -1,5 +1,6 @@
 //! Absolute and relative errors held to evo's (`golden/evo/make.py`), on a synthetic pair and on 12 s of V1_02_medium.
 
+use super::ate::ate_aligned;
 use super::*;
 use dpn_core::Stamp;
 use dpn_core::trajectory::StampedPose;

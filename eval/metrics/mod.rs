@@ -24,7 +24,7 @@ mod truth;
 
 pub use align::{Alignment, AlignmentKind, align};
 pub use associate::{Association, PosePair, associate_interpolated, associate_nearest};
-pub use ate::{Ate, ate, ate_aligned, scale_error};
+pub use ate::{Ate, ate, scale_error};
 pub use error::{MetricsError, Trajectory};
 pub use nees::{PoseNees, nees, start_alignment};
 pub use nees_report::{NeesPart, NeesReport, nees_report};

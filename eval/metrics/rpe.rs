@@ -30,25 +30,6 @@ pub struct Rpe {
     pub rotation: ErrorSummary,
 }
 
-impl Rpe {
-    /// RMSE of the translation in per cent of the step; `None` for a step in seconds.
-    pub fn translation_percent(&self) -> Option<f64> {
-        self.metres().map(|m| 100.0 * self.translation.rmse / m)
-    }
-
-    /// RMSE of the rotation in degrees per metre of the step; `None` for a step in seconds.
-    pub fn rotation_deg_per_metre(&self) -> Option<f64> {
-        self.metres().map(|m| self.rotation.rmse.to_degrees() / m)
-    }
-
-    fn metres(&self) -> Option<f64> {
-        match self.step {
-            RpeStep::Metres(metres) => Some(metres),
-            RpeStep::Seconds(_) | RpeStep::Frames(_) | RpeStep::Degrees(_) => None,
-        }
-    }
-}
-
 /// Relative errors over stretches of length `step` along the true path, one from every pose, give or take `tolerance` times it ([`RPE_TOLERANCE`]); `None` where no stretch is that long.
 ///
 /// # Errors
@@ -183,8 +164,7 @@ mod tests {
             assert!((got.rotation.rmse - 0.01).abs() < 1e-9, "{got:?}");
         }
         let expected = 0.01_f64.to_degrees() / 2.0;
-        assert!((by_path.rotation_deg_per_metre().unwrap() - expected).abs() < 1e-9);
-        assert_eq!(by_time.rotation_deg_per_metre(), None);
+        assert!((by_path.rotation.rmse.to_degrees() / 2.0 - expected).abs() < 1e-9);
     }
 
     #[test]
@@ -195,7 +175,7 @@ mod tests {
             pair.est_world_from_body.rotation = nalgebra::UnitQuaternion::identity();
         }
         let got = rpe(&pairs, RpeStep::Metres(3.0), 0.02).unwrap().unwrap();
-        assert!((got.translation_percent().unwrap() - 10.0).abs() < 1e-9);
+        assert!((100.0 * got.translation.rmse / 3.0 - 10.0).abs() < 1e-9);
         assert!(got.rotation.max < 1e-12);
     }
 

@@ -3,11 +3,8 @@
 //! Longest processing time first (Graham 1969): groups, the longest first, each whole to the shard that ends earliest with it. Where that leaves shards
 //! idle, because there are few groups or one is long, the earliest end is searched by bisection: shards are filled up to it, and a group is cut only where it fits
 //! into no shard whole (after McNaughton 1959), for every shard with a piece makes what the group shares again.
-//!
-//! Where what is shared is kept for all (`dpn sweep run --cache`), the shard with a cut group's first cell makes it and the others take it. A shard
-//! begins with what others wait for and ends with what it waits for itself ([`Turn`]).
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 /// Shards idle for less than this share are well filled: no group is cut for more.
 const WELL_FILLED: f64 = 0.03;
@@ -21,8 +18,6 @@ pub struct Group {
     pub shared_s: f64,
     /// Those with the same noise track beside each other.
     pub cells: Vec<Member>,
-    /// Whether what they share is kept for all shards once one has made it.
-    pub kept: bool,
 }
 
 /// A cell of a group.
@@ -34,28 +29,6 @@ pub struct Member {
     pub own_s: f64,
     /// Which of the group's noise tracks it needs: a network speaks once a shard, so a group is better cut where this changes.
     pub noise: usize,
-}
-
-/// When a shard has its cells of a group whose shared part is kept.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Turn {
-    /// It makes what others wait for.
-    Makes,
-    /// The whole group is its own.
-    Alone,
-    /// Another makes it.
-    Takes,
-}
-
-impl Turn {
-    /// `shard`'s turn with a group whose cells are these shards', in their order.
-    pub(super) fn of(shard: usize, mut cells: impl Iterator<Item = usize>) -> Self {
-        match cells.next() {
-            Some(first) if first != shard => Self::Takes,
-            _ if cells.all(|other| other == shard) => Self::Alone,
-            _ => Self::Makes,
-        }
-    }
 }
 
 impl Group {
@@ -115,30 +88,20 @@ pub fn balance(groups: &[Group], shards: usize) -> Balance {
 }
 
 /// Shards as they are filled.
-struct Shards<'a> {
-    groups: &'a [Group],
+struct Shards {
     shard_of: Vec<usize>,
     work_s: Vec<f64>,
-    /// What each shard has of each group's own work \[s\].
-    has: Vec<BTreeMap<usize, f64>>,
 }
 
-impl<'a> Shards<'a> {
-    fn new(groups: &'a [Group], shards: usize) -> Self {
+impl Shards {
+    fn new(groups: &[Group], shards: usize) -> Self {
         let cells = groups.iter().map(|group| group.cells.len()).sum();
-        Self {
-            groups,
-            shard_of: vec![0; cells],
-            work_s: vec![0.0; shards],
-            has: vec![BTreeMap::new(); shards],
-        }
+        Self { shard_of: vec![0; cells], work_s: vec![0.0; shards] }
     }
 
     /// Puts cells of a group into a shard that has none of it.
-    fn put(&mut self, shard: usize, group: usize, cells: &[Member], shared_s: f64) {
-        let own_s = own_s(cells);
-        self.work_s[shard] += shared_s + own_s;
-        self.has[shard].insert(group, own_s);
+    fn put(&mut self, shard: usize, cells: &[Member], shared_s: f64) {
+        self.work_s[shard] += shared_s + own_s(cells);
         for cell in cells {
             self.shard_of[cell.place] = shard;
         }
@@ -146,9 +109,7 @@ impl<'a> Shards<'a> {
 
     fn balance(self) -> Balance {
         let cpu_s = self.work_s.iter().sum();
-        let waits = self.groups.iter().any(|group| group.kept);
-        let seconds = if waits { ends(self.groups, &self.shard_of, &self.has) } else { self.work_s };
-        Balance { shard_of: self.shard_of, seconds, cpu_s }
+        Balance { shard_of: self.shard_of, seconds: self.work_s, cpu_s }
     }
 }
 
@@ -159,7 +120,7 @@ fn whole(groups: &[Group], order: &[usize], shards: usize) -> Balance {
         let group = &groups[number];
         let work_s = &filled.work_s;
         let shard = (0..shards).min_by(|a, b| work_s[*a].total_cmp(&work_s[*b])).expect("one shard or more");
-        filled.put(shard, number, &group.cells, group.shared_s);
+        filled.put(shard, &group.cells, group.shared_s);
     }
     filled.balance()
 }
@@ -173,7 +134,7 @@ fn filled(groups: &[Group], order: &[usize], shards: usize, end_s: f64) -> Optio
     for &number in order {
         let group = &groups[number];
         let mut rest = &group.cells[..];
-        let mut shared_s = group.shared_s;
+        let shared_s = group.shared_s;
         // What is left of the group goes whole into the least room that takes it; else as much of it as fits into the largest room.
         while !rest.is_empty() {
             let fits = rooms.range(key(shared_s + own_s(rest), 0)..).next().copied();
@@ -185,14 +146,11 @@ fn filled(groups: &[Group], order: &[usize], shards: usize, end_s: f64) -> Optio
             }
             let (cells, others) = rest.split_at(count);
             rooms.remove(&room);
-            filled.put(shard, number, cells, shared_s);
+            filled.put(shard, cells, shared_s);
             if left_s > shared_s + own_s(cells) {
                 rooms.insert(key(left_s - shared_s - own_s(cells), shard));
             }
             rest = others;
-            if group.kept {
-                shared_s = 0.0;
-            }
         }
     }
     Some(filled.balance())
@@ -212,43 +170,6 @@ fn fitting(cells: &[Member], room_s: f64) -> usize {
     let most = cells.iter().take_while(fits).count();
     let between = |count: &usize| cells.get(*count).is_none_or(|next| next.noise != cells[*count - 1].noise);
     (1..=most).rev().find(between).unwrap_or(most)
-}
-
-/// When each shard ends that `has` so much of each group's own work, with what it waits for.
-fn ends(groups: &[Group], shard_of: &[usize], has: &[BTreeMap<usize, f64>]) -> Vec<f64> {
-    // A group's shards in the order of its places, which is the one that a shard knows.
-    let in_order = |group: &Group| {
-        let mut places: Vec<usize> = group.cells.iter().map(|cell| cell.place).collect();
-        places.sort_unstable();
-        places.into_iter().map(|place| shard_of[place]).collect()
-    };
-    let orders: Vec<Vec<usize>> =
-        groups.iter().map(|group| if group.kept { in_order(group) } else { Vec::new() }).collect();
-    let turn = |number: usize, shard: usize| match groups[number].kept {
-        true => Turn::of(shard, orders[number].iter().copied()),
-        false => Turn::Alone,
-    };
-    let mut ready = vec![0.0; groups.len()];
-    let mut clocks = vec![0.0_f64; has.len()];
-    // Who makes waits for nobody: every ready time stands before the first is asked for.
-    for now in [Turn::Makes, Turn::Alone, Turn::Takes] {
-        for (shard, (clock, has)) in clocks.iter_mut().zip(has).enumerate() {
-            for (&number, own_s) in has {
-                let group = &groups[number];
-                if turn(number, shard) != now {
-                    continue;
-                }
-                if now == Turn::Takes {
-                    *clock = clock.max(ready[number]);
-                } else {
-                    *clock += group.shared_s;
-                    ready[number] = *clock;
-                }
-                *clock += own_s;
-            }
-        }
-    }
-    clocks
 }
 
 /// The fewest shards that end within `most_s`, none where a cell alone takes longer.
@@ -272,7 +193,7 @@ mod tests {
     use super::*;
 
     /// 11 sequences of various lengths, 10 seeds, 31 noises of various costs.
-    fn study(shared: f64, kept: bool) -> Vec<Group> {
+    fn study(shared: f64) -> Vec<Group> {
         let mut place = 0;
         let groups = (0..110).map(|i| {
             let length = 60.0 + 12.0 * f64::from(i % 11);
@@ -281,14 +202,14 @@ mod tests {
                 let own_s = length * (0.03 + 0.002 * f64::from(noise % 7));
                 Member { place: place - 1, own_s, noise: noise as usize }
             };
-            Group { shared_s: shared * length, cells: (0..31).map(cell).collect(), kept }
+            Group { shared_s: shared * length, cells: (0..31).map(cell).collect() }
         });
         groups.collect()
     }
 
     #[test]
     fn workers_up_to_sixty_four_are_idle_for_less_than_a_tenth_and_every_cell_is_in_one_shard() {
-        let groups = study(0.05, false);
+        let groups = study(0.05);
         for shards in [1, 2, 3, 8, 12, 31, 64] {
             let balance = balance(&groups, shards);
             assert!(balance.idle_share() <= 0.1, "{shards}: {}", balance.idle_share());
@@ -317,31 +238,12 @@ mod tests {
 
     #[test]
     fn shards_last_no_longer_than_asked_for_and_what_cannot_be_is_none() {
-        let groups = study(0.05, false);
+        let groups = study(0.05);
         let shards = shards_within(&groups, 600.0).unwrap();
         assert!(balance(&groups, shards).longest_s() <= 600.0);
         assert!(balance(&groups, shards - 2).longest_s() > 600.0);
         assert_eq!(shards_within(&groups, 0.5), None);
         assert_eq!(shards_within(&groups, 1e9), Some(1));
-    }
-
-    #[test]
-    fn what_is_kept_is_made_once_and_before_whoever_takes_it() {
-        let groups = study(0.3, true);
-        let total: f64 = groups.iter().map(Group::whole_s).sum();
-        for shards in [1, 2, 8, 64] {
-            let balance = balance(&groups, shards);
-            assert!(balance.idle_share() <= 0.1, "{shards}: {}", balance.idle_share());
-            assert!((balance.cpu_s - total).abs() < 1e-6 * total, "{shards}: something is made twice");
-        }
-        let made_by_each = balance(&study(0.3, false), 64);
-        assert!(balance(&groups, 64).longest_s() < made_by_each.longest_s());
-        // Two shards and one group: the second waits for the first, and no more.
-        let cells = (0..20).map(|place| Member { place, own_s: 1.0, noise: 0 }).collect();
-        let one = [Group { shared_s: 10.0, cells, kept: true }];
-        let two = balance(&one, 2);
-        assert_eq!(two.cpu_s, 30.0);
-        assert!((20.0..30.0).contains(&two.longest_s()), "{two:?}");
     }
 
     #[test]
@@ -351,13 +253,5 @@ mod tests {
             (0..12).map(|place| Member { place, own_s: 1.0, noise: place / 3 }).collect();
         assert_eq!([5.0, 2.0, 3.0, 20.0].map(|room| fitting(&cells, room)), [3, 2, 3, 12]);
         assert_eq!(fitting(&cells, 0.5), 0);
-    }
-
-    #[test]
-    fn a_shard_makes_what_others_wait_for_first_and_takes_last() {
-        assert_eq!(Turn::of(3, [3, 3].into_iter()), Turn::Alone);
-        assert_eq!(Turn::of(3, [3, 4].into_iter()), Turn::Makes);
-        assert_eq!(Turn::of(4, [3, 4].into_iter()), Turn::Takes);
-        assert!(Turn::Makes < Turn::Alone && Turn::Alone < Turn::Takes);
     }
 }

@@ -42,8 +42,8 @@ struct Line {
 /// What the shards have.
 struct Found<'a> {
     folder: &'a SweepFolder,
-    /// Of every cell, by its checksum, its place.
-    place_of: HashMap<&'a str, usize>,
+    /// Of every cell, by its job and its checksum, its place: two jobs may have a cell in common.
+    place_of: HashMap<(usize, &'a str), usize>,
     /// Of every cell, by its place, its row.
     lines: Vec<Option<Line>>,
     /// The files that rows lie in.
@@ -63,7 +63,7 @@ pub fn collect(folder: &SweepFolder, out: &Path, without_failed: bool) -> Result
     let cells = &folder.manifest.cells;
     let mut found = Found {
         folder,
-        place_of: (0..).zip(cells).map(|(place, cell)| (cell.cell.as_str(), place)).collect(),
+        place_of: (0..).zip(cells).map(|(place, cell)| ((cell.job, cell.cell.as_str()), place)).collect(),
         lines: vec![None; cells.len()],
         sources: Vec::new(),
         files: BTreeMap::new(),
@@ -171,7 +171,6 @@ impl Found<'_> {
         };
         let file = self.sources.len();
         self.sources.push(path.clone());
-        let cells = self.folder.manifest.cells_of(job);
         let (mut offset, mut bytes, mut number) = (0, Vec::new(), 0);
         loop {
             bytes.clear();
@@ -188,7 +187,7 @@ impl Found<'_> {
             let Ok(Named { cell }) = serde_json::from_str(text) else {
                 return Err(damaged(number, "not a row"));
             };
-            let Some(&place) = self.place_of.get(cell.as_str()).filter(|place| cells.contains(place)) else {
+            let Some(&place) = self.place_of.get(&(job, cell.as_str())) else {
                 return Err(damaged(number, "a row of no cell of this sweep"));
             };
             let line = Line { file, offset, length };
@@ -244,9 +243,11 @@ impl Found<'_> {
             };
             return Err(SweepError::Missing { shards: missing.into_iter().map(of).collect() });
         }
-        self.failed.retain(|(_, line)| {
-            self.place_of.get(line.cell.as_str()).is_some_and(|place| self.lines[*place].is_none())
-        });
+        let open: HashSet<&str> = (0..cells.len())
+            .filter(|place| self.lines[*place].is_none())
+            .map(|place| cells[place].cell.as_str())
+            .collect();
+        self.failed.retain(|(_, line)| open.contains(line.cell.as_str()));
         match self.failed.first() {
             Some((shard, line)) if !without_failed => Err(SweepError::Failed {
                 count: self.failed.len(),
@@ -307,7 +308,7 @@ impl Found<'_> {
             .filter(|line| line.ends_with('\n'))
             .filter(|line| {
                 let named = serde_json::from_str::<Named>(line);
-                named.is_ok_and(|named| !self.place_of.contains_key(named.cell.as_str()))
+                named.is_ok_and(|named| !self.place_of.contains_key(&(job, named.cell.as_str())))
             })
             .collect();
         let mut open: Option<(usize, BufReader<File>, u64)> = None;

@@ -34,21 +34,6 @@ pub enum SweepError {
     /// A folder that another process writes to.
     #[error(transparent)]
     Locked(#[from] LockError),
-    /// Several seeds of what has none.
-    #[error("given tracks have no seed, and --seeds asks for several")]
-    Unseeded,
-    /// Tracks, and another camera.
-    #[error("--tracks and --camera images or rendered ask for two things")]
-    TwoCameras,
-    /// A log with images, and another camera than its own.
-    #[error("{} is a log with images, which has no ground truth to make tracks along", data.display())]
-    OwnImages {
-        /// The log.
-        data: PathBuf,
-    },
-    /// Recordings, and no folder of them.
-    #[error("the sweep is over recordings, and no folder of them is named")]
-    NoData,
     /// A plan without cells.
     #[error("the plan has no cell")]
     NoCells,
@@ -186,10 +171,6 @@ impl SweepError {
             Self::Config(error) => return error.hint(),
             Self::Io(error) => return error.hint(),
             Self::Locked(error) => return error.hint(),
-            Self::Unseeded => "leave --tracks away, and tracks are made from the seed".into(),
-            Self::TwoCameras => "leave one of them away".into(),
-            Self::OwnImages { .. } => "use its own images: --camera images".into(),
-            Self::NoData => "name it with --data DIR".into(),
             Self::TooShort { .. } => "give more minutes, or run shorter parts with `from` and `to`".into(),
             Self::OtherSweep { .. } => "give another folder with --out, or remove this one".into(),
             Self::NoSweep { .. } => "dpn sweep plan PLAN.toml --shards N --out DIR makes one".into(),

@@ -11,7 +11,7 @@ use std::io::{BufReader, ErrorKind};
 use std::path::{Path, PathBuf};
 
 /// The version of the format that this program writes and reads.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 const NAME: &str = "sweep.json";
 
 /// A sweep.
@@ -28,8 +28,6 @@ pub struct SweepManifest {
     pub data: Option<PathBuf>,
     /// Whether the networks are those of the folder `models/` beside this file, and not the program's own.
     pub models: bool,
-    /// Whether a shard counts on tracks that another made (`dpn sweep run --cache`).
-    pub kept_tracks: bool,
     /// The lists of cells.
     pub jobs: Vec<Job>,
     /// What each shard is predicted to take \[s\].
@@ -81,7 +79,7 @@ impl SweepManifest {
     /// Of this format.
     pub fn new(program: String, processor: String, data: Option<PathBuf>, models: bool) -> Self {
         let (jobs, shard_s, cells) = (Vec::new(), Vec::new(), Vec::new());
-        Self { format: FORMAT, program, processor, data, models, kept_tracks: false, jobs, shard_s, cells }
+        Self { format: FORMAT, program, processor, data, models, jobs, shard_s, cells }
     }
 
     /// A checksum of the cells and of what they are made by and on: shards of one sweep agree in it.

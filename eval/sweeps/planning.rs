@@ -1,13 +1,14 @@
 //! From jobs to a sweep: every cell with its cost and its shard.
 
 use super::balance::{Balance, Group, Member, balance, shards_within};
-use super::costs::{CostOf, Costs};
+use super::costs::CellTime;
 use super::error::SweepError;
 use super::manifest::{Job, PlannedCell, SweepManifest};
-use super::spec::{JobSpec, LoopSpec, TrainSpec};
-use crate::closed_loop::{Manifest, Sweep, TrackSource};
+use super::spec::{JobSpec, TrainSpec};
+use crate::closed_loop::{ClosedLoopError, Experiment, Manifest, SequenceSet, Sweep};
 use dpn_core::config::{ConfigFault, Validate};
 use dpn_io::config::ConfigError;
+use dpn_pronet::network::Network;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -16,8 +17,10 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PlanKind {
-    /// A closed loop: [`LoopPlan`](super::LoopPlan).
+    /// A closed loop: [`Experiment`].
     ClosedLoop,
+    /// A closed loop a platform: [`FleetPlan`](crate::fleet::FleetPlan).
+    Fleet,
     /// The closed loops of a paper.
     Paper,
     /// Trainings: [`TrainPlan`](super::TrainPlan).
@@ -55,10 +58,41 @@ pub enum Size {
 /// A job whose cells are to be planned.
 #[derive(Debug)]
 pub enum JobToPlan<'a> {
-    /// A closed loop, in its folder below the results', and what it is made from.
-    ClosedLoop(PathBuf, Box<Sweep<'a>>, Box<Manifest>),
+    /// A closed loop.
+    ClosedLoop(LoopJob<'a>),
     /// Trainings, each with its checksum and how many updates it makes.
     Train(Vec<(TrainSpec, String, f64)>),
+}
+
+/// A closed loop whose cells are to be planned.
+#[derive(Debug)]
+pub struct LoopJob<'a> {
+    /// Its folder below the results'.
+    pub folder: PathBuf,
+    /// What is run.
+    pub experiment: Experiment,
+    /// The same with its sequences.
+    pub sweep: Sweep<'a>,
+    /// What that is made from.
+    pub made_from: Manifest,
+}
+
+impl<'a> LoopJob<'a> {
+    /// The runs of `experiment` over its sequences by `program`, one thread and no cache.
+    ///
+    /// # Errors
+    /// Files of settings or of data that cannot be read; sequences that are not there.
+    pub fn new(
+        folder: PathBuf,
+        experiment: Experiment,
+        source: &'a SequenceSet,
+        networks: &'a [Network],
+        program: String,
+    ) -> Result<Self, ClosedLoopError> {
+        let sweep = experiment.sweep(source, networks)?;
+        let made_from = Manifest::of(&sweep, program)?;
+        Ok(Self { folder, experiment, sweep, made_from })
+    }
 }
 
 /// A plan that may be looked at before it is written.
@@ -76,19 +110,12 @@ pub struct Planned {
 ///
 /// # Errors
 /// Data that cannot be read; no cell at all; a shard shorter than a cell.
-pub fn plan(
-    mut manifest: SweepManifest,
-    jobs: &[JobToPlan<'_>],
-    costs: &Costs,
-    size: Size,
-) -> Result<Planned, SweepError> {
+pub fn plan(mut manifest: SweepManifest, jobs: &[JobToPlan<'_>], size: Size) -> Result<Planned, SweepError> {
     let mut groups: Vec<Group> = Vec::new();
     for job in jobs {
         match job {
-            JobToPlan::ClosedLoop(folder, sweep, made_from) => {
-                closed_loop(&mut manifest, &mut groups, (folder.clone(), sweep, made_from), costs)?;
-            }
-            JobToPlan::Train(trainings) => train(&mut manifest, &mut groups, trainings, costs),
+            JobToPlan::ClosedLoop(job) => closed_loop(&mut manifest, &mut groups, job)?,
+            JobToPlan::Train(trainings) => train(&mut manifest, &mut groups, trainings),
         }
     }
     if manifest.cells.is_empty() {
@@ -113,8 +140,7 @@ pub fn plan(
 fn closed_loop(
     planned: &mut SweepManifest,
     groups: &mut Vec<Group>,
-    (folder, sweep, made_from): (PathBuf, &Sweep<'_>, &Manifest),
-    costs: &Costs,
+    LoopJob { folder, experiment, sweep, made_from }: &LoopJob<'_>,
 ) -> Result<(), SweepError> {
     let job = planned.jobs.len();
     let names = sweep.source.names();
@@ -127,24 +153,22 @@ fn closed_loop(
         let run = sweep.to.unwrap_or(whole).min(whole) - sweep.from.seconds(name);
         seconds.insert(name.clone(), run.max(1.0));
     }
-    let kept = planned.kept_tracks && matches!(sweep.source.tracks(), TrackSource::Images(_));
     let seeded = sweep.source.tracks_are_seeded();
     let sources: BTreeMap<String, String> =
         sweep.every_noise().map(|noise| (noise.to_string(), noise.source().to_string())).collect();
     let mut ranks: BTreeMap<&str, usize> = BTreeMap::new();
     let (begin, mut last) = (groups.len(), None);
     for (key, cell) in sweep.named_cells(made_from)? {
-        let (noise, kind) = (key.noise.clone(), sweep.source.camera());
         let amount = seconds[&key.sequence];
-        let time = costs.of_cell(&CostOf { kind, on: &key.sequence, what: &noise, amount });
+        let time = CellTime::predicted(sweep.source.camera(), amount);
         let group = (key.sequence.clone(), if seeded { key.seed } else { 0 });
         if last.as_ref() != Some(&group) {
-            groups.push(Group { shared_s: time.shared_s, cells: Vec::new(), kept });
+            groups.push(Group { shared_s: time.shared_s, cells: Vec::new() });
             last = Some(group);
         }
         let of = groups.last_mut().expect("one was just pushed, or is the last cell's");
         let ranked = ranks.len();
-        let noise = *ranks.entry(sources[&noise].as_str()).or_insert(ranked);
+        let noise = *ranks.entry(sources[&key.noise].as_str()).or_insert(ranked);
         of.cells.push(Member { place: planned.cells.len(), own_s: time.own_s, noise });
         let of_job =
             if folder.as_os_str().is_empty() { String::new() } else { format!("{}: ", folder.display()) };
@@ -154,24 +178,18 @@ fn closed_loop(
     for group in &mut groups[begin..] {
         group.cells.sort_by_key(|cell| cell.noise);
     }
-    let spec = JobSpec::ClosedLoop(Box::new(LoopSpec::of(sweep)));
+    let spec = JobSpec::ClosedLoop(Box::new(experiment.resolved(sweep.source)?));
     let made_from = serde_json::to_value(made_from).expect("texts and JSON values");
-    planned.jobs.push(Job { folder, spec, made_from });
+    planned.jobs.push(Job { folder: folder.clone(), spec, made_from });
     Ok(())
 }
 
-fn train(
-    planned: &mut SweepManifest,
-    groups: &mut Vec<Group>,
-    trainings: &[(TrainSpec, String, f64)],
-    costs: &Costs,
-) {
+fn train(planned: &mut SweepManifest, groups: &mut Vec<Group>, trainings: &[(TrainSpec, String, f64)]) {
     let job = planned.jobs.len();
     for (spec, cell, amount) in trainings {
-        let (on, what) = (spec.config.sensor().name(), spec.config.base.base().to_string());
-        let time = costs.of_cell(&CostOf { kind: "train", on, what: &what, amount: *amount });
+        let time = CellTime::predicted("train", *amount);
         let cells = vec![Member { place: planned.cells.len(), own_s: time.own_s, noise: 0 }];
-        groups.push(Group { shared_s: time.shared_s, cells, kept: false });
+        groups.push(Group { shared_s: time.shared_s, cells });
         let (cell, label) = (cell.clone(), spec.folder.clone());
         planned.cells.push(PlannedCell { job, cell, label, amount: *amount, cost_s: time.own_s, shard: 0 });
     }

@@ -3,7 +3,7 @@
 use super::beat::BEAT;
 use super::error::SweepError;
 use super::manifest::SweepFolder;
-use super::shard_files::{COSTS, FAILED, ROWS, text_of};
+use super::shard_files::{FAILED, ROWS, text_of};
 use dpn_core::checksum::of_parts;
 use dpn_io::{IoError, atomic_write};
 use serde::{Deserialize, Serialize};
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 const NAME: &str = "shard.json";
 /// Files that are a shard's account and no result.
-const ACCOUNTS: [&str; 7] = [NAME, ROWS, "run.json", COSTS, FAILED, BEAT, ".dpn.lock"];
+const ACCOUNTS: [&str; 6] = [NAME, ROWS, "run.json", FAILED, BEAT, ".dpn.lock"];
 
 /// A shard's account.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

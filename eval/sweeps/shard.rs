@@ -1,18 +1,16 @@
 //! One shard, worked off in its own folder.
 //!
 //! The folder is that of an ordinary run with fewer cells (of several where a sweep has several jobs), with the shard's account beside it: `shard.json`,
-//! `costs.jsonl`, `failed.jsonl` and, while it is worked on, `running.json`. Whoever runs it again finds damage by the account and makes what is
+//! `failed.jsonl` and, while it is worked on, `running.json`. Whoever runs it again finds damage by the account and makes what is
 //! damaged anew.
 
-use super::balance::Turn;
 use super::beat::{Heart, node};
-use super::costs::{CellCost, CostOf};
 use super::error::SweepError;
-use super::manifest::{PlannedCell, SweepFolder};
+use super::manifest::SweepFolder;
 use super::record::{ShardRecord, cells_with_rows};
-use super::shard_files::{COSTS, FAILED, ROWS};
-use super::spec::{JobSpec, LoopSpec, TrainSpec};
-use crate::closed_loop::{CellKey, CellTime, FailedCell, Manifest, Row, Sweep, TrackCache};
+use super::shard_files::{FAILED, ROWS, TRUTH};
+use super::spec::{JobSpec, TrainSpec};
+use crate::closed_loop::{Experiment, FailedCell, Manifest, Sweep, TrackCache};
 use dpn_core::progress::Progress;
 use dpn_io::{FolderLock, IoError, atomic_write};
 use dpn_pronet::network::Network;
@@ -44,6 +42,27 @@ pub struct Node<'a> {
     pub cache: Option<&'a TrackCache>,
 }
 
+impl Node<'_> {
+    /// The experiment with its folders where they are here; `planned` is the folder of the data in the plan, `truth` that of the sweep's own reconciled truth.
+    fn finds(&self, experiment: &Experiment, planned: Option<&Path>, truth: &Path) -> Experiment {
+        let moved =
+            |own: &PathBuf| match (self.data, planned.and_then(|planned| own.strip_prefix(planned).ok())) {
+                (Some(here), Some(below)) if below.as_os_str().is_empty() => here.to_path_buf(),
+                (Some(here), Some(below)) => here.join(below),
+                _ => own.clone(),
+            };
+        let in_place_of = |own: &Option<PathBuf>, here: Option<&Path>| {
+            own.as_ref().map(|own| here.map_or_else(|| own.clone(), Path::to_path_buf))
+        };
+        Experiment {
+            data: experiment.data.as_ref().map(moved),
+            tracks: in_place_of(&experiment.tracks, self.tracks),
+            truth: in_place_of(&experiment.truth, self.truth.or(truth.is_dir().then_some(truth))),
+            ..experiment.clone()
+        }
+    }
+}
+
 /// Why a training has no result.
 #[derive(Debug)]
 pub enum TrainFault {
@@ -61,7 +80,7 @@ pub trait Trainer {
     /// Data that cannot be read.
     fn content(&mut self, spec: &TrainSpec) -> Result<String, SweepError>;
 
-    /// Trains in `dir`, going on with what is there; the row of its result, and CPU seconds.
+    /// Trains in `dir`, going on with what is there; the row of its result.
     ///
     /// # Errors
     /// A stop; whatever is wrong.
@@ -70,7 +89,7 @@ pub trait Trainer {
         spec: &TrainSpec,
         dir: &Path,
         with: (&AtomicBool, &mut dyn Progress),
-    ) -> Result<(serde_json::Map<String, serde_json::Value>, f64), TrainFault>;
+    ) -> Result<serde_json::Map<String, serde_json::Value>, TrainFault>;
 }
 
 /// What a shard came to.
@@ -191,7 +210,9 @@ impl<'a> Shard<'a> {
                 continue;
             }
             match &self.folder.manifest.jobs[place].spec {
-                JobSpec::ClosedLoop(spec) => self.closed_loop(place, spec, here, stop, progress)?,
+                JobSpec::ClosedLoop(experiment) => {
+                    self.closed_loop(place, experiment, here, stop, progress)?
+                }
                 JobSpec::Train(specs) => self.trainings(place, specs, trainer, stop, progress)?,
             }
         }
@@ -202,15 +223,18 @@ impl<'a> Shard<'a> {
     fn closed_loop(
         &mut self,
         place: usize,
-        spec: &LoopSpec,
+        experiment: &Experiment,
         here: &Node<'_>,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
     ) -> Result<(), SweepError> {
         let planned = &self.folder.manifest;
         let cells = &planned.cells[planned.cells_of(place)];
-        let source = spec.source(here.data.or(planned.data.as_deref()), (here.tracks, here.truth))?;
-        let whole = Sweep { cache: here.cache, ..spec.sweep(&source, here.networks, here.threads)? };
+        let truth = self.folder.dir.join(TRUTH).join(&planned.jobs[place].folder);
+        let experiment = here.finds(experiment, planned.data.as_deref(), &truth);
+        let source = experiment.source()?;
+        let (threads, cache) = (here.threads, here.cache);
+        let whole = Sweep { threads, cache, ..experiment.sweep(&source, here.networks)? };
         let sweep = whole.of_sequences_with(|i| cells.get(i).is_some_and(|cell| cell.shard == self.number));
         let manifest = Manifest::of(&sweep, here.program.clone())?;
         let made_from: Manifest = serde_json::from_value(planned.jobs[place].made_from.clone())
@@ -218,32 +242,20 @@ impl<'a> Shard<'a> {
         if let Some((key, planned, here)) = manifest.differs(&made_from) {
             return Err(differs(key, &planned, &here));
         }
-        let own: HashMap<&str, f64> = cells
-            .iter()
-            .filter(|cell| cell.shard == self.number)
-            .map(|cell| (cell.cell.as_str(), cell.amount))
-            .collect();
+        let own: HashSet<&str> =
+            cells.iter().filter(|cell| cell.shard == self.number).map(|cell| cell.cell.as_str()).collect();
         let named = sweep.named_cells(&manifest)?;
         let there: HashSet<&str> = named.iter().map(|(_, cell)| cell.as_str()).collect();
-        if let Some(gone) = cells
-            .iter()
-            .find(|cell| own.contains_key(cell.cell.as_str()) && !there.contains(cell.cell.as_str()))
+        if let Some(gone) =
+            cells.iter().find(|cell| own.contains(cell.cell.as_str()) && !there.contains(cell.cell.as_str()))
         {
             let key = format!("network, file of a noise, or training sequence of {}", gone.label);
             return Err(differs(key, &gone.cell[..16], "not so"));
         }
         let dir = self.dir().join(&planned.jobs[place].folder);
         let inner = if dir == self.dir() { None } else { Some(FolderLock::take(&dir)?) };
-        let mut costs = append_to(&self.dir().join(COSTS))?;
-        let mut watch = |row: &Row, time: CellTime| {
-            let noise = row.noise.to_string();
-            let amount = *own.get(row.cell.as_str()).expect("the shard's cells alone are run");
-            let of = CostOf { kind: &row.camera, on: &row.sequence, what: &noise, amount };
-            Ok(costs.write(&CellCost::new(&of, row.seed, time))?)
-        };
         let lock = inner.as_ref().unwrap_or(&self.lock);
-        let turns = turns(self.number, cells, &named, sweep.source.tracks_are_seeded());
-        self.failed.extend(sweep.run_cells(&turns, lock, &manifest, &mut watch, (stop, progress))?);
+        self.failed.extend(sweep.run_cells(&own, lock, &manifest, (stop, progress))?);
         Ok(())
     }
 
@@ -260,7 +272,6 @@ impl<'a> Shard<'a> {
         let there = self.rows_there()?;
         let dir = self.dir().join(&planned.jobs[place].folder);
         let mut rows = append_to(&dir.join(ROWS))?;
-        let mut costs = append_to(&self.dir().join(COSTS))?;
         for (cell, spec) in planned.cells[planned.cells_of(place)].iter().zip(specs) {
             if cell.shard != self.number {
                 continue;
@@ -278,13 +289,9 @@ impl<'a> Shard<'a> {
                 return Err(SweepError::Stopped { done: there.len(), total: 0 });
             }
             match trainer.train(spec, &run, (stop, &mut *progress)) {
-                Ok((mut row, own_s)) => {
+                Ok(mut row) => {
                     row.insert("cell".into(), cell.cell.clone().into());
                     row.insert("folder".into(), spec.folder.clone().into());
-                    let config = &spec.config;
-                    let (on, what) = (config.sensor().name(), config.base.base().to_string());
-                    let of = CostOf { kind: "train", on, what: &what, amount: cell.amount };
-                    costs.write(&CellCost::new(&of, config.seed, CellTime { shared_s: 0.0, own_s }))?;
                     rows.write(&row)?;
                 }
                 Err(TrainFault::Stopped) => {
@@ -352,28 +359,6 @@ impl<'a> Shard<'a> {
             }),
         }
     }
-}
-
-/// The shard's own cells and when each has its turn: what other shards may wait for is made first, what others may be making is asked for last.
-fn turns<'c>(
-    shard: usize,
-    planned: &'c [PlannedCell],
-    named: &[(CellKey, String)],
-    by_seed: bool,
-) -> HashMap<&'c str, u8> {
-    let planned: HashMap<&str, &PlannedCell> =
-        planned.iter().map(|cell| (cell.cell.as_str(), cell)).collect();
-    let shares = |(a, _): &(CellKey, String), (b, _): &(CellKey, String)| {
-        a.sequence == b.sequence && (!by_seed || a.seed == b.seed)
-    };
-    let mut turns = HashMap::new();
-    for group in named.chunk_by(shares) {
-        let of_sweep = || group.iter().filter_map(|(_, cell)| planned.get(cell.as_str()).copied());
-        let turn = Turn::of(shard, of_sweep().map(|cell| cell.shard));
-        let own = of_sweep().filter(|cell| cell.shard == shard);
-        turns.extend(own.map(|cell| (cell.cell.as_str(), turn as u8)));
-    }
-    turns
 }
 
 /// A file that lines are added to.

@@ -1,4 +1,4 @@
-//! Names of the files in a shard's folder.
+//! Names of the files of a sweep and of its shards.
 
 use dpn_io::IoError;
 use std::io::ErrorKind;
@@ -6,10 +6,11 @@ use std::path::Path;
 
 /// A job's rows in its folder.
 pub(super) const ROWS: &str = "rows.jsonl";
-/// What cells cost.
-pub(super) const COSTS: &str = "costs.jsonl";
 /// Cells that could not be run.
 pub(super) const FAILED: &str = "failed.jsonl";
+
+/// Reconciled ground truth that was made for the sweep, a folder a job; in the sweep's folder.
+pub const TRUTH: &str = "truth";
 
 /// The text of a file, empty where there is none.
 pub(super) fn text_of(path: &Path) -> Result<String, IoError> {

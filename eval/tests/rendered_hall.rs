@@ -2,8 +2,11 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod camera;
+
+use camera::CameraFigures;
 use dpn_core::Stamp;
-use dpn_eval::closed_loop::{CameraFigures, ImageSource, SequenceSet, TrackSource};
+use dpn_eval::closed_loop::{ImageSource, SequenceSet, TrackSource};
 use dpn_testing::packs;
 
 /// The second half of the pack's images.

@@ -143,8 +143,8 @@ pub(crate) fn run_source(
         let mut settings = asked.read()?;
         let log =
             ImageLogOptions { imu: LogOptions { topic, ..LogOptions::default() }, image_topic, skip_missing };
-        let source = RunSource { source, camera, tracks, truth, log, ..RunSource::default() };
-        let opened = source.with_calibration(settings.calibration.clone()).and_then(RunSource::open);
+        let how = RunSource { camera, tracks, truth, log, ..RunSource::default() };
+        let opened = how.with_calibration(settings.calibration.clone()).and_then(|how| how.one(&source));
         let (set, place) = opened.map_err(|e| raise(&e))?;
         let recording = set.recording(place, settings.seed).map_err(|e| raise(&e))?;
         let span = settings.span(&recording.name);

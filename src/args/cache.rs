@@ -3,13 +3,13 @@
 use clap::Args;
 use std::path::PathBuf;
 
-/// Where tracks that were followed through images are kept.
+/// Where tracks that were followed through images, and rows of runs, are kept.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct CacheArgs {
-    /// Folder that keeps the tracks followed through images, for other runs, shards and nodes; results do not depend on it.
+    /// Folder that keeps tracks followed through images and every run's row, for other commands, shards and nodes; results do not depend on it.
     #[arg(long, value_name = "DIR")]
     pub(crate) cache: Option<PathBuf>,
-    /// How much it may hold (500MB, 20GB, 1TB); what was least recently used goes first.
+    /// How much of tracks it may hold (500MB, 20GB, 1TB); what was least recently used goes first.
     #[arg(long, value_name = "SIZE", value_parser = size, default_value = "20GB")]
     pub(crate) cache_size: u64,
 }

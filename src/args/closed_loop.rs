@@ -61,7 +61,7 @@ pub(crate) struct ClosedLoopArgs {
     #[arg(long, value_name = "N", default_value_t = 1, conflicts_with = "open_loop", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) seeds: u64,
     /// Seconds after the first frame at which runs begin; `table`: 40 in MH_01, 35 in MH_02, 0 elsewhere, as VINS-Mono's runs of the table.
-    #[arg(long, value_name = "SECONDS|table", default_value = "table", conflicts_with = "open_loop")]
+    #[arg(long, value_name = "SECONDS|table", default_value_t, conflicts_with = "open_loop")]
     pub(crate) from: StartAt,
     /// Seconds after the first frame (or image listed) at which runs end.
     #[arg(long, value_name = "SECONDS", conflicts_with = "open_loop", value_parser = super::run::seconds)]

@@ -35,7 +35,7 @@ pub(crate) struct PaperArgs {
     #[arg(long, value_name = "NAMES", default_value = "all")]
     pub(crate) sequences: String,
     /// Seconds after the first frame at which runs begin; `table`: 40 in MH_01, 35 in MH_02, 0 elsewhere.
-    #[arg(long, value_name = "SECONDS|table", default_value = "0")]
+    #[arg(long, value_name = "SECONDS|table", default_value_t)]
     pub(crate) from: StartAt,
     /// Train both networks first (the default configurations, on the same data) instead of taking those that come with the program.
     #[arg(long, conflicts_with = "models")]

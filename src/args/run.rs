@@ -30,7 +30,7 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "DIR")]
     pub(crate) models: Option<PathBuf>,
     /// Seconds after the first frame (or image listed) at which the run begins; `table` as for `dpn eval`.
-    #[arg(long, value_name = "SECONDS|table", default_value = "0")]
+    #[arg(long, value_name = "SECONDS|table", default_value_t)]
     pub(crate) from: StartAt,
     /// Seconds after the first frame (or image listed) at which the run ends.
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]

@@ -48,12 +48,6 @@ pub(crate) struct SweepPlanArgs {
     /// Folder of the data, or a data pack, over the plan's.
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
-    /// Folder of an earlier sweep whose shards say what cells cost; without it a table of this program's.
-    #[arg(long, value_name = "SWEEP")]
-    pub(crate) costs: Option<PathBuf>,
-    /// The shards will keep tracks for each other (`dpn sweep run --cache DIR`): each rendering is counted once.
-    #[arg(long)]
-    pub(crate) kept_tracks: bool,
     /// The kind of processor that will run it (x86_64-v3), where it is not as this one.
     #[arg(long, value_name = "NAME")]
     pub(crate) processor: Option<String>,
@@ -117,9 +111,6 @@ pub(crate) struct SweepStatusArgs {
     /// Print two numbers: how many shards there are, and the seconds that the longest is predicted to take. For scripts that submit them.
     #[arg(long, conflicts_with = "json")]
     pub(crate) limits: bool,
-    /// Write the same as a page without scripts.
-    #[arg(long, value_name = "FILE.html")]
-    pub(crate) page: Option<PathBuf>,
 }
 
 /// Numbers of shards.

@@ -2,7 +2,7 @@
 
 use super::{closed_loop, corpus, program, shipped, stop};
 use crate::args::EvalArgs;
-use crate::ui::{Bar, Fault, Interrupted, errln, outln};
+use crate::ui::{Bar, Fault, errln, outln};
 use anyhow::{Context, Result};
 use dpn_core::Sensor;
 use dpn_eval::open_loop::{OpenLoop, OpenLoopError, Request, Row, run as judge};
@@ -45,12 +45,9 @@ fn open_loop(args: &EvalArgs) -> Result<()> {
     let _lock = FolderLock::take(out)?;
     let stop = stop::on_ctrl_c("what was judged is kept, and the same command goes on from there")?;
     let cells = out.join("cells");
-    let result = match judge(&request, &cells, &stop, &mut Bar::new()) {
-        Err(error @ OpenLoopError::Stopped { .. }) => {
-            return Err(Interrupted(format!("{error}; the same command goes on from there")).into());
-        }
-        other => other?,
-    };
+    let result = stop::outcome(judge(&request, &cells, &stop, &mut Bar::new()), |error| {
+        matches!(error, OpenLoopError::Stopped { .. })
+    })?;
     write_tables(&result.rows, out)?;
     let mut pictures = draw(&result, &sensors, out)?;
     pictures.extend(super::flight::draw(&corpora, &networks, out)?);

@@ -1,42 +1,56 @@
 //! `dpn fleet`.
 
-use super::cores::cores;
-use super::{cache, closed_loop, program, shipped, stop, truth};
+use super::closed_loop::Machine;
+use super::{shipped, truth};
 use crate::args::FleetArgs;
-use crate::ui::{Bar, Fault, Interrupted, errln, out, outln};
+use crate::ui::{Fault, errln, out, outln};
 use anyhow::{Context, Result};
-use dpn_eval::closed_loop::{ClosedLoopError, Manifest, Row, Sweep};
-use dpn_eval::fleet::{FleetPlan, FleetScore, PlatformPlan};
-use dpn_eval::sweeps::LoopPlan;
+use dpn_eval::closed_loop::{Experiment, Row};
+use dpn_eval::fleet::{FleetPlan, FleetScore, Platform};
+use dpn_eval::sweeps::TRUTH;
 use dpn_io::{FolderLock, atomic_write};
 use dpn_papers::tables;
-use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
+use std::path::Path;
 
 pub(crate) fn run(args: &FleetArgs) -> Result<()> {
     let mut plan: FleetPlan = dpn_io::config::load(&args.plan)?;
     select(&mut plan, &args.platforms)?;
     let noises = plan.all_noises();
-    let loops: Vec<LoopPlan> = plan
-        .platform
-        .iter()
-        .map(|platform| platform.closed_loop(noises.clone(), &args.data, &truth_of(args, platform)))
-        .collect();
-    // What cannot be had is said before the first hour.
-    for (platform, closed) in plan.platform.iter().zip(&loops) {
-        let source = closed.source().with_context(|| platform.name.clone())?;
-        source.select(&closed.sequences).with_context(|| platform.name.clone())?;
-    }
+    let experiments = experiments(&plan, &args.data, &args.out)?;
     let _lock = FolderLock::take(&args.out)?;
-    let stop = stop::on_ctrl_c("cells that were finished are kept, and the same command goes on from there")?;
+    let machine = Machine::new(&args.cache, args.threads)?;
     let mut platforms = Vec::new();
-    for (platform, closed) in plan.platform.iter().zip(&loops) {
+    for (platform, experiment) in plan.platform.iter().zip(&experiments) {
         errln!("{}", platform.name);
-        let rows = one(platform, closed, args, &stop).with_context(|| platform.name.clone())?;
-        platforms.push((platform.name.clone(), rows));
+        let run = || -> Result<Vec<Row>> {
+            reconcile(platform, experiment)?;
+            let networks = shipped::or_of(args.models.as_deref().or(experiment.models.as_deref()))?;
+            Ok(machine.run(experiment, &networks, Some(&args.out.join(&platform.folder)))?.rows)
+        };
+        platforms.push((platform.name.clone(), run().with_context(|| platform.name.clone())?));
     }
     let score = FleetScore::new(&platforms, &plan.constants, &noises)?;
     tell(&score, args)
+}
+
+/// What is run on every platform; `out` is where reconciled ground truth is put. What cannot be had is said before the first hour.
+pub(super) fn experiments(plan: &FleetPlan, data: &Path, out: &Path) -> Result<Vec<Experiment>> {
+    let noises = plan.all_noises();
+    let of = |platform: &Platform| {
+        let truth = out.join(TRUTH).join(&platform.folder);
+        let experiment = platform.experiment(noises.clone(), data, &truth);
+        let check = || experiment.source()?.select(&experiment.sequences);
+        check().with_context(|| platform.name.clone())?;
+        Ok(experiment)
+    };
+    plan.platform.iter().map(of).collect()
+}
+
+/// Makes the ground truth that a platform's experiment wants.
+pub(super) fn reconcile(platform: &Platform, experiment: &Experiment) -> Result<()> {
+    let Some(truth) = experiment.truth.as_deref().filter(|_| platform.reconciled) else { return Ok(()) };
+    let published = Experiment { truth: None, ..experiment.clone() }.source()?;
+    truth::reconciled(&published.recordings(&published.select(&experiment.sequences)?), truth)
 }
 
 /// Leaves the platforms named.
@@ -48,39 +62,6 @@ fn select(plan: &mut FleetPlan, folders: &[String]) -> Result<(), Fault> {
     }
     plan.platform.retain(|platform| folders.is_empty() || folders.contains(&platform.folder));
     Ok(())
-}
-
-/// Where a platform's reconciled ground truth is.
-fn truth_of(args: &FleetArgs, platform: &PlatformPlan) -> PathBuf {
-    args.out.join("truth").join(&platform.folder)
-}
-
-/// The rows of one platform.
-fn one(platform: &PlatformPlan, closed: &LoopPlan, args: &FleetArgs, stop: &AtomicBool) -> Result<Vec<Row>> {
-    if platform.reconciled {
-        let published = LoopPlan { truth: None, ..closed.clone() }.source()?;
-        truth::reconciled(
-            &published.recordings(&published.select(&closed.sequences)?),
-            &truth_of(args, platform),
-        )?;
-    }
-    let source = closed.source()?;
-    let networks = shipped::or_of(args.models.as_deref().or(closed.models.as_deref()))?;
-    let cache = cache::open(&args.cache)?;
-    let threads = args.threads.unwrap_or_else(cores).max(1);
-    let sweep = Sweep { cache: cache.as_ref(), ..closed.sweep(&source, &networks, threads)? };
-    let manifest = Manifest::of(&sweep, program())?;
-    let folder = args.out.join(&platform.folder);
-    let lock = FolderLock::take(&folder)?;
-    let rows = match sweep.run(&lock, &manifest, stop, &mut Bar::new()) {
-        Err(error @ ClosedLoopError::Stopped { .. }) => {
-            return Err(Interrupted(format!("{error}; the same command goes on from there")).into());
-        }
-        other => other?,
-    };
-    cache::say(cache.as_ref());
-    closed_loop::write(&folder, &rows)?;
-    Ok(rows)
 }
 
 /// Writes and prints the tables.

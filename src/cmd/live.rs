@@ -2,7 +2,7 @@
 
 use super::{settings, shipped};
 use crate::args::{CameraArg, RunArgs};
-use crate::ui::{Fault, errln, outln};
+use crate::ui::{Fault, errln, outln, warn};
 use anyhow::Result;
 use dpn_core::Stamp;
 use dpn_core::camera::CameraModel;
@@ -58,9 +58,7 @@ pub(super) fn run(args: &RunArgs) -> Result<()> {
     let estimator = settings::estimator(&args.settings)?;
     let camera = (camera, config.body_from_cam);
     let noise = args.noise.parse()?;
-    for warning in settings_for(&estimator, &noise).warnings() {
-        errln!("warning: {warning}");
-    }
+    warn(settings_for(&estimator, &noise).warnings());
     let run = LiveRun::new(&estimator, noise, &networks, camera, (NAME, args.seed))?;
     let mut live = Live {
         run,

@@ -3,29 +3,26 @@
 use super::cores::cores;
 use super::{cache, device, program, program_of, settings, shipped, stop};
 use crate::args::PaperArgs;
-use crate::ui::{Bar, Fault, Interrupted, errln, outln};
+use crate::ui::{Bar, Fault, Interrupted, errln, outln, warn};
 use anyhow::Result;
 use dpn_core::Sensor;
 use dpn_core::config::Validate;
-use dpn_eval::sweeps::Settings;
+use dpn_eval::closed_loop::{Experiment, Settings};
 use dpn_io::FolderLock;
-use dpn_papers::{Done, Input, Paper, PaperSweepPlan, Plan, id};
+use dpn_papers::{Done, Input, Paper, PaperError, PaperPlan, id};
 use dpn_pronet::network;
 use dpn_pronet::network::Network;
 use dpn_train::config::TrainConfig;
 use dpn_train::corpus::Corpus;
 use dpn_train::run::{Run, RunError};
 use dpn_train::trainer::TrainError;
-use dpn_vio::EstimatorConfig;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 pub(crate) fn run(args: &PaperArgs) -> Result<()> {
-    let asked = asked(args)?;
-    let plan = asked.plan()?;
-    plan.validate()?;
-    let estimator = asked.estimator()?;
-    let (input, why) = asked.input()?;
+    let opened = asked(args)?.open()?;
+    opened.plan.validate()?;
+    let input = &opened.input;
     for missing in &input.missing {
         errln!("warning: no row for {}: {}", missing.name, missing.reason);
     }
@@ -33,7 +30,7 @@ pub(crate) fn run(args: &PaperArgs) -> Result<()> {
     let same = std::fs::canonicalize(&args.work).ok() == std::fs::canonicalize(&args.out).ok();
     let _out = if same { None } else { Some(FolderLock::take(&args.out)?) };
     let stop = stop::on_ctrl_c("what was finished is kept, and the same command goes on from there")?;
-    let networks = chosen_networks(args, &input, &stop)?;
+    let networks = chosen_networks(args, input, &stop)?;
     let judged = shipped::judged(&networks, args.models.as_deref(), &args.more_models)?;
     let measured_by = args.measured_by.as_deref().map(program_of);
     let cache = cache::open(&args.cache)?;
@@ -45,68 +42,34 @@ pub(crate) fn run(args: &PaperArgs) -> Result<()> {
         out: &args.out,
         threads: args.threads.unwrap_or_else(cores).max(1),
         cache: cache.as_ref(),
-        ..unwritten(&asked, &plan, (&input, &why), &networks, estimator)
+        ..Paper::new(&opened, &networks, program())
     };
-    match paper.run(&stop, &mut Bar::new()) {
-        Err(error) if error.is_stop() => {
-            Err(Interrupted(format!("{error}; the same command goes on from there")).into())
-        }
-        Err(error) => Err(error.into()),
-        Ok(done) => {
-            cache::say(cache.as_ref());
-            say(&done, args.json)?;
-            Ok(())
-        }
-    }
+    warn(paper.warnings()?);
+    let done = stop::outcome(paper.run(&stop, &mut Bar::new()), PaperError::is_stop)?;
+    cache::say(cache.as_ref());
+    say(&done, args.json)
 }
 
 /// The flags as a plan.
-fn asked(args: &PaperArgs) -> Result<PaperSweepPlan> {
+fn asked(args: &PaperArgs) -> Result<PaperPlan> {
     if args.settings.calib.is_some() {
         let remedy = "each recording has its own cam0/sensor.yaml; --calib is for `dpn run` and `dpn eval --closed-loop`";
         return Err(Fault::new("`dpn paper` takes no --calib").hint(remedy).into());
     }
-    Ok(PaperSweepPlan {
-        data: args.data.clone(),
-        models: args.models.clone(),
+    Ok(PaperPlan {
         plan: args.plan.clone().map(Settings::File),
         quick: args.quick,
         camera: args.camera,
-        tracks: args.tracks.clone(),
-        sequences: args.sequences.clone(),
-        from: args.from,
-        estimator: settings::estimator(&args.settings)?.into(),
-        simulated_tracks: settings::tracks(&args.settings, None)?.into(),
-        images: settings::images(&args.settings, None)?.into(),
-        flights: settings::flights(&args.settings)?.into(),
-        ..PaperSweepPlan::default()
+        run: Experiment {
+            data: args.data.clone(),
+            models: args.models.clone(),
+            tracks: args.tracks.clone(),
+            sequences: args.sequences.clone(),
+            from: args.from,
+            ..settings::experiment(&args.settings)?
+        },
+        ..PaperPlan::default()
     })
-}
-
-/// A paper of which nothing is written: it has no folders.
-pub(crate) fn unwritten<'a>(
-    asked: &PaperSweepPlan,
-    plan: &'a Plan,
-    (input, camera): (&'a Input, &'a str),
-    networks: &'a [Network],
-    estimator: EstimatorConfig,
-) -> Paper<'a> {
-    Paper {
-        plan,
-        input,
-        networks,
-        judged: networks,
-        estimator,
-        camera,
-        from: asked.from,
-        program: program(),
-        measured_by: None,
-        command: String::new(),
-        work: Path::new(""),
-        out: Path::new(""),
-        threads: 1,
-        cache: None,
-    }
 }
 
 fn say(done: &Done, json: bool) -> Result<()> {

@@ -2,7 +2,7 @@
 
 use super::{foxglove, program, rerun, settings, shipped};
 use crate::args::RunArgs;
-use crate::ui::{errln, out, outln};
+use crate::ui::{errln, out, outln, warn};
 use anyhow::Result;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::{GrayImage, Stamp};
@@ -39,15 +39,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let span = Span { from_s: args.from.seconds(&recording.name), to_s: args.to };
     let mut album = args.draw.as_ref().map(|dir| Album::new(dir.clone(), args.draw_every));
     let camera = source.camera_input(place, args.seed, &span)?;
-    let info = RunInfo {
-        camera: source.camera().into(),
-        truth: source.truth(),
-        noise: noise.clone(),
-        seed: args.seed,
-        from_s: span.from_s,
-        to_s: span.to_s,
-        front_end: None,
-    };
+    let info = RunInfo::new(&source, &noise, args.seed, &span);
     #[cfg(feature = "rerun")]
     let scene = args.rerun.as_ref().map(|_| rerun::RunScene::new(&recording)).transpose()?;
     #[cfg(feature = "rerun")]
@@ -98,11 +90,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     if let (Some(dir), Some(album)) = (&args.draw, album) {
         draw(dir, album, &recording, &done)?;
     }
-    for warning in
-        settings_for(&estimator, &done.report.row.noise).warnings().iter().chain(&done.report.warnings)
-    {
-        errln!("warning: {warning}");
-    }
+    warn(settings_for(&estimator, &noise).warnings());
+    warn(&done.report.warnings);
     if args.json {
         outln!("{report}")?;
     } else {
@@ -153,17 +142,16 @@ impl FrontEndObserver for Lookers<'_> {
 /// What was typed, as a sequence and its place in its set.
 fn open(args: &RunArgs, given: Option<Calibration>) -> Result<(SequenceSet, usize)> {
     let source = RunSource {
-        source: args.source.clone(),
         camera: args.camera.map(Camera::from),
         tracks: args.tracks.clone(),
         truth: args.truth.clone(),
         log: image_log(args),
-        simulated_tracks: settings::tracks(&args.settings, None)?,
-        images: settings::images(&args.settings, None)?,
+        simulated_tracks: settings::tracks(&args.settings)?,
+        images: settings::images(&args.settings)?,
         flights: settings::flights(&args.settings)?,
         calibration: None,
     };
-    Ok(source.with_calibration(given)?.open()?)
+    Ok(source.with_calibration(given)?.one(&args.source)?)
 }
 
 /// What was typed about a log with images.

@@ -3,9 +3,10 @@
 use crate::args::SettingsArgs;
 use anyhow::Result;
 use dpn_core::config::Validate;
+use dpn_eval::closed_loop::Experiment;
 use dpn_io::calibration::{self, Calibration};
 use dpn_io::config::{load, load_over};
-use dpn_sim::tracks::{CameraSettings, TracksConfig};
+use dpn_sim::tracks::TracksConfig;
 use dpn_sim::{FlightConfig, RenderConfig};
 use dpn_vio::EstimatorConfig;
 
@@ -14,29 +15,34 @@ pub(crate) fn estimator(args: &SettingsArgs) -> Result<EstimatorConfig> {
     Ok(load_over(args.config.as_deref(), &args.sets)?)
 }
 
-/// The file's keys, then the calibration's camera and the flags over them.
-pub(crate) fn tracks(args: &SettingsArgs, calibration: Option<&Calibration>) -> Result<TracksConfig> {
+/// All of them, in an experiment that is else the default.
+pub(crate) fn experiment(args: &SettingsArgs) -> Result<Experiment> {
+    Ok(Experiment {
+        estimator: estimator(args)?.into(),
+        simulated_tracks: tracks(args)?.into(),
+        images: images(args)?.into(),
+        flights: flights(args)?.into(),
+        ..Experiment::default()
+    })
+}
+
+/// The file's keys, then the flags over them.
+pub(crate) fn tracks(args: &SettingsArgs) -> Result<TracksConfig> {
     let mut config: TracksConfig = match &args.tracks_config {
         Some(path) => load(path)?,
         None => TracksConfig::default(),
     };
-    if let Some(given) = calibration {
-        config.camera = Some(CameraSettings::try_from(&given.camera)?);
-    }
     config.pixel_noise_px = args.pixel_noise.unwrap_or(config.pixel_noise_px);
     config.ground_truth_delay_s = args.ground_truth_delay.unwrap_or(config.ground_truth_delay_s);
     checked(config)
 }
 
-/// The file's keys, then the calibration's camera and the flags over them.
-pub(crate) fn images(args: &SettingsArgs, calibration: Option<&Calibration>) -> Result<RenderConfig> {
+/// The file's keys, then the flags over them.
+pub(crate) fn images(args: &SettingsArgs) -> Result<RenderConfig> {
     let mut config: RenderConfig = match &args.images_config {
         Some(path) => load(path)?,
         None => RenderConfig::default(),
     };
-    if let Some(given) = calibration {
-        config.camera = Some(CameraSettings::try_from(&given.camera)?);
-    }
     config.ground_truth_delay_s = args.ground_truth_delay.unwrap_or(config.ground_truth_delay_s);
     checked(config)
 }

@@ -3,7 +3,7 @@
 //! SIGTERM ends the process at once, as everywhere: files are whole or not there, and the next run clears what was half-written. To listen for it
 //! would be, with this library, to listen for SIGHUP too, and `nohup` would no longer keep a night's run alive.
 
-use crate::ui::errln;
+use crate::ui::{Interrupted, errln};
 use anyhow::{Context, Result};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,6 +12,17 @@ use std::time::Duration;
 /// How long work may take to its next safe place. What takes longer (a fit of another library, a cell of a long sequence) is broken off: files are
 /// whole or not there, so that this loses what is under way and nothing else.
 const PATIENCE: Duration = Duration::from_millis(1500);
+
+/// What came of long work; where it was stopped, that it was, and that it goes on.
+pub(crate) fn outcome<T, E: std::error::Error + Send + Sync + 'static>(
+    result: Result<T, E>,
+    is_stop: impl Fn(&E) -> bool,
+) -> Result<T> {
+    result.map_err(|error| match is_stop(&error) {
+        true => Interrupted(format!("{error}; the same command goes on from there")).into(),
+        false => error.into(),
+    })
+}
 
 /// A flag that Ctrl-C sets; `kept` says what is not lost where work had to be broken off. To be asked for once.
 pub(crate) fn on_ctrl_c(kept: &'static str) -> Result<Arc<AtomicBool>> {

@@ -27,7 +27,12 @@ const fn header(name: &'static str) -> Gone {
     Gone { beside: "`norm_axes`", ..key(name, HEADER) }
 }
 
-const GONE: [Gone; 16] = [
+/// A key of a paper's sweep.
+const fn of_paper(name: &'static str) -> Gone {
+    Gone { beside: "`quick`", ..key(name, "write it in the table [run]") }
+}
+
+const GONE: [Gone; 25] = [
     key("colour", "leave it out and give the noise that errs as much over 0.1 s, `--noise 'effective(.1)'`"),
     key("clahe", "leave it out: images are tracked as they are"),
     key("subpixel", "leave it out: corners begin on their pixel"),
@@ -48,6 +53,15 @@ const GONE: [Gone; 16] = [
     header("rescale_output"),
     header("standardise"),
     header("symmetrise"),
+    of_paper("data"),
+    of_paper("models"),
+    of_paper("tracks"),
+    of_paper("sequences"),
+    of_paper("from"),
+    of_paper("estimator"),
+    of_paper("simulated_tracks"),
+    of_paper("images"),
+    of_paper("flights"),
 ];
 
 const HEADER: &str = "train again, or take such keys out of the file by `python models/gone_keys.py FILE`";

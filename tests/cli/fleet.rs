@@ -9,6 +9,7 @@ const PLAN: &str = "constants = [\"x1\", \"x4\"]\nnoises = [\"self\"]\n\
 
 fn fleet(dir: &Path, plan: &str, more: &[&str]) -> crate::run::Done {
     let file = dir.join("fleet.toml");
+    std::fs::create_dir_all(dir).unwrap();
     std::fs::write(&file, plan).unwrap();
     end(dpn().arg("fleet").arg(file).arg("--out").arg(dir.join("out")).args(more))
 }
@@ -59,4 +60,21 @@ fn what_cannot_be_run_is_said_before_anything_is() {
     refused(&PLAN.replace("folder = \"room\"", "folder = \"spiral\""), &[], "`platform[1].folder` is spiral");
     let recorded = PLAN.replace("sequences = \"room-medium\"", "data = \"euroc\"");
     refused(&recorded, &["--data", "nowhere"], "nowhere/euroc does not exist");
+}
+
+#[test]
+fn a_fleet_in_shards_has_nothing_left_to_run() {
+    let tmp = tempfile::tempdir().unwrap();
+    let dir = tmp.path();
+    std::fs::write(dir.join("fleet.toml"), format!("kind = \"fleet\"\n{PLAN}")).unwrap();
+    let call = |line: &str| end(dpn().current_dir(dir).args(line.split(' '))).well();
+    call("sweep plan fleet.toml --shards 3 --out s");
+    call("sweep run s --shard all");
+    call("sweep collect s --out out");
+    let said = call("fleet fleet.toml --out out");
+    assert_eq!(said.stderr.matches("3 kept from").count(), 2, "{}", said.stderr);
+    let alone = fleet(&dir.join("alone"), PLAN, &[]).well();
+    assert_eq!(said.stdout.lines().next(), alone.stdout.lines().next());
+    let table = |dir: &Path| std::fs::read(dir.join("out/fleet.csv")).unwrap();
+    assert_eq!(table(dir), table(&dir.join("alone")));
 }

@@ -115,11 +115,9 @@ fn three_shards_on_two_machines_are_what_one_process_leaves() {
     let missing = call(dir, "sweep collect s --out whole");
     refused(&missing, &["1 shard is missing: shard 0 (0 of ", "hint: dpn sweep run s --shard 0"]);
     assert!(!dir.join("whole").exists());
-    let status = call(dir, "sweep status s --json --page page.html").well().json();
+    let status = call(dir, "sweep status s --json").well().json();
     assert_eq!((&status["cells"], &status["shards"][0]["state"]), (&12.into(), &"waiting".into()));
     assert_eq!(status["shards"][2]["state"], "done");
-    let page = std::fs::read_to_string(dir.join("page.html")).unwrap();
-    assert!(page.contains("waiting") && !page.contains("<script"), "{page}");
 
     call(dir, "sweep run s --shard 0").well();
     let again = call(dir, "sweep run s --shard 0-2").well();
@@ -134,9 +132,6 @@ fn three_shards_on_two_machines_are_what_one_process_leaves() {
     assert_eq!(same.stdout, told.stdout);
     assert!(files(&dir.join("whole")) == before);
 
-    // What the shards took is what the next plan reckons with.
-    let costs = call(dir, "sweep plan plan.toml --shards 3 --costs s --out t --json").well().json();
-    assert!(costs["planned"]["cpu_s"].as_f64().unwrap() > 0.0);
     let other = call(dir, "sweep plan plan.toml --shards 4 --out s");
     refused(&other, &["error: s holds another sweep", "hint: give another folder"]);
 }
@@ -147,7 +142,7 @@ fn shards_that_keep_tracks_for_each_other_render_once_and_give_the_same_bytes() 
     let dir = tmp.path();
     let rendered =
         format!("{}camera = \"rendered\"\n", PLAN.replace("from = 70\nto = 76", "from = 70\nto = 72"));
-    let planned = plan(dir, &rendered, "--shards 3 --kept-tracks --json").well().json();
+    let planned = plan(dir, &rendered, "--shards 3 --json").well().json();
     assert_eq!(planned["planned"]["shards"], 3);
     let cache = "--cache kept";
     let told = call(dir, &format!("sweep run s --shard all {cache}")).well();
@@ -155,8 +150,7 @@ fn shards_that_keep_tracks_for_each_other_render_once_and_give_the_same_bytes() 
     assert!(told.stderr.contains(sums), "two sequences, two seeds: {}", told.stderr);
     call(dir, "sweep collect s --out whole").well();
     std::fs::remove_dir_all(dir.join("s/shards")).unwrap();
-    let without = call(dir, "sweep run s --shard all").well();
-    assert!(without.stderr.contains("warning: the plan counts on kept tracks"), "{}", without.stderr);
+    call(dir, "sweep run s --shard all").well();
     call(dir, "sweep collect s --out again").well();
     equal(&dir.join("whole"), &dir.join("again"));
 }
@@ -317,7 +311,8 @@ fn a_paper_in_shards_has_nothing_left_to_run() {
     let tmp = tempfile::tempdir().unwrap();
     let dir = tmp.path();
     std::fs::write(dir.join("least.toml"), include_str!("../data/least_plan.toml")).unwrap();
-    let text = "kind = \"paper\"\nplan = \"least.toml\"\ncamera = \"tracks\"\nsequences = \"room-medium\"\nfrom = 75\n";
+    let text = "kind = \"paper\"\nplan = \"least.toml\"\ncamera = \"tracks\"\n\
+        [run]\nsequences = \"room-medium\"\nfrom = 75\n";
     plan(dir, text, "--shards 3").well();
     call(dir, "sweep run s --shard all").well();
     call(dir, "sweep collect s --out work").well();
@@ -368,6 +363,10 @@ fn what_cannot_be_planned_or_read_is_refused_in_words() {
         ("kind = \"closed-loop\"\nseeds = 0", "`seeds` is 0, but must be 1 to 10000"),
         ("kind = \"closed-loop\"\nsequences = \"cave\"", "no sequence is called `cave`"),
         ("kind = \"closed-loop\"\nnoises = [\"dualpronett\"]", "did you mean `dualpronet`?"),
+        (
+            "kind = \"paper\"\nsequences = \"f07\"",
+            "`sequences` is gone since 0.2.0; write it in the table [run]",
+        ),
         ("kind = \"paper\"\nquick = true\nplan = \"p.toml\"", "`quick` is true"),
         ("kind = \"train\"\nsensors = []", "`sensors` is []"),
     ] {
@@ -380,10 +379,10 @@ fn what_cannot_be_planned_or_read_is_refused_in_words() {
         &["s: no sweep, for there is no sweep.json", "hint: dpn sweep plan"],
     );
     std::fs::create_dir(dir.join("s")).unwrap();
-    std::fs::write(dir.join("s/sweep.json"), "{\"format\":2}\n").unwrap();
+    std::fs::write(dir.join("s/sweep.json"), "{\"format\":1}\n").unwrap();
     refused(
         &call(dir, "sweep run s --shard 0"),
-        &["sweep.json:1: a sweep of format 2, and this program reads 1"],
+        &["sweep.json:1: a sweep of format 1, and this program reads 2"],
     );
     for line in
         ["sweep plan p.toml --out s", "sweep run s --shard 3-1", "sweep plan p.toml --shards 0 --out s"]

@@ -24,7 +24,8 @@ pub(crate) fn run(args: &SweepCollectArgs) -> Result<()> {
     match folder.manifest.jobs.as_slice() {
         [job] if matches!(job.spec, JobSpec::ClosedLoop(_)) && job.folder.as_os_str().is_empty() => {
             drop(folder);
-            closed_loop::tell(&out, &read_rows(&out.join("rows.jsonl"))?, args.json)
+            let rows = read_rows(&out.join("rows.jsonl"))?;
+            closed_loop::say(&closed_loop::tables(out, rows)?, args.json)
         }
         jobs => {
             for job in jobs {

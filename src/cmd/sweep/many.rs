@@ -8,7 +8,7 @@ use crate::ui::{Bar, Fault, Interrupted, errln, outln};
 use anyhow::Result;
 use dpn_core::progress::{Progress, Silent};
 use dpn_eval::sweeps::{
-    Costs, JobToPlan, Node, PlanKind, Size, SweepError, SweepFolder, SweepManifest, TrainPlan, collect, plan,
+    JobToPlan, Node, PlanKind, Size, SweepError, SweepFolder, SweepManifest, TrainPlan, collect, plan,
     run_shard,
 };
 use std::path::{Path, PathBuf};
@@ -34,7 +34,7 @@ pub(crate) fn many(file: &Path, args: &TrainArgs) -> Result<()> {
     let (count, device) = (trainings.len(), asked.device.clone());
     let manifest = SweepManifest::new(program(), dpn_pronet::processor(), asked.data, false);
     let jobs = [JobToPlan::Train(trainings)];
-    let manifest = plan(manifest, &jobs, &Costs::default(), Size::Shards(count))?.manifest;
+    let manifest = plan(manifest, &jobs, Size::Shards(count))?.manifest;
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from("runs/train-many"));
     SweepFolder::may_take(&out.join(SWEEP), &manifest)?;
     let folder = SweepFolder::create(&out.join(SWEEP), manifest)?;

@@ -3,19 +3,20 @@
 use super::lasting::lasting;
 use super::trainer::{CorpusTrainer, MODELS};
 use crate::args::SweepPlanArgs;
-use crate::cmd::{paper, program, shipped};
-use crate::ui::{Fault, errln, outln};
+use crate::cmd::{fleet, program, shipped};
+use crate::ui::{Fault, outln, warn};
 use anyhow::Result;
-use dpn_eval::closed_loop::{Manifest, SequenceSet};
+use dpn_eval::closed_loop::{Experiment, SequenceSet};
+use dpn_eval::fleet::FleetPlan;
 use dpn_eval::sweeps::{
-    Balance, Costs, Group, JobToPlan, LoopPlan, PlanKind, Planned, Size, SweepFolder, SweepManifest,
-    TrainPlan, balance, plan,
+    Balance, Group, JobToPlan, LoopJob, PlanKind, Planned, Size, SweepFolder, SweepManifest, TrainPlan,
+    balance, plan,
 };
 use dpn_io::atomic_write;
 use dpn_io::config::load;
-use dpn_papers::PaperSweepPlan;
+use dpn_papers::{Paper, PaperPlan};
 use dpn_pronet::network::Network;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Workers for whom the printed table says what they would take.
 const WORKERS: [usize; 6] = [1, 2, 8, 64, 512, 4096];
@@ -23,6 +24,7 @@ const WORKERS: [usize; 6] = [1, 2, 8, 64, 512, 4096];
 pub(crate) fn run(args: &SweepPlanArgs) -> Result<()> {
     let planned = match PlanKind::read(&args.plan)? {
         PlanKind::ClosedLoop => of_loop(args)?,
+        PlanKind::Fleet => of_fleet(args)?,
         PlanKind::Paper => of_paper(args)?,
         PlanKind::Train => of_trainings(args)?,
     };
@@ -32,38 +34,59 @@ pub(crate) fn run(args: &SweepPlanArgs) -> Result<()> {
 }
 
 fn of_loop(args: &SweepPlanArgs) -> Result<Planned> {
-    let mut asked: LoopPlan = load(&args.plan)?;
+    let mut asked: Experiment = load(&args.plan)?;
     asked.data = args.data.clone().or(asked.data);
-    let source = asked.source()?;
-    if let SequenceSet::Logged { .. } = source {
+    let (data, models) = (asked.data.clone(), asked.models.clone());
+    of_experiments(args, data, models.as_deref(), vec![(PathBuf::new(), asked)])
+}
+
+fn of_fleet(args: &SweepPlanArgs) -> Result<Planned> {
+    let fleet: FleetPlan = load(&args.plan)?;
+    let data = args.data.clone().unwrap_or_else(|| PathBuf::from("data"));
+    let experiments = fleet::experiments(&fleet, &data, &args.out)?;
+    let models = experiments.first().and_then(|first| first.models.clone());
+    if experiments.iter().any(|experiment| experiment.models != models) {
+        return Err(Fault::new("the platforms name several folders of networks, and a sweep has one").into());
+    }
+    for (platform, experiment) in fleet.platform.iter().zip(&experiments) {
+        fleet::reconcile(platform, experiment)?;
+    }
+    let folders = fleet.platform.iter().map(|platform| PathBuf::from(&platform.folder));
+    of_experiments(args, Some(data), models.as_deref(), folders.zip(experiments).collect())
+}
+
+/// A job an experiment, each in its folder.
+fn of_experiments(
+    args: &SweepPlanArgs,
+    data: Option<PathBuf>,
+    models: Option<&Path>,
+    experiments: Vec<(PathBuf, Experiment)>,
+) -> Result<Planned> {
+    let sources: Vec<SequenceSet> =
+        experiments.iter().map(|(_, experiment)| experiment.source()).collect::<Result<_, _>>()?;
+    if sources.iter().any(|source| matches!(source, SequenceSet::Logged { .. })) {
         return Err(Fault::new("a log with images is one sequence, and no sweep is cut of it")
             .hint("run it with `dpn eval --closed-loop --camera images --data LOG`")
             .into());
     }
-    let networks = shipped::or_of(asked.models.as_deref())?;
-    let sweep = asked.sweep(&source, &networks, 1)?;
-    for warning in sweep.warnings() {
-        errln!("warning: {warning}");
+    let networks = shipped::or_of(models)?;
+    let mut jobs = Vec::new();
+    for ((folder, experiment), source) in experiments.into_iter().zip(&sources) {
+        warn(experiment.warnings()?);
+        jobs.push(JobToPlan::ClosedLoop(LoopJob::new(folder, experiment, source, &networks, program())?));
     }
-    let made_from = Manifest::of(&sweep, program())?;
-    let job = JobToPlan::ClosedLoop(PathBuf::new(), Box::new(sweep), Box::new(made_from));
-    cut(args, asked.data, asked.models.is_some().then_some(&networks), &[job])
+    cut(args, data, models.is_some().then_some(&networks), &jobs)
 }
 
 fn of_paper(args: &SweepPlanArgs) -> Result<Planned> {
-    let mut asked: PaperSweepPlan = load(&args.plan)?;
-    asked.data = args.data.clone().or(asked.data);
-    let (plan, estimator) = (asked.plan()?, asked.estimator()?);
-    let (input, why) = asked.input()?;
-    let networks = shipped::or_of(asked.models.as_deref())?;
-    let paper = paper::unwritten(&asked, &plan, (&input, &why), &networks, estimator);
-    let jobs = paper.sweeps()?.into_iter();
-    let jobs: Vec<JobToPlan<'_>> = jobs
-        .map(|(folder, sweep, made_from)| {
-            JobToPlan::ClosedLoop(folder.into(), Box::new(sweep), Box::new(made_from))
-        })
-        .collect();
-    cut(args, asked.data.clone(), asked.models.is_some().then_some(&networks), &jobs)
+    let mut asked: PaperPlan = load(&args.plan)?;
+    asked.run.data = args.data.clone().or(asked.run.data);
+    let opened = asked.open()?;
+    let networks = shipped::or_of(asked.run.models.as_deref())?;
+    let paper = Paper::new(&opened, &networks, program());
+    warn(paper.warnings()?);
+    let jobs: Vec<JobToPlan<'_>> = paper.loops()?.into_iter().map(JobToPlan::ClosedLoop).collect();
+    cut(args, asked.run.data, asked.run.models.is_some().then_some(&networks), &jobs)
 }
 
 fn of_trainings(args: &SweepPlanArgs) -> Result<Planned> {
@@ -81,18 +104,13 @@ fn cut(
     networks: Option<&Vec<Network>>,
     jobs: &[JobToPlan<'_>],
 ) -> Result<Planned> {
-    let costs = match &args.costs {
-        Some(dir) => Costs::measured(dir)?,
-        None => Costs::default(),
-    };
     let size = match (args.shards, args.minutes) {
         (_, Some(minutes)) => Size::Minutes(minutes),
         (shards, None) => Size::Shards(shards.map_or(1, |shards| shards as usize)),
     };
     let processor = args.processor.clone().unwrap_or_else(dpn_pronet::processor);
-    let made = SweepManifest::new(program(), processor, data, networks.is_some());
-    let manifest = SweepManifest { kept_tracks: args.kept_tracks, ..made };
-    let planned = plan(manifest, jobs, &costs, size)?;
+    let manifest = SweepManifest::new(program(), processor, data, networks.is_some());
+    let planned = plan(manifest, jobs, size)?;
     SweepFolder::may_take(&args.out, &planned.manifest)?;
     for (number, network) in networks.into_iter().flatten().enumerate() {
         // One folder each: two sensors' networks may have one name.

@@ -27,11 +27,6 @@ pub(crate) fn run(args: &SweepRunArgs) -> Result<()> {
         threads: args.threads as usize,
         cache: cache.as_ref(),
     };
-    if folder.manifest.kept_tracks && cache.is_none() {
-        errln!(
-            "warning: the plan counts on kept tracks; without --cache DIR each shard renders again what it needs"
-        );
-    }
     let data = args.data.clone().or_else(|| folder.manifest.data.clone());
     let mut trainer = CorpusTrainer::new(data);
     let stop = stop::on_ctrl_c("cells that were finished are kept, and the same command goes on from there")?;

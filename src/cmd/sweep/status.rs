@@ -2,12 +2,11 @@
 
 use super::lasting::lasting;
 use crate::args::SweepStatusArgs;
-use crate::ui::{errln, outln};
+use crate::ui::outln;
 use anyhow::Result;
 use dpn_eval::sweeps::{ShardState, SweepFolder, SweepStatus, status};
-use dpn_io::atomic_write;
 
-/// Failures and broken-off shards that are named in the printed words; the JSON and the page have all.
+/// Failures and broken-off shards that are named in the printed words; the JSON has all.
 const SHOWN: usize = 10;
 
 pub(crate) fn run(args: &SweepStatusArgs) -> Result<()> {
@@ -17,11 +16,6 @@ pub(crate) fn run(args: &SweepStatusArgs) -> Result<()> {
         return outln!("{} {}", folder.shards(), longest_s.ceil()).map_err(Into::into);
     }
     let found = status(&folder)?;
-    if let Some(path) = &args.page {
-        let page = dpn_papers::sweep_page(&folder.dir, &found);
-        atomic_write(path, |out| out.write_all(page.as_bytes()))?;
-        errln!("page: {}", path.display());
-    }
     if args.json {
         outln!("{}", serde_json::to_string(&found)?)?;
         return Ok(());

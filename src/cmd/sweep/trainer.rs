@@ -15,7 +15,6 @@ use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
 
 /// Folder of a sweep's own networks.
 pub(super) const MODELS: &str = "models";
@@ -102,14 +101,10 @@ impl Trainer for CorpusTrainer {
         spec: &TrainSpec,
         dir: &Path,
         with: (&AtomicBool, &mut dyn Progress),
-    ) -> Result<(Map<String, Value>, f64), TrainFault> {
-        let clock = Instant::now();
-        match self.run(spec, dir, with) {
-            Ok(row) => Ok((row, clock.elapsed().as_secs_f64())),
-            Err(error) => Err(match error.downcast_ref() {
-                Some(RunError::Train(TrainError::Stopped { .. })) => TrainFault::Stopped,
-                _ => TrainFault::Failed(format!("{error:#}")),
-            }),
-        }
+    ) -> Result<Map<String, Value>, TrainFault> {
+        self.run(spec, dir, with).map_err(|error| match error.downcast_ref() {
+            Some(RunError::Train(TrainError::Stopped { .. })) => TrainFault::Stopped,
+            _ => TrainFault::Failed(format!("{error:#}")),
+        })
     }
 }

@@ -3,15 +3,12 @@
 //! Over one span of time, the front-end beginning anew: how long tracks live, what ends them, how well they agree with one camera's
 //! motion, and how bright and rich in contrast the images are.
 
-use super::error::ClosedLoopError;
 use super::lens_error::Matched;
-use super::recording::Span;
-use super::sequence_set::SequenceSet;
-use super::tracked::TrackedSequence;
-use crate::stats::percentile;
 use dpn_core::camera::CameraModel;
 use dpn_core::random::Stream;
 use dpn_core::{GrayImage, Stamp};
+use dpn_eval::closed_loop::{CameraInput, ClosedLoopError, SequenceSet, Span, TrackedSequence};
+use dpn_eval::stats::percentile;
 use dpn_vio::estimator::FrontEndObserver;
 use dpn_vio::frontend::ransac::{Geometry, Pair, RansacConfig, agree};
 use dpn_vio::frontend::{Fed, FrontEndConfig, LostBy};
@@ -79,7 +76,7 @@ impl CameraFigures {
     }
 }
 
-/// The frames' matches of sequence `index` of `source`, from the image at `from` to the one at `to`: what [`lens_error`](super::lens_error()) is fitted to.
+/// The frames' matches of sequence `index` of `source`, from the image at `from` to the one at `to`: what `lens_error` is fitted to.
 ///
 /// # Errors
 /// As [`CameraFigures::of`].
@@ -100,7 +97,12 @@ fn watched(
     [from, to]: [Stamp; 2],
 ) -> Result<(Watch, TrackedSequence), ClosedLoopError> {
     let recording = source.recording(index, seed)?;
-    let input = source.camera_input(index, seed, &Span::from(0.0))?.between(from, to);
+    let input = match source.camera_input(index, seed, &Span::from(0.0))? {
+        CameraInput::Images(images) => CameraInput::Images(Box::new(
+            images.skip_while(move |(t, _)| *t < from).take_while(move |(t, _)| *t <= to),
+        )),
+        tracks @ CameraInput::Tracks(..) => tracks,
+    };
     let config = FrontEndConfig::default();
     let mut watch = Watch::new(recording.camera, config.ransac);
     let tracked = input.tracks_watched(&recording, &config, seed, &mut watch)?;

@@ -24,9 +24,9 @@ const RIDGE: f64 = 1e-6;
 /// A frame's tracks with those of the frame before, and the fundamental matrix that most of them agree on.
 #[derive(Debug, Clone)]
 pub struct Matched {
-    pub(super) pairs: Vec<Pair>,
-    pub(super) matrix: Matrix3<f64>,
-    pub(super) px_per_rad: f64,
+    pub pairs: Vec<Pair>,
+    pub matrix: Matrix3<f64>,
+    pub px_per_rad: f64,
 }
 
 impl Matched {

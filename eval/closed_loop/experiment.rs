@@ -1,10 +1,13 @@
-//! A closed loop as it is asked for, by a plan or by flags: what becomes a [`Sweep`].
+//! An experiment in the closed loop: source, camera, span, noises, seeds, estimator, injection. Every command that runs the odometry is a list of them.
 
-use super::error::SweepError;
+use super::drive::settings_for;
+use super::error::ClosedLoopError;
+use super::recording::StartAt;
+use super::sequence_set::SequenceSet;
 use super::settings::Settings;
-use crate::closed_loop::{
-    Camera, CellFiles, ImageSource, LoggedSequence, SequenceSet, StartAt, Sweep, TrackSource,
-};
+use super::source::{Camera, RunSource};
+use super::source_error::SourceError;
+use super::sweep_plan::{CellFiles, Sweep};
 use crate::injected::Injection;
 use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 use dpn_core::estimate::NoiseSpec;
@@ -14,16 +17,17 @@ use dpn_pronet::network::Network;
 use dpn_sim::tracks::TracksConfig;
 use dpn_sim::{FlightConfig, RenderConfig};
 use dpn_vio::EstimatorConfig;
-use serde::Deserialize;
-use std::path::{Path, PathBuf};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+use std::path::PathBuf;
 
-/// A closed loop: the keys are the flags of `dpn eval --closed-loop`, and their defaults are the same.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+/// An experiment: every sequence with every noise and every seed. The keys are the flags of `dpn eval --closed-loop`, and their defaults are the same.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct LoopPlan {
+pub struct Experiment {
     /// `closed-loop`.
     pub kind: String,
-    /// Folder of ASL sequences, or of datasets as unpacked; without it the simulated flights.
+    /// Folder of ASL sequences, or of datasets as unpacked, or a log with images; without it the simulated flights.
     pub data: Option<PathBuf>,
     /// Folder of trained networks; without it those that come with the program.
     pub models: Option<PathBuf>,
@@ -44,12 +48,16 @@ pub struct LoopPlan {
     pub topic: Option<String>,
     /// `all`, or names with commas between.
     pub sequences: String,
-    /// The noises told.
+    /// The noises given.
     pub noises: Vec<NoiseSpec>,
     /// The first seed.
     pub seed: u64,
     /// How many seeds, from the first on; 1 to 10000.
     pub seeds: u64,
+    /// More noises.
+    pub others: Vec<NoiseSpec>,
+    /// How many seeds those have, from the first on; 1 to 10000.
+    pub other_seeds: u64,
     /// Seconds after the first frame at which runs begin; or `table`.
     pub from: StartAt,
     /// Seconds after the first frame at which runs end.
@@ -66,9 +74,13 @@ pub struct LoopPlan {
     pub injection: Option<Settings<Injection>>,
     /// Whether every run's trajectory is kept.
     pub trajectories: bool,
+    /// Whether every run's NEES is, where the estimator gives covariances.
+    pub nees: bool,
+    /// Noises whose runs' states are kept, those of the first seed.
+    pub states: Vec<NoiseSpec>,
 }
 
-impl Default for LoopPlan {
+impl Default for Experiment {
     fn default() -> Self {
         let noises = ["x0.5", "x1", "x2", "x4", "x8", "self", "dualpronet"];
         Self {
@@ -86,7 +98,9 @@ impl Default for LoopPlan {
             noises: noises.map(|noise| noise.parse().expect("a noise spec")).to_vec(),
             seed: 0,
             seeds: 1,
-            from: StartAt::Table,
+            others: Vec::new(),
+            other_seeds: 1,
+            from: StartAt::default(),
             to: None,
             estimator: Settings::default(),
             simulated_tracks: Settings::default(),
@@ -94,69 +108,68 @@ impl Default for LoopPlan {
             flights: Settings::default(),
             injection: None,
             trajectories: false,
+            nees: true,
+            states: Vec::new(),
         }
     }
 }
 
-impl LoopPlan {
-    /// Sequences on disk, or the simulated flights.
+impl Experiment {
+    /// Its sequences, on disk or simulated flights.
     ///
     /// # Errors
-    /// Files of settings or folders of data that cannot be read.
-    pub fn source(&self) -> Result<SequenceSet, SweepError> {
-        let tracks = match (self.camera, &self.tracks) {
-            (Camera::Tracks, Some(dir)) => TrackSource::File(dir.clone()),
-            (Camera::Tracks, None) => TrackSource::Simulated(self.simulated_tracks.load()?),
-            (Camera::Images | Camera::Rendered, Some(_)) => return Err(SweepError::TwoCameras),
-            (Camera::Images, None) => {
-                TrackSource::Images(ImageSource::Folder { skip_missing: self.skip_missing })
-            }
-            (Camera::Rendered, None) => {
-                TrackSource::Images(ImageSource::Rendered(Box::new(self.images.load()?)))
-            }
-        };
-        let source = match &self.data {
-            Some(dir) => match self.logged(dir)? {
-                Some(log) => {
-                    // Of one log, a file of poses does as well as a folder of them.
-                    let in_folder = |dir: &PathBuf| dir.join(format!("{}.csv", log.name()));
-                    let truth =
-                        self.truth.as_ref().map(|t| if t.is_dir() { in_folder(t) } else { t.clone() });
-                    let log = match truth {
-                        Some(file) => log.with_truth(&file)?,
-                        None => log,
-                    };
-                    SequenceSet::logged(log, self.skip_missing)
-                }
-                None => SequenceSet::recorded(dir, tracks)?
-                    .with_calibration(self.calibration.clone())
-                    .with_reconciled_truth(self.truth.as_deref()),
+    /// Files of settings or folders of data that cannot be read; several seeds where nothing depends on one.
+    pub fn source(&self) -> Result<SequenceSet, ClosedLoopError> {
+        let source = RunSource {
+            camera: Some(self.camera),
+            tracks: self.tracks.clone(),
+            truth: self.truth.clone(),
+            log: ImageLogOptions {
+                imu: LogOptions { topic: self.topic.clone(), ..LogOptions::default() },
+                image_topic: self.image_topic.clone(),
+                skip_missing: self.skip_missing,
             },
-            None => SequenceSet::Flights { config: self.flights.load()?, tracks },
+            calibration: None,
+            simulated_tracks: self.simulated_tracks.load()?,
+            images: self.images.load()?,
+            flights: self.flights.load()?,
         };
-        if self.seeds > 1 && !source.tracks_are_seeded() {
-            return Err(SweepError::Unseeded);
+        let source = source.with_calibration(self.calibration.clone())?.all(self.data.as_deref())?;
+        if self.seeds.max(self.other_seeds) > 1 && !source.tracks_are_seeded() {
+            return Err(SourceError::Unseeded.into());
         }
         Ok(source)
     }
 
-    /// The log with images that `data` is, if it is one.
-    fn logged(&self, data: &Path) -> Result<Option<LoggedSequence>, SweepError> {
-        let options = ImageLogOptions {
-            imu: LogOptions { topic: self.topic.clone(), ..LogOptions::default() },
-            image_topic: self.image_topic.clone(),
-            skip_missing: self.skip_missing,
-        };
-        let found = LoggedSequence::find(data, options, self.calibration.as_ref())?;
-        match found {
-            Some(_) if self.camera != Camera::Images => {
-                Err(SweepError::OwnImages { data: data.to_path_buf() })
-            }
-            found => Ok(found),
-        }
+    /// The same with every file of settings read and every sequence named: what a node needs besides the data.
+    ///
+    /// # Errors
+    /// Files of settings that cannot be read; sequences that are not in `source`.
+    pub fn resolved(&self, source: &SequenceSet) -> Result<Self, ClosedLoopError> {
+        let names = source.names();
+        let places = source.select(&self.sequences)?;
+        Ok(Self {
+            sequences: places.iter().map(|place| names[*place].0.as_str()).collect::<Vec<_>>().join(","),
+            estimator: self.estimator.load()?.into(),
+            simulated_tracks: self.simulated_tracks.load()?.into(),
+            images: self.images.load()?.into(),
+            flights: self.flights.load()?.into(),
+            injection: self.injection.as_ref().map(Settings::load).transpose()?.map(Settings::from),
+            ..self.clone()
+        })
     }
 
-    /// The sweep over `source`.
+    /// What settings that are allowed do not do together, for people: of each noise under which it is so, said once.
+    ///
+    /// # Errors
+    /// A file of settings that cannot be read.
+    pub fn warnings(&self) -> Result<BTreeSet<String>, ClosedLoopError> {
+        let estimator = self.estimator.load()?;
+        let noises = self.noises.iter().chain(&self.others);
+        Ok(noises.flat_map(|noise| settings_for(&estimator, noise).warnings()).collect())
+    }
+
+    /// Its runs over `source`, on one thread and without a cache.
     ///
     /// # Errors
     /// Files of settings that cannot be read; sequences that are not there.
@@ -164,58 +177,55 @@ impl LoopPlan {
         &self,
         source: &'a SequenceSet,
         networks: &'a [Network],
-        threads: usize,
-    ) -> Result<Sweep<'a>, SweepError> {
+    ) -> Result<Sweep<'a>, ClosedLoopError> {
+        let seeds = |count: u64| (self.seed..self.seed.saturating_add(count)).collect();
         Ok(Sweep {
             source,
             places: source.select(&self.sequences)?,
             noises: self.noises.clone(),
-            seeds: (self.seed..self.seed.saturating_add(self.seeds)).collect(),
-            others: (Vec::new(), Vec::new()),
+            seeds: seeds(self.seeds),
+            other_seeds: if self.others.is_empty() { Vec::new() } else { seeds(self.other_seeds) },
+            others: self.others.clone(),
             from: self.from,
             to: self.to,
             estimator: self.estimator.load()?,
             networks,
-            threads,
+            threads: 1,
             cache: None,
-            keep: CellFiles { trajectories: self.trajectories, nees: true, states: None },
+            keep: CellFiles {
+                trajectories: self.trajectories,
+                nees: self.nees,
+                states: (!self.states.is_empty()).then(|| (self.states.clone(), self.seed)),
+            },
             injection: self.injection.as_ref().map(Settings::load).transpose()?,
         })
     }
 }
 
-/// The faults of settings that stand in a plan.
-pub fn faults_of<T: Validate>(name: &str, settings: &Settings<T>, faults: &mut ConfigFaults) {
-    if let Settings::Inline(settings) = settings {
-        faults.table(name, settings.faults());
-    }
-}
-
-impl Validate for LoopPlan {
+impl Validate for Experiment {
     fn faults(&self) -> Vec<ConfigFault> {
         let mut faults = ConfigFaults::default();
         faults.check(!self.noises.is_empty(), "noises", "[]", "one noise or more");
         faults.within("seeds", self.seeds, 1, 10_000);
+        faults.within("other_seeds", self.other_seeds, 1, 10_000);
         if let Some(to) = self.to {
             faults.positive("to", to);
         }
-        let wanted = self.tracks.is_none() || (self.data.is_some() && self.camera == Camera::Tracks);
-        let tracks = || self.tracks.iter().map(|dir| dir.display().to_string()).collect::<String>();
+        let shown = |path: &Option<PathBuf>| path.iter().map(|p| p.display().to_string()).collect::<String>();
         faults.check(
-            wanted,
+            self.tracks.is_none() || (self.data.is_some() && self.camera == Camera::Tracks),
             "tracks",
-            tracks(),
+            shown(&self.tracks),
             "left out where there is no `data`, or another camera than tracks",
         );
-        let truth = || self.truth.iter().map(|dir| dir.display().to_string()).collect::<String>();
         let has_data = self.truth.is_none() || self.data.is_some();
-        faults.check(has_data, "truth", truth(), "left out where there is no `data`");
-        faults_of("estimator", &self.estimator, &mut faults);
-        faults_of("simulated_tracks", &self.simulated_tracks, &mut faults);
-        faults_of("images", &self.images, &mut faults);
-        faults_of("flights", &self.flights, &mut faults);
+        faults.check(has_data, "truth", shown(&self.truth), "left out where there is no `data`");
+        self.estimator.faults("estimator", &mut faults);
+        self.simulated_tracks.faults("simulated_tracks", &mut faults);
+        self.images.faults("images", &mut faults);
+        self.flights.faults("flights", &mut faults);
         if let Some(injection) = &self.injection {
-            faults_of("injection", injection, &mut faults);
+            injection.faults("injection", &mut faults);
         }
         faults.0
     }
@@ -229,9 +239,9 @@ mod tests {
     #[test]
     fn every_file_of_the_folder_reads_and_faults_are_named_all_at_once() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../configs/sweep/closed_loop.toml");
-        let plan: LoopPlan = dpn_io::config::load(&path).unwrap();
+        let plan: Experiment = dpn_io::config::load(&path).unwrap();
         assert_eq!((plan.noises.len(), plan.seeds), (31, 10));
-        let parse = |text: &str| dpn_io::config::parse::<LoopPlan>(text, Path::new("p.toml"));
+        let parse = |text: &str| dpn_io::config::parse::<Experiment>(text, Path::new("p.toml"));
         let text = "seeds = 0\nfrom = 3\nnoises = []\ntracks = \"t\"\n[estimator.window]\nkey_frames = 1";
         let error = parse(text).unwrap_err().to_string();
         for words in ["`seeds` is 0", "`noises` is []", "`tracks` is t", "`estimator.window.key_frames` is 1"]

@@ -1,10 +1,10 @@
 //! Settings in a plan: a table, or the name of a file that holds one.
 
-use dpn_core::config::Validate;
+use dpn_core::config::{ConfigFaults, Validate};
 use dpn_io::config::{ConfigError, load};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeOwned, Error, MapAccess, Visitor};
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 use std::marker::PhantomData;
 use std::path::PathBuf;
@@ -30,6 +30,15 @@ impl<T> From<T> for Settings<T> {
     }
 }
 
+impl<T: Validate> Settings<T> {
+    /// Adds the faults of a table that stands in a plan under `key`; a file has its own when it is read.
+    pub fn faults(&self, key: &str, faults: &mut ConfigFaults) {
+        if let Self::Inline(settings) = self {
+            faults.table(key, settings.faults());
+        }
+    }
+}
+
 impl<T: DeserializeOwned + Validate + Clone> Settings<T> {
     /// The settings, a file's read and checked; those of a table were checked with their plan.
     ///
@@ -39,6 +48,15 @@ impl<T: DeserializeOwned + Validate + Clone> Settings<T> {
         match self {
             Self::File(path) => load(path),
             Self::Inline(settings) => Ok(T::clone(settings)),
+        }
+    }
+}
+
+impl<T: Serialize> Serialize for Settings<T> {
+    fn serialize<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::File(path) => path.serialize(out),
+            Self::Inline(settings) => settings.serialize(out),
         }
     }
 }
