@@ -22,7 +22,6 @@ mod id;
 mod injected;
 mod input;
 mod motors;
-mod overall;
 mod page;
 mod paper;
 mod plan;

@@ -38,12 +38,10 @@ pub(super) struct StageResult<T> {
 }
 
 /// One closed loop: what its folder's name begins with, what is run, and over which sequences.
-pub(super) struct PaperLoop<'a> {
+struct PaperLoop<'a> {
     name: String,
-    pub(super) experiment: Experiment,
-    pub(super) source: &'a SequenceSet,
-    /// How many sequences.
-    pub(super) count: usize,
+    experiment: Experiment,
+    source: &'a SequenceSet,
 }
 
 impl Paper<'_> {
@@ -150,7 +148,7 @@ impl Paper<'_> {
         if !source.tracks_are_seeded() && !source.recordings_are_seeded() {
             (experiment.seeds, experiment.other_seeds) = (1, 1);
         }
-        PaperLoop { name, experiment, source, count: places.len() }
+        PaperLoop { name, experiment, source }
     }
 
     /// Every closed loop of the paper. Nothing is run.
@@ -162,7 +160,7 @@ impl Paper<'_> {
     }
 
     /// The study, then every course.
-    pub(super) fn requests(&self) -> impl Iterator<Item = Result<PaperLoop<'_>, PaperError>> {
+    fn requests(&self) -> impl Iterator<Item = Result<PaperLoop<'_>, PaperError>> {
         let courses = self.plan.injected.courses.iter().map(|course| self.experiment(*course));
         std::iter::once(self.study()).chain(courses)
     }
@@ -192,7 +190,7 @@ impl Paper<'_> {
     }
 
     /// The first sequences of both sides, as many of each as can be.
-    pub(super) fn injected_places(&self) -> Vec<usize> {
+    fn injected_places(&self) -> Vec<usize> {
         let names = self.input.source.names();
         let most = match self.plan.injected.most_sequences {
             0 => usize::MAX,
@@ -212,7 +210,7 @@ impl Paper<'_> {
     where
         Self: 'a,
     {
-        let PaperLoop { name, experiment, source, .. } = wanted;
+        let PaperLoop { name, experiment, source } = wanted;
         let mut job = LoopJob::new(PathBuf::new(), experiment, source, self.networks, self.measured_by())?;
         (job.sweep.threads, job.sweep.cache) = (self.threads, self.cache);
         job.folder = format!("{name}-{}", &job.made_from.fingerprint()[..16]).into();

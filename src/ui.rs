@@ -129,43 +129,29 @@ fn hint_of(cause: &(dyn std::error::Error + 'static)) -> Option<String> {
     if let Some(fault) = cause.downcast_ref::<Fault>() {
         return fault.hint.clone();
     }
-    if let Some(error) = cause.downcast_ref::<dpn_io::config::ConfigError>() {
-        return error.hint();
+    macro_rules! hints {
+        ($($error:ty),+ $(,)?) => {
+            $(if let Some(error) = cause.downcast_ref::<$error>() {
+                return error.hint();
+            })+
+        };
     }
-    if let Some(error) = cause.downcast_ref::<dpn_eval::closed_loop::ClosedLoopError>() {
-        return error.hint();
-    }
-    if let Some(error) = cause.downcast_ref::<dpn_eval::sweeps::SweepError>() {
-        return error.hint();
-    }
-    if let Some(error) = cause.downcast_ref::<dpn_papers::PaperError>() {
-        return error.hint();
-    }
-    if let Some(error) = cause.downcast_ref::<dpn_io::LockError>() {
-        return error.hint();
-    }
-    if let Some(error) = cause.downcast_ref::<dpn_io::IoError>() {
-        return error.hint();
-    }
-    if let Some(error) = cause.downcast_ref::<dpn_logs::LogError>() {
-        return error.hint();
-    }
-    if let Some(error) = cause.downcast_ref::<dpn_io::calibration::CalibrationError>() {
-        return error.hint();
-    }
-    if let Some(error) = cause.downcast_ref::<dpn_io::noise_formats::FormatError>() {
-        return error.hint();
-    }
-    if let Some(error) = cause.downcast_ref::<dpn_probe::log_noise::LogNoiseError>() {
-        return error.hint();
-    }
-    if let Some(error) = cause.downcast_ref::<dpn_probe::allan::AllanError>() {
-        return error.hint();
-    }
-    if let Some(error) = cause.downcast_ref::<dpn_train::asl::LoadError>() {
-        return error.hint();
-    }
-    cause.downcast_ref::<dpn_train::run::RunError>().and_then(dpn_train::run::RunError::hint)
+    hints!(
+        dpn_io::config::ConfigError,
+        dpn_eval::closed_loop::ClosedLoopError,
+        dpn_eval::sweeps::SweepError,
+        dpn_papers::PaperError,
+        dpn_io::LockError,
+        dpn_io::IoError,
+        dpn_logs::LogError,
+        dpn_io::calibration::CalibrationError,
+        dpn_io::noise_formats::FormatError,
+        dpn_probe::log_noise::LogNoiseError,
+        dpn_probe::allan::AllanError,
+        dpn_train::asl::LoadError,
+        dpn_train::run::RunError,
+    );
+    None
 }
 
 /// One bar on a terminal; a plain line now and then where stderr is none.
