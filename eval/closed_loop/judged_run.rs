@@ -110,35 +110,19 @@ impl LearnedLevels {
     }
 }
 
-/// Runs the estimator over what `camera` sees, with `noise` told; `observer` looks on while points are followed through images.
+/// Who looks on.
+pub struct Watchers<'a> {
+    /// While points are followed through images.
+    pub images: &'a mut dyn FrontEndObserver,
+    /// At every update.
+    pub updates: &'a mut UpdateWatch<'a>,
+}
+
+/// Runs the estimator over what `camera` sees, with `noise` given: one cell of an experiment, watched.
 ///
 /// # Errors
 /// Noise that cannot be had; images that cannot be, or show nothing; tracks that share no time with the samples or whose ids do not stay with
-/// points; settings out of their bounds.
-pub fn judged_run(
-    config: &EstimatorConfig,
-    recording: &Recording,
-    camera: CameraInput<'_>,
-    noise: &NoiseSpec,
-    info: RunInfo,
-    networks: &[Network],
-    observer: &mut dyn FrontEndObserver,
-) -> Result<JudgedRun, ClosedLoopError> {
-    watched_run(
-        config,
-        recording,
-        camera,
-        noise,
-        info,
-        networks,
-        (observer, &mut |_, _| ControlFlow::Continue(())),
-    )
-}
-
-/// [`judged_run`], whose updates somebody looks at too, each with the window it left.
-///
-/// # Errors
-/// As [`judged_run`]; a run that was not wanted any more.
+/// points; settings out of their bounds; a run that was not wanted any more.
 pub fn watched_run(
     config: &EstimatorConfig,
     recording: &Recording,
@@ -146,7 +130,7 @@ pub fn watched_run(
     noise: &NoiseSpec,
     info: RunInfo,
     networks: &[Network],
-    (observer, watch): (&mut dyn FrontEndObserver, &mut UpdateWatch<'_>),
+    Watchers { images: observer, updates: watch }: Watchers<'_>,
 ) -> Result<JudgedRun, ClosedLoopError> {
     let recorded = Recorded { name: &recording.name, imu: &recording.imu, oracle: recording.oracle.as_ref() };
     let sources = Fresh { recorded, networks };

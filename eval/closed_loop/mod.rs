@@ -7,7 +7,7 @@
 //! * [`drive`] runs the estimator over one [`Recording`] with one noise track; [`judge`] makes a [`Row`] of what comes out.
 //! * [`Sweep`] runs all cells on all threads into a folder, which a later call goes on with. A cell is named by a checksum of all that its row is a
 //!   function of, so that nothing stale is ever taken for it; the folder has one writer at a time.
-//! * [`judged_run`] runs one recording and says everything of it.
+//! * [`watched_run`] runs one recording and says everything of it.
 //! * [`consistency`] puts the NEES of many seeds together. What rows say of noises: [`crate::study`].
 
 mod cell;
@@ -59,7 +59,7 @@ pub use frame_log::SeenFrame;
 pub use image_report::{FrontEndFigures, ImageEvent, ImageReport, PassedOver};
 pub use images::{ImageSource, ImageStream, has_images};
 pub use judge::{Errors, Judged, MAX_GAP_S, RunInfo, judge, paired, run_nees};
-pub use judged_run::{JudgedRun, LearnedLevels, Report, judged_run, watched_run};
+pub use judged_run::{JudgedRun, LearnedLevels, Report, Watchers, watched_run};
 pub use live::LiveRun;
 pub use logged::LoggedSequence;
 pub use manifest::Manifest;

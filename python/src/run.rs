@@ -9,7 +9,8 @@ use dpn_core::camera::CameraModel;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::{Stamp, Track, TrackFrame};
 use dpn_eval::closed_loop::{
-    Camera, CameraInput, JudgedRun, Recording, RunInfo, RunSource, Span, StartAt, TruthKind, watched_run,
+    Camera, CameraInput, JudgedRun, Recording, RunInfo, RunSource, Span, StartAt, TruthKind, Watchers,
+    watched_run,
 };
 use dpn_io::calibration::{self, Calibration};
 use dpn_io::config::load_over;
@@ -110,7 +111,7 @@ impl Settings {
             let total = span.to_s.map_or(total, |to_s| total.min(to_s - span.from_s));
             listener.step(update.t.seconds_since(first).min(total), total)
         };
-        let watchers: (&mut dyn dpn_vio::estimator::FrontEndObserver, _) = (&mut (), &mut watch as _);
+        let watchers = Watchers { images: &mut (), updates: &mut watch };
         watched_run(&self.estimator, recording, camera, &self.noise, info, &self.networks, watchers)
             .map_err(|e| raise(&e))
     }

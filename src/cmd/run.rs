@@ -7,7 +7,7 @@ use anyhow::Result;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::{GrayImage, Stamp};
 use dpn_eval::closed_loop::{
-    Camera, JudgedRun, Recording, Report, RunInfo, RunSource, SequenceSet, Span, UpdateWatch, paired,
+    Camera, JudgedRun, Recording, Report, RunInfo, RunSource, SequenceSet, Span, Watchers, paired,
     settings_for, watched_run, write_states,
 };
 #[cfg(feature = "rerun")]
@@ -59,7 +59,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         }
         ControlFlow::Continue(())
     };
-    let watchers: (&mut dyn FrontEndObserver, _) = (&mut images, &mut watch as &mut UpdateWatch<'_>);
+    let watchers = Watchers { images: &mut images, updates: &mut watch };
     let done = watched_run(&estimator, &recording, camera, &noise, info, &networks, watchers)?;
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("runs/run-{}", recording.name)));
     let poses = done.output.poses();
