@@ -10,26 +10,25 @@ use dpn_sim::tracks::TracksConfig;
 use dpn_train::corpus::{Corpus, Member};
 use dpn_train::split::{Side, paper_side};
 use serde::{Deserialize, Serialize};
-use std::fmt;
 use std::str::FromStr;
 
-/// What the odometry sees.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum CameraChoice {
-    /// The best that every sequence has: its own images, else rendered ones, else tracks.
-    Auto,
-    /// The sequences' own images; those without any are missing.
-    Images,
-    /// Images rendered along the ground truth.
-    Rendered,
-    /// Camera tracks, given or made along the ground truth.
-    Tracks,
-}
+dpn_core::named!(
+    /// What the odometry sees.
+    #[derive(Serialize, Deserialize)]
+    #[serde(rename_all = "lowercase")]
+    pub enum CameraChoice {
+        /// The best that every sequence has: its own images, else rendered ones, else tracks.
+        Auto = "auto",
+        /// The sequences' own images; those without any are missing.
+        Images = "images",
+        /// Images rendered along the ground truth.
+        Rendered = "rendered",
+        /// Camera tracks, given or made along the ground truth.
+        Tracks = "tracks",
+    }
+);
 
 impl CameraChoice {
-    const ALL: [Self; 4] = [Self::Auto, Self::Images, Self::Rendered, Self::Tracks];
-
     /// The experiment `asked` for with this camera, its sequences, and why this camera, in words; `quick` where minutes count: [`Auto`](Self::Auto) renders
     /// nothing then.
     ///
@@ -92,24 +91,14 @@ impl CameraChoice {
     }
 }
 
-impl fmt::Display for CameraChoice {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Auto => "auto",
-            Self::Images => "images",
-            Self::Rendered => "rendered",
-            Self::Tracks => "tracks",
-        })
-    }
-}
-
 impl FromStr for CameraChoice {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let known = || Self::ALL.map(|choice| choice.to_string()).join(", ");
-        let named = Self::ALL.into_iter().find(|choice| choice.to_string() == text);
-        named.ok_or_else(|| format!("`{text}` is no camera; known are {}", known()))
+        let named = Self::ALL.into_iter().find(|choice| choice.name() == text);
+        named.ok_or_else(|| {
+            format!("`{text}` is no camera; known are {}", Self::ALL.map(Self::name).join(", "))
+        })
     }
 }
 

@@ -4,7 +4,7 @@ use super::error::ClosedLoopError;
 use super::images::{ImageSource, ImageStream, of_folder};
 use super::recording::{Recording, Span};
 use super::rendered::rendered;
-use super::sequence_set::{SequenceSet, TrackSource, side_of};
+use super::sequence_set::{SequenceSet, TrackSource, side_of, tracks_file};
 use super::tracking::CameraInput;
 use crate::metrics::poses_of;
 use dpn_core::camera::{CameraConfig, CameraModel};
