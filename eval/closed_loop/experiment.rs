@@ -254,4 +254,22 @@ mod tests {
         let plan = parse("estimator = \"vio.toml\"\nfrom = \"table\"").unwrap();
         assert_eq!(plan.estimator, Settings::File("vio.toml".into()));
     }
+
+    #[test]
+    fn a_resolved_experiment_comes_back_from_json_as_it_was() {
+        let asked = Experiment {
+            sequences: "hover,f02".into(),
+            others: vec!["self".parse().unwrap()],
+            from: StartAt::Table,
+            to: Some(0.1 + 0.2),
+            camera: Camera::Rendered,
+            injection: Some(Injection::default().into()),
+            states: vec!["x1".parse().unwrap()],
+            ..Experiment::default()
+        };
+        let resolved = asked.resolved(&asked.source().unwrap()).unwrap();
+        assert_eq!(resolved.sequences, "f02-hall-calm,f09-hover");
+        let text = serde_json::to_string(&resolved).unwrap();
+        assert_eq!(serde_json::from_str::<Experiment>(&text).unwrap(), resolved);
+    }
 }

@@ -149,3 +149,18 @@ fn flags_of_one_loop_are_not_those_of_the_other() {
         assert_eq!(run(line).code, Some(2), "{line}");
     }
 }
+
+#[test]
+fn what_one_command_ran_serves_another_through_the_cache_whatever_folder_it_writes_to() {
+    let tmp = tempfile::tempdir().unwrap();
+    let [first, second, third] = ["a", "b", "c"].map(|name| tmp.path().join(name));
+    let kept = tmp.path().join("kept");
+    let cache = ["--cache", kept.to_str().unwrap()];
+    swept(&first, &cache).well();
+    let again = swept(&second, &[&cache[..], &["--noise", "x4,x1;x1"]].concat()).well();
+    assert!(again.stderr.contains("cells: 1 taken from "), "{}", again.stderr);
+    assert_eq!(rows(&second)[0], rows(&first)[0]);
+    // A file that belongs beside a row is none of the cache's.
+    let files = swept(&third, &[&cache[..], &["--trajectories"]].concat()).well();
+    assert!(!files.stderr.contains("cells: "), "{}", files.stderr);
+}
