@@ -147,12 +147,11 @@ impl Sweep<'_> {
     ) -> Result<(), ClosedLoopError> {
         let Some(cache) = self.cache else { return Ok(()) };
         for cell in cells.iter().filter(|cell| !rows.contains_key(&cell.key)).collect::<Vec<_>>() {
-            let Some(row) = cache.row(&cell.content) else { continue };
-            if !self.keep.lacks(store.dir(), &cell.key, &row, false) {
-                let row = Row { noise: cell.noise.clone(), ..row };
-                store.append(&row)?;
-                rows.insert(cell.key.clone(), row);
-            }
+            let enough = |row: &Row| !self.keep.lacks(store.dir(), &cell.key, row, false);
+            let Some(row) = cache.row(&cell.content, enough) else { continue };
+            let row = Row { noise: cell.noise.clone(), ..row };
+            store.append(&row)?;
+            rows.insert(cell.key.clone(), row);
         }
         Ok(())
     }

@@ -73,10 +73,13 @@ impl TrackCache {
         words
     }
 
-    /// The row of the cell of this content, where it was run with this cache by whatever command.
-    pub(super) fn row(&self, content: &str) -> Option<Row> {
+    /// The row of the cell of this content, where it was run with this cache by whatever command and is `enough`.
+    pub(super) fn row(&self, content: &str, enough: impl Fn(&Row) -> bool) -> Option<Row> {
         let text = std::fs::read(self.row_path(content)).ok()?;
-        let row: Row = serde_json::from_slice(&text).ok().filter(|row: &Row| row.cell == content)?;
+        let row: Row = serde_json::from_slice(&text).ok()?;
+        if row.cell != content || !enough(&row) {
+            return None;
+        }
         self.rows.fetch_add(1, Ordering::Relaxed);
         Some(row)
     }
