@@ -1,11 +1,13 @@
 //! Timings of the kernels that matter.
 //!
 //! `cargo bench -p dpn-bench --bench NAME [-- ITERATIONS]`; every bench prints medians of wall time and mean CPU time. With `--test`, as `cargo test --benches`
-//! passes it, one short iteration is run, so that benches cannot rot.
+//! passes it, one short iteration is run, so that benches cannot rot. Where `DPN_BENCH_OUT` names a file, [`keep`] puts medians there; what the book quotes is
+//! `docs/results/benches.json`.
 
 pub mod frames;
 
 use dpn_core::signal::stats::upper_median;
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 /// How often to run: from the command line, or once where the bench runs as a test.
@@ -59,4 +61,19 @@ pub fn time(iterations: usize, mut work: impl FnMut()) -> Timing {
     let used = cpu.zip(cpu_seconds()).map_or(f64::NAN, |(from, to)| to - from);
     let cpu_ms = used * 1e3 / walls.len() as f64;
     Timing { wall_ms: upper_median(walls).expect("one iteration at least"), cpu_ms }
+}
+
+/// Keeps a median time \[ms\] under its name in the file that `DPN_BENCH_OUT` names, beside what other benches left there.
+///
+/// # Panics
+/// A file that does not read as such a list, or cannot be written.
+pub fn keep(name: &str, median_ms: f64) {
+    let Some(path) = std::env::var_os("DPN_BENCH_OUT") else { return };
+    let mut kept: BTreeMap<String, BTreeMap<String, f64>> = match std::fs::read(&path) {
+        Ok(bytes) => serde_json::from_slice(&bytes).expect("DPN_BENCH_OUT is a list of medians"),
+        Err(_) => BTreeMap::new(),
+    };
+    kept.insert(name.to_owned(), BTreeMap::from([("median_ms".to_owned(), median_ms)]));
+    let text = serde_json::to_string_pretty(&kept).expect("names and numbers are JSON") + "\n";
+    std::fs::write(&path, text).expect("DPN_BENCH_OUT can be written");
 }

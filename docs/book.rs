@@ -1,5 +1,6 @@
-//! What the book of results is held to: `targets` keeps its page of targets and the headline at what `targets.csv` says, `numbers` its
-//! marked numbers at the study's tables, `prose` its tables and links in order, `house` the crates at what ARCHITECTURE.md draws, `circles` their files at imports that lead nowhere back. Nothing here is built outside tests; `mdbook build docs` makes the book.
+//! What the book of results is held to: `targets` keeps its page of targets at what `targets.csv` says, `numbers` the marked numbers of README,
+//! book and targets at what commands left, `prose` its tables and links in order, `house` the crates at what ARCHITECTURE.md draws, `circles` their
+//! files at imports that lead nowhere back. Nothing here is built outside tests; `mdbook build docs` makes the book.
 
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 

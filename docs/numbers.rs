@@ -1,16 +1,22 @@
-//! Numbers that stand in README and book and are read from the study's own tables, `figures/euroc/tables`.
+//! Numbers that stand in README, book and `targets.csv` and are read from results that commands leave: the study's own tables in
+//! `figures/euroc/tables` (`dpn paper`) and the JSON in `docs/results`, whose README names each file's command.
 //!
-//! A marked number is `<!-- n:study/self/ratio -->0.88 (0.73 to 1.07)<!-- /n -->`: its key is table, noise and quantity. `DPN_BLESS=1 cargo test -p
-//! dpn-book` writes every marked number anew; without it the test names those that are stale.
+//! A marked number is `<!-- n:study/self/ratio -->0.88 (0.73 to 1.07)<!-- /n -->`. `cargo xtask book` writes every marked number anew; a test
+//! names those that are stale.
 //!
 //! | key | number |
 //! |---|---|
-//! | `study/NOISE/mean` | mean ATE over all sequences \[m\] |
-//! | `study/NOISE/ratio` | error over the best constant's, with its 95 % interval |
-//! | `study/NOISE/better` | on how many sequences it is smaller |
-//! | `study/NOISE/p` | p after Holm |
+//! | `headline` | the sentence that README and book begin with |
+//! | `study/NOISE/QUANTITY` | the closed loop: `mean` ATE over all sequences \[m\], `ratio` of errors to the best constant with its 95 % interval, `better` on how many sequences, `p` after Holm, `equal` the p of being equal within 10 % |
+//! | `pairs/NOISE/AGAINST/QUANTITY` | one noise against another: `ratio`, `better`, `p` without correction |
+//! | `COURSE/NOISE/QUANTITY` | noise added in a course (`step`, `ramp`, `one-axis`, `tone`, `bias-jump`): `median` ATE \[m\]; `ratio`, `better`, `p` as of `study` |
+//! | `open/SENSOR/BASE/QUANTITY` | the open loop, the network's `rmse`, its `spread` over so many `seeds`; `simple` and `regressor`, the best of its kind with its name; the `bound` |
+//! | `fleet/NOISE/QUANTITY` | all platforms: `score`, the error over that of each platform's best constant; `worst`; both in per cent as `less` and `more`; against the constant that is best elsewhere `ratio`, `better`, and in per cent `less-than-single` |
+//! | `fleet/PLATFORM/NOISE/QUANTITY` | one platform: `ate` \[m\] and `score`, of the noise `best` with the constant's name |
+//! | `bench/NAME/UNIT` | median time of a bench in `us` or `ms` |
 
 use crate::{at, read};
+use serde_json::Value;
 use std::collections::BTreeMap;
 
 const TABLES: &str = "figures/euroc/tables";
@@ -29,65 +35,220 @@ fn table(name: &str) -> Vec<Record> {
 
 /// The one row whose columns have these values.
 fn row(name: &str, wanted: &[(&str, &str)]) -> Record {
-    let mut rows: Vec<Record> = table(name)
-        .into_iter()
-        .filter(|row| wanted.iter().all(|(column, value)| row[*column] == *value))
-        .collect();
+    let is_wanted = |row: &Record| wanted.iter().all(|(column, value)| row[*column] == *value);
+    let mut rows: Vec<Record> = table(name).into_iter().filter(is_wanted).collect();
     assert_eq!(rows.len(), 1, "{name}: rows with {wanted:?}");
     rows.remove(0)
+}
+
+fn json(name: &str) -> Value {
+    let path = format!("docs/results/{name}.json");
+    serde_json::from_str(&read(&path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+/// The one of a list whose `field` is `name`.
+fn named<'a>(list: &'a Value, field: &str, name: &str) -> &'a Value {
+    let mut found = list.as_array().unwrap().iter().filter(|entry| entry[field] == name);
+    found.next().unwrap_or_else(|| panic!("no {field} is {name}"))
 }
 
 fn number(text: &str) -> f64 {
     text.parse().unwrap_or_else(|_| panic!("`{text}` is no number"))
 }
 
-/// A probability above 0 to two digits.
-fn probability(p: f64) -> String {
-    if p >= 1.0 {
-        return "1".to_owned();
-    }
-    let digits = (1.0 - p.log10().floor()) as usize;
-    format!("{p:.digits$}")
+fn percent(share: f64) -> String {
+    format!("{:.0} %", 100.0 * share)
 }
 
-/// `0.88 (0.73 to 1.07)` of the same with all digits.
-fn with_interval(text: &str) -> String {
-    let parts: Vec<f64> =
-        text.trim_end_matches(')').split([' ', '(']).filter_map(|word| word.parse().ok()).collect();
-    assert_eq!(parts.len(), 3, "`{text}` is no figure with its interval");
-    format!("{:.2} ({:.2} to {:.2})", parts[0], parts[1], parts[2])
+/// A length: three decimals, four where that leaves two digits.
+fn metres(value: f64) -> String {
+    if value < 0.011 { format!("{value:.4}") } else { format!("{value:.3}") }
+}
+
+/// A positive number to two digits.
+fn two_digits(value: f64) -> String {
+    let digits = (1.0 - value.log10().floor()).max(0.0) as usize;
+    format!("{value:.digits$}")
+}
+
+/// A probability above 0 to two digits.
+fn probability(p: f64) -> String {
+    if p >= 1.0 { "1".to_owned() } else { two_digits(p) }
+}
+
+/// A figure and the ends of its interval, of `0.883 (0.732 to 1.074)`.
+fn with_ends(text: &str) -> [f64; 3] {
+    let words = text.trim_end_matches(')').split([' ', '(']);
+    let parts: Vec<f64> = words.filter_map(|word| word.parse().ok()).collect();
+    parts.try_into().unwrap_or_else(|_| panic!("`{text}` is no figure with its interval"))
+}
+
+fn with_interval([value, low, high]: [f64; 3]) -> String {
+    format!("{value:.2} ({low:.2} to {high:.2})")
+}
+
+/// Mean ATE over all sequences, of those of both sides \[m\].
+fn mean(noise: &str) -> f64 {
+    let (row, sides) = (row("study", &[("noise", noise)]), table("split"));
+    let count = |side: &str| {
+        let of_side = sides.iter().filter(|row| row["side"] == side && !row["sequence"].starts_with("all"));
+        of_side.count() as f64
+    };
+    let (train, test) = (count("train"), count("test"));
+    (train * number(&row["mean train [m]"]) + test * number(&row["mean test [m]"])) / (train + test)
+}
+
+/// How far the network's mean error is below that of the usual constants: ours and the paper's, as shares.
+fn gains() -> [f64; 2] {
+    let means = table("closed_loop").into_iter().find(|row| row["side"] == "both").unwrap();
+    ["ours", "paper"].map(|whose| {
+        let of = |noise: &str| number(&means[&format!("{noise}, {whose}")]);
+        1.0 - of("DualProNet") / of("usual constant x1")
+    })
+}
+
+fn headline() -> String {
+    let best = row("study", &[("verdict", "reference")])["noise"].clone();
+    let times = match best.as_str() {
+        "x2" => "twice",
+        "x4" => "four times",
+        "x8" => "eight times",
+        other => panic!("say {other} in words"),
+    };
+    let [ratio, low, high] =
+        with_ends(&row("study", &[("noise", "dualpronet")])["ratio to best constant (95 %)"]);
+    let does = match (low > 1.0, high < 1.0) {
+        (true, _) => "does better",
+        (_, true) => "does worse",
+        _ => "is not shown to differ",
+    };
+    let ([ours, paper], [x1, dualpronet, constant]) =
+        (gains().map(percent), ["x1", "dualpronet", &best].map(mean));
+    format!(
+        "{ours} smaller than with the usual constants ({dualpronet:.3} m instead of {x1:.3} m; the paper: {paper}), and a constant {times} the usual {does} \
+         ({constant:.3} m; ratio of errors {ratio:.2}, 95 % interval {low:.2} to {high:.2})"
+    )
+}
+
+/// Of a row with a comparison.
+fn compared(row: &Record, ratio: &str, p: &str, quantity: &str) -> String {
+    match quantity {
+        "ratio" => with_interval(with_ends(&row[ratio])),
+        "better" => row["better in"].clone(),
+        "p" => probability(number(&row[p])),
+        "equal" => probability(number(&row["p equal"])),
+        "mean" => format!("{:.3}", mean(&row["noise"])),
+        "median" => format!("{:.3}", number(&row["ATE median [m]"])),
+        _ => panic!("{quantity}: no such quantity"),
+    }
+}
+
+/// Of the open loop; recordings that are not the paper's have raw windows, and their rows are JSON.
+fn open_loop(sensor: &str, base: &str, quantity: &str) -> String {
+    let rows: Vec<Record> = if base == "raw" {
+        let text = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+        let row = |row: &Value| {
+            let columns = [
+                ("estimator", "estimator"),
+                ("sensor", "sensor"),
+                ("base", "base"),
+                ("test RMSE", "rmse"),
+                ("bound", "crb"),
+                ("training seeds", "seeds"),
+            ];
+            columns.map(|(column, field)| (column.to_owned(), text(&row[field]))).into()
+        };
+        json("open_loop").as_array().unwrap().iter().map(row).collect()
+    } else {
+        table("open_loop")
+    };
+    let rows: Vec<Record> =
+        rows.into_iter().filter(|row| row["sensor"] == sensor && row["base"] == base).collect();
+    let digits = if sensor == "accel" { 4 } else { 5 };
+    let network = rows.iter().find(|row| row["estimator"] == "pronet").expect("the network's row");
+    let of = |row: &Record, column: &str| format!("{:.digits$}", number(&row[column]));
+    let other = |place: usize| {
+        // The best simple estimator stands before the best regressor.
+        let row = rows.iter().filter(|row| row["training seeds"] == "0").nth(place).unwrap();
+        format!("{} `{}`", of(row, "test RMSE"), row["estimator"])
+    };
+    match quantity {
+        "rmse" => of(network, "test RMSE"),
+        "bound" => of(network, "bound"),
+        "spread" => of(network, "spread over seeds"),
+        "seeds" => network["training seeds"].clone(),
+        "simple" => other(0),
+        "regressor" => other(1),
+        _ => panic!("{quantity}: no such quantity"),
+    }
+}
+
+fn of_fleet(noise: &str, quantity: &str) -> String {
+    let fleet = json("fleet");
+    let line = if noise == "single" { &fleet["single"] } else { named(&fleet["noises"], "noise", noise) };
+    let get = |value: &Value| value.as_f64().unwrap_or_else(|| panic!("{noise}: no {quantity}"));
+    let (score, worst) = (&line["score"], &line["worst"][1]);
+    let comparison = &line["comparison"];
+    let ratio = || {
+        [&comparison["ratio"], &comparison["ratio_interval"][0], &comparison["ratio_interval"][1]].map(get)
+    };
+    match quantity {
+        "score" => format!("{:.2}", get(score)),
+        "worst" => format!("{:.2}", get(worst)),
+        "less" => percent(1.0 - get(score)),
+        "more" => percent(get(worst) - 1.0),
+        "less-than-single" => percent(1.0 - ratio()[0]),
+        "ratio" => with_interval(ratio()),
+        "better" => format!("{} of {}", comparison["better"], comparison["sequences"]),
+        _ => panic!("{quantity}: no such quantity"),
+    }
+}
+
+fn of_platform(platform: &str, noise: &str, quantity: &str) -> String {
+    let fleet = json("fleet");
+    let platform = named(&fleet["platforms"], "name", platform);
+    let best = platform["best"].as_str().unwrap();
+    let line = named(&platform["noises"], "noise", if noise == "best" { best } else { noise });
+    let ate = metres(line["ate"].as_f64().unwrap());
+    match quantity {
+        "ate" if noise == "best" => format!("{ate} ({best})"),
+        "ate" => ate,
+        "score" => format!("{:.2}", line["score"].as_f64().unwrap()),
+        _ => panic!("{quantity}: no such quantity"),
+    }
 }
 
 /// What a key stands for.
 fn value(key: &str) -> String {
     let parts: Vec<&str> = key.split('/').collect();
     match parts[..] {
-        ["study", noise, quantity] => {
-            let row = row("study", &[("noise", noise)]);
-            match quantity {
-                "mean" => {
-                    let sides = table("split");
-                    let count = |side: &str| {
-                        sides
-                            .iter()
-                            .filter(|row| row["side"] == side && !row["sequence"].starts_with("all"))
-                            .count() as f64
-                    };
-                    let (train, test) = (count("train"), count("test"));
-                    let sum = train * number(&row["mean train [m]"]) + test * number(&row["mean test [m]"]);
-                    format!("{:.3}", sum / (train + test))
-                }
-                "ratio" => with_interval(&row["ratio to best constant (95 %)"]),
-                "better" => row["better in"].clone(),
-                "p" => probability(number(&row["p (Holm)"])),
-                _ => panic!("{key}: no such quantity"),
-            }
+        ["headline"] => headline(),
+        ["study", noise, quantity] => compared(
+            &row("study", &[("noise", noise)]),
+            "ratio to best constant (95 %)",
+            "p (Holm)",
+            quantity,
+        ),
+        ["pairs", noise, against, quantity] => {
+            compared(&row("pairs", &[("noise", noise), ("against", against)]), "ratio (95 %)", "p", quantity)
+        }
+        [course @ ("step" | "ramp" | "one-axis" | "tone" | "bias-jump"), noise, quantity] => {
+            let row = row("injected", &[("noise", noise), ("course", course)]);
+            compared(&row, "ratio to best constant (95 %)", "p (Holm)", quantity)
+        }
+        ["open", sensor, base, quantity] => open_loop(sensor, base, quantity),
+        ["fleet", noise, quantity] => of_fleet(noise, quantity),
+        ["fleet", platform, noise, quantity] => of_platform(platform, noise, quantity),
+        ["bench", name, unit] => {
+            let ms = json("benches")[name]["median_ms"].as_f64().unwrap_or_else(|| panic!("no bench {name}"));
+            let value = if unit == "us" { 1e3 * ms } else { ms };
+            format!("{} {unit}", two_digits(value))
         }
         _ => panic!("{key}: no such number"),
     }
 }
 
-/// The text with every marked number as the tables have it.
+/// The text with every marked number as the results have it.
 fn filled(text: &str) -> String {
     let mut parts = text.split(BEGIN);
     let mut made = parts.next().unwrap_or_default().to_owned();
@@ -100,10 +261,18 @@ fn filled(text: &str) -> String {
     made
 }
 
+/// The text without marks.
+pub(crate) fn plain(text: &str) -> String {
+    let parts = text.split("<!-- ").enumerate();
+    parts
+        .map(|(i, part)| if i == 0 { part } else { part.split_once(CLOSE).map_or("", |(_, rest)| rest) })
+        .collect()
+}
+
 #[test]
-fn marked_numbers_are_those_of_the_study() {
+fn marked_numbers_are_those_of_the_results() {
     let mut stale = Vec::new();
-    for page in crate::prose::pages() {
+    for page in crate::prose::pages().into_iter().chain([crate::targets::SOURCE.to_owned()]) {
         let text = read(&page);
         let made = filled(&text);
         if made != text && std::env::var_os("DPN_BLESS").is_some() {
@@ -113,10 +282,37 @@ fn marked_numbers_are_those_of_the_study() {
         let pairs = text.lines().zip(made.lines()).filter(|(is, should)| is != should);
         stale.extend(pairs.map(|(is, should)| format!("{page}: {is}\n  should be {should}")));
     }
-    assert!(stale.is_empty(), "DPN_BLESS=1 cargo test -p dpn-book writes them anew\n{}", stale.join("\n"));
+    assert!(stale.is_empty(), "`cargo xtask book` writes them anew\n{}", stale.join("\n"));
+}
+
+#[test]
+fn readme_book_targets_and_the_study_begin_with_one_answer() {
+    for path in ["README.md", "docs/src/index.md", "docs/src/does-it-help.md", crate::targets::SOURCE] {
+        assert!(read(path).contains("<!-- n:headline -->"), "{path} has no headline");
+    }
+    let [ours, paper] = gains().map(percent);
+    let [x1, dualpronet] = ["x1", "dualpronet"].map(mean);
+    let [ratio, low, high] =
+        with_ends(&row("study", &[("noise", "dualpronet")])["ratio to best constant (95 %)"]);
+    let path = "figures/euroc/index.html";
+    let study = read(path).split_whitespace().collect::<Vec<_>>().join(" ").replace("&#39;", "'");
+    for said in [
+        format!(
+            "mean error over 11 sequences is {dualpronet:.3} m, {ours} below that of the usual constants (x1, {x1:.3} m)"
+        ),
+        format!("In the paper's table it is {paper} below."),
+        format!("sequence by sequence its error is {ratio:.2} times as large ({low:.2} to {high:.2})"),
+    ] {
+        assert!(study.contains(&said), "{path} does not say: {said}");
+    }
 }
 
 #[test]
 fn a_probability_has_two_digits() {
     assert_eq!([1.0, 0.389, 0.0566, 0.0322].map(probability), ["1", "0.39", "0.057", "0.032"]);
+}
+
+#[test]
+fn a_text_without_marks_keeps_its_words() {
+    assert_eq!(plain("a <!-- n:x/y -->0.1<!-- /n --> b"), "a 0.1 b");
 }

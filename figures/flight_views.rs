@@ -55,7 +55,7 @@ pub fn top_view(recording: &Recording, run: &JudgedRun) -> Result<TopView, Figur
     TopView::new(format!("{}, noise {}", row.sequence, row.noise), truth, estimate, caption)
 }
 
-/// The run over time: tracks, parallax, noise told, biases, residuals.
+/// The run over time: tracks, parallax, noise given, biases, residuals.
 ///
 /// # Errors
 /// A run without frames.
@@ -104,7 +104,7 @@ pub fn timeline(run: &JudgedRun) -> Result<Timeline, FigureError> {
         panel("gyroscope noise in force [rad/s]", true, noise(Sensor::Gyro)),
         // Without levels that are learned it has no points, and is left out.
         panel(
-            "learned, times what is told",
+            "estimated, times what is given",
             true,
             vec![
                 line("accelerometer's walk", level(&|l| l.accel_walk)),

@@ -12,7 +12,6 @@
 mod album;
 mod allan_plot;
 mod axis;
-mod diagram;
 mod error;
 mod error_band;
 mod flight;
@@ -41,7 +40,6 @@ mod trajectories;
 
 pub use album::{Album, AlbumError};
 pub use allan_plot::AllanPlot;
-pub use diagram::{Arrow, Block, BlockKind, Diagram};
 pub use error::FigureError;
 pub use error_band::{ErrorBand, ErrorColumn};
 pub use flight::{Flight, Phase};

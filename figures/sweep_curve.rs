@@ -1,4 +1,4 @@
-//! Error against the constant told, both logarithmic: the sweep with its intervals, and other noises as marks at the level they say.
+//! Error against the constant given, both logarithmic: the sweep with its intervals, and other noises as marks at the level they say.
 
 use super::axis::Axis;
 use super::error::{FigureError, check_count, check_each};
@@ -74,7 +74,7 @@ impl SweepCurve {
         legend.extend(legend::marked(marks.iter().map(|mark| mark.name.as_str())));
         Ok(Self {
             x: Axis::log(
-                "noise told, in multiples of the baseline (.08 m/s², .004 rad/s)".into(),
+                "noise given, in multiples of the baseline (.08 m/s², .004 rad/s)".into(),
                 left / 1.25,
                 right * 1.25,
             ),

@@ -1,66 +1,91 @@
 //! What the tables say, in sentences: each is a number with what it is compared to.
 
 use super::error::PaperError;
-use super::injected::CourseStudy;
 use super::input::Input;
 use super::specs;
 use dpn_core::estimate::NoiseSpec;
-use dpn_eval::injected::Course;
 use dpn_eval::published::PublishedAte;
 use dpn_eval::study::{Comparison, RowSet, Study, compare};
 use std::fmt::Write as _;
 
-/// All of them, in the order of the page.
-pub(super) fn findings(
-    input: &Input,
-    rows: &RowSet<'_>,
-    study: &Study,
-    courses: &[(Course, CourseStudy)],
-) -> Result<Vec<String>, PaperError> {
+/// A noise against another that is not the study's reference, not corrected for other comparisons.
+#[derive(Debug)]
+pub(super) struct Pair {
+    pub(super) noise: NoiseSpec,
+    pub(super) against: NoiseSpec,
+    pub(super) comparison: Comparison,
+}
+
+/// The paper's networks against the usual constants; then the controls of what says a noise, against itself. As far as they were run.
+pub(super) fn pairs(rows: &RowSet<'_>, margin: f64) -> Result<Vec<Pair>, PaperError> {
+    let controls = [specs::DUALPRONET, specs::LEARNED].map(specs::noise).into_iter().flat_map(|of| {
+        let own = || Box::new(of.clone());
+        [(NoiseSpec::Mean(own()), of.clone()), (NoiseSpec::Shuffled(own()), of)]
+    });
+    let [x1, dualpronet] = specs::noises([specs::BASELINE, specs::DUALPRONET]);
     let mut found = Vec::new();
-    found.extend(against_baseline(input, rows, study)?);
-    found.extend(against_reference(study, specs::DUALPRONET, "Against"));
-    found.extend(controls(rows, study, specs::DUALPRONET)?);
-    found.extend(against_reference(
-        study,
-        specs::LEARNED,
-        "The noise that the odometry learns while it runs: against",
-    ));
-    found.extend(controls(rows, study, specs::LEARNED)?);
-    for (_, course) in courses.iter().filter(|(course, _)| *course == Course::Step) {
-        found.extend(added_noise(course));
+    for (noise, against) in std::iter::once((dualpronet, x1)).chain(controls) {
+        if let Some(comparison) = compare(rows, &noise, &against, margin)? {
+            found.push(Pair { noise, against, comparison });
+        }
     }
-    found.extend(input.notes_of_runs());
     Ok(found)
 }
 
+/// All of them, in the order of the page; `step` is of noise that is added in known steps.
+pub(super) fn findings(input: &Input, study: &Study, pairs: &[Pair], step: Option<&Study>) -> Vec<String> {
+    let [dualpronet, learned] = specs::noises([specs::DUALPRONET, specs::LEARNED]);
+    let mut found: Vec<String> = against_baseline(input, study, pairs).into_iter().collect();
+    found.extend(against_reference(study, &dualpronet, "Against"));
+    found.extend(controls(pairs, &dualpronet));
+    let against = "The noise that the odometry estimates while it runs: against";
+    found.extend(against_reference(study, &learned, against));
+    found.extend(controls(pairs, &learned));
+    if let Some(step) = step {
+        let oracle = specs::noise(specs::ORACLE);
+        for (who, noise) in [("the true noise", Some(&oracle)), ("the best network", best_network(step))] {
+            let against = format!("Where white noise goes up and down by a known factor, {who}: against");
+            found.extend(noise.and_then(|noise| against_reference(step, noise, &against)));
+        }
+    }
+    found.extend(input.notes_of_runs());
+    found
+}
+
+/// The network with the lowest ratio to the reference.
+pub(super) fn best_network(study: &Study) -> Option<&NoiseSpec> {
+    let networks = study.noises.iter().filter(|line| specs::is_network(&line.noise));
+    let ratios = networks.filter_map(|line| Some((line.comparison.as_ref()?.ratio, &line.noise)));
+    ratios.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, noise)| noise)
+}
+
 /// DualProNet against the usual constants, with the paper's own figure where the sequences are its.
-fn against_baseline(input: &Input, rows: &RowSet<'_>, study: &Study) -> Result<Option<String>, PaperError> {
+fn against_baseline(input: &Input, study: &Study, pairs: &[Pair]) -> Option<String> {
     let [x1, dualpronet] = specs::noises([specs::BASELINE, specs::DUALPRONET]);
     let mean = |noise: &NoiseSpec| study.of(noise).and_then(|line| line.means[0]);
-    let Some((baseline, ours)) = mean(&x1).zip(mean(&dualpronet)) else { return Ok(None) };
+    let (baseline, ours) = mean(&x1).zip(mean(&dualpronet))?;
+    let sequences = match input.places.len() {
+        1 => "one sequence".to_owned(),
+        count => format!("{count} sequences"),
+    };
     let mut text = format!(
-        "DualProNet's mean error over {} is {ours:.3} m, {} that of the usual constants (x1, {baseline:.3} m)",
-        sequences(input.places.len()),
+        "DualProNet's mean error over {sequences} is {ours:.3} m, {} that of the usual constants (x1, {baseline:.3} m)",
         beside(ours / baseline),
     );
-    if let Some(comparison) = compare(rows, &dualpronet, &x1, study.margin)? {
-        let _ = write!(text, "; {}", ratio(&comparison));
-        if let Some(p) = comparison.p {
-            let _ = write!(text, ", p {p:.3}");
-        }
+    if let Some(pair) = pairs.iter().find(|pair| pair.against == x1) {
+        let _ = write!(text, "; {}{}", ratio(&pair.comparison), p(&pair.comparison, 3));
     }
     let paper = PublishedAte::paper();
     if let (true, Some((x1, theirs))) = (input.is_papers(), paper.mean(&x1).zip(paper.mean(&dualpronet))) {
         let _ = write!(text, ". In the paper's table it is {}", beside(theirs / x1));
     }
-    Ok(Some(text + "."))
+    Some(text + ".")
 }
 
 /// A noise against the constant that every noise is compared with; the sentence begins with `against`.
-fn against_reference(study: &Study, noise: &str, against: &str) -> Option<String> {
+fn against_reference(study: &Study, noise: &NoiseSpec, against: &str) -> Option<String> {
     let reference = study.reference.as_ref()?;
-    let comparison = study.of(&specs::noise(noise))?.comparison.as_ref()?;
+    let comparison = study.of(noise)?.comparison.as_ref()?;
     let mut text = format!("{against} {}", reference.words());
     if let Some(mean) = study.of(&reference.noise).and_then(|line| line.means[0]) {
         let _ = write!(text, " ({mean:.3} m)");
@@ -73,65 +98,26 @@ fn against_reference(study: &Study, noise: &str, against: &str) -> Option<String
         let equal = if p < 0.05 { "equal" } else { "not shown to be equal" };
         let _ = write!(text, "; {equal} within {:.0} % (p {p:.2})", 100.0 * study.margin);
     }
+    if reference.at_edge {
+        let _ = write!(text, "; {} is the end of that sweep, and one beyond may be better", reference.noise);
+    }
     Some(text + ".")
 }
 
 /// A noise's controls against itself.
-fn controls(rows: &RowSet<'_>, study: &Study, noise: &str) -> Result<Vec<String>, PaperError> {
-    let noise = specs::noise(noise);
-    let of = || Box::new(noise.clone());
-    let mut found = Vec::new();
-    for (control, words) in [
-        (
-            NoiseSpec::Mean(of()),
-            "its own mean over each sequence, one constant, instead of its values in time",
-        ),
-        (NoiseSpec::Shuffled(of()), "its values at the wrong times"),
-    ] {
-        if let Some(comparison) = compare(rows, &control, &noise, study.margin)? {
-            let p = comparison.p.map_or(String::new(), |p| format!(", p {p:.2}"));
-            // What else was learned is not told: a control is of the samples' noise.
-            let rest = if noise.is_learned() { ", pixels and walks being as configured" } else { "" };
-            found.push(format!("Told {words}{rest}: {}{p}.", ratio(&comparison)));
-        }
-    }
-    Ok(found)
-}
-
-/// What an oracle gains where the noise is known, and how much of that networks do.
-fn added_noise(course: &CourseStudy) -> Vec<String> {
-    let (Some(reference), Some(gap)) = (&course.reference, course.gap[0]) else { return Vec::new() };
-    let mut text = format!(
-        "Where white noise goes up and down by a known factor ({}), an oracle's median error is {} that of {}",
-        sequences(course.sequences[0]),
-        beside(1.0 - gap),
-        reference.short(),
-    );
-    if reference.at_edge {
-        let best = specs::name(&reference.noise);
-        let _ = write!(
-            text,
-            "; {best} is the end of that sweep, so a constant beyond it may be better, and the gap smaller"
-        );
-    }
-    let mut found = vec![text + "."];
-    let networks = course.noises.iter().filter(|worth| specs::is_network(&worth.noise));
-    let best = networks.filter_map(|w| Some((w.closed[0]?, w))).max_by(|a, b| a.0.total_cmp(&b.0));
-    if let Some((share, worth)) = best.filter(|_| gap >= 0.05) {
-        let mut text = format!("Of that gap {} closes {:.0} %", specs::name(&worth.noise), 100.0 * share);
-        if let Some(comparison) = &worth.comparison {
-            let _ = write!(text, "; against {}, {}", reference.kind(), ratio(comparison));
-            if let Some(p) = comparison.p_holm {
-                let _ = write!(text, ", p {p:.2} after Holm's correction");
+fn controls(pairs: &[Pair], noise: &NoiseSpec) -> impl Iterator<Item = String> {
+    // What else was estimated is not given: a control is of the samples' noise.
+    let rest = if noise.is_learned() { ", pixels and walks being as configured" } else { "" };
+    pairs.iter().filter(move |pair| pair.against == *noise).filter_map(move |pair| {
+        let words = match pair.noise {
+            NoiseSpec::Mean(_) => {
+                "its own mean over each sequence, one constant, instead of its values in time"
             }
-        }
-        found.push(text + ".");
-    }
-    found
-}
-
-fn sequences(count: usize) -> String {
-    if count == 1 { "one sequence".into() } else { format!("{count} sequences") }
+            NoiseSpec::Shuffled(_) => "its values at the wrong times",
+            _ => return None,
+        };
+        Some(format!("Given {words}{rest}: {}{}.", ratio(&pair.comparison), p(&pair.comparison, 2)))
+    })
 }
 
 /// How one error stands beside another, of which it is this share.
@@ -147,4 +133,9 @@ fn ratio(comparison: &Comparison) -> String {
         "sequence by sequence its error is {ratio:.2} times as large ({low:.2} to {high:.2}), smaller in {} of {}",
         comparison.better, comparison.sequences
     )
+}
+
+/// The p of a comparison that was tested.
+fn p(comparison: &Comparison, digits: usize) -> String {
+    comparison.p.map_or(String::new(), |p| format!(", p {p:.digits$}"))
 }

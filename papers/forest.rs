@@ -1,7 +1,6 @@
 //! Noises against one constant as a strip each: the ratio of errors with its interval, on one logarithmic scale. Drawn by the page itself, so
 //! that names stay text and no letter is smaller than the page's.
 
-use super::injected::CourseStudy;
 use super::specs;
 use dpn_core::estimate::NoiseSpec;
 use dpn_eval::study::{Comparison, Study};
@@ -52,8 +51,8 @@ impl Forest {
     }
 
     /// The same where noise was added: all of them, constants last.
-    pub(super) fn of_course(study: &CourseStudy) -> Option<Self> {
-        let all = study.noises.iter().filter_map(|worth| Some((&worth.noise, worth.comparison.as_ref()?)));
+    pub(super) fn of_course(study: &Study) -> Option<Self> {
+        let all = study.noises.iter().filter_map(|line| Some((&line.noise, line.comparison.as_ref()?)));
         let (constants, others): (Vec<_>, Vec<_>) = all.partition(|(noise, _)| noise.is_constant());
         Self::new(&study.reference.as_ref()?.noise, others.into_iter().chain(constants))
     }

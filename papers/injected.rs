@@ -1,8 +1,7 @@
-//! What the experiment with injected noise says: how models follow, and what following is worth.
+//! How models follow a change of the noise.
 
 use super::cache::cached;
 use super::error::{PaperError, stopped};
-use super::specs;
 use dpn_core::Sensor;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::random::Stream;
@@ -10,10 +9,7 @@ use dpn_core::signal::stats::median_of;
 use dpn_eval::closed_loop::SequenceSet;
 use dpn_eval::injected::{Course, Injection, StepResponse, step_response};
 use dpn_eval::noise::{Fresh, Recorded};
-use dpn_eval::stats::StatsError;
-use dpn_eval::study::{Comparison, Criterion, Reference, RowSet, compare, correct_for_count};
 use dpn_pronet::network::Network;
-use dpn_train::split::Side;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -110,90 +106,4 @@ pub(super) fn responses(
         }
     }
     Ok(found)
-}
-
-/// What a noise is worth where the noise is known.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub(super) struct NoiseWorth {
-    pub(super) noise: NoiseSpec,
-    /// Median over sequences of the error \[m\]: all, training, test.
-    pub(super) ate: [Option<f64>; 3],
-    /// Share of the way from the reference to the oracle: all, training, test.
-    pub(super) closed: [Option<f64>; 3],
-    pub(super) failures: usize,
-    /// Against the reference, sequence by sequence.
-    pub(super) comparison: Option<Comparison>,
-}
-
-/// Every noise of one course.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub(super) struct CourseStudy {
-    /// The best constant on training sequences by the median, which is reported.
-    pub(super) reference: Option<Reference>,
-    /// Sequences: all, training, test.
-    pub(super) sequences: [usize; 3],
-    /// How far the oracle lies below the reference, as a share of it: all, training, test.
-    pub(super) gap: [Option<f64>; 3],
-    pub(super) noises: Vec<NoiseWorth>,
-}
-
-const SIDES: [Option<Side>; 3] = [None, Some(Side::Train), Some(Side::Test)];
-
-impl CourseStudy {
-    /// Of the rows of one course; `margin` as for [`compare`].
-    pub(super) fn new(rows: &RowSet<'_>, margin: f64) -> Result<Self, StatsError> {
-        let medians = |noise: &NoiseSpec| SIDES.map(|side| rows.median(noise, side));
-        let reference = rows.reference(Criterion::Median);
-        let best = reference.as_ref().map(|reference| &reference.noise);
-        let (best_ate, oracle_ate) = (best.map_or([None; 3], medians), medians(&specs::noise(specs::ORACLE)));
-        let mut noises = Vec::new();
-        for noise in rows.noises() {
-            let comparison = match best.filter(|best| best != noise) {
-                Some(best) => compare(rows, noise, best, margin)?,
-                None => None,
-            };
-            let ate = medians(noise);
-            let closed = [0, 1, 2].map(|i| {
-                let (best, oracle) = (best_ate[i]?, oracle_ate[i]?);
-                (best > oracle).then_some((best - ate[i]?) / (best - oracle))
-            });
-            let failures = rows.of(noise).filter(|r| r.failure.is_some()).count();
-            noises.push(NoiseWorth { noise: (*noise).clone(), ate, closed, failures, comparison });
-        }
-        correct_for_count(noises.iter_mut().filter_map(|worth| worth.comparison.as_mut()))?;
-        let gap = [0, 1, 2].map(|i| Some(1.0 - oracle_ate[i]? / best_ate[i]?));
-        Ok(Self { reference, sequences: SIDES.map(|side| rows.count(side)), gap, noises })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use dpn_eval::closed_loop::testing::row;
-
-    #[test]
-    fn the_gap_and_what_is_closed_of_it() {
-        let mut rows = Vec::new();
-        for (name, side) in [("a", Side::Train), ("b", Side::Train), ("c", Side::Test), ("d", Side::Test)] {
-            for (noise, ate) in [
-                ("x4", 0.4),
-                ("x8", if side == Side::Test { 0.1 } else { 0.5 }),
-                ("oracle", 0.2),
-                ("diff2", 0.25),
-            ] {
-                let mut row = row(name, noise, 0, Some(ate));
-                row.split = side;
-                rows.push(row);
-            }
-        }
-        let value = CourseStudy::new(&RowSet::new(&rows), 0.1).unwrap();
-        assert_eq!(value.sequences, [4, 2, 2]);
-        let reference = value.reference.unwrap();
-        assert!(reference.at_edge && reference.noise == specs::noise("x4"));
-        assert_eq!(value.gap, [Some(0.5); 3]);
-        let worth = |noise: &str| value.noises.iter().find(|w| w.noise == specs::noise(noise)).unwrap();
-        assert!((worth("diff2").closed[0].unwrap() - 0.75).abs() < 1e-12);
-        assert!((worth("oracle").closed[2].unwrap() - 1.0).abs() < 1e-12);
-        assert!(worth("x4").closed[1].unwrap().abs() < 1e-12);
-    }
 }

@@ -4,7 +4,7 @@
 //! what is it. One file without anything from elsewhere; its script sorts tables and enlarges pictures, and nothing is missing without it.
 
 use super::forest::Forest;
-use super::injected::{CourseStudy, Response};
+use super::injected::Response;
 use super::input::Input;
 use super::specs;
 use super::verdict::Verdict;
@@ -48,7 +48,7 @@ impl Picture {
 pub(super) struct Page<'a> {
     pub(super) input: &'a Input,
     pub(super) verdict: &'a Verdict,
-    /// The study's noises and those told under added noise, against their best constants.
+    /// The study's noises and those given under added noise, against their best constants.
     pub(super) forest: Option<Forest>,
     pub(super) added: Option<Forest>,
     /// What is called otherwise than it is written: name and spec.
@@ -79,11 +79,11 @@ impl Page<'_> {
 /// Every noise that is called otherwise than it is written: name and spec.
 pub(super) fn called(
     study: &Study,
-    courses: &[(Course, CourseStudy)],
+    courses: &[(Course, Study)],
     responses: &[Response],
 ) -> Vec<(String, String)> {
     let of_study = study.noises.iter().map(|line| &line.noise);
-    let of_courses = courses.iter().flat_map(|(_, of)| &of.noises).map(|worth| &worth.noise);
+    let of_courses = courses.iter().flat_map(|(_, of)| &of.noises).map(|line| &line.noise);
     let all = of_study.chain(of_courses).chain(responses.iter().map(|response| &response.noise));
     let mut names: Vec<(String, String)> = Vec::new();
     for noise in all {

@@ -2,10 +2,10 @@
 
 use super::drawings;
 use super::error::PaperError;
-use super::findings::findings;
+use super::findings::{findings, pairs};
 use super::forest::Forest;
 use super::id::{id, json};
-use super::injected::{CourseStudy, Response};
+use super::injected::Response;
 use super::page::{Page, Picture, Readme, called};
 use super::paper::Paper;
 use super::results::StageResult;
@@ -19,7 +19,7 @@ use dpn_core::estimate::NoiseSpec;
 use dpn_core::progress::Progress;
 use dpn_eval::closed_loop::{ImageSource, Recording, Row, TrackSource};
 use dpn_eval::injected::Course;
-use dpn_eval::study::{RowSet, Study};
+use dpn_eval::study::{Criterion, RowSet, Study};
 use dpn_figures::{Plot, Provenance, Sourced, save};
 use dpn_io::{IoError, atomic_write};
 use dpn_pronet::network::Network;
@@ -180,11 +180,14 @@ impl Paper<'_> {
         let margin = self.plan.margin;
         let rows = RowSet::new(&results.closed.value);
         let study = Study::new(&rows, margin)?;
-        let courses: Vec<(Course, CourseStudy)> = results
-            .injected
-            .iter()
-            .map(|(course, made)| Ok((*course, CourseStudy::new(&RowSet::new(&made.value), margin)?)))
-            .collect::<Result<_, PaperError>>()?;
+        let mut courses = Vec::new();
+        for (course, made) in &results.injected {
+            let rows = RowSet::new(&made.value);
+            let best = rows.reference(Criterion::Median);
+            courses.push((*course, Study::against(&rows, best, margin)?));
+        }
+        let step = courses.iter().find(|(course, _)| *course == Course::Step).map(|(_, study)| study);
+        let pairs = pairs(&rows, margin)?;
         let program = match self.measured_by {
             Some(measured) => format!("{}, of runs by {measured}", self.program),
             None => self.program.clone(),
@@ -194,13 +197,16 @@ impl Paper<'_> {
         let (open, closed) = (results.open.run.as_str(), results.closed.run.as_str());
         let input = self.input;
         let noise = &self.plan.injected.noise;
+        let networks: Vec<&Network> = Sensor::ALL.into_iter().filter_map(|s| self.network(s)).collect();
         let tables = vec![
             tables::split(input, made_by.of(&[closed])),
             tables::open_loop(input, &results.open.value, made_by.of(&[open])),
             tables::closed_loop(input, &rows, made_by.of(&[closed])),
             tables::study(input, &study, made_by.of(&[closed])),
-            tables::value(input, &courses, noise, made_by.of(&injected_runs)),
+            tables::pairs(&pairs, made_by.of(&[closed])),
+            tables::courses(input, &courses, noise, made_by.of(&injected_runs)),
             tables::responses(input, &results.responses.value, noise, made_by.of(&[&results.responses.run])),
+            tables::networks(&networks, made_by.of(&[closed])),
             tables::timing(&study, &results.times.value, made_by.of(&[closed, &results.times.run])),
         ];
         let mut names: Vec<String> = Vec::new();
@@ -208,20 +214,15 @@ impl Paper<'_> {
             table.save(&self.out.join("tables"))?;
             names.extend(["md", "csv", "tex"].map(|ending| format!("tables/{}.{ending}", table.name)));
         }
-        let pictures = self.draw(results, &study, &made_by, progress)?;
-        for picture in &pictures {
-            names.extend(["svg", "png", "csv"].map(|ending| format!("{}.{ending}", picture.name)));
-        }
-        let verdict = Verdict::new(input, self.camera, &study, &courses);
-        let findings = findings(input, &rows, &study, &courses)?;
+        let (pictures, drawn) = self.draw(results, &study, &made_by, progress)?;
+        names.extend(drawn);
+        let verdict = Verdict::new(input, self.camera, &study, step);
+        let findings = findings(input, &study, &pairs, step);
         let page = Page {
             input,
             verdict: &verdict,
             forest: Forest::of_study(&study),
-            added: courses
-                .iter()
-                .find(|(course, _)| *course == Course::Step)
-                .and_then(|(_, of)| Forest::of_course(of)),
+            added: step.and_then(Forest::of_course),
             names: called(&study, &courses, &results.responses.value),
             findings: &findings,
             tables: &tables,
@@ -261,10 +262,11 @@ impl Paper<'_> {
         study: &Study,
         made_by: &Provenance,
         progress: &mut dyn Progress,
-    ) -> Result<Vec<Picture>, PaperError> {
-        const COUNT: u64 = 14;
+    ) -> Result<(Vec<Picture>, Vec<String>), PaperError> {
+        const COUNT: u64 = 13;
         progress.start("figures", COUNT);
-        let mut figures = FigureWriter { out: self.out, made_by, pictures: Vec::new(), progress };
+        let mut figures =
+            FigureWriter { out: self.out, made_by, pictures: Vec::new(), files: Vec::new(), progress };
         let (accel, gyro) = (self.network(Sensor::Accel), self.network(Sensor::Gyro));
         let closed = results.closed.run.as_str();
         let tracks = self.input.source.tracks();
@@ -279,27 +281,16 @@ impl Paper<'_> {
             TrackSource::Simulated(_) | TrackSource::File(_) => self.estimator.fed_tracks,
         };
         let estimator = EstimatorConfig { fed_tracks, ..self.estimator.clone() };
-        figures.add(
-            "architecture_odometry",
-            "The odometry with DualProNet",
-            &[closed],
-            &drawings::odometry(&estimator, accel.zip(gyro), &camera)?,
-        )?;
-        figures.add(
-            "architecture_window",
-            "The sliding window",
-            &[closed],
-            &drawings::window(&self.estimator)?,
-        )?;
-        let networks: Vec<&Network> = accel.into_iter().chain(gyro).collect();
-        if !networks.is_empty() {
-            figures.add(
-                "architecture_networks",
-                "The networks",
-                &[closed],
-                &drawings::network(&networks)?,
-            )?;
-        }
+        let of_loop = made_by.of(&[closed]);
+        let odometry = drawings::OdometryDrawing {
+            estimator: &estimator,
+            networks: [accel, gyro],
+            camera: &camera,
+            made_by: &of_loop,
+        };
+        figures.add_drawing("architecture_odometry", "The odometry with DualProNet", closed, &odometry)?;
+        let window = drawings::WindowDrawing { estimator: &estimator, made_by: &of_loop };
+        figures.add_drawing("architecture_window", "The sliding window", closed, &window)?;
         let open = results.open.run.as_str();
         let figure = drawings::rmse(&results.open.value, &self.input.corpus.name)?;
         figures.add(
@@ -359,7 +350,7 @@ impl Paper<'_> {
         if drawings::has_curve(study) {
             let caption = medians(&RowSet::new(&results.closed.value));
             let figure = drawings::sweep(study, &caption)?;
-            figures.add("sweep", "Error against the constant told", &[closed], &figure)?;
+            figures.add("sweep", "Error against the constant given", &[closed], &figure)?;
         }
         if let Some((_, made)) = results.injected.iter().find(|(course, _)| *course == Course::Step) {
             let rows = RowSet::new(&made.value);
@@ -370,15 +361,15 @@ impl Paper<'_> {
                 let figure = drawings::injected_sweep(&study, &caption)?;
                 figures.add(
                     "injected_sweep",
-                    "Error against the constant told, under injected noise",
+                    "Error against the constant given, under injected noise",
                     &[&made.run],
                     &figure,
                 )?;
             }
         }
-        let pictures = figures.pictures;
+        let FigureWriter { pictures, files, .. } = figures;
         progress.finish(&format!("{} figures", pictures.len()));
-        Ok(pictures)
+        Ok((pictures, files))
     }
 
     /// The network that `dualpronet` stands for.
@@ -410,6 +401,8 @@ struct FigureWriter<'a> {
     out: &'a Path,
     made_by: &'a Provenance,
     pictures: Vec<Picture>,
+    /// What was written.
+    files: Vec<String>,
     progress: &'a mut dyn Progress,
 }
 
@@ -422,14 +415,33 @@ impl FigureWriter<'_> {
         plot: &(impl Plot + Clone),
     ) -> Result<(), PaperError> {
         let made_by = self.made_by.of(runs);
-        let path = self.out.join(name);
-        save(&Sourced::new(plot.clone(), made_by), &path)?;
+        save(&Sourced::new(plot.clone(), made_by), &self.out.join(name))?;
         let file = self.out.join(format!("{name}.svg"));
         let svg = std::fs::read_to_string(&file).map_err(|source| IoError::Read { path: file, source })?;
+        self.files.extend(["png", "csv"].map(|ending| format!("{name}.{ending}")));
+        self.added(name, title, runs, svg);
+        Ok(())
+    }
+
+    /// A drawing from a template, which is SVG alone.
+    fn add_drawing(
+        &mut self,
+        name: &'static str,
+        title: &str,
+        run: &str,
+        drawing: &impl askama::Template,
+    ) -> Result<(), PaperError> {
+        let svg = drawing.render().expect("a template that compiled writes to a string");
+        atomic_write(&self.out.join(format!("{name}.svg")), |out| out.write_all(svg.as_bytes()))?;
+        self.added(name, title, &[run], svg);
+        Ok(())
+    }
+
+    fn added(&mut self, name: &'static str, title: &str, runs: &[&str], svg: String) {
+        self.files.push(format!("{name}.svg"));
         let runs = runs.iter().map(|run| (*run).to_owned()).collect();
         self.pictures.push(Picture { name, title: title.to_owned(), runs, svg });
         self.progress.step(self.pictures.len() as u64, name);
-        Ok(())
     }
 }
 

@@ -79,7 +79,7 @@ pub(super) fn name(noise: &NoiseSpec) -> String {
         },
         NoiseSpec::DualProNet { accel, gyro } => format!("DualProNet {accel} and {gyro}"),
         NoiseSpec::File(path) => format!("track {}", path.display()),
-        NoiseSpec::Oracle => "oracle, told the truth".into(),
+        NoiseSpec::Oracle => "oracle, given the truth".into(),
         NoiseSpec::Shuffled(of) => format!("{}, at wrong times", name(of)),
         NoiseSpec::Mean(of) => format!("{}, its mean", name(of)),
         NoiseSpec::MeanOfTrain(of) => format!("{}, its mean in training", name(of)),

@@ -1,10 +1,10 @@
 //! The verdict in one sentence, from the numbers of the study; and what was measured, which is said before any number.
 
-use super::injected::CourseStudy;
+use super::findings::best_network;
 use super::input::Input;
 use super::specs;
+use dpn_core::estimate::NoiseSpec;
 use dpn_eval::closed_loop::{SequenceSet, TrackSource};
-use dpn_eval::injected::Course;
 use dpn_eval::study::{Choice, Comparison, Reference, Study};
 
 /// How a noise stands against the constant it is compared with, at .05 after Holm's correction.
@@ -74,79 +74,67 @@ pub(super) struct Verdict {
 }
 
 impl Verdict {
-    /// Of the study and of the courses of added noise; `camera` says why the odometry sees what it sees.
-    pub(super) fn new(input: &Input, camera: &str, study: &Study, courses: &[(Course, CourseStudy)]) -> Self {
-        let (kind, data) = measured(input, camera);
+    /// Of the study and of noise that is added in known steps; `camera` says why the odometry sees what it sees.
+    pub(super) fn new(input: &Input, camera: &str, study: &Study, step: Option<&Study>) -> Self {
+        let [dualpronet, learned] = specs::noises([specs::DUALPRONET, specs::LEARNED]);
+        let of = |study, noise| against(study, noise);
+        let clauses = [
+            ("given the network's noise", of(study, &dualpronet)),
+            ("with noise that it estimates while it runs", of(study, &learned)),
+            (
+                "where noise is added in known steps, given the best network's",
+                step.and_then(|step| of(step, best_network(step)?)),
+            ),
+        ];
+        let clauses: Vec<String> =
+            clauses.into_iter().filter_map(|(who, is)| Some(format!("{who} it is {}", is?))).collect();
         let on = match input.name.as_str() {
             "euroc" => "EuRoC",
             "simulated" => "simulated flights",
             _ => "these recordings",
         };
-        let step = courses.iter().find(|(course, _)| *course == Course::Step).map(|(_, study)| study);
-        let told = against(study, specs::DUALPRONET).map(|told| format!("told by the network: {told}"));
-        let learned = against(study, specs::LEARNED)
-            .map(|learned| format!("with noise learned while it runs: {learned}"));
-        let following = told.as_ref().and(step.and_then(following));
-        let clauses: Vec<String> = [told, learned, following].into_iter().flatten().collect();
         let sentence = if clauses.is_empty() {
             format!("On {on}, nothing was run that the network could be compared with.")
         } else {
-            format!("On {on}, {}.", clauses.join("; "))
+            format!("The odometry on {on}: {}.", clauses.join("; "))
         };
+        let (kind, recorded) = measured(input);
+        let data = format!("{recorded} The odometry sees {}: {camera}.", input.camera());
         Self { kind, data, sentence }
     }
 }
 
 /// What is recorded and what simulated.
-fn measured(input: &Input, camera: &str) -> (&'static str, String) {
-    let sees = input.camera();
+fn measured(input: &Input) -> (&'static str, String) {
     let count = input.places.len();
+    let of_imu = format!("The IMU of {count} sequences was recorded");
     match &input.source {
         SequenceSet::Flights { .. } => (
             "Simulated data",
             format!(
-                "Nothing on this page was recorded: {count} flights, their IMU and their camera are simulated. The odometry sees {sees}: {camera}."
+                "Nothing on this page was recorded: {count} flights, their IMU and their camera are simulated."
             ),
         ),
-        _ if input.source.camera_is_simulated() => (
-            "Recorded IMU, simulated camera",
-            format!(
-                "The IMU of {count} sequences was recorded; what the camera sees is simulated. The odometry sees {sees}: {camera}."
-            ),
-        ),
-        source if matches!(source.tracks(), TrackSource::File(_)) => (
-            "Recorded IMU, given tracks",
-            format!("The IMU of {count} sequences was recorded. The odometry sees {sees}: {camera}."),
-        ),
-        _ => (
-            "Recorded data",
-            format!("IMU and camera of {count} sequences were recorded. The odometry sees {sees}: {camera}."),
-        ),
+        _ if input.source.camera_is_simulated() => {
+            ("Recorded IMU, simulated camera", of_imu + "; what the camera sees is simulated.")
+        }
+        source if matches!(source.tracks(), TrackSource::File(_)) => {
+            ("Recorded IMU, given tracks", of_imu + ".")
+        }
+        _ => ("Recorded data", format!("IMU and camera of {count} sequences were recorded.")),
     }
 }
 
 /// A noise against the constant that every noise is compared with.
-fn against(study: &Study, noise: &str) -> Option<String> {
+fn against(study: &Study, noise: &NoiseSpec) -> Option<String> {
     let reference = study.reference.as_ref()?;
-    let comparison = study.of(&specs::noise(noise))?.comparison.as_ref()?;
-    Some(clause(comparison, reference))
-}
-
-/// The best network where noise is added in known steps, as long as there is a gap to close.
-fn following(step: &CourseStudy) -> Option<String> {
-    let reference = step.reference.as_ref()?;
-    step.gap[0].filter(|gap| *gap >= 0.05)?;
-    let networks = step.noises.iter().filter(|worth| specs::is_network(&worth.noise));
-    let best = networks.filter_map(|worth| Some((worth.closed[0]?, worth)));
-    let (_, worth) = best.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let clause = clause(worth.comparison.as_ref()?, reference);
-    Some(format!("where noise is added in known steps, the best network is {clause}"))
+    Some(clause(study.of(noise)?.comparison.as_ref()?, reference))
 }
 
 fn named(reference: &Reference) -> String {
     match reference.choice {
-        Choice::Training => format!("a constant of {}", reference.noise),
-        Choice::Baseline => format!("the usual constant {}", reference.noise),
+        Choice::Training => format!("with a constant of {}", reference.noise),
+        Choice::Baseline => format!("with the usual constant {}", reference.noise),
     }
 }
 
@@ -172,21 +160,24 @@ mod tests {
                 rows.push(row);
             }
         }
-        against(&Study::new(&RowSet::new(&rows), MARGIN).unwrap(), specs::DUALPRONET)
+        against(&Study::new(&RowSet::new(&rows), MARGIN).unwrap(), &specs::noise(specs::DUALPRONET))
     }
 
     #[test]
     fn the_sentence_says_what_the_tests_show_and_no_more() {
         for (factor, swing, sequences, expected) in [
-            (0.7, 0.0, 12, "better than a constant of x2"),
-            (1.5, 0.0, 12, "worse than a constant of x2"),
-            (1.0, 0.01, 12, "as good as a constant of x2"),
-            (1.05, 0.4, 12, "not shown to be better than a constant of x2"),
-            (1.12, 0.25, 12, "no better than a constant of x2"),
-            (0.7, 0.0, 4, "better in 4 of 4 sequences, too few to test, than a constant of x2"),
+            (0.7, 0.0, 12, "better than with a constant of x2"),
+            (1.5, 0.0, 12, "worse than with a constant of x2"),
+            (1.0, 0.01, 12, "as good as with a constant of x2"),
+            (1.05, 0.4, 12, "not shown to be better than with a constant of x2"),
+            (1.12, 0.25, 12, "no better than with a constant of x2"),
+            (0.7, 0.0, 4, "better in 4 of 4 sequences, too few to test, than with a constant of x2"),
         ] {
             assert_eq!(sentence(factor, swing, sequences).as_deref(), Some(expected), "{factor} {swing}");
         }
-        assert_eq!(against(&Study::new(&RowSet::new(&[]), MARGIN).unwrap(), specs::LEARNED), None);
+        assert_eq!(
+            against(&Study::new(&RowSet::new(&[]), MARGIN).unwrap(), &specs::noise(specs::LEARNED)),
+            None
+        );
     }
 }

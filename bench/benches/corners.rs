@@ -18,6 +18,7 @@ fn main() {
             mask.reset(image.width(), image.height(), None);
             found = black_box(detector.detect(&plane, &mut mask, &[])).len();
         });
+        dpn_bench::keep(&format!("corners, {cells} cells"), timing.wall_ms);
         println!(
             "corners, {cells} cells: {found}, median {:.3} ms, cpu {:.3} ms",
             timing.wall_ms, timing.cpu_ms

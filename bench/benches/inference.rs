@@ -41,5 +41,6 @@ fn six(name: &str, config: &ProNetConfig) {
             std::hint::black_box(&sigma);
         }
     });
+    dpn_bench::keep(&format!("inference {name}"), timing.wall_ms);
     println!("inference {name}: six windows, median {:.4} ms, cpu {:.4} ms", timing.wall_ms, timing.cpu_ms);
 }

@@ -20,6 +20,7 @@ fn main() {
         let timing = time(iterations(200), || {
             black_box(klt.track(&pyramids[0], &pyramids[1], &shifts, 4));
         });
+        dpn_bench::keep(&format!("klt, affine {affine}, a point"), timing.wall_ms / shifts.len() as f64);
         println!(
             "klt, affine {affine}: {} points, median {:.3} ms, cpu {:.3} ms",
             shifts.len(),
@@ -30,6 +31,7 @@ fn main() {
     let timing = time(iterations(200), || {
         black_box(Pyramid::new(first.view(), 4));
     });
+    dpn_bench::keep("pyramid of 4 levels", timing.wall_ms);
     println!("pyramid of 4 levels: median {:.3} ms, cpu {:.3} ms", timing.wall_ms, timing.cpu_ms);
     let timing = time(iterations(200), || {
         black_box(ImageStats::of(first.view()));

@@ -59,5 +59,6 @@ fn frame(imu_cov: ImuCov, samples: &[NoisySample]) {
 fn report(imu_cov: ImuCov, what: &str, parts: usize, mut work: impl FnMut()) {
     let timing = time(iterations(300), || (0..INTERVALS).for_each(|_| work()));
     let per_part = 1e6 / (INTERVALS * parts) as f64;
+    dpn_bench::keep(&format!("preintegration {imu_cov:?}, {what}"), timing.wall_ms * per_part / 1e6);
     println!("preintegration {imu_cov:?}: {what}: median {:.0} ns", timing.wall_ms * per_part);
 }

@@ -41,6 +41,7 @@ fn main() {
     }
     seconds.sort_by(f64::total_cmp);
     let at = |share: f64| seconds.get((seconds.len() as f64 * share) as usize).copied().unwrap_or(f64::NAN);
+    dpn_bench::keep("window, a frame", at(0.5));
     println!(
         "one frame, all of it: median {:.2} ms, 95 % {:.2} ms of {} frames",
         at(0.5),
@@ -96,5 +97,6 @@ fn envelope(frames: usize) -> Normal {
 
 fn report(what: &str, work: impl FnMut()) {
     let timing = time(iterations(300), work);
+    dpn_bench::keep(&format!("window, {what}"), timing.wall_ms);
     println!("{what}: median {:.1} us, CPU {:.1} us", timing.wall_ms * 1e3, timing.cpu_ms * 1e3);
 }

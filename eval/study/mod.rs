@@ -42,7 +42,14 @@ impl Study {
     /// # Errors
     /// An error of a run that is zero or not finite; a `margin` that is not positive and finite.
     pub fn new(rows: &RowSet<'_>, margin: f64) -> Result<Self, StatsError> {
-        let reference = rows.reference(Criterion::Mean);
+        Self::against(rows, rows.reference(Criterion::Mean), margin)
+    }
+
+    /// The same against another reference.
+    ///
+    /// # Errors
+    /// As of [`new`](Self::new).
+    pub fn against(rows: &RowSet<'_>, reference: Option<Reference>, margin: f64) -> Result<Self, StatsError> {
         let of = |noise: &&NoiseSpec| NoiseSummary::new(rows, noise);
         let mut noises = rows.noises().iter().map(of).collect::<Result<Vec<_>, _>>()?;
         if let Some(reference) = &reference {

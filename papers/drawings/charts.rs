@@ -1,4 +1,4 @@
-//! RMSE against true deviation, and errors against the constant told.
+//! RMSE against true deviation, and errors against the constant given.
 
 use super::super::specs;
 use dpn_core::estimate::NoiseSpec;
@@ -35,7 +35,7 @@ pub(crate) fn rmse(rows: &[open_loop::Row], data: &str) -> Result<RmseVsSigma, F
     RmseVsSigma::new(&of_base.iter().collect::<Vec<_>>(), WINDOW)
 }
 
-/// Where a noise stands among multiples of the baseline: its own, or the geometric mean of both sensors' told.
+/// Where a noise stands among multiples of the baseline: its own, or the geometric mean of both sensors' given.
 fn multiple(line: &NoiseSummary) -> Option<f64> {
     line.noise.multiple().or_else(|| {
         let [accel, gyro] = line.noise_rms?;

@@ -4,6 +4,6 @@ mod architecture;
 mod charts;
 mod flights;
 
-pub(super) use architecture::{network, odometry, window};
+pub(super) use architecture::{OdometryDrawing, WindowDrawing};
 pub(super) use charts::{has_curve, injected_sweep, rmse, sweep};
 pub(super) use flights::{errors, sigma_over_flight, step_response, trajectories};

@@ -1,5 +1,6 @@
 //! The fleet: scores over all platforms, and each platform by itself.
 
+use super::against;
 use dpn_eval::fleet::{FleetScore, NoiseScore};
 use dpn_figures::{Cell, Column, Table};
 
@@ -12,15 +13,15 @@ pub fn fleet(score: &FleetScore) -> Table {
     let title = "Error over that of each platform's best constant, geometric mean over platforms";
     let mut table = Table::new("fleet", title, columns);
     let mut line = |name: String, line: &NoiseScore| {
-        let c = line.comparison.as_ref();
+        let [ratio, better, p] = against(line.comparison.as_ref());
         let worst = line.worst.as_ref();
         table.row(vec![
             Cell::text(name),
             Cell::number(line.score, 2),
             worst.map_or_else(Cell::none, |(platform, score)| Cell::text(format!("{score:.2} ({platform})"))),
-            Cell::interval(c.map(|c| c.ratio), c.map(|c| c.ratio_interval), 2),
-            c.map_or_else(Cell::none, |c| Cell::text(format!("{} of {}", c.better, c.sequences))),
-            Cell::p(c.and_then(|c| c.p_holm)),
+            ratio,
+            better,
+            p,
         ]);
     };
     for noise in &score.noises {

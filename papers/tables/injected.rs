@@ -1,10 +1,11 @@
 //! The experiment with injected noise: how models follow, what it is worth.
 
-use super::super::injected::{CourseStudy, Response};
+use super::super::injected::Response;
 use super::super::input::Input;
 use super::super::specs;
+use super::against;
 use dpn_eval::injected::{Course, Injection, TONE_HZ};
-use dpn_eval::study::{Choice, Comparison};
+use dpn_eval::study::{Choice, Study};
 use dpn_figures::{Cell, Column, Provenance, Table};
 
 /// What is added, in a sentence.
@@ -12,85 +13,41 @@ fn words(injection: &Injection) -> String {
     let factor = injection.factor;
     format!(
         "Added at x1: {} m/s^2 and {} rad/s, changing by x{factor} (step: x1, x{factor}, x1 by thirds of the recording; tone: nothing white, but a sine of {TONE_HZ} Hz \
-         and x{factor} rms; bias-jump: nothing white, but a bias of x{factor} on every axis, half way). The oracle is told the root of the sum of squares of what \
+         and x{factor} rms; bias-jump: nothing white, but a bias of x{factor} on every axis, half way). The oracle is given the root of the sum of squares of what \
          white noise is added and of {} m/s^2, {} rad/s, the best constant without anything added.",
         injection.accel, injection.gyro, injection.own_accel, injection.own_gyro
     )
 }
 
-/// Every noise on every course: error, and share of the way from the best constant to the oracle.
-pub(crate) fn value(
+/// Every noise on every course: its error, and how that stands against the best constant's.
+pub(crate) fn courses(
     input: &Input,
-    values: &[(Course, CourseStudy)],
+    courses: &[(Course, Study)],
     injection: &Injection,
     made_by: Provenance,
 ) -> Table {
-    let heads = [
-        "of the gap closed",
-        "ratio to best constant (95 %)",
-        "p (Holm)",
-        "ATE median [m]",
-        "better in",
-        "closed, train",
-        "closed, test",
-        "ATE, train [m]",
-        "ATE, test [m]",
-        "failed",
-    ];
+    let heads = ["ratio to best constant (95 %)", "p (Holm)", "ATE median [m]", "better in", "failed"];
     let title = "Noise of a known course added to the IMU: what each model is worth";
     let mut table = Table::new("injected", title, Column::all(&["noise", "course"], &heads)).made_by(made_by);
-    for (course, value) in values {
-        for worth in &value.noises {
-            let reference = value.reference.as_ref().filter(|reference| reference.noise == worth.noise);
+    for (course, study) in courses {
+        for line in &study.noises {
+            let reference = study.reference.as_ref().filter(|reference| reference.noise == line.noise);
             let mark = reference.map_or("", |reference| match reference.choice {
                 Choice::Training => " (best constant)",
                 Choice::Baseline => " (reference)",
             });
-            let mut cells = vec![specs::cell(&worth.noise).marked(mark), Cell::text(course.name())];
-            // A gap of less than a twentieth says nothing of who closes it.
-            let told =
-                [0, 1, 2].map(|i| worth.closed[i].filter(|_| value.gap[i].is_some_and(|gap| gap >= 0.05)));
-            let [all, train, test] = told.map(|share| Cell::number(share, 2));
-            let [ate, ate_train, ate_test] = worth.ate.map(Cell::metres);
-            let against = worth.comparison.as_ref();
-            let better = |a: &Comparison| format!("{} of {}", a.better, a.sequences);
-            cells.extend([
-                all,
-                Cell::interval(against.map(|a| a.ratio), against.map(|a| a.ratio_interval), 2),
-                Cell::p(against.and_then(|a| a.p_holm)),
-                ate,
-                Cell::text(against.map_or("-".into(), better)),
-                train,
-                test,
-                ate_train,
-                ate_test,
-                Cell::text(worth.failures),
-            ]);
+            let [ratio, better, p] = against(line.comparison.as_ref());
+            let noise = specs::cell(&line.noise).marked(mark);
+            let (ate, failed) = (Cell::metres(line.ate), Cell::text(line.failures));
+            let cells = vec![noise, Cell::text(course.name()), ratio, p, ate, better, failed];
             table.reference_row(cells, reference.is_some());
         }
         table.rule();
-        if value.reference.as_ref().is_some_and(|reference| reference.at_edge) {
+        if study.reference.as_ref().is_some_and(|reference| reference.at_edge) {
             table.note(format!(
-                "{course}: the best constant is the end of the sweep; one beyond it may be better, and the gap smaller."
+                "{course}: the best constant is the end of the sweep; one beyond it may be better."
             ));
         }
-        let gap = |i: usize| {
-            let side = |gap: f64| if gap < 0.0 { "above" } else { "below" };
-            value.gap[i].map_or("-".to_owned(), |gap| format!("{:.0} % {}", 100.0 * gap.abs(), side(gap)))
-        };
-        table.note(format!(
-            "{course}, sequences: {} ({} training, {} test): the oracle's median lies {} that of {} (training {}, test {}).",
-            value.sequences[0],
-            value.sequences[1],
-            value.sequences[2],
-            gap(0),
-            value.reference.as_ref().map_or("a constant, of which there is none".to_owned(), |reference| match reference.choice {
-                Choice::Training => format!("the best, {},", specs::name(&reference.noise)),
-                Choice::Baseline => reference.words(),
-            }),
-            gap(1),
-            gap(2)
-        ));
     }
     table.note(words(injection));
     if input.injected.camera() != input.source.camera() {
@@ -101,7 +58,7 @@ pub(crate) fn value(
         ));
     }
     table.note("Medians over seeds, then over sequences (one without any pose counts as worse than all; it is left out of ratios and tests). The best constant is the one with the lowest median on the training sequences, among those \
-                listed. Share closed: (best constant - noise) / (best constant - oracle); not given where that gap is below 5 %; above 1 where a noise does better than the oracle. Ratio: geometric mean over sequences; p: two-sided signed-rank test over sequences, Holm's correction over the noises of a course.");
+                listed. Ratio: geometric mean over sequences; p: two-sided signed-rank test over sequences, Holm's correction over the noises of a course.");
     table.notes(input.notes_of_runs());
     table
 }

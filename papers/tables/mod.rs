@@ -5,7 +5,9 @@ mod ate;
 mod closed_loop;
 mod fleet;
 mod injected;
+mod networks;
 mod open_loop;
+mod pairs;
 mod split;
 mod study;
 mod sweep;
@@ -16,8 +18,23 @@ pub use open_loop::open_loop_rows;
 pub use sweep::{ate, comparisons, consistency, summaries};
 
 pub(super) use closed_loop::closed_loop;
-pub(super) use injected::{responses, value};
+pub(super) use injected::{courses, responses};
+pub(super) use networks::networks;
 pub(super) use open_loop::open_loop;
+pub(super) use pairs::pairs;
 pub(super) use split::split;
 pub(super) use study::study;
 pub(super) use timing::timing;
+
+use dpn_eval::study::Comparison;
+use dpn_figures::Cell;
+
+/// Ratio with its interval, on how many sequences it is better, and p after Holm's correction.
+fn against(comparison: Option<&Comparison>) -> [Cell; 3] {
+    let better = |c: &Comparison| Cell::text(format!("{} of {}", c.better, c.sequences));
+    [
+        Cell::interval(comparison.map(|c| c.ratio), comparison.map(|c| c.ratio_interval), 2),
+        comparison.map_or(Cell::text("-"), better),
+        Cell::p(comparison.and_then(|c| c.p_holm)),
+    ]
+}

@@ -3,6 +3,7 @@
 use super::super::input::Input;
 use super::super::specs;
 use super::super::verdict::Standing;
+use super::against;
 use dpn_eval::study::{NoiseSummary, Study};
 use dpn_figures::{Cell, Column, Provenance, Table};
 
@@ -18,8 +19,8 @@ pub(crate) fn study(input: &Input, study: &Study, made_by: Provenance) -> Table 
             "mean train [m]",
             "mean test [m]",
             "p equal",
-            "accel told [m/s^2]",
-            "gyro told [rad/s]",
+            "accel given [m/s^2]",
+            "gyro given [rad/s]",
             "RPE 1 s [m]",
             "NEES position",
             "NEES orientation",
@@ -45,7 +46,7 @@ pub(crate) fn study(input: &Input, study: &Study, made_by: Provenance) -> Table 
         100.0 * study.margin
     ));
     table.note("NEES: mean of 3 where the covariance is right; whitened: mean square of the whitened inertial residual, 1 where the noise \
-                told is the noise there is. Told: root mean square over the runs. Times are in a table of their own.");
+                given is the noise there is. Given: root mean square over the runs. Times are in a table of their own.");
     if let Some(reference) = study.reference.as_ref().filter(|reference| reference.at_edge) {
         table.note(format!(
             "{} is the end of the sweep; a constant beyond it may be better.",
@@ -66,8 +67,8 @@ fn verdict(line: &NoiseSummary, is_reference: bool) -> &'static str {
 }
 
 fn cells(line: &NoiseSummary, is_reference: bool) -> Vec<Cell> {
-    let against = line.comparison.as_ref();
-    let better = against.map_or(Cell::text("-"), |a| Cell::text(format!("{} of {}", a.better, a.sequences)));
+    let comparison = line.comparison.as_ref();
+    let [ratio, better, p] = against(comparison);
     let seeds = match line.seeds {
         [low, high] if low == high => low.to_string(),
         [low, high] => format!("{low} to {high}"),
@@ -75,13 +76,13 @@ fn cells(line: &NoiseSummary, is_reference: bool) -> Vec<Cell> {
     vec![
         specs::cell(&line.noise),
         Cell::text(verdict(line, is_reference)),
-        Cell::interval(against.map(|a| a.ratio), against.map(|a| a.ratio_interval), 2),
-        Cell::p(against.and_then(|a| a.p_holm)),
+        ratio,
+        p,
         Cell::interval(line.ate, line.ate_interval, 3),
         better,
         Cell::metres(line.means[1]),
         Cell::metres(line.means[2]),
-        Cell::p(against.and_then(|a| a.p_equal)),
+        Cell::p(comparison.and_then(|c| c.p_equal)),
         Cell::number(line.noise_rms.map(|rms| rms[0]), 3),
         Cell::number(line.noise_rms.map(|rms| rms[1]), 4),
         Cell::number(line.rpe_1s, 4),

@@ -5,7 +5,7 @@ use dpn_core::estimate::NoiseSpec;
 use dpn_eval::study::Study;
 use dpn_figures::{Cell, Column, Provenance, Table};
 
-/// CPU of the odometry a second of data, told each noise.
+/// CPU of the odometry a second of data, given each noise.
 pub(crate) fn timing(study: &Study, windows: &[(NoiseSpec, f64)], made_by: Provenance) -> Table {
     let columns =
         Column::all(&["noise"], &["odometry [CPU s / s of data]", "six windows of the noise model [ms]"]);
@@ -19,7 +19,7 @@ pub(crate) fn timing(study: &Study, windows: &[(NoiseSpec, f64)], made_by: Prove
             Cell::number(window, 4),
         ]);
     }
-    table.note("Median over runs, thread CPU time, other programs on the machine not told apart from caches they spoil. The odometry's figure does not \
+    table.note("Median over runs, thread CPU time, other programs on the machine and the caches they spoil included. The odometry's figure does not \
                 hold the noise model's. Six windows: one answer for all axes of both sensors, mean over a recording.");
     table
 }

@@ -1,3 +1,5 @@
+//! `cargo xtask book`: the numbers of README, book and `docs/targets.csv` written anew from `docs/results` and the study's tables.
+//!
 //! `cargo xtask web [--out DIR]`: the page in the browser, one HTML file that holds everything.
 //!
 //! dpn-web is compiled to WebAssembly, wasm-bindgen writes what JavaScript needs to call it, and both are put into `web/page/index.html` beside
@@ -16,7 +18,8 @@ fn main() -> Result<()> {
     let mut out = root.join("target/web/page");
     match args.next().as_deref() {
         Some("web") => {}
-        other => bail!("{}: known is `web [--out DIR]`", other.unwrap_or("no task")),
+        Some("book") => return book(&root),
+        other => bail!("{}: known are `web [--out DIR]` and `book`", other.unwrap_or("no task")),
     }
     while let Some(arg) = args.next() {
         match (arg.as_str(), args.next()) {
@@ -35,5 +38,20 @@ fn main() -> Result<()> {
         page.len() / 1000,
         page::packed(page.as_bytes())?.len() / 1000
     );
+    Ok(())
+}
+
+/// The tests that hold the numbers write them where they are asked to: twice, for the page of targets is made of marked ones.
+fn book(root: &Path) -> Result<()> {
+    for bless in [true, true, false] {
+        let mut cargo = std::process::Command::new("cargo");
+        cargo.args(["test", "--quiet", "-p", "dpn-book"]).current_dir(root);
+        if bless {
+            cargo.env("DPN_BLESS", "1");
+        }
+        if !cargo.status().context("cargo")?.success() {
+            bail!("the book's tests say what is missing");
+        }
+    }
     Ok(())
 }
