@@ -2,13 +2,12 @@
 //!
 //! `cargo xtask book` writes the page anew.
 
-use crate::numbers::plain;
+use crate::numbers::{TARGETS as SOURCE, plain};
 use crate::{at, read};
 use serde::Deserialize;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-pub(crate) const SOURCE: &str = "docs/targets.csv";
 const PAGE: &str = "docs/src/targets.md";
 /// What a command may begin with.
 const PROGRAMS: [&str; 7] =

@@ -2,33 +2,16 @@
 //! phases of the flight, the true deviation where it is known, and the upper end of what the models were trained on.
 
 use super::axis::Axis;
+use super::chart::{Chart, Layer, Panel, pale};
 use super::error::FigureError;
 use super::flight::{Flight, Phase};
-use super::frame::{ABOVE, BELOW, Frame, LEFT, RIGHT, Rect};
+use super::frame::{ABOVE, BELOW, LEFT, RIGHT, Rect};
 use super::legend::{self, Entry, Key};
-use super::plot::{Area, Drawn, Painted, Plot, row};
+use super::plot::{Drawn, row};
 use super::sheet::Sheet;
 use super::style::{self, Anchor, PALETTE};
-use super::summary::{Column, columns, unbroken};
-use dpn_core::Sensor;
+use super::summary::{Column, columns, extent};
 use plotters::style::{Color, RGBColor};
-use plotters_backend::DrawingBackend;
-
-/// The plot; see the head of its file.
-#[derive(Debug, Clone)]
-pub struct FlightSigma {
-    sensor: Sensor,
-    time: Axis,
-    signal_axis: Axis,
-    sigma_axis: Axis,
-    signal: Vec<Column>,
-    models: Vec<(String, Vec<Column>)>,
-    truth: Vec<Column>,
-    phases: Vec<Phase>,
-    phases_in_legend: bool,
-    trained_up_to: Option<f64>,
-    sheet: Sheet,
-}
 
 const UPPER: i32 = 300;
 const BETWEEN: i32 = 36;
@@ -45,114 +28,104 @@ const TINTS: [RGBColor; 4] = [
     RGBColor(0xE9, 0xF5, 0xEF),
 ];
 
-impl FlightSigma {
-    /// Thins the flight to what the paper can show.
-    ///
-    /// # Errors
-    /// [`FigureError`] when there is nothing to draw, a column is of another length, a value is not finite, or time does not
-    /// ascend.
-    pub fn new(flight: &Flight<'_>) -> Result<Self, FigureError> {
-        flight.check()?;
-        let (start, end) = (flight.t[0], flight.t[flight.t.len() - 1]);
-        let coarse = (ROOM / COARSE) as usize;
-        let signal = columns(flight.t, flight.signal, ROOM as usize);
-        let models: Vec<(String, Vec<Column>)> = flight
-            .models
-            .iter()
-            .map(|(name, sigma)| ((*name).to_owned(), columns(flight.t, sigma, coarse)))
-            .collect();
-        let truth = flight.truth.map_or_else(Vec::new, |truth| columns(flight.t, truth, coarse));
-        let phases: Vec<Phase> = flight
-            .phases
-            .iter()
-            .map(|phase| Phase {
-                label: phase.label.clone(),
-                from: phase.from.clamp(start, end),
-                to: phase.to.clamp(start, end),
-            })
-            .filter(|phase| phase.to > phase.from)
-            .collect();
-        let unit = style::unit(flight.sensor);
-        let extent = |columns: &[Column]| {
-            let low = columns.iter().map(|c| c.low).fold(f64::INFINITY, f64::min);
-            let high = columns.iter().map(|c| c.high).fold(f64::NEG_INFINITY, f64::max);
-            (low, high)
-        };
-        let (low, high) = extent(&signal);
-        let pad = 0.05 * (high - low);
-        let (sigma_axis, at_edge) = sigma_axis(flight, &models, &truth, unit);
-        let time = Axis::linear("time [s]".into(), start, end, 10);
-        let pixels = f64::from(ROOM) / (end - start);
-        let phases_in_legend = phases.iter().any(|phase| {
-            f64::from(style::width(&phase.label, style::CAPTION) + 8) > (phase.to - phase.from) * pixels
-        });
-        let legend = legend_of(flight, &phases, phases_in_legend);
-        let caption = format!(
-            "{} samples. Signal: smallest to largest sample in each pixel column. Estimates: median (line) and range (band) \
-             in columns of {COARSE} pixels ({:.2} s).{}{}{}",
-            super::predicted_vs_true::grouped(flight.t.len()),
-            f64::from(COARSE) / pixels,
-            if at_edge { " Estimates of 0 or below lie at the lower edge." } else { "" },
-            if flight.words.is_empty() { "" } else { " " },
-            flight.words,
-        );
-        let sheet = Sheet {
-            title: format!("{}: {} {}", flight.name, style::title(flight.sensor).to_lowercase(), flight.axis),
-            head: ABOVE,
-            ..Sheet::new(legend, ABOVE + UPPER + BETWEEN + LOWER + BELOW, caption)
-        };
-        Ok(Self {
-            sensor: flight.sensor,
-            time,
-            signal_axis: Axis::linear(format!("signal [{unit}]"), low - pad, high + pad, 7),
-            sigma_axis,
-            signal,
-            models,
-            truth,
-            phases,
-            phases_in_legend,
-            trained_up_to: flight.trained_up_to,
-            sheet,
+/// One flight, thinned to what the paper can show.
+///
+/// # Errors
+/// [`FigureError`] when there is nothing to draw, a column is of another length, a value is not finite, or time does not
+/// ascend.
+pub fn flight_sigma(flight: &Flight<'_>) -> Result<Chart, FigureError> {
+    flight.check()?;
+    let (start, end) = (flight.t[0], flight.t[flight.t.len() - 1]);
+    let coarse = (ROOM / COARSE) as usize;
+    let signal = columns(flight.t, flight.signal, ROOM as usize);
+    let models: Vec<(String, Vec<Column>)> = flight
+        .models
+        .iter()
+        .map(|(name, sigma)| ((*name).to_owned(), columns(flight.t, sigma, coarse)))
+        .collect();
+    let truth = flight.truth.map_or_else(Vec::new, |truth| columns(flight.t, truth, coarse));
+    let phases: Vec<Phase> = flight
+        .phases
+        .iter()
+        .map(|phase| Phase {
+            label: phase.label.clone(),
+            from: phase.from.clamp(start, end),
+            to: phase.to.clamp(start, end),
         })
+        .filter(|phase| phase.to > phase.from)
+        .collect();
+    let unit = style::unit(flight.sensor);
+    let (low, high) = extent(signal.iter().flat_map(|c| [c.low, c.high]));
+    let pad = 0.05 * (high - low);
+    let (sigma_axis, at_edge) = sigma_axis(flight, &models, &truth, unit);
+    let time = Axis::linear("time [s]".into(), start, end, 10);
+    let pixels = f64::from(ROOM) / (end - start);
+    let phases_in_legend = phases.iter().any(|phase| {
+        f64::from(style::width(&phase.label, style::CAPTION) + 8) > (phase.to - phase.from) * pixels
+    });
+    let legend = legend_of(flight, &phases, phases_in_legend);
+    let caption = format!(
+        "{} samples. Signal: smallest to largest sample in each pixel column. Estimates: median (line) and range (band) \
+         in columns of {COARSE} pixels ({:.2} s).{}{}{}",
+        super::predicted_vs_true::grouped(flight.t.len()),
+        f64::from(COARSE) / pixels,
+        if at_edge { " Estimates of 0 or below lie at the lower edge." } else { "" },
+        if flight.words.is_empty() { "" } else { " " },
+        flight.words,
+    );
+    let sheet = Sheet {
+        title: format!("{}: {} {}", flight.name, style::title(flight.sensor).to_lowercase(), flight.axis),
+        head: ABOVE,
+        ..Sheet::new(legend, ABOVE + UPPER + BETWEEN + LOWER + BELOW, caption)
+    };
+    let signal_axis = Axis::linear(format!("signal [{unit}]"), low - pad, high + pad, 7);
+    let mut upper = ground(&phases);
+    upper.extend(borders(&phases, &signal_axis));
+    upper.push(Layer::Envelope(signal.clone(), pale(RGBColor(0x55, 0x55, 0x55), 1.0)));
+    upper.push(Layer::Axes(false));
+    if !phases_in_legend {
+        let x = |t| (time.fraction(t) * f64::from(ROOM)).round() as i32;
+        upper.extend(phases.iter().map(|phase| {
+            let at = ((x(phase.from) + x(phase.to)) / 2, -16);
+            Layer::Words(phase.label.clone(), style::CAPTION, style::MUTED, Anchor::Centre, at)
+        }));
     }
+    let mut lower = ground(&phases);
+    lower.extend(borders(&phases, &sigma_axis));
+    lower.extend(limit(&time, flight.trained_up_to));
+    let coloured = || models.iter().zip(PALETTE);
+    lower.extend(
+        coloured().map(|((_, columns), colour)| Layer::Envelope(columns.clone(), pale(colour, 0.22))),
+    );
+    lower.extend(coloured().flat_map(|((_, columns), colour)| Layer::medians(columns, colour)));
+    lower.extend(Layer::medians(&truth, style::INK));
+    lower.push(Layer::Axes(true));
 
-    fn draw_phases<DB: DrawingBackend>(&self, frame: &Frame<'_, DB>) -> Painted<DB> {
-        ground(frame, &self.phases)?;
-        for pair in self.phases.windows(2) {
-            let x = frame.x_at(pair[1].from);
-            let border = style::stroke(style::MUTED.mix(0.6), style::THIN);
-            frame.path(vec![(x, frame.rect.top), (x, frame.rect.bottom)], border)?;
-        }
-        Ok(())
+    let mut rows = Vec::new();
+    let mut add = |series: &str, columns: &[Column]| {
+        let unit = flight.sensor.unit();
+        rows.extend(columns.iter().map(|c| row![series, unit, c.t, c.low, c.middle, c.high]));
+    };
+    add("signal", &signal);
+    for (name, columns) in &models {
+        add(name, columns);
     }
+    add("true", &truth);
+    let header = vec!["series", "unit", "t_s", "low", "median", "high"];
+    let place = |top, height| Rect { left: LEFT, top, right: LEFT + ROOM, bottom: top + height };
+    let panels = vec![
+        Panel { place: place(ABOVE, UPPER), x: time.clone(), y: signal_axis, layers: upper },
+        Panel { place: place(ABOVE + UPPER + BETWEEN, LOWER), x: time, y: sigma_axis, layers: lower },
+    ];
+    Ok(Chart::new(sheet, panels, Drawn { header, rows }))
+}
 
-    fn draw_signal<DB: DrawingBackend>(&self, frame: &Frame<'_, DB>) -> Painted<DB> {
-        self.draw_phases(frame)?;
-        envelope(frame, &self.signal, RGBColor(0x55, 0x55, 0x55))?;
-        frame.axes(false)?;
-        if self.phases_in_legend {
-            return Ok(());
-        }
-        for phase in &self.phases {
-            let middle = (frame.x_at(phase.from) + frame.x_at(phase.to)) / 2;
-            let at = (middle, frame.rect.top - 16);
-            frame.words(&phase.label, style::CAPTION, style::MUTED, Anchor::Centre, at)?;
-        }
-        Ok(())
-    }
-
-    fn draw_sigma<DB: DrawingBackend>(&self, frame: &Frame<'_, DB>) -> Painted<DB> {
-        self.draw_phases(frame)?;
-        draw_limit(frame, self.trained_up_to)?;
-        for ((_, columns), colour) in self.models.iter().zip(PALETTE) {
-            envelope(frame, columns, colour.mix(0.22))?;
-        }
-        for ((_, columns), colour) in self.models.iter().zip(PALETTE) {
-            draw_medians(frame, columns, colour)?;
-        }
-        draw_medians(frame, &self.truth, style::INK)?;
-        frame.axes(true)
-    }
+/// Where one phase follows another.
+fn borders(phases: &[Phase], y: &Axis) -> impl Iterator<Item = Layer> {
+    phases.windows(2).map(|pair| {
+        let t = pair[1].from;
+        Layer::Line(vec![(t, y.high()), (t, y.low())], style::stroke(style::MUTED.mix(0.6), style::THIN))
+    })
 }
 
 /// The axis of the deviations, and whether some of them cannot be placed on it.
@@ -208,84 +181,22 @@ pub(super) fn tint(phases: &[Phase], label: &str) -> RGBColor {
 }
 
 /// The tints of phases, and the grid on them.
-pub(super) fn ground<DB: DrawingBackend>(frame: &Frame<'_, DB>, phases: &[Phase]) -> Painted<DB> {
-    for phase in phases {
-        let (top, bottom) = (frame.rect.top, frame.rect.bottom);
-        let tint = tint(phases, &phase.label);
-        frame.block((frame.x_at(phase.from), top), (frame.x_at(phase.to), bottom), tint)?;
-    }
-    frame.grid()
+pub(super) fn ground(phases: &[Phase]) -> Vec<Layer> {
+    let stripe = |phase: &Phase| Layer::Stripe([phase.from, phase.to], tint(phases, &phase.label));
+    phases.iter().map(stripe).chain([Layer::Grid]).collect()
 }
 
 /// The upper end of what models were trained on.
-pub(super) fn draw_limit<DB: DrawingBackend>(frame: &Frame<'_, DB>, limit: Option<f64>) -> Painted<DB> {
-    let Some(limit) = limit else { return Ok(()) };
-    let y = frame.y_at(limit);
-    let line = vec![(frame.rect.left, y), (frame.rect.right, y)];
-    frame.dashed(line, style::stroke(style::INK, style::THIN + 1))
-}
-
-/// A line through the medians of each column, broken where there are none.
-pub(super) fn draw_medians<DB: DrawingBackend>(
-    frame: &Frame<'_, DB>,
-    columns: &[Column],
-    colour: RGBColor,
-) -> Painted<DB> {
-    unbroken(columns, |c| c.t).try_for_each(|part| {
-        let points = part.iter().map(|c| frame.at(c.t, c.middle)).collect();
-        frame.path(points, style::stroke(colour, style::LINE - 1))
-    })
-}
-
-/// The band between the smallest and the largest sample of each column, at least two pixels high.
-pub(super) fn envelope<DB: DrawingBackend>(
-    frame: &Frame<'_, DB>,
-    columns: &[Column],
-    colour: impl Color + Copy,
-) -> Painted<DB> {
-    for part in unbroken(columns, |c| c.t) {
-        let upper = part.iter().map(|c| (frame.x_at(c.t), frame.y_at(c.high) - 1));
-        let lower = part.iter().rev().map(|c| (frame.x_at(c.t), frame.y_at(c.low) + 1));
-        frame.polygon(upper.chain(lower).collect(), colour)?;
-    }
-    Ok(())
-}
-
-impl Plot for FlightSigma {
-    fn size(&self) -> (u32, u32) {
-        self.sheet.size()
-    }
-
-    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
-        let rect = |top, height| Rect { left: LEFT, top, right: LEFT + ROOM, bottom: top + height };
-        self.sheet.draw(area, |top| {
-            let top = top + ABOVE;
-            let upper = Frame::new(area, rect(top, UPPER), &self.time, &self.signal_axis);
-            self.draw_signal(&upper)?;
-            let lower = rect(top + UPPER + BETWEEN, LOWER);
-            self.draw_sigma(&Frame::new(area, lower, &self.time, &self.sigma_axis))
-        })
-    }
-
-    fn csv(&self) -> Drawn {
-        let unit = self.sensor.unit();
-        let mut rows = Vec::new();
-        let mut add = |series: &str, columns: &[Column]| {
-            rows.extend(columns.iter().map(|c| row![series, unit, c.t, c.low, c.middle, c.high]));
-        };
-        add("signal", &self.signal);
-        for (name, columns) in &self.models {
-            add(name, columns);
-        }
-        add("true", &self.truth);
-        Drawn { header: vec!["series", "unit", "t_s", "low", "median", "high"], rows }
-    }
+pub(super) fn limit(x: &Axis, limit: Option<f64>) -> Option<Layer> {
+    let line = vec![(x.low(), limit?), (x.high(), limit?)];
+    Some(Layer::Dashed(line, style::stroke(style::INK, style::THIN + 1)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plot::svg;
+    use crate::plot::{Plot, svg};
+    use dpn_core::Sensor;
 
     fn flight<'a>(t: &'a [f64], signal: &'a [f64], sigma: &'a [f64]) -> Flight<'a> {
         Flight {
@@ -306,7 +217,7 @@ mod tests {
     fn a_short_flight_is_drawn_sample_by_sample() {
         let t = [0.0, 0.5, 1.0, 1.5, 2.0];
         let (signal, sigma) = ([9.8, 9.9, 9.7, 10.1, 9.6], [0.1, 0.2, 0.1, 0.0, 0.3]);
-        let plot = FlightSigma::new(&flight(&t, &signal, &sigma)).unwrap();
+        let plot = flight_sigma(&flight(&t, &signal, &sigma)).unwrap();
         let csv = plot.csv();
         assert_eq!(csv.rows.len(), 15);
         for (i, row) in csv.rows.iter().enumerate() {
@@ -331,9 +242,12 @@ mod tests {
     fn a_long_flight_stays_small_and_keeps_its_extremes() {
         let t: Vec<f64> = (0..36_000).map(|i| f64::from(i) * 0.005).collect();
         let signal: Vec<f64> = (0..36_000).map(|i| f64::from((i * 7919) % 1000) / 100.0).collect();
-        let plot = FlightSigma::new(&flight(&t, &signal, &signal)).unwrap();
-        assert!(plot.signal.len() <= ROOM as usize);
-        assert_eq!(plot.signal.iter().map(|c| c.high).fold(0.0, f64::max), 9.99);
+        let plot = flight_sigma(&flight(&t, &signal, &signal)).unwrap();
+        let rows = plot.csv().rows;
+        let highs: Vec<f64> =
+            rows.iter().filter(|row| row[0] == "signal").map(|row| row[5].parse().unwrap()).collect();
+        assert!(highs.len() <= ROOM as usize);
+        assert_eq!(highs.into_iter().fold(0.0, f64::max), 9.99);
         assert!(svg(&plot).unwrap().len() < 150_000);
     }
 }

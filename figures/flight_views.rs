@@ -1,6 +1,9 @@
 //! What a run looks like: from above, and over time.
 
-use crate::{FigureError, Timeline, TimelinePanel, TopView};
+use super::chart::Chart;
+use super::error::FigureError;
+use super::timeline::{TimelinePanel, over_time};
+use super::top_view::from_above;
 use dpn_core::trajectory::StampedPose;
 use dpn_core::{Sensor, Stamp};
 use dpn_eval::closed_loop::{JudgedRun, LearnedLevels, MAX_GAP_S, Recording};
@@ -16,7 +19,7 @@ const BROKEN_S: f64 = 1.0;
 ///
 /// # Errors
 /// No pose and no truth.
-pub fn top_view(recording: &Recording, run: &JudgedRun) -> Result<TopView, FigureError> {
+pub fn top_view(recording: &Recording, run: &JudgedRun) -> Result<Chart, FigureError> {
     let poses = run.output.poses();
     let alignment = recording.truth.as_deref().and_then(|truth| {
         let options = TruthOptions { max_gap_s: MAX_GAP_S, interpolation: Interpolation::Linear };
@@ -52,14 +55,14 @@ pub fn top_view(recording: &Recording, run: &JudgedRun) -> Result<TopView, Figur
         ),
         _ => format!("Not aligned. {} poses of {} frames, {} restarts.", row.poses, row.frames, row.restarts),
     };
-    TopView::new(format!("{}, noise {}", row.sequence, row.noise), truth, estimate, caption)
+    from_above(format!("{}, noise {}", row.sequence, row.noise), truth, estimate, caption)
 }
 
 /// The run over time: tracks, parallax, noise given, biases, residuals.
 ///
 /// # Errors
 /// A run without frames.
-pub fn timeline(run: &JudgedRun) -> Result<Timeline, FigureError> {
+pub fn timeline(run: &JudgedRun) -> Result<Chart, FigureError> {
     let updates = &run.output.updates;
     let first = run.output.frames.first().copied().unwrap_or(Stamp::from_ns(0));
     let seconds = |t: Stamp| t.seconds_since(first);
@@ -134,5 +137,5 @@ pub fn timeline(run: &JudgedRun) -> Result<Timeline, FigureError> {
         caption =
             format!("{} images, {} passed over{agreed}. {caption}", figures.images, figures.passed_over);
     }
-    Timeline::new(format!("{}, noise {}", row.sequence, row.noise), panels, marks, caption)
+    over_time(format!("{}, noise {}", row.sequence, row.noise), panels, marks, caption)
 }

@@ -3,7 +3,7 @@
 //! [`Table`] is the one table: Markdown, CSV, LaTeX, a console.
 //!
 //! A plot is made from slices and labels and knows no file and no network. It checks its input and computes what will be
-//! drawn when it is built ([`PredictedVsTrue::new`], [`RmseVsSigma::new`], [`FlightSigma::new`]), so that drawing cannot
+//! drawn when it is built ([`predicted_vs_true`], [`rmse_vs_sigma`], [`flight_sigma`]), so that drawing cannot
 //! fail on data. [`save`] writes it; the same input gives the same bytes. Text in SVG stays text, the font of the PNG is
 //! DejaVu Sans from a crate: no system library and no system font is used.
 
@@ -12,6 +12,7 @@
 mod album;
 mod allan_plot;
 mod axis;
+mod chart;
 mod error;
 mod error_band;
 mod flight;
@@ -26,7 +27,6 @@ mod provenance;
 mod raster;
 mod rmse_vs_sigma;
 mod sheet;
-mod sourced;
 mod spectrum_plot;
 mod style;
 mod summary;
@@ -39,26 +39,24 @@ mod training_curve;
 mod trajectories;
 
 pub use album::{Album, AlbumError};
-pub use allan_plot::AllanPlot;
+pub use allan_plot::allan_plot;
+pub use chart::Chart;
 pub use error::FigureError;
-pub use error_band::{ErrorBand, ErrorColumn};
+pub use error_band::{ErrorColumn, error_band};
 pub use flight::{Flight, Phase};
-pub use flight_sigma::FlightSigma;
+pub use flight_sigma::flight_sigma;
 pub use flight_views::{timeline, top_view};
-pub use log_noise_plot::LogNoisePlot;
-pub use plot::{Area, Drawn, Painted, Plot, save};
-pub use predicted_vs_true::{Predicted, PredictedVsTrue};
+pub use log_noise_plot::log_noise_plot;
+pub use plot::{Drawn, Plot, save};
+pub use predicted_vs_true::{Predicted, predicted_vs_true};
 pub use provenance::Provenance;
-pub use rmse_vs_sigma::RmseVsSigma;
-pub use sourced::Sourced;
-pub use spectrum_plot::SpectrumPlot;
-pub use sweep_curve::{SweepCurve, SweepPoint};
+pub use rmse_vs_sigma::rmse_vs_sigma;
+pub use spectrum_plot::spectrum_plot;
+pub use sweep_curve::{SweepPoint, sweep_curve};
 pub use table::{Cell, Column, ColumnKind, Line, Table};
-pub use timeline::{Timeline, TimelinePanel};
-pub use top_view::TopView;
 pub use track_picture::{TrackDot, TrackEnd, TrackPicture};
-pub use training_curve::TrainingCurve;
-pub use trajectories::{Trajectories, TrajectoryPanel};
+pub use training_curve::training_curve;
+pub use trajectories::{TrajectoryPanel, trajectories};
 
 /// The README's code is a test.
 #[cfg(doctest)]

@@ -1,13 +1,10 @@
 //! What stands around the panels of a figure: a title, the legend above, small print below.
 
-use super::frame::{ABOVE, BELOW, LEFT, RIGHT, Rect};
 use super::legend::{self, Entry};
 use super::plot::{Area, Painted};
 use super::style::{self, Anchor};
 use plotters_backend::DrawingBackend;
 
-/// Height of panels side by side.
-const PANEL: i32 = 620;
 /// White around everything.
 pub(super) const MARGIN: i32 = 20;
 /// Room for legends and small print.
@@ -34,11 +31,6 @@ impl Sheet {
         Self { title: String::new(), head: 0, legend, body, gap: 8, caption }
     }
 
-    /// Around panels that [`side_by_side`](Self::side_by_side) draws.
-    pub(super) fn of_panels(legend: Vec<Entry>, caption: String) -> Self {
-        Self::new(legend, ABOVE + PANEL + BELOW, caption)
-    }
-
     /// Width and height of the whole.
     pub(super) fn size(&self) -> (u32, u32) {
         let around = legend::height(&self.legend, ROOM) + legend::print_height(&self.caption, ROOM);
@@ -60,22 +52,5 @@ impl Sheet {
         let top = top + legend::height(&self.legend, ROOM);
         body(top)?;
         legend::print(area, &self.caption, (MARGIN, top + self.body + self.gap), ROOM)
-    }
-
-    /// As [`draw`](Self::draw) for panels of equal size beside each other, each told its rectangle.
-    pub(super) fn side_by_side<DB: DrawingBackend, P>(
-        &self,
-        area: &Area<DB>,
-        panels: &[P],
-        draw: impl Fn(&P, Rect) -> Painted<DB>,
-    ) -> Painted<DB> {
-        let width = style::WIDTH as i32 / panels.len().max(1) as i32;
-        self.draw(area, |top| {
-            let top = top + ABOVE;
-            (0..).zip(panels).try_for_each(|(i, panel)| {
-                let (left, right) = (i * width + LEFT, (i + 1) * width - RIGHT);
-                draw(panel, Rect { left, top, right, bottom: top + PANEL })
-            })
-        })
     }
 }

@@ -1,15 +1,14 @@
 //! Error against the constant given, both logarithmic: the sweep with its intervals, and other noises as marks at the level they say.
 
 use super::axis::Axis;
+use super::chart::{Chart, Layer, Panel, pale};
 use super::error::{FigureError, check_count, check_each};
-use super::frame::{BELOW, Frame, LEFT, RIGHT, Rect};
+use super::frame::{BELOW, LEFT, RIGHT, Rect};
 use super::legend::{self, Entry, Key};
-use super::plot::{Area, Drawn, Painted, Plot, row};
+use super::plot::{Drawn, row};
 use super::sheet::Sheet;
 use super::style::{self, Anchor, PALETTE};
 use super::summary::extent;
-use plotters::style::Color;
-use plotters_backend::DrawingBackend;
 
 const FIGURE: &str = "sweep of constants";
 const PANEL: i32 = 640;
@@ -33,57 +32,75 @@ pub struct SweepPoint {
     pub interval: Option<[f64; 2]>,
 }
 
-/// The plot; see the head of its file.
-#[derive(Debug, Clone)]
-pub struct SweepCurve {
-    x: Axis,
-    y: Axis,
-    constants: Vec<SweepPoint>,
-    marks: Vec<SweepPoint>,
-    sheet: Sheet,
-}
-
-impl SweepCurve {
-    /// A curve through `constants`, in rising order of multiples, and up to five `marks`; `what` names the error.
-    ///
-    /// # Errors
-    /// No constant, too many marks, values that are not finite and positive.
-    pub fn new(
-        constants: &[SweepPoint],
-        marks: &[SweepPoint],
-        what: &str,
-        caption: &str,
-    ) -> Result<Self, FigureError> {
-        if constants.is_empty() {
-            return Err(FigureError::Empty { figure: FIGURE, what: "constant".into() });
-        }
-        check_count(FIGURE, "marks", marks.len(), MOST)?;
-        let all = || constants.iter().chain(marks);
-        for point in all() {
-            let ends = point.interval.unwrap_or([point.error; 2]);
-            let values = [point.multiple, point.error, ends[0], ends[1]];
-            check_each(FIGURE, &point.name, &values, "it must be finite and positive", |v| {
-                v.is_finite() && v > 0.0
-            })?;
-        }
-        let (left, right) = extent(all().map(|p| p.multiple));
-        let (low, high) =
-            extent(all().flat_map(|p| p.interval.unwrap_or([p.error; 2]).into_iter().chain([p.error])));
-        let mut legend =
-            vec![Entry { key: Key::Line, colour: style::INK, words: "constants, with 95 % interval".into() }];
-        legend.extend(legend::marked(marks.iter().map(|mark| mark.name.as_str())));
-        Ok(Self {
-            x: Axis::log(
-                "noise given, in multiples of the baseline (.08 m/s², .004 rad/s)".into(),
-                left / 1.25,
-                right * 1.25,
-            ),
-            y: Axis::log(format!("{what} [m]"), low / 1.15, high * 1.15),
-            constants: constants.to_vec(),
-            marks: marks.to_vec(),
-            sheet: Sheet { gap: 0, ..Sheet::new(legend, HEAD + PANEL + BELOW, caption.to_owned()) },
-        })
+/// A curve through `constants`, in rising order of multiples, and up to five `marks`; `what` names the error.
+///
+/// # Errors
+/// No constant, too many marks, values that are not finite and positive.
+pub fn sweep_curve(
+    constants: &[SweepPoint],
+    marks: &[SweepPoint],
+    what: &str,
+    caption: &str,
+) -> Result<Chart, FigureError> {
+    if constants.is_empty() {
+        return Err(FigureError::Empty { figure: FIGURE, what: "constant".into() });
     }
+    check_count(FIGURE, "marks", marks.len(), MOST)?;
+    let all = || constants.iter().chain(marks);
+    for point in all() {
+        let ends = point.interval.unwrap_or([point.error; 2]);
+        let values = [point.multiple, point.error, ends[0], ends[1]];
+        check_each(FIGURE, &point.name, &values, "it must be finite and positive", |v| {
+            v.is_finite() && v > 0.0
+        })?;
+    }
+    let (left, right) = extent(all().map(|p| p.multiple));
+    let (low, high) =
+        extent(all().flat_map(|p| p.interval.unwrap_or([p.error; 2]).into_iter().chain([p.error])));
+    let mut legend =
+        vec![Entry { key: Key::Line, colour: style::INK, words: "constants, with 95 % interval".into() }];
+    legend.extend(legend::marked(marks.iter().map(|mark| mark.name.as_str())));
+    let x = Axis::log(
+        "noise given, in multiples of the baseline (.08 m/s², .004 rad/s)".into(),
+        left / 1.25,
+        right * 1.25,
+    );
+    let y = Axis::log(format!("{what} [m]"), low / 1.15, high * 1.15);
+    let place = Rect { left: LEFT, top: HEAD, right: style::WIDTH as i32 - RIGHT, bottom: HEAD + PANEL };
+    let x_at = |p: &SweepPoint| (x.fraction(p.multiple) * f64::from(place.right - LEFT)).round() as i32;
+    let edge = |end: usize| {
+        constants.iter().map(|p| (p.multiple, p.interval.unwrap_or([p.error; 2])[end])).collect()
+    };
+    let line = constants.iter().map(|p| (p.multiple, p.error)).collect();
+    let mut layers = vec![
+        Layer::Grid,
+        Layer::band(edge(1), edge(0), pale(style::MUTED, 0.16)),
+        Layer::Line(line, style::stroke(style::INK, style::LINE - 1)),
+    ];
+    for p in constants {
+        // Above the panel no mark and no bar can cover a name.
+        let up = vec![(p.multiple, y.high()), (p.multiple, p.error)];
+        layers.push(Layer::Line(up, style::stroke(style::GRID, style::THIN)));
+        layers.push(Layer::Mark(0, (p.multiple, p.error), style::INK));
+        let (name, at) = (p.name.clone(), (x_at(p), -16));
+        layers.push(Layer::Words(name, style::CAPTION, style::MUTED, Anchor::Centre, at));
+    }
+    let places: Vec<i32> = marks.iter().map(x_at).collect();
+    for (series, (p, moved)) in marks.iter().zip(side_by_side(&places)).enumerate() {
+        let (at, shift) = ((p.multiple, p.error), moved - places[series]);
+        layers.push(Layer::Error { series, at, shift, ends: p.interval, colour: PALETTE[series] });
+    }
+    layers.push(Layer::Axes(true));
+
+    let row = |kind: &str, p: &SweepPoint| {
+        let end = |i: usize| p.interval.map_or_else(String::new, |ends| ends[i].to_string());
+        row![kind, p.name, p.multiple, p.error, end(0), end(1)]
+    };
+    let of_constants = constants.iter().map(|p| row("constant", p));
+    let rows = of_constants.chain(marks.iter().map(|p| row("mark", p))).collect();
+    let drawn = Drawn { header: vec!["kind", "noise", "multiple", "error_m", "low_m", "high_m"], rows };
+    let sheet = Sheet { gap: 0, ..Sheet::new(legend, HEAD + PANEL + BELOW, caption.to_owned()) };
+    Ok(Chart::new(sheet, vec![Panel { place, x, y, layers }], drawn))
 }
 
 /// Places at which no mark covers another: those that are too near share out the room about their middle, in their order.
@@ -115,59 +132,10 @@ fn side_by_side(places: &[i32]) -> Vec<i32> {
     found
 }
 
-impl Plot for SweepCurve {
-    fn size(&self) -> (u32, u32) {
-        self.sheet.size()
-    }
-
-    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
-        self.sheet.draw(area, |top| {
-            let top = top + HEAD;
-            let rect = Rect { left: LEFT, top, right: style::WIDTH as i32 - RIGHT, bottom: top + PANEL };
-            let frame = Frame::new(area, rect, &self.x, &self.y);
-            frame.grid()?;
-            let edge = |end: usize| {
-                let at = move |p: &SweepPoint| (p.multiple, p.interval.unwrap_or([p.error; 2])[end]);
-                self.constants.iter().map(at).map(|(x, y)| frame.at(x, y)).collect::<Vec<_>>()
-            };
-            let band: Vec<(i32, i32)> = edge(1).into_iter().chain(edge(0).into_iter().rev()).collect();
-            frame.polygon(band, style::MUTED.mix(0.16))?;
-            let line = self.constants.iter().map(|p| frame.at(p.multiple, p.error)).collect::<Vec<_>>();
-            frame.path(line.clone(), style::stroke(style::INK, style::LINE - 1))?;
-            for ((x, y), point) in line.into_iter().zip(&self.constants) {
-                // Above the panel no mark and no bar can cover a name.
-                frame.path(vec![(x, rect.top), (x, y)], style::stroke(style::GRID, style::THIN))?;
-                legend::marker(area, 0, (x, y), style::INK)?;
-                frame.words(&point.name, style::CAPTION, style::MUTED, Anchor::Centre, (x, rect.top - 16))?;
-            }
-            let places: Vec<i32> = self.marks.iter().map(|mark| frame.x_at(mark.multiple)).collect();
-            for (i, (mark, x)) in self.marks.iter().zip(side_by_side(&places)).enumerate() {
-                let colour = PALETTE[i];
-                let at = |error: f64| (x, frame.at(mark.multiple, error).1);
-                if let Some([low, high]) = mark.interval {
-                    frame.path(vec![at(low), at(high)], style::stroke(colour, style::THIN))?;
-                }
-                legend::marker(area, i, at(mark.error), colour)?;
-            }
-            frame.axes(true)
-        })
-    }
-
-    fn csv(&self) -> Drawn {
-        let row = |kind: &str, p: &SweepPoint| {
-            let end = |i: usize| p.interval.map_or_else(String::new, |ends| ends[i].to_string());
-            row![kind, p.name, p.multiple, p.error, end(0), end(1)]
-        };
-        let constants = self.constants.iter().map(|p| row("constant", p));
-        let rows = constants.chain(self.marks.iter().map(|p| row("mark", p))).collect();
-        Drawn { header: vec!["kind", "noise", "multiple", "error_m", "low_m", "high_m"], rows }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plot::svg;
+    use crate::plot::{Plot, svg};
 
     fn point(name: &str, multiple: f64, error: f64) -> SweepPoint {
         SweepPoint { name: name.into(), multiple, error, interval: Some([0.8 * error, 1.3 * error]) }
@@ -178,7 +146,7 @@ mod tests {
         let constants = [point("x1", 1.0, 0.2), point("x4", 4.0, 0.1), point("x16", 16.0, 0.3)];
         let marks =
             [point("dualpronet", 3.3, 0.1), SweepPoint { interval: None, ..point("shuffled", 3.3, 0.12) }];
-        let plot = SweepCurve::new(&constants, &marks, "ATE", "Small print.").unwrap();
+        let plot = sweep_curve(&constants, &marks, "ATE", "Small print.").unwrap();
         let csv = plot.csv();
         assert_eq!((csv.rows.len(), csv.rows[1][3].as_str(), csv.rows[4][4].as_str()), (5, "0.1", ""));
         let text = String::from_utf8(svg(&plot).unwrap()).unwrap();
@@ -202,10 +170,10 @@ mod tests {
     #[test]
     fn what_has_no_place_is_refused() {
         let good = [point("x1", 1.0, 0.2)];
-        assert!(matches!(SweepCurve::new(&[], &good, "ATE", ""), Err(FigureError::Empty { .. })));
+        assert!(matches!(sweep_curve(&[], &good, "ATE", ""), Err(FigureError::Empty { .. })));
         let six: Vec<_> = (1..=6).map(|i| point("m", f64::from(i), 0.1)).collect();
-        assert!(matches!(SweepCurve::new(&good, &six, "ATE", ""), Err(FigureError::TooMany { .. })));
-        let error = SweepCurve::new(&good, &[point("m", 0.0, 0.1)], "ATE", "").unwrap_err().to_string();
+        assert!(matches!(sweep_curve(&good, &six, "ATE", ""), Err(FigureError::TooMany { .. })));
+        let error = sweep_curve(&good, &[point("m", 0.0, 0.1)], "ATE", "").unwrap_err().to_string();
         assert!(error.contains("m is 0 at index 0"), "{error}");
     }
 }

@@ -1,13 +1,13 @@
 //! A run over time: panels one above the other on one time axis, a few lines each, and marks where something happened.
 
 use super::axis::Axis;
+use super::chart::{Chart, Layer, Panel};
 use super::error::FigureError;
-use super::frame::{BELOW, Frame, LEFT, RIGHT, Rect};
-use super::plot::{Area, Drawn, Painted, Plot};
+use super::frame::{BELOW, LEFT, RIGHT, Rect};
+use super::plot::Drawn;
 use super::sheet::Sheet;
 use super::style::{self, Anchor, PALETTE};
 use super::summary::{columns, extent, unbroken};
-use plotters_backend::DrawingBackend;
 
 const FIGURE: &str = "timeline";
 /// Height of a panel's data, and of the words above it.
@@ -22,58 +22,59 @@ const DECADES: f64 = 1e-5;
 
 /// One panel: what its axis says, and lines of (seconds, value) in increasing time.
 #[derive(Debug, Clone, PartialEq)]
-pub struct TimelinePanel {
+pub(super) struct TimelinePanel {
     /// What is shown, with its unit.
-    pub label: String,
+    pub(super) label: String,
     /// Whether the axis is logarithmic; values of 0 or below are left out there.
-    pub log: bool,
+    pub(super) log: bool,
     /// Lines with their names.
-    pub lines: Vec<(String, Vec<(f64, f64)>)>,
+    pub(super) lines: Vec<(String, Vec<(f64, f64)>)>,
 }
 
-/// The plot; see the head of its file.
-#[derive(Debug, Clone)]
-pub struct Timeline {
-    time: Axis,
-    panels: Vec<(TimelinePanel, Axis)>,
-    /// Where something happened \[s\].
+/// Panels from above; those without a point are left out. `marks` \[s\] are drawn through all of them, `caption` says what they are.
+///
+/// # Errors
+/// [`FigureError::Empty`] where no panel has a point.
+pub(super) fn over_time(
+    title: String,
+    panels: Vec<TimelinePanel>,
     marks: Vec<f64>,
-    sheet: Sheet,
-}
-
-impl Timeline {
-    /// Panels from above; those without a point are left out. `marks` \[s\] are drawn through all of them, `caption` says what they are.
-    ///
-    /// # Errors
-    /// [`FigureError::Empty`] where no panel has a point.
-    pub fn new(
-        title: String,
-        panels: Vec<TimelinePanel>,
-        marks: Vec<f64>,
-        caption: String,
-    ) -> Result<Self, FigureError> {
-        let mut kept: Vec<TimelinePanel> = panels
-            .into_iter()
-            .map(|mut panel| {
-                for (_, line) in &mut panel.lines {
-                    line.retain(|(t, v)| t.is_finite() && v.is_finite() && (!panel.log || *v > 0.0));
-                }
-                panel
-            })
-            .collect();
-        kept.retain(|panel| panel.lines.iter().any(|(_, line)| !line.is_empty()));
-        let times = kept.iter().flat_map(|p| p.lines.iter().flat_map(|(_, line)| line.iter().map(|p| p.0)));
-        let (start, end) = extent(times);
-        if start > end {
-            return Err(FigureError::Empty { figure: FIGURE, what: "point in time".into() });
-        }
-        let time = Axis::linear("time [s]".into(), start, end, 10);
-        let body = kept.len() as i32 * (PANEL + WORDS) + BELOW;
-        let sheet = Sheet { title, head: WORDS, ..Sheet::new(Vec::new(), body, caption) };
-        let panels = kept.into_iter().map(|panel| (panel.thinned(), panel.axis())).collect();
-        let marks = marks.into_iter().filter(|t| (start..=end).contains(t)).collect();
-        Ok(Self { time, panels, marks, sheet })
+    caption: String,
+) -> Result<Chart, FigureError> {
+    let mut kept: Vec<TimelinePanel> = panels
+        .into_iter()
+        .map(|mut panel| {
+            for (_, line) in &mut panel.lines {
+                line.retain(|(t, v)| t.is_finite() && v.is_finite() && (!panel.log || *v > 0.0));
+            }
+            panel
+        })
+        .collect();
+    kept.retain(|panel| panel.lines.iter().any(|(_, line)| !line.is_empty()));
+    let times = kept.iter().flat_map(|p| p.lines.iter().flat_map(|(_, line)| line.iter().map(|p| p.0)));
+    let (start, end) = extent(times);
+    if start > end {
+        return Err(FigureError::Empty { figure: FIGURE, what: "point in time".into() });
     }
+    let time = Axis::linear("time [s]".into(), start, end, 10);
+    let body = kept.len() as i32 * (PANEL + WORDS) + BELOW;
+    let sheet = Sheet { title, head: WORDS, ..Sheet::new(Vec::new(), body, caption) };
+    let marks: Vec<f64> = marks.into_iter().filter(|t| (start..=end).contains(t)).collect();
+    let (mut drawn, mut rows) = (Vec::new(), Vec::new());
+    for (i, panel) in kept.iter().enumerate() {
+        let (y, panel) = (panel.axis(), panel.thinned());
+        for (name, line) in &panel.lines {
+            let row = |(t, value): &(f64, f64)| {
+                vec![panel.label.clone(), name.clone(), t.to_string(), value.to_string()]
+            };
+            rows.extend(line.iter().map(row));
+        }
+        let top = WORDS + i as i32 * (PANEL + WORDS);
+        let place = Rect { left: LEFT, top, right: LEFT + WIDE, bottom: top + PANEL };
+        let layers = panel.layers(&y, &marks, i + 1 == kept.len());
+        drawn.push(Panel { place, x: time.clone(), y, layers });
+    }
+    Ok(Chart::new(sheet, drawn, Drawn { header: vec!["panel", "line", "t_s", "value"], rows }))
 }
 
 impl TimelinePanel {
@@ -102,66 +103,31 @@ impl TimelinePanel {
         Axis::linear(String::new(), if low < 0.0 { low - pad } else { low }, high + pad, 4)
     }
 
-    fn draw<DB: DrawingBackend>(&self, frame: &Frame<'_, DB>, marks: &[f64], last: bool) -> Painted<DB> {
-        frame.grid()?;
-        for t in marks {
-            let x = frame.x_at(*t);
-            let line = vec![(x, frame.rect.top), (x, frame.rect.bottom)];
-            frame.dashed(line, style::stroke(style::MUTED, style::THIN))?;
-        }
-        let mut x = frame.rect.right;
+    fn layers(&self, y: &Axis, marks: &[f64], last: bool) -> Vec<Layer> {
+        let mut layers = vec![Layer::Grid];
+        let mark = |t: &f64| {
+            Layer::Dashed(vec![(*t, y.high()), (*t, y.low())], style::stroke(style::MUTED, style::THIN))
+        };
+        layers.extend(marks.iter().map(mark));
+        let mut x = WIDE;
         for ((name, line), colour) in self.lines.iter().zip(PALETTE).rev() {
-            for part in unbroken(line, |(t, _)| *t) {
-                let points = part.iter().map(|(t, v)| frame.at(*t, *v)).collect();
-                frame.path(points, style::stroke(colour, style::THIN))?;
-            }
+            let parts = unbroken(line, |(t, _)| *t);
+            layers.extend(parts.map(|part| Layer::Line(part.to_vec(), style::stroke(colour, style::THIN))));
             if self.lines.len() > 1 {
-                let at = (x, frame.rect.top - 18);
-                frame.words(name, style::CAPTION, colour, Anchor::East, at)?;
+                layers.push(Layer::Words(name.clone(), style::CAPTION, colour, Anchor::East, (x, -18)));
                 x -= style::width(name, style::CAPTION) + 24;
             }
         }
-        frame.axes(last)?;
-        let at = (frame.rect.left, frame.rect.top - 18);
-        frame.words(&self.label, style::CAPTION, style::INK, Anchor::West, at)
-    }
-}
-
-impl Plot for Timeline {
-    fn size(&self) -> (u32, u32) {
-        self.sheet.size()
-    }
-
-    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Painted<DB> {
-        self.sheet.draw(area, |mut top| {
-            for (i, (panel, axis)) in self.panels.iter().enumerate() {
-                top += WORDS;
-                let rect = Rect { left: LEFT, top, right: LEFT + WIDE, bottom: top + PANEL };
-                let frame = Frame::new(area, rect, &self.time, axis);
-                panel.draw(&frame, &self.marks, i + 1 == self.panels.len())?;
-                top += PANEL;
-            }
-            Ok(())
-        })
-    }
-
-    fn csv(&self) -> Drawn {
-        let mut rows = Vec::new();
-        for (panel, _) in &self.panels {
-            for (name, line) in &panel.lines {
-                for (t, value) in line {
-                    rows.push(vec![panel.label.clone(), name.clone(), t.to_string(), value.to_string()]);
-                }
-            }
-        }
-        Drawn { header: vec!["panel", "line", "t_s", "value"], rows }
+        layers.push(Layer::Axes(last));
+        layers.push(Layer::Words(self.label.clone(), style::CAPTION, style::INK, Anchor::West, (0, -18)));
+        layers
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plot::svg;
+    use crate::plot::{Plot, svg};
 
     fn panel(label: &str, log: bool, line: &[(f64, f64)]) -> TimelinePanel {
         TimelinePanel { label: label.into(), log, lines: vec![("a".into(), line.to_vec())] }
@@ -181,16 +147,17 @@ mod tests {
             panel("nothing", false, &[]),
             panel("sigma [m]", true, &[(0.5, 0.0), (1.5, 0.1)]),
         ];
-        let plot = Timeline::new("f01".into(), panels, vec![1.0, 9.0], "Dashed: restarts.".into()).unwrap();
+        let plot = over_time("f01".into(), panels, vec![1.0, 9.0], "Dashed: restarts.".into()).unwrap();
         let rows = plot.csv().rows;
         let of = |row: &Vec<String>| (row[0].clone(), row[2].clone(), row[3].clone());
         let expected = [("tracks", "0", "10"), ("tracks", "1", "20"), ("sigma [m]", "1.5", "0.1")];
         let expected = expected.map(|(a, b, c)| (a.to_owned(), b.to_owned(), c.to_owned()));
         assert_eq!(rows.iter().map(of).collect::<Vec<_>>(), expected);
-        assert_eq!(plot.marks, [1.0]);
+        let marks = plot.panels[0].layers.iter().filter(|layer| matches!(layer, Layer::Dashed(..)));
+        assert_eq!(marks.count(), 1);
         let text = String::from_utf8(svg(&plot).unwrap()).unwrap();
         assert!(text.contains("time [s]") && text.contains("restarts") && !text.contains("nothing"));
-        let none = Timeline::new(String::new(), vec![panel("x", false, &[])], vec![], String::new());
+        let none = over_time(String::new(), vec![panel("x", false, &[])], vec![], String::new());
         assert!(matches!(none, Err(FigureError::Empty { .. })));
     }
 }

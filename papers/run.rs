@@ -20,7 +20,7 @@ use dpn_core::progress::Progress;
 use dpn_eval::closed_loop::{ImageSource, Recording, Row, TrackSource};
 use dpn_eval::injected::Course;
 use dpn_eval::study::{Criterion, RowSet, Study};
-use dpn_figures::{Plot, Provenance, Sourced, save};
+use dpn_figures::{Chart, Provenance, save};
 use dpn_io::{IoError, atomic_write};
 use dpn_pronet::network::Network;
 use dpn_train::split::Side;
@@ -297,7 +297,7 @@ impl Paper<'_> {
             "open_loop_rmse_vs_sigma",
             "Error of the estimated deviation, with its bound",
             &[open],
-            &figure,
+            figure,
         )?;
         let recordings = self.recordings()?;
         let keep = self.keep();
@@ -308,7 +308,7 @@ impl Paper<'_> {
             "trajectories",
             "All trajectories: truth, baseline, DualProNet",
             &[closed],
-            &drawings::trajectories(&recordings, rows, &dir, &keep, &noises)?,
+            drawings::trajectories(&recordings, rows, &dir, &keep, &noises)?,
         )?;
         let example = recordings.iter().find(|r| r.side == Side::Test).or(recordings.first());
         if let Some(recording) = example {
@@ -317,7 +317,7 @@ impl Paper<'_> {
                     "error_by_time",
                     "Error by time, with what the estimator believes",
                     &[closed],
-                    &figure,
+                    figure,
                 )?;
             }
             for sensor in Sensor::ALL {
@@ -328,7 +328,7 @@ impl Paper<'_> {
                     sensor,
                 )?;
                 let name = if sensor == Sensor::Accel { "flight_sigma" } else { "flight_sigma_gyro" };
-                figures.add(name, "What is said over a flight", &[closed], &figure)?;
+                figures.add(name, "What is said over a flight", &[closed], figure)?;
             }
             let runs = [results.responses.run.as_str()];
             for sensor in Sensor::ALL {
@@ -344,13 +344,13 @@ impl Paper<'_> {
                     self.plan.seed,
                 )?;
                 let name = if sensor == Sensor::Accel { "step_response" } else { "step_response_gyro" };
-                figures.add(name, "Noise added in a step, and who follows", &runs, &figure)?;
+                figures.add(name, "Noise added in a step, and who follows", &runs, figure)?;
             }
         }
         if drawings::has_curve(study) {
             let caption = medians(&RowSet::new(&results.closed.value));
             let figure = drawings::sweep(study, &caption)?;
-            figures.add("sweep", "Error against the constant given", &[closed], &figure)?;
+            figures.add("sweep", "Error against the constant given", &[closed], figure)?;
         }
         if let Some((_, made)) = results.injected.iter().find(|(course, _)| *course == Course::Step) {
             let rows = RowSet::new(&made.value);
@@ -363,7 +363,7 @@ impl Paper<'_> {
                     "injected_sweep",
                     "Error against the constant given, under injected noise",
                     &[&made.run],
-                    &figure,
+                    figure,
                 )?;
             }
         }
@@ -412,10 +412,9 @@ impl FigureWriter<'_> {
         name: &'static str,
         title: &str,
         runs: &[&str],
-        plot: &(impl Plot + Clone),
+        chart: Chart,
     ) -> Result<(), PaperError> {
-        let made_by = self.made_by.of(runs);
-        save(&Sourced::new(plot.clone(), made_by), &self.out.join(name))?;
+        save(&chart.made_by(&self.made_by.of(runs)), &self.out.join(name))?;
         let file = self.out.join(format!("{name}.svg"));
         let svg = std::fs::read_to_string(&file).map_err(|source| IoError::Read { path: file, source })?;
         self.files.extend(["png", "csv"].map(|ending| format!("{name}.{ending}")));

@@ -3,7 +3,9 @@
 use dpn_core::Sensor;
 use dpn_core::bounds::cramer_rao_sigma;
 use dpn_eval::open_loop::{Errors, Row};
-use dpn_figures::{Flight, FlightSigma, Phase, Plot, Predicted, PredictedVsTrue, RmseVsSigma, save};
+use dpn_figures::{
+    Chart, Flight, Phase, Plot, Predicted, flight_sigma, predicted_vs_true, rmse_vs_sigma, save,
+};
 use dpn_train::label::Label;
 use dpn_train::split::Side;
 use std::error::Error;
@@ -64,7 +66,7 @@ fn scale(sensor: Sensor) -> f64 {
     }
 }
 
-fn predicted(continuous: bool, count: usize) -> Result<PredictedVsTrue, Box<dyn Error>> {
+fn predicted(continuous: bool, count: usize) -> Result<Chart, Box<dyn Error>> {
     let mut noise = Noise(7);
     let data: Vec<_> = Sensor::ALL
         .into_iter()
@@ -85,7 +87,7 @@ fn predicted(continuous: bool, count: usize) -> Result<PredictedVsTrue, Box<dyn 
             estimates: estimates.iter().map(|(name, values)| (*name, values.as_slice())).collect(),
         })
         .collect();
-    Ok(PredictedVsTrue::new(&panels)?)
+    Ok(predicted_vs_true(&panels)?)
 }
 
 fn rows() -> Vec<Row> {
@@ -119,7 +121,7 @@ fn rows() -> Vec<Row> {
     rows
 }
 
-fn flight(short_phases: bool) -> Result<FlightSigma, Box<dyn Error>> {
+fn flight(short_phases: bool) -> Result<Chart, Box<dyn Error>> {
     let mut noise = Noise(9);
     let t: Vec<f64> = (0..28_000).map(|i| f64::from(i) * 0.005).collect();
     let edges = if short_phases { [4.0, 7.0, 136.0] } else { [18.0, 36.0, 122.0] };
@@ -152,7 +154,7 @@ fn flight(short_phases: bool) -> Result<FlightSigma, Box<dyn Error>> {
         ("constant x1", vec![0.08; t.len()]),
     ];
     let phase = |label: &str, from, to| Phase { label: label.into(), from, to };
-    Ok(FlightSigma::new(&Flight {
+    Ok(flight_sigma(&Flight {
         name: "made up",
         sensor: Sensor::Accel,
         axis: "z",
@@ -187,8 +189,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     keep(&predicted(true, 2)?, &folder, "predicted_vs_true_continuous")?;
     let rows = rows();
     let all: Vec<&Row> = rows.iter().collect();
-    keep(&RmseVsSigma::new(&all, 200)?, &folder, "rmse_vs_sigma")?;
-    keep(&RmseVsSigma::new(&all[..2], 200)?, &folder, "rmse_vs_sigma_one_sensor")?;
+    keep(&rmse_vs_sigma(&all, 200)?, &folder, "rmse_vs_sigma")?;
+    keep(&rmse_vs_sigma(&all[..2], 200)?, &folder, "rmse_vs_sigma_one_sensor")?;
     keep(&flight(false)?, &folder, "flight_sigma")?;
     keep(&flight(true)?, &folder, "flight_sigma_short_phases")?;
     Ok(())

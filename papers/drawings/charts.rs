@@ -4,7 +4,7 @@ use super::super::specs;
 use dpn_core::estimate::NoiseSpec;
 use dpn_eval::open_loop;
 use dpn_eval::study::{NoiseSummary, Study};
-use dpn_figures::{FigureError, RmseVsSigma, SweepCurve, SweepPoint};
+use dpn_figures::{Chart, FigureError, SweepPoint, rmse_vs_sigma, sweep_curve};
 use dpn_train::label::Label;
 use dpn_train::split::Side;
 use dpn_train::windows::WINDOW;
@@ -13,7 +13,7 @@ use dpn_train::windows::WINDOW;
 const SHOWN: [&str; 5] = ["pronet", "pronet-paper", "kernel-svr", "diff2", "sg(11,2)"];
 
 /// Of the test windows on the paper's grid over SG(11,2), else over the first base there is; of the training windows where there are no others.
-pub(crate) fn rmse(rows: &[open_loop::Row], data: &str) -> Result<RmseVsSigma, FigureError> {
+pub(crate) fn rmse(rows: &[open_loop::Row], data: &str) -> Result<Chart, FigureError> {
     let wanted = |row: &&open_loop::Row| {
         row.levels == "grid"
             && row.label == Label::Injected
@@ -32,7 +32,7 @@ pub(crate) fn rmse(rows: &[open_loop::Row], data: &str) -> Result<RmseVsSigma, F
         ..row.clone()
     };
     let of_base: Vec<open_loop::Row> = of_split().filter(|row| row.base == base).map(named).collect();
-    RmseVsSigma::new(&of_base.iter().collect::<Vec<_>>(), WINDOW)
+    rmse_vs_sigma(&of_base.iter().collect::<Vec<_>>(), WINDOW)
 }
 
 /// Where a noise stands among multiples of the baseline: its own, or the geometric mean of both sensors' given.
@@ -66,22 +66,22 @@ pub(crate) fn has_curve(study: &Study) -> bool {
     multiples(study).any(|line| line.ate.is_some())
 }
 
-fn curve(study: &Study, marks: &[NoiseSpec], caption: &str) -> Result<SweepCurve, FigureError> {
+fn curve(study: &Study, marks: &[NoiseSpec], caption: &str) -> Result<Chart, FigureError> {
     let mut constants: Vec<SweepPoint> = multiples(study).filter_map(point).collect();
     constants.sort_by(|a, b| a.multiple.total_cmp(&b.multiple));
     let marks: Vec<SweepPoint> = marks.iter().filter_map(|noise| study.of(noise).and_then(point)).collect();
-    SweepCurve::new(&constants, &marks, "ATE, median over sequences", caption)
+    sweep_curve(&constants, &marks, "ATE, median over sequences", caption)
 }
 
 /// The sweep of the study.
-pub(crate) fn sweep(study: &Study, caption: &str) -> Result<SweepCurve, FigureError> {
+pub(crate) fn sweep(study: &Study, caption: &str) -> Result<Chart, FigureError> {
     let marks =
         ["dualpronet", "mean(dualpronet)", "shuffled(dualpronet)", "mean-of-train(dualpronet)", "diff2"];
     curve(study, &specs::noises(marks), caption)
 }
 
 /// The sweep under injected noise.
-pub(crate) fn injected_sweep(study: &Study, caption: &str) -> Result<SweepCurve, FigureError> {
+pub(crate) fn injected_sweep(study: &Study, caption: &str) -> Result<Chart, FigureError> {
     let [oracle, adaptive, dualpronet] = specs::noises([specs::ORACLE, specs::WIDE_PLUS, specs::DUALPRONET]);
     let (mean, shuffled) =
         (NoiseSpec::Mean(Box::new(adaptive.clone())), NoiseSpec::Shuffled(Box::new(adaptive.clone())));

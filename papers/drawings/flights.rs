@@ -9,7 +9,7 @@ use dpn_core::random::Stream;
 use dpn_core::{ImuRecording, NoiseTrack, Sensor};
 use dpn_eval::closed_loop::{CellFiles, CellKey, Recording, Row};
 use dpn_eval::noise::{Fresh, Recorded};
-use dpn_figures::{ErrorBand, ErrorColumn, Flight, FlightSigma, Trajectories, TrajectoryPanel};
+use dpn_figures::{Chart, ErrorColumn, Flight, TrajectoryPanel, error_band, flight_sigma};
 use dpn_pronet::network::Network;
 use dpn_train::levels::{LevelKind, Levels};
 use dpn_train::split::Side;
@@ -49,7 +49,7 @@ pub(crate) fn trajectories(
     dir: &Path,
     keep: &CellFiles,
     noises: &[NoiseSpec],
-) -> Result<Trajectories, PaperError> {
+) -> Result<Chart, PaperError> {
     let seed = seed_of(keep);
     let mut panels = Vec::new();
     for recording in recordings {
@@ -82,7 +82,7 @@ pub(crate) fn trajectories(
     );
     let names: Vec<String> = noises.iter().map(specs::name).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    Ok(Trajectories::new(&panels, &names, &caption)?)
+    Ok(dpn_figures::trajectories(&panels, &names, &caption)?)
 }
 
 /// Errors of one sequence by time, with what the estimator believed of them.
@@ -91,7 +91,7 @@ pub(crate) fn errors(
     dir: &Path,
     keep: &CellFiles,
     noises: &[NoiseSpec],
-) -> Result<Option<ErrorBand>, PaperError> {
+) -> Result<Option<Chart>, PaperError> {
     let seed = seed_of(keep);
     let mut columns = Vec::new();
     for noise in noises {
@@ -118,7 +118,7 @@ pub(crate) fn errors(
         "One run each (seed {seed}). Estimate and truth agree at the pose that the estimator took for known; grey: three deviations of the newest pose \
          about it, as the estimator believes them. A band far wider than the errors is cut at the panel's edge."
     );
-    Ok(Some(ErrorBand::new(&format!("{}: error of position by time", recording.name), &columns, &caption)?))
+    Ok(Some(error_band(&format!("{}: error of position by time", recording.name), &columns, &caption)?))
 }
 
 /// The tracks of `noises` on `imu`, by name.
@@ -147,14 +147,14 @@ fn figure(
     (sensor, axis): (Sensor, usize),
     trained_up_to: Option<f64>,
     words: &str,
-) -> Result<FlightSigma, PaperError> {
+) -> Result<Chart, PaperError> {
     let start = imu.samples()[0].t;
     let t: Vec<f64> = imu.samples().iter().map(|s| s.t.seconds_since(start)).collect();
     let signal = imu.axis(sensor, axis);
     let of = |track: &NoiseTrack| track.noises().iter().map(|n| n.of(sensor)[axis]).collect::<Vec<f64>>();
     let said: Vec<(&str, Vec<f64>)> = tracks.iter().map(|(name, track)| (name.as_str(), of(track))).collect();
     let truth = truth.map(of);
-    Ok(FlightSigma::new(&Flight {
+    Ok(flight_sigma(&Flight {
         name: &recording.name,
         sensor,
         axis: ["x", "y", "z"][axis],
@@ -174,7 +174,7 @@ pub(crate) fn sigma_over_flight(
     noises: &[NoiseSpec],
     networks: &[Network],
     sensor: Sensor,
-) -> Result<FlightSigma, PaperError> {
+) -> Result<Chart, PaperError> {
     let tracks = tracks(recording, &recording.imu, recording.oracle.as_ref(), noises, networks, 0)?;
     let up_to = Some(Levels::paper(sensor, LevelKind::Grid).high);
     let words = "Motors: at speed where second differences of the accelerometer over a second exceed .25 m/s² of deviation.";
@@ -190,7 +190,7 @@ pub(crate) fn step_response(
     networks: &[Network],
     sensor: Sensor,
     seed: u64,
-) -> Result<FlightSigma, PaperError> {
+) -> Result<Chart, PaperError> {
     let tracks = tracks(recording, imu, Some(truth), noises, networks, seed)?;
     let words = "True σ: root of the sum of squares of what is added and of the best constant without it.";
     figure(recording, imu, &tracks, Some(truth), (sensor, 0), None, words)

@@ -1,6 +1,6 @@
 //! The fleet: scores over all platforms, and each platform by itself.
 
-use super::against;
+use super::comparison::against;
 use dpn_eval::fleet::{FleetScore, NoiseScore};
 use dpn_figures::{Cell, Column, Table};
 
@@ -20,7 +20,7 @@ pub fn fleet(score: &FleetScore) -> Table {
             Cell::number(line.score, 2),
             worst.map_or_else(Cell::none, |(platform, score)| Cell::text(format!("{score:.2} ({platform})"))),
             ratio,
-            better,
+            line.comparison.as_ref().map_or_else(Cell::none, |_| better),
             p,
         ]);
     };

@@ -3,7 +3,7 @@
 use super::super::injected::Response;
 use super::super::input::Input;
 use super::super::specs;
-use super::against;
+use super::comparison::against;
 use dpn_eval::injected::{Course, Injection, TONE_HZ};
 use dpn_eval::study::{Choice, Study};
 use dpn_figures::{Cell, Column, Provenance, Table};

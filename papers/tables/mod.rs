@@ -3,6 +3,7 @@
 
 mod ate;
 mod closed_loop;
+mod comparison;
 mod fleet;
 mod injected;
 mod networks;
@@ -25,16 +26,3 @@ pub(super) use pairs::pairs;
 pub(super) use split::split;
 pub(super) use study::study;
 pub(super) use timing::timing;
-
-use dpn_eval::study::Comparison;
-use dpn_figures::Cell;
-
-/// Ratio with its interval, on how many sequences it is better, and p after Holm's correction.
-fn against(comparison: Option<&Comparison>) -> [Cell; 3] {
-    let better = |c: &Comparison| Cell::text(format!("{} of {}", c.better, c.sequences));
-    [
-        Cell::interval(comparison.map(|c| c.ratio), comparison.map(|c| c.ratio_interval), 2),
-        comparison.map_or(Cell::text("-"), better),
-        Cell::p(comparison.and_then(|c| c.p_holm)),
-    ]
-}

@@ -2,7 +2,7 @@
 
 use super::super::findings::Pair;
 use super::super::specs;
-use super::against;
+use super::comparison::against;
 use dpn_figures::{Cell, Column, Provenance, Table};
 
 /// A line a pair.

@@ -3,7 +3,7 @@
 use super::super::input::Input;
 use super::super::specs;
 use super::super::verdict::Standing;
-use super::against;
+use super::comparison::against;
 use dpn_eval::study::{NoiseSummary, Study};
 use dpn_figures::{Cell, Column, Provenance, Table};
 

@@ -4,7 +4,7 @@ use super::log;
 use crate::args::CheckArgs;
 use crate::ui::{out, outln};
 use anyhow::Result;
-use dpn_figures::{FigureError, SpectrumPlot, save};
+use dpn_figures::{FigureError, save, spectrum_plot};
 use dpn_io::atomic_write;
 use dpn_probe::doctor::examine_log;
 
@@ -15,7 +15,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<()> {
     // A short log has findings but no spectrum; a dead sensor has one without power.
     let plot = match &examination.spectra[..] {
         [] => None,
-        spectra => match SpectrumPlot::new(spectra, &words) {
+        spectra => match spectrum_plot(spectra, &words) {
             Ok(plot) => Some(plot),
             Err(FigureError::Empty { .. }) => None,
             Err(error) => return Err(error.into()),

@@ -6,7 +6,7 @@ use crate::ui::{Bar, Fault, errln, outln};
 use anyhow::{Context, Result};
 use dpn_core::Sensor;
 use dpn_eval::open_loop::{OpenLoop, OpenLoopError, Request, Row, run as judge};
-use dpn_figures::{Predicted, PredictedVsTrue, RmseVsSigma, save};
+use dpn_figures::{Predicted, predicted_vs_true, rmse_vs_sigma, save};
 use dpn_io::{FolderLock, atomic_write};
 use dpn_papers::tables::open_loop_rows;
 use dpn_train::base::Base;
@@ -178,7 +178,7 @@ fn draw(result: &OpenLoop, sensors: &[Sensor], out: &Path) -> Result<Vec<PathBuf
     if predicted.is_empty() {
         return Ok(Vec::new());
     }
-    let mut files = save(&PredictedVsTrue::new(&predicted)?, &out.join("open_loop_predicted"))?;
-    files.extend(save(&RmseVsSigma::new(&rows, WINDOW)?, &out.join("open_loop_rmse_vs_sigma"))?);
+    let mut files = save(&predicted_vs_true(&predicted)?, &out.join("open_loop_predicted"))?;
+    files.extend(save(&rmse_vs_sigma(&rows, WINDOW)?, &out.join("open_loop_rmse_vs_sigma"))?);
     Ok(files)
 }

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use dpn_core::{NoiseTrack, Sensor};
 use dpn_eval::noise::{Recorded, of_recording};
-use dpn_figures::{Flight, FlightSigma, save};
+use dpn_figures::{Flight, flight_sigma, save};
 use dpn_pronet::DualProNet;
 use dpn_pronet::network::Network;
 use dpn_train::corpus::Corpus;
@@ -53,5 +53,5 @@ pub(super) fn draw(corpora: &[Corpus], networks: &[Network], out: &Path) -> Resu
         trained_up_to: Some(Levels::paper(Sensor::Accel, LevelKind::Grid).high),
         words: "",
     };
-    Ok(save(&FlightSigma::new(&flight)?, &out.join("flight_sigma"))?)
+    Ok(save(&flight_sigma(&flight)?, &out.join("flight_sigma"))?)
 }

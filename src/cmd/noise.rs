@@ -6,7 +6,7 @@ use crate::ui::{errln, out, outln};
 use anyhow::{Context, Result};
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::{Recorded, SampleRate, Samples};
-use dpn_figures::{LogNoisePlot, save};
+use dpn_figures::{log_noise_plot, save};
 use dpn_io::noise_formats::{Format, Given, NoiseCalibration, read};
 use dpn_io::{atomic_write, write_noise_rows};
 use dpn_probe::Finding;
@@ -67,7 +67,7 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
     for line in report::outside(summary) {
         words.push_str(&format!(" {line}."));
     }
-    let plot = LogNoisePlot::new(recording, track, &plan, summary, &words)?;
+    let plot = log_noise_plot(recording, track, &plan, summary, &words)?;
     let files = save(&plot, &args.out.join("plot"))?;
     let written = match args.format {
         RowFormat::Csv => {

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use dpn_core::Sensor;
-use dpn_figures::{TrainingCurve, save};
+use dpn_figures::{save, training_curve};
 use dpn_train::run::{RunSummary, history};
 use std::path::Path;
 
@@ -10,6 +10,6 @@ use std::path::Path;
 pub(super) fn draw_curve(sensor: Sensor, summary: &RunSummary, out: &Path) -> Result<()> {
     let words = format!("{} on {}, seed {}.", summary.name, summary.data, summary.seed);
     let history = history(out)?;
-    save(&TrainingCurve::new(sensor, &history, Some(summary.best_epoch), &words)?, &out.join("training"))?;
+    save(&training_curve(sensor, &history, Some(summary.best_epoch), &words)?, &out.join("training"))?;
     Ok(())
 }
