@@ -67,10 +67,11 @@ fn metres(value: f64) -> String {
     if value < 0.011 { format!("{value:.4}") } else { format!("{value:.3}") }
 }
 
-/// A positive number to two digits.
+/// A positive number to two digits, without noughts at its end.
 fn two_digits(value: f64) -> String {
     let digits = (1.0 - value.log10().floor()).max(0.0) as usize;
-    format!("{value:.digits$}")
+    let text = format!("{value:.digits$}");
+    if digits == 0 { text } else { text.trim_end_matches('0').trim_end_matches('.').to_owned() }
 }
 
 /// A probability above 0 to two digits.
@@ -177,7 +178,7 @@ fn open_loop(sensor: &str, base: &str, quantity: &str) -> String {
     match quantity {
         "rmse" => of(network, "test RMSE"),
         "bound" => of(network, "bound"),
-        "spread" => of(network, "spread over seeds"),
+        "spread" => format!("{:.1$}", number(&network["spread over seeds"]), digits + 1),
         "seeds" => network["training seeds"].clone(),
         "simple" => other(0),
         "regressor" => other(1),
@@ -311,7 +312,7 @@ fn readme_book_targets_and_the_study_begin_with_one_answer() {
 
 #[test]
 fn a_probability_has_two_digits() {
-    assert_eq!([1.0, 0.389, 0.0566, 0.0322].map(probability), ["1", "0.39", "0.057", "0.032"]);
+    assert_eq!([1.0, 0.389, 0.0566, 0.0322, 0.007].map(probability), ["1", "0.39", "0.057", "0.032", "0.007"]);
 }
 
 #[test]
