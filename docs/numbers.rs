@@ -312,7 +312,10 @@ fn readme_book_targets_and_the_study_begin_with_one_answer() {
 
 #[test]
 fn a_probability_has_two_digits() {
-    assert_eq!([1.0, 0.389, 0.0566, 0.0322, 0.007].map(probability), ["1", "0.39", "0.057", "0.032", "0.007"]);
+    assert_eq!(
+        [1.0, 0.389, 0.0566, 0.0322, 0.007].map(probability),
+        ["1", "0.39", "0.057", "0.032", "0.007"]
+    );
 }
 
 #[test]
