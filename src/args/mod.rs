@@ -10,19 +10,16 @@ mod examples;
 mod export;
 mod fleet;
 mod image_log;
-mod images;
 mod log;
 mod manual;
 mod noise;
 mod page;
 mod paper;
 mod run;
-mod set;
 mod simulate;
 mod sweep;
 mod train;
 mod truth;
-mod world;
 
 pub(crate) use allan::AllanArgs;
 pub(crate) use cache::CacheArgs;
@@ -33,14 +30,13 @@ pub(crate) use eval::EvalArgs;
 pub(crate) use export::{ExportArgs, ExportWhat, OnnxArgs};
 pub(crate) use fleet::FleetArgs;
 pub(crate) use image_log::ImageLogArgs;
-pub(crate) use images::ImagesArgs;
 pub(crate) use log::{HowArgs, LogArgs, rate};
 pub(crate) use manual::{CompletionsArgs, ManualArgs};
 pub(crate) use noise::{ConvertArgs, NoiseArgs, NoiseWhat, RowFormat};
 pub(crate) use page::PageArgs;
 pub(crate) use paper::PaperArgs;
 pub(crate) use run::RunArgs;
-pub(crate) use simulate::{FlightArgs, SimulateArgs, SimulateWhat, TracksArgs};
+pub(crate) use simulate::{AlongArgs, FlightArgs, ImagesArgs, SimulateArgs, SimulateWhat, TracksArgs};
 pub(crate) use sweep::{
     Shards, SweepArgs, SweepCollectArgs, SweepPlanArgs, SweepRunArgs, SweepStatusArgs, SweepWhat,
 };

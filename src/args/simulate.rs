@@ -1,10 +1,7 @@
 //! `dpn simulate`.
 
-use super::set::set;
-use super::world::WorldArg;
-use super::{ImagesArgs, examples};
+use super::examples;
 use clap::{Args, Subcommand};
-use dpn_sim::tracks::{TracksConfig, World};
 use std::path::PathBuf;
 
 /// What to simulate.
@@ -55,66 +52,56 @@ pub(crate) struct FlightArgs {
     pub(crate) json: bool,
 }
 
-/// Flags of `dpn simulate tracks`. A flag overrides the configuration's key of the same meaning.
+/// What tracks and images are made along, and how.
 #[derive(Debug, Args)]
-pub(crate) struct TracksArgs {
-    /// Folder of an ASL sequence with ground truth (EuRoC, TUM-VI), or name of a flight.
+pub(crate) struct AlongArgs {
+    /// Folder of an ASL sequence with ground truth (EuRoC, TUM-VI), or name of a flight, flown with seed 0.
     #[arg(value_name = "SEQUENCE|FLIGHT")]
     pub(crate) source: String,
-    /// File to write; without it runs/tracks/NAME.txt.
-    #[arg(long, value_name = "FILE")]
-    pub(crate) out: Option<PathBuf>,
     /// Folder with reconciled ground truth, NAME.csv each, as `dpn truth` writes it; without it the published one.
     #[arg(long, value_name = "DIR")]
     pub(crate) truth: Option<PathBuf>,
-    /// Seed of the world and of the tracker's errors.
+    /// Seed of the world, the light and all noise.
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,
-    /// Seed that the flight is flown with, as in `dpn simulate flight --seed`.
-    #[arg(long, default_value_t = 0, value_name = "SEED")]
-    pub(crate) flight_seed: u64,
-    /// Configuration (TOML); without it the built-in default, which configs/tracks/euroc.toml repeats.
+    /// Configuration (TOML); without it the built-in default, which configs/tracks/euroc.toml and configs/images/euroc.toml repeat.
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
-    /// Kind of world.
-    #[arg(long, value_enum)]
-    world: Option<WorldArg>,
-    /// Most points followed at a time.
-    #[arg(long, value_name = "N")]
-    max_tracks: Option<usize>,
-    /// Frames handed over a second.
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
-    rate: Option<f64>,
-    /// Standard deviation of the white noise, each axis, in pixels.
-    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
-    pixel_noise: Option<f64>,
-    /// Drift added at every camera frame, each axis, in pixels.
-    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
-    drift: Option<f64>,
-    /// Share of the tracks that turn into outliers at a camera frame.
-    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
-    outliers: Option<f64>,
-    /// Mean time after which a track ends for no reason, in seconds.
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
-    life_time: Option<f64>,
-    /// Tracks of time t are made from the pose at t + this, in seconds, as if the ground truth were late.
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
-    ground_truth_delay: Option<f64>,
+    /// One key of the configuration, over the file: --set world=hall. May be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = super::closed_loop::key_value)]
+    pub(crate) sets: Vec<(String, String)>,
     /// Print what was written as JSON on stdout.
     #[arg(long)]
     pub(crate) json: bool,
 }
 
-impl TracksArgs {
-    /// Puts what was typed over `config`.
-    pub(crate) fn over(&self, config: &mut TracksConfig) {
-        set(self.world.map(World::from), &mut config.world);
-        set(self.max_tracks, &mut config.max_tracks);
-        set(self.rate, &mut config.rate_hz);
-        set(self.pixel_noise, &mut config.pixel_noise_px);
-        set(self.drift, &mut config.drift_px);
-        set(self.outliers, &mut config.outlier_share);
-        set(self.life_time, &mut config.life_time_s);
-        set(self.ground_truth_delay, &mut config.ground_truth_delay_s);
-    }
+/// Flags of `dpn simulate tracks`.
+#[derive(Debug, Args)]
+pub(crate) struct TracksArgs {
+    /// What they are made along, and how.
+    #[command(flatten)]
+    pub(crate) along: AlongArgs,
+    /// File to write; without it runs/tracks/NAME.txt.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+/// Flags of `dpn simulate images`.
+#[derive(Debug, Args)]
+pub(crate) struct ImagesArgs {
+    /// What they are made along, and how.
+    #[command(flatten)]
+    pub(crate) along: AlongArgs,
+    /// Folder to write to, one ASL sequence; without it runs/images/NAME. It must not hold a sequence yet.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Seconds after the camera's first frame at which images begin.
+    #[arg(long, value_name = "SECONDS")]
+    pub(crate) from: Option<f64>,
+    /// Seconds after the camera's first frame at which images end.
+    #[arg(long, value_name = "SECONDS")]
+    pub(crate) to: Option<f64>,
+    /// Threads; without it as many as there are cores. The images do not depend on it.
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<usize>,
 }

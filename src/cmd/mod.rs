@@ -1,6 +1,7 @@
 //! One file a command: files and flags become library types, one library call, files again.
 
 mod allan;
+mod along;
 mod cache;
 mod check;
 mod closed_loop;

@@ -1,7 +1,7 @@
 //! `dpn truth`.
 
+use super::along::no_ground_truth;
 use super::program;
-use super::tracks::no_ground_truth;
 use crate::args::TruthArgs;
 use crate::ui::{errln, outln};
 use anyhow::{Context, Result};

@@ -68,10 +68,10 @@ fn the_same_seed_renders_the_same_bytes_on_any_number_of_threads_and_a_part_is_a
     assert!(plain == of("b", &["--seed", "5", "--threads", "3"]), "threads change images");
     for more in [
         &["--seed", "6"][..],
-        &["--seed", "5", "--world", "hall"],
-        &["--seed", "5", "--motion-blur", "0.05"],
-        &["--seed", "5", "--low-light", "1"],
-        &["--seed", "5", "--ground-truth-delay", "-0.05"],
+        &["--seed", "5", "--set", "world=hall"],
+        &["--seed", "5", "--set", "motion_blur.exposure_s=0.05"],
+        &["--seed", "5", "--set", "low_light.share=1"],
+        &["--seed", "5", "--set", "ground_truth_delay_s=-0.05"],
     ] {
         assert!(of(&more.join("_"), more) != plain, "{more:?} changes nothing");
     }
@@ -91,9 +91,9 @@ fn a_flight_is_rendered_along_its_exact_path() {
 fn what_cannot_be_rendered_is_refused_and_nothing_is_written() {
     let tmp = tempfile::tempdir().unwrap();
     let out = tmp.path().join("out");
-    images(&excerpt(), &out, &["--motion-blur", "1", "--low-light", "nan"]).refused(
+    images(&excerpt(), &out, &["--set", "motion_blur.exposure_s=1", "--set", "low_light.share=nan"]).refused(
         tmp.path(),
-        "error: `motion_blur.exposure_s` is 1, but must be 0 to 0.05; `low_light.share` is NaN, but must be 0 to 1",
+        "error: motion_blur.exposure_s=1, low_light.share=nan: `motion_blur.exposure_s` is 1, but must be 0 to 0.05; `low_light.share` is NaN, but must be 0 to 1",
     );
     images(&excerpt(), &out, &["--from", "1000"]).refused(
         tmp.path(),
@@ -110,7 +110,7 @@ fn what_cannot_be_rendered_is_refused_and_nothing_is_written() {
     images(&bare, &out, &[]).refused(
         tmp.path(),
         "error: [DIR]/bare: no ground truth: state_groundtruth_estimate0/data.csv and mocap0/data.csv are not there\n\n\
-         hint: images are rendered along true poses; without them only real images can be tracked",
+         hint: images are made along true poses; without them only real images can be tracked",
     );
     assert!(!out.exists());
     std::fs::create_dir_all(out.join("mav0")).unwrap();
@@ -129,23 +129,19 @@ fn what_cannot_be_rendered_is_refused_and_nothing_is_written() {
 }
 
 #[test]
-fn a_recording_as_phones_have_them_is_written_and_run_on() {
+fn a_recording_with_repeated_rows_as_phones_have_them_is_run_on() {
     let tmp = tempfile::tempdir().unwrap();
-    let (small, plain, phone) =
-        (small_camera(tmp.path()), tmp.path().join("a/V1_01_easy"), tmp.path().join("b/V1_01_easy"));
-    let small = small.to_str().unwrap();
-    images(&excerpt(), &plain, &["--config", small]).well();
-    images(&excerpt(), &phone, &["--config", small, "--jpeg", "90", "--repeated-rows", "0.02"]).well();
-    let [as_it_is, repeated] =
-        [&plain, &phone].map(|dir| std::fs::read_to_string(Sequence::open(dir).unwrap().imu_path()).unwrap());
-    let twice = repeated.lines().count() - as_it_is.lines().count();
-    assert_eq!(twice, (as_it_is.lines().count() - 1) / 50);
-    let grey = |dir: &Path| ImageFolder::open(&Sequence::open(dir).unwrap()).unwrap().read(5).unwrap().image;
-    let (png, jpeg) = (grey(&plain), grey(&phone));
-    let off: Vec<f64> =
-        png.pixels().iter().zip(jpeg.pixels()).map(|(a, b)| (f64::from(*a) - f64::from(*b)).abs()).collect();
-    let mean = off.iter().sum::<f64>() / off.len() as f64;
-    assert!((0.05..4.0).contains(&mean), "{mean} grey values apart");
+    let (small, phone) = (small_camera(tmp.path()), tmp.path().join("V1_01_easy"));
+    images(&excerpt(), &phone, &["--config", small.to_str().unwrap()]).well();
+    let table = Sequence::open(&phone).unwrap().imu_path();
+    let (text, mut twice) = (std::fs::read_to_string(&table).unwrap(), 0);
+    let mut repeated = String::new();
+    for (i, row) in text.lines().enumerate() {
+        let copies = 1 + usize::from(i > 0 && i % 50 == 0);
+        twice += copies - 1;
+        repeated += &format!("{row}\n").repeat(copies);
+    }
+    std::fs::write(&table, repeated).unwrap();
     // What others refuse, the odometry takes and says.
     assert!(Sequence::open(&phone).unwrap().imu().is_err());
     let mut command = dpn();
@@ -156,8 +152,6 @@ fn a_recording_as_phones_have_them_is_written_and_run_on() {
         said.contains(&format!("left out: {twice} sample(s) with the stamp of the one before")),
         "{said}"
     );
-    let refused = run("simulate images hover --jpeg 0");
-    assert_eq!(refused.code, Some(2), "{refused:?}");
 }
 
 #[test]

@@ -66,20 +66,23 @@ fn the_same_seed_writes_the_same_bytes_and_flags_go_over_the_file() {
     assert!(plain == of("b", &["--seed", "5"]), "two runs of seed 5 differ");
     assert!(plain != of("c", &["--seed", "6"]), "seed 6 made the tracks of seed 5");
     let filed = of("d", &["--seed", "5", "--config", config]);
-    assert_eq!(filed, of("e", &["--seed", "5", "--max-tracks", "20", "--pixel-noise", "3"]));
+    assert_eq!(filed, of("e", &["--seed", "5", "--set", "max_tracks=20", "--set", "pixel_noise_px=3"]));
     assert_eq!(
-        of("f", &["--seed", "5", "--config", config, "--max-tracks", "150", "--pixel-noise", "0.5"]),
+        of(
+            "f",
+            &["--seed", "5", "--config", config, "--set", "max_tracks=150", "--set", "pixel_noise_px=.5"]
+        ),
         plain
     );
     for more in [
-        ["--world", "hall"],
-        ["--rate", "20"],
-        ["--drift", "1"],
-        ["--outliers", "0.1"],
-        ["--life-time", "0.3"],
-        ["--ground-truth-delay", "-0.004"],
+        "world=hall",
+        "rate_hz=20",
+        "drift_px=1",
+        "outlier_share=0.1",
+        "life_time_s=0.3",
+        "ground_truth_delay_s=-0.004",
     ] {
-        assert!(of("g", &[&["--seed", "5"][..], &more].concat()) != plain, "{more:?} changes nothing");
+        assert!(of("g", &["--seed", "5", "--set", more]) != plain, "{more:?} changes nothing");
     }
 }
 
@@ -110,7 +113,7 @@ fn stamps_are_made_where_there_is_no_camera() {
     let tmp = tempfile::tempdir().unwrap();
     let copy = copied(tmp.path(), &[IMU, TRUTH]);
     let out = tmp.path().join("tracks.txt");
-    tracks(&copy, &out, &["--rate", "20"]).well();
+    tracks(&copy, &out, &["--set", "rate_hz=20"]).well();
     let frames = read_tracks(&out).unwrap();
     let truth = Sequence::open(&copy).unwrap().ground_truth().unwrap();
     assert_eq!(frames[0].t, truth.states()[0].t);
@@ -163,9 +166,10 @@ fn what_is_neither_a_folder_nor_a_flight_is_named() {
 fn bad_options_are_named_with_their_bounds_all_at_once() {
     let tmp = tempfile::tempdir().unwrap();
     let out = tmp.path().join("tracks.txt");
-    tracks(&excerpt(), &out, &["--pixel-noise", "-1", "--life-time", "0", "--outliers", "nan"]).refused(
+    let sets = ["pixel_noise_px=-1", "life_time_s=0", "outlier_share=nan"].map(|set| ["--set", set]).concat();
+    tracks(&excerpt(), &out, &sets).refused(
         tmp.path(),
-        "error: `pixel_noise_px` is -1, but must be within 0 and 100; `outlier_share` is NaN, but must be within 0 and 1; \
+        "error: pixel_noise_px=-1, life_time_s=0, outlier_share=nan: `pixel_noise_px` is -1, but must be within 0 and 100; `outlier_share` is NaN, but must be within 0 and 1; \
          `life_time_s` is 0, but must be above 0 and at most 1000000000",
     );
     let config = tmp.path().join("tracks.toml");
@@ -174,8 +178,9 @@ fn bad_options_are_named_with_their_bounds_all_at_once() {
     assert_eq!(done.code, Some(2), "{done:?}");
     assert!(done.stderr.contains("tracks.toml:1: unknown field `pixel_noise`"), "{done:?}");
     assert!(done.stderr.ends_with("\n\nhint: did you mean `pixel_noise_px`?\n"), "{done:?}");
-    let done = tracks(&excerpt(), &out, &["--world", "garden"]);
-    assert!(done.code == Some(2) && done.stderr.contains("possible values: auto, room, hall"), "{done:?}");
+    let done = tracks(&excerpt(), &out, &["--set", "world=garden"]);
+    let known = "expected one of `auto`, `room`, `hall`";
+    assert!(done.code == Some(2) && done.stderr.contains(known), "{done:?}");
     assert!(!out.exists());
 }
 

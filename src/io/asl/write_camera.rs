@@ -70,25 +70,6 @@ pub fn write_png(path: &Path, image: GrayView<'_>) -> Result<(), IoError> {
     })
 }
 
-/// Writes a grey JPEG of 8 bits a pixel, `quality` from 1 to 100.
-///
-/// # Errors
-/// As [`atomic_write`]; a side of more than 65,535 pixels, which the format does not have.
-pub fn write_jpeg(path: &Path, image: GrayView<'_>, quality: u8) -> Result<(), IoError> {
-    let whole = image.to_image();
-    let side = |side: usize| u16::try_from(side).map_err(io::Error::other);
-    atomic_write(path, |out| {
-        jpeg_encoder::Encoder::new(out, quality)
-            .encode(
-                whole.pixels(),
-                side(image.width())?,
-                side(image.height())?,
-                jpeg_encoder::ColorType::Luma,
-            )
-            .map_err(io::Error::other)
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
