@@ -1,7 +1,7 @@
 //! `dpn simulate images`.
 
 use super::along::{self, Along, Source};
-use super::cores;
+use super::cores::cores;
 use crate::args::ImagesArgs;
 use crate::ui::{Bar, Fault, outln};
 use anyhow::Result;

@@ -68,12 +68,27 @@ const HEADER: &str = "train again, or take such keys out of the file by `python 
 
 const HANDOVER: &str = "write `handover = \"split\"`, the default: each sighting counts once";
 
+/// Settings of the odometry that are fixed since 0.2.0, each with a key that its table has still: other tables may have keys of the same name.
+const FIXED: [(&str, &str); 5] = [
+    ("`front_end`", "jumps"),
+    ("`learn`", "prior_px"),
+    ("`corners`", "bridge_s gap_s blind_share blind_std"),
+    ("`threshold_px`", "geometry confidence most_trials doubt_share"),
+    ("`focal_px`", FIXED_INIT),
+];
+
+const FIXED_INIT: &str = "track_std_px min_span_s try_every min_shared_tracks min_parallax_px min_accel_noise min_gyro_noise noise_prior_weight rest_track_px min_rest_s";
+
 /// What to say where serde refuses a text with `message`, if that is for one of them.
 pub fn gone(message: &str) -> Option<String> {
-    let refused = |gone: &&Gone| {
+    let refused = |gone: &Gone| {
         message.starts_with(&format!("{} `{}`", gone.refusal, gone.name)) && message.contains(gone.beside)
     };
-    let found = GONE.iter().find(refused)?;
+    let fixed = FIXED.into_iter().filter(|(beside, _)| message.contains(beside));
+    let fixed = fixed
+        .flat_map(|(_, names)| names.split(' '))
+        .map(|name| key(name, "leave it out: its value is fixed"));
+    let found = GONE.into_iter().chain(fixed).find(refused)?;
     Some(format!("`{}` is gone since {}; {}", found.name, found.since, found.instead))
 }
 
@@ -88,5 +103,7 @@ mod tests {
         assert_eq!(gone("unknown field `share`, expected one of `rotors`, `hz`"), None);
         assert_eq!(gone("unknown variant `drop`, expected `keep`"), None);
         assert!(gone("unknown field `clahe`, expected one of `klt`, `ransac`").is_some());
+        assert!(gone("unknown field `min_rest_s`, expected one of `focal_px`, `max_frames`").is_some());
+        assert_eq!(gone("unknown field `confidence`, expected one of `level`, `seed`"), None);
     }
 }

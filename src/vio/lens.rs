@@ -22,7 +22,6 @@ use crate::state::POSE_DIM;
 use crate::window::{Landmark, Window};
 use dpn_core::Stamp;
 use dpn_core::camera::CameraModel;
-use dpn_core::config::ConfigFaults;
 use nalgebra::{DMatrix, DVector, Matrix2x6, Matrix3, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -33,7 +32,9 @@ const TERMS: usize = (DEGREE + 1) * (DEGREE + 2) / 2;
 const FIELD: usize = 2 * TERMS;
 /// Twice the tangent of half the angle off the optical axis at which polynomials are of 1.
 const EDGE: f64 = 0.75;
-/// Fields of degree 0 and 1, which a turn or a nearer scene looks like and noise is easily taken for, are held to 0 by this share of the deviation.
+/// How far the calibration may be off: deviation of a coefficient, which is what its term comes to at the image's edge \[px\].
+const PRIOR_PX: f64 = 1.0;
+/// Fields of degree 0 and 1, which a turn or a nearer scene looks like and noise is easily taken for, are held to 0 by this deviation \[px\].
 const LIKE_MOTION: f64 = 0.1;
 /// Fewest sightings of a landmark, and landmarks of a frame, that are read.
 const FEWEST_SIGHTINGS: usize = 4;
@@ -49,19 +50,11 @@ const COUNTS: f64 = 0.05;
 pub struct LensConfig {
     /// Whether the field is learned where points are followed through images. Tracks that err each for itself are of a camera that is as calibrated.
     pub learn: bool,
-    /// How far the calibration may be off: deviation of a coefficient, which is what its term comes to at the image's edge \[px\].
-    pub prior_px: f64,
 }
 
 impl Default for LensConfig {
     fn default() -> Self {
-        Self { learn: true, prior_px: 1.0 }
-    }
-}
-
-impl LensConfig {
-    pub(crate) fn check(&self, faults: &mut ConfigFaults) {
-        faults.positive("lens.prior_px", self.prior_px);
+        Self { learn: true }
     }
 }
 
@@ -78,7 +71,7 @@ pub(crate) struct LensField {
 }
 
 impl LensField {
-    pub(crate) fn new(config: LensConfig) -> Self {
+    pub(crate) fn new() -> Self {
         Self {
             information: DMatrix::zeros(FIELD, FIELD),
             right: DVector::zeros(FIELD),
@@ -86,7 +79,7 @@ impl LensField {
             prior: DVector::from_iterator(
                 FIELD,
                 degrees().chain(degrees()).map(|(i, j)| {
-                    let deviation = if i + j < 2 { LIKE_MOTION } else { 1.0 } * config.prior_px;
+                    let deviation = if i + j < 2 { LIKE_MOTION } else { PRIOR_PX };
                     deviation.powi(-2)
                 }),
             ),
@@ -299,7 +292,7 @@ mod tests {
     }
 
     fn field(largest: f64) -> LensField {
-        let mut field = LensField::new(LensConfig::default());
+        let mut field = LensField::new();
         for (k, c) in field.coefficients.iter_mut().enumerate() {
             *c = largest * (1.7 * k as f64).sin();
         }
@@ -341,7 +334,7 @@ mod tests {
     #[test]
     fn a_window_is_read_once() {
         let window = window(&field(0.1));
-        let mut learned = LensField::new(LensConfig::default());
+        let mut learned = LensField::new();
         learned.read(&window);
         let once = learned.clone();
         learned.read(&window);

@@ -10,7 +10,7 @@ use dpn_core::{GrayImage, Stamp};
 use dpn_eval::closed_loop::{CameraInput, ClosedLoopError, SequenceSet, Span, TrackedSequence};
 use dpn_eval::stats::percentile;
 use dpn_vio::estimator::FrontEndObserver;
-use dpn_vio::frontend::ransac::{Geometry, Pair, RansacConfig, agree};
+use dpn_vio::frontend::ransac::{Pair, agree};
 use dpn_vio::frontend::{Fed, FrontEndConfig, LostBy};
 use nalgebra::{Vector2, Vector3};
 use std::collections::BTreeMap;
@@ -104,7 +104,7 @@ fn watched(
         tracks @ CameraInput::Tracks(..) => tracks,
     };
     let config = FrontEndConfig::default();
-    let mut watch = Watch::new(recording.camera, config.ransac);
+    let mut watch = Watch::new(recording.camera, config.ransac.threshold_px);
     let tracked = input.tracks_watched(&recording, &config, seed, &mut watch)?;
     Ok((watch, tracked))
 }
@@ -112,7 +112,7 @@ fn watched(
 /// Looks on and counts.
 struct Watch {
     camera: CameraModel,
-    config: RansacConfig,
+    threshold_px: f64,
     images: usize,
     exposure: [f64; 4],
     corners: usize,
@@ -123,10 +123,10 @@ struct Watch {
 }
 
 impl Watch {
-    fn new(camera: CameraModel, config: RansacConfig) -> Self {
+    fn new(camera: CameraModel, threshold_px: f64) -> Self {
         Self {
             camera,
-            config: RansacConfig { geometry: Geometry::Fundamental, ..config },
+            threshold_px,
             images: 0,
             exposure: [0.0; 4],
             corners: 0,
@@ -147,7 +147,7 @@ impl Watch {
             .collect();
         let focal = self.camera.px_per_rad();
         let stream = Stream::new(0).named("camera-figures").index(self.frames);
-        if let Some(matrix) = agree(&pairs, None, focal, &self.config, &stream).essential {
+        if let Some(matrix) = agree(&pairs, None, focal, self.threshold_px, 0.0, &stream).essential {
             self.matched.push(Matched { pairs, matrix, px_per_rad: focal });
         }
         self.frames += 1;

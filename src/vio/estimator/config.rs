@@ -2,7 +2,6 @@
 
 use super::delayed::DelayedConfig;
 use super::health::HealthConfig;
-use super::jump::JumpConfig;
 use crate::components::ComponentsConfig;
 use crate::frontend::FrontEndConfig;
 use crate::init::InitConfig;
@@ -34,8 +33,6 @@ pub struct EstimatorConfig {
     pub init: InitConfig,
     /// When an estimate is given up.
     pub health: HealthConfig,
-    /// When a bias is held to have jumped.
-    pub jumps: JumpConfig,
     /// Whether, and how, the prior is made again from key frames that have left.
     pub delayed: DelayedConfig,
     /// What is learned of the lens beyond its calibration.

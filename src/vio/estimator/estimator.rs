@@ -75,7 +75,7 @@ impl Estimator {
             images: ImageTracker::new(config.front_end, camera, body_from_cam.rotation, name, seed)?,
             rates: RayRates::default(),
             rest: RestWatch::default(),
-            jumps: JumpWatch::new(config.jumps),
+            jumps: JumpWatch::default(),
             delayed: None,
             last_good: None,
             camera,
@@ -134,7 +134,7 @@ impl Estimator {
     /// Takes tracks for what they are where points are followed through images.
     fn follow(&mut self) {
         self.window.followed = true;
-        self.lens = self.config.lens.learn.then(|| LensField::new(self.config.lens));
+        self.lens = self.config.lens.learn.then(LensField::new);
     }
 
     /// Takes a frame's tracks; it is worked off when samples reach its stamp. Images are not fed beside.
@@ -222,7 +222,7 @@ impl Estimator {
         self.window = Window::new(self.config.window, *self.window.body_from_cam());
         self.window.followed = followed;
         self.rest = RestWatch::default();
-        self.jumps = JumpWatch::new(self.config.jumps);
+        self.jumps = JumpWatch::default();
         self.running = false;
         if frames.is_empty() {
             return None;

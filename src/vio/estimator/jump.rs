@@ -17,9 +17,8 @@
 
 use crate::window::Window;
 use dpn_core::Stamp;
-use dpn_core::config::ConfigFaults;
 use nalgebra::SVector;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// Intervals in which a jump is looked for, the newest first.
 const LAGS: usize = 6;
@@ -42,36 +41,12 @@ const BESIDE: usize = 4;
 /// How many times its deviation a jump may be.
 const REACH: f64 = 3.0;
 
-/// When a bias is held to have jumped.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct JumpConfig {
-    /// Whether jumps are looked for.
-    pub watch: bool,
-    /// A score so many times the usual is looked into; 2 to 1000.
-    pub unusual: f64,
-    /// Twice the log likelihood that a jump must explain beyond two intervals that are wrong, in units of the window's inertial residuals; 10 to 1e6.
-    pub evidence: f64,
-    /// Deviation of a jump, an axis of the accelerometer \[m/s^2\].
-    pub accel_std: f64,
-    /// The same of the gyro \[rad/s\].
-    pub gyro_std: f64,
-}
-
-impl Default for JumpConfig {
-    fn default() -> Self {
-        Self { watch: true, unusual: 4.0, evidence: 200.0, accel_std: 2.0, gyro_std: 0.1 }
-    }
-}
-
-impl JumpConfig {
-    pub(crate) fn check(&self, faults: &mut ConfigFaults) {
-        faults.within("jumps.unusual", self.unusual, 2.0, 1000.0);
-        faults.within("jumps.evidence", self.evidence, 10.0, 1e6);
-        faults.positive("jumps.accel_std", self.accel_std);
-        faults.positive("jumps.gyro_std", self.gyro_std);
-    }
-}
+/// A score so many times the usual is looked into.
+const UNUSUAL: f64 = 4.0;
+/// Twice the log likelihood that a jump must explain beyond two intervals that are wrong, in units of the window's inertial residuals.
+const EVIDENCE: f64 = 200.0;
+/// Deviation of a jump, an axis of the accelerometer \[m/s^2\] and of the gyro \[rad/s\].
+const JUMP_STD: [f64; 2] = [2.0, 0.1];
 
 /// A jump of the biases.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -107,10 +82,10 @@ impl Jumped {
     }
 
     /// The jump, where it explains what the next interval together with its own cannot.
-    fn confirmed(&self, evidence: f64) -> Option<BiasJump> {
+    fn confirmed(&self) -> Option<BiasJump> {
         let j = self.place()?;
         let without = self.window.cost_disbelieving(j)?;
-        if 2.0 * (without - self.cost) < evidence * self.unit() {
+        if 2.0 * (without - self.cost) < EVIDENCE * self.unit() {
             return None;
         }
         if self.window.mean_visual_square(j).is_some_and(|square| square > MISFIT) {
@@ -123,9 +98,8 @@ impl Jumped {
 }
 
 /// Looks for them.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct JumpWatch {
-    config: JumpConfig,
     /// Mean squares of the scores by lag.
     usual: [SVector<f64, 6>; LAGS],
     seen: [usize; LAGS],
@@ -134,10 +108,6 @@ pub(super) struct JumpWatch {
 }
 
 impl JumpWatch {
-    pub(super) fn new(config: JumpConfig) -> Self {
-        Self { config, usual: [SVector::zeros(); LAGS], seen: [0; LAGS], beside: None, found: false }
-    }
-
     /// The window that goes on beside, where there is one.
     pub(super) fn beside(&mut self) -> Option<&mut Window> {
         self.beside.as_mut().map(|jumped| &mut jumped.window)
@@ -146,15 +116,12 @@ impl JumpWatch {
     /// Looks at a window just solved, of this cost, and at the one beside it, which the same frame was added to. Where a bias has jumped, the window that
     /// allows for it is put in the place of `window`.
     pub(super) fn look(&mut self, window: &mut Window, cost: f64) -> Option<BiasJump> {
-        if !self.config.watch {
-            return None;
-        }
         let newest = window.frames().len() - 1;
         let mut suspects = Vec::new();
         for lag in 0..LAGS.min(newest) {
             let Some(score) = window.jump_score(newest - lag) else { continue };
             let ratio = self.ratio_to_usual(lag, &score);
-            if ratio > self.config.unusual {
+            if ratio > UNUSUAL {
                 suspects.push((newest - lag, ratio));
             }
         }
@@ -167,7 +134,7 @@ impl JumpWatch {
         }
         let jump = self.ask_beside(window).or_else(|| {
             let jumped = self.trial(window, cost, &suspects)?;
-            let jump = jumped.confirmed(self.config.evidence);
+            let jump = jumped.confirmed();
             if jump.is_some() {
                 accept(jumped, window);
             } else {
@@ -184,8 +151,7 @@ impl JumpWatch {
 
     /// How far beyond any sensor's a bias may lie since a jump was found, accelerometer \[m/s^2\] and gyro \[rad/s\].
     pub(super) fn reach(&self) -> [f64; 2] {
-        let JumpConfig { accel_std, gyro_std, .. } = self.config;
-        if self.found { [accel_std, gyro_std].map(|std| REACH * std) } else { [0.0; 2] }
+        if self.found { JUMP_STD.map(|std| REACH * std) } else { [0.0; 2] }
     }
 
     /// How many times the usual a score is, in deviations of the axis on which it is most; it then enters the usual.
@@ -211,14 +177,13 @@ impl JumpWatch {
 
     /// The window of the jump that explains most, where it explains far more than chance would.
     fn trial(&self, window: &Window, cost: f64, suspects: &[(usize, f64)]) -> Option<Jumped> {
-        let std = [self.config.accel_std, self.config.gyro_std];
         let jumped = |j: usize| {
-            let (window, cost) = window.with_jump(j, std)?;
+            let (window, cost) = window.with_jump(j, JUMP_STD)?;
             Some(Jumped { end: window.frames()[j].t, window, cost, frames_left: BESIDE })
         };
         let most = suspects.iter().max_by(|a, b| a.1.total_cmp(&b.1))?.0;
         let first = jumped(most)?;
-        if 2.0 * (cost - first.cost) < self.config.evidence * first.unit() {
+        if 2.0 * (cost - first.cost) < EVIDENCE * first.unit() {
             return None;
         }
         let others = suspects.iter().filter(|(j, _)| *j != most).filter_map(|(j, _)| jumped(*j));
@@ -230,7 +195,7 @@ impl JumpWatch {
         let mut jumped = self.beside.take()?;
         jumped.cost = jumped.window.optimise().last_cost;
         jumped.frames_left -= 1;
-        let jump = jumped.confirmed(self.config.evidence);
+        let jump = jumped.confirmed();
         if jump.is_some() {
             accept(jumped, window);
         } else if jumped.frames_left > 0 {

@@ -30,7 +30,7 @@ pub use delayed::DelayedConfig;
 pub use estimator::Estimator;
 pub use feed_error::FeedError;
 pub use image_tracker::{FrontEndObserver, ImageTracker};
-pub use jump::{BiasJump, JumpConfig};
+pub use jump::BiasJump;
 pub use report::{RunReport, Stage};
 pub use spike::without_spikes;
 pub use starter::StartFrame;

@@ -10,7 +10,6 @@ impl Validate for EstimatorConfig {
         faults.positive("imu.accel_bias_walk", self.imu.accel_bias_walk.get());
         faults.positive("imu.gyro_bias_walk", self.imu.gyro_bias_walk.get());
         faults.positive("window.pixel_std", window.pixel_std);
-        self.lens.check(&mut faults);
         faults.positive("window.loss_scale", window.loss_scale);
         faults.positive("window.followed_loss_px", window.followed_loss_px);
         faults.positive("window.min_triangulation_angle", window.min_triangulation_angle);
@@ -29,7 +28,6 @@ impl Validate for EstimatorConfig {
         between("window.key_frame_min_share", window.key_frame_min_share, 0.0, 1.0);
         between("window.key_frames", window.key_frames as f64, 3.0, 30.0);
         between("window.max_iterations", window.max_iterations as f64, 1.0, 1000.0);
-        self.jumps.check(&mut faults);
         self.delayed.check(&mut faults);
         if let Some(components) = &self.components {
             components.check(&mut faults);
@@ -50,14 +48,12 @@ mod tests {
         let mut config = EstimatorConfig::default();
         config.window.key_frames = 2;
         config.window.pixel_std = f64::NAN;
-        config.lens.prior_px = -1.0;
         config.init.min_frames = 1;
         config.health.max_speed = 0.0;
         config.front_end.klt.window = 20;
         let keys: Vec<_> = config.faults().into_iter().map(|f| f.key).collect();
         let expected = [
             "window.pixel_std",
-            "lens.prior_px",
             "health.max_speed",
             "window.key_frames",
             "init.min_frames",

@@ -12,14 +12,6 @@ use serde::{Deserialize, Serialize};
 pub struct FrontEndConfig {
     /// Frames handed over a second, above 0, at most 1000; images between them are tracked through. Default 10, VINS-Mono's.
     pub rate_hz: f64,
-    /// How long tracks outlive images that show nothing or come twice \[s\], 0 to 10. Default .3.
-    pub bridge_s: f64,
-    /// Images farther apart than this are not tracked across \[s\], .01 to 100. Default 1.
-    pub gap_s: f64,
-    /// Share of dark and saturated pixels above which an image shows nothing, 0 to 1. Default .97.
-    pub blind_share: f64,
-    /// An image whose grey values deviate less than this shows nothing, 0 to 100. Default 2.
-    pub blind_std: f64,
     /// Time from the first line's exposure to the last's \[s\], 0 to .1, for a rolling shutter; images are stamped at their middle line
     /// (a stamp elsewhere is the camera clock's offset in the calibration). Default 0, all lines at once.
     pub readout_s: f64,
@@ -35,10 +27,6 @@ impl Default for FrontEndConfig {
     fn default() -> Self {
         Self {
             rate_hz: 10.0,
-            bridge_s: 0.3,
-            gap_s: 1.0,
-            blind_share: 0.97,
-            blind_std: 2.0,
             readout_s: 0.0,
             corners: CornerConfig::default(),
             klt: KltConfig::default(),
@@ -52,10 +40,6 @@ impl Validate for FrontEndConfig {
         let mut faults = ConfigFaults::default();
         let rate = self.rate_hz;
         faults.check(rate > 0.0 && rate <= 1000.0, "rate_hz", rate, "above 0, at most 1000");
-        faults.within("bridge_s", self.bridge_s, 0.0, 10.0);
-        faults.within("gap_s", self.gap_s, 0.01, 100.0);
-        faults.within("blind_share", self.blind_share, 0.0, 1.0);
-        faults.within("blind_std", self.blind_std, 0.0, 100.0);
         faults.within("readout_s", self.readout_s, 0.0, 0.1);
         faults.table("corners", self.corners.faults());
         faults.table("klt", self.klt.faults());
@@ -72,13 +56,14 @@ mod tests {
 
     #[test]
     fn every_fault_is_named_at_once_with_its_part() {
-        let text = "rate_hz = 0.0\n[klt]\nwindow = 20\n[corners]\nmost = 0\n[ransac]\nconfidence = 1.0";
+        let text = "rate_hz = 0.0\n[klt]\nwindow = 20\n[corners]\nmost = 0\n[ransac]\nthreshold_px = 0";
         let error = parse::<FrontEndConfig>(text, Path::new("f.toml")).unwrap_err().to_string();
-        for key in ["`rate_hz` is 0", "`klt.window` is 20", "`corners.most` is 0", "`ransac.confidence` is 1"]
+        for key in
+            ["`rate_hz` is 0", "`klt.window` is 20", "`corners.most` is 0", "`ransac.threshold_px` is 0"]
         {
             assert!(error.contains(key), "{key} not in {error}");
         }
-        let nan = FrontEndConfig { bridge_s: f64::NAN, ..FrontEndConfig::default() };
+        let nan = FrontEndConfig { readout_s: f64::NAN, ..FrontEndConfig::default() };
         assert_eq!(nan.faults().len(), 1);
         assert!(FrontEndConfig::default().faults().is_empty());
     }

@@ -7,7 +7,7 @@ use super::image::{ImageStats, Pyramid};
 use super::klt::{Klt, KltConfig, Shift, Template};
 use super::line_turns::LineTurns;
 use super::predict::turned;
-use super::ransac::{Pair, agree};
+use super::ransac::{DOUBT_SHARE, Pair, agree};
 use super::report::{Agreement, FrameReport, Lost, LostBy, Status};
 use super::schedule::Schedule;
 use dpn_core::camera::CameraModel;
@@ -17,7 +17,6 @@ use dpn_core::signal::stats::upper_median;
 use dpn_core::{GrayImage, GrayView, Stamp, Track, TrackFrame};
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 use std::time::{Duration, Instant};
-use thiserror::Error;
 
 /// Stamps are rounded; a pause is not longer than another by this little \[s\].
 const ROUNDING_S: f64 = 1e-6;
@@ -35,18 +34,14 @@ const ALL_SHARE: f64 = 0.9;
 /// The way back ends with a step below this share of what home is held to.
 const BACK_SHARE: f64 = 0.1;
 
-/// A mask of another size than the camera's images.
-#[derive(Debug, Error, PartialEq)]
-#[error(
-    "a mask of {} x {} px for images of {} x {} px: make it for this camera",
-    mask[0], mask[1], camera[0], camera[1]
-)]
-pub struct MaskSizeError {
-    /// The mask's width and height \[px\].
-    pub mask: [usize; 2],
-    /// The camera's.
-    pub camera: [u32; 2],
-}
+/// How long tracks outlive images that show nothing or come twice \[s\].
+const BRIDGE_S: f64 = 0.3;
+/// Images farther apart than this are not tracked across \[s\].
+const GAP_S: f64 = 1.0;
+/// Share of dark and saturated pixels above which an image shows nothing.
+const BLIND_SHARE: f64 = 0.97;
+/// An image whose grey values deviate less than this shows nothing.
+const BLIND_STD: f64 = 2.0;
 
 /// A track as it goes on.
 #[derive(Debug, Clone)]
@@ -163,27 +158,6 @@ impl FrontEnd {
         })
     }
 
-    /// The same, with new points only where `mask` is not 0: a fish-eye's circle, a vehicle's own arms.
-    ///
-    /// # Errors
-    /// A mask of another size than the camera's images.
-    pub fn with_mask(mut self, mask: GrayImage) -> Result<Self, MaskSizeError> {
-        let camera = self.camera.size();
-        let size = [mask.width(), mask.height()];
-        if size != camera.map(|side| side as usize) {
-            return Err(MaskSizeError { mask: size, camera });
-        }
-        // Where the lens sees nothing of use there are no points, whatever the mask says.
-        self.allowed = Some(match self.allowed.take() {
-            None => mask,
-            Some(circle) => {
-                let both = |x, y| if circle.view().row(y)[x] == 0 { 0 } else { mask.view().row(y)[x] };
-                GrayImage::from_fn(mask.width(), mask.height(), both).expect("as large as the mask")
-            }
-        });
-        Ok(self)
-    }
-
     /// Its settings.
     pub fn config(&self) -> &FrontEndConfig {
         &self.config
@@ -231,7 +205,7 @@ impl FrontEnd {
         let stats = ImageStats::of(image);
         let mut report = FrameReport { image: Some(stats), ..report(Status::Tracked) };
         let repeated = self.fingerprint.replace(stats.fingerprint) == Some(stats.fingerprint);
-        let blind = stats.unusable() >= self.config.blind_share || stats.std < self.config.blind_std;
+        let blind = stats.unusable() >= BLIND_SHARE || stats.std < BLIND_STD;
         if blind || repeated {
             report.times.image = start.elapsed();
             report.status = if blind { Status::Blind } else { Status::Repeated };
@@ -242,7 +216,7 @@ impl FrontEnd {
         self.cur.build(image, klt.levels.max(klt.foreseen_levels).max(klt.back_levels));
         report.times.image = start.elapsed();
 
-        if self.tracked.is_some_and(|tracked| t.seconds_since(tracked) > self.config.gap_s + ROUNDING_S) {
+        if self.tracked.is_some_and(|tracked| t.seconds_since(tracked) > GAP_S + ROUNDING_S) {
             self.give_up(&mut report);
         }
         let (tracking, elapsed) = timed(|| self.track(&mut report));
@@ -268,10 +242,7 @@ impl FrontEnd {
 
     /// An image that tracks are not followed into: they wait, but not for ever.
     fn pass_over(&mut self, mut report: FrameReport) -> Fed {
-        if self
-            .tracked
-            .is_some_and(|tracked| report.t.seconds_since(tracked) > self.config.bridge_s + ROUNDING_S)
-        {
+        if self.tracked.is_some_and(|tracked| report.t.seconds_since(tracked) > BRIDGE_S + ROUNDING_S) {
             self.give_up(&mut report);
         }
         report.kept = self.points.len();
@@ -431,22 +402,20 @@ impl FrontEnd {
         let focal = self.camera.px_per_rad();
         let seconds = self.handed.map_or(0.0, |handed| report.t.seconds_since(handed));
         let turn = self.since_handed.map(|turn| self.gyro_bias.corrected(&turn, seconds));
-        let mut ransac = self.config.ransac;
+        let threshold_px = self.config.ransac.threshold_px;
+        let known = self.gyro_bias.is_known(seconds, KNOWN_SHARE * threshold_px / focal);
         // A rotation that is known is doubted when few tracks agree with it, not when a bus drives by.
-        let known = self.gyro_bias.is_known(seconds, KNOWN_SHARE * ransac.threshold_px / focal);
-        if known {
-            ransac.doubt_share = ransac.doubt_share.min(KNOWN_DOUBT);
-        }
-        let mut found = agree(&asked, turn.as_ref(), focal, &ransac, &stream);
+        let doubt = if known { KNOWN_DOUBT } else { DOUBT_SHARE };
+        let mut found = agree(&asked, turn.as_ref(), focal, threshold_px, doubt, &stream);
         if let (true, Some(measured), Some(essential)) = (known, self.since_handed, found.essential)
-            && found.share() < self.config.ransac.doubt_share
+            && found.share() < DOUBT_SHARE
         {
             // Unless all tracks together agree with another bias: then it is the gyroscope that changed.
             let mut anew = self.gyro_bias.forgotten();
             if anew.learn(&asked, &measured, &essential, focal, seconds) >= ALL_SHARE {
                 self.gyro_bias = anew;
                 let turn = self.gyro_bias.corrected(&measured, seconds);
-                found = agree(&asked, Some(&turn), focal, &self.config.ransac, &stream);
+                found = agree(&asked, Some(&turn), focal, threshold_px, DOUBT_SHARE, &stream);
             }
         }
         if found.essential.is_none() {
@@ -481,11 +450,6 @@ impl FrontEnd {
         });
     }
 
-    fn reset_mask(&mut self) {
-        let [width, height] = self.camera.size().map(|side| side as usize);
-        self.mask.reset(width, height, self.allowed.as_ref().map(GrayImage::view));
-    }
-
     /// Ends tracks that came within half the distance of new points of an older one: both would soon be the same.
     fn thin_out(&mut self, report: &mut FrameReport) {
         let [width, height] = self.camera.size().map(|side| side as usize);
@@ -507,7 +471,8 @@ impl FrontEnd {
 
     /// Begins new tracks where there is room.
     fn fill_up(&mut self, report: &mut FrameReport) {
-        self.reset_mask();
+        let [width, height] = self.camera.size().map(|side| side as usize);
+        self.mask.reset(width, height, self.allowed.as_ref().map(GrayImage::view));
         let places: Vec<[f32; 2]> = self.points.iter().map(|point| point.px).collect();
         // The image is the earlier one already: it was put there when it had been tracked into.
         let plane = self.prev.planes().first().expect("a pyramid that was built has its base");
@@ -581,26 +546,20 @@ mod circle {
     use super::*;
 
     #[test]
-    fn a_fish_eye_has_points_inside_its_circle_alone_and_any_mask_goes_with_it() {
+    fn a_fish_eye_has_points_inside_its_circle_alone() {
         let camera = CameraModel::tumvi_cam0();
         let speckle =
             |x: usize, y: usize| (x.wrapping_mul(2_654_435_761) ^ y.wrapping_mul(40_503) >> 3) as u8;
         let image = GrayImage::from_fn(512, 512, |x, y| speckle(x / 9, y / 9)).unwrap();
-        let fed = |front_end: &mut FrontEnd| {
-            let frame = front_end.feed(image.view(), Stamp::from_ns(0), None).frame.unwrap();
-            frame.tracks.iter().map(|track| track.px).collect::<Vec<_>>()
-        };
-        let new = || FrontEnd::new(camera, FrontEndConfig::default(), &Stream::new(1)).unwrap();
-        let seen = fed(&mut new());
+        let mut front_end = FrontEnd::new(camera, FrontEndConfig::default(), &Stream::new(1)).unwrap();
+        let frame = front_end.feed(image.view(), Stamp::from_ns(0), None).frame.unwrap();
+        let seen: Vec<_> = frame.tracks.iter().map(|track| track.px).collect();
         assert!(seen.len() > 50, "{}", seen.len());
         let at_edge = |px: &Vector2<f64>| {
             let outwards = (px - camera.principal()).normalize() * (EDGE_PX - 2.0);
             camera.sight(&(px + outwards)).is_none()
         };
         assert!(!seen.iter().any(at_edge));
-        let half = GrayImage::from_fn(512, 512, |x, _| u8::from(x < 256)).unwrap();
-        let left = fed(&mut new().with_mask(half).unwrap());
-        assert!(left.len() > 20 && !left.iter().any(|px| at_edge(px) || px.x > 257.0));
         // A pinhole's image has no such circle.
         assert_eq!(circle_of(&CameraModel::euroc_cam0()), None);
     }

@@ -32,7 +32,7 @@ mod schedule;
 pub(crate) mod tests;
 
 pub use config::FrontEndConfig;
-pub use front_end::{Fed, FrontEnd, MaskSizeError};
+pub use front_end::{Fed, FrontEnd};
 pub(crate) use gyro_turn::GyroTurn;
 pub(crate) use line_turns::{LineTurns, line_delay};
 pub(crate) use predict::turn_of_camera;

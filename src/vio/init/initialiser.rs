@@ -2,7 +2,7 @@
 
 use super::attempt::{Expected, attempt};
 use super::buffer::{Buffer, Chosen};
-use super::config::InitConfig;
+use super::config::{InitConfig, MIN_SPAN_S, TRY_EVERY};
 use super::frame::InitFrame;
 use super::outcome::{InitOutcome, Initialised, WaitReason};
 use super::rest::RestWatch;
@@ -72,11 +72,11 @@ impl Initialiser {
         if let (Some(rest), Some(_)) = (rest.filter(|r| r.lasts), resting) {
             return self.wait(WaitReason::AtRest { seconds: rest.seconds });
         }
-        if self.buffer.len() < self.config.min_frames || self.buffer.span() < self.config.min_span_s {
+        if self.buffer.len() < self.config.min_frames || self.buffer.span() < MIN_SPAN_S {
             let needed = self.config.min_frames.max(self.buffer.len() + 1);
             return self.wait(WaitReason::TooFewFrames { frames: self.buffer.len(), needed });
         }
-        if !self.frames.is_multiple_of(self.config.try_every as u64) {
+        if !self.frames.is_multiple_of(TRY_EVERY) {
             return InitOutcome::Wait(self.last);
         }
         let found = self.attempt(&self.buffer.choose(&self.config), resting).or_else(|reason| match reason {

@@ -11,7 +11,9 @@
 use super::adjustment::{self, rescale, solve, track_std_factor};
 use super::align::Aligned;
 use super::certainty::{gravity_std, inertial_excess, scale_std};
-use super::config::InitConfig;
+use super::config::{
+    InitConfig, MAX_SCALE_STD, MIN_ACCEL_NOISE, MIN_GYRO_NOISE, NOISE_PRIOR_WEIGHT, REST_TRACK_PX,
+};
 use super::frame::InitFrame;
 use super::outcome::{Fit, Implausible, WaitReason};
 use super::structure::Structure;
@@ -72,8 +74,8 @@ pub(super) fn refine(
     config: &InitConfig,
 ) -> Result<Refined, WaitReason> {
     let unusable = |consistent| WaitReason::NoStructure { consistent, needed: MIN_POINTS };
-    let uncertain = |relative_std| WaitReason::ScaleUncertain { relative_std, allowed: config.max_scale_std };
-    let expected = expected_factors(known.preints, config);
+    let uncertain = |relative_std| WaitReason::ScaleUncertain { relative_std, allowed: MAX_SCALE_STD };
+    let expected = expected_factors(known.preints);
     let mut window = window(structure, aligned, known, config);
     let mut track_std = structure.track_std;
     let mut fit = Fit {
@@ -87,7 +89,7 @@ pub(super) fn refine(
         let covariance = window.covariance().ok_or(uncertain(f64::INFINITY))?;
         // Far above the bound no further round brings it below.
         let scale_std = scale_std(&window, &covariance);
-        if scale_std > 10.0 * config.max_scale_std {
+        if scale_std > 10.0 * MAX_SCALE_STD {
             return Err(uncertain(scale_std));
         }
         let poses = (POSE_DIM * window.frames().len()) as f64;
@@ -97,8 +99,8 @@ pub(super) fn refine(
         rescale(&mut window, std / track_std);
         track_std = std;
         let [gyro, accel] = inertial_excess(&window, &covariance);
-        fit.gyro_factor = gyro.factor(fit.gyro_factor, expected[0], config.noise_prior_weight);
-        fit.accel_factor = accel.factor(fit.accel_factor, expected[1], config.noise_prior_weight);
+        fit.gyro_factor = gyro.factor(fit.gyro_factor, expected[0], NOISE_PRIOR_WEIGHT);
+        fit.accel_factor = accel.factor(fit.accel_factor, expected[1], NOISE_PRIOR_WEIGHT);
         integrate(&mut window, known.preints, &fit).ok_or(unusable(0))?;
         window.reject_outliers();
         window.retain_landmarks(|l| l.inverse_depth.is_some());
@@ -108,7 +110,7 @@ pub(super) fn refine(
     }
     solve(&mut window, STEPS[2]);
     let covariance = window.covariance().ok_or(uncertain(f64::INFINITY))?;
-    judge(&window, &covariance, fit, expected, config)
+    judge(&window, &covariance, fit, expected)
 }
 
 /// Integrates the samples with the states' biases and the noise that the fit says; `None` where that gives nothing to weigh by.
@@ -123,7 +125,7 @@ fn integrate(window: &mut Window, preints: &[Preintegration], fit: &Fit) -> Opti
 }
 
 /// Factors on the deviations told for gyro and accelerometer that bring their white noise up to the least that is believed.
-fn expected_factors(preints: &[Preintegration], config: &InitConfig) -> [f64; 2] {
+fn expected_factors(preints: &[Preintegration]) -> [f64; 2] {
     let (mut gyro, mut accel, mut seconds) = (0.0, 0.0, 0.0);
     for preint in preints {
         for pair in preint.samples().windows(2) {
@@ -136,7 +138,7 @@ fn expected_factors(preints: &[Preintegration], config: &InitConfig) -> [f64; 2]
         }
     }
     let factor = |least: f64, sum: f64| (least / (sum / seconds.max(1e-9)).sqrt().max(1e-12)).max(1.0);
-    [factor(config.min_gyro_noise.get(), gyro), factor(config.min_accel_noise.get(), accel)]
+    [factor(MIN_GYRO_NOISE, gyro), factor(MIN_ACCEL_NOISE, accel)]
 }
 
 /// The result, when it is certain and plausible.
@@ -145,7 +147,6 @@ fn judge(
     covariance: &DMatrix<f64>,
     fit: Fit,
     expected: [f64; 2],
-    config: &InitConfig,
 ) -> Result<Refined, WaitReason> {
     let states: Vec<NavState> = window.frames().iter().map(|f| f.state).collect();
     let bias = states[0].bias;
@@ -158,8 +159,8 @@ fn judge(
     within(Implausible::AccelBias, bias.accel.norm(), MAX_BIAS.0)?;
     within(Implausible::GyroBias, bias.gyro.norm(), MAX_BIAS.1)?;
     within(Implausible::InertialResidual, excess, MAX_EXCESS)?;
-    if scale_std.is_nan() || scale_std > config.max_scale_std {
-        return Err(WaitReason::ScaleUncertain { relative_std: scale_std, allowed: config.max_scale_std });
+    if scale_std.is_nan() || scale_std > MAX_SCALE_STD {
+        return Err(WaitReason::ScaleUncertain { relative_std: scale_std, allowed: MAX_SCALE_STD });
     }
     let gravity_std = gravity_std(window, covariance, states.len() - 1);
     Ok(Refined { states, scale_std, gravity_std, fit })
@@ -205,7 +206,7 @@ fn window(structure: &Structure, aligned: &Aligned, known: &Known<'_>, config: &
         window.add_frame(frame.t, state, None, &[]);
         rest_from = known.at_rest[k].then(|| rest_from.unwrap_or(frame.t));
         if let Some(from) = rest_from {
-            window.rest_since(Standstill { from, angle: config.angle(config.rest_track_px) });
+            window.rest_since(Standstill { from, angle: config.angle(REST_TRACK_PX) });
         }
     }
     let metric = |l: &Landmark| {

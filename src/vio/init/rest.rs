@@ -4,7 +4,7 @@
 //! bound on the mean rotation rate, the largest bias a gyro can have, keeps a camera that is blind (or looks at something that
 //! moves along with it) from calling a turn rest.
 
-use super::config::InitConfig;
+use super::config::{InitConfig, MIN_REST_S, REST_TRACK_PX};
 use super::frame::{InitFrame, shared};
 use super::robust;
 use dpn_core::time::Stamp;
@@ -65,9 +65,8 @@ impl RestWatch {
             let pairs = shared(first, frame);
             let still = rate <= MAX_RATE
                 && pairs.len() >= MIN_TRACKS
-                && robust::median(pairs.iter().map(|(a, b)| (a - b).norm()))
-                    <= config.angle(config.rest_track_px);
-            let fades = pairs.len() < RENEWED_BELOW && frame.t.seconds_since(first.t) >= config.min_rest_s;
+                && robust::median(pairs.iter().map(|(a, b)| (a - b).norm())) <= config.angle(REST_TRACK_PX);
+            let fades = pairs.len() < RENEWED_BELOW && frame.t.seconds_since(first.t) >= MIN_REST_S;
             still.then(|| (before.hypot(common_motion(&pairs)), fades))
         });
         let still = found.is_some();
@@ -90,7 +89,7 @@ impl RestWatch {
                 self.last = None;
             }
         }
-        rest.filter(|r| r.seconds >= config.min_rest_s)
+        rest.filter(|r| r.seconds >= MIN_REST_S)
     }
 }
 

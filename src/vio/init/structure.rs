@@ -8,7 +8,7 @@
 //! 4. Bundle adjustment of cameras and points, rotations held near the gyro's; outliers out; again.
 
 use super::adjustment::{self, OUTLIER_DEVIATIONS, rescale, solve, track_std_factor};
-use super::config::InitConfig;
+use super::config::{InitConfig, MIN_PARALLAX_PX, MIN_SHARED_TRACKS, TRACK_STD_PX};
 use super::frame::{InitFrame, shared, tracks};
 use super::outcome::WaitReason;
 use super::robust;
@@ -61,7 +61,7 @@ pub(super) fn build(
     config: &InitConfig,
     stream: &Stream,
 ) -> Result<Structure, WaitReason> {
-    let noise = config.angle(config.track_std_px);
+    let noise = config.angle(TRACK_STD_PX);
     let tracks = tracks(input.frames, noise);
     let pairs = ranked_pairs(input, config)?;
     let mut most = 0;
@@ -94,7 +94,7 @@ pub(super) fn build(
             return Ok(structure);
         }
     }
-    Err(WaitReason::NoStructure { consistent: most, needed: config.min_shared_tracks })
+    Err(WaitReason::NoStructure { consistent: most, needed: MIN_SHARED_TRACKS })
 }
 
 /// Pairs of frames with enough parallax, best first.
@@ -105,26 +105,26 @@ fn ranked_pairs(input: &Input<'_>, config: &InitConfig) -> Result<Vec<(usize, us
         for b in a + 1..input.frames.len() {
             let common = shared(input.frames[a], input.frames[b]);
             most_shared = most_shared.max(common.len());
-            if common.len() < config.min_shared_tracks {
+            if common.len() < MIN_SHARED_TRACKS {
                 continue;
             }
             let first_from_second = input.rotations[a].inverse() * input.rotations[b];
             let parallax = compensated_parallax(&first_from_second, &common);
             most_parallax = most_parallax.max(parallax);
-            if parallax >= config.angle(config.min_parallax_px) {
+            if parallax >= config.angle(MIN_PARALLAX_PX) {
                 // What a pair knows of its translation's direction: parallax times the root of the tracks.
                 pairs.push((parallax * (common.len() as f64).sqrt(), a, b));
             }
         }
     }
-    if most_shared < config.min_shared_tracks {
-        return Err(WaitReason::TooFewTracks { shared: most_shared, needed: config.min_shared_tracks });
+    if most_shared < MIN_SHARED_TRACKS {
+        return Err(WaitReason::TooFewTracks { shared: most_shared, needed: MIN_SHARED_TRACKS });
     }
     if pairs.is_empty() {
         let turned = |r: &UnitQuaternion<f64>| input.rotations[0].angle_to(r);
         return Err(WaitReason::TooLittleParallax {
             parallax_px: most_parallax * config.focal_px,
-            needed_px: config.min_parallax_px,
+            needed_px: MIN_PARALLAX_PX,
             rotation: input.rotations.iter().map(turned).fold(0.0, f64::max),
         });
     }

@@ -1,6 +1,6 @@
 //! Trials, scores, and the share that agrees.
 
-use super::config::{Geometry, RansacConfig};
+use super::config::Geometry;
 use super::fundamental::Whitened;
 use super::pair::Pair;
 use super::two_point::Derotated;
@@ -14,6 +14,16 @@ const SCORED_SHARE: f64 = 0.5;
 
 /// Two tracks with noise give a rough motion, even if both are true: of a few good samples the best is taken.
 const FEWEST_TRIALS: usize = 20;
+
+/// Most trials.
+const MOST_TRIALS: usize = 200;
+
+/// Probability that a sample without a false track was tried.
+const CONFIDENCE: f64 = 0.99;
+
+/// Where fewer tracks than this share agree with the gyroscope's rotation, a free matrix is asked as well and the larger share wins: a rotation
+/// may be spoilt by a bias nobody knows yet.
+pub(crate) const DOUBT_SHARE: f64 = 0.7;
 
 /// Below this many pairs nothing is taken out: any eight fit a matrix.
 const FEWEST: usize = 9;
@@ -43,14 +53,16 @@ impl Consensus {
 }
 
 /// Asks `pairs` what they agree on; `cur_from_prev` is the rotation of the camera's frame where the gyroscope says one, and `focal_px`
-/// turns the threshold into an angle.
+/// turns `threshold_px`, the largest distance of a pair that agrees, into an angle. Where a smaller share than `doubt_share` agrees with the rotation, a
+/// matrix without it is asked too.
 ///
 /// The answer is a function of its inputs and `stream`. With fewer than nine pairs all agree.
 pub fn agree(
     pairs: &[Pair],
     cur_from_prev: Option<&UnitQuaternion<f64>>,
     focal_px: f64,
-    config: &RansacConfig,
+    threshold_px: f64,
+    doubt_share: f64,
     stream: &Stream,
 ) -> Consensus {
     if pairs.len() < FEWEST {
@@ -59,19 +71,18 @@ pub fn agree(
             inliers,
             agreeing,
             essential: None,
-            geometry: config.geometry,
+            geometry: Geometry::Fundamental,
             trials: 0,
             by_rotation: None,
         };
     }
-    let threshold = config.threshold_px / focal_px;
-    let known = cur_from_prev
-        .filter(|_| config.geometry == Geometry::TwoPoint)
-        .map(|rotation| by_two_points(pairs, rotation, threshold, config, &stream.named("two-point")));
+    let threshold = threshold_px / focal_px;
+    let known =
+        cur_from_prev.map(|rotation| by_two_points(pairs, rotation, threshold, &stream.named("two-point")));
     match known {
-        Some(known) if known.share() >= config.doubt_share => known,
+        Some(known) if known.share() >= doubt_share => known,
         known => {
-            let free = by_seven_points(pairs, threshold, config, &stream.named("fundamental"));
+            let free = by_seven_points(pairs, threshold, &stream.named("fundamental"));
             match known {
                 // A free matrix fits more by nature: it has to win clearly.
                 Some(known) if known.agreeing + known.agreeing / 10 >= free.agreeing => {
@@ -90,12 +101,11 @@ fn by_two_points(
     pairs: &[Pair],
     rotation: &UnitQuaternion<f64>,
     threshold: f64,
-    config: &RansacConfig,
     stream: &Stream,
 ) -> Consensus {
     let derotated = Derotated::new(pairs, rotation);
     let mut search = Search::new(pairs, threshold);
-    let trials = search.run::<2>(config, stream, |sample| derotated.solve(sample).into_iter().collect());
+    let trials = search.run::<2>(stream, |sample| derotated.solve(sample).into_iter().collect());
     search.polish(|inliers, near| derotated.refit(pairs, inliers, near));
     let mut found = search.into_consensus(Geometry::TwoPoint, trials);
     if let Some(essential) = &found.essential {
@@ -105,10 +115,10 @@ fn by_two_points(
     found
 }
 
-fn by_seven_points(pairs: &[Pair], threshold: f64, config: &RansacConfig, stream: &Stream) -> Consensus {
+fn by_seven_points(pairs: &[Pair], threshold: f64, stream: &Stream) -> Consensus {
     let whitened = Whitened::new(pairs);
     let mut search = Search::new(pairs, threshold);
-    let trials = search.run::<7>(config, stream, |sample| whitened.solve(sample));
+    let trials = search.run::<7>(stream, |sample| whitened.solve(sample));
     search.polish(|inliers, _| whitened.refit(inliers));
     search.into_consensus(Geometry::Fundamental, trials)
 }
@@ -133,13 +143,11 @@ impl<'a> Search<'a> {
     /// Tries samples of `N` pairs until another is not worth it; returns how many.
     fn run<const N: usize>(
         &mut self,
-        config: &RansacConfig,
         stream: &Stream,
         solve: impl Fn([usize; N]) -> Vec<Matrix3<f64>>,
     ) -> usize {
         let mut rng = stream.rng();
-        let mut needed = config.most_trials;
-        let fewest = FEWEST_TRIALS.min(config.most_trials);
+        let mut needed = MOST_TRIALS;
         let mut trial = 0;
         while trial < needed {
             trial += 1;
@@ -149,7 +157,7 @@ impl<'a> Search<'a> {
                     let within = if N == 2 { self.scored_squared } else { self.threshold_squared };
                     let agreeing = self.within(within).into_iter().filter(|near| *near).count();
                     let share = agreeing as f64 / self.pairs.len() as f64;
-                    needed = trials_for(share, N, config.confidence).clamp(fewest, config.most_trials);
+                    needed = trials_for(share, N).clamp(FEWEST_TRIALS, MOST_TRIALS);
                 }
             }
         }
@@ -208,11 +216,11 @@ fn sample<const N: usize>(rng: &mut StreamRng, n: usize) -> [usize; N] {
     chosen
 }
 
-/// Samples of `size` until one is all true with probability `confidence`, if `share` of the pairs are.
-fn trials_for(share: f64, size: usize, confidence: f64) -> usize {
+/// Samples of `size` until one is all true with probability [`CONFIDENCE`], if `share` of the pairs are.
+fn trials_for(share: f64, size: usize) -> usize {
     // Nothing and everything come out as infinitely many and none.
     let all_true = share.powi(size as i32);
-    ((1.0 - confidence).ln() / (-all_true).ln_1p()).ceil().max(1.0) as usize
+    ((1.0 - CONFIDENCE).ln() / (-all_true).ln_1p()).ceil().max(1.0) as usize
 }
 
 #[cfg(test)]
@@ -257,11 +265,10 @@ mod tests {
 
     #[test]
     fn false_tracks_are_told_from_true_ones() {
-        let config = RansacConfig::default();
         for seed in 0..10 {
             let scene = scene(seed, 100, 40, Vector3::new(0.15, -0.05, 0.1), 0.2);
             for rotation in [Some(&scene.rotation), None] {
-                let found = agree(&scene.pairs, rotation, FOCAL, &config, &Stream::new(seed));
+                let found = agree(&scene.pairs, rotation, FOCAL, 1.0, DOUBT_SHARE, &Stream::new(seed));
                 let (true_share, false_ones) = kept(&found, scene.good);
                 // A false pair lies within 1 px of its line by chance, about 2 in 480 times a few.
                 assert!(
@@ -278,8 +285,7 @@ mod tests {
     fn the_direction_of_motion_is_the_true_one() {
         let path = Vector3::new(0.2, 0.1, -0.05);
         let scene = scene(3, 120, 20, path, 0.1);
-        let found =
-            agree(&scene.pairs, Some(&scene.rotation), FOCAL, &RansacConfig::default(), &Stream::new(1));
+        let found = agree(&scene.pairs, Some(&scene.rotation), FOCAL, 1.0, DOUBT_SHARE, &Stream::new(1));
         let hat = found.essential.unwrap() * scene.rotation.to_rotation_matrix().matrix().transpose();
         let direction = Vector3::new(hat[(2, 1)], hat[(0, 2)], hat[(1, 0)]).normalize();
         assert!(direction.cross(&path.normalize()).norm() < 0.02, "{direction}");
@@ -289,7 +295,7 @@ mod tests {
     fn a_wrong_rotation_is_noticed() {
         let scene = scene(5, 120, 20, Vector3::new(0.1, 0.0, 0.02), 0.2);
         let wrong = scene.rotation * UnitQuaternion::from_scaled_axis(Vector3::new(0.03, -0.02, 0.05));
-        let found = agree(&scene.pairs, Some(&wrong), FOCAL, &RansacConfig::default(), &Stream::new(1));
+        let found = agree(&scene.pairs, Some(&wrong), FOCAL, 1.0, DOUBT_SHARE, &Stream::new(1));
         assert_eq!(found.geometry, Geometry::Fundamental);
         assert!(kept(&found, scene.good).0 > 0.9, "{found:?}");
     }
@@ -299,8 +305,7 @@ mod tests {
         for seed in 0..5 {
             let scene = scene(seed, 100, 15, Vector3::zeros(), 0.15);
             for rotation in [Some(&scene.rotation), None] {
-                let found =
-                    agree(&scene.pairs, rotation, FOCAL, &RansacConfig::default(), &Stream::new(seed));
+                let found = agree(&scene.pairs, rotation, FOCAL, 1.0, DOUBT_SHARE, &Stream::new(seed));
                 let (true_share, false_ones) = kept(&found, scene.good);
                 assert!(true_share > 0.97, "seed {seed}: {true_share}");
                 // Without a path any line through a point fits; a free matrix can please two or three of the false.
@@ -318,8 +323,7 @@ mod tests {
             let turned = scene.rotation * pair.prev;
             pair.cur = (2.0 * turned - pair.cur).normalize();
         }
-        let found =
-            agree(&scene.pairs, Some(&scene.rotation), FOCAL, &RansacConfig::default(), &Stream::new(1));
+        let found = agree(&scene.pairs, Some(&scene.rotation), FOCAL, 1.0, DOUBT_SHARE, &Stream::new(1));
         assert!(found.inliers[..10].iter().all(|inlier| !inlier), "{:?}", &found.inliers[..10]);
         assert!(found.agreeing >= 86, "{}", found.agreeing);
     }
@@ -328,7 +332,7 @@ mod tests {
     fn few_pairs_identical_pairs_and_bad_numbers_are_survived() {
         let scene = scene(1, 40, 0, Vector3::new(0.1, 0.0, 0.0), 0.1);
         for n in 0..12 {
-            let found = agree(&scene.pairs[..n], None, FOCAL, &RansacConfig::default(), &Stream::new(1));
+            let found = agree(&scene.pairs[..n], None, FOCAL, 1.0, DOUBT_SHARE, &Stream::new(1));
             assert_eq!(found.inliers.len(), n);
             assert!(n >= FEWEST || found.agreeing == n);
         }
@@ -336,7 +340,7 @@ mod tests {
         let nan = vec![Pair { prev: Vector3::repeat(f64::NAN), cur: Vector3::zeros() }; 30];
         for pairs in [same, nan] {
             for rotation in [Some(&scene.rotation), None] {
-                let found = agree(&pairs, rotation, FOCAL, &RansacConfig::default(), &Stream::new(1));
+                let found = agree(&pairs, rotation, FOCAL, 1.0, DOUBT_SHARE, &Stream::new(1));
                 assert_eq!(found.inliers.len(), 30);
             }
         }
@@ -344,10 +348,10 @@ mod tests {
 
     #[test]
     fn trials_follow_the_share() {
-        assert_eq!(trials_for(1.0, 7, 0.99), 1);
+        assert_eq!(trials_for(1.0, 7), 1);
         // (1 - .5^2)^n <= .01: n = 16.01 -> 17.
-        assert_eq!(trials_for(0.5, 2, 0.99), 17);
-        assert_eq!(trials_for(0.8, 7, 0.99), 20);
-        assert!(trials_for(0.0, 7, 0.99) > 1_000_000);
+        assert_eq!(trials_for(0.5, 2), 17);
+        assert_eq!(trials_for(0.8, 7), 20);
+        assert!(trials_for(0.0, 7) > 1_000_000);
     }
 }

@@ -20,5 +20,6 @@ mod seven;
 mod two_point;
 
 pub use config::{Geometry, RansacConfig};
+pub(crate) use consensus::DOUBT_SHARE;
 pub use consensus::{Consensus, agree};
 pub use pair::Pair;

@@ -219,23 +219,16 @@ fn the_same_images_give_the_same_tracks_and_a_copy_goes_on_alike() {
 }
 
 #[test]
-fn other_geometry_other_window_and_a_mask_work_too() {
+fn without_a_gyroscope_and_with_another_window_it_works_too() {
     let wall = Wall::new(7);
     let mut config = config();
-    config.ransac.geometry = ransac::Geometry::Fundamental;
     config.klt.window = 15;
     config.klt.levels = 3;
-    let mask = dpn_core::GrayImage::from_fn(376, 240, |x, _| u8::from(x > 188)).unwrap();
-    let mut front_end = front_end(&wall, config).with_mask(mask).unwrap();
+    let mut front_end = front_end(&wall, config);
     for i in 0..8 {
         let fed = front_end.feed(wall.image(&pose(i), i as u64).view(), stamp(i), None);
-        let frame = fed.frame.unwrap();
-        assert!(frame.tracks.len() > 40);
-        assert!(frame.tracks.iter().all(|track| track.px.x > 150.0));
+        assert!(fed.frame.unwrap().tracks.len() > 40);
         let geometry = fed.report.agreement.map(|agreement| agreement.geometry);
         assert_eq!(geometry, (i > 0).then_some(ransac::Geometry::Fundamental));
     }
-    let small = dpn_core::GrayImage::from_fn(3, 3, |_, _| 1).unwrap();
-    let error = front_end.with_mask(small).unwrap_err().to_string();
-    assert!(error.contains("3 x 3") && error.contains("376 x 240"), "{error}");
 }
