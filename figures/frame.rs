@@ -124,12 +124,6 @@ impl<'a, DB: DrawingBackend> Frame<'a, DB> {
         self.words(&self.y.label, style::CAPTION, style::INK, Anchor::East, (left - 12, top + 12))
     }
 
-    /// A title over the panel, at its left.
-    pub(super) fn title(&self, words: &str) -> Painted<DB> {
-        let at = (self.rect.left, self.rect.top - ABOVE / 2);
-        self.words(words, style::TITLE, style::INK, Anchor::West, at)
-    }
-
     /// A word anywhere.
     pub(super) fn words(
         &self,

@@ -8,7 +8,7 @@ use super::frame::{LEFT, RIGHT};
 use super::legend::{self, Entry, Key};
 use super::plot::{Drawn, row};
 use super::style::{self, PALETTE};
-use super::summary::{BINS, Level, MOST_LEVELS, by_level, levels};
+use super::summary::{BINS, MOST_LEVELS, by_level, levels};
 use dpn_core::Sensor;
 
 const FIGURE: &str = "predicted against true";

@@ -22,6 +22,7 @@ mod id;
 mod injected;
 mod input;
 mod motors;
+mod overall;
 mod page;
 mod paper;
 mod plan;

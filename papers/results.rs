@@ -38,10 +38,12 @@ pub(super) struct StageResult<T> {
 }
 
 /// One closed loop: what its folder's name begins with, what is run, and over which sequences.
-struct PaperLoop<'a> {
+pub(super) struct PaperLoop<'a> {
     name: String,
-    experiment: Experiment,
-    source: &'a SequenceSet,
+    pub(super) experiment: Experiment,
+    pub(super) source: &'a SequenceSet,
+    /// How many sequences.
+    pub(super) count: usize,
 }
 
 impl Paper<'_> {
@@ -148,7 +150,7 @@ impl Paper<'_> {
         if !source.tracks_are_seeded() && !source.recordings_are_seeded() {
             (experiment.seeds, experiment.other_seeds) = (1, 1);
         }
-        PaperLoop { name, experiment, source }
+        PaperLoop { name, experiment, source, count: places.len() }
     }
 
     /// Every closed loop of the paper. Nothing is run.
@@ -160,7 +162,7 @@ impl Paper<'_> {
     }
 
     /// The study, then every course.
-    fn requests(&self) -> impl Iterator<Item = Result<PaperLoop<'_>, PaperError>> {
+    pub(super) fn requests(&self) -> impl Iterator<Item = Result<PaperLoop<'_>, PaperError>> {
         let courses = self.plan.injected.courses.iter().map(|course| self.experiment(*course));
         std::iter::once(self.study()).chain(courses)
     }
@@ -190,7 +192,7 @@ impl Paper<'_> {
     }
 
     /// The first sequences of both sides, as many of each as can be.
-    fn injected_places(&self) -> Vec<usize> {
+    pub(super) fn injected_places(&self) -> Vec<usize> {
         let names = self.input.source.names();
         let most = match self.plan.injected.most_sequences {
             0 => usize::MAX,
@@ -210,7 +212,7 @@ impl Paper<'_> {
     where
         Self: 'a,
     {
-        let PaperLoop { name, experiment, source } = wanted;
+        let PaperLoop { name, experiment, source, .. } = wanted;
         let mut job = LoopJob::new(PathBuf::new(), experiment, source, self.networks, self.measured_by())?;
         (job.sweep.threads, job.sweep.cache) = (self.threads, self.cache);
         job.folder = format!("{name}-{}", &job.made_from.fingerprint()[..16]).into();

@@ -6,6 +6,7 @@ use super::findings::{findings, pairs};
 use super::forest::Forest;
 use super::id::{id, json};
 use super::injected::Response;
+use super::overall::Overall;
 use super::page::{Page, Picture, Readme, called};
 use super::paper::Paper;
 use super::results::StageResult;
@@ -80,14 +81,16 @@ impl Paper<'_> {
     /// Whatever stops a stage; a request to stop. What is finished stays, and the same call goes on from there.
     pub fn run(&self, stop: &AtomicBool, progress: &mut dyn Progress) -> Result<Done, PaperError> {
         let mut stages = Vec::new();
+        let mut overall = Overall::new(progress, self.foreseen()?);
         let clock = Instant::now();
         let networks = self.networks_id()?;
         stages.push(report("networks", &format!("networks-{networks}"), true, clock));
         let clock = Instant::now();
-        let open = self.open_loop(&networks, stop, progress)?;
+        let open = self.open_loop(&networks, stop, &mut overall)?;
         stages.push(report("open loop", &open.run, open.cached, clock));
         let clock = Instant::now();
-        let (closed, unseen) = self.closed_loop(stop, progress)?;
+        overall.enter(1);
+        let (closed, unseen) = self.closed_loop(stop, &mut overall)?;
         stages.push(report("closed loop", &closed.run, closed.cached, clock));
         let input = self.input.without(&unseen);
         if input.places.is_empty() {
@@ -102,7 +105,7 @@ impl Paper<'_> {
             run: self.run.clone(),
             ..*self
         };
-        paper.after_the_loop(stages, open, closed, stop, progress)
+        paper.after_the_loop(stages, open, closed, stop, &mut overall)
     }
 
     /// The rest, on the sequences that the odometry has seen.
@@ -112,12 +115,13 @@ impl Paper<'_> {
         open: StageResult<Vec<dpn_eval::open_loop::Row>>,
         closed: StageResult<Vec<Row>>,
         stop: &AtomicBool,
-        progress: &mut dyn Progress,
+        overall: &mut Overall<'_>,
     ) -> Result<Done, PaperError> {
         let mut injected = Vec::new();
-        for course in &self.plan.injected.courses {
+        for (stage, course) in (2..).zip(&self.plan.injected.courses) {
+            overall.enter(stage);
             let clock = Instant::now();
-            let rows = self.injected(*course, stop, progress)?;
+            let rows = self.injected(*course, stop, overall)?;
             stages.push(report(&format!("injected noise: {course}"), &rows.run, rows.cached, clock));
             injected.push((*course, rows));
         }
@@ -135,7 +139,8 @@ impl Paper<'_> {
             return Ok(self.done(stages, receipt));
         }
         let results = Results { open, closed, injected, responses, times };
-        let receipt = self.write(&id, &results, progress)?;
+        overall.enter(usize::MAX);
+        let receipt = self.write(&id, &results, overall)?;
         stages.push(report("tables, figures, page", &id, false, clock));
         Ok(self.done(stages, receipt))
     }

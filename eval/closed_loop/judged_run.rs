@@ -22,7 +22,6 @@ use dpn_vio::estimator::{BiasJump, FrontEndObserver, Phase};
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 /// Tracks that cover less than this share of the samples' time are worth a word.

@@ -17,14 +17,14 @@ use std::collections::BTreeMap;
 
 /// Figures of a camera's images over one span, each with its name.
 #[derive(Debug, Clone, PartialEq)]
-pub struct CameraFigures([(&'static str, f64); 11]);
+pub(crate) struct CameraFigures([(&'static str, f64); 11]);
 
 impl CameraFigures {
     /// The figures of sequence `index` of `source` with this seed, from the image at `from` to the one at `to`.
     ///
     /// # Errors
     /// No images there; none in which anything can be followed.
-    pub fn of(
+    pub(crate) fn of(
         source: &SequenceSet,
         index: usize,
         seed: u64,
@@ -61,7 +61,7 @@ impl CameraFigures {
     }
 
     /// The figures with their names, in order.
-    pub fn named(&self) -> [(&'static str, f64); 11] {
+    pub(crate) fn named(&self) -> [(&'static str, f64); 11] {
         self.0
     }
 
@@ -69,7 +69,7 @@ impl CameraFigures {
     ///
     /// # Panics
     /// Of none.
-    pub fn mean(several: &[Self]) -> Self {
+    pub(crate) fn mean(several: &[Self]) -> Self {
         let first = several.first().expect("a mean of something");
         let mean = |at: usize| several.iter().map(|f| f.0[at].1).sum::<f64>() / several.len() as f64;
         Self(std::array::from_fn(|at| (first.0[at].0, mean(at))))
@@ -80,7 +80,7 @@ impl CameraFigures {
 ///
 /// # Errors
 /// As [`CameraFigures::of`].
-pub fn matches(
+pub(crate) fn matches(
     source: &SequenceSet,
     index: usize,
     seed: u64,

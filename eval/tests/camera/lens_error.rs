@@ -23,7 +23,7 @@ const RIDGE: f64 = 1e-6;
 
 /// A frame's tracks with those of the frame before, and the fundamental matrix that most of them agree on.
 #[derive(Debug, Clone)]
-pub struct Matched {
+pub(crate) struct Matched {
     pub pairs: Vec<Pair>,
     pub matrix: Matrix3<f64>,
     pub px_per_rad: f64,
@@ -31,7 +31,7 @@ pub struct Matched {
 
 impl Matched {
     /// Distances from the epipolar lines \[px\].
-    pub fn distances_px(&self) -> impl Iterator<Item = f64> {
+    pub(crate) fn distances_px(&self) -> impl Iterator<Item = f64> {
         self.pairs.iter().map(|pair| self.px_per_rad * pair.distance_squared(&self.matrix).sqrt())
     }
 
@@ -81,7 +81,7 @@ fn powers(ray: &Vector3<f64>) -> Vec<f64> {
 
 /// Medians of the distances of `judged`'s tracks from their epipolar lines \[px\], without a field and with the one that fits `fitted` best; `None` where
 /// either has too few tracks.
-pub fn lens_error(fitted: &[Matched], judged: &[Matched]) -> Option<[f64; 2]> {
+pub(crate) fn lens_error(fitted: &[Matched], judged: &[Matched]) -> Option<[f64; 2]> {
     let all = |frames: &[Matched]| -> Vec<_> { frames.iter().filter_map(Matched::rows).collect() };
     let (fitted, judged) = (all(fitted), all(judged));
     let terms = fitted.first()?.1.ncols();

@@ -5,5 +5,5 @@
 mod figures;
 mod lens_error;
 
-pub use figures::{CameraFigures, matches};
-pub use lens_error::lens_error;
+pub(crate) use figures::{CameraFigures, matches};
+pub(crate) use lens_error::lens_error;

@@ -2,7 +2,7 @@
 
 use super::align::align;
 use super::buffer::Chosen;
-use super::config::{InitConfig, MAX_SCALE_STD, TRACK_STD_PX};
+use super::config::{InitConfig, TRACK_STD_PX};
 use super::frame::shared;
 use super::gyro_bias::{self, RotationPair};
 use super::outcome::{Initialised, InitialisedFrame, WaitReason};
@@ -70,7 +70,7 @@ pub(super) fn attempt(
         gyro_bias_std: BIAS_STD_INFLATION * turned.std,
     };
     let structure = structure::build(&input, config, &stream.named("structure"))?;
-    let uncertain = |relative_std| WaitReason::ScaleUncertain { relative_std, allowed: MAX_SCALE_STD };
+    let uncertain = |relative_std| WaitReason::ScaleUncertain { relative_std, allowed: config.max_scale_std };
     let aligned = align(&structure.cameras, CAMERA_STD, &preints, body_from_cam, config)
         .ok_or(uncertain(f64::INFINITY))?;
     if aligned.scale <= 0.0 {

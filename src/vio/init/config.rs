@@ -13,8 +13,6 @@ pub(super) const TRY_EVERY: u64 = 2;
 pub(super) const MIN_SHARED_TRACKS: usize = 20;
 /// Parallax after compensating rotation that some pair of frames must show, median over tracks \[px\].
 pub(super) const MIN_PARALLAX_PX: f64 = 10.0;
-/// Largest relative standard deviation of the scale with which the estimate is given out.
-pub(super) const MAX_SCALE_STD: f64 = 0.04;
 /// Least white noise of the accelerometer that is believed, whatever is told \[m/s^2/sqrt(Hz)\]: rotors shake it more than its data
 /// sheet says.
 pub(super) const MIN_ACCEL_NOISE: f64 = 0.025;
@@ -39,6 +37,8 @@ pub struct InitConfig {
     pub min_frames: usize,
     /// Longest time that the frames may span \[s\]; older ones are dropped.
     pub max_span_s: f64,
+    /// Largest relative standard deviation of the scale with which the estimate is given out.
+    pub max_scale_std: f64,
     /// Prior standard deviation of each axis of the accelerometer's bias, here and where the window begins \[m/s^2\].
     pub accel_bias_std: f64,
     /// Prior standard deviation of each axis of the gyro's bias, here where no rest was seen and where the window begins \[rad/s\].
@@ -52,6 +52,7 @@ impl Default for InitConfig {
             max_frames: 11,
             min_frames: 6,
             max_span_s: 4.0,
+            max_scale_std: 0.04,
             accel_bias_std: 0.15,
             gyro_bias_std: 0.1,
         }
@@ -74,6 +75,7 @@ impl Validate for InitConfig {
     fn faults(&self) -> Vec<ConfigFault> {
         let mut faults = ConfigFaults::default();
         faults.positive("focal_px", self.focal_px);
+        faults.positive("max_scale_std", self.max_scale_std);
         faults.positive("accel_bias_std", self.accel_bias_std);
         faults.positive("gyro_bias_std", self.gyro_bias_std);
         let (span, frames) = (self.max_span_s, self.max_frames);

@@ -11,9 +11,7 @@
 use super::adjustment::{self, rescale, solve, track_std_factor};
 use super::align::Aligned;
 use super::certainty::{gravity_std, inertial_excess, scale_std};
-use super::config::{
-    InitConfig, MAX_SCALE_STD, MIN_ACCEL_NOISE, MIN_GYRO_NOISE, NOISE_PRIOR_WEIGHT, REST_TRACK_PX,
-};
+use super::config::{InitConfig, MIN_ACCEL_NOISE, MIN_GYRO_NOISE, NOISE_PRIOR_WEIGHT, REST_TRACK_PX};
 use super::frame::InitFrame;
 use super::outcome::{Fit, Implausible, WaitReason};
 use super::structure::Structure;
@@ -74,7 +72,7 @@ pub(super) fn refine(
     config: &InitConfig,
 ) -> Result<Refined, WaitReason> {
     let unusable = |consistent| WaitReason::NoStructure { consistent, needed: MIN_POINTS };
-    let uncertain = |relative_std| WaitReason::ScaleUncertain { relative_std, allowed: MAX_SCALE_STD };
+    let uncertain = |relative_std| WaitReason::ScaleUncertain { relative_std, allowed: config.max_scale_std };
     let expected = expected_factors(known.preints);
     let mut window = window(structure, aligned, known, config);
     let mut track_std = structure.track_std;
@@ -89,7 +87,7 @@ pub(super) fn refine(
         let covariance = window.covariance().ok_or(uncertain(f64::INFINITY))?;
         // Far above the bound no further round brings it below.
         let scale_std = scale_std(&window, &covariance);
-        if scale_std > 10.0 * MAX_SCALE_STD {
+        if scale_std > 10.0 * config.max_scale_std {
             return Err(uncertain(scale_std));
         }
         let poses = (POSE_DIM * window.frames().len()) as f64;
@@ -110,7 +108,7 @@ pub(super) fn refine(
     }
     solve(&mut window, STEPS[2]);
     let covariance = window.covariance().ok_or(uncertain(f64::INFINITY))?;
-    judge(&window, &covariance, fit, expected)
+    judge(&window, &covariance, fit, expected, config)
 }
 
 /// Integrates the samples with the states' biases and the noise that the fit says; `None` where that gives nothing to weigh by.
@@ -147,6 +145,7 @@ fn judge(
     covariance: &DMatrix<f64>,
     fit: Fit,
     expected: [f64; 2],
+    config: &InitConfig,
 ) -> Result<Refined, WaitReason> {
     let states: Vec<NavState> = window.frames().iter().map(|f| f.state).collect();
     let bias = states[0].bias;
@@ -159,8 +158,8 @@ fn judge(
     within(Implausible::AccelBias, bias.accel.norm(), MAX_BIAS.0)?;
     within(Implausible::GyroBias, bias.gyro.norm(), MAX_BIAS.1)?;
     within(Implausible::InertialResidual, excess, MAX_EXCESS)?;
-    if scale_std.is_nan() || scale_std > MAX_SCALE_STD {
-        return Err(WaitReason::ScaleUncertain { relative_std: scale_std, allowed: MAX_SCALE_STD });
+    if scale_std.is_nan() || scale_std > config.max_scale_std {
+        return Err(WaitReason::ScaleUncertain { relative_std: scale_std, allowed: config.max_scale_std });
     }
     let gravity_std = gravity_std(window, covariance, states.len() - 1);
     Ok(Refined { states, scale_std, gravity_std, fit })

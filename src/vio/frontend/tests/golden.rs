@@ -146,3 +146,19 @@ fn flow_is_opencvs_and_the_true_one() {
         }
     }
 }
+
+fn check(plane: &Plane, samples: &Samples) {
+    assert_eq!([plane.width(), plane.height()], samples.size);
+    for (at, grey) in samples.at.iter().zip(&samples.grey) {
+        assert_eq!(plane.row(at[1])[at[0]], *grey, "at {at:?}");
+    }
+}
+
+#[test]
+fn pyramid_levels_are_opencvs_to_the_bit() {
+    let half = pyr_down(&Plane::new(pgm("first.pgm").view()));
+    let quarter = pyr_down(&half);
+    let samples = golden().pyramid;
+    check(&half, &samples[0]);
+    check(&quarter, &samples[1]);
+}
