@@ -7,6 +7,7 @@ use super::error::ClosedLoopError;
 use super::row::Row;
 use super::sweep_plan::nees_path;
 use crate::metrics::{NeesReport, PoseNees, nees_report};
+use crate::text_file::text_of;
 use dpn_core::Stamp;
 use dpn_core::estimate::NoiseSpec;
 use dpn_io::{IoError, atomic_write};
@@ -41,11 +42,7 @@ pub(super) fn write_nees(path: &Path, nees: &[PoseNees]) -> Result<(), IoError> 
 
 /// Reads what [`write_nees`] wrote; nothing where there is no file.
 fn read_nees(path: &Path) -> Result<Vec<PoseNees>, ClosedLoopError> {
-    let text = match std::fs::read_to_string(path) {
-        Ok(text) => text,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
-        Err(source) => return Err(IoError::Read { path: path.to_path_buf(), source }.into()),
-    };
+    let text = text_of(path)?;
     let bad = |line: usize, text: &str| ClosedLoopError::BadRow {
         path: path.to_path_buf(),
         line,

@@ -7,6 +7,7 @@
 use super::error::ClosedLoopError;
 use super::manifest::Manifest;
 use super::row::Row;
+use crate::text_file::text_of;
 use dpn_io::{FolderLock, IoError, atomic_write};
 use std::collections::HashSet;
 use std::fs::{File, OpenOptions};
@@ -107,11 +108,7 @@ fn rows_path(dir: &Path) -> PathBuf {
 /// # Errors
 /// A file that cannot be read, a line that is no row.
 pub fn read_rows(path: &Path) -> Result<Vec<Row>, ClosedLoopError> {
-    let text = match std::fs::read_to_string(path) {
-        Ok(text) => text,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
-        Err(source) => return Err(IoError::Read { path: path.to_path_buf(), source }.into()),
-    };
+    let text = text_of(path)?;
     let whole = &text[..text.rfind('\n').map_or(0, |end| end + 1)];
     let read = |(line, text): (usize, &str)| {
         serde_json::from_str(text).map_err(|error| ClosedLoopError::BadRow {

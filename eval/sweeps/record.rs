@@ -3,7 +3,8 @@
 use super::beat::BEAT;
 use super::error::SweepError;
 use super::manifest::SweepFolder;
-use super::shard_files::{FAILED, ROWS, text_of};
+use super::shard_files::{FAILED, ROWS};
+use crate::text_file::text_of;
 use dpn_core::checksum::of_parts;
 use dpn_io::{IoError, atomic_write};
 use serde::{Deserialize, Serialize};

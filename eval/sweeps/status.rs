@@ -5,7 +5,8 @@ use super::error::SweepError;
 use super::manifest::SweepFolder;
 use super::record::{ShardRecord, cells_with_rows};
 use super::shard::FailedLine;
-use super::shard_files::{FAILED, text_of};
+use super::shard_files::FAILED;
+use crate::text_file::text_of;
 use serde::Serialize;
 
 /// A process that has not been heard of for so long is taken for gone \[s\].
