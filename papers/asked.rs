@@ -62,13 +62,14 @@ impl PaperPlan {
     /// # Errors
     /// Files of settings or folders of data that cannot be read; no sequence that can be used.
     pub fn open(&self) -> Result<Opened, PaperError> {
+        let plan = self.plan()?;
         // NEES and the error's band need covariances.
         let estimator = EstimatorConfig { covariance: true, ..self.run.estimator.load()? };
         let asked = Experiment { estimator: estimator.clone().into(), nees: false, ..self.run.clone() };
         let (run, source, camera) = self.camera.open(&asked, self.quick)?;
         let wanted = source.select(&run.sequences)?;
         let input = Input::check(source, &wanted, run.sequences == "all", &run.simulated_tracks.load()?)?;
-        Ok(Opened { plan: self.plan()?, run, estimator, input, camera })
+        Ok(Opened { plan, run, estimator, input, camera })
     }
 }
 

@@ -6,7 +6,6 @@ use crate::args::PaperArgs;
 use crate::ui::{Bar, Fault, Interrupted, errln, outln, warn};
 use anyhow::Result;
 use dpn_core::Sensor;
-use dpn_core::config::Validate;
 use dpn_eval::closed_loop::{Experiment, Settings};
 use dpn_io::FolderLock;
 use dpn_papers::{Done, Input, Paper, PaperError, PaperPlan, id};
@@ -21,7 +20,6 @@ use std::sync::atomic::AtomicBool;
 
 pub(crate) fn run(args: &PaperArgs) -> Result<()> {
     let opened = asked(args)?.open()?;
-    opened.plan.validate()?;
     let input = &opened.input;
     for missing in &input.missing {
         errln!("warning: no row for {}: {}", missing.name, missing.reason);
