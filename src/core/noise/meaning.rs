@@ -1,10 +1,7 @@
 //! What a number in a configuration means, and the way from it to a density and back.
 
 use super::units::{
-    AccelBiasRateStd, AccelBiasStepStd, AccelBiasStepVariance, AccelBiasWalkDensity, AccelNoiseDensity,
-    AccelPowerDensity, AccelSampleStd, AccelSampleVariance, BadNoise, GyroBiasRateStd, GyroBiasStepStd,
-    GyroBiasStepVariance, GyroBiasWalkDensity, GyroNoiseDensity, GyroPowerDensity, GyroSampleStd,
-    GyroSampleVariance,
+    AccelBiasWalkDensity, AccelNoiseDensity, BadNoise, GyroBiasWalkDensity, GyroNoiseDensity, checked,
 };
 use super::{Axes, Figure, ImuFigures};
 use crate::time::SampleRate;
@@ -98,68 +95,39 @@ impl Meaning {
     }
 }
 
-macro_rules! white {
-    ($read:ident, $write:ident, $density:ident, $power:ident, $std:ident, $variance:ident) => {
-        fn $read(meaning: Meaning, value: f64, rate: SampleRate) -> Result<$density, BadNoise> {
-            match meaning {
-                Meaning::Power => Ok($power::new(value)?.to_density()),
-                Meaning::SampleStd => Ok($std::new(value)?.to_density(rate)),
-                Meaning::SampleVariance => Ok($variance::new(value)?.to_sample_std().to_density(rate)),
-                _ => $density::new(value),
-            }
+impl Meaning {
+    /// The density that `number` stands for at `rate`.
+    fn to_density(self, number: f64, rate: SampleRate) -> f64 {
+        let root = rate.hz().sqrt();
+        match self {
+            Self::Density | Self::WalkDensity => number,
+            Self::Power => number.sqrt(),
+            Self::SampleStd | Self::WalkRateStd => number / root,
+            Self::SampleVariance => number.sqrt() / root,
+            Self::WalkStepStd => number * root,
+            Self::WalkStepVariance => number.sqrt() * root,
         }
+    }
 
-        fn $write(meaning: Meaning, density: $density, rate: SampleRate) -> f64 {
-            match meaning {
-                Meaning::Power => density.to_power().get(),
-                Meaning::SampleStd => density.to_sample_std(rate).get(),
-                Meaning::SampleVariance => density.to_sample_std(rate).to_variance().get(),
-                _ => density.get(),
-            }
+    /// The number that stands for `density` at `rate`.
+    fn of_density(self, density: f64, rate: SampleRate) -> f64 {
+        let root = rate.hz().sqrt();
+        let square = |value: f64| value * value;
+        match self {
+            Self::Density | Self::WalkDensity => density,
+            Self::Power => square(density),
+            Self::SampleStd | Self::WalkRateStd => density * root,
+            Self::SampleVariance => square(density * root),
+            Self::WalkStepStd => density / root,
+            Self::WalkStepVariance => square(density / root),
         }
-    };
+    }
+
+    /// What a number of `figure` means: a meaning of the other kind of noise is the density's.
+    fn of(self, figure: Figure) -> Self {
+        if self.is_walk() == figure.is_walk() { self } else { Self::Density }
+    }
 }
-
-macro_rules! walk {
-    ($read:ident, $write:ident, $density:ident, $step:ident, $variance:ident, $rate_std:ident) => {
-        fn $read(meaning: Meaning, value: f64, rate: SampleRate) -> Result<$density, BadNoise> {
-            match meaning {
-                Meaning::WalkStepStd => Ok($step::new(value)?.to_density(rate)),
-                Meaning::WalkStepVariance => Ok($variance::new(value)?.to_step_std().to_density(rate)),
-                Meaning::WalkRateStd => Ok($rate_std::new(value)?.to_density(rate)),
-                _ => $density::new(value),
-            }
-        }
-
-        fn $write(meaning: Meaning, density: $density, rate: SampleRate) -> f64 {
-            match meaning {
-                Meaning::WalkStepStd => density.to_step_std(rate).get(),
-                Meaning::WalkStepVariance => density.to_step_std(rate).to_variance().get(),
-                Meaning::WalkRateStd => density.to_rate_std(rate).get(),
-                _ => density.get(),
-            }
-        }
-    };
-}
-
-white!(read_accel, write_accel, AccelNoiseDensity, AccelPowerDensity, AccelSampleStd, AccelSampleVariance);
-white!(read_gyro, write_gyro, GyroNoiseDensity, GyroPowerDensity, GyroSampleStd, GyroSampleVariance);
-walk!(
-    read_accel_walk,
-    write_accel_walk,
-    AccelBiasWalkDensity,
-    AccelBiasStepStd,
-    AccelBiasStepVariance,
-    AccelBiasRateStd
-);
-walk!(
-    read_gyro_walk,
-    write_gyro_walk,
-    GyroBiasWalkDensity,
-    GyroBiasStepStd,
-    GyroBiasStepVariance,
-    GyroBiasRateStd
-);
 
 impl ImuFigures {
     /// Takes the numbers of one figure, meant as `meaning` at `rate` (which densities do not ask for).
@@ -173,25 +141,21 @@ impl ImuFigures {
         values: Axes<f64>,
         rate: SampleRate,
     ) -> Result<(), BadNoise> {
+        let density = |number| Ok::<_, BadNoise>(meaning.of(figure).to_density(checked(number)?, rate));
+        let densities = values.try_map(density)?;
         match figure {
-            Figure::AccelWhite => self.accel_white = Some(values.try_map(|v| read_accel(meaning, v, rate))?),
-            Figure::GyroWhite => self.gyro_white = Some(values.try_map(|v| read_gyro(meaning, v, rate))?),
-            Figure::AccelWalk => {
-                self.accel_walk = Some(values.try_map(|v| read_accel_walk(meaning, v, rate))?);
-            }
-            Figure::GyroWalk => self.gyro_walk = Some(values.try_map(|v| read_gyro_walk(meaning, v, rate))?),
+            Figure::AccelWhite => self.accel_white = Some(densities.try_map(AccelNoiseDensity::new)?),
+            Figure::GyroWhite => self.gyro_white = Some(densities.try_map(GyroNoiseDensity::new)?),
+            Figure::AccelWalk => self.accel_walk = Some(densities.try_map(AccelBiasWalkDensity::new)?),
+            Figure::GyroWalk => self.gyro_walk = Some(densities.try_map(GyroBiasWalkDensity::new)?),
         }
         Ok(())
     }
 
     /// The numbers of one figure as `meaning` at `rate`, where known.
     pub fn get(&self, figure: Figure, meaning: Meaning, rate: SampleRate) -> Option<Axes<f64>> {
-        match figure {
-            Figure::AccelWhite => self.accel_white.map(|a| a.map(|v| write_accel(meaning, v, rate))),
-            Figure::GyroWhite => self.gyro_white.map(|a| a.map(|v| write_gyro(meaning, v, rate))),
-            Figure::AccelWalk => self.accel_walk.map(|a| a.map(|v| write_accel_walk(meaning, v, rate))),
-            Figure::GyroWalk => self.gyro_walk.map(|a| a.map(|v| write_gyro_walk(meaning, v, rate))),
-        }
+        let densities = self.density(figure)?;
+        Some(densities.map(|density| meaning.of(figure).of_density(density, rate)))
     }
 }
 
@@ -223,6 +187,19 @@ mod tests {
             figures.set(figure, Meaning::WalkStepStd, Axes::Same(0.01), rate).unwrap();
             near(values(&figures, figure, WALK), [0.1, 1e-2, 1e-4, 1.0]);
         }
+    }
+
+    #[test]
+    fn a_step_and_a_rate_are_the_same_walk() {
+        let (rate, walk) = (SampleRate::HZ_200, Figure::AccelWalk);
+        let as_meant = |meaning| ImuFigures::euroc().get(walk, meaning, rate).unwrap().largest();
+        // One step of 5 ms at the rate moves the bias by the step.
+        let moved = as_meant(Meaning::WalkRateStd) * rate.period();
+        assert!((moved - as_meant(Meaning::WalkStepStd)).abs() < 1e-18);
+        let mut figures = ImuFigures::default();
+        let variance = Axes::Same(as_meant(Meaning::WalkStepVariance));
+        figures.set(walk, Meaning::WalkStepVariance, variance, rate).unwrap();
+        assert!((figures.density(walk).unwrap().largest() - 3e-3).abs() < 1e-15);
     }
 
     proptest! {

@@ -141,18 +141,12 @@ fn gravity(recording: &dyn Recorded, rest: &Rest) -> io::Result<Vec<Finding>> {
     let (force, turn) = (norm(accel), norm(gyro));
     let mut findings = Vec::new();
     let read = format!("the accelerometer reads {force:.3} m/s^2 {when}");
-    if (0.9..1.1).contains(&force) {
-        findings.push(Finding::bad(
-            "units",
-            format!("{read}: it counts in g"),
-            "read the log with --accel-unit g",
-        ));
-    } else if (900.0..1100.0).contains(&force) {
-        findings.push(Finding::bad(
-            "units",
-            format!("{read}: it counts in mg"),
-            "read the log with --accel-unit mg",
-        ));
+    let units = [
+        ("g", 0.9..1.1, "read the log with --accel-unit g"),
+        ("mg", 900.0..1100.0, "read the log with --accel-unit mg"),
+    ];
+    if let Some((unit, _, remedy)) = units.into_iter().find(|(_, forces, _)| forces.contains(&force)) {
+        findings.push(Finding::bad("units", format!("{read}: it counts in {unit}"), remedy));
     } else if force > COUNTS {
         let mut is_whole = true;
         recording.each(range, &mut |s| is_whole &= s.accel.iter().all(|v| v.fract() == 0.0))?;

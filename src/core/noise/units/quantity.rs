@@ -5,6 +5,14 @@
 #[error("a noise figure must be finite and not negative, not {0}")]
 pub struct BadNoise(pub f64);
 
+/// `value` where it is one of a noise.
+///
+/// # Errors
+/// Negative, NaN or infinite values.
+pub(crate) fn checked(value: f64) -> Result<f64, BadNoise> {
+    if value.is_finite() && value >= 0.0 { Ok(value) } else { Err(BadNoise(value)) }
+}
+
 macro_rules! quantity {
     ($($(#[$doc:meta])* $name:ident;)+) => {$(
         $(#[$doc])*
@@ -18,7 +26,7 @@ macro_rules! quantity {
             /// # Errors
             /// Negative, NaN or infinite values.
             pub fn new(value: f64) -> Result<Self, super::BadNoise> {
-                if value.is_finite() && value >= 0.0 { Ok(Self(value)) } else { Err(super::BadNoise(value)) }
+                super::quantity::checked(value).map(Self)
             }
 
             /// The number in the unit named above.

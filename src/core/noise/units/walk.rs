@@ -1,4 +1,4 @@
-//! The walk of a bias: as a density, and the ways estimators write it per sample.
+//! The walk of a bias: as a density, and as VINS-Mono writes it.
 
 use super::quantity::quantity;
 use crate::time::SampleRate;
@@ -8,14 +8,6 @@ quantity!(
     AccelBiasWalkDensity;
     /// Density of the gyroscope bias's random walk \[rad/s^2/sqrt(Hz)\].
     GyroBiasWalkDensity;
-    /// Deviation of the accelerometer bias's increment from one sample to the next \[m/s^2\].
-    AccelBiasStepStd;
-    /// Deviation of the gyroscope bias's increment from one sample to the next \[rad/s\].
-    GyroBiasStepStd;
-    /// Variance of the accelerometer bias's increment from one sample to the next \[(m/s^2)^2\].
-    AccelBiasStepVariance;
-    /// Variance of the gyroscope bias's increment from one sample to the next \[(rad/s)^2\].
-    GyroBiasStepVariance;
     /// Deviation of the accelerometer bias's rate of change, one value a sample, as VINS-Mono's `acc_w` \[m/s^3\].
     AccelBiasRateStd;
     /// Deviation of the gyroscope bias's rate of change, one value a sample, as VINS-Mono's `gyr_w` \[rad/s^2\].
@@ -23,40 +15,11 @@ quantity!(
 );
 
 macro_rules! bias_walk {
-    ($walk:ident, $step:ident, $variance:ident, $rate_std:ident) => {
+    ($walk:ident, $rate_std:ident) => {
         impl $walk {
             /// Deviation of the bias's increment from one sample to the next: `density / sqrt(rate)`.
             pub fn step_std(self, rate: SampleRate) -> f64 {
                 self.0 / rate.hz().sqrt()
-            }
-
-            /// The same walk by its increment from one sample to the next: `density / sqrt(rate)`.
-            pub(crate) fn to_step_std(self, rate: SampleRate) -> $step {
-                $step(self.step_std(rate))
-            }
-
-            /// The same walk by the rate of change the bias has during a sample: `density * sqrt(rate)`.
-            pub(crate) fn to_rate_std(self, rate: SampleRate) -> $rate_std {
-                $rate_std(self.0 * rate.hz().sqrt())
-            }
-        }
-
-        impl $step {
-            /// The same walk as a density: `step * sqrt(rate)`.
-            pub fn to_density(self, rate: SampleRate) -> $walk {
-                $walk(self.0 * rate.hz().sqrt())
-            }
-
-            /// The same walk by the variance of its increment: `step^2`.
-            pub(crate) fn to_variance(self) -> $variance {
-                $variance(self.0 * self.0)
-            }
-        }
-
-        impl $variance {
-            /// The same walk by the deviation of its increment: `sqrt(variance)`.
-            pub(crate) fn to_step_std(self) -> $step {
-                $step(self.0.sqrt())
             }
         }
 
@@ -70,8 +33,8 @@ macro_rules! bias_walk {
     };
 }
 
-bias_walk!(AccelBiasWalkDensity, AccelBiasStepStd, AccelBiasStepVariance, AccelBiasRateStd);
-bias_walk!(GyroBiasWalkDensity, GyroBiasStepStd, GyroBiasStepVariance, GyroBiasRateStd);
+bias_walk!(AccelBiasWalkDensity, AccelBiasRateStd);
+bias_walk!(GyroBiasWalkDensity, GyroBiasRateStd);
 
 impl AccelBiasRateStd {
     /// VINS-Mono's constant for EuRoC: at 200 Hz a walk of 2.8e-6 m/s^3/sqrt(Hz).
@@ -96,18 +59,6 @@ impl GyroBiasWalkDensity {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_step_and_a_rate_are_the_same_walk() {
-        let rate = SampleRate::HZ_200;
-        let walk = AccelBiasWalkDensity::EUROC;
-        // One step of 5 ms at the rate moves the bias by the step.
-        let moved = walk.to_rate_std(rate).get() * rate.period();
-        assert!((moved - walk.to_step_std(rate).get()).abs() < 1e-18);
-        assert!(
-            (walk.to_step_std(rate).to_variance().to_step_std().to_density(rate).get() - 3e-3).abs() < 1e-15
-        );
-    }
 
     /// The field's reading of VINS-Mono's EuRoC file: 137 and 1060 times below the data sheet.
     #[test]

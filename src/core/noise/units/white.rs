@@ -1,4 +1,4 @@
-//! White noise: per sample, as a density, and the squares of both.
+//! White noise: per sample and as a density.
 
 use super::quantity::quantity;
 use crate::time::SampleRate;
@@ -12,34 +12,14 @@ quantity!(
     AccelNoiseDensity;
     /// Density of the gyroscope's white noise \[rad/s/sqrt(Hz)\].
     GyroNoiseDensity;
-    /// Variance of one accelerometer sample at the sensor's own rate \[(m/s^2)^2\].
-    AccelSampleVariance;
-    /// Variance of one gyroscope sample at the sensor's own rate \[(rad/s)^2\].
-    GyroSampleVariance;
-    /// Power density of the accelerometer's white noise, the square of its density \[(m/s^2)^2/Hz\].
-    AccelPowerDensity;
-    /// Power density of the gyroscope's white noise, the square of its density \[(rad/s)^2/Hz\].
-    GyroPowerDensity;
 );
 
 macro_rules! white_noise {
-    ($sample:ident, $variance:ident, $density:ident, $power:ident) => {
+    ($sample:ident, $density:ident) => {
         impl $sample {
             /// The same noise as a density: `sigma / sqrt(rate)`.
             pub fn to_density(self, rate: SampleRate) -> $density {
                 $density(self.0 / rate.hz().sqrt())
-            }
-
-            /// The same noise as a variance: `sigma^2`.
-            pub(crate) fn to_variance(self) -> $variance {
-                $variance(self.0 * self.0)
-            }
-        }
-
-        impl $variance {
-            /// The same noise as a deviation: `sqrt(variance)`.
-            pub fn to_sample_std(self) -> $sample {
-                $sample(self.0.sqrt())
             }
         }
 
@@ -48,24 +28,12 @@ macro_rules! white_noise {
             pub fn to_sample_std(self, rate: SampleRate) -> $sample {
                 $sample(self.0 * rate.hz().sqrt())
             }
-
-            /// The same noise as a power density: `density^2`.
-            pub(crate) fn to_power(self) -> $power {
-                $power(self.0 * self.0)
-            }
-        }
-
-        impl $power {
-            /// The same noise as a density: `sqrt(power)`.
-            pub fn to_density(self) -> $density {
-                $density(self.0.sqrt())
-            }
         }
     };
 }
 
-white_noise!(AccelSampleStd, AccelSampleVariance, AccelNoiseDensity, AccelPowerDensity);
-white_noise!(GyroSampleStd, GyroSampleVariance, GyroNoiseDensity, GyroPowerDensity);
+white_noise!(AccelSampleStd, AccelNoiseDensity);
+white_noise!(GyroSampleStd, GyroNoiseDensity);
 
 impl AccelSampleStd {
     /// VINS-Mono's constant for EuRoC, the paper's "x1".
