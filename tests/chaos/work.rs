@@ -26,7 +26,7 @@ const PLAN: &str = include_str!("../data/least_plan.toml");
 
 /// A network of a few hundred parameters, whose epochs last long enough to be disturbed.
 const NETWORK: &str = include_str!("../data/tiny_network.toml");
-const LONG_EPOCHS: (&str, &str) = ("[fit]\n", "[fit]\ndraws_per_window = 400\n");
+const LONG_EPOCHS: (&str, &str) = ("[fit]\n", "[fit]\ndraws_per_window = 150\n");
 
 impl Work {
     pub(crate) fn name(self) -> &'static str {
@@ -62,12 +62,12 @@ impl Work {
         let line = match self {
             Self::Train => "train --sensor accel --config network.toml --data log --epochs 12 --out out",
             Self::Sweep => {
-                "eval --closed-loop --sequences room-medium --from 70 --to 80 --noise x4;diff2;shuffled(diff2) --seeds 2 \
+                "eval --closed-loop --sequences room-medium --from 70 --to 75 --noise x4;diff2;shuffled(diff2) --seeds 2 \
                  --threads 2 --trajectories --set covariance=true --out out"
             }
             Self::OpenLoop => "eval --open-loop --data log --sensor accel --bases sg(11,2);sg(5,2) --out out",
             Self::Paper => {
-                "paper --plan plan.toml --camera tracks --sequences room-medium --from 75 --threads 2 --out out --work work"
+                "paper --plan plan.toml --camera tracks --sequences room-medium --from 77 --threads 2 --out out --work work"
             }
             Self::Noise => "noise log/still/mav0/imu0/data.csv --out out",
         };
