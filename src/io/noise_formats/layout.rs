@@ -29,26 +29,21 @@ pub struct Layout {
     pub per_axis: bool,
     /// Whether the bias walks must be there.
     pub walks_required: bool,
-    /// How it is written.
-    pub(super) text: Text,
+    /// What stands around the keys in YAML; `None` of Basalt's JSON.
+    pub(super) yaml: Option<Yaml>,
 }
 
-/// What stands around the keys.
+/// What stands around the keys in YAML.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Text {
-    /// JSON as Basalt has it.
-    Basalt,
-    /// YAML: the lines before the keys, in which `{rate}` stands for " at N Hz", the keys' indent, the line of the rate and what is said behind it.
-    Yaml { head: &'static str, indent: &'static str, rate: RatePlace, rate_note: &'static str },
-}
-
-/// Where the line of the rate stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum RatePlace {
-    /// Before the four keys.
-    First,
-    /// Behind them.
-    Last,
+pub(super) struct Yaml {
+    /// The lines before, in which `{rate}` stands for " at N Hz".
+    pub(super) head: &'static str,
+    /// Before each key.
+    pub(super) indent: &'static str,
+    /// Whether the line of the rate comes before the keys.
+    pub(super) rate_first: bool,
+    /// What is said behind the rate.
+    pub(super) rate_note: &'static str,
 }
 
 impl Layout {

@@ -11,127 +11,100 @@
 //!   `(rad/s)^2` and `(m/s^2)^2`, and no more; here they are the variances of the bias's increment from one sample to the next.
 
 use super::keyed::{AxesText, Line, yaml};
-use super::layout::{Layout, RatePlace, Text, keys};
+use super::layout::{Layout, Yaml, keys};
 use dpn_core::noise::Meaning;
 
-const DENSITIES: Layout = Layout {
-    keys: keys(
-        [
-            "accelerometer_noise_density",
-            "accelerometer_random_walk",
-            "gyroscope_noise_density",
-            "gyroscope_random_walk",
-        ],
-        Meaning::Density,
-        Meaning::WalkDensity,
-    ),
-    rate: None,
-    other_rates: &[],
-    marks: &[],
-    per_axis: false,
-    walks_required: true,
-    text: Text::Basalt,
-};
+const YAML: Yaml = Yaml { head: "", indent: "", rate_first: false, rate_note: "" };
+
+/// One number for all axes, without a rate.
+const fn of(names: [&'static str; 4], white: Meaning, walk: Meaning) -> Layout {
+    Layout {
+        keys: keys(names, white, walk),
+        rate: None,
+        other_rates: &[],
+        marks: &[],
+        per_axis: false,
+        walks_required: true,
+        yaml: None,
+    }
+}
+
+const fn densities(names: [&'static str; 4]) -> Layout {
+    of(names, Meaning::Density, Meaning::WalkDensity)
+}
 
 pub(super) const KALIBR: Layout = Layout {
     rate: Some("update_rate"),
     other_rates: &["rate_hz"],
     marks: &["rate_hz", "sensor_type"],
-    text: Text::Yaml {
-        head: "# Kalibr imu.yaml: densities\nrostopic: /imu0\n",
-        indent: "",
-        rate: RatePlace::First,
-        rate_note: "",
-    },
-    ..DENSITIES
+    yaml: Some(Yaml { head: "# Kalibr imu.yaml: densities\nrostopic: /imu0\n", rate_first: true, ..YAML }),
+    ..densities([
+        "accelerometer_noise_density",
+        "accelerometer_random_walk",
+        "gyroscope_noise_density",
+        "gyroscope_random_walk",
+    ])
 };
 
 pub(super) const OPENVINS: Layout = Layout {
     marks: &["T_i_b", "Tw", "Ta", "Tg", "R_IMUtoGYRO", "R_IMUtoACC"],
-    text: Text::Yaml {
+    yaml: Some(Yaml {
         head: "%YAML:1.0\n# OpenVINS kalibr_imu_chain.yaml: densities\nimu0:\n",
         indent: "  ",
-        rate: RatePlace::Last,
-        rate_note: "",
-    },
+        ..YAML
+    }),
     ..KALIBR
 };
 
 pub(super) const ORBSLAM3: Layout = Layout {
-    keys: keys(
-        ["IMU.NoiseAcc", "IMU.AccWalk", "IMU.NoiseGyro", "IMU.GyroWalk"],
-        Meaning::Density,
-        Meaning::WalkDensity,
-    ),
     rate: Some("IMU.Frequency"),
-    text: Text::Yaml {
+    yaml: Some(Yaml {
         head: "%YAML:1.0\n# ORB-SLAM3: densities\n",
-        indent: "",
-        rate: RatePlace::Last,
         rate_note: "; ORB-SLAM3 multiplies by its root itself",
-    },
-    ..DENSITIES
+        ..YAML
+    }),
+    ..densities(["IMU.NoiseAcc", "IMU.AccWalk", "IMU.NoiseGyro", "IMU.GyroWalk"])
 };
 
 pub(super) const OKVIS2: Layout = Layout {
-    keys: keys(
-        ["sigma_a_c", "sigma_aw_c", "sigma_g_c", "sigma_gw_c"],
-        Meaning::Density,
-        Meaning::WalkDensity,
-    ),
     other_rates: &["imu_rate"],
-    text: Text::Yaml {
-        head: "%YAML:1.0\n# OKVIS2: densities\nimu_parameters:\n",
-        indent: "    ",
-        rate: RatePlace::Last,
-        rate_note: "",
-    },
-    ..DENSITIES
+    yaml: Some(Yaml { head: "%YAML:1.0\n# OKVIS2: densities\nimu_parameters:\n", indent: "    ", ..YAML }),
+    ..densities(["sigma_a_c", "sigma_aw_c", "sigma_g_c", "sigma_gw_c"])
 };
 
 pub(super) const BASALT: Layout = Layout {
-    keys: keys(
-        ["accel_noise_std", "accel_bias_std", "gyro_noise_std", "gyro_bias_std"],
-        Meaning::Density,
-        Meaning::WalkDensity,
-    ),
     rate: Some("imu_update_rate"),
     per_axis: true,
-    ..DENSITIES
+    ..densities(["accel_noise_std", "accel_bias_std", "gyro_noise_std", "gyro_bias_std"])
 };
 
 pub(super) const VINS: Layout = Layout {
-    keys: keys(["acc_n", "acc_w", "gyr_n", "gyr_w"], Meaning::SampleStd, Meaning::WalkRateStd),
-    text: Text::Yaml {
+    yaml: Some(Yaml {
         head: "%YAML:1.0\n# VINS-Mono, VINS-Fusion: per sample{rate}; another rate needs other numbers\n",
-        indent: "",
-        rate: RatePlace::Last,
-        rate_note: "",
-    },
-    ..DENSITIES
+        ..YAML
+    }),
+    ..of(["acc_n", "acc_w", "gyr_n", "gyr_w"], Meaning::SampleStd, Meaning::WalkRateStd)
 };
 
 pub(super) const VARIANCES: Layout = Layout {
-    keys: keys(
-        ["AccelerometerNoise", "AccelerometerBiasNoise", "GyroscopeNoise", "GyroscopeBiasNoise"],
-        Meaning::SampleVariance,
-        Meaning::WalkStepVariance,
-    ),
     rate: Some("SampleRate"),
     per_axis: true,
     walks_required: false,
-    text: Text::Yaml {
+    yaml: Some(Yaml {
         head: "# variances per sample (MathWorks factorIMUParameters)\n",
-        indent: "",
-        rate: RatePlace::First,
-        rate_note: "",
-    },
-    ..DENSITIES
+        rate_first: true,
+        ..YAML
+    }),
+    ..of(
+        ["AccelerometerNoise", "AccelerometerBiasNoise", "GyroscopeNoise", "GyroscopeBiasNoise"],
+        Meaning::SampleVariance,
+        Meaning::WalkStepVariance,
+    )
 };
 
 /// The text of a layout whose keys are `lines`.
 pub(super) fn write(layout: &Layout, lines: &[Line], rate: Option<&str>) -> String {
-    let Text::Yaml { head, indent, rate: place, rate_note } = layout.text else {
+    let Some(Yaml { head, indent, rate_first, rate_note }) = layout.yaml else {
         return basalt(lines, rate);
     };
     let head = head.replace("{rate}", &rate.map(|rate| format!(" at {rate} Hz")).unwrap_or_default());
@@ -139,10 +112,7 @@ pub(super) fn write(layout: &Layout, lines: &[Line], rate: Option<&str>) -> Stri
     let rate =
         rate.map(|(key, rate)| format!("{indent}{key}: {rate}  # Hz{rate_note}\n")).unwrap_or_default();
     let keys = yaml(lines, indent);
-    match place {
-        RatePlace::First => head + &rate + &keys,
-        RatePlace::Last => head + &keys + &rate,
-    }
+    if rate_first { head + &rate + &keys } else { head + &keys + &rate }
 }
 
 /// JSON has no comments: what is not known is left out.
