@@ -7,7 +7,7 @@ use crate::kalibr_cameras::KalibrCamera;
 use crate::printable;
 use crate::row_fault::RowFault;
 use crate::rows::Rows;
-use dpn_core::camera::{CameraConfig, Distortion, Lens};
+use dpn_core::camera::{CameraConfig, Distortion, Lens, UnknownLens};
 use dpn_core::time::Stamp;
 use serde::Deserialize;
 use std::path::{Component, Path};
@@ -46,8 +46,12 @@ pub fn read_config(path: &Path) -> Result<CameraConfig, IoError> {
 pub(crate) fn parse_config(bytes: &[u8], path: &Path) -> Result<CameraConfig, IoError> {
     let raw: Raw = yaml::parse(bytes, path)?;
     let bad = |key, problem| IoError::BadKey { path: path.to_path_buf(), key, problem };
-    let (distortion, intrinsics, leading) = lens_of(&raw).map_err(|(key, problem)| bad(key, problem))?;
-    let coefficients = [leading, raw.distortion_coefficients].concat();
+    let named = raw.distortion_model.as_deref().unwrap_or("none").parse::<Distortion>();
+    let unknown = |unknown: UnknownLens| format!("is \"{}\"; {unknown}", printable(&unknown.0));
+    let named = named.map_err(|lens| bad("distortion_model", unknown(lens)))?;
+    let camera = raw.camera_model.as_deref().unwrap_or("pinhole");
+    let lens = KalibrCamera::lens(camera, named, &raw.intrinsics, &raw.distortion_coefficients);
+    let (distortion, intrinsics, coefficients) = lens.map_err(|(key, problem)| bad(key, problem))?;
     if let Err(problem) = Lens::new(distortion, &coefficients) {
         return Err(bad("distortion_coefficients", format!("make {problem}")));
     }
@@ -69,33 +73,6 @@ pub(crate) fn parse_config(bytes: &[u8], path: &Path) -> Result<CameraConfig, Io
         coefficients,
         body_from_cam: yaml::body_from_sensor(&raw.t_bs, path)?,
     })
-}
-
-/// Model, fu, fv, cu, cv, leading coefficients.
-type LensOf = (Distortion, [f64; 4], Vec<f64>);
-
-/// The lens, fu, fv, cu, cv, and the coefficients that stand before those.
-fn lens_of(raw: &Raw) -> Result<LensOf, (&'static str, String)> {
-    let camera = raw.camera_model.as_deref().unwrap_or("pinhole");
-    let kind = KalibrCamera::named(camera).map_err(|problem| ("camera_model", problem))?;
-    let (model, leading) = (kind.lens, kind.leading.len());
-    let named = raw.distortion_model.as_deref().unwrap_or("none").parse::<Distortion>();
-    let distortion = named
-        .map_err(|unknown| ("distortion_model", format!("is \"{}\"; {unknown}", printable(&unknown.0))))?;
-    if kind.distortion.is_some_and(|only| distortion != only) {
-        return Err((
-            "distortion_model",
-            format!("is \"{distortion}\"; a camera that is \"{camera}\" goes with no such"),
-        ));
-    }
-    let problem =
-        || ("intrinsics", format!("is {:?}; this camera has {} numbers", raw.intrinsics, 4 + leading));
-    if raw.intrinsics.len() != 4 + leading {
-        return Err(problem());
-    }
-    let (before, four) = raw.intrinsics.split_at(leading);
-    let four = <[f64; 4]>::try_from(four).map_err(|_| problem())?;
-    Ok((model.unwrap_or(distortion), four, before.to_vec()))
 }
 
 pub(super) fn read_frames(path: &Path) -> Result<Vec<CameraFrame>, IoError> {
