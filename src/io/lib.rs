@@ -68,6 +68,7 @@ mod tum;
 mod understood;
 mod unit;
 mod words;
+mod yaml;
 
 pub use atomic::atomic_write;
 pub use choice::ColumnChoice;

@@ -1,8 +1,7 @@
 //! What ASL's `sensor.yaml` files have in common: reading, the pose `T_BS`, the rate.
 
+use crate::IoError;
 use crate::pose::rigid;
-use crate::row_fault::RowFault;
-use crate::{IoError, printable};
 use dpn_core::time::SampleRate;
 use nalgebra::Isometry3;
 use serde::Deserialize;
@@ -16,21 +15,7 @@ pub(super) struct Matrix {
 }
 
 pub(super) fn parse<T: DeserializeOwned>(bytes: &[u8], path: &Path) -> Result<T, IoError> {
-    let text = std::str::from_utf8(bytes).map_err(|error| {
-        let line = 1 + memchr::memchr_iter(b'\n', &bytes[..error.valid_up_to()]).count();
-        IoError::row(path, line, RowFault::NotUtf8)
-    })?;
-    serde_saphyr::from_str(text).map_err(|error| {
-        let whole = error.without_snippet().to_string();
-        let first = whole.lines().next().unwrap_or_default();
-        IoError::BadYaml {
-            path: path.to_path_buf(),
-            line: error.location().and_then(|at| usize::try_from(at.line()).ok()).filter(|line| *line > 0),
-            message: printable(
-                first.split(" at line ").next().unwrap_or(first).trim_start_matches("error: "),
-            ),
-        }
-    })
+    crate::yaml::parse(crate::yaml::text(bytes, path)?, path)
 }
 
 /// The `T_BS` of a sensor: maps points in the sensor's frame to the body's.

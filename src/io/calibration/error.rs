@@ -49,7 +49,7 @@ impl CalibrationError {
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::Io(error) => error.hint(),
-            Self::Tree(FormatError::NotYaml { .. }) => Some("a calibration is YAML or JSON; mend the line".to_owned()),
+            Self::Tree(FormatError::Io(IoError::BadYaml { .. })) => Some("a calibration is YAML or JSON; mend the line".to_owned()),
             Self::Tree(FormatError::Io(error)) => error.hint(),
             Self::Tree(_) | Self::Unknown { .. } => Some(
                 "known are Kalibr's camchain-imucam.yaml, OpenVINS' kalibr_imucam_chain.yaml and estimator_config.yaml, VINS', ORB-SLAM3's, \

@@ -33,24 +33,6 @@ pub enum FormatError {
     /// The file cannot be read.
     #[error(transparent)]
     Io(#[from] IoError),
-    /// Bytes that are no text.
-    #[error("{}:{line}: not UTF-8 text", path.display())]
-    NotText {
-        /// The file.
-        path: PathBuf,
-        /// The line with the first such byte.
-        line: usize,
-    },
-    /// Text that is neither YAML nor JSON.
-    #[error("{}: {message}", at(path, *line))]
-    NotYaml {
-        /// The file.
-        path: PathBuf,
-        /// The line, where the parser knows one.
-        line: Option<usize>,
-        /// What is wrong.
-        message: String,
-    },
     /// Text without a key.
     #[error("{}: holds no keys", path.display())]
     NoKeys {
@@ -132,12 +114,11 @@ impl FormatError {
     /// What to do about it.
     pub fn hint(&self) -> Option<String> {
         let text = match self {
-            Self::Io(error) => return error.hint(),
-            Self::NotText { .. } => "save the file as UTF-8 text".to_owned(),
-            Self::NotYaml { .. } => {
+            Self::Io(IoError::BadYaml { .. }) => {
                 "a configuration is YAML or JSON; mend the line, or cut the file down to its IMU part"
                     .to_owned()
             }
+            Self::Io(error) => return error.hint(),
             Self::NoKeys { .. } => format!("known formats are {}", Format::names()),
             Self::NoFormat { nearest: Some(slip), .. } => slip.to_string(),
             Self::NoFormat { .. } => format!("known are {}; name one with --from", Format::names()),

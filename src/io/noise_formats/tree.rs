@@ -3,7 +3,7 @@
 //! OpenCV's header `%YAML:1.0` and its tags are taken; of several documents, as `rostopic echo` writes them, the first is read. JSON is YAML.
 
 use super::error::FormatError;
-use crate::printable;
+use crate::{printable, yaml};
 use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
 use serde_saphyr::Spanned;
 use std::fmt;
@@ -92,13 +92,8 @@ impl Tree {
     /// No text, no YAML, no keys.
     pub(crate) fn parse(bytes: &[u8], path: &Path) -> Result<Self, FormatError> {
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-        let text = std::str::from_utf8(bytes).map_err(|error| FormatError::NotText {
-            path: path.to_path_buf(),
-            line: 1 + memchr::memchr_iter(b'\n', &bytes[..error.valid_up_to()]).count(),
-        })?;
-        let text = without_directives(first_document(text));
-        let parsed = serde_saphyr::from_str::<Spanned<Node>>(&text);
-        let node = parsed.map_err(|error| bad(&error, path))?.value;
+        let text = without_directives(first_document(yaml::text(bytes, path)?));
+        let node = yaml::parse::<Spanned<Node>>(&text, path)?.value;
         match node {
             Node::Map(root) if !root.is_empty() => Ok(Self { root }),
             _ => Err(FormatError::NoKeys { path: path.to_path_buf() }),
@@ -152,17 +147,6 @@ fn without_directives(text: &str) -> String {
     lines
         .map(|line| line.strip_prefix('%').map_or_else(|| line.to_owned(), |rest| format!("#{rest}")))
         .collect()
-}
-
-fn bad(error: &serde_saphyr::Error, path: &Path) -> FormatError {
-    let whole = error.without_snippet().to_string();
-    let first = whole.lines().next().unwrap_or_default();
-    let line = error.location().and_then(|at| usize::try_from(at.line()).ok());
-    FormatError::NotYaml {
-        path: path.to_path_buf(),
-        line: line.filter(|line| *line > 0),
-        message: printable(first.split(" at line ").next().unwrap_or(first).trim_start_matches("error: ")),
-    }
 }
 
 impl<'de> Deserialize<'de> for Node {
