@@ -1,8 +1,6 @@
 //! VINS-Mono's estimates on the given tracks, judged by our metrics, against the table that another program made of the same files
 //! (`golden/vins_mono/ate_se3.csv`).
 
-#![allow(clippy::unwrap_used)]
-
 use dpn_eval::metrics::{
     AlignmentKind, PosePair, TruthOptions, TruthTrack, associate_interpolated, associate_nearest, ate,
     poses_of,

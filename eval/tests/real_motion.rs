@@ -3,8 +3,6 @@
 //! The bounds are what VINS-Mono's whole pipeline (C++, its own tracker and defaults) reaches on the same span; `imu_cov = "vins"` is its
 //! covariance.
 
-#![allow(clippy::unwrap_used)]
-
 use dpn_core::estimate::NoiseSpec;
 use dpn_eval::closed_loop::{ImageSource, RunInfo, SequenceSet, Span, TrackSource, TruthKind, drive, judge};
 use dpn_eval::noise::{Fresh, Recorded, track};

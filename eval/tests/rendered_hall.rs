@@ -1,10 +1,6 @@
 //! The rendered hall is as hard for the front-end as the real one: on the half of the real span that it was not fitted on.
 
-#![allow(clippy::unwrap_used)]
-
-mod camera;
-
-use camera::CameraFigures;
+use crate::camera::CameraFigures;
 use dpn_core::Stamp;
 use dpn_eval::closed_loop::{ImageSource, SequenceSet, TrackSource};
 use dpn_testing::packs;
