@@ -182,15 +182,6 @@ fn param<const D: usize>(
     Param::initialized(ParamId::from(index as u64), tensor)
 }
 
-/// The deviations of what a network says.
-///
-/// # Shapes
-/// `answers`: `[batch, outputs]`; returns `[batch]`.
-pub(crate) fn deviations(answers: Tensor<2>) -> Tensor<1> {
-    let [batch, _] = answers.dims();
-    answers.slice([0..batch, 0..1]).squeeze_dim(1) // [batch]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,7 +4,7 @@
 
 use crate::config::{BlockOrder, Head, Input, Pool, ProNetConfig};
 use crate::definition::{LOG_SIGMA_RANGE, LOG_SPREAD_RANGE, NORM_EPSILON, POOL_EPSILON};
-use crate::module::{ProNet, deviations};
+use crate::module::ProNet;
 use burn::module::Param;
 use burn::tensor::ops::ConvOptions;
 use burn::tensor::{Tensor, activation, module::conv1d};
