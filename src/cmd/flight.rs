@@ -11,8 +11,6 @@ use dpn_train::levels::{LevelKind, Levels};
 use dpn_train::split::Side;
 use std::path::{Path, PathBuf};
 
-/// Samples between two questions to a model.
-const HOP: usize = 10;
 /// Base whose networks are shown.
 const BASE: &str = "sg(11,2)";
 
@@ -30,8 +28,10 @@ pub(super) fn draw(corpora: &[Corpus], networks: &[Network], out: &Path) -> Resu
     else {
         return Ok(Vec::new());
     };
-    let mut tracks =
-        vec![("pronet", NoiseTrack::of(&mut DualProNet::new("pronet", &accel, &gyro, HOP)?, recording))];
+    let mut tracks = vec![(
+        "pronet",
+        NoiseTrack::of(&mut DualProNet::new("pronet", &accel, &gyro, DualProNet::HOP)?, recording),
+    )];
     for spec in ["diff2", "sg(11,2)"] {
         let recorded = Recorded { name, imu: recording, oracle: None };
         tracks.push((spec, of_recording(&spec.parse()?, &recorded, networks)?));
