@@ -136,3 +136,18 @@ fn printed(rows: &RowSet<'_>, study: &Study, reports: &[Consistency]) -> String 
     parts.extend(table::consistency(reports).map(|table| table.console()));
     parts.join("\n")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::args::{Cli, Command};
+    use clap::Parser;
+
+    #[test]
+    fn flags_that_are_left_out_are_keys_that_are_left_out_of_a_plan() {
+        let Command::Eval(args) = Cli::parse_from(["dpn", "eval", "--closed-loop"]).command else {
+            panic!("eval was typed")
+        };
+        assert_eq!(experiment(&args).unwrap(), Experiment::default());
+    }
+}

@@ -141,3 +141,18 @@ fn train(args: &PaperArgs, sensor: Sensor, corpus: &Corpus, stop: &AtomicBool) -
     let network = Network::load(&done)?;
     Ok(Network { path: name, ..network })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::args::{Cli, Command};
+    use clap::Parser;
+
+    #[test]
+    fn flags_that_are_left_out_are_keys_that_are_left_out_of_a_plan() {
+        let Command::Paper(args) = Cli::parse_from(["dpn", "paper"]).command else {
+            panic!("paper was typed")
+        };
+        assert_eq!(asked(&args).unwrap(), PaperPlan::default());
+    }
+}

@@ -5,7 +5,7 @@ use anyhow::Result;
 use dpn_core::config::Validate;
 use dpn_eval::closed_loop::Experiment;
 use dpn_io::calibration::{self, Calibration};
-use dpn_io::config::{load, load_over};
+use dpn_io::config::load_over;
 use dpn_sim::tracks::TracksConfig;
 use dpn_sim::{FlightConfig, RenderConfig};
 use dpn_vio::EstimatorConfig;
@@ -28,10 +28,7 @@ pub(crate) fn experiment(args: &SettingsArgs) -> Result<Experiment> {
 
 /// The file's keys, then the flags over them.
 pub(crate) fn tracks(args: &SettingsArgs) -> Result<TracksConfig> {
-    let mut config: TracksConfig = match &args.tracks_config {
-        Some(path) => load(path)?,
-        None => TracksConfig::default(),
-    };
+    let mut config: TracksConfig = load_over(args.tracks_config.as_deref(), &[])?;
     config.pixel_noise_px = args.pixel_noise.unwrap_or(config.pixel_noise_px);
     config.ground_truth_delay_s = args.ground_truth_delay.unwrap_or(config.ground_truth_delay_s);
     checked(config)
@@ -39,20 +36,14 @@ pub(crate) fn tracks(args: &SettingsArgs) -> Result<TracksConfig> {
 
 /// The file's keys, then the flags over them.
 pub(crate) fn images(args: &SettingsArgs) -> Result<RenderConfig> {
-    let mut config: RenderConfig = match &args.images_config {
-        Some(path) => load(path)?,
-        None => RenderConfig::default(),
-    };
+    let mut config: RenderConfig = load_over(args.images_config.as_deref(), &[])?;
     config.ground_truth_delay_s = args.ground_truth_delay.unwrap_or(config.ground_truth_delay_s);
     checked(config)
 }
 
 /// The file's keys, then the flags over them.
 pub(crate) fn flights(args: &SettingsArgs) -> Result<FlightConfig> {
-    let mut config: FlightConfig = match &args.flight_config {
-        Some(path) => load(path)?,
-        None => FlightConfig::default(),
-    };
+    let mut config: FlightConfig = load_over(args.flight_config.as_deref(), &[])?;
     if args.no_vibration {
         config.vibration.scale = 0.0;
     }
