@@ -146,44 +146,51 @@ fn compared(row: &Record, ratio: &str, p: &str, quantity: &str) -> String {
     }
 }
 
-/// Of the open loop; recordings that are not the paper's have raw windows, and their rows are JSON.
+/// Estimators that were fitted to features, which are no simple ones.
+const REGRESSORS: [&str; 2] = ["elastic-net", "kernel-svr"];
+
+/// Of the open loop; the raw windows are TUM-VI's, whose own noise counts.
 fn open_loop(sensor: &str, base: &str, quantity: &str) -> String {
-    let rows: Vec<Record> = if base == "raw" {
-        let text = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
-        let row = |row: &Value| {
-            let columns = [
-                ("estimator", "estimator"),
-                ("sensor", "sensor"),
-                ("base", "base"),
-                ("test RMSE", "rmse"),
-                ("bound", "crb"),
-                ("training seeds", "seeds"),
-            ];
-            columns.map(|(column, field)| (column.to_owned(), text(&row[field]))).into()
-        };
-        json("open_loop").as_array().unwrap().iter().map(row).collect()
-    } else {
-        table("open_loop")
-    };
-    let rows: Vec<Record> =
-        rows.into_iter().filter(|row| row["sensor"] == sensor && row["base"] == base).collect();
+    let mut rows = if base == "raw" { raw_rows() } else { table("open_loop") };
+    rows.retain(|row| row["sensor"] == sensor && row["base"] == base);
     let digits = if sensor == "accel" { 4 } else { 5 };
-    let network = rows.iter().find(|row| row["estimator"] == "pronet").expect("the network's row");
-    let of = |row: &Record, column: &str| format!("{:.digits$}", number(&row[column]));
-    let other = |place: usize| {
-        // The best simple estimator stands before the best regressor.
-        let row = rows.iter().filter(|row| row["training seeds"] == "0").nth(place).unwrap();
-        format!("{} `{}`", of(row, "test RMSE"), row["estimator"])
+    let networks: Vec<&Record> = rows.iter().filter(|row| row["estimator"] == "pronet").collect();
+    let [network] = networks[..] else { panic!("{sensor} {base}: {} rows of the network", networks.len()) };
+    let of = |column: &str| format!("{:.digits$}", number(&network[column]));
+    let other = |is_regressor: bool| {
+        let kind = |row: &&Record| REGRESSORS.contains(&row["estimator"].as_str()) == is_regressor;
+        let rmse = |row: &Record| number(&row["test RMSE"]);
+        let of_kind = rows.iter().filter(|row| row["training seeds"] == "0").filter(kind);
+        let best = of_kind.min_by(|a, b| rmse(a).total_cmp(&rmse(b))).expect("one of its kind");
+        format!("{:.digits$} `{}`", rmse(best), best["estimator"])
     };
     match quantity {
-        "rmse" => of(network, "test RMSE"),
-        "bound" => of(network, "bound"),
+        "rmse" => of("test RMSE"),
+        "bound" => of("bound"),
         "spread" => format!("{:.1$}", number(&network["spread over seeds"]), digits + 1),
         "seeds" => network["training seeds"].clone(),
-        "simple" => other(0),
-        "regressor" => other(1),
+        "simple" => other(false),
+        "regressor" => other(true),
         _ => panic!("{quantity}: no such quantity"),
     }
+}
+
+/// The test rows of raw windows, by the names of the table's columns.
+fn raw_rows() -> Vec<Record> {
+    let columns = [
+        ("sensor", "sensor"),
+        ("base", "base"),
+        ("estimator", "estimator"),
+        ("test RMSE", "rmse"),
+        ("bound", "crb"),
+        ("training seeds", "seeds"),
+    ];
+    let text = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+    let file = json("open_loop");
+    let rows = file["rows"].as_array().unwrap().iter();
+    rows.filter(|row| row["split"] == "test" && row["label"] == "sigma_tot" && row["base"] == "raw")
+        .map(|row| columns.map(|(column, field)| (column.to_owned(), text(&row[field]))).into())
+        .collect()
 }
 
 fn of_fleet(noise: &str, quantity: &str) -> String {

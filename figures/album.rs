@@ -23,18 +23,7 @@ pub struct Album {
     /// The pictures so far.
     taken: usize,
     /// The first that could not be written; after it none is tried.
-    failed: Option<AlbumError>,
-}
-
-/// A picture that could not be drawn or written.
-#[derive(Debug, thiserror::Error)]
-pub enum AlbumError {
-    /// It could not be drawn.
-    #[error(transparent)]
-    Draw(#[from] FigureError),
-    /// It could not be written.
-    #[error(transparent)]
-    Write(#[from] dpn_io::IoError),
+    failed: Option<FigureError>,
 }
 
 impl Album {
@@ -56,11 +45,11 @@ impl Album {
     ///
     /// # Errors
     /// One that could not be drawn or written.
-    pub fn finish(self) -> Result<usize, AlbumError> {
+    pub fn finish(self) -> Result<usize, FigureError> {
         self.failed.map_or(Ok(self.taken), Err)
     }
 
-    fn write(&self, picture: &TrackPicture<'_>, seconds: f64) -> Result<(), AlbumError> {
+    fn write(&self, picture: &TrackPicture<'_>, seconds: f64) -> Result<(), FigureError> {
         let bytes = picture.png()?;
         let path = self.dir.join(format!("tracks-{seconds:08.3}s.png"));
         atomic_write(&path, |file| file.write_all(&bytes))?;

@@ -38,7 +38,7 @@ mod track_picture;
 mod training_curve;
 mod trajectories;
 
-pub use album::{Album, AlbumError};
+pub use album::Album;
 pub use allan_plot::allan_plot;
 pub use chart::Chart;
 pub use error::FigureError;

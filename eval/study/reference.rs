@@ -36,26 +36,14 @@ pub enum Criterion {
 }
 
 impl Reference {
-    /// What it is: `the best constant`, `the usual constants`.
-    pub fn kind(&self) -> &'static str {
-        match self.choice {
-            Choice::Training => "the best constant",
-            Choice::Baseline => "the usual constants",
-        }
-    }
-
-    /// `x4, the best constant`.
-    pub fn short(&self) -> String {
-        format!("{}, {}", self.noise, self.kind())
-    }
-
-    /// The same with what it was chosen on.
+    /// What it is and what it was chosen on: `x4, the best constant on the training sequences`.
     pub fn words(&self) -> String {
+        let noise = &self.noise;
         match self.choice {
-            Choice::Training => format!("{} on the training sequences", self.short()),
-            Choice::Baseline => {
-                format!("{} (no constant is chosen without both training and test sequences)", self.short())
-            }
+            Choice::Training => format!("{noise}, the best constant on the training sequences"),
+            Choice::Baseline => format!(
+                "{noise}, the usual constants (no constant is chosen without both training and test sequences)"
+            ),
         }
     }
 }
