@@ -43,44 +43,23 @@ impl From<LogError> for Failure {
     }
 }
 
-impl From<LogNoiseError> for Failure {
-    fn from(error: LogNoiseError) -> Self {
-        Self::new(error.to_string(), error.hint())
-    }
+macro_rules! from_errors {
+    ($($error:ty: $hint:expr),+ $(,)?) => {
+        $(impl From<$error> for Failure {
+            fn from(error: $error) -> Self {
+                let hint: fn(&$error) -> Option<String> = $hint;
+                Self::new(error.to_string(), hint(&error))
+            }
+        })+
+    };
 }
 
-impl From<AllanError> for Failure {
-    fn from(error: AllanError) -> Self {
-        Self::new(error.to_string(), error.hint())
-    }
-}
-
-impl From<FormatError> for Failure {
-    fn from(error: FormatError) -> Self {
-        Self::new(error.to_string(), error.hint())
-    }
-}
-
-impl From<NetworkError> for Failure {
-    fn from(error: NetworkError) -> Self {
-        Self::new(error.to_string(), None)
-    }
-}
-
-impl From<BadNoise> for Failure {
-    fn from(error: BadNoise) -> Self {
-        Self::new(error.to_string(), None)
-    }
-}
-
-impl From<std::io::Error> for Failure {
-    fn from(error: std::io::Error) -> Self {
-        Self::new(error.to_string(), None)
-    }
-}
-
-impl From<serde_json::Error> for Failure {
-    fn from(error: serde_json::Error) -> Self {
-        Self::new(error.to_string(), None)
-    }
-}
+from_errors!(
+    LogNoiseError: LogNoiseError::hint,
+    AllanError: AllanError::hint,
+    FormatError: FormatError::hint,
+    NetworkError: |_| None,
+    BadNoise: |_| None,
+    std::io::Error: |_| None,
+    serde_json::Error: |_| None,
+);

@@ -1,7 +1,9 @@
 //! `dpn eval`.
 
-use super::{ClosedLoopArgs, SensorArg};
+use super::ClosedLoopArgs;
+use super::word::word;
 use clap::{ArgGroup, Args};
+use dpn_core::Sensor;
 use std::path::PathBuf;
 
 /// Flags of `dpn eval`.
@@ -17,9 +19,9 @@ pub(crate) struct EvalArgs {
     /// Folder of ASL sequences, or of datasets as unpacked (euroc/, tumvi/), or a data pack of them (`dpn data pack`); without it the simulated flights.
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
-    /// One sensor only.
-    #[arg(long, value_enum, conflicts_with = "closed_loop")]
-    pub(crate) sensor: Option<SensorArg>,
+    /// One sensor only: accel or gyro.
+    #[arg(long, value_parser = word::<Sensor>, conflicts_with = "closed_loop")]
+    pub(crate) sensor: Option<Sensor>,
     /// Bases, separated by spaces or semicolons; without it the five of the study and raw TUM-VI where there is one.
     #[arg(long, value_name = "BASES", conflicts_with = "closed_loop")]
     pub(crate) bases: Option<String>,

@@ -1,6 +1,7 @@
 //! A log that somebody recorded, and how it is to be read.
 
 use super::cache::size;
+use super::word::word;
 use clap::Args;
 use dpn_core::SampleRate;
 use dpn_io::{AccelUnit, ColumnChoice, GyroUnit, TimeUnit};
@@ -30,16 +31,16 @@ pub(crate) struct HowArgs {
     #[arg(long, value_name = "SIZE", value_parser = size)]
     pub(crate) max_uncompressed: Option<u64>,
     /// CSV columns, by number from 1 or by the header's names: stamp, gyroscope x y z, accelerometer x y z; without it, by what the names mean.
-    #[arg(long, value_name = "T,GX,GY,GZ,AX,AY,AZ", value_parser = columns)]
+    #[arg(long, value_name = "T,GX,GY,GZ,AX,AY,AZ")]
     pub(crate) columns: Option<ColumnChoice>,
     /// Unit of the CSV's stamps: s, ms, 100us, us, ns; without it, by the header or their size.
-    #[arg(long, value_name = "UNIT", value_parser = time_unit)]
+    #[arg(long, value_name = "UNIT", value_parser = word::<TimeUnit>)]
     pub(crate) time_unit: Option<TimeUnit>,
     /// Unit of the CSV's gyroscope: rad/s or deg/s; without it, by the header or told from its turns and noise.
-    #[arg(long, value_name = "UNIT", value_parser = gyro_unit)]
+    #[arg(long, value_name = "UNIT", value_parser = word::<GyroUnit>)]
     pub(crate) gyro_unit: Option<GyroUnit>,
     /// Unit of the CSV's accelerometer: m/s^2, g or mg; without it, by the header or told from gravity.
-    #[arg(long, value_name = "UNIT", value_parser = accel_unit)]
+    #[arg(long, value_name = "UNIT", value_parser = word::<AccelUnit>)]
     pub(crate) accel_unit: Option<AccelUnit>,
     /// What one of the gyroscope's numbers is, in rad/s, of a log of any kind.
     #[arg(long, value_name = "RAD/S", allow_negative_numbers = true, value_parser = scale, conflicts_with_all = ["gyro_unit", "sensor_scale"])]
@@ -48,7 +49,7 @@ pub(crate) struct HowArgs {
     #[arg(long, value_name = "M/S^2", allow_negative_numbers = true, value_parser = scale, conflicts_with_all = ["accel_unit", "sensor_scale"])]
     pub(crate) accel_scale: Option<f64>,
     /// Both by sensor and ranges, where the log has raw counts: mpu6050-2g-250dps, bmi088-6g-2000dps, icm20948-4g-500dps, adis16448.
-    #[arg(long, value_name = "NAME-RANGES", value_parser = sensor_scale, conflicts_with_all = ["gyro_unit", "accel_unit"])]
+    #[arg(long, value_name = "NAME-RANGES", conflicts_with_all = ["gyro_unit", "accel_unit"])]
     pub(crate) sensor_scale: Option<Scales>,
 }
 
@@ -58,33 +59,7 @@ pub(crate) fn rate(text: &str) -> Result<SampleRate, String> {
     hz.ok_or_else(|| "a rate is a number of Hz above zero".to_owned())
 }
 
-fn columns(text: &str) -> Result<ColumnChoice, String> {
-    text.parse()
-}
-
-fn sensor_scale(text: &str) -> Result<Scales, String> {
-    text.parse()
-}
-
 fn scale(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|v| v.is_finite() && *v != 0.0);
     number.ok_or_else(|| "a number other than zero; a negative one turns the axes round".to_owned())
-}
-
-fn time_unit(text: &str) -> Result<TimeUnit, String> {
-    TimeUnit::ALL
-        .into_iter()
-        .chain([TimeUnit::HundredMicros])
-        .find(|unit| unit.name() == text)
-        .ok_or_else(|| "known are s, ms, 100us, us, ns".to_owned())
-}
-
-fn gyro_unit(text: &str) -> Result<GyroUnit, String> {
-    let known = GyroUnit::ALL.into_iter().find(|unit| unit.name() == text);
-    known.ok_or_else(|| "known are rad/s, deg/s".to_owned())
-}
-
-fn accel_unit(text: &str) -> Result<AccelUnit, String> {
-    let known = AccelUnit::ALL.into_iter().find(|unit| unit.name() == text);
-    known.ok_or_else(|| "known are m/s^2, g, mg".to_owned())
 }

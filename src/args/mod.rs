@@ -20,6 +20,7 @@ mod simulate;
 mod sweep;
 mod train;
 mod truth;
+mod word;
 
 pub(crate) use allan::AllanArgs;
 pub(crate) use cache::CacheArgs;
@@ -40,7 +41,7 @@ pub(crate) use simulate::{AlongArgs, FlightArgs, ImagesArgs, SimulateArgs, Simul
 pub(crate) use sweep::{
     Shards, SweepArgs, SweepCollectArgs, SweepPlanArgs, SweepRunArgs, SweepStatusArgs, SweepWhat,
 };
-pub(crate) use train::{SensorArg, TrainArgs};
+pub(crate) use train::TrainArgs;
 pub(crate) use truth::TruthArgs;
 
 use clap::{Parser, Subcommand};

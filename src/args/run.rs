@@ -3,7 +3,7 @@
 use super::{CameraArg, ImageLogArgs, SettingsArgs};
 use clap::Args;
 use dpn_eval::closed_loop::StartAt;
-use dpn_eval::metrics::{BadRpeSpec, RpeSpec};
+use dpn_eval::metrics::RpeSpec;
 use std::path::PathBuf;
 
 /// Flags of `dpn run`.
@@ -60,7 +60,7 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "FILE.rrd")]
     pub(crate) rerun: Option<PathBuf>,
     /// Relative errors over these stretches, in evo's words: 1m, 10f, 30deg, 5s; then :all_pairs, :pairs_from_reference; several between commas.
-    #[arg(long, value_name = "STRETCHES", value_delimiter = ',', value_parser = stretches)]
+    #[arg(long, value_name = "STRETCHES", value_delimiter = ',')]
     pub(crate) rpe: Vec<RpeSpec>,
     /// Draw into this folder: the flight from above, tracks, noise, biases and residuals over time, and, of images, frames with tracks.
     #[arg(long, value_name = "DIR")]
@@ -71,10 +71,6 @@ pub(crate) struct RunArgs {
     /// Print the report as JSON on stdout.
     #[arg(long)]
     pub(crate) json: bool,
-}
-
-fn stretches(text: &str) -> Result<RpeSpec, String> {
-    text.parse().map_err(|error: BadRpeSpec| error.to_string())
 }
 
 /// A number of seconds from 0.

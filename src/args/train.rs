@@ -1,34 +1,17 @@
 //! `dpn train`.
 
 use super::closed_loop::key_value;
-use clap::{Args, ValueEnum};
+use super::word::word;
+use clap::Args;
 use dpn_core::Sensor;
 use std::path::PathBuf;
-
-/// Sensor as typed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum SensorArg {
-    /// Accelerometer.
-    Accel,
-    /// Gyroscope.
-    Gyro,
-}
-
-impl From<SensorArg> for Sensor {
-    fn from(arg: SensorArg) -> Self {
-        match arg {
-            SensorArg::Accel => Self::Accel,
-            SensorArg::Gyro => Self::Gyro,
-        }
-    }
-}
 
 /// Flags of `dpn train`. A flag overrides the configuration's key of the same name.
 #[derive(Debug, Args)]
 pub(crate) struct TrainArgs {
-    /// Which sensor's network to train.
-    #[arg(long, value_enum, required_unless_present = "many")]
-    pub(crate) sensor: Option<SensorArg>,
+    /// Which sensor's network to train: accel or gyro.
+    #[arg(long, value_parser = word::<Sensor>, required_unless_present = "many")]
+    pub(crate) sensor: Option<Sensor>,
     /// Train many networks at once, as a plan asks for them (TOML, as configs/sweep/train.toml): sensors x configurations x seeds.
     #[arg(long, value_name = "PLAN", conflicts_with_all = ["sensor", "config", "sets", "resume", "seed", "epochs", "base"])]
     pub(crate) many: Option<PathBuf>,

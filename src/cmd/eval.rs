@@ -31,7 +31,7 @@ fn open_loop(args: &EvalArgs) -> Result<()> {
     let bases = bases(args.bases.as_deref())?;
     let models = args.models.as_deref();
     let networks = shipped::judged(&shipped::or_of(models)?, models, &args.more_models)?;
-    let sensors = args.sensor.map_or_else(|| Sensor::ALL.to_vec(), |sensor| vec![sensor.into()]);
+    let sensors = args.sensor.map_or_else(|| Sensor::ALL.to_vec(), |sensor| vec![sensor]);
     let corpora = corpus::load(args.data.as_deref())?;
     let request = Request {
         corpora: &corpora,

@@ -28,10 +28,7 @@ fn flight(args: FlightArgs) -> Result<()> {
         return Ok(());
     }
     rerun::check(args.rerun.as_deref())?;
-    let config = match &args.config {
-        Some(path) => dpn_io::config::load(path)?,
-        None => FlightConfig::default(),
-    };
+    let config: FlightConfig = dpn_io::config::load_over(args.config.as_deref(), &[])?;
     let name = args.name.unwrap_or_default();
     let flights = if name == "all" {
         simulate_all(args.seed, &config)?

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 pub(crate) fn run(args: TrainArgs) -> Result<()> {
     let sensor = match (&args.many, args.sensor) {
         (Some(plan), _) => return sweep::many(plan, &args),
-        (None, sensor) => Sensor::from(sensor.expect("clap asks for a sensor where there is no plan")),
+        (None, sensor) => sensor.expect("clap asks for a sensor where there is no plan"),
     };
     let config = config(&args, sensor)?;
     let device = device::parse(args.device.as_deref().unwrap_or(device::CPU))?;

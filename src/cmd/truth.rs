@@ -11,10 +11,7 @@ use dpn_truth::{Report, TruthConfig, reconcile};
 use std::path::Path;
 
 pub(crate) fn run(args: &TruthArgs) -> Result<()> {
-    let mut config: TruthConfig = match &args.config {
-        Some(path) => dpn_io::config::load(path)?,
-        None => TruthConfig::default(),
-    };
+    let mut config: TruthConfig = dpn_io::config::load_over(args.config.as_deref(), &[])?;
     config.hold_out = args.hold_out.unwrap_or(config.hold_out);
     // All are looked at before the first is worked on for a minute.
     let sequences = discover(&args.source)?;

@@ -68,13 +68,18 @@ const HEADER: &str = "train again, or take such keys out of the file by `python 
 
 const HANDOVER: &str = "write `handover = \"split\"`, the default: each sighting counts once";
 
-/// Settings of the odometry that are fixed since 0.2.0, each with a key that its table has still: other tables may have keys of the same name.
-const FIXED: [(&str, &str); 5] = [
+/// Settings of the odometry and of simulated flights that are fixed since 0.2.0, each with a key that its table has still: other tables may have keys of the same name.
+const FIXED: [(&str, &str); 7] = [
     ("`front_end`", "jumps"),
     ("`learn`", "prior_px"),
     ("`corners`", "bridge_s gap_s blind_share blind_std"),
     ("`threshold_px`", "geometry confidence most_trials doubt_share"),
     ("`focal_px`", FIXED_INIT),
+    (
+        "`hover_hz`",
+        "idle_speed spin_up_s speed_wander_s amplitude_wander_s low_line_hz low_line_wander_hz accel gyro",
+    ),
+    ("`accel_walk`", "accel_start gyro_start"),
 ];
 
 const FIXED_INIT: &str = "track_std_px min_span_s try_every min_shared_tracks min_parallax_px min_accel_noise min_gyro_noise noise_prior_weight rest_track_px min_rest_s";

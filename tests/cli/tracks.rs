@@ -169,7 +169,7 @@ fn bad_options_are_named_with_their_bounds_all_at_once() {
     let sets = ["pixel_noise_px=-1", "life_time_s=0", "outlier_share=nan"].map(|set| ["--set", set]).concat();
     tracks(&excerpt(), &out, &sets).refused(
         tmp.path(),
-        "error: pixel_noise_px=-1, life_time_s=0, outlier_share=nan: `pixel_noise_px` is -1, but must be within 0 and 100; `outlier_share` is NaN, but must be within 0 and 1; \
+        "error: pixel_noise_px=-1, life_time_s=0, outlier_share=nan: `pixel_noise_px` is -1, but must be 0 to 100; `outlier_share` is NaN, but must be 0 to 1; \
          `life_time_s` is 0, but must be above 0 and at most 1000000000",
     );
     let config = tmp.path().join("tracks.toml");

@@ -50,9 +50,8 @@ impl FlightPlan {
         let phases = Phases::from_lengths(
             [rest, idle, lift, flying, lift, idle_after, rest_after].map(|n| n as f64 * knot),
         );
-        let whole = "every flight rests, flies and lands: points enough, and all of them finite";
-        let position = UniformSpline::new(knot, pen.position).expect(whole);
-        let trajectory = Trajectory::new(position, UniformSpline::new(knot, pen.yaw).expect(whole));
+        let position = UniformSpline::new(knot, pen.position);
+        let trajectory = Trajectory::new(position, UniformSpline::new(knot, pen.yaw));
         Self { flight, trajectory, phases }
     }
 }

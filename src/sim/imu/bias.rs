@@ -11,16 +11,16 @@ use rand::Rng;
 use rand_distr::StandardNormal;
 use serde::{Deserialize, Serialize};
 
+/// Deviations of the first biases, as EuRoC's estimates scatter: accelerometer \[m/s^2\], gyroscope \[rad/s\].
+const ACCEL_START: f64 = 0.08;
+const GYRO_START: f64 = 0.04;
+
 /// Biases of a simulated IMU.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct BiasConfig {
     /// Scales starts and walks, 0 to 1000; 0 switches biases off. Default 1.
     pub scale: f64,
-    /// Deviation of the accelerometer's first bias \[m/s^2\], 0 to 5. Default .08, as EuRoC's estimates scatter.
-    pub accel_start: f64,
-    /// Deviation of the gyroscope's first bias \[rad/s\], 0 to 1. Default .04, as EuRoC's estimates scatter.
-    pub gyro_start: f64,
     /// Walk of the accelerometer's bias \[m/s^3/sqrt(Hz)\], up to 1. Default 3e-3, EuRoC's sensor.yaml.
     pub accel_walk: AccelBiasWalkDensity,
     /// Walk of the gyroscope's bias \[rad/s^2/sqrt(Hz)\], up to 1. Default 1.9393e-5, EuRoC's sensor.yaml.
@@ -29,21 +29,13 @@ pub struct BiasConfig {
 
 impl Default for BiasConfig {
     fn default() -> Self {
-        Self {
-            scale: 1.0,
-            accel_start: 0.08,
-            gyro_start: 0.04,
-            accel_walk: AccelBiasWalkDensity::EUROC,
-            gyro_walk: GyroBiasWalkDensity::EUROC,
-        }
+        Self { scale: 1.0, accel_walk: AccelBiasWalkDensity::EUROC, gyro_walk: GyroBiasWalkDensity::EUROC }
     }
 }
 
 impl BiasConfig {
     pub(crate) fn check(&self, faults: &mut ConfigFaults) {
         faults.within("bias.scale", self.scale, 0.0, 1000.0);
-        faults.within("bias.accel_start", self.accel_start, 0.0, 5.0);
-        faults.within("bias.gyro_start", self.gyro_start, 0.0, 1.0);
         faults.within("bias.accel_walk", self.accel_walk.get(), 0.0, 1.0);
         faults.within("bias.gyro_walk", self.gyro_walk.get(), 0.0, 1.0);
     }
@@ -54,8 +46,8 @@ pub(crate) fn draw(config: &BiasConfig, rate: SampleRate, n: usize, stream: &Str
     let mut bias = ImuSeries::zeros(n);
     for sensor in Sensor::ALL {
         let (start, step) = match sensor {
-            Sensor::Accel => (config.accel_start, config.accel_walk.step_std(rate)),
-            Sensor::Gyro => (config.gyro_start, config.gyro_walk.step_std(rate)),
+            Sensor::Accel => (ACCEL_START, config.accel_walk.step_std(rate)),
+            Sensor::Gyro => (GYRO_START, config.gyro_walk.step_std(rate)),
         };
         for axis in 0..3 {
             let rng = |what: &str| stream.named(what).named(sensor.name()).index(axis as u64).rng();

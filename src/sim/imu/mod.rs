@@ -15,5 +15,5 @@ pub use quantise::QuantisationConfig;
 pub(crate) use reading::{flown, read};
 pub use series::ImuSeries;
 pub use truth::ImuTruth;
-pub use vibration::{AxisVibration, HoverTones, VibrationConfig};
+pub use vibration::{HoverTones, VibrationConfig};
 pub use white::{SigmaEvent, WhiteConfig};

@@ -8,7 +8,7 @@ use super::scene::{Course, Scene};
 use super::sensor::{Exposed, Sensor};
 use crate::tracks::{BadCameraSettings, CameraPath, CameraSettings, World};
 use dpn_core::camera::CameraModel;
-use dpn_core::config::{ConfigFault, Validate};
+use dpn_core::config::{ConfigFaults, Validate};
 use dpn_core::random::Stream;
 use dpn_core::{GrayImage, Stamp};
 use nalgebra::{Isometry3, Point3, Vector2};
@@ -35,8 +35,8 @@ const MIDDLE_DEPTH_M: f64 = 3.0;
 #[derive(Debug, PartialEq, Error)]
 pub enum RenderError {
     /// Settings out of their bounds.
-    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
-    Config(Vec<ConfigFault>),
+    #[error(transparent)]
+    Config(#[from] ConfigFaults),
     /// A camera that is none.
     #[error(transparent)]
     Camera(#[from] BadCameraSettings),
@@ -78,7 +78,7 @@ impl RenderedCamera {
     /// # Errors
     /// Settings out of their bounds; a lens with pixels that see nothing.
     pub fn new(config: &RenderConfig, path: SharedPath, seed: u64) -> Result<Self, RenderError> {
-        config.validate().map_err(|faults| RenderError::Config(faults.0))?;
+        config.validate()?;
         let settings = config.camera_or_default();
         let model = settings.model()?;
         let stream = Stream::new(seed).named("render");
@@ -180,24 +180,15 @@ impl RenderedCamera {
     pub fn image(&mut self, t: Stamp) -> Option<GrayImage> {
         let world_from_cam = self.world_from_cam(t).filter(|_| self.takes(t))?;
         let setting = self.setting(t);
-        let instants = self.instants(t, setting.time);
-        match instants.as_slice() {
-            [] | [_] => {
-                self.expose(t, 0.0, &world_from_cam);
-                self.sum.clear();
-                self.sum.extend_from_slice(&self.frame.grey);
-            }
-            several => {
-                self.sum.clear();
-                self.sum.resize(self.lens.size[0] * self.lens.size[1], 0.0);
-                let share = 1.0 / several.len() as f32;
-                for aside in several {
-                    self.expose(t, *aside, &world_from_cam);
-                    self.sum.iter_mut().zip(&self.frame.grey).for_each(|(sum, grey)| *sum += share * grey);
-                }
-            }
-        }
         let [width, height] = self.lens.size;
+        let instants = self.instants(t, setting.time);
+        self.sum.clear();
+        self.sum.resize(width * height, 0.0);
+        let share = 1.0 / instants.len() as f32;
+        for aside in instants {
+            self.expose(t, aside, &world_from_cam);
+            self.sum.iter_mut().zip(&self.frame.grey).for_each(|(sum, grey)| *sum += share * grey);
+        }
         self.blur.apply(&mut self.sum, width);
         let exposed = Exposed {
             factor: (setting.light * setting.time * setting.gain) as f32,
@@ -224,10 +215,10 @@ impl RenderedCamera {
     fn instants(&self, t: Stamp, time: f64) -> Vec<f64> {
         let open = self.config.motion_blur.exposure_s * time;
         if open <= 0.0 {
-            return Vec::new();
+            return vec![0.0];
         }
         let at = |share: f64| self.world_from_cam(t.plus_seconds(share * open));
-        let (Some(first), Some(last)) = (at(-0.5), at(0.5)) else { return Vec::new() };
+        let (Some(first), Some(last)) = (at(-0.5), at(0.5)) else { return vec![0.0] };
         let turn = first.rotation.angle_to(&last.rotation);
         let step = (first.translation.vector - last.translation.vector).norm() / MIDDLE_DEPTH_M;
         let motion = self.model.px_per_rad() * (turn + step);

@@ -209,12 +209,11 @@ impl Validate for RenderConfig {
         faults.within("low_light.light", low_light.light, 0.001, 1.0);
         faults.within("gaps.longest_s", gaps.longest_s, 0.0, 10.0);
         faults.within("gaps.every_s", gaps.every_s, 2.0 * gaps.longest_s, 1000.0);
-        let mut faults = faults.0;
-        faults.extend(self.path.faults());
+        faults.0.extend(self.path.faults());
         if let Some(camera) = &self.camera {
             camera.check(&mut faults);
         }
-        faults
+        faults.0
     }
 }
 

@@ -296,6 +296,6 @@ fn what_cannot_be_simulated_is_said_with_its_values() {
     let bad = TracksConfig { rate_hz: -1.0, drift_px: f64::NAN, ..plain };
     assert_eq!(
         error(&bad, &[at(0)]),
-        "`rate_hz` is -1, but must be above 0 and at most 1000; `drift_px` is NaN, but must be within 0 and 100"
+        "`rate_hz` is -1, but must be above 0 and at most 1000; `drift_px` is NaN, but must be 0 to 100"
     );
 }

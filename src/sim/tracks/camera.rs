@@ -2,7 +2,7 @@
 
 use super::coefficients::Coefficients;
 use dpn_core::camera::{BadCamera, CameraConfig, CameraModel, Distortion, Lens};
-use dpn_core::config::ConfigFault;
+use dpn_core::config::ConfigFaults;
 use dpn_core::geometry::rigid::{NotRigid, rigid};
 use nalgebra::{Isometry3, Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -104,19 +104,17 @@ impl CameraSettings {
     }
 
     /// Adds what is wrong with it to `faults`, under the key `camera`.
-    pub(crate) fn check(&self, faults: &mut Vec<ConfigFault>) {
+    pub(crate) fn check(&self, faults: &mut ConfigFaults) {
         if let Err(error @ BadCamera::Coefficients { .. }) = Lens::new(self.lens, &self.distortion) {
-            faults.push(ConfigFault::new("camera.distortion", error, "coefficients that the lens has"));
+            faults.check(false, "camera.distortion", error, "coefficients that the lens has");
         } else if self.model().is_err() {
             let value = format!("{:?} with intrinsics {:?}", self.resolution, self.intrinsics);
-            faults.push(ConfigFault::new(
-                "camera.intrinsics",
-                value,
-                format!("finite, with positive focal lengths and an image of 1 to {MOST_PIXELS} pixels"),
-            ));
+            let bound =
+                format!("finite, with positive focal lengths and an image of 1 to {MOST_PIXELS} pixels");
+            faults.check(false, "camera.intrinsics", value, bound);
         }
         if let Err(error) = self.body_from_cam() {
-            faults.push(ConfigFault::new("camera.body_from_cam", error, "three rows [R | t], R a rotation"));
+            faults.check(false, "camera.body_from_cam", error, "three rows [R | t], R a rotation");
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::camera::CameraSettings;
 use super::world::World;
-use dpn_core::config::{ConfigFault, Validate};
+use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 use serde::{Deserialize, Serialize};
 
 /// How ground truth becomes a smooth path.
@@ -94,50 +94,39 @@ impl TracksConfig {
 
 impl Validate for PathConfig {
     fn faults(&self) -> Vec<ConfigFault> {
-        let mut faults = Vec::new();
-        within(&mut faults, "path.smoothing_s", self.smoothing_s, 0.0, 10.0);
+        let mut faults = ConfigFaults::default();
+        faults.within("path.smoothing_s", self.smoothing_s, 0.0, 10.0);
         above(&mut faults, "path.longest_gap_s", self.longest_gap_s, 10.0);
-        faults
+        faults.0
     }
 }
 
 impl Validate for TracksConfig {
     fn faults(&self) -> Vec<ConfigFault> {
-        let mut faults = Vec::new();
-        if !(1..=10_000).contains(&self.max_tracks) {
-            faults.push(ConfigFault::new("max_tracks", self.max_tracks, "within 1 and 10000"));
-        }
-        within(&mut faults, "spacing_px", self.spacing_px, 0.0, 1000.0);
+        let mut faults = ConfigFaults::default();
+        faults.within("max_tracks", self.max_tracks, 1, 10_000);
+        faults.within("spacing_px", self.spacing_px, 0.0, 1000.0);
         above(&mut faults, "rate_hz", self.rate_hz, 1000.0);
-        within(&mut faults, "pixel_noise_px", self.pixel_noise_px, 0.0, 100.0);
-        within(&mut faults, "drift_px", self.drift_px, 0.0, 100.0);
-        within(&mut faults, "outlier_share", self.outlier_share, 0.0, 1.0);
-        within(&mut faults, "outlier_slide_px", self.outlier_slide_px, 0.0, 1000.0);
-        within(&mut faults, "outlier_end_share", self.outlier_end_share, 0.0, 1.0);
+        faults.within("pixel_noise_px", self.pixel_noise_px, 0.0, 100.0);
+        faults.within("drift_px", self.drift_px, 0.0, 100.0);
+        faults.within("outlier_share", self.outlier_share, 0.0, 1.0);
+        faults.within("outlier_slide_px", self.outlier_slide_px, 0.0, 1000.0);
+        faults.within("outlier_end_share", self.outlier_end_share, 0.0, 1.0);
         above(&mut faults, "life_time_s", self.life_time_s, 1e9);
         above(&mut faults, "largest_motion_px", self.largest_motion_px, 10_000.0);
         above(&mut faults, "longest_blind_s", self.longest_blind_s, 1000.0);
-        within(&mut faults, "ground_truth_delay_s", self.ground_truth_delay_s, -1.0, 1.0);
-        faults.extend(self.path.faults());
+        faults.within("ground_truth_delay_s", self.ground_truth_delay_s, -1.0, 1.0);
+        faults.0.extend(self.path.faults());
         if let Some(camera) = &self.camera {
             camera.check(&mut faults);
         }
-        faults
-    }
-}
-
-/// Notes a fault unless `low <= value <= high` (so NaN is one).
-fn within(faults: &mut Vec<ConfigFault>, key: &str, value: f64, low: f64, high: f64) {
-    if !(low..=high).contains(&value) {
-        faults.push(ConfigFault::new(key, value, format!("within {low} and {high}")));
+        faults.0
     }
 }
 
 /// Notes a fault unless `0 < value <= high` (so NaN is one).
-fn above(faults: &mut Vec<ConfigFault>, key: &str, value: f64, high: f64) {
-    if !(value > 0.0 && value <= high) {
-        faults.push(ConfigFault::new(key, value, format!("above 0 and at most {high}")));
-    }
+fn above(faults: &mut ConfigFaults, key: &str, value: f64, high: f64) {
+    faults.check(value > 0.0 && value <= high, key, value, format!("above 0 and at most {high}"));
 }
 
 #[cfg(test)]
@@ -167,8 +156,8 @@ mod tests {
         .unwrap_err()
         .to_string();
         for part in [
-            "`max_tracks` is 0, but must be within 1 and 10000",
-            "`pixel_noise_px` is NaN, but must be within 0 and 100",
+            "`max_tracks` is 0, but must be 1 to 10000",
+            "`pixel_noise_px` is NaN, but must be 0 to 100",
             "`life_time_s` is 0, but must be above 0 and at most 1000000000",
             "`path.longest_gap_s` is -1, but must be above 0 and at most 10",
             "`camera.intrinsics` is [0, 480] with intrinsics",

@@ -9,7 +9,7 @@ use super::path::{Bounds, CameraPath};
 use super::smooth::smooth;
 use super::spline::{CubicSpline, FEWEST};
 use dpn_core::Stamp;
-use dpn_core::config::{ConfigFault, Validate};
+use dpn_core::config::{ConfigFaults, Validate};
 use dpn_core::time::median_step_s;
 use dpn_core::truth::{GroundTruth, TrueState};
 use nalgebra::{Isometry3, Quaternion, SVector, Translation3, UnitQuaternion};
@@ -22,8 +22,8 @@ type Pose = SVector<f64, 7>;
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PathError {
     /// Settings out of their bounds.
-    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
-    Config(Vec<ConfigFault>),
+    #[error(transparent)]
+    Config(#[from] ConfigFaults),
     /// Nowhere enough poses close together.
     #[error(
         "no {FEWEST} of the {poses} true poses follow each other within {longest_gap_s} s; raise `path.longest_gap_s` (at most 10)"
@@ -57,7 +57,7 @@ impl RecordedPath {
     /// # Errors
     /// Settings out of their bounds; no stretch of four poses.
     pub fn new(truth: &GroundTruth, config: &PathConfig) -> Result<Self, PathError> {
-        config.validate().map_err(|faults| PathError::Config(faults.0))?;
+        config.validate()?;
         let states = truth.states();
         let window = window(states, config.smoothing_s);
         let close = |a: &TrueState, b: &TrueState| b.t.seconds_since(a.t) <= config.longest_gap_s;

@@ -6,7 +6,7 @@ use super::path::CameraPath;
 use super::sight::Sight;
 use super::tracker::Tracker;
 use super::world::Points;
-use dpn_core::config::{ConfigFault, Validate};
+use dpn_core::config::{ConfigFaults, Validate};
 use dpn_core::random::Stream;
 use dpn_core::time::median_step_s;
 use dpn_core::{Stamp, TrackFrame};
@@ -19,8 +19,8 @@ const ONE_FRAME_PERIOD_S: f64 = 0.05;
 #[derive(Debug, PartialEq, Error)]
 pub enum TracksError {
     /// Settings out of their bounds.
-    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
-    Config(Vec<ConfigFault>),
+    #[error(transparent)]
+    Config(#[from] ConfigFaults),
     /// A camera that is none.
     #[error(transparent)]
     Camera(#[from] BadCameraSettings),
@@ -70,7 +70,7 @@ pub fn simulate_tracks(
     stamps: &[Stamp],
     seed: u64,
 ) -> Result<Vec<TrackFrame>, TracksError> {
-    config.validate().map_err(|faults| TracksError::Config(faults.0))?;
+    config.validate()?;
     let (Some(&first), Some(&last)) = (stamps.first(), stamps.last()) else {
         return Err(TracksError::NoFrame);
     };

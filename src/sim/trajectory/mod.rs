@@ -7,7 +7,7 @@ mod shaking;
 mod state;
 
 pub use attitude::Attitude;
-pub use bspline::{Jet, ORDER, SplineError, UniformSpline};
+pub use bspline::{Jet, ORDER, UniformSpline};
 pub use path::Trajectory;
 pub(crate) use shaking::Shaking;
 pub use state::State;

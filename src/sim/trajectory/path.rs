@@ -68,16 +68,6 @@ impl Trajectory {
         Isometry3::from_parts(Translation3::from(state.position_in_world), state.world_from_body)
     }
 
-    /// Acceleration in the world \[m/s^2\], without gravity.
-    pub fn acceleration(&self, t: f64) -> Vector3<f64> {
-        self.state(t).acc_in_world
-    }
-
-    /// Angular rate in the body frame \[rad/s\].
-    pub fn angular_rate(&self, t: f64) -> Vector3<f64> {
-        self.state(t).gyro_in_body
-    }
-
     /// Thrust over weight: |a - g| / 9.81; 1 in hover. Shaking is none of it.
     pub(crate) fn thrust_ratio(&self, t: f64) -> f64 {
         (self.position.jet(t).second + Vector3::new(0.0, 0.0, GRAVITY)).norm() / GRAVITY
@@ -108,7 +98,7 @@ mod tests {
             })
             .collect();
         let yaw = (0..40).map(|k| Vector1::new(0.3 * f64::from(k) + draw(0.3))).collect();
-        Trajectory::new(UniformSpline::new(0.4, position).unwrap(), UniformSpline::new(0.4, yaw).unwrap())
+        Trajectory::new(UniformSpline::new(0.4, position), UniformSpline::new(0.4, yaw))
     }
 
     /// The same with a body that turns by a degree and moves by a centimetre within half a second.
@@ -116,7 +106,7 @@ mod tests {
         let mut rng = Stream::new(seed).named("shaking").rng();
         let mut spline = |half: f64| {
             let controls = (0..80).map(|_| Vector3::from_fn(|_, _| rng.random_range(-half..half)));
-            UniformSpline::new(0.25, controls.collect()).unwrap()
+            UniformSpline::new(0.25, controls.collect())
         };
         let (angle, displacement) = (spline(0.02), spline(0.01));
         lively(seed).shaken(Shaking { angle, displacement })
@@ -150,7 +140,7 @@ mod tests {
         for i in 0..steps {
             let t = 0.5 + h * f64::from(i);
             let middle = path.state(t + 0.5 * h);
-            let half = UnitQuaternion::from_scaled_axis(path.angular_rate(t + 0.25 * h) * (0.5 * h));
+            let half = UnitQuaternion::from_scaled_axis(path.state(t + 0.25 * h).gyro_in_body * (0.5 * h));
             let acc = q * half * middle.specific_force_in_body - Vector3::new(0.0, 0.0, GRAVITY);
             p += v * h + acc * (0.5 * h * h);
             v += acc * h;

@@ -478,10 +478,10 @@ mod tests {
                 .map(|k| {
                     let t = start + k as f64 / hz;
                     let pose = flight.trajectory.pose(t);
-                    let force = flight.trajectory.acceleration(t) + Vector3::new(0.0, 0.0, GRAVITY);
+                    let force = flight.trajectory.state(t).acc_in_world + Vector3::new(0.0, 0.0, GRAVITY);
                     let sample = ImuSample {
                         t: t0.plus_seconds(t),
-                        gyro: flight.trajectory.angular_rate(t).into(),
+                        gyro: flight.trajectory.state(t).gyro_in_body.into(),
                         accel: (pose.rotation.inverse() * force).into(),
                     };
                     NoisySample { sample, noise: ImuNoise::baseline() }

@@ -44,11 +44,7 @@ fn carried_and_flown(rest_s: f64) -> Trajectory {
         position.push(Vector3::new(2.0 * round.sin(), 2.0 - 2.0 * round.cos(), 1.3 * up));
         yaw.push(Vector1::new(0.6 * round));
     }
-    let fits = "points enough, all of them finite";
-    Trajectory::new(
-        UniformSpline::new(KNOT_S, position).expect(fits),
-        UniformSpline::new(KNOT_S, yaw).expect(fits),
-    )
+    Trajectory::new(UniformSpline::new(KNOT_S, position), UniformSpline::new(KNOT_S, yaw))
 }
 
 /// The default estimator over all of it, told the true noise.

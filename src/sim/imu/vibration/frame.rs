@@ -7,7 +7,7 @@
 //! x_k = 2 r cos(w) x_{k-1} - r^2 x_{k-2} + e_k, once for an angle and twice for a displacement, one stream an axis, scaled
 //! so that rate and acceleration have the deviation asked for.
 
-use super::config::VibrationConfig;
+use super::config::{AMPLITUDE_WANDER_S, IDLE_SPEED, LOW_LINE_HZ, LOW_LINE_WANDER_HZ, VibrationConfig};
 use super::motor_speed;
 use super::sum::levels;
 use crate::flight::FlightPlan;
@@ -32,13 +32,13 @@ pub(crate) fn shaking(config: &VibrationConfig, plan: &FlightPlan, stream: &Stre
     // Control k acts about knot k - 2.
     let n = (plan.phases.duration() / KNOT_S).ceil() as usize + ORDER - 1;
     let at = |k: usize| (k as f64 - 2.0) * KNOT_S;
-    let speed: Vec<f64> = (0..n).map(|k| motor_speed(config, plan, at(k).max(0.0))).collect();
+    let speed: Vec<f64> = (0..n).map(|k| motor_speed(plan, at(k).max(0.0))).collect();
     let mut motion = vec![SVector::<f64, 6>::zeros(); n];
     add_low_line(config, plan, &speed, stream, &mut motion);
     add_broad_band(config, plan, &speed, stream, &mut motion);
     let part = |first: usize| {
         let controls = motion.iter().map(|m| Vector3::new(m[first], m[first + 1], m[first + 2])).collect();
-        UniformSpline::new(KNOT_S, controls).expect("a flight lasts, and its motion is finite")
+        UniformSpline::new(KNOT_S, controls)
     };
     Some(Shaking { displacement: part(0), angle: part(3) })
 }
@@ -57,16 +57,16 @@ fn add_low_line(
     let mut phase = rng.random_range(0.0..TAU);
     let lag: [f64; 6] = std::array::from_fn(|_| rng.random_range(0.0..TAU));
     let wander_rng = stream.named("frequency").rng();
-    let mut wander = Wander::new(config.low_line_wander_hz, LOW_LINE_WANDER_S, KNOT_S, wander_rng);
+    let mut wander = Wander::new(LOW_LINE_WANDER_HZ, LOW_LINE_WANDER_S, KNOT_S, wander_rng);
     // It swells and fades more, and faster, than the rotors do.
     let swell = 4.0 * config.amplitude_wander;
     let swell_rng = stream.named("loudness").rng();
-    let mut loudness = Wander::new(swell, 0.25 * config.amplitude_wander_s, KNOT_S, swell_rng);
+    let mut loudness = Wander::new(swell, 0.25 * AMPLITUDE_WANDER_S, KNOT_S, swell_rng);
     for (to, &motors) in to.iter_mut().zip(speed) {
-        let hz = (config.low_line_hz + wander.next()).max(1.0);
+        let hz = (LOW_LINE_HZ + wander.next()).max(1.0);
         phase += TAU * hz * KNOT_S;
         // exp of a normal has a mean square of exp(2 swell^2); the ramp ends at the idle speed.
-        let ramp = (motors / config.idle_speed).min(1.0);
+        let ramp = (motors / IDLE_SPEED).min(1.0);
         let swing = SQRT_2 * ramp * (loudness.next() - swell * swell).exp();
         // A spline of order 6 smooths its control points by sinc^6.
         let kept = ((PI * hz * KNOT_S).sin() / (PI * hz * KNOT_S)).powi(ORDER as i32);
@@ -88,13 +88,13 @@ fn add_broad_band(
     // Loudness of the whole frame: posture, battery, wind; bursts give the tails that the real residual has.
     let quiet = config.amplitude_wander;
     let loudness_rng = stream.named("loudness").rng();
-    let mut loudness = Wander::new(quiet, 2.0 * config.amplitude_wander_s, KNOT_S, loudness_rng);
+    let mut loudness = Wander::new(quiet, 2.0 * AMPLITUDE_WANDER_S, KNOT_S, loudness_rng);
     let loudness: Vec<f64> = speed.iter().map(|_| (loudness.next() - quiet * quiet).exp()).collect();
     let swell = 2.5 * config.amplitude_wander;
     for (a, axis) in levels(config, plan).iter().enumerate() {
         let mut rng = stream.named("broad-band").index(a as u64).rng();
         let burst_rng = stream.named("burst").index(a as u64).rng();
-        let mut burst = Wander::new(swell, 0.125 * config.amplitude_wander_s, KNOT_S, burst_rng);
+        let mut burst = Wander::new(swell, 0.125 * AMPLITUDE_WANDER_S, KNOT_S, burst_rng);
         let mut band = Band::new(axis.broad_band_hz, derivative(a));
         for ((to, &motors), &loud) in to.iter_mut().zip(speed).zip(&loudness) {
             let swing = motors * motors * loud * (burst.next() - swell * swell).exp();
@@ -132,7 +132,7 @@ impl Band {
         // Unit white noise through a filter has the sum of the squares of its impulse response for a variance.
         let pulse = |k: usize| if k == ORDER { 1.0 } else { 0.0 };
         let response = (0..RESPONSE).map(|k| Vector1::new(band.next(pulse(k)))).collect();
-        let spline = UniformSpline::new(KNOT_S, response).expect("a filter's finite response");
+        let spline = UniformSpline::new(KNOT_S, response);
         let squares = |share: f64| -> f64 {
             let jets = (0..RESPONSE - ORDER).map(|k| spline.jet((k as f64 + share) * KNOT_S));
             jets.map(|jet| if derivative == 1 { jet.first[0] } else { jet.second[0] }.powi(2)).sum()
@@ -167,7 +167,7 @@ mod tests {
             let mut band = Band::new(centre, derivative);
             let n = 100_000;
             let controls = (0..n).map(|_| Vector1::new(band.next(normal(&mut rng)))).collect();
-            let spline = UniformSpline::new(KNOT_S, controls).unwrap();
+            let spline = UniformSpline::new(KNOT_S, controls);
             // Not at the knots alone: an IMU of any rate reads it.
             let reading = |i: usize| {
                 let jet = spline.jet(0.5 + i as f64 * 0.004_1);

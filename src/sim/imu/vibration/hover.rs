@@ -8,7 +8,7 @@
 //! what the square of the speed adds to the power. Left out: that a faster rotor is louder while it is faster (a tenth of the power at most lags, which sums over a span
 //! take out again), and the amplitudes' wander, which is slow against every span of interest.
 
-use super::config::{SILENT, VibrationConfig};
+use super::config::{SILENT, SPEED_WANDER_S, VibrationConfig};
 use super::rotors::{self, Turning};
 use crate::imu::series::ImuSeries;
 use dpn_core::SampleRate;
@@ -45,11 +45,11 @@ impl HoverTones {
 
     /// Expectation of the product of two samples that are `lag_s` seconds apart, over all draws.
     pub fn autocovariance(&self, lag_s: f64) -> f64 {
-        let VibrationConfig { hover_hz, rotor_spread, speed_wander, speed_wander_s, .. } = self.config;
+        let VibrationConfig { hover_hz, rotor_spread, speed_wander, .. } = self.config;
         let louder = 1.0 + 6.0 * (rotor_spread.powi(2) + speed_wander.powi(2));
         let t = lag_s.abs();
-        let walked = t / speed_wander_s - 1.0 + (-t / speed_wander_s).exp();
-        let phase = 0.5 * (rotor_spread * t).powi(2) + (speed_wander * speed_wander_s).powi(2) * walked;
+        let walked = t / SPEED_WANDER_S - 1.0 + (-t / SPEED_WANDER_S).exp();
+        let phase = 0.5 * (rotor_spread * t).powi(2) + (speed_wander * SPEED_WANDER_S).powi(2) * walked;
         let harmonic = |(h, deviation): (usize, &f64)| {
             let angular = TAU * (h + 1) as f64 * hover_hz;
             deviation.powi(2) * louder * (angular * t).cos() * (-angular.powi(2) * phase).exp()

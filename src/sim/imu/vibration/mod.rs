@@ -11,7 +11,7 @@ mod motors;
 mod rotors;
 mod sum;
 
-pub use config::{AxisVibration, VibrationConfig};
+pub use config::VibrationConfig;
 pub(crate) use frame::shaking;
 pub use hover::HoverTones;
 pub(crate) use motors::motor_speed;

@@ -6,7 +6,7 @@
 //! does in the sensor: 2 x 91.5 Hz shows at 17 Hz, 3 x at 74.5 Hz. Imbalance forces grow with the square of the speed.
 //! Rotors differ by fixed offsets and wander, hence they beat and together look like a band.
 
-use super::config::{AxisVibration, VibrationConfig};
+use super::config::{AMPLITUDE_WANDER_S, AxisVibration, SPEED_WANDER_S, VibrationConfig};
 use crate::imu::ou::Wander;
 use crate::imu::series::ImuSeries;
 use dpn_core::random::Stream;
@@ -60,10 +60,10 @@ impl Rotor {
             offset: config.rotor_spread * offset,
             phase,
             reach,
-            speed: Wander::new(config.speed_wander, config.speed_wander_s, dt, stream.named("speed").rng()),
+            speed: Wander::new(config.speed_wander, SPEED_WANDER_S, dt, stream.named("speed").rng()),
             loudness: Wander::new(
                 config.amplitude_wander,
-                config.amplitude_wander_s,
+                AMPLITUDE_WANDER_S,
                 dt,
                 stream.named("loudness").rng(),
             ),

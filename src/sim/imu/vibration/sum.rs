@@ -1,6 +1,6 @@
 //! The rotors' tones of one flight, on top of what the frame does.
 
-use super::config::{AxisVibration, VibrationConfig};
+use super::config::{AMPLITUDE_WANDER_S, AXES, AxisVibration, VibrationConfig};
 use super::motor_speed;
 use super::rotors::{self, Turning};
 use crate::flight::FlightPlan;
@@ -23,14 +23,10 @@ pub(crate) fn draw(
     }
     let dt = rate.period();
     let axes = levels(config, plan);
-    let speed: Vec<f64> = times.iter().map(|&t| motor_speed(config, plan, t)).collect();
+    let speed: Vec<f64> = times.iter().map(|&t| motor_speed(plan, t)).collect();
     // Loudness of the whole frame: posture, battery, wind.
-    let mut wander = Wander::new(
-        config.amplitude_wander,
-        2.0 * config.amplitude_wander_s,
-        dt,
-        stream.named("loudness").rng(),
-    );
+    let mut wander =
+        Wander::new(config.amplitude_wander, 2.0 * AMPLITUDE_WANDER_S, dt, stream.named("loudness").rng());
     // exp of a normal of deviation s has a mean square of exp(2 s^2).
     let quiet = config.amplitude_wander.powi(2);
     let loudness: Vec<f64> = times.iter().map(|_| (wander.next() - quiet).exp()).collect();
@@ -45,11 +41,8 @@ pub(crate) fn draw(
 pub(super) fn levels(config: &VibrationConfig, plan: &FlightPlan) -> [AxisVibration; 6] {
     let character = plan.flight.character();
     std::array::from_fn(|a| {
-        let (axis, level) = if a < 3 {
-            (config.accel[a], character.accel_level[a])
-        } else {
-            (config.gyro[a - 3], character.gyro_level[a - 3])
-        };
+        let axis = AXES[a];
+        let level = if a < 3 { character.accel_level[a] } else { character.gyro_level[a - 3] };
         let factor = config.scale * level;
         AxisVibration {
             harmonics: axis.harmonics.map(|v| v * factor),
@@ -102,6 +95,11 @@ mod tests {
         }
     }
 
+    /// All tones of the rotors together.
+    fn tones(axis: &AxisVibration) -> f64 {
+        axis.harmonics.iter().map(|v| v * v).sum::<f64>().sqrt()
+    }
+
     #[test]
     fn in_flight_every_axis_has_the_deviation_its_configuration_says() {
         let config = VibrationConfig::default();
@@ -111,7 +109,7 @@ mod tests {
             let flying = deviation(&series, &phases, Phase::Flying);
             let levels = levels(&config, &FlightPlan::new(flight, 3));
             for a in 0..6 {
-                powers[a] += (flying[a] / levels[a].tones()).powi(2) / 11.0;
+                powers[a] += (flying[a] / tones(&levels[a])).powi(2) / 11.0;
             }
         }
         // A flight's power scatters by 14 % through the gains of its six rotors (34 % each), by more through slow
@@ -122,18 +120,15 @@ mod tests {
     #[test]
     fn harmonics_above_half_the_rate_alias_where_they_must() {
         // One rotor that neither wanders nor is joined by anything: 91.5 Hz, and 2 x 91.5 at 200 - 183 = 17 Hz.
-        let mut config = VibrationConfig {
+        let config = VibrationConfig {
             rotors: 1,
             rotor_spread: 0.0,
             speed_wander: 0.0,
             amplitude_wander: 0.0,
-            accel: [SILENT; 3],
-            gyro: [SILENT; 3],
             ..VibrationConfig::default()
         };
-        config.accel[0].harmonics = [0.0, 1.0, 0.0];
-        let axes: [AxisVibration; 6] =
-            std::array::from_fn(|a| if a < 3 { config.accel[a] } else { config.gyro[a - 3] });
+        let mut axes = [SILENT; 6];
+        axes[0].harmonics = [0.0, 1.0, 0.0];
         let n = 2000;
         let mut series = ImuSeries::zeros(n);
         let (ones, stream) = (vec![1.0; n], Stream::new(1));
