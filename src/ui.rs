@@ -4,6 +4,7 @@ use dpn_core::progress::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::fmt;
 use std::io::{IsTerminal, Write};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Standard output takes no more: the reader of a pipe has gone, or the disk is full.
@@ -59,6 +60,15 @@ pub(crate) fn warn<W: fmt::Display>(warnings: impl IntoIterator<Item = W>) {
     for warning in warnings {
         errln!("warning: {warning}");
     }
+}
+
+/// Says where the pictures among `files` are.
+pub(crate) fn print_pictures(files: &[PathBuf]) -> Result<(), OutputError> {
+    let pictures = files.iter().filter(|file| file.extension().is_some_and(|ending| ending == "png"));
+    for picture in pictures {
+        outln!("picture:  {}", picture.display())?;
+    }
+    Ok(())
 }
 
 /// A message for the user with what to do about it.

@@ -34,3 +34,12 @@ where
 {
     text.map(|text| text.parse().map_err(|error| Error::new_err(format!("{name}: {error}")))).transpose()
 }
+
+/// The choice that `text` names, as configurations spell it, or the exception about the argument `name`.
+pub(crate) fn word<T>(name: &str, text: Option<&str>) -> Result<Option<T>, PyErr>
+where
+    T: for<'de> serde::Deserialize<'de>,
+{
+    let read = |text: &str| serde_json::from_value(text.into());
+    text.map(|text| read(text).map_err(|error| Error::new_err(format!("{name}: {error}")))).transpose()
+}

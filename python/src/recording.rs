@@ -1,8 +1,8 @@
 //! Samples in and out of arrays.
 
-use crate::error::{Error, parsed, raise};
+use crate::error::{parsed, raise, word};
 use dpn_core::{ImuRecording, ImuSample, Recorded, Samples, Sensor, Stamp};
-use dpn_io::{AccelUnit, CsvOptions, GyroUnit, TimeUnit};
+use dpn_io::CsvOptions;
 use dpn_logs::{Kind, Log, LogOptions, Scales, read_log};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -141,36 +141,16 @@ pub(crate) fn read(
     sensor_scale: Option<&str>,
     max_uncompressed: Option<u64>,
 ) -> PyResult<Recording> {
-    let time = unit(
-        "time_unit",
-        time_unit,
-        TimeUnit::ALL.into_iter().chain([TimeUnit::HundredMicros]),
-        TimeUnit::name,
-    )?;
-    let gyro = unit("gyro_unit", gyro_unit, GyroUnit::ALL, GyroUnit::name)?;
-    let accel = unit("accel_unit", accel_unit, AccelUnit::ALL, AccelUnit::name)?;
-    let csv = CsvOptions { columns: parsed("columns", columns)?, time, gyro, accel };
+    let csv = CsvOptions {
+        columns: parsed("columns", columns)?,
+        time: word("time_unit", time_unit)?,
+        gyro: word("gyro_unit", gyro_unit)?,
+        accel: word("accel_unit", accel_unit)?,
+    };
     let scales = parsed::<Scales>("sensor_scale", sensor_scale)?.unwrap_or_default();
     let options = LogOptions { csv, topic, max_uncompressed, scales };
     let log = py.detach(|| read_log(&path, &options)).map_err(|e| raise(&e))?;
     Ok(Recording::new(log))
-}
-
-fn unit<T: Copy>(
-    name: &str,
-    text: Option<&str>,
-    known: impl IntoIterator<Item = T>,
-    name_of: impl Fn(T) -> &'static str,
-) -> PyResult<Option<T>> {
-    let Some(text) = text else { return Ok(None) };
-    let mut names = Vec::new();
-    for unit in known {
-        if name_of(unit) == text {
-            return Ok(Some(unit));
-        }
-        names.push(name_of(unit));
-    }
-    Err(Error::new_err(format!("{name}: {text:?}; known are {}", names.join(", "))))
 }
 
 /// A recording of arrays: stamps `(n,)` in ns, `(n, 3)` in rad/s and m/s^2.

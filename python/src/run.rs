@@ -1,6 +1,6 @@
 //! The odometry: what `dpn run` calls, on what it reads or on arrays.
 
-use crate::error::{Error, raise};
+use crate::error::{Error, raise, word};
 use crate::metrics::poses;
 use crate::progress::Listener;
 use crate::recording::Recording as Samples;
@@ -136,10 +136,7 @@ pub(crate) fn run_source(
     topic: Option<String>,
     image_topic: Option<String>,
 ) -> PyResult<RunResult> {
-    let camera: Option<Camera> = camera
-        .map(|name| serde_json::from_value(name.into()))
-        .transpose()
-        .map_err(|_| Error::new_err(format!("camera: {camera:?}; known are tracks, images, rendered")))?;
+    let camera: Option<Camera> = word("camera", camera)?;
     py.detach(|| {
         let mut settings = asked.read()?;
         let log =

@@ -2,7 +2,7 @@
 
 use super::{log, noise};
 use crate::args::AllanArgs;
-use crate::ui::{out, outln};
+use crate::ui::{out, outln, print_pictures};
 use anyhow::Result;
 use dpn_figures::{allan_plot, save};
 use dpn_io::atomic_write;
@@ -29,8 +29,6 @@ pub(crate) fn run(args: &AllanArgs) -> Result<()> {
         noise::print_findings(checked.iter().map(FigureCheck::finding))?;
         noise::print_remarks(source)?;
     }
-    for file in files.iter().filter(|f| f.extension().is_some_and(|e| e == "png")) {
-        outln!("\npicture:  {}", file.display())?;
-    }
-    Ok(())
+    out!("\n")?;
+    Ok(print_pictures(&files)?)
 }

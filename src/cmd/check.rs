@@ -2,7 +2,7 @@
 
 use super::log;
 use crate::args::CheckArgs;
-use crate::ui::{out, outln};
+use crate::ui::{out, outln, print_pictures};
 use anyhow::Result;
 use dpn_figures::{FigureError, save, spectrum_plot};
 use dpn_io::atomic_write;
@@ -35,9 +35,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<()> {
             outln!("         -> {remedy}")?;
         }
     }
-    for file in files.iter().filter(|f| f.extension().is_some_and(|e| e == "png")) {
-        outln!("picture: {}", file.display())?;
-    }
+    print_pictures(&files)?;
     if files.is_empty() && !examination.spectra.is_empty() {
         outln!("no picture: both sensors never change, so there is no spectrum")?;
     }

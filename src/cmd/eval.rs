@@ -2,7 +2,7 @@
 
 use super::{closed_loop, corpus, program, shipped, stop};
 use crate::args::EvalArgs;
-use crate::ui::{Bar, Fault, errln, outln};
+use crate::ui::{Bar, Fault, errln, outln, print_pictures};
 use anyhow::{Context, Result};
 use dpn_core::Sensor;
 use dpn_eval::open_loop::{OpenLoop, OpenLoopError, Request, Row, run as judge};
@@ -62,9 +62,7 @@ fn open_loop(args: &EvalArgs) -> Result<()> {
         }
         outln!("{}", open_loop_rows(&shown).console())?;
         outln!("all rows: {}", out.join("open_loop.csv").display())?;
-        for picture in pictures.iter().filter(|path| path.extension().is_some_and(|e| e == "png")) {
-            outln!("picture:  {}", picture.display())?;
-        }
+        print_pictures(&pictures)?;
     }
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use super::{convert, follow, into, log, rerun, shipped};
 use crate::args::{NoiseArgs, NoiseWhat, RowFormat};
-use crate::ui::{errln, out, outln};
+use crate::ui::{errln, out, outln, print_pictures};
 use anyhow::{Context, Result};
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::{Recorded, SampleRate, Samples};
@@ -117,10 +117,7 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
     if let Some((file, words)) = &into {
         outln!("log:      {} ({words})", file.display())?;
     }
-    for file in files.iter().filter(|f| f.extension().is_some_and(|e| e == "png")) {
-        outln!("picture:  {}", file.display())?;
-    }
-    Ok(())
+    Ok(print_pictures(&files)?)
 }
 
 /// A configuration that is held against a log of `rate`.
