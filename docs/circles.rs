@@ -275,7 +275,7 @@ impl Crate {
             _ => {}
         }
         let here = self.modules.get(module)?;
-        let child = [module, &[first.clone()]].concat();
+        let child = [module, std::slice::from_ref(first)].concat();
         if !rest.is_empty() && self.modules.contains_key(&child) {
             return self.defines(&child, rest, seen);
         }
@@ -360,10 +360,12 @@ fn a_circle_is_found_through_re_exports_globs_and_plain_paths_and_none_in_tests_
         }
         let all = Crate::read(&root.join("lib.rs"));
         let found = shortest(&all.imports());
-        let found =
-            found.map(|files| files.iter().map(|f| f.strip_prefix(&root).unwrap().to_owned()).collect());
+        let within = |files: Vec<&Path>| {
+            files.iter().map(|f| f.strip_prefix(&root).unwrap().to_owned()).collect::<Vec<_>>()
+        };
+        let found = found.map(within);
         std::fs::remove_dir_all(&root).unwrap();
-        found.unwrap_or_else(Vec::<PathBuf>::new)
+        found.unwrap_or_default()
     };
     let lib = ("lib.rs", "mod a;\nmod b;\npub use a::One;\n");
     let a = ("a/mod.rs", "mod one;\npub use one::One;\n");

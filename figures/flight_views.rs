@@ -55,7 +55,7 @@ pub fn top_view(recording: &Recording, run: &JudgedRun) -> Result<Chart, FigureE
         ),
         _ => format!("Not aligned. {} poses of {} frames, {} restarts.", row.poses, row.frames, row.restarts),
     };
-    from_above(format!("{}, noise {}", row.sequence, row.noise), truth, estimate, caption)
+    from_above(format!("{}, noise {}", row.sequence, row.noise), &truth, &estimate, caption)
 }
 
 /// The run over time: tracks, parallax, noise given, biases, residuals.

@@ -23,8 +23,8 @@ const TALLEST: f64 = 0.85;
 /// [`FigureError::Empty`] where there is no position at all.
 pub(super) fn from_above(
     title: String,
-    truth: Vec<[f64; 2]>,
-    estimate: Vec<Vec<[f64; 2]>>,
+    truth: &[[f64; 2]],
+    estimate: &[Vec<[f64; 2]>],
     caption: String,
 ) -> Result<Chart, FigureError> {
     let all = || truth.iter().chain(estimate.iter().flatten()).filter(|p| p.iter().all(|v| v.is_finite()));
@@ -53,7 +53,7 @@ pub(super) fn from_above(
         let colour = if width == style::THIN { style::INK } else { PALETTE[1] };
         Layer::Line(part.iter().map(|p| (p[0], p[1])).collect(), style::stroke(colour, width))
     };
-    let mut layers = vec![Layer::Grid, line(&truth, style::THIN)];
+    let mut layers = vec![Layer::Grid, line(truth, style::THIN)];
     layers.extend(estimate.iter().map(|part| line(part, style::THIN + 1)));
     layers.extend(estimate.iter().flatten().next().map(|p| Layer::Mark(0, (p[0], p[1]), PALETTE[1])));
     layers.extend([Layer::Axes(true), Layer::title(title)]);
@@ -62,7 +62,7 @@ pub(super) fn from_above(
     let mut add = |what: &str, part: &[[f64; 2]]| {
         rows.extend(part.iter().map(|p| vec![what.to_owned(), p[0].to_string(), p[1].to_string()]));
     };
-    add("truth", &truth);
+    add("truth", truth);
     for (i, part) in estimate.iter().enumerate() {
         add(&format!("estimate {i}"), part);
     }
@@ -80,7 +80,7 @@ mod tests {
     fn a_metre_is_as_long_on_both_axes_whatever_the_shape() {
         for (wide, high) in [(10.0, 1.0), (1.0, 10.0), (3.0, 2.0), (0.0, 0.0)] {
             let truth = vec![[5.0, -2.0], [5.0 + wide, -2.0 + high]];
-            let plot = from_above("f".into(), truth, vec![vec![[5.0, -2.0]]], String::new()).unwrap();
+            let plot = from_above("f".into(), &truth, &[vec![[5.0, -2.0]]], String::new()).unwrap();
             let panel = &plot.panels[0];
             let tall = panel.place.bottom - panel.place.top;
             let metres = |axis: &Axis| axis.high() - axis.low();
@@ -91,6 +91,6 @@ mod tests {
                 assert!((0.0..=1.0).contains(&panel.y.fraction(end[1])), "{wide} {high}");
             }
         }
-        assert!(from_above(String::new(), vec![], vec![], String::new()).is_err());
+        assert!(from_above(String::new(), &[], &[], String::new()).is_err());
     }
 }

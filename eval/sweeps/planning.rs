@@ -59,7 +59,7 @@ pub enum Size {
 #[derive(Debug)]
 pub enum JobToPlan<'a> {
     /// A closed loop.
-    ClosedLoop(LoopJob<'a>),
+    ClosedLoop(Box<LoopJob<'a>>),
     /// Trainings, each with its checksum and how many updates it makes.
     Train(Vec<(TrainSpec, String, f64)>),
 }

@@ -211,7 +211,7 @@ impl<'a> Shard<'a> {
             }
             match &self.folder.manifest.jobs[place].spec {
                 JobSpec::ClosedLoop(experiment) => {
-                    self.closed_loop(place, experiment, here, stop, progress)?
+                    self.closed_loop(place, experiment, here, stop, progress)?;
                 }
                 JobSpec::Train(specs) => self.trainings(place, specs, trainer, stop, progress)?,
             }

@@ -28,7 +28,7 @@ pub(super) struct Along {
 
 /// Whose path it is.
 pub(super) enum Source {
-    Recorded(Sequence),
+    Recorded(Box<Sequence>),
     Flown(Flight),
 }
 
@@ -97,7 +97,7 @@ fn recorded(
         camera_stamps(&path, rate)
     };
     let (name, path) = (sequence.name().to_owned(), Arc::new(path));
-    Ok(Along { name, path, stamps, rate, of: Source::Recorded(sequence) })
+    Ok(Along { name, path, stamps, rate, of: Source::Recorded(Box::new(sequence)) })
 }
 
 /// A sequence that nothing can be made along; `why` it would have to be there.

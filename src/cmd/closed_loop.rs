@@ -148,6 +148,6 @@ mod tests {
         let Command::Eval(args) = Cli::parse_from(["dpn", "eval", "--closed-loop"]).command else {
             panic!("eval was typed")
         };
-        assert_eq!(experiment(&args).unwrap(), Experiment::default());
+        assert_eq!(experiment(&args).expect("defaults hold together"), Experiment::default());
     }
 }

@@ -153,6 +153,6 @@ mod tests {
         let Command::Paper(args) = Cli::parse_from(["dpn", "paper"]).command else {
             panic!("paper was typed")
         };
-        assert_eq!(asked(&args).unwrap(), PaperPlan::default());
+        assert_eq!(asked(&args).expect("defaults hold together"), PaperPlan::default());
     }
 }

@@ -73,7 +73,8 @@ fn of_experiments(
     let mut jobs = Vec::new();
     for ((folder, experiment), source) in experiments.into_iter().zip(&sources) {
         warn(experiment.warnings()?);
-        jobs.push(JobToPlan::ClosedLoop(LoopJob::new(folder, experiment, source, &networks, program())?));
+        let job = LoopJob::new(folder, experiment, source, &networks, program())?;
+        jobs.push(JobToPlan::ClosedLoop(Box::new(job)));
     }
     cut(args, data, models.is_some().then_some(&networks), &jobs)
 }
@@ -85,7 +86,8 @@ fn of_paper(args: &SweepPlanArgs) -> Result<Planned> {
     let networks = shipped::or_of(asked.run.models.as_deref())?;
     let paper = Paper::new(&opened, &networks, program());
     warn(paper.warnings()?);
-    let jobs: Vec<JobToPlan<'_>> = paper.loops()?.into_iter().map(JobToPlan::ClosedLoop).collect();
+    let jobs: Vec<JobToPlan<'_>> =
+        paper.loops()?.into_iter().map(|job| JobToPlan::ClosedLoop(Box::new(job))).collect();
     cut(args, asked.run.data, asked.run.models.is_some().then_some(&networks), &jobs)
 }
 
