@@ -123,10 +123,9 @@ impl Session {
         let (plan, note) = Plan::fitting(self.recording.rate(), EVERY, &networks)?;
         let along = Along::watched(&plan, &self.recording, config.as_ref(), watch)?;
         let mut picture = picture::of(&along, self.recording.span()[0])?;
-        let rate = self.recording.rate();
         picture["formats"] = along.effective.as_ref().map_or_else(
             || serde_json::json!([]),
-            |effective| serde_json::json!(effective.in_formats(rate, &MORE)),
+            |effective| serde_json::json!(effective.in_formats(&MORE)),
         );
         picture["note"] = serde_json::json!(note);
         picture["start_ns"] = serde_json::json!(self.recording.span()[0].ns().to_string());

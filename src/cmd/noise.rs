@@ -62,7 +62,7 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
     let config = config(args.check.as_deref(), args.from, rate)?;
     let plan = plan(args, rate, networks)?;
     let along = Along::of(&plan, recording, config.as_ref()).with_context(|| path.display().to_string())?;
-    let Along { track, summary, warnings, effective, check } = &along;
+    let Along { track, summary, warnings, rest, effective, check } = &along;
     let mut words = format!("{} samples, {:.0} s.", recording.len(), recording.length_s());
     for line in report::outside(summary) {
         words.push_str(&format!(" {line}."));
@@ -103,6 +103,9 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
         return Ok(());
     }
     out!("{}", report::page(&plan, summary, rate))?;
+    if let Some(rest) = rest {
+        out!("{}", rest.page())?;
+    }
     if let Some(effective) = effective {
         out!("{}", effective.page())?;
     }

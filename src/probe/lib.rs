@@ -8,6 +8,7 @@ mod finding;
 #[cfg(feature = "networks")]
 pub mod log_noise;
 pub mod phases;
+pub mod rest_noise;
 mod text;
 
 pub use finding::{Finding, Weight};

@@ -30,7 +30,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// Up to here \[Hz\] what is read may be motion; at slow rates up to half of what the rate shows.
-const MOTION_HZ: f64 = 35.0;
+pub const MOTION_HZ: f64 = 35.0;
 /// Length of a spectrum's segment \[s\], rounded to a power of two.
 const SEGMENT_S: f64 = 0.32;
 /// The valley of a spectrum is this quantile of its bins.
@@ -54,7 +54,16 @@ pub struct Effective {
     weights: Vec<f64>,
     /// First bin that is not motion's.
     first: usize,
+    /// Share of the power of each bin from there that passes the sensor's low pass.
+    gains: Vec<f64>,
+    /// Density of the sensor's own noise at rest, where it is known.
+    floor: f64,
 }
+
+/// Share of the power below which a low pass leaves nothing to continue a spectrum by.
+const PASSES: f64 = 0.1;
+/// Bins that a spectrum is continued by at least.
+const LEAST_BINS: usize = 8;
 
 impl Effective {
     /// For spans of `span_s` at `rate`: the error of a sum.
@@ -115,7 +124,26 @@ impl Effective {
         });
         let motion = MOTION_HZ.min(0.25 * rate.hz());
         let first = (motion / (bin * rate.hz())).ceil() as usize;
-        Ok(Self { rate, segment, welch, weights: weights.collect(), first })
+        let gains = vec![1.0; segment / 2 + 1 - first];
+        Ok(Self { rate, segment, welch, weights: weights.collect(), first, gains, floor: 0.0 })
+    }
+
+    /// The same for a sensor behind a low pass that lets `gain` of the power through at a frequency \[Hz\], and whose own noise at rest has `density`
+    /// \[unit^2 / Hz\], one-sided, below its corner: what is above `MOTION_HZ` counts as it is measured, what is continued below is cleared of the filter, and
+    /// where the filter leaves nothing to continue by it is the noise at rest.
+    #[must_use]
+    pub fn behind(mut self, gain: impl Fn(f64) -> f64, density: f64) -> Self {
+        let bin = self.rate.hz() / self.segment as f64;
+        for (k, g) in self.gains.iter_mut().enumerate() {
+            *g = gain((self.first + k) as f64 * bin);
+        }
+        self.floor = density;
+        self
+    }
+
+    /// Whether enough passes the low pass above motion to tell white noise that grows.
+    pub fn tells_growth(&self) -> bool {
+        self.gains[..self.gains.len() - 1].iter().filter(|g| **g > PASSES).count() >= LEAST_BINS
     }
 
     /// Expectation of the valley of white noise of density 1, over `len` samples: Wilson and Hilferty's quantile of chi^2 over its degrees of
@@ -138,9 +166,17 @@ impl Effective {
         let above = self.weights[self.first..].iter().zip(&density[self.first..]);
         let measured = above.map(|(w, d)| w * d).sum();
         // Nyquist's bin is another's half.
-        let quick = &density[self.first..density.len() - 1];
+        let quick: Vec<f64> = density[self.first..density.len() - 1]
+            .iter()
+            .zip(&self.gains)
+            .filter(|(_, gain)| **gain > PASSES)
+            .map(|(d, gain)| d / gain)
+            .collect();
+        if quick.len() < LEAST_BINS.min(self.gains.len() - 1) {
+            return Some(Shown { measured, white: self.floor, valley: self.floor });
+        }
         let mean = quick.iter().sum::<f64>() / quick.len() as f64;
-        let valley = quantile(quick, VALLEY) / self.white_valley(window.len());
+        let valley = quantile(&quick, VALLEY) / self.white_valley(window.len());
         let flatness = if mean > 0.0 { valley / mean } else { 0.0 };
         Some(Shown { measured, white: mean * (flatness / FLAT).min(1.0).powi(POWER), valley })
     }
@@ -177,7 +213,7 @@ impl EffectiveStream {
         let quietest = quietest.min(smooth);
         self.valley = Some((smooth, quietest));
         let below: f64 = self.effective.weights[..self.effective.first].iter().sum();
-        (shown.measured + shown.white.max(quietest) * below).sqrt()
+        (shown.measured + shown.white.max(quietest).max(self.effective.floor) * below).sqrt()
     }
 }
 
@@ -281,6 +317,33 @@ mod tests {
             let ratio = (said(0.1, &x) / of_sums(&x, 20)).sqrt();
             assert!((0.85..1.15).contains(&ratio), "{loud}: {ratio}");
         }
+    }
+
+    #[test]
+    fn noise_behind_a_low_pass_counts_as_much_as_its_sums_err() {
+        // One pole, 20 Hz, as exponential smoothing; in motion the noise is three times that at rest.
+        let kept = (-TAU * 20.0_f64 / 200.0).exp();
+        let gain =
+            |hz: f64| (1.0 - kept).powi(2) / (1.0 - 2.0 * kept * (TAU * hz / 200.0).cos() + kept * kept);
+        let mut out = 0.0;
+        let x: Vec<f64> = white(1, 80_000)
+            .into_iter()
+            .map(|v| {
+                out += (1.0 - kept) * (3.0 * v - out);
+                out
+            })
+            .collect();
+        let known = Effective::sum(0.1, RATE).unwrap().behind(gain, 0.01);
+        assert!(known.tells_growth());
+        let mut stream = EffectiveStream::new(Arc::new(known));
+        let squares: Vec<f64> = x.chunks_exact(200).map(|window| stream.sigma(window).powi(2)).collect();
+        let ratio = (squares.iter().sum::<f64>() / squares.len() as f64 / of_sums(&x, 20)).sqrt();
+        assert!((0.9..1.2).contains(&ratio), "{ratio}");
+        // Two poles at 5 Hz leave nothing above motion: the noise at rest stands there.
+        let steep = Effective::sum(0.1, RATE).unwrap().behind(|hz| 1.0 / (1.0 + (hz / 5.0).powi(4)), 0.01);
+        assert!(!steep.tells_growth());
+        let sigma = EffectiveStream::new(Arc::new(steep)).sigma(&vec![0.0; 200]);
+        assert!((sigma - 1.0).abs() < 0.05, "{sigma}");
     }
 
     #[test]

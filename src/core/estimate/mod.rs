@@ -38,7 +38,7 @@ mod white_noise_tests;
 pub(crate) use allan::allan;
 pub(crate) use axis::{Answer, AxisSigma, EachSample, Given, HopWindow, Reading};
 pub(crate) use differences::differences;
-pub use effective::{Effective, EffectiveStream};
+pub use effective::{Effective, EffectiveStream, MOTION_HZ};
 pub(crate) use mad2::Mad2;
 pub(crate) use savgol::sg_residual;
 pub use spec::{DEFAULT_TAG, NoiseSpec, SensorPair, SpecError, parse_list};

@@ -2,11 +2,13 @@
 //!
 //! * `savitzky_golay`: polynomial smoothing with polynomial edges.
 //! * [`spectrum`]: Welch's power spectral density, band power, peaks.
+//! * [`periodogram`]: a long signal's spectrum in bands, lines left out.
 //! * [`wavelet`]: detail coefficients of the finest level.
 //! * [`ranks`]: medians and quantiles of numbers that are not held.
 //! * [`stats`]: moments, quantiles, median absolute deviation, differences.
 
 mod orthonormal;
+pub mod periodogram;
 pub mod ranks;
 mod savitzky_golay;
 pub mod spectrum;

@@ -21,6 +21,8 @@ pub mod values;
 pub mod vibration;
 
 use crate::finding::Finding;
+use crate::phases::phases;
+use crate::rest_noise::RestNoise;
 use dpn_core::Recorded;
 #[cfg(feature = "logs")]
 use dpn_logs::Log;
@@ -70,6 +72,8 @@ pub(crate) fn examine(recording: &dyn Recorded) -> io::Result<Examination> {
     findings.extend(values::findings(measured, &rest)?);
     findings.extend(vibration::findings(&spectra));
     findings.extend(motion::findings(measured, &rest)?);
+    let at_rest = RestNoise::of(measured, &phases(measured)?)?;
+    findings.extend(at_rest.iter().flat_map(RestNoise::findings));
     findings.sort_by_key(|finding| finding.weight);
     Ok(Examination {
         samples: recording.len(),

@@ -208,7 +208,7 @@ fn gravity(recording: &dyn Recorded, rest: &Rest) -> io::Result<Vec<Finding>> {
 const TELLING: usize = 20_000;
 
 /// The step between two neighbouring values of an axis, where its values are whole numbers of one.
-pub(super) fn step(signal: &[f64]) -> Option<f64> {
+pub(crate) fn step(signal: &[f64]) -> Option<f64> {
     let mut values = signal.to_vec();
     values.sort_by(f64::total_cmp);
     values.dedup();

@@ -4,6 +4,7 @@ use super::compare::{Check, compare};
 use super::track::track_watched;
 use super::{EffectiveNoise, Levels, LogNoiseError, Plan, Track, TrackSummary, report};
 use crate::phases::phases;
+use crate::rest_noise::RestNoise;
 use dpn_core::Recorded;
 use dpn_io::noise_formats::NoiseCalibration;
 use serde_json::Value;
@@ -17,6 +18,8 @@ pub struct Along {
     pub summary: TrackSummary,
     /// What must be said before everything else.
     pub warnings: Vec<String>,
+    /// Densities at rest by the spectrum; none where the log does not rest for ten seconds.
+    pub rest: Option<RestNoise>,
     /// The white noise that errs as much over a span; none where the log never moves.
     pub effective: Option<EffectiveNoise>,
     /// A configuration against it, where one was given and the log has levels to hold it against.
@@ -59,8 +62,9 @@ impl Along {
             None => None,
         };
         let warnings = report::warnings(plan, &summary);
-        let effective = EffectiveNoise::of(recording, &summary.stretches)?;
-        Ok(Self { track, summary, warnings, effective, check })
+        let rest = RestNoise::of(recording, &summary.stretches)?;
+        let effective = EffectiveNoise::of(recording, &summary.stretches, rest.as_ref())?;
+        Ok(Self { track, summary, warnings, rest, effective, check })
     }
 
     /// All but the track, for programs; `log` names the log.
@@ -70,7 +74,7 @@ impl Along {
     pub fn json(&self, log: &str, plan: &Plan<'_>, recording: &dyn Recorded) -> serde_json::Result<Value> {
         let mut all = serde_json::json!({
             "log": log, "samples": recording.len(), "rate_hz": recording.rate().hz(), "noise": plan.noise.spec(), "every": plan.every(),
-            "thinned_to_every": plan.noise.thin(), "summary": self.summary, "warnings": self.warnings, "effective": self.effective,
+            "thinned_to_every": plan.noise.thin(), "summary": self.summary, "warnings": self.warnings, "rest": self.rest, "effective": self.effective,
         });
         if let Some(check) = &self.check {
             all["check"] = serde_json::to_value(check)?;

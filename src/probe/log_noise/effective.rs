@@ -3,18 +3,22 @@
 //! A configuration asks for one white noise; what sums of samples err by depends on the spectrum and the span
 //! ([`Effective`](dpn_core::estimate::Effective)). Medians over the seconds in motion, else of motors on, else of all.
 
+use super::fall;
 use super::report::two;
 use crate::allan::report::PASTED;
 use crate::phases::{Phase, Stretch, phase_at};
+use crate::rest_noise::RestNoise;
 use crate::text::aligned;
-use dpn_core::estimate::{Effective, EffectiveStream};
+use dpn_core::estimate::{Effective, EffectiveStream, MOTION_HZ};
 use dpn_core::noise::{Axes, Figure, ImuFigures, Meaning};
+use dpn_core::signal::Welch;
 use dpn_core::signal::stats::median;
 use dpn_core::{ImuSample, Recorded, SampleRate, Sensor};
 use dpn_io::noise_formats::{Format, Written, write};
 use serde::Serialize;
 use std::fmt::Write;
 use std::io;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Spans \[s\] from a fast camera's interval to that between key frames.
@@ -56,14 +60,46 @@ pub struct EffectiveNoise {
     pub spans: Vec<SpanNoise>,
     /// White noises over .1 s as configurations have them, of the loudest axis where they have one for all; empty where the rate has no such span.
     pub pasted: Vec<Written>,
+    /// Sensors whose noise in motion a low pass hides that no rest has shown; nothing is pasted of them.
+    pub hidden: Vec<Hidden>,
+    /// Accelerometer, gyroscope: whether a low pass hides by how much the sensor's own noise grows in motion.
+    pub growth_hidden: [bool; 2],
+    /// The figures that are pasted.
+    #[serde(skip)]
+    figures: ImuFigures,
+    /// What they are from, accelerometer and gyroscope.
+    from: [FigureFrom; 2],
+}
+
+/// A sensor whose spectrum falls above motion, as behind a low pass.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Hidden {
+    /// The sensor.
+    pub sensor: Sensor,
+    /// What the density of its loudest axis lies between \[unit / sqrt(Hz)\]: what is seen above motion, and what is seen with motion in it.
+    pub between: [f64; 2],
+}
+
+/// Where a figure to paste is from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+enum FigureFrom {
+    /// The spectrum at rest.
+    Rest,
+    /// Sums over [`PASTED_S`].
+    Span,
 }
 
 impl EffectiveNoise {
-    /// Of a recording with its phases; none where it has no second.
+    /// Of a recording with its phases, and what its rest says of the sensor's low pass; none where it has no second.
     ///
     /// # Errors
     /// As [`Samples::piece`](dpn_core::Samples::piece).
-    pub fn of(recording: &dyn Recorded, stretches: &[Stretch]) -> io::Result<Option<Self>> {
+    pub fn of(
+        recording: &dyn Recorded,
+        stretches: &[Stretch],
+        rest: Option<&RestNoise>,
+    ) -> io::Result<Option<Self>> {
         let rate = recording.rate();
         let phase =
             [Phase::Moving, Phase::Motors].into_iter().find(|p| stretches.iter().any(|s| s.phase == *p));
@@ -84,9 +120,18 @@ impl EffectiveNoise {
         if !any {
             return Ok(None);
         }
-        let row = |sensor: Sensor, of: Increment, span_s: f64, effective: Effective| {
-            let fresh = EffectiveStream::new(Arc::new(effective));
-            let mut axes = [(); 3].map(|()| (fresh.clone(), Vec::new()));
+        let mut spans = Vec::new();
+        let mut growth_hidden = [false; 2];
+        let mut row = |sensor: Sensor, of: Increment, span_s: f64, plain: &dyn Fn() -> Option<Effective>| {
+            let mut axes = Vec::with_capacity(3);
+            for axis in 0..3 {
+                let Some(mut effective) = plain() else { return Ok::<_, io::Error>(()) };
+                if let Some(shape) = rest.and_then(|rest| rest.sensor(sensor).shape(axis, rate)) {
+                    effective = effective.behind(|hz| shape.gain(hz), 2.0 * shape.density.powi(2));
+                    growth_hidden[usize::from(sensor == Sensor::Gyro)] |= !effective.tells_growth();
+                }
+                axes.push((EffectiveStream::new(Arc::new(effective)), Vec::new()));
+            }
             let mut signal = Vec::with_capacity(second);
             recording.pieces(whole.clone(), second, &mut |second| {
                 for (axis, (stream, sigmas)) in axes.iter_mut().enumerate() {
@@ -100,35 +145,53 @@ impl EffectiveNoise {
                 }
                 Ok(())
             })?;
-            Ok::<_, io::Error>(SpanNoise {
-                sensor,
-                of,
-                span_s,
-                sigma: axes.map(|(_, sigmas)| median(&sigmas)),
-            })
+            let sigma = std::array::from_fn(|axis| median(&axes[axis].1));
+            spans.push(SpanNoise { sensor, of, span_s, sigma });
+            Ok(())
         };
-        let mut spans = Vec::new();
         for sensor in Sensor::ALL {
-            if let Ok(effective) = Effective::sum(rate.period() * (1.0 + 1e-9), rate) {
-                spans.push(row(sensor, Increment::Sample, rate.period(), effective)?);
-            }
+            let sample_s = rate.period() * (1.0 + 1e-9);
+            row(sensor, Increment::Sample, rate.period(), &|| Effective::sum(sample_s, rate).ok())?;
             for span_s in SPANS_S {
-                if let Ok(effective) = Effective::sum(span_s, rate) {
-                    spans.push(row(sensor, Increment::Sum, span_s, effective)?);
-                }
-                if let (Sensor::Accel, Ok(effective)) = (sensor, Effective::double(span_s, rate)) {
-                    spans.push(row(sensor, Increment::Position, span_s, effective)?);
+                row(sensor, Increment::Sum, span_s, &|| Effective::sum(span_s, rate).ok())?;
+                if sensor == Sensor::Accel {
+                    row(sensor, Increment::Position, span_s, &|| Effective::double(span_s, rate).ok())?;
                 }
             }
         }
-        let Some(figures) = pasted_figures(&spans, rate) else { return Ok(None) };
-        let pasted = written(&figures, &PASTED);
-        Ok(Some(Self { phase, spans, pasted }))
+        let Some(mut figures) = over_span(&spans, rate) else { return Ok(None) };
+        let mut from = [FigureFrom::Span; 2];
+        // What never moves has its noise from all of the spectrum.
+        if let (None, Some(rest)) = (phase, rest) {
+            for (sensor, from) in Sensor::ALL.into_iter().zip(&mut from) {
+                let Some(densities) = rest.sensor(sensor).densities() else { continue };
+                if figures.set(Figure::white(sensor), Meaning::Density, Axes::Each(densities), rate).is_ok() {
+                    *from = FigureFrom::Rest;
+                }
+            }
+        }
+        let mut hidden = Vec::new();
+        for sensor in Sensor::ALL {
+            let known =
+                rest.is_some_and(|rest| (0..3).any(|axis| rest.sensor(sensor).shape(axis, rate).is_some()));
+            if phase.is_none() || known {
+                continue;
+            }
+            if let Some(between) = self::between(recording, sensor, whole.clone(), second, &counts)? {
+                hidden.push(Hidden { sensor, between });
+                match sensor {
+                    Sensor::Accel => figures.accel_white = None,
+                    Sensor::Gyro => figures.gyro_white = None,
+                }
+            }
+        }
+        let pasted = written(&figures, from, &PASTED);
+        Ok(Some(Self { phase, spans, pasted, hidden, growth_hidden, figures, from }))
     }
 
-    /// What is pasted, in other formats than those of `pasted`; `rate` is the recording's.
-    pub fn in_formats(&self, rate: SampleRate, formats: &[Format]) -> Vec<Written> {
-        pasted_figures(&self.spans, rate).map_or_else(Vec::new, |figures| written(&figures, formats))
+    /// What is pasted, in other formats than those of `pasted`.
+    pub fn in_formats(&self, formats: &[Format]) -> Vec<Written> {
+        written(&self.figures, self.from, formats)
     }
 
     /// For people: a table a sensor, then what to paste.
@@ -153,6 +216,20 @@ impl EffectiveNoise {
                 rows.push([format!("  {what}"), x, y, z]);
             }
             text.push_str(&aligned(&rows));
+            for Hidden { between: [low, high], .. } in self.hidden.iter().filter(|h| h.sensor == sensor) {
+                let _ = writeln!(
+                    text,
+                    "  not known: above {MOTION_HZ:.0} Hz the spectrum falls as behind a low pass, so that the density lies between {low:.1e} and {high:.1e} {}/sqrt(Hz);\n  \
+                     add ten seconds at rest to the log, which show the low pass, or run the odometry (--noise self)",
+                    sensor.unit()
+                );
+            }
+            if self.phase.is_some() && self.growth_hidden[usize::from(sensor == Sensor::Gyro)] {
+                let _ = writeln!(
+                    text,
+                    "  behind this low pass growth in motion is not seen: at least this; a trajectory would tell"
+                );
+            }
         }
         for written in &self.pasted {
             let _ = write!(text, "\n--- {} ---\n{}", written.format, written.text);
@@ -161,8 +238,36 @@ impl EffectiveNoise {
     }
 }
 
+/// What a sensor's density lies between, its loudest axis, where the seconds that count fall as behind a low pass.
+fn between(
+    recording: &dyn Recorded,
+    sensor: Sensor,
+    range: Range<usize>,
+    second: usize,
+    counts: &dyn Fn(&[ImuSample]) -> bool,
+) -> io::Result<Option<[f64; 2]>> {
+    let rate = recording.rate();
+    let segment = (second / 3).max(16);
+    let Ok(welch) = Welch::new(segment) else { return Ok(None) };
+    let mut axes = [(); 3].map(|()| welch.averaging());
+    let mut signal = Vec::with_capacity(second);
+    recording.pieces(range, second, &mut |second| {
+        for (axis, averaging) in axes.iter_mut().enumerate().filter(|_| counts(second)) {
+            signal.clear();
+            signal.extend(second.iter().map(|s| s.of(sensor)[axis]));
+            averaging.take(&signal);
+        }
+        Ok(())
+    })?;
+    let motion = MOTION_HZ.min(0.25 * rate.hz());
+    let all = axes.into_iter().filter_map(|averaging| averaging.spectrum(rate));
+    let found = all.filter_map(|spectrum| fall::between(&spectrum, motion));
+    let loudest = found.reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]);
+    Ok(loudest.map(|of| of.map(|density| (0.5 * density).sqrt())))
+}
+
 /// White noises over the pasted span; none where one is no noise.
-fn pasted_figures(spans: &[SpanNoise], rate: SampleRate) -> Option<ImuFigures> {
+fn over_span(spans: &[SpanNoise], rate: SampleRate) -> Option<ImuFigures> {
     let mut figures = ImuFigures { rate: Some(rate), ..ImuFigures::default() };
     for row in spans.iter().filter(|s| s.of == Increment::Sum && s.span_s == PASTED_S) {
         figures.set(Figure::white(row.sensor), Meaning::SampleStd, Axes::Each(row.sigma), rate).ok()?;
@@ -171,8 +276,14 @@ fn pasted_figures(spans: &[SpanNoise], rate: SampleRate) -> Option<ImuFigures> {
 }
 
 /// Those of `formats` that can be written: a rate too slow for the span leaves nothing to write.
-fn written(figures: &ImuFigures, formats: &[Format]) -> Vec<Written> {
-    let note = |figure: Figure| (!figure.is_walk()).then(|| format!("over {PASTED_S} s, vibration included"));
+fn written(figures: &ImuFigures, from: [FigureFrom; 2], formats: &[Format]) -> Vec<Written> {
+    let note = |figure: Figure| {
+        let words = match from[usize::from(figure.sensor() == Sensor::Gyro)] {
+            FigureFrom::Rest => "at rest, by the spectrum".to_owned(),
+            FigureFrom::Span => format!("over {PASTED_S} s, vibration included"),
+        };
+        (!figure.is_walk()).then_some(words)
+    };
     formats.iter().filter_map(|format| write(figures, *format, note).ok()).collect()
 }
 
@@ -192,7 +303,7 @@ mod tests {
             s.accel[0] += (2.0 * std::f64::consts::PI * 91.3 * t).sin();
         }
         let recording = ImuRecording::new(samples).unwrap();
-        let noise = EffectiveNoise::of(&recording, &phases(&recording).unwrap()).unwrap().unwrap();
+        let noise = EffectiveNoise::of(&recording, &phases(&recording).unwrap(), None).unwrap().unwrap();
         assert_eq!(noise.phase, Some(Phase::Moving));
         let of = |sensor, of, span_s: f64| {
             noise
@@ -214,7 +325,7 @@ mod tests {
             assert!((found / expected - 1.0).abs() < 0.15, "{found} {expected}");
         }
         assert_eq!(noise.pasted.len(), PASTED.len());
-        let more = noise.in_formats(recording.rate(), &[Format::Okvis2, Format::Ros]);
+        let more = noise.in_formats(&[Format::Okvis2, Format::Ros]);
         assert_eq!(more.len(), 2);
         assert!(
             more.iter().all(|m| m.text.contains("vibration included") || !m.steps.is_empty()),

@@ -13,6 +13,7 @@ mod along;
 pub mod compare;
 mod effective;
 mod error;
+mod fall;
 mod levels;
 #[cfg(test)]
 mod mix_ups;

@@ -1,0 +1,178 @@
+//! What a rest says, for people.
+
+use super::{AxisNoise, Interval, LowPass, RestNoise, SensorNoise};
+use crate::finding::Finding;
+use crate::text::{aligned, listed};
+use std::fmt::Write;
+
+impl RestNoise {
+    /// A table of densities, then what else shows.
+    pub fn page(&self) -> String {
+        let mut text = format!(
+            "\nat rest, {:.1} to {:.1} s: density of the white noise by its spectrum, value (95 %)\n",
+            self.from_s, self.to_s
+        );
+        let mut rows = vec![["", "unit", "x", "y", "z"].map(str::to_owned)];
+        for sensor in &self.sensors {
+            let unit = format!("{}/sqrt(Hz)", sensor.sensor.unit());
+            let [x, y, z] =
+                sensor.axes.each_ref().map(|axis| axis.as_ref().map_or("constant".to_owned(), words));
+            rows.push([format!("  {}", sensor.sensor), unit, x, y, z]);
+        }
+        text.push_str(&aligned(&rows));
+        for line in self.sensors.iter().flat_map(SensorNoise::notes) {
+            let _ = writeln!(text, "  {line}");
+        }
+        if self.bridged > 0 {
+            let _ = writeln!(text, "  {} lost samples are bridged by straight lines", self.bridged);
+        }
+        text
+    }
+}
+
+impl RestNoise {
+    /// What an estimator should know of: low passes, and values that are held.
+    pub fn findings(&self) -> Vec<Finding> {
+        let mut findings = Vec::new();
+        for sensor in &self.sensors {
+            if let Some(text) = sensor.held_words() {
+                let remedy = "log each sensor at its own rate; noise per row is wrong like this, and every value counts more than once";
+                findings.push(Finding::warning("held", text, remedy));
+            }
+            findings.extend(sensor.filter_words().map(|text| Finding::note("low-pass", text)));
+        }
+        findings
+    }
+}
+
+fn words(axis: &AxisNoise) -> String {
+    match axis.density {
+        Some(Interval { value, low, high }) => format!("{value:.2e} ({low:.2e} to {high:.2e})"),
+        None => format!("not known, below {:.2e}", axis.below),
+    }
+}
+
+impl SensorNoise {
+    fn held_words(&self) -> Option<String> {
+        let held = self.held?;
+        Some(format!(
+            "{}: values of {:.0} Hz are held on rows of {:.0} Hz; each counts once",
+            self.sensor, held.values_hz, held.rows_hz
+        ))
+    }
+
+    fn filter_words(&self) -> Option<String> {
+        let filters: Vec<_> = self.axes.iter().flatten().filter_map(|axis| axis.filter).collect();
+        let filter = filters.first()?;
+        let same = filters.iter().filter(|f| f.low_pass.order() == filter.low_pass.order()).count();
+        let Interval { value, low, high } = filter.corner_hz;
+        let what = match filter.low_pass {
+            LowPass::MovingMean { samples } => format!("a moving mean of {samples} samples"),
+            other => format!("a low pass, {other}, corner {value:.1} Hz ({low:.1} to {high:.1})"),
+        };
+        Some(format!("{}: behind {what}, on {same} of 3 axes", self.sensor))
+    }
+
+    /// Its held values, low pass and lines; a line each.
+    fn notes(&self) -> Vec<String> {
+        let mut notes: Vec<String> = self.held_words().into_iter().chain(self.filter_words()).collect();
+        for (axis, name) in self.axes.iter().zip(["x", "y", "z"]) {
+            let Some(axis) = axis else { continue };
+            if axis.density.is_none() {
+                notes.push(format!(
+                    "{} {name}: no plateau between drift and corner; rest for longer, or with a wider filter",
+                    self.sensor
+                ));
+            }
+            if !axis.lines.is_empty() {
+                let lines: Vec<String> = axis.lines.iter().map(|hz| format!("{hz:.1}")).collect();
+                notes.push(format!("{} {name}: lines at {} Hz are left out", self.sensor, listed(&lines)));
+            }
+        }
+        notes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::phases::phases;
+    use crate::rest_noise::{LowPass, RestNoise};
+    use dpn_core::random::Stream;
+    use dpn_core::{ImuRecording, ImuSample, Stamp};
+    use rand::Rng;
+    use rand_distr::StandardNormal;
+    use std::f64::consts::{PI, SQRT_2};
+
+    /// White noise of 1 a sample behind two poles at 42 Hz of 200 Hz.
+    fn behind_42_hz(axis: u64, count: usize) -> Vec<f64> {
+        let mut rng = Stream::new(5).named("low-pass").index(axis).rng();
+        let k = (PI * 42.0 / 200.0).tan();
+        let g = 1.0 / (1.0 + k * SQRT_2 + k * k);
+        let (mut x, mut y) = ([0.0; 2], [0.0; 2]);
+        let mut next = || {
+            let now: f64 = rng.sample(StandardNormal);
+            let out = g
+                * (k * k * (now + 2.0 * x[0] + x[1])
+                    - 2.0 * (k * k - 1.0) * y[0]
+                    - (1.0 - k * SQRT_2 + k * k) * y[1]);
+            (x, y) = ([now, x[0]], [out, y[0]]);
+            out
+        };
+        (0..count + 200).map(|_| next()).skip(200).collect()
+    }
+
+    /// At 200 Hz; accelerometer .05, gyroscope .004 a sample before the filter, the accelerometer's values on `rows` rows each.
+    fn log(seconds: usize, rows: usize) -> ImuRecording {
+        let axes: Vec<Vec<f64>> = (0..6).map(|axis| behind_42_hz(axis, 200 * seconds)).collect();
+        let sample = |i: usize| ImuSample {
+            t: Stamp::from_ns(i as i64 * 5_000_000),
+            accel: [0, 1, 2].map(|axis| 0.05 * axes[axis][i / rows] + if axis == 2 { 9.8 } else { 0.0 }),
+            gyro: [3, 4, 5].map(|axis| 0.004 * axes[axis][i]),
+        };
+        ImuRecording::new((0..200 * seconds).map(sample).collect()).unwrap()
+    }
+
+    fn found(log: &ImuRecording) -> RestNoise {
+        RestNoise::of(log, &phases(log).unwrap()).unwrap().unwrap()
+    }
+
+    #[test]
+    fn the_density_below_a_low_pass_is_found_with_its_corner() {
+        let found = found(&log(40, 1));
+        for (sensor, sigma) in found.sensors.iter().zip([0.05, 0.004]) {
+            let truth = sigma / 200.0_f64.sqrt();
+            for axis in sensor.axes.iter().flatten() {
+                let density = axis.density.unwrap();
+                assert!(
+                    (density.low..density.high).contains(&truth)
+                        || (density.value / truth - 1.0).abs() < 0.06,
+                    "{axis:?}"
+                );
+                assert!(density.width() < 1.2, "{density:?}");
+                let filter = axis.filter.unwrap();
+                assert!(matches!(filter.low_pass, LowPass::SecondOrder { .. }), "{filter:?}");
+                assert!((filter.corner_hz.value / 42.0 - 1.0).abs() < 0.05, "{filter:?}");
+            }
+        }
+        let page = found.page();
+        assert!(page.contains("behind a low pass, 2nd order, corner 4"), "{page}");
+        assert_eq!(found.findings().len(), 2);
+    }
+
+    #[test]
+    fn values_held_on_several_rows_count_once() {
+        let found = found(&log(40, 2));
+        let held = found.sensors[0].held.unwrap();
+        assert!((held.values_hz - 100.0).abs() < 0.1 && found.sensors[1].held.is_none(), "{held:?}");
+        // 100 values a second of the same deviation: the density is larger by the square root of two.
+        let density = found.sensors[0].axes[0].as_ref().unwrap().density.unwrap();
+        assert!((density.value / (0.05 / 10.0) - 1.0).abs() < 0.1, "{density:?}");
+        assert!(found.findings().iter().any(|f| f.about == "held"));
+    }
+
+    #[test]
+    fn a_second_of_rest_says_nothing() {
+        let log = log(3, 1);
+        assert_eq!(RestNoise::of(&log, &phases(&log).unwrap()).unwrap(), None);
+    }
+}
