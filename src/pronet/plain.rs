@@ -120,6 +120,7 @@ fn prepare(config: &ProNetConfig, windows: Tensor<2>) -> Tensor<3> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::NormAxes;
     use crate::init::initial_parameters;
     use crate::trainable::Trainable;
     use burn::tensor::Device;
