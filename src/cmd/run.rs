@@ -270,7 +270,7 @@ fn words(report: &Report, done: &JudgedRun, simulated: bool) -> String {
     if let Some(learned) = &report.learned {
         let three = |[x, y, z]: [f64; 3]| format!("{x:.2} {y:.2} {z:.2}");
         let text = format!(
-            "accelerometer {}, gyroscope {}, walks {:.2} and {:.2}, pixels {:.2} times what was told, at the end",
+            "accelerometer {}, gyroscope {}, walks {:.2} and {:.2}, pixels {:.2} times what was given, at the end",
             three(learned.accel),
             three(learned.gyro),
             learned.accel_walk,
@@ -280,7 +280,7 @@ fn words(report: &Report, done: &JudgedRun, simulated: bool) -> String {
         line("learned:", text);
     }
     if let Some(whitened) = row.whitened {
-        line("whitened IMU:", format!("{whitened:.2} (1 where the noise told is the noise there is)"));
+        line("whitened IMU:", format!("{whitened:.2} (1 where the noise given is the noise there is)"));
     }
     let iterations = row.iterations.map_or_else(|| "-".into(), |i| format!("{i:.1}"));
     line("iterations:", format!("{iterations} a frame, {} outliers in all", row.outliers));

@@ -329,7 +329,7 @@ fn what_was_learned_is_in_the_report_the_states_the_noise_and_the_picture() {
     let accel = |at: usize| noise.noises()[at].of(dpn_core::Sensor::Accel)[0];
     assert!(accel(0) != accel(noise.noises().len() - 1), "a noise that was learned is no constant");
     let drawn = std::fs::read_to_string(pictures.join("timeline.csv")).unwrap();
-    assert!(drawn.contains("learned, times what is told") && drawn.contains("pixels"));
+    assert!(drawn.contains("estimated, times what is given") && drawn.contains("pixels"));
 }
 
 #[test]
