@@ -68,4 +68,4 @@ for finding in dpn.check(log)["findings"][:6]:
 
 # %%
 effective = track.summary["effective"]
-print(effective["pasted"][0]["text"] if effective else "the log never moves: see dpn.allan(log, all=True)")
+print(effective["pasted"][0]["text"] if effective and effective["pasted"] else "nothing to paste: see dpn.allan(log, all=True)")

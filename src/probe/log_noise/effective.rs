@@ -261,9 +261,10 @@ fn between(
     })?;
     let motion = MOTION_HZ.min(0.25 * rate.hz());
     let all = axes.into_iter().filter_map(|averaging| averaging.spectrum(rate));
-    let found = all.filter_map(|spectrum| fall::between(&spectrum, motion));
-    let loudest = found.reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]);
-    Ok(loudest.map(|of| of.map(|density| (0.5 * density).sqrt())))
+    let found: Vec<[f64; 2]> = all.filter_map(|spectrum| fall::between(&spectrum, motion)).collect();
+    // A low pass is on all axes; what shakes, on one more than on the others.
+    let loudest = found.iter().copied().reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]);
+    Ok(loudest.filter(|_| found.len() == 3).map(|of| of.map(|density| (0.5 * density).sqrt())))
 }
 
 /// White noises over the pasted span; none where one is no noise.

@@ -25,3 +25,45 @@ pub(super) fn between(spectrum: &Spectrum, motion_hz: f64) -> Option<[f64; 2]> {
     let slow = level(SLOW[0], SLOW[1].min(motion_hz))?;
     (low > FALLS * high).then(|| [low, slow.max(low)])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::between;
+    use dpn_core::SampleRate;
+    use dpn_core::random::Stream;
+    use dpn_core::signal::{Spectrum, Welch};
+    use rand::Rng;
+    use rand_distr::StandardNormal;
+    use std::f64::consts::{PI, SQRT_2, TAU};
+
+    /// White noise of 1 a sample behind two poles at `corner` of 200 Hz, with slow motion and a rotor.
+    fn spectrum(corner: Option<f64>, rotor: f64) -> Spectrum {
+        let mut rng = Stream::new(6).named("fall").rng();
+        let k = (PI * corner.unwrap_or(50.0) / 200.0).tan();
+        let g = 1.0 / (1.0 + k * SQRT_2 + k * k);
+        let (mut x, mut y) = ([0.0; 2], [0.0; 2]);
+        let signal: Vec<f64> = (0..12_000)
+            .map(|i| {
+                let now: f64 = rng.sample(StandardNormal);
+                let a = [2.0 * (k * k - 1.0) * g, (1.0 - k * SQRT_2 + k * k) * g];
+                let out = g * k * k * (now + 2.0 * x[0] + x[1]) - a[0] * y[0] - a[1] * y[1];
+                (x, y) = ([now, x[0]], [out, y[0]]);
+                let t = f64::from(i) / 200.0;
+                let noise = if corner.is_some() { out } else { now };
+                noise + 20.0 * (TAU * 0.7 * t).sin() + rotor * (TAU * (41.0 + (0.5 * t).sin()) * t).sin()
+            })
+            .collect();
+        Welch::new(66).unwrap().spectrum(&signal, SampleRate::HZ_200).unwrap()
+    }
+
+    #[test]
+    fn a_low_pass_falls_and_neither_motion_nor_a_rotor_does() {
+        assert_eq!(between(&spectrum(None, 0.0), 35.0), None);
+        assert_eq!(between(&spectrum(None, 2.0), 35.0), None);
+        for corner in [20.0, 42.0] {
+            let [low, high] = between(&spectrum(Some(corner), 0.0), 35.0).unwrap();
+            // One-sided: 1 a sample is .01.
+            assert!(low < 0.0101 && high > 0.0085, "{corner}: {low} {high}");
+        }
+    }
+}
