@@ -50,7 +50,9 @@ mod tests {
                 (x, y) = ([now, x[0]], [out, y[0]]);
                 let t = f64::from(i) / 200.0;
                 let noise = if corner.is_some() { out } else { now };
-                noise + 20.0 * (TAU * 0.7 * t).sin() + rotor * (TAU * (41.0 + (0.5 * t).sin()) * t).sin()
+                noise
+                    + 20.0 * (TAU * 0.7 * t).sin()
+                    + rotor * (TAU * (41.0 * t + 2.0 * (0.5 * t).sin())).sin()
             })
             .collect();
         Welch::new(66).unwrap().spectrum(&signal, SampleRate::HZ_200).unwrap()
