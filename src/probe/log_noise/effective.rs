@@ -247,8 +247,7 @@ fn between(
     counts: &dyn Fn(&[ImuSample]) -> bool,
 ) -> io::Result<Option<[f64; 2]>> {
     let rate = recording.rate();
-    let segment = (second / 3).max(16);
-    let Ok(welch) = Welch::new(segment) else { return Ok(None) };
+    let Ok(welch) = Welch::new(second) else { return Ok(None) };
     let mut axes = [(); 3].map(|()| welch.averaging());
     let mut signal = Vec::with_capacity(second);
     recording.pieces(range, second, &mut |second| {

@@ -8,8 +8,8 @@ use dpn_core::signal::stats::quantile;
 const FALLS: f64 = 5.0;
 /// What stands out of a band as vibration does is none of its level.
 const LEVEL: f64 = 0.25;
-/// Between these \[Hz\] motion is least of all that a low pass lets through.
-const SLOW: [f64; 2] = [5.0, 35.0];
+/// Between these \[Hz\] the density is with motion in it, and below the corner of what IMUs have: no noise is louder.
+const SLOW: [f64; 2] = [4.0, 10.0];
 
 /// Densities that the noise lies between \[unit^2 / Hz\], where the spectrum falls above `motion_hz`.
 pub(super) fn between(spectrum: &Spectrum, motion_hz: f64) -> Option<[f64; 2]> {
@@ -22,7 +22,7 @@ pub(super) fn between(spectrum: &Spectrum, motion_hz: f64) -> Option<[f64; 2]> {
     };
     let low = level(motion_hz, motion_hz + 0.2 * nyquist)?;
     let high = level(0.75 * nyquist, 0.95 * nyquist)?;
-    let slow = level(SLOW[0], SLOW[1].min(motion_hz))?;
+    let slow = level(SLOW[0], SLOW[1])?;
     (low > FALLS * high).then(|| [low, slow.max(low)])
 }
 
@@ -55,7 +55,7 @@ mod tests {
                     + rotor * (TAU * (41.0 * t + 2.0 * (0.5 * t).sin())).sin()
             })
             .collect();
-        Welch::new(66).unwrap().spectrum(&signal, SampleRate::HZ_200).unwrap()
+        Welch::new(200).unwrap().spectrum(&signal, SampleRate::HZ_200).unwrap()
     }
 
     #[test]

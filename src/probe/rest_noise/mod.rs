@@ -23,6 +23,8 @@ use stretch::Rows;
 
 /// The shortest rest that is looked at \[s\].
 const LEAST_S: f64 = 4.0;
+/// Corners that differ by less are one filter's.
+const ALIKE: f64 = 1.3;
 /// Values that tell a converter's step.
 const TELLING: usize = 20_000;
 
@@ -44,11 +46,18 @@ impl SensorNoise {
         Some([all.next()??, all.next()??, all.next()??])
     }
 
-    /// What stands between the noise of an axis and the log, where anything does: its low pass, or where that one does not show it another axis', and values that
-    /// are held; `rows` is the log's rate.
+    /// The low pass that all its axes show alike: one is a sensor's, and what falls on one axis alone is what shakes it.
+    pub fn filter(&self) -> Option<Filter> {
+        let mut filters = self.axes.iter().flatten().map(|axis| axis.filter).collect::<Option<Vec<_>>>()?;
+        filters.sort_by(|a, b| a.corner_hz.value.total_cmp(&b.corner_hz.value));
+        let (first, last) = (filters.first()?, filters.last()?);
+        let alike = filters.iter().all(|f| f.low_pass.order() == first.low_pass.order());
+        (alike && last.corner_hz.value < ALIKE * first.corner_hz.value).then(|| filters[filters.len() / 2])
+    }
+
+    /// What stands between the noise of an axis and the log, where anything does: a low pass, and values that are held; `rows` is the log's rate.
     pub fn shape(&self, axis: usize, rows: SampleRate) -> Option<Shape> {
-        let of = |axis: &Option<AxisNoise>| axis.as_ref().and_then(|axis| axis.filter);
-        let filter = of(&self.axes[axis]).or_else(|| self.axes.iter().find_map(of));
+        let filter = self.filter();
         if filter.is_none() && self.held.is_none() {
             return None;
         }

@@ -62,15 +62,13 @@ impl SensorNoise {
     }
 
     fn filter_words(&self) -> Option<String> {
-        let filters: Vec<_> = self.axes.iter().flatten().filter_map(|axis| axis.filter).collect();
-        let filter = filters.first()?;
-        let same = filters.iter().filter(|f| f.low_pass.order() == filter.low_pass.order()).count();
+        let filter = self.filter()?;
         let Interval { value, low, high } = filter.corner_hz;
         let what = match filter.low_pass {
             LowPass::MovingMean { samples } => format!("a moving mean of {samples} samples"),
             other => format!("a low pass, {other}, corner {value:.1} Hz ({low:.1} to {high:.1})"),
         };
-        Some(format!("{}: behind {what}, on {same} of 3 axes", self.sensor))
+        Some(format!("{}: behind {what}, on all axes", self.sensor))
     }
 
     /// Its held values, low pass and lines; a line each.
