@@ -44,6 +44,7 @@ impl KalibrCamera {
     }
 
     /// The one that has this lens.
+    #[cfg(feature = "images")]
     pub(crate) fn of(lens: Distortion) -> &'static Self {
         ALL.iter().find(|camera| camera.lens == Some(lens)).unwrap_or(&ALL[0])
     }

@@ -135,8 +135,18 @@ function showNoise({ json, picture }) {
   });
   const rows = summary.phases.flatMap((p) => p.axes.map((a) => [p.phase ? PHASES[p.phase] : "whole log", `${a.sensor} ${a.axis}, ${UNITS[a.sensor]}`, a.sigma.low, a.sigma.middle, a.sigma.high]));
   out.push(el("h3", {}, "Quantiles"), table("Deviation of one sample by phase", ["when", "axis", "a twentieth below", "median", "a twentieth above"], rows, "noise-quantiles"));
+  if (noise.rest) {
+    const densities = noise.rest.sensors.flatMap((of) => of.axes.map((axis, a) => [of, axis, AXES[a][0]]).filter(([, axis]) => axis?.density));
+    const cells = densities.map(([of, { density }, name]) => [`${of.sensor} ${name}, ${UNITS[of.sensor]}/sqrt(Hz)`, density.value, density.low, density.high]);
+    if (cells.length) out.push(el("h3", {}, "At rest"), table("Density of the white noise by the spectrum, with its 95 % interval", ["axis", "density", "low", "high"], cells, "rest-densities"));
+  }
+  for (const { sensor, between } of noise.effective?.hidden ?? []) {
+    const [low, high] = between.map(short);
+    out.push(el("p", {}, el("span", { class: "weight warning" }, "warning "), `In motion the white noise of the ${SENSORS[sensor].toLowerCase()} is not known: its spectrum falls as behind a low pass, so that the density lies between ${low} and ${high} ${UNITS[sensor]}/sqrt(Hz). Ten seconds at rest in the log show the low pass.`));
+  }
   $("noise").replaceChildren(...out);
-  results.moving = noise.effective ? [...noise.effective.pasted, ...drawn.formats] : null;
+  const formats = noise.effective ? [...noise.effective.pasted, ...drawn.formats] : [];
+  results.moving = formats.length ? formats : null;
   showPaste();
   const check = drawn.check;
   if (check) showConfig(`${last.config?.name || "It"}, read as ${check.format}, against this log (${check.levels})`, check.findings, [check.walks_by, ...check.remarks]);
@@ -171,7 +181,7 @@ function showNoAllan({ text }) {
 let format = "kalibr";
 function showPaste() {
   const source = results.rest || (results.moving && { formats: results.moving });
-  if (!source) { $("paste").replaceChildren(el("p", {}, "This log neither rests long enough nor moves: there is nothing to paste from it.")); return; }
+  if (!source) { $("paste").replaceChildren(el("p", {}, "This log neither rests long enough nor shows its noise in motion: there is nothing to paste from it.")); return; }
   const chosen = source.formats.find((f) => f.format === format) || source.formats[0];
   const names = el("p", { class: "formats" }, ...source.formats.map((f) => el("button", { "aria-pressed": String(f === chosen), onclick: () => { format = f.format; showPaste(); } }, f.format)));
   const why = results.rest ? `From the Allan deviation at rest. ${source.advice}` : "From this log in motion, vibration included: it does not rest long enough for an Allan deviation.";

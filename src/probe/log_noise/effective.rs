@@ -263,7 +263,12 @@ fn between(
     let found: Vec<[f64; 2]> = all.filter_map(|spectrum| fall::between(&spectrum, motion)).collect();
     // A low pass is on all axes; what shakes, on one more than on the others.
     let loudest = found.iter().copied().reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]);
-    Ok(loudest.filter(|_| found.len() == 3).map(|of| of.map(|density| (0.5 * density).sqrt())))
+    // A bound has no more digits than these.
+    let short = |density: f64| {
+        let text = format!("{:.2e}", (0.5 * density).sqrt());
+        text.parse().expect("Rust reads its own numbers")
+    };
+    Ok(loudest.filter(|_| found.len() == 3).map(|of| of.map(short)))
 }
 
 /// White noises over the pasted span; none where one is no noise.
