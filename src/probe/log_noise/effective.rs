@@ -7,7 +7,7 @@ use super::fall;
 use super::report::two;
 use crate::allan::report::PASTED;
 use crate::phases::{Phase, Stretch, phase_at};
-use crate::rest_noise::RestNoise;
+use crate::rest_noise::{RestNoise, Shape};
 use crate::text::aligned;
 use dpn_core::estimate::{Effective, EffectiveStream, MOTION_HZ};
 use dpn_core::noise::{Axes, Figure, ImuFigures, Meaning};
@@ -121,14 +121,22 @@ impl EffectiveNoise {
             return Ok(None);
         }
         let mut spans = Vec::new();
-        let mut growth_hidden = [false; 2];
+        let shape = |sensor: Sensor, axis: usize| rest.and_then(|rest| rest.sensor(sensor).shape(axis, rate));
+        let behind = |effective: Effective, shape: Shape| {
+            effective.behind(|hz| shape.gain(hz), 2.0 * shape.density.powi(2))
+        };
+        // What a low pass leaves to tell by is the same for every span.
+        let hides = |shape: Shape| {
+            Effective::sum(1.0, rate).is_ok_and(|effective| !behind(effective, shape).tells_growth())
+        };
+        let growth_hidden =
+            Sensor::ALL.map(|sensor| (0..3).any(|axis| shape(sensor, axis).is_some_and(hides)));
         let mut row = |sensor: Sensor, of: Increment, span_s: f64, plain: &dyn Fn() -> Option<Effective>| {
             let mut axes = Vec::with_capacity(3);
             for axis in 0..3 {
                 let Some(mut effective) = plain() else { return Ok::<_, io::Error>(()) };
-                if let Some(shape) = rest.and_then(|rest| rest.sensor(sensor).shape(axis, rate)) {
-                    effective = effective.behind(|hz| shape.gain(hz), 2.0 * shape.density.powi(2));
-                    growth_hidden[usize::from(sensor == Sensor::Gyro)] |= !effective.tells_growth();
+                if let Some(shape) = shape(sensor, axis) {
+                    effective = behind(effective, shape);
                 }
                 axes.push((EffectiveStream::new(Arc::new(effective)), Vec::new()));
             }
@@ -172,8 +180,7 @@ impl EffectiveNoise {
         }
         let mut hidden = Vec::new();
         for sensor in Sensor::ALL {
-            let known =
-                rest.is_some_and(|rest| (0..3).any(|axis| rest.sensor(sensor).shape(axis, rate).is_some()));
+            let known = (0..3).any(|axis| shape(sensor, axis).is_some());
             if phase.is_none() || known {
                 continue;
             }

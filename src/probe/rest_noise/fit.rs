@@ -82,7 +82,7 @@ impl Model<'_> {
             for (j, part) in parts.iter().enumerate() {
                 of[j] = part / density;
             }
-            for j in CORNER..CORNER + self.low_pass.parameters() {
+            for j in CORNER..CORNER + self.low_pass.order() {
                 let moved = |by: f64| {
                     let mut at = *at;
                     at[j] += by;
@@ -94,7 +94,7 @@ impl Model<'_> {
             gradient += of * band.weight * (1.0 - band.density / density);
             information.ger(band.weight, &of, &of, 1.0);
         }
-        if self.low_pass.parameters() == 2 {
+        if self.low_pass.order() == 2 {
             let off = (at[QUALITY] - BUTTERWORTH.ln()) / APART;
             cost += 0.5 * off * off;
             gradient[QUALITY] += off / APART;
@@ -176,7 +176,7 @@ pub(super) fn fit(periodogram: &Periodogram, rate: SampleRate, low_pass: LowPass
     let level = of(f64::INFINITY, 0.0).filter(|level| *level > 0.0)?;
     let least = [1e-9 * level, 1e-7 * level * first.hz, 1e-7 * level * first.hz.powi(2), 1e-12 * level];
     let model = Model { periodogram, rate, low_pass, least: least.map(f64::ln) };
-    let corners: Vec<f64> = if low_pass.parameters() == 0 {
+    let corners: Vec<f64> = if low_pass.order() == 0 {
         vec![last.hz]
     } else {
         let lowest = (20.0 * first.hz).max(last.hz / 80.0);
@@ -201,7 +201,7 @@ pub(super) fn fit(periodogram: &Periodogram, rate: SampleRate, low_pass: LowPass
     let fitted = |j: usize| match j {
         3 if low_pass == LowPass::None => false,
         0..AMPLITUDES => at[j] > model.least[j] + 1e-9,
-        _ => j < CORNER + low_pass.parameters(),
+        _ => j < CORNER + low_pass.order(),
     };
     for j in 0..ALL {
         pinned[(j, j)] += if fitted(j) { 1e-4 } else { 1e12 };
@@ -222,7 +222,7 @@ pub(super) fn fit(periodogram: &Periodogram, rate: SampleRate, low_pass: LowPass
             seen += band.weight * ((parts[0] + parts[3]) / density).powi(2);
         }
     }
-    let parameters = 3 + usize::from(low_pass != LowPass::None) + low_pass.parameters();
+    let parameters = 3 + usize::from(low_pass != LowPass::None) + low_pass.order();
     Some(Fit {
         low_pass,
         plateau,

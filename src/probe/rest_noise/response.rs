@@ -54,18 +54,13 @@ impl LowPass {
         all
     }
 
-    /// Parameters: the corner, and for two poles the quality.
-    pub(super) fn parameters(self) -> usize {
+    /// Poles, 0 of what has none. It has as many parameters: the corner, and for two poles the quality.
+    pub fn order(self) -> usize {
         match self {
             Self::None | Self::MovingMean { .. } => 0,
             Self::FirstOrder { .. } => 1,
             Self::SecondOrder { .. } => 2,
         }
-    }
-
-    /// Poles; 0 of what has none.
-    pub fn order(self) -> usize {
-        self.parameters()
     }
 
     /// The highest corner that a log of this rate shows anything of \[Hz\].
