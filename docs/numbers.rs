@@ -13,6 +13,7 @@
 //! | `open/SENSOR/BASE/QUANTITY` | the open loop, the network's `rmse`, its `spread` over so many `seeds`; `simple` and `regressor`, the best of its kind with its name; the `bound` |
 //! | `fleet/NOISE/QUANTITY` | all platforms: `score`, the error over that of each platform's best constant; `worst`; both in per cent as `less` and `more`; against the constant that is best elsewhere `ratio`, `better`, and in per cent `less-than-single` |
 //! | `fleet/PLATFORM/NOISE/QUANTITY` | one platform: `ate` \[m\] and `score`, of the noise `best` with the constant's name |
+//! | `vins/NOISE/QUANTITY` | VINS-Mono with that noise: `ate` \[m\]; of the noise `learned` the `ratio` to its usual constants, and `better` on how many sequences; of the noise `walks` the ATE `with` and `without` walks pasted |
 //! | `bench/NAME/UNIT` | median time of a bench in `us` or `ms` |
 
 use crate::{at, read};
@@ -228,6 +229,23 @@ fn of_platform(platform: &str, noise: &str, quantity: &str) -> String {
     }
 }
 
+fn of_vins(noise: &str, quantity: &str) -> String {
+    let results = json("vins_mono");
+    let get = |value: &Value| value.as_f64().unwrap_or_else(|| panic!("{noise}: no {quantity}"));
+    if noise == "walks" {
+        return metres(get(&results["walks_pasted_too"][format!("ate_{quantity}")]));
+    }
+    let line = named(&results["noises"], "noise", noise);
+    match quantity {
+        "ate" => metres(get(&line["ate"])),
+        "ratio" => {
+            with_interval([&line["ratio"], &line["ratio_interval"][0], &line["ratio_interval"][1]].map(get))
+        }
+        "better" => format!("{} of {}", line["better"], line["sequences"]),
+        _ => panic!("{quantity}: no such quantity"),
+    }
+}
+
 /// What a key stands for.
 fn value(key: &str) -> String {
     let parts: Vec<&str> = key.split('/').collect();
@@ -249,6 +267,7 @@ fn value(key: &str) -> String {
         ["open", sensor, base, quantity] => open_loop(sensor, base, quantity),
         ["fleet", noise, quantity] => of_fleet(noise, quantity),
         ["fleet", platform, noise, quantity] => of_platform(platform, noise, quantity),
+        ["vins", noise, quantity] => of_vins(noise, quantity),
         ["bench", name, unit] => {
             let ms = json("benches")[name]["median_ms"].as_f64().unwrap_or_else(|| panic!("no bench {name}"));
             let value = if unit == "us" { 1e3 * ms } else { ms };

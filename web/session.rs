@@ -125,7 +125,7 @@ impl Session {
         let mut picture = picture::of(&along, self.recording.span()[0])?;
         picture["formats"] = along.effective.as_ref().map_or_else(
             || serde_json::json!([]),
-            |effective| serde_json::json!(effective.in_formats(&MORE)),
+            |effective| serde_json::json!(effective.paste.written(&MORE)),
         );
         picture["note"] = serde_json::json!(note);
         picture["start_ns"] = serde_json::json!(self.recording.span()[0].ns().to_string());

@@ -7,6 +7,7 @@ use super::frame_log::{FrameLog, SeenFrame};
 use super::gravity::gravity_warning;
 use super::image_report::{ImageEvent, ImageReport};
 use super::judge::{RunInfo, judge, noise_rms};
+use super::learned::{LearnedLevels, LearnedNoise};
 use super::recording::{Recording, Span};
 use super::row::{Row, TruthKind};
 use super::tracking::CameraInput;
@@ -16,7 +17,6 @@ use dpn_core::estimate::NoiseSpec;
 use dpn_core::{NoiseTrack, Stamp, TrackFrame};
 use dpn_pronet::network::Network;
 use dpn_vio::EstimatorConfig;
-use dpn_vio::components::Levels;
 use dpn_vio::diagnosis::{Axes, TrackHealth};
 use dpn_vio::estimator::{BiasJump, FrontEndObserver, Phase};
 use serde::Serialize;
@@ -82,31 +82,11 @@ pub struct Report {
     /// By what the noise told is multiplied at the end, where that is learned.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub learned: Option<LearnedLevels>,
+    /// The same as figures of the IMU, over the run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub learned_noise: Option<LearnedNoise>,
     /// Root mean square of the noise in force: accelerometer x, y, z \[m/s^2\], gyroscope x, y, z \[rad/s\].
     pub noise_rms: [[f64; 3]; 2],
-}
-
-/// Factors on the deviations told: of the samples by axis, of the biases' walks, of the pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct LearnedLevels {
-    /// Accelerometer x, y, z.
-    pub accel: [f64; 3],
-    /// Gyroscope x, y, z.
-    pub gyro: [f64; 3],
-    /// The walk of the accelerometer's bias.
-    pub accel_walk: f64,
-    /// The walk of the gyroscope's bias.
-    pub gyro_walk: f64,
-    /// The pixels.
-    pub pixel: f64,
-}
-
-impl LearnedLevels {
-    /// Those in force.
-    pub fn of(levels: &Levels) -> Self {
-        let [ax, ay, az, gx, gy, gz, accel_walk, gyro_walk] = levels.inertial.0;
-        Self { accel: [ax, ay, az], gyro: [gx, gy, gz], accel_walk, gyro_walk, pixel: levels.pixel }
-    }
 }
 
 /// Who looks on.
@@ -126,7 +106,7 @@ pub fn watched_run(
     config: &EstimatorConfig,
     recording: &Recording,
     camera: CameraInput<'_>,
-    noise: &NoiseSpec,
+    spec: &NoiseSpec,
     info: RunInfo,
     networks: &[Network],
     Watchers { images: observer, updates: watch }: Watchers<'_>,
@@ -135,10 +115,10 @@ pub fn watched_run(
     let sources = Fresh { recorded, networks };
     let mut log = FrameLog::new(recording);
     let (output, noise, images) = match camera {
-        CameraInput::Images(images) if noise.learned_before().is_none() => {
+        CameraInput::Images(images) if spec.learned_before().is_none() => {
             let stream = noise_stream(recording, info.seed);
-            let config = settings_for(config, noise);
-            let given = crate::noise::track(noise, &recording.imu, &sources, &stream)?;
+            let config = settings_for(config, spec);
+            let given = crate::noise::track(spec, &recording.imu, &sources, &stream)?;
             let mut keep = |frame: &TrackFrame| log.feed(frame);
             let (output, images) =
                 drive_images(&config, recording, images, &given, info.seed, (observer, watch), &mut keep)?;
@@ -152,7 +132,7 @@ pub fn watched_run(
             frames_from(recording, &seen.frames, &seen.span)?.iter().for_each(|frame| log.feed(frame));
             fit(recording, &log)?;
             let (output, in_force) =
-                run_on_tracks(config, recording, &seen, noise, &sources, info.seed, watch)?;
+                run_on_tracks(config, recording, &seen, spec, &sources, info.seed, watch)?;
             (output, in_force, seen.images)
         }
     };
@@ -176,6 +156,7 @@ pub fn watched_run(
         bias_jumps: output.report.jumps.clone(),
         lens_px: output.report.lens_px,
         learned: output.updates.iter().rev().find_map(|u| u.levels.as_deref()).map(LearnedLevels::of),
+        learned_noise: LearnedNoise::of(recording, &settings_for(config, spec), &output, &noise),
         noise_rms: noise_rms(&noise),
     };
     Ok(JudgedRun { report, output, noise, frames })

@@ -15,6 +15,7 @@ mod manual;
 mod noise;
 mod page;
 mod paper;
+mod paste;
 mod run;
 mod simulate;
 mod sweep;
@@ -36,6 +37,7 @@ pub(crate) use manual::{CompletionsArgs, ManualArgs};
 pub(crate) use noise::{ConvertArgs, NoiseArgs, NoiseWhat, RowFormat};
 pub(crate) use page::PageArgs;
 pub(crate) use paper::PaperArgs;
+pub(crate) use paste::PasteArgs;
 pub(crate) use run::RunArgs;
 pub(crate) use simulate::{AlongArgs, FlightArgs, ImagesArgs, SimulateArgs, SimulateWhat, TracksArgs};
 pub(crate) use sweep::{

@@ -1,7 +1,6 @@
 //! `dpn noise`.
 
-use super::HowArgs;
-use super::examples;
+use super::{HowArgs, PasteArgs, examples};
 use clap::{Args, Subcommand};
 use dpn_io::noise_formats::Format;
 use std::path::PathBuf;
@@ -14,7 +13,7 @@ pub(crate) struct NoiseArgs {
     #[command(subcommand)]
     pub(crate) what: Option<NoiseWhat>,
     /// CSV file, rosbag1, MCAP or rosbag2 (file or folder), or folder of an ASL sequence (EuRoC, TUM-VI); a pipe, or - for stdin.
-    #[arg(value_name = "LOG", required_unless_present = "follow", conflicts_with = "follow")]
+    #[arg(value_name = "LOG", required_unless_present_any = ["follow", "learned"], conflicts_with = "follow")]
     pub(crate) log: Option<PathBuf>,
     /// How the log is read.
     #[command(flatten)]
@@ -29,6 +28,12 @@ pub(crate) struct NoiseArgs {
     /// Folder with networks of your own, beside the shipped ones.
     #[arg(long, value_name = "DIR")]
     pub(crate) weights: Option<PathBuf>,
+    /// What these runs of one platform learned (`dpn run --noise self --out RUN`), together; no LOG then.
+    #[arg(long, value_name = "RUN", num_args = 1.., conflicts_with_all = ["log", "follow", "into", "rerun", "check"])]
+    pub(crate) learned: Vec<PathBuf>,
+    /// What is pasted.
+    #[command(flatten)]
+    pub(crate) paste: PasteArgs,
     /// Folder for the track (CSV or JSON lines), the summary (JSON) and the plot (SVG, PNG, CSV).
     #[arg(long, value_name = "DIR", default_value = "runs/noise")]
     pub(crate) out: PathBuf,

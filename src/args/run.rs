@@ -1,6 +1,6 @@
 //! `dpn run`.
 
-use super::{CameraArg, ImageLogArgs, SettingsArgs};
+use super::{CameraArg, ImageLogArgs, PasteArgs, SettingsArgs};
 use clap::Args;
 use dpn_eval::closed_loop::StartAt;
 use dpn_eval::metrics::RpeSpec;
@@ -68,6 +68,9 @@ pub(crate) struct RunArgs {
     /// A frame is drawn every so many seconds; 0 draws every frame handed over.
     #[arg(long, value_name = "SECONDS", default_value_t = 1.0, requires = "draw", value_parser = seconds)]
     pub(crate) draw_every: f64,
+    /// What is pasted of the noise that is learned.
+    #[command(flatten)]
+    pub(crate) paste: PasteArgs,
     /// Print the report as JSON on stdout.
     #[arg(long)]
     pub(crate) json: bool,

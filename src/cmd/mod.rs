@@ -18,6 +18,7 @@ mod follow;
 mod foxglove;
 mod images;
 mod into;
+mod learned;
 mod live;
 mod log;
 mod manual;

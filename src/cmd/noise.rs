@@ -1,6 +1,6 @@
 //! `dpn noise`.
 
-use super::{convert, follow, into, log, rerun, shipped};
+use super::{convert, follow, into, learned, log, rerun, shipped};
 use crate::args::{NoiseArgs, NoiseWhat, RowFormat};
 use crate::ui::{errln, out, outln, print_pictures};
 use anyhow::{Context, Result};
@@ -18,6 +18,9 @@ use std::path::Path;
 pub(crate) fn run(args: &NoiseArgs) -> Result<()> {
     if let Some(NoiseWhat::Convert(args)) = &args.what {
         return convert::run(args);
+    }
+    if !args.learned.is_empty() {
+        return learned::together(&args.learned, &args.paste, &args.out, args.json);
     }
     let networks = networks(args.weights.as_deref())?;
     match &args.log {
@@ -107,7 +110,7 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
         out!("{}", rest.page())?;
     }
     if let Some(effective) = effective {
-        out!("{}", effective.page())?;
+        out!("{}", effective.page(&args.paste.paste.0))?;
     }
     if let (Some(path), Some(source), Some(check)) = (&args.check, &config, check) {
         let (path, format, levels) = (path.display(), source.format, &check.levels);

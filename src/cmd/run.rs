@@ -1,6 +1,6 @@
 //! `dpn run`.
 
-use super::{foxglove, program, rerun, settings, shipped};
+use super::{foxglove, learned, program, rerun, settings, shipped};
 use crate::args::RunArgs;
 use crate::ui::{errln, out, outln, warn};
 use anyhow::Result;
@@ -99,6 +99,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         out!("{}", words(&done.report, &done, simulated))?;
         for spec in &args.rpe {
             outln!("{:<16}{}", "RPE:", relative_words(spec, &report["rpe"]))?;
+        }
+        if let Some(learned) = &done.report.learned_noise {
+            out!("{}", learned::paste(learned, args.paste.walks).page(&args.paste.paste.0))?;
         }
         outln!("files:          {}", out.display())?;
         if let Some(dir) = &args.draw {
@@ -270,11 +273,9 @@ fn words(report: &Report, done: &JudgedRun, simulated: bool) -> String {
     if let Some(learned) = &report.learned {
         let three = |[x, y, z]: [f64; 3]| format!("{x:.2} {y:.2} {z:.2}");
         let text = format!(
-            "accelerometer {}, gyroscope {}, walks {:.2} and {:.2}, pixels {:.2} times what was given, at the end",
+            "accelerometer {}, gyroscope {}, pixels {:.2} times what was given, at the end",
             three(learned.accel),
             three(learned.gyro),
-            learned.accel_walk,
-            learned.gyro_walk,
             learned.pixel
         );
         line("learned:", text);

@@ -7,6 +7,8 @@ pub mod doctor;
 mod finding;
 #[cfg(feature = "networks")]
 pub mod log_noise;
+#[cfg(feature = "formats")]
+pub mod paste;
 pub mod phases;
 pub mod rest_noise;
 mod text;

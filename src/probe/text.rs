@@ -22,6 +22,12 @@ pub(crate) fn listed(items: &[String]) -> String {
     }
 }
 
+/// Three significant digits.
+#[cfg(feature = "formats")]
+pub(crate) fn three(value: f64) -> String {
+    format!("{value:.2e}")
+}
+
 /// A line a row, each column as wide as its widest cell, two blanks between.
 pub(crate) fn aligned<const N: usize>(rows: &[[String; N]]) -> String {
     let widths: [usize; N] =

@@ -8,6 +8,7 @@
 
 mod figures;
 mod imu_noise;
+mod interval;
 mod meaning;
 mod model;
 mod track;
@@ -15,6 +16,7 @@ pub mod units;
 
 pub use figures::{Axes, Figure, ImuFigures};
 pub use imu_noise::ImuNoise;
+pub use interval::Interval;
 pub use meaning::Meaning;
 pub use model::{Constant, NoiseModel};
 pub use track::{NoiseTrack, TrackError};

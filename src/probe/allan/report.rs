@@ -3,7 +3,7 @@
 use super::compare::FigureCheck;
 use super::log::AllanLog;
 use super::model::Coefficient;
-use crate::text::{aligned, instrument, listed};
+use crate::text::{aligned, instrument, listed, three};
 use dpn_core::Sensor;
 use dpn_core::noise::Meaning;
 use dpn_core::noise::{Axes, Figure};
@@ -178,11 +178,6 @@ fn humps(log: &AllanLog) -> String {
 /// `at about 18.6 Hz`, `about every 640 s`.
 fn swing(hz: f64) -> String {
     if hz >= 0.1 { format!("at about {hz:.1} Hz") } else { format!("about every {:.0} s", 1.0 / hz) }
-}
-
-/// Three significant digits.
-fn three(value: f64) -> String {
-    format!("{value:.2e}")
 }
 
 /// `45 s`, `12 min`, `2.8 h`.

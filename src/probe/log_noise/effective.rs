@@ -4,21 +4,17 @@
 //! ([`Effective`](dpn_core::estimate::Effective)). Medians over the seconds in motion, else of motors on, else of all.
 
 use super::fall;
-use super::report::two;
 use crate::allan::report::PASTED;
+use crate::paste::{FigureLine, Paste};
 use crate::phases::{Phase, Stretch, phase_at};
 use crate::rest_noise::{RestNoise, Shape};
-use crate::text::aligned;
 use dpn_core::estimate::{Effective, EffectiveStream, MOTION_HZ};
-use dpn_core::noise::{Axes, Figure, ImuFigures, Meaning};
-use dpn_core::signal::Welch;
+use dpn_core::noise::{Figure, Interval};
 use dpn_core::signal::stats::median;
-use dpn_core::{ImuSample, Recorded, SampleRate, Sensor};
-use dpn_io::noise_formats::{Format, Written, write};
+use dpn_core::{ImuSample, Recorded, Sensor};
+use dpn_io::noise_formats::{Format, Written};
 use serde::Serialize;
-use std::fmt::Write;
 use std::io;
-use std::ops::Range;
 use std::sync::Arc;
 
 /// Spans \[s\] from a fast camera's interval to that between key frames.
@@ -64,11 +60,8 @@ pub struct EffectiveNoise {
     pub hidden: Vec<Hidden>,
     /// Accelerometer, gyroscope: whether a low pass hides by how much the sensor's own noise grows in motion.
     pub growth_hidden: [bool; 2],
-    /// The figures that are pasted.
-    #[serde(skip)]
-    figures: ImuFigures,
-    /// What they are from, accelerometer and gyroscope.
-    from: [FigureFrom; 2],
+    /// The figures over .1 s as densities, where each comes from, or why it is not known.
+    pub paste: Paste,
 }
 
 /// A sensor whose spectrum falls above motion, as behind a low pass.
@@ -78,16 +71,6 @@ pub struct Hidden {
     pub sensor: Sensor,
     /// What the density of its loudest axis lies between \[unit / sqrt(Hz)\]: what is seen above motion, and what is seen with motion in it.
     pub between: [f64; 2],
-}
-
-/// Where a figure to paste is from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-enum FigureFrom {
-    /// The spectrum at rest.
-    Rest,
-    /// Sums over [`PASTED_S`].
-    Span,
 }
 
 impl EffectiveNoise {
@@ -120,7 +103,7 @@ impl EffectiveNoise {
         if !any {
             return Ok(None);
         }
-        let mut spans = Vec::new();
+        let (mut spans, mut pasted_spans) = (Vec::new(), [None; 2]);
         let shape = |sensor: Sensor, axis: usize| rest.and_then(|rest| rest.sensor(sensor).shape(axis, rate));
         let behind = |effective: Effective, shape: Shape| {
             effective.behind(|hz| shape.gain(hz), 2.0 * shape.density.powi(2))
@@ -153,7 +136,14 @@ impl EffectiveNoise {
                 }
                 Ok(())
             })?;
-            let sigma = std::array::from_fn(|axis| median(&axes[axis].1));
+            let found: [Interval; 3] = std::array::from_fn(|axis| median_of_seconds(&axes[axis].1));
+            let sigma = found.map(|axis| axis.value);
+            if of == Increment::Sum && span_s == PASTED_S {
+                let density = found.map(|axis| axis.times(rate.period().sqrt()));
+                let is_noise = |axis: &Interval| axis.value > 0.0 && axis.high.is_finite();
+                pasted_spans[usize::from(sensor == Sensor::Gyro)] =
+                    density.iter().all(is_noise).then_some(density);
+            }
             spans.push(SpanNoise { sensor, of, span_s, sigma });
             Ok(())
         };
@@ -167,136 +157,68 @@ impl EffectiveNoise {
                 }
             }
         }
-        let Some(mut figures) = over_span(&spans, rate) else { return Ok(None) };
-        let mut from = [FigureFrom::Span; 2];
-        // What never moves has its noise from all of the spectrum.
-        if let (None, Some(rest)) = (phase, rest) {
-            for (sensor, from) in Sensor::ALL.into_iter().zip(&mut from) {
-                let Some(densities) = rest.sensor(sensor).densities() else { continue };
-                if figures.set(Figure::white(sensor), Meaning::Density, Axes::Each(densities), rate).is_ok() {
-                    *from = FigureFrom::Rest;
-                }
-            }
-        }
-        let mut hidden = Vec::new();
-        for sensor in Sensor::ALL {
+        let mut hidden: Vec<Hidden> = Vec::new();
+        let mut lines = Vec::new();
+        for (i, sensor) in Sensor::ALL.into_iter().enumerate() {
             let known = (0..3).any(|axis| shape(sensor, axis).is_some());
-            if phase.is_none() || known {
-                continue;
+            if phase.is_some() && !known {
+                let between = fall::hidden(recording, sensor, whole.clone(), second, &counts)?;
+                hidden.extend(between.map(|between| Hidden { sensor, between }));
             }
-            if let Some(between) = self::between(recording, sensor, whole.clone(), second, &counts)? {
-                hidden.push(Hidden { sensor, between });
-                match sensor {
-                    Sensor::Accel => figures.accel_white = None,
-                    Sensor::Gyro => figures.gyro_white = None,
-                }
-            }
+            // What never moves has its noise from all of the spectrum.
+            let rest = rest.filter(|_| phase.is_none()).and_then(|rest| rest.sensor(sensor).densities());
+            let hides = phase.is_some() && growth_hidden[i];
+            lines.extend(line(
+                sensor,
+                pasted_spans[i],
+                (rest, hidden.iter().find(|h| h.sensor == sensor), hides),
+            ));
         }
-        let pasted = written(&figures, from, &PASTED);
-        Ok(Some(Self { phase, spans, pasted, hidden, growth_hidden, figures, from }))
+        let paste = Paste { rate_hz: rate, lines };
+        let pasted = paste.written(&PASTED);
+        Ok(Some(Self { phase, spans, pasted, hidden, growth_hidden, paste }))
     }
 
-    /// What is pasted, in other formats than those of `pasted`.
-    pub fn in_formats(&self, formats: &[Format]) -> Vec<Written> {
-        written(&self.figures, self.from, formats)
-    }
-
-    /// For people: a table a sensor, then what to paste.
-    pub fn page(&self) -> String {
+    /// For people: the figures to paste, with the lines of `formats`.
+    pub fn page(&self, formats: &[Format]) -> String {
         let when = self.phase.map_or_else(|| "whole log".to_owned(), |phase| phase.to_string());
-        let mut text = String::new();
-        for sensor in Sensor::ALL {
-            let _ = writeln!(
-                text,
-                "\n{sensor} {when}: white noise that errs as much over a span, deviation of one sample [{}]",
-                sensor.unit()
-            );
-            let mut rows = vec![["", "x", "y", "z"].map(str::to_owned)];
-            for row in self.spans.iter().filter(|s| s.sensor == sensor) {
-                let what = match (row.of, sensor) {
-                    (Increment::Sample, _) => "one sample".to_owned(),
-                    (Increment::Sum, Sensor::Gyro) => format!("angle over {} s", row.span_s),
-                    (Increment::Sum, Sensor::Accel) => format!("velocity over {} s", row.span_s),
-                    (Increment::Position, _) => format!("position over {} s", row.span_s),
-                };
-                let [x, y, z] = row.sigma.map(two);
-                rows.push([format!("  {what}"), x, y, z]);
-            }
-            text.push_str(&aligned(&rows));
-            for Hidden { between: [low, high], .. } in self.hidden.iter().filter(|h| h.sensor == sensor) {
-                let _ = writeln!(
-                    text,
-                    "  not known: above {MOTION_HZ:.0} Hz the spectrum falls as behind a low pass, so that the density lies between {low:.1e} and {high:.1e} {}/sqrt(Hz);\n  \
-                     add ten seconds at rest to the log, which show the low pass, or run the odometry (--noise self)",
-                    sensor.unit()
-                );
-            }
-            if self.phase.is_some() && self.growth_hidden[usize::from(sensor == Sensor::Gyro)] {
-                let _ = writeln!(
-                    text,
-                    "  behind this low pass growth in motion is not seen: at least this; a trajectory would tell"
-                );
-            }
-        }
-        for written in &self.pasted {
-            let _ = write!(text, "\n--- {} ---\n{}", written.format, written.text);
-        }
-        text
+        format!("{when}: the white noise that errs as much over {PASTED_S} s\n{}", self.paste.page(formats))
     }
 }
 
-/// What a sensor's density lies between, its loudest axis, where the seconds that count fall as behind a low pass.
-fn between(
-    recording: &dyn Recorded,
+/// A figure to paste, and where it comes from or why it is not known.
+fn line(
     sensor: Sensor,
-    range: Range<usize>,
-    second: usize,
-    counts: &dyn Fn(&[ImuSample]) -> bool,
-) -> io::Result<Option<[f64; 2]>> {
-    let rate = recording.rate();
-    let Ok(welch) = Welch::new(second) else { return Ok(None) };
-    let mut axes = [(); 3].map(|()| welch.averaging());
-    let mut signal = Vec::with_capacity(second);
-    recording.pieces(range, second, &mut |second| {
-        for (axis, averaging) in axes.iter_mut().enumerate().filter(|_| counts(second)) {
-            signal.clear();
-            signal.extend(second.iter().map(|s| s.of(sensor)[axis]));
-            averaging.take(&signal);
-        }
-        Ok(())
-    })?;
-    let motion = MOTION_HZ.min(0.25 * rate.hz());
-    let all = axes.into_iter().filter_map(|averaging| averaging.spectrum(rate));
-    let found: Vec<[f64; 2]> = all.filter_map(|spectrum| fall::between(&spectrum, motion)).collect();
-    // A low pass is on all axes; what shakes, on one more than on the others.
-    let loudest = found.iter().copied().reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]);
-    // A bound has no more digits than these.
-    let short = |density: f64| {
-        let text = format!("{:.2e}", (0.5 * density).sqrt());
-        text.parse().expect("Rust reads its own numbers")
-    };
-    Ok(loudest.filter(|_| found.len() == 3).map(|of| of.map(short)))
-}
-
-/// White noises over the pasted span; none where one is no noise.
-fn over_span(spans: &[SpanNoise], rate: SampleRate) -> Option<ImuFigures> {
-    let mut figures = ImuFigures { rate: Some(rate), ..ImuFigures::default() };
-    for row in spans.iter().filter(|s| s.of == Increment::Sum && s.span_s == PASTED_S) {
-        figures.set(Figure::white(row.sensor), Meaning::SampleStd, Axes::Each(row.sigma), rate).ok()?;
+    span: Option<[Interval; 3]>,
+    (rest, hidden, growth_hidden): (Option<[Interval; 3]>, Option<&Hidden>, bool),
+) -> Option<FigureLine> {
+    let figure = Figure::white(sensor);
+    if let Some(Hidden { between: [low, high], .. }) = hidden {
+        return Some(FigureLine::unknown(
+            figure,
+            format!(
+                "above {MOTION_HZ:.0} Hz the spectrum falls as behind a low pass, so that it lies between {low:.1e} and {high:.1e}; add ten seconds at rest to the log, \
+                 hold it against a trajectory (--against), or run the odometry (dpn run --noise self)"
+            ),
+        ));
     }
-    Some(figures)
+    if let Some(rest) = rest {
+        return Some(FigureLine::known(figure, rest, "at rest, by the spectrum"));
+    }
+    let words = match growth_hidden {
+        true => format!("over {PASTED_S} s; at least this, a low pass hides growth in motion"),
+        false => format!("over {PASTED_S} s, vibration included"),
+    };
+    Some(FigureLine::known(figure, span?, words))
 }
 
-/// Those of `formats` that can be written: a rate too slow for the span leaves nothing to write.
-fn written(figures: &ImuFigures, from: [FigureFrom; 2], formats: &[Format]) -> Vec<Written> {
-    let note = |figure: Figure| {
-        let words = match from[usize::from(figure.sensor() == Sensor::Gyro)] {
-            FigureFrom::Rest => "at rest, by the spectrum".to_owned(),
-            FigureFrom::Span => format!("over {PASTED_S} s, vibration included"),
-        };
-        (!figure.is_walk()).then_some(words)
-    };
-    formats.iter().filter_map(|format| write(figures, *format, note).ok()).collect()
+/// Median of the seconds' deviations, and how well so many seconds know it.
+fn median_of_seconds(sigmas: &[f64]) -> Interval {
+    /// The median's deviation over the mean's, and a normal deviation over the median of distances.
+    const OF_MEDIAN: f64 = 1.2533 * 1.4826;
+    let middle = median(sigmas);
+    let apart: Vec<f64> = sigmas.iter().map(|sigma| (sigma / middle).ln().abs()).collect();
+    Interval::of_log(middle, OF_MEDIAN * median(&apart) / (sigmas.len() as f64).sqrt())
 }
 
 #[cfg(test)]
@@ -337,16 +259,9 @@ mod tests {
             assert!((found / expected - 1.0).abs() < 0.15, "{found} {expected}");
         }
         assert_eq!(noise.pasted.len(), PASTED.len());
-        let more = noise.in_formats(&[Format::Okvis2, Format::Ros]);
+        let more = noise.paste.written(&[Format::Okvis2, Format::Ros]);
         assert_eq!(more.len(), 2);
-        assert!(
-            more.iter().all(|m| m.text.contains("vibration included") || !m.steps.is_empty()),
-            "{more:?}"
-        );
-        assert!(
-            noise.page().contains("velocity over 0.1 s") && noise.page().contains("acc_n"),
-            "{}",
-            noise.page()
-        );
+        let page = noise.page(&[Format::Vins]);
+        assert!(page.contains("over 0.1 s, vibration included") && page.contains("acc_n: "), "{page}");
     }
 }

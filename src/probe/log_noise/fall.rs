@@ -1,7 +1,11 @@
 //! Whether the spectrum of a log in motion falls as behind a low pass: then what is above motion says nothing of the noise below.
 
-use dpn_core::signal::Spectrum;
+use dpn_core::estimate::MOTION_HZ;
 use dpn_core::signal::stats::quantile;
+use dpn_core::signal::{Spectrum, Welch};
+use dpn_core::{ImuSample, Recorded, Sensor};
+use std::io;
+use std::ops::Range;
 
 /// The lower band's density over the upper one's from which a low pass is taken to be on: one of first order at a fifth of the rate has 3, of second order 15. In
 /// EuRoC's flights and TUM-VI's rooms, which have none that shows, the most is 3.
@@ -11,8 +15,41 @@ const LEVEL: f64 = 0.25;
 /// Between these \[Hz\] the density is with motion in it, and below the corner of what IMUs have: no noise is louder.
 const SLOW: [f64; 2] = [4.0, 10.0];
 
+/// What a sensor's density lies between, its loudest axis, where the seconds that count fall as behind a low pass.
+pub(super) fn hidden(
+    recording: &dyn Recorded,
+    sensor: Sensor,
+    range: Range<usize>,
+    second: usize,
+    counts: &dyn Fn(&[ImuSample]) -> bool,
+) -> io::Result<Option<[f64; 2]>> {
+    let rate = recording.rate();
+    let Ok(welch) = Welch::new(second) else { return Ok(None) };
+    let mut axes = [(); 3].map(|()| welch.averaging());
+    let mut signal = Vec::with_capacity(second);
+    recording.pieces(range, second, &mut |second| {
+        for (axis, averaging) in axes.iter_mut().enumerate().filter(|_| counts(second)) {
+            signal.clear();
+            signal.extend(second.iter().map(|s| s.of(sensor)[axis]));
+            averaging.take(&signal);
+        }
+        Ok(())
+    })?;
+    let motion = MOTION_HZ.min(0.25 * rate.hz());
+    let all = axes.into_iter().filter_map(|averaging| averaging.spectrum(rate));
+    let found: Vec<[f64; 2]> = all.filter_map(|spectrum| between(&spectrum, motion)).collect();
+    // A low pass is on all axes; what shakes, on one more than on the others.
+    let loudest = found.iter().copied().reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]);
+    // A bound has no more digits than these.
+    let short = |density: f64| {
+        let text = format!("{:.2e}", (0.5 * density).sqrt());
+        text.parse().expect("Rust reads its own numbers")
+    };
+    Ok(loudest.filter(|_| found.len() == 3).map(|of| of.map(short)))
+}
+
 /// Densities that the noise lies between \[unit^2 / Hz\], where the spectrum falls above `motion_hz`.
-pub(super) fn between(spectrum: &Spectrum, motion_hz: f64) -> Option<[f64; 2]> {
+fn between(spectrum: &Spectrum, motion_hz: f64) -> Option<[f64; 2]> {
     let (bin, density) = (spectrum.bin_hz(), spectrum.density());
     let nyquist = bin * (density.len() - 1) as f64;
     let level = |low: f64, high: f64| {

@@ -56,16 +56,15 @@ pub fn page(plan: &Plan<'_>, summary: &TrackSummary, rate: SampleRate) -> String
             summary.unknown_s
         );
     }
+    let _ = writeln!(
+        text,
+        "deviation of one sample, median (5 % to 95 %); at {:.0} Hz density = deviation * {:.5}",
+        rate.hz(),
+        1.0 / rate.hz().sqrt()
+    );
     for sensor in Sensor::ALL {
-        let _ = writeln!(
-            text,
-            "\n{}: deviation of one sample [{}], median (5 % to 95 %); at {:.0} Hz density = deviation * {:.5}",
-            instrument(sensor),
-            sensor.unit(),
-            rate.hz(),
-            1.0 / rate.hz().sqrt()
-        );
-        let mut rows = vec![["", "time", "x", "y", "z", "out of range"].map(str::to_owned)];
+        let head = format!("{} [{}]", instrument(sensor), sensor.unit());
+        let mut rows = vec![[&head, "time", "x", "y", "z", "out of range"].map(str::to_owned)];
         for part in &summary.phases {
             let label = part.phase.map_or_else(|| "whole log".to_owned(), |p| p.to_string());
             let none = || "-".to_owned();
@@ -80,7 +79,6 @@ pub fn page(plan: &Plan<'_>, summary: &TrackSummary, rate: SampleRate) -> String
         text.push_str(&aligned(&rows));
     }
     if let (Some(rest), Some(moving)) = (summary.phase(Phase::Rest), summary.phase(Phase::Moving)) {
-        text.push('\n');
         for sensor in Sensor::ALL {
             // What is extrapolated is no number, and neither is its ratio to one.
             let loud =

@@ -3,6 +3,7 @@
 use super::fit::{Fit, fit};
 use super::response::LowPass;
 use dpn_core::SampleRate;
+use dpn_core::noise::Interval;
 use dpn_core::signal::periodogram::Periodogram;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -13,24 +14,6 @@ const SEEN: f64 = 20.0;
 const SAID: f64 = 0.9;
 /// What simplifications of the model add to an interval, a factor on its deviation: of 900 simulated axes 94 % then lie inside.
 const SLACK: f64 = 1.1;
-
-/// A figure with its 95 % interval.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Interval {
-    /// The median.
-    pub value: f64,
-    /// 2.5 % lies below.
-    pub low: f64,
-    /// 2.5 % lies above.
-    pub high: f64,
-}
-
-impl Interval {
-    /// Higher over lower end.
-    pub fn width(&self) -> f64 {
-        self.high / self.low
-    }
-}
 
 /// A low pass that shows in a spectrum.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -99,16 +82,13 @@ pub(super) fn density(signal: &[f64], rate: SampleRate, step: Option<f64>) -> Op
         fits.iter().zip(&beliefs).filter(|((fit, _), _)| same(fit) == same(&best)).map(|(_, b)| b.2).sum();
     let is_said = agree > SAID * all && best.low_pass != LowPass::None;
     let filter = is_said.then(|| filter(&best, rate));
-    let known = best.seen >= SEEN && value.width() < WIDEST;
+    let known = best.seen >= SEEN && value.width() < Interval::WIDEST;
     let density = known.then_some(value);
     Some(AxisNoise { density, below: value.high, filter, step, lines: periodogram.lines })
 }
 
 /// Deviation of rounding's own power: it is `step^2 / 12` only where the noise passes many steps.
 const ROUNDED: f64 = 0.3;
-/// An interval wider than this, higher over lower end, is a bound.
-const WIDEST: f64 = 3.0;
-
 /// Median and 95 % of a mixture of normal logarithms: middle, deviation, belief.
 fn mixed(beliefs: &[(f64, f64, f64)]) -> Option<Interval> {
     let normal = Normal::standard();

@@ -10,12 +10,13 @@ mod report;
 mod response;
 mod stretch;
 
-pub use density::{AxisNoise, Filter, Interval};
+pub use density::{AxisNoise, Filter};
 pub use response::{LowPass, Made};
 pub use stretch::Held;
 
 use crate::doctor::values::step;
 use crate::phases::Stretch;
+use dpn_core::noise::Interval;
 use dpn_core::{Recorded, SampleRate, Sensor};
 use serde::Serialize;
 use std::io;
@@ -41,8 +42,8 @@ pub struct SensorNoise {
 
 impl SensorNoise {
     /// Densities of the three axes; none where one is not known.
-    pub fn densities(&self) -> Option<[f64; 3]> {
-        let mut all = self.axes.iter().map(|axis| Some(axis.as_ref()?.density?.value));
+    pub fn densities(&self) -> Option<[Interval; 3]> {
+        let mut all = self.axes.iter().map(|axis| axis.as_ref()?.density);
         Some([all.next()??, all.next()??, all.next()??])
     }
 

@@ -1,25 +1,23 @@
 //! What a rest says, for people.
 
-use super::{AxisNoise, Interval, LowPass, RestNoise, SensorNoise};
+use super::{AxisNoise, LowPass, RestNoise, SensorNoise};
 use crate::finding::Finding;
 use crate::text::{aligned, listed};
+use dpn_core::noise::Interval;
 use std::fmt::Write;
 
 impl RestNoise {
     /// A table of densities, then what else shows.
     pub fn page(&self) -> String {
-        let mut text = format!(
-            "\nat rest, {:.1} to {:.1} s: density of the white noise by its spectrum, value (95 %)\n",
-            self.from_s, self.to_s
-        );
-        let mut rows = vec![["", "unit", "x", "y", "z"].map(str::to_owned)];
+        let head = format!("at rest, {:.0} to {:.0} s, by the spectrum", self.from_s, self.to_s);
+        let mut rows = vec![[&head, "density (95 %)", "x", "y", "z"].map(str::to_owned)];
         for sensor in &self.sensors {
             let unit = format!("{}/sqrt(Hz)", sensor.sensor.unit());
             let [x, y, z] =
                 sensor.axes.each_ref().map(|axis| axis.as_ref().map_or("constant".to_owned(), words));
             rows.push([format!("  {}", sensor.sensor), unit, x, y, z]);
         }
-        text.push_str(&aligned(&rows));
+        let mut text = aligned(&rows);
         for line in self.sensors.iter().flat_map(SensorNoise::notes) {
             let _ = writeln!(text, "  {line}");
         }

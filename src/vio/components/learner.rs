@@ -36,6 +36,8 @@ pub struct Levels {
     pub inertial: NoiseLevels,
     /// Of the pixels.
     pub pixel: f64,
+    /// Deviations of the logarithms of the inertial factors by all that was heard of them, were they constant; 1 and more where next to nothing was.
+    pub unsure: [f64; COMPONENTS],
 }
 
 /// A logarithm no farther than `widest` from what was told, and not below its floor.
@@ -53,6 +55,8 @@ pub(crate) struct Learner {
     /// Logarithms of the variances' factors.
     x: SVector<f64, COMPONENTS>,
     information: SMatrix<f64, COMPONENTS, COMPONENTS>,
+    /// All information that residuals had, nothing forgotten.
+    heard: SMatrix<f64, COMPONENTS, COMPONENTS>,
     pixel: f64,
     pixel_information: f64,
     last: Option<Stamp>,
@@ -69,6 +73,7 @@ impl Learner {
             told_pixel,
             x: SVector::zeros(),
             information: SMatrix::identity() * (0.5 * config.prior),
+            heard: SMatrix::zeros(),
             pixel: 0.0,
             pixel_information: 0.5 * config.prior,
             last: None,
@@ -96,7 +101,11 @@ impl Learner {
     /// The levels in force.
     pub(crate) fn levels(&self) -> Levels {
         let inertial = NoiseLevels(std::array::from_fn(|k| (0.5 * self.x[k]).exp()));
-        Levels { inertial, pixel: (0.5 * self.pixel).exp() }
+        // With half an observation beside it there is an inverse.
+        let known = self.heard + SMatrix::identity() * TOLD_INFORMATION;
+        let covariance = known.cholesky().map(|factor| factor.inverse());
+        let unsure = std::array::from_fn(|k| covariance.map_or(1.0, |c| 0.5 * c[(k, k)].sqrt()));
+        Levels { inertial, pixel: (0.5 * self.pixel).exp(), unsure }
     }
 
     /// Levels stay through a new start; how sure they are does not.
@@ -157,6 +166,7 @@ impl Learner {
         if let Some(step) = self.information.cholesky().map(|factor| factor.solve(&gradient))
             && step.iter().all(|d| d.is_finite())
         {
+            self.heard += score.information;
             self.x += step.map(|d| d.clamp(-MAX_STEP, MAX_STEP));
         }
     }
@@ -169,6 +179,7 @@ impl Learner {
             let Some(change) = change else { continue };
             let variance = told * told * self.x[k].exp() * seconds;
             self.information[(k, k)] += 1.5;
+            self.heard[(k, k)] += 1.5;
             let step = 0.5 * (change.norm_squared() / variance - 3.0) / self.information[(k, k)];
             if step.is_finite() {
                 self.x[k] += step.clamp(-MAX_STEP, MAX_STEP);
@@ -214,7 +225,7 @@ impl Learner {
 
     /// Weighs what is in the window by the present levels, where those in force differ enough.
     pub(crate) fn apply(&self, window: &mut Window) {
-        let Levels { inertial, pixel } = self.levels();
+        let Levels { inertial, pixel, .. } = self.levels();
         for preint in window.frames.iter_mut().filter_map(|frame| frame.preint.as_mut()) {
             let differ = |(now, then): (&f64, &f64)| 2.0 * (now / then).ln().abs() > WORTHWHILE;
             if inertial.0.iter().zip(&preint.levels().0).any(differ) {
