@@ -50,7 +50,7 @@ pub(super) fn responses(
     stop: &AtomicBool,
 ) -> Result<Vec<Response>, PaperError> {
     let names = source.names();
-    let courses: Vec<Course> = Course::ALL.into_iter().filter(|c| *c != Course::Ramp).collect();
+    let courses: Vec<Course> = Course::ADDING.into_iter().filter(|c| *c != Course::Ramp).collect();
     let jobs: Vec<(usize, Course)> =
         places.iter().flat_map(|place| courses.iter().map(|course| (*place, *course))).collect();
     let measured = jobs.par_iter().map(|(place, course)| {

@@ -95,10 +95,7 @@ impl FromStr for CameraChoice {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let named = Self::ALL.into_iter().find(|choice| choice.name() == text);
-        named.ok_or_else(|| {
-            format!("`{text}` is no camera; known are {}", Self::ALL.map(Self::name).join(", "))
-        })
+        Self::called(text).ok_or_else(|| format!("`{text}` is no camera; known are {}", Self::names()))
     }
 }
 

@@ -69,7 +69,7 @@ impl Default for InjectedPlan {
     fn default() -> Self {
         Self {
             noise: Injection::default(),
-            courses: Course::ALL.to_vec(),
+            courses: Course::ADDING.to_vec(),
             noises: owned(&[
                 "x4",
                 "x8",

@@ -1,22 +1,24 @@
 //! What the network is asked for (decision 9).
 
+use dpn_core::named;
 use serde::{Deserialize, Serialize};
-use std::fmt;
 
-/// The deviation a window is labelled with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum Label {
-    /// The injected deviation alone (the paper).
-    #[serde(rename = "sigma_inj")]
-    Injected,
-    /// `sqrt(injected^2 + own^2)`: with the white noise the window held before (`own::own_sigma`).
-    #[serde(rename = "sigma_tot")]
-    Total,
-    /// The white deviation that errs as much in sums over [`NoiseConfig::span_s`](crate::config::NoiseConfig::span_s) as the injected white noise and the
-    /// vibration beside it do ([`vibration`](crate::vibration)), by the processes' expectation.
-    #[serde(rename = "sigma_eff")]
-    Effective,
-}
+named!(
+    /// The deviation a window is labelled with.
+    #[derive(Serialize, Deserialize)]
+    pub enum Label {
+        /// The injected deviation alone (the paper).
+        #[serde(rename = "sigma_inj")]
+        Injected = "sigma_inj",
+        /// `sqrt(injected^2 + own^2)`: with the white noise the window held before (`own::own_sigma`).
+        #[serde(rename = "sigma_tot")]
+        Total = "sigma_tot",
+        /// The white deviation that errs as much in sums over [`NoiseConfig::span_s`](crate::config::NoiseConfig::span_s) as the injected white noise and the
+        /// vibration beside it do ([`vibration`](crate::vibration)), by the processes' expectation.
+        #[serde(rename = "sigma_eff")]
+        Effective = "sigma_eff",
+    }
+);
 
 impl Label {
     /// The labels that differ where white noise alone is injected; without vibration `sigma_eff` is `sigma_inj`.
@@ -29,16 +31,6 @@ impl Label {
             Self::Injected => injected,
             Self::Total | Self::Effective => injected.hypot(beside),
         }
-    }
-}
-
-impl fmt::Display for Label {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Injected => "sigma_inj",
-            Self::Total => "sigma_tot",
-            Self::Effective => "sigma_eff",
-        })
     }
 }
 

@@ -1,26 +1,6 @@
 //! Which sequences teach and which judge.
 
-use serde::{Deserialize, Serialize};
-use std::fmt;
-
-/// Side of the split a sequence stands on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Side {
-    /// Seen in training (its last part serves as validation).
-    Train,
-    /// Never looked at in training, nor when anything is chosen.
-    Test,
-}
-
-impl fmt::Display for Side {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Train => "train",
-            Self::Test => "test",
-        })
-    }
-}
+pub use dpn_core::Side;
 
 /// EuRoC's training sequences in the paper's table 1, by their short names.
 const PAPER_TRAIN: [&str; 6] = ["MH_01", "MH_03", "MH_05", "V1_02", "V2_01", "V2_03"];

@@ -4,7 +4,7 @@ use super::error::ClosedLoopError;
 use super::images::{ImageSource, ImageStream, of_folder};
 use super::recording::{Recording, Span};
 use super::rendered::rendered;
-use super::sequence_set::{SequenceSet, TrackSource, side_of, tracks_file};
+use super::sequence_set::{SequenceSet, TrackSource, tracks_file};
 use super::tracking::CameraInput;
 use crate::metrics::poses_of;
 use dpn_core::camera::{CameraConfig, CameraModel};
@@ -244,7 +244,7 @@ fn flown(
     let truth = truth.map(|s| StampedPose { t: s.t, world_from_body: s.world_from_body }).collect();
     Ok(Recording {
         name: flight.name().to_owned(),
-        side: side_of(flight),
+        side: flight.split(),
         camera,
         body_from_cam,
         truth: Some(truth),

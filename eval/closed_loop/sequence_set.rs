@@ -8,7 +8,7 @@ use super::sequence_name::is_called;
 use dpn_io::asl::{Sequence, discover};
 use dpn_io::calibration::Calibration;
 use dpn_sim::tracks::TracksConfig;
-use dpn_sim::{Flight, FlightConfig, Split};
+use dpn_sim::{Flight, FlightConfig};
 use dpn_train::split::{Side, assign, paper_side};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -168,7 +168,7 @@ impl SequenceSet {
             }
             Self::Logged { log, .. } => vec![(log.name(), log.side())],
             Self::Flights { .. } => {
-                Flight::ALL.into_iter().map(|f| (f.name().to_owned(), side_of(f))).collect()
+                Flight::ALL.into_iter().map(|f| (f.name().to_owned(), f.split())).collect()
             }
         }
     }
@@ -266,11 +266,6 @@ pub(super) fn tracks_file(dir: &Path, sequence: &Sequence) -> PathBuf {
         return dir.to_path_buf();
     }
     dir.join(format!("{}.txt", sequence.name()))
-}
-
-/// The side of the split that a flight is on.
-pub(super) fn side_of(flight: Flight) -> Side {
-    if flight.split() == Split::Train { Side::Train } else { Side::Test }
 }
 
 #[cfg(test)]

@@ -1,41 +1,31 @@
 //! The courses of what is added.
 
+use dpn_core::named;
 use serde::{Deserialize, Serialize};
-use std::fmt;
 
-/// How what is added changes over a recording. Shares are of the time from the first sample to the last.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Course {
-    /// Nothing is added.
-    None,
-    /// White noise on all axes: x1 in the first third, x`factor` in the second, x1 in the third.
-    Step,
-    /// White noise on all axes, growing evenly from x1 at the start to x`factor` at the end.
-    Ramp,
-    /// As `step`, on the y axes alone; x and z stay at x1.
-    OneAxis,
-    /// No white noise: in the second third a sine of 90 Hz on all axes, of the deviation that `step` has there.
-    Tone,
-    /// No white noise: in the second half the biases are larger by x`factor`.
-    BiasJump,
-}
+named!(
+    /// How what is added changes over a recording. Shares are of the time from the first sample to the last.
+    #[derive(Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Course {
+        /// Nothing is added.
+        None = "none",
+        /// White noise on all axes: x1 in the first third, x`factor` in the second, x1 in the third.
+        Step = "step",
+        /// White noise on all axes, growing evenly from x1 at the start to x`factor` at the end.
+        Ramp = "ramp",
+        /// As `step`, on the y axes alone; x and z stay at x1.
+        OneAxis = "one-axis",
+        /// No white noise: in the second third a sine of 90 Hz on all axes, of the deviation that `step` has there.
+        Tone = "tone",
+        /// No white noise: in the second half the biases are larger by x`factor`.
+        BiasJump = "bias-jump",
+    }
+);
 
 impl Course {
     /// All courses that add something.
-    pub const ALL: [Self; 5] = [Self::Step, Self::Ramp, Self::OneAxis, Self::Tone, Self::BiasJump];
-
-    /// The word for it in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Step => "step",
-            Self::Ramp => "ramp",
-            Self::OneAxis => "one-axis",
-            Self::Tone => "tone",
-            Self::BiasJump => "bias-jump",
-        }
-    }
+    pub const ADDING: [Self; 5] = [Self::Step, Self::Ramp, Self::OneAxis, Self::Tone, Self::BiasJump];
 
     /// Deviation of the white noise added at `share` of the time on `axis` (0 to 2), in units of x1.
     pub(super) fn white(self, share: f64, axis: usize, factor: f64) -> f64 {
@@ -63,12 +53,6 @@ impl Course {
     }
 }
 
-impl fmt::Display for Course {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -83,7 +67,7 @@ mod tests {
         assert_eq!(at(Course::Ramp, 0)[5], 5.0);
         assert_eq!(at(Course::Tone, 0), [0.0; 6]);
         assert!(Course::Tone.is_up(0.5) && !Course::Tone.is_up(0.2) && Course::BiasJump.is_up(1.0));
-        for course in Course::ALL {
+        for course in Course::ADDING {
             assert_eq!(serde_json::to_string(&course).unwrap(), format!("\"{course}\""));
         }
     }

@@ -14,40 +14,29 @@
 
 use super::associate::PosePair;
 use super::error::MetricsError;
+use dpn_core::named;
 use nalgebra::{
     Isometry3, Matrix3, Matrix4, Quaternion, SymmetricEigen, Translation3, UnitQuaternion, Vector3,
 };
 use serde::{Deserialize, Serialize};
-use std::fmt;
 
-/// What may be moved to make an estimate fit the truth.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum AlignmentKind {
-    /// Position: 3 degrees of freedom.
-    Position,
-    /// Yaw and position: 4, what a visual-inertial estimator cannot know.
-    YawPosition,
-    /// Rotation and position: 6, what papers report.
-    Se3,
-    /// Rotation, position and scale: 7, for monocular vision alone.
-    Sim3,
-}
+named!(
+    /// What may be moved to make an estimate fit the truth.
+    #[derive(PartialOrd, Ord, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum AlignmentKind {
+        /// Position: 3 degrees of freedom.
+        Position = "alignment of position",
+        /// Yaw and position: 4, what a visual-inertial estimator cannot know.
+        YawPosition = "alignment of yaw and position",
+        /// Rotation and position: 6, what papers report.
+        Se3 = "SE(3) alignment",
+        /// Rotation, position and scale: 7, for monocular vision alone.
+        Sim3 = "Sim(3) alignment",
+    }
+);
 
 impl AlignmentKind {
-    /// All kinds, fewest degrees of freedom first.
-    pub const ALL: [Self; 4] = [Self::Position, Self::YawPosition, Self::Se3, Self::Sim3];
-
-    /// Its name in a sentence.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Position => "alignment of position",
-            Self::YawPosition => "alignment of yaw and position",
-            Self::Se3 => "SE(3) alignment",
-            Self::Sim3 => "Sim(3) alignment",
-        }
-    }
-
     /// The fewest pairs that can determine it.
     fn pairs_needed(self) -> usize {
         match self {
@@ -55,12 +44,6 @@ impl AlignmentKind {
             Self::YawPosition => 2,
             Self::Se3 | Self::Sim3 => 3,
         }
-    }
-}
-
-impl fmt::Display for AlignmentKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
     }
 }
 

@@ -2,9 +2,8 @@
 
 use crate::ui::Fault;
 use anyhow::Result;
-use dpn_sim::{FlightConfig, Split};
+use dpn_sim::FlightConfig;
 use dpn_train::corpus::{Corpus, Member};
-use dpn_train::split::Side;
 use std::path::Path;
 
 /// Name of the collection of simulated flights.
@@ -30,10 +29,7 @@ pub(crate) fn simulated(seed: u64, config: &FlightConfig) -> Result<Corpus> {
         .into_iter()
         .map(|flight| Member {
             name: flight.name().to_owned(),
-            side: match flight.split() {
-                Split::Train => Side::Train,
-                Split::Test => Side::Test,
-            },
+            side: flight.split(),
             recording: flight.recording,
         })
         .collect();

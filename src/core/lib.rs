@@ -35,6 +35,7 @@ pub mod progress;
 pub mod random;
 #[cfg(feature = "full")]
 mod samples;
+mod side;
 #[cfg(feature = "full")]
 pub mod signal;
 pub mod time;
@@ -51,6 +52,7 @@ pub use imu::{ImuRecording, ImuSample, Sensor};
 pub use noise::{ImuNoise, NoiseModel, NoiseTrack};
 #[cfg(feature = "full")]
 pub use samples::{Recorded, Samples, median_rate};
+pub use side::Side;
 pub use time::{SampleRate, Stamp};
 #[cfg(feature = "full")]
 pub use tracks::{Track, TrackFrame};

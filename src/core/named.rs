@@ -1,6 +1,6 @@
 //! Enums whose variants have names.
 
-/// An enum whose variants are spelt in one way in files, flags and texts: gives it `ALL`, `name` and `Display`.
+/// An enum whose variants are spelt in one way in files, flags and texts: gives it `ALL`, `name`, `names`, `called` and `Display`.
 ///
 /// ```
 /// dpn_core::named!(
@@ -33,6 +33,16 @@ macro_rules! named {
                 match self {
                     $(Self::$variant => $text,)+
                 }
+            }
+
+            /// All spellings, for messages.
+            pub fn names() -> String {
+                Self::ALL.map(Self::name).join(", ")
+            }
+
+            /// The one that is spelt so.
+            pub fn called(name: &str) -> Option<Self> {
+                Self::ALL.into_iter().find(|one| one.name() == name)
             }
         }
 

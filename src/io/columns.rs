@@ -1,31 +1,23 @@
 //! Units of a log's columns, and which column is what.
 
 use super::unit::STANDARD_GRAVITY;
+use dpn_core::named;
 use serde::{Deserialize, Serialize};
 
-/// Unit of a log's gyroscope columns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum GyroUnit {
-    /// Radians a second.
-    #[serde(rename = "rad/s")]
-    RadPerSecond,
-    /// Degrees a second.
-    #[serde(rename = "deg/s")]
-    DegPerSecond,
-}
+named!(
+    /// Unit of a log's gyroscope columns.
+    #[derive(Serialize, Deserialize)]
+    pub enum GyroUnit {
+        /// Radians a second.
+        #[serde(rename = "rad/s")]
+        RadPerSecond = "rad/s",
+        /// Degrees a second.
+        #[serde(rename = "deg/s")]
+        DegPerSecond = "deg/s",
+    }
+);
 
 impl GyroUnit {
-    /// All of them.
-    pub const ALL: [Self; 2] = [Self::RadPerSecond, Self::DegPerSecond];
-
-    /// `"rad/s"` or `"deg/s"`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::RadPerSecond => "rad/s",
-            Self::DegPerSecond => "deg/s",
-        }
-    }
-
     /// One of these in rad/s.
     pub fn factor(self) -> f64 {
         match self {
@@ -35,33 +27,23 @@ impl GyroUnit {
     }
 }
 
-/// Unit of a log's accelerometer columns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum AccelUnit {
-    /// Metres a second squared.
-    #[serde(rename = "m/s^2")]
-    MetrePerSecond2,
-    /// Standard gravity, 9.80665 m/s^2.
-    #[serde(rename = "g")]
-    StandardGravity,
-    /// A thousandth of standard gravity.
-    #[serde(rename = "mg")]
-    MilliGravity,
-}
+named!(
+    /// Unit of a log's accelerometer columns.
+    #[derive(Serialize, Deserialize)]
+    pub enum AccelUnit {
+        /// Metres a second squared.
+        #[serde(rename = "m/s^2")]
+        MetrePerSecond2 = "m/s^2",
+        /// Standard gravity, 9.80665 m/s^2.
+        #[serde(rename = "g")]
+        StandardGravity = "g",
+        /// A thousandth of standard gravity.
+        #[serde(rename = "mg")]
+        MilliGravity = "mg",
+    }
+);
 
 impl AccelUnit {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::MetrePerSecond2, Self::StandardGravity, Self::MilliGravity];
-
-    /// `"m/s^2"`, `"g"` or `"mg"`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::MetrePerSecond2 => "m/s^2",
-            Self::StandardGravity => "g",
-            Self::MilliGravity => "mg",
-        }
-    }
-
     /// One of these in m/s^2.
     pub fn factor(self) -> f64 {
         match self {

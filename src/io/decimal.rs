@@ -1,43 +1,34 @@
 //! Decimal text to exact integers: stamps never pass through a float.
 
+use dpn_core::named;
 use dpn_core::time::Stamp;
 use serde::{Deserialize, Serialize};
-use std::fmt;
 
-/// Unit of a column of stamps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub enum TimeUnit {
-    /// Seconds.
-    #[serde(rename = "s")]
-    Seconds,
-    /// Milliseconds.
-    #[serde(rename = "ms")]
-    Millis,
-    /// Tenths of a millisecond, in which Xsens counts.
-    #[serde(rename = "100us")]
-    HundredMicros,
-    /// Microseconds.
-    #[serde(rename = "us")]
-    Micros,
-    /// Nanoseconds.
-    #[serde(rename = "ns")]
-    Nanos,
-}
+named!(
+    /// Unit of a column of stamps.
+    #[derive(PartialOrd, Ord, Serialize, Deserialize)]
+    pub enum TimeUnit {
+        /// Seconds.
+        #[serde(rename = "s")]
+        Seconds = "s",
+        /// Milliseconds.
+        #[serde(rename = "ms")]
+        Millis = "ms",
+        /// Tenths of a millisecond, in which Xsens counts.
+        #[serde(rename = "100us")]
+        HundredMicros = "100us",
+        /// Microseconds.
+        #[serde(rename = "us")]
+        Micros = "us",
+        /// Nanoseconds.
+        #[serde(rename = "ns")]
+        Nanos = "ns",
+    }
+);
 
 impl TimeUnit {
     /// The four units of most logs, longest first.
-    pub const ALL: [Self; 4] = [Self::Seconds, Self::Millis, Self::Micros, Self::Nanos];
-
-    /// `"s"`, `"ms"`, `"100us"`, `"us"` or `"ns"`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Seconds => "s",
-            Self::Millis => "ms",
-            Self::HundredMicros => "100us",
-            Self::Micros => "us",
-            Self::Nanos => "ns",
-        }
-    }
+    pub(crate) const USUAL: [Self; 4] = [Self::Seconds, Self::Millis, Self::Micros, Self::Nanos];
 
     /// One of these in seconds.
     pub fn seconds(self) -> f64 {
@@ -59,12 +50,6 @@ impl TimeUnit {
             Self::Micros => 3,
             Self::Nanos => 0,
         }
-    }
-}
-
-impl fmt::Display for TimeUnit {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
     }
 }
 

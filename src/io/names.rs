@@ -320,7 +320,7 @@ fn slot_of(name: &str) -> Option<(usize, Word)> {
 
 fn time_unit(unit: &str) -> Option<TimeUnit> {
     let unit = unit.strip_prefix("in").unwrap_or(unit);
-    known(unit, Dimension::TIME, &TimeUnit::ALL, TimeUnit::seconds)
+    known(unit, Dimension::TIME, &TimeUnit::USUAL, TimeUnit::seconds)
 }
 
 fn gyro_unit(unit: &str) -> Option<GyroUnit> {

@@ -240,7 +240,7 @@ fn guess_interval(first: &FirstRows, time: TimeUnit) -> f64 {
     let step_s = first.step().map_or(0.0, |step| step * time.seconds());
     let interval = upper_median(first.intervals.iter().copied()).unwrap_or(0.0);
     let far = |unit: &TimeUnit| (interval * unit.seconds() / step_s).ln().abs();
-    let near = TimeUnit::ALL.into_iter().min_by(|a, b| far(a).total_cmp(&far(b)));
+    let near = TimeUnit::USUAL.into_iter().min_by(|a, b| far(a).total_cmp(&far(b)));
     near.map_or(1.0, TimeUnit::seconds)
 }
 
@@ -259,9 +259,9 @@ fn guess_time_unit(first: &FirstRows, said: &Said, path: &Path) -> Result<TimeUn
     let since_1970 =
         |unit: &TimeUnit| within(start * unit.seconds(), 1e8, 1e10) && step * unit.seconds() < SLOWEST_S;
     let between = |unit: &TimeUnit| within(step * unit.seconds(), 1e-4, 1e-1);
-    TimeUnit::ALL
+    TimeUnit::USUAL
         .into_iter()
         .find(since_1970)
-        .or_else(|| TimeUnit::ALL.into_iter().find(between))
+        .or_else(|| TimeUnit::USUAL.into_iter().find(between))
         .ok_or_else(|| IoError::UnknownTimeUnit { path: path.to_path_buf(), first: start, step })
 }

@@ -19,7 +19,7 @@ pub mod tracks;
 pub mod trajectory;
 
 pub use config::{FlightConfig, StampPattern};
-pub use flight::{Flight, Phase, Phases, Split};
+pub use flight::{Flight, Phase, Phases};
 pub use imu::{ImuSeries, ImuTruth};
 pub use render::{RenderConfig, RenderedCamera};
 pub use simulate::{SimulatedFlight, SimulationError, path, simulate, simulate_all};

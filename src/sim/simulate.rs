@@ -1,7 +1,7 @@
 //! From a flight's name, a seed and a configuration to a recording and everything that is true about it.
 
 use crate::config::{FlightConfig, StampPattern};
-use crate::flight::{Flight, FlightPlan, Phase, Phases, Split};
+use crate::flight::{Flight, FlightPlan, Phase, Phases};
 use crate::imu::{self, ImuTruth};
 use crate::trajectory::Trajectory;
 use dpn_core::config::{ConfigFaults, Validate};
@@ -56,7 +56,7 @@ impl SimulatedFlight {
     }
 
     /// Whether it may be trained on.
-    pub fn split(&self) -> Split {
+    pub fn split(&self) -> dpn_core::Side {
         self.flight.split()
     }
 }

@@ -1,31 +1,33 @@
 //! A camera as its calibration describes it.
 
+use crate::named;
 use crate::time::SampleRate;
 use nalgebra::Isometry3;
 use serde::{Deserialize, Serialize};
-use std::fmt;
 use std::str::FromStr;
 
-/// How a lens bends the image.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Distortion {
-    /// Not at all.
-    None,
-    /// Radial and tangential: k1, k2, p1, p2; k3; k4, k5, k6 of OpenCV's rational lens.
-    #[default]
-    RadialTangential,
-    /// Equidistant (fish-eye, Kannala-Brandt): k1 to k4.
-    Equidistant,
-    /// Unified (MEI, omnidirectional): xi, then k1, k2, p1, p2.
-    Omni,
-    /// Enhanced unified: alpha, beta.
-    EnhancedUnified,
-    /// Double sphere: xi, alpha.
-    DoubleSphere,
-    /// Field of view (ATAN): w \[rad\].
-    Fov,
-}
+named!(
+    /// How a lens bends the image.
+    #[derive(Default, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Distortion {
+        /// Not at all.
+        None = "none",
+        /// Radial and tangential: k1, k2, p1, p2; k3; k4, k5, k6 of OpenCV's rational lens.
+        #[default]
+        RadialTangential = "radial-tangential",
+        /// Equidistant (fish-eye, Kannala-Brandt): k1 to k4.
+        Equidistant = "equidistant",
+        /// Unified (MEI, omnidirectional): xi, then k1, k2, p1, p2.
+        Omni = "omni",
+        /// Enhanced unified: alpha, beta.
+        EnhancedUnified = "enhanced-unified",
+        /// Double sphere: xi, alpha.
+        DoubleSphere = "double-sphere",
+        /// Field of view (ATAN): w \[rad\].
+        Fov = "fov",
+    }
+);
 
 /// A name that is no lens.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -33,35 +35,6 @@ pub enum Distortion {
 pub struct UnknownLens(pub String);
 
 impl Distortion {
-    /// All of them.
-    pub const ALL: [Self; 7] = [
-        Self::None,
-        Self::RadialTangential,
-        Self::Equidistant,
-        Self::Omni,
-        Self::EnhancedUnified,
-        Self::DoubleSphere,
-        Self::Fov,
-    ];
-
-    /// As files have it: `radial-tangential`, `equidistant` and so on.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::RadialTangential => "radial-tangential",
-            Self::Equidistant => "equidistant",
-            Self::Omni => "omni",
-            Self::EnhancedUnified => "enhanced-unified",
-            Self::DoubleSphere => "double-sphere",
-            Self::Fov => "fov",
-        }
-    }
-
-    /// All names, for messages.
-    pub fn names() -> String {
-        Self::ALL.map(Self::name).join(", ")
-    }
-
     /// How many coefficients it may have.
     pub fn counts(self) -> &'static [usize] {
         match self {
@@ -72,12 +45,6 @@ impl Distortion {
             Self::EnhancedUnified | Self::DoubleSphere => &[2],
             Self::Fov => &[1],
         }
-    }
-}
-
-impl fmt::Display for Distortion {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
     }
 }
 

@@ -6,16 +6,19 @@
 //! with the same deviation. Source: Daubechies 1992, table 6.1; Donoho and Johnstone 1994 for the noise figure.
 //! Not here: deeper levels, reconstruction.
 
-/// An orthogonal wavelet, named by its vanishing moments.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Wavelet {
-    /// Haar = Daubechies 1: blind to a constant.
-    Haar,
-    /// Daubechies 2: blind to a straight line.
-    Db2,
-    /// Daubechies 4: blind to a cubic.
-    Db4,
-}
+use crate::named;
+
+named!(
+    /// An orthogonal wavelet, named by its vanishing moments.
+    pub enum Wavelet {
+        /// Haar = Daubechies 1: blind to a constant.
+        Haar = "haar",
+        /// Daubechies 2: blind to a straight line.
+        Db2 = "db2",
+        /// Daubechies 4: blind to a cubic.
+        Db4 = "db4",
+    }
+);
 
 const HAAR: [f64; 2] = [std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::FRAC_1_SQRT_2];
 const DB2: [f64; 4] =
@@ -32,23 +35,6 @@ const DB4: [f64; 8] = [
 ];
 
 impl Wavelet {
-    /// Every wavelet there is here.
-    pub const ALL: [Self; 3] = [Self::Haar, Self::Db2, Self::Db4];
-
-    /// PyWavelets' name: `"haar"`, `"db2"`, `"db4"`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Haar => "haar",
-            Self::Db2 => "db2",
-            Self::Db4 => "db4",
-        }
-    }
-
-    /// The wavelet of that [`name`](Self::name).
-    pub(crate) fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|w| w.name() == name)
-    }
-
     /// Scaling coefficients, of sum `sqrt(2)` and norm 1.
     pub fn scaling(self) -> &'static [f64] {
         match self {
@@ -98,7 +84,7 @@ mod tests {
     fn inner_coefficients_agree_with_pywavelets() {
         let golden: Golden = dpn_testing::golden("wavelet");
         for case in &golden.cases {
-            let wavelet = Wavelet::from_name(&case.wavelet).unwrap();
+            let wavelet = Wavelet::called(&case.wavelet).unwrap();
             let got = finest_detail(&case.x, wavelet);
             assert_eq!(got.len(), case.detail.len(), "{} of {}", case.wavelet, case.x.len());
             for (a, b) in got.iter().zip(&case.detail) {

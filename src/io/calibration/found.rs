@@ -5,6 +5,7 @@ use super::keys::Place;
 use crate::noise_formats::Format;
 use dpn_core::camera::{BadCamera, CameraConfig, CameraModel, Distortion};
 use dpn_core::checksum::of_bytes;
+use dpn_core::named;
 use dpn_core::time::{SampleRate, Stamp};
 use nalgebra::Isometry3;
 use std::fmt;
@@ -16,38 +17,25 @@ const USUAL_HZ: f64 = 20.0;
 /// Stamps are not moved farther \[s\].
 const LONGEST_OFFSET_S: f64 = 1.0;
 
-/// Who writes such a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CalibrationFormat {
-    /// ASL's and EuRoC's `cam0/sensor.yaml`.
-    Asl,
-    /// Kalibr's `camchain-imucam.yaml`.
-    Kalibr,
-    /// OpenVINS' `kalibr_imucam_chain.yaml`, or the `estimator_config.yaml` that names it.
-    OpenVins,
-    /// VINS-Mono's and VINS-Fusion's configuration.
-    Vins,
-    /// ORB-SLAM3's settings.
-    OrbSlam3,
-    /// Basalt's calibration.
-    Basalt,
-    /// OKVIS' and OKVIS2's configuration.
-    Okvis,
-}
-
-impl fmt::Display for CalibrationFormat {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Asl => "ASL sensor.yaml",
-            Self::Kalibr => "Kalibr",
-            Self::OpenVins => "OpenVINS",
-            Self::Vins => "VINS",
-            Self::OrbSlam3 => "ORB-SLAM3",
-            Self::Basalt => "Basalt",
-            Self::Okvis => "OKVIS",
-        })
+named!(
+    /// Who writes such a file.
+    pub enum CalibrationFormat {
+        /// ASL's and EuRoC's `cam0/sensor.yaml`.
+        Asl = "ASL sensor.yaml",
+        /// Kalibr's `camchain-imucam.yaml`.
+        Kalibr = "Kalibr",
+        /// OpenVINS' `kalibr_imucam_chain.yaml`, or the `estimator_config.yaml` that names it.
+        OpenVins = "OpenVINS",
+        /// VINS-Mono's and VINS-Fusion's configuration.
+        Vins = "VINS",
+        /// ORB-SLAM3's settings.
+        OrbSlam3 = "ORB-SLAM3",
+        /// Basalt's calibration.
+        Basalt = "Basalt",
+        /// OKVIS' and OKVIS2's configuration.
+        Okvis = "OKVIS",
     }
-}
+);
 
 /// The key of the extrinsics, and which way it maps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

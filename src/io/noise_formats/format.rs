@@ -1,33 +1,35 @@
 //! Who writes noise figures, by name.
 
 use dpn_core::config::{nearest, suggestion};
+use dpn_core::named;
 use serde::Serialize;
-use std::fmt;
 use std::str::FromStr;
 
-/// A way of writing noise figures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Format {
-    /// Kalibr's `imu.yaml`, ASL's `sensor.yaml`: densities.
-    Kalibr,
-    /// OpenVINS' `kalibr_imu_chain.yaml`: densities.
-    OpenVins,
-    /// ORB-SLAM3's settings: densities.
-    OrbSlam3,
-    /// OKVIS' and OKVIS2's `imu_parameters`: densities.
-    Okvis2,
-    /// Basalt's calibration: densities, one an axis.
-    Basalt,
-    /// VINS-Mono's and VINS-Fusion's configuration: deviations per sample.
-    Vins,
-    /// The covariances of ROS's `sensor_msgs/Imu`: variances per sample.
-    Ros,
-    /// Plain variances per sample, as MathWorks' `factorIMUParameters`.
-    Variances,
-    /// Numbers with units, as a data sheet has them.
-    Datasheet,
-}
+named!(
+    /// A way of writing noise figures.
+    #[derive(PartialOrd, Ord, Serialize)]
+    #[serde(rename_all = "lowercase")]
+    pub enum Format {
+        /// Kalibr's `imu.yaml`, ASL's `sensor.yaml`: densities.
+        Kalibr = "kalibr",
+        /// OpenVINS' `kalibr_imu_chain.yaml`: densities.
+        OpenVins = "openvins",
+        /// ORB-SLAM3's settings: densities.
+        OrbSlam3 = "orbslam3",
+        /// OKVIS' and OKVIS2's `imu_parameters`: densities.
+        Okvis2 = "okvis2",
+        /// Basalt's calibration: densities, one an axis.
+        Basalt = "basalt",
+        /// VINS-Mono's and VINS-Fusion's configuration: deviations per sample.
+        Vins = "vins",
+        /// The covariances of ROS's `sensor_msgs/Imu`: variances per sample.
+        Ros = "ros",
+        /// Plain variances per sample, as MathWorks' `factorIMUParameters`.
+        Variances = "variances",
+        /// Numbers with units, as a data sheet has them.
+        Datasheet = "datasheet",
+    }
+);
 
 /// A name that is no format.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -35,47 +37,6 @@ pub enum Format {
 pub struct UnknownFormat {
     typed: String,
     nearest: Option<Format>,
-}
-
-impl Format {
-    /// All of them.
-    pub const ALL: [Self; 9] = [
-        Self::Kalibr,
-        Self::OpenVins,
-        Self::OrbSlam3,
-        Self::Okvis2,
-        Self::Basalt,
-        Self::Vins,
-        Self::Ros,
-        Self::Variances,
-        Self::Datasheet,
-    ];
-
-    /// As typed: `kalibr`, `openvins` and so on.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Kalibr => "kalibr",
-            Self::OpenVins => "openvins",
-            Self::OrbSlam3 => "orbslam3",
-            Self::Okvis2 => "okvis2",
-            Self::Basalt => "basalt",
-            Self::Vins => "vins",
-            Self::Ros => "ros",
-            Self::Variances => "variances",
-            Self::Datasheet => "datasheet",
-        }
-    }
-
-    /// All names, for messages.
-    pub fn names() -> String {
-        Self::ALL.map(Self::name).join(", ")
-    }
-}
-
-impl fmt::Display for Format {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
 }
 
 impl FromStr for Format {
@@ -91,12 +52,11 @@ impl FromStr for Format {
             "orbslam" => Some(Self::OrbSlam3),
             "rosmessage" | "covariance" => Some(Self::Ros),
             "matlab" | "variance" => Some(Self::Variances),
-            name => Self::ALL.into_iter().find(|format| format.name() == name),
+            name => Self::called(name),
         };
         known.ok_or_else(|| UnknownFormat {
             typed: text.to_owned(),
-            nearest: nearest(&plain, Self::ALL.map(Self::name))
-                .and_then(|name| Self::ALL.into_iter().find(|format| format.name() == name)),
+            nearest: nearest(&plain, Self::ALL.map(Self::name)).and_then(Self::called),
         })
     }
 }

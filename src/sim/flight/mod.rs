@@ -7,6 +7,6 @@ mod name;
 mod phase;
 mod plan;
 
-pub use name::{Flight, Split, UnknownFlight};
+pub use name::{Flight, UnknownFlight};
 pub use phase::{Phase, Phases};
 pub use plan::FlightPlan;

@@ -1,20 +1,10 @@
 //! The eleven flights by name, and which of them may be trained on.
 
 use dpn_core::config::{nearest, suggestion};
-use dpn_core::named;
+use dpn_core::{Side, named};
 use serde::{Deserialize, Serialize};
 use std::str::FromStr;
 use thiserror::Error;
-
-/// What a flight may be used for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Split {
-    /// Training and validation.
-    Train,
-    /// Never looked at in training.
-    Test,
-}
 
 named!(
     /// A flight: its name is its character, its number its place.
@@ -48,34 +38,30 @@ named!(
 
 /// A name no flight has.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("no flight is called `{given}`; known are {}{}", known(), meant(given))]
+#[error("no flight is called `{given}`; known are {}{}", Flight::names(), meant(given))]
 pub struct UnknownFlight {
     /// What was asked for.
     pub given: String,
 }
 
-fn known() -> String {
-    Flight::ALL.map(Flight::name).join(", ")
-}
-
 fn meant(given: &str) -> String {
-    let names = Flight::ALL.into_iter().flat_map(Flight::names);
+    let names = Flight::ALL.into_iter().flat_map(Flight::spellings);
     suggestion(nearest(given, names).and_then(|name| name.parse::<Flight>().ok()).map(Flight::name))
 }
 
 impl Flight {
     /// The full name, the name without its number, the number alone.
-    fn names(self) -> [&'static str; 3] {
+    fn spellings(self) -> [&'static str; 3] {
         [self.name(), &self.name()[4..], &self.name()[..3]]
     }
 
     /// Six to train on, five to test on, alternating in character as the paper's split of EuRoC does.
-    pub fn split(self) -> Split {
+    pub fn split(self) -> Side {
         match self {
             Self::HallCalm | Self::HallLoops | Self::RoomSlow | Self::RoomAggressive | Self::RoomSpiral => {
-                Split::Test
+                Side::Test
             }
-            _ => Split::Train,
+            _ => Side::Train,
         }
     }
 }
@@ -87,7 +73,7 @@ impl FromStr for Flight {
     fn from_str(given: &str) -> Result<Self, UnknownFlight> {
         Self::ALL
             .into_iter()
-            .find(|flight| flight.names().contains(&given))
+            .find(|flight| flight.spellings().contains(&given))
             .ok_or_else(|| UnknownFlight { given: given.to_owned() })
     }
 }
@@ -98,7 +84,7 @@ mod tests {
 
     #[test]
     fn six_train_and_five_test_as_in_the_paper() {
-        let train = Flight::ALL.iter().filter(|f| f.split() == Split::Train).count();
+        let train = Flight::ALL.iter().filter(|f| f.split() == Side::Train).count();
         assert_eq!((train, Flight::ALL.len() - train), (6, 5));
     }
 

@@ -212,7 +212,7 @@ impl Arguments<'_> {
     fn family(&self) -> Result<Wavelet, SpecError> {
         match self.at_most(1)?.call.args.first() {
             None => Ok(Wavelet::Db4),
-            Some(Arg::Call(word)) if word.args.is_empty() => Wavelet::from_name(&word.name)
+            Some(Arg::Call(word)) if word.args.is_empty() => Wavelet::called(&word.name)
                 .ok_or_else(|| self.wrong(format!("`{}` is no known family", word.name))),
             Some(_) => Err(self.wrong("the argument is no family".to_owned())),
         }
