@@ -3,7 +3,7 @@
 use crate::corpus::{Corpus, CorpusError, Member};
 use crate::split::{Side, assign, paper_side};
 use dpn_io::IoError;
-use dpn_io::asl::{Sequence, discover, is_there, set_name};
+use dpn_io::asl::{Sequence, discover};
 use rayon::prelude::*;
 use std::path::Path;
 use thiserror::Error;
@@ -37,14 +37,14 @@ impl LoadError {
 /// Every corpus under `dir`: EuRoC's sequences, TUM-VI's rooms, and the rest under the folder's own name.
 ///
 /// `dir` may be a folder of data sets (then its `euroc` and `tumvi` are looked at), a folder of sequences, or one
-/// sequence; or a data pack of any of them. EuRoC's sequences are split as in the paper; of TUM-VI room1 and room2 are for development, room3 and room4
+/// sequence. EuRoC's sequences are split as in the paper; of TUM-VI room1 and room2 are for development, room3 and room4
 /// test; the rest alternates.
 ///
 /// # Errors
 /// No sequence; a file that cannot be read; a recording that windows cannot be cut from.
 pub fn load(dir: &Path) -> Result<Vec<Corpus>, LoadError> {
     let sets: Vec<_> =
-        [EUROC, TUM_VI].iter().map(|name| dir.join(name)).filter(|path| is_there(path)).collect();
+        [EUROC, TUM_VI].iter().map(|name| dir.join(name)).filter(|path| path.is_dir()).collect();
     let mut sequences = Vec::new();
     if sets.is_empty() {
         sequences = discover(dir)?;
@@ -52,7 +52,7 @@ pub fn load(dir: &Path) -> Result<Vec<Corpus>, LoadError> {
     for set in sets {
         sequences.extend(discover(&set)?);
     }
-    let own_name = set_name(dir).unwrap_or_else(|| "data".to_owned());
+    let own_name = dir.file_name().map_or_else(|| "data".into(), |name| name.to_string_lossy().into_owned());
     let mut groups: [(String, Vec<&Sequence>); 3] =
         [(EUROC.to_owned(), Vec::new()), (TUM_VI.to_owned(), Vec::new()), (own_name, Vec::new())];
     for sequence in &sequences {

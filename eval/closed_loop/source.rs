@@ -5,7 +5,7 @@ use super::images::{ImageSource, has_images};
 use super::logged::LoggedSequence;
 use super::sequence_set::{SequenceSet, TrackSource};
 use super::source_error::SourceError;
-use dpn_io::asl::{Sequence, is_there};
+use dpn_io::asl::Sequence;
 use dpn_io::calibration::Calibration;
 use dpn_logs::{ImageLogOptions, Scales};
 use dpn_sim::tracks::{CameraSettings, TracksConfig};
@@ -71,7 +71,7 @@ impl RunSource {
         if let Some(log) = self.logged(dir)? {
             return Ok((log, 0));
         }
-        if dir.exists() || is_there(dir) {
+        if dir.exists() {
             let chosen = self.camera.is_some() || self.tracks.is_some();
             let tracks = self.seen(!chosen && has_images(&Sequence::open(dir)?)?)?;
             return Ok((self.completed(SequenceSet::one(dir, tracks)?), 0));

@@ -1,7 +1,7 @@
 //! Tracks that were followed through images and rows of cells, kept in a folder for whoever needs the same again: another shard, another node, another command.
 //!
 //! An entry is named by the checksum of everything that the tracks are a function of (program, processor, the sequence's files, camera, front-end, seed, start and end), so
-//! it is right or not there. It is a [column file](dpn_io::column_file), whole or not there; one that is damaged is made anew, and said. While one process
+//! it is right or not there. It begins with the checksum of all that follows; one that is damaged is made anew, and said. While one process
 //! makes an entry, others that need it wait, where the file system has locks; where it has none they make it too, with the same bytes. When all
 //! entries together outgrow the limit, those go that were least recently used.
 
@@ -9,20 +9,18 @@ use super::image_report::ImageReport;
 use super::recording::Span;
 use super::row::Row;
 use super::tracked::TrackedSequence;
-use dpn_core::checksum::of_parts;
+use dpn_core::checksum::{of_bytes, of_parts};
 use dpn_core::{Stamp, Track, TrackFrame};
 use dpn_io::IoError;
-use dpn_io::column_file::{Column, ColumnFile, Format, to_bytes};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::fs::{File, TryLockError};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, SystemTime};
 
-const FORMAT: Format = Format { name: "file of kept tracks", version: 1 };
 /// End of an entry's name.
 const END: &str = "tracks";
 /// End of the name of the file whose lock says that an entry is being made.
@@ -41,6 +39,7 @@ pub struct TrackCache {
     remarks: Mutex<Vec<String>>,
 }
 
+/// The line behind an entry's checksum. Words of 8 bytes, little-endian, follow: of each frame its stamp and number of tracks, then of each of these id, x and y.
 #[derive(Serialize, Deserialize)]
 struct Content {
     key: String,
@@ -170,7 +169,7 @@ impl TrackCache {
 
     fn keep(&self, key: &str, tracked: &TrackedSequence) -> Result<(), IoError> {
         let path = self.path(key);
-        let bytes = bytes_of(&path, key, tracked)?;
+        let bytes = bytes_of(key, tracked);
         if bytes.len() as u64 > self.most {
             self.remark(format!(
                 "{}: not kept, for its {} bytes are more than the cache holds",
@@ -214,45 +213,52 @@ fn with_cause(error: &IoError) -> String {
     }
 }
 
-fn bytes_of(path: &Path, key: &str, tracked: &TrackedSequence) -> Result<Vec<u8>, IoError> {
-    let frames = &tracked.frames;
-    let all = || frames.iter().flat_map(|frame| &frame.tracks);
-    let columns = BTreeMap::from([
-        ("t_ns".to_owned(), Column::I64(frames.iter().map(|frame| frame.t.ns()).collect())),
-        ("count".to_owned(), Column::I64(frames.iter().map(|frame| frame.tracks.len() as i64).collect())),
-        ("id".to_owned(), Column::I64(all().map(|track| track.id.cast_signed()).collect())),
-        ("px".to_owned(), Column::F64(2, all().flat_map(|track| [track.px.x, track.px.y]).collect())),
-    ]);
+fn bytes_of(key: &str, tracked: &TrackedSequence) -> Vec<u8> {
     let span = (tracked.span.from_s, tracked.span.to_s);
     let content = Content { key: key.to_owned(), span, images: tracked.images.clone() };
-    Ok(to_bytes(path, FORMAT, &content, &columns)?)
+    let mut told = serde_json::to_vec(&content).expect("numbers, texts and lists of them");
+    told.push(b'\n');
+    let mut put = |word: u64| told.extend(word.to_le_bytes());
+    for frame in &tracked.frames {
+        put(frame.t.ns().cast_unsigned());
+        put(frame.tracks.len() as u64);
+        for track in &frame.tracks {
+            [track.id, track.px.x.to_bits(), track.px.y.to_bits()].into_iter().for_each(&mut put);
+        }
+    }
+    [of_bytes(&told).into_bytes(), told].concat()
 }
 
 fn read(path: &Path, key: &str) -> Result<TrackedSequence, IoError> {
-    let (file, content) = ColumnFile::open::<Content>(path, FORMAT)?;
-    let (stamps, counts, ids) = (file.i64s("t_ns")?, file.i64s("count")?, file.i64s("id")?);
-    let (width, px) = file.f64s("px")?;
-    let uneven = || IoError::from(file.column("px", "does not fit the other columns".to_owned()));
-    let sum: i64 = counts.iter().sum();
-    if content.key != key
-        || width != 2
-        || counts.len() != stamps.len()
-        || px.len() != 2 * ids.len()
-        || sum != ids.len() as i64
-    {
-        return Err(uneven());
+    let bytes = std::fs::read(path).map_err(|e| IoError::reading(path, e))?;
+    let damaged = || IoError::reading(path, io::Error::new(io::ErrorKind::InvalidData, "damaged"));
+    parse(&bytes, key).ok_or_else(damaged)
+}
+
+/// What [`bytes_of`] wrote for this key; `None` where it did not.
+fn parse(bytes: &[u8], key: &str) -> Option<TrackedSequence> {
+    let (checksum, told) = bytes.split_at_checked(64)?;
+    if checksum != of_bytes(told).as_bytes() {
+        return None;
     }
-    let mut tracks = ids
-        .iter()
-        .zip(px.as_chunks::<2>().0)
-        .map(|(id, [x, y])| Track { id: id.cast_unsigned(), px: Vector2::new(*x, *y) });
-    let frame = |(t, count): (&i64, &i64)| TrackFrame {
-        t: Stamp::from_ns(*t),
-        tracks: tracks.by_ref().take(usize::try_from(*count).unwrap_or(0)).collect(),
-    };
-    let frames = stamps.iter().zip(&counts).map(frame).collect();
+    let end = told.iter().position(|byte| *byte == b'\n')?;
+    let content: Content = serde_json::from_slice(&told[..end]).ok()?;
+    if content.key != key {
+        return None;
+    }
+    let mut words = told[end + 1..].as_chunks().0.iter().map(|bytes| u64::from_le_bytes(*bytes));
+    let mut frames = Vec::new();
+    while let Some(t) = words.next() {
+        let count = words.next()?;
+        let track = |_| {
+            let [id, x, y] = [words.next()?, words.next()?, words.next()?];
+            Some(Track { id, px: Vector2::new(f64::from_bits(x), f64::from_bits(y)) })
+        };
+        let tracks = (0..count).map(track).collect::<Option<_>>()?;
+        frames.push(TrackFrame { t: Stamp::from_ns(t.cast_signed()), tracks });
+    }
     let (from_s, to_s) = content.span;
-    Ok(TrackedSequence { frames, span: Span { from_s, to_s }, images: content.images })
+    Some(TrackedSequence { frames, span: Span { from_s, to_s }, images: content.images })
 }
 
 #[cfg(test)]
@@ -338,7 +344,7 @@ mod tests {
     #[test]
     fn the_least_recently_used_go_first_and_all_stay_within_the_limit() {
         let (dir, stop) = (tempfile::tempdir().unwrap(), AtomicBool::new(false));
-        let one = bytes_of(Path::new("x"), "a", &tracked(40)).unwrap().len() as u64;
+        let one = bytes_of("a", &tracked(40)).len() as u64;
         let cache = TrackCache::open(dir.path(), 3 * one + one / 2).unwrap();
         let age = |key: &str, seconds| {
             let file = File::options().append(true).open(dir.path().join(format!("{key}.tracks"))).unwrap();

@@ -105,7 +105,7 @@ def run(
 ) -> Run:
     """Runs the odometry: the numbers of ``dpn run --json``.
 
-    ``log``: a folder with an ASL sequence, one of a data pack, a log with images (rosbag1, MCAP, rosbag2, a folder with
+    ``log``: a folder with an ASL sequence, a log with images (rosbag1, MCAP, rosbag2, a folder with
     times.txt), the name of a flight; or a :class:`Recording` with ``tracks`` and ``calibration``.
     ``noise``: where every sample's noise comes from: ``"self"`` (the odometry estimates
     it while it runs), ``"x4"``, ``"dualpronet"``, ``'file("noise.csv")'``, ...

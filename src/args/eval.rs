@@ -16,7 +16,7 @@ pub(crate) struct EvalArgs {
     /// The odometry, told its noise by each of several sources, beside the paper's rows and VINS-Mono's.
     #[arg(long)]
     pub(crate) closed_loop: bool,
-    /// Folder of ASL sequences, or of datasets as unpacked (euroc/, tumvi/), or a data pack of them (`dpn data pack`); without it the simulated flights.
+    /// Folder of ASL sequences, or of datasets as unpacked (euroc/, tumvi/); without it the simulated flights.
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
     /// One sensor only: accel or gyro.

@@ -83,15 +83,6 @@ pub(super) const ONNX: &str = "Examples:
   dpn export onnx --out onnx
   dpn export onnx --network sg11-s0,wide-s0 --json";
 
-pub(super) const DATA_PACK: &str = "Example:
-  dpn data pack data --out data.pack";
-
-pub(super) const DATA_LIST: &str = "Example:
-  dpn data list data.pack";
-
-pub(super) const DATA_CHECK: &str = "Example:
-  dpn data check data.pack --json";
-
 pub(super) const FLIGHT: &str = "Examples:
   dpn simulate flight --list
   dpn simulate flight f07-room-medium --seed 3 --out flights";

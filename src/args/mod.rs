@@ -4,7 +4,6 @@ mod allan;
 mod cache;
 mod check;
 mod closed_loop;
-mod data;
 mod eval;
 mod examples;
 mod export;
@@ -27,7 +26,6 @@ pub(crate) use allan::AllanArgs;
 pub(crate) use cache::CacheArgs;
 pub(crate) use check::CheckArgs;
 pub(crate) use closed_loop::{CameraArg, ClosedLoopArgs, SettingsArgs};
-pub(crate) use data::{DataArgs, DataFileArgs, DataWhat};
 pub(crate) use eval::EvalArgs;
 pub(crate) use export::{ExportArgs, ExportWhat, OnnxArgs};
 pub(crate) use fleet::FleetArgs;
@@ -94,8 +92,6 @@ pub(crate) enum Command {
     Truth(TruthArgs),
     /// Trained networks for other programs (onnx).
     Export(ExportArgs),
-    /// A data set in one file that every --data takes: pack, list, check.
-    Data(DataArgs),
     /// Make data whose truth is known.
     Simulate(SimulateArgs),
     /// Completions of a shell, to standard output.

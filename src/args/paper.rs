@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// Flags of `dpn paper`.
 #[derive(Debug, Args)]
 pub(crate) struct PaperArgs {
-    /// Folder of EuRoC's sequences, or of datasets as unpacked (euroc/, tumvi/), or a data pack of them; without it the simulated flights.
+    /// Folder of EuRoC's sequences, or of datasets as unpacked (euroc/, tumvi/); without it the simulated flights.
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
     /// A few minutes' worth: fewer noises, one seed.

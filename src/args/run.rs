@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// Flags of `dpn run`.
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
-    /// Folder of an ASL sequence (EuRoC, TUM-VI), one of a data pack (PACK/NAME), a log with images (rosbag1, MCAP, rosbag2, a folder with times.txt), name of a
+    /// Folder of an ASL sequence (EuRoC, TUM-VI), a log with images (rosbag1, MCAP, rosbag2, a folder with times.txt), name of a
     /// simulated flight, or a bag as it is recorded: a pipe, or - for stdin, whose poses are printed as they are made.
     #[arg(value_name = "SEQUENCE|LOG|FLIGHT|-")]
     pub(crate) source: String,

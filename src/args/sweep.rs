@@ -45,7 +45,7 @@ pub(crate) struct SweepPlanArgs {
     /// Folder of the sweep.
     #[arg(long, value_name = "SWEEP")]
     pub(crate) out: PathBuf,
-    /// Folder of the data, or a data pack, over the plan's.
+    /// Folder of the data, over the plan's.
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
     /// The kind of processor that will run it (x86_64-v3), where it is not as this one.
@@ -65,7 +65,7 @@ pub(crate) struct SweepRunArgs {
     /// Which: 3, 0-3, 1,4,7, or all, one after another; without it the number in SLURM_ARRAY_TASK_ID.
     #[arg(long, value_name = "K")]
     pub(crate) shard: Option<Shards>,
-    /// Folder of the data, or a data pack, where it is not where the plan has it.
+    /// Folder of the data, where it is not where the plan has it.
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
     /// Folder of given tracks, where it is not where the plan has it.

@@ -24,7 +24,7 @@ pub(crate) struct TrainArgs {
     /// One key of the configuration, over the file: --set network.block_order=conv-act-norm. May be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
     pub(crate) sets: Vec<(String, String)>,
-    /// Folder of ASL sequences (EuRoC, TUM-VI), or a data pack of them; without it the simulated flights.
+    /// Folder of ASL sequences (EuRoC, TUM-VI); without it the simulated flights.
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
     /// Folder of the run; without it runs/train-SENSOR-BASE-SEED.

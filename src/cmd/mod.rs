@@ -8,7 +8,6 @@ mod closed_loop;
 mod convert;
 mod cores;
 mod corpus;
-mod data;
 mod device;
 mod eval;
 mod export;
@@ -60,7 +59,6 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Page(args) => page::run(&args),
         Command::Truth(args) => truth::run(&args),
         Command::Export(args) => export::run(&args),
-        Command::Data(args) => data::run(&args),
         Command::Simulate(args) => simulate::run(args),
         Command::Completions(args) => Ok(manual::completions(&args)?),
         Command::Manual(args) => manual::manual(&args),

@@ -1,6 +1,5 @@
 //! What can be wrong with a file, and what to do about it.
 
-use crate::column_file::ColumnFileError;
 use crate::printable;
 use crate::row_fault::{BACK, RowFault};
 use std::io;
@@ -12,9 +11,6 @@ use thiserror::Error;
 /// Lines are counted from 1, as editors do.
 #[derive(Debug, Error)]
 pub enum IoError {
-    /// A file of columns that cannot be used.
-    #[error(transparent)]
-    ColumnFile(#[from] ColumnFileError),
     /// The operating system refused to read.
     #[error("cannot read {}", path.display())]
     Read {
@@ -167,7 +163,6 @@ impl IoError {
     /// What to do about it, where there is more to say than the message itself does.
     pub fn hint(&self) -> Option<String> {
         let text = match self {
-            Self::ColumnFile(error) => error.hint(),
             Self::Read { path, source } => match source.kind() {
                 io::ErrorKind::NotADirectory => {
                     let file = path.ancestors().find(|part| part.is_file())?;

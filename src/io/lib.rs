@@ -1,7 +1,6 @@
 //! Readers and writers of the formats at the border.
 //!
 //! * [`asl`]: EuRoC and TUM-VI folders; [`asl::discover`] lists the sequences under a folder.
-//! * [`column_file`]: columns with checksums in one file; [`asl::pack`] writes a data set as one.
 //! * [`read_imu_csv`]: plain CSV logs, columns by header or by list; [`parse_imu_csv_loosely`] uses what it can of anybody's.
 //! * [`ImuLines`]: the same line by line, as they come.
 //! * [`Sieve`]: keeps of somebody's samples what a recording may hold.
@@ -25,7 +24,6 @@ pub mod asl;
 mod atomic;
 pub mod calibration;
 mod choice;
-pub mod column_file;
 mod columns;
 pub mod config;
 mod decimal;

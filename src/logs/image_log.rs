@@ -12,7 +12,7 @@ use crate::sensors::{SensorEvent, SensorStream};
 use crate::topics::Topics;
 use crate::{ImageLogOptions, ImageSpan, Kind, Log, LogError, bag, read_log};
 use dpn_core::{GrayImage, Stamp};
-use dpn_io::asl::{Sequence, discover, is_there};
+use dpn_io::asl::{Sequence, discover};
 use dpn_io::{ImageFolder, IoError, Prefetch, TimesFolder};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -39,9 +39,8 @@ impl ImageLog {
     /// The log at `path`, where it is of a kind that may have images and is no ASL sequence; by its first bytes or its files.
     pub fn find(path: &Path, options: ImageLogOptions) -> Option<Self> {
         let of = |is_folder| Some(Self { path: path.to_path_buf(), is_folder, options });
-        let is_sequence = if path.is_dir() { Sequence::open(path).is_ok() } else { is_there(path) };
         // Looking into a pipe would take from it.
-        if is_sequence || !(path.is_dir() || path.is_file()) {
+        if Sequence::open(path).is_ok() || !(path.is_dir() || path.is_file()) {
             return None;
         }
         if path.is_dir() && TimesFolder::is(path) {

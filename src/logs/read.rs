@@ -4,7 +4,7 @@ use crate::records::Records;
 use crate::topics::Topics;
 use crate::two_files::TwoFiles;
 use crate::{Kind, Log, LogError, LogOptions, Scales, ardupilot, bag, rosbag2, ulog};
-use dpn_io::asl::{Sequence, is_there};
+use dpn_io::asl::Sequence;
 use dpn_io::{
     AccelUnit, GyroUnit, ImuColumns, IoError, LooseImuLog, Origin, SampleStore, StoredRecording, Understood,
     parse_imu_csv_loosely,
@@ -15,7 +15,7 @@ use std::io::Seek;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
-/// Reads whatever log is at `path`: a folder, a file, a sequence of a data pack (`PACK/NAME`), a pipe, or stdin for `-`. Files and pipes are opened once and read once through.
+/// Reads whatever log is at `path`: a folder, a file, a pipe, or stdin for `-`. Files and pipes are opened once and read once through.
 ///
 /// # Errors
 /// See [`LogError`]: nothing there, nothing of use in it, several IMUs and no choice. Damage is none as long as two samples stand before it.
@@ -24,12 +24,6 @@ pub fn read_log(path: &Path, options: &LogOptions) -> Result<Log, LogError> {
         return read_stream(std::io::stdin().lock(), Path::new("stdin"), options);
     }
     let reading = |e| IoError::reading(path, e);
-    if !path.is_dir() && is_there(path) {
-        return match options.topic {
-            Some(_) => Err(LogError::NoTopicsHere { path: path.to_path_buf(), kind: "data pack" }),
-            None => Ok(Log::sound(Kind::Asl, Sequence::open(path)?.imu()?)),
-        };
-    }
     if !path.is_dir() {
         let file = File::open(path).map_err(reading)?;
         #[cfg(feature = "zip")]

@@ -9,7 +9,6 @@ mod bad_config;
 mod bad_data;
 mod check;
 mod closed_loop;
-mod data;
 mod eval;
 mod export;
 mod fleet;

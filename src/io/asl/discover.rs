@@ -1,6 +1,5 @@
 //! Finds the sequences under a folder.
 
-use super::pack;
 use super::sequence::{IMU_DATA, Sequence};
 use crate::IoError;
 use std::path::{Path, PathBuf};
@@ -9,14 +8,11 @@ use std::path::{Path, PathBuf};
 const DEPTH: usize = 2;
 
 /// Every ASL sequence in `dir`: the folder itself, or those one or two levels below, sorted by name, then by path. Hidden folders
-/// and what is inside a sequence are not looked at. `dir` may be a data pack, or a folder of one: `PACK/euroc`.
+/// and what is inside a sequence are not looked at.
 ///
 /// # Errors
 /// `dir` cannot be listed; no sequence in it.
 pub fn discover(dir: &Path) -> Result<Vec<Sequence>, IoError> {
-    if let Some((file, below)) = pack::split(dir) {
-        return pack::discover(&file, &below);
-    }
     let below = folders(dir)?;
     let mut found = Vec::new();
     match Sequence::at(dir) {
@@ -36,14 +32,11 @@ pub fn discover(dir: &Path) -> Result<Vec<Sequence>, IoError> {
 }
 
 impl Sequence {
-    /// The sequence in `dir`, which holds `mav0/imu0/data.csv` or `imu0/data.csv`; or in a data pack: `PACK/NAME`, or `PACK` where it holds but one.
+    /// The sequence in `dir`, which holds `mav0/imu0/data.csv` or `imu0/data.csv`.
     ///
     /// # Errors
     /// `dir` is not there, or holds neither.
     pub fn open(dir: &Path) -> Result<Self, IoError> {
-        if let Some((file, below)) = pack::split(dir) {
-            return pack::open(&file, &below);
-        }
         std::fs::read_dir(dir).map_err(|e| IoError::reading(dir, e))?;
         Self::at(dir).ok_or_else(|| IoError::NoSequence {
             dir: dir.to_path_buf(),

@@ -5,7 +5,6 @@ pub(crate) mod camera;
 mod discover;
 pub(crate) mod ground_truth;
 pub(crate) mod imu_config;
-mod pack;
 mod sequence;
 mod write;
 #[cfg(feature = "images")]
@@ -16,7 +15,6 @@ pub use camera::{CameraFrame, read_config as read_camera_config};
 pub use discover::discover;
 pub use ground_truth::read as read_ground_truth;
 pub use imu_config::ImuConfig;
-pub use pack::{DataPack, PackedPart, is_there, pack, set_name};
 pub use sequence::Sequence;
 #[cfg(test)]
 pub(crate) use sequence::parse_imu;

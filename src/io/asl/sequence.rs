@@ -3,7 +3,6 @@
 use super::camera::{self, CameraFrame};
 use super::ground_truth;
 use super::imu_config::{self, ImuConfig};
-use super::pack::Packed;
 use crate::calibration::Calibration;
 use crate::imu_csv::parse_with;
 use crate::understood::CsvOptions;
@@ -22,8 +21,7 @@ pub(super) const CAMERA_SENSOR: &str = "cam0/sensor.yaml";
 /// Where ground truth may be, best first: EuRoC's estimate, TUM-VI's motion capture.
 pub(super) const GROUND_TRUTH: [&str; 2] = ["state_groundtruth_estimate0/data.csv", "mocap0/data.csv"];
 
-/// A folder with an IMU recording and what belongs to it, or the same in a [data pack](super::pack()): paths are then the pack's with those of the
-/// folder behind. Opening looks for the IMU file only; nothing is read yet, and every call reads its file anew.
+/// A folder with an IMU recording and what belongs to it. Opening looks for the IMU file only; nothing is read yet, and every call reads its file anew.
 #[derive(Debug, Clone)]
 pub struct Sequence {
     name: String,
@@ -31,8 +29,6 @@ pub struct Sequence {
     root: PathBuf,
     /// A reconciled ground truth in place of the published one.
     reconciled: Option<PathBuf>,
-    /// Where it is not a folder.
-    packed: Option<Packed>,
     /// A calibration in place of `cam0/sensor.yaml`.
     calibration: Option<Calibration>,
 }
@@ -42,27 +38,12 @@ impl Sequence {
     pub(super) fn at(dir: &Path) -> Option<Self> {
         let root =
             [dir.join("mav0"), dir.to_path_buf()].into_iter().find(|root| root.join(IMU_DATA).is_file())?;
-        Some(Self {
-            name: name_of(dir),
-            dir: dir.to_path_buf(),
-            root,
-            reconciled: None,
-            packed: None,
-            calibration: None,
-        })
-    }
-
-    /// One of a pack.
-    pub(super) fn of_pack(name: String, dir: PathBuf, root: PathBuf, packed: Packed) -> Self {
-        Self { name, dir, root, reconciled: None, packed: Some(packed), calibration: None }
+        Some(Self { name: name_of(dir), dir: dir.to_path_buf(), root, reconciled: None, calibration: None })
     }
 
     /// Whether it has this file, a path below its root.
     fn has(&self, file: &str) -> bool {
-        match &self.packed {
-            Some(packed) => packed.has(file),
-            None => self.root.join(file).is_file(),
-        }
+        self.root.join(file).is_file()
     }
 
     /// The folder's name, for example `MH_01_easy` or `dataset-room1_512_16`.
@@ -108,11 +89,6 @@ impl Sequence {
         &self.dir
     }
 
-    /// What its files are below: its folder, or `mav0` there.
-    pub(super) fn root(&self) -> &Path {
-        &self.root
-    }
-
     /// File of the inertial samples.
     pub fn imu_path(&self) -> PathBuf {
         self.root.join(IMU_DATA)
@@ -129,7 +105,7 @@ impl Sequence {
     }
 
     /// The file of the published ground truth, below the root.
-    pub(super) fn published_truth(&self) -> Option<&'static str> {
+    fn published_truth(&self) -> Option<&'static str> {
         GROUND_TRUTH.into_iter().find(|file| self.has(file))
     }
 
@@ -138,8 +114,7 @@ impl Sequence {
         self.has(CAMERA_DATA)
     }
 
-    /// SHA-256 of each file that it is read from: samples, ground truth, the camera's calibration and stamps, those that are there. The same of a
-    /// folder and of a pack made of it.
+    /// SHA-256 of each file that it is read from: samples, ground truth, the camera's calibration and stamps, those that are there.
     ///
     /// # Errors
     /// A file that cannot be read.
@@ -157,11 +132,8 @@ impl Sequence {
         sums
     }
 
-    pub(super) fn checksum_of(&self, file: &str) -> Result<String, IoError> {
-        match &self.packed {
-            Some(packed) => packed.source_checksum(file),
-            None => checksum_of_file(&self.root.join(file)),
-        }
+    fn checksum_of(&self, file: &str) -> Result<String, IoError> {
+        checksum_of_file(&self.root.join(file))
     }
 
     /// The inertial samples. Columns by the header's names, ASL's order without a header.
@@ -169,10 +141,7 @@ impl Sequence {
     /// # Errors
     /// As [`crate::read_imu_csv`].
     pub fn imu(&self) -> Result<ImuRecording, IoError> {
-        match &self.packed {
-            Some(packed) => packed.imu(IMU_DATA),
-            None => read_imu(&self.imu_path()),
-        }
+        read_imu(&self.imu_path())
     }
 
     /// What `imu0/sensor.yaml` says; `None` without the file.
@@ -180,11 +149,7 @@ impl Sequence {
     /// # Errors
     /// A file that cannot be read, lacks a key or holds a value that cannot be.
     pub fn imu_config(&self) -> Result<Option<ImuConfig>, IoError> {
-        let path = self.root.join(IMU_SENSOR);
-        match &self.packed {
-            Some(packed) => packed.text(IMU_SENSOR)?.map(|text| imu_config::parse(&text, &path)).transpose(),
-            None => optional(imu_config::read(&path)),
-        }
+        optional(imu_config::read(&self.root.join(IMU_SENSOR)))
     }
 
     /// What `cam0/sensor.yaml` says, or the calibration given in its place; `None` without either.
@@ -204,13 +169,7 @@ impl Sequence {
     }
 
     fn own_camera(&self) -> Result<Option<CameraConfig>, IoError> {
-        let path = self.root.join(CAMERA_SENSOR);
-        match &self.packed {
-            Some(packed) => {
-                packed.text(CAMERA_SENSOR)?.map(|text| camera::parse_config(&text, &path)).transpose()
-            }
-            None => optional(camera::read_config(&path)),
-        }
+        optional(camera::read_config(&self.root.join(CAMERA_SENSOR)))
     }
 
     /// Stamps and file names of the first camera's images, in increasing time; on the IMU's clock where a calibration says how.
@@ -218,21 +177,16 @@ impl Sequence {
     /// # Errors
     /// No `cam0/data.csv`; a row that is no frame; stamps that do not increase.
     pub fn camera_frames(&self) -> Result<Vec<CameraFrame>, IoError> {
-        let mut frames = match &self.packed {
-            Some(packed) if packed.has(CAMERA_DATA) => packed.frames(CAMERA_DATA)?,
-            Some(_) => return Err(IoError::Missing { path: self.camera_path() }),
-            None => camera::read_frames(&self.camera_path())?,
-        };
+        let mut frames = camera::read_frames(&self.camera_path())?;
         if let Some(given) = &self.calibration {
             frames.iter_mut().for_each(|frame| frame.t = given.on_imu_clock(frame.t));
         }
         Ok(frames)
     }
 
-    /// Where a frame's image is, when it was unpacked; a pack holds none, and says where the folder is that it was made of.
+    /// Where a frame's image is, when it was unpacked.
     pub fn image_path(&self, frame: &CameraFrame) -> PathBuf {
-        let root = self.packed.as_ref().map_or_else(|| self.root.clone(), Packed::root_of_images);
-        root.join("cam0/data").join(&frame.file)
+        self.root.join("cam0/data").join(&frame.file)
     }
 
     /// The ground truth.
@@ -243,10 +197,7 @@ impl Sequence {
         let path = self
             .ground_truth_path()
             .ok_or_else(|| IoError::Missing { path: self.root.join(GROUND_TRUTH[0]) })?;
-        match (&self.reconciled, &self.packed, self.published_truth()) {
-            (None, Some(packed), Some(file)) => packed.truth(file),
-            _ => ground_truth::read(&path),
-        }
+        ground_truth::read(&path)
     }
 }
 
