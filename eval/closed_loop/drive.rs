@@ -11,6 +11,7 @@ use cpu_time::ThreadTime;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::trajectory::StampedPose;
 use dpn_core::{ImuNoise, ImuSample, NoiseTrack, Stamp, TrackFrame};
+use dpn_vio::diagnosis::Axes;
 use dpn_vio::estimator::{Estimator, EstimatorConfig, FeedError, FrontEndObserver, RunReport, Update};
 use dpn_vio::preint::NoisySample;
 use dpn_vio::window::Window;
@@ -29,6 +30,8 @@ pub struct EstimatorOutput {
     pub updates: Vec<Update>,
     /// The estimator's own totals.
     pub report: RunReport,
+    /// Camera against gyroscope.
+    pub axes: Axes,
     /// CPU time of the whole run on its thread, feeding included, the front-end not \[s\].
     pub cpu_s: f64,
     /// CPU time of each update \[s\].
@@ -155,7 +158,7 @@ pub(super) fn drive_tracks(
     let refused = |source| ClosedLoopError::Feed { sequence: recording.name.clone(), source };
     let mut run = Run::new(config, recording, noise, seed)?;
     let first = frames.first().expect("there is no run without frames");
-    let mut samples = SampleWalk::new(recording.imu.samples(), first.t);
+    let mut samples = SampleWalk::of_camera(recording.imu.samples(), first.t);
     for frame in frames {
         for place in samples.until(frame.t) {
             run.feed_sample(place).map_err(refused)?;
@@ -268,6 +271,7 @@ impl<'a> Run<'a> {
             cpu_s: self.clock.elapsed().as_secs_f64() - self.tracking_s,
             updates: self.updates,
             report: self.estimator.report().clone(),
+            axes: self.estimator.images().turns().axes(),
             update_cpu_s: self.update_cpu_s,
             data_s: last.seconds_since(*first),
             frames,

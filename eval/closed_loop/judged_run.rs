@@ -17,6 +17,7 @@ use dpn_core::estimate::NoiseSpec;
 use dpn_core::{NoiseTrack, Stamp, TrackFrame};
 use dpn_pronet::network::Network;
 use dpn_vio::EstimatorConfig;
+use dpn_vio::clock::CameraClock;
 use dpn_vio::diagnosis::{Axes, TrackHealth};
 use dpn_vio::estimator::{BiasJump, FrontEndObserver, Phase};
 use serde::Serialize;
@@ -67,6 +68,8 @@ pub struct Report {
     pub warnings: Vec<String>,
     /// Camera against gyro.
     pub axes: Axes,
+    /// The camera's clock against the IMU's.
+    pub clock: CameraClock,
     /// Tracks from frame to frame.
     pub tracks: TrackHealth,
     /// What was wrong with images, in time; empty without images.
@@ -113,7 +116,7 @@ pub fn watched_run(
 ) -> Result<JudgedRun, ClosedLoopError> {
     let recorded = Recorded { name: &recording.name, imu: &recording.imu, oracle: recording.oracle.as_ref() };
     let sources = Fresh { recorded, networks };
-    let mut log = FrameLog::new(recording);
+    let mut log = FrameLog::default();
     let (output, noise, images) = match camera {
         CameraInput::Images(images) if spec.learned_before().is_none() => {
             let stream = noise_stream(recording, info.seed);
@@ -137,7 +140,8 @@ pub fn watched_run(
         }
     };
     let health = log.health();
-    let (frames, axes) = log.finish(recording);
+    let frames = log.finish();
+    let axes = output.axes;
     let mut waited_for: BTreeMap<String, usize> = BTreeMap::new();
     for update in &output.updates {
         if let Phase::Initialising(reason) = update.phase {
@@ -149,6 +153,7 @@ pub fn watched_run(
         row: judge(recording, &info, &output)?.row,
         warnings: warnings(recording, &info, (&frames, images.as_ref()), &output, &health, &axes),
         axes,
+        clock: output.report.clock,
         tracks: health,
         images: images.map_or_else(Vec::new, |images| images.events),
         skipped: output.report.skipped,
@@ -166,7 +171,7 @@ pub fn watched_run(
 ///
 /// # Errors
 /// Too few of them, or none on the samples' clock; ids that do not stay with points.
-fn fit(recording: &Recording, log: &FrameLog<'_>) -> Result<(), ClosedLoopError> {
+fn fit(recording: &Recording, log: &FrameLog) -> Result<(), ClosedLoopError> {
     let stamps: Vec<Stamp> = log.seen().iter().map(|frame| frame.t).collect();
     enough(recording, &stamps, &Span::from(0.0))?;
     match log.health().fault() {

@@ -52,7 +52,6 @@ impl<'a> LiveRun<'a> {
         let estimator = Estimator::new(settings_for(config, &spec), camera, body_from_cam, name, seed)
             .map_err(ClosedLoopError::Config)?;
         let (name, first) = (name.to_owned(), Vec::new());
-        let mounting = MountingWatch::new(camera, body_from_cam);
         Ok(Self {
             estimator,
             spec,
@@ -61,7 +60,7 @@ impl<'a> LiveRun<'a> {
             noise: None,
             first,
             last: None,
-            mounting,
+            mounting: MountingWatch::default(),
             to_weigh: Some(Vec::new()),
             warnings: VecDeque::new(),
         })
@@ -103,8 +102,8 @@ impl<'a> LiveRun<'a> {
 
     /// Works off the next frame whose samples are all there.
     pub fn next_update(&mut self) -> Option<Update> {
-        self.estimator.track_images(&mut self.mounting);
-        self.warnings.extend(self.mounting.warning());
+        self.estimator.track_images(&mut ());
+        self.warnings.extend(self.mounting.warning(self.estimator.images().turns()));
         self.estimator.next_update()
     }
 
@@ -116,7 +115,7 @@ impl<'a> LiveRun<'a> {
     /// Nothing more comes, and all updates were taken: what only the whole of it says is a warning from here on.
     pub fn look_back(&mut self) {
         self.weigh(0);
-        self.warnings.extend(self.mounting.last_warning());
+        self.warnings.extend(self.mounting.last_warning(self.estimator.images().turns()));
     }
 
     /// Looks at the first samples' force, where there are more than `count`.
@@ -155,7 +154,6 @@ impl<'a> LiveRun<'a> {
         let model = self.noise.as_mut().expect("the caller looked");
         let noise = model.feed(&sample);
         noise::check_range(&noise, &self.spec)?;
-        self.mounting.sample(&sample);
         pass_over_spikes(self.estimator.feed_imu(NoisySample { sample, noise }))
             .map_err(|error| self.refused(error))
     }

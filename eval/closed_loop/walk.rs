@@ -5,6 +5,7 @@ use super::images::ImageStream;
 use super::recording::Recording;
 use super::tracking_log::TrackingLog;
 use dpn_core::{GrayImage, ImuSample, Stamp};
+use dpn_vio::clock::REACH_S;
 use dpn_vio::estimator::FeedError;
 use std::ops::Range;
 
@@ -30,6 +31,11 @@ impl<'a> SampleWalk<'a> {
     /// Begins with the last sample that is not after `first`, where the interval before it begins.
     pub(super) fn new(samples: &'a [ImuSample], first: Stamp) -> Self {
         Self { samples, next: samples.partition_point(|s| s.t <= first).saturating_sub(1) }
+    }
+
+    /// For a camera whose clock may be off: begins as far before its first stamp as that may be.
+    pub(super) fn of_camera(samples: &'a [ImuSample], first: Stamp) -> Self {
+        Self::new(samples, first.plus_seconds(-REACH_S))
     }
 
     /// Places of the samples since the last call, up to the first at or after `t`, which completes what was taken at `t`.
@@ -65,7 +71,7 @@ pub(super) fn walk(
                 continue;
             }
         };
-        let samples = samples.get_or_insert_with(|| SampleWalk::new(recording.imu.samples(), t));
+        let samples = samples.get_or_insert_with(|| SampleWalk::of_camera(recording.imu.samples(), t));
         for place in samples.until(t) {
             take(Step::Sample(place), log).map_err(refused)?;
         }

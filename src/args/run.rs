@@ -38,6 +38,10 @@ pub(crate) struct RunArgs {
     /// Pass over images that are listed but not there, instead of stopping before the run.
     #[arg(long)]
     pub(crate) skip_missing: bool,
+    /// Seconds to add to the camera's stamps (less than zero where they are late), beyond what its calibration says; without it they are found from the turns
+    /// of camera and gyroscope, up to a quarter of a second.
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    pub(crate) time_offset: Option<f64>,
     /// How a log with images is read.
     #[command(flatten)]
     pub(crate) log: ImageLogArgs,

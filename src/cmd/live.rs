@@ -55,7 +55,7 @@ pub(super) fn run(args: &RunArgs) -> Result<()> {
     let camera = CameraModel::try_from(config)
         .map_err(|source| ClosedLoopError::Camera { sequence: NAME.into(), source })?;
     let networks = shipped::or_of(args.models.as_deref())?;
-    let estimator = settings::estimator(&args.settings)?;
+    let estimator = super::run::estimator(args)?;
     let camera = (camera, config.body_from_cam);
     let noise = args.noise.parse()?;
     warn(settings_for(&estimator, &noise).warnings());
@@ -65,6 +65,7 @@ pub(super) fn run(args: &RunArgs) -> Result<()> {
         calibration: &calibration,
         json: args.json,
         started: false,
+        clock_said: false,
         restarts: 0,
         poses: 0,
         frames: 0,
@@ -105,6 +106,7 @@ struct Live<'a> {
     calibration: &'a Calibration,
     json: bool,
     started: bool,
+    clock_said: bool,
     restarts: usize,
     poses: usize,
     frames: usize,
@@ -151,6 +153,14 @@ impl Live<'_> {
         while let Some(update) = self.run.next_update() {
             self.warnings();
             self.frames += 1;
+            let clock = self.run.report().clock;
+            if clock.found.is_some() && !std::mem::replace(&mut self.clock_said, clock.found.is_some()) {
+                errln!(
+                    "note: the camera's clock is {:+.1} ms off the gyroscope's; `--time-offset {:.4}` takes it off from the start",
+                    -1e3 * clock.offset_s,
+                    clock.offset_s
+                );
+            }
             self.say(&update);
             let Some(state) = update.state else { continue };
             self.poses += 1;

@@ -18,7 +18,8 @@ use dpn_figures::{Album, timeline, top_view};
 use dpn_io::calibration::Calibration;
 use dpn_io::{atomic_write, write_kitti, write_noise_track, write_tum};
 use dpn_logs::ImageLogOptions;
-use dpn_vio::estimator::{FrontEndObserver, Update};
+use dpn_vio::clock::CameraClock;
+use dpn_vio::estimator::{EstimatorConfig, FrontEndObserver, Update};
 use dpn_vio::frontend::Fed;
 use dpn_vio::window::Window;
 use std::collections::BTreeMap;
@@ -28,7 +29,7 @@ use std::path::{Path, PathBuf};
 pub(crate) fn run(args: &RunArgs) -> Result<()> {
     rerun::check(args.rerun.as_deref())?;
     let noise: NoiseSpec = args.noise.parse()?;
-    let estimator = settings::estimator(&args.settings)?;
+    let estimator = estimator(args)?;
     let calibration = settings::calibration(&args.settings)?;
     if let Some(given) = &calibration {
         errln!("calibration: {given}");
@@ -114,6 +115,14 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     Ok(())
 }
 
+/// The estimator's settings, as typed.
+pub(super) fn estimator(args: &RunArgs) -> Result<EstimatorConfig> {
+    let mut settings = args.settings.clone();
+    let offset = args.time_offset.map(|seconds| format!("{seconds:?}"));
+    settings.sets.extend(offset.map(|seconds| ("front_end.time_offset_s".to_owned(), seconds)));
+    settings::estimator(&settings)
+}
+
 /// What is said of a run without a pose: a recording may be too short for one, or at rest throughout, so that it is no error.
 pub(super) fn no_pose(frames: usize, waited_for: &BTreeMap<String, usize>) -> String {
     format!(
@@ -121,6 +130,28 @@ pub(super) fn no_pose(frames: usize, waited_for: &BTreeMap<String, usize>) -> St
          what is wrong with an IMU's log, --draw shows the camera's tracks, and a rolling shutter is told by --set front_end.readout_s=0.03",
         waiting(waited_for)
     )
+}
+
+/// What is known of the camera's clock; `first` is its first frame's stamp.
+fn clock_words(clock: &CameraClock, first: Stamp) -> String {
+    let off = |seconds: f64| {
+        format!("{:.1} ms {}", 1e3 * seconds.abs(), if seconds < 0.0 { "late" } else { "early" })
+    };
+    let seen = clock.seen_s.zip(clock.std_s);
+    match (clock.given, clock.found, seen) {
+        (true, _, _) => format!("{}, as given", off(clock.offset_s)),
+        (_, Some(t), Some((seen, std))) => format!(
+            "{} (+- {:.1}) against the gyroscope, taken off since {:.1} s; `--time-offset {:.4}` takes it off from the start",
+            off(seen),
+            1e3 * std,
+            t.seconds_since(first),
+            clock.offset_s
+        ),
+        (_, _, Some((seen, std))) => {
+            format!("{} (+- {:.1}) against the gyroscope, left as it is", off(seen), 1e3 * std)
+        }
+        _ => "not told: too few turns, or none that the gyroscope shares within 250 ms; `--time-offset` gives it".to_owned(),
+    }
 }
 
 /// What frames waited for, and how many.
@@ -254,6 +285,7 @@ fn words(report: &Report, done: &JudgedRun, simulated: bool) -> String {
             line("initialised:", format!("never; waited for: {}", waiting(&report.waited_for)));
         }
     }
+    line("camera clock:", clock_words(&report.clock, done.output.frames[0]));
     let share = row.completion.map_or_else(String::new, |c| format!(", {:.1} % since the first", 100.0 * c));
     line("poses:", format!("{} of {} frames{share}", row.poses, row.frames));
     line("restarts:", row.restarts.to_string());

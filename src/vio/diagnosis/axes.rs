@@ -1,44 +1,37 @@
 //! The camera's rotation between frames against the gyro's.
 //!
-//! Between two frames a camera's rays turn by `cam_b_from_cam_a`, which the rays alone tell roughly: a rotation fitted to all of them, the
-//! worst left out, beside a translation before points of one distance; what distances differ is taken for rotation, now one way and now
-//! the other. The gyro tells the same turn in body axes, plus its bias. So over all pairs of frames, means removed,
+//! Between two frames a camera's rays turn by `cam_b_from_cam_a`, which the rays alone tell (`clock::flow_turn`). The gyro tells the same turn in body axes, plus its bias. So over all pairs of frames, means removed,
 //!
 //! turn_in_body = s * body_from_cam * turn_in_cam,
 //!
 //! whose best `body_from_cam` (Wahba's problem, by SVD) and scale `s` are compared with the calibration. Where a reflection fits better than any
-//! rotation, an axis has the wrong sign or two are swapped.
+//! rotation, an axis has the wrong sign or two are swapped. Where the calibration fits in the main, `turn_map` says what of it is off by less.
 //! Source: G. Wahba, "A least squares estimate of satellite attitude", SIAM Review 1965; hand-eye calibration by rotations, e.g. J. Furrer et
 //! al., "Evaluation of combined time-offset estimation and hand-eye calibration on robotic datasets", FSR 2017.
 
+use super::turn_map::TurnMap;
+use crate::clock::{FlowTurn, GyroCourse, nearest};
 use dpn_core::camera::CameraModel;
-use dpn_core::geometry::so3;
 use dpn_core::{ImuSample, TrackFrame};
-use nalgebra::{
-    Isometry3, Matrix3, Matrix3x6, Matrix6, Rotation3, UnitQuaternion, Vector2, Vector3, Vector6,
-};
+use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use serde::Serialize;
 
-/// Fewest tracks that two frames must share.
-const FEWEST_TRACKS: usize = 12;
 /// Fewest pairs of frames.
 const FEWEST_PAIRS: usize = 30;
-/// Share of the rays that is left out of a fit as the worst.
-const LEFT_OUT: f64 = 0.3;
-/// Frames farther apart are not compared \[s\].
-const LONGEST_STEP_S: f64 = 0.25;
 /// Least turning about the second-strongest axis that lets axes be told \[rad/s, rms\].
 const LEAST_TURNING: f64 = 0.05;
 /// Turns that agree within this are from a camera mounted as said \[rad\]; parallax alone makes some degrees.
 const TURN_TOLERANCE: f64 = 0.21;
 /// A mounting that is the inverse of what was said, within this, and thrice as near to it, is that \[rad\]: real tracks tell it to 20 degrees.
 const SWAP_TOLERANCE: f64 = 0.5;
-/// Scales between this and its inverse are the same.
-const SCALE_TOLERANCE: f64 = 1.5;
-/// A scale is told where all within so many of its standard errors are outside the tolerance.
-const SCALE_CERTAINTY: f64 = 3.0;
-/// Errors of the camera's turns are alike over so many pairs: the same points at the same distances, seen again.
-const ALIKE_PAIRS: f64 = 10.0;
+/// A focal length is told from pan and tilt against roll where these differ by more \[log\]: who turns to where he goes makes 4 %.
+const FOCAL_TOLERANCE: f64 = 0.12;
+/// A scale of the gyroscope's is told where roll differs by more \[log\].
+const SCALE_TOLERANCE: f64 = 0.06;
+/// A mounting is told where it is off by more \[rad\].
+const MOUNTING_TOLERANCE: f64 = 0.08;
+/// All that by so many deviations more.
+const SURE: f64 = 4.0;
 /// Another reading must lower the residual to this share of that of the calibration.
 const BETTER: f64 = 0.8;
 
@@ -63,6 +56,11 @@ pub enum AxesVerdict {
     Mirrored,
     /// The gyro reads so many times what the camera sees: 57.3 is degrees for radians.
     Scaled {
+        /// The factor.
+        factor: f64,
+    },
+    /// They turn together about the camera's axis and not across it: the focal length is so many times what it should be.
+    Focal {
         /// The factor.
         factor: f64,
     },
@@ -103,7 +101,10 @@ impl Axes {
                 self.best_correlation
             )),
             AxesVerdict::Scaled { factor } => Some(format!(
-                "the gyro reads {factor:.1} times what the camera sees; angular rates must be in rad/s (degrees make 57.3)"
+                "the gyro reads {factor:.2} times what the camera sees; angular rates must be in rad/s (degrees make 57.3), and --gyro-scale takes a gyroscope's own scale out"
+            )),
+            AxesVerdict::Focal { factor } => Some(format!(
+                "the focal length looks {factor:.2} times too large: the camera turns as the gyroscope says about its axis, and {factor:.2} times as far across it; is the calibration (focal length, distortion) of this lens and of this resolution? --calib names another"
             )),
             AxesVerdict::Unrelated => Some(format!(
                 "camera and gyro do not turn together, however mounted: {seen}; are tracks and IMU of one recording and on one clock?"
@@ -112,75 +113,58 @@ impl Axes {
     }
 }
 
-/// Compares the turns of camera and gyro.
+/// A pair of frames: mean rates between them.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Turn {
+    /// The gyroscope's, in the body's axes \[rad/s\].
+    pub(crate) body: Vector3<f64>,
+    /// The camera's, in its own.
+    pub(crate) cam: Vector3<f64>,
+    /// Information about the latter.
+    pub(crate) information: Matrix3<f64>,
+}
+
+impl Turn {
+    /// Of a pair whose stamps are `offset_s` short of the gyroscope's clock; `None` where samples do not cover it.
+    pub(crate) fn of(pair: &FlowTurn, course: &GyroCourse, offset_s: f64) -> Option<Self> {
+        let (from, to) = (pair.from.plus_seconds(offset_s), pair.to.plus_seconds(offset_s));
+        let seconds = pair.seconds();
+        Some(Self {
+            body: course.mean_rate(from, to)?,
+            cam: pair.turn / seconds,
+            information: pair.information * (seconds * seconds),
+        })
+    }
+}
+
+/// Compares the turns of camera and gyroscope, of a recording that is all there; a run's own comparison is in its report.
 pub fn axes(
     samples: &[ImuSample],
     frames: &[TrackFrame],
     camera: &CameraModel,
     body_from_cam: &Isometry3<f64>,
 ) -> Axes {
-    let mut meter = AxesMeter::default();
-    for pair in frames.windows(2) {
-        meter.pair(samples, (&pair[0], &pair[1]), &pair[1].shared(&pair[0]), camera);
-    }
-    meter.axes(body_from_cam)
+    let mut course = GyroCourse::default();
+    samples.iter().for_each(|sample| course.push(sample));
+    let pairs = frames.windows(2).filter_map(|pair| {
+        let flow = FlowTurn::of((&pair[0], &pair[1]), &pair[1].shared(&pair[0]), camera)?;
+        Turn::of(&flow, &course, 0.0)
+    });
+    compared(&pairs.collect::<Vec<_>>(), &body_from_cam.rotation)
 }
 
-/// The same of frames as they come: of a pair two rates are kept.
-#[derive(Debug, Clone, Default)]
-pub struct AxesMeter {
-    /// Rates of gyro and camera between neighbouring frames \[rad/s\], each in its own axes.
-    turns: Vec<(Vector3<f64>, Vector3<f64>)>,
-}
-
-impl AxesMeter {
-    /// Takes the step from a frame to the next, and what both see, as [`TrackFrame::shared`] gives it; `samples` are all there are.
-    pub fn pair(
-        &mut self,
-        samples: &[ImuSample],
-        (a, b): (&TrackFrame, &TrackFrame),
-        shared: &[(Vector2<f64>, Vector2<f64>)],
-        camera: &CameraModel,
-    ) {
-        let seconds = b.t.seconds_since(a.t);
-        if seconds > LONGEST_STEP_S {
-            return;
-        }
-        let begin = samples.partition_point(|s| s.t < a.t);
-        let end = samples.partition_point(|s| s.t <= b.t);
-        if begin == 0 || end - begin < 2 || end == samples.len() {
-            return;
-        }
-        let gyro = samples[begin..end].iter().map(|s| Vector3::from(s.gyro)).sum::<Vector3<f64>>();
-        let ray = |px| camera.bearing(px);
-        let rays = shared.iter().filter_map(|(before, px)| Some((ray(before)?, ray(px)?)));
-        if let Some(b_from_a) = rotation_of(rays.collect()) {
-            // A camera turning by d carries points by the inverse.
-            self.turns.push((gyro / (end - begin) as f64, so3::log(&b_from_a.inverse()) / seconds));
-        }
-    }
-
-    /// Steps so far that can be compared.
-    pub fn pairs(&self) -> usize {
-        self.turns.len()
-    }
-
-    /// What the steps so far say of a camera mounted so.
-    pub fn axes(&self, body_from_cam: &Isometry3<f64>) -> Axes {
-        compared(&self.turns, body_from_cam)
-    }
-}
-
-fn compared(turns: &[(Vector3<f64>, Vector3<f64>)], body_from_cam: &Isometry3<f64>) -> Axes {
+/// Compares the turns of camera and gyroscope, before a camera mounted so.
+pub(crate) fn compared(turns: &[Turn], body_from_cam: &UnitQuaternion<f64>) -> Axes {
     let unknown =
         Axes { verdict: AxesVerdict::Unknown, pairs: turns.len(), correlation: 0.0, best_correlation: 0.0 };
     if turns.len() < FEWEST_PAIRS {
         return unknown;
     }
-    let turns = centred(turns);
+    let all = turns;
+    let turns = &centred(all)[..];
     let n = turns.len() as f64;
     let (mut cross, mut power_body, mut power_cam) = (Matrix3::zeros(), 0.0, Matrix3::zeros());
-    for (body, cam) in &turns {
+    for (body, cam) in turns {
         cross += body * cam.transpose() / n;
         power_cam += cam * cam.transpose() / n;
         power_body += body.norm_squared() / n;
@@ -192,8 +176,8 @@ fn compared(turns: &[(Vector3<f64>, Vector3<f64>)], body_from_cam: &Isometry3<f6
     if spread[1] < LEAST_TURNING * LEAST_TURNING || !(norm.is_finite() && norm > 0.0) {
         return unknown;
     }
-    let given = body_from_cam.rotation.to_rotation_matrix();
-    let (rotation, reflected) = best(&cross);
+    let given = body_from_cam.to_rotation_matrix();
+    let (rotation, reflected) = nearest(&cross);
     // The covariance with the best scale is (sum of what agrees) / norm.
     let agreement = |m: &Matrix3<f64>| (m.transpose() * cross).trace() / norm;
     let (correlation, turned, mirrored) =
@@ -218,82 +202,38 @@ fn compared(turns: &[(Vector3<f64>, Vector3<f64>)], body_from_cam: &Isometry3<f6
         let axis = away.axis().map_or([0.0; 3], |axis| axis.into_inner().into());
         AxesVerdict::Turned { degrees: away.angle().to_degrees(), axis_in_body: axis }
     } else {
-        scale(turned * norm, power_body, power_cam.trace(), n)
+        TurnMap::of(all, &body_from_cam.inverse())
+            .map_or(AxesVerdict::Consistent, |map| in_detail(&map, body_from_cam))
     };
     Axes { verdict, pairs: turns.len(), correlation, best_correlation: turned.max(mirrored) }
 }
 
-/// Whether the camera's turns are so many times the gyro's, by regression of the camera's on the gyro's: the camera's carry nearly all
-/// of the noise, and a ratio of powers takes that noise for turning. `agreement`, `power_body` and `power_cam` are means over `pairs`.
-fn scale(agreement: f64, power_body: f64, power_cam: f64, pairs: f64) -> AxesVerdict {
-    let slope = agreement / power_body;
-    let left_over = (power_cam - slope * agreement).max(0.0);
-    let error = SCALE_CERTAINTY * (left_over * ALIKE_PAIRS / (power_body * pairs)).sqrt();
-    let outside = slope - error > SCALE_TOLERANCE || slope + error < 1.0 / SCALE_TOLERANCE;
-    if outside { AxesVerdict::Scaled { factor: 1.0 / slope } } else { AxesVerdict::Consistent }
-}
-
-/// The rotation that carries the first rays to the second, beside a translation before points of one distance; the worst rays left out.
-fn rotation_of(mut rays: Vec<(Vector3<f64>, Vector3<f64>)>) -> Option<UnitQuaternion<f64>> {
-    let keep = ((1.0 - LEFT_OUT) * rays.len() as f64) as usize;
-    if keep < FEWEST_TRACKS {
-        return None;
+/// What is left to say of a camera that turns as its calibration says in the main.
+fn in_detail(map: &TurnMap, body_from_cam: &UnitQuaternion<f64>) -> AxesVerdict {
+    let roll = map.scale.z;
+    let pan = 0.5 * (map.scale.x + map.scale.y);
+    let (roll_std, pan_std) = (map.scale_std.z, 0.5 * map.scale_std.xy().norm());
+    if !(roll > 0.0 && pan > 0.0) {
+        return AxesVerdict::Consistent;
     }
-    let cross = rays.iter().map(|(a, b)| b * a.transpose()).sum::<Matrix3<f64>>();
-    let mut rotation = UnitQuaternion::from_rotation_matrix(&best(&cross).0);
-    let mut shift = Vector3::zeros();
-    for round in 0..3 {
-        let used = if round == 0 { rays.len() } else { keep };
-        let (turn, moved) = step(&rays[..used], &rotation)?;
-        rotation = so3::exp(&turn) * rotation;
-        shift = moved;
-        let off = |(a, b): &(Vector3<f64>, Vector3<f64>)| across(b, &(rotation * a + shift)).norm_squared();
-        rays.sort_by(|x, y| off(x).total_cmp(&off(y)));
+    let off = |ratio: f64, least: f64, std: f64| ratio.ln().abs() > least + SURE * std;
+    let across_std = (roll_std / roll).hypot(pan_std / pan);
+    if off(pan / roll, FOCAL_TOLERANCE, across_std) {
+        return AxesVerdict::Focal { factor: pan / roll };
     }
-    shift.iter().all(|v| v.is_finite()).then_some(rotation)
-}
-
-/// What of `v` is across the ray `b`.
-fn across(b: &Vector3<f64>, v: &Vector3<f64>) -> Vector3<f64> {
-    v - b * b.dot(v)
-}
-
-/// Least squares over a small turn `d` and a translation `t` in units of the points' distance: across b, `b = Exp(d) R a + t`.
-fn step(
-    rays: &[(Vector3<f64>, Vector3<f64>)],
-    rotation: &UnitQuaternion<f64>,
-) -> Option<(Vector3<f64>, Vector3<f64>)> {
-    let (mut normal, mut right) = (Matrix6::zeros(), Vector6::zeros());
-    for (a, b) in rays {
-        let turned = rotation * a;
-        let project = Matrix3::identity() - b * b.transpose();
-        let mut rows = Matrix3x6::zeros();
-        // Exp(d) r = r - hat(r) d
-        rows.fixed_view_mut::<3, 3>(0, 0).copy_from(&(-project * turned.cross_matrix()));
-        rows.fixed_view_mut::<3, 3>(0, 3).copy_from(&project);
-        normal += rows.transpose() * rows;
-        right -= rows.transpose() * (project * turned);
+    if off(roll, SCALE_TOLERANCE, roll_std / roll) {
+        return AxesVerdict::Scaled { factor: 1.0 / roll };
     }
-    let found = normal.cholesky()?.solve(&right);
-    Some((found.fixed_rows::<3>(0).into_owned(), found.fixed_rows::<3>(3).into_owned()))
-}
-
-/// The rotation and the reflection nearest to a matrix.
-fn best(cross: &Matrix3<f64>) -> (Rotation3<f64>, Matrix3<f64>) {
-    let svd = cross.svd(true, true);
-    let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else {
-        return (Rotation3::identity(), -Matrix3::identity());
-    };
-    let mut smallest = Matrix3::identity();
-    smallest[(2, 2)] = (u * v_t).determinant().signum();
-    let mut other = smallest;
-    other[(2, 2)] *= -1.0;
-    (Rotation3::from_matrix_unchecked(u * smallest * v_t), u * other * v_t)
+    if map.away.norm() > MOUNTING_TOLERANCE + SURE * map.away_std.max() {
+        let axis = (body_from_cam * map.away).normalize();
+        return AxesVerdict::Turned { degrees: map.away.norm().to_degrees(), axis_in_body: axis.into() };
+    }
+    AxesVerdict::Consistent
 }
 
 /// Means removed (the gyro's bias with them), the worst tenth by size left out.
-fn centred(turns: &[(Vector3<f64>, Vector3<f64>)]) -> Vec<(Vector3<f64>, Vector3<f64>)> {
-    let mut kept = turns.to_vec();
+fn centred(turns: &[Turn]) -> Vec<(Vector3<f64>, Vector3<f64>)> {
+    let mut kept: Vec<_> = turns.iter().map(|turn| (turn.body, turn.cam)).collect();
     kept.sort_by(|a, b| a.1.norm_squared().total_cmp(&b.1.norm_squared()));
     kept.truncate((kept.len() * 9).div_ceil(10));
     let n = kept.len() as f64;
@@ -372,28 +312,57 @@ mod tests {
     #[test]
     fn a_camera_that_tells_turns_badly_is_no_gyro_that_reads_too_little() {
         let mut rng = dpn_core::random::Stream::new(4).named("turns").rng();
-        let pairs = 600;
         let mut told = |factor: f64| {
-            let (mut agreement, mut power_body, mut power_cam) = (0.0, 0.0, 0.0);
-            for _ in 0..pairs {
-                let turn = Vector3::from_fn(|_, _| rng.random::<f64>() - 0.5);
-                let cam = turn + Vector3::from_fn(|_, _| 1.4 * (rng.random::<f64>() - 0.5));
-                let body = factor * turn;
-                agreement += body.dot(&cam) / f64::from(pairs);
-                power_body += body.norm_squared() / f64::from(pairs);
-                power_cam += cam.norm_squared() / f64::from(pairs);
-            }
-            assert!(
-                power_body / power_cam < factor.powi(2) * SCALE_TOLERANCE.powi(-2),
-                "the case is too easy"
-            );
-            scale(agreement, power_body, power_cam, f64::from(pairs))
+            let turns: Vec<Turn> = (0..600)
+                .map(|_| {
+                    let turn = Vector3::from_fn(|_, _| rng.random::<f64>() - 0.5);
+                    let cam = turn + Vector3::from_fn(|_, _| 1.4 * (rng.random::<f64>() - 0.5));
+                    Turn { body: factor * turn, cam, information: Matrix3::identity() }
+                })
+                .collect();
+            compared(&turns, &UnitQuaternion::identity()).verdict
         };
         assert_eq!(told(1.0), AxesVerdict::Consistent);
         for wrong in [57.3, 1.0 / 57.3] {
             let AxesVerdict::Scaled { factor } = told(wrong) else { panic!("{wrong}") };
             assert!((0.8..1.25).contains(&(factor / wrong)), "{factor}");
         }
+    }
+
+    #[test]
+    fn a_lens_of_another_focal_length_a_gyro_a_tenth_off_and_a_mounting_ten_degrees_off_are_told_apart() {
+        let case = case();
+        for factor in [0.8, 1.25] {
+            let [fx, fy, cx, cy] = [458.654, 457.296, 367.215, 248.375];
+            let pinhole = CameraModel::euroc_cam0();
+            let wrong =
+                CameraModel::radtan([752, 480], [factor * fx, factor * fy, cx, cy], [0.0; 5]).unwrap();
+            // Tracks as a lens without distortion has them.
+            let right = CameraModel::radtan([752, 480], [fx, fy, cx, cy], [0.0; 5]).unwrap();
+            let moved = |frame: &TrackFrame| TrackFrame {
+                t: frame.t,
+                tracks: (frame.tracks.iter())
+                    .filter_map(|track| {
+                        let px = right.project(&pinhole.bearing(&track.px)?)?;
+                        Some(dpn_core::Track { px, ..*track })
+                    })
+                    .collect(),
+            };
+            let frames: Vec<_> = case.frames.iter().map(moved).collect();
+            let judged = axes(&case.samples, &frames, &wrong, &case.body_from_cam);
+            let AxesVerdict::Focal { factor: found } = judged.verdict else { panic!("{factor}: {judged:?}") };
+            assert!((found / factor - 1.0).abs() < 0.05, "{factor}: {found}");
+            let judged = axes(&case.samples, &frames, &right, &case.body_from_cam);
+            assert_eq!(judged.verdict, AxesVerdict::Consistent, "{judged:?}");
+        }
+        let scaled = case.with_gyro(|g| g.map(|v| 1.1 * v));
+        let AxesVerdict::Scaled { factor } = scaled.verdict else { panic!("{scaled:?}") };
+        assert!((factor - 1.1).abs() < 0.03, "{factor}");
+        let mut turned = case;
+        turned.body_from_cam.rotation *= UnitQuaternion::from_axis_angle(&Vector3::y_axis(), 0.17);
+        let judged = turned.judged();
+        let AxesVerdict::Turned { degrees, .. } = judged.verdict else { panic!("{judged:?}") };
+        assert!((degrees - 9.7).abs() < 2.0, "{judged:?}");
     }
 
     #[test]

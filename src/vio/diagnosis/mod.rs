@@ -6,6 +6,8 @@
 
 mod axes;
 mod tracks;
+mod turn_map;
 
-pub use axes::{Axes, AxesMeter, AxesVerdict, axes};
+pub use axes::{Axes, AxesVerdict, axes};
+pub(crate) use axes::{Turn, compared};
 pub use tracks::{TrackHealth, TrackMeter, track_health};

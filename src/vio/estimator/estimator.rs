@@ -3,6 +3,7 @@
 use super::config::{EstimatorConfig, FedTracks};
 use super::delayed::Delayed;
 use super::feed_error::FeedError;
+use super::history::History;
 use super::image_tracker::{FrontEndObserver, ImageTracker};
 use super::imu_buffer::{ImuBuffer, Interval};
 use super::jump::JumpWatch;
@@ -10,6 +11,7 @@ use super::ray_rates::RayRates;
 use super::report::{RunReport, Stage};
 use super::starter::{StartFrame, Starter, integrate};
 use super::update::{Phase, RestartReason, Update};
+use crate::clock::SLIGHT_S;
 use crate::components::Learner;
 use crate::factors::reprojection::Sighting;
 use crate::frontend::line_delay;
@@ -30,6 +32,19 @@ use std::time::Instant;
 /// Solving, telling outliers and finding depths anew, this many times over, settles a start.
 const START_ROUNDS: usize = 5;
 
+/// A clock found to be off by less moves no start \[s\].
+const UNNOTICED_S: f64 = 0.002;
+
+/// A frame's tracks, waiting for their samples.
+#[derive(Debug, Clone)]
+struct Queued {
+    frame: TrackFrame,
+    /// What is added to its stamp, where its image was looked at before; without it what is in force when its turn comes \[s\].
+    offset_s: Option<f64>,
+    /// Whether it was worked off before, by another clock.
+    again: bool,
+}
+
 /// A monocular visual-inertial odometry.
 #[derive(Debug, Clone)]
 pub struct Estimator {
@@ -37,7 +52,12 @@ pub struct Estimator {
     camera: CameraModel,
     imu: ImuBuffer,
     images: ImageTracker,
-    frames: VecDeque<TrackFrame>,
+    frames: VecDeque<Queued>,
+    history: History,
+    /// What was added to the last frame's stamp \[s\].
+    offset_s: f64,
+    /// The camera's clock was found to be off by so much more than the running estimate allows for \[s\].
+    clock_moved: Option<f64>,
     newest_frame: Option<Stamp>,
     window: Window,
     starter: Starter,
@@ -81,6 +101,9 @@ impl Estimator {
             camera,
             imu: ImuBuffer::default(),
             frames: VecDeque::new(),
+            history: History::default(),
+            offset_s: config.front_end.time_offset_s.unwrap_or(0.0),
+            clock_moved: None,
             newest_frame: None,
             window: Window::new(config.window, body_from_cam),
             running: false,
@@ -110,6 +133,7 @@ impl Estimator {
             }
         })?;
         self.imu.push(sample);
+        self.history.sample(sample);
         Ok(())
     }
 
@@ -146,48 +170,107 @@ impl Estimator {
             return Err(FeedError::FrameOutOfOrder { t: frame.t, last });
         }
         self.newest_frame = Some(frame.t);
-        self.frames.push_back(frame);
+        self.frames.push_back(Queued { frame, offset_s: None, again: false });
         Ok(())
     }
 
     /// Follows points into all images that samples have reached while `observer` looks on. [`next_update`](Self::next_update) does it by
     /// itself, unobserved, as far as it needs to.
     pub fn track_images(&mut self, observer: &mut dyn FrontEndObserver) {
-        while let Some(frame) = self.images.next_frame(observer) {
-            self.frames.push_back(frame);
-        }
+        while self.follow_image(observer) {}
+    }
+
+    /// Follows points into the next images that samples have reached, up to one whose frame is handed over.
+    fn follow_image(&mut self, observer: &mut dyn FrontEndObserver) -> bool {
+        // What was in force when the image was looked at; its frame may make it another.
+        let offset_s = Some(self.images.clock().offset_s);
+        let Some(frame) = self.images.next_frame(observer) else { return false };
+        self.frames.push_back(Queued { frame, offset_s, again: false });
+        true
     }
 
     /// Works off the next frame whose samples are all there, and the images before it.
     pub fn next_update(&mut self) -> Option<Update> {
-        let (oldest, newest) = (self.imu.oldest()?, self.imu.newest()?);
-        let frame = loop {
-            if self.frames.is_empty() {
-                // Images come in increasing time: so do their frames.
-                self.frames.extend(self.images.next_frame(&mut ()));
+        loop {
+            let (frame, t, again) = self.next_in_time()?;
+            let began = Instant::now();
+            let mut update = self.work_off(&frame, t);
+            if self.running {
+                self.history.running(t);
+            } else {
+                self.history.frame(frame, t);
             }
-            let t = self.frames.front()?.t;
+            update.seconds = began.elapsed().as_secs_f64();
+            // What was said of a frame is said: of one that is worked off again nothing comes out.
+            if !again {
+                self.report.clock = self.images.clock();
+                self.report.add(&update);
+                return Some(update);
+            }
+        }
+    }
+
+    /// The next frame that samples have reached and its stamp on their clock; whether it is worked off again.
+    fn next_in_time(&mut self) -> Option<(TrackFrame, Stamp, bool)> {
+        loop {
+            if self.frames.is_empty() && !self.follow_image(&mut ()) {
+                // Images come in increasing time: so do their frames.
+                return None;
+            }
+            let next = self.frames.front()?;
+            let offset_s = next.offset_s.unwrap_or(self.images.clock().offset_s);
+            if offset_s != self.offset_s {
+                self.reclock(offset_s);
+                continue;
+            }
+            let t = if offset_s == 0.0 { next.frame.t } else { next.frame.t.plus_seconds(offset_s) };
+            let (oldest, newest) = (self.imu.oldest()?, self.imu.newest()?);
             if t > newest {
                 return None;
             }
-            let frame = self.frames.pop_front()?;
-            if t >= oldest {
-                break frame;
+            let Queued { frame, again, offset_s } = self.frames.pop_front()?;
+            if offset_s.is_none() && !again {
+                // Where tracks are fed no image takes the samples.
+                self.images.look_at_clock(&frame);
             }
-            self.report.skipped += 1;
-        };
-        // Where tracks are fed no image takes the samples.
-        self.images.forget_before(frame.t);
-        let began = Instant::now();
-        let mut update = self.work_off(&frame);
-        update.seconds = began.elapsed().as_secs_f64();
-        self.report.add(&update);
-        Some(update)
+            if t >= oldest {
+                return Some((frame, t, again));
+            }
+            if !again {
+                self.report.skipped += 1;
+            }
+        }
+    }
+
+    /// The camera's clock is off by other than was taken: what has no state yet is worked off again, a state that rests on it is given up.
+    fn reclock(&mut self, offset_s: f64) {
+        let moved = (offset_s - self.offset_s).abs();
+        self.offset_s = offset_s;
+        if self.running {
+            // By less, the next interval is that much longer.
+            self.clock_moved = (moved > SLIGHT_S).then_some(moved).or(self.clock_moved);
+            return;
+        }
+        if moved < UNNOTICED_S {
+            return;
+        }
+        let (frames, imu) = self.history.take();
+        self.imu = imu;
+        self.starter.reset();
+        self.rates = RayRates::default();
+        for frame in frames.into_iter().rev() {
+            self.frames.push_front(Queued { frame, offset_s: Some(offset_s), again: true });
+        }
     }
 
     /// Totals so far.
     pub fn report(&self) -> &RunReport {
         &self.report
+    }
+
+    /// The images on their way, and what their turns say beside the gyroscope's: of tracks that are fed too.
+    pub fn images(&self) -> &ImageTracker {
+        &self.images
     }
 
     /// The window, to look into.
@@ -260,13 +343,14 @@ impl Estimator {
         Some(state)
     }
 
-    fn work_off(&mut self, frame: &TrackFrame) -> Update {
+    /// Works off a frame of instant `t` on the IMU's clock.
+    fn work_off(&mut self, frame: &TrackFrame, t: Stamp) -> Update {
         let mut clock = Clock::start();
-        let interval = self.imu.cut(frame.t);
+        let interval = self.imu.cut(t);
         let mut seen = self.sightings(frame);
-        self.rates.add(frame.t, &mut seen);
+        self.rates.add(t, &mut seen);
         let mut update = Update {
-            t: frame.t,
+            t,
             phase: Phase::Tracking,
             state: None,
             covariance: None,
@@ -281,14 +365,14 @@ impl Estimator {
         };
         clock.lap(Stage::Feed);
         if self.running {
-            if let Err(reason) = self.track(frame.t, &interval, &seen, &mut update) {
+            if let Err(reason) = self.track(t, &interval, &seen, &mut update) {
                 update = Update { state: None, covariance: None, phase: Phase::Restarted(reason), ..update };
                 self.running = false;
                 // What waits for a new start is seen with what was told.
                 self.window.config.pixel_std = self.config.window.pixel_std;
             }
         } else {
-            match self.starter.push(&self.config, frame.t, interval, seen) {
+            match self.starter.push(&self.config, t, interval, seen) {
                 Err(reason) => update.phase = Phase::Initialising(reason),
                 Ok(frames) => {
                     let frames = self.go_on_from_last(frames);
@@ -346,6 +430,9 @@ impl Estimator {
         update: &mut Update,
     ) -> Result<(), RestartReason> {
         let mut clock = Clock::start();
+        if let Some(seconds) = self.clock_moved.take() {
+            return Err(RestartReason::CameraClock { seconds });
+        }
         if interval.longest_step > self.config.health.max_imu_gap {
             return Err(RestartReason::ImuGap { seconds: interval.longest_step });
         }

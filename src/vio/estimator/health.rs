@@ -71,6 +71,12 @@ pub enum RestartReason {
         /// How long.
         seconds: f64,
     },
+    /// The camera's clock turned out to be off \[s\].
+    #[error("the camera's clock was off by {:.1} ms more than was known", 1e3 * seconds)]
+    CameraClock {
+        /// By how much.
+        seconds: f64,
+    },
     /// A hole in the samples \[s\].
     #[error("a gap of {seconds:.2} s in the IMU's samples")]
     ImuGap {

@@ -7,6 +7,7 @@
 
 use super::feed_error::FeedError;
 use super::spike::SpikeFilter;
+use crate::clock::{CameraClock, ClockWatch, REACH_S};
 use crate::frontend::{Fed, FrontEnd, FrontEndConfig, GyroTurn, LineTurns, turn_of_camera};
 use dpn_core::camera::CameraModel;
 use dpn_core::config::ConfigFault;
@@ -39,6 +40,7 @@ impl FrontEndObserver for () {
 pub struct ImageTracker {
     front_end: FrontEnd,
     gyro: GyroTurn,
+    clock: ClockWatch,
     body_from_cam: UnitQuaternion<f64>,
     size: [usize; 2],
     waiting: VecDeque<(Stamp, GrayImage)>,
@@ -64,6 +66,7 @@ impl ImageTracker {
         Ok(Self {
             front_end: FrontEnd::new(camera, config, &Stream::new(seed).named(name))?,
             gyro: GyroTurn::new(),
+            clock: ClockWatch::new(camera, body_from_cam, config.time_offset_s),
             body_from_cam,
             size: camera.size().map(|side| side as usize),
             waiting: VecDeque::new(),
@@ -92,6 +95,7 @@ impl ImageTracker {
         self.newest_sample = Some(t);
         self.imu_ended = false;
         self.gyro.feed(sample);
+        self.clock.feed_imu(sample);
         Ok(())
     }
 
@@ -100,9 +104,33 @@ impl ImageTracker {
         self.imu_ended = true;
     }
 
-    /// Forgets samples that no image after `t` needs; [`next_frame`](Self::next_frame) does so by itself.
-    pub(super) fn forget_before(&mut self, t: Stamp) {
-        self.gyro.forget_before(t.plus_seconds(-0.5 * self.readout_s()));
+    /// The camera's clock so far.
+    pub fn clock(&self) -> CameraClock {
+        self.clock.clock()
+    }
+
+    /// The turns of camera and gyroscope.
+    pub fn turns(&self) -> &ClockWatch {
+        &self.clock
+    }
+
+    /// A stamp of the camera on the IMU's clock, as far as is known.
+    pub(super) fn on_imu_clock(&self, t: Stamp) -> Stamp {
+        self.clock.on_imu_clock(t)
+    }
+
+    /// Looks at a frame whose samples are there for what it says of the clock, and forgets samples that no image after it needs;
+    /// [`next_frame`](Self::next_frame) does so by itself.
+    pub(super) fn look_at_clock(&mut self, frame: &TrackFrame) {
+        let before = self.clock().offset_s;
+        self.clock.feed_frame(frame);
+        self.gyro.move_last(self.clock().offset_s - before);
+        self.forget_before(self.on_imu_clock(frame.t));
+    }
+
+    /// Forgets samples that no image after `t` needs, wherever the clock will be found to be.
+    fn forget_before(&mut self, t: Stamp) {
+        self.gyro.forget_before(t.plus_seconds(-0.5 * self.readout_s() - 2.0 * REACH_S));
     }
 
     fn readout_s(&self) -> f64 {
@@ -129,7 +157,7 @@ impl ImageTracker {
         Ok(())
     }
 
-    /// The camera's turns while the image of time `t` is read out; none where its lines are taken at once, or no samples cover them.
+    /// The camera's turns while the image of time `t` on the IMU's clock is read out; none where its lines are taken at once, or no samples cover them.
     fn line_turns(&self, t: Stamp) -> Option<LineTurns> {
         let readout_s = self.readout_s();
         let turns = if readout_s > 0.0 { self.gyro.over(t, readout_s)? } else { return None };
@@ -139,19 +167,25 @@ impl ImageTracker {
     /// Follows points through the images that samples have reached until a frame is handed over, while `observer` looks on.
     pub fn next_frame(&mut self, observer: &mut dyn FrontEndObserver) -> Option<TrackFrame> {
         loop {
-            let read_out = |t: Stamp| t.plus_seconds(0.5 * self.readout_s());
-            let reached =
-                |t: Stamp| self.imu_ended || self.newest_sample.is_some_and(|newest| read_out(t) <= newest);
+            let reached = |t: Stamp| {
+                let read_out = self.on_imu_clock(t).plus_seconds(0.5 * self.readout_s());
+                self.imu_ended || self.newest_sample.is_some_and(|newest| read_out <= newest)
+            };
             self.waiting.front().filter(|(t, _)| reached(*t))?;
             let (t, image) = self.waiting.pop_front()?;
             observer.begin(t);
-            let lines = self.line_turns(t);
-            let turn = self.gyro.until(t);
+            let on_imu_clock = self.on_imu_clock(t);
+            let lines = self.line_turns(on_imu_clock);
+            let turn = self.gyro.until(on_imu_clock);
             let turn = turn.map(|turn| turn_of_camera(&turn, &self.body_from_cam));
             let fed = self.front_end.feed_lines(image.view(), t, turn.as_ref(), lines);
             observer.end(&image, &fed);
-            if fed.frame.is_some() {
-                return fed.frame;
+            match &fed.frame {
+                None => self.forget_before(on_imu_clock),
+                Some(frame) => {
+                    self.look_at_clock(frame);
+                    return fed.frame;
+                }
             }
         }
     }

@@ -11,6 +11,7 @@ mod delayed;
 mod estimator;
 mod feed_error;
 pub mod health;
+mod history;
 mod image_tracker;
 mod imu_buffer;
 mod jump;

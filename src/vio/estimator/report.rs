@@ -3,6 +3,7 @@
 use super::feed_error::FeedError;
 use super::jump::BiasJump;
 use super::update::{Phase, RestartReason, Update};
+use crate::clock::CameraClock;
 use dpn_core::Stamp;
 use dpn_core::trajectory::StampedPose;
 use serde::Serialize;
@@ -57,6 +58,8 @@ pub struct RunReport {
     pub jumps: Vec<BiasJump>,
     /// How far the lens was found to be off its calibration, root mean square over the points last seen, both axes \[px\]; `None` where that is not learned, or not yet.
     pub lens_px: Option<f64>,
+    /// The camera's clock.
+    pub clock: CameraClock,
     /// Linear systems solved.
     pub iterations: usize,
     /// Tracks ended as outliers.

@@ -53,6 +53,12 @@ impl Starter {
         Ok(Self { initialiser, waiting: VecDeque::new(), longest: config.init.max_span_s + 60.0 })
     }
 
+    /// Forgets all frames.
+    pub(crate) fn reset(&mut self) {
+        self.initialiser.reset();
+        self.waiting.clear();
+    }
+
     /// Takes the next frame; a gap in the samples before it makes all earlier frames useless.
     pub(crate) fn push(
         &mut self,

@@ -13,8 +13,11 @@ pub struct FrontEndConfig {
     /// Frames handed over a second, above 0, at most 1000; images between them are tracked through. Default 10, VINS-Mono's.
     pub rate_hz: f64,
     /// Time from the first line's exposure to the last's \[s\], 0 to .1, for a rolling shutter; images are stamped at their middle line
-    /// (a stamp elsewhere is the camera clock's offset in the calibration). Default 0, all lines at once.
+    /// (a stamp elsewhere is an offset of the camera's clock). Default 0, all lines at once.
     pub readout_s: f64,
+    /// What is added to the camera's stamps \[s\], -10 to 10; without it, it is found from the turns of camera and gyroscope, up to .25 s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_offset_s: Option<f64>,
     /// New points.
     pub corners: CornerConfig,
     /// Tracking from image to image.
@@ -28,6 +31,7 @@ impl Default for FrontEndConfig {
         Self {
             rate_hz: 10.0,
             readout_s: 0.0,
+            time_offset_s: None,
             corners: CornerConfig::default(),
             klt: KltConfig::default(),
             ransac: RansacConfig::default(),
@@ -41,6 +45,9 @@ impl Validate for FrontEndConfig {
         let rate = self.rate_hz;
         faults.check(rate > 0.0 && rate <= 1000.0, "rate_hz", rate, "above 0, at most 1000");
         faults.within("readout_s", self.readout_s, 0.0, 0.1);
+        if let Some(offset_s) = self.time_offset_s {
+            faults.within("time_offset_s", offset_s, -10.0, 10.0);
+        }
         faults.table("corners", self.corners.faults());
         faults.table("klt", self.klt.faults());
         faults.table("ransac", self.ransac.faults());

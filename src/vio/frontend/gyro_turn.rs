@@ -13,7 +13,7 @@ const KEPT_S: f64 = 600.0;
 /// Gyroscope samples between images, integrated from image to image.
 ///
 /// Rates are joined linearly between samples, `last_from_cur = Exp(w_1 dt_1) Exp(w_2 dt_2) ...` with the mean of neighbouring rates.
-/// Samples are kept until an image has passed them, or [`forget_before`](Self::forget_before) says that none will need them, ten minutes at most.
+/// Samples are kept until [`forget_before`](Self::forget_before) says that none will need them, ten minutes at most.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct GyroTurn {
     samples: VecDeque<(Stamp, Vector3<f64>)>,
@@ -43,13 +43,16 @@ impl GyroTurn {
     pub(crate) fn until(&mut self, t: Stamp) -> Option<UnitQuaternion<f64>> {
         let from = self.from.filter(|from| *from < t);
         self.from = Some(self.from.map_or(t, |from| from.max(t)));
-        let turn = from.and_then(|from| self.integrate(from, t));
-        self.forget_before(t);
-        turn
+        from.and_then(|from| self.integrate(from, t))
+    }
+
+    /// Takes the last image to have been at another instant by this much: its clock was found to be off.
+    pub(crate) fn move_last(&mut self, seconds: f64) {
+        self.from = self.from.map(|from| from.plus_seconds(seconds));
     }
 
     /// How the body turned while an image at `t` was read out: `body_at_t_from_body_then` at evenly spaced instants of `readout_s` about `t`.
-    /// `None` where samples do not cover it. To be asked before [`until`](Self::until), which forgets.
+    /// `None` where samples do not cover it.
     pub(crate) fn over<const N: usize>(&self, t: Stamp, readout_s: f64) -> Option<[UnitQuaternion<f64>; N]> {
         let mut turns = [UnitQuaternion::identity(); N];
         for (k, turn) in turns.iter_mut().enumerate() {
@@ -116,6 +119,7 @@ mod tests {
                 let turn = gyro.until(Stamp::from_ns(image));
                 assert_eq!(turn.is_none(), image == 3_000_000);
                 sum *= turn.unwrap_or_else(UnitQuaternion::identity);
+                gyro.forget_before(Stamp::from_ns(image));
                 image += 47_300_000;
             }
         }

@@ -30,6 +30,7 @@ mod report;
 mod schedule;
 #[cfg(test)]
 pub(crate) mod tests;
+mod two_view;
 
 pub use config::FrontEndConfig;
 pub use front_end::{Fed, FrontEnd};
@@ -37,3 +38,4 @@ pub(crate) use gyro_turn::GyroTurn;
 pub(crate) use line_turns::{LineTurns, line_delay};
 pub(crate) use predict::turn_of_camera;
 pub use report::{Agreement, FrameReport, Lost, LostBy, StageTimes, Status};
+pub(crate) use two_view::TwoView;

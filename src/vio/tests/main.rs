@@ -3,6 +3,7 @@
 
 mod at_rest;
 mod bias_jump;
+mod clock;
 mod configs;
 mod estimator;
 mod flown;

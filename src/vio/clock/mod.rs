@@ -1,0 +1,19 @@
+//! The camera's clock against the IMU's: found from turns, before any structure is.
+//!
+//! ```text
+//! two frames' tracks -> flow_turn: the camera's turn and how well it is known --.
+//! samples -> gyro_course: the body's turn between any two instants -------------+-> delay: what fits -> watch: what is in force
+//! ```
+//!
+//! Not here: the offset as an unknown of the window (`window.estimate_time_offset`), which needs structure and is of first order.
+
+mod delay;
+mod flow_turn;
+mod gyro_course;
+mod watch;
+
+pub use delay::REACH_S;
+pub(crate) use flow_turn::{FlowTurn, nearest};
+pub(crate) use gyro_course::GyroCourse;
+pub(crate) use watch::SLIGHT_S;
+pub use watch::{CameraClock, ClockWatch};
