@@ -10,7 +10,8 @@ use dpn_pronet::network::{Network, NetworkError};
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-/// Runs one command; `args` has the program's name first. Returns the process's exit code: 0, 2 for bad input, 130 when interrupted.
+/// Runs one command; `args` has the program's name first. Returns the process's exit code: 0, 2 for bad input, 3 for a run that
+/// is not to be trusted where `--strict` asks, 130 when interrupted.
 ///
 /// Flags that cannot be parsed, `--help` and `--version` end with clap's own text and code, which is returned too: nothing here exits.
 pub fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {
@@ -27,6 +28,10 @@ pub fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {
         Err(error) if error.is::<ui::Interrupted>() => {
             ui::errln!("{error}");
             130
+        }
+        Err(error) if error.is::<ui::Untrusted>() => {
+            ui::errln!("{error}");
+            3
         }
         Err(error) if ui::is_closed_pipe(&error) => 0,
         Err(error) => {

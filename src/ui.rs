@@ -102,6 +102,18 @@ impl fmt::Display for Fault {
 
 impl std::error::Error for Fault {}
 
+/// A run that is not to be trusted, where somebody asked to be told by the exit code; why was said.
+#[derive(Debug)]
+pub(crate) struct Untrusted;
+
+impl fmt::Display for Untrusted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("the run is not to be trusted (--strict)")
+    }
+}
+
+impl std::error::Error for Untrusted {}
+
 /// The user pressed Ctrl-C and the work stopped at a safe place.
 #[derive(Debug)]
 pub(crate) struct Interrupted(pub(crate) String);

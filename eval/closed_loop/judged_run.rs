@@ -19,7 +19,7 @@ use dpn_pronet::network::Network;
 use dpn_vio::EstimatorConfig;
 use dpn_vio::clock::CameraClock;
 use dpn_vio::diagnosis::{Axes, TrackHealth};
-use dpn_vio::estimator::{BiasJump, FrontEndObserver, Phase};
+use dpn_vio::estimator::{BiasJump, Doubt, FrontEndObserver, Phase, doubts, doubts_warning};
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -66,6 +66,8 @@ pub struct Report {
     pub row: Row,
     /// What the input looks like, in sentences; empty where all is well.
     pub warnings: Vec<String>,
+    /// What speaks against believing the run; empty where nothing does.
+    pub doubts: Vec<Doubt>,
     /// Camera against gyro.
     pub axes: Axes,
     /// The camera's clock against the IMU's.
@@ -148,10 +150,16 @@ pub fn watched_run(
             *waited_for.entry(reason.name().to_owned()).or_default() += 1;
         }
     }
+    let levels = output.updates.iter().rev().find_map(|update| update.levels.as_deref());
+    let against = doubts(&output.report, levels);
     let info = RunInfo { front_end: images.as_ref().map(|images| images.figures.clone()), ..info };
     let report = Report {
         row: judge(recording, &info, &output)?.row,
-        warnings: warnings(recording, &info, (&frames, images.as_ref()), &output, &health, &axes),
+        warnings: warnings(recording, &info, (&frames, images.as_ref()), &output, &health, &axes)
+            .into_iter()
+            .chain(doubts_warning(&against, axes.warning().is_some()))
+            .collect(),
+        doubts: against,
         axes,
         clock: output.report.clock,
         tracks: health,
@@ -160,7 +168,7 @@ pub fn watched_run(
         waited_for,
         bias_jumps: output.report.jumps.clone(),
         lens_px: output.report.lens_px,
-        learned: output.updates.iter().rev().find_map(|u| u.levels.as_deref()).map(LearnedLevels::of),
+        learned: levels.map(LearnedLevels::of),
         learned_noise: LearnedNoise::of(recording, &settings_for(config, spec), &output, &noise),
         noise_rms: noise_rms(&noise),
     };

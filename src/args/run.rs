@@ -75,6 +75,9 @@ pub(crate) struct RunArgs {
     /// What is pasted of the noise that is learned.
     #[command(flatten)]
     pub(crate) paste: PasteArgs,
+    /// Exit with code 3 where the run is not to be trusted: camera and gyroscope do not turn together, residuals or levels are no sensor's, or there is no pose.
+    #[arg(long)]
+    pub(crate) strict: bool,
     /// Print the report as JSON on stdout.
     #[arg(long)]
     pub(crate) json: bool,

@@ -39,6 +39,7 @@ pub(super) fn run(args: &RunArgs) -> Result<()> {
         ("--mcap", args.mcap.is_some()),
         ("--rerun", args.rerun.is_some()),
         ("--rpe", !args.rpe.is_empty()),
+        ("--strict", args.strict),
         ("--camera tracks or rendered", args.camera.is_some_and(|camera| camera != CameraArg::Images)),
     ];
     if let Some((flag, _)) = of_recordings.iter().find(|(_, given)| *given) {

@@ -2,7 +2,7 @@
 
 use super::{foxglove, learned, program, rerun, settings, shipped};
 use crate::args::RunArgs;
-use crate::ui::{errln, out, outln, warn};
+use crate::ui::{Untrusted, errln, out, outln, warn};
 use anyhow::Result;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::{GrayImage, Stamp};
@@ -111,6 +111,10 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     }
     if poses.is_empty() {
         errln!("warning: {}", no_pose(done.report.row.frames, &done.report.waited_for));
+    }
+    let report = &done.report;
+    if args.strict && (poses.is_empty() || !report.doubts.is_empty() || report.axes.warning().is_some()) {
+        return Err(Untrusted.into());
     }
     Ok(())
 }

@@ -30,7 +30,7 @@ const APART_S: f64 = 0.04;
 /// Steps of Gauss-Newton.
 const STEPS: usize = 5;
 /// A drift is one where it is so many deviations from none.
-const SURE_DRIFT: f64 = 5.0;
+const SURE_DRIFT: f64 = 3.0;
 /// No clock is faster than this \[s/s\].
 const FASTEST_DRIFT: f64 = 0.03;
 
@@ -88,18 +88,20 @@ impl Turns<'_> {
             })
             .collect();
         let best = costs.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let mut found = self.near(best.0)?;
+        let mut found = self.near(best.0, false)?;
         let elsewhere = costs.iter().filter(|(offset, _)| (offset - found.offset_s).abs() > APART_S);
         let elsewhere = elsewhere.map(|(_, cost)| *cost).fold(f64::INFINITY, f64::min);
         found.of_elsewhere = cost(&self.rows(found.offset_s, found.drift)?)?.0 / elsewhere;
         Some(found)
     }
 
-    /// The best offset next to `start`, with the drift where one shows.
-    pub(crate) fn near(&self, start: f64) -> Option<Delay> {
-        let drifting = self.fitted(start, true)?;
-        if drifting.drift.abs() > SURE_DRIFT * drifting.drift_std {
-            return Some(drifting);
+    /// The best offset next to `start`, with the drift where it may have one and one shows.
+    pub(crate) fn near(&self, start: f64, may_drift: bool) -> Option<Delay> {
+        if may_drift {
+            let drifting = self.fitted(start, true)?;
+            if drifting.drift.abs() > SURE_DRIFT * drifting.drift_std {
+                return Some(drifting);
+            }
         }
         self.fitted(start, false)
     }
@@ -259,7 +261,7 @@ mod tests {
                 assert!(found.of_elsewhere < 0.3, "{found:?}");
                 squares += (off / found.std_s).powi(2);
                 count += 1.0;
-                let near = turns.near(offset_s + 0.004).unwrap();
+                let near = turns.near(offset_s + 0.004, false).unwrap();
                 assert!((near.offset_s - found.offset_s).abs() < 1e-3, "{near:?} {found:?}");
             }
         }

@@ -158,7 +158,11 @@ impl ClockWatch {
     fn look(&mut self, t: Stamp) {
         let pairs = self.pairs.make_contiguous();
         let turns = Turns { course: &self.course, pairs, cam_from_body: self.cam_from_body };
-        let found = if self.settled { turns.near(self.clock.offset_s) } else { turns.delay() };
+        let found = if self.settled {
+            turns.near(self.clock.offset_s, self.clock.found.is_some())
+        } else {
+            turns.delay()
+        };
         let in_force = self.clock.offset_s;
         let leaps = |found: &Delay| self.settled && (found.offset_s - in_force).abs() > LEAP_S;
         let Some(found) = found.filter(|found| is_answer(found) && !leaps(found)) else {
@@ -173,7 +177,7 @@ impl ClockWatch {
         let moves = match self.clock.found {
             None => off > LEAST_S.max(SURE * found.std_s),
             // What is off once is followed.
-            Some(_) => found.std_s < KNOWN_S && off > found.std_s.max(FOLLOWED_S),
+            Some(_) => off > FOLLOWED_S.max(found.std_s * if found.std_s < KNOWN_S { 1.0 } else { 2.0 }),
         };
         if moves {
             self.clock.offset_s = found.offset_s;

@@ -85,6 +85,13 @@ pub enum RestartReason {
     },
 }
 
+impl RestartReason {
+    /// Whether samples and tracks contradicted each other; what a sensor left out is no contradiction.
+    pub fn is_contradiction(&self) -> bool {
+        !matches!(self, Self::Starved { .. } | Self::ImuGap { .. } | Self::CameraClock { .. })
+    }
+}
+
 impl HealthConfig {
     /// What is wrong with a state, if anything; `predicted` is where the samples alone would have put it. A bias may lie as far beyond its limit as
     /// jumps that were found `reach`, accelerometer and gyro.

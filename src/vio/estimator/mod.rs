@@ -23,6 +23,7 @@ mod ray_rates;
 mod report;
 mod spike;
 mod starter;
+mod trust;
 mod update;
 mod validate;
 
@@ -35,4 +36,5 @@ pub use jump::BiasJump;
 pub use report::{RunReport, Stage};
 pub use spike::without_spikes;
 pub use starter::StartFrame;
+pub use trust::{Doubt, doubts, doubts_warning};
 pub use update::{Phase, RestartReason, Update};
