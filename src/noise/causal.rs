@@ -1,6 +1,7 @@
 //! From a spec to something that is fed samples one by one.
 
 use super::CausalError;
+use super::blocks::{BlockLength, Blocks};
 use dpn_core::estimate::{NoiseSpec, Schedule, raised_to_floor};
 use dpn_core::{ImuNoise, ImuSample, NoiseModel, SampleRate, Sensor};
 use dpn_pronet::DualProNet;
@@ -15,23 +16,23 @@ pub struct Causal<'a> {
     spec: NoiseSpec,
     networks: Option<[&'a Network; 2]>,
     rate: SampleRate,
-    thin: usize,
+    block: BlockLength,
 }
 
 impl<'a> Causal<'a> {
     /// `spec` for samples of `rate`.
     ///
     /// # Errors
-    /// A spec that needs more than the samples so far (`file`, `oracle`, `self`, the controls); networks that are not there; a rate that is no
-    /// multiple of theirs.
+    /// A spec that needs more than the samples so far (`file`, `oracle`, `self`, the controls); networks that are not there; a rate
+    /// below theirs.
     pub fn new(spec: &NoiseSpec, rate: SampleRate, networks: &'a [Network]) -> Result<Self, CausalError> {
-        let mut causal = Self { spec: spec.clone(), networks: None, rate, thin: 1 };
+        let mut causal = Self { spec: spec.clone(), networks: None, rate, block: BlockLength::ONE };
         match spec {
             NoiseSpec::Sensors(_) => {}
             NoiseSpec::DualProNet { accel, gyro } => {
                 let pair = pair(spec, [accel, gyro], networks)?;
                 let trained = pair[0].weights.card().rate;
-                causal.thin = DualProNet::thinning(rate, trained).ok_or_else(|| CausalError::Rate {
+                causal.block = BlockLength::of(rate, trained).ok_or_else(|| CausalError::Rate {
                     spec: spec.to_string(),
                     found_hz: rate.hz(),
                     trained_hz: trained.hz(),
@@ -53,9 +54,14 @@ impl<'a> Causal<'a> {
         self.rate
     }
 
-    /// Every how many samples the networks see one; 1 for all else.
-    pub fn thin(&self) -> usize {
-        self.thin
+    /// Of how many samples, to the nearest, the networks see the mean; 1 for all else.
+    pub fn block(&self) -> usize {
+        self.block.samples()
+    }
+
+    /// Rate of its networks' training \[Hz\].
+    pub fn trained_hz(&self) -> Option<f64> {
+        self.networks.map(|[accel, _]| accel.weights.card().rate.hz())
     }
 
     /// What a sensor's network was trained on, where that is known.
@@ -63,13 +69,14 @@ impl<'a> Causal<'a> {
         self.networks?.into_iter().find(|network| network.sensor() == sensor)?.weights.card().range
     }
 
-    /// The longest window of its networks, in samples that are fed; none for all else, which may remember for ever.
+    /// The longest window of its networks, in samples that are fed; none where blocks end within samples, and for all else, which may remember for ever.
     pub fn memory(&self) -> Option<usize> {
         let windows = self.networks?.map(|network| network.weights.config().window);
-        windows.into_iter().max().map(|window| window * self.thin)
+        let longest = windows.into_iter().max().filter(|_| self.block.is_whole());
+        longest.map(|window| window * self.block())
     }
 
-    /// A model that has seen nothing, asked every `hop` samples that it sees (every [`thin`](Self::thin)th that is fed); a simple estimator about the
+    /// A model that has seen nothing, asked every `hop` samples that it sees (means of [`block`](Self::block) that are fed); a simple estimator about the
     /// last `window` samples, networks about windows of their own.
     ///
     /// # Errors
@@ -85,7 +92,9 @@ impl<'a> Causal<'a> {
                 Model::Networks(Box::new(networks))
             }
         };
-        Ok(Feed { model, thin: self.thin, index: 0, noise: ImuNoise::baseline() })
+        let blocks = Blocks::new(self.block);
+        let noise = blocks.of_one_sample(&ImuNoise::baseline());
+        Ok(Feed { model, blocks, length: self.block, noise })
     }
 }
 
@@ -110,14 +119,14 @@ enum Model {
 /// Takes samples one by one and says the noise in force at each. Nothing it says depends on a later sample.
 pub struct Feed {
     model: Model,
-    thin: usize,
-    index: usize,
+    blocks: Blocks,
+    length: BlockLength,
     noise: ImuNoise,
 }
 
 impl std::fmt::Debug for Feed {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Feed").field("thin", &self.thin).field("index", &self.index).finish_non_exhaustive()
+        f.debug_struct("Feed").field("blocks", &self.blocks).finish_non_exhaustive()
     }
 }
 
@@ -142,12 +151,13 @@ impl NoiseModel for Feed {
     }
 
     fn feed(&mut self, sample: &ImuSample) -> ImuNoise {
-        let is_seen = self.index.is_multiple_of(self.thin);
-        self.index += 1;
         match &mut self.model {
             Model::Simple(model) => self.noise = model.feed(sample),
-            Model::Networks(model) if is_seen => self.noise = raised_to_floor(&model.feed(sample)),
-            Model::Networks(_) => {}
+            Model::Networks(model) => {
+                if let Some(mean) = self.blocks.feed(sample) {
+                    self.noise = raised_to_floor(&self.blocks.of_one_sample(&model.feed(&mean)));
+                }
+            }
         }
         self.noise
     }
@@ -157,8 +167,8 @@ impl NoiseModel for Feed {
             Model::Simple(model) => model.reset(),
             Model::Networks(model) => model.reset(),
         }
-        self.index = 0;
-        self.noise = ImuNoise::baseline();
+        self.blocks = Blocks::new(self.length);
+        self.noise = self.blocks.of_one_sample(&ImuNoise::baseline());
     }
 }
 

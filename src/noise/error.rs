@@ -36,7 +36,7 @@ pub enum CausalError {
         /// The spec.
         spec: String,
     },
-    /// Networks of another rate than any thinning of the log gives.
+    /// Networks of a higher rate than the log's.
     #[error(
         "the log has {found_hz:.1} Hz; the networks of `{spec}` were trained at {trained_hz:.1} Hz and count samples, not time"
     )]
@@ -58,7 +58,7 @@ impl CausalError {
                 Some("give networks (dualpronet), a simple estimator (diff2, sg(11,2)) or constants".into())
             }
             Self::Rate { trained_hz, .. } => Some(format!(
-                "whole multiples of {trained_hz:.0} Hz are thinned by themselves; else give a simple estimator: --noise diff2"
+                "faster logs are averaged to {trained_hz:.0} Hz by themselves, a slower one has too few samples: let the odometry find its noise (dpn run --noise self), or give a simple estimator (--noise diff2)"
             )),
             Self::Spec(_) | Self::NoNetwork { .. } | Self::Pair(_) => None,
         }

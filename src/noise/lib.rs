@@ -9,6 +9,7 @@
 //! as long as its noise is white; any other rate more than 5 % off is refused.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+mod blocks;
 mod causal;
 mod content;
 mod controls;

@@ -327,31 +327,47 @@ mod tests {
         assert_ne!(of(1), track("diff2", &imu, 1).unwrap());
     }
 
-    /// As `dpn noise` sees it: every second sample, asked as often in time.
     #[test]
-    fn a_log_of_twice_the_networks_rate_has_the_noise_of_every_second_sample_and_another_rate_is_refused() {
+    fn a_log_of_twice_the_networks_rate_has_the_noise_of_means_of_two_and_a_slower_one_is_refused() {
         let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models");
         let load = |sensor: &str| Network::load(&models.join(sensor).join("sg11-s0.safetensors")).unwrap();
         let networks = [load("accel"), load("gyro")];
-        let at = |step_ns: i64, each: usize| {
-            let whole = recording(2000);
-            let samples = whole.samples().iter().enumerate().step_by(each);
-            let stamped =
-                |(i, s): (usize, &ImuSample)| ImuSample { t: Stamp::from_ns(step_ns * i as i64), ..*s };
-            ImuRecording::new(samples.map(stamped).collect()).unwrap()
+        let whole = recording(2000);
+        let at = |step_ns: i64| {
+            let samples = whole.samples().iter().enumerate();
+            let stamped = samples.map(|(i, s)| ImuSample { t: Stamp::from_ns(step_ns * i as i64), ..*s });
+            ImuRecording::new(stamped.collect()).unwrap()
         };
+        let means = whole.samples().chunks_exact(2).enumerate().map(|(i, pair)| {
+            let mean = |of: fn(&ImuSample) -> [f64; 3]| {
+                [0, 1, 2].map(|axis| (of(&pair[0])[axis] + of(&pair[1])[axis]) / 2.0)
+            };
+            ImuSample {
+                t: Stamp::from_ns(5_000_000 * i as i64),
+                accel: mean(|s| s.accel),
+                gyro: mean(|s| s.gyro),
+            }
+        });
+        let means = ImuRecording::new(means.collect()).unwrap();
         let of = |imu: &ImuRecording| {
             let recorded = Recorded { name: "made-up", imu, oracle: None };
             of_recording(&"dualpronet".parse().unwrap(), &recorded, &networks)
         };
-        let (fast, slow) = (of(&at(2_500_000, 1)).unwrap(), of(&at(2_500_000, 2)).unwrap());
+        let (fast, slow) = (of(&at(2_500_000)).unwrap(), of(&means).unwrap());
         assert_ne!(slow.noises()[0], slow.noises()[999]);
-        for (i, noise) in fast.noises().iter().enumerate() {
-            assert_eq!(*noise, slow.noises()[i / 2], "{i}");
+        for (i, noise) in fast.noises().iter().enumerate().skip(1) {
+            for sensor in Sensor::ALL {
+                let mean = slow.noises()[(i - 1) / 2].of(sensor);
+                let one = noise.of(sensor);
+                let off = (0..3).map(|axis| (one[axis] / (2f64.sqrt() * mean[axis]) - 1.0).abs());
+                assert!(off.fold(0.0, f64::max) < 1e-9, "{i}");
+            }
         }
-        let error = of(&at(3_333_333, 1)).unwrap_err();
-        assert!(error.to_string().starts_with("made-up: the log has 300.0 Hz; "), "{error}");
-        assert!(error.hint().unwrap().starts_with("whole multiples of 200 Hz are thinned"));
+        // A rate in between is averaged too.
+        assert!(of(&at(3_333_333)).is_ok());
+        let error = of(&at(10_000_000)).unwrap_err();
+        assert!(error.to_string().starts_with("made-up: the log has 100.0 Hz; "), "{error}");
+        assert!(error.hint().unwrap().starts_with("faster logs are averaged to 200 Hz by themselves"));
     }
 
     #[test]

@@ -47,7 +47,7 @@ pub struct RangeCount {
 /// Accel-ProNet and Gyro-ProNet, asked every `hop` samples about the samples just past, held in between.
 ///
 /// Until a sensor's first full window the paper's baseline constants are in force for it. The networks know samples, not
-/// time: who feeds them takes every so many samples ([`Self::thinning`]), nothing is resampled. A network's
+/// time: who feeds them brings samples to the training's rate, nothing is resampled here. A network's
 /// deviation that is not above zero (some heads allow it) is taken as zero.
 #[derive(Debug)]
 pub struct DualProNet {
@@ -81,14 +81,6 @@ impl DualProNet {
 
     /// Largest share by which the rate of the samples may differ from that of the training.
     pub const RATE_TOLERANCE: f64 = 0.05;
-
-    /// Every how many samples of `rate` networks trained at `trained` see one: thinning leaves the deviation of a sample as it is, as long as its noise
-    /// is white. None where no thinning comes within [`Self::RATE_TOLERANCE`].
-    pub fn thinning(rate: SampleRate, trained: SampleRate) -> Option<usize> {
-        let thin = (rate.hz() / trained.hz()).round().max(1.0);
-        let is_near = (rate.hz() / (trained.hz() * thin) - 1.0).abs() <= Self::RATE_TOLERANCE;
-        is_near.then_some(thin as usize)
-    }
 
     /// The pair of these weights, asked every `hop` samples.
     ///

@@ -114,10 +114,10 @@ fn another_rate_gets_a_simple_estimator_and_is_refused_for_networks() {
     noise(dir.path(), &slow, &["--noise", "dualpronet"]).refused(
         dir.path(),
         "error: the log has 100.0 Hz; the networks of `dualpronet` were trained at 200.0 Hz and count samples, not time\n\n\
-         hint: whole multiples of 200 Hz are thinned by themselves; else give a simple estimator: --noise diff2",
+         hint: faster logs are averaged to 200 Hz by themselves, a slower one has too few samples: let the odometry find its noise (dpn run --noise self), or give a simple estimator (--noise diff2)",
     );
     let done = noise(dir.path(), &rows(6000, 2_500_000), &[]).well();
-    assert!(done.stdout.contains("the networks saw every second sample: the log has 400 Hz"), "{done:?}");
+    assert!(done.stdout.contains("the networks saw means of 2 samples: the log has 400 Hz"), "{done:?}");
     let done = noise(dir.path(), &slow, &["--noise", "shuffled(x1)"]);
     assert!(done.code == Some(2) && done.stderr.contains("is not causal"), "{done:?}");
     let done = noise(dir.path(), &rows(150, 5_000_000), &[]);

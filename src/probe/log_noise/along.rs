@@ -74,7 +74,7 @@ impl Along {
     pub fn json(&self, log: &str, plan: &Plan<'_>, recording: &dyn Recorded) -> serde_json::Result<Value> {
         let mut all = serde_json::json!({
             "log": log, "samples": recording.len(), "rate_hz": recording.rate().hz(), "noise": plan.noise.spec(), "every": plan.every(),
-            "thinned_to_every": plan.noise.thin(), "summary": self.summary, "warnings": self.warnings, "rest": self.rest, "effective": self.effective,
+            "blocks_of": plan.noise.block(), "summary": self.summary, "warnings": self.warnings, "rest": self.rest, "effective": self.effective,
         });
         if let Some(check) = &self.check {
             all["check"] = serde_json::to_value(check)?;

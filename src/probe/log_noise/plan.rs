@@ -58,7 +58,7 @@ impl<'a> Plan<'a> {
         match of("dualpronet") {
             Err(LogNoiseError::Noise(CausalError::Rate { found_hz, trained_hz, .. })) => {
                 let note = format!(
-                    "the log has {found_hz:.1} Hz and the shipped networks know {trained_hz:.0} Hz and its multiples: the simple estimator {SIMPLE} \
+                    "the log has {found_hz:.1} Hz and the shipped networks know {trained_hz:.0} Hz and faster: the simple estimator {SIMPLE} \
                      is asked instead"
                 );
                 Ok((of(SIMPLE)?, Some(note)))
@@ -77,7 +77,7 @@ impl<'a> Plan<'a> {
         let window = self.window();
         match self.noise.memory() {
             None if window > OFTEN.0 => self.every.max(window / OFTEN.1),
-            _ => (self.every / self.noise.thin()).max(1),
+            _ => (self.every / self.noise.block()).max(1),
         }
     }
 

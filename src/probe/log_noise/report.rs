@@ -40,13 +40,13 @@ pub fn warnings(plan: &Plan<'_>, summary: &TrackSummary) -> Vec<String> {
 pub fn page(plan: &Plan<'_>, summary: &TrackSummary, rate: SampleRate) -> String {
     let mut text =
         format!("noise by {}, every {} samples, of the samples past only\n", plan.noise.spec(), plan.every());
-    if plan.noise.thin() > 1 {
+    if plan.noise.block() > 1 {
         let _ = writeln!(
             text,
-            "the networks saw every {} sample: the log has {:.0} Hz, their training had {:.0}",
-            ordinal(plan.noise.thin()),
+            "the networks saw means of {} samples: the log has {:.0} Hz, they know {:.0}; deviations are those of one",
+            plan.noise.block(),
             rate.hz(),
-            rate.hz() / plan.noise.thin() as f64
+            plan.noise.trained_hz().unwrap_or(rate.hz())
         );
     }
     if summary.unknown_s > 0.0 {
@@ -124,12 +124,4 @@ pub(super) fn two(value: f64) -> String {
     let text = format!("{value:.1e}");
     let rounded: f64 = text.parse().expect("a number as Rust writes it is one that Rust reads");
     if (1e-3..1e4).contains(&rounded.abs()) || rounded == 0.0 { rounded.to_string() } else { text }
-}
-
-fn ordinal(n: usize) -> String {
-    match n {
-        2 => "second".to_owned(),
-        3 => "third".to_owned(),
-        n => format!("{n}th"),
-    }
 }
