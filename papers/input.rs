@@ -3,7 +3,7 @@
 use super::error::PaperError;
 use dpn_core::ImuRecording;
 use dpn_eval::closed_loop::{
-    Camera, ClosedLoopError, Experiment, ImageSource, SequenceSet, TrackSource, UntrackedSequence, has_images,
+    Camera, ClosedLoopError, Experiment, SequenceSet, Sequences, TrackSource, UntrackedSequence, has_images,
 };
 use dpn_eval::published;
 use dpn_sim::tracks::TracksConfig;
@@ -173,18 +173,16 @@ impl Input {
             }
         }
         missing.sort_by(|a, b| a.name.cmp(&b.name));
-        let name = match &source {
-            SequenceSet::Flights { .. } => "simulated",
-            SequenceSet::Recorded { .. } if of_paper => "euroc",
-            SequenceSet::Recorded { .. } | SequenceSet::Logged { .. } => "recorded",
+        let name = match source.of {
+            Sequences::Flights(_) => "simulated",
+            Sequences::Recorded(_) if of_paper => "euroc",
+            Sequences::Recorded(_) | Sequences::Logged(_) => "recorded",
         };
         let corpus = Corpus { name: name.into(), members };
-        let injected = match source.tracks() {
-            TrackSource::Images(ImageSource::Rendered(_)) => {
-                source.clone().with_tracks(TrackSource::Simulated(made.clone()))
-            }
-            _ => source.clone(),
-        };
+        let mut injected = source.clone();
+        if let TrackSource::Rendered(_) = source.tracks {
+            injected.tracks = TrackSource::Simulated(made.clone());
+        }
         let unseen = Vec::new();
         Ok(Self { name: name.into(), source, places, missing, unseen, injected, corpus, lengths })
     }
@@ -266,11 +264,11 @@ fn usable(source: &SequenceSet, place: usize) -> Result<ImuRecording, String> {
     if recording.truth.is_none() {
         return Err("it has no ground truth, so that nothing can be judged".into());
     }
-    match source {
-        SequenceSet::Recorded { tracks: TrackSource::File(_), .. } => {
+    match (&source.tracks, &source.of) {
+        (TrackSource::File(_), Sequences::Recorded(_)) => {
             source.frames(place, 0).map_err(|error| error.in_full())?;
         }
-        SequenceSet::Recorded { sequences, tracks: TrackSource::Images(ImageSource::Folder { .. }) } => {
+        (TrackSource::Images { .. }, Sequences::Recorded(sequences)) => {
             let any =
                 has_images(&sequences[place].0).map_err(|error| ClosedLoopError::from(error).in_full())?;
             if !any {

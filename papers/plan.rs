@@ -51,12 +51,9 @@ pub struct InjectedPlan {
     pub most_sequences: usize,
 }
 
-/// Multiples of the baseline of the study's sweep, and its ends.
-const CONSTANTS: [&str; 5] = ["x0.5", "x1", "x2", "x4", "x8"];
-const ENDS: [&str; 2] = ["x0.25", "x16"];
-
-fn owned(texts: &[&str]) -> Vec<String> {
-    texts.iter().map(|text| (*text).to_owned()).collect()
+/// The specs of a list that are parted by spaces.
+fn specs(text: &str) -> Vec<String> {
+    text.split_whitespace().map(str::to_owned).collect()
 }
 
 impl Default for Plan {
@@ -70,34 +67,11 @@ impl Default for InjectedPlan {
         Self {
             noise: Injection::default(),
             courses: Course::ADDING.to_vec(),
-            noises: owned(&[
-                "x4",
-                "x8",
-                "x12",
-                "x16",
-                "x24",
-                "x32",
-                "oracle",
-                "dualpronet",
-                "plus(dualpronet(wide-s0),x4)",
-                "mean(plus(dualpronet(wide-s0),x4))",
-                "shuffled(plus(dualpronet(wide-s0),x4))",
-                "plus(diff2,x4)",
-                "diff2",
-                "self",
-            ]),
-            followed: owned(&[
-                "x2",
-                "x4",
-                "x8",
-                "x12",
-                "x16",
-                "oracle",
-                "dualpronet",
-                "self",
-                "plus(dualpronet(wide-s0),x4)",
-                "diff2",
-            ]),
+            noises: specs(
+                "x4 x8 x12 x16 x24 x32 oracle dualpronet plus(dualpronet(wide-s0),x4) mean(plus(dualpronet(wide-s0),x4)) \
+                 shuffled(plus(dualpronet(wide-s0),x4)) plus(diff2,x4) diff2 self",
+            ),
+            followed: specs("x2 x4 x8 x12 x16 oracle dualpronet self plus(dualpronet(wide-s0),x4) diff2"),
             seeds: 2,
             course_seeds: 1,
             most_sequences: 0,
@@ -108,27 +82,15 @@ impl Default for InjectedPlan {
 impl Plan {
     /// The whole study.
     pub fn whole() -> Self {
-        let mut noises = owned(&CONSTANTS);
-        noises.extend(owned(&[
-            "dualpronet",
-            "mean(dualpronet)",
-            "shuffled(dualpronet)",
-            "dualpronet(wide-s0)",
-            "mean(dualpronet(wide-s0))",
-            "shuffled(dualpronet(wide-s0))",
-            "self",
-            "mean(self)",
-            "shuffled(self)",
-        ]));
-        let mut others = owned(&ENDS);
-        others.extend(owned(&[
-            DATA_SHEET,
-            "mean-of-train(dualpronet)",
-            "dualpronet(order-s0)",
-            "dualpronet(total-s0)",
-            "dualpronet(paper-s0)",
-            "plus(dualpronet(wide-s0),x4)",
-        ]));
+        let noises = specs(
+            "x0.5 x1 x2 x4 x8 dualpronet mean(dualpronet) shuffled(dualpronet) dualpronet(wide-s0) mean(dualpronet(wide-s0)) \
+             shuffled(dualpronet(wide-s0)) self mean(self) shuffled(self)",
+        );
+        let mut others = specs("x0.25 x16");
+        others.push(DATA_SHEET.to_owned());
+        others.extend(specs(
+            "mean-of-train(dualpronet) dualpronet(order-s0) dualpronet(total-s0) dualpronet(paper-s0) plus(dualpronet(wide-s0),x4)",
+        ));
         others.extend(EstimatorSpec::all().iter().map(ToString::to_string));
         Self {
             bases: Base::STUDY.iter().map(ToString::to_string).collect(),
@@ -145,36 +107,17 @@ impl Plan {
     /// A few minutes' worth, for the simulated flights: every table and figure, with fewer noises and one seed.
     pub fn quick() -> Self {
         Self {
-            bases: owned(&["sg(5,2)", "sg(11,2)"]),
+            bases: specs("sg(5,2) sg(11,2)"),
             seed: 0,
-            noises: owned(&[
-                "x0.5",
-                "x1",
-                "x2",
-                "x4",
-                "x8",
-                "dualpronet",
-                "mean(dualpronet)",
-                "shuffled(dualpronet)",
-                "self",
-            ]),
+            noises: specs("x0.5 x1 x2 x4 x8 dualpronet mean(dualpronet) shuffled(dualpronet) self"),
             seeds: 1,
             others: Vec::new(),
             other_seeds: 1,
             margin: MARGIN,
             injected: InjectedPlan {
                 courses: vec![Course::Step],
-                noises: owned(&[
-                    "x4",
-                    "x8",
-                    "x16",
-                    "x24",
-                    "oracle",
-                    "dualpronet",
-                    "plus(dualpronet(wide-s0),x4)",
-                    "self",
-                ]),
-                followed: owned(&["oracle", "dualpronet", "plus(dualpronet(wide-s0),x4)", "diff2"]),
+                noises: specs("x4 x8 x16 x24 oracle dualpronet plus(dualpronet(wide-s0),x4) self"),
+                followed: specs("oracle dualpronet plus(dualpronet(wide-s0),x4) diff2"),
                 seeds: 1,
                 most_sequences: 4,
                 ..InjectedPlan::default()

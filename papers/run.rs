@@ -18,7 +18,7 @@ use dpn_core::Sensor;
 use dpn_core::checksum::of_source;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::progress::Progress;
-use dpn_eval::closed_loop::{ImageSource, Recording, Row, TrackSource};
+use dpn_eval::closed_loop::{Recording, Row, TrackSource};
 use dpn_eval::injected::Course;
 use dpn_eval::study::{Criterion, RowSet, Study};
 use dpn_figures::{Chart, Provenance, save};
@@ -274,17 +274,14 @@ impl Paper<'_> {
             FigureWriter { out: self.out, made_by, pictures: Vec::new(), files: Vec::new(), progress };
         let (accel, gyro) = (self.network(Sensor::Accel), self.network(Sensor::Gyro));
         let closed = results.closed.run.as_str();
-        let tracks = self.input.source.tracks();
+        let tracks = &self.input.source.tracks;
         let camera = match tracks {
             TrackSource::Simulated(config) => format!("tracks, {} Hz", config.rate_hz),
             TrackSource::File(_) => "given tracks".to_owned(),
-            TrackSource::Images(ImageSource::Folder { .. }) => "images, followed".to_owned(),
-            TrackSource::Images(ImageSource::Rendered(_)) => "rendered images, followed".to_owned(),
+            TrackSource::Images { .. } => "images, followed".to_owned(),
+            TrackSource::Rendered(_) => "rendered images, followed".to_owned(),
         };
-        let fed_tracks = match tracks {
-            TrackSource::Images(_) => FedTracks::Followed,
-            TrackSource::Simulated(_) | TrackSource::File(_) => self.estimator.fed_tracks,
-        };
+        let fed_tracks = if tracks.has_images() { FedTracks::Followed } else { self.estimator.fed_tracks };
         let estimator = EstimatorConfig { fed_tracks, ..self.estimator.clone() };
         let of_loop = made_by.of(&[closed]);
         let odometry = drawings::OdometryDrawing {

@@ -4,7 +4,7 @@ use super::findings::best_network;
 use super::input::Input;
 use super::specs;
 use dpn_core::estimate::NoiseSpec;
-use dpn_eval::closed_loop::{SequenceSet, TrackSource};
+use dpn_eval::closed_loop::{Sequences, TrackSource};
 use dpn_eval::study::{Choice, Comparison, Reference, Study};
 
 /// How a noise stands against the constant it is compared with, at .05 after Holm's correction.
@@ -108,19 +108,17 @@ impl Verdict {
 fn measured(input: &Input) -> (&'static str, String) {
     let count = input.places.len();
     let of_imu = format!("The IMU of {count} sequences was recorded");
-    match &input.source {
-        SequenceSet::Flights { .. } => (
+    match (&input.source.of, &input.source.tracks) {
+        (Sequences::Flights(_), _) => (
             "Simulated data",
             format!(
                 "Nothing on this page was recorded: {count} flights, their IMU and their camera are simulated."
             ),
         ),
-        _ if input.source.camera_is_simulated() => {
+        (_, tracks) if tracks.is_simulated() => {
             ("Recorded IMU, simulated camera", of_imu + "; what the camera sees is simulated.")
         }
-        source if matches!(source.tracks(), TrackSource::File(_)) => {
-            ("Recorded IMU, given tracks", of_imu + ".")
-        }
+        (_, TrackSource::File(_)) => ("Recorded IMU, given tracks", of_imu + "."),
         _ => ("Recorded data", format!("IMU and camera of {count} sequences were recorded.")),
     }
 }

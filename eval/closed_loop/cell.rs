@@ -142,7 +142,6 @@ impl Sweep<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::images::ImageSource;
     use super::super::recording::StartAt;
     use super::super::sequence_set::{SequenceSet, TrackSource};
     use super::super::sweep_plan::CellFiles;
@@ -152,10 +151,7 @@ mod tests {
     use dpn_vio::EstimatorConfig;
 
     fn flights() -> SequenceSet {
-        SequenceSet::Flights {
-            config: FlightConfig::default(),
-            tracks: TrackSource::Simulated(TracksConfig::default()),
-        }
+        SequenceSet::flights(FlightConfig::default(), TrackSource::Simulated(TracksConfig::default()))
     }
 
     fn sweep<'a>(source: &'a SequenceSet, noises: &[&str], seeds: &[u64]) -> Sweep<'a> {
@@ -207,7 +203,7 @@ mod tests {
         ));
         let mut quiet = FlightConfig::default();
         quiet.vibration.scale = 0.0;
-        let quiet = SequenceSet::Flights { config: quiet, tracks: source.tracks().clone() };
+        let quiet = SequenceSet::flights(quiet, source.tracks.clone());
         assert!(other(&Sweep { source: &quiet, ..base.clone() }, "dpn 1"));
     }
 
@@ -230,11 +226,11 @@ mod tests {
             std::fs::create_dir_all(to.parent().unwrap()).unwrap();
             std::fs::write(to, bytes).unwrap();
         }
-        let images = TrackSource::Images(ImageSource::Folder { skip_missing: true });
+        let images = TrackSource::Images { skip_missing: true };
         let source = SequenceSet::one(dir.path(), images).unwrap();
-        let SequenceSet::Recorded { sequences, .. } = &source else { panic!("it was read from a folder") };
-        let frames = sequences[0].0.camera_frames().unwrap();
-        let [first, second] = [0, 1].map(|i| sequences[0].0.image_path(&frames[i]));
+        let sequence = &source.recordings(&[0])[0];
+        let frames = sequence.camera_frames().unwrap();
+        let [first, second] = [0, 1].map(|i| sequence.image_path(&frames[i]));
         std::fs::create_dir_all(first.parent().unwrap()).unwrap();
         let of = || contents(&Sweep { places: vec![0], ..sweep(&source, &["x4"], &[0]) }, "dpn 1");
         let mut seen = vec![of()];

@@ -1,15 +1,13 @@
 //! The seam between whoever has images and the front-end.
 //!
-//! An [`ImageStream`] is all the front-end's side knows of them; the lens that took them is the [`Recording`](super::Recording)'s. [`Images`]
-//! names where a sequence's images come from: a new kind is a variant here and an arm in [`SequenceSet::camera_input`](super::SequenceSet::camera_input).
+//! An [`ImageStream`] is all the front-end's side knows of them; the lens that took them is the [`Recording`](super::Recording)'s. [`TrackSource`](super::TrackSource)
+//! names where they come from: a new kind is a variant there and an arm in [`SequenceSet::camera_input`](super::SequenceSet::camera_input).
 
 use super::error::ClosedLoopError;
 use super::recording::Span;
 use dpn_core::{GrayImage, Stamp};
 use dpn_io::asl::Sequence;
 use dpn_io::{ImageFolder, IoError};
-use dpn_sim::RenderConfig;
-use serde::{Deserialize, Serialize};
 
 /// Images read ahead of the front-end.
 const AHEAD: usize = 4;
@@ -18,29 +16,6 @@ const AHEAD: usize = 4;
 ///
 /// What makes them may work ahead on a thread of its own; its memory must not grow with their number.
 pub type ImageStream<'a> = Box<dyn Iterator<Item = (Stamp, Result<GrayImage, IoError>)> + 'a>;
-
-/// Where images come from.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ImageSource {
-    /// The sequence's own: its folder, or its log.
-    Folder {
-        /// Whether images that are listed but not there are passed over; else they are an error before the run begins.
-        skip_missing: bool,
-    },
-    /// Rendered along the ground truth, from the seed of the cell.
-    Rendered(Box<RenderConfig>),
-}
-
-impl ImageSource {
-    /// What a row calls them.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Folder { .. } => "images",
-            Self::Rendered(_) => "rendered",
-        }
-    }
-}
 
 /// Whether a sequence's folder holds any of the images it lists; one without a list or a calibration holds none that could be looked at.
 ///

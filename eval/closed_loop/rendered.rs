@@ -3,11 +3,10 @@
 use super::error::ClosedLoopError;
 use super::images::ImageStream;
 use super::recording::Span;
-use dpn_core::{GrayImage, Stamp};
+use dpn_core::Stamp;
+use dpn_io::Prefetch;
 use dpn_sim::RenderedCamera;
 use dpn_sim::render::{RenderConfig, SharedPath};
-use std::sync::mpsc::{Receiver, sync_channel};
-use std::thread::JoinHandle;
 
 /// Images rendered ahead of the front-end.
 const AHEAD: usize = 4;
@@ -25,7 +24,7 @@ pub(super) fn rendered(
     seed: u64,
     span: &Span,
 ) -> Result<ImageStream<'static>, ClosedLoopError> {
-    let camera = RenderedCamera::new(config, path, seed)
+    let mut camera = RenderedCamera::new(config, path, seed)
         .map_err(|source| ClosedLoopError::Render { sequence: sequence.to_owned(), source })?;
     let known: Vec<Stamp> = stamps.iter().copied().filter(|t| camera.takes(*t)).collect();
     let asked = span.of(&known, |t| *t).to_vec();
@@ -33,56 +32,10 @@ pub(super) fn rendered(
         let asked = !known.is_empty();
         return Err(ClosedLoopError::NoImages { sequence: sequence.to_owned(), asked });
     }
-    Ok(Box::new(Ahead::new(camera, asked).map(|(t, image)| (t, Ok(image)))))
-}
-
-/// Images in order, made on a thread of their own. Dropping it ends the work.
-struct Ahead {
-    receiver: Option<Receiver<(Stamp, GrayImage)>>,
-    thread: Option<JoinHandle<()>>,
-}
-
-impl Ahead {
-    fn new(mut camera: RenderedCamera, stamps: Vec<Stamp>) -> Self {
-        let (sender, receiver) = sync_channel(AHEAD);
-        let thread = std::thread::spawn(move || {
-            for t in stamps {
-                let image = camera.image(t).expect("only stamps at which the path is known were asked for");
-                // Nobody waits any more: the reader was dropped.
-                if sender.send((t, image)).is_err() {
-                    return;
-                }
-            }
-        });
-        Self { receiver: Some(receiver), thread: Some(thread) }
-    }
-}
-
-impl Iterator for Ahead {
-    type Item = (Stamp, GrayImage);
-
-    fn next(&mut self) -> Option<Self::Item> {
-        let next = self.receiver.as_ref()?.recv().ok();
-        if next.is_none() {
-            // All are done, or the thread has panicked: images that end early must not look like all there are.
-            self.receiver = None;
-            if let Some(Err(panic)) = self.thread.take().map(JoinHandle::join) {
-                std::panic::resume_unwind(panic);
-            }
-        }
-        next
-    }
-}
-
-impl Drop for Ahead {
-    fn drop(&mut self) {
-        // The thread may be waiting for room: without a receiver it goes home.
-        self.receiver = None;
-        if let Some(thread) = self.thread.take() {
-            // Whoever stops reading does not care how the rest would have ended.
-            let _ = thread.join();
-        }
-    }
+    Ok(Box::new(Prefetch::spawn(AHEAD, move |send| {
+        let mut image = |t| camera.image(t).expect("only stamps at which the path is known were asked for");
+        let _all_sent = asked.into_iter().all(|t| send((t, Ok(image(t)))));
+    })))
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! A sequence of a set as an estimator wants it: its recording, and what the odometry sees of it.
 
 use super::error::ClosedLoopError;
-use super::images::{ImageSource, ImageStream, of_folder};
+use super::images::of_folder;
 use super::recording::{Recording, Span};
 use super::rendered::rendered;
-use super::sequence_set::{SequenceSet, TrackSource, tracks_file};
+use super::sequence_set::{SequenceSet, Sequences, TrackSource, tracks_file};
 use super::tracking::CameraInput;
 use crate::metrics::poses_of;
 use dpn_core::camera::{CameraConfig, CameraModel};
@@ -13,6 +13,7 @@ use dpn_core::{ImuRecording, SampleRate, Stamp, TrackFrame};
 use dpn_io::asl::Sequence;
 use dpn_io::{IoError, read_tracks};
 use dpn_logs::{LogOptions, read_log};
+use dpn_sim::render::SharedPath;
 use dpn_sim::tracks::{
     AnalyticPath, CameraSettings, PathConfig, RecordedPath, TracksConfig, camera_stamps, simulate_tracks,
 };
@@ -29,13 +30,13 @@ impl SequenceSet {
     /// # Errors
     /// Files that cannot be read; no camera beside given tracks; no flight.
     pub fn recording(&self, place: usize, seed: u64) -> Result<Recording, ClosedLoopError> {
-        match self {
-            Self::Recorded { sequences, tracks } => {
+        match &self.of {
+            Sequences::Recorded(sequences) => {
                 let (sequence, side) = &sequences[place];
-                recorded(sequence, *side, tracks)
+                recorded(sequence, *side, &self.tracks)
             }
-            Self::Logged { log, .. } => log.recording(),
-            Self::Flights { config, tracks } => flown(Flight::ALL[place], seed, config, tracks),
+            Sequences::Logged(log) => log.recording(),
+            Sequences::Flights(config) => flown(Flight::ALL[place], seed, config, &self.tracks),
         }
     }
 
@@ -50,42 +51,25 @@ impl SequenceSet {
         seed: u64,
         span: &Span,
     ) -> Result<CameraInput<'static>, ClosedLoopError> {
-        match self.tracks() {
-            TrackSource::Images(images) => Ok(CameraInput::Images(self.images(images, place, seed, span)?)),
-            TrackSource::File(_) | TrackSource::Simulated(_) => {
-                Ok(CameraInput::Tracks(self.frames(place, seed)?, *span))
+        let images = match (&self.tracks, &self.of) {
+            (TrackSource::File(_) | TrackSource::Simulated(_), _) => {
+                return Ok(CameraInput::Tracks(self.frames(place, seed)?, *span));
             }
-        }
-    }
-
-    fn images(
-        &self,
-        images: &ImageSource,
-        place: usize,
-        seed: u64,
-        span: &Span,
-    ) -> Result<ImageStream<'static>, ClosedLoopError> {
-        match (images, self) {
-            (_, Self::Logged { log, .. }) => log.images(span),
-            (ImageSource::Folder { skip_missing }, Self::Recorded { sequences, .. }) => {
-                of_folder(&sequences[place].0, span, *skip_missing)
+            (_, Sequences::Logged(log)) => log.images(span)?,
+            (TrackSource::Images { skip_missing }, Sequences::Recorded(sequences)) => {
+                of_folder(&sequences[place].0, span, *skip_missing)?
             }
-            (ImageSource::Folder { .. }, Self::Flights { .. }) => {
-                let sequence = Flight::ALL[place].name().to_owned();
-                Err(ClosedLoopError::NoImages { sequence, asked: false })
+            (TrackSource::Images { .. }, Sequences::Flights(_)) => {
+                return Err(ClosedLoopError::NoImages { sequence: self.name(place), asked: false });
             }
-            (ImageSource::Rendered(config), Self::Recorded { sequences, .. }) => {
-                let sequence = &sequences[place].0;
-                let camera = settled(sequence, config.camera)?;
+            (TrackSource::Rendered(config), _) => {
+                let camera = self.settled(place, config.camera)?;
                 let config = RenderConfig { camera, ..RenderConfig::clone(config) };
-                let (path, stamps) = path_of(sequence, &config.path)?;
-                rendered(sequence.name(), &config, Arc::new(path), &stamps, seed, span)
+                let (path, stamps) = self.path(place, seed, &config.path)?;
+                rendered(&self.name(place), &config, path, &stamps, seed, span)?
             }
-            (ImageSource::Rendered(config), Self::Flights { config: flight, .. }) => {
-                let (path, stamps) = path_of_flight(Flight::ALL[place], flight, seed)?;
-                rendered(Flight::ALL[place].name(), config, Arc::new(path), &stamps, seed, span)
-            }
-        }
+        };
+        Ok(CameraInput::Images(images))
     }
 
     /// The tracks of the sequence at `place`, given or made.
@@ -93,9 +77,8 @@ impl SequenceSet {
     /// # Errors
     /// A file that cannot be read; no ground truth to make tracks along; tracks that images are to be looked at for, or a flight's from a file.
     pub fn frames(&self, place: usize, seed: u64) -> Result<Vec<TrackFrame>, ClosedLoopError> {
-        let no_tracks = |sequence: &str| ClosedLoopError::NoTracks { sequence: sequence.to_owned() };
-        match (self, self.tracks()) {
-            (Self::Recorded { sequences, .. }, TrackSource::File(dir)) => {
+        match (&self.tracks, &self.of) {
+            (TrackSource::File(dir), Sequences::Recorded(sequences)) => {
                 let sequence = &sequences[place].0;
                 let mut frames = read_tracks(&tracks_file(dir, sequence))?;
                 if let Some(given) = sequence.calibration() {
@@ -103,21 +86,42 @@ impl SequenceSet {
                 }
                 Ok(frames)
             }
-            (Self::Recorded { sequences, .. }, TrackSource::Simulated(config)) => {
-                made(&sequences[place].0, config, seed)
+            (TrackSource::Simulated(config), _) => {
+                let (path, stamps) = self.path(place, seed, &config.path)?;
+                let camera = self.settled(place, config.camera)?;
+                simulate_tracks(&TracksConfig { camera, ..config.clone() }, &*path, &stamps, seed)
+                    .map_err(|source| ClosedLoopError::Tracks { sequence: self.name(place), source })
             }
-            (Self::Recorded { sequences, .. }, TrackSource::Images(_)) => {
-                Err(no_tracks(sequences[place].0.name()))
-            }
-            (Self::Logged { log, .. }, _) => Err(no_tracks(&log.name())),
-            (Self::Flights { config, .. }, TrackSource::Simulated(tracks)) => {
-                let flight = Flight::ALL[place];
-                let (path, stamps) = path_of_flight(flight, config, seed)?;
-                simulate_tracks(tracks, &path, &stamps, seed)
-                    .map_err(|source| ClosedLoopError::Tracks { sequence: flight.name().into(), source })
-            }
-            (Self::Flights { .. }, TrackSource::File(_) | TrackSource::Images(_)) => {
-                Err(no_tracks(Flight::ALL[place].name()))
+            _ => Err(ClosedLoopError::NoTracks { sequence: self.name(place) }),
+        }
+    }
+
+    fn name(&self, place: usize) -> String {
+        self.names().swap_remove(place).0
+    }
+
+    /// The camera that was given, else the sequence's own where it has one.
+    fn settled(
+        &self,
+        place: usize,
+        given: Option<CameraSettings>,
+    ) -> Result<Option<CameraSettings>, ClosedLoopError> {
+        self.on_disk().get(place).map_or(Ok(given), |(sequence, _)| settled(sequence, given))
+    }
+
+    /// The path along the truth of the sequence at `place`, and its camera's stamps.
+    fn path(
+        &self,
+        place: usize,
+        seed: u64,
+        config: &PathConfig,
+    ) -> Result<(SharedPath, Vec<Stamp>), ClosedLoopError> {
+        match &self.of {
+            Sequences::Recorded(sequences) => path_of(&sequences[place].0, config),
+            Sequences::Logged(log) => Err(ClosedLoopError::NoTracks { sequence: log.name() }),
+            Sequences::Flights(config) => {
+                let (path, stamps) = path_of_flight(Flight::ALL[place], config, seed)?;
+                Ok((Arc::new(path), stamps))
             }
         }
     }
@@ -130,29 +134,21 @@ fn camera_rate(camera: Option<&CameraConfig>) -> SampleRate {
 
 fn recorded(sequence: &Sequence, side: Side, tracks: &TrackSource) -> Result<Recording, ClosedLoopError> {
     let name = sequence.name().to_owned();
-    let (camera, body_from_cam) = match tracks {
-        TrackSource::File(_) | TrackSource::Images(ImageSource::Folder { .. }) => {
-            let no_camera = || ClosedLoopError::NoCamera { dir: sequence.dir().to_path_buf() };
-            let config = sequence.camera_config()?.ok_or_else(no_camera)?;
-            let camera = CameraModel::try_from(&config)
-                .map_err(|source| ClosedLoopError::Camera { sequence: name.clone(), source })?;
-            (camera, config.body_from_cam)
-        }
-        TrackSource::Simulated(config) => camera_of(&name, settled(sequence, config.camera)?)?,
-        TrackSource::Images(ImageSource::Rendered(config)) => {
-            camera_of(&name, settled(sequence, config.camera)?)?
-        }
+    let (camera, body_from_cam) = if tracks.is_simulated() {
+        camera_of(&name, settled(sequence, tracks.camera_settings())?)?
+    } else {
+        let no_camera = || ClosedLoopError::NoCamera { dir: sequence.dir().to_path_buf() };
+        let config = sequence.camera_config()?.ok_or_else(no_camera)?;
+        let camera = CameraModel::try_from(&config)
+            .map_err(|source| ClosedLoopError::Camera { sequence: name.clone(), source })?;
+        (camera, config.body_from_cam)
     };
     let truth = match sequence.ground_truth_path() {
         Some(_) => Some(poses_of(&sequence.ground_truth()?)),
         None => None,
     };
-    let (imu, remarks) = match tracks {
-        TrackSource::File(_) | TrackSource::Images(ImageSource::Folder { .. }) => own_samples(sequence)?,
-        TrackSource::Simulated(_) | TrackSource::Images(ImageSource::Rendered(_)) => {
-            (sequence.imu()?, Vec::new())
-        }
-    };
+    let (imu, remarks) =
+        if tracks.is_simulated() { (sequence.imu()?, Vec::new()) } else { own_samples(sequence)? };
     Ok(Recording { name, side, imu, camera, body_from_cam, truth, oracle: None, remarks })
 }
 
@@ -189,7 +185,7 @@ fn camera_of(
 }
 
 /// The path along a sequence's ground truth, and its camera's stamps where it left any.
-fn path_of(sequence: &Sequence, config: &PathConfig) -> Result<(RecordedPath, Vec<Stamp>), ClosedLoopError> {
+fn path_of(sequence: &Sequence, config: &PathConfig) -> Result<(SharedPath, Vec<Stamp>), ClosedLoopError> {
     if sequence.ground_truth_path().is_none() {
         return Err(ClosedLoopError::NoGroundTruth { dir: sequence.dir().to_path_buf() });
     }
@@ -200,7 +196,7 @@ fn path_of(sequence: &Sequence, config: &PathConfig) -> Result<(RecordedPath, Ve
     } else {
         camera_stamps(&path, camera_rate(sequence.camera_config()?.as_ref()))
     };
-    Ok((path, stamps))
+    Ok((Arc::new(path), stamps))
 }
 
 /// How a sequence's ground truth becomes a path: a reconciled one is smooth, and smoothing would take it away from the samples.
@@ -219,14 +215,6 @@ fn path_of_flight(
     Ok((path, stamps))
 }
 
-/// Tracks along the ground truth.
-fn made(sequence: &Sequence, config: &TracksConfig, seed: u64) -> Result<Vec<TrackFrame>, ClosedLoopError> {
-    let (path, stamps) = path_of(sequence, &config.path)?;
-    let config = TracksConfig { camera: settled(sequence, config.camera)?, ..config.clone() };
-    simulate_tracks(&config, &path, &stamps, seed)
-        .map_err(|source| ClosedLoopError::Tracks { sequence: sequence.name().to_owned(), source })
-}
-
 fn flown(
     flight: Flight,
     seed: u64,
@@ -234,12 +222,7 @@ fn flown(
     tracks: &TrackSource,
 ) -> Result<Recording, ClosedLoopError> {
     let flown = simulate(flight, seed, config)?;
-    let settings = match tracks {
-        TrackSource::Simulated(made) => made.camera,
-        TrackSource::Images(ImageSource::Rendered(rendered)) => rendered.camera,
-        TrackSource::File(_) | TrackSource::Images(_) => None,
-    };
-    let (camera, body_from_cam) = camera_of(flight.name(), settings)?;
+    let (camera, body_from_cam) = camera_of(flight.name(), tracks.camera_settings())?;
     let truth = flown.ground_truth.iter();
     let truth = truth.map(|s| StampedPose { t: s.t, world_from_body: s.world_from_body }).collect();
     Ok(Recording {
@@ -267,25 +250,23 @@ mod tests {
         let config = FlightConfig::default();
         for tracks in [
             TrackSource::File(PathBuf::from("tracks")),
-            TrackSource::Images(ImageSource::Rendered(Box::default())),
-            TrackSource::Images(ImageSource::Folder { skip_missing: false }),
+            TrackSource::Rendered(Box::default()),
+            TrackSource::Images { skip_missing: false },
         ] {
-            let source = SequenceSet::Flights { config: config.clone(), tracks };
+            let source = SequenceSet::flights(config.clone(), tracks);
             let error = source.frames(0, 1).unwrap_err().to_string();
             assert!(error.starts_with("f01-hall-slow: it has no file of tracks"), "{error}");
         }
-        let folder = TrackSource::Images(ImageSource::Folder { skip_missing: false });
-        let source = SequenceSet::Flights { config, tracks: folder };
+        let folder = TrackSource::Images { skip_missing: false };
+        let source = SequenceSet::flights(config, folder);
         let error = source.camera_input(0, 1, &Span::from(0.0)).err().unwrap();
         assert!(matches!(error, ClosedLoopError::NoImages { asked: false, .. }), "{error}");
     }
 
     #[test]
     fn a_flight_has_truth_oracle_and_tracks_on_its_samples_clock() {
-        let source = SequenceSet::Flights {
-            config: FlightConfig::default(),
-            tracks: TrackSource::Simulated(TracksConfig::default()),
-        };
+        let tracks = TrackSource::Simulated(TracksConfig::default());
+        let source = SequenceSet::flights(FlightConfig::default(), tracks);
         let place = source.select("hover").unwrap()[0];
         let recording = source.recording(place, 3).unwrap();
         let frames = source.frames(place, 3).unwrap();
@@ -301,11 +282,7 @@ mod tests {
         let config = FlightConfig::default();
         let tracks = TrackSource::Simulated(TracksConfig::default());
         let place = Flight::ALL.iter().position(|flight| *flight == Flight::Hover).unwrap();
-        let truth = SequenceSet::Flights { config: config.clone(), tracks }
-            .recording(place, 3)
-            .unwrap()
-            .truth
-            .unwrap();
+        let truth = SequenceSet::flights(config.clone(), tracks).recording(place, 3).unwrap().truth.unwrap();
         let turned = |config: &FlightConfig| {
             let (path, _) = path_of_flight(Flight::Hover, config, 3).unwrap();
             let angle = |pose: &StampedPose| {

@@ -1,8 +1,7 @@
 //! Checksums of what sequences are read from: results are named by them.
 
 use super::error::ClosedLoopError;
-use super::images::ImageSource;
-use super::sequence_set::{SequenceSet, TrackSource, tracks_file};
+use super::sequence_set::{SequenceSet, Sequences, TrackSource, tracks_file};
 use dpn_core::checksum::{hex, of_parts, of_source};
 use dpn_io::asl::Sequence;
 use dpn_io::{ImageFolder, IoError};
@@ -19,13 +18,13 @@ impl SequenceSet {
     /// A file that cannot be read.
     pub fn checksum(&self, place: usize) -> Result<String, ClosedLoopError> {
         let mut hash = Sha256::new();
-        match self {
-            Self::Recorded { sequences, tracks } => {
+        match &self.of {
+            Sequences::Recorded(sequences) => {
                 let (sequence, _) = &sequences[place];
-                for sum in checksums(sequence, tracks) {
+                for sum in checksums(sequence, &self.tracks) {
                     hash.update(sum?);
                 }
-                if let TrackSource::Images(ImageSource::Folder { .. }) = tracks {
+                if let TrackSource::Images { .. } = self.tracks {
                     let folder = ImageFolder::open(sequence)?;
                     let sums = folder.files().par_iter().map(|(t, path)| Ok((t, checksum_of_image(path)?)));
                     for (t, sum) in sums.collect::<Result<Vec<_>, IoError>>()? {
@@ -34,21 +33,23 @@ impl SequenceSet {
                     }
                 }
             }
-            Self::Logged { log, .. } => hash.update(log.checksum()?),
-            Self::Flights { .. } => hash.update(Flight::ALL[place].name()),
+            Sequences::Logged(log) => hash.update(log.checksum()?),
+            Sequences::Flights(_) => hash.update(Flight::ALL[place].name()),
         }
         Ok(hex(hash.finalize()))
     }
 
     /// The same of a sequence that need not be whole, without its images: what its samples are read from, as far as it is there.
     pub(super) fn checksum_of_samples(&self, place: usize) -> String {
-        match self {
-            Self::Recorded { sequences, tracks } => {
+        match &self.of {
+            Sequences::Recorded(sequences) => {
                 // A file that cannot be read has no checksum, and one that is empty has.
-                of_parts(checksums(&sequences[place].0, tracks).into_iter().map(Result::unwrap_or_default))
+                of_parts(
+                    checksums(&sequences[place].0, &self.tracks).into_iter().map(Result::unwrap_or_default),
+                )
             }
-            Self::Logged { log, .. } => log.checksum().unwrap_or_default(),
-            Self::Flights { .. } => Flight::ALL[place].name().to_owned(),
+            Sequences::Logged(log) => log.checksum().unwrap_or_default(),
+            Sequences::Flights(_) => Flight::ALL[place].name().to_owned(),
         }
     }
 }

@@ -1,21 +1,18 @@
 //! Where recordings and camera tracks come from: sequences on disk, or simulated flights.
 
 use super::error::ClosedLoopError;
-use super::images::ImageSource;
 use super::logged::LoggedSequence;
 use super::row::TruthKind;
 use super::sequence_name::is_called;
 use dpn_io::asl::{Sequence, discover};
 use dpn_io::calibration::Calibration;
-use dpn_sim::tracks::TracksConfig;
-use dpn_sim::{Flight, FlightConfig};
+use dpn_sim::tracks::{CameraSettings, TracksConfig};
+use dpn_sim::{Flight, FlightConfig, RenderConfig};
 use dpn_train::split::{Side, assign, paper_side};
-use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// Where the tracks of recorded sequences come from.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+/// Where the odometry's tracks come from.
+#[derive(Debug, Clone, PartialEq)]
 // A handful of these live at a time; their size is nobody's cost.
 #[allow(clippy::large_enum_variant)]
 pub enum TrackSource {
@@ -23,35 +20,55 @@ pub enum TrackSource {
     File(PathBuf),
     /// Made along the ground truth, from the seed of the cell.
     Simulated(TracksConfig),
-    /// Followed through images by the estimator's front-end; the seed of the cell is its, and that of images that are rendered.
-    Images(ImageSource),
+    /// Followed through the sequence's own images, of its folder or its log, by the estimator's front-end; the seed of the cell is its.
+    Images {
+        /// Whether images that are listed but not there are passed over; else they are an error before the run begins.
+        skip_missing: bool,
+    },
+    /// Followed through images rendered along the ground truth, from the seed of the cell.
+    Rendered(Box<RenderConfig>),
 }
 
-/// Sequences that the loop can be closed on.
+impl TrackSource {
+    /// Whether the camera is simulated along the ground truth: errors are those of a camera that agrees with the truth.
+    pub fn is_simulated(&self) -> bool {
+        matches!(self, Self::Simulated(_) | Self::Rendered(_))
+    }
+
+    /// Whether there are images.
+    pub fn has_images(&self) -> bool {
+        matches!(self, Self::Images { .. } | Self::Rendered(_))
+    }
+
+    /// The settings given of a camera that is simulated.
+    pub(super) fn camera_settings(&self) -> Option<CameraSettings> {
+        match self {
+            Self::Simulated(made) => made.camera,
+            Self::Rendered(rendered) => rendered.camera,
+            Self::File(_) | Self::Images { .. } => None,
+        }
+    }
+}
+
+/// Sequences that the loop can be closed on, and what is seen of them.
+#[derive(Debug, Clone)]
+pub struct SequenceSet {
+    /// The sequences.
+    pub of: Sequences,
+    /// Their tracks.
+    pub tracks: TrackSource,
+}
+
+/// Sequences of one kind.
 #[derive(Debug, Clone)]
 #[allow(clippy::large_enum_variant)]
-pub enum SequenceSet {
-    /// Recordings on disk.
-    Recorded {
-        /// The sequences and their sides, sorted by name.
-        sequences: Vec<(Sequence, Side)>,
-        /// Their tracks.
-        tracks: TrackSource,
-    },
+pub enum Sequences {
+    /// Recordings on disk and their sides, sorted by name.
+    Recorded(Vec<(Sequence, Side)>),
     /// A log with images; no truth is known of it but what somebody gives.
-    Logged {
-        /// The log.
-        log: LoggedSequence,
-        /// Its own images.
-        tracks: TrackSource,
-    },
-    /// Simulated flights; flight and tracks are made from the seed of the cell.
-    Flights {
-        /// What every flight is made of.
-        config: FlightConfig,
-        /// Their tracks.
-        tracks: TrackSource,
-    },
+    Logged(LoggedSequence),
+    /// Simulated flights made of this; flight and tracks are made from the seed of the cell.
+    Flights(FlightConfig),
 }
 
 impl SequenceSet {
@@ -80,7 +97,7 @@ impl SequenceSet {
                 second: twice[1].0.dir().to_path_buf(),
             });
         }
-        Ok(Self::Recorded { sequences, tracks })
+        Ok(Self { of: Sequences::Recorded(sequences), tracks })
     }
 
     /// The one sequence in `dir`.
@@ -90,86 +107,72 @@ impl SequenceSet {
     pub fn one(dir: &Path, tracks: TrackSource) -> Result<Self, ClosedLoopError> {
         let sequence = Sequence::open(dir)?;
         let side = paper_side(sequence.name()).unwrap_or(Side::Test);
-        Ok(Self::Recorded { sequences: vec![(sequence, side)], tracks })
+        Ok(Self { of: Sequences::Recorded(vec![(sequence, side)]), tracks })
     }
 
-    /// A log with images, seen by its own camera.
-    pub fn logged(log: LoggedSequence, skip_missing: bool) -> Self {
-        Self::Logged { log, tracks: TrackSource::Images(ImageSource::Folder { skip_missing }) }
-    }
-
-    /// The same with other tracks.
-    #[must_use]
-    pub fn with_tracks(mut self, other: TrackSource) -> Self {
-        match &mut self {
-            Self::Recorded { tracks, .. } | Self::Logged { tracks, .. } | Self::Flights { tracks, .. } => {
-                *tracks = other;
-            }
-        }
-        self
+    /// The simulated flights.
+    pub fn flights(config: FlightConfig, tracks: TrackSource) -> Self {
+        Self { of: Sequences::Flights(config), tracks }
     }
 
     /// The same with the reconciled ground truth of `dir`, `NAME.csv` a sequence, the published one without; flights have none but their own.
     #[must_use]
-    pub fn with_reconciled_truth(mut self, dir: Option<&Path>) -> Self {
-        if let (Self::Recorded { sequences, .. }, Some(dir)) = (&mut self, dir) {
-            for (sequence, _) in sequences {
-                *sequence = sequence.clone().with_reconciled_truth(dir);
-            }
+    pub fn with_reconciled_truth(self, dir: Option<&Path>) -> Self {
+        match dir {
+            Some(dir) => self.each(|sequence| sequence.with_reconciled_truth(dir)),
+            None => self,
         }
-        self
     }
 
     /// The same with a calibration in place of every sequence's own; flights have theirs in the settings of what is simulated.
     #[must_use]
-    pub fn with_calibration(mut self, given: Option<Calibration>) -> Self {
-        if let (Self::Recorded { sequences, .. }, Some(given)) = (&mut self, given) {
-            for (sequence, _) in sequences {
-                *sequence = sequence.clone().with_calibration(given.clone());
-            }
+    pub fn with_calibration(self, given: Option<Calibration>) -> Self {
+        match given {
+            Some(given) => self.each(|sequence| sequence.with_calibration(given.clone())),
+            None => self,
+        }
+    }
+
+    fn each(mut self, change: impl Fn(Sequence) -> Sequence) -> Self {
+        if let Sequences::Recorded(sequences) = &mut self.of {
+            sequences.iter_mut().for_each(|(sequence, _)| *sequence = change(sequence.clone()));
         }
         self
     }
 
+    /// The sequences on disk and their sides; of logs and flights none.
+    pub(super) fn on_disk(&self) -> &[(Sequence, Side)] {
+        match &self.of {
+            Sequences::Recorded(sequences) => sequences,
+            Sequences::Logged(_) | Sequences::Flights(_) => &[],
+        }
+    }
+
     /// Folder of the reconciled ground truth.
     pub fn reconciled_truth(&self) -> Option<&Path> {
-        match self {
-            Self::Recorded { sequences, .. } => sequences.iter().find_map(|(s, _)| s.reconciled_truth()),
-            Self::Logged { .. } | Self::Flights { .. } => None,
-        }
+        self.on_disk().iter().find_map(|(sequence, _)| sequence.reconciled_truth())
     }
 
     /// The sequences on disk at `places`; of logs and flights none.
     pub fn recordings(&self, places: &[usize]) -> Vec<Sequence> {
-        match self {
-            Self::Recorded { sequences, .. } => {
-                places.iter().map(|place| sequences[*place].0.clone()).collect()
-            }
-            Self::Logged { .. } | Self::Flights { .. } => Vec::new(),
-        }
+        places.iter().filter_map(|place| Some(self.on_disk().get(*place)?.0.clone())).collect()
     }
 
     /// What the ground truth is.
     pub fn truth(&self) -> TruthKind {
-        match self {
-            Self::Recorded { sequences, .. } if sequences.iter().any(|(s, _)| s.truth_is_reconciled()) => {
-                TruthKind::Reconciled
-            }
-            Self::Recorded { .. } | Self::Logged { .. } => TruthKind::Published,
-            Self::Flights { .. } => TruthKind::Exact,
+        match &self.of {
+            Sequences::Flights(_) => TruthKind::Exact,
+            _ if self.reconciled_truth().is_some() => TruthKind::Reconciled,
+            _ => TruthKind::Published,
         }
     }
 
     /// Names and sides of all sequences, in order.
     pub fn names(&self) -> Vec<(String, Side)> {
-        match self {
-            Self::Recorded { sequences, .. } => {
-                sequences.iter().map(|(s, side)| (s.name().to_owned(), *side)).collect()
-            }
-            Self::Logged { log, .. } => vec![(log.name(), log.side())],
-            Self::Flights { .. } => {
-                Flight::ALL.into_iter().map(|f| (f.name().to_owned(), f.split())).collect()
-            }
+        match &self.of {
+            Sequences::Recorded(all) => all.iter().map(|(s, side)| (s.name().to_owned(), *side)).collect(),
+            Sequences::Logged(log) => vec![(log.name(), log.side())],
+            Sequences::Flights(_) => Flight::ALL.map(|f| (f.name().to_owned(), f.split())).to_vec(),
         }
     }
 
@@ -207,55 +210,37 @@ impl SequenceSet {
 
     /// Whether a sequence's samples depend on the seed.
     pub fn recordings_are_seeded(&self) -> bool {
-        matches!(self, Self::Flights { .. })
+        matches!(self.of, Sequences::Flights(_))
     }
 
     /// Whether a sequence's tracks depend on the seed.
     pub fn tracks_are_seeded(&self) -> bool {
-        !matches!(self, Self::Recorded { tracks: TrackSource::File(_), .. })
-    }
-
-    /// Where tracks come from.
-    pub fn tracks(&self) -> &TrackSource {
-        match self {
-            Self::Recorded { tracks, .. } | Self::Logged { tracks, .. } | Self::Flights { tracks, .. } => {
-                tracks
-            }
-        }
-    }
-
-    /// Whether the camera is simulated along the ground truth: errors are those of a camera that agrees with the truth.
-    pub fn camera_is_simulated(&self) -> bool {
-        match self.tracks() {
-            TrackSource::Simulated(_) | TrackSource::Images(ImageSource::Rendered(_)) => true,
-            TrackSource::File(_) | TrackSource::Images(ImageSource::Folder { .. }) => false,
-        }
+        !matches!((&self.of, &self.tracks), (Sequences::Recorded(_), TrackSource::File(_)))
     }
 
     /// What the odometry sees, as rows call it.
     pub fn camera(&self) -> &'static str {
-        match self.tracks() {
-            TrackSource::Images(images) => images.name(),
+        match self.tracks {
+            TrackSource::Images { .. } => "images",
+            TrackSource::Rendered(_) => "rendered",
             TrackSource::File(_) | TrackSource::Simulated(_) => "tracks",
         }
     }
 
     /// What recordings and tracks are made of, where they are not read: all settings that a number depends on.
     pub fn description(&self) -> serde_json::Value {
-        let tracks = match self.tracks() {
+        let tracks = match &self.tracks {
             TrackSource::File(_) => serde_json::json!("given"),
             TrackSource::Simulated(config) => serde_json::json!(config),
             // The front-end's settings are the estimator's.
-            TrackSource::Images(images @ ImageSource::Folder { .. }) => serde_json::json!(images.name()),
-            TrackSource::Images(ImageSource::Rendered(config)) => serde_json::json!({ "rendered": config }),
+            TrackSource::Images { .. } => serde_json::json!("images"),
+            TrackSource::Rendered(config) => serde_json::json!({ "rendered": config }),
         };
-        match self {
+        match (&self.of, self.truth()) {
+            (Sequences::Flights(config), _) => serde_json::json!({ "flights": config, "tracks": tracks }),
             // The key is new: without it the cells of published truth keep their names.
-            Self::Recorded { .. } if self.truth() == TruthKind::Reconciled => {
-                serde_json::json!({ "tracks": tracks, "truth": self.truth() })
-            }
-            Self::Recorded { .. } | Self::Logged { .. } => serde_json::json!({ "tracks": tracks }),
-            Self::Flights { config, .. } => serde_json::json!({ "flights": config, "tracks": tracks }),
+            (_, truth @ TruthKind::Reconciled) => serde_json::json!({ "tracks": tracks, "truth": truth }),
+            _ => serde_json::json!({ "tracks": tracks }),
         }
     }
 }
@@ -274,10 +259,8 @@ mod tests {
 
     #[test]
     fn sequences_are_selected_by_name_short_name_or_beginning() {
-        let source = SequenceSet::Flights {
-            config: FlightConfig::default(),
-            tracks: TrackSource::Simulated(TracksConfig::default()),
-        };
+        let tracks = TrackSource::Simulated(TracksConfig::default());
+        let source = SequenceSet::flights(FlightConfig::default(), tracks);
         assert_eq!(source.select("all").unwrap().len(), 11);
         assert_eq!(source.select("hover, f02-hall-calm;f03").unwrap(), [1, 2, 8]);
         let error = |text: &str| source.select(text).unwrap_err().to_string();

@@ -1,9 +1,9 @@
 //! What a path or a name is, and what the odometry sees of it. Every source of recordings is opened here.
 
 use super::error::ClosedLoopError;
-use super::images::{ImageSource, has_images};
+use super::images::has_images;
 use super::logged::LoggedSequence;
-use super::sequence_set::{SequenceSet, TrackSource};
+use super::sequence_set::{SequenceSet, Sequences, TrackSource};
 use super::source_error::SourceError;
 use dpn_io::asl::Sequence;
 use dpn_io::calibration::Calibration;
@@ -128,7 +128,8 @@ impl RunSource {
             Some(file) => log.with_truth(file)?,
             None => log,
         };
-        Ok(Some(SequenceSet::logged(log, self.log.skip_missing)))
+        let tracks = TrackSource::Images { skip_missing: self.log.skip_missing };
+        Ok(Some(SequenceSet { of: Sequences::Logged(log), tracks }))
     }
 
     /// What the odometry sees of sequences; `images` where nobody says it.
@@ -138,12 +139,8 @@ impl RunSource {
             (Camera::Images | Camera::Rendered, Some(_)) => Err(SourceError::TwoCameras),
             (Camera::Tracks, Some(tracks)) => Ok(TrackSource::File(tracks.clone())),
             (Camera::Tracks, None) => Ok(TrackSource::Simulated(self.simulated_tracks.clone())),
-            (Camera::Images, None) => {
-                Ok(TrackSource::Images(ImageSource::Folder { skip_missing: self.log.skip_missing }))
-            }
-            (Camera::Rendered, None) => {
-                Ok(TrackSource::Images(ImageSource::Rendered(Box::new(self.images.clone()))))
-            }
+            (Camera::Images, None) => Ok(TrackSource::Images { skip_missing: self.log.skip_missing }),
+            (Camera::Rendered, None) => Ok(TrackSource::Rendered(Box::new(self.images.clone()))),
         }
     }
 
@@ -162,6 +159,6 @@ impl RunSource {
             return Err(SourceError::FlightTracks);
         }
         let tracks = self.seen(false)?;
-        Ok(SequenceSet::Flights { config: self.flights, tracks })
+        Ok(SequenceSet::flights(self.flights, tracks))
     }
 }

@@ -14,7 +14,6 @@ use super::manifest::Manifest;
 use super::parallel::each;
 use super::recording::{Recording, Span};
 use super::row::{CellKey, Row};
-use super::sequence_set::TrackSource;
 use super::states::write_states;
 use super::store::Store;
 use super::sweep_cache::{Needs, SweepCache};
@@ -327,8 +326,8 @@ impl Sweep<'_> {
             let camera = self.source.camera_input(cell.place, cell.seed, &span)?;
             camera.tracks(&recording, &self.estimator.front_end, cell.seed)
         };
-        let seen = cache.frames(needs, || match (self.cache, self.source.tracks()) {
-            (Some(folder), TrackSource::Images(_)) => Ok(folder.get(&cell.seen, stop, follow)?.0),
+        let seen = cache.frames(needs, || match self.cache {
+            Some(folder) if self.source.tracks.has_images() => Ok(folder.get(&cell.seen, stop, follow)?.0),
             _ => follow(),
         })?;
         frames_from(&recording, &seen.frames, &seen.span)?;

@@ -10,7 +10,7 @@ mod camera;
 
 use camera::{CameraFigures, lens_error, matches};
 use dpn_core::Stamp;
-use dpn_eval::closed_loop::{ImageSource, SequenceSet, TrackSource};
+use dpn_eval::closed_loop::{SequenceSet, TrackSource};
 use dpn_io::ImageFolder;
 use dpn_io::asl::Sequence;
 use dpn_sim::RenderConfig;
@@ -25,8 +25,8 @@ fn main() {
     let stamps: Vec<Stamp> = ImageFolder::open(&Sequence::open(real).unwrap()).unwrap().stamps().collect();
     let (first, last) = (stamps[0], stamps[stamps.len() - 1]);
     let middle = first.plus_seconds(8.5);
-    let folder = TrackSource::Images(ImageSource::Folder { skip_missing: false });
-    let drawn = TrackSource::Images(ImageSource::Rendered(Box::new(config)));
+    let folder = TrackSource::Images { skip_missing: false };
+    let drawn = TrackSource::Rendered(Box::new(config));
     let (real, drawn) = (SequenceSet::one(real, folder).unwrap(), SequenceSet::one(full, drawn).unwrap());
     for (name, span) in [("first half", [first, middle]), ("second half", [middle, last])] {
         let truth = CameraFigures::of(&real, 0, 0, span).unwrap();

@@ -4,7 +4,7 @@
 //! covariance.
 
 use dpn_core::estimate::NoiseSpec;
-use dpn_eval::closed_loop::{ImageSource, RunInfo, SequenceSet, Span, TrackSource, TruthKind, drive, judge};
+use dpn_eval::closed_loop::{RunInfo, SequenceSet, Span, TrackSource, TruthKind, drive, judge};
 use dpn_eval::noise::{Fresh, Recorded, track};
 use dpn_testing::pack;
 use dpn_vio::EstimatorConfig;
@@ -17,7 +17,7 @@ const PEER: [(&str, f64); 3] = [("x1", 5.8e-3), ("x2", 5.2e-3), ("x4", 4.9e-3)];
 #[test]
 fn a_short_span_of_real_images_is_followed_no_worse_than_by_vins_mono() {
     let Some(dir) = pack("motion") else { return };
-    let images = TrackSource::Images(ImageSource::Folder { skip_missing: false });
+    let images = TrackSource::Images { skip_missing: false };
     let source = SequenceSet::one(&dir.join("MH_01_easy_start"), images).unwrap();
     let recording = source.recording(0, 0).unwrap();
     let mut config = EstimatorConfig::default();

@@ -2,7 +2,7 @@
 
 use crate::camera::CameraFigures;
 use dpn_core::Stamp;
-use dpn_eval::closed_loop::{ImageSource, SequenceSet, TrackSource};
+use dpn_eval::closed_loop::{SequenceSet, TrackSource};
 use dpn_testing::packs;
 
 /// The second half of the pack's images.
@@ -17,8 +17,8 @@ const MISSED: [&str; 3] = ["flow residual, median, px", "flow residual, 95 %, px
 #[test]
 fn the_front_end_finds_the_rendered_hall_as_hard_as_the_real_one() {
     let Some([motion, euroc]) = packs(["motion", "euroc"]) else { return };
-    let folder = TrackSource::Images(ImageSource::Folder { skip_missing: false });
-    let drawn = TrackSource::Images(ImageSource::Rendered(Box::default()));
+    let folder = TrackSource::Images { skip_missing: false };
+    let drawn = TrackSource::Rendered(Box::default());
     let span = JUDGED.map(Stamp::from_ns);
     let of = |dir: &str, root: &std::path::Path, source, seed| {
         CameraFigures::of(&SequenceSet::one(&root.join(dir), source).unwrap(), 0, seed, span).unwrap()

@@ -149,7 +149,7 @@ pub(crate) fn run_source(
         let camera = set.camera_input(place, settings.seed, &span).map_err(|e| raise(&e))?;
         let done = settings.run(&recording, camera, (set.camera(), set.truth())).and_then(|done| {
             let input = set.checksum(place).map_err(|e| raise(&e))?;
-            let origin = (set.camera_is_simulated(), set.truth());
+            let origin = (set.tracks.is_simulated(), set.truth());
             Ok(RunResult::new(
                 done.json(&dpn_program::program(), &settings.estimator, Some(&input), origin),
                 &settings.estimator,

@@ -68,7 +68,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         Some(truth) if !poses.is_empty() => paired(truth, &poses)?,
         _ => Vec::new(),
     };
-    let origin = (source.camera_is_simulated(), source.truth());
+    let origin = (source.tracks.is_simulated(), source.truth());
     let mut report = done.json(&program(), &estimator, Some(&source.checksum(place)?), origin);
     if !args.rpe.is_empty() {
         report["rpe"] = relative_errors(&args.rpe, &pairs)?;
@@ -96,7 +96,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     if args.json {
         outln!("{report}")?;
     } else {
-        let simulated = source.camera_is_simulated();
+        let simulated = source.tracks.is_simulated();
         out!("{}", words(&done.report, &done, simulated))?;
         for spec in &args.rpe {
             outln!("{:<16}{}", "RPE:", relative_words(spec, &report["rpe"]))?;

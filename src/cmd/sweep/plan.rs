@@ -6,7 +6,7 @@ use crate::args::SweepPlanArgs;
 use crate::cmd::{fleet, program, shipped};
 use crate::ui::{Fault, outln, warn};
 use anyhow::Result;
-use dpn_eval::closed_loop::{Experiment, SequenceSet};
+use dpn_eval::closed_loop::{Experiment, SequenceSet, Sequences};
 use dpn_eval::fleet::FleetPlan;
 use dpn_eval::sweeps::{
     Balance, Group, JobToPlan, LoopJob, PlanKind, Planned, Size, SweepFolder, SweepManifest, TrainPlan,
@@ -64,7 +64,7 @@ fn of_experiments(
 ) -> Result<Planned> {
     let sources: Vec<SequenceSet> =
         experiments.iter().map(|(_, experiment)| experiment.source()).collect::<Result<_, _>>()?;
-    if sources.iter().any(|source| matches!(source, SequenceSet::Logged { .. })) {
+    if sources.iter().any(|source| matches!(source.of, Sequences::Logged(_))) {
         return Err(Fault::new("a log with images is one sequence, and no sweep is cut of it")
             .hint("run it with `dpn eval --closed-loop --camera images --data LOG`")
             .into());
