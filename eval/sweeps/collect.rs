@@ -1,7 +1,7 @@
 //! Shards put together into the folder that one process would have left.
 //!
 //! Rows are not taken apart on the way: a line is checked against its shard's account, found by its cell's checksum, and copied byte by byte to its
-//! place in the order of cells. So memory holds where lines lie and not the lines.
+//! place in the order of cells.
 
 use super::error::{MissingShard, MixedShard, SweepError};
 use super::manifest::SweepFolder;
@@ -14,8 +14,6 @@ use crate::text_file::text_of;
 use dpn_core::checksum::of_parts;
 use dpn_io::{FolderLock, IoError, atomic_write};
 use std::collections::{BTreeMap, HashMap, HashSet};
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 /// What was put together.
@@ -31,24 +29,13 @@ pub struct Collected {
     pub failed: usize,
 }
 
-/// Where a row lies.
-#[derive(Debug, Clone, Copy)]
-struct Line {
-    /// Place of its file.
-    file: usize,
-    offset: u64,
-    length: usize,
-}
-
 /// What the shards have.
 struct Found<'a> {
     folder: &'a SweepFolder,
     /// Of every cell, by its job and its checksum, its place: two jobs may have a cell in common.
     place_of: HashMap<(usize, &'a str), usize>,
-    /// Of every cell, by its place, its row.
-    lines: Vec<Option<Line>>,
-    /// The files that rows lie in.
-    sources: Vec<PathBuf>,
+    /// Of every cell, by its place, its row and the shard that has it.
+    lines: Vec<Option<(usize, String)>>,
     /// Files beside rows, by their path below the results' folder: the shard that has them, and their checksum.
     files: BTreeMap<PathBuf, (usize, String)>,
     failed: Vec<(usize, FailedLine)>,
@@ -66,7 +53,6 @@ pub fn collect(folder: &SweepFolder, out: &Path, without_failed: bool) -> Result
         folder,
         place_of: (0..).zip(cells).map(|(place, cell)| ((cell.job, cell.cell.as_str()), place)).collect(),
         lines: vec![None; cells.len()],
-        sources: Vec::new(),
         files: BTreeMap::new(),
         failed: Vec::new(),
         missing: Vec::new(),
@@ -154,7 +140,8 @@ impl Found<'_> {
         dir: &Path,
     ) -> Result<(), SweepError> {
         let name = &self.folder.manifest.jobs[job].folder;
-        let path = dir.join(name).join(ROWS);
+        let path_in = |dir: &Path| dir.join(name).join(ROWS);
+        let path = path_in(dir);
         let Some(sums) = record.rows.get(name) else { return Ok(()) };
         let command = || self.folder.command(shard);
         let damaged = |line: usize, message: &str| SweepError::Damaged {
@@ -163,24 +150,16 @@ impl Found<'_> {
             message: message.to_owned(),
             command: command(),
         };
-        let failed = |source| IoError::Read { path: path.clone(), source };
-        let mut input = match File::open(&path) {
+        let rows = match std::fs::read(&path) {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
                 return Err(damaged(1, "the file has gone"));
             }
-            file => BufReader::new(file.map_err(failed)?),
+            rows => rows.map_err(|source| IoError::Read { path: path.clone(), source })?,
         };
-        let file = self.sources.len();
-        self.sources.push(path.clone());
-        let (mut offset, mut bytes, mut number) = (0, Vec::new(), 0);
-        loop {
-            bytes.clear();
-            let length = input.read_until(b'\n', &mut bytes).map_err(failed)?;
-            if length == 0 {
-                break;
-            }
+        let mut number = 0;
+        for bytes in rows.split_inclusive(|byte| *byte == b'\n') {
             number += 1;
-            let text = std::str::from_utf8(&bytes).ok().and_then(|text| text.strip_suffix('\n'));
+            let text = std::str::from_utf8(bytes).ok().and_then(|text| text.strip_suffix('\n'));
             let good = text.filter(|text| sums.get(number - 1).is_some_and(|sum| *sum == line_sum(text)));
             let Some(text) = good else {
                 return Err(damaged(number, "not the row that the shard wrote"));
@@ -191,15 +170,13 @@ impl Found<'_> {
             let Some(&place) = self.place_of.get(&(job, cell.as_str())) else {
                 return Err(damaged(number, "a row of no cell of this sweep"));
             };
-            let line = Line { file, offset, length };
-            offset += length as u64;
-            match self.lines[place] {
-                None => self.lines[place] = Some(line),
-                Some(first) if same(&self.read(first)?, text) => {}
-                Some(first) => {
+            match &self.lines[place] {
+                None => self.lines[place] = Some((shard, text.to_owned())),
+                Some((_, first)) if same(first, text) => {}
+                Some((first, _)) => {
                     return Err(SweepError::Contradiction {
                         label: self.folder.manifest.cells[place].label.clone(),
-                        first: self.sources[first.file].clone(),
+                        first: path_in(&self.folder.shard_dir(*first)),
                         second: path,
                     });
                 }
@@ -209,17 +186,6 @@ impl Found<'_> {
             return Err(damaged(number + 1, "the file ends before the shard's last row"));
         }
         Ok(())
-    }
-
-    /// A line that lies somewhere.
-    fn read(&self, line: Line) -> Result<String, IoError> {
-        let path = &self.sources[line.file];
-        let failed = |source| IoError::Read { path: path.clone(), source };
-        let mut file = File::open(path).map_err(failed)?;
-        file.seek(SeekFrom::Start(line.offset)).map_err(failed)?;
-        let mut text = String::new();
-        file.take(line.length as u64).read_to_string(&mut text).map_err(failed)?;
-        Ok(text.trim_end_matches('\n').to_owned())
     }
 
     /// Whether everything is there.
@@ -312,25 +278,11 @@ impl Found<'_> {
                 named.is_ok_and(|named| !self.place_of.contains_key(&(job, named.cell.as_str())))
             })
             .collect();
-        let mut open: Option<(usize, BufReader<File>, u64)> = None;
-        let mut bytes = Vec::new();
         let cells = self.folder.manifest.cells_of(job);
         Ok(atomic_write(&path, |out| {
-            for line in self.lines[cells].iter().flatten() {
-                // Neighbours mostly lie behind each other in one file.
-                let (_, input, at) = match &mut open {
-                    Some(there) if there.0 == line.file => there,
-                    other => {
-                        other.insert((line.file, BufReader::new(File::open(&self.sources[line.file])?), 0))
-                    }
-                };
-                if *at != line.offset {
-                    input.seek(SeekFrom::Start(line.offset))?;
-                }
-                bytes.resize(line.length, 0);
-                input.read_exact(&mut bytes)?;
-                *at = line.offset + line.length as u64;
-                out.write_all(&bytes)?;
+            let own = self.lines[cells].iter().flatten();
+            for (_, line) in own {
+                writeln!(out, "{line}")?;
             }
             others.iter().try_for_each(|line| out.write_all(line.as_bytes()))
         })?)
