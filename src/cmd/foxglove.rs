@@ -42,7 +42,7 @@ fn log(
 ) -> io::Result<()> {
     let mut log = McapLog::new(out, "")?;
     let poses = done.output.poses();
-    let tf = log.json_channel("/tf", "foxglove.FrameTransform", &transform_schema())?;
+    let tf = channel(&mut log, "/tf", "foxglove.FrameTransform")?;
     let (Some(first), Some(last)) = (done.output.frames.first(), done.output.frames.last()) else {
         return log.finish();
     };
@@ -54,7 +54,7 @@ fn log(
         truth.into_iter().filter(|pose| (*first..=*last).contains(&pose.t)).collect();
     for (topic, frame, poses) in [("/estimate", "world", &poses), ("/truth", "truth", &under)] {
         let Some(first) = poses.first() else { continue };
-        let path = log.json_channel(&format!("{topic}/path"), "foxglove.PosesInFrame", &poses_schema())?;
+        let path = channel(&mut log, &format!("{topic}/path"), "foxglove.PosesInFrame")?;
         let all: Vec<Value> = poses.iter().map(|pose| pose_json(&pose.world_from_body)).collect();
         put(
             &mut log,
@@ -62,7 +62,7 @@ fn log(
             first.t,
             &json!({ "timestamp": time(first.t), "frame_id": frame, "poses": all }),
         )?;
-        let one = log.json_channel(topic, "foxglove.PoseInFrame", &pose_schema())?;
+        let one = channel(&mut log, topic, "foxglove.PoseInFrame")?;
         for pose in poses {
             let value = pose_json(&pose.world_from_body);
             put(
@@ -76,7 +76,7 @@ fn log(
     for pose in &poses {
         put(&mut log, tf, pose.t, &transform(pose.t, "world", "body", &pose.world_from_body))?;
     }
-    let state = log.json_channel("/state", "dpn.State", &object(&[]))?;
+    let state = channel(&mut log, "/state", "dpn.State")?;
     for update in &done.output.updates {
         put(&mut log, state, update.t, &state_json(update))?;
     }
@@ -89,8 +89,7 @@ fn sigmas(
     noise: &NoiseTrack,
     span: std::ops::RangeInclusive<Stamp>,
 ) -> io::Result<()> {
-    let vectors = [("accel", vector_schema()), ("gyro", vector_schema())];
-    let channel = log.json_channel("/sigma", "dpn.Sigma", &object(&vectors))?;
+    let channel = channel(log, "/sigma", "dpn.Sigma")?;
     let mut last: Option<Stamp> = None;
     for (t, noise) in noise.stamps().iter().zip(noise.noises()) {
         let due = last.is_none_or(|last| t.seconds_since(last) >= SIGMA_EVERY_S);
@@ -151,48 +150,8 @@ fn state_json(update: &Update) -> Value {
     value
 }
 
-/// JSON Schema of an object with a `timestamp` and these properties.
-fn object(properties: &[(&str, Value)]) -> String {
-    let seconds = json!({ "sec": { "type": "integer" }, "nsec": { "type": "integer" } });
-    let mut all = json!({ "timestamp": { "type": "object", "title": "time", "properties": seconds } });
-    for (name, value) in properties {
-        all[*name] = value.clone();
-    }
-    json!({ "type": "object", "properties": all }).to_string()
-}
-
-fn numbers(names: &[&str]) -> Value {
-    let properties: serde_json::Map<String, Value> =
-        names.iter().map(|name| ((*name).to_owned(), json!({ "type": "number" }))).collect();
-    json!({ "type": "object", "properties": properties })
-}
-
-fn vector_schema() -> Value {
-    numbers(&["x", "y", "z"])
-}
-
-fn one_pose_schema() -> Value {
-    let properties = json!({ "position": vector_schema(), "orientation": numbers(&["x", "y", "z", "w"]) });
-    json!({ "type": "object", "title": "foxglove.Pose", "properties": properties })
-}
-
-fn text_schema() -> Value {
-    json!({ "type": "string" })
-}
-
-fn pose_schema() -> String {
-    object(&[("frame_id", text_schema()), ("pose", one_pose_schema())])
-}
-
-fn poses_schema() -> String {
-    object(&[("frame_id", text_schema()), ("poses", json!({ "type": "array", "items": one_pose_schema() }))])
-}
-
-fn transform_schema() -> String {
-    object(&[
-        ("parent_frame_id", text_schema()),
-        ("child_frame_id", text_schema()),
-        ("translation", vector_schema()),
-        ("rotation", numbers(&["x", "y", "z", "w"])),
-    ])
+/// A channel of JSON in one of the schemas beside this file.
+fn channel(log: &mut McapLog<&mut dyn Write>, topic: &str, schema: &str) -> io::Result<u16> {
+    let all: Value = serde_json::from_str(include_str!("foxglove_schemas.json")).expect("it is JSON");
+    log.json_channel(topic, schema, &all[schema].to_string())
 }
