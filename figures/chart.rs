@@ -9,7 +9,7 @@ use super::provenance::Provenance;
 use super::sheet::{MARGIN, ROOM, Sheet};
 use super::style::{self, Anchor};
 use super::summary::{Column, unbroken};
-use plotters::style::{Color, RGBAColor, RGBColor, ShapeStyle, WHITE};
+use plotters::style::{Color, RGBAColor, RGBColor, ShapeStyle};
 use plotters_backend::DrawingBackend;
 
 /// Height of panels side by side.
@@ -54,8 +54,6 @@ pub(super) enum Layer {
     Stripe([f64; 2], RGBColor),
     /// So many pixels over the lower axis, between two times; a span may be narrower than a pixel, and is there all the same.
     Foot([f64; 2], i32, RGBColor),
-    /// The 5, 25, 50, 75 and 95 % quantiles of what lies at a place, so many pixels beside it: a whisker, a box of half a width, a white mark.
-    Quantiles { at: f64, shift: i32, half: i32, of: [f64; 5], colour: RGBColor },
     /// The marker of a series with an interval, so many pixels beside its place.
     Error { series: usize, at: (f64, f64), shift: i32, ends: Option<[f64; 2]>, colour: RGBColor },
     /// The marker of a series.
@@ -113,15 +111,6 @@ impl Panel {
                 Layer::Foot([from, to], height, colour) => {
                     let (left, right) = (frame.x_at(*from), frame.x_at(*to).max(frame.x_at(*from) + 1));
                     frame.block((left, rect.bottom - height), (right, rect.bottom), *colour)?;
-                }
-                Layer::Quantiles { at, shift, half, of, colour } => {
-                    let x = frame.x_at(*at) + shift;
-                    let [y05, y25, y50, y75, y95] = of.map(|q| frame.y_at(q));
-                    frame.path(vec![(x, y05), (x, y95)], style::stroke(*colour, style::THIN + 1))?;
-                    // A box of no height is still seen: at least the median's mark and a rim.
-                    let (top, bottom) = (y75.min(y50 - 4), y25.max(y50 + 4));
-                    frame.block((x - half, top), (x + half, bottom), *colour)?;
-                    frame.block((x - half, y50 - 1), (x + half, y50 + 2), WHITE)?;
                 }
                 Layer::Error { series, at: (x, y), shift, ends, colour } => {
                     let at = |y: f64| (frame.x_at(*x) + shift, frame.y_at(y));

@@ -67,7 +67,7 @@ pub fn flight_sigma(flight: &Flight<'_>) -> Result<Chart, FigureError> {
     let caption = format!(
         "{} samples. Signal: smallest to largest sample in each pixel column. Estimates: median (line) and range (band) \
          in columns of {COARSE} pixels ({:.2} s).{}{}{}",
-        super::predicted_vs_true::grouped(flight.t.len()),
+        style::grouped(flight.t.len()),
         f64::from(COARSE) / pixels,
         if at_edge { " Estimates of 0 or below lie at the lower edge." } else { "" },
         if flight.words.is_empty() { "" } else { " " },

@@ -3,7 +3,7 @@
 //! [`Table`] is the one table: Markdown, CSV, LaTeX, a console.
 //!
 //! A plot is made from slices and labels and knows no file and no network. It checks its input and computes what will be
-//! drawn when it is built ([`predicted_vs_true`], [`rmse_vs_sigma`], [`flight_sigma`]), so that drawing cannot
+//! drawn when it is built ([`rmse_vs_sigma`], [`flight_sigma`]), so that drawing cannot
 //! fail on data. [`save`] writes it; the same input gives the same bytes. Text in SVG stays text, the font of the PNG is
 //! DejaVu Sans from a crate: no system library and no system font is used.
 
@@ -22,7 +22,6 @@ mod frame;
 mod legend;
 mod log_noise_plot;
 mod plot;
-mod predicted_vs_true;
 mod provenance;
 mod raster;
 mod rmse_vs_sigma;
@@ -48,7 +47,6 @@ pub use flight_sigma::flight_sigma;
 pub use flight_views::{timeline, top_view};
 pub use log_noise_plot::log_noise_plot;
 pub use plot::{Drawn, Plot, save};
-pub use predicted_vs_true::{Predicted, predicted_vs_true};
 pub use provenance::Provenance;
 pub use rmse_vs_sigma::rmse_vs_sigma;
 pub use spectrum_plot::spectrum_plot;

@@ -131,6 +131,19 @@ pub(super) fn title(sensor: Sensor) -> &'static str {
     }
 }
 
+/// Digits in groups of three.
+pub(super) fn grouped(n: usize) -> String {
+    let digits = n.to_string();
+    let mut out = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            out.push(',');
+        }
+        out.push(digit);
+    }
+    out
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -158,5 +171,10 @@ mod tests {
         let one = width("sigma", 20.0);
         assert!((width("sigma", 40.0) - 2 * one).abs() <= 2);
         assert!((width("sigmasigma", 20.0) - 2 * one).abs() <= 3);
+    }
+
+    #[test]
+    fn digits_stand_in_groups_of_three() {
+        assert_eq!([grouped(7), grouped(1234), grouped(20_427_000)], ["7", "1,234", "20,427,000"]);
     }
 }

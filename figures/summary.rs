@@ -1,66 +1,6 @@
-//! Few numbers for many: quantiles by true level, envelopes by pixel column.
+//! Few numbers for many: envelopes by pixel column.
 
-use dpn_core::signal::stats::{quantile, quantiles, upper_median};
-
-/// The 5, 25, 50, 75 and 95 % quantiles of the values at one level.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Level {
-    /// Mean true value.
-    pub(super) truth: f64,
-    /// How many values.
-    pub(super) n: usize,
-    /// Quantiles, ascending.
-    pub(super) quantiles: [f64; 5],
-}
-
-/// Shares at which quantiles are taken.
-const LEVELS: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
-/// Distinct true values up to this many are levels of their own; more are binned.
-pub(super) const MOST_LEVELS: usize = 16;
-/// Bins of equal width for continuous levels.
-pub(super) const BINS: usize = 12;
-
-/// Distinct values, ascending.
-pub(super) fn levels(truth: &[f64]) -> Vec<f64> {
-    let mut levels = truth.to_vec();
-    levels.sort_by(f64::total_cmp);
-    levels.dedup();
-    levels
-}
-
-/// Splits `values` by their truth, ascending, and summarises each part. `truth` and `values` have the same length.
-pub(super) fn by_level(truth: &[f64], values: &[f64]) -> Vec<Level> {
-    let levels = levels(truth);
-    let (Some(&low), Some(&high)) = (levels.first(), levels.last()) else {
-        return Vec::new();
-    };
-    let discrete = levels.len() <= MOST_LEVELS;
-    let count = if discrete { levels.len() } else { BINS };
-    let mut parts = vec![(0.0, Vec::new()); count];
-    for (&t, &v) in truth.iter().zip(values) {
-        let part = if discrete {
-            levels.partition_point(|&level| level < t)
-        } else {
-            ((t - low) / (high - low) * BINS as f64) as usize
-        };
-        let part = &mut parts[part.min(count - 1)];
-        part.0 += t;
-        part.1.push(v);
-    }
-    parts
-        .into_iter()
-        .zip(0..)
-        .filter(|((_, part), _)| !part.is_empty())
-        .map(|((sum, part), i)| {
-            Level {
-                // A level stays what it was given as: a sum of equal numbers over their count may be an ulp off.
-                truth: if discrete { levels[i] } else { sum / part.len() as f64 },
-                n: part.len(),
-                quantiles: quantiles(&part, &LEVELS).try_into().expect("a quantile a level"),
-            }
-        })
-        .collect()
-}
+use dpn_core::signal::stats::{quantile, upper_median};
 
 /// The smallest and the largest of some values; infinite where there is none.
 pub(super) fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
@@ -155,30 +95,6 @@ impl Thinned {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn quantiles_are_numpys() {
-        // numpy.quantile([1, 2, 4, 8], [.05, .25, .5, .75, .95])
-        let levels = by_level(&[3.0; 4], &[8.0, 1.0, 4.0, 2.0]);
-        let expected = [1.15, 1.75, 3.0, 5.0, 7.4];
-        assert_eq!((levels.len(), levels[0].truth, levels[0].n), (1, 3.0, 4));
-        for (found, expected) in levels[0].quantiles.iter().zip(expected) {
-            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
-        }
-    }
-
-    #[test]
-    fn grid_levels_stay_apart_and_continuous_ones_are_binned() {
-        let grid: Vec<f64> = (0..1100).map(|i| 0.01 + 0.02 * f64::from(i % 11)).collect();
-        let levels = by_level(&grid, &grid);
-        assert_eq!(levels.len(), 11);
-        assert!(levels.iter().all(|l| l.n == 100 && l.quantiles == [l.truth; 5]));
-        let fine: Vec<f64> = (0..1200).map(f64::from).collect();
-        let levels = by_level(&fine, &fine);
-        assert_eq!(levels.len(), BINS);
-        assert_eq!(levels.iter().map(|l| l.n).sum::<usize>(), 1200);
-        assert!(levels.windows(2).all(|w| w[0].quantiles[4] < w[1].quantiles[0]));
-    }
 
     #[test]
     fn columns_keep_every_extreme() {

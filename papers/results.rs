@@ -78,10 +78,9 @@ impl Paper<'_> {
                 bases: &bases,
                 networks: self.judged,
                 seed: self.plan.seed,
-                drawn: None,
                 program: &program,
             };
-            Ok(open_loop::run(&request, &cells, stop, progress)?.rows)
+            Ok(open_loop::run(&request, &cells, stop, progress)?)
         })?;
         // They served to go on with; the rows are whole now.
         match std::fs::remove_dir_all(&cells) {

@@ -1,7 +1,6 @@
 //! One set of windows: who is asked, what is fitted first, which rows come of it.
 
-use super::cells::Judged;
-use super::request::{Drawn, OpenLoopError, Request};
+use super::request::{OpenLoopError, Request};
 use super::rows::{Errors, Row};
 use dpn_core::Sensor;
 use dpn_core::estimate::WindowSigma;
@@ -66,28 +65,30 @@ impl Job<'_> {
         self.corpus.name == TUM_VI
     }
 
-    /// Rows and drawings, and what was fitted, if anything was.
+    /// Rows, and what was fitted, if anything was.
     ///
     /// # Errors
     /// No windows; a fit that fails; a request to stop.
-    pub(super) fn judge(&self, transfer: Option<&Fitted>) -> Result<(Judged, Option<Fitted>), OpenLoopError> {
+    pub(super) fn judge(
+        &self,
+        transfer: Option<&Fitted>,
+    ) -> Result<(Vec<Row>, Option<Fitted>), OpenLoopError> {
         let training = if self.foreign() { None } else { Some(self.training()?) };
         let test = self.examples(Side::Test)?;
-        let mut judged = Judged::default();
+        let mut rows = Vec::new();
         let fitted = training.as_ref().and_then(|training| training.fitted.as_ref());
         if let Some(Training { examples, table: Some(table), .. }) = &training {
             let answers = self.answers(examples, Some(table), fitted, transfer)?;
-            self.add_rows(Side::Train, examples, &answers, &mut judged.rows);
+            self.add_rows(Side::Train, examples, &answers, &mut rows);
         }
         if !test.is_empty() {
             let answers = self.answers(&test, None, fitted, transfer)?;
-            self.add_rows(Side::Test, &test, &answers, &mut judged.rows);
-            judged.drawn = self.is_drawn().then(|| self.drawn(&test, &answers));
+            self.add_rows(Side::Test, &test, &answers, &mut rows);
         }
         if test.is_empty() && training.as_ref().is_none_or(|training| training.table.is_none()) {
             return Err(OpenLoopError::NoWindows(self.corpus.name.clone()));
         }
-        Ok((judged, training.and_then(|training| training.fitted)))
+        Ok((rows, training.and_then(|training| training.fitted)))
     }
 
     /// The training side, and what is fitted to it.
@@ -118,11 +119,6 @@ impl Job<'_> {
         } else {
             Ok(())
         }
-    }
-
-    /// Whether predictions are kept for a drawing.
-    fn is_drawn(&self) -> bool {
-        !self.foreign() && self.kind == LevelKind::Grid && self.request.drawn == Some(self.base)
     }
 
     /// Noisy windows of one side; the same noise for every base.
@@ -226,22 +222,6 @@ impl Job<'_> {
                     by_sigma: first.by_sigma.clone(),
                 });
             }
-        }
-    }
-
-    fn drawn(&self, examples: &Examples, answers: &[Answer]) -> Drawn {
-        let mut estimates: Vec<(String, Vec<f64>)> = Vec::new();
-        for answer in answers.iter().filter(|answer| answer.labels.contains(&Label::Injected)) {
-            if !estimates.iter().any(|(name, _)| *name == answer.name) {
-                estimates.push((answer.name.clone(), answer.sigma.clone()));
-            }
-        }
-        Drawn {
-            sensor: self.sensor,
-            base: self.base.to_string(),
-            levels: self.kind.family().to_owned(),
-            truth: examples.truth(Label::Injected),
-            estimates,
         }
     }
 }

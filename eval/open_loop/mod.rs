@@ -6,6 +6,6 @@ mod request;
 mod rows;
 mod run;
 
-pub use request::{Drawn, OpenLoop, OpenLoopError, Request};
+pub use request::{OpenLoopError, Request};
 pub use rows::{Errors, Row, SigmaBin};
 pub use run::run;

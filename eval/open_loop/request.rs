@@ -1,6 +1,5 @@
 //! What an open loop is asked for, and what comes of it.
 
-use super::rows::Row;
 use dpn_core::Sensor;
 use dpn_core::estimate::EstimatorError;
 use dpn_core::signal::FilterError;
@@ -11,7 +10,6 @@ use dpn_train::base::Base;
 use dpn_train::corpus::Corpus;
 use dpn_train::features::FeatureError;
 use dpn_train::regress::RegressError;
-use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// What to judge, and by what.
@@ -26,8 +24,6 @@ pub struct Request<'a> {
     pub networks: &'a [Network],
     /// Seed of the injected noise.
     pub seed: u64,
-    /// The base whose predictions on the paper's grid are kept for a drawing.
-    pub drawn: Option<Base>,
     /// Version and checksum of the program.
     pub program: &'a str,
 }
@@ -64,28 +60,4 @@ pub enum OpenLoopError {
     /// Nothing to judge on.
     #[error("no windows to judge on in {0}; give longer recordings")]
     NoWindows(String),
-}
-
-/// Rows, and the predictions worth drawing.
-#[derive(Debug, Default)]
-pub struct OpenLoop {
-    /// Every row.
-    pub rows: Vec<Row>,
-    /// Predictions on the test side with labels `sigma_inj`, on the base that is drawn, by sensor.
-    pub drawn: Vec<Drawn>,
-}
-
-/// Predictions of one set of windows.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Drawn {
-    /// The sensor.
-    pub sensor: Sensor,
-    /// The base.
-    pub base: String,
-    /// `grid` or `continuous`.
-    pub levels: String,
-    /// True deviations.
-    pub truth: Vec<f64>,
-    /// Estimator and its predictions.
-    pub estimates: Vec<(String, Vec<f64>)>,
 }

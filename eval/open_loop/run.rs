@@ -7,7 +7,8 @@
 
 use super::cells::Cells;
 use super::job::{Fitted, Job};
-use super::request::{OpenLoop, OpenLoopError, Request};
+use super::request::{OpenLoopError, Request};
+use super::rows::Row;
 use dpn_core::Sensor;
 use dpn_core::checksum::of_parts;
 use dpn_core::estimate::spec::EstimatorSpec;
@@ -34,7 +35,7 @@ pub fn run(
     dir: &Path,
     stop: &AtomicBool,
     progress: &mut dyn Progress,
-) -> Result<OpenLoop, OpenLoopError> {
+) -> Result<Vec<Row>, OpenLoopError> {
     let (features, simple) = (Features::new()?, simple_estimators()?);
     let job = |(sensor, corpus, base, kind)| Job {
         request,
@@ -49,7 +50,7 @@ pub fn run(
     let jobs: Vec<Job<'_>> = plan(request).into_iter().map(job).collect();
     let contents = contents(request, &jobs)?;
     let cells = Cells::new(dir);
-    let (mut out, mut kept, total) = (OpenLoop::default(), 0, jobs.len());
+    let (mut out, mut kept, total) = (Vec::new(), 0, jobs.len());
     progress.start("open loop", total as u64);
     let mut transfer: BTreeMap<(Sensor, &'static str), (usize, Fitted)> = BTreeMap::new();
     for (place, (job, content)) in jobs.iter().zip(&contents).enumerate() {
@@ -57,9 +58,9 @@ pub fn run(
             OpenLoopError::Stopped { .. } => OpenLoopError::Stopped { done: place, total },
             error => error,
         };
-        let judged = if let Some(judged) = cells.read(content) {
+        let rows = if let Some(rows) = cells.read(content) {
             kept += 1;
-            judged
+            rows
         } else {
             if stop.load(Ordering::Relaxed) {
                 return Err(OpenLoopError::Stopped { done: place, total });
@@ -70,21 +71,20 @@ pub fn run(
                 refit(&jobs, job, &mut transfer).map_err(stopped)?;
             }
             let foreign = transfer.get(&(sensor, levels)).map(|(_, fitted)| fitted);
-            let (judged, fitted) = job.judge(foreign).map_err(stopped)?;
-            cells.write(content, &judged)?;
+            let (rows, fitted) = job.judge(foreign).map_err(stopped)?;
+            cells.write(content, &rows)?;
             if let Some(fitted) = fitted {
                 transfer.insert((sensor, levels), (place, fitted));
             }
-            judged
+            rows
         };
-        out.rows.extend(judged.rows);
-        out.drawn.extend(judged.drawn);
+        out.extend(rows);
     }
     let reused = match kept {
         0 => String::new(),
         kept => format!(": {kept} of {total} sets kept from {}, {} run", dir.display(), total - kept),
     };
-    progress.finish(&format!("{} rows{reused}", out.rows.len()));
+    progress.finish(&format!("{} rows{reused}", out.len()));
     Ok(out)
 }
 
@@ -121,7 +121,7 @@ fn contents(request: &Request<'_>, jobs: &[Job<'_>]) -> Result<Vec<String>, Open
     let own = |job: &Job<'_>| {
         let mut parts = vec![request.program.to_owned(), request.seed.to_string(), job.corpus.name.clone()];
         parts.extend([sums[job.corpus.name.as_str()].clone(), job.sensor.to_string(), job.base.to_string()]);
-        parts.extend([job.kind.family().to_owned(), format!("{:?}", request.drawn)]);
+        parts.push(job.kind.family().to_owned());
         parts.extend(networks.iter().filter(|(sensor, _)| *sensor == job.sensor).map(|(_, sum)| sum.clone()));
         of_parts(parts)
     };
@@ -199,13 +199,12 @@ mod tests {
             bases: &bases,
             networks: &[],
             seed: 0,
-            drawn: Some(bases[1]),
             program: "dpn 1",
         };
         let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
         let never = AtomicBool::new(false);
         let expected = run(&request, whole.path(), &never, &mut Silent).unwrap();
-        assert!(expected.rows.iter().any(|row| row.estimator == "kernel-svr@sg(11,2)" && row.data == TUM_VI));
+        assert!(expected.iter().any(|row| row.estimator == "kernel-svr@sg(11,2)" && row.data == TUM_VI));
         // Four sets with bases, two without: the stop is asked for in the last one.
         let stop = AtomicBool::new(false);
         let stopped = run(&request, parts.path(), &stop, &mut StopAt(5, &stop)).unwrap_err();
@@ -214,9 +213,7 @@ mod tests {
         assert_eq!(files(), 5);
         // The regressors of the sets that are kept are fitted again.
         let found = run(&request, parts.path(), &never, &mut Silent).unwrap();
-        assert_eq!(found.rows, expected.rows);
-        assert_eq!(found.drawn.len(), 1);
-        assert_eq!(found.drawn[0].estimates, expected.drawn[0].estimates);
+        assert_eq!(found, expected);
         // Another program, seed or recording is another cell.
         for other in [
             Request { program: "dpn 2", ..request_of(&request) },

@@ -3,9 +3,7 @@
 use dpn_core::Sensor;
 use dpn_core::bounds::cramer_rao_sigma;
 use dpn_eval::open_loop::{Errors, Row};
-use dpn_figures::{
-    Chart, Flight, Phase, Plot, Predicted, flight_sigma, predicted_vs_true, rmse_vs_sigma, save,
-};
+use dpn_figures::{Chart, Flight, Phase, Plot, flight_sigma, rmse_vs_sigma, save};
 use dpn_train::label::Label;
 use dpn_train::split::Side;
 use std::error::Error;
@@ -64,30 +62,6 @@ fn scale(sensor: Sensor) -> f64 {
         Sensor::Accel => 0.1,
         Sensor::Gyro => 0.006,
     }
-}
-
-fn predicted(continuous: bool, count: usize) -> Result<Chart, Box<dyn Error>> {
-    let mut noise = Noise(7);
-    let data: Vec<_> = Sensor::ALL
-        .into_iter()
-        .map(|sensor| {
-            let truth = truth(sensor, continuous, &mut noise);
-            let estimates: Vec<_> = ESTIMATORS[..count]
-                .iter()
-                .map(|e| (e.0, estimate(&truth, scale(sensor), *e, &mut noise)))
-                .collect();
-            (sensor, truth, estimates)
-        })
-        .collect();
-    let panels: Vec<Predicted<'_>> = data
-        .iter()
-        .map(|(sensor, truth, estimates)| Predicted {
-            sensor: *sensor,
-            truth,
-            estimates: estimates.iter().map(|(name, values)| (*name, values.as_slice())).collect(),
-        })
-        .collect();
-    Ok(predicted_vs_true(&panels)?)
 }
 
 fn rows() -> Vec<Row> {
@@ -185,8 +159,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     let Some(folder) = std::env::args_os().nth(1).map(PathBuf::from) else {
         return Err("usage: figures FOLDER".into());
     };
-    keep(&predicted(false, 4)?, &folder, "predicted_vs_true")?;
-    keep(&predicted(true, 2)?, &folder, "predicted_vs_true_continuous")?;
     let rows = rows();
     let all: Vec<&Row> = rows.iter().collect();
     keep(&rmse_vs_sigma(&all, 200)?, &folder, "rmse_vs_sigma")?;

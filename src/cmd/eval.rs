@@ -5,8 +5,8 @@ use crate::args::EvalArgs;
 use crate::ui::{Bar, Fault, errln, outln, print_pictures};
 use anyhow::{Context, Result};
 use dpn_core::Sensor;
-use dpn_eval::open_loop::{OpenLoop, OpenLoopError, Request, Row, run as judge};
-use dpn_figures::{Predicted, predicted_vs_true, rmse_vs_sigma, save};
+use dpn_eval::open_loop::{OpenLoopError, Request, Row, run as judge};
+use dpn_figures::{rmse_vs_sigma, save};
 use dpn_io::{FolderLock, atomic_write};
 use dpn_papers::tables::open_loop_rows;
 use dpn_train::base::Base;
@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 /// Folder of the results where none is named.
 const OUT: &str = "runs/open-loop";
-/// The base whose predictions are drawn, where it is asked for.
+/// The base whose errors are drawn, where it is asked for.
 const DRAWN: &str = "sg(11,2)";
 
 pub(crate) fn run(args: &EvalArgs) -> Result<()> {
@@ -39,24 +39,22 @@ fn open_loop(args: &EvalArgs) -> Result<()> {
         bases: &bases,
         networks: &networks,
         seed: args.seed,
-        drawn: bases.iter().find(|base| base.to_string() == DRAWN).or(bases.first()).copied(),
         program: &program(),
     };
     let _lock = FolderLock::take(out)?;
     let stop = stop::on_ctrl_c("what was judged is kept, and the same command goes on from there")?;
     let cells = out.join("cells");
-    let result = stop::outcome(judge(&request, &cells, &stop, &mut Bar::new()), |error| {
+    let rows = stop::outcome(judge(&request, &cells, &stop, &mut Bar::new()), |error| {
         matches!(error, OpenLoopError::Stopped { .. })
     })?;
-    write_tables(&result.rows, out)?;
-    let mut pictures = draw(&result, &sensors, out)?;
-    pictures.extend(super::flight::draw(&corpora, &networks, out)?);
+    write_tables(&rows, out)?;
+    let pictures = draw(&request, &rows, out)?;
     // They served to go on with; rows and pictures are whole now.
     std::fs::remove_dir_all(&cells).with_context(|| format!("cannot remove {}", cells.display()))?;
     if args.json {
-        outln!("{}", serde_json::json!({ "rows": result.rows }))?;
+        outln!("{}", serde_json::json!({ "rows": rows }))?;
     } else {
-        let shown = headline(&result.rows);
+        let shown = headline(&rows);
         for words in not_shown(&request, &shown) {
             errln!("note: {words}");
         }
@@ -153,30 +151,21 @@ fn not_shown(request: &Request<'_>, shown: &[Row]) -> Vec<String> {
     words
 }
 
-/// Predicted against true, and RMSE against sigma with the bound: a panel a sensor, on the paper's grid over [`DRAWN`], or
-/// over the first base where that one was not asked for.
-fn draw(result: &OpenLoop, sensors: &[Sensor], out: &Path) -> Result<Vec<PathBuf>> {
+/// RMSE against sigma with the bound: a panel a sensor, on the paper's grid over [`DRAWN`], or over the first base where that one was not asked for.
+fn draw(request: &Request<'_>, rows: &[Row], out: &Path) -> Result<Vec<PathBuf>> {
     const SHOWN: [&str; 4] = ["pronet", "kernel-svr", "diff2", "sg(11,2)"];
-    let (mut predicted, mut rows) = (Vec::new(), Vec::new());
-    for &sensor in sensors {
-        let Some(drawn) = result.drawn.iter().find(|drawn| drawn.sensor == sensor) else { continue };
-        let named = SHOWN.iter().filter_map(|name| drawn.estimates.iter().find(|(n, _)| n == name));
-        let estimates = named.map(|(name, sigma)| (name.as_str(), sigma.as_slice())).collect();
-        predicted.push(Predicted { sensor, truth: &drawn.truth, estimates });
-        rows.extend(
-            result
-                .rows
-                .iter()
-                .filter(|r| {
-                    r.sensor == sensor && r.split == Side::Test && r.base == drawn.base && r.levels == "grid"
-                })
-                .filter(|r| r.label == Label::Injected && SHOWN.contains(&r.estimator.as_str())),
-        );
-    }
-    if predicted.is_empty() {
+    let bases: Vec<String> = request.bases.iter().map(Base::to_string).collect();
+    let base = bases.iter().find(|base| *base == DRAWN).or(bases.first());
+    let is_drawn = |row: &&Row| {
+        row.split == Side::Test
+            && Some(&row.base) == base
+            && row.levels == "grid"
+            && row.label == Label::Injected
+            && SHOWN.contains(&row.estimator.as_str())
+    };
+    let drawn: Vec<&Row> = rows.iter().filter(is_drawn).collect();
+    if drawn.is_empty() {
         return Ok(Vec::new());
     }
-    let mut files = save(&predicted_vs_true(&predicted)?, &out.join("open_loop_predicted"))?;
-    files.extend(save(&rmse_vs_sigma(&rows, WINDOW)?, &out.join("open_loop_rmse_vs_sigma"))?);
-    Ok(files)
+    Ok(save(&rmse_vs_sigma(&drawn, WINDOW)?, &out.join("open_loop_rmse_vs_sigma"))?)
 }

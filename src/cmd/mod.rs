@@ -12,7 +12,6 @@ mod device;
 mod eval;
 mod export;
 mod fleet;
-mod flight;
 mod follow;
 mod foxglove;
 mod images;
