@@ -27,6 +27,9 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
+/// Folder of what an open loop under way is made of.
+const CELLS: &str = "cells";
+
 /// What a stage left, and where.
 #[derive(Debug)]
 pub(super) struct StageResult<T> {
@@ -67,11 +70,9 @@ impl Paper<'_> {
         let mut parts = vec![self.measured_by(), networks.to_owned(), self.plan.seed.to_string()];
         parts.push(self.plan.bases.join(";"));
         parts.extend([self.input.corpus.name.clone(), self.input.corpus.fingerprint()]);
-        let run = format!("open-loop-{}", id(&parts));
         let bases: Vec<Base> = self.plan.bases.iter().map(|base| base.parse()).collect::<Result<_, _>>()?;
         let program = self.measured_by();
-        let cells = self.work.join(&run).join("cells");
-        let (value, cached) = self.cached(&run, &self.work.join(&run).join("rows.json"), || {
+        let made = self.stage("open-loop", "rows.json", &parts, |dir| {
             let request = Request {
                 corpora: std::slice::from_ref(&self.input.corpus),
                 sensors: &Sensor::ALL,
@@ -80,16 +81,16 @@ impl Paper<'_> {
                 seed: self.plan.seed,
                 program: &program,
             };
-            Ok(open_loop::run(&request, &cells, stop, progress)?)
+            Ok(open_loop::run(&request, &dir.join(CELLS), stop, progress)?)
         })?;
+        let cells = self.work.join(&made.run).join(CELLS);
         // They served to go on with; the rows are whole now.
         match std::fs::remove_dir_all(&cells) {
             Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
-                return Err(IoError::Write { path: cells, source }.into());
+                Err(IoError::Write { path: cells, source }.into())
             }
-            _ => {}
+            _ => Ok(made),
         }
-        Ok(StageResult { value, run, cached })
     }
 
     /// What the study's sweep keeps of runs for the figures.
@@ -257,19 +258,36 @@ impl Paper<'_> {
         self.measured_by.unwrap_or(&self.program).to_owned()
     }
 
-    /// What lies at `path`, or is made and put there; not made where another program's runs are taken.
-    fn cached<T: Serialize + DeserializeOwned>(
+    /// A stage that is no sweep: it lies in `file` of a folder named by its `parts`, or is made and put there; not made where another program's runs are taken.
+    fn stage<T: Serialize + DeserializeOwned>(
         &self,
-        run: &str,
-        path: &Path,
-        make: impl FnOnce() -> Result<T, PaperError>,
-    ) -> Result<(T, bool), PaperError> {
+        kind: &str,
+        file: &str,
+        parts: &[String],
+        make: impl FnOnce(&Path) -> Result<T, PaperError>,
+    ) -> Result<StageResult<T>, PaperError> {
+        let run = format!("{kind}-{}", id(parts));
+        let dir = self.work.join(&run);
+        let path = dir.join(file);
         match self.measured_by {
             Some(program) if !path.exists() => {
-                Err(PaperError::NotMeasured { what: run.to_owned(), program: program.to_owned() })
+                Err(PaperError::NotMeasured { what: run, program: program.to_owned() })
             }
-            _ => cached(path, make),
+            _ => {
+                let (value, cached) = cached(&path, || make(&dir))?;
+                Ok(StageResult { value, run, cached })
+            }
         }
+    }
+
+    /// What `noises` told on the sequences at `places` depend on.
+    fn told_by(&self, noises: &[NoiseSpec], places: &[usize]) -> Result<Vec<String>, PaperError> {
+        // Every noise as it is called and as what it is made of: a file may be another under its old name.
+        let of = |noise: &NoiseSpec| Ok([noise.to_string(), content(noise, self.networks)?]);
+        let mut parts = vec![json(&self.input.source.description())];
+        parts.extend(noises.iter().map(of).collect::<Result<Vec<_>, PaperError>>()?.concat());
+        parts.extend(self.checksums(places)?);
+        Ok(parts)
     }
 
     /// How noises follow what is injected.
@@ -279,30 +297,11 @@ impl Paper<'_> {
         let mut noises = Plan::parsed(&plan.followed)?;
         noises.retain(|noise| !specs::is_of_run(noise));
         let mut parts = vec![self.measured_by(), self.plan.seed.to_string(), json(&plan.noise)];
-        parts.push(json(&self.input.source.description()));
-        parts.extend(self.contents(&noises)?);
-        parts.extend(self.checksums(&places)?);
-        let run = format!("response-{}", id(&parts));
-        let dir = self.work.join(&run);
-        let (value, cached) = self.cached(&run, &dir.join("responses.json"), || {
-            let injected = (&plan.noise, self.plan.seed);
-            responses(
-                &self.input.source,
-                &places,
-                &noises,
-                self.networks,
-                injected,
-                &dir.join("pieces"),
-                stop,
-            )
-        })?;
-        Ok(StageResult { value, run, cached })
-    }
-
-    /// Every noise, as it is called and as what it is made of: a file may be another under its old name.
-    fn contents(&self, noises: &[NoiseSpec]) -> Result<Vec<String>, PaperError> {
-        let of = |noise: &NoiseSpec| Ok([noise.to_string(), content(noise, self.networks)?]);
-        Ok(noises.iter().map(of).collect::<Result<Vec<_>, PaperError>>()?.concat())
+        parts.extend(self.told_by(&noises, &places)?);
+        self.stage("response", "responses.json", &parts, |dir| {
+            let (source, injected) = (&self.input.source, (&plan.noise, self.plan.seed));
+            responses(source, &places, &noises, self.networks, injected, &dir.join("pieces"), stop)
+        })
     }
 
     /// Checksums of the sequences at `places`.
@@ -319,11 +318,8 @@ impl Paper<'_> {
         noises.retain(|noise| !noise.needs_training() && !specs::is_of_run(noise));
         let place = self.input.places[0];
         let mut parts = vec![self.measured_by(), self.plan.seed.to_string()];
-        parts.push(json(&self.input.source.description()));
-        parts.extend(self.contents(&noises)?);
-        parts.extend(self.checksums(&[place])?);
-        let run = format!("timing-{}", id(&parts));
-        let (value, cached) = self.cached(&run, &self.work.join(&run).join("windows.json"), || {
+        parts.extend(self.told_by(&noises, &[place])?);
+        self.stage("timing", "windows.json", &parts, |_| {
             stopped(stop)?;
             let recording = self.input.source.recording(place, self.plan.seed)?;
             let recorded =
@@ -338,8 +334,7 @@ impl Paper<'_> {
                 times.push((noise, 1e3 * clock.elapsed().as_secs_f64() / answers));
             }
             Ok(times)
-        })?;
-        Ok(StageResult { value, run, cached })
+        })
     }
 }
 
