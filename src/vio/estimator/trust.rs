@@ -81,3 +81,47 @@ pub fn doubts_warning(doubts: &[Doubt], cause_is_known: bool) -> Option<String> 
     };
     Some(format!("this run is not to be trusted: {}; {cause}", reasons.join("; ")))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::components::Levels;
+    use crate::estimator::RestartReason;
+    use crate::preint::NoiseLevels;
+    use dpn_core::Stamp;
+
+    #[test]
+    fn each_doubt_is_named_and_what_a_sensor_left_out_is_none() {
+        let t = Stamp::from_ns(5);
+        let good = RunReport { poses: 100, outliers: 30, whitened: (900.0, 900), ..RunReport::default() };
+        let levels = |level| Levels {
+            inertial: NoiseLevels([level, 1.0, 1.0, 1.0, 1.0, 1.0, 9e3, 9e3]),
+            pixel: 1.0,
+            unsure: [0.1; 8],
+        };
+        assert_eq!(doubts(&good, Some(&levels(7.0))), []);
+        assert_eq!(doubts_warning(&[], false), None);
+        let gap = vec![
+            (t, RestartReason::ImuGap { seconds: 0.2 }),
+            (t, RestartReason::CameraClock { seconds: 0.1 }),
+        ];
+        assert_eq!(doubts(&RunReport { restarts: gap, ..good.clone() }, None), []);
+        let bad = RunReport {
+            outliers: 250,
+            whitened: (4500.0, 900),
+            restarts: vec![(t, RestartReason::Jump { distance: 2.0 })],
+            ..good
+        };
+        let found = doubts(&bad, Some(&levels(34.0)));
+        let expected = [
+            Doubt::Whitened { mean_square: 5.0 },
+            Doubt::Outliers { a_pose: 2.5 },
+            Doubt::Restarted { times: 1 },
+            Doubt::Levels { level: 34.0 },
+        ];
+        assert_eq!(found, expected);
+        let said = doubts_warning(&found, false).unwrap();
+        assert!(said.contains("5.0 times the variance") && said.contains("`dpn check`"), "{said}");
+        assert!(doubts_warning(&found, true).unwrap().ends_with("another warning names a cause"));
+    }
+}
