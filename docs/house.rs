@@ -6,8 +6,9 @@ use std::collections::BTreeSet;
 use toml::Table;
 
 /// Every crate that ships and what it may use of the workspace, from the ground up.
-const ARROWS: [(&str, &[&str]); 18] = [
-    ("src/core", &[]),
+const ARROWS: [(&str, &[&str]); 19] = [
+    ("src/fft", &[]),
+    ("src/core", &["dpn-fft"]),
     ("src/io", &["dpn-core"]),
     ("src/logs", &["dpn-core", "dpn-io"]),
     ("src/pronet", &["dpn-core"]),

@@ -1,6 +1,6 @@
 //! Small work of every kind that goes on where it was broken off, and what is compared of its results.
 
-use dpn_testing::files;
+use dpn_testing::{cut_asl, files};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -11,11 +11,11 @@ use std::process::Command;
 pub(crate) enum Work {
     /// A network of a few hundred parameters on a still sensor.
     Train,
-    /// Six runs over some seconds of a flight.
+    /// Six runs over two seconds of a flight.
     Sweep,
     /// Estimators on a still sensor's windows.
     OpenLoop,
-    /// Every table and figure, of one flight.
+    /// Every table and figure, of some seconds of a flight.
     Paper,
     /// The noise along a log: no lock, and nothing to go on from.
     Noise,
@@ -53,7 +53,14 @@ impl Work {
                 std::fs::write(dir.join("network.toml"), network).unwrap();
             }
             Self::Sweep => {}
-            Self::Paper => std::fs::write(dir.join("plan.toml"), PLAN).unwrap(),
+            Self::Paper => {
+                std::fs::write(dir.join("plan.toml"), PLAN).unwrap();
+                // The regressors of an open loop take long on a whole flight.
+                let mut command = Command::new(env!("CARGO_BIN_EXE_dpn"));
+                command.current_dir(dir).args(["simulate", "flight", "f07-room-medium", "--out", "data"]);
+                assert!(command.output().unwrap().status.success());
+                cut_asl(&dir.join("data"), 70.0, 85.0);
+            }
         }
     }
 
@@ -62,12 +69,12 @@ impl Work {
         let line = match self {
             Self::Train => "train --sensor accel --config network.toml --data log --epochs 12 --out out",
             Self::Sweep => {
-                "eval --closed-loop --sequences room-medium --from 70 --to 75 --noise x4;diff2;shuffled(diff2) --seeds 2 \
+                "eval --closed-loop --sequences room-medium --from 70 --to 72 --noise x4;diff2;shuffled(diff2) --seeds 2 \
                  --threads 2 --trajectories --set covariance=true --out out"
             }
             Self::OpenLoop => "eval --open-loop --data log --sensor accel --bases sg(11,2);sg(5,2) --out out",
             Self::Paper => {
-                "paper --plan plan.toml --camera tracks --sequences room-medium --from 77 --threads 2 --out out --work work"
+                "paper --plan plan.toml --data data --camera tracks --from 10 --threads 2 --out out --work work"
             }
             Self::Noise => "noise log/still/mav0/imu0/data.csv --out out",
         };

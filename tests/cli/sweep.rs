@@ -1,5 +1,6 @@
 //! `dpn sweep`: a closed loop, a paper and trainings in shards, on seconds of simulated flights.
 
+use crate::paper::flights;
 use crate::recording;
 use crate::run::{Done, dpn, end, files, run};
 use crate::training::{TINY, config, tiny, weights};
@@ -10,11 +11,11 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-/// Twelve runs over some seconds of two flights, with files beside their rows.
+/// Twelve runs over three seconds of two flights, enough for a start and for statistics; with files beside their rows.
 const PLAN: &str = "kind = \"closed-loop\"\nsequences = \"room-medium,room-spiral\"\nnoises = [\"x4\", \"diff2\", \"shuffled(diff2)\"]\n\
-    seeds = 2\nfrom = 70\nto = 76\ntrajectories = true\nestimator = { covariance = true }\n";
+    seeds = 2\nfrom = 70\nto = 73\ntrajectories = true\nestimator = { covariance = true }\n";
 /// The same as flags.
-const FLAGS: &str = "eval --closed-loop --sequences room-medium,room-spiral --noise x4;diff2;shuffled(diff2) --seeds 2 --from 70 --to 76 \
+const FLAGS: &str = "eval --closed-loop --sequences room-medium,room-spiral --noise x4;diff2;shuffled(diff2) --seeds 2 --from 70 --to 73 \
     --trajectories --set covariance=true";
 
 /// `dpn` with the words of `line`, called in `dir`.
@@ -140,8 +141,7 @@ fn three_shards_on_two_machines_are_what_one_process_leaves() {
 fn shards_that_keep_tracks_for_each_other_render_once_and_give_the_same_bytes() {
     let tmp = tempfile::tempdir().unwrap();
     let dir = tmp.path();
-    let rendered =
-        format!("{}camera = \"rendered\"\n", PLAN.replace("from = 70\nto = 76", "from = 70\nto = 72"));
+    let rendered = format!("{PLAN}camera = \"rendered\"\n");
     let planned = plan(dir, &rendered, "--shards 3 --json").well().json();
     assert_eq!(planned["planned"]["shards"], 3);
     let cache = "--cache kept";
@@ -311,13 +311,12 @@ fn a_paper_in_shards_has_nothing_left_to_run() {
     let tmp = tempfile::tempdir().unwrap();
     let dir = tmp.path();
     std::fs::write(dir.join("least.toml"), include_str!("../data/least_plan.toml")).unwrap();
-    let text = "kind = \"paper\"\nplan = \"least.toml\"\ncamera = \"tracks\"\n\
-        [run]\nsequences = \"room-medium\"\nfrom = 75\n";
-    plan(dir, text, "--shards 3").well();
+    flights(dir, &[("f07-room-medium", 70.0, 15.0)]);
+    let text = "kind = \"paper\"\nplan = \"least.toml\"\ncamera = \"tracks\"\n[run]\nfrom = 10\n";
+    plan(dir, text, "--shards 3 --data data").well();
     call(dir, "sweep run s --shard all").well();
     call(dir, "sweep collect s --out work").well();
-    let line =
-        "paper --plan least.toml --camera tracks --sequences room-medium --from 75 --work work --out out";
+    let line = "paper --plan least.toml --data data --camera tracks --from 10 --work work --out out";
     let before = lasting(&dir.join("work"));
     let made = call(dir, line).well();
     for stage in ["closed loop ", "injected noise: step "] {

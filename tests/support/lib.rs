@@ -2,7 +2,7 @@
 //!
 //! * [`pack`]: one of the unpacked data packs; tests that need it are skipped, loudly, where it is not there.
 //! * [`golden`]: expected values by other people's programs, `golden/NAME/golden.json`.
-//! * [`files`]: everything in a folder, to be compared byte by byte.
+//! * [`files()`]: everything in a folder, to be compared byte by byte; [`cut_asl`]: a part of a recording.
 //! * [`written_out()`]: a configuration file that says every key of its type.
 //! * [`forged`]: files that nobody should have to read.
 //! * [`check_jacobian`]: a derivative against central differences.
@@ -17,6 +17,6 @@ mod jacobian;
 
 pub use configs::written_out;
 pub use data::{pack, packs, repository};
-pub use files::files;
+pub use files::{cut_asl, files};
 pub use golden::golden;
 pub use jacobian::check_jacobian;

@@ -6,8 +6,7 @@
 
 use super::stats::median_in_place;
 use crate::time::SampleRate;
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
+use dpn_fft::{Complex, forward};
 use std::f64::consts::{LN_2, PI};
 
 /// Share of the signal that either end's taper takes.
@@ -62,7 +61,7 @@ impl Periodogram {
         let (squares, fourths) = weights.iter().fold((0.0, 0.0), |(s, f), w| (s + w * w, f + w.powi(4)));
         // Values that are as good as independent are fewer than bins by this.
         let smeared = length * fourths / (squares * squares);
-        let fft = FftPlanner::new().plan_fft_forward(segment);
+        let fft = forward(segment);
         let mut density = vec![0.0; segment.div_ceil(2)];
         let segments = signal.len() / segment;
         let mut buffer = vec![Complex::default(); segment];

@@ -6,8 +6,7 @@
 //! scipy.signal.welch's defaults. Source: Welch 1967. Not here: other windows, cross spectra, confidence bands.
 
 use crate::time::SampleRate;
-use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftPlanner};
+use dpn_fft::{Complex, Fft, forward};
 use std::f64::consts::TAU;
 use std::sync::{Arc, OnceLock};
 use thiserror::Error;
@@ -72,7 +71,7 @@ impl Welch {
         let segment = self.segment;
         let (_, fft) = self.plan.get_or_init(|| {
             let hann = |i: usize| 0.5 - 0.5 * (TAU * i as f64 / segment as f64).cos();
-            ((0..segment).map(hann).collect(), FftPlanner::new().plan_fft_forward(segment))
+            ((0..segment).map(hann).collect(), forward(segment))
         });
         Averaging {
             welch: self,
