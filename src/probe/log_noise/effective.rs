@@ -198,7 +198,7 @@ fn line(
             figure,
             format!(
                 "above {MOTION_HZ:.0} Hz the spectrum falls as behind a low pass, so that it lies between {low:.1e} and {high:.1e}; add ten seconds at rest to the log, \
-                 hold it against a trajectory (--against), or run the odometry (dpn run --noise self)"
+                 or run the odometry (dpn run --noise self)"
             ),
         ));
     }
