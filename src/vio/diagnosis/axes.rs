@@ -9,7 +9,7 @@
 //! Source: G. Wahba, "A least squares estimate of satellite attitude", SIAM Review 1965; hand-eye calibration by rotations, e.g. J. Furrer et
 //! al., "Evaluation of combined time-offset estimation and hand-eye calibration on robotic datasets", FSR 2017.
 
-use super::turn_map::TurnMap;
+use super::turn_map::{Turn, TurnMap};
 use crate::clock::{FlowTurn, GyroCourse, nearest};
 use dpn_core::camera::CameraModel;
 use dpn_core::{ImuSample, TrackFrame};
@@ -59,7 +59,8 @@ pub enum AxesVerdict {
         /// The factor.
         factor: f64,
     },
-    /// They turn together about the camera's axis and not across it: the focal length is so many times what it should be.
+    /// They turn together about the camera's axis and, as the camera has it, so many times as far across it: the focal length is wrong, too large by this
+    /// factor or, where the path is too short to tell turns from moves, too small by it.
     Focal {
         /// The factor.
         factor: f64,
@@ -104,36 +105,13 @@ impl Axes {
                 "the gyro reads {factor:.2} times what the camera sees; angular rates must be in rad/s (degrees make 57.3), and --gyro-scale takes a gyroscope's own scale out"
             )),
             AxesVerdict::Focal { factor } => Some(format!(
-                "the focal length looks {factor:.2} times too large: the camera turns as the gyroscope says about its axis, and {factor:.2} times as far across it; is the calibration (focal length, distortion) of this lens and of this resolution? --calib names another"
+                "the focal length looks wrong by about {:.0} %, too large or too small: the camera turns as the gyroscope says about its axis, and {factor:.2} times as far across it; is the calibration (focal length, distortion) of this lens and of this resolution? --calib names another",
+                100.0 * factor.ln().abs()
             )),
             AxesVerdict::Unrelated => Some(format!(
                 "camera and gyro do not turn together, however mounted: {seen}; are tracks and IMU of one recording and on one clock?"
             )),
         }
-    }
-}
-
-/// A pair of frames: mean rates between them.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Turn {
-    /// The gyroscope's, in the body's axes \[rad/s\].
-    pub(crate) body: Vector3<f64>,
-    /// The camera's, in its own.
-    pub(crate) cam: Vector3<f64>,
-    /// Information about the latter.
-    pub(crate) information: Matrix3<f64>,
-}
-
-impl Turn {
-    /// Of a pair whose stamps are `offset_s` short of the gyroscope's clock; `None` where samples do not cover it.
-    pub(crate) fn of(pair: &FlowTurn, course: &GyroCourse, offset_s: f64) -> Option<Self> {
-        let (from, to) = (pair.from.plus_seconds(offset_s), pair.to.plus_seconds(offset_s));
-        let seconds = pair.seconds();
-        Some(Self {
-            body: course.mean_rate(from, to)?,
-            cam: pair.turn / seconds,
-            information: pair.information * (seconds * seconds),
-        })
     }
 }
 

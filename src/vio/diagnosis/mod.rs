@@ -8,6 +8,7 @@ mod axes;
 mod tracks;
 mod turn_map;
 
+pub(crate) use axes::compared;
 pub use axes::{Axes, AxesVerdict, axes};
-pub(crate) use axes::{Turn, compared};
 pub use tracks::{TrackHealth, TrackMeter, track_health};
+pub(crate) use turn_map::Turn;

@@ -5,8 +5,7 @@
 //! gyroscope that reads otherwise, a scale of pan and tilt against roll a focal length: about the axis pixels say an angle without it; across it the shift of all points may be
 //! a path's, and what is left, the bending `x y`, `x^2` of their flow, is as many times the true turn as the focal length is the true one.
 
-use super::axes::Turn;
-use crate::clock::nearest;
+use crate::clock::{FlowTurn, GyroCourse, nearest};
 use dpn_core::geometry::so3;
 use dpn_core::signal::stats::upper_median;
 use nalgebra::{Matrix3, SMatrix, SVector, UnitQuaternion, Vector3};
@@ -15,6 +14,30 @@ use nalgebra::{Matrix3, SMatrix, SVector, UnitQuaternion, Vector3};
 const UNKNOWNS: usize = 12;
 /// Errors of the camera's turns are alike over so many pairs: the same points at the same distances, seen again.
 const ALIKE_PAIRS: f64 = 3.0;
+
+/// A pair of frames: mean rates between them.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Turn {
+    /// The gyroscope's, in the body's axes \[rad/s\].
+    pub(crate) body: Vector3<f64>,
+    /// The camera's, in its own.
+    pub(crate) cam: Vector3<f64>,
+    /// Information about the latter.
+    pub(crate) information: Matrix3<f64>,
+}
+
+impl Turn {
+    /// Of a pair whose stamps are `offset_s` short of the gyroscope's clock; `None` where samples do not cover it.
+    pub(crate) fn of(pair: &FlowTurn, course: &GyroCourse, offset_s: f64) -> Option<Self> {
+        let (from, to) = (pair.from.plus_seconds(offset_s), pair.to.plus_seconds(offset_s));
+        let seconds = pair.seconds();
+        Some(Self {
+            body: course.mean_rate(from, to)?,
+            cam: pair.turn / seconds,
+            information: pair.information * (seconds * seconds),
+        })
+    }
+}
 
 /// The map, as what may be wrong with a calibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
