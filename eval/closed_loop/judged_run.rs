@@ -80,6 +80,9 @@ pub struct Report {
     pub skipped: usize,
     /// What the initialisation waited for, and at how many frames.
     pub waited_for: BTreeMap<String, usize>,
+    /// Relative standard deviation of the scale of the last pose, as the window believes; large also where the body hardly moves. It is too sure: on recorded
+    /// flights errors were two to three times as large.
+    pub scale_std: Option<f64>,
     /// Jumps of the biases that were found; empty where there is none.
     pub bias_jumps: Vec<BiasJump>,
     /// How far the lens was found to be off its calibration, root mean square over the points last seen \[px\]; none where that is not learned.
@@ -166,6 +169,7 @@ pub fn watched_run(
         images: images.map_or_else(Vec::new, |images| images.events),
         skipped: output.report.skipped,
         waited_for,
+        scale_std: output.updates.iter().rev().find_map(|u| u.scale_std),
         bias_jumps: output.report.jumps.clone(),
         lens_px: output.report.lens_px,
         learned: levels.map(LearnedLevels::of),

@@ -8,9 +8,8 @@ use std::io::Write;
 /// Before the pose that covariances are about: stamp, position, quaternion (w x y z).
 pub const ANCHOR: &str = "#anchor,";
 
-/// Writes a line a frame as CSV: stamp, what the estimator does, state, believed deviations of the pose, noise in force, counts, and where levels are learned
-/// those of walks and pixels. A line
-/// behind `#anchor` has the pose that the estimator took for known.
+/// Writes a line a frame as CSV: stamp, what the estimator does, state, believed deviations of the pose, noise in force, counts, the scale's relative
+/// deviation, and where levels are learned those of walks and pixels. A line behind `#anchor` has the pose that the estimator took for known.
 ///
 /// # Errors
 /// Those of the writer.
@@ -22,7 +21,7 @@ pub fn write_states(
     let axes = |name: &str, unit: &str| ["x", "y", "z"].map(|axis| format!("{name}_{axis}{unit}")).join(",");
     write!(
         out,
-        "#timestamp [ns],phase,{},q_w,q_x,q_y,q_z,{},{},{},{},{},{},{},tracked,landmarks,outliers,iterations,whitened",
+        "#timestamp [ns],phase,{},q_w,q_x,q_y,q_z,{},{},{},{},{},{},{},tracked,landmarks,outliers,iterations,whitened,scale_std",
         axes("p", " [m]"),
         axes("v", " [m s^-1]"),
         axes("accel_bias", " [m s^-2]"),
@@ -72,10 +71,11 @@ pub fn write_states(
         for value in Sensor::ALL.into_iter().flat_map(|sensor| noise.noises()[at].of(sensor)) {
             write!(out, ",{value:?}")?;
         }
-        let whitened = update.whitened.map(|w| format!("{w:?}")).unwrap_or_default();
+        let [whitened, scale_std] =
+            [update.whitened, update.scale_std].map(|x| x.map(|x| format!("{x:?}")).unwrap_or_default());
         write!(
             out,
-            ",{},{},{},{},{whitened}",
+            ",{},{},{},{},{whitened},{scale_std}",
             update.tracked, update.landmarks, update.outliers, update.iterations
         )?;
         if let Some(levels) = &update.levels {

@@ -62,7 +62,7 @@ def test_a_folders_run_is_the_command_lines(flight, tmp_path, noise):
     assert (states[:, 22:28] == in_force).all()
     assert (run.levels is not None) == (noise == "self")
     if noise == "self":
-        assert np.array_equal(states[:, 33:36], run.levels[:, 6:], equal_nan=True)
+        assert np.array_equal(states[:, 34:37], run.levels[:, 6:], equal_nan=True)
 
 
 def test_arrays_give_the_numbers_of_their_files(flight):

@@ -283,7 +283,7 @@ fn words(report: &Report, done: &JudgedRun, simulated: bool) -> String {
     match row.init_s {
         Some(seconds) => {
             let moving = row.init_in_motion_s.map(|s| format!(", {s:.1} s after the first motion"));
-            line("initialised:", format!("after {seconds:.1} s{}", moving.unwrap_or_default()));
+            line("initialised:", format!("first pose after {seconds:.1} s{}", moving.unwrap_or_default()));
         }
         None => {
             line("initialised:", format!("never; waited for: {}", waiting(&report.waited_for)));

@@ -116,6 +116,19 @@ impl Learner {
         self.read_until = None;
     }
 
+    /// Takes what a first start's residuals were over what was told as the levels to begin with, of the accelerometer and of the gyro. Levels that have
+    /// been learned stay.
+    pub(crate) fn begin_at(&mut self, accel: f64, gyro: f64) {
+        if self.read_until.is_some() {
+            return;
+        }
+        for (first, factor) in [(0, accel), (3, gyro)] {
+            for k in first..first + 3 {
+                self.x[k] = 2.0 * factor.ln();
+            }
+        }
+    }
+
     /// Reads what is about to leave the window with its oldest frame.
     pub(crate) fn read(&mut self, window: &mut Window) {
         let [first, second, ..] = window.frames() else { return };

@@ -354,6 +354,7 @@ impl Estimator {
             phase: Phase::Tracking,
             state: None,
             covariance: None,
+            scale_std: None,
             tracked: 0,
             landmarks: 0,
             outliers: 0,
@@ -366,7 +367,13 @@ impl Estimator {
         clock.lap(Stage::Feed);
         if self.running {
             if let Err(reason) = self.track(t, &interval, &seen, &mut update) {
-                update = Update { state: None, covariance: None, phase: Phase::Restarted(reason), ..update };
+                update = Update {
+                    state: None,
+                    covariance: None,
+                    scale_std: None,
+                    phase: Phase::Restarted(reason),
+                    ..update
+                };
                 self.running = false;
                 // What waits for a new start is seen with what was told.
                 self.window.config.pixel_std = self.config.window.pixel_std;
@@ -374,9 +381,13 @@ impl Estimator {
         } else {
             match self.starter.push(&self.config, t, interval, seen) {
                 Err(reason) => update.phase = Phase::Initialising(reason),
-                Ok(frames) => {
+                Ok((frames, fit)) => {
+                    if let Some(learner) = &mut self.learner {
+                        learner.begin_at(fit.accel_factor, fit.gyro_factor);
+                    }
                     let frames = self.go_on_from_last(frames);
                     update.state = self.start(frames);
+                    update.scale_std = self.window.scale_std();
                     if self.config.covariance {
                         update.covariance = self.window.newest_pose_covariance().map(Box::new);
                     }
@@ -481,6 +492,7 @@ impl Estimator {
             }
         }
         update.state = Some(state);
+        update.scale_std = self.window.scale_std();
         self.last_good = Some(state);
         if self.config.covariance {
             update.covariance = self.window.newest_pose_covariance().map(Box::new);

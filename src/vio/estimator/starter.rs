@@ -2,7 +2,7 @@
 
 use super::config::EstimatorConfig;
 use super::imu_buffer::Interval;
-use crate::init::{InitFrame, InitOutcome, Initialised, Initialiser, WaitReason};
+use crate::init::{Fit, InitFrame, InitOutcome, Initialised, Initialiser, WaitReason};
 use crate::preint::{NoisySample, Preintegration};
 use crate::state::{ImuBias, NavState};
 use crate::window::Seen;
@@ -66,7 +66,7 @@ impl Starter {
         t: Stamp,
         interval: Interval,
         seen: Vec<Seen>,
-    ) -> Result<Vec<StartFrame>, WaitReason> {
+    ) -> Result<(Vec<StartFrame>, Fit), WaitReason> {
         let bearings = seen.iter().map(|s| (s.id, s.sighting.bearing)).collect();
         let gap = interval.longest_step > config.health.max_imu_gap;
         let preint = if gap || self.waiting.is_empty() {
@@ -86,7 +86,7 @@ impl Starter {
             InitOutcome::Ready(found) => {
                 let frames = self.frames(config, &found);
                 self.waiting.clear();
-                Ok(frames)
+                Ok((frames, found.fit))
             }
         }
     }

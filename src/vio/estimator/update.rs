@@ -31,6 +31,9 @@ pub struct Update {
     pub state: Option<NavState>,
     /// Covariance of the newest pose (position, then rotation on the right), as believed; `None` where it was not asked for.
     pub covariance: Option<Box<Matrix6<f64>>>,
+    /// Relative standard deviation of the scale of the path that the window's frames lie on, as believed; `None` where there is no state. Large also
+    /// where the body hardly moves.
+    pub scale_std: Option<f64>,
     /// Tracks that went on from earlier frames.
     pub tracked: u32,
     /// Landmarks with a depth.

@@ -6,9 +6,9 @@
 //! alone; the accelerometer's the six that position and velocity add to it.
 
 use crate::factors::inertial::{inertial_jacobians, sqrt_information};
-use crate::state::{POSITION, ROTATION, STATE_DIM};
+use crate::state::{ROTATION, STATE_DIM};
 use crate::window::Window;
-use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3};
+use nalgebra::{DMatrix, Matrix3, SMatrix};
 
 /// Rows of position, rotation and velocity.
 const MOTION_ROWS: usize = 9;
@@ -31,23 +31,9 @@ impl Excess {
     }
 }
 
-/// Relative deviation of the frames' spread about their mean position: of the scale, when nothing else gives one.
+/// Relative deviation of the scale, with the `covariance` of the window.
 pub(super) fn scale_std(window: &Window, covariance: &DMatrix<f64>) -> f64 {
-    let layout = window.layout();
-    let positions: Vec<Vector3<f64>> =
-        window.frames().iter().map(|f| f.state.world_from_body.translation.vector).collect();
-    let mean = positions.iter().sum::<Vector3<f64>>() / positions.len().max(1) as f64;
-    let spread: f64 = positions.iter().map(|p| (p - mean).norm_squared()).sum();
-    if spread <= 0.0 {
-        return f64::INFINITY;
-    }
-    // d ln(sqrt(spread)) / d p_k = (p_k - mean) / spread
-    let mut slope = DVector::zeros(layout.dim());
-    for (frame, position) in positions.iter().enumerate() {
-        let at = layout.state(frame, POSITION);
-        slope.fixed_rows_mut::<3>(at).copy_from(&((position - mean) / spread));
-    }
-    slope.dot(&(covariance * &slope)).max(0.0).sqrt()
+    window.log_size_slope().map_or(f64::INFINITY, |slope| slope.dot(&(covariance * &slope)).max(0.0).sqrt())
 }
 
 /// Deviation of the direction of gravity as the frame's body sees it \[rad\]: the larger of its two.
@@ -108,11 +94,11 @@ mod tests {
     use crate::init::frame::{InitFrame, tracks};
     use crate::init::tests::{Scene, body_from_cam, gentle_flight};
     use crate::preint::{NoisySample, Preintegration};
-    use crate::state::{ACCEL_BIAS, GYRO_BIAS, NavState};
+    use crate::state::{ACCEL_BIAS, GYRO_BIAS, NavState, POSITION};
     use dpn_core::ImuSample;
     use dpn_core::geometry::sphere::tangent_basis;
     use dpn_core::random::Stream;
-    use nalgebra::Vector2;
+    use nalgebra::{Vector2, Vector3};
     use rand_distr::{Distribution, StandardNormal};
 
     const FRAMES: usize = 6;

@@ -52,7 +52,7 @@ impl Default for InitConfig {
             max_frames: 11,
             min_frames: 6,
             max_span_s: 4.0,
-            max_scale_std: 0.04,
+            max_scale_std: 0.3,
             accel_bias_std: 0.15,
             gyro_bias_std: 0.1,
         }

@@ -174,7 +174,6 @@ fn gentle_flights_are_initialised_within_what_they_say_of_themselves() {
         let (found, last) = scene.run(InitConfig::default());
         let (found, newest) = found.unwrap_or_else(|| panic!("seed {seed}: {last}"));
         let scale = scale_of(&found, &scene);
-        assert!(found.scale_std <= 0.05);
         assert!(
             (scale - 1.0).abs() < 4.0 * found.scale_std,
             "seed {seed}: scale {scale}, {}",
@@ -190,6 +189,24 @@ fn gentle_flights_are_initialised_within_what_they_say_of_themselves() {
         assert!(speed.norm() < 0.15, "seed {seed}: velocity off by {:.3} m/s", speed.norm());
         assert!((found.bias.gyro - scene.bias.gyro).norm() < 5e-3);
     }
+}
+
+#[test]
+fn what_an_early_start_says_of_its_scale_covers_its_error() {
+    /// Flights.
+    const FLIGHTS: u64 = 24;
+    let mut squares = 0.0;
+    for seed in 0..FLIGHTS {
+        let (found, last) = Scene::new(&gentle_flight(seed), 20, 0.1, 0.5, seed).run(InitConfig::default());
+        let (found, newest) = found.unwrap_or_else(|| panic!("seed {seed}: {last}"));
+        assert!(newest <= 14, "seed {seed}: only at frame {newest}");
+        let scene = Scene::new(&gentle_flight(seed), 20, 0.1, 0.5, seed);
+        squares += (scale_of(&found, &scene).ln() / found.scale_std).powi(2);
+    }
+    // 24 squares of one degree of freedom: below 1.8 but for one draw in a hundred. The accelerometer's noise here is a quarter of the least that is believed,
+    // so that the deviation covers the error twice over in variance.
+    let mean = squares / FLIGHTS as f64;
+    assert!((0.15..1.8).contains(&mean), "mean square error over variance {mean:.2}");
 }
 
 #[test]
@@ -216,7 +233,8 @@ fn the_noise_that_is_told_hardly_moves_the_answer() {
 #[test]
 fn straight_flight_and_turning_on_the_spot_are_waited_through() {
     let straight = |t: f64| Isometry3::new(Vector3::new(0.8 * t, 0.2 * t, 0.0), Vector3::zeros());
-    let (found, last) = Scene::new(&straight, 50, 0.1, 0.5, 2).run(InitConfig::default());
+    let sure = InitConfig { max_scale_std: 0.04, ..InitConfig::default() };
+    let (found, last) = Scene::new(&straight, 50, 0.1, 0.5, 2).run(sure);
     assert!(found.is_none(), "scale {:?}", found.map(|f| f.0.scale_std));
     assert_eq!(last.name(), "scale-uncertain");
     let turning = |t: f64| Isometry3::new(Vector3::zeros(), Vector3::new(0.0, 0.0, 0.6 * t));

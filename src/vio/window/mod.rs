@@ -21,6 +21,7 @@ mod part;
 mod points;
 mod prior;
 mod row_sums;
+mod scale;
 mod schur;
 mod slide;
 mod solve;

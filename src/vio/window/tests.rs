@@ -529,3 +529,31 @@ fn frames_that_only_the_longer_window_has_go_along_when_the_others_are_moved() {
         assert!((after - before).abs() < 1e-6 * before, "seed {seed}: {before} became {after}");
     }
 }
+
+#[test]
+fn the_deviation_of_the_scale_is_that_of_the_covariance_along_the_size() {
+    for seed in 0..3 {
+        let mut window = window(&scene(seed), 8, config());
+        window.optimise();
+        let (slope, covariance) = (window.log_size_slope().unwrap(), window.covariance().unwrap());
+        let size = |w: &Window| {
+            let all = w.frames().iter().map(|f| f.state.world_from_body.translation.vector);
+            let mean = all.clone().sum::<Vector3<f64>>() / w.frames().len() as f64;
+            all.map(|p| (p - mean).norm_squared()).sum::<f64>().sqrt()
+        };
+        for k in [0, 3, 7] {
+            let at = |h: f64| {
+                let mut moved = window.clone();
+                moved.frames[k].state.world_from_body.translation.vector.y += h;
+                size(&moved).ln()
+            };
+            let numeric = (at(1e-6) - at(-1e-6)) / 2e-6;
+            let place = window.layout().state(k, crate::state::POSITION) + 1;
+            assert!((slope[place] - numeric).abs() < 1e-6 * numeric.abs().max(1.0));
+        }
+        let expected = slope.dot(&(&covariance * &slope)).sqrt();
+        // The last step moves the states beyond where they were linearised.
+        let std = window.scale_std().unwrap();
+        assert!((std / expected - 1.0).abs() < 1e-3, "{std} and {expected}");
+    }
+}
