@@ -7,6 +7,7 @@
 use super::drive::EstimatorOutput;
 use super::recording::Recording;
 use dpn_core::noise::{Figure, Interval};
+use dpn_core::signal::stats::{Ddof, deviation};
 use dpn_core::{NoiseTrack, SampleRate, Sensor};
 use dpn_vio::EstimatorConfig;
 use dpn_vio::components::Levels;
@@ -203,10 +204,8 @@ fn deviation_of_mean(values: &[f64]) -> f64 {
     if n < 3.0 {
         return 0.0;
     }
-    let mean = values.iter().sum::<f64>() / n;
-    let square = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
     let student = StudentsT::new(0.0, 1.0, n - 1.0).expect("two degrees of freedom or more");
-    (square / n).sqrt() * student.inverse_cdf(0.975) / 1.96
+    deviation(values, Ddof::One) / n.sqrt() * student.inverse_cdf(0.975) / 1.96
 }
 
 #[cfg(test)]

@@ -6,10 +6,11 @@
 use crate::config::TruthConfig;
 use crate::error::TruthError;
 use crate::layout::Frames;
+use dpn_core::geometry::nearest::nearest_orthogonal;
 use dpn_core::geometry::so3;
 use dpn_core::trajectory::StampedPose;
 use dpn_core::{GRAVITY, ImuSample, Stamp};
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 /// Steps of the grid on which rates are compared \[s\].
 const GRID_S: f64 = 0.01;
@@ -179,11 +180,7 @@ fn mount(pairs: &[(Vector3<f64>, Vector3<f64>)]) -> Result<UnitQuaternion<f64>, 
     for (gyro, published) in pairs {
         cross += (gyro - means.0) * (published - means.1).transpose();
     }
-    let svd = cross.svd(true, true);
-    let (u, v_t) = (svd.u.expect("asked for"), svd.v_t.expect("asked for"));
-    let mut sign = Matrix3::identity();
-    sign[(2, 2)] = (u.determinant() * v_t.determinant()).signum();
-    let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(u * sign * v_t));
+    let rotation = UnitQuaternion::from_rotation_matrix(&nearest_orthogonal(&cross).0);
     // A correlation: noise of the published attitude makes its rates larger than the gyro's, and no worse a guide.
     let (mut along, mut squares) = (0.0, (0.0, 0.0));
     for (gyro, published) in pairs {

@@ -23,8 +23,8 @@ pub const REACH_S: f64 = 0.25;
 const GRID_S: f64 = 0.005;
 /// Share of the pairs that a cost is of.
 const TRIMMED: f64 = 0.75;
-/// Errors of the camera's turns are alike over so many pairs: the same points, followed on.
-const ALIKE_PAIRS: f64 = 3.0;
+/// Errors of the camera's turns are alike over so many pairs: the same points at the same distances, followed on.
+pub(crate) const ALIKE_PAIRS: f64 = 3.0;
 /// Another place so far away that fits nearly as well makes an answer none \[s\].
 const APART_S: f64 = 0.04;
 /// Steps of Gauss-Newton.
@@ -177,7 +177,7 @@ impl Turns<'_> {
 }
 
 /// Geman and McClure's weight of a sum of squares where `scale` is usual.
-fn weight(squares: f64, scale: f64) -> f64 {
+pub(crate) fn weight(squares: f64, scale: f64) -> f64 {
     (1.0 + squares / (9.0 * scale)).powi(-2)
 }
 

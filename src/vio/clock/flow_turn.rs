@@ -5,9 +5,10 @@
 
 use crate::frontend::TwoView;
 use dpn_core::camera::CameraModel;
+use dpn_core::geometry::nearest::nearest_orthogonal;
 use dpn_core::geometry::so3;
 use dpn_core::{Stamp, TrackFrame};
-use nalgebra::{Matrix3, Matrix3x6, Matrix6, Rotation3, UnitQuaternion, Vector2, Vector3, Vector6};
+use nalgebra::{Matrix3, Matrix3x6, Matrix6, UnitQuaternion, Vector2, Vector3, Vector6};
 
 /// Fewest tracks that two frames must share.
 const FEWEST_TRACKS: usize = 12;
@@ -85,7 +86,7 @@ fn rotation_of(rays: &mut [[Vector3<f64>; 2]]) -> Option<(UnitQuaternion<f64>, V
         return None;
     }
     let cross = rays.iter().map(|[a, b]| b * a.transpose()).sum::<Matrix3<f64>>();
-    let mut rotation = UnitQuaternion::from_rotation_matrix(&nearest(&cross).0);
+    let mut rotation = UnitQuaternion::from_rotation_matrix(&nearest_orthogonal(&cross).0);
     let mut shift = Vector3::zeros();
     for round in 0..3 {
         let used = if round == 0 { rays.len() } else { keep };
@@ -118,19 +119,6 @@ fn step(rays: &[[Vector3<f64>; 2]], rotation: &UnitQuaternion<f64>) -> Option<(V
     }
     let found = normal.cholesky()?.solve(&right);
     Some((found.fixed_rows::<3>(0).into_owned(), found.fixed_rows::<3>(3).into_owned()))
-}
-
-/// The rotation and the reflection nearest to a matrix.
-pub(crate) fn nearest(cross: &Matrix3<f64>) -> (Rotation3<f64>, Matrix3<f64>) {
-    let svd = cross.svd(true, true);
-    let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else {
-        return (Rotation3::identity(), -Matrix3::identity());
-    };
-    let mut smallest = Matrix3::identity();
-    smallest[(2, 2)] = (u * v_t).determinant().signum();
-    let mut other = smallest;
-    other[(2, 2)] *= -1.0;
-    (Rotation3::from_matrix_unchecked(u * smallest * v_t), u * other * v_t)
 }
 
 #[cfg(test)]

@@ -13,7 +13,8 @@ mod gyro_course;
 mod watch;
 
 pub use delay::REACH_S;
-pub(crate) use flow_turn::{FlowTurn, nearest};
+pub(crate) use delay::{ALIKE_PAIRS, weight};
+pub(crate) use flow_turn::FlowTurn;
 pub(crate) use gyro_course::GyroCourse;
 pub(crate) use watch::SLIGHT_S;
 pub use watch::{CameraClock, ClockWatch};

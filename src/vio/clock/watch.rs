@@ -117,7 +117,7 @@ impl ClockWatch {
 
     /// A stamp of the camera on the IMU's clock, as far as is known.
     pub fn on_imu_clock(&self, t: Stamp) -> Stamp {
-        if self.clock.offset_s == 0.0 { t } else { t.plus_seconds(self.clock.offset_s) }
+        t.plus_seconds(self.clock.offset_s)
     }
 
     /// Takes a sample.

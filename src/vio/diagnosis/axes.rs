@@ -10,8 +10,9 @@
 //! al., "Evaluation of combined time-offset estimation and hand-eye calibration on robotic datasets", FSR 2017.
 
 use super::turn_map::{Turn, TurnMap};
-use crate::clock::{FlowTurn, GyroCourse, nearest};
+use crate::clock::{FlowTurn, GyroCourse};
 use dpn_core::camera::CameraModel;
+use dpn_core::geometry::nearest::nearest_orthogonal;
 use dpn_core::{ImuSample, TrackFrame};
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use serde::Serialize;
@@ -155,7 +156,7 @@ pub(crate) fn compared(turns: &[Turn], body_from_cam: &UnitQuaternion<f64>) -> A
         return unknown;
     }
     let given = body_from_cam.to_rotation_matrix();
-    let (rotation, reflected) = nearest(&cross);
+    let (rotation, reflected) = nearest_orthogonal(&cross);
     // The covariance with the best scale is (sum of what agrees) / norm.
     let agreement = |m: &Matrix3<f64>| (m.transpose() * cross).trace() / norm;
     let (correlation, turned, mirrored) =

@@ -5,15 +5,14 @@
 //! gyroscope that reads otherwise, a scale of pan and tilt against roll a focal length: about the axis pixels say an angle without it; across it the shift of all points may be
 //! a path's, and what is left, the bending `x y`, `x^2` of their flow, is as many times the true turn as the focal length is the true one.
 
-use crate::clock::{FlowTurn, GyroCourse, nearest};
+use crate::clock::{ALIKE_PAIRS, FlowTurn, GyroCourse, weight};
+use dpn_core::geometry::nearest::nearest_orthogonal;
 use dpn_core::geometry::so3;
 use dpn_core::signal::stats::upper_median;
 use nalgebra::{Matrix3, SMatrix, SVector, UnitQuaternion, Vector3};
 
 /// Unknowns: the map by rows, the bias.
 const UNKNOWNS: usize = 12;
-/// Errors of the camera's turns are alike over so many pairs: the same points at the same distances, seen again.
-const ALIKE_PAIRS: f64 = 3.0;
 
 /// A pair of frames: mean rates between them.
 #[derive(Debug, Clone, Copy)]
@@ -75,13 +74,13 @@ impl TurnMap {
             };
             let all: Vec<f64> = turns.iter().map(squares).collect();
             let scale = upper_median(all.iter().copied())?.max(f64::MIN_POSITIVE);
-            weights = all.iter().map(|squares| (1.0 + squares / (9.0 * scale)).powi(-2)).collect();
+            weights = all.iter().map(|squares| weight(*squares, scale)).collect();
             let spread = all.iter().zip(&weights).map(|(squares, weight)| squares * weight).sum::<f64>()
                 / (3.0 * weights.iter().sum::<f64>() - UNKNOWNS as f64).max(1.0);
             covariance = inverse * (spread * ALIKE_PAIRS);
         }
         let map = Matrix3::from_fn(|row, column| found[3 * row + column]);
-        let rotation = UnitQuaternion::from_rotation_matrix(&nearest(&map).0);
+        let rotation = UnitQuaternion::from_rotation_matrix(&nearest_orthogonal(&map).0);
         let scale = (rotation.inverse().to_rotation_matrix().matrix() * map).diagonal();
         // Next to A = 1: R is half the odd part, S the even one.
         let of = |row: usize, column: usize| covariance[(3 * row + column, 3 * row + column)];

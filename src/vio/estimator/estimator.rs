@@ -223,7 +223,7 @@ impl Estimator {
                 self.reclock(offset_s);
                 continue;
             }
-            let t = if offset_s == 0.0 { next.frame.t } else { next.frame.t.plus_seconds(offset_s) };
+            let t = next.frame.t.plus_seconds(offset_s);
             let (oldest, newest) = (self.imu.oldest()?, self.imu.newest()?);
             if t > newest {
                 return None;
