@@ -58,7 +58,7 @@ pub(super) fn responses(
         let path = dir.join(format!("{}-{}.json", names[*place].0, course.name()));
         let piece = cached(&path, || {
             let recording = source.recording(*place, seed)?;
-            let (imu, oracle) = injection.with(*course).apply(&recording.name, &recording.imu, seed);
+            let (imu, oracle) = injection.with(*course).apply(&recording.imu, seed);
             let recorded = Recorded { name: &recording.name, imu: &imu, oracle: Some(&oracle) };
             let sources = Fresh { recorded, networks };
             let stream = Stream::new(seed).named("noise").named(&recording.name);

@@ -335,7 +335,7 @@ impl Paper<'_> {
             let runs = [results.responses.run.as_str()];
             for sensor in Sensor::ALL {
                 let noise = self.plan.injected.noise.with(Course::Step);
-                let (imu, oracle) = noise.apply(&recording.name, &recording.imu, self.plan.seed);
+                let (imu, oracle) = noise.apply(&recording.imu, self.plan.seed);
                 let figure = drawings::step_response(
                     recording,
                     &imu,

@@ -19,8 +19,8 @@ fn main() {
         simulate_tracks(&TracksConfig::default(), &path, &stamps, 1).expect("the defaults are valid");
     let body_from_cam = CameraSettings::default().body_from_cam().expect("the default is a rotation");
     let config = EstimatorConfig::default();
-    let mut estimator = Estimator::new(config, CameraModel::euroc_cam0(), body_from_cam, "flight", 1)
-        .expect("the defaults are valid");
+    let mut estimator =
+        Estimator::new(config, CameraModel::euroc_cam0(), body_from_cam, 1).expect("the defaults are valid");
     for sample in flight.recording.samples() {
         let noise = ImuNoise::baseline();
         estimator.feed_imu(NoisySample { sample: *sample, noise }).expect("in order");

@@ -13,9 +13,9 @@ use dpn_core::random::Stream;
 use dpn_vio::estimator::{EstimatorConfig, FedTracks};
 use std::sync::Arc;
 
-/// The stream of the noise's chance in a run of `recording`.
-pub(super) fn noise_stream(recording: &Recording, seed: u64) -> Stream {
-    Stream::new(seed).named("noise").named(&recording.name)
+/// The stream of the noise's chance.
+pub(super) fn noise_stream(seed: u64) -> Stream {
+    Stream::new(seed).named("noise")
 }
 
 /// Runs the odometry over tracks with `noise`, while `watch` looks on; what it left, and the noise in force.
@@ -31,7 +31,7 @@ pub(super) fn run_on_tracks(
     seed: u64,
     watch: &mut UpdateWatch<'_>,
 ) -> Result<(EstimatorOutput, Arc<NoiseTrack>), ClosedLoopError> {
-    let stream = noise_stream(recording, seed);
+    let stream = noise_stream(seed);
     let fed_tracks = if seen.images.is_some() { FedTracks::Followed } else { config.fed_tracks };
     let config = EstimatorConfig { fed_tracks, ..config.clone() };
     let given = match noise.learned_before() {

@@ -235,7 +235,7 @@ impl<'a> Run<'a> {
         seed: u64,
     ) -> Result<Self, ClosedLoopError> {
         let (camera, body_from_cam) = (recording.camera, recording.body_from_cam);
-        let estimator = Estimator::new(config.clone(), camera, body_from_cam, &recording.name, seed);
+        let estimator = Estimator::new(config.clone(), camera, body_from_cam, seed);
         Ok(Self {
             estimator: estimator.map_err(ClosedLoopError::Config)?,
             samples: recording.imu.samples(),

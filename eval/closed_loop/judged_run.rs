@@ -124,7 +124,7 @@ pub fn watched_run(
     let mut log = FrameLog::default();
     let (output, noise, images) = match camera {
         CameraInput::Images(images) if spec.learned_before().is_none() => {
-            let stream = noise_stream(recording, info.seed);
+            let stream = noise_stream(info.seed);
             let config = settings_for(config, spec);
             let given = crate::noise::track(spec, &recording.imu, &sources, &stream)?;
             let mut keep = |frame: &TrackFrame| log.feed(frame);

@@ -16,6 +16,8 @@ use dpn_vio::preint::NoisySample;
 use nalgebra::Isometry3;
 use std::collections::VecDeque;
 
+/// What the recording is called in messages.
+const NAME: &str = "live";
 /// Samples after which their rate is known.
 const ENOUGH: usize = 100;
 /// Samples after which it is known whether they are in m/s^2.
@@ -26,7 +28,6 @@ pub struct LiveRun<'a> {
     estimator: Estimator,
     spec: NoiseSpec,
     networks: &'a [Network],
-    name: String,
     noise: Option<noise::Feed>,
     /// Until the rate is known.
     first: Vec<ImuSample>,
@@ -38,7 +39,7 @@ pub struct LiveRun<'a> {
 }
 
 impl<'a> LiveRun<'a> {
-    /// With a camera at `body_from_cam` on the IMU; `name` and `seed` as for [`Estimator::new`].
+    /// With a camera at `body_from_cam` on the IMU; `seed` as for [`Estimator::new`].
     ///
     /// # Errors
     /// Settings out of their bounds.
@@ -47,18 +48,16 @@ impl<'a> LiveRun<'a> {
         spec: NoiseSpec,
         networks: &'a [Network],
         (camera, body_from_cam): (CameraModel, Isometry3<f64>),
-        (name, seed): (&str, u64),
+        seed: u64,
     ) -> Result<Self, ClosedLoopError> {
-        let estimator = Estimator::new(settings_for(config, &spec), camera, body_from_cam, name, seed)
+        let estimator = Estimator::new(settings_for(config, &spec), camera, body_from_cam, seed)
             .map_err(ClosedLoopError::Config)?;
-        let (name, first) = (name.to_owned(), Vec::new());
         Ok(Self {
             estimator,
             spec,
             networks,
-            name,
             noise: None,
-            first,
+            first: Vec::new(),
             last: None,
             mounting: MountingWatch::default(),
             to_weigh: Some(Vec::new()),
@@ -146,7 +145,7 @@ impl<'a> LiveRun<'a> {
     fn settle(&mut self) -> Result<(), ClosedLoopError> {
         let first = std::mem::take(&mut self.first);
         let recording = ImuRecording::new(first).expect("samples were held to increase, and there are two");
-        self.noise = Some(noise::live(&self.spec, &self.name, recording.rate(), self.networks)?);
+        self.noise = Some(noise::live(&self.spec, NAME, recording.rate(), self.networks)?);
         recording.samples().iter().try_for_each(|sample| self.told(*sample))
     }
 
@@ -159,6 +158,6 @@ impl<'a> LiveRun<'a> {
     }
 
     fn refused(&self, source: FeedError) -> ClosedLoopError {
-        ClosedLoopError::Feed { sequence: self.name.clone(), source }
+        ClosedLoopError::Feed { sequence: NAME.to_owned(), source }
     }
 }

@@ -268,7 +268,7 @@ impl Sweep<'_> {
     fn recording(&self, place: usize, seed: u64) -> Result<Recording, ClosedLoopError> {
         let mut recording = self.source.recording(place, seed)?;
         if let Some(injection) = &self.injection {
-            let (imu, oracle) = injection.apply(&recording.name, &recording.imu, seed);
+            let (imu, oracle) = injection.apply(&recording.imu, seed);
             (recording.imu, recording.oracle) = (imu, Some(oracle));
         }
         Ok(recording)

@@ -50,8 +50,8 @@ impl CameraInput<'_> {
             Self::Tracks(frames, span) => return Ok(TrackedSequence { frames, span, images: None }),
         };
         let (camera, mounted) = (recording.camera, recording.body_from_cam.rotation);
-        let mut tracker = ImageTracker::new(*config, camera, mounted, &recording.name, seed)
-            .map_err(ClosedLoopError::Config)?;
+        let mut tracker =
+            ImageTracker::new(*config, camera, mounted, seed).map_err(ClosedLoopError::Config)?;
         let mut frames = Vec::new();
         let mut keep = |frame: &TrackFrame| frames.push(frame.clone());
         let mut log = TrackingLog::new(also, &mut keep);

@@ -14,16 +14,16 @@ const BOUNDED: &str = "a checked injection adds finite noise to finite samples";
 
 impl Injection {
     /// The samples with what is added, and what an oracle says: at every sample and axis the root of the sum of squares of the white
-    /// noise added and of the recording's own deviation. Noise comes from the stream (seed, "injected", course, name, sensor, axis).
+    /// noise added and of the recording's own deviation. Noise comes from the stream (seed, "injected", course, the samples, sensor, axis).
     ///
     /// # Panics
     /// When the injection has [faults](dpn_core::config::Validate::faults): strengths that are no numbers would leave no recording.
-    pub fn apply(&self, name: &str, imu: &ImuRecording, seed: u64) -> (ImuRecording, NoiseTrack) {
+    pub fn apply(&self, imu: &ImuRecording, seed: u64) -> (ImuRecording, NoiseTrack) {
         let samples = imu.samples();
         let start = samples[0].t;
         let length = imu.duration();
         let shares: Vec<f64> = samples.iter().map(|s| s.t.seconds_since(start) / length).collect();
-        let stream = Stream::new(seed).named("injected").named(self.course.name()).named(name);
+        let stream = Stream::new(seed).named("injected").named(self.course.name()).named(&imu.checksum());
         let mut values: [[Vec<f64>; 3]; 2] = Default::default();
         let mut true_std: [[Vec<f64>; 3]; 2] = Default::default();
         for (place, sensor) in Sensor::ALL.into_iter().enumerate() {
@@ -84,7 +84,7 @@ mod tests {
     fn what_is_added_has_the_deviation_that_the_oracle_says() {
         let imu = still(30_001);
         let injection = Injection { own_accel: 0.3, own_gyro: 0.02, ..Injection::default() };
-        let (noisy, oracle) = injection.apply("a", &imu, 3);
+        let (noisy, oracle) = injection.apply(&imu, 3);
         for (sensor, unit, own) in
             [(Sensor::Accel, injection.accel, 0.3), (Sensor::Gyro, injection.gyro, 0.02)]
         {
@@ -98,30 +98,34 @@ mod tests {
                 }
             }
         }
-        assert_eq!(injection.apply("a", &imu, 3).0, noisy);
-        assert_ne!(injection.apply("a", &imu, 4).0, noisy);
-        assert_ne!(injection.apply("b", &imu, 3).0, noisy);
+        assert_eq!(injection.apply(&imu, 3).0, noisy);
+        assert_ne!(injection.apply(&imu, 4).0, noisy);
+        // Another recording is other chance.
+        let added =
+            |noisy: &ImuRecording, of: &ImuRecording| noisy.samples()[5].gyro[0] - of.samples()[5].gyro[0];
+        let other = still(30_000);
+        assert_ne!(added(&injection.apply(&other, 3).0, &other), added(&noisy, &imu));
     }
 
     #[test]
     #[should_panic(expected = "a checked injection")]
     fn an_injection_of_no_number_is_not_passed_off_as_the_recording_without_it() {
-        Injection { accel: f64::NAN, ..Injection::default() }.apply("a", &still(100), 0);
+        Injection { accel: f64::NAN, ..Injection::default() }.apply(&still(100), 0);
     }
 
     #[test]
     fn tone_and_bias_add_no_white_noise_and_nothing_adds_nothing() {
         let imu = still(9_001);
         let base = Injection::default();
-        let (same, told) = base.with(Course::None).apply("a", &imu, 0);
+        let (same, told) = base.with(Course::None).apply(&imu, 0);
         assert_eq!(same, imu);
         assert!(told.noises().iter().all(|n| (n.of(Sensor::Accel)[0] - base.own_accel).abs() < 1e-15));
-        let (tone, told) = base.with(Course::Tone).apply("a", &imu, 0);
+        let (tone, told) = base.with(Course::Tone).apply(&imu, 0);
         assert_eq!(tone.samples()[..3000], imu.samples()[..3000]);
         let found = deviation(&axis(&tone, Sensor::Gyro, 2, 3_100, 5_900), Ddof::Zero);
         assert!((found / (base.gyro * base.factor) - 1.0).abs() < 0.01, "{found}");
         assert!(told.noises().iter().all(|n| (n.of(Sensor::Gyro)[0] - base.own_gyro).abs() < 1e-15));
-        let (jump, _) = base.with(Course::BiasJump).apply("a", &imu, 0);
+        let (jump, _) = base.with(Course::BiasJump).apply(&imu, 0);
         let moved = mean(&axis(&jump, Sensor::Accel, 1, 4_600, 9_000)) - 2.0;
         assert!((moved - base.accel * base.factor).abs() < 1e-9);
     }

@@ -21,7 +21,7 @@ fn stamp(t: &builtin_interfaces::msg::Time) -> Stamp {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let calibration = read_camera_config(std::path::Path::new(&std::env::args().nth(1).ok_or("sensor.yaml?")?))?;
     let camera = CameraModel::try_from(&calibration)?;
-    let estimator = Estimator::new(EstimatorConfig::default(), camera, calibration.body_from_cam, "live", 0)
+    let estimator = Estimator::new(EstimatorConfig::default(), camera, calibration.body_from_cam, 0)
         .map_err(|faults| format!("{faults:?}"))?;
     let estimator = Arc::new(Mutex::new(estimator));
 

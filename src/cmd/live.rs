@@ -16,8 +16,6 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// What the recording is called of which all chance is a function: a folder of that name gives the same poses.
-const NAME: &str = "live";
 /// So many messages that were passed over are said.
 const SHOWN: usize = 8;
 
@@ -54,13 +52,13 @@ pub(super) fn run(args: &RunArgs) -> Result<()> {
     errln!("calibration: {calibration}");
     let config = &calibration.camera;
     let camera = CameraModel::try_from(config)
-        .map_err(|source| ClosedLoopError::Camera { sequence: NAME.into(), source })?;
+        .map_err(|source| ClosedLoopError::Camera { sequence: "live".to_owned(), source })?;
     let networks = shipped::or_of(args.models.as_deref())?;
     let estimator = super::run::estimator(args)?;
     let camera = (camera, config.body_from_cam);
     let noise = args.noise.parse()?;
     warn(settings_for(&estimator, &noise).warnings());
-    let run = LiveRun::new(&estimator, noise, &networks, camera, (NAME, args.seed))?;
+    let run = LiveRun::new(&estimator, noise, &networks, camera, args.seed)?;
     let mut live = Live {
         run,
         calibration: &calibration,

@@ -1,5 +1,6 @@
 //! IMU samples and recordings.
 
+use crate::checksum::of_parts;
 use crate::named;
 use crate::time::{SampleRate, Stamp, median_step_ns};
 use serde::{Deserialize, Serialize};
@@ -113,6 +114,14 @@ impl ImuRecording {
     /// The samples, oldest first.
     pub fn samples(&self) -> &[ImuSample] {
         &self.samples
+    }
+
+    /// SHA-256 over stamps and values.
+    pub fn checksum(&self) -> String {
+        of_parts(self.samples.iter().map(|sample| {
+            let values = sample.accel.into_iter().chain(sample.gyro).flat_map(f64::to_le_bytes);
+            sample.t.ns().to_le_bytes().into_iter().chain(values).collect::<Vec<u8>>()
+        }))
     }
 
     /// Gives them away.

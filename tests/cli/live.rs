@@ -18,7 +18,6 @@ const NOISE: &str = "sg(11,2)";
 
 /// What the two sensors of a recording say, and the noise of each sample.
 struct Sensors {
-    name: String,
     camera: CameraModel,
     calibration: CameraConfig,
     samples: Vec<NoisySample>,
@@ -28,12 +27,11 @@ struct Sensors {
 impl Sensors {
     fn of(dir: &Path) -> Self {
         let sequence = Sequence::open(dir).unwrap();
-        let name = sequence.name().to_owned();
         let calibration = sequence.camera_config().unwrap().unwrap();
         let imu = sequence.imu().unwrap();
         let noise: NoiseSpec = NOISE.parse().unwrap();
-        let recorded = Recorded { name: &name, imu: &imu, oracle: None };
-        let stream = Stream::new(SEED).named("noise").named(&name);
+        let recorded = Recorded { name: sequence.name(), imu: &imu, oracle: None };
+        let stream = Stream::new(SEED).named("noise");
         let noises = track(&noise, &imu, &Fresh { recorded, networks: &[] }, &stream).unwrap();
         let samples = imu.samples().iter().zip(noises.noises());
         let images = ImageFolder::open(&sequence).unwrap();
@@ -41,7 +39,7 @@ impl Sensors {
             camera: CameraModel::try_from(&calibration).unwrap(),
             samples: samples.map(|(sample, noise)| NoisySample { sample: *sample, noise: *noise }).collect(),
             images: (0..images.len()).map(|i| images.read(i).unwrap()).collect(),
-            name,
+
             calibration,
         }
     }
@@ -50,7 +48,7 @@ impl Sensors {
         let body_from_cam = self.calibration.body_from_cam;
         let config = EstimatorConfig::default();
         Run {
-            estimator: Estimator::new(config, self.camera, body_from_cam, &self.name, SEED).unwrap(),
+            estimator: Estimator::new(config, self.camera, body_from_cam, SEED).unwrap(),
             poses: Vec::new(),
         }
     }

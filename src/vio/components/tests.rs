@@ -48,8 +48,7 @@ fn run_with(components: ComponentsConfig, factor: f64, add: impl Fn(f64, &mut Im
     let case = case();
     let config = EstimatorConfig { components: Some(components), ..Default::default() };
     let body_from_cam = CameraSettings::default().body_from_cam().unwrap();
-    let mut estimator =
-        Estimator::new(config, CameraModel::euroc_cam0(), body_from_cam, "flight", 1).unwrap();
+    let mut estimator = Estimator::new(config, CameraModel::euroc_cam0(), body_from_cam, 1).unwrap();
     let noise = ImuNoise::from_values([factor * case.accel; 3], [factor * case.gyro; 3]).unwrap();
     let samples = case.flight.recording.samples();
     let mut left = samples.iter().peekable();

@@ -75,8 +75,7 @@ pub struct Estimator {
 }
 
 impl Estimator {
-    /// With a camera at `body_from_cam` on the IMU. All chance is a function of `seed` and, in the front-end, of `name`, what the recording is
-    /// called: who wants to see a live run again with `dpn run` gives it the name of the folder it will be recorded into.
+    /// With a camera at `body_from_cam` on the IMU. All chance is a function of `seed` alone.
     ///
     /// # Errors
     /// Settings out of their bounds, all of them.
@@ -84,7 +83,6 @@ impl Estimator {
         mut config: EstimatorConfig,
         camera: CameraModel,
         body_from_cam: Isometry3<f64>,
-        name: &str,
         seed: u64,
     ) -> Result<Self, Vec<ConfigFault>> {
         config.init.focal_px = camera.px_per_rad();
@@ -92,7 +90,7 @@ impl Estimator {
         let stream = Stream::new(seed).named("estimator");
         let mut estimator = Self {
             starter: Starter::new(&config, body_from_cam, stream)?,
-            images: ImageTracker::new(config.front_end, camera, body_from_cam.rotation, name, seed)?,
+            images: ImageTracker::new(config.front_end, camera, body_from_cam.rotation, seed)?,
             rates: RayRates::default(),
             rest: RestWatch::default(),
             jumps: JumpWatch::default(),

@@ -51,8 +51,7 @@ pub struct ImageTracker {
 }
 
 impl ImageTracker {
-    /// For a camera turned by `body_from_cam` on the IMU. The chance of its consensus is a function of `name`, what the recording is called,
-    /// and `seed`.
+    /// For a camera turned by `body_from_cam` on the IMU. The chance of its consensus is a function of `seed` alone.
     ///
     /// # Errors
     /// Settings out of their bounds, all of them.
@@ -60,11 +59,10 @@ impl ImageTracker {
         config: FrontEndConfig,
         camera: CameraModel,
         body_from_cam: UnitQuaternion<f64>,
-        name: &str,
         seed: u64,
     ) -> Result<Self, Vec<ConfigFault>> {
         Ok(Self {
-            front_end: FrontEnd::new(camera, config, &Stream::new(seed).named(name))?,
+            front_end: FrontEnd::new(camera, config, &Stream::new(seed).named("front-end"))?,
             gyro: GyroTurn::new(),
             clock: ClockWatch::new(camera, body_from_cam, config.time_offset_s),
             body_from_cam,

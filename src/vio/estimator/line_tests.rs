@@ -55,7 +55,7 @@ fn error(readout_s: f64) -> (f64, usize) {
     let mut config = EstimatorConfig { fed_tracks: FedTracks::Followed, ..EstimatorConfig::default() };
     config.front_end.readout_s = readout_s;
     config.lens.learn = false;
-    let mut estimator = Estimator::new(config, camera, body_from_cam(), "lines", 1).unwrap();
+    let mut estimator = Estimator::new(config, camera, body_from_cam(), 1).unwrap();
     for i in 0..FRAMES * 20 + 20 {
         estimator.feed_imu(sample(i)).unwrap();
     }

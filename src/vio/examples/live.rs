@@ -18,8 +18,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let calibration = sequence.camera_config()?.ok_or("no cam0/sensor.yaml")?;
     let camera = CameraModel::try_from(&calibration)?;
     let (config, body_from_cam) = (EstimatorConfig::default(), calibration.body_from_cam);
-    let mut estimator = Estimator::new(config, camera, body_from_cam, sequence.name(), 0)
-        .map_err(|faults| format!("{faults:?}"))?;
+    let mut estimator =
+        Estimator::new(config, camera, body_from_cam, 0).map_err(|faults| format!("{faults:?}"))?;
 
     let imu = sequence.imu()?;
     let mut images = ImageFolder::open(&sequence)?.prefetch(2).peekable();

@@ -31,8 +31,7 @@ fn the_estimate_stays_within_two_millimetres() {
         imu.samples().iter().map(|sample| NoisySample { sample: *sample, noise }).collect();
 
     let config = EstimatorConfig::default();
-    let mut tracker =
-        ImageTracker::new(config.front_end, camera, body_from_cam.rotation, sequence.name(), 1).unwrap();
+    let mut tracker = ImageTracker::new(config.front_end, camera, body_from_cam.rotation, 1).unwrap();
     imu.samples().iter().for_each(|sample| tracker.feed_imu(sample).unwrap());
     tracker.end_imu();
     let mut frames = Vec::new();
@@ -57,7 +56,7 @@ fn the_estimate_stays_within_two_millimetres() {
         vel_in_world: Vector3::zeros(),
         bias,
     };
-    let mut estimator = Estimator::new(config.clone(), camera, body_from_cam, sequence.name(), 1).unwrap();
+    let mut estimator = Estimator::new(config.clone(), camera, body_from_cam, 1).unwrap();
     let mut start = Vec::new();
     for (i, frame) in frames[..KNOWN].iter().enumerate() {
         let between: Vec<&NoisySample> =

@@ -35,7 +35,7 @@ fn case() -> &'static Case {
 
 fn estimator() -> Estimator {
     let body_from_cam = CameraSettings::default().body_from_cam().unwrap();
-    Estimator::new(EstimatorConfig::default(), CameraModel::euroc_cam0(), body_from_cam, "flight", 1).unwrap()
+    Estimator::new(EstimatorConfig::default(), CameraModel::euroc_cam0(), body_from_cam, 1).unwrap()
 }
 
 fn noisy(sample: &ImuSample) -> NoisySample {

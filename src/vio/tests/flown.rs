@@ -60,8 +60,7 @@ pub(crate) fn run_told(
     frame: impl Fn(&mut TrackFrame),
 ) -> (Vec<Update>, RunReport) {
     let body_from_cam = CameraSettings::default().body_from_cam().unwrap();
-    let mut estimator =
-        Estimator::new(config, CameraModel::euroc_cam0(), body_from_cam, "flight", 1).unwrap();
+    let mut estimator = Estimator::new(config, CameraModel::euroc_cam0(), body_from_cam, 1).unwrap();
     let mut left = case.flight.recording.samples().iter().copied().peekable();
     let mut updates = Vec::new();
     for mut seen in case.frames.iter().cloned() {

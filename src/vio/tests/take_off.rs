@@ -53,14 +53,8 @@ fn updates(trajectory: &Trajectory, seed: u64) -> Vec<Update> {
     let stamps = camera_stamps(&path, SampleRate::from_hz(20.0).unwrap());
     let frames = simulate_tracks(&TracksConfig::default(), &path, &stamps, seed).unwrap();
     let body_from_cam = CameraSettings::default().body_from_cam().unwrap();
-    let mut estimator = Estimator::new(
-        EstimatorConfig::default(),
-        CameraModel::euroc_cam0(),
-        body_from_cam,
-        "taken up",
-        seed,
-    )
-    .unwrap();
+    let mut estimator =
+        Estimator::new(EstimatorConfig::default(), CameraModel::euroc_cam0(), body_from_cam, seed).unwrap();
     frames.into_iter().for_each(|frame| estimator.feed_frame(frame).unwrap());
     let mut rng = Stream::new(seed).named("samples").rng();
     let noise = ImuNoise::from_values([NOISE[0]; 3], [NOISE[1]; 3]).unwrap();
