@@ -114,6 +114,18 @@ impl fmt::Display for Untrusted {
 
 impl std::error::Error for Untrusted {}
 
+/// Something as grave as somebody asked to be told of by the exit code; what was said.
+#[derive(Debug)]
+pub(crate) struct Found(pub(crate) String);
+
+impl fmt::Display for Found {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the gravest finding is: {} (--fail-on)", self.0)
+    }
+}
+
+impl std::error::Error for Found {}
+
 /// The user pressed Ctrl-C and the work stopped at a safe place.
 #[derive(Debug)]
 pub(crate) struct Interrupted(pub(crate) String);

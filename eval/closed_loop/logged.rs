@@ -18,6 +18,8 @@ use std::path::{Path, PathBuf};
 pub struct LoggedSequence {
     log: ImageLog,
     calibration: Calibration,
+    /// Where that was found, when nobody named it and it lies at no usual place.
+    found: Option<PathBuf>,
     /// Somebody's file of true poses, and what is in it.
     truth: Option<(PathBuf, Vec<StampedPose>)>,
 }
@@ -32,13 +34,25 @@ impl LoggedSequence {
         options: ImageLogOptions,
         calibration: Option<&Calibration>,
     ) -> Result<Option<Self>, ClosedLoopError> {
-        let Some(log) = ImageLog::find(path, options) else { return Ok(None) };
-        let calibration = match (calibration, log.calibration()) {
+        let Some(log) = ImageLog::find(path, options)? else { return Ok(None) };
+        let own = log.calibration().map(|file| calibration::read(&file));
+        let mut found = None;
+        let calibration = match (calibration, own) {
             (Some(given), _) => given.clone(),
-            (None, Some(file)) => calibration::read(&file)?,
-            (None, None) => return Err(ClosedLoopError::NoCalibration { path: path.to_path_buf() }),
+            (None, Some(Ok(own))) => own,
+            (None, broken) => {
+                let beside = calibration::beside::find(&log.calibration_dirs())?;
+                let Some((file, calibration)) = beside else {
+                    return Err(match broken {
+                        Some(Err(error)) => error.into(),
+                        _ => ClosedLoopError::NoCalibration { path: path.to_path_buf() },
+                    });
+                };
+                found = Some(file);
+                calibration
+            }
         };
-        Ok(Some(Self { log, calibration, truth: None }))
+        Ok(Some(Self { log, calibration, found, truth: None }))
     }
 
     /// The same with the true poses of `file`, as [`read_poses`] takes them.
@@ -48,6 +62,11 @@ impl LoggedSequence {
     pub fn with_truth(mut self, file: &Path) -> Result<Self, ClosedLoopError> {
         self.truth = Some((file.to_path_buf(), read_poses(file)?));
         Ok(self)
+    }
+
+    /// The calibration that was found, and where, when nobody named it and it lies at no usual place.
+    pub(super) fn found(&self) -> Option<(&Path, &Calibration)> {
+        self.found.as_deref().map(|file| (file, &self.calibration))
     }
 
     /// The log's name.

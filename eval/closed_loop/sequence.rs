@@ -33,7 +33,7 @@ impl SequenceSet {
         match &self.of {
             Sequences::Recorded(sequences) => {
                 let (sequence, side) = &sequences[place];
-                recorded(sequence, *side, &self.tracks)
+                recorded(sequence, *side, &self.tracks, &self.imu)
             }
             Sequences::Logged(log) => log.recording(),
             Sequences::Flights(config) => flown(Flight::ALL[place], seed, config, &self.tracks),
@@ -132,7 +132,12 @@ fn camera_rate(camera: Option<&CameraConfig>) -> SampleRate {
     camera.map_or_else(usual, |camera| camera.rate)
 }
 
-fn recorded(sequence: &Sequence, side: Side, tracks: &TrackSource) -> Result<Recording, ClosedLoopError> {
+fn recorded(
+    sequence: &Sequence,
+    side: Side,
+    tracks: &TrackSource,
+    options: &LogOptions,
+) -> Result<Recording, ClosedLoopError> {
     let name = sequence.name().to_owned();
     let (camera, body_from_cam) = if tracks.is_simulated() {
         camera_of(&name, settled(sequence, tracks.camera_settings())?)?
@@ -147,18 +152,26 @@ fn recorded(sequence: &Sequence, side: Side, tracks: &TrackSource) -> Result<Rec
         Some(_) => Some(poses_of(&sequence.ground_truth()?)),
         None => None,
     };
+    let is_plain = tracks.is_simulated() && *options == LogOptions::default();
     let (imu, remarks) =
-        if tracks.is_simulated() { (sequence.imu()?, Vec::new()) } else { own_samples(sequence)? };
+        if is_plain { (sequence.imu()?, Vec::new()) } else { own_samples(sequence, options)? };
     Ok(Recording { name, side, imu, camera, body_from_cam, truth, oracle: None, remarks })
 }
 
 /// The samples of somebody's own recording: rows that no recording may hold, such as a stamp twice, are left out as everywhere else in logs, and said.
-fn own_samples(sequence: &Sequence) -> Result<(ImuRecording, Vec<String>), ClosedLoopError> {
-    let strict = match sequence.imu() {
-        Ok(imu) => return Ok((imu, Vec::new())),
-        Err(error) => error,
+fn own_samples(
+    sequence: &Sequence,
+    options: &LogOptions,
+) -> Result<(ImuRecording, Vec<String>), ClosedLoopError> {
+    let log = if *options == LogOptions::default() {
+        let strict = match sequence.imu() {
+            Ok(imu) => return Ok((imu, Vec::new())),
+            Err(error) => error,
+        };
+        read_log(sequence.dir(), options).map_err(|_| ClosedLoopError::from(strict))?
+    } else {
+        read_log(sequence.dir(), options)?
     };
-    let Ok(log) = read_log(sequence.dir(), &LogOptions::default()) else { return Err(strict.into()) };
     let remarks = log.warnings();
     let imu = log.recording.held().map_err(|e| IoError::reading(&sequence.imu_path(), e))?;
     Ok((imu, remarks))

@@ -5,6 +5,7 @@ use super::sequence_set::{SequenceSet, Sequences, TrackSource, tracks_file};
 use dpn_core::checksum::{hex, of_parts, of_source};
 use dpn_io::asl::Sequence;
 use dpn_io::{ImageFolder, IoError};
+use dpn_logs::LogOptions;
 use dpn_sim::Flight;
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
@@ -23,6 +24,9 @@ impl SequenceSet {
                 let (sequence, _) = &sequences[place];
                 for sum in checksums(sequence, &self.tracks) {
                     hash.update(sum?);
+                }
+                if self.imu != LogOptions::default() {
+                    hash.update(format!("{:?}", self.imu));
                 }
                 if let TrackSource::Images { .. } = self.tracks {
                     let folder = ImageFolder::open(sequence)?;

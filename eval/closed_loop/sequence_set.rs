@@ -6,6 +6,7 @@ use super::row::TruthKind;
 use super::sequence_name::is_called;
 use dpn_io::asl::{Sequence, discover};
 use dpn_io::calibration::Calibration;
+use dpn_logs::LogOptions;
 use dpn_sim::tracks::{CameraSettings, TracksConfig};
 use dpn_sim::{Flight, FlightConfig, RenderConfig};
 use dpn_train::split::{Side, assign, paper_side};
@@ -57,6 +58,10 @@ pub struct SequenceSet {
     pub of: Sequences,
     /// Their tracks.
     pub tracks: TrackSource,
+    /// How the only sequence's samples are read.
+    pub(super) imu: LogOptions,
+    /// The calibration that was found beside the only sequence, and its file, where it has none of its own and nobody named one.
+    pub(super) found: Option<(PathBuf, Calibration)>,
 }
 
 /// Sequences of one kind.
@@ -97,7 +102,7 @@ impl SequenceSet {
                 second: twice[1].0.dir().to_path_buf(),
             });
         }
-        Ok(Self { of: Sequences::Recorded(sequences), tracks })
+        Ok(Self { of: Sequences::Recorded(sequences), tracks, imu: LogOptions::default(), found: None })
     }
 
     /// The one sequence in `dir`.
@@ -107,12 +112,17 @@ impl SequenceSet {
     pub fn one(dir: &Path, tracks: TrackSource) -> Result<Self, ClosedLoopError> {
         let sequence = Sequence::open(dir)?;
         let side = paper_side(sequence.name()).unwrap_or(Side::Test);
-        Ok(Self { of: Sequences::Recorded(vec![(sequence, side)]), tracks })
+        Ok(Self {
+            of: Sequences::Recorded(vec![(sequence, side)]),
+            tracks,
+            imu: LogOptions::default(),
+            found: None,
+        })
     }
 
     /// The simulated flights.
     pub fn flights(config: FlightConfig, tracks: TrackSource) -> Self {
-        Self { of: Sequences::Flights(config), tracks }
+        Self { of: Sequences::Flights(config), tracks, imu: LogOptions::default(), found: None }
     }
 
     /// The same with the reconciled ground truth of `dir`, `NAME.csv` a sequence, the published one without; flights have none but their own.
@@ -121,6 +131,16 @@ impl SequenceSet {
         match dir {
             Some(dir) => self.each(|sequence| sequence.with_reconciled_truth(dir)),
             None => self,
+        }
+    }
+
+    /// A calibration that was found beside what is run, and where, when nobody named it and it lies at no usual place.
+    pub fn found_calibration(&self) -> Option<(&Path, &Calibration)> {
+        match &self.of {
+            Sequences::Logged(log) => log.found(),
+            Sequences::Recorded(_) | Sequences::Flights(_) => {
+                self.found.as_ref().map(|(file, calibration)| (file.as_path(), calibration))
+            }
         }
     }
 

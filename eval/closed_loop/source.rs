@@ -6,7 +6,7 @@ use super::logged::LoggedSequence;
 use super::sequence_set::{SequenceSet, Sequences, TrackSource};
 use super::source_error::SourceError;
 use dpn_io::asl::Sequence;
-use dpn_io::calibration::Calibration;
+use dpn_io::calibration::{Calibration, beside};
 use dpn_logs::{ImageLogOptions, Scales};
 use dpn_sim::tracks::{CameraSettings, TracksConfig};
 use dpn_sim::{Flight, FlightConfig, RenderConfig};
@@ -73,8 +73,20 @@ impl RunSource {
         }
         if dir.exists() {
             let chosen = self.camera.is_some() || self.tracks.is_some();
-            let tracks = self.seen(!chosen && has_images(&Sequence::open(dir)?)?)?;
-            return Ok((self.completed(SequenceSet::one(dir, tracks)?), 0));
+            let mut sequence = Sequence::open(dir)?;
+            let (mut source, mut found) = (self, None);
+            if source.calibration.is_none() && !matches!(sequence.camera_config(), Ok(Some(_))) {
+                let dirs = ["", "mav0", "cam0", "mav0/cam0"].map(|below| dir.join(below));
+                found = beside::find(&dirs)?;
+                source =
+                    source.with_calibration(found.as_ref().map(|(_, calibration)| calibration.clone()))?;
+            }
+            if let Some(given) = &source.calibration {
+                sequence = sequence.with_calibration(given.clone());
+            }
+            let tracks = source.seen(!chosen && has_images(&sequence)?)?;
+            let set = SequenceSet { found, imu: source.log.imu.clone(), ..SequenceSet::one(dir, tracks)? };
+            return Ok((source.completed(set), 0));
         }
         let flight: Flight =
             name.parse().map_err(|unknown| SourceError::Unknown { source_name: name.to_owned(), unknown })?;
@@ -100,14 +112,17 @@ impl RunSource {
         let source_name = || dir.display().to_string();
         let Some(log) = LoggedSequence::find(dir, self.log.clone(), self.calibration.as_ref())? else {
             let imu = &self.log.imu;
+            // A sequence's samples are a table like others.
+            let is_table = Sequence::open(dir).is_ok();
             let of_logs = [
                 ("image_topic", self.log.image_topic.is_some()),
                 ("topic", imu.topic.is_some()),
-                ("columns", imu.csv.columns.is_some()),
-                ("time_unit", imu.csv.time.is_some()),
-                ("gyro_unit", imu.csv.gyro.is_some()),
-                ("accel_unit", imu.csv.accel.is_some()),
-                ("scale", imu.scales != Scales::default()),
+                ("columns", !is_table && imu.csv.columns.is_some()),
+                ("time_unit", !is_table && imu.csv.time.is_some()),
+                ("gyro_unit", !is_table && imu.csv.gyro.is_some()),
+                ("accel_unit", !is_table && imu.csv.accel.is_some()),
+                ("rate", !is_table && imu.csv.rate.is_some()),
+                ("scale", !is_table && imu.scales != Scales::default()),
             ];
             return match of_logs.into_iter().find(|(_, given)| *given) {
                 Some((argument, _)) => {
@@ -129,7 +144,7 @@ impl RunSource {
             None => log,
         };
         let tracks = TrackSource::Images { skip_missing: self.log.skip_missing };
-        Ok(Some(SequenceSet { of: Sequences::Logged(log), tracks }))
+        Ok(Some(SequenceSet { of: Sequences::Logged(log), tracks, imu: self.log.imu.clone(), found: None }))
     }
 
     /// What the odometry sees of sequences; `images` where nobody says it.

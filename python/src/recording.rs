@@ -146,9 +146,10 @@ pub(crate) fn read(
         time: word("time_unit", time_unit)?,
         gyro: word("gyro_unit", gyro_unit)?,
         accel: word("accel_unit", accel_unit)?,
+        rate: None,
     };
     let scales = parsed::<Scales>("sensor_scale", sensor_scale)?.unwrap_or_default();
-    let options = LogOptions { csv, topic, max_uncompressed, scales };
+    let options = LogOptions { csv, topic, max_uncompressed, scales, ..LogOptions::default() };
     let log = py.detach(|| read_log(&path, &options)).map_err(|e| raise(&e))?;
     Ok(Recording::new(log))
 }

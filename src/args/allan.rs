@@ -19,7 +19,7 @@ pub(crate) struct AllanArgs {
     pub(crate) check: Option<PathBuf>,
     /// Whose configuration that is; without it, told from its keys.
     #[arg(long, value_name = "FORMAT", requires = "check")]
-    pub(crate) from: Option<Format>,
+    pub(crate) check_as: Option<Format>,
     /// Folder for the plot (SVG, PNG), its points (CSV) and the figures (JSON).
     #[arg(long, value_name = "DIR", default_value = "runs/allan")]
     pub(crate) out: PathBuf,

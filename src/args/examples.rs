@@ -53,7 +53,7 @@ pub(super) const NOISE: &str = "Examples:
   dpn noise flight.bag
   dpn noise log.csv --columns 1,2,3,4,5,6,7 --gyro-unit deg/s --out runs/mine
   dpn noise flight.mcap --into with_covariances.mcap
-  dpn noise flight.bag --noise 'dualpronet(wide-s0)' --check vins.yaml --from vins
+  dpn noise flight.bag --noise 'dualpronet(wide-s0)' --check vins.yaml --check-as vins
   dpn noise log.csv --paste vins,kalibr
   dpn noise --learned runs/run-flight1 runs/run-flight2 --paste vins
   my-driver | dpn noise --follow --rate 200

@@ -5,7 +5,7 @@ use super::word::word;
 use clap::Args;
 use dpn_core::SampleRate;
 use dpn_io::{AccelUnit, ColumnChoice, GyroUnit, TimeUnit};
-use dpn_logs::Scales;
+use dpn_logs::{LogTime, Scales};
 use std::path::PathBuf;
 
 /// The log, its columns and units.
@@ -15,9 +15,23 @@ pub(crate) struct LogArgs {
     /// phone's two files, or its zip; a pipe, or - for stdin.
     #[arg(value_name = "LOG")]
     pub(crate) path: PathBuf,
+    /// Which part of it.
+    #[command(flatten)]
+    pub(crate) span: SpanArgs,
     /// How it is read.
     #[command(flatten)]
     pub(crate) how: HowArgs,
+}
+
+/// A part of a log.
+#[derive(Debug, Clone, Copy, Args)]
+pub(crate) struct SpanArgs {
+    /// Where the part of the log begins that is looked at: seconds after its first sample, or a stamp in seconds or nanoseconds.
+    #[arg(long, value_name = "SECONDS|STAMP")]
+    pub(crate) from: Option<LogTime>,
+    /// Where it ends.
+    #[arg(long, value_name = "SECONDS|STAMP")]
+    pub(crate) to: Option<LogTime>,
 }
 
 /// Topic, columns and units.
@@ -36,10 +50,13 @@ pub(crate) struct HowArgs {
     /// Unit of the CSV's stamps: s, ms, 100us, us, ns; without it, by the header or their size.
     #[arg(long, value_name = "UNIT", value_parser = word::<TimeUnit>)]
     pub(crate) time_unit: Option<TimeUnit>,
-    /// Unit of the CSV's gyroscope: rad/s or deg/s; without it, by the header or told from its turns and noise.
+    /// Rate of a log without stamps: its samples are counted, those of a log whose stamps are not to be believed too. With --follow, rate of the samples.
+    #[arg(long, value_name = "HZ", value_parser = rate)]
+    pub(crate) rate: Option<SampleRate>,
+    /// Unit of the gyroscope's numbers: rad/s or deg/s; without it, of a table by the header or told from its turns and noise, else rad/s.
     #[arg(long, value_name = "UNIT", value_parser = word::<GyroUnit>)]
     pub(crate) gyro_unit: Option<GyroUnit>,
-    /// Unit of the CSV's accelerometer: m/s^2, g or mg; without it, by the header or told from gravity.
+    /// Unit of the accelerometer's numbers: m/s^2, g or mg; without it, of a table by the header or told from gravity, else m/s^2.
     #[arg(long, value_name = "UNIT", value_parser = word::<AccelUnit>)]
     pub(crate) accel_unit: Option<AccelUnit>,
     /// What one of the gyroscope's numbers is, in rad/s, of a log of any kind.

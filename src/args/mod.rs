@@ -24,13 +24,13 @@ mod word;
 
 pub(crate) use allan::AllanArgs;
 pub(crate) use cache::CacheArgs;
-pub(crate) use check::CheckArgs;
+pub(crate) use check::{CheckArgs, FailOn};
 pub(crate) use closed_loop::{CameraArg, ClosedLoopArgs, SettingsArgs};
 pub(crate) use eval::EvalArgs;
 pub(crate) use export::{ExportArgs, ExportWhat, OnnxArgs};
 pub(crate) use fleet::FleetArgs;
 pub(crate) use image_log::ImageLogArgs;
-pub(crate) use log::{HowArgs, LogArgs, rate};
+pub(crate) use log::{HowArgs, LogArgs, SpanArgs, rate};
 pub(crate) use manual::{CompletionsArgs, ManualArgs};
 pub(crate) use noise::{ConvertArgs, NoiseArgs, NoiseWhat, RowFormat};
 pub(crate) use page::PageArgs;

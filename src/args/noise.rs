@@ -1,6 +1,6 @@
 //! `dpn noise`.
 
-use super::{HowArgs, PasteArgs, examples};
+use super::{HowArgs, PasteArgs, SpanArgs, examples};
 use clap::{Args, Subcommand};
 use dpn_io::noise_formats::Format;
 use std::path::PathBuf;
@@ -15,6 +15,9 @@ pub(crate) struct NoiseArgs {
     /// CSV file, rosbag1, MCAP or rosbag2 (file or folder), or folder of an ASL sequence (EuRoC, TUM-VI); a pipe, or - for stdin.
     #[arg(value_name = "LOG", required_unless_present_any = ["follow", "learned"], conflicts_with = "follow")]
     pub(crate) log: Option<PathBuf>,
+    /// Which part of it.
+    #[command(flatten)]
+    pub(crate) span: SpanArgs,
     /// How the log is read.
     #[command(flatten)]
     pub(crate) how: HowArgs,
@@ -52,16 +55,13 @@ pub(crate) struct NoiseArgs {
     pub(crate) check: Option<PathBuf>,
     /// Whose configuration that is; without it, told from its keys.
     #[arg(long, value_name = "FORMAT", requires = "check")]
-    pub(crate) from: Option<Format>,
+    pub(crate) check_as: Option<Format>,
     /// Print the summary as JSON on stdout instead of the page.
     #[arg(long, conflicts_with = "follow")]
     pub(crate) json: bool,
     /// Read CSV lines from stdin and print the deviations as they come; no LOG then.
     #[arg(long)]
     pub(crate) follow: bool,
-    /// Rate of the samples on stdin.
-    #[arg(long, value_name = "HZ", value_parser = super::rate, requires = "follow", default_value = "200")]
-    pub(crate) rate: dpn_core::SampleRate,
 }
 
 /// Rows of a track.

@@ -12,7 +12,7 @@ use dpn_probe::allan::{AllanLog, report};
 pub(crate) fn run(args: &AllanArgs) -> Result<()> {
     let recording = log::read(&args.log)?.recording.held()?;
     // A configuration that cannot be read should not cost a fit.
-    let config = noise::config(args.check.as_deref(), args.from, recording.rate())?;
+    let config = noise::config(args.check.as_deref(), args.check_as, recording.rate())?;
     let allan = AllanLog::of(&recording, args.all)?;
     let checked = config.as_ref().map(|source| compare(source, &allan));
     let words = format!("{} samples, {:.0} s.", allan.samples, allan.length_s);

@@ -1,15 +1,80 @@
 //! `dpn check`.
 
+use super::cores::cores;
 use super::log;
-use crate::args::CheckArgs;
-use crate::ui::{out, outln, print_pictures};
+use crate::args::{CheckArgs, FailOn};
+use crate::ui::{Found, out, outln, print_pictures, render_error};
 use anyhow::Result;
 use dpn_figures::{FigureError, save, spectrum_plot};
-use dpn_io::atomic_write;
-use dpn_probe::doctor::examine_log;
+use dpn_io::{atomic_write, printable};
+use dpn_logs::logs_in;
+use dpn_probe::Weight;
+use dpn_probe::doctor::{Examination, examine_log, table};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
 pub(crate) fn run(args: &CheckArgs) -> Result<()> {
-    let examination = examine_log(&log::read_quietly(&args.log)?)?;
+    let mut logs = Vec::new();
+    for path in &args.logs {
+        if path == Path::new("-") {
+            logs.push(path.clone());
+        } else {
+            logs.extend(logs_in(path)?);
+        }
+    }
+    let gravest = match &logs[..] {
+        [only] if args.logs.len() == 1 && *only == args.logs[0] => one(args, only)?,
+        several => many(args, several)?,
+    };
+    let most = match args.fail_on {
+        Some(FailOn::Bad) => Weight::Bad,
+        Some(FailOn::Warning) => Weight::Warning,
+        None => return Ok(()),
+    };
+    if gravest <= most { Err(Found(gravest.to_string()).into()) } else { Ok(()) }
+}
+
+fn examined(args: &CheckArgs, path: &Path) -> Result<Examination> {
+    Ok(examine_log(&log::read_quietly(path, args.span, &args.how)?)?)
+}
+
+/// A table of logs, looked at on all cores.
+fn many(args: &CheckArgs, logs: &[PathBuf]) -> Result<Weight> {
+    let left = Mutex::new(logs.iter().enumerate());
+    let rows = Mutex::new(Vec::new());
+    std::thread::scope(|scope| {
+        for _ in 0..cores().min(logs.len()) {
+            scope.spawn(|| {
+                while let Some((at, path)) = left.lock().ok().and_then(|mut left| left.next()) {
+                    let found = examined(args, path).map_err(|error| {
+                        let text = render_error(&error);
+                        text.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned()
+                    });
+                    let name = printable(&path.display().to_string());
+                    if let Ok(mut rows) = rows.lock() {
+                        rows.push((at, (name, found)));
+                    }
+                }
+            });
+        }
+    });
+    let mut rows = rows.into_inner().expect("no thread panics with the rows in hand");
+    rows.sort_by_key(|(at, _)| *at);
+    let rows: Vec<table::Row> = rows.into_iter().map(|(_, row)| row).collect();
+    let text = table::json(&rows)?.to_string() + "\n";
+    atomic_write(&args.out.join("check.json"), |file| file.write_all(text.as_bytes()))?;
+    if args.json {
+        out!("{text}")?;
+    } else {
+        out!("{}", table::page(&rows))?;
+    }
+    Ok(table::gravest(&rows))
+}
+
+/// One log, its findings and the picture of its spectra.
+fn one(args: &CheckArgs, path: &Path) -> Result<Weight> {
+    let examination = examined(args, path)?;
+    let gravest = examination.findings.first().map_or(Weight::Note, |finding| finding.weight);
     let text = serde_json::to_string(&examination)? + "\n";
     let words = format!("{} samples, {:.0} s.", examination.samples, examination.length_s);
     // A short log has findings but no spectrum; a dead sensor has one without power.
@@ -26,7 +91,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<()> {
     atomic_write(&args.out.join("check.json"), |file| file.write_all(text.as_bytes()))?;
     if args.json {
         out!("{text}")?;
-        return Ok(());
+        return Ok(gravest);
     }
     outln!("{} samples, {:.1} s, {:.2} Hz", examination.samples, examination.length_s, examination.rate_hz)?;
     for finding in &examination.findings {
@@ -39,5 +104,5 @@ pub(crate) fn run(args: &CheckArgs) -> Result<()> {
     if files.is_empty() && !examination.spectra.is_empty() {
         outln!("no picture: both sensors never change, so there is no spectrum")?;
     }
-    Ok(())
+    Ok(gravest)
 }

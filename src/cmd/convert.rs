@@ -4,6 +4,7 @@ use crate::args::ConvertArgs;
 use crate::ui::{errln, out, outln};
 use anyhow::Result;
 use dpn_io::noise_formats::{Conversion, Given, NoiseCalibration, read};
+use dpn_probe::allan::compare::implausible;
 
 pub(crate) fn run(args: &ConvertArgs) -> Result<()> {
     // In the order of `Figure::ALL`.
@@ -13,9 +14,12 @@ pub(crate) fn run(args: &ConvertArgs) -> Result<()> {
         Some(file) => read(file, args.from, &given)?,
         None => NoiseCalibration::typed(&given)?,
     };
+    let warnings: Vec<String> = implausible(&source).into_iter().map(|finding| finding.text).collect();
     let conversion = Conversion::of(source, args.to, args.to_rate)?;
     if args.json {
-        outln!("{}", conversion.json())?;
+        let mut json = conversion.json();
+        json["warnings"] = warnings.into();
+        outln!("{json}")?;
         return Ok(());
     }
     if args.from.is_none() && args.file.is_some() {
@@ -23,6 +27,9 @@ pub(crate) fn run(args: &ConvertArgs) -> Result<()> {
     }
     for step in &conversion.steps {
         errln!("{step}");
+    }
+    for warning in &warnings {
+        errln!("warning: {warning}");
     }
     for remark in &conversion.remarks {
         errln!("note: {remark}");

@@ -1,11 +1,11 @@
 //! `dpn noise --follow`: deviations beside a running sensor.
 
 use super::log;
-use crate::args::{NoiseArgs, RowFormat};
+use crate::args::{HowArgs, NoiseArgs, RowFormat};
 use crate::ui::{Fault, errln};
 use anyhow::Result;
-use dpn_core::{NoiseModel, Sensor, Stamp};
-use dpn_io::ImuLines;
+use dpn_core::{NoiseModel, SampleRate, Sensor, Stamp};
+use dpn_io::{CsvOptions, ImuLines};
 use dpn_probe::log_noise::{Answer, Plan};
 use dpn_pronet::DualProNet;
 use std::io::{self, BufRead, Read, Write};
@@ -17,10 +17,16 @@ const LONGEST_LINE: u64 = 1 << 20;
 /// Samples after which the rate is held against what was said.
 const ENOUGH: usize = 400;
 
+/// The rate of the samples on stdin, as told.
+pub(super) fn rate(how: &HowArgs) -> SampleRate {
+    how.rate.unwrap_or(SampleRate::HZ_200)
+}
+
 /// Reads lines until stdin ends. A row that cannot be read, a stamp that does not increase and a value that is not finite are said on stderr
 /// and passed over.
 pub(crate) fn run(args: &NoiseArgs, plan: &Plan<'_>) -> Result<()> {
-    let mut lines = ImuLines::new(Path::new("stdin"), log::options(&args.how).csv);
+    let mut lines =
+        ImuLines::new(Path::new("stdin"), CsvOptions { rate: None, ..log::options(&args.how).csv });
     let mut feed = plan.feed()?;
     let mut before = feed.judged();
     let (mut first, mut last): (Option<Stamp>, Option<Stamp>) = (None, None);
@@ -67,10 +73,10 @@ pub(crate) fn run(args: &NoiseArgs, plan: &Plan<'_>) -> Result<()> {
             let noise = feed.feed(&sample);
             if index == ENOUGH {
                 let found = ENOUGH as f64 / sample.t.seconds_since(start);
-                if (found / args.rate.hz() - 1.0).abs() > DualProNet::RATE_TOLERANCE {
+                if (found / rate(&args.how).hz() - 1.0).abs() > DualProNet::RATE_TOLERANCE {
                     errln!(
                         "warning: the samples come at {found:.1} Hz, not at {:.1} Hz (--rate)",
-                        args.rate.hz()
+                        rate(&args.how).hz()
                     );
                 }
             }

@@ -16,7 +16,9 @@ pub(super) fn check(into: &Path, path: &Path, log: &Log, how: &HowArgs) -> Resul
         let text = format!("--into {} would write over the log that is read", into.display());
         return Err(Fault::new(text).hint("name another file").into());
     }
-    let scaled = how.gyro_scale.is_some() || how.accel_scale.is_some() || how.sensor_scale.is_some();
+    let unit = how.gyro_unit.is_some_and(|unit| unit.factor() != 1.0)
+        || how.accel_unit.is_some_and(|unit| unit.factor() != 1.0);
+    let scaled = unit || how.gyro_scale.is_some() || how.accel_scale.is_some() || how.sensor_scale.is_some();
     if scaled && is_copied(path, log.kind)? {
         let text = "--into copies messages as they are, and their numbers are said not to be SI units";
         return Err(Fault::new(text).hint("convert the log first, or leave the scales away").into());

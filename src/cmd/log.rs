@@ -1,26 +1,26 @@
 //! Somebody's log: whatever it is, to a recording.
 
-use crate::args::{HowArgs, LogArgs};
+use crate::args::{HowArgs, LogArgs, SpanArgs};
 use crate::ui::errln;
 use anyhow::Result;
 use dpn_io::{CsvOptions, printable};
-use dpn_logs::{Log, LogOptions, Scales, read_log};
+use dpn_logs::{Log, LogOptions, LogSpan, Scales, read_log};
 use dpn_probe::doctor::values::meaningless;
 use std::path::Path;
 
 /// Reads the log; says on stderr what was guessed and what is wrong with it.
 pub(crate) fn read(args: &LogArgs) -> Result<Log> {
-    read_from(&args.path, &args.how)
+    read_part(&args.path, args.span, &args.how)
 }
 
 /// Reads the log and says nothing: for a command whose page says it all.
-pub(crate) fn read_quietly(args: &LogArgs) -> Result<Log> {
-    Ok(read_log(&args.path, &options(&args.how))?)
+pub(crate) fn read_quietly(path: &Path, span: SpanArgs, how: &HowArgs) -> Result<Log> {
+    Ok(read_log(path, &part_of(options(how), span))?)
 }
 
-/// The same, path and manner apart.
-pub(crate) fn read_from(path: &Path, how: &HowArgs) -> Result<Log> {
-    let log = read_log(path, &options(how))?;
+/// The same, path, part and manner apart.
+pub(crate) fn read_part(path: &Path, span: SpanArgs, how: &HowArgs) -> Result<Log> {
+    let log = read_log(path, &part_of(options(how), span))?;
     if !log.guesses.is_empty() {
         errln!("note: taken for granted: {}", log.guesses.join(", "));
     }
@@ -34,6 +34,15 @@ pub(crate) fn read_from(path: &Path, how: &HowArgs) -> Result<Log> {
     Ok(log)
 }
 
+/// What was typed about a log.
+pub(crate) fn options_of(args: &LogArgs) -> LogOptions {
+    part_of(options(&args.how), args.span)
+}
+
+fn part_of(options: LogOptions, SpanArgs { from, to }: SpanArgs) -> LogOptions {
+    LogOptions { span: LogSpan { from, to }, ..options }
+}
+
 /// What was typed about columns, units and topic.
 pub(crate) fn options(how: &HowArgs) -> LogOptions {
     let csv = CsvOptions {
@@ -41,7 +50,9 @@ pub(crate) fn options(how: &HowArgs) -> LogOptions {
         time: how.time_unit,
         gyro: how.gyro_unit,
         accel: how.accel_unit,
+        rate: how.rate,
     };
     let scales = how.sensor_scale.unwrap_or(Scales { accel: how.accel_scale, gyro: how.gyro_scale });
-    LogOptions { csv, topic: how.topic.clone(), max_uncompressed: how.max_uncompressed, scales }
+    let (topic, max_uncompressed) = (how.topic.clone(), how.max_uncompressed);
+    LogOptions { csv, topic, max_uncompressed, scales, ..LogOptions::default() }
 }

@@ -25,7 +25,7 @@ pub(crate) fn run(args: &NoiseArgs) -> Result<()> {
     let networks = networks(args.weights.as_deref())?;
     match &args.log {
         Some(path) => along(args, path, &networks),
-        None => follow::run(args, &plan(args, args.rate, &networks)?),
+        None => follow::run(args, &plan(args, follow::rate(&args.how), &networks)?),
     }
 }
 
@@ -55,14 +55,14 @@ fn plan<'a>(args: &NoiseArgs, rate: SampleRate, networks: &'a [Network]) -> Resu
 
 fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
     rerun::check(args.rerun.as_deref())?;
-    let log = log::read_from(path, &args.how)?;
+    let log = log::read_part(path, args.span, &args.how)?;
     if let Some(into) = &args.into {
         into::check(into, path, &log, &args.how)?;
     }
     let recording = &log.recording;
     let rate = recording.rate();
     // A configuration that cannot be read should not cost a track.
-    let config = config(args.check.as_deref(), args.from, rate)?;
+    let config = config(args.check.as_deref(), args.check_as, rate)?;
     let plan = plan(args, rate, networks)?;
     let along = Along::of(&plan, recording, config.as_ref()).with_context(|| path.display().to_string())?;
     let Along { track, summary, warnings, rest, effective, check } = &along;
@@ -132,7 +132,7 @@ pub(super) fn config(
     format: Option<Format>,
     rate: SampleRate,
 ) -> Result<Option<NoiseCalibration>> {
-    let given = Given { rate: Some(rate), keep_zeros: true, ..Given::default() };
+    let given = Given { rate: Some(rate), rate_of_log: true, keep_zeros: true, ..Given::default() };
     Ok(path.map(|path| read(path, format, &given)).transpose()?)
 }
 

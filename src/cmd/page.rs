@@ -57,7 +57,7 @@ impl Served {
         let mut name =
             path.file_name().map_or_else(|| "log".into(), |name| name.to_string_lossy().into_owned());
         let plain = path.is_file()
-            && log::options(&args.log.how) == LogOptions::default()
+            && log::options_of(&args.log) == LogOptions::default()
             && Kind::of(path)? != Kind::Sqlite;
         let mut file = if plain {
             File::open(path).with_context(|| path.display().to_string())?

@@ -35,6 +35,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         errln!("calibration: {given}");
     }
     let (source, place) = open(args, calibration)?;
+    if let Some((file, found)) = source.found_calibration() {
+        errln!("calibration: found in {}: {found}", file.display());
+    }
     let networks = shipped::or_of(args.models.as_deref())?;
     let recording = source.recording(place, args.seed)?;
     let span = Span { from_s: args.from.seconds(&recording.name), to_s: args.to };

@@ -33,6 +33,8 @@ pub(crate) struct Extremes {
     pub(crate) axis: usize,
     low: f64,
     high: f64,
+    /// Whether the sensor's values stand on several rows each: a stay is counted in values then.
+    held: bool,
     /// Stays at the lowest, then at the highest value.
     pub(crate) plateaus: Vec<Plateau>,
 }
@@ -58,15 +60,21 @@ impl Extremes {
 /// As [`Samples::piece`].
 pub(crate) fn extremes(samples: &dyn Samples) -> io::Result<Vec<Extremes>> {
     let all = Sensor::ALL.into_iter().flat_map(|sensor| (0..3).map(move |axis| (sensor, axis)));
-    let (low, high, plateaus) = (f64::INFINITY, f64::NEG_INFINITY, Vec::new());
-    let mut axes: Vec<Extremes> =
-        all.map(|(sensor, axis)| Extremes { sensor, axis, low, high, plateaus: plateaus.clone() }).collect();
+    let (low, high, held, plateaus) = (f64::INFINITY, f64::NEG_INFINITY, false, Vec::new());
+    let mut axes: Vec<Extremes> = all
+        .map(|(sensor, axis)| Extremes { sensor, axis, low, high, held, plateaus: plateaus.clone() })
+        .collect();
+    let mut holds = Sensor::ALL.map(|sensor| (sensor, Hold::default()));
     samples.each(0..samples.len(), &mut |sample| {
         for axis in &mut axes {
             let v = axis.of(sample);
             (axis.low, axis.high) = (axis.low.min(v), axis.high.max(v));
         }
+        holds.iter_mut().for_each(|(sensor, hold)| hold.take(sample.of(*sensor)));
     })?;
+    for axis in &mut axes {
+        axis.held = holds.iter().any(|(sensor, hold)| *sensor == axis.sensor && hold.is_one());
+    }
     let stays =
         |axis: &Extremes, resolution: f64| [axis.low, axis.high].map(|value| Stay::new(value, resolution));
     let changing: Vec<(&mut Extremes, [Stay; 2])> = axes
@@ -105,15 +113,43 @@ fn watched<'a>(
     mut axes: Vec<(&'a mut Extremes, [Stay; 2])>,
 ) -> io::Result<Vec<(&'a mut Extremes, [Stay; 2])>> {
     if !axes.is_empty() {
+        let mut before: Option<ImuSample> = None;
         samples.each(0..samples.len(), &mut |sample| {
             for (axis, both) in &mut axes {
                 let v = axis.of(sample);
-                both.iter_mut().for_each(|stay| stay.take(v));
+                let is_old = axis.held && before.is_some_and(|s| s.of(axis.sensor) == sample.of(axis.sensor));
+                both.iter_mut().for_each(|stay| if is_old { stay.index += 1 } else { stay.take(v) });
             }
+            before = Some(*sample);
         })?;
     }
     axes.iter_mut().flat_map(|(_, both)| both).for_each(|stay| stay.close(f64::NAN));
     Ok(axes)
+}
+
+/// Whether a sensor's values stand on several rows each, all three axes together: most of them do then.
+#[derive(Debug, Default)]
+struct Hold {
+    last: Option<[f64; 3]>,
+    /// Rows of the last value, values, and those that stand on one row alone.
+    rows: usize,
+    values: usize,
+    alone: usize,
+}
+
+impl Hold {
+    fn take(&mut self, value: [f64; 3]) {
+        if self.last == Some(value) {
+            self.rows += 1;
+        } else {
+            self.alone += usize::from(self.rows == 1);
+            (self.last, self.rows, self.values) = (Some(value), 1, self.values + 1);
+        }
+    }
+
+    fn is_one(&self) -> bool {
+        self.values >= LEAST && 2 * self.alone < self.values
+    }
 }
 
 /// Stays of one axis at one value.
@@ -263,6 +299,29 @@ mod tests {
         assert_eq!(found.iter().map(|p| p.value).collect::<Vec<_>>(), [-0.5, 0.75]);
         // sin > .75 from .848 to 2.294 rad: steps 9 to 22.
         assert_eq!((found[1].first, found[1].longest), (9, 15));
+    }
+
+    #[test]
+    fn values_that_stand_on_seven_rows_each_are_no_clipping_and_clipped_ones_among_them_are() {
+        let held = |most: f64| -> Vec<f64> {
+            (0..2100)
+                .map(|i| (f64::from(i / 7) * 0.3).sin().min(most) + 1e-3 * f64::from((i / 7) % 5))
+                .collect()
+        };
+        assert_eq!(plateaus(&held(2.0)), []);
+        let of = |signal: &[f64]| {
+            let at = |(i, v): (usize, &f64)| ImuSample {
+                t: Stamp::from_ns(i as i64),
+                gyro: [*v, f64::from(i as i32 / 7), 0.5],
+                accel: [0.0; 3],
+            };
+            let samples: Vec<ImuSample> = signal.iter().enumerate().map(at).collect();
+            extremes(&samples.as_slice()).unwrap().swap_remove(3).plateaus
+        };
+        let clipped: Vec<f64> = (0..2100).map(|i| (f64::from(i / 7) * 0.1).sin().min(0.5)).collect();
+        let found = of(&clipped);
+        assert_eq!(found.iter().map(|p| p.value).collect::<Vec<_>>(), [0.5]);
+        assert_eq!(of(&held(2.0)), []);
     }
 
     #[test]

@@ -36,12 +36,15 @@ fn feed(bytes: &[u8]) {
         time: Some(TimeUnit::Seconds),
         gyro: Some(GyroUnit::DegPerSecond),
         accel: Some(AccelUnit::StandardGravity),
+        rate: None,
     };
+    let counted = CsvOptions { rate: dpn_core::SampleRate::from_hz(100.0), ..CsvOptions::default() };
     let errors = [
         parse_imu_csv(bytes, path, &CsvOptions::default()).err(),
         parse_imu_csv(bytes, path, &columns).err(),
         parse_imu_csv_loosely(bytes, path, &CsvOptions::default()).err(),
         parse_imu_csv_loosely(bytes, path, &columns).err(),
+        parse_imu_csv_loosely(bytes, path, &counted).err(),
         super::asl::parse_imu(bytes, path).err(),
         camera::parse_frames(bytes, path).err(),
         camera::parse_config(bytes, path).err(),

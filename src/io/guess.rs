@@ -131,9 +131,12 @@ fn stays_gravity(samples: &dyn Samples) -> io::Result<Option<f64>> {
 pub(crate) fn swapped(samples: &dyn Samples) -> io::Result<bool> {
     let gyro = length(samples, |s| s.gyro)?.unwrap_or(0.0);
     let accel = length(samples, |s| s.accel)?.unwrap_or(0.0);
-    let gravity =
-        |v: f64| (9.3..10.3).contains(&v) || (0.95..1.05).contains(&v) || (950.0..1050.0).contains(&v);
-    Ok(gravity(gyro) && !gravity(accel) && accel < gyro)
+    Ok(is_gravity(gyro) && !is_gravity(accel) && accel < gyro)
+}
+
+/// Whether a vector of this length is gravity in one of the usual units.
+pub(crate) fn is_gravity(v: f64) -> bool {
+    (9.3..10.3).contains(&v) || (0.95..1.05).contains(&v) || (950.0..1050.0).contains(&v)
 }
 
 #[cfg(test)]

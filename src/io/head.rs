@@ -4,12 +4,13 @@
 //! above units (`t,gx,gy` over `s,deg/s,deg/s`), or sensors above axes (`,Gyro,,` over `t,x,y`). The line that names the most of the seven
 //! columns is it, as long as the next row has as many fields.
 
-use super::IoError;
 use super::fields::{Delimiter, MOST_FIELDS, comment, is_number, take_line};
 use super::names::slots;
 use super::printable;
 use super::rows::{Header, Rows};
+use super::{IoError, guess};
 use dpn_core::Sensor;
+use dpn_core::signal::stats::median_of;
 use std::path::Path;
 
 /// Lines among which the header is looked for.
@@ -59,6 +60,44 @@ pub(crate) fn open<'a>(bytes: &'a [u8], path: &'a Path, only: Option<Sensor>) ->
         // A row cut off, or no table: the plain way says what is wrong.
         _ => Rows::open(bytes, path),
     }
+}
+
+/// Whether a table of one sensor, by its first lines, has a column of stamps.
+pub fn has_stamps(head: &[u8], sensor: Sensor) -> bool {
+    let Ok(rows) = open(head, Path::new(""), Some(sensor)) else { return true };
+    rows.header().map_or(rows.width() > 3, |header| slots(&header.names, Some(sensor))[0])
+}
+
+/// The only sensor of a table, by its first lines: the one that its header names, or whose three columns behind the stamp have gravity's length or not. None
+/// where it has both, or no stamp.
+pub fn only_sensor(head: &[u8], counted: bool) -> Option<Sensor> {
+    let is_only = |sensor: Sensor| {
+        let rows = open(head, Path::new(""), Some(sensor)).ok()?;
+        let names = &rows.header()?.names;
+        let [both, own] = [None, Some(sensor)].map(|only| slots(names, only));
+        // Bare axes are nobody's: a word for the sensor must be there.
+        let named = if sensor == Sensor::Gyro { &both[1..4] } else { &both[4..7] };
+        let other = if sensor == Sensor::Gyro { &both[4..7] } else { &both[1..4] };
+        let is_it = (own[0] || counted) && named.iter().all(|n| *n) && !other.iter().any(|n| *n);
+        is_it.then_some(sensor)
+    };
+    if let Some(sensor) = Sensor::ALL.into_iter().find_map(is_only) {
+        return Some(sensor);
+    }
+    let mut rows =
+        open(head, Path::new(""), None).ok().filter(|rows| rows.header().is_none() && rows.width() == 4)?;
+    let mut lengths = Vec::new();
+    while matches!(rows.advance(), Ok(true)) {
+        let axes = rows.numbers([1, 2, 3], ["axis"; 3]);
+        lengths.extend(axes.map(|v| v.into_iter().map(|v| v * v).sum::<f64>().sqrt()));
+    }
+    let is_accel = guess::is_gravity(median_of(lengths)?);
+    Some(if is_accel { Sensor::Accel } else { Sensor::Gyro })
+}
+
+/// Whether the names of a table mean a stamp and all axes of both sensors.
+pub fn names_all(names: &[String]) -> bool {
+    slots(names, None) == [true; 7]
 }
 
 /// A rate that one of the comments and the preamble names: `Update Rate: 100.0Hz`, `sample_rate_hz,200`.

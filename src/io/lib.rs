@@ -75,6 +75,7 @@ pub use decimal::TimeUnit;
 pub use error::IoError;
 #[cfg(feature = "images")]
 pub use grey::{ByteOrder, PixelLayout};
+pub use head::{has_stamps, names_all, only_sensor};
 #[cfg(feature = "images")]
 pub use image_file::parse_image;
 #[cfg(feature = "images")]
@@ -90,12 +91,12 @@ pub use poses::read_poses;
 pub use printable::printable;
 pub use row_fault::RowFault;
 pub use sample_store::{SampleStore, StoredRecording};
-pub use sieve::{ABSURD, LeftOut, Sieve, Sieved, TINY};
+pub use sieve::{ABSURD, LeftOut, Part, Sieve, Sieved, Sifted, TINY};
 pub use store::{Row, Store};
 pub use times_folder::TimesFolder;
 pub use tracks::{read_tracks, write_tracks};
 pub use tum::{read_tum, tum_line, write_tum};
-pub use understood::{CsvOptions, Origin, Settled, Understood};
+pub use understood::{CsvOptions, Origin, Settled, Understood, counted_stamp};
 
 /// The README's code is a test.
 #[cfg(doctest)]

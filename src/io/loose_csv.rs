@@ -11,7 +11,7 @@ use super::columns::{AccelUnit, GyroUnit, ImuColumns};
 use super::row_fault::RowFault;
 use super::rows::{Layout, Rows};
 use super::sample_store::{SampleStore, StoredRecording};
-use super::sieve::{Sieve, Sieved};
+use super::sieve::{Part, Sieve, Sieved, Sifted};
 use super::understood::{CsvOptions, Origin, Settled, Understood};
 use super::{IoError, TimeUnit, guess, head};
 use dpn_core::imu::ImuSample;
@@ -42,6 +42,10 @@ pub struct LooseImuLog {
     pub recording: StoredRecording,
     /// Its columns and their units.
     pub understood: Understood,
+    /// Where in the file they stand: the first and the last one's lines.
+    pub places: [u64; 2],
+    /// Where stamps begin anew or two write at once, the other parts, in the same units.
+    pub others: Vec<Part>,
     /// Samples left out; places are lines.
     pub sieved: Sieved,
     /// Rows that could not be read.
@@ -126,8 +130,9 @@ fn finish(
     only: Option<Sensor>,
 ) -> Result<LooseImuLog, IoError> {
     let storing = |e| IoError::reading(path, e);
-    let (mut samples, sieved) = sieve.done().map_err(storing)?;
-    let all = (samples.len() + sieved.count() + unreadable.count) as f64;
+    let Sifted { part: Part { mut samples, places }, mut others, sieved } = sieve.done().map_err(storing)?;
+    let others_len: usize = others.iter().map(|part| part.samples.len()).sum();
+    let all = (samples.len() + others_len + sieved.count() + unreadable.count) as f64;
     if unreadable.count as f64 > TOLERATED * all
         && !unreadable.cut
         && let Some(first) = unreadable.first.take()
@@ -146,6 +151,9 @@ fn finish(
         *columns = Settled { value: ImuColumns::new(time, accel, gyro), origin: Origin::Guessed };
         let swap = |s: ImuSample| Some(ImuSample { gyro: s.accel, accel: s.gyro, ..s });
         samples = samples.changed(swap).map_err(storing)?;
+        for part in &mut others {
+            part.samples = std::mem::take(&mut part.samples).changed(swap).map_err(storing)?;
+        }
     }
     let (gyro, accel) = (understood.gyro, understood.accel);
     let settled = match only {
@@ -154,9 +162,13 @@ fn finish(
     };
     let samples;
     (samples, understood.gyro, understood.accel) = settled.map_err(storing)?;
+    for part in &mut others {
+        let as_read = std::mem::take(&mut part.samples);
+        part.samples = in_si(as_read, understood.gyro.value, understood.accel.value).map_err(storing)?;
+    }
     let short = |found| IoError::TooShort { path: path.to_path_buf(), found };
     let recording = samples.recording().map_err(storing)?.map_err(short)?;
-    Ok(LooseImuLog { recording, understood, sieved, unreadable, wraps: 0, said_hz: None })
+    Ok(LooseImuLog { recording, places, others, understood, sieved, unreadable, wraps: 0, said_hz: None })
 }
 
 /// Brings samples to rad/s and m/s^2; units that are [`Origin::Assumed`] are told from the numbers.

@@ -10,7 +10,7 @@ use super::columns::{AccelUnit, GyroUnit, ImuColumns, SLOTS};
 use super::row_fault::RowFault;
 use super::rows::Header;
 use super::unit::{self, Dimension};
-use super::words::{ACCEL, GYRO, INTERVALS, NANOS, TIME, Word};
+use super::words::{ACCEL, APPLES, GYRO, INTERVALS, NANOS, TIME, Word};
 use super::{IoError, TimeUnit};
 use dpn_core::Sensor;
 use std::path::Path;
@@ -60,10 +60,24 @@ pub(crate) fn slots(names: &[String], only: Option<Sensor>) -> [bool; 7] {
 ///
 /// # Errors
 /// A column that is missing or named twice; a unit that is not known, or differs between axes.
-pub(crate) fn from_header(header: &Header, path: &Path, only: Option<Sensor>) -> Result<Named, IoError> {
-    let meanings: Vec<Option<Meaning>> = header.names.iter().map(|name| meaning_in(name, only)).collect();
+pub(crate) fn from_header(
+    header: &Header,
+    path: &Path,
+    only: Option<Sensor>,
+    counted: bool,
+) -> Result<Named, IoError> {
+    let mut meanings: Vec<Option<Meaning>> = header.names.iter().map(|name| meaning_in(name, only)).collect();
+    let by_apple = apples(&mut meanings);
     let mut passed = Vec::new();
-    let time = [best(&meanings, 0..1, header, path, &mut passed)?[0]];
+    let time = match best(&meanings, 0..1, header, path, &mut passed) {
+        Ok(time) if !counted => vec![time[0]],
+        Ok(time) => {
+            passed = vec![format!("stamps counted, not from `{}`", header.names[time[0]])];
+            Vec::new()
+        }
+        Err(_) if counted => Vec::new(),
+        Err(error) => return Err(error),
+    };
     let [gyro, accel] = match only {
         None => [
             triple(&meanings, Sensor::Gyro, header, path, &mut passed)?,
@@ -95,7 +109,15 @@ pub(crate) fn from_header(header: &Header, path: &Path, only: Option<Sensor>) ->
     let gyro_said = unit_of(of(Sensor::Gyro), 1)?.map(|(unit, _)| unit);
     let accel_said = unit_of(of(Sensor::Accel), 4)?.map(|(unit, _)| unit);
     let word = |column: usize| meanings[column].as_ref().map_or("", |m| m.word);
-    let nanos = word(time[0])
+    if by_apple || APPLES.contains(&word(accel[0])) {
+        passed.push(
+            "an iPhone's accelerometer, which reads -1 g upwards: --accel-scale -9.80665 turns it round"
+                .to_owned(),
+        );
+    }
+    let nanos = time
+        .first()
+        .map_or("", |time| word(*time))
         .contains("sec")
         .then(|| header.names.iter().position(|name| NANOS.contains(&stripped(&reduced(name)))))
         .flatten();
@@ -108,7 +130,7 @@ pub(crate) fn from_header(header: &Header, path: &Path, only: Option<Sensor>) ->
     };
     Ok(Named {
         columns: ImuColumns {
-            time: time[0],
+            time: time.first().copied().unwrap_or_default(),
             nanos,
             gyro,
             accel,
@@ -139,6 +161,16 @@ pub(crate) fn units_at(
         said(columns.gyro[0]).as_deref().and_then(gyro_unit),
         said(columns.accel[0]).as_deref().and_then(accel_unit),
     )
+}
+
+/// Stray Scanner calls the acceleration `a` and the turning `alpha`, which is the acceleration's name beside Kalibr's `omega`; whether it was so.
+fn apples(meanings: &mut [Option<Meaning>]) -> bool {
+    let has = |is: fn(&Meaning) -> bool| meanings.iter().flatten().any(is);
+    let is_so = has(|m| m.word == "alpha") && has(|m| m.word == "a") && !has(|m| (1..4).contains(&m.slot));
+    for meaning in meanings.iter_mut().flatten().filter(|m| is_so && m.word == "alpha") {
+        meaning.slot -= 3;
+    }
+    is_so
 }
 
 fn first_slot(sensor: Sensor) -> usize {
@@ -240,18 +272,22 @@ fn is_known(unit: &str, slot: usize) -> bool {
     }
 }
 
-/// The same; in a file of one sensor, bare axes are that one's and the other's are nobody's.
+/// The same; in a file of one sensor, bare axes are that one's, measured values too, and the other's are nobody's.
 fn meaning_in(name: &str, only: Option<Sensor>) -> Option<Meaning> {
     let Some(sensor) = only else { return meaning(name) };
     let own = |meaning: &Meaning| meaning.slot == 0 || (meaning.slot < 4) == (sensor == Sensor::Gyro);
     let word = if sensor == Sensor::Gyro { "gyro" } else { "accel" };
-    meaning(name).or_else(|| meaning(&format!("{word} {name}"))).filter(own)
+    let bare = ["measurement", "values", "value"].iter().find_map(|said| {
+        name.get(..said.len()).filter(|head| head.eq_ignore_ascii_case(said)).map(|_| &name[said.len()..])
+    });
+    meaning(name).or_else(|| meaning(&format!("{word} {}", bare.unwrap_or(name)))).filter(own)
 }
 
 fn meaning(name: &str) -> Option<Meaning> {
     // Axes by number: `gyro_rad[0]`.
-    let numbered = ["[0]", "[1]", "[2]"].iter().position(|end| name.ends_with(end));
-    let axis = numbered.map(|axis| format!("{}_{}", &name[..name.len() - 3], ["x", "y", "z"][axis]));
+    let numbered =
+        [("[0]", "_x"), ("[1]", "_y"), ("[2]", "_z")].into_iter().find(|(at, _)| name.contains(at));
+    let axis = numbered.map(|(at, axis)| name.replacen(at, axis, 1));
     let name = axis.as_deref().unwrap_or(name);
     let (name, unit) = match name.find(['[', '(']) {
         Some(at) => (&name[..at], reduced(&name[at..])),
@@ -269,8 +305,20 @@ fn meaning(name: &str) -> Option<Meaning> {
     if let Some(found) = slot_of(&whole) {
         return with(found, String::new());
     }
-    // A unit behind the name: one more word at the end, then two, then three (`gyro_x_rad_s`, `acc_x_m_s_2`).
+    // A unit behind the name: one more word at the end, then two, then three (`gyro_x_rad_s`, `acc_x_m_s_2`, `UncalGyroXRadPerSec`).
     let is_break = |c: char| !c.is_alphanumeric();
+    let mut words = String::with_capacity(name.len());
+    for c in name.chars() {
+        if c.is_uppercase()
+            && words.ends_with(|before: char| {
+                before.is_lowercase() || before == 'X' || before == 'Y' || before == 'Z'
+            })
+        {
+            words.push(' ');
+        }
+        words.push(c);
+    }
+    let name = words.as_str();
     let mut cut = name.trim_end_matches(is_break).len();
     for _ in 0..4 {
         let Some(at) = name[..cut].rfind(is_break) else { break };
@@ -335,6 +383,9 @@ fn accel_unit(unit: &str) -> Option<AccelUnit> {
 fn known<U: Copy>(unit: &str, dimension: Dimension, all: &[U], scale: fn(U) -> f64) -> Option<U> {
     // What a column's name cannot hold, put back.
     let unit = match unit {
+        "nanosec" | "nanos" => "ns",
+        "microsec" | "micros" | "usec" => "us",
+        "millisec" | "millis" | "msec" => "ms",
         "rads1" | "rads" | "radsec" | "radpersec" => "rad/s",
         "degs1" | "degs" | "degsec" | "degpersec" => "deg/s",
         "ms2" | "mss" | "mps2" | "msec2" | "mpers2" | "ms²" => "m/s^2",
@@ -353,7 +404,7 @@ mod tests {
     }
 
     fn named(names: &str) -> Result<Named, IoError> {
-        from_header(&header(names), Path::new("f.csv"), None)
+        from_header(&header(names), Path::new("f.csv"), None, false)
     }
 
     #[test]
@@ -407,6 +458,16 @@ mod tests {
         let android = named("Time since start in ms ,gx,gy,gz,ax,ay,az").unwrap();
         assert_eq!((android.columns.time, android.time), (0, Some(TimeUnit::Millis)));
         assert_eq!(named("sincestartinms,gx,gy,gz,ax,ay,az").unwrap().time, Some(TimeUnit::Millis));
+        let mars = named(
+            "Timestamp[nanosec], gx[rad/s], gy[rad/s], gz[rad/s], ax[m/s^2], ay[m/s^2], az[m/s^2], Unix time[nanosec]",
+        );
+        let mars = mars.unwrap();
+        assert_eq!((mars.columns, mars.time), (ImuColumns::ASL, Some(TimeUnit::Nanos)));
+        let stray = named("timestamp, a_x, a_y, a_z, alpha_x, alpha_y, alpha_z").unwrap();
+        assert_eq!(stray.columns, ImuColumns::new(0, [4, 5, 6], [1, 2, 3]));
+        assert!(stray.passed[0].contains("-1 g upwards"), "{:?}", stray.passed);
+        let kalibr = named("timestamp,omega_x,omega_y,omega_z,alpha_x,alpha_y,alpha_z").unwrap();
+        assert_eq!((kalibr.columns, kalibr.passed), (ImuColumns::ASL, Vec::new()));
     }
 
     #[test]
@@ -423,12 +484,26 @@ mod tests {
     #[test]
     fn a_file_of_one_sensor_needs_no_word_for_it() {
         let path = Path::new("f.csv");
-        let named = from_header(&header("time,seconds_elapsed,z,y,x"), path, Some(Sensor::Gyro)).unwrap();
+        let named =
+            from_header(&header("time,seconds_elapsed,z,y,x"), path, Some(Sensor::Gyro), false).unwrap();
         assert_eq!(named.columns, ImuColumns::new(0, [4, 3, 2], [4, 3, 2]));
         let phyphox = header("Time (s),X (m/s^2),Y (m/s^2),Z (m/s^2)");
-        let named = from_header(&phyphox, path, Some(Sensor::Accel)).unwrap();
+        let named = from_header(&phyphox, path, Some(Sensor::Accel), false).unwrap();
         assert_eq!((named.columns.accel, named.accel), ([1, 2, 3], Some(AccelUnit::MetrePerSecond2)));
         assert_eq!((named.time, named.gyro), (Some(TimeUnit::Seconds), None));
+        let long = header(
+            "MessageType,utcTimeMillis,elapsedRealtimeNanos,MeasurementX,MeasurementY,MeasurementZ,BiasX,BiasY,BiasZ",
+        );
+        let named = from_header(&long, path, Some(Sensor::Gyro), false).unwrap();
+        assert_eq!(
+            (named.columns.time, named.columns.gyro, named.time),
+            (2, [3, 4, 5], Some(TimeUnit::Nanos))
+        );
+        let gnss = header(
+            "UncalGyro,utcTimeMillis,elapsedRealtimeNanos,UncalGyroXRadPerSec,UncalGyroYRadPerSec,UncalGyroZRadPerSec,DriftXRadPerSec,DriftYRadPerSec,DriftZRadPerSec",
+        );
+        let named = from_header(&gnss, path, Some(Sensor::Gyro), false).unwrap();
+        assert_eq!((named.columns.gyro, named.gyro), ([3, 4, 5], Some(GyroUnit::RadPerSecond)));
     }
 
     #[test]

@@ -21,6 +21,11 @@ pub enum RowFault {
     /// A header, or a row, with a number of columns that fits no format of this file.
     #[error("{found} columns; {expected} are known")]
     UnknownLayout { found: usize, expected: &'static str },
+    /// A table without a header in which several columns could be a sensor's.
+    #[error(
+        "{columns} columns without a header could mean several things; median lengths of columns {found}: say {choices}"
+    )]
+    SeveralTriples { columns: usize, found: String, choices: String },
     /// A row with more or fewer fields than the header or the rows before it.
     #[error("{found} fields, expected {expected}")]
     FieldCount { found: usize, expected: usize },
@@ -69,6 +74,12 @@ impl RowFault {
     /// What to do about it.
     pub fn hint(&self) -> &'static str {
         match self {
+            Self::MissingColumn { column, .. } if column == "time" => {
+                "of a log without stamps say its rate: --rate HZ; else say which column is which: --columns T,GX,GY,GZ,AX,AY,AZ"
+            }
+            Self::SeveralTriples { .. } => {
+                "9.8, or 1 in g, is the accelerometer's, less than 10 rad/s the gyroscope's; a magnetometer's length hardly changes"
+            }
             Self::MissingColumn { .. } | Self::DoubleColumn { .. } => {
                 "say which column is which, by number or name: --columns T,GX,GY,GZ,AX,AY,AZ"
             }

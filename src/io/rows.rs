@@ -26,6 +26,7 @@ pub(crate) struct Header {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Layout {
     line: usize,
+    count: usize,
     delimiter: Delimiter,
     width: usize,
 }
@@ -44,6 +45,8 @@ pub(crate) struct Rows<'a> {
     rest: &'a [u8],
     /// Line of the current row, from 1.
     line: usize,
+    /// Rows that were gone to.
+    count: usize,
     delimiter: Delimiter,
     /// Fields every row has.
     width: usize,
@@ -109,7 +112,8 @@ impl<'a> Rows<'a> {
                 return Err(IoError::row(path, line, RowFault::UnknownLayout { found: width, expected }));
             }
             let first = if header.is_none() { fields.clone() } else { Vec::new() };
-            return Ok(Self { path, rest: before, line: line - 1, delimiter, width, fields, first, header });
+            let line = line - 1;
+            return Ok(Self { path, rest: before, line, count: 0, delimiter, width, fields, first, header });
         }
     }
 
@@ -126,6 +130,7 @@ impl<'a> Rows<'a> {
             path,
             rest,
             line,
+            count: 0,
             delimiter,
             width,
             fields: Vec::new(),
@@ -136,11 +141,12 @@ impl<'a> Rows<'a> {
 
     /// Goes on with the block of bytes behind another of the same table.
     pub(crate) fn go_on(bytes: &'a [u8], path: &'a Path, layout: Layout) -> Self {
-        let Layout { line, delimiter, width } = layout;
+        let Layout { line, count, delimiter, width } = layout;
         Self {
             path,
             rest: bytes,
             line,
+            count,
             delimiter,
             width,
             fields: Vec::new(),
@@ -151,7 +157,7 @@ impl<'a> Rows<'a> {
 
     /// What the next block of this table needs, at this block's end.
     pub(crate) fn layout(&self) -> Layout {
-        Layout { line: self.line, delimiter: self.delimiter, width: self.width }
+        Layout { line: self.line, count: self.count, delimiter: self.delimiter, width: self.width }
     }
 
     /// The names over the columns, where the file has them.
@@ -167,6 +173,11 @@ impl<'a> Rows<'a> {
     /// Line of the current row, from 1; before the first row, the line above it.
     pub(crate) fn line(&self) -> usize {
         self.line
+    }
+
+    /// The current row's number, from 0; one that cannot be read counts.
+    pub(crate) fn number_of_row(&self) -> usize {
+        self.count.saturating_sub(1)
     }
 
     /// A guess at the rows left, good enough to reserve room.
@@ -186,6 +197,7 @@ impl<'a> Rows<'a> {
             if text.is_empty() || comment(text).is_some() {
                 continue;
             }
+            self.count += 1;
             self.delimiter.split(text, &mut self.fields);
             if self.fields.len() != self.width {
                 self.delimiter.split_quoted(text, &mut self.fields);
@@ -301,7 +313,12 @@ impl<'a> Rows<'a> {
 
     /// The error for rows, of which this stands before the first, of a width that is none of `expected`.
     pub(crate) fn unknown_layout(&self, expected: &'static str) -> IoError {
-        IoError::row(self.path, self.line + 1, RowFault::UnknownLayout { found: self.width, expected })
+        self.below(RowFault::UnknownLayout { found: self.width, expected })
+    }
+
+    /// The error for the row below this.
+    pub(crate) fn below(&self, fault: RowFault) -> IoError {
+        IoError::row(self.path, self.line + 1, fault)
     }
 
     fn field_count(&self, expected: usize) -> IoError {

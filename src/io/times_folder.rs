@@ -1,20 +1,29 @@
-//! A camera's folder as TUM-mono and DM-VIO have it: `times.txt` with a row an image, `id timestamp exposure`, and the images in `images/`.
+//! A camera's images in a folder: with `times.txt` as TUM-mono and DM-VIO have it, a row an image, `id timestamp exposure`, and the images in `images/`; or with
+//! the stamps for names, as Kalibr's bagextracter leaves them.
 //!
-//! Stamps are seconds, or nanoseconds where they are whole numbers of more than 14 digits. The image of an id is the file of that name, `00012.jpg` or
-//! `12.jpg` for 12, PNG or JPEG. The exposure is passed over.
+//! Stamps of a list are seconds, or nanoseconds where they are whole numbers of more than 14 digits. The image of an id is the file of that name, `00012.jpg` or
+//! `12.jpg` for 12, PNG or JPEG. The exposure is passed over. Stamps in names are of the unit in which images follow each other by 2 ms to 2 s. Both may lie in the
+//! folder itself or in its `cam0`.
 
 use super::IoError;
-use super::decimal::TimeUnit;
+use super::decimal::{TimeUnit, parse_stamp};
 use super::rows::Rows;
+use dpn_core::signal::stats::median_of;
 use dpn_core::time::Stamp;
 use std::collections::HashMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-/// File of the stamps.
-const TIMES: &str = "times.txt";
-/// Folder of the images.
+/// Files of the stamps, the first that is there.
+const TIMES: [&str; 2] = ["times.txt", "cam0/times.txt"];
+/// Folder of the images beside them.
 const IMAGES: &str = "images";
+/// Folders of images whose names are their stamps.
+const STAMPED: [&str; 6] = ["cam0", "cam0/data", "cam0/images", "images", "image_0", "."];
+/// Characters that a stamp has at least: an index is none.
+const LEAST_STAMP: usize = 10;
+/// Steps between images that a unit must make \[s\].
+const STEPS_S: [f64; 2] = [2e-3, 2.0];
 /// Whole numbers of more digits count nanoseconds: so many seconds are three million years.
 const LONGEST_SECONDS: usize = 14;
 
@@ -25,39 +34,43 @@ pub struct TimesFolder {
     pub frames: Vec<(Stamp, PathBuf)>,
     /// How many images there are.
     pub files: usize,
-    /// The list.
+    /// The list, or the folder of images without one.
     pub times: PathBuf,
 }
 
 impl TimesFolder {
     /// Whether `dir` looks like one.
     pub fn is(dir: &Path) -> bool {
-        dir.join(TIMES).is_file()
+        list_of(dir).is_some() || stamped_in(dir).is_some()
     }
 
-    /// Reads the list and looks which images there are.
+    /// Reads the list and looks which images there are; or their names, where there is no list.
     ///
     /// # Errors
     /// No list or no folder of images; a row that is none; stamps that do not increase.
     pub fn read(dir: &Path) -> Result<Self, IoError> {
-        let times = dir.join(TIMES);
+        let Some(times) = list_of(dir) else {
+            let (images, frames) =
+                stamped_in(dir).ok_or_else(|| IoError::Missing { path: dir.join(TIMES[0]) })?;
+            return Ok(Self { files: frames.len(), frames, times: images });
+        };
         let bytes = std::fs::read(&times).map_err(|e| IoError::reading(&times, e))?;
-        let images = dir.join(IMAGES);
-        let listed = std::fs::read_dir(&images).map_err(|e| IoError::reading(&images, e))?;
+        let beside = times.with_file_name(IMAGES);
+        // DM-VIO's times may lie above the camera's folder.
+        let below = dir.join("cam0").join(IMAGES);
+        let images = if !beside.is_dir() && below.is_dir() { below } else { beside };
         let mut names = HashMap::new();
         let mut files = 0;
-        for entry in listed {
-            let path = entry.map_err(|e| IoError::reading(&images, e))?.path();
-            let is_image =
-                |end: &OsStr| ["png", "jpg", "jpeg"].iter().any(|known| end.eq_ignore_ascii_case(known));
-            let (Some(stem), Some(_)) = (path.file_stem(), path.extension().filter(|end| is_image(end)))
-            else {
-                continue;
-            };
+        for path in images_in(&images)? {
             files += 1;
-            names.insert(key(&stem.to_string_lossy()), path);
+            names.insert(key(&path.file_stem().unwrap_or_default().to_string_lossy()), path);
         }
         Ok(Self { frames: rows(&bytes, &times, |id| file_of(id, &names, &images))?, files, times })
+    }
+
+    /// Whether the stamps stand in a file of their own.
+    pub fn has_list(&self) -> bool {
+        self.times.is_file()
     }
 
     /// Says whether as many images are there as are listed.
@@ -71,6 +84,51 @@ impl TimesFolder {
             false => Err(IoError::TimesDiffer { path: self.times.clone(), listed, found }),
         }
     }
+}
+
+fn list_of(dir: &Path) -> Option<PathBuf> {
+    TIMES.map(|name| dir.join(name)).into_iter().find(|file| file.is_file())
+}
+
+/// The images of a folder, in no order.
+fn images_in(dir: &Path) -> Result<Vec<PathBuf>, IoError> {
+    let reading = |e| IoError::reading(dir, e);
+    let is_image = |end: &OsStr| ["png", "jpg", "jpeg"].iter().any(|known| end.eq_ignore_ascii_case(known));
+    let mut all = Vec::new();
+    for entry in std::fs::read_dir(dir).map_err(reading)? {
+        let path = entry.map_err(reading)?.path();
+        if path.extension().is_some_and(is_image) {
+            all.push(path);
+        }
+    }
+    Ok(all)
+}
+
+/// The first folder of images whose names are stamps, and these in increasing time.
+fn stamped_in(dir: &Path) -> Option<(PathBuf, Vec<(Stamp, PathBuf)>)> {
+    STAMPED.into_iter().find_map(|name| {
+        let images = if name == "." { dir.to_path_buf() } else { dir.join(name) };
+        let stem = |path: &PathBuf| path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+        let is_stamp = |stem: &String| {
+            stem.len() >= LEAST_STAMP && stem.bytes().all(|c| c.is_ascii_digit() || c == b'.')
+        };
+        let named = images_in(&images)
+            .ok()?
+            .into_iter()
+            .filter_map(|path| Some((stem(&path).filter(is_stamp)?, path)));
+        let named: Vec<(String, PathBuf)> = named.collect();
+        let in_unit = |unit: TimeUnit| {
+            let mut frames: Vec<(Stamp, PathBuf)> = Vec::with_capacity(named.len());
+            for (stem, path) in &named {
+                frames.push((parse_stamp(stem.as_bytes(), unit)?, path.clone()));
+            }
+            frames.sort();
+            let steps = frames.windows(2).map(|pair| pair[1].0.seconds_since(pair[0].0));
+            let step = median_of(steps)?;
+            (STEPS_S[0]..STEPS_S[1]).contains(&step).then_some(frames)
+        };
+        Some((images, TimeUnit::USUAL.into_iter().find_map(in_unit)?))
+    })
 }
 
 /// A name as it is compared: a number without the zeros before it.
@@ -160,6 +218,39 @@ mod tests {
                 Err(error) => error.to_string(),
             };
             assert!(said.contains(words), "{said}");
+        }
+    }
+
+    #[test]
+    fn names_that_are_stamps_need_no_list_and_lie_in_cam0_too() {
+        for (unit, step) in [(1u64, 50_000_000u64), (1000, 50_000), (1_000_000, 50)] {
+            let dir = tempfile::tempdir().unwrap();
+            let start = 1_403_636_625_363_000_000 / unit;
+            fs::create_dir_all(dir.path().join("cam0")).unwrap();
+            for i in (0..5).rev() {
+                fs::write(dir.path().join(format!("cam0/{}.png", start + i * step)), "").unwrap();
+            }
+            assert!(TimesFolder::is(dir.path()));
+            let folder = TimesFolder::read(dir.path()).unwrap();
+            let stamps: Vec<i64> = folder.frames.iter().map(|(t, _)| t.ns()).collect();
+            assert_eq!(
+                stamps,
+                (0..5).map(|i| 1_403_636_625_363_000_000 + i * 50_000_000).collect::<Vec<_>>()
+            );
+            assert!(!folder.has_list() && folder.agree().is_ok());
+        }
+        // DM-VIO: images and list below, the IMU above; an index is no stamp.
+        let dir = tempfile::tempdir().unwrap();
+        fs::create_dir_all(dir.path().join("cam0/images")).unwrap();
+        for i in 0..3 {
+            fs::write(dir.path().join(format!("cam0/images/0000{i}.jpg")), "").unwrap();
+        }
+        assert!(!TimesFolder::is(dir.path()));
+        for list in ["cam0/times.txt", "times.txt"] {
+            fs::write(dir.path().join(list), "0 1.5\n1 1.55\n2 1.6\n").unwrap();
+            let folder = TimesFolder::read(dir.path()).unwrap();
+            assert!(folder.frames.iter().all(|(_, file)| file.is_file()) && folder.agree().is_ok());
+            fs::remove_file(dir.path().join(list)).unwrap();
         }
     }
 }

@@ -3,25 +3,32 @@
 //! Columns are found by the header's names (`names`), else by a list, else in ASL's order. Units come from the caller, else
 //! from the header; what neither says is SI for the sensors, and for time told from the stamps' size:
 //!
-//! * a first stamp between the years 1973 and 2286 gives the unit away: 1e8 to 1e10 in s, 1e11 to 1e13 in ms, and so on;
-//! * else the median step of the first thousand rows does, as IMUs run at 10 to 10,000 Hz: [1e-4, 1e-1) in s, [1e-1, 1e2) in ms,
-//!   [1e2, 1e5) in us, [1e5, 1e8) in ns.
+//! * the median step of the first thousand rows gives the unit away, as IMUs run at 10 to 10,000 Hz: [1e-4, 1e-1) in s, [1e-1, 1e2) in ms,
+//!   [1e2, 1e5) in us, [1e5, 1e8) in ns;
+//! * a first stamp of the years 1973 to 2286 does where the step is of no IMU, and where a log of at least 1 Hz would be of this century.
 
 use super::choice::ColumnChoice;
 use super::columns::{AccelUnit, GyroUnit, ImuColumns, SLOTS};
 use super::names::{self, Named};
+use super::row_fault::RowFault;
 use super::rows::Rows;
-use super::{IoError, TimeUnit};
+use super::{IoError, TimeUnit, guess};
 use dpn_core::imu::ImuSample;
-use dpn_core::signal::stats::upper_median;
-use dpn_core::{Sensor, Stamp};
+use dpn_core::signal::stats::{median_of, upper_median};
+use dpn_core::{SampleRate, Sensor, Stamp};
 use std::path::Path;
 
 /// A step between stamps since 1970 is shorter than this \[s\].
 const SLOWEST_S: f64 = 1e3;
+/// Stamps between 2000 and 2096 are of a clock, not of a sensor's start, as long as their steps are no longer than a second \[s\].
+const CENTURY_S: [f64; 2] = [9.4e8, 4e9];
+/// No stamp of any IMU follows another as soon \[s\].
+const FASTEST_S: f64 = 1e-5;
+/// Columns from which on a table without a header could mean several things: a stamp and three triples.
+const SEVERAL: usize = 10;
 
 /// What the caller knows about a log; `None` is left to the header or to a guess.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct CsvOptions {
     /// Which column is what; wins over the header.
     pub columns: Option<ColumnChoice>,
@@ -31,6 +38,8 @@ pub struct CsvOptions {
     pub gyro: Option<GyroUnit>,
     /// Unit of the accelerometer.
     pub accel: Option<AccelUnit>,
+    /// Stamps are counted at this rate; those of the log are passed over.
+    pub rate: Option<SampleRate>,
 }
 
 /// Where a choice came from.
@@ -70,6 +79,8 @@ pub struct Understood {
     pub passed: Vec<String>,
     /// Seconds in one of the intervals' unit.
     interval_s: f64,
+    /// The rate at which stamps are counted.
+    counted: Option<SampleRate>,
 }
 
 impl Understood {
@@ -87,9 +98,15 @@ impl Understood {
         loose: bool,
     ) -> Result<Self, IoError> {
         let (columns, said) = columns(rows, path, options, only)?;
-        let first = || first_rows(rows.clone(), &columns.value, loose);
+        let counted = options.rate;
+        let first = || first_rows(rows.clone(), &columns.value, loose, counted.is_none());
         let seconds = columns.value.nanos.map(|_| TimeUnit::Seconds);
-        let time = match (first_said(options.time, said.time.or(seconds)), time) {
+        // What is said is not to be, where nothing is sampled as fast.
+        let likely = |value: &TimeUnit| {
+            first().is_ok_and(|first| first.step().is_none_or(|step| step * value.seconds() > FASTEST_S))
+        };
+        let time = match (first_said(options.time, said.time.or(seconds)), time.filter(likely)) {
+            _ if counted.is_some() => Settled { value: TimeUnit::Nanos, origin: Origin::Given },
             (Some(said), _) => said,
             (None, Some(value)) => Settled { value, origin: Origin::Assumed },
             (None, None) => {
@@ -98,8 +115,23 @@ impl Understood {
         };
         let interval_s = match columns.value.intervals {
             [None, None] => 1.0,
-            _ => guess_interval(&first()?, time.value),
+            _ => {
+                let first = first()?;
+                let step_s = first.step().map_or(0.0, |step| step * time.value.seconds());
+                guess_interval(&first, counted.map_or(step_s, SampleRate::period))
+            }
         };
+        let mut passed = said.passed;
+        let differs = |sensor: &str, told: Option<&'static str>, said: Option<&'static str>| {
+            let (told, said) = told.zip(said).filter(|(told, said)| told != said)?;
+            Some(format!("{sensor} in {told} as told, though the header says {said}"))
+        };
+        passed.extend(differs("gyroscope", options.gyro.map(GyroUnit::name), said.gyro.map(GyroUnit::name)));
+        passed.extend(differs(
+            "accelerometer",
+            options.accel.map(AccelUnit::name),
+            said.accel.map(AccelUnit::name),
+        ));
         let gyro = first_said(options.gyro, said.gyro);
         let accel = first_said(options.accel, said.accel);
         Ok(Self {
@@ -107,8 +139,9 @@ impl Understood {
             time,
             gyro: gyro.unwrap_or(Settled { value: GyroUnit::RadPerSecond, origin: Origin::Assumed }),
             accel: accel.unwrap_or(Settled { value: AccelUnit::MetrePerSecond2, origin: Origin::Assumed }),
-            passed: said.passed,
+            passed,
             interval_s,
+            counted,
         })
     }
 
@@ -123,7 +156,10 @@ impl Understood {
         }
         let columns = &self.columns.value;
         let [_, gx, gy, gz, ax, ay, az] = SLOTS;
-        let mut t = rows.stamp(columns.time, self.time.value)?;
+        let mut t = match self.counted {
+            Some(rate) => counted_stamp(rows.number_of_row(), rate),
+            None => rows.stamp(columns.time, self.time.value)?,
+        };
         if let Some(nanos) = columns.nanos {
             t = Stamp::from_ns(t.ns().saturating_add(rows.stamp(nanos, TimeUnit::Nanos)?.ns()));
         }
@@ -144,6 +180,11 @@ impl Understood {
         let (turn, force) = (self.gyro.value.factor(), self.accel.value.factor());
         ImuSample { t, gyro: gyro.map(|v| v * turn), accel: accel.map(|v| v * force) }
     }
+}
+
+/// The stamp of the sample `index`, from 0, of a log without stamps.
+pub fn counted_stamp(index: usize, rate: SampleRate) -> Stamp {
+    Stamp::from_ns((index as f64 * 1e9 / rate.hz()).round() as i64)
 }
 
 fn first_said<T>(given: Option<T>, header: Option<T>) -> Option<Settled<T>> {
@@ -170,15 +211,16 @@ fn columns(
     only: Option<Sensor>,
 ) -> Result<(Settled<ImuColumns>, Said), IoError> {
     let header = rows.header();
+    let counted = options.rate.is_some();
     if let Some(choice) = &options.columns {
-        let columns = choice.resolve(header, path)?;
+        let columns = choice.resolve(header, path, counted)?;
         let (time, gyro, accel) =
             header.map_or((None, None, None), |header| names::units_at(header, &columns));
         let said = Said { time, gyro, accel, ..Said::default() };
         return Ok((Settled { value: columns, origin: Origin::Given }, said));
     }
     if let Some(header) = header {
-        let named = names::from_header(header, path, only)?;
+        let named = names::from_header(header, path, only, counted)?;
         let Named { columns, time, fine, gyro, accel, passed } = named;
         return Ok((
             Settled { value: columns, origin: Origin::Header },
@@ -187,14 +229,46 @@ fn columns(
     }
     let value = match only {
         _ if rows.first_is_ros2_echo() => ImuColumns::ROS2_ECHO,
+        Some(_) if counted && rows.width() == 3 => ImuColumns::new(0, [0, 1, 2], [0, 1, 2]),
         Some(_) if rows.width() >= 4 => ImuColumns::new(0, [1, 2, 3], [1, 2, 3]),
+        None if counted && rows.width() == 6 => ImuColumns::new(0, [0, 1, 2], [3, 4, 5]),
+        None if rows.width() >= SEVERAL => return Err(several(rows)),
         None if rows.width() >= 7 => ImuColumns::ASL,
         _ => {
             return Err(rows.unknown_layout("at least 7 (stamp, gyroscope x y z, accelerometer x y z)"));
         }
     };
-    let origin = if value == ImuColumns::ASL { Origin::Assumed } else { Origin::Guessed };
+    let origin = if value == ImuColumns::ROS2_ECHO { Origin::Guessed } else { Origin::Assumed };
     Ok((Settled { value, origin }, Said::default()))
+}
+
+/// The error for a table without a header in which several triples of columns could be a sensor's: which they are, and how long.
+fn several(first: &Rows<'_>) -> IoError {
+    const ROWS: usize = 1000;
+    let mut rows = first.clone();
+    let triples = (rows.width() - 1) / 3;
+    let mut lengths = vec![Vec::new(); triples];
+    let names = ["a number"; 3];
+    while lengths[0].len() < ROWS && matches!(rows.advance(), Ok(true)) {
+        for (triple, lengths) in lengths.iter_mut().enumerate().map(|(k, lengths)| (1 + 3 * k, lengths)) {
+            let numbers = rows.numbers([triple, triple + 1, triple + 2], names);
+            lengths.extend(numbers.map(|v| v.into_iter().map(|v| v * v).sum::<f64>().sqrt()));
+        }
+    }
+    let medians: Vec<Option<f64>> = lengths.into_iter().map(median_of).collect();
+    let shown = |(k, median): (usize, &Option<f64>)| {
+        let length = median.map_or("no numbers".to_owned(), |median| format!("{median:.4}"));
+        format!("{} to {}: {length}", 3 * k + 2, 3 * k + 4)
+    };
+    let found = medians.iter().enumerate().map(shown).collect::<Vec<_>>().join(", ");
+    let gravity = medians.iter().position(|median| median.is_some_and(guess::is_gravity));
+    let choice = |gyro: usize| {
+        let of = |k: usize| format!("{},{},{}", 3 * k + 2, 3 * k + 3, 3 * k + 4);
+        format!("--columns 1,{},{}", of(gyro), gravity.map_or_else(|| "AX,AY,AZ".to_owned(), of))
+    };
+    let others = (0..triples.min(4)).filter(|k| Some(*k) != gravity && medians[*k].is_some());
+    let choices = others.map(choice).collect::<Vec<_>>().join(" or ");
+    first.below(RowFault::SeveralTriples { columns: rows.width(), found, choices })
 }
 
 /// Stamps and intervals of the first thousand rows, as numbers.
@@ -211,12 +285,18 @@ impl FirstRows {
 }
 
 /// Reads them; `loose` passes over rows that cannot be read, as long as one can.
-fn first_rows(mut rows: Rows<'_>, columns: &ImuColumns, loose: bool) -> Result<FirstRows, IoError> {
+fn first_rows(
+    mut rows: Rows<'_>,
+    columns: &ImuColumns,
+    loose: bool,
+    stamped: bool,
+) -> Result<FirstRows, IoError> {
     const ROWS: usize = 1000;
     let mut first = FirstRows { stamps: Vec::with_capacity(ROWS), intervals: Vec::new() };
     let mut passed = None;
     while first.stamps.len() < ROWS {
-        match rows.advance().and_then(|more| more.then(|| rows.number(columns.time, SLOTS[0])).transpose()) {
+        let stamp = |rows: &Rows<'_>| if stamped { rows.number(columns.time, SLOTS[0]) } else { Ok(0.0) };
+        match rows.advance().and_then(|more| more.then(|| stamp(&rows)).transpose()) {
             Ok(None) => break,
             Ok(Some(stamp)) => first.stamps.push(stamp),
             Err(error) if !loose => return Err(error),
@@ -236,8 +316,7 @@ fn first_rows(mut rows: Rows<'_>, columns: &ImuColumns, loose: bool) -> Result<F
 }
 
 /// Seconds in one of the intervals' unit: the power of thousand that brings them nearest to the steps of the stamps.
-fn guess_interval(first: &FirstRows, time: TimeUnit) -> f64 {
-    let step_s = first.step().map_or(0.0, |step| step * time.seconds());
+fn guess_interval(first: &FirstRows, step_s: f64) -> f64 {
     let interval = upper_median(first.intervals.iter().copied()).unwrap_or(0.0);
     let far = |unit: &TimeUnit| (interval * unit.seconds() / step_s).ln().abs();
     let near = TimeUnit::USUAL.into_iter().min_by(|a, b| far(a).total_cmp(&far(b)));
@@ -254,14 +333,18 @@ fn guess_time_unit(first: &FirstRows, said: &Said, path: &Path) -> Result<TimeUn
         return Ok(if step > 1000.5 { TimeUnit::Micros } else { TimeUnit::HundredMicros });
     }
     // Half a per cent of slack, so that a 10 Hz log with jitter is not taken for one of 10 kHz.
-    let within = |value: f64, least: f64, most: f64| (least * 0.995..most * 0.995).contains(&value);
-    // Seconds since a sensor's start in ns may look like seconds since 1970, but for their steps.
-    let since_1970 =
-        |unit: &TimeUnit| within(start * unit.seconds(), 1e8, 1e10) && step * unit.seconds() < SLOWEST_S;
+    let within = move |value: f64, least: f64, most: f64| (least * 0.995..most * 0.995).contains(&value);
+    // A sensor's clock of ns that has run for a week reads as us of 1991, but for its steps.
+    let [century, since_1970] =
+        [(CENTURY_S, 1.0), ([1e8, 1e10], SLOWEST_S)].map(|([least, most], slowest)| {
+            move |unit: &TimeUnit| {
+                within(start * unit.seconds(), least, most) && step * unit.seconds() <= slowest * 1.005
+            }
+        });
     let between = |unit: &TimeUnit| within(step * unit.seconds(), 1e-4, 1e-1);
-    TimeUnit::USUAL
-        .into_iter()
-        .find(since_1970)
-        .or_else(|| TimeUnit::USUAL.into_iter().find(between))
+    let find = |is: &dyn Fn(&TimeUnit) -> bool| TimeUnit::USUAL.into_iter().find(|unit| is(unit));
+    find(&century)
+        .or_else(|| find(&between))
+        .or_else(|| find(&since_1970))
         .ok_or_else(|| IoError::UnknownTimeUnit { path: path.to_path_buf(), first: start, step })
 }

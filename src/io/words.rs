@@ -4,7 +4,7 @@
 pub(super) type Word = (&'static str, u8, &'static str);
 
 /// Of stamps.
-pub(super) const TIME: [Word; 33] = [
+pub(super) const TIME: [Word; 39] = [
     ("headerstamp", 6, ""),
     ("headerstampsec", 6, "s"),
     ("headerstampsecs", 6, "s"),
@@ -18,8 +18,15 @@ pub(super) const TIME: [Word; 33] = [
     ("timestamps", 4, ""),
     ("time", 4, ""),
     ("stamp", 4, ""),
-    ("unixtime", 4, ""),
-    ("unixtimestamp", 4, ""),
+    ("unixtime", 3, ""),
+    ("unixtimestamp", 3, ""),
+    ("utime", 4, "us"),
+    ("utctimemillis", 3, "ms"),
+    // A sensor's own before the rest's.
+    ("elapsedrealtimenanos", 6, "ns"),
+    ("gyrotimestampsincereboot", 7, "s"),
+    ("motiontimestampsincereboot", 6, "s"),
+    ("accelerometertimestampsincereboot", 5, "s"),
     ("epoch", 4, ""),
     ("timesincestart", 4, ""),
     ("sincestart", 4, ""),
@@ -52,7 +59,7 @@ pub(super) const NANOS: [&str; 9] = [
     "nsecs",
 ];
 /// Of gyroscopes, without the axis.
-pub(super) const GYRO: [Word; 19] = [
+pub(super) const GYRO: [Word; 23] = [
     ("w", 2, ""),
     ("wrss", 3, ""),
     ("g", 2, ""),
@@ -67,6 +74,11 @@ pub(super) const GYRO: [Word; 19] = [
     ("angularrate", 3, ""),
     ("rotationrate", 3, ""),
     ("turnrate", 3, ""),
+    // SensorLog, Betaflight and Android's loggers.
+    ("motionrotationrate", 3, ""),
+    ("gyrorotation", 4, ""),
+    ("gyroadc", 2, "degs"),
+    ("uncalgyro", 1, ""),
     ("uncompgyro", 1, ""),
     ("uncompangularrate", 1, ""),
     ("gyroscopeuncalibrated", 1, ""),
@@ -74,7 +86,7 @@ pub(super) const GYRO: [Word; 19] = [
     ("gyrointegralrad", 1, "rads"),
 ];
 /// Of accelerometers, without the axis.
-pub(super) const ACCEL: [Word; 22] = [
+pub(super) const ACCEL: [Word; 26] = [
     ("a", 2, ""),
     ("arss", 3, ""),
     ("acc", 3, ""),
@@ -93,12 +105,18 @@ pub(super) const ACCEL: [Word; 22] = [
     ("linaccel", 1, ""),
     ("linearacc", 1, ""),
     ("linearacceleration", 1, ""),
+    ("accelerometeracceleration", 4, "g"),
+    ("accsmooth", 2, ""),
+    ("acce", 3, ""),
+    ("uncalaccel", 1, ""),
     ("uncompaccel", 1, ""),
     ("uncompacceleration", 1, ""),
     ("accelerometeruncalibrated", 1, ""),
     ("deltavelocity", 1, "ms2"),
     ("accelerometerintegralms", 1, "ms2"),
 ];
+/// Of accelerometers that read -1 g upwards, as Apple's do.
+pub(super) const APPLES: [&str; 1] = ["accelerometeracceleration"];
 /// Of words for what was gained over an interval, those for the interval.
 pub(super) const INTERVALS: [(&str, &str); 4] = [
     ("deltaangle", "deltaangledt"),

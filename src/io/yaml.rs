@@ -24,3 +24,11 @@ pub(crate) fn parse<T: DeserializeOwned>(text: &str, path: &Path) -> Result<T, I
         IoError::BadYaml { path, line, message: printable(first) }
     })
 }
+
+/// `%YAML:1.0` at the head is no YAML unless `---` follows, which VINS' and Kimera's files do without: directives become comments.
+pub(crate) fn without_directives(text: &str) -> String {
+    let lines = text.split_inclusive('\n');
+    lines
+        .map(|line| line.strip_prefix('%').map_or_else(|| line.to_owned(), |rest| format!("#{rest}")))
+        .collect()
+}

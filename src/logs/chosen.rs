@@ -1,8 +1,9 @@
 //! What a reader chose of a log, and the log it makes.
 
+use crate::log::other_parts;
 use crate::{Kind, Log, LogError, LogOptions};
 use dpn_core::Samples;
-use dpn_io::{IoError, SampleStore, Sieved};
+use dpn_io::{IoError, Part, SampleStore, Sifted};
 use std::path::Path;
 
 /// Share of the samples whose stamps may go back.
@@ -12,8 +13,9 @@ const TOLERATED: f64 = 0.1;
 #[derive(Debug)]
 pub(crate) struct Chosen {
     pub(crate) topic: String,
-    pub(crate) samples: SampleStore,
-    pub(crate) sieved: Sieved,
+    pub(crate) sifted: Sifted,
+    /// That there were two clocks.
+    pub(crate) clocks: Option<String>,
     pub(crate) remarks: Vec<String>,
     /// What was taken for granted.
     pub(crate) guesses: Vec<String>,
@@ -32,8 +34,10 @@ impl Chosen {
         damage: Option<String>,
         options: &LogOptions,
     ) -> Result<Log, LogError> {
-        let Self { topic, samples, sieved, remarks, guesses } = self;
-        let of = samples.len() + sieved.count();
+        options.without_columns(path, kind.name())?;
+        let Self { topic, sifted, clocks, remarks, guesses } = self;
+        let Sifted { part: Part { samples, places }, others, sieved } = sifted;
+        let of = samples.len() + others.iter().map(|part| part.samples.len()).sum::<usize>() + sieved.count();
         if let Some(first) = sieved.backward.first
             && sieved.backward.count as f64 > TOLERATED * of as f64
         {
@@ -44,10 +48,15 @@ impl Chosen {
                 first,
             });
         }
-        let recording = options.scales.apply(samples).and_then(SampleStore::recording);
-        match recording.map_err(|e| IoError::reading(path, e))? {
+        let storing = |e| IoError::reading(path, e);
+        let others = other_parts(others, places, |samples| options.settled(samples)).map_err(storing)?;
+        let recording = options.settled(samples).and_then(SampleStore::recording);
+        match recording.map_err(storing)? {
             Ok(recording) => Ok(Log {
                 topic: Some(topic),
+                places,
+                others,
+                clocks,
                 sieved,
                 place,
                 damage,

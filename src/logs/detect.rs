@@ -2,7 +2,7 @@
 
 use crate::packed::Packing;
 use crate::two_files::TwoFiles;
-use crate::{Kind, LogError, ardupilot, rosbag2, ulog};
+use crate::{Kind, LogError, ardupilot, json, rosbag2, ulog};
 use dpn_io::asl::{Sequence, discover};
 use dpn_io::{IoError, printable};
 use std::fs::File;
@@ -15,6 +15,24 @@ pub(crate) const HEAD: u64 = 18;
 /// Whether `head` begins an archive, of files or of none.
 pub(crate) fn is_zip(head: &[u8]) -> bool {
     head.starts_with(b"PK\x03\x04") || head.starts_with(b"PK\x05\x06")
+}
+
+/// First bytes of what other programs turn into a log, what it is, and how.
+const FOREIGN: [(&[u8], &str, &str); 2] = [
+    (
+        b"H Product:Blackbox",
+        "a Betaflight blackbox log",
+        "decode it by `blackbox_decode --unit-acceleration g FILE` of blackbox-tools, and give the CSV that it writes",
+    ),
+    (b"%PDF", "a PDF", "give the log itself"),
+];
+
+/// Whether `head` begins a video: MP4 and MOV, AVI, Matroska and WebM, MPEG.
+fn is_video(head: &[u8]) -> bool {
+    head.get(4..8) == Some(b"ftyp")
+        || head.starts_with(b"RIFF") && head.get(8..12) == Some(b"AVI ")
+        || head.starts_with(b"\x1aE\xdf\xa3")
+        || head.starts_with(b"\0\0\x01\xba")
 }
 
 impl Kind {
@@ -61,6 +79,12 @@ impl Kind {
             Err(LogError::Packed { path: path.to_owned() })
         } else if is_zip(head) {
             Err(LogError::Zipped { path: path.to_owned() })
+        } else if is_video(head) {
+            Err(LogError::Video { path: path.to_owned() })
+        } else if let Some((_, what, remedy)) = FOREIGN.into_iter().find(|(magic, ..)| is(magic)) {
+            Err(LogError::Foreign { path: path.to_owned(), what, remedy })
+        } else if json::is(head) {
+            Ok(Self::Json)
         } else if is(ulog::MAGIC) {
             Ok(Self::Ulog)
         } else if is(ardupilot::MAGIC) {

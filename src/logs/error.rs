@@ -1,5 +1,6 @@
 //! Why a log gives no recording.
 
+use dpn_core::Stamp;
 use dpn_core::config::did_you_mean;
 use dpn_io::{IoError, printable};
 use std::path::PathBuf;
@@ -96,13 +97,13 @@ pub enum LogError {
         similar: Option<String>,
     },
     /// A folder of images without an IMU's file.
-    #[error("{}: images, and no IMU: looked for imu.txt, imu.csv", dir.display())]
+    #[error("{}: images, and no IMU: looked for imu.txt, imu.csv, imu0.csv, *.jsonl, a *gyro* and an *accel* file", dir.display())]
     NoImuFile {
         /// The folder.
         dir: PathBuf,
     },
     /// A log in which images cannot be.
-    #[error("{}: {kind}; images are read from rosbag1, MCAP, rosbag2, ASL folders and folders with times.txt", path.display())]
+    #[error("{}: {kind}; images are read from rosbag1, MCAP, rosbag2, ASL folders and folders with times.txt or with stamps for names", path.display())]
     NoBag {
         /// The log.
         path: PathBuf,
@@ -140,7 +141,7 @@ pub enum LogError {
         /// Why there are no more, where that is known.
         reason: Option<String>,
     },
-    /// A clock that runs back again and again.
+    /// Stamps in no order.
     #[error("{}: time goes back at {count} of {of} samples, first at message {first}", path.display())]
     Backward {
         /// The log.
@@ -189,7 +190,7 @@ pub enum LogError {
         names: String,
     },
     /// A gyroscope's and an accelerometer's file that have no time in common.
-    #[error("{}: {gyro} and {accel} have {found} sample(s) at the same time; a recording needs at least 2", dir.display())]
+    #[error("{}: {gyro} and {accel} have {found} sample(s) at the same time; a recording needs at least 2{spans}", dir.display())]
     Apart {
         /// The folder.
         dir: PathBuf,
@@ -199,12 +200,60 @@ pub enum LogError {
         accel: String,
         /// How many samples have both.
         found: usize,
+        /// The stamps of each.
+        spans: String,
     },
-    /// A topic was asked for where there are none.
-    #[error("{}: --topic is for bags, and this is none: {kind}", path.display())]
-    NoTopicsHere {
+    /// A file of a program that is known and not read.
+    #[error("{}: {what}", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// What it is.
+        what: &'static str,
+        /// What makes a log of it.
+        remedy: &'static str,
+    },
+    /// A video.
+    #[error("{}: a video; images are read from folders and bags", path.display())]
+    Video {
+        /// The file.
+        path: PathBuf,
+    },
+    /// JSON without samples, or with those of one sensor.
+    #[error("{}: JSON {problem}", path.display())]
+    Json {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// A part of a log in which nothing is.
+    #[error("{}: fewer than two samples between --from and --to; the log is from {first} to {last}", path.display())]
+    NothingWithin {
         /// The log.
         path: PathBuf,
+        /// Its first stamp.
+        first: Stamp,
+        /// Its last.
+        last: Stamp,
+    },
+    /// Files of one log that have not as many rows.
+    #[error("{}: {files} have not as many rows", dir.display())]
+    RowsDiffer {
+        /// The folder.
+        dir: PathBuf,
+        /// Their names and numbers of rows.
+        files: String,
+    },
+    /// Something was asked for that this kind of log does not have.
+    #[error("{}: {flag} is for {of}, and this is none: {kind}", path.display())]
+    NotHere {
+        /// The log.
+        path: PathBuf,
+        /// What was asked for.
+        flag: &'static str,
+        /// Which logs have it.
+        of: &'static str,
         /// What it is.
         kind: &'static str,
     },
@@ -272,7 +321,21 @@ impl LogError {
             Self::Apart { .. } => {
                 "take both from one recording, with stamps of one clock; or name their unit: --time-unit"
             }
-            Self::NoTopicsHere { .. } => "leave --topic out",
+            Self::NotHere { flag, .. } => return Some(format!("leave {flag} out")),
+            Self::Foreign { remedy, .. } => remedy,
+            Self::Video { path } => {
+                let file = printable(&path.display().to_string());
+                return Some(format!(
+                    "make a folder of it: mkdir -p seq/images && ffmpeg -i {file} -fps_mode passthrough -pix_fmt gray seq/images/%05d.png, its stamps by \
+                     ffprobe -v error -select_streams v -show_entries frame=pts_time -of csv=p=0 {file} | awk '{{print NR, $1}}' > seq/times.txt, \
+                     the samples as seq/imu.csv on the same clock"
+                ));
+            }
+            Self::Json { .. } => {
+                "known are objects of a sensor, a time and x, y, z or values, and objects with both sensors' axes; else write a CSV with a header"
+            }
+            Self::NothingWithin { .. } => "give seconds from the log's begin, or stamps within it",
+            Self::RowsDiffer { .. } => "take the files of one recording, or one file with a column for each",
         };
         Some(text.to_owned())
     }

@@ -1,7 +1,7 @@
 //! Logs as people have them (`golden/logs`), untouched: rate, units and axes, and what was taken for granted.
 
 use crate::{LogOptions, read_log};
-use dpn_core::{Recorded, Samples};
+use dpn_core::{Recorded, SampleRate, Samples};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -18,7 +18,7 @@ fn every_log_has_its_rate_units_and_axes_and_says_what_was_assumed() {
     let text = std::fs::read_to_string(folder().join("expected.json")).unwrap();
     let expected: Value = serde_json::from_str(&text).unwrap();
     let logs = expected["logs"].as_object().unwrap();
-    assert!(logs.len() >= 20);
+    assert!(logs.len() >= 40);
     let mut faults = Vec::new();
     for (name, expected) in logs {
         if let Err(fault) = std::panic::catch_unwind(|| check(name, expected)) {
@@ -31,8 +31,10 @@ fn every_log_has_its_rate_units_and_axes_and_says_what_was_assumed() {
 
 fn check(name: &str, expected: &Value) {
     let mut options = LogOptions::default();
-    if let Some(sensor) = expected["flags"][1].as_str() {
-        options.scales = sensor.parse().unwrap();
+    match (expected["flags"][0].as_str(), expected["flags"][1].as_str()) {
+        (Some("--rate"), Some(hz)) => options.csv.rate = SampleRate::from_hz(hz.parse().unwrap()),
+        (Some(_), Some(sensor)) => options.scales = sensor.parse().unwrap(),
+        _ => {}
     }
     let log = read_log(&folder().join(name), &options).unwrap_or_else(|e| panic!("{name}: {e}"));
     assert_eq!(serde_json::to_value(log.kind).unwrap(), expected["kind"], "{name}");

@@ -28,7 +28,7 @@ fn pixels(kind: &str, index: usize) -> Vec<u8> {
 
 fn log(name: &str, topic: Option<&str>) -> ImageLog {
     let options = ImageLogOptions { image_topic: topic.map(str::to_owned), ..ImageLogOptions::default() };
-    ImageLog::find(&folder().join(name), options).unwrap()
+    ImageLog::find(&folder().join(name), options).unwrap().unwrap()
 }
 
 fn holds(log: &ImageLog, kind: &str) {
@@ -108,7 +108,9 @@ fn what_is_not_there_is_named_with_what_is() {
     std::fs::create_dir(dir.path().join("images")).unwrap();
     std::fs::write(dir.path().join("times.txt"), "0 1.5 1\n1 1.6 1\n").unwrap();
     let log = |skip_missing| {
-        ImageLog::find(dir.path(), ImageLogOptions { skip_missing, ..ImageLogOptions::default() }).unwrap()
+        ImageLog::find(dir.path(), ImageLogOptions { skip_missing, ..ImageLogOptions::default() })
+            .unwrap()
+            .unwrap()
     };
     assert!(
         log(false)

@@ -1,4 +1,4 @@
-//! A log with images beside the IMU: a bag, or a folder with `times.txt`.
+//! A log with images beside the IMU: a bag, or a folder with `times.txt` or with stamps for names.
 //!
 //! It is read twice from front to back: for the samples, which takes note of the topics of images and decodes one of them to see whether it can be used
 //! ([`ImageLog::imu`]), and for the images ([`ImageLog::images`]), which are read, decoded and made grey on a thread of their own, a few ahead. Neither holds more
@@ -6,11 +6,12 @@
 
 use crate::cameras::Cameras;
 use crate::fields::Encoding;
+use crate::imu_file::ImuFile;
 use crate::messages::Messages;
 use crate::read::bag_log;
 use crate::sensors::{SensorEvent, SensorStream};
 use crate::topics::Topics;
-use crate::{ImageLogOptions, ImageSpan, Kind, Log, LogError, bag, read_log};
+use crate::{ImageLogOptions, ImageSpan, Kind, Log, LogError, bag};
 use dpn_core::{GrayImage, Stamp};
 use dpn_io::asl::{Sequence, discover};
 use dpn_io::{ImageFolder, IoError, Prefetch, TimesFolder};
@@ -19,8 +20,6 @@ use std::path::{Path, PathBuf};
 
 /// Images read ahead.
 const AHEAD: usize = 4;
-/// Files of a folder's IMU, the first that is there.
-const IMU_FILES: [&str; 2] = ["imu.txt", "imu.csv"];
 /// Where a camera's calibration may lie in a folder, as ASL has it.
 const CALIBRATIONS: [&str; 3] = ["sensor.yaml", "cam0/sensor.yaml", "mav0/cam0/sensor.yaml"];
 
@@ -37,22 +36,26 @@ pub type Images = Box<dyn Iterator<Item = (Stamp, Result<GrayImage, IoError>)>>;
 
 impl ImageLog {
     /// The log at `path`, where it is of a kind that may have images and is no ASL sequence; by its first bytes or its files.
-    pub fn find(path: &Path, options: ImageLogOptions) -> Option<Self> {
-        let of = |is_folder| Some(Self { path: path.to_path_buf(), is_folder, options });
+    ///
+    /// # Errors
+    /// A video, a log of another program.
+    pub fn find(path: &Path, options: ImageLogOptions) -> Result<Option<Self>, LogError> {
+        let of = |is_folder| Ok(Some(Self { path: path.to_path_buf(), is_folder, options }));
         // Looking into a pipe would take from it.
         if Sequence::open(path).is_ok() || !(path.is_dir() || path.is_file()) {
-            return None;
+            return Ok(None);
         }
         if path.is_dir() && TimesFolder::is(path) {
             return of(true);
         }
         match Kind::of(path) {
             // A stray bag beside sequences is no folder of a bag.
-            Ok(Kind::Rosbag2) if discover(path).is_ok() => None,
+            Ok(Kind::Rosbag2) if discover(path).is_ok() => Ok(None),
             Ok(Kind::Rosbag1 | Kind::Mcap | Kind::Sqlite | Kind::Rosbag2) => of(false),
             // Whether a packed file holds a bag is seen when it is read.
             Err(LogError::Packed { .. }) if path.is_file() => of(false),
-            _ => None,
+            Err(error @ (LogError::Video { .. } | LogError::Foreign { .. })) => Err(error),
+            _ => Ok(None),
         }
     }
 
@@ -73,10 +76,20 @@ impl ImageLog {
 
     /// A camera's calibration in ASL's form that lies in the folder or beside the log.
     pub fn calibration(&self) -> Option<PathBuf> {
-        let beside =
-            self.path.parent().map(|dir| if dir.as_os_str().is_empty() { Path::new(".") } else { dir });
-        let dirs = self.path.is_dir().then_some(self.path.as_path()).into_iter().chain(beside);
+        let dirs = self.dirs().into_iter();
         dirs.flat_map(|dir| CALIBRATIONS.map(|file| dir.join(file))).find(|file| file.is_file())
+    }
+
+    /// Folders in which a calibration of any form may lie.
+    pub fn calibration_dirs(&self) -> Vec<PathBuf> {
+        let dirs = self.dirs();
+        dirs.iter().cloned().chain(dirs.first().map(|dir| dir.join("cam0"))).collect()
+    }
+
+    /// The folder itself, and the one that it or the file lies in.
+    fn dirs(&self) -> Vec<PathBuf> {
+        let beside = self.path.parent().map(Path::to_path_buf);
+        self.path.is_dir().then(|| self.path.clone()).into_iter().chain(beside).collect()
     }
 
     /// The files that it is read from, in order.
@@ -85,9 +98,10 @@ impl ImageLog {
     /// A folder that cannot be listed.
     pub fn files(&self) -> Result<Vec<PathBuf>, LogError> {
         if self.is_folder {
-            let TimesFolder { frames, times, .. } = TimesFolder::read(&self.path)?;
-            let images = frames.into_iter().map(|(_, file)| file).filter(|file| file.is_file());
-            return Ok([times, self.imu_file()?].into_iter().chain(images).collect());
+            let folder = TimesFolder::read(&self.path)?;
+            let list = folder.has_list().then_some(folder.times).into_iter();
+            let images = folder.frames.into_iter().map(|(_, file)| file).filter(|file| file.is_file());
+            return Ok(list.chain(ImuFile::of(&self.path)?.files()?).chain(images).collect());
         }
         if self.path.is_dir() {
             return Ok(crate::rosbag2::bags(&self.path)?.0);
@@ -107,7 +121,7 @@ impl ImageLog {
             if !options.skip_missing {
                 folder.agree()?;
             }
-            return read_log(&self.imu_file()?, &options.imu);
+            return ImuFile::of(&self.path)?.read(&options.imu);
         }
         let cameras = Cameras::new(&self.path, options.image_topic.clone(), size);
         let mut survey = Survey { topics: Topics::new(&options.imu), cameras };
@@ -165,12 +179,6 @@ impl ImageLog {
     /// Whether it is a folder with `times.txt`.
     pub fn is_folder(&self) -> bool {
         self.is_folder
-    }
-
-    fn imu_file(&self) -> Result<PathBuf, LogError> {
-        let files = IMU_FILES.map(|file| self.path.join(file));
-        let found = files.into_iter().find(|file| file.is_file());
-        found.ok_or_else(|| LogError::NoImuFile { dir: self.path.clone() })
     }
 }
 

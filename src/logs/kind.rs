@@ -12,6 +12,8 @@ named!(
         Asl = "ASL folder",
         /// A text file.
         Csv = "CSV file",
+        /// Objects, of an app or a line each.
+        Json = "JSON file",
         /// A ROS 1 bag.
         Rosbag1 = "rosbag1",
         /// An MCAP file.

@@ -9,7 +9,9 @@
 //! | rosbag2's SQLite file | `SQLite format 3` | one IMU topic in CDR |
 //! | ULog | its magic | `sensor_combined`, `vehicle_imu`, or `sensor_gyro` and `sensor_accel` |
 //! | ArduPilot | the `FMT` of `FMT`, in binary or text | `IMU` records of one instance |
-//! | folder of a phone | a `*gyro*` and an `*accel*` file | both, joined |
+//! | folder of a phone | a `*gyro*` and an `*accel*` file | both, joined; beside a `time` file a row of each |
+//! | JSON | begins with a bracket | objects of a sensor, joined, or of both |
+//! | table with a row a sensor | its rows begin with sensors' names | both, joined |
 //! | CSV | all else | columns by header, list or order; units by flag, header or guess |
 //!
 //! Any of them may be packed by gzip, zstd, xz or bzip2, and lie alone in a zip archive; so may a phone's folder. Sensors on two topics or in two files are joined on the gyroscope's stamps.
@@ -38,6 +40,7 @@ mod decompress;
 mod detect;
 mod error;
 mod fields;
+mod folder;
 #[cfg(all(test, feature = "images"))]
 mod fuzz;
 #[cfg(test)]
@@ -52,14 +55,17 @@ mod image_log;
 mod image_message;
 #[cfg(feature = "images")]
 mod image_options;
+mod imu_file;
 mod imu_message;
 mod join;
+mod json;
 mod kind;
 #[cfg(feature = "images")]
 mod live_imus;
 #[cfg(feature = "images")]
 mod live_join;
 mod log;
+mod long;
 mod mcap;
 mod messages;
 mod options;
@@ -71,12 +77,14 @@ mod rosbag2;
 mod scale;
 #[cfg(feature = "images")]
 mod sensors;
+mod span;
 #[cfg(feature = "sqlite")]
 mod sqlite;
 #[cfg(not(feature = "sqlite"))]
 #[path = "no_sqlite.rs"]
 mod sqlite;
 mod topics;
+mod two_clocks;
 mod two_files;
 mod ulog;
 #[cfg(feature = "write")]
@@ -85,17 +93,19 @@ mod write;
 mod zipped;
 
 pub use error::LogError;
+pub use folder::logs_in;
 #[cfg(feature = "images")]
 pub use image_log::{ImageLog, Images};
 #[cfg(feature = "images")]
 pub use image_options::{ImageLogOptions, ImageSpan};
 pub use kind::Kind;
-pub use log::Log;
+pub use log::{Log, OtherPart};
 pub use options::LogOptions;
 pub use read::{read_bag, read_log, read_stream};
 pub use scale::Scales;
 #[cfg(feature = "images")]
 pub use sensors::{SensorEvent, read_sensors, read_sensors_from};
+pub use span::{LogSpan, LogTime};
 
 #[cfg(feature = "write")]
 pub use write::{CovarianceCopy, McapLog, is_copied, write_imu_log, write_with_covariances};

@@ -1,8 +1,9 @@
 //! A log that was read, and what is to be said of it.
 
 use crate::Kind;
-use dpn_core::Samples;
-use dpn_io::{LeftOut, Sieved, StoredRecording};
+use dpn_core::{Recorded, Samples, Sensor};
+use dpn_io::{LeftOut, Part, SampleStore, Sieved, StoredRecording};
+use std::io;
 
 /// A recording and where it came from.
 #[derive(Debug)]
@@ -13,6 +14,14 @@ pub struct Log {
     pub topic: Option<String>,
     /// The samples of use.
     pub recording: StoredRecording,
+    /// Where in the log they stand: the first and the last one's places.
+    pub places: [u64; 2],
+    /// Where stamps begin anew or two write at once, what else there is; `recording` is the longest.
+    pub others: Vec<OtherPart>,
+    /// The sensor that the log has alone; the other's axes are zeros.
+    pub alone: Option<Sensor>,
+    /// That two sensors' stamps are of two clocks, and how these were brought together.
+    pub clocks: Option<String>,
     /// Samples left out.
     pub sieved: Sieved,
     /// What the places of [`Sieved`] count: `line`, `message` or `record`.
@@ -27,6 +36,45 @@ pub struct Log {
     pub said_hz: Option<f64>,
 }
 
+/// What a sensor is called.
+pub(crate) fn instrument(sensor: Sensor) -> &'static str {
+    match sensor {
+        Sensor::Gyro => "gyroscope",
+        Sensor::Accel => "accelerometer",
+    }
+}
+
+/// A part of a log with stamps of its own.
+#[derive(Debug)]
+pub struct OtherPart {
+    /// Its samples.
+    pub recording: StoredRecording,
+    /// Places of the first and the last.
+    pub places: [u64; 2],
+    /// Whether it was written together with the part that is used, and not before or after it.
+    pub is_among: bool,
+}
+
+/// The other parts as recordings, made what `settle` makes of their samples.
+///
+/// # Errors
+/// `settle`'s own; a temporary file that cannot be read.
+pub(crate) fn other_parts(
+    others: Vec<Part>,
+    places: [u64; 2],
+    settle: impl Fn(SampleStore) -> io::Result<SampleStore>,
+) -> io::Result<Vec<OtherPart>> {
+    let used = Part { places, ..Part::default() };
+    let mut all = Vec::new();
+    for part in others {
+        let (is_among, places) = (part.is_among(&used), part.places);
+        if let Ok(recording) = settle(part.samples)?.recording()? {
+            all.push(OtherPart { recording, places, is_among });
+        }
+    }
+    Ok(all)
+}
+
 impl Log {
     /// A recording that is as it should be.
     pub fn sound(kind: Kind, recording: impl Into<StoredRecording>) -> Self {
@@ -34,6 +82,10 @@ impl Log {
             kind,
             topic: None,
             recording: recording.into(),
+            places: [0; 2],
+            others: Vec::new(),
+            alone: None,
+            clocks: None,
             sieved: Sieved::default(),
             place: "line",
             damage: None,
@@ -62,7 +114,36 @@ impl Log {
                 all.push(format!("left out: {} {words}{}", left.count, place(left)));
             }
         }
+        all.extend(self.alone.map(|sensor| {
+            format!("the log has the {} alone: the other sensor's axes are zeros", instrument(sensor))
+        }));
+        all.extend(self.parts_words());
+        all.extend(self.clocks.iter().cloned());
         all.extend(self.remarks.iter().cloned());
         all
+    }
+
+    /// What the log is made of, where its stamps begin anew or two write at once.
+    pub fn parts_words(&self) -> Option<String> {
+        let first = self.others.first()?;
+        let part = |len: usize, recording: &StoredRecording, [from, to]: [u64; 2]| {
+            format!("{len} samples at {:.1} Hz ({}s {from} to {to})", recording.rate().hz(), self.place)
+        };
+        let others: Vec<String> =
+            self.others.iter().map(|o| part(o.recording.len(), &o.recording, o.places)).collect();
+        let used = part(self.recording.len(), &self.recording, self.places);
+        Some(if first.is_among {
+            format!(
+                "{} publishers write at once: used are {used}, not {}",
+                1 + others.len(),
+                others.join(", ")
+            )
+        } else {
+            format!(
+                "the stamps begin anew: {} spans; used are {used}, not {}",
+                1 + others.len(),
+                others.join(", ")
+            )
+        })
     }
 }

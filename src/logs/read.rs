@@ -1,13 +1,18 @@
 //! The one way in.
 
+use crate::imu_file::ImuFile;
+use crate::log::other_parts;
+use crate::long::{Long, gyro_and_accel};
 use crate::records::Records;
-use crate::topics::Topics;
-use crate::two_files::TwoFiles;
-use crate::{Kind, Log, LogError, LogOptions, Scales, ardupilot, bag, rosbag2, ulog};
+use crate::topics::{Topics, shortened};
+use crate::two_files::{Source, TwoFiles};
+use crate::{Kind, Log, LogError, LogOptions, LogSpan, Scales, ardupilot, bag, json, rosbag2, ulog};
+use dpn_core::{ImuSample, Sensor};
 use dpn_io::asl::Sequence;
 use dpn_io::{
-    AccelUnit, GyroUnit, ImuColumns, IoError, LooseImuLog, Origin, SampleStore, StoredRecording, Understood,
-    parse_imu_csv_loosely,
+    AccelUnit, GyroUnit, ImuColumns, IoError, LooseImuLog, Origin, SampleStore, Settled, StoredRecording,
+    Understood, names_all, only_sensor, parse_imu_csv_loosely, parse_one_sensor_loosely, printable,
+    settle_units,
 };
 use std::fs::File;
 #[cfg(feature = "zip")]
@@ -15,33 +20,45 @@ use std::io::Seek;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
+/// Bytes of a text file in which rows of several sensors are looked for.
+const LOOKED_AT: u64 = 1 << 16;
+
 /// Reads whatever log is at `path`: a folder, a file, a pipe, or stdin for `-`. Files and pipes are opened once and read once through.
 ///
 /// # Errors
 /// See [`LogError`]: nothing there, nothing of use in it, several IMUs and no choice. Damage is none as long as two samples stand before it.
 pub fn read_log(path: &Path, options: &LogOptions) -> Result<Log, LogError> {
+    options.span.of(read_whole(path, options)?, path)
+}
+
+fn read_whole(path: &Path, options: &LogOptions) -> Result<Log, LogError> {
     if path == Path::new("-") {
-        return read_stream(std::io::stdin().lock(), Path::new("stdin"), options);
+        return stream(std::io::stdin().lock(), Path::new("stdin"), options);
     }
     let reading = |e| IoError::reading(path, e);
     if !path.is_dir() {
         let file = File::open(path).map_err(reading)?;
         #[cfg(feature = "zip")]
         if is_archive(&file).map_err(reading)? {
-            return crate::zipped::read(file, path, options, &|source, path| {
-                read_stream(source, path, options)
-            });
+            return crate::zipped::read(file, path, options, &|source, path| stream(source, path, options));
         }
-        return read_stream(file, path, options);
+        return stream(file, path, options);
     }
-    match Kind::of(path)? {
+    let kind = match Kind::of(path) {
+        // A folder of images with the IMU's file beside them.
+        Err(LogError::NoLog { below, .. }) if below.is_empty() && ImuFile::of(path).is_ok() => {
+            return ImuFile::of(path)?.read(&LogOptions { span: LogSpan::default(), ..options.clone() });
+        }
+        kind => kind?,
+    };
+    match kind {
         Kind::Rosbag2 => {
             let mut topics = Topics::new(options);
             let damage = rosbag2::read(path, &mut topics)?;
             bag_log(path, Kind::Rosbag2, topics, damage, options)
         }
         Kind::TwoFiles => match TwoFiles::find(path)? {
-            Some(files) => files.read(path, options),
+            Some(files) => two_files(files, path, options),
             None => Err(LogError::NoLog { dir: path.to_path_buf(), below: Vec::new() }),
         },
         kind => {
@@ -69,6 +86,10 @@ fn is_archive(mut file: &File) -> std::io::Result<bool> {
 /// # Errors
 /// As [`read_log`].
 pub fn read_stream(source: impl Read, path: &Path, options: &LogOptions) -> Result<Log, LogError> {
+    options.span.of(stream(source, path, options)?, path)
+}
+
+fn stream(source: impl Read, path: &Path, options: &LogOptions) -> Result<Log, LogError> {
     let (log, damage) = bag::unpacked(source, path, options.max_uncompressed, |head, plain, is_file| {
         read_plain(head, plain, path, is_file, options)
     })?;
@@ -95,6 +116,7 @@ fn read_plain(
             };
             records.log(path, kind, damage.map_err(|e| IoError::reading(path, e))?, options)
         }
+        Kind::Json => json_text(source, path, options),
         Kind::Asl | Kind::Csv | Kind::Rosbag2 | Kind::TwoFiles => text(source, path, path, kind, options),
     }
 }
@@ -142,6 +164,88 @@ fn scaled(samples: SampleStore, path: &Path, options: &LogOptions) -> Result<Sto
     Ok(recording.map_err(|e| IoError::reading(path, e))?.map_err(short)?)
 }
 
+fn without_topic(path: &Path, kind: Kind, options: &LogOptions) -> Result<(), LogError> {
+    let (path, flag, of, kind) = (path.to_path_buf(), "--topic", "bags", kind.name());
+    options.topic.as_ref().map_or(Ok(()), |_| Err(LogError::NotHere { path, flag, of, kind }))
+}
+
+/// A folder with a file of each sensor.
+pub(crate) fn two_files(files: TwoFiles, dir: &Path, options: &LogOptions) -> Result<Log, LogError> {
+    match files.pasted(dir, options)? {
+        Some(rows) => text(rows.as_bytes(), dir, dir, Kind::TwoFiles, options),
+        None => files.read(dir, options),
+    }
+}
+
+/// A JSON log: objects with both sensors, or of one each.
+fn json_text(mut source: impl Read, path: &Path, options: &LogOptions) -> Result<Log, LogError> {
+    without_topic(path, Kind::Json, options)?;
+    let mut bytes = Vec::new();
+    source.read_to_end(&mut bytes).map_err(|e| IoError::reading(path, e))?;
+    let (mut tables, damage) = json::tables(&bytes);
+    drop(bytes);
+    let whole = tables.iter().position(|table| names_all(&table.names));
+    let log = match (whole, gyro_and_accel(&tables.iter().map(|table| table.sensor.as_str()))) {
+        (Some(whole), _) => text(tables.swap_remove(whole).text.as_bytes(), path, path, Kind::Json, options)?,
+        (None, [Some(gyro), Some(accel)]) => {
+            let (gyro, accel) = (gyro.to_owned(), accel.to_owned());
+            let mut of = |name: String| {
+                let at =
+                    tables.iter().position(|table| table.sensor == name).expect("it was found among them");
+                Source::Text(name, tables.swap_remove(at).text, path.to_path_buf())
+            };
+            TwoFiles::of(of(gyro), of(accel)).read(path, options)?
+        }
+        (None, found) => {
+            let alone = |name: &str, sensor: &str| {
+                format!(
+                    "of the {sensor} alone (`{}`); give the folder in which the other sensor's lies too",
+                    printable(name)
+                )
+            };
+            let names = tables.iter().map(|t| printable(&format!("{}: {}", t.sensor, t.names.join(" "))));
+            let problem = match (found, damage) {
+                ([Some(gyro), _], _) => alone(gyro, "gyroscope"),
+                ([_, Some(accel)], _) => alone(accel, "accelerometer"),
+                (_, Some(damage)) if tables.is_empty() => format!("that cannot be read: {damage}"),
+                _ => format!(
+                    "without samples that are known; it has {}",
+                    shortened(names.collect::<Vec<_>>().into_iter())
+                ),
+            };
+            return Err(LogError::Json { path: path.to_path_buf(), problem });
+        }
+    };
+    Ok(Log { kind: Kind::Json, damage: damage.or(log.damage), ..log })
+}
+
+/// A recording of one sensor: the other's axes become zeros, and a unit that nobody named is told from the numbers.
+fn of_one(
+    recording: StoredRecording,
+    sensor: Sensor,
+    understood: &mut Understood,
+) -> std::io::Result<StoredRecording> {
+    let only = |s: ImuSample| {
+        Some(match sensor {
+            Sensor::Gyro => ImuSample { accel: [0.0; 3], ..s },
+            Sensor::Accel => ImuSample { gyro: [0.0; 3], ..s },
+        })
+    };
+    let samples = recording.into_store().changed(only)?;
+    // What was named is converted already.
+    let named = |origin| if origin == Origin::Assumed { origin } else { Origin::Header };
+    let gyro = Settled { value: GyroUnit::RadPerSecond, origin: named(understood.gyro.origin) };
+    let accel = Settled { value: AccelUnit::MetrePerSecond2, origin: named(understood.accel.origin) };
+    let (samples, gyro, accel) = settle_units(samples, gyro, accel)?;
+    if gyro.origin == Origin::Guessed {
+        understood.gyro = gyro;
+    }
+    if accel.origin == Origin::Guessed {
+        understood.accel = accel;
+    }
+    Ok(samples.recording()?.expect("as many samples as before"))
+}
+
 /// A text log: `file` names its rows, `path` the whole.
 fn text(
     source: impl Read,
@@ -150,21 +254,42 @@ fn text(
     kind: Kind,
     options: &LogOptions,
 ) -> Result<Log, LogError> {
-    if options.topic.is_some() {
-        return Err(LogError::NoTopicsHere { path: path.to_path_buf(), kind: kind.name() });
+    without_topic(path, kind, options)?;
+    let mut head = Vec::new();
+    let mut source = source;
+    source.by_ref().take(LOOKED_AT).read_to_end(&mut head).map_err(|e| IoError::reading(file, e))?;
+    if let Some(long) = Long::of(&head) {
+        let mut bytes = head;
+        source.read_to_end(&mut bytes).map_err(|e| IoError::reading(file, e))?;
+        let text = String::from_utf8_lossy(&bytes);
+        let of = |name: &str| Source::Text(name.to_owned(), long.rows_of(&text, name), file.to_path_buf());
+        let log = TwoFiles::of(of(&long.gyro), of(&long.accel)).read(path, options)?;
+        return Ok(Log { kind, ..log });
     }
     // A scale is instead of a unit.
     let mut csv = options.csv.clone();
     csv.gyro = options.scales.gyro.map_or(csv.gyro, |_| Some(GyroUnit::RadPerSecond));
     csv.accel = options.scales.accel.map_or(csv.accel, |_| Some(AccelUnit::MetrePerSecond2));
-    let loose = parse_imu_csv_loosely(source, file, &csv)?;
-    let LooseImuLog { recording, understood, sieved, unreadable, wraps, said_hz } = loose;
+    let alone = only_sensor(&head, csv.rate.is_some()).filter(|_| csv.columns.is_none());
+    let source = std::io::Cursor::new(head).chain(source);
+    let mut loose = match alone {
+        Some(sensor) => parse_one_sensor_loosely(source, file, &csv, sensor)?,
+        None => parse_imu_csv_loosely(source, file, &csv)?,
+    };
+    if let Some(sensor) = alone {
+        loose.recording =
+            of_one(loose.recording, sensor, &mut loose.understood).map_err(|e| IoError::reading(file, e))?;
+        loose.others.clear();
+    }
+    let LooseImuLog { recording, places, others, understood, sieved, unreadable, wraps, said_hz } = loose;
     let Understood { columns, time, gyro, accel, passed, .. } = understood;
     let recording = match options.scales == Scales::default() {
         true => recording,
         false => scaled(recording.into_store(), path, options)?,
     };
-    let mut log = Log { sieved, said_hz, ..Log::sound(kind, recording) };
+    let others = other_parts(others, places, |samples| options.scales.apply(samples));
+    let others = others.map_err(|e| IoError::reading(file, e))?;
+    let mut log = Log { alone, sieved, places, others, said_hz, ..Log::sound(kind, recording) };
     match unreadable.first {
         Some(first) if unreadable.cut => log.damage = Some(format!("its last line is cut off ({first})")),
         Some(first) => {
@@ -187,16 +312,18 @@ fn text(
         "accelerometer, gyroscope"
     };
     guessed(
-        guess(columns.origin),
+        alone.is_none() && guess(columns.origin),
         match columns.value {
             ImuColumns::ROS2_ECHO => {
                 "columns as `ros2 topic echo --csv` prints an IMU's message (--columns)".to_owned()
             }
+            _ if options.csv.rate.is_some() => format!("columns as {order} (--columns)"),
             _ => format!("columns as stamp, {order} (--columns)"),
         },
     );
     for passed in passed {
-        guessed(true, format!("{passed} (--columns)"));
+        let flag = if passed.contains(" from `") { " (--columns)" } else { "" };
+        guessed(true, format!("{passed}{flag}"));
     }
     if wraps > 0 {
         guessed(true, format!("stamps a counter of 32 bits that began anew {wraps} time(s)"));
@@ -205,7 +332,13 @@ fn text(
         guessed(true, "increments divided by their intervals".to_owned());
     }
     guessed(guess(time.origin), format!("stamps in {} (--time-unit)", time.value));
-    guessed(guess(gyro.origin), format!("gyroscope in {} (--gyro-unit)", gyro.value.name()));
-    guessed(guess(accel.origin), format!("accelerometer in {} (--accel-unit)", accel.value.name()));
+    guessed(
+        alone != Some(Sensor::Accel) && guess(gyro.origin),
+        format!("gyroscope in {} (--gyro-unit)", gyro.value.name()),
+    );
+    guessed(
+        alone != Some(Sensor::Gyro) && guess(accel.origin),
+        format!("accelerometer in {} (--accel-unit)", accel.value.name()),
+    );
     Ok(log)
 }

@@ -79,52 +79,50 @@ impl Records {
         let mut guesses = Vec::new();
         let mut remarks = Vec::new();
         let storing = |e| IoError::reading(path, e);
-        let (topic, samples, sieved) =
-            match (first(Holds::Both), first(Holds::Gyro), first(Holds::Accel), wanted) {
-                (Some(at), ..) => {
-                    let others = self.0.iter().filter(|source| source.holds == Holds::Both).count() - 1;
-                    let Source { name, sieve, .. } = self.0.swap_remove(at);
-                    if others > 0 && wanted.is_none_or(|wanted| wanted != name) {
-                        let (record, instance) = name.rsplit_once('/').unwrap_or((&name, "0"));
-                        guesses.push(format!(
-                            "{record} of instance {instance}, of {} (--topic {record}/1)",
-                            others + 1
-                        ));
+        let (topic, sifted) = match (first(Holds::Both), first(Holds::Gyro), first(Holds::Accel), wanted) {
+            (Some(at), ..) => {
+                let others = self.0.iter().filter(|source| source.holds == Holds::Both).count() - 1;
+                let Source { name, sieve, .. } = self.0.swap_remove(at);
+                if others > 0 && wanted.is_none_or(|wanted| wanted != name) {
+                    let (record, instance) = name.rsplit_once('/').unwrap_or((&name, "0"));
+                    guesses.push(format!(
+                        "{record} of instance {instance}, of {} (--topic {record}/1)",
+                        others + 1
+                    ));
+                }
+                (name, sieve.done().map_err(storing)?)
+            }
+            (None, Some(gyro), Some(accel), _) => {
+                // The later in the list first: taking one moves none before it.
+                let mut take = |at: usize| {
+                    let Source { name, sieve, .. } = self.0.remove(at);
+                    sieve.done().map(|sifted| (name, sifted)).map_err(storing)
+                };
+                let (gyro, accel) = match gyro > accel {
+                    true => (take(gyro)?, take(accel)?),
+                    false => {
+                        let accel = take(accel)?;
+                        (take(gyro)?, accel)
                     }
-                    let (samples, sieved) = sieve.done().map_err(storing)?;
-                    (name, samples, sieved)
-                }
-                (None, Some(gyro), Some(accel), _) => {
-                    // The later in the list first: taking one moves none before it.
-                    let mut take = |at: usize| {
-                        let Source { name, sieve, .. } = self.0.remove(at);
-                        sieve.done().map(|(samples, sieved)| (name, samples, sieved)).map_err(storing)
-                    };
-                    let (gyro, accel) = match gyro > accel {
-                        true => (take(gyro)?, take(accel)?),
-                        false => {
-                            let accel = take(accel)?;
-                            (take(gyro)?, accel)
-                        }
-                    };
-                    let joined = join(&gyro.1, &accel.1).map_err(storing)?;
-                    guesses.push(joined.remark(&gyro.0, &accel.0));
-                    remarks.extend(joined.left_out());
-                    (gyro.0, joined.samples, gyro.2)
-                }
-                (.., Some(wanted)) if !self.0.is_empty() => {
-                    let wanted = wanted.to_owned();
-                    return Err(LogError::NoTopic {
-                        path: path.to_path_buf(),
-                        wanted,
-                        similar: None,
-                        topics: listed,
-                    });
-                }
-                _ => {
-                    return Err(LogError::NoImu { path: path.to_path_buf(), topics: listed, damage });
-                }
-            };
-        Chosen { topic, samples, sieved, remarks, guesses }.log(path, kind, "record", damage, options)
+                };
+                let joined = join(&gyro.1.part.samples, &accel.1.part.samples).map_err(storing)?;
+                guesses.push(joined.remark(&gyro.0, &accel.0));
+                remarks.extend(joined.left_out());
+                (gyro.0, gyro.1.with(joined.samples))
+            }
+            (.., Some(wanted)) if !self.0.is_empty() => {
+                let wanted = wanted.to_owned();
+                return Err(LogError::NoTopic {
+                    path: path.to_path_buf(),
+                    wanted,
+                    similar: None,
+                    topics: listed,
+                });
+            }
+            _ => {
+                return Err(LogError::NoImu { path: path.to_path_buf(), topics: listed, damage });
+            }
+        };
+        Chosen { topic, sifted, clocks: None, remarks, guesses }.log(path, kind, "record", damage, options)
     }
 }

@@ -90,7 +90,7 @@ impl<'a> SensorStream<'a> {
         Self {
             path: path.to_path_buf(),
             topic: options.imu.topic.clone(),
-            scales: options.imu.scales,
+            scales: options.imu.si_scales(),
             cameras: Cameras::new(path, options.image_topic.clone(), size),
             size,
             span,

@@ -6,6 +6,7 @@ use crate::fields::{Encoding, Undecodable};
 use crate::imu_message::{decode, is_imu};
 use crate::join::join;
 use crate::messages::Messages;
+use crate::two_clocks::TwoClocks;
 use crate::{LogError, LogOptions};
 use dpn_core::{ImuSample, Sensor, Stamp};
 use dpn_io::{IoError, Sieve, printable};
@@ -35,6 +36,8 @@ struct Imu {
     undecodable: BTreeMap<Undecodable, u64>,
     /// Messages whose header has no stamp: the bag's is taken.
     unstamped: u64,
+    /// Stamp and time of arrival \[ns\] of the first sample kept, and of the last.
+    ends: Option<[[i64; 2]; 2]>,
 }
 
 impl Imu {
@@ -45,7 +48,15 @@ impl Imu {
             speaks: Speaks::default(),
             undecodable: BTreeMap::new(),
             unstamped: 0,
+            ends: None,
         }
+    }
+
+    /// Takes note of when a sample arrived.
+    fn arrived(&mut self, t: Stamp, received_ns: i64) {
+        let now = [t.ns(), received_ns];
+        let first = self.ends.map_or(now, |[first, _]| first);
+        self.ends = Some([first, now]);
     }
 
     /// Says what of its messages was left out or amended.
@@ -270,15 +281,25 @@ impl Topics {
         let mut remarks = Vec::new();
         imu.complain(&name, messages, &mut remarks);
         let storing = |e| IoError::reading(path, e);
-        let (mut samples, sieved) = imu.sieve.done().map_err(storing)?;
+        let mut clocks = None;
+        let mut sifted = imu.sieve.done().map_err(storing)?;
         if let Some((accel_name, accel, messages)) = accel {
             accel.complain(&accel_name, messages, &mut remarks);
-            let joined = accel.sieve.done().and_then(|(accel, _)| join(&samples, &accel)).map_err(storing)?;
+            let clock = imu.ends.zip(accel.ends).and_then(|(gyro, accel)| TwoClocks::of(gyro, accel));
+            clocks = clock.map(|clock| clock.words(&name, &accel_name));
+            let accel = accel.sieve.done().map_err(storing)?.part.samples;
+            let accel = match clock {
+                Some(clock) => {
+                    accel.changed(|s| Some(ImuSample { t: clock.at(s.t), ..s })).map_err(storing)?
+                }
+                None => accel,
+            };
+            let joined = join(&sifted.part.samples, &accel).map_err(storing)?;
             guesses.push(joined.remark(&name, &accel_name));
             remarks.extend(joined.left_out());
-            samples = joined.samples;
+            sifted = sifted.with(joined.samples);
         }
-        Ok(Chosen { topic: name, samples, sieved, remarks, guesses })
+        Ok(Chosen { topic: name, sifted, clocks, remarks, guesses })
     }
 }
 
@@ -321,6 +342,7 @@ impl Messages for Topics {
                 }
                 if imu.sieve.push(sample, topic.messages) {
                     imu.speaks.hear(&sample);
+                    imu.arrived(sample.t, received_ns);
                 }
             }
             Err(why) => *imu.undecodable.entry(why).or_default() += 1,

@@ -4,6 +4,7 @@
 //! the [`Budget`] of everything that is packed.
 
 use crate::budget::Budget;
+use crate::read::two_files;
 use crate::topics::shortened;
 use crate::two_files::{TwoFiles, is_table};
 use crate::{Log, LogError, LogOptions};
@@ -51,7 +52,7 @@ pub(crate) fn read(
         left = left.checked_sub(laid).ok_or_else(|| damaged(budget.exceeded()))?;
     }
     if let Some(tables) = TwoFiles::find(dir.path())? {
-        return tables.shown_in(path).read(path, options);
+        return two_files(tables.shown_in(path), path, options);
     }
     match files.as_slice() {
         [(at, name)] => {

@@ -24,6 +24,7 @@ mod odometry;
 mod paper;
 mod pipes;
 mod recording;
+mod remedies;
 mod rendered;
 mod run;
 mod simulate;

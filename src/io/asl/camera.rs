@@ -125,6 +125,8 @@ mod tests {
         let config = parse(GOOD).unwrap();
         assert_eq!(config.resolution, [752, 480]);
         assert_eq!(config.coefficients.len(), 4);
+        // As Kimera and OpenCV begin their files.
+        assert_eq!(parse(&format!("%YAML:1.0\ncamera_id: left_cam\n{GOOD}")).unwrap(), config);
         // The matrix times (1, 2, 3, 1), by hand.
         let point = config.body_from_cam * Point3::new(1.0, 2.0, 3.0);
         let expected = Vector3::new(

@@ -15,7 +15,8 @@ pub(super) struct Matrix {
 }
 
 pub(super) fn parse<T: DeserializeOwned>(bytes: &[u8], path: &Path) -> Result<T, IoError> {
-    crate::yaml::parse(crate::yaml::text(bytes, path)?, path)
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    crate::yaml::parse(&crate::yaml::without_directives(crate::yaml::text(bytes, path)?), path)
 }
 
 /// The `T_BS` of a sensor: maps points in the sensor's frame to the body's.

@@ -20,6 +20,14 @@ pub enum CalibrationError {
         /// The file.
         path: PathBuf,
     },
+    /// Several that could be meant.
+    #[error("several calibrations of the camera: {files}")]
+    Several {
+        /// The files.
+        files: String,
+        /// One of them.
+        one: String,
+    },
     /// A key is not there.
     #[error("{}: no `{key}`", path.display())]
     Missing {
@@ -53,9 +61,10 @@ impl CalibrationError {
             Self::Tree(FormatError::Io(error)) => error.hint(),
             Self::Tree(_) | Self::Unknown { .. } => Some(
                 "known are Kalibr's camchain-imucam.yaml, OpenVINS' kalibr_imucam_chain.yaml and estimator_config.yaml, VINS', ORB-SLAM3's, \
-                 Basalt's and OKVIS2's configurations, and ASL's cam0/sensor.yaml"
+                 Basalt's and OKVIS2's configurations, ASL's cam0/sensor.yaml, and DSO's camera.txt"
                     .to_owned(),
             ),
+            Self::Several { one, .. } => Some(format!("say which one: --calib {one}")),
             Self::Missing { remedy, .. } => Some((*remedy).to_owned()),
             Self::Bad { .. } => Some("mend the value as the calibration program wrote it".to_owned()),
         }

@@ -34,6 +34,8 @@ named!(
         Basalt = "Basalt",
         /// OKVIS' and OKVIS2's configuration.
         Okvis = "OKVIS",
+        /// DSO's and DM-VIO's `camera.txt`, with Kalibr's extrinsics.
+        Dso = "DSO camera.txt",
     }
 );
 

@@ -19,6 +19,10 @@ pub(super) struct Place {
 }
 
 impl Place {
+    pub(super) fn new(path: &Path, line: usize, key: &str) -> Self {
+        Self { path: path.to_path_buf(), line, key: key.to_owned() }
+    }
+
     /// What is wrong there.
     pub(super) fn error(&self, problem: String) -> CalibrationError {
         let Self { path, line, key } = self.clone();
@@ -44,6 +48,11 @@ pub(super) struct Keys<'a> {
 impl<'a> Keys<'a> {
     pub(super) fn new(path: &'a Path, tree: &'a Tree) -> Self {
         Self { path, above: String::new(), entries: tree.root() }
+    }
+
+    /// The file that these are the keys of.
+    pub(super) fn path(&self) -> &'a Path {
+        self.path
     }
 
     /// The file that `key` names, which stands in the same folder.

@@ -1,4 +1,4 @@
-//! A camera's calibration as other programs write it: Kalibr, OpenVINS, VINS, ORB-SLAM3, Basalt, OKVIS, ASL.
+//! A camera's calibration as other programs write it: Kalibr, OpenVINS, VINS, ORB-SLAM3, Basalt, OKVIS, ASL, DSO.
 //!
 //! * [`read`]: file to [`Calibration`], the program known by the file's keys.
 //! * One file a format, each from keys to what it says; `keys` reads values with their lines, `found` holds them to what a camera can be.
@@ -8,6 +8,8 @@
 //! another (`cam0_calib`, `relative_config_imucam`): that is looked for in its own folder.
 
 mod basalt;
+pub mod beside;
+mod dso;
 mod error;
 mod found;
 mod kalibr;
@@ -41,6 +43,16 @@ pub fn read(path: &Path) -> Result<Calibration, CalibrationError> {
 /// # Errors
 /// As [`read`].
 pub fn parse(bytes: &[u8], path: &Path) -> Result<Calibration, CalibrationError> {
+    if dso::parse(bytes).is_some() {
+        let chain = dso::chain(path).ok_or_else(|| CalibrationError::Missing {
+            path: path.to_path_buf(),
+            key: "T_cam_imu".to_owned(),
+            remedy: "a camera.txt does not say how the camera sits on the IMU; put Kalibr's camchain.yaml with `cam0: T_cam_imu` beside it",
+        })?;
+        let tree = Tree::parse(&read_config(&chain)?, &chain)?;
+        return kalibr::read(&Keys::new(&chain, &tree), dso::lens_at(bytes, path))?
+            .checked(CalibrationFormat::Dso);
+    }
     let tree = Tree::parse(bytes, path)?;
     let keys = Keys::new(path, &tree);
     let format = format_of(&keys).ok_or_else(|| CalibrationError::Unknown { path: path.to_path_buf() })?;
@@ -57,7 +69,7 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Calibration, CalibrationError>
                 imu: None,
             });
         }
-        CalibrationFormat::Kalibr => kalibr::read(&keys)?,
+        CalibrationFormat::Kalibr | CalibrationFormat::Dso => kalibr::read(&keys, None)?,
         CalibrationFormat::OpenVins => open_vins(&keys)?,
         CalibrationFormat::Vins => vins::read(&keys)?,
         CalibrationFormat::OrbSlam3 => orbslam::read(&keys)?,
@@ -97,11 +109,11 @@ fn format_of(keys: &Keys<'_>) -> Option<CalibrationFormat> {
 /// `estimator_config.yaml` names the file of the camera; that file has Kalibr's keys.
 fn open_vins(keys: &Keys<'_>) -> Result<Found, CalibrationError> {
     if !keys.has("relative_config_imucam") {
-        return kalibr::read(keys);
+        return kalibr::read(keys, None);
     }
     let path = keys.beside("relative_config_imucam")?;
     let tree = Tree::parse(&read_config(&path)?, &path)?;
-    kalibr::read(&Keys::new(&path, &tree))
+    kalibr::read(&Keys::new(&path, &tree), None)
 }
 
 /// Whose keys of the IMU's noise there are, and in which file: in this one, else the one it names, else one beside it by its usual name. What cannot

@@ -13,6 +13,8 @@ use serde::Serialize;
 pub struct Given {
     /// The IMU's rate.
     pub rate: Option<SampleRate>,
+    /// Whether that is a log's, and nobody typed it.
+    pub rate_of_log: bool,
     /// Figures with their units.
     pub quantities: Vec<Quantity>,
     /// Whether a zero is kept as something to be said ([`NoiseCalibration::zeros`]) and not refused: for whoever judges a configuration and does

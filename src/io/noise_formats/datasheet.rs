@@ -36,7 +36,7 @@ pub(super) fn read(tree: &Tree, path: &Path, given: &Given) -> Result<NoiseCalib
     let mut source = NoiseCalibration::new(Format::Datasheet);
     let blocks = tree.blocks();
     let block = &blocks[0];
-    source.figures.rate = keyed::rate(block, [RATE], given.rate, path, &mut source.remarks)?;
+    source.figures.rate = keyed::rate(block, [RATE], given, path, &mut source.remarks)?;
     for entry in block.entries {
         if entry.key == RATE {
             continue;

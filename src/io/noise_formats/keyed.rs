@@ -74,7 +74,7 @@ pub(super) fn block<'a>(tree: &'a Tree, names: &[&str]) -> Option<(Block<'a>, Ve
 pub(super) fn rate(
     block: &Block<'_>,
     names: impl IntoIterator<Item = &'static str>,
-    given: Option<SampleRate>,
+    given: &Given,
     path: &Path,
     remarks: &mut Vec<Remark>,
 ) -> Result<Option<SampleRate>, FormatError> {
@@ -87,19 +87,25 @@ pub(super) fn rate(
             _ => return Err(bad()),
         };
         let file = SampleRate::from_hz(value).ok_or_else(bad)?;
-        if let Some(given) = given
-            && (given.hz() / file.hz() - 1.0).abs() > 0.01
+        if let Some(counts) = given.rate
+            && (counts.hz() / file.hz() - 1.0).abs() > 0.01
         {
+            let (counts, of_log) = (short(counts.hz()), given.rate_of_log);
+            let other = match of_log {
+                true => format!(
+                    "but the log has {counts} Hz: mend the key, or look at the log's rate; the log's counts here"
+                ),
+                false => format!("but --rate {counts} counts"),
+            };
             remarks.push(Remark(format!(
-                "{}: `{name}` is {} Hz, but --rate {} counts",
+                "{}: `{name}` is {} Hz, {other}",
                 at(path, Some(entry.line)),
-                short(file.hz()),
-                short(given.hz())
+                short(file.hz())
             )));
         }
-        return Ok(Some(given.unwrap_or(file)));
+        return Ok(Some(given.rate.unwrap_or(file)));
     }
-    Ok(given)
+    Ok(given.rate)
 }
 
 /// One positive number, or three: x, y, z, or the diagonal of nine. None where one of them is zero and `keep_zeros`.
@@ -166,7 +172,7 @@ pub(super) fn read(
         )));
     }
     let rate_keys = layout.rate.into_iter().chain(layout.other_rates.iter().copied());
-    let rate = rate(&block, rate_keys, given.rate, path, &mut source.remarks)?;
+    let rate = rate(&block, rate_keys, given, path, &mut source.remarks)?;
     source.figures.rate = rate;
     let mut lacking = Vec::new();
     for key in layout.keys {
@@ -189,7 +195,7 @@ pub(super) fn read(
             FormatError::key(path, entry.line, key.name, KeyFault::NotPositive { value: bad.0 })
         };
         source.figures.set(key.figure, key.meaning, values, rate).map_err(bad)?;
-        source.steps.push(read_step(key, values, &source.figures, rate));
+        source.steps.push(Step::to_density(key.name, key.figure, key.meaning, values, &source.figures, rate));
     }
     if !lacking.is_empty() {
         return Err(missing(tree, format, layout, path, &lacking));
@@ -199,18 +205,6 @@ pub(super) fn read(
 
 fn named(path: &str) -> String {
     if path.is_empty() { "the one at the top".into() } else { format!("`{path}`") }
-}
-
-/// From a key's number to a density.
-fn read_step(key: Key, values: Axes<f64>, figures: &ImuFigures, rate: SampleRate) -> Step {
-    let number = format!("{} {}", values.text(), key.meaning.unit(key.figure));
-    let density = figures.density(key.figure).map_or_else(String::new, AxesText::text);
-    Step {
-        name: key.name.to_owned(),
-        from: key.meaning.to_density_words(&number, &format!("{} Hz", short(rate.hz()))),
-        result: format!("{density} {}", key.figure.unit()),
-        meaning: "density",
-    }
 }
 
 /// From a density to a key's number.

@@ -13,6 +13,7 @@ mod convert;
 mod datasheet;
 mod error;
 mod format;
+mod imu_utils;
 mod key_fault;
 mod keyed;
 mod layout;

@@ -4,7 +4,7 @@ use super::calibration::{Given, NoiseCalibration};
 use super::error::FormatError;
 use super::format::Format;
 use super::tree::Tree;
-use super::{datasheet, keyed, ros, vins};
+use super::{datasheet, imu_utils, keyed, ros, vins};
 use crate::small::{read_config, read_config_from};
 use std::path::Path;
 
@@ -31,6 +31,10 @@ pub fn parse(
     given: &Given,
 ) -> Result<NoiseCalibration, FormatError> {
     let tree = Tree::parse(bytes, path)?;
+    if let Some(mut source) = imu_utils::read(&tree, path, given)? {
+        source.take(given)?;
+        return Ok(source);
+    }
     let Some(format) = format.or_else(|| Format::of(&tree)) else {
         let known: Vec<&str> = Format::ALL.into_iter().flat_map(Format::own_keys).collect();
         return Err(FormatError::NoFormat {

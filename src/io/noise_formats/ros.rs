@@ -5,7 +5,7 @@ use super::calibration::{Given, NoiseCalibration, Zero};
 use super::error::FormatError;
 use super::format::Format;
 use super::key_fault::KeyFault;
-use super::keyed::{self, AxesText, Line};
+use super::keyed::{self, Line};
 use super::layout::Key;
 use super::number::number;
 use super::step::{Remark, Step};
@@ -49,17 +49,14 @@ pub(super) fn read(tree: &Tree, path: &Path, given: &Given) -> Result<NoiseCalib
         let bad =
             |bad: BadNoise| FormatError::key(path, entry.line, name, KeyFault::NotPositive { value: bad.0 });
         source.figures.set(figure, Meaning::SampleVariance, variances, rate).map_err(bad)?;
-        let number = format!("{} {}", variances.text(), Meaning::SampleVariance.unit(figure));
-        source.steps.push(Step {
-            name: name.to_owned(),
-            from: Meaning::SampleVariance.to_density_words(&number, &format!("{} Hz", rate.hz())),
-            result: format!(
-                "{} {}",
-                source.figures.density(figure).map_or_else(String::new, AxesText::text),
-                figure.unit()
-            ),
-            meaning: "density",
-        });
+        source.steps.push(Step::to_density(
+            name,
+            figure,
+            Meaning::SampleVariance,
+            variances,
+            &source.figures,
+            rate,
+        ));
     }
     Ok(source)
 }

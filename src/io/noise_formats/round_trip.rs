@@ -189,7 +189,7 @@ fn what_is_typed_wins_over_the_file_and_fills_its_gaps() {
     let given = Given {
         rate: SampleRate::from_hz(100.0),
         quantities: vec![quantity("1 mg rms", Figure::AccelWhite), quantity("2e-5", Figure::GyroWalk)],
-        keep_zeros: false,
+        ..Given::default()
     };
     let text = "acc_n: 0.08\ngyr_n: 0.004\nacc_w: 4e-5\n";
     let source = parse(text.as_bytes(), Path::new("f"), None, &given).unwrap();
@@ -207,4 +207,48 @@ fn a_basalt_file_of_old_with_one_number_and_of_new_with_three_is_read() {
     assert_eq!(figures.rate, Some(SampleRate::HZ_200));
     assert_eq!(figures.density(Figure::AccelWhite), Some(Axes::Same(0.016)));
     assert_eq!(figures.density(Figure::GyroWhite), Some(Axes::Each([0.000_282, 0.0003, 0.000_282])));
+}
+
+#[test]
+fn what_imu_utils_leaves_is_noise_per_sample_and_no_walk() {
+    let sensor = |name: &str, key: &str, n: f64| {
+        let axis = |axis: &str, n: f64| format!("   {axis}:\n      {key}_n: {n:e}\n      {key}_w: 2.6e-05\n");
+        format!(
+            "{name}:\n   unit: \" x\"\n{}{}{}{}",
+            axis("avg-axis", n),
+            axis("x-axis", 1.1 * n),
+            axis("y-axis", n),
+            axis("z-axis", 0.9 * n)
+        )
+    };
+    let text = format!(
+        "%YAML:1.0\n---\ntype: IMU\nname: any\n{}{}",
+        sensor("Gyr", "gyr", 1.2e-3),
+        sensor("Acc", "acc", 2e-2)
+    );
+    let read = |rate| parse(text.as_bytes(), Path::new("f"), None, &Given { rate, ..Given::default() });
+    assert!(matches!(read(None), Err(FormatError::NeedsRate { .. })));
+    let source = read(Some(SampleRate::HZ_200)).unwrap();
+    let density = source.figures.density(Figure::AccelWhite).unwrap().each();
+    assert!(
+        (density[0] - 2.2e-2 / 200f64.sqrt()).abs() < 1e-12
+            && source.figures.density(Figure::AccelWalk).is_none()
+    );
+    let written = write(&source.figures, Format::Kalibr, |_| None).unwrap();
+    assert!(written.text.contains("# accelerometer_random_walk: not known"), "{}", written.text);
+}
+
+#[test]
+fn a_configured_rate_that_is_not_the_logs_is_said_of_the_log() {
+    let text = "accelerometer_noise_density: 1\naccelerometer_random_walk: 1\ngyroscope_noise_density: 1\ngyroscope_random_walk: 1\nupdate_rate: 50\n";
+    let said = |rate_of_log| {
+        let given = Given { rate: Some(SampleRate::HZ_200), rate_of_log, ..Given::default() };
+        parse(text.as_bytes(), Path::new("f"), None, &given).unwrap().remarks[0].to_string()
+    };
+    assert!(
+        said(true).starts_with("f:5: `update_rate` is 50.0 Hz, but the log has 200.0 Hz"),
+        "{}",
+        said(true)
+    );
+    assert!(said(false).ends_with("but --rate 200.0 counts"), "{}", said(false));
 }

@@ -1,5 +1,9 @@
 //! What was done, said line by line.
 
+use super::keyed::AxesText;
+use super::number::short;
+use dpn_core::SampleRate;
+use dpn_core::noise::{Axes, Figure, ImuFigures, Meaning};
 use serde::Serialize;
 use std::fmt;
 
@@ -14,6 +18,27 @@ pub struct Step {
     pub result: String,
     /// What the result is.
     pub meaning: &'static str,
+}
+
+impl Step {
+    /// From the number of key `name` to the density that it made of `figures`.
+    pub(super) fn to_density(
+        name: &str,
+        figure: Figure,
+        meaning: Meaning,
+        values: Axes<f64>,
+        figures: &ImuFigures,
+        rate: SampleRate,
+    ) -> Self {
+        let number = format!("{} {}", values.text(), meaning.unit(figure));
+        let density = figures.density(figure).map_or_else(String::new, AxesText::text);
+        Self {
+            name: name.to_owned(),
+            from: meaning.to_density_words(&number, &format!("{} Hz", short(rate.hz()))),
+            result: format!("{density} {}", figure.unit()),
+            meaning: "density",
+        }
+    }
 }
 
 impl fmt::Display for Step {

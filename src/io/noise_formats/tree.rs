@@ -92,7 +92,7 @@ impl Tree {
     /// No text, no YAML, no keys.
     pub(crate) fn parse(bytes: &[u8], path: &Path) -> Result<Self, FormatError> {
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-        let text = without_directives(first_document(yaml::text(bytes, path)?));
+        let text = yaml::without_directives(first_document(yaml::text(bytes, path)?));
         let node = yaml::parse::<Spanned<Node>>(&text, path)?.value;
         match node {
             Node::Map(root) if !root.is_empty() => Ok(Self { root }),
@@ -139,14 +139,6 @@ fn first_document(text: &str) -> &str {
         at += line.len();
     }
     text
-}
-
-/// `%YAML:1.0` at the head is no YAML unless `---` follows, which VINS' files do without: directives become comments.
-fn without_directives(text: &str) -> String {
-    let lines = text.split_inclusive('\n');
-    lines
-        .map(|line| line.strip_prefix('%').map_or_else(|| line.to_owned(), |rest| format!("#{rest}")))
-        .collect()
 }
 
 impl<'de> Deserialize<'de> for Node {

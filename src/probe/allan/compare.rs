@@ -163,6 +163,28 @@ pub fn compare(source: &NoiseCalibration, log: &AllanLog) -> Vec<FigureCheck> {
     Figure::ALL.into_iter().filter_map(judged).collect()
 }
 
+/// Figures of `source` that no IMU has at rest, nor twenty times that as people tell an estimator that moves; with mix-ups that would explain them.
+pub fn implausible(source: &NoiseCalibration) -> Vec<Finding> {
+    let rate = source.figures.rate.unwrap_or(SampleRate::HZ_200);
+    let of = |figure: Figure| {
+        let density = source.figures.density(figure)?.largest();
+        let above = density > typical(figure)[1] * USUAL;
+        if !(unusual(figure, density) && (above || density < typical(figure)[0])) {
+            return None;
+        }
+        let (key, meaning) = key_of(source.format, figure);
+        let configured = source.figures.get(figure, meaning, rate)?.largest();
+        let (number, unit) = (number(configured), meaning.unit(figure));
+        let mut text = format!("{figure}: `{key}` is {number} {unit}, but IMUs have {}", usual(figure));
+        let suspects = by_typical(figure, meaning, configured, rate);
+        if !suspects.is_empty() {
+            text.push_str(&format!("; looks like {}", suspects.join(", or ")));
+        }
+        Some(Finding::figure(true, text))
+    };
+    Figure::ALL.into_iter().filter_map(of).collect()
+}
+
 /// Holds one figure of `source` against what a log of `log_rate` says of it; none where the configuration does not have it.
 pub fn judge(
     source: &NoiseCalibration,
@@ -255,6 +277,29 @@ mod tests {
             accel: [axes[3][i], axes[4][i], axes[5][i] + 9.81],
         });
         AllanLog::of(&ImuRecording::new(samples.collect()).unwrap(), true).unwrap()
+    }
+
+    #[test]
+    fn figures_that_no_imu_has_are_named_without_a_log_and_usual_ones_are_not() {
+        let of = |[an, aw, gn, gw]: [f64; 4]| {
+            let text = format!(
+                "accelerometer_noise_density: {an:e}\naccelerometer_random_walk: {aw:e}\ngyroscope_noise_density: {gn:e}\ngyroscope_random_walk: {gw:e}\n"
+            );
+            let source = parse(text.as_bytes(), Path::new("f"), None, &Given::default()).unwrap();
+            implausible(&source).into_iter().map(|finding| finding.text).collect::<Vec<_>>()
+        };
+        // EuRoC's, and five times as much.
+        assert_eq!(of([2e-3, 3e-3, 1.7e-4, 1.9e-5]), Vec::<String>::new());
+        assert_eq!(of([1e-2, 1.5e-2, 8.5e-4, 1e-4]), Vec::<String>::new());
+        let variances = of([4e-6, 1e-8, 4e-8, 1e-10]);
+        assert_eq!(variances.len(), 4, "{variances:?}");
+        assert!(variances[0].contains("is 4.0e-6 m/s^2/sqrt(Hz), but IMUs have"), "{variances:?}");
+        assert!(
+            variances.iter().all(|text| text.contains("a variance where a deviation belongs")),
+            "{variances:?}"
+        );
+        let degrees = of([2e-3, 3e-3, 1.7e-4 * 57.3, 1.9e-5]);
+        assert!(degrees.len() == 1 && degrees[0].contains("degrees where radians belong"), "{degrees:?}");
     }
 
     #[test]

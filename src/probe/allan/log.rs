@@ -1,5 +1,6 @@
 //! A whole log: where it is at rest, six Allan plots, and the figures an estimator asks for.
 
+use super::bridge::bridged;
 use super::deviation;
 use super::fit::{Estimate, Fit, Planner};
 use super::model::Coefficient;
@@ -99,6 +100,8 @@ pub struct AllanLog {
     pub rest: Rest,
     /// Whether moving parts were used too.
     pub everything: bool,
+    /// Single lost samples for which straight lines stand, of the whole log.
+    pub bridged: usize,
     /// Accelerometer x, y, z, gyroscope x, y, z.
     pub axes: Vec<AxisFit>,
 }
@@ -109,6 +112,8 @@ impl AllanLog {
     /// # Errors
     /// See [`AllanError`].
     pub fn of(recording: &ImuRecording, everything: bool) -> Result<Self, AllanError> {
+        let bridged = bridged(recording);
+        let (recording, bridged) = bridged.as_ref().map_or((recording, 0), |(whole, count)| (whole, *count));
         let rest = rest(recording).expect("a recording lies in memory");
         let rate = recording.rate();
         let used = if everything { 0..recording.len() } else { rest.longest.clone() };
@@ -138,7 +143,7 @@ impl AllanLog {
                 Ok(AxisFit { sensor, axis: ["x", "y", "z"][axis], fit: planner.fit(&signal)? })
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let log = Self { rate, samples: used.len(), length_s, rest, everything, axes };
+        let log = Self { rate, samples: used.len(), length_s, rest, everything, bridged, axes };
         log.checked_figures()?;
         Ok(log)
     }

@@ -8,6 +8,7 @@
 //! * [`AllanLog`]: all of it for a log; [`report`] says it in words.
 //! * [`compare`]: a configuration against it; `mix_up`: what may have been mixed up in it.
 
+mod bridge;
 mod chi;
 #[cfg(feature = "formats")]
 pub mod compare;

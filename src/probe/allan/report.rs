@@ -73,6 +73,12 @@ fn head(log: &AllanLog) -> String {
         duration(log.length_s)
     );
     let rest = &log.rest;
+    if log.bridged > 0 {
+        text.push_str(&format!(
+            "{} single lost sample(s) of the log bridged by straight lines\n",
+            log.bridged
+        ));
+    }
     if !rest.moved.is_empty() {
         let spans: Vec<String> =
             rest.moved.iter().map(|s| format!("{:.0}-{:.0}", s.from_s, s.to_s)).collect();

@@ -6,6 +6,7 @@
 //! * [`vibration`]: spectral peaks and what may be aliased.
 //! * [`motion`]: rest and motion, drift of the bias at rest.
 //! * [`reading`]: damage, stamps that stand still or go back, values that are no numbers, all of which the reader left out.
+//! * [`table`]: many logs, a row each.
 //! * [`examine_log`]: all of them; `examine` without the last.
 //!
 //! Every check runs on what there is: of a clock that jumps the longest part is looked at, and a sample beyond what any IMU measures is named
@@ -16,14 +17,15 @@ mod kept;
 pub mod motion;
 #[cfg(feature = "logs")]
 pub mod reading;
+pub mod table;
 pub mod timing;
 pub mod values;
 pub mod vibration;
 
 use crate::finding::Finding;
-use crate::phases::phases;
+use crate::phases::{Phase, Stretch, phases};
 use crate::rest_noise::RestNoise;
-use dpn_core::Recorded;
+use dpn_core::{Recorded, Sensor};
 #[cfg(feature = "logs")]
 use dpn_logs::Log;
 use serde::Serialize;
@@ -39,11 +41,28 @@ pub struct Examination {
     pub length_s: f64,
     /// Median rate \[Hz\].
     pub rate_hz: f64,
+    /// What a table of logs has of it.
+    pub figures: LogFigures,
     /// What was found, the gravest first.
     pub findings: Vec<Finding>,
     /// Spectra of the six axes, for the plot; none where the log is too short.
     #[serde(skip)]
     pub spectra: Vec<AxisSpectrum>,
+}
+
+/// A log in a few numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LogFigures {
+    /// Samples that were lost, about.
+    pub lost: f64,
+    /// Seconds at rest.
+    pub rest_s: f64,
+    /// Length of the specific force: the median at rest, else of the whole log \[m/s^2\].
+    pub gravity: f64,
+    /// White noise at rest, the largest of the axes \[m/s^2/sqrt(Hz)\]; none where nothing rests.
+    pub accel_noise: Option<f64>,
+    /// The same of the gyroscope \[rad/s/sqrt(Hz)\].
+    pub gyro_noise: Option<f64>,
 }
 
 /// Looks at what somebody recorded: its samples, and what the reader had to leave out or guess.
@@ -53,7 +72,31 @@ pub struct Examination {
 #[cfg(feature = "logs")]
 pub fn examine_log(log: &Log) -> io::Result<Examination> {
     let mut examination = examine(&log.recording)?;
+    if let Some(sensor) = log.alone {
+        // What is said of zeros is none of the log's.
+        let other = if sensor == Sensor::Gyro { Sensor::Accel } else { Sensor::Gyro };
+        let is_of_zeros = |f: &Finding| {
+            f.text.starts_with(&format!("{other} "))
+                || (sensor == Sensor::Gyro && ["gravity", "columns"].contains(&f.about))
+        };
+        examination.findings.retain(|finding| !is_of_zeros(finding));
+    }
     examination.findings.extend(reading::findings(log));
+    for (number, part) in (2..).zip(&log.others) {
+        let other = examine(&part.recording)?;
+        let [from, to] = part.places;
+        let name = format!("part {number}, {}s {from} to {to}", log.place);
+        let is_new = |f: &Finding| {
+            f.warns()
+                && !examination.findings.iter().any(|own| own.about == f.about && own.weight <= f.weight)
+        };
+        let named = |f: &Finding| Finding { text: format!("{name}: {}", f.text), ..f.clone() };
+        let new: Vec<Finding> = other.findings.iter().filter(|f| is_new(f)).map(named).collect();
+        let what =
+            format!("{name}: {} samples, {:.1} s, {:.1} Hz", other.samples, other.length_s, other.rate_hz);
+        examination.findings.push(Finding::note("parts", what));
+        examination.findings.extend(new);
+    }
     examination.findings.sort_by_key(|finding| finding.weight);
     Ok(examination)
 }
@@ -63,22 +106,41 @@ pub(crate) fn examine(recording: &dyn Recorded) -> io::Result<Examination> {
     let (part, jumps) = clock::without_jumps(recording)?;
     let recording = part.as_ref().map_or(recording, |part| part);
     let mut findings: Vec<Finding> = jumps.into_iter().collect();
-    findings.extend(timing::findings(recording)?);
+    let (of_timing, lost) = timing::findings(recording)?;
+    findings.extend(of_timing);
     let (measured, outliers) = values::without_outliers(recording)?;
     let measured = measured.as_ref().map_or(recording, |measured| measured);
     findings.extend(outliers);
+    let (fresh, repeats) = timing::without_repeats(measured)?;
+    let measured = fresh.as_ref().map_or(measured, |fresh| fresh);
+    findings.extend(repeats);
     let rest = crate::allan::rest::rest(measured)?;
     let spectra = vibration::spectra(measured)?;
-    findings.extend(values::findings(measured, &rest)?);
+    let (of_values, gravity) = values::findings(measured, &rest)?;
+    findings.extend(of_values);
     findings.extend(vibration::findings(&spectra));
     findings.extend(motion::findings(measured, &rest)?);
-    let at_rest = RestNoise::of(measured, &phases(measured)?)?;
+    let stretches = phases(measured)?;
+    let at_rest = RestNoise::of(measured, &stretches)?;
     findings.extend(at_rest.iter().flat_map(RestNoise::findings));
+    let noise = |sensor| {
+        let of = at_rest.as_ref()?.sensors.iter().find(|noise| noise.sensor == sensor)?;
+        Some(of.densities()?.iter().map(|density| density.value).fold(0.0, f64::max))
+    };
+    let rests = stretches.iter().filter(|stretch| stretch.phase == Phase::Rest);
+    let figures = LogFigures {
+        lost,
+        rest_s: rests.map(Stretch::length_s).sum(),
+        gravity,
+        accel_noise: noise(Sensor::Accel),
+        gyro_noise: noise(Sensor::Gyro),
+    };
     findings.sort_by_key(|finding| finding.weight);
     Ok(Examination {
         samples: recording.len(),
         length_s: recording.length_s(),
         rate_hz: recording.rate().hz(),
+        figures,
         findings,
         spectra,
     })

@@ -1,6 +1,7 @@
 //! What the reader of a log had to leave out or guess.
 
 use crate::finding::Finding;
+use crate::text::instrument;
 use dpn_core::{Recorded, Samples};
 use dpn_io::LeftOut;
 use dpn_logs::Log;
@@ -17,6 +18,28 @@ pub(super) fn findings(log: &Log) -> Vec<Finding> {
             "damage",
             format!("{damage}; the {} samples before it are used", log.recording.len()),
             "copy or record it again",
+        ));
+    }
+    if let Some(sensor) = log.alone {
+        findings.push(Finding::bad(
+            "sensors",
+            format!("the log has the {} alone", instrument(sensor)),
+            "give the folder in which the other sensor's file lies too: an odometry needs both; what is found here is of this one",
+        ));
+    }
+    if let Some(text) = log.parts_words() {
+        let remedy = if log.others.iter().any(|part| part.is_among) {
+            "record each on a topic, or in a file, of its own: an odometry fed with both goes wrong"
+        } else {
+            "cut the log there; look for a clock that was set, a counter that began anew, or several recordings in one file"
+        };
+        findings.push(Finding::bad("parts", text, remedy));
+    }
+    if let Some(text) = &log.clocks {
+        findings.push(Finding::bad(
+            "clock",
+            text.clone(),
+            "look at the driver: one clock must stamp both sensors, before any odometry is fed with them",
         ));
     }
     let all = log.recording.len() + log.sieved.count();

@@ -1,19 +1,24 @@
 //! Rate, jitter, dropped samples, samples that come twice.
 
 use super::clock;
+use super::kept::Kept;
 use crate::finding::Finding;
 use dpn_core::Recorded;
 use dpn_core::signal::ranks::{Column, Level, levels};
+use dpn_core::signal::stats;
 use std::io;
 
 /// Jitter of a step, relative to the median one, from which an integrator notices.
 const JITTER: f64 = 0.05;
 /// A step longer than nearly all others by this factor is a hole, not the pause behind a burst.
 const PAUSE: f64 = 5.0;
-/// Share of samples equal to the one before from which the log is polled faster than the sensor.
+/// Share of samples equal to the one before from which the log is polled faster than the sensor,
 const TWICE: f64 = 0.05;
+/// and from which the rest of what is found would be found of that.
+const MOSTLY: f64 = 0.4;
 
-pub(super) fn findings(recording: &dyn Recorded) -> io::Result<Vec<Finding>> {
+/// What is to be said, and how many samples were lost.
+pub(super) fn findings(recording: &dyn Recorded) -> io::Result<(Vec<Finding>, f64)> {
     let period = recording.rate().period();
     let count = recording.len() - 1;
     let mut findings = Vec::new();
@@ -27,20 +32,6 @@ pub(super) fn findings(recording: &dyn Recorded) -> io::Result<Vec<Finding>> {
     let asked = [0.01, 0.99, 0.97].map(Level::Quantile);
     let found = levels(&[Column { count, levels: &asked }], |take| each_step(&mut |step| take(0, step)))?;
     let [low, high] = [found[0][0], found[0][1]].map(|step| step / period - 1.0);
-    let text = || {
-        format!(
-            "1 % of the steps are shorter than {:.2} and 1 % longer than {:.2} periods",
-            1.0 + low,
-            1.0 + high
-        )
-    };
-    if high > JITTER || low < -JITTER {
-        findings.push(Finding::warning(
-            "jitter",
-            text(),
-            "take the sensor's own clock for stamps, not the time of arrival; an integrator turns jitter into noise",
-        ));
-    }
     // A burst empties a queue: many steps near zero, then a long one; the median step says nothing then.
     // Holes are no pauses behind bursts: without them, one of a minute would make every other step a short one.
     let longest = PAUSE * found[0][2];
@@ -56,76 +47,181 @@ pub(super) fn findings(recording: &dyn Recorded) -> io::Result<Vec<Finding>> {
     let usual = rough + off / even;
     let mut bursts = 0;
     each_step(&mut |step| bursts += usize::from(step <= longest && step < 0.2 * usual))?;
-    if bursts as f64 > 0.05 * count as f64 {
+    let is_burst = bursts as f64 > 0.05 * count as f64;
+    let period = if is_burst { usual } else { period };
+    let holes = holes(recording, if is_burst { longest } else { 1.5 * period }, period)?;
+    let mut made_up = String::new();
+    if holes.late > 0 {
+        made_up = format!(
+            "; {} step(s) of up to {:.3} s are made up for by shorter ones, so that no sample is lost there",
+            holes.late, holes.latest_s
+        );
+    }
+    if holes.late > 0 || is_burst {
+        let meant = count as f64 / (recording.length_s() - holes.lost * period);
+        made_up.push_str(&format!("; stamps are times of arrival, {meant:.2} Hz are what they mean"));
+    }
+    if is_burst {
         findings.push(Finding::bad(
             "jitter",
-            format!("{bursts} steps are shorter than a fifth of the mean one: samples were stamped as a queue was emptied"),
-            "stamp samples where they are taken",
+            format!("{bursts} steps are shorter than a fifth of the mean one: samples were stamped as a queue was emptied{made_up}"),
+            "stamp samples where they are taken; or count them: --rate",
         ));
-        findings.extend(dropped(recording, longest, usual)?);
-    } else {
-        findings.extend(dropped(recording, 1.5 * period, period)?);
+    } else if high > JITTER || low < -JITTER {
+        findings.push(Finding::warning(
+            "jitter",
+            format!(
+                "1 % of the steps are shorter than {:.2} and 1 % longer than {:.2} periods{made_up}",
+                1.0 + low,
+                1.0 + high
+            ),
+            "take the sensor's own clock for stamps, not the time of arrival, or count them: --rate; an integrator turns jitter into noise",
+        ));
     }
-    findings.extend(repeated(recording)?);
-    Ok(findings)
+    findings.extend(holes.finding(recording.len()));
+    Ok((findings, holes.lost))
 }
 
-/// Steps longer than `limit` \[s\].
-fn dropped(recording: &dyn Recorded, limit: f64, period: f64) -> io::Result<Option<Finding>> {
-    /// Places that are named.
-    const NAMED: usize = 5;
+/// Steps that are longer than they should be.
+#[derive(Debug, Default)]
+struct Holes {
+    /// Those in which samples were lost, and how many.
+    count: usize,
+    lost: f64,
+    /// Where the first of them are, and the longest, from the log's begin; its length \[s\].
+    places: Vec<f64>,
+    at: f64,
+    longest: f64,
+    /// Those that shorter steps around make up for, and the longest of them \[s\].
+    late: usize,
+    latest_s: f64,
+}
+
+/// Looks at the steps longer than `limit` \[s\]. Jitter is no loss: rows times period against the span around a step tells.
+fn holes(recording: &dyn Recorded, limit: f64, period: f64) -> io::Result<Holes> {
+    /// Steps that are looked at one by one; of more the first ones tell.
+    const MOST: usize = 10_000;
     let start = recording.span()[0];
-    let (mut holes, mut lost, mut places) = (0, 0.0, Vec::new());
-    let (mut at, mut longest) = (0.0, 0.0);
+    let mut steps: Vec<(usize, f64, f64)> = Vec::new();
+    let (mut index, mut more) = (0, 0);
     recording.pairs(&mut |a, b| {
         let step = b.t.seconds_since(a.t);
-        if step > limit {
-            let from = a.t.seconds_since(start);
-            holes += 1;
-            lost += (step / period).round() - 1.0;
-            if places.len() < NAMED {
-                places.push(format!("{from:.2}"));
-            }
-            if step >= longest {
-                (at, longest) = (from, step);
-            }
+        if step > limit && steps.len() < MOST {
+            steps.push((index, a.t.seconds_since(start), step));
+        } else if step > limit {
+            more += 1;
         }
+        index += 1;
     })?;
-    if holes == 0 {
-        return Ok(None);
+    let looked_at = steps.len();
+    let mut holes = Holes::default();
+    for (index, from, step) in steps {
+        let lost = (step / period).round() - 1.0;
+        if is_made_up(recording, index, step, period)? {
+            holes.late += 1;
+            holes.latest_s = holes.latest_s.max(step);
+            continue;
+        }
+        holes.count += 1;
+        holes.lost += lost;
+        holes.places.push(from);
+        if step >= holes.longest {
+            (holes.at, holes.longest) = (from, step);
+        }
     }
-    let more = if holes > NAMED { ", ..." } else { "" };
-    let text = format!(
-        "{holes} hole(s), about {lost:.0} samples lost; at {}{more} s; the longest, {longest:.3} s, at {at:.2} s",
-        places.join(", ")
-    );
-    let remedy = "look for a full buffer or a slow disk where the log was written; an estimator integrates across a hole with one sample";
-    let is_bad = lost > 0.001 * recording.len() as f64 || longest > 0.1;
-    Ok(Some(Finding::bad_where(is_bad, "gaps", text, remedy)))
+    let share = 1.0 + more as f64 / looked_at.max(1) as f64;
+    holes.count = (holes.count as f64 * share).round() as usize;
+    holes.late = (holes.late as f64 * share).round() as usize;
+    holes.lost *= share;
+    Ok(holes)
 }
 
-fn repeated(recording: &dyn Recorded) -> io::Result<Option<Finding>> {
+/// Whether the steps around the one behind the sample `index` are as much shorter as that is too long: the median over spans of several lengths, whose
+/// ends jitter too.
+fn is_made_up(recording: &dyn Recorded, index: usize, step: f64, period: f64) -> io::Result<bool> {
+    const ENDS: usize = 9;
+    let reach = 2 * (step / period).round() as usize + 8;
+    let (from, to) =
+        (index.saturating_sub(reach + ENDS), (index + 1 + reach + ENDS).min(recording.len() - 1));
+    let before = recording.piece(from..(from + ENDS).min(index + 1))?;
+    let after = recording.piece((to + 1).saturating_sub(ENDS).max(index + 1)..to + 1)?;
+    let missing = before
+        .iter()
+        .enumerate()
+        .zip(after.iter().rev().enumerate())
+        .map(|((i, a), (k, b))| b.t.seconds_since(a.t) / period - (to - k - (from + i)) as f64);
+    let missing = stats::median_of(missing).expect("a step has a sample on both sides");
+    Ok(missing < 0.5 * ((step / period).round() - 1.0).max(1.0))
+}
+
+impl Holes {
+    fn finding(&self, len: usize) -> Option<Finding> {
+        /// Places that are named.
+        const NAMED: usize = 5;
+        let Self { count, lost, places, at, longest, .. } = self;
+        if *count == 0 {
+            return None;
+        }
+        let more = if *count > NAMED { ", ..." } else { "" };
+        let places: Vec<String> = places.iter().take(NAMED).map(|at| format!("{at:.2}")).collect();
+        let text = format!(
+            "{count} hole(s), about {lost:.0} samples lost; at {}{more} s; the longest, {longest:.3} s, at {at:.2} s",
+            places.join(", ")
+        );
+        let remedy = "look for a full buffer or a slow disk where the log was written; an estimator integrates across a hole with one sample";
+        let is_bad = *lost > 0.001 * len as f64 || *longest > 0.1;
+        Some(Finding::bad_where(is_bad, "gaps", text, remedy))
+    }
+}
+
+/// A recording without the rows that are the one before once more, where most are and what follows would be of them; and what is to be said.
+///
+/// # Errors
+/// As [`Samples::piece`](dpn_core::Samples::piece).
+pub(super) fn without_repeats(recording: &dyn Recorded) -> io::Result<(Option<Kept<'_>>, Option<Finding>)> {
+    /// Rows that are looked at where most repeat: their places are held.
+    const ROWS: usize = 4_000_000;
     let mut twice = 0;
     recording.pairs(&mut |a, b| twice += usize::from(a.gyro == b.gyro && a.accel == b.accel))?;
-    let share = twice as f64 / recording.len() as f64;
-    Ok((share > TWICE).then(|| {
-        Finding::warning(
-            "repeats",
-            format!("{:.0} % of the samples are the one before once more, all six axes", 100.0 * share),
-            "the sensor is read faster than it measures, or it was frozen; log at its own rate, for noise per sample is wrong like this",
-        )
-    }))
+    let len = recording.len();
+    let share = twice as f64 / len as f64;
+    if share <= TWICE {
+        return Ok((None, None));
+    }
+    let text = format!("{:.0} % of the samples are the one before once more, all six axes", 100.0 * share);
+    // A dead sensor repeats as well, and that is said of it.
+    if share <= MOSTLY || len - twice < 16 {
+        let remedy = "the sensor is read faster than it measures, or it was frozen; log at its own rate, for noise per sample is wrong like this";
+        return Ok((None, Some(Finding::warning("repeats", text, remedy))));
+    }
+    let (mut out, mut index, rows) = (Vec::new(), 0, len.min(ROWS));
+    recording.pairs(&mut |a, b| {
+        index += 1;
+        if index < rows && a.gyro == b.gyro && a.accel == b.accel {
+            out.push(index);
+        }
+    })?;
+    let hz = recording.rate().hz();
+    let text = format!(
+        "{text}: each stands there {:.1} times, so the sensor has {:.1} Hz, not {hz:.1}; values, vibration and rest are looked at without them",
+        1.0 / (1.0 - share),
+        hz * (1.0 - share)
+    );
+    let kept = Kept::new(recording, 0..rows, out)?;
+    let remedy = "log at the sensor's own rate, or drop the rows that are the one before once more: noise per row is wrong like this";
+    Ok((kept, Some(Finding::bad("repeats", text, remedy))))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::Weight;
+    use crate::doctor::examine;
     use crate::doctor::values::tests::level;
     use dpn_core::{ImuRecording, ImuSample, Stamp};
 
     fn of(samples: Vec<ImuSample>) -> Vec<Finding> {
-        findings(&ImuRecording::new(samples).unwrap()).unwrap()
+        findings(&ImuRecording::new(samples).unwrap()).unwrap().0
     }
 
     fn find<'a>(findings: &'a [Finding], about: &str) -> Option<&'a Finding> {
@@ -188,7 +284,63 @@ mod tests {
         for i in (1..polled.len()).step_by(2) {
             (polled[i].gyro, polled[i].accel) = (polled[i - 1].gyro, polled[i - 1].accel);
         }
-        let found = of(polled);
-        assert!(find(&found, "repeats").unwrap().text.starts_with("50 % of the samples"), "{found:?}");
+        let polled = ImuRecording::new(polled).unwrap();
+        let (kept, found) = without_repeats(&polled).unwrap();
+        let found = found.unwrap();
+        assert!(found.weight == Weight::Bad && found.text.starts_with("50 % of the samples"), "{found:?}");
+        assert!((kept.unwrap().rate().hz() - 100.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_follows_from_rows_that_repeat_is_folded_under_them() {
+        let sound = level(40);
+        let turning = |i: usize| {
+            let [x, y, z] = sound[i].gyro;
+            ImuSample { gyro: [x + 0.6 * (i as f64 * 0.03).sin(), y, z], ..sound[i] }
+        };
+        // Every sample on seven rows.
+        let held = (0..7000).map(|i| ImuSample { t: sound[i].t, ..turning(i / 7) }).collect();
+        let found = examine(&ImuRecording::new(held).unwrap()).unwrap().findings;
+        let warned: Vec<&str> = found.iter().filter(|f| f.warns()).map(|f| f.about).collect();
+        assert_eq!(warned, ["repeats"], "{found:?}");
+        assert!(
+            found[0].text.contains("each stands there 7.0 times, so the sensor has 28.6 Hz, not 200.0"),
+            "{found:?}"
+        );
+    }
+
+    #[test]
+    fn samples_that_arrive_in_bursts_are_not_lost_and_those_that_are_lost_among_them_are() {
+        let mut rng = dpn_core::random::Stream::new(5).named("arrival").rng();
+        let mut samples = level(30);
+        // Each waits for up to 12 ms, now and then for 20, and none passes the one before.
+        let mut last = 0;
+        for s in &mut samples {
+            let wait = if rand::Rng::random_bool(&mut rng, 0.03) {
+                16_000_000
+            } else {
+                rand::Rng::random_range(&mut rng, 0..3_000_000)
+            };
+            last = (s.t.ns() + wait).max(last + 50_000);
+            s.t = Stamp::from_ns(last);
+        }
+        let found = of(samples.clone());
+        assert!(find(&found, "gaps").is_none(), "{found:?}");
+        let jitter = find(&found, "jitter").unwrap();
+        let meant = jitter
+            .text
+            .split("times of arrival, ")
+            .nth(1)
+            .and_then(|rest| rest.split(' ').next()?.parse::<f64>().ok());
+        assert!((meant.unwrap() - 200.0).abs() < 0.1, "{jitter:?}");
+        // The remedy: counted stamps.
+        let counted = samples
+            .iter()
+            .enumerate()
+            .map(|(i, s)| ImuSample { t: Stamp::from_ns(i as i64 * 5_000_000), ..*s });
+        assert!(of(counted.collect()).iter().all(|f| !f.warns()));
+        samples.drain(3000..3040);
+        let found = of(samples);
+        assert!(find(&found, "gaps").unwrap().text.starts_with("1 hole(s), about 4"), "{found:?}");
     }
 }

@@ -64,8 +64,9 @@ pub(super) fn without_outliers(recording: &dyn Recorded) -> io::Result<(Option<K
     Ok((Kept::new(recording, 0..len, places)?, Some(Finding::bad("outliers", text, remedy))))
 }
 
-pub(super) fn findings(recording: &dyn Recorded, rest: &Rest) -> io::Result<Vec<Finding>> {
-    let mut findings = gravity(recording, rest)?;
+/// What is to be said, and the length of the specific force.
+pub(super) fn findings(recording: &dyn Recorded, rest: &Rest) -> io::Result<(Vec<Finding>, f64)> {
+    let (mut findings, force) = gravity(recording, rest)?;
     for fault in stuck(recording)? {
         let about = match &fault {
             RecordingFault::Saturated { .. } => "clipped",
@@ -81,7 +82,7 @@ pub(super) fn findings(recording: &dyn Recorded, rest: &Rest) -> io::Result<Vec<
         findings.push(Finding::bad(about, fault.to_string(), remedy));
     }
     findings.extend(steps(recording)?);
-    Ok(findings)
+    Ok((findings, force))
 }
 
 /// Norm of a vector.
@@ -109,36 +110,51 @@ pub fn meaningless(recording: &dyn Recorded) -> io::Result<Vec<Finding>> {
     })?;
     let thin =
         ImuRecording::new(thin).expect("every so manieth sample of a recording, thousands or all of them");
-    let mut findings = gravity(&thin, &Rest::default())?;
+    let (mut findings, _) = gravity(&thin, &Rest::default())?;
     findings.extend(jumps.into_iter().chain(clock::unlikely(recording.rate())).chain(outliers));
     findings.retain(|finding| finding.weight == Weight::Bad);
     Ok(findings)
 }
 
-/// Medians of the six axes over `range`, accelerometer and gyroscope, and the length of turning that a thousandth of all samples' axes exceeds.
-fn middles(recording: &dyn Recorded, range: Range<usize>) -> io::Result<([f64; 3], [f64; 3], f64)> {
+/// What a range of a log reads by its medians.
+struct Middles {
+    /// Axes of the accelerometer, and the length of its vector, which turning does not change.
+    accel: [f64; 3],
+    force: f64,
+    /// The same of the gyroscope.
+    gyro: [f64; 3],
+    turn: f64,
+    /// What a thousandth of all of the gyroscope's axes exceeds.
+    fast: f64,
+}
+
+fn middles(recording: &dyn Recorded, range: Range<usize>) -> io::Result<Middles> {
     let median = Column { count: range.len(), levels: &[Level::Median] };
     let fast = Column { count: 3 * recording.len(), levels: &[Level::Quantile(0.999)] };
-    let found = levels(&[median, median, median, median, median, median, fast], |take| {
+    let found = levels(&[median, median, median, median, median, median, median, median, fast], |take| {
         let mut index = 0;
         recording.each(0..recording.len(), &mut |s| {
             if range.contains(&index) {
                 s.accel.into_iter().chain(s.gyro).enumerate().for_each(|(axis, v)| take(axis, v));
+                take(6, norm(s.accel));
+                take(7, norm(s.gyro));
             }
-            s.gyro.into_iter().for_each(|v| take(6, v.abs()));
+            s.gyro.into_iter().for_each(|v| take(8, v.abs()));
             index += 1;
         })
     })?;
     let of = |first: usize| std::array::from_fn(|axis| found[first + axis][0]);
-    Ok((of(0), of(3), found[6][0]))
+    Ok(Middles { accel: of(0), gyro: of(3), force: found[6][0], turn: found[7][0], fast: found[8][0] })
 }
 
-fn gravity(recording: &dyn Recorded, rest: &Rest) -> io::Result<Vec<Finding>> {
+/// Share of its length below which the medians of a vector's axes are none of its directions.
+const TURNED: f64 = 0.9;
+
+fn gravity(recording: &dyn Recorded, rest: &Rest) -> io::Result<(Vec<Finding>, f64)> {
     let at_rest = rest.longest.len() as f64 * recording.rate().period() >= 1.0;
     let range = if at_rest { rest.longest.clone() } else { 0..recording.len() };
     let when = if at_rest { "at rest" } else { "by the median of the whole log" };
-    let (accel, gyro, fast) = middles(recording, range.clone())?;
-    let (force, turn) = (norm(accel), norm(gyro));
+    let Middles { accel, gyro, force, turn, fast } = middles(recording, range.clone())?;
     let mut findings = Vec::new();
     let read = format!("the accelerometer reads {force:.3} m/s^2 {when}");
     let units = [
@@ -157,7 +173,7 @@ fn gravity(recording: &dyn Recorded, rest: &Rest) -> io::Result<Vec<Finding>> {
             "say what a count is: --sensor-scale NAME-RANGE (mpu6050-2g), or --accel-scale [m/s^2] and --gyro-scale [rad/s] by the data sheet",
         ));
         // The gyroscope's columns are counts then too.
-        return Ok(findings);
+        return Ok((findings, force));
     } else if let Some(turn) = [turn, turn.to_degrees()].into_iter().find(|t| (t - GRAVITY).abs() < 0.5)
         && force < 3.0
     {
@@ -183,10 +199,12 @@ fn gravity(recording: &dyn Recorded, rest: &Rest) -> io::Result<Vec<Finding>> {
         let up = (0..3).max_by(|a, b| accel[*a].abs().total_cmp(&accel[*b].abs())).expect("three axes");
         let sign = if accel[up] < 0.0 { "-" } else { "" };
         let tilt = (accel[up].abs() / force).clamp(-1.0, 1.0).acos().to_degrees();
-        findings.push(Finding::note(
-            "gravity",
-            format!("{read}; up is {sign}{}, {tilt:.0} degrees off", AXES[up]),
-        ));
+        let up = if norm(accel) < TURNED * force {
+            "it is turned over and over".to_owned()
+        } else {
+            format!("up is {sign}{}, {tilt:.0} degrees off", AXES[up])
+        };
+        findings.push(Finding::note("gravity", format!("{read}; {up}")));
     }
     if fast > 35.0 {
         findings.push(Finding::bad(
@@ -194,14 +212,14 @@ fn gravity(recording: &dyn Recorded, rest: &Rest) -> io::Result<Vec<Finding>> {
             format!("the gyroscope turns at {fast:.0} rad/s: it counts in degrees, or clips"),
             "read the log with --gyro-unit deg/s",
         ));
-    } else if at_rest && turn > 0.2 {
+    } else if at_rest && norm(gyro) > 0.2 {
         findings.push(Finding::warning(
             "bias",
-            format!("the gyroscope reads {turn:.3} rad/s at rest"),
+            format!("the gyroscope reads {:.3} rad/s at rest", norm(gyro)),
             "a bias this large is rare: look at the unit (--gyro-unit deg/s), or at what turned",
         ));
     }
-    Ok(findings)
+    Ok((findings, force))
 }
 
 /// Samples that tell a step.
@@ -397,6 +415,19 @@ pub(crate) mod tests {
             counts(true)
         );
         assert!(counts(false)[0].contains(": raw counts? Some 4096 "), "{:?}", counts(false));
+    }
+
+    #[test]
+    fn gravity_is_the_median_length_however_the_sensor_is_turned() {
+        // Six positions, each for a while, none for most of it.
+        let mut samples = level(60);
+        for (i, s) in samples.iter_mut().enumerate() {
+            let (axis, sign) = (i / 2000 % 3, if i / 6000 == 0 { 1.0 } else { -1.0 });
+            s.accel = std::array::from_fn(|k| s.accel[(k + 2 - axis) % 3] * sign);
+        }
+        let found = gravity(&ImuRecording::new(samples).unwrap(), &Rest::default()).unwrap().0;
+        assert!(found[0].text.starts_with("the accelerometer reads 9.81"), "{found:?}");
+        assert!(found[0].text.ends_with("it is turned over and over") && !found[0].warns(), "{found:?}");
     }
 
     #[test]

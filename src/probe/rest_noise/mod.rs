@@ -8,7 +8,7 @@ mod density;
 mod fit;
 mod report;
 mod response;
-mod stretch;
+pub(crate) mod stretch;
 
 pub use density::{AxisNoise, Filter};
 pub use response::{LowPass, Made};

@@ -7,11 +7,11 @@ use std::io;
 use std::ops::Range;
 
 /// Samples lost in a row that a straight line stands in for.
-const BRIDGED: usize = 3;
+pub(crate) const BRIDGED: usize = 3;
 /// Share of bridged samples beyond which the log is no even series.
-const MOST_BRIDGED: f64 = 0.05;
+pub(crate) const MOST_BRIDGED: f64 = 0.05;
 /// Share of steps within a quarter of the period from which stamps tell what was lost; else they are times of arrival.
-const EVEN: f64 = 0.9;
+pub(crate) const EVEN: f64 = 0.9;
 /// Share of rows that repeat a sensor's last values from which its values are held.
 const HELD: f64 = 0.05;
 /// A sensor that is held repeats all axes together; steps of a coarse converter repeat one or another.

@@ -1,0 +1,127 @@
+"""Logs of apps and drivers that need Python alone to be written: make.py makes them with the rest, and run by itself this script makes these anew
+and leaves the others in expected.json as they are. Run in this folder: python3 dialects.py
+"""
+import json
+
+from motion import DEG, EXPECTED, G, HERE, accel, expect, motion, save, write
+
+
+def table(name, head, rows, kind="csv", **expected):
+    write(name, "\n".join([*head, *(",".join(map(str, row)) for row in rows)]) + "\n")
+
+
+def upside_down(rows):
+    """What an iPhone reads: -1 g upwards."""
+    return [(t, g, [-v for v in a]) for t, g, a in rows]
+
+
+def iphones():
+    rows = motion(100, 120)
+    apple = upside_down(rows)
+    head = ("loggingTime(txt),loggingSample(N),accelerometerTimestamp_sinceReboot(s),accelerometerAccelerationX(G),accelerometerAccelerationY(G),"
+            "accelerometerAccelerationZ(G),motionTimestamp_sinceReboot(s),motionYaw(rad),motionRotationRateX(rad/s),motionRotationRateY(rad/s),"
+            "motionRotationRateZ(rad/s),motionUserAccelerationX(G),motionUserAccelerationY(G),motionUserAccelerationZ(G)")
+    start = 405121.25
+    table("sensorlog_ios.csv", [head], [
+        [f"2023-11-07T09:06:03.{i:03}+02:00", i, f"{start + t + 0.001:.6f}", *(f"{v / G:.8f}" for v in a), f"{start + t:.6f}", 0, *g, 0, 0, 0]
+        for i, (t, g, a) in enumerate(apple)])
+    expect("sensorlog_ios.csv", "csv", 100.0, apple, round(start * 1e9), 2e-6, ["motionTimestamp_sinceReboot", "-1 g upwards"])
+    table("stray_scanner.csv", ["timestamp, a_x, a_y, a_z, alpha_x, alpha_y, alpha_z"], [
+        [f"{65575.5 + t:.6f}", *(f" {v / G:.9f}" for v in a), *(f" {v}" for v in g)] for t, g, a in apple])
+    expect("stray_scanner.csv", "csv", 100.0, apple, 65575_500_000_000, 1e-6, ["-1 g upwards", "accelerometer in g"])
+
+
+def androids():
+    rows = motion(100, 120)
+    start = 65972053803181
+    ns = lambda t: start + round(t * 1e9)
+    table("mars_logger.csv", ["Timestamp[nanosec], gx[rad/s], gy[rad/s], gz[rad/s], ax[m/s^2], ay[m/s^2], az[m/s^2], Unix time[nanosec]"], [
+        [ns(t), *(f" {v}" for v in g), *(f" {v}" for v in a), f" {1663164669189000000 + round(t * 1e9)}"] for t, g, a in rows])
+    expect("mars_logger.csv", "csv", 100.0, rows, start, 1e-6, ["Timestamp[nanosec]"])
+    # A row a sensor, the accelerometer's between the gyroscope's.
+    long, gnss, objects = [], [], []
+    for i in range(-1, 121):
+        t, later = i / 100, i / 100 + 0.004
+        g, a = motion(100, 121)[max(i, 0)][1], [round(v, 6) for v in accel(later)]
+        ms = 1663164669189 + round(t * 1e3)
+        if i >= 0 and i < 120:
+            long.append(["UncalGyro", ms, ns(t), *g, -0.009, 0.0, -0.008])
+            gnss.append(["UncalGyro", ms, ns(t), *g, -0.009, 0.0, -0.008, 3])
+            objects.append({"accuracy": 3, "sensorType": 4, "timestamp": ns(t), "values": g})
+        long.append(["UncalAccel", ms + 4, ns(later), *a, 0.0, 0.0, 0.0])
+        gnss.append(["UncalAccel", ms + 4, ns(later), *a, 0.0, 0.0, 0.0, 3])
+        objects.append({"accuracy": 3, "sensorType": 1, "timestamp": ns(later), "values": a})
+        gnss.append(["Status", ms, "", "", 3])
+    head = "MessageType,utcTimeMillis,elapsedRealtimeNanos,MeasurementX,MeasurementY,MeasurementZ,BiasX,BiasY,BiasZ"
+    table("device_imu.csv", [head], long)
+    comments = ["# Version: v3.0.5.6", "#", "# Status,UnixTimeMillis,SignalCount", "#",
+                "# UncalAccel,utcTimeMillis,elapsedRealtimeNanos,UncalAccelXMps2,UncalAccelYMps2,UncalAccelZMps2,BiasXMps2,BiasYMps2,BiasZMps2,Accuracy",
+                "# UncalGyro,utcTimeMillis,elapsedRealtimeNanos,UncalGyroXRadPerSec,UncalGyroYRadPerSec,UncalGyroZRadPerSec,DriftXRadPerSec,"
+                "DriftYRadPerSec,DriftZRadPerSec,Accuracy"]
+    table("gnss_logger.txt", comments, gnss)
+    # A straight line between neighbours 10 ms apart: off by at most w^2 h^2 / 8 of the swing.
+    for name in ["device_imu.csv", "gnss_logger.txt"]:
+        expect(name, "csv", 100.0, rows, start, 1e-3, ["accelerometer from UncalAccel"])
+    write("slam_logger.jsonl", "\n".join(json.dumps(one, indent=2) for one in objects) + "\n")
+    expect("slam_logger.jsonl", "json", 100.0, rows, start, 1e-3, ["accelerometer from accelerometer"])
+    # A phone's clock that has run for eight days: no us since 1970; without a header.
+    rows = motion(500, 120)
+    start = 672705976809250
+    table("uptime.csv", [], [[start + round(t * 1e9), *a, *g] for t, g, a in rows])
+    expect("uptime.csv", "csv", 500.0, rows, start, 1e-6, ["stamps in ns", "accelerometer, gyroscope"])
+
+
+def objects():
+    rows = motion(100, 120)
+    us = lambda t: 690212403769 + round(t * 1e6)
+    xyz = lambda v: dict(zip("xyz", v))
+    write("pilotguru/rotations.json", json.dumps({"rotations": [{**xyz(g), "time_usec": us(t)} for t, g, _ in rows]}, indent=1))
+    write("pilotguru/accelerations.json", json.dumps({"accelerations": [{**xyz(a), "time_usec": us(t)} for t, _, a in rows]}, indent=1))
+    expect("pilotguru", "two_files", 100.0, rows, 690212403769000, 1e-6, ["accelerometer from accelerations.json"])
+    both = [{"sensor": name, "time": str(1_600_000_000_250_000_000 + round(t * 1e9)), "seconds_elapsed": f"{t:.3f}",
+             **{k: str(v) for k, v in xyz(values).items()}}
+            for t, g, a in rows for name, values in [("Gyroscope", g), ("TotalAcceleration", a)]]
+    write("sensor_logger.json", json.dumps(both))
+    expect("sensor_logger.json", "json", 100.0, rows, 1_600_000_000_250_000_000, 1e-6, ["TotalAcceleration"])
+    lines = [json.dumps({"t": round(100 + t, 6), "imu": {"gyro": xyz(g), "accel": xyz(a)}}) for t, g, a in rows]
+    write("objects.jsonl", "\n".join(lines) + "\n")
+    expect("objects.jsonl", "json", 100.0, rows, 100_000_000_000, 1e-6)
+
+
+def without_stamps():
+    rows = motion(256, 120)
+    head = ",".join(["Packet number", *(f"Gyroscope {a} (deg/s)" for a in "XYZ"), *(f"Accelerometer {a} (g)" for a in "XYZ"), *(f"Magnetometer {a} (G)" for a in "XYZ")])
+    table("xio.csv", [head], [
+        [i, *(f"{v / DEG:.7f}" for v in g), *(f"{v / G:.8f}" for v in a), 0.2, 0.1, -0.4] for i, (t, g, a) in enumerate(rows)])
+    expect("xio.csv", "csv", 256.0, rows, 0, 1e-6, [], ["--rate", "256"])
+    rows = motion(100, 120)
+    write("three_files/time.csv", "time (sec)\n" + "".join(f"{t:.18e}\n" for t, _, _ in rows))
+    for name, pick, unit, one in [("gyro-0", 1, "deg/s", DEG), ("accel-0", 2, "m/s^2", 1)]:
+        sensor = name.split("-")[0]
+        lines = [",".join(f"{v / one:.18e}" for v in row[pick]) for row in rows]
+        write(f"three_files/{name}.csv", ",".join(f"{sensor}_{a} ({unit})" for a in "xyz") + "\n" + "\n".join(lines) + "\n")
+    expect("three_files", "two_files", 100.0, rows)
+
+
+def others():
+    rows = motion(200, 120)
+    start = 1_600_000_000_250_000_000
+    table("kalibr_bagcreater.csv", ["timestamp,omega_x,omega_y,omega_z,alpha_x,alpha_y,alpha_z"],
+          [[start + round(t * 1e9), *g, *a] for t, g, a in rows])
+    expect("kalibr_bagcreater.csv", "csv", 200.0, rows, start)
+    rows = motion(1000, 120)
+    head = "loopIteration,time,axisP[0],gyroADC[0],gyroADC[1],gyroADC[2],accSmooth[0],accSmooth[1],accSmooth[2],motor[0]"
+    table("blackbox_decode.csv", [head], [
+        [i, 5_000_000 + round(t * 1e6), 0, *(f"{v / DEG:.6f}" for v in g), *(f"{v / G:.8f}" for v in a), 1000] for i, (t, g, a) in enumerate(rows)])
+    expect("blackbox_decode.csv", "csv", 1000.0, rows, 5_000_000_000, 2e-6, ["accelerometer in g"])
+
+
+def make():
+    for one in [iphones, androids, objects, without_stamps, others]:
+        one()
+
+
+if __name__ == "__main__":
+    before = json.loads((HERE / "expected.json").read_text())
+    make()
+    save(before["versions"], {**before["logs"], **EXPECTED})

@@ -1,0 +1,38 @@
+//! The logs of a folder that is none itself.
+
+use crate::{Kind, LogError};
+use dpn_io::IoError;
+use std::path::{Path, PathBuf};
+
+/// Ends of names of logs.
+const ENDS: [&str; 18] = [
+    "csv", "txt", "tsv", "jsonl", "json", "bag", "mcap", "db3", "ulg", "bin", "log", "zip", "gz", "zst",
+    "xz", "bz2", "bbl", "tlog",
+];
+
+/// The logs at `path`: itself where it is one, else the files and folders in it that look like logs by their names and files, sorted.
+///
+/// # Errors
+/// Nothing there; a folder that holds none.
+pub fn logs_in(path: &Path) -> Result<Vec<PathBuf>, LogError> {
+    // Looking into a pipe would take from it.
+    if !path.is_dir() {
+        return Ok(vec![path.to_path_buf()]);
+    }
+    let Err(none @ LogError::NoLog { .. }) = Kind::of(path) else { return Ok(vec![path.to_path_buf()]) };
+    if crate::imu_file::ImuFile::of(path).is_ok() {
+        return Ok(vec![path.to_path_buf()]);
+    }
+    let is_log = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let ends = || path.extension().is_some_and(|e| ENDS.iter().any(|end| e.eq_ignore_ascii_case(end)));
+        !name.starts_with('.') && if path.is_dir() { Kind::of(path).is_ok() } else { ends() }
+    };
+    let entries = std::fs::read_dir(path).map_err(|e| IoError::reading(path, e))?;
+    let mut found: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(is_log).collect();
+    if let (true, LogError::NoLog { below, .. }) = (found.is_empty(), &none) {
+        found.clone_from(below);
+    }
+    found.sort();
+    if found.is_empty() { Err(none) } else { Ok(found) }
+}
