@@ -10,7 +10,6 @@ pub mod published;
 pub mod stats;
 pub mod study;
 pub mod sweeps;
-mod text_file;
 
 /// Noise specs made into tracks.
 pub use dpn_noise as noise;

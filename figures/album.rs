@@ -2,17 +2,16 @@
 
 use crate::{FigureError, TrackDot, TrackEnd, TrackPicture};
 use dpn_core::{GrayImage, Stamp};
-use dpn_io::atomic_write;
+use dpn_io::{ResultPath, atomic_write};
 use dpn_vio::estimator::FrontEndObserver;
 use dpn_vio::frontend::{Fed, Lost, LostBy};
 use nalgebra::Vector2;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
 /// Takes a picture of a frame handed over every so often; it remembers where tracks were and how old they are.
 #[derive(Debug)]
 pub struct Album {
-    dir: PathBuf,
+    dir: ResultPath,
     every_s: f64,
     first: Option<Stamp>,
     due_s: f64,
@@ -28,7 +27,7 @@ pub struct Album {
 
 impl Album {
     /// Pictures go to `dir`, one every `every_s` seconds of data; 0 takes every frame handed over.
-    pub fn new(dir: PathBuf, every_s: f64) -> Self {
+    pub fn new(dir: ResultPath, every_s: f64) -> Self {
         Self {
             dir,
             every_s,

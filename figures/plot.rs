@@ -3,14 +3,12 @@
 use super::error::FigureError;
 use super::raster::{Raster, canvas, encoded};
 use super::style;
-use dpn_io::atomic_write;
+use dpn_io::{ResultPath, atomic_write};
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
 use plotters::prelude::SVGBackend;
 use plotters::style::WHITE;
 use plotters_backend::DrawingBackend;
-use std::ffi::OsString;
-use std::path::{Path, PathBuf};
 
 /// What a plot is drawn on.
 pub(crate) type Area<DB> = DrawingArea<DB, Shift>;
@@ -58,24 +56,20 @@ pub trait Plot {
 ///
 /// # Errors
 /// [`FigureError::Write`], [`FigureError::Draw`].
-pub fn save(plot: &impl Plot, path_without_extension: &Path) -> Result<Vec<PathBuf>, FigureError> {
+pub fn save(
+    plot: &impl Plot,
+    path_without_extension: impl Into<ResultPath>,
+) -> Result<Vec<ResultPath>, FigureError> {
+    let path = path_without_extension.into();
     let files = [("svg", svg(plot)?), ("png", png(plot)?), ("csv", csv(&plot.csv())?)];
     files
         .into_iter()
         .map(|(extension, bytes)| {
-            let path = with(path_without_extension, extension);
+            let path = path.with_ending(extension);
             atomic_write(&path, |file| file.write_all(&bytes))?;
             Ok(path)
         })
         .collect()
-}
-
-/// `path.extension`; a point in the name stays.
-fn with(path: &Path, extension: &str) -> PathBuf {
-    let mut name = OsString::from(path);
-    name.push(".");
-    name.push(extension);
-    name.into()
 }
 
 /// The plot on white paper.
@@ -133,7 +127,7 @@ mod tests {
         }
     }
 
-    fn names(folder: &Path) -> Vec<String> {
+    fn names(folder: &std::path::Path) -> Vec<String> {
         let mut names: Vec<String> = fs::read_dir(folder)
             .unwrap()
             .map(|entry| entry.unwrap().file_name().into_string().unwrap())
@@ -147,7 +141,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let read = |name: &str| -> Vec<Vec<u8>> {
             let paths = save(&Dot, &folder.path().join("new").join(name)).unwrap();
-            paths.iter().map(|path| fs::read(path).unwrap()).collect()
+            paths.iter().map(|path| path.read_existing().unwrap()).collect()
         };
         assert_eq!(read("v1.0"), read("v1.1"));
         assert_eq!(read("v1.0")[2], b"x,y\n1,0.1\n");

@@ -2,31 +2,29 @@
 
 use super::error::PaperError;
 use super::id::json;
-use dpn_io::{IoError, atomic_write};
+use dpn_io::{ResultPath, atomic_write};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use std::path::Path;
 
 /// Reads `path`, or makes it and writes it. A file that does not read is an error: it is not ours to throw away.
 pub(super) fn cached<T: Serialize + DeserializeOwned>(
-    path: &Path,
+    path: &ResultPath,
     make: impl FnOnce() -> Result<T, PaperError>,
 ) -> Result<(T, bool), PaperError> {
-    match std::fs::read(path) {
-        Ok(bytes) => {
+    match path.read()? {
+        Some(bytes) => {
             let value = serde_json::from_slice(&bytes).map_err(|error| PaperError::Stale {
-                path: path.to_path_buf(),
+                path: path.path().to_path_buf(),
                 message: format!("it does not read ({error})"),
             })?;
             Ok((value, true))
         }
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+        None => {
             let value = make()?;
             let text = json(&value);
             atomic_write(path, |out| writeln!(out, "{text}"))?;
             Ok((value, false))
         }
-        Err(source) => Err(IoError::Read { path: path.to_path_buf(), source }.into()),
     }
 }
 
@@ -37,14 +35,14 @@ mod tests {
     #[test]
     fn what_is_there_is_read_and_what_does_not_read_is_named_and_kept() {
         let dir = tempfile::tempdir().unwrap();
-        let path = dir.path().join("a/rows.json");
+        let path = ResultPath::from(dir.path()).join("a/rows.json");
         let numbers = vec![0.1, 1.0 / 3.0];
         assert_eq!(cached(&path, || Ok(numbers.clone())).unwrap(), (numbers.clone(), false));
         let never = || -> Result<Vec<f64>, PaperError> { panic!("made again") };
         assert_eq!(cached(&path, never).unwrap(), (numbers, true));
-        std::fs::write(&path, "[0.1, ").unwrap();
+        std::fs::write(path.path(), "[0.1, ").unwrap();
         let text = cached(&path, never).unwrap_err().to_string();
         assert!(text.contains("rows.json: it does not read") && text.ends_with("made again"), "{text}");
-        assert!(path.exists());
+        assert!(path.is_file());
     }
 }

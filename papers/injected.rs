@@ -9,10 +9,10 @@ use dpn_core::signal::stats::median_of;
 use dpn_eval::closed_loop::SequenceSet;
 use dpn_eval::injected::{Course, Injection, StepResponse, step_response};
 use dpn_eval::noise::{Fresh, Recorded};
+use dpn_io::ResultPath;
 use dpn_pronet::network::Network;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 /// How one noise follows one course, medians over sequences.
@@ -46,7 +46,7 @@ pub(super) fn responses(
     noises: &[NoiseSpec],
     networks: &[Network],
     (injection, seed): (&Injection, u64),
-    dir: &Path,
+    dir: &ResultPath,
     stop: &AtomicBool,
 ) -> Result<Vec<Response>, PaperError> {
     let names = source.names();

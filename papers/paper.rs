@@ -4,9 +4,9 @@ use super::asked::Opened;
 use super::input::Input;
 use super::plan::Plan;
 use dpn_eval::closed_loop::{Experiment, TrackCache};
+use dpn_io::ResultPath;
 use dpn_pronet::network::Network;
 use dpn_vio::EstimatorConfig;
-use std::path::Path;
 
 /// Everything the paper is made from.
 #[derive(Debug)]
@@ -32,9 +32,9 @@ pub struct Paper<'a> {
     /// The command line.
     pub command: String,
     /// Folder of the runs; nobody else writes there or to `out` (`dpn_io::FolderLock`).
-    pub work: &'a Path,
+    pub work: ResultPath,
     /// Folder of tables, figures and page.
-    pub out: &'a Path,
+    pub out: ResultPath,
     /// Threads to use.
     pub threads: usize,
     /// Where tracks that were followed through images are kept for others.
@@ -55,8 +55,8 @@ impl<'a> Paper<'a> {
             program,
             measured_by: None,
             command: String::new(),
-            work: Path::new(""),
-            out: Path::new(""),
+            work: "".into(),
+            out: "".into(),
             threads: 1,
             cache: None,
         }

@@ -17,14 +17,14 @@ use dpn_eval::injected::Course;
 use dpn_eval::noise::{Fresh, Recorded, content};
 use dpn_eval::open_loop::{self, Request};
 use dpn_eval::sweeps::LoopJob;
-use dpn_io::{FolderLock, IoError};
+use dpn_io::{FolderLock, IoError, ResultPath};
 use dpn_pronet::DualProNet;
 use dpn_train::base::Base;
 use dpn_train::split::Side;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 /// Folder of what an open loop under way is made of.
@@ -85,9 +85,9 @@ impl Paper<'_> {
         })?;
         let cells = self.work.join(&made.run).join(CELLS);
         // They served to go on with; the rows are whole now.
-        match std::fs::remove_dir_all(&cells) {
+        match std::fs::remove_dir_all(cells.path()) {
             Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
-                Err(IoError::Write { path: cells, source }.into())
+                Err(IoError::Write { path: cells.path().to_owned(), source }.into())
             }
             _ => Ok(made),
         }
@@ -240,7 +240,7 @@ impl Paper<'_> {
     ) -> Result<(StageResult<Vec<Row>>, Vec<UntrackedSequence>), PaperError> {
         let LoopJob { folder, sweep, made_from: manifest, .. } = self.job(wanted)?;
         let run = folder.display().to_string();
-        let lock = FolderLock::take(&self.work.join(&run))?;
+        let lock = FolderLock::take(self.work.join(&run))?;
         if let Some(program) = self.measured_by {
             let left = sweep.left(&lock, &manifest)?;
             if left > 0 {
@@ -264,13 +264,13 @@ impl Paper<'_> {
         kind: &str,
         file: &str,
         parts: &[String],
-        make: impl FnOnce(&Path) -> Result<T, PaperError>,
+        make: impl FnOnce(&ResultPath) -> Result<T, PaperError>,
     ) -> Result<StageResult<T>, PaperError> {
         let run = format!("{kind}-{}", id(parts));
         let dir = self.work.join(&run);
         let path = dir.join(file);
         match self.measured_by {
-            Some(program) if !path.exists() => {
+            Some(program) if !path.is_file() => {
                 Err(PaperError::NotMeasured { what: run, program: program.to_owned() })
             }
             _ => {

@@ -15,20 +15,19 @@ use super::tables;
 use super::verdict::Verdict;
 use askama::Template as _;
 use dpn_core::Sensor;
-use dpn_core::checksum::of_source;
+use dpn_core::checksum::of_bytes;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::progress::Progress;
 use dpn_eval::closed_loop::{Recording, Row, TrackSource};
 use dpn_eval::injected::Course;
 use dpn_eval::study::{Criterion, RowSet, Study};
 use dpn_figures::{Chart, Provenance, save};
-use dpn_io::{IoError, atomic_write};
+use dpn_io::{IoError, ResultPath, atomic_write};
 use dpn_pronet::network::Network;
 use dpn_train::split::Side;
 use dpn_vio::estimator::{EstimatorConfig, FedTracks};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
@@ -53,9 +52,9 @@ pub struct Done {
     /// What the tables say, in sentences.
     pub findings: Vec<String>,
     /// Every file written or found whole.
-    pub files: Vec<PathBuf>,
+    pub files: Vec<ResultPath>,
     /// The page.
-    pub page: PathBuf,
+    pub page: ResultPath,
 }
 
 /// What a folder of tables and figures was made from: a checksum, and those of its files.
@@ -103,6 +102,8 @@ impl Paper<'_> {
             command: self.command.clone(),
             estimator: self.estimator.clone(),
             run: self.run.clone(),
+            work: self.work.clone(),
+            out: self.out.clone(),
             ..*self
         };
         paper.after_the_loop(stages, open, closed, stop, &mut overall)
@@ -169,7 +170,7 @@ impl Paper<'_> {
 
     /// The receipt, where it is of `id` and every file is as it was written.
     fn intact(&self, id: &str) -> Option<Receipt> {
-        let bytes = std::fs::read(self.out.join(RECEIPT)).ok()?;
+        let bytes = self.out.join(RECEIPT).read().ok()??;
         let receipt: Receipt = serde_json::from_slice(&bytes).ok()?;
         let whole =
             |(name, sum): (&String, &String)| checksum(&self.out.join(name)).is_ok_and(|now| now == *sum);
@@ -239,13 +240,12 @@ impl Paper<'_> {
         names.extend([PAGE.to_owned(), README.to_owned()]);
         let mut files = BTreeMap::new();
         for name in names {
-            let path = self.out.join(&name);
-            let sum = checksum(&path).map_err(|source| IoError::Read { path, source })?;
+            let sum = checksum(&self.out.join(&name))?;
             files.insert(name, sum);
         }
         let receipt = Receipt { id: id.to_owned(), findings, files };
         let text = serde_json::to_string_pretty(&receipt).expect("strings are JSON") + "\n";
-        atomic_write(&self.out.join(RECEIPT), |out| out.write_all(text.as_bytes()))?;
+        atomic_write(self.out.join(RECEIPT), |out| out.write_all(text.as_bytes()))?;
         Ok(receipt)
     }
 
@@ -255,7 +255,7 @@ impl Paper<'_> {
         let readme = Readme { input, tables, pictures, made_by }.render();
         for (name, text) in [(PAGE, page.render()), (README, readme)] {
             let text = text.expect("a template that compiled writes to a string");
-            atomic_write(&self.out.join(name), |out| out.write_all(text.as_bytes()))?;
+            atomic_write(self.out.join(name), |out| out.write_all(text.as_bytes()))?;
         }
         Ok(())
     }
@@ -271,7 +271,7 @@ impl Paper<'_> {
         const COUNT: u64 = 13;
         progress.start("figures", COUNT);
         let mut figures =
-            FigureWriter { out: self.out, made_by, pictures: Vec::new(), files: Vec::new(), progress };
+            FigureWriter { out: &self.out, made_by, pictures: Vec::new(), files: Vec::new(), progress };
         let (accel, gyro) = (self.network(Sensor::Accel), self.network(Sensor::Gyro));
         let closed = results.closed.run.as_str();
         let tracks = &self.input.source.tracks;
@@ -400,7 +400,7 @@ struct Results {
 
 /// Figures being saved.
 struct FigureWriter<'a> {
-    out: &'a Path,
+    out: &'a ResultPath,
     made_by: &'a Provenance,
     pictures: Vec<Picture>,
     /// What was written.
@@ -416,9 +416,8 @@ impl FigureWriter<'_> {
         runs: &[&str],
         chart: Chart,
     ) -> Result<(), PaperError> {
-        save(&chart.made_by(&self.made_by.of(runs)), &self.out.join(name))?;
-        let file = self.out.join(format!("{name}.svg"));
-        let svg = std::fs::read_to_string(&file).map_err(|source| IoError::Read { path: file, source })?;
+        save(&chart.made_by(&self.made_by.of(runs)), self.out.join(name))?;
+        let svg = self.out.join(format!("{name}.svg")).text()?;
         self.files.extend(["png", "csv"].map(|ending| format!("{name}.{ending}")));
         self.added(name, title, runs, svg);
         Ok(())
@@ -433,7 +432,7 @@ impl FigureWriter<'_> {
         drawing: &impl askama::Template,
     ) -> Result<(), PaperError> {
         let svg = drawing.render().expect("a template that compiled writes to a string");
-        atomic_write(&self.out.join(format!("{name}.svg")), |out| out.write_all(svg.as_bytes()))?;
+        atomic_write(self.out.join(format!("{name}.svg")), |out| out.write_all(svg.as_bytes()))?;
         self.added(name, title, &[run], svg);
         Ok(())
     }
@@ -459,6 +458,6 @@ fn report(name: &str, run: &str, cached: bool, clock: Instant) -> StageReport {
     StageReport { name: name.to_owned(), run: run.to_owned(), cached, seconds: clock.elapsed().as_secs_f64() }
 }
 
-fn checksum(path: &Path) -> std::io::Result<String> {
-    std::fs::File::open(path).and_then(of_source)
+fn checksum(path: &ResultPath) -> Result<String, IoError> {
+    Ok(of_bytes(&path.read_existing()?))
 }

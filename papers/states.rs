@@ -5,9 +5,8 @@ use dpn_core::Stamp;
 use dpn_core::trajectory::StampedPose;
 use dpn_eval::closed_loop::{ANCHOR, paired};
 use dpn_eval::metrics::{AlignmentKind, MetricsError, PosePair, align, start_alignment};
-use dpn_io::IoError;
+use dpn_io::ResultPath;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
-use std::path::Path;
 
 /// A pose and the deviations believed of its position.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,13 +30,13 @@ pub(super) struct States {
 }
 
 /// Reads a file that a sweep wrote.
-pub(super) fn read(path: &Path) -> Result<States, PaperError> {
-    let text =
-        std::fs::read_to_string(path).map_err(|source| IoError::Read { path: path.to_path_buf(), source })?;
+pub(super) fn read(path: &ResultPath) -> Result<States, PaperError> {
+    let bytes = path.read_existing()?;
+    let text = String::from_utf8_lossy(&bytes);
     let mut found = States { poses: Vec::new(), anchor: None };
     for (line, text) in (1..).zip(text.lines()) {
         let stale = |what: &str| PaperError::Stale {
-            path: path.to_path_buf(),
+            path: path.path().to_path_buf(),
             message: format!("line {line} is not {what}"),
         };
         if let Some(anchor) = text.strip_prefix(ANCHOR) {
@@ -163,7 +162,7 @@ mod tests {
         let anchor = "#anchor,4,7.0,8.0,9.0,1.0,0.0,0.0,0.0";
         let text = format!("#head\n{anchor}\n{empty}\n{}\n{}\n", line(5, 1.5), line(6, 1.6));
         std::fs::write(&path, text).unwrap();
-        let states = read(&path).unwrap();
+        let states = read(&ResultPath::from(&path)).unwrap();
         assert_eq!(states.poses.len(), 2);
         assert_eq!(states.poses[0].position_std, Some([0.1, 0.2, 0.3]));
         assert_eq!(states.poses[1].pose.world_from_body.translation.x, 1.6);
@@ -173,11 +172,11 @@ mod tests {
         let cut = &whole[..whole.find(",0.1,").unwrap()];
         for broken in ["5,tracking,1,2,x", "5,tracking", cut, &whole.replace(",0.1,", ",x,")] {
             std::fs::write(&path, format!("{broken}\n")).unwrap();
-            let error = read(&path).unwrap_err().to_string();
+            let error = read(&ResultPath::from(&path)).unwrap_err().to_string();
             assert!(error.contains("line 1 is not a frame's state; remove it"), "{broken}: {error}");
         }
         std::fs::write(&path, "#anchor,4,7.0\n").unwrap();
-        assert!(read(&path).unwrap_err().to_string().contains("line 1 is not an anchor"));
+        assert!(read(&ResultPath::from(&path)).unwrap_err().to_string().contains("line 1 is not an anchor"));
     }
 
     #[test]

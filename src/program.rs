@@ -11,7 +11,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Runs one command; `args` has the program's name first. Returns the process's exit code: 0, 2 for bad input, 3 for a run that
-/// is not to be trusted where `--strict` asks, 130 when interrupted.
+/// made no pose, or is not to be trusted where `--strict` asks, 130 when interrupted.
 ///
 /// Flags that cannot be parsed, `--help` and `--version` end with clap's own text and code, which is returned too: nothing here exits.
 pub fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {

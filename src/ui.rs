@@ -1,10 +1,10 @@
 //! Talk with the person at the terminal: progress, errors, hints. Data goes to stdout, talk to stderr.
 
 use dpn_core::progress::Progress;
+use dpn_io::ResultPath;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::fmt;
 use std::io::{IsTerminal, Write};
-use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Standard output takes no more: the reader of a pipe has gone, or the disk is full.
@@ -63,8 +63,8 @@ pub(crate) fn warn<W: fmt::Display>(warnings: impl IntoIterator<Item = W>) {
 }
 
 /// Says where the pictures among `files` are.
-pub(crate) fn print_pictures(files: &[PathBuf]) -> Result<(), OutputError> {
-    let pictures = files.iter().filter(|file| file.extension().is_some_and(|ending| ending == "png"));
+pub(crate) fn print_pictures(files: &[ResultPath]) -> Result<(), OutputError> {
+    let pictures = files.iter().filter(|file| file.path().extension().is_some_and(|ending| ending == "png"));
     for picture in pictures {
         outln!("picture:  {}", picture.display())?;
     }
@@ -102,13 +102,21 @@ impl fmt::Display for Fault {
 
 impl std::error::Error for Fault {}
 
-/// A run that is not to be trusted, where somebody asked to be told by the exit code; why was said.
+/// A run that is of no use, told by the exit code; why was said.
 #[derive(Debug)]
-pub(crate) struct Untrusted;
+pub(crate) enum Untrusted {
+    /// It is not to be trusted, and somebody asked to be told.
+    Doubted,
+    /// It made no pose.
+    NoPose,
+}
 
 impl fmt::Display for Untrusted {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("the run is not to be trusted (--strict)")
+        f.write_str(match self {
+            Self::Doubted => "the run is not to be trusted (--strict)",
+            Self::NoPose => "the run made no pose (exit code 3)",
+        })
     }
 }
 

@@ -16,7 +16,7 @@ use crate::state::{Best, EpochRecord, State};
 use crate::trainer::{TrainError, Trainer};
 use dpn_core::SampleRate;
 use dpn_core::progress::Progress;
-use dpn_io::{FolderLock, IoError, LockError, atomic_write};
+use dpn_io::{FolderLock, IoError, LockError, ResultPath, atomic_write};
 use dpn_pronet::weights::{Card, Weights};
 use dpn_pronet::{Checkpoint, Device, StoreError};
 use serde::{Deserialize, Serialize};
@@ -166,7 +166,7 @@ struct Notes {
 
 /// A run in its folder.
 pub struct Run<'a> {
-    dir: &'a Path,
+    dir: ResultPath,
     trainer: Trainer,
     fingerprint: String,
     corpus: &'a Corpus,
@@ -183,7 +183,7 @@ impl<'a> Run<'a> {
     /// A folder that another process trains in, holds a run already (without `resume`), holds none (with it), or one of another configuration
     /// or data, or one that no run of so many epochs begins as; recordings that do not serve; files that cannot be written.
     pub fn open(
-        dir: &'a Path,
+        dir: impl Into<ResultPath>,
         config: &TrainConfig,
         corpus: &'a Corpus,
         device: &Device,
@@ -191,23 +191,25 @@ impl<'a> Run<'a> {
     ) -> Result<Self, RunError> {
         let trainer = Trainer::new(config, corpus, device)?;
         let fingerprint = corpus.fingerprint();
-        let lock = FolderLock::take(dir)?;
+        let dir = dir.into();
+        let lock = FolderLock::take(&dir)?;
         let path = dir.join(CHECKPOINT);
-        let state = match (path.exists(), resume) {
-            (true, true) => load(&path, dir, &trainer, &fingerprint)?,
-            (true, false) => {
-                let epochs = notes(&Checkpoint::load(&path)?, dir)?.history.len() as u64;
-                return Err(RunError::Exists { path: dir.to_owned(), epochs });
+        let there = path.read()?.map(|bytes| Checkpoint::from_bytes(&bytes, path.path())).transpose()?;
+        let state = match (there, resume) {
+            (Some(there), true) => load(there, dir.path(), &trainer, &fingerprint)?,
+            (Some(there), false) => {
+                let epochs = notes(&there, dir.path())?.history.len() as u64;
+                return Err(RunError::Exists { path: dir.path().to_owned(), epochs });
             }
-            (false, true) if !dir.join(CONFIG).exists() => {
-                return Err(RunError::Nothing { path: dir.to_owned() });
+            (None, true) if !dir.join(CONFIG).is_file() => {
+                return Err(RunError::Nothing { path: dir.path().to_owned() });
             }
-            (false, _) => trainer.start(),
+            (None, _) => trainer.start(),
         };
         let run = Self { dir, trainer, fingerprint, corpus, state, _lock: lock };
         let text = toml::to_string_pretty(run.trainer.config())
             .map_err(|error| RunError::Text { what: CONFIG, reason: error.to_string() })?;
-        atomic_write(&dir.join(CONFIG), |out| out.write_all(text.as_bytes()))?;
+        atomic_write(run.dir.join(CONFIG), |out| out.write_all(text.as_bytes()))?;
         if run.state.epochs_done() > 0 {
             run.write_history()?;
         }
@@ -227,7 +229,7 @@ impl<'a> Run<'a> {
         mut self,
         stop: &AtomicBool,
         progress: &mut dyn Progress,
-    ) -> Result<(RunSummary, PathBuf), RunError> {
+    ) -> Result<(RunSummary, ResultPath), RunError> {
         let fit = self.trainer.config().fit;
         let steps = self.trainer.steps_per_epoch();
         let sensor = self.trainer.config().sensor();
@@ -316,7 +318,7 @@ impl<'a> Run<'a> {
         }
         let bytes = checkpoint.to_bytes()?;
         // A kill leaves the checkpoint before it.
-        atomic_write(&self.dir.join(CHECKPOINT), |out| out.write_all(&bytes))?;
+        atomic_write(self.dir.join(CHECKPOINT), |out| out.write_all(&bytes))?;
         self.write_history()
     }
 
@@ -325,11 +327,11 @@ impl<'a> Run<'a> {
         let lines: Result<Vec<String>, _> = self.state.history.iter().map(serde_json::to_string).collect();
         let text = |error: serde_json::Error| RunError::Text { what: HISTORY, reason: error.to_string() };
         let lines = lines.map_err(text)?.join("\n") + "\n";
-        Ok(atomic_write(&self.dir.join(HISTORY), |out| out.write_all(lines.as_bytes()))?)
+        Ok(atomic_write(self.dir.join(HISTORY), |out| out.write_all(lines.as_bytes()))?)
     }
 
     /// Writes weights and summary.
-    fn finish(&self, summary: &RunSummary, path: &Path) -> Result<(), RunError> {
+    fn finish(&self, summary: &RunSummary, path: &ResultPath) -> Result<(), RunError> {
         let text = |error: serde_json::Error| RunError::Text { what: SUMMARY, reason: error.to_string() };
         let mut training = match serde_json::to_value(summary).map_err(text)? {
             Value::Object(map) => map,
@@ -341,7 +343,7 @@ impl<'a> Run<'a> {
         let bytes = weights.to_bytes()?;
         atomic_write(path, |out| out.write_all(&bytes))?;
         let lines = serde_json::to_string_pretty(summary).map_err(text)? + "\n";
-        atomic_write(&self.dir.join(SUMMARY), |out| out.write_all(lines.as_bytes()))?;
+        atomic_write(self.dir.join(SUMMARY), |out| out.write_all(lines.as_bytes()))?;
         Ok(())
     }
 }
@@ -350,9 +352,9 @@ impl<'a> Run<'a> {
 ///
 /// # Errors
 /// No history there, or one that does not read.
-pub fn history(dir: &Path) -> Result<Vec<EpochRecord>, RunError> {
-    let path = dir.join(HISTORY);
-    let text = std::fs::read_to_string(&path).map_err(|source| IoError::Read { path, source })?;
+pub fn history(dir: &ResultPath) -> Result<Vec<EpochRecord>, RunError> {
+    let bytes = dir.join(HISTORY).read_existing()?;
+    let text = String::from_utf8_lossy(&bytes);
     let text_error = |error: serde_json::Error| RunError::Text { what: HISTORY, reason: error.to_string() };
     text.lines().map(|line| serde_json::from_str(line).map_err(text_error)).collect()
 }
@@ -387,10 +389,14 @@ fn begins(was: &TrainConfig, done: u64, epochs: u64, steps_per_epoch: u64) -> Re
 }
 
 /// The state in a checkpoint, if it belongs to this run and these recordings.
-fn load(path: &Path, dir: &Path, trainer: &Trainer, fingerprint: &str) -> Result<State, RunError> {
+fn load(
+    mut checkpoint: Checkpoint,
+    dir: &Path,
+    trainer: &Trainer,
+    fingerprint: &str,
+) -> Result<State, RunError> {
     let config = trainer.config();
     let differs = |reason| RunError::Differs { path: dir.to_owned(), reason };
-    let mut checkpoint = Checkpoint::load(path)?;
     let notes = notes(&checkpoint, dir)?;
     let mut as_long = notes.config.clone();
     as_long.fit.epochs = config.fit.epochs;

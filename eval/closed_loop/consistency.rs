@@ -7,12 +7,10 @@ use super::error::ClosedLoopError;
 use super::row::Row;
 use super::sweep_plan::nees_path;
 use crate::metrics::{NeesReport, PoseNees, nees_report};
-use crate::text_file::text_of;
 use dpn_core::Stamp;
 use dpn_core::estimate::NoiseSpec;
-use dpn_io::{IoError, atomic_write};
+use dpn_io::{IoError, ResultPath, atomic_write};
 use serde::Serialize;
-use std::path::Path;
 
 const HEADER: &str = "#timestamp [ns],nees_position,nees_orientation";
 /// Probability between the bounds.
@@ -30,7 +28,7 @@ pub struct Consistency {
 }
 
 /// Writes the NEES of one run.
-pub(super) fn write_nees(path: &Path, nees: &[PoseNees]) -> Result<(), IoError> {
+pub(super) fn write_nees(path: &ResultPath, nees: &[PoseNees]) -> Result<(), IoError> {
     atomic_write(path, |out| {
         writeln!(out, "{HEADER}")?;
         for pose in nees {
@@ -41,10 +39,10 @@ pub(super) fn write_nees(path: &Path, nees: &[PoseNees]) -> Result<(), IoError> 
 }
 
 /// Reads what [`write_nees`] wrote; nothing where there is no file.
-fn read_nees(path: &Path) -> Result<Vec<PoseNees>, ClosedLoopError> {
-    let text = text_of(path)?;
+fn read_nees(path: &ResultPath) -> Result<Vec<PoseNees>, ClosedLoopError> {
+    let text = path.text()?;
     let bad = |line: usize, text: &str| ClosedLoopError::BadRow {
-        path: path.to_path_buf(),
+        path: path.path().to_path_buf(),
         line,
         message: format!("`{text}` is not stamp, NEES, NEES"),
     };
@@ -64,7 +62,7 @@ fn read_nees(path: &Path) -> Result<Vec<PoseNees>, ClosedLoopError> {
 ///
 /// # Errors
 /// A file of a cell that does not read.
-pub fn consistency(dir: &Path, rows: &[Row]) -> Result<Vec<Consistency>, ClosedLoopError> {
+pub fn consistency(dir: &ResultPath, rows: &[Row]) -> Result<Vec<Consistency>, ClosedLoopError> {
     let mut found: Vec<(String, NoiseSpec, Vec<Vec<PoseNees>>)> = Vec::new();
     for row in rows {
         let run = read_nees(&nees_path(dir, &row.key()))?;
@@ -100,10 +98,10 @@ mod tests {
                 orientation: 1e-17 * i as f64,
             })
             .collect();
-        write_nees(&path, &nees).unwrap();
-        assert_eq!(read_nees(&path).unwrap(), nees);
-        assert_eq!(read_nees(&dir.path().join("none.csv")).unwrap(), []);
+        write_nees(&ResultPath::from(&path), &nees).unwrap();
+        assert_eq!(read_nees(&ResultPath::from(&path)).unwrap(), nees);
+        assert_eq!(read_nees(&ResultPath::from(dir.path()).join("none.csv")).unwrap(), []);
         std::fs::write(&path, format!("{HEADER}\n1,2,3\n1,2\n")).unwrap();
-        assert!(read_nees(&path).unwrap_err().to_string().contains("a.csv:3: not a row"));
+        assert!(read_nees(&ResultPath::from(&path)).unwrap_err().to_string().contains("a.csv:3: not a row"));
     }
 }

@@ -11,7 +11,8 @@ use dpn_core::estimate::NoiseSpec;
 use dpn_core::noise::NoiseModel;
 use dpn_core::{GrayImage, ImuRecording, ImuSample, Stamp};
 use dpn_pronet::network::Network;
-use dpn_vio::estimator::{Estimator, EstimatorConfig, FeedError, RunReport, Update};
+use dpn_vio::components::Levels;
+use dpn_vio::estimator::{Estimator, EstimatorConfig, FeedError, RunReport, Update, doubts, doubts_warning};
 use dpn_vio::preint::NoisySample;
 use nalgebra::Isometry3;
 use std::collections::VecDeque;
@@ -36,6 +37,9 @@ pub struct LiveRun<'a> {
     /// The first samples, until they were weighed.
     to_weigh: Option<Vec<ImuSample>>,
     warnings: VecDeque<String>,
+    /// Those learned last.
+    levels: Option<Box<Levels>>,
+    doubted: bool,
 }
 
 impl<'a> LiveRun<'a> {
@@ -62,6 +66,8 @@ impl<'a> LiveRun<'a> {
             mounting: MountingWatch::default(),
             to_weigh: Some(Vec::new()),
             warnings: VecDeque::new(),
+            levels: None,
+            doubted: false,
         })
     }
 
@@ -103,7 +109,9 @@ impl<'a> LiveRun<'a> {
     pub fn next_update(&mut self) -> Option<Update> {
         self.estimator.track_images(&mut ());
         self.warnings.extend(self.mounting.warning(self.estimator.images().turns()));
-        self.estimator.next_update()
+        let update = self.estimator.next_update();
+        self.levels = update.as_ref().and_then(|update| update.levels.clone()).or(self.levels.take());
+        update
     }
 
     /// What turned out to be wrong, each once: the accelerometer's unit, and how the camera is said to be mounted, as soon as its turns and the gyro's tell.
@@ -114,7 +122,17 @@ impl<'a> LiveRun<'a> {
     /// Nothing more comes, and all updates were taken: what only the whole of it says is a warning from here on.
     pub fn look_back(&mut self) {
         self.weigh(0);
-        self.warnings.extend(self.mounting.last_warning(self.estimator.images().turns()));
+        let turns = self.estimator.images().turns();
+        self.warnings.extend(self.mounting.last_warning(turns));
+        let against = doubts(self.estimator.report(), self.levels.as_deref());
+        let cause_is_known = turns.axes().warning().is_some();
+        self.warnings.extend(doubts_warning(&against, cause_is_known));
+        self.doubted = cause_is_known || !against.is_empty();
+    }
+
+    /// Whether something speaks against the run that was [looked back](Self::look_back) at.
+    pub fn is_doubted(&self) -> bool {
+        self.doubted
     }
 
     /// Looks at the first samples' force, where there are more than `count`.

@@ -5,10 +5,9 @@ use super::sweep_plan::Sweep;
 use crate::noise::NoiseError;
 use dpn_core::checksum::of_parts;
 use dpn_core::estimate::NoiseSpec;
-use dpn_io::{IoError, atomic_write};
+use dpn_io::{ResultPath, atomic_write};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::Path;
 
 /// What a run is a function of, besides its cells.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -79,25 +78,21 @@ impl Manifest {
     ///
     /// # Errors
     /// A folder of another run, or one that cannot be written to; a file there that does not read.
-    pub fn put_into(mut self, dir: &Path) -> Result<(), ClosedLoopError> {
+    pub fn put_into(mut self, dir: &ResultPath) -> Result<(), ClosedLoopError> {
         let path = dir.join("run.json");
-        match std::fs::read(&path) {
-            Ok(bytes) => {
-                let bad = |e: serde_json::Error| ClosedLoopError::BadRow {
-                    path: path.clone(),
-                    line: e.line(),
-                    message: e.to_string(),
-                };
-                let there: Self = serde_json::from_slice(&bytes).map_err(bad)?;
-                if let Some((key, there, here)) = self.differs(&there) {
-                    return Err(ClosedLoopError::OtherRun { dir: dir.to_path_buf(), key, there, here });
-                }
-                for (name, sum) in there.inputs {
-                    self.inputs.entry(name).or_insert(sum);
-                }
+        if let Some(bytes) = path.read()? {
+            let bad = |e: serde_json::Error| ClosedLoopError::BadRow {
+                path: path.path().to_path_buf(),
+                line: e.line(),
+                message: e.to_string(),
+            };
+            let there: Self = serde_json::from_slice(&bytes).map_err(bad)?;
+            if let Some((key, there, here)) = self.differs(&there) {
+                return Err(ClosedLoopError::OtherRun { dir: dir.path().to_path_buf(), key, there, here });
             }
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
-            Err(source) => return Err(IoError::Read { path, source }.into()),
+            for (name, sum) in there.inputs {
+                self.inputs.entry(name).or_insert(sum);
+            }
         }
         let text = serde_json::to_string_pretty(&self).expect("texts and JSON values") + "\n";
         Ok(atomic_write(&path, |out| out.write_all(text.as_bytes()))?)

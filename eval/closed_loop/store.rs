@@ -7,12 +7,10 @@
 use super::error::ClosedLoopError;
 use super::manifest::Manifest;
 use super::row::Row;
-use crate::text_file::text_of;
-use dpn_io::{FolderLock, IoError, atomic_write};
+use dpn_io::{FolderLock, IoError, ResultPath, atomic_write};
 use std::collections::HashSet;
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io::Write;
-use std::path::{Path, PathBuf};
 
 /// A sweep's folder, open.
 #[derive(Debug)]
@@ -31,7 +29,7 @@ impl<'a> Store<'a> {
     /// A folder that cannot be written to, or holds another run; a row that does not read.
     pub fn open(lock: &'a FolderLock, manifest: &Manifest) -> Result<Self, ClosedLoopError> {
         let dir = lock.dir();
-        let created = !dir.join("run.json").exists();
+        let created = !dir.join("run.json").is_file();
         manifest.clone().put_into(dir)?;
         let path = rows_path(dir);
         let mut rows = read_rows(&path)?;
@@ -46,7 +44,7 @@ impl<'a> Store<'a> {
     }
 
     /// The folder.
-    pub fn dir(&self) -> &Path {
+    pub fn dir(&self) -> &ResultPath {
         self.lock.dir()
     }
 
@@ -71,12 +69,12 @@ impl<'a> Store<'a> {
     /// Takes away what [`open`](Self::open) made, where no row has come since: a run that was refused leaves nothing behind.
     pub fn abandon(self) {
         let rows = rows_path(self.dir());
-        if !self.created || std::fs::metadata(&rows).is_ok_and(|rows| rows.len() > 0) {
+        if !self.created || rows.text().is_ok_and(|rows| !rows.is_empty()) {
             return;
         }
         // The error that led here matters more than one about what it left.
-        let _ = std::fs::remove_file(rows);
-        let _ = std::fs::remove_file(self.dir().join("run.json"));
+        let _ = rows.remove();
+        let _ = self.dir().join("run.json").remove();
     }
 
     /// Appends one row.
@@ -85,7 +83,8 @@ impl<'a> Store<'a> {
     /// A file that cannot be written to.
     pub fn append(&mut self, row: &Row) -> Result<(), ClosedLoopError> {
         let written = self.file.write_all(line(row).as_bytes()).and_then(|()| self.file.flush());
-        Ok(written.map_err(|source| IoError::Write { path: rows_path(self.dir()), source })?)
+        Ok(written
+            .map_err(|source| IoError::Write { path: rows_path(self.dir()).path().to_owned(), source })?)
     }
 
     /// Writes the file anew: `ordered`, then what was there of other cells.
@@ -99,7 +98,7 @@ impl<'a> Store<'a> {
     }
 }
 
-fn rows_path(dir: &Path) -> PathBuf {
+fn rows_path(dir: &ResultPath) -> ResultPath {
     dir.join("rows.jsonl")
 }
 
@@ -107,12 +106,12 @@ fn rows_path(dir: &Path) -> PathBuf {
 ///
 /// # Errors
 /// A file that cannot be read, a line that is no row.
-pub fn read_rows(path: &Path) -> Result<Vec<Row>, ClosedLoopError> {
-    let text = text_of(path)?;
+pub fn read_rows(path: &ResultPath) -> Result<Vec<Row>, ClosedLoopError> {
+    let text = path.text()?;
     let whole = &text[..text.rfind('\n').map_or(0, |end| end + 1)];
     let read = |(line, text): (usize, &str)| {
         serde_json::from_str(text).map_err(|error| ClosedLoopError::BadRow {
-            path: path.to_path_buf(),
+            path: path.path().to_path_buf(),
             line: line + 1,
             message: error.to_string(),
         })
@@ -126,14 +125,13 @@ fn line(row: &Row) -> String {
 }
 
 /// Writes the file and opens it to append to.
-fn rewritten<'a>(path: &Path, rows: impl Iterator<Item = &'a Row>) -> Result<File, ClosedLoopError> {
+fn rewritten<'a>(path: &ResultPath, rows: impl Iterator<Item = &'a Row>) -> Result<File, ClosedLoopError> {
     let mut text = String::new();
     for row in rows {
         text.push_str(&line(row));
     }
     atomic_write(path, |out| out.write_all(text.as_bytes()))?;
-    let file = OpenOptions::new().append(true).open(path);
-    Ok(file.map_err(|source| IoError::Write { path: path.to_path_buf(), source })?)
+    Ok(path.append()?)
 }
 
 #[cfg(test)]
@@ -155,7 +153,7 @@ mod tests {
         }
     }
 
-    fn held(dir: &Path) -> FolderLock {
+    fn held(dir: &std::path::Path) -> FolderLock {
         FolderLock::take(dir).unwrap()
     }
 
@@ -179,12 +177,12 @@ mod tests {
         assert_eq!(store.rows(), [rows[0].clone(), later.clone()]);
         store.append(&rows[1]).unwrap();
         store.finish(&rows[..2]).unwrap();
-        assert_eq!(read_rows(&path).unwrap(), [rows[0].clone(), rows[1].clone(), later]);
+        assert_eq!(read_rows(&ResultPath::from(&path)).unwrap(), [rows[0].clone(), rows[1].clone(), later]);
 
         let mut store = Store::open(&lock, &manifest()).unwrap();
         store.forget(|row| row.frames == 7).unwrap();
         store.append(&rows[2]).unwrap();
-        assert_eq!(read_rows(&path).unwrap(), rows);
+        assert_eq!(read_rows(&ResultPath::from(&path)).unwrap(), rows);
     }
 
     #[test]

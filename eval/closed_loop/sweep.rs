@@ -24,12 +24,11 @@ use crate::noise::{MeanSquare, Recorded, of_recording};
 use dpn_core::ImuNoise;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::progress::Progress;
-use dpn_io::{FolderLock, atomic_write, write_tum};
+use dpn_io::{FolderLock, ResultPath, atomic_write, write_tum};
 use dpn_vio::estimator::Update;
 use dpn_vio::window::Window;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::ops::ControlFlow;
-use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -193,7 +192,7 @@ impl Sweep<'_> {
         progress.start("closed loop", total as u64);
         let there = rows.len();
         let mut done = there;
-        let dir = store.dir().to_path_buf();
+        let dir = store.dir().clone();
         let finished = each(
             self.threads,
             todo.len(),
@@ -280,7 +279,7 @@ impl Sweep<'_> {
         cell: &Cell<'_>,
         needs: &Needs,
         cache: &SweepCache,
-        (dir, stop): (&Path, &AtomicBool),
+        (dir, stop): (&ResultPath, &AtomicBool),
         on_fault: &OnFault<'_>,
     ) -> Result<Option<Row>, ClosedLoopError> {
         if on_fault.passes_over(cell) {

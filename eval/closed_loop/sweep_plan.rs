@@ -6,11 +6,10 @@ use super::sequence_set::SequenceSet;
 use super::track_cache::TrackCache;
 use crate::injected::Injection;
 use dpn_core::estimate::NoiseSpec;
-use dpn_io::IoError;
+use dpn_io::{IoError, ResultPath};
 use dpn_pronet::network::Network;
 use dpn_vio::EstimatorConfig;
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
 
 /// What to run.
 #[derive(Debug, Clone)]
@@ -59,32 +58,32 @@ pub struct CellFiles {
 
 impl CellFiles {
     /// Whether a file that belongs beside a cell's `row` is not in `dir`; none of a row that has another's name (`own`) is.
-    pub(super) fn lacks(&self, dir: &Path, key: &CellKey, row: &Row, own: bool) -> bool {
-        let gone = |path: PathBuf| !own || !path.is_file();
+    pub(super) fn lacks(&self, dir: &ResultPath, key: &CellKey, row: &Row, own: bool) -> bool {
+        let gone = |path: ResultPath| !own || !path.is_file();
         self.states_path(dir, key).is_some_and(gone)
             || (self.trajectories && gone(trajectory_path(dir, key)))
             || (self.nees && row.nees_position.is_some() && gone(nees_path(dir, key)))
     }
 
     /// Where the states of a cell are, if they are kept.
-    pub fn states_path(&self, dir: &Path, key: &CellKey) -> Option<PathBuf> {
+    pub fn states_path(&self, dir: &ResultPath, key: &CellKey) -> Option<ResultPath> {
         let (noises, seed) = self.states.as_ref()?;
         let wanted = key.seed == *seed && noises.iter().any(|noise| noise.to_string() == key.noise);
         wanted.then(|| states_path(dir, key))
     }
 }
 
-fn states_path(dir: &Path, key: &CellKey) -> PathBuf {
+fn states_path(dir: &ResultPath, key: &CellKey) -> ResultPath {
     dir.join("states").join(key.file_name("csv"))
 }
 
 /// Where a cell's NEES is.
-pub(super) fn nees_path(dir: &Path, key: &CellKey) -> PathBuf {
+pub(super) fn nees_path(dir: &ResultPath, key: &CellKey) -> ResultPath {
     dir.join("nees").join(key.file_name("csv"))
 }
 
 /// Where a cell's trajectory is.
-pub(super) fn trajectory_path(dir: &Path, key: &CellKey) -> PathBuf {
+pub(super) fn trajectory_path(dir: &ResultPath, key: &CellKey) -> ResultPath {
     dir.join("trajectories").join(key.file_name("tum"))
 }
 
@@ -92,14 +91,9 @@ pub(super) fn trajectory_path(dir: &Path, key: &CellKey) -> PathBuf {
 ///
 /// # Errors
 /// A file that cannot be removed.
-pub(super) fn remove_files(dir: &Path, key: &CellKey) -> Result<(), IoError> {
+pub(super) fn remove_files(dir: &ResultPath, key: &CellKey) -> Result<(), IoError> {
     for path in [states_path(dir, key), nees_path(dir, key), trajectory_path(dir, key)] {
-        match std::fs::remove_file(&path) {
-            Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
-                return Err(IoError::Write { path, source });
-            }
-            _ => {}
-        }
+        path.remove()?;
     }
     Ok(())
 }

@@ -11,12 +11,12 @@ use super::row::Row;
 use super::tracked::TrackedSequence;
 use dpn_core::checksum::{of_bytes, of_parts};
 use dpn_core::{Stamp, Track, TrackFrame};
-use dpn_io::IoError;
+use dpn_io::{IoError, ResultPath};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 use std::fs::{File, TryLockError};
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, SystemTime};
@@ -31,7 +31,7 @@ const LOOK: Duration = Duration::from_millis(200);
 /// A folder of kept tracks.
 #[derive(Debug)]
 pub struct TrackCache {
-    dir: PathBuf,
+    dir: ResultPath,
     most: u64,
     taken: AtomicUsize,
     made: AtomicUsize,
@@ -52,10 +52,12 @@ impl TrackCache {
     ///
     /// # Errors
     /// A folder that cannot be made.
-    pub fn open(dir: &Path, most: u64) -> Result<Self, IoError> {
-        std::fs::create_dir_all(dir).map_err(|source| IoError::Write { path: dir.to_path_buf(), source })?;
+    pub fn open(dir: impl Into<ResultPath>, most: u64) -> Result<Self, IoError> {
+        let dir = dir.into();
+        let failed = |source| IoError::Write { path: dir.path().to_path_buf(), source };
+        std::fs::create_dir_all(dir.path()).map_err(failed)?;
         let [taken, made, rows] = std::array::from_fn(|_| AtomicUsize::new(0));
-        Ok(Self { dir: dir.to_path_buf(), most, taken, made, rows, remarks: Mutex::default() })
+        Ok(Self { dir, most, taken, made, rows, remarks: Mutex::default() })
     }
 
     /// What was taken and made, and what was wrong, a line each; nothing where nothing was asked.
@@ -74,7 +76,7 @@ impl TrackCache {
 
     /// The row of the cell of this content, where it was run with this cache by whatever command and is `enough`.
     pub(super) fn row(&self, content: &str, enough: impl Fn(&Row) -> bool) -> Option<Row> {
-        let text = std::fs::read(self.row_path(content)).ok()?;
+        let text = self.row_path(content).read().ok()??;
         let row: Row = serde_json::from_slice(&text).ok()?;
         if row.cell != content || !enough(&row) {
             return None;
@@ -93,7 +95,7 @@ impl TrackCache {
     }
 
     /// Processors of another kind make other bits.
-    fn row_path(&self, content: &str) -> PathBuf {
+    fn row_path(&self, content: &str) -> ResultPath {
         let name = of_parts([content, &dpn_pronet::processor()]);
         self.dir.join("cells").join(&name[..2]).join(format!("{name}.json"))
     }
@@ -125,13 +127,13 @@ impl TrackCache {
             }
         }
         // Who waits for its lock has it open, and finds the entry first.
-        let _ = std::fs::remove_file(&making);
+        let _ = making.remove();
         Ok((made?, false))
     }
 
     /// The lock on an entry's making; none where there are no locks, or on a stop.
-    fn claim(&self, path: &Path, stop: &AtomicBool) -> Option<File> {
-        let file = File::options().create(true).append(true).open(path).ok()?;
+    fn claim(&self, path: &ResultPath, stop: &AtomicBool) -> Option<File> {
+        let file = path.open_lock().ok()?;
         loop {
             match file.try_lock() {
                 Ok(()) => return Some(file),
@@ -141,7 +143,7 @@ impl TrackCache {
         }
     }
 
-    fn path(&self, key: &str) -> PathBuf {
+    fn path(&self, key: &str) -> ResultPath {
         self.dir.join(format!("{key}.{END}"))
     }
 
@@ -152,14 +154,13 @@ impl TrackCache {
     fn read(&self, key: &str) -> Option<TrackedSequence> {
         let path = self.path(key);
         match read(&path, key) {
+            Ok(None) => None,
             Ok(found) => {
                 self.taken.fetch_add(1, Ordering::Relaxed);
                 // Used now. Who may read it only leaves its age as it is.
-                let used = File::options().append(true).open(&path);
-                let _ = used.and_then(|file| file.set_modified(SystemTime::now()));
-                Some(found)
+                let _ = path.append().map(|file| file.set_modified(SystemTime::now()));
+                found
             }
-            Err(IoError::Missing { .. }) => None,
             Err(error) => {
                 self.remark(format!("{}; made anew", with_cause(&error)));
                 None
@@ -183,23 +184,25 @@ impl TrackCache {
     }
 
     /// Removes entries until all take no more than the limit, the least recently used first and never `newest`.
-    fn make_room(&self, newest: &Path) -> Result<(), IoError> {
+    fn make_room(&self, newest: &ResultPath) -> Result<(), IoError> {
         let mut entries = Vec::new();
-        for entry in std::fs::read_dir(&self.dir).map_err(|e| IoError::reading(&self.dir, e))? {
-            let path = entry.map_err(|e| IoError::reading(&self.dir, e))?.path();
-            // One that another process removed meanwhile is none.
-            let Ok(about) = std::fs::metadata(&path) else { continue };
-            if path.extension().is_some_and(|end| end == END) {
-                entries.push((about.modified().unwrap_or(SystemTime::UNIX_EPOCH), path, about.len()));
+        for (name, _) in self.dir.list()? {
+            if Path::new(&name).extension().is_none_or(|end| end != END) {
+                continue;
             }
+            // One that another process removed meanwhile is none.
+            let opened = self.dir.join(&name).open().ok().flatten();
+            let Some(about) = opened.and_then(|file| file.metadata().ok()) else { continue };
+            entries.push((about.modified().unwrap_or(SystemTime::UNIX_EPOCH), name, about.len()));
         }
         entries.sort();
         let mut all: u64 = entries.iter().map(|(.., bytes)| bytes).sum();
-        for (_, path, bytes) in entries.into_iter().filter(|(_, path, _)| path != newest) {
+        let newest = newest.path().file_name();
+        for (_, name, bytes) in entries.into_iter().filter(|(_, name, _)| Some(name.as_os_str()) != newest) {
             if all <= self.most {
                 break;
             }
-            let _ = std::fs::remove_file(&path);
+            let _ = self.dir.join(name).remove();
             all -= bytes;
         }
         Ok(())
@@ -229,10 +232,10 @@ fn bytes_of(key: &str, tracked: &TrackedSequence) -> Vec<u8> {
     [of_bytes(&told).into_bytes(), told].concat()
 }
 
-fn read(path: &Path, key: &str) -> Result<TrackedSequence, IoError> {
-    let bytes = std::fs::read(path).map_err(|e| IoError::reading(path, e))?;
-    let damaged = || IoError::reading(path, io::Error::new(io::ErrorKind::InvalidData, "damaged"));
-    parse(&bytes, key).ok_or_else(damaged)
+fn read(path: &ResultPath, key: &str) -> Result<Option<TrackedSequence>, IoError> {
+    let Some(bytes) = path.read()? else { return Ok(None) };
+    let damaged = || IoError::reading(path.path(), io::Error::new(io::ErrorKind::InvalidData, "damaged"));
+    parse(&bytes, key).map(Some).ok_or_else(damaged)
 }
 
 /// What [`bytes_of`] wrote for this key; `None` where it did not.

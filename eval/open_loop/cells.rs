@@ -1,28 +1,27 @@
 //! What is kept of an open loop under way: a file a set of windows, so that one that was broken off goes on.
 
 use super::rows::Row;
-use dpn_io::{IoError, atomic_write};
-use std::path::{Path, PathBuf};
+use dpn_io::{IoError, ResultPath, atomic_write};
 
 /// A folder of cells, the rows of a set of windows each, named by the checksum of all that they are a function of.
 #[derive(Debug)]
 pub(super) struct Cells {
-    dir: PathBuf,
+    dir: ResultPath,
 }
 
 impl Cells {
     /// Cells in `dir`, which is made with the first of them.
-    pub(super) fn new(dir: &Path) -> Self {
-        Self { dir: dir.to_path_buf() }
+    pub(super) fn new(dir: &ResultPath) -> Self {
+        Self { dir: dir.clone() }
     }
 
-    fn path(&self, content: &str) -> PathBuf {
+    fn path(&self, content: &str) -> ResultPath {
         self.dir.join(format!("{content}.json"))
     }
 
     /// The cell, if it is there; one that does not read is made again.
     pub(super) fn read(&self, content: &str) -> Option<Vec<Row>> {
-        serde_json::from_slice(&std::fs::read(self.path(content)).ok()?).ok()
+        serde_json::from_slice(&self.path(content).read().ok()??).ok()
     }
 
     /// Keeps a cell.
@@ -31,6 +30,6 @@ impl Cells {
     /// A folder that cannot be written to.
     pub(super) fn write(&self, content: &str, rows: &[Row]) -> Result<(), IoError> {
         let text = serde_json::to_string(rows).expect("numbers, texts and lists of them");
-        atomic_write(&self.path(content), |out| out.write_all(text.as_bytes()))
+        atomic_write(self.path(content), |out| out.write_all(text.as_bytes()))
     }
 }

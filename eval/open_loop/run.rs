@@ -14,6 +14,7 @@ use dpn_core::checksum::of_parts;
 use dpn_core::estimate::spec::EstimatorSpec;
 use dpn_core::estimate::{EstimatorError, WindowSigma};
 use dpn_core::progress::Progress;
+use dpn_io::ResultPath;
 use dpn_pronet::StoreError;
 use dpn_train::asl::TUM_VI;
 use dpn_train::base::Base;
@@ -22,7 +23,6 @@ use dpn_train::features::Features;
 use dpn_train::levels::LevelKind;
 use dpn_train::windows::WINDOW;
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -32,7 +32,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Filters or estimators that cannot be; too few windows; a folder that cannot be written to; [`OpenLoopError::Stopped`] when `stop` was set.
 pub fn run(
     request: &Request<'_>,
-    dir: &Path,
+    dir: &ResultPath,
     stop: &AtomicBool,
     progress: &mut dyn Progress,
 ) -> Result<Vec<Row>, OpenLoopError> {
@@ -203,16 +203,16 @@ mod tests {
         };
         let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
         let never = AtomicBool::new(false);
-        let expected = run(&request, whole.path(), &never, &mut Silent).unwrap();
+        let expected = run(&request, &whole.path().into(), &never, &mut Silent).unwrap();
         assert!(expected.iter().any(|row| row.estimator == "kernel-svr@sg(11,2)" && row.data == TUM_VI));
         // Four sets with bases, two without: the stop is asked for in the last one.
         let stop = AtomicBool::new(false);
-        let stopped = run(&request, parts.path(), &stop, &mut StopAt(5, &stop)).unwrap_err();
+        let stopped = run(&request, &parts.path().into(), &stop, &mut StopAt(5, &stop)).unwrap_err();
         assert!(matches!(stopped, OpenLoopError::Stopped { done: 5, total: 6 }), "{stopped}");
         let files = || std::fs::read_dir(parts.path()).unwrap().count();
         assert_eq!(files(), 5);
         // The regressors of the sets that are kept are fitted again.
-        let found = run(&request, parts.path(), &never, &mut Silent).unwrap();
+        let found = run(&request, &parts.path().into(), &never, &mut Silent).unwrap();
         assert_eq!(found, expected);
         // Another program, seed or recording is another cell.
         for other in [
@@ -221,7 +221,7 @@ mod tests {
             Request { corpora: &[corpus("made", 2), corpus(TUM_VI, 3)], ..request_of(&request) },
         ] {
             let stop = AtomicBool::new(true);
-            let error = run(&other, parts.path(), &stop, &mut Silent).unwrap_err();
+            let error = run(&other, &parts.path().into(), &stop, &mut Silent).unwrap_err();
             assert!(matches!(error, OpenLoopError::Stopped { done: 0, .. }), "{error}");
         }
     }

@@ -1,9 +1,8 @@
 //! Who works on a shard, told to whoever looks: a small file that is written anew every few seconds. A lock would not do: not every file system
 //! shows it to other machines.
 
-use dpn_io::atomic_write;
+use dpn_io::{ResultPath, atomic_write};
 use serde::{Deserialize, Serialize};
-use std::path::Path;
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
@@ -61,7 +60,7 @@ pub(super) struct Heart {
 
 impl Heart {
     /// Begins in `dir`.
-    pub(super) fn start(dir: &Path, found: usize) -> Self {
+    pub(super) fn start(dir: &ResultPath, found: usize) -> Self {
         let path = dir.join(BEAT);
         let since = now();
         let mut beat =
@@ -77,7 +76,7 @@ impl Heart {
                     break;
                 }
             }
-            let _ = std::fs::remove_file(&path);
+            let _ = path.remove();
         });
         Self { stop: Some(stop), thread: Some(thread) }
     }

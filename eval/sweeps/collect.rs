@@ -3,16 +3,15 @@
 //! Rows are not taken apart on the way: a line is checked against its shard's account, found by its cell's checksum, and copied byte by byte to its
 //! place in the order of cells.
 
-use super::error::{MissingShard, MixedShard, SweepError};
+use super::error::{MissingShard, SweepError};
 use super::manifest::SweepFolder;
 use super::record::{Named, ShardRecord, line_sum};
 use super::shard::FailedLine;
 use super::shard_files::{FAILED, ROWS};
 use super::spec::JobSpec;
 use crate::closed_loop::{Manifest, Row, StageSeconds};
-use crate::text_file::text_of;
 use dpn_core::checksum::of_parts;
-use dpn_io::{FolderLock, IoError, atomic_write};
+use dpn_io::{FolderLock, IoError, ResultPath, atomic_write};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
@@ -20,7 +19,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Collected {
     /// The folder.
-    pub out: PathBuf,
+    pub out: ResultPath,
     /// Rows of all jobs.
     pub rows: usize,
     /// Files beside them.
@@ -47,7 +46,11 @@ struct Found<'a> {
 /// # Errors
 /// Shards that are missing, damaged, of another program, processor or sweep, or that contradict each other; cells that failed; a folder of another
 /// run, or one that cannot be written to. Nothing is written then.
-pub fn collect(folder: &SweepFolder, out: &Path, without_failed: bool) -> Result<Collected, SweepError> {
+pub fn collect(
+    folder: &SweepFolder,
+    out: &ResultPath,
+    without_failed: bool,
+) -> Result<Collected, SweepError> {
     let cells = &folder.manifest.cells;
     let mut found = Found {
         folder,
@@ -68,15 +71,8 @@ impl Found<'_> {
     /// The numbers of all shards, planned or there.
     fn numbers(&self) -> Result<Vec<usize>, IoError> {
         let mut numbers: Vec<usize> = (0..self.folder.shards()).collect();
-        let dir = self.folder.dir.join("shards");
-        if !dir.exists() {
-            return Ok(numbers);
-        }
-        let failed = |source| IoError::Read { path: dir.clone(), source };
-        for entry in std::fs::read_dir(&dir).map_err(failed)? {
-            let name = entry.map_err(failed)?.file_name();
-            numbers.extend(name.to_str().and_then(|name| name.parse::<usize>().ok()));
-        }
+        let there = self.folder.dir.join("shards").list()?;
+        numbers.extend(there.iter().filter_map(|(name, _)| name.to_str()?.parse::<usize>().ok()));
         numbers.sort_unstable();
         numbers.dedup();
         Ok(numbers)
@@ -93,28 +89,10 @@ impl Found<'_> {
             }
             return Ok(());
         };
-        let own: Vec<usize> = own.collect();
-        let id = planned.id();
-        for (key, there, here) in [
-            ("program", &record.program, &planned.program),
-            ("processor", &record.processor, &planned.processor),
-            ("list of cells, and so from other settings or inputs", &record.sweep, &id),
-        ] {
-            if there != here {
-                let label = own.first().map_or("none planned", |place| &planned.cells[*place].label);
-                return Err(SweepError::Mixed(Box::new(MixedShard {
-                    shard,
-                    label: label.to_owned(),
-                    key: key.to_owned(),
-                    there: there.clone(),
-                    planned: here.clone(),
-                    command,
-                })));
-            }
-        }
+        record.made_for(folder, shard).map_err(|mixed| SweepError::Mixed(Box::new(mixed)))?;
         if !record.done {
             let done = count_rows(folder, &dir)?;
-            self.missing.push(MissingShard { shard, done, cells: own.len(), command });
+            self.missing.push(MissingShard { shard, done, cells: own.count(), command });
             return Ok(());
         }
         for job in 0..planned.jobs.len() {
@@ -123,7 +101,7 @@ impl Found<'_> {
         for (name, sum) in record.files {
             self.files.entry(name).or_insert((shard, sum));
         }
-        for line in text_of(&dir.join(FAILED))?.lines() {
+        for line in dir.join(FAILED).text()?.lines() {
             if let Ok(line) = serde_json::from_str(line) {
                 self.failed.push((shard, line));
             }
@@ -137,25 +115,20 @@ impl Found<'_> {
         shard: usize,
         job: usize,
         record: &ShardRecord,
-        dir: &Path,
+        dir: &ResultPath,
     ) -> Result<(), SweepError> {
         let name = &self.folder.manifest.jobs[job].folder;
-        let path_in = |dir: &Path| dir.join(name).join(ROWS);
+        let path_in = |dir: &ResultPath| dir.join(name).join(ROWS);
         let path = path_in(dir);
         let Some(sums) = record.rows.get(name) else { return Ok(()) };
         let command = || self.folder.command(shard);
         let damaged = |line: usize, message: &str| SweepError::Damaged {
-            path: path.clone(),
+            path: path.path().to_path_buf(),
             line,
             message: message.to_owned(),
             command: command(),
         };
-        let rows = match std::fs::read(&path) {
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-                return Err(damaged(1, "the file has gone"));
-            }
-            rows => rows.map_err(|source| IoError::Read { path: path.clone(), source })?,
-        };
+        let rows = path.read()?.ok_or_else(|| damaged(1, "the file has gone"))?;
         let mut number = 0;
         for bytes in rows.split_inclusive(|byte| *byte == b'\n') {
             number += 1;
@@ -176,8 +149,8 @@ impl Found<'_> {
                 Some((first, _)) => {
                     return Err(SweepError::Contradiction {
                         label: self.folder.manifest.cells[place].label.clone(),
-                        first: path_in(&self.folder.shard_dir(*first)),
-                        second: path,
+                        first: path_in(&self.folder.shard_dir(*first)).path().to_path_buf(),
+                        second: path.path().to_path_buf(),
                     });
                 }
             }
@@ -220,14 +193,14 @@ impl Found<'_> {
                 count: self.failed.len(),
                 label: line.label.clone(),
                 reason: line.reason.clone(),
-                path: self.folder.shard_dir(*shard).join(FAILED),
+                path: self.folder.shard_dir(*shard).join(FAILED).path().to_path_buf(),
                 command: self.folder.command(*shard),
             }),
             _ => Ok(()),
         }
     }
 
-    fn write(&self, out: &Path) -> Result<Collected, SweepError> {
+    fn write(&self, out: &ResultPath) -> Result<Collected, SweepError> {
         // Read twice, so that what is refused has written nothing.
         for name in self.files.keys() {
             self.checked_file(name)?;
@@ -244,22 +217,22 @@ impl Found<'_> {
         }
         for name in self.files.keys() {
             let bytes = self.checked_file(name)?;
-            atomic_write(&out.join(name), |file| file.write_all(&bytes))?;
+            atomic_write(out.join(name), |file| file.write_all(&bytes))?;
         }
         let rows = self.lines.iter().flatten().count();
-        Ok(Collected { out: out.to_path_buf(), rows, files: self.files.len(), failed: self.failed.len() })
+        Ok(Collected { out: out.clone(), rows, files: self.files.len(), failed: self.failed.len() })
     }
 
     /// The bytes of a file beside rows, as its shard wrote them.
     fn checked_file(&self, name: &Path) -> Result<Vec<u8>, SweepError> {
         let (shard, sum) = &self.files[name];
         let path = self.folder.shard_dir(*shard).join(name);
-        let bytes = std::fs::read(&path).map_err(|source| IoError::Read { path: path.clone(), source })?;
+        let bytes = path.read_existing()?;
         if of_parts([&bytes]) == *sum {
             return Ok(bytes);
         }
         Err(SweepError::Damaged {
-            path,
+            path: path.path().to_path_buf(),
             line: 1,
             message: "not the file that the shard wrote".into(),
             command: self.folder.command(*shard),
@@ -267,9 +240,9 @@ impl Found<'_> {
     }
 
     /// The rows of a job in the order of its cells, then those of other cells that were there.
-    fn write_rows(&self, job: usize, dir: &Path) -> Result<(), SweepError> {
+    fn write_rows(&self, job: usize, dir: &ResultPath) -> Result<(), SweepError> {
         let path = dir.join(ROWS);
-        let before = text_of(&path)?;
+        let before = path.text()?;
         let others: Vec<&str> = before
             .split_inclusive('\n')
             .filter(|line| line.ends_with('\n'))
@@ -290,9 +263,9 @@ impl Found<'_> {
 }
 
 /// How many rows a shard has that has not ended.
-fn count_rows(folder: &SweepFolder, dir: &Path) -> Result<usize, IoError> {
+fn count_rows(folder: &SweepFolder, dir: &ResultPath) -> Result<usize, IoError> {
     let count =
-        |job: &super::manifest::Job| Ok(text_of(&dir.join(&job.folder).join(ROWS))?.matches('\n').count());
+        |job: &super::manifest::Job| Ok(dir.join(&job.folder).join(ROWS).text()?.matches('\n').count());
     folder.manifest.jobs.iter().map(count).sum()
 }
 

@@ -51,6 +51,11 @@ pub enum SweepError {
         /// The folder.
         dir: PathBuf,
     },
+    /// A path in a plan that cannot be written down for another machine.
+    #[error(
+        "a file or folder that the plan names is not called by text (UTF-8), so that the sweep's file cannot name it"
+    )]
+    NotText,
     /// No sweep lies there.
     #[error("{}: no sweep, for there is no sweep.json", dir.display())]
     NoSweep {
@@ -173,6 +178,7 @@ impl SweepError {
             Self::Locked(error) => return error.hint(),
             Self::TooShort { .. } => "give more minutes, or run shorter parts with `from` and `to`".into(),
             Self::OtherSweep { .. } => "give another folder with --out, or remove this one".into(),
+            Self::NotText => "rename it, or give it by a link with another name".into(),
             Self::NoSweep { .. } => "dpn sweep plan PLAN.toml --shards N --out DIR makes one".into(),
             Self::Damaged { command, .. } => format!("`{command}` makes it again"),
             Self::Differs { .. } => {

@@ -4,11 +4,9 @@ use super::error::SweepError;
 use super::spec::JobSpec;
 use dpn_core::checksum::of_parts;
 use dpn_core::config::gone;
-use dpn_io::{IoError, atomic_write};
+use dpn_io::{ResultPath, atomic_write};
 use serde::{Deserialize, Serialize};
-use std::fs::File;
-use std::io::{BufReader, ErrorKind};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The version of the format that this program writes and reads.
 const FORMAT: u32 = 2;
@@ -70,7 +68,7 @@ pub struct PlannedCell {
 #[derive(Debug)]
 pub struct SweepFolder {
     /// The folder.
-    pub dir: PathBuf,
+    pub dir: ResultPath,
     /// Its `sweep.json`.
     pub manifest: SweepManifest,
 }
@@ -101,14 +99,12 @@ impl SweepFolder {
     ///
     /// # Errors
     /// A folder without a sweep; a file that does not read, or is another version's.
-    pub fn open(dir: &Path) -> Result<Self, SweepError> {
+    pub fn open(dir: &ResultPath) -> Result<Self, SweepError> {
         let path = dir.join(NAME);
-        let file = File::open(&path).map_err(|source| match source.kind() {
-            ErrorKind::NotFound => SweepError::NoSweep { dir: dir.to_path_buf() },
-            _ => IoError::Read { path: path.clone(), source }.into(),
-        })?;
+        let no_sweep = || SweepError::NoSweep { dir: dir.path().to_path_buf() };
+        let text = path.read()?.ok_or_else(no_sweep)?;
         let damaged = |line, message| SweepError::Damaged {
-            path: path.clone(),
+            path: path.path().to_path_buf(),
             line,
             message,
             command: format!("dpn sweep plan PLAN.toml --out {}", dir.display()),
@@ -117,39 +113,37 @@ impl SweepFolder {
         struct Version {
             format: u32,
         }
-        let text = std::io::read_to_string(BufReader::new(file))
-            .map_err(|source| IoError::Read { path: path.clone(), source })?;
         let bad = |error: serde_json::Error| {
             let words = error.to_string();
             damaged(error.line(), gone(&words).unwrap_or(words))
         };
-        let version: Version = serde_json::from_str(&text).map_err(bad)?;
+        let version: Version = serde_json::from_slice(&text).map_err(bad)?;
         if version.format != FORMAT {
             let message = format!("a sweep of format {}, and this program reads {FORMAT}", version.format);
             return Err(damaged(1, message));
         }
-        let manifest: SweepManifest = serde_json::from_str(&text).map_err(bad)?;
+        let manifest: SweepManifest = serde_json::from_slice(&text).map_err(bad)?;
         let bounds =
             |cell: &PlannedCell| cell.shard < manifest.shard_s.len() && cell.job < manifest.jobs.len();
         let in_order = manifest.cells.is_sorted_by_key(|cell| cell.job);
         if !in_order || !manifest.cells.iter().all(bounds) {
             return Err(damaged(1, "cells of shards or jobs that are not there".into()));
         }
-        Ok(Self { dir: dir.to_path_buf(), manifest })
+        Ok(Self { dir: dir.clone(), manifest })
     }
 
     /// Whether `manifest` may be written into `dir`: where none is, or the same sweep, in other shards only if none of them has begun.
     ///
     /// # Errors
     /// Another sweep's folder, or one whose shards have begun; a file that does not read.
-    pub fn may_take(dir: &Path, manifest: &SweepManifest) -> Result<(), SweepError> {
-        if !dir.join(NAME).exists() {
+    pub fn may_take(dir: &ResultPath, manifest: &SweepManifest) -> Result<(), SweepError> {
+        if dir.join(NAME).kind().is_none() {
             return Ok(());
         }
         let there = Self::open(dir)?;
-        let begun = dir.join("shards").exists();
+        let begun = dir.join("shards").kind().is_some();
         if there.manifest.id() != manifest.id() || (begun && there.manifest != *manifest) {
-            return Err(SweepError::OtherSweep { dir: dir.to_path_buf() });
+            return Err(SweepError::OtherSweep { dir: dir.path().to_path_buf() });
         }
         Ok(())
     }
@@ -157,15 +151,15 @@ impl SweepFolder {
     /// Writes `manifest` into `dir`, which [may take](Self::may_take) it.
     ///
     /// # Errors
-    /// A folder that cannot be written to.
-    pub fn create(dir: &Path, manifest: SweepManifest) -> Result<Self, SweepError> {
-        let text = serde_json::to_string(&manifest).expect("texts, numbers and settings") + "\n";
-        atomic_write(&dir.join(NAME), |out| out.write_all(text.as_bytes()))?;
-        Ok(Self { dir: dir.to_path_buf(), manifest })
+    /// A folder that cannot be written to; a path in the plan that is no text.
+    pub fn create(dir: &ResultPath, manifest: SweepManifest) -> Result<Self, SweepError> {
+        let text = serde_json::to_string(&manifest).map_err(|_| SweepError::NotText)? + "\n";
+        atomic_write(dir.join(NAME), |out| out.write_all(text.as_bytes()))?;
+        Ok(Self { dir: dir.clone(), manifest })
     }
 
     /// Folder of a shard.
-    pub fn shard_dir(&self, shard: usize) -> PathBuf {
+    pub fn shard_dir(&self, shard: usize) -> ResultPath {
         self.dir.join("shards").join(shard.to_string())
     }
 

@@ -1,15 +1,14 @@
 //! A shard's own account, `shard.json`: who made it and, at its end, a checksum of every row and file, by which damage is told.
 
 use super::beat::BEAT;
-use super::error::SweepError;
+use super::error::{MixedShard, SweepError};
 use super::manifest::SweepFolder;
 use super::shard_files::{FAILED, ROWS};
-use crate::text_file::text_of;
 use dpn_core::checksum::of_parts;
-use dpn_io::{IoError, atomic_write};
+use dpn_io::{IoError, Kind, ResultPath, atomic_write};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashSet};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 const NAME: &str = "shard.json";
 /// Files that are a shard's account and no result.
@@ -21,6 +20,8 @@ const ACCOUNTS: [&str; 6] = [NAME, ROWS, "run.json", FAILED, BEAT, ".dpn.lock"];
 pub(super) struct ShardRecord {
     /// The sweep's [id](super::manifest::SweepManifest::id).
     pub(super) sweep: String,
+    /// Its number there.
+    pub(super) shard: usize,
     /// Version and checksum of the program.
     pub(super) program: String,
     /// The kind of processor.
@@ -42,16 +43,16 @@ pub(super) fn line_sum(line: &str) -> String {
     of_parts([line])[..16].to_owned()
 }
 
-pub(super) fn file_sum(path: &Path) -> Result<String, IoError> {
-    let bytes = std::fs::read(path).map_err(|source| IoError::Read { path: path.to_path_buf(), source })?;
-    Ok(of_parts([bytes]))
+/// Checksum of a file; none where it is not there.
+fn file_sum(path: &ResultPath) -> Result<Option<String>, IoError> {
+    Ok(path.read()?.map(|bytes| of_parts([bytes])))
 }
 
 /// Checksums of the cells that have a row in a shard's folder, whichever shard they are planned for.
-pub(super) fn cells_with_rows(folder: &SweepFolder, dir: &Path) -> Result<HashSet<String>, IoError> {
+pub(super) fn cells_with_rows(folder: &SweepFolder, dir: &ResultPath) -> Result<HashSet<String>, IoError> {
     let mut there = HashSet::new();
     for job in &folder.manifest.jobs {
-        let text = text_of(&dir.join(&job.folder).join(ROWS))?;
+        let text = dir.join(&job.folder).join(ROWS).text()?;
         let named = text.lines().filter_map(|line| serde_json::from_str::<Named>(line).ok());
         there.extend(named.map(|named| named.cell));
     }
@@ -63,49 +64,76 @@ impl ShardRecord {
     ///
     /// # Errors
     /// A file that does not read; `command` makes it again.
-    pub(super) fn read(dir: &Path, command: &str) -> Result<Option<Self>, SweepError> {
+    pub(super) fn read(dir: &ResultPath, command: &str) -> Result<Option<Self>, SweepError> {
         let path = dir.join(NAME);
-        let text = text_of(&path)?;
-        if text.is_empty() && !path.exists() {
-            return Ok(None);
-        }
+        let Some(bytes) = path.read()? else { return Ok(None) };
         let bad = |error: serde_json::Error| SweepError::Damaged {
-            path: path.clone(),
+            path: path.path().to_path_buf(),
             line: error.line(),
             message: format!("not a shard's account: {error}"),
             command: command.to_owned(),
         };
-        serde_json::from_str(&text).map(Some).map_err(bad)
+        serde_json::from_slice(&bytes).map(Some).map_err(bad)
     }
 
-    pub(super) fn write(&self, dir: &Path) -> Result<(), IoError> {
+    /// Whether it is the account of this shard of this sweep.
+    ///
+    /// # Errors
+    /// In what it is not.
+    pub(super) fn made_for(&self, folder: &SweepFolder, shard: usize) -> Result<(), MixedShard> {
+        let planned = &folder.manifest;
+        let (id, numbers) = (planned.id(), [self.shard.to_string(), shard.to_string()]);
+        let pairs = [
+            ("program", &self.program, &planned.program),
+            ("processor", &self.processor, &planned.processor),
+            ("list of cells, and so from other settings or inputs", &self.sweep, &id),
+            ("number", &numbers[0], &numbers[1]),
+        ];
+        // A folder of a number that is not planned may be a copy.
+        let asked = if shard < folder.shards() { &pairs[..] } else { &pairs[..3] };
+        let Some((key, there, here)) = asked.iter().find(|(_, there, here)| there != here) else {
+            return Ok(());
+        };
+        let first = folder.cells_of_shard(shard).next();
+        Err(MixedShard {
+            shard,
+            label: first
+                .map_or_else(|| "none planned".to_owned(), |place| planned.cells[place].label.clone()),
+            key: (*key).to_owned(),
+            there: (*there).clone(),
+            planned: (*here).clone(),
+            command: folder.command(shard),
+        })
+    }
+
+    pub(super) fn write(&self, dir: &ResultPath) -> Result<(), IoError> {
         let text = serde_json::to_string(self).expect("texts and numbers") + "\n";
-        atomic_write(&dir.join(NAME), |out| out.write_all(text.as_bytes()))
+        atomic_write(dir.join(NAME), |out| out.write_all(text.as_bytes()))
     }
 
     /// Takes the checksums of all that lies in `dir`.
-    pub(super) fn take_sums(&mut self, folder: &SweepFolder, dir: &Path) -> Result<(), IoError> {
+    pub(super) fn take_sums(&mut self, folder: &SweepFolder, dir: &ResultPath) -> Result<(), IoError> {
         (self.rows, self.files) = (BTreeMap::new(), BTreeMap::new());
         for job in &folder.manifest.jobs {
-            let text = text_of(&dir.join(&job.folder).join(ROWS))?;
+            let text = dir.join(&job.folder).join(ROWS).text()?;
             if !text.is_empty() {
                 self.rows.insert(job.folder.clone(), text.lines().map(line_sum).collect());
             }
         }
-        for path in results(dir)? {
-            let sum = file_sum(&path)?;
-            let name = path.strip_prefix(dir).expect("it was found below the folder");
-            self.files.insert(name.to_path_buf(), sum);
+        for name in results(dir)? {
+            if let Some(sum) = file_sum(&dir.join(&name))? {
+                self.files.insert(name, sum);
+            }
         }
         Ok(())
     }
 
     /// Takes away what is damaged in `dir`, so that it is made again: lines that were not written so, and files. Whether there was nothing to take.
-    pub(super) fn mend(&self, folder: &SweepFolder, dir: &Path) -> Result<bool, IoError> {
+    pub(super) fn mend(&self, folder: &SweepFolder, dir: &ResultPath) -> Result<bool, IoError> {
         let mut whole = true;
         for job in &folder.manifest.jobs {
             let path = dir.join(&job.folder).join(ROWS);
-            let text = text_of(&path)?;
+            let text = path.text()?;
             let sums = self.rows.get(&job.folder).map(|sums| sums.iter().collect::<HashSet<_>>());
             let good = |line: &&str| match &sums {
                 Some(sums) if self.done => sums.contains(&line_sum(line)),
@@ -124,11 +152,10 @@ impl ShardRecord {
         }
         for (name, sum) in &self.files {
             let path = dir.join(name);
-            if !path.is_file() {
-                whole = false;
-            } else if file_sum(&path)? != *sum {
-                std::fs::remove_file(&path).map_err(|source| IoError::Write { path, source })?;
-                whole = false;
+            let there = file_sum(&path)?;
+            whole &= there.as_ref() == Some(sum);
+            if there.is_some_and(|there| there != *sum) {
+                path.remove()?;
             }
         }
         Ok(whole)
@@ -142,20 +169,21 @@ pub(super) struct Named {
     pub(super) cell: String,
 }
 
-/// Every file of results below `dir`, sorted.
-fn results(dir: &Path) -> Result<Vec<PathBuf>, IoError> {
+/// Every file of results by its path below `dir`, sorted.
+fn results(dir: &ResultPath) -> Result<Vec<PathBuf>, IoError> {
     let mut found = Vec::new();
-    let mut folders = vec![dir.to_path_buf()];
+    let mut folders = vec![PathBuf::new()];
     while let Some(folder) = folders.pop() {
-        let failed = |source| IoError::Read { path: folder.clone(), source };
-        for entry in std::fs::read_dir(&folder).map_err(failed)? {
-            let entry = entry.map_err(failed)?;
-            let name = entry.file_name();
-            let name = name.to_string_lossy();
-            if entry.file_type().map_err(failed)?.is_dir() {
-                folders.push(entry.path());
-            } else if !ACCOUNTS.contains(&name.as_ref()) && !name.ends_with(".tmp") {
-                found.push(entry.path());
+        for (name, kind) in dir.join(&folder).list()? {
+            let path = folder.join(&name);
+            let Some(name) = name.to_str() else {
+                let source = std::io::Error::other("a name that is no text (UTF-8), and no result's");
+                return Err(IoError::Read { path: dir.join(path).path().to_path_buf(), source });
+            };
+            if kind == Kind::Folder {
+                folders.push(path);
+            } else if !ACCOUNTS.contains(&name) && !name.ends_with(".tmp") {
+                found.push(path);
             }
         }
     }

@@ -12,11 +12,11 @@ use super::shard_files::{FAILED, ROWS, TRUTH};
 use super::spec::{JobSpec, TrainSpec};
 use crate::closed_loop::{Experiment, FailedCell, Manifest, Sweep, TrackCache};
 use dpn_core::progress::Progress;
-use dpn_io::{FolderLock, IoError, atomic_write};
+use dpn_io::{FolderLock, IoError, ResultPath, atomic_write};
 use dpn_pronet::network::Network;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap, HashSet};
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -87,7 +87,7 @@ pub trait Trainer {
     fn train(
         &mut self,
         spec: &TrainSpec,
-        dir: &Path,
+        dir: &ResultPath,
         with: (&AtomicBool, &mut dyn Progress),
     ) -> Result<serde_json::Map<String, serde_json::Value>, TrainFault>;
 }
@@ -172,6 +172,7 @@ impl<'a> Shard<'a> {
         let manifest = &folder.manifest;
         let new = || ShardRecord {
             sweep: manifest.id(),
+            shard: number,
             program: manifest.program.clone(),
             processor: manifest.processor.clone(),
             node: node(),
@@ -181,16 +182,17 @@ impl<'a> Shard<'a> {
             files: BTreeMap::new(),
         };
         // An account that does not read is one of nothing: rows are judged one by one.
-        let found = ShardRecord::read(&dir, "").ok().flatten();
+        let found = match ShardRecord::read(&dir, "") {
+            Err(SweepError::Damaged { .. }) => None,
+            found => found?,
+        };
         let record = found.unwrap_or_else(new);
-        if record.sweep != manifest.id() {
-            return Err(SweepError::OtherSweep { dir });
-        }
+        record.made_for(folder, number).map_err(|mixed| SweepError::Mixed(Box::new(mixed)))?;
         let whole = record.mend(folder, &dir)?;
         Ok(Self { folder, number, lock, record, whole, failed: Vec::new() })
     }
 
-    fn dir(&self) -> &Path {
+    fn dir(&self) -> &ResultPath {
         self.lock.dir()
     }
 
@@ -231,7 +233,7 @@ impl<'a> Shard<'a> {
         let planned = &self.folder.manifest;
         let cells = &planned.cells[planned.cells_of(place)];
         let truth = self.folder.dir.join(TRUTH).join(&planned.jobs[place].folder);
-        let experiment = here.finds(experiment, planned.data.as_deref(), &truth);
+        let experiment = here.finds(experiment, planned.data.as_deref(), truth.path());
         let source = experiment.source()?;
         let (threads, cache) = (here.threads, here.cache);
         let whole = Sweep { threads, cache, ..experiment.sweep(&source, here.networks)? };
@@ -253,7 +255,7 @@ impl<'a> Shard<'a> {
             return Err(differs(key, &gone.cell[..16], "not so"));
         }
         let dir = self.dir().join(&planned.jobs[place].folder);
-        let inner = if dir == self.dir() { None } else { Some(FolderLock::take(&dir)?) };
+        let inner = if dir == *self.dir() { None } else { Some(FolderLock::take(&dir)?) };
         let lock = inner.as_ref().unwrap_or(&self.lock);
         self.failed.extend(sweep.run_cells(&own, lock, &manifest, (stop, progress))?);
         Ok(())
@@ -271,7 +273,7 @@ impl<'a> Shard<'a> {
         let planned = &self.folder.manifest;
         let there = self.rows_there()?;
         let dir = self.dir().join(&planned.jobs[place].folder);
-        let mut rows = append_to(&dir.join(ROWS))?;
+        let mut rows = append_to(dir.join(ROWS))?;
         for (cell, spec) in planned.cells[planned.cells_of(place)].iter().zip(specs) {
             if cell.shard != self.number {
                 continue;
@@ -320,7 +322,7 @@ impl<'a> Shard<'a> {
     /// Writes the cells that failed, none where none did.
     fn note_failed(&self) -> Result<(), IoError> {
         let path = self.dir().join(FAILED);
-        if self.failed.is_empty() && !path.exists() {
+        if self.failed.is_empty() && path.kind().is_none() {
             return Ok(());
         }
         let mut text = String::new();
@@ -343,7 +345,7 @@ impl<'a> Shard<'a> {
 
     /// Ends the shard: its account has a checksum of everything.
     fn finish(mut self, cells: usize) -> Result<ShardOutcome, SweepError> {
-        let dir = self.dir().to_path_buf();
+        let dir = self.dir().clone();
         self.record.take_sums(self.folder, &dir)?;
         self.record.done = true;
         self.record.failed = self.failed.len();
@@ -354,7 +356,7 @@ impl<'a> Shard<'a> {
                 count: self.failed.len(),
                 label,
                 reason,
-                path: dir.join(FAILED),
+                path: dir.join(FAILED).path().to_path_buf(),
                 command: self.folder.command(self.number),
             }),
         }
@@ -363,14 +365,12 @@ impl<'a> Shard<'a> {
 
 /// A file that lines are added to.
 struct Lines {
-    path: PathBuf,
+    path: ResultPath,
     file: File,
 }
 
-fn append_to(path: &Path) -> Result<Lines, IoError> {
-    let failed = |source| IoError::Write { path: path.to_path_buf(), source };
-    let file = OpenOptions::new().append(true).create(true).open(path).map_err(failed)?;
-    Ok(Lines { path: path.to_path_buf(), file })
+fn append_to(path: ResultPath) -> Result<Lines, IoError> {
+    Ok(Lines { file: path.append()?, path })
 }
 
 impl Lines {
@@ -378,6 +378,6 @@ impl Lines {
     fn write<T: Serialize>(&mut self, value: &T) -> Result<(), IoError> {
         let line = serde_json::to_string(value).expect("texts and numbers") + "\n";
         let written = self.file.write_all(line.as_bytes());
-        written.map_err(|source| IoError::Write { path: self.path.clone(), source })
+        written.map_err(|source| IoError::Write { path: self.path.path().to_path_buf(), source })
     }
 }

@@ -6,7 +6,6 @@ use super::manifest::SweepFolder;
 use super::record::{ShardRecord, cells_with_rows};
 use super::shard::FailedLine;
 use super::shard_files::FAILED;
-use crate::text_file::text_of;
 use serde::Serialize;
 
 /// A process that has not been heard of for so long is taken for gone \[s\].
@@ -22,6 +21,8 @@ pub enum ShardState {
     Running,
     /// A process worked on it, and is gone or silent.
     BrokenOff,
+    /// Its folder holds another shard, or one of another sweep.
+    Misplaced,
     /// It is at its end, and some of its cells failed.
     Failed,
     /// It is at its end.
@@ -92,13 +93,17 @@ pub fn status(folder: &SweepFolder) -> Result<SweepStatus, SweepError> {
 fn of_shard(folder: &SweepFolder, shard: usize, own: &[usize], now: u64) -> Result<ShardStatus, SweepError> {
     let (dir, manifest) = (folder.shard_dir(shard), &folder.manifest);
     // An account that does not read is found and mended by the shard's next run.
-    let record = ShardRecord::read(&dir, "").ok().flatten();
+    let record = match ShardRecord::read(&dir, "") {
+        Err(SweepError::Damaged { .. }) => None,
+        record => record?,
+    };
     let there = cells_with_rows(folder, &dir)?;
-    let by: Option<Beat> = serde_json::from_str(&text_of(&dir.join(BEAT))?).ok();
-    let failed = text_of(&dir.join(FAILED))?;
+    let by: Option<Beat> = serde_json::from_str(&dir.join(BEAT).text()?).ok();
+    let failed = dir.join(FAILED).text()?;
     let failed: Vec<FailedLine> = failed.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
     let alive = by.as_ref().is_some_and(|beat| now.saturating_sub(beat.beat) < SILENT_S && !beat.is_dead());
     let state = match &record {
+        Some(record) if record.made_for(folder, shard).is_err() => ShardState::Misplaced,
         Some(record) if record.done && record.failed > 0 => ShardState::Failed,
         Some(record) if record.done => ShardState::Done,
         _ if alive => ShardState::Running,

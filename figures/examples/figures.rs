@@ -150,9 +150,9 @@ fn flight(short_phases: bool) -> Result<Chart, Box<dyn Error>> {
 fn keep(plot: &impl Plot, folder: &Path, name: &str) -> Result<Vec<PathBuf>, Box<dyn Error>> {
     let paths = save(plot, &folder.join(name))?;
     for path in &paths {
-        println!("{} {} bytes", path.display(), std::fs::metadata(path)?.len());
+        println!("{} {} bytes", path.display(), std::fs::metadata(path.path())?.len());
     }
-    Ok(paths)
+    Ok(paths.iter().map(|path| path.path().to_owned()).collect())
 }
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -1,9 +1,8 @@
 //! A table as Markdown, CSV and LaTeX.
 
 use super::{Cell, Column, Line, Table};
-use dpn_io::{IoError, atomic_write};
+use dpn_io::{IoError, ResultPath, atomic_write};
 use std::fmt::Write as _;
-use std::path::Path;
 
 impl Table {
     /// As Markdown.
@@ -78,9 +77,9 @@ impl Table {
     ///
     /// # Errors
     /// A folder that cannot be written to.
-    pub fn save(&self, dir: &Path) -> Result<(), IoError> {
+    pub fn save(&self, dir: &ResultPath) -> Result<(), IoError> {
         for (extension, text) in [("md", self.markdown()), ("csv", self.csv()), ("tex", self.latex())] {
-            atomic_write(&dir.join(format!("{}.{extension}", self.name)), |out| {
+            atomic_write(dir.join(format!("{}.{extension}", self.name)), |out| {
                 out.write_all(text.as_bytes())
             })?;
         }

@@ -10,14 +10,14 @@ use dpn_core::{ImuRecording, NoiseTrack, Sensor};
 use dpn_eval::closed_loop::{CellFiles, CellKey, Recording, Row};
 use dpn_eval::noise::{Fresh, Recorded};
 use dpn_figures::{Chart, ErrorColumn, Flight, TrajectoryPanel, error_band, flight_sigma};
+use dpn_io::ResultPath;
 use dpn_pronet::network::Network;
 use dpn_train::levels::{LevelKind, Levels};
 use dpn_train::split::Side;
-use std::path::Path;
 
 /// What a sweep kept of one cell, beside the truth; nothing where the run has too few poses.
 fn beside(
-    dir: &Path,
+    dir: &ResultPath,
     keep: &CellFiles,
     key: &CellKey,
     recording: &Recording,
@@ -46,7 +46,7 @@ fn short(noise: &NoiseSpec) -> String {
 pub(crate) fn trajectories(
     recordings: &[Recording],
     rows: &[Row],
-    dir: &Path,
+    dir: &ResultPath,
     keep: &CellFiles,
     noises: &[NoiseSpec],
 ) -> Result<Chart, PaperError> {
@@ -88,7 +88,7 @@ pub(crate) fn trajectories(
 /// Errors of one sequence by time, with what the estimator believed of them.
 pub(crate) fn errors(
     recording: &Recording,
-    dir: &Path,
+    dir: &ResultPath,
     keep: &CellFiles,
     noises: &[NoiseSpec],
 ) -> Result<Option<Chart>, PaperError> {

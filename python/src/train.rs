@@ -74,7 +74,7 @@ pub(crate) fn train(
         let mut steps = Steps { listener: &mut listener, stop: &stop, total: 0 };
         let (summary, path) = run.train(&stop, &mut steps).map_err(|e| raise(&e))?;
         let summary = serde_json::to_string(&summary).map_err(|e| raise(&e))?;
-        Ok((path, summary))
+        Ok((path.path().to_path_buf(), summary))
     });
     listener.or(done)
 }

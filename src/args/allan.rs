@@ -2,6 +2,7 @@
 
 use super::LogArgs;
 use clap::Args;
+use dpn_io::ResultPath;
 use dpn_io::noise_formats::Format;
 use std::path::PathBuf;
 
@@ -22,7 +23,7 @@ pub(crate) struct AllanArgs {
     pub(crate) check_as: Option<Format>,
     /// Folder for the plot (SVG, PNG), its points (CSV) and the figures (JSON).
     #[arg(long, value_name = "DIR", default_value = "runs/allan")]
-    pub(crate) out: PathBuf,
+    pub(crate) out: ResultPath,
     /// Print the figures as JSON on stdout instead of the page.
     #[arg(long)]
     pub(crate) json: bool,

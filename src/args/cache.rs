@@ -1,14 +1,14 @@
 //! The folder in which what is dear to make is kept.
 
 use clap::Args;
-use std::path::PathBuf;
+use dpn_io::ResultPath;
 
 /// Where tracks that were followed through images, and rows of runs, are kept.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct CacheArgs {
     /// Folder that keeps tracks followed through images and every run's row, for other commands, shards and nodes; results do not depend on it.
     #[arg(long, value_name = "DIR")]
-    pub(crate) cache: Option<PathBuf>,
+    pub(crate) cache: Option<ResultPath>,
     /// How much of tracks it may hold (500MB, 20GB, 1TB); what was least recently used goes first.
     #[arg(long, value_name = "SIZE", value_parser = size, default_value = "20GB")]
     pub(crate) cache_size: u64,

@@ -2,6 +2,7 @@
 
 use super::{HowArgs, SpanArgs};
 use clap::Args;
+use dpn_io::ResultPath;
 use std::path::PathBuf;
 
 /// What a check is not to find.
@@ -31,7 +32,7 @@ pub(crate) struct CheckArgs {
     pub(crate) fail_on: Option<FailOn>,
     /// Folder for the spectra (SVG, PNG, CSV) and the findings (JSON).
     #[arg(long, value_name = "DIR", default_value = "runs/check")]
-    pub(crate) out: PathBuf,
+    pub(crate) out: ResultPath,
     /// Print the findings as JSON on stdout instead of the page.
     #[arg(long)]
     pub(crate) json: bool,

@@ -4,6 +4,7 @@ use super::ClosedLoopArgs;
 use super::word::word;
 use clap::{ArgGroup, Args};
 use dpn_core::Sensor;
+use dpn_io::ResultPath;
 use std::path::PathBuf;
 
 /// Flags of `dpn eval`.
@@ -34,7 +35,7 @@ pub(crate) struct EvalArgs {
     /// Folder of the results: runs/open-loop, or runs/closed-loop- and a checksum of settings and input; a closed loop goes on where
     /// it stopped.
     #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
+    pub(crate) out: Option<ResultPath>,
     /// Seed of the injected noise; in a closed loop the first seed of tracks and flights.
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,

@@ -2,6 +2,7 @@
 
 use super::examples;
 use clap::{Args, Subcommand};
+use dpn_io::ResultPath;
 use std::path::PathBuf;
 
 /// Flags of `dpn export`.
@@ -31,7 +32,7 @@ pub(crate) struct OnnxArgs {
     pub(crate) models: Option<PathBuf>,
     /// Folder for the models, SENSOR/NAME.onnx each.
     #[arg(long, value_name = "DIR", default_value = "onnx")]
-    pub(crate) out: PathBuf,
+    pub(crate) out: ResultPath,
     /// Print what was written as JSON on stdout, a line a model.
     #[arg(long)]
     pub(crate) json: bool,

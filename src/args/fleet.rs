@@ -2,6 +2,7 @@
 
 use super::CacheArgs;
 use clap::Args;
+use dpn_io::ResultPath;
 use std::path::PathBuf;
 
 /// Flags of `dpn fleet`.
@@ -15,7 +16,7 @@ pub(crate) struct FleetArgs {
     pub(crate) data: PathBuf,
     /// Folder of the results: a folder a platform, fleet.csv, fleet.json and fleet.txt. A fleet goes on where it stopped.
     #[arg(long, value_name = "DIR", default_value = "runs/fleet")]
-    pub(crate) out: PathBuf,
+    pub(crate) out: ResultPath,
     /// Only these platforms, by their folders, with commas between.
     #[arg(long, value_name = "FOLDERS", value_delimiter = ',')]
     pub(crate) platforms: Vec<String>,

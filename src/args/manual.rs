@@ -1,7 +1,7 @@
 //! `dpn completions`, `dpn manual`.
 
 use clap::Args;
-use std::path::PathBuf;
+use dpn_io::ResultPath;
 
 /// Flags of `dpn completions`.
 #[derive(Debug, Args)]
@@ -15,5 +15,5 @@ pub(crate) struct CompletionsArgs {
 pub(crate) struct ManualArgs {
     /// Folder for the pages, dpn.1 and one a command.
     #[arg(long, value_name = "DIR", default_value = "man")]
-    pub(crate) out: PathBuf,
+    pub(crate) out: ResultPath,
 }

@@ -2,6 +2,7 @@
 
 use super::{HowArgs, PasteArgs, SpanArgs, examples};
 use clap::{Args, Subcommand};
+use dpn_io::ResultPath;
 use dpn_io::noise_formats::Format;
 use std::path::PathBuf;
 
@@ -39,7 +40,7 @@ pub(crate) struct NoiseArgs {
     pub(crate) paste: PasteArgs,
     /// Folder for the track (CSV or JSON lines), the summary (JSON) and the plot (SVG, PNG, CSV).
     #[arg(long, value_name = "DIR", default_value = "runs/noise")]
-    pub(crate) out: PathBuf,
+    pub(crate) out: ResultPath,
     /// How the track is written.
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t = RowFormat::Csv)]
     pub(crate) format: RowFormat,

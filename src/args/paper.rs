@@ -3,6 +3,7 @@
 use super::SettingsArgs;
 use clap::Args;
 use dpn_eval::closed_loop::StartAt;
+use dpn_io::ResultPath;
 use dpn_papers::CameraChoice;
 use std::path::PathBuf;
 
@@ -20,10 +21,10 @@ pub(crate) struct PaperArgs {
     pub(crate) plan: Option<PathBuf>,
     /// Folder of tables, figures and page.
     #[arg(long, value_name = "DIR", default_value = "runs/paper/out")]
-    pub(crate) out: PathBuf,
+    pub(crate) out: ResultPath,
     /// Folder of the runs; results of other inputs in it are neither used nor touched.
     #[arg(long, value_name = "DIR", default_value = "runs/paper")]
-    pub(crate) work: PathBuf,
+    pub(crate) work: ResultPath,
     /// What the odometry sees: images, rendered (along the ground truth), tracks, or auto: images where every sequence has its own, else
     /// rendered, but tracks with --quick.
     #[arg(long, default_value = "auto")]

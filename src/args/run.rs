@@ -4,6 +4,7 @@ use super::{CameraArg, ImageLogArgs, PasteArgs, SettingsArgs};
 use clap::Args;
 use dpn_eval::closed_loop::StartAt;
 use dpn_eval::metrics::RpeSpec;
+use dpn_io::ResultPath;
 use std::path::PathBuf;
 
 /// Flags of `dpn run`.
@@ -53,7 +54,7 @@ pub(crate) struct RunArgs {
     pub(crate) settings: SettingsArgs,
     /// Folder for trajectory.tum, states.csv and report.json; without it runs/run-NAME.
     #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
+    pub(crate) out: Option<ResultPath>,
     /// Write also trajectory.kitti and, where there is ground truth, truth.kitti at the same instants: what `evo_ape kitti` and `evo_rpe kitti` compare.
     #[arg(long)]
     pub(crate) kitti: bool,
@@ -68,14 +69,14 @@ pub(crate) struct RunArgs {
     pub(crate) rpe: Vec<RpeSpec>,
     /// Draw into this folder: the flight from above, tracks, noise, biases and residuals over time, and, of images, frames with tracks.
     #[arg(long, value_name = "DIR")]
-    pub(crate) draw: Option<PathBuf>,
+    pub(crate) draw: Option<ResultPath>,
     /// A frame is drawn every so many seconds; 0 draws every frame handed over.
     #[arg(long, value_name = "SECONDS", default_value_t = 1.0, requires = "draw", value_parser = seconds)]
     pub(crate) draw_every: f64,
     /// What is pasted of the noise that is learned.
     #[command(flatten)]
     pub(crate) paste: PasteArgs,
-    /// Exit with code 3 where the run is not to be trusted: camera and gyroscope do not turn together, residuals or levels are no sensor's, or there is no pose.
+    /// Exit with code 3 where the run is not to be trusted: camera and gyroscope do not turn together, or residuals or levels are no sensor's. A run without any pose always does.
     #[arg(long)]
     pub(crate) strict: bool,
     /// Print the report as JSON on stdout.

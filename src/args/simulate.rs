@@ -2,6 +2,7 @@
 
 use super::examples;
 use clap::{Args, Subcommand};
+use dpn_io::ResultPath;
 use std::path::PathBuf;
 
 /// What to simulate.
@@ -37,7 +38,7 @@ pub(crate) struct FlightArgs {
     pub(crate) list: bool,
     /// Folder to write to: one ASL sequence a flight.
     #[arg(long, value_name = "DIR", default_value = "runs/flights")]
-    pub(crate) out: PathBuf,
+    pub(crate) out: ResultPath,
     /// Seed of every random part.
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,
@@ -94,7 +95,7 @@ pub(crate) struct ImagesArgs {
     pub(crate) along: AlongArgs,
     /// Folder to write to, one ASL sequence; without it runs/images/NAME. It must not hold a sequence yet.
     #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
+    pub(crate) out: Option<ResultPath>,
     /// Seconds after the camera's first frame at which images begin.
     #[arg(long, value_name = "SECONDS")]
     pub(crate) from: Option<f64>,

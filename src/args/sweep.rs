@@ -2,6 +2,7 @@
 
 use super::examples;
 use clap::{Args, Subcommand};
+use dpn_io::ResultPath;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -44,7 +45,7 @@ pub(crate) struct SweepPlanArgs {
     pub(crate) minutes: Option<f64>,
     /// Folder of the sweep.
     #[arg(long, value_name = "SWEEP")]
-    pub(crate) out: PathBuf,
+    pub(crate) out: ResultPath,
     /// Folder of the data, over the plan's.
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,
@@ -61,7 +62,7 @@ pub(crate) struct SweepPlanArgs {
 pub(crate) struct SweepRunArgs {
     /// Folder of the sweep.
     #[arg(value_name = "SWEEP")]
-    pub(crate) sweep: PathBuf,
+    pub(crate) sweep: ResultPath,
     /// Which: 3, 0-3, 1,4,7, or all, one after another; without it the number in SLURM_ARRAY_TASK_ID.
     #[arg(long, value_name = "K")]
     pub(crate) shard: Option<Shards>,
@@ -87,10 +88,10 @@ pub(crate) struct SweepRunArgs {
 pub(crate) struct SweepCollectArgs {
     /// Folder of the sweep.
     #[arg(value_name = "SWEEP")]
-    pub(crate) sweep: PathBuf,
+    pub(crate) sweep: ResultPath,
     /// Folder of the results: a run's; of a paper, what `dpn paper` calls --work. Without it SWEEP/collected.
     #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
+    pub(crate) out: Option<ResultPath>,
     /// Put together what there is where cells could not be run.
     #[arg(long)]
     pub(crate) without_failed: bool,
@@ -104,7 +105,7 @@ pub(crate) struct SweepCollectArgs {
 pub(crate) struct SweepStatusArgs {
     /// Folder of the sweep.
     #[arg(value_name = "SWEEP")]
-    pub(crate) sweep: PathBuf,
+    pub(crate) sweep: ResultPath,
     /// Print every shard as JSON on stdout.
     #[arg(long)]
     pub(crate) json: bool,

@@ -4,6 +4,7 @@ use super::closed_loop::key_value;
 use super::word::word;
 use clap::Args;
 use dpn_core::Sensor;
+use dpn_io::ResultPath;
 use std::path::PathBuf;
 
 /// Flags of `dpn train`. A flag overrides the configuration's key of the same name.
@@ -29,7 +30,7 @@ pub(crate) struct TrainArgs {
     pub(crate) data: Option<PathBuf>,
     /// Folder of the run; without it runs/train-SENSOR-BASE-SEED.
     #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
+    pub(crate) out: Option<ResultPath>,
     /// Go on with the run in the folder, to the same bits as if it had never stopped. With --epochs a run of a constant learning rate, finished or
     /// not, becomes longer, to the bits of one as long from the start.
     #[arg(long)]

@@ -1,6 +1,7 @@
 //! `dpn truth`.
 
 use clap::Args;
+use dpn_io::ResultPath;
 use std::path::PathBuf;
 
 /// Flags of `dpn truth`.
@@ -11,7 +12,7 @@ pub(crate) struct TruthArgs {
     pub(crate) source: PathBuf,
     /// Folder for NAME.csv, the reconciled ground truth (17 columns), and NAME.json, the report.
     #[arg(long, value_name = "DIR", default_value = "runs/truth")]
-    pub(crate) out: PathBuf,
+    pub(crate) out: ResultPath,
     /// Configuration (TOML); without it the built-in default.
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,

@@ -8,7 +8,7 @@ use dpn_eval::closed_loop::TrackCache;
 /// The cache, where one was named.
 pub(crate) fn open(args: &CacheArgs) -> Result<Option<TrackCache>> {
     let open = |dir| TrackCache::open(dir, args.cache_size);
-    Ok(args.cache.as_deref().map(open).transpose()?)
+    Ok(args.cache.as_ref().map(open).transpose()?)
 }
 
 /// Says what was taken from it and made, and what was wrong.

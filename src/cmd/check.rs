@@ -88,7 +88,7 @@ fn one(args: &CheckArgs, path: &Path) -> Result<Weight> {
     };
     let files = plot.map(|plot| save(&plot, &args.out.join("spectra"))).transpose()?.unwrap_or_default();
     // Last: where it lies, the rest does too.
-    atomic_write(&args.out.join("check.json"), |file| file.write_all(text.as_bytes()))?;
+    atomic_write(args.out.join("check.json"), |file| file.write_all(text.as_bytes()))?;
     if args.json {
         out!("{text}")?;
         return Ok(gravest);

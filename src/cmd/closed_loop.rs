@@ -10,10 +10,9 @@ use dpn_eval::closed_loop::{
     ClosedLoopError, Consistency, Experiment, Manifest, Row, Settings, Sweep, TrackCache, consistency,
 };
 use dpn_eval::study::{MARGIN, RowSet, Study, StudyFile};
-use dpn_io::{FolderLock, atomic_write};
+use dpn_io::{FolderLock, ResultPath, atomic_write};
 use dpn_papers::tables as table;
 use dpn_pronet::network::Network;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -24,7 +23,7 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
     }
     let networks = shipped::or_of(experiment.models.as_deref())?;
     let machine = Machine::new(&args.closed.cache, args.closed.threads)?;
-    let done = machine.run(&experiment, &networks, args.out.as_deref())?;
+    let done = machine.run(&experiment, &networks, args.out.as_ref())?;
     say(&done, args.json)
 }
 
@@ -48,15 +47,15 @@ impl Machine {
         &self,
         experiment: &Experiment,
         networks: &[Network],
-        out: Option<&Path>,
+        out: Option<&ResultPath>,
     ) -> Result<LoopTables> {
         let source = experiment.source()?;
         let (threads, cache) = (self.threads, self.cache.as_ref());
         let sweep = Sweep { threads, cache, ..experiment.sweep(&source, networks)? };
         warn(experiment.warnings()?);
         let manifest = Manifest::of(&sweep, program())?;
-        let named = || PathBuf::from(format!("runs/closed-loop-{}", &manifest.fingerprint()[..8]));
-        let out = out.map_or_else(named, Path::to_path_buf);
+        let named = || format!("runs/closed-loop-{}", &manifest.fingerprint()[..8]).into();
+        let out = out.map_or_else(named, ResultPath::clone);
         // Until the tables are written: they are of these rows.
         let lock = FolderLock::take(&out)?;
         let rows = stop::outcome(sweep.run(&lock, &manifest, &self.stop, &mut Bar::new()), |error| {
@@ -94,7 +93,7 @@ fn experiment(args: &EvalArgs) -> Result<Experiment> {
 
 /// The tables of a closed loop, as they were written into its folder.
 pub(super) struct LoopTables {
-    out: PathBuf,
+    out: ResultPath,
     pub(super) rows: Vec<Row>,
     text: String,
     json: String,
@@ -112,14 +111,14 @@ pub(super) fn say(done: &LoopTables, json: bool) -> Result<()> {
 }
 
 /// Writes the tables of the rows in `out`.
-pub(super) fn tables(out: PathBuf, rows: Vec<Row>) -> Result<LoopTables> {
+pub(super) fn tables(out: ResultPath, rows: Vec<Row>) -> Result<LoopTables> {
     let reports = consistency(&out, &rows)?;
     let set = RowSet::new(&rows);
     let study = Study::new(&set, MARGIN).map_err(ClosedLoopError::from)?;
     let text = printed(&set, &study, &reports);
     let json = serde_json::to_string(&StudyFile { consistency: &reports, rows: &rows, study: &study })?;
-    atomic_write(&out.join("closed_loop.json"), |file| writeln!(file, "{json}"))?;
-    atomic_write(&out.join("closed_loop.txt"), |file| file.write_all(text.as_bytes()))?;
+    atomic_write(out.join("closed_loop.json"), |file| writeln!(file, "{json}"))?;
+    atomic_write(out.join("closed_loop.txt"), |file| file.write_all(text.as_bytes()))?;
     Ok(LoopTables { out, rows, text, json })
 }
 

@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use dpn_core::Sensor;
 use dpn_eval::open_loop::{OpenLoopError, Request, Row, run as judge};
 use dpn_figures::{rmse_vs_sigma, save};
-use dpn_io::{FolderLock, atomic_write};
+use dpn_io::{FolderLock, ResultPath, atomic_write};
 use dpn_papers::tables::open_loop_rows;
 use dpn_train::base::Base;
 use dpn_train::corpus::Corpus;
@@ -15,7 +15,6 @@ use dpn_train::label::Label;
 use dpn_train::split::Side;
 use dpn_train::windows::WINDOW;
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
 
 /// Folder of the results where none is named.
 const OUT: &str = "runs/open-loop";
@@ -27,7 +26,7 @@ pub(crate) fn run(args: &EvalArgs) -> Result<()> {
 }
 
 fn open_loop(args: &EvalArgs) -> Result<()> {
-    let out = args.out.as_deref().unwrap_or(Path::new(OUT));
+    let out = &args.out.clone().unwrap_or_else(|| OUT.into());
     let bases = bases(args.bases.as_deref())?;
     let models = args.models.as_deref();
     let networks = shipped::judged(&shipped::or_of(models)?, models, &args.more_models)?;
@@ -50,7 +49,7 @@ fn open_loop(args: &EvalArgs) -> Result<()> {
     write_tables(&rows, out)?;
     let pictures = draw(&request, &rows, out)?;
     // They served to go on with; rows and pictures are whole now.
-    std::fs::remove_dir_all(&cells).with_context(|| format!("cannot remove {}", cells.display()))?;
+    std::fs::remove_dir_all(cells.path()).with_context(|| format!("cannot remove {}", cells.display()))?;
     if args.json {
         outln!("{}", serde_json::json!({ "rows": rows }))?;
     } else {
@@ -85,11 +84,11 @@ fn bases(text: Option<&str>) -> Result<Vec<Base>> {
 }
 
 /// Everything as CSV and as JSON lines.
-fn write_tables(rows: &[Row], out: &Path) -> Result<()> {
+fn write_tables(rows: &[Row], out: &ResultPath) -> Result<()> {
     let csv = open_loop_rows(rows).csv();
-    atomic_write(&out.join("open_loop.csv"), |file| file.write_all(csv.as_bytes()))?;
+    atomic_write(out.join("open_loop.csv"), |file| file.write_all(csv.as_bytes()))?;
     let json = serde_json::to_string(&serde_json::json!({ "rows": rows }))? + "\n";
-    atomic_write(&out.join("open_loop.json"), |file| file.write_all(json.as_bytes()))?;
+    atomic_write(out.join("open_loop.json"), |file| file.write_all(json.as_bytes()))?;
     Ok(())
 }
 
@@ -152,7 +151,7 @@ fn not_shown(request: &Request<'_>, shown: &[Row]) -> Vec<String> {
 }
 
 /// RMSE against sigma with the bound: a panel a sensor, on the paper's grid over [`DRAWN`], or over the first base where that one was not asked for.
-fn draw(request: &Request<'_>, rows: &[Row], out: &Path) -> Result<Vec<PathBuf>> {
+fn draw(request: &Request<'_>, rows: &[Row], out: &ResultPath) -> Result<Vec<ResultPath>> {
     const SHOWN: [&str; 4] = ["pronet", "kernel-svr", "diff2", "sg(11,2)"];
     let bases: Vec<String> = request.bases.iter().map(Base::to_string).collect();
     let base = bases.iter().find(|base| *base == DRAWN).or(bases.first());
@@ -167,5 +166,5 @@ fn draw(request: &Request<'_>, rows: &[Row], out: &Path) -> Result<Vec<PathBuf>>
     if drawn.is_empty() {
         return Ok(Vec::new());
     }
-    Ok(save(&rmse_vs_sigma(&drawn, WINDOW)?, &out.join("open_loop_rmse_vs_sigma"))?)
+    Ok(save(&rmse_vs_sigma(&drawn, WINDOW)?, out.join("open_loop_rmse_vs_sigma"))?)
 }

@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use dpn_eval::closed_loop::{Experiment, Row};
 use dpn_eval::fleet::{FleetPlan, FleetScore, Platform};
 use dpn_eval::sweeps::TRUTH;
-use dpn_io::{FolderLock, atomic_write};
+use dpn_io::{FolderLock, ResultPath, atomic_write};
 use dpn_papers::tables;
 use std::path::Path;
 
@@ -23,7 +23,7 @@ pub(crate) fn run(args: &FleetArgs) -> Result<()> {
     for (platform, experiment) in plan.platform.iter().zip(&experiments) {
         errln!("{}", platform.name);
         let run = || -> Result<Vec<Row>> {
-            reconcile(platform, experiment)?;
+            reconcile(platform, experiment, &args.out)?;
             let networks = shipped::or_of(args.models.as_deref().or(experiment.models.as_deref()))?;
             Ok(machine.run(experiment, &networks, Some(&args.out.join(&platform.folder)))?.rows)
         };
@@ -34,11 +34,11 @@ pub(crate) fn run(args: &FleetArgs) -> Result<()> {
 }
 
 /// What is run on every platform; `out` is where reconciled ground truth is put. What cannot be had is said before the first hour.
-pub(super) fn experiments(plan: &FleetPlan, data: &Path, out: &Path) -> Result<Vec<Experiment>> {
+pub(super) fn experiments(plan: &FleetPlan, data: &Path, out: &ResultPath) -> Result<Vec<Experiment>> {
     let noises = plan.all_noises();
     let of = |platform: &Platform| {
         let truth = out.join(TRUTH).join(&platform.folder);
-        let experiment = platform.experiment(noises.clone(), data, &truth);
+        let experiment = platform.experiment(noises.clone(), data, truth.path());
         let check = || experiment.source()?.select(&experiment.sequences);
         check().with_context(|| platform.name.clone())?;
         Ok(experiment)
@@ -47,10 +47,13 @@ pub(super) fn experiments(plan: &FleetPlan, data: &Path, out: &Path) -> Result<V
 }
 
 /// Makes the ground truth that a platform's experiment wants.
-pub(super) fn reconcile(platform: &Platform, experiment: &Experiment) -> Result<()> {
-    let Some(truth) = experiment.truth.as_deref().filter(|_| platform.reconciled) else { return Ok(()) };
+pub(super) fn reconcile(platform: &Platform, experiment: &Experiment, out: &ResultPath) -> Result<()> {
+    if experiment.truth.is_none() || !platform.reconciled {
+        return Ok(());
+    }
+    let truth = out.join(TRUTH).join(&platform.folder);
     let published = Experiment { truth: None, ..experiment.clone() }.source()?;
-    truth::reconciled(&published.recordings(&published.select(&experiment.sequences)?), truth)
+    truth::reconciled(&published.recordings(&published.select(&experiment.sequences)?), &truth)
 }
 
 /// Leaves the platforms named.
@@ -79,7 +82,7 @@ fn tell(score: &FleetScore, args: &FleetArgs) -> Result<()> {
         out!("{json}")?;
     } else {
         out!("{text}")?;
-        outln!("\nall of it: {}", Path::new(&args.out).join("fleet.json").display())?;
+        outln!("\nall of it: {}", args.out.join("fleet.json").display())?;
     }
     Ok(())
 }

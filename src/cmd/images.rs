@@ -10,15 +10,15 @@ use dpn_core::imu::ImuRecording;
 use dpn_core::progress::Progress;
 use dpn_core::truth::GroundTruth;
 use dpn_core::{SampleRate, Stamp};
-use dpn_io::IoError;
 use dpn_io::asl::{
     CameraFrame, SequenceParts, image_place, write_camera_config, write_camera_frames, write_png,
     write_sequence,
 };
 use dpn_io::config::load_over;
+use dpn_io::{IoError, ResultPath};
 use dpn_sim::tracks::CameraSettings;
 use dpn_sim::{FlightConfig, RenderConfig, RenderedCamera, simulate};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::mpsc::channel;
 
 /// Samples and true states this long before the first image and after the last go with a part of a sequence \[s\].
@@ -28,8 +28,8 @@ pub(crate) fn run(args: &ImagesArgs) -> Result<()> {
     let along = &args.along;
     let mut config: RenderConfig = load_over(along.config.as_deref(), &along.sets)?;
     let source = along::open(along, "images", &config.path, &mut config.camera)?;
-    let out = args.out.clone().unwrap_or_else(|| PathBuf::from("runs/images").join(&source.name));
-    if out.join("mav0").exists() || out.is_file() {
+    let out = args.out.clone().unwrap_or_else(|| Path::new("runs/images").join(&source.name).into());
+    if out.join("mav0").kind().is_some() || out.is_file() {
         let remedy = "name another folder with --out, or remove this one: images of two runs are not mixed";
         return Err(Fault::new(format!("{} is there already", out.display())).hint(remedy).into());
     }
@@ -89,7 +89,12 @@ fn asked_for(args: &ImagesArgs, source: &Along, camera: &RenderedCamera) -> Resu
 }
 
 /// Renders and writes every frame; thread n of N those at n, n + N, ...
-fn write_images(camera: &RenderedCamera, frames: &[CameraFrame], out: &Path, threads: usize) -> Result<()> {
+fn write_images(
+    camera: &RenderedCamera,
+    frames: &[CameraFrame],
+    out: &ResultPath,
+    threads: usize,
+) -> Result<()> {
     let mut bar = Bar::new();
     bar.start("rendering", frames.len() as u64);
     let (sender, written) = channel::<Result<(), IoError>>();
@@ -99,7 +104,7 @@ fn write_images(camera: &RenderedCamera, frames: &[CameraFrame], out: &Path, thr
             scope.spawn(move || {
                 for frame in frames.iter().skip(first).step_by(threads) {
                     let Some(image) = camera.image(frame.t) else { continue };
-                    let written = write_png(&image_place(out, frame), image.view());
+                    let written = write_png(image_place(out, frame), image.view());
                     // Nobody listens any more after a fault.
                     if sender.send(written).is_err() {
                         return;

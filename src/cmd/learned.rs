@@ -4,7 +4,7 @@ use crate::args::PasteArgs;
 use crate::ui::{Fault, out, outln};
 use anyhow::Result;
 use dpn_eval::closed_loop::{LearnedFigure, LearnedNoise};
-use dpn_io::atomic_write;
+use dpn_io::{ResultPath, atomic_write};
 use dpn_probe::paste::{FigureLine, Paste};
 use std::path::{Path, PathBuf};
 
@@ -24,7 +24,7 @@ pub(super) fn paste(learned: &LearnedNoise, walks: bool) -> Paste {
 }
 
 /// Several runs of one platform together.
-pub(super) fn together(runs: &[PathBuf], how: &PasteArgs, out: &Path, json: bool) -> Result<()> {
+pub(super) fn together(runs: &[PathBuf], how: &PasteArgs, out: &ResultPath, json: bool) -> Result<()> {
     let all = runs.iter().map(|run| read(run)).collect::<Result<Vec<_>>>()?;
     let (first, hz) = (&runs[0], all[0].rate_hz.hz());
     if let Some((run, other)) =

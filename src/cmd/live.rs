@@ -1,23 +1,33 @@
 //! `dpn run -`: the odometry beside running sensors, poses out as they are made.
 
-use super::{settings, shipped};
+use super::{settings, shipped, stop};
 use crate::args::{CameraArg, RunArgs};
-use crate::ui::{Fault, errln, outln, warn};
+use crate::ui::{Fault, Untrusted, errln, is_closed_pipe, outln, warn};
 use anyhow::Result;
-use dpn_core::Stamp;
 use dpn_core::camera::CameraModel;
 use dpn_core::trajectory::StampedPose;
-use dpn_eval::closed_loop::{ClosedLoopError, LiveRun, settings_for};
+use dpn_core::{GrayImage, ImuSample, Stamp};
+use dpn_eval::closed_loop::{ClosedLoopError, LiveClocks, LiveRun, LiveSensor, settings_for};
 use dpn_io::calibration::Calibration;
-use dpn_io::{printable, tum_line};
-use dpn_logs::{SensorEvent, read_sensors};
+use dpn_io::{IoError, printable, tum_line};
+use dpn_logs::{LogError, SensorEvent, read_sensors};
 use dpn_vio::estimator::{FeedError, Phase, Update};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
 
 /// So many messages that were passed over are said.
 const SHOWN: usize = 8;
+/// Messages that wait.
+const QUEUE: usize = 64;
+/// How often this looks for silence and for a wish to end.
+const LOOK: Duration = Duration::from_millis(200);
+/// What has not been heard of for so long is said to be silent.
+const SILENT: Duration = Duration::from_secs(2);
 
 /// Whether `source` is to be read as it comes: stdin, or a pipe.
 pub(super) fn is_live(source: &str) -> bool {
@@ -37,7 +47,6 @@ pub(super) fn run(args: &RunArgs) -> Result<()> {
         ("--mcap", args.mcap.is_some()),
         ("--rerun", args.rerun.is_some()),
         ("--rpe", !args.rpe.is_empty()),
-        ("--strict", args.strict),
         ("--camera tracks or rendered", args.camera.is_some_and(|camera| camera != CameraArg::Images)),
     ];
     if let Some((flag, _)) = of_recordings.iter().find(|(_, given)| *given) {
@@ -63,6 +72,10 @@ pub(super) fn run(args: &RunArgs) -> Result<()> {
         run,
         calibration: &calibration,
         json: args.json,
+        clocks: LiveClocks::default(),
+        streams: Default::default(),
+        seen: None,
+        blind: false,
         started: false,
         clock_said: false,
         restarts: 0,
@@ -71,39 +84,67 @@ pub(super) fn run(args: &RunArgs) -> Result<()> {
         passed_over: 0,
         waited_for: BTreeMap::new(),
     };
-    let mut fault = None;
-    let size = config.resolution.map(|side| side as usize);
-    let options = super::run::image_log(args);
-    let read = read_sensors(Path::new(&args.source), &options, size, &mut |event| match live.take(event) {
-        Ok(()) => ControlFlow::Continue(()),
-        Err(error) => {
-            fault = Some(error);
-            ControlFlow::Break(())
-        }
-    });
-    if let Some(fault) = fault {
-        return Err(fault);
-    }
+    let read = match live.follow(args, config.resolution.map(|side| side as usize)) {
+        // Nobody takes poses any more; what is to be said is said on stderr.
+        Err(error) if is_closed_pipe(&error) => Ok(None),
+        read => read,
+    };
+    let ended = live.end();
     let damage = read?;
-    live.run.end()?;
-    live.updates()?;
-    live.run.look_back();
-    live.warnings();
+    match ended {
+        Err(error) if is_closed_pipe(&error) => {}
+        ended => ended?,
+    }
     if let Some(damage) = damage {
         errln!("warning: {}: {damage}; what came before was used", printable(&args.source));
     }
-    let Live { poses, frames, restarts, passed_over, waited_for, .. } = live;
+    let Live { run, poses, frames, restarts, passed_over, clocks, waited_for, .. } = live;
+    let passed_over = passed_over + clocks.passed_over();
     errln!("{poses} poses of {frames} frames, {restarts} restarts, {passed_over} messages passed over");
     if poses == 0 {
         errln!("warning: {}", super::run::no_pose(frames, &waited_for));
+        return Err(Untrusted::NoPose.into());
+    }
+    if args.strict && run.is_doubted() {
+        return Err(Untrusted::Doubted.into());
     }
     Ok(())
+}
+
+/// Reads the sensors on a thread of its own, so that silence is noticed.
+fn reader(
+    args: &RunArgs,
+    size: [usize; 2],
+) -> (Receiver<SensorEvent>, JoinHandle<Result<Option<String>, LogError>>) {
+    let (sender, events) = sync_channel(QUEUE);
+    let (source, options) = (PathBuf::from(&args.source), super::run::image_log(args));
+    let read = move || {
+        read_sensors(&source, &options, size, &mut |event| match sender.send(event) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(_) => ControlFlow::Break(()),
+        })
+    };
+    (events, std::thread::spawn(read))
+}
+
+/// When a sensor was last heard of.
+#[derive(Default)]
+struct Heard {
+    /// Its last message's stamp, as it was stamped, and when it came.
+    last: Option<(Stamp, Instant)>,
+    /// Its silence was said.
+    silent: bool,
 }
 
 struct Live<'a> {
     run: LiveRun<'a>,
     calibration: &'a Calibration,
     json: bool,
+    clocks: LiveClocks<Message>,
+    streams: [Heard; 2],
+    /// When a frame was last worked off that went on from others.
+    seen: Option<Stamp>,
+    blind: bool,
     started: bool,
     clock_said: bool,
     restarts: usize,
@@ -114,19 +155,105 @@ struct Live<'a> {
     waited_for: BTreeMap<String, usize>,
 }
 
+/// What a sensor said, beside its stamp.
+enum Message {
+    Sample(ImuSample),
+    Image(Result<GrayImage, IoError>),
+}
+
 impl Live<'_> {
+    /// Takes what the sensors say until they end, or this is asked to; what was wrong where they ended early.
+    fn follow(&mut self, args: &RunArgs, size: [usize; 2]) -> Result<Option<String>> {
+        let stop = stop::on_any_end()?;
+        let (events, reader) = reader(args, size);
+        while !stop.load(Ordering::Relaxed) {
+            match events.recv_timeout(LOOK) {
+                Ok(event) => self.take(event)?,
+                Err(RecvTimeoutError::Timeout) => self.silences(true),
+                Err(RecvTimeoutError::Disconnected) => {
+                    return Ok(reader.join().expect("a reader does not panic, whatever the bytes")?);
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// Nothing more comes.
+    fn end(&mut self) -> Result<()> {
+        let mut done = self.clocks.end().into_iter().try_for_each(|(_, t, message)| self.feed(t, message));
+        self.clock_words();
+        if done.is_ok() {
+            done = self.run.end().map_err(Into::into).and_then(|()| self.updates());
+        }
+        self.run.look_back();
+        self.warnings();
+        done
+    }
+
     fn take(&mut self, event: SensorEvent) -> Result<()> {
-        let taken = match event {
-            SensorEvent::Sample(sample) => self.run.feed_sample(sample),
-            SensorEvent::Image(t, Ok(image)) => self.run.feed_image(self.calibration.on_imu_clock(t), &image),
-            SensorEvent::Image(_, Err(error)) => Err(error.into()),
+        let (sensor, t, message) = match event {
+            SensorEvent::Sample(sample) => (LiveSensor::Imu, sample.t, Message::Sample(sample)),
+            SensorEvent::Image(t, image) => {
+                (LiveSensor::Camera, self.calibration.on_imu_clock(t), Message::Image(image))
+            }
             SensorEvent::PassedOver(why) => {
                 self.pass_over(&why);
-                Ok(())
+                return Ok(());
             }
         };
+        self.heard(sensor, t);
+        let ready = self.clocks.take(sensor, t, message);
+        self.clock_words();
+        ready.into_iter().try_for_each(|(_, t, message)| self.feed(t, message))?;
+        self.silences(false);
+        Ok(())
+    }
+
+    fn heard(&mut self, sensor: LiveSensor, t: Stamp) {
+        let heard = &mut self.streams[sensor as usize];
+        if std::mem::take(&mut heard.silent) {
+            errln!("note: the {} is heard again, at {t}", sensor.name());
+        }
+        heard.last = Some((t, Instant::now()));
+    }
+
+    /// Says what has not been heard of for [`SILENT`]: by the other sensor's stamps, and where nothing waits to be read (`idle`) by this machine's clock.
+    fn silences(&mut self, idle: bool) {
+        for sensor in LiveSensor::BOTH {
+            let by_stamps = || {
+                let [own, other] = [sensor, sensor.other()].map(|sensor| self.clocks.last(sensor));
+                Some(other?.seconds_since(own?))
+            };
+            let Some((t, came)) = self.streams[sensor as usize].last else { continue };
+            let by_clock = if idle { came.elapsed().as_secs_f64() } else { 0.0 };
+            if by_stamps().unwrap_or(0.0).max(by_clock) < SILENT.as_secs_f64() {
+                continue;
+            }
+            if !std::mem::replace(&mut self.streams[sensor as usize].silent, true) {
+                errln!("warning: nothing from the {} since {t}", sensor.name());
+            }
+        }
+    }
+
+    fn clock_words(&mut self) {
+        while let Some(words) = self.clocks.take_words() {
+            errln!("warning: {words}");
+        }
+    }
+
+    /// Gives the odometry a message whose stamp is on the common time.
+    fn feed(&mut self, t: Stamp, message: Message) -> Result<()> {
+        let image = matches!(message, Message::Image(Ok(_))).then_some(t);
+        let taken = match message {
+            Message::Sample(sample) => self.run.feed_sample(ImuSample { t, ..sample }),
+            Message::Image(Ok(image)) => self.run.feed_image(t, &image),
+            Message::Image(Err(error)) => Err(error.into()),
+        };
         match taken {
-            Err(error @ ClosedLoopError::Feed { source: FeedError::ImuBehind { .. }, .. }) => {
+            // Later it is the IMU's silence, which was said.
+            Err(error @ ClosedLoopError::Feed { source: FeedError::ImuBehind { .. }, .. })
+                if self.frames == 0 =>
+            {
                 return Err(error.into());
             }
             Err(error @ (ClosedLoopError::Feed { .. } | ClosedLoopError::Io(_))) => {
@@ -138,7 +265,11 @@ impl Live<'_> {
             }
             other => other?,
         }
-        self.updates()
+        self.updates()?;
+        if let Some(t) = image {
+            self.look(t);
+        }
+        Ok(())
     }
 
     fn pass_over(&mut self, why: &str) {
@@ -161,9 +292,11 @@ impl Live<'_> {
                 );
             }
             self.say(&update);
+            self.sees(&update);
             let Some(state) = update.state else { continue };
             self.poses += 1;
-            let pose = StampedPose { t: update.t, world_from_body: state.world_from_body };
+            let pose =
+                StampedPose { t: self.clocks.on_imu_clock(update.t), world_from_body: state.world_from_body };
             if self.json {
                 outln!("{}", json(&pose))?;
             } else {
@@ -176,6 +309,27 @@ impl Live<'_> {
     fn warnings(&mut self) {
         while let Some(warning) = self.run.take_warning() {
             errln!("warning: {warning}");
+        }
+    }
+
+    fn sees(&mut self, update: &Update) {
+        if update.state.is_some() && update.tracked == 0 {
+            return;
+        }
+        self.seen = Some(update.t);
+        if std::mem::take(&mut self.blind) {
+            errln!("note: points are followed again, at {}", update.t);
+        }
+    }
+
+    /// Says when images come, the last of them at `t`, and show nothing that can be followed.
+    fn look(&mut self, t: Stamp) {
+        let since = *self.seen.get_or_insert(t);
+        let dark = t.seconds_since(since) >= SILENT.as_secs_f64();
+        // Without samples no image is looked at.
+        let imu = self.streams[LiveSensor::Imu as usize].silent;
+        if dark && !imu && !std::mem::replace(&mut self.blind, true) {
+            errln!("warning: no point is followed since {since}: the images are dark, covered or blurred");
         }
     }
 

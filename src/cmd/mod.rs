@@ -14,6 +14,7 @@ mod export;
 mod fleet;
 mod follow;
 mod foxglove;
+mod http;
 mod images;
 mod into;
 mod learned;

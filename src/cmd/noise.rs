@@ -97,7 +97,7 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
         all["into"] = serde_json::json!({ "file": file, "messages": words });
     }
     let text = all.to_string() + "\n";
-    atomic_write(&args.out.join("summary.json"), |file| file.write_all(text.as_bytes()))?;
+    atomic_write(args.out.join("summary.json"), |file| file.write_all(text.as_bytes()))?;
     for warning in warnings {
         errln!("warning: {warning}");
     }

@@ -3,6 +3,7 @@
 //! Two things are served, the page and the log, below a path that nobody can guess, and only to who asks for 127.0.0.1 by name. A log that the page
 //! cannot read by itself (a folder, a database, a pipe, one with flags) is read here and served as its samples, with all their digits.
 
+use super::http::{Answer, Asked, serve};
 use super::log;
 use crate::args::PageArgs;
 use crate::ui::{Fault, outln};
@@ -15,39 +16,36 @@ use std::collections::hash_map::RandomState;
 use std::fs::File;
 use std::hash::{BuildHasher, Hasher};
 use std::io::{BufWriter, Read, Seek, SeekFrom, Write};
+use std::net::TcpListener;
 use std::path::{Path, PathBuf};
-use tiny_http::{Header, Request, Response, Server, StatusCode};
+use std::sync::{Mutex, PoisonError};
+
+const NOT_FOUND: &str = "404 Not Found";
+const NO_STORE: (&str, &str) = ("Cache-Control", "no-store");
 
 pub(crate) fn run(args: &PageArgs) -> Result<()> {
     let page = page(args.web.as_deref())?;
-    let mut log = Served::of(args)?;
-    let server = Server::http("127.0.0.1:0")
-        .map_err(|e| Fault::new(format!("nothing can be served on 127.0.0.1: {e}")))?;
-    let address = server.server_addr().to_ip().context("an address of this machine")?.to_string();
-    let token = token();
+    let log = Served::of(args)?;
+    let listener = TcpListener::bind("127.0.0.1:0").context("nothing can be served on 127.0.0.1")?;
+    let address = listener.local_addr().context("an address of this machine")?.to_string();
+    let token = format!("/{}/", token());
     let query = format!("log=log&size={}&name={}", log.bytes, escaped(&log.name));
-    outln!("http://{address}/{token}/#{query}")?;
-    for request in server.incoming_requests() {
-        let asked_here =
-            request.headers().iter().any(|h| h.field.equiv("Host") && h.value.as_str() == address);
-        // Who goes away in the middle is no fault.
-        let _ = match request.url().strip_prefix(&format!("/{token}/")) {
-            Some("") if asked_here => request.respond(
-                Response::from_data(page.as_slice())
-                    .with_header(header("Content-Type", "text/html; charset=utf-8"))
-                    .with_header(header("Cache-Control", "no-store")),
-            ),
-            Some("log") if asked_here => log.answer(request),
-            _ => request.respond(Response::empty(404)),
-        };
-    }
-    Ok(())
+    outln!("http://{address}{token}#{query}")?;
+    serve(&listener, |asked| match asked.path.strip_prefix(&token) {
+        _ if asked.host != Some(&address) => Answer::empty(NOT_FOUND),
+        Some("") => {
+            let fields = [("Content-Type", "text/html; charset=utf-8"), NO_STORE];
+            Answer::new("200 OK", &fields, page.as_slice(), page.len() as u64)
+        }
+        Some("log") => log.answer(asked),
+        _ => Answer::empty(NOT_FOUND),
+    })
 }
 
 /// A log as bytes.
 struct Served {
     name: String,
-    file: File,
+    file: Mutex<File>,
     bytes: u64,
 }
 
@@ -72,31 +70,33 @@ impl Served {
             scratch.reopen().context("a temporary file")?
         };
         let bytes = file.seek(SeekFrom::End(0)).with_context(|| path.display().to_string())?;
-        Ok(Self { name, file, bytes })
+        Ok(Self { name, file: Mutex::new(file), bytes })
     }
 
     /// The part that was asked for.
-    fn answer(&mut self, request: Request) -> std::io::Result<()> {
-        let asked = request
-            .headers()
-            .iter()
-            .find(|h| h.field.equiv("Range"))
-            .and_then(|h| range(h.value.as_str(), self.bytes));
-        let Some((from, to)) = asked else { return request.respond(Response::empty(416)) };
-        self.file.seek(SeekFrom::Start(from))?;
-        let length = to - from + 1;
-        let headers = vec![
-            header("Content-Type", "application/octet-stream"),
-            header("Content-Range", &format!("bytes {from}-{to}/{}", self.bytes)),
-            header("Cache-Control", "no-store"),
-        ];
-        request.respond(Response::new(
-            StatusCode(206),
-            headers,
-            (&self.file).take(length),
-            Some(length as usize),
-            None,
-        ))
+    fn answer(&self, asked: &Asked<'_>) -> Answer<'_> {
+        let Some((from, to)) = asked.range.and_then(|asked| range(asked, self.bytes)) else {
+            return Answer::empty("416 Range Not Satisfiable");
+        };
+        let place = format!("bytes {from}-{to}/{}", self.bytes);
+        let fields = [("Content-Type", "application/octet-stream"), ("Content-Range", &place), NO_STORE];
+        Answer::new("206 Partial Content", &fields, Part { file: &self.file, at: from }, to - from + 1)
+    }
+}
+
+/// A file from one place on; others read it elsewhere meanwhile.
+struct Part<'a> {
+    file: &'a Mutex<File>,
+    at: u64,
+}
+
+impl Read for Part<'_> {
+    fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
+        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+        file.seek(SeekFrom::Start(self.at))?;
+        let read = file.read(bytes)?;
+        self.at += read as u64;
+        Ok(read)
     }
 }
 
@@ -105,10 +105,6 @@ fn range(text: &str, bytes: u64) -> Option<(u64, u64)> {
     let (from, to) = text.strip_prefix("bytes=")?.split_once('-')?;
     let (from, to) = (from.parse().ok()?, to.parse::<u64>().ok()?.min(bytes.checked_sub(1)?));
     (from <= to).then_some((from, to))
-}
-
-fn header(name: &str, value: &str) -> Header {
-    Header::from_bytes(name, value).expect("names and values of ours are ASCII")
 }
 
 /// 128 bits that nobody can guess: the standard library's keys, which are the system's.

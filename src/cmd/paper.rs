@@ -25,7 +25,7 @@ pub(crate) fn run(args: &PaperArgs) -> Result<()> {
         errln!("warning: no row for {}: {}", missing.name, missing.reason);
     }
     let _work = FolderLock::take(&args.work)?;
-    let same = std::fs::canonicalize(&args.work).ok() == std::fs::canonicalize(&args.out).ok();
+    let same = std::fs::canonicalize(args.work.path()).ok() == std::fs::canonicalize(args.out.path()).ok();
     let _out = if same { None } else { Some(FolderLock::take(&args.out)?) };
     let stop = stop::on_ctrl_c("what was finished is kept, and the same command goes on from there")?;
     let networks = chosen_networks(args, input, &stop)?;
@@ -36,8 +36,8 @@ pub(crate) fn run(args: &PaperArgs) -> Result<()> {
         judged: &judged,
         measured_by: measured_by.as_deref(),
         command: command(),
-        work: &args.work,
-        out: &args.out,
+        work: args.work.clone(),
+        out: args.out.clone(),
         threads: args.threads.unwrap_or_else(cores).max(1),
         cache: cache.as_ref(),
         ..Paper::new(&opened, &networks, program())
@@ -138,7 +138,7 @@ fn train(args: &PaperArgs, sensor: Sensor, corpus: &Corpus, stop: &AtomicBool) -
             other => other?,
         };
     }
-    let network = Network::load(&done)?;
+    let network = Network::load(done.path())?;
     Ok(Network { path: name, ..network })
 }
 

@@ -16,7 +16,7 @@ use dpn_eval::metrics::{AlignmentKind, PosePair, RPE_TOLERANCE, RpeSpec, align, 
 use dpn_figures::save;
 use dpn_figures::{Album, timeline, top_view};
 use dpn_io::calibration::Calibration;
-use dpn_io::{atomic_write, write_kitti, write_noise_track, write_tum};
+use dpn_io::{ResultPath, atomic_write, write_kitti, write_noise_track, write_tum};
 use dpn_logs::ImageLogOptions;
 use dpn_vio::clock::CameraClock;
 use dpn_vio::estimator::{EstimatorConfig, FrontEndObserver, Update};
@@ -24,7 +24,6 @@ use dpn_vio::frontend::Fed;
 use dpn_vio::window::Window;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
 
 pub(crate) fn run(args: &RunArgs) -> Result<()> {
     rerun::check(args.rerun.as_deref())?;
@@ -65,7 +64,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     };
     let watchers = Watchers { images: &mut images, updates: &mut watch };
     let done = watched_run(&estimator, &recording, camera, &noise, info, &networks, watchers)?;
-    let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("runs/run-{}", recording.name)));
+    let out = args.out.clone().unwrap_or_else(|| format!("runs/run-{}", recording.name).into());
     let poses = done.output.poses();
     let pairs = match &recording.truth {
         Some(truth) if !poses.is_empty() => paired(truth, &poses)?,
@@ -116,8 +115,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         errln!("warning: {}", no_pose(done.report.row.frames, &done.report.waited_for));
     }
     let report = &done.report;
-    if args.strict && (poses.is_empty() || !report.doubts.is_empty() || report.axes.warning().is_some()) {
-        return Err(Untrusted.into());
+    if poses.is_empty() {
+        return Err(Untrusted::NoPose.into());
+    }
+    if args.strict && (!report.doubts.is_empty() || report.axes.warning().is_some()) {
+        return Err(Untrusted::Doubted.into());
     }
     Ok(())
 }
@@ -132,10 +134,13 @@ pub(super) fn estimator(args: &RunArgs) -> Result<EstimatorConfig> {
 
 /// What is said of a run without a pose: a recording may be too short for one, or at rest throughout, so that it is no error.
 pub(super) fn no_pose(frames: usize, waited_for: &BTreeMap<String, usize>) -> String {
+    let waited = match waited_for.len() {
+        0 => "no image had samples on both sides of it".to_owned(),
+        _ => format!("never initialised; waited for {}", waiting(waited_for)),
+    };
     format!(
-        "no pose in {frames} frames: never initialised; waited for {}. Where it should have been, look at the calibration and at other warnings; `dpn check` says \
-         what is wrong with an IMU's log, --draw shows the camera's tracks, and a rolling shutter is told by --set front_end.readout_s=0.03",
-        waiting(waited_for)
+        "no pose in {frames} frames: {waited}. Where it should have been, look at the calibration and at other warnings; `dpn check` says \
+         what is wrong with an IMU's log, --draw shows the camera's tracks, and a rolling shutter is told by --set front_end.readout_s=0.03"
     )
 }
 
@@ -205,14 +210,14 @@ pub(super) fn image_log(args: &RunArgs) -> ImageLogOptions {
     }
 }
 
-fn write(done: &JudgedRun, report: &serde_json::Value, out: &Path) -> Result<()> {
-    write_tum(&out.join("trajectory.tum"), &done.output.poses())?;
-    atomic_write(&out.join("states.csv"), |file| write_states(&done.output, &done.noise, file))?;
+fn write(done: &JudgedRun, report: &serde_json::Value, out: &ResultPath) -> Result<()> {
+    write_tum(out.join("trajectory.tum"), &done.output.poses())?;
+    atomic_write(out.join("states.csv"), |file| write_states(&done.output, &done.noise, file))?;
     if done.report.row.noise.is_learned() {
-        write_noise_track(&out.join("noise_learned.csv"), &done.noise)?;
+        write_noise_track(out.join("noise_learned.csv"), &done.noise)?;
     }
     let text = serde_json::to_string_pretty(report)? + "\n";
-    atomic_write(&out.join("report.json"), |file| file.write_all(text.as_bytes()))?;
+    atomic_write(out.join("report.json"), |file| file.write_all(text.as_bytes()))?;
     Ok(())
 }
 
@@ -243,7 +248,7 @@ fn relative_words(spec: &RpeSpec, errors: &serde_json::Value) -> String {
 }
 
 /// Poses that have ground truth, and that truth beside them; all poses where there is none.
-fn kitti(done: &JudgedRun, pairs: &[PosePair], out: &Path) -> Result<()> {
+fn kitti(done: &JudgedRun, pairs: &[PosePair], out: &ResultPath) -> Result<()> {
     let estimate = out.join("trajectory.kitti");
     if pairs.is_empty() {
         let poses = done.output.poses();
@@ -251,15 +256,15 @@ fn kitti(done: &JudgedRun, pairs: &[PosePair], out: &Path) -> Result<()> {
         return Ok(());
     }
     write_kitti(&estimate, pairs.iter().map(|pair| &pair.est_world_from_body))?;
-    write_kitti(&out.join("truth.kitti"), pairs.iter().map(|pair| &pair.true_world_from_body))?;
+    write_kitti(out.join("truth.kitti"), pairs.iter().map(|pair| &pair.true_world_from_body))?;
     Ok(())
 }
 
 /// The flight from above and over time, beside the frames that were drawn while images were looked at.
-fn draw(dir: &Path, album: Album, recording: &Recording, done: &JudgedRun) -> Result<()> {
+fn draw(dir: &ResultPath, album: Album, recording: &Recording, done: &JudgedRun) -> Result<()> {
     album.finish()?;
-    save(&top_view(recording, done)?, &dir.join("top"))?;
-    save(&timeline(done)?, &dir.join("timeline"))?;
+    save(&top_view(recording, done)?, dir.join("top"))?;
+    save(&timeline(done)?, dir.join("timeline"))?;
     Ok(())
 }
 

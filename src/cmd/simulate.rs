@@ -7,10 +7,9 @@ use anyhow::Result;
 use dpn_core::noise::{AccelNoiseDensity, GyroNoiseDensity};
 use dpn_core::truth::GroundTruth;
 use dpn_io::asl::{ImuConfig, SequenceParts, write_sequence};
-use dpn_io::write_noise_track;
+use dpn_io::{ResultPath, write_noise_track};
 use dpn_sim::{Flight, FlightConfig, SimulatedFlight, simulate, simulate_all};
 use nalgebra::Isometry3;
-use std::path::Path;
 
 pub(crate) fn run(args: SimulateArgs) -> Result<()> {
     match args.what {
@@ -61,7 +60,7 @@ fn flight(args: FlightArgs) -> Result<()> {
 }
 
 /// The flight as an ASL sequence, with the true white noise of every sample beside it.
-fn write(flight: &SimulatedFlight, config: &FlightConfig, dir: &Path) -> Result<()> {
+fn write(flight: &SimulatedFlight, config: &FlightConfig, dir: &ResultPath) -> Result<()> {
     let truth = GroundTruth::new(flight.ground_truth.clone())?;
     let (rate, scale) = (flight.recording.rate(), config.white.scale);
     let imu = ImuConfig {
@@ -72,7 +71,7 @@ fn write(flight: &SimulatedFlight, config: &FlightConfig, dir: &Path) -> Result<
         accel_walk: config.bias.accel_walk,
         body_from_imu: Isometry3::identity(),
     };
-    write_noise_track(&dir.join("true_noise.csv"), &flight.truth.oracle(&flight.recording)?)?;
+    write_noise_track(dir.join("true_noise.csv"), &flight.truth.oracle(&flight.recording)?)?;
     let parts = SequenceParts { imu: &flight.recording, imu_config: Some(&imu), ground_truth: Some(&truth) };
     write_sequence(dir, &parts)?;
     Ok(())

@@ -24,6 +24,32 @@ pub(crate) fn outcome<T, E: std::error::Error + Send + Sync + 'static>(
     })
 }
 
+/// A flag that Ctrl-C and SIGTERM set, for what ends well within an image of being asked to. A second one ends the process at once. To be asked for once, before
+/// other threads are begun.
+pub(crate) fn on_any_end() -> Result<Arc<AtomicBool>> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = Arc::clone(&stop);
+    let ask = move || {
+        if asked.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    };
+    #[cfg(unix)]
+    {
+        use nix::sys::signal::{SigSet, Signal};
+        let ends: SigSet = [Signal::SIGINT, Signal::SIGTERM].into_iter().collect();
+        ends.thread_block().context("cannot listen for signals")?;
+        std::thread::spawn(move || {
+            while ends.wait().is_ok() {
+                ask();
+            }
+        });
+    }
+    #[cfg(not(unix))]
+    ctrlc::set_handler(ask).context("cannot listen for Ctrl-C")?;
+    Ok(stop)
+}
+
 /// A flag that Ctrl-C sets; `kept` says what is not lost where work had to be broken off. To be asked for once.
 pub(crate) fn on_ctrl_c(kept: &'static str) -> Result<Arc<AtomicBool>> {
     let stop = Arc::new(AtomicBool::new(false));

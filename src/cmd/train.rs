@@ -10,7 +10,7 @@ use dpn_core::config::Validate;
 use dpn_train::config::TrainConfig;
 use dpn_train::run::{Run, RunError};
 use dpn_train::trainer::TrainError;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 pub(crate) fn run(args: TrainArgs) -> Result<()> {
     let sensor = match (&args.many, args.sensor) {
@@ -21,12 +21,8 @@ pub(crate) fn run(args: TrainArgs) -> Result<()> {
     let device = device::parse(args.device.as_deref().unwrap_or(device::CPU))?;
     let corpus = corpus::to_train(corpus::load(args.data.as_deref())?)?;
     let out = args.out.unwrap_or_else(|| {
-        PathBuf::from(format!(
-            "runs/train-{sensor}-{}-{}-seed{}",
-            corpus.name,
-            config.base.base(),
-            config.seed
-        ))
+        let base = config.base.base();
+        format!("runs/train-{sensor}-{}-{base}-seed{}", corpus.name, config.seed).into()
     });
     let run = Run::open(&out, &config, &corpus, &device, args.resume)?;
     let (done, total) = run.epochs();

@@ -6,9 +6,8 @@ use crate::args::TruthArgs;
 use crate::ui::{errln, outln};
 use anyhow::{Context, Result};
 use dpn_io::asl::{Sequence, discover, write_ground_truth};
-use dpn_io::atomic_write;
+use dpn_io::{ResultPath, atomic_write};
 use dpn_truth::{Report, TruthConfig, reconcile};
-use std::path::Path;
 
 pub(crate) fn run(args: &TruthArgs) -> Result<()> {
     let mut config: TruthConfig = dpn_io::config::load_over(args.config.as_deref(), &[])?;
@@ -32,13 +31,13 @@ pub(crate) fn run(args: &TruthArgs) -> Result<()> {
 }
 
 /// Reconciles those of `sequences` that `out` does not have yet from this program, a minute each.
-pub(super) fn reconciled(sequences: &[Sequence], out: &Path) -> Result<()> {
+pub(super) fn reconciled(sequences: &[Sequence], out: &ResultPath) -> Result<()> {
     let report = |name: &str| {
-        let text = std::fs::read_to_string(out.join(format!("{name}.json"))).ok()?;
-        serde_json::from_str::<serde_json::Value>(&text).ok()
+        let bytes = out.join(format!("{name}.json")).read().ok()??;
+        serde_json::from_slice::<serde_json::Value>(&bytes).ok()
     };
     let is_made = |name: &str| {
-        out.join(format!("{name}.csv")).exists()
+        out.join(format!("{name}.csv")).is_file()
             && report(name).is_some_and(|said| said["program"] == program())
     };
     let missing = |sequence: &&Sequence| !is_made(sequence.name());
@@ -57,7 +56,7 @@ pub(super) fn reconciled(sequences: &[Sequence], out: &Path) -> Result<()> {
 fn one(
     sequence: &Sequence,
     config: &TruthConfig,
-    out: &Path,
+    out: &ResultPath,
     say: &mut dyn FnMut(&str) -> Result<()>,
 ) -> Result<serde_json::Value> {
     let done = reconcile(&sequence.imu()?, &sequence.ground_truth()?, config)?;

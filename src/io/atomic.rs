@@ -1,26 +1,42 @@
 //! Files that are there in full or not at all.
 
 use super::IoError;
+use super::beneath::Folder;
 use super::leftovers;
+use super::result_path::ResultPath;
+use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Writes `path` through `fill`: into a temporary file beside it, which takes its place once all is on the disk. Folders above it are
 /// made. On any error the file that was there stays as it was and nothing half-written is left; what a process left that was killed meanwhile goes when
 /// another one next writes into that folder.
 ///
-/// A link is followed; what is no regular file (a pipe, `/dev/stdout`) is written to directly.
+/// Of a path that somebody named a link is followed, and what is no regular file (a pipe, `/dev/stdout`) is written to directly. Below a folder that
+/// somebody named ([`ResultPath::join`]) both are errors.
 ///
 /// # Errors
 /// A folder that cannot be made or written to, a full disk, whatever `fill` returns; all as [`IoError::Write`] with `path`.
-pub fn atomic_write(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), IoError> {
-    write(path, fill).map_err(|source| IoError::Write { path: path.to_path_buf(), source })
+/// What is in the way, as [`IoError::InTheWay`].
+pub fn atomic_write(
+    path: impl Into<ResultPath>,
+    fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), IoError> {
+    let path = path.into();
+    let failed = |source| IoError::Write { path: path.path().to_path_buf(), source };
+    if path.is_named() {
+        return write_named(path.path(), fill).map_err(failed);
+    }
+    let (folder, name) = path.place()?;
+    leftovers::clear_once(path.path().parent().expect("it is below another"));
+    write(&folder, name, fill).map_err(failed)
 }
 
-fn write(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    // Renaming over a link would replace the link, over a device the device.
-    let target: PathBuf = match fs::metadata(path) {
+/// Renaming over a link would replace the link, over a device the device.
+fn write_named(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let target = match fs::metadata(path) {
         Ok(there) if there.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
         Ok(there) if !there.is_file() => {
             let mut out = BufWriter::new(fs::OpenOptions::new().write(true).open(path)?);
@@ -34,30 +50,62 @@ fn write(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
+    let name = target.file_name().ok_or(io::ErrorKind::InvalidFilename)?;
     fs::create_dir_all(folder)?;
     leftovers::clear_once(folder);
-    let mut builder = tempfile::Builder::new();
-    let prefix = leftovers::own_prefix();
-    builder.prefix(&prefix).suffix(leftovers::END);
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // What any new file gets; the system takes the user's mask off it.
-        builder.permissions(fs::Permissions::from_mode(0o666));
+    write(&Folder::named(folder)?, name, fill)
+}
+
+/// A temporary file, removed unless it took its place.
+struct Temporary<'a> {
+    folder: &'a Folder,
+    name: OsString,
+    file: fs::File,
+    placed: bool,
+}
+
+impl<'a> Temporary<'a> {
+    fn new(folder: &'a Folder) -> io::Result<Self> {
+        static MADE: AtomicUsize = AtomicUsize::new(0);
+        // Another container's process may have this one's number.
+        for _ in 0..1000 {
+            let number = MADE.fetch_add(1, Ordering::Relaxed);
+            let name = OsString::from(format!("{}{number}{}", leftovers::own_prefix(), leftovers::END));
+            match folder.create_new(&name) {
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+                file => return Ok(Self { folder, name, file: file?, placed: false }),
+            }
+        }
+        Err(io::Error::new(io::ErrorKind::AlreadyExists, "every name for a temporary file is taken"))
     }
-    // Dropping it on the way out removes it.
-    let mut temporary = builder.tempfile_in(folder)?;
+}
+
+impl Drop for Temporary<'_> {
+    fn drop(&mut self) {
+        if !self.placed {
+            // What stays goes when another process next writes there.
+            let _ = self.folder.remove(&self.name);
+        }
+    }
+}
+
+fn write(
+    folder: &Folder,
+    name: &OsStr,
+    fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut temporary = Temporary::new(folder)?;
     // A file system without locks has the process's number alone.
-    let _ = temporary.as_file().try_lock();
-    // Its file and not itself: its errors would name the temporary path too.
-    let mut out = BufWriter::with_capacity(1 << 16, temporary.as_file_mut());
+    let _ = temporary.file.try_lock();
+    let mut out = BufWriter::with_capacity(1 << 16, &mut temporary.file);
     fill(&mut out)?;
     out.flush()?;
     drop(out);
-    temporary.as_file().sync_all()?;
+    temporary.file.sync_all()?;
     #[cfg(debug_assertions)]
     let rename = abort::next();
-    temporary.persist(&target).map_err(|error| error.error)?;
+    folder.rename(&temporary.name, name)?;
+    temporary.placed = true;
     #[cfg(debug_assertions)]
     abort::after(rename);
     Ok(())

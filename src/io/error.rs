@@ -27,6 +27,22 @@ pub enum IoError {
         /// The system's reason.
         source: io::Error,
     },
+    /// A link, or what is no regular file, where a file or folder of results is or should be.
+    #[error("{}: {what}, and results are neither read nor written through one", path.display())]
+    InTheWay {
+        /// It.
+        path: PathBuf,
+        /// What it is.
+        what: &'static str,
+    },
+    /// A name of a file of results that is not below its folder.
+    #[error("{} is not below {}, where results lie", path.display(), dir.display())]
+    LeadsOut {
+        /// The name.
+        path: PathBuf,
+        /// The folder.
+        dir: PathBuf,
+    },
     /// A folder, or a file of it, that is not there.
     #[error("{} does not exist", path.display())]
     Missing {
@@ -180,6 +196,10 @@ impl IoError {
                 }
                 _ => return None,
             },
+            Self::InTheWay { .. } => "see who put it there; remove it and run the same again",
+            Self::LeadsOut { .. } => {
+                "see who wrote that name; remove the file that holds it and make it again"
+            }
             Self::Missing { path } => return missing_hint(path),
             Self::NoSequence { .. } => {
                 "give the folder of one sequence (it holds `mav0` or `imu0`) or one that holds sequences; a folder of images needs `times.txt` (id and timestamp a line) and `imu.txt` or `imu.csv`"

@@ -1,16 +1,15 @@
 //! Trajectories in KITTI's format, which evo reads: the upper three rows of `world_from_body` as twelve numbers a line, no stamps. Two such files are
 //! compared line by line.
 
-use super::{IoError, atomic_write};
+use super::{IoError, ResultPath, atomic_write};
 use nalgebra::Isometry3;
-use std::path::Path;
 
 /// Writes poses, all of them or nothing, with as many digits as bring the same bits back.
 ///
 /// # Errors
 /// As [`atomic_write`].
 pub fn write_kitti<'a>(
-    path: &Path,
+    path: impl Into<ResultPath>,
     poses: impl IntoIterator<Item = &'a Isometry3<f64>>,
 ) -> Result<(), IoError> {
     atomic_write(path, |out| {

@@ -13,7 +13,7 @@
 //! * [`read_noise_track`], [`write_noise_track`]: noise tracks.
 //! * [`config`]: typed configurations of TOML.
 //! * [`noise_formats`]: noise parameters as other programs write them.
-//! * [`atomic_write`]: files that are there in full or not at all. [`FolderLock`]: a folder for one writer at a time.
+//! * [`atomic_write`]: files that are there in full or not at all. [`ResultPath`]: where they lie, no links below what somebody named. [`FolderLock`]: a folder for one writer at a time.
 //!
 //! A reader checks every row, and all but the loose one skip none: what it returns is finite, in SI units and in increasing time, and what is wrong is an
 //! [`IoError`] with file, line and a [hint](IoError::hint). No reader panics, whatever the bytes.
@@ -22,6 +22,7 @@
 
 pub mod asl;
 mod atomic;
+mod beneath;
 pub mod calibration;
 mod choice;
 mod columns;
@@ -54,6 +55,7 @@ mod poses;
 mod printable;
 #[cfg(test)]
 mod recordings;
+mod result_path;
 mod row_fault;
 mod rows;
 mod sample_store;
@@ -69,6 +71,7 @@ mod words;
 mod yaml;
 
 pub use atomic::atomic_write;
+pub use beneath::Kind;
 pub use choice::ColumnChoice;
 pub use columns::{AccelUnit, GyroUnit, ImuColumns};
 pub use decimal::TimeUnit;
@@ -89,6 +92,7 @@ pub use loose_csv::{LooseImuLog, Unreadable, parse_imu_csv_loosely, parse_one_se
 pub use noise_csv::{read_noise_track, write_noise_rows, write_noise_track};
 pub use poses::read_poses;
 pub use printable::printable;
+pub use result_path::ResultPath;
 pub use row_fault::RowFault;
 pub use sample_store::{SampleStore, StoredRecording};
 pub use sieve::{ABSURD, LeftOut, Part, Sieve, Sieved, Sifted, TINY};

@@ -4,8 +4,9 @@
 
 use super::IoError;
 use super::leftovers::clear;
-use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{self, Write};
+use super::result_path::ResultPath;
+use std::fs::{self, File, TryLockError};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 use thiserror::Error;
@@ -46,7 +47,7 @@ impl LockError {
 /// A folder that no other process takes while this value lives.
 #[derive(Debug)]
 pub struct FolderLock {
-    dir: PathBuf,
+    dir: ResultPath,
     file: File,
     /// The folder was not there before.
     made: bool,
@@ -57,44 +58,48 @@ impl FolderLock {
     ///
     /// # Errors
     /// Another process (or another value of this one) holds it; a folder that cannot be made or written to.
-    pub fn take(dir: &Path) -> Result<Self, LockError> {
-        let path = dir.join(LOCK);
-        let failed = |source| LockError::Io(IoError::Write { path: path.clone(), source });
-        let made = !dir.exists();
+    pub fn take(dir: impl Into<ResultPath>) -> Result<Self, LockError> {
+        let dir = dir.into();
+        let lock = dir.join(LOCK);
+        let path = lock.path();
+        let failed = |source| LockError::Io(IoError::Write { path: path.to_path_buf(), source });
+        let made = dir.kind().is_none();
         let mut tries = 0..100;
         let file = loop {
-            fs::create_dir_all(dir).map_err(failed)?;
-            let file =
-                match OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path) {
-                    // Its holder took the folder away between the two calls.
-                    Err(error) if error.kind() == io::ErrorKind::NotFound && tries.next().is_some() => {
-                        continue;
-                    }
-                    file => file.map_err(failed)?,
-                };
+            let mut file = match lock.open_lock() {
+                // Its holder took the folder away between making and opening.
+                Err(IoError::Write { source, .. })
+                    if source.kind() == io::ErrorKind::NotFound && tries.next().is_some() =>
+                {
+                    continue;
+                }
+                file => file?,
+            };
             match file.try_lock() {
-                Ok(()) if is_at(&file, &path) => break file,
+                Ok(()) if is_at(&file, path) => break file,
                 // Locked, and gone: its holder removed it between our opening and our locking.
                 Ok(()) => {}
                 Err(TryLockError::WouldBlock) => {
-                    let text = fs::read_to_string(&path).unwrap_or_default();
+                    let mut text = String::new();
+                    // Who cannot be told is somebody all the same.
+                    let _ = file.read_to_string(&mut text);
                     let holder = text.lines().next().map(str::to_owned);
-                    return Err(LockError::Held { dir: dir.to_path_buf(), holder });
+                    return Err(LockError::Held { dir: dir.path().to_path_buf(), holder });
                 }
                 Err(TryLockError::Error(source)) => return Err(failed(source)),
             }
         };
-        let lock = Self { dir: dir.to_path_buf(), file, made };
+        let lock = Self { dir: dir.clone(), file, made };
         let since = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |t| t.as_secs());
         let text = format!("process {}, since {}\n", std::process::id(), utc(since));
         lock.file.set_len(0).and_then(|()| (&lock.file).write_all(text.as_bytes())).map_err(failed)?;
         // Folders that somebody holds or held are left to their own lock; `.figure-*` is what earlier versions drew into.
-        clear(dir, DEPTH, |path| !path.join(LOCK).exists(), |name| name.starts_with(".figure-"));
+        clear(dir.path(), DEPTH, |path| !path.join(LOCK).exists(), |name| name.starts_with(".figure-"));
         Ok(lock)
     }
 
     /// The folder.
-    pub fn dir(&self) -> &Path {
+    pub fn dir(&self) -> &ResultPath {
         &self.dir
     }
 }
@@ -104,11 +109,12 @@ impl Drop for FolderLock {
     /// file cannot be told from another of its name.
     fn drop(&mut self) {
         // Whatever fails here leaves a file that nobody has locked: the next process takes it over.
-        if cfg!(unix) && is_at(&self.file, &self.dir.join(LOCK)) {
-            let _ = fs::remove_file(self.dir.join(LOCK));
+        let lock = self.dir.join(LOCK);
+        if cfg!(unix) && is_at(&self.file, lock.path()) {
+            let _ = lock.remove();
         }
         if self.made {
-            let _ = fs::remove_dir(&self.dir);
+            let _ = fs::remove_dir(self.dir.path());
         }
     }
 }
@@ -121,7 +127,7 @@ fn is_at(file: &File, path: &Path) -> bool {
     file.metadata()
         .map(place)
         .ok()
-        .is_some_and(|here| fs::metadata(path).map(place).is_ok_and(|there| here == there))
+        .is_some_and(|here| fs::symlink_metadata(path).map(place).is_ok_and(|there| here == there))
 }
 
 #[cfg(not(unix))]

@@ -7,7 +7,7 @@ use super::decimal::TimeUnit;
 use super::names::missing;
 use super::row_fault::RowFault;
 use super::rows::Rows;
-use super::{IoError, atomic_write};
+use super::{IoError, ResultPath, atomic_write};
 use dpn_core::imu::Sensor;
 use dpn_core::noise::{ImuNoise, NoiseTrack};
 use dpn_core::time::Stamp;
@@ -24,7 +24,7 @@ const HEADER: &str = "#timestamp [ns],accel_std_x [m s^-2],accel_std_y [m s^-2],
 ///
 /// # Errors
 /// As [`atomic_write`].
-pub fn write_noise_track(path: &Path, track: &NoiseTrack) -> Result<(), IoError> {
+pub fn write_noise_track(path: impl Into<ResultPath>, track: &NoiseTrack) -> Result<(), IoError> {
     let mut rows = track.stamps().iter().zip(track.noises());
     write_noise_rows(path, |row| rows.try_for_each(|(t, noise)| row(*t, noise)))
 }
@@ -34,7 +34,7 @@ pub fn write_noise_track(path: &Path, track: &NoiseTrack) -> Result<(), IoError>
 /// # Errors
 /// As [`atomic_write`], and those of `rows`.
 pub fn write_noise_rows(
-    path: &Path,
+    path: impl Into<ResultPath>,
     rows: impl FnOnce(&mut dyn FnMut(Stamp, &ImuNoise) -> io::Result<()>) -> io::Result<()>,
 ) -> Result<(), IoError> {
     atomic_write(path, |out| {

@@ -6,7 +6,7 @@
 use super::decimal::{TimeUnit, parse_stamp};
 use super::fields::{shown, take_line};
 use super::row_fault::RowFault;
-use super::{IoError, atomic_write};
+use super::{IoError, ResultPath, atomic_write};
 use dpn_core::time::Stamp;
 use dpn_core::tracks::{Track, TrackFrame};
 use nalgebra::Vector2;
@@ -133,7 +133,7 @@ fn repeated(tracks: &[Track], sorted: &mut Vec<u64>) -> Option<u64> {
 /// # Errors
 /// As [`atomic_write`]; a pixel that is not finite, an id twice in a frame or stamps that do not increase are
 /// [`io::ErrorKind::InvalidData`], since no reader would take them.
-pub fn write_tracks(path: &Path, frames: &[TrackFrame]) -> Result<(), IoError> {
+pub fn write_tracks(path: impl Into<ResultPath>, frames: &[TrackFrame]) -> Result<(), IoError> {
     let invalid = |what: &str, t: Stamp| {
         io::Error::new(io::ErrorKind::InvalidData, format!("{what} in the frame at {t}"))
     };

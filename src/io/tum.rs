@@ -7,7 +7,7 @@ use super::decimal::{TimeUnit, seconds_text};
 use super::pose::rotation;
 use super::row_fault::RowFault;
 use super::rows::Rows;
-use super::{IoError, atomic_write};
+use super::{IoError, ResultPath, atomic_write};
 use dpn_core::trajectory::StampedPose;
 use nalgebra::{Isometry3, Translation3};
 use std::path::Path;
@@ -45,7 +45,7 @@ pub(crate) fn parse(bytes: &[u8], path: &Path) -> Result<Vec<StampedPose>, IoErr
 ///
 /// # Errors
 /// As [`atomic_write`].
-pub fn write_tum(path: &Path, poses: &[StampedPose]) -> Result<(), IoError> {
+pub fn write_tum(path: impl Into<ResultPath>, poses: &[StampedPose]) -> Result<(), IoError> {
     atomic_write(path, |out| {
         writeln!(out, "# timestamp tx ty tz qx qy qz qw")?;
         for pose in poses {

@@ -74,7 +74,15 @@ impl Checkpoint {
     /// vectors, or holds NaN or infinity.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, StoreError> {
         let path = path.as_ref();
-        let (d, mut tensors): (Description, _) = store::from_bytes(FORMAT, &store::read(path)?, path)?;
+        Self::from_bytes(&store::read(path)?, path)
+    }
+
+    /// Takes a file's bytes; `path` is for messages.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Self, StoreError> {
+        let (d, mut tensors): (Description, _) = store::from_bytes(FORMAT, bytes, path)?;
         d.config
             .validate()
             .map_err(|e| StoreError::Description { path: path.to_owned(), detail: e.to_string() })?;

@@ -1,4 +1,4 @@
-//! Kills, stops, full disks and second writers at random moments of trainings, sweeps, papers and noise tracks: whoever calls the same command until it ends has
+//! Live runs under chance (`live`), and work on files: kills, stops, full disks and second writers at random moments of trainings, sweeps, papers and noise tracks: whoever calls the same command until it ends has
 //! the bytes of a run that nobody disturbed, and nothing half-written beside them.
 //!
 //! At renames, too: a build with debug assertions ends itself at the one that `DPN_ABORT_AT_RENAME` numbers (`dpn_io::atomic_write`).
@@ -9,6 +9,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod disturb;
+mod live;
 mod work;
 
 use disturb::{Tally, Whole, at_rename, at_renames, full_disk, two_writers, undisturbed, until_it_ends};
@@ -18,9 +19,14 @@ use work::Work;
 /// Disturbances of a kind of work where every commit is tested.
 const SHORT: usize = 6;
 
+/// The seed of what is drawn.
+fn seed() -> u64 {
+    std::env::var("DPN_CHAOS_SEED").map_or(20_261_122, |text| text.parse().unwrap())
+}
+
 /// Disturbs one kind of work so many times; what it leaves undisturbed.
 fn chaos(of: Work, times: usize) -> Whole {
-    let seed = std::env::var("DPN_CHAOS_SEED").map_or(20_261_122, |text| text.parse().unwrap());
+    let seed = seed();
     let mut draw = Draw::new(seed, of.name());
     let whole = undisturbed(of);
     let mut tally = Tally::default();
@@ -63,6 +69,19 @@ fn a_paper_survives() {
 #[test]
 fn a_noise_track_survives() {
     chaos(Work::Noise, SHORT);
+}
+
+/// Disturbs the sensors of so many live runs.
+fn live(plans: std::ops::Range<usize>) {
+    let Some(dir) = dpn_testing::pack("motion") else { return };
+    let recorded = live::Recorded::of(&dir.join("MH_01_easy_start"));
+    plans.clone().for_each(|plan| recorded.survives(plan, seed()));
+    eprintln!("live: {} plans of seed {}, nothing lost", plans.len(), seed());
+}
+
+#[test]
+fn live_runs_survive() {
+    live(0..2);
 }
 
 /// Ends work at every `every`-th of its renames; builds without debug assertions cannot be told to.
@@ -125,6 +144,12 @@ fn many_sweeps_survive() {
 #[ignore = "minutes; DPN_CHAOS says how often it is disturbed"]
 fn many_open_loops_survive() {
     chaos(Work::OpenLoop, many());
+}
+
+#[test]
+#[ignore = "minutes; DPN_CHAOS says how many"]
+fn many_live_runs_survive() {
+    live(0..many());
 }
 
 #[test]

@@ -1,68 +1,17 @@
 //! Bags and folders with images: the same trajectory from each, poses while a pipe is still open, and words where something is amiss.
 
+use crate::bag::{begin, channels, image, message, record, sample_on, text};
 use crate::run::{Done, dpn, end, files};
 use dpn_core::ImuSample;
+use dpn_io::ImageFolder;
 use dpn_io::asl::Sequence;
-use dpn_io::{ImageFolder, StampedImage};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::sync::mpsc::channel;
 use std::time::Duration;
 
-const NOISE: [&str; 4] = ["--noise", "sg(11,2)", "--seed", "3"];
-
-fn text(text: &str) -> Vec<u8> {
-    [&(text.len() as u32).to_le_bytes(), text.as_bytes()].concat()
-}
-
-/// A record of an MCAP file.
-fn record(op: u8, content: &[u8]) -> Vec<u8> {
-    [&[op], &(content.len() as u64).to_le_bytes()[..], content].concat()
-}
-
-/// An MCAP file's begin: an IMU on channel 1, a camera on channel 2, in ROS 1's encoding.
-fn begin() -> Vec<u8> {
-    channels(&[(1, "sensor_msgs/Imu", "/imu0"), (2, "sensor_msgs/Image", "/cam0/image_raw")])
-}
-
-/// The same with these channels: number, type, topic.
-fn channels(all: &[(u16, &str, &str)]) -> Vec<u8> {
-    let mut file = b"\x89MCAP0\r\n".to_vec();
-    for (id, kind, topic) in all {
-        let number = id.to_le_bytes();
-        file.extend(record(3, &[&number[..], &text(kind), &text("ros1msg"), &text("")].concat()));
-        file.extend(record(4, &[&number[..], &number, &text(topic), &text("ros1"), &text("")].concat()));
-    }
-    file
-}
-
-fn message(channel: u16, t_ns: i64, fields: &[u8]) -> Vec<u8> {
-    let head =
-        [0u32, (t_ns / 1_000_000_000) as u32, (t_ns % 1_000_000_000) as u32].map(u32::to_le_bytes).concat();
-    let logged = t_ns.to_le_bytes();
-    record(5, &[&channel.to_le_bytes()[..], &[0; 4], &logged, &logged, &head, &text("body"), fields].concat())
-}
-
-fn sample_on(channel: u16, s: &ImuSample) -> Vec<u8> {
-    let mut values = [0.0; 37];
-    values[13..16].copy_from_slice(&s.gyro);
-    values[25..28].copy_from_slice(&s.accel);
-    message(channel, s.t.ns(), &values.map(f64::to_le_bytes).concat())
-}
-
-/// As bgr8 where all three are alike, in rows three bytes longer than they need be.
-fn image(i: &StampedImage) -> Vec<u8> {
-    let (width, height) = (i.image.width(), i.image.height());
-    let mut pixels = Vec::new();
-    for row in i.image.view().rows() {
-        pixels.extend(row.iter().flat_map(|p| [*p; 3]).chain([1, 2, 3]));
-    }
-    let size = [height as u32, width as u32].map(u32::to_le_bytes).concat();
-    let step = (3 * width as u32 + 3).to_le_bytes();
-    let length = (pixels.len() as u32).to_le_bytes();
-    message(2, i.t.ns(), &[&size[..], &text("bgr8"), &[0], &step, &length, &pixels].concat())
-}
+pub(crate) const NOISE: [&str; 4] = ["--noise", "sg(11,2)", "--seed", "3"];
 
 /// Messages of a sequence in the order in which they are recorded: images 3 ms late.
 fn messages(dir: &Path) -> Vec<Vec<u8>> {
@@ -75,7 +24,11 @@ fn messages_of(dir: &Path, sample: impl Fn(&ImuSample) -> Vec<u8>) -> Vec<Vec<u8
     let images = ImageFolder::open(&sequence).unwrap();
     let mut all: Vec<(i64, Vec<u8>)> =
         sequence.imu().unwrap().samples().iter().map(|s| (s.t.ns(), sample(s))).collect();
-    all.extend((0..images.len()).map(|i| images.read(i).unwrap()).map(|i| (i.t.ns() + 3_000_000, image(&i))));
+    all.extend(
+        (0..images.len())
+            .map(|i| images.read(i).unwrap())
+            .map(|i| (i.t.ns() + 3_000_000, image(i.t, &i.image))),
+    );
     all.sort_by_key(|(t, _)| *t);
     all.into_iter().map(|(_, message)| message).collect()
 }
@@ -85,7 +38,7 @@ fn odometry(source: &Path, out: &Path, more: &[&str]) -> Done {
 }
 
 /// Six seconds of a flight's small images, in a folder `live`: chance is a function of a recording's name.
-fn rendered(tmp: &Path) -> PathBuf {
+pub(crate) fn rendered(tmp: &Path) -> PathBuf {
     let (dir, camera) = (tmp.join("live"), tmp.join("camera.toml"));
     let config = "[camera]\nresolution = [376, 240]\nintrinsics = [229.3, 228.6, 183.4, 123.9]\n";
     std::fs::write(&camera, config).unwrap();
@@ -146,7 +99,8 @@ fn an_imu_on_two_topics_is_joined_and_wrong_units_are_named_from_a_file_and_from
     let file = odometry(&in_g, &out, &calib);
     let live = piped(&in_g, &[]);
     for done in [&file, &live] {
-        assert_eq!(done.code, Some(0), "{done:?}");
+        assert_eq!(done.code, Some(3), "{done:?}");
+        assert!(done.stderr.ends_with("the run made no pose (exit code 3)\n"), "{}", done.stderr);
         for words in
             ["the accelerometer in g (a log's is mended by --accel-scale 9.80665)", "warning: no pose in "]
         {

@@ -236,6 +236,30 @@ fn shards_of_another_program_processor_or_sweep_are_refused_by_what_differs() {
 }
 
 #[test]
+fn another_shards_folder_in_a_shards_place_is_told_by_all_with_the_same_remedy() {
+    let tmp = tempfile::tempdir().unwrap();
+    let dir = tmp.path();
+    swept(dir);
+    std::fs::remove_dir_all(dir.join("s/shards/1")).unwrap();
+    std::fs::rename(dir.join("s/shards/0"), dir.join("s/shards/1")).unwrap();
+    let words = [
+        "shard 1 (f",
+        "another number: 0 there, 1 in the sweep",
+        "`dpn sweep run s --shard 1` makes it again",
+    ];
+    refused(&call(dir, "sweep run s --shard 1"), &words);
+    call(dir, "sweep run s --shard 0").well();
+    refused(&call(dir, "sweep collect s --out whole"), &words);
+    let status = call(dir, "sweep status s --json").well().json();
+    assert_eq!(status["shards"][1]["state"], "misplaced");
+    let told = call(dir, "sweep status s").well();
+    assert!(told.stdout.contains("shard 1: s/shards/1 holds another shard's results; remove it"), "{told:?}");
+    std::fs::remove_dir_all(dir.join("s/shards/1")).unwrap();
+    call(dir, "sweep run s --shard 1").well();
+    call(dir, "sweep collect s --out whole").well();
+}
+
+#[test]
 fn input_that_changed_since_the_plan_is_named() {
     let tmp = tempfile::tempdir().unwrap();
     let dir = tmp.path();
@@ -439,7 +463,7 @@ fn a_shard_killed_fifty_times_goes_on() {
 
 /// Rows made up for every cell of a sweep in `dir`, as its shards would have left them.
 fn make_up(dir: &Path, template: &Value) -> usize {
-    let folder = dpn_eval::sweeps::SweepFolder::open(&dir.join("s")).unwrap();
+    let folder = dpn_eval::sweeps::SweepFolder::open(&dir.join("s").into()).unwrap();
     let manifest = &folder.manifest;
     for shard in 0..folder.shards() {
         let (mut text, mut sums) = (String::new(), Vec::new());
@@ -458,11 +482,12 @@ fn make_up(dir: &Path, template: &Value) -> usize {
             text += &(line + "\n");
         }
         let account = serde_json::json!({
-            "sweep": manifest.id(), "program": manifest.program, "processor": manifest.processor, "node": "made up",
+            "sweep": manifest.id(), "shard": shard, "program": manifest.program, "processor": manifest.processor, "node": "made up",
             "done": true, "failed": 0, "rows": { "": sums }, "files": {},
         });
         let shard = folder.shard_dir(shard);
-        std::fs::create_dir_all(&shard).unwrap();
+        let shard = shard.path();
+        std::fs::create_dir_all(shard).unwrap();
         std::fs::write(shard.join("rows.jsonl"), text).unwrap();
         std::fs::write(shard.join("shard.json"), account.to_string()).unwrap();
     }

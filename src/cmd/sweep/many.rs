@@ -11,7 +11,7 @@ use dpn_eval::sweeps::{
     JobToPlan, Node, PlanKind, Size, SweepError, SweepFolder, SweepManifest, TrainPlan, collect, plan,
     run_shard,
 };
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
@@ -35,7 +35,7 @@ pub(crate) fn many(file: &Path, args: &TrainArgs) -> Result<()> {
     let manifest = SweepManifest::new(program(), dpn_pronet::processor(), asked.data, false);
     let jobs = [JobToPlan::Train(trainings)];
     let manifest = plan(manifest, &jobs, Size::Shards(count))?.manifest;
-    let out = args.out.clone().unwrap_or_else(|| PathBuf::from("runs/train-many"));
+    let out = args.out.clone().unwrap_or_else(|| "runs/train-many".into());
     SweepFolder::may_take(&out.join(SWEEP), &manifest)?;
     let folder = SweepFolder::create(&out.join(SWEEP), manifest)?;
     let stop =

@@ -49,7 +49,7 @@ fn of_fleet(args: &SweepPlanArgs) -> Result<Planned> {
         return Err(Fault::new("the platforms name several folders of networks, and a sweep has one").into());
     }
     for (platform, experiment) in fleet.platform.iter().zip(&experiments) {
-        fleet::reconcile(platform, experiment)?;
+        fleet::reconcile(platform, experiment, &args.out)?;
     }
     let folders = fleet.platform.iter().map(|platform| PathBuf::from(&platform.folder));
     of_experiments(args, Some(data), models.as_deref(), folders.zip(experiments).collect())

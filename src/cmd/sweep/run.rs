@@ -15,7 +15,7 @@ pub(crate) fn run(args: &SweepRunArgs) -> Result<()> {
     let folder = SweepFolder::open(&args.sweep)?;
     let shards = chosen(args)?.numbers(folder.shards());
     let models = args.sweep.join(MODELS);
-    let networks = shipped::or_of(folder.manifest.models.then_some(models.as_path()))?;
+    let networks = shipped::or_of(folder.manifest.models.then_some(models.path()))?;
     let cache = cache::open(&args.cache)?;
     let here = Node {
         program: program(),

@@ -56,6 +56,14 @@ fn say(folder: &SweepFolder, found: &SweepStatus) -> Result<()> {
             folder.command(shard.shard)
         )?;
     }
+    for shard in found.shards.iter().filter(|shard| shard.state == ShardState::Misplaced).take(SHOWN) {
+        let (number, dir) = (shard.shard, folder.shard_dir(shard.shard));
+        let dir = dir.display();
+        outln!(
+            "shard {number}: {dir} holds another shard's results; remove it, and `{}`",
+            folder.command(number)
+        )?;
+    }
     let failures =
         found.shards.iter().flat_map(|shard| shard.failed.iter().map(move |line| (shard.shard, line)));
     for (shard, line) in failures.take(SHOWN) {

@@ -6,13 +6,14 @@ use anyhow::Result;
 use dpn_core::config::Validate;
 use dpn_core::progress::Progress;
 use dpn_eval::sweeps::{SweepError, TrainFault, TrainPlan, TrainSpec, Trainer};
+use dpn_io::ResultPath;
 use dpn_papers::id;
 use dpn_train::config::TrainConfig;
 use dpn_train::corpus::Corpus;
 use dpn_train::run::{Run, RunError};
 use dpn_train::trainer::TrainError;
 use serde_json::{Map, Value};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -73,7 +74,7 @@ impl CorpusTrainer {
     fn run(
         &mut self,
         spec: &TrainSpec,
-        dir: &Path,
+        dir: &ResultPath,
         (stop, progress): (&AtomicBool, &mut dyn Progress),
     ) -> Result<Map<String, Value>> {
         let device = device::parse(&spec.device)?;
@@ -99,7 +100,7 @@ impl Trainer for CorpusTrainer {
     fn train(
         &mut self,
         spec: &TrainSpec,
-        dir: &Path,
+        dir: &ResultPath,
         with: (&AtomicBool, &mut dyn Progress),
     ) -> Result<Map<String, Value>, TrainFault> {
         self.run(spec, dir, with).map_err(|error| match error.downcast_ref() {

@@ -3,13 +3,12 @@
 
 use super::imu_config::ImuConfig;
 use super::sequence::{GROUND_TRUTH, IMU_DATA, IMU_SENSOR, Sequence};
-use crate::{IoError, atomic_write};
+use crate::{IoError, ResultPath, atomic_write};
 use dpn_core::Recorded;
 use dpn_core::imu::ImuRecording;
 use dpn_core::truth::GroundTruth;
 use nalgebra::Isometry3;
 use std::io::{self, Write};
-use std::path::Path;
 
 const IMU_HEADER: &str = "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],\
     a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]";
@@ -35,23 +34,24 @@ pub struct SequenceParts<'a> {
 ///
 /// # Errors
 /// As [`atomic_write`].
-pub fn write_sequence(dir: &Path, parts: &SequenceParts<'_>) -> Result<Sequence, IoError> {
+pub fn write_sequence(dir: impl Into<ResultPath>, parts: &SequenceParts<'_>) -> Result<Sequence, IoError> {
+    let dir = dir.into();
     let root = dir.join("mav0");
     if let Some(config) = parts.imu_config {
-        write_imu_config(&root.join(IMU_SENSOR), config)?;
+        write_imu_config(root.join(IMU_SENSOR), config)?;
     }
     if let Some(truth) = parts.ground_truth {
-        write_ground_truth(&root.join(GROUND_TRUTH[0]), truth)?;
+        write_ground_truth(root.join(GROUND_TRUTH[0]), truth)?;
     }
-    write_imu(&root.join(IMU_DATA), parts.imu)?;
-    Sequence::open(dir)
+    write_imu(root.join(IMU_DATA), parts.imu)?;
+    Sequence::open(dir.path())
 }
 
 /// Writes an `imu0/data.csv`.
 ///
 /// # Errors
 /// As [`atomic_write`].
-pub(crate) fn write_imu(path: &Path, recording: &ImuRecording) -> Result<(), IoError> {
+pub(crate) fn write_imu(path: impl Into<ResultPath>, recording: &ImuRecording) -> Result<(), IoError> {
     atomic_write(path, |out| write_imu_rows(out, recording))
 }
 
@@ -75,7 +75,7 @@ pub fn write_imu_rows(out: &mut dyn Write, recording: &dyn Recorded) -> io::Resu
 ///
 /// # Errors
 /// As [`atomic_write`].
-pub(crate) fn write_imu_config(path: &Path, config: &ImuConfig) -> Result<(), IoError> {
+pub(crate) fn write_imu_config(path: impl Into<ResultPath>, config: &ImuConfig) -> Result<(), IoError> {
     atomic_write(path, |out| {
         writeln!(out, "sensor_type: imu")?;
         matrix(out, &config.body_from_imu)?;
@@ -96,7 +96,7 @@ pub(crate) fn write_imu_config(path: &Path, config: &ImuConfig) -> Result<(), Io
 ///
 /// # Errors
 /// As [`atomic_write`].
-pub fn write_ground_truth(path: &Path, truth: &GroundTruth) -> Result<(), IoError> {
+pub fn write_ground_truth(path: impl Into<ResultPath>, truth: &GroundTruth) -> Result<(), IoError> {
     atomic_write(path, |out| {
         let velocity = if truth.has_velocity() { VELOCITY_HEADER } else { "" };
         let biases = if truth.has_biases() { BIAS_HEADER } else { "" };

@@ -4,18 +4,18 @@ use super::camera::CameraFrame;
 use super::sequence::{CAMERA_DATA, CAMERA_SENSOR};
 use super::write::{matrix, yaml_number};
 use crate::kalibr_cameras::KalibrCamera;
-use crate::{IoError, atomic_write};
+use crate::{IoError, ResultPath, atomic_write};
 use dpn_core::camera::CameraConfig;
 use dpn_core::image::GrayView;
 use png::{BitDepth, ColorType, Compression, Encoder};
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Writes `dir/mav0/cam0/sensor.yaml`.
 ///
 /// # Errors
 /// As [`atomic_write`].
-pub fn write_camera_config(dir: &Path, config: &CameraConfig) -> Result<(), IoError> {
+pub fn write_camera_config(dir: impl Into<ResultPath>, config: &CameraConfig) -> Result<(), IoError> {
     let list = |values: &[f64]| values.iter().map(|v| yaml_number(*v)).collect::<Vec<_>>().join(", ");
     let [width, height] = config.resolution;
     let camera = KalibrCamera::of(config.distortion);
@@ -24,7 +24,7 @@ pub fn write_camera_config(dir: &Path, config: &CameraConfig) -> Result<(), IoEr
     let (before, coefficients) = config.coefficients.split_at(leading);
     let names = [camera.leading, &["fu", "fv", "cu", "cv"]].concat().join(", ");
     let intrinsics = [before, &config.intrinsics].concat();
-    atomic_write(&dir.join("mav0").join(CAMERA_SENSOR), |out| {
+    atomic_write(dir.into().join("mav0").join(CAMERA_SENSOR), |out| {
         writeln!(out, "sensor_type: camera")?;
         matrix(out, &config.body_from_cam)?;
         writeln!(out, "rate_hz: {}", yaml_number(config.rate.hz()))?;
@@ -40,23 +40,23 @@ pub fn write_camera_config(dir: &Path, config: &CameraConfig) -> Result<(), IoEr
 ///
 /// # Errors
 /// As [`atomic_write`].
-pub fn write_camera_frames(dir: &Path, frames: &[CameraFrame]) -> Result<(), IoError> {
-    atomic_write(&dir.join("mav0").join(CAMERA_DATA), |out| {
+pub fn write_camera_frames(dir: impl Into<ResultPath>, frames: &[CameraFrame]) -> Result<(), IoError> {
+    atomic_write(dir.into().join("mav0").join(CAMERA_DATA), |out| {
         writeln!(out, "#timestamp [ns],filename")?;
         frames.iter().try_for_each(|frame| writeln!(out, "{},{}", frame.t.ns(), frame.file))
     })
 }
 
 /// Where the image of a frame of the sequence in `dir` belongs.
-pub fn image_place(dir: &Path, frame: &CameraFrame) -> PathBuf {
-    dir.join("mav0").join(CAMERA_DATA).with_file_name("data").join(&frame.file)
+pub fn image_place(dir: impl Into<ResultPath>, frame: &CameraFrame) -> ResultPath {
+    dir.into().join("mav0").join(Path::new(CAMERA_DATA).with_file_name("data")).join(&frame.file)
 }
 
 /// Writes a grey PNG of 8 bits a pixel.
 ///
 /// # Errors
 /// As [`atomic_write`].
-pub fn write_png(path: &Path, image: GrayView<'_>) -> Result<(), IoError> {
+pub fn write_png(path: impl Into<ResultPath>, image: GrayView<'_>) -> Result<(), IoError> {
     let whole = image.to_image();
     let side = |side: usize| u32::try_from(side).map_err(io::Error::other);
     atomic_write(path, |out| {

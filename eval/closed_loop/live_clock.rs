@@ -1,0 +1,420 @@
+//! The clocks of an IMU and a camera that run, held against each other: a stamp that is wrong, a clock that was set, and sensors that were silent are
+//! three things.
+//!
+//! A stamp that does not follow on its sensor's last one, nor on what the other sensor's clock made of that time, is held back until the next messages tell:
+//!
+//! * its sensor goes on where it was: the stamp was wrong, and its message is passed over;
+//! * the other sensor's stamps jump as far: both clocks were set, or nothing was recorded; both go on as they are, with a gap between;
+//! * the other sensor goes on where it was: this one's clock was set. What it was set by is taken off from then on.
+//!
+//! What is let through unchanged is let through in the order in which it came: good streams are not touched.
+
+use dpn_core::Stamp;
+use std::collections::VecDeque;
+
+/// What a stamp may be off \[s\].
+const OFF_S: f64 = 1.0;
+/// Messages of a sensor whose clock was set, and of the other meanwhile, before it is said so.
+const ENOUGH: [usize; 2] = [3, 2];
+/// Where the other sensor is silent for so long \[s\], a jump is taken as it is.
+const ALONE_S: f64 = 2.0;
+/// So many times is said that messages were passed over.
+const SHOWN: usize = 8;
+/// Stamps of one sensor that are the same, one after another, before it is said.
+const SAME: usize = 20;
+
+/// A sensor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LiveSensor {
+    /// The IMU.
+    Imu,
+    /// The camera.
+    Camera,
+}
+
+impl LiveSensor {
+    /// Both.
+    pub const BOTH: [Self; 2] = [Self::Imu, Self::Camera];
+
+    /// The other one.
+    #[must_use]
+    pub fn other(self) -> Self {
+        Self::BOTH[1 - self as usize]
+    }
+
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        ["IMU", "camera"][self as usize]
+    }
+}
+
+/// A message on its way.
+#[derive(Debug)]
+struct Held<E> {
+    sensor: LiveSensor,
+    /// As it was stamped.
+    raw: Stamp,
+    message: E,
+}
+
+/// One sensor's clock.
+#[derive(Debug, Default)]
+struct Clock {
+    /// The last stamp that was let through, on the common time.
+    last: Option<Stamp>,
+    /// Time between the last two.
+    step_s: f64,
+    /// The other's last stamp then.
+    other: Option<Stamp>,
+    /// What is taken off its stamps \[ns\].
+    shift_ns: i64,
+    /// How many are held back, and what the other let through since.
+    held: usize,
+    since: usize,
+    same: usize,
+    standing_said: bool,
+}
+
+/// Two sensors' clocks, with the messages that are held back.
+#[derive(Debug)]
+pub struct LiveClocks<E> {
+    clocks: [Clock; 2],
+    held: Vec<Held<E>>,
+    /// From when on \[common time\] so many nanoseconds were taken off the IMU's stamps.
+    set: Vec<(Stamp, i64)>,
+    words: VecDeque<String>,
+    /// Messages that were passed over.
+    passed_over: usize,
+    said: usize,
+}
+
+impl<E> Default for LiveClocks<E> {
+    fn default() -> Self {
+        Self {
+            clocks: Default::default(),
+            held: Vec::new(),
+            set: Vec::new(),
+            words: VecDeque::new(),
+            passed_over: 0,
+            said: 0,
+        }
+    }
+}
+
+impl<E> LiveClocks<E> {
+    /// Takes a message; those that may go on, in the order in which they came, their stamps on the common time.
+    pub fn take(&mut self, sensor: LiveSensor, raw: Stamp, message: E) -> Vec<(LiveSensor, Stamp, E)> {
+        self.stands(sensor, raw);
+        let t = self.common(sensor, raw);
+        if self.follows(sensor, t) {
+            return self.goes_on(sensor, t, message);
+        }
+        let last = self.held.iter().rfind(|held| held.sensor == sensor).map(|held| held.raw);
+        if last.is_some_and(|last| raw.seconds_since(last).abs() > OFF_S) {
+            // Neither here nor there: two that are wrong, each in its own way.
+            self.drop_held(sensor);
+        }
+        self.held.push(Held { sensor, raw, message });
+        self.clocks[sensor as usize].held += 1;
+        if self.both_jumped() || self.waits_alone(sensor) {
+            return self.as_they_are();
+        }
+        Vec::new()
+    }
+
+    /// What is still held back when nothing more comes.
+    pub fn end(&mut self) -> Vec<(LiveSensor, Stamp, E)> {
+        self.as_they_are()
+    }
+
+    /// What is to be said, once.
+    pub fn take_words(&mut self) -> Option<String> {
+        self.words.pop_front()
+    }
+
+    /// Messages that were passed over for their stamps.
+    pub fn passed_over(&self) -> usize {
+        self.passed_over
+    }
+
+    /// A sensor's last stamp that was let through, on the common time.
+    pub fn last(&self, sensor: LiveSensor) -> Option<Stamp> {
+        self.clocks[sensor as usize].last
+    }
+
+    /// A common time as the IMU's own stamps have it.
+    pub fn on_imu_clock(&self, t: Stamp) -> Stamp {
+        let shift = self.set.iter().rfind(|(since, _)| t >= *since).map_or(0, |(_, shift)| *shift);
+        Stamp::from_ns(t.ns().saturating_add(shift))
+    }
+
+    fn common(&self, sensor: LiveSensor, raw: Stamp) -> Stamp {
+        Stamp::from_ns(raw.ns().saturating_sub(self.clocks[sensor as usize].shift_ns))
+    }
+
+    /// How far `t` is from where the other sensor's clock would have it; none where that does not tell.
+    fn off_s(&self, sensor: LiveSensor, t: Stamp) -> Option<f64> {
+        let [clock, other] = [sensor, sensor.other()].map(|sensor| &self.clocks[sensor as usize]);
+        Some(t.seconds_since(clock.last?) - other.last?.seconds_since(clock.other?))
+    }
+
+    fn follows(&self, sensor: LiveSensor, t: Stamp) -> bool {
+        let clock = &self.clocks[sensor as usize];
+        let near = clock.last.is_none_or(|last| t.seconds_since(last).abs() <= OFF_S);
+        near || self.off_s(sensor, t).is_none_or(|off| off.abs() <= OFF_S)
+    }
+
+    /// Lets a message through, and what it tells of those that are held back.
+    fn goes_on(&mut self, sensor: LiveSensor, t: Stamp, message: E) -> Vec<(LiveSensor, Stamp, E)> {
+        self.drop_held(sensor);
+        let mut ready = vec![(sensor, t, message)];
+        self.passed(sensor, t);
+        let other = sensor.other();
+        let Some(first) = self.held.first().map(|held| held.raw) else { return ready };
+        let clock = &mut self.clocks[other as usize];
+        clock.since += 1;
+        let t = self.common(other, first);
+        if self.follows(other, t) {
+            // The other one has come so far: there was nothing wrong.
+            ready.extend(self.as_they_are());
+            return ready;
+        }
+        let clock = &self.clocks[other as usize];
+        if clock.held < ENOUGH[0] || clock.since < ENOUGH[1] {
+            return ready;
+        }
+        let step = (clock.step_s * 1e9).round() as i64;
+        let last = clock.last.expect("a message is held back for not following on one");
+        let shift = first.ns().saturating_sub(last.ns()).saturating_sub(step);
+        let by_s = shift.saturating_sub(clock.shift_ns) as f64 * 1e-9;
+        self.clocks[other as usize].shift_ns = shift;
+        if other == LiveSensor::Imu {
+            self.set.push((Stamp::from_ns(last.ns() + 1), shift));
+        }
+        let way = if by_s > 0.0 { "ahead" } else { "back" };
+        self.words.push_back(format!(
+            "the {}'s clock was set {:.3} s {way} at {first}, and the {}'s was not: that is taken off from here on",
+            other.name(),
+            by_s.abs(),
+            sensor.name()
+        ));
+        ready.extend(self.as_they_are());
+        ready
+    }
+
+    /// Whether both sensors' stamps jumped, and as far.
+    fn both_jumped(&self) -> bool {
+        let off = |sensor| {
+            let first = self.held.iter().find(|held| held.sensor == sensor)?;
+            self.off_s(sensor, self.common(sensor, first.raw))
+        };
+        let [imu, camera] = LiveSensor::BOTH.map(off);
+        imu.zip(camera).is_some_and(|(imu, camera)| (imu - camera).abs() <= OFF_S)
+    }
+
+    /// Whether the other sensor says nothing that could tell.
+    fn waits_alone(&self, sensor: LiveSensor) -> bool {
+        let mut own = self.held.iter().filter(|held| held.sensor == sensor).map(|held| held.raw);
+        let (Some(first), Some(last)) = (own.next(), own.next_back()) else { return false };
+        self.clocks[sensor as usize].since == 0 && last.seconds_since(first) > ALONE_S
+    }
+
+    /// All that is held back, as it came.
+    fn as_they_are(&mut self) -> Vec<(LiveSensor, Stamp, E)> {
+        let held = std::mem::take(&mut self.held);
+        let mut ready = Vec::with_capacity(held.len());
+        for Held { sensor, raw, message } in held {
+            let t = self.common(sensor, raw);
+            self.passed(sensor, t);
+            ready.push((sensor, t, message));
+        }
+        for clock in &mut self.clocks {
+            (clock.held, clock.since) = (0, 0);
+        }
+        ready
+    }
+
+    fn passed(&mut self, sensor: LiveSensor, t: Stamp) {
+        let other = self.clocks[sensor.other() as usize].last;
+        let clock = &mut self.clocks[sensor as usize];
+        let step = clock.last.map_or(0.0, |last| t.seconds_since(last));
+        if step > 0.0 && step <= OFF_S {
+            clock.step_s = step;
+        }
+        // One that is late by itself leaves the clock where it is.
+        if clock.last.is_none_or(|last| t > last || last.seconds_since(t) > OFF_S) {
+            (clock.last, clock.other) = (Some(t), other);
+        }
+    }
+
+    /// Passes over what is held back of a sensor.
+    fn drop_held(&mut self, sensor: LiveSensor) {
+        let clock = &mut self.clocks[sensor as usize];
+        let count = std::mem::take(&mut clock.held);
+        clock.since = 0;
+        if count == 0 {
+            return;
+        }
+        self.passed_over += count;
+        let first = self.held.iter().find(|held| held.sensor == sensor).map(|held| held.raw);
+        let last = self.clocks[sensor as usize].last;
+        self.said += 1;
+        if let (Some(first), Some(last), ..=SHOWN) = (first, last, self.said) {
+            let stamps = if count == 1 { "a stamp" } else { "stamps" };
+            self.words.push_back(format!(
+                "{stamps} of the {} ({first}, {:+.3} s from the one before) that it does not go on from; {count} passed over",
+                sensor.name(),
+                first.seconds_since(last)
+            ));
+        }
+        self.held.retain(|held| held.sensor != sensor);
+    }
+
+    /// Says once that a sensor's stamps stand still.
+    fn stands(&mut self, sensor: LiveSensor, raw: Stamp) {
+        let common = self.common(sensor, raw);
+        let clock = &mut self.clocks[sensor as usize];
+        clock.same = if clock.last == Some(common) { clock.same + 1 } else { 0 };
+        if clock.same >= SAME && !std::mem::replace(&mut clock.standing_said, true) {
+            self.words.push_back(format!(
+                "the {}'s stamps stand at {raw}: its driver does not stamp its messages, and nothing can be made of them",
+                sensor.name()
+            ));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::LiveSensor::{Camera, Imu};
+    use super::*;
+    use dpn_core::random::Stream;
+    use rand::Rng as _;
+
+    /// 200 Hz and 20 Hz for so many seconds, as they are recorded; the time that is true is the message.
+    fn streams(seconds: i64) -> Vec<(LiveSensor, i64, i64)> {
+        let mut all = Vec::new();
+        for i in 0..200 * seconds {
+            let t = 5_000_000 * i + 1_000_000_000_000;
+            all.push((Imu, t, t));
+            if i % 10 == 4 {
+                all.push((Camera, t - 3_000_000, t - 3_000_000));
+            }
+        }
+        all
+    }
+
+    /// What comes through, and what is said.
+    fn through(messages: &[(LiveSensor, i64, i64)]) -> (Vec<(LiveSensor, i64, i64)>, Vec<String>) {
+        let mut clocks = LiveClocks::default();
+        let mut out = Vec::new();
+        for &(sensor, raw, truth) in messages {
+            let ready = clocks.take(sensor, Stamp::from_ns(raw), truth);
+            out.extend(ready.into_iter().map(|(sensor, t, truth)| (sensor, t.ns(), truth)));
+        }
+        clocks.end();
+        (out, std::iter::from_fn(|| clocks.take_words()).collect())
+    }
+
+    const HOUR: i64 = 3_600_000_000_000;
+
+    #[test]
+    fn what_is_good_or_was_not_recorded_goes_through_as_it_came_without_a_word() {
+        let good = streams(6);
+        assert_eq!(through(&good), (good.clone(), vec![]));
+        let between = |t: i64, from: i64, to: i64| (from..to).contains(&(t / 1_000_000_000 - 1000));
+        for (name, lost) in [("imu", [true, false]), ("camera", [false, true]), ("both", [true, true])] {
+            let gap: Vec<_> = good
+                .iter()
+                .copied()
+                .filter(|(sensor, t, _)| !(lost[*sensor as usize] && between(*t, 1, 4)))
+                .collect();
+            assert_eq!(through(&gap), (gap.clone(), vec![]), "{name}");
+        }
+        // Samples that come in batches of half a second, images later than they.
+        let mut batches = good.clone();
+        batches.sort_by_key(|(sensor, t, _)| (t / 500_000_000, *sensor as usize));
+        assert_eq!(through(&batches), (batches.clone(), vec![]));
+    }
+
+    #[test]
+    fn one_wrong_stamp_is_passed_over_and_said() {
+        for sensor in LiveSensor::BOTH {
+            for by in [HOUR, -HOUR, 2_000_000_000] {
+                let mut bad = streams(4);
+                let at = bad.iter().position(|(s, t, _)| *s == sensor && *t > 1_002_000_000_000).unwrap();
+                bad[at].1 += by;
+                let (out, said) = through(&bad);
+                bad.remove(at);
+                assert_eq!(out, bad, "{sensor:?} {by}");
+                assert_eq!(said.len(), 1, "{said:?}");
+                assert!(said[0].starts_with(&format!("a stamp of the {} (", sensor.name())), "{said:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_clock_that_is_set_alone_is_set_back_and_both_that_are_set_are_left() {
+        let set = |which: &[LiveSensor], by: i64| {
+            let mut all = streams(6);
+            for (_, t, _) in all.iter_mut().filter(|(s, t, _)| which.contains(s) && *t > 1_003_000_000_000) {
+                *t += by;
+            }
+            all
+        };
+        for sensor in LiveSensor::BOTH {
+            for by in [HOUR, -HOUR, 3_000_000_000, -3_000_000_000] {
+                let (out, said) = through(&set(&[sensor], by));
+                assert_eq!(out.len(), streams(6).len(), "{sensor:?} {by}");
+                assert!(out.iter().all(|(_, t, truth)| t == truth), "{sensor:?} {by}: {said:?}");
+                let words = format!("the {}'s clock was set {:.3} s ", sensor.name(), by.abs() as f64 * 1e-9);
+                assert!(said.len() == 1 && said[0].starts_with(&words), "{said:?}");
+            }
+        }
+        for by in [HOUR, -HOUR] {
+            let both = set(&LiveSensor::BOTH, by);
+            assert_eq!(through(&both), (both.clone(), vec![]));
+        }
+        // Poses keep the IMU's own stamps.
+        let mut clocks = LiveClocks::default();
+        for (sensor, raw, truth) in set(&[Imu], HOUR) {
+            clocks.take(sensor, Stamp::from_ns(raw), truth);
+        }
+        let [before, after] = [1_002_000_000_000, 1_005_000_000_000].map(Stamp::from_ns);
+        assert_eq!(clocks.on_imu_clock(before), before);
+        assert_eq!(clocks.on_imu_clock(after), Stamp::from_ns(after.ns() + HOUR));
+    }
+
+    #[test]
+    fn stamps_that_stand_still_are_said_once() {
+        let zeros: Vec<_> = streams(2).into_iter().map(|(sensor, _, truth)| (sensor, 0, truth)).collect();
+        let (_, said) = through(&zeros);
+        assert_eq!(said.iter().filter(|words| words.contains("'s stamps stand at ")).count(), 2, "{said:?}");
+        assert_eq!(said.len(), 2);
+    }
+
+    /// Losses, doubles, delays and jumps by chance: whatever comes through was put in, once, and after the last fault all of it does.
+    #[test]
+    fn whatever_comes_nothing_is_invented_and_good_streams_come_through_again() {
+        for plan in 0..300 {
+            let mut rng = Stream::new(plan).named("clock faults").rng();
+            let mut all = streams(5);
+            for (_, t, truth) in &mut all {
+                if *truth < 1_003_000_000_000 && rng.random_bool(0.03) {
+                    *t += rng.random_range(-HOUR..HOUR);
+                }
+            }
+            all.retain(|(_, _, truth)| *truth > 1_003_000_000_000 || rng.random_bool(0.98));
+            let (out, _) = through(&all);
+            let last = |messages: &[(LiveSensor, i64, i64)]| {
+                messages.iter().filter(|(_, _, truth)| *truth > 1_003_500_000_000).count()
+            };
+            assert_eq!(last(&out), last(&all), "plan {plan}");
+            let mut seen = std::collections::HashSet::new();
+            assert!(
+                out.iter().all(|(sensor, _, truth)| seen.insert((*sensor as usize, *truth))),
+                "plan {plan}"
+            );
+        }
+    }
+}
