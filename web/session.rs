@@ -108,7 +108,8 @@ impl Session {
     }
 
     fn configuration(&self, name: &str, bytes: &[u8]) -> Result<NoiseCalibration, Failure> {
-        let given = Given { rate: Some(self.recording.rate()), keep_zeros: true, ..Given::default() };
+        let rate = Some(self.recording.rate());
+        let given = Given { rate, rate_of_log: true, keep_zeros: true, ..Given::default() };
         Ok(parse(bytes, Path::new(name), None, &given)?)
     }
 

@@ -227,12 +227,15 @@ fn columns(
             Said { time, fine, gyro, accel, passed },
         ));
     }
+    // A row's number may go before the stamp.
+    let first = usize::from(only.is_none() && rows.width() > 7 && is_numbered(rows.clone()));
     let value = match only {
         _ if rows.first_is_ros2_echo() => ImuColumns::ROS2_ECHO,
         Some(_) if counted && rows.width() == 3 => ImuColumns::new(0, [0, 1, 2], [0, 1, 2]),
         Some(_) if rows.width() >= 4 => ImuColumns::new(0, [1, 2, 3], [1, 2, 3]),
         None if counted && rows.width() == 6 => ImuColumns::new(0, [0, 1, 2], [3, 4, 5]),
-        None if rows.width() >= SEVERAL => return Err(several(rows)),
+        None if rows.width() >= SEVERAL + first => return Err(several(rows, first)),
+        None if first == 1 => ImuColumns::new(1, [2, 3, 4], [5, 6, 7]),
         None if rows.width() >= 7 => ImuColumns::ASL,
         _ => {
             return Err(rows.unknown_layout("at least 7 (stamp, gyroscope x y z, accelerometer x y z)"));
@@ -242,15 +245,33 @@ fn columns(
     Ok((Settled { value, origin }, Said::default()))
 }
 
+/// Whether the first column counts the rows of a table without a header, and the second increases as stamps do.
+fn is_numbered(mut rows: Rows<'_>) -> bool {
+    const ROWS: usize = 10;
+    let mut before: Option<[f64; 2]> = None;
+    for _ in 0..ROWS {
+        let Ok(true) = rows.advance() else { break };
+        let Ok([number, stamp]) = rows.numbers([0, 1], [SLOTS[0]; 2]) else { return false };
+        let first = number == 0.0 || number == 1.0;
+        if !before.map_or(first, |[last, t]| number == last + 1.0 && stamp > t) {
+            return false;
+        }
+        before = Some([number, stamp]);
+    }
+    before.is_some_and(|[last, _]| last > 1.0)
+}
+
 /// The error for a table without a header in which several triples of columns could be a sensor's: which they are, and how long.
-fn several(first: &Rows<'_>) -> IoError {
+fn several(table: &Rows<'_>, stamp: usize) -> IoError {
     const ROWS: usize = 1000;
-    let mut rows = first.clone();
-    let triples = (rows.width() - 1) / 3;
+    let mut rows = table.clone();
+    let triples = (rows.width() - 1 - stamp) / 3;
     let mut lengths = vec![Vec::new(); triples];
     let names = ["a number"; 3];
     while lengths[0].len() < ROWS && matches!(rows.advance(), Ok(true)) {
-        for (triple, lengths) in lengths.iter_mut().enumerate().map(|(k, lengths)| (1 + 3 * k, lengths)) {
+        for (triple, lengths) in
+            lengths.iter_mut().enumerate().map(|(k, lengths)| (stamp + 1 + 3 * k, lengths))
+        {
             let numbers = rows.numbers([triple, triple + 1, triple + 2], names);
             lengths.extend(numbers.map(|v| v.into_iter().map(|v| v * v).sum::<f64>().sqrt()));
         }
@@ -258,17 +279,17 @@ fn several(first: &Rows<'_>) -> IoError {
     let medians: Vec<Option<f64>> = lengths.into_iter().map(median_of).collect();
     let shown = |(k, median): (usize, &Option<f64>)| {
         let length = median.map_or("no numbers".to_owned(), |median| format!("{median:.4}"));
-        format!("{} to {}: {length}", 3 * k + 2, 3 * k + 4)
+        format!("{} to {}: {length}", stamp + 3 * k + 2, stamp + 3 * k + 4)
     };
     let found = medians.iter().enumerate().map(shown).collect::<Vec<_>>().join(", ");
     let gravity = medians.iter().position(|median| median.is_some_and(guess::is_gravity));
     let choice = |gyro: usize| {
-        let of = |k: usize| format!("{},{},{}", 3 * k + 2, 3 * k + 3, 3 * k + 4);
-        format!("--columns 1,{},{}", of(gyro), gravity.map_or_else(|| "AX,AY,AZ".to_owned(), of))
+        let of = |k: usize| [2, 3, 4].map(|at| (stamp + 3 * k + at).to_string()).join(",");
+        format!("--columns {},{},{}", stamp + 1, of(gyro), gravity.map_or_else(|| "AX,AY,AZ".to_owned(), of))
     };
     let others = (0..triples.min(4)).filter(|k| Some(*k) != gravity && medians[*k].is_some());
     let choices = others.map(choice).collect::<Vec<_>>().join(" or ");
-    first.below(RowFault::SeveralTriples { columns: rows.width(), found, choices })
+    table.below(RowFault::SeveralTriples { columns: rows.width(), found, choices })
 }
 
 /// Stamps and intervals of the first thousand rows, as numbers.

@@ -4,7 +4,7 @@
 pub(super) type Word = (&'static str, u8, &'static str);
 
 /// Of stamps.
-pub(super) const TIME: [Word; 39] = [
+pub(super) const TIME: [Word; 42] = [
     ("headerstamp", 6, ""),
     ("headerstampsec", 6, "s"),
     ("headerstampsecs", 6, "s"),
@@ -21,6 +21,9 @@ pub(super) const TIME: [Word; 39] = [
     ("unixtime", 3, ""),
     ("unixtimestamp", 3, ""),
     ("utime", 4, "us"),
+    ("ms", 2, "ms"),
+    ("us", 2, "us"),
+    ("ns", 2, "ns"),
     ("utctimemillis", 3, "ms"),
     // A sensor's own before the rest's.
     ("elapsedrealtimenanos", 6, "ns"),

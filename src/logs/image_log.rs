@@ -11,7 +11,7 @@ use crate::messages::Messages;
 use crate::read::bag_log;
 use crate::sensors::{SensorEvent, SensorStream};
 use crate::topics::Topics;
-use crate::{ImageLogOptions, ImageSpan, Kind, Log, LogError, bag};
+use crate::{ImageLogOptions, ImageSpan, Kind, Log, LogError, bag, read_log};
 use dpn_core::{GrayImage, Stamp};
 use dpn_io::asl::{Sequence, discover};
 use dpn_io::{ImageFolder, IoError, Prefetch, TimesFolder};
@@ -121,7 +121,7 @@ impl ImageLog {
             if !options.skip_missing {
                 folder.agree()?;
             }
-            return ImuFile::of(&self.path)?.read(&options.imu);
+            return read_log(ImuFile::of(&self.path)?.path(), &options.imu);
         }
         let cameras = Cameras::new(&self.path, options.image_topic.clone(), size);
         let mut survey = Survey { topics: Topics::new(&options.imu), cameras };

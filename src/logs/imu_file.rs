@@ -1,7 +1,7 @@
 //! The IMU's file in a folder of images: by its usual names, the only one with JSON, or a phone's two.
 
+use crate::LogError;
 use crate::two_files::TwoFiles;
-use crate::{Log, LogError, LogOptions, read_log};
 use dpn_io::IoError;
 use std::path::{Path, PathBuf};
 
@@ -44,9 +44,10 @@ impl ImuFile {
         Err(LogError::NoImuFile { dir: dir.to_path_buf() })
     }
 
-    pub(crate) fn read(&self, options: &LogOptions) -> Result<Log, LogError> {
+    /// What is read: the file, or the folder of two.
+    pub(crate) fn path(&self) -> &Path {
         match self {
-            Self::One(path) | Self::Two(path) => read_log(path, options),
+            Self::One(path) | Self::Two(path) => path,
         }
     }
 

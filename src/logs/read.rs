@@ -6,7 +6,7 @@ use crate::long::{Long, gyro_and_accel};
 use crate::records::Records;
 use crate::topics::{Topics, shortened};
 use crate::two_files::{Source, TwoFiles};
-use crate::{Kind, Log, LogError, LogOptions, LogSpan, Scales, ardupilot, bag, json, rosbag2, ulog};
+use crate::{Kind, Log, LogError, LogOptions, Scales, ardupilot, bag, json, rosbag2, ulog};
 use dpn_core::{ImuSample, Sensor};
 use dpn_io::asl::Sequence;
 use dpn_io::{
@@ -40,14 +40,17 @@ fn read_whole(path: &Path, options: &LogOptions) -> Result<Log, LogError> {
         let file = File::open(path).map_err(reading)?;
         #[cfg(feature = "zip")]
         if is_archive(&file).map_err(reading)? {
-            return crate::zipped::read(file, path, options, &|source, path| stream(source, path, options));
+            let read_stream = |source: &mut dyn Read, path: &Path| stream(source, path, options);
+            return crate::zipped::read(file, path, options, &read_stream, &|tables| {
+                two_files(tables, path, options)
+            });
         }
         return stream(file, path, options);
     }
     let kind = match Kind::of(path) {
         // A folder of images with the IMU's file beside them.
         Err(LogError::NoLog { below, .. }) if below.is_empty() && ImuFile::of(path).is_ok() => {
-            return ImuFile::of(path)?.read(&LogOptions { span: LogSpan::default(), ..options.clone() });
+            return read_whole(ImuFile::of(path)?.path(), options);
         }
         kind => kind?,
     };
@@ -170,7 +173,7 @@ fn without_topic(path: &Path, kind: Kind, options: &LogOptions) -> Result<(), Lo
 }
 
 /// A folder with a file of each sensor.
-pub(crate) fn two_files(files: TwoFiles, dir: &Path, options: &LogOptions) -> Result<Log, LogError> {
+fn two_files(files: TwoFiles, dir: &Path, options: &LogOptions) -> Result<Log, LogError> {
     match files.pasted(dir, options)? {
         Some(rows) => text(rows.as_bytes(), dir, dir, Kind::TwoFiles, options),
         None => files.read(dir, options),
@@ -318,6 +321,9 @@ fn text(
                 "columns as `ros2 topic echo --csv` prints an IMU's message (--columns)".to_owned()
             }
             _ if options.csv.rate.is_some() => format!("columns as {order} (--columns)"),
+            ImuColumns { time: 1, .. } if columns.origin == Origin::Assumed => {
+                format!("columns as row number, stamp, {order} (--columns)")
+            }
             _ => format!("columns as stamp, {order} (--columns)"),
         },
     );

@@ -1,6 +1,5 @@
 //! A phone's log: a folder with a file for the gyroscope and one for the accelerometer (Sensor Logger, phyphox), joined; or one file with rows of each.
 
-use crate::detect::HEAD;
 use crate::join::join;
 use crate::long::gyro_and_accel;
 use crate::{Kind, Log, LogError, LogOptions, json};
@@ -50,7 +49,7 @@ impl Source {
     /// A JSON file's table of `sensor`; all else as it is.
     fn of_json(self, sensor: Sensor) -> Result<Self, LogError> {
         let mut head = Vec::new();
-        self.open()?.take(HEAD).read_to_end(&mut head).map_err(|e| IoError::reading(self.shown(), e))?;
+        self.open()?.take(16).read_to_end(&mut head).map_err(|e| IoError::reading(self.shown(), e))?;
         if !json::is(&head) {
             return Ok(self);
         }

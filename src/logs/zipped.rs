@@ -4,7 +4,6 @@
 //! the [`Budget`] of everything that is packed.
 
 use crate::budget::Budget;
-use crate::read::two_files;
 use crate::topics::shortened;
 use crate::two_files::{TwoFiles, is_table};
 use crate::{Log, LogError, LogOptions};
@@ -15,7 +14,7 @@ use std::path::{Path, PathBuf};
 use zip::ZipArchive;
 use zip::result::ZipError;
 
-/// Reads the log in the archive `file`, which lies at `path`; a single file in it by `read_stream`.
+/// Reads the log in the archive `file`, which lies at `path`; a single file in it by `read_stream`, a phone's by `read_tables`.
 ///
 /// # Errors
 /// An archive that is cut off, damaged, or encrypted; one that unpacks to too much; no log in it, or several.
@@ -24,6 +23,7 @@ pub(crate) fn read(
     path: &Path,
     options: &LogOptions,
     read_stream: &dyn Fn(&mut dyn Read, &Path) -> Result<Log, LogError>,
+    read_tables: &dyn Fn(TwoFiles) -> Result<Log, LogError>,
 ) -> Result<Log, LogError> {
     let reading = |e| IoError::reading(path, e);
     let damaged = |what: String| LogError::Damaged { path: path.to_owned(), what };
@@ -52,7 +52,7 @@ pub(crate) fn read(
         left = left.checked_sub(laid).ok_or_else(|| damaged(budget.exceeded()))?;
     }
     if let Some(tables) = TwoFiles::find(dir.path())? {
-        return two_files(tables.shown_in(path), path, options);
+        return read_tables(tables.shown_in(path));
     }
     match files.as_slice() {
         [(at, name)] => {

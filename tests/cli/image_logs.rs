@@ -180,6 +180,91 @@ fn a_bag_gives_its_folders_trajectory_and_a_pipe_its_first_pose_before_its_end()
     assert_eq!(said.matches("warning: the camera's extrinsics are swapped").count(), 1, "{said}");
 }
 
+/// Kalibr's `camchain.yaml` of a sequence's camera: all of it, or the extrinsics alone.
+fn camchain(sequence: &Sequence, with_lens: bool) -> String {
+    let camera = sequence.camera_config().unwrap().unwrap();
+    let matrix = camera.body_from_cam.inverse().to_homogeneous();
+    let rows: String =
+        matrix.row_iter().map(|r| format!("  - [{}, {}, {}, {}]\n", r[0], r[1], r[2], r[3])).collect();
+    let lens = format!(
+        "  camera_model: pinhole\n  intrinsics: {:?}\n  distortion_model: radtan\n  distortion_coeffs: {:?}\n  resolution: {:?}\n",
+        camera.intrinsics, camera.coefficients, camera.resolution
+    );
+    format!("cam0:\n{}  T_cam_imu:\n{rows}", if with_lens { lens.as_str() } else { "" })
+}
+
+#[test]
+fn folders_as_other_programs_have_them_run_with_the_calibration_that_lies_in_them() {
+    let tmp = tempfile::tempdir().unwrap();
+    let dir = rendered(tmp.path());
+    let sequence = Sequence::open(&dir).unwrap();
+    let frames = sequence.camera_frames().unwrap();
+    let put = |name: &str, text: &str| {
+        let path = tmp.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, text).unwrap();
+    };
+    let copy = |image: &Path, name: &str| {
+        put(name, "");
+        std::fs::copy(image, tmp.path().join(name)).unwrap();
+    };
+    let imu = sequence.imu().unwrap();
+    let rows = |between: &str, sign: f64| -> String {
+        let line = |s: &ImuSample| {
+            let numbers = s.gyro.into_iter().chain(s.accel.map(|v| sign * v)).map(|v| v.to_string());
+            [vec![s.t.ns().to_string()], numbers.collect()].concat().join(between) + "\n"
+        };
+        imu.samples().iter().map(line).collect()
+    };
+    let samples = |between: &str| rows(between, 1.0);
+    // Kalibr's bagcreater, and DM-VIO with the extrinsics apart from the lens.
+    put(
+        "kalibr/imu0.csv",
+        &format!("timestamp,omega_x,omega_y,omega_z,alpha_x,alpha_y,alpha_z\n{}", samples(",")),
+    );
+    put("kalibr/camchain.yaml", &camchain(&sequence, true));
+    put("kalibr/imu.yaml", "accelerometer_noise_density: 0.01\n");
+    put("dmvio/imu.txt", &samples(" "));
+    put("dmvio/camchain.yaml", &camchain(&sequence, false));
+    let camera = sequence.camera_config().unwrap().unwrap();
+    let numbers: Vec<String> =
+        camera.intrinsics.iter().chain(&camera.coefficients).map(f64::to_string).collect();
+    let [width, height] = camera.resolution;
+    put("dmvio/cam0/camera.txt", &format!("RadTan {}\n{width} {height}\ncrop\n640 480\n", numbers.join(" ")));
+    let mut times = String::new();
+    for (i, frame) in frames.iter().enumerate() {
+        let image = sequence.image_path(frame);
+        copy(&image, &format!("kalibr/cam0/{}.png", frame.t.ns()));
+        copy(&image, &format!("dmvio/cam0/images/{i:05}.png"));
+        times.push_str(&format!("{i:05} {}\n", frame.t.ns()));
+    }
+    put("dmvio/cam0/times.txt", &times);
+    let run = |name: &str, more: &[&str]| {
+        odometry(&tmp.path().join(name), &tmp.path().join("out"), &[&["--to", "2", "--json"], more].concat())
+    };
+    let runs = |done: &Done| done.json()["report"]["row"]["poses"].as_u64() > Some(5);
+    for name in ["kalibr", "dmvio", "dmvio/cam0"] {
+        let done = run(name, &[]).well();
+        assert!(done.stderr.contains("calibration: found in ") && runs(&done), "{done:?}");
+    }
+    let other = camchain(&sequence, true).replace("pinhole\n  intrinsics: [", "pinhole\n  intrinsics: [1");
+    // A calibration that is broken, and one given in its place.
+    let broken = dir.join("mav0/cam0/sensor.yaml");
+    copy(&broken, "given.yaml");
+    std::fs::write(&broken, "T_cam0_body: !!opencv-matrix\n   rows: 4 cols: 4 dt: d\n").unwrap();
+    assert!(run("live", &[]).stderr.contains("sensor.yaml:"));
+    let given = tmp.path().join("given.yaml");
+    let calib = ["--calib", given.to_str().unwrap()];
+    assert!(runs(&run("live", &calib).well()));
+    // Two that differ are asked about.
+    put("kalibr/other.yaml", &other);
+    let done = run("kalibr", &[]);
+    assert!(done.code == Some(2) && done.stderr.contains("several calibrations of the camera: "), "{done:?}");
+    // Units hold for a sequence too: an accelerometer as iPhones have it is turned round.
+    put("live/mav0/imu0/data.csv", &rows(",", -1.0));
+    assert!(runs(&run("live", &[&calib[..], &["--accel-scale", "-1"]].concat()).well()));
+}
+
 #[test]
 fn what_is_amiss_is_said_with_a_remedy() {
     let tmp = tempfile::tempdir().unwrap();

@@ -235,6 +235,15 @@ fn what_is_no_log_is_named_with_what_makes_one_of_it() {
         "{done:?}"
     );
     check(&log, &["--columns", "1,8,9,10,5,6,7"]).well();
+    // A row's number before the stamp is told.
+    let numbered: String =
+        text(&level(2000)).lines().skip(1).enumerate().map(|(i, line)| format!("{i},{line}\n")).collect();
+    let done = check(&write(dir.path(), "numbered.csv", &numbered), &[]).well();
+    assert!(
+        done.stdout.starts_with("2000 samples, 10.0 s, 200.00 Hz")
+            && done.stdout.contains("row number, stamp, gyroscope"),
+        "{done:?}"
+    );
 }
 
 #[test]

@@ -5,7 +5,7 @@ use super::error::{FormatError, Slip, at};
 use super::format::Format;
 use super::key_fault::KeyFault;
 use super::layout::{Key, Layout};
-use super::number::{number, short};
+use super::number::{AxesText, short};
 use super::step::{Remark, Step};
 use super::tree::{Block, Entry, Tree};
 use dpn_core::config::nearest;
@@ -21,27 +21,6 @@ pub(super) struct Line {
     pub values: Option<Axes<f64>>,
     /// Why the value is what it is, where that is worth a word.
     pub note: Option<String>,
-}
-
-/// Numbers of one figure as they stand in files.
-pub(super) trait AxesText {
-    /// Three numbers.
-    fn each_text(self) -> Vec<String>;
-    /// One number, or three in brackets.
-    fn text(self) -> String;
-}
-
-impl AxesText for Axes<f64> {
-    fn each_text(self) -> Vec<String> {
-        self.each().map(number).to_vec()
-    }
-
-    fn text(self) -> String {
-        match self {
-            Self::Same(value) => number(value),
-            Self::Each(_) => format!("[{}]", self.each_text().join(", ")),
-        }
-    }
 }
 
 /// Lines of YAML with their units.

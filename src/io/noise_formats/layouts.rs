@@ -10,8 +10,9 @@
 //! * Variances per sample, under the names of MathWorks' `factorIMUParameters` (which takes no deviations). Its page gives the unit of the bias noises,
 //!   `(rad/s)^2` and `(m/s^2)^2`, and no more; here they are the variances of the bias's increment from one sample to the next.
 
-use super::keyed::{AxesText, Line, yaml};
+use super::keyed::{Line, yaml};
 use super::layout::{Layout, Yaml, keys};
+use super::number::AxesText;
 use dpn_core::noise::Meaning;
 
 const YAML: Yaml = Yaml { head: "", indent: "", rate_first: false, rate_note: "" };

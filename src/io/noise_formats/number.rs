@@ -1,5 +1,7 @@
 //! Numbers as every reader of YAML and JSON takes them.
 
+use dpn_core::noise::Axes;
+
 /// `value` with up to eight significant digits.
 ///
 /// A small or large number is written with a point and a signed exponent (`3.0e-6`, not `3e-6`), because PyYAML, which Kalibr reads its
@@ -28,6 +30,27 @@ const OWN_TEXT: &str = "a number as Rust writes it is one that Rust reads";
 /// The same with four significant digits, for people.
 pub(super) fn short(value: f64) -> String {
     number(format!("{value:.3e}").parse().expect(OWN_TEXT))
+}
+
+/// Numbers of one figure as they stand in files.
+pub(super) trait AxesText {
+    /// Three numbers.
+    fn each_text(self) -> Vec<String>;
+    /// One number, or three in brackets.
+    fn text(self) -> String;
+}
+
+impl AxesText for Axes<f64> {
+    fn each_text(self) -> Vec<String> {
+        self.each().map(number).to_vec()
+    }
+
+    fn text(self) -> String {
+        match self {
+            Self::Same(value) => number(value),
+            Self::Each(_) => format!("[{}]", self.each_text().join(", ")),
+        }
+    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,6 @@
 //! What was done, said line by line.
 
-use super::keyed::AxesText;
-use super::number::short;
+use super::number::{AxesText, short};
 use dpn_core::SampleRate;
 use dpn_core::noise::{Axes, Figure, ImuFigures, Meaning};
 use serde::Serialize;

@@ -177,6 +177,8 @@ fn held(recording: &dyn Recorded, range: &Range<usize>, sensor: Sensor) -> io::R
     let repeated = fresh.iter().filter(|f| !**f).count() as f64;
     // A dead axis repeats always, and tells nothing.
     let least = same.into_iter().filter(|count| *count + 1 < range.len()).min().unwrap_or(0) as f64;
-    let is_held = repeated > HELD * range.len() as f64 && repeated > TOGETHER * least;
+    // Nor does a dead sensor.
+    let is_alive = fresh.iter().filter(|f| **f).count() > 1;
+    let is_held = is_alive && repeated > HELD * range.len() as f64 && repeated > TOGETHER * least;
     Ok(is_held.then_some(fresh))
 }
