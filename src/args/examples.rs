@@ -56,6 +56,7 @@ pub(super) const NOISE: &str = "Examples:
   dpn noise flight.bag --noise 'dualpronet(wide-s0)' --check vins.yaml --check-as vins
   dpn noise log.csv --paste vins,kalibr
   dpn noise --learned runs/run-flight1 runs/run-flight2 --paste vins
+  dpn noise flight.bag --against mocap.tum --paste all
   my-driver | dpn noise --follow --rate 200
   dpn noise convert imu.yaml --to vins --rate 200";
 

@@ -35,6 +35,10 @@ pub(crate) struct NoiseArgs {
     /// What these runs of one platform learned (`dpn run --noise self --out RUN`), together; no LOG then.
     #[arg(long, value_name = "RUN", num_args = 1.., conflicts_with_all = ["log", "follow", "into", "rerun", "check"])]
     pub(crate) learned: Vec<PathBuf>,
+    /// Hold the log against this trajectory of the same body: TUM, EuRoC's ground truth, or KITTI with stamps, in metres, of any frame, on the log's clock; noise, biases,
+    /// scale, misalignment and delay. A minute or two.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["follow", "into", "rerun", "check", "noise"])]
+    pub(crate) against: Option<PathBuf>,
     /// What is pasted.
     #[command(flatten)]
     pub(crate) paste: PasteArgs,

@@ -1,5 +1,6 @@
 //! One file a command: files and flags become library types, one library call, files again.
 
+mod against;
 mod allan;
 mod along;
 mod cache;

@@ -1,6 +1,6 @@
 //! `dpn noise`.
 
-use super::{convert, follow, into, learned, log, rerun, shipped};
+use super::{against, convert, follow, into, learned, log, rerun, shipped};
 use crate::args::{NoiseArgs, NoiseWhat, RowFormat};
 use crate::ui::{errln, out, outln, print_pictures};
 use anyhow::{Context, Result};
@@ -21,6 +21,9 @@ pub(crate) fn run(args: &NoiseArgs) -> Result<()> {
     }
     if !args.learned.is_empty() {
         return learned::together(&args.learned, &args.paste, &args.out, args.json);
+    }
+    if let (Some(trajectory), Some(log)) = (&args.against, &args.log) {
+        return against::run(args, log, trajectory);
     }
     let networks = networks(args.weights.as_deref())?;
     match &args.log {

@@ -1,8 +1,62 @@
 //! Trajectories in KITTI's format, which evo reads: the upper three rows of `world_from_body` as twelve numbers a line, no stamps. Two such files are
 //! compared line by line.
 
+use super::decimal::TimeUnit;
+use super::pose::rigid;
+use super::row_fault::RowFault;
+use super::rows::Rows;
 use super::{IoError, ResultPath, atomic_write};
+use dpn_core::trajectory::StampedPose;
 use nalgebra::Isometry3;
+use std::path::Path;
+
+/// Where the stamps of a file without any stand, beside it: a number of seconds a line.
+const TIMES: &str = "times.txt";
+/// What the columns may be.
+const COLUMNS: &str = "13 (t and three rows of four), or 12 with times.txt beside";
+
+/// Whether a first row is of this format: twelve or thirteen numbers between blanks.
+pub(crate) fn is_kitti(row: &[u8]) -> bool {
+    matches!(row.split(u8::is_ascii_whitespace).filter(|field| !field.is_empty()).count(), 12 | 13)
+}
+
+/// Reads poses whose stamps in seconds stand before each, or, a line each, in `times.txt` beside the file.
+///
+/// # Errors
+/// Files that cannot be read or hold no row; other columns; a matrix that is no pose; as many stamps as poses are needed, and they increase.
+pub(crate) fn parse(bytes: &[u8], path: &Path) -> Result<Vec<StampedPose>, IoError> {
+    let mut rows = Rows::open(bytes, path)?;
+    let stamped = match rows.width() {
+        13 => 1,
+        12 => 0,
+        _ => return Err(rows.unknown_layout(COLUMNS)),
+    };
+    let times_path = path.with_file_name(TIMES);
+    let times_bytes = match stamped {
+        0 => std::fs::read(&times_path).map_err(|e| IoError::reading(&times_path, e))?,
+        _ => Vec::new(),
+    };
+    let mut times = (stamped == 0).then(|| Rows::open(&times_bytes, &times_path)).transpose()?;
+    let mut poses: Vec<StampedPose> = Vec::with_capacity(rows.rows_left());
+    while rows.advance()? {
+        let before = poses.last().map(|p| p.t);
+        let t = match &mut times {
+            None => rows.stamp_after(before, 0, TimeUnit::Seconds)?,
+            Some(times) => {
+                if !times.advance()? {
+                    return Err(rows.unknown_layout("as many lines in times.txt as poses"));
+                }
+                times.stamp_after(before, 0, TimeUnit::Seconds)?
+            }
+        };
+        let names: [String; 12] = std::array::from_fn(|i| format!("m{}{}", i / 4 + 1, i % 4 + 1));
+        let columns: [usize; 12] = std::array::from_fn(|i| i + stamped);
+        let numbers = rows.numbers(columns, names.each_ref().map(String::as_str))?;
+        let world_from_body = rigid(&numbers).map_err(|problem| rows.fault(RowFault::BadPose { problem }))?;
+        poses.push(StampedPose { t, world_from_body });
+    }
+    Ok(poses)
+}
 
 /// Writes poses, all of them or nothing, with as many digits as bring the same bits back.
 ///
@@ -28,6 +82,26 @@ pub fn write_kitti<'a>(
 mod tests {
     use super::*;
     use nalgebra::Vector3;
+
+    #[test]
+    fn stamps_stand_before_the_poses_or_beside_the_file() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("t.kitti");
+        let row = "0 -1 0 1 1 0 0 2 0 0 1 3";
+        let read = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            crate::read_poses(&path)
+        };
+        let stamped = read(&format!("0.5 {row}\n0.75 {row}\n")).unwrap();
+        assert!(read(&format!("{row}\n{row}\n")).unwrap_err().to_string().contains("times.txt"));
+        std::fs::write(dir.path().join("times.txt"), "0.5\n0.75\n").unwrap();
+        assert_eq!(read(&format!("{row}\n{row}\n")).unwrap(), stamped);
+        assert_eq!(stamped[1].t.ns(), 750_000_000);
+        let turned = stamped[0].world_from_body * nalgebra::Point3::new(1.0, 0.0, 0.0);
+        assert!((turned - nalgebra::Point3::new(1.0, 3.0, 3.0)).norm() < 1e-12);
+        assert!(read(&format!("{row}\n{row}\n{row}\n")).is_err(), "more poses than stamps");
+        assert!(read("0 9 0 1 1 0 0 2 0 0 1 3\n").unwrap_err().to_string().contains("the pose's matrix"));
+    }
 
     #[test]
     fn a_line_is_the_matrix_row_by_row() {

@@ -1,12 +1,12 @@
-//! Somebody's true poses, in either of the two formats that people have them in.
+//! Somebody's true poses, in any of the formats that people have them in.
 
 use super::asl::ground_truth;
-use super::{IoError, tum};
+use super::{IoError, kitti, tum};
 use dpn_core::trajectory::StampedPose;
 use std::path::Path;
 
-/// Reads poses in increasing time: ASL's ground truth (commas, nanoseconds, quaternion `w x y z`) or a trajectory of TUM's (blanks, seconds, `x y z w`),
-/// told apart by their first row.
+/// Reads poses in increasing time: ASL's ground truth (commas, nanoseconds, quaternion `w x y z`), a trajectory of TUM's (blanks, seconds, `x y z w`) or KITTI's with
+/// stamps (before each pose, or in `times.txt` beside), told apart by their first row.
 ///
 /// # Errors
 /// As [`super::read_tum`], and the same of ASL's layout.
@@ -14,6 +14,9 @@ pub fn read_poses(path: &Path) -> Result<Vec<StampedPose>, IoError> {
     let bytes = std::fs::read(path).map_err(|e| IoError::reading(path, e))?;
     let mut rows = bytes.split(|byte| *byte == b'\n');
     let first = rows.find(|row| !row.trim_ascii().is_empty() && !row.trim_ascii_start().starts_with(b"#"));
+    if first.is_some_and(kitti::is_kitti) {
+        return kitti::parse(&bytes, path);
+    }
     if !first.is_some_and(|row| row.contains(&b',')) {
         return tum::parse(&bytes, path);
     }

@@ -47,6 +47,9 @@ pub enum RowFault {
     /// A quaternion too far from length 1 to be a rotation.
     #[error("the quaternion has norm {norm}; a rotation has norm 1")]
     BadQuaternion { norm: f64 },
+    /// Twelve numbers that are no pose.
+    #[error("the pose's matrix {problem}")]
+    BadPose { problem: String },
     /// A standard deviation below zero.
     #[error("{column} is {value}; a noise figure is not negative")]
     BadNoise { column: String, value: f64 },
@@ -106,6 +109,9 @@ impl RowFault {
             Self::NotUtf8 => "save the file as UTF-8 text; a binary or UTF-16 file cannot be read",
             Self::BadQuaternion { .. } => {
                 "look at the order: ASL has w x y z, TUM has x y z w after the position"
+            }
+            Self::BadPose { .. } => {
+                "KITTI has the upper three rows of world_from_body, twelve numbers, row by row"
             }
             Self::BadNoise { .. } => "standard deviations are zero or more; mend the line",
             Self::NotWhole { .. } | Self::TrackCount { .. } => {

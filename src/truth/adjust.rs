@@ -11,6 +11,8 @@ use dpn_vio::state::{POSITION, ROTATION};
 const FIRST_STEPS: usize = 3;
 /// The levels stand when none changes by more than this share,
 const LEVELS_STAND: f64 = 0.03;
+/// or, where they are what is asked for, by more than this,
+const AXES_STAND: f64 = 0.005;
 /// and the estimate when no key moves by more than this \[m, rad\].
 const POSE_STANDS: f64 = 1e-4;
 
@@ -71,8 +73,9 @@ pub(crate) fn adjust(
         // The factor is of the point before the step, which by now is the same but for rounding.
         let covariance = factor.covariance();
         let found = problem.found(&estimate, &levels, &covariance);
-        let (next, change) = levels.updated(&found, problem.ceilings, &mut pace);
-        let settled = change < LEVELS_STAND && moved < POSE_STANDS;
+        let (next, change) = levels.updated(&found, problem.ceilings, problem.by_axis, &mut pace);
+        let stand = if problem.by_axis.is_some() { AXES_STAND } else { LEVELS_STAND };
+        let settled = change < stand && moved < POSE_STANDS;
         if settled || iterations >= most_iterations {
             return Ok(Adjusted { estimate, levels, found, covariance, iterations, settled });
         }

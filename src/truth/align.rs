@@ -97,6 +97,46 @@ impl<'a> GyroSum<'a> {
     }
 }
 
+/// How much later the poses' clock is than the samples', whatever it is: the shift at which absolute rates agree best, to a tenth of a second, where one is clearly the best.
+pub(crate) fn clock_offset(samples: &[ImuSample], poses: &[StampedPose], longest_gap_s: f64) -> Option<f64> {
+    /// Of the grid's steps, one is compared.
+    const EVERY: usize = 10;
+    /// Steps that both must have in common.
+    const LEAST: usize = 100;
+    /// The best correlates by this, no other than its neighbours by as much less.
+    const CLEAR: (f64, f64) = (0.8, 0.15);
+    /// Neighbours of the best.
+    const NEAR: i64 = 20;
+    let (first, last) = (samples.first()?.t, samples.last()?.t);
+    let published = published_rates(poses, longest_gap_s);
+    let step_s = GRID_S * EVERY as f64;
+    let gyro = GyroSum::new(samples);
+    let ours: Vec<Option<f64>> = (0..(last.seconds_since(first) / step_s) as usize)
+        .map(|i| Some(gyro.mean(first.plus_seconds(step_s * i as f64))?.norm()))
+        .collect();
+    let theirs: Vec<Option<f64>> =
+        published.values.iter().step_by(EVERY).map(|rate| rate.map(|r| r.norm())).collect();
+    let at = |lag: i64| {
+        let (mut n, mut sums) = (0, [0.0; 5]);
+        let from = usize::try_from(-lag).unwrap_or(0);
+        let beside = theirs.get(usize::try_from(lag).unwrap_or(0)..).unwrap_or_default();
+        for (a, b) in ours.iter().skip(from).zip(beside).filter_map(|(a, b)| a.zip(*b)) {
+            n += 1;
+            for (sum, add) in sums.iter_mut().zip([a, b, a * a, a * b, b * b]) {
+                *sum += add;
+            }
+        }
+        let [a, b, aa, ab, bb] = sums.map(|sum| sum / n as f64);
+        (n >= LEAST).then(|| (ab - a * b) / ((aa - a * a) * (bb - b * b)).sqrt())
+    };
+    let lags = -(ours.len() as i64)..theirs.len() as i64;
+    let all: Vec<(i64, f64)> = lags.filter_map(|lag| Some((lag, at(lag)?))).collect();
+    let best = all.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let is_other = |(lag, value): &(i64, f64)| (lag - best.0).abs() > NEAR && *value > best.1 - CLEAR.1;
+    (best.1 > CLEAR.0 && !all.iter().any(is_other))
+        .then(|| published.first.seconds_since(first) + step_s * best.0 as f64)
+}
+
 /// Pairs of rates (gyro's, published) with the published clock taken to be late by `delay_s`.
 fn pairs(gyro: &GyroSum<'_>, published: &Rates, delay_s: f64) -> Vec<(Vector3<f64>, Vector3<f64>)> {
     let pair = |(i, rate): (usize, &Option<Vector3<f64>>)| {
@@ -212,7 +252,7 @@ fn up(
         }
     }
     if count == 0.0 {
-        return Err(TruthError::NoOverlap);
+        return Err(TruthError::no_overlap(poses, samples));
     }
     let mean: Vector3<f64> = sum / count;
     if (mean.norm() / GRAVITY - 1.0).abs() > 0.1 {

@@ -17,6 +17,11 @@ const ROOM: f64 = 2.0;
 
 /// The largest deviation a sample of white noise in one sensor; `None` for a recording shorter than a segment.
 pub(crate) fn ceiling(samples: &[ImuSample], rate: SampleRate, sensor: Sensor) -> Option<f64> {
+    Some(ROOM * median(&floors(samples, rate, sensor)?))
+}
+
+/// By axis, the deviation of a sample of white noise that is as loud as the signal where it is quietest.
+pub(crate) fn floors(samples: &[ImuSample], rate: SampleRate, sensor: Sensor) -> Option<[f64; 3]> {
     let welch = Welch::new(SEGMENT).ok()?;
     let floor = |axis: usize| {
         let signal: Vec<f64> = samples.iter().map(|s| s.of(sensor)[axis]).collect();
@@ -26,6 +31,5 @@ pub(crate) fn ceiling(samples: &[ImuSample], rate: SampleRate, sensor: Sensor) -
         bins.sort_by(f64::total_cmp);
         Some((bins[(QUIETEST * bins.len() as f64) as usize] * 0.5 * rate.hz()).sqrt())
     };
-    let floors: Vec<f64> = (0..3).map(floor).collect::<Option<_>>()?;
-    Some(ROOM * median(&floors))
+    Some([floor(0)?, floor(1)?, floor(2)?])
 }

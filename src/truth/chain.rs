@@ -160,6 +160,13 @@ impl<const N: usize, const C: usize> ChainFactor<N, C> {
         (steps, constants)
     }
 
+    /// Of the determinant of `H`.
+    pub(crate) fn log_determinant(&self) -> f64 {
+        let of = |pivots: &mut dyn Iterator<Item = f64>| pivots.map(f64::ln).sum::<f64>();
+        let keys = self.pivots.iter().map(|pivot| of(&mut pivot.l_dirty().diagonal().iter().copied()));
+        2.0 * (keys.sum::<f64>() + of(&mut self.corner.l_dirty().diagonal().iter().copied()))
+    }
+
     /// The inverse where the chain is not zero.
     pub(crate) fn covariance(&self) -> ChainCovariance<N, C> {
         let keys = self.pivots.len();
@@ -230,6 +237,13 @@ mod tests {
         dense.view_mut((3 * KEYS, 3 * KEYS), (2, 2)).copy_from(&chain.corner);
         gradient.rows_mut(3 * KEYS, 2).copy_from(&chain.gradient_of_constants);
         (chain, dense, gradient)
+    }
+
+    #[test]
+    fn the_determinant_is_that_of_the_dense_matrix() {
+        let (chain, dense, _) = case(7);
+        let (ours, theirs) = (chain.factor().unwrap().log_determinant(), dense.determinant().ln());
+        assert!((ours - theirs).abs() < 1e-9 * theirs.abs(), "{ours} {theirs}");
     }
 
     #[test]

@@ -55,7 +55,24 @@ pub struct Levels {
     pub slow_position_s: f64,
     /// Correlation time of the slow part of rotations \[s\].
     pub slow_rotation_s: f64,
+    /// Factors of the IMU's axes on its levels, accelerometer and gyro; 1 unless they are asked for one by one.
+    #[serde(skip)]
+    pub(crate) axes: [[f64; 3]; 2],
 }
+
+/// How the levels are asked for where the IMU's are what is wanted: axis by axis, with poses that may be exact.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ByAxis {
+    /// Whether the published errors have a slow part; without it all that it would explain is the IMU's.
+    pub(crate) slow: bool,
+}
+
+/// Least and most deviation of one sample's axis, accelerometer \[m/s^2\] and gyro \[rad/s\]: no sensor is beyond.
+pub(crate) const AXIS_BOUNDS: [(f64, f64); 2] = [(1e-3, 5.0), (3e-5, 0.5)];
+/// The poses' least, a simulation's.
+const EXACT: f64 = 1e-6;
+/// No slow part at all \[m, rad\].
+const NO_SLOW: f64 = 1e-6;
 
 /// Least and most of each level: a group that says nothing of its level must stop somewhere.
 /// That of the sensors is a good data sheet's, the most is what no working one has: a published trajectory that an IMU went into
@@ -91,7 +108,19 @@ impl Levels {
             slow_rotation_std: 2e-3,
             slow_position_s: 0.5,
             slow_rotation_s: 0.5,
+            axes: [[1.0; 3]; 2],
         }
+    }
+
+    /// The same with no slow part.
+    pub(crate) fn without_slow(self) -> Self {
+        Self { slow_position_std: NO_SLOW, slow_rotation_std: NO_SLOW, ..self }
+    }
+
+    /// Deviations of one sample by axis, accelerometer and gyro.
+    pub(crate) fn sample_stds(&self) -> [[f64; 3]; 2] {
+        let of = |level: f64, axes: [f64; 3]| axes.map(|axis| level * axis);
+        [of(self.accel_sample_std, self.axes[0]), of(self.gyro_sample_std, self.axes[1])]
     }
 
     fn of(&mut self, group: usize) -> &mut f64 {
@@ -108,11 +137,23 @@ impl Levels {
     }
 
     /// The levels by what was found with these, and the largest change of any, as a factor minus 1. `ceilings` are the most that
-    /// accelerometer and gyro may have; `pace` remembers how each level went before.
-    pub(crate) fn updated(&self, found: &Found, ceilings: [f64; 2], pace: &mut Pace) -> (Self, f64) {
+    /// accelerometer and gyro may have where they are one level each; `pace` remembers how each level went before.
+    pub(crate) fn updated(
+        &self,
+        found: &Found,
+        ceilings: [f64; 2],
+        by_axis: Option<ByAxis>,
+        pace: &mut Pace,
+    ) -> (Self, f64) {
         let mut next = *self;
         let mut change = 0.0_f64;
+        let slow = by_axis.is_none_or(|how| how.slow);
         for (group, (low, high)) in BOUNDS.into_iter().enumerate() {
+            if (by_axis.is_some() && group < 2) || (!slow && group >= Group::SlowPosition as usize) {
+                continue;
+            }
+            let low =
+                if by_axis.is_some() && group >= Group::Position as usize { low.min(EXACT) } else { low };
             let high = ceilings.get(group).map_or(high, |ceiling| high.min(ceiling.max(low)));
             let redundancy = found.rows[group] - found.leverage[group];
             // Fewer than a row's worth of redundancy says nothing.
@@ -128,6 +169,26 @@ impl Levels {
             if redundancy > MATTERS {
                 change = change.max((*level / before).max(before / *level) - 1.0);
             }
+        }
+        if by_axis.is_some() {
+            let levels = [self.accel_sample_std, self.gyro_sample_std];
+            for (place, axis) in (0..6).map(|i| (GROUPS + i, (i / 3, i % 3))) {
+                let [squares, redundancy, _] = found.axes[axis.0][axis.1];
+                if redundancy < 1.0 {
+                    continue;
+                }
+                let ((low, high), level) = (AXIS_BOUNDS[axis.0], levels[axis.0]);
+                let before = self.axes[axis.0][axis.1];
+                let factor = pace.hurried(place, (squares / redundancy).sqrt()).clamp(1.0 / FASTEST, FASTEST);
+                let after = (level * before * factor).clamp(low, high) / level;
+                next.axes[axis.0][axis.1] = after;
+                if redundancy > MATTERS {
+                    change = change.max((after / before).max(before / after) - 1.0);
+                }
+            }
+        }
+        if !slow {
+            return (next, change);
         }
         let [rates, own] = found.position_moments;
         if rates > 0.0 {
@@ -163,10 +224,10 @@ impl Levels {
 /// How fast each level goes: a fixed point that is neared from one side in ever the same small steps is stepped towards in larger ones.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Pace {
-    /// The last step of each level, as a logarithm.
-    last: [f64; GROUPS],
+    /// The last step of each level, as a logarithm; those of the IMU's axes behind the groups'.
+    last: [f64; GROUPS + 6],
     /// What it was multiplied with.
-    power: [f64; GROUPS],
+    power: [f64; GROUPS + 6],
 }
 
 impl Pace {
@@ -197,9 +258,18 @@ pub(crate) struct Found {
     pub(crate) rotation_moments: [f64; 2],
     /// Between two keys \[s\].
     pub(crate) interval_s: f64,
+    /// Squares, redundancy and rows of accelerometer and gyro by axis.
+    pub(crate) axes: [[[f64; 3]; 3]; 2],
 }
 
 impl Found {
+    /// A row of a sensor's axis.
+    pub(crate) fn add_axis(&mut self, sensor: usize, axis: usize, square: f64, leverage: f64) {
+        for (sum, add) in self.axes[sensor][axis].iter_mut().zip([square, 1.0 - leverage, 1.0]) {
+            *sum += add;
+        }
+    }
+
     /// One row.
     pub(crate) fn add(&mut self, group: Group, square: f64, leverage: f64) {
         self.rows[group as usize] += 1.0;

@@ -1,6 +1,8 @@
 //! Why a published ground truth cannot be reconciled.
 
 use dpn_core::config::ConfigFaults;
+use dpn_core::trajectory::StampedPose;
+use dpn_core::{ImuSample, Stamp};
 use thiserror::Error;
 
 /// Why there is no reconciled ground truth.
@@ -22,8 +24,16 @@ pub enum TruthError {
         least: usize,
     },
     /// No pose close to a sample.
-    #[error("no published pose lies within the samples' time; are both on one clock?")]
-    NoOverlap,
+    #[error(
+        "the poses go from {} to {} ns and the samples from {} to {}: no pose lies within their time; shift the poses' stamps to the samples' clock",
+        poses_ns[0], poses_ns[1], samples_ns[0], samples_ns[1]
+    )]
+    NoOverlap {
+        /// First and last stamp of the poses.
+        poses_ns: [i64; 2],
+        /// First and last stamp of the samples.
+        samples_ns: [i64; 2],
+    },
     /// The rates do not agree, whatever the delay.
     #[error(
         "the published poses do not turn as the gyro does: their rates correlate by {correlation:.2} at best, with clocks up to \
@@ -52,6 +62,14 @@ pub enum TruthError {
         /// What it reads.
         found: f64,
     },
+    /// A trajectory whose unit is none of length.
+    #[error(
+        "the trajectory is {scale:.2} times as large as the accelerometer says; one camera alone does not know its scale: multiply the positions by {:.3}", 1.0 / scale
+    )]
+    NotMetric {
+        /// Its scale.
+        scale: f64,
+    },
     /// The adjustment broke down.
     #[error("the adjustment is singular {}; published poses and samples have nothing in common there", at(*.seconds))]
     Singular {
@@ -73,6 +91,16 @@ pub enum TruthError {
         /// The least deviation of rotation.
         best_deg: f64,
     },
+}
+
+impl TruthError {
+    pub(crate) fn no_overlap(poses: &[StampedPose], samples: &[ImuSample]) -> Self {
+        let ends = |first: Option<Stamp>, last: Option<Stamp>| [first, last].map(|t| t.map_or(0, Stamp::ns));
+        Self::NoOverlap {
+            poses_ns: ends(poses.first().map(|p| p.t), poses.last().map(|p| p.t)),
+            samples_ns: ends(samples.first().map(|s| s.t), samples.last().map(|s| s.t)),
+        }
+    }
 }
 
 fn at(seconds: Option<f64>) -> String {

@@ -10,11 +10,14 @@
 //! 5. `reconcile`: constants that chance explains are held at zero. Poses that do not belong to the rest are left out (`screen`).
 //! 6. `dense`, `report`: states at every sample where their covariance is small enough, and what was found.
 //!
+//! [`against`] goes on from 5: the IMU's levels axis by axis, scale and misalignment (`intrinsics`), for a trajectory in metres (`metric`).
+//!
 //! Published poses keep their weight: above the corner of their errors the motion is the IMU's, below it theirs. No files here.
 
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 mod adjust;
+mod against;
 mod align;
 mod ceiling;
 mod chain;
@@ -23,7 +26,9 @@ mod components;
 mod config;
 mod dense;
 mod error;
+mod intrinsics;
 mod layout;
+mod metric;
 mod near;
 mod problem;
 mod published;
@@ -32,6 +37,7 @@ mod report;
 mod screen;
 mod start;
 
+pub use against::{Against, BiasAt, Found, Known, SensorAgainst, against};
 pub use clock::WindowDelay;
 pub use components::Levels;
 pub use config::TruthConfig;

@@ -1,7 +1,7 @@
 //! The adjustment: keys along the IMU's samples, tied to each other by pre-integrated samples and to the published poses beside them.
 
 use crate::chain::{Chain, ChainCovariance};
-use crate::components::{Found, Group, Levels};
+use crate::components::{ByAxis, Found, Group, Levels};
 use crate::layout::{
     BLUR, CONSTANTS, DELAY, ERROR_RATE, Frames, KEY_DIM, Key, LEVER, MOUNT, POSITION_ERROR, ROTATION_ERROR,
     TILT,
@@ -13,7 +13,7 @@ use dpn_core::noise::units::BadNoise;
 use dpn_core::noise::{AccelBiasWalkDensity, GyroBiasWalkDensity};
 use dpn_core::trajectory::StampedPose;
 use dpn_core::{ImuNoise, ImuSample};
-use dpn_vio::factors::inertial::{inertial_jacobians, sqrt_information};
+use dpn_vio::factors::inertial::{inertial_jacobians, inertial_residual, sqrt_information};
 use dpn_vio::preint::{ImuCov, NoisySample, Preintegration, PreintegrationConfig};
 use dpn_vio::state::{ACCEL_BIAS, GYRO_BIAS, POSITION, ROTATION, STATE_DIM, VELOCITY};
 use nalgebra::{SMatrix, SVector, Vector2, Vector3};
@@ -47,6 +47,8 @@ pub(crate) enum Role {
     KeptOut,
     /// It does not belong to the rest.
     LeftOut,
+    /// Another is nearer to the key, and one is enough.
+    Beside,
 }
 
 /// The poses beside a key, each kind as their mean.
@@ -68,7 +70,7 @@ pub(crate) struct Estimate {
 }
 
 /// What the estimate is held against.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Problem<'a> {
     /// The readings.
     pub(crate) samples: &'a [ImuSample],
@@ -80,15 +82,19 @@ pub(crate) struct Problem<'a> {
     pub(crate) interval_s: f64,
     /// The most white noise that the accelerometer's and the gyro's spectra allow.
     pub(crate) ceilings: [f64; 2],
+    /// Whether the IMU's levels are asked for axis by axis.
+    pub(crate) by_axis: Option<ByAxis>,
     /// Places of the groups of constants that are held where they are.
     pub(crate) held: Vec<usize>,
 }
 
 /// Two keys and the samples between: 15 inertial rows, 9 of the slow errors, white with variance 1.
-struct Link {
-    residual: SVector<f64, KEY_DIM>,
-    by_first: SMatrix<f64, KEY_DIM, KEY_DIM>,
-    by_second: SMatrix<f64, KEY_DIM, KEY_DIM>,
+pub(crate) struct Link {
+    pub(crate) residual: SVector<f64, KEY_DIM>,
+    pub(crate) by_first: SMatrix<f64, KEY_DIM, KEY_DIM>,
+    pub(crate) by_second: SMatrix<f64, KEY_DIM, KEY_DIM>,
+    /// Logarithm of the determinant of what made them white.
+    log_weight: f64,
 }
 
 /// The group of each row of a link.
@@ -103,8 +109,17 @@ fn link_group(row: usize) -> Group {
     }
 }
 
+/// Accelerometer 0 or gyro 1, and the axis, that a row is of: over an interval the body turns little.
+fn link_axis(row: usize) -> Option<(usize, usize)> {
+    match row {
+        0..3 | 6..9 => Some((0, row % 3)),
+        3..6 => Some((1, row % 3)),
+        _ => None,
+    }
+}
+
 /// Adds `a' b` where it belongs.
-fn add<const R: usize, const A: usize, const B: usize>(
+pub(crate) fn add<const R: usize, const A: usize, const B: usize>(
     into: &mut SMatrix<f64, A, B>,
     a: &SMatrix<f64, R, A>,
     b: &SMatrix<f64, R, B>,
@@ -120,14 +135,26 @@ impl Problem<'_> {
         k: usize,
         levels: &Levels,
     ) -> Result<Preintegration, BadNoise> {
+        self.between_of(estimate, k, levels, &|sample| *sample)
+    }
+
+    /// The same of samples that `of` makes of those read.
+    fn between_of(
+        &self,
+        estimate: &Estimate,
+        k: usize,
+        levels: &Levels,
+        of: &dyn Fn(&ImuSample) -> ImuSample,
+    ) -> Result<Preintegration, BadNoise> {
         let (first, second) = (&estimate.keys[k], &estimate.keys[k + 1]);
-        let noise = ImuNoise::from_values([levels.accel_sample_std; 3], [levels.gyro_sample_std; 3])?;
+        let [accel, gyro] = levels.sample_stds();
+        let noise = ImuNoise::from_values(accel, gyro)?;
         let config = PreintegrationConfig {
             imu_cov: ImuCov::Exact,
             accel_bias_walk: AccelBiasWalkDensity::new(levels.accel_bias_walk)?,
             gyro_bias_walk: GyroBiasWalkDensity::new(levels.gyro_bias_walk)?,
         };
-        let noisy = |sample: &ImuSample| NoisySample { sample: *sample, noise };
+        let noisy = |sample: &ImuSample| NoisySample { sample: of(sample), noise };
         let mut preint = Preintegration::new(config, first.state.bias, noisy(&self.samples[first.sample]));
         for sample in &self.samples[first.sample + 1..=second.sample] {
             preint.push(noisy(sample));
@@ -135,7 +162,33 @@ impl Problem<'_> {
         Ok(preint)
     }
 
-    fn link(&self, estimate: &Estimate, k: usize, levels: &Levels) -> Option<Link> {
+    /// What whitens the inertial rows of link k.
+    ///
+    /// # Panics
+    /// Where the link is broken.
+    pub(crate) fn root(
+        &self,
+        estimate: &Estimate,
+        k: usize,
+        levels: &Levels,
+    ) -> SMatrix<f64, STATE_DIM, STATE_DIM> {
+        let preint = self.between(estimate, k, levels).expect("levels are positive and finite");
+        sqrt_information(&preint).expect("a key is three samples or more from the next, and no level is zero")
+    }
+
+    /// The inertial rows of link k, not whitened, for samples that `of` makes of those read.
+    pub(crate) fn rows_with(
+        &self,
+        estimate: &Estimate,
+        k: usize,
+        levels: &Levels,
+        of: &dyn Fn(&ImuSample) -> ImuSample,
+    ) -> SVector<f64, STATE_DIM> {
+        let preint = self.between_of(estimate, k, levels, of).expect("levels are positive and finite");
+        inertial_residual(&preint, &estimate.keys[k].state, &estimate.keys[k + 1].state)
+    }
+
+    pub(crate) fn link(&self, estimate: &Estimate, k: usize, levels: &Levels) -> Option<Link> {
         if !self.linked[k] {
             return None;
         }
@@ -144,8 +197,13 @@ impl Problem<'_> {
         let root = sqrt_information(&preint)
             .expect("a key is three samples or more from the next, and no level is zero");
         let (residual, by_first, by_second) = inertial_jacobians(&preint, &first.state, &second.state);
-        let mut link =
-            Link { residual: SVector::zeros(), by_first: SMatrix::zeros(), by_second: SMatrix::zeros() };
+        let log_of = |diagonal: &[f64]| diagonal.iter().map(|v| v.ln()).sum::<f64>();
+        let mut link = Link {
+            residual: SVector::zeros(),
+            by_first: SMatrix::zeros(),
+            by_second: SMatrix::zeros(),
+            log_weight: log_of(root.diagonal().as_slice()),
+        };
         link.residual.fixed_rows_mut::<STATE_DIM>(0).copy_from(&(root * residual));
         link.by_first.fixed_view_mut::<STATE_DIM, STATE_DIM>(0, 0).copy_from(&(root * by_first));
         link.by_second.fixed_view_mut::<STATE_DIM, STATE_DIM>(0, 0).copy_from(&(root * by_second));
@@ -154,6 +212,7 @@ impl Problem<'_> {
         let by_first = root * course;
         let phi = levels.persistence(span);
         let weight = 1.0 / (levels.slow_rotation_std * (1.0 - phi * phi).sqrt());
+        link.log_weight += 3.0 * (log_of(root.diagonal().as_slice()) + weight.ln());
         for axis in 0..3 {
             let (error, rate, turn) = (POSITION_ERROR + axis, ERROR_RATE + axis, ROTATION_ERROR + axis);
             let e = Vector2::new(first.position_error[axis], first.error_rate[axis]);
@@ -232,6 +291,29 @@ impl Problem<'_> {
         (0..keys.len()).map(at).collect()
     }
 
+    /// Leaves the nearest of the used poses at every key. A mean of many is of the motion over an interval, whose random walk has 2/3 of the steps' variance: what is reconciled
+    /// gains by it, the IMU's levels would be too small.
+    pub(crate) fn leave_nearest(&mut self, estimate: &Estimate) {
+        let mut nearest: Vec<Option<(f64, usize)>> = vec![None; estimate.keys.len()];
+        for (i, published) in self.published.iter_mut().enumerate().filter(|(_, p)| p.role == Role::Used) {
+            published.role = Role::Beside;
+            let at = published.pose.t.plus_seconds(-estimate.frames.delay_s).seconds_since(self.samples[0].t);
+            let after = estimate
+                .keys
+                .partition_point(|key| self.samples[key.sample].t.seconds_since(self.samples[0].t) < at);
+            for k in [after.checked_sub(1), Some(after)].into_iter().flatten() {
+                let Some(key) = estimate.keys.get(k) else { continue };
+                let far = (self.samples[key.sample].t.seconds_since(self.samples[0].t) - at).abs();
+                if nearest[k].is_none_or(|(least, _)| far < least) {
+                    nearest[k] = Some((far, i));
+                }
+            }
+        }
+        for (_, i) in nearest.into_iter().flatten().filter(|(far, _)| *far <= 0.5 * self.interval_s) {
+            self.published[i].role = Role::Used;
+        }
+    }
+
     /// Every published pose with its key and term, those not used too.
     pub(crate) fn terms(&self, estimate: &Estimate) -> Vec<(usize, PoseTerm)> {
         let bends = self.bends(estimate);
@@ -266,7 +348,7 @@ impl Problem<'_> {
             let (mean, count) = match published.role {
                 Role::Used => (&mut out[*k].used, &mut counts[*k][0]),
                 Role::KeptOut => (&mut out[*k].kept_out, &mut counts[*k][1]),
-                Role::LeftOut => continue,
+                Role::LeftOut | Role::Beside => continue,
             };
             *count += 1.0;
             match mean {
@@ -339,6 +421,34 @@ impl Problem<'_> {
         chain
     }
 
+    /// Twice the negative logarithm of the restricted likelihood, but for what no level changes; none where it is singular.
+    pub(crate) fn unlikelihood(&self, estimate: &Estimate, levels: &Levels) -> Option<f64> {
+        let mut sum = self.linearise(estimate, levels).factor().ok()?.log_determinant();
+        let slow_rate = levels.slow_position_std / levels.slow_position_s;
+        let slow = [levels.slow_position_std, levels.slow_rotation_std, slow_rate];
+        for k in 0..estimate.keys.len() {
+            if let Some(link) =
+                (k + 1 < estimate.keys.len()).then(|| self.link(estimate, k, levels)).flatten()
+            {
+                sum += link.residual.norm_squared() - 2.0 * link.log_weight;
+            }
+            if k == 0 || !self.linked[k - 1] {
+                let key = &estimate.keys[k];
+                let first = [key.position_error, key.rotation_error, key.error_rate];
+                sum += slow
+                    .iter()
+                    .zip(first)
+                    .map(|(s, e)| e.norm_squared() / (s * s) + 6.0 * s.ln())
+                    .sum::<f64>();
+            }
+        }
+        for term in self.blocks(&self.terms(estimate)).iter().filter_map(|blocks| blocks.used.as_ref()) {
+            let levels_of = 6.0 * (levels.position_std.ln() + levels.rotation_std.ln());
+            sum += whitened(term, levels).residual.norm_squared() + levels_of;
+        }
+        Some(sum)
+    }
+
     /// What the residuals at `estimate` say of the levels.
     pub(crate) fn found(
         &self,
@@ -356,6 +466,9 @@ impl Problem<'_> {
                 let leverage = mixed.row(row).dot(&link.by_first.row(row))
                     + second_own.row(row).dot(&link.by_second.row(row));
                 found.add(link_group(row), link.residual[row].powi(2), leverage);
+                if let Some((sensor, axis)) = link_axis(row) {
+                    found.add_axis(sensor, axis, link.residual[row].powi(2), leverage);
+                }
             }
             let (first, second) = (&estimate.keys[k], &estimate.keys[k + 1]);
             let trace = |block: &SMatrix<f64, KEY_DIM, KEY_DIM>, at: usize| {

@@ -1,7 +1,7 @@
 //! From a recording and its published ground truth to a reconciled one.
 
 use crate::adjust::{Adjusted, adjust};
-use crate::align::guess;
+use crate::align::{Guess, guess};
 use crate::components::Levels;
 use crate::config::TruthConfig;
 use crate::dense::{dense, deviations};
@@ -11,16 +11,16 @@ use crate::problem::{Problem, Role};
 use crate::report::{Report, report};
 use crate::screen::{Segment, disagreeing, segments};
 use crate::start::start;
-use dpn_core::ImuRecording;
 use dpn_core::config::Validate;
 use dpn_core::trajectory::StampedPose;
 use dpn_core::truth::{GroundTruth, TrueState};
+use dpn_core::{ImuRecording, ImuSample, SampleRate};
 use nalgebra::SVector;
 
 /// The fewest poses and samples.
-const LEAST: usize = 100;
+pub(crate) const LEAST: usize = 100;
 /// How often a part that disagrees is taken out before the rest is taken as it is.
-const MOST_ROUNDS: usize = 6;
+pub(crate) const MOST_ROUNDS: usize = 6;
 
 /// A reconciled ground truth and what is to be known of it.
 #[derive(Debug, Clone)]
@@ -29,6 +29,14 @@ pub struct Reconciled {
     pub truth: GroundTruth,
     /// What was found, and how far to trust it where.
     pub report: Report,
+}
+
+/// An adjustment of samples and poses that fit together, and what was left out for it.
+pub(crate) struct Settled<'a> {
+    pub(crate) problem: Problem<'a>,
+    pub(crate) adjusted: Adjusted,
+    pub(crate) guessed: Guess,
+    pub(crate) left_out: Vec<Segment>,
 }
 
 /// Reconciles `published` with `recording`.
@@ -40,25 +48,46 @@ pub fn reconcile(
     published: &GroundTruth,
     config: &TruthConfig,
 ) -> Result<Reconciled, TruthError> {
+    let pose = |s: &TrueState| StampedPose { t: s.t, world_from_body: s.world_from_body };
+    let poses: Vec<StampedPose> = published.states().iter().map(pose).collect();
+    let Settled { problem, adjusted, guessed, left_out } =
+        settle(recording.samples(), recording.rate(), &poses, config, MOST_ROUNDS)?;
+    let deviations = deviations(&adjusted.covariance);
+    let good = |k: &usize| {
+        let (position, rotation) = deviations[*k];
+        position <= config.position_limit_m && rotation.to_degrees() <= config.rotation_limit_deg
+    };
+    let states: Vec<TrueState> =
+        dense(&problem, &adjusted.estimate).into_iter().filter(|(k, _)| good(k)).map(|(_, s)| s).collect();
+    let report = report(&problem, &adjusted, &guessed, &deviations, &left_out, config);
+    let truth = GroundTruth::new(states).map_err(|_| nothing_trusted(&deviations, config))?;
+    Ok(Reconciled { truth, report })
+}
+
+/// Adjusts samples of `rate` and poses until both and the levels stand, without what does not belong to the rest, of which it is rid in `most_rounds` at most.
+///
+/// # Errors
+/// As [`reconcile`], but for trust.
+pub(crate) fn settle<'a>(
+    samples: &'a [ImuSample],
+    rate: SampleRate,
+    poses: &[StampedPose],
+    config: &TruthConfig,
+    most_rounds: usize,
+) -> Result<Settled<'a>, TruthError> {
     config.validate()?;
-    let poses: Vec<StampedPose> = published
-        .states()
-        .iter()
-        .map(|s| StampedPose { t: s.t, world_from_body: s.world_from_body })
-        .collect();
     let too_short = |poses: usize, samples: usize| TruthError::TooShort { poses, samples, least: LEAST };
-    if poses.len() < LEAST || recording.len() < LEAST {
-        return Err(too_short(poses.len(), recording.len()));
+    if poses.len() < LEAST || samples.len() < LEAST {
+        return Err(too_short(poses.len(), samples.len()));
     }
-    let guessed = guess(recording.samples(), &poses, config)?;
+    let guessed = guess(samples, poses, config)?;
     let delay = guessed.frames.delay_s;
     let (first, last) = (poses[0].t.plus_seconds(-delay), poses[poses.len() - 1].t.plus_seconds(-delay));
-    let samples = recording.samples();
     let from = samples.partition_point(|s| s.t < first);
     let to = samples.partition_point(|s| s.t <= last);
-    let samples = &samples[from.min(to)..to];
+    let (all, samples) = (samples, &samples[from.min(to)..to]);
     let (Some(begin), Some(end)) = (samples.first(), samples.last()) else {
-        return Err(TruthError::NoOverlap);
+        return Err(TruthError::no_overlap(poses, all));
     };
     let inside: Vec<StampedPose> = poses
         .iter()
@@ -68,7 +97,7 @@ pub fn reconcile(
     if inside.len() < LEAST || samples.len() < LEAST {
         return Err(too_short(inside.len(), samples.len()));
     }
-    let (mut problem, mut estimate) = start(samples, &inside, recording.rate(), guessed.frames, config);
+    let (mut problem, mut estimate) = start(samples, &inside, rate, guessed.frames, config);
 
     let mut segments = segments(&inside, config);
     let mut left_out: Vec<Segment> = Vec::new();
@@ -80,7 +109,7 @@ pub fn reconcile(
             adjusted = adjust(&problem, adjusted.estimate, adjusted.levels, config.most_iterations)?;
         }
         let bad = disagreeing(&problem, &adjusted, &mut segments);
-        if bad.is_empty() || left_out.len() >= MOST_ROUNDS {
+        if bad.is_empty() || left_out.len() >= most_rounds {
             break adjusted;
         }
         for segment in bad {
@@ -89,16 +118,7 @@ pub fn reconcile(
         }
         estimate.frames = guessed.frames;
     };
-    let deviations = deviations(&adjusted.covariance);
-    let good = |k: &usize| {
-        let (position, rotation) = deviations[*k];
-        position <= config.position_limit_m && rotation.to_degrees() <= config.rotation_limit_deg
-    };
-    let states: Vec<TrueState> =
-        dense(&problem, &adjusted.estimate).into_iter().filter(|(k, _)| good(k)).map(|(_, s)| s).collect();
-    let report = report(&problem, &adjusted, &guessed, &deviations, &left_out, config);
-    let truth = GroundTruth::new(states).map_err(|_| nothing_trusted(&deviations, config))?;
-    Ok(Reconciled { truth, report })
+    Ok(Settled { problem, adjusted, guessed, left_out })
 }
 
 /// Holds the groups of constants that cannot be told from the neutral ones there: a lever of chance would move every pose.

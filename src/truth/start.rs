@@ -46,6 +46,7 @@ pub(crate) fn start<'a>(
         interval_s: every as f64 * period_s,
         ceilings: [Sensor::Accel, Sensor::Gyro]
             .map(|sensor| ceiling(samples, rate, sensor).unwrap_or(f64::INFINITY)),
+        by_axis: None,
         held: Vec::new(),
     };
     let mut estimate = Estimate { keys: Vec::with_capacity(count), frames };

@@ -22,6 +22,7 @@ mod live_faults;
 mod locks;
 mod logs;
 mod noise;
+mod noise_against;
 mod noise_log;
 mod odometry;
 mod paper;

@@ -58,11 +58,7 @@ fn parts(preint: &Preintegration, i: &NavState, j: &NavState) -> Parts {
 /// How far two states are from what the samples between them say, in the order of [`crate::state`].
 ///
 /// Not whitened; its covariance is [`Preintegration::covariance`].
-pub(crate) fn inertial_residual(
-    preint: &Preintegration,
-    i: &NavState,
-    j: &NavState,
-) -> SVector<f64, STATE_DIM> {
+pub fn inertial_residual(preint: &Preintegration, i: &NavState, j: &NavState) -> SVector<f64, STATE_DIM> {
     parts(preint, i, j).residual
 }
 

@@ -1,0 +1,62 @@
+//! `dpn noise LOG --against FILE`: the page, its files, and trajectories that do not belong to the log.
+
+use crate::run::{Done, dpn, end, files};
+use std::fmt::Write;
+
+#[test]
+fn a_trajectory_tells_the_noise_and_one_that_does_not_fit_is_named() {
+    let tmp = tempfile::tempdir().unwrap();
+    let dir = tmp.path();
+    let call = |line: &str| end(dpn().current_dir(dir).args(line.split(' ')));
+    call("simulate flight f07-room-medium --out flights").well();
+    // Fifteen seconds of it.
+    let part = |name: &str| {
+        let text = std::fs::read_to_string(dir.join("flights/f07-room-medium/mav0").join(name)).unwrap();
+        text.lines().enumerate().filter(|(i, _)| *i == 0 || (2000..5000).contains(i)).fold(
+            String::new(),
+            |mut text, (_, line)| {
+                let _ = writeln!(text, "{line}");
+                text
+            },
+        )
+    };
+    std::fs::write(dir.join("log.csv"), part("imu0/data.csv")).unwrap();
+    let truth = part("state_groundtruth_estimate0/data.csv");
+    std::fs::write(dir.join("truth.csv"), &truth).unwrap();
+    let against = |more: &str| -> Done { call(&format!("noise log.csv --out out --against {more}")) };
+    let done = against("truth.csv --paste kalibr").well();
+    assert!(done.stdout.lines().count() <= 30, "{}", done.stdout);
+    for words in
+        ["the trajectory's stamps are late by ", "scale off by ", "against a trajectory", "--- kalibr ---"]
+    {
+        assert!(done.stdout.contains(words), "{words}: {}", done.stdout);
+    }
+    let names: Vec<String> = files(&dir.join("out")).into_keys().collect();
+    assert_eq!(names, ["against.json", "biases.csv"]);
+
+    // Half its size, in TUM's columns.
+    let half = truth.lines().skip(1).fold(String::new(), |mut text, line| {
+        let v: Vec<f64> = line.split(',').map(|v| v.parse().unwrap()).collect();
+        let _ = writeln!(
+            text,
+            "{:.9} {} {} {} {} {} {} {}",
+            1e-9 * v[0],
+            0.5 * v[1],
+            0.5 * v[2],
+            0.5 * v[3],
+            v[5],
+            v[6],
+            v[7],
+            v[4]
+        );
+        text
+    });
+    std::fs::write(dir.join("half.tum"), half).unwrap();
+    let done = against("half.tum");
+    assert_eq!(done.code, Some(2), "{done:?}");
+    assert!(
+        done.stderr.contains("log.csv against half.tum")
+            && done.stderr.contains("multiply the positions by "),
+        "{done:?}"
+    );
+}
