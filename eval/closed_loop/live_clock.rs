@@ -110,21 +110,31 @@ impl<E> LiveClocks<E> {
             return self.goes_on(sensor, t, message);
         }
         let last = self.held.iter().rfind(|held| held.sensor == sensor).map(|held| held.raw);
-        if last.is_some_and(|last| raw.seconds_since(last).abs() > OFF_S) {
+        let agree = last.map(|last| raw.seconds_since(last).abs() <= OFF_S);
+        if agree == Some(false) {
             // Neither here nor there: two that are wrong, each in its own way.
             self.drop_held(sensor);
         }
         self.held.push(Held { sensor, raw, message });
         self.clocks[sensor as usize].held += 1;
-        if self.both_jumped() || self.waits_alone(sensor) {
-            return self.as_they_are();
+        if self.clocks[sensor as usize].last.is_none() {
+            // The first stamp may be the wrong one: two that agree begin.
+            return if agree == Some(true) { self.release(Some(sensor)) } else { Vec::new() };
+        }
+        if self.both_jumped() {
+            self.keep_on(&LiveSensor::BOTH);
+            return self.release(None);
+        }
+        if self.waits_alone(sensor) {
+            self.keep_on(&[sensor]);
+            return self.release(Some(sensor));
         }
         Vec::new()
     }
 
     /// What is still held back when nothing more comes.
     pub fn end(&mut self) -> Vec<(LiveSensor, Stamp, E)> {
-        self.as_they_are()
+        self.release(None)
     }
 
     /// What is to be said, once.
@@ -160,8 +170,8 @@ impl<E> LiveClocks<E> {
 
     fn follows(&self, sensor: LiveSensor, t: Stamp) -> bool {
         let clock = &self.clocks[sensor as usize];
-        let near = clock.last.is_none_or(|last| t.seconds_since(last).abs() <= OFF_S);
-        near || self.off_s(sensor, t).is_none_or(|off| off.abs() <= OFF_S)
+        let near = clock.last.is_some_and(|last| t.seconds_since(last).abs() <= OFF_S);
+        near || self.off_s(sensor, t).is_some_and(|off| off.abs() <= OFF_S)
     }
 
     /// Lets a message through, and what it tells of those that are held back.
@@ -170,27 +180,33 @@ impl<E> LiveClocks<E> {
         let mut ready = vec![(sensor, t, message)];
         self.passed(sensor, t);
         let other = sensor.other();
-        let Some(first) = self.held.first().map(|held| held.raw) else { return ready };
+        let Some(first) = self.held.iter().find(|held| held.sensor == other).map(|held| held.raw) else {
+            return ready;
+        };
         let clock = &mut self.clocks[other as usize];
+        if clock.last.is_none() {
+            return ready;
+        }
         clock.since += 1;
         let t = self.common(other, first);
         if self.follows(other, t) {
             // The other one has come so far: there was nothing wrong.
-            ready.extend(self.as_they_are());
+            ready.extend(self.release(Some(other)));
             return ready;
         }
         let clock = &self.clocks[other as usize];
         if clock.held < ENOUGH[0] || clock.since < ENOUGH[1] {
             return ready;
         }
-        let step = (clock.step_s * 1e9).round() as i64;
-        let last = clock.last.expect("a message is held back for not following on one");
-        let shift = first.ns().saturating_sub(last.ns()).saturating_sub(step);
-        let by_s = shift.saturating_sub(clock.shift_ns) as f64 * 1e-9;
-        self.clocks[other as usize].shift_ns = shift;
-        if other == LiveSensor::Imu {
-            self.set.push((Stamp::from_ns(last.ns() + 1), shift));
+        if clock.other.is_none() {
+            // Nobody knows how long its jump took.
+            self.keep_on(&[other]);
+            ready.extend(self.release(Some(other)));
+            return ready;
         }
+        let by_ns = self.jump_ns(other, first);
+        self.shift(other, by_ns);
+        let by_s = by_ns as f64 * 1e-9;
         let way = if by_s > 0.0 { "ahead" } else { "back" };
         self.words.push_back(format!(
             "the {}'s clock was set {:.3} s {way} at {first}, and the {}'s was not: that is taken off from here on",
@@ -198,8 +214,39 @@ impl<E> LiveClocks<E> {
             by_s.abs(),
             sensor.name()
         ));
-        ready.extend(self.as_they_are());
+        ready.extend(self.release(Some(other)));
         ready
+    }
+
+    /// How far `first` is from where its sensor's next message would have been \[ns\].
+    fn jump_ns(&self, sensor: LiveSensor, first: Stamp) -> i64 {
+        let clock = &self.clocks[sensor as usize];
+        let step = (clock.step_s * 1e9).round() as i64;
+        let last = clock.last.map_or(0, Stamp::ns);
+        self.common(sensor, first).ns().saturating_sub(last).saturating_sub(step)
+    }
+
+    fn shift(&mut self, sensor: LiveSensor, by_ns: i64) {
+        let clock = &mut self.clocks[sensor as usize];
+        clock.shift_ns = clock.shift_ns.saturating_add(by_ns);
+        if sensor == LiveSensor::Imu {
+            let since = Stamp::from_ns(clock.last.map_or(0, Stamp::ns).saturating_add(1));
+            self.set.push((since, clock.shift_ns));
+        }
+    }
+
+    /// Time does not go back: where these sensors' stamps do, by as much as the first of them, that is taken off.
+    fn keep_on(&mut self, sensors: &[LiveSensor]) {
+        let Some(first) = self.held.iter().find(|held| sensors.contains(&held.sensor)) else { return };
+        let by_ns = self.jump_ns(first.sensor, first.raw);
+        if by_ns > -((OFF_S * 1e9) as i64) {
+            return;
+        }
+        let raw = first.raw;
+        sensors.iter().for_each(|sensor| self.shift(*sensor, by_ns));
+        let names: Vec<&str> = sensors.iter().map(|sensor| sensor.name()).collect();
+        let (names, by_s) = (names.join("'s and the "), by_ns.unsigned_abs() as f64 * 1e-9);
+        self.words.push_back(format!("the {names}'s clock was set {by_s:.3} s back at {raw}; poses go on"));
     }
 
     /// Whether both sensors' stamps jumped, and as far.
@@ -219,16 +266,18 @@ impl<E> LiveClocks<E> {
         self.clocks[sensor as usize].since == 0 && last.seconds_since(first) > ALONE_S
     }
 
-    /// All that is held back, as it came.
-    fn as_they_are(&mut self) -> Vec<(LiveSensor, Stamp, E)> {
-        let held = std::mem::take(&mut self.held);
-        let mut ready = Vec::with_capacity(held.len());
-        for Held { sensor, raw, message } in held {
+    /// What is held back, of one sensor or of both, as it came.
+    fn release(&mut self, of: Option<LiveSensor>) -> Vec<(LiveSensor, Stamp, E)> {
+        let mut ready = Vec::with_capacity(self.held.len());
+        for Held { sensor, raw, message } in std::mem::take(&mut self.held) {
+            if of.is_some_and(|of| of != sensor) {
+                self.held.push(Held { sensor, raw, message });
+                continue;
+            }
             let t = self.common(sensor, raw);
             self.passed(sensor, t);
             ready.push((sensor, t, message));
-        }
-        for clock in &mut self.clocks {
+            let clock = &mut self.clocks[sensor as usize];
             (clock.held, clock.since) = (0, 0);
         }
         ready
@@ -259,12 +308,12 @@ impl<E> LiveClocks<E> {
         let first = self.held.iter().find(|held| held.sensor == sensor).map(|held| held.raw);
         let last = self.clocks[sensor as usize].last;
         self.said += 1;
-        if let (Some(first), Some(last), ..=SHOWN) = (first, last, self.said) {
+        if let (Some(first), ..=SHOWN) = (first, self.said) {
             let stamps = if count == 1 { "a stamp" } else { "stamps" };
+            let off = last.map_or(0.0, |last| self.common(sensor, first).seconds_since(last));
             self.words.push_back(format!(
-                "{stamps} of the {} ({first}, {:+.3} s from the one before) that it does not go on from; {count} passed over",
-                sensor.name(),
-                first.seconds_since(last)
+                "{stamps} of the {} ({first}, {off:+.3} s from the one before) that it does not go on from; {count} passed over",
+                sensor.name()
             ));
         }
         self.held.retain(|held| held.sensor != sensor);
@@ -316,12 +365,24 @@ mod tests {
         (out, std::iter::from_fn(|| clocks.take_words()).collect())
     }
 
+    /// What comes through as it came, but that of each sensor the second message lets the first one go.
+    fn in_order(messages: &[(LiveSensor, i64, i64)]) -> (Vec<(LiveSensor, i64, i64)>, Vec<String>) {
+        let mut all = messages.to_vec();
+        for sensor in LiveSensor::BOTH {
+            let first = all.iter().position(|(s, ..)| *s == sensor).unwrap();
+            let second = first + 1 + all[first + 1..].iter().position(|(s, ..)| *s == sensor).unwrap();
+            let message = all.remove(first);
+            all.insert(second - 1, message);
+        }
+        (all, vec![])
+    }
+
     const HOUR: i64 = 3_600_000_000_000;
 
     #[test]
     fn what_is_good_or_was_not_recorded_goes_through_as_it_came_without_a_word() {
         let good = streams(6);
-        assert_eq!(through(&good), (good.clone(), vec![]));
+        assert_eq!(through(&good), in_order(&good));
         let between = |t: i64, from: i64, to: i64| (from..to).contains(&(t / 1_000_000_000 - 1000));
         for (name, lost) in [("imu", [true, false]), ("camera", [false, true]), ("both", [true, true])] {
             let gap: Vec<_> = good
@@ -329,12 +390,12 @@ mod tests {
                 .copied()
                 .filter(|(sensor, t, _)| !(lost[*sensor as usize] && between(*t, 1, 4)))
                 .collect();
-            assert_eq!(through(&gap), (gap.clone(), vec![]), "{name}");
+            assert_eq!(through(&gap), in_order(&gap), "{name}");
         }
         // Samples that come in batches of half a second, images later than they.
         let mut batches = good.clone();
         batches.sort_by_key(|(sensor, t, _)| (t / 500_000_000, *sensor as usize));
-        assert_eq!(through(&batches), (batches.clone(), vec![]));
+        assert_eq!(through(&batches), in_order(&batches));
     }
 
     #[test]
@@ -346,7 +407,7 @@ mod tests {
                 bad[at].1 += by;
                 let (out, said) = through(&bad);
                 bad.remove(at);
-                assert_eq!(out, bad, "{sensor:?} {by}");
+                assert_eq!(out, in_order(&bad).0, "{sensor:?} {by}");
                 assert_eq!(said.len(), 1, "{said:?}");
                 assert!(said[0].starts_with(&format!("a stamp of the {} (", sensor.name())), "{said:?}");
             }
@@ -371,9 +432,23 @@ mod tests {
                 assert!(said.len() == 1 && said[0].starts_with(&words), "{said:?}");
             }
         }
-        for by in [HOUR, -HOUR] {
-            let both = set(&LiveSensor::BOTH, by);
-            assert_eq!(through(&both), (both.clone(), vec![]));
+        let both = set(&LiveSensor::BOTH, HOUR);
+        assert_eq!(in_order(&both), through(&both));
+        // Time does not go back.
+        let (out, said) = through(&set(&LiveSensor::BOTH, -HOUR));
+        assert!(out.iter().all(|(_, t, truth)| t == truth) && out.len() == streams(6).len(), "{said:?}");
+        assert_eq!(said.len(), 1);
+        assert!(
+            said[0].starts_with("the IMU's and the camera's clock was set 3600.000 s back at "),
+            "{said:?}"
+        );
+        // The first stamp may be the wrong one.
+        for sensor in LiveSensor::BOTH {
+            let mut first = streams(4);
+            let at = first.iter().position(|(s, ..)| *s == sensor).unwrap();
+            first[at].1 += HOUR;
+            let (out, said) = through(&first);
+            assert!(said.len() == 1 && out.len() == first.len() - 1, "{said:?}");
         }
         // Poses keep the IMU's own stamps.
         let mut clocks = LiveClocks::default();

@@ -12,7 +12,6 @@ use dpn_io::{atomic_write, write_noise_rows};
 use dpn_probe::Finding;
 use dpn_probe::log_noise::{Along, Plan, report};
 use dpn_pronet::network::Network;
-use dpn_pronet::network::load_all;
 use std::path::Path;
 
 pub(crate) fn run(args: &NoiseArgs) -> Result<()> {
@@ -25,21 +24,11 @@ pub(crate) fn run(args: &NoiseArgs) -> Result<()> {
     if let (Some(trajectory), Some(log)) = (&args.against, &args.log) {
         return against::run(args, log, trajectory);
     }
-    let networks = networks(args.weights.as_deref())?;
+    let networks = shipped::or_of(args.weights.as_deref())?;
     match &args.log {
         Some(path) => along(args, path, &networks),
         None => follow::run(args, &plan(args, follow::rate(&args.how), &networks)?),
     }
-}
-
-/// The shipped networks, and those of a folder before them.
-fn networks(dir: Option<&Path>) -> Result<Vec<Network>> {
-    let mut all = match dir {
-        Some(dir) => load_all(dir)?,
-        None => Vec::new(),
-    };
-    all.extend(shipped::networks()?);
-    Ok(all)
 }
 
 /// What was asked for, or the networks where the rate is theirs and a simple estimator where not.

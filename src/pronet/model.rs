@@ -40,7 +40,7 @@ pub enum PairError {
 pub struct RangeCount {
     /// Windows judged, an axis each.
     pub windows: u64,
-    /// Of these, outside the trained range.
+    /// Of these, outside the trained range, or answered by what is no number.
     pub outside: u64,
 }
 
@@ -71,6 +71,8 @@ struct Channel {
     past: [Vec<f32>; 3],
     windows: Vec<f32>,
     count: RangeCount,
+    /// Axes that were answered by a deviation.
+    answered: [bool; 3],
     /// Of the last answers' logarithms, where the network says it and was asked.
     spread: Option<[f64; 3]>,
 }
@@ -128,6 +130,12 @@ impl DualProNet {
         }
     }
 
+    /// Whether the network of `sensor` has answered with a deviation on every axis since the last reset; what it has not is a constant.
+    pub fn has_answered(&self, sensor: Sensor) -> bool {
+        let channel = if sensor == Sensor::Accel { &self.accel } else { &self.gyro };
+        channel.answered == [true; 3]
+    }
+
     /// How far off the network of `sensor` takes its last answer to be, axis by axis: the deviation of that answer's logarithm, .1 for 10 %. None
     /// of a network that does not say it, and before its first full window. It knows windows like those of its training alone: outside
     /// ([`range_count`](Self::range_count)) it is no more to be trusted than the answer.
@@ -150,6 +158,7 @@ impl Channel {
             past: std::array::from_fn(|_| vec![0.0; 2 * window]),
             windows: vec![0.0; 3 * window],
             count: RangeCount::default(),
+            answered: [false; 3],
             spread: None,
         }
     }
@@ -173,11 +182,6 @@ impl Channel {
         for (to, past) in self.windows.chunks_exact_mut(window).zip(&self.past) {
             to.copy_from_slice(&past[from..from + window]);
         }
-        for axis in self.windows.chunks_exact(window) {
-            self.count.windows += 1;
-            let outside = self.range.is_some_and(|range| range.excludes(WindowFigures::of(axis)));
-            self.count.outside += u64::from(outside);
-        }
         let mut sigma = [0.0f32; 3];
         if self.predictor.says_spread() {
             let mut spread = [0.0f32; 3];
@@ -186,6 +190,14 @@ impl Channel {
         } else {
             self.predictor.predict(&self.windows, &mut sigma);
         }
+        for ((axis, sigma), answered) in self.windows.chunks_exact(window).zip(sigma).zip(&mut self.answered)
+        {
+            self.count.windows += 1;
+            let outside = self.range.is_some_and(|range| range.excludes(WindowFigures::of(axis)));
+            // A network that answers no deviation was asked what it does not know.
+            self.count.outside += u64::from(outside || !sigma.is_finite());
+            *answered |= sigma.is_finite();
+        }
         // NaN stays NaN: a sample beyond single precision must not pass for one without noise.
         Some(sigma.map(|s| if s < 0.0 { 0.0 } else { f64::from(s) }))
     }
@@ -193,6 +205,7 @@ impl Channel {
     fn reset(&mut self) {
         self.past.iter_mut().for_each(|p| p.fill(0.0));
         self.count = RangeCount::default();
+        self.answered = [false; 3];
         self.spread = None;
     }
 }
@@ -307,6 +320,31 @@ mod tests {
         let track: Vec<ImuNoise> = samples.iter().map(|s| model.feed(s)).collect();
         assert_eq!(track[59].accel, track[58].accel);
         assert_ne!(track[59].gyro, track[58].gyro);
+        // Windows of it are counted as outside, whatever range was trained on.
+        assert_eq!(model.range_count(Sensor::Accel).outside, 3);
+        assert_eq!(model.range_count(Sensor::Gyro).outside, 0);
+    }
+
+    #[test]
+    fn weights_that_overflow_answer_nothing_and_that_is_counted_and_not_known() {
+        let huge = |sensor| {
+            let weights = weights(sensor, None);
+            Weights::new(weights.config(), vec![1e38; weights.parameters().len()], Card::default())
+        };
+        let pair = DualProNet::new("p", &huge(Sensor::Accel), &huge(Sensor::Gyro), 10).unwrap();
+        let mut stream = crate::stream::SampleStream::new(pair);
+        samples(80).iter().for_each(|sample| stream.feed(*sample).unwrap());
+        let sigma = stream.sigma();
+        assert!(!sigma.known && sigma.out_of_range == [true; 2] && sigma.noise == ImuNoise::baseline());
+    }
+
+    #[test]
+    fn samples_beyond_single_precision_are_never_known() {
+        let mut stream = crate::stream::SampleStream::new(pair());
+        for sample in samples(80) {
+            stream.feed(ImuSample { accel: [1e308; 3], gyro: [-1e308; 3], ..sample }).unwrap();
+        }
+        assert!(!stream.sigma().known && stream.sigma().out_of_range == [true; 2]);
     }
 
     #[test]

@@ -96,7 +96,7 @@ impl Network {
 
 /// A network that is asked for by name and is not there.
 #[derive(Debug, Clone, PartialEq, Error)]
-#[error("there is no {sensor} network `{tag}`; known are {}", known.join(", "))]
+#[error("there is no {sensor} network `{tag}`; known are {}", if known.is_empty() { "none".to_owned() } else { known.join(", ") })]
 pub struct UnknownNetwork {
     /// The sensor.
     pub sensor: Sensor,

@@ -1,8 +1,8 @@
 //! Named tensors with a JSON description in one safetensors file: written whole or not at all, checked when read.
 //!
 //! The description stands under the single metadata key `"dpn"` (one key, because the container writes several in any order, and the same
-//! network shall be the same bytes): `{"format", "version", "sha256", "content"}`. The checksum is taken over the tensors' bytes
-//! in the order of their names.
+//! network shall be the same bytes): `{"format", "version", "sha256", "content"}`. The checksum is taken over the description as it stands, with
+//! zeros for the checksum's digits, and over the tensors' bytes in the order of their names.
 
 use dpn_core::checksum::of_parts;
 use dpn_core::config::gone;
@@ -17,7 +17,9 @@ use thiserror::Error;
 /// The metadata key the description stands under.
 const KEY: &str = "dpn";
 /// The version of the layout that is written, and the only one that is read.
-pub(crate) const FORMAT_VERSION: u64 = 1;
+pub(crate) const FORMAT_VERSION: u64 = 2;
+/// What stands for the checksum while it is taken.
+const NO_SUM: &str = "0000000000000000000000000000000000000000000000000000000000000000";
 
 /// Why weights or a checkpoint cannot be read, or made into bytes.
 #[derive(Debug, Error)]
@@ -104,8 +106,8 @@ pub enum StoreError {
         /// The value.
         value: f32,
     },
-    /// The numbers are not those that were written.
-    #[error("{}: its checksum does not fit its numbers; the file is damaged: fetch or train it again", path.display())]
+    /// Numbers or description are not those that were written.
+    #[error("{}: its checksum does not fit its numbers and description; the file is damaged: fetch or train it again", path.display())]
     Checksum {
         /// The file.
         path: PathBuf,
@@ -124,8 +126,10 @@ fn le_bytes(numbers: &[f32]) -> Vec<u8> {
     numbers.iter().flat_map(|v| v.to_le_bytes()).collect()
 }
 
-fn checksum<'a>(by_name: impl IntoIterator<Item = (&'a str, &'a [u8])>) -> String {
-    of_parts(by_name.into_iter().flat_map(|(name, bytes)| [name.as_bytes(), bytes]))
+/// Over a description without its checksum, and the tensors.
+fn checksum<'a>(description: &str, by_name: impl IntoIterator<Item = (&'a str, &'a [u8])>) -> String {
+    let tensors = by_name.into_iter().flat_map(|(name, bytes)| [name.as_bytes(), bytes]);
+    of_parts(std::iter::once(description.as_bytes()).chain(tensors))
 }
 
 /// The bytes of a file with these tensors and this description. The same input gives the same bytes.
@@ -138,9 +142,10 @@ pub(crate) fn to_bytes(
     let description = |detail: String| StoreError::Description { path: path.to_owned(), detail };
     let bytes: BTreeMap<&str, Vec<u8>> =
         tensors.iter().map(|t| (t.name.as_str(), le_bytes(&t.numbers))).collect();
-    let sha256 = checksum(bytes.iter().map(|(n, b)| (*n, b.as_slice())));
     let content = serde_json::to_value(content).map_err(|e| description(e.to_string()))?;
-    let meta = json!({"format": format, "version": FORMAT_VERSION, "sha256": sha256, "content": content});
+    let mut meta = json!({"format": format, "version": FORMAT_VERSION, "sha256": NO_SUM, "content": content});
+    let sum = checksum(&meta.to_string(), bytes.iter().map(|(n, b)| (*n, b.as_slice())));
+    meta["sha256"] = sum.into();
     let mut views = Vec::with_capacity(tensors.len());
     for tensor in tensors {
         let data = &bytes[tensor.name.as_str()];
@@ -209,11 +214,29 @@ pub(crate) fn from_bytes<T: DeserializeOwned>(
         let tensor = Named { name: (*name).to_owned(), shape: view.shape().to_vec(), numbers };
         named.insert(tensor.name.clone(), tensor);
     }
-    let sum = checksum(views.iter().map(|(n, v)| (*n, v.data())));
-    if meta["sha256"].as_str() != Some(sum.as_str()) {
+    let said = meta["sha256"].as_str().unwrap_or_default();
+    // Of a text of digits alone nothing else is replaced.
+    let is_sum = said.len() == NO_SUM.len() && said.bytes().all(|byte| byte.is_ascii_hexdigit());
+    let unsigned = text.replace(&format!("\"sha256\":\"{said}\""), &format!("\"sha256\":\"{NO_SUM}\""));
+    if !is_sum || said != checksum(&unsigned, views.iter().map(|(n, v)| (*n, v.data()))) {
         return Err(StoreError::Checksum { path: path.to_owned() });
     }
     Ok((content, named))
+}
+
+/// The file with the checksum that fits it.
+#[cfg(all(test, feature = "train"))]
+pub(crate) fn signed(mut bytes: Vec<u8>) -> Vec<u8> {
+    let (_, header) = SafeTensors::read_metadata(&bytes).expect("a file of ours");
+    let text = header.metadata().as_ref().and_then(|meta| meta.get(KEY)).expect("a file of ours").clone();
+    let meta: Value = serde_json::from_str(&text).expect("a file of ours");
+    let said = meta["sha256"].as_str().expect("a file of ours");
+    let tensors = SafeTensors::deserialize(&bytes).expect("a file of ours");
+    let views: BTreeMap<&str, TensorView<'_>> = tensors.iter().collect();
+    let sum = checksum(&text.replace(said, NO_SUM), views.iter().map(|(n, v)| (*n, v.data())));
+    let at = bytes.windows(said.len()).position(|part| part == said.as_bytes()).expect("it was read there");
+    bytes[at..at + sum.len()].copy_from_slice(sum.as_bytes());
+    bytes
 }
 
 /// Takes the tensor `name` out of `tensors` if it has this shape.

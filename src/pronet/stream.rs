@@ -32,7 +32,7 @@ pub enum StreamError {
 pub struct StreamSigma {
     /// Deviations of one sample; VINS-Mono's constants until they are known.
     pub noise: ImuNoise,
-    /// Whether both networks have seen a full window.
+    /// Whether both networks have answered with a deviation on every axis: after a full window, unless that was of what no sensor measures.
     pub known: bool,
     /// Whether the last window was unlike all of the training on any axis, accelerometer and gyroscope: its deviations are extrapolated.
     pub out_of_range: [bool; 2],
@@ -117,7 +117,7 @@ impl SampleStream {
     pub fn sigma(&self) -> StreamSigma {
         StreamSigma {
             noise: self.noise,
-            known: self.judged.iter().all(|(windows, _)| *windows > 0),
+            known: Sensor::ALL.iter().all(|sensor| self.networks.has_answered(*sensor)),
             out_of_range: self.out_of_range,
             spread: Sensor::ALL.map(|sensor| self.networks.spread(sensor)),
             wrong_rate: self.wrong_rate,

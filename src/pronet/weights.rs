@@ -179,12 +179,15 @@ mod tests {
 
     /// The same file with `from` replaced in its header by `to`, of the same length.
     fn forged(from: &str, to: &str) -> Result<Weights, StoreError> {
+        parse(&replaced(from, to))
+    }
+
+    fn replaced(from: &str, to: &str) -> Vec<u8> {
         assert_eq!(from.len(), to.len());
-        let bytes = weights(Sensor::Accel).to_bytes().unwrap();
+        let mut bytes = weights(Sensor::Accel).to_bytes().unwrap();
         let at = bytes.windows(from.len()).position(|w| w == from.as_bytes()).unwrap();
-        let mut bytes = bytes;
         bytes[at..at + to.len()].copy_from_slice(to.as_bytes());
-        parse(&bytes)
+        bytes
     }
 
     #[test]
@@ -208,7 +211,7 @@ mod tests {
     #[test]
     fn version_and_format_are_read_before_the_rest() {
         // Inside the description quotes are escaped.
-        assert!(matches!(forged("\\\"version\\\":1", "\\\"version\\\":7"), Err(StoreError::Version { .. })));
+        assert!(matches!(forged("\\\"version\\\":2", "\\\"version\\\":1"), Err(StoreError::Version { .. })));
         assert!(matches!(forged("pronet-weights", "pronet-w3ights"), Err(StoreError::Format { .. })));
     }
 
@@ -230,9 +233,26 @@ mod tests {
     }
 
     #[test]
+    fn a_changed_description_breaks_the_checksum() {
+        let good = weights(Sensor::Accel).to_bytes().unwrap();
+        // Inside the description quotes are escaped.
+        for key in ["input_scale", "output_scale", "hidden", "seed", "sha256"] {
+            let key = format!("{key}\\\":");
+            for (at, _) in good.windows(key.len()).enumerate().filter(|(_, part)| *part == key.as_bytes()) {
+                let digit =
+                    at + key.len() + good[at + key.len()..].iter().position(u8::is_ascii_digit).unwrap();
+                let mut bytes = good.clone();
+                bytes[digit] = if bytes[digit] == b'9' { b'8' } else { bytes[digit] + 1 };
+                assert!(matches!(parse(&bytes), Err(StoreError::Checksum { .. })), "{key} at {at}");
+            }
+        }
+    }
+
+    #[test]
     fn a_tensor_of_another_shape_is_named() {
-        // fc1 has five outputs; six are asked for.
-        match forged("\\\"hidden\\\":[5]", "\\\"hidden\\\":[6]") {
+        // fc1 has five outputs; six are asked for, and the file is signed so.
+        let (from, to) = ("\\\"hidden\\\":[5]", "\\\"hidden\\\":[6]");
+        match parse(&store::signed(replaced(from, to))) {
             Err(StoreError::Shape { name, found, wanted, .. }) => {
                 assert_eq!(
                     (name.as_str(), found.as_str(), wanted.as_str()),

@@ -250,3 +250,31 @@ fn a_log_is_written_again_with_the_covariances_of_its_track() {
     }
     assert_eq!(std::fs::read(into).unwrap(), first);
 }
+
+#[test]
+fn the_networks_of_a_folder_are_asked_alone_and_what_is_not_there_is_an_error() {
+    let tmp = tempfile::tempdir().unwrap();
+    let log = crate::recording::sound(tmp.path()).join("still");
+    // The gyroscope's network in the accelerometer's place, under its name.
+    let own = tmp.path().join("own/accel/sg11-s0.safetensors");
+    std::fs::create_dir_all(own.parent().unwrap()).unwrap();
+    let gyro = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/gyro/sg11-s0.safetensors");
+    std::fs::copy(gyro, &own).unwrap();
+    let out = tmp.path().join("out");
+    let ask = || {
+        end(dpn().arg("noise").arg(&log).arg("--weights").arg(tmp.path().join("own")).arg("--out").arg(&out))
+    };
+    let done = ask();
+    assert_eq!(done.code, Some(2), "{done:?}");
+    assert!(done.stderr.contains("there is no accel network `sg11-s0`; known are none"), "{}", done.stderr);
+    // A hundred times the noise, by hand.
+    let mut bytes = std::fs::read(&own).unwrap();
+    let scale = b"output_scale\\\":0.";
+    let at = bytes.windows(scale.len()).position(|part| part == scale).unwrap();
+    bytes[at + scale.len()] = b'9';
+    std::fs::write(&own, bytes).unwrap();
+    let done = ask();
+    assert_eq!(done.code, Some(2), "{done:?}");
+    assert!(done.stderr.contains("its checksum does not fit its numbers and description"), "{}", done.stderr);
+    assert!(!out.exists());
+}
