@@ -10,6 +10,7 @@ use dpn_io::asl::Sequence;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
 const HOUR: i64 = 3_600_000_000_000;
@@ -55,6 +56,16 @@ struct Flown {
 }
 
 impl Flown {
+    /// Made once for all tests.
+    fn get() -> &'static Self {
+        static FLOWN: LazyLock<(tempfile::TempDir, Flown)> = LazyLock::new(|| {
+            let tmp = tempfile::tempdir().unwrap();
+            let flown = Flown::of(tmp.path());
+            (tmp, flown)
+        });
+        &FLOWN.1
+    }
+
     fn of(tmp: &Path) -> Self {
         let dir = rendered(tmp);
         let sequence = Sequence::open(&dir).unwrap();
@@ -116,8 +127,7 @@ fn goes_on(flown: &Flown, done: &Done, words: &str, later: f64) {
 
 #[test]
 fn a_stamp_that_is_wrong_and_a_clock_that_is_set_are_said_once_and_the_run_goes_on() {
-    let tmp = tempfile::tempdir().unwrap();
-    let flown = Flown::of(tmp.path());
+    let flown = Flown::get();
     let good = flown.run(|_, message| Some(message));
     assert_eq!(good.code, Some(0), "{good:?}");
     for words in ["clock was set", "a stamp of", "nothing from", "no point is followed"] {
@@ -131,16 +141,15 @@ fn a_stamp_that_is_wrong_and_a_clock_that_is_set_are_said_once_and_the_run_goes_
             let is = message.is_image() == images && message.t() == chosen;
             Some(if is { message.later(HOUR) } else { message })
         });
-        goes_on(&flown, &one, &format!("a stamp of the {sensor} ("), 0.0);
-        for by in [HOUR, -HOUR] {
-            let set = flown.run(|at, message| {
-                Some(if message.is_image() == images && at > 4.0 { message.later(by) } else { message })
-            });
-            let way = if by > 0 { "ahead" } else { "back" };
-            let later = if images { 0.0 } else { by as f64 * 1e-9 };
-            goes_on(&flown, &set, &format!("the {sensor}'s clock was set 3600.000 s {way} at "), later);
-            assert_eq!(stamps(&set).len(), stamps(&good).len(), "{}", set.stderr);
-        }
+        goes_on(flown, &one, &format!("a stamp of the {sensor} ("), 0.0);
+        let by = if images { -HOUR } else { HOUR };
+        let set = flown.run(|at, message| {
+            Some(if message.is_image() == images && at > 4.0 { message.later(by) } else { message })
+        });
+        let way = if by > 0 { "ahead" } else { "back" };
+        let later = if images { 0.0 } else { by as f64 * 1e-9 };
+        goes_on(flown, &set, &format!("the {sensor}'s clock was set 3600.000 s {way} at "), later);
+        assert_eq!(stamps(&set).len(), stamps(&good).len(), "{}", set.stderr);
     }
     let zeros = flown.run(|_, message| Some(message.clone().later(-message.t().ns())));
     assert_eq!(zeros.code, Some(3), "{zeros:?}");
@@ -153,8 +162,7 @@ fn a_stamp_that_is_wrong_and_a_clock_that_is_set_are_said_once_and_the_run_goes_
 
 #[test]
 fn images_that_end_or_turn_black_and_samples_that_end_are_said() {
-    let tmp = tempfile::tempdir().unwrap();
-    let flown = Flown::of(tmp.path());
+    let flown = Flown::get();
     for (images, sensor) in [(true, "camera"), (false, "IMU")] {
         let ended = flown.run(|at, message| (message.is_image() != images || at < 3.0).then_some(message));
         assert_eq!(ended.code, Some(0), "{ended:?}");
@@ -173,8 +181,7 @@ fn images_that_end_or_turn_black_and_samples_that_end_are_said() {
 
 #[test]
 fn every_end_tells_what_the_run_was_and_silence_is_said_while_the_pipe_is_open() {
-    let tmp = tempfile::tempdir().unwrap();
-    let flown = Flown::of(tmp.path());
+    let flown = Flown::get();
     let bytes: Vec<u8> = begin().into_iter().chain(flown.messages.iter().flat_map(Message::bytes)).collect();
     for end in ["-INT", "-TERM", "closed"] {
         let mut child = flown.begun();
