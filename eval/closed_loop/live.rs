@@ -13,6 +13,7 @@ use dpn_core::{GrayImage, ImuRecording, ImuSample, Stamp};
 use dpn_pronet::network::Network;
 use dpn_vio::components::Levels;
 use dpn_vio::estimator::{Estimator, EstimatorConfig, FeedError, RunReport, Update, doubts, doubts_warning};
+use dpn_vio::frontend::reduction;
 use dpn_vio::preint::NoisySample;
 use nalgebra::Isometry3;
 use std::collections::VecDeque;
@@ -27,6 +28,8 @@ const WEIGHED: usize = 1000;
 /// An estimator and what tells it the noise. What comes out is what a run over the same recording gives, as long as the first hundred samples have its rate.
 pub struct LiveRun<'a> {
     estimator: Estimator,
+    /// Of images as they come.
+    size: [usize; 2],
     spec: NoiseSpec,
     networks: &'a [Network],
     noise: Option<noise::Feed>,
@@ -54,10 +57,13 @@ impl<'a> LiveRun<'a> {
         (camera, body_from_cam): (CameraModel, Isometry3<f64>),
         seed: u64,
     ) -> Result<Self, ClosedLoopError> {
+        let size = camera.size().map(|side| side as usize);
+        let camera = camera.reduced(reduction(size));
         let estimator = Estimator::new(settings_for(config, &spec), camera, body_from_cam, seed)
             .map_err(ClosedLoopError::Config)?;
         Ok(Self {
             estimator,
+            size,
             spec,
             networks,
             noise: None,
@@ -101,7 +107,12 @@ impl<'a> LiveRun<'a> {
     ///
     /// # Errors
     /// As [`Estimator::feed_image`].
-    pub fn feed_image(&mut self, t: Stamp, image: &GrayImage) -> Result<(), ClosedLoopError> {
+    pub fn feed_image(&mut self, t: Stamp, image: GrayImage) -> Result<(), ClosedLoopError> {
+        let found = [image.width(), image.height()];
+        if found != self.size {
+            return Err(self.refused(FeedError::ImageSize { t, found, camera: self.size }));
+        }
+        let image = image.reduced(reduction(self.size));
         self.estimator.feed_image(image.view(), t).map_err(|error| self.refused(error))
     }
 

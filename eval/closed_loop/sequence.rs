@@ -9,7 +9,7 @@ use super::tracking::CameraInput;
 use crate::metrics::poses_of;
 use dpn_core::camera::{CameraConfig, CameraModel};
 use dpn_core::trajectory::StampedPose;
-use dpn_core::{ImuRecording, SampleRate, Stamp, TrackFrame};
+use dpn_core::{GrayImage, ImuRecording, SampleRate, Stamp, TrackFrame};
 use dpn_io::asl::Sequence;
 use dpn_io::{IoError, read_tracks};
 use dpn_logs::{LogOptions, read_log};
@@ -19,6 +19,7 @@ use dpn_sim::tracks::{
 };
 use dpn_sim::{Flight, FlightConfig, RenderConfig, simulate};
 use dpn_train::split::Side;
+use dpn_vio::frontend::reduction;
 use std::sync::Arc;
 
 /// Rate of a camera that is not there: EuRoC's \[Hz\].
@@ -30,17 +31,22 @@ impl SequenceSet {
     /// # Errors
     /// Files that cannot be read; no camera beside given tracks; no flight.
     pub fn recording(&self, place: usize, seed: u64) -> Result<Recording, ClosedLoopError> {
-        match &self.of {
+        let mut recording = match &self.of {
             Sequences::Recorded(sequences) => {
                 let (sequence, side) = &sequences[place];
                 recorded(sequence, *side, &self.tracks, &self.imu)
             }
             Sequences::Logged(log) => log.recording(),
             Sequences::Flights(config) => flown(Flight::ALL[place], seed, config, &self.tracks),
+        }?;
+        if self.tracks.has_images() {
+            recording.camera =
+                recording.camera.reduced(reduction(recording.camera.size().map(|side| side as usize)));
         }
+        Ok(recording)
     }
 
-    /// What the odometry sees of the sequence at `place` within `span`: its images, or its tracks.
+    /// What the odometry sees of the sequence at `place` within `span`: its images, [reduced](reduction) where they are large, or its tracks.
     ///
     /// # Errors
     /// A folder without images, or without all of them; nothing to render along; a file of tracks that cannot be read; no ground truth to make
@@ -69,7 +75,8 @@ impl SequenceSet {
                 rendered(&self.name(place), &config, path, &stamps, seed, span)?
             }
         };
-        Ok(CameraInput::Images(images))
+        let images = images.map(|(t, image)| (t, image.map(at_working_size)));
+        Ok(CameraInput::Images(Box::new(images)))
     }
 
     /// The tracks of the sequence at `place`, given or made.
@@ -125,6 +132,12 @@ impl SequenceSet {
             }
         }
     }
+}
+
+/// A camera's image as large as points are followed in.
+fn at_working_size(image: GrayImage) -> GrayImage {
+    let times = reduction([image.width(), image.height()]);
+    image.reduced(times)
 }
 
 fn camera_rate(camera: Option<&CameraConfig>) -> SampleRate {

@@ -246,7 +246,7 @@ impl Live<'_> {
         let image = matches!(message, Message::Image(Ok(_))).then_some(t);
         let taken = match message {
             Message::Sample(sample) => self.run.feed_sample(ImuSample { t, ..sample }),
-            Message::Image(Ok(image)) => self.run.feed_image(t, &image),
+            Message::Image(Ok(image)) => self.run.feed_image(t, image),
             Message::Image(Err(error)) => Err(error.into()),
         };
         match taken {

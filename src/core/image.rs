@@ -74,6 +74,31 @@ impl GrayImage {
         Ok(Self { width, height, pixels })
     }
 
+    /// The image with `times` as few columns and rows: each pixel the mean of a square, what is left over at the right and below cut off.
+    ///
+    /// # Panics
+    /// An image smaller than one such square.
+    #[must_use]
+    pub fn reduced(self, times: usize) -> Self {
+        if times == 1 {
+            return self;
+        }
+        let (width, height) = (self.width / times, self.height / times);
+        let half = times * times / 2;
+        let mut sums = vec![0; width];
+        let mut pixels = Vec::with_capacity(width * height);
+        for rows in self.pixels.chunks_exact(times * self.width).take(height) {
+            sums.fill(half);
+            for row in rows.chunks_exact(self.width) {
+                for (sum, part) in sums.iter_mut().zip(row.chunks_exact(times)) {
+                    *sum += part.iter().map(|value| usize::from(*value)).sum::<usize>();
+                }
+            }
+            pixels.extend(sums.iter().map(|sum| (sum / (times * times)) as u8));
+        }
+        Self::new(width, height, pixels).expect("a square at least")
+    }
+
     /// Columns.
     pub fn width(&self) -> usize {
         self.width
@@ -165,6 +190,16 @@ fn checked_size(width: usize, height: usize) -> Result<usize, ImageError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_reduced_image_has_the_means_of_squares_and_what_is_left_over_is_cut_off() {
+        let image = GrayImage::from_fn(5, 7, |x, y| (10 * x + 3 * y) as u8).unwrap();
+        assert_eq!(image.clone().reduced(1), image);
+        let half = image.reduced(2);
+        assert_eq!((half.width(), half.height()), (2, 3));
+        // 0, 10, 3, 13: 6.5, rounded up.
+        assert_eq!(half.pixels(), [7, 27, 13, 33, 19, 39]);
+    }
 
     #[test]
     fn a_view_with_a_stride_sees_the_same_rows_as_a_copy() {

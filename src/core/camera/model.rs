@@ -78,6 +78,24 @@ impl CameraModel {
         }
     }
 
+    /// The camera of [reduced](crate::GrayImage::reduced) images.
+    ///
+    /// # Panics
+    /// An image smaller than one pixel of the reduced one.
+    #[must_use]
+    pub fn reduced(&self, times: usize) -> Self {
+        let by = times as f64;
+        let size = self.size.map(|side| side / times as u32);
+        assert!(!size.contains(&0), "an image smaller than {times} pixels");
+        Self {
+            focal: self.focal / by,
+            // Pixels' centres have whole numbers.
+            principal: self.principal.map(|c| (c + 0.5) / by - 0.5),
+            size,
+            ..*self
+        }
+    }
+
     /// Focal lengths in u and v \[px\].
     pub fn focal(&self) -> Vector2<f64> {
         self.focal
@@ -178,6 +196,17 @@ mod tests {
 
     proptest! {
         #[test]
+    fn a_reduced_camera_sees_a_point_where_its_reduced_pixel_is() {
+        let (camera, point) = (CameraModel::euroc_cam0(), Vector3::new(0.3, -0.2, 1.5));
+        let third = camera.reduced(3);
+        assert_eq!(third.size(), [250, 160]);
+        // The middle pixel of a square of nine is the one pixel that is left.
+        let middle = 3.0 * third.project(&point).unwrap() + Vector2::new(1.0, 1.0);
+        assert!((middle - camera.project(&point).unwrap()).norm() < 1e-9);
+        assert!((third.px_per_rad() - camera.px_per_rad() / 3.0).abs() < 1e-9);
+    }
+
+    #[test]
         fn normalise_undoes_projection_inside_the_image(u in 0.0..751.0f64, v in 0.0..479.0f64) {
             let camera = CameraModel::euroc_cam0();
             let px = Vector2::new(u, v);

@@ -74,14 +74,14 @@ impl TwoView {
 }
 
 /// Two directions at right angles to `axis` and to each other.
-fn across(axis: &Vector3<f64>, which: usize) -> Vector3<f64> {
+pub(crate) fn across(axis: &Vector3<f64>, which: usize) -> Vector3<f64> {
     let other = if axis.x.abs() < 0.7 { Vector3::x() } else { Vector3::y() };
     let first = axis.cross(&other).normalize();
     if which == 1 { first } else { axis.cross(&first) }
 }
 
 /// The residual of one track and its derivatives by the turn and along `basis`; none near the path's direction.
-fn plane(
+pub(crate) fn plane(
     path: &Vector3<f64>,
     basis: &[Vector3<f64>; 2],
     turn: &Vector3<f64>,
