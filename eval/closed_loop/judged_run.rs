@@ -17,7 +17,7 @@ use dpn_core::estimate::NoiseSpec;
 use dpn_core::{NoiseTrack, Stamp, TrackFrame};
 use dpn_pronet::network::Network;
 use dpn_vio::EstimatorConfig;
-use dpn_vio::clock::CameraClock;
+use dpn_vio::clock::{CameraClock, Readout};
 use dpn_vio::diagnosis::{Axes, TrackHealth};
 use dpn_vio::estimator::{BiasJump, Doubt, FrontEndObserver, Phase, doubts, doubts_warning};
 use serde::Serialize;
@@ -72,6 +72,9 @@ pub struct Report {
     pub axes: Axes,
     /// The camera's clock against the IMU's.
     pub clock: CameraClock,
+    /// How long an image's lines take to be read out, where that was found.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub readout: Option<Readout>,
     /// Tracks from frame to frame.
     pub tracks: TrackHealth,
     /// What was wrong with images, in time; empty without images.
@@ -165,6 +168,7 @@ pub fn watched_run(
         doubts: against,
         axes,
         clock: output.report.clock,
+        readout: output.report.readout,
         tracks: health,
         images: images.map_or_else(Vec::new, |images| images.events),
         skipped: output.report.skipped,

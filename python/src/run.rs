@@ -180,7 +180,7 @@ pub(crate) fn run_arrays(
     for ((&t_ns, &id), &px) in observed {
         let t = Stamp::from_ns(t_ns);
         if frames.last().is_none_or(|frame| frame.t != t) {
-            frames.push(TrackFrame { t, tracks: Vec::new() });
+            frames.push(TrackFrame::new(t, Vec::new()));
         }
         let tracks = &mut frames.last_mut().expect("one was just put there").tracks;
         tracks.push(Track { id, px: Vector2::from(px) });

@@ -18,7 +18,7 @@ use dpn_figures::{Album, timeline, top_view};
 use dpn_io::calibration::Calibration;
 use dpn_io::{ResultPath, atomic_write, write_kitti, write_noise_track, write_tum};
 use dpn_logs::ImageLogOptions;
-use dpn_vio::clock::CameraClock;
+use dpn_vio::clock::{CameraClock, Readout};
 use dpn_vio::estimator::{EstimatorConfig, FrontEndObserver, Update};
 use dpn_vio::frontend::Fed;
 use dpn_vio::window::Window;
@@ -140,7 +140,7 @@ pub(super) fn no_pose(frames: usize, waited_for: &BTreeMap<String, usize>) -> St
     };
     format!(
         "no pose in {frames} frames: {waited}. Where it should have been, look at the calibration and at other warnings; `dpn check` says \
-         what is wrong with an IMU's log, --draw shows the camera's tracks, and a rolling shutter is told by --set front_end.readout_s=0.03"
+         what is wrong with an IMU's log, --draw shows the camera's tracks"
     )
 }
 
@@ -164,6 +164,17 @@ fn clock_words(clock: &CameraClock, first: Stamp) -> String {
         }
         _ => "not told: too few turns, or none that the gyroscope shares within 250 ms; `--time-offset` gives it".to_owned(),
     }
+}
+
+/// How a rolling shutter was found; `first` is the first frame's stamp.
+fn shutter_words(readout: &Readout, first: Stamp) -> String {
+    format!(
+        "rolling: lines are read out in {:.1} ms (+- {:.1}), taken into account since {:.1} s unless given; `--set front_end.readout_s={:.4}` does from the start",
+        1e3 * readout.seconds,
+        1e3 * readout.std_s,
+        readout.since.seconds_since(first),
+        readout.seconds
+    )
 }
 
 /// What frames waited for, and how many.
@@ -298,6 +309,9 @@ fn words(report: &Report, done: &JudgedRun, simulated: bool) -> String {
         }
     }
     line("camera clock:", clock_words(&report.clock, done.output.frames[0]));
+    if let Some(readout) = &report.readout {
+        line("shutter:", shutter_words(readout, done.output.frames[0]));
+    }
     let share = row.completion.map_or_else(String::new, |c| format!(", {:.1} % since the first", 100.0 * c));
     line("poses:", format!("{} of {} frames{share}", row.poses, row.frames));
     line("restarts:", row.restarts.to_string());

@@ -20,9 +20,17 @@ pub struct TrackFrame {
     pub t: Stamp,
     /// Each id at most once.
     pub tracks: Vec<Track>,
+    /// Where lines are read out one after the other, the time from the first's exposure to the last's that was taken into account: `px` are where a camera
+    /// of the stamp would have seen the points; 0 where all lines are taken at once, or nobody knows \[s\].
+    pub readout_s: f64,
 }
 
 impl TrackFrame {
+    /// Of an image whose lines are taken at once.
+    pub fn new(t: Stamp, tracks: Vec<Track>) -> Self {
+        Self { t, tracks, readout_s: 0.0 }
+    }
+
     /// The points that an earlier frame saw too, in this frame's order: where they were \[px\] and where they are.
     pub fn shared(&self, earlier: &Self) -> Vec<(Vector2<f64>, Vector2<f64>)> {
         let mut before: Vec<_> = earlier.tracks.iter().map(|track| (track.id, track.px)).collect();

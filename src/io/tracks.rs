@@ -49,7 +49,7 @@ pub(crate) fn parse(bytes: &[u8], path: &Path) -> Result<Vec<TrackFrame>, IoErro
         if let Some(id) = repeated(&tracks, &mut ids) {
             return Err(row.fault(RowFault::TrackTwice { id }));
         }
-        frames.push(TrackFrame { t, tracks });
+        frames.push(TrackFrame::new(t, tracks));
     }
     if frames.is_empty() {
         return Err(IoError::Empty { path: path.to_path_buf() });
@@ -237,7 +237,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("t.txt");
         let track = |id, u| Track { id, px: Vector2::new(u, 1.0) };
-        let frame = |t, tracks| TrackFrame { t: Stamp::from_ns(t), tracks };
+        let frame = |t, tracks| TrackFrame::new(Stamp::from_ns(t), tracks);
         for bad in [
             vec![frame(1, vec![track(1, f64::NAN)])],
             vec![frame(1, vec![track(1, 0.0), track(0, 0.0), track(1, 0.0)])],
@@ -255,6 +255,7 @@ mod tests {
             frames in prop::collection::vec(prop::collection::btree_map(any::<u64>(), (-99_999i32..999_999, any::<i16>()), 0..6), 1..5),
         ) {
             let frames: Vec<_> = frames.iter().enumerate().map(|(k, tracks)| TrackFrame {
+                readout_s: 0.0,
                 t: Stamp::from_ns(i64::from(start) + k as i64),
                 // Not in the order of their ids.
                 tracks: tracks.iter().rev().map(|(id, (u, v))| Track {

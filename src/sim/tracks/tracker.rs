@@ -146,7 +146,7 @@ impl<'a> Tracker<'a> {
             let px = track.px + track.error + noise * track.white;
             Track { id: track.id, px: px.map(|v| (100.0 * v).round() / 100.0) }
         });
-        TrackFrame { t, tracks: tracks.collect() }
+        TrackFrame::new(t, tracks.collect())
     }
 }
 

@@ -242,7 +242,13 @@ mod tests {
             let turn = truth.turn(from.plus_seconds(offset_s), to.plus_seconds(offset_s)).unwrap();
             let std = if k % 10 == 3 { 0.05 } else { 0.002 };
             let turn = so3::log(&turn) + Vector3::from_fn(|_, _| std * normal());
-            FlowTurn { from, to, turn, information: Matrix3::identity() / (0.001 * 0.001) }
+            FlowTurn {
+                from,
+                to,
+                turn,
+                information: Matrix3::identity() / (0.001 * 0.001),
+                path: Vector3::x(),
+            }
         });
         (course, flows.collect())
     }
@@ -283,7 +289,13 @@ mod tests {
                 let at = |k: i64| Stamp::from_ns(START_NS + 600_000_000 + 70_000_000 * k);
                 let turn = so3::log(&course.turn(at(k), at(k + 1)).unwrap());
                 let turn = turn.add_scalar(0.002 * (1.0 + k as f64).sin());
-                FlowTurn { from: at(k), to: at(k + 1), turn, information: Matrix3::identity() * 1e6 }
+                FlowTurn {
+                    from: at(k),
+                    to: at(k + 1),
+                    turn,
+                    information: Matrix3::identity() * 1e6,
+                    path: Vector3::x(),
+                }
             })
             .collect();
         let turns = Turns { course: &course, pairs: &pairs, cam_from_body: UnitQuaternion::identity() };

@@ -17,7 +17,7 @@ const LEFT_OUT: f64 = 0.3;
 /// Frames farther apart are not compared \[s\].
 const LONGEST_S: f64 = 0.25;
 /// Deviation of a ray from its plane \[px at the image's centre\].
-const TRACK_STD_PX: f64 = 0.5;
+pub(super) const TRACK_STD_PX: f64 = 0.5;
 /// A turn that the planes move farther than this from the first fit is none \[rad\].
 const FARTHEST: f64 = 0.1;
 /// No turn is known better than this \[rad\]: pixels of one image are off together.
@@ -33,6 +33,8 @@ pub(crate) struct FlowTurn {
     pub(crate) turn: Vector3<f64>,
     /// Its information, as the planes have it \[1/rad^2\].
     pub(crate) information: Matrix3<f64>,
+    /// The direction of the camera's path in its axes at `to`, of length one.
+    pub(crate) path: Vector3<f64>,
 }
 
 impl FlowTurn {
@@ -69,6 +71,7 @@ impl FlowTurn {
             // A camera turning by d carries points by the inverse.
             turn: so3::log(&b_from_a.inverse()),
             information: covariance.try_inverse()?,
+            path,
         })
         .filter(|_| sane)
     }
@@ -155,8 +158,8 @@ mod tests {
                     a.extend(pair.map(|pair| pair.0));
                     b.extend(pair.map(|pair| pair.1));
                 }
-                let a = TrackFrame { t: Stamp::from_ns(0), tracks: a };
-                let b = TrackFrame { t: Stamp::from_ns(100_000_000), tracks: b };
+                let a = TrackFrame::new(Stamp::from_ns(0), a);
+                let b = TrackFrame::new(Stamp::from_ns(100_000_000), b);
                 let found = FlowTurn::of((&a, &b), &b.shared(&a), &camera).unwrap();
                 let off = found.turn - turn;
                 lost += usize::from(off.norm() > 0.03);

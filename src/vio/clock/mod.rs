@@ -10,11 +10,13 @@
 mod delay;
 mod flow_turn;
 mod gyro_course;
+mod readout;
 mod watch;
 
 pub use delay::REACH_S;
 pub(crate) use delay::{ALIKE_PAIRS, weight};
 pub(crate) use flow_turn::FlowTurn;
 pub(crate) use gyro_course::GyroCourse;
+pub use readout::Readout;
 pub(crate) use watch::SLIGHT_S;
 pub use watch::{CameraClock, ClockWatch};

@@ -6,6 +6,7 @@
 use super::delay::{Delay, REACH_S, Turns};
 use super::flow_turn::FlowTurn;
 use super::gyro_course::GyroCourse;
+use super::readout::{LinePair, Readout, ReadoutMeter};
 use crate::diagnosis::{Axes, Turn, compared};
 use dpn_core::camera::CameraModel;
 use dpn_core::{ImuSample, Stamp, TrackFrame};
@@ -68,9 +69,10 @@ pub struct ClockWatch {
     course: GyroCourse,
     before: Option<TrackFrame>,
     /// Pairs that samples have not passed by as far as is looked.
-    waiting: VecDeque<FlowTurn>,
+    waiting: VecDeque<(FlowTurn, Option<LinePair>)>,
     pairs: VecDeque<FlowTurn>,
     new: usize,
+    readout: ReadoutMeter,
     /// Of all pairs, by the clock in force.
     turns: VecDeque<Turn>,
     /// Whether an offset, be it zero, was found once: from there on it is followed.
@@ -92,6 +94,7 @@ impl ClockWatch {
             waiting: VecDeque::new(),
             pairs: VecDeque::new(),
             new: 0,
+            readout: ReadoutMeter::default(),
             turns: VecDeque::new(),
             settled: false,
             lost: 0,
@@ -115,6 +118,11 @@ impl ClockWatch {
         compared(&turns, &self.cam_from_body.inverse())
     }
 
+    /// How long an image's lines take to be read out, where that was found.
+    pub fn readout(&self) -> Option<Readout> {
+        self.readout.found()
+    }
+
     /// A stamp of the camera on the IMU's clock, as far as is known.
     pub fn on_imu_clock(&self, t: Stamp) -> Stamp {
         t.plus_seconds(self.clock.offset_s)
@@ -129,13 +137,19 @@ impl ClockWatch {
     pub fn feed_frame(&mut self, frame: &TrackFrame) {
         if let Some(before) = &self.before {
             self.clock.offset_s += self.clock.drift * frame.t.seconds_since(before.t);
-            self.waiting.extend(FlowTurn::of((before, frame), &frame.shared(before), &self.camera));
+            let shared = frame.shared(before);
+            let flow = FlowTurn::of((before, frame), &shared, &self.camera);
+            self.waiting
+                .extend(flow.map(|flow| (flow, LinePair::of((before, frame), &shared, &self.camera))));
         }
         self.before = Some(frame.clone());
         let reached = self.on_imu_clock(frame.t).plus_seconds(-REACH_S);
-        while let Some(pair) = self.waiting.pop_front_if(|pair| pair.to <= reached) {
+        while let Some((pair, lines)) = self.waiting.pop_front_if(|(pair, _)| pair.to <= reached) {
             let (from, to) = (pair.from.plus_seconds(-REACH_S), pair.to.plus_seconds(REACH_S));
             if self.course.turn(from, to).is_some() {
+                if let Some(lines) = lines {
+                    self.readout.add(pair, lines, &self.course, self.clock.offset_s, &self.cam_from_body);
+                }
                 self.turns.extend(Turn::of(&pair, &self.course, self.clock.offset_s));
                 self.pairs.push_back(pair);
                 self.new += 1;
@@ -147,12 +161,17 @@ impl ClockWatch {
         while self.turns.len() > KEPT_TURNS {
             self.turns.pop_front();
         }
-        let oldest = self.pairs.front().or(self.waiting.front()).map_or(frame.t, |pair| pair.from);
+        let oldest = self
+            .pairs
+            .front()
+            .or(self.waiting.front().map(|(pair, _)| pair))
+            .map_or(frame.t, |pair| pair.from);
         self.course.forget_before(oldest.plus_seconds(-REACH_S));
         if !self.clock.given && self.new >= EVERY && self.pairs.len() >= FEWEST {
             self.new = 0;
             self.look(frame.t);
         }
+        self.readout.look(frame.t, &self.camera);
     }
 
     fn look(&mut self, t: Stamp) {
@@ -183,6 +202,8 @@ impl ClockWatch {
             self.clock.offset_s = found.offset_s;
             self.clock.drift = found.drift;
             if off > SLIGHT_S {
+                // Its rates were of other instants.
+                self.readout.forget();
                 let again = self.pairs.iter().filter_map(|pair| Turn::of(pair, &self.course, found.offset_s));
                 self.turns = again.collect();
             }

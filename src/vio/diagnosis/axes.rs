@@ -326,6 +326,7 @@ mod tests {
                         Some(dpn_core::Track { px, ..*track })
                     })
                     .collect(),
+                ..frame.clone()
             };
             let frames: Vec<_> = case.frames.iter().map(moved).collect();
             let judged = axes(&case.samples, &frames, &wrong, &case.body_from_cam);
@@ -375,8 +376,7 @@ mod tests {
         let judged = axes(&moved, &case.frames, &case.camera, &case.body_from_cam);
         assert_eq!(judged.verdict, AxesVerdict::Unrelated, "{judged:?}");
         let first = &case.frames[0];
-        let still: Vec<_> =
-            case.frames.iter().map(|f| TrackFrame { t: f.t, tracks: first.tracks.clone() }).collect();
+        let still: Vec<_> = case.frames.iter().map(|f| TrackFrame::new(f.t, first.tracks.clone())).collect();
         assert_eq!(
             axes(&case.samples, &still, &case.camera, &case.body_from_cam).verdict,
             AxesVerdict::Unknown

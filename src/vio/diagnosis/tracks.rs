@@ -156,6 +156,7 @@ mod tests {
             px: Vector2::new((37 * point % 700) as f64 + 3.0 * frame as f64, (53 * point % 450) as f64),
         };
         let frame = |f: u64| TrackFrame {
+            readout_s: 0.0,
             t: Stamp::from_ns(100_000_000 * f as i64),
             tracks: (0..128).map(|p| track(f, p)).collect(),
         };

@@ -202,6 +202,7 @@ impl Estimator {
             // What was said of a frame is said: of one that is worked off again nothing comes out.
             if !again {
                 self.report.clock = self.images.clock();
+                self.report.readout = self.images.turns().readout();
                 self.report.add(&update);
                 return Some(update);
             }
@@ -287,10 +288,8 @@ impl Estimator {
                     None => track.px,
                 };
                 let mut sighting = Sighting::new(&self.camera, &px, self.window.config.pixel_std)?;
-                if self.window.followed {
-                    // The pixel of the stamp's camera: a line or ten from the one that was exposed.
-                    sighting.delay_s = line_delay(&self.camera, &px, self.config.front_end.readout_s);
-                }
+                // The pixel of the stamp's camera: a line or ten from the one that was exposed.
+                sighting.delay_s = line_delay(&self.camera, &px, frame.readout_s);
                 Some(Seen { id: track.id, sighting })
             })
             .collect()

@@ -128,11 +128,12 @@ impl ImageTracker {
 
     /// Forgets samples that no image after `t` needs, wherever the clock will be found to be.
     fn forget_before(&mut self, t: Stamp) {
-        self.gyro.forget_before(t.plus_seconds(-0.5 * self.readout_s() - 2.0 * REACH_S));
+        self.gyro.forget_before(t.plus_seconds(-0.5 * self.readout_s().abs() - 2.0 * REACH_S));
     }
 
     fn readout_s(&self) -> f64 {
-        self.front_end.config().readout_s
+        let found = || self.clock.readout().map_or(0.0, |found| found.seconds);
+        self.front_end.config().readout_s.unwrap_or_else(found)
     }
 
     /// Takes an image; points are followed into it when a sample at or after its stamp is there.
@@ -158,7 +159,7 @@ impl ImageTracker {
     /// The camera's turns while the image of time `t` on the IMU's clock is read out; none where its lines are taken at once, or no samples cover them.
     fn line_turns(&self, t: Stamp) -> Option<LineTurns> {
         let readout_s = self.readout_s();
-        let turns = if readout_s > 0.0 { self.gyro.over(t, readout_s)? } else { return None };
+        let turns = if readout_s != 0.0 { self.gyro.over(t, readout_s)? } else { return None };
         Some(LineTurns::new(&turns, &self.body_from_cam, readout_s))
     }
 
@@ -166,7 +167,7 @@ impl ImageTracker {
     pub fn next_frame(&mut self, observer: &mut dyn FrontEndObserver) -> Option<TrackFrame> {
         loop {
             let reached = |t: Stamp| {
-                let read_out = self.on_imu_clock(t).plus_seconds(0.5 * self.readout_s());
+                let read_out = self.on_imu_clock(t).plus_seconds(0.5 * self.readout_s().abs());
                 self.imu_ended || self.newest_sample.is_some_and(|newest| read_out <= newest)
             };
             self.waiting.front().filter(|(t, _)| reached(*t))?;

@@ -35,10 +35,8 @@ fn frame(camera: &CameraModel, points: &[Point3<f64>], t: f64) -> TrackFrame {
         let off = Vector2::from_fn(|_, _| noise.random_range(-0.2..0.2));
         Some(Track { id: id as u64, px: seen(point)? + off })
     });
-    TrackFrame {
-        t: Stamp::from_ns(sample(0).sample.t.ns() + (1e9 * t).round() as i64),
-        tracks: tracks.collect(),
-    }
+    let t = Stamp::from_ns(sample(0).sample.t.ns() + (1e9 * t).round() as i64);
+    TrackFrame::new(t, tracks.collect())
 }
 
 /// Root mean square error of the way between frames two seconds apart \[m\], and how many there were.
@@ -53,7 +51,6 @@ fn error(readout_s: f64) -> (f64, usize) {
         })
         .collect();
     let mut config = EstimatorConfig { fed_tracks: FedTracks::Followed, ..EstimatorConfig::default() };
-    config.front_end.readout_s = readout_s;
     config.lens.learn = false;
     let mut estimator = Estimator::new(config, camera, body_from_cam(), 1).unwrap();
     for i in 0..FRAMES * 20 + 20 {
@@ -62,7 +59,7 @@ fn error(readout_s: f64) -> (f64, usize) {
     let mut placed = Vec::new();
     for k in 0..FRAMES {
         let t = 0.1 * k as f64;
-        estimator.feed_frame(frame(&camera, &points, t)).unwrap();
+        estimator.feed_frame(TrackFrame { readout_s, ..frame(&camera, &points, t) }).unwrap();
         let update = estimator.next_update().unwrap();
         if let Some(state) = update.state {
             placed.push((t, state.world_from_body));

@@ -3,7 +3,7 @@
 use super::feed_error::FeedError;
 use super::jump::BiasJump;
 use super::update::{Phase, RestartReason, Update};
-use crate::clock::CameraClock;
+use crate::clock::{CameraClock, Readout};
 use dpn_core::Stamp;
 use dpn_core::trajectory::StampedPose;
 use serde::Serialize;
@@ -60,12 +60,16 @@ pub struct RunReport {
     pub lens_px: Option<f64>,
     /// The camera's clock.
     pub clock: CameraClock,
+    /// How long an image's lines take to be read out, where that was found.
+    pub readout: Option<Readout>,
     /// Linear systems solved.
     pub iterations: usize,
     /// Tracks ended as outliers.
     pub outliers: usize,
     /// Sum of squares of whitened inertial residuals, and their degrees of freedom.
     pub whitened: (f64, usize),
+    /// Sum over the poses of the accelerometer's bias along the vertical \[m/s^2\].
+    pub vertical_bias: f64,
     /// Wall-clock seconds by [`Stage`].
     pub seconds: [f64; 5],
 }
@@ -80,8 +84,9 @@ impl RunReport {
     pub fn add(&mut self, update: &Update) {
         self.frames += 1;
         self.first.get_or_insert(update.t);
-        if update.state.is_some() {
+        if let Some(state) = &update.state {
             self.poses += 1;
+            self.vertical_bias += (state.world_from_body.rotation * state.bias.accel).z;
             self.initialised.get_or_insert(update.t);
         }
         if self.initialised.is_some() {
@@ -102,6 +107,11 @@ impl RunReport {
     /// Mean square of the whitened inertial residual per degree of freedom: 1 where the noise told is the noise there is.
     pub fn whitened_mean(&self) -> Option<f64> {
         (self.whitened.1 > 0).then(|| self.whitened.0 / self.whitened.1 as f64)
+    }
+
+    /// Mean of the accelerometer's bias along the vertical \[m/s^2\]: what it reads of gravity that is none.
+    pub fn vertical_bias_mean(&self) -> Option<f64> {
+        (self.poses > 0).then(|| self.vertical_bias / self.poses as f64)
     }
 
     /// Share of the frames since initialisation that have a pose.

@@ -5,6 +5,7 @@
 
 use super::report::RunReport;
 use crate::components::Levels;
+use dpn_core::GRAVITY;
 use serde::Serialize;
 use thiserror::Error;
 
@@ -14,6 +15,8 @@ const MOST_WHITENED: f64 = 3.5;
 const MOST_OUTLIERS: f64 = 1.0;
 /// Levels of samples beyond this are no sensor's noise: good runs end at up to 7 and 13.
 const MOST_LEVEL: f64 = 20.0;
+/// More that an accelerometer reads of gravity than there is, or less, is a scale or a bias that nobody took out \[m/s^2\]; good runs have up to 0.25.
+const MOST_VERTICAL_BIAS: f64 = 0.5;
 /// Fewest poses that are judged.
 const FEWEST_POSES: usize = 30;
 
@@ -41,6 +44,15 @@ pub enum Doubt {
         /// How often.
         times: usize,
     },
+    /// The accelerometer reads another gravity.
+    #[error(
+        "the accelerometer reads {:.2} m/s^2 along the vertical where gravity is {GRAVITY}: its scale (mended by --accel-scale {:.3}) or its bias is off",
+        GRAVITY + bias, GRAVITY / (GRAVITY + bias)
+    )]
+    Gravity {
+        /// Mean of its bias along the vertical \[m/s^2\].
+        bias: f64,
+    },
     /// The noise learned is no sensor's.
     #[error("the noise learned is {level:.0} times what was given ({MOST_LEVEL} at most in a good run)")]
     Levels {
@@ -62,6 +74,8 @@ pub fn doubts(report: &RunReport, levels: Option<&Levels>) -> Vec<Doubt> {
     // Whoever finds the clock, or passes a gap, has begun anew for a reason that is no contradiction.
     let times = report.restarts.iter().filter(|(_, reason)| reason.is_contradiction()).count();
     found.extend((times > 0).then_some(Doubt::Restarted { times }));
+    let bias = report.vertical_bias_mean().filter(|bias| bias.abs() > MOST_VERTICAL_BIAS);
+    found.extend(bias.map(|bias| Doubt::Gravity { bias }));
     let level = levels.map_or(0.0, |levels| levels.inertial.0[..6].iter().copied().fold(0.0, f64::max));
     found.extend((level > MOST_LEVEL).then_some(Doubt::Levels { level }));
     found
@@ -110,6 +124,7 @@ mod tests {
             outliers: 250,
             whitened: (4500.0, 900),
             restarts: vec![(t, RestartReason::Jump { distance: 2.0 })],
+            vertical_bias: -98.1,
             ..good
         };
         let found = doubts(&bad, Some(&levels(34.0)));
@@ -117,11 +132,17 @@ mod tests {
             Doubt::Whitened { mean_square: 5.0 },
             Doubt::Outliers { a_pose: 2.5 },
             Doubt::Restarted { times: 1 },
+            Doubt::Gravity { bias: -0.981 },
             Doubt::Levels { level: 34.0 },
         ];
         assert_eq!(found, expected);
         let said = doubts_warning(&found, false).unwrap();
-        assert!(said.contains("5.0 times the variance") && said.contains("`dpn check`"), "{said}");
+        assert!(
+            said.contains("5.0 times the variance")
+                && said.contains("--accel-scale 1.111")
+                && said.contains("`dpn check`"),
+            "{said}"
+        );
         assert!(doubts_warning(&found, true).unwrap().ends_with("another warning names a cause"));
     }
 }

@@ -12,9 +12,10 @@ use serde::{Deserialize, Serialize};
 pub struct FrontEndConfig {
     /// Frames handed over a second, above 0, at most 1000; images between them are tracked through. Default 10, VINS-Mono's.
     pub rate_hz: f64,
-    /// Time from the first line's exposure to the last's \[s\], 0 to .1, for a rolling shutter; images are stamped at their middle line
-    /// (a stamp elsewhere is an offset of the camera's clock). Default 0, all lines at once.
-    pub readout_s: f64,
+    /// Time from the first line's exposure to the last's \[s\], -.1 (read out from below) to .1, 0 where all are taken at once; images are stamped at their
+    /// middle line (a stamp elsewhere is an offset of the camera's clock). Without it, it is found from how turns bend the flow of points.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub readout_s: Option<f64>,
     /// What is added to the camera's stamps \[s\], -10 to 10; without it, it is found from the turns of camera and gyroscope, up to .25 s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time_offset_s: Option<f64>,
@@ -30,7 +31,7 @@ impl Default for FrontEndConfig {
     fn default() -> Self {
         Self {
             rate_hz: 10.0,
-            readout_s: 0.0,
+            readout_s: None,
             time_offset_s: None,
             corners: CornerConfig::default(),
             klt: KltConfig::default(),
@@ -44,7 +45,9 @@ impl Validate for FrontEndConfig {
         let mut faults = ConfigFaults::default();
         let rate = self.rate_hz;
         faults.check(rate > 0.0 && rate <= 1000.0, "rate_hz", rate, "above 0, at most 1000");
-        faults.within("readout_s", self.readout_s, 0.0, 0.1);
+        if let Some(readout_s) = self.readout_s {
+            faults.within("readout_s", readout_s, -0.1, 0.1);
+        }
         if let Some(offset_s) = self.time_offset_s {
             faults.within("time_offset_s", offset_s, -10.0, 10.0);
         }
@@ -70,7 +73,7 @@ mod tests {
         {
             assert!(error.contains(key), "{key} not in {error}");
         }
-        let nan = FrontEndConfig { readout_s: f64::NAN, ..FrontEndConfig::default() };
+        let nan = FrontEndConfig { readout_s: Some(f64::NAN), ..FrontEndConfig::default() };
         assert_eq!(nan.faults().len(), 1);
         assert!(FrontEndConfig::default().faults().is_empty());
     }

@@ -372,7 +372,8 @@ impl FrontEnd {
             Some(_) => self.camera.project(&point.bearing),
         };
         let tracks = self.points.iter().filter_map(|p| Some(Track { id: p.id, px: px(p)? })).collect();
-        TrackFrame { t, tracks }
+        let readout_s = self.lines.map_or(0.0, |lines| lines.readout_s());
+        TrackFrame { t, tracks, readout_s }
     }
 
     /// Moves points to where the windows they began with are.

@@ -43,6 +43,11 @@ impl LineTurns {
         Self { image_from_line: body.map(|turn| body_from_cam.inverse() * turn * body_from_cam), readout_s }
     }
 
+    /// From the first line's exposure to the last's \[s\].
+    pub(super) fn readout_s(&self) -> f64 {
+        self.readout_s
+    }
+
     /// How long after the image's stamp the lines `share` of the way down are exposed \[s\].
     fn delay(&self, share: f64) -> f64 {
         self.readout_s * (share - 0.5)
