@@ -4,5 +4,6 @@
 
 mod ate_of_peers;
 mod camera;
+mod faults;
 mod real_motion;
 mod rendered_hall;
