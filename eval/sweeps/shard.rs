@@ -233,6 +233,10 @@ impl<'a> Shard<'a> {
         let planned = &self.folder.manifest;
         let cells = &planned.cells[planned.cells_of(place)];
         let truth = self.folder.dir.join(TRUTH).join(&planned.jobs[place].folder);
+        // Whoever reads them follows links.
+        for (name, _) in truth.list()? {
+            truth.join(name).open()?;
+        }
         let experiment = here.finds(experiment, planned.data.as_deref(), truth.path());
         let source = experiment.source()?;
         let (threads, cache) = (here.threads, here.cache);

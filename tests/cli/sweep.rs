@@ -239,7 +239,8 @@ fn shards_of_another_program_processor_or_sweep_are_refused_by_what_differs() {
 fn another_shards_folder_in_a_shards_place_is_told_by_all_with_the_same_remedy() {
     let tmp = tempfile::tempdir().unwrap();
     let dir = tmp.path();
-    swept(dir);
+    plan(dir, crate::links::PLAN, "--shards 2").well();
+    call(dir, "sweep run s --shard all").well();
     std::fs::remove_dir_all(dir.join("s/shards/1")).unwrap();
     std::fs::rename(dir.join("s/shards/0"), dir.join("s/shards/1")).unwrap();
     let words = [

@@ -6,6 +6,8 @@ use crate::cmd::{cache, program, shipped, stop};
 use crate::ui::{Bar, Fault, Interrupted, errln};
 use anyhow::Result;
 use dpn_eval::sweeps::{Node, SweepError, SweepFolder, run_shard};
+use dpn_io::ResultPath;
+use dpn_pronet::network::Network;
 use std::collections::VecDeque;
 
 /// Where Slurm says which of an array's tasks this is.
@@ -14,8 +16,7 @@ const TASK: &str = "SLURM_ARRAY_TASK_ID";
 pub(crate) fn run(args: &SweepRunArgs) -> Result<()> {
     let folder = SweepFolder::open(&args.sweep)?;
     let shards = chosen(args)?.numbers(folder.shards());
-    let models = args.sweep.join(MODELS);
-    let networks = shipped::or_of(folder.manifest.models.then_some(models.path()))?;
+    let networks = if folder.manifest.models { own(&args.sweep.join(MODELS))? } else { shipped::networks()? };
     let cache = cache::open(&args.cache)?;
     let here = Node {
         program: program(),
@@ -63,6 +64,18 @@ pub(crate) fn run(args: &SweepRunArgs) -> Result<()> {
     }
     cache::say(cache.as_ref());
     failed.map_or(Ok(()), |error| Err(error.into()))
+}
+
+/// The networks that were put into the sweep's folder, a folder each.
+fn own(models: &ResultPath) -> Result<Vec<Network>> {
+    let mut all = Vec::new();
+    for (folder, _) in models.list()? {
+        for (name, _) in models.join(&folder).list()? {
+            let file = models.join(&folder).join(name);
+            all.push(Network::from_bytes(&file.read_existing()?, file.path())?);
+        }
+    }
+    Ok(all)
 }
 
 /// The shards named, or the one that Slurm names.
