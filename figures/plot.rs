@@ -140,7 +140,7 @@ mod tests {
     fn saving_twice_gives_the_same_bytes_and_three_files() {
         let folder = tempfile::tempdir().unwrap();
         let read = |name: &str| -> Vec<Vec<u8>> {
-            let paths = save(&Dot, &folder.path().join("new").join(name)).unwrap();
+            let paths = save(&Dot, folder.path().join("new").join(name)).unwrap();
             paths.iter().map(|path| path.read_existing().unwrap()).collect()
         };
         assert_eq!(read("v1.0"), read("v1.1"));
@@ -166,7 +166,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("file");
         fs::write(&file, "in the way").unwrap();
-        let error = save(&Dot, &file.join("plot")).unwrap_err();
+        let error = save(&Dot, file.join("plot")).unwrap_err();
         assert!(matches!(&error, FigureError::Write(_)), "{error:?}");
         let cause = std::error::Error::source(&error).unwrap().to_string();
         assert!(cause.contains(&file.display().to_string()), "{cause}");
@@ -177,7 +177,7 @@ mod tests {
     fn a_target_that_is_a_folder_is_an_error_without_remains() {
         let folder = tempfile::tempdir().unwrap();
         fs::create_dir(folder.path().join("plot.svg")).unwrap();
-        let error = save(&Dot, &folder.path().join("plot")).unwrap_err();
+        let error = save(&Dot, folder.path().join("plot")).unwrap_err();
         assert!(matches!(error, FigureError::Write(_)), "{error:?}");
         assert_eq!(names(folder.path()), ["plot.svg"]);
     }

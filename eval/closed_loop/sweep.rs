@@ -302,7 +302,7 @@ impl Sweep<'_> {
             atomic_write(&path, |out| write_states(&output, &noise, out))?;
         }
         if self.keep.trajectories {
-            write_tum(&trajectory_path(dir, &cell.key), &output.poses())?;
+            write_tum(trajectory_path(dir, &cell.key), &output.poses())?;
         }
         let judged = judge(&recording, &info, &output)?;
         if let Some(nees) = judged.nees.as_ref().filter(|_| self.keep.nees) {

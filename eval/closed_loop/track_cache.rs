@@ -88,7 +88,7 @@ impl TrackCache {
     /// Keeps a cell's row.
     pub(super) fn keep_row(&self, row: &Row) {
         let text = serde_json::to_string(row).expect("numbers, texts and lists of them");
-        let kept = dpn_io::atomic_write(&self.row_path(&row.cell), |out| out.write_all(text.as_bytes()));
+        let kept = dpn_io::atomic_write(self.row_path(&row.cell), |out| out.write_all(text.as_bytes()));
         if let Err(error) = kept {
             self.remark(format!("a row is not kept: {}", with_cause(&error)));
         }

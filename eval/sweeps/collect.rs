@@ -89,7 +89,7 @@ impl Found<'_> {
             }
             return Ok(());
         };
-        record.made_for(folder, shard).map_err(|mixed| SweepError::Mixed(Box::new(mixed)))?;
+        record.made_for(folder, shard)?;
         if !record.done {
             let done = count_rows(folder, &dir)?;
             self.missing.push(MissingShard { shard, done, cells: own.count(), command });

@@ -80,7 +80,7 @@ impl ShardRecord {
     ///
     /// # Errors
     /// In what it is not.
-    pub(super) fn made_for(&self, folder: &SweepFolder, shard: usize) -> Result<(), MixedShard> {
+    pub(super) fn made_for(&self, folder: &SweepFolder, shard: usize) -> Result<(), SweepError> {
         let planned = &folder.manifest;
         let (id, numbers) = (planned.id(), [self.shard.to_string(), shard.to_string()]);
         let pairs = [
@@ -95,7 +95,7 @@ impl ShardRecord {
             return Ok(());
         };
         let first = folder.cells_of_shard(shard).next();
-        Err(MixedShard {
+        Err(SweepError::Mixed(Box::new(MixedShard {
             shard,
             label: first
                 .map_or_else(|| "none planned".to_owned(), |place| planned.cells[place].label.clone()),
@@ -103,7 +103,7 @@ impl ShardRecord {
             there: (*there).clone(),
             planned: (*here).clone(),
             command: folder.command(shard),
-        })
+        })))
     }
 
     pub(super) fn write(&self, dir: &ResultPath) -> Result<(), IoError> {

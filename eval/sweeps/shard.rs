@@ -187,7 +187,7 @@ impl<'a> Shard<'a> {
             found => found?,
         };
         let record = found.unwrap_or_else(new);
-        record.made_for(folder, number).map_err(|mixed| SweepError::Mixed(Box::new(mixed)))?;
+        record.made_for(folder, number)?;
         let whole = record.mend(folder, &dir)?;
         Ok(Self { folder, number, lock, record, whole, failed: Vec::new() })
     }

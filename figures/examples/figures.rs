@@ -148,7 +148,7 @@ fn flight(short_phases: bool) -> Result<Chart, Box<dyn Error>> {
 }
 
 fn keep(plot: &impl Plot, folder: &Path, name: &str) -> Result<Vec<PathBuf>, Box<dyn Error>> {
-    let paths = save(plot, &folder.join(name))?;
+    let paths = save(plot, folder.join(name))?;
     for path in &paths {
         println!("{} {} bytes", path.display(), std::fs::metadata(path.path())?.len());
     }

@@ -16,7 +16,7 @@ pub(crate) fn run(args: &AllanArgs) -> Result<()> {
     let allan = AllanLog::of(&recording, args.all)?;
     let checked = config.as_ref().map(|source| compare(source, &allan));
     let words = format!("{} samples, {:.0} s.", allan.samples, allan.length_s);
-    let files = save(&allan_plot(&allan.axes, &words)?, &args.out.join("allan"))?;
+    let files = save(&allan_plot(&allan.axes, &words)?, args.out.join("allan"))?;
     let text = report::json(&allan, checked.as_deref())?.to_string() + "\n";
     atomic_write(args.out.join("allan.json"), |file| file.write_all(text.as_bytes()))?;
     if args.json {

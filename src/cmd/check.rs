@@ -62,7 +62,7 @@ fn many(args: &CheckArgs, logs: &[PathBuf]) -> Result<Weight> {
     rows.sort_by_key(|(at, _)| *at);
     let rows: Vec<table::Row> = rows.into_iter().map(|(_, row)| row).collect();
     let text = table::json(&rows)?.to_string() + "\n";
-    atomic_write(&args.out.join("check.json"), |file| file.write_all(text.as_bytes()))?;
+    atomic_write(args.out.join("check.json"), |file| file.write_all(text.as_bytes()))?;
     if args.json {
         out!("{text}")?;
     } else {
@@ -86,7 +86,7 @@ fn one(args: &CheckArgs, path: &Path) -> Result<Weight> {
             Err(error) => return Err(error.into()),
         },
     };
-    let files = plot.map(|plot| save(&plot, &args.out.join("spectra"))).transpose()?.unwrap_or_default();
+    let files = plot.map(|plot| save(&plot, args.out.join("spectra"))).transpose()?.unwrap_or_default();
     // Last: where it lies, the rest does too.
     atomic_write(args.out.join("check.json"), |file| file.write_all(text.as_bytes()))?;
     if args.json {

@@ -73,7 +73,7 @@ fn tell(score: &FleetScore, args: &FleetArgs) -> Result<()> {
     let text = format!("{}\n{}", answer.console(), platforms.console());
     let json = serde_json::to_string(score)? + "\n";
     let write = |name: &str, text: &str| -> Result<()> {
-        Ok(atomic_write(&args.out.join(name), |file| file.write_all(text.as_bytes()))?)
+        Ok(atomic_write(args.out.join(name), |file| file.write_all(text.as_bytes()))?)
     };
     write("fleet.csv", &platforms.csv())?;
     write("fleet.txt", &text)?;

@@ -63,7 +63,7 @@ fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
         words.push_str(&format!(" {line}."));
     }
     let plot = log_noise_plot(recording, track, &plan, summary, &words)?;
-    let files = save(&plot, &args.out.join("plot"))?;
+    let files = save(&plot, args.out.join("plot"))?;
     let written = match args.format {
         RowFormat::Csv => {
             let file = args.out.join("noise.csv");

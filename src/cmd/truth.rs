@@ -65,7 +65,7 @@ fn one(
         "program": program(), "sequence": name, "config": config, "report": done.report,
     });
     let text = serde_json::to_string_pretty(&json)? + "\n";
-    atomic_write(&out.join(format!("{name}.json")), |file| file.write_all(text.as_bytes()))?;
+    atomic_write(out.join(format!("{name}.json")), |file| file.write_all(text.as_bytes()))?;
     // Last: where it lies, its report does too.
     let file = out.join(format!("{name}.csv"));
     write_ground_truth(&file, &done.truth)?;

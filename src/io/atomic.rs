@@ -177,7 +177,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         assert!(atomic_write(dir.path(), |out| out.write_all(b"x")).is_err());
         fs::write(dir.path().join("file"), "").unwrap();
-        let error = atomic_write(&dir.path().join("file/out.csv"), |out| out.write_all(b"x")).unwrap_err();
+        let error = atomic_write(dir.path().join("file/out.csv"), |out| out.write_all(b"x")).unwrap_err();
         assert!(error.to_string().ends_with("file/out.csv"), "{error}");
     }
 

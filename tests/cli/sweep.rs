@@ -292,7 +292,7 @@ fn a_second_process_on_a_shard_is_told_who_has_it() {
     let tmp = tempfile::tempdir().unwrap();
     let dir = tmp.path();
     plan(dir, PLAN, "--shards 3").well();
-    let lock = FolderLock::take(&dir.join("s/shards/1")).unwrap();
+    let lock = FolderLock::take(dir.join("s/shards/1")).unwrap();
     let done = call(dir, "sweep run s --shard 1");
     refused(&done, &["shards/1: another dpn writes there (process ", "hint: wait until that one is over"]);
     drop(lock);

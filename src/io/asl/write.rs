@@ -193,7 +193,7 @@ mod tests {
         for (velocity, biases) in [(false, false), (true, false), (true, true)] {
             let truth = truth(&mut rng, velocity, biases);
             let parts = SequenceParts { imu: &imu, imu_config: Some(&config), ground_truth: Some(&truth) };
-            let sequence = write_sequence(&dir.path().join("flight_01"), &parts).unwrap();
+            let sequence = write_sequence(dir.path().join("flight_01"), &parts).unwrap();
             assert_eq!(sequence.name(), "flight_01");
             assert_eq!(sequence.imu().unwrap(), imu);
             assert_eq!(sequence.imu_config().unwrap().unwrap(), config);

@@ -116,7 +116,7 @@ mod tests {
         write_camera_frames(dir.path(), &frames).unwrap();
         let image = GrayImage::from_fn(5, 3, |x, y| (40 * x + 7 * y) as u8).unwrap();
         for frame in &frames {
-            write_png(&image_place(dir.path(), frame), image.view()).unwrap();
+            write_png(image_place(dir.path(), frame), image.view()).unwrap();
         }
         let sequence = Sequence::open(dir.path()).unwrap();
         let read = sequence.camera_config().unwrap().unwrap();
