@@ -194,8 +194,7 @@ mod tests {
     use nalgebra::DVector;
     use proptest::prelude::*;
 
-    proptest! {
-        #[test]
+    #[test]
     fn a_reduced_camera_sees_a_point_where_its_reduced_pixel_is() {
         let (camera, point) = (CameraModel::euroc_cam0(), Vector3::new(0.3, -0.2, 1.5));
         let third = camera.reduced(3);
@@ -206,7 +205,8 @@ mod tests {
         assert!((third.px_per_rad() - camera.px_per_rad() / 3.0).abs() < 1e-9);
     }
 
-    #[test]
+    proptest! {
+        #[test]
         fn normalise_undoes_projection_inside_the_image(u in 0.0..751.0f64, v in 0.0..479.0f64) {
             let camera = CameraModel::euroc_cam0();
             let px = Vector2::new(u, v);
