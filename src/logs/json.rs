@@ -4,7 +4,8 @@
 //! where they are of one sensor: by a key that says it (Android's numbers too), else by the array they stand in. Tables are text, for the readers of text.
 
 use dpn_io::printable;
-use serde_json::{Map, Value};
+use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
+use std::fmt;
 
 /// Keys that say of which sensor an object is.
 const SENSOR: [&str; 6] = ["sensor", "sensorType", "sensor_type", "sensorName", "type", "name"];
@@ -19,8 +20,10 @@ const ANDROID: [(u64, &str); 8] = [
     (16, "gyroscope uncalibrated"),
     (35, "accelerometer uncalibrated"),
 ];
-/// Sensors that are told apart, columns of one, and objects within each other.
+/// Sensors that are told apart, columns of one, letters of a text.
 const MOST: usize = 64;
+/// Numbers of an array that are columns.
+const AXES: usize = 9;
 
 /// Rows of one sensor.
 #[derive(Debug, Default)]
@@ -45,78 +48,142 @@ pub(crate) fn is(head: &[u8]) -> bool {
     }
 }
 
-/// The tables of a file, and what was wrong where it ended early.
+/// The tables of a file, and what was wrong where it ended early. Objects are made rows as they come: no more than one is held.
 pub(crate) fn tables(bytes: &[u8]) -> (Vec<Table>, Option<String>) {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut tables = Vec::new();
-    let mut values = serde_json::Deserializer::from_slice(bytes).into_iter::<Value>();
-    loop {
-        match values.next() {
-            None => return (tables, None),
-            Some(Ok(value)) => walk(&value, "", &mut tables),
-            Some(Err(error)) => {
+    let mut values = serde_json::Deserializer::from_slice(bytes);
+    while values.end().is_err() {
+        match (Walk { within: "", tables: &mut tables }).deserialize(&mut values) {
+            Ok(Leaf::Keys(keys)) => record(&keys, "", &mut tables),
+            Ok(_) => {}
+            Err(error) => {
                 let what = if error.is_eof() { "cut off".to_owned() } else { printable(&error.to_string()) };
                 return (tables, Some(format!("its JSON is {what}")));
             }
         }
     }
+    (tables, None)
 }
 
-fn walk(value: &Value, within: &str, tables: &mut Vec<Table>) {
-    match value {
-        Value::Array(list) => list.iter().for_each(|value| walk(value, within, tables)),
-        Value::Object(keys) => {
-            let mut row = Vec::new();
-            flatten(keys, "", &mut row);
-            if row.len() >= 3 {
-                take(&row, sensor(keys, within), tables);
-            }
-            for (key, value) in keys.iter().filter(|(_, value)| holds_objects(value)) {
-                walk(value, key, tables);
-            }
-        }
-        _ => {}
+/// A value as far as a row has use for it.
+enum Leaf {
+    /// A number, or a short text.
+    Text(String),
+    /// A few numbers.
+    Numbers(Vec<String>),
+    /// An object.
+    Keys(Vec<(String, Leaf)>),
+    Other,
+}
+
+/// Goes through a value; objects in arrays are rows of their own, of the sensor that `within` names where they do not.
+struct Walk<'a> {
+    within: &'a str,
+    tables: &'a mut Vec<Table>,
+}
+
+impl<'de> DeserializeSeed<'de> for Walk<'_> {
+    type Value = Leaf;
+
+    fn deserialize<D: Deserializer<'de>>(self, input: D) -> Result<Leaf, D::Error> {
+        input.deserialize_any(self)
     }
 }
 
-/// Whether rows of their own may stand in a value: objects in an array, or an object that holds such.
-fn holds_objects(value: &Value) -> bool {
-    match value {
-        Value::Array(list) => list.iter().any(Value::is_object),
-        Value::Object(keys) => keys.values().any(holds_objects),
-        _ => false,
+impl<'de> Visitor<'de> for Walk<'_> {
+    type Value = Leaf;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a value")
+    }
+
+    fn visit_bool<E>(self, _: bool) -> Result<Leaf, E> {
+        Ok(Leaf::Other)
+    }
+
+    fn visit_unit<E>(self) -> Result<Leaf, E> {
+        Ok(Leaf::Other)
+    }
+
+    fn visit_u64<E>(self, v: u64) -> Result<Leaf, E> {
+        Ok(Leaf::Text(v.to_string()))
+    }
+
+    fn visit_i64<E>(self, v: i64) -> Result<Leaf, E> {
+        Ok(Leaf::Text(v.to_string()))
+    }
+
+    fn visit_f64<E>(self, v: f64) -> Result<Leaf, E> {
+        Ok(Leaf::Text(v.to_string()))
+    }
+
+    fn visit_str<E>(self, v: &str) -> Result<Leaf, E> {
+        Ok(if v.len() <= MOST { Leaf::Text(v.trim().to_owned()) } else { Leaf::Other })
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Leaf, A::Error> {
+        let Self { within, tables } = self;
+        let (mut numbers, mut plain) = (Vec::new(), true);
+        while let Some(leaf) = list.next_element_seed(Walk { within, tables: &mut *tables })? {
+            match leaf {
+                Leaf::Text(text) if plain && numbers.len() < AXES && is_number(&text) => numbers.push(text),
+                Leaf::Keys(keys) => {
+                    record(&keys, within, tables);
+                    plain = false;
+                }
+                _ => plain = false,
+            }
+        }
+        Ok(if plain && !numbers.is_empty() { Leaf::Numbers(numbers) } else { Leaf::Other })
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Leaf, A::Error> {
+        let mut keys = Vec::new();
+        while let Some(key) = map.next_key::<String>()? {
+            let leaf = map.next_value_seed(Walk { within: &key, tables: &mut *self.tables })?;
+            if keys.len() < MOST && !matches!(leaf, Leaf::Other) {
+                keys.push((key, leaf));
+            }
+        }
+        Ok(Leaf::Keys(keys))
     }
 }
 
-fn sensor(keys: &Map<String, Value>, within: &str) -> String {
-    let said = SENSOR.iter().find_map(|key| match keys.get(*key)? {
-        Value::String(name) => Some(name.as_str()),
-        Value::Number(number) => {
-            let number = number.as_u64()?;
-            ANDROID.iter().find(|(one, _)| *one == number).map(|(_, name)| *name)
-        }
+fn is_number(text: &str) -> bool {
+    text.parse::<f64>().is_ok()
+}
+
+/// A row of an object's numbers, where it has a few.
+fn record(keys: &[(String, Leaf)], within: &str, tables: &mut Vec<Table>) {
+    let mut row = Vec::new();
+    flatten(keys, "", &mut row);
+    if row.len() >= 3 {
+        take(&row, sensor(keys, within), tables);
+    }
+}
+
+fn sensor(keys: &[(String, Leaf)], within: &str) -> String {
+    let said = SENSOR.iter().find_map(|name| match keys.iter().find(|(key, _)| key == name)? {
+        (_, Leaf::Text(text)) => match text.parse::<u64>() {
+            Ok(number) => ANDROID.iter().find(|(one, _)| *one == number).map(|(_, name)| *name),
+            Err(_) => Some(text.as_str()),
+        },
         _ => None,
     });
     said.unwrap_or(within).to_owned()
 }
 
-/// The numbers below an object, with the keys down to them.
-fn flatten(keys: &Map<String, Value>, above: &str, row: &mut Vec<(String, String)>) {
-    for (key, value) in keys {
-        if row.len() >= MOST {
-            return;
-        }
+/// The numbers below an object, with the keys down to them. Sensor Logger writes numbers as text.
+fn flatten(keys: &[(String, Leaf)], above: &str, row: &mut Vec<(String, String)>) {
+    for (key, leaf) in keys.iter().take(MOST) {
         let name = format!("{above}{}", key.replace([',', '\n', '\r', '"', '#'], " "));
-        match value {
-            Value::Number(number) => row.push((name, number.to_string())),
-            // Sensor Logger writes numbers as text.
-            Value::String(text) if text.trim().parse::<f64>().is_ok() => {
-                row.push((name, text.trim().to_owned()));
+        match leaf {
+            Leaf::Text(text) if is_number(text) => row.push((name, text.clone())),
+            Leaf::Numbers(list) => {
+                row.extend(list.iter().enumerate().map(|(i, v)| (format!("{name}[{i}]"), v.clone())));
             }
-            Value::Array(list) if list.len() <= 9 && list.iter().all(Value::is_number) => {
-                row.extend(list.iter().enumerate().map(|(i, v)| (format!("{name}[{i}]"), v.to_string())));
-            }
-            Value::Object(inner) if !holds_objects(value) => flatten(inner, &format!("{name}."), row),
+            Leaf::Keys(inner) if row.len() < MOST => flatten(inner, &format!("{name}."), row),
             _ => {}
         }
     }
@@ -170,9 +237,9 @@ mod tests {
         );
         let named = r#"{"rotations": [{"x": 0.5, "y": 1, "z": 2, "time_usec": 9}], "accelerations": [{"x": "3", "y": 4, "z": 5, "time_usec": 9}]}"#;
         let sensors: Vec<String> = of(named).into_iter().map(|(sensor, _)| sensor).collect();
-        assert_eq!(sensors, ["accelerations", "rotations"]);
+        assert_eq!(sensors, ["rotations", "accelerations"]);
         let wide = r#"[{"t": 1, "gyro": {"x": 1, "y": 2, "z": 3}, "accel": [4, 5, 6]}]"#;
-        assert_eq!(of(wide)[0].1, "accel[0],accel[1],accel[2],gyro.x,gyro.y,gyro.z,t\n4,5,6,1,2,3,1\n");
+        assert_eq!(of(wide)[0].1, "t,gyro.x,gyro.y,gyro.z,accel[0],accel[1],accel[2]\n1,1,2,3,4,5,6\n");
     }
 
     #[test]

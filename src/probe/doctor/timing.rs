@@ -313,7 +313,7 @@ mod tests {
     fn samples_that_arrive_in_bursts_are_not_lost_and_those_that_are_lost_among_them_are() {
         let mut rng = dpn_core::random::Stream::new(5).named("arrival").rng();
         let mut samples = level(30);
-        // Each waits for up to 12 ms, now and then for 20, and none passes the one before.
+        // Each waits for up to 3 ms, now and then for 16, and none passes the one before.
         let mut last = 0;
         for s in &mut samples {
             let wait = if rand::Rng::random_bool(&mut rng, 0.03) {
@@ -341,6 +341,11 @@ mod tests {
         assert!(of(counted.collect()).iter().all(|f| !f.warns()));
         samples.drain(3000..3040);
         let found = of(samples);
-        assert!(find(&found, "gaps").unwrap().text.starts_with("1 hole(s), about 4"), "{found:?}");
+        // The hole itself jitters too.
+        let gaps = &find(&found, "gaps").unwrap().text;
+        let lost = gaps
+            .strip_prefix("1 hole(s), about ")
+            .and_then(|rest| rest.split(' ').next()?.parse::<f64>().ok());
+        assert!((lost.unwrap() - 40.0).abs() < 5.0, "{found:?}");
     }
 }

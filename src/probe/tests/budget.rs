@@ -93,6 +93,20 @@ fn logs(judge: &mut Judge) {
     for file in forged::logs().into_iter().chain(forged::bags().into_iter().map(|(bag, _)| bag)) {
         judge.log(&file.name, &file.bytes(), &options);
     }
+    let long: String = (0..1 << 17).map(|i| format!("gyro,{i},1,2,3\naccel,{i},1,2,9\n")).collect();
+    let cycles: String = (0..1 << 19).map(|i| format!("{},0,0,0,0,0,9.81\n", i * 7919 % 1009)).collect();
+    for (name, text) in [
+        ("a million objects of JSON", format!("[{}{{}}]", "{\"a\":1},".repeat(1 << 20))),
+        ("a million arrays of JSON", format!("[{}[]]", "[1],".repeat(1 << 20))),
+        (
+            "objects of a sensor each",
+            "{\"sensor\":\"gyro\",\"t\":1,\"x\":1,\"y\":2,\"z\":3}\n".repeat(1 << 17),
+        ),
+        ("a row a sensor", long),
+        ("stamps in no order", cycles),
+    ] {
+        judge.log(name, text.as_bytes(), &options);
+    }
     judge.case("a million comments, line by line", 5 << 20, || {
         let mut lines = ImuLines::new(Path::new("stdin"), CsvOptions::default());
         for _ in 0..1 << 20 {
