@@ -42,10 +42,10 @@ struct Meaning {
 /// Which of [`SLOTS`] the names mean, as flags; of a file with one sensor alone, that one's count for both.
 pub(crate) fn slots(names: &[String], only: Option<Sensor>) -> [bool; 7] {
     let mut found = [false; 7];
-    for name in names {
-        if let Some(meaning) = meaning_in(name, only) {
-            found[meaning.slot] = true;
-        }
+    let mut meanings: Vec<Option<Meaning>> = names.iter().map(|name| meaning_in(name, only)).collect();
+    apples(&mut meanings);
+    for meaning in meanings.iter().flatten() {
+        found[meaning.slot] = true;
     }
     if let Some(sensor) = only {
         for axis in 0..3 {

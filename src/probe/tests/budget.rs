@@ -94,7 +94,7 @@ fn logs(judge: &mut Judge) {
         judge.log(&file.name, &file.bytes(), &options);
     }
     let long: String = (0..1 << 17).map(|i| format!("gyro,{i},1,2,3\naccel,{i},1,2,9\n")).collect();
-    let cycles: String = (0..1 << 19).map(|i| format!("{},0,0,0,0,0,9.81\n", i * 7919 % 1009)).collect();
+    let cycles: String = (0..1i64 << 19).map(|i| format!("{},0,0,0,0,0,9.81\n", i * 7919 % 1009)).collect();
     for (name, text) in [
         ("a million objects of JSON", format!("[{}{{}}]", "{\"a\":1},".repeat(1 << 20))),
         ("a million arrays of JSON", format!("[{}[]]", "[1],".repeat(1 << 20))),
