@@ -4,7 +4,7 @@
 //! where they are of one sensor: by a key that says it (Android's numbers too), else by the array they stand in. Tables are text, for the readers of text.
 
 use dpn_io::printable;
-use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
+use serde::de::{DeserializeSeed, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use std::fmt;
 
 /// Keys that say of which sensor an object is.
@@ -52,18 +52,24 @@ pub(crate) fn is(head: &[u8]) -> bool {
 pub(crate) fn tables(bytes: &[u8]) -> (Vec<Table>, Option<String>) {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut tables = Vec::new();
-    let mut values = serde_json::Deserializer::from_slice(bytes);
-    while values.end().is_err() {
-        match (Walk { within: "", tables: &mut tables }).deserialize(&mut values) {
-            Ok(Leaf::Keys(keys)) => record(&keys, "", &mut tables),
-            Ok(_) => {}
-            Err(error) => {
-                let what = if error.is_eof() { "cut off".to_owned() } else { printable(&error.to_string()) };
-                return (tables, Some(format!("its JSON is {what}")));
-            }
+    // Where a value ends is looked for first: asking a parser whether anything is left counts all lines before it.
+    let mut values = serde_json::Deserializer::from_slice(bytes).into_iter::<IgnoredAny>();
+    loop {
+        let start = values.byte_offset();
+        let (end, damage) = match values.next() {
+            None => return (tables, None),
+            Some(Ok(_)) => (values.byte_offset(), None),
+            Some(Err(error)) if error.is_eof() => (bytes.len(), Some("cut off".to_owned())),
+            Some(Err(error)) => (bytes.len(), Some(printable(&error.to_string()))),
+        };
+        let mut value = serde_json::Deserializer::from_slice(&bytes[start..end]);
+        if let Ok(Leaf::Keys(keys)) = (Walk { within: "", tables: &mut tables }).deserialize(&mut value) {
+            record(&keys, "", &mut tables);
+        }
+        if let Some(damage) = damage {
+            return (tables, Some(format!("its JSON is {damage}")));
         }
     }
-    (tables, None)
 }
 
 /// A value as far as a row has use for it.
