@@ -64,6 +64,10 @@ pub(super) const CONVERT: &str = "Examples:
   dpn noise convert imu.yaml --to vins --rate 200
   dpn noise convert --from datasheet --accel-noise '120 ug/sqrt(Hz)' --gyro-noise '0.007 deg/s/sqrt(Hz)' --to kalibr --rate 200";
 
+pub(super) const RESAMPLE: &str = "Examples:
+  dpn convert flight.bag --to-rate 100 --out flight100.csv
+  dpn convert phone.zip --out phone.csv";
+
 pub(super) const ALLAN: &str = "Examples:
   dpn allan static.csv
   dpn allan two_hours_at_rest.mcap --check imu.yaml --out runs/allan";

@@ -15,6 +15,7 @@ mod noise;
 mod page;
 mod paper;
 mod paste;
+mod resample;
 mod run;
 mod simulate;
 mod sweep;
@@ -36,6 +37,7 @@ pub(crate) use noise::{ConvertArgs, NoiseArgs, NoiseWhat, RowFormat};
 pub(crate) use page::PageArgs;
 pub(crate) use paper::PaperArgs;
 pub(crate) use paste::PasteArgs;
+pub(crate) use resample::ResampleArgs;
 pub(crate) use run::RunArgs;
 pub(crate) use simulate::{AlongArgs, FlightArgs, ImagesArgs, SimulateArgs, SimulateWhat, TracksArgs};
 pub(crate) use sweep::{
@@ -81,6 +83,9 @@ pub(crate) enum Command {
     /// What a log at rest says of its sensor's noise: Allan plot, five coefficients an axis, configurations to paste.
     #[command(after_help = examples::ALLAN)]
     Allan(AllanArgs),
+    /// A log as a plain CSV file, at a lower rate where one is asked for.
+    #[command(after_help = examples::RESAMPLE)]
+    Convert(ResampleArgs),
     /// A log's doctor: rate, gaps, units, gravity, clipping, vibration, rest and motion; findings by weight.
     #[command(after_help = examples::CHECK)]
     Check(CheckArgs),

@@ -27,6 +27,7 @@ mod page;
 mod paper;
 mod program;
 mod rerun;
+mod resample;
 mod run;
 mod settings;
 mod shipped;
@@ -56,6 +57,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Sweep(args) => sweep::run(args),
         Command::Noise(args) => noise::run(&args),
         Command::Allan(args) => allan::run(&args),
+        Command::Convert(args) => resample::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Page(args) => page::run(&args),
         Command::Truth(args) => truth::run(&args),

@@ -120,7 +120,7 @@ impl RecordingFault {
         let text = match self {
             Self::TooShort { .. } => "record for longer",
             Self::WrongRate { .. } => {
-                "look at the unit of the stamps, or resample; noise per sample depends on the rate"
+                "look at the unit of the stamps, or resample a faster log (dpn convert --to-rate HZ); noise per sample depends on the rate"
             }
             Self::Gaps { .. } => "cut the log at the gaps, or look for dropped messages in its driver",
             Self::Saturated { .. } => {

@@ -133,7 +133,7 @@ fn a_wrong_rate() {
     refuses_log(
         &text(&rows(3000, 10_000_000)),
         "error: still: the rate is 100.00 Hz; 200.00 Hz is expected\n\n\
-         hint: look at the unit of the stamps, or resample; noise per sample depends on the rate; \
+         hint: look at the unit of the stamps, or resample a faster log (dpn convert --to-rate HZ); noise per sample depends on the rate; \
          or leave the sequence out",
     );
 }

@@ -1,5 +1,6 @@
-//! `dpn noise LOG --against FILE`: the page, its files, and trajectories that do not belong to the log.
+//! `dpn noise LOG --against FILE` and `dpn convert`: the page, its files, and trajectories that do not belong to the log.
 
+use crate::recording::{put, rows, text};
 use crate::run::{Done, dpn, end, files};
 use std::fmt::Write;
 
@@ -59,4 +60,26 @@ fn a_trajectory_tells_the_noise_and_one_that_does_not_fit_is_named() {
             && done.stderr.contains("multiply the positions by "),
         "{done:?}"
     );
+}
+
+#[test]
+fn a_log_gets_a_lower_rate_behind_a_low_pass_and_never_a_higher_one() {
+    let tmp = tempfile::tempdir().unwrap();
+    let dir = tmp.path();
+    let data = put(&dir.join("log"), "log", &text(&rows(2000, 5_000_000)));
+    let convert = |more: &[&str]| {
+        end(dpn().arg("convert").arg(data.join("log")).arg("--out").arg(dir.join("out.csv")).args(more))
+    };
+    let done = convert(&["--to-rate", "80"]).well();
+    assert!(done.stderr.contains("200.0 Hz to 80.0 Hz behind a low pass: flat to 32.0 Hz"), "{done:?}");
+    let written = std::fs::read_to_string(dir.join("out.csv")).unwrap();
+    let stamps: Vec<i64> =
+        written.lines().skip(1).map(|row| row.split(',').next().unwrap().parse().unwrap()).collect();
+    // Ten seconds, less half a window at both ends.
+    assert!((755..=770).contains(&stamps.len()), "{}", stamps.len());
+    assert!(stamps.windows(2).all(|two| (two[1] - two[0] - 12_500_000).abs() <= 1));
+    let done = convert(&["--to-rate", "400"]);
+    assert!(done.code == Some(2) && done.stderr.contains("give a lower rate"), "{done:?}");
+    let done = convert(&["--to-rate", "1"]);
+    assert!(done.code == Some(2) && done.stderr.contains("it needs 36.00 s"), "{done:?}");
 }

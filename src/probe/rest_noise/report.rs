@@ -72,18 +72,24 @@ impl SensorNoise {
     /// Its held values, low pass and lines; a line each.
     fn notes(&self) -> Vec<String> {
         let mut notes: Vec<String> = self.held_words().into_iter().chain(self.filter_words()).collect();
-        for (axis, name) in self.axes.iter().zip(["x", "y", "z"]) {
-            let Some(axis) = axis else { continue };
-            if axis.density.is_none() {
-                notes.push(format!(
-                    "{} {name}: no plateau between drift and corner; rest for longer, or with a wider filter",
-                    self.sensor
-                ));
-            }
-            if !axis.lines.is_empty() {
-                let lines: Vec<String> = axis.lines.iter().map(|hz| format!("{hz:.1}")).collect();
-                notes.push(format!("{} {name}: lines at {} Hz are left out", self.sensor, listed(&lines)));
-            }
+        let named =
+            || self.axes.iter().zip(["x", "y", "z"]).filter_map(|(axis, name)| Some((axis.as_ref()?, name)));
+        let unseen: Vec<&str> =
+            named().filter(|(axis, _)| axis.density.is_none()).map(|(_, name)| name).collect();
+        if !unseen.is_empty() {
+            notes.push(format!(
+                "{} {}: no plateau between drift and corner; rest for longer, or with a wider filter",
+                self.sensor,
+                unseen.join(", ")
+            ));
+        }
+        let of = |lines: &[f64]| listed(&lines.iter().map(|hz| format!("{hz:.1}")).collect::<Vec<_>>());
+        let lines: Vec<String> = named()
+            .filter(|(axis, _)| !axis.lines.is_empty())
+            .map(|(axis, name)| format!("{name} {}", of(&axis.lines)))
+            .collect();
+        if !lines.is_empty() {
+            notes.push(format!("{}: lines are left out [Hz]: {}", self.sensor, lines.join("; ")));
         }
         notes
     }

@@ -1,0 +1,36 @@
+//! `dpn convert`.
+
+use super::log;
+use crate::args::ResampleArgs;
+use crate::ui::{Fault, errln, outln};
+use anyhow::{Context, Result};
+use dpn_core::ImuRecording;
+use dpn_core::signal::resampled;
+use dpn_io::asl::write_imu_rows;
+use dpn_io::atomic_write;
+
+pub(crate) fn run(args: &ResampleArgs) -> Result<()> {
+    let mut recording = log::read(&args.log)?.recording.held()?;
+    if let Some(to) = args.to_rate {
+        let path = args.log.path.display();
+        let rate = recording.rate();
+        if to.hz() >= rate.hz() {
+            let message =
+                format!("{path}: the log has {:.1} Hz, and {:.1} Hz are asked for", rate.hz(), to.hz());
+            let hint = "give a lower rate: what was not sampled cannot be made, interpolation only lessens the noise";
+            return Err(Fault::new(message).hint(hint).into());
+        }
+        let samples = resampled(recording.samples(), rate, to);
+        let too_short = || format!("{path}: shorter than the low pass; it needs {:.2} s", 36.0 * to.period());
+        recording = ImuRecording::new(samples).with_context(too_short)?;
+        errln!(
+            "{:.1} Hz to {:.1} Hz behind a low pass: flat to {:.1} Hz, nothing above {:.1} Hz; white noise keeps its density",
+            rate.hz(),
+            to.hz(),
+            0.4 * to.hz(),
+            0.5 * to.hz()
+        );
+    }
+    atomic_write(&args.out, |out| write_imu_rows(out, &recording))?;
+    Ok(outln!("{}: {} samples", args.out.display(), recording.samples().len())?)
+}
