@@ -22,6 +22,9 @@ const SPANS_S: [f64; 4] = [0.05, 0.1, 0.5, 1.0];
 /// The span whose figures are written out to paste: two frames of a camera of 20 Hz, one of 10 Hz.
 const PASTED_S: f64 = 0.1;
 
+/// Rates of fewer times [`MOTION_HZ`] hold too little above motion: a flight's figure at 100 Hz is twice the same at 200, at 50 Hz ten times.
+const SLOWEST: f64 = 3.5;
+
 /// What the samples are summed to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -168,11 +171,21 @@ impl EffectiveNoise {
             // What never moves has its noise from all of the spectrum.
             let rest = rest.filter(|_| phase.is_none()).and_then(|rest| rest.sensor(sensor).densities());
             let hides = phase.is_some() && growth_hidden[i];
-            lines.extend(line(
-                sensor,
-                pasted_spans[i],
-                (rest, hidden.iter().find(|h| h.sensor == sensor), hides),
-            ));
+            let hidden = hidden.iter().find(|h| h.sensor == sensor);
+            let span = pasted_spans[i].filter(|_| hidden.is_none());
+            // What is looked at above motion must be there.
+            let loudest = span.map(|axes| axes.iter().map(|axis| axis.high).fold(0.0, f64::max));
+            let slow = loudest.filter(|_| phase == Some(Phase::Moving) && rate.hz() < SLOWEST * MOTION_HZ);
+            lines.extend(match slow {
+                Some(most) => Some(FigureLine::unknown(
+                    Figure::white(sensor),
+                    format!(
+                        "at most {most:.1e}: {:.0} Hz do not tell noise from motion; 30 s at rest do, or a trajectory (--against)",
+                        rate.hz()
+                    ),
+                )),
+                None => line(sensor, pasted_spans[i], (rest, hidden, hides)),
+            });
         }
         let paste = Paste { rate_hz: rate, lines };
         let pasted = paste.written(&PASTED);
