@@ -150,8 +150,12 @@ impl ReadoutMeter {
             return;
         }
         self.new = 0;
-        let Some((beyond_s, std_s)) = self.beyond(camera) else { return };
+        let Some((beyond_s, std_s, last_step)) = self.beyond(camera) else { return };
         self.beyond_s = beyond_s;
+        if last_step.abs() > std_s {
+            // On its way still.
+            return;
+        }
         let seconds = self.pairs[0].lines.readout_s + beyond_s;
         let least =
             if self.found.is_some() { FOLLOWED_S.max(2.0 * std_s) } else { LEAST_S.max(SURE * std_s) };
@@ -162,10 +166,10 @@ impl ReadoutMeter {
         }
     }
 
-    /// By how much the readout is longer than what was taken into account, and its deviation \[s\].
-    fn beyond(&self, camera: &CameraModel) -> Option<(f64, f64)> {
+    /// By how much the readout is longer than what was taken into account, its deviation, and the last step towards it \[s\].
+    fn beyond(&self, camera: &CameraModel) -> Option<(f64, f64, f64)> {
         let std = TRACK_STD_PX / camera.px_per_rad();
-        let (mut seconds, mut std_s) = (self.beyond_s, f64::INFINITY);
+        let (mut seconds, mut std_s, mut step) = (self.beyond_s, f64::INFINITY, 0.0);
         for _ in 0..STEPS {
             let mut sum = Sum::default();
             self.pairs.iter().for_each(|pair| {
@@ -174,10 +178,11 @@ impl ReadoutMeter {
             if sum.information.is_nan() || sum.information <= 0.0 {
                 return None;
             }
-            seconds = (seconds + sum.gradient / sum.information).clamp(-LONGEST_S, LONGEST_S);
+            step = sum.gradient / sum.information;
+            seconds = (seconds + step).clamp(-LONGEST_S, LONGEST_S);
             std_s = (ALIKE_PAIRS * sum.squares / sum.rows.max(1.0) / sum.information).sqrt();
         }
-        Some((seconds, std_s))
+        Some((seconds, std_s, step))
     }
 }
 
@@ -253,7 +258,7 @@ mod tests {
         let camera = CameraModel::euroc_cam0();
         // World from body every millisecond from half a second before the first image.
         let mut rotation = UnitQuaternion::identity();
-        let poses: Vec<Isometry3<f64>> = (0..12_000)
+        let poses: Vec<Isometry3<f64>> = (0..15_000)
             .map(|ms| {
                 let s = f64::from(ms) * 1e-3;
                 let pose =
@@ -267,11 +272,11 @@ mod tests {
             .map(|_| Vector3::new(normal(), normal(), normal()).normalize() * (4.0 + 2.0 * normal().tanh()))
             .collect();
         let mut watch = ClockWatch::new(camera, UnitQuaternion::identity(), None);
-        for k in 0..2_400 {
+        for k in 0..3_000 {
             let t = Stamp::from_ns(5_000_000 * k);
             watch.feed_imu(&ImuSample { t, gyro: rate(5e-3 * k as f64).into(), accel: [0.0, 0.0, 9.81] });
         }
-        for k in 0..100 {
+        for k in 0..125 {
             let s = 0.5 + 0.1 * f64::from(k);
             let mut tracks = Vec::new();
             for (id, point) in points.iter().enumerate() {
