@@ -94,8 +94,10 @@ impl TwoFiles {
         let mut files = Vec::new();
         for entry in std::fs::read_dir(dir).map_err(reading)? {
             let path = entry.map_err(reading)?.path();
-            if is_table(&path) && path.is_file() {
-                let stem = path.file_stem().unwrap_or_default().to_string_lossy().to_lowercase();
+            let stem = path.file_stem().unwrap_or_default().to_string_lossy().to_lowercase();
+            // A file of both sensors is a log by itself.
+            let is_both = stem.contains("gyr") && stem.contains("acc");
+            if is_table(&path) && path.is_file() && !is_both {
                 files.push((stem, path));
             }
         }

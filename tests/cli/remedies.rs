@@ -263,7 +263,7 @@ fn many_logs_are_a_table_with_a_row_for_what_cannot_be_read_and_fail_where_that_
     let dir = tempfile::tempdir().unwrap();
     let folder = dir.path().join("robots");
     std::fs::create_dir(&folder).unwrap();
-    write(&folder, "a.csv", &text(&level(3000)));
+    write(&folder, "a_gyro_accel.csv", &text(&level(3000)));
     let mut lost = level(3000);
     lost.drain(1000..1040);
     write(&folder, "b.csv", &text(&lost));
@@ -282,7 +282,7 @@ fn many_logs_are_a_table_with_a_row_for_what_cannot_be_read_and_fail_where_that_
             .skip(1)
             .collect::<Vec<_>>()
     };
-    let (a, b) = (of("a.csv"), of("b.csv"));
+    let (a, b) = (of("a_gyro_accel.csv"), of("b.csv"));
     assert_eq!((a[0], a[2], a[7]), ("200.0", "0", "0"), "{done:?}");
     assert_eq!((b[2], b[7], b[9]), ("40", "1", "gaps"), "{done:?}");
     assert!(
@@ -304,7 +304,7 @@ fn many_logs_are_a_table_with_a_row_for_what_cannot_be_read_and_fail_where_that_
     assert_eq!(check(&["--fail-on", "bad"]).code, Some(3));
     let sound = end(dpn()
         .arg("check")
-        .arg(folder.join("a.csv"))
+        .arg(folder.join("a_gyro_accel.csv"))
         .arg("--fail-on")
         .arg("warning")
         .arg("--out")

@@ -130,7 +130,7 @@ pub(crate) fn examine(recording: &dyn Recorded) -> io::Result<Examination> {
     let rests = stretches.iter().filter(|stretch| stretch.phase == Phase::Rest);
     let figures = LogFigures {
         lost,
-        rest_s: rests.map(Stretch::length_s).sum(),
+        rest_s: rests.map(Stretch::length_s).fold(0.0, |sum, s| sum + s),
         gravity,
         accel_noise: noise(Sensor::Accel),
         gyro_noise: noise(Sensor::Gyro),
