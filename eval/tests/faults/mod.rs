@@ -4,11 +4,12 @@ mod kinds;
 mod table;
 
 use dpn_core::estimate::NoiseSpec;
+use dpn_core::trajectory::StampedPose;
 use dpn_core::{GrayImage, ImuRecording, ImuSample, Stamp, TrackFrame};
 use dpn_eval::closed_loop::{
     CameraInput, ImageStream, Recording, Report, RunInfo, SequenceSet, Span, Watchers, paired, watched_run,
 };
-use dpn_eval::metrics::{AlignmentKind, align};
+use dpn_eval::metrics::{AlignmentKind, align, associate_nearest, ate};
 use kinds::{Damage, Fault};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -139,11 +140,19 @@ impl Sound {
         };
         let poses = done.output.poses();
         let found = recording.truth.as_ref().filter(|_| poses.len() > 30).and_then(|truth| {
-            let pairs = paired(truth, &poses).ok()?;
-            let row = &done.report.row;
-            let error = if self.to_scale { row.ate_sim3 } else { row.ate_se3 };
+            // Structure from motion has few poses, on the camera's clock.
+            let late = done.report.clock.offset_s;
+            let on_camera_clock = |pose: &StampedPose| StampedPose { t: pose.t.plus_seconds(-late), ..*pose };
+            let pairs = if self.to_scale {
+                let poses: Vec<_> = poses.iter().map(on_camera_clock).collect();
+                associate_nearest(truth, &poses, 0.02).ok()?.pairs
+            } else {
+                paired(truth, &poses).ok()?
+            };
+            let kind = if self.to_scale { AlignmentKind::Sim3 } else { AlignmentKind::Se3 };
+            let error = ate(&pairs, kind).ok()?.translation.rmse;
             let scale = align(&pairs, AlignmentKind::Sim3).ok()?.scale;
-            Some((error?, scale))
+            Some((error, scale))
         });
         let report = &done.report;
         let (said, names) = (report.warnings.clone(), names(report));
