@@ -14,6 +14,7 @@
 //! | `fleet/NOISE/QUANTITY` | all platforms: `score`, the error over that of each platform's best constant; `worst`; both in per cent as `less` and `more`; against the constant that is best elsewhere `ratio`, `better`, and in per cent `less-than-single` |
 //! | `fleet/PLATFORM/NOISE/QUANTITY` | one platform: `ate` \[m\] and `score`, of the noise `best` with the constant's name |
 //! | `vins/NOISE/QUANTITY` | VINS-Mono with that noise: `ate` \[m\]; of the noise `learned` the `ratio` to its usual constants, and `better` on how many sequences; of the noise `walks` the ATE `with` and `without` walks pasted |
+//! | `faults/QUANTITY` | injected faults: their `table`, a row a fault, and its `summary` |
 //! | `bench/NAME/UNIT` | median time of a bench in `us` or `ms` |
 
 use crate::{at, read};
@@ -246,6 +247,73 @@ fn of_vins(noise: &str, quantity: &str) -> String {
     }
 }
 
+/// The rows of injected faults, by fault in their order.
+fn faults() -> Vec<(String, Vec<Value>)> {
+    let mut by_fault: Vec<(String, Vec<Value>)> = Vec::new();
+    for row in json("faults").as_array().unwrap() {
+        let fault = row["fault"].as_str().unwrap();
+        match by_fault.iter_mut().find(|(known, _)| known == fault) {
+            Some((_, rows)) => rows.push(row.clone()),
+            None => by_fault.push((fault.to_owned(), vec![row.clone()])),
+        }
+    }
+    by_fault
+}
+
+fn of_faults(quantity: &str) -> String {
+    let mut faults = faults();
+    let (none, sound) = faults.remove(0);
+    assert_eq!(none, "none");
+    let count = |is: &str| faults.iter().flat_map(|(_, rows)| rows).filter(|row| row["is"] == is).count();
+    if quantity == "summary" {
+        let (said, harmless, silent) = (count("said"), count("harmless"), count("silent"));
+        let all = said + harmless + silent;
+        return format!(
+            "Of {all} runs {said} say so, {harmless} cost little, {silent} cost more and say nothing."
+        );
+    }
+    let mut table = String::from(
+        "\n\n| fault | said on | as | error at most | scale off by at most | silent on |\n|---|---|---|---|---|---|\n",
+    );
+    for (fault, rows) in &faults {
+        let said = rows.iter().filter(|row| row["is"] == "said").count();
+        let silent: Vec<_> = rows
+            .iter()
+            .filter(|row| row["is"] == "silent")
+            .map(|row| row["recording"].as_str().unwrap())
+            .collect();
+        let mut names: BTreeMap<&str, usize> = BTreeMap::new();
+        for name in rows.iter().flat_map(|row| row["names"].as_array().unwrap()) {
+            *names.entry(name.as_str().unwrap()).or_default() += 1;
+        }
+        let mut names: Vec<_> = names.into_iter().collect();
+        names.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+        let names: Vec<_> = names.into_iter().take(2).map(|(name, _)| name).collect();
+        let of_sound = |row: &Value| {
+            named(&Value::from(sound.clone()), "recording", row["recording"].as_str().unwrap())["error_m"]
+                .as_f64()
+                .unwrap()
+        };
+        let errors: Option<Vec<f64>> =
+            rows.iter().map(|row| Some(row["error_m"].as_f64()? / of_sound(row))).collect();
+        let scales: Option<Vec<f64>> =
+            rows.iter().map(|row| Some((row["scale"].as_f64()? - 1.0).abs())).collect();
+        let most = |of: Option<Vec<f64>>, text: fn(f64) -> String| {
+            of.map_or("no pose".to_owned(), |of| text(of.into_iter().fold(0.0, f64::max)))
+        };
+        let cells = [
+            fault.clone(),
+            format!("{said} of {}", rows.len()),
+            names.join(", "),
+            most(errors, |factor| format!("{}x", two_digits(factor))),
+            most(scales, percent),
+            silent.join(", "),
+        ];
+        table += &format!("| {} |\n", cells.join(" | "));
+    }
+    table + "\n"
+}
+
 /// What a key stands for.
 fn value(key: &str) -> String {
     let parts: Vec<&str> = key.split('/').collect();
@@ -268,6 +336,7 @@ fn value(key: &str) -> String {
         ["fleet", noise, quantity] => of_fleet(noise, quantity),
         ["fleet", platform, noise, quantity] => of_platform(platform, noise, quantity),
         ["vins", noise, quantity] => of_vins(noise, quantity),
+        ["faults", quantity] => of_faults(quantity),
         ["bench", name, unit] => {
             let ms = json("benches")[name]["median_ms"].as_f64().unwrap_or_else(|| panic!("no bench {name}"));
             let value = if unit == "us" { 1e3 * ms } else { ms };

@@ -77,7 +77,7 @@ fn a_folder_with_images_is_run_on_them_and_without_on_tracks() {
     let dir = folder(tmp.path(), "whole", |i| Some(scene(i)));
     let draw = tmp.path().join("pictures");
     let more = ["--json", "--draw", draw.to_str().unwrap(), "--draw-every", "2"];
-    let said = odometry(&dir, &tmp.path().join("out"), &more).well().json();
+    let said = odometry(&dir, &tmp.path().join("out"), &more).without_pose().json();
     let row = &said["report"]["row"];
     assert_eq!(row["camera"], "images");
     let seen = &row["front_end"];
@@ -118,7 +118,7 @@ fn missing_images_are_counted_and_the_range_that_is_there_can_be_run() {
     refused(&odometry(&dir, &out, &[]), &expected);
     assert!(!out.exists(), "a refused run left files");
     let of = |more: &[&str]| {
-        let said = odometry(&dir, &out, &[&["--json"], more].concat()).well().json();
+        let said = odometry(&dir, &out, &[&["--json"], more].concat()).without_pose().json();
         said["report"]["row"]["front_end"]["images"].clone()
     };
     assert_eq!(of(&["--from", "1", "--to", "2.95"]), 40);
@@ -147,7 +147,7 @@ fn images_that_cannot_be_used_are_named_and_the_run_goes_on() {
             _ => scene(i),
         })
     });
-    let done = odometry(&dir, &tmp.path().join("out"), &["--json"]).well();
+    let done = odometry(&dir, &tmp.path().join("out"), &["--json"]).without_pose();
     let report = &done.json()["report"];
     let events = report["images"].as_array().unwrap();
     let reasons: Vec<&str> = events.iter().map(|event| event["reason"].as_str().unwrap()).collect();

@@ -146,7 +146,7 @@ fn a_recording_with_repeated_rows_as_phones_have_them_is_run_on() {
     assert!(Sequence::open(&phone).unwrap().imu().is_err());
     let mut command = dpn();
     command.arg("run").arg(&phone).args(["--camera", "images", "--noise", "x4", "--json", "--out"]);
-    let report = end(command.arg(tmp.path().join("run"))).well().json();
+    let report = end(command.arg(tmp.path().join("run"))).without_pose().json();
     let said = report["report"]["warnings"].to_string();
     assert!(
         said.contains(&format!("left out: {twice} sample(s) with the stamp of the one before")),
@@ -164,7 +164,7 @@ fn the_odometry_runs_on_images_that_are_rendered_meanwhile_as_on_those_written_b
         let out = tmp.path().join(name);
         let mut command = dpn();
         command.arg("run").arg(source).args(["--noise", "x4", "--json", "--out"]).arg(&out).args(more);
-        let report = end(&mut command).well().json();
+        let report = end(&mut command).without_pose().json();
         let row = &report["report"]["row"];
         (row["camera"].clone(), row["frames"].clone(), row["front_end"]["tracks"].clone())
     };

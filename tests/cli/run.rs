@@ -47,6 +47,13 @@ impl Done {
         self
     }
 
+    /// The same of a run that is too short for a pose, which exit code 3 says.
+    #[track_caller]
+    pub(crate) fn without_pose(self) -> Self {
+        assert_eq!(self.code, Some(3), "{self:?}");
+        self
+    }
+
     /// Checks that it was refused: exit code 2, nothing on stdout, no panic, and on stderr exactly `expected`, in which `[DIR]`
     /// stands for `dir`.
     #[track_caller]

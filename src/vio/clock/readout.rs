@@ -152,7 +152,7 @@ impl ReadoutMeter {
         self.new = 0;
         let Some((beyond_s, std_s, last_step)) = self.beyond(camera) else { return };
         self.beyond_s = beyond_s;
-        if last_step.abs() > std_s {
+        if last_step.abs() > 0.3 * std_s {
             // On its way still.
             return;
         }
@@ -251,14 +251,15 @@ mod tests {
         Vector3::new((4.0 * s).sin(), 0.8 * (5.1 * s + 1.0).sin(), 0.6 * (3.3 * s + 2.0).sin())
     }
 
-    /// What of `readout_s` is found in ten seconds of a camera that is carried and turned by hand, half a pixel of noise on its tracks.
+    /// What of `readout_s` is found in seventeen seconds of a camera that is carried and turned by hand, half a pixel of noise on its tracks; what was found is
+    /// taken into account from then on.
     fn found(readout_s: f64) -> Option<Readout> {
         let mut rng = Stream::new(11).named("readout").rng();
         let mut normal = move || -> f64 { rng.sample(StandardNormal) };
         let camera = CameraModel::euroc_cam0();
         // World from body every millisecond from half a second before the first image.
         let mut rotation = UnitQuaternion::identity();
-        let poses: Vec<Isometry3<f64>> = (0..15_000)
+        let poses: Vec<Isometry3<f64>> = (0..18_500)
             .map(|ms| {
                 let s = f64::from(ms) * 1e-3;
                 let pose =
@@ -272,13 +273,14 @@ mod tests {
             .map(|_| Vector3::new(normal(), normal(), normal()).normalize() * (4.0 + 2.0 * normal().tanh()))
             .collect();
         let mut watch = ClockWatch::new(camera, UnitQuaternion::identity(), None);
-        for k in 0..3_000 {
+        for k in 0..3_700 {
             let t = Stamp::from_ns(5_000_000 * k);
             watch.feed_imu(&ImuSample { t, gyro: rate(5e-3 * k as f64).into(), accel: [0.0, 0.0, 9.81] });
         }
-        for k in 0..125 {
+        for k in 0..170 {
             let s = 0.5 + 0.1 * f64::from(k);
             let mut tracks = Vec::new();
+            let known = watch.readout().map_or(0.0, |found| found.seconds);
             for (id, point) in points.iter().enumerate() {
                 let mut px = None;
                 let mut delay = 0.0;
@@ -286,12 +288,17 @@ mod tests {
                     px = camera.project(&at(s + delay).inverse_transform_point(&(*point).into()).coords);
                     delay = px.map_or(0.0, |px| line_delay(&camera, &px, readout_s).clamp(-0.1, 0.1));
                 }
-                let px = px.filter(|px| camera.contains(px, 0.0));
+                let at_stamp = |px: Vector2<f64>| {
+                    let turned = at(s).rotation.inverse() * at(s + line_delay(&camera, &px, known)).rotation;
+                    camera.project(&(turned * camera.bearing(&px)?))
+                };
+                let px = px.filter(|px| camera.contains(px, 0.0)).and_then(at_stamp);
                 tracks.extend(
                     px.map(|px| Track { id: id as u64, px: px + 0.4 * Vector2::new(normal(), normal()) }),
                 );
             }
-            watch.feed_frame(&TrackFrame::new(Stamp::from_ns((1e9 * s) as i64), tracks));
+            let t = Stamp::from_ns((1e9 * s) as i64);
+            watch.feed_frame(&TrackFrame { t, tracks, readout_s: known });
         }
         watch.readout()
     }
@@ -301,7 +308,7 @@ mod tests {
         assert_eq!(found(0.0), None);
         for readout_s in [0.02, 0.03, -0.02] {
             let found = found(readout_s).unwrap();
-            assert!((found.seconds - readout_s).abs() < 0.003, "{readout_s}: {found:?}");
+            assert!((found.seconds - readout_s).abs() < 0.002, "{readout_s}: {found:?}");
         }
     }
 }

@@ -159,7 +159,7 @@ impl ImageTracker {
     /// The camera's turns while the image of time `t` on the IMU's clock is read out; none where its lines are taken at once, or no samples cover them.
     fn line_turns(&self, t: Stamp) -> Option<LineTurns> {
         let readout_s = self.readout_s();
-        let turns = if readout_s != 0.0 { self.gyro.over(t, readout_s)? } else { return None };
+        let turns = if readout_s == 0.0 { return None } else { self.gyro.over(t, readout_s)? };
         Some(LineTurns::new(&turns, &self.body_from_cam, readout_s))
     }
 
