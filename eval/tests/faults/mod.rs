@@ -105,6 +105,10 @@ impl Sound {
             Damage::CameraClock(of) => begin.plus_seconds(of(t.seconds_since(begin))),
             _ => t,
         };
+        if let Some(truth) = recording.truth.as_mut().filter(|_| self.to_scale) {
+            // Structure from motion has the camera's stamps.
+            truth.iter_mut().for_each(|pose| pose.t = stamped(pose.t));
+        }
         let camera = match &self.seen {
             Seen::Tracks(frames) => {
                 let frames = frames.iter().map(|frame| TrackFrame { t: stamped(frame.t), ..frame.clone() });

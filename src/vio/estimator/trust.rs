@@ -4,6 +4,7 @@
 //! residuals do. Of 33 faults injected into real recordings that more than doubled the error, 27 show in what is asked here, and none of the good runs does.
 
 use super::report::RunReport;
+use super::update::RestartReason;
 use crate::components::Levels;
 use dpn_core::GRAVITY;
 use serde::Serialize;
@@ -17,6 +18,8 @@ const MOST_OUTLIERS: f64 = 1.0;
 const MOST_LEVEL: f64 = 20.0;
 /// More that an accelerometer reads of gravity than there is, or less, is a scale or a bias that nobody took out \[m/s^2\]; good runs have up to 0.25.
 const MOST_VERTICAL_BIAS: f64 = 0.5;
+/// Poses for longer on a clock that is found to be wrong then are told \[s\].
+const LONGEST_ON_WRONG_CLOCK_S: f64 = 1.0;
 /// Fewest poses that are judged.
 const FEWEST_POSES: usize = 30;
 
@@ -43,6 +46,14 @@ pub enum Doubt {
     Restarted {
         /// How often.
         times: usize,
+    },
+    /// Poses rest on a clock that was found to be wrong only then.
+    #[error("{seconds:.1} s of poses were made before the camera's clock was found to be off by {:.0} ms more than was known; --time-offset tells it from the start", 1e3 * off_s)]
+    WrongClock {
+        /// For how long \[s\].
+        seconds: f64,
+        /// By how much \[s\].
+        off_s: f64,
     },
     /// The accelerometer reads another gravity.
     #[error(
@@ -74,6 +85,12 @@ pub fn doubts(report: &RunReport, levels: Option<&Levels>) -> Vec<Doubt> {
     // Whoever finds the clock, or passes a gap, has begun anew for a reason that is no contradiction.
     let times = report.restarts.iter().filter(|(_, reason)| reason.is_contradiction()).count();
     found.extend((times > 0).then_some(Doubt::Restarted { times }));
+    let on_wrong_clock = report.restarts.iter().find_map(|(t, reason)| {
+        let RestartReason::CameraClock { seconds: off_s } = *reason else { return None };
+        let seconds = t.seconds_since(report.initialised?);
+        (seconds > LONGEST_ON_WRONG_CLOCK_S).then_some(Doubt::WrongClock { seconds, off_s })
+    });
+    found.extend(on_wrong_clock);
     let bias = report.vertical_bias_mean().filter(|bias| bias.abs() > MOST_VERTICAL_BIAS);
     found.extend(bias.map(|bias| Doubt::Gravity { bias }));
     let level = levels.map_or(0.0, |levels| levels.inertial.0[..6].iter().copied().fold(0.0, f64::max));
@@ -100,7 +117,6 @@ pub fn doubts_warning(doubts: &[Doubt], cause_is_known: bool) -> Option<String> 
 mod tests {
     use super::*;
     use crate::components::Levels;
-    use crate::estimator::RestartReason;
     use crate::preint::NoiseLevels;
     use dpn_core::Stamp;
 
@@ -119,7 +135,10 @@ mod tests {
             (t, RestartReason::ImuGap { seconds: 0.2 }),
             (t, RestartReason::CameraClock { seconds: 0.1 }),
         ];
-        assert_eq!(doubts(&RunReport { restarts: gap, ..good.clone() }, None), []);
+        let late = RunReport { restarts: gap, initialised: Some(Stamp::from_ns(0)), ..good.clone() };
+        assert_eq!(doubts(&late, None), []);
+        let late = RunReport { initialised: Some(t.plus_seconds(-14.0)), ..late };
+        assert_eq!(doubts(&late, None), [Doubt::WrongClock { seconds: 14.0, off_s: 0.1 }]);
         let bad = RunReport {
             outliers: 250,
             whitened: (4500.0, 900),
