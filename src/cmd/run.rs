@@ -140,7 +140,7 @@ pub(super) fn no_pose(frames: usize, waited_for: &BTreeMap<String, usize>) -> St
     };
     format!(
         "no pose in {frames} frames: {waited}. Where it should have been, look at the calibration and at other warnings; `dpn check` says \
-         what is wrong with an IMU's log, --draw shows the camera's tracks"
+         what is wrong with an IMU's log, --draw shows the camera's tracks, and an accelerometer that reads -1 g upwards (iOS) is turned by --accel-scale -1"
     )
 }
 
