@@ -6,6 +6,7 @@ pub mod fleet;
 pub mod injected;
 pub mod metrics;
 pub mod open_loop;
+pub mod parallel;
 pub mod published;
 pub mod stats;
 pub mod study;

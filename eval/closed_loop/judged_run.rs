@@ -100,6 +100,13 @@ pub struct Report {
     pub noise_rms: [[f64; 3]; 2],
 }
 
+impl Report {
+    /// Whether something speaks against believing the run.
+    pub fn is_doubted(&self) -> bool {
+        !self.doubts.is_empty() || self.axes.warning().is_some()
+    }
+}
+
 /// Who looks on.
 pub struct Watchers<'a> {
     /// While points are followed through images.

@@ -13,7 +13,7 @@ use dpn_core::{GrayImage, ImuRecording, ImuSample, Stamp};
 use dpn_pronet::network::Network;
 use dpn_vio::components::Levels;
 use dpn_vio::estimator::{Estimator, EstimatorConfig, FeedError, RunReport, Update, doubts, doubts_warning};
-use dpn_vio::frontend::reduction;
+use dpn_vio::frontend::{camera_at_working_size, image_at_working_size};
 use dpn_vio::preint::NoisySample;
 use nalgebra::Isometry3;
 use std::collections::VecDeque;
@@ -58,7 +58,7 @@ impl<'a> LiveRun<'a> {
         seed: u64,
     ) -> Result<Self, ClosedLoopError> {
         let size = camera.size().map(|side| side as usize);
-        let camera = camera.reduced(reduction(size));
+        let camera = camera_at_working_size(&camera);
         let estimator = Estimator::new(settings_for(config, &spec), camera, body_from_cam, seed)
             .map_err(ClosedLoopError::Config)?;
         Ok(Self {
@@ -112,7 +112,7 @@ impl<'a> LiveRun<'a> {
         if found != self.size {
             return Err(self.refused(FeedError::ImageSize { t, found, camera: self.size }));
         }
-        let image = image.reduced(reduction(self.size));
+        let image = image_at_working_size(image);
         self.estimator.feed_image(image.view(), t).map_err(|error| self.refused(error))
     }
 

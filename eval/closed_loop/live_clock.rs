@@ -9,7 +9,7 @@
 //!
 //! What is let through unchanged is let through in the order in which it came: good streams are not touched.
 
-use dpn_core::Stamp;
+use dpn_core::{Stamp, named};
 use std::collections::VecDeque;
 
 /// What a stamp may be off \[s\].
@@ -23,28 +23,21 @@ const SHOWN: usize = 8;
 /// Stamps of one sensor that are the same, one after another, before it is said.
 const SAME: usize = 20;
 
-/// A sensor.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LiveSensor {
-    /// The IMU.
-    Imu,
-    /// The camera.
-    Camera,
-}
+named!(
+    /// A sensor.
+    pub enum LiveSensor {
+        /// The IMU.
+        Imu = "IMU",
+        /// The camera.
+        Camera = "camera",
+    }
+);
 
 impl LiveSensor {
-    /// Both.
-    pub const BOTH: [Self; 2] = [Self::Imu, Self::Camera];
-
     /// The other one.
     #[must_use]
     pub fn other(self) -> Self {
-        Self::BOTH[1 - self as usize]
-    }
-
-    /// What it is called.
-    pub fn name(self) -> &'static str {
-        ["IMU", "camera"][self as usize]
+        Self::ALL[1 - self as usize]
     }
 }
 
@@ -122,7 +115,7 @@ impl<E> LiveClocks<E> {
             return if agree == Some(true) { self.release(Some(sensor)) } else { Vec::new() };
         }
         if self.both_jumped() {
-            self.keep_on(&LiveSensor::BOTH);
+            self.keep_on(&LiveSensor::ALL);
             return self.release(None);
         }
         if self.waits_alone(sensor) {
@@ -255,7 +248,7 @@ impl<E> LiveClocks<E> {
             let first = self.held.iter().find(|held| held.sensor == sensor)?;
             self.off_s(sensor, self.common(sensor, first.raw))
         };
-        let [imu, camera] = LiveSensor::BOTH.map(off);
+        let [imu, camera] = LiveSensor::ALL.map(off);
         imu.zip(camera).is_some_and(|(imu, camera)| (imu - camera).abs() <= OFF_S)
     }
 
@@ -368,7 +361,7 @@ mod tests {
     /// What comes through as it came, but that of each sensor the second message lets the first one go.
     fn in_order(messages: &[(LiveSensor, i64, i64)]) -> (Vec<(LiveSensor, i64, i64)>, Vec<String>) {
         let mut all = messages.to_vec();
-        for sensor in LiveSensor::BOTH {
+        for sensor in LiveSensor::ALL {
             let first = all.iter().position(|(s, ..)| *s == sensor).unwrap();
             let second = first + 1 + all[first + 1..].iter().position(|(s, ..)| *s == sensor).unwrap();
             let message = all.remove(first);
@@ -400,7 +393,7 @@ mod tests {
 
     #[test]
     fn one_wrong_stamp_is_passed_over_and_said() {
-        for sensor in LiveSensor::BOTH {
+        for sensor in LiveSensor::ALL {
             for by in [HOUR, -HOUR, 2_000_000_000] {
                 let mut bad = streams(4);
                 let at = bad.iter().position(|(s, t, _)| *s == sensor && *t > 1_002_000_000_000).unwrap();
@@ -423,7 +416,7 @@ mod tests {
             }
             all
         };
-        for sensor in LiveSensor::BOTH {
+        for sensor in LiveSensor::ALL {
             for by in [HOUR, -HOUR, 3_000_000_000, -3_000_000_000] {
                 let (out, said) = through(&set(&[sensor], by));
                 assert_eq!(out.len(), streams(6).len(), "{sensor:?} {by}");
@@ -432,10 +425,10 @@ mod tests {
                 assert!(said.len() == 1 && said[0].starts_with(&words), "{said:?}");
             }
         }
-        let both = set(&LiveSensor::BOTH, HOUR);
+        let both = set(&LiveSensor::ALL, HOUR);
         assert_eq!(in_order(&both), through(&both));
         // Time does not go back.
-        let (out, said) = through(&set(&LiveSensor::BOTH, -HOUR));
+        let (out, said) = through(&set(&LiveSensor::ALL, -HOUR));
         assert!(out.iter().all(|(_, t, truth)| t == truth) && out.len() == streams(6).len(), "{said:?}");
         assert_eq!(said.len(), 1);
         assert!(
@@ -443,7 +436,7 @@ mod tests {
             "{said:?}"
         );
         // The first stamp may be the wrong one.
-        for sensor in LiveSensor::BOTH {
+        for sensor in LiveSensor::ALL {
             let mut first = streams(4);
             let at = first.iter().position(|(s, ..)| *s == sensor).unwrap();
             first[at].1 += HOUR;

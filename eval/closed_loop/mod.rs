@@ -29,7 +29,6 @@ mod live_clock;
 mod logged;
 mod manifest;
 mod mounting_watch;
-mod parallel;
 mod recording;
 mod rendered;
 mod row;

@@ -9,7 +9,7 @@ use super::tracking::CameraInput;
 use crate::metrics::poses_of;
 use dpn_core::camera::{CameraConfig, CameraModel};
 use dpn_core::trajectory::StampedPose;
-use dpn_core::{GrayImage, ImuRecording, SampleRate, Stamp, TrackFrame};
+use dpn_core::{ImuRecording, SampleRate, Stamp, TrackFrame};
 use dpn_io::asl::Sequence;
 use dpn_io::{IoError, read_tracks};
 use dpn_logs::{LogOptions, read_log};
@@ -19,7 +19,7 @@ use dpn_sim::tracks::{
 };
 use dpn_sim::{Flight, FlightConfig, RenderConfig, simulate};
 use dpn_train::split::Side;
-use dpn_vio::frontend::reduction;
+use dpn_vio::frontend::{camera_at_working_size, image_at_working_size};
 use std::sync::Arc;
 
 /// Rate of a camera that is not there: EuRoC's \[Hz\].
@@ -40,13 +40,12 @@ impl SequenceSet {
             Sequences::Flights(config) => flown(Flight::ALL[place], seed, config, &self.tracks),
         }?;
         if self.tracks.has_images() {
-            recording.camera =
-                recording.camera.reduced(reduction(recording.camera.size().map(|side| side as usize)));
+            recording.camera = camera_at_working_size(&recording.camera);
         }
         Ok(recording)
     }
 
-    /// What the odometry sees of the sequence at `place` within `span`: its images, [reduced](reduction) where they are large, or its tracks.
+    /// What the odometry sees of the sequence at `place` within `span`: its images, [reduced](image_at_working_size) where they are large, or its tracks.
     ///
     /// # Errors
     /// A folder without images, or without all of them; nothing to render along; a file of tracks that cannot be read; no ground truth to make
@@ -75,7 +74,7 @@ impl SequenceSet {
                 rendered(&self.name(place), &config, path, &stamps, seed, span)?
             }
         };
-        let images = images.map(|(t, image)| (t, image.map(at_working_size)));
+        let images = images.map(|(t, image)| (t, image.map(image_at_working_size)));
         Ok(CameraInput::Images(Box::new(images)))
     }
 
@@ -132,12 +131,6 @@ impl SequenceSet {
             }
         }
     }
-}
-
-/// A camera's image as large as points are followed in.
-fn at_working_size(image: GrayImage) -> GrayImage {
-    let times = reduction([image.width(), image.height()]);
-    image.reduced(times)
 }
 
 fn camera_rate(camera: Option<&CameraConfig>) -> SampleRate {

@@ -2,6 +2,7 @@
 
 use super::drive::EstimatorOutput;
 use dpn_core::{NoiseTrack, Sensor};
+use dpn_io::axis_columns;
 use dpn_vio::estimator::Phase;
 use std::io::Write;
 
@@ -18,18 +19,17 @@ pub fn write_states(
     noise: &NoiseTrack,
     out: &mut dyn Write,
 ) -> std::io::Result<()> {
-    let axes = |name: &str, unit: &str| ["x", "y", "z"].map(|axis| format!("{name}_{axis}{unit}")).join(",");
     write!(
         out,
         "#timestamp [ns],phase,{},q_w,q_x,q_y,q_z,{},{},{},{},{},{},{},tracked,landmarks,outliers,iterations,whitened,scale_std",
-        axes("p", " [m]"),
-        axes("v", " [m s^-1]"),
-        axes("accel_bias", " [m s^-2]"),
-        axes("gyro_bias", " [rad s^-1]"),
-        axes("p_std", " [m]"),
-        axes("r_std", " [rad]"),
-        axes("accel_noise", " [m s^-2]"),
-        axes("gyro_noise", " [rad s^-1]"),
+        axis_columns("p", "m"),
+        axis_columns("v", "m s^-1"),
+        axis_columns("accel_bias", "m s^-2"),
+        axis_columns("gyro_bias", "rad s^-1"),
+        axis_columns("p_std", "m"),
+        axis_columns("r_std", "rad"),
+        axis_columns("accel_noise", "m s^-2"),
+        axis_columns("gyro_noise", "rad s^-1"),
     )?;
     let learned = output.updates.iter().any(|update| update.levels.is_some());
     writeln!(out, "{}", if learned { ",accel_walk_level,gyro_walk_level,pixel_level" } else { "" })?;

@@ -11,7 +11,6 @@ use super::drive::frames_from;
 use super::error::ClosedLoopError;
 use super::judge::{RunInfo, judge, noise_rms};
 use super::manifest::Manifest;
-use super::parallel::each;
 use super::recording::{Recording, Span};
 use super::row::{CellKey, Row};
 use super::states::write_states;
@@ -21,6 +20,7 @@ use super::sweep_faults::{FailedCell, OnFault, UnseenSequences, UntrackedSequenc
 use super::sweep_plan::{Sweep, nees_path, remove_files, trajectory_path};
 use super::tracked::TrackedSequence;
 use crate::noise::{MeanSquare, Recorded, of_recording};
+use crate::parallel::each;
 use dpn_core::ImuNoise;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::progress::Progress;

@@ -6,7 +6,7 @@ use crate::ui::{errln, out, outln};
 use anyhow::{Context, Result};
 use dpn_core::noise::Figure;
 use dpn_core::{SampleRate, Sensor};
-use dpn_io::{atomic_write, read_poses};
+use dpn_io::{atomic_write, axis_columns, read_poses};
 use dpn_probe::paste::{FigureLine, Paste};
 use dpn_truth::{Against, Estimated, Found, Known, SensorAgainst, against};
 use std::fmt::Write;
@@ -32,10 +32,9 @@ pub(super) fn run(args: &NoiseArgs, path: &Path, trajectory: &Path) -> Result<()
     atomic_write(args.out.join("against.json"), |file| file.write_all(text.as_bytes()))?;
     let biases = args.out.join("biases.csv");
     atomic_write(&biases, |file| {
-        let of =
-            |name: &str, unit: &str| ["x", "y", "z"].map(|axis| format!("{name}_{axis} [{unit}]")).join(",");
         let sensors = |kind: &str| {
-            format!("{},{}", of(&format!("accel_{kind}"), "m s^-2"), of(&format!("gyro_{kind}"), "rad s^-1"))
+            let of = |sensor: &str, unit: &str| axis_columns(&format!("{sensor}_{kind}"), unit);
+            format!("{},{}", of("accel", "m s^-2"), of("gyro", "rad s^-1"))
         };
         writeln!(file, "#timestamp [ns],{},{}", sensors("bias"), sensors("std"))?;
         for row in &found.biases {

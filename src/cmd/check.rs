@@ -5,13 +5,15 @@ use super::log;
 use crate::args::{CheckArgs, FailOn};
 use crate::ui::{Found, out, outln, print_pictures, render_error};
 use anyhow::Result;
+use dpn_eval::parallel::each;
 use dpn_figures::{FigureError, save, spectrum_plot};
 use dpn_io::{atomic_write, printable};
 use dpn_logs::logs_in;
 use dpn_probe::Weight;
 use dpn_probe::doctor::{Examination, examine_log, table};
+use std::convert::Infallible;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::atomic::AtomicBool;
 
 pub(crate) fn run(args: &CheckArgs) -> Result<()> {
     let mut logs = Vec::new();
@@ -40,27 +42,15 @@ fn examined(args: &CheckArgs, path: &Path) -> Result<Examination> {
 
 /// A table of logs, looked at on all cores.
 fn many(args: &CheckArgs, logs: &[PathBuf]) -> Result<Weight> {
-    let left = Mutex::new(logs.iter().enumerate());
-    let rows = Mutex::new(Vec::new());
-    std::thread::scope(|scope| {
-        for _ in 0..cores().min(logs.len()) {
-            scope.spawn(|| {
-                while let Some((at, path)) = left.lock().ok().and_then(|mut left| left.next()) {
-                    let found = examined(args, path).map_err(|error| {
-                        let text = render_error(&error);
-                        text.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned()
-                    });
-                    let name = printable(&path.display().to_string());
-                    if let Ok(mut rows) = rows.lock() {
-                        rows.push((at, (name, found)));
-                    }
-                }
-            });
-        }
-    });
-    let mut rows = rows.into_inner().expect("no thread panics with the rows in hand");
-    rows.sort_by_key(|(at, _)| *at);
-    let rows: Vec<table::Row> = rows.into_iter().map(|(_, row)| row).collect();
+    let row = |at: usize| {
+        let found = examined(args, &logs[at]).map_err(|error| {
+            let text = render_error(&error);
+            text.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned()
+        });
+        Ok::<table::Row, Infallible>((printable(&logs[at].display().to_string()), found))
+    };
+    let Ok(rows) = each(cores(), logs.len(), &AtomicBool::new(false), row, |_, _| Ok(()));
+    let rows: Vec<table::Row> = rows.into_iter().flatten().collect();
     let text = table::json(&rows)?.to_string() + "\n";
     atomic_write(args.out.join("check.json"), |file| file.write_all(text.as_bytes()))?;
     if args.json {

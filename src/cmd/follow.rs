@@ -5,7 +5,7 @@ use crate::args::{HowArgs, NoiseArgs, RowFormat};
 use crate::ui::{Fault, errln};
 use anyhow::Result;
 use dpn_core::{NoiseModel, SampleRate, Sensor, Stamp};
-use dpn_io::{CsvOptions, ImuLines};
+use dpn_io::{CsvOptions, ImuLines, axis_columns};
 use dpn_probe::log_noise::{Answer, Plan};
 use dpn_pronet::DualProNet;
 use std::io::{self, BufRead, Read, Write};
@@ -34,10 +34,8 @@ pub(crate) fn run(args: &NoiseArgs, plan: &Plan<'_>) -> Result<()> {
     let (mut input, mut line) = (io::stdin().lock(), Vec::new());
     let mut out = io::stdout().lock();
     if args.format == RowFormat::Csv {
-        let axes = |sensor: &str, unit: &str| {
-            ["x", "y", "z"].map(|axis| format!("{sensor}_std_{axis} [{unit}]")).join(",")
-        };
-        writeln!(out, "#timestamp [ns],{},{}", axes("accel", "m s^-2"), axes("gyro", "rad s^-1"))?;
+        let [accel, gyro] = [axis_columns("accel_std", "m s^-2"), axis_columns("gyro_std", "rad s^-1")];
+        writeln!(out, "#timestamp [ns],{accel},{gyro}")?;
         out.flush()?;
     }
     loop {

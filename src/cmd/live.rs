@@ -219,7 +219,7 @@ impl Live<'_> {
 
     /// Says what has not been heard of for [`SILENT`]: by the other sensor's stamps, and where nothing waits to be read (`idle`) by this machine's clock.
     fn silences(&mut self, idle: bool) {
-        for sensor in LiveSensor::BOTH {
+        for sensor in LiveSensor::ALL {
             let by_stamps = || {
                 let [own, other] = [sensor, sensor.other()].map(|sensor| self.clocks.last(sensor));
                 Some(other?.seconds_since(own?))
@@ -284,7 +284,7 @@ impl Live<'_> {
             self.warnings();
             self.frames += 1;
             let clock = self.run.report().clock;
-            if clock.found.is_some() && !std::mem::replace(&mut self.clock_said, clock.found.is_some()) {
+            if clock.found.is_some() && !std::mem::replace(&mut self.clock_said, true) {
                 errln!(
                     "note: the camera's clock is {:+.1} ms off the gyroscope's; `--time-offset {:.4}` takes it off from the start",
                     -1e3 * clock.offset_s,

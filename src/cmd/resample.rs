@@ -5,7 +5,7 @@ use crate::args::ResampleArgs;
 use crate::ui::{Fault, errln, outln};
 use anyhow::{Context, Result};
 use dpn_core::ImuRecording;
-use dpn_core::signal::resampled;
+use dpn_core::signal::resample::{PASSES, STOPS, WINDOW_PERIODS, resampled};
 use dpn_io::asl::write_imu_rows;
 use dpn_io::atomic_write;
 
@@ -21,14 +21,15 @@ pub(crate) fn run(args: &ResampleArgs) -> Result<()> {
             return Err(Fault::new(message).hint(hint).into());
         }
         let samples = resampled(recording.samples(), rate, to);
-        let too_short = || format!("{path}: shorter than the low pass; it needs {:.2} s", 36.0 * to.period());
+        let too_short =
+            || format!("{path}: shorter than the low pass; it needs {:.2} s", WINDOW_PERIODS * to.period());
         recording = ImuRecording::new(samples).with_context(too_short)?;
         errln!(
             "{:.1} Hz to {:.1} Hz behind a low pass: flat to {:.1} Hz, nothing above {:.1} Hz; white noise keeps its density",
             rate.hz(),
             to.hz(),
-            0.4 * to.hz(),
-            0.5 * to.hz()
+            PASSES * to.hz(),
+            STOPS * to.hz()
         );
     }
     atomic_write(&args.out, |out| write_imu_rows(out, &recording))?;

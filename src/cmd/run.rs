@@ -113,12 +113,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     }
     if poses.is_empty() {
         errln!("warning: {}", no_pose(done.report.row.frames, &done.report.waited_for));
-    }
-    let report = &done.report;
-    if poses.is_empty() {
         return Err(Untrusted::NoPose.into());
     }
-    if args.strict && (!report.doubts.is_empty() || report.axes.warning().is_some()) {
+    if args.strict && done.report.is_doubted() {
         return Err(Untrusted::Doubted.into());
     }
     Ok(())
@@ -132,7 +129,7 @@ pub(super) fn estimator(args: &RunArgs) -> Result<EstimatorConfig> {
     settings::estimator(&settings)
 }
 
-/// What is said of a run without a pose: a recording may be too short for one, or at rest throughout, so that it is no error.
+/// What is said of a run without a pose: a recording may be too short for one, or at rest throughout.
 pub(super) fn no_pose(frames: usize, waited_for: &BTreeMap<String, usize>) -> String {
     let waited = match waited_for.len() {
         0 => "no image had samples on both sides of it".to_owned(),

@@ -4,6 +4,11 @@ use super::unit::STANDARD_GRAVITY;
 use dpn_core::named;
 use serde::{Deserialize, Serialize};
 
+/// Three columns of a header, `name_x [unit],name_y [unit],name_z [unit]`.
+pub fn axis_columns(name: &str, unit: &str) -> String {
+    ["x", "y", "z"].map(|axis| format!("{name}_{axis} [{unit}]")).join(",")
+}
+
 named!(
     /// Unit of a log's gyroscope columns.
     #[derive(Serialize, Deserialize)]

@@ -73,7 +73,7 @@ mod yaml;
 pub use atomic::atomic_write;
 pub use beneath::Kind;
 pub use choice::ColumnChoice;
-pub use columns::{AccelUnit, GyroUnit, ImuColumns};
+pub use columns::{AccelUnit, GyroUnit, ImuColumns, axis_columns};
 pub use decimal::TimeUnit;
 pub use error::IoError;
 #[cfg(feature = "images")]

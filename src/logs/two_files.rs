@@ -110,14 +110,14 @@ impl TwoFiles {
             _ => 1,
         };
         let of = |path: &PathBuf| Source::File(path.clone(), path.clone());
-        let best = |words: [&str; 2]| {
+        let best = |words: &[&str]| {
             files
                 .iter()
                 .filter(|(stem, _)| words.iter().any(|word| stem.contains(word)))
                 .min_by_key(|(stem, _)| rank(stem))
                 .map(|(_, path)| of(path))
         };
-        let (Some(gyro), Some(accel)) = (best(["gyr", "rotations"]), best(["acc", "acc"])) else {
+        let (Some(gyro), Some(accel)) = (best(&["gyr", "rotations"]), best(&["acc"])) else {
             return Ok(None);
         };
         let gravity = files.iter().find(|(stem, _)| stem == "gravity").map(|(_, path)| of(path));

@@ -254,14 +254,7 @@ impl Level<'_> {
         let density = Interval { low: all.low.min(least), ..all };
         let (low, high) = AXIS_BOUNDS[i];
         let sample = all.value / self.period_s.sqrt();
-        let known = if self.follows || sample * AT_BOUND > high {
-            Known::AtLeast
-        } else if sample < AT_BOUND * low || density.width() > Interval::WIDEST {
-            Known::AtMost
-        } else {
-            Known::Figure
-        };
-        Found { density, known }
+        Found { density, known: known(sample, (low, high), &density, self.follows) }
     }
 
     fn walk(&self, i: usize) -> Found {
@@ -269,14 +262,18 @@ impl Level<'_> {
         let group = 2 + i;
         let value = [levels.accel_bias_walk, levels.gyro_bias_walk][i];
         let density = of_redundancy(value, found.rows[group] - found.leverage[group], found.rows[group]);
-        let known = if value * AT_BOUND > WALKS[i].1 {
-            Known::AtLeast
-        } else if value < AT_BOUND * WALKS[i].0 || density.width() > Interval::WIDEST {
-            Known::AtMost
-        } else {
-            Known::Figure
-        };
-        Found { density, known }
+        Found { density, known: known(value, WALKS[i], &density, false) }
+    }
+}
+
+/// What a level is that was looked for within bounds.
+fn known(value: f64, (low, high): (f64, f64), density: &Interval, holds_noise: bool) -> Known {
+    if holds_noise || value * AT_BOUND > high {
+        Known::AtLeast
+    } else if value < AT_BOUND * low || density.width() > Interval::WIDEST {
+        Known::AtMost
+    } else {
+        Known::Figure
     }
 }
 

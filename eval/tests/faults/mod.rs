@@ -160,7 +160,7 @@ impl Sound {
         });
         let report = &done.report;
         let (said, names) = (report.warnings.clone(), names(report));
-        Outcome { found, said, names, distrusted: found.is_none() || distrusted(report) }
+        Outcome { found, said, names, distrusted: found.is_none() || report.is_doubted() }
     }
 }
 
@@ -179,11 +179,6 @@ fn names(report: &Report) -> BTreeSet<String> {
         names.insert("no pose".to_owned());
     }
     names
-}
-
-/// What `--strict` asks.
-fn distrusted(report: &Report) -> bool {
-    !report.doubts.is_empty() || report.axes.warning().is_some()
 }
 
 impl Outcome {

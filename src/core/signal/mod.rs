@@ -5,19 +5,18 @@
 //! * [`periodogram`]: a long signal's spectrum in bands, lines left out.
 //! * [`wavelet`]: detail coefficients of the finest level.
 //! * [`ranks`]: medians and quantiles of numbers that are not held.
-//! * [`resampled`]: a recording at a lower rate.
+//! * [`resample`]: a recording at a lower rate.
 //! * [`stats`]: moments, quantiles, median absolute deviation, differences.
 
 mod orthonormal;
 pub mod periodogram;
 pub mod ranks;
-mod resample;
+pub mod resample;
 mod savitzky_golay;
 pub mod spectrum;
 pub mod stats;
 pub mod wavelet;
 
-pub use resample::resampled;
 pub use savitzky_golay::{FilterError, SavitzkyGolay};
 pub use spectrum::{Peak, Spectrum, SpectrumError, Welch};
 pub use wavelet::{Wavelet, finest_detail};

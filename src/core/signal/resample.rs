@@ -6,19 +6,23 @@
 use crate::{ImuSample, SampleRate, Stamp};
 use std::f64::consts::PI;
 
+/// What lies below this share of the new rate passes,
+pub const PASSES: f64 = 0.4;
+/// and above this nothing does.
+pub const STOPS: f64 = 0.5;
 /// The middle of the slope, of the new rate.
-const CUTOFF: f64 = 0.45;
+const CUTOFF: f64 = 0.5 * (PASSES + STOPS);
 /// Kaiser's shape for 60 dB,
 const SHAPE: f64 = 5.65;
-/// and half the window that makes the slope as steep, in periods of the new rate.
-const HALF_PERIODS: f64 = 18.0;
+/// and the window that makes the slope as steep, in periods of the new rate: no shorter log can be resampled.
+pub const WINDOW_PERIODS: f64 = 36.0;
 /// A window with a smaller share of its samples has a gap.
 const WHOLE: f64 = 0.98;
 
 /// Samples of `rate` at the lower rate `to`. Half a window at both ends, and beside gaps, has no samples.
 pub fn resampled(samples: &[ImuSample], rate: SampleRate, to: SampleRate) -> Vec<ImuSample> {
     let (Some(first), Some(last)) = (samples.first(), samples.last()) else { return Vec::new() };
-    let (half_s, cutoff_hz) = (HALF_PERIODS * to.period(), CUTOFF * to.hz());
+    let (half_s, cutoff_hz) = (0.5 * WINDOW_PERIODS * to.period(), CUTOFF * to.hz());
     let weight = |seconds: f64| {
         let x = 2.0 * cutoff_hz * seconds;
         let sinc = if x == 0.0 { 1.0 } else { (PI * x).sin() / (PI * x) };

@@ -3,19 +3,16 @@
 //! A straight line stands in for up to [`BRIDGED`] samples. It has two thirds or half of their white noise, so of a log of which a share p was lost a
 //! density reads less than p / 4 low; beyond [`MOST_BRIDGED`] nothing is bridged.
 
-use crate::rest_noise::stretch::{BRIDGED, EVEN, MOST_BRIDGED};
+use crate::rest_noise::stretch::{BRIDGED, MOST_BRIDGED, is_even, lost_in, tell_of_loss};
 use dpn_core::{ImuRecording, ImuSample};
 
 /// The recording with its single lost samples put in, and how many; none where none is to be.
 pub(super) fn bridged(recording: &ImuRecording) -> Option<(ImuRecording, usize)> {
     let (samples, period) = (recording.samples(), recording.rate().period());
     let steps = || samples.windows(2).map(|pair| pair[1].t.seconds_since(pair[0].t) / period);
-    let lost = |step: f64| (step.round() as usize).saturating_sub(1);
-    let is_bridged = |step: f64| (1..=BRIDGED).contains(&lost(step));
-    let count: usize = steps().filter(|step| is_bridged(*step)).map(lost).sum();
-    let even = steps().filter(|step| (step - 1.0).abs() < 0.25).count() as f64;
-    // Stamps that jitter tell of no loss.
-    let tells = even >= EVEN * (1.0 - MOST_BRIDGED) * (samples.len() - 1) as f64;
+    let put_in = |step: f64| Some(lost_in(step)).filter(|lost| *lost <= BRIDGED).unwrap_or(0);
+    let count: usize = steps().map(put_in).sum();
+    let tells = tell_of_loss(steps().filter(|step| is_even(*step)).count(), samples.len() - 1);
     if count == 0 || count as f64 > MOST_BRIDGED * samples.len() as f64 || !tells {
         return None;
     }
@@ -23,7 +20,7 @@ pub(super) fn bridged(recording: &ImuRecording) -> Option<(ImuRecording, usize)>
     for (pair, step) in samples.windows(2).zip(steps()) {
         let [a, b] = [pair[0], pair[1]];
         all.push(a);
-        let parts = if is_bridged(step) { lost(step) } else { 0 };
+        let parts = put_in(step);
         for k in 1..=parts {
             let share = k as f64 / (parts + 1) as f64;
             let line = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|i| a[i] + (b[i] - a[i]) * share);

@@ -11,11 +11,26 @@ pub(crate) const BRIDGED: usize = 3;
 /// Share of bridged samples beyond which the log is no even series.
 pub(crate) const MOST_BRIDGED: f64 = 0.05;
 /// Share of steps within a quarter of the period from which stamps tell what was lost; else they are times of arrival.
-pub(crate) const EVEN: f64 = 0.9;
+const EVEN: f64 = 0.9;
 /// Share of rows that repeat a sensor's last values from which its values are held.
 const HELD: f64 = 0.05;
 /// A sensor that is held repeats all axes together; steps of a coarse converter repeat one or another.
 const TOGETHER: f64 = 0.8;
+
+/// Samples lost in a step of so many periods.
+pub(crate) fn lost_in(step: f64) -> usize {
+    (step.round() as usize).saturating_sub(1)
+}
+
+/// Whether a step is of one period, so many of which it has.
+pub(crate) fn is_even(step: f64) -> bool {
+    (step - 1.0).abs() < 0.25
+}
+
+/// Whether stamps tell of loss, `even` of whose steps are: those that were made when a queue was emptied do not.
+pub(crate) fn tell_of_loss(even: usize, steps: usize) -> bool {
+    even as f64 >= EVEN * (1.0 - MOST_BRIDGED) * steps as f64
+}
 
 /// The rows of a stretch.
 #[derive(Debug, Clone)]
@@ -64,13 +79,9 @@ impl Rows {
     ) -> io::Result<Option<Self>> {
         let period = recording.rate().period();
         let start = recording.span()[0];
-        let (mut even, mut steps) = (0_usize, 0_usize);
-        recording.pairs(&mut |a, b| {
-            steps += 1;
-            even += usize::from((b.t.seconds_since(a.t) / period - 1.0).abs() < 0.25);
-        })?;
-        // Stamps that were made when a queue was emptied tell of no loss.
-        let tells = even as f64 >= EVEN * (1.0 - MOST_BRIDGED) * steps as f64;
+        let mut even = 0;
+        recording.pairs(&mut |a, b| even += usize::from(is_even(b.t.seconds_since(a.t) / period)))?;
+        let tells = tell_of_loss(even, recording.len() - 1);
         let (mut best, mut open): (Option<Open>, Option<Open>) = (None, None);
         let close = |open: &mut Option<Open>, best: &mut Option<Open>| {
             let Some(done) = open.take().filter(|done| done.serves(least_s)) else { return };
@@ -83,7 +94,7 @@ impl Rows {
             let t = sample.t.seconds_since(start);
             let rests = phase_at(stretches, t) == Some(Phase::Rest);
             let lost = match &open {
-                Some(open) if tells => (((t - open.span[1]) / period).round() as usize).saturating_sub(1),
+                Some(open) if tells => lost_in((t - open.span[1]) / period),
                 _ => 0,
             };
             if !rests || lost > BRIDGED {

@@ -192,20 +192,19 @@ impl Seen {
         let b_from_a = so3::exp(&self.flow.turn).inverse();
         let [rate_a, rate_b] = self.rates;
         let moved = |line: &LineRay, rate: &Vector3<f64>| line.share * rate.cross(&line.ray);
-        let rays: Vec<_> = (self.lines.rays.iter())
+        let (rays, by_readout): (Vec<_>, Vec<_>) = (self.lines.rays.iter())
             .map(|[a, b]| {
                 let (by_a, by_b) = (moved(a, &rate_a), moved(b, &rate_b));
                 let (y, z) = (b_from_a * (a.ray + seconds * by_a), b.ray + seconds * by_b);
                 ([y.normalize(), z.normalize()], [b_from_a * by_a, by_b])
             })
-            .collect();
+            .unzip();
         let none = (Vector3::zeros(), Matrix3::zeros());
-        let at_stamps: Vec<_> = rays.iter().map(|(rays, _)| *rays).collect();
-        let found = TwoView::of(&at_stamps, none, self.flow.path, std)?;
+        let found = TwoView::of(&rays, none, self.flow.path, std)?;
         let basis = [1, 2].map(|k| two_view::across(&found.path, k));
         let (mut normal, mut right) = (Matrix6::<f64>::zeros(), Vector6::<f64>::zeros());
         let (mut squares, mut rows) = (0.0, 0.0);
-        for ([y, z], [dy, dz]) in &rays {
+        for ([y, z], [dy, dz]) in rays.iter().zip(&by_readout) {
             let Some((residual, by_pair)) = two_view::plane(&found.path, &basis, &found.turn, y, z) else {
                 continue;
             };

@@ -16,17 +16,6 @@
 //! gets the same tracks. Parameters and their defaults are VINS-Mono's where the paper says nothing. Not here: loop closure, relocation,
 //! stereo, a camera's own calibration.
 
-/// An image is taken at a size whose longer side has at least so many pixels, and less than twice as many.
-const FEWEST_COLUMNS: usize = 640;
-
-/// By how much images of `size` (width, height \[px\]) are best [reduced](dpn_core::GrayImage::reduced) before points are followed in them.
-///
-/// A pixel of a camera with many is small and noisy, a hand's motion is blurred over several of them, and a window of the same number of pixels sees less of the
-/// world: tracks of a hand-held 1280 x 720 lived 2.6 frames, of the same images at half that size 5.9.
-pub fn reduction(size: [usize; 2]) -> usize {
-    (size[0].max(size[1]) / FEWEST_COLUMNS).max(1)
-}
-
 mod config;
 pub mod corners;
 mod front_end;
@@ -42,6 +31,7 @@ mod schedule;
 #[cfg(test)]
 pub(crate) mod tests;
 pub(crate) mod two_view;
+mod working_size;
 
 pub use config::FrontEndConfig;
 pub use front_end::{Fed, FrontEnd};
@@ -50,3 +40,4 @@ pub(crate) use line_turns::{LineTurns, line_delay};
 pub(crate) use predict::turn_of_camera;
 pub use report::{Agreement, FrameReport, Lost, LostBy, StageTimes, Status};
 pub(crate) use two_view::TwoView;
+pub use working_size::{camera_at_working_size, image_at_working_size};

@@ -13,7 +13,7 @@ use std::sync::mpsc;
 ///
 /// # Errors
 /// That of the lowest piece that failed; that of `done`.
-pub(super) fn each<T: Send, E: Send>(
+pub fn each<T: Send, E: Send>(
     threads: usize,
     count: usize,
     stop: &AtomicBool,
