@@ -10,6 +10,7 @@ use super::judge::{RunInfo, judge, noise_rms};
 use super::learned::{LearnedLevels, LearnedNoise};
 use super::recording::{Recording, Span};
 use super::row::{Row, TruthKind};
+use super::scale_known::ScaleKnown;
 use super::tracking::CameraInput;
 use crate::noise::{Fresh, Recorded};
 use dpn_core::check::{CheckOptions, RecordingFault, check};
@@ -83,9 +84,10 @@ pub struct Report {
     pub skipped: usize,
     /// What the initialisation waited for, and at how many frames.
     pub waited_for: BTreeMap<String, usize>,
-    /// Relative standard deviation of the scale of the last pose, as the window believes; large also where the body hardly moves. It is too sure: on recorded
-    /// flights errors were two to three times as large.
+    /// Relative standard deviation of the scale of the last pose, as the window believes; large also where the body hardly moves. It is too sure.
     pub scale_std: Option<f64>,
+    /// From when on the scale was known, by how well.
+    pub scale_known: Vec<ScaleKnown>,
     /// Jumps of the biases that were found; empty where there is none.
     pub bias_jumps: Vec<BiasJump>,
     /// How far the lens was found to be off its calibration, root mean square over the points last seen \[px\]; none where that is not learned.
@@ -181,6 +183,7 @@ pub fn watched_run(
         skipped: output.report.skipped,
         waited_for,
         scale_std: output.updates.iter().rev().find_map(|u| u.scale_std),
+        scale_known: ScaleKnown::of(&output.updates),
         bias_jumps: output.report.jumps.clone(),
         lens_px: output.report.lens_px,
         learned: levels.map(LearnedLevels::of),

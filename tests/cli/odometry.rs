@@ -67,7 +67,7 @@ fn a_flight_leaves_a_trajectory_states_and_a_report_and_the_same_ones_twice() {
     let twice = odometry(Path::new("room-medium"), &tmp.path().join("d"), &args).well();
     assert!(twice.stderr.contains("warning: covariances are some 2 times too small"), "{}", twice.stderr);
     let words = done.stdout;
-    for word in ["initialised:", "poses:", "restarts:", "time:", "ATE [m]:"] {
+    for word in ["initialised:", "poses:", "restarts:", "scale:", "time:", "ATE [m]:"] {
         assert!(words.contains(word), "no `{word}` in {words}");
     }
     let (first, again) = (files(&first), files(&again));
