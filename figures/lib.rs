@@ -36,6 +36,7 @@ mod top_view;
 mod track_picture;
 mod training_curve;
 mod trajectories;
+mod trajectory_errors;
 
 pub use album::Album;
 pub use allan_plot::allan_plot;
@@ -55,6 +56,7 @@ pub use table::{Cell, Column, ColumnKind, Line, Table};
 pub use track_picture::{TrackDot, TrackEnd, TrackPicture};
 pub use training_curve::training_curve;
 pub use trajectories::{TrajectoryPanel, trajectories};
+pub use trajectory_errors::trajectory_errors;
 
 /// The README's code is a test.
 #[cfg(doctest)]

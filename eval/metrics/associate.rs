@@ -60,10 +60,9 @@ pub fn associate_interpolated(
     Ok(found)
 }
 
-/// Pairs every estimated pose with the true one of the nearest stamp, at most `max_diff_s` away; the earlier of two equally near.
-///
-/// A true pose may serve two estimated ones. evo begins at the trajectory with fewer poses; the two agree where that is the estimate,
-/// as it is wherever the truth is the faster one.
+/// Pairs every pose of the trajectory with fewer poses (the estimate of two as long) with that of the nearest stamp in the other, at most
+/// `max_diff_s` away; the earlier of two equally near. As in evo, a pose of the longer one may serve two of the shorter, and what is without a
+/// partner is counted in the shorter.
 ///
 /// # Errors
 /// A trajectory without poses, with stamps that do not increase or with values that are not finite; a `max_diff_s` that is negative
@@ -82,23 +81,26 @@ pub fn associate_nearest(
             bound: "0 or more, and finite",
         });
     }
+    let from_truth = truth.len() < estimate.len();
+    let (shorter, longer) = if from_truth { (truth, estimate) } else { (estimate, truth) };
     let mut found = Association::default();
-    for (estimate_index, pose) in estimate.iter().enumerate() {
-        let next = truth.partition_point(|p| p.t <= pose.t);
-        let away = |i: usize| pose.t.seconds_since(truth[i].t).abs();
+    for (index, pose) in shorter.iter().enumerate() {
+        let next = longer.partition_point(|p| p.t <= pose.t);
+        let away = |i: usize| pose.t.seconds_since(longer[i].t).abs();
         let before = next.checked_sub(1);
-        let after = (next < truth.len()).then_some(next);
+        let after = (next < longer.len()).then_some(next);
         let nearest = match (before, after) {
             (Some(a), Some(b)) if away(b) < away(a) => b,
             (Some(a), _) => a,
             (None, _) => 0,
         };
         if away(nearest) <= max_diff_s {
+            let (true_index, estimate_index) = if from_truth { (index, nearest) } else { (nearest, index) };
             found.pairs.push(PosePair {
-                t: pose.t,
+                t: estimate[estimate_index].t,
                 estimate_index,
-                true_world_from_body: truth[nearest].world_from_body,
-                est_world_from_body: pose.world_from_body,
+                true_world_from_body: truth[true_index].world_from_body,
+                est_world_from_body: estimate[estimate_index].world_from_body,
             });
         } else if before.is_some() && after.is_some() {
             found.in_gaps += 1;

@@ -76,6 +76,14 @@ pub enum MetricsError {
         /// How many there are.
         found: usize,
     },
+    /// Stretches that are longer than the trajectory.
+    #[error("no stretch of {spec} among {pairs} pairs of poses: take a shorter one, or a wider tolerance")]
+    NoStretch {
+        /// The stretches asked for.
+        spec: String,
+        /// How many pairs there are.
+        pairs: usize,
+    },
     /// The positions do not determine the rotation (a point, a straight line) or the scale.
     #[error(
         "the positions leave {what} undetermined (relative gap {gap:.1e}): a point or a straight line; align position alone"

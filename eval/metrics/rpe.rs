@@ -43,8 +43,27 @@ pub fn rpe(pairs: &[PosePair], step: RpeStep, tolerance: f64) -> Result<Option<R
 /// # Errors
 /// As [`rpe`]; degrees beyond 180.
 pub fn rpe_by(pairs: &[PosePair], spec: &RpeSpec, tolerance: f64) -> Result<Option<Rpe>, MetricsError> {
-    let length = spec.length();
-    positive("step", length)?;
+    let (translations, rotations): (Vec<f64>, Vec<f64>) = stretches_of(pairs, spec, tolerance)?
+        .into_iter()
+        .map(|(i, j)| {
+            let error = relative_error(&pairs[i], &pairs[j]);
+            (error.translation.vector.norm(), error.rotation.angle())
+        })
+        .unzip();
+    let summaries = ErrorSummary::of(&translations).zip(ErrorSummary::of(&rotations));
+    Ok(summaries.map(|(translation, rotation)| Rpe { step: spec.step, translation, rotation }))
+}
+
+/// First and last pair of every stretch of `spec`.
+///
+/// # Errors
+/// As [`rpe_by`].
+pub(super) fn stretches_of(
+    pairs: &[PosePair],
+    spec: &RpeSpec,
+    tolerance: f64,
+) -> Result<Vec<(usize, usize)>, MetricsError> {
+    positive("step", spec.length())?;
     if !(0.0..1.0).contains(&tolerance) {
         return Err(MetricsError::BadOption {
             name: "tolerance",
@@ -55,15 +74,7 @@ pub fn rpe_by(pairs: &[PosePair], spec: &RpeSpec, tolerance: f64) -> Result<Opti
     if let RpeStep::Degrees(value @ 180.0..) = spec.step {
         return Err(MetricsError::BadOption { name: "step", value, bound: "below 180 degrees" });
     }
-    let (translations, rotations): (Vec<f64>, Vec<f64>) = stretches(pairs, spec, tolerance)
-        .into_iter()
-        .map(|(i, j)| {
-            let error = relative_error(&pairs[i], &pairs[j]);
-            (error.translation.vector.norm(), error.rotation.angle())
-        })
-        .unzip();
-    let summaries = ErrorSummary::of(&translations).zip(ErrorSummary::of(&rotations));
-    Ok(summaries.map(|(translation, rotation)| Rpe { step: spec.step, translation, rotation }))
+    Ok(stretches(pairs, spec, tolerance))
 }
 
 /// First and last pose of every stretch, as evo 1.38 chooses them (`core/filters.py`).
@@ -110,7 +121,7 @@ fn stretches(pairs: &[PosePair], spec: &RpeSpec, tolerance: f64) -> Vec<(usize, 
 }
 
 /// E of the module's opening.
-fn relative_error(i: &PosePair, j: &PosePair) -> Isometry3<f64> {
+pub(super) fn relative_error(i: &PosePair, j: &PosePair) -> Isometry3<f64> {
     let true_i_from_j = i.true_world_from_body.inv_mul(&j.true_world_from_body);
     let est_i_from_j = i.est_world_from_body.inv_mul(&j.est_world_from_body);
     true_i_from_j.inv_mul(&est_i_from_j)

@@ -1,6 +1,7 @@
 //! The statistics that decide the question: paired tests over sequences, corrections, equivalence, intervals.
 //!
 //! * [`signed_rank`]: Wilcoxon's test of paired differences, exact for few pairs, ties included.
+//! * [`sign_test`]: whether more differences are of one sign than chance makes.
 //! * [`hodges_lehmann`]: the difference that belongs to it.
 //! * [`equivalence_signed_rank`]: two one-sided tests, usually of [`log_ratios`].
 //! * [`holm`]: p-values of several tests at once.
@@ -18,6 +19,7 @@ mod hodges_lehmann;
 mod holm;
 mod percentile;
 mod ranks;
+mod sign;
 mod signed_rank;
 
 pub use bootstrap::{Bootstrap, Interval, bootstrap, median_interval};
@@ -27,4 +29,5 @@ pub use error::StatsError;
 pub use hodges_lehmann::hodges_lehmann;
 pub use holm::holm;
 pub use percentile::percentile;
+pub use sign::sign_test;
 pub use signed_rank::{Alternative, EXACT_UP_TO, NullDistribution, SignedRank, signed_rank};

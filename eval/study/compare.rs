@@ -48,11 +48,10 @@ pub fn compare(
 }
 
 /// [`compare`] of errors that are paired already.
-pub(crate) fn compare_pairs(
-    ours: &[f64],
-    theirs: &[f64],
-    margin: f64,
-) -> Result<Option<Comparison>, StatsError> {
+///
+/// # Errors
+/// As [`compare`].
+pub fn compare_pairs(ours: &[f64], theirs: &[f64], margin: f64) -> Result<Option<Comparison>, StatsError> {
     if ours.len() < 2 {
         return Ok(None);
     }

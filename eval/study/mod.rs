@@ -11,8 +11,8 @@ mod reference;
 mod rows;
 mod summary;
 
-pub use compare::{Comparison, FEWEST_SEQUENCES, compare, correct_for_count};
-pub(crate) use compare::{compare_pairs, pairs};
+pub(crate) use compare::pairs;
+pub use compare::{Comparison, FEWEST_SEQUENCES, compare, compare_pairs, correct_for_count};
 pub use file::StudyFile;
 pub use reference::{Choice, Criterion, Reference};
 pub use rows::RowSet;

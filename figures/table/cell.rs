@@ -36,6 +36,14 @@ impl Cell {
         }
     }
 
+    /// A number shown with so many significant digits and no exponent.
+    pub fn significant(value: impl Into<Option<f64>>, digits: usize) -> Self {
+        let value = value.into();
+        let before =
+            value.filter(|v| *v != 0.0 && v.is_finite()).map_or(0, |v| v.abs().log10().floor() as i32 + 1);
+        Self::number(value, (digits as i32 - before).max(0) as usize)
+    }
+
     /// A length in metres: three decimals below 1 m, fewer above.
     pub fn metres(value: impl Into<Option<f64>>) -> Self {
         let value = value.into();

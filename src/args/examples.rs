@@ -106,6 +106,15 @@ pub(super) const COMPLETIONS: &str = "Examples:
 pub(super) const MANUAL: &str = "Example:
   dpn manual --out ~/.local/share/man/man1";
 
+pub(super) const APE: &str = "Examples:
+  dpn ape truth.tum estimate.tum -a
+  dpn ape data/euroc/V1_02_medium vins.tum runs/run -as --save_plot runs/ape.svg
+  dpn ape truths/ vins/ mine/ -a             folders of V1_01.tum, V1_02.tum ...: ratio, interval and tests over sequences";
+
+pub(super) const RPE: &str = "Examples:
+  dpn rpe truth.tum estimate.tum -d 1 -u m --all_pairs
+  dpn rpe poses/00.txt results/00.txt -d 10 -u f -r angle_deg      KITTI, line by line";
+
 #[cfg(test)]
 mod tests {
     use crate::args::Cli;

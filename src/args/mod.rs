@@ -20,6 +20,7 @@ mod run;
 mod simulate;
 mod sweep;
 mod train;
+mod trajectories;
 mod truth;
 mod word;
 
@@ -44,6 +45,7 @@ pub(crate) use sweep::{
     Shards, SweepArgs, SweepCollectArgs, SweepPlanArgs, SweepRunArgs, SweepStatusArgs, SweepWhat,
 };
 pub(crate) use train::TrainArgs;
+pub(crate) use trajectories::{ApeArgs, DeltaUnit, RpeArgs, TrajectoryArgs};
 pub(crate) use truth::TruthArgs;
 
 use clap::{Parser, Subcommand};
@@ -95,6 +97,12 @@ pub(crate) enum Command {
     /// A published ground truth reconciled with its IMU: clock, frames, noise of both, and where it can be trusted.
     #[command(after_help = examples::TRUTH)]
     Truth(TruthArgs),
+    /// Absolute errors of trajectories against the truth, with evo_ape's options; of several over several sequences what may be said of them.
+    #[command(after_help = examples::APE)]
+    Ape(ApeArgs),
+    /// Relative errors of trajectories over stretches, with evo_rpe's options.
+    #[command(after_help = examples::RPE)]
+    Rpe(RpeArgs),
     /// Trained networks for other programs (onnx).
     Export(ExportArgs),
     /// Make data whose truth is known.

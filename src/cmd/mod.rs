@@ -37,6 +37,7 @@ mod sweep;
 mod tracks;
 mod train;
 mod training_curve;
+mod trajectories;
 mod truth;
 
 use crate::args::{Cli, Command};
@@ -61,6 +62,8 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Check(args) => check::run(&args),
         Command::Page(args) => page::run(&args),
         Command::Truth(args) => truth::run(&args),
+        Command::Ape(args) => trajectories::ape(&args),
+        Command::Rpe(args) => trajectories::rpe(&args),
         Command::Export(args) => export::run(&args),
         Command::Simulate(args) => simulate::run(args),
         Command::Completions(args) => Ok(manual::completions(&args)?),

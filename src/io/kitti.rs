@@ -6,6 +6,7 @@ use super::pose::rigid;
 use super::row_fault::RowFault;
 use super::rows::Rows;
 use super::{IoError, ResultPath, atomic_write};
+use dpn_core::Stamp;
 use dpn_core::trajectory::StampedPose;
 use nalgebra::Isometry3;
 use std::path::Path;
@@ -37,20 +38,41 @@ pub(crate) fn parse(bytes: &[u8], path: &Path) -> Result<Vec<StampedPose>, IoErr
         _ => Vec::new(),
     };
     let mut times = (stamped == 0).then(|| Rows::open(&times_bytes, &times_path)).transpose()?;
+    all(&mut rows, stamped, |rows, before| match &mut times {
+        None => rows.stamp_after(before, 0, TimeUnit::Seconds),
+        Some(times) => {
+            if !times.advance()? {
+                return Err(rows.unknown_layout("as many lines in times.txt as poses"));
+            }
+            times.stamp_after(before, 0, TimeUnit::Seconds)
+        }
+    })
+}
+
+/// The same of a file of twelve columns, whose poses are counted: the first at 0 s, the next at 1 s. `None` where it has other columns.
+///
+/// # Errors
+/// As [`parse`], but for stamps.
+pub(crate) fn parse_counted(bytes: &[u8], path: &Path) -> Result<Option<Vec<StampedPose>>, IoError> {
+    let mut rows = Rows::open(bytes, path)?;
+    if rows.width() != 12 {
+        return Ok(None);
+    }
+    let next = |before: Option<Stamp>| before.map_or(Stamp::from_ns(0), |t| t.plus_seconds(1.0));
+    all(&mut rows, 0, |_, before| Ok(next(before))).map(Some)
+}
+
+/// All poses, whose matrices stand behind so many columns, each at the stamp that `stamp` says of its row, given the last.
+fn all<'a>(
+    rows: &mut Rows<'a>,
+    behind: usize,
+    mut stamp: impl FnMut(&Rows<'a>, Option<Stamp>) -> Result<Stamp, IoError>,
+) -> Result<Vec<StampedPose>, IoError> {
     let mut poses: Vec<StampedPose> = Vec::with_capacity(rows.rows_left());
     while rows.advance()? {
-        let before = poses.last().map(|p| p.t);
-        let t = match &mut times {
-            None => rows.stamp_after(before, 0, TimeUnit::Seconds)?,
-            Some(times) => {
-                if !times.advance()? {
-                    return Err(rows.unknown_layout("as many lines in times.txt as poses"));
-                }
-                times.stamp_after(before, 0, TimeUnit::Seconds)?
-            }
-        };
+        let t = stamp(rows, poses.last().map(|p| p.t))?;
         let names: [String; 12] = std::array::from_fn(|i| format!("m{}{}", i / 4 + 1, i % 4 + 1));
-        let columns: [usize; 12] = std::array::from_fn(|i| i + stamped);
+        let columns: [usize; 12] = std::array::from_fn(|i| i + behind);
         let numbers = rows.numbers(columns, names.each_ref().map(String::as_str))?;
         let world_from_body = rigid(&numbers).map_err(|problem| rows.fault(RowFault::BadPose { problem }))?;
         poses.push(StampedPose { t, world_from_body });

@@ -24,6 +24,15 @@ pub fn read_poses(path: &Path) -> Result<Vec<StampedPose>, IoError> {
     Ok(truth.states().iter().map(|s| StampedPose { t: s.t, world_from_body: s.world_from_body }).collect())
 }
 
+/// Reads poses that have no stamps, counted: the first at 0 s, the next at 1 s. `None` where the file is not KITTI's of twelve columns.
+///
+/// # Errors
+/// As [`read_poses`].
+pub fn read_counted_poses(path: &Path) -> Result<Option<Vec<StampedPose>>, IoError> {
+    let bytes = std::fs::read(path).map_err(|e| IoError::reading(path, e))?;
+    kitti::parse_counted(&bytes, path)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -36,4 +36,5 @@ mod sweep;
 mod tracks;
 mod train;
 mod training;
+mod trajectories;
 mod truth;

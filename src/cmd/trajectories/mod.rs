@@ -1,0 +1,234 @@
+//! `dpn ape` and `dpn rpe`.
+
+mod find;
+mod say;
+
+use crate::args::{ApeArgs, DeltaUnit, RpeArgs, TrajectoryArgs};
+use crate::ui::{Fault, errln, out, print_pictures};
+use anyhow::{Context, Result};
+use dpn_core::Stamp;
+use dpn_core::trajectory::StampedPose;
+use dpn_eval::metrics::{Compared, Comparing, MetricsError, RpeSpec, absolute, relative};
+use dpn_eval::study::{Comparison, MARGIN, compare_pairs, correct_for_count};
+use dpn_figures::{save, trajectory_errors};
+use dpn_io::{read_counted_poses, read_poses};
+use find::{Case, cases, names};
+use std::path::Path;
+
+/// Trajectories that a picture tells apart.
+const DRAWN: usize = 4;
+
+pub(crate) fn ape(args: &ApeArgs) -> Result<()> {
+    run(&args.of, "APE", |truth, estimate, by| absolute(truth, estimate, by))
+}
+
+pub(crate) fn rpe(args: &RpeArgs) -> Result<()> {
+    let (delta, unit) = match args.delta_unit {
+        DeltaUnit::Frames => (args.delta, "f"),
+        DeltaUnit::Metres => (args.delta, "m"),
+        DeltaUnit::Degrees => (args.delta, "deg"),
+        DeltaUnit::Radians => (args.delta.to_degrees(), "deg"),
+        DeltaUnit::Seconds => (args.delta, "s"),
+    };
+    let mut text = format!("{delta}{unit}");
+    text.push_str(if args.all_pairs { ":all_pairs" } else { "" });
+    text.push_str(if args.pairs_from_reference { ":pairs_from_reference" } else { "" });
+    let spec: RpeSpec = text.parse()?;
+    let name = format!("RPE over {spec}");
+    run(&args.of, &name, |truth, estimate, by| relative(truth, estimate, by, (&spec, args.delta_tol)))
+}
+
+/// One trajectory that was judged.
+struct Judged {
+    case: Case,
+    /// Poses that its file has.
+    poses: usize,
+    compared: Compared,
+    /// Whether its poses have no stamps.
+    counted: bool,
+}
+
+/// One estimate against the first over several sequences.
+struct Versus {
+    comparison: Comparison,
+    /// Sequences in which it is worse.
+    worse: usize,
+}
+
+fn run(
+    args: &TrajectoryArgs,
+    metric: &str,
+    compare: impl Fn(&[StampedPose], &[StampedPose], &Comparing) -> Result<Compared, MetricsError>,
+) -> Result<()> {
+    let by = comparing(args)?;
+    let names = names(&args.estimates);
+    let mut judged = Vec::new();
+    for case in cases(args, &names)? {
+        let (truth, estimate, counted) = poses(&case.truth, &case.estimate)?;
+        let compared =
+            compare(&truth, &estimate, &by).map_err(|error| fault(&error, &case, &truth, &estimate))?;
+        judged.push(Judged { poses: estimate.len(), case, compared, counted });
+    }
+    let several = judged.iter().any(|one| one.case.sequence.is_some());
+    let versus = if several { versus(&judged, names.len())? } else { Vec::new() };
+    let pictures =
+        args.save_plot.as_deref().map(|file| draw(file, &judged, &names, metric, &by)).transpose()?;
+    if args.json {
+        return Ok(out!("{}\n", say::json(metric, &by, &names, &judged, &versus))?);
+    }
+    let table = if several {
+        say::sequences(metric, &by, &names, &judged, &versus)
+    } else {
+        say::one(metric, &by, &names, &judged)
+    };
+    out!("{}", table.console())?;
+    Ok(print_pictures(&pictures.unwrap_or_default())?)
+}
+
+fn comparing(args: &TrajectoryArgs) -> Result<Comparing> {
+    for (name, value) in [
+        ("--t_max_diff", Some(args.t_max_diff)),
+        ("--t_offset", Some(args.t_offset)),
+        ("--t_start", args.t_start),
+        ("--t_end", args.t_end),
+    ] {
+        // The seconds of a stamp in nanoseconds end at 9.2e9.
+        if value.is_some_and(|value| !value.is_finite() || value.abs() > 9e9) {
+            return Err(Fault::new(format!("{name} is no number of seconds"))
+                .hint("give seconds, as stamps have them")
+                .into());
+        }
+    }
+    let stamp = |seconds: f64| Stamp::from_ns(0).plus_seconds(seconds);
+    Ok(Comparing {
+        relation: args.relation,
+        align: args.align,
+        correct_scale: args.correct_scale,
+        align_origin: args.align_origin,
+        n_to_align: args.n_to_align.map(|n| n as usize),
+        max_diff_s: args.t_max_diff,
+        offset_s: args.t_offset,
+        from: args.t_start.map(stamp),
+        to: args.t_end.map(stamp),
+    })
+}
+
+/// Poses of truth and estimate, and whether they are counted: two files without stamps belong together line by line.
+fn poses(truth: &Path, estimate: &Path) -> Result<(Vec<StampedPose>, Vec<StampedPose>, bool)> {
+    let same = |a: &Path, b: &Path| Some(a.canonicalize().ok()? == b.canonicalize().ok()?);
+    if same(truth, estimate) == Some(true) {
+        let message = format!("{} is compared with itself", truth.display());
+        return Err(Fault::new(message).hint("name the truth first, then what is judged").into());
+    }
+    if let (Some(truth_poses), Some(poses)) = (read_counted_poses(truth)?, read_counted_poses(estimate)?) {
+        if truth_poses.len() != poses.len() {
+            let (a, b) = (truth_poses.len(), poses.len());
+            let message = format!(
+                "{} has {a} poses without stamps and {} has {b}",
+                truth.display(),
+                estimate.display()
+            );
+            let hint =
+                "poses without stamps belong together line by line: give as many, or stamps before each";
+            return Err(Fault::new(message).hint(hint).into());
+        }
+        return Ok((truth_poses, poses, true));
+    }
+    Ok((read_poses(truth)?, read_poses(estimate)?, false))
+}
+
+/// What hinders a comparison, with the remedy.
+fn fault(
+    error: &MetricsError,
+    case: &Case,
+    truth: &[StampedPose],
+    estimate: &[StampedPose],
+) -> anyhow::Error {
+    let (of, against) = (case.estimate.display(), case.truth.display());
+    let seconds = |t: Stamp| format!("{:.2}", t.seconds_since(Stamp::from_ns(0)));
+    let span = |poses: &[StampedPose]| match poses {
+        [] => "no pose".to_owned(),
+        [only] => format!("one pose at {} s", seconds(only.t)),
+        [first, .., last] => {
+            format!("{} poses from {} to {} s", poses.len(), seconds(first.t), seconds(last.t))
+        }
+    };
+    let fault = Fault::new(match error {
+        MetricsError::TooFewPairs { what, needed, found } => format!(
+            "{of} against {against}: {found} pairs of poses where {what} needs {needed}: {}, against {}",
+            span(estimate),
+            span(truth)
+        ),
+        other => format!("{of} against {against}: {other}"),
+    });
+    let hint = match error {
+        MetricsError::TooFewPairs { .. } => {
+            "--t_offset SECONDS moves the estimate's stamps, --t_max_diff SECONDS pairs what is further apart"
+        }
+        MetricsError::Degenerate { .. } => "leave -a and -s away, or give --align_origin",
+        MetricsError::NoStretch { .. } => "give another -d, or -t SHARE",
+        _ => return fault.into(),
+    };
+    fault.hint(hint).into()
+}
+
+/// The others against the first, over the sequences that both have.
+fn versus(judged: &[Judged], estimates: usize) -> Result<Vec<Option<Versus>>> {
+    let of = |estimate: usize| judged.iter().filter(move |one| one.case.number == estimate);
+    let mut all = vec![None];
+    for estimate in 1..estimates {
+        let pairs = of(estimate).filter_map(|ours| {
+            let theirs = of(0).find(|theirs| theirs.case.sequence == ours.case.sequence)?;
+            Some((ours.compared.summary.rmse, theirs.compared.summary.rmse))
+        });
+        let (ours, theirs): (Vec<f64>, Vec<f64>) = pairs.unzip();
+        let worse = ours.iter().zip(&theirs).filter(|(a, b)| a > b).count();
+        let comparison = compare_pairs(&ours, &theirs, MARGIN).context("the ratio of two errors")?;
+        all.push(comparison.map(|comparison| Versus { comparison, worse }));
+    }
+    correct_for_count(all.iter_mut().flatten().map(|versus| &mut versus.comparison))?;
+    Ok(all)
+}
+
+/// The picture, of several sequences one each, its name behind the file's.
+fn draw(
+    file: &Path,
+    judged: &[Judged],
+    names: &[String],
+    metric: &str,
+    by: &Comparing,
+) -> Result<Vec<dpn_io::ResultPath>> {
+    let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    let stem = match ending.as_deref() {
+        Some("svg" | "png") => file.with_extension(""),
+        Some("pdf" | "jpg" | "jpeg" | "eps") => {
+            let message = format!("{}: pictures are SVG and PNG", file.display());
+            return Err(Fault::new(message).hint("name FILE.svg; a browser prints it as PDF").into());
+        }
+        _ => file.to_owned(),
+    };
+    let mut files = Vec::new();
+    for sequence in judged.chunk_by(|a, b| a.case.sequence == b.case.sequence) {
+        let drawn = &sequence[..sequence.len().min(DRAWN)];
+        let of: Vec<(String, &Compared)> =
+            drawn.iter().map(|one| (names[one.case.number].clone(), &one.compared)).collect();
+        let mut caption = say::how(by);
+        if sequence.len() > DRAWN {
+            let more = format!(" The first {DRAWN} of {} trajectories.", sequence.len());
+            errln!("note:{more}");
+            caption.push_str(&more);
+        }
+        let time = if sequence[0].counted { "pose" } else { "time [s]" };
+        let plot = trajectory_errors(&of, (&say::what(metric, by), time), &caption)?;
+        let place = match &sequence[0].case.sequence {
+            Some(name) => {
+                let mut place = stem.clone().into_os_string();
+                place.push(format!("-{name}"));
+                place.into()
+            }
+            None => stem.clone(),
+        };
+        files.extend(save(&plot, place)?);
+    }
+    Ok(files)
+}
