@@ -50,7 +50,7 @@ pub use log_noise_plot::log_noise_plot;
 pub use plot::{Drawn, Plot, save};
 pub use provenance::Provenance;
 pub use rmse_vs_sigma::rmse_vs_sigma;
-pub use spectrum_plot::spectrum_plot;
+pub use spectrum_plot::{spectra_of_two, spectrum_plot};
 pub use sweep_curve::{SweepPoint, sweep_curve};
 pub use table::{Cell, Column, ColumnKind, Line, Table};
 pub use track_picture::{TrackDot, TrackEnd, TrackPicture};

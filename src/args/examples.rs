@@ -51,6 +51,7 @@ pub(super) const PAGE: &str = "Examples:
 
 pub(super) const NOISE: &str = "Examples:
   dpn noise flight.bag
+  dpn noise logs/ robot1.bag                 a table, a row a log
   dpn noise log.csv --columns 1,2,3,4,5,6,7 --gyro-unit deg/s --out runs/mine
   dpn noise flight.mcap --into with_covariances.mcap
   dpn noise flight.bag --noise 'dualpronet(wide-s0)' --check vins.yaml --check-as vins
@@ -74,7 +75,12 @@ pub(super) const ALLAN: &str = "Examples:
 
 pub(super) const CHECK: &str = "Examples:
   dpn check flight.bag
+  dpn check logs/ --fail-on bad              a table, a row a log; for CI
   dpn check log.csv --json | jq '.findings[].text'";
+
+pub(super) const COMPARE: &str = "Examples:
+  dpn compare before.bag after.bag
+  dpn compare monday.csv friday.csv --from 0 --to 60 --json";
 
 pub(super) const FLEET: &str = "Examples:
   dpn fleet configs/fleet/fleet.toml --data data --out runs/fleet

@@ -4,6 +4,7 @@ mod allan;
 mod cache;
 mod check;
 mod closed_loop;
+mod compare;
 mod eval;
 mod examples;
 mod export;
@@ -28,6 +29,7 @@ pub(crate) use allan::AllanArgs;
 pub(crate) use cache::CacheArgs;
 pub(crate) use check::{CheckArgs, FailOn};
 pub(crate) use closed_loop::{CameraArg, ClosedLoopArgs, SettingsArgs};
+pub(crate) use compare::CompareArgs;
 pub(crate) use eval::EvalArgs;
 pub(crate) use export::{ExportArgs, ExportWhat, OnnxArgs};
 pub(crate) use fleet::FleetArgs;
@@ -91,6 +93,9 @@ pub(crate) enum Command {
     /// A log's doctor: rate, gaps, units, gravity, clipping, vibration, rest and motion; findings by weight.
     #[command(after_help = examples::CHECK)]
     Check(CheckArgs),
+    /// What changed between two logs of one sensor: noise with intervals, bias, vibration, losses, with both spectra in a picture.
+    #[command(after_help = examples::COMPARE)]
+    Compare(CompareArgs),
     /// A log in the browser: findings, noise over time, Allan plot and figures to paste on one page, served on this machine alone.
     #[command(after_help = examples::PAGE)]
     Page(PageArgs),

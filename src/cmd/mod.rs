@@ -6,6 +6,7 @@ mod along;
 mod cache;
 mod check;
 mod closed_loop;
+mod compare;
 mod convert;
 mod cores;
 mod corpus;
@@ -22,6 +23,7 @@ mod learned;
 mod live;
 mod log;
 mod manual;
+mod many;
 mod noise;
 mod page;
 mod paper;
@@ -60,6 +62,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Allan(args) => allan::run(&args),
         Command::Convert(args) => resample::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Compare(args) => compare::run(&args),
         Command::Page(args) => page::run(&args),
         Command::Truth(args) => truth::run(&args),
         Command::Ape(args) => trajectories::ape(&args),

@@ -21,6 +21,7 @@ mod live;
 mod live_faults;
 mod locks;
 mod logs;
+mod many_logs;
 mod noise;
 mod noise_against;
 mod noise_log;
