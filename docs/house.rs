@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use toml::Table;
 
 /// Every crate that ships and what it may use of the workspace, from the ground up.
-const ARROWS: [(&str, &[&str]); 19] = [
+const ARROWS: [(&str, &[&str]); 20] = [
     ("src/fft", &[]),
     ("src/core", &["dpn-fft"]),
     ("src/io", &["dpn-core"]),
@@ -16,19 +16,30 @@ const ARROWS: [(&str, &[&str]); 19] = [
     ("src/probe", &["dpn-core", "dpn-io", "dpn-logs", "dpn-noise", "dpn-pronet"]),
     ("src/sim", &["dpn-core"]),
     ("src/vio", &["dpn-core"]),
+    ("src/live", &["dpn-core", "dpn-io", "dpn-noise", "dpn-pronet", "dpn-vio"]),
     ("src/truth", &["dpn-core", "dpn-vio"]),
     ("src/onnx", &["dpn-core", "dpn-pronet"]),
     ("train", &["dpn-core", "dpn-io", "dpn-pronet", "dpn-sim"]),
     (
         "eval",
-        &["dpn-core", "dpn-io", "dpn-logs", "dpn-noise", "dpn-pronet", "dpn-sim", "dpn-train", "dpn-vio"],
+        &[
+            "dpn-core",
+            "dpn-io",
+            "dpn-live",
+            "dpn-logs",
+            "dpn-noise",
+            "dpn-pronet",
+            "dpn-sim",
+            "dpn-train",
+            "dpn-vio",
+        ],
     ),
     ("figures", &["dpn-core", "dpn-eval", "dpn-io", "dpn-probe", "dpn-train", "dpn-vio"]),
     (
         "papers",
         &["dpn-core", "dpn-eval", "dpn-figures", "dpn-io", "dpn-pronet", "dpn-sim", "dpn-train", "dpn-vio"],
     ),
-    ("c", &["dpn-core", "dpn-pronet", "dpn-vio"]),
+    ("c", &["dpn-core", "dpn-live", "dpn-pronet", "dpn-vio"]),
     ("web", &["dpn-core", "dpn-io", "dpn-logs", "dpn-probe", "dpn-pronet"]),
     (
         "python",
@@ -36,6 +47,7 @@ const ARROWS: [(&str, &[&str]); 19] = [
             "dpn-core",
             "dpn-eval",
             "dpn-io",
+            "dpn-live",
             "dpn-logs",
             "dpn-probe",
             "dpn-pronet",

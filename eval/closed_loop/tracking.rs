@@ -7,7 +7,8 @@ use super::tracked::TrackedSequence;
 use super::tracking_log::TrackingLog;
 use super::walk::{Step, walk};
 use dpn_core::TrackFrame;
-use dpn_vio::estimator::{FeedError, FrontEndObserver, ImageTracker};
+use dpn_live::pass_over_spikes;
+use dpn_vio::estimator::{FrontEndObserver, ImageTracker};
 use dpn_vio::frontend::FrontEndConfig;
 
 /// What the odometry sees of a recording.
@@ -69,13 +70,5 @@ impl CameraInput<'_> {
         })?;
         let images = log.finish(recording)?;
         Ok(TrackedSequence { frames, span: Span::from(0.0), images: Some(images) })
-    }
-}
-
-/// What was fed went in, or is a single reading that no sensor gives: the estimator counts those, and the run goes on.
-pub(super) fn pass_over_spikes(fed: Result<(), FeedError>) -> Result<(), FeedError> {
-    match fed {
-        Err(FeedError::Spike { .. }) => Ok(()),
-        fed => fed,
     }
 }

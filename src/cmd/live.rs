@@ -4,12 +4,12 @@ use super::{settings, shipped, stop};
 use crate::args::{CameraArg, RunArgs};
 use crate::ui::{Fault, Untrusted, errln, is_closed_pipe, outln, warn};
 use anyhow::Result;
-use dpn_core::camera::CameraModel;
 use dpn_core::trajectory::StampedPose;
 use dpn_core::{GrayImage, ImuSample, Stamp};
-use dpn_eval::closed_loop::{ClosedLoopError, LiveClocks, LiveRun, LiveSensor, settings_for};
+use dpn_eval::closed_loop::ClosedLoopError;
 use dpn_io::calibration::Calibration;
 use dpn_io::{IoError, printable, tum_line};
+use dpn_live::{Fed, LiveClocks, LiveError, LiveRun, LiveSensor, settings_for};
 use dpn_logs::{LogError, SensorEvent, read_sensors};
 use dpn_vio::estimator::{FeedError, Phase, Update};
 use std::collections::BTreeMap;
@@ -60,14 +60,11 @@ pub(super) fn run(args: &RunArgs) -> Result<()> {
     })?;
     errln!("calibration: {calibration}");
     let config = &calibration.camera;
-    let camera = CameraModel::try_from(config)
-        .map_err(|source| ClosedLoopError::Camera { sequence: "live".to_owned(), source })?;
     let networks = shipped::or_of(args.models.as_deref())?;
     let estimator = super::run::estimator(args)?;
-    let camera = (camera, config.body_from_cam);
     let noise = args.noise.parse()?;
     warn(settings_for(&estimator, &noise).warnings());
-    let run = LiveRun::new(&estimator, noise, &networks, camera, args.seed)?;
+    let run = LiveRun::new(&estimator, noise, networks, config, Fed::Images, args.seed)?;
     let mut live = Live {
         run,
         calibration: &calibration,
@@ -137,7 +134,7 @@ struct Heard {
 }
 
 struct Live<'a> {
-    run: LiveRun<'a>,
+    run: LiveRun,
     calibration: &'a Calibration,
     json: bool,
     clocks: LiveClocks<Message>,
@@ -246,23 +243,22 @@ impl Live<'_> {
         let image = matches!(message, Message::Image(Ok(_))).then_some(t);
         let taken = match message {
             Message::Sample(sample) => self.run.feed_sample(ImuSample { t, ..sample }),
-            Message::Image(Ok(image)) => self.run.feed_image(t, image),
-            Message::Image(Err(error)) => Err(error.into()),
+            Message::Image(Ok(image)) => self.run.feed_image(t, image.view()),
+            // A camera whose images are all alike unreadable is no camera.
+            Message::Image(Err(error)) if self.frames == 0 && self.passed_over >= SHOWN => {
+                return Err(error.into());
+            }
+            Message::Image(Err(error)) => {
+                self.pass_over(&ClosedLoopError::from(error).in_full());
+                Ok(())
+            }
         };
         match taken {
             // Later it is the IMU's silence, which was said.
-            Err(error @ ClosedLoopError::Feed { source: FeedError::ImuBehind { .. }, .. })
-                if self.frames == 0 =>
-            {
+            Err(error @ LiveError::Feed(FeedError::ImuBehind { .. })) if self.frames == 0 => {
                 return Err(error.into());
             }
-            Err(error @ (ClosedLoopError::Feed { .. } | ClosedLoopError::Io(_))) => {
-                // A camera whose images are all alike unreadable is no camera.
-                if self.frames == 0 && self.passed_over >= SHOWN && matches!(error, ClosedLoopError::Io(_)) {
-                    return Err(error.into());
-                }
-                self.pass_over(&error.in_full());
-            }
+            Err(LiveError::Feed(error)) => self.pass_over(&error.to_string()),
             other => other?,
         }
         self.updates()?;

@@ -8,7 +8,7 @@ use dpn_core::estimate::NoiseSpec;
 use dpn_core::{GrayImage, Stamp};
 use dpn_eval::closed_loop::{
     Camera, JudgedRun, Recording, Report, RunInfo, RunSource, ScaleKnown, SequenceSet, Span, Watchers,
-    paired, settings_for, watched_run, write_states,
+    paired, watched_run, write_states,
 };
 #[cfg(feature = "rerun")]
 use dpn_eval::closed_loop::{CameraInput, frames_from};
@@ -17,6 +17,7 @@ use dpn_figures::save;
 use dpn_figures::{Album, timeline, top_view};
 use dpn_io::calibration::Calibration;
 use dpn_io::{ResultPath, atomic_write, write_kitti, write_noise_track, write_tum};
+use dpn_live::settings_for;
 use dpn_logs::ImageLogOptions;
 use dpn_vio::clock::{CameraClock, Readout};
 use dpn_vio::estimator::{EstimatorConfig, FrontEndObserver, Update};

@@ -10,7 +10,7 @@ const RANGE: std::ops::Range<f64> = 8.0..12.0;
 const COUNTS: f64 = 100.0;
 
 /// What is to be said of samples whose median force is far from gravity's; `None` where it is not, or there are none.
-pub(super) fn gravity_warning<'a>(samples: impl IntoIterator<Item = &'a ImuSample>) -> Option<String> {
+pub fn gravity_warning<'a>(samples: impl IntoIterator<Item = &'a ImuSample>) -> Option<String> {
     let force = median_of(samples.into_iter().map(|s| Vector3::from(s.accel).norm()))?;
     if RANGE.contains(&force) {
         return None;

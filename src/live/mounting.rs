@@ -10,14 +10,14 @@ const LAST: usize = 600;
 
 /// Looks at the turns of camera and gyro while a run goes on, until they say something.
 #[derive(Default)]
-pub(super) struct MountingWatch {
+pub(crate) struct MountingWatch {
     asked: usize,
     done: bool,
 }
 
 impl MountingWatch {
     /// What is wrong, said once, as soon as it is known.
-    pub(super) fn warning(&mut self, turns: &ClockWatch) -> Option<String> {
+    pub(crate) fn warning(&mut self, turns: &ClockWatch) -> Option<String> {
         if self.done || turns.compared_pairs() < self.asked + EVERY {
             return None;
         }
@@ -29,7 +29,7 @@ impl MountingWatch {
     }
 
     /// What all of a run that is over says, where nothing was known before.
-    pub(super) fn last_warning(&mut self, turns: &ClockWatch) -> Option<String> {
+    pub(crate) fn last_warning(&mut self, turns: &ClockWatch) -> Option<String> {
         let asked_before = std::mem::replace(&mut self.done, true);
         if asked_before { None } else { turns.axes().warning() }
     }
