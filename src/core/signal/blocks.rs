@@ -4,7 +4,7 @@
 //! every m-th sample is taken. Where the rates have no whole ratio r a sample at a block's end counts for both by its shares; uniformly placed ends give a mean the variance
 //! `(r - 1/3) / r^2` of a sample's.
 
-use dpn_core::{ImuNoise, ImuSample, SampleRate, Sensor};
+use crate::{ImuNoise, ImuSample, SampleRate, Sensor};
 
 /// Largest share by which the rate of blocks may differ from that of the training.
 const TOLERANCE: f64 = 0.05;
@@ -13,11 +13,11 @@ const NOTHING: f64 = 1e-9;
 
 /// How many samples a block has.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct BlockLength(f64);
+pub struct BlockLength(f64);
 
 impl BlockLength {
     /// Of samples of `rate` for networks trained at `trained`; none where the rate is too slow.
-    pub(crate) fn of(rate: SampleRate, trained: SampleRate) -> Option<Self> {
+    pub fn of(rate: SampleRate, trained: SampleRate) -> Option<Self> {
         let ratio = rate.hz() / trained.hz();
         let whole = ratio.round().max(1.0);
         if (ratio / whole - 1.0).abs() <= TOLERANCE {
@@ -27,20 +27,25 @@ impl BlockLength {
     }
 
     /// One sample a block.
-    pub(crate) const ONE: Self = Self(1.0);
+    pub const ONE: Self = Self(1.0);
+
+    /// Samples, shares of them counted.
+    pub fn exact(self) -> f64 {
+        self.0
+    }
 
     /// Whole samples, to the nearest.
-    pub(crate) fn samples(self) -> usize {
+    pub fn samples(self) -> usize {
         self.0.round() as usize
     }
 
     /// Whether every block begins with a sample.
-    pub(crate) fn is_whole(self) -> bool {
+    pub fn is_whole(self) -> bool {
         self.0.fract() == 0.0
     }
 
     /// Deviation of one sample over that of a block's mean, of white noise.
-    pub(crate) fn gain(self) -> f64 {
+    pub fn gain(self) -> f64 {
         let variance = if self.is_whole() { 1.0 / self.0 } else { (self.0 - 1.0 / 3.0) / (self.0 * self.0) };
         variance.sqrt().recip()
     }
@@ -48,19 +53,20 @@ impl BlockLength {
 
 /// Takes samples, and gives their means as they fill.
 #[derive(Debug, Clone)]
-pub(crate) struct Blocks {
+pub struct Blocks {
     length: BlockLength,
     left: f64,
     sums: [[f64; 3]; 2],
 }
 
 impl Blocks {
-    pub(crate) fn new(length: BlockLength) -> Self {
+    /// Blocks of `length` samples that have taken none.
+    pub fn new(length: BlockLength) -> Self {
         Self { length, left: length.0, sums: [[0.0; 3]; 2] }
     }
 
     /// The mean of the block that `sample` fills, with its stamp.
-    pub(crate) fn feed(&mut self, sample: &ImuSample) -> Option<ImuSample> {
+    pub fn feed(&mut self, sample: &ImuSample) -> Option<ImuSample> {
         if self.length == BlockLength::ONE {
             return Some(*sample);
         }
@@ -89,7 +95,7 @@ impl Blocks {
     }
 
     /// What one sample has where the means have `noise`.
-    pub(crate) fn of_one_sample(&self, noise: &ImuNoise) -> ImuNoise {
+    pub fn of_one_sample(&self, noise: &ImuNoise) -> ImuNoise {
         if self.length == BlockLength::ONE {
             return *noise;
         }
@@ -99,12 +105,26 @@ impl Blocks {
     }
 }
 
+/// The means of whole blocks; one that a step of more than `gap_s` seconds would cross begins anew behind it.
+pub fn block_means(samples: &[ImuSample], length: BlockLength, gap_s: f64) -> Vec<ImuSample> {
+    let (mut blocks, mut last) = (Blocks::new(length), None);
+    let mut means = Vec::with_capacity(samples.len() / length.samples() + 1);
+    for sample in samples {
+        if last.is_some_and(|last| sample.t.seconds_since(last) > gap_s) {
+            blocks = Blocks::new(length);
+        }
+        last = Some(sample.t);
+        means.extend(blocks.feed(sample));
+    }
+    means
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use dpn_core::Stamp;
-    use dpn_core::random::Stream;
-    use dpn_core::signal::stats::{Ddof, deviation};
+    use crate::Stamp;
+    use crate::random::Stream;
+    use crate::signal::stats::{Ddof, deviation};
     use rand::Rng;
 
     fn of(hz: f64) -> Option<BlockLength> {
@@ -139,5 +159,14 @@ mod tests {
             assert!((found - 1.0).abs() < 0.03, "{hz}: {found}");
             assert!(means.iter().all(|m| (m.accel[1] - 7.0).abs() < 1e-9 && (m.gyro[2] + 3.0).abs() < 1e-9));
         }
+    }
+
+    #[test]
+    fn no_block_crosses_a_gap() {
+        let at =
+            |ms: i64| ImuSample { t: Stamp::from_ns(1_000_000 * ms), gyro: [ms as f64; 3], accel: [0.0; 3] };
+        let samples: Vec<ImuSample> = [0, 5, 10, 500, 505].map(at).to_vec();
+        let found = block_means(&samples, of(400.0).unwrap(), 7.5e-3);
+        assert_eq!(found.iter().map(|m| m.gyro[0]).collect::<Vec<_>>(), [2.5, 502.5]);
     }
 }
