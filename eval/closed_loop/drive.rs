@@ -198,6 +198,11 @@ pub(super) fn drive_images(
                 run.tracking_s += clock.elapsed().as_secs_f64();
                 stopped.set(run.take_updates(watch).is_break());
             }
+            Step::ImagesEnd => {
+                run.estimator.end_images();
+                run.estimator.track_images(log);
+                stopped.set(stopped.get() || run.take_updates(watch).is_break());
+            }
         }
         Ok(())
     })?;

@@ -62,10 +62,11 @@ impl CameraInput<'_> {
                 Step::SamplesEnd => tracker.end_imu(),
                 Step::Image(t, image) => {
                     tracker.feed_image(image.view(), t)?;
-                    // The log hands the frames on.
-                    while tracker.next_frame(log).is_some() {}
                 }
+                Step::ImagesEnd => tracker.end_images(),
             }
+            // The log hands the frames on.
+            while tracker.next_frame(log).is_some() {}
             Ok(())
         })?;
         let images = log.finish(recording)?;
