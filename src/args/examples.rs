@@ -82,6 +82,10 @@ pub(super) const COMPARE: &str = "Examples:
   dpn compare before.bag after.bag
   dpn compare monday.csv friday.csv --from 0 --to 60 --json";
 
+pub(super) const REPORT: &str = "Examples:
+  dpn report flight.bag --out flight.html
+  dpn report logs/ --out robots.html         a section a log";
+
 pub(super) const FLEET: &str = "Examples:
   dpn fleet configs/fleet/fleet.toml --data data --out runs/fleet
   dpn fleet configs/fleet/fleet.toml --platforms flights,flights-still";

@@ -16,6 +16,7 @@ mod noise;
 mod page;
 mod paper;
 mod paste;
+mod report;
 mod resample;
 mod run;
 mod simulate;
@@ -40,6 +41,7 @@ pub(crate) use noise::{ConvertArgs, NoiseArgs, NoiseWhat, RowFormat};
 pub(crate) use page::PageArgs;
 pub(crate) use paper::PaperArgs;
 pub(crate) use paste::PasteArgs;
+pub(crate) use report::ReportArgs;
 pub(crate) use resample::ResampleArgs;
 pub(crate) use run::RunArgs;
 pub(crate) use simulate::{AlongArgs, FlightArgs, ImagesArgs, SimulateArgs, SimulateWhat, TracksArgs};
@@ -96,6 +98,9 @@ pub(crate) enum Command {
     /// What changed between two logs of one sensor: noise with intervals, bias, vibration, losses, with both spectra in a picture.
     #[command(after_help = examples::COMPARE)]
     Compare(CompareArgs),
+    /// What logs say of their IMU as one HTML page that needs nothing else: findings, signal, spectra, noise, lines to paste; to send or to print.
+    #[command(after_help = examples::REPORT)]
+    Report(ReportArgs),
     /// A log in the browser: findings, noise over time, Allan plot and figures to paste on one page, served on this machine alone.
     #[command(after_help = examples::PAGE)]
     Page(PageArgs),

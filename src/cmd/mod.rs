@@ -28,6 +28,7 @@ mod noise;
 mod page;
 mod paper;
 mod program;
+mod report;
 mod rerun;
 mod resample;
 mod run;
@@ -63,6 +64,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Convert(args) => resample::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Report(args) => report::run(&args),
         Command::Page(args) => page::run(&args),
         Command::Truth(args) => truth::run(&args),
         Command::Ape(args) => trajectories::ape(&args),

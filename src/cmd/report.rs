@@ -6,8 +6,8 @@ use crate::ui::{Fault, outln};
 use anyhow::Result;
 use dpn_core::Recorded;
 use dpn_figures::{FigureError, Plot, allan_plot, log_noise_plot, spectrogram, spectrum_plot};
-use dpn_io::atomic_write;
 use dpn_io::noise_formats::{Format, Written};
+use dpn_io::{atomic_write, printable};
 use dpn_papers::{FindingWords, LogReport, LogSection};
 use dpn_probe::Finding;
 use dpn_probe::allan::AllanLog;
@@ -18,6 +18,8 @@ use std::path::Path;
 
 /// Samples from one answer of the networks to the next.
 const EVERY: usize = 10;
+/// Shorter rests have no Allan plot on the page: they show white noise alone \[s\].
+const ALLAN_S: f64 = 30.0;
 
 pub(crate) fn run(args: &ReportArgs) -> Result<()> {
     let logs = many::logs(&args.logs)?;
@@ -32,8 +34,9 @@ pub(crate) fn run(args: &ReportArgs) -> Result<()> {
                     let message = format!("none of {} logs can be read", rows.len());
                     return Err(Fault::new(message).hint("dpn check says of each why").into());
                 }
-                let unread = |(name, error)| LogSection { name, facts: format!("It cannot be read: {error}"), ..LogSection::default() };
-                rows.into_iter().map(|(name, row)| row.unwrap_or_else(|error| unread((name, error)))).collect()
+                let unread =
+                    |name, error: String| LogSection::new(name, format!("It cannot be read: {error}"));
+                rows.into_iter().map(|(name, row)| row.unwrap_or_else(|error| unread(name, error))).collect()
             }
         },
         made_by: program::program(),
@@ -55,15 +58,11 @@ fn section(args: &ReportArgs, path: &Path, networks: &[Network]) -> Result<LogSe
         remedy: remedy.map(str::to_owned),
     };
     let taken = log.guesses.join(", ");
-    let mut page = LogSection {
-        name: dpn_io::printable(&path.display().to_string()),
-        facts: format!(
-            "{samples} samples, {length_s:.1} s, {rate_hz:.2} Hz.{}",
-            if taken.is_empty() { String::new() } else { format!(" Taken for granted: {taken}.") }
-        ),
-        findings: findings.into_iter().map(words).collect(),
-        ..LogSection::default()
-    };
+    let taken = if taken.is_empty() { String::new() } else { format!(" Taken for granted: {taken}.") };
+    let facts = format!("{samples} samples, {length_s:.1} s, {rate_hz:.2} Hz.{taken}");
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    let mut page = LogSection::new(printable(&name), facts);
+    page.findings = findings.into_iter().map(words).collect();
     let (plan, _) = Plan::fitting(recording.rate(), EVERY, networks)?;
     match Along::of(&plan, recording, None) {
         Ok(along) => {
@@ -71,7 +70,10 @@ fn section(args: &ReportArgs, path: &Path, networks: &[Network]) -> Result<LogSe
             draw(&mut page, "The signal, and its noise along the log", plot)?;
             draw(&mut page, "Spectra", spectrum_plot(&spectra, ""))?;
             draw(&mut page, "Spectra along the log", spectrogram(recording, ""))?;
-            page.texts.push(("Noise along the log".to_owned(), report::page(&plan, &along.summary, recording.rate())));
+            let mut text: String =
+                along.warnings.iter().map(|warning| format!("warning: {warning}\n")).collect();
+            text.push_str(&report::page(&plan, &along.summary, recording.rate()));
+            page.texts.push(("Noise along the log".to_owned(), text));
             if let Some(rest) = &along.rest {
                 page.texts.push(("Noise at rest".to_owned(), rest.page()));
             }
@@ -85,7 +87,9 @@ fn section(args: &ReportArgs, path: &Path, networks: &[Network]) -> Result<LogSe
         Err(LogNoiseError::TooShort { .. }) => {}
         Err(error) => return Err(error.into()),
     }
-    if let Ok(allan) = AllanLog::of(&log.recording.held()?, false) {
+    if let Ok(allan) = AllanLog::of(&log.recording.held()?, false)
+        && allan.length_s >= ALLAN_S
+    {
         let words = format!("{} samples, {:.0} s at rest.", allan.samples, allan.length_s);
         draw(&mut page, "Allan deviation at rest", allan_plot(&allan.axes, &words))?;
     }

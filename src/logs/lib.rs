@@ -43,6 +43,7 @@ mod fields;
 mod folder;
 #[cfg(all(test, feature = "images"))]
 mod fuzz;
+mod gcsv;
 #[cfg(test)]
 mod golden;
 #[cfg(test)]

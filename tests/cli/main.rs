@@ -31,6 +31,7 @@ mod pipes;
 mod recording;
 mod remedies;
 mod rendered;
+mod report;
 mod run;
 mod simulate;
 mod sweep;
