@@ -6,7 +6,6 @@ mod error;
 mod metrics;
 mod network;
 mod noise_formats;
-mod odometry;
 mod probe;
 mod progress;
 mod recording;
@@ -29,8 +28,6 @@ mod _dpn {
     use crate::network::Network;
     #[pymodule_export]
     use crate::noise_formats::convert;
-    #[pymodule_export]
-    use crate::odometry::Odometry;
     #[pymodule_export]
     use crate::probe::{allan, check, noise};
     #[pymodule_export]
