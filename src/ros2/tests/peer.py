@@ -96,8 +96,9 @@ class Peer:
     def collect(self):
         while self.running:
             for reader, came in list(self.readers):
-                for message in reader.take(100):
-                    came.append((time.monotonic(), message))
+                # A writer that goes leaves a sample that is none.
+                now, taken = time.monotonic(), reader.take(100)
+                came.extend((now, message) for message in taken if hasattr(message, "serialize"))
             time.sleep(0.0005)
 
     def matched(self, *topics, seconds=20):
