@@ -1,4 +1,4 @@
-//! Lists the shipped networks of `models/` for the binary to carry.
+//! Lists the shipped networks of `models/` for the binary to carry, and with the feature `page` lays the page in the browser beside them.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -18,7 +18,21 @@ fn main() -> io::Result<()> {
             writeln!(code, "    (r\"models/{}\", include_bytes!(r\"{}\")),", name.display(), file.display());
     }
     code.push_str("];\n");
-    fs::write(Path::new(&env::var("OUT_DIR").unwrap_or_default()).join("shipped.rs"), code)
+    let out = PathBuf::from(env::var("OUT_DIR").unwrap_or_default());
+    fs::write(out.join("shipped.rs"), code)?;
+    if env::var_os("CARGO_FEATURE_PAGE").is_some() { page(&out) } else { Ok(()) }
+}
+
+/// The page that `cargo xtask web` made, in its usual place or where `DPN_WEB` says.
+fn page(out: &Path) -> io::Result<()> {
+    println!("cargo::rerun-if-env-changed=DPN_WEB");
+    let usual = || Path::new(&env::var("CARGO_MANIFEST_DIR").unwrap_or_default()).join("target/web/page");
+    let page = env::var_os("DPN_WEB").map_or_else(usual, PathBuf::from).join("index.html");
+    println!("cargo::rerun-if-changed={}", page.display());
+    if let Err(error) = fs::copy(&page, out.join("page.html")) {
+        println!("cargo::error=the feature `page`: {}: {error}; `cargo xtask web` makes it", page.display());
+    }
+    Ok(())
 }
 
 fn collect(dir: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {

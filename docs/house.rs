@@ -16,20 +16,30 @@ const ARROWS: [(&str, &[&str]); 20] = [
     ("src/probe", &["dpn-core", "dpn-io", "dpn-logs", "dpn-noise", "dpn-pronet"]),
     ("src/sim", &["dpn-core"]),
     ("src/vio", &["dpn-core"]),
+    ("src/live", &["dpn-core", "dpn-io", "dpn-noise", "dpn-pronet", "dpn-vio"]),
     ("src/truth", &["dpn-core", "dpn-vio"]),
     ("src/onnx", &["dpn-core", "dpn-pronet"]),
-    ("src/ros2", &["dpn-core", "dpn-io", "dpn-logs"]),
     ("train", &["dpn-core", "dpn-io", "dpn-pronet", "dpn-sim"]),
     (
         "eval",
-        &["dpn-core", "dpn-io", "dpn-logs", "dpn-noise", "dpn-pronet", "dpn-sim", "dpn-train", "dpn-vio"],
+        &[
+            "dpn-core",
+            "dpn-io",
+            "dpn-live",
+            "dpn-logs",
+            "dpn-noise",
+            "dpn-pronet",
+            "dpn-sim",
+            "dpn-train",
+            "dpn-vio",
+        ],
     ),
     ("figures", &["dpn-core", "dpn-eval", "dpn-io", "dpn-probe", "dpn-train", "dpn-vio"]),
     (
         "papers",
         &["dpn-core", "dpn-eval", "dpn-figures", "dpn-io", "dpn-pronet", "dpn-sim", "dpn-train", "dpn-vio"],
     ),
-    ("c", &["dpn-core", "dpn-pronet", "dpn-vio"]),
+    ("c", &["dpn-core", "dpn-live", "dpn-pronet", "dpn-vio"]),
     ("web", &["dpn-core", "dpn-io", "dpn-logs", "dpn-probe", "dpn-pronet"]),
     (
         "python",
@@ -37,6 +47,7 @@ const ARROWS: [(&str, &[&str]); 20] = [
             "dpn-core",
             "dpn-eval",
             "dpn-io",
+            "dpn-live",
             "dpn-logs",
             "dpn-probe",
             "dpn-pronet",
@@ -49,14 +60,13 @@ const ARROWS: [(&str, &[&str]); 20] = [
 ];
 
 /// Third-party crates that one room keeps to itself.
-const SEEN_BY: [(&str, &[&str]); 7] = [
+const SEEN_BY: [(&str, &[&str]); 6] = [
     ("burn", &["src/pronet"]),
     ("linfa", &["train"]),
     ("clarabel", &["src/probe"]),
     ("plotters", &["figures"]),
     ("clap", &[]),
     ("indicatif", &[]),
-    ("rustdds", &["src/ros2"]),
 ];
 
 fn manifest(folder: &str) -> Table {

@@ -1,12 +1,12 @@
 //! Allan plot: deviation over averaging time, both logarithmic, a panel a sensor, a line an axis with its 95 % band, the fitted model dashed
-//! below it, and white noise N marked where its slope crosses one second.
+//! below it, and white noise N marked where its slope crosses one second; N, B and K stand on it.
 
 use super::axis::Axis;
-use super::chart::{Chart, Layer, pale};
+use super::chart::{Chart, HALF, Layer, pale};
 use super::error::{FigureError, check_each};
 use super::legend::{self, Entry, Key};
 use super::plot::{Drawn, row};
-use super::style::{self, PALETTE};
+use super::style::{self, Anchor, PALETTE};
 use super::summary::extent;
 use dpn_core::Sensor;
 use dpn_probe::allan::{AxisFit, Coefficient, Point};
@@ -32,7 +32,7 @@ pub fn allan_plot(axes: &[AxisFit], words: &str) -> Result<Chart, FigureError> {
     legend.push(Entry { key: Key::Dashed, colour: style::INK, words: "fitted model".into() });
     let caption = format!(
         "Overlapping Allan deviation with 95 % bands; dashed: Q, N, B, K, R fitted to it; markers: the fitted white noise N \
-         at 1 s, which is its density. {words}"
+         at 1 s, which is its density. N, B, K: white noise, bias instability, walk, in SI units per √Hz, SI units, SI units per s and √Hz. {words}"
     );
     let header = vec!["sensor", "axis", "unit", "tau_s", "deviation", "low", "high", "model"];
     Ok(Chart::side_by_side(legend, caption, panels, Drawn { header, rows }))
@@ -79,6 +79,16 @@ fn panel(sensor: Sensor, axes: &[&AxisFit]) -> Result<(String, Axis, Axis, Vec<L
         axes.iter()
             .map(|axis| Layer::Dashed(along(axis, |p| p.model), style::stroke(style::INK, style::THIN))),
     );
+    // The upper right corner is free: a deviation begins above and falls.
+    let shown = [Coefficient::White, Coefficient::Instability, Coefficient::Walk];
+    for (row, (axis, colour)) in (0..).zip(coloured()) {
+        let value = |c: Coefficient| match axis.fit.of(c) {
+            of if of.seen => format!("{} {:.2e}", c.letter(), of.value),
+            of => format!("{} below {:.1e}", c.letter(), of.high),
+        };
+        let words = format!("{}:  {}", axis.axis, shown.map(value).join("  "));
+        layers.push(Layer::Words(words, style::CAPTION, colour, Anchor::East, (HALF, 20 + 34 * row)));
+    }
     for (i, (axis, colour)) in coloured().enumerate() {
         let white = axis.fit.of(Coefficient::White).value;
         if white > 0.0 && (x.low()..=x.high()).contains(&1.0) {

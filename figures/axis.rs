@@ -43,6 +43,14 @@ impl Axis {
         at.clamp(0.0, 1.0)
     }
 
+    /// The value at a fraction of the axis.
+    pub(super) fn at(&self, fraction: f64) -> f64 {
+        match self.scale {
+            Scale::Linear => self.low + fraction * (self.high - self.low),
+            Scale::Log => self.low * (self.high / self.low).powf(fraction),
+        }
+    }
+
     /// Lower end.
     pub(super) fn low(&self) -> f64 {
         self.low
@@ -157,6 +165,7 @@ mod tests {
         assert!((axis.fraction(0.1) - 0.5).abs() < 1e-12);
         assert_eq!((axis.fraction(0.0), axis.fraction(7.0)), (0.0, 1.0));
         assert_eq!(axis.fraction(-3.0), 0.0);
+        assert!((axis.at(axis.fraction(0.37)) - 0.37).abs() < 1e-12);
         let flat = Axis::linear(String::new(), 2.0, 2.0, 4);
         assert!((flat.fraction(2.0) - 0.5).abs() < 1e-12);
     }

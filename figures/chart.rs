@@ -14,6 +14,8 @@ use plotters_backend::DrawingBackend;
 
 /// Height of panels side by side.
 const PANEL: i32 = 620;
+/// Width of the data of two panels beside each other.
+pub(super) const HALF: i32 = style::WIDTH as i32 / 2 - LEFT - RIGHT;
 
 /// A figure of panels.
 #[derive(Debug, Clone)]
@@ -54,6 +56,8 @@ pub(super) enum Layer {
     Stripe([f64; 2], RGBColor),
     /// So many pixels over the lower axis, between two times; a span may be narrower than a pixel, and is there all the same.
     Foot([f64; 2], i32, RGBColor),
+    /// What lies between two values of either axis.
+    Block([f64; 2], [f64; 2], RGBColor),
     /// The marker of a series with an interval, so many pixels beside its place.
     Error { series: usize, at: (f64, f64), shift: i32, ends: Option<[f64; 2]>, colour: RGBColor },
     /// The marker of a series.
@@ -111,6 +115,11 @@ impl Panel {
                 Layer::Foot([from, to], height, colour) => {
                     let (left, right) = (frame.x_at(*from), frame.x_at(*to).max(frame.x_at(*from) + 1));
                     frame.block((left, rect.bottom - height), (right, rect.bottom), *colour)?;
+                }
+                Layer::Block([left, right], [low, high], colour) => {
+                    // A pixel over its neighbours, which hides the seams between them.
+                    let (x, y) = frame.at(*right, *low);
+                    frame.block(frame.at(*left, *high), (x + 1, y + 1), *colour)?;
                 }
                 Layer::Error { series, at: (x, y), shift, ends, colour } => {
                     let at = |y: f64| (frame.x_at(*x) + shift, frame.y_at(y));

@@ -2,6 +2,7 @@
 
 use super::chart::Chart;
 use super::error::FigureError;
+use super::table::Cell;
 use super::timeline::{TimelinePanel, over_time};
 use super::top_view::from_above;
 use dpn_core::trajectory::StampedPose;
@@ -50,8 +51,11 @@ pub fn top_view(recording: &Recording, run: &JudgedRun) -> Result<Chart, FigureE
     let row = &run.report.row;
     let caption = match (alignment, row.ate_yaw) {
         (Some(_), Some(ate)) => format!(
-            "Aligned in yaw and position; RMSE {ate:.3} m. {} poses of {} frames, {} restarts.",
-            row.poses, row.frames, row.restarts
+            "Aligned in yaw and position; RMSE {} m. {} poses of {} frames, {} restarts.",
+            Cell::metres(ate).shown(),
+            row.poses,
+            row.frames,
+            row.restarts
         ),
         _ => format!("Not aligned. {} poses of {} frames, {} restarts.", row.poses, row.frames, row.restarts),
     };

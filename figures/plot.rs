@@ -82,7 +82,11 @@ fn paint<DB: DrawingBackend>(plot: &impl Plot, back_end: DB) -> Result<(), Figur
         .map_err(|error| FigureError::Draw { reason: error.to_string() })
 }
 
-pub(super) fn svg(plot: &impl Plot) -> Result<Vec<u8>, FigureError> {
+/// The plot as an SVG file, text as text.
+///
+/// # Errors
+/// [`FigureError::Draw`].
+pub fn svg(plot: &impl Plot) -> Result<Vec<u8>, FigureError> {
     let mut text = String::new();
     paint(plot, SVGBackend::with_string(&mut text, plot.size()))?;
     Ok(text.into_bytes())

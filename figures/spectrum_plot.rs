@@ -8,45 +8,93 @@ use super::plot::{Drawn, row};
 use super::style::{self, PALETTE};
 use super::summary::extent;
 use dpn_core::Sensor;
-use dpn_probe::doctor::vibration::AxisSpectrum;
+use dpn_probe::doctor::vibration::{AxisSpectrum, Shaking, shaking};
 
 const FIGURE: &str = "spectra";
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// Of the sensors that have one with power; `words` end the small print.
+/// A spectrum by name.
+type Named = (String, Vec<(f64, f64)>);
+
+/// Of the sensors that have one with power, the bands that shake marked; `words` end the small print.
 ///
 /// # Errors
 /// [`FigureError::Empty`] where no sensor has.
 pub fn spectrum_plot(spectra: &[AxisSpectrum], words: &str) -> Result<Chart, FigureError> {
+    let lines = |sensor: Sensor| {
+        let of = spectra.iter().filter(|s| s.sensor == sensor);
+        of.map(|s| (s.axis, (AXES[s.axis % 3].to_owned(), bins(s)))).collect()
+    };
+    let shaking = shaking(spectra);
+    let caption = format!(
+        "Root of the power spectral density (Welch, Hann). Flat: white noise, at its density; marked peaks: vibration. {words}"
+    );
+    plot(lines, &shaking, legend::entries(Key::Line, AXES), caption)
+}
+
+/// Two logs, A and B by name, over one another: of each sensor the root of the mean density of its axes.
+///
+/// # Errors
+/// [`FigureError::Empty`] where no sensor has a spectrum with power.
+pub fn spectra_of_two(logs: [(&str, &[AxisSpectrum]); 2]) -> Result<Chart, FigureError> {
+    let lines = |sensor: Sensor| {
+        let of = |(i, (name, spectra)): (usize, &(&str, &[AxisSpectrum]))| {
+            let axes: Vec<_> = spectra.iter().filter(|s| s.sensor == sensor).map(bins).collect();
+            (!axes.is_empty()).then(|| (i, ((*name).to_owned(), mean(&axes))))
+        };
+        logs.iter().enumerate().filter_map(of).collect()
+    };
+    let names = ["A", "B"]
+        .into_iter()
+        .zip(logs)
+        .map(|(letter, (name, _))| format!("{letter}: {name}"))
+        .collect::<Vec<_>>();
+    let caption = "Root of the mean power spectral density of the three axes (Welch, Hann).".to_owned();
+    plot(lines, &[], legend::entries(Key::Line, names.iter().map(String::as_str)), caption)
+}
+
+/// Root of the mean of squares, bin by bin.
+fn mean(axes: &[Vec<(f64, f64)>]) -> Vec<(f64, f64)> {
+    let mut all: Vec<(f64, f64)> = axes.concat();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let bin = |bin: &[(f64, f64)]| {
+        (bin[0].0, (bin.iter().map(|(_, d)| d * d).sum::<f64>() / axes.len() as f64).sqrt())
+    };
+    all.chunk_by(|a, b| a.0 == b.0).map(bin).collect()
+}
+
+fn plot(
+    lines: impl Fn(Sensor) -> Vec<(usize, Named)>,
+    shaking: &[Shaking],
+    legend: Vec<legend::Entry>,
+    caption: String,
+) -> Result<Chart, FigureError> {
     let (mut panels, mut rows) = (Vec::new(), Vec::new());
     for sensor in Sensor::ALL {
-        let of = spectra.iter().filter(|s| s.sensor == sensor);
-        let lines: Vec<(usize, Vec<(f64, f64)>)> = of.map(|s| (s.axis, bins(s))).collect();
-        let all = || lines.iter().flat_map(|(_, bins)| bins.iter().copied());
+        let lines = lines(sensor);
+        let all = || lines.iter().flat_map(|(_, (_, bins))| bins.iter().copied());
         let ((from, to), (low, high)) = (extent(all().map(|b| b.0)), extent(all().map(|b| b.1)));
         if to <= 0.0 {
             continue;
         }
-        for (axis, bins) in &lines {
+        for (_, (name, bins)) in &lines {
             let unit = format!("{}/sqrt(Hz)", sensor.unit());
-            rows.extend(
-                bins.iter().map(|(hz, density)| row![sensor.name(), AXES[*axis % 3], unit, hz, density]),
-            );
+            rows.extend(bins.iter().map(|(hz, density)| row![sensor.name(), name, unit, hz, density]));
         }
         let x = Axis::log("frequency [Hz]".into(), from, to);
         let y = Axis::log(format!("density [{}/√Hz]", style::unit(sensor)), low / 1.3, high * 1.3);
-        let line =
-            |(axis, bins)| Layer::Line(bins, style::stroke(PALETTE[axis % PALETTE.len()], style::THIN));
-        panels.push((style::title(sensor).to_owned(), x, y, lines.into_iter().map(line).collect()));
+        let colour = |number: usize| PALETTE[number % PALETTE.len()];
+        let line = |(number, (_, bins))| Layer::Line(bins, style::stroke(colour(number), style::THIN));
+        let mark = |s: &Shaking| Layer::Mark(s.axis, (s.hz, s.density.sqrt()), colour(s.axis));
+        let marks = shaking.iter().filter(|s| s.sensor == sensor).map(mark);
+        let layers = lines.into_iter().map(line).chain(marks).collect();
+        panels.push((style::title(sensor).to_owned(), x, y, layers));
     }
     if panels.is_empty() {
         return Err(FigureError::Empty { figure: FIGURE, what: "spectrum with power".into() });
     }
-    let caption = format!(
-        "Root of the power spectral density (Welch, Hann). Flat: white noise, at its density; peaks: vibration. {words}"
-    );
     let header = vec!["sensor", "axis", "unit", "hz", "density"];
-    Ok(Chart::side_by_side(legend::entries(Key::Line, AXES), caption, panels, Drawn { header, rows }))
+    Ok(Chart::side_by_side(legend, caption, panels, Drawn { header, rows }))
 }
 
 /// Frequency and root density of what has a place on logarithmic axes; the bin at zero has none.

@@ -4,6 +4,7 @@ use super::axis::Axis;
 use super::chart::{Chart, Layer, Panel};
 use super::error::{FigureError, check_each};
 use super::frame::{BELOW, LEFT, RIGHT, Rect};
+use super::heat;
 use super::legend::{Entry, Key};
 use super::plot::Drawn;
 use super::sheet::{MARGIN, ROOM, Sheet};
@@ -24,19 +25,6 @@ const AROUND: (i32, i32, i32, i32) = (100, 60, 30, 62);
 /// Height of a panel over time, and room for the words above it.
 const PANEL: i32 = 130;
 const WORDS: i32 = 40;
-/// Height of the scale of colours.
-const SCALE: i32 = 22;
-/// From no error to the largest: told apart by lightness too.
-const COLOURS: [RGBColor; 5] = [
-    RGBColor(0x8C, 0xC6, 0xEC),
-    RGBColor(0x00, 0x72, 0xB2),
-    RGBColor(0xE6, 0x9F, 0x00),
-    RGBColor(0xD5, 0x5E, 0x00),
-    RGBColor(0x6E, 0x00, 0x1E),
-];
-/// Colours that a path has at most.
-const STEPS: usize = 24;
-
 /// Up to four trajectories by name, each compared with the same truth; `error` is what was counted, with its unit, `time` what stamps count, `caption`
 /// the small print.
 ///
@@ -81,8 +69,8 @@ pub fn trajectory_errors(
             }
         });
     }
-    panels.push(colour_scale(top + WORDS, error, most));
-    top += WORDS + SCALE + 40;
+    panels.push(heat::scale(top + WORDS, Axis::linear(error.to_owned(), 0.0, most, 8)));
+    top += WORDS + heat::SCALE;
     let over = Axis::linear(time.to_owned(), 0.0, truth.end().max(1e-9), 10);
     let rows = rows_over_time(&truth, &lines, error);
     let count = rows.len();
@@ -167,15 +155,13 @@ impl Path {
     fn coloured(&self, most: f64) -> Vec<Layer> {
         let mut layers = Vec::new();
         for part in unbroken(&self.poses, |pose| pose.0) {
-            let step = |pose: &(f64, [f64; 6])| {
-                self.error_at(pose.0).map(|e| ((e / most * STEPS as f64) as usize).min(STEPS - 1))
-            };
+            let step = |pose: &(f64, [f64; 6])| self.error_at(pose.0).map(|e| heat::step(e / most));
             let ends: Vec<(Option<usize>, usize)> =
                 part.iter().enumerate().skip(1).map(|(i, pose)| (step(pose), i)).collect();
             for run in ends.chunk_by(|a, b| a.0 == b.0) {
                 let (from, to) = (run[0].1 - 1, run[run.len() - 1].1);
                 let points = part[from..=to].iter().map(|(_, p)| (p[0], p[1])).collect();
-                let colour = run[0].0.map_or(style::GRID, colour_of);
+                let colour = run[0].0.map_or(style::GRID, heat::colour);
                 layers.push(Layer::Line(points, style::stroke(colour, style::LINE + 1)));
             }
         }
@@ -191,16 +177,6 @@ impl Path {
         };
         self.poses.iter().map(row).collect()
     }
-}
-
-/// The colour of one of [`STEPS`].
-fn colour_of(step: usize) -> RGBColor {
-    let at = step as f64 / (STEPS - 1) as f64 * (COLOURS.len() - 1) as f64;
-    let below = (at as usize).min(COLOURS.len() - 2);
-    let share = at - below as f64;
-    let mix = |a: u8, b: u8| (f64::from(a) + share * (f64::from(b) - f64::from(a))).round() as u8;
-    let (RGBColor(r, g, b), RGBColor(u, v, w)) = (COLOURS[below], COLOURS[below + 1]);
-    RGBColor(mix(r, u), mix(g, v), mix(b, w))
 }
 
 fn map_place(i: i32, across: i32) -> Rect {
@@ -240,19 +216,6 @@ fn map<'a>(place: Rect, title: &str, paths: impl IntoIterator<Item = &'a Path>, 
         )
     };
     Panel { place, x: axis("x", x, across, 6), y: axis("y", y, up, 5), layers: all }
-}
-
-/// What error a colour is.
-fn colour_scale(top: i32, error: &str, most: f64) -> Panel {
-    let step = most / STEPS as f64;
-    let stripe = |i: usize| Layer::Stripe([i as f64 * step, (i + 1) as f64 * step], colour_of(i));
-    let mut layers: Vec<Layer> = (0..STEPS).map(stripe).collect();
-    layers.push(Layer::SmallAxes);
-    layers.push(Layer::Words(format!("colour: {error}"), style::CAPTION, style::INK, Anchor::West, (0, -18)));
-    let mut y = Axis::linear(String::new(), 0.0, 1.0, 1);
-    y.ticks.clear();
-    let place = Rect { left: LEFT, top, right: style::WIDTH as i32 - RIGHT, bottom: top + SCALE };
-    Panel { place, x: Axis::linear(String::new(), 0.0, most, 8), y, layers }
 }
 
 /// Lines by colour.

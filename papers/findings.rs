@@ -6,6 +6,7 @@ use super::specs;
 use dpn_core::estimate::NoiseSpec;
 use dpn_eval::published::PublishedAte;
 use dpn_eval::study::{Comparison, RowSet, Study, compare};
+use dpn_figures::Cell;
 use std::fmt::Write as _;
 
 /// A noise against another that is not the study's reference, not corrected for other comparisons.
@@ -88,15 +89,15 @@ fn against_reference(study: &Study, noise: &NoiseSpec, against: &str) -> Option<
     let comparison = study.of(noise)?.comparison.as_ref()?;
     let mut text = format!("{against} {}", reference.words());
     if let Some(mean) = study.of(&reference.noise).and_then(|line| line.means[0]) {
-        let _ = write!(text, " ({mean:.3} m)");
+        let _ = write!(text, " ({} m)", Cell::metres(mean).shown());
     }
     let _ = write!(text, ", {}", ratio(comparison));
     if let Some(p) = comparison.p_holm {
-        let _ = write!(text, ", p {p:.2} after Holm's correction");
+        let _ = write!(text, ", p {} after Holm's correction", p_words(p, 2));
     }
     if let Some(p) = comparison.p_equal {
         let equal = if p < 0.05 { "equal" } else { "not shown to be equal" };
-        let _ = write!(text, "; {equal} within {:.0} % (p {p:.2})", 100.0 * study.margin);
+        let _ = write!(text, "; {equal} within {:.0} % (p {})", 100.0 * study.margin, p_words(p, 2));
     }
     if reference.at_edge {
         let _ = write!(text, "; {} is the end of that sweep, and one beyond may be better", reference.noise);
@@ -137,5 +138,11 @@ fn ratio(comparison: &Comparison) -> String {
 
 /// The p of a comparison that was tested.
 fn p(comparison: &Comparison, digits: usize) -> String {
-    comparison.p.map_or(String::new(), |p| format!(", p {p:.digits$}"))
+    comparison.p.map_or(String::new(), |p| format!(", p {}", p_words(p, digits)))
+}
+
+/// So many decimals, but no p is 0.
+fn p_words(p: f64, digits: usize) -> String {
+    let least = 0.5 * 0.1f64.powi(digits as i32);
+    if p >= least { format!("{p:.digits$}") } else { format!("below {least:.*}", digits + 1) }
 }

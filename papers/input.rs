@@ -1,7 +1,7 @@
 //! What there is to work on, and what is missing.
 
 use super::error::PaperError;
-use dpn_core::ImuRecording;
+use dpn_core::{ImuRecording, SampleRate};
 use dpn_eval::closed_loop::{
     Camera, ClosedLoopError, Experiment, SequenceSet, Sequences, TrackSource, UntrackedSequence, has_images,
 };
@@ -178,7 +178,7 @@ impl Input {
             Sequences::Recorded(_) if of_paper => "euroc",
             Sequences::Recorded(_) | Sequences::Logged(_) => "recorded",
         };
-        let corpus = Corpus { name: name.into(), members };
+        let corpus = Corpus { name: name.into(), rate: SampleRate::HZ_200, members };
         let mut injected = source.clone();
         if let TrackSource::Rendered(_) = source.tracks {
             injected.tracks = TrackSource::Simulated(made.clone());

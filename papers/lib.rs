@@ -8,6 +8,7 @@
 //! * [`Input`]: recordings that are there, and what is missing.
 //! * `results`: every stage's results, read or made.
 //! * [`tables`]: every table, from rows; those that `dpn eval` prints too.
+//! * [`LogReport`]: a page of another kind, what logs say of their IMU (`dpn report`).
 //! * `drawings`: the figures; `findings` and `page`: the page that tells the story, from `templates/`.
 
 #![cfg_attr(test, allow(clippy::unwrap_used))]
@@ -21,6 +22,7 @@ mod forest;
 mod id;
 mod injected;
 mod input;
+mod log_report;
 mod motors;
 mod overall;
 mod page;
@@ -37,6 +39,7 @@ pub use asked::{Opened, PaperPlan};
 pub use error::PaperError;
 pub use id::id;
 pub use input::{CameraChoice, Input, Missing};
+pub use log_report::{FindingWords, LogReport, LogSection};
 pub use paper::Paper;
 pub use plan::{InjectedPlan, Plan};
 pub use run::{Done, StageReport};

@@ -25,7 +25,7 @@ pub(super) struct Picture {
 
 impl Picture {
     /// The SVG as the address of an image.
-    fn address(&self) -> String {
+    pub(super) fn address(&self) -> String {
         let mut out = String::with_capacity(self.svg.len() + self.svg.len() / 8);
         out.push_str("data:image/svg+xml;charset=utf-8,");
         for c in self.svg.chars() {

@@ -20,6 +20,9 @@ pub(super) struct EstimatedPose {
 const POSITION: usize = 2;
 const POSITION_STD: usize = 18;
 
+/// Fewest poses that are drawn.
+const FEWEST: usize = 10;
+
 /// What a sweep kept of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct States {
@@ -93,12 +96,15 @@ pub(super) struct PairedRun {
 }
 
 impl PairedRun {
-    /// Pairs states with the truth; nothing where fewer than ten do.
+    /// Pairs states with the truth; nothing where fewer than ten do, as in a run that never had a pose.
     pub(super) fn new(
         sequence: &str,
         truth: &[StampedPose],
         states: &States,
     ) -> Result<Option<Self>, PaperError> {
+        if states.poses.len() < FEWEST {
+            return Ok(None);
+        }
         let poses: Vec<StampedPose> = states.poses.iter().map(|s| s.pose).collect();
         let refused = |source| PaperError::Metrics { sequence: sequence.to_owned(), source };
         let pairs = paired(truth, &poses).map_err(refused)?;
@@ -108,7 +114,7 @@ impl PairedRun {
         };
         let std = |pair: &PosePair| states.poses[pair.estimate_index].position_std;
         let position_std = pairs.iter().map(std).collect();
-        Ok((pairs.len() >= 10).then_some(Self { pairs, position_std, anchor }))
+        Ok((pairs.len() >= FEWEST).then_some(Self { pairs, position_std, anchor }))
     }
 
     /// Estimated positions after SE(3) alignment; nothing where that leaves a freedom.
@@ -208,7 +214,9 @@ mod tests {
             assert!(band.unwrap().iter().all(|b| (b - 0.3).abs() < 1e-12));
             assert!(aligned.iter().all(|v| v.is_finite()));
         }
-        let few = States { poses: states.poses[..5].to_vec(), anchor: None };
-        assert!(PairedRun::new("a", &truth, &few).unwrap().is_none());
+        for count in [0, 5] {
+            let few = States { poses: states.poses[..count].to_vec(), anchor: None };
+            assert!(PairedRun::new("a", &truth, &few).unwrap().is_none(), "{count} poses");
+        }
     }
 }

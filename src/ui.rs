@@ -181,6 +181,7 @@ fn hint_of(cause: &(dyn std::error::Error + 'static)) -> Option<String> {
     hints!(
         dpn_io::config::ConfigError,
         dpn_eval::closed_loop::ClosedLoopError,
+        dpn_live::LiveError,
         dpn_eval::sweeps::SweepError,
         dpn_papers::PaperError,
         dpn_io::LockError,

@@ -2,6 +2,7 @@
 
 use crate::corpus::{Corpus, CorpusError, Member};
 use crate::split::{Side, assign, paper_side};
+use dpn_core::SampleRate;
 use dpn_io::IoError;
 use dpn_io::asl::{Sequence, discover};
 use rayon::prelude::*;
@@ -34,15 +35,15 @@ impl LoadError {
     }
 }
 
-/// Every corpus under `dir`: EuRoC's sequences, TUM-VI's rooms, and the rest under the folder's own name.
+/// Every corpus under `dir`, brought to `rate`: EuRoC's sequences, TUM-VI's rooms, and the rest under the folder's own name.
 ///
 /// `dir` may be a folder of data sets (then its `euroc` and `tumvi` are looked at), a folder of sequences, or one
 /// sequence. EuRoC's sequences are split as in the paper; of TUM-VI room1 and room2 are for development, room3 and room4
 /// test; the rest alternates.
 ///
 /// # Errors
-/// No sequence; a file that cannot be read; a recording that windows cannot be cut from.
-pub fn load(dir: &Path) -> Result<Vec<Corpus>, LoadError> {
+/// No sequence; a file that cannot be read; a recording that is slower or that windows cannot be cut from.
+pub fn load(dir: &Path, rate: SampleRate) -> Result<Vec<Corpus>, LoadError> {
     let sets: Vec<_> =
         [EUROC, TUM_VI].iter().map(|name| dir.join(name)).filter(|path| path.is_dir()).collect();
     let mut sequences = Vec::new();
@@ -66,11 +67,11 @@ pub fn load(dir: &Path) -> Result<Vec<Corpus>, LoadError> {
     groups
         .into_iter()
         .filter(|(_, members)| !members.is_empty())
-        .map(|(name, members)| corpus(name, &members))
+        .map(|(name, members)| corpus(name, &members, rate))
         .collect()
 }
 
-fn corpus(name: String, sequences: &[&Sequence]) -> Result<Corpus, LoadError> {
+fn corpus(name: String, sequences: &[&Sequence], rate: SampleRate) -> Result<Corpus, LoadError> {
     let rest = assign(sequences.iter().map(|s| s.short_name()));
     let members: Result<Vec<Member>, IoError> = sequences
         .par_iter()
@@ -83,7 +84,7 @@ fn corpus(name: String, sequences: &[&Sequence]) -> Result<Corpus, LoadError> {
             Ok(Member { recording: sequence.imu()?, side, name: short })
         })
         .collect();
-    Ok(Corpus::new(name, members?)?)
+    Ok(Corpus::brought_to(rate, name, members?)?)
 }
 
 /// Side of a TUM-VI room sequence; `None` for any other name.

@@ -1,7 +1,6 @@
 //! The signal noise is injected into (decisions 2 and 3).
 
 use crate::clean::Cleaner;
-use crate::window::WINDOW;
 use dpn_core::signal::{FilterError, SavitzkyGolay};
 use std::fmt;
 use std::str::FromStr;
@@ -33,15 +32,15 @@ impl Base {
         Self::SavitzkyGolay { window: 51, order: 3 },
     ];
 
-    /// What cleans windows, built once.
+    /// What cleans windows of `len` samples, built once.
     ///
     /// # Errors
-    /// An even window, an order not below it, a filter longer than [`WINDOW`].
-    pub(crate) fn cleaner(self) -> Result<Cleaner, FilterError> {
+    /// An even window, an order not below it, a filter longer than `len`.
+    pub(crate) fn cleaner(self, len: usize) -> Result<Cleaner, FilterError> {
         match self {
             Self::Raw => Ok(Cleaner::Nothing),
-            Self::SavitzkyGolay { window, .. } if window > WINDOW => {
-                Err(FilterError::SignalTooShort { len: WINDOW, window })
+            Self::SavitzkyGolay { window, .. } if window > len => {
+                Err(FilterError::SignalTooShort { len, window })
             }
             Self::SavitzkyGolay { window, order } => {
                 SavitzkyGolay::new(window, order).map(Cleaner::SavitzkyGolay)

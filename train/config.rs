@@ -4,14 +4,15 @@ use crate::base::Base;
 use crate::draw::{Augment, DrawRule};
 use crate::label::Label;
 use crate::levels::{LevelKind, Levels};
+use crate::sensor::SensorDraw;
 use crate::vibration::VibrationDraw;
-use crate::windows::WINDOW;
 use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 use dpn_core::{SampleRate, Sensor};
 use dpn_io::config::{self, ConfigError};
 use dpn_pronet::ProNetConfig;
 use dpn_pronet::config::{FirstKernels, Head, Input};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Configuration of `dpn train`. Keys that do not stand in the file have the defaults documented here.
@@ -22,6 +23,8 @@ pub struct TrainConfig {
     pub name: String,
     /// Seed of initial weights, noise, and order of windows.
     pub seed: u64,
+    /// Rate that recordings are brought to \[Hz, 20 to 8000\].
+    pub rate_hz: SampleRate,
     /// The signal noise is injected into.
     pub base: BaseConfig,
     /// What is injected and asked for.
@@ -86,8 +89,8 @@ impl BaseConfig {
     }
 }
 
-/// Decisions 9 and 10. `low` and `high` that do not stand in the file are the paper's for the sensor.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+/// Decisions 9 and 10. `low` and `high` that do not stand in the file are the paper's for the sensor, at other rates than 200 Hz those of the same density.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct NoiseConfig {
     /// How injected deviations are chosen.
@@ -106,6 +109,13 @@ pub struct NoiseConfig {
     /// Vibration beside the white noise, for `label = "sigma_eff"`; none when not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vibration: Option<VibrationDraw>,
+    /// What the sensor does to all of it; nothing when not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sensor: Option<SensorDraw>,
+    /// What each training sequence's own noise is in sums, as a density \[m/s^2/sqrt(Hz) or rad/s/sqrt(Hz)\], for `label = "sigma_eff"` on raw windows;
+    /// what `dpn truth` says of it; sequences without are left out. Not counted when not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub own: Option<BTreeMap<String, f64>>,
 }
 
 impl Default for NoiseConfig {
@@ -118,17 +128,21 @@ impl Default for NoiseConfig {
             label: Label::Injected,
             span_s: None,
             vibration: None,
+            sensor: None,
+            own: None,
         }
     }
 }
 
+/// Samples that a window has at least: the widest Gaussian base reaches 27 to either side.
+const LEAST_WINDOW: usize = 28;
 /// The span of `sigma_eff` where the file gives none \[s\].
 const SPAN_S: f64 = 0.1;
 
 impl NoiseConfig {
-    /// Samples of the sums that `sigma_eff` is about.
-    pub fn span(&self) -> usize {
-        (self.span_s.unwrap_or(SPAN_S) * SampleRate::HZ_200.hz()).round() as usize
+    /// Samples of `rate` in the sums that `sigma_eff` is about.
+    pub fn span(&self, rate: SampleRate) -> usize {
+        (self.span_s.unwrap_or(SPAN_S) * rate.hz()).round() as usize
     }
 }
 
@@ -213,8 +227,14 @@ impl TrainConfig {
     /// reaches, at a tenth of the scale of the answer, so that its bias outweighs them and layer normalisation over
     /// channels stays close to linear; its kernels begin as a bank of band-pass filters.
     pub fn for_sensor(sensor: Sensor) -> Self {
+        Self::at_rate(sensor, SampleRate::HZ_200)
+    }
+
+    /// The same for samples of another rate, with windows of one second.
+    pub fn at_rate(sensor: Sensor, rate: SampleRate) -> Self {
         let plain = ProNetConfig::for_sensor(sensor);
         let network = ProNetConfig {
+            window: (rate.hz().round() as usize).max(LEAST_WINDOW),
             input: Input::SecondDifferences,
             input_scale: Some(10.0 * plain.output_scale()),
             output_scale: Some(plain.output_scale()),
@@ -230,6 +250,7 @@ impl TrainConfig {
         Self {
             name: "pronet".into(),
             seed: 0,
+            rate_hz: rate,
             base: BaseConfig::default(),
             noise: NoiseConfig::default(),
             augment: Augment::default(),
@@ -246,10 +267,11 @@ impl TrainConfig {
     /// Injected deviations, the paper's range where the file gives none.
     pub fn levels(&self) -> Levels {
         let paper = Levels::paper(self.sensor(), self.noise.levels);
+        let same_density = (self.rate_hz.hz() / SampleRate::HZ_200.hz()).sqrt();
         Levels {
             kind: self.noise.levels,
-            low: self.noise.low.unwrap_or(paper.low),
-            high: self.noise.high.unwrap_or(paper.high),
+            low: self.noise.low.unwrap_or(paper.low * same_density),
+            high: self.noise.high.unwrap_or(paper.high * same_density),
             steps: self.noise.steps.unwrap_or(paper.steps),
         }
     }
@@ -260,7 +282,9 @@ impl TrainConfig {
             levels: self.levels(),
             label: self.noise.label,
             vibration: self.noise.vibration,
-            span: self.noise.span(),
+            sensor: self.noise.sensor,
+            span: self.noise.span(self.rate_hz),
+            rate: self.rate_hz,
             augment: self.augment,
         }
     }
@@ -273,7 +297,7 @@ impl TrainConfig {
             low: Some(levels.low),
             high: Some(levels.high),
             steps: Some(levels.steps),
-            ..self.noise
+            ..self.noise.clone()
         };
         Self { noise, network: self.network.resolved(), ..self.clone() }
     }
@@ -312,11 +336,13 @@ pub fn parse(text: &str, path: &Path, sensor: Sensor) -> Result<TrainConfig, Con
     config::of_table(over_defaults(table, sensor), Some(path), &[])
 }
 
-/// The keys of `table` over the defaults of the sensor that it names, or of `sensor`.
+/// The keys of `table` over the defaults of the sensor that it names, or of `sensor`, and of the rate that it names.
 fn over_defaults(table: toml::Table, sensor: Sensor) -> toml::Table {
     let named = table.get("network").and_then(|network| network.get("sensor")).cloned();
     let sensor = named.and_then(|name| name.try_into().ok()).unwrap_or(sensor);
-    let defaults = TrainConfig::for_sensor(sensor);
+    let rate =
+        table.get("rate_hz").and_then(|value| value.clone().try_into().ok()).and_then(SampleRate::from_hz);
+    let defaults = TrainConfig::at_rate(sensor, rate.unwrap_or(SampleRate::HZ_200));
     let mut whole = toml::Table::try_from(defaults).expect("tables of plain keys are TOML");
     overlay(&mut whole, table);
     whole
@@ -342,7 +368,11 @@ impl Validate for TrainConfig {
         }
         let (base, augment, fit, levels) = (&self.base, &self.augment, &self.fit, self.levels());
         faults.check(base.base().filter().is_ok(), "base", base.base(), "an odd window above its order");
-        faults.check(base.window <= WINDOW, "base.window", base.window, format!("at most {WINDOW} samples"));
+        let (rate, window) = (self.rate_hz, self.network.window);
+        faults.within("rate_hz", rate.hz(), 20.0, 8000.0);
+        let filter = if base.filter == FilterKind::SavitzkyGolay { base.window } else { LEAST_WINDOW };
+        let whole = format!("at least {filter} samples, for the base's filter and the window's own noise");
+        faults.check(window >= filter.max(LEAST_WINDOW), "network.window", window, whole);
         faults.check(
             levels.low > 0.0 && levels.low <= levels.high && levels.high.is_finite(),
             "noise.low",
@@ -354,6 +384,19 @@ impl Validate for TrainConfig {
         if let Some(vibration) = &noise.vibration {
             vibration.check(&mut faults);
         }
+        if let Some(sensor) = &noise.sensor {
+            sensor.check(&mut faults);
+        }
+        let fits = noise.label == Label::Effective && base.filter == FilterKind::None;
+        faults.check(
+            noise.own.is_none() || fits,
+            "noise.own",
+            "given",
+            "not given but for `noise.label = \"sigma_eff\"` on a raw base",
+        );
+        let is_level = |level: &f64| *level > 0.0 && level.is_finite();
+        let levels = noise.own.iter().flat_map(|own| own.values());
+        faults.check(levels.clone().all(is_level), "noise.own", "a level", "above 0");
         faults.check(
             noise.vibration.is_none() || noise.label == Label::Effective,
             "noise.label",
@@ -361,10 +404,10 @@ impl Validate for TrainConfig {
             "\"sigma_eff\" where there is `noise.vibration`, which no other label counts",
         );
         faults.check(
-            (1..=WINDOW).contains(&noise.span()),
+            (1..=window).contains(&noise.span(rate)),
             "noise.span_s",
             noise.span_s.unwrap_or(SPAN_S),
-            "a sample (0.005) to 1 s",
+            format!("a sample ({} s) to a window ({} s)", rate.period(), window as f64 * rate.period()),
         );
         faults.check(
             self.fit.loss != Loss::LogNll || self.network.head == Head::LogSigmaAndSpread,
@@ -445,7 +488,7 @@ mod tests {
         let both = format!(
             "[noise]\nlabel = \"sigma_eff\"\nspan_s = 0.05\n{vibration}\n{loss}\n[network]\nhead = \"log-sigma-and-spread\""
         );
-        assert_eq!(read(&both).noise.span(), 10);
+        assert_eq!(read(&both).noise.span(SampleRate::HZ_200), 10);
         assert!(fault(&both.replace("[0.02, 3.0]", "[3.0, 0.02]")).contains("noise.vibration.deviation"));
         assert!(fault(&both.replace("0.05", "2.0")).contains("noise.span_s"));
     }

@@ -1,5 +1,6 @@
 //! The recordings a run learns from and is judged on.
 
+use crate::rate::{RateError, at_rate};
 use crate::split::Side;
 use crate::windows::WINDOW;
 use dpn_core::check::{CheckOptions, RecordingFault, check};
@@ -8,9 +9,6 @@ use dpn_core::{ImuRecording, SampleRate};
 use dpn_pronet::DualProNet;
 use sha2::{Digest, Sha256};
 use thiserror::Error;
-
-/// The rate windows are cut for \[Hz\].
-const RATE_HZ: f64 = 200.0;
 
 /// One recording and the side of the split it stands on.
 #[derive(Debug, Clone)]
@@ -23,11 +21,13 @@ pub struct Member {
     pub side: Side,
 }
 
-/// Recordings of one kind.
+/// Recordings of one kind, at one rate.
 #[derive(Debug, Clone)]
 pub struct Corpus {
     /// Name of the collection, for example `euroc` or `simulated`.
     pub name: String,
+    /// The rate that they have, to 5 %.
+    pub rate: SampleRate,
     /// Its members, sorted by name.
     pub members: Vec<Member>,
 }
@@ -47,6 +47,14 @@ pub enum CorpusError {
         /// Sequences there are.
         names: Vec<String>,
     },
+    /// A recording that cannot be brought to the rate.
+    #[error("{name}: {source}")]
+    Rate {
+        /// The sequence.
+        name: String,
+        /// Why.
+        source: RateError,
+    },
     /// A recording that windows cannot be cut from, or that holds a broken axis.
     #[error("{name}: {fault}")]
     Recording {
@@ -62,6 +70,10 @@ impl CorpusError {
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::EmptySide { .. } => None,
+            Self::Rate { source: RateError::Slower { found_hz, .. }, .. } => Some(format!(
+                "train networks of its rate (dpn train --rate {found_hz:.0}), or leave the sequence out"
+            )),
+            Self::Rate { .. } => Some("record longer, or leave the sequence out".into()),
             Self::Recording { fault, .. } => {
                 fault.hint().map(|hint| format!("{hint}; or leave the sequence out"))
             }
@@ -76,16 +88,39 @@ pub fn to_train(mut corpora: Vec<Corpus>) -> Option<Corpus> {
 }
 
 impl Corpus {
-    /// Checks every member and sorts them by name.
+    /// At the paper's rate: checks every member and sorts them by name.
     ///
     /// # Errors
     /// A member shorter than a window, of another rate, or with an axis that is saturated or never changes.
-    pub fn new(name: impl Into<String>, mut members: Vec<Member>) -> Result<Self, CorpusError> {
+    pub fn new(name: impl Into<String>, members: Vec<Member>) -> Result<Self, CorpusError> {
+        Self::of(name.into(), members, SampleRate::HZ_200)
+    }
+
+    /// Brings every member to `rate` ([`at_rate`]) and goes on as [`new`](Self::new).
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), but for members that are faster.
+    pub fn brought_to(
+        rate: SampleRate,
+        name: impl Into<String>,
+        members: Vec<Member>,
+    ) -> Result<Self, CorpusError> {
+        let brought = members.into_iter().map(|member| {
+            let Member { name, recording, side } = member;
+            match at_rate(recording, rate) {
+                Ok(recording) => Ok(Member { name, recording, side }),
+                Err(source) => Err(CorpusError::Rate { name, source }),
+            }
+        });
+        Self::of(name.into(), brought.collect::<Result<_, _>>()?, rate)
+    }
+
+    fn of(name: String, mut members: Vec<Member>, rate: SampleRate) -> Result<Self, CorpusError> {
         members.sort_by(|a, b| a.name.cmp(&b.name));
         for member in &members {
-            refuse(member)?;
+            refuse(member, rate)?;
         }
-        Ok(Self { name: name.into(), members })
+        Ok(Self { name, rate, members })
     }
 
     /// Names and recordings of one side.
@@ -124,11 +159,11 @@ impl Corpus {
 }
 
 /// Refuses what windows cannot be cut from. Gaps are no fault: no window crosses one.
-fn refuse(member: &Member) -> Result<(), CorpusError> {
+fn refuse(member: &Member, rate: SampleRate) -> Result<(), CorpusError> {
     let options = CheckOptions {
-        expected_rate: SampleRate::from_hz(RATE_HZ),
+        expected_rate: Some(rate),
         rate_tolerance: DualProNet::RATE_TOLERANCE,
-        min_samples: WINDOW,
+        min_samples: (WINDOW as f64 * rate.hz() / SampleRate::HZ_200.hz()).round() as usize,
         ..CheckOptions::default()
     };
     let faults = check(&member.recording, &options).faults;
@@ -175,6 +210,15 @@ mod tests {
         let fine = Corpus::new("c", vec![member(400, 5_015_000, false)]).unwrap();
         assert!(fine.require(Side::Train).is_ok());
         assert!(matches!(fine.require(Side::Test), Err(CorpusError::EmptySide { side: Side::Test, .. })));
+    }
+
+    #[test]
+    fn members_are_brought_to_the_rate_and_a_slower_one_is_told_what_it_can_do() {
+        let to = |hz: f64| SampleRate::from_hz(hz).unwrap();
+        let corpus = Corpus::brought_to(to(100.0), "c", vec![member(800, 5_000_000, false)]).unwrap();
+        assert!((corpus.members[0].recording.rate().hz() - 100.0).abs() < 0.01);
+        let slower = Corpus::brought_to(to(200.0), "c", vec![member(800, 10_000_000, false)]).unwrap_err();
+        assert!(slower.hint().unwrap().contains("dpn train --rate 100"), "{slower}");
     }
 
     #[test]

@@ -5,9 +5,10 @@
 
 use crate::label::Label;
 use crate::levels::Levels;
-use crate::own::own_sigma;
+use crate::sensor::{SensorDraw, SensorEffects};
 use crate::vibration::{VibrationDraw, effective};
-use crate::windows::{WINDOW, WindowSet};
+use crate::windows::WindowSet;
+use dpn_core::SampleRate;
 use dpn_core::random::Stream;
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -52,8 +53,12 @@ pub struct DrawRule {
     pub label: Label,
     /// What is injected beside white noise.
     pub vibration: Option<VibrationDraw>,
+    /// What sensors do to all of it.
+    pub sensor: Option<SensorDraw>,
     /// Samples of the sums of [`Label::Effective`].
     pub span: usize,
+    /// Of the windows.
+    pub rate: SampleRate,
     /// Changes to the base.
     pub augment: Augment,
 }
@@ -70,7 +75,7 @@ impl DrawRule {
     /// Writes the example of window `index` drawn from `stream` into `out` and returns its label \[unit of the sensor\].
     ///
     /// # Shapes
-    /// `out`: [`WINDOW`] samples.
+    /// `out`: a window's samples.
     pub(crate) fn example_into(
         &self,
         set: &WindowSet,
@@ -95,26 +100,36 @@ impl DrawRule {
         if grows < self.augment.grow_share {
             let Augment { shrink, grow, .. } = self.augment;
             let factor = shrink * (grow / shrink).powf(growth);
-            let mean = out.iter().sum::<f64>() / WINDOW as f64;
+            let mean = out.iter().sum::<f64>() / out.len() as f64;
             out.iter_mut().for_each(|v| *v = mean + factor * (*v - mean));
         }
+        let effects = self.effects(stream);
         let beside = match self.label {
             Label::Injected => 0.0,
-            Label::Total => own_sigma(out),
-            Label::Effective => self.vibrate(stream, out),
+            Label::Total => set.own_sigma(out),
+            Label::Effective => set.flight_sigma(index, out).hypot(self.vibrate(&effects, stream, out)),
         };
         inject(out, level, &mut rng);
+        effects.apply(out, self.rate);
         self.label.of(level, beside)
     }
 
-    /// Adds the vibration drawn from `stream` to `out` and returns what it counts over the span.
-    pub(crate) fn vibrate(&self, stream: &Stream, out: &mut [f64]) -> f64 {
-        let Some(vibration) = self.vibration.and_then(|draw| draw.draw(stream)) else {
+    /// What the sensor of the window drawn from `stream` does.
+    pub(crate) fn effects(&self, stream: &Stream) -> SensorEffects {
+        self.sensor.map_or_else(SensorEffects::default, |draw| draw.draw(stream))
+    }
+
+    /// Adds the vibration drawn from `stream` to `out` and returns what it counts over the span; none behind a low pass, which would take what the label counts.
+    pub(crate) fn vibrate(&self, effects: &SensorEffects, stream: &Stream, out: &mut [f64]) -> f64 {
+        if effects.low_pass.is_some() {
+            return 0.0;
+        }
+        let Some(vibration) = self.vibration.and_then(|draw| draw.draw(out.len(), self.rate, stream)) else {
             return 0.0;
         };
         for (value, tone) in out.iter_mut().zip(&vibration.samples) {
             *value += tone;
         }
-        effective(&vibration.tones, self.span)
+        effective(&vibration.tones, self.span, self.rate)
     }
 }

@@ -3,21 +3,22 @@
 use crate::draw::{DrawRule, inject};
 use crate::label::Label;
 use crate::levels::{LevelKind, Levels};
-use crate::own::own_sigma;
-use crate::windows::{WINDOW, WindowSet};
+use crate::windows::WindowSet;
 use dpn_core::random::Stream;
 
 /// Noisy windows with their true deviation. Rows stand window by window, level by level.
 #[derive(Debug, Clone)]
 pub struct Examples {
-    /// Noisy samples, [`WINDOW`] a row.
+    /// Noisy samples, [`width`](Self::width) a row.
     pub samples: Vec<f64>,
+    /// Samples in a row.
+    pub width: usize,
     /// Deviation injected into each row.
     pub injected: Vec<f64>,
     /// White noise each row's base held before.
     pub own: Vec<f64>,
-    /// What the vibration added to each row counts; 0 where there is none.
-    pub vibration: Vec<f64>,
+    /// What the vibration of each row counts, its base's own where that is known and that added; 0 where there is none.
+    pub effective: Vec<f64>,
     /// Window of the set each row comes from.
     pub window: Vec<usize>,
 }
@@ -28,19 +29,20 @@ impl Examples {
     ///
     /// Row (window, level) draws from `stream.index(window).index(level)`.
     pub fn draw(set: &WindowSet, levels: &Levels, stream: &Stream) -> Self {
-        let rows = set.len() * levels.steps;
+        let (rows, width) = (set.len() * levels.steps, set.window());
         let mut out = Self {
-            samples: vec![0.0; rows * WINDOW],
+            samples: vec![0.0; rows * width],
+            width,
             injected: Vec::with_capacity(rows),
             own: Vec::with_capacity(rows),
-            vibration: vec![0.0; rows],
+            effective: Vec::with_capacity(rows),
             window: Vec::with_capacity(rows),
         };
         let grid = levels.grid();
-        let mut base = vec![0.0; WINDOW];
+        let mut base = vec![0.0; width];
         for index in 0..set.len() {
             set.base_into(index, 0, &mut base);
-            let own = own_sigma(&base);
+            let (own, effective) = (set.own_sigma(&base), set.flight_sigma(index, &base));
             for (step, grid_level) in grid.iter().enumerate() {
                 let mut rng = stream.index(index as u64).index(step as u64).rng();
                 let level = match levels.kind {
@@ -48,21 +50,25 @@ impl Examples {
                     kind => slice(levels, kind, step).draw(&mut rng),
                 };
                 let row = out.injected.len();
-                let window = &mut out.samples[row * WINDOW..(row + 1) * WINDOW];
+                let window = &mut out.samples[row * width..(row + 1) * width];
                 window.copy_from_slice(&base);
                 inject(window, level, &mut rng);
                 out.injected.push(level);
                 out.own.push(own);
+                out.effective.push(effective);
                 out.window.push(index);
             }
         }
         out
     }
 
-    /// Adds the vibration of `rule` to every row, each from `stream.index(row)`.
-    pub(crate) fn vibrate(&mut self, rule: &DrawRule, stream: &Stream) {
-        for (row, window) in self.samples.chunks_exact_mut(WINDOW).enumerate() {
-            self.vibration[row] = rule.vibrate(&stream.index(row as u64), window);
+    /// Adds the vibration of `rule` to every row, and what its sensor does, each from `stream.index(row)`.
+    pub(crate) fn disturb(&mut self, rule: &DrawRule, stream: &Stream) {
+        for (row, window) in self.samples.chunks_exact_mut(self.width).enumerate() {
+            let stream = stream.index(row as u64);
+            let effects = rule.effects(&stream);
+            self.effective[row] = self.effective[row].hypot(rule.vibrate(&effects, &stream, window));
+            effects.apply(window, rule.rate);
         }
     }
 
@@ -78,12 +84,12 @@ impl Examples {
 
     /// The samples of one row.
     pub fn row(&self, row: usize) -> &[f64] {
-        &self.samples[row * WINDOW..(row + 1) * WINDOW]
+        &self.samples[row * self.width..(row + 1) * self.width]
     }
 
     /// What a perfect estimator would answer, row by row.
     pub fn truth(&self, label: Label) -> Vec<f64> {
-        let beside = if label == Label::Effective { &self.vibration } else { &self.own };
+        let beside = if label == Label::Effective { &self.effective } else { &self.own };
         self.injected.iter().zip(beside).map(|(&injected, &beside)| label.of(injected, beside)).collect()
     }
 }
@@ -102,7 +108,7 @@ fn slice(levels: &Levels, kind: LevelKind, step: usize) -> Levels {
 mod tests {
     use super::*;
     use crate::base::Base;
-    use crate::windows::Stretch;
+    use crate::windows::{Stretch, WINDOW};
     use dpn_core::{ImuRecording, ImuSample, Sensor, Stamp};
 
     fn flat(windows: usize) -> WindowSet {
@@ -114,7 +120,7 @@ mod tests {
             })
             .collect();
         let recording = ImuRecording::new(samples).unwrap();
-        WindowSet::cut(&[("flat", &recording)], Sensor::Accel, Base::Raw, Stretch::Whole).unwrap()
+        WindowSet::cut(&[("flat", &recording)], Sensor::Accel, Base::Raw, Stretch::Whole, WINDOW).unwrap()
     }
 
     #[test]

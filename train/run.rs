@@ -11,10 +11,8 @@
 use crate::calibration::Calibration;
 use crate::config::{Schedule, TrainConfig};
 use crate::corpus::Corpus;
-use crate::split::Side;
 use crate::state::{Best, EpochRecord, State};
 use crate::trainer::{TrainError, Trainer};
-use dpn_core::SampleRate;
 use dpn_core::progress::Progress;
 use dpn_io::{FolderLock, IoError, LockError, ResultPath, atomic_write};
 use dpn_pronet::weights::{Card, Weights};
@@ -282,7 +280,7 @@ impl<'a> Run<'a> {
             label: config.noise.label.to_string(),
             seed: config.seed,
             data: self.corpus.name.clone(),
-            sequences: self.corpus.side(Side::Train).iter().map(|(name, _)| (*name).to_owned()).collect(),
+            sequences: self.trainer.sequences().to_vec(),
             fingerprint: self.fingerprint.clone(),
             fit_windows,
             validation_windows,
@@ -338,7 +336,12 @@ impl<'a> Run<'a> {
             other => Map::from_iter([("summary".to_owned(), other)]),
         };
         training.insert("run".into(), json!(self.trainer.config()));
-        let card = Card { rate: SampleRate::HZ_200, range: self.trainer.trained_range(), training };
+        let answering = self.trainer.weights(&self.state, Card::default());
+        let card = Card {
+            rate: self.trainer.config().rate_hz,
+            range: self.trainer.trained_range(&answering),
+            training,
+        };
         let weights: Weights = self.trainer.weights(&self.state, card);
         let bytes = weights.to_bytes()?;
         atomic_write(path, |out| out.write_all(&bytes))?;

@@ -8,11 +8,12 @@ use crate::calibration::Calibration;
 use crate::config::TrainConfig;
 use crate::corpus::{Corpus, CorpusError};
 use crate::examples::Examples;
+use crate::flight::FlightNoise;
 use crate::loss::loss;
 use crate::schedule::learning_rate;
 use crate::split::Side;
 use crate::state::{EpochRecord, State};
-use crate::windows::{Stretch, WINDOW, WindowSet};
+use crate::windows::{Stretch, WindowSet};
 use dpn_core::config::ConfigFaults;
 use dpn_core::random::Stream;
 use dpn_core::signal::FilterError;
@@ -34,6 +35,14 @@ pub enum TrainError {
     /// The base's filter cannot be.
     #[error(transparent)]
     Filter(#[from] FilterError),
+    /// Levels of sequences that are not there.
+    #[error(
+        "none of the training sequences is in `noise.own`, which names {named}; say their levels, as `dpn truth` finds them"
+    )]
+    NoLevel {
+        /// Who is.
+        named: String,
+    },
     /// The network cannot be.
     #[error(transparent)]
     Network(#[from] ConfigFaults),
@@ -78,11 +87,28 @@ impl Trainer {
     ///
     /// # Errors
     /// Recordings, filter or network that do not serve; no windows.
+    ///
+    /// # Panics
+    /// When `corpus` is of another rate than the configuration.
     pub fn new(config: &TrainConfig, corpus: &Corpus, device: &Device) -> Result<Self, TrainError> {
+        assert_eq!(config.rate_hz, corpus.rate, "the corpus is made at the configuration's rate");
         let config = config.resolved();
-        let recordings = corpus.require(Side::Train)?;
-        let cut = |stretch| WindowSet::cut(&recordings, config.sensor(), config.base.base(), stretch);
-        let (fit, held_out) = (cut(Stretch::Fit)?, cut(Stretch::Validation)?);
+        let mut recordings = corpus.require(Side::Train)?;
+        if let Some(own) = &config.noise.own {
+            recordings.retain(|(name, _)| own.contains_key(*name));
+            if recordings.is_empty() {
+                let named = own.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
+                return Err(TrainError::NoLevel { named });
+            }
+        }
+        let (base, window) = (config.base.base(), config.network.window);
+        let cut = |stretch| WindowSet::cut(&recordings, config.sensor(), base, stretch, window);
+        let flight = match &config.noise.own {
+            None => None,
+            Some(own) => Some(FlightNoise::of(&cut(Stretch::Whole)?, own, config.rate_hz)),
+        };
+        let fit = cut(Stretch::Fit)?.with_flight_noise(flight.clone());
+        let held_out = cut(Stretch::Validation)?.with_flight_noise(flight);
         if fit.is_empty() || held_out.is_empty() {
             return Err(TrainError::NoWindows { fit: fit.len(), validation: held_out.len() });
         }
@@ -90,7 +116,7 @@ impl Trainer {
         // Validation examples are the same for every training seed, so that seeds are compared on one scale.
         let judge = Stream::new(0).named("validation").named(config.sensor().name());
         let mut validation = Examples::draw(&held_out, &config.levels(), &judge);
-        validation.vibrate(&config.draw_rule(), &judge.named("vibration"));
+        validation.disturb(&config.draw_rule(), &judge.named("vibration"));
         let truth = validation.truth(config.noise.label);
         let network = Trainable::new(&config.network, device)?;
         Ok(Self { config, fit, validation, truth, stream, network })
@@ -99,6 +125,11 @@ impl Trainer {
     /// The configuration with every default written out.
     pub fn config(&self) -> &TrainConfig {
         &self.config
+    }
+
+    /// Sequences that windows are cut from.
+    pub fn sequences(&self) -> &[String] {
+        self.fit.sequences()
     }
 
     /// Windows to learn from and windows to validate on.
@@ -183,11 +214,13 @@ impl Trainer {
         Weights::new(&self.config.network, weights.clone(), card)
     }
 
-    /// The range of the windows learned from, noise included, from one epoch's draw.
-    pub(crate) fn trained_range(&self) -> Option<TrainedRange> {
+    /// The range of the windows learned from, noise included, from one epoch's draw, and of what `weights` answer there.
+    pub fn trained_range(&self, weights: &Weights) -> Option<TrainedRange> {
         let order: Vec<(usize, u64)> = (0..self.fit.len()).map(|window| (window, 0)).collect();
         let (windows, _) = self.draw(0, &order);
-        TrainedRange::spanning(windows.chunks_exact(WINDOW))
+        let samples: Vec<f64> = windows.iter().map(|v| f64::from(*v)).collect();
+        let windows = || windows.chunks_exact(self.fit.window());
+        Some(TrainedRange::spanning(windows())?.with_answers(windows(), &predict(weights, &samples)))
     }
 
     /// RMSE of `weights` on the validation examples \[unit of the sensor\], and whether they are as far off as they say; none of a network that does
@@ -212,12 +245,13 @@ impl Trainer {
     /// Noisy windows and their labels.
     fn draw(&self, epoch: u64, batch: &[(usize, u64)]) -> (Vec<f32>, Vec<f32>) {
         let rule = self.config.draw_rule();
-        let mut windows = vec![0f32; batch.len() * WINDOW];
+        let width = self.fit.window();
+        let mut windows = vec![0f32; batch.len() * width];
         let labels = windows
-            .par_chunks_exact_mut(WINDOW)
+            .par_chunks_exact_mut(width)
             .zip(batch)
             .map(|(row, &(window, draw))| {
-                let mut example = [0.0; WINDOW];
+                let mut example = vec![0.0; width];
                 let stream = self.stream.named("example").index(epoch).index(window as u64).index(draw);
                 let label = rule.example_into(&self.fit, window, &stream, &mut example);
                 for (to, from) in row.iter_mut().zip(&example) {
@@ -245,7 +279,7 @@ impl Trainer {
     }
 }
 
-/// Deviations that `weights` give for rows of [`WINDOW`] samples, in row order.
+/// Deviations that `weights` give for rows of as many samples as its windows have, in row order.
 pub fn predict(weights: &Weights, samples: &[f64]) -> Vec<f64> {
     predict_with_spread(weights, samples).0
 }
@@ -253,9 +287,10 @@ pub fn predict(weights: &Weights, samples: &[f64]) -> Vec<f64> {
 /// As [`predict`], and the deviations of the answers' logarithms; none of a network that does not say them.
 fn predict_with_spread(weights: &Weights, samples: &[f64]) -> (Vec<f64>, Option<Vec<f64>>) {
     let says_spread = Predictor::new(weights).says_spread();
-    let rows = samples.par_chunks(ROWS * WINDOW).flat_map_iter(|chunk| {
+    let width = weights.config().window;
+    let rows = samples.par_chunks(ROWS * width).flat_map_iter(|chunk| {
         let windows: Vec<f32> = chunk.iter().map(|v| *v as f32).collect();
-        let [mut sigma, mut spread] = [(); 2].map(|()| vec![0f32; windows.len() / WINDOW]);
+        let [mut sigma, mut spread] = [(); 2].map(|()| vec![0f32; windows.len() / width]);
         let mut predictor = Predictor::new(weights);
         if says_spread {
             predictor.predict_with_spread(&windows, &mut sigma, &mut spread);

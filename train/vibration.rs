@@ -7,7 +7,6 @@
 //!
 //! That is the process's expectation, not one draw's: a second holds ten sums over a tenth of it, whose own scatter is 20 %.
 
-use crate::windows::WINDOW;
 use dpn_core::SampleRate;
 use dpn_core::config::ConfigFaults;
 use dpn_core::random::Stream;
@@ -39,15 +38,15 @@ pub struct VibrationDraw {
 /// One window's vibration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Vibration {
-    /// [`WINDOW`] samples, in the sensor's unit.
+    /// In the sensor's unit.
     pub samples: Vec<f64>,
     /// The process they are a draw of.
     pub tones: HoverTones,
 }
 
 impl VibrationDraw {
-    /// A window's vibration; none for the share that has none.
-    pub fn draw(&self, stream: &Stream) -> Option<Vibration> {
+    /// The vibration of a window of `len` samples of `rate`; none for the share that has none.
+    pub fn draw(&self, len: usize, rate: SampleRate, stream: &Stream) -> Option<Vibration> {
         let mut rng = stream.named("vibration").rng();
         if rng.random::<f64>() >= self.share {
             return None;
@@ -70,7 +69,7 @@ impl VibrationDraw {
             ..VibrationConfig::default()
         };
         let tones = HoverTones::new(config, harmonics);
-        Some(Vibration { samples: tones.draw(WINDOW, SampleRate::HZ_200, stream), tones })
+        Some(Vibration { samples: tones.draw(len, rate, stream), tones })
     }
 
     pub(crate) fn check(&self, faults: &mut ConfigFaults) {
@@ -92,9 +91,9 @@ impl VibrationDraw {
     }
 }
 
-/// Deviation of the white noise that errs as much as `tones` do in sums of `samples` at 200 Hz.
-pub fn effective(tones: &HoverTones, samples: usize) -> f64 {
-    let dt = SampleRate::HZ_200.period();
+/// Deviation of the white noise that errs as much as `tones` do in sums of `samples` at `rate`.
+pub fn effective(tones: &HoverTones, samples: usize, rate: SampleRate) -> f64 {
+    let dt = rate.period();
     let product = |m: usize| (1.0 - m as f64 / samples as f64) * tones.autocovariance(m as f64 * dt);
     // Rounding may leave a little less than nothing of tones whose sums cancel.
     (product(0) + 2.0 * (1..samples).map(product).sum::<f64>()).max(0.0).sqrt()
@@ -106,14 +105,18 @@ mod tests {
 
     const DRAW: VibrationDraw = VibrationDraw { share: 1.0, deviation: [0.5, 0.5], hover_hz: [60.0, 120.0] };
 
+    fn drawn(draw: &VibrationDraw, stream: &Stream) -> Option<Vibration> {
+        draw.draw(200, SampleRate::HZ_200, stream)
+    }
+
     #[test]
     fn vibration_counts_as_much_as_its_sums_err() {
         let (mut found, mut expected) = (0.0, 0.0);
         for window in 0..3000 {
-            let vibration = DRAW.draw(&Stream::new(6).index(window)).unwrap();
+            let vibration = drawn(&DRAW, &Stream::new(6).index(window)).unwrap();
             let sums = vibration.samples.chunks_exact(20).map(|part| part.iter().sum::<f64>().powi(2) / 20.0);
             found += sums.sum::<f64>() / 10.0;
-            expected += effective(&vibration.tones, 20).powi(2);
+            expected += effective(&vibration.tones, 20, SampleRate::HZ_200).powi(2);
         }
         let ratio = (found / expected).sqrt();
         // Windows' mean squares scatter by a factor of some three: 3000 of them give the deviation to 3 %.
@@ -125,10 +128,10 @@ mod tests {
     #[test]
     fn the_share_without_has_none_and_a_span_of_one_sample_sees_all_of_it() {
         let half = VibrationDraw { share: 0.5, ..DRAW };
-        let with = (0..400).filter(|window| half.draw(&Stream::new(7).index(*window)).is_some()).count();
+        let with = (0..400).filter(|window| drawn(&half, &Stream::new(7).index(*window)).is_some()).count();
         // 200 expected, deviation 10.
         assert!((160..240).contains(&with), "{with}");
-        let vibration = DRAW.draw(&Stream::new(1)).unwrap();
-        assert!((effective(&vibration.tones, 1) / 0.5 - 1.0).abs() < 0.03);
+        let vibration = drawn(&DRAW, &Stream::new(1)).unwrap();
+        assert!((effective(&vibration.tones, 1, SampleRate::HZ_200) / 0.5 - 1.0).abs() < 0.03);
     }
 }

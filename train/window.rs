@@ -1,4 +1,4 @@
 //! The length of what a network sees.
 
-/// Samples in a window: one second of EuRoC (the paper).
+/// Samples in a window at the paper's rate: one second of EuRoC.
 pub const WINDOW: usize = 200;

@@ -1,11 +1,13 @@
 //! Windows of one axis, cut from recordings and cleaned.
 //!
-//! A window is [`WINDOW`] consecutive samples of one axis. Evaluation and validation use disjoint windows; training may
+//! A window is a number of consecutive samples of one axis, [`WINDOW`] at the paper's rate. Evaluation and validation use disjoint windows; training may
 //! shift each by a random offset. The base is filtered after cutting: a Savitzky-Golay filter's polynomial
 //! edges are the window's, a Gaussian's width changes from window to window.
 
 use crate::base::Base;
 use crate::clean::Cleaner;
+use crate::flight::FlightNoise;
+use crate::own::OwnNoise;
 pub use crate::window::WINDOW;
 use dpn_core::check::{CheckOptions, gaps};
 use dpn_core::signal::FilterError;
@@ -49,12 +51,15 @@ pub struct WindowSet {
     signals: Vec<Axis>,
     places: Vec<WindowPlace>,
     cleaner: Cleaner,
+    own: OwnNoise,
+    flight: Option<FlightNoise>,
+    window: usize,
     /// Windows left out because a gap in the stamps crosses them.
     pub skipped_for_gaps: usize,
 }
 
 impl WindowSet {
-    /// Cuts `recordings` (name, recording) into disjoint windows.
+    /// Cuts `recordings` (name, recording) into disjoint windows of `window` samples.
     ///
     /// A stretch between two samples that are more than 1.5 periods apart is a gap; no window crosses one.
     ///
@@ -65,35 +70,44 @@ impl WindowSet {
         sensor: Sensor,
         base: Base,
         stretch: Stretch,
+        window: usize,
     ) -> Result<Self, FilterError> {
         let mut set = Self {
             names: Vec::new(),
             signals: Vec::new(),
             places: Vec::new(),
-            cleaner: base.cleaner()?,
+            cleaner: base.cleaner(window)?,
+            own: OwnNoise::new(window)?,
+            flight: None,
+            window,
             skipped_for_gaps: 0,
         };
         for (index, (name, recording)) in recordings.iter().enumerate() {
             set.names.push((*name).to_owned());
-            let (first, end) = bounds(recording.len(), stretch);
+            let (first, end) = bounds(recording.len(), stretch, window);
             let runs = unbroken_runs(recording, first, end);
             set.skipped_for_gaps += 3
-                * (end.saturating_sub(first) / WINDOW)
-                    .saturating_sub(runs.iter().map(|(a, b)| (b - a) / WINDOW).sum());
+                * (end.saturating_sub(first) / window)
+                    .saturating_sub(runs.iter().map(|(a, b)| (b - a) / window).sum());
             for axis in 0..3 {
                 let signal = set.signals.len();
                 for &(run_start, run_end) in &runs {
                     let mut start = run_start;
-                    while start + WINDOW <= run_end {
-                        let slack = (run_end - WINDOW - start).min(WINDOW - 1);
+                    while start + window <= run_end {
+                        let slack = (run_end - window - start).min(window - 1);
                         set.places.push(WindowPlace { signal, start, slack });
-                        start += WINDOW;
+                        start += window;
                     }
                 }
                 set.signals.push(Axis { sequence: index, axis, samples: recording.axis(sensor, axis) });
             }
         }
         Ok(set)
+    }
+
+    /// Samples in a window.
+    pub fn window(&self) -> usize {
+        self.window
     }
 
     /// Number of windows, all axes counted.
@@ -111,6 +125,16 @@ impl WindowSet {
         &self.names[self.signals[self.places[index].signal].sequence]
     }
 
+    /// Names of all sequences.
+    pub(crate) fn sequences(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Place of the sequence that window `index` comes from among these.
+    pub(crate) fn sequence_number(&self, index: usize) -> usize {
+        self.signals[self.places[index].signal].sequence
+    }
+
     /// Axis (0, 1, 2) window `index` comes from.
     pub fn axis(&self, index: usize) -> usize {
         self.signals[self.places[index].signal].axis
@@ -124,7 +148,7 @@ impl WindowSet {
     /// Writes the base of window `index`, shifted by `offset` samples, into `out`.
     ///
     /// # Shapes
-    /// `out`: [`WINDOW`] samples.
+    /// `out`: a window's samples.
     ///
     /// # Panics
     /// When `offset` is beyond [`slack`](Self::slack) or `out` has another length.
@@ -144,16 +168,31 @@ impl WindowSet {
             place.slack
         );
         let start = place.start + offset;
-        &self.signals[place.signal].samples[start..start + WINDOW]
+        &self.signals[place.signal].samples[start..start + self.window]
+    }
+
+    /// The white noise that a window of this length holds before anything is injected.
+    pub(crate) fn own_sigma(&self, window: &[f64]) -> f64 {
+        self.own.sigma(window)
+    }
+
+    /// The same windows, whose own noise is known.
+    pub(crate) fn with_flight_noise(self, flight: Option<FlightNoise>) -> Self {
+        Self { flight, ..self }
+    }
+
+    /// What `window`, window `index` as it was recorded or louder, holds of the noise that sums feel; 0 where nobody knows.
+    pub(crate) fn flight_sigma(&self, index: usize, window: &[f64]) -> f64 {
+        self.flight.as_ref().map_or(0.0, |flight| flight.sigma(self.sequence_number(index), window))
     }
 }
 
 /// First sample and end of a stretch of a sequence of `len` samples.
-fn bounds(len: usize, stretch: Stretch) -> (usize, usize) {
+fn bounds(len: usize, stretch: Stretch, window: usize) -> (usize, usize) {
     let cut = (len as f64 * (1.0 - VALIDATION_SHARE)).round() as usize;
     match stretch {
         Stretch::Whole => (0, len),
-        Stretch::Fit => (0, cut.saturating_sub(WINDOW)),
+        Stretch::Fit => (0, cut.saturating_sub(window)),
         Stretch::Validation => (cut, len),
     }
 }
@@ -194,7 +233,7 @@ mod tests {
     }
 
     fn cut(recording: &ImuRecording, base: Base, stretch: Stretch) -> WindowSet {
-        WindowSet::cut(&[("a", recording)], Sensor::Accel, base, stretch).unwrap()
+        WindowSet::cut(&[("a", recording)], Sensor::Accel, base, stretch, WINDOW).unwrap()
     }
 
     #[test]
@@ -251,7 +290,7 @@ mod tests {
     fn a_filter_longer_than_a_window_is_refused() {
         let base = Base::SavitzkyGolay { window: 301, order: 2 };
         let recording = ramp(1000, None);
-        let cut = WindowSet::cut(&[("a", &recording)], Sensor::Accel, base, Stretch::Whole);
+        let cut = WindowSet::cut(&[("a", &recording)], Sensor::Accel, base, Stretch::Whole, WINDOW);
         assert_eq!(cut.unwrap_err(), FilterError::SignalTooShort { len: WINDOW, window: 301 });
     }
 

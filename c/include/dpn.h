@@ -4,7 +4,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* dpn: how noisy is this IMU right now.
+/* dpn: how noisy is this IMU right now, and an odometry that finds out.
  *
  * Every function returns DPN_STATUS_OK or says what is wrong: a code, and words in dpn_last_error(). Handles are numbers from a table: freeing one twice, or using one
  * that was freed, is DPN_STATUS_UNKNOWN_HANDLE and nothing else. Functions may be called from any thread. Units: s, m/s^2, rad/s; stamps in nanoseconds. */
@@ -24,7 +24,21 @@ typedef enum {
   DPN_STATUS_BAD_WEIGHTS = 4,
   // A fault of dpn itself; the object it happened in should be freed.
   DPN_STATUS_PANIC = 5,
+  // Settings or a calibration that cannot be used.
+  DPN_STATUS_BAD_SETTINGS = 6,
+  // Nothing to give yet: no fault, there are no words.
+  DPN_STATUS_NOT_YET = 7,
 } dpn_status;
+
+// What an odometry is doing.
+typedef enum {
+  // Waiting until the first states can be told.
+  DPN_PHASE_INITIALISING = 0,
+  // Estimating.
+  DPN_PHASE_TRACKING = 1,
+  // Given up at this frame; the next ones initialise again.
+  DPN_PHASE_RESTARTED = 2,
+} dpn_phase;
 
 // One of the two inertial sensors.
 typedef enum {
@@ -58,6 +72,58 @@ typedef struct {
 
 // A level that is learned from residuals.
 typedef uint64_t dpn_level;
+
+// A visual-inertial odometry.
+typedef uint64_t dpn_odometry;
+
+// What came of a frame. World z up, body = IMU; NaN where nothing is known.
+typedef struct {
+  // The frame's stamp on the IMU's clock [ns].
+  int64_t t_ns;
+  // What the odometry is doing.
+  dpn_phase phase;
+  // 1 where the frame has a pose.
+  uint8_t known;
+  // Tracks that went on from earlier frames.
+  uint32_t tracked;
+  // Landmarks with a depth.
+  uint32_t landmarks;
+  // Of the body in the world [m].
+  double position[3];
+  // World from body, Hamilton quaternion w, x, y, z.
+  double orientation[4];
+  // In the world [m/s].
+  double velocity[3];
+  // Of the accelerometer [m/s^2].
+  double accel_bias[3];
+  // Of the gyroscope [rad/s].
+  double gyro_bias[3];
+  // Of the pose as believed, row by row: position, then rotation on the right. Known with `covariance = true` below `[estimator]`.
+  double covariance[36];
+  // Relative standard deviation of the scale, as believed.
+  double scale_std;
+  // By what the noise told is multiplied from here on: accelerometer x, y, z, gyroscope x, y, z, walks of their biases, pixel. Known where it is learned.
+  double levels[9];
+} dpn_update;
+
+// The IMU's noise as it is in force: what was told times what was learned.
+typedef struct {
+  // Rate of the samples [Hz]: a density is a deviation over its root.
+  double rate_hz;
+  // Deviation of a gyroscope's sample, x, y, z [rad/s].
+  double gyro[3];
+  // Deviation of an accelerometer's sample, x, y, z [m/s^2].
+  double accel[3];
+  // Walk of the gyroscope's bias [rad/s^2/sqrt(Hz)].
+  double gyro_walk;
+  // Walk of the accelerometer's bias [m/s^3/sqrt(Hz)].
+  double accel_walk;
+  // Deviation of a pixel [px].
+  double pixel;
+  // How unsure the learned ones are, as deviations of their logarithms: accelerometer x, y, z, gyroscope x, y, z, the two walks; 1 and more where next to
+  // nothing is known; NaN where nothing is learned.
+  double unsure[8];
+} dpn_noise;
 
 #ifdef __cplusplus
 extern "C" {
@@ -138,6 +204,99 @@ dpn_status dpn_level_factor(dpn_level level, double *factor);
 
 // Frees a level.
 dpn_status dpn_level_free(dpn_level level);
+
+// Makes an odometry of a TOML text:
+//
+// ```toml
+// calibration = "cam0/sensor.yaml"   # of the camera: a file of Kalibr, OpenVINS, VINS, ORB-SLAM3, Basalt, OKVIS or ASL, or a table with its keys
+// camera = "images"                  # or "tracks", of a front-end of your own
+// noise = "self"                     # learned while it runs; or figures, "const(0.05,0.004)": m/s^2 and rad/s a sample
+// seed = 0
+// [estimator]                        # settings as `dpn run --config` has them
+// covariance = true
+// ```
+//
+// All but `calibration` may be left out. All work is done in the calls, by the thread that makes them.
+//
+// # Safety
+// `settings` is null or a string that ends with a zero; `odometry` is null or may be written to.
+dpn_status dpn_odometry_new(const char *settings,
+                            dpn_odometry *odometry);
+
+// Feeds a sample: its stamp in ns, angular rate [rad/s] and specific force [m/s^2]. One that is refused changes nothing.
+//
+// # Safety
+// `gyro` and `accel` are null or point to three doubles each.
+dpn_status dpn_odometry_imu(dpn_odometry odometry,
+                            int64_t t_ns,
+                            const double *gyro,
+                            const double *accel);
+
+// Feeds a grey image of 8 bits: the camera's stamp in ns, and rows of `width` bytes that begin `stride` bytes apart. It is copied; one that is refused changes
+// nothing. Samples and images may come in any order between the two, each in increasing time.
+//
+// # Safety
+// `pixels` is null or points to `height` such rows.
+dpn_status dpn_odometry_image(dpn_odometry odometry,
+                              int64_t t_ns,
+                              const uint8_t *pixels,
+                              size_t width,
+                              size_t height,
+                              size_t stride);
+
+// Feeds an image as a file or a message has it: the bytes of a PNG or JPEG.
+//
+// # Safety
+// `data` is null or points to `length` bytes.
+dpn_status dpn_odometry_encoded(dpn_odometry odometry,
+                                int64_t t_ns,
+                                const uint8_t *data,
+                                size_t length);
+
+// Feeds the tracks of a frame, where the settings say `camera = "tracks"`: `count` ids, each at most once and for ever the same point's, and as many pairs
+// x, y: distorted pixels, or where `normalised` is not 0 the points x / z, y / z of the camera's frame.
+//
+// # Safety
+// `ids` and `points` are null or point to `count` numbers and pairs.
+dpn_status dpn_odometry_tracks(dpn_odometry odometry,
+                               int64_t t_ns,
+                               const uint64_t *ids,
+                               const double *points,
+                               size_t count,
+                               uint8_t normalised);
+
+// Says that nothing more comes: points are followed into the last images too.
+dpn_status dpn_odometry_end(dpn_odometry odometry);
+
+// Works off the next frame whose samples are all there; `DPN_STATUS_NOT_YET` where there is none. To be called until then after every image or frame.
+//
+// # Safety
+// `update` is null or may be written to.
+dpn_status dpn_odometry_update(dpn_odometry odometry,
+                               dpn_update *update);
+
+// Asks for the IMU's noise in force; `DPN_STATUS_NOT_YET` until the samples' rate is known.
+//
+// # Safety
+// `noise` is null or may be written to.
+dpn_status dpn_odometry_noise(dpn_odometry odometry, dpn_noise *noise);
+
+// Asks what is waited for; an empty string while poses come. The string lasts until this thread asks for another by this function or the next.
+//
+// # Safety
+// `words` is null or may be written to.
+dpn_status dpn_odometry_waiting(dpn_odometry odometry,
+                                const char **words);
+
+// Asks what seems to be wrong with the input: one remark after the other, then `DPN_STATUS_NOT_YET`.
+//
+// # Safety
+// `words` is null or may be written to.
+dpn_status dpn_odometry_warning(dpn_odometry odometry,
+                                const char **words);
+
+// Frees an odometry.
+dpn_status dpn_odometry_free(dpn_odometry odometry);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -7,13 +7,19 @@
 
 mod border;
 mod level;
+mod odometry;
 mod status;
 mod stream;
 mod table;
 mod weights;
 
 pub use level::{dpn_level_factor, dpn_level_feed, dpn_level_free, dpn_level_new};
+pub use odometry::{
+    Noise, Phase, Update, dpn_odometry_encoded, dpn_odometry_end, dpn_odometry_free, dpn_odometry_image,
+    dpn_odometry_imu, dpn_odometry_new, dpn_odometry_noise, dpn_odometry_tracks, dpn_odometry_update,
+    dpn_odometry_waiting, dpn_odometry_warning,
+};
 pub use status::{Status, dpn_last_error, dpn_version};
 pub use stream::{Sigma, dpn_stream_feed, dpn_stream_free, dpn_stream_new, dpn_stream_sigma};
-pub use table::{LevelHandle, StreamHandle, WeightsHandle};
+pub use table::{LevelHandle, OdometryHandle, StreamHandle, WeightsHandle};
 pub use weights::{Sensor, dpn_weights_free, dpn_weights_from_bytes, dpn_weights_load, dpn_weights_shipped};

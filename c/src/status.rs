@@ -20,6 +20,10 @@ pub enum Status {
     BadWeights = 4,
     /// A fault of dpn itself; the object it happened in should be freed.
     Panic = 5,
+    /// Settings or a calibration that cannot be used.
+    BadSettings = 6,
+    /// Nothing to give yet: no fault, there are no words.
+    NotYet = 7,
 }
 
 /// A call's fault: code and words.
@@ -34,6 +38,21 @@ impl Fault {
 
 thread_local! {
     static LAST: RefCell<CString> = RefCell::default();
+    static SAID: RefCell<CString> = RefCell::default();
+}
+
+fn zero_ended(words: &str) -> CString {
+    CString::new(words.replace('\0', " ")).unwrap_or_default()
+}
+
+/// Keeps words until this is called again on this thread; a thread at its end keeps none.
+pub(crate) fn kept(words: &str) -> *const c_char {
+    let words = zero_ended(words);
+    SAID.try_with(|said| {
+        said.replace(words);
+        said.borrow().as_ptr()
+    })
+    .unwrap_or(c"".as_ptr())
 }
 
 /// Runs a call; its fault becomes the thread's last error.
@@ -45,7 +64,7 @@ pub(crate) fn call(work: impl FnOnce() -> Result<(), Fault>) -> Status {
         Ok(()) => (Status::Ok, String::new()),
         Err(Fault(status, words)) => (status, words),
     };
-    let words = CString::new(words.replace('\0', " ")).unwrap_or_default();
+    let words = zero_ended(&words);
     // At a thread's end there is nobody to tell.
     let _ = LAST.try_with(|last| last.replace(words));
     status

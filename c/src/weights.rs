@@ -19,6 +19,14 @@ pub enum Sensor {
     Gyro = 1,
 }
 
+/// The bytes of the network that comes with the library.
+pub(crate) fn shipped(sensor: dpn_core::Sensor) -> &'static [u8] {
+    match sensor {
+        dpn_core::Sensor::Accel => include_bytes!("../../models/accel/sg11-s0.safetensors"),
+        dpn_core::Sensor::Gyro => include_bytes!("../../models/gyro/sg11-s0.safetensors"),
+    }
+}
+
 fn bad(error: impl std::fmt::Display) -> Fault {
     Fault(Status::BadWeights, error.to_string())
 }
@@ -64,9 +72,9 @@ pub unsafe extern "C" fn dpn_weights_shipped(sensor: u32, weights: *mut WeightsH
     call(|| {
         // SAFETY: as the caller promised.
         let out = unsafe { Out::new("weights", weights)? };
-        let data: &[u8] = match sensor {
-            0 => include_bytes!("../../models/accel/sg11-s0.safetensors"),
-            1 => include_bytes!("../../models/gyro/sg11-s0.safetensors"),
+        let data = match sensor {
+            0 => shipped(dpn_core::Sensor::Accel),
+            1 => shipped(dpn_core::Sensor::Gyro),
             other => {
                 let words = "expected DPN_SENSOR_ACCEL (0) or DPN_SENSOR_GYRO (1)";
                 return Err(Fault::bad(format!("`sensor` is {other}; {words}")));

@@ -45,7 +45,7 @@ fn null_pointers_are_named() {
     // SAFETY: null is what is tested; all else may be read and written.
     unsafe {
         assert_eq!(dpn_weights_load(null(), &raw mut weights), Status::NullArgument);
-        assert_eq!(words(), "`path` is null; expected a path as a string");
+        assert_eq!(words(), "`path` is null; expected a string that ends with a zero");
         assert_eq!(dpn_weights_load(c"a".as_ptr(), null_mut()), Status::NullArgument);
         assert_eq!(words(), "`weights` is null; expected where to write the result");
         assert_eq!(dpn_weights_from_bytes(null(), 3, &raw mut weights), Status::NullArgument);

@@ -1,11 +1,20 @@
-//! The C++ examples, compiled by g++ and run: variances of both are the library's own.
+//! The C++ examples, compiled by g++ with its sanitizers and run: what they print is what the library and `dpn run` say.
 #![allow(clippy::unwrap_used)]
 
+use dpn_core::estimate::NoiseSpec;
 use dpn_core::{ImuSample, NoiseModel, Sensor, Stamp};
+use dpn_eval::closed_loop::{EstimatorOutput, RunInfo, RunSource, Span, Watchers, watched_run};
 use dpn_pronet::{DualProNet, Weights};
+use dpn_testing::packs;
+use dpn_vio::EstimatorConfig;
+use dpn_vio::estimator::FedTracks;
 use std::io::Write;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+
+/// What reads or writes beyond what is there, leaks or is undefined ends the program.
+const SANITIZED: [&str; 2] = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
 
 fn here() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -14,6 +23,19 @@ fn here() -> &'static Path {
 /// Where this test lies, and the library beside it.
 fn libraries() -> PathBuf {
     std::env::current_exe().unwrap().parent().unwrap().to_owned()
+}
+
+/// Flags for this library and its headers.
+fn linked() -> Vec<String> {
+    let at = libraries().display().to_string();
+    let headers = here().join("include").display().to_string();
+    vec![
+        format!("-I{headers}"),
+        format!("-L{at}"),
+        "-ldpn_c".into(),
+        format!("-Wl,-rpath,{at}"),
+        "-pthread".into(),
+    ]
 }
 
 fn samples() -> Vec<ImuSample> {
@@ -58,8 +80,12 @@ fn started(source: &str, flags: &[String], arguments: &[PathBuf], samples: &[Imu
     let dir = tempfile::tempdir().unwrap();
     let program = dir.path().join("program");
     let mut compiler = Command::new("g++");
-    compiler.args(["-std=c++17", "-Wall", "-Wextra", "-Werror", "-O1", "-o"]).arg(&program);
-    compiler.arg(here().join("examples").join(source)).args(flags);
+    compiler
+        .args(["-std=c++17", "-Wall", "-Wextra", "-Werror", "-O1", "-g"])
+        .args(SANITIZED)
+        .args(["-o"])
+        .arg(&program);
+    compiler.arg(here().join(source)).args(flags);
     let compiled = compiler.output().unwrap();
     assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
     let mut child = Command::new(&program)
@@ -94,16 +120,8 @@ fn hold(got: &[Vec<f64>], expected: &[Vec<f64>], tolerance: f64) {
 
 #[test]
 fn a_vins_estimators_weights_are_the_librarys() {
-    let samples = samples();
-    let libraries = libraries();
-    let at = libraries.display();
-    let flags = [
-        format!("-I{}/include", here().display()),
-        format!("-L{at}"),
-        "-ldpn_c".into(),
-        format!("-Wl,-rpath,{at}"),
-    ];
-    hold(&run("vins_weights.cpp", &flags, &[], &samples), &expected(&samples), 1e-8);
+    let (samples, flags) = (samples(), linked());
+    hold(&run("examples/vins_weights.cpp", &flags, &[], &samples), &expected(&samples), 1e-8);
 }
 
 /// With ONNX Runtime where it is: its headers in `$ORT/include`, its library in `$ORT/lib`, networks by `dpn export onnx` in `$DPN_ONNX`.
@@ -119,10 +137,10 @@ fn onnx_runtime_says_the_same() {
         format!("-Wl,-rpath,{ort}/lib"),
     ];
     let networks = ["accel", "gyro"].map(|sensor| onnx.join(sensor).join("sg11-s0.onnx"));
-    hold(&run("vins_weights_onnx.cpp", &flags, &networks, &samples), &expected(&samples), 1e-4);
+    hold(&run("examples/vins_weights_onnx.cpp", &flags, &networks, &samples), &expected(&samples), 1e-4);
 
     let refused = |networks: &[PathBuf], words: &str| {
-        let output = started("vins_weights_onnx.cpp", &flags, networks, &samples);
+        let output = started("examples/vins_weights_onnx.cpp", &flags, networks, &samples);
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(
             output.status.code() == Some(2) && said.contains(words) && output.stdout.is_empty(),
@@ -140,4 +158,87 @@ fn onnx_runtime_says_the_same() {
     let other = dir.path().join("other.onnx");
     std::fs::write(&other, bytes).unwrap();
     refused(&[accel, other], "rate_hz is '400'; expected '200'");
+}
+
+/// What `dpn run` makes of a source, or of a recording's tracks.
+fn run_by_dpn(source: &Path, tracks: Option<&Path>, to_s: Option<f64>) -> EstimatorOutput {
+    let config = EstimatorConfig {
+        fed_tracks: if tracks.is_some() { FedTracks::Followed } else { FedTracks::White },
+        ..EstimatorConfig::default()
+    };
+    let how = RunSource { tracks: tracks.map(Path::to_owned), ..RunSource::default() };
+    let (set, place) = how.one(&source.display().to_string()).unwrap();
+    let recording = set.recording(place, 0).unwrap();
+    let span = Span { from_s: 0.0, to_s };
+    let camera = set.camera_input(place, 0, &span).unwrap();
+    let noise: NoiseSpec = "self".parse().unwrap();
+    let info = RunInfo {
+        camera: set.camera().into(),
+        truth: set.truth(),
+        noise: noise.clone(),
+        seed: 0,
+        from_s: 0.0,
+        to_s,
+        front_end: None,
+    };
+    let watchers = Watchers { images: &mut (), updates: &mut |_, _| ControlFlow::Continue(()) };
+    watched_run(&config, &recording, camera, &noise, info, &[], watchers).unwrap().output
+}
+
+fn words(output: Output) -> String {
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[test]
+fn a_euroc_folder_fed_from_cpp_has_the_bits_of_dpn_run() {
+    let Some([motion]) = packs(["motion"]) else { return };
+    let folder = motion.join("MH_01_easy_start");
+    let printed = words(started("examples/euroc.cpp", &linked(), &[folder.join("mav0")], &[]));
+    let expected = run_by_dpn(&folder, None, None).poses();
+    assert!(expected.len() > 80, "{}", expected.len());
+    let found: Vec<&str> = printed.lines().collect();
+    assert_eq!(found.len(), expected.len());
+    for (line, pose) in found.iter().zip(&expected) {
+        let (stamp, numbers) = line.split_once(' ').unwrap();
+        let numbers: Vec<f64> = numbers.split(' ').map(|n| n.parse().unwrap()).collect();
+        let (p, q) = (pose.world_from_body.translation.vector, pose.world_from_body.rotation.coords);
+        assert_eq!(stamp.parse::<i64>().unwrap(), pose.t.ns());
+        assert_eq!(numbers, [p.x, p.y, p.z, q.x, q.y, q.z, q.w], "{}", pose.t);
+    }
+}
+
+#[test]
+fn the_noise_for_a_vins_estimator_is_what_dpn_run_learns_of_its_tracks() {
+    let Some([euroc, tracks]) = packs(["euroc", "tracks"]) else { return };
+    let folder = euroc.join("V1_01_easy");
+    let dir = tempfile::tempdir().unwrap();
+    // The first half minute.
+    let all = std::fs::read_to_string(tracks.join("V1_01_easy.txt")).unwrap();
+    let lines: Vec<&str> = all.lines().filter(|line| !line.starts_with('#')).take(300).collect();
+    let seen = dir.path().join("V1_01_easy.txt");
+    std::fs::write(&seen, lines.join("\n") + "\n").unwrap();
+    let mav = folder.join("mav0");
+    let arguments = [mav.join("cam0/sensor.yaml"), mav.join("imu0/data.csv"), seen.clone()];
+    let printed = words(started("examples/vins_noise.cpp", &linked(), &arguments, &[]));
+    let output = run_by_dpn(&folder, Some(&seen), None);
+    let levels = output.updates.last().unwrap().levels.as_deref().unwrap();
+    let [ax, ay, az, gx, gy, gz, ..] = levels.inertial.0;
+    let expected = [0.08 * ax.max(ay).max(az), 0.004 * gx.max(gy).max(gz)];
+    let found = ["acc_n: ", "gyr_n: "].map(|key| {
+        let line = printed.lines().find_map(|line| line.strip_prefix(key)).unwrap();
+        line.split(' ').next().unwrap().parse::<f64>().unwrap()
+    });
+    for (found, expected) in found.iter().zip(expected) {
+        assert!((found / expected - 1.0).abs() < 1e-3, "{found}, {expected}; {printed}");
+    }
+    let none = [arguments[0].clone(), dir.path().join("none.csv"), seen];
+    let refused = started("examples/vins_noise.cpp", &linked(), &none, &[]);
+    assert_eq!(refused.status.code(), Some(2), "{refused:?}");
+}
+
+#[test]
+fn what_must_not_be_called_is_an_error_and_nothing_else() {
+    let said = words(started("tests/misuse.cpp", &linked(), &[], &[]));
+    assert_eq!(said, "all refused\n");
 }

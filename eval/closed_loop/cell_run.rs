@@ -2,7 +2,7 @@
 //!
 //! `mean(self)` and `shuffled(self)` are made of the noise in force in a first run of the same cell.
 
-use super::drive::{EstimatorOutput, UpdateWatch, drive, drive_tracks, settings_for};
+use super::drive::{EstimatorOutput, UpdateWatch, drive, drive_tracks};
 use super::error::ClosedLoopError;
 use super::recording::Recording;
 use super::tracked::TrackedSequence;
@@ -10,6 +10,7 @@ use crate::noise::{AfterRun, Sources, track};
 use dpn_core::NoiseTrack;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::random::Stream;
+use dpn_live::settings_for;
 use dpn_vio::estimator::{EstimatorConfig, FedTracks};
 use std::sync::Arc;
 

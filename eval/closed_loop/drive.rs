@@ -4,13 +4,12 @@ use super::error::ClosedLoopError;
 use super::image_report::ImageReport;
 use super::images::ImageStream;
 use super::recording::{Recording, Span};
-use super::tracking::pass_over_spikes;
 use super::tracking_log::TrackingLog;
 use super::walk::{SampleWalk, Step, walk};
 use cpu_time::ThreadTime;
-use dpn_core::estimate::NoiseSpec;
 use dpn_core::trajectory::StampedPose;
 use dpn_core::{ImuNoise, ImuSample, NoiseTrack, Stamp, TrackFrame};
+use dpn_live::pass_over_spikes;
 use dpn_vio::diagnosis::Axes;
 use dpn_vio::estimator::{Estimator, EstimatorConfig, FeedError, FrontEndObserver, RunReport, Update};
 use dpn_vio::preint::NoisySample;
@@ -118,12 +117,6 @@ pub(super) fn enough(recording: &Recording, stamps: &[Stamp], span: &Span) -> Re
     Ok(())
 }
 
-/// The settings under which `noise` is told: levels are learned where it says so, and nowhere else.
-pub fn settings_for(config: &EstimatorConfig, noise: &NoiseSpec) -> EstimatorConfig {
-    let components = noise.is_learned().then(|| config.components.unwrap_or_default());
-    EstimatorConfig { components, ..config.clone() }
-}
-
 /// Runs the estimator over frames of tracks, samples with their noise beside; every update is taken as soon as it can be had.
 ///
 /// `noise` has a value at each of the recording's samples; `seed` is the estimator's.
@@ -205,6 +198,11 @@ pub(super) fn drive_images(
                 run.tracking_s += clock.elapsed().as_secs_f64();
                 stopped.set(run.take_updates(watch).is_break());
             }
+            Step::ImagesEnd => {
+                run.estimator.end_images();
+                run.estimator.track_images(log);
+                stopped.set(stopped.get() || run.take_updates(watch).is_break());
+            }
         }
         Ok(())
     })?;
@@ -284,6 +282,7 @@ mod tests {
     use super::super::{RunInfo, SequenceSet, TrackSource, TruthKind, judge};
     use super::*;
     use crate::noise::{Fresh, Recorded, track};
+    use dpn_core::estimate::NoiseSpec;
     use dpn_core::random::Stream;
     use dpn_testing::packs;
     use dpn_vio::window::Handover;

@@ -1,6 +1,5 @@
 //! An experiment in the closed loop: source, camera, span, noises, seeds, estimator, injection. Every command that runs the odometry is a list of them.
 
-use super::drive::settings_for;
 use super::error::ClosedLoopError;
 use super::recording::StartAt;
 use super::sequence_set::SequenceSet;
@@ -12,6 +11,7 @@ use crate::injected::Injection;
 use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
 use dpn_core::estimate::NoiseSpec;
 use dpn_io::calibration::Calibration;
+use dpn_live::settings_for;
 use dpn_logs::{ImageLogOptions, LogOptions};
 use dpn_pronet::network::Network;
 use dpn_sim::tracks::TracksConfig;

@@ -64,6 +64,7 @@ mod tests {
         let at = |s: i64| Stamp::from_ns(s * 1_000_000_000);
         let frame = |t: i64, tracks: &[(u64, f64)]| TrackFrame {
             readout_s: 0.0,
+            clock_s: 0.0,
             t: at(t),
             tracks: tracks.iter().map(|(id, x)| Track { id: *id, px: Vector2::new(*x, 7.0) }).collect(),
         };

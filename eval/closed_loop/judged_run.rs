@@ -1,10 +1,9 @@
 //! One recording through the estimator, with everything a person wants to know of it.
 
 use super::cell_run::{noise_stream, run_on_tracks};
-use super::drive::{EstimatorOutput, UpdateWatch, drive_images, enough, frames_from, settings_for};
+use super::drive::{EstimatorOutput, UpdateWatch, drive_images, enough, frames_from};
 use super::error::ClosedLoopError;
 use super::frame_log::{FrameLog, SeenFrame};
-use super::gravity::gravity_warning;
 use super::image_report::{ImageEvent, ImageReport};
 use super::judge::{RunInfo, judge, noise_rms};
 use super::learned::{LearnedLevels, LearnedNoise};
@@ -16,6 +15,7 @@ use crate::noise::{Fresh, Recorded};
 use dpn_core::check::{CheckOptions, RecordingFault, check};
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::{NoiseTrack, Stamp, TrackFrame};
+use dpn_live::{gravity_warning, settings_for};
 use dpn_pronet::network::Network;
 use dpn_vio::EstimatorConfig;
 use dpn_vio::clock::{CameraClock, Readout};

@@ -225,6 +225,7 @@ fn bytes_of(key: &str, tracked: &TrackedSequence) -> Vec<u8> {
     for frame in &tracked.frames {
         put(frame.t.ns().cast_unsigned());
         put(frame.readout_s.to_bits());
+        put(frame.clock_s.to_bits());
         put(frame.tracks.len() as u64);
         for track in &frame.tracks {
             [track.id, track.px.x.to_bits(), track.px.y.to_bits()].into_iter().for_each(&mut put);
@@ -253,13 +254,14 @@ fn parse(bytes: &[u8], key: &str) -> Option<TrackedSequence> {
     let mut words = told[end + 1..].as_chunks().0.iter().map(|bytes| u64::from_le_bytes(*bytes));
     let mut frames = Vec::new();
     while let Some(t) = words.next() {
-        let (readout_s, count) = (f64::from_bits(words.next()?), words.next()?);
+        let [readout_s, clock_s] = [f64::from_bits(words.next()?), f64::from_bits(words.next()?)];
+        let count = words.next()?;
         let track = |_| {
             let [id, x, y] = [words.next()?, words.next()?, words.next()?];
             Some(Track { id, px: Vector2::new(f64::from_bits(x), f64::from_bits(y)) })
         };
         let tracks = (0..count).map(track).collect::<Option<_>>()?;
-        frames.push(TrackFrame { t: Stamp::from_ns(t.cast_signed()), tracks, readout_s });
+        frames.push(TrackFrame { t: Stamp::from_ns(t.cast_signed()), tracks, readout_s, clock_s });
     }
     let (from_s, to_s) = content.span;
     Some(TrackedSequence { frames, span: Span { from_s, to_s }, images: content.images })
@@ -274,6 +276,7 @@ mod tests {
         let track = |t: i64, id: u64| Track { id, px: Vector2::new(0.1 * t as f64, -0.3 * id as f64) };
         let frame = |t| TrackFrame {
             readout_s: 0.001 * t as f64,
+            clock_s: -0.002 * t as f64,
             t: Stamp::from_ns(7 * t),
             tracks: (0..(t as u64 % 5)).map(|id| track(t, u64::MAX - id)).collect(),
         };

@@ -7,7 +7,8 @@ use super::tracked::TrackedSequence;
 use super::tracking_log::TrackingLog;
 use super::walk::{Step, walk};
 use dpn_core::TrackFrame;
-use dpn_vio::estimator::{FeedError, FrontEndObserver, ImageTracker};
+use dpn_live::pass_over_spikes;
+use dpn_vio::estimator::{FrontEndObserver, ImageTracker};
 use dpn_vio::frontend::FrontEndConfig;
 
 /// What the odometry sees of a recording.
@@ -61,21 +62,14 @@ impl CameraInput<'_> {
                 Step::SamplesEnd => tracker.end_imu(),
                 Step::Image(t, image) => {
                     tracker.feed_image(image.view(), t)?;
-                    // The log hands the frames on.
-                    while tracker.next_frame(log).is_some() {}
                 }
+                Step::ImagesEnd => tracker.end_images(),
             }
+            // The log hands the frames on.
+            while tracker.next_frame(log).is_some() {}
             Ok(())
         })?;
         let images = log.finish(recording)?;
         Ok(TrackedSequence { frames, span: Span::from(0.0), images: Some(images) })
-    }
-}
-
-/// What was fed went in, or is a single reading that no sensor gives: the estimator counts those, and the run goes on.
-pub(super) fn pass_over_spikes(fed: Result<(), FeedError>) -> Result<(), FeedError> {
-    match fed {
-        Err(FeedError::Spike { .. }) => Ok(()),
-        fed => fed,
     }
 }

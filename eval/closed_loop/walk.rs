@@ -18,6 +18,8 @@ pub(super) enum Step<'a> {
     SamplesEnd,
     /// An image, when all samples before it and the one that completes it have come.
     Image(Stamp, &'a GrayImage),
+    /// Nothing; no more images come.
+    ImagesEnd,
 }
 
 /// The samples that frames or images need, each once.
@@ -85,7 +87,7 @@ pub(super) fn walk(
             taken => taken.map_err(refused)?,
         }
     }
-    Ok(())
+    take(Step::ImagesEnd, log).map_err(refused)
 }
 
 #[cfg(test)]

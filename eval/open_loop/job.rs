@@ -124,7 +124,7 @@ impl Job<'_> {
     /// Noisy windows of one side; the same noise for every base.
     fn examples(&self, side: Side) -> Result<Examples, FilterError> {
         let recordings = self.corpus.side(side);
-        let set = WindowSet::cut(&recordings, self.sensor, self.base, Stretch::Whole)?;
+        let set = WindowSet::cut(&recordings, self.sensor, self.base, Stretch::Whole, WINDOW)?;
         let stream = Stream::new(self.request.seed).named("open-loop").named(self.sensor.name());
         let stream = stream.named(&self.corpus.name).named(&side.to_string()).named(self.kind.family());
         Ok(Examples::draw(&set, &Levels::paper(self.sensor, self.kind), &stream))

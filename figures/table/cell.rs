@@ -44,15 +44,9 @@ impl Cell {
         Self::number(value, (digits as i32 - before).max(0) as usize)
     }
 
-    /// A length in metres: three decimals below 1 m, fewer above.
+    /// A length in metres: three significant digits.
     pub fn metres(value: impl Into<Option<f64>>) -> Self {
-        let value = value.into();
-        let decimals = match value {
-            Some(v) if v.abs() >= 10.0 => 1,
-            Some(v) if v.abs() >= 1.0 => 2,
-            _ => 3,
-        };
-        Self::number(value, decimals)
+        Self::significant(value, 3)
     }
 
     /// A share, shown in per cent.
@@ -110,6 +104,10 @@ mod tests {
         assert_eq!(Cell::interval(Some(0.5), Some([0.4, 0.61]), 2).shown(), "0.50 (0.40 to 0.61)");
         assert_eq!(Cell::interval(None, Some([0.4, 0.61]), 2), Cell::none());
         assert_eq!(Cell::metres(12.34).marked("*").shown(), "12.3*");
+        assert_eq!(
+            [0.004_937, 0.1, 1.234, 512.3].map(|v| Cell::metres(v).shown().to_owned()),
+            ["0.00494", "0.100", "1.23", "512"]
+        );
         assert_eq!(Cell::percent(0.801, 1).shown(), "80.1 %");
         assert_eq!((Cell::p(0.0004).shown(), Cell::p(0.0004).full()), ("<.001", "0.0004"));
         assert_eq!(Cell::number(f64::NAN, 2), Cell::none());

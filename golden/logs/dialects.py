@@ -116,8 +116,20 @@ def others():
     expect("blackbox_decode.csv", "csv", 1000.0, rows, 5_000_000_000, 2e-6, ["accelerometer in g"])
 
 
+def gyroflow():
+    """Counts behind a preamble that says what one is."""
+    rows = motion(200, 120)
+    gscale, ascale = 0.00122173047, 0.00048828125
+    head = ["GYROFLOW IMU LOG", "version,1.3", "id,made_up", "orientation,XYZ", "note,made up", "fwversion,0.1", "timestamp,1644159993", "vendor,nobody",
+            "frame_readout_time,15.23", "tscale,0.001", f"gscale,{gscale}", f"ascale,{ascale}", "t,gx,gy,gz,ax,ay,az"]
+    table("gyroflow.gcsv", head, [
+        [round(t * 1e3), *(round(v / gscale) for v in g), *(round(v / G / ascale) for v in a)] for t, g, a in rows])
+    # Off by half a count.
+    expect("gyroflow.gcsv", "csv", 200.0, rows, 0, 2.5e-3, ["gscale, ascale, tscale"])
+
+
 def make():
-    for one in [iphones, androids, objects, without_stamps, others]:
+    for one in [iphones, androids, objects, without_stamps, others, gyroflow]:
         one()
 
 

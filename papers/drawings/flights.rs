@@ -9,7 +9,7 @@ use dpn_core::random::Stream;
 use dpn_core::{ImuRecording, NoiseTrack, Sensor};
 use dpn_eval::closed_loop::{CellFiles, CellKey, Recording, Row};
 use dpn_eval::noise::{Fresh, Recorded};
-use dpn_figures::{Chart, ErrorColumn, Flight, TrajectoryPanel, error_band, flight_sigma};
+use dpn_figures::{Cell, Chart, ErrorColumn, Flight, TrajectoryPanel, error_band, flight_sigma};
 use dpn_io::ResultPath;
 use dpn_pronet::network::Network;
 use dpn_train::levels::{LevelKind, Levels};
@@ -60,7 +60,10 @@ pub(crate) fn trajectories(
             let found = beside(dir, keep, &key, recording)?;
             let ate = rows.iter().find(|row| row.key() == key).and_then(|row| row.ate_se3);
             let name = short(noise);
-            words.push(ate.map_or_else(|| format!("{name}: no pose"), |ate| format!("{name}: {ate:.3} m")));
+            words.push(ate.map_or_else(
+                || format!("{name}: no pose"),
+                |ate| format!("{name}: {} m", Cell::metres(ate).shown()),
+            ));
             let refused = |source| PaperError::Metrics { sequence: recording.name.clone(), source };
             estimates.push(match found {
                 Some(found) => found.aligned().map_err(refused)?,

@@ -20,17 +20,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _dpn, metrics
+from . import _dpn, metrics, plot
 from ._arrays import matrix, stamps, whole
 from ._dpn import Error, Recording, __version__, read
 from ._networks import Network, Sigma, Stream, Training, train
+from ._odometry import Noise, Odometry, Update
 from ._run import Run, run
 
 _dpn.code_is_in(_dpn.__file__)
 
 __all__ = [
-    "Error", "Flight", "Network", "NoiseTrack", "Recording", "Run", "Sigma", "Stream", "Training", "__version__",
-    "allan", "check", "convert", "metrics", "noise", "read", "recording", "run", "simulate", "train",
+    "Error", "Flight", "Network", "Noise", "NoiseTrack", "Odometry", "Recording", "Run", "Sigma", "Stream", "Training", "Update",
+    "__version__", "allan", "check", "convert", "metrics", "noise", "plot", "read", "recording", "run", "simulate", "train",
 ]
 
 

@@ -81,6 +81,19 @@ def stamps(name: str, value: Any, repeated: bool = False) -> NDArray[np.int64]:
     return found
 
 
+def stamp(name: str, value: Any) -> int:
+    """One stamp as nanoseconds: an integer is nanoseconds, a float seconds."""
+    return int(stamps(name, [value])[0])
+
+
+def grey(name: str, value: Any) -> NDArray[np.uint8]:
+    """``value`` as a C-contiguous image (height, width) of uint8; copied only where its rows are not contiguous."""
+    found = _array(name, value)
+    if found.dtype != np.uint8 or found.ndim != 2:
+        raise Error(f"{name}: dtype {found.dtype}, shape {found.shape}; expected uint8 (height, width), a grey image")
+    return np.ascontiguousarray(found)
+
+
 def counts(name: str, value: Any, rows: int) -> NDArray[np.uint64]:
     """``value`` as (rows,) whole numbers from 0."""
     found = _array(name, value)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _dpn
-from ._arrays import file_or_keys, listener, matrix, path, stamps, vector, whole
+from ._arrays import file_or_keys, listener, matrix, path, stamp, vector, whole
 from ._dpn import Error, Recording
 
 
@@ -91,8 +91,7 @@ class Stream:
 
         Raises :class:`Error` where it is not taken; nothing has changed then.
         """
-        t_ns = int(stamps("t", [t])[0])
-        self._inner.feed(t_ns, vector("gyro", gyro), vector("accel", accel))
+        self._inner.feed(stamp("t", t), vector("gyro", gyro), vector("accel", accel))
 
     def sigma(self) -> Sigma:
         """How noisy the IMU is at the newest sample."""

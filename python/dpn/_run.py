@@ -84,6 +84,19 @@ def _tracks(value: Any) -> tuple[NDArray[np.int64], NDArray[np.uint64], NDArray[
     return t_ns, found, px
 
 
+def asked(noise: Any, calibration: Any, config: Any, models: Any, seed: Any) -> dict[str, Any]:
+    """What every run is told, as the compiled half takes it."""
+    if not isinstance(noise, str):
+        raise Error(f"noise: {type(noise).__name__}; expected a spec as \"self\", \"x4\" or 'file(\"noise.csv\")'")
+    given, as_json = (None, None) if calibration is None else file_or_json("calibration", calibration)
+    file, sets = file_or_keys("config", config)
+    return {
+        "noise": noise, "config": file, "sets": sets, "calibration": given, "calibration_json": as_json,
+        "models": None if models is None else path("models", models), "seed": whole("seed", seed, 0, 2**64 - 1),
+        "start": "0", "end": None, "progress": None,
+    }
+
+
 def run(
     log: Recording | str | os.PathLike[str],
     noise: str = "self",
@@ -126,15 +139,8 @@ def run(
     Raises :class:`Error`: what cannot be read or run, naming the argument and what was expected.
     """
     listener(progress)
-    if not isinstance(noise, str):
-        raise Error(f"noise: {type(noise).__name__}; expected a spec as \"self\", \"x4\" or 'file(\"noise.csv\")'")
-    given, as_json = (None, None) if calibration is None else file_or_json("calibration", calibration)
-    file, sets = file_or_keys("config", config)
-    asked = {
-        "noise": noise, "config": file, "sets": sets, "calibration": given, "calibration_json": as_json,
-        "models": None if models is None else path("models", models), "seed": whole("seed", seed, 0, 2**64 - 1),
-        "start": str(start), "end": None if end is None else seconds("end", end), "progress": progress,
-    }
+    told = asked(noise, calibration, config, models, seed)
+    told.update(start=str(start), end=None if end is None else seconds("end", end), progress=progress)
     if isinstance(log, Recording):
         of_paths = {"camera": camera, "topic": topic, "image_topic": image_topic, "skip_missing": skip_missing or None}
         for argument, value in of_paths.items():
@@ -143,14 +149,14 @@ def run(
         if calibration is None:
             raise Error("calibration: None; expected a file or a dictionary: nobody knows what camera the tracks are from")
         known = None if truth is None else poses("truth", truth)
-        found = _dpn.run_arrays(asked, name, log, *_tracks(tracks), known)
+        found = _dpn.run_arrays(told, name, log, *_tracks(tracks), known)
     else:
         source = path("log", log, "a dpn.Recording, a path or the name of a flight")
         file_of = {"tracks": tracks, "truth": truth}
         for argument, value in file_of.items():
             file_of[argument] = None if value is None else path(argument, value, "a path, as `log` is one")
         found = _dpn.run_source(
-            asked, source, camera, file_of["tracks"], file_of["truth"], bool(skip_missing), topic, image_topic
+            told, source, camera, file_of["tracks"], file_of["truth"], bool(skip_missing), topic, image_topic
         )
     found["report"] = json.loads(found["report"])
     return Run(**found)

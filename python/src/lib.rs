@@ -6,6 +6,7 @@ mod error;
 mod metrics;
 mod network;
 mod noise_formats;
+mod odometry;
 mod probe;
 mod progress;
 mod recording;
@@ -28,6 +29,8 @@ mod _dpn {
     use crate::network::Network;
     #[pymodule_export]
     use crate::noise_formats::convert;
+    #[pymodule_export]
+    use crate::odometry::Odometry;
     #[pymodule_export]
     use crate::probe::{allan, check, noise};
     #[pymodule_export]

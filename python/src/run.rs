@@ -44,19 +44,19 @@ pub(crate) struct Asked {
 }
 
 /// The same, read and checked.
-struct Settings {
-    noise: NoiseSpec,
-    estimator: EstimatorConfig,
-    calibration: Option<Calibration>,
-    networks: Vec<Network>,
-    seed: u64,
+pub(crate) struct Settings {
+    pub(crate) noise: NoiseSpec,
+    pub(crate) estimator: EstimatorConfig,
+    pub(crate) calibration: Option<Calibration>,
+    pub(crate) networks: Vec<Network>,
+    pub(crate) seed: u64,
     start: StartAt,
     end: Option<f64>,
     listener: Listener,
 }
 
 impl Asked {
-    fn read(self) -> PyResult<Settings> {
+    pub(crate) fn read(self) -> PyResult<Settings> {
         let calibration = match (&self.calibration, &self.calibration_json) {
             (Some(path), _) => Some(calibration::read(path).map_err(|e| raise(&e))?),
             (None, Some(json)) => {

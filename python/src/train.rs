@@ -66,9 +66,9 @@ pub(crate) fn train(
     let stop = AtomicBool::new(false);
     let done = py.detach(|| {
         let corpus = match &data {
-            Some(dir) => to_train(dpn_train::asl::load(dir).map_err(|e| raise(&e))?)
+            Some(dir) => to_train(dpn_train::asl::load(dir, config.rate_hz).map_err(|e| raise(&e))?)
                 .ok_or_else(|| Error::new_err(format!("data: no sequence in {}", dir.display())))?,
-            None => Corpus::new("python", members).map_err(|e| raise(&e))?,
+            None => Corpus::brought_to(config.rate_hz, "python", members).map_err(|e| raise(&e))?,
         };
         let run = Run::open(&out, &config, &corpus, &Device::Cpu, resume).map_err(|e| raise(&e))?;
         let mut steps = Steps { listener: &mut listener, stop: &stop, total: 0 };

@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 import pytest
-from conftest import ROOT
+from conftest import CAMERA, ROOT
 from conftest import run_command as command
 
 import dpn
@@ -131,9 +131,11 @@ def test_the_command_ends_as_the_binary_does(tmp_path):
     command("no-such-command", code=2)
 
 
-def test_the_readmes_example_runs(flight, log):
+def test_the_readmes_example_runs(flight, log, tmp_path, monkeypatch):
+    pytest.importorskip("matplotlib")
+    monkeypatch.chdir(tmp_path)
     (code,) = re.findall(r"```python\n(.*?)```", (ROOT / "python/README.md").read_text(), re.S)
-    for named, there in [("flight.bag", flight[0]), ("rest.csv", log), ("V1_02_medium", "f09-hover")]:
+    for named, there in [("flight.bag", flight[0]), ("rest.csv", log), ("V1_02_medium", "f09-hover"), ("cam0/sensor.yaml", CAMERA)]:
         assert f'"{named}"' in code
         code = code.replace(f'"{named}"', repr(str(there)))
     left = {"t": 0.0, "gyro": [0, 0, 0], "accel": [0, 0, 9.81]}
@@ -149,7 +151,7 @@ def test_import_takes_a_moment():
 
 
 def test_every_public_name_says_what_it_is():
-    for module in (dpn, dpn.metrics):
+    for module in (dpn, dpn.metrics, dpn.plot):
         for name, thing in vars(module).items():
             ours = getattr(thing, "__module__", "").startswith("dpn")
             if not name.startswith("_") and callable(thing) and ours:

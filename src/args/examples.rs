@@ -23,16 +23,6 @@ pub(super) const RUN: &str = "Examples:
   dpn run data/euroc/V1_02_medium --mcap run.mcap                           for Foxglove
   cat flight.bag | dpn run - --calib camchain.yaml                          poses as they are made";
 
-#[cfg(feature = "ros2")]
-pub(super) const ROS2: &str = "Examples:
-  dpn ros2 --calib camchain.yaml --imu /imu0 --image /cam0/image_raw
-  dpn ros2 --imu /imu/data_raw --image /camera/image_raw --camera-info /camera/camera_info      calibration from /tf_static too
-  dpn ros2 --calib camchain.yaml --compressed --ros-args -r __ns:=/robot -p use_sim_time:=true";
-
-#[cfg(feature = "ros2")]
-pub(super) const ROS2_NOISE: &str = "Example:
-  dpn ros2 noise --imu /imu/data_raw          for robot_localization and others: imu/with_covariance";
-
 pub(super) const PAPER: &str = "Examples:
   dpn paper --quick                          simulated flights, some minutes: is everything there?
   dpn paper --data data                      the whole study
@@ -61,6 +51,7 @@ pub(super) const PAGE: &str = "Examples:
 
 pub(super) const NOISE: &str = "Examples:
   dpn noise flight.bag
+  dpn noise logs/ robot1.bag                 a table, a row a log
   dpn noise log.csv --columns 1,2,3,4,5,6,7 --gyro-unit deg/s --out runs/mine
   dpn noise flight.mcap --into with_covariances.mcap
   dpn noise flight.bag --noise 'dualpronet(wide-s0)' --check vins.yaml --check-as vins
@@ -84,7 +75,16 @@ pub(super) const ALLAN: &str = "Examples:
 
 pub(super) const CHECK: &str = "Examples:
   dpn check flight.bag
+  dpn check logs/ --fail-on bad              a table, a row a log; for CI
   dpn check log.csv --json | jq '.findings[].text'";
+
+pub(super) const COMPARE: &str = "Examples:
+  dpn compare before.bag after.bag
+  dpn compare monday.csv friday.csv --from 0 --to 60 --json";
+
+pub(super) const REPORT: &str = "Examples:
+  dpn report flight.bag --out flight.html
+  dpn report logs/ --out robots.html         a section a log";
 
 pub(super) const FLEET: &str = "Examples:
   dpn fleet configs/fleet/fleet.toml --data data --out runs/fleet

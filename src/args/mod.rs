@@ -4,6 +4,7 @@ mod allan;
 mod cache;
 mod check;
 mod closed_loop;
+mod compare;
 mod eval;
 mod examples;
 mod export;
@@ -15,9 +16,8 @@ mod noise;
 mod page;
 mod paper;
 mod paste;
+mod report;
 mod resample;
-#[cfg(feature = "ros2")]
-mod ros2;
 mod run;
 mod simulate;
 mod sweep;
@@ -30,6 +30,7 @@ pub(crate) use allan::AllanArgs;
 pub(crate) use cache::CacheArgs;
 pub(crate) use check::{CheckArgs, FailOn};
 pub(crate) use closed_loop::{CameraArg, ClosedLoopArgs, SettingsArgs};
+pub(crate) use compare::CompareArgs;
 pub(crate) use eval::EvalArgs;
 pub(crate) use export::{ExportArgs, ExportWhat, OnnxArgs};
 pub(crate) use fleet::FleetArgs;
@@ -40,9 +41,8 @@ pub(crate) use noise::{ConvertArgs, NoiseArgs, NoiseWhat, RowFormat};
 pub(crate) use page::PageArgs;
 pub(crate) use paper::PaperArgs;
 pub(crate) use paste::PasteArgs;
+pub(crate) use report::ReportArgs;
 pub(crate) use resample::ResampleArgs;
-#[cfg(feature = "ros2")]
-pub(crate) use ros2::{NodeArgs, Ros2Args, Ros2NoiseArgs, Ros2What};
 pub(crate) use run::RunArgs;
 pub(crate) use simulate::{AlongArgs, FlightArgs, ImagesArgs, SimulateArgs, SimulateWhat, TracksArgs};
 pub(crate) use sweep::{
@@ -95,13 +95,15 @@ pub(crate) enum Command {
     /// A log's doctor: rate, gaps, units, gravity, clipping, vibration, rest and motion; findings by weight.
     #[command(after_help = examples::CHECK)]
     Check(CheckArgs),
+    /// What changed between two logs of one sensor: noise with intervals, bias, vibration, losses, with both spectra in a picture.
+    #[command(after_help = examples::COMPARE)]
+    Compare(CompareArgs),
+    /// What logs say of their IMU as one HTML page that needs nothing else: findings, signal, spectra, noise, lines to paste; to send or to print.
+    #[command(after_help = examples::REPORT)]
+    Report(ReportArgs),
     /// A log in the browser: findings, noise over time, Allan plot and figures to paste on one page, served on this machine alone.
     #[command(after_help = examples::PAGE)]
     Page(PageArgs),
-    /// The odometry as a node of ROS 2, without ROS 2; or the noise of its IMU alone (noise).
-    #[cfg(feature = "ros2")]
-    #[command(after_help = examples::ROS2)]
-    Ros2(Ros2Args),
     /// A published ground truth reconciled with its IMU: clock, frames, noise of both, and where it can be trusted.
     #[command(after_help = examples::TRUTH)]
     Truth(TruthArgs),

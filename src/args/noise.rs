@@ -13,9 +13,10 @@ pub(crate) struct NoiseArgs {
     /// Work on noise figures instead of a log.
     #[command(subcommand)]
     pub(crate) what: Option<NoiseWhat>,
-    /// CSV file, rosbag1, MCAP or rosbag2 (file or folder), or folder of an ASL sequence (EuRoC, TUM-VI); a pipe, or - for stdin.
+    /// CSV file, rosbag1, MCAP or rosbag2 (file or folder), or folder of an ASL sequence (EuRoC, TUM-VI); a pipe, or - for stdin. Of several, and of a folder
+    /// that holds some, a table with a row each.
     #[arg(value_name = "LOG", required_unless_present_any = ["follow", "learned"], conflicts_with = "follow")]
-    pub(crate) log: Option<PathBuf>,
+    pub(crate) logs: Vec<PathBuf>,
     /// Which part of it.
     #[command(flatten)]
     pub(crate) span: SpanArgs,
@@ -33,7 +34,7 @@ pub(crate) struct NoiseArgs {
     #[arg(long, value_name = "DIR")]
     pub(crate) weights: Option<PathBuf>,
     /// What these runs of one platform learned (`dpn run --noise self --out RUN`), together; no LOG then.
-    #[arg(long, value_name = "RUN", num_args = 1.., conflicts_with_all = ["log", "follow", "into", "rerun", "check"])]
+    #[arg(long, value_name = "RUN", num_args = 1.., conflicts_with_all = ["logs", "follow", "into", "rerun", "check"])]
     pub(crate) learned: Vec<PathBuf>,
     /// Hold the log against this trajectory of the same body: TUM, EuRoC's ground truth, or KITTI with stamps, in metres, of any frame, on the log's clock; noise, biases,
     /// scale, misalignment and delay. A minute or two.

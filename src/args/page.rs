@@ -10,7 +10,7 @@ pub(crate) struct PageArgs {
     /// The log and how it is read.
     #[command(flatten)]
     pub(crate) log: LogArgs,
-    /// Folder with the page's index.html, as `cargo xtask web` makes it; without it, what DPN_WEB names, or `web` beside the program.
+    /// Folder with the page's index.html, as `cargo xtask web` makes it; without it what DPN_WEB names, else the program's own (of a release), else `web` beside it.
     #[arg(long, value_name = "DIR")]
     pub(crate) web: Option<PathBuf>,
 }

@@ -3,7 +3,7 @@
 use super::closed_loop::key_value;
 use super::word::word;
 use clap::Args;
-use dpn_core::Sensor;
+use dpn_core::{SampleRate, Sensor};
 use dpn_io::ResultPath;
 use std::path::PathBuf;
 
@@ -14,7 +14,7 @@ pub(crate) struct TrainArgs {
     #[arg(long, value_parser = word::<Sensor>, required_unless_present = "many")]
     pub(crate) sensor: Option<Sensor>,
     /// Train many networks at once, as a plan asks for them (TOML, as configs/sweep/train.toml): sensors x configurations x seeds.
-    #[arg(long, value_name = "PLAN", conflicts_with_all = ["sensor", "config", "sets", "resume", "seed", "epochs", "base"])]
+    #[arg(long, value_name = "PLAN", conflicts_with_all = ["sensor", "config", "sets", "resume", "seed", "epochs", "base", "rate"])]
     pub(crate) many: Option<PathBuf>,
     /// Trainings at a time; without it as many as there are cores.
     #[arg(long, value_name = "N", requires = "many", value_parser = clap::value_parser!(u64).range(1..=4096))]
@@ -44,6 +44,10 @@ pub(crate) struct TrainArgs {
     /// Base that noise is injected into: `raw`, `gaussian` or `sg(WINDOW,ORDER)`.
     #[arg(long, value_name = "BASE")]
     pub(crate) base: Option<dpn_train::base::Base>,
+    /// Rate of the samples that the network is for, in Hz: faster recordings are brought to it, as means over blocks where the ratio is whole. Windows of one second,
+    /// where the configuration has none of its own.
+    #[arg(long, value_name = "HZ", value_parser = super::rate)]
+    pub(crate) rate: Option<SampleRate>,
     /// Where to compute: cpu, or ndarray, wgpu, cuda where built with that feature. Without it cpu, or the plan's.
     #[arg(long)]
     pub(crate) device: Option<String>,

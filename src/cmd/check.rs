@@ -1,32 +1,20 @@
 //! `dpn check`.
 
-use super::cores::cores;
-use super::log;
+use super::{log, many};
 use crate::args::{CheckArgs, FailOn};
-use crate::ui::{Found, out, outln, print_pictures, render_error};
+use crate::ui::{Found, out, outln, print_pictures};
 use anyhow::Result;
-use dpn_eval::parallel::each;
 use dpn_figures::{FigureError, save, spectrum_plot};
-use dpn_io::{atomic_write, printable};
-use dpn_logs::logs_in;
+use dpn_io::atomic_write;
 use dpn_probe::Weight;
 use dpn_probe::doctor::{Examination, examine_log, table};
-use std::convert::Infallible;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 
 pub(crate) fn run(args: &CheckArgs) -> Result<()> {
-    let mut logs = Vec::new();
-    for path in &args.logs {
-        if path == Path::new("-") {
-            logs.push(path.clone());
-        } else {
-            logs.extend(logs_in(path)?);
-        }
-    }
+    let logs = many::logs(&args.logs)?;
     let gravest = match &logs[..] {
         [only] if args.logs.len() == 1 && *only == args.logs[0] => one(args, only)?,
-        several => many(args, several)?,
+        several => all(args, several)?,
     };
     let most = match args.fail_on {
         Some(FailOn::Bad) => Weight::Bad,
@@ -40,17 +28,9 @@ fn examined(args: &CheckArgs, path: &Path) -> Result<Examination> {
     Ok(examine_log(&log::read_quietly(path, args.span, &args.how)?)?)
 }
 
-/// A table of logs, looked at on all cores.
-fn many(args: &CheckArgs, logs: &[PathBuf]) -> Result<Weight> {
-    let row = |at: usize| {
-        let found = examined(args, &logs[at]).map_err(|error| {
-            let text = render_error(&error);
-            text.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned()
-        });
-        Ok::<table::Row, Infallible>((printable(&logs[at].display().to_string()), found))
-    };
-    let Ok(rows) = each(cores(), logs.len(), &AtomicBool::new(false), row, |_, _| Ok(()));
-    let rows: Vec<table::Row> = rows.into_iter().flatten().collect();
+/// A table of logs.
+fn all(args: &CheckArgs, logs: &[PathBuf]) -> Result<Weight> {
+    let rows = many::looked_at(logs, |path| examined(args, path));
     let text = table::json(&rows)?.to_string() + "\n";
     atomic_write(args.out.join("check.json"), |file| file.write_all(text.as_bytes()))?;
     if args.json {

@@ -4,7 +4,7 @@ use super::{closed_loop, corpus, program, shipped, stop};
 use crate::args::EvalArgs;
 use crate::ui::{Bar, Fault, errln, outln, print_pictures};
 use anyhow::{Context, Result};
-use dpn_core::Sensor;
+use dpn_core::{SampleRate, Sensor};
 use dpn_eval::open_loop::{OpenLoopError, Request, Row, run as judge};
 use dpn_figures::{rmse_vs_sigma, save};
 use dpn_io::{FolderLock, ResultPath, atomic_write};
@@ -31,7 +31,7 @@ fn open_loop(args: &EvalArgs) -> Result<()> {
     let models = args.models.as_deref();
     let networks = shipped::judged(&shipped::or_of(models)?, models, &args.more_models)?;
     let sensors = args.sensor.map_or_else(|| Sensor::ALL.to_vec(), |sensor| vec![sensor]);
-    let corpora = corpus::load(args.data.as_deref())?;
+    let corpora = corpus::load(args.data.as_deref(), SampleRate::HZ_200)?;
     let request = Request {
         corpora: &corpora,
         sensors: &sensors,
@@ -116,7 +116,7 @@ fn headline(rows: &[Row]) -> Vec<Row> {
 /// Why the table lacks what a reader looks for: sequences, or networks.
 fn not_shown(request: &Request<'_>, shown: &[Row]) -> Vec<String> {
     let mut words = Vec::new();
-    for Corpus { name, members } in request.corpora {
+    for Corpus { name, members, .. } in request.corpora {
         if members.iter().all(|member| member.side == Side::Train) {
             words.push(format!(
                 "{name}: no row, for the table shows test sequences and {} is to train on; give two sequences or more",

@@ -6,6 +6,7 @@ mod along;
 mod cache;
 mod check;
 mod closed_loop;
+mod compare;
 mod convert;
 mod cores;
 mod corpus;
@@ -22,14 +23,14 @@ mod learned;
 mod live;
 mod log;
 mod manual;
+mod many;
 mod noise;
 mod page;
 mod paper;
 mod program;
+mod report;
 mod rerun;
 mod resample;
-#[cfg(feature = "ros2")]
-mod ros2;
 mod run;
 mod settings;
 mod shipped;
@@ -62,9 +63,9 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Allan(args) => allan::run(&args),
         Command::Convert(args) => resample::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Compare(args) => compare::run(&args),
+        Command::Report(args) => report::run(&args),
         Command::Page(args) => page::run(&args),
-        #[cfg(feature = "ros2")]
-        Command::Ros2(args) => ros2::run(args),
         Command::Truth(args) => truth::run(&args),
         Command::Ape(args) => trajectories::ape(&args),
         Command::Rpe(args) => trajectories::rpe(&args),

@@ -1,8 +1,8 @@
 //! `dpn noise`.
 
-use super::{against, convert, follow, into, learned, log, rerun, shipped};
+use super::{against, convert, follow, into, learned, log, many, rerun, shipped};
 use crate::args::{NoiseArgs, NoiseWhat, RowFormat};
-use crate::ui::{errln, out, outln, print_pictures};
+use crate::ui::{Fault, errln, out, outln, print_pictures};
 use anyhow::{Context, Result};
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::{Recorded, SampleRate, Samples};
@@ -10,9 +10,12 @@ use dpn_figures::{log_noise_plot, save};
 use dpn_io::noise_formats::{Format, Given, NoiseCalibration, read};
 use dpn_io::{atomic_write, write_noise_rows};
 use dpn_probe::Finding;
+use dpn_probe::doctor::examine_log;
+use dpn_probe::doctor::table::json;
+use dpn_probe::log_noise::table::{NoiseOfLog, page};
 use dpn_probe::log_noise::{Along, Plan, report};
 use dpn_pronet::network::Network;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub(crate) fn run(args: &NoiseArgs) -> Result<()> {
     if let Some(NoiseWhat::Convert(args)) = &args.what {
@@ -21,14 +24,44 @@ pub(crate) fn run(args: &NoiseArgs) -> Result<()> {
     if !args.learned.is_empty() {
         return learned::together(&args.learned, &args.paste, &args.out, args.json);
     }
-    if let (Some(trajectory), Some(log)) = (&args.against, &args.log) {
+    let logs = many::logs(&args.logs)?;
+    let log = match &logs[..] {
+        [] => None,
+        [only] if args.logs.len() == 1 && *only == args.logs[0] => Some(only),
+        several => return all(args, several),
+    };
+    if let (Some(trajectory), Some(log)) = (&args.against, log) {
         return against::run(args, log, trajectory);
     }
     let networks = shipped::or_of(args.weights.as_deref())?;
-    match &args.log {
+    match log {
         Some(path) => along(args, path, &networks),
         None => follow::run(args, &plan(args, follow::rate(&args.how), &networks)?),
     }
+}
+
+/// A table of logs.
+fn all(args: &NoiseArgs, logs: &[PathBuf]) -> Result<()> {
+    let of_one = [
+        ("--noise", args.noise.is_some()),
+        ("--weights", args.weights.is_some()),
+        ("--against", args.against.is_some()),
+        ("--paste", !args.paste.paste.0.is_empty()),
+        ("--into", args.into.is_some()),
+        ("--rerun", args.rerun.is_some()),
+        ("--check", args.check.is_some()),
+    ];
+    if let Some((flag, _)) = of_one.into_iter().find(|(_, given)| *given) {
+        let message = format!("{flag} is for one log, and {} are named", logs.len());
+        return Err(Fault::new(message).hint("leave it away for a table of all, or name one log").into());
+    }
+    let rows = many::looked_at(logs, |path| {
+        let log = log::read_quietly(path, args.span, &args.how)?;
+        Ok(NoiseOfLog::of(&log.recording, &examine_log(&log)?)?)
+    });
+    let text = json(&rows)?.to_string() + "\n";
+    atomic_write(args.out.join("summary.json"), |file| file.write_all(text.as_bytes()))?;
+    Ok(if args.json { out!("{text}")? } else { out!("{}", page(&rows))? })
 }
 
 /// What was asked for, or the networks where the rate is theirs and a simple estimator where not.

@@ -118,14 +118,21 @@ fn escaped(text: &str) -> String {
     text.bytes().map(|b| if plain(b) { char::from(b).to_string() } else { format!("%{b:02X}") }).collect()
 }
 
-/// The page, from the first place that has it.
+/// The page that the program carries, where it was built with one.
+#[cfg(feature = "page")]
+const CARRIED: Option<&[u8]> = Some(include_bytes!(concat!(env!("OUT_DIR"), "/page.html")));
+#[cfg(not(feature = "page"))]
+const CARRIED: Option<&[u8]> = None;
+
+/// The page, from the first place that has it: one that was named, else the program's own.
 fn page(web: Option<&Path>) -> Result<Vec<u8>> {
-    let places: Vec<PathBuf> = match web {
-        Some(dir) => vec![dir.to_path_buf()],
-        None => {
-            let named = std::env::var_os("DPN_WEB").map(PathBuf::from);
+    let named = web.map(Path::to_path_buf).or_else(|| std::env::var_os("DPN_WEB").map(PathBuf::from));
+    let places = match (named, CARRIED) {
+        (Some(dir), _) => vec![dir],
+        (None, Some(page)) => return Ok(page.to_vec()),
+        (None, None) => {
             let beside = std::env::current_exe().ok().and_then(|exe| Some(exe.parent()?.join("web")));
-            named.into_iter().chain(beside).chain([PathBuf::from("target/web/page")]).collect()
+            beside.into_iter().chain([PathBuf::from("target/web/page")]).collect()
         }
     };
     for place in &places {
@@ -136,7 +143,7 @@ fn page(web: Option<&Path>) -> Result<Vec<u8>> {
     let looked: Vec<String> =
         places.iter().map(|place| place.join("index.html").display().to_string()).collect();
     Err(Fault::new(format!("no page: looked for {}", looked.join(", ")))
-        .hint("`cargo xtask web` makes it, in target/web/page; name its folder by --web or DPN_WEB, or lay it beside the program as `web`")
+        .hint("a release carries it; `cargo xtask web` makes it, in target/web/page: name its folder by --web or DPN_WEB, or lay it beside the program as `web`")
         .into())
 }
 

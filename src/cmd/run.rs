@@ -8,15 +8,15 @@ use dpn_core::estimate::NoiseSpec;
 use dpn_core::{GrayImage, Stamp};
 use dpn_eval::closed_loop::{
     Camera, JudgedRun, Recording, Report, RunInfo, RunSource, ScaleKnown, SequenceSet, Span, Watchers,
-    paired, settings_for, watched_run, write_states,
+    paired, watched_run, write_states,
 };
 #[cfg(feature = "rerun")]
 use dpn_eval::closed_loop::{CameraInput, frames_from};
 use dpn_eval::metrics::{AlignmentKind, PosePair, RPE_TOLERANCE, RpeSpec, align, rpe_by};
-use dpn_figures::save;
-use dpn_figures::{Album, timeline, top_view};
+use dpn_figures::{Album, Cell, save, timeline, top_view};
 use dpn_io::calibration::Calibration;
 use dpn_io::{ResultPath, atomic_write, write_kitti, write_noise_track, write_tum};
+use dpn_live::settings_for;
 use dpn_logs::ImageLogOptions;
 use dpn_vio::clock::{CameraClock, Readout};
 use dpn_vio::estimator::{EstimatorConfig, FrontEndObserver, Update};
@@ -384,12 +384,13 @@ fn words(report: &Report, done: &JudgedRun, simulated: bool) -> String {
     );
     match (row.ate_se3, row.ate_yaw, row.ate_sim3, row.scale_error) {
         (Some(se3), yaw, sim3, scale) => {
-            let metres = |v: Option<f64>| v.map_or_else(|| "-".into(), |v| format!("{v:.3}"));
+            let metres = |v: Option<f64>| Cell::metres(v).shown().to_owned();
             let scale = scale.map_or_else(|| "-".into(), |s| format!("{:+.2} %", 100.0 * s));
             line(
                 "ATE [m]:",
                 format!(
-                    "{se3:.3} (SE(3)), {} (yaw and position), {} (Sim(3)); scale {scale}",
+                    "{} (SE(3)), {} (yaw and position), {} (Sim(3)); scale {scale}",
+                    metres(Some(se3)),
                     metres(yaw),
                     metres(sim3)
                 ),

@@ -2,6 +2,7 @@
 
 use crate::ui::errln;
 use anyhow::Result;
+use dpn_core::SampleRate;
 use dpn_pronet::network::{Network, NetworkError, load_all};
 use std::path::Path;
 
@@ -15,10 +16,11 @@ pub(crate) fn or_of(models: Option<&Path>) -> Result<Vec<Network>> {
     }
 }
 
-/// The networks of the open loop: a folder's, or `networks`, which came with the program, and beside them those of the study in the folder `more`,
-/// ordered by sensor and name; without that folder a note says so.
+/// The networks of the open loop, whose windows are of the paper's rate: a folder's, or `networks`, which came with the program, and beside them those of the
+/// study in the folder `more`, ordered by sensor and name; without that folder a note says so.
 pub(crate) fn judged(networks: &[Network], models: Option<&Path>, more: &Path) -> Result<Vec<Network>> {
-    let mut all = networks.to_vec();
+    let is_of_rate = |network: &&Network| network.weights.card().rate == SampleRate::HZ_200;
+    let mut all: Vec<Network> = networks.iter().filter(is_of_rate).cloned().collect();
     if models.is_some() {
         return Ok(all);
     }

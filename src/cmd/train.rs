@@ -19,10 +19,11 @@ pub(crate) fn run(args: TrainArgs) -> Result<()> {
     };
     let config = config(&args, sensor)?;
     let device = device::parse(args.device.as_deref().unwrap_or(device::CPU))?;
-    let corpus = corpus::to_train(corpus::load(args.data.as_deref())?)?;
+    let corpus = corpus::to_train(corpus::load(args.data.as_deref(), config.rate_hz)?)?;
     let out = args.out.unwrap_or_else(|| {
         let base = config.base.base();
-        format!("runs/train-{sensor}-{}-{base}-seed{}", corpus.name, config.seed).into()
+        let rate = args.rate.map_or_else(String::new, |rate| format!("-{}hz", rate.hz()));
+        format!("runs/train-{sensor}-{}-{base}{rate}-seed{}", corpus.name, config.seed).into()
     });
     let run = Run::open(&out, &config, &corpus, &device, args.resume)?;
     let (done, total) = run.epochs();
@@ -66,7 +67,9 @@ pub(crate) fn run(args: TrainArgs) -> Result<()> {
 
 /// The file's keys, then the flags over them.
 fn config(args: &TrainArgs, sensor: Sensor) -> Result<TrainConfig> {
-    let mut config = dpn_train::config::load_over(args.config.as_deref(), &args.sets, sensor)?;
+    let mut sets = args.sets.clone();
+    sets.extend(args.rate.map(|rate| ("rate_hz".to_owned(), rate.hz().to_string())));
+    let mut config = dpn_train::config::load_over(args.config.as_deref(), &sets, sensor)?;
     if config.sensor() != sensor {
         let named = args.config.as_deref().unwrap_or(Path::new("--set network.sensor"));
         return Err(Fault::new(format!("{} is for the sensor `{}`", named.display(), config.sensor()))

@@ -23,12 +23,14 @@ pub struct TrackFrame {
     /// Where lines are read out one after the other, the time from the first's exposure to the last's that was taken into account: `px` are where a camera
     /// of the stamp would have seen the points; 0 where all lines are taken at once, or nobody knows \[s\].
     pub readout_s: f64,
+    /// What was added to the camera's stamps when points were followed into this image; 0 where its clock is right, or nobody knows \[s\].
+    pub clock_s: f64,
 }
 
 impl TrackFrame {
     /// Of an image whose lines are taken at once.
     pub fn new(t: Stamp, tracks: Vec<Track>) -> Self {
-        Self { t, tracks, readout_s: 0.0 }
+        Self { t, tracks, readout_s: 0.0, clock_s: 0.0 }
     }
 
     /// The points that an earlier frame saw too, in this frame's order: where they were \[px\] and where they are.

@@ -79,9 +79,9 @@ pub fn load<T: DeserializeOwned + Validate>(path: &Path) -> Result<T, ConfigErro
 /// A text that is not the configuration's TOML, values outside their bounds.
 pub fn parse<T: DeserializeOwned + Validate>(text: &str, path: &Path) -> Result<T, ConfigError> {
     let config: T = toml::from_str(text).map_err(|error| {
-        let message = printable(error.message());
-        let line = error.span().map(|span| 1 + text[..span.start.min(text.len())].matches('\n').count());
-        refused(path.to_owned(), line, message)
+        let line = error.span().map(|span| text[..span.start.min(text.len())].matches('\n').count());
+        let message = with_key(printable(error.message()), line.and_then(|line| text.lines().nth(line)));
+        refused(path.to_owned(), line.map(|line| line + 1), message)
     })?;
     match config.validate() {
         Ok(()) => Ok(config),
@@ -181,6 +181,15 @@ fn put(table: &mut toml::Table, key: &str, value: toml::Value) -> Result<(), Str
     }
 }
 
+/// A message on a value, which says nothing of its key, with the key that its line begins with.
+fn with_key(message: String, line: Option<&str>) -> String {
+    let key = line.and_then(|line| line.split_once('=')).map(|(key, _)| key.trim());
+    match key.filter(|_| message.starts_with("invalid ")) {
+        Some(key) => format!("`{key}`: {message}"),
+        None => message,
+    }
+}
+
 /// A text that serde refuses with `message`: a key that was there once is named as such, another has the nearest known one beside it.
 fn refused(path: PathBuf, line: Option<usize>, message: String) -> ConfigError {
     match gone(&message) {
@@ -234,6 +243,12 @@ mod tests {
         let error = parsed("epochs = 3\nlerning_rate = 0.1\n").unwrap_err();
         assert!(error.to_string().starts_with("a.toml:2: unknown field `lerning_rate`"), "{error}");
         assert_eq!(error.hint().as_deref(), Some("did you mean `learning_rate`?"));
+    }
+
+    #[test]
+    fn a_value_of_another_type_is_refused_by_its_key() {
+        let error = parsed("learning_rate = 0.1\nepochs = [\n3]").unwrap_err().to_string();
+        assert_eq!(error, "a.toml:2: `epochs`: invalid type: sequence, expected u64");
     }
 
     #[test]

@@ -256,6 +256,7 @@ mod tests {
         ) {
             let frames: Vec<_> = frames.iter().enumerate().map(|(k, tracks)| TrackFrame {
                 readout_s: 0.0,
+                clock_s: 0.0,
                 t: Stamp::from_ns(i64::from(start) + k as i64),
                 // Not in the order of their ids.
                 tracks: tracks.iter().rev().map(|(id, (u, v))| Track {

@@ -5,9 +5,9 @@ use dpn_io::IoError;
 use std::path::{Path, PathBuf};
 
 /// Ends of names of logs.
-const ENDS: [&str; 18] = [
+const ENDS: [&str; 19] = [
     "csv", "txt", "tsv", "jsonl", "json", "bag", "mcap", "db3", "ulg", "bin", "log", "zip", "gz", "zst",
-    "xz", "bz2", "bbl", "tlog",
+    "xz", "bz2", "bbl", "tlog", "gcsv",
 ];
 
 /// The logs at `path`: itself where it is one, else the files and folders in it that look like logs by their names and files, sorted.

@@ -6,7 +6,7 @@ use crate::long::{Long, gyro_and_accel};
 use crate::records::Records;
 use crate::topics::{Topics, shortened};
 use crate::two_files::{Source, TwoFiles};
-use crate::{Kind, Log, LogError, LogOptions, Scales, ardupilot, bag, json, rosbag2, ulog};
+use crate::{Kind, Log, LogError, LogOptions, Scales, ardupilot, bag, gcsv, json, rosbag2, ulog};
 use dpn_core::{ImuSample, Sensor};
 use dpn_io::asl::Sequence;
 use dpn_io::{
@@ -269,6 +269,8 @@ fn text(
         let log = TwoFiles::of(of(&long.gyro), of(&long.accel)).read(path, options)?;
         return Ok(Log { kind, ..log });
     }
+    let preamble = gcsv::scaled(&head, options);
+    let options = preamble.as_ref().map_or(options, |(scaled, _)| scaled);
     // A scale is instead of a unit.
     let mut csv = options.csv.clone();
     csv.gyro = options.scales.gyro.map_or(csv.gyro, |_| Some(GyroUnit::RadPerSecond));
@@ -293,6 +295,7 @@ fn text(
     let others = other_parts(others, places, |samples| options.scales.apply(samples));
     let others = others.map_err(|e| IoError::reading(file, e))?;
     let mut log = Log { alone, sieved, places, others, said_hz, ..Log::sound(kind, recording) };
+    log.guesses.extend(preamble.as_ref().map(|(_, words)| words.clone()));
     match unreadable.first {
         Some(first) if unreadable.cut => log.damage = Some(format!("its last line is cut off ({first})")),
         Some(first) => {

@@ -1,12 +1,12 @@
 //! From a spec to something that is fed samples one by one.
 
 use super::CausalError;
-use super::blocks::{BlockLength, Blocks};
 use dpn_core::estimate::{NoiseSpec, Schedule, raised_to_floor};
+use dpn_core::signal::{BlockLength, Blocks};
 use dpn_core::{ImuNoise, ImuSample, NoiseModel, SampleRate, Sensor};
 use dpn_pronet::DualProNet;
 use dpn_pronet::model::RangeCount;
-use dpn_pronet::network::{Network, select};
+use dpn_pronet::network::{Network, select_for};
 use dpn_pronet::range::TrainedRange;
 use serde::Serialize;
 
@@ -30,7 +30,7 @@ impl<'a> Causal<'a> {
         match spec {
             NoiseSpec::Sensors(_) => {}
             NoiseSpec::DualProNet { accel, gyro } => {
-                let pair = pair(spec, [accel, gyro], networks)?;
+                let pair = pair(spec, [accel, gyro], networks, rate)?;
                 let trained = pair[0].weights.card().rate;
                 causal.block = BlockLength::of(rate, trained).ok_or_else(|| CausalError::Rate {
                     spec: spec.to_string(),
@@ -57,6 +57,11 @@ impl<'a> Causal<'a> {
     /// Of how many samples, to the nearest, the networks see the mean; 1 for all else.
     pub fn block(&self) -> usize {
         self.block.samples()
+    }
+
+    /// The same with the shares of samples at the blocks' ends.
+    pub fn exact_block(&self) -> f64 {
+        self.block.exact()
     }
 
     /// Rate of its networks' training \[Hz\].
@@ -98,14 +103,15 @@ impl<'a> Causal<'a> {
     }
 }
 
-/// The networks of two tags, accelerometer first.
-pub(crate) fn pair<'a>(
+/// The networks of two tags for samples of `rate`, accelerometer first.
+fn pair<'a>(
     spec: &NoiseSpec,
     tags: [&String; 2],
     networks: &'a [Network],
+    rate: SampleRate,
 ) -> Result<[&'a Network; 2], CausalError> {
     let of = |sensor, tag| {
-        select(networks, sensor, tag)
+        select_for(networks, sensor, tag, rate)
             .map_err(|source| CausalError::NoNetwork { spec: spec.to_string(), source })
     };
     Ok([of(Sensor::Accel, tags[0])?, of(Sensor::Gyro, tags[1])?])

@@ -1,11 +1,12 @@
 //! What a spec's noise is a function of, besides the recording: by content, whatever the path.
 
+use super::CausalError;
 use super::NoiseError;
-use super::causal::pair;
+use dpn_core::Sensor;
 use dpn_core::checksum::of_parts;
 use dpn_core::estimate::NoiseSpec;
 use dpn_io::IoError;
-use dpn_pronet::network::Network;
+use dpn_pronet::network::{Network, select, variants};
 
 /// The spec with a checksum in place of every file: of weights, of noise tracks. Two that agree in it tell the same noise of the same
 /// recording; those that [need the training sequences](NoiseSpec::needs_training), where these agree too.
@@ -16,12 +17,19 @@ pub fn content(spec: &NoiseSpec, networks: &[Network]) -> Result<String, NoiseEr
     Ok(match spec {
         NoiseSpec::Sensors(_) | NoiseSpec::Oracle => spec.to_string(),
         NoiseSpec::DualProNet { accel, gyro } => {
-            let [accel, gyro] = pair(spec, [accel, gyro], networks)?;
-            format!(
-                "dualpronet({},{})",
-                of_parts([accel.weights.to_bytes()?]),
-                of_parts([gyro.weights.to_bytes()?])
-            )
+            // Which of them is asked is the recording's business: those of every rate.
+            let of = |sensor: Sensor, tag: &String| {
+                let bytes: Result<Vec<_>, _> =
+                    variants(networks, sensor, tag).map(|network| network.weights.to_bytes()).collect();
+                let bytes = bytes?;
+                if bytes.is_empty()
+                    && let Err(source) = select(networks, sensor, tag)
+                {
+                    return Err(CausalError::NoNetwork { spec: spec.to_string(), source }.into());
+                }
+                Ok::<_, NoiseError>(of_parts(bytes))
+            };
+            format!("dualpronet({},{})", of(Sensor::Accel, accel)?, of(Sensor::Gyro, gyro)?)
         }
         NoiseSpec::File(path) => {
             let bytes = std::fs::read(path).map_err(|source| match source.kind() {

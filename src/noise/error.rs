@@ -57,8 +57,8 @@ impl CausalError {
             Self::NotCausal { .. } => {
                 Some("give networks (dualpronet), a simple estimator (diff2, sg(11,2)) or constants".into())
             }
-            Self::Rate { trained_hz, .. } => Some(format!(
-                "faster logs are averaged to {trained_hz:.0} Hz by themselves, a slower one has too few samples: let the odometry find its noise (dpn run --noise self), or give a simple estimator (--noise diff2)"
+            Self::Rate { found_hz, trained_hz, .. } => Some(format!(
+                "faster logs are averaged to {trained_hz:.0} Hz by themselves, a slower one has too few samples: train networks of its rate (dpn train --rate {found_hz:.0}), let the odometry find its noise (dpn run --noise self), or give a simple estimator (--noise diff2)"
             )),
             Self::Spec(_) | Self::NoNetwork { .. } | Self::Pair(_) => None,
         }

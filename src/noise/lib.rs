@@ -5,11 +5,10 @@
 //! * [`shuffled`], [`MeanSquare`]: the controls' arithmetic.
 //! * [`content`](content()): what a spec is a function of, with checksums in place of paths.
 //!
-//! Networks count samples, not time: they see every k-th sample of a log of k times their rate, which leaves the deviation of a sample as it is,
-//! as long as its noise is white; any other rate more than 5 % off is refused.
+//! Networks count samples, not time. Of those of one name that were trained at several rates the fastest that the log reaches is asked, and sees means over
+//! blocks of a faster log ([`dpn_core::signal::Blocks`]); a log slower than all of them is refused.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
-mod blocks;
 mod causal;
 mod content;
 mod controls;

@@ -168,7 +168,7 @@ fn constant(imu: &ImuRecording, noise: ImuNoise) -> NoiseTrack {
     NoiseTrack::of(&mut dpn_core::noise::Constant::new("constant", noise), imu)
 }
 
-/// What says the noise of a spec sample by sample, for samples that come at `rate`, as the odometry is given it: over 200 samples, every 10. Of `self` the noise
+/// What says the noise of a spec sample by sample, for samples that come at `rate`, as the odometry is given it: over 200 samples, every 10; of networks every twentieth of a second. Of `self` the noise
 /// whose levels are estimated. `name` is the recording's, for messages.
 ///
 /// # Errors
@@ -182,8 +182,11 @@ pub fn live(
     if let NoiseSpec::Learned(of) = spec {
         return live(of, name, rate, networks);
     }
-    let Schedule { window, hop, .. } = Schedule::default();
-    let feed = Causal::new(spec, rate, networks).and_then(|causal| causal.feed(window, hop));
+    let Schedule { window, hop, rate: usual } = Schedule::default();
+    let feed = Causal::new(spec, rate, networks).and_then(|causal| {
+        let slower = causal.trained_hz().map_or(1.0, |hz| hz / usual.hz());
+        causal.feed(window, (hop as f64 * slower).round().max(1.0) as usize)
+    });
     feed.map_err(|source| NoiseError::Causal { recording: name.to_owned(), source })
 }
 

@@ -1,7 +1,7 @@
 //! Both networks as one causal source of noise.
 
 use crate::predictor::Predictor;
-use crate::range::{TrainedRange, WindowFigures};
+use crate::range::{Quietest, TrainedRange, WindowFigures};
 use crate::weights::Weights;
 use dpn_core::imu::ImuSample;
 use dpn_core::noise::{AccelSampleStd, GyroSampleStd, ImuNoise, NoiseModel};
@@ -66,6 +66,8 @@ struct Channel {
     sensor: Sensor,
     predictor: Predictor,
     range: Option<TrainedRange>,
+    /// Where the range has what it says.
+    quietest: Option<Quietest>,
     window: usize,
     /// The last samples of every axis, twice over, so that any window of them is contiguous.
     past: [Vec<f32>; 3],
@@ -149,11 +151,12 @@ impl DualProNet {
 
 impl Channel {
     fn new(weights: &Weights) -> Self {
-        let window = weights.config().window;
+        let (window, range) = (weights.config().window, weights.card().range);
         Self {
             sensor: weights.sensor(),
             predictor: Predictor::new(weights),
-            range: weights.card().range,
+            range,
+            quietest: range.and_then(|range| range.quietest).and_then(|_| Quietest::new(window)),
             window,
             past: std::array::from_fn(|_| vec![0.0; 2 * window]),
             windows: vec![0.0; 3 * window],
@@ -193,7 +196,13 @@ impl Channel {
         for ((axis, sigma), answered) in self.windows.chunks_exact(window).zip(sigma).zip(&mut self.answered)
         {
             self.count.windows += 1;
-            let outside = self.range.is_some_and(|range| range.excludes(WindowFigures::of(axis)));
+            let outside = self.range.is_some_and(|range| {
+                range.excludes(WindowFigures::of(axis))
+                    || self
+                        .quietest
+                        .as_ref()
+                        .is_some_and(|quietest| range.excludes_answer(quietest.sigma(axis), f64::from(sigma)))
+            });
             // A network that answers no deviation was asked what it does not know.
             self.count.outside += u64::from(outside || !sigma.is_finite());
             *answered |= sigma.is_finite();
@@ -359,7 +368,7 @@ mod tests {
 
     #[test]
     fn windows_outside_the_trained_range_are_counted() {
-        let narrow = TrainedRange { roughness: [0.0, 1e-6], spread: [0.0, 1.0] };
+        let narrow = TrainedRange { roughness: [0.0, 1e-6], spread: [0.0, 1.0], quietest: None };
         let accel = weights(Sensor::Accel, Some(narrow));
         let mut model = DualProNet::new("p", &accel, &weights(Sensor::Gyro, None), 10).unwrap();
         for s in samples(60) {

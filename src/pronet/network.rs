@@ -1,7 +1,8 @@
 //! Trained networks on disk, and what each was trained for.
 
 use crate::{StoreError, Weights};
-use dpn_core::Sensor;
+use dpn_core::signal::BlockLength;
+use dpn_core::{SampleRate, Sensor};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -117,6 +118,37 @@ pub fn select<'a>(networks: &'a [Network], sensor: Sensor, tag: &str) -> Result<
         tag: tag.to_owned(),
         known: of_sensor().map(Network::tag).collect(),
     })
+}
+
+/// Parts the name of a training from the rate of its windows: `sg11-s0@100` is `sg11-s0` for samples of 100 Hz.
+const AT: char = '@';
+
+/// The networks of a sensor that go by `tag`, at whatever rate: that of this name, and those called `tag@HZ`.
+pub fn variants<'a>(networks: &'a [Network], sensor: Sensor, tag: &str) -> impl Iterator<Item = &'a Network> {
+    networks.iter().filter(move |network| {
+        let own = network.tag();
+        let is_variant = || own.strip_prefix(tag).is_some_and(|rest| rest.starts_with(AT));
+        network.sensor() == sensor && (own == tag || is_variant())
+    })
+}
+
+/// Of the networks of a sensor that go by `tag` the one for samples of `rate`: the fastest that the samples reach, or, where they reach none, the slowest.
+///
+/// # Errors
+/// None of that name.
+pub fn select_for<'a>(
+    networks: &'a [Network],
+    sensor: Sensor,
+    tag: &str,
+    rate: SampleRate,
+) -> Result<&'a Network, UnknownNetwork> {
+    let trained = |network: &&Network| network.weights.card().rate;
+    let by_rate = |a: &&Network, b: &&Network| trained(a).hz().total_cmp(&trained(b).hz());
+    let of_tag = || variants(networks, sensor, tag);
+    let reached =
+        of_tag().filter(|network| BlockLength::of(rate, trained(network)).is_some()).max_by(by_rate);
+    // Whether it is there at all, and if not, what is.
+    reached.or_else(|| of_tag().min_by(by_rate)).map_or_else(|| select(networks, sensor, tag), Ok)
 }
 
 /// Every network (`*.safetensors`, checkpoints left out) in `dir` and the folders in it, sorted by path.

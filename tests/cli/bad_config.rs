@@ -54,7 +54,8 @@ fn a_value_of_another_kind_is_named_with_its_line() {
     let path = config(dir.path(), "seed = 1\n[fit]\nepochs = \"many\"\n");
     let done = end(dpn().args(["train", "--sensor", "accel", "--config"]).arg(&path));
     assert_eq!(done.code, Some(2), "{done:?}");
-    assert!(done.stderr.starts_with(&format!("error: {}:3: invalid type", path.display())), "{done:?}");
+    let words = format!("error: {}:3: `epochs`: invalid type", path.display());
+    assert!(done.stderr.starts_with(&words), "{done:?}");
 }
 
 #[test]

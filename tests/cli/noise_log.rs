@@ -108,16 +108,25 @@ fn json_lines_summary_and_white_noise_of_a_simple_estimator() {
 #[test]
 fn another_rate_gets_a_simple_estimator_and_is_refused_for_networks() {
     let dir = tempfile::tempdir().unwrap();
-    let slow = rows(6000, 10_000_000);
+    let slow = rows(6000, 25_000_000);
     let done = noise(dir.path(), &slow, &[]).well();
     assert!(done.stderr.contains("the simple estimator diff2 is asked instead"), "{done:?}");
     noise(dir.path(), &slow, &["--noise", "dualpronet"]).refused(
         dir.path(),
-        "error: the log has 100.0 Hz; the networks of `dualpronet` were trained at 200.0 Hz and count samples, not time\n\n\
-         hint: faster logs are averaged to 200 Hz by themselves, a slower one has too few samples: let the odometry find its noise (dpn run --noise self), or give a simple estimator (--noise diff2)",
+        "error: the log has 40.0 Hz; the networks of `dualpronet` were trained at 50.0 Hz and count samples, not time\n\n\
+         hint: faster logs are averaged to 50 Hz by themselves, a slower one has too few samples: train networks of its rate (dpn train --rate 40), let the odometry find its noise (dpn run --noise self), or give a simple estimator (--noise diff2)",
     );
-    let done = noise(dir.path(), &rows(6000, 2_500_000), &[]).well();
-    assert!(done.stdout.contains("the networks saw means of 2 samples: the log has 400 Hz"), "{done:?}");
+    for (step_ns, words) in [
+        (2_500_000, "the networks saw means of 2 samples: the log has 400 Hz, they know 200 Hz"),
+        (8_000_000, "the log has 125 Hz, they know 100 Hz"),
+    ] {
+        let done = noise(dir.path(), &rows(6000, step_ns), &[]).well();
+        assert!(done.stdout.contains(words), "{done:?}");
+    }
+    for step_ns in [10_000_000, 20_000_000] {
+        let done = noise(dir.path(), &rows(6000, step_ns), &["--noise", "dualpronet"]).well();
+        assert!(!done.stdout.contains("the networks saw means"), "{done:?}");
+    }
     let done = noise(dir.path(), &slow, &["--noise", "shuffled(x1)"]);
     assert!(done.code == Some(2) && done.stderr.contains("is not causal"), "{done:?}");
     let done = noise(dir.path(), &rows(150, 5_000_000), &[]);

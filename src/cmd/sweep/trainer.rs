@@ -3,6 +3,7 @@
 use crate::cmd::training_curve::draw_curve;
 use crate::cmd::{corpus, device, program};
 use anyhow::Result;
+use dpn_core::SampleRate;
 use dpn_core::config::Validate;
 use dpn_core::progress::Progress;
 use dpn_eval::sweeps::{SweepError, TrainFault, TrainPlan, TrainSpec, Trainer};
@@ -20,11 +21,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Folder of a sweep's own networks.
 pub(super) const MODELS: &str = "models";
 
-/// Trains on one corpus, which is read when it is first needed: once, for a trainer and all its clones.
+/// Trains on one corpus, which is read when it is first needed: once a rate, for a trainer and all its clones.
 #[derive(Clone)]
 pub(crate) struct CorpusTrainer {
     data: Option<PathBuf>,
-    read: Arc<Mutex<Option<Arc<Read>>>>,
+    read: Arc<Mutex<Vec<Arc<Read>>>>,
 }
 
 /// A corpus and its checksum.
@@ -38,15 +39,16 @@ impl CorpusTrainer {
         Self { data, read: Arc::default() }
     }
 
-    fn corpus(&self) -> Result<Arc<Read>> {
+    fn corpus(&self, rate: SampleRate) -> Result<Arc<Read>> {
         // A panic while it was read left nothing there: nothing is broken.
         let mut read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(read) = &*read {
+        if let Some(read) = read.iter().find(|read| read.corpus.rate == rate) {
             return Ok(Arc::clone(read));
         }
-        let corpus = corpus::to_train(corpus::load(self.data.as_deref())?)?;
+        let corpus = corpus::to_train(corpus::load(self.data.as_deref(), rate)?)?;
         let fingerprint = corpus.fingerprint();
-        Ok(Arc::clone(read.insert(Arc::new(Read { corpus, fingerprint }))))
+        read.push(Arc::new(Read { corpus, fingerprint }));
+        Ok(Arc::clone(&read[read.len() - 1]))
     }
 
     /// Every training of a plan, with its checksum and its updates.
@@ -58,7 +60,8 @@ impl CorpusTrainer {
         for (name, config) in plan.configurations()? {
             config.validate()?;
             let steps =
-                dpn_train::trainer::Trainer::new(&config, &self.corpus()?.corpus, &device)?.steps_per_epoch();
+                dpn_train::trainer::Trainer::new(&config, &self.corpus(config.rate_hz)?.corpus, &device)?
+                    .steps_per_epoch();
             let updates = (steps * config.fit.epochs) as f64;
             for seed in plan.seed..plan.seed.saturating_add(plan.seeds) {
                 let config = TrainConfig { seed, ..config.clone() };
@@ -78,7 +81,7 @@ impl CorpusTrainer {
         (stop, progress): (&AtomicBool, &mut dyn Progress),
     ) -> Result<Map<String, Value>> {
         let device = device::parse(&spec.device)?;
-        let read = self.corpus()?;
+        let read = self.corpus(spec.config.rate_hz)?;
         let resume = dir.join("checkpoint.safetensors").is_file();
         let (summary, _) =
             Run::open(dir, &spec.config, &read.corpus, &device, resume)?.train(stop, progress)?;
@@ -92,7 +95,8 @@ impl CorpusTrainer {
 
 impl Trainer for CorpusTrainer {
     fn content(&mut self, spec: &TrainSpec) -> Result<String, SweepError> {
-        let read = self.corpus().map_err(|error| SweepError::Train(format!("{error:#}")))?;
+        let read =
+            self.corpus(spec.config.rate_hz).map_err(|error| SweepError::Train(format!("{error:#}")))?;
         let config = serde_json::to_string(&spec.config.resolved()).expect("a configuration is JSON");
         Ok(id([program(), read.fingerprint.clone(), config, spec.device.clone()]))
     }

@@ -7,7 +7,7 @@ use crate::imu::ImuSample;
 ///
 /// The answer at a sample may depend on that sample and on those before it, never on a later one: the track of a
 /// recording cut anywhere equals the track of the whole recording up to there, bit for bit.
-pub trait NoiseModel {
+pub trait NoiseModel: Send {
     /// The noise spec that names this model, for example `"x1"` or `"diff2"`.
     fn name(&self) -> &str;
 

@@ -5,9 +5,11 @@
 //! * [`periodogram`]: a long signal's spectrum in bands, lines left out.
 //! * [`wavelet`]: detail coefficients of the finest level.
 //! * [`ranks`]: medians and quantiles of numbers that are not held.
-//! * [`resample`]: a recording at a lower rate.
+//! * [`Blocks`]: a recording at a lower rate, as means over blocks.
+//! * [`resample`]: the same behind a steep low pass.
 //! * [`stats`]: moments, quantiles, median absolute deviation, differences.
 
+mod blocks;
 mod orthonormal;
 pub mod periodogram;
 pub mod ranks;
@@ -17,6 +19,7 @@ pub mod spectrum;
 pub mod stats;
 pub mod wavelet;
 
+pub use blocks::{BlockLength, Blocks, block_means};
 pub use savitzky_golay::{FilterError, SavitzkyGolay};
 pub use spectrum::{Peak, Spectrum, SpectrumError, Welch};
 pub use wavelet::{Wavelet, finest_detail};

@@ -3,6 +3,7 @@
 use super::{Examination, LogFigures};
 use crate::finding::{Finding, Weight};
 use crate::text::aligned;
+use serde::Serialize;
 
 /// A log by its name, and what was found of it, or why it could not be read.
 pub type Row = (String, Result<Examination, String>);
@@ -55,14 +56,14 @@ pub fn page(rows: &[Row]) -> String {
     aligned(&table) + "noise: densities at rest, the largest of the axes, m/s^2/sqrt(Hz) and rad/s/sqrt(Hz)\n"
 }
 
-/// All of it for programs.
+/// All rows for programs, each what was found of a log, or why it could not be read.
 ///
 /// # Errors
 /// None that numbers can make.
-pub fn json(rows: &[Row]) -> serde_json::Result<serde_json::Value> {
-    let row = |(name, row): &Row| {
+pub fn json<T: Serialize>(rows: &[(String, Result<T, String>)]) -> serde_json::Result<serde_json::Value> {
+    let row = |(name, row): &(String, Result<T, String>)| {
         let mut json = match row {
-            Ok(examination) => serde_json::to_value(examination)?,
+            Ok(found) => serde_json::to_value(found)?,
             Err(error) => serde_json::json!({ "error": error }),
         };
         json["log"] = name.as_str().into();

@@ -249,11 +249,19 @@ pub(crate) fn step(signal: &[f64]) -> Option<f64> {
 /// Noise of a sample, in steps, of which rounding to steps (1 / sqrt(12) of one) makes half: sqrt(2 / 12).
 const CONVERTER: f64 = 0.408;
 
-fn steps(recording: &dyn Recorded) -> io::Result<Vec<Finding>> {
+/// Converters' steps of the six axes, where they have one.
+///
+/// # Errors
+/// As [`Samples::piece`](dpn_core::Samples::piece).
+pub(crate) fn steps_of(recording: &dyn Recorded) -> io::Result<[[Option<f64>; 3]; 2]> {
     let told = recording.piece(0..recording.len().min(TELLING))?;
     let step_of =
         |sensor: Sensor, axis: usize| step(&told.iter().map(|s| s.of(sensor)[axis]).collect::<Vec<_>>());
-    let steps = Sensor::ALL.map(|sensor| [0, 1, 2].map(|axis| step_of(sensor, axis)));
+    Ok(Sensor::ALL.map(|sensor| [0, 1, 2].map(|axis| step_of(sensor, axis))))
+}
+
+fn steps(recording: &dyn Recorded) -> io::Result<Vec<Finding>> {
+    let steps = steps_of(recording)?;
     if steps.iter().flatten().all(Option::is_none) {
         return Ok(Vec::new());
     }

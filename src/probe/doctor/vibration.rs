@@ -4,6 +4,7 @@ use crate::finding::Finding;
 use dpn_core::signal::spectrum::{Averaging, Peak, Spectrum, Welch};
 use dpn_core::signal::stats;
 use dpn_core::{Recorded, Sensor};
+use serde::Serialize;
 use std::io;
 
 /// A band stands this many times above the middle densities of what lies on both sides of it. Motion, falling off with frequency, stays
@@ -66,35 +67,65 @@ pub fn spectra(recording: &dyn Recorded) -> io::Result<Vec<AxisSpectrum>> {
     Ok(axes.into_iter().map(spectrum).collect())
 }
 
+/// An axis that shakes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Shaking {
+    /// The sensor.
+    pub sensor: Sensor,
+    /// 0, 1, 2 for x, y, z.
+    pub axis: usize,
+    /// Where \[Hz\].
+    pub hz: f64,
+    /// Root of the mean square of the band around it, in the sensor's unit.
+    pub rms: f64,
+    /// Share of the axis' power above 8 Hz.
+    pub share: f64,
+    /// Density at its top \[unit^2 / Hz\].
+    pub density: f64,
+    /// Half the rate \[Hz\].
+    pub nyquist: f64,
+}
+
+/// What shakes: the bands that a finding names, axis by axis.
+pub fn shaking(spectra: &[AxisSpectrum]) -> Vec<Shaking> {
+    let of = |AxisSpectrum { sensor, axis, spectrum }: &AxisSpectrum| {
+        let (sensor, axis, nyquist) = (*sensor, *axis, nyquist(spectrum));
+        let one = move |Band { peak, power, share }: Band| Shaking {
+            sensor,
+            axis,
+            hz: peak.hz,
+            rms: power.sqrt(),
+            share,
+            density: peak.density,
+            nyquist,
+        };
+        bands(spectrum).into_iter().map(one)
+    };
+    spectra.iter().flat_map(of).collect()
+}
+
 pub(super) fn findings(spectra: &[AxisSpectrum]) -> Vec<Finding> {
-    let mut findings = Vec::new();
-    for AxisSpectrum { sensor, axis, spectrum } in spectra {
-        let name = ["x", "y", "z"][*axis];
-        for Band { peak, power, share } in bands(spectrum) {
-            let text = format!(
-                "{sensor} {name} shakes at {:.1} Hz: {:.3} {} rms, {:.0} % of its power above {LEAST_HZ:.0} Hz",
-                peak.hz,
-                power.sqrt(),
-                sensor.unit(),
-                100.0 * share
+    let finding = |Shaking { sensor, axis, hz, rms, share, nyquist, .. }: Shaking| {
+        let text = format!(
+            "{sensor} {} shakes at {hz:.1} Hz: {rms:.3} {} rms, {:.0} % of its power above {LEAST_HZ:.0} Hz",
+            ["x", "y", "z"][axis],
+            sensor.unit(),
+            100.0 * share
+        );
+        if hz > 0.8 * nyquist {
+            return Finding::warning(
+                "vibration",
+                format!(
+                    "{text}; this near to half the rate ({nyquist:.0} Hz) it is probably a higher frequency folded back"
+                ),
+                "mount the IMU softer, or switch on its low-pass filter; what is folded back cannot be filtered afterwards",
             );
-            let nyquist = nyquist(spectrum);
-            findings.push(if peak.hz > 0.8 * nyquist {
-                Finding::warning(
-                    "vibration",
-                    format!("{text}; this near to half the rate ({nyquist:.0} Hz) it is probably a higher frequency folded back"),
-                    "mount the IMU softer, or switch on its low-pass filter; what is folded back cannot be filtered afterwards",
-                )
-            } else {
-                Finding::warning(
-                    "vibration",
-                    text,
-                    "mount the IMU softer or balance what turns; until then tell the estimator a larger noise",
-                )
-            });
         }
-    }
-    findings
+        let remedy =
+            "mount the IMU softer or balance what turns; until then tell the estimator a larger noise";
+        Finding::warning("vibration", text, remedy)
+    };
+    shaking(spectra).into_iter().map(finding).collect()
 }
 
 /// A band that stands out.

@@ -8,6 +8,7 @@
 //! * [`EffectiveNoise`]: the white noise that errs as much over a span, and what to paste.
 //! * [`compare`]: a configuration against both.
 //! * [`Along`]: all of it, and [`report`] in words.
+//! * [`table`]: many logs, a row each.
 
 mod along;
 pub mod compare;
@@ -20,6 +21,7 @@ mod mix_ups;
 mod plan;
 pub mod report;
 mod summary;
+pub mod table;
 mod track;
 
 pub use along::Along;

@@ -58,8 +58,8 @@ impl<'a> Plan<'a> {
         match of("dualpronet") {
             Err(LogNoiseError::Noise(CausalError::Rate { found_hz, trained_hz, .. })) => {
                 let note = format!(
-                    "the log has {found_hz:.1} Hz and the shipped networks know {trained_hz:.0} Hz and faster: the simple estimator {SIMPLE} \
-                     is asked instead"
+                    "the log has {found_hz:.1} Hz and the networks know {trained_hz:.0} Hz and faster: the simple estimator {SIMPLE} is asked instead; \
+                     dpn train --rate {found_hz:.0} makes networks of its rate"
                 );
                 Ok((of(SIMPLE)?, Some(note)))
             }

@@ -40,11 +40,11 @@ pub fn warnings(plan: &Plan<'_>, summary: &TrackSummary) -> Vec<String> {
 pub fn page(plan: &Plan<'_>, summary: &TrackSummary, rate: SampleRate) -> String {
     let mut text =
         format!("noise by {}, every {} samples, of the samples past only\n", plan.noise.spec(), plan.every());
-    if plan.noise.block() > 1 {
+    if plan.noise.exact_block() > 1.0 {
         let _ = writeln!(
             text,
-            "the networks saw means of {} samples: the log has {:.0} Hz, they know {:.0}; deviations are those of one",
-            plan.noise.block(),
+            "the networks saw means of {} samples: the log has {:.0} Hz, they know {:.0} Hz; deviations are those of one",
+            (1e3 * plan.noise.exact_block()).round() / 1e3,
             rate.hz(),
             plan.noise.trained_hz().unwrap_or(rate.hz())
         );

@@ -50,6 +50,7 @@ mod tests {
     fn counts_are_those_of_a_small_case() {
         let frame = |t, ids: &[u64]| TrackFrame {
             readout_s: 0.0,
+            clock_s: 0.0,
             t: Stamp::from_ns(t),
             tracks: ids.iter().map(|&id| Track { id, px: Vector2::zeros() }).collect(),
         };

@@ -297,7 +297,7 @@ mod tests {
                 );
             }
             let t = Stamp::from_ns((1e9 * s) as i64);
-            watch.feed_frame(&TrackFrame { t, tracks, readout_s: known });
+            watch.feed_frame(&TrackFrame { readout_s: known, ..TrackFrame::new(t, tracks) });
         }
         watch.readout()
     }

@@ -128,6 +128,18 @@ impl ClockWatch {
         t.plus_seconds(self.clock.offset_s)
     }
 
+    /// Whether the clock, be it right, is known well.
+    pub(crate) fn is_settled(&self) -> bool {
+        self.settled
+    }
+
+    /// Begins with a clock that was found to be off before the frame at `t`, the first one; one that was given stays.
+    pub(crate) fn begin_at(&mut self, offset_s: f64, t: Stamp) {
+        if !self.clock.given && offset_s != 0.0 {
+            (self.clock.offset_s, self.clock.found) = (offset_s, Some(t));
+        }
+    }
+
     /// Takes a sample.
     pub fn feed_imu(&mut self, sample: &ImuSample) {
         self.course.push(sample);

@@ -157,6 +157,7 @@ mod tests {
         };
         let frame = |f: u64| TrackFrame {
             readout_s: 0.0,
+            clock_s: 0.0,
             t: Stamp::from_ns(100_000_000 * f as i64),
             tracks: (0..128).map(|p| track(f, p)).collect(),
         };

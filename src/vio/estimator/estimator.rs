@@ -140,6 +140,11 @@ impl Estimator {
         self.images.end_imu();
     }
 
+    /// Says that no more images come: without it those of a recording of less than two seconds are kept for what would come.
+    pub fn end_images(&mut self) {
+        self.images.end_images();
+    }
+
     /// Takes an image; points are followed into it when samples reach its stamp, by [`next_update`](Self::next_update). Samples and
     /// images may come in any order between the two, each in increasing time of its own: what comes out is the same.
     ///
@@ -167,6 +172,9 @@ impl Estimator {
         if let Some(last) = self.newest_frame.filter(|last| frame.t <= *last) {
             return Err(FeedError::FrameOutOfOrder { t: frame.t, last });
         }
+        if self.newest_frame.is_none() {
+            self.images.begin_with(&frame);
+        }
         self.newest_frame = Some(frame.t);
         self.frames.push_back(Queued { frame, offset_s: None, again: false });
         Ok(())
@@ -180,9 +188,9 @@ impl Estimator {
 
     /// Follows points into the next images that samples have reached, up to one whose frame is handed over.
     fn follow_image(&mut self, observer: &mut dyn FrontEndObserver) -> bool {
-        // What was in force when the image was looked at; its frame may make it another.
-        let offset_s = Some(self.images.clock().offset_s);
         let Some(frame) = self.images.next_frame(observer) else { return false };
+        // What was in force when the image was looked at; its frame may have made it another.
+        let offset_s = Some(frame.clock_s);
         self.frames.push_back(Queued { frame, offset_s, again: false });
         true
     }

@@ -6,6 +6,7 @@
 //! [`Estimator::feed_image`](crate::Estimator::feed_image) makes of the images.
 
 use super::feed_error::FeedError;
+use super::scout::Scout;
 use super::spike::SpikeFilter;
 use crate::clock::{CameraClock, ClockWatch, REACH_S};
 use crate::frontend::{Fed, FrontEnd, FrontEndConfig, GyroTurn, LineTurns, turn_of_camera};
@@ -43,11 +44,15 @@ pub struct ImageTracker {
     clock: ClockWatch,
     body_from_cam: UnitQuaternion<f64>,
     size: [usize; 2],
+    scout: Option<Scout>,
+    /// Those that the scout has seen, before those that wait.
+    again: VecDeque<(Stamp, GrayImage)>,
     waiting: VecDeque<(Stamp, GrayImage)>,
     newest_image: Option<Stamp>,
     newest_sample: Option<Stamp>,
     spikes: SpikeFilter,
     imu_ended: bool,
+    images_ended: bool,
 }
 
 impl ImageTracker {
@@ -61,17 +66,32 @@ impl ImageTracker {
         body_from_cam: UnitQuaternion<f64>,
         seed: u64,
     ) -> Result<Self, Vec<ConfigFault>> {
+        let alone = Self::alone(config, camera, body_from_cam, seed)?;
+        let scout = config.time_offset_s.is_none().then(|| Scout::new(alone.clone()));
+        Ok(Self { scout, ..alone })
+    }
+
+    /// One that looks at each image once.
+    fn alone(
+        config: FrontEndConfig,
+        camera: CameraModel,
+        body_from_cam: UnitQuaternion<f64>,
+        seed: u64,
+    ) -> Result<Self, Vec<ConfigFault>> {
         Ok(Self {
             front_end: FrontEnd::new(camera, config, &Stream::new(seed).named("front-end"))?,
             gyro: GyroTurn::new(),
             clock: ClockWatch::new(camera, body_from_cam, config.time_offset_s),
             body_from_cam,
             size: camera.size().map(|side| side as usize),
+            scout: None,
+            again: VecDeque::new(),
             waiting: VecDeque::new(),
             newest_image: None,
             newest_sample: None,
             spikes: SpikeFilter::default(),
             imu_ended: false,
+            images_ended: false,
         })
     }
 
@@ -94,12 +114,23 @@ impl ImageTracker {
         self.imu_ended = false;
         self.gyro.feed(sample);
         self.clock.feed_imu(sample);
+        if let Some(scout) = &mut self.scout {
+            scout.feed_imu(sample);
+        }
         Ok(())
     }
 
     /// Says that no more samples come: images do not wait for them any longer.
     pub fn end_imu(&mut self) {
         self.imu_ended = true;
+        if let Some(scout) = &mut self.scout {
+            scout.end_imu();
+        }
+    }
+
+    /// Says that no more images come: what was kept of few of them is worked off.
+    pub fn end_images(&mut self) {
+        self.images_ended = true;
     }
 
     /// The camera's clock so far.
@@ -110,6 +141,12 @@ impl ImageTracker {
     /// The turns of camera and gyroscope.
     pub fn turns(&self) -> &ClockWatch {
         &self.clock
+    }
+
+    /// Takes tracks to begin with this frame: what was known of the clock when they were made is known.
+    pub(super) fn begin_with(&mut self, frame: &TrackFrame) {
+        self.scout = None;
+        self.clock.begin_at(frame.clock_s, frame.t);
     }
 
     /// A stamp of the camera on the IMU's clock, as far as is known.
@@ -163,21 +200,51 @@ impl ImageTracker {
         Some(LineTurns::new(&turns, &self.body_from_cam, readout_s))
     }
 
+    /// The next image, where samples have reached it: those seen by the scout come again.
+    fn next_image(&mut self) -> Option<(Stamp, GrayImage)> {
+        let (t, _) = self.again.front().or(self.waiting.front())?;
+        let read_out = self.on_imu_clock(*t).plus_seconds(0.5 * self.readout_s().abs());
+        let reached = self.imu_ended || self.newest_sample.is_some_and(|newest| read_out <= newest);
+        if reached { self.again.pop_front().or_else(|| self.waiting.pop_front()) } else { None }
+    }
+
+    /// Whether nothing is left for the scout to do.
+    fn is_scouted(&mut self) -> bool {
+        let Some(mut scout) = self.scout.take() else { return true };
+        loop {
+            let next = self.next_image();
+            let waits = next.is_none();
+            if next.map_or(self.imu_ended || self.images_ended, |(t, image)| scout.look(t, image)) {
+                let (offset_s, images) = scout.finish();
+                self.again = images;
+                if let Some((offset_s, (first, _))) = offset_s.zip(self.again.front()) {
+                    self.clock.begin_at(offset_s, *first);
+                }
+                return true;
+            }
+            if waits {
+                self.scout = Some(scout);
+                return false;
+            }
+        }
+    }
+
     /// Follows points through the images that samples have reached until a frame is handed over, while `observer` looks on.
     pub fn next_frame(&mut self, observer: &mut dyn FrontEndObserver) -> Option<TrackFrame> {
+        if !self.is_scouted() {
+            return None;
+        }
         loop {
-            let reached = |t: Stamp| {
-                let read_out = self.on_imu_clock(t).plus_seconds(0.5 * self.readout_s().abs());
-                self.imu_ended || self.newest_sample.is_some_and(|newest| read_out <= newest)
-            };
-            self.waiting.front().filter(|(t, _)| reached(*t))?;
-            let (t, image) = self.waiting.pop_front()?;
+            let (t, image) = self.next_image()?;
             observer.begin(t);
             let on_imu_clock = self.on_imu_clock(t);
             let lines = self.line_turns(on_imu_clock);
             let turn = self.gyro.until(on_imu_clock);
             let turn = turn.map(|turn| turn_of_camera(&turn, &self.body_from_cam));
-            let fed = self.front_end.feed_lines(image.view(), t, turn.as_ref(), lines);
+            let mut fed = self.front_end.feed_lines(image.view(), t, turn.as_ref(), lines);
+            if let Some(frame) = &mut fed.frame {
+                frame.clock_s = self.clock().offset_s;
+            }
             observer.end(&image, &fed);
             match &fed.frame {
                 None => self.forget_before(on_imu_clock),

@@ -159,6 +159,8 @@ struct Statuses {
     ended: Vec<(Stamp, Status)>,
     /// Frames handed over.
     frames: Vec<TrackFrame>,
+    /// What their stamps are late by \[s\].
+    late_s: f64,
 }
 
 impl FrontEndObserver for Statuses {
@@ -167,7 +169,10 @@ impl FrontEndObserver for Statuses {
     }
 
     fn end(&mut self, image: &GrayImage, fed: &Fed) {
-        let (k, _) = (0..LONG).map(|k| (k, stamp(k))).find(|(_, t)| *t == fed.report.t).unwrap();
+        let (k, _) = (0..LONG)
+            .map(|k| (k, stamp(k).plus_seconds(self.late_s)))
+            .find(|(_, t)| *t == fed.report.t)
+            .unwrap();
         assert!(*image == images()[k], "image {k} is another");
         self.ended.push((fed.report.t, fed.report.status));
         self.frames.extend(fed.frame.clone());
@@ -260,6 +265,39 @@ fn pixels_of_followed_points_are_believed_less_than_those_of_tracks_that_are_fed
     assert!(learned(&fed(settings.clone())) < 0.9 * floors[1]);
     let followed = EstimatorConfig { fed_tracks: FedTracks::Followed, ..settings.clone() };
     assert_eq!(fed(followed), from_images);
+}
+
+#[test]
+fn the_first_images_of_a_late_camera_are_followed_again_by_its_clock() {
+    const LATE_S: f64 = 0.06;
+    // On its way at the first image.
+    let (first, count) = (30, 80);
+    let run = |estimator: &mut Estimator, late_s: f64, seen: &mut Statuses| {
+        let mut next = 10 * first - 100;
+        let mut updates = Vec::new();
+        for k in first..first + count {
+            estimator.feed_image(images()[k].view(), stamp(k).plus_seconds(late_s)).unwrap();
+            (next..10 * k + 30).for_each(|i| estimator.feed_imu(sample(i)).unwrap());
+            next = 10 * k + 30;
+            estimator.track_images(seen);
+            updates.extend(std::iter::from_fn(|| estimator.next_update()));
+        }
+        timeless(updates)
+    };
+    let start = |updates: &[Update]| updates.iter().position(|update| update.state.is_some()).unwrap();
+    let on_time = run(&mut estimator(half_camera()), 0.0, &mut Statuses::default());
+    let mut seen = Statuses { late_s: LATE_S, ..Statuses::default() };
+    let late = run(&mut estimator(half_camera()), LATE_S, &mut seen);
+    assert!((seen.frames[0].clock_s + LATE_S).abs() < 0.004, "{} s", seen.frames[0].clock_s);
+    assert!(seen.frames.windows(2).all(|pair| pair[1].tracks.len() > 40), "points are lost");
+    assert!(start(&late) <= start(&on_time) + 2, "{} {}", start(&late), start(&on_time));
+
+    // Tracks that were made before know what was known when they were.
+    let settings = EstimatorConfig { fed_tracks: FedTracks::Followed, ..config() };
+    let mut fed = Estimator::new(settings, half_camera(), Isometry3::identity(), 1).unwrap();
+    (10 * first - 100..10 * (first + count) + 20).for_each(|i| fed.feed_imu(sample(i)).unwrap());
+    seen.frames.iter().for_each(|frame| fed.feed_frame(frame.clone()).unwrap());
+    assert_eq!(timeless(std::iter::from_fn(|| fed.next_update()).collect()), late);
 }
 
 #[test]

@@ -373,7 +373,7 @@ impl FrontEnd {
         };
         let tracks = self.points.iter().filter_map(|p| Some(Track { id: p.id, px: px(p)? })).collect();
         let readout_s = self.lines.map_or(0.0, |lines| lines.readout_s());
-        TrackFrame { t, tracks, readout_s }
+        TrackFrame { readout_s, ..TrackFrame::new(t, tracks) }
     }
 
     /// Moves points to where the windows they began with are.

@@ -1,0 +1,78 @@
+//! What logs say of their IMU as one page: `dpn report`. One file without anything from elsewhere, for screen, phone and paper, in the style of the paper's page.
+
+use super::page::Picture;
+use askama::Template;
+use dpn_figures::{FigureError, Plot, svg};
+
+/// A finding, in words.
+#[derive(Debug, Clone)]
+pub struct FindingWords {
+    /// `bad`, `warning` or `note`.
+    pub weight: String,
+    /// What it is about, one word.
+    pub about: String,
+    /// What was found.
+    pub text: String,
+    /// What to do about it.
+    pub remedy: Option<String>,
+}
+
+/// What is said of one log.
+#[derive(Debug, Default)]
+pub struct LogSection {
+    /// Its name.
+    pub name: String,
+    /// Samples, length, rate; or why it cannot be read.
+    pub facts: String,
+    /// The gravest first.
+    pub findings: Vec<FindingWords>,
+    pub(super) pictures: Vec<Picture>,
+    /// Title and text, aligned by blanks.
+    pub texts: Vec<(String, String)>,
+    /// Programs and the lines that they read.
+    pub lines: Vec<(String, String)>,
+}
+
+impl LogSection {
+    /// Of a log of which nothing is said yet but its name and facts.
+    pub fn new(name: String, facts: String) -> Self {
+        Self { name, facts, ..Self::default() }
+    }
+
+    /// Adds a figure.
+    ///
+    /// # Errors
+    /// As [`svg`].
+    pub fn draw(&mut self, title: &str, plot: &impl Plot) -> Result<(), FigureError> {
+        let svg = String::from_utf8_lossy(&svg(plot)?).into_owned();
+        self.pictures.push(Picture { name: "", title: title.to_owned(), runs: Vec::new(), svg });
+        Ok(())
+    }
+}
+
+/// The page.
+#[derive(Debug, Template)]
+#[template(path = "report.html")]
+pub struct LogReport {
+    /// A section a log.
+    pub logs: Vec<LogSection>,
+    /// The program and its version.
+    pub made_by: String,
+}
+
+impl LogReport {
+    fn title(&self) -> String {
+        match &self.logs[..] {
+            [only] => format!("What {} says of its IMU", only.name),
+            several => format!("What {} logs say of their IMUs", several.len()),
+        }
+    }
+
+    /// The whole file.
+    ///
+    /// # Errors
+    /// None that is known of.
+    pub fn html(&self) -> Result<String, askama::Error> {
+        self.render()
+    }
+}

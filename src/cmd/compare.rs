@@ -1,0 +1,49 @@
+//! `dpn compare`.
+
+use super::log;
+use crate::args::CompareArgs;
+use crate::ui::{Fault, out, print_pictures};
+use anyhow::Result;
+use dpn_figures::{FigureError, save, spectra_of_two};
+use dpn_io::{atomic_write, printable};
+use dpn_probe::compare::{Comparison, Side};
+use dpn_probe::doctor::examine_log;
+use std::path::Path;
+
+pub(crate) fn run(args: &CompareArgs) -> Result<()> {
+    let paths = [&args.first, &args.second];
+    if let (Ok(a), Ok(b)) = (args.first.canonicalize(), args.second.canonicalize())
+        && a == b
+        && a.is_file()
+    {
+        let message = format!("{} is compared with itself", args.first.display());
+        return Err(Fault::new(message).hint("name two logs of one sensor, the earlier one first").into());
+    }
+    let side = |path: &Path| -> Result<Side> {
+        let log = log::read_quietly(path, args.span, &args.how)?;
+        let examination = examine_log(&log)?;
+        Ok(Side::of(&log.recording, examination)?)
+    };
+    let sides = [side(paths[0])?, side(paths[1])?];
+    let names = paths.map(|path| printable(&path.display().to_string()));
+    let comparison = Comparison::of([&sides[0], &sides[1]]).ok_or_else(|| {
+        Fault::new(format!("nothing in {} can be held against {}", names[1], names[0]))
+            .hint("both need ten seconds at rest, or some seconds of like motion")
+    })?;
+    let mut json = serde_json::to_value(&comparison)?;
+    json["logs"] = names.to_vec().into();
+    let text = json.to_string() + "\n";
+    let plot = match spectra_of_two([(&names[0], &sides[0].spectra), (&names[1], &sides[1].spectra)]) {
+        Ok(plot) => Some(plot),
+        Err(FigureError::Empty { .. }) => None,
+        Err(error) => return Err(error.into()),
+    };
+    let files = plot.map(|plot| save(&plot, args.out.join("spectra"))).transpose()?.unwrap_or_default();
+    // Last: where it lies, the rest does too.
+    atomic_write(args.out.join("compare.json"), |file| file.write_all(text.as_bytes()))?;
+    if args.json {
+        return Ok(out!("{text}")?);
+    }
+    out!("{}", comparison.page([&names[0], &names[1]]))?;
+    Ok(print_pictures(&files)?)
+}
