@@ -119,6 +119,7 @@ pub(super) const MANUAL: &str = "Example:
 pub(super) const APE: &str = "Examples:
   dpn ape truth.tum estimate.tum -a
   dpn ape data/euroc/V1_02_medium vins.tum runs/run -as --save_plot runs/ape.svg
+  dpn ape flight.bag:/vicon/pose flight.bag:/odometry -a
   dpn ape truths/ vins/ mine/ -a             folders of V1_01.tum, V1_02.tum ...: ratio, interval and tests over sequences";
 
 pub(super) const RPE: &str = "Examples:

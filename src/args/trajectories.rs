@@ -7,7 +7,8 @@ use std::path::PathBuf;
 /// Trajectories, and how they are brought together.
 #[derive(Debug, Args)]
 pub(crate) struct TrajectoryArgs {
-    /// True poses: a trajectory of TUM's or KITTI's, EuRoC's ground truth, or folder of an ASL sequence; or a folder of those, a sequence each.
+    /// True poses: a trajectory of TUM's or KITTI's, EuRoC's ground truth, folder of an ASL sequence, or bag (BAG:/TOPIC where it has several); or a folder of those,
+    /// a sequence each.
     #[arg(value_name = "TRUTH")]
     pub(crate) truth: PathBuf,
     /// Trajectories to be judged, of the same kinds or a run's folder; of a folder of truths folders with the same names of files or runs, of which the first

@@ -90,7 +90,7 @@ pub use leftovers::scratch_file;
 pub use lock::{FolderLock, LockError};
 pub use loose_csv::{LooseImuLog, Unreadable, parse_imu_csv_loosely, parse_one_sensor_loosely, settle_units};
 pub use noise_csv::{read_noise_track, write_noise_rows, write_noise_track};
-pub use poses::{read_counted_poses, read_poses};
+pub use poses::{read_counted_poses, read_poses, stamped_pose};
 pub use printable::printable;
 pub use result_path::ResultPath;
 pub use row_fault::RowFault;

@@ -1,8 +1,11 @@
 //! Somebody's true poses, in any of the formats that people have them in.
 
 use super::asl::ground_truth;
+use super::pose::rotation;
 use super::{IoError, kitti, tum};
+use dpn_core::Stamp;
 use dpn_core::trajectory::StampedPose;
+use nalgebra::{Isometry3, Translation3};
 use std::path::Path;
 
 /// Reads poses in increasing time: ASL's ground truth (commas, nanoseconds, quaternion `w x y z`), a trajectory of TUM's (blanks, seconds, `x y z w`) or KITTI's with
@@ -31,6 +34,13 @@ pub fn read_poses(path: &Path) -> Result<Vec<StampedPose>, IoError> {
 pub fn read_counted_poses(path: &Path) -> Result<Option<Vec<StampedPose>>, IoError> {
     let bytes = std::fs::read(path).map_err(|e| IoError::reading(path, e))?;
     kitti::parse_counted(&bytes, path)
+}
+
+/// A pose of numbers, the quaternion as `w x y z`; none where they are not finite or the quaternion is no rotation.
+pub fn stamped_pose(t: Stamp, [x, y, z]: [f64; 3], quaternion: [f64; 4]) -> Option<StampedPose> {
+    let finite = [x, y, z].iter().all(|v| v.is_finite());
+    let rotation = rotation(quaternion).ok().filter(|_| finite)?;
+    Some(StampedPose { t, world_from_body: Isometry3::from_parts(Translation3::new(x, y, z), rotation) })
 }
 
 #[cfg(test)]

@@ -96,6 +96,28 @@ pub enum LogError {
         /// The most similar name.
         similar: Option<String>,
     },
+    /// A bag without poses.
+    #[error(
+        "{}: no poses on any topic of type nav_msgs/Odometry, geometry_msgs/PoseStamped, PoseWithCovarianceStamped or TransformStamped{}",
+        path.display(),
+        after("; it has ", topics)
+    )]
+    NoPoses {
+        /// The bag.
+        path: PathBuf,
+        /// What it has.
+        topics: String,
+    },
+    /// More than one topic of poses, and nobody said which.
+    #[error("{}: several topics of poses: {topics}", path.display())]
+    SeveralPoseTopics {
+        /// The bag.
+        path: PathBuf,
+        /// Their names.
+        topics: String,
+        /// One of them.
+        one: String,
+    },
     /// A folder of images without an IMU's file.
     #[error("{}: images, and no IMU: looked for imu.txt, imu.csv, imu0.csv, *.jsonl, a *gyro* and an *accel* file", dir.display())]
     NoImuFile {
@@ -295,6 +317,13 @@ impl LogError {
             Self::NoImages { .. } => "record the camera's topic too, or name another log",
             Self::SeveralImageTopics { one, .. } => {
                 return Some(format!("say which one: --image-topic {one}"));
+            }
+            Self::NoPoses { .. } => "record the poses' topic too, or name a trajectory's file",
+            Self::SeveralPoseTopics { path, one, .. } => {
+                return Some(format!(
+                    "name one behind the bag: {}:{one}",
+                    printable(&path.display().to_string())
+                ));
             }
             Self::NoImuFile { .. } => {
                 "put the IMU's samples beside times.txt: stamp, gyroscope x y z, accelerometer x y z a row"

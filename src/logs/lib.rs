@@ -71,6 +71,8 @@ mod mcap;
 mod messages;
 mod options;
 mod packed;
+#[cfg(feature = "images")]
+mod poses;
 mod read;
 mod records;
 mod rosbag1;
@@ -102,6 +104,8 @@ pub use image_options::{ImageLogOptions, ImageSpan};
 pub use kind::Kind;
 pub use log::{Log, OtherPart};
 pub use options::LogOptions;
+#[cfg(feature = "images")]
+pub use poses::{BagPoses, is_bag, read_bag_poses};
 pub use read::{read_bag, read_log, read_stream};
 pub use scale::Scales;
 #[cfg(feature = "images")]

@@ -175,3 +175,31 @@ fn what_cannot_be_compared_is_one_line_and_a_remedy() {
     assert!(line.stderr.ends_with("hint: leave -a and -s away, or give --align_origin\n"), "{line:?}");
     assert_eq!(run("ape nowhere here").code, Some(2));
 }
+
+/// Poses of four types of messages in two kinds of bags (`golden/bags/poses.py`): the estimate is a quarter of a metre higher.
+#[test]
+fn poses_of_a_bag_are_those_of_a_topic() {
+    let bags = dpn_testing::repository().join("golden/bags");
+    let topic = |bag: &str, topic: &str| format!("{}:{topic}", bags.join(bag).display());
+    let judged = |truth: &str, estimate: &str| end(dpn().args(["ape", truth, estimate, "--json"]));
+    for (truth, estimate) in [("poses.bag", "poses.bag"), ("poses.bag", "poses"), ("poses", "poses.bag")] {
+        let json = judged(&topic(truth, "/truth"), &topic(estimate, "/odometry")).well().json();
+        let one = &json["pairs"][0];
+        assert_eq!(
+            (one["count"].as_u64(), one["rmse"].as_f64(), one["max"].as_f64()),
+            (Some(20), Some(0.25), Some(0.25)),
+            "{json}"
+        );
+    }
+    let bag = bags.join("poses.bag").display().to_string();
+    judged(&bag, &topic("poses", "/odometry")).refused(
+        &bags,
+        "error: [DIR]/poses.bag: several topics of poses: /truth, /odometry\n\nhint: name one behind the bag: [DIR]/poses.bag:/truth",
+    );
+    judged(&topic("poses", "/truth"), &topic("poses", "/odometri")).refused(
+        &bags,
+        "error: [DIR]/poses: no topic `/odometri`; it has /truth, /odometry\n\nhint: did you mean `/odometry`?",
+    );
+    let none = judged(&bags.join("plain.bag").display().to_string(), &topic("poses", "/odometry"));
+    assert!(none.code == Some(2) && none.stderr.contains("no poses on any topic"), "{none:?}");
+}

@@ -5,6 +5,7 @@ use crate::ui::{Fault, errln};
 use anyhow::Result;
 use dpn_io::asl::Sequence;
 use dpn_io::{IoError, printable};
+use dpn_logs::is_bag;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -78,7 +79,8 @@ fn one(path: &Path) -> Result<Option<PathBuf>> {
     if run.is_file() {
         return Ok(Some(run));
     }
-    Ok(Sequence::open(path).ok().and_then(|sequence| sequence.ground_truth_path()))
+    let truth = Sequence::open(path).ok().and_then(|sequence| sequence.ground_truth_path());
+    Ok(truth.or_else(|| is_bag(path).then(|| path.to_owned())))
 }
 
 /// The trajectories in a folder, by name without ending.

@@ -11,9 +11,10 @@ use dpn_core::trajectory::StampedPose;
 use dpn_eval::metrics::{Compared, Comparing, MetricsError, RpeSpec, absolute, relative};
 use dpn_eval::study::{Comparison, MARGIN, compare_pairs, correct_for_count};
 use dpn_figures::{save, trajectory_errors};
-use dpn_io::{read_counted_poses, read_poses};
+use dpn_io::{printable, read_counted_poses, read_poses};
+use dpn_logs::{BagPoses, is_bag, read_bag_poses};
 use find::{Case, cases, names};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Trajectories that a picture tells apart.
 const DRAWN: usize = 4;
@@ -113,6 +114,23 @@ fn comparing(args: &TrajectoryArgs) -> Result<Comparing> {
     })
 }
 
+/// A bag, with the topic behind its name where one is given; none of other files.
+fn bag(path: &Path) -> Option<(PathBuf, Option<String>)> {
+    let text = path.to_string_lossy();
+    match text.find(":/").filter(|_| !path.exists()) {
+        Some(at) => Some((PathBuf::from(&text[..at]), Some(text[at + 1..].to_owned()))),
+        None => is_bag(path).then(|| (path.to_owned(), None)),
+    }
+}
+
+/// The poses of a file or of a bag.
+fn read(path: &Path) -> Result<Vec<StampedPose>> {
+    let Some((bag, topic)) = bag(path) else { return Ok(read_poses(path)?) };
+    let BagPoses { poses, remarks } = read_bag_poses(&bag, topic.as_deref())?;
+    remarks.iter().for_each(|remark| errln!("warning: {}: {}", path.display(), printable(remark)));
+    Ok(poses)
+}
+
 /// Poses of truth and estimate, and whether they are counted: two files without stamps belong together line by line.
 fn poses(truth: &Path, estimate: &Path) -> Result<(Vec<StampedPose>, Vec<StampedPose>, bool)> {
     let same = |a: &Path, b: &Path| Some(a.canonicalize().ok()? == b.canonicalize().ok()?);
@@ -120,7 +138,11 @@ fn poses(truth: &Path, estimate: &Path) -> Result<(Vec<StampedPose>, Vec<Stamped
         let message = format!("{} is compared with itself", truth.display());
         return Err(Fault::new(message).hint("name the truth first, then what is judged").into());
     }
-    if let (Some(truth_poses), Some(poses)) = (read_counted_poses(truth)?, read_counted_poses(estimate)?) {
+    let counted = |path: &Path| match bag(path) {
+        Some(_) => Ok(None),
+        None => read_counted_poses(path),
+    };
+    if let (Some(truth_poses), Some(poses)) = (counted(truth)?, counted(estimate)?) {
         if truth_poses.len() != poses.len() {
             let (a, b) = (truth_poses.len(), poses.len());
             let message = format!(
@@ -134,7 +156,7 @@ fn poses(truth: &Path, estimate: &Path) -> Result<(Vec<StampedPose>, Vec<Stamped
         }
         return Ok((truth_poses, poses, true));
     }
-    Ok((read_poses(truth)?, read_poses(estimate)?, false))
+    Ok((read(truth)?, read(estimate)?, false))
 }
 
 /// What hinders a comparison, with the remedy.

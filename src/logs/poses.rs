@@ -1,0 +1,160 @@
+//! Trajectories in bags: the poses of one topic of `nav_msgs/Odometry`, `geometry_msgs/PoseStamped`, `PoseWithCovarianceStamped` or `TransformStamped`.
+//!
+//! Behind the header, of an Odometry and a transform behind the child's frame too, stand position and quaternion `x y z w`, seven doubles. Source:
+//! nav_msgs/Odometry.msg, geometry_msgs/PoseStamped.msg, TransformStamped.msg.
+
+use crate::budget::Budget;
+use crate::fields::{Encoding, Fields, Undecodable};
+use crate::messages::Messages;
+use crate::topics::{shortened, similar};
+use crate::{Kind, LogError, bag};
+use dpn_core::Stamp;
+use dpn_core::trajectory::StampedPose;
+use dpn_io::{printable, stamped_pose};
+use std::collections::HashMap;
+use std::path::Path;
+
+/// What a bag has of a trajectory.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BagPoses {
+    /// In increasing time; of several at one stamp the first.
+    pub poses: Vec<StampedPose>,
+    /// What was left out, and where the bag ends early.
+    pub remarks: Vec<String>,
+}
+
+/// Whether `path` is a bag, by its first bytes or its files.
+pub fn is_bag(path: &Path) -> bool {
+    matches!(Kind::of(path), Ok(Kind::Rosbag1 | Kind::Mcap | Kind::Sqlite | Kind::Rosbag2))
+}
+
+/// Reads the poses of `topic`, or of the only topic that has some; of whatever frames they are.
+///
+/// # Errors
+/// No bag; no topic of poses, several and no choice, one that is not there or whose messages are written in a way that is not known.
+pub fn read_bag_poses(path: &Path, topic: Option<&str>) -> Result<BagPoses, LogError> {
+    let mut found =
+        Found { all: Vec::new(), names: HashMap::new(), numbers: HashMap::new(), budget: Budget::new(None) };
+    let (_, damage) = bag::read(path, None, &mut found)?;
+    let Topic { name, encoding, mut poses, bad, .. } = found.choose(path, topic)?;
+    if let Err(encoding) = encoding {
+        return Err(LogError::Encoding { path: path.to_path_buf(), topic: name, encoding });
+    }
+    poses.sort_by_key(|pose| pose.t);
+    poses.dedup_by_key(|pose| pose.t);
+    let mut remarks: Vec<String> = damage.into_iter().collect();
+    if bad > 0 {
+        remarks.push(format!("{bad} message(s) on {name} are no poses; they are left out"));
+    }
+    Ok(BagPoses { poses, remarks })
+}
+
+/// Whether messages of a type are poses, and whether a child's frame stands before them.
+fn has_child(kind: &str) -> Option<bool> {
+    match kind.replace("/msg/", "/").as_str() {
+        "nav_msgs/Odometry" | "geometry_msgs/TransformStamped" => Some(true),
+        "geometry_msgs/PoseStamped" | "geometry_msgs/PoseWithCovarianceStamped" => Some(false),
+        _ => None,
+    }
+}
+
+struct Topic {
+    name: String,
+    /// None where it has no poses.
+    has_child: Option<bool>,
+    encoding: Result<Encoding, String>,
+    poses: Vec<StampedPose>,
+    /// Messages that cannot be read, or are no pose.
+    bad: usize,
+}
+
+struct Found {
+    all: Vec<Topic>,
+    names: HashMap<String, usize>,
+    numbers: HashMap<u32, usize>,
+    budget: Budget,
+}
+
+impl Found {
+    fn choose(mut self, path: &Path, wanted: Option<&str>) -> Result<Topic, LogError> {
+        let path = path.to_path_buf();
+        let has: Vec<usize> = (0..self.all.len()).filter(|i| self.all[*i].has_child.is_some()).collect();
+        let listed = |of: &[usize]| {
+            shortened(of.iter().map(|i| self.all[*i].name.clone()).collect::<Vec<_>>().into_iter())
+        };
+        let index = match (wanted, &has[..]) {
+            (_, []) => {
+                let every: Vec<usize> = (0..self.all.len()).collect();
+                return Err(LogError::NoPoses { path, topics: listed(&every) });
+            }
+            (Some(wanted), all) => match all.iter().find(|i| self.all[**i].name == wanted) {
+                Some(index) => *index,
+                None => {
+                    let similar = similar(all.iter().map(|i| self.all[*i].name.as_str()), wanted);
+                    let topics = listed(all);
+                    return Err(LogError::NoTopic { path, wanted: printable(wanted), topics, similar });
+                }
+            },
+            (None, [only]) => *only,
+            (None, several) => {
+                let one = self.all[several[0]].name.clone();
+                return Err(LogError::SeveralPoseTopics { path, topics: listed(several), one });
+            }
+        };
+        Ok(self.all.swap_remove(index))
+    }
+}
+
+impl Messages for Found {
+    fn next_file(&mut self) {
+        self.numbers.clear();
+    }
+
+    fn declare(&mut self, number: u32, name: &str, kind: &str, encoding: Result<Encoding, String>) -> bool {
+        let name = printable(name);
+        let index = *self.names.entry(name.clone()).or_insert_with(|| {
+            let encoding = encoding.map_err(|foreign| printable(&foreign));
+            self.all.push(Topic { name, has_child: has_child(kind), encoding, poses: Vec::new(), bad: 0 });
+            self.all.len() - 1
+        });
+        self.numbers.insert(number, index);
+        self.all[index].has_child.is_some()
+    }
+
+    fn message(&mut self, number: u32, received_ns: i64, data: &[u8]) {
+        let Some(topic) = self.numbers.get(&number).map(|index| &mut self.all[*index]) else { return };
+        let (Some(has_child), Ok(encoding)) = (topic.has_child, &topic.encoding) else { return };
+        match pose(data, *encoding, has_child, received_ns) {
+            Ok(Some(pose)) => topic.poses.push(pose),
+            Ok(None) | Err(_) => topic.bad += 1,
+        }
+    }
+
+    fn budget(&mut self) -> &mut Budget {
+        &mut self.budget
+    }
+}
+
+/// The pose of a message, at the header's stamp, else the bag's; none where it is no pose.
+fn pose(
+    data: &[u8],
+    encoding: Encoding,
+    has_child: bool,
+    received_ns: i64,
+) -> Result<Option<StampedPose>, Undecodable> {
+    let mut fields = Fields::new(data, encoding)?;
+    let mut read = || {
+        let t_ns = fields.header()?.t_ns;
+        if has_child {
+            fields.counted()?;
+        }
+        let mut values = [0.0; 7];
+        for value in &mut values {
+            *value = fields.f64()?;
+        }
+        Some((t_ns, values))
+    };
+    let (t_ns, [x, y, z, qx, qy, qz, qw]) = read().ok_or(Undecodable::Short)?;
+    let t = Stamp::from_ns(if t_ns == 0 { received_ns } else { t_ns });
+    Ok(stamped_pose(t, [x, y, z], [qw, qx, qy, qz]))
+}
