@@ -14,6 +14,7 @@
 //! | `fleet/NOISE/QUANTITY` | all platforms: `score`, the error over that of each platform's best constant; `worst`; both in per cent as `less` and `more`; against the constant that is best elsewhere `ratio`, `better`, and in per cent `less-than-single` |
 //! | `fleet/PLATFORM/NOISE/QUANTITY` | one platform: `ate` \[m\] and `score`, of the noise `best` with the constant's name |
 //! | `vins/NOISE/QUANTITY` | VINS-Mono with that noise: `ate` \[m\]; of the noise `learned` the `ratio` to its usual constants, and `better` on how many sequences; of the noise `walks` the ATE `with` and `without` walks pasted |
+//! | `flight/SENSOR/NOISE` | raw test flights: by what factor that noise is off the level of the reconciled truth, the root mean square of its logarithm over sequences; `outside`, the largest share of windows out of range |
 //! | `faults/QUANTITY` | injected faults: their `table`, a row a fault, and its `summary` |
 //! | `bench/NAME/UNIT` | median time of a bench in `us` or `ms` |
 
@@ -247,6 +248,18 @@ fn of_vins(noise: &str, quantity: &str) -> String {
     }
 }
 
+fn of_flight(sensor: &str, noise: &str) -> String {
+    let results = json("flight");
+    let rows: Vec<&Value> =
+        results["rows"].as_array().unwrap().iter().filter(|row| row["sensor"] == sensor).collect();
+    let get = |row: &Value, what: &str| row[what].as_f64().unwrap_or_else(|| panic!("{sensor}: no {what}"));
+    if noise == "outside" {
+        return percent(rows.iter().map(|row| get(row, "outside")).fold(0.0, f64::max));
+    }
+    let square = |row: &&Value| (get(row, noise) / get(row, "truth")).ln().powi(2);
+    format!("{:.2}", (rows.iter().map(square).sum::<f64>() / rows.len() as f64).sqrt().exp())
+}
+
 /// The rows of injected faults, by fault in their order.
 fn faults() -> Vec<(String, Vec<Value>)> {
     let mut by_fault: Vec<(String, Vec<Value>)> = Vec::new();
@@ -336,6 +349,7 @@ fn value(key: &str) -> String {
         ["fleet", noise, quantity] => of_fleet(noise, quantity),
         ["fleet", platform, noise, quantity] => of_platform(platform, noise, quantity),
         ["vins", noise, quantity] => of_vins(noise, quantity),
+        ["flight", sensor, noise] => of_flight(sensor, noise),
         ["faults", quantity] => of_faults(quantity),
         ["bench", name, unit] => {
             let ms = json("benches")[name]["median_ms"].as_f64().unwrap_or_else(|| panic!("no bench {name}"));

@@ -17,9 +17,13 @@ use wasm_bindgen::JsError;
 use wasm_bindgen::prelude::wasm_bindgen;
 
 /// The networks that `dpn noise` asks where no others are named.
-const NETWORKS: [(&str, &[u8]); 2] = [
-    ("models/accel/sg11-s0.safetensors", include_bytes!("../models/accel/sg11-s0.safetensors")),
-    ("models/gyro/sg11-s0.safetensors", include_bytes!("../models/gyro/sg11-s0.safetensors")),
+const NETWORKS: [(&str, &[u8]); 6] = [
+    ("models/accel/flight-s0.safetensors", include_bytes!("../models/accel/flight-s0.safetensors")),
+    ("models/accel/flight-s0@100.safetensors", include_bytes!("../models/accel/flight-s0@100.safetensors")),
+    ("models/accel/flight-s0@50.safetensors", include_bytes!("../models/accel/flight-s0@50.safetensors")),
+    ("models/gyro/flight-s0.safetensors", include_bytes!("../models/gyro/flight-s0.safetensors")),
+    ("models/gyro/flight-s0@100.safetensors", include_bytes!("../models/gyro/flight-s0@100.safetensors")),
+    ("models/gyro/flight-s0@50.safetensors", include_bytes!("../models/gyro/flight-s0@50.safetensors")),
 ];
 /// Formats beside those that `dpn allan` and `dpn noise` write.
 const MORE: [Format; 2] = [Format::Okvis2, Format::Ros];

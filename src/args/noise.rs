@@ -23,8 +23,8 @@ pub(crate) struct NoiseArgs {
     /// How the log is read.
     #[command(flatten)]
     pub(crate) how: HowArgs,
-    /// Where the noise comes from: dualpronet, dualpronet(TAG), a simple estimator such as diff2, constants; without it the shipped
-    /// networks, or diff2 where the log's rate is not theirs.
+    /// Where the noise comes from: dualpronet (the paper's networks), dualpronet(TAG), a simple estimator such as diff2, constants; without it the shipped
+    /// networks for raw flights, dualpronet(flight-s0), or diff2 where the log is slower than theirs.
     #[arg(long, value_name = "SPEC")]
     pub(crate) noise: Option<String>,
     /// Samples from one answer to the next.

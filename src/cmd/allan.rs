@@ -8,6 +8,7 @@ use dpn_figures::{allan_plot, save};
 use dpn_io::atomic_write;
 use dpn_probe::allan::compare::{FigureCheck, compare};
 use dpn_probe::allan::{AllanLog, report};
+use dpn_probe::rest_noise::RestNoise;
 
 pub(crate) fn run(args: &AllanArgs) -> Result<()> {
     let recording = log::read(&args.log)?.recording.held()?;
@@ -15,7 +16,10 @@ pub(crate) fn run(args: &AllanArgs) -> Result<()> {
     let config = noise::config(args.check.as_deref(), args.check_as, recording.rate())?;
     let allan = AllanLog::of(&recording, args.all)?;
     let checked = config.as_ref().map(|source| compare(source, &allan));
-    let words = format!("{} samples, {:.0} s.", allan.samples, allan.length_s);
+    let mut words = format!("{} samples, {:.0} s.", allan.samples, allan.length_s);
+    for line in allan.spectrum.iter().flat_map(RestNoise::between) {
+        words.push_str(&format!(" {line}."));
+    }
     let files = save(&allan_plot(&allan.axes, &words)?, args.out.join("allan"))?;
     let text = report::json(&allan, checked.as_deref())?.to_string() + "\n";
     atomic_write(args.out.join("allan.json"), |file| file.write_all(text.as_bytes()))?;

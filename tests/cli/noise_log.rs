@@ -30,7 +30,7 @@ fn noise(dir: &Path, rows: &Rows, more: &[&str]) -> Done {
 #[test]
 fn the_page_has_the_phases_and_shouts_what_is_out_of_range() {
     let dir = tempfile::tempdir().unwrap();
-    let done = noise(dir.path(), &flight(5_000_000), &[]).well();
+    let done = noise(dir.path(), &flight(5_000_000), &["--noise", "dualpronet"]).well();
     assert!(done.stderr.contains("warning: OUT OF RANGE: "), "{done:?}");
     assert!(
         done.stderr.contains("of the accel windows are unlike anything its network was trained on"),

@@ -41,7 +41,7 @@ pub(crate) use differences::differences;
 pub use effective::{Effective, EffectiveStream, MOTION_HZ};
 pub(crate) use mad2::Mad2;
 pub(crate) use savgol::sg_residual;
-pub use spec::{DEFAULT_TAG, NoiseSpec, SensorPair, SpecError, parse_list};
+pub use spec::{DEFAULT_TAG, FLIGHT_TAG, NoiseSpec, SensorPair, SpecError, parse_list};
 pub(crate) use wavelet::WaveletMad;
 pub use window_sigma::{EstimatorError, WindowSigma};
 pub(crate) use windowed::Windowed;

@@ -6,9 +6,11 @@ use super::fit::{Estimate, Fit, Planner};
 use super::model::Coefficient;
 use super::nnls::NnlsError;
 use super::rest::{Rest, rest};
+use crate::phases::phases;
+use crate::rest_noise::RestNoise;
 use dpn_core::noise::units::BadNoise;
 use dpn_core::noise::{AccelBiasWalkDensity, AccelNoiseDensity, GyroBiasWalkDensity, GyroNoiseDensity};
-use dpn_core::noise::{Axes, ImuFigures};
+use dpn_core::noise::{Axes, ImuFigures, Interval};
 use dpn_core::{ImuRecording, SampleRate, Sensor};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -104,6 +106,8 @@ pub struct AllanLog {
     pub bridged: usize,
     /// Accelerometer x, y, z, gyroscope x, y, z.
     pub axes: Vec<AxisFit>,
+    /// The same rest by its whole spectrum: what stands between the noise and the log; none with `everything`, which is no rest.
+    pub spectrum: Option<RestNoise>,
 }
 
 impl AllanLog {
@@ -143,7 +147,14 @@ impl AllanLog {
                 Ok(AxisFit { sensor, axis: ["x", "y", "z"][axis], fit: planner.fit(&signal)? })
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let log = Self { rate, samples: used.len(), length_s, rest, everything, bridged, axes };
+        let spectrum = match everything {
+            true => None,
+            false => {
+                let stretches = phases(recording).expect("a recording lies in memory");
+                RestNoise::of(recording, &stretches).expect("a recording lies in memory")
+            }
+        };
+        let log = Self { rate, samples: used.len(), length_s, rest, everything, bridged, axes, spectrum };
         log.checked_figures()?;
         Ok(log)
     }
@@ -159,14 +170,29 @@ impl AllanLog {
         self.estimates(sensor, coefficient).iter().all(|e| e.seen)
     }
 
-    /// White noise and bias walks as densities. Where a walk is not seen, what it stays below stands for it.
+    /// Densities of a sensor's white noise by the spectrum of the rest, where something stands between noise and log: averages over a time that a low pass, held values
+    /// or rounding reach are not the noise's. Where nothing does and the fit says otherwise, the spectrum's too: it leaves lines out.
+    pub fn behind(&self, sensor: Sensor) -> Option<[Interval; 3]> {
+        let found = self.spectrum.as_ref()?.sensor(sensor);
+        let densities = found.densities()?;
+        let fitted = self.estimates(sensor, Coefficient::White);
+        let agree = fitted.iter().zip(&densities).all(|(fit, d)| fit.low < d.high && d.low < fit.high);
+        (found.is_shaped() || !agree).then_some(densities)
+    }
+
+    /// White noise and bias walks as densities: white noise by the spectrum [where something is in its way](Self::behind). Where a walk is not seen, what it stays below
+    /// stands for it.
     pub fn figures(&self) -> ImuFigures {
         self.checked_figures().expect("checked when the log was fitted")
     }
 
     fn checked_figures(&self) -> Result<ImuFigures, BadNoise> {
         let value = |e: Estimate| if e.seen { e.value } else { e.high };
-        let axes = |sensor, coefficient| Axes::Each(self.estimates(sensor, coefficient).map(value));
+        let axes =
+            |sensor, coefficient| match self.behind(sensor).filter(|_| coefficient == Coefficient::White) {
+                Some(densities) => Axes::Each(densities.map(|density| density.value)),
+                None => Axes::Each(self.estimates(sensor, coefficient).map(value)),
+            };
         Ok(ImuFigures {
             rate: Some(self.rate),
             accel_white: Some(axes(Sensor::Accel, Coefficient::White).try_map(AccelNoiseDensity::new)?),
@@ -174,5 +200,52 @@ impl AllanLog {
             gyro_white: Some(axes(Sensor::Gyro, Coefficient::White).try_map(GyroNoiseDensity::new)?),
             gyro_walk: Some(axes(Sensor::Gyro, Coefficient::Walk).try_map(GyroBiasWalkDensity::new)?),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dpn_core::random::Stream;
+    use dpn_core::{ImuSample, Stamp};
+    use rand::Rng;
+    use rand_distr::StandardNormal;
+
+    /// A minute at 200 Hz, white noise of .05 m/s^2 and .004 rad/s a sample, the accelerometer's behind a pole.
+    fn log(pole: f64) -> ImuRecording {
+        let mut rng = Stream::new(8).named("allan-low-pass").rng();
+        let mut held = [0.0; 3];
+        let samples = (0..12_000).map(|i| {
+            let mut white = || [0; 3].map(|_| rng.sample::<f64, _>(StandardNormal));
+            for (held, now) in held.iter_mut().zip(white()) {
+                *held += (1.0 - pole) * (0.05 * now - *held);
+            }
+            ImuSample { t: Stamp::from_ns(5_000_000 * i), gyro: white().map(|v| 0.004 * v), accel: held }
+        });
+        ImuRecording::new(samples.collect()).unwrap()
+    }
+
+    #[test]
+    fn behind_a_low_pass_the_figure_is_the_spectrums_and_the_low_pass_is_named() {
+        let truth = 0.05 / 200f64.sqrt();
+        let allan = AllanLog::of(&log(0.5), false).unwrap();
+        let Some(Axes::Each(white)) = allan.figures().accel_white else { panic!("three axes were fitted") };
+        for (density, white) in allan.behind(Sensor::Accel).unwrap().iter().zip(white) {
+            assert_eq!(density.value, white.get());
+            assert!((white.get() / truth - 1.0).abs() < 0.08, "{density:?}");
+        }
+        let between = allan.spectrum.as_ref().unwrap().between();
+        assert!(
+            between.len() == 1 && between[0].contains("accel: behind a low pass, 1st order"),
+            "{between:?}"
+        );
+        assert_eq!(allan.behind(Sensor::Gyro), None);
+        // Without one the two agree.
+        let allan = AllanLog::of(&log(0.0), false).unwrap();
+        assert_eq!(allan.behind(Sensor::Accel), None);
+        let spectrum = allan.spectrum.as_ref().unwrap().sensor(Sensor::Accel).densities().unwrap();
+        for (fit, density) in allan.estimates(Sensor::Accel, Coefficient::White).iter().zip(spectrum) {
+            assert!(fit.low < density.high && density.low < fit.high, "{fit:?} {density:?}");
+        }
     }
 }

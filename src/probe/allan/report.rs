@@ -3,6 +3,7 @@
 use super::compare::FigureCheck;
 use super::log::AllanLog;
 use super::model::Coefficient;
+use crate::rest_noise::RestNoise;
 use crate::text::{aligned, instrument, listed, three};
 use dpn_core::Sensor;
 use dpn_core::noise::Meaning;
@@ -26,6 +27,7 @@ pub fn page(log: &AllanLog) -> Result<String, FormatError> {
     for sensor in Sensor::ALL {
         text.push_str(&table(log, sensor));
     }
+    text.push_str(&between(log));
     text.push_str(&lacking(log));
     text.push_str(&humps(log));
     text.push_str(&format!("\n{MULTIPLY}\n"));
@@ -46,7 +48,9 @@ pub fn pasted(log: &AllanLog) -> Result<Vec<Written>, FormatError> {
     let figures = log.figures();
     let note = |figure: Figure| {
         let coefficient = if figure.is_walk() { Coefficient::Walk } else { Coefficient::White };
-        (!log.seen(figure.sensor(), coefficient)).then(|| "not seen in this log: an upper bound".to_owned())
+        let known = log.seen(figure.sensor(), coefficient)
+            || !figure.is_walk() && log.behind(figure.sensor()).is_some();
+        (!known).then(|| "not seen in this log: an upper bound".to_owned())
     };
     PASTED.into_iter().map(|format| write(&figures, format, note)).collect()
 }
@@ -117,6 +121,11 @@ fn table(log: &AllanLog, sensor: Sensor) -> String {
         let label = format!("  {} {coefficient}", coefficient.letter());
         rows.push([label, x, y, z, coefficient.unit(sensor).to_owned()]);
     }
+    if let Some(densities) = log.behind(sensor) {
+        let [x, y, z] =
+            densities.map(|d| format!("{} [{}, {}]", three(d.value), three(d.low), three(d.high)));
+        rows.push(["    N by the spectrum".to_owned(), x, y, z, Coefficient::White.unit(sensor).to_owned()]);
+    }
     let per_sample = log.figures().get(Figure::white(sensor), Meaning::SampleStd, log.rate);
     let [x, y, z] = per_sample.map(Axes::each).expect("a fitted log has all figures").map(three);
     rows.push(["    N per sample".to_owned(), x, y, z, sensor.unit().to_owned()]);
@@ -125,6 +134,16 @@ fn table(log: &AllanLog, sensor: Sensor) -> String {
         std::array::from_fn(|_| misfits.next().expect("a log is fitted on three axes of either sensor"));
     rows.push(["    misfit (1: as the model)".to_owned(), x, y, z, String::new()]);
     format!("\n{}", aligned(&rows))
+}
+
+/// What stands between the noise and the log, by the spectrum.
+fn between(log: &AllanLog) -> String {
+    let notes: Vec<String> = log.spectrum.iter().flat_map(RestNoise::between).collect();
+    if notes.is_empty() {
+        return String::new();
+    }
+    let used = "averages over a time that these reach are not the noise's: below, N is the spectrum's";
+    format!("\n{}\n{used}\n", notes.join("\n"))
 }
 
 /// What the log is too short for, and how long one would have to be.

@@ -2,7 +2,7 @@
 
 use super::LogNoiseError;
 use dpn_core::SampleRate;
-use dpn_core::estimate::NoiseSpec;
+use dpn_core::estimate::{FLIGHT_TAG, NoiseSpec};
 use dpn_noise::{Causal, CausalError, Feed};
 use dpn_pronet::network::Network;
 
@@ -45,7 +45,7 @@ impl<'a> Plan<'a> {
         Ok(plan)
     }
 
-    /// The networks where the rate is theirs, and a simple estimator where it is not; then a line says so.
+    /// The networks for raw flights, or where there are none of that name the paper's, where the rate is theirs, and a simple estimator where it is not; then a line says so.
     ///
     /// # Errors
     /// As [`Plan::new`], but for a rate that is not theirs.
@@ -55,7 +55,8 @@ impl<'a> Plan<'a> {
         networks: &'a [Network],
     ) -> Result<(Self, Option<String>), LogNoiseError> {
         let of = |spec: &str| Self::new(&spec.parse().expect("a noise spec"), rate, every, networks);
-        match of("dualpronet") {
+        let flight = networks.iter().any(|network| network.tag() == FLIGHT_TAG);
+        match of(&if flight { format!("dualpronet({FLIGHT_TAG})") } else { "dualpronet".to_owned() }) {
             Err(LogNoiseError::Noise(CausalError::Rate { found_hz, trained_hz, .. })) => {
                 let note = format!(
                     "the log has {found_hz:.1} Hz and the networks know {trained_hz:.0} Hz and faster: the simple estimator {SIMPLE} is asked instead; \

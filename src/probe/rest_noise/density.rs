@@ -45,6 +45,8 @@ pub struct AxisNoise {
     pub filter: Option<Filter>,
     /// The converter's step, whose rounding is not part of the density.
     pub step: Option<f64>,
+    /// Density of its rounding over that of the noise, both as power.
+    pub rounding: f64,
     /// Lines that were left out \[Hz\].
     pub lines: Vec<f64>,
 }
@@ -84,7 +86,8 @@ pub(super) fn density(signal: &[f64], rate: SampleRate, step: Option<f64>) -> Op
     let filter = is_said.then(|| filter(&best, rate));
     let known = best.seen >= SEEN && value.width() < Interval::WIDEST;
     let density = known.then_some(value);
-    Some(AxisNoise { density, below: value.high, filter, step, lines: periodogram.lines })
+    let rounding = rounding / (2.0 * value.value * value.value);
+    Some(AxisNoise { density, below: value.high, filter, step, rounding, lines: periodogram.lines })
 }
 
 /// Deviation of rounding's own power: it is `step^2 / 12` only where the noise passes many steps.

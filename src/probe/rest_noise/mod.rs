@@ -26,6 +26,8 @@ use stretch::Rows;
 const LEAST_S: f64 = 4.0;
 /// Corners that differ by less are one filter's.
 const ALIKE: f64 = 1.3;
+/// Power of rounding over that of the noise from which steps are coarse.
+const COARSE: f64 = 0.2;
 /// Values that tell a converter's step.
 const TELLING: usize = 20_000;
 
@@ -54,6 +56,17 @@ impl SensorNoise {
         let (first, last) = (filters.first()?, filters.last()?);
         let alike = filters.iter().all(|f| f.low_pass.order() == first.low_pass.order());
         (alike && last.corner_hz.value < ALIKE * first.corner_hz.value).then(|| filters[filters.len() / 2])
+    }
+
+    /// Whether a low pass, held values or coarse steps stand between its noise and the log.
+    pub fn is_shaped(&self) -> bool {
+        self.filter().is_some() || self.held.is_some() || self.coarse_step().is_some()
+    }
+
+    /// The converter's step, where its rounding is not small beside the noise of every axis.
+    fn coarse_step(&self) -> Option<f64> {
+        let coarse = |axis: &AxisNoise| axis.step.filter(|_| axis.rounding > COARSE);
+        self.axes.iter().flatten().filter_map(coarse).reduce(f64::max)
     }
 
     /// What stands between the noise of an axis and the log, where anything does: a low pass, and values that are held; `rows` is the log's rate.

@@ -29,6 +29,12 @@ impl RestNoise {
 }
 
 impl RestNoise {
+    /// What stands between the noise and the log, a line each: low passes, held values, steps.
+    pub fn between(&self) -> Vec<String> {
+        let of = |sensor: &SensorNoise| [sensor.held_words(), sensor.filter_words(), sensor.step_words()];
+        self.sensors.iter().flat_map(of).flatten().collect()
+    }
+
     /// What an estimator should know of: low passes, and values that are held.
     pub fn findings(&self) -> Vec<Finding> {
         let mut findings = Vec::new();
@@ -67,6 +73,15 @@ impl SensorNoise {
             other => format!("a low pass, {other}, corner {value:.1} Hz ({low:.1} to {high:.1})"),
         };
         Some(format!("{}: behind {what}, on all axes", self.sensor))
+    }
+
+    fn step_words(&self) -> Option<String> {
+        let step = self.coarse_step()?;
+        Some(format!(
+            "{}: values in steps of {step:.2e} {}, whose rounding is not the sensor's noise",
+            self.sensor,
+            self.sensor.unit()
+        ))
     }
 
     /// Its held values, low pass and lines; a line each.

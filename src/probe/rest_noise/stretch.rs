@@ -6,6 +6,8 @@ use serde::Serialize;
 use std::io;
 use std::ops::Range;
 
+/// Rows that are looked at: they tell a density to some thousandths, and a day at rest need not be held.
+const MOST: usize = 1 << 18;
 /// Samples lost in a row that a straight line stands in for.
 pub(crate) const BRIDGED: usize = 3;
 /// Share of bridged samples beyond which the log is no even series.
@@ -106,7 +108,9 @@ impl Rows {
                 if (1..=BRIDGED).contains(&lost) {
                     open.holes.push((index - open.range.start, lost));
                 }
-                (open.range.end, open.span[1]) = (index + 1, t);
+                if open.range.len() < MOST {
+                    (open.range.end, open.span[1]) = (index + 1, t);
+                }
             }
             index += 1;
         })?;

@@ -24,5 +24,5 @@ mod sensors;
 pub(crate) use call::{Arg, Call};
 pub use error::SpecError;
 pub use estimator::EstimatorSpec;
-pub use noise::{DEFAULT_TAG, NoiseSpec, parse_list};
+pub use noise::{DEFAULT_TAG, FLIGHT_TAG, NoiseSpec, parse_list};
 pub use sensors::{SensorPair, SensorSpec};

@@ -23,6 +23,8 @@ use std::str::FromStr;
 
 /// The shipped networks that `dualpronet` alone stands for.
 pub const DEFAULT_TAG: &str = "sg11-s0";
+/// The shipped networks for raw flights, vibration and all.
+pub const FLIGHT_TAG: &str = "flight-s0";
 
 /// Where the noise of every sample comes from. `FromStr` reads it, `Display` writes it canonically.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
