@@ -105,7 +105,12 @@ impl Trainer {
         let cut = |stretch| WindowSet::cut(&recordings, config.sensor(), base, stretch, window);
         let flight = match &config.noise.own {
             None => None,
-            Some(own) => Some(FlightNoise::of(&cut(Stretch::Whole)?, own, config.rate_hz)),
+            Some(own) => {
+                let whole = cut(Stretch::Whole)?;
+                let windows =
+                    (0..whole.len()).map(|index| (whole.sequence_number(index), whole.raw(index, 0)));
+                Some(FlightNoise::of(whole.sequences(), windows, own, config.rate_hz))
+            }
         };
         let fit = cut(Stretch::Fit)?.with_flight_noise(flight.clone());
         let held_out = cut(Stretch::Validation)?.with_flight_noise(flight);
