@@ -15,6 +15,7 @@
 //! | `fleet/PLATFORM/NOISE/QUANTITY` | one platform: `ate` \[m\] and `score`, of the noise `best` with the constant's name |
 //! | `vins/NOISE/QUANTITY` | VINS-Mono with that noise: `ate` \[m\]; of the noise `learned` the `ratio` to its usual constants, and `better` on how many sequences; of the noise `walks` the ATE `with` and `without` walks pasted |
 //! | `flight/SENSOR/NOISE` | raw test flights: by what factor that noise is off the level of the reconciled truth, the root mean square of its logarithm over sequences; `outside`, the largest share of windows out of range |
+//! | `rest/QUANTITY` | simulated logs at rest: share of the intervals with the truth `inside`, their `median` width as a factor, how many axes are `wider` than 1.2 or `off` by 1.3 |
 //! | `faults/QUANTITY` | injected faults: their `table`, a row a fault, and its `summary` |
 //! | `bench/NAME/UNIT` | median time of a bench in `us` or `ms` |
 
@@ -350,6 +351,16 @@ fn value(key: &str) -> String {
         ["fleet", platform, noise, quantity] => of_platform(platform, noise, quantity),
         ["vins", noise, quantity] => of_vins(noise, quantity),
         ["flight", sensor, noise] => of_flight(sensor, noise),
+        ["rest", quantity] => {
+            let rest = json("rest");
+            match quantity {
+                "inside" => percent(rest["truth_inside"].as_f64().unwrap()),
+                "median" => format!("{:.2}", rest["interval_median"].as_f64().unwrap()),
+                "wider" => format!("{} of {}", rest["wider_than_1.2"], rest["axes_known"]),
+                "off" => rest["off_by_1.3"].to_string(),
+                _ => panic!("{key}: no such quantity"),
+            }
+        }
         ["faults", quantity] => of_faults(quantity),
         ["bench", name, unit] => {
             let ms = json("benches")[name]["median_ms"].as_f64().unwrap_or_else(|| panic!("no bench {name}"));
