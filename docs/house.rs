@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use toml::Table;
 
 /// Every crate that ships and what it may use of the workspace, from the ground up.
-const ARROWS: [(&str, &[&str]); 20] = [
+const ARROWS: [(&str, &[&str]); 21] = [
     ("src/fft", &[]),
     ("src/core", &["dpn-fft"]),
     ("src/io", &["dpn-core"]),
@@ -19,6 +19,7 @@ const ARROWS: [(&str, &[&str]); 20] = [
     ("src/live", &["dpn-core", "dpn-io", "dpn-noise", "dpn-pronet", "dpn-vio"]),
     ("src/truth", &["dpn-core", "dpn-vio"]),
     ("src/onnx", &["dpn-core", "dpn-pronet"]),
+    ("src/ros2", &["dpn-core", "dpn-io", "dpn-logs"]),
     ("train", &["dpn-core", "dpn-io", "dpn-pronet", "dpn-sim"]),
     (
         "eval",
@@ -60,13 +61,14 @@ const ARROWS: [(&str, &[&str]); 20] = [
 ];
 
 /// Third-party crates that one room keeps to itself.
-const SEEN_BY: [(&str, &[&str]); 6] = [
+const SEEN_BY: [(&str, &[&str]); 7] = [
     ("burn", &["src/pronet"]),
     ("linfa", &["train"]),
     ("clarabel", &["src/probe"]),
     ("plotters", &["figures"]),
     ("clap", &[]),
     ("indicatif", &[]),
+    ("rustdds", &["src/ros2"]),
 ];
 
 fn manifest(folder: &str) -> Table {

@@ -23,6 +23,16 @@ pub(super) const RUN: &str = "Examples:
   dpn run data/euroc/V1_02_medium --mcap run.mcap                           for Foxglove
   cat flight.bag | dpn run - --calib camchain.yaml                          poses as they are made";
 
+#[cfg(feature = "ros2")]
+pub(super) const ROS2: &str = "Examples:
+  dpn ros2 --calib camchain.yaml --imu /imu0 --image /cam0/image_raw
+  dpn ros2 --imu /imu/data_raw --image /camera/image_raw --camera-info /camera/camera_info      calibration from /tf_static too
+  dpn ros2 --calib camchain.yaml --compressed --ros-args -r __ns:=/robot -p use_sim_time:=true";
+
+#[cfg(feature = "ros2")]
+pub(super) const ROS2_NOISE: &str = "Example:
+  dpn ros2 noise --imu /imu/data_raw          for robot_localization and others: imu/with_covariance";
+
 pub(super) const PAPER: &str = "Examples:
   dpn paper --quick                          simulated flights, some minutes: is everything there?
   dpn paper --data data                      the whole study

@@ -18,6 +18,8 @@ mod paper;
 mod paste;
 mod report;
 mod resample;
+#[cfg(feature = "ros2")]
+mod ros2;
 mod run;
 mod simulate;
 mod sweep;
@@ -43,6 +45,8 @@ pub(crate) use paper::PaperArgs;
 pub(crate) use paste::PasteArgs;
 pub(crate) use report::ReportArgs;
 pub(crate) use resample::ResampleArgs;
+#[cfg(feature = "ros2")]
+pub(crate) use ros2::{NodeArgs, Ros2Args, Ros2NoiseArgs, Ros2What};
 pub(crate) use run::RunArgs;
 pub(crate) use simulate::{AlongArgs, FlightArgs, ImagesArgs, SimulateArgs, SimulateWhat, TracksArgs};
 pub(crate) use sweep::{
@@ -104,6 +108,10 @@ pub(crate) enum Command {
     /// A log in the browser: findings, noise over time, Allan plot and figures to paste on one page, served on this machine alone.
     #[command(after_help = examples::PAGE)]
     Page(PageArgs),
+    /// The odometry as a node of ROS 2, without ROS 2; or the noise of its IMU alone (noise).
+    #[cfg(feature = "ros2")]
+    #[command(after_help = examples::ROS2)]
+    Ros2(Ros2Args),
     /// A published ground truth reconciled with its IMU: clock, frames, noise of both, and where it can be trusted.
     #[command(after_help = examples::TRUTH)]
     Truth(TruthArgs),

@@ -65,23 +65,8 @@ pub(super) fn run(args: &RunArgs) -> Result<()> {
     let noise = args.noise.parse()?;
     warn(settings_for(&estimator, &noise).warnings());
     let run = LiveRun::new(&estimator, noise, networks, config, Fed::Images, args.seed)?;
-    let mut live = Live {
-        run,
-        calibration: &calibration,
-        json: args.json,
-        clocks: LiveClocks::default(),
-        streams: Default::default(),
-        seen: None,
-        blind: false,
-        started: false,
-        clock_said: false,
-        restarts: 0,
-        poses: 0,
-        frames: 0,
-        passed_over: 0,
-        waited_for: BTreeMap::new(),
-    };
-    let read = match live.follow(args, config.resolution.map(|side| side as usize)) {
+    let mut live = Live::new(run, &calibration, Lines { json: args.json });
+    let read = match follow(&mut live, args, config.resolution.map(|side| side as usize)) {
         // Nobody takes poses any more; what is to be said is said on stderr.
         Err(error) if is_closed_pipe(&error) => Ok(None),
         read => read,
@@ -95,17 +80,59 @@ pub(super) fn run(args: &RunArgs) -> Result<()> {
     if let Some(damage) = damage {
         errln!("warning: {}: {damage}; what came before was used", printable(&args.source));
     }
-    let Live { run, poses, frames, restarts, passed_over, clocks, waited_for, .. } = live;
-    let passed_over = passed_over + clocks.passed_over();
-    errln!("{poses} poses of {frames} frames, {restarts} restarts, {passed_over} messages passed over");
-    if poses == 0 {
-        errln!("warning: {}", super::run::no_pose(frames, &waited_for));
-        return Err(Untrusted::NoPose.into());
+    live.finish(args.strict)
+}
+
+/// Who is told what a live run makes of its sensors.
+pub(super) trait Listener {
+    /// Takes what a frame gave; `t` is its stamp on the IMU's own clock.
+    fn update(&mut self, t: Stamp, update: &Update) -> Result<()>;
+
+    /// Takes words for a person.
+    fn say(&mut self, words: &str) {
+        errln!("{words}");
     }
-    if args.strict && run.is_doubted() {
-        return Err(Untrusted::Doubted.into());
+
+    /// Whether a run ends where its first inputs cannot be used, instead of passing them over.
+    fn gives_up(&self) -> bool;
+}
+
+/// A line a pose.
+struct Lines {
+    json: bool,
+}
+
+impl Listener for Lines {
+    fn update(&mut self, t: Stamp, update: &Update) -> Result<()> {
+        let Some(state) = update.state else { return Ok(()) };
+        let pose = StampedPose { t, world_from_body: state.world_from_body };
+        if self.json {
+            outln!("{}", json(&pose))?;
+        } else {
+            outln!("{}", tum_line(&pose))?;
+        }
+        Ok(())
     }
-    Ok(())
+
+    fn gives_up(&self) -> bool {
+        true
+    }
+}
+
+/// Takes what the sensors say until they end, or this is asked to; what was wrong where they ended early.
+fn follow(live: &mut Live<'_, Lines>, args: &RunArgs, size: [usize; 2]) -> Result<Option<String>> {
+    let stop = stop::on_any_end()?;
+    let (events, reader) = reader(args, size);
+    while !stop.load(Ordering::Relaxed) {
+        match events.recv_timeout(LOOK) {
+            Ok(event) => live.take(event)?,
+            Err(RecvTimeoutError::Timeout) => live.silences(true),
+            Err(RecvTimeoutError::Disconnected) => {
+                return Ok(reader.join().expect("a reader does not panic, whatever the bytes")?);
+            }
+        }
+    }
+    Ok(None)
 }
 
 /// Reads the sensors on a thread of its own, so that silence is noticed.
@@ -133,10 +160,11 @@ struct Heard {
     silent: bool,
 }
 
-struct Live<'a> {
-    run: LiveRun,
+/// A run beside its sensors, their clocks held against each other.
+pub(super) struct Live<'a, L> {
+    pub(super) run: LiveRun,
+    pub(super) listener: L,
     calibration: &'a Calibration,
-    json: bool,
     clocks: LiveClocks<Message>,
     streams: [Heard; 2],
     /// When a frame was last worked off that went on from others.
@@ -144,9 +172,9 @@ struct Live<'a> {
     blind: bool,
     started: bool,
     clock_said: bool,
-    restarts: usize,
-    poses: usize,
-    frames: usize,
+    pub(super) restarts: usize,
+    pub(super) poses: usize,
+    pub(super) frames: usize,
     passed_over: usize,
     /// What frames waited for that could not be initialised with, and how many.
     waited_for: BTreeMap<String, usize>,
@@ -158,25 +186,57 @@ enum Message {
     Image(Result<GrayImage, IoError>),
 }
 
-impl Live<'_> {
-    /// Takes what the sensors say until they end, or this is asked to; what was wrong where they ended early.
-    fn follow(&mut self, args: &RunArgs, size: [usize; 2]) -> Result<Option<String>> {
-        let stop = stop::on_any_end()?;
-        let (events, reader) = reader(args, size);
-        while !stop.load(Ordering::Relaxed) {
-            match events.recv_timeout(LOOK) {
-                Ok(event) => self.take(event)?,
-                Err(RecvTimeoutError::Timeout) => self.silences(true),
-                Err(RecvTimeoutError::Disconnected) => {
-                    return Ok(reader.join().expect("a reader does not panic, whatever the bytes")?);
-                }
-            }
+impl<'a, L: Listener> Live<'a, L> {
+    pub(super) fn new(run: LiveRun, calibration: &'a Calibration, listener: L) -> Self {
+        Self {
+            run,
+            listener,
+            calibration,
+            clocks: LiveClocks::default(),
+            streams: Default::default(),
+            seen: None,
+            blind: false,
+            started: false,
+            clock_said: false,
+            restarts: 0,
+            poses: 0,
+            frames: 0,
+            passed_over: 0,
+            waited_for: BTreeMap::new(),
         }
-        Ok(None)
+    }
+
+    /// Messages that were passed over so far.
+    pub(super) fn passed_over(&self) -> usize {
+        self.passed_over + self.clocks.passed_over()
+    }
+
+    /// Says what the run was, having ended.
+    ///
+    /// # Errors
+    /// No pose; a run that is doubted, where that is asked (`strict`).
+    pub(super) fn finish(mut self, strict: bool) -> Result<()> {
+        let (poses, frames, restarts, passed_over) =
+            (self.poses, self.frames, self.restarts, self.passed_over());
+        self.say(format_args!(
+            "{poses} poses of {frames} frames, {restarts} restarts, {passed_over} messages passed over"
+        ));
+        if poses == 0 {
+            self.say(format_args!("warning: {}", super::run::no_pose(frames, &self.waited_for)));
+            return Err(Untrusted::NoPose.into());
+        }
+        if strict && self.run.is_doubted() {
+            return Err(Untrusted::Doubted.into());
+        }
+        Ok(())
+    }
+
+    fn say(&mut self, words: std::fmt::Arguments<'_>) {
+        self.listener.say(&words.to_string());
     }
 
     /// Nothing more comes.
-    fn end(&mut self) -> Result<()> {
+    pub(super) fn end(&mut self) -> Result<()> {
         let mut done = self.clocks.end().into_iter().try_for_each(|(_, t, message)| self.feed(t, message));
         self.clock_words();
         if done.is_ok() {
@@ -187,7 +247,7 @@ impl Live<'_> {
         done
     }
 
-    fn take(&mut self, event: SensorEvent) -> Result<()> {
+    pub(super) fn take(&mut self, event: SensorEvent) -> Result<()> {
         let (sensor, t, message) = match event {
             SensorEvent::Sample(sample) => (LiveSensor::Imu, sample.t, Message::Sample(sample)),
             SensorEvent::Image(t, image) => {
@@ -207,15 +267,14 @@ impl Live<'_> {
     }
 
     fn heard(&mut self, sensor: LiveSensor, t: Stamp) {
-        let heard = &mut self.streams[sensor as usize];
-        if std::mem::take(&mut heard.silent) {
-            errln!("note: the {} is heard again, at {t}", sensor.name());
+        if std::mem::take(&mut self.streams[sensor as usize].silent) {
+            self.say(format_args!("note: the {} is heard again, at {t}", sensor.name()));
         }
-        heard.last = Some((t, Instant::now()));
+        self.streams[sensor as usize].last = Some((t, Instant::now()));
     }
 
     /// Says what has not been heard of for [`SILENT`]: by the other sensor's stamps, and where nothing waits to be read (`idle`) by this machine's clock.
-    fn silences(&mut self, idle: bool) {
+    pub(super) fn silences(&mut self, idle: bool) {
         for sensor in LiveSensor::ALL {
             let by_stamps = || {
                 let [own, other] = [sensor, sensor.other()].map(|sensor| self.clocks.last(sensor));
@@ -227,14 +286,14 @@ impl Live<'_> {
                 continue;
             }
             if !std::mem::replace(&mut self.streams[sensor as usize].silent, true) {
-                errln!("warning: nothing from the {} since {t}", sensor.name());
+                self.say(format_args!("warning: nothing from the {} since {t}", sensor.name()));
             }
         }
     }
 
     fn clock_words(&mut self) {
         while let Some(words) = self.clocks.take_words() {
-            errln!("warning: {words}");
+            self.say(format_args!("warning: {words}"));
         }
     }
 
@@ -245,7 +304,9 @@ impl Live<'_> {
             Message::Sample(sample) => self.run.feed_sample(ImuSample { t, ..sample }),
             Message::Image(Ok(image)) => self.run.feed_image(t, image.view()),
             // A camera whose images are all alike unreadable is no camera.
-            Message::Image(Err(error)) if self.frames == 0 && self.passed_over >= SHOWN => {
+            Message::Image(Err(error))
+                if self.frames == 0 && self.passed_over >= SHOWN && self.listener.gives_up() =>
+            {
                 return Err(error.into());
             }
             Message::Image(Err(error)) => {
@@ -255,7 +316,9 @@ impl Live<'_> {
         };
         match taken {
             // Later it is the IMU's silence, which was said.
-            Err(error @ LiveError::Feed(FeedError::ImuBehind { .. })) if self.frames == 0 => {
+            Err(error @ LiveError::Feed(FeedError::ImuBehind { .. }))
+                if self.frames == 0 && self.listener.gives_up() =>
+            {
                 return Err(error.into());
             }
             Err(LiveError::Feed(error)) => self.pass_over(&error.to_string()),
@@ -271,7 +334,7 @@ impl Live<'_> {
     fn pass_over(&mut self, why: &str) {
         self.passed_over += 1;
         if self.passed_over <= SHOWN {
-            errln!("warning: {}; passed over", printable(why));
+            self.say(format_args!("warning: {}; passed over", printable(why)));
         }
     }
 
@@ -281,30 +344,23 @@ impl Live<'_> {
             self.frames += 1;
             let clock = self.run.report().clock;
             if clock.found.is_some() && !std::mem::replace(&mut self.clock_said, true) {
-                errln!(
+                self.say(format_args!(
                     "note: the camera's clock is {:+.1} ms off the gyroscope's; `--time-offset {:.4}` takes it off from the start",
                     -1e3 * clock.offset_s,
                     clock.offset_s
-                );
+                ));
             }
-            self.say(&update);
+            self.phase(&update);
             self.sees(&update);
-            let Some(state) = update.state else { continue };
-            self.poses += 1;
-            let pose =
-                StampedPose { t: self.clocks.on_imu_clock(update.t), world_from_body: state.world_from_body };
-            if self.json {
-                outln!("{}", json(&pose))?;
-            } else {
-                outln!("{}", tum_line(&pose))?;
-            }
+            self.poses += usize::from(update.state.is_some());
+            self.listener.update(self.clocks.on_imu_clock(update.t), &update)?;
         }
         Ok(())
     }
 
     fn warnings(&mut self) {
         while let Some(warning) = self.run.take_warning() {
-            errln!("warning: {warning}");
+            self.say(format_args!("warning: {warning}"));
         }
     }
 
@@ -314,7 +370,7 @@ impl Live<'_> {
         }
         self.seen = Some(update.t);
         if std::mem::take(&mut self.blind) {
-            errln!("note: points are followed again, at {}", update.t);
+            self.say(format_args!("note: points are followed again, at {}", update.t));
         }
     }
 
@@ -325,22 +381,25 @@ impl Live<'_> {
         // Without samples no image is looked at.
         let imu = self.streams[LiveSensor::Imu as usize].silent;
         if dark && !imu && !std::mem::replace(&mut self.blind, true) {
-            errln!("warning: no point is followed since {since}: the images are dark, covered or blurred");
+            self.say(format_args!(
+                "warning: no point is followed since {since}: the images are dark, covered or blurred"
+            ));
         }
     }
 
-    fn say(&mut self, update: &Update) {
+    fn phase(&mut self, update: &Update) {
         match &update.phase {
             Phase::Initialising(reason) => {
                 *self.waited_for.entry(reason.name().to_owned()).or_default() += 1;
             }
             Phase::Restarted(reason) => {
                 self.restarts += 1;
-                errln!("warning: {}: {reason}; initialising again", update.t);
+                self.say(format_args!("warning: {}: {reason}; initialising again", update.t));
             }
             _ if update.state.is_some() && !self.started => {
                 self.started = true;
-                errln!("note: initialised at {}, frame {}", update.t, self.frames);
+                let frame = self.frames;
+                self.say(format_args!("note: initialised at {}, frame {frame}", update.t));
             }
             _ => {}
         }

@@ -31,6 +31,8 @@ mod program;
 mod report;
 mod rerun;
 mod resample;
+#[cfg(feature = "ros2")]
+mod ros2;
 mod run;
 mod settings;
 mod shipped;
@@ -66,6 +68,8 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Compare(args) => compare::run(&args),
         Command::Report(args) => report::run(&args),
         Command::Page(args) => page::run(&args),
+        #[cfg(feature = "ros2")]
+        Command::Ros2(args) => ros2::run(args),
         Command::Truth(args) => truth::run(&args),
         Command::Ape(args) => trajectories::ape(&args),
         Command::Rpe(args) => trajectories::rpe(&args),

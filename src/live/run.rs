@@ -11,7 +11,9 @@ use dpn_core::{GrayView, ImuNoise, ImuRecording, ImuSample, SampleRate, Stamp, T
 use dpn_noise as noise;
 use dpn_pronet::network::Network;
 use dpn_vio::components::Levels;
-use dpn_vio::estimator::{Estimator, EstimatorConfig, FeedError, RunReport, Update, doubts, doubts_warning};
+use dpn_vio::estimator::{
+    Doubt, Estimator, EstimatorConfig, FeedError, RunReport, Update, doubts, doubts_warning,
+};
 use dpn_vio::frontend::{camera_at_working_size, image_at_working_size};
 use dpn_vio::preint::NoisySample;
 use std::collections::VecDeque;
@@ -191,12 +193,17 @@ impl LiveRun {
         self.levels.as_deref()
     }
 
+    /// What speaks against the run so far.
+    pub fn doubts(&self) -> Vec<Doubt> {
+        doubts(self.estimator.report(), self.levels.as_deref())
+    }
+
     /// Nothing more comes, and all updates were taken: what only the whole of it says is a warning from here on.
     pub fn look_back(&mut self) {
         self.weigh(0);
         let turns = self.estimator.images().turns();
         self.warnings.extend(self.mounting.last_warning(turns));
-        let against = doubts(self.estimator.report(), self.levels.as_deref());
+        let against = self.doubts();
         let cause_is_known = turns.axes().warning().is_some();
         self.warnings.extend(doubts_warning(&against, cause_is_known));
         self.doubted = cause_is_known || !against.is_empty();

@@ -7,8 +7,10 @@ use std::fmt;
 
 /// How a message was written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Encoding {
+pub enum Encoding {
+    /// ROS 1's.
     Ros1,
+    /// ROS 2's, behind the four bytes of its representation.
     Cdr,
 }
 
@@ -28,7 +30,7 @@ impl Encoding {
 
 /// Why a message is none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Undecodable {
+pub enum Undecodable {
     /// Its bytes end before its fields.
     Short,
     /// It begins with another representation than plain CDR.
@@ -51,16 +53,30 @@ impl fmt::Display for Undecodable {
     }
 }
 
-/// What a message's header says of its time.
+/// What a message's header says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Header {
+pub struct Header<'a> {
     /// Nanoseconds; 0 where nobody stamped it.
-    pub(crate) t_ns: i64,
+    pub t_ns: i64,
+    /// Name of the frame, in CDR with the zero that ends it.
+    pub frame: &'a [u8],
+}
+
+impl Header<'_> {
+    /// The frame as text; what is no UTF-8 is replaced.
+    pub fn frame_id(&self) -> String {
+        text_of(self.frame)
+    }
+}
+
+/// Text without the zero that ends CDR's; what is no UTF-8 is replaced.
+fn text_of(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes.strip_suffix(b"\0").unwrap_or(bytes)).into_owned()
 }
 
 /// A cursor over a message; every read is `None` where the bytes end.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Fields<'a> {
+pub struct Fields<'a> {
     body: &'a [u8],
     at: usize,
     /// Numbers lie at multiples of their size, or of this where it is smaller.
@@ -70,9 +86,11 @@ pub(crate) struct Fields<'a> {
 }
 
 impl<'a> Fields<'a> {
+    /// At a message's first field.
+    ///
     /// # Errors
     /// CDR in no plain representation.
-    pub(crate) fn new(data: &'a [u8], encoding: Encoding) -> Result<Self, Undecodable> {
+    pub fn new(data: &'a [u8], encoding: Encoding) -> Result<Self, Undecodable> {
         let packed = Self { body: data, at: 0, align: 1, little: true, encoding };
         if encoding == Encoding::Ros1 {
             return Ok(packed);
@@ -89,7 +107,7 @@ impl<'a> Fields<'a> {
     }
 
     /// A `std_msgs/Header`: in ROS 1 a sequence number, then seconds, nanoseconds and a frame.
-    pub(crate) fn header(&mut self) -> Option<Header> {
+    pub fn header(&mut self) -> Option<Header<'a>> {
         if self.encoding == Encoding::Ros1 {
             let _sequence = self.u32()?;
         }
@@ -98,25 +116,27 @@ impl<'a> Fields<'a> {
             Encoding::Ros1 => i64::from(seconds),
             Encoding::Cdr => i64::from(seconds.cast_signed()),
         };
-        let _frame = self.counted()?;
-        Some(Header { t_ns: seconds * 1_000_000_000 + i64::from(nanos) })
+        let frame = self.counted()?;
+        Some(Header { t_ns: seconds * 1_000_000_000 + i64::from(nanos), frame })
     }
 
-    #[cfg(feature = "images")]
-    pub(crate) fn u8(&mut self) -> Option<u8> {
+    /// The next byte.
+    pub fn u8(&mut self) -> Option<u8> {
         self.number::<1>().map(|[byte]| byte)
     }
 
-    pub(crate) fn u32(&mut self) -> Option<u32> {
+    /// The next 32 bits.
+    pub fn u32(&mut self) -> Option<u32> {
         self.number().map(u32::from_le_bytes)
     }
 
-    pub(crate) fn f64(&mut self) -> Option<f64> {
+    /// The next double.
+    pub fn f64(&mut self) -> Option<f64> {
         self.number().map(f64::from_le_bytes)
     }
 
     /// What a length of 32 bits in front of it counts.
-    pub(crate) fn counted(&mut self) -> Option<&'a [u8]> {
+    pub fn counted(&mut self) -> Option<&'a [u8]> {
         let length = self.u32()? as usize;
         let bytes = self.body.get(self.at..self.at.checked_add(length)?)?;
         self.at += length;
@@ -124,10 +144,8 @@ impl<'a> Fields<'a> {
     }
 
     /// The same as text, without the zero that ends CDR's; what is no UTF-8 is replaced.
-    #[cfg(feature = "images")]
-    pub(crate) fn text(&mut self) -> Option<String> {
-        let bytes = self.counted()?;
-        Some(String::from_utf8_lossy(bytes.strip_suffix(b"\0").unwrap_or(bytes)).into_owned())
+    pub fn text(&mut self) -> Option<String> {
+        self.counted().map(text_of)
     }
 
     /// Where the next double lies in the message, and whether its lowest byte is first; the double is passed over.

@@ -10,8 +10,10 @@ use std::path::Path;
 
 /// The two types of images.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum ImageKind {
+pub enum ImageKind {
+    /// `sensor_msgs/Image`.
     Raw,
+    /// `sensor_msgs/CompressedImage`.
     Compressed,
 }
 
@@ -28,9 +30,9 @@ impl ImageKind {
 
 /// One message; its pixels are not looked at yet.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct ImageMessage<'a> {
+pub struct ImageMessage<'a> {
     /// The header's stamp; 0 where it has none.
-    pub(crate) t_ns: i64,
+    pub t_ns: i64,
     body: Body<'a>,
 }
 
@@ -44,11 +46,7 @@ enum Body<'a> {
 ///
 /// # Errors
 /// One that is too short or in no known representation.
-pub(crate) fn decode(
-    data: &[u8],
-    encoding: Encoding,
-    kind: ImageKind,
-) -> Result<ImageMessage<'_>, Undecodable> {
+pub fn decode(data: &[u8], encoding: Encoding, kind: ImageKind) -> Result<ImageMessage<'_>, Undecodable> {
     let mut fields = Fields::new(data, encoding)?;
     message(&mut fields, kind).ok_or(Undecodable::Short)
 }
@@ -76,7 +74,7 @@ impl ImageMessage<'_> {
     ///
     /// # Errors
     /// An encoding that is not known; another size; a step smaller than a row; fewer bytes than pixels; no readable PNG or JPEG.
-    pub(crate) fn grey(&self, path: &Path, size: [usize; 2]) -> Result<GrayImage, IoError> {
+    pub fn grey(&self, path: &Path, size: [usize; 2]) -> Result<GrayImage, IoError> {
         let bad = |problem| IoError::BadImage { path: path.to_path_buf(), problem };
         match &self.body {
             Body::Compressed(data) => parse_image(data, path, size),

@@ -97,6 +97,12 @@ mod zipped;
 
 pub use error::LogError;
 pub use folder::logs_in;
+/// Messages of ROS by their bytes, for who has them from elsewhere than a bag.
+pub mod ros {
+    pub use crate::fields::{Encoding, Fields, Header, Undecodable};
+    #[cfg(feature = "images")]
+    pub use crate::image_message::{ImageKind, ImageMessage, decode as decode_image};
+}
 #[cfg(feature = "images")]
 pub use image_log::{ImageLog, Images};
 #[cfg(feature = "images")]

@@ -69,7 +69,9 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Calibration, CalibrationError>
                 imu: None,
             });
         }
-        CalibrationFormat::Kalibr | CalibrationFormat::Dso => kalibr::read(&keys, None)?,
+        CalibrationFormat::Kalibr | CalibrationFormat::Dso | CalibrationFormat::CameraInfo => {
+            kalibr::read(&keys, None)?
+        }
         CalibrationFormat::OpenVins => open_vins(&keys)?,
         CalibrationFormat::Vins => vins::read(&keys)?,
         CalibrationFormat::OrbSlam3 => orbslam::read(&keys)?,
