@@ -110,19 +110,19 @@ pub unsafe extern "C" fn dpn_odometry_new(settings: *const c_char, odometry: *mu
     call(|| {
         // SAFETY: as the caller promised.
         let (settings, out) = unsafe { (text("settings", settings)?, Out::new("odometry", odometry)?) };
-        let made = OdometryConfig::parse(settings).and_then(|config| Odometry::new(config, networks()?));
+        let made = OdometryConfig::parse(settings).and_then(|config| Odometry::new(&config, networks()));
         out.write(ODOMETRIES.put(made.map_err(|error| Fault(Status::BadSettings, words(&error)))?));
         Ok(())
     })
 }
 
 /// Those that come with the library, by the name that `dualpronet` has for them.
-fn networks() -> Result<Vec<Network>, LiveError> {
+fn networks() -> Vec<Network> {
     let network = |sensor: Sensor| {
         let name = format!("models/{}/{DEFAULT_TAG}.safetensors", sensor.name());
         Network::from_bytes(shipped(sensor), Path::new(&name)).expect("it is tested to be a network")
     };
-    Ok(Sensor::ALL.map(network).into())
+    Sensor::ALL.map(network).into()
 }
 
 /// Feeds a sample: its stamp in ns, angular rate [rad/s] and specific force [m/s^2]. One that is refused changes nothing.

@@ -40,7 +40,7 @@ impl Odometry {
         let fed: Fed = word("camera", Some(camera))?.expect("a word was given");
         let Settings { noise, estimator, calibration, networks, seed, .. } = asked.read()?;
         let calibration = calibration.expect("Python asks for one");
-        let live = Live::calibrated(calibration, fed, noise, estimator, networks, seed);
+        let live = Live::calibrated(calibration, fed, &noise, &estimator, networks, seed);
         Ok(Self { inner: Mutex::new(live.map_err(refused)?) })
     }
 

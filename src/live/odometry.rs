@@ -55,9 +55,10 @@ impl Odometry {
     ///
     /// # Errors
     /// A calibration that cannot be read or is of no camera; settings out of their bounds.
-    pub fn new(config: OdometryConfig, networks: Vec<Network>) -> Result<Self, LiveError> {
+    pub fn new(config: &OdometryConfig, networks: Vec<Network>) -> Result<Self, LiveError> {
         let calibration = config.calibration()?;
-        Self::calibrated(calibration, config.camera, config.noise, config.estimator, networks, config.seed)
+        let OdometryConfig { camera, noise, seed, estimator, .. } = config;
+        Self::calibrated(calibration, *camera, noise, estimator, networks, *seed)
     }
 
     /// The same where the calibration was read before.
@@ -67,14 +68,14 @@ impl Odometry {
     pub fn calibrated(
         calibration: Calibration,
         fed: Fed,
-        noise: NoiseSpec,
-        estimator: EstimatorConfig,
+        noise: &NoiseSpec,
+        estimator: &EstimatorConfig,
         networks: Vec<Network>,
         seed: u64,
     ) -> Result<Self, LiveError> {
         let camera = &calibration.camera;
-        let run = LiveRun::new(&estimator, noise.clone(), networks, camera, fed, seed)?;
-        let (camera, config) = (CameraModel::try_from(camera)?, settings_for(&estimator, &noise));
+        let run = LiveRun::new(estimator, noise.clone(), networks, camera, fed, seed)?;
+        let (camera, config) = (CameraModel::try_from(camera)?, settings_for(estimator, noise));
         Ok(Self { run, calibration, camera, fed, config, newest: [None; 2], last: None })
     }
 

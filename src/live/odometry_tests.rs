@@ -21,7 +21,7 @@ T_BS = { rows = 4, cols = 4, data = [0.0148655429818, -0.999880929698, 0.0041402
 "#;
 
 fn odometry(settings: &str) -> Result<Odometry, LiveError> {
-    Odometry::new(OdometryConfig::parse(&format!("{settings}\n{CAMERA}"))?, Vec::new())
+    Odometry::new(&OdometryConfig::parse(&format!("{settings}\n{CAMERA}"))?, Vec::new())
 }
 
 /// Some seconds in the middle of a flight, with tracks of EuRoC's camera.
@@ -176,7 +176,7 @@ fn settings_that_are_none_say_where() {
         let said = said.unwrap_or_else(|error| error.to_string());
         assert!(said.contains(words) && !said.is_empty(), "{settings}: {said}");
     }
-    let of = |text: &str| Odometry::new(OdometryConfig::parse(text)?, Vec::new()).map(|_| ());
+    let of = |text: &str| Odometry::new(&OdometryConfig::parse(text)?, Vec::new()).map(|_| ());
     assert!(of("").unwrap_err().to_string().contains("missing field `calibration`"));
     assert!(of("calibration = \"none.yaml\"").unwrap_err().to_string().contains("none.yaml"));
     assert!(of("calibration = 3").unwrap_err().to_string().starts_with("calibration"));

@@ -258,7 +258,7 @@ impl LiveRun {
 
     /// How many samples came while their rate is not known, and how many make it known.
     pub(crate) fn rate_in(&self) -> Option<[usize; 2]> {
-        self.noise.is_none().then(|| [self.first.len(), ENOUGH])
+        self.noise.is_none().then_some([self.first.len(), ENOUGH])
     }
 
     /// The samples' rate, once it is known.
