@@ -44,13 +44,14 @@ fn table() -> String {
             if format == Format::Basalt { "json" } else { "yaml" },
             written.text
         ));
-        for step in written.steps {
-            text.push_str(&format!("* `{step}`\n"));
+        // The others' arithmetic stands in their row.
+        let steps =
+            written.steps.iter().filter(|_| format.layout().is_none()).map(|step| format!("* `{step}`\n"));
+        let remarks = written.remarks.iter().map(|remark| format!("* {remark}\n"));
+        let notes: String = steps.chain(remarks).collect();
+        if !notes.is_empty() {
+            text.push_str(&format!("{notes}\n"));
         }
-        for remark in written.remarks {
-            text.push_str(&format!("* {remark}\n"));
-        }
-        text.push('\n');
     }
     text
 }
