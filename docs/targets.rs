@@ -10,8 +10,16 @@ use std::fmt::Write;
 
 const PAGE: &str = "docs/src/targets.md";
 /// What a command may begin with.
-const PROGRAMS: [&str; 7] =
-    ["dpn", "cargo", "ls", ".ci/run", "web/test/run", "python/test/run", "figures/check_page"];
+const PROGRAMS: [&str; 8] = [
+    "dpn",
+    "cargo",
+    "ls",
+    ".ci/run",
+    "web/test/run",
+    "python/test/run",
+    "src/ros2/tests/run",
+    "figures/check_page",
+];
 
 /// One row of the file.
 #[derive(Deserialize)]

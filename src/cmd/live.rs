@@ -379,8 +379,9 @@ impl<'a, L: Listener> Live<'a, L> {
         let since = *self.seen.get_or_insert(t);
         let dark = t.seconds_since(since) >= SILENT.as_secs_f64();
         // Without samples no image is looked at.
-        let imu = self.streams[LiveSensor::Imu as usize].silent;
-        if dark && !imu && !std::mem::replace(&mut self.blind, true) {
+        let imu = &self.streams[LiveSensor::Imu as usize];
+        let is_heard = imu.last.is_some() && !imu.silent;
+        if dark && is_heard && !std::mem::replace(&mut self.blind, true) {
             self.say(format_args!(
                 "warning: no point is followed since {since}: the images are dark, covered or blurred"
             ));

@@ -74,6 +74,8 @@ fn text_of(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes.strip_suffix(b"\0").unwrap_or(bytes)).into_owned()
 }
 
+impl std::error::Error for Undecodable {}
+
 /// A cursor over a message; every read is `None` where the bytes end.
 #[derive(Debug, Clone, Copy)]
 pub struct Fields<'a> {

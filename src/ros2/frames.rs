@@ -19,7 +19,7 @@ impl StaticFrames {
     /// Takes transforms in; names may begin with a slash, as tf's old ones do.
     pub fn take(&mut self, transforms: Vec<Transform>) {
         for transform in transforms {
-            let [child, parent] = [transform.child, transform.parent].map(plain);
+            let [child, parent] = [&transform.child, &transform.parent].map(|name| plain(name));
             if self.parents.len() < MOST || self.parents.contains_key(&child) {
                 self.parents.insert(child, (parent, transform.parent_from_child));
             }
@@ -38,7 +38,7 @@ impl StaticFrames {
 
     /// The frame and those above it, each with where the frame lies in it.
     fn up(&self, frame: &str) -> Option<Vec<(String, Isometry3<f64>)>> {
-        let mut chain = vec![(plain(frame.to_owned()), Isometry3::identity())];
+        let mut chain = vec![(plain(frame), Isometry3::identity())];
         while let Some((name, pose)) = chain.last() {
             let Some((parent, parent_from_child)) = self.parents.get(name) else { return Some(chain) };
             let next = (parent.clone(), parent_from_child * pose);
@@ -51,8 +51,8 @@ impl StaticFrames {
     }
 }
 
-fn plain(name: String) -> String {
-    name.strip_prefix('/').map_or(name.clone(), str::to_owned)
+fn plain(name: &str) -> String {
+    name.strip_prefix('/').unwrap_or(name).to_owned()
 }
 
 #[cfg(test)]

@@ -138,6 +138,14 @@ fn one(fields: &mut Fields<'_>) -> Option<Option<Transform>> {
     }))
 }
 
+/// The stamp of a message that begins with a header.
+///
+/// # Errors
+/// One that is too short or in no known representation.
+pub fn stamp(data: &[u8]) -> Result<Stamp, Undecodable> {
+    read(data, |fields| Some(Stamp::from_ns(fields.header()?.t_ns)))
+}
+
 /// `rosgraph_msgs/Clock`.
 ///
 /// # Errors

@@ -1,7 +1,7 @@
 //! `dpn ros2 noise`: an IMU in, the same IMU with covariances and diagnostics out.
 
+use super::params::{named, take, unknown};
 use super::session::{Next, Session};
-use super::{named, take, unknown};
 use crate::args::Ros2NoiseArgs;
 use crate::cmd::shipped;
 use crate::ui::errln;

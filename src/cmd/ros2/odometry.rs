@@ -1,7 +1,8 @@
 //! `dpn ros2`: IMU and images in, odometry, transforms, the IMU with covariances and diagnostics out.
 
+use super::calibration;
+use super::params::{named, take, truth, unknown};
 use super::session::{Next, Session};
-use super::{calibration, named, take, truth, unknown};
 use crate::args::Ros2Args;
 use crate::cmd::live::{Listener, Live};
 use crate::cmd::shipped;

@@ -22,6 +22,9 @@ const AGAIN: Duration = Duration::from_secs(10);
 /// What has not been heard of for so long is waited for.
 const SILENT: Duration = Duration::from_secs(2);
 
+/// Stamps farther than this from the clock are another clock's [s].
+const NEAR_S: f64 = 10.0;
+
 /// A topic that something is waited for on.
 #[derive(Debug)]
 struct Input {
@@ -142,10 +145,35 @@ impl Session {
         {
             *now = incoming::clock(&message.data).ok().or(*now);
         }
+        self.compare(message);
         if let Some(input) = self.inputs.iter_mut().find(|input| input.topic == message.topic) {
             input.since = message.came;
             input.messages += 1;
             input.lost += message.lost;
+        }
+    }
+
+    /// Says where a sensor's first stamp is another clock's than the one that poses are looked up by.
+    fn compare(&self, message: &Message) {
+        let is_first = |input: &&Input| input.topic == message.topic && input.messages == 0 && !input.once;
+        let is_clock = self.clock.is_some_and(|(topic, _)| topic == message.topic);
+        let (Some(_), Some(now), false) = (self.inputs.iter().find(is_first), self.now(), is_clock) else {
+            return;
+        };
+        let Ok(t) = incoming::stamp(&message.data) else { return };
+        let ahead = t.seconds_since(now);
+        if ahead.abs() > NEAR_S {
+            let (way, name) =
+                (if ahead > 0.0 { "ahead of" } else { "behind" }, self.node.name(message.topic));
+            let clock = if self.is_simulated() {
+                "/clock"
+            } else {
+                "this machine's clock (use_sim_time takes that of a bag that is played)"
+            };
+            errln!(
+                "note: the stamps of {name} are {:.0} s {way} {clock}; poses and transforms have the sensors' stamps",
+                ahead.abs()
+            );
         }
     }
 
@@ -177,7 +205,7 @@ impl Session {
         let waits = |input: &&Input| {
             let begun = input.messages == 0;
             let long = input.since.elapsed() >= if begun { SECOND } else { SILENT };
-            long && !(input.once && !begun)
+            long && (begun || !input.once)
         };
         let words = |input: &Input| {
             let from = match self.node.publishers(input.topic) {
@@ -208,7 +236,8 @@ impl Session {
             status.values.push((format!("{name}: lost"), input.lost.to_string()));
         }
         status.name = format!("{}: {}", self.names.node().trim_start_matches('/'), status.name);
-        self.diagnostics.send(outgoing::diagnostics(self.now(), &[status]));
+        let now = self.now().unwrap_or(Stamp::from_ns(0));
+        self.diagnostics.send(outgoing::diagnostics(now, &[status]));
     }
 
     /// How many messages of all topics never came.
@@ -216,14 +245,13 @@ impl Session {
         self.inputs.iter().map(|input| input.lost).sum()
     }
 
-    fn now(&self) -> Stamp {
-        match self.clock {
-            Some((_, now)) => now.unwrap_or(Stamp::from_ns(0)),
-            None => {
-                let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-                Stamp::from_ns(i64::try_from(since.as_nanos()).unwrap_or(i64::MAX))
-            }
+    /// The time; none before simulated time is told.
+    fn now(&self) -> Option<Stamp> {
+        if let Some((_, now)) = self.clock {
+            return now;
         }
+        let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        Some(Stamp::from_ns(i64::try_from(since.as_nanos()).unwrap_or(i64::MAX)))
     }
 }
 

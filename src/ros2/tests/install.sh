@@ -2,7 +2,7 @@
 # A Python 3.11 with Cyclone DDS and Pillow in the folder named: the wheel of cyclonedds 11 is for CPython 3.11.
 set -euo pipefail
 venv=${1:?a folder for Python packages}
-[ ! -x "$venv/bin/python" ] || exit 0
+if "$venv/bin/python" -c 'import cyclonedds, PIL' 2>/dev/null; then exit 0; fi
 found=
 for python in python3.11 "${PYENV_ROOT:-$HOME/.pyenv}"/versions/3.11.*/bin/python3.11; do
   if "$python" -c 'import venv, ensurepip' 2>/dev/null; then found=$python && break; fi

@@ -230,6 +230,7 @@ def faults():
     node.wait_for("waits for IMU on /imu (sensor_msgs/msg/Imu), whose publisher is silent, for ", 8)
     assert f"images on {image} (sensor_msgs/msg/CompressedImage), whose publisher is silent" in node.said(), node.said()
     wait(lambda: told and told[-1][1].status[0].level == 3, 5, lambda: str(told[-1:]))
+    assert node.said().count("note: the stamps of /imu are ") == 1 and "behind this machine's clock" in node.said(), node.said()
     lines = [line for line in node.lines if line.startswith("waits for ")]
     assert len(lines) <= 5, lines
     node.kill()
