@@ -262,8 +262,9 @@ fn held(path: &Path, spec: &NoiseSpec, recorded: &Recorded<'_>) -> Result<NoiseT
 #[cfg(test)]
 mod tests {
     use super::*;
-    use dpn_core::{ImuSample, Stamp};
+    use dpn_core::{ImuSample, NoiseModel, Stamp};
     use dpn_io::write_noise_track;
+    use rand::Rng;
 
     fn recording(samples: i64) -> ImuRecording {
         let sample = |i: i64| ImuSample {
@@ -371,6 +372,56 @@ mod tests {
         let error = of(&at(10_000_000)).unwrap_err();
         assert!(error.to_string().starts_with("made-up: the log has 100.0 Hz; "), "{error}");
         assert!(error.hint().unwrap().starts_with("faster logs are averaged to 200 Hz by themselves"));
+    }
+
+    #[test]
+    fn raw_flight_is_in_the_range_of_its_networks_and_a_low_pass_out_of_the_papers() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let networks = dpn_pronet::network::load_all(&root.join("models")).unwrap();
+        let outside = |spec: &str, imu: &ImuRecording| {
+            let mut feed = live(&spec.parse().unwrap(), "r", imu.rate(), &networks).unwrap();
+            for sample in imu.samples() {
+                feed.feed(sample);
+            }
+            let judged = feed.judged();
+            Sensor::ALL.map(|sensor| judged.of(sensor).outside as f64 / judged.of(sensor).windows as f64)
+        };
+        let flown =
+            dpn_io::asl::Sequence::open(&root.join("tests/data/euroc/V1_01_easy")).unwrap().imu().unwrap();
+        assert!(outside("dualpronet(flight-s0)", &flown).iter().all(|share| *share < 0.05));
+        assert!(outside("dualpronet", &flown)[0] > 0.5);
+        // White noise in the middle of the paper's range, and the same behind a low pass.
+        let mut rng = Stream::new(2).named("range").rng();
+        let mut white = || [0; 3].map(|_| 12f64.sqrt() * (rng.random::<f64>() - 0.5));
+        let samples: Vec<ImuSample> = (0..2000)
+            .map(|i| ImuSample {
+                t: Stamp::from_ns(5_000_000 * i),
+                accel: white().map(|v| 0.1 * v),
+                gyro: white().map(|v| 0.007 * v),
+            })
+            .collect();
+        // Butterworth's two poles at 42 Hz.
+        let k = (std::f64::consts::PI * 42.0 / 200.0).tan();
+        let (root, norm) = (2f64.sqrt(), 1.0 / (1.0 + 2f64.sqrt() * k + k * k));
+        let mut slow = samples.clone();
+        for i in 2..slow.len() {
+            for sensor in Sensor::ALL {
+                let out: [f64; 3] = std::array::from_fn(|axis| {
+                    let x = |back: usize| samples[i - back].of(sensor)[axis];
+                    let y = |back: usize| slow[i - back].of(sensor)[axis];
+                    let fed = k * k * (x(0) + 2.0 * x(1) + x(2));
+                    norm * (fed - 2.0 * (k * k - 1.0) * y(1) - (1.0 - root * k + k * k) * y(2))
+                });
+                match sensor {
+                    Sensor::Accel => slow[i].accel = out,
+                    Sensor::Gyro => slow[i].gyro = out,
+                }
+            }
+        }
+        let slow = ImuRecording::new(slow).unwrap();
+        let white = ImuRecording::new(samples).unwrap();
+        assert!(outside("dualpronet", &white).iter().all(|share| *share < 0.05));
+        assert!(outside("dualpronet", &slow).iter().all(|share| *share > 0.9));
     }
 
     #[test]
