@@ -1,19 +1,20 @@
 //! `dpn ape` and `dpn rpe`.
 
 mod find;
+mod judged;
 mod say;
 
 use crate::args::{ApeArgs, DeltaUnit, RpeArgs, TrajectoryArgs};
 use crate::ui::{Fault, errln, out, print_pictures};
-use anyhow::{Context, Result};
+use anyhow::Result;
 use dpn_core::Stamp;
 use dpn_core::trajectory::StampedPose;
 use dpn_eval::metrics::{Compared, Comparing, MetricsError, RpeSpec, absolute, relative};
-use dpn_eval::study::{Comparison, MARGIN, compare_pairs, correct_for_count};
 use dpn_figures::{save, trajectory_errors};
 use dpn_io::{printable, read_counted_poses, read_poses};
 use dpn_logs::{BagPoses, is_bag, read_bag_poses};
 use find::{Case, cases, names};
+use judged::{Judged, versus};
 use std::path::{Path, PathBuf};
 
 /// Trajectories that a picture tells apart.
@@ -37,23 +38,6 @@ pub(crate) fn rpe(args: &RpeArgs) -> Result<()> {
     let spec: RpeSpec = text.parse()?;
     let name = format!("RPE over {spec}");
     run(&args.of, &name, |truth, estimate, by| relative(truth, estimate, by, (&spec, args.delta_tol)))
-}
-
-/// One trajectory that was judged.
-struct Judged {
-    case: Case,
-    /// Poses that its file has.
-    poses: usize,
-    compared: Compared,
-    /// Whether its poses have no stamps.
-    counted: bool,
-}
-
-/// One estimate against the first over several sequences.
-struct Versus {
-    comparison: Comparison,
-    /// Sequences in which it is worse.
-    worse: usize,
 }
 
 fn run(
@@ -192,24 +176,6 @@ fn fault(
         _ => return fault.into(),
     };
     fault.hint(hint).into()
-}
-
-/// The others against the first, over the sequences that both have.
-fn versus(judged: &[Judged], estimates: usize) -> Result<Vec<Option<Versus>>> {
-    let of = |estimate: usize| judged.iter().filter(move |one| one.case.number == estimate);
-    let mut all = vec![None];
-    for estimate in 1..estimates {
-        let pairs = of(estimate).filter_map(|ours| {
-            let theirs = of(0).find(|theirs| theirs.case.sequence == ours.case.sequence)?;
-            Some((ours.compared.summary.rmse, theirs.compared.summary.rmse))
-        });
-        let (ours, theirs): (Vec<f64>, Vec<f64>) = pairs.unzip();
-        let worse = ours.iter().zip(&theirs).filter(|(a, b)| a > b).count();
-        let comparison = compare_pairs(&ours, &theirs, MARGIN).context("the ratio of two errors")?;
-        all.push(comparison.map(|comparison| Versus { comparison, worse }));
-    }
-    correct_for_count(all.iter_mut().flatten().map(|versus| &mut versus.comparison))?;
-    Ok(all)
 }
 
 /// The picture, of several sequences one each, its name behind the file's.

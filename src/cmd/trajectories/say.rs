@@ -1,6 +1,6 @@
 //! What is said of trajectories: a table, or JSON.
 
-use super::{Judged, Versus};
+use super::judged::{Judged, Versus};
 use dpn_core::signal::stats::mean;
 use dpn_eval::metrics::{Comparing, ErrorSummary};
 use dpn_eval::stats::sign_test;

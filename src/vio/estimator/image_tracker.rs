@@ -4,9 +4,12 @@
 //! the turn the gyroscope says is the same in any order of arrival. Nothing of it depends on the noise of the samples or on an estimate: tracks
 //! made once serve every noise, and [`Estimator::feed_frame`](crate::Estimator::feed_frame) makes of them what
 //! [`Estimator::feed_image`](crate::Estimator::feed_image) makes of the images.
+//!
+//! The first two seconds are looked at twice. Points are foreseen by the gyroscope's turns: with a camera that is late they are foreseen in wrong places and
+//! lost, and nothing can be built on those that are left, also once the clock is found. So a tracker goes before until it has found it; then points are
+//! followed through the same images anew. What comes out of a camera whose clock is right is the same as without.
 
 use super::feed_error::FeedError;
-use super::scout::Scout;
 use super::spike::SpikeFilter;
 use crate::clock::{CameraClock, ClockWatch, REACH_S};
 use crate::frontend::{Fed, FrontEnd, FrontEndConfig, GyroTurn, LineTurns, turn_of_camera};
@@ -19,6 +22,9 @@ use std::collections::VecDeque;
 
 /// Most images that wait for samples: two seconds at 20 Hz.
 pub(super) const MOST_WAITING: usize = 40;
+
+/// The first images are kept so long \[s\].
+const SCOUTED_S: f64 = 2.0;
 
 /// Who looks on while points are followed through images: figures, pictures. What it does changes no track.
 pub trait FrontEndObserver {
@@ -254,5 +260,49 @@ impl ImageTracker {
                 }
             }
         }
+    }
+}
+
+/// A tracker that goes before, for the camera's clock alone, and the images that it has seen.
+#[derive(Debug, Clone)]
+struct Scout {
+    tracker: Box<ImageTracker>,
+    seen: VecDeque<(Stamp, GrayImage)>,
+}
+
+impl Scout {
+    /// With a tracker that has no scout.
+    fn new(tracker: ImageTracker) -> Self {
+        Self { tracker: Box::new(tracker), seen: VecDeque::new() }
+    }
+
+    /// Takes a sample that was found to be good.
+    fn feed_imu(&mut self, sample: &ImuSample) {
+        // A spike to it alone, which has not seen those that were passed over, is passed over.
+        let _ = self.tracker.feed_imu(sample);
+    }
+
+    /// Says that no more samples come.
+    fn end_imu(&mut self) {
+        self.tracker.end_imu();
+    }
+
+    /// Looks at an image that samples have reached; whether it has looked long enough.
+    fn look(&mut self, t: Stamp, image: GrayImage) -> bool {
+        self.tracker
+            .feed_image(image.view(), t)
+            .expect("whose scout it is took it, and each is looked at before the next comes");
+        while self.tracker.next_frame(&mut ()).is_some() {}
+        self.seen.push_back((t, image));
+        let (first, _) = self.seen.front().expect("one was just added");
+        self.tracker.turns().is_settled()
+            || self.tracker.clock().found.is_some()
+            || t.seconds_since(*first) > SCOUTED_S
+    }
+
+    /// What the camera's clock was found to be off by \[s\], and the images again.
+    fn finish(self) -> (Option<f64>, VecDeque<(Stamp, GrayImage)>) {
+        let clock = self.tracker.clock();
+        (clock.found.map(|_| clock.offset_s), self.seen)
     }
 }

@@ -21,7 +21,6 @@ mod line_tests;
 mod live_tests;
 mod ray_rates;
 mod report;
-mod scout;
 mod spike;
 mod starter;
 mod trust;
