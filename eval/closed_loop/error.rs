@@ -298,6 +298,12 @@ impl ClosedLoopError {
             Self::Noise(error) => error.hint(),
             Self::OtherRun { .. } => Some("give another folder with --out, or remove this one".into()),
             Self::BadRow { .. } => Some("remove the line; its cell is run again".into()),
+            Self::NoImages { asked: true, .. } => {
+                Some("look at --from and --to: seconds after the first image".into())
+            }
+            Self::NothingLeft { .. } => {
+                Some("record for longer, or name a longer part with --from and --to".into())
+            }
             Self::NoImages { .. } => Some(
                 "leave --camera away, and tracks are made along the ground truth; or unpack the images"
                     .into(),

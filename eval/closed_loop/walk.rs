@@ -67,7 +67,10 @@ pub(super) fn walk(
     let mut samples: Option<SampleWalk<'_>> = None;
     for (t, image) in images {
         let image = match image {
-            Ok(image) => image,
+            Ok(image) => {
+                log.came();
+                image
+            }
             Err(error) => {
                 log.unreadable(t, error)?;
                 continue;

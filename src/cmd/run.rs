@@ -7,8 +7,8 @@ use anyhow::Result;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::{GrayImage, Stamp};
 use dpn_eval::closed_loop::{
-    Camera, JudgedRun, Recording, Report, RunInfo, RunSource, ScaleKnown, SequenceSet, Span, Watchers,
-    paired, watched_run, write_states,
+    Camera, JudgedRun, Recording, Report, RunInfo, RunSource, SequenceSet, Span, Watchers, paired,
+    watched_run, write_states,
 };
 #[cfg(feature = "rerun")]
 use dpn_eval::closed_loop::{CameraInput, frames_from};
@@ -175,9 +175,14 @@ fn shutter_words(readout: &Readout, first: Stamp) -> String {
 }
 
 /// From when on the scale was known.
-fn scale_words(known: &[ScaleKnown]) -> String {
-    let known =
-        known.iter().map(|known| format!("to {:.0} % from {:.1} s", 100.0 * known.within, known.since_s));
+fn scale_words(report: &Report) -> String {
+    if report.is_doubted() {
+        return "not known: the run is not to be trusted".to_owned();
+    }
+    let known = report
+        .scale_known
+        .iter()
+        .map(|known| format!("to {:.0} % from {:.1} s", 100.0 * known.within, known.since_s));
     match known.collect::<Vec<_>>().join(", ") {
         none if none.is_empty() => {
             "not known to 10 %: the camera has to speed up and slow down, not only turn".to_owned()
@@ -312,7 +317,7 @@ fn words(report: &Report, done: &JudgedRun, simulated: bool) -> String {
         Some(seconds) => {
             let moving = row.init_in_motion_s.map(|s| format!(", {s:.1} s after the first motion"));
             line("initialised:", format!("first pose after {seconds:.1} s{}", moving.unwrap_or_default()));
-            line("scale:", scale_words(&report.scale_known));
+            line("scale:", scale_words(report));
         }
         None => {
             line("initialised:", format!("never; waited for: {}", waiting(&report.waited_for)));

@@ -132,9 +132,8 @@ fn a_log_shorter_than_a_window_and_one_too_short_to_validate_on() {
 fn a_wrong_rate() {
     refuses_log(
         &text(&rows(3000, 10_000_000)),
-        "error: still: the rate is 100.00 Hz; 200.00 Hz is expected\n\n\
-         hint: look at the unit of the stamps, or resample a faster log (dpn convert --to-rate HZ); noise per sample depends on the rate; \
-         or leave the sequence out",
+        "error: still: it has 100.0 Hz, and windows of 200.0 Hz are asked for; what was not sampled cannot be made\n\n\
+         hint: train networks of its rate (dpn train --rate 100), or leave the sequence out",
     );
 }
 

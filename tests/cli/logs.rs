@@ -225,7 +225,7 @@ fn what_is_no_log_is_refused_with_what_was_looked_for() {
          rosbag2 or of a phone's two files",
     );
     let data = put(&dir.path().join("logs"), "still", &text(&rows(300, 5_000_000)));
-    let done = end(dpn().arg("noise").arg(&data).arg("--out").arg(dir.path().join("out")));
+    let done = end(dpn().arg("allan").arg(&data).arg("--out").arg(dir.path().join("out")));
     assert!(
         done.code == Some(2) && done.stderr.contains("hint: there are 1 below it: give one, for example "),
         "{done:?}"

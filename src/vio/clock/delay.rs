@@ -150,7 +150,8 @@ impl Turns<'_> {
             explained: 1.0 - here / cost(&alone)?.0,
             of_elsewhere: 0.0,
         })
-        .filter(|delay| delay.offset_s.is_finite() && delay.std_s.is_finite())
+        // At the end of the reach it may be anywhere beyond.
+        .filter(|delay| delay.offset_s.abs() < REACH_S && delay.std_s.is_finite())
     }
 
     /// Where the stamps need `offset` at the last pair, and `drift` of the time since less before.
