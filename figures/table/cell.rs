@@ -36,9 +36,13 @@ impl Cell {
         }
     }
 
-    /// A number shown with so many significant digits and no exponent.
+    /// A number shown with so many significant digits, below 1e-4 with an exponent.
     pub fn significant(value: impl Into<Option<f64>>, digits: usize) -> Self {
         let value = value.into();
+        if let Some(tiny) = value.filter(|v| *v != 0.0 && v.abs() < 1e-4) {
+            let after = digits.saturating_sub(1);
+            return Self { shown: format!("{tiny:.after$e}"), full: tiny.to_string() };
+        }
         let before =
             value.filter(|v| *v != 0.0 && v.is_finite()).map_or(0, |v| v.abs().log10().floor() as i32 + 1);
         Self::number(value, (digits as i32 - before).max(0) as usize)
@@ -107,6 +111,10 @@ mod tests {
         assert_eq!(
             [0.004_937, 0.1, 1.234, 512.3].map(|v| Cell::metres(v).shown().to_owned()),
             ["0.00494", "0.100", "1.23", "512"]
+        );
+        assert_eq!(
+            [5.93e-16, -1.2e-5, 1e-4, 0.0].map(|v| Cell::significant(v, 3).shown().to_owned()),
+            ["5.93e-16", "-1.20e-5", "0.000100", "0.000"]
         );
         assert_eq!(Cell::percent(0.801, 1).shown(), "80.1 %");
         assert_eq!((Cell::p(0.0004).shown(), Cell::p(0.0004).full()), ("<.001", "0.0004"));

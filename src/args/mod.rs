@@ -53,7 +53,7 @@ pub(crate) use sweep::{
     Shards, SweepArgs, SweepCollectArgs, SweepPlanArgs, SweepRunArgs, SweepStatusArgs, SweepWhat,
 };
 pub(crate) use train::TrainArgs;
-pub(crate) use trajectories::{ApeArgs, DeltaUnit, RpeArgs, TrajectoryArgs};
+pub(crate) use trajectories::{ApeArgs, DeltaUnit, MAX_DIFF_S, RpeArgs, TrajectoryArgs};
 pub(crate) use truth::TruthArgs;
 
 use clap::{Parser, Subcommand};

@@ -4,6 +4,9 @@ use clap::Args;
 use dpn_eval::metrics::PoseRelation;
 use std::path::PathBuf;
 
+/// Farthest that the stamps of a pair are apart unless told otherwise \[s\].
+pub(crate) const MAX_DIFF_S: f64 = 0.01;
+
 /// Trajectories, and how they are brought together.
 #[derive(Debug, Args)]
 pub(crate) struct TrajectoryArgs {
@@ -27,20 +30,20 @@ pub(crate) struct TrajectoryArgs {
     /// Put the first pose on the truth's.
     #[arg(long = "align_origin", conflicts_with = "align")]
     pub(crate) align_origin: bool,
-    /// Poses that are aligned by, from the first on; without it all.
-    #[arg(long = "n_to_align", value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    /// Poses that are aligned by, from the first on, three or more; without it all. With -a or -s.
+    #[arg(long = "n_to_align", value_name = "N", value_parser = clap::value_parser!(u32).range(3..))]
     pub(crate) n_to_align: Option<u32>,
     /// Farthest that the stamps of a pair are apart.
-    #[arg(long = "t_max_diff", value_name = "SECONDS", default_value_t = 0.01)]
+    #[arg(long = "t_max_diff", value_name = "SECONDS", default_value_t = MAX_DIFF_S)]
     pub(crate) t_max_diff: f64,
     /// Added to the estimates' stamps.
     #[arg(long = "t_offset", value_name = "SECONDS", default_value_t = 0.0, allow_negative_numbers = true)]
     pub(crate) t_offset: f64,
-    /// First stamp that is looked at.
-    #[arg(long = "t_start", value_name = "SECONDS")]
+    /// First stamp that is looked at: seconds as stamps have them (1403636625.4), not from the start.
+    #[arg(long = "t_start", value_name = "STAMP", allow_negative_numbers = true)]
     pub(crate) t_start: Option<f64>,
     /// Last stamp that is looked at.
-    #[arg(long = "t_end", value_name = "SECONDS")]
+    #[arg(long = "t_end", value_name = "STAMP", allow_negative_numbers = true)]
     pub(crate) t_end: Option<f64>,
     /// Draw paths from above, coloured by error, and errors, positions and angles over time: FILE.svg, with PNG and CSV beside it.
     #[arg(long = "save_plot", alias = "save-plot", value_name = "FILE")]
@@ -65,13 +68,21 @@ pub(crate) struct RpeArgs {
     #[command(flatten)]
     pub(crate) of: TrajectoryArgs,
     /// Length of a stretch.
-    #[arg(short, long, value_name = "NUMBER", default_value_t = 1.0)]
+    #[arg(short, long, value_name = "NUMBER", default_value_t = 1.0, value_parser = length, allow_negative_numbers = true)]
     pub(crate) delta: f64,
     /// Its unit.
     #[arg(short = 'u', long = "delta_unit", value_name = "UNIT", value_enum, default_value_t = DeltaUnit::Frames)]
     pub(crate) delta_unit: DeltaUnit,
     /// How far a stretch's length may be off, as a share of it; with --all_pairs.
-    #[arg(short = 't', long = "delta_tol", value_name = "SHARE", default_value_t = 0.1)]
+    #[arg(
+        short = 't',
+        long = "delta_tol",
+        value_name = "SHARE",
+        default_value_t = 0.1,
+        value_parser = share,
+        allow_negative_numbers = true,
+        requires = "all_pairs"
+    )]
     pub(crate) delta_tol: f64,
     /// A stretch from every pose, instead of one where the last ended.
     #[arg(long = "all_pairs")]
@@ -99,6 +110,22 @@ pub(crate) enum DeltaUnit {
     /// Seconds; evo has none.
     #[value(name = "s")]
     Seconds,
+}
+
+fn length(text: &str) -> Result<f64, String> {
+    let above = |v: &f64| v.is_finite() && *v > 0.0;
+    text.parse()
+        .ok()
+        .filter(above)
+        .ok_or_else(|| "give a length above 0, for example 1; -u says its unit".to_owned())
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let part = |v: &f64| (0.0..1.0).contains(v);
+    text.parse()
+        .ok()
+        .filter(part)
+        .ok_or_else(|| "give a share from 0 to below 1: 0.1 is ten per cent".to_owned())
 }
 
 fn relation(text: &str) -> Result<PoseRelation, String> {

@@ -2,7 +2,7 @@
 //! compared line by line.
 
 use super::decimal::TimeUnit;
-use super::pose::rigid;
+use super::pose::{position, rigid};
 use super::row_fault::RowFault;
 use super::rows::Rows;
 use super::{IoError, ResultPath, atomic_write};
@@ -26,7 +26,7 @@ pub(crate) fn is_kitti(row: &[u8]) -> bool {
 /// # Errors
 /// Files that cannot be read or hold no row; other columns; a matrix that is no pose; as many stamps as poses are needed, and they increase.
 pub(crate) fn parse(bytes: &[u8], path: &Path) -> Result<Vec<StampedPose>, IoError> {
-    let mut rows = Rows::open(bytes, path)?;
+    let mut rows = Rows::open(bytes, path)?.by_place();
     let stamped = match rows.width() {
         13 => 1,
         12 => 0,
@@ -34,7 +34,10 @@ pub(crate) fn parse(bytes: &[u8], path: &Path) -> Result<Vec<StampedPose>, IoErr
     };
     let times_path = path.with_file_name(TIMES);
     let times_bytes = match stamped {
-        0 => std::fs::read(&times_path).map_err(|e| IoError::reading(&times_path, e))?,
+        0 => std::fs::read(&times_path).map_err(|e| match e.kind() {
+            std::io::ErrorKind::NotFound => rows.below(RowFault::NoStamps),
+            _ => IoError::reading(&times_path, e),
+        })?,
         _ => Vec::new(),
     };
     let mut times = (stamped == 0).then(|| Rows::open(&times_bytes, &times_path)).transpose()?;
@@ -54,7 +57,7 @@ pub(crate) fn parse(bytes: &[u8], path: &Path) -> Result<Vec<StampedPose>, IoErr
 /// # Errors
 /// As [`parse`], but for stamps.
 pub(crate) fn parse_counted(bytes: &[u8], path: &Path) -> Result<Option<Vec<StampedPose>>, IoError> {
-    let mut rows = Rows::open(bytes, path)?;
+    let mut rows = Rows::open(bytes, path)?.by_place();
     if rows.width() != 12 {
         return Ok(None);
     }
@@ -75,6 +78,7 @@ fn all<'a>(
         let columns: [usize; 12] = std::array::from_fn(|i| i + behind);
         let numbers = rows.numbers(columns, names.each_ref().map(String::as_str))?;
         let world_from_body = rigid(&numbers).map_err(|problem| rows.fault(RowFault::BadPose { problem }))?;
+        position(world_from_body.translation.vector.into()).map_err(|fault| rows.fault(fault))?;
         poses.push(StampedPose { t, world_from_body });
     }
     Ok(poses)

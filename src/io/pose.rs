@@ -1,13 +1,25 @@
 //! Numbers of text to rotations and rigid motions.
 
+use super::row_fault::RowFault;
 use dpn_core::geometry;
-use nalgebra::{Isometry3, Matrix3, Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
 /// How far a quaternion's norm may be from 1: files carry six digits or fewer (EuRoC's are off by up to 3.3e-4).
 const NORM_TOLERANCE: f64 = 1e-2;
 
 /// A norm this close to 1 is a written unit quaternion, not a rounded one.
 const EXACT: f64 = 1e-12;
+
+/// Farthest that a position may be from the origin along an axis \[m\]: squares of more leave no figures to an error, and no vehicle is there.
+const FARTHEST: f64 = 1e9;
+
+/// A position in metres; what is wrong with it where it is none.
+pub(crate) fn position(xyz: [f64; 3]) -> Result<Translation3<f64>, RowFault> {
+    match ["x", "y", "z"].into_iter().zip(xyz).find(|(_, value)| value.abs() > FARTHEST) {
+        Some((column, value)) => Err(RowFault::TooFar { column, value }),
+        None => Ok(Translation3::from(xyz)),
+    }
+}
 
 /// The rotation of a quaternion given as w, x, y, z; the norm where it is none.
 ///

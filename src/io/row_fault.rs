@@ -21,6 +21,9 @@ pub enum RowFault {
     /// A header, or a row, with a number of columns that fits no format of this file.
     #[error("{found} columns; {expected} are known")]
     UnknownLayout { found: usize, expected: &'static str },
+    /// The same of a trajectory, whose columns have fixed places.
+    #[error("{found} columns; {expected} are known")]
+    PoseLayout { found: usize, expected: &'static str },
     /// A table without a header in which several columns could be a sensor's.
     #[error(
         "{columns} columns without a header could mean several things; median lengths of columns {found}: say {choices}"
@@ -38,6 +41,15 @@ pub enum RowFault {
     /// A stamp that is no time in the range of 64-bit nanoseconds.
     #[error("stamp \"{text}\" is not a time in {unit}")]
     BadStamp { text: String, unit: &'static str },
+    /// The same of a trajectory, whose unit its format says.
+    #[error("stamp \"{text}\" is not a time in {unit}")]
+    PoseStamp { text: String, unit: &'static str },
+    /// Poses without stamps where stamps are needed.
+    #[error("twelve columns are a pose without a stamp, and no times.txt lies beside the file")]
+    NoStamps,
+    /// A position that is none in metres.
+    #[error("{column} is {value:e} m; no trajectory goes further than 1e9 m")]
+    TooFar { column: &'static str, value: f64 },
     /// Stamps that stand still or go back.
     #[error("time goes from {prev_ns} to {t_ns} ns; stamps must increase")]
     TimeNotIncreasing { prev_ns: i64, t_ns: i64 },
@@ -92,6 +104,16 @@ impl RowFault {
             Self::UnknownLayout { .. } => {
                 "add a header that names the columns, or say which is which: --columns T,GX,GY,GZ,AX,AY,AZ"
             }
+            Self::PoseLayout { .. } => {
+                "trajectories are TUM's (t x y z qx qy qz qw between blanks, t in seconds), KITTI's (twelve numbers, before them t or beside the file times.txt) or EuRoC's (commas, nanoseconds, quaternion w x y z)"
+            }
+            Self::PoseStamp { .. } => {
+                "between blanks, as TUM has them, stamps are seconds (1403636625.363555670), between commas, as EuRoC has them, nanoseconds: write them so"
+            }
+            Self::NoStamps => {
+                "KITTI's poses need times.txt beside them, a number of seconds a line; two files without stamps are compared line by line"
+            }
+            Self::TooFar { .. } => "an estimator that diverges leaves such poses: cut the file before them",
             Self::FieldCount { .. } => "the row is cut off or damaged; mend or delete the line",
             Self::BadNumber { text, .. } if text.contains(':') => {
                 "a date or a time of day is no number: write stamps as seconds, ms, us or ns, or name another column for them (--columns)"

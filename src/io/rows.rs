@@ -117,6 +117,17 @@ impl<'a> Rows<'a> {
         }
     }
 
+    /// Takes columns by their places, whatever a header above them names.
+    pub(crate) fn by_place(mut self) -> Self {
+        self.header = None;
+        let mut rest = self.rest;
+        if let Some(text) = take_line(&mut rest) {
+            self.delimiter.split(text, &mut self.fields);
+            self.width = self.fields.len();
+        }
+        self
+    }
+
     /// Begins behind a header that was found, at line `line` from 1.
     pub(crate) fn behind(
         rest: &'a [u8],

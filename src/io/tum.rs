@@ -4,19 +4,19 @@
 //! written with as many digits as bring the same bits back.
 
 use super::decimal::{TimeUnit, seconds_text};
-use super::pose::rotation;
+use super::pose::{position, rotation};
 use super::row_fault::RowFault;
 use super::rows::Rows;
 use super::{IoError, ResultPath, atomic_write};
 use dpn_core::trajectory::StampedPose;
-use nalgebra::{Isometry3, Translation3};
+use nalgebra::Isometry3;
 use std::path::Path;
 
 /// Reads a trajectory, in increasing time, at least one pose.
 ///
 /// # Errors
-/// A file that cannot be read or holds no row; a row that is not eight finite numbers; a quaternion that is no rotation; stamps that
-/// do not increase.
+/// A file that cannot be read or holds no row; a row that is not eight finite numbers; a position beyond 1e9 m; a quaternion that is no
+/// rotation; stamps that do not increase.
 pub fn read_tum(path: &Path) -> Result<Vec<StampedPose>, IoError> {
     let bytes = std::fs::read(path).map_err(|e| IoError::reading(path, e))?;
     parse(&bytes, path)
@@ -24,7 +24,7 @@ pub fn read_tum(path: &Path) -> Result<Vec<StampedPose>, IoError> {
 
 /// The same from bytes at hand; `path` is for messages.
 pub(crate) fn parse(bytes: &[u8], path: &Path) -> Result<Vec<StampedPose>, IoError> {
-    let mut rows = Rows::open(bytes, path)?;
+    let mut rows = Rows::open(bytes, path)?.by_place();
     if rows.width() != 8 {
         return Err(rows.unknown_layout("8 (t x y z qx qy qz qw)"));
     }
@@ -35,7 +35,8 @@ pub(crate) fn parse(bytes: &[u8], path: &Path) -> Result<Vec<StampedPose>, IoErr
             rows.numbers([1, 2, 3, 4, 5, 6, 7], ["x", "y", "z", "qx", "qy", "qz", "qw"])?;
         let bad = |norm| rows.fault(RowFault::BadQuaternion { norm });
         let rotation = rotation([qw, qx, qy, qz]).map_err(bad)?;
-        let world_from_body = Isometry3::from_parts(Translation3::new(x, y, z), rotation);
+        let position = position([x, y, z]).map_err(|fault| rows.fault(fault))?;
+        let world_from_body = Isometry3::from_parts(position, rotation);
         poses.push(StampedPose { t, world_from_body });
     }
     Ok(poses)
@@ -66,7 +67,7 @@ pub fn tum_line(pose: &StampedPose) -> String {
 mod tests {
     use super::*;
     use dpn_core::Stamp;
-    use nalgebra::{Quaternion, UnitQuaternion};
+    use nalgebra::{Quaternion, Translation3, UnitQuaternion};
     use proptest::prelude::*;
 
     fn case(text: &str) -> Result<Vec<StampedPose>, IoError> {

@@ -98,6 +98,12 @@ fn several_sequences_have_a_ratio_and_from_six_on_an_interval_and_tests() {
     let few = ape(dir.path(), &[]).well();
     assert!(few.stdout.contains("  0.50     5 of 5  -\n"), "{few:?}");
     assert_eq!(few.stderr, "note: b has nothing of s5\n");
+    assert!(few.stdout.contains("mean rmse: over the 5 sequences that all have"), "{few:?}");
+    std::fs::copy(dir.path().join("truth/s5.tum"), dir.path().join("b/s5.tum")).unwrap();
+    ape(dir.path(), &[]).refused(
+        dir.path(),
+        "error: b/s5.tum has no error against truth/s5.tum: it is the truth, and nothing has a ratio to it\n\nhint: leave its folder away, or judge it alone",
+    );
 }
 
 #[test]
@@ -127,6 +133,10 @@ fn what_cannot_be_compared_is_one_line_and_a_remedy() {
     let put = |name: &str, text: &str| std::fs::write(dir.path().join(name), text).unwrap();
     put("late", "90 0 0 0 0 0 0 1\n91 1 0 0 0 0 0 1\n");
     put("one", "1 0 0 0 0 0 0 1\n");
+    put("huge", "1 0 0 0 0 0 0 1\n2 0 1e200 0 0 0 0 1\n");
+    put("ns", "1403636625363555670 0 0 0 0 0 0 1\n");
+    put("commas", "1403636625.3,0,0,0,0,0,0,1\n1403636625.4,0,0,0,0,0,0,1\n");
+    put("seven", "1 0 0 0 0 0 0\n");
     put("kitti", &"1 0 0 0 0 1 0 0 0 0 1 0\n".repeat(3));
     put("short", &"1 0 0 0 0 1 0 0 0 0 1 0\n".repeat(2));
     put("line", &(0..50).map(|i| format!("{} {i} 0 0 0 0 0 1\n", 0.1 * f64::from(i))).collect::<String>());
@@ -156,7 +166,7 @@ fn what_cannot_be_compared_is_one_line_and_a_remedy() {
     );
     refused(
         "rpe truth/s0.tum a/s0.tum -d 90 -u m",
-        "error: [DIR]/a/s0.tum against [DIR]/truth/s0.tum: no stretch of 90m among 50 pairs of poses: take a shorter one, or a wider tolerance\n\nhint: give another -d, or -t SHARE",
+        "error: [DIR]/a/s0.tum against [DIR]/truth/s0.tum: no stretch of 90m among 50 pairs of poses: take a shorter one, or a wider tolerance\n\nhint: give another -d, or --all_pairs and -t SHARE",
     );
     refused(
         "ape kitti short",
@@ -170,10 +180,84 @@ fn what_cannot_be_compared_is_one_line_and_a_remedy() {
         "ape truth a/s0.tum",
         "error: [DIR]/a/s0.tum is a file where the truth is a folder of sequences\n\nhint: with a folder of truths, estimates are folders too",
     );
+    refused(
+        "ape truth/s0.tum huge",
+        "error: [DIR]/huge:2: y is 1e200 m; no trajectory goes further than 1e9 m\n\nhint: an estimator that diverges leaves such poses: cut the file before them",
+    );
+    refused(
+        "ape kitti truth/s0.tum",
+        "error: [DIR]/kitti:1: twelve columns are a pose without a stamp, and no times.txt lies beside the file\n\nhint: KITTI's poses need times.txt beside them, a number of seconds a line; two files without stamps are compared line by line",
+    );
+    put("kitti2", &"1 0 0 0 0 1 0 0 0 0 1 0\n".repeat(3));
+    for (line, flag) in [("rpe kitti kitti2 -u s", "-u s"), ("ape kitti kitti2 --t_end 2", "--t_end")] {
+        refused(
+            line,
+            &format!(
+                "error: {flag} is in seconds, and [DIR]/kitti and [DIR]/kitti2 have no stamps\n\nhint: leave it away, or put a stamp before each pose or times.txt beside each file"
+            ),
+        );
+    }
+    refused(
+        "ape truth/s0.tum a/s0.tum --n_to_align 9",
+        "error: --n_to_align aligns nothing without -a or -s\n\nhint: give -a, -s or both",
+    );
+    refused(
+        "ape truth/s0.tum a/s0.tum --t_start 3 --t_end 2",
+        "error: --t_start 3 is after --t_end 2\n\nhint: both are stamps; give the earlier one as --t_start",
+    );
+    for (line, said) in [
+        ("ape truth/s0.tum ns", "between blanks, as TUM has them, stamps are seconds"),
+        ("ape truth/s0.tum commas", "between commas, as EuRoC has them, nanoseconds"),
+        ("ape truth/s0.tum seven", "trajectories are TUM's (t x y z qx qy qz qw between blanks"),
+        ("ape truth/s0.tum a/s0.tum -a --n_to_align 2", "'--n_to_align <N>': 2 is not in 3.."),
+        ("ape truth/s0.tum a/s0.tum --t_end -5", "--t_start and --t_end are stamps"),
+        ("rpe truth/s0.tum a/s0.tum -d nan", "'nan' for '--delta <NUMBER>': give a length above 0"),
+        ("rpe truth/s0.tum a/s0.tum --all_pairs -t 100", "give a share from 0 to below 1"),
+        ("rpe truth/s0.tum a/s0.tum -t 0.5", "--all_pairs"),
+    ] {
+        let done = end(dpn().current_dir(dir.path()).args(line.split(' ')));
+        assert!(done.code == Some(2) && done.stderr.contains(said), "{line}: {done:?}");
+    }
     let line = end(dpn().arg("ape").args([dir.path().join("line"), dir.path().join("a/s0.tum")]).arg("-a"));
     assert_eq!(line.code, Some(2), "{line:?}");
     assert!(line.stderr.ends_with("hint: leave -a and -s away, or give --align_origin\n"), "{line:?}");
     assert_eq!(run("ape nowhere here").code, Some(2));
+}
+
+#[test]
+fn what_looks_like_a_slip_is_said() {
+    let dir = tempfile::tempdir().unwrap();
+    folders(dir.path(), 1);
+    let put = |name: &str, poses: &dyn Fn(f64) -> String| {
+        let text: String = (0..40).map(|i| poses(0.1 * f64::from(i))).collect();
+        std::fs::write(dir.path().join(name), text).unwrap();
+    };
+    let row = |t: f64, start: f64, size: f64| {
+        format!("{:.1} {} {} 0 0 0 0 1\n", start + t, size * t.sin(), size * t.cos())
+    };
+    put("late", &|t| row(t, 1_403_636_000.0, 1.0));
+    put("estimate", &|t| row(t, 1_403_636_000.0, 1.0 + 1e-3 * t));
+    put("mm", &|t| row(t, 1_403_636_000.0, 1000.0));
+    std::fs::write(
+        dir.path().join("marked"),
+        "\u{feff}# t x y z\n".to_owned() + &row(0.0, 1_403_636_000.0, 1.0),
+    )
+    .unwrap();
+    let of =
+        |line: &str| end(dpn().current_dir(dir.path()).arg("ape").arg("late").args(line.split(' '))).well();
+    assert_eq!(of("estimate").stderr, "");
+    assert_eq!(of("marked").stderr, "");
+    assert_eq!(
+        of("mm -a").stderr,
+        "note: mm is 1000 times as large as the truth: in millimetres? -s takes the scale out\n"
+    );
+    assert_eq!(of("mm -a -s").stderr, "");
+    assert_eq!(
+        of("estimate --t_start 5").stderr,
+        "warning: --t_start 5 leaves out nothing: it is a stamp, not seconds from the start, and late begins at 1403636000.00\n"
+    );
+    let all = of("estimate -a --n_to_align 10000000").stdout;
+    assert!(all.starts_with("APE, trans_part [m]; aligned in SE(3).\n"), "{all}");
 }
 
 /// Poses of four types of messages in two kinds of bags (`golden/bags/poses.py`): the estimate is a quarter of a metre higher.

@@ -4,13 +4,13 @@ mod find;
 mod judged;
 mod say;
 
-use crate::args::{ApeArgs, DeltaUnit, RpeArgs, TrajectoryArgs};
+use crate::args::{ApeArgs, DeltaUnit, MAX_DIFF_S, RpeArgs, TrajectoryArgs};
 use crate::ui::{Fault, errln, out, print_pictures};
 use anyhow::Result;
 use dpn_core::Stamp;
 use dpn_core::trajectory::StampedPose;
-use dpn_eval::metrics::{Compared, Comparing, MetricsError, RpeSpec, absolute, relative};
-use dpn_figures::{save, trajectory_errors};
+use dpn_eval::metrics::{Compared, Comparing, MetricsError, PoseRelation, RpeSpec, absolute, relative};
+use dpn_figures::{Cell, save, trajectory_errors};
 use dpn_io::{printable, read_counted_poses, read_poses};
 use dpn_logs::{BagPoses, is_bag, read_bag_poses};
 use find::{Case, cases, names};
@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 const DRAWN: usize = 4;
 
 pub(crate) fn ape(args: &ApeArgs) -> Result<()> {
-    run(&args.of, "APE", |truth, estimate, by| absolute(truth, estimate, by))
+    run(&args.of, "APE", None, |truth, estimate, by| absolute(truth, estimate, by))
 }
 
 pub(crate) fn rpe(args: &RpeArgs) -> Result<()> {
@@ -37,12 +37,16 @@ pub(crate) fn rpe(args: &RpeArgs) -> Result<()> {
     text.push_str(if args.pairs_from_reference { ":pairs_from_reference" } else { "" });
     let spec: RpeSpec = text.parse()?;
     let name = format!("RPE over {spec}");
-    run(&args.of, &name, |truth, estimate, by| relative(truth, estimate, by, (&spec, args.delta_tol)))
+    let seconds = (args.delta_unit == DeltaUnit::Seconds).then_some("-u s");
+    run(&args.of, &name, seconds, |truth, estimate, by| {
+        relative(truth, estimate, by, (&spec, args.delta_tol))
+    })
 }
 
 fn run(
     args: &TrajectoryArgs,
     metric: &str,
+    seconds: Option<&str>,
     compare: impl Fn(&[StampedPose], &[StampedPose], &Comparing) -> Result<Compared, MetricsError>,
 ) -> Result<()> {
     let by = comparing(args)?;
@@ -50,10 +54,21 @@ fn run(
     let mut judged = Vec::new();
     for case in cases(args, &names)? {
         let (truth, estimate, counted) = poses(&case.truth, &case.estimate)?;
-        let compared =
-            compare(&truth, &estimate, &by).map_err(|error| fault(&error, &case, &truth, &estimate))?;
+        if let (true, Some(flag)) = (counted, seconds.or_else(|| flag_of_stamps(args))) {
+            let message = format!(
+                "{flag} is in seconds, and {} and {} have no stamps",
+                case.truth.display(),
+                case.estimate.display()
+            );
+            let hint = "leave it away, or put a stamp before each pose or times.txt beside each file";
+            return Err(Fault::new(message).hint(hint).into());
+        }
+        warn_of_start(args, &truth, &case);
+        let compared = compare(&truth, &estimate, &by)
+            .map_err(|error| fault(&error, &case, (&truth, &estimate), &by))?;
         judged.push(Judged { poses: estimate.len(), case, compared, counted });
     }
+    note_scales(&by, &names, &judged);
     let several = judged.iter().any(|one| one.case.sequence.is_some());
     let versus = if several { versus(&judged, names.len())? } else { Vec::new() };
     let pictures =
@@ -84,6 +99,18 @@ fn comparing(args: &TrajectoryArgs) -> Result<Comparing> {
                 .into());
         }
     }
+    if args.n_to_align.is_some() && !args.align && !args.correct_scale {
+        return Err(Fault::new("--n_to_align aligns nothing without -a or -s")
+            .hint("give -a, -s or both")
+            .into());
+    }
+    if let (Some(start), Some(end)) = (args.t_start, args.t_end)
+        && start > end
+    {
+        return Err(Fault::new(format!("--t_start {start} is after --t_end {end}"))
+            .hint("both are stamps; give the earlier one as --t_start")
+            .into());
+    }
     let stamp = |seconds: f64| Stamp::from_ns(0).plus_seconds(seconds);
     Ok(Comparing {
         relation: args.relation,
@@ -96,6 +123,54 @@ fn comparing(args: &TrajectoryArgs) -> Result<Comparing> {
         from: args.t_start.map(stamp),
         to: args.t_end.map(stamp),
     })
+}
+
+/// A flag that was given and has no sense without stamps.
+fn flag_of_stamps(args: &TrajectoryArgs) -> Option<&'static str> {
+    let flags = [
+        ("--t_start", args.t_start.is_some()),
+        ("--t_end", args.t_end.is_some()),
+        ("--t_offset", args.t_offset != 0.0),
+        ("--t_max_diff", args.t_max_diff != MAX_DIFF_S),
+    ];
+    flags.into_iter().find(|(_, given)| *given).map(|(flag, _)| flag)
+}
+
+/// Says where `--t_start` is meant as seconds from the start, as it seems: it then leaves out nothing.
+fn warn_of_start(args: &TrajectoryArgs, truth: &[StampedPose], case: &Case) {
+    let (Some(start), [first, .., last]) = (args.t_start, truth) else { return };
+    let begins = first.t.seconds_since(Stamp::from_ns(0));
+    if begins - start > last.t.seconds_since(first.t) {
+        let truth = case.truth.display();
+        errln!(
+            "warning: --t_start {start} leaves out nothing: it is a stamp, not seconds from the start, and {truth} begins at {begins:.2}"
+        );
+    }
+}
+
+/// Says which estimates are of another scale, where it counts and was not asked for.
+fn note_scales(by: &Comparing, names: &[String], judged: &[Judged]) {
+    let turned =
+        matches!(by.relation, PoseRelation::RotPart | PoseRelation::AngleDeg | PoseRelation::AngleRad);
+    if by.correct_scale || turned {
+        return;
+    }
+    for (number, name) in names.iter().enumerate() {
+        let of = judged.iter().filter(|one| one.case.number == number);
+        let off: Vec<_> = of.filter_map(|one| Some((&one.case.sequence, one.times_as_large()?))).collect();
+        let Some((sequence, times)) = off.first() else { continue };
+        let on = match (sequence, off.len() - 1) {
+            (None, _) => String::new(),
+            (Some(sequence), 0) => format!(" on {}", printable(sequence)),
+            (Some(sequence), more) => format!(" on {} and {more} more", printable(sequence)),
+        };
+        let times = *times;
+        let millimetres = if (900.0..1100.0).contains(&times) { ": in millimetres?" } else { ";" };
+        errln!(
+            "note: {name}{on} is {} times as large as the truth{millimetres} -s takes the scale out",
+            Cell::significant(times, 3).shown()
+        );
+    }
 }
 
 /// A bag, with the topic behind its name where one is given; none of other files.
@@ -147,8 +222,8 @@ fn poses(truth: &Path, estimate: &Path) -> Result<(Vec<StampedPose>, Vec<Stamped
 fn fault(
     error: &MetricsError,
     case: &Case,
-    truth: &[StampedPose],
-    estimate: &[StampedPose],
+    (truth, estimate): (&[StampedPose], &[StampedPose]),
+    by: &Comparing,
 ) -> anyhow::Error {
     let (of, against) = (case.estimate.display(), case.truth.display());
     let seconds = |t: Stamp| format!("{:.2}", t.seconds_since(Stamp::from_ns(0)));
@@ -168,11 +243,14 @@ fn fault(
         other => format!("{of} against {against}: {other}"),
     });
     let hint = match error {
+        MetricsError::TooFewPairs { .. } if by.from.is_some() || by.to.is_some() => {
+            "--t_start and --t_end are stamps, not seconds from the start: give such as lie within both"
+        }
         MetricsError::TooFewPairs { .. } => {
             "--t_offset SECONDS moves the estimate's stamps, --t_max_diff SECONDS pairs what is further apart"
         }
         MetricsError::Degenerate { .. } => "leave -a and -s away, or give --align_origin",
-        MetricsError::NoStretch { .. } => "give another -d, or -t SHARE",
+        MetricsError::NoStretch { .. } => "give another -d, or --all_pairs and -t SHARE",
         _ => return fault.into(),
     };
     fault.hint(hint).into()
@@ -200,7 +278,7 @@ fn draw(
         let drawn = &sequence[..sequence.len().min(DRAWN)];
         let of: Vec<(String, &Compared)> =
             drawn.iter().map(|one| (names[one.case.number].clone(), &one.compared)).collect();
-        let mut caption = say::how(by);
+        let mut caption = say::how(by, sequence);
         if sequence.len() > DRAWN {
             let more = format!(" The first {DRAWN} of {} trajectories.", sequence.len());
             errln!("note:{more}");

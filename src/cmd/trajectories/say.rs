@@ -17,7 +17,7 @@ pub(super) fn what(metric: &str, by: &Comparing) -> String {
 }
 
 /// How the estimates were brought to the truth.
-pub(super) fn how(by: &Comparing) -> String {
+pub(super) fn how(by: &Comparing, judged: &[Judged]) -> String {
     let way = match (by.align, by.correct_scale, by.align_origin) {
         (true, true, _) => "aligned in Sim(3)",
         (true, false, _) => "aligned in SE(3)",
@@ -26,12 +26,13 @@ pub(super) fn how(by: &Comparing) -> String {
         (false, false, true) => "first pose put on the truth's",
         (false, false, false) => "not aligned",
     };
-    let first = by.n_to_align.filter(|_| by.align || by.correct_scale);
+    // More than there are is all of them.
+    let first = by.n_to_align.filter(|n| judged.iter().any(|one| *n < one.compared.pairs.len()));
     first.map_or(format!("{way}."), |n| format!("{way} by the first {n} poses."))
 }
 
-fn head(metric: &str, by: &Comparing) -> String {
-    format!("{}; {}", what(metric, by), how(by))
+fn head(metric: &str, by: &Comparing, judged: &[Judged]) -> String {
+    format!("{}; {}", what(metric, by), how(by, judged))
 }
 
 /// One truth: a row an estimate.
@@ -40,7 +41,8 @@ pub(super) fn one(metric: &str, by: &Comparing, names: &[String], judged: &[Judg
     if by.correct_scale {
         numbers.push("scale");
     }
-    let mut table = Table::new("trajectories", head(metric, by), Column::all(&["estimate"], &numbers));
+    let mut table =
+        Table::new("trajectories", head(metric, by, judged), Column::all(&["estimate"], &numbers));
     for one in judged {
         let ErrorSummary { count, rmse, median, max, .. } = one.compared.summary;
         let mut cells = vec![Cell::text(&names[one.case.number]), Cell::text(count)];
@@ -63,14 +65,22 @@ pub(super) fn sequences(
 ) -> Table {
     let ratio = format!("ratio to {}", names[0]);
     let numbers = ["sequences", "mean rmse", ratio.as_str(), "better in", "p"];
-    let mut table = Table::new("trajectories", head(metric, by), Column::all(&["estimate"], &numbers));
+    let mut table =
+        Table::new("trajectories", head(metric, by, judged), Column::all(&["estimate"], &numbers));
+    // Means over other sequences would not be comparable.
+    let of_all: Vec<&Judged> = judged
+        .chunk_by(|a, b| a.case.sequence == b.case.sequence)
+        .filter(|sequence| sequence.len() == names.len())
+        .flatten()
+        .collect();
     for (number, name) in names.iter().enumerate() {
-        let errors: Vec<f64> = judged
+        let count = judged.iter().filter(|one| one.case.number == number).count();
+        let errors: Vec<f64> = of_all
             .iter()
             .filter(|one| one.case.number == number)
             .map(|one| one.compared.summary.rmse)
             .collect();
-        let mut cells = vec![Cell::text(name), Cell::text(errors.len()), Cell::significant(mean(&errors), 3)];
+        let mut cells = vec![Cell::text(name), Cell::text(count), Cell::significant(mean(&errors), 3)];
         cells.extend(match versus.get(number).and_then(Option::as_ref) {
             None => [Cell::none(), Cell::none(), Cell::none()],
             Some(of) => {
@@ -85,8 +95,9 @@ pub(super) fn sequences(
         });
         table.reference_row(cells, number == 0);
     }
+    let common = of_all.len() / names.len();
     table.note(format!(
-        "ratio: geometric mean over the sequences that both have, with its 95 % interval from {FEWEST_SEQUENCES} sequences on; p: signed ranks, by Holm"
+        "mean rmse: over the {common} sequences that all have; ratio: geometric mean over the sequences that both have, with its 95 % interval from {FEWEST_SEQUENCES} sequences on; p: signed ranks, by Holm"
     ));
     table
 }
@@ -125,7 +136,7 @@ pub(super) fn json(
         }))
     };
     json!({
-        "metric": metric, "relation": by.relation.name(), "unit": by.relation.unit(), "alignment": how(by),
+        "metric": metric, "relation": by.relation.name(), "unit": by.relation.unit(), "alignment": how(by, judged),
         "pairs": judged.iter().map(pair).collect::<Vec<_>>(),
         "comparisons": versus.iter().zip(names).filter_map(compared).collect::<Vec<_>>(),
     })

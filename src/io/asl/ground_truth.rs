@@ -6,18 +6,18 @@
 
 use crate::IoError;
 use crate::decimal::TimeUnit;
-use crate::pose::rotation;
+use crate::pose::{position, rotation};
 use crate::row_fault::RowFault;
 use crate::rows::Rows;
 use dpn_core::truth::{Biases, GroundTruth, TrueState};
-use nalgebra::{Isometry3, Translation3, Vector3};
+use nalgebra::{Isometry3, Vector3};
 use std::path::Path;
 
 /// Reads a ground-truth file of ASL's layout.
 ///
 /// # Errors
 /// A file that cannot be read or holds no row; other than 8, 11 or 17 columns; a row that holds what is no finite number; a
-/// quaternion that is no rotation; stamps that do not increase.
+/// position beyond 1e9 m; a quaternion that is no rotation; stamps that do not increase.
 pub fn read(path: &Path) -> Result<GroundTruth, IoError> {
     let bytes = std::fs::read(path).map_err(|e| IoError::reading(path, e))?;
     parse(&bytes, path)
@@ -46,7 +46,7 @@ pub(crate) fn parse(bytes: &[u8], path: &Path) -> Result<GroundTruth, IoError> {
         states.push(TrueState {
             t,
             world_from_body: Isometry3::from_parts(
-                Translation3::new(x, y, z),
+                position([x, y, z]).map_err(|fault| rows.fault(fault))?,
                 rotation([qw, qx, qy, qz]).map_err(|norm| rows.fault(RowFault::BadQuaternion { norm }))?,
             ),
             vel_in_world: if width >= 11 { Some(vector([8, 9, 10], VELOCITY)?) } else { None },
