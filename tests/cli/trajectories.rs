@@ -85,6 +85,7 @@ fn ape(dir: &Path, more: &[&str]) -> Done {
 fn several_sequences_have_a_ratio_and_from_six_on_an_interval_and_tests() {
     let dir = tempfile::tempdir().unwrap();
     folders(dir.path(), 6);
+    std::fs::write(dir.path().join("truth/s0.json"), "{}").unwrap();
     let page = ape(dir.path(), &[]).well().stdout;
     assert!(
         page.contains("0.50 (0.50 to 0.50)") && page.contains("6 of 6") && page.contains("0.031"),

@@ -95,7 +95,8 @@ fn all_in(dir: &Path) -> Result<BTreeMap<String, PathBuf>> {
         let path = entry.map_err(|error| IoError::reading(dir, error))?.path();
         let name = if path.is_dir() { path.file_name() } else { path.file_stem() };
         let name = name.unwrap_or_default().to_string_lossy().into_owned();
-        if name.starts_with('.') {
+        // What dpn says of a trajectory lies beside it under the same name.
+        if name.starts_with('.') || path.extension().is_some_and(|ending| ending == "json") {
             continue;
         }
         let Some(file) = one(&path)? else { continue };
