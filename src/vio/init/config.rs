@@ -12,7 +12,7 @@ pub(super) const TRY_EVERY: u64 = 2;
 /// Tracks that two frames must share to be compared.
 pub(super) const MIN_SHARED_TRACKS: usize = 20;
 /// Parallax after compensating rotation that some pair of frames must show, median over tracks \[px\].
-pub(super) const MIN_PARALLAX_PX: f64 = 6.0;
+pub(super) const MIN_PARALLAX_PX: f64 = 8.0;
 /// Least white noise of the accelerometer that is believed, whatever is told \[m/s^2/sqrt(Hz)\]: rotors shake it more than its data
 /// sheet says.
 pub(super) const MIN_ACCEL_NOISE: f64 = 0.025;
