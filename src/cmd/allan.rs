@@ -1,6 +1,6 @@
 //! `dpn allan`.
 
-use super::{log, noise};
+use super::{apart, log, noise};
 use crate::args::AllanArgs;
 use crate::ui::{out, outln, print_pictures};
 use anyhow::Result;
@@ -9,8 +9,11 @@ use dpn_io::atomic_write;
 use dpn_probe::allan::compare::{FigureCheck, compare};
 use dpn_probe::allan::{AllanLog, report};
 use dpn_probe::rest_noise::RestNoise;
+use std::path::PathBuf;
 
 pub(crate) fn run(args: &AllanArgs) -> Result<()> {
+    let read: Vec<&PathBuf> = [&args.log.path].into_iter().chain(&args.check).collect();
+    apart::folder("--out", &args.out, &["allan.json", "allan.svg", "allan.png", "allan.csv"], &read)?;
     let recording = log::read(&args.log)?.recording.held()?;
     // A configuration that cannot be read should not cost a fit.
     let config = noise::config(args.check.as_deref(), args.check_as, recording.rate())?;

@@ -1,6 +1,6 @@
 //! `dpn check`.
 
-use super::{log, many};
+use super::{apart, log, many};
 use crate::args::{CheckArgs, FailOn};
 use crate::ui::{Found, out, outln, print_pictures};
 use anyhow::Result;
@@ -30,6 +30,7 @@ fn examined(args: &CheckArgs, path: &Path) -> Result<Examination> {
 
 /// A table of logs.
 fn all(args: &CheckArgs, logs: &[PathBuf]) -> Result<Weight> {
+    apart::folder("--out", &args.out, &["check.json"], logs)?;
     let rows = many::looked_at(logs, |path| examined(args, path));
     let text = table::json(&rows)?.to_string() + "\n";
     atomic_write(args.out.join("check.json"), |file| file.write_all(text.as_bytes()))?;
@@ -38,11 +39,13 @@ fn all(args: &CheckArgs, logs: &[PathBuf]) -> Result<Weight> {
     } else {
         out!("{}", table::page(&rows))?;
     }
+    many::read_some(&args.logs, &rows)?;
     Ok(table::gravest(&rows))
 }
 
 /// One log, its findings and the picture of its spectra.
 fn one(args: &CheckArgs, path: &Path) -> Result<Weight> {
+    apart::folder("--out", &args.out, &["check.json", "spectra.svg", "spectra.png", "spectra.csv"], &[path])?;
     let examination = examined(args, path)?;
     let gravest = examination.findings.first().map_or(Weight::Note, |finding| finding.weight);
     let text = serde_json::to_string(&examination)? + "\n";

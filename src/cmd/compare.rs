@@ -1,6 +1,6 @@
 //! `dpn compare`.
 
-use super::log;
+use super::{apart, log};
 use crate::args::CompareArgs;
 use crate::ui::{Fault, out, print_pictures};
 use anyhow::Result;
@@ -14,11 +14,12 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
     let paths = [&args.first, &args.second];
     if let (Ok(a), Ok(b)) = (args.first.canonicalize(), args.second.canonicalize())
         && a == b
-        && a.is_file()
     {
         let message = format!("{} is compared with itself", args.first.display());
         return Err(Fault::new(message).hint("name two logs of one sensor, the earlier one first").into());
     }
+    let files = ["compare.json", "spectra.svg", "spectra.png", "spectra.csv"];
+    apart::folder("--out", &args.out, &files, &paths)?;
     let side = |path: &Path| -> Result<Side> {
         let log = log::read_quietly(path, args.span, &args.how)?;
         let examination = examine_log(&log)?;

@@ -10,12 +10,7 @@ use dpn_probe::log_noise::Track;
 use std::path::Path;
 
 /// Refuses what would only fail once the track is there.
-pub(super) fn check(into: &Path, path: &Path, log: &Log, how: &HowArgs) -> Result<()> {
-    let same = into.canonicalize().is_ok_and(|into| path.canonicalize().is_ok_and(|path| path == into));
-    if same {
-        let text = format!("--into {} would write over the log that is read", into.display());
-        return Err(Fault::new(text).hint("name another file").into());
-    }
+pub(super) fn check(path: &Path, log: &Log, how: &HowArgs) -> Result<()> {
     let unit = how.gyro_unit.is_some_and(|unit| unit.factor() != 1.0)
         || how.accel_unit.is_some_and(|unit| unit.factor() != 1.0);
     let scaled = unit || how.gyro_scale.is_some() || how.accel_scale.is_some() || how.sensor_scale.is_some();

@@ -1,5 +1,6 @@
 //! What runs of the odometry learned of a platform's noise: at the end of `dpn run`, and `dpn noise --learned`.
 
+use super::apart;
 use crate::args::PasteArgs;
 use crate::ui::{Fault, out, outln};
 use anyhow::Result;
@@ -25,6 +26,7 @@ pub(super) fn paste(learned: &LearnedNoise, walks: bool) -> Paste {
 
 /// Several runs of one platform together.
 pub(super) fn together(runs: &[PathBuf], how: &PasteArgs, out: &ResultPath, json: bool) -> Result<()> {
+    apart::folder("--out", out, &["learned.json"], runs)?;
     let all = runs.iter().map(|run| read(run)).collect::<Result<Vec<_>>>()?;
     let (first, hz) = (&runs[0], all[0].rate_hz.hz());
     if let Some((run, other)) =

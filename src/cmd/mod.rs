@@ -3,6 +3,7 @@
 mod against;
 mod allan;
 mod along;
+mod apart;
 mod cache;
 mod check;
 mod closed_loop;

@@ -1,6 +1,6 @@
 //! `dpn noise`.
 
-use super::{against, convert, follow, into, learned, log, many, rerun, shipped};
+use super::{against, apart, convert, follow, into, learned, log, many, rerun, shipped};
 use crate::args::{NoiseArgs, NoiseWhat, RowFormat};
 use crate::ui::{Fault, errln, out, outln, print_pictures};
 use anyhow::{Context, Result};
@@ -30,14 +30,31 @@ pub(crate) fn run(args: &NoiseArgs) -> Result<()> {
         [only] if args.logs.len() == 1 && *only == args.logs[0] => Some(only),
         several => return all(args, several),
     };
-    if let (Some(trajectory), Some(log)) = (&args.against, log) {
-        return against::run(args, log, trajectory);
+    if let Some(log) = log {
+        apart_from(args, log)?;
+        if let Some(trajectory) = &args.against {
+            return against::run(args, log, trajectory);
+        }
     }
     let networks = shipped::or_of(args.weights.as_deref())?;
     match log {
         Some(path) => along(args, path, &networks),
         None => follow::run(args, &plan(args, follow::rate(&args.how), &networks)?),
     }
+}
+
+/// Refuses results over what is read.
+fn apart_from(args: &NoiseArgs, log: &PathBuf) -> Result<()> {
+    let read: Vec<&PathBuf> = [log].into_iter().chain(&args.against).chain(&args.check).collect();
+    for (flag, file) in [("--into", &args.into), ("--rerun", &args.rerun)] {
+        file.as_deref().map_or(Ok(()), |file| apart::file(flag, file, &read))?;
+    }
+    let files: &[&str] = match (&args.against, args.format) {
+        (Some(_), _) => &["against.json", "biases.csv"],
+        (None, RowFormat::Csv) => &["summary.json", "plot.svg", "plot.png", "plot.csv", "noise.csv"],
+        (None, RowFormat::Jsonl) => &["summary.json", "plot.svg", "plot.png", "plot.csv", "noise.jsonl"],
+    };
+    apart::folder("--out", &args.out, files, &read)
 }
 
 /// A table of logs.
@@ -55,13 +72,15 @@ fn all(args: &NoiseArgs, logs: &[PathBuf]) -> Result<()> {
         let message = format!("{flag} is for one log, and {} are named", logs.len());
         return Err(Fault::new(message).hint("leave it away for a table of all, or name one log").into());
     }
+    apart::folder("--out", &args.out, &["summary.json"], logs)?;
     let rows = many::looked_at(logs, |path| {
         let log = log::read_quietly(path, args.span, &args.how)?;
         Ok(NoiseOfLog::of(&log.recording, &examine_log(&log)?)?)
     });
     let text = json(&rows)?.to_string() + "\n";
     atomic_write(args.out.join("summary.json"), |file| file.write_all(text.as_bytes()))?;
-    Ok(if args.json { out!("{text}")? } else { out!("{}", page(&rows))? })
+    if args.json { out!("{text}") } else { out!("{}", page(&rows)) }?;
+    many::read_some(&args.logs, &rows)
 }
 
 /// What was asked for, or the networks where the rate is theirs and a simple estimator where not.
@@ -81,8 +100,8 @@ fn plan<'a>(args: &NoiseArgs, rate: SampleRate, networks: &'a [Network]) -> Resu
 fn along(args: &NoiseArgs, path: &Path, networks: &[Network]) -> Result<()> {
     rerun::check(args.rerun.as_deref())?;
     let log = log::read_part(path, args.span, &args.how)?;
-    if let Some(into) = &args.into {
-        into::check(into, path, &log, &args.how)?;
+    if args.into.is_some() {
+        into::check(path, &log, &args.how)?;
     }
     let recording = &log.recording;
     let rate = recording.rate();

@@ -24,8 +24,8 @@ const NOT_FOUND: &str = "404 Not Found";
 const NO_STORE: (&str, &str) = ("Cache-Control", "no-store");
 
 pub(crate) fn run(args: &PageArgs) -> Result<()> {
-    let page = page(args.web.as_deref())?;
     let log = Served::of(args)?;
+    let page = page(args.web.as_deref())?;
     let listener = TcpListener::bind("127.0.0.1:0").context("nothing can be served on 127.0.0.1")?;
     let address = listener.local_addr().context("an address of this machine")?.to_string();
     let token = format!("/{}/", token());

@@ -1,8 +1,8 @@
 //! `dpn report`.
 
-use super::{log, many, program, shipped};
+use super::{apart, log, many, program, shipped};
 use crate::args::ReportArgs;
-use crate::ui::{Fault, outln};
+use crate::ui::outln;
 use anyhow::Result;
 use dpn_core::Recorded;
 use dpn_figures::{FigureError, Plot, allan_plot, log_noise_plot, spectrogram, spectrum_plot};
@@ -14,7 +14,7 @@ use dpn_probe::allan::AllanLog;
 use dpn_probe::doctor::{Examination, examine_log};
 use dpn_probe::log_noise::{Along, LogNoiseError, Plan, report};
 use dpn_pronet::network::Network;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Samples from one answer of the networks to the next.
 const EVERY: usize = 10;
@@ -23,16 +23,22 @@ const ALLAN_S: f64 = 30.0;
 
 pub(crate) fn run(args: &ReportArgs) -> Result<()> {
     let logs = many::logs(&args.logs)?;
+    // A page inside a log's folder is no part of the log.
+    let is_page = args.out.path().extension().is_some_and(|ending| ending == "html");
+    let read: Vec<&Path> =
+        logs.iter().map(PathBuf::as_path).filter(|log| !(is_page && log.is_dir())).collect();
+    apart::file("--out", args.out.path(), &read)?;
     let networks = shipped::networks()?;
+    let mut missing = Ok(());
     let page = LogReport {
         logs: match &logs[..] {
             // What is wrong with the only log is an error.
             [only] => vec![section(args, only, &networks)?],
             several => {
                 let rows = many::looked_at(several, |path| section(args, path, &networks));
+                missing = many::read_some(&args.logs, &rows);
                 if rows.iter().all(|(_, row)| row.is_err()) {
-                    let message = format!("none of {} logs can be read", rows.len());
-                    return Err(Fault::new(message).hint("dpn check says of each why").into());
+                    return missing;
                 }
                 let unread =
                     |name, error: String| LogSection::new(name, format!("It cannot be read: {error}"));
@@ -43,7 +49,8 @@ pub(crate) fn run(args: &ReportArgs) -> Result<()> {
     };
     let text = page.html()?;
     atomic_write(&args.out, |file| file.write_all(text.as_bytes()))?;
-    Ok(outln!("{}: {} kB, {} log(s)", args.out.display(), text.len() / 1000, page.logs.len())?)
+    outln!("{}: {} kB, {} log(s)", args.out.display(), text.len() / 1000, page.logs.len())?;
+    missing
 }
 
 /// All that is said of one log.

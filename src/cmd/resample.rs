@@ -1,6 +1,6 @@
 //! `dpn convert`.
 
-use super::log;
+use super::{apart, log};
 use crate::args::ResampleArgs;
 use crate::ui::{Fault, errln, outln};
 use anyhow::{Context, Result};
@@ -10,6 +10,7 @@ use dpn_io::asl::write_imu_rows;
 use dpn_io::atomic_write;
 
 pub(crate) fn run(args: &ResampleArgs) -> Result<()> {
+    apart::file("--out", args.out.path(), &[&args.log.path])?;
     let mut recording = log::read(&args.log)?.recording.held()?;
     if let Some(to) = args.to_rate {
         let path = args.log.path.display();
@@ -23,6 +24,14 @@ pub(crate) fn run(args: &ResampleArgs) -> Result<()> {
         let samples = resampled(recording.samples(), rate, to);
         let too_short =
             || format!("{path}: shorter than the low pass; it needs {:.2} s", WINDOW_PERIODS * to.period());
+        let holes =
+            samples.windows(2).filter(|two| two[1].t.seconds_since(two[0].t) > 1.5 * to.period()).count();
+        if holes > 0 {
+            errln!(
+                "note: {holes} hole(s): no samples are made where the log has none, nor {:.2} s before and after",
+                0.5 * WINDOW_PERIODS * to.period()
+            );
+        }
         recording = ImuRecording::new(samples).with_context(too_short)?;
         errln!(
             "{:.1} Hz to {:.1} Hz behind a low pass: flat to {:.1} Hz, nothing above {:.1} Hz; white noise keeps its density",

@@ -1,6 +1,6 @@
 //! `dpn run`.
 
-use super::{foxglove, learned, program, rerun, settings, shipped};
+use super::{apart, foxglove, learned, program, rerun, settings, shipped};
 use crate::args::RunArgs;
 use crate::ui::{Untrusted, errln, out, outln, warn};
 use anyhow::Result;
@@ -24,9 +24,11 @@ use dpn_vio::frontend::Fed;
 use dpn_vio::window::Window;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
+use std::path::Path;
 
 pub(crate) fn run(args: &RunArgs) -> Result<()> {
     rerun::check(args.rerun.as_deref())?;
+    apart_from(args)?;
     let noise: NoiseSpec = args.noise.parse()?;
     let estimator = estimator(args)?;
     let calibration = settings::calibration(&args.settings)?;
@@ -208,6 +210,31 @@ impl FrontEndObserver for Lookers<'_> {
     fn end(&mut self, image: &GrayImage, fed: &Fed) {
         self.0.iter_mut().for_each(|looker| looker.end(image, fed));
     }
+}
+
+/// Refuses results over what is read.
+fn apart_from(args: &RunArgs) -> Result<()> {
+    let given = [&args.tracks, &args.truth, &args.settings.calib];
+    let read: Vec<&Path> = [Path::new(&args.source)]
+        .into_iter()
+        .chain(given.into_iter().filter_map(|file| file.as_deref()))
+        .collect();
+    for (flag, file) in [("--mcap", &args.mcap), ("--rerun", &args.rerun)] {
+        file.as_deref().map_or(Ok(()), |file| apart::file(flag, file, &read))?;
+    }
+    let of_run = [
+        "trajectory.tum",
+        "states.csv",
+        "noise_learned.csv",
+        "report.json",
+        "trajectory.kitti",
+        "truth.kitti",
+    ];
+    let drawn = ["top.svg", "top.png", "top.csv", "timeline.svg", "timeline.png", "timeline.csv"];
+    for (flag, dir, files) in [("--out", &args.out, of_run), ("--draw", &args.draw, drawn)] {
+        dir.as_ref().map_or(Ok(()), |dir| apart::folder(flag, dir, &files, &read))?;
+    }
+    Ok(())
 }
 
 /// What was typed, as a sequence and its place in its set.

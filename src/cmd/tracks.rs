@@ -1,6 +1,6 @@
 //! `dpn simulate tracks`.
 
-use super::along;
+use super::{along, apart};
 use crate::args::TracksArgs;
 use crate::ui::outln;
 use anyhow::Result;
@@ -12,6 +12,9 @@ use std::path::PathBuf;
 pub(crate) fn run(TracksArgs { along: args, out }: &TracksArgs) -> Result<()> {
     let mut config: TracksConfig = load_over(args.config.as_deref(), &args.sets)?;
     let source = along::open(args, "tracks", &config.path, &mut config.camera)?;
+    if let Some(out) = out {
+        apart::file("--out", out, &[&args.source])?;
+    }
     let frames = simulate_tracks(&config, source.path.as_ref(), &source.stamps, args.seed)?;
     let out =
         out.clone().unwrap_or_else(|| PathBuf::from("runs/tracks").join(format!("{}.txt", source.name)));

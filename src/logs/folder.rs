@@ -25,7 +25,11 @@ pub fn logs_in(path: &Path) -> Result<Vec<PathBuf>, LogError> {
     }
     let is_log = |path: &PathBuf| {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let ends = || path.extension().is_some_and(|e| ENDS.iter().any(|end| e.eq_ignore_ascii_case(end)));
+        // A pipe gives nothing until somebody writes.
+        let ends = || {
+            path.is_file()
+                && path.extension().is_some_and(|e| ENDS.iter().any(|end| e.eq_ignore_ascii_case(end)))
+        };
         !name.starts_with('.') && if path.is_dir() { Kind::of(path).is_ok() } else { ends() }
     };
     let entries = std::fs::read_dir(path).map_err(|e| IoError::reading(path, e))?;

@@ -31,8 +31,9 @@ impl ImuFile {
                 return Ok(Self::One(file));
             }
             let entries = std::fs::read_dir(dir).map_err(|e| IoError::reading(dir, e))?;
-            let is_json =
-                |path: &PathBuf| path.extension().is_some_and(|end| end == "jsonl" || end == "ndjson");
+            let is_json = |path: &PathBuf| {
+                path.extension().is_some_and(|end| end == "jsonl" || end == "ndjson") && path.is_file()
+            };
             let mut json = entries.flatten().map(|entry| entry.path()).filter(is_json);
             if let (Some(only), None) = (json.next(), json.next()) {
                 return Ok(Self::One(only));

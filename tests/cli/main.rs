@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod allan;
+mod apart;
 mod arguments;
 mod bad_config;
 mod bad_data;

@@ -251,7 +251,7 @@ fn a_log_is_written_again_with_the_covariances_of_its_track() {
     let (first, second) = (std::fs::read(into).unwrap(), std::fs::read(&again).unwrap());
     assert!(first.len() == second.len() && first != second, "the same messages, other covariances");
     for (into, more, words) in [
-        (dir.path().join("into.mcap"), &[][..], "would write over the log that is read"),
+        (dir.path().join("into.mcap"), &[][..], "into.mcap, which is read"),
         (dir.path().join("c.mcap"), &["--accel-scale", "0.01"][..], "are said not to be SI units"),
     ] {
         let refused = copy(&into, more);

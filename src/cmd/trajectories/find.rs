@@ -73,6 +73,11 @@ pub(super) fn cases(args: &TrajectoryArgs, names: &[String]) -> Result<Vec<Case>
 /// The trajectory that a path names: a file, an ASL sequence's ground truth, a run's. None of a folder of several.
 fn one(path: &Path) -> Result<Option<PathBuf>> {
     if !path.is_dir() {
+        if path.exists() && !path.is_file() {
+            let message =
+                format!("{} is a pipe or a device, and a trajectory is read more than once", path.display());
+            return Err(Fault::new(message).hint("write it to a file first").into());
+        }
         return Ok(Some(path.to_owned()));
     }
     let run = path.join(OF_RUN);
@@ -95,8 +100,9 @@ fn all_in(dir: &Path) -> Result<BTreeMap<String, PathBuf>> {
         let path = entry.map_err(|error| IoError::reading(dir, error))?.path();
         let name = if path.is_dir() { path.file_name() } else { path.file_stem() };
         let name = name.unwrap_or_default().to_string_lossy().into_owned();
+        let no_file = !(path.is_dir() || path.is_file());
         // What dpn says of a trajectory lies beside it under the same name.
-        if name.starts_with('.') || path.extension().is_some_and(|ending| ending == "json") {
+        if no_file || name.starts_with('.') || path.extension().is_some_and(|ending| ending == "json") {
             continue;
         }
         let Some(file) = one(&path)? else { continue };

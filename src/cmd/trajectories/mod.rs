@@ -4,6 +4,7 @@ mod find;
 mod judged;
 mod say;
 
+use super::apart;
 use crate::args::{ApeArgs, DeltaUnit, MAX_DIFF_S, RpeArgs, TrajectoryArgs};
 use crate::ui::{Fault, errln, out, print_pictures};
 use anyhow::Result;
@@ -51,8 +52,14 @@ fn run(
 ) -> Result<()> {
     let by = comparing(args)?;
     let names = names(&args.estimates);
+    let cases = cases(args, &names)?;
+    let picture = args.save_plot.as_deref().map(stem).transpose()?;
+    if let Some(stem) = &picture {
+        let read: Vec<&PathBuf> = cases.iter().flat_map(|case| [&case.truth, &case.estimate]).collect();
+        cases.iter().try_for_each(|case| apart::picture("--save_plot", &place(stem, case), &read))?;
+    }
     let mut judged = Vec::new();
-    for case in cases(args, &names)? {
+    for case in cases {
         let (truth, estimate, counted) = poses(&case.truth, &case.estimate)?;
         if let (true, Some(flag)) = (counted, seconds.or_else(|| flag_of_stamps(args))) {
             let message = format!(
@@ -71,8 +78,7 @@ fn run(
     note_scales(&by, &names, &judged);
     let several = judged.iter().any(|one| one.case.sequence.is_some());
     let versus = if several { versus(&judged, names.len())? } else { Vec::new() };
-    let pictures =
-        args.save_plot.as_deref().map(|file| draw(file, &judged, &names, metric, &by)).transpose()?;
+    let pictures = picture.map(|stem| draw(&stem, &judged, &names, metric, &by)).transpose()?;
     if args.json {
         return Ok(out!("{}\n", say::json(metric, &by, &names, &judged, &versus))?);
     }
@@ -256,23 +262,36 @@ fn fault(
     fault.hint(hint).into()
 }
 
-/// The picture, of several sequences one each, its name behind the file's.
+/// Where a picture comes, without its ending.
+fn stem(file: &Path) -> Result<PathBuf> {
+    let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    match ending.as_deref() {
+        Some("svg" | "png") => Ok(file.with_extension("")),
+        Some("pdf" | "jpg" | "jpeg" | "eps") => {
+            let message = format!("{}: pictures are SVG and PNG", file.display());
+            Err(Fault::new(message).hint("name FILE.svg; a browser prints it as PDF").into())
+        }
+        _ => Ok(file.to_owned()),
+    }
+}
+
+/// Where that of a case comes: of several sequences one each, its name behind the file's.
+fn place(stem: &Path, case: &Case) -> dpn_io::ResultPath {
+    let mut place = stem.as_os_str().to_owned();
+    if let Some(name) = &case.sequence {
+        place.push(format!("-{name}"));
+    }
+    place.into()
+}
+
+/// The pictures.
 fn draw(
-    file: &Path,
+    stem: &Path,
     judged: &[Judged],
     names: &[String],
     metric: &str,
     by: &Comparing,
 ) -> Result<Vec<dpn_io::ResultPath>> {
-    let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-    let stem = match ending.as_deref() {
-        Some("svg" | "png") => file.with_extension(""),
-        Some("pdf" | "jpg" | "jpeg" | "eps") => {
-            let message = format!("{}: pictures are SVG and PNG", file.display());
-            return Err(Fault::new(message).hint("name FILE.svg; a browser prints it as PDF").into());
-        }
-        _ => file.to_owned(),
-    };
     let mut files = Vec::new();
     for sequence in judged.chunk_by(|a, b| a.case.sequence == b.case.sequence) {
         let drawn = &sequence[..sequence.len().min(DRAWN)];
@@ -286,15 +305,7 @@ fn draw(
         }
         let time = if sequence[0].counted { "pose" } else { "time [s]" };
         let plot = trajectory_errors(&of, (&say::what(metric, by), time), &caption)?;
-        let place = match &sequence[0].case.sequence {
-            Some(name) => {
-                let mut place = stem.clone().into_os_string();
-                place.push(format!("-{name}"));
-                place.into()
-            }
-            None => stem.clone(),
-        };
-        files.extend(save(&plot, place)?);
+        files.extend(save(&plot, place(stem, &sequence[0].case))?);
     }
     Ok(files)
 }

@@ -30,13 +30,21 @@ pub fn resampled(samples: &[ImuSample], rate: SampleRate, to: SampleRate) -> Vec
         sinc * bessel(SHAPE * (1.0 - at * at).max(0.0).sqrt())
     };
     let whole = WHOLE * 2.0 * half_s * rate.hz();
-    let count = (last.t.seconds_since(first.t) / to.period()) as usize;
-    let at = |i: usize| -> Option<ImuSample> {
-        let t: Stamp = first.t.plus_seconds(i as f64 * to.period());
+    let tick = |seconds: f64| (seconds / to.period()) as usize;
+    let count = tick(last.t.seconds_since(first.t));
+    let (mut out, mut next) = (Vec::new(), 0);
+    while next <= count {
+        let t: Stamp = first.t.plus_seconds(next as f64 * to.period());
+        next += 1;
         let from = samples.partition_point(|s| s.t.seconds_since(t) <= -half_s);
         let end = samples.partition_point(|s| s.t.seconds_since(t) < half_s);
+        if from == end {
+            // A gap may be years long: the next sample that a window reaches, no tick before.
+            let Some(sample) = samples.get(end) else { break };
+            next = next.max(tick(sample.t.seconds_since(first.t) - half_s));
+        }
         if ((end - from) as f64) < whole {
-            return None;
+            continue;
         }
         let (mut gyro, mut accel, mut sum) = ([0.0; 3], [0.0; 3], 0.0);
         for sample in &samples[from..end] {
@@ -47,9 +55,9 @@ pub fn resampled(samples: &[ImuSample], rate: SampleRate, to: SampleRate) -> Vec
                 accel[axis] += w * sample.accel[axis];
             }
         }
-        Some(ImuSample { t, gyro: gyro.map(|v| v / sum), accel: accel.map(|v| v / sum) })
-    };
-    (0..=count).filter_map(at).collect()
+        out.push(ImuSample { t, gyro: gyro.map(|v| v / sum), accel: accel.map(|v| v / sum) });
+    }
+    out
 }
 
 /// Modified Bessel function of order zero, by its series.
@@ -116,6 +124,14 @@ mod tests {
         let out = at_80(&samples);
         let in_gap = |s: &&ImuSample| (14.9..17.1).contains(&(s.t.ns() as f64 * 1e-9));
         assert!(out.iter().filter(in_gap).count() == 0 && out.len() > 2900, "{}", out.len());
+        // Behind three years the samples are those of the log without them, and no tick between is looked at.
+        let years = Stamp::from_ns(0).plus_seconds(1e8).ns();
+        samples[5000..].iter_mut().for_each(|s| s.t = Stamp::from_ns(s.t.ns() + years));
+        let apart = at_80(&samples);
+        assert!(
+            apart.len() > 2850
+                && apart.windows(2).filter(|two| two[1].t.seconds_since(two[0].t) > 0.02).count() == 2
+        );
         assert!(at_80(&samples[..20]).is_empty() && at_80(&[]).is_empty());
     }
 }
