@@ -114,9 +114,7 @@ fn bias(recording: &dyn Recorded) -> io::Result<Option<[Known; 4]>> {
         let from = longest.start + i * part;
         let mut sum = [0.0; 6];
         recording.each(from..from + part, &mut |sample| {
-            let all = Sensor::ALL
-                .into_iter()
-                .flat_map(|sensor| sample.of(sensor).iter().copied().collect::<Vec<_>>());
+            let all = Sensor::ALL.into_iter().flat_map(|sensor| sample.of(sensor));
             sum.iter_mut().zip(all).for_each(|(sum, v)| *sum += v / part as f64);
         })?;
         let force = (sum[0].powi(2) + sum[1].powi(2) + sum[2].powi(2)).sqrt();
