@@ -114,8 +114,8 @@ mod tests {
             let hiss = 1e-3 * ((i * i % 97) as f64 - 48.0);
             ImuSample {
                 t: Stamp::from_ns(i * 5_000_000),
-                gyro: [hiss; 3].into(),
-                accel: [hiss, 0.5 * hiss, 9.81 + tone].into(),
+                gyro: [hiss; 3],
+                accel: [hiss, 0.5 * hiss, 9.81 + tone],
             }
         };
         let recording = ImuRecording::new((0..8000).map(sample).collect()).unwrap();

@@ -56,7 +56,7 @@ pub fn trajectory_errors(
 
     let most = lines.iter().flat_map(|line| &line.errors).map(|(_, e)| *e).fold(0.0, f64::max).max(1e-12);
     let maps = lines.len() + 1;
-    let across = if maps % 2 == 0 { 2 } else { 3 };
+    let across = if maps.is_multiple_of(2) { 2 } else { 3 };
     let (mut panels, mut top) = (Vec::new(), 0);
     for i in 0..maps {
         let place = map_place(i as i32, across);

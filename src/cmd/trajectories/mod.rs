@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 const DRAWN: usize = 4;
 
 pub(crate) fn ape(args: &ApeArgs) -> Result<()> {
-    run(&args.of, "APE", None, |truth, estimate, by| absolute(truth, estimate, by))
+    run(&args.of, "APE", None, absolute)
 }
 
 pub(crate) fn rpe(args: &RpeArgs) -> Result<()> {

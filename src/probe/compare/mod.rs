@@ -354,7 +354,7 @@ mod tests {
             let (mut gyro, mut accel) = (three(0.002 * noise), three(0.02 * noise));
             gyro[0] += bias;
             accel[2] += 9.81 + shake.0 * (std::f64::consts::TAU * shake.1 * t).sin();
-            ImuSample { t: Stamp::from_ns(i * 5_000_000), gyro: gyro.into(), accel: accel.into() }
+            ImuSample { t: Stamp::from_ns(i * 5_000_000), gyro, accel }
         };
         let recording = ImuRecording::new((0..6000).map(sample).collect()).unwrap();
         Side::of(&recording, examine(&recording).unwrap()).unwrap()
