@@ -328,7 +328,7 @@ fn what_is_amiss_is_said_with_a_remedy() {
         std::fs::create_dir_all(to.parent().unwrap()).unwrap();
         std::fs::write(to, bytes).unwrap();
     }
-    refused(&folder, calib, &[], &["2 frames"]);
+    refused(&folder, calib, &[], &["its frames last 0.1 s", "record for longer"]);
     std::fs::remove_file(folder.join("images/1.jpg")).unwrap();
     refused(
         &folder,
