@@ -1,7 +1,7 @@
 //! From when on the size of a path is known.
 //!
 //! A window is too sure of its scale: where the noise given is the noise there is, one error in twenty is beyond three of its deviations, over two seconds
-//! of motion each (`self` on six training flights: 2.3 to 3.4, between phases of rest). So three count for what is known.
+//! of motion each (`self` on six EuRoC flights: 2.3 to 3.4, between phases of rest). So three count for what is known.
 
 use dpn_vio::estimator::{Phase, Update};
 use serde::Serialize;
