@@ -78,7 +78,7 @@ typedef uint64_t dpn_odometry;
 
 // What came of a frame. World z up, body = IMU; NaN where nothing is known.
 typedef struct {
-  // The frame's stamp on the IMU's clock [ns].
+  // The frame's stamp on the IMU's clock, in ns.
   int64_t t_ns;
   // What the odometry is doing.
   dpn_phase phase;
@@ -88,7 +88,7 @@ typedef struct {
   uint32_t tracked;
   // Landmarks with a depth.
   uint32_t landmarks;
-  // Of the body in the world [m].
+  // Of the body in the world, in m.
   double position[3];
   // World from body, Hamilton quaternion w, x, y, z.
   double orientation[4];
@@ -108,7 +108,7 @@ typedef struct {
 
 // The IMU's noise as it is in force: what was told times what was learned.
 typedef struct {
-  // Rate of the samples [Hz]: a density is a deviation over its root.
+  // Rate of the samples in Hz: a density is a deviation over its root.
   double rate_hz;
   // Deviation of a gyroscope's sample, x, y, z [rad/s].
   double gyro[3];
@@ -118,7 +118,7 @@ typedef struct {
   double gyro_walk;
   // Walk of the accelerometer's bias [m/s^3/sqrt(Hz)].
   double accel_walk;
-  // Deviation of a pixel [px].
+  // Deviation of a pixel, in px.
   double pixel;
   // How unsure the learned ones are, as deviations of their logarithms: accelerometer x, y, z, gyroscope x, y, z, the two walks; 1 and more where next to
   // nothing is known; NaN where nothing is learned.

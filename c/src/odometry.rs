@@ -30,7 +30,7 @@ pub enum Phase {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Update {
-    /// The frame's stamp on the IMU's clock [ns].
+    /// The frame's stamp on the IMU's clock, in ns.
     pub t_ns: i64,
     /// What the odometry is doing.
     pub phase: Phase,
@@ -40,7 +40,7 @@ pub struct Update {
     pub tracked: u32,
     /// Landmarks with a depth.
     pub landmarks: u32,
-    /// Of the body in the world [m].
+    /// Of the body in the world, in m.
     pub position: [f64; 3],
     /// World from body, Hamilton quaternion w, x, y, z.
     pub orientation: [f64; 4],
@@ -62,7 +62,7 @@ pub struct Update {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
-    /// Rate of the samples [Hz]: a density is a deviation over its root.
+    /// Rate of the samples in Hz: a density is a deviation over its root.
     pub rate_hz: f64,
     /// Deviation of a gyroscope's sample, x, y, z [rad/s].
     pub gyro: [f64; 3],
@@ -72,7 +72,7 @@ pub struct Noise {
     pub gyro_walk: f64,
     /// Walk of the accelerometer's bias [m/s^3/sqrt(Hz)].
     pub accel_walk: f64,
-    /// Deviation of a pixel [px].
+    /// Deviation of a pixel, in px.
     pub pixel: f64,
     /// How unsure the learned ones are, as deviations of their logarithms: accelerometer x, y, z, gyroscope x, y, z, the two walks; 1 and more where next to
     /// nothing is known; NaN where nothing is learned.
