@@ -25,6 +25,7 @@ const AROUND: (i32, i32, i32, i32) = (100, 60, 30, 62);
 /// Height of a panel over time, and room for the words above it.
 const PANEL: i32 = 130;
 const WORDS: i32 = 40;
+
 /// Up to four trajectories by name, each compared with the same truth; `error` is what was counted, with its unit, `time` what stamps count, `caption`
 /// the small print.
 ///

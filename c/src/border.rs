@@ -1,7 +1,7 @@
 //! Pointers of the caller's: each is looked at once, by one of these.
 
 use crate::status::{Fault, Status};
-use dpn_core::GrayView;
+use dpn_core::{GrayView, ImuSample, Stamp};
 use std::ffi::{CStr, c_char};
 
 /// More points than any frame shows: a count that was never set makes no room.
@@ -57,6 +57,16 @@ pub(crate) unsafe fn values<T: Copy>(name: &str, values: *const T, count: usize)
     Ok((0..count).map(|i| unsafe { values.add(i).read_unaligned() }).collect())
 }
 
+/// A sample: angular rate \[rad/s\] and specific force \[m/s^2\].
+///
+/// # Safety
+/// `gyro` and `accel` are null or point to three doubles each.
+pub(crate) unsafe fn sample(t_ns: i64, gyro: *const f64, accel: *const f64) -> Result<ImuSample, Fault> {
+    // SAFETY: as the caller promised.
+    let (gyro, accel) = unsafe { (axes("gyro", gyro)?, axes("accel", accel)?) };
+    Ok(ImuSample { t: Stamp::from_ns(t_ns), gyro, accel })
+}
+
 /// The rows of a grey image, `stride` bytes apart.
 ///
 /// # Safety
@@ -84,7 +94,7 @@ pub(crate) unsafe fn image<'a>(
 ///
 /// # Safety
 /// `axes` is null or points to three doubles.
-pub(crate) unsafe fn axes(name: &str, axes: *const f64) -> Result<[f64; 3], Fault> {
+unsafe fn axes(name: &str, axes: *const f64) -> Result<[f64; 3], Fault> {
     if axes.is_null() {
         return Err(null(name, "three doubles: x, y, z"));
     }

@@ -1,11 +1,11 @@
 //! The odometry: settings in, samples and images or tracks in, poses and the IMU's noise out.
 
-use crate::border::{Out, axes, bytes, image, text, values};
+use crate::border::{Out, bytes, image, sample, text, values};
 use crate::status::{Fault, Status, call, kept};
 use crate::table::{OdometryHandle, Table};
 use crate::weights::shipped;
 use dpn_core::estimate::DEFAULT_TAG;
-use dpn_core::{ImuSample, Sensor, Stamp};
+use dpn_core::{Sensor, Stamp};
 use dpn_live::{LiveError, NoiseInForce, Odometry, OdometryConfig};
 use dpn_pronet::network::Network;
 use dpn_vio::estimator;
@@ -138,8 +138,7 @@ pub unsafe extern "C" fn dpn_odometry_imu(
 ) -> Status {
     call(|| {
         // SAFETY: as the caller promised.
-        let (gyro, accel) = unsafe { (axes("gyro", gyro)?, axes("accel", accel)?) };
-        let sample = ImuSample { t: Stamp::from_ns(t_ns), gyro, accel };
+        let sample = unsafe { sample(t_ns, gyro, accel)? };
         ODOMETRIES.with(odometry, |odometry| odometry.feed_sample(sample).map_err(bad))
     })
 }

@@ -1,10 +1,10 @@
 //! Both networks on a stream of samples.
 
-use crate::border::{Out, axes};
+use crate::border::{Out, sample};
 use crate::status::{Fault, Status, call};
 use crate::table::{StreamHandle, Table, WeightsHandle};
 use crate::weights::WEIGHTS;
-use dpn_core::{ImuSample, Sensor, Stamp};
+use dpn_core::Sensor;
 use dpn_pronet::{DualProNet, SampleStream, StreamSigma};
 
 static STREAMS: Table<SampleStream> = Table::new("stream");
@@ -63,8 +63,7 @@ pub unsafe extern "C" fn dpn_stream_feed(
 ) -> Status {
     call(|| {
         // SAFETY: as the caller promised.
-        let (gyro, accel) = unsafe { (axes("gyro", gyro)?, axes("accel", accel)?) };
-        let sample = ImuSample { t: Stamp::from_ns(t_ns), gyro, accel };
+        let sample = unsafe { sample(t_ns, gyro, accel)? };
         STREAMS.with(stream, |stream| stream.feed(sample).map_err(|error| Fault::bad(error.to_string())))
     })
 }

@@ -52,7 +52,7 @@ pub(super) fn looked_at<T: Send>(
             let text = render_error(&error);
             text.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned()
         });
-        Ok::<_, Infallible>((printable(&logs[at].display().to_string()).to_string(), found))
+        Ok::<_, Infallible>((printable(&logs[at].display().to_string()), found))
     };
     let Ok(rows) = each(cores(), logs.len(), &AtomicBool::new(false), row, |_, _| Ok(()));
     rows.into_iter().flatten().collect()

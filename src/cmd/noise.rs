@@ -83,12 +83,20 @@ fn all(args: &NoiseArgs, logs: &[PathBuf]) -> Result<()> {
     many::read_some(&args.logs, &rows)
 }
 
-/// What was asked for, or the networks where the rate is theirs and a simple estimator where not.
 fn plan<'a>(args: &NoiseArgs, rate: SampleRate, networks: &'a [Network]) -> Result<Plan<'a>> {
-    let every = args.every as usize;
-    if let Some(text) = &args.noise {
-        let spec: NoiseSpec = text.parse()?;
-        return Ok(Plan::new(&spec, rate, every, networks)?);
+    let spec: Option<NoiseSpec> = args.noise.as_deref().map(str::parse).transpose()?;
+    plan_of(spec.as_ref(), rate, args.every as usize, networks)
+}
+
+/// What was asked for, or the networks where the rate is theirs and a simple estimator where not, said.
+pub(super) fn plan_of<'a>(
+    spec: Option<&NoiseSpec>,
+    rate: SampleRate,
+    every: usize,
+    networks: &'a [Network],
+) -> Result<Plan<'a>> {
+    if let Some(spec) = spec {
+        return Ok(Plan::new(spec, rate, every, networks)?);
     }
     let (plan, note) = Plan::fitting(rate, every, networks)?;
     if let Some(note) = note {

@@ -3,13 +3,12 @@
 use super::params::{named, take, unknown};
 use super::session::{Next, Session};
 use crate::args::Ros2NoiseArgs;
+use crate::cmd::noise::plan_of;
 use crate::cmd::shipped;
 use crate::ui::errln;
 use anyhow::Result;
 use dpn_core::estimate::NoiseSpec;
-use dpn_core::{ImuNoise, ImuRecording, ImuSample, NoiseModel, SampleRate, Sensor, Stamp};
-use dpn_probe::log_noise::Plan;
-use dpn_pronet::network::Network;
+use dpn_core::{ImuNoise, ImuRecording, ImuSample, NoiseModel, Sensor, Stamp};
 use dpn_ros2::incoming::{Imu, kind};
 use dpn_ros2::outgoing::{self, Level, Status};
 use dpn_ros2::{Message, Publisher, Quality};
@@ -63,7 +62,7 @@ pub(super) fn run(mut args: Ros2NoiseArgs) -> Result<()> {
             break ImuRecording::new(std::mem::take(&mut first))?.rate();
         }
     };
-    let plan = plan(spec, rate, &networks)?;
+    let plan = plan_of(spec.as_ref(), rate, EVERY, &networks)?;
     let mut feed = plan.feed()?;
     let unknown = (plan.unknown_s() * rate.hz()).ceil() as u64;
     errln!("noise by {} at {:.1} Hz, known after {:.1} s", feed.name(), rate.hz(), plan.unknown_s());
@@ -93,18 +92,6 @@ pub(super) fn run(mut args: Ros2NoiseArgs) -> Result<()> {
     }
     errln!("{} samples, {} passed over, {} never came", told.samples, told.passed_over, session.lost());
     Ok(())
-}
-
-/// What was asked for, or the networks where the rate is theirs and a simple estimator where not.
-fn plan<'a>(spec: Option<NoiseSpec>, rate: SampleRate, networks: &'a [Network]) -> Result<Plan<'a>> {
-    if let Some(spec) = spec {
-        return Ok(Plan::new(&spec, rate, EVERY, networks)?);
-    }
-    let (plan, note) = Plan::fitting(rate, EVERY, networks)?;
-    if let Some(note) = note {
-        errln!("note: {note} (--noise)");
-    }
-    Ok(plan)
 }
 
 /// The message again, with covariances as soon as they are known; before as it came.

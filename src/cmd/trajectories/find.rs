@@ -27,7 +27,7 @@ pub(super) fn names(estimates: &[PathBuf]) -> Vec<String> {
     let short = |path: &Path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     let alike = |path: &PathBuf| estimates.iter().filter(|other| short(other) == short(path)).count() > 1;
     let name = |path: &PathBuf| if alike(path) { path.display().to_string() } else { short(path) };
-    estimates.iter().map(|path| printable(&name(path)).to_string()).collect()
+    estimates.iter().map(|path| printable(&name(path))).collect()
 }
 
 /// The cases, sequence by sequence.

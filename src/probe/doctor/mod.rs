@@ -119,8 +119,8 @@ pub(crate) fn examine(recording: &dyn Recorded) -> io::Result<Examination> {
     let (of_values, gravity) = values::findings(measured, &rest)?;
     findings.extend(of_values);
     findings.extend(vibration::findings(&spectra));
-    findings.extend(motion::findings(measured, &rest)?);
     let stretches = phases(measured)?;
+    findings.extend(motion::findings(measured, &rest, &stretches)?);
     let at_rest = RestNoise::of(measured, &stretches)?;
     findings.extend(at_rest.iter().flat_map(RestNoise::findings));
     let noise = |sensor| {

@@ -2,16 +2,19 @@
 
 use crate::allan::rest::Rest;
 use crate::finding::Finding;
-use crate::phases::{Phase, Stretch, longest_rest, phases};
+use crate::phases::{Phase, Stretch, longest_rest};
 use dpn_core::{Recorded, Sensor};
 use std::io;
 
 /// The shortest rest that says anything of a drift \[s\].
 const LEAST_S: f64 = 60.0;
 
-pub(super) fn findings(recording: &dyn Recorded, rest: &Rest) -> io::Result<Vec<Finding>> {
+pub(super) fn findings(
+    recording: &dyn Recorded,
+    rest: &Rest,
+    stretches: &[Stretch],
+) -> io::Result<Vec<Finding>> {
     let length = recording.length_s();
-    let stretches = phases(recording)?;
     let seconds = |phase| stretches.iter().filter(|s| s.phase == phase).map(Stretch::length_s).sum::<f64>();
     let parts: Vec<String> = Phase::ALL
         .into_iter()
@@ -20,7 +23,7 @@ pub(super) fn findings(recording: &dyn Recorded, rest: &Rest) -> io::Result<Vec<
         .collect();
     let mut findings = vec![Finding::note(
         "motion",
-        match longest_rest(&stretches) {
+        match longest_rest(stretches) {
             Some(_) if stretches.len() == 1 => format!("at rest throughout, {length:.0} s"),
             Some(longest) => format!(
                 "{}; the longest rest is from {:.1} to {:.1} s",
@@ -82,6 +85,7 @@ mod tests {
     use super::*;
     use crate::allan::rest::rest;
     use crate::doctor::values::tests::level;
+    use crate::phases::phases;
     use dpn_core::ImuRecording;
 
     #[test]
@@ -91,7 +95,7 @@ mod tests {
             s.gyro[2] += 1e-4 * (s.t.ns() as f64 * 1e-9);
         }
         let recording = ImuRecording::new(samples).unwrap();
-        let found = findings(&recording, &rest(&recording).unwrap()).unwrap();
+        let found = findings(&recording, &rest(&recording).unwrap(), &phases(&recording).unwrap()).unwrap();
         let drift = found.iter().find(|f| f.about == "drift").unwrap();
         assert!(drift.text.contains("gyro z drifts by 1.0") && drift.remedy.is_some(), "{drift:?}");
         assert_eq!(found[0].text, "at rest throughout, 100 s");

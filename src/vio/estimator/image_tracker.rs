@@ -116,21 +116,26 @@ impl ImageTracker {
         if let Some((sensor, reading)) = self.spikes.spike(sample) {
             return Err(FeedError::Spike { t, sensor, reading });
         }
-        self.newest_sample = Some(t);
+        self.take(sample);
+        Ok(())
+    }
+
+    /// Takes a sample that was found to be good, as the scout does.
+    fn take(&mut self, sample: &ImuSample) {
+        self.newest_sample = Some(sample.t);
         self.imu_ended = false;
         self.gyro.feed(sample);
         self.clock.feed_imu(sample);
         if let Some(scout) = &mut self.scout {
-            scout.feed_imu(sample);
+            scout.tracker.take(sample);
         }
-        Ok(())
     }
 
     /// Says that no more samples come: images do not wait for them any longer.
     pub fn end_imu(&mut self) {
         self.imu_ended = true;
         if let Some(scout) = &mut self.scout {
-            scout.end_imu();
+            scout.tracker.end_imu();
         }
     }
 
@@ -218,21 +223,23 @@ impl ImageTracker {
     fn is_scouted(&mut self) -> bool {
         let Some(mut scout) = self.scout.take() else { return true };
         loop {
-            let next = self.next_image();
-            let waits = next.is_none();
-            if next.map_or(self.imu_ended || self.images_ended, |(t, image)| scout.look(t, image)) {
-                let (offset_s, images) = scout.finish();
-                self.again = images;
-                if let Some((offset_s, (first, _))) = offset_s.zip(self.again.front()) {
-                    self.clock.begin_at(offset_s, *first);
+            let Some((t, image)) = self.next_image() else {
+                if self.imu_ended || self.images_ended {
+                    break;
                 }
-                return true;
-            }
-            if waits {
                 self.scout = Some(scout);
                 return false;
+            };
+            if scout.look(t, image) {
+                break;
             }
         }
+        let found = scout.tracker.clock();
+        self.again = scout.seen;
+        if let Some((first, _)) = self.again.front().filter(|_| found.found.is_some()) {
+            self.clock.begin_at(found.offset_s, *first);
+        }
+        true
     }
 
     /// Follows points through the images that samples have reached until a frame is handed over, while `observer` looks on.
@@ -276,33 +283,14 @@ impl Scout {
         Self { tracker: Box::new(tracker), seen: VecDeque::new() }
     }
 
-    /// Takes a sample that was found to be good.
-    fn feed_imu(&mut self, sample: &ImuSample) {
-        // A spike to it alone, which has not seen those that were passed over, is passed over.
-        let _ = self.tracker.feed_imu(sample);
-    }
-
-    /// Says that no more samples come.
-    fn end_imu(&mut self) {
-        self.tracker.end_imu();
-    }
-
     /// Looks at an image that samples have reached; whether it has looked long enough.
     fn look(&mut self, t: Stamp, image: GrayImage) -> bool {
-        self.tracker
-            .feed_image(image.view(), t)
-            .expect("whose scout it is took it, and each is looked at before the next comes");
+        self.tracker.waiting.push_back((t, image.clone()));
         while self.tracker.next_frame(&mut ()).is_some() {}
         self.seen.push_back((t, image));
         let (first, _) = self.seen.front().expect("one was just added");
         self.tracker.turns().is_settled()
             || self.tracker.clock().found.is_some()
             || t.seconds_since(*first) > SCOUTED_S
-    }
-
-    /// What the camera's clock was found to be off by \[s\], and the images again.
-    fn finish(self) -> (Option<f64>, VecDeque<(Stamp, GrayImage)>) {
-        let clock = self.tracker.clock();
-        (clock.found.map(|_| clock.offset_s), self.seen)
     }
 }
