@@ -23,7 +23,8 @@ static void check(OrtStatus *status) {
 // A network: a second of x, y and z in SI units to the deviation of their noise.
 class Network {
 public:
-    Network(const char *path, const char *sensor, const char *rate_hz) {
+    // What is made before an error is released: the destructor runs once the other constructor has ended.
+    Network(const char *path, const char *sensor, const char *rate_hz) : Network() {
         check(ort->CreateEnv(ORT_LOGGING_LEVEL_WARNING, "dpn", &env_));
         check(ort->CreateSessionOptions(&options_));
         check(ort->CreateSession(env_, path, options_, &session_));
@@ -51,6 +52,8 @@ public:
     }
 
 private:
+    Network() = default;
+
     // Another sensor's or rate's network answers without a word, and its answer means nothing.
     void expect(const char *path, const char *key, const std::string &expected) {
         OrtAllocator *allocator = nullptr;

@@ -8,10 +8,10 @@ use dpn_pronet::{DualProNet, Weights};
 use dpn_testing::packs;
 use dpn_vio::EstimatorConfig;
 use dpn_vio::estimator::FedTracks;
-use std::io::Write;
+use std::io::{Seek, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Output};
 
 /// What reads or writes beyond what is there, leaks or is undefined ends the program.
 const SANITIZED: [&str; 2] = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
@@ -88,16 +88,11 @@ fn started(source: &str, flags: &[String], arguments: &[PathBuf], samples: &[Imu
     compiler.arg(here().join(source)).args(flags);
     let compiled = compiler.output().unwrap();
     assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
-    let mut child = Command::new(&program)
-        .args(arguments)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    // Who refuses its arguments reads nothing.
-    let _ = child.stdin.take().unwrap().write_all(rows(samples).as_bytes());
-    child.wait_with_output().unwrap()
+    // A file and not a pipe: a program that says much before it reads would wait for its reader, and this writer for it.
+    let mut fed = tempfile::tempfile().unwrap();
+    fed.write_all(rows(samples).as_bytes()).unwrap();
+    fed.rewind().unwrap();
+    Command::new(&program).args(arguments).stdin(fed).output().unwrap()
 }
 
 /// The variances that an example prints.
