@@ -16,7 +16,8 @@
 //! | `vins/NOISE/QUANTITY` | VINS-Mono with that noise: `ate` \[m\]; of the noise `learned` the `ratio` to its usual constants, and `better` on how many sequences; of the noise `walks` the ATE `with` and `without` walks pasted |
 //! | `flight/SENSOR/NOISE` | raw test flights: by what factor that noise is off the level of the reconciled truth, the root mean square of its logarithm over sequences; `outside`, the largest share of windows out of range |
 //! | `rest/QUANTITY` | simulated logs at rest: share of the intervals with the truth `inside`, their `median` width as a factor, how many axes are `wider` than 1.2 or `off` by 1.3 |
-//! | `faults/QUANTITY` | injected faults: their `table`, a row a fault, and its `summary` |
+//! | `faults/QUANTITY` | injected faults: their `table`, a row a fault, those `without` a pose, and the `summary` |
+//! | `table/NAME` | the whole table of a chapter: `study`, `step`, `courses`, `open`, `fleet` |
 //! | `bench/NAME/UNIT` | median time of a bench in `us` or `ms` |
 
 use crate::{at, read};
@@ -286,9 +287,7 @@ fn of_faults(quantity: &str) -> String {
             "Of {all} runs {said} say so, {harmless} cost little, {silent} cost more and say nothing."
         );
     }
-    let mut table = String::from(
-        "\n\n| fault | said on | as | error at most | scale off by at most | silent on |\n|---|---|---|---|---|---|\n",
-    );
+    let (mut lines, mut without) = (Vec::new(), Vec::new());
     for (fault, rows) in &faults {
         let said = rows.iter().filter(|row| row["is"] == "said").count();
         let silent: Vec<_> = rows
@@ -323,9 +322,145 @@ fn of_faults(quantity: &str) -> String {
             most(scales, percent),
             silent.join(", "),
         ];
-        table += &format!("| {} |\n", cells.join(" | "));
+        match cells[3].as_str() {
+            "no pose" => without.push(cells[0].clone()),
+            _ => lines.push(cells),
+        }
     }
-    table + "\n"
+    if quantity == "without" {
+        return without.join(", ");
+    }
+    block(["fault", "said on", "as", "error at most", "scale off by at most", "silent on"], lines)
+}
+
+/// A table as Markdown, between empty lines.
+fn block<const COLUMNS: usize>(
+    head: [&str; COLUMNS],
+    rows: impl IntoIterator<Item = [String; COLUMNS]>,
+) -> String {
+    let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
+    let head = line(&head.map(str::to_owned)) + &"|---".repeat(COLUMNS) + "|\n";
+    let rows: String = rows.into_iter().map(|cells| line(&cells)).collect();
+    format!("\n\n{head}{rows}\n")
+}
+
+/// A noise and how a table names it.
+type Named = (&'static str, &'static str);
+
+const WIDE: &str = "plus(dualpronet(wide-s0),x4)";
+
+/// Noises of the study or a course, each against its best constant, the first.
+fn compared_table(of: &str, error: &str, reference: &str, noises: &[Named]) -> String {
+    let head = [
+        "noise given",
+        &format!("{} ATE \\[m\\]", error),
+        &format!("ratio to {reference}"),
+        "lower on",
+        "p after Holm",
+    ];
+    let row = |&(noise, name): &Named| {
+        let get = |quantity: &str| value(&format!("{of}/{noise}/{quantity}"));
+        let rest = if noise == reference {
+            ["1", "-", "-"].map(str::to_owned)
+        } else {
+            ["ratio", "better", "p"].map(get)
+        };
+        let [ratio, better, p] = rest;
+        [name.to_owned(), get(error), ratio, better, p]
+    };
+    block(head, noises.iter().map(row))
+}
+
+fn courses_table() -> String {
+    let courses = [
+        ("ramp", "ramp up to five times", "x16"),
+        ("one-axis", "step on one axis", "x12"),
+        ("tone", "90 Hz tone, nothing white", "x8"),
+        ("bias-jump", "jump of the bias", "x8"),
+    ];
+    let row = |(course, name, best): (&str, &str, &str)| {
+        let ratio = |noise: &str| value(&format!("{course}/{noise}/ratio"));
+        let median = value(&format!("{course}/{best}/median"));
+        [name.to_owned(), format!("{best}, {median}"), ratio("oracle"), ratio(WIDE), ratio("self")]
+    };
+    block(
+        ["course", "best constant, median ATE \\[m\\]", "`oracle`", "the wide network", "`self`"],
+        courses.map(row),
+    )
+}
+
+/// The networks of every base beside what is simpler, and the least error that is possible.
+fn open_table() -> String {
+    let bases = ["sg(51,3)", "sg(11,2)", "sg(7,2)", "sg(5,2)", "raw"];
+    let rows = bases.into_iter().flat_map(|base| ["accel", "gyro"].map(|sensor| (sensor, base)));
+    let row = |(sensor, base): (&str, &str)| {
+        let get = |quantity: &str| open_loop(sensor, base, quantity);
+        let name = if base == "raw" { "raw TUM-VI rooms 3, 4".to_owned() } else { base.to_uppercase() };
+        let spread = if base == "raw" { "1 seed".to_owned() } else { get("spread") };
+        let network = format!("**{}** ({spread})", get("rmse"));
+        [format!("{sensor}, {name}"), network, get("simple"), get("regressor"), get("bound")]
+    };
+    block(
+        ["sensor, base", "network: RMSE (spread)", "best simple estimator", "best regressor", "bound"],
+        rows.map(row),
+    )
+}
+
+fn fleet_table() -> String {
+    let platforms = [
+        ("EuRoC Machine Hall, rendered images", "EuRoC Machine Hall, five, rendered images"),
+        ("EuRoC Vicon room 1, rendered images", "EuRoC Vicon room 1, three, rendered images"),
+        ("EuRoC Vicon room 2, rendered images", "EuRoC Vicon room 2, three, rendered images"),
+        ("MH_01 carried by hand, real images", "MH_01's first 17 s, real images, one run"),
+        ("simulated flights without vibration", "simulated flights without vibration, eleven"),
+        ("simulated flights", "simulated flights with vibration, eleven"),
+        ("TUM-VI rooms, tracks along the reconciled truth", "TUM-VI, four rooms, tracks, reconciled truth"),
+        ("EuRoC, tracks along the published truth", "EuRoC, eleven, tracks, published truth"),
+        ("EuRoC, tracks along the reconciled truth", "EuRoC, ten, tracks, reconciled truth"),
+    ];
+    let row = |(platform, name): (&str, &str)| {
+        let ate = |noise: &str| of_platform(platform, noise, "ate");
+        [name.to_owned(), ate("x1"), ate("best"), ate("self"), of_platform(platform, "self", "score")]
+    };
+    block(["mean ATE \\[m\\]", "x1", "best constant", "`self`", "ratio to the best"], platforms.map(row))
+}
+
+fn of_table(name: &str) -> String {
+    let own = ("self", "[`self`](self.md), estimated while it runs");
+    match name {
+        "study" => compared_table(
+            "study",
+            "mean",
+            "x4",
+            &[
+                ("x1", "x1, the usual constants"),
+                ("x2", "x2"),
+                ("x4", "x4, the best constant on the training sequences"),
+                ("dualpronet", "`dualpronet`"),
+                ("mean(dualpronet)", "`mean(dualpronet)`, its mean over the sequence"),
+                ("shuffled(dualpronet)", "`shuffled(dualpronet)`, its values at the wrong times"),
+                own,
+            ],
+        ),
+        "step" => compared_table(
+            "step",
+            "median",
+            "x16",
+            &[
+                ("x16", "x16, the best constant on the training sequences"),
+                ("oracle", "`oracle`, the true noise"),
+                (WIDE, "`plus(dualpronet(wide-s0),x4)`, the wide network"),
+                ("mean(plus(dualpronet(wide-s0),x4))", "its mean over the sequence"),
+                ("shuffled(plus(dualpronet(wide-s0),x4))", "its values at the wrong times"),
+                ("dualpronet", "`dualpronet`, the network of the paper's kind"),
+                own,
+            ],
+        ),
+        "courses" => courses_table(),
+        "open" => open_table(),
+        "fleet" => fleet_table(),
+        _ => panic!("{name}: no such table"),
+    }
 }
 
 /// What a key stands for.
@@ -362,6 +497,7 @@ fn value(key: &str) -> String {
             }
         }
         ["faults", quantity] => of_faults(quantity),
+        ["table", name] => of_table(name),
         ["bench", name, unit] => {
             let ms = json("benches")[name]["median_ms"].as_f64().unwrap_or_else(|| panic!("no bench {name}"));
             let value = if unit == "us" { 1e3 * ms } else { ms };

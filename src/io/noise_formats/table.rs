@@ -10,10 +10,6 @@ const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/src/noise-un
 const BEGIN: &str = "<!-- made by a test: begin -->\n";
 const END: &str = "<!-- made by a test: end -->\n";
 
-fn none(_: Figure) -> Option<String> {
-    None
-}
-
 /// A row a format: key, value and meaning of each figure.
 fn table() -> String {
     let figures = ImuFigures::euroc();
@@ -35,23 +31,6 @@ fn table() -> String {
             key.meaning.words(),
             walk.meaning.words()
         ));
-    }
-    text.push('\n');
-    for format in Format::ALL {
-        let written = write(&figures, format, none).unwrap();
-        text.push_str(&format!(
-            "### {format}\n\n```{}\n{}```\n\n",
-            if format == Format::Basalt { "json" } else { "yaml" },
-            written.text
-        ));
-        // The others' arithmetic stands in their row.
-        let steps =
-            written.steps.iter().filter(|_| format.layout().is_none()).map(|step| format!("* `{step}`\n"));
-        let remarks = written.remarks.iter().map(|remark| format!("* {remark}\n"));
-        let notes: String = steps.chain(remarks).collect();
-        if !notes.is_empty() {
-            text.push_str(&format!("{notes}\n"));
-        }
     }
     text
 }
