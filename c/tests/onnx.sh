@@ -36,4 +36,5 @@ fi
 export DPN_ONNX=$folder/onnx
 rm -rf "$DPN_ONNX"
 "$dpn" export onnx --network sg11-s0 --out "$DPN_ONNX"
-cargo test -p dpn-c --test cpp --locked -- --ignored
+# With the features of the whole workspace, so that what its tests have built is used.
+cargo test --workspace --test cpp --locked -- --ignored

@@ -17,7 +17,7 @@ use dpn_testing::forged::Draw;
 use work::Work;
 
 /// Disturbances of a kind of work where every commit is tested.
-const SHORT: usize = 6;
+const SHORT: usize = 4;
 
 /// The seed of what is drawn.
 fn seed() -> u64 {
@@ -95,8 +95,8 @@ fn renames(of: Work, every: usize) {
 #[test]
 fn ended_at_some_renames_nothing_is_lost() {
     renames(Work::Noise, 1);
-    renames(Work::Train, 10);
-    renames(Work::Sweep, 8);
+    renames(Work::Train, 20);
+    renames(Work::Sweep, 16);
 }
 
 #[test]

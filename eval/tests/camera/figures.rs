@@ -97,12 +97,15 @@ fn watched(
     [from, to]: [Stamp; 2],
 ) -> Result<(Watch, TrackedSequence), ClosedLoopError> {
     let recording = source.recording(index, seed)?;
-    let input = match source.camera_input(index, seed, &Span::from(0.0))? {
-        CameraInput::Images(images) => CameraInput::Images(Box::new(
-            images.skip_while(move |(t, _)| *t < from).take_while(move |(t, _)| *t <= to),
-        )),
-        tracks @ CameraInput::Tracks(..) => tracks,
+    let CameraInput::Images(mut all) = source.camera_input(index, seed, &Span::from(0.0))? else {
+        unreachable!("a source of images");
     };
+    // What lies before is not drawn.
+    let before_s = all.next().map_or(0.0, |(first, _)| from.seconds_since(first).max(0.0));
+    let CameraInput::Images(images) = source.camera_input(index, seed, &Span::from(before_s))? else {
+        unreachable!("a source of images");
+    };
+    let input = CameraInput::Images(Box::new(images.take_while(move |(t, _)| *t <= to)));
     let config = FrontEndConfig::default();
     let mut watch = Watch::new(recording.camera, config.ransac.threshold_px);
     let tracked = input.tracks_watched(&recording, &config, seed, &mut watch)?;

@@ -137,7 +137,7 @@ mod tests {
                 px_per_rad: 460.0,
             }
         };
-        (0..40).map(frame).collect()
+        (0..12).map(frame).collect()
     }
 
     #[test]
