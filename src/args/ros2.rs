@@ -2,6 +2,7 @@
 
 use super::examples;
 use clap::{Args, Subcommand};
+use std::net::SocketAddr;
 use std::path::PathBuf;
 
 /// Flags of `dpn ros2`.
@@ -47,6 +48,9 @@ pub(crate) struct Ros2Args {
     /// Send no transforms on /tf: another node does.
     #[arg(long)]
     pub(crate) no_tf: bool,
+    /// Show it while it runs to Foxglove (its WebSocket): image with tracks, path, biases, levels, latency; on this machine alone unless another address is given (0.0.0.0:8765). Of a dpn built with the feature `view`, as a release's is.
+    #[arg(long, value_name = "ADDRESS:PORT", num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:8765")]
+    pub(crate) view: Option<SocketAddr>,
     /// What both nodes take.
     #[command(flatten)]
     pub(crate) node: NodeArgs,

@@ -5,6 +5,7 @@ use clap::Args;
 use dpn_eval::closed_loop::StartAt;
 use dpn_eval::metrics::RpeSpec;
 use dpn_io::ResultPath;
+use std::net::SocketAddr;
 use std::path::PathBuf;
 
 /// Flags of `dpn run`.
@@ -58,12 +59,15 @@ pub(crate) struct RunArgs {
     /// Write also trajectory.kitti and, where there is ground truth, truth.kitti at the same instants: what `evo_ape kitti` and `evo_rpe kitti` compare.
     #[arg(long)]
     pub(crate) kitti: bool,
-    /// Write poses, truth, noise, biases and levels also into this MCAP file, which Foxglove shows.
+    /// Write poses, truth, noise, biases, levels and, of images, two a second with their tracks also into this MCAP file, which Foxglove shows.
     #[arg(long, value_name = "FILE")]
     pub(crate) mcap: Option<PathBuf>,
     /// Write a recording for the viewer of rerun.io, trajectory, truth, camera, tracks, landmarks, noise, biases and levels on one time line; of a dpn built with the feature `rerun`.
     #[arg(long, value_name = "FILE.rrd")]
     pub(crate) rerun: Option<PathBuf>,
+    /// Of what is read as it comes: show it while it runs to Foxglove (its WebSocket): image with tracks, path, biases, levels, latency; on this machine alone unless another address is given (0.0.0.0:8765). Of a dpn built with the feature `view`, as a release's is.
+    #[arg(long, value_name = "ADDRESS:PORT", num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:8765")]
+    pub(crate) view: Option<SocketAddr>,
     /// Relative errors over these stretches, in evo's words: 1m, 10f, 30deg, 5s; then :all_pairs, :pairs_from_reference; several between commas.
     #[arg(long, value_name = "STRETCHES", value_delimiter = ',')]
     pub(crate) rpe: Vec<RpeSpec>,

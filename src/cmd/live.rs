@@ -1,5 +1,7 @@
 //! `dpn run -`: the odometry beside running sensors, poses out as they are made.
 
+use super::foxglove::{Onlooker, onlooker};
+use super::latency::Latency;
 use super::{settings, shipped, stop};
 use crate::args::{CameraArg, RunArgs};
 use crate::ui::{Fault, Untrusted, errln, is_closed_pipe, outln, warn};
@@ -12,7 +14,7 @@ use dpn_io::{IoError, printable, tum_line};
 use dpn_live::{Fed, LiveClocks, LiveError, LiveRun, LiveSensor, settings_for};
 use dpn_logs::{LogError, SensorEvent, read_sensors};
 use dpn_vio::estimator::{FeedError, Phase, Update};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -65,7 +67,8 @@ pub(super) fn run(args: &RunArgs) -> Result<()> {
     let noise = args.noise.parse()?;
     warn(settings_for(&estimator, &noise).warnings());
     let run = LiveRun::new(&estimator, noise, networks, config, Fed::Images, args.seed)?;
-    let mut live = Live::new(run, &calibration, Lines { json: args.json });
+    let view = onlooker(args.view)?;
+    let mut live = Live::new(run, &calibration, Lines { json: args.json }, view);
     let read = match follow(&mut live, args, config.resolution.map(|side| side as usize)) {
         // Nobody takes poses any more; what is to be said is said on stderr.
         Err(error) if is_closed_pipe(&error) => Ok(None),
@@ -125,7 +128,7 @@ fn follow(live: &mut Live<'_, Lines>, args: &RunArgs, size: [usize; 2]) -> Resul
     let (events, reader) = reader(args, size);
     while !stop.load(Ordering::Relaxed) {
         match events.recv_timeout(LOOK) {
-            Ok(event) => live.take(event)?,
+            Ok((event, came)) => live.take(event, came)?,
             Err(RecvTimeoutError::Timeout) => live.silences(true),
             Err(RecvTimeoutError::Disconnected) => {
                 return Ok(reader.join().expect("a reader does not panic, whatever the bytes")?);
@@ -135,15 +138,15 @@ fn follow(live: &mut Live<'_, Lines>, args: &RunArgs, size: [usize; 2]) -> Resul
     Ok(None)
 }
 
+/// Messages, each with when it was read, and what was wrong where they ended early.
+type Reader = (Receiver<(SensorEvent, Instant)>, JoinHandle<Result<Option<String>, LogError>>);
+
 /// Reads the sensors on a thread of its own, so that silence is noticed.
-fn reader(
-    args: &RunArgs,
-    size: [usize; 2],
-) -> (Receiver<SensorEvent>, JoinHandle<Result<Option<String>, LogError>>) {
+fn reader(args: &RunArgs, size: [usize; 2]) -> Reader {
     let (sender, events) = sync_channel(QUEUE);
     let (source, options) = (PathBuf::from(&args.source), super::run::image_log(args));
     let read = move || {
-        read_sensors(&source, &options, size, &mut |event| match sender.send(event) {
+        read_sensors(&source, &options, size, &mut |event| match sender.send((event, Instant::now())) {
             Ok(()) => ControlFlow::Continue(()),
             Err(_) => ControlFlow::Break(()),
         })
@@ -178,16 +181,26 @@ pub(super) struct Live<'a, L> {
     passed_over: usize,
     /// What frames waited for that could not be initialised with, and how many.
     waited_for: BTreeMap<String, usize>,
+    /// Images of which no frame has come back yet: their stamps, and when they came.
+    images: VecDeque<(Stamp, Instant)>,
+    /// From an image's arrival to its pose.
+    pub(super) latency: Latency,
+    view: Option<Box<dyn Onlooker>>,
 }
 
 /// What a sensor said, beside its stamp.
 enum Message {
     Sample(ImuSample),
-    Image(Result<GrayImage, IoError>),
+    Image(Result<GrayImage, IoError>, Instant),
 }
 
 impl<'a, L: Listener> Live<'a, L> {
-    pub(super) fn new(run: LiveRun, calibration: &'a Calibration, listener: L) -> Self {
+    pub(super) fn new(
+        run: LiveRun,
+        calibration: &'a Calibration,
+        listener: L,
+        view: Option<Box<dyn Onlooker>>,
+    ) -> Self {
         Self {
             run,
             listener,
@@ -203,6 +216,9 @@ impl<'a, L: Listener> Live<'a, L> {
             frames: 0,
             passed_over: 0,
             waited_for: BTreeMap::new(),
+            images: VecDeque::new(),
+            latency: Latency::default(),
+            view,
         }
     }
 
@@ -221,6 +237,15 @@ impl<'a, L: Listener> Live<'a, L> {
         self.say(format_args!(
             "{poses} poses of {frames} frames, {restarts} restarts, {passed_over} messages passed over"
         ));
+        if let Some([median, most]) = self.latency_ms() {
+            self.say(format_args!(
+                "from an image to its pose {median:.1} ms (median), 99 % within {most:.1} ms"
+            ));
+        }
+        let dropped = self.view.take().map_or(0, Onlooker::finish);
+        if dropped > 0 {
+            self.say(format_args!("view: {dropped} messages dropped that nobody took in time"));
+        }
         if poses == 0 {
             self.say(format_args!("warning: {}", super::run::no_pose(frames, &self.waited_for)));
             return Err(Untrusted::NoPose.into());
@@ -229,6 +254,11 @@ impl<'a, L: Listener> Live<'a, L> {
             return Err(Untrusted::Doubted.into());
         }
         Ok(())
+    }
+
+    /// From an image's arrival to its pose: median and what 99 % do not go beyond \[ms\].
+    pub(super) fn latency_ms(&self) -> Option<[f64; 2]> {
+        Some([self.latency.quantile_ms(0.5)?, self.latency.quantile_ms(0.99)?])
     }
 
     fn say(&mut self, words: std::fmt::Arguments<'_>) {
@@ -247,11 +277,12 @@ impl<'a, L: Listener> Live<'a, L> {
         done
     }
 
-    pub(super) fn take(&mut self, event: SensorEvent) -> Result<()> {
+    /// Takes a message and when it came.
+    pub(super) fn take(&mut self, event: SensorEvent, came: Instant) -> Result<()> {
         let (sensor, t, message) = match event {
             SensorEvent::Sample(sample) => (LiveSensor::Imu, sample.t, Message::Sample(sample)),
             SensorEvent::Image(t, image) => {
-                (LiveSensor::Camera, self.calibration.on_imu_clock(t), Message::Image(image))
+                (LiveSensor::Camera, self.calibration.on_imu_clock(t), Message::Image(image, came))
             }
             SensorEvent::PassedOver(why) => {
                 self.pass_over(&why);
@@ -299,17 +330,20 @@ impl<'a, L: Listener> Live<'a, L> {
 
     /// Gives the odometry a message whose stamp is on the common time.
     fn feed(&mut self, t: Stamp, message: Message) -> Result<()> {
-        let image = matches!(message, Message::Image(Ok(_))).then_some(t);
+        let image = match &message {
+            Message::Image(Ok(_), came) => Some((t, *came)),
+            _ => None,
+        };
         let taken = match message {
             Message::Sample(sample) => self.run.feed_sample(ImuSample { t, ..sample }),
-            Message::Image(Ok(image)) => self.run.feed_image(t, image.view()),
+            Message::Image(Ok(image), _) => self.run.feed_image(t, image.view()),
             // A camera whose images are all alike unreadable is no camera.
-            Message::Image(Err(error))
+            Message::Image(Err(error), _)
                 if self.frames == 0 && self.passed_over >= SHOWN && self.listener.gives_up() =>
             {
                 return Err(error.into());
             }
-            Message::Image(Err(error)) => {
+            Message::Image(Err(error), _) => {
                 self.pass_over(&ClosedLoopError::from(error).in_full());
                 Ok(())
             }
@@ -322,10 +356,13 @@ impl<'a, L: Listener> Live<'a, L> {
                 return Err(error.into());
             }
             Err(LiveError::Feed(error)) => self.pass_over(&error.to_string()),
-            other => other?,
+            other => {
+                other?;
+                self.images.extend(image);
+            }
         }
         self.updates()?;
-        if let Some(t) = image {
+        if let Some((t, _)) = image {
             self.look(t);
         }
         Ok(())
@@ -339,7 +376,12 @@ impl<'a, L: Listener> Live<'a, L> {
     }
 
     fn updates(&mut self) -> Result<()> {
-        while let Some(update) = self.run.next_update() {
+        loop {
+            let update = match &mut self.view {
+                Some(view) => self.run.watched_update(&mut **view),
+                None => self.run.next_update(),
+            };
+            let Some(update) = update else { return Ok(()) };
             self.warnings();
             self.frames += 1;
             let clock = self.run.report().clock;
@@ -353,9 +395,24 @@ impl<'a, L: Listener> Live<'a, L> {
             self.phase(&update);
             self.sees(&update);
             self.poses += usize::from(update.state.is_some());
-            self.listener.update(self.clocks.on_imu_clock(update.t), &update)?;
+            let t = self.clocks.on_imu_clock(update.t);
+            self.listener.update(t, &update)?;
+            let image = self.image_of(update.t, clock.offset_s);
+            if let (Some((_, latency_s)), true) = (image, update.state.is_some()) {
+                self.latency.add(latency_s);
+            }
+            if let Some(view) = &mut self.view {
+                view.show((t, &update), self.run.noise_in_force(), image);
+            }
         }
-        Ok(())
+    }
+
+    /// The image that the frame of time `t` was made of: its stamp, as it was fed, and the time since it came \[s\].
+    fn image_of(&mut self, t: Stamp, offset_s: f64) -> Option<(Stamp, f64)> {
+        let apart = |(fed, _): &&(Stamp, Instant)| fed.plus_seconds(offset_s).ns().abs_diff(t.ns());
+        let (fed, came) = self.images.iter().min_by_key(apart).copied()?;
+        self.images.retain(|(other, _)| *other > fed);
+        Some((fed, came.elapsed().as_secs_f64()))
     }
 
     fn warnings(&mut self) {

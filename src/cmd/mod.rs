@@ -20,6 +20,7 @@ mod foxglove;
 mod http;
 mod images;
 mod into;
+mod latency;
 mod learned;
 mod live;
 mod log;

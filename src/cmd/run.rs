@@ -2,7 +2,7 @@
 
 use super::{apart, foxglove, learned, program, rerun, settings, shipped};
 use crate::args::RunArgs;
-use crate::ui::{Untrusted, errln, out, outln, warn};
+use crate::ui::{Fault, Untrusted, errln, out, outln, warn};
 use anyhow::Result;
 use dpn_core::estimate::NoiseSpec;
 use dpn_core::{GrayImage, Stamp};
@@ -28,6 +28,12 @@ use std::path::Path;
 
 pub(crate) fn run(args: &RunArgs) -> Result<()> {
     rerun::check(args.rerun.as_deref())?;
+    if args.view.is_some() {
+        let text = format!("--view is for what is read as it comes; `{}` is a recording", args.source);
+        return Err(Fault::new(text)
+            .hint("--mcap FILE keeps the run for Foxglove, with the same topics")
+            .into());
+    }
     apart_from(args)?;
     let noise: NoiseSpec = args.noise.parse()?;
     let estimator = estimator(args)?;
@@ -51,7 +57,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     if let (Some(scene), CameraInput::Tracks(frames, span)) = (&scene, &camera) {
         scene.tracks(frames_from(&recording, frames, span)?);
     }
+    let mut log = args.mcap.as_ref().map(|_| foxglove::RunLog::new()).transpose()?;
     let mut images = Lookers(Vec::new());
+    images.0.extend(log.as_mut().map(|log| log as &mut dyn FrontEndObserver));
     images.0.extend(album.as_mut().map(|album| album as &mut dyn FrontEndObserver));
     #[cfg(feature = "rerun")]
     let mut images_shown = scene.clone();
@@ -89,8 +97,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         drop(images_shown);
         scene.finish(file, &recording, &done, truth_from_world.as_ref())?;
     }
-    if let Some(file) = &args.mcap {
-        foxglove::write(file, &recording, &done, truth_from_world.as_ref())?;
+    if let Some((log, file)) = log.zip(args.mcap.as_ref()) {
+        log.finish(file, &recording, &done, truth_from_world.as_ref())?;
     }
     if let (Some(dir), Some(album)) = (&args.draw, album) {
         draw(dir, album, &recording, &done)?;

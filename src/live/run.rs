@@ -12,7 +12,7 @@ use dpn_noise as noise;
 use dpn_pronet::network::Network;
 use dpn_vio::components::Levels;
 use dpn_vio::estimator::{
-    Doubt, Estimator, EstimatorConfig, FeedError, RunReport, Update, doubts, doubts_warning,
+    Doubt, Estimator, EstimatorConfig, FeedError, FrontEndObserver, RunReport, Update, doubts, doubts_warning,
 };
 use dpn_vio::frontend::{camera_at_working_size, image_at_working_size};
 use dpn_vio::preint::NoisySample;
@@ -170,7 +170,12 @@ impl LiveRun {
 
     /// Works off the next frame whose samples are all there.
     pub fn next_update(&mut self) -> Option<Update> {
-        self.estimator.track_images(&mut ());
+        self.watched_update(&mut ())
+    }
+
+    /// The same while `observer` looks on at the images.
+    pub fn watched_update(&mut self, observer: &mut dyn FrontEndObserver) -> Option<Update> {
+        self.estimator.track_images(observer);
         self.warnings.extend(self.mounting.warning(self.estimator.images().turns()));
         let update = self.estimator.next_update();
         self.levels = update.as_ref().and_then(|update| update.levels.clone()).or(self.levels.take());

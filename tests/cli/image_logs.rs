@@ -128,7 +128,15 @@ fn a_bag_gives_its_folders_trajectory_and_a_pipe_its_first_pose_before_its_end()
     let calib = calibration.to_str().unwrap();
     let bag: PathBuf = tmp.path().join("live.mcap");
     std::fs::write(&bag, [begin(), messages.concat(), record(15, &[0; 4])].concat()).unwrap();
-    let done = odometry(&bag, &tmp.path().join("of-bag"), &["--calib", calib, "--json"]).well();
+    let shown = tmp.path().join("shown.mcap");
+    let flags = ["--calib", calib, "--json", "--mcap", shown.to_str().unwrap()];
+    let done = odometry(&bag, &tmp.path().join("of-bag"), &flags).well();
+    let shown = String::from_utf8_lossy(&std::fs::read(shown).unwrap()).into_owned();
+    for (what, least) in
+        [("/camera/image", 1), ("\"data\":\"iVBORw0KGgo", 8), ("\"outline_color\":{\"a\"", 8), ("/state", 1)]
+    {
+        assert!(shown.matches(what).count() >= least, "{what}: {}", shown.matches(what).count());
+    }
     assert_eq!(done.json()["report"]["row"]["camera"], "images");
     assert!(trajectory("of-bag") == expected, "a bag's trajectory is another");
 

@@ -269,6 +269,8 @@ fn trajectories_for_evo_have_the_truth_line_by_line_and_relative_errors_their_na
     let refused = odometry(Path::new("room-medium"), &out, &["--rpe", "1m:each"]);
     assert_eq!(refused.code, Some(2), "{refused:?}");
     assert!(refused.stderr.contains("`each` is not known"), "{refused:?}");
+    let refused = odometry(Path::new("room-medium"), &out, &["--view"]);
+    assert!(refused.code == Some(2) && refused.stderr.contains("--mcap FILE keeps the run"), "{refused:?}");
 }
 
 /// Neither quick flight nor a ground truth that disagrees with the IMU is a jump; those that are there are found in `vio/tests/bias_jump.rs`.

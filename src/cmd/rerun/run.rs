@@ -1,6 +1,7 @@
 //! `dpn run --rerun`: trajectory beside truth, camera with tracks, landmarks, noise, biases, levels, ellipsoids.
 
 use super::log::{ESTIMATED, RerunLog, TRUE, quaternion, single, transform};
+use crate::cmd::foxglove::is_due;
 use anyhow::Result;
 use dpn_core::camera::CameraModel;
 use dpn_core::{GrayImage, Sensor, Stamp, TrackFrame};
@@ -173,16 +174,6 @@ impl Scene {
         }
         Ok(())
     }
-}
-
-/// Whether `every_s` have passed since the `last` that was kept, which this one then is.
-fn is_due(last: &mut Option<Stamp>, t: Stamp, every_s: f64) -> bool {
-    // A microsecond for stamps that were rounded.
-    let due = last.is_none_or(|last| t.seconds_since(last) >= every_s - 1e-6);
-    if due {
-        *last = Some(t);
-    }
-    due
 }
 
 /// The lens without its distortion, which the viewer does not know.

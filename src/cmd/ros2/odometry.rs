@@ -4,6 +4,7 @@ use super::calibration;
 use super::params::{named, take, truth, unknown};
 use super::session::{Next, Session};
 use crate::args::Ros2Args;
+use crate::cmd::foxglove::onlooker;
 use crate::cmd::live::{Listener, Live};
 use crate::cmd::shipped;
 use crate::ui::{Fault, errln, warn};
@@ -69,8 +70,9 @@ pub(super) fn run(mut args: Ros2Args) -> Result<()> {
         },
     };
     errln!("calibration: {calibration}");
+    let view = onlooker(args.view)?;
     let run = LiveRun::new(&estimator, noise, networks, &calibration.camera, Fed::Images, args.seed)?;
-    let mut live = Live::new(run, &calibration, sender);
+    let mut live = Live::new(run, &calibration, sender, view);
     let size = calibration.camera.resolution.map(|side| side as usize);
     let ends = loop {
         match session.next() {
@@ -81,7 +83,7 @@ pub(super) fn run(mut args: Ros2Args) -> Result<()> {
                 let taken = if message.topic == imu {
                     sample(&mut live, &again, &message, place)
                 } else if message.topic == images {
-                    live.take(image(&message, image_kind, place, size))
+                    live.take(image(&message, image_kind, place, size), message.came)
                 } else {
                     Ok(())
                 };
@@ -144,12 +146,13 @@ fn set(args: &mut Ros2Args, param: &Param) -> Result<()> {
 fn sample(live: &mut Live<'_, Sender>, again: &Publisher, message: &Message, place: &str) -> Result<()> {
     let imu = match Imu::read(&message.data) {
         Ok(imu) if imu.t == Stamp::from_ns(0) => {
-            return live.take(SensorEvent::PassedOver(format!("a message on {place} without a stamp")));
+            let words = format!("a message on {place} without a stamp");
+            return live.take(SensorEvent::PassedOver(words), message.came);
         }
         Ok(imu) => imu,
         Err(error) => {
-            return live
-                .take(SensorEvent::PassedOver(format!("a message on {place}: such messages {error}")));
+            let words = format!("a message on {place}: such messages {error}");
+            return live.take(SensorEvent::PassedOver(words), message.came);
         }
     };
     if let Some(noise) = live.run.noise_in_force() {
@@ -158,7 +161,7 @@ fn sample(live: &mut Live<'_, Sender>, again: &Publisher, message: &Message, pla
     if !imu.frame_id.is_empty() {
         live.listener.body.clone_from(&imu.frame_id);
     }
-    live.take(SensorEvent::Sample(imu.sample()))
+    live.take(SensorEvent::Sample(imu.sample()), message.came)
 }
 
 fn image(message: &Message, kind: ImageKind, place: &str, size: [usize; 2]) -> SensorEvent {
@@ -240,6 +243,10 @@ fn status(live: &Live<'_, Sender>) -> Status {
     }
     if let Some(std) = scale_std {
         value("scale, relative deviation", format!("{std:.4}"));
+    }
+    if let Some([median, most]) = live.latency_ms() {
+        value("image to pose, median [ms]", format!("{median:.1}"));
+        value("image to pose, 99 % [ms]", format!("{most:.1}"));
     }
     let clock = &live.run.report().clock;
     if clock.found.is_some() {

@@ -20,4 +20,4 @@ pub use sequence::Sequence;
 pub(crate) use sequence::parse_imu;
 pub use write::{SequenceParts, write_ground_truth, write_imu_rows, write_sequence};
 #[cfg(feature = "images")]
-pub use write_camera::{image_place, write_camera_config, write_camera_frames, write_png};
+pub use write_camera::{image_place, png, write_camera_config, write_camera_frames, write_png};

@@ -57,17 +57,24 @@ pub fn image_place(dir: impl Into<ResultPath>, frame: &CameraFrame) -> ResultPat
 /// # Errors
 /// As [`atomic_write`].
 pub fn write_png(path: impl Into<ResultPath>, image: GrayView<'_>) -> Result<(), IoError> {
+    atomic_write(path, |out| out.write_all(&png(image)?))
+}
+
+/// A grey PNG of 8 bits a pixel.
+///
+/// # Errors
+/// Sides beyond what the format holds.
+pub fn png(image: GrayView<'_>) -> io::Result<Vec<u8>> {
     let whole = image.to_image();
     let side = |side: usize| u32::try_from(side).map_err(io::Error::other);
-    atomic_write(path, |out| {
-        let mut encoder = Encoder::new(out, side(image.width())?, side(image.height())?);
-        encoder.set_color(ColorType::Grayscale);
-        encoder.set_depth(BitDepth::Eight);
-        // Noise does not compress: more work would save little.
-        encoder.set_compression(Compression::Fast);
-        encoder.write_header()?.write_image_data(whole.pixels())?;
-        Ok(())
-    })
+    let mut bytes = Vec::new();
+    let mut encoder = Encoder::new(&mut bytes, side(image.width())?, side(image.height())?);
+    encoder.set_color(ColorType::Grayscale);
+    encoder.set_depth(BitDepth::Eight);
+    // Noise does not compress: more work would save little.
+    encoder.set_compression(Compression::Fast);
+    encoder.write_header()?.write_image_data(whole.pixels())?;
+    Ok(bytes)
 }
 
 #[cfg(test)]

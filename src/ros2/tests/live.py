@@ -5,6 +5,7 @@ import os
 import random
 import subprocess
 import sys
+import threading
 import time
 import traceback
 from pathlib import Path
@@ -67,7 +68,7 @@ def held_to(came, poses, most_missing):
     wrong = [t for t in found if found[t] != poses.get(t)]
     assert not wrong, f"{len(wrong)} of {len(found)} poses are others: {found[wrong[0]]}, not {poses.get(wrong[0])}"
     missing = sorted(set(poses) - set(found))
-    assert len(missing) <= most_missing and all(t > max(found) for t in missing), f"missing: {missing}"
+    assert len(missing) <= most_missing and all(t > max(found) for t in missing), f"missing: {missing} of {len(poses)}, the first at {min(poses)}"
 
 
 def events_of(recording, imu, image):
@@ -280,6 +281,52 @@ def unfit():
         assert done.returncode == 2 and words in done.stderr, done
 
 
+def view():
+    """`--view` by another WebSocket: every topic comes; a viewer that takes nothing changes no pose."""
+    from websockets.sync.client import connect
+
+    folder = flown()
+    poses = expected(folder, *NOISE)
+    recording = Recording(folder, compressed=True)
+    peer = Peer()
+    odometry = peer.reader("/odometry", Odometry)
+    peer.writer("/imu", Imu)
+    peer.writer("/image_raw/compressed", CompressedImage)
+    node = Node(DPN, "--calib", recording.calibration, "--reliable", "--compressed", "--view=127.0.0.1:0", *NOISE)
+    node.wait_for("view: ws://")
+    address = next(line.split()[1].rstrip(",") for line in node.lines if line.startswith("view: "))
+    protocol, seen = "foxglove.sdk.v1", {}
+    with connect(address, subprotocols=[protocol], max_size=None) as viewer, connect(address, subprotocols=["foxglove.websocket.v1"], close_timeout=1) as deaf:
+        assert viewer.subprotocol == protocol and json.loads(viewer.recv(5))["op"] == "serverInfo"
+        channels = {c["id"]: c for c in json.loads(viewer.recv(5))["channels"]}
+        assert all(json.loads(c["schema"])["type"] == "object" and c["encoding"] == "json" for c in channels.values())
+        everything = json.dumps({"op": "subscribe", "subscriptions": [{"id": c + 7, "channelId": c} for c in channels]})
+        viewer.send(everything)
+        deaf.send(everything)
+
+        def look():
+            for message in viewer:
+                topic = channels[int.from_bytes(message[1:5], "little") - 7]["topic"]
+                seen.setdefault(topic, []).append((int.from_bytes(message[5:13], "little"), json.loads(message[13:])))
+
+        looker = threading.Thread(target=look, daemon=True)
+        looker.start()
+        peer.matched("/imu", "/image_raw/compressed")
+        play(peer, events_of(recording, "/imu", "/image_raw/compressed"))
+        wait_for_poses(odometry, len(poses) - 2, node)
+        held_to(odometry, poses, 2)
+        assert node.end() == 0
+        looker.join(5)
+    assert set(seen) == {c["topic"] for c in channels.values()}, set(seen)
+    # The same poses, and images with their own stamps.
+    found = poses_of(odometry)
+    shown = {t: [pose["pose"]["position"][axis] for axis in "xyz"] for t, pose in seen["/estimate"]}
+    assert len(shown) >= len(found) - 2 and all(at == found[t][:3] for t, at in shown.items() if t in found), len(shown)
+    assert {t for t, _ in seen["/camera/image"]} <= {t for t, _ in recording.images}
+    assert all(0 < state["latency_ms"] < 5000 for _, state in seen["/state"][-10:])
+    peer.close()
+
+
 def noise(seconds=8.0, rate=1000):
     """The noise alone at 1 kHz, on simulated time; memory."""
     chance = random.Random(2)
@@ -324,7 +371,7 @@ def noise(seconds=8.0, rate=1000):
         print("  ", json.dumps({"rate_hz": rate, "seconds": seconds, "memory_mb": memory}))
 
 
-CASES = [bits, unfit, faults, two_namespaces, noise, motion]
+CASES = [bits, view, unfit, faults, two_namespaces, noise, motion]
 
 if __name__ == "__main__":
     WORK.mkdir(parents=True, exist_ok=True)
