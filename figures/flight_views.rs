@@ -1,17 +1,21 @@
 //! What a run looks like: from above, and over time.
 
+use super::belief::PoseBelief;
 use super::chart::Chart;
 use super::error::FigureError;
 use super::table::Cell;
 use super::timeline::{TimelinePanel, over_time};
 use super::top_view::from_above;
+use super::trajectory_errors::{LineOverTime, Path, poses_over_time};
 use dpn_core::trajectory::StampedPose;
 use dpn_core::{Sensor, Stamp};
 use dpn_eval::closed_loop::{JudgedRun, LearnedLevels, MAX_GAP_S, Recording};
 use dpn_eval::metrics::{
-    AlignmentKind, Interpolation, TruthOptions, TruthTrack, align, associate_interpolated,
+    Alignment, AlignmentKind, Interpolation, PosePair, TruthOptions, TruthTrack, align,
+    associate_interpolated,
 };
 use dpn_vio::estimator::Phase;
+use nalgebra::Isometry3;
 
 /// Poses farther apart than this are not joined \[s\].
 const BROKEN_S: f64 = 1.0;
@@ -22,12 +26,7 @@ const BROKEN_S: f64 = 1.0;
 /// No pose and no truth.
 pub fn top_view(recording: &Recording, run: &JudgedRun) -> Result<Chart, FigureError> {
     let poses = run.output.poses();
-    let alignment = recording.truth.as_deref().and_then(|truth| {
-        let options = TruthOptions { max_gap_s: MAX_GAP_S, interpolation: Interpolation::Linear };
-        let track = TruthTrack::new(truth, options).ok()?;
-        let pairs = associate_interpolated(&track, &poses).ok()?.pairs;
-        align(&pairs, AlignmentKind::YawPosition).ok()
-    });
+    let alignment = aligned(recording, &poses).map(|(_, alignment)| alignment);
     let xy = |pose: &StampedPose| {
         let moved = alignment
             .as_ref()
@@ -62,11 +61,51 @@ pub fn top_view(recording: &Recording, run: &JudgedRun) -> Result<Chart, FigureE
     from_above(format!("{}, noise {}", row.sequence, row.noise), &truth, &estimate, caption)
 }
 
-/// The run over time: tracks, parallax, noise given, biases, residuals.
+/// The poses that have a truth, and what brings them to it in yaw and position.
+fn aligned(recording: &Recording, poses: &[StampedPose]) -> Option<(Vec<PosePair>, Alignment)> {
+    let options = TruthOptions { max_gap_s: MAX_GAP_S, interpolation: Interpolation::Linear };
+    let track = TruthTrack::new(recording.truth.as_deref()?, options).ok()?;
+    let pairs = associate_interpolated(&track, poses).ok()?.pairs;
+    let alignment = align(&pairs, AlignmentKind::YawPosition).ok()?;
+    Some((pairs, alignment))
+}
+
+/// Positions and angles over time, the estimate before the truth, and around it three deviations where they are believed.
+fn pose_panels(recording: &Recording, run: &JudgedRun, seconds: impl Fn(Stamp) -> f64) -> Vec<TimelinePanel> {
+    let poses = run.output.poses();
+    let (pairs, alignment) = match aligned(recording, &poses) {
+        Some((pairs, alignment)) => (pairs, alignment),
+        None => (Vec::new(), Alignment::identity()),
+    };
+    let moved: Vec<Isometry3<f64>> =
+        poses.iter().map(|pose| alignment.apply(&pose.world_from_body)).collect();
+    let mut estimate =
+        Path::of("estimate", poses.iter().zip(&moved).map(|(pose, moved)| (seconds(pose.t), moved)));
+    let beliefs: Vec<PoseBelief> = run
+        .output
+        .covariances()
+        .unwrap_or_default()
+        .iter()
+        .zip(&poses)
+        .map(|(covariance, pose)| PoseBelief::of_right(pose.t, &pose.world_from_body, covariance))
+        .collect();
+    let all = poses.iter().zip(&moved).map(|(pose, moved)| (pose.t, seconds(pose.t), moved));
+    estimate.believed(&beliefs, &alignment, all);
+    let truth = Path::of("truth", pairs.iter().map(|pair| (seconds(pair.t), &pair.true_world_from_body)));
+    let rows = poses_over_time(Some(&truth).filter(|_| !pairs.is_empty()), &[estimate]);
+    let panel = |(label, lines): (String, Vec<LineOverTime>)| {
+        let band = lines.iter().flat_map(|line| &line.band).copied().collect();
+        let lines = lines.into_iter().rev().map(|line| (line.name, line.points)).collect();
+        TimelinePanel { label, log: false, lines, band }
+    };
+    rows.into_iter().map(panel).collect()
+}
+
+/// The run over time: poses beside the truth, tracks, parallax, noise given, biases, residuals.
 ///
 /// # Errors
 /// A run without frames.
-pub fn timeline(run: &JudgedRun) -> Result<Chart, FigureError> {
+pub fn timeline(recording: &Recording, run: &JudgedRun) -> Result<Chart, FigureError> {
     let updates = &run.output.updates;
     let first = run.output.frames.first().copied().unwrap_or(Stamp::from_ns(0));
     let seconds = |t: Stamp| t.seconds_since(first);
@@ -84,7 +123,7 @@ pub fn timeline(run: &JudgedRun) -> Result<Chart, FigureError> {
     };
     let counts = run.frames.iter().map(|frame| (seconds(frame.t), frame.tracks as f64)).collect();
     let ways = run.frames.iter().filter_map(|frame| Some((seconds(frame.t), frame.way_px?))).collect();
-    let panel = |label: &str, log, lines| TimelinePanel { label: label.into(), log, lines };
+    let panel = |label: &str, log, lines| TimelinePanel { label: label.into(), log, lines, band: Vec::new() };
     let noise = |sensor: Sensor| {
         let axis = |k: usize| {
             let stamped = run.noise.stamps().iter().zip(run.noise.noises());
@@ -96,7 +135,8 @@ pub fn timeline(run: &JudgedRun) -> Result<Chart, FigureError> {
     let level = |value: &dyn Fn(LearnedLevels) -> f64| {
         of_updates(&|u| Some(value(LearnedLevels::of(u.levels.as_deref()?))))
     };
-    let panels = vec![
+    let mut panels = pose_panels(recording, run, seconds);
+    panels.extend([
         panel(
             "tracks in a frame",
             false,
@@ -129,11 +169,14 @@ pub fn timeline(run: &JudgedRun) -> Result<Chart, FigureError> {
                 line("outliers", of_updates(&|u| running(u).then_some(u.outliers as f64))),
             ],
         ),
-    ];
+    ]);
     let marks: Vec<f64> =
         updates.iter().filter(|u| matches!(u.phase, Phase::Restarted(_))).map(|u| seconds(u.t)).collect();
     let row = &run.report.row;
     let mut caption = "Dashed: restarts.".to_owned();
+    if panels.iter().any(|panel| !panel.band.is_empty()) {
+        caption.push_str(" Bands: three deviations, as believed.");
+    }
     if let Some(figures) = &row.front_end {
         let agreed = figures.inlier_share.map_or_else(String::new, |share| {
             format!("; {:.1} % of the tracks agreed on the camera's motion", 100.0 * share)

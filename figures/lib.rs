@@ -12,6 +12,7 @@
 mod album;
 mod allan_plot;
 mod axis;
+mod belief;
 mod chart;
 mod error;
 mod error_band;
@@ -42,6 +43,7 @@ mod trajectory_errors;
 
 pub use album::Album;
 pub use allan_plot::allan_plot;
+pub use belief::PoseBelief;
 pub use chart::Chart;
 pub use error::FigureError;
 pub use error_band::{ErrorColumn, error_band};
@@ -52,7 +54,7 @@ pub use log_noise_plot::log_noise_plot;
 pub use plot::{Drawn, Plot, save, svg};
 pub use provenance::Provenance;
 pub use rmse_vs_sigma::rmse_vs_sigma;
-pub use spectrogram::spectrogram;
+pub use spectrogram::{spectra_by_motors, spectrogram};
 pub use spectrum_plot::{spectra_of_two, spectrum_plot};
 pub use sweep_curve::{SweepPoint, sweep_curve};
 pub use table::{Cell, Column, ColumnKind, Line, Table};

@@ -1,4 +1,4 @@
-//! Spectra of a log along it: time to the right, frequency upwards, the density by colour; a panel a sensor, its three axes together.
+//! Spectra of a log along it, or against the output of the motors: frequency upwards, the density by colour; a panel a sensor, its three axes together.
 
 use super::axis::Axis;
 use super::chart::{Chart, Layer, Panel};
@@ -10,81 +10,191 @@ use super::sheet::Sheet;
 use super::style;
 use dpn_core::signal::Welch;
 use dpn_core::signal::stats::quantile;
-use dpn_core::{Recorded, Sensor};
+use dpn_core::{Recorded, Sensor, Stamp};
 
 const FIGURE: &str = "spectrogram";
 /// Spectra beside each other, and bands above each other, at most.
 const COLUMNS: usize = 150;
 const BANDS: usize = 50;
+/// Outputs of motors that are told apart.
+const OUTPUTS: usize = 24;
 /// Length of a segment \[s\].
 const SEGMENT_S: f64 = 0.5;
 /// Height of a panel.
 const PANEL: i32 = 380;
+
+/// Spectra of a piece of a log, and where on the axis to the right it stands.
+struct Column {
+    ends: [f64; 2],
+    /// Mean power density of the three axes by band, a sensor each.
+    power: [Vec<f64>; 2],
+}
 
 /// Of a recording; `words` end the small print.
 ///
 /// # Errors
 /// [`FigureError::Empty`] where the log is too short for two spectra or has no power; samples that cannot be read again.
 pub fn spectrogram(recording: &dyn Recorded, words: &str) -> Result<Chart, FigureError> {
+    let mut columns = columns(recording, recording.len().div_ceil(COLUMNS))?;
+    let length = columns[0].ends[1] - columns[0].ends[0];
+    // A column reaches to the next.
+    for i in 1..columns.len() {
+        columns[i - 1].ends[1] = columns[i].ends[0];
+    }
+    let time = Axis::linear("time [s]".into(), 0.0, recording.length_s(), 10);
+    drawn(
+        recording,
+        &columns,
+        &time,
+        ["from_s", "to_s"],
+        format!("Spectra of {length:.1} s each, {HOW} {words}"),
+    )
+}
+
+/// The same against what the vehicle's motors were told, means of their outputs by time: what comes from the rotors moves with them, what comes from a frame stays
+/// where it is.
+///
+/// # Errors
+/// As [`spectrogram`]; outputs that never change are no axis.
+pub fn spectra_by_motors(
+    recording: &dyn Recorded,
+    motors: &[(Stamp, f64)],
+    words: &str,
+) -> Result<Chart, FigureError> {
+    let empty = |what: &str| FigureError::Empty { figure: FIGURE, what: what.into() };
+    let outputs: Vec<f64> = motors.iter().map(|(_, output)| *output).collect();
+    if outputs.is_empty() {
+        return Err(empty("motor"));
+    }
+    let (low, high) = (quantile(&outputs, 0.02), quantile(&outputs, 0.98));
+    if high <= low {
+        return Err(empty("motor whose output changes"));
+    }
+    let start = recording.span()[0];
+    let width = (high - low) / OUTPUTS as f64;
+    let mut bins: Vec<Option<(Column, f64)>> = (0..OUTPUTS).map(|_| None).collect();
+    for column in columns(recording, 0)? {
+        let at = |s: f64| motors.partition_point(|(t, _)| t.seconds_since(start) < s);
+        let told = &outputs[at(column.ends[0])..at(column.ends[1])];
+        if told.is_empty() {
+            continue;
+        }
+        let bin = (told.iter().sum::<f64>() / told.len() as f64 - low) / width;
+        let Some(bin) = (0.0..=OUTPUTS as f64).contains(&bin).then_some((bin as usize).min(OUTPUTS - 1))
+        else {
+            continue;
+        };
+        match &mut bins[bin] {
+            Some((sum, count)) => {
+                *count += 1.0;
+                sum.power
+                    .iter_mut()
+                    .zip(&column.power)
+                    .for_each(|(sum, power)| sum.iter_mut().zip(power).for_each(|(a, b)| *a += b));
+            }
+            none => {
+                let from = low + bin as f64 * width;
+                *none = Some((Column { ends: [from, from + width], ..column }, 1.0));
+            }
+        }
+    }
+    let mean = |(mut column, count): (Column, f64)| {
+        column.power.iter_mut().flatten().for_each(|power| *power /= count);
+        column
+    };
+    let columns: Vec<Column> = bins.into_iter().flatten().map(mean).collect();
+    let output = Axis::linear("motors' mean output, as logged".into(), low, high, 10);
+    drawn(
+        recording,
+        &columns,
+        &output,
+        ["from_output", "to_output"],
+        format!("Spectra at each output of the motors, {HOW} {words}"),
+    )
+}
+
+/// How a spectrum is made.
+const HOW: &str = "root of the mean density of the three axes (Welch, Hann).";
+
+/// Spectra of a log's pieces of at least `piece` samples and one segment, over time \[s\].
+fn columns(recording: &dyn Recorded, piece: usize) -> Result<Vec<Column>, FigureError> {
     let rate = recording.rate();
     let segment = ((rate.hz() * SEGMENT_S) as usize).max(16);
-    let piece = recording.len().div_ceil(COLUMNS).max(segment);
+    let piece = piece.max(segment);
     if recording.len() < 2 * piece {
         return Err(FigureError::Empty { figure: FIGURE, what: "second spectrum".into() });
     }
     let welch = Welch::new(segment).expect("16 samples or more");
     let start = recording.span()[0];
-    let (mut times, mut spectra) = (Vec::new(), [const { Vec::new() }; 2]);
-    let mut signal = Vec::with_capacity(piece);
+    let width = 0.5 * rate.hz() / BANDS as f64;
+    let (mut columns, mut signal) = (Vec::new(), Vec::with_capacity(piece));
     let whole = recording.len() - recording.len() % piece;
     recording.pieces(0..whole, piece, &mut |samples| {
-        times.push([0, samples.len() - 1].map(|i| samples[i].t.seconds_since(start)));
-        for (sensor, spectra) in Sensor::ALL.into_iter().zip(&mut spectra) {
+        let ends = [0, samples.len() - 1].map(|i| samples[i].t.seconds_since(start));
+        let power = Sensor::ALL.map(|sensor| {
             let mut bands = vec![0.0; BANDS];
             for axis in 0..3 {
                 signal.clear();
                 signal.extend(samples.iter().map(|s| s.of(sensor)[axis]));
                 let spectrum = welch.spectrum(&signal, rate).expect("a segment or more");
-                let width = 0.5 * rate.hz() / BANDS as f64;
                 for (i, band) in bands.iter_mut().enumerate() {
                     *band += spectrum.band_power(i as f64 * width, (i + 1) as f64 * width) / (3.0 * width);
                 }
             }
-            spectra.push(bands.into_iter().map(f64::sqrt).collect::<Vec<f64>>());
-        }
+            bands
+        });
+        columns.push(Column { ends, power });
         Ok(())
     })?;
+    Ok(columns)
+}
 
-    let time = Axis::linear("time [s]".into(), 0.0, recording.length_s(), 10);
+fn drawn(
+    recording: &dyn Recorded,
+    columns: &[Column],
+    x: &Axis,
+    ends: [&'static str; 2],
+    caption: String,
+) -> Result<Chart, FigureError> {
+    let nyquist = 0.5 * recording.rate().hz();
+    let width = nyquist / BANDS as f64;
     let (mut panels, mut rows, mut top) = (Vec::new(), Vec::new(), 0);
-    for (sensor, spectra) in Sensor::ALL.into_iter().zip(&spectra) {
-        let powers: Vec<f64> = spectra.iter().flatten().copied().filter(|d| *d > 0.0).collect();
+    for (at, sensor) in Sensor::ALL.into_iter().enumerate() {
+        let density_of = |column: &Column, band: usize| column.power[at][band].sqrt();
+        let all = columns.iter().flat_map(|column| (0..BANDS).map(move |band| density_of(column, band)));
+        let powers: Vec<f64> = all.filter(|d| *d > 0.0).collect();
         if powers.is_empty() {
             continue;
         }
         // The lowest band holds the motion, far above the rest.
         let (low, high) = (quantile(&powers, 0.02), quantile(&powers, 0.98));
         let density = Axis::log(format!("density [{}/√Hz]", style::unit(sensor)), low, high);
-        let (mut layers, width) = (Vec::new(), 0.5 * rate.hz() / BANDS as f64);
+        let mut layers = Vec::new();
         for band in 0..BANDS {
-            let ends = [band as f64 * width, (band + 1) as f64 * width];
-            let cells: Vec<(usize, usize)> =
-                (0..spectra.len()).map(|i| (i, heat::step(density.fraction(spectra[i][band])))).collect();
+            let hertz = [band as f64 * width, (band + 1) as f64 * width];
+            let cells: Vec<(&Column, usize)> =
+                columns.iter().map(|c| (c, heat::step(density.fraction(density_of(c, band))))).collect();
             // Neighbours of one colour are one rectangle.
-            for run in cells.chunk_by(|a, b| a.1 == b.1) {
-                let [from, to] = [run[0].0, run[run.len() - 1].0 + 1];
-                let end = times.get(to).map_or(times[times.len() - 1][1], |next| next[0]);
-                layers.push(Layer::Block([times[from][0], end], ends, heat::colour(run[0].1)));
+            for run in cells.chunk_by(|a, b| a.1 == b.1 && a.0.ends[1] >= b.0.ends[0]) {
+                let ends = [run[0].0.ends[0], run[run.len() - 1].0.ends[1]];
+                layers.push(Layer::Block(ends, hertz, heat::colour(run[0].1)));
             }
-            for (spectrum, [from, _]) in spectra.iter().zip(&times) {
-                rows.push(row![sensor.name(), from, ends[0], ends[1], spectrum[band]]);
+            for column in columns {
+                rows.push(row![
+                    sensor.name(),
+                    column.ends[0],
+                    column.ends[1],
+                    hertz[0],
+                    hertz[1],
+                    density_of(column, band)
+                ]);
             }
         }
         layers.extend([Layer::Axes(true), Layer::title(style::title(sensor))]);
         top += ABOVE;
         let place = Rect { left: LEFT, top, right: style::WIDTH as i32 - RIGHT, bottom: top + PANEL };
-        let y = Axis::linear("frequency [Hz]".into(), 0.0, 0.5 * rate.hz(), 6);
-        panels.push(Panel { place, x: time.clone(), y, layers });
+        let y = Axis::linear("frequency [Hz]".into(), 0.0, nyquist, 6);
+        panels.push(Panel { place, x: x.clone(), y, layers });
         top += PANEL + BELOW + 20;
         panels.push(heat::scale(top, density));
         top += heat::SCALE;
@@ -92,11 +202,8 @@ pub fn spectrogram(recording: &dyn Recorded, words: &str) -> Result<Chart, Figur
     if panels.is_empty() {
         return Err(FigureError::Empty { figure: FIGURE, what: "spectrum with power".into() });
     }
-    let length = times[0][1] - times[0][0];
-    let caption = format!(
-        "Spectra of {length:.1} s each, root of the mean density of the three axes (Welch, Hann). {words}"
-    );
-    let header = vec!["sensor", "t_s", "from_hz", "to_hz", "density"];
+    let [from, to] = ends;
+    let header = vec!["sensor", from, to, "from_hz", "to_hz", "density"];
     Ok(Chart::new(Sheet::new(Vec::new(), top + 10, caption), panels, Drawn { header, rows }))
 }
 
@@ -122,12 +229,26 @@ mod tests {
         let rows = spectrogram(&recording, "").unwrap().csv().rows;
         let at = |row: &Vec<String>, k: usize| row[k].parse::<f64>().unwrap();
         let loudest = |accepts: &dyn Fn(f64) -> bool| {
-            let of = rows.iter().filter(|row| row[0] == "accel" && at(row, 2) > 0.0 && accepts(at(row, 1)));
-            of.max_by(|a, b| at(a, 4).total_cmp(&at(b, 4))).unwrap().clone()
+            let of = rows.iter().filter(|row| row[0] == "accel" && at(row, 3) > 0.0 && accepts(at(row, 1)));
+            of.max_by(|a, b| at(a, 5).total_cmp(&at(b, 5))).unwrap().clone()
         };
         let (before, after) = (loudest(&|t| t < 19.0), loudest(&|t| t > 20.5));
-        assert!((at(&after, 2)..=at(&after, 3)).contains(&61.0), "{after:?}");
-        assert!(at(&after, 4) > 10.0 * at(&before, 4), "{before:?} {after:?}");
+        assert!((at(&after, 3)..=at(&after, 4)).contains(&61.0), "{after:?}");
+        assert!(at(&after, 5) > 10.0 * at(&before, 5), "{before:?} {after:?}");
+        // Motors that speed up where the tone begins.
+        let told = |i: i64| (Stamp::from_ns(i * 20_000_000), if i < 1000 { 1100.0 } else { 1700.0 });
+        let motors: Vec<(Stamp, f64)> = (0..2000).map(told).collect();
+        let rows = spectra_by_motors(&recording, &motors, "").unwrap().csv().rows;
+        let sounds = |output: f64| {
+            let of = |row: &&Vec<String>| {
+                row[0] == "accel"
+                    && (at(row, 1)..=at(row, 2)).contains(&output)
+                    && (at(row, 3)..at(row, 4)).contains(&61.0)
+            };
+            at(rows.iter().find(of).unwrap(), 5)
+        };
+        assert!(sounds(1690.0) > 10.0 * sounds(1110.0));
+        assert!(matches!(spectra_by_motors(&recording, &motors[..900], ""), Err(FigureError::Empty { .. })));
         let short = ImuRecording::new((0..20).map(sample).collect()).unwrap();
         assert!(matches!(spectrogram(&short, ""), Err(FigureError::Empty { .. })));
     }

@@ -8,6 +8,7 @@ use super::plot::Drawn;
 use super::sheet::Sheet;
 use super::style::{self, Anchor, PALETTE};
 use super::summary::{columns, extent, unbroken};
+use super::trajectory_errors::band;
 
 const FIGURE: &str = "timeline";
 /// Height of a panel's data, and of the words above it.
@@ -29,6 +30,8 @@ pub(super) struct TimelinePanel {
     pub(super) log: bool,
     /// Lines with their names.
     pub(super) lines: Vec<(String, Vec<(f64, f64)>)>,
+    /// A band around the first line: time, the lower end and the upper.
+    pub(super) band: Vec<(f64, f64, f64)>,
 }
 
 /// Panels from above; those without a point are left out. `marks` \[s\] are drawn through all of them, `caption` says what they are.
@@ -109,6 +112,7 @@ impl TimelinePanel {
             Layer::Dashed(vec![(*t, y.high()), (*t, y.low())], style::stroke(style::MUTED, style::THIN))
         };
         layers.extend(marks.iter().map(mark));
+        layers.extend(band(y, PALETTE[0], &self.band));
         let mut x = WIDE;
         for ((name, line), colour) in self.lines.iter().zip(PALETTE).rev() {
             let parts = unbroken(line, |(t, _)| *t);
@@ -130,7 +134,7 @@ mod tests {
     use crate::plot::{Plot, svg};
 
     fn panel(label: &str, log: bool, line: &[(f64, f64)]) -> TimelinePanel {
-        TimelinePanel { label: label.into(), log, lines: vec![("a".into(), line.to_vec())] }
+        TimelinePanel { label: label.into(), log, lines: vec![("a".into(), line.to_vec())], band: Vec::new() }
     }
 
     #[test]

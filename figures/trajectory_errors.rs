@@ -1,6 +1,7 @@
 //! Trajectories held against the truth: all from above, each coloured by its error, and below over time the error, positions and angles.
 
 use super::axis::Axis;
+use super::belief::PoseBelief;
 use super::chart::{Chart, Layer, Panel};
 use super::error::{FigureError, check_each};
 use super::frame::{BELOW, LEFT, RIGHT, Rect};
@@ -10,9 +11,10 @@ use super::plot::Drawn;
 use super::sheet::{MARGIN, ROOM, Sheet};
 use super::style::{self, Anchor, PALETTE};
 use super::summary::{extent, unbroken};
-use dpn_eval::metrics::{Compared, PosePair};
+use dpn_core::Stamp;
+use dpn_eval::metrics::{Alignment, Compared, PosePair};
 use nalgebra::Isometry3;
-use plotters::style::RGBColor;
+use plotters::style::{Color, RGBColor};
 
 const FIGURE: &str = "trajectory errors";
 /// Trajectories at most.
@@ -26,34 +28,32 @@ const AROUND: (i32, i32, i32, i32) = (100, 60, 30, 62);
 const PANEL: i32 = 130;
 const WORDS: i32 = 40;
 
-/// Up to four trajectories by name, each compared with the same truth; `error` is what was counted, with its unit, `time` what stamps count, `caption`
+/// Up to four trajectories by name, each compared with the same truth, and what they believe of their poses by their own stamps, empty where that is not known; `error` is what was counted, with its unit, `time` what stamps count, `caption`
 /// the small print.
 ///
 /// # Errors
 /// None or too many; a pose or an error that is not finite.
 pub fn trajectory_errors(
-    of: &[(String, &Compared)],
+    of: &[(String, &Compared, &[PoseBelief])],
     (error, time): (&str, &str),
     caption: &str,
 ) -> Result<Chart, FigureError> {
-    let Some((_, first)) = of.first() else {
+    let Some((_, first, _)) = of.first() else {
         return Err(FigureError::Empty { figure: FIGURE, what: "trajectory".into() });
     };
     super::error::check_count(FIGURE, "trajectories", of.len(), MOST)?;
-    for (name, compared) in of {
+    for (name, compared, _) in of {
         let errors: Vec<f64> = compared.errors.iter().map(|(_, error)| *error).collect();
         check_each(FIGURE, &format!("error of {name}"), &errors, "it must be finite", f64::is_finite)?;
     }
-    let start = of.iter().map(|(_, c)| c.pairs[0].t).min().unwrap_or(first.pairs[0].t);
+    let start = of.iter().map(|(_, c, _)| c.pairs[0].t).min().unwrap_or(first.pairs[0].t);
     let lines: Vec<Path> = of
         .iter()
         .zip(PALETTE)
-        .map(|((name, compared), colour)| Path::new(name, compared, colour, |p| p.t.seconds_since(start)))
+        .map(|((name, compared, beliefs), colour)| Path::new(name, compared, beliefs, colour, start))
         .collect();
-    let truth = Path {
-        colour: style::INK,
-        ..Path::of("truth", &first.pairs, |p| p.t.seconds_since(start), truth_of)
-    };
+    let truth =
+        Path::of("truth", first.pairs.iter().map(|p| (p.t.seconds_since(start), &p.true_world_from_body)));
 
     let most = lines.iter().flat_map(|line| &line.errors).map(|(_, e)| *e).fold(0.0, f64::max).max(1e-12);
     let maps = lines.len() + 1;
@@ -83,38 +83,35 @@ pub fn trajectory_errors(
     let body = top + count as i32 * (PANEL + WORDS) + BELOW;
     let entry = |path: &Path| Entry { key: Key::Line, colour: path.colour, words: path.name.clone() };
     let legend = std::iter::once(&truth).chain(&lines).map(entry).collect();
-    let sheet = Sheet::new(legend, body, caption.to_owned());
+    let mut caption = caption.to_owned();
+    if lines.iter().any(|line| !line.bands.is_empty()) {
+        caption.push_str(" Bands: three deviations, as believed.");
+    }
+    let sheet = Sheet::new(legend, body, caption);
     let header = vec!["path", "t_s", "x_m", "y_m", "z_m", "roll_deg", "pitch_deg", "yaw_deg", "error"];
     let rows = std::iter::once(&truth).chain(&lines).flat_map(Path::rows).collect();
     Ok(Chart::new(sheet, panels, Drawn { header, rows }))
 }
 
-fn truth_of(pair: &PosePair) -> &Isometry3<f64> {
-    &pair.true_world_from_body
-}
-
 /// One trajectory as it is drawn: thinned, seconds from the first pose of all.
-struct Path {
+pub(super) struct Path {
     name: String,
     colour: RGBColor,
     /// Time, then x, y, z \[m\], roll, pitch, yaw \[deg\], the angles without jumps.
     poses: Vec<(f64, [f64; 6])>,
+    /// Three deviations of each pose's numbers, where they are believed.
+    bands: Vec<(f64, [f64; 6])>,
     /// Error by time.
     errors: Vec<(f64, f64)>,
 }
 
 impl Path {
-    fn of(
-        name: &str,
-        pairs: &[PosePair],
-        time: impl Fn(&PosePair) -> f64,
-        pose: fn(&PosePair) -> &Isometry3<f64>,
-    ) -> Self {
-        let step = pairs.len().div_ceil(POINTS).max(1);
+    /// Of poses by time.
+    pub(super) fn of<'a>(name: &str, all: impl ExactSizeIterator<Item = (f64, &'a Isometry3<f64>)>) -> Self {
+        let step = all.len().div_ceil(POINTS).max(1);
         let mut last = [0.0; 3];
         let mut poses = Vec::new();
-        for (i, pair) in pairs.iter().enumerate() {
-            let pose = pose(pair);
+        for (i, (t, pose)) in all.enumerate() {
             let (roll, pitch, yaw) = pose.rotation.euler_angles();
             // The turn that is nearest to the last: no line jumps from 180 to -180.
             for (last, angle) in last.iter_mut().zip([roll, pitch, yaw].map(f64::to_degrees)) {
@@ -122,20 +119,39 @@ impl Path {
             }
             if i % step == 0 {
                 let [x, y, z]: [f64; 3] = pose.translation.vector.into();
-                poses.push((time(pair), [x, y, z, last[0], last[1], last[2]]));
+                poses.push((t, [x, y, z, last[0], last[1], last[2]]));
             }
         }
-        Self { name: name.to_owned(), colour: style::INK, poses, errors: Vec::new() }
+        Self { name: name.to_owned(), colour: style::INK, poses, bands: Vec::new(), errors: Vec::new() }
     }
 
-    fn new(name: &str, compared: &Compared, colour: RGBColor, time: impl Fn(&PosePair) -> f64) -> Self {
-        let mut path = Self::of(name, &compared.pairs, &time, |pair| &pair.est_world_from_body);
+    fn new(name: &str, compared: &Compared, beliefs: &[PoseBelief], colour: RGBColor, start: Stamp) -> Self {
+        let time = |pair: &PosePair| pair.t.seconds_since(start);
+        let pairs = &compared.pairs;
+        let mut path = Self::of(name, pairs.iter().map(|pair| (time(pair), &pair.est_world_from_body)));
+        let poses = pairs.iter().map(|pair| (pair.t, time(pair), &pair.est_world_from_body));
+        path.believed(beliefs, &compared.alignment, poses);
         let step = compared.errors.len().div_ceil(POINTS).max(1);
         let mut errors: Vec<(f64, f64)> =
             compared.errors.iter().step_by(step).map(|(i, e)| (time(&compared.pairs[*i]), *e)).collect();
         errors.sort_by(|a, b| a.0.total_cmp(&b.0));
         (path.colour, path.errors) = (colour, errors);
         path
+    }
+
+    /// Takes what is believed of `poses`, each with its stamp and time.
+    pub(super) fn believed<'a>(
+        &mut self,
+        beliefs: &[PoseBelief],
+        alignment: &Alignment,
+        poses: impl ExactSizeIterator<Item = (Stamp, f64, &'a Isometry3<f64>)>,
+    ) {
+        let step = poses.len().div_ceil(POINTS).max(1);
+        let band = |(t, seconds, pose): (Stamp, f64, &Isometry3<f64>)| {
+            let belief = beliefs.get(beliefs.binary_search_by_key(&t, |belief| belief.t).ok()?)?;
+            Some((seconds, belief.three_sigma(pose, alignment)))
+        };
+        self.bands = poses.step_by(step).filter_map(band).collect();
     }
 
     fn end(&self) -> f64 {
@@ -219,36 +235,74 @@ fn map<'a>(place: Rect, title: &str, paths: impl IntoIterator<Item = &'a Path>, 
     Panel { place, x: axis("x", x, across, 6), y: axis("y", y, up, 5), layers: all }
 }
 
-/// Lines by colour.
-type Lines = Vec<(RGBColor, Vec<(f64, f64)>)>;
+/// A line over time, and around it a band of what is believed.
+pub(super) struct LineOverTime {
+    pub(super) name: String,
+    pub(super) colour: RGBColor,
+    pub(super) points: Vec<(f64, f64)>,
+    /// Time, the lower end and the upper.
+    pub(super) band: Vec<(f64, f64, f64)>,
+}
 
 /// What stands over time: words and lines.
-fn rows_over_time(truth: &Path, lines: &[Path], error: &str) -> Vec<(String, Lines)> {
-    let mut rows: Vec<(String, Lines)> =
-        vec![(error.to_owned(), lines.iter().map(|line| (line.colour, line.errors.clone())).collect())];
-    for (k, name) in
-        ["x [m]", "y [m]", "z [m]", "roll [deg]", "pitch [deg]", "yaw [deg]"].into_iter().enumerate()
-    {
+fn rows_over_time(truth: &Path, lines: &[Path], error: &str) -> Vec<(String, Vec<LineOverTime>)> {
+    let errors = |path: &Path| LineOverTime {
+        name: path.name.clone(),
+        colour: path.colour,
+        points: path.errors.clone(),
+        band: Vec::new(),
+    };
+    let mut rows = vec![(error.to_owned(), lines.iter().map(errors).collect())];
+    rows.extend(poses_over_time(Some(truth), lines));
+    rows
+}
+
+/// Positions and angles over time: words and lines.
+pub(super) fn poses_over_time(truth: Option<&Path>, lines: &[Path]) -> Vec<(String, Vec<LineOverTime>)> {
+    let names = ["x [m]", "y [m]", "z [m]", "roll [deg]", "pitch [deg]", "yaw [deg]"];
+    let row = |(k, name): (usize, &str)| {
         let middle =
             |path: &Path| path.poses.iter().map(|(_, p)| p[k]).sum::<f64>() / path.poses.len() as f64;
         let of = |path: &Path| {
             // Both without jumps, they may still be whole turns apart.
-            let turns = if k < 3 { 0.0 } else { 360.0 * ((middle(truth) - middle(path)) / 360.0).round() };
-            (path.colour, path.poses.iter().map(|(t, p)| (*t, p[k] + turns)).collect())
+            let apart = truth.filter(|_| k >= 3).map_or(0.0, |truth| (middle(truth) - middle(path)) / 360.0);
+            let turns = 360.0 * apart.round();
+            let points: Vec<(f64, f64)> = path.poses.iter().map(|(t, p)| (*t, p[k] + turns)).collect();
+            let band = |(t, sigma): &(f64, [f64; 6])| {
+                let (_, middle) = points.get(points.partition_point(|point| point.0 < *t))?;
+                Some((*t, middle - sigma[k], middle + sigma[k]))
+            };
+            let band = path.bands.iter().filter_map(band).collect();
+            LineOverTime { name: path.name.clone(), colour: path.colour, points, band }
         };
-        rows.push((name.to_owned(), std::iter::once(truth).chain(lines).map(of).collect()));
-    }
-    rows
+        (name.to_owned(), truth.into_iter().chain(lines).map(of).collect())
+    };
+    names.into_iter().enumerate().map(row).collect()
 }
 
-fn over_time(place: Rect, time: &Axis, label: String, lines: &Lines, last: bool) -> Panel {
-    let (low, high) = extent(lines.iter().flat_map(|(_, line)| line).map(|(_, v)| *v));
-    let pad = 0.06 * (high - low);
+/// The bands of a panel whose axis is `y`, cut off at its ends.
+pub(super) fn band(y: &Axis, colour: RGBColor, band: &[(f64, f64, f64)]) -> Vec<Layer> {
+    let within = |v: f64| v.clamp(y.low(), y.high());
+    let parts = unbroken(band, |(t, ..)| *t);
+    let layer = |part: &[(f64, f64, f64)]| {
+        let upper = part.iter().map(|(t, _, high)| (*t, within(*high))).collect();
+        let lower = part.iter().map(|(t, low, _)| (*t, within(*low))).collect();
+        Layer::band(upper, lower, colour.mix(0.25))
+    };
+    parts.filter(|part| part.len() > 1).map(layer).collect()
+}
+
+fn over_time(place: Rect, time: &Axis, label: String, lines: &[LineOverTime], last: bool) -> Panel {
+    let (low, high) = extent(lines.iter().flat_map(|line| &line.points).map(|(_, v)| *v));
+    // Room for bands, but no band makes a line flat.
+    let widest = lines.iter().flat_map(|line| &line.band).map(|(_, a, b)| 0.5 * (b - a)).fold(0.0, f64::max);
+    let pad = (0.06 * (high - low)).max(widest.min(0.5 * (high - low)));
     let y = Axis::linear(String::new(), low - pad, high + pad, 3);
     let mut layers = vec![Layer::Grid];
-    for (colour, line) in lines {
-        let parts = unbroken(line, |(t, _)| *t);
-        layers.extend(parts.map(|part| Layer::Line(part.to_vec(), style::stroke(*colour, style::THIN))));
+    layers.extend(lines.iter().flat_map(|line| band(&y, line.colour, &line.band)));
+    for line in lines {
+        let parts = unbroken(&line.points, |(t, _)| *t);
+        layers.extend(parts.map(|part| Layer::Line(part.to_vec(), style::stroke(line.colour, style::THIN))));
     }
     layers.push(Layer::Axes(last));
     layers.push(Layer::Words(label, style::CAPTION, style::INK, Anchor::West, (0, -18)));
@@ -259,7 +313,6 @@ fn over_time(place: Rect, time: &Axis, label: String, lines: &Lines, last: bool)
 mod tests {
     use super::*;
     use crate::plot::{Plot, svg};
-    use dpn_core::Stamp;
     use dpn_core::trajectory::StampedPose;
     use dpn_eval::metrics::{Comparing, PoseRelation, absolute};
     use nalgebra::Vector3;
@@ -291,7 +344,7 @@ mod tests {
         };
         let compared = absolute(&circle(1.0), &circle(1.5), &by).unwrap();
         let plot =
-            trajectory_errors(&[("A".into(), &compared)], ("APE [m]", "time [s]"), "Made up.").unwrap();
+            trajectory_errors(&[("A".into(), &compared, &[])], ("APE [m]", "time [s]"), "Made up.").unwrap();
         let rows = plot.csv().rows;
         let yaw: Vec<f64> = rows.iter().take(130).map(|row| row[7].parse().unwrap()).collect();
         assert!(yaw.windows(2).all(|pair| (pair[1] - pair[0] - 0.1f64.to_degrees()).abs() < 1e-3), "{yaw:?}");
@@ -306,7 +359,7 @@ mod tests {
         for words in ["colour: APE [m]", "yaw [deg]", "time [s]", "Made up."] {
             assert!(text.contains(words), "{words}");
         }
-        let five = vec![("A".to_owned(), &compared); 5];
+        let five = vec![("A".to_owned(), &compared, &[][..]); 5];
         assert!(matches!(trajectory_errors(&five, ("", ""), ""), Err(FigureError::TooMany { .. })));
     }
 }

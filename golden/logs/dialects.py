@@ -2,6 +2,7 @@
 and leaves the others in expected.json as they are. Run in this folder: python3 dialects.py
 """
 import json
+import math
 
 from motion import DEG, EXPECTED, G, HERE, accel, expect, motion, save, write
 
@@ -31,6 +32,17 @@ def iphones():
     expect("stray_scanner.csv", "csv", 100.0, apple, 65575_500_000_000, 1e-6, ["-1 g upwards", "accelerometer in g"])
 
 
+def oxiod():
+    rows = motion(100, 120)
+    lines = []
+    for t, g, a in upside_down(rows):
+        up = math.sqrt(sum(v * v for v in a))
+        gravity = [round(v / up, 6) for v in a]
+        lines.append([f"{500000.25 + t:.6f}", 0.1, 0.2, 0.3, *g, *gravity, *(f"{v / G - u:.8f}" for v, u in zip(a, gravity)), 20.5, 1.5, -40.25])
+    table("oxiod.csv", [], lines)
+    expect("oxiod.csv", "csv", 100.0, upside_down(rows), 500000_250_000_000, 2e-6, ["-1 g upwards", "OxIOD"])
+
+
 def androids():
     rows = motion(100, 120)
     start = 65972053803181
@@ -38,6 +50,9 @@ def androids():
     table("mars_logger.csv", ["Timestamp[nanosec], gx[rad/s], gy[rad/s], gz[rad/s], ax[m/s^2], ay[m/s^2], az[m/s^2], Unix time[nanosec]"], [
         [ns(t), *(f" {v}" for v in g), *(f" {v}" for v in a), f" {1663164669189000000 + round(t * 1e9)}"] for t, g, a in rows])
     expect("mars_logger.csv", "csv", 100.0, rows, start, 1e-6, ["Timestamp[nanosec]"])
+    table("hyperimu.csv", ["HIMU 3.1.4, sampling rate 10 ms", "Timestamp," + ",".join(f"LSM6DSO {s}.{a}" for s in ["Accelerometer", "Gyroscope"] for a in "xyz")], [
+        [1663164669189 + round(t * 1e3), *a, *g] for t, g, a in rows])
+    expect("hyperimu.csv", "csv", 100.0, rows, 1663164669189000000, 1e-6)
     # A row a sensor, the accelerometer's between the gyroscope's.
     long, gnss, objects = [], [], []
     for i in range(-1, 121):
@@ -116,6 +131,44 @@ def others():
     expect("blackbox_decode.csv", "csv", 1000.0, rows, 5_000_000_000, 2e-6, ["accelerometer in g"])
 
 
+def unsigned(value):
+    """A number of the blackbox: seven bits a byte, the lowest first."""
+    out = bytearray()
+    while value > 127:
+        out.append(value & 127 | 128)
+        value >>= 7
+    return bytes(out + bytes([value]))
+
+
+def signed(value):
+    return unsigned(2 * value if value >= 0 else -2 * value - 1)
+
+
+def blackbox():
+    """Betaflight's own log: a whole frame (I), then some of differences (P), whose time is foreseen along a line from the second on."""
+    rows = motion(500, 120)
+    gyro_scale, acc_1g = 0.0625, 2048
+    names = "loopIteration,time,gyroADC[0],gyroADC[1],gyroADC[2],accSmooth[0],accSmooth[1],accSmooth[2],motor[0],motor[1]"
+    head = ["Product:Blackbox flight data recorder by Nicholas Sherlock", "Data version:2", f"Field I name:{names}", "Field I signed:0,0,1,1,1,1,1,1,0,0",
+            "Field I predictor:0,0,0,0,0,0,0,0,0,0", "Field I encoding:1,1,0,0,0,0,0,0,1,1", "Field P predictor:6,2,1,1,1,1,1,1,1,1",
+            "Field P encoding:9,0,0,0,0,0,0,0,0,0", "Field S name:flightModeFlags", "Field S signed:0", "Field S predictor:0", "Field S encoding:1",
+            "Firmware type:Cleanflight", "Firmware revision:Betaflight 4.4.2 (23d066d08) STM32F7X2", "gyro_scale:0x3d800000", f"acc_1G:{acc_1g}",
+            "minthrottle:1070", "motorOutput:158,2047", "motor_pwm_protocol:6"]
+    data = "".join(f"H {line}\n" for line in head).encode()
+    for i, (t, g, a) in enumerate(rows):
+        counts = [round(v / DEG / gyro_scale) for v in g] + [round(v / G * acc_1g) for v in a]
+        now = [33_000_000 + round(t * 1e6), *counts, 200 + i, 300 + i]
+        if i % 32 == 0:
+            data += b"I" + unsigned(i) + unsigned(now[0]) + b"".join(map(signed, now[1:7])) + b"".join(map(unsigned, now[7:]))
+        else:
+            foreseen = before[0] if i % 32 == 1 else 2 * before[0] - older[0]
+            data += b"P" + signed(now[0] - foreseen) + b"".join(signed(a - b) for a, b in zip(now[1:], before[1:]))
+        older, before = before if i else now, now
+    write("betaflight.bbl", data + b"E\xffEnd of log\0")
+    # Off by half a count.
+    expect("betaflight.bbl", "blackbox", 500.0, rows, 33_000_000_000, 2.5e-3)
+
+
 def gyroflow():
     """Counts behind a preamble that says what one is."""
     rows = motion(200, 120)
@@ -129,7 +182,7 @@ def gyroflow():
 
 
 def make():
-    for one in [iphones, androids, objects, without_stamps, others, gyroflow]:
+    for one in [iphones, oxiod, androids, objects, without_stamps, others, blackbox, gyroflow]:
         one()
 
 

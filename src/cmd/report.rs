@@ -5,7 +5,9 @@ use crate::args::ReportArgs;
 use crate::ui::outln;
 use anyhow::Result;
 use dpn_core::Recorded;
-use dpn_figures::{FigureError, Plot, allan_plot, log_noise_plot, spectrogram, spectrum_plot};
+use dpn_figures::{
+    FigureError, Plot, allan_plot, log_noise_plot, spectra_by_motors, spectrogram, spectrum_plot,
+};
 use dpn_io::noise_formats::{Format, Written};
 use dpn_io::{atomic_write, printable};
 use dpn_papers::{FindingWords, LogReport, LogSection};
@@ -77,6 +79,7 @@ fn section(args: &ReportArgs, path: &Path, networks: &[Network]) -> Result<LogSe
             draw(&mut page, "The signal, and its noise along the log", plot)?;
             draw(&mut page, "Spectra", spectrum_plot(&spectra, ""))?;
             draw(&mut page, "Spectra along the log", spectrogram(recording, ""))?;
+            draw(&mut page, "Spectra against the motors", spectra_by_motors(recording, &log.motors, ""))?;
             let mut text: String =
                 along.warnings.iter().map(|warning| format!("warning: {warning}\n")).collect();
             text.push_str(&report::page(&plan, &along.summary, recording.rate()));

@@ -324,7 +324,7 @@ fn kitti(done: &JudgedRun, pairs: &[PosePair], out: &ResultPath) -> Result<()> {
 fn draw(dir: &ResultPath, album: Album, recording: &Recording, done: &JudgedRun) -> Result<()> {
     album.finish()?;
     save(&top_view(recording, done)?, dir.join("top"))?;
-    save(&timeline(done)?, dir.join("timeline"))?;
+    save(&timeline(recording, done)?, dir.join("timeline"))?;
     Ok(())
 }
 

@@ -283,7 +283,8 @@ fn meaning_in(name: &str, only: Option<Sensor>) -> Option<Meaning> {
     meaning(name).or_else(|| meaning(&format!("{word} {}", bare.unwrap_or(name)))).filter(own)
 }
 
-fn meaning(name: &str) -> Option<Meaning> {
+fn meaning(original: &str) -> Option<Meaning> {
+    let name = original;
     // Axes by number: `gyro_rad[0]`.
     let numbered =
         [("[0]", "_x"), ("[1]", "_y"), ("[2]", "_z")].into_iter().find(|(at, _)| name.contains(at));
@@ -328,9 +329,16 @@ fn meaning(name: &str) -> Option<Meaning> {
         }
     }
     // A unit grown together with a word for time: `timestampns`, `sincestartinms`.
-    TIME.into_iter().find_map(|word| {
+    let grown = TIME.into_iter().find_map(|word| {
         let unit = stripped(&whole).strip_prefix(word.0)?;
         time_unit(unit).and_then(|_| with((0, word), unit.to_owned()))
+    });
+    // A part's name before the sensor's, as HyperIMU has it: `LSM6DSO Accelerometer.x`.
+    let is_part = |word: &str| {
+        word.chars().any(|c| c.is_ascii_digit()) && word.starts_with(|c: char| c.is_ascii_uppercase())
+    };
+    grown.or_else(|| {
+        original.split_once(' ').filter(|(part, _)| is_part(part)).and_then(|(_, rest)| meaning(rest))
     })
 }
 

@@ -29,6 +29,9 @@ pub enum RowFault {
         "{columns} columns without a header could mean several things; median lengths of columns {found}: say {choices}"
     )]
     SeveralTriples { columns: usize, found: String, choices: String },
+    /// Poses where an IMU's samples are wanted.
+    #[error("the rows end with unit quaternions: poses, not an IMU's samples")]
+    Poses,
     /// A row with more or fewer fields than the header or the rows before it.
     #[error("{found} fields, expected {expected}")]
     FieldCount { found: usize, expected: usize },
@@ -114,6 +117,9 @@ impl RowFault {
                 "KITTI's poses need times.txt beside them, a number of seconds a line; two files without stamps are compared line by line"
             }
             Self::TooFar { .. } => "an estimator that diverges leaves such poses: cut the file before them",
+            Self::Poses => {
+                "trajectories are held against each other by `dpn ape`, against a log by `dpn noise LOG --against FILE`; if it is a log, say --columns T,GX,GY,GZ,AX,AY,AZ"
+            }
             Self::FieldCount { .. } => "the row is cut off or damaged; mend or delete the line",
             Self::BadNumber { text, .. } if text.contains(':') => {
                 "a date or a time of day is no number: write stamps as seconds, ms, us or ns, or name another column for them (--columns)"

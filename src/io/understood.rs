@@ -234,6 +234,7 @@ fn columns(
         Some(_) if counted && rows.width() == 3 => ImuColumns::new(0, [0, 1, 2], [0, 1, 2]),
         Some(_) if rows.width() >= 4 => ImuColumns::new(0, [1, 2, 3], [1, 2, 3]),
         None if counted && rows.width() == 6 => ImuColumns::new(0, [0, 1, 2], [3, 4, 5]),
+        None if ends_with_quaternion(rows.clone()) => return Err(rows.below(RowFault::Poses)),
         None if rows.width() >= SEVERAL + first => return Err(several(rows, first)),
         None if first == 1 => ImuColumns::new(1, [2, 3, 4], [5, 6, 7]),
         None if rows.width() >= 7 => ImuColumns::ASL,
@@ -243,6 +244,20 @@ fn columns(
     };
     let origin = if value == ImuColumns::ROS2_ECHO { Origin::Guessed } else { Origin::Assumed };
     Ok((Settled { value, origin }, Said::default()))
+}
+
+/// Whether the last four columns of a table as wide as a trajectory's are unit quaternions.
+fn ends_with_quaternion(mut rows: Rows<'_>) -> bool {
+    const ROWS: usize = 50;
+    let width = rows.width();
+    let mut norms = (0..ROWS).map_while(|_| match rows.advance() {
+        Ok(true) => Some(rows.numbers([width - 4, width - 3, width - 2, width - 1], [SLOTS[0]; 4])),
+        _ => None,
+    });
+    let is_unit = |row: Result<[f64; 4], IoError>| {
+        row.is_ok_and(|q| (q.iter().map(|v| v * v).sum::<f64>().sqrt() - 1.0).abs() < 1e-3)
+    };
+    (8..=9).contains(&width) && norms.next().is_some_and(is_unit) && norms.all(is_unit)
 }
 
 /// Whether the first column counts the rows of a table without a header, and the second increases as stamps do.

@@ -1,4 +1,4 @@
-//! ArduPilot's logs, binary and text: their formats and the records `IMU`, `IMU2`, `IMU3` from front to back.
+//! ArduPilot's logs, binary and text: their formats and the records `IMU`, `IMU2`, `IMU3` from front to back, and `CTUN`, whose `ThO` is what the motors are told together.
 //!
 //! A binary record begins with 0xA3 0x95 and its type's number; a record `FMT` (128) gives number, length, name, types and names of the fields.
 //! In text a record is a line of its name and its fields, and `FMT` lines name those. Axes are forward, right, down; `T` is a temperature.
@@ -28,21 +28,21 @@ struct Layout {
     /// Nanoseconds in one of its unit.
     tick_ns: i64,
     instance: Option<usize>,
-    axes: [usize; 6],
+    /// Of an IMU's record six; of [`MOTORS`] the output alone.
+    axes: Vec<usize>,
     /// How many fields a record has.
     count: usize,
 }
 
 impl Layout {
     /// `None` where a field is missing.
-    fn new<'a>(names: &(impl Iterator<Item = &'a str> + Clone)) -> Option<Self> {
+    fn new<'a>(record: &str, names: &(impl Iterator<Item = &'a str> + Clone)) -> Option<Self> {
         let at = |name: &str| names.clone().position(|one| one.trim() == name);
         let (time, tick_ns) =
             at("TimeUS").map(|at| (at, 1000)).or_else(|| Some((at("TimeMS")?, 1_000_000)))?;
-        let mut axes = [0; 6];
-        for (axis, name) in axes.iter_mut().zip(["GyrX", "GyrY", "GyrZ", "AccX", "AccY", "AccZ"]) {
-            *axis = at(name)?;
-        }
+        let wanted =
+            if record == MOTORS { &["ThO"][..] } else { &["GyrX", "GyrY", "GyrZ", "AccX", "AccY", "AccZ"] };
+        let axes = wanted.iter().map(|name| at(name)).collect::<Option<_>>()?;
         Some(Self { time, tick_ns, instance: at("I"), axes, count: names.clone().count() })
     }
 
@@ -54,17 +54,17 @@ impl Layout {
         time: i64,
         records: &mut Records,
     ) -> Option<()> {
+        let t = Stamp::from_ns(time.checked_mul(self.tick_ns)?);
+        let axes = self.axes.iter().map(|at| value(*at)).collect::<Option<Vec<f64>>>()?;
+        let [gx, gy, gz, ax, ay, az] = axes[..] else {
+            records.motors(0, t, axes.into_iter());
+            return Some(());
+        };
         let number = name.strip_prefix("IMU")?.parse().unwrap_or(1u32).saturating_sub(1);
         let instance = match self.instance {
             Some(at) => value(at)? as u32,
             None => number,
         };
-        let mut axes = [0.0; 6];
-        for (axis, at) in axes.iter_mut().zip(self.axes) {
-            *axis = value(at)?;
-        }
-        let t = Stamp::from_ns(time.checked_mul(self.tick_ns)?);
-        let [gx, gy, gz, ax, ay, az] = axes;
         // More instances than any autopilot has are left to themselves.
         if let Some(source) = records.source("IMU", instance, Holds::Both, 0) {
             records.push(source, ImuSample { t, gyro: [gx, gy, gz], accel: [ax, ay, az] });
@@ -76,6 +76,9 @@ impl Layout {
 fn is_imu(name: &str) -> bool {
     matches!(name, "IMU" | "IMU2" | "IMU3")
 }
+
+/// The record of what the motors are told.
+const MOTORS: &str = "CTUN";
 
 /// A type of binary record.
 #[derive(Debug)]
@@ -103,7 +106,8 @@ impl Format {
             fields.push((kind, at));
             at += size(kind)?;
         }
-        let layout = is_imu(&name).then(|| Layout::new(&names.split(','))).flatten();
+        let is_read = is_imu(&name) || name == MOTORS;
+        let layout = is_read.then(|| Layout::new(&name, &names.split(','))).flatten();
         Some((number, Self { name, length: length.checked_sub(3)?, fields, layout }))
     }
 }
@@ -215,21 +219,21 @@ pub(crate) fn read_text(mut source: impl BufRead, records: &mut Records) -> io::
         let name = fields.next().unwrap_or_default();
         if name == "FMT" {
             let names = fields.clone().skip(4);
-            if let Some(imu) = fields.nth(2).filter(|name| is_imu(name))
-                && let Some(layout) = Layout::new(&names)
+            if let Some(read) = fields.nth(2).filter(|name| is_imu(name) || *name == MOTORS)
+                && let Some(layout) = Layout::new(read, &names)
             {
-                layouts.insert(imu.to_owned(), layout);
+                layouts.insert(read.to_owned(), layout);
             }
             continue;
         }
-        if !is_imu(name) {
+        if !is_imu(name) && !layouts.contains_key(name) {
             continue;
         }
         let values: Vec<&str> = fields.collect();
         if !layouts.contains_key(name) {
             let known = if values.len() >= 15 { FIELDS } else { OLD_FIELDS };
             let count = values.len();
-            let layout = Layout::new(&known.split(',')).map(|layout| Layout { count, ..layout });
+            let layout = Layout::new(name, &known.split(',')).map(|layout| Layout { count, ..layout });
             layouts.extend(layout.map(|layout| (name.to_owned(), layout)));
         }
         let value = |at: usize| values.get(at)?.parse::<f64>().ok();
@@ -262,5 +266,21 @@ mod tests {
         assert_eq!(log.recording.at(1).unwrap().t.ns(), 3_000_000);
         assert_eq!(log.recording.at(1).unwrap().accel, [1.0, 2.0, -9.8]);
         assert_eq!(log.guesses, ["IMU of instance 0, of 2 (--topic IMU/1)"]);
+        assert_eq!(log.motors, []);
+    }
+
+    #[test]
+    fn what_the_motors_are_told_stands_beside_the_samples() {
+        let mut text = "FMT, 46, 28, CTUN, Qff, TimeUS,ThI,ThO\n".to_owned();
+        for ms in 0..200 {
+            text += &format!("IMU, {}, 0.1, 0.2, 0.3, 1, 2, -9.8, 0, 0, 40, 1, 1\n", 1000 * ms);
+            text += &format!("CTUN, {}, 0.1, {}\n", 1000 * ms, f64::from(ms) / 200.0);
+        }
+        let mut records = Records::default();
+        assert_eq!(read_text(text.as_bytes(), &mut records).unwrap(), None);
+        let log = records.log(Path::new("a.log"), Kind::ArdupilotText, None, &LogOptions::default()).unwrap();
+        // Fifty a second are kept.
+        assert_eq!((log.recording.len(), log.motors.len()), (200, 10));
+        assert_eq!(log.motors[3], (Stamp::from_ns(60_000_000), 0.3));
     }
 }

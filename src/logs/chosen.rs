@@ -16,6 +16,8 @@ pub(crate) struct Chosen {
     pub(crate) sifted: Sifted,
     /// That there were two clocks.
     pub(crate) clocks: Option<String>,
+    /// As [`Log::variances`].
+    pub(crate) variances: [Option<[f64; 3]>; 2],
     pub(crate) remarks: Vec<String>,
     /// What was taken for granted.
     pub(crate) guesses: Vec<String>,
@@ -35,7 +37,7 @@ impl Chosen {
         options: &LogOptions,
     ) -> Result<Log, LogError> {
         options.without_columns(path, kind.name())?;
-        let Self { topic, sifted, clocks, remarks, guesses } = self;
+        let Self { topic, sifted, clocks, variances, remarks, guesses } = self;
         let Sifted { part: Part { samples, places }, others, sieved } = sifted;
         let of = samples.len() + others.iter().map(|part| part.samples.len()).sum::<usize>() + sieved.count();
         if let Some(first) = sieved.backward.first
@@ -57,6 +59,7 @@ impl Chosen {
                 places,
                 others,
                 clocks,
+                variances,
                 sieved,
                 place,
                 damage,

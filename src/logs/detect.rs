@@ -18,7 +18,8 @@ pub(crate) fn is_zip(head: &[u8]) -> bool {
 }
 
 /// First bytes of what other programs turn into a log, what it is, and how.
-const FOREIGN: [(&[u8], &str, &str); 2] = [
+const FOREIGN: &[(&[u8], &str, &str)] = &[
+    #[cfg(not(feature = "blackbox"))]
     (
         b"H Product:Blackbox",
         "a Betaflight blackbox log",
@@ -81,10 +82,12 @@ impl Kind {
             Err(LogError::Zipped { path: path.to_owned() })
         } else if is_video(head) {
             Err(LogError::Video { path: path.to_owned() })
-        } else if let Some((_, what, remedy)) = FOREIGN.into_iter().find(|(magic, ..)| is(magic)) {
+        } else if let Some((_, what, remedy)) = FOREIGN.iter().find(|(magic, ..)| is(magic)) {
             Err(LogError::Foreign { path: path.to_owned(), what, remedy })
         } else if json::is(head) {
             Ok(Self::Json)
+        } else if is(b"H Product:Blackbox") {
+            Ok(Kind::Blackbox)
         } else if is(ulog::MAGIC) {
             Ok(Self::Ulog)
         } else if is(ardupilot::MAGIC) {

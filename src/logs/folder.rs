@@ -5,16 +5,24 @@ use dpn_io::IoError;
 use std::path::{Path, PathBuf};
 
 /// Ends of names of logs.
-const ENDS: [&str; 19] = [
+const ENDS: [&str; 20] = [
     "csv", "txt", "tsv", "jsonl", "json", "bag", "mcap", "db3", "ulg", "bin", "log", "zip", "gz", "zst",
-    "xz", "bz2", "bbl", "tlog", "gcsv",
+    "xz", "bz2", "bbl", "bfl", "tlog", "gcsv",
 ];
 
-/// The logs at `path`: itself where it is one, else the files and folders in it that look like logs by their names and files, sorted.
+/// Folders in each other that are looked through.
+const DEEPEST: usize = 4;
+
+/// The logs at `path`: itself where it is one, else the files and folders in it that look like logs by their names and files, sorted; where there are
+/// none, those of the folders in it.
 ///
 /// # Errors
 /// Nothing there; a folder that holds none.
 pub fn logs_in(path: &Path) -> Result<Vec<PathBuf>, LogError> {
+    logs_below(path, DEEPEST)
+}
+
+fn logs_below(path: &Path, deep: usize) -> Result<Vec<PathBuf>, LogError> {
     // Looking into a pipe would take from it.
     if !path.is_dir() {
         return Ok(vec![path.to_path_buf()]);
@@ -33,9 +41,16 @@ pub fn logs_in(path: &Path) -> Result<Vec<PathBuf>, LogError> {
         !name.starts_with('.') && if path.is_dir() { Kind::of(path).is_ok() } else { ends() }
     };
     let entries = std::fs::read_dir(path).map_err(|e| IoError::reading(path, e))?;
-    let mut found: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(is_log).collect();
+    // A link may lead up again.
+    let entries: Vec<_> = entries.flatten().collect();
+    let folders: Vec<PathBuf> =
+        entries.iter().filter(|e| e.file_type().is_ok_and(|t| t.is_dir())).map(|e| e.path()).collect();
+    let mut found: Vec<PathBuf> = entries.iter().map(|entry| entry.path()).filter(is_log).collect();
     if let (true, LogError::NoLog { below, .. }) = (found.is_empty(), &none) {
         found.clone_from(below);
+    }
+    if found.is_empty() && deep > 0 {
+        found = folders.iter().flat_map(|dir| logs_below(dir, deep - 1).unwrap_or_default()).collect();
     }
     found.sort();
     if found.is_empty() { Err(none) } else { Ok(found) }

@@ -55,6 +55,8 @@ fn damaged_logs_of_autopilots_phones_and_packers_panic_no_reader() {
         ("px4_integrals.ulg", 600),
         ("ardupilot.bin", 600),
         ("ardupilot.log", 200),
+        ("betaflight.bbl", 600),
+        ("oxiod.csv", 100),
         ("packed.csv.gz", 300),
         ("packed.csv.xz", 300),
         ("packed.csv.zst", 300),

@@ -18,6 +18,8 @@ pub(crate) struct ImuMessage {
     pub(crate) sample: ImuSample,
     /// Whether the header has a stamp.
     pub(crate) stamped: bool,
+    /// Variances of a sample, gyroscope's and accelerometer's x, y, z; zeros and what begins with -1 are not known.
+    pub(crate) variances: [Option<[f64; 3]>; 2],
 }
 
 /// Reads a message.
@@ -60,7 +62,12 @@ fn message(fields: &mut Fields<'_>) -> Option<ImuMessage> {
     for value in &mut values {
         *value = fields.f64()?;
     }
+    let variances = [16, 28].map(|at| {
+        let diagonal = [values[at], values[at + 4], values[at + 8]];
+        diagonal.iter().all(|v| v.is_finite() && *v > 0.0).then_some(diagonal)
+    });
     Some(ImuMessage {
+        variances,
         sample: ImuSample {
             t: Stamp::from_ns(header.t_ns),
             gyro: [values[13], values[14], values[15]],
@@ -112,7 +119,9 @@ mod tests {
                 let before = bytes(id, align, little, frame);
                 let mut data = before.clone();
                 fill_covariances(&mut data, Encoding::Cdr, [1.0, 2.0, 3.0], [4.0, 5.0, 6.0]).unwrap();
-                assert_eq!(decode(&data, Encoding::Cdr).unwrap(), decode(&before, Encoding::Cdr).unwrap());
+                let [filled, plain] = [&data, &before].map(|data| decode(data, Encoding::Cdr).unwrap());
+                assert_eq!(filled.sample, plain.sample);
+                assert_eq!(filled.variances, [Some([1.0, 2.0, 3.0]), Some([4.0, 5.0, 6.0])]);
                 let mut fields = Fields::new(&data, Encoding::Cdr).unwrap();
                 fields.header().unwrap();
                 let values: Vec<f64> = (0..37).map(|_| fields.f64().unwrap()).collect();

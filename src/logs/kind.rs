@@ -30,5 +30,7 @@ named!(
         Ardupilot = "ArduPilot log",
         /// ArduPilot's log as text.
         ArdupilotText = "ArduPilot text log",
+        /// Betaflight's and INAV's log.
+        Blackbox = "blackbox log",
     }
 );

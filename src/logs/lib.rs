@@ -9,6 +9,7 @@
 //! | rosbag2's SQLite file | `SQLite format 3` | one IMU topic in CDR |
 //! | ULog | its magic | `sensor_combined`, `vehicle_imu`, or `sensor_gyro` and `sensor_accel` |
 //! | ArduPilot | the `FMT` of `FMT`, in binary or text | `IMU` records of one instance |
+//! | Betaflight, INAV | their first line (feature `blackbox`) | gyroscope and accelerometer of the main frames |
 //! | folder of a phone | a `*gyro*` and an `*accel*` file | both, joined; beside a `time` file a row of each |
 //! | JSON | begins with a bracket | objects of a sensor, joined, or of both |
 //! | table with a row a sensor | its rows begin with sensors' names | both, joined |
@@ -31,6 +32,8 @@
 
 mod ardupilot;
 mod bag;
+#[cfg(feature = "blackbox")]
+mod blackbox;
 mod budget;
 mod bytes;
 #[cfg(feature = "images")]
@@ -70,6 +73,7 @@ mod long;
 mod mcap;
 mod messages;
 mod options;
+mod oxiod;
 mod packed;
 #[cfg(feature = "images")]
 mod poses;

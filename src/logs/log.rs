@@ -1,7 +1,7 @@
 //! A log that was read, and what is to be said of it.
 
 use crate::Kind;
-use dpn_core::{Recorded, Samples, Sensor};
+use dpn_core::{Recorded, Samples, Sensor, Stamp};
 use dpn_io::{LeftOut, Part, SampleStore, Sieved, StoredRecording};
 use std::io;
 
@@ -34,6 +34,10 @@ pub struct Log {
     pub remarks: Vec<String>,
     /// The rate that the log's own text names \[Hz\].
     pub said_hz: Option<f64>,
+    /// Variances of a sample, gyroscope's and accelerometer's x, y, z, that all messages say alike \[(rad/s)^2, (m/s^2)^2\].
+    pub variances: [Option<[f64; 3]>; 2],
+    /// Means of the outputs of a vehicle's motors, in the log's numbers, in increasing time.
+    pub motors: Vec<(Stamp, f64)>,
 }
 
 /// What a sensor is called.
@@ -92,6 +96,8 @@ impl Log {
             guesses: Vec::new(),
             remarks: Vec::new(),
             said_hz: None,
+            variances: [None; 2],
+            motors: Vec::new(),
         }
     }
 

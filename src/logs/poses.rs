@@ -19,6 +19,8 @@ use std::path::Path;
 pub struct BagPoses {
     /// In increasing time; of several at one stamp the first.
     pub poses: Vec<StampedPose>,
+    /// Covariances of position and of small turns about the axes of the poses' frame, row by row, of those that say one.
+    pub covariances: Vec<(Stamp, [f64; 36])>,
     /// What was left out, and where the bag ends early.
     pub remarks: Vec<String>,
 }
@@ -36,34 +38,48 @@ pub fn read_bag_poses(path: &Path, topic: Option<&str>) -> Result<BagPoses, LogE
     let mut found =
         Found { all: Vec::new(), names: HashMap::new(), numbers: HashMap::new(), budget: Budget::new(None) };
     let (_, damage) = bag::read(path, None, &mut found)?;
-    let Topic { name, encoding, mut poses, bad, .. } = found.choose(path, topic)?;
+    let Topic { name, encoding, mut poses, mut covariances, bad, .. } = found.choose(path, topic)?;
     if let Err(encoding) = encoding {
         return Err(LogError::Encoding { path: path.to_path_buf(), topic: name, encoding });
     }
     poses.sort_by_key(|pose| pose.t);
     poses.dedup_by_key(|pose| pose.t);
+    covariances.sort_by_key(|(t, _)| *t);
+    covariances.dedup_by_key(|(t, _)| *t);
     let mut remarks: Vec<String> = damage.into_iter().collect();
     if bad > 0 {
         remarks.push(format!("{bad} message(s) on {name} are no poses; they are left out"));
     }
-    Ok(BagPoses { poses, remarks })
+    Ok(BagPoses { poses, covariances, remarks })
 }
 
-/// Whether messages of a type are poses, and whether a child's frame stands before them.
-fn has_child(kind: &str) -> Option<bool> {
-    match kind.replace("/msg/", "/").as_str() {
-        "nav_msgs/Odometry" | "geometry_msgs/TransformStamped" => Some(true),
-        "geometry_msgs/PoseStamped" | "geometry_msgs/PoseWithCovarianceStamped" => Some(false),
-        _ => None,
-    }
+/// What stands before a message's pose, and behind it.
+#[derive(Debug, Clone, Copy)]
+struct Layout {
+    /// A child's frame before it.
+    has_child: bool,
+    with_covariance: bool,
+}
+
+/// That of a type whose messages are poses.
+fn layout(kind: &str) -> Option<Layout> {
+    let (has_child, with_covariance) = match kind.replace("/msg/", "/").as_str() {
+        "nav_msgs/Odometry" => (true, true),
+        "geometry_msgs/TransformStamped" => (true, false),
+        "geometry_msgs/PoseStamped" => (false, false),
+        "geometry_msgs/PoseWithCovarianceStamped" => (false, true),
+        _ => return None,
+    };
+    Some(Layout { has_child, with_covariance })
 }
 
 struct Topic {
     name: String,
     /// None where it has no poses.
-    has_child: Option<bool>,
+    layout: Option<Layout>,
     encoding: Result<Encoding, String>,
     poses: Vec<StampedPose>,
+    covariances: Vec<(Stamp, [f64; 36])>,
     /// Messages that cannot be read, or are no pose.
     bad: usize,
 }
@@ -78,7 +94,7 @@ struct Found {
 impl Found {
     fn choose(mut self, path: &Path, wanted: Option<&str>) -> Result<Topic, LogError> {
         let path = path.to_path_buf();
-        let has: Vec<usize> = (0..self.all.len()).filter(|i| self.all[*i].has_child.is_some()).collect();
+        let has: Vec<usize> = (0..self.all.len()).filter(|i| self.all[*i].layout.is_some()).collect();
         let listed = |of: &[usize]| {
             shortened(of.iter().map(|i| self.all[*i].name.clone()).collect::<Vec<_>>().into_iter())
         };
@@ -114,18 +130,28 @@ impl Messages for Found {
         let name = printable(name);
         let index = *self.names.entry(name.clone()).or_insert_with(|| {
             let encoding = encoding.map_err(|foreign| printable(&foreign));
-            self.all.push(Topic { name, has_child: has_child(kind), encoding, poses: Vec::new(), bad: 0 });
+            self.all.push(Topic {
+                name,
+                layout: layout(kind),
+                encoding,
+                poses: Vec::new(),
+                covariances: Vec::new(),
+                bad: 0,
+            });
             self.all.len() - 1
         });
         self.numbers.insert(number, index);
-        self.all[index].has_child.is_some()
+        self.all[index].layout.is_some()
     }
 
     fn message(&mut self, number: u32, received_ns: i64, data: &[u8]) {
         let Some(topic) = self.numbers.get(&number).map(|index| &mut self.all[*index]) else { return };
-        let (Some(has_child), Ok(encoding)) = (topic.has_child, &topic.encoding) else { return };
-        match pose(data, *encoding, has_child, received_ns) {
-            Ok(Some(pose)) => topic.poses.push(pose),
+        let (Some(layout), Ok(encoding)) = (topic.layout, &topic.encoding) else { return };
+        match pose(data, *encoding, layout, received_ns) {
+            Ok(Some((pose, covariance))) => {
+                topic.covariances.extend(covariance.map(|covariance| (pose.t, covariance)));
+                topic.poses.push(pose);
+            }
             Ok(None) | Err(_) => topic.bad += 1,
         }
     }
@@ -139,9 +165,9 @@ impl Messages for Found {
 fn pose(
     data: &[u8],
     encoding: Encoding,
-    has_child: bool,
+    Layout { has_child, with_covariance }: Layout,
     received_ns: i64,
-) -> Result<Option<StampedPose>, Undecodable> {
+) -> Result<Option<(StampedPose, Option<[f64; 36]>)>, Undecodable> {
     let mut fields = Fields::new(data, encoding)?;
     let mut read = || {
         let t_ns = fields.header()?.t_ns;
@@ -152,9 +178,15 @@ fn pose(
         for value in &mut values {
             *value = fields.f64()?;
         }
-        Some((t_ns, values))
+        let mut covariance = [0.0; 36];
+        let whole =
+            with_covariance && covariance.iter_mut().all(|value| fields.f64().map(|v| *value = v).is_some());
+        // Zeros throughout are not known.
+        let known =
+            whole && (0..6).all(|k| covariance[7 * k] > 0.0) && covariance.iter().all(|v| v.is_finite());
+        Some((t_ns, values, known.then_some(covariance)))
     };
-    let (t_ns, [x, y, z, qx, qy, qz, qw]) = read().ok_or(Undecodable::Short)?;
+    let (t_ns, [x, y, z, qx, qy, qz, qw], covariance) = read().ok_or(Undecodable::Short)?;
     let t = Stamp::from_ns(if t_ns == 0 { received_ns } else { t_ns });
-    Ok(stamped_pose(t, [x, y, z], [qw, qx, qy, qz]))
+    Ok(stamped_pose(t, [x, y, z], [qw, qx, qy, qz]).map(|pose| (pose, covariance)))
 }

@@ -1,12 +1,14 @@
 //! The one way in.
 
+#[cfg(feature = "blackbox")]
+use crate::blackbox;
 use crate::imu_file::ImuFile;
 use crate::log::other_parts;
 use crate::long::{Long, gyro_and_accel};
 use crate::records::Records;
 use crate::topics::{Topics, shortened};
 use crate::two_files::{Source, TwoFiles};
-use crate::{Kind, Log, LogError, LogOptions, Scales, ardupilot, bag, gcsv, json, rosbag2, ulog};
+use crate::{Kind, Log, LogError, LogOptions, Scales, ardupilot, bag, gcsv, json, oxiod, rosbag2, ulog};
 use dpn_core::{ImuSample, Sensor};
 use dpn_io::asl::Sequence;
 use dpn_io::{
@@ -118,6 +120,25 @@ fn read_plain(
                 _ => ardupilot::read_text(source, &mut records),
             };
             records.log(path, kind, damage.map_err(|e| IoError::reading(path, e))?, options)
+        }
+        #[cfg(feature = "blackbox")]
+        Kind::Blackbox => {
+            let (mut records, mut bytes) = (Records::default(), Vec::new());
+            let mut source = source;
+            source.read_to_end(&mut bytes).map_err(|e| IoError::reading(path, e))?;
+            match blackbox::read(&bytes, &mut records) {
+                Some(why) if records.are_none() => {
+                    let what = format!(
+                        "{why}; decode it by `blackbox_decode --unit-acceleration g FILE` of blackbox-tools, and give the CSV that it writes"
+                    );
+                    Err(LogError::Damaged { path: path.to_path_buf(), what })
+                }
+                damage => records.log(path, kind, damage, options),
+            }
+        }
+        #[cfg(not(feature = "blackbox"))]
+        Kind::Blackbox => {
+            Err(LogError::NoImu { path: path.to_path_buf(), topics: String::new(), damage: None })
         }
         Kind::Json => json_text(source, path, options),
         Kind::Asl | Kind::Csv | Kind::Rosbag2 | Kind::TwoFiles => text(source, path, path, kind, options),
@@ -261,10 +282,17 @@ fn text(
     let mut head = Vec::new();
     let mut source = source;
     source.by_ref().take(LOOKED_AT).read_to_end(&mut head).map_err(|e| IoError::reading(file, e))?;
-    if let Some(long) = Long::of(&head) {
+    let long = Long::of(&head);
+    if long.is_some() || oxiod::is(&head) {
         let mut bytes = head;
         source.read_to_end(&mut bytes).map_err(|e| IoError::reading(file, e))?;
-        let text = String::from_utf8_lossy(&bytes);
+        let whole = String::from_utf8_lossy(&bytes);
+        let Some(long) = long else {
+            let mut log = text(oxiod::table(&whole).as_bytes(), file, path, kind, options)?;
+            log.guesses.insert(0, oxiod::WORDS.to_owned());
+            return Ok(log);
+        };
+        let text = whole;
         let of = |name: &str| Source::Text(name.to_owned(), long.rows_of(&text, name), file.to_path_buf());
         let log = TwoFiles::of(of(&long.gyro), of(&long.accel)).read(path, options)?;
         return Ok(Log { kind, ..log });

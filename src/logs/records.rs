@@ -3,7 +3,7 @@
 use crate::chosen::Chosen;
 use crate::join::join;
 use crate::{Kind, Log, LogError, LogOptions};
-use dpn_core::ImuSample;
+use dpn_core::{ImuSample, Stamp};
 use dpn_io::{IoError, Sieve};
 use std::path::Path;
 
@@ -29,7 +29,15 @@ struct Source {
 
 /// All of them.
 #[derive(Debug, Default)]
-pub(crate) struct Records(Vec<Source>);
+pub(crate) struct Records {
+    sources: Vec<Source>,
+    /// Means of the motors' outputs by time, and how good the record is that they are from, 0 the best.
+    motors: Vec<(Stamp, f64)>,
+    motors_order: u8,
+}
+
+/// Outputs of motors are kept so far apart \[s\].
+const MOTORS_APART_S: f64 = 0.02;
 
 /// Logs have a few; a damaged one may name thousands, and each would make room.
 const MOST: usize = 64;
@@ -38,18 +46,39 @@ impl Records {
     /// The place of the source `name` with the number `instance`; `None` where there are too many.
     pub(crate) fn source(&mut self, name: &str, instance: u32, holds: Holds, order: u32) -> Option<usize> {
         let name = format!("{name}/{instance}");
-        let found = self.0.iter().position(|source| source.name == name);
+        let found = self.sources.iter().position(|source| source.name == name);
         found.or_else(|| {
-            (self.0.len() < MOST).then(|| {
+            (self.sources.len() < MOST).then(|| {
                 let order = (order, instance);
-                self.0.push(Source { name, holds, order, records: 0, sieve: Sieve::default() });
-                self.0.len() - 1
+                self.sources.push(Source { name, holds, order, records: 0, sieve: Sieve::default() });
+                self.sources.len() - 1
             })
         })
     }
 
+    /// Outputs of the motors, of which the finite ones count; what a better record has takes a worse one's place.
+    pub(crate) fn motors(&mut self, order: u8, t: Stamp, outputs: impl Iterator<Item = f64>) {
+        let outputs: Vec<f64> = outputs.filter(|output| output.is_finite()).collect();
+        if outputs.is_empty() || (order > self.motors_order && !self.motors.is_empty()) {
+            return;
+        }
+        if order < self.motors_order {
+            self.motors.clear();
+        }
+        self.motors_order = order;
+        if self.motors.last().is_none_or(|(last, _)| t.seconds_since(*last) >= MOTORS_APART_S) {
+            self.motors.push((t, outputs.iter().sum::<f64>() / outputs.len() as f64));
+        }
+    }
+
+    /// Whether nobody wrote.
+    #[cfg(feature = "blackbox")]
+    pub(crate) fn are_none(&self) -> bool {
+        self.sources.iter().all(|source| source.records == 0)
+    }
+
     pub(crate) fn push(&mut self, source: usize, sample: ImuSample) {
-        let source = &mut self.0[source];
+        let source = &mut self.sources[source];
         source.records += 1;
         source.sieve.push(sample, source.records);
     }
@@ -65,9 +94,9 @@ impl Records {
         damage: Option<String>,
         options: &LogOptions,
     ) -> Result<Log, LogError> {
-        self.0.retain(|source| source.records > 0);
-        self.0.sort_by_key(|source| source.order);
-        let listed = self.0.iter().map(|source| source.name.clone()).collect::<Vec<_>>().join(", ");
+        self.sources.retain(|source| source.records > 0);
+        self.sources.sort_by_key(|source| source.order);
+        let listed = self.sources.iter().map(|source| source.name.clone()).collect::<Vec<_>>().join(", ");
         let wanted = options.topic.as_deref();
         let is_wanted = |source: &Source| {
             wanted.is_none_or(|wanted| {
@@ -75,14 +104,14 @@ impl Records {
             })
         };
         let first =
-            |holds: Holds| self.0.iter().position(|source| source.holds == holds && is_wanted(source));
+            |holds: Holds| self.sources.iter().position(|source| source.holds == holds && is_wanted(source));
         let mut guesses = Vec::new();
         let mut remarks = Vec::new();
         let storing = |e| IoError::reading(path, e);
         let (topic, sifted) = match (first(Holds::Both), first(Holds::Gyro), first(Holds::Accel), wanted) {
             (Some(at), ..) => {
-                let others = self.0.iter().filter(|source| source.holds == Holds::Both).count() - 1;
-                let Source { name, sieve, .. } = self.0.swap_remove(at);
+                let others = self.sources.iter().filter(|source| source.holds == Holds::Both).count() - 1;
+                let Source { name, sieve, .. } = self.sources.swap_remove(at);
                 if others > 0 && wanted.is_none_or(|wanted| wanted != name) {
                     let (record, instance) = name.rsplit_once('/').unwrap_or((&name, "0"));
                     guesses.push(format!(
@@ -95,7 +124,7 @@ impl Records {
             (None, Some(gyro), Some(accel), _) => {
                 // The later in the list first: taking one moves none before it.
                 let mut take = |at: usize| {
-                    let Source { name, sieve, .. } = self.0.remove(at);
+                    let Source { name, sieve, .. } = self.sources.remove(at);
                     sieve.done().map(|sifted| (name, sifted)).map_err(storing)
                 };
                 let (gyro, accel) = match gyro > accel {
@@ -110,7 +139,7 @@ impl Records {
                 remarks.extend(joined.left_out());
                 (gyro.0, gyro.1.with(joined.samples))
             }
-            (.., Some(wanted)) if !self.0.is_empty() => {
+            (.., Some(wanted)) if !self.sources.is_empty() => {
                 let wanted = wanted.to_owned();
                 return Err(LogError::NoTopic {
                     path: path.to_path_buf(),
@@ -123,6 +152,8 @@ impl Records {
                 return Err(LogError::NoImu { path: path.to_path_buf(), topics: listed, damage });
             }
         };
-        Chosen { topic, sifted, clocks: None, remarks, guesses }.log(path, kind, "record", damage, options)
+        let log = Chosen { topic, sifted, clocks: None, variances: [None; 2], remarks, guesses }
+            .log(path, kind, "record", damage, options)?;
+        Ok(Log { motors: self.motors, ..log })
     }
 }

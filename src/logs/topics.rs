@@ -38,6 +38,8 @@ struct Imu {
     unstamped: u64,
     /// Stamp and time of arrival \[ns\] of the first sample kept, and of the last.
     ends: Option<[[i64; 2]; 2]>,
+    /// What the first message says of its variances, as long as all say the same.
+    variances: Option<[Option<[f64; 3]>; 2]>,
 }
 
 impl Imu {
@@ -49,6 +51,7 @@ impl Imu {
             undecodable: BTreeMap::new(),
             unstamped: 0,
             ends: None,
+            variances: None,
         }
     }
 
@@ -282,9 +285,11 @@ impl Topics {
         imu.complain(&name, messages, &mut remarks);
         let storing = |e| IoError::reading(path, e);
         let mut clocks = None;
+        let mut variances = imu.variances.unwrap_or_default();
         let mut sifted = imu.sieve.done().map_err(storing)?;
         if let Some((accel_name, accel, messages)) = accel {
             accel.complain(&accel_name, messages, &mut remarks);
+            variances[1] = accel.variances.unwrap_or_default()[1];
             let clock = imu.ends.zip(accel.ends).and_then(|(gyro, accel)| TwoClocks::of(gyro, accel));
             clocks = clock.map(|clock| clock.words(&name, &accel_name));
             let accel = accel.sieve.done().map_err(storing)?.part.samples;
@@ -299,7 +304,7 @@ impl Topics {
             remarks.extend(joined.left_out());
             sifted = sifted.with(joined.samples);
         }
-        Ok(Chosen { topic: name, sifted, clocks, remarks, guesses })
+        Ok(Chosen { topic: name, sifted, clocks, variances, remarks, guesses })
     }
 }
 
@@ -342,6 +347,10 @@ impl Messages for Topics {
                 }
                 if imu.sieve.push(sample, topic.messages) {
                     imu.speaks.hear(&sample);
+                    let first = *imu.variances.get_or_insert(message.variances);
+                    if first != message.variances {
+                        imu.variances = Some([None; 2]);
+                    }
                     imu.arrived(sample.t, received_ns);
                 }
             }

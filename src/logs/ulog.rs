@@ -43,6 +43,20 @@ const KNOWN: [Known; 4] = [
     Known { topic: "sensor_accel", stamp: "timestamp", axes: [None, Some(("x", None))] },
 ];
 
+/// Topics of motors from the best on: outputs and how many they are, where the topic says that. What is not used is NaN.
+const MOTORS: [(&str, &str, usize, Option<&str>); 2] =
+    [("actuator_motors", "control", 12, None), ("actuator_outputs", "output", 16, Some("noutputs"))];
+
+/// Where the outputs of motors lie in a topic's data.
+#[derive(Debug)]
+struct MotorsPlace {
+    order: u8,
+    stamp: usize,
+    outputs: usize,
+    most: usize,
+    count: Option<usize>,
+}
+
 /// Where a sensor's numbers lie in a topic's data and, of increments, where their interval lies and how many bytes it has.
 type Triple = (usize, Option<(usize, usize)>);
 
@@ -67,6 +81,7 @@ pub(crate) fn read(source: impl Read, records: &mut Records) -> io::Result<Optio
     }
     let mut formats: HashMap<String, String> = HashMap::new();
     let mut places: HashMap<u16, Place> = HashMap::new();
+    let mut motors: HashMap<u16, MotorsPlace> = HashMap::new();
     loop {
         let begin = source.at;
         let head = source.up_to(3)?;
@@ -90,12 +105,16 @@ pub(crate) fn read(source: impl Read, records: &mut Records) -> io::Result<Optio
             b'A' => {
                 if let Some((number, place)) = subscription(&message, &formats, records) {
                     places.insert(number, place);
+                } else if let Some((number, place)) = motors_place(&message, &formats) {
+                    motors.insert(number, place);
                 }
             }
             b'D' => {
                 let mut bytes = Bytes::new(&message);
-                let place = bytes.u16().and_then(|number| places.get(&number));
-                if let Some(place) = place {
+                let number = bytes.u16();
+                if let Some(place) = number.and_then(|number| motors.get(&number)) {
+                    outputs(bytes.rest(), place, records);
+                } else if let Some(place) = number.and_then(|number| places.get(&number)) {
                     match sample(bytes.rest(), place) {
                         Some(sample) => records.push(place.source, sample),
                         None => {
@@ -141,6 +160,35 @@ fn subscription(
     };
     let source = records.source(topic, u32::from(instance), holds, order as u32)?;
     Some((number, Place { source, stamp, axes }))
+}
+
+/// The same of motors; the first instance's alone, which are those that fly.
+fn motors_place(message: &[u8], formats: &HashMap<String, String>) -> Option<(u16, MotorsPlace)> {
+    let mut bytes = Bytes::new(message);
+    let (instance, number) = (bytes.u8()?, bytes.u16()?);
+    let topic = std::str::from_utf8(bytes.rest()).ok().filter(|_| instance == 0)?;
+    let order = MOTORS.iter().position(|(name, ..)| *name == topic)?;
+    let (_, name, most, count) = MOTORS[order];
+    let find = |name: &str| Some(field(formats.get(topic)?, name, formats)?.0);
+    let count = count.and_then(find);
+    Some((
+        number,
+        MotorsPlace { order: order as u8, stamp: find("timestamp")?, outputs: find(name)?, most, count },
+    ))
+}
+
+/// Takes them; a message that is too short has none.
+fn outputs(data: &[u8], place: &MotorsPlace, records: &mut Records) -> Option<()> {
+    let at = |at: usize| data.get(at..).map(Bytes::new);
+    let t = i64::try_from(at(place.stamp)?.u64()?).ok()?.checked_mul(1000)?;
+    let count = match place.count {
+        Some(count) => (at(count)?.u32()? as usize).min(place.most),
+        None => place.most,
+    };
+    let mut numbers = at(place.outputs)?;
+    let outputs = (0..count).map_while(|_| numbers.array().map(|bytes| f64::from(f32::from_le_bytes(bytes))));
+    records.motors(place.order, Stamp::from_ns(t), outputs);
+    Some(())
 }
 
 /// Where a field begins and how many bytes one of its elements has.

@@ -5,6 +5,7 @@ use crate::ui::Fault;
 use anyhow::{Context, Result};
 use dpn_eval::metrics::{AlignmentKind, Compared, PosePair, align};
 use dpn_eval::study::{Comparison, MARGIN, compare_pairs, correct_for_count};
+use dpn_figures::PoseBelief;
 use nalgebra::Vector3;
 
 /// One trajectory that was judged.
@@ -13,6 +14,8 @@ pub(super) struct Judged {
     /// Poses that its file has.
     pub(super) poses: usize,
     pub(super) compared: Compared,
+    /// What the estimate believes of its poses, where that is known, by the stamps of the pairs.
+    pub(super) beliefs: Vec<PoseBelief>,
     /// Whether its poses have no stamps.
     pub(super) counted: bool,
 }

@@ -1,5 +1,6 @@
 //! `dpn ape` and `dpn rpe`.
 
+mod beliefs;
 mod find;
 mod judged;
 mod say;
@@ -11,7 +12,7 @@ use anyhow::Result;
 use dpn_core::Stamp;
 use dpn_core::trajectory::StampedPose;
 use dpn_eval::metrics::{Compared, Comparing, MetricsError, PoseRelation, RpeSpec, absolute, relative};
-use dpn_figures::{Cell, save, trajectory_errors};
+use dpn_figures::{Cell, PoseBelief, save, trajectory_errors};
 use dpn_io::{printable, read_counted_poses, read_poses};
 use dpn_logs::{BagPoses, is_bag, read_bag_poses};
 use find::{Case, cases, names};
@@ -60,7 +61,8 @@ fn run(
     }
     let mut judged = Vec::new();
     for case in cases {
-        let (truth, estimate, counted) = poses(&case.truth, &case.estimate)?;
+        let (truth, (estimate, mut beliefs), counted) = poses(&case.truth, &case.estimate)?;
+        beliefs.iter_mut().for_each(|belief| belief.t = belief.t.plus_seconds(by.offset_s));
         if let (true, Some(flag)) = (counted, seconds.or_else(|| flag_of_stamps(args))) {
             let message = format!(
                 "{flag} is in seconds, and {} and {} have no stamps",
@@ -73,7 +75,7 @@ fn run(
         warn_of_start(args, &truth, &case);
         let compared = compare(&truth, &estimate, &by)
             .map_err(|error| fault(&error, &case, (&truth, &estimate), &by))?;
-        judged.push(Judged { poses: estimate.len(), case, compared, counted });
+        judged.push(Judged { poses: estimate.len(), case, compared, beliefs, counted });
     }
     note_scales(&by, &names, &judged);
     let several = judged.iter().any(|one| one.case.sequence.is_some());
@@ -188,16 +190,23 @@ fn bag(path: &Path) -> Option<(PathBuf, Option<String>)> {
     }
 }
 
-/// The poses of a file or of a bag.
-fn read(path: &Path) -> Result<Vec<StampedPose>> {
-    let Some((bag, topic)) = bag(path) else { return Ok(read_poses(path)?) };
-    let BagPoses { poses, remarks } = read_bag_poses(&bag, topic.as_deref())?;
+/// The poses of a file or of a bag, and what is believed of them.
+fn read(path: &Path) -> Result<(Vec<StampedPose>, Vec<PoseBelief>)> {
+    let Some((bag, topic)) = bag(path) else {
+        let poses = read_poses(path)?;
+        let beliefs = beliefs::of_run(path, &poses);
+        return Ok((poses, beliefs));
+    };
+    let BagPoses { poses, covariances, remarks } = read_bag_poses(&bag, topic.as_deref())?;
     remarks.iter().for_each(|remark| errln!("warning: {}: {}", path.display(), printable(remark)));
-    Ok(poses)
+    Ok((poses, beliefs::of_messages(&covariances)))
 }
 
 /// Poses of truth and estimate, and whether they are counted: two files without stamps belong together line by line.
-fn poses(truth: &Path, estimate: &Path) -> Result<(Vec<StampedPose>, Vec<StampedPose>, bool)> {
+fn poses(
+    truth: &Path,
+    estimate: &Path,
+) -> Result<(Vec<StampedPose>, (Vec<StampedPose>, Vec<PoseBelief>), bool)> {
     let same = |a: &Path, b: &Path| Some(a.canonicalize().ok()? == b.canonicalize().ok()?);
     if same(truth, estimate) == Some(true) {
         let message = format!("{} is compared with itself", truth.display());
@@ -219,9 +228,9 @@ fn poses(truth: &Path, estimate: &Path) -> Result<(Vec<StampedPose>, Vec<Stamped
                 "poses without stamps belong together line by line: give as many, or stamps before each";
             return Err(Fault::new(message).hint(hint).into());
         }
-        return Ok((truth_poses, poses, true));
+        return Ok((truth_poses, (poses, Vec::new()), true));
     }
-    Ok((read(truth)?, read(estimate)?, false))
+    Ok((read(truth)?.0, read(estimate)?, false))
 }
 
 /// What hinders a comparison, with the remedy.
@@ -295,8 +304,9 @@ fn draw(
     let mut files = Vec::new();
     for sequence in judged.chunk_by(|a, b| a.case.sequence == b.case.sequence) {
         let drawn = &sequence[..sequence.len().min(DRAWN)];
-        let of: Vec<(String, &Compared)> =
-            drawn.iter().map(|one| (names[one.case.number].clone(), &one.compared)).collect();
+        let of = |one: &'_ Judged| names[one.case.number].clone();
+        let of: Vec<(String, &Compared, &[PoseBelief])> =
+            drawn.iter().map(|one| (of(one), &one.compared, &one.beliefs[..])).collect();
         let mut caption = say::how(by, sequence);
         if sequence.len() > DRAWN {
             let more = format!(" The first {DRAWN} of {} trajectories.", sequence.len());

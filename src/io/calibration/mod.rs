@@ -22,6 +22,7 @@ pub use error::CalibrationError;
 pub use found::{Calibration, CalibrationFormat, Extrinsics};
 
 use crate::asl::camera::parse_config;
+use crate::noise_formats::kalibr_results;
 use crate::noise_formats::tree::Tree;
 use crate::noise_formats::{self, Format, FormatError, Given, NoiseCalibration};
 use crate::small::read_config;
@@ -43,6 +44,20 @@ pub fn read(path: &Path) -> Result<Calibration, CalibrationError> {
 /// # Errors
 /// As [`read`].
 pub fn parse(bytes: &[u8], path: &Path) -> Result<Calibration, CalibrationError> {
+    if kalibr_results::as_yaml(bytes).is_some() {
+        // Written beside it, under the same name but for the kind.
+        let name = path.file_name().unwrap_or_default().to_string_lossy().replace("results-", "camchain-");
+        let chain = path.with_file_name(name).with_extension("yaml");
+        return if chain.is_file() {
+            read(&chain)
+        } else {
+            Err(CalibrationError::Missing {
+                path: path.to_path_buf(),
+                key: "resolution".to_owned(),
+                remedy: "Kalibr's text does not say how large an image is; give the camchain-imucam.yaml that it writes beside it",
+            })
+        };
+    }
     if dso::parse(bytes).is_some() {
         let chain = dso::chain(path).ok_or_else(|| CalibrationError::Missing {
             path: path.to_path_buf(),

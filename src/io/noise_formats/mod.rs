@@ -14,6 +14,7 @@ mod datasheet;
 mod error;
 mod format;
 mod imu_utils;
+pub(crate) mod kalibr_results;
 mod key_fault;
 mod keyed;
 mod layout;

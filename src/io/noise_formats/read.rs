@@ -4,7 +4,7 @@ use super::calibration::{Given, NoiseCalibration};
 use super::error::FormatError;
 use super::format::Format;
 use super::tree::Tree;
-use super::{datasheet, imu_utils, keyed, ros, vins};
+use super::{datasheet, imu_utils, kalibr_results, keyed, ros, vins};
 use crate::small::{read_config, read_config_from};
 use std::path::Path;
 
@@ -30,7 +30,8 @@ pub fn parse(
     format: Option<Format>,
     given: &Given,
 ) -> Result<NoiseCalibration, FormatError> {
-    let tree = Tree::parse(bytes, path)?;
+    let results = kalibr_results::as_yaml(bytes);
+    let tree = Tree::parse(results.as_ref().map_or(bytes, |text| text.as_bytes()), path)?;
     if let Some(mut source) = imu_utils::read(&tree, path, given)? {
         source.take(given)?;
         return Ok(source);

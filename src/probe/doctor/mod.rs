@@ -6,6 +6,7 @@
 //! * [`vibration`]: spectral peaks and what may be aliased.
 //! * [`motion`]: rest and motion, drift of the bias at rest.
 //! * [`reading`]: damage, stamps that stand still or go back, values that are no numbers, all of which the reader left out.
+//! * `covariance`: what the messages say of their noise.
 //! * [`table`]: many logs, a row each.
 //! * [`examine_log`]: all of them; `examine` without the last.
 //!
@@ -13,6 +14,8 @@
 //! and left out.
 
 mod clock;
+#[cfg(feature = "logs")]
+mod covariance;
 mod kept;
 pub mod motion;
 #[cfg(feature = "logs")]
@@ -82,6 +85,7 @@ pub fn examine_log(log: &Log) -> io::Result<Examination> {
         examination.findings.retain(|finding| !is_of_zeros(finding));
     }
     examination.findings.extend(reading::findings(log));
+    examination.findings.extend(covariance::findings(log, &examination.figures));
     for (number, part) in (2..).zip(&log.others) {
         let other = examine(&part.recording)?;
         let [from, to] = part.places;
