@@ -50,6 +50,7 @@ const ARROWS: [(&str, &[&str]); 21] = [
             "dpn-io",
             "dpn-live",
             "dpn-logs",
+            "dpn-noise",
             "dpn-probe",
             "dpn-pronet",
             "dpn-sim",

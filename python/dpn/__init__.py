@@ -23,15 +23,18 @@ from numpy.typing import ArrayLike, NDArray
 from . import _dpn, metrics, plot
 from ._arrays import matrix, stamps, whole
 from ._dpn import Error, Recording, __version__, read
+from ._frames import frame
 from ._networks import Network, Sigma, Stream, Training, train
-from ._odometry import Noise, Odometry, Update
+from ._odometry import Image, Noise, Odometry, Sample, Update, sensors
+from ._results import Allan, AllanAxis, Check, Coefficient, Converted, Figures, Finding, Phase
 from ._run import Run, run
 
 _dpn.code_is_in(_dpn.__file__)
 
 __all__ = [
-    "Error", "Flight", "Network", "Noise", "NoiseTrack", "Odometry", "Recording", "Run", "Sigma", "Stream", "Training", "Update",
-    "__version__", "allan", "check", "convert", "metrics", "noise", "plot", "read", "recording", "run", "simulate", "train",
+    "Allan", "AllanAxis", "Check", "Coefficient", "Converted", "Error", "Figures", "Finding", "Flight", "Image", "Network", "Noise", "NoiseTrack",
+    "Odometry", "Phase", "Recording", "Run", "Sample", "Sigma", "Stream", "Training", "Update", "__version__", "allan", "check", "convert",
+    "frame", "metrics", "noise", "plot", "read", "recording", "run", "sensors", "simulate", "train",
 ]
 
 
@@ -93,6 +96,20 @@ class NoiseTrack:
         inside: NDArray[np.bool_] = np.logical_not(self.outside.any(axis=1))
         return inside
 
+    @property
+    def model(self) -> str:
+        """Who was asked, as a spec."""
+        return str(self.summary["noise"])
+
+    @property
+    def phases(self) -> list[Phase]:
+        """At rest, moving, and altogether; those that there are."""
+        found = []
+        for part in self.summary["summary"]["phases"]:
+            middle = np.array([axis["sigma"]["middle"] for axis in part["axes"]])
+            found.append(Phase(part["phase"] or "all", part["seconds"], middle[:3], middle[3:]))
+        return found
+
 
 def noise(
     log: Recording | str | os.PathLike[str],
@@ -113,22 +130,17 @@ def noise(
     return NoiseTrack(t_ns, sigma, windows, outside, json.loads(summary))
 
 
-def allan(log: Recording | str | os.PathLike[str], *, all: bool = False) -> dict[str, Any]:
-    """Allan deviation of ``log``'s longest stretch at rest, or with ``all`` of the whole, as ``dpn allan --json``.
-
-    Keys: ``log`` (axes with deviations, their intervals and fitted coefficients), ``figures`` (densities and walks, SI).
-    The GIL is released.
+def allan(log: Recording | str | os.PathLike[str], *, all: bool = False) -> Allan:
+    """Allan deviation of ``log``'s longest stretch at rest, or with ``all`` of the whole, as ``dpn allan``. The GIL is released.
 
     Raises :class:`Error`: not at rest, too short.
     """
-    found: dict[str, Any] = json.loads(_dpn.allan(_recording(log), all))
-    return found
+    return Allan.of(json.loads(_dpn.allan(_recording(log), all)))
 
 
-def check(log: Recording | str | os.PathLike[str]) -> dict[str, Any]:
-    """What is wrong with ``log``, as ``dpn check --json``: ``findings`` with ``weight``, ``about``, ``text``, ``remedy``, and more."""
-    found: dict[str, Any] = json.loads(_dpn.check(_recording(log)))
-    return found
+def check(log: Recording | str | os.PathLike[str]) -> Check:
+    """What is wrong with ``log``, as ``dpn check`` finds it."""
+    return Check.of(json.loads(_dpn.check(_recording(log))))
 
 
 def convert(
@@ -138,16 +150,16 @@ def convert(
     from_format: str | None = None,
     rate: float | None = None,
     to_rate: float | None = None,
-) -> dict[str, Any]:
-    """One program's noise figures as another's, as ``dpn noise convert --json``.
+) -> Converted:
+    """One program's noise figures as another's, as ``dpn noise convert``.
 
     ``path``: YAML or JSON; ``to``, ``from_format``: kalibr, openvins, orbslam3, okvis2, basalt, vins, ros, variances, ...;
-    ``rate``, ``to_rate``: Hz. ``text`` of the result is what to paste, ``steps`` the arithmetic.
+    ``rate``, ``to_rate``: Hz.
 
     Raises :class:`Error`: a file or format that is not known, a rate that is needed and not given.
     """
-    found: dict[str, Any] = json.loads(_dpn.convert(path, to, from_format, rate, to_rate))
-    return found
+    found = json.loads(_dpn.convert(path, to, from_format, rate, to_rate))
+    return Converted(found["text"], Figures.of(found["figures"]), found["remarks"], found["warnings"], found)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _dpn
-from ._arrays import file_or_keys, listener, matrix, path, stamp, vector, whole
+from ._arrays import file_or_keys, listener, matrix, path, seconds, stamp, vector, whole
 from ._dpn import Error, Recording
 
 
@@ -70,21 +70,35 @@ class Sigma(NamedTuple):
 
 
 class Stream:
-    """Both networks beside running samples: feed each, ask when the answer is needed.
+    """The noise beside running samples: feed each, ask when the answer is needed.
 
-    ``accel``, ``gyro``: networks, without them the shipped ones; ``every``: samples from one question to the next (10: a
-    camera's frame at 20 Hz). The same samples give the answers of :func:`dpn.noise` at the networks' rate.
+    ``accel``, ``gyro``: networks, without them the shipped ones, at their own rate; ``every``: samples from one question to the next (10: a
+    camera's frame at 20 Hz). With ``rate`` [Hz] samples may come at any: ``model`` is asked, a spec as for :func:`dpn.noise`, without one what
+    :func:`dpn.noise` asks at that rate (networks see averages over blocks). The same samples give the answers of :func:`dpn.noise`.
 
-    Raises :class:`Error`: two networks that are no pair.
+    Raises :class:`Error`: two networks that are no pair; a model that is none, or that the rate is too low for.
     """
 
-    def __init__(self, accel: Network | None = None, gyro: Network | None = None, *, every: int = 10) -> None:
+    def __init__(
+        self, accel: Network | None = None, gyro: Network | None = None, *, every: int = 10, rate: float | None = None, model: str | None = None
+    ) -> None:
+        every = whole("every", every, 1, 1_000_000)
+        self._inner: _dpn.Stream | _dpn.RateStream
+        if rate is not None:
+            if accel is not None or gyro is not None:
+                raise Error("rate: with networks; expected a `model` beside it, as \"dualpronet\"")
+            if not seconds("rate", rate) > 0:
+                raise Error("rate: 0; expected more, in Hz")
+            self._inner = _dpn.RateStream(model, float(rate), every)
+            return
+        if model is not None:
+            raise Error("model: without a rate; expected `rate` beside it, in Hz")
         pair = []
         for sensor, given in (("accel", accel), ("gyro", gyro)):
             if given is not None and not isinstance(given, Network):
                 raise Error(f"{sensor}: {type(given).__name__}; expected a dpn.Network")
             pair.append((given or Network.default(sensor))._inner)
-        self._inner = _dpn.Stream(pair[0], pair[1], whole("every", every, 1, 1_000_000))
+        self._inner = _dpn.Stream(pair[0], pair[1], every)
 
     def feed(self, t: float, gyro: ArrayLike, accel: ArrayLike) -> None:
         """Takes a sample: ``t`` int ns or float s, later than the last; ``gyro`` (3,) rad/s; ``accel`` (3,) m/s^2.

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping
+import warnings
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _dpn
-from ._arrays import counts, grey, matrix, stamp, stamps
+from ._arrays import counts, grey, matrix, path, stamp, stamps, whole
 from ._dpn import Error
 from ._run import asked
 
@@ -46,6 +47,51 @@ class Update:
     def known(self) -> bool:
         """Whether the frame has a pose."""
         return self.position is not None
+
+
+class Sample(NamedTuple):
+    """A sample of a bag: ``t_ns``, ``gyro`` (3,) [rad/s], ``accel`` (3,) [m/s^2]."""
+
+    t_ns: int
+    gyro: NDArray[np.float64]
+    accel: NDArray[np.float64]
+
+
+class Image(NamedTuple):
+    """An image of a bag: the camera's stamp ``t_ns``, and ``pixels`` (height, width) of uint8, grey."""
+
+    t_ns: int
+    pixels: NDArray[np.uint8]
+
+
+def sensors(
+    bag: str | os.PathLike[str],
+    calibration: str | os.PathLike[str] | None = None,
+    *,
+    size: tuple[int, int] | None = None,
+    topic: str | None = None,
+    image_topic: str | None = None,
+) -> Iterator[Sample | Image]:
+    """What a bag's IMU and camera say, in the order in which they were recorded: :class:`Sample` and :class:`Image`, ready for :class:`Odometry`.
+
+    ``bag``: rosbag1, MCAP or rosbag2. The images' ``size`` (width, height) is given, or the file of a ``calibration`` that says it; ``topic`` and
+    ``image_topic`` choose where there are several. It is read on a thread, a few messages ahead. What is passed over is a :class:`UserWarning`.
+
+    Raises :class:`Error`: no bag, no size, several topics and no choice.
+    """
+    if (calibration is None) == (size is None):
+        raise Error("size: expected (width, height), or a file of a calibration instead")
+    sides = None if size is None else (whole("size[0]", size[0], 1, 65535), whole("size[1]", size[1], 1, 65535))
+    inner = _dpn.Sensors(path("bag", bag), None if calibration is None else path("calibration", calibration), sides, topic, image_topic)
+
+    def each() -> Iterator[Sample | Image]:
+        while (said := inner.next()) is not None:
+            if isinstance(said, str):
+                warnings.warn(said, stacklevel=2)
+            else:
+                yield Sample(*said) if len(said) == 3 else Image(*said)
+
+    return each()
 
 
 @dataclass(frozen=True)

@@ -60,6 +60,17 @@ class Run:
         return ~np.isnan(self.position[:, 0])
 
     @property
+    def ate(self) -> float | None:
+        """Absolute trajectory error after the best rigid motion [m], where the truth is known."""
+        error: float | None = self.report["report"]["row"]["ate_se3"]
+        return error
+
+    @property
+    def restarts(self) -> int:
+        """How often it was given up and began again."""
+        return int(self.report["report"]["row"]["restarts"])
+
+    @property
     def trajectory(self) -> NDArray[np.float64]:
         """(n, 8) the poses there are, as a TUM file has them: t [s], x y z [m], qx qy qz qw."""
         known = self.known

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ._arrays import poses
 from ._dpn import Error, Recording, read
+from ._results import Allan
 from ._run import Run
 
 if TYPE_CHECKING:
@@ -96,7 +97,7 @@ def noise(track: NoiseTrack) -> Figure:
         _lines(axis, track.t, sigma, sensor, unit)
         axis.set_yscale("log")
         axis.fill_between(track.t, 0, 1, where=~track.in_range, transform=axis.get_xaxis_transform(), color="0.9", lw=0)
-    axes[0, 0].set_title(f"standard deviation of a sample, by {track.summary['noise']}", fontsize=9)
+    axes[0, 0].set_title(f"standard deviation of a sample, by {track.model}", fontsize=9)
     axes[0, 0].legend(ncols=3, fontsize=8)
     axes[1, 0].set_xlabel("time [s]")
     return figure
@@ -119,20 +120,15 @@ def spectrum(log: Recording | str | os.PathLike[str]) -> Figure:
     return figure
 
 
-def allan(found: dict[str, Any]) -> Figure:
+def allan(found: Allan) -> Figure:
     """The Allan deviations of :func:`dpn.allan` with their 95 % intervals; dashed the model that is fitted."""
-    log = _asked("found", found, dict, "a dictionary, as dpn.allan gives it").get("log", {})
-    if "axes" not in log:
-        raise Error("found: no log.axes; expected what dpn.allan gives")
+    found = _asked("found", found, Allan, "a dpn.Allan")
     figure, axes = _figure(2, sharex=True)
-    for axis, plots, (sensor, unit) in zip(axes[:, 0], (log["axes"][:3], log["axes"][3:]), _SENSORS):
+    for axis, plots, (sensor, unit) in zip(axes[:, 0], (found.axes[:3], found.axes[3:]), _SENSORS):
         for plot in plots:
-            tau, deviation, low, high, model = (
-                np.array([point[key] for point in plot["points"]]) for key in ("tau", "deviation", "low", "high", "model")
-            )
-            (line,) = axis.loglog(tau, deviation, lw=1.1, label=plot["axis"])
-            axis.fill_between(tau, low, high, alpha=0.15, lw=0, color=line.get_color())
-            axis.loglog(tau, model, lw=0.8, ls="--", color=line.get_color())
+            (line,) = axis.loglog(plot.tau, plot.deviation, lw=1.1, label=plot.axis)
+            axis.fill_between(plot.tau, plot.low, plot.high, alpha=0.15, lw=0, color=line.get_color())
+            axis.loglog(plot.tau, plot.model, lw=0.8, ls="--", color=line.get_color())
         axis.set_ylabel(f"{sensor} [{unit}]", fontsize=8)
     axes[0, 0].legend(ncols=3, fontsize=8)
     axes[1, 0].set_xlabel("averaging time [s]")

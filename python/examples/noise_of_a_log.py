@@ -34,7 +34,7 @@ for axis, name, sigma, plain, told in (
     )
     axis.set_ylabel(name)
 axes[1].legend(ncols=3, loc="lower right", fontsize=8)
-axes[0].set_title(f"{os.path.basename(LOG)}: standard deviation of a sample, by {track.summary['noise']}", fontsize=10)
+axes[0].set_title(f"{os.path.basename(LOG)}: standard deviation of a sample, by {track.model}", fontsize=10)
 axes[1].set_xlabel("time [s]")
 plt.show()
 
@@ -57,8 +57,8 @@ for phase in track.summary["summary"]["phases"]:
 # ## What is wrong with the log?
 
 # %%
-for finding in dpn.check(log)["findings"][:6]:
-    print(f"{finding['weight']}: {finding['text']}")
+for finding in dpn.check(log).findings[:6]:
+    print(f"{finding.weight}: {finding.text}")
 
 # %% [markdown]
 # ## What to paste into a configuration

@@ -12,6 +12,7 @@ mod progress;
 mod recording;
 mod run;
 mod run_result;
+mod sensors;
 mod simulate;
 mod stream;
 mod train;
@@ -38,9 +39,11 @@ mod _dpn {
     #[pymodule_export]
     use crate::run::{run_arrays, run_source};
     #[pymodule_export]
+    use crate::sensors::Sensors;
+    #[pymodule_export]
     use crate::simulate::simulate;
     #[pymodule_export]
-    use crate::stream::Stream;
+    use crate::stream::{RateStream, Stream};
     #[pymodule_export]
     use crate::train::train;
     use pyo3::prelude::*;

@@ -1,10 +1,13 @@
 //! Samples in as they come, deviations out.
 
-use crate::error::{Error, raise};
+use crate::error::{Error, parsed, raise};
 use crate::network::Network;
-use dpn_core::{ImuSample, Sensor, Stamp};
-use dpn_pronet::{DualProNet, SampleStream};
+use dpn_core::{ImuNoise, ImuSample, NoiseModel, SampleRate, Sensor, Stamp};
+use dpn_noise::{Feed, Judged};
+use dpn_probe::log_noise::Plan;
+use dpn_pronet::{DualProNet, SampleStream, StreamError};
 use pyo3::prelude::*;
+use std::sync::{Mutex, PoisonError};
 
 /// Accelerometer, gyroscope; whether they are known, out of range by sensor, and at a wrong rate.
 type Answer = ([f64; 3], [f64; 3], bool, [bool; 2], bool);
@@ -31,5 +34,75 @@ impl Stream {
         let found = self.inner.sigma();
         let of = |sensor| found.noise.of(sensor);
         (of(Sensor::Accel), of(Sensor::Gyro), found.known, found.out_of_range, found.wrong_rate)
+    }
+}
+
+/// Any model beside running samples of any rate, as `dpn noise --follow` asks it.
+#[pyclass(module = "dpn._dpn")]
+pub(crate) struct RateStream {
+    feed: Mutex<Feed>,
+    rate: SampleRate,
+    /// Samples until there is a full window, and those that came.
+    unknown: u64,
+    came: u64,
+    last: Option<Stamp>,
+    /// Running mean of the steps \[s\].
+    step_s: f64,
+    noise: ImuNoise,
+    judged: Judged,
+    out_of_range: [bool; 2],
+}
+
+#[pymethods]
+impl RateStream {
+    #[new]
+    fn new(model: Option<&str>, rate_hz: f64, every: usize) -> PyResult<Self> {
+        let rate = SampleRate::from_hz(rate_hz).expect("Python asks for more than zero");
+        let networks = dpn_program::shipped().map_err(|e| raise(&e))?;
+        let plan = match parsed("model", model)? {
+            Some(spec) => Plan::new(&spec, rate, every, &networks),
+            None => Plan::fitting(rate, every, &networks).map(|(plan, _)| plan),
+        };
+        let plan = plan.map_err(|e| raise(&e))?;
+        Ok(Self {
+            feed: Mutex::new(plan.feed().map_err(|e| raise(&e))?),
+            rate,
+            unknown: (plan.unknown_s() * rate.hz()).ceil() as u64,
+            came: 0,
+            last: None,
+            step_s: rate.period(),
+            noise: ImuNoise::baseline(),
+            judged: Judged::default(),
+            out_of_range: [false; 2],
+        })
+    }
+
+    fn feed(&mut self, t_ns: i64, gyro: [f64; 3], accel: [f64; 3]) -> PyResult<()> {
+        let t = Stamp::from_ns(t_ns);
+        if let Some(last) = self.last {
+            if t <= last {
+                return Err(raise(&StreamError::NotIncreasing { t_ns, last_ns: last.ns() }));
+            }
+            self.step_s += 0.02 * (t.seconds_since(last) - self.step_s);
+        }
+        self.last = Some(t);
+        self.came += 1;
+        let feed = self.feed.get_mut().unwrap_or_else(PoisonError::into_inner);
+        self.noise = feed.feed(&ImuSample { t, gyro, accel });
+        let judged = feed.judged();
+        let new = judged.since(&self.judged);
+        for (out, sensor) in self.out_of_range.iter_mut().zip(Sensor::ALL) {
+            let count = new.of(sensor);
+            *out = if count.windows > 0 { count.outside > 0 } else { *out };
+        }
+        self.judged = judged;
+        Ok(())
+    }
+
+    fn sigma(&self) -> Answer {
+        let of = |sensor| self.noise.of(sensor);
+        let share = self.step_s * self.rate.hz();
+        let wrong_rate = (share - 1.0).abs() > DualProNet::RATE_TOLERANCE;
+        (of(Sensor::Accel), of(Sensor::Gyro), self.came >= self.unknown.max(1), self.out_of_range, wrong_rate)
     }
 }

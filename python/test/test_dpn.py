@@ -51,8 +51,12 @@ def test_the_noise_is_the_command_lines(log, tmp_path):
 def test_allan_and_check_are_the_command_lines(log, tmp_path):
     said = json.loads(command("allan", log, "--json", "--out", tmp_path).stdout)
     found = dpn.allan(log)
-    assert found["log"] == said["log"] and found["figures"] == said["figures"]
-    assert dpn.check(log) == json.loads(command("check", log, "--json", "--out", tmp_path).stdout)
+    assert found.report["log"] == said["log"] and found.report["figures"] == said["figures"]
+    assert [axis.axis for axis in found.axes] == list("xyzxyz") and found.axes[0].tau[0] == 1 / found.figures.rate
+    assert all(axis.low[0] < axis.deviation[0] < axis.high[0] and len(axis.coefficients) == 5 for axis in found.axes)
+    checked = dpn.check(log)
+    assert checked.report == json.loads(command("check", log, "--json", "--out", tmp_path).stdout)
+    assert checked.findings and all(found.text and found.weight for found in checked.findings) and checked.samples == len(dpn.read(log))
 
 
 def test_arrays_and_file_give_the_same_track(log):

@@ -31,6 +31,26 @@ def test_a_stream_says_what_the_track_of_the_same_samples_says():
     assert answers[int(log.t_ns[-1])].rate_fits
 
 
+def test_a_stream_at_another_rate_says_what_the_track_says():
+    log = dpn.read(EXCERPT)
+    # Twice the rate: each sample twice, half a step apart.
+    t = np.sort(np.concatenate([log.t_ns, log.t_ns + 2_500_000]))
+    fast = dpn.recording(t, np.repeat(log.gyro, 2, axis=0), np.repeat(log.accel, 2, axis=0))
+    for rate, of, model in ((400.0, fast, None), (400.0, fast, "dualpronet"), (200.0, log, "diff2")):
+        track, stream, answers = dpn.noise(of, model), dpn.Stream(rate=rate, model=model), {}
+        for stamp, gyro, accel in zip(of.t_ns, of.gyro, of.accel):
+            stream.feed(stamp, gyro, accel)
+            answers[int(stamp)] = stream.sigma()
+        known = [(row, answers[int(at)]) for at, row in zip(track.t_ns, track.sigma) if answers[int(at)].known]
+        assert len(known) > 50 and all((row == [*sigma.accel, *sigma.gyro]).all() for row, sigma in known)
+        assert stream.sigma().rate_fits and not answers[int(of.t_ns[50])].known
+        with pytest.raises(dpn.Error, match="after"):
+            stream.feed(of.t_ns[0], of.gyro[0], of.accel[0])
+    for given in ({"rate": 0}, {"rate": 400, "accel": dpn.Network.default("accel")}, {"model": "x1"}, {"rate": 20, "model": "dualpronet"}):
+        with pytest.raises(dpn.Error):
+            dpn.Stream(**given)
+
+
 def test_a_stream_refuses_what_is_no_sample_and_is_as_it_was():
     stream = dpn.Stream()
     stream.feed(1.0, [0, 0, 0], (0, 0, 9.81))

@@ -1,10 +1,11 @@
 """``dpn.Odometry`` against ``dpn.run``, and with all that must not be fed to it."""
 
+import struct
 import threading
 
 import numpy as np
 import pytest
-from conftest import CAMERA, ROOT
+from conftest import CAMERA, ROOT, run_command
 from test_run import observations
 
 import dpn
@@ -166,11 +167,77 @@ def test_five_pictures(flight, tmp_path):
     apart = np.linalg.norm(true[:, None, :] - estimate[None, ::10, :], axis=2).min(axis=0)
     assert apart.max() < 0.5
     for call, words in [
-        (lambda: dpn.plot.trajectory(3), "run: int; expected a dpn.Run"), (lambda: dpn.plot.allan({}), "no log.axes"),
+        (lambda: dpn.plot.trajectory(3), "run: int; expected a dpn.Run"), (lambda: dpn.plot.allan({}), "found: dict; expected a dpn.Allan"),
         (lambda: dpn.plot.noise(run), "as dpn.noise gives it"), (lambda: dpn.plot.spectrum(None), "a dpn.Recording or a path"),
     ]:
         with pytest.raises(dpn.Error, match=words):
             call()
+
+
+def test_frames_of_pandas(flight):
+    pandas = pytest.importorskip("pandas")
+    log = dpn.read(flight[0])
+    frame, noise = dpn.frame(log), dpn.frame(dpn.noise(log))
+    assert isinstance(frame, pandas.DataFrame) and list(frame) == [f"{s}_{k}" for s in ("accel", "gyro") for k in "xyz"]
+    assert (frame["gyro_z"].to_numpy() == log.gyro[:, 2]).all() and (frame.index.astype("int64") == log.t_ns).all()
+    assert "in_range" in noise and len(dpn.frame(dpn.run(flight[0], "x4", tracks=flight[1], calibration=CAMERA, end=5.0))) > 20
+    with pytest.raises(dpn.Error, match="of: int"):
+        dpn.frame(3)
+
+
+def test_a_bag_one_by_one_gives_the_poses_of_its_folder(tmp_path):
+    """An MCAP file without chunks of a rendered flight: samples in order, images whose pixels are the files'."""
+    plt = pytest.importorskip("matplotlib.image")
+    camera = tmp_path / "camera.toml"
+    camera.write_text("[camera]\nresolution = [188, 120]\nintrinsics = [114.6, 114.3, 91.7, 61.9]\n")
+    run_command("simulate", "images", "room-medium", "--from", 12, "--to", 13, "--config", camera, "--out", tmp_path / "flight")
+    folder = tmp_path / "flight"
+    log, calibration = dpn.read(folder), folder / "mav0/cam0/sensor.yaml"
+    rows = [row.split(",") for row in (folder / "mav0/cam0/data.csv").read_text().splitlines()[1:]]
+    files = [(int(t), folder / "mav0/cam0/data" / name.strip()) for t, name in rows]
+    bag = tmp_path / "flight.mcap"
+    bag.write_bytes(mcap(log, files))
+    said = list(dpn.sensors(bag, calibration))
+    samples = [one for one in said if isinstance(one, dpn.Sample)]
+    images = [one for one in said if isinstance(one, dpn.Image)]
+    assert [one.t_ns for one in samples] == list(log.t_ns) and (samples[7].accel == log.accel[7]).all()
+    assert [one.t_ns for one in images] == [t for t, _ in files]
+    assert (images[3].pixels == np.round(255 * plt.imread(files[3][1])).astype(np.uint8)).all()
+    assert len(list(dpn.sensors(bag, size=(188, 120)))) == len(said)
+    # Whoever stops early leaves nobody waiting.
+    assert next(dpn.sensors(bag, calibration)) is not None
+    with pytest.warns(UserWarning, match="1 x 1"):
+        assert not any(isinstance(one, dpn.Image) for one in dpn.sensors(bag, size=(1, 1)))
+    for words, call in [
+        ("size: expected", lambda: dpn.sensors(bag)), ("bag: int", lambda: dpn.sensors(3, size=(1, 1))), ("none.bag", lambda: list(dpn.sensors(tmp_path / "none.bag", size=(1, 1)))),
+        ("size", lambda: dpn.sensors(bag, calibration, size=(1, 1))), ("none.yaml", lambda: dpn.sensors(bag, tmp_path / "none.yaml")),
+    ]:
+        with pytest.raises(dpn.Error, match=words):
+            call()
+
+
+def mcap(log, files):
+    """A recording and PNG files as a recorder writes them, in ROS 2's words."""
+    text = lambda words: struct.pack("<I", len(words)) + words.encode()
+    record = lambda kind, body: struct.pack("<BQ", kind, len(body)) + body
+    of_cdr = lambda words: struct.pack("<I", len(words) + 1) + words.encode() + b"\0"
+    header = lambda t: b"\0\1\0\0" + struct.pack("<II", t // 10**9, t % 10**9) + of_cdr("imu")
+    whole = b"\x89MCAP0\r\n" + record(1, text("ros2") + text("a test"))
+    for number, kind in ((1, "Imu"), (2, "CompressedImage")):
+        number = struct.pack("<H", number)
+        whole += record(3, number + text(f"sensor_msgs/msg/{kind}") + text("ros2msg") + text(""))
+        whole += record(4, number + number + text("/" + kind.lower()) + text("cdr") + struct.pack("<I", 0))
+    messages = []
+    for t, gyro, accel in zip(log.t_ns.tolist(), log.gyro, log.accel):
+        # Orientation, its covariance, rate, its, force, its; `imu` and its zero end where doubles may begin.
+        values = [0.0, 0.0, 0.0, 1.0] + [0.0] * 9 + [*gyro] + [0.0] * 9 + [*accel] + [0.0] * 9
+        messages.append((t, 1, header(t) + struct.pack("<37d", *values)))
+    for t, file in files:
+        data = file.read_bytes()
+        messages.append((t, 2, header(t) + of_cdr("png") + struct.pack("<I", len(data)) + data))
+    for t, channel, data in sorted(messages, key=lambda message: message[:2]):
+        whole += record(5, struct.pack("<HIQQ", channel, 0, t, t) + data)
+    return whole + record(15, struct.pack("<I", 0)) + b"\x89MCAP0\r\n"
 
 
 def test_without_matplotlib_it_is_named(monkeypatch):

@@ -371,14 +371,54 @@ def noise(seconds=8.0, rate=1000):
         print("  ", json.dumps({"rate_hz": rate, "seconds": seconds, "memory_mb": memory}))
 
 
+def soak(seconds):
+    """The odometry for minutes: the same flight again and again, 1 kHz samples and 20 Hz images, 1 % lost, 1 % late, 1 % twice; memory, restarts."""
+    recording = Recording(flown(), compressed=True)
+    chance = random.Random(3)
+    peer = Peer()
+    odometry = peer.reader("/odometry", Odometry)
+    peer.writer("/imu", Imu)
+    image = "/image_raw/compressed"
+    peer.writer(image, CompressedImage)
+    node = Node(DPN, "--calib", recording.calibration, "--reliable", "--compressed", *NOISE)
+    peer.matched("/imu", image)
+    # Each sample five times, a millisecond apart.
+    samples = [(t + k * 1_000_000, "/imu", m) for t, m in recording.samples for k in range(5)]
+    flight = samples + [(t, image, m) for t, m in recording.images]
+    length = samples[-1][0] - samples[0][0] + 1_000_000
+    poses, memory, behind = 0, [], 0.0
+    begun = time.monotonic()
+    for turn in range(int(seconds * 1e9 / length)):
+        events = []
+        for t, topic, message in flight:
+            t += turn * length
+            if chance.random() < 0.01:
+                continue
+            again = moved(message, t)
+            late = 12_000_000 if chance.random() < 0.01 else 0
+            events += [(t + late, topic, again)] * (2 if chance.random() < 0.01 else 1)
+        play(peer, events, begun + turn * length * 1e-9)
+        behind = max(behind, time.monotonic() - begun - (turn + 1) * length * 1e-9)
+        poses += len(odometry)
+        odometry.clear()
+        memory.append(round(node.memory_mb(), 1))
+    assert node.end() == 0, node.said()
+    said = node.lines[-3:]
+    print("  ", json.dumps({"seconds": seconds, "poses": poses, "memory_mb": memory[:: max(1, len(memory) // 12)], "behind_s": round(behind, 2), "end": said}))
+    # From a fifth of the time on.
+    settled = memory[len(memory) // 5 :]
+    assert max(settled) < 1.1 * settled[0], memory
+    peer.close()
+
+
 CASES = [bits, view, unfit, faults, two_namespaces, noise, motion]
 
 if __name__ == "__main__":
     WORK.mkdir(parents=True, exist_ok=True)
-    # The noise case for minutes: live.py DPN FOLDER noise 300
+    # For minutes: live.py DPN FOLDER noise 300, or soak 600
     chosen = sys.argv[3:4]
-    if chosen == ["noise"] and len(sys.argv) > 4:
-        noise(float(sys.argv[4]))
+    if len(sys.argv) == 5 and sys.argv[4].isdigit():
+        {"noise": noise, "soak": soak}[chosen[0]](float(sys.argv[4]))
         sys.exit()
     failed = 0
     cases = [case for case in CASES if not chosen or case.__name__ in sys.argv[3:]]
