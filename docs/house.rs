@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use toml::Table;
 
 /// Every crate that ships and what it may use of the workspace, from the ground up.
-const ARROWS: [(&str, &[&str]); 21] = [
+const ARROWS: [(&str, &[&str]); 22] = [
     ("src/fft", &[]),
     ("src/core", &["dpn-fft"]),
     ("src/io", &["dpn-core"]),
@@ -18,6 +18,7 @@ const ARROWS: [(&str, &[&str]); 21] = [
     ("src/vio", &["dpn-core"]),
     ("src/live", &["dpn-core", "dpn-io", "dpn-noise", "dpn-pronet", "dpn-vio"]),
     ("src/truth", &["dpn-core", "dpn-vio"]),
+    ("src/inertial", &["dpn-core", "dpn-pronet", "dpn-truth"]),
     ("src/onnx", &["dpn-core", "dpn-pronet"]),
     ("src/ros2", &["dpn-core", "dpn-io", "dpn-logs"]),
     ("train", &["dpn-core", "dpn-io", "dpn-pronet", "dpn-sim"]),

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 /// Flags of `dpn eval`.
 #[derive(Debug, Args)]
-#[command(group(ArgGroup::new("judged").required(true).args(["open_loop", "closed_loop"])))]
+#[command(group(ArgGroup::new("judged").required(true).args(["open_loop", "closed_loop", "inertial"])))]
 pub(crate) struct EvalArgs {
     /// Estimators on windows with known injected noise, beside the Cramer-Rao bound and the paper's rows.
     #[arg(long)]
@@ -17,6 +17,10 @@ pub(crate) struct EvalArgs {
     /// The odometry, told its noise by each of several sources, beside the paper's rows and VINS-Mono's.
     #[arg(long)]
     pub(crate) closed_loop: bool,
+    /// Corrections of a gyroscope against trajectories, by the figures of the papers that learn them; FILE says the sequences, as configs/inertial/euroc.toml,
+    /// --models where networks of `dpn train --model inertial` lie.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["sensor", "bases", "more_models"])]
+    pub(crate) inertial: Option<PathBuf>,
     /// Folder of ASL sequences, or of datasets as unpacked (euroc/, tumvi/); without it the simulated flights.
     #[arg(long, value_name = "DIR")]
     pub(crate) data: Option<PathBuf>,

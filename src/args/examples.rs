@@ -6,12 +6,14 @@ pub(super) const TRAIN: &str = "Examples:
   dpn train --sensor accel --data data/euroc --config constant.toml --out runs/accel --resume --epochs 300
   dpn train --sensor gyro --config configs/train/gyro.toml --data data/euroc --out runs/gyro --seed 1
   dpn train --sensor accel --set network.block_order=conv-act-norm --data data/euroc
+  dpn train --model inertial --config configs/inertial/euroc.toml --data data/euroc
   dpn train --many configs/sweep/train.toml --data data --jobs 2 --out runs/many";
 
 pub(super) const EVAL: &str = "Examples:
   dpn eval --open-loop --data data/euroc
   dpn eval --closed-loop --data data/euroc --noise 'x1;x4;dualpronet' --seeds 3
   dpn eval --closed-loop --data data/euroc --noise 'x1;self' --calib camchain.yaml
+  dpn eval --inertial configs/inertial/euroc.toml --data data/euroc --models runs
   dpn eval --closed-loop --noise 'oracle;x1' --sequences f07-room-medium        simulated flights: no data needed";
 
 pub(super) const RUN: &str = "Examples:

@@ -11,8 +11,11 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 pub(crate) struct TrainArgs {
     /// Which sensor's network to train: accel or gyro.
-    #[arg(long, value_parser = word::<Sensor>, required_unless_present = "many")]
+    #[arg(long, value_parser = word::<Sensor>, required_unless_present_any = ["many", "model"])]
     pub(crate) sensor: Option<Sensor>,
+    /// What else may be trained: inertial, a slow correction of a gyroscope against trajectories; --config says its sequences below --data, as configs/inertial/euroc.toml.
+    #[arg(long, value_name = "MODEL", value_parser = ["inertial"], requires = "config", conflicts_with_all = ["sensor", "many", "epochs", "base", "rate", "device"])]
+    pub(crate) model: Option<String>,
     /// Train many networks at once, as a plan asks for them (TOML, as configs/sweep/train.toml): sensors x configurations x seeds.
     #[arg(long, value_name = "PLAN", conflicts_with_all = ["sensor", "config", "sets", "resume", "seed", "epochs", "base", "rate"])]
     pub(crate) many: Option<PathBuf>,

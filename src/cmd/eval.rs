@@ -1,6 +1,6 @@
 //! `dpn eval`.
 
-use super::{closed_loop, corpus, program, shipped, stop};
+use super::{closed_loop, corpus, inertial, program, shipped, stop};
 use crate::args::EvalArgs;
 use crate::ui::{Bar, Fault, errln, outln, print_pictures};
 use anyhow::{Context, Result};
@@ -22,7 +22,11 @@ const OUT: &str = "runs/open-loop";
 const DRAWN: &str = "sg(11,2)";
 
 pub(crate) fn run(args: &EvalArgs) -> Result<()> {
-    if args.closed_loop { closed_loop::run(args) } else { open_loop(args) }
+    match &args.inertial {
+        Some(config) => inertial::eval(args, config),
+        None if args.closed_loop => closed_loop::run(args),
+        None => open_loop(args),
+    }
 }
 
 fn open_loop(args: &EvalArgs) -> Result<()> {

@@ -19,6 +19,7 @@ mod follow;
 mod foxglove;
 mod http;
 mod images;
+mod inertial;
 mod into;
 mod latency;
 mod learned;
@@ -56,6 +57,7 @@ pub(crate) use shipped::networks as shipped;
 /// Runs what was typed.
 pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
     match cli.command {
+        Command::Train(args) if args.model.is_some() => inertial::train(&args),
         Command::Train(args) => train::run(args),
         Command::Eval(args) => eval::run(&args),
         Command::Run(args) if live::is_live(&args.source) => live::run(&args),

@@ -45,8 +45,14 @@ impl Adam {
         Self { config, mean: vec![0.0; count], square: vec![0.0; count], steps: 0 }
     }
 
-    pub(crate) fn resumed(config: AdamConfig, mean: Vec<f32>, square: Vec<f32>, steps: u64) -> Self {
+    /// Goes on from [`Self::state`] after so many steps.
+    pub fn resumed(config: AdamConfig, [mean, square]: [Vec<f32>; 2], steps: u64) -> Self {
         Self { config, mean, square, steps }
+    }
+
+    /// Its running means of the gradient and of the gradient's squares.
+    pub fn state(&self) -> [&[f32]; 2] {
+        [&self.mean, &self.square]
     }
 
     /// Its constants.

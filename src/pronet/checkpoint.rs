@@ -101,7 +101,7 @@ impl Checkpoint {
         Ok(Self {
             config: d.config,
             parameters,
-            adam: Adam::resumed(d.adam, mean, square, d.steps),
+            adam: Adam::resumed(d.adam, [mean, square], d.steps),
             vectors,
             notes: d.notes,
         })

@@ -116,10 +116,13 @@ pub enum StoreError {
 
 /// A tensor on its way into a file or out of it.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Named {
-    pub(crate) name: String,
-    pub(crate) shape: Vec<usize>,
-    pub(crate) numbers: Vec<f32>,
+pub struct Named {
+    /// What it is called.
+    pub name: String,
+    /// Row by row.
+    pub shape: Vec<usize>,
+    /// As many as the shape says.
+    pub numbers: Vec<f32>,
 }
 
 fn le_bytes(numbers: &[f32]) -> Vec<u8> {
@@ -133,7 +136,10 @@ fn checksum<'a>(description: &str, by_name: impl IntoIterator<Item = (&'a str, &
 }
 
 /// The bytes of a file with these tensors and this description. The same input gives the same bytes.
-pub(crate) fn to_bytes(
+///
+/// # Errors
+/// A description that is no JSON, a shape that does not fit its numbers.
+pub fn to_bytes(
     format: &'static str,
     content: &impl Serialize,
     tensors: &[Named],
@@ -163,7 +169,10 @@ pub(crate) fn read(path: &Path) -> Result<Vec<u8>, StoreError> {
 }
 
 /// Description and tensors of a file's bytes; `path` is for messages. Checks container, format, version and checksum.
-pub(crate) fn from_bytes<T: DeserializeOwned>(
+///
+/// # Errors
+/// Each of them that does not fit, and numbers that are not finite.
+pub fn from_bytes<T: DeserializeOwned>(
     format: &'static str,
     bytes: &[u8],
     path: &Path,
@@ -240,7 +249,10 @@ pub(crate) fn signed(mut bytes: Vec<u8>) -> Vec<u8> {
 }
 
 /// Takes the tensor `name` out of `tensors` if it has this shape.
-pub(crate) fn take(
+///
+/// # Errors
+/// None of that name, or another shape.
+pub fn take(
     tensors: &mut BTreeMap<String, Named>,
     name: &str,
     shape: &[usize],
@@ -261,7 +273,10 @@ pub(crate) fn take(
 }
 
 /// Refuses tensors nobody took.
-pub(crate) fn nothing_left(tensors: &BTreeMap<String, Named>, path: &Path) -> Result<(), StoreError> {
+///
+/// # Errors
+/// A tensor.
+pub fn nothing_left(tensors: &BTreeMap<String, Named>, path: &Path) -> Result<(), StoreError> {
     match tensors.keys().next() {
         None => Ok(()),
         Some(name) => Err(StoreError::Unknown { path: path.to_owned(), name: name.clone() }),

@@ -52,11 +52,7 @@ fn published_rates(poses: &[StampedPose], longest_gap_s: f64) -> Rates {
 }
 
 /// A pose between two that are no farther apart than `longest_gap_s`; linear.
-pub(crate) fn interpolated(
-    poses: &[StampedPose],
-    t: Stamp,
-    longest_gap_s: f64,
-) -> Option<nalgebra::Isometry3<f64>> {
+pub fn interpolated(poses: &[StampedPose], t: Stamp, longest_gap_s: f64) -> Option<nalgebra::Isometry3<f64>> {
     let after = poses.partition_point(|pose| pose.t <= t);
     let a = poses.get(after.checked_sub(1)?)?;
     let Some(b) = poses.get(after) else { return (a.t == t).then_some(a.world_from_body) };

@@ -38,6 +38,7 @@ mod screen;
 mod start;
 
 pub use against::{Against, BiasAt, Found, Known, SensorAgainst, against};
+pub use align::interpolated;
 pub use clock::WindowDelay;
 pub use components::Levels;
 pub use config::TruthConfig;

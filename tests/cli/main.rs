@@ -16,6 +16,7 @@ mod export;
 mod fleet;
 mod image_logs;
 mod images;
+mod inertial;
 mod keys;
 mod links;
 mod live;

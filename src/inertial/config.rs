@@ -1,0 +1,96 @@
+//! What a network is trained on and how.
+
+use dpn_core::config::{ConfigFault, ConfigFaults, Validate};
+use serde::{Deserialize, Serialize};
+
+/// A training of an inertial network. Sequences are folders of ASL's layout below the data's folder, or `LOG=TRAJECTORY`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct InertialConfig {
+    /// What its networks are called in tables.
+    pub name: String,
+    /// Sequences to train on; all of them.
+    pub train: Vec<String>,
+    /// Sequences to be scored, never looked at before.
+    pub test: Vec<String>,
+    /// Seed of all draws. Default 0.
+    pub seed: u64,
+    /// Steps of the optimiser. Default 600.
+    pub steps: u64,
+    /// Windows a step. Default 8.
+    pub batch: usize,
+    /// Samples a window, a multiple of 32. Default 2048.
+    pub window: usize,
+    /// Learning rate at the first step; it falls to nothing along a cosine. Default .003.
+    pub learning_rate: f64,
+    /// AdamW's decay. Default .1.
+    pub weight_decay: f64,
+    /// Share of the running mean of weights that a step keeps. Default .995.
+    pub ema: f64,
+    /// Where the loss turns from squares to distances \[rad\]. Default .005.
+    pub huber_rad: f64,
+    /// Deviation of white noise on what the network sees, gyroscope \[rad/s\] and accelerometer \[m/s^2\]. Default 8e-5, .001.
+    pub noise: [f64; 2],
+    /// Half the range of a bias on readings, one a window, gyroscope and accelerometer. Default .001, .001.
+    pub bias: [f64; 2],
+    /// The correction is averaged over so many seconds of past. Default 20.
+    pub average_s: f64,
+}
+
+impl Default for InertialConfig {
+    fn default() -> Self {
+        Self {
+            name: "inertial".to_owned(),
+            train: Vec::new(),
+            test: Vec::new(),
+            seed: 0,
+            steps: 600,
+            batch: 8,
+            window: 2048,
+            learning_rate: 3e-3,
+            weight_decay: 0.1,
+            ema: 0.995,
+            huber_rad: 0.005,
+            noise: [8e-5, 1e-3],
+            bias: [1e-3, 1e-3],
+            average_s: 20.0,
+        }
+    }
+}
+
+impl Validate for InertialConfig {
+    fn faults(&self) -> Vec<ConfigFault> {
+        let mut faults = ConfigFaults::default();
+        let both = self.train.iter().find(|name| self.test.contains(name));
+        let word = both.map_or("empty", String::as_str);
+        faults.check(
+            !self.train.is_empty() && both.is_none(),
+            "train",
+            word,
+            "sequences, none of them in `test`: a score on what was learned from says nothing",
+        );
+        faults.within("steps", self.steps, 1, 1_000_000);
+        faults.within("batch", self.batch, 1, 1000);
+        let tree = crate::loss::TREE;
+        faults.check(
+            self.window >= tree && self.window.is_multiple_of(tree) && self.window <= 1 << 20,
+            "window",
+            self.window,
+            "a multiple of 32",
+        );
+        faults.check(
+            self.learning_rate > 0.0 && self.learning_rate <= 1.0,
+            "learning_rate",
+            self.learning_rate,
+            "above 0 and at most 1",
+        );
+        faults.within("weight_decay", self.weight_decay, 0.0, 1.0);
+        faults.check((0.0..1.0).contains(&self.ema), "ema", self.ema, "0 or more and below 1");
+        faults.positive("huber_rad", self.huber_rad);
+        for (key, values) in [("noise", self.noise), ("bias", self.bias)] {
+            values.into_iter().for_each(|value| faults.not_negative(key, value));
+        }
+        faults.not_negative("average_s", self.average_s);
+        faults.0
+    }
+}

@@ -1,0 +1,67 @@
+//! `dpn train --model inertial` and `dpn eval --inertial`: from recordings with trajectories to the papers' figures, and what is no score.
+
+use crate::run::{Done, dpn, end};
+use std::fmt::Write;
+
+#[test]
+fn a_correction_is_trained_resumed_and_scored_and_a_recording_that_was_learned_from_is_not() {
+    let tmp = tempfile::tempdir().unwrap();
+    let dir = tmp.path();
+    let call = |line: &str| -> Done { end(dpn().current_dir(dir).args(line.split(' '))) };
+    for flight in ["f07-room-medium", "f01-hall-slow"] {
+        call(&format!("simulate flight {flight} --out flights")).well();
+    }
+    let config = |name: &str, train: &str, test: &str| {
+        let text = format!(
+            "name = \"sim\"\nsteps = 3\nbatch = 2\nwindow = 256\ntrain = [\"{train}\"]\ntest = [\"{test}\"]\n"
+        );
+        std::fs::write(dir.join(name), text).unwrap();
+    };
+    config("sim.toml", "f07-room-medium", "f01-hall-slow");
+    let train = "train --model inertial --config sim.toml --data flights --out runs/a";
+    call(train).well();
+    let whole = std::fs::read(dir.join("runs/a/network.safetensors")).unwrap();
+    call(train).refused(dir, "error: runs/a: a run stands there already\nhint: go on with it by --resume, or choose another folder with --out");
+    call(&format!("{train} --resume")).well();
+    assert_eq!(std::fs::read(dir.join("runs/a/network.safetensors")).unwrap(), whole);
+    let other = call(&format!("{train} --resume --seed 1"));
+    assert!(
+        other.code == Some(2) && other.stderr.contains("another configuration or other recordings"),
+        "{other:?}"
+    );
+
+    let done = call("eval --inertial sim.toml --data flights --models runs --out out").well();
+    for words in ["rate = matrix * reading + bias", "network 0 averaged", "raw, its own mean bias"] {
+        assert!(done.stdout.contains(words), "{words}: {}", done.stdout);
+    }
+    let text = std::fs::read_to_string(dir.join("out/inertial.json")).unwrap();
+    let all: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let sources = all["sequences"][0]["sources"].as_array().unwrap();
+    let aoe = |name: &str| {
+        sources.iter().find(|s| s["name"] == name).unwrap()["score"]["aoe_deg"].as_f64().unwrap()
+    };
+    assert!(aoe("raw, its own mean bias") < aoe("raw"), "{text}");
+
+    // The same recording under another name.
+    let flight = |part: &str| format!("flights/f07-room-medium/mav0/{part}/data.csv");
+    let truth = flight("state_groundtruth_estimate0");
+    std::fs::copy(dir.join(flight("imu0")), dir.join("copy.csv")).unwrap();
+    config("seen.toml", "f07-room-medium", &format!("../copy.csv=../{truth}"));
+    let seen = call("eval --inertial seen.toml --data flights");
+    assert!(seen.code == Some(2) && seen.stderr.contains("the very recording was trained on"), "{seen:?}");
+
+    // A trajectory over a third of it.
+    let rows = std::fs::read_to_string(dir.join(&truth)).unwrap();
+    let third = rows.lines().take(rows.lines().count() / 3).fold(String::new(), |mut text, row| {
+        let _ = writeln!(text, "{row}");
+        text
+    });
+    std::fs::write(dir.join("third.csv"), third).unwrap();
+    config("third.toml", "../copy.csv=../third.csv", "f01-hall-slow");
+    let done = call("train --model inertial --config third.toml --data flights --out runs/b");
+    assert!(done.code == Some(2) && done.stderr.contains("33 % of the samples"), "{done:?}");
+    assert!(!dir.join("runs/b").exists());
+    config("both.toml", "f01-hall-slow", "f01-hall-slow");
+    let done = call("train --model inertial --config both.toml --data flights");
+    assert!(done.code == Some(2) && done.stderr.contains("none of them in `test`"), "{done:?}");
+}
