@@ -18,7 +18,7 @@ const ARROWS: [(&str, &[&str]); 22] = [
     ("src/vio", &["dpn-core"]),
     ("src/live", &["dpn-core", "dpn-io", "dpn-noise", "dpn-pronet", "dpn-vio"]),
     ("src/truth", &["dpn-core", "dpn-vio"]),
-    ("src/inertial", &["dpn-core", "dpn-pronet", "dpn-truth"]),
+    ("src/inertial", &["dpn-core", "dpn-pronet", "dpn-truth", "dpn-vio"]),
     ("src/onnx", &["dpn-core", "dpn-pronet"]),
     ("src/ros2", &["dpn-core", "dpn-io", "dpn-logs"]),
     ("train", &["dpn-core", "dpn-io", "dpn-pronet", "dpn-sim"]),

@@ -18,6 +18,7 @@ mod loss;
 mod model;
 mod network;
 mod score;
+mod spans;
 mod training;
 
 pub use affine::{Affine, Fitted, Unknown, fit};
@@ -25,4 +26,5 @@ pub use config::InertialConfig;
 pub use course::{Course, CourseError};
 pub use model::Model;
 pub use score::{Score, Source, sources};
+pub use spans::{SPANS_S, SpanScore, span_scores};
 pub use training::{Training, TrainingError};

@@ -21,7 +21,7 @@ fn a_correction_is_trained_resumed_and_scored_and_a_recording_that_was_learned_f
     let train = "train --model inertial --config sim.toml --data flights --out runs/a";
     call(train).well();
     let whole = std::fs::read(dir.join("runs/a/network.safetensors")).unwrap();
-    call(train).refused(dir, "error: runs/a: a run stands there already\nhint: go on with it by --resume, or choose another folder with --out");
+    call(train).refused(dir, "error: runs/a: a run stands there already\n\nhint: go on with it by --resume, or choose another folder with --out");
     call(&format!("{train} --resume")).well();
     assert_eq!(std::fs::read(dir.join("runs/a/network.safetensors")).unwrap(), whole);
     let other = call(&format!("{train} --resume --seed 1"));

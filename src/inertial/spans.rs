@@ -1,0 +1,227 @@
+//! What levels of noise are worth as the covariance of inertial residuals, by the length of a span.
+//!
+//! Over a span the samples are pre-integrated from the true state under one bias of the whole course, and the end is held against the true one: position, rotation, velocity, nine numbers. Their
+//! covariance is a deviation of the accelerometer and one of the gyroscope, squared, times what one of each makes of the span. A level from residuals is the one whose squares are the mean
+//! ones: the gyroscope's by the rotations, the accelerometer's by positions and velocities. True velocities are differences of true positions.
+
+use crate::course::Course;
+use dpn_core::geometry::so3;
+use dpn_core::{GRAVITY, ImuNoise, ImuSample, Sensor, Stamp};
+use dpn_vio::preint::{NoisySample, Preintegration, PreintegrationConfig};
+use dpn_vio::state::{ACCEL_BIAS, GYRO_BIAS, POSITION, ROTATION, VELOCITY};
+use dpn_vio::{ImuBias, NavState};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use serde::Serialize;
+
+/// Lengths of spans \[s\].
+pub const SPANS_S: [f64; 4] = [0.1, 0.2, 0.5, 1.0];
+/// Residuals of so many seconds before a span are what `self` is told from.
+const RECENT_S: f64 = 5.0;
+/// A velocity is a difference over so many samples to both sides.
+const BESIDE: usize = 5;
+/// Residuals of a span.
+const DIM: usize = 9;
+/// A chi-square variable of nine degrees of freedom is smaller with 95 %.
+const CHI_SQUARE: f64 = 16.919;
+/// Rounds of the bias: residuals are nearly linear in it.
+const ROUNDS: usize = 2;
+
+/// Deviations of one sample, accelerometer and gyroscope.
+type Levels = [f64; 2];
+
+/// What levels are worth over spans of one length.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SpanScore {
+    /// Where the levels come from.
+    pub name: &'static str,
+    /// Length of a span \[s\].
+    pub span_s: f64,
+    /// Mean negative logarithm of the likelihood of nine residuals in SI units.
+    pub nll: f64,
+    /// Mean normalised square over its nine degrees of freedom.
+    pub nees: f64,
+    /// Share of the spans within the 95 % ellipsoid.
+    pub inside: f64,
+    /// How many spans.
+    pub spans: usize,
+}
+
+/// One span: residual, and its covariance for a deviation of 1 of each sensor.
+struct Span {
+    end_s: f64,
+    residual: SVector<f64, DIM>,
+    by: [SMatrix<f64, DIM, DIM>; 2],
+}
+
+/// Scores of constants and of recent residuals on `course`; `platform` and `all` are courses whose mean levels are constants too.
+pub fn span_scores(course: &Course, platform: &[&Course], all: &[&Course]) -> Vec<SpanScore> {
+    let mut scores = Vec::new();
+    for span_s in SPANS_S {
+        let own = spans(course, span_s);
+        if own.is_empty() {
+            continue;
+        }
+        let of =
+            |courses: &[&Course]| levels(&courses.iter().flat_map(|c| spans(c, span_s)).collect::<Vec<_>>());
+        let x1 = ImuNoise::baseline();
+        let x1 = Sensor::ALL.map(|sensor| x1.of(sensor)[0]);
+        let mut add = |name, of: &dyn Fn(usize) -> Levels| scores.push(score(name, span_s, &own, of));
+        add("x1", &|_| x1);
+        add("x4", &|_| x1.map(|level| 4.0 * level));
+        for (name, courses) in [("one constant", all), ("a constant a platform", platform)] {
+            if !courses.is_empty() {
+                let constant = of(courses);
+                add(name, &|_| constant);
+            }
+        }
+        let start = own.partition_point(|span| span.end_s < RECENT_S).max(1);
+        add("residuals of the last 5 s", &|i| {
+            let from = own[..i].partition_point(|span| span.end_s < own[i].end_s - RECENT_S);
+            // The first seconds are told by themselves: nothing came before.
+            levels(if i < start { &own[..start] } else { &own[from..i] })
+        });
+        let oracle = levels(&own);
+        add("oracle, a constant a sequence", &|_| oracle);
+    }
+    scores
+}
+
+fn score(name: &'static str, span_s: f64, spans: &[Span], levels: &dyn Fn(usize) -> Levels) -> SpanScore {
+    let (mut nll, mut nees, mut inside) = (0.0, 0.0, 0_usize);
+    for (i, span) in spans.iter().enumerate() {
+        let [accel, gyro] = levels(i).map(|level| level * level);
+        let covariance = span.by[0] * accel + span.by[1] * gyro;
+        let Some(factor) = covariance.cholesky() else { continue };
+        let square = span.residual.dot(&factor.solve(&span.residual));
+        let log_det = 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum();
+        nll += 0.5 * (square + log_det + DIM as f64 * std::f64::consts::TAU.ln());
+        nees += square / DIM as f64;
+        inside += usize::from(square < CHI_SQUARE);
+    }
+    let n = spans.len() as f64;
+    SpanScore { name, span_s, nll: nll / n, nees: nees / n, inside: inside as f64 / n, spans: spans.len() }
+}
+
+/// The levels whose squares are the residuals' mean ones.
+fn levels(spans: &[Span]) -> Levels {
+    let mut sums = [0.0; 2];
+    for span in spans {
+        let turn: Vector3<f64> = span.residual.fixed_rows::<3>(ROTATION).into();
+        let by: Matrix3<f64> = span.by[1].fixed_view::<3, 3>(ROTATION, ROTATION).into();
+        sums[1] += by.cholesky().map_or(0.0, |by| turn.dot(&by.solve(&turn))) / 3.0;
+        let places = [POSITION, POSITION + 1, POSITION + 2, VELOCITY, VELOCITY + 1, VELOCITY + 2];
+        let moved = SVector::<f64, 6>::from_fn(|i, _| span.residual[places[i]]);
+        let by = SMatrix::<f64, 6, 6>::from_fn(|i, j| span.by[0][(places[i], places[j])]);
+        sums[0] += by.cholesky().map_or(0.0, |by| moved.dot(&by.solve(&moved))) / 6.0;
+    }
+    sums.map(|sum| (sum / spans.len().max(1) as f64).sqrt())
+}
+
+/// The spans of a course end to end, under the one bias that leaves the least turns and velocities.
+fn spans(course: &Course, span_s: f64) -> Vec<Span> {
+    let (mut bias, mut out) = (ImuBias::zero(), Vec::new());
+    for round in 0..=ROUNDS {
+        let (mut h, mut g) = (SMatrix::<f64, 6, 6>::zeros(), SVector::<f64, 6>::zeros());
+        out.clear();
+        let mut end_s = 0.0;
+        let samples = (span_s * course.rate.hz()).round() as usize;
+        for from in (BESIDE..course.len().saturating_sub(samples + BESIDE)).step_by(samples) {
+            end_s += course.step_s[from..from + samples].iter().sum::<f64>();
+            let Some((span, by_bias)) = span(course, from, samples, &bias, end_s, round == ROUNDS) else {
+                continue;
+            };
+            h += by_bias.transpose() * by_bias;
+            g += by_bias.transpose() * span.residual.fixed_rows::<6>(ROTATION);
+            out.push(span);
+        }
+        if let Some(step) = h.cholesky().map(|h| h.solve(&g)).filter(|_| round < ROUNDS) {
+            bias.accel += step.fixed_rows::<3>(ACCEL_BIAS - DIM);
+            bias.gyro += step.fixed_rows::<3>(GYRO_BIAS - DIM);
+        }
+    }
+    out
+}
+
+/// One span and its turn's and velocity's derivatives by the biases; covariances where they are asked for.
+fn span(
+    course: &Course,
+    from: usize,
+    samples: usize,
+    bias: &ImuBias,
+    end_s: f64,
+    with_covariance: bool,
+) -> Option<(Span, SMatrix<f64, 6, 6>)> {
+    let to = from + samples;
+    course.turn(from - BESIDE, to + BESIDE)?;
+    let state = |i: usize| {
+        let at = |i: usize| Some((*course.truth.get(i)?)?.translation.vector);
+        let seconds: f64 = course.step_s[i - BESIDE..i + BESIDE].iter().sum();
+        let vel_in_world = (at(i + BESIDE)? - at(i - BESIDE)?) / seconds;
+        Some(NavState { world_from_body: course.truth[i]?, vel_in_world, bias: *bias })
+    };
+    let (before, after) = (state(from)?, state(to)?);
+    let integrated = |accel: f64, gyro: f64| {
+        let noise = ImuNoise::from_values([accel; 3], [gyro; 3]).expect("0 and 1 are deviations");
+        let mut t = 0.0;
+        let mut sample = |i: usize| {
+            let sample = ImuSample {
+                t: Stamp::from_ns((1e9 * t) as i64),
+                gyro: course.gyro[i].into(),
+                accel: course.accel[i].into(),
+            };
+            t += course.step_s[i];
+            NoisySample { sample, noise }
+        };
+        let mut whole = Preintegration::new(PreintegrationConfig::default(), *bias, sample(from));
+        (from + 1..=to).for_each(|i| whole.push(sample(i)));
+        whole
+    };
+    let accel = integrated(1.0, 0.0);
+    let (delta, seconds) = (accel.delta(), accel.duration());
+    let body_from_world = before.world_from_body.rotation.inverse();
+    let gravity_in_world = Vector3::new(0.0, 0.0, -GRAVITY);
+    let moved = after.world_from_body.translation.vector - before.world_from_body.translation.vector;
+    let mut residual = SVector::<f64, DIM>::zeros();
+    let position = body_from_world
+        * (moved - before.vel_in_world * seconds - gravity_in_world * (0.5 * seconds * seconds));
+    residual.fixed_rows_mut::<3>(POSITION).copy_from(&(position - delta.position));
+    let turn = body_from_world * after.world_from_body.rotation;
+    residual.fixed_rows_mut::<3>(ROTATION).copy_from(&so3::log(&(delta.rotation.inverse() * turn)));
+    let velocity = body_from_world * (after.vel_in_world - before.vel_in_world - gravity_in_world * seconds);
+    residual.fixed_rows_mut::<3>(VELOCITY).copy_from(&(velocity - delta.velocity));
+    let block = |of: &Preintegration| of.covariance().fixed_view::<DIM, DIM>(0, 0).into_owned();
+    let by =
+        if with_covariance { [block(&accel), block(&integrated(0.0, 1.0))] } else { [SMatrix::zeros(); 2] };
+    let by_bias = accel.jacobian().fixed_view::<6, 6>(ROTATION, 0).into_owned();
+    Some((Span { end_s, residual, by }, by_bias))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::course::simulated;
+    use dpn_core::random::Stream;
+    use rand_distr::{Distribution, StandardNormal};
+
+    #[test]
+    fn levels_that_were_added_come_back_and_are_consistent_over_every_span() {
+        let (accel, gyro) = (0.2, 0.01);
+        let mut course = simulated(120.0, Matrix3::identity(), Vector3::new(0.01, 0.02, -0.03), gyro);
+        let mut rng = Stream::new(8).named("accel").rng();
+        for force in &mut course.accel {
+            *force += Vector3::from_fn(|_, _| -> f64 { accel * StandardNormal.sample(&mut rng) })
+                + Vector3::repeat(0.1);
+        }
+        let scores = span_scores(&course, &[], &[&course]);
+        for score in &scores {
+            let is_told = score.name != "x1" && score.name != "x4";
+            assert!(!is_told || (0.85..1.15).contains(&score.nees), "{score:?}");
+            assert!(!is_told || (0.9..0.99).contains(&score.inside), "{score:?}");
+            assert!(score.name != "x4" || score.nees > 0.2 && score.nees < 0.9, "{score:?}");
+        }
+        let found = levels(&spans(&course, 0.2));
+        assert!((found[0] / accel - 1.0).abs() < 0.1 && (found[1] / gyro - 1.0).abs() < 0.1, "{found:?}");
+        let nll = |name: &str| scores.iter().find(|s| s.name == name && s.span_s == 1.0).unwrap().nll;
+        assert!(nll("oracle, a constant a sequence") < nll("x4"));
+    }
+}
