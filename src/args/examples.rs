@@ -16,6 +16,9 @@ pub(super) const EVAL: &str = "Examples:
   dpn eval --inertial configs/inertial/euroc.toml --data data/euroc --models runs
   dpn eval --closed-loop --noise 'oracle;x1' --sequences f07-room-medium        simulated flights: no data needed";
 
+pub(super) const FIT: &str = "Example:
+  dpn fit flight.bag --against mocap.tum --out runs/calibration";
+
 pub(super) const RUN: &str = "Examples:
   dpn run data/euroc/V1_02_medium
   dpn run data/euroc/V1_02_medium --noise x4 --from 10 --to 40 --draw album

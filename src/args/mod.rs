@@ -8,6 +8,7 @@ mod compare;
 mod eval;
 mod examples;
 mod export;
+mod fit;
 mod fleet;
 mod image_log;
 mod log;
@@ -35,6 +36,7 @@ pub(crate) use closed_loop::{CameraArg, ClosedLoopArgs, SettingsArgs};
 pub(crate) use compare::CompareArgs;
 pub(crate) use eval::EvalArgs;
 pub(crate) use export::{ExportArgs, ExportWhat, OnnxArgs};
+pub(crate) use fit::FitArgs;
 pub(crate) use fleet::FleetArgs;
 pub(crate) use image_log::ImageLogArgs;
 pub(crate) use log::{HowArgs, LogArgs, SpanArgs, rate};
@@ -115,6 +117,9 @@ pub(crate) enum Command {
     /// A published ground truth reconciled with its IMU: clock, frames, noise of both, and where it can be trusted.
     #[command(after_help = examples::TRUTH)]
     Truth(TruthArgs),
+    /// An IMU's scale, misalignment and bias against a trajectory, with intervals, and the log's samples under that calibration.
+    #[command(after_help = examples::FIT)]
+    Fit(FitArgs),
     /// Absolute errors of trajectories against the truth, with evo_ape's options; of several over several sequences what may be said of them.
     #[command(after_help = examples::APE)]
     Ape(ApeArgs),

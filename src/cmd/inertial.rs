@@ -5,7 +5,9 @@ use crate::args::{EvalArgs, TrainArgs};
 use crate::ui::{Bar, Fault, Interrupted, errln, out, outln};
 use anyhow::{Context, Result};
 use dpn_figures::{Cell, Column, Table};
-use dpn_inertial::{Course, Fitted, InertialConfig, Model, Training, Unknown, fit, sources};
+use dpn_inertial::{
+    Course, Fitted, InertialConfig, Model, Residuals, SPANS_S, Training, Unknown, fit, sources,
+};
 use dpn_io::asl::Sequence;
 use dpn_io::{FolderLock, atomic_write, config, read_poses};
 use dpn_logs::{LogOptions, read_log};
@@ -102,9 +104,29 @@ pub(super) fn eval(args: &EvalArgs, path: &Path) -> Result<()> {
         }
     }
     let affine = fit(&train.iter().collect::<Vec<_>>(), Unknown::All).context("no span with a true turn")?;
+    // Scale and misalignment are no noise.
+    let residuals = |course: &Course| {
+        let gyro = course.gyro.iter().map(|reading| affine.affine.apply(reading)).collect();
+        Residuals::of(&Course { gyro, ..course.clone() })
+    };
+    let known: Vec<(&str, Residuals)> =
+        train.iter().map(|course| (platform(&course.name), residuals(course))).collect();
+    let spans = |course: &Course| {
+        let of = |is_meant: &dyn Fn(&str) -> bool| {
+            known
+                .iter()
+                .filter(|(name, _)| is_meant(name))
+                .map(|(_, residuals)| residuals)
+                .collect::<Vec<_>>()
+        };
+        residuals(course).scores(&of(&|name| name == platform(&course.name)), &of(&|_| true))
+    };
     let rows: Vec<Value> = test
         .iter()
-        .map(|course| json!({ "sequence": course.name, "sources": sources(course, &affine.affine, &models, config.average_s) }))
+        .map(|course| {
+            let sources = sources(course, &affine.affine, &models, config.average_s);
+            json!({ "sequence": course.name, "sources": sources, "spans": spans(course) })
+        })
         .collect();
     let all = json!({ "data": config.name, "affine": affine, "sequences": rows });
     let out = &args.out.clone().unwrap_or_else(|| format!("runs/inertial-{}", config.name).into());
@@ -114,7 +136,8 @@ pub(super) fn eval(args: &EvalArgs, path: &Path) -> Result<()> {
         return Ok(outln!("{all}")?);
     }
     out!("{}", calibration(&affine))?;
-    Ok(outln!("{}", table(&rows).console())?)
+    out!("{}\n", table(&rows).console())?;
+    Ok(outln!("{}", span_table(&rows).console())?)
 }
 
 /// A row a source, means over the sequences.
@@ -132,6 +155,35 @@ fn table(rows: &[Value]) -> Table {
         let numbers =
             [mean("aoe_deg"), worst, mean("roe_deg"), mean("quick_deg")].map(|v| Cell::number(v, 2));
         table.row([vec![Cell::text(source["name"].as_str().unwrap_or_default())], numbers.to_vec()].concat());
+    }
+    table
+}
+
+/// What was flown in or driven: a sequence's name up to its first underscore (MH, V1, V2).
+fn platform(name: &str) -> &str {
+    name.split('_').next().unwrap_or(name)
+}
+
+/// A row a source of levels, means over the sequences.
+fn span_table(rows: &[Value]) -> Table {
+    let columns = Column::all(&["levels"], &["-log L, 0.1 s", "0.2 s", "0.5 s", "1 s", "NEES/9, 1 s"]);
+    let mut table = Table::new("spans", "", columns);
+    let all: Vec<&Value> = rows.iter().filter_map(|row| row["spans"].as_array()).flatten().collect();
+    let mut names: Vec<&str> = Vec::new();
+    for name in all.iter().filter_map(|score| score["name"].as_str()) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    for name in names {
+        let mean = |key: &str, span_s: f64| {
+            let of = all.iter().filter(|score| score["name"] == name && score["span_s"] == span_s);
+            let values: Vec<f64> = of.filter_map(|score| score[key].as_f64()).collect();
+            (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+        };
+        let numbers = SPANS_S.map(|span_s| Cell::number(mean("nll", span_s), 1));
+        let nees = Cell::number(mean("nees", SPANS_S[3]), 2);
+        table.row([vec![Cell::text(name)], numbers.to_vec(), vec![nees]].concat());
     }
     table
 }

@@ -14,6 +14,7 @@ mod corpus;
 mod device;
 mod eval;
 mod export;
+mod fit;
 mod fleet;
 mod follow;
 mod foxglove;
@@ -75,6 +76,7 @@ pub(crate) fn run(cli: Cli) -> anyhow::Result<()> {
         #[cfg(feature = "ros2")]
         Command::Ros2(args) => ros2::run(args),
         Command::Truth(args) => truth::run(&args),
+        Command::Fit(args) => fit::run(&args),
         Command::Ape(args) => trajectories::ape(&args),
         Command::Rpe(args) => trajectories::rpe(&args),
         Command::Export(args) => export::run(&args),

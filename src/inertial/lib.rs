@@ -26,5 +26,5 @@ pub use config::InertialConfig;
 pub use course::{Course, CourseError};
 pub use model::Model;
 pub use score::{Score, Source, sources};
-pub use spans::{SPANS_S, SpanScore, span_scores};
+pub use spans::{Residuals, SPANS_S, SpanScore};
 pub use training::{Training, TrainingError};

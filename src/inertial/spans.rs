@@ -53,37 +53,40 @@ struct Span {
     by: [SMatrix<f64, DIM, DIM>; 2],
 }
 
-/// Scores of constants and of recent residuals on `course`; `platform` and `all` are courses whose mean levels are constants too.
-pub fn span_scores(course: &Course, platform: &[&Course], all: &[&Course]) -> Vec<SpanScore> {
-    let mut scores = Vec::new();
-    for span_s in SPANS_S {
-        let own = spans(course, span_s);
-        if own.is_empty() {
-            continue;
-        }
-        let of =
-            |courses: &[&Course]| levels(&courses.iter().flat_map(|c| spans(c, span_s)).collect::<Vec<_>>());
-        let x1 = ImuNoise::baseline();
-        let x1 = Sensor::ALL.map(|sensor| x1.of(sensor)[0]);
-        let mut add = |name, of: &dyn Fn(usize) -> Levels| scores.push(score(name, span_s, &own, of));
-        add("x1", &|_| x1);
-        add("x4", &|_| x1.map(|level| 4.0 * level));
-        for (name, courses) in [("one constant", all), ("a constant a platform", platform)] {
-            if !courses.is_empty() {
-                let constant = of(courses);
-                add(name, &|_| constant);
-            }
-        }
-        let start = own.partition_point(|span| span.end_s < RECENT_S).max(1);
-        add("residuals of the last 5 s", &|i| {
-            let from = own[..i].partition_point(|span| span.end_s < own[i].end_s - RECENT_S);
-            // The first seconds are told by themselves: nothing came before.
-            levels(if i < start { &own[..start] } else { &own[from..i] })
-        });
-        let oracle = levels(&own);
-        add("oracle, a constant a sequence", &|_| oracle);
+/// The residuals of a course, by the length of a span.
+pub struct Residuals(Vec<Vec<Span>>);
+
+impl Residuals {
+    /// Of `course`.
+    pub fn of(course: &Course) -> Self {
+        Self(SPANS_S.iter().map(|span_s| spans(course, *span_s)).collect())
     }
-    scores
+
+    /// Scores of constants and of recent residuals; the mean levels of `platform` and of `all` are constants too.
+    pub fn scores(&self, platform: &[&Self], all: &[&Self]) -> Vec<SpanScore> {
+        let mut scores = Vec::new();
+        for (i, own) in self.0.iter().enumerate().filter(|(_, own)| !own.is_empty()) {
+            let mut add = |name, of: &dyn Fn(usize) -> Levels| scores.push(score(name, SPANS_S[i], own, of));
+            let x1 = Sensor::ALL.map(|sensor| ImuNoise::baseline().of(sensor)[0]);
+            add("x1", &|_| x1);
+            add("x4", &|_| x1.map(|level| 4.0 * level));
+            for (name, others) in [("one constant", all), ("a constant a platform", platform)] {
+                let constant = levels(others.iter().flat_map(|other| &other.0[i]));
+                if constant.iter().all(|level| *level > 0.0) {
+                    add(name, &|_| constant);
+                }
+            }
+            let start = own.partition_point(|span| span.end_s < RECENT_S).max(1);
+            add("residuals of the last 5 s", &|at| {
+                let from = own[..at].partition_point(|span| span.end_s < own[at].end_s - RECENT_S);
+                // The first seconds are told by themselves: nothing came before.
+                levels(if at < start { &own[..start] } else { &own[from.min(at - 1)..at] })
+            });
+            let oracle = levels(own);
+            add("oracle, a constant a sequence", &|_| oracle);
+        }
+        scores
+    }
 }
 
 fn score(name: &'static str, span_s: f64, spans: &[Span], levels: &dyn Fn(usize) -> Levels) -> SpanScore {
@@ -103,9 +106,10 @@ fn score(name: &'static str, span_s: f64, spans: &[Span], levels: &dyn Fn(usize)
 }
 
 /// The levels whose squares are the residuals' mean ones.
-fn levels(spans: &[Span]) -> Levels {
-    let mut sums = [0.0; 2];
+fn levels<'a>(spans: impl IntoIterator<Item = &'a Span>) -> Levels {
+    let (mut sums, mut count) = ([0.0; 2], 0_usize);
     for span in spans {
+        count += 1;
         let turn: Vector3<f64> = span.residual.fixed_rows::<3>(ROTATION).into();
         let by: Matrix3<f64> = span.by[1].fixed_view::<3, 3>(ROTATION, ROTATION).into();
         sums[1] += by.cholesky().map_or(0.0, |by| turn.dot(&by.solve(&turn))) / 3.0;
@@ -114,7 +118,7 @@ fn levels(spans: &[Span]) -> Levels {
         let by = SMatrix::<f64, 6, 6>::from_fn(|i, j| span.by[0][(places[i], places[j])]);
         sums[0] += by.cholesky().map_or(0.0, |by| moved.dot(&by.solve(&moved))) / 6.0;
     }
-    sums.map(|sum| (sum / spans.len().max(1) as f64).sqrt())
+    sums.map(|sum| (sum / count.max(1) as f64).sqrt())
 }
 
 /// The spans of a course end to end, under the one bias that leaves the least turns and velocities.
@@ -209,17 +213,18 @@ mod tests {
         let mut course = simulated(120.0, Matrix3::identity(), Vector3::new(0.01, 0.02, -0.03), gyro);
         let mut rng = Stream::new(8).named("accel").rng();
         for force in &mut course.accel {
-            *force += Vector3::from_fn(|_, _| -> f64 { accel * StandardNormal.sample(&mut rng) })
-                + Vector3::repeat(0.1);
+            let white = Vector3::from_fn(|_, _| -> f64 { StandardNormal.sample(&mut rng) });
+            *force += accel * white + Vector3::repeat(0.1);
         }
-        let scores = span_scores(&course, &[], &[&course]);
+        let residuals = Residuals::of(&course);
+        let scores = residuals.scores(&[], &[&residuals]);
         for score in &scores {
             let is_told = score.name != "x1" && score.name != "x4";
             assert!(!is_told || (0.85..1.15).contains(&score.nees), "{score:?}");
             assert!(!is_told || (0.9..0.99).contains(&score.inside), "{score:?}");
             assert!(score.name != "x4" || score.nees > 0.2 && score.nees < 0.9, "{score:?}");
         }
-        let found = levels(&spans(&course, 0.2));
+        let found = levels(&residuals.0[1]);
         assert!((found[0] / accel - 1.0).abs() < 0.1 && (found[1] / gyro - 1.0).abs() < 0.1, "{found:?}");
         let nll = |name: &str| scores.iter().find(|s| s.name == name && s.span_s == 1.0).unwrap().nll;
         assert!(nll("oracle, a constant a sequence") < nll("x4"));

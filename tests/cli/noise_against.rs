@@ -35,6 +35,15 @@ fn a_trajectory_tells_the_noise_and_one_that_does_not_fit_is_named() {
     let names: Vec<String> = files(&dir.join("out")).into_keys().collect();
     assert_eq!(names, ["against.json", "biases.csv"]);
 
+    // The same as a calibration, and the samples under it.
+    let done = call("fit log.csv --against truth.csv --out fit").well();
+    assert!(done.stdout.contains("gyro: matrix * reading - bias, 95 %"), "{}", done.stdout);
+    let rows = |path: &str| std::fs::read_to_string(dir.join(path)).unwrap().lines().count();
+    assert_eq!(rows("fit/calibrated.csv"), rows("log.csv"));
+    let fitted: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(dir.join("fit/calibration.json")).unwrap()).unwrap();
+    assert_eq!(fitted["calibration"][1]["sensor"], "gyro");
+
     // Half its size, in TUM's columns.
     let half = truth.lines().skip(1).fold(String::new(), |mut text, line| {
         let v: Vec<f64> = line.split(',').map(|v| v.parse().unwrap()).collect();
