@@ -4,6 +4,7 @@ use super::stop;
 use crate::args::{EvalArgs, TrainArgs};
 use crate::ui::{Bar, Fault, Interrupted, errln, out, outln};
 use anyhow::{Context, Result};
+use dpn_core::progress::Progress;
 use dpn_figures::{Cell, Column, Table};
 use dpn_inertial::{
     Course, Fitted, InertialConfig, Model, Residuals, SPANS_S, Training, Unknown, fit, sources,
@@ -46,6 +47,7 @@ pub(super) fn train(args: &TrainArgs) -> Result<()> {
     }
     let stop = stop::on_ctrl_c("the last checkpoint is kept: add --resume to go on")?;
     let mut bar = Bar::new();
+    bar.start("train", config.steps);
     loop {
         let done = training.train(EVERY, &stop, &mut bar);
         let bytes = training.to_bytes()?;
@@ -59,6 +61,7 @@ pub(super) fn train(args: &TrainArgs) -> Result<()> {
             );
         }
     }
+    bar.finish("");
     let (network, bytes) = (out.join(NETWORK), training.model().to_bytes()?);
     atomic_write(&network, |file| file.write_all(&bytes))?;
     let history = training.history();

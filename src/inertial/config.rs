@@ -19,7 +19,7 @@ pub struct InertialConfig {
     pub steps: u64,
     /// Windows a step. Default 8.
     pub batch: usize,
-    /// Samples a window, a multiple of 32. Default 2048.
+    /// Samples a window, a multiple of the longest span. Default 2048.
     pub window: usize,
     /// Learning rate at the first step; it falls to nothing along a cosine. Default .003.
     pub learning_rate: f64,
@@ -27,6 +27,8 @@ pub struct InertialConfig {
     pub weight_decay: f64,
     /// Share of the running mean of weights that a step keeps. Default .995.
     pub ema: f64,
+    /// Samples over which products of increments are held against true turns, powers of two. Default 16 and 32.
+    pub spans: Vec<usize>,
     /// Where the loss turns from squares to distances \[rad\]. Default .005.
     pub huber_rad: f64,
     /// Deviation of white noise on what the network sees, gyroscope \[rad/s\] and accelerometer \[m/s^2\]. Default 8e-5, .001.
@@ -50,6 +52,7 @@ impl Default for InertialConfig {
             learning_rate: 3e-3,
             weight_decay: 0.1,
             ema: 0.995,
+            spans: vec![16, 32],
             huber_rad: 0.005,
             noise: [8e-5, 1e-3],
             bias: [1e-3, 1e-3],
@@ -71,13 +74,12 @@ impl Validate for InertialConfig {
         );
         faults.within("steps", self.steps, 1, 1_000_000);
         faults.within("batch", self.batch, 1, 1000);
-        let tree = crate::loss::TREE;
-        faults.check(
-            self.window >= tree && self.window.is_multiple_of(tree) && self.window <= 1 << 20,
-            "window",
-            self.window,
-            "a multiple of 32",
-        );
+        let longest = self.spans.iter().copied().max().unwrap_or(0);
+        let are_powers = self.spans.iter().all(|span| span.is_power_of_two());
+        faults.check(longest > 0 && are_powers, "spans", format!("{:?}", self.spans), "powers of two");
+        let window = self.window;
+        let fits = (32..=1 << 20).contains(&window) && longest > 0 && window.is_multiple_of(longest);
+        faults.check(fits, "window", window, "32 or more, a multiple of the longest of `spans`");
         faults.check(
             self.learning_rate > 0.0 && self.learning_rate <= 1.0,
             "learning_rate",

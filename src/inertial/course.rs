@@ -9,7 +9,7 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use thiserror::Error;
 
 /// A longer step between poses is a gap \[s\].
-const LONGEST_GAP_S: f64 = 0.25;
+const LONGEST_GAP_S: f64 = 0.06;
 /// A step between samples that is longer than so many periods is a gap.
 const LONGEST_STEP: f64 = 2.5;
 /// The least share of the samples that must have a truth.
@@ -130,7 +130,9 @@ pub(crate) fn simulated(
     let (mut samples, mut poses) = (Vec::new(), Vec::new());
     for i in 0..count {
         let s = i as f64 / hz;
-        let rate = Vector3::new((1.1 * s).sin(), 0.7 * (1.7 * s).cos(), 0.5 * (0.6 * s + 1.0).sin());
+        let rate_at =
+            |s: f64| Vector3::new((1.1 * s).sin(), 0.7 * (1.7 * s).cos(), 0.5 * (0.6 * s + 1.0).sin());
+        let rate = rate_at(s);
         let t = Stamp::from_ns(i as i64 * 5_000_000);
         let white = Vector3::from_fn(|_, _| -> f64 { StandardNormal.sample(&mut rng) });
         let read = matrix * rate + bias + noise * white;
@@ -140,7 +142,7 @@ pub(crate) fn simulated(
             t,
             world_from_body: Isometry3::from_parts(Vector3::zeros().into(), rotation),
         });
-        rotation *= so3::exp(&(rate / hz));
+        rotation *= so3::exp(&(rate_at(s + 0.5 / hz) / hz));
     }
     Course::new("simulated", &ImuRecording::new(samples).unwrap(), &poses).unwrap()
 }

@@ -6,6 +6,7 @@
 
 use crate::course::Course;
 use dpn_core::geometry::so3;
+use dpn_core::signal::stats::median_of;
 use dpn_core::{GRAVITY, ImuNoise, ImuSample, Sensor, Stamp};
 use dpn_vio::preint::{NoisySample, Preintegration, PreintegrationConfig};
 use dpn_vio::state::{ACCEL_BIAS, GYRO_BIAS, POSITION, ROTATION, VELOCITY};
@@ -23,6 +24,8 @@ const BESIDE: usize = 5;
 const DIM: usize = 9;
 /// A chi-square variable of nine degrees of freedom is smaller with 95 %.
 const CHI_SQUARE: f64 = 16.919;
+/// Residuals beyond so many medians pull the bias less.
+const HUBER: f64 = 2.0;
 /// Rounds of the bias: residuals are nearly linear in it.
 const ROUNDS: usize = 2;
 
@@ -125,18 +128,23 @@ fn levels<'a>(spans: impl IntoIterator<Item = &'a Span>) -> Levels {
 fn spans(course: &Course, span_s: f64) -> Vec<Span> {
     let (mut bias, mut out) = (ImuBias::zero(), Vec::new());
     for round in 0..=ROUNDS {
-        let (mut h, mut g) = (SMatrix::<f64, 6, 6>::zeros(), SVector::<f64, 6>::zeros());
+        let (mut end_s, mut slopes) = (0.0, Vec::new());
         out.clear();
-        let mut end_s = 0.0;
         let samples = (span_s * course.rate.hz()).round() as usize;
         for from in (BESIDE..course.len().saturating_sub(samples + BESIDE)).step_by(samples) {
             end_s += course.step_s[from..from + samples].iter().sum::<f64>();
-            let Some((span, by_bias)) = span(course, from, samples, &bias, end_s, round == ROUNDS) else {
-                continue;
-            };
-            h += by_bias.transpose() * by_bias;
-            g += by_bias.transpose() * span.residual.fixed_rows::<6>(ROTATION);
-            out.push(span);
+            if let Some((span, by_bias)) = span(course, from, samples, &bias, end_s, round == ROUNDS) {
+                slopes.push((span.residual.fixed_rows::<6>(ROTATION).into_owned(), by_bias));
+                out.push(span);
+            }
+        }
+        let sizes = slopes.iter().map(|(r, _)| r.norm());
+        let far = HUBER * median_of(sizes).unwrap_or(0.0);
+        let (mut h, mut g) = (SMatrix::<f64, 6, 6>::zeros(), SVector::<f64, 6>::zeros());
+        for (r, by_bias) in &slopes {
+            let weight = (far / r.norm()).min(1.0);
+            h += weight * by_bias.transpose() * by_bias;
+            g += weight * by_bias.transpose() * r;
         }
         if let Some(step) = h.cholesky().map(|h| h.solve(&g)).filter(|_| round < ROUNDS) {
             bias.accel += step.fixed_rows::<3>(ACCEL_BIAS - DIM);

@@ -54,7 +54,7 @@ pub enum TrainingError {
         needed: usize,
     },
     /// Nothing to fit to.
-    #[error("no span of 32 samples has a true turn; give a trajectory without gaps of a quarter of a second")]
+    #[error("no span of 32 samples has a true turn; give a trajectory of 17 Hz or more")]
     NoSpan,
 }
 
@@ -159,7 +159,6 @@ impl<'a> Training<'a> {
     /// At most so many steps, until `stop` or the end; whether that was the end.
     pub fn train(&mut self, most: u64, stop: &AtomicBool, progress: &mut dyn Progress) -> bool {
         let config = self.model.card.config.clone();
-        progress.start("train", config.steps);
         let to = config.steps.min(self.history.len() as u64 + most);
         while (self.history.len() as u64) < to && !stop.load(Ordering::Relaxed) {
             let step = self.history.len() as u64;
@@ -167,7 +166,6 @@ impl<'a> Training<'a> {
             self.history.push(loss);
             progress.step(step + 1, &format!("loss {loss:.3e}"));
         }
-        progress.finish("");
         self.history.len() as u64 >= config.steps
     }
 
@@ -227,7 +225,7 @@ impl<'a> Training<'a> {
                 affine.apply(&(course.gyro[first + i] + gyro_bias)) + UNIT * correction.fixed_rows::<3>(0)
             })
             .collect();
-        let (loss, by_rate) = loss(course, first, &rates, config.huber_rad);
+        let (loss, by_rate) = loss(course, first, &rates, &config.spans, config.huber_rad);
         let by_answers = DMatrix::from_fn(3, answers, |axis, answer| {
             let held = &by_rate[answer * network::STRIDE..(answer + 1) * network::STRIDE];
             (UNIT * held.iter().map(|by| by[axis]).sum::<f64>()) as f32
