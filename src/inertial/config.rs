@@ -27,7 +27,7 @@ pub struct InertialConfig {
     pub weight_decay: f64,
     /// Share of the running mean of weights that a step keeps. Default .995.
     pub ema: f64,
-    /// Samples over which products of increments are held against true turns, powers of two. Default 16 and 32.
+    /// Samples over which products of increments are held against true turns, powers of two. Default 32 and 512, chosen as `steps` was; the papers have 16 and 32.
     pub spans: Vec<usize>,
     /// Where the loss turns from squares to distances \[rad\]. Default .005.
     pub huber_rad: f64,
@@ -52,7 +52,7 @@ impl Default for InertialConfig {
             learning_rate: 3e-3,
             weight_decay: 0.1,
             ema: 0.995,
-            spans: vec![16, 32],
+            spans: vec![32, 512],
             huber_rad: 0.005,
             noise: [8e-5, 1e-3],
             bias: [1e-3, 1e-3],
