@@ -12,6 +12,7 @@ use rustdds::{
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::net::{IpAddr, Ipv4Addr};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::task::{Wake, Waker};
 use std::thread::Thread;
@@ -74,6 +75,7 @@ pub struct Node {
     /// What was said of whom: once is enough.
     said: BTreeSet<(GUID, GUID)>,
     words: VecDeque<String>,
+    dropped: Arc<AtomicU64>,
 }
 
 impl std::fmt::Debug for Node {
@@ -83,7 +85,10 @@ impl std::fmt::Debug for Node {
 }
 
 /// Sends messages on one topic.
-pub struct Publisher(DataWriter<Sent, AsBytes>);
+pub struct Publisher {
+    writer: DataWriter<Sent, AsBytes>,
+    dropped: Arc<AtomicU64>,
+}
 
 impl std::fmt::Debug for Publisher {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -92,16 +97,19 @@ impl std::fmt::Debug for Publisher {
 }
 
 impl Publisher {
-    /// Sends a message of [`outgoing`](crate::outgoing). One that nobody listens to, or that a slow listener has no room for, is dropped.
+    /// Sends a message of [`outgoing`](crate::outgoing). One that nobody listens to, or that a slow listener has no room for, is dropped, the
+    /// latter [counted](Node::dropped).
     pub fn send(&self, fields: Vec<u8>) {
         // The only errors are a full history, and a participant that has gone.
-        let _dropped = self.0.write(Sent(Bytes::from(fields)), None);
+        if self.writer.write(Sent(Bytes::from(fields)), None).is_err() {
+            self.dropped.fetch_add(1, Ordering::Relaxed);
+        }
     }
 
     /// Waits a moment for those who listen reliably to have all that was sent: before an end.
     pub fn settle(&self) {
         // Whoever has not heard by then has gone.
-        let _unheard = self.0.wait_for_acknowledgments(SETTLING);
+        let _unheard = self.writer.wait_for_acknowledgments(SETTLING);
     }
 }
 
@@ -130,6 +138,7 @@ impl Node {
             listened: Vec::new(),
             said: BTreeSet::new(),
             words: VecDeque::new(),
+            dropped: Arc::default(),
         })
     }
 
@@ -166,7 +175,13 @@ impl Node {
         let qos = sending();
         let topic = self.topic(name, kind, &qos)?;
         let writer = self.publisher.create_datawriter_no_key(&topic, Some(qos));
-        Ok(Publisher(writer.map_err(|error| dds(name, &error))?))
+        let writer = writer.map_err(|error| dds(name, &error))?;
+        Ok(Publisher { writer, dropped: Arc::clone(&self.dropped) })
+    }
+
+    /// How many messages could not be sent, of all topics.
+    pub fn dropped(&self) -> u64 {
+        self.dropped.load(Ordering::Relaxed)
     }
 
     fn topic(&self, name: &str, kind: &str, qos: &QosPolicies) -> Result<Topic, Ros2Error> {

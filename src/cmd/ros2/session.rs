@@ -235,6 +235,7 @@ impl Session {
             status.values.push((format!("{name}: messages"), input.messages.to_string()));
             status.values.push((format!("{name}: lost"), input.lost.to_string()));
         }
+        status.values.push(("messages that could not be sent".to_owned(), self.node.dropped().to_string()));
         status.name = format!("{}: {}", self.names.node().trim_start_matches('/'), status.name);
         let now = self.now().unwrap_or(Stamp::from_ns(0));
         self.diagnostics.send(outgoing::diagnostics(now, &[status]));

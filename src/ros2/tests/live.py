@@ -138,7 +138,7 @@ def motion():
     wait(lambda: int(keys()["poses"]) >= len(poses) - 2, 5, lambda: str(keys()))
     values = keys()
     assert told[-1][1].status[0].name == "dpn: odometry", told[-1]
-    assert values["/imu: lost"] == values["/image_raw: lost"] == "0" and "level gyro x" in values, values
+    assert values["/imu: lost"] == values["/image_raw: lost"] == values["messages that could not be sent"] == "0" and "level gyro x" in values, values
     assert node.end() == 0
     peer.close()
 
@@ -260,6 +260,8 @@ def unfit():
     assert node.end() == 3 and "no image had samples on both sides of it" in node.said(), node.said()
     # Without a file, and without a place for the camera.
     node = Node(DPN, "--image", "/cam/image_raw")
+    node.wait_for("camera's calibration on /camera_info (sensor_msgs/msg/CameraInfo), which nobody sends, for ", 8)
+    assert "camera's place on /tf_static" in node.said(), node.said()
     info = peer.writer("/camera_info", CameraInfo)
     peer.writer("/tf_static", TFMessage, RELIABLE, Policy.History.KeepAll, Policy.Durability.TransientLocal)
     peer.matched("/camera_info")
@@ -325,6 +327,33 @@ def view():
     assert {t for t, _ in seen["/camera/image"]} <= {t for t, _ in recording.images}
     assert all(0 < state["latency_ms"] < 5000 for _, state in seen["/state"][-10:])
     peer.close()
+
+
+def launched():
+    """The launch file's command, with stand-ins for ROS's package: its arguments are the node's."""
+    from types import ModuleType, SimpleNamespace
+
+    class Said(str):
+        pass
+
+    modules = {name: ModuleType(name) for name in ("launch", "launch.actions", "launch.substitutions")}
+    modules["launch"].LaunchDescription = list
+    modules["launch.actions"].DeclareLaunchArgument = lambda name, default_value, description: (name, default_value)
+    modules["launch.actions"].ExecuteProcess = lambda cmd, **how: SimpleNamespace(cmd=cmd)
+    modules["launch.substitutions"].LaunchConfiguration = Said
+    sys.modules.update(modules)
+    scope = {}
+    exec((Path(__file__).resolve().parents[3] / "examples/ros2/dpn.launch.py").read_text(), scope)
+    *arguments, process = scope["generate_launch_description"]()
+    given = {**dict(arguments), "calib": str(Recording(flown(), compressed=True).calibration), "namespace": "/robot", "image_transport": "compressed"}
+    word = lambda part: given[part] if isinstance(part, Said) else part
+    program, verb, *command = ["".join(map(word, part)) if isinstance(part, list) else word(part) for part in process.cmd]
+    assert (program, verb) == ("dpn", "ros2"), process.cmd
+    node = Node(DPN, *command)
+    node.wait_for("node /robot/dpn in domain ")
+    node.wait_for("images: /robot/image_raw/compressed (sensor_msgs/msg/CompressedImage)")
+    node.wait_for("calibration: ")
+    assert node.end() == 3 and "nan" not in node.said(), node.said()
 
 
 def noise(seconds=8.0, rate=1000):
@@ -411,7 +440,7 @@ def soak(seconds):
     peer.close()
 
 
-CASES = [bits, view, unfit, faults, two_namespaces, noise, motion]
+CASES = [bits, view, launched, unfit, faults, two_namespaces, noise, motion]
 
 if __name__ == "__main__":
     WORK.mkdir(parents=True, exist_ok=True)
