@@ -24,7 +24,6 @@ pub(super) const RUN: &str = "Examples:
   dpn run data/euroc/V1_02_medium --noise x4 --from 10 --to 40 --draw album
   dpn run data/motion/MH_01_easy_start --noise 'file(\"noise.csv\")' --set window.pixel_std=0.5
   dpn run flight.bag --calib camchain.yaml --image-topic /cam0/image_raw --topic /imu0
-  dpn run data/euroc/V1_02_medium --rpe 1m,10m:all_pairs --kitti            as evo_rpe has them
   dpn run data/euroc/V1_02_medium --mcap run.mcap                           for Foxglove
   cat flight.bag | dpn run - --calib camchain.yaml                          poses as they are made";
 

@@ -30,7 +30,7 @@ pub(crate) struct NoiseArgs {
     /// Samples from one answer to the next.
     #[arg(long, value_name = "SAMPLES", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub(crate) every: u32,
-    /// Folder with networks of your own, instead of those that come with the program.
+    /// Folder with networks of your own, instead of those that come with the program: DIR/accel/NAME.safetensors and DIR/gyro/NAME.safetensors are `--noise 'dualpronet(NAME)'`, at whatever rate they were trained for.
     #[arg(long, value_name = "DIR")]
     pub(crate) weights: Option<PathBuf>,
     /// What these runs of one platform learned (`dpn run --noise self --out RUN`), together; no LOG then.

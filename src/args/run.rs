@@ -3,7 +3,6 @@
 use super::{CameraArg, ImageLogArgs, PasteArgs, SettingsArgs};
 use clap::Args;
 use dpn_eval::closed_loop::StartAt;
-use dpn_eval::metrics::RpeSpec;
 use dpn_io::ResultPath;
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -56,9 +55,6 @@ pub(crate) struct RunArgs {
     /// Folder for trajectory.tum, states.csv and report.json; without it runs/run-NAME.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<ResultPath>,
-    /// Write also trajectory.kitti and, where there is ground truth, truth.kitti at the same instants: what `evo_ape kitti` and `evo_rpe kitti` compare.
-    #[arg(long)]
-    pub(crate) kitti: bool,
     /// Write poses, truth, noise, biases, levels and, of images, two a second with their tracks also into this MCAP file, which Foxglove shows.
     #[arg(long, value_name = "FILE")]
     pub(crate) mcap: Option<PathBuf>,
@@ -68,9 +64,12 @@ pub(crate) struct RunArgs {
     /// Of what is read as it comes: show it while it runs to Foxglove (its WebSocket): image with tracks, path, biases, levels, latency; on this machine alone unless another address is given (0.0.0.0:8765). Of a dpn built with the feature `view`, as a release's is.
     #[arg(long, value_name = "ADDRESS:PORT", num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:8765")]
     pub(crate) view: Option<SocketAddr>,
-    /// Relative errors over these stretches, in evo's words: 1m, 10f, 30deg, 5s; then :all_pairs, :pairs_from_reference; several between commas.
-    #[arg(long, value_name = "STRETCHES", value_delimiter = ',')]
-    pub(crate) rpe: Vec<RpeSpec>,
+    /// Gone: `dpn rpe`.
+    #[arg(long, hide = true, num_args = 0..=1, default_missing_value = "", value_parser = gone_rpe)]
+    rpe: Option<String>,
+    /// Gone: `dpn ape` and `dpn rpe` read what the run leaves.
+    #[arg(long, hide = true, num_args = 0..=1, default_missing_value = "", value_parser = gone_kitti)]
+    kitti: Option<String>,
     /// Draw into this folder: the flight from above, tracks, noise, biases and residuals over time, and, of images, frames with tracks.
     #[arg(long, value_name = "DIR")]
     pub(crate) draw: Option<ResultPath>,
@@ -86,6 +85,14 @@ pub(crate) struct RunArgs {
     /// Print the report as JSON on stdout.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+fn gone_rpe(_: &str) -> Result<String, String> {
+    Err("write `dpn rpe TRUTH RUN -d 1 -u m` after the run: --rpe is gone".to_owned())
+}
+
+fn gone_kitti(_: &str) -> Result<String, String> {
+    Err("--kitti is gone: `dpn ape TRUTH RUN` and `dpn rpe` take the run's trajectory.tum, and so do evo_ape and evo_rpe".to_owned())
 }
 
 /// A number of seconds from 0.

@@ -11,7 +11,7 @@ use dpn_probe::doctor::{Examination, examine_log, table};
 use std::path::{Path, PathBuf};
 
 pub(crate) fn run(args: &CheckArgs) -> Result<()> {
-    let logs = many::logs(&args.logs)?;
+    let logs = many::logs(&args.logs, Some(args.out.join("check.json").path()))?;
     let gravest = match &logs[..] {
         [only] if args.logs.len() == 1 && *only == args.logs[0] => one(args, only)?,
         several => all(args, several)?,

@@ -2,13 +2,16 @@
 
 use super::apart;
 use crate::args::PasteArgs;
-use crate::ui::{Fault, out, outln};
+use crate::ui::{Fault, errln, out, outln};
 use anyhow::Result;
+use dpn_core::noise::Figure;
 use dpn_eval::closed_loop::{LearnedFigure, LearnedNoise};
 use dpn_io::{ResultPath, atomic_write};
 use dpn_probe::paste::{FigureLine, Paste};
 use std::path::{Path, PathBuf};
 
+/// White noises of one platform's runs differ by less: what EuRoC's easiest and hardest flights learn differs by two.
+const APART: f64 = 4.0;
 /// Rates that differ by less are one platform's.
 const SAME_RATE: f64 = 0.05;
 
@@ -40,6 +43,12 @@ pub(super) fn together(runs: &[PathBuf], how: &PasteArgs, out: &ResultPath, json
         );
         return Err(Fault::new(message).hint("give runs of one platform, and each platform a call").into());
     }
+    if let Some((figure, [a, b], [quiet, loud])) = apart_by(&all) {
+        let (a, b) = (runs[a].display(), runs[b].display());
+        errln!(
+            "warning: {figure} is {quiet:.1e} in {a} and {loud:.1e} in {b}: runs of one platform differ less; what follows is neither's"
+        );
+    }
     let learned = LearnedNoise::together(&all).expect("a run or more is asked for");
     let paste = paste(&learned, how.walks);
     let written = paste.written(&how.paste.0);
@@ -54,6 +63,21 @@ pub(super) fn together(runs: &[PathBuf], how: &PasteArgs, out: &ResultPath, json
     outln!("noise {}", learned.words())?;
     out!("{}", paste.page(&how.paste.0))?;
     Ok(outln!("file:     {}", file.display())?)
+}
+
+/// The white noise by which two runs differ the most, where that is more than one platform's runs do: the runs' places and their geometric means.
+fn apart_by(all: &[LearnedNoise]) -> Option<(Figure, [usize; 2], [f64; 2])> {
+    let level = |of: &LearnedFigure| of.density.iter().map(|axis| axis.value).product::<f64>().cbrt();
+    let figure = |k: usize| {
+        let known = all.iter().enumerate().filter(|(_, run)| run.figures[k].not_known().is_none());
+        let mut levels: Vec<(usize, f64)> = known.map(|(run, of)| (run, level(&of.figures[k]))).collect();
+        levels.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let (quiet, loud) = (levels.first()?, levels.last()?);
+        Some((all[0].figures[k].figure, [quiet.0, loud.0], [quiet.1, loud.1]))
+    };
+    let white = (0..all[0].figures.len()).filter(|k| !all[0].figures[*k].figure.is_walk());
+    let worst = white.filter_map(figure).max_by(|a, b| (a.2[1] / a.2[0]).total_cmp(&(b.2[1] / b.2[0])))?;
+    (worst.2[1] > APART * worst.2[0]).then_some(worst)
 }
 
 /// What `dpn run` left.

@@ -45,10 +45,8 @@ pub(super) fn run(args: &RunArgs) -> Result<()> {
         ("--to", args.to.is_some()),
         ("--out", args.out.is_some()),
         ("--draw", args.draw.is_some()),
-        ("--kitti", args.kitti),
         ("--mcap", args.mcap.is_some()),
         ("--rerun", args.rerun.is_some()),
-        ("--rpe", !args.rpe.is_empty()),
         ("--camera tracks or rendered", args.camera.is_some_and(|camera| camera != CameraArg::Images)),
     ];
     if let Some((flag, _)) = of_recordings.iter().find(|(_, given)| *given) {

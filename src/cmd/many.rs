@@ -10,15 +10,18 @@ use std::convert::Infallible;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-/// The logs that were named: of a folder that holds some, these.
-pub(super) fn logs(paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
+/// The logs that were named: of a folder that holds some, these, but for the file `own` that the command itself leaves.
+pub(super) fn logs(paths: &[PathBuf], own: Option<&Path>) -> Result<Vec<PathBuf>> {
+    let own = own.and_then(|own| own.canonicalize().ok());
     let mut logs = Vec::new();
     for path in paths {
         if path == Path::new("-") {
             logs.push(path.clone());
-        } else {
-            logs.extend(logs_in(path)?);
+            continue;
         }
+        let found = logs_in(path)?;
+        let is_own = |log: &PathBuf| log != path && own.is_some() && log.canonicalize().ok() == own;
+        logs.extend(found.into_iter().filter(|log| !is_own(log)));
     }
     Ok(logs)
 }

@@ -24,7 +24,7 @@ pub(crate) fn run(args: &NoiseArgs) -> Result<()> {
     if !args.learned.is_empty() {
         return learned::together(&args.learned, &args.paste, &args.out, args.json);
     }
-    let logs = many::logs(&args.logs)?;
+    let logs = many::logs(&args.logs, Some(args.out.join("summary.json").path()))?;
     let log = match &logs[..] {
         [] => None,
         [only] if args.logs.len() == 1 && *only == args.logs[0] => Some(only),

@@ -24,7 +24,7 @@ const EVERY: usize = 10;
 const ALLAN_S: f64 = 30.0;
 
 pub(crate) fn run(args: &ReportArgs) -> Result<()> {
-    let logs = many::logs(&args.logs)?;
+    let logs = many::logs(&args.logs, None)?;
     // A page inside a log's folder is no part of the log.
     let is_page = args.out.path().extension().is_some_and(|ending| ending == "html");
     let read: Vec<&Path> =

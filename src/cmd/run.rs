@@ -12,10 +12,10 @@ use dpn_eval::closed_loop::{
 };
 #[cfg(feature = "rerun")]
 use dpn_eval::closed_loop::{CameraInput, frames_from};
-use dpn_eval::metrics::{AlignmentKind, PosePair, RPE_TOLERANCE, RpeSpec, align, rpe_by};
+use dpn_eval::metrics::{AlignmentKind, align};
 use dpn_figures::{Album, Cell, save, timeline, top_view};
 use dpn_io::calibration::Calibration;
-use dpn_io::{ResultPath, atomic_write, write_kitti, write_noise_track, write_tum};
+use dpn_io::{ResultPath, atomic_write, write_noise_track, write_tum};
 use dpn_live::settings_for;
 use dpn_logs::ImageLogOptions;
 use dpn_vio::clock::{CameraClock, Readout};
@@ -81,14 +81,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         _ => Vec::new(),
     };
     let origin = (source.tracks.is_simulated(), source.truth());
-    let mut report = done.json(&program(), &estimator, Some(&source.checksum(place)?), origin);
-    if !args.rpe.is_empty() {
-        report["rpe"] = relative_errors(&args.rpe, &pairs)?;
-    }
+    let report = done.json(&program(), &estimator, Some(&source.checksum(place)?), origin);
     write(&done, &report, &out)?;
-    if args.kitti {
-        kitti(&done, &pairs, &out)?;
-    }
     // Of a straight line there is no heading: the estimate is shown where it is.
     let aligned = align(&pairs, AlignmentKind::YawPosition).ok();
     let truth_from_world = aligned.map(|alignment| alignment.true_world_from_est_world);
@@ -110,9 +104,6 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     } else {
         let simulated = source.tracks.is_simulated();
         out!("{}", words(&done.report, &done, simulated))?;
-        for spec in &args.rpe {
-            outln!("{:<16}{}", "RPE:", relative_words(spec, &report["rpe"]))?;
-        }
         if let Some(learned) = &done.report.learned_noise {
             out!("{}", learned::paste(learned, args.paste.walks).page(&args.paste.paste.0))?;
         }
@@ -230,17 +221,10 @@ fn apart_from(args: &RunArgs) -> Result<()> {
     for (flag, file) in [("--mcap", &args.mcap), ("--rerun", &args.rerun)] {
         file.as_deref().map_or(Ok(()), |file| apart::file(flag, file, &read))?;
     }
-    let of_run = [
-        "trajectory.tum",
-        "states.csv",
-        "noise_learned.csv",
-        "report.json",
-        "trajectory.kitti",
-        "truth.kitti",
-    ];
+    let of_run = ["trajectory.tum", "states.csv", "noise_learned.csv", "report.json"];
     let drawn = ["top.svg", "top.png", "top.csv", "timeline.svg", "timeline.png", "timeline.csv"];
-    for (flag, dir, files) in [("--out", &args.out, of_run), ("--draw", &args.draw, drawn)] {
-        dir.as_ref().map_or(Ok(()), |dir| apart::folder(flag, dir, &files, &read))?;
+    for (flag, dir, files) in [("--out", &args.out, &of_run[..]), ("--draw", &args.draw, &drawn)] {
+        dir.as_ref().map_or(Ok(()), |dir| apart::folder(flag, dir, files, &read))?;
     }
     Ok(())
 }
@@ -278,45 +262,6 @@ fn write(done: &JudgedRun, report: &serde_json::Value, out: &ResultPath) -> Resu
     }
     let text = serde_json::to_string_pretty(report)? + "\n";
     atomic_write(out.join("report.json"), |file| file.write_all(text.as_bytes()))?;
-    Ok(())
-}
-
-/// The errors by their names; null where no stretch is that long, or there is no truth.
-fn relative_errors(specs: &[RpeSpec], pairs: &[PosePair]) -> Result<serde_json::Value> {
-    let mut all = serde_json::Map::new();
-    for spec in specs {
-        let found = rpe_by(pairs, spec, RPE_TOLERANCE)?;
-        let value = found
-            .map(|rpe| serde_json::json!({ "translation_m": rpe.translation, "rotation_rad": rpe.rotation }));
-        all.insert(spec.to_string(), value.unwrap_or_default());
-    }
-    Ok(all.into())
-}
-
-fn relative_words(spec: &RpeSpec, errors: &serde_json::Value) -> String {
-    let of = &errors[spec.to_string()];
-    match (of["translation_m"]["rmse"].as_f64(), of["rotation_rad"]["rmse"].as_f64()) {
-        (Some(metres), Some(angle)) => {
-            format!(
-                "{metres:.4} m, {:.3} deg over {spec} ({} stretches)",
-                angle.to_degrees(),
-                of["translation_m"]["count"]
-            )
-        }
-        _ => format!("none over {spec}: no ground truth, or no stretch of that length"),
-    }
-}
-
-/// Poses that have ground truth, and that truth beside them; all poses where there is none.
-fn kitti(done: &JudgedRun, pairs: &[PosePair], out: &ResultPath) -> Result<()> {
-    let estimate = out.join("trajectory.kitti");
-    if pairs.is_empty() {
-        let poses = done.output.poses();
-        write_kitti(&estimate, poses.iter().map(|pose| &pose.world_from_body))?;
-        return Ok(());
-    }
-    write_kitti(&estimate, pairs.iter().map(|pair| &pair.est_world_from_body))?;
-    write_kitti(out.join("truth.kitti"), pairs.iter().map(|pair| &pair.true_world_from_body))?;
     Ok(())
 }
 

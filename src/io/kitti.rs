@@ -1,14 +1,13 @@
 //! Trajectories in KITTI's format, which evo reads: the upper three rows of `world_from_body` as twelve numbers a line, no stamps. Two such files are
 //! compared line by line.
 
+use super::IoError;
 use super::decimal::TimeUnit;
 use super::pose::{position, rigid};
 use super::row_fault::RowFault;
 use super::rows::Rows;
-use super::{IoError, ResultPath, atomic_write};
 use dpn_core::Stamp;
 use dpn_core::trajectory::StampedPose;
-use nalgebra::Isometry3;
 use std::path::Path;
 
 /// Where the stamps of a file without any stand, beside it: a number of seconds a line.
@@ -84,30 +83,9 @@ fn all<'a>(
     Ok(poses)
 }
 
-/// Writes poses, all of them or nothing, with as many digits as bring the same bits back.
-///
-/// # Errors
-/// As [`atomic_write`].
-pub fn write_kitti<'a>(
-    path: impl Into<ResultPath>,
-    poses: impl IntoIterator<Item = &'a Isometry3<f64>>,
-) -> Result<(), IoError> {
-    atomic_write(path, |out| {
-        for pose in poses {
-            let rows = pose.to_matrix();
-            let numbers: Vec<String> = (0..3)
-                .flat_map(|row| (0..4).map(move |column| format!("{:?}", rows[(row, column)])))
-                .collect();
-            writeln!(out, "{}", numbers.join(" "))?;
-        }
-        Ok(())
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::Vector3;
 
     #[test]
     fn stamps_stand_before_the_poses_or_beside_the_file() {
@@ -127,20 +105,5 @@ mod tests {
         assert!((turned - nalgebra::Point3::new(1.0, 3.0, 3.0)).norm() < 1e-12);
         assert!(read(&format!("{row}\n{row}\n{row}\n")).is_err(), "more poses than stamps");
         assert!(read("0 9 0 1 1 0 0 2 0 0 1 3\n").unwrap_err().to_string().contains("the pose's matrix"));
-    }
-
-    #[test]
-    fn a_line_is_the_matrix_row_by_row() {
-        let dir = tempfile::tempdir().unwrap();
-        let path = dir.path().join("t.kitti");
-        let quarter = Isometry3::new(Vector3::new(1.0, 2.0, 3.0), Vector3::z() * std::f64::consts::FRAC_PI_2);
-        write_kitti(&path, [&quarter, &Isometry3::identity()]).unwrap();
-        let text = std::fs::read_to_string(&path).unwrap();
-        let line: Vec<f64> = text.lines().next().unwrap().split(' ').map(|n| n.parse().unwrap()).collect();
-        for (got, expected) in line.iter().zip([0.0, -1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 2.0, 0.0, 0.0, 1.0, 3.0])
-        {
-            assert!((got - expected).abs() < 1e-15, "{text}");
-        }
-        assert_eq!(text.lines().nth(1), Some("1.0 0.0 0.0 0.0 0.0 1.0 0.0 0.0 0.0 0.0 1.0 0.0"));
     }
 }

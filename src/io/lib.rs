@@ -85,7 +85,6 @@ pub use image_file::parse_image;
 pub use images::{Coverage, ImageFolder, ImageRun, Prefetch, StampedImage};
 pub use imu_csv::{ImuLog, parse_imu_csv, read_imu_csv};
 pub use imu_lines::ImuLines;
-pub use kitti::write_kitti;
 pub use leftovers::scratch_file;
 pub use lock::{FolderLock, LockError};
 pub use loose_csv::{LooseImuLog, Unreadable, parse_imu_csv_loosely, parse_one_sensor_loosely, settle_units};

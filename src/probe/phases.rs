@@ -17,6 +17,8 @@ const FORCE: f64 = 0.3;
 /// Shaking below these is rest with any sensor \[m/s^2, rad/s\]; above [`MOST`] it is rest with none.
 const LEAST: [f64; 2] = [0.1, 0.01];
 const MOST: [f64; 2] = [0.25, 0.04];
+/// Of its samples' own length a second of them may last so much, holes included.
+const HOLE: f64 = 10.0;
 /// Shortest stretch \[s\].
 const SHORTEST: usize = 2;
 
@@ -87,19 +89,20 @@ struct Second {
     force: [f64; 3],
 }
 
-/// The phases of a log, without a hole from its first sample to its last.
+/// The phases of a log from its first sample to its last, without a hole but where the log has one of many seconds.
 ///
 /// # Errors
 /// As [`Samples::piece`](dpn_core::Samples::piece).
 pub fn phases(recording: &dyn Recorded) -> io::Result<Vec<Stretch>> {
     let [start, end] = recording.span();
     let block = (recording.rate().hz().round() as usize).clamp(8, recording.len().max(8));
+    let longest_s = HOLE * block as f64 * recording.rate().period();
     let mut seconds: Vec<Second> = Vec::new();
     recording.pieces(0..recording.len(), block, &mut |chunk| {
         let from_s = chunk[0].t.seconds_since(start);
-        // Each lasts to the one behind it, be that a second or what is left over.
+        // Each lasts to the one behind it, be that a second or what is left over; a hole is no phase.
         if let Some(before) = seconds.last_mut().filter(|s| s.to_s.is_nan()) {
-            before.to_s = from_s;
+            before.to_s = from_s.min(before.from_s + longest_s);
         }
         if chunk.len() >= 8 || recording.len() < 8 {
             seconds.push(second(chunk, from_s));
@@ -107,7 +110,7 @@ pub fn phases(recording: &dyn Recorded) -> io::Result<Vec<Stretch>> {
         Ok(())
     })?;
     match seconds.last_mut() {
-        Some(last) if last.to_s.is_nan() => last.to_s = end.seconds_since(start),
+        Some(last) if last.to_s.is_nan() => last.to_s = end.seconds_since(start).min(last.from_s + longest_s),
         Some(_) => {}
         None => return Ok(Vec::new()),
     }
@@ -135,12 +138,12 @@ pub fn phases(recording: &dyn Recorded) -> io::Result<Vec<Stretch>> {
     let mut stretches: Vec<Stretch> = Vec::new();
     for (kind, s) in kinds.into_iter().zip(&seconds) {
         match stretches.last_mut() {
-            Some(last) if last.phase == kind => last.to_s = s.to_s,
+            Some(last) if last.phase == kind && last.to_s == s.from_s => last.to_s = s.to_s,
             _ => stretches.push(Stretch { phase: kind, from_s: s.from_s, to_s: s.to_s }),
         }
     }
     if let Some(last) = stretches.last_mut() {
-        last.to_s = recording.length_s();
+        last.to_s = recording.length_s().min(last.to_s + longest_s);
     }
     Ok(stretches)
 }
@@ -204,6 +207,17 @@ mod tests {
     use super::*;
     use crate::doctor::values::tests::level;
     use dpn_core::ImuRecording;
+
+    #[test]
+    fn a_hole_of_years_is_no_rest() {
+        let mut samples = level(60);
+        for s in &mut samples[7000..] {
+            s.t = s.t.plus_seconds(1e8);
+        }
+        let found = phases(&ImuRecording::new(samples).unwrap()).unwrap();
+        let rest: f64 = found.iter().map(Stretch::length_s).sum();
+        assert!(found.len() == 2 && (60.0..75.0).contains(&rest), "{found:?}");
+    }
 
     #[test]
     fn rest_motors_and_flight_are_told_apart_and_a_knock_is_no_phase() {

@@ -239,38 +239,30 @@ fn a_calibration_is_taken_and_said_and_one_without_extrinsics_refused() {
 }
 
 #[test]
-fn trajectories_for_evo_have_the_truth_line_by_line_and_relative_errors_their_names() {
+fn a_run_is_judged_by_ape_and_rpe_which_flags_that_are_gone_name() {
     let tmp = tempfile::tempdir().unwrap();
     let (out, log) = (tmp.path().join("out"), tmp.path().join("run.mcap"));
-    let more = ["--from", "50", "--to", "58", "--noise", "x4", "--kitti", "--json"];
-    let more = [&more[..], &["--rpe", "1m:all_pairs,1s", "--rpe", "1000m", "--mcap", log.to_str().unwrap()]]
-        .concat();
-    let said = odometry(Path::new("room-medium"), &out, &more).well().json();
-    let rows = |name: &str| -> Vec<Vec<f64>> {
-        let text = std::fs::read_to_string(out.join(name)).unwrap();
-        text.lines().map(|line| line.split(' ').map(|n| n.parse().unwrap()).collect()).collect()
-    };
-    let (truth, estimate) = (rows("truth.kitti"), rows("trajectory.kitti"));
-    assert_eq!(truth.len(), estimate.len());
-    assert_eq!(estimate.len(), read_tum(&out.join("trajectory.tum")).unwrap().len());
-    assert!(truth.iter().chain(&estimate).all(|row| row.len() == 12));
-    let step = |rows: &[Vec<f64>]| {
-        (0..3).map(|k| (rows[1][4 * k + 3] - rows[0][4 * k + 3]).powi(2)).sum::<f64>().sqrt()
-    };
-    assert!((step(&truth) - step(&estimate)).abs() < 0.05, "the same way at the same instants");
-    for name in ["1m:all_pairs", "1s"] {
-        let rmse = said["rpe"][name]["translation_m"]["rmse"].as_f64().unwrap();
-        assert!(rmse > 0.0 && rmse < 0.5, "{said}");
-    }
-    assert!(said["rpe"]["1000m"].is_null(), "{said}");
+    let more = ["--from", "50", "--to", "58", "--noise", "x4", "--set", "covariance=true", "--draw"];
+    let album = tmp.path().join("album");
+    let more = [&more[..], &[album.to_str().unwrap(), "--mcap", log.to_str().unwrap()]].concat();
+    odometry(Path::new("room-medium"), &out, &more).well();
     // The log begins and ends as MCAP does.
-    let bytes = std::fs::read(log).unwrap();
+    let bytes = std::fs::read(&log).unwrap();
     assert!(bytes.starts_with(b"\x89MCAP0\r\n") && bytes.ends_with(b"\x89MCAP0\r\n"));
-    let refused = odometry(Path::new("room-medium"), &out, &["--rpe", "1m:each"]);
-    assert_eq!(refused.code, Some(2), "{refused:?}");
-    assert!(refused.stderr.contains("`each` is not known"), "{refused:?}");
-    let refused = odometry(Path::new("room-medium"), &out, &["--view"]);
-    assert!(refused.code == Some(2) && refused.stderr.contains("--mcap FILE keeps the run"), "{refused:?}");
+    let timeline = std::fs::read_to_string(album.join("timeline.svg")).unwrap();
+    for words in ["yaw [deg]", "truth", "Bands: three deviations"] {
+        assert!(timeline.contains(words), "{words}");
+    }
+    // A run held against itself from the log: the deviations beside it become bands.
+    let truth = tmp.path().join("truth.tum");
+    std::fs::copy(out.join("trajectory.tum"), &truth).unwrap();
+    let plot = tmp.path().join("errors.svg");
+    end(dpn().args(["ape"]).args([&truth, &out]).arg("--save_plot").arg(&plot)).well();
+    assert!(std::fs::read_to_string(&plot).unwrap().contains("Bands: three deviations"));
+    for (flag, instead) in [("--rpe", "dpn rpe"), ("--kitti", "dpn ape")] {
+        let refused = odometry(Path::new("room-medium"), &out, &[flag]);
+        assert!(refused.code == Some(2) && refused.stderr.contains(instead), "{refused:?}");
+    }
 }
 
 /// Neither quick flight nor a ground truth that disagrees with the IMU is a jump; those that are there are found in `vio/tests/bias_jump.rs`.

@@ -196,7 +196,7 @@ fn what_is_no_log_is_named_with_what_makes_one_of_it() {
         (
             "flight.bbl",
             &b"H Product:Blackbox flight data recorder by Nicholas Sherlock\n"[..],
-            "a Betaflight blackbox log",
+            "flight.bbl: log 1: ",
             "blackbox_decode",
         ),
         ("clip.mp4", b"\0\0\0\x18ftypmp42\0\0\0\0mp42isom", "a video", "ffmpeg -i "),

@@ -16,6 +16,7 @@ use crate::finding::Finding;
 use crate::log_noise::EffectiveNoise;
 use crate::phases::phases;
 use crate::rest_noise::RestNoise;
+use dpn_core::estimate::MOTION_HZ;
 use dpn_core::noise::{Figure, Interval};
 use dpn_core::signal::stats::{Ddof, deviation, mean};
 use dpn_core::{Recorded, Sensor};
@@ -62,19 +63,18 @@ impl Side {
     /// As [`Samples::piece`](dpn_core::Samples::piece).
     pub fn of(recording: &dyn Recorded, examination: Examination) -> io::Result<Self> {
         let stretches = phases(recording)?;
-        let at_rest = RestNoise::of(recording, &stretches)?;
-        let effective = EffectiveNoise::of(recording, &stretches, at_rest.as_ref())?;
-        let bias = match &at_rest {
+        let effective = EffectiveNoise::of(recording, &stretches, examination.rest.as_ref())?;
+        let bias = match &examination.rest {
             Some(_) => bias(recording)?,
             None => None,
         };
-        let Examination { samples, length_s, rate_hz, figures, findings, spectra } = examination;
+        let Examination { samples, length_s, rate_hz, figures, findings, spectra, rest } = examination;
         Ok(Self {
             rate_hz,
             length_s,
             figures,
             lost: figures.lost / (samples as f64 + figures.lost).max(1.0),
-            rest: at_rest,
+            rest,
             effective,
             bias,
             steps: steps_of(recording)?,
@@ -287,8 +287,28 @@ fn bands([a, b]: [&Side; 2], one_unit: bool) -> Vec<BandChange> {
     all
 }
 
+/// By how much the second log's spectra of a sensor are above the first's where no motion is, by the root of the powers; none where the log is too short or slow.
+fn above_motion([a, b]: [&Side; 2], sensor: Sensor) -> Option<f64> {
+    let power = |side: &Side| {
+        let of = side.spectra.iter().filter(|axis| axis.sensor == sensor);
+        of.map(|axis| axis.spectrum.band_power(MOTION_HZ, 0.5 * side.rate_hz)).sum::<f64>()
+    };
+    let ratio = (power(b) / power(a)).sqrt();
+    (ratio.is_finite() && ratio > 0.0 && alike(a.rate_hz, b.rate_hz)).then_some(ratio)
+}
+
 fn remarks([a, b]: [&Side; 2], one_unit: bool, levels: &[Level]) -> Vec<String> {
     let mut all = Vec::new();
+    for level in levels.iter().filter(|level| level.when != "at rest") {
+        let Some(spectrum) = above_motion([a, b], level.sensor) else { continue };
+        let Interval { low, high, .. } = level.ratio;
+        if (high < 1.0 && spectrum > ALIKE) || (low > 1.0 && spectrum < ALIKE.recip()) {
+            all.push(format!(
+                "the {}'s spectrum above {MOTION_HZ:.0} Hz is {spectrum:.2} times A's, its noise over .1 s {:.2} times: what shakes in lines averages out over .1 s and hides what is white; neither is the sensor's own noise, which 10 s at rest in both would tell",
+                level.sensor, level.ratio.value
+            ));
+        }
+    }
     let (g, h) = (a.figures.gravity, b.figures.gravity);
     if !one_unit {
         all.push(format!(

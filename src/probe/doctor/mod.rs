@@ -51,6 +51,9 @@ pub struct Examination {
     /// Spectra of the six axes, for the plot; none where the log is too short.
     #[serde(skip)]
     pub spectra: Vec<AxisSpectrum>,
+    /// Noise in the longest rest.
+    #[serde(skip)]
+    pub rest: Option<RestNoise>,
 }
 
 /// A log in a few numbers.
@@ -147,5 +150,6 @@ pub(crate) fn examine(recording: &dyn Recorded) -> io::Result<Examination> {
         figures,
         findings,
         spectra,
+        rest: at_rest,
     })
 }

@@ -4,7 +4,6 @@ use super::EffectiveNoise;
 use crate::doctor::Examination;
 use crate::paste::FigureLine;
 use crate::phases::phases;
-use crate::rest_noise::RestNoise;
 use crate::text::{aligned, three};
 use dpn_core::noise::Figure;
 use dpn_core::{Recorded, Sensor};
@@ -36,8 +35,7 @@ impl NoiseOfLog {
     /// As [`Samples::piece`](dpn_core::Samples::piece).
     pub fn of(recording: &dyn Recorded, examination: &Examination) -> io::Result<Self> {
         let stretches = phases(recording)?;
-        let rest = RestNoise::of(recording, &stretches)?;
-        let effective = EffectiveNoise::of(recording, &stretches, rest.as_ref())?;
+        let effective = EffectiveNoise::of(recording, &stretches, examination.rest.as_ref())?;
         Ok(Self {
             rate_hz: examination.rate_hz,
             length_s: examination.length_s,
