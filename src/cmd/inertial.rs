@@ -133,10 +133,10 @@ pub(super) fn eval(args: &EvalArgs, path: &Path) -> Result<()> {
         .collect();
     let all = json!({ "data": config.name, "affine": affine, "sequences": rows });
     let out = &args.out.clone().unwrap_or_else(|| format!("runs/inertial-{}", config.name).into());
-    let text = serde_json::to_string_pretty(&all)? + "\n";
+    let text = format!("{all}\n");
     atomic_write(out.join("inertial.json"), |file| file.write_all(text.as_bytes()))?;
     if args.json {
-        return Ok(outln!("{all}")?);
+        return Ok(out!("{text}")?);
     }
     out!("{}", calibration(&affine))?;
     out!("{}\n", table(&rows).console())?;
