@@ -297,7 +297,7 @@ fn over_time(place: Rect, time: &Axis, label: String, lines: &[LineOverTime], la
     // Room for bands, but no band makes a line flat.
     let widest = lines.iter().flat_map(|line| &line.band).map(|(_, a, b)| 0.5 * (b - a)).fold(0.0, f64::max);
     let pad = (0.06 * (high - low)).max(widest.min(0.5 * (high - low)));
-    let y = Axis::linear(String::new(), low - pad, high + pad, 3);
+    let y = Axis::linear(String::new(), low - pad, high + pad, 4);
     let mut layers = vec![Layer::Grid];
     layers.extend(lines.iter().flat_map(|line| band(&y, line.colour, &line.band)));
     for line in lines {

@@ -85,7 +85,6 @@ fn all<'a>(
 
 #[cfg(test)]
 mod tests {
-    use super::*;
 
     #[test]
     fn stamps_stand_before_the_poses_or_beside_the_file() {
