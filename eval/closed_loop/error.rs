@@ -271,16 +271,7 @@ pub enum ClosedLoopError {
 impl ClosedLoopError {
     /// What is wrong and what it comes from, in one line.
     pub fn in_full(&self) -> String {
-        let mut text = self.to_string();
-        let mut cause = std::error::Error::source(self);
-        while let Some(inner) = cause {
-            let more = inner.to_string();
-            if !text.contains(&more) {
-                text = format!("{text}: {more}");
-            }
-            cause = inner.source();
-        }
-        text
+        dpn_io::in_full(self)
     }
 
     /// What to do about it, where the message does not say it.

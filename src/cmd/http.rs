@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 /// The longest header \[bytes\].
 const HEADER: usize = 8 << 10;
 /// Fields of a header.
-const FIELDS: usize = 64;
+pub(super) const FIELDS: usize = 64;
 /// How long a header may take to come, and a piece of an answer to be taken.
 const PATIENCE: Duration = Duration::from_secs(5);
 /// Connections that have not asked yet.
@@ -114,28 +114,47 @@ fn one<'a>(
 ) -> io::Result<()> {
     let header = header(&mut stream)?;
     let mut fields = [httparse::EMPTY_HEADER; FIELDS];
-    let mut request = httparse::Request::new(&mut fields);
-    let whole = request.parse(&header).is_ok_and(|status| status.is_complete());
-    let (Some(method), Some(path), true) = (request.method, request.path, whole) else {
-        return Answer::empty("400 Bad Request").write(&mut stream);
+    let asked = match asked(&header, &mut fields) {
+        Ok(asked) => asked,
+        Err(status) => return Answer::empty(status).write(&mut stream),
     };
-    let field = |name: &str| {
-        let found = request.headers.iter().find(|field| field.name.eq_ignore_ascii_case(name))?;
-        std::str::from_utf8(found.value).ok()
-    };
-    if method != "GET" {
-        return Answer::empty("405 Method Not Allowed").write(&mut stream);
-    }
-    if field("Transfer-Encoding").is_some() || field("Content-Length").is_some_and(|length| length != "0") {
-        return Answer::empty("413 Content Too Large").write(&mut stream);
-    }
-    let asked = Asked { path, host: field("Host"), range: field("Range") };
     waiting.leave(place);
     let many = answering.fetch_add(1, Ordering::Relaxed) >= ANSWERING;
     let answer = if many { Answer::empty("503 Service Unavailable") } else { answer(&asked) };
     let written = answer.write(&mut stream);
     answering.fetch_sub(1, Ordering::Relaxed);
     written
+}
+
+/// What a header asks for, or the status that it is refused with.
+pub(super) fn asked<'a>(
+    header: &'a [u8],
+    fields: &'a mut [httparse::Header<'a>],
+) -> Result<Asked<'a>, &'static str> {
+    let mut request = httparse::Request::new(fields);
+    let whole = request.parse(header).is_ok_and(|status| status.is_complete());
+    let (Some(method), Some(path), true) = (request.method, request.path, whole) else {
+        return Err("400 Bad Request");
+    };
+    let fields = request.headers;
+    let field = |name: &str| {
+        let found = fields.iter().find(|field| field.name.eq_ignore_ascii_case(name))?;
+        std::str::from_utf8(found.value).ok()
+    };
+    if method != "GET" {
+        return Err("405 Method Not Allowed");
+    }
+    if field("Transfer-Encoding").is_some() || field("Content-Length").is_some_and(|length| length != "0") {
+        return Err("413 Content Too Large");
+    }
+    Ok(Asked { path, host: field("Host"), range: field("Range") })
+}
+
+/// First and last byte of `bytes=FIRST-LAST`, within a file of so many.
+pub(super) fn range(text: &str, bytes: u64) -> Option<(u64, u64)> {
+    let (from, to) = text.strip_prefix("bytes=")?.split_once('-')?;
+    let (from, to) = (from.parse().ok()?, to.parse::<u64>().ok()?.min(bytes.checked_sub(1)?));
+    (from <= to).then_some((from, to))
 }
 
 /// The bytes up to a header's end, and what came with them.
@@ -266,6 +285,16 @@ mod tests {
         }
         is_heard(address);
         drop((silent, half, deaf));
+    }
+
+    #[test]
+    fn a_range_is_held_to_the_file_and_nonsense_is_none() {
+        assert_eq!(range("bytes=0-99", 1000), Some((0, 99)));
+        assert_eq!(range("bytes=990-2000", 1000), Some((990, 999)));
+        for text in ["bytes=1000-1001", "bytes=5-4", "bytes=-5", "bytes=5-", "0-5", "bytes=0-1,3-4", ""] {
+            assert_eq!(range(text, 1000), None, "{text}");
+        }
+        assert_eq!(range("bytes=0-0", 0), None);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 //! Two things are served, the page and the log, below a path that nobody can guess, and only to who asks for 127.0.0.1 by name. A log that the page
 //! cannot read by itself (a folder, a database, a pipe, one with flags) is read here and served as its samples, with all their digits.
 
-use super::http::{Answer, Asked, serve};
+use super::http::{Answer, Asked, range, serve};
 use super::log;
 use crate::args::PageArgs;
 use crate::ui::{Fault, outln};
@@ -100,13 +100,6 @@ impl Read for Part<'_> {
     }
 }
 
-/// First and last byte of `bytes=FIRST-LAST`, within a file of so many.
-fn range(text: &str, bytes: u64) -> Option<(u64, u64)> {
-    let (from, to) = text.strip_prefix("bytes=")?.split_once('-')?;
-    let (from, to) = (from.parse().ok()?, to.parse::<u64>().ok()?.min(bytes.checked_sub(1)?));
-    (from <= to).then_some((from, to))
-}
-
 /// 128 bits that nobody can guess: the standard library's keys, which are the system's.
 fn token() -> String {
     (0..2).map(|_| format!("{:016x}", RandomState::new().build_hasher().finish())).collect()
@@ -152,13 +145,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_range_is_held_to_the_file_and_nonsense_is_none() {
-        assert_eq!(range("bytes=0-99", 1000), Some((0, 99)));
-        assert_eq!(range("bytes=990-2000", 1000), Some((990, 999)));
-        for text in ["bytes=1000-1001", "bytes=5-4", "bytes=-5", "bytes=5-", "0-5", "bytes=0-1,3-4", ""] {
-            assert_eq!(range(text, 1000), None, "{text}");
-        }
-        assert_eq!(range("bytes=0-0", 0), None);
+    fn an_address_has_plain_characters_and_a_token_that_nobody_can_guess() {
         assert_eq!(escaped("a b/ä.bag"), "a%20b%2F%C3%A4.bag");
         assert!(token().len() == 32 && token() != token());
     }

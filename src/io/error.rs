@@ -160,6 +160,20 @@ fn at(path: &Path, line: Option<usize>) -> String {
     }
 }
 
+/// What is wrong and what it comes from, in one line.
+pub fn in_full(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(inner) = cause {
+        let more = inner.to_string();
+        if !text.contains(&more) {
+            text = format!("{text}: {more}");
+        }
+        cause = inner.source();
+    }
+    text
+}
+
 impl IoError {
     /// What is wrong with line `line` of `path`.
     pub(crate) fn row(path: &Path, line: usize, fault: RowFault) -> Self {

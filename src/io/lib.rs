@@ -75,7 +75,7 @@ pub use beneath::Kind;
 pub use choice::ColumnChoice;
 pub use columns::{AccelUnit, GyroUnit, ImuColumns, axis_columns};
 pub use decimal::TimeUnit;
-pub use error::IoError;
+pub use error::{IoError, in_full};
 #[cfg(feature = "images")]
 pub use grey::{ByteOrder, PixelLayout};
 pub use head::{has_stamps, names_all, only_sensor};

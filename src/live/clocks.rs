@@ -59,8 +59,14 @@ struct Clock {
     step_s: f64,
     /// The other's last stamp then.
     other: Option<Stamp>,
+    /// The newest that is held back, as it was stamped, and the other's last stamp then.
+    newest: Option<(Stamp, Stamp)>,
+    /// How far the other's stamps go on between two of its own, as a rule.
+    usual_s: f64,
     /// What is taken off its stamps \[ns\].
     shift_ns: i64,
+    /// How many were passed over since that stamp.
+    dropped: usize,
     /// How many are held back, and what the other let through since.
     held: usize,
     since: usize,
@@ -72,6 +78,8 @@ struct Clock {
 #[derive(Debug)]
 pub struct LiveClocks<E> {
     clocks: [Clock; 2],
+    /// How far an image's stamp is ahead of the newest sample's when it comes \[ns\].
+    apart_ns: i64,
     held: Vec<Held<E>>,
     /// From when on \[common time\] so many nanoseconds were taken off the IMU's stamps.
     set: Vec<(Stamp, i64)>,
@@ -85,6 +93,7 @@ impl<E> Default for LiveClocks<E> {
     fn default() -> Self {
         Self {
             clocks: Default::default(),
+            apart_ns: 0,
             held: Vec::new(),
             set: Vec::new(),
             words: VecDeque::new(),
@@ -109,7 +118,10 @@ impl<E> LiveClocks<E> {
             self.drop_held(sensor);
         }
         self.held.push(Held { sensor, raw, message });
-        self.clocks[sensor as usize].held += 1;
+        let other = self.clocks[sensor.other() as usize].last;
+        let clock = &mut self.clocks[sensor as usize];
+        clock.held += 1;
+        clock.newest = other.map(|other| (raw, other));
         if self.clocks[sensor as usize].last.is_none() {
             // The first stamp may be the wrong one: two that agree begin.
             return if agree == Some(true) { self.release(Some(sensor)) } else { Vec::new() };
@@ -120,6 +132,9 @@ impl<E> LiveClocks<E> {
         }
         if self.waits_alone(sensor) {
             self.keep_on(&[sensor]);
+            // What is held back of the other one was held against another time.
+            let other = &mut self.clocks[sensor.other() as usize];
+            (other.newest, other.since) = (None, 0);
             return self.release(Some(sensor));
         }
         Vec::new()
@@ -188,7 +203,8 @@ impl<E> LiveClocks<E> {
             return ready;
         }
         let clock = &self.clocks[other as usize];
-        if clock.held < ENOUGH[0] || clock.since < ENOUGH[1] {
+        let is_told = clock.other.is_none() || clock.newest.is_some();
+        if clock.held < ENOUGH[0] || clock.since < ENOUGH[1] || !is_told {
             return ready;
         }
         if clock.other.is_none() {
@@ -211,12 +227,30 @@ impl<E> LiveClocks<E> {
         ready
     }
 
-    /// How far `first` is from where its sensor's next message would have been \[ns\].
+    /// How far `first` is from where its sensor's next message would have been \[ns\]: a step after its last one and those that were passed over since. Where
+    /// the other sensor's stamps went on farther meanwhile than as a rule, they tell: what came last of both came together, as before.
     fn jump_ns(&self, sensor: LiveSensor, first: Stamp) -> i64 {
-        let clock = &self.clocks[sensor as usize];
-        let step = (clock.step_s * 1e9).round() as i64;
-        let last = clock.last.map_or(0, Stamp::ns);
-        self.common(sensor, first).ns().saturating_sub(last).saturating_sub(step)
+        let [clock, other] = [sensor, sensor.other()].map(|sensor| &self.clocks[sensor as usize]);
+        let steps_s = clock.step_s * (1 + clock.dropped) as f64;
+        let of_steps = || {
+            let after = (steps_s * 1e9).round() as i64;
+            self.common(sensor, first)
+                .ns()
+                .saturating_sub(clock.last.map_or(0, Stamp::ns))
+                .saturating_sub(after)
+        };
+        let (Some((newest, now)), Some(before)) = (clock.newest, clock.other) else { return of_steps() };
+        // Since the first was held back both went on.
+        let held_s = newest.seconds_since(first);
+        let passed_s = now.seconds_since(before) - held_s;
+        if passed_s <= clock.usual_s + steps_s - 0.25 * clock.step_s {
+            return of_steps();
+        }
+        let (now, apart) = match sensor {
+            LiveSensor::Imu => (other.last.unwrap_or(now), -self.apart_ns),
+            LiveSensor::Camera => (now, self.apart_ns),
+        };
+        self.common(sensor, newest).ns().saturating_sub(now.ns().saturating_add(apart))
     }
 
     fn shift(&mut self, sensor: LiveSensor, by_ns: i64) {
@@ -242,8 +276,11 @@ impl<E> LiveClocks<E> {
         self.words.push_back(format!("the {names}'s clock was set {by_s:.3} s back at {raw}; poses go on"));
     }
 
-    /// Whether both sensors' stamps jumped, and as far.
+    /// Whether both sensors' stamps jumped, and as far; a few samples say so, one may be late.
     fn both_jumped(&self) -> bool {
+        if self.clocks[LiveSensor::Imu as usize].held < ENOUGH[0] {
+            return false;
+        }
         let off = |sensor| {
             let first = self.held.iter().find(|held| held.sensor == sensor)?;
             self.off_s(sensor, self.common(sensor, first.raw))
@@ -277,15 +314,22 @@ impl<E> LiveClocks<E> {
     }
 
     fn passed(&mut self, sensor: LiveSensor, t: Stamp) {
-        let other = self.clocks[sensor.other() as usize].last;
+        let Clock { last: other, held: others_held, .. } = self.clocks[sensor.other() as usize];
         let clock = &mut self.clocks[sensor as usize];
         let step = clock.last.map_or(0.0, |last| t.seconds_since(last));
-        if step > 0.0 && step <= OFF_S {
+        let goes_on = step > 0.0 && step <= OFF_S;
+        if goes_on {
             clock.step_s = step;
+        }
+        if let (Some(before), Some(now), true) = (clock.other, other, goes_on) {
+            clock.usual_s = (0.998 * clock.usual_s).max(now.seconds_since(before).min(OFF_S));
+            if sensor == LiveSensor::Camera && now > before && others_held == 0 {
+                self.apart_ns = t.ns() - now.ns();
+            }
         }
         // One that is late by itself leaves the clock where it is.
         if clock.last.is_none_or(|last| t > last || last.seconds_since(t) > OFF_S) {
-            (clock.last, clock.other) = (Some(t), other);
+            (clock.last, clock.other, clock.dropped) = (Some(t), other, 0);
         }
     }
 
@@ -294,6 +338,7 @@ impl<E> LiveClocks<E> {
         let clock = &mut self.clocks[sensor as usize];
         let count = std::mem::take(&mut clock.held);
         clock.since = 0;
+        clock.dropped += count;
         if count == 0 {
             return;
         }

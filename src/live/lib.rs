@@ -3,6 +3,7 @@
 //! * [`Odometry`]: what other programs hold; made from an [`OdometryConfig`], a TOML text. Stamps are as the sensors have them.
 //! * [`LiveRun`]: an estimator and what tells it the noise, on one clock.
 //! * [`LiveClocks`]: two sensors' stamps held against each other before.
+//! * [`Watched`]: both together, and words on whatever keeps poses from coming.
 //!
 //! Poses have the bits of a run over the recording of the same samples and images.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
@@ -17,6 +18,7 @@ mod odometry;
 mod odometry_tests;
 mod run;
 mod setup;
+mod watched;
 
 pub use clocks::{LiveClocks, LiveSensor};
 pub use config::OdometryConfig;
@@ -25,6 +27,7 @@ pub use gravity::gravity_warning;
 pub use odometry::{NoiseInForce, Odometry};
 pub use run::LiveRun;
 pub use setup::{Fed, pass_over_spikes, settings_for};
+pub use watched::{Listener, Seen, Totals, Watched};
 
 /// The README's code is a test.
 #[cfg(doctest)]

@@ -10,6 +10,7 @@ use dpn_core::{GrayImage, ImuSample, Stamp};
 use dpn_io::ImageFolder;
 use dpn_io::asl::Sequence;
 use dpn_testing::forged::Draw;
+use dpn_testing::{Disturbed, SensorFaults};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -39,50 +40,6 @@ pub(crate) struct Recorded {
     messages: Vec<Message>,
 }
 
-/// What is done to a stream.
-#[derive(Debug)]
-struct Plan {
-    lost: f64,
-    twice: f64,
-    late: f64,
-    jumps: f64,
-    /// A sensor's clock is set: which, when, by how many seconds.
-    set: Option<(bool, f64, f64)>,
-    /// A sensor stops: which, from when to when.
-    stops: Option<(bool, [f64; 2])>,
-    /// Black images from when to when.
-    dark: Option<[f64; 2]>,
-    /// The process is stopped for a while after so many seconds of the stream.
-    paused: Option<f64>,
-}
-
-impl Plan {
-    fn draw(draw: &mut Draw) -> Self {
-        let mut often = |most: f64| if draw.share() < 0.5 { most * draw.share() } else { 0.0 };
-        let [lost, twice, late, jumps] = [often(0.05), often(0.05), often(0.05), often(0.01)];
-        let mut span = |most: f64| {
-            let from = 2.0 + draw.share() * (GOOD_S - 3.0);
-            [from, (from + most * draw.share()).min(GOOD_S)]
-        };
-        let [set, stops, dark] = [span(0.0), span(4.0), span(4.0)];
-        let mut chance = |share: f64| draw.share() < share;
-        let [is_set, is_stopped, is_dark, is_paused] = [chance(0.3), chance(0.3), chance(0.3), chance(0.2)];
-        let [first, second] = [chance(0.5), chance(0.5)];
-        let by = 2.0 + 5000.0 * draw.share();
-        let by = if draw.share() < 0.5 { by } else { -by };
-        Self {
-            lost,
-            twice,
-            late,
-            jumps,
-            set: is_set.then_some((first, set[0], by)),
-            stops: is_stopped.then_some((second, stops)),
-            dark: is_dark.then_some(dark),
-            paused: is_paused.then(|| draw.share() * LENGTH_S),
-        }
-    }
-}
-
 impl Recorded {
     pub(crate) fn of(dir: &Path) -> Self {
         let sequence = Sequence::open(dir).unwrap();
@@ -105,52 +62,38 @@ impl Recorded {
         Self { calibration: dir.join("mav0/cam0/sensor.yaml"), messages }
     }
 
-    /// The stream as `plan` leaves it, in pieces of half a second.
-    fn played(&self, plan: &Plan, draw: &mut Draw) -> Vec<Vec<u8>> {
+    /// The stream as `faults` leave it, in pieces of half a second.
+    fn played(&self, faults: &SensorFaults, draw: &mut Draw) -> Vec<Vec<u8>> {
         let mut pieces = vec![begin()];
-        let mut held: Vec<(f64, Vec<u8>)> = Vec::new();
-        for Message { t, at, of } in &self.messages {
-            let (at, is_image) = (*at, matches!(of, Of::Image(_)));
-            let disturbed = at < GOOD_S;
-            let stopped =
-                plan.stops.is_some_and(|(images, [from, to])| images == is_image && (from..to).contains(&at));
-            if stopped || (disturbed && draw.share() < plan.lost) {
-                continue;
-            }
-            let set = plan
-                .set
-                .filter(|(images, from, _)| *images == is_image && at >= *from)
-                .map_or(0.0, |(.., by)| by);
-            let jump = if disturbed && draw.share() < plan.jumps { 1e4 * (draw.share() - 0.5) } else { 0.0 };
-            let t = t.plus_seconds(set + jump);
+        let recorded = self.messages.iter().map(|message| (message.at, matches!(message.of, Of::Image(_))));
+        for Disturbed { comes_s, place, by_s, dark, wild } in faults.played(recorded, draw) {
+            let Message { t, of, .. } = &self.messages[place];
+            let t = t.plus_seconds(by_s);
             let bytes = match of {
-                Of::Sample(sample) => sample_on(1, &ImuSample { t, ..*sample }),
-                Of::Image(shown) => {
-                    let dark = plan.dark.is_some_and(|[from, to]| (from..to).contains(&at));
-                    let black = || GrayImage::from_fn(shown.width(), shown.height(), |_, _| 0).unwrap();
-                    if dark { image(t, &black()) } else { image(t, shown) }
+                Of::Sample(sample) => {
+                    let gyro = wild.map_or(sample.gyro, |value| [value; 3]);
+                    sample_on(1, &ImuSample { t, gyro, ..*sample })
                 }
+                Of::Image(shown) if dark => {
+                    image(t, &GrayImage::from_fn(shown.width(), shown.height(), |_, _| 0).unwrap())
+                }
+                Of::Image(shown) => image(t, shown),
             };
-            let many = if disturbed && draw.share() < plan.twice { 2 } else { 1 };
-            let later = if disturbed && draw.share() < plan.late { 0.2 * draw.share() } else { 0.0 };
-            held.extend((0..many).map(|_| (at + later, bytes.clone())));
-            held.sort_by(|a, b| a.0.total_cmp(&b.0));
-            while held.first().is_some_and(|(due, _)| *due <= at) {
-                let piece = 1 + (2.0 * at) as usize;
-                pieces.resize_with(pieces.len().max(piece + 1), Vec::new);
-                pieces[piece].extend(held.remove(0).1);
-            }
+            let piece = 1 + (2.0 * comes_s) as usize;
+            pieces.resize_with(pieces.len().max(piece + 1), Vec::new);
+            pieces[piece].extend(bytes);
         }
-        pieces.push(held.into_iter().flat_map(|(_, bytes)| bytes).collect());
         pieces
     }
 
     /// Plays one plan and looks at what comes of it.
     pub(crate) fn survives(&self, number: usize, seed: u64) {
         let mut draw = Draw::new(seed, &format!("live {number}"));
-        let plan = Plan::draw(&mut draw);
-        let pieces = self.played(&plan, &mut draw);
-        let named = format!("plan {number} of seed {seed}: {plan:?}");
+        let faults = SensorFaults::draw(&mut draw, GOOD_S);
+        // The process is stopped for a while after so many seconds of the stream.
+        let paused = (draw.share() < 0.2).then(|| draw.share() * LENGTH_S);
+        let pieces = self.played(&faults, &mut draw);
+        let named = format!("plan {number} of seed {seed}: {faults:?}, paused {paused:?}");
         let mut child = Command::new(env!("CARGO_BIN_EXE_dpn"))
             .args(["run", "-", "--noise", "x1", "--calib"])
             .arg(&self.calibration)
@@ -159,7 +102,7 @@ impl Recorded {
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        let (mut stdin, id, paused) = (child.stdin.take().unwrap(), child.id().to_string(), plan.paused);
+        let (mut stdin, id) = (child.stdin.take().unwrap(), child.id().to_string());
         let feeder = std::thread::spawn(move || {
             for (place, piece) in pieces.into_iter().enumerate() {
                 if paused.is_some_and(|at| (2.0 * at) as usize == place) {
@@ -185,21 +128,21 @@ impl Recorded {
         let (out, said) = (String::from_utf8(done.stdout).unwrap(), String::from_utf8(done.stderr).unwrap());
         assert!(!said.contains("panicked"), "{named}: {said}");
         assert_eq!(done.status.code(), Some(0), "{named}: {said}");
-        self.poses_are_good(&plan, &out, &format!("{named}: {said}"));
-        if let Some((images, [from, to])) = plan.stops
+        self.poses_are_good(&faults, &out, &format!("{named}: {said}"));
+        if let Some((images, [from, to])) = faults.stops
             && to - from > 2.2
         {
             let words = format!("nothing from the {} since ", if images { "camera" } else { "IMU" });
             assert!(said.contains(&words), "{named}: {said}");
         }
-        if let Some((images, ..)) = plan.set {
+        if let Some((images, ..)) = faults.set {
             let words = format!("the {}'s clock was set ", if images { "camera" } else { "IMU" });
             assert!(said.contains(&words), "{named}: {said}");
         }
     }
 
-    fn poses_are_good(&self, plan: &Plan, out: &str, named: &str) {
-        let shift = plan.set.filter(|(images, ..)| !images).map_or(0.0, |(.., by)| by);
+    fn poses_are_good(&self, faults: &SensorFaults, out: &str, named: &str) {
+        let shift = faults.set.filter(|(images, ..)| !images).map_or(0.0, |(.., by)| by);
         let first = self.messages[0].t;
         let mut after = 0;
         let mut last = f64::NEG_INFINITY;

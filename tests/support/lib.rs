@@ -5,6 +5,7 @@
 //! * [`files()`]: everything in a folder, to be compared byte by byte; [`cut_asl`]: a part of a recording.
 //! * [`written_out()`]: a configuration file that says every key of its type.
 //! * [`forged`]: files that nobody should have to read.
+//! * [`SensorFaults`]: what happens to the messages of running sensors.
 //! * [`check_jacobian`]: a derivative against central differences.
 #![allow(clippy::unwrap_used)]
 
@@ -14,9 +15,11 @@ mod files;
 pub mod forged;
 mod golden;
 mod jacobian;
+mod sensors;
 
 pub use configs::written_out;
 pub use data::{pack, packs, repository};
 pub use files::{cut_asl, files};
 pub use golden::golden;
 pub use jacobian::check_jacobian;
+pub use sensors::{Disturbed, SensorFaults};

@@ -5,7 +5,7 @@ use super::params::{named, take, truth, unknown};
 use super::session::{Next, Session};
 use crate::args::Ros2Args;
 use crate::cmd::foxglove::onlooker;
-use crate::cmd::live::{Listener, Live};
+use crate::cmd::live::{self, Beside};
 use crate::cmd::shipped;
 use crate::ui::{Fault, errln, warn};
 use anyhow::Result;
@@ -13,15 +13,16 @@ use dpn_core::Stamp;
 use dpn_core::estimate::NoiseSpec;
 use dpn_io::calibration as calibrations;
 use dpn_io::config::load_over;
-use dpn_live::{Fed, LiveRun, settings_for};
+use dpn_live::{Fed, Listener, LiveRun, Seen, Watched, settings_for};
 use dpn_logs::SensorEvent;
 use dpn_logs::ros::{Encoding, ImageKind, decode_image};
 use dpn_ros2::incoming::{Imu, kind};
 use dpn_ros2::outgoing::{self, Level, Odometry, Status};
 use dpn_ros2::{Message, Param, Publisher, Quality};
 use dpn_vio::EstimatorConfig;
-use dpn_vio::estimator::{Phase, Update};
+use dpn_vio::estimator::Phase;
 use std::path::Path;
+use std::time::Instant;
 
 /// Samples that wait in DDS: a second and more of the quickest.
 const SAMPLES: u16 = 2000;
@@ -70,20 +71,19 @@ pub(super) fn run(mut args: Ros2Args) -> Result<()> {
         },
     };
     errln!("calibration: {calibration}");
-    let view = onlooker(args.view)?;
     let run = LiveRun::new(&estimator, noise, networks, &calibration.camera, Fed::Images, args.seed)?;
-    let mut live = Live::new(run, &calibration, sender, view);
+    let mut watched = Watched::new(run, &calibration, Beside::new(sender, onlooker(args.view)?));
     let size = calibration.camera.resolution.map(|side| side as usize);
     let ends = loop {
         match session.next() {
             Next::Asked => break Ok(()),
-            Next::Nothing => live.silences(!session.is_simulated()),
+            Next::Nothing => watched.silences((!session.is_simulated()).then(Instant::now)),
             Next::Message(message) => {
                 let place = session.name(message.topic);
                 let taken = if message.topic == imu {
-                    sample(&mut live, &again, &message, place)
+                    sample(&mut watched, &again, &message, place)
                 } else if message.topic == images {
-                    live.take(image(&message, image_kind, place, size), message.came)
+                    live::take(&mut watched, image(&message, image_kind, place, size), message.came)
                 } else {
                     Ok(())
                 };
@@ -93,16 +93,16 @@ pub(super) fn run(mut args: Ros2Args) -> Result<()> {
             }
         }
         if session.is_due() {
-            session.diagnose(status(&live));
+            session.diagnose(status(&watched));
         }
     };
     let lost = session.lost();
     if lost > 0 {
         errln!("{lost} messages never came, or came quicker than they were worked off");
     }
-    live.end()?;
-    live.listener.odometry.settle();
-    ends.and_then(|()| live.finish(false))
+    watched.end()?;
+    watched.listener.own.odometry.settle();
+    ends.and_then(|()| live::finish(watched, false))
 }
 
 /// Keys of the estimator, as typed.
@@ -143,25 +143,28 @@ fn set(args: &mut Ros2Args, param: &Param) -> Result<()> {
 }
 
 /// Hands a sample on at once, with the noise that is in force, and to the odometry.
-fn sample(live: &mut Live<'_, Sender>, again: &Publisher, message: &Message, place: &str) -> Result<()> {
+fn sample(
+    watched: &mut Watched<'_, Beside<Sender>>,
+    again: &Publisher,
+    message: &Message,
+    place: &str,
+) -> Result<()> {
     let imu = match Imu::read(&message.data) {
         Ok(imu) if imu.t == Stamp::from_ns(0) => {
-            let words = format!("a message on {place} without a stamp");
-            return live.take(SensorEvent::PassedOver(words), message.came);
+            return Ok(watched.pass_over(&format!("a message on {place} without a stamp")));
         }
         Ok(imu) => imu,
         Err(error) => {
-            let words = format!("a message on {place}: such messages {error}");
-            return live.take(SensorEvent::PassedOver(words), message.came);
+            return Ok(watched.pass_over(&format!("a message on {place}: such messages {error}")));
         }
     };
-    if let Some(noise) = live.run.noise_in_force() {
+    if let Some(noise) = watched.run().noise_in_force() {
         again.send(outgoing::imu(&imu, &noise));
     }
     if !imu.frame_id.is_empty() {
-        live.listener.body.clone_from(&imu.frame_id);
+        watched.listener.own.body.clone_from(&imu.frame_id);
     }
-    live.take(SensorEvent::Sample(imu.sample()), message.came)
+    watched.take_sample(imu.sample(), message.came)
 }
 
 fn image(message: &Message, kind: ImageKind, place: &str, size: [usize; 2]) -> SensorEvent {
@@ -187,7 +190,9 @@ struct Sender {
 }
 
 impl Listener for Sender {
-    fn update(&mut self, t: Stamp, update: &Update) -> Result<()> {
+    type Error = anyhow::Error;
+
+    fn update(&mut self, Seen { t, update, .. }: &Seen<'_>) -> Result<()> {
         self.state = match &update.phase {
             Phase::Initialising(reason) => format!("initialising: {reason}"),
             Phase::Restarted(reason) => format!("begins again: {reason}"),
@@ -196,7 +201,7 @@ impl Listener for Sender {
         self.scale_std = update.scale_std;
         let Some(state) = &update.state else { return Ok(()) };
         self.odometry.send(outgoing::odometry(&Odometry {
-            t,
+            t: *t,
             world: &self.world,
             body: &self.body,
             world_from_body: state.world_from_body,
@@ -204,7 +209,7 @@ impl Listener for Sender {
             vel_in_world: state.vel_in_world,
         }));
         if let Some(tf) = &self.tf {
-            tf.send(outgoing::transform(t, &self.world, &self.body, &state.world_from_body));
+            tf.send(outgoing::transform(*t, &self.world, &self.body, &state.world_from_body));
         }
         Ok(())
     }
@@ -222,18 +227,18 @@ impl Listener for Sender {
 }
 
 /// How the odometry is.
-fn status(live: &Live<'_, Sender>) -> Status {
-    let doubts: Vec<String> = live.run.doubts().iter().map(ToString::to_string).collect();
-    let Sender { state, scale_std, last_warning, .. } = &live.listener;
+fn status(watched: &Watched<'_, Beside<Sender>>) -> Status {
+    let doubts: Vec<String> = watched.run().doubts().iter().map(ToString::to_string).collect();
+    let Sender { state, scale_std, last_warning, .. } = &watched.listener.own;
     let is_tracking = state == "tracking";
     let level = if is_tracking && doubts.is_empty() { Level::Ok } else { Level::Warn };
     let mut values = Vec::new();
     let mut value = |key: &str, value: String| values.push((key.to_owned(), value));
-    value("frames", live.frames.to_string());
-    value("poses", live.poses.to_string());
-    value("restarts", live.restarts.to_string());
-    value("messages passed over", live.passed_over().to_string());
-    if let Some(levels) = live.run.levels() {
+    value("frames", watched.totals().frames.to_string());
+    value("poses", watched.totals().poses.to_string());
+    value("restarts", watched.totals().restarts.to_string());
+    value("messages passed over", watched.passed_over().to_string());
+    if let Some(levels) = watched.run().levels() {
         let names =
             ["accel x", "accel y", "accel z", "gyro x", "gyro y", "gyro z", "accel walk", "gyro walk"];
         for (name, level) in names.iter().zip(levels.inertial.0) {
@@ -244,11 +249,11 @@ fn status(live: &Live<'_, Sender>) -> Status {
     if let Some(std) = scale_std {
         value("scale, relative deviation", format!("{std:.4}"));
     }
-    if let Some([median, most]) = live.latency_ms() {
+    if let Some([median, most]) = watched.listener.latency_ms() {
         value("image to pose, median [ms]", format!("{median:.1}"));
         value("image to pose, 99 % [ms]", format!("{most:.1}"));
     }
-    let clock = &live.run.report().clock;
+    let clock = &watched.run().report().clock;
     if clock.found.is_some() {
         value("camera clock ahead [ms]", format!("{:.2}", -1e3 * clock.offset_s));
     }
