@@ -59,7 +59,7 @@ struct Clock {
     step_s: f64,
     /// The other's last stamp then.
     other: Option<Stamp>,
-    /// The newest that is held back, as it was stamped, and the other's last stamp then.
+    /// The newest that is held back and the other's newest then, as they were stamped.
     newest: Option<(Stamp, Stamp)>,
     /// How far the other's stamps go on between two of its own, as a rule.
     usual_s: f64,
@@ -80,6 +80,8 @@ pub struct LiveClocks<E> {
     clocks: [Clock; 2],
     /// How far an image's stamp is ahead of the newest sample's when it comes \[ns\].
     apart_ns: i64,
+    /// The same of the last image, until a sample comes.
+    apart_next: Option<i64>,
     held: Vec<Held<E>>,
     /// From when on \[common time\] so many nanoseconds were taken off the IMU's stamps.
     set: Vec<(Stamp, i64)>,
@@ -94,6 +96,7 @@ impl<E> Default for LiveClocks<E> {
         Self {
             clocks: Default::default(),
             apart_ns: 0,
+            apart_next: None,
             held: Vec::new(),
             set: Vec::new(),
             words: VecDeque::new(),
@@ -118,10 +121,10 @@ impl<E> LiveClocks<E> {
             self.drop_held(sensor);
         }
         self.held.push(Held { sensor, raw, message });
-        let other = self.clocks[sensor.other() as usize].last;
+        let beside = self.newest(sensor.other()).map(|other| (raw, other));
         let clock = &mut self.clocks[sensor as usize];
         clock.held += 1;
-        clock.newest = other.map(|other| (raw, other));
+        clock.newest = beside;
         if self.clocks[sensor as usize].last.is_none() {
             // The first stamp may be the wrong one: two that agree begin.
             return if agree == Some(true) { self.release(Some(sensor)) } else { Vec::new() };
@@ -132,12 +135,23 @@ impl<E> LiveClocks<E> {
         }
         if self.waits_alone(sensor) {
             self.keep_on(&[sensor]);
-            // What is held back of the other one was held against another time.
-            let other = &mut self.clocks[sensor.other() as usize];
-            (other.newest, other.since) = (None, 0);
-            return self.release(Some(sensor));
+            let mut ready = self.release(Some(sensor));
+            ready.extend(self.follow(sensor.other()));
+            return ready;
         }
         Vec::new()
+    }
+
+    /// The other sensor was let go as it is. What is held back of this one jumped otherwise: what came last of both came together.
+    fn follow(&mut self, sensor: LiveSensor) -> Vec<(LiveSensor, Stamp, E)> {
+        let first = self.held.iter().find(|held| held.sensor == sensor).map(|held| held.raw);
+        let (Some(first), Some(_), Some(by_ns)) =
+            (first, self.clocks[sensor as usize].last, self.together_ns(sensor))
+        else {
+            return Vec::new();
+        };
+        self.was_set(sensor, by_ns, first);
+        self.release(Some(sensor))
     }
 
     /// What is still held back when nothing more comes.
@@ -203,8 +217,7 @@ impl<E> LiveClocks<E> {
             return ready;
         }
         let clock = &self.clocks[other as usize];
-        let is_told = clock.other.is_none() || clock.newest.is_some();
-        if clock.held < ENOUGH[0] || clock.since < ENOUGH[1] || !is_told {
+        if clock.held < ENOUGH[0] || clock.since < ENOUGH[1] {
             return ready;
         }
         if clock.other.is_none() {
@@ -213,24 +226,28 @@ impl<E> LiveClocks<E> {
             ready.extend(self.release(Some(other)));
             return ready;
         }
-        let by_ns = self.jump_ns(other, first);
-        self.shift(other, by_ns);
+        self.was_set(other, self.jump_ns(other, first), first);
+        ready.extend(self.release(Some(other)));
+        ready
+    }
+
+    /// Takes off by how much a sensor's clock was set, and says so.
+    fn was_set(&mut self, sensor: LiveSensor, by_ns: i64, first: Stamp) {
+        self.shift(sensor, by_ns);
         let by_s = by_ns as f64 * 1e-9;
         let way = if by_s > 0.0 { "ahead" } else { "back" };
         self.words.push_back(format!(
             "the {}'s clock was set {:.3} s {way} at {first}, and the {}'s was not: that is taken off from here on",
-            other.name(),
+            sensor.name(),
             by_s.abs(),
-            sensor.name()
+            sensor.other().name()
         ));
-        ready.extend(self.release(Some(other)));
-        ready
     }
 
     /// How far `first` is from where its sensor's next message would have been \[ns\]: a step after its last one and those that were passed over since. Where
     /// the other sensor's stamps went on farther meanwhile than as a rule, they tell: what came last of both came together, as before.
     fn jump_ns(&self, sensor: LiveSensor, first: Stamp) -> i64 {
-        let [clock, other] = [sensor, sensor.other()].map(|sensor| &self.clocks[sensor as usize]);
+        let clock = &self.clocks[sensor as usize];
         let steps_s = clock.step_s * (1 + clock.dropped) as f64;
         let of_steps = || {
             let after = (steps_s * 1e9).round() as i64;
@@ -241,16 +258,31 @@ impl<E> LiveClocks<E> {
         };
         let (Some((newest, now)), Some(before)) = (clock.newest, clock.other) else { return of_steps() };
         // Since the first was held back both went on.
-        let held_s = newest.seconds_since(first);
-        let passed_s = now.seconds_since(before) - held_s;
+        let passed_s = self.common(sensor.other(), now).seconds_since(before) - newest.seconds_since(first);
         if passed_s <= clock.usual_s + steps_s - 0.25 * clock.step_s {
             return of_steps();
         }
-        let (now, apart) = match sensor {
-            LiveSensor::Imu => (other.last.unwrap_or(now), -self.apart_ns),
-            LiveSensor::Camera => (now, self.apart_ns),
+        self.together_ns(sensor).unwrap_or_else(of_steps)
+    }
+
+    /// How far the newest that is held back is from where it would be, having come with the other sensor's newest \[ns\].
+    fn together_ns(&self, sensor: LiveSensor) -> Option<i64> {
+        let (newest, beside) = self.clocks[sensor as usize].newest?;
+        let other = sensor.other();
+        // The last image came after the last sample.
+        let (beside, apart) = match sensor {
+            LiveSensor::Imu => (self.newest(other)?, -self.apart_ns),
+            LiveSensor::Camera => (beside, self.apart_ns),
         };
-        self.common(sensor, newest).ns().saturating_sub(now.ns().saturating_add(apart))
+        let expected = self.common(other, beside).ns().saturating_add(apart);
+        Some(self.common(sensor, newest).ns().saturating_sub(expected))
+    }
+
+    /// A sensor's newest that is held back or was let through, as it was stamped.
+    fn newest(&self, sensor: LiveSensor) -> Option<Stamp> {
+        let held = self.held.iter().rfind(|held| held.sensor == sensor).map(|held| held.raw);
+        let clock = &self.clocks[sensor as usize];
+        held.or_else(|| Some(Stamp::from_ns(clock.last?.ns().saturating_add(clock.shift_ns))))
     }
 
     fn shift(&mut self, sensor: LiveSensor, by_ns: i64) {
@@ -318,13 +350,20 @@ impl<E> LiveClocks<E> {
         let clock = &mut self.clocks[sensor as usize];
         let step = clock.last.map_or(0.0, |last| t.seconds_since(last));
         let goes_on = step > 0.0 && step <= OFF_S;
+        // A sample after an image says that no gap had begun before it.
+        if sensor == LiveSensor::Imu
+            && let Some(apart) = self.apart_next.take()
+            && step <= 1.5 * clock.step_s
+        {
+            self.apart_ns = apart;
+        }
         if goes_on {
             clock.step_s = step;
         }
         if let (Some(before), Some(now), true) = (clock.other, other, goes_on) {
             clock.usual_s = (0.998 * clock.usual_s).max(now.seconds_since(before).min(OFF_S));
             if sensor == LiveSensor::Camera && now > before && others_held == 0 {
-                self.apart_ns = t.ns() - now.ns();
+                self.apart_next = Some(t.ns().saturating_sub(now.ns()));
             }
         }
         // One that is late by itself leaves the clock where it is.
@@ -496,6 +535,53 @@ mod tests {
         let [before, after] = [1_002_000_000_000, 1_005_000_000_000].map(Stamp::from_ns);
         assert_eq!(clocks.on_imu_clock(before), before);
         assert_eq!(clocks.on_imu_clock(after), Stamp::from_ns(after.ns() + HOUR));
+    }
+
+    /// Times that come through after second 5, off by what is true.
+    fn off_later(messages: &[(LiveSensor, i64, i64)]) -> Vec<(LiveSensor, i64)> {
+        let late = |truth: i64| truth > 1_005_000_000_000;
+        let (out, _) = through(messages);
+        out.into_iter()
+            .filter(|(.., truth)| late(*truth))
+            .map(|(sensor, t, truth)| (sensor, t - truth))
+            .collect()
+    }
+
+    /// Both streams on one time, to so many nanoseconds.
+    #[track_caller]
+    fn go_together(off: &[(LiveSensor, i64)], within: i64) {
+        let first = off.first().expect("messages come through").1;
+        assert!(
+            off.iter().all(|(_, off)| (off - first).abs() <= within),
+            "{:?} and {:?}",
+            off[0],
+            off.last()
+        );
+        for sensor in LiveSensor::ALL {
+            assert!(off.iter().any(|(of, _)| *of == sensor), "{sensor:?} does not come through");
+        }
+    }
+
+    #[test]
+    fn a_clock_that_is_set_in_a_gap_is_set_back_by_what_the_other_says_went_by() {
+        let between =
+            |t: i64, from: i64, to: i64| (1000 * from..1000 * to).contains(&(t / 1_000_000 - 1_000_000));
+        for sensor in LiveSensor::ALL {
+            let mut all = streams(8);
+            all.retain(|(of, t, _)| *of != sensor || !between(*t, 1, 3));
+            for (_, t, _) in all.iter_mut().filter(|(of, t, _)| *of == sensor && *t > 1_002_000_000_000) {
+                *t += HOUR;
+            }
+            go_together(&off_later(&all), 5_000_000);
+        }
+        // The camera is silent meanwhile, and a wrong stamp comes between.
+        let mut all = streams(9);
+        all.retain(|(of, t, _)| *of == Imu || !between(*t, 1, 4));
+        for (_, t, truth) in all.iter_mut().filter(|(of, t, _)| *of == Imu && *t > 1_002_000_000_000) {
+            *t += if *truth == 1_003_500_000_000 { 2 * HOUR } else { HOUR };
+        }
+        let off: Vec<_> = off_later(&all).into_iter().skip_while(|(sensor, _)| *sensor == Imu).collect();
+        go_together(&off[off.len() / 2..], 5_000_000);
     }
 
     #[test]
