@@ -18,6 +18,8 @@ const OFF_S: f64 = 1.0;
 const ENOUGH: [usize; 2] = [3, 2];
 /// Where the other sensor is silent for so long \[s\], a jump is taken as it is.
 const ALONE_S: f64 = 2.0;
+/// Less than this \[ns\] is how messages come, and no clock that was set.
+const APART_NS: i64 = 1_000_000;
 /// So many times is said that messages were passed over.
 const SHOWN: usize = 8;
 /// Stamps of one sensor that are the same, one after another, before it is said.
@@ -133,13 +135,28 @@ impl<E> LiveClocks<E> {
             self.keep_on(&LiveSensor::ALL);
             return self.release(None);
         }
-        if self.waits_alone(sensor) {
-            self.keep_on(&[sensor]);
-            let mut ready = self.release(Some(sensor));
-            ready.extend(self.follow(sensor.other()));
-            return ready;
-        }
-        Vec::new()
+        let goes = match self.jumped_apart() {
+            // One of them had a gap, and the other's clock was set: an image says how they go together.
+            Some(nearer) if sensor == LiveSensor::Camera => nearer,
+            _ if self.waits_alone(sensor) => sensor,
+            _ => return Vec::new(),
+        };
+        self.keep_on(&[goes]);
+        let mut ready = self.release(Some(goes));
+        ready.extend(self.follow(goes.other()));
+        ready
+    }
+
+    /// Where both sensors jumped and not as far, the one that jumped less.
+    fn jumped_apart(&self) -> Option<LiveSensor> {
+        let far = |sensor| {
+            let clock = &self.clocks[sensor as usize];
+            let first = self.held.iter().find(|held| held.sensor == sensor)?;
+            let by_s = self.common(sensor, first.raw).seconds_since(clock.last?).abs();
+            (clock.held >= ENOUGH[0]).then_some(by_s)
+        };
+        let [imu, camera] = LiveSensor::ALL.map(far);
+        imu.zip(camera).map(|(imu, camera)| if imu <= camera { LiveSensor::Imu } else { LiveSensor::Camera })
     }
 
     /// The other sensor was let go as it is. What is held back of this one jumped otherwise: what came last of both came together.
@@ -150,7 +167,9 @@ impl<E> LiveClocks<E> {
         else {
             return Vec::new();
         };
-        self.was_set(sensor, by_ns, first);
+        if by_ns.abs() > APART_NS {
+            self.was_set(sensor, by_ns, first);
+        }
         self.release(Some(sensor))
     }
 
@@ -257,6 +276,9 @@ impl<E> LiveClocks<E> {
                 .saturating_sub(after)
         };
         let (Some((newest, now)), Some(before)) = (clock.newest, clock.other) else { return of_steps() };
+        if self.clocks[sensor.other() as usize].held > 0 {
+            return of_steps();
+        }
         // Since the first was held back both went on.
         let passed_s = self.common(sensor.other(), now).seconds_since(before) - newest.seconds_since(first);
         if passed_s <= clock.usual_s + steps_s - 0.25 * clock.step_s {

@@ -92,8 +92,10 @@ pub struct Watched<'a, L> {
     blind: bool,
     started: bool,
     clock_said: bool,
-    /// Since when there is no pose, by stamps and by the machine's clock, and whether that was said.
+    /// The last pose, or the first message: its stamp and when it came, and whether it was said that there is none since.
     without: Option<(Stamp, Instant, bool)>,
+    /// How far each sensor's stamps have come since \[s\].
+    without_s: [f64; 2],
     /// What the last frame waited for.
     waits: Option<String>,
     totals: Totals,
@@ -132,6 +134,7 @@ impl<'a, L: Listener> Watched<'a, L> {
             started: false,
             clock_said: false,
             without: None,
+            without_s: [0.0; 2],
             waits: None,
             totals: Totals::default(),
             images: VecDeque::new(),
@@ -195,7 +198,11 @@ impl<'a, L: Listener> Watched<'a, L> {
             own.newest = Some(t);
         }
         let was_silent = std::mem::take(&mut own.silent);
-        self.streams[sensor.other() as usize].alone_s += if goes_on { step_s } else { 0.0 };
+        self.without.get_or_insert((t, now, false));
+        if goes_on {
+            self.streams[sensor.other() as usize].alone_s += step_s;
+            self.without_s[sensor as usize] += step_s;
+        }
         if was_silent {
             self.say(format_args!("note: the {} is heard again, at {t}", sensor.name()));
         }
@@ -228,12 +235,9 @@ impl<'a, L: Listener> Watched<'a, L> {
 
     /// Says once what poses wait for, where there are none for [`SILENT`].
     fn look_for_poses(&mut self, now: Instant) {
-        let [Some(sample), Some(image)] = LiveSensor::ALL.map(|sensor| self.clocks.last(sensor)) else {
-            return;
-        };
-        let newest = sample.max(image);
-        let (since, came, said) = *self.without.get_or_insert((newest, now, false));
-        let for_s = newest.seconds_since(since).max(now.saturating_duration_since(came).as_secs_f64());
+        let Some((since, came, said)) = self.without else { return };
+        let by_clock = now.saturating_duration_since(came).as_secs_f64();
+        let for_s = self.without_s.into_iter().fold(by_clock, f64::max);
         if said || for_s < self.patience_s() {
             return;
         }
@@ -327,7 +331,7 @@ impl<'a, L: Listener> Watched<'a, L> {
             self.sees(&update);
             if update.state.is_some() {
                 self.totals.poses += 1;
-                self.without = self.now.map(|now| (update.t, now, false));
+                (self.without, self.without_s) = (self.now.map(|now| (update.t, now, false)), [0.0; 2]);
             }
             let image = self.image_of(update.t, clock.offset_s);
             let (t, noise) = (self.clocks.on_imu_clock(update.t), self.run.noise_in_force());
