@@ -245,7 +245,7 @@ mod tests {
     fn a_training_that_goes_on_ends_in_the_same_bits_and_lowers_the_loss() {
         let courses = [simulated(12.0, Matrix3::identity() * 1.02, Vector3::new(0.01, 0.0, -0.02), 0.01)];
         let config = InertialConfig {
-            window: 256,
+            window: 512,
             batch: 2,
             steps: 6,
             train: vec!["a".into()],

@@ -13,7 +13,7 @@ fn a_correction_is_trained_resumed_and_scored_and_a_recording_that_was_learned_f
     }
     let config = |name: &str, train: &str, test: &str| {
         let text = format!(
-            "name = \"sim\"\nsteps = 3\nbatch = 2\nwindow = 256\ntrain = [\"{train}\"]\ntest = [\"{test}\"]\n"
+            "name = \"sim\"\nsteps = 3\nbatch = 2\nwindow = 512\ntrain = [\"{train}\"]\ntest = [\"{test}\"]\n"
         );
         std::fs::write(dir.join(name), text).unwrap();
     };
