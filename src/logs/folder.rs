@@ -43,9 +43,12 @@ fn logs_below(path: &Path, deep: usize) -> Result<Vec<PathBuf>, LogError> {
     let entries = std::fs::read_dir(path).map_err(|e| IoError::reading(path, e))?;
     // A link may lead up again.
     let entries: Vec<_> = entries.flatten().collect();
-    let folders: Vec<PathBuf> =
-        entries.iter().filter(|e| e.file_type().is_ok_and(|t| t.is_dir())).map(|e| e.path()).collect();
-    let mut found: Vec<PathBuf> = entries.iter().map(|entry| entry.path()).filter(is_log).collect();
+    let folders: Vec<PathBuf> = entries
+        .iter()
+        .filter(|e| e.file_type().is_ok_and(|t| t.is_dir()))
+        .map(std::fs::DirEntry::path)
+        .collect();
+    let mut found: Vec<PathBuf> = entries.iter().map(std::fs::DirEntry::path).filter(is_log).collect();
     if let (true, LogError::NoLog { below, .. }) = (found.is_empty(), &none) {
         found.clone_from(below);
     }

@@ -161,13 +161,16 @@ impl Messages for Found {
     }
 }
 
+/// A pose, and its covariance where the message says one.
+type PoseSaid = (StampedPose, Option<[f64; 36]>);
+
 /// The pose of a message, at the header's stamp, else the bag's; none where it is no pose.
 fn pose(
     data: &[u8],
     encoding: Encoding,
     Layout { has_child, with_covariance }: Layout,
     received_ns: i64,
-) -> Result<Option<(StampedPose, Option<[f64; 36]>)>, Undecodable> {
+) -> Result<Option<PoseSaid>, Undecodable> {
     let mut fields = Fields::new(data, encoding)?;
     let mut read = || {
         let t_ns = fields.header()?.t_ns;
