@@ -354,7 +354,7 @@ const WIDE: &str = "plus(dualpronet(wide-s0),x4)";
 fn compared_table(of: &str, error: &str, reference: &str, noises: &[Named]) -> String {
     let head = [
         "noise given",
-        &format!("{} ATE \\[m\\]", error),
+        &format!("{error} ATE \\[m\\]"),
         &format!("ratio to {reference}"),
         "lower on",
         "p after Holm",

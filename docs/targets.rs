@@ -10,7 +10,7 @@ use std::fmt::Write;
 
 const PAGE: &str = "docs/src/targets.md";
 /// What a command may begin with.
-const PROGRAMS: [&str; 8] = [
+const PROGRAMS: [&str; 9] = [
     "dpn",
     "cargo",
     "ls",
@@ -19,6 +19,7 @@ const PROGRAMS: [&str; 8] = [
     "python/test/run",
     "src/ros2/tests/run",
     "figures/check_page",
+    "bench/latency.py",
 ];
 
 /// One row of the file.

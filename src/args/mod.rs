@@ -80,7 +80,7 @@ pub(crate) enum Command {
     Eval(EvalArgs),
     /// Run the odometry over one recording: trajectory, states, report.
     #[command(after_help = examples::RUN)]
-    Run(RunArgs),
+    Run(Box<RunArgs>),
     /// The paper again, from data: every table and figure, with the controls and statistics that decide its question, on one page.
     #[command(after_help = examples::PAPER)]
     Paper(PaperArgs),

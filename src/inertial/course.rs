@@ -99,17 +99,18 @@ impl Course {
     /// Whether the truth was made from this gyroscope: from sample to sample it turns as the mid-point of two readings does, to less than the readings
     /// vary. A likelihood of rotation then judges how the truth was made.
     pub fn truth_follows_gyro(&self) -> bool {
-        let mut steps = Vec::new();
+        let (mut read, mut slow) = (Vec::new(), Vec::new());
         for i in 0..self.len() - 1 {
             let Some(turn) = self.turn(i, i + 1) else { continue };
             let middle = 0.5 * (self.gyro[i] + self.gyro[i + 1]);
-            steps.push((middle, so3::log(&turn) / self.step_s[i] - middle));
+            read.push(middle);
+            slow.push(so3::log(&turn) / self.step_s[i] - middle);
         }
-        let changes = |of: fn(&(Vector3<f64>, Vector3<f64>)) -> Vector3<f64>| {
-            let all: Vec<f64> = steps.windows(2).map(|pair| (of(&pair[1]) - of(&pair[0])).norm()).collect();
+        let change = |rates: &[Vector3<f64>]| {
+            let all: Vec<f64> = rates.windows(2).map(|pair| (pair[1] - pair[0]).norm()).collect();
             if all.is_empty() { f64::NAN } else { median(&all) }
         };
-        changes(|step| step.1) < FOLLOWS * changes(|step| step.0)
+        change(&slow) < FOLLOWS * change(&read)
     }
 }
 

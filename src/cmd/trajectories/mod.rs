@@ -190,8 +190,11 @@ fn bag(path: &Path) -> Option<(PathBuf, Option<String>)> {
     }
 }
 
-/// The poses of a file or of a bag, and what is believed of them.
-fn read(path: &Path) -> Result<(Vec<StampedPose>, Vec<PoseBelief>)> {
+/// Poses, and how sure of them who estimated them is.
+type Believed = (Vec<StampedPose>, Vec<PoseBelief>);
+
+/// Those of a file or of a bag.
+fn read(path: &Path) -> Result<Believed> {
     let Some((bag, topic)) = bag(path) else {
         let poses = read_poses(path)?;
         let beliefs = beliefs::of_run(path, &poses);
@@ -203,10 +206,7 @@ fn read(path: &Path) -> Result<(Vec<StampedPose>, Vec<PoseBelief>)> {
 }
 
 /// Poses of truth and estimate, and whether they are counted: two files without stamps belong together line by line.
-fn poses(
-    truth: &Path,
-    estimate: &Path,
-) -> Result<(Vec<StampedPose>, (Vec<StampedPose>, Vec<PoseBelief>), bool)> {
+fn poses(truth: &Path, estimate: &Path) -> Result<(Vec<StampedPose>, Believed, bool)> {
     let same = |a: &Path, b: &Path| Some(a.canonicalize().ok()? == b.canonicalize().ok()?);
     if same(truth, estimate) == Some(true) {
         let message = format!("{} is compared with itself", truth.display());

@@ -1,6 +1,5 @@
 //! The covariances that a log's messages carry, held against what the log shows at rest.
 
-use super::LogFigures;
 use crate::finding::Finding;
 use dpn_core::{Recorded, Sensor};
 use dpn_logs::Log;
@@ -8,7 +7,8 @@ use dpn_logs::Log;
 /// Up to this factor, up or down, they agree.
 const AGREES: f64 = 3.0;
 
-pub(super) fn findings(log: &Log, figures: &LogFigures) -> Vec<Finding> {
+/// `at_rest` are the densities that the log has there, accelerometer and gyroscope.
+pub(super) fn findings(log: &Log, at_rest: [Option<f64>; 2]) -> Vec<Finding> {
     let of = |(sensor, variances, density): (Sensor, Option<[f64; 3]>, Option<f64>)| {
         // A sample of white noise of that density.
         let has = density? * log.recording.rate().hz().sqrt();
@@ -28,8 +28,8 @@ pub(super) fn findings(log: &Log, figures: &LogFigures) -> Vec<Finding> {
             )
         })
     };
-    let [gyro, accel] = log.variances;
-    [(Sensor::Accel, accel, figures.accel_noise), (Sensor::Gyro, gyro, figures.gyro_noise)]
+    let ([gyro, accel], [accel_noise, gyro_noise]) = (log.variances, at_rest);
+    [(Sensor::Accel, accel, accel_noise), (Sensor::Gyro, gyro, gyro_noise)]
         .into_iter()
         .filter_map(of)
         .collect()

@@ -88,7 +88,8 @@ pub fn examine_log(log: &Log) -> io::Result<Examination> {
         examination.findings.retain(|finding| !is_of_zeros(finding));
     }
     examination.findings.extend(reading::findings(log));
-    examination.findings.extend(covariance::findings(log, &examination.figures));
+    let at_rest = [examination.figures.accel_noise, examination.figures.gyro_noise];
+    examination.findings.extend(covariance::findings(log, at_rest));
     for (number, part) in (2..).zip(&log.others) {
         let other = examine(&part.recording)?;
         let [from, to] = part.places;
