@@ -302,9 +302,11 @@ impl<E> LiveClocks<E> {
 
     /// A sensor's newest that is held back or was let through, as it was stamped.
     fn newest(&self, sensor: LiveSensor) -> Option<Stamp> {
-        let held = self.held.iter().rfind(|held| held.sensor == sensor).map(|held| held.raw);
         let clock = &self.clocks[sensor as usize];
-        held.or_else(|| Some(Stamp::from_ns(clock.last?.ns().saturating_add(clock.shift_ns))))
+        // Few that are held back may be wrong.
+        let held = self.held.iter().rfind(|held| held.sensor == sensor && clock.held >= ENOUGH[0]);
+        held.map(|held| held.raw)
+            .or_else(|| Some(Stamp::from_ns(clock.last?.ns().saturating_add(clock.shift_ns))))
     }
 
     fn shift(&mut self, sensor: LiveSensor, by_ns: i64) {

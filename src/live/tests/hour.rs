@@ -41,7 +41,12 @@ fn beside(minutes: usize) -> Vec<f64> {
             notes.poses.len(),
             notes.words
         );
-        eprintln!("minute {minute}: {:.1} MB, {:?}", held[minute], watched.totals());
+        eprintln!("minute {minute}: {:.1} MB, {} restarts", held[minute], watched.totals().restarts);
+        notes
+            .words
+            .iter()
+            .filter(|(_, words)| words.contains("again"))
+            .for_each(|(_, words)| eprintln!("{words}"));
     }
     let restarts = watched.totals().restarts;
     watched.end().unwrap();
