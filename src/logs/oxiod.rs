@@ -16,13 +16,13 @@ fn numbers(line: &str) -> Option<[f64; WIDTH]> {
 /// Whether a file begins with such rows: the eighth to tenth column are a unit vector.
 pub(crate) fn is(head: &[u8]) -> bool {
     let text = String::from_utf8_lossy(head);
-    let mut rows = text.lines().take(ROWS).peekable();
-    // The last may be cut off.
+    let mut rows = text.lines().take(ROWS);
     let is_one = |line: &str| {
         numbers(line)
             .is_some_and(|row| (row[7..10].iter().map(|v| v * v).sum::<f64>().sqrt() - 1.0).abs() < 1e-3)
     };
-    rows.peek().is_some() && rows.all(|line| is_one(line) || text.lines().next_back() == Some(line))
+    // The last may be cut off.
+    rows.next().is_some_and(is_one) && rows.all(|line| is_one(line) || text.lines().next_back() == Some(line))
 }
 
 /// The rows under a header, the accelerometer whole.
