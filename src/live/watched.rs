@@ -213,7 +213,7 @@ impl<'a, L: Listener> Watched<'a, L> {
         Ok(())
     }
 
-    /// Says what has not been heard of for [`SILENT`]: by the other's stamps, and where nothing waits to be read by this machine's clock, as it is `now`.
+    /// Says what has not been heard of for two seconds: by the other's stamps, and where nothing waits to be read by this machine's clock, as it is `now`.
     pub fn silences(&mut self, now: Option<Instant>) {
         let Some(first) = self.first else { return };
         for sensor in LiveSensor::ALL {
