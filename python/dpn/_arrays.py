@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from ._dpn import Error
 
 
-def _array(name: str, value: Any) -> NDArray[Any]:
+def array(name: str, value: Any) -> NDArray[Any]:
+    """``value`` as an array, or an exception that names it."""
     if np.ma.is_masked(value):
         raise Error(f"{name}: masked entries; expected an array without any, for what lies behind a mask would be taken for data")
     try:
@@ -25,7 +26,7 @@ def _array(name: str, value: Any) -> NDArray[Any]:
 
 def matrix(name: str, value: Any, columns: int, rows: int | None = None, dtype: type = np.float64) -> NDArray[Any]:
     """``value`` as a finite C-contiguous (rows, columns) array; copied only where it is not one already."""
-    found = _array(name, value)
+    found = array(name, value)
     expected = f"expected ({'n' if rows is None else rows}, {columns})"
     if found.dtype.kind not in "fiu":
         raise Error(f"{name}: dtype {found.dtype}; expected real numbers, as float64")
@@ -43,7 +44,7 @@ def matrix(name: str, value: Any, columns: int, rows: int | None = None, dtype: 
 
 def cube(name: str, value: Any, rows: int, side: int) -> NDArray[np.float64]:
     """``value`` of shape (rows, side, side) as a finite (rows, side * side) array."""
-    found = _array(name, value)
+    found = array(name, value)
     if found.shape != (rows, side, side):
         raise Error(f"{name}: shape {found.shape}; expected ({rows}, {side}, {side})")
     return matrix(name, found.reshape(rows, side * side), side * side, rows)
@@ -51,7 +52,7 @@ def cube(name: str, value: Any, rows: int, side: int) -> NDArray[np.float64]:
 
 def vector(name: str, value: Any) -> list[float]:
     """``value`` as three finite numbers x y z."""
-    found = _array(name, value)
+    found = array(name, value)
     if found.shape != (3,) or found.dtype.kind not in "fiu" or not np.isfinite(found).all():
         raise Error(f"{name}: {value!r}; expected three finite numbers x y z")
     return [float(entry) for entry in found]
@@ -59,10 +60,13 @@ def vector(name: str, value: Any) -> list[float]:
 
 def stamps(name: str, value: Any, repeated: bool = False) -> NDArray[np.int64]:
     """``value`` as increasing int64 nanoseconds (or not falling, where ``repeated``): integers are nanoseconds, floats seconds."""
-    found = _array(name, value)
+    found = array(name, value)
     if found.ndim != 1:
         raise Error(f"{name}: shape {found.shape}; expected (n,)")
     if found.dtype.kind == "f":
+        # Of half precision seconds times 1e9 are infinite.
+        with np.errstate(over="ignore"):
+            found = found.astype(np.float64)
         if not np.isfinite(found).all():
             raise Error(f"{name}: {found[~np.isfinite(found)][0]} at [{np.argmin(np.isfinite(found))}]; expected finite seconds")
         if found.size and np.abs(found).max() > 9.2e9:
@@ -88,7 +92,7 @@ def stamp(name: str, value: Any) -> int:
 
 def grey(name: str, value: Any) -> NDArray[np.uint8]:
     """``value`` as a C-contiguous image (height, width) of uint8; copied only where its rows are not contiguous."""
-    found = _array(name, value)
+    found = array(name, value)
     if found.dtype != np.uint8 or found.ndim != 2:
         raise Error(f"{name}: dtype {found.dtype}, shape {found.shape}; expected uint8 (height, width), a grey image")
     return np.ascontiguousarray(found)
@@ -96,9 +100,12 @@ def grey(name: str, value: Any) -> NDArray[np.uint8]:
 
 def counts(name: str, value: Any, rows: int) -> NDArray[np.uint64]:
     """``value`` as (rows,) whole numbers from 0."""
-    found = _array(name, value)
+    found = array(name, value)
     if found.shape != (rows,):
         raise Error(f"{name}: shape {found.shape}; expected ({rows},)")
+    if not rows:
+        # numpy takes an empty list for floats.
+        return np.empty(0, np.uint64)
     if found.dtype.kind not in "iu":
         raise Error(f"{name}: dtype {found.dtype}; expected whole numbers from 0")
     if (found < 0).any():

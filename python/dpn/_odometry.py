@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _dpn
-from ._arrays import counts, grey, matrix, path, stamp, stamps, whole
+from ._arrays import array, counts, grey, matrix, path, stamp, stamps, whole
 from ._dpn import Error
 from ._run import asked
 
@@ -162,7 +162,7 @@ class Odometry:
 
         Raises :class:`Error`: shapes, NaN, stamps that do not increase; nothing of them was taken then.
         """
-        one = np.ndim(t) == 0
+        one = array("t", t).ndim == 0
         t_ns = stamps("t", [t] if one else t)
         rates, forces = ([gyro], [accel]) if one else (gyro, accel)
         self._inner.feed_imu(t_ns, matrix("gyro", rates, 3, len(t_ns)), matrix("accel", forces, 3, len(t_ns)))
@@ -181,9 +181,7 @@ class Odometry:
         Raises :class:`Error`: shapes, an id twice, NaN, a stamp that goes back, 40 frames that wait.
         """
         found = matrix("points", points, 2)
-        # numpy takes an empty list for floats.
-        named = counts("ids", ids if np.size(ids) else np.empty(0, np.uint64), len(found))
-        self._inner.feed_tracks(stamp("t", t), named, found, bool(normalised))
+        self._inner.feed_tracks(stamp("t", t), counts("ids", ids, len(found)), found, bool(normalised))
 
     def end(self) -> None:
         """Says that nothing more comes: points are followed into the last images too."""
