@@ -151,11 +151,13 @@ fn sample(
 ) -> Result<()> {
     let imu = match Imu::read(&message.data) {
         Ok(imu) if imu.t == Stamp::from_ns(0) => {
-            return Ok(watched.pass_over(&format!("a message on {place} without a stamp")));
+            watched.pass_over(&format!("a message on {place} without a stamp"));
+            return Ok(());
         }
         Ok(imu) => imu,
         Err(error) => {
-            return Ok(watched.pass_over(&format!("a message on {place}: such messages {error}")));
+            watched.pass_over(&format!("a message on {place}: such messages {error}"));
+            return Ok(());
         }
     };
     if let Some(noise) = watched.run().noise_in_force() {
