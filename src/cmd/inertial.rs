@@ -7,12 +7,14 @@ use anyhow::{Context, Result};
 use dpn_core::progress::Progress;
 use dpn_figures::{Cell, Column, Table};
 use dpn_inertial::{
-    Course, Fitted, InertialConfig, Model, Residuals, SPANS_S, Training, Unknown, fit, sources,
+    Course, Fitted, InertialConfig, Model, Residuals, SPANS_S, Score, Source, SpanScore, Training, Unknown,
+    fit, sources,
 };
 use dpn_io::asl::Sequence;
 use dpn_io::{FolderLock, atomic_write, config, read_poses};
 use dpn_logs::{LogOptions, read_log};
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
 const CHECKPOINT: &str = "checkpoint.safetensors";
@@ -124,13 +126,12 @@ pub(super) fn eval(args: &EvalArgs, path: &Path) -> Result<()> {
         };
         residuals(course).scores(&of(&|name| name == platform(&course.name)), &of(&|_| true))
     };
-    let rows: Vec<Value> = test
-        .iter()
-        .map(|course| {
-            let sources = sources(course, &affine.affine, &models, config.average_s);
-            json!({ "sequence": course.name, "sources": sources, "spans": spans(course) })
-        })
-        .collect();
+    let row = |course: &Course| Row {
+        sequence: course.name.clone(),
+        sources: sources(course, &affine.affine, &models, config.average_s),
+        spans: spans(course),
+    };
+    let rows: Vec<Row> = test.iter().map(row).collect();
     let all = json!({ "data": config.name, "affine": affine, "sequences": rows });
     let out = &args.out.clone().unwrap_or_else(|| format!("runs/inertial-{}", config.name).into());
     let text = format!("{all}\n");
@@ -143,21 +144,27 @@ pub(super) fn eval(args: &EvalArgs, path: &Path) -> Result<()> {
     Ok(outln!("{}", span_table(&rows).console())?)
 }
 
+/// What a test sequence gave.
+#[derive(Serialize)]
+struct Row {
+    sequence: String,
+    sources: Vec<Source>,
+    spans: Vec<SpanScore>,
+}
+
 /// A row a source, means over the sequences.
-fn table(rows: &[Value]) -> Table {
+fn table(rows: &[Row]) -> Table {
     let columns =
         Column::all(&["rates"], &["AOE mean [deg]", "AOE worst", "ROE 1 s mean", "without bias, 1 s"]);
     let mut table = Table::new("inertial", "", columns);
-    let sources = |row: &Value| row["sources"].as_array().cloned().unwrap_or_default();
-    for (i, source) in sources(&rows[0]).iter().enumerate() {
-        let all = |key: &str| {
-            rows.iter().filter_map(|row| sources(row)[i]["score"][key].as_f64()).collect::<Vec<_>>()
+    // Each sequence has the same sources.
+    for (i, source) in rows[0].sources.iter().enumerate() {
+        let mean = |of: fn(&Score) -> f64| {
+            rows.iter().map(|row| of(&row.sources[i].score)).sum::<f64>() / rows.len() as f64
         };
-        let mean = |key: &str| all(key).iter().sum::<f64>() / rows.len() as f64;
-        let worst = all("aoe_deg").into_iter().fold(f64::NAN, f64::max);
-        let numbers =
-            [mean("aoe_deg"), worst, mean("roe_deg"), mean("quick_deg")].map(|v| Cell::number(v, 2));
-        table.row([vec![Cell::text(source["name"].as_str().unwrap_or_default())], numbers.to_vec()].concat());
+        let worst = rows.iter().map(|row| row.sources[i].score.aoe_deg).fold(f64::NAN, f64::max);
+        let numbers = [mean(|s| s.aoe_deg), worst, mean(|s| s.roe_deg), mean(|s| s.quick_deg)];
+        table.row([vec![Cell::text(&source.name)], numbers.map(|v| Cell::number(v, 2)).to_vec()].concat());
     }
     table
 }
@@ -168,24 +175,24 @@ fn platform(name: &str) -> &str {
 }
 
 /// A row a source of levels, means over the sequences.
-fn span_table(rows: &[Value]) -> Table {
+fn span_table(rows: &[Row]) -> Table {
     let columns = Column::all(&["levels"], &["-log L, 0.1 s", "0.2 s", "0.5 s", "1 s", "NEES/9, 1 s"]);
     let mut table = Table::new("spans", "", columns);
-    let all: Vec<&Value> = rows.iter().filter_map(|row| row["spans"].as_array()).flatten().collect();
+    let all = || rows.iter().flat_map(|row| &row.spans);
     let mut names: Vec<&str> = Vec::new();
-    for name in all.iter().filter_map(|score| score["name"].as_str()) {
+    for name in all().map(|score| score.name) {
         if !names.contains(&name) {
             names.push(name);
         }
     }
     for name in names {
-        let mean = |key: &str, span_s: f64| {
-            let of = all.iter().filter(|score| score["name"] == name && score["span_s"] == span_s);
-            let values: Vec<f64> = of.filter_map(|score| score[key].as_f64()).collect();
+        let mean = |span_s: f64, of: fn(&SpanScore) -> f64| {
+            let own = all().filter(|score| score.name == name && score.span_s == span_s);
+            let values: Vec<f64> = own.map(of).collect();
             (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
         };
-        let numbers = SPANS_S.map(|span_s| Cell::number(mean("nll", span_s), 1));
-        let nees = Cell::number(mean("nees", SPANS_S[3]), 2);
+        let numbers = SPANS_S.map(|span_s| Cell::number(mean(span_s, |score| score.nll), 1));
+        let nees = Cell::number(mean(SPANS_S[3], |score| score.nees), 2);
         table.row([vec![Cell::text(name)], numbers.to_vec(), vec![nees]].concat());
     }
     table

@@ -3,7 +3,7 @@
 //! 1. `course`: a recording with the true rotation at its samples; what a truth must be to score anything.
 //! 2. `affine`: one matrix and one bias, by robust least squares, with intervals: the simple rival, and what a network starts from.
 //! 3. `network`: a causal convolution over 2.5 s of six axes (at 200 Hz) that says what is to be added to the rate; forth and back.
-//! 4. `loss`: Huber's on products of increments over 16 and 32 samples, as a tree.
+//! 4. `loss`: Huber's on products of increments over spans of samples, as a tree.
 //! 5. `training`, `model`: from courses and a configuration to a file.
 //! 6. `score`, `spans`: the field's figures by the names of who defined them, and the likelihood of what is said of the errors.
 //!

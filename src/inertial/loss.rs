@@ -1,4 +1,4 @@
-//! Huber's loss on products of increments over spans of 16 and 32 samples, or longer ones.
+//! Huber's loss on products of increments over spans of samples.
 //!
 //! Increments `Exp(rate dt)` are multiplied pair by pair, a tree; over some of its levels `r = Log(turn^-1 product)` is held against the true turn. Down the tree goes the gradient by a
 //! small rotation on the right: a product's goes to its right factor as it is and to its left one turned by the right one.

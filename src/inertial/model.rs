@@ -5,6 +5,7 @@ use crate::config::InertialConfig;
 use crate::course::Course;
 use crate::network;
 use dpn_core::SampleRate;
+use dpn_core::signal::stats::{Ddof, deviation, mean};
 use dpn_pronet::StoreError;
 use dpn_pronet::store::{self, Named};
 use nalgebra::{DMatrix, Vector3};
@@ -59,7 +60,6 @@ impl Model {
             courses.iter().flat_map(of).collect::<Vec<_>>()
         };
         let axes: [Vec<f64>; 6] = std::array::from_fn(axis);
-        use dpn_core::signal::stats::{Ddof, deviation, mean};
         let card = Card {
             usage: USE.to_owned(),
             config: config.clone(),

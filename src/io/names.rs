@@ -284,12 +284,11 @@ fn meaning_in(name: &str, only: Option<Sensor>) -> Option<Meaning> {
 }
 
 fn meaning(original: &str) -> Option<Meaning> {
-    let name = original;
     // Axes by number: `gyro_rad[0]`.
     let numbered =
-        [("[0]", "_x"), ("[1]", "_y"), ("[2]", "_z")].into_iter().find(|(at, _)| name.contains(at));
-    let axis = numbered.map(|(at, axis)| name.replacen(at, axis, 1));
-    let name = axis.as_deref().unwrap_or(name);
+        [("[0]", "_x"), ("[1]", "_y"), ("[2]", "_z")].into_iter().find(|(at, _)| original.contains(at));
+    let axis = numbered.map(|(at, axis)| original.replacen(at, axis, 1));
+    let name = axis.as_deref().unwrap_or(original);
     let (name, unit) = match name.find(['[', '(']) {
         Some(at) => (&name[..at], reduced(&name[at..])),
         None => (name, String::new()),

@@ -3,14 +3,12 @@
 //! A file holds a log an arming, each behind a header of its own that says what a count is: `gyro_scale` (the bits of a float, deg/s) and `acc_1G`. The crate
 //! passes over damaged frames by itself. Axes stay as the board has them.
 
+use crate::detect::BLACKBOX;
 use crate::records::{Holds, Records};
 use blackbox_log::frame::{Frame, FrameDef};
 use blackbox_log::{File, Headers, ParserEvent};
 use dpn_core::{ImuSample, Stamp};
 use dpn_io::AccelUnit;
-
-/// A log begins like this.
-pub(crate) const MAGIC: &[u8] = b"H Product:Blackbox";
 
 /// Reads all logs of a file; returns what is wrong where one of them cannot be read.
 pub(crate) fn read(bytes: &[u8], records: &mut Records) -> Option<String> {
@@ -19,7 +17,7 @@ pub(crate) fn read(bytes: &[u8], records: &mut Records) -> Option<String> {
     let mut behind = bytes;
     for number in 0..file.log_count() {
         // The scales are read where the crate finds the header too.
-        let at = behind.windows(MAGIC.len()).position(|line| line == MAGIC);
+        let at = behind.windows(BLACKBOX.len()).position(|line| line == BLACKBOX);
         let log = at.map_or(&[][..], |at| &behind[at..]);
         behind = log.get(1..).unwrap_or(log);
         match file.parse(number) {

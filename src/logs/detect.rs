@@ -17,11 +17,14 @@ pub(crate) fn is_zip(head: &[u8]) -> bool {
     head.starts_with(b"PK\x03\x04") || head.starts_with(b"PK\x05\x06")
 }
 
+/// The first line of a blackbox's log.
+pub(crate) const BLACKBOX: &[u8] = b"H Product:Blackbox";
+
 /// First bytes of what other programs turn into a log, what it is, and how.
 const FOREIGN: &[(&[u8], &str, &str)] = &[
     #[cfg(not(feature = "blackbox"))]
     (
-        b"H Product:Blackbox",
+        BLACKBOX,
         "a Betaflight blackbox log",
         "decode it by `blackbox_decode --unit-acceleration g FILE` of blackbox-tools, and give the CSV that it writes",
     ),
@@ -86,8 +89,8 @@ impl Kind {
             Err(LogError::Foreign { path: path.to_owned(), what, remedy })
         } else if json::is(head) {
             Ok(Self::Json)
-        } else if is(b"H Product:Blackbox") {
-            Ok(Kind::Blackbox)
+        } else if is(BLACKBOX) {
+            Ok(Self::Blackbox)
         } else if is(ulog::MAGIC) {
             Ok(Self::Ulog)
         } else if is(ardupilot::MAGIC) {

@@ -53,7 +53,13 @@ fn logs_below(path: &Path, deep: usize) -> Result<Vec<PathBuf>, LogError> {
         found.clone_from(below);
     }
     if found.is_empty() && deep > 0 {
-        found = folders.iter().flat_map(|dir| logs_below(dir, deep - 1).unwrap_or_default()).collect();
+        let below = |dir: &PathBuf| match logs_below(dir, deep - 1) {
+            Ok(logs) => logs,
+            Err(LogError::NoLog { .. }) => Vec::new(),
+            // Whoever reads it is told why not.
+            Err(_) => vec![dir.clone()],
+        };
+        found = folders.iter().flat_map(below).collect();
     }
     found.sort();
     if found.is_empty() { Err(none) } else { Ok(found) }

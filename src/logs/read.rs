@@ -282,20 +282,21 @@ fn text(
     let mut head = Vec::new();
     let mut source = source;
     source.by_ref().take(LOOKED_AT).read_to_end(&mut head).map_err(|e| IoError::reading(file, e))?;
-    let long = Long::of(&head);
-    if long.is_some() || oxiod::is(&head) {
-        let mut bytes = head;
+    let mut whole = |mut bytes: Vec<u8>| {
         source.read_to_end(&mut bytes).map_err(|e| IoError::reading(file, e))?;
-        let whole = String::from_utf8_lossy(&bytes);
-        let Some(long) = long else {
-            let mut log = text(oxiod::table(&whole).as_bytes(), file, path, kind, options)?;
-            log.guesses.insert(0, oxiod::WORDS.to_owned());
-            return Ok(log);
-        };
-        let text = whole;
+        let text = String::from_utf8(bytes);
+        Ok::<_, IoError>(text.unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned()))
+    };
+    if let Some(long) = Long::of(&head) {
+        let text = whole(head)?;
         let of = |name: &str| Source::Text(name.to_owned(), long.rows_of(&text, name), file.to_path_buf());
         let log = TwoFiles::of(of(&long.gyro), of(&long.accel)).read(path, options)?;
         return Ok(Log { kind, ..log });
+    }
+    if oxiod::is(&head) {
+        let mut log = text(oxiod::table(&whole(head)?).as_bytes(), file, path, kind, options)?;
+        log.guesses.insert(0, oxiod::WORDS.to_owned());
+        return Ok(log);
     }
     let preamble = gcsv::scaled(&head, options);
     let options = preamble.as_ref().map_or(options, |(scaled, _)| scaled);

@@ -205,7 +205,9 @@ impl Server {
             self.send(Topic::Sigma, t, || sigma(t, noise).to_string());
         }
         if let Some((shown, points)) = &frame.image {
-            self.send(Topic::Image, t, || image(t, shown).unwrap_or_default().to_string());
+            self.send(Topic::Image, t, || {
+                image(t, shown).expect("what a camera of a few thousand pixels saw fits a PNG").to_string()
+            });
             self.send(Topic::Tracks, t, || tracks(t, points).to_string());
         }
     }

@@ -185,8 +185,8 @@ def two_namespaces():
     peer.close()
 
 
-def bits():
-    """A small flight, samples late and images early: the bits of `dpn run`."""
+def on_the_flight(*more):
+    """The small flight, the poses expected of it, a peer that plays it compressed, and a node that waits for it."""
     folder = flown()
     poses = expected(folder, *NOISE)
     recording = Recording(folder, compressed=True)
@@ -194,7 +194,13 @@ def bits():
     odometry = peer.reader("/odometry", Odometry)
     peer.writer("/imu", Imu)
     peer.writer("/image_raw/compressed", CompressedImage)
-    node = Node(DPN, "--calib", recording.calibration, "--reliable", "--compressed", *NOISE)
+    node = Node(DPN, "--calib", recording.calibration, "--reliable", "--compressed", *more, *NOISE)
+    return poses, recording, peer, odometry, node
+
+
+def bits():
+    """A small flight, samples late and images early: the bits of `dpn run`."""
+    poses, recording, peer, odometry, node = on_the_flight()
     peer.matched("/imu", "/image_raw/compressed")
     late = [(t + 30_000_000, "/imu", m) for t, m in recording.samples]
     play(peer, late + [(t, "/image_raw/compressed", m) for t, m in recording.images])
@@ -287,14 +293,7 @@ def view():
     """`--view` by another WebSocket: every topic comes; a viewer that takes nothing changes no pose."""
     from websockets.sync.client import connect
 
-    folder = flown()
-    poses = expected(folder, *NOISE)
-    recording = Recording(folder, compressed=True)
-    peer = Peer()
-    odometry = peer.reader("/odometry", Odometry)
-    peer.writer("/imu", Imu)
-    peer.writer("/image_raw/compressed", CompressedImage)
-    node = Node(DPN, "--calib", recording.calibration, "--reliable", "--compressed", "--view=127.0.0.1:0", *NOISE)
+    poses, recording, peer, odometry, node = on_the_flight("--view=127.0.0.1:0")
     node.wait_for("view: ws://")
     address = next(line.split()[1].rstrip(",") for line in node.lines if line.startswith("view: "))
     protocol, seen = "foxglove.sdk.v1", {}
