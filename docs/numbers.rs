@@ -464,60 +464,62 @@ fn of_table(name: &str) -> String {
     }
 }
 
-/// Scores of the test sequences in one collection of recordings: of each the list `field`.
-fn inertial(data: &str, field: &str) -> Vec<Vec<Value>> {
-    let file = json(&format!("inertial_{data}"));
-    let sequences = file["sequences"].as_array().unwrap().iter();
-    sequences.map(|sequence| sequence[field].as_array().unwrap().clone()).collect()
+/// Mean of numbers of which there are some.
+fn mean_of(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
 }
 
 /// Ways to rates, a row each; a network's has a number a seed.
 fn rates() -> String {
-    let mut table = String::from(
-        "\n\n| rates | EuRoC, AOE | EuRoC, worst | EuRoC, a second | raw TUM-VI, AOE | Fetch, AOE |\n|---|---|---|---|---|---|\n",
-    );
-    for (row, ends) in [
-        ("raw", ["raw"].as_slice()),
+    let [euroc, tumvi, fetch] = ["euroc", "tumvi", "fetch"].map(|data| json(&format!("inertial_{data}")));
+    let rows: [(&str, &[&str]); 6] = [
+        ("raw", &["raw"]),
         ("affine, fitted on training sequences", &["affine"]),
         ("network", &["network 0", "network 1", "network 2"]),
         ("network, averaged over 20 s", &["network 0 averaged", "network 1 averaged", "network 2 averaged"]),
         ("affine, bias as the truth so far says it", &["affine, running bias"]),
         ("raw, its own mean bias", &["raw, its own mean bias"]),
-    ] {
-        let cell = |data: &str, key: &str, of: &dyn Fn(&[f64]) -> f64| {
+    ];
+    let row = |(row, ends): (&str, &[&str])| {
+        let cell = |data: &Value, key: &str, of: fn(&[f64]) -> f64| {
             let one = |name: &&str| {
-                let scores = inertial(data, "sources").into_iter();
-                let values: Vec<f64> = scores
-                    .map(|all| named(&Value::from(all), "name", name)["score"][key].as_f64().unwrap())
-                    .collect();
-                format!("{:.2}", of(&values))
+                let sequences = data["sequences"].as_array().unwrap().iter();
+                let score =
+                    |sequence: &Value| named(&sequence["sources"], "name", name)["score"][key].as_f64();
+                format!("{:.2}", of(&sequences.map(|sequence| score(sequence).unwrap()).collect::<Vec<_>>()))
             };
             ends.iter().map(one).collect::<Vec<_>>().join(", ")
         };
-        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
         let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
-        let cells = [
+        [
             row.to_owned(),
-            cell("euroc", "aoe_deg", &mean),
-            cell("euroc", "aoe_deg", &most),
-            cell("euroc", "quick_deg", &mean),
-            cell("tumvi", "aoe_deg", &mean),
-            cell("fetch", "aoe_deg", &mean),
-        ];
-        table += &format!("| {} |\n", cells.join(" | "));
-    }
-    table + "\n"
+            cell(&euroc, "aoe_deg", mean_of),
+            cell(&euroc, "aoe_deg", most),
+            cell(&euroc, "quick_deg", mean_of),
+            cell(&tumvi, "aoe_deg", mean_of),
+            cell(&fetch, "aoe_deg", mean_of),
+        ]
+    };
+    let head = ["rates", "EuRoC, AOE", "EuRoC, worst", "EuRoC, a second", "raw TUM-VI, AOE", "Fetch, AOE"];
+    block(head, rows.map(row))
 }
 
 /// Ways to levels of noise on EuRoC, a row each; without MH_04, whose published truth jumps.
 fn levels() -> String {
-    let mut table = String::from(
-        "\n\n| levels | 0.1 s | 0.2 s | 0.5 s | 1 s | NEES / 9 at 0.5 and 1 s |\n|---|---|---|---|---|---|\n",
-    );
     let file = json("inertial_euroc");
     let sequences = file["sequences"].as_array().unwrap().iter();
     let kept = sequences.filter(|sequence| sequence["sequence"] != "MH_04_difficult");
-    let all: Vec<Value> = kept.flat_map(|sequence| sequence["spans"].as_array().unwrap().clone()).collect();
+    let all: Vec<&Value> = kept.flat_map(|sequence| sequence["spans"].as_array().unwrap()).collect();
+    let row = |name: &str| {
+        let of = |key: &str, span_s: f64| -> Vec<f64> {
+            let is_meant = |score: &&&Value| score["name"] == name && score["span_s"] == span_s;
+            all.iter().filter(is_meant).map(|score| score[key].as_f64().unwrap()).collect()
+        };
+        let [a, b, c, d] = [0.1, 0.2, 0.5, 1.0].map(|span_s| format!("{:.1}", mean_of(&of("nll", span_s))));
+        let nees = [of("nees", 0.5), of("nees", 1.0)].concat();
+        let (least, most) = nees.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), v| (a.min(*v), b.max(*v)));
+        [name.to_owned(), a, b, c, d, format!("{least:.2} to {most:.2}")]
+    };
     let names = [
         "x1",
         "x4",
@@ -526,20 +528,7 @@ fn levels() -> String {
         "residuals of the last 5 s",
         "oracle, a constant a sequence",
     ];
-    for name in names {
-        let of = |key: &str, span_s: f64| -> Vec<f64> {
-            let is_meant = |score: &&Value| score["name"] == name && score["span_s"] == span_s;
-            all.iter().filter(is_meant).map(|score| score[key].as_f64().unwrap()).collect()
-        };
-        let nll = [0.1, 0.2, 0.5, 1.0].map(|span_s| {
-            let values = of("nll", span_s);
-            format!("{:.1}", values.iter().sum::<f64>() / values.len() as f64)
-        });
-        let nees = [of("nees", 0.5), of("nees", 1.0)].concat();
-        let (least, most) = nees.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), v| (a.min(*v), b.max(*v)));
-        table += &format!("| {name} | {} | {least:.2} to {most:.2} |\n", nll.join(" | "));
-    }
-    table + "\n"
+    block(["levels", "0.1 s", "0.2 s", "0.5 s", "1 s", "NEES / 9 at 0.5 and 1 s"], names.map(row))
 }
 
 /// What a key stands for.

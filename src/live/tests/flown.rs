@@ -1,6 +1,6 @@
 //! A walk around the middle of a room that comes back to where it began after [`PERIOD_S`] seconds: what sensors say on it goes on for as long as one likes.
 
-use dpn_core::{GrayImage, ImuSample, Stamp};
+use dpn_core::{GRAVITY, GrayImage, ImuSample, Stamp};
 use dpn_io::calibration::Calibration;
 use dpn_live::OdometryConfig;
 use dpn_sim::render::{RenderConfig, RenderedCamera};
@@ -14,7 +14,6 @@ use std::sync::Arc;
 pub(crate) const PERIOD_S: f64 = 20.0;
 /// The beginning.
 pub(crate) const BEGIN: Stamp = Stamp::from_ns(1_700_000_000_000_000_000);
-const GRAVITY: f64 = 9.81;
 /// A quarter of EuRoC's a side.
 const SIZE: [u32; 2] = [188, 120];
 const INTRINSICS: [f64; 4] = [114.66, 114.32, 91.8, 62.1];
