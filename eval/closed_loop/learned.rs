@@ -49,12 +49,17 @@ pub struct LearnedFigure {
     pub unsure: f64,
     /// Whether an axis is at the data sheet's floor, below which nothing is learned: then it is a bound.
     pub at_floor: bool,
+    /// Whether something speaks against believing the run: its levels are then no sensor's.
+    #[serde(default)]
+    pub doubted: bool,
 }
 
 impl LearnedFigure {
     /// Why it is no figure, where it is none.
     pub fn not_known(&self) -> Option<&'static str> {
-        if Interval::of_log(1.0, self.unsure).width() > Interval::WIDEST {
+        if self.doubted {
+            Some("the run is not to be trusted")
+        } else if Interval::of_log(1.0, self.unsure).width() > Interval::WIDEST {
             Some("the run says next to nothing of it: it stayed near its start")
         } else if self.at_floor {
             Some("at most its floor: less is not learned (components in the settings)")
@@ -83,12 +88,13 @@ const SPAN: f64 = 3.0;
 const AT_FLOOR: f64 = 1.02;
 
 impl LearnedNoise {
-    /// Of a run that learned its levels; `in_force` is the noise told times those. None where none was read.
+    /// Of a run that learned its levels; `in_force` is the noise told times those, `doubted` whether something speaks against believing the run. None where none was read.
     pub(super) fn of(
         recording: &Recording,
         config: &EstimatorConfig,
         output: &EstimatorOutput,
         in_force: &NoiseTrack,
+        doubted: bool,
     ) -> Option<Self> {
         let components = config.components?;
         let rate = recording.imu.rate();
@@ -155,6 +161,7 @@ impl LearnedNoise {
                 density,
                 unsure: worst,
                 at_floor: density.iter().any(|d| d.value < AT_FLOOR * floor),
+                doubted,
             }
         });
         Some(Self { rate_hz: rate, seconds, runs: 1, figures })
@@ -184,7 +191,8 @@ impl LearnedNoise {
             });
             let unsure = weighted(&|run| run.seconds / total * run.figures[i].unsure.powi(2)).sqrt();
             let at_floor = heard.iter().all(|run| run.figures[i].at_floor);
-            LearnedFigure { figure: first.figures[i].figure, density, unsure, at_floor }
+            let doubted = heard.iter().all(|run| run.figures[i].doubted);
+            LearnedFigure { figure: first.figures[i].figure, density, unsure, at_floor, doubted }
         });
         Some(Self { rate_hz: first.rate_hz, seconds, runs: runs.iter().map(|run| run.runs).sum(), figures })
     }
@@ -218,6 +226,7 @@ mod tests {
             density: [Interval::of_log(density, deviation); 3],
             unsure: deviation,
             at_floor: false,
+            doubted: false,
         };
         LearnedNoise { rate_hz: SampleRate::HZ_200, seconds, runs: 1, figures: Figure::ALL.map(figure) }
     }
@@ -242,6 +251,12 @@ mod tests {
             LearnedNoise::together(&[run(100.0, 0.02, 0.1), run(500.0, 0.5, 0.9)]).unwrap().figures[1];
         assert!((with_one_that_knows_nothing.density[2].value - 0.02).abs() < 1e-12);
         assert!(run(9.0, 0.5, 0.9).figures[0].not_known().is_some());
+        // Nor is one that is not to be trusted, however sure it is.
+        let mut doubted = run(500.0, 0.5, 0.01);
+        doubted.figures.iter_mut().for_each(|figure| figure.doubted = true);
+        assert!(doubted.figures[0].not_known().is_some());
+        let beside = LearnedNoise::together(&[run(100.0, 0.02, 0.1), doubted]).unwrap().figures[0];
+        assert!((beside.density[0].value - 0.02).abs() < 1e-12 && !beside.doubted);
         // The longer run counts more: (300 + 100 * 16) / 400.
         let long = LearnedNoise::together(&[run(300.0, 1.0, 0.1), run(100.0, 4.0, 0.1)]).unwrap();
         assert!((long.figures[2].density[1].value - 4.75f64.sqrt()).abs() < 1e-12);

@@ -71,6 +71,9 @@ impl RunSource {
         if let Some(log) = self.logged(dir)? {
             return Ok((log, 0));
         }
+        if dir.is_file() {
+            return Err(SourceError::NoImages { source_name: name.to_owned() }.into());
+        }
         if dir.exists() {
             let chosen = self.camera.is_some() || self.tracks.is_some();
             let mut sequence = Sequence::open(dir)?;

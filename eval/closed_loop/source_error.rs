@@ -34,6 +34,12 @@ pub enum SourceError {
         /// What the flights say.
         unknown: UnknownFlight,
     },
+    /// A file that is no log with images.
+    #[error("`{source_name}` holds no images, and no ground truth along which tracks could be made")]
+    NoImages {
+        /// The file.
+        source_name: String,
+    },
     /// Images of a flight.
     #[error("a flight has no folder of images")]
     FlightImages,
@@ -57,6 +63,9 @@ impl SourceError {
             Self::TwoCameras => "leave one of them away",
             Self::Unknown { .. } => {
                 "name a folder with an ASL sequence, or a flight of `dpn simulate flight --list`"
+            }
+            Self::NoImages { .. } => {
+                "name a bag with images or a folder that they lie in; `dpn check` and `dpn noise` take a log of an IMU alone"
             }
             Self::FlightImages => "leave `camera` away, render some with `camera` rendered, or name a folder",
             Self::FlightTruth => "leave `truth` away",

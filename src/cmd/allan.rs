@@ -30,11 +30,13 @@ pub(crate) fn run(args: &AllanArgs) -> Result<()> {
         out!("{text}")?;
         return Ok(());
     }
-    out!("{}", report::page(&allan)?)?;
+    out!("{}", report::page(&allan))?;
     if let (Some(path), Some(source), Some(checked)) = (&args.check, &config, &checked) {
         outln!("\n{} as {}, against this log at rest:", path.display(), source.format)?;
         noise::print_findings(checked.iter().map(FigureCheck::finding))?;
         noise::print_remarks(source)?;
+    } else {
+        out!("{}", report::lines_to_paste(&allan)?)?;
     }
     out!("\n")?;
     Ok(print_pictures(&files)?)

@@ -40,7 +40,7 @@ fn the_page_holds_what_is_to_be_pasted_and_what_is_lacking() {
         "12000 samples at 200.0 Hz, 60 s at rest",
         "N white noise",
         "gyro x y z: bias walk not seen in 60 s; a log of",
-        "Most people multiply them by 5 to 20",
+        "Configurations that programs ship have 1 to 20 times",
         "--- openvins ---\n%YAML:1.0",
         "gyroscope_random_walk: ",
         "not seen in this log: an upper bound",
@@ -73,6 +73,7 @@ fn a_configuration_is_held_against_the_log() {
     );
     assert!(line("gyr_n").contains("degrees where radians belong"), "{done:?}");
     assert!(line("gyr_w").starts_with("ok:"), "{done:?}");
+    assert!(!done.stdout.contains("--- "), "who asks for a verdict gets no lines to paste: {done:?}");
     std::fs::write(&config, "acc_n: 0.014\nacc_w: 4e-5\ngyr_n: 0\ngyr_w: 2e-6\n").unwrap();
     let done =
         allan(dir.path(), &text(&rows(12_000, 5_000_000)), &["--check", config.to_str().unwrap()]).well();

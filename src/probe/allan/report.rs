@@ -15,14 +15,11 @@ pub(crate) const PASTED: [Format; 5] =
     [Format::Kalibr, Format::OpenVins, Format::OrbSlam3, Format::Vins, Format::Basalt];
 
 /// What people do with such numbers, and why.
-pub const MULTIPLY: &str = "These are the noises of a sensor that lies still. Most people multiply them by 5 to 20 before they paste \
-    them: vibration, temperature, mounting and wrong pixel noise are not in them.";
+pub const MULTIPLY: &str = "These are the noises of a sensor that lies still. Configurations that programs ship have 1 to 20 times the data \
+    sheet's: vibration, temperature, mounting and wrong pixel noise are not in them.";
 
-/// The whole page.
-///
-/// # Errors
-/// Those of writing a configuration.
-pub fn page(log: &AllanLog) -> Result<String, FormatError> {
+/// What is found, without the lines to paste.
+pub fn page(log: &AllanLog) -> String {
     let mut text = head(log);
     for sensor in Sensor::ALL {
         text.push_str(&table(log, sensor));
@@ -30,7 +27,15 @@ pub fn page(log: &AllanLog) -> Result<String, FormatError> {
     text.push_str(&between(log));
     text.push_str(&lacking(log));
     text.push_str(&humps(log));
-    text.push_str(&format!("\n{MULTIPLY}\n"));
+    text
+}
+
+/// The lines to paste, with what they are to be multiplied by.
+///
+/// # Errors
+/// Those of writing a configuration.
+pub fn lines_to_paste(log: &AllanLog) -> Result<String, FormatError> {
+    let mut text = format!("\n{MULTIPLY}\n");
     for written in pasted(log)? {
         text.push_str(&format!("\n--- {} ---\n{}", written.format, written.text));
         for remark in written.remarks {
