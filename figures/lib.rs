@@ -40,6 +40,7 @@ mod track_picture;
 mod training_curve;
 mod trajectories;
 mod trajectory_errors;
+mod turn_errors;
 
 pub use album::Album;
 pub use allan_plot::allan_plot;
@@ -62,6 +63,7 @@ pub use track_picture::{TrackDot, TrackEnd, TrackPicture};
 pub use training_curve::training_curve;
 pub use trajectories::{TrajectoryPanel, trajectories};
 pub use trajectory_errors::trajectory_errors;
+pub use turn_errors::{TurnErrors, turn_errors};
 
 /// The README's code is a test.
 #[cfg(doctest)]

@@ -4,7 +4,7 @@ use super::{apart, log};
 use crate::args::FitArgs;
 use crate::ui::{out, outln, warn};
 use anyhow::{Context, Result};
-use dpn_core::{ImuRecording, ImuSample};
+use dpn_core::{ImuRecording, ImuSample, Sensor};
 use dpn_io::asl::write_imu_rows;
 use dpn_io::{atomic_write, read_poses};
 use dpn_truth::{SensorAgainst, against};
@@ -89,31 +89,36 @@ impl<'a> Calibration<'a> {
     }
 
     fn page(&self) -> String {
-        let (sensor, unit) = (self.of.sensor, self.of.sensor.unit());
-        let mut text = format!(
-            "{sensor}: matrix * reading - bias, 95 %; a number that the motion does not tell has no interval\n"
-        );
-        for row in 0..3 {
-            let number = |column: usize| {
-                let value = self.matrix[(row, column)];
-                match Self::at(self.of, row, column) {
-                    Some([_, std]) => format!("{value:8.5} +- {:.5}", 1.96 * std),
-                    None => format!("{value:8.5}           "),
-                }
-            };
-            let bias = &self.of.bias;
-            let numbers = [0, 1, 2].map(number).join("  ");
-            text +=
-                &format!("  {numbers}   bias {:.5} +- {:.5} {unit}\n", bias.value[row], 1.96 * bias.std[row]);
-        }
-        text
+        let number =
+            |row, column| (self.matrix[(row, column)], Self::at(self.of, row, column).map(|[_, std]| std));
+        let bias = &self.of.bias;
+        matrix_page(self.of.sensor, &number, &[0, 1, 2].map(|row| (bias.value[row], bias.std[row])))
     }
+}
+
+/// A calibration by rows, each number with its deviation where that is known.
+pub(super) fn matrix_page(
+    sensor: Sensor,
+    number: &dyn Fn(usize, usize) -> (f64, Option<f64>),
+    bias: &[(f64, f64); 3],
+) -> String {
+    let mut text = format!(
+        "{sensor}: matrix * reading - bias, 95 %; a number that the motion does not tell has no interval\n"
+    );
+    for (row, (bias, bias_std)) in bias.iter().enumerate() {
+        let numbers = [0, 1, 2].map(|column| match number(row, column) {
+            (value, Some(std)) => format!("{value:8.5} +- {:.5}", 1.96 * std),
+            (value, None) => format!("{value:8.5}           "),
+        });
+        let unit = sensor.unit();
+        text += &format!("  {}   bias {bias:.5} +- {:.5} {unit}\n", numbers.join("  "), 1.96 * bias_std);
+    }
+    text
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use dpn_core::Sensor;
     use dpn_core::noise::Interval;
     use dpn_truth::{Estimated, Found, Known};
 

@@ -128,8 +128,7 @@ pub fn fit(courses: &[&Course], unknown: Unknown) -> Option<Fitted> {
             courses.len() * parts
         ];
         for (((group, ..), (r, by)), size) in rows.iter().zip(&terms).zip(&sizes) {
-            let weight =
-                (HUBER * of_course[group / parts] / size).min(1.0) / typical.powi(2).max(f64::MIN_POSITIVE);
+            let weight = pull(*size, of_course[group / parts]) / typical.powi(2).max(f64::MIN_POSITIVE);
             groups[*group].0 += weight * by.transpose() * by;
             groups[*group].1 += weight * by.transpose() * r;
         }
@@ -152,6 +151,11 @@ pub fn fit(courses: &[&Course], unknown: Unknown) -> Option<Fitted> {
         out = Some(Fitted { affine, std, residual: typical, spans: rows.len() });
     }
     out
+}
+
+/// What a residual of that size weighs, by the median one (Huber).
+pub(crate) fn pull(size: f64, median: f64) -> f64 {
+    (HUBER * median / size).min(1.0)
 }
 
 /// Of an unknown vector: bias, then the matrix column by column.

@@ -3,7 +3,7 @@
 use dpn_core::geometry::so3;
 use dpn_core::signal::stats::median;
 use dpn_core::trajectory::StampedPose;
-use dpn_core::{ImuRecording, SampleRate};
+use dpn_core::{ImuRecording, ImuSample, SampleRate, Stamp};
 use dpn_truth::interpolated;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use thiserror::Error;
@@ -88,6 +88,16 @@ impl Course {
         self.gyro.is_empty()
     }
 
+    /// The samples from `from` on, as read; the first one at time 0.
+    pub fn samples(&self, from: usize) -> impl Iterator<Item = ImuSample> {
+        let mut seconds = 0.0;
+        (from..self.len()).map(move |i| {
+            let t = Stamp::from_ns((1e9 * seconds) as i64);
+            seconds += self.step_s.get(i).copied().unwrap_or_default();
+            ImuSample { t, gyro: self.gyro[i].into(), accel: self.accel[i].into() }
+        })
+    }
+
     /// The true turn from sample `from` to `to`; none where one of them has no truth or samples are missing between.
     pub fn turn(&self, from: usize, to: usize) -> Option<UnitQuaternion<f64>> {
         let (a, b) = ((*self.truth.get(from)?)?, (*self.truth.get(to)?)?);
@@ -123,7 +133,6 @@ pub(crate) fn simulated(
     noise: f64,
 ) -> Course {
     use dpn_core::random::Stream;
-    use dpn_core::{ImuSample, Stamp};
     use rand_distr::{Distribution, StandardNormal};
     let (hz, count) = (200.0, (200.0 * seconds) as usize);
     let mut rng = Stream::new(5).named("course").rng();
@@ -166,14 +175,10 @@ mod tests {
             }
         }
         assert!(made.truth_follows_gyro());
-        let samples = (0..400).map(|i| dpn_core::ImuSample {
-            t: dpn_core::Stamp::from_ns(i * 5_000_000),
-            gyro: [0.0; 3],
-            accel: [0.0; 3],
-        });
+        let samples =
+            (0..400).map(|i| ImuSample { t: Stamp::from_ns(i * 5_000_000), gyro: [0.0; 3], accel: [0.0; 3] });
         let recording = ImuRecording::new(samples.collect()).unwrap();
-        let pose =
-            |ns| StampedPose { t: dpn_core::Stamp::from_ns(ns), world_from_body: Isometry3::identity() };
+        let pose = |ns| StampedPose { t: Stamp::from_ns(ns), world_from_body: Isometry3::identity() };
         let poses: Vec<_> = (0..18).map(|i| pose(i * 50_000_000)).collect();
         let error = Course::new("short", &recording, &poses).unwrap_err();
         assert!(error.to_string().contains("43 % of the samples"), "{error}");

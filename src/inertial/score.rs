@@ -2,30 +2,48 @@
 //!
 //! * `aoe_deg`, Brossard's and Debias_IMU's absolute orientation error: rates integrated from the first true rotation to the end, never corrected; the root of the mean square
 //!   of the angle to the truth, over all samples.
-//! * `roe_deg`, AirIMU's relative orientation error: the mean angle after one second, begun anew at the truth each time.
+//! * `roe_deg`, AirIMU's relative orientation error: the mean angle after a span (theirs is a second), begun anew at the truth each time.
 //! * `quick_deg`, ours: the same after the course's own mean bias was taken out, which leaves what is quicker than a sequence.
 
 use crate::affine::{Unknown, fit};
 use crate::course::Course;
 use crate::model::Model;
 use dpn_core::geometry::so3;
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use serde::Serialize;
 
-/// Over which rates are begun anew \[s\].
-const SECOND: f64 = 1.0;
+/// Spans over which rates are begun anew \[s\].
+pub const TURNS_S: [f64; 7] = [0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 60.0];
+/// A span begins this much after the one before it, or where that ends \[s\].
+const APART_S: f64 = 1.0;
 /// Samples to a step of the running bias.
 const SPAN: usize = 32;
 
 /// What rates of a course are worth.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Score {
     /// Absolute orientation error \[deg\].
     pub aoe_deg: f64,
-    /// Relative orientation error over a second \[deg\].
+    /// Over spans.
+    pub turns: Vec<Turn>,
+}
+
+/// What rates are worth over spans of one length.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Turn {
+    /// Length of a span \[s\].
+    pub span_s: f64,
+    /// Relative orientation error \[deg\].
     pub roe_deg: f64,
     /// The same without a bias of the whole course \[deg\].
     pub quick_deg: f64,
+}
+
+impl Score {
+    /// Over a second.
+    pub fn second(&self) -> Option<&Turn> {
+        self.turns.iter().find(|turn| turn.span_s == 1.0)
+    }
 }
 
 /// A way to rates.
@@ -37,21 +55,29 @@ pub struct Source {
     pub score: Score,
 }
 
-/// Every way to rates of a course: raw, affine, a network's and its average over `average_s` of past, and what knows the truth of this course.
+/// Every way to rates of a course: raw, affine, a network's and its average over `average_s` of past, the mean of such averages where there are several, and what knows the truth of this course.
 pub fn sources(course: &Course, affine: &crate::Affine, models: &[Model], average_s: f64) -> Vec<Source> {
     let raw = &course.gyro;
     let calibrated: Vec<_> = raw.iter().map(|reading| affine.apply(reading)).collect();
     let mut all = vec![("raw".to_owned(), raw.clone()), ("affine".to_owned(), calibrated.clone())];
+    let mut together = vec![Vector3::zeros(); course.len()];
     for model in models {
         let corrections = model.corrections(course);
         let base: Vec<_> = raw.iter().map(|reading| model.card.affine.apply(reading)).collect();
-        let sum = |corrections: &[Vector3<f64>]| base.iter().zip(corrections).map(|(b, c)| b + c).collect();
+        let sum = |corrections: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
+            base.iter().zip(corrections).map(|(b, c)| b + c).collect()
+        };
         let seed = model.card.config.seed;
         all.push((format!("network {seed}"), sum(&corrections)));
-        let samples = (average_s * course.rate.hz()) as usize;
-        all.push((format!("network {seed} averaged"), sum(&averaged(&corrections, samples))));
+        let slow = sum(&averaged(&corrections, (average_s * course.rate.hz()) as usize));
+        together.iter_mut().zip(&slow).for_each(|(mean, rate)| *mean += rate / models.len() as f64);
+        all.push((format!("network {seed} averaged"), slow));
     }
-    all.push(("raw, its own mean bias".to_owned(), without_bias(course, raw)));
+    if models.len() > 1 {
+        all.push(("networks averaged, their mean".to_owned(), together));
+    }
+    let bias = own_bias(course, raw);
+    all.push(("raw, its own mean bias".to_owned(), raw.iter().map(|rate| rate + bias).collect()));
     all.push(("affine, running bias".to_owned(), running(course, &calibrated)));
     all.into_iter().map(|(name, rates)| Source { name, score: score(course, &rates) }).collect()
 }
@@ -70,15 +96,15 @@ fn averaged(values: &[Vector3<f64>], past: usize) -> Vec<Vector3<f64>> {
     values.iter().enumerate().map(mean).collect()
 }
 
-/// Rates less the bias that fits this course's truth best: an oracle.
-fn without_bias(course: &Course, rates: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+/// What is to be added to rates so that they fit this course's truth best: an oracle.
+fn own_bias(course: &Course, rates: &[Vector3<f64>]) -> Vector3<f64> {
     let with = Course { gyro: rates.to_vec(), ..course.clone() };
-    let bias = fit(&[&with], Unknown::Bias).map_or(Vector3::zeros(), |found| found.affine.bias);
-    rates.iter().map(|rate| rate + bias).collect()
+    fit(&[&with], Unknown::Bias).map_or(Vector3::zeros(), |found| found.affine.bias)
 }
 
 /// Rates less the mean of their errors so far: what somebody learns who was told the truth of the past.
 fn running(course: &Course, rates: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+    let turned = integrated(course, rates);
     let mut out = rates.to_vec();
     let (mut sum, mut seconds) = (Vector3::zeros(), 0.0);
     for from in (0..course.len() - 1).step_by(SPAN) {
@@ -86,46 +112,50 @@ fn running(course: &Course, rates: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         let bias = if seconds > 0.0 { sum / seconds } else { Vector3::zeros() };
         out[from..to].iter_mut().for_each(|rate| *rate -= bias);
         if let Some(turn) = course.turn(from, to) {
-            sum += so3::log(&(turn.inverse() * product(course, rates, from, to)));
+            sum += so3::log(&(turn.inverse() * turned[from].inverse() * turned[to]));
             seconds += course.step_s[from..to].iter().sum::<f64>();
         }
     }
     out
 }
 
-/// Rates integrated from one sample to another.
-fn product(course: &Course, rates: &[Vector3<f64>], from: usize, to: usize) -> UnitQuaternion<f64> {
-    (from..to).fold(UnitQuaternion::identity(), |r, i| r * so3::exp(&(rates[i] * course.step_s[i])))
+/// Rates integrated from the first sample to each.
+fn integrated(course: &Course, rates: &[Vector3<f64>]) -> Vec<UnitQuaternion<f64>> {
+    let mut turned = vec![UnitQuaternion::identity()];
+    let steps = rates.iter().zip(&course.step_s);
+    turned.extend(steps.scan(UnitQuaternion::identity(), |turned, (rate, step)| {
+        *turned *= so3::exp(&(rate * *step));
+        Some(*turned)
+    }));
+    turned
 }
 
 /// What `rates` of `course`'s samples are worth.
 pub(crate) fn score(course: &Course, rates: &[Vector3<f64>]) -> Score {
-    let (mut sum, mut count) = (0.0, 0_usize);
-    let mut rotation = course.truth[0].expect("a course begins with a truth").rotation;
-    for (i, truth) in course.truth.iter().enumerate() {
-        if let Some(truth) = truth {
-            sum += so3::log(&(truth.rotation.inverse() * rotation)).norm_squared();
+    let turned = integrated(course, rates);
+    let first = course.truth[0].expect("a course begins with a truth").rotation;
+    let off = |(truth, turned): (&Option<Isometry3<f64>>, &UnitQuaternion<f64>)| {
+        Some(so3::log(&((*truth)?.rotation.inverse() * first * turned)).norm_squared())
+    };
+    let squares: Vec<f64> = course.truth.iter().zip(&turned).filter_map(off).collect();
+    let bias = own_bias(course, rates);
+    let without = integrated(course, &rates.iter().map(|rate| rate + bias).collect::<Vec<_>>());
+    let turn = |span_s: f64| {
+        let [samples, apart] = [span_s, span_s.min(APART_S)].map(|s| (s * course.rate.hz()).round() as usize);
+        let (mut sums, mut count) = ([0.0; 2], 0_usize);
+        for from in (0..course.len().saturating_sub(samples)).step_by(apart.max(1)) {
+            let Some(turn) = course.turn(from, from + samples) else { continue };
+            for (sum, turned) in sums.iter_mut().zip([&turned, &without]) {
+                *sum += turn.angle_to(&(turned[from].inverse() * turned[from + samples])).to_degrees();
+            }
             count += 1;
         }
-        if i + 1 < course.len() {
-            rotation *= so3::exp(&(rates[i] * course.step_s[i]));
-        }
-    }
-    let second = |rates: &[Vector3<f64>]| {
-        let samples = (SECOND * course.rate.hz()).round() as usize;
-        let starts = (0..course.len().saturating_sub(samples)).step_by(samples);
-        let angles: Vec<f64> = starts
-            .filter_map(|from| {
-                let turn = course.turn(from, from + samples)?;
-                Some(turn.angle_to(&product(course, rates, from, from + samples)).to_degrees())
-            })
-            .collect();
-        angles.iter().sum::<f64>() / angles.len() as f64
+        let [roe_deg, quick_deg] = sums.map(|sum| sum / count as f64);
+        (count > 0).then_some(Turn { span_s, roe_deg, quick_deg })
     };
     Score {
-        aoe_deg: (sum / count as f64).sqrt().to_degrees(),
-        roe_deg: second(rates),
-        quick_deg: second(&without_bias(course, rates)),
+        aoe_deg: (squares.iter().sum::<f64>() / squares.len() as f64).sqrt().to_degrees(),
+        turns: TURNS_S.into_iter().filter_map(turn).collect(),
     }
 }
 
@@ -144,10 +174,17 @@ mod tests {
         let first = course.truth[0];
         course.truth.iter_mut().for_each(|truth| *truth = first);
         let rows = sources(&course, &crate::Affine::none(), &[], 20.0);
-        let of = |name: &str| rows.iter().find(|row| row.name == name).unwrap().score;
+        let of = |name: &str| rows.iter().find(|row| row.name == name).unwrap().score.clone();
         let end = (0.002 * 30.0_f64).to_degrees();
         assert!((of("raw").aoe_deg - end / 3f64.sqrt()).abs() < 1e-3 * end);
-        assert!((of("raw").roe_deg - end / 30.0).abs() < 1e-6 && of("raw").quick_deg < 1e-4);
+        // After a span its share of it; nothing where the bias is taken out; no span is longer than the course.
+        let turns = of("raw").turns;
+        assert!(
+            turns.iter().all(|t| (t.roe_deg - end * t.span_s / 30.0).abs() < 1e-6
+                && t.quick_deg < 1e-4 * t.span_s.max(1.0)),
+            "{turns:?}"
+        );
+        assert_eq!(turns.last().unwrap().span_s, 10.0);
         assert!(
             of("raw, its own mean bias").aoe_deg < 1e-3 && of("affine, running bias").aoe_deg < 0.01 * end
         );

@@ -4,10 +4,11 @@
 //! covariance is a deviation of the accelerometer and one of the gyroscope, squared, times what one of each makes of the span. A level from residuals is the one whose squares are the mean
 //! ones: the gyroscope's by the rotations, the accelerometer's by positions and velocities. True velocities are differences of true positions.
 
+use crate::affine::pull;
 use crate::course::Course;
 use dpn_core::geometry::so3;
 use dpn_core::signal::stats::median_of;
-use dpn_core::{GRAVITY, ImuNoise, ImuSample, Sensor, Stamp};
+use dpn_core::{GRAVITY, ImuNoise};
 use dpn_vio::preint::{NoisySample, Preintegration, PreintegrationConfig};
 use dpn_vio::state::{ACCEL_BIAS, GYRO_BIAS, POSITION, ROTATION, VELOCITY};
 use dpn_vio::{ImuBias, NavState};
@@ -24,19 +25,25 @@ const BESIDE: usize = 5;
 const DIM: usize = 9;
 /// A chi-square variable of nine degrees of freedom is smaller with 95 %.
 const CHI_SQUARE: f64 = 16.919;
-/// Residuals beyond so many medians pull the bias less.
-const HUBER: f64 = 2.0;
 /// Rounds of the bias: residuals are nearly linear in it.
 const ROUNDS: usize = 2;
 
-/// Deviations of one sample, accelerometer and gyroscope.
-type Levels = [f64; 2];
+/// Deviations of one sample, accelerometer \[m/s^2\] and gyroscope \[rad/s\].
+pub type Levels = [f64; 2];
+
+/// What somebody says of a course's noise, at each sample of it.
+pub struct Said {
+    /// Who.
+    pub name: String,
+    /// At each sample.
+    pub levels: Vec<Levels>,
+}
 
 /// What levels are worth over spans of one length.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SpanScore {
     /// Where the levels come from.
-    pub name: &'static str,
+    pub name: String,
     /// Length of a span \[s\].
     pub span_s: f64,
     /// Mean negative logarithm of the likelihood of nine residuals in SI units.
@@ -51,48 +58,101 @@ pub struct SpanScore {
 
 /// One span: residual, and its covariance for a deviation of 1 of each sensor.
 struct Span {
+    /// Its first sample.
+    from: usize,
     end_s: f64,
     residual: SVector<f64, DIM>,
     by: [SMatrix<f64, DIM, DIM>; 2],
 }
 
-/// The residuals of a course, by the length of a span.
-pub struct Residuals(Vec<Vec<Span>>);
+/// Spans of one length.
+struct Length {
+    samples: usize,
+    spans: Vec<Span>,
+}
+
+/// The residuals of a course, by the length of a span, and what is said of them.
+pub struct Residuals {
+    lengths: Vec<Length>,
+    said: Vec<Said>,
+}
 
 impl Residuals {
-    /// Of `course`.
-    pub fn of(course: &Course) -> Self {
-        Self(SPANS_S.iter().map(|span_s| spans(course, *span_s)).collect())
+    /// Of `course`; of each who says something, the levels at its samples.
+    pub fn of(course: &Course, said: Vec<Said>) -> Self {
+        Self { lengths: SPANS_S.iter().map(|span_s| spans(course, *span_s)).collect(), said }
     }
 
-    /// Scores of constants and of recent residuals; the mean levels of `platform` and of `all` are constants too.
-    pub fn scores(&self, platform: &[&Self], all: &[&Self]) -> Vec<SpanScore> {
+    /// Scores of what was said, as it is and by the factor that suits the training sequences, of the mean levels of those of the same platform (`own`), of the `other` ones and of both, and of
+    /// recent residuals.
+    pub fn scores(&self, own: &[&Self], other: &[&Self]) -> Vec<SpanScore> {
+        let all = [own, other].concat();
         let mut scores = Vec::new();
-        for (i, own) in self.0.iter().enumerate().filter(|(_, own)| !own.is_empty()) {
-            let mut add = |name, of: &dyn Fn(usize) -> Levels| scores.push(score(name, SPANS_S[i], own, of));
-            let x1 = Sensor::ALL.map(|sensor| ImuNoise::baseline().of(sensor)[0]);
-            add("x1", &|_| x1);
-            add("x4", &|_| x1.map(|level| 4.0 * level));
-            for (name, others) in [("one constant", all), ("a constant a platform", platform)] {
-                let constant = levels(others.iter().flat_map(|other| &other.0[i]));
+        for (i, length) in self.lengths.iter().enumerate().filter(|(_, length)| !length.spans.is_empty()) {
+            let spans = &length.spans;
+            let mut add =
+                |name: &str, of: &dyn Fn(usize) -> Levels| scores.push(score(name, SPANS_S[i], spans, of));
+            for said in &self.said {
+                let say = |at: usize| said.over(spans[at].from, length.samples);
+                add(&said.name, &say);
+                let factor = levels(all.iter().flat_map(|one| one.said_at(&said.name, i)));
+                // Of a constant that is the constant of the training sequences.
+                let varies = said.levels.iter().any(|levels| *levels != said.levels[0]);
+                if varies && factor.iter().all(|factor| *factor > 0.0) {
+                    add(&format!("{}, scaled", said.name), &|at| product(say(at), factor));
+                }
+            }
+            let constants = [
+                ("one constant", &all[..]),
+                ("a constant a platform", own),
+                // Where nobody says which platform is whose, there are no others.
+                ("a constant of the other platforms", if own.is_empty() { &[] } else { other }),
+            ];
+            for (name, sequences) in constants {
+                let constant = levels(
+                    sequences.iter().flat_map(|one| &one.lengths[i].spans).map(|span| (span, [1.0; 2])),
+                );
                 if constant.iter().all(|level| *level > 0.0) {
                     add(name, &|_| constant);
                 }
             }
-            let start = own.partition_point(|span| span.end_s < RECENT_S).max(1);
+            let mean = |spans: &[Span]| levels(spans.iter().map(|span| (span, [1.0; 2])));
+            let start = spans.partition_point(|span| span.end_s < RECENT_S).max(1);
             add("residuals of the last 5 s", &|at| {
-                let from = own[..at].partition_point(|span| span.end_s < own[at].end_s - RECENT_S);
+                let from = spans[..at].partition_point(|span| span.end_s < spans[at].end_s - RECENT_S);
                 // The first seconds are told by themselves: nothing came before.
-                levels(if at < start { &own[..start] } else { &own[from.min(at - 1)..at] })
+                mean(if at < start { &spans[..start] } else { &spans[from.min(at - 1)..at] })
             });
-            let oracle = levels(own);
+            let oracle = mean(spans);
             add("oracle, a constant a sequence", &|_| oracle);
         }
         scores
     }
+
+    /// The spans of one length with what `name` says of each.
+    fn said_at(&self, name: &str, length: usize) -> impl Iterator<Item = (&Span, Levels)> {
+        let Length { samples, spans } = &self.lengths[length];
+        let said = self.said.iter().find(|said| said.name == name);
+        said.into_iter()
+            .flat_map(move |said| spans.iter().map(move |span| (span, said.over(span.from, *samples))))
+    }
 }
 
-fn score(name: &'static str, span_s: f64, spans: &[Span], levels: &dyn Fn(usize) -> Levels) -> SpanScore {
+impl Said {
+    /// The root of the mean square over so many samples.
+    fn over(&self, from: usize, samples: usize) -> Levels {
+        let part = &self.levels[from..from + samples];
+        [0, 1].map(|sensor| {
+            (part.iter().map(|level| level[sensor].powi(2)).sum::<f64>() / samples as f64).sqrt()
+        })
+    }
+}
+
+fn product(a: Levels, b: Levels) -> Levels {
+    [a[0] * b[0], a[1] * b[1]]
+}
+
+fn score(name: &str, span_s: f64, spans: &[Span], levels: &dyn Fn(usize) -> Levels) -> SpanScore {
     let (mut nll, mut nees, mut inside) = (0.0, 0.0, 0_usize);
     for (i, span) in spans.iter().enumerate() {
         let [accel, gyro] = levels(i).map(|level| level * level);
@@ -105,32 +165,39 @@ fn score(name: &'static str, span_s: f64, spans: &[Span], levels: &dyn Fn(usize)
         inside += usize::from(square < CHI_SQUARE);
     }
     let n = spans.len() as f64;
-    SpanScore { name, span_s, nll: nll / n, nees: nees / n, inside: inside as f64 / n, spans: spans.len() }
+    SpanScore {
+        name: name.to_owned(),
+        span_s,
+        nll: nll / n,
+        nees: nees / n,
+        inside: inside as f64 / n,
+        spans: spans.len(),
+    }
 }
 
-/// The levels whose squares are the residuals' mean ones.
-fn levels<'a>(spans: impl IntoIterator<Item = &'a Span>) -> Levels {
+/// By what factor the residuals' mean squares are those of the levels beside each.
+fn levels<'a>(spans: impl IntoIterator<Item = (&'a Span, Levels)>) -> Levels {
     let (mut sums, mut count) = ([0.0; 2], 0_usize);
-    for span in spans {
+    for (span, [accel, gyro]) in spans {
         count += 1;
         let turn: Vector3<f64> = span.residual.fixed_rows::<3>(ROTATION).into();
         let by: Matrix3<f64> = span.by[1].fixed_view::<3, 3>(ROTATION, ROTATION).into();
-        sums[1] += by.cholesky().map_or(0.0, |by| turn.dot(&by.solve(&turn))) / 3.0;
+        sums[1] += by.cholesky().map_or(0.0, |by| turn.dot(&by.solve(&turn))) / (3.0 * gyro * gyro);
         let places = [POSITION, POSITION + 1, POSITION + 2, VELOCITY, VELOCITY + 1, VELOCITY + 2];
         let moved = SVector::<f64, 6>::from_fn(|i, _| span.residual[places[i]]);
         let by = SMatrix::<f64, 6, 6>::from_fn(|i, j| span.by[0][(places[i], places[j])]);
-        sums[0] += by.cholesky().map_or(0.0, |by| moved.dot(&by.solve(&moved))) / 6.0;
+        sums[0] += by.cholesky().map_or(0.0, |by| moved.dot(&by.solve(&moved))) / (6.0 * accel * accel);
     }
     sums.map(|sum| (sum / count.max(1) as f64).sqrt())
 }
 
 /// The spans of a course end to end, under the one bias that leaves the least turns and velocities.
-fn spans(course: &Course, span_s: f64) -> Vec<Span> {
+fn spans(course: &Course, span_s: f64) -> Length {
+    let samples = (span_s * course.rate.hz()).round() as usize;
     let (mut bias, mut out) = (ImuBias::zero(), Vec::new());
     for round in 0..=ROUNDS {
         let (mut end_s, mut slopes) = (0.0, Vec::new());
         out.clear();
-        let samples = (span_s * course.rate.hz()).round() as usize;
         for from in (BESIDE..course.len().saturating_sub(samples + BESIDE)).step_by(samples) {
             end_s += course.step_s[from..from + samples].iter().sum::<f64>();
             if let Some((span, by_bias)) = span(course, from, samples, &bias, end_s, round == ROUNDS) {
@@ -138,20 +205,34 @@ fn spans(course: &Course, span_s: f64) -> Vec<Span> {
                 out.push(span);
             }
         }
-        let sizes = slopes.iter().map(|(r, _)| r.norm());
-        let far = HUBER * median_of(sizes).unwrap_or(0.0);
-        let (mut h, mut g) = (SMatrix::<f64, 6, 6>::zeros(), SVector::<f64, 6>::zeros());
-        for (r, by_bias) in &slopes {
-            let weight = (far / r.norm()).min(1.0);
-            h += weight * by_bias.transpose() * by_bias;
-            g += weight * by_bias.transpose() * r;
+        if round == ROUNDS {
+            break;
         }
-        if let Some(step) = h.cholesky().map(|h| h.solve(&g)).filter(|_| round < ROUNDS) {
-            bias.accel += step.fixed_rows::<3>(ACCEL_BIAS - DIM);
-            bias.gyro += step.fixed_rows::<3>(GYRO_BIAS - DIM);
-        }
+        // Turns alone say the gyroscope's: velocities, far noisier, would blur it.
+        let block = |by: &SMatrix<f64, 6, 6>, row: usize, column: usize| -> Matrix3<f64> {
+            by.fixed_view::<3, 3>(row, column - DIM).into()
+        };
+        let turns = slopes.iter().map(|(r, by)| (r.fixed_rows::<3>(0).into(), block(by, 0, GYRO_BIAS)));
+        let gyro = solved(&turns.collect::<Vec<_>>());
+        let velocities = slopes
+            .iter()
+            .map(|(r, by)| (r.fixed_rows::<3>(3) - block(by, 3, GYRO_BIAS) * gyro, block(by, 3, ACCEL_BIAS)));
+        bias.accel += solved(&velocities.collect::<Vec<_>>());
+        bias.gyro += gyro;
     }
-    out
+    Length { samples, spans: out }
+}
+
+/// What times the slopes leaves least of the values, far ones pulling less; nothing where that is not known.
+fn solved(rows: &[(Vector3<f64>, Matrix3<f64>)]) -> Vector3<f64> {
+    let typical = median_of(rows.iter().map(|(r, _)| r.norm())).unwrap_or(0.0);
+    let (mut h, mut g) = (Matrix3::zeros(), Vector3::zeros());
+    for (r, by) in rows {
+        let weight = pull(r.norm(), typical);
+        h += weight * by.transpose() * by;
+        g += weight * by.transpose() * r;
+    }
+    h.cholesky().map_or(Vector3::zeros(), |h| h.solve(&g))
 }
 
 /// One span and its turn's and velocity's derivatives by the biases; covariances where they are asked for.
@@ -174,18 +255,10 @@ fn span(
     let (before, after) = (state(from)?, state(to)?);
     let integrated = |accel: f64, gyro: f64| {
         let noise = ImuNoise::from_values([accel; 3], [gyro; 3]).expect("0 and 1 are deviations");
-        let mut t = 0.0;
-        let mut sample = |i: usize| {
-            let sample = ImuSample {
-                t: Stamp::from_ns((1e9 * t) as i64),
-                gyro: course.gyro[i].into(),
-                accel: course.accel[i].into(),
-            };
-            t += course.step_s[i];
-            NoisySample { sample, noise }
-        };
-        let mut whole = Preintegration::new(PreintegrationConfig::default(), *bias, sample(from));
-        (from + 1..=to).for_each(|i| whole.push(sample(i)));
+        let mut samples = course.samples(from).map(|sample| NoisySample { sample, noise });
+        let first = samples.next().expect("a span has samples");
+        let mut whole = Preintegration::new(PreintegrationConfig::default(), *bias, first);
+        samples.take(to - from).for_each(|sample| whole.push(sample));
         whole
     };
     let accel = integrated(1.0, 0.0);
@@ -205,7 +278,7 @@ fn span(
     let by =
         if with_covariance { [block(&accel), block(&integrated(0.0, 1.0))] } else { [SMatrix::zeros(); 2] };
     let by_bias = accel.jacobian().fixed_view::<6, 6>(ROTATION, 0).into_owned();
-    Some((Span { end_s, residual, by }, by_bias))
+    Some((Span { from, end_s, residual, by }, by_bias))
 }
 
 #[cfg(test)]
@@ -224,17 +297,25 @@ mod tests {
             let white = Vector3::from_fn(|_, _| -> f64 { StandardNormal.sample(&mut rng) });
             *force += accel * white + Vector3::repeat(0.1);
         }
-        let residuals = Residuals::of(&course);
+        // Somebody says half of it for half of the time, who is right about no level and, by one factor, at least consistent.
+        let half = |i: usize| [0.5 * accel, if i < 9_000 { 0.5 * gyro } else { gyro }];
+        let said = |name: &str, of: &dyn Fn(usize) -> Levels| Said {
+            name: name.into(),
+            levels: (0..course.len()).map(of).collect(),
+        };
+        let residuals = Residuals::of(&course, vec![said("right", &|_| [accel, gyro]), said("half", &half)]);
         let scores = residuals.scores(&[], &[&residuals]);
         for score in &scores {
-            let is_told = score.name != "x1" && score.name != "x4";
-            assert!(!is_told || (0.85..1.15).contains(&score.nees), "{score:?}");
-            assert!(!is_told || (0.9..0.99).contains(&score.inside), "{score:?}");
-            assert!(score.name != "x4" || score.nees > 0.2 && score.nees < 0.9, "{score:?}");
+            assert!((score.nees > 1.8) == (score.name == "half"), "{score:?}");
+            assert!(score.name == "half" || (0.85..1.15).contains(&score.nees), "{score:?}");
+            assert!(score.name.starts_with("half") || (0.9..0.99).contains(&score.inside), "{score:?}");
         }
-        let found = levels(&residuals.0[1]);
+        let found = levels(residuals.lengths[1].spans.iter().map(|span| (span, [1.0; 2])));
         assert!((found[0] / accel - 1.0).abs() < 0.1 && (found[1] / gyro - 1.0).abs() < 0.1, "{found:?}");
         let nll = |name: &str| scores.iter().find(|s| s.name == name && s.span_s == 1.0).unwrap().nll;
-        assert!(nll("oracle, a constant a sequence") < nll("x4"));
+        assert!(
+            nll("oracle, a constant a sequence") < nll("half, scaled") && nll("half, scaled") < nll("half")
+        );
+        assert!(scores.iter().all(|score| !score.name.starts_with("a constant")));
     }
 }

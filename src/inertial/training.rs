@@ -8,6 +8,7 @@ use crate::course::Course;
 use crate::loss::loss;
 use crate::model::{Card, Model, UNIT, axis_of};
 use crate::network;
+use dpn_core::SampleRate;
 use dpn_core::progress::Progress;
 use dpn_core::random::Stream;
 use dpn_pronet::StoreError;
@@ -58,6 +59,24 @@ pub enum TrainingError {
     NoSpan,
 }
 
+/// Whether what is named has one rate: levels and networks are of samples, not of seconds.
+///
+/// # Errors
+/// The first that has another one than the first.
+pub fn same_rate<'a>(all: impl IntoIterator<Item = (&'a str, SampleRate)>) -> Result<(), TrainingError> {
+    let mut all = all.into_iter();
+    let Some((first, wanted)) = all.next() else { return Ok(()) };
+    match all.find(|(_, rate)| (rate.hz() / wanted.hz() - 1.0).abs() > SAME_RATE) {
+        None => Ok(()),
+        Some((name, found)) => Err(TrainingError::OtherRate {
+            name: name.to_owned(),
+            found: found.hz(),
+            first: first.to_owned(),
+            wanted: wanted.hz(),
+        }),
+    }
+}
+
 /// What the file of an unfinished training calls itself.
 const FORMAT: &str = "dpn-inertial-checkpoint";
 
@@ -85,17 +104,7 @@ impl<'a> Training<'a> {
     /// # Errors
     /// Recordings of several rates, or too short ones.
     pub fn new(config: &InertialConfig, courses: &'a [Course]) -> Result<Self, TrainingError> {
-        let first = courses.first().ok_or(TrainingError::NoSpan)?;
-        let other = |c: &&Course| (c.rate.hz() / first.rate.hz() - 1.0).abs() > SAME_RATE;
-        if let Some(other) = courses.iter().find(other) {
-            let (name, found) = (other.name.clone(), other.rate.hz());
-            return Err(TrainingError::OtherRate {
-                name,
-                found,
-                first: first.name.clone(),
-                wanted: first.rate.hz(),
-            });
-        }
+        same_rate(courses.iter().map(|course| (&*course.name, course.rate)))?;
         let needed = config.window + network::PAST;
         if courses.iter().all(|course| course.len() <= needed) {
             return Err(TrainingError::TooShort { needed });

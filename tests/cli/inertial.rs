@@ -31,7 +31,16 @@ fn a_correction_is_trained_resumed_and_scored_and_a_recording_that_was_learned_f
     );
 
     let done = call("eval --inertial sim.toml --data flights --models runs --out out").well();
-    for words in ["rate = matrix * reading + bias", "network 0 averaged", "raw, its own mean bias"] {
+    let wanted = [
+        "gyro: matrix * reading - bias",
+        "network 0 averaged",
+        "raw, its own mean bias",
+        "data sheet",
+        "dualpronet(effective-s0), scaled",
+        "residuals of the last 5 s",
+        "figure: out/inertial.svg",
+    ];
+    for words in wanted {
         assert!(done.stdout.contains(words), "{words}: {}", done.stdout);
     }
     let text = std::fs::read_to_string(dir.join("out/inertial.json")).unwrap();
