@@ -7,6 +7,8 @@
 //! * the other sensor's stamps jump as far: both clocks were set, or nothing was recorded; both go on as they are, with a gap between;
 //! * the other sensor goes on where it was: this one's clock was set. What it was set by is taken off from then on.
 //!
+//! One that runs ahead by less than that waits for its sensor's next: where that comes before it, the stamp was wrong.
+//!
 //! What is let through unchanged is let through in the order in which it came: good streams are not touched.
 
 use dpn_core::{Stamp, named};
@@ -16,6 +18,9 @@ use std::collections::VecDeque;
 const OFF_S: f64 = 1.0;
 /// Messages of a sensor whose clock was set, and of the other meanwhile, before it is said so.
 const ENOUGH: [usize; 2] = [3, 2];
+/// So many of a sensor's messages before one that runs ahead say that its stamp is wrong. Single samples overtake others; an image waits only where its stamp
+/// is ahead of the IMU's too.
+const BEFORE: [usize; 2] = [3, 1];
 /// Where the other sensor is silent for so long \[s\], a jump is taken as it is.
 const ALONE_S: f64 = 2.0;
 /// Less than this \[ns\] is how messages come, and no clock that was set.
@@ -52,6 +57,16 @@ struct Held<E> {
     message: E,
 }
 
+/// A message that runs ahead of its sensor.
+#[derive(Debug)]
+struct Ahead<E> {
+    /// On the common time.
+    t: Stamp,
+    message: E,
+    /// How many of its sensor's messages came from before it since.
+    before: usize,
+}
+
 /// One sensor's clock.
 #[derive(Debug, Default)]
 struct Clock {
@@ -85,6 +100,7 @@ pub struct LiveClocks<E> {
     /// The same of the last image, until a sample comes.
     apart_next: Option<i64>,
     held: Vec<Held<E>>,
+    ahead: [Option<Ahead<E>>; 2],
     /// From when on \[common time\] so many nanoseconds were taken off the IMU's stamps.
     set: Vec<(Stamp, i64)>,
     words: VecDeque<String>,
@@ -100,6 +116,7 @@ impl<E> Default for LiveClocks<E> {
             apart_ns: 0,
             apart_next: None,
             held: Vec::new(),
+            ahead: [None, None],
             set: Vec::new(),
             words: VecDeque::new(),
             passed_over: 0,
@@ -114,7 +131,13 @@ impl<E> LiveClocks<E> {
         self.stands(sensor, raw);
         let t = self.common(sensor, raw);
         if self.follows(sensor, t) {
-            return self.goes_on(sensor, t, message);
+            let mut ready = self.overtaken(sensor, t);
+            if self.ahead[sensor as usize].is_none() && self.runs_ahead(sensor, t) {
+                self.ahead[sensor as usize] = Some(Ahead { t, message, before: 0 });
+            } else {
+                ready.extend(self.goes_on(sensor, t, message));
+            }
+            return ready;
         }
         let last = self.held.iter().rfind(|held| held.sensor == sensor).map(|held| held.raw);
         let agree = last.map(|last| raw.seconds_since(last).abs() <= OFF_S);
@@ -147,6 +170,31 @@ impl<E> LiveClocks<E> {
         ready
     }
 
+    /// Whether a stamp is beyond its sensor's next one by half a step and more, an image's beyond the IMU's clock too: something was lost, or it is wrong.
+    fn runs_ahead(&self, sensor: LiveSensor, t: Stamp) -> bool {
+        let Clock { last: Some(last), step_s, .. } = self.clocks[sensor as usize] else { return false };
+        let beyond = |by_s: f64| step_s > 0.0 && by_s > 0.5 * step_s;
+        beyond(t.seconds_since(last) - step_s)
+            && (sensor == LiveSensor::Imu || self.off_s(sensor, t).is_none_or(beyond))
+    }
+
+    /// What a sensor's message of time `t` says of one that runs ahead: it goes on where this one is not before it.
+    fn overtaken(&mut self, sensor: LiveSensor, t: Stamp) -> Vec<(LiveSensor, Stamp, E)> {
+        let Some(mut ahead) = self.ahead[sensor as usize].take() else { return Vec::new() };
+        let still_follows = self.follows(sensor, ahead.t);
+        if still_follows && t >= ahead.t {
+            return self.goes_on(sensor, ahead.t, ahead.message);
+        }
+        // A double of the last one, or one that is late, says nothing.
+        ahead.before += usize::from(self.last(sensor).is_none_or(|last| t > last));
+        if still_follows && ahead.before < BEFORE[sensor as usize] {
+            self.ahead[sensor as usize] = Some(ahead);
+        } else {
+            self.pass_over(sensor, 1, ahead.t);
+        }
+        Vec::new()
+    }
+
     /// Where both sensors jumped and not as far, the one that jumped less.
     fn jumped_apart(&self) -> Option<LiveSensor> {
         let far = |sensor| {
@@ -175,7 +223,13 @@ impl<E> LiveClocks<E> {
 
     /// What is still held back when nothing more comes.
     pub fn end(&mut self) -> Vec<(LiveSensor, Stamp, E)> {
-        self.release(None)
+        let ahead = LiveSensor::ALL.map(|sensor| (sensor, self.ahead[sensor as usize].take()));
+        let mut ready: Vec<_> = ahead
+            .into_iter()
+            .filter_map(|(sensor, ahead)| ahead.map(|Ahead { t, message, .. }| (sensor, t, message)))
+            .collect();
+        ready.extend(self.release(None));
+        ready
     }
 
     /// What is to be said, once.
@@ -405,19 +459,27 @@ impl<E> LiveClocks<E> {
         if count == 0 {
             return;
         }
-        self.passed_over += count;
-        let first = self.held.iter().find(|held| held.sensor == sensor).map(|held| held.raw);
-        let last = self.clocks[sensor as usize].last;
-        self.said += 1;
-        if let (Some(first), ..=SHOWN) = (first, self.said) {
-            let stamps = if count == 1 { "a stamp" } else { "stamps" };
-            let off = last.map_or(0.0, |last| self.common(sensor, first).seconds_since(last));
-            self.words.push_back(format!(
-                "{stamps} of the {} ({first}, {off:+.3} s from the one before) that it does not go on from; {count} passed over",
-                sensor.name()
-            ));
+        if let Some(first) = self.held.iter().find(|held| held.sensor == sensor).map(|held| held.raw) {
+            self.pass_over(sensor, count, self.common(sensor, first));
         }
         self.held.retain(|held| held.sensor != sensor);
+    }
+
+    /// Counts messages of wrong stamps, the first of time `t`, and says so.
+    fn pass_over(&mut self, sensor: LiveSensor, count: usize, t: Stamp) {
+        self.passed_over += count;
+        self.said += 1;
+        if self.said > SHOWN {
+            return;
+        }
+        let Clock { last, shift_ns, .. } = self.clocks[sensor as usize];
+        let stamps = if count == 1 { "a stamp" } else { "stamps" };
+        let off = last.map_or(0.0, |last| t.seconds_since(last));
+        let raw = Stamp::from_ns(t.ns().saturating_add(shift_ns));
+        self.words.push_back(format!(
+            "{stamps} of the {} ({raw}, {off:+.3} s from the one before) that it does not go on from; {count} passed over",
+            sensor.name()
+        ));
     }
 
     /// Says once that a sensor's stamps stand still.
@@ -513,6 +575,44 @@ mod tests {
                 assert!(said[0].starts_with(&format!("a stamp of the {} (", sensor.name())), "{said:?}");
             }
         }
+    }
+
+    /// Where the neighbours go on, none of them is lost for it.
+    #[test]
+    fn one_stamp_that_is_ahead_by_less_than_a_second_is_passed_over_alone() {
+        for sensor in LiveSensor::ALL {
+            let period = [5_000_000, 50_000_000][sensor as usize];
+            for by in [900_000_000, 330_000_000, 8 * period] {
+                let mut bad = streams(4);
+                let at = bad.iter().position(|(s, t, _)| *s == sensor && *t > 1_002_000_000_000).unwrap();
+                bad[at].1 += by;
+                // What was lost before it does not make it right.
+                for lost in [false, true] {
+                    if lost {
+                        let before = bad[..at].iter().rposition(|(s, ..)| *s == sensor).unwrap();
+                        bad.remove(before);
+                    }
+                    let (out, said) = through(&bad);
+                    let mut good = bad.clone();
+                    good.retain(|(_, t, truth)| t == truth);
+                    let sorted = |mut all: Vec<(LiveSensor, i64, i64)>| {
+                        all.sort_by_key(|(sensor, t, _)| (*t, *sensor as usize));
+                        all
+                    };
+                    assert_eq!(sorted(out), sorted(good), "{sensor:?} {by} {lost}");
+                    assert!(said.len() == 1 && said[0].contains(" passed over"), "{said:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn samples_that_overtake_one_another_are_put_in_order() {
+        let good = streams(3);
+        let mut bad = good.clone();
+        let at = bad.iter().position(|(s, t, _)| *s == Imu && *t > 1_002_000_000_000).unwrap();
+        bad.swap(at, at + 1);
+        assert_eq!(through(&bad), in_order(&good));
     }
 
     #[test]
