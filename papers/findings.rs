@@ -70,11 +70,13 @@ fn against_baseline(input: &Input, study: &Study, pairs: &[Pair]) -> Option<Stri
         count => format!("{count} sequences"),
     };
     let mut text = format!(
-        "DualProNet's mean error over {sequences} is {ours:.3} m, {} that of the usual constants (x1, {baseline:.3} m)",
+        "DualProNet's mean error over {sequences} is {} m, {} that of the usual constants (x1, {} m)",
+        Cell::metres(ours).shown(),
         beside(ours / baseline),
+        Cell::metres(baseline).shown(),
     );
     if let Some(pair) = pairs.iter().find(|pair| pair.against == x1) {
-        let _ = write!(text, "; {}{}", ratio(&pair.comparison), p(&pair.comparison, 3));
+        let _ = write!(text, "; {}{}", ratio(&pair.comparison), p(&pair.comparison));
     }
     let paper = PublishedAte::paper();
     if let (true, Some((x1, theirs))) = (input.is_papers(), paper.mean(&x1).zip(paper.mean(&dualpronet))) {
@@ -93,11 +95,11 @@ fn against_reference(study: &Study, noise: &NoiseSpec, against: &str) -> Option<
     }
     let _ = write!(text, ", {}", ratio(comparison));
     if let Some(p) = comparison.p_holm {
-        let _ = write!(text, ", p {} after Holm's correction", p_words(p, 2));
+        let _ = write!(text, ", p {} after Holm's correction", Cell::p(p).shown());
     }
     if let Some(p) = comparison.p_equal {
         let equal = if p < 0.05 { "equal" } else { "not shown to be equal" };
-        let _ = write!(text, "; {equal} within {:.0} % (p {})", 100.0 * study.margin, p_words(p, 2));
+        let _ = write!(text, "; {equal} within {:.0} % (p {})", 100.0 * study.margin, Cell::p(p).shown());
     }
     if reference.at_edge {
         let _ = write!(text, "; {} is the end of that sweep, and one beyond may be better", reference.noise);
@@ -117,7 +119,7 @@ fn controls(pairs: &[Pair], noise: &NoiseSpec) -> impl Iterator<Item = String> {
             NoiseSpec::Shuffled(_) => "its values at the wrong times",
             _ => return None,
         };
-        Some(format!("Given {words}{rest}: {}{}.", ratio(&pair.comparison), p(&pair.comparison, 2)))
+        Some(format!("Given {words}{rest}: {}{}.", ratio(&pair.comparison), p(&pair.comparison)))
     })
 }
 
@@ -137,12 +139,6 @@ fn ratio(comparison: &Comparison) -> String {
 }
 
 /// The p of a comparison that was tested.
-fn p(comparison: &Comparison, digits: usize) -> String {
-    comparison.p.map_or(String::new(), |p| format!(", p {}", p_words(p, digits)))
-}
-
-/// So many decimals, but no p is 0.
-fn p_words(p: f64, digits: usize) -> String {
-    let least = 0.5 * 0.1f64.powi(digits as i32);
-    if p >= least { format!("{p:.digits$}") } else { format!("below {least:.*}", digits + 1) }
+fn p(comparison: &Comparison) -> String {
+    comparison.p.map_or(String::new(), |p| format!(", p {}", Cell::p(p).shown()))
 }

@@ -381,7 +381,7 @@ impl Sweep<'_> {
 }
 
 fn note(row: &Row) -> String {
-    let ate = row.ate_se3.map_or_else(|| "no ATE".to_owned(), |ate| format!("{ate:.3} m"));
+    let ate = row.ate_se3.map_or_else(|| "no ATE".to_owned(), |ate| format!("{ate:.4} m"));
     format!("{} {} seed {}: {ate}", row.sequence, row.noise, row.seed)
 }
 

@@ -43,14 +43,17 @@ impl Cell {
             let after = digits.saturating_sub(1);
             return Self { shown: format!("{tiny:.after$e}"), full: tiny.to_string() };
         }
-        let before =
-            value.filter(|v| *v != 0.0 && v.is_finite()).map_or(0, |v| v.abs().log10().floor() as i32 + 1);
-        Self::number(value, (digits as i32 - before).max(0) as usize)
+        Self::number(value, decimals(value, digits))
     }
 
     /// A length in metres: three significant digits.
     pub fn metres(value: impl Into<Option<f64>>) -> Self {
         Self::significant(value, 3)
+    }
+
+    /// A length in metres with the ends of its interval: three significant digits of the length, the ends beside it as fine.
+    pub fn metres_within(value: Option<f64>, ends: Option<[f64; 2]>) -> Self {
+        Self::interval(value, ends, decimals(value, 3))
     }
 
     /// A share, shown in per cent.
@@ -99,6 +102,13 @@ impl Cell {
     }
 }
 
+/// Decimals that show so many significant digits.
+fn decimals(value: Option<f64>, digits: usize) -> usize {
+    let value = value.filter(|v| *v != 0.0 && v.is_finite());
+    let before = value.map_or(0, |v| v.abs().log10().floor() as i32 + 1);
+    (digits as i32 - before).max(0) as usize
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -108,6 +118,11 @@ mod tests {
         assert_eq!(Cell::interval(Some(0.5), Some([0.4, 0.61]), 2).shown(), "0.50 (0.40 to 0.61)");
         assert_eq!(Cell::interval(None, Some([0.4, 0.61]), 2), Cell::none());
         assert_eq!(Cell::metres(12.34).marked("*").shown(), "12.3*");
+        let within = Cell::metres_within(Some(0.004_937), Some([0.0041, 0.012_34]));
+        assert_eq!(
+            (within.shown(), within.full()),
+            ("0.00494 (0.00410 to 0.01234)", "0.004937 (0.0041 to 0.01234)")
+        );
         assert_eq!(
             [0.004_937, 0.1, 1.234, 512.3].map(|v| Cell::metres(v).shown().to_owned()),
             ["0.00494", "0.100", "1.23", "512"]

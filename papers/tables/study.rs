@@ -37,7 +37,8 @@ pub(crate) fn study(input: &Input, study: &Study, made_by: Provenance) -> Table 
     let mut table = Table::new("study", title, columns).made_by(made_by);
     for line in &study.noises {
         let is_reference = study.is_reference(&line.noise);
-        table.reference_row(cells(line, is_reference), is_reference);
+        let said = verdict(study, line, is_reference);
+        table.reference_row(cells(line, said), is_reference);
     }
     table.note(format!(
         "Medians over seeds, then over sequences (one without any pose counts as worse than all; it is left out of ratios and tests), with the percentile bootstrap over sequences; ratio: geometric mean over sequences, on the seeds that both noises have. \
@@ -57,16 +58,17 @@ pub(crate) fn study(input: &Input, study: &Study, made_by: Provenance) -> Table 
     table
 }
 
-/// What the tests say of a noise against the reference, at .05.
-fn verdict(line: &NoiseSummary, is_reference: bool) -> &'static str {
+/// What the tests say of a noise against the reference, at .05; nothing where the reference is the end of the sweep.
+fn verdict(study: &Study, line: &NoiseSummary, is_reference: bool) -> &'static str {
     match &line.comparison {
         None if is_reference => "reference",
         None => "-",
+        Some(_) if study.reference.as_ref().is_some_and(|reference| reference.at_edge) => "not judged",
         Some(comparison) => Standing::of(comparison).word(),
     }
 }
 
-fn cells(line: &NoiseSummary, is_reference: bool) -> Vec<Cell> {
+fn cells(line: &NoiseSummary, verdict: &'static str) -> Vec<Cell> {
     let comparison = line.comparison.as_ref();
     let [ratio, better, p] = against(comparison);
     let seeds = match line.seeds {
@@ -75,17 +77,17 @@ fn cells(line: &NoiseSummary, is_reference: bool) -> Vec<Cell> {
     };
     vec![
         specs::cell(&line.noise),
-        Cell::text(verdict(line, is_reference)),
+        Cell::text(verdict),
         ratio,
         p,
-        Cell::interval(line.ate, line.ate_interval, 3),
+        Cell::metres_within(line.ate, line.ate_interval),
         better,
         Cell::metres(line.means[1]),
         Cell::metres(line.means[2]),
         Cell::p(comparison.and_then(|c| c.p_equal)),
         Cell::number(line.noise_rms.map(|rms| rms[0]), 3),
         Cell::number(line.noise_rms.map(|rms| rms[1]), 4),
-        Cell::number(line.rpe_1s, 4),
+        Cell::metres(line.rpe_1s),
         Cell::number(line.nees[0], 1),
         Cell::number(line.nees[1], 1),
         Cell::number(line.whitened, 2),

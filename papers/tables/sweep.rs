@@ -42,7 +42,7 @@ pub fn summaries(study: &Study) -> Table {
             Cell::text(&line.noise),
             Cell::text(line.runs),
             Cell::text(line.failures),
-            Cell::number(line.means[0], 3),
+            Cell::metres(line.means[0]),
             Cell::percent(line.scale_error, 1),
             Cell::percent(line.lowest_completion, 1),
             Cell::number(line.longest_init_s, 1),
