@@ -8,6 +8,7 @@ use crate::ui::{Fault, Untrusted, errln, is_closed_pipe, outln, warn};
 use anyhow::Result;
 use dpn_core::Stamp;
 use dpn_core::trajectory::StampedPose;
+use dpn_eval::closed_loop::StartAt;
 use dpn_io::{printable, tum_line};
 use dpn_live::{Fed, Listener, LiveRun, Seen, Totals, Watched, settings_for};
 use dpn_logs::{LogError, SensorEvent, read_sensors};
@@ -32,21 +33,7 @@ pub(super) fn is_live(source: &str) -> bool {
 
 /// Reads the bag until it ends; a pose is a line on stdout as soon as there is one, everything else goes to stderr.
 pub(super) fn run(args: &RunArgs) -> Result<()> {
-    let of_recordings = [
-        ("--tracks", args.tracks.is_some()),
-        ("--truth", args.truth.is_some()),
-        ("--to", args.to.is_some()),
-        ("--out", args.out.is_some()),
-        ("--draw", args.draw.is_some()),
-        ("--mcap", args.mcap.is_some()),
-        ("--rerun", args.rerun.is_some()),
-        ("--camera tracks or rendered", args.camera.is_some_and(|camera| camera != CameraArg::Images)),
-    ];
-    if let Some((flag, _)) = of_recordings.iter().find(|(_, given)| *given) {
-        return Err(Fault::new(format!("{flag} is for recordings; `{}` is read as it comes", args.source))
-            .hint("leave it away, or record first and run on the file")
-            .into());
-    }
+    refuse_flags_of_recordings(args)?;
     let calibration = settings::calibration(&args.settings)?.ok_or_else(|| {
         Fault::new(format!("`{}`: nobody knows what camera it comes from", args.source))
             .hint("name its calibration: --calib cam0/sensor.yaml")
@@ -75,6 +62,39 @@ pub(super) fn run(args: &RunArgs) -> Result<()> {
         errln!("warning: {}: {damage}; what came before was used", printable(&args.source));
     }
     finish(live, args.strict)
+}
+
+/// Flags that say nothing of what is read as it comes.
+fn refuse_flags_of_recordings(args: &RunArgs) -> Result<()> {
+    let RunArgs { settings, log, paste, .. } = args;
+    let how = &log.imu;
+    let all = [
+        ("--tracks", args.tracks.is_some()),
+        ("--truth", args.truth.is_some()),
+        ("--from", args.from != StartAt::default()),
+        ("--to", args.to.is_some()),
+        ("--skip-missing", args.skip_missing),
+        ("--draw", args.draw.is_some()),
+        ("--mcap", args.mcap.is_some()),
+        ("--rerun", args.rerun.is_some()),
+        ("--camera tracks or rendered", args.camera.is_some_and(|camera| camera != CameraArg::Images)),
+        ("--columns", how.columns.is_some()),
+        ("--time-unit", how.time_unit.is_some()),
+        ("--rate", how.rate.is_some()),
+        ("--tracks-config", settings.tracks_config.is_some()),
+        ("--pixel-noise", settings.pixel_noise.is_some()),
+        ("--images-config", settings.images_config.is_some()),
+        ("--ground-truth-delay", settings.ground_truth_delay.is_some()),
+        ("--flight-config", settings.flight_config.is_some()),
+        ("--no-vibration", settings.no_vibration),
+        ("--paste", !paste.paste.0.is_empty()),
+        ("--walks", paste.walks),
+        ("--out", args.out.is_some()),
+    ];
+    let Some((flag, _)) = all.into_iter().find(|(_, given)| *given) else { return Ok(()) };
+    Err(Fault::new(format!("{flag} is for recordings; `{}` is read as it comes", args.source))
+        .hint("leave it away, or record first and run on the file")
+        .into())
 }
 
 /// A line a pose.

@@ -84,6 +84,9 @@ pub(crate) fn unpacked<T>(
     take: impl FnOnce(&[u8], &mut dyn Read, bool) -> Result<T, LogError>,
 ) -> Result<(T, Option<String>), LogError> {
     let (head, mut source) = headed(source, path)?;
+    if head.is_empty() {
+        return Err(LogError::Empty { path: path.to_path_buf() });
+    }
     let Some(packing) = Packing::of(&head) else {
         return Ok((take(&head, &mut source, path.is_file())?, None));
     };

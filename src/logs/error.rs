@@ -124,6 +124,12 @@ pub enum LogError {
         /// The folder.
         dir: PathBuf,
     },
+    /// A file, or a pipe that ended, without a byte.
+    #[error("{}: empty, not a byte came", path.display())]
+    Empty {
+        /// Where nothing came from.
+        path: PathBuf,
+    },
     /// A log in which images cannot be.
     #[error("{}: {kind}; images are read from rosbag1, MCAP, rosbag2, ASL folders and folders with times.txt or with stamps for names", path.display())]
     NoBag {
@@ -330,6 +336,9 @@ impl LogError {
             }
             #[cfg(feature = "write")]
             Self::NoCopy { .. } => "convert it first, for example by `ros2 bag convert` or `mcap convert`",
+            Self::Empty { .. } => {
+                "look whether what writes it runs; a download or export may have been cut off"
+            }
             Self::NoBag { .. } => "record camera and IMU into one bag, or lay the images beside a times.txt",
             Self::NotImu { .. } => "choose the topic of the raw IMU; without --topic the only one is taken",
             Self::Encoding { .. } => {

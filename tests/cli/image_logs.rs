@@ -329,6 +329,23 @@ fn what_is_amiss_is_said_with_a_remedy() {
         &["no images on any topic", "hint: record the camera's topic too"],
     );
     refused(Path::new("-"), calib, &[], &["--out is for recordings"]);
+    // What is read as it comes has no other use of these flags either.
+    for flag in [
+        &["--from", "3"][..],
+        &["--to", "3"],
+        &["--skip-missing"],
+        &["--columns", "1,2,3,4,5,6,7"],
+        &["--time-unit", "ns"],
+        &["--rate", "200"],
+        &["--pixel-noise", "1"],
+        &["--ground-truth-delay", "0.1"],
+        &["--no-vibration"],
+        &["--paste", "all"],
+        &["--walks"],
+    ] {
+        let words = format!("{} is for recordings; `-` is read as it comes", flag[0]);
+        refused(Path::new("-"), calib, flag, &[&words]);
+    }
     // Images without an IMU; a list of another length; a step below a row; an encoding that nobody knows.
     let folder = tmp.path().join("folder");
     for (name, bytes) in files(&dir("folder_jpeg")) {
