@@ -12,6 +12,11 @@ use std::time::{Duration, Instant};
 /// What a link leads to.
 const DECOY: &str = "somebody's own";
 
+/// Two platforms, two seconds of a flight each.
+const FLEET: &str = "constants = [\"x1\"]\nnoises = [\"x4\"]\n\
+    [[platform]]\nname = \"a\"\nfolder = \"a\"\nrun = { sequences = \"room-medium\", from = 70.0, to = 72.0 }\n\
+    [[platform]]\nname = \"b\"\nfolder = \"b\"\nrun = { sequences = \"room-medium\", from = 80.0, to = 82.0 }\n";
+
 /// Two runs over two seconds of a flight, with a file beside each row.
 pub(crate) const PLAN: &str = "kind = \"closed-loop\"\nsequences = \"room-medium\"\nnoises = [\"x4\", \"x1\"]\nfrom = 70\nto = 72\ntrajectories = true\n";
 
@@ -174,7 +179,7 @@ fn collecting_follows_nothing_and_reads_nothing_outside_a_shards_folder() {
 }
 
 /// Commands that write to a folder, each with it, and how many paths of it are tried where every commit is tested.
-const WRITERS: [(&str, &str, usize); 14] = [
+const WRITERS: [(&str, &str, usize); 20] = [
     ("noise log/still --noise diff2 --out out", "out", 3),
     ("allan log/still --out out", "out", 1),
     ("check log/still --out out", "out", 1),
@@ -192,6 +197,12 @@ const WRITERS: [(&str, &str, usize); 14] = [
         0,
     ),
     ("eval --open-loop --data log --sensor accel --bases sg(11,2) --out out", "out", 0),
+    ("noise data/f07-room-medium --against truth.csv --out out", "out", 1),
+    ("fit data/f07-room-medium --against truth.csv --out out", "out", 0),
+    ("ape data/f07-room-medium truth.csv --save_plot out/errors.svg", "out", 3),
+    ("rpe data/f07-room-medium truth.csv --save_plot out/errors.svg", "out", 0),
+    ("run data/f07-room-medium --camera tracks --from 2 --to 6 --out runs --draw out", "out", 0),
+    ("fleet fleet.toml --out out", "out", 0),
     ("paper --plan paper.toml --data data --camera tracks --from 10 --out out --work work", "work", 0),
 ];
 
@@ -208,6 +219,9 @@ fn inputs(dir: &Path) {
     symlink(FLOWN.path().join("data"), dir.join("data")).unwrap();
     std::fs::write(dir.join("network.toml"), include_str!("../data/tiny_network.toml")).unwrap();
     std::fs::write(dir.join("paper.toml"), include_str!("../data/least_plan.toml")).unwrap();
+    std::fs::write(dir.join("fleet.toml"), FLEET).unwrap();
+    let truth = "data/f07-room-medium/mav0/state_groundtruth_estimate0/data.csv";
+    std::fs::copy(dir.join(truth), dir.join("truth.csv")).unwrap();
 }
 
 #[test]

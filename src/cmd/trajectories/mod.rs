@@ -13,7 +13,7 @@ use dpn_core::Stamp;
 use dpn_core::trajectory::StampedPose;
 use dpn_eval::metrics::{Compared, Comparing, MetricsError, PoseRelation, RpeSpec, absolute, relative};
 use dpn_figures::{Cell, PoseBelief, save, trajectory_errors};
-use dpn_io::{printable, read_counted_poses, read_poses};
+use dpn_io::{ResultPath, printable, read_counted_poses, read_poses};
 use dpn_logs::{BagPoses, is_bag, read_bag_poses};
 use find::{Case, cases, names};
 use judged::{Judged, versus};
@@ -284,13 +284,13 @@ fn stem(file: &Path) -> Result<PathBuf> {
     }
 }
 
-/// Where that of a case comes: of several sequences one each, its name behind the file's.
-fn place(stem: &Path, case: &Case) -> dpn_io::ResultPath {
-    let mut place = stem.as_os_str().to_owned();
-    if let Some(name) = &case.sequence {
-        place.push(format!("-{name}"));
+/// Where that of a case comes: of several sequences one each, its name behind the file's. Below the folder, for two of a picture's three files nobody named.
+fn place(stem: &Path, case: &Case) -> ResultPath {
+    let mut name = stem.file_name().unwrap_or_default().to_owned();
+    if let Some(sequence) = &case.sequence {
+        name.push(format!("-{sequence}"));
     }
-    place.into()
+    ResultPath::from(stem.parent().unwrap_or(stem)).join(name)
 }
 
 /// The pictures.
@@ -300,7 +300,7 @@ fn draw(
     names: &[String],
     metric: &str,
     by: &Comparing,
-) -> Result<Vec<dpn_io::ResultPath>> {
+) -> Result<Vec<ResultPath>> {
     let mut files = Vec::new();
     for sequence in judged.chunk_by(|a, b| a.case.sequence == b.case.sequence) {
         let drawn = &sequence[..sequence.len().min(DRAWN)];
