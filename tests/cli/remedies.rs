@@ -2,6 +2,8 @@
 
 use crate::recording::{Rows, put, rows, text};
 use crate::run::{Done, dpn, end};
+use serde_json::Value;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 fn run(command: &[&str], log: &Path, more: &[&str]) -> Done {
@@ -338,4 +340,186 @@ fn of_a_log_with_one_sensor_alone_is_said_what_can_be() {
             "{done:?}"
         );
     }
+}
+
+/// A log and the flags that it is checked with.
+type Told = (String, &'static [&'static str]);
+
+/// A fault: what its finding is about, words of the remedy, a log that has it, and that log with the remedy followed.
+type Fault = (&'static str, &'static str, Told, Told);
+
+/// A log at rest with a change to every row: its number, stamp, gyroscope and accelerometer.
+fn changed(count: usize, change: impl Fn(usize, &mut i64, &mut [f64; 6])) -> String {
+    let mut rows = level(count);
+    rows.iter_mut().enumerate().for_each(|(i, (t, v))| change(i, t, v));
+    text(&rows)
+}
+
+/// The same log with a field of one row replaced.
+fn with_field(row: usize, column: usize, text: &str) -> String {
+    let rows = changed(3000, |_, _, _| {});
+    let mut lines: Vec<&str> = rows.lines().collect();
+    let mut fields: Vec<&str> = lines[row + 1].split(',').collect();
+    fields[column] = text;
+    let line = fields.join(",");
+    lines[row + 1] = &line;
+    lines.join("\n") + "\n"
+}
+
+/// A header that says no unit.
+fn under(header: &str, text: &str) -> String {
+    format!("{header}\n{}", text.split_once('\n').unwrap().1)
+}
+
+/// Findings that warn, with a log each that has what is found, and what their remedies make of it.
+fn faults() -> Vec<Fault> {
+    let sound = || (changed(3000, |_, _, _| {}), &[][..]);
+    let told = |text: &String, flags: &'static [&'static str]| (text.clone(), flags);
+    let scaled = |by: f64| changed(3000, |_, _, v| v[3..].iter_mut().for_each(|v| *v *= by));
+    let at_hz = |hz: f64| {
+        changed(6000, |i, _, v| v[3] += 0.3 * (std::f64::consts::TAU * hz * 0.005 * i as f64).sin())
+    };
+    let turning = |most: f64, to: f64| {
+        changed(3000, move |i, _, v| v[0] = to * (2.0 * (0.02 * i as f64).sin() + v[0]).clamp(-most, most))
+    };
+    let stepped =
+        |step: f64| changed(3000, |_, _, v| v[..3].iter_mut().for_each(|v| *v = (*v / step).round() * step));
+    let without = |rows: std::ops::Range<usize>| {
+        let mut all = level(3000);
+        all.drain(rows);
+        text(&all)
+    };
+    let in_g = scaled(1.0 / 9.80665);
+    let in_mg = scaled(1e3 / 9.80665);
+    let counts = changed(3000, |_, _, v| {
+        v[..3].iter_mut().for_each(|v| *v = (v.to_degrees() * 131.0).round());
+        v[3..].iter_mut().for_each(|v| *v = (*v / 9.80665 * 16384.0).round());
+    });
+    let counts = under("t [ns],gx,gy,gz,ax,ay,az", &counts);
+    let in_us = under("time,gx [rad/s],gy,gz,ax [m/s^2],ay,az", &changed(3000, |_, t, _| *t /= 1000));
+    let in_deg = turning(9.0, 30.0);
+    let swapped = changed(3000, |_, _, v| v.rotate_left(3));
+    let heavy = scaled(1.05);
+    let biased = changed(3000, |_, _, v| v[0] += 0.3);
+    let late = changed(3000, |i, t, _| *t += if i % 7 == 0 { 1_000_000 } else { 0 });
+    let bursts = changed(3000, |i, t, _| *t = 20_000_000 * (i as i64 / 4) + 100_000 * (i as i64 % 4));
+    let jumped = changed(3000, |i, t, _| *t += if i < 20 { 0 } else { 1_400_000_000_000_000_000 });
+    let warms = changed(30_000, |i, _, v| v[0] += 3e-6 * 10_000_usize.saturating_sub(i) as f64);
+    let slow = level(3000);
+    let frozen = changed(3000, |i, _, v| *v = slow[i - usize::from(i % 5 == 4)].1);
+    let own = rows(4000, 4_000_000);
+    let mut held = rows(6400, 2_500_000);
+    held.iter_mut().enumerate().for_each(|(i, (_, v))| v[3..].copy_from_slice(&own[i * 5 / 8].1[3..]));
+    let mut twice = level(3000);
+    twice.extend(level(2000));
+    vec![
+        (
+            "units",
+            "--accel-unit g",
+            told(&in_g, &["--accel-unit", "m/s^2"]),
+            told(&in_g, &["--accel-unit", "g"]),
+        ),
+        (
+            "units",
+            "--accel-unit mg",
+            told(&in_mg, &["--accel-unit", "m/s^2"]),
+            told(&in_mg, &["--accel-unit", "mg"]),
+        ),
+        (
+            "units",
+            "--sensor-scale NAME-RANGE",
+            told(&counts, &[]),
+            told(&counts, &["--sensor-scale", "mpu6050-2g-250dps"]),
+        ),
+        ("units", "--gyro-unit deg/s", told(&in_deg, &[]), told(&in_deg, &["--gyro-unit", "deg/s"])),
+        ("columns", "--columns", told(&swapped, &[]), told(&swapped, &["--columns", "1,5,6,7,2,3,4"])),
+        ("gravity", "log the specific force", (changed(3000, |_, _, v| v[5] -= 9.81), &[]), sound()),
+        ("gravity", "calibrate its scale", told(&heavy, &[]), told(&heavy, &["--accel-scale", "0.9524"])),
+        ("bias", "--gyro-unit deg/s", told(&biased, &[]), told(&biased, &["--gyro-unit", "deg/s"])),
+        (
+            "rate",
+            "--time-unit s, ms, us",
+            told(&in_us, &["--time-unit", "ms"]),
+            told(&in_us, &["--time-unit", "us"]),
+        ),
+        ("jitter", "count them: --rate", told(&late, &[]), told(&late, &["--rate", "200"])),
+        ("jitter", "count them: --rate", told(&bursts, &[]), told(&bursts, &["--rate", "200"])),
+        ("gaps", "full buffer", (without(1000..1040), &[]), sound()),
+        ("repeats", "log at its own rate", (frozen, &[]), sound()),
+        ("held", "each sensor at its own rate", (text(&held), &[]), (text(&own), &[])),
+        ("stamps", "published twice", (with_field(1500, 0, "7495000000"), &[]), sound()),
+        ("stamps", "two writers", (with_field(1500, 0, "7450000001"), &[]), sound()),
+        ("values", "a failed read", (with_field(1500, 2, "nan"), &[]), (without(1500..1501), &[])),
+        ("values", "a failed read", (with_field(1500, 2, "1e300"), &[]), (without(1500..1501), &[])),
+        ("rows", "what wrote them", (with_field(1500, 2, "1,2"), &[]), sound()),
+        ("outliers", "leave such samples out", (with_field(1500, 2, "900"), &[]), (without(1500..1501), &[])),
+        ("clipped", "a larger measuring range", (turning(1.0, 1.0), &[]), (turning(9.0, 1.0), &[])),
+        ("dead", "the wiring or the column", (changed(3000, |_, _, v| v[1] = 0.0), &[]), sound()),
+        ("steps", "a smaller measuring range", (stepped(0.0035), &[]), (stepped(0.0001), &[])),
+        ("clock", "cut the log there", told(&jumped, &[]), told(&jumped, &["--from", "1400000000100000000"])),
+        ("parts", "cut the log there", (text(&twice), &[]), sound()),
+        ("drift", "warm up", told(&warms, &[]), told(&warms, &["--from", "50"])),
+        ("vibration", "softer or balance", (at_hz(40.0), &[]), sound()),
+        ("vibration", "switch on its low-pass filter", (at_hz(95.0), &[]), sound()),
+    ]
+}
+
+/// What is found in these logs, one process for those that are checked alike.
+fn findings_of(all: &[Told], dir: &Path) -> Vec<Vec<Value>> {
+    let file = |place: usize| dir.join(format!("{place}.csv"));
+    let mut alike: BTreeMap<&[&str], Vec<usize>> = BTreeMap::new();
+    for (place, (text, flags)) in all.iter().enumerate() {
+        std::fs::write(file(place), text).unwrap();
+        alike.entry(*flags).or_default().push(place);
+    }
+    let mut found = vec![Vec::new(); all.len()];
+    for (flags, places) in alike {
+        // Of two and more there are no pictures.
+        let logs = places.iter().chain(&places[..1]).map(|place| file(*place));
+        let done =
+            end(dpn().arg("check").args(logs).args(flags).arg("--json").arg("--out").arg(dir.join("out")));
+        let json = done.well().json();
+        for (place, log) in places.iter().zip(json["logs"].as_array().unwrap()) {
+            found[*place] = log["findings"].as_array().unwrap_or_else(|| panic!("{place}: {log}")).clone();
+        }
+    }
+    found
+}
+
+#[test]
+fn every_remedy_when_followed_makes_its_finding_go() {
+    let dir = tempfile::tempdir().unwrap();
+    let faults = faults();
+    let told: Vec<Told> =
+        faults.iter().flat_map(|(.., sick, mended)| [sick.clone(), mended.clone()]).collect();
+    let found = findings_of(&told, dir.path());
+    for ((about, words, ..), found) in faults.iter().zip(found.chunks(2)) {
+        let warns = |found: &Value| found["about"] == *about && found["weight"] != "note";
+        let is_told = |found: &Value| warns(found) && found["remedy"].as_str().unwrap().contains(words);
+        assert!(found[0].iter().any(is_told), "{about}, {words}: {:?}", found[0]);
+        assert!(!found[1].iter().any(warns), "{about}, {words}: {:?}", found[1]);
+    }
+}
+
+#[test]
+fn a_cut_bag_recorded_again_and_covariances_written_anew_are_no_findings() {
+    let dir = tempfile::tempdir().unwrap();
+    let log = write(dir.path(), "still.csv", &text(&rows(8000, 5_000_000)));
+    let bag = dir.path().join("still.mcap");
+    run(&["noise"], &log, &["--noise", "const(3,.2)", "--into", bag.to_str().unwrap()]).well();
+    let line = |done: &Done, about: &str| {
+        done.stdout.lines().skip_while(|line| !line.contains(about)).take(2).collect::<Vec<_>>().join("\n")
+    };
+    let done = check(&bag, &[]).well();
+    let found = line(&done, "warning: covariance: ");
+    assert!(found.contains("`dpn noise LOG --into FILE.mcap` writes them anew"), "{done:?}");
+    let anew = dir.path().join("anew.mcap");
+    run(&["noise"], &bag, &["--noise", "diff2", "--into", anew.to_str().unwrap()]).well();
+    let done = check(&anew, &[]).well();
+    assert!(warned(&done).is_empty(), "{done:?}");
+    let whole = std::fs::read(&anew).unwrap();
+    let cut = dir.path().join("cut.mcap");
+    std::fs::write(&cut, &whole[..whole.len() / 2]).unwrap();
+    let done = check(&cut, &[]).well();
+    assert!(line(&done, " damage: ").contains("-> copy or record it again"), "{done:?}");
 }

@@ -212,7 +212,7 @@ fn gravity(recording: &dyn Recorded, rest: &Rest) -> io::Result<(Vec<Finding>, f
             format!("the gyroscope turns at {fast:.0} rad/s: it counts in degrees, or clips"),
             "read the log with --gyro-unit deg/s",
         ));
-    } else if at_rest && norm(gyro) > 0.2 {
+    } else if at_rest && norm(gyro) > 0.2 && !findings.iter().any(|finding| finding.about == "columns") {
         findings.push(Finding::warning(
             "bias",
             format!("the gyroscope reads {:.3} rad/s at rest", norm(gyro)),
