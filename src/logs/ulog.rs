@@ -43,18 +43,40 @@ const KNOWN: [Known; 4] = [
     Known { topic: "sensor_accel", stamp: "timestamp", axes: [None, Some(("x", None))] },
 ];
 
-/// Topics of motors from the best on: outputs and how many they are, where the topic says that. What is not used is NaN.
-const MOTORS: [(&str, &str, usize, Option<&str>); 2] =
-    [("actuator_motors", "control", 12, None), ("actuator_outputs", "output", 16, Some("noutputs"))];
+/// A topic of motors.
+struct Motors {
+    topic: &'static str,
+    /// Its outputs, and of outputs with fields of their own their type and the field that counts, in turns a minute.
+    outputs: (&'static str, Option<(&'static str, &'static str)>),
+    most: usize,
+    /// How many they are, where the topic says that.
+    count: Option<&'static str>,
+}
+
+/// From the best on: turns as measured, outputs as wanted, as given. What is not used is NaN, and of turns 0.
+const MOTORS: [Motors; 3] = [
+    Motors {
+        topic: "esc_status",
+        outputs: ("esc", Some(("esc_report", "esc_rpm"))),
+        most: 8,
+        count: Some("esc_count"),
+    },
+    Motors { topic: "actuator_motors", outputs: ("control", None), most: 12, count: None },
+    Motors { topic: "actuator_outputs", outputs: ("output", None), most: 16, count: Some("noutputs") },
+];
 
 /// Where the outputs of motors lie in a topic's data.
 #[derive(Debug)]
 struct MotorsPlace {
     order: u8,
     stamp: usize,
-    outputs: usize,
+    /// The first, and how many bytes lie from one to the next.
+    outputs: (usize, usize),
+    /// Whole numbers: turns.
+    are_turns: bool,
     most: usize,
-    count: Option<usize>,
+    /// And how many bytes that has.
+    count: Option<(usize, usize)>,
 }
 
 /// Where a sensor's numbers lie in a topic's data and, of increments, where their interval lies and how many bytes it has.
@@ -167,14 +189,22 @@ fn motors_place(message: &[u8], formats: &HashMap<String, String>) -> Option<(u1
     let mut bytes = Bytes::new(message);
     let (instance, number) = (bytes.u8()?, bytes.u16()?);
     let topic = std::str::from_utf8(bytes.rest()).ok().filter(|_| instance == 0)?;
-    let order = MOTORS.iter().position(|(name, ..)| *name == topic)?;
-    let (_, name, most, count) = MOTORS[order];
-    let find = |name: &str| Some(field(formats.get(topic)?, name, formats)?.0);
-    let count = count.and_then(find);
-    Some((
-        number,
-        MotorsPlace { order: order as u8, stamp: find("timestamp")?, outputs: find(name)?, most, count },
-    ))
+    let order = MOTORS.iter().position(|motors| motors.topic == topic)?;
+    let Motors { outputs: (name, of), most, count, .. } = MOTORS[order];
+    let find = |name: &str| field(formats.get(topic)?, name, formats);
+    let (mut first, apart) = find(name)?;
+    if let Some((kind, name)) = of {
+        first = first.checked_add(field(formats.get(kind)?, name, formats)?.0)?;
+    }
+    let place = MotorsPlace {
+        order: order as u8,
+        stamp: find("timestamp")?.0,
+        outputs: (first, apart),
+        are_turns: of.is_some(),
+        most,
+        count: count.and_then(find),
+    };
+    Some((number, place))
 }
 
 /// Takes them; a message that is too short has none.
@@ -182,12 +212,20 @@ fn outputs(data: &[u8], place: &MotorsPlace, records: &mut Records) -> Option<()
     let at = |at: usize| data.get(at..).map(Bytes::new);
     let t = i64::try_from(at(place.stamp)?.u64()?).ok()?.checked_mul(1000)?;
     let count = match place.count {
-        Some(count) => (at(count)?.u32()? as usize).min(place.most),
+        Some((count, 1)) => usize::from(at(count)?.u8()?).min(place.most),
+        Some((count, _)) => (at(count)?.u32()? as usize).min(place.most),
         None => place.most,
     };
-    let mut numbers = at(place.outputs)?;
-    let outputs = (0..count).map_while(|_| numbers.array().map(|bytes| f64::from(f32::from_le_bytes(bytes))));
-    records.motors(place.order, Stamp::from_ns(t), outputs);
+    let (first, apart) = place.outputs;
+    let output = |i: usize| {
+        let bytes = at(first.checked_add(i.checked_mul(apart)?)?)?.array()?;
+        Some(match (place.are_turns, i32::from_le_bytes(bytes)) {
+            (true, 0) => f64::NAN,
+            (true, turns) => f64::from(turns),
+            (false, _) => f64::from(f32::from_le_bytes(bytes)),
+        })
+    };
+    records.motors(place.order, Stamp::from_ns(t), (0..count).map_while(output));
     Some(())
 }
 
@@ -258,6 +296,8 @@ fn sample(data: &[u8], place: &Place) -> Option<ImuSample> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Kind, LogOptions};
+    use std::path::Path;
 
     #[test]
     fn a_format_that_holds_itself_has_no_size_and_nested_ones_add_up() {
@@ -272,5 +312,69 @@ mod tests {
         assert_eq!(field(&formats["status"], "gyro", &formats), Some((8 + 27, 4)));
         assert_eq!(field(&formats["status"], "dt", &formats), Some((8 + 27 + 12, 2)));
         assert_eq!(field(&formats["status"], "none", &formats), None);
+    }
+
+    fn message(kind: u8, parts: &[&[u8]]) -> Vec<u8> {
+        let payload = parts.concat();
+        [&(payload.len() as u16).to_le_bytes()[..], &[kind], &payload].concat()
+    }
+
+    /// A log of an IMU and what is said of motors by topic: name, number, data by message.
+    fn motors_of(topics: &[(&str, u8, Vec<Vec<u8>>)]) -> Vec<(Stamp, f64)> {
+        let mut file = [MAGIC, &[1], &0_u64.to_le_bytes()].concat();
+        for format in [
+            "sensor_combined:uint64_t timestamp;float[3] gyro_rad;float[3] accelerometer_m_s2;",
+            "esc_report:uint64_t timestamp;uint32_t esc_errorcount;int32_t esc_rpm;float esc_voltage;",
+            "esc_status:uint64_t timestamp;uint16_t counter;uint8_t esc_count;uint8_t[5] _padding0;esc_report[8] esc;",
+            "actuator_motors:uint64_t timestamp;uint64_t timestamp_sample;float[12] control;",
+            "actuator_outputs:uint64_t timestamp;uint32_t noutputs;float[16] output;",
+        ] {
+            file.extend(message(b'F', &[format.as_bytes()]));
+        }
+        file.extend(message(b'A', &[&[0, 0, 0], b"sensor_combined"]));
+        for i in 0..100_u64 {
+            let values = [0.1_f32, 0.2, 0.3, 0.0, 0.1, 9.8].map(f32::to_le_bytes).concat();
+            file.extend(message(b'D', &[&[0, 0], &(4000 * i).to_le_bytes(), &values]));
+        }
+        for (name, number, data) in topics {
+            file.extend(message(b'A', &[&[0, *number, 0], name.as_bytes()]));
+            data.iter().for_each(|data| file.extend(message(b'D', &[&[*number, 0], data])));
+        }
+        let path = Path::new("flight.ulg");
+        let mut records = Records::default();
+        assert_eq!(read(&file[..], &mut records).unwrap(), None);
+        records.log(path, Kind::Ulog, None, &LogOptions::default()).unwrap().motors
+    }
+
+    #[test]
+    fn motors_are_those_of_the_best_topic_that_says_something_of_them() {
+        let at = |i: u64| (100_000 * i).to_le_bytes();
+        let outputs = |i: u64| {
+            let values = [1100.0_f32, 1200.0, 1300.0, 1400.0 + 4.0 * i as f32].map(f32::to_le_bytes).concat();
+            [&at(i)[..], &4_u32.to_le_bytes(), &values, &[0xff; 48]].concat()
+        };
+        let wanted = |i: u64| {
+            let values = [0.25_f32, 0.75, f32::NAN].map(f32::to_le_bytes).concat();
+            [&at(i)[..], &at(i), &values, &f32::NAN.to_le_bytes().repeat(9)].concat()
+        };
+        let turns = |i: u64, rpm: i32| {
+            let one = |rpm: i32| [&at(i)[..], &[0; 4], &rpm.to_le_bytes(), &[0; 4]].concat();
+            let rest = one(7).repeat(6);
+            [&at(i)[..], &[1, 0, 2, 0, 0, 0, 0, 0], &one(rpm), &one(2 * rpm), &rest].concat()
+        };
+        let all = |of: &dyn Fn(u64) -> Vec<u8>| (0..3).map(of).collect::<Vec<_>>();
+        let said = |numbers: [f64; 3]| {
+            let stamp = |i: usize| Stamp::from_ns(100_000_000 * i as i64);
+            numbers.into_iter().enumerate().map(|(i, number)| (stamp(i), number)).collect::<Vec<_>>()
+        };
+        let given = ("actuator_outputs", 1, all(&outputs));
+        assert_eq!(motors_of(&[given.clone()]), said([1250.0, 1251.0, 1252.0]));
+        let asked = ("actuator_motors", 2, all(&wanted));
+        assert_eq!(motors_of(&[given.clone(), asked.clone()]), said([0.5; 3]));
+        assert_eq!(motors_of(&[asked.clone(), given.clone()]), said([0.5; 3]));
+        let measured = ("esc_status", 3, all(&|i| turns(i, 4000)));
+        assert_eq!(motors_of(&[given, asked.clone(), measured]), said([6000.0; 3]));
+        // Controllers that measure nothing.
+        assert_eq!(motors_of(&[asked, ("esc_status", 3, all(&|i| turns(i, 0)))]), said([0.5; 3]));
     }
 }
