@@ -68,6 +68,11 @@ impl LogReport {
         }
     }
 
+    /// Of the headings in a section: its own, of several logs, is one above them.
+    fn level(&self) -> usize {
+        if self.logs.len() > 1 { 3 } else { 2 }
+    }
+
     /// The whole file.
     ///
     /// # Errors

@@ -18,7 +18,7 @@ fn a_report_is_one_file_that_fetches_nothing() {
     let page = std::fs::read_to_string(&out).unwrap();
     for words in [
         "bad: gaps.",
-        "<h3>Spectra</h3>",
+        "<h2>Spectra</h2>",
         "Spectra along the log",
         "Allan deviation at rest",
         "Noise at rest",

@@ -152,6 +152,35 @@ if (wants("axe")) {
   await accessible("failure");
 }
 
+// The page of `dpn report`: from a file, on a screen, a telephone and paper, without network.
+if (wants("report")) {
+  const dir = mkdtempSync(join(tmpdir(), "dpn-report-"));
+  for (const [name, logs] of [["one", [long]], ["several", [LOGS[0], LOGS[1], "golden/logs/betaflight.bbl"]]]) {
+    const file = join(dir, `${name}.html`);
+    execFileSync(dpn, ["report", ...logs, "--out", file], { cwd: root, stdio: "ignore" });
+    say(statSync(file).size < 2e6, `report of ${name}: ${(statSync(file).size / 1e6).toFixed(1)} MB`);
+    const asked = [];
+    const listen = (request) => { if (!request.url().startsWith("file:") && !request.url().startsWith("data:")) asked.push(request.url()); };
+    tab.on("request", listen);
+    for (const scheme of ["light", "dark"]) for (const width of [1400, 390]) {
+      await tab.setViewportSize({ width, height: 900 });
+      await tab.emulateMedia({ colorScheme: scheme });
+      await tab.goto(`file://${file}`);
+      await accessible(`report of ${name}, ${width} px, ${scheme}`);
+      const [wide, pictures] = await tab.evaluate(() => [document.documentElement.scrollWidth > innerWidth, document.querySelectorAll("svg, img").length]);
+      say(!wide && pictures > 0, `report of ${name}: nothing is wider than the page at ${width} px, ${scheme}; ${pictures} pictures`);
+      await tab.screenshot({ path: join(out, `report-${name}-${width}-${scheme}.png`), fullPage: true });
+    }
+    await tab.emulateMedia({ media: "print", colorScheme: "dark" });
+    const ink = await tab.evaluate(() => getComputedStyle(document.body).backgroundColor);
+    say(["rgba(0, 0, 0, 0)", "rgb(255, 255, 255)"].includes(ink), `report of ${name}: white on paper whatever the screen's colours are (${ink})`);
+    writeFileSync(join(out, `report-${name}.pdf`), await tab.pdf({ format: "A4" }));
+    await tab.emulateMedia({ media: "screen" });
+    tab.off("request", listen);
+    say(asked.length === 0, `report of ${name}: nothing is fetched${asked.length ? `, but ${asked[0]}` : ""}`);
+  }
+}
+
 if (wants("times")) {
   const more = (process.env.MORE || "").split(":").filter(Boolean);
   for (const path of [long, rest, ...more].filter(Boolean)) {
