@@ -5,7 +5,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    "DEFAULT_TAG", "Error", "Network", "Odometry", "RateStream", "Recording", "Sensors", "Stream", "__version__", "allan", "check", "code_is_in", "convert",
+    "DEFAULT_TAG", "Error", "Network", "Odometry", "Recording", "Sensors", "Stream", "__version__", "allan", "check", "code_is_in", "convert",
     "from_arrays", "main", "noise", "read", "run_arrays", "run_source", "simulate", "train", "trajectory_errors",
     "trajectory_nees",
 ]
@@ -64,13 +64,10 @@ class Odometry:
 
 @final
 class Stream:
-    def __new__(cls, accel: Network, gyro: Network, every: int) -> Stream: ...
-    def feed(self, t_ns: int, gyro: list[float], accel: list[float]) -> None: ...
-    def sigma(self) -> tuple[list[float], list[float], bool, list[bool], bool]: ...
-
-@final
-class RateStream:
-    def __new__(cls, model: str | None, rate_hz: float, every: int) -> RateStream: ...
+    @staticmethod
+    def of_networks(accel: Network, gyro: Network, every: int) -> Stream: ...
+    @staticmethod
+    def at_rate(model: str | None, rate_hz: float, every: int) -> Stream: ...
     def feed(self, t_ns: int, gyro: list[float], accel: list[float]) -> None: ...
     def sigma(self) -> tuple[list[float], list[float], bool, list[bool], bool]: ...
 

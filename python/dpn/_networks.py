@@ -83,13 +83,12 @@ class Stream:
         self, accel: Network | None = None, gyro: Network | None = None, *, every: int = 10, rate: float | None = None, model: str | None = None
     ) -> None:
         every = whole("every", every, 1, 1_000_000)
-        self._inner: _dpn.Stream | _dpn.RateStream
         if rate is not None:
             if accel is not None or gyro is not None:
                 raise Error("rate: with networks; expected a `model` beside it, as \"dualpronet\"")
             if not seconds("rate", rate) > 0:
                 raise Error("rate: 0; expected more, in Hz")
-            self._inner = _dpn.RateStream(model, float(rate), every)
+            self._inner = _dpn.Stream.at_rate(model, float(rate), every)
             return
         if model is not None:
             raise Error("model: without a rate; expected `rate` beside it, in Hz")
@@ -98,7 +97,7 @@ class Stream:
             if given is not None and not isinstance(given, Network):
                 raise Error(f"{sensor}: {type(given).__name__}; expected a dpn.Network")
             pair.append((given or Network.default(sensor))._inner)
-        self._inner = _dpn.Stream(pair[0], pair[1], every)
+        self._inner = _dpn.Stream.of_networks(pair[0], pair[1], every)
 
     def feed(self, t: float, gyro: ArrayLike, accel: ArrayLike) -> None:
         """Takes a sample: ``t`` int ns or float s, later than the last; ``gyro`` (3,) rad/s; ``accel`` (3,) m/s^2.

@@ -43,7 +43,7 @@ mod _dpn {
     #[pymodule_export]
     use crate::simulate::simulate;
     #[pymodule_export]
-    use crate::stream::{RateStream, Stream};
+    use crate::stream::Stream;
     #[pymodule_export]
     use crate::train::train;
     use pyo3::prelude::*;

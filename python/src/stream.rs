@@ -12,34 +12,54 @@ use std::sync::{Mutex, PoisonError};
 /// Accelerometer, gyroscope; whether they are known, out of range by sensor, and at a wrong rate.
 type Answer = ([f64; 3], [f64; 3], bool, [bool; 2], bool);
 
-/// Both networks beside running samples.
+/// Who is asked.
+enum Asked {
+    /// Two networks at their own rate.
+    Networks(SampleStream),
+    Any(AtRate),
+}
+
+/// A model beside running samples.
 #[pyclass(module = "dpn._dpn")]
 pub(crate) struct Stream {
-    inner: SampleStream,
+    asked: Asked,
 }
 
 #[pymethods]
 impl Stream {
-    #[new]
-    fn new(accel: &Network, gyro: &Network, every: usize) -> PyResult<Self> {
+    #[staticmethod]
+    fn of_networks(accel: &Network, gyro: &Network, every: usize) -> PyResult<Self> {
         let pair = DualProNet::new("python", &accel.inner.weights, &gyro.inner.weights, every);
-        Ok(Self { inner: SampleStream::new(pair.map_err(|e| Error::new_err(format!("accel, gyro: {e}")))?) })
+        let pair = pair.map_err(|e| Error::new_err(format!("accel, gyro: {e}")))?;
+        Ok(Self { asked: Asked::Networks(SampleStream::new(pair)) })
+    }
+
+    #[staticmethod]
+    fn at_rate(model: Option<&str>, rate_hz: f64, every: usize) -> PyResult<Self> {
+        Ok(Self { asked: Asked::Any(AtRate::new(model, rate_hz, every)?) })
     }
 
     fn feed(&mut self, t_ns: i64, gyro: [f64; 3], accel: [f64; 3]) -> PyResult<()> {
-        self.inner.feed(ImuSample { t: Stamp::from_ns(t_ns), gyro, accel }).map_err(|e| raise(&e))
+        let sample = ImuSample { t: Stamp::from_ns(t_ns), gyro, accel };
+        match &mut self.asked {
+            Asked::Networks(stream) => stream.feed(sample),
+            Asked::Any(stream) => stream.feed(sample),
+        }
+        .map_err(|e| raise(&e))
     }
 
     fn sigma(&self) -> Answer {
-        let found = self.inner.sigma();
+        let found = match &self.asked {
+            Asked::Networks(stream) => stream.sigma(),
+            Asked::Any(stream) => return stream.sigma(),
+        };
         let of = |sensor| found.noise.of(sensor);
         (of(Sensor::Accel), of(Sensor::Gyro), found.known, found.out_of_range, found.wrong_rate)
     }
 }
 
-/// Any model beside running samples of any rate, as `dpn noise --follow` asks it.
-#[pyclass(module = "dpn._dpn")]
-pub(crate) struct RateStream {
+/// Any model beside samples of any rate, as `dpn noise --follow` asks it.
+struct AtRate {
     feed: Mutex<Feed>,
     rate: SampleRate,
     /// Samples until there is a full window, and those that came.
@@ -53,9 +73,7 @@ pub(crate) struct RateStream {
     out_of_range: [bool; 2],
 }
 
-#[pymethods]
-impl RateStream {
-    #[new]
+impl AtRate {
     fn new(model: Option<&str>, rate_hz: f64, every: usize) -> PyResult<Self> {
         let rate = SampleRate::from_hz(rate_hz).expect("Python asks for more than zero");
         let networks = dpn_program::shipped().map_err(|e| raise(&e))?;
@@ -77,18 +95,18 @@ impl RateStream {
         })
     }
 
-    fn feed(&mut self, t_ns: i64, gyro: [f64; 3], accel: [f64; 3]) -> PyResult<()> {
-        let t = Stamp::from_ns(t_ns);
+    fn feed(&mut self, sample: ImuSample) -> Result<(), StreamError> {
+        let t = sample.t;
         if let Some(last) = self.last {
             if t <= last {
-                return Err(raise(&StreamError::NotIncreasing { t_ns, last_ns: last.ns() }));
+                return Err(StreamError::NotIncreasing { t_ns: t.ns(), last_ns: last.ns() });
             }
             self.step_s += 0.02 * (t.seconds_since(last) - self.step_s);
         }
         self.last = Some(t);
         self.came += 1;
         let feed = self.feed.get_mut().unwrap_or_else(PoisonError::into_inner);
-        self.noise = feed.feed(&ImuSample { t, gyro, accel });
+        self.noise = feed.feed(&sample);
         let judged = feed.judged();
         let new = judged.since(&self.judged);
         for (out, sensor) in self.out_of_range.iter_mut().zip(Sensor::ALL) {

@@ -1,4 +1,4 @@
-"""The notebook's source runs on another log, and the notebook is that source's."""
+"""The notebook and its source run on another log, and the notebook is that source's."""
 
 import json
 import os
@@ -31,6 +31,17 @@ def test_the_source_runs_where_no_network_answers(flight, tmp_path):
     (tmp_path / "slow.csv").write_text("\n".join([header, *rows[::5]]) + "\n")
     phases = [line.split() for line in run_on(tmp_path / "slow.csv").splitlines() if line.startswith(("all ", "rest ", "moving "))]
     assert len(phases) > 1 and all(phase[-1] == "-" for phase in phases)
+
+
+def test_the_notebook_runs_in_a_kernel(flight, monkeypatch):
+    """As a person who opens it runs it: cell by cell, and no cell ends in an error."""
+    nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
+    pytest.importorskip("ipykernel")
+    monkeypatch.setenv("DPN_LOG", str(flight[0]))
+    notebook = nbformat.read(EXAMPLES / "noise_of_a_log.ipynb", as_version=4)
+    nbclient.NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(EXAMPLES)}}).execute()
+    said = "".join(out.get("text", "") for cell in notebook.cells for out in cell.get("outputs", []))
+    assert "moving" in said and "accelerometer_noise_density" in said
 
 
 def test_the_notebook_is_the_sources_executed_small_and_without_a_fault():
