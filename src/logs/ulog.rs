@@ -368,7 +368,7 @@ mod tests {
             numbers.into_iter().enumerate().map(|(i, number)| (stamp(i), number)).collect::<Vec<_>>()
         };
         let given = ("actuator_outputs", 1, all(&outputs));
-        assert_eq!(motors_of(&[given.clone()]), said([1250.0, 1251.0, 1252.0]));
+        assert_eq!(motors_of(std::slice::from_ref(&given)), said([1250.0, 1251.0, 1252.0]));
         let asked = ("actuator_motors", 2, all(&wanted));
         assert_eq!(motors_of(&[given.clone(), asked.clone()]), said([0.5; 3]));
         assert_eq!(motors_of(&[asked.clone(), given.clone()]), said([0.5; 3]));
