@@ -62,6 +62,8 @@ struct Held<E> {
 struct Ahead<E> {
     /// On the common time.
     t: Stamp,
+    /// The other's last stamp when it came.
+    other: Option<Stamp>,
     message: E,
     /// How many of its sensor's messages came from before it since.
     before: usize,
@@ -132,10 +134,11 @@ impl<E> LiveClocks<E> {
         let t = self.common(sensor, raw);
         if self.follows(sensor, t) {
             let mut ready = self.overtaken(sensor, t);
+            let other = self.last(sensor.other());
             if self.ahead[sensor as usize].is_none() && self.runs_ahead(sensor, t) {
-                self.ahead[sensor as usize] = Some(Ahead { t, message, before: 0 });
+                self.ahead[sensor as usize] = Some(Ahead { t, other, message, before: 0 });
             } else {
-                ready.extend(self.goes_on(sensor, t, message));
+                ready.extend(self.goes_on(sensor, t, other, message));
             }
             return ready;
         }
@@ -170,12 +173,17 @@ impl<E> LiveClocks<E> {
         ready
     }
 
-    /// Whether a stamp is beyond its sensor's next one by half a step and more, an image's beyond the IMU's clock too: something was lost, or it is wrong.
+    /// Whether a stamp is beyond its sensor's next one by half a step and more, an image's beyond the IMU's clock too, where that tells: something was lost, or
+    /// it is wrong.
     fn runs_ahead(&self, sensor: LiveSensor, t: Stamp) -> bool {
-        let Clock { last: Some(last), step_s, .. } = self.clocks[sensor as usize] else { return false };
+        let Clock { last: Some(last), step_s, other, .. } = self.clocks[sensor as usize] else {
+            return false;
+        };
         let beyond = |by_s: f64| step_s > 0.0 && by_s > 0.5 * step_s;
-        beyond(t.seconds_since(last) - step_s)
-            && (sensor == LiveSensor::Imu || self.off_s(sensor, t).is_none_or(beyond))
+        let imu = &self.clocks[LiveSensor::Imu as usize];
+        let is_heard = imu.held == 0 && imu.last > other;
+        let beyond_imu = || is_heard && self.off_s(sensor, t).is_some_and(beyond);
+        beyond(t.seconds_since(last) - step_s) && (sensor == LiveSensor::Imu || beyond_imu())
     }
 
     /// What a sensor's message of time `t` says of one that runs ahead: it goes on where this one is not before it.
@@ -183,7 +191,7 @@ impl<E> LiveClocks<E> {
         let Some(mut ahead) = self.ahead[sensor as usize].take() else { return Vec::new() };
         let still_follows = self.follows(sensor, ahead.t);
         if still_follows && t >= ahead.t {
-            return self.goes_on(sensor, ahead.t, ahead.message);
+            return self.goes_on(sensor, ahead.t, ahead.other, ahead.message);
         }
         // A double of the last one, or one that is late, says nothing.
         ahead.before += usize::from(self.last(sensor).is_none_or(|last| t > last));
@@ -269,11 +277,17 @@ impl<E> LiveClocks<E> {
         near || self.off_s(sensor, t).is_some_and(|off| off.abs() <= OFF_S)
     }
 
-    /// Lets a message through, and what it tells of those that are held back.
-    fn goes_on(&mut self, sensor: LiveSensor, t: Stamp, message: E) -> Vec<(LiveSensor, Stamp, E)> {
+    /// Lets a message through that came when the other's last stamp was `beside`, and what it tells of those that are held back.
+    fn goes_on(
+        &mut self,
+        sensor: LiveSensor,
+        t: Stamp,
+        beside: Option<Stamp>,
+        message: E,
+    ) -> Vec<(LiveSensor, Stamp, E)> {
         self.drop_held(sensor);
         let mut ready = vec![(sensor, t, message)];
-        self.passed(sensor, t);
+        self.passed(sensor, t, beside);
         let other = sensor.other();
         let Some(first) = self.held.iter().find(|held| held.sensor == other).map(|held| held.raw) else {
             return ready;
@@ -415,7 +429,7 @@ impl<E> LiveClocks<E> {
                 continue;
             }
             let t = self.common(sensor, raw);
-            self.passed(sensor, t);
+            self.passed(sensor, t, self.last(sensor.other()));
             ready.push((sensor, t, message));
             let clock = &mut self.clocks[sensor as usize];
             (clock.held, clock.since) = (0, 0);
@@ -423,8 +437,8 @@ impl<E> LiveClocks<E> {
         ready
     }
 
-    fn passed(&mut self, sensor: LiveSensor, t: Stamp) {
-        let Clock { last: other, held: others_held, .. } = self.clocks[sensor.other() as usize];
+    fn passed(&mut self, sensor: LiveSensor, t: Stamp, other: Option<Stamp>) {
+        let others_held = self.clocks[sensor.other() as usize].held;
         let clock = &mut self.clocks[sensor as usize];
         let step = clock.last.map_or(0.0, |last| t.seconds_since(last));
         let goes_on = step > 0.0 && step <= OFF_S;
@@ -603,6 +617,24 @@ mod tests {
                     assert!(said.len() == 1 && said[0].contains(" passed over"), "{said:?}");
                 }
             }
+        }
+    }
+
+    /// The last before a silence was waiting: when it came tells how the clocks go together.
+    #[test]
+    fn a_sensor_that_stops_after_a_loss_is_heard_again_as_it_was() {
+        for sensor in LiveSensor::ALL {
+            let mut gap = streams(6);
+            let lost = gap.iter().position(|(s, t, _)| *s == sensor && *t > 1_001_900_000_000).unwrap();
+            gap.remove(lost);
+            let last = gap[lost..].iter().find(|(s, ..)| *s == sensor).unwrap().1;
+            gap.retain(|(s, t, _)| *s != sensor || *t <= last || *t > 1_004_700_000_000);
+            let (out, said) = through(&gap);
+            assert!(
+                out.len() == gap.len() && out.iter().all(|(_, t, truth)| t == truth),
+                "{sensor:?}: {said:?}"
+            );
+            assert_eq!(said, Vec::<String>::new(), "{sensor:?}");
         }
     }
 
