@@ -15,7 +15,7 @@ type Answer = ([f64; 3], [f64; 3], bool, [bool; 2], bool);
 /// Who is asked.
 enum Asked {
     /// Two networks at their own rate.
-    Networks(SampleStream),
+    Networks(Box<SampleStream>),
     Any(AtRate),
 }
 
@@ -31,7 +31,7 @@ impl Stream {
     fn of_networks(accel: &Network, gyro: &Network, every: usize) -> PyResult<Self> {
         let pair = DualProNet::new("python", &accel.inner.weights, &gyro.inner.weights, every);
         let pair = pair.map_err(|e| Error::new_err(format!("accel, gyro: {e}")))?;
-        Ok(Self { asked: Asked::Networks(SampleStream::new(pair)) })
+        Ok(Self { asked: Asked::Networks(Box::new(SampleStream::new(pair))) })
     }
 
     #[staticmethod]
