@@ -40,10 +40,10 @@ pub enum RateError {
 pub fn at_rate(recording: ImuRecording, rate: SampleRate) -> Result<ImuRecording, RateError> {
     let (own, wanted_hz) = (recording.rate(), rate.hz());
     let length = BlockLength::of(own, rate).ok_or(RateError::Slower { found_hz: own.hz(), wanted_hz })?;
-    if length == BlockLength::ONE {
-        return Ok(recording);
-    }
-    let samples = if length.is_whole() {
+    let samples = if length.meets(own, rate) {
+        if length == BlockLength::ONE {
+            return Ok(recording);
+        }
         let gap_s = CheckOptions::default().gap_periods * own.period();
         block_means(recording.samples(), length, gap_s)
     } else {

@@ -54,14 +54,17 @@ impl<'a> Causal<'a> {
         self.rate
     }
 
-    /// Of how many samples, to the nearest, the networks see the mean; 1 for all else.
+    /// Of how many samples the networks see the mean; 1 for all else.
     pub fn block(&self) -> usize {
         self.block.samples()
     }
 
-    /// The same with the shares of samples at the blocks' ends.
-    pub fn exact_block(&self) -> f64 {
-        self.block.exact()
+    /// How often its networks see a mean, and the rate of their training \[Hz\], where that is another.
+    pub fn seen_and_trained_hz(&self) -> Option<[f64; 2]> {
+        let [accel, _] = self.networks?;
+        let trained = accel.weights.card().rate;
+        (self.block != BlockLength::ONE || !self.block.meets(self.rate, trained))
+            .then(|| [self.block.blocks_hz(self.rate), trained.hz()])
     }
 
     /// Rate of its networks' training \[Hz\].
@@ -74,11 +77,10 @@ impl<'a> Causal<'a> {
         self.networks?.into_iter().find(|network| network.sensor() == sensor)?.weights.card().range
     }
 
-    /// The longest window of its networks, in samples that are fed; none where blocks end within samples, and for all else, which may remember for ever.
+    /// The longest window of its networks, in samples that are fed; none for all else, which may remember for ever.
     pub fn memory(&self) -> Option<usize> {
         let windows = self.networks?.map(|network| network.weights.config().window);
-        let longest = windows.into_iter().max().filter(|_| self.block.is_whole());
-        longest.map(|window| window * self.block())
+        windows.into_iter().max().map(|window| window * self.block())
     }
 
     /// A model that has seen nothing, asked every `hop` samples that it sees (means of [`block`](Self::block) that are fed); a simple estimator about the

@@ -1,53 +1,47 @@
-//! Samples of a faster log as means over blocks, at the rate that networks were trained at.
+//! Samples of a faster log as means over blocks, near the rate that networks were trained at.
 //!
 //! A mean of m samples of white noise has its deviation over the root of m, and below the blocks' rate the same density: nothing of slower noise and motion is folded, as it is where
-//! every m-th sample is taken. Where the rates have no whole ratio r a sample at a block's end counts for both by its shares; uniformly placed ends give a mean the variance
-//! `(r - 1/3) / r^2` of a sample's.
+//! every m-th sample is taken. Blocks hold whole samples: shares of samples at their ends would make neighbours alike, which is less than white. Where the rates have no whole ratio, blocks
+//! come faster than in training, so that motion is slower beside them and white noise still white.
 
 use crate::{ImuNoise, ImuSample, SampleRate, Sensor};
 
 /// Largest share by which the rate of blocks may differ from that of the training.
 const TOLERANCE: f64 = 0.05;
-/// A share of a sample below which nothing is left of it.
-const NOTHING: f64 = 1e-9;
-
 /// How many samples a block has.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BlockLength(f64);
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BlockLength(usize);
 
 impl BlockLength {
     /// Of samples of `rate` for networks trained at `trained`; none where the rate is too slow.
     pub fn of(rate: SampleRate, trained: SampleRate) -> Option<Self> {
         let ratio = rate.hz() / trained.hz();
-        let whole = ratio.round().max(1.0);
-        if (ratio / whole - 1.0).abs() <= TOLERANCE {
-            return Some(Self(whole));
-        }
-        (ratio > 1.0).then_some(Self(ratio))
+        let nearest = ratio.round().max(1.0);
+        let whole = if (ratio / nearest - 1.0).abs() <= TOLERANCE { nearest } else { ratio.floor() };
+        (whole >= 1.0).then_some(Self(whole as usize))
     }
 
     /// One sample a block.
-    pub const ONE: Self = Self(1.0);
+    pub const ONE: Self = Self(1);
 
-    /// Samples, shares of them counted.
-    pub fn exact(self) -> f64 {
+    /// Samples.
+    pub fn samples(self) -> usize {
         self.0
     }
 
-    /// Whole samples, to the nearest.
-    pub fn samples(self) -> usize {
-        self.0.round() as usize
+    /// Blocks a second of samples of `rate` \[Hz\].
+    pub fn blocks_hz(self, rate: SampleRate) -> f64 {
+        rate.hz() / self.0 as f64
     }
 
-    /// Whether every block begins with a sample.
-    pub fn is_whole(self) -> bool {
-        self.0.fract() == 0.0
+    /// Whether blocks of samples of `rate` come about as often as samples did in the training.
+    pub fn meets(self, rate: SampleRate, trained: SampleRate) -> bool {
+        (self.blocks_hz(rate) / trained.hz() - 1.0).abs() <= TOLERANCE
     }
 
     /// Deviation of one sample over that of a block's mean, of white noise.
     pub fn gain(self) -> f64 {
-        let variance = if self.is_whole() { 1.0 / self.0 } else { (self.0 - 1.0 / 3.0) / (self.0 * self.0) };
-        variance.sqrt().recip()
+        (self.0 as f64).sqrt()
     }
 }
 
@@ -55,14 +49,14 @@ impl BlockLength {
 #[derive(Debug, Clone)]
 pub struct Blocks {
     length: BlockLength,
-    left: f64,
+    taken: usize,
     sums: [[f64; 3]; 2],
 }
 
 impl Blocks {
     /// Blocks of `length` samples that have taken none.
     pub fn new(length: BlockLength) -> Self {
-        Self { length, left: length.0, sums: [[0.0; 3]; 2] }
+        Self { length, taken: 0, sums: [[0.0; 3]; 2] }
     }
 
     /// The mean of the block that `sample` fills, with its stamp.
@@ -70,28 +64,18 @@ impl Blocks {
         if self.length == BlockLength::ONE {
             return Some(*sample);
         }
-        let share = self.left.min(1.0);
-        self.add(sample, share);
-        self.left -= share;
-        if self.left > NOTHING {
-            return None;
-        }
-        let [accel, gyro] = self.sums.map(|axes| axes.map(|sum| sum / self.length.0));
-        (self.left, self.sums) = (self.length.0, [[0.0; 3]; 2]);
-        let rest = 1.0 - share;
-        if rest > NOTHING {
-            self.add(sample, rest);
-            self.left -= rest;
-        }
-        Some(ImuSample { t: sample.t, accel, gyro })
-    }
-
-    fn add(&mut self, sample: &ImuSample, share: f64) {
         for (sums, sensor) in self.sums.iter_mut().zip(Sensor::ALL) {
             for (sum, value) in sums.iter_mut().zip(sample.of(sensor)) {
-                *sum += share * value;
+                *sum += value;
             }
         }
+        self.taken += 1;
+        if self.taken < self.length.0 {
+            return None;
+        }
+        let [accel, gyro] = self.sums.map(|axes| axes.map(|sum| sum / self.length.0 as f64));
+        *self = Self::new(self.length);
+        Some(ImuSample { t: sample.t, accel, gyro })
     }
 
     /// What one sample has where the means have `noise`.
@@ -134,29 +118,33 @@ mod tests {
     #[test]
     fn a_slow_log_has_no_blocks_and_a_near_rate_is_taken_as_it_is() {
         assert_eq!([100.0, 180.0].map(of), [None, None]);
-        assert_eq!([195.0, 206.0, 400.0, 1000.0].map(of), [1.0, 1.0, 2.0, 5.0].map(|m| Some(BlockLength(m))));
+        assert_eq!([195.0, 206.0, 400.0, 1000.0].map(of), [1, 1, 2, 5].map(|m| Some(BlockLength(m))));
+        // Between two whole ratios blocks come faster than in the training.
+        assert_eq!([250.0, 390.0, 533.0].map(of), [1, 2, 2].map(|m| Some(BlockLength(m))));
+        let meets = |hz: f64| of(hz).unwrap().meets(SampleRate::from_hz(hz).unwrap(), SampleRate::HZ_200);
+        assert_eq!([206.0, 390.0, 250.0, 533.0].map(meets), [true, true, false, false]);
     }
 
     #[test]
-    fn means_of_white_noise_have_its_deviation_over_their_gain_and_keep_slow_signals() {
+    fn means_of_white_noise_have_its_deviation_over_their_gain_are_white_and_keep_slow_signals() {
         for hz in [400.0, 500.0, 250.0, 533.0, 8000.0] {
             let length = of(hz).unwrap();
             let mut rng = Stream::new(4).named("blocks").rng();
             let mut blocks = Blocks::new(length);
             let mut means = Vec::new();
-            let count = (20_000.0 * hz / 200.0) as i64;
-            for i in 0..count {
+            for i in 0..20_000 * length.samples() as i64 {
                 // Of deviation 1.
                 let noise = 12f64.sqrt() * (rng.random::<f64>() - 0.5);
                 let sample =
                     ImuSample { t: Stamp::from_ns(i), accel: [noise, 7.0, 0.0], gyro: [0.0, 0.0, -3.0] };
                 means.extend(blocks.feed(&sample));
             }
-            // As many a second as the networks know.
-            assert!((means.len() as f64 - 20_000.0).abs() < 2.0, "{hz}: {}", means.len());
+            assert_eq!(means.len(), 20_000, "{hz}");
             let x: Vec<f64> = means.iter().map(|m| m.accel[0]).collect();
             let found = deviation(&x, Ddof::Zero) * length.gain();
             assert!((found - 1.0).abs() < 0.03, "{hz}: {found}");
+            let neighbours = x.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / 20_000.0;
+            assert!(neighbours.abs() < 0.03 / length.samples() as f64, "{hz}: {neighbours}");
             assert!(means.iter().all(|m| (m.accel[1] - 7.0).abs() < 1e-9 && (m.gyro[2] + 3.0).abs() < 1e-9));
         }
     }

@@ -251,7 +251,7 @@ mod tests {
         assert_eq!(plan("dualpronet", 1000.0).unwrap(), 5);
         assert_eq!(plan("diff2", 37.0).unwrap(), 1);
         assert!(matches!(plan("dualpronet", 40.0), Err(LogNoiseError::Noise(CausalError::Rate { .. }))));
-        assert_eq!(plan("dualpronet", 300.0).unwrap(), 2);
+        assert_eq!(plan("dualpronet", 300.0).unwrap(), 1);
         // Slower logs have networks of their own.
         assert_eq!([100.0, 50.0].map(|hz| plan("dualpronet", hz).unwrap()), [1, 1]);
         for spec in ["oracle", "mean(x1)", "shuffled(diff2)", "file(a.csv)"] {
