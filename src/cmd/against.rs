@@ -43,6 +43,12 @@ pub(super) fn run(args: &NoiseArgs, path: &Path, trajectory: &Path) -> Result<()
         }
         Ok(())
     })?;
+    if found.clock_s != 0.0 {
+        errln!(
+            "warning: no pose lies within the log's time; the turns of both say that the trajectory's clock is {:+.3} s off, and what follows is without that",
+            found.clock_s
+        );
+    }
     for warning in &found.report.warnings {
         errln!("warning: {warning}");
     }

@@ -64,7 +64,8 @@ pub enum TruthError {
     },
     /// A trajectory whose unit is none of length.
     #[error(
-        "the trajectory is {scale:.2} times as large as the accelerometer says; one camera alone does not know its scale: multiply the positions by {:.3}", 1.0 / scale
+        "the trajectory is {scale:.2} times as large as the accelerometer says; where it is not in metres, as of one camera alone, multiply the positions by {:.3}; where it is, its quaternions \
+        are not world from body in the order of its format (TUM: x y z w)", 1.0 / scale
     )]
     NotMetric {
         /// Its scale.
