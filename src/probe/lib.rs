@@ -12,6 +12,7 @@ pub mod log_noise;
 #[cfg(feature = "formats")]
 pub mod paste;
 pub mod phases;
+mod rates;
 pub mod rest_noise;
 mod text;
 

@@ -27,6 +27,7 @@ pub mod vibration;
 
 use crate::finding::Finding;
 use crate::phases::{Phase, Stretch, phases};
+use crate::rates;
 use crate::rest_noise::RestNoise;
 use dpn_core::{Recorded, Sensor};
 #[cfg(feature = "logs")]
@@ -115,7 +116,12 @@ pub(crate) fn examine(recording: &dyn Recorded) -> io::Result<Examination> {
     let recording = part.as_ref().map_or(recording, |part| part);
     let mut findings: Vec<Finding> = jumps.into_iter().collect();
     let (of_timing, lost) = timing::findings(recording)?;
-    findings.extend(of_timing);
+    let of_rates = rates::finding(&rates::parts(recording)?);
+    // Steps of a second rate are neither holes nor jitter.
+    findings.extend(
+        of_timing.into_iter().filter(|f| of_rates.is_none() || !["gaps", "jitter"].contains(&f.about)),
+    );
+    findings.extend(of_rates);
     let (measured, outliers) = values::without_outliers(recording)?;
     let measured = measured.as_ref().map_or(recording, |measured| measured);
     findings.extend(outliers);

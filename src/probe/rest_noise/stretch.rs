@@ -1,6 +1,7 @@
 //! The longest stretch at rest as even series: single lost samples bridged, rows that repeat a sensor's last value left out.
 
 use crate::phases::{Phase, Stretch, phase_at};
+use crate::rates;
 use dpn_core::{Recorded, SampleRate, Sensor};
 use serde::Serialize;
 use std::io;
@@ -81,6 +82,8 @@ impl Rows {
     ) -> io::Result<Option<Self>> {
         let period = recording.rate().period();
         let start = recording.span()[0];
+        let parts = rates::parts(recording)?;
+        let one_rate = rates::longest(&parts).map_or([0.0, f64::INFINITY], |part| part.span_s);
         let mut even = 0;
         recording.pairs(&mut |a, b| even += usize::from(is_even(b.t.seconds_since(a.t) / period)))?;
         let tells = tell_of_loss(even, recording.len() - 1);
@@ -94,7 +97,8 @@ impl Rows {
         let mut index = 0;
         recording.each(0..recording.len(), &mut |sample| {
             let t = sample.t.seconds_since(start);
-            let rests = phase_at(stretches, t) == Some(Phase::Rest);
+            let rests =
+                phase_at(stretches, t) == Some(Phase::Rest) && (one_rate[0]..one_rate[1]).contains(&t);
             let lost = match &open {
                 Some(open) if tells => lost_in((t - open.span[1]) / period),
                 _ => 0,
