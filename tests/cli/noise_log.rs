@@ -117,8 +117,8 @@ fn another_rate_gets_a_simple_estimator_and_is_refused_for_networks() {
          hint: faster logs are averaged to 50 Hz by themselves, a slower one has too few samples: train networks of its rate (dpn train --rate 40), let the odometry find its noise (dpn run --noise self), or give a simple estimator (--noise diff2)",
     );
     for (step_ns, words) in [
-        (2_500_000, "the networks saw means of 2 samples: the log has 400 Hz, they know 200 Hz"),
-        (8_000_000, "the log has 125 Hz, they know 100 Hz"),
+        (2_500_000, "the networks saw means of 2 samples (200 Hz; trained at 200 Hz)"),
+        (8_000_000, "the networks saw every sample (125 Hz; trained at 100 Hz)"),
     ] {
         let done = noise(dir.path(), &rows(6000, step_ns), &[]).well();
         assert!(done.stdout.contains(words), "{done:?}");
@@ -131,6 +131,56 @@ fn another_rate_gets_a_simple_estimator_and_is_refused_for_networks() {
     assert!(done.code == Some(2) && done.stderr.contains("is not causal"), "{done:?}");
     let done = noise(dir.path(), &rows(150, 5_000_000), &[]);
     assert!(done.code == Some(2) && done.stderr.contains("the first window alone has 1.00 s"), "{done:?}");
+}
+
+/// `rows` behind one pole at 20 Hz of 200.
+fn behind(rows: &mut Rows) {
+    let k = (0.1 * std::f64::consts::PI).tan();
+    let (mut x, mut y) = (rows[0].1, rows[0].1);
+    for (_, values) in rows {
+        for axis in 0..6 {
+            y[axis] = (k * (values[axis] + x[axis]) + (1.0 - k) * y[axis]) / (1.0 + k);
+        }
+        (x, *values) = (*values, y);
+    }
+}
+
+/// 40 s in motion behind one pole and behind two, a log whose rate changes, and a gyroscope that is off.
+#[test]
+fn what_a_figure_cannot_be_made_of_is_said() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut white = rows(8000, 5_000_000);
+    for poles in [1, 2] {
+        behind(&mut white);
+        let mut turning = white.clone();
+        turning
+            .iter_mut()
+            .enumerate()
+            .for_each(|(i, (_, values))| values[0] += 0.8 * (0.01 * i as f64).sin());
+        let done = noise(dir.path(), &turning, &[]).well();
+        if poles == 1 {
+            let shape =
+                done.stdout.matches("in motion, by the shape of a low pass (1st order, about").count();
+            assert_eq!(shape, 2, "{done:?}");
+        } else {
+            let words = "NOT KNOWN: in motion the gyro's spectrum falls as behind a low pass";
+            assert!(done.stderr.contains(words), "{done:?}");
+            assert!(done.stdout.contains("gyroscope noise: not known, above 35 Hz"), "{done:?}");
+        }
+    }
+    let mut halved = rows(8000, 5_000_000);
+    let mut index = 0;
+    halved.retain(|_| {
+        index += 1;
+        index < 4000 || index % 2 == 0
+    });
+    let done = noise(dir.path(), &halved, &[]).well();
+    assert!(done.stderr.contains("the rate changes at 20.0 s from 200.0 to 100.0 Hz"), "{done:?}");
+    let mut off = rows(4000, 5_000_000);
+    off.iter_mut().for_each(|(_, values)| values[..3].fill(0.0));
+    let done = noise(dir.path(), &off, &["--paste", "vins"]).well();
+    assert!(done.stdout.contains("gyroscope noise: not known, an axis never changes"), "{done:?}");
+    assert!(done.stdout.contains("\nacc_n: ") && !done.stdout.contains("\ngyr_n: "), "{done:?}");
 }
 
 #[test]

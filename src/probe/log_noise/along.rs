@@ -4,6 +4,7 @@ use super::compare::{Check, compare};
 use super::track::track_watched;
 use super::{EffectiveNoise, Levels, LogNoiseError, Plan, Track, TrackSummary, report};
 use crate::phases::phases;
+use crate::rates;
 use crate::rest_noise::RestNoise;
 use dpn_core::Recorded;
 use dpn_io::noise_formats::NoiseCalibration;
@@ -61,9 +62,13 @@ impl Along {
                 .transpose()?,
             None => None,
         };
-        let warnings = report::warnings(plan, &summary);
         let rest = RestNoise::of(recording, &summary.stretches)?;
         let effective = EffectiveNoise::of(recording, &summary.stretches, rest.as_ref())?;
+        let mut warnings = report::warnings(plan, &summary);
+        let changes = rates::finding(&rates::parts(recording)?);
+        warnings.extend(changes.map(|found| format!("{}; {}", found.text, found.remedy.unwrap_or_default())));
+        let behind = effective.as_ref().map_or(&[][..], |effective| &effective.behind);
+        warnings.extend(report::behind(plan, &summary, behind, recording.rate()));
         Ok(Self { track, summary, warnings, rest, effective, check })
     }
 

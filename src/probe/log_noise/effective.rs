@@ -3,15 +3,16 @@
 //! A configuration asks for one white noise; what sums of samples err by depends on the spectrum and the span
 //! ([`Effective`](dpn_core::estimate::Effective)). Medians over the seconds in motion, else of motors on, else of all.
 
-use super::fall;
+use super::fall::{self, Fall};
 use crate::allan::report::PASTED;
+use crate::doctor::values::steps_of;
 use crate::paste::{FigureLine, Paste};
 use crate::phases::{Phase, Stretch, phase_at};
-use crate::rest_noise::{RestNoise, Shape};
+use crate::rest_noise::{LowPass, RestNoise, Shape};
 use dpn_core::estimate::{Effective, EffectiveStream, MOTION_HZ};
 use dpn_core::noise::{Figure, Interval};
 use dpn_core::signal::stats::median;
-use dpn_core::{ImuSample, Recorded, Sensor};
+use dpn_core::{ImuSample, Recorded, SampleRate, Sensor};
 use dpn_io::noise_formats::{Format, Written};
 use serde::Serialize;
 use std::io;
@@ -59,8 +60,8 @@ pub struct EffectiveNoise {
     pub spans: Vec<SpanNoise>,
     /// White noises over .1 s as configurations have them, of the loudest axis where they have one for all; empty where the rate has no such span.
     pub pasted: Vec<Written>,
-    /// Sensors whose noise in motion a low pass hides that no rest has shown; nothing is pasted of them.
-    pub hidden: Vec<Hidden>,
+    /// Sensors whose spectrum in motion falls as behind a low pass that no rest has shown.
+    pub behind: Vec<Behind>,
     /// Accelerometer, gyroscope: whether a low pass hides by how much the sensor's own noise grows in motion.
     pub growth_hidden: [bool; 2],
     /// The figures over .1 s as densities, where each comes from, or why it is not known.
@@ -69,11 +70,34 @@ pub struct EffectiveNoise {
 
 /// A sensor whose spectrum falls above motion, as behind a low pass.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Hidden {
+pub struct Behind {
     /// The sensor.
     pub sensor: Sensor,
-    /// What the density of its loudest axis lies between \[unit / sqrt(Hz)\]: what is seen above motion, and what is seen with motion in it.
+    /// The filter that fits best.
+    #[serde(flatten)]
+    pub low_pass: LowPass,
+    /// Its corner \[Hz\]; none of a moving mean.
+    pub corner_hz: Option<f64>,
+    /// What the density of its loudest axis lies between \[unit / sqrt(Hz)\], over all filters that fit.
     pub between: [f64; 2],
+    /// Whether these agree, so that it is a figure; a bound otherwise.
+    pub is_known: bool,
+}
+
+impl Behind {
+    fn of(sensor: Sensor, fall: &Fall) -> Self {
+        let corner_hz = (fall.low_pass.order() > 0).then_some(fall.corner_hz);
+        let Fall { low_pass, between, density, .. } = *fall;
+        Self { sensor, low_pass, corner_hz, between, is_known: density.is_some() }
+    }
+
+    /// The filter, for people; its corner where the filters that fit agree.
+    pub fn words(&self) -> String {
+        match self.corner_hz.filter(|_| self.is_known) {
+            Some(corner_hz) => format!("a low pass ({}, about {corner_hz:.0} Hz)", self.low_pass),
+            None => "a low pass".to_owned(),
+        }
+    }
 }
 
 impl EffectiveNoise {
@@ -106,7 +130,7 @@ impl EffectiveNoise {
         if !any {
             return Ok(None);
         }
-        let (mut spans, mut pasted_spans) = (Vec::new(), [None; 2]);
+        let (mut spans, mut pasted_spans, mut constant) = (Vec::new(), [None; 2], [false; 2]);
         let shape = |sensor: Sensor, axis: usize| rest.and_then(|rest| rest.sensor(sensor).shape(axis, rate));
         let behind = |effective: Effective, shape: Shape| {
             effective.behind(|hz| shape.gain(hz), 2.0 * shape.density.powi(2))
@@ -144,8 +168,9 @@ impl EffectiveNoise {
             if of == Increment::Sum && span_s == PASTED_S {
                 let density = found.map(|axis| axis.times(rate.period().sqrt()));
                 let is_noise = |axis: &Interval| axis.value > 0.0 && axis.high.is_finite();
-                pasted_spans[usize::from(sensor == Sensor::Gyro)] =
-                    density.iter().all(is_noise).then_some(density);
+                let i = usize::from(sensor == Sensor::Gyro);
+                pasted_spans[i] = density.iter().all(is_noise).then_some(density);
+                constant[i] = density.iter().any(|axis| axis.value == 0.0);
             }
             spans.push(SpanNoise { sensor, of, span_s, sigma });
             Ok(())
@@ -160,36 +185,36 @@ impl EffectiveNoise {
                 }
             }
         }
-        let mut hidden: Vec<Hidden> = Vec::new();
+        let steps = steps_of(recording)?;
+        let mut behind: Vec<Behind> = Vec::new();
         let mut lines = Vec::new();
         for (i, sensor) in Sensor::ALL.into_iter().enumerate() {
             let known = (0..3).any(|axis| shape(sensor, axis).is_some());
-            if phase.is_some() && !known {
-                let between = fall::hidden(recording, sensor, whole.clone(), second, &counts)?;
-                hidden.extend(between.map(|between| Hidden { sensor, between }));
-            }
+            let fall = match phase {
+                Some(_) if !known => fall::fall(recording, sensor, steps[i], whole.clone(), second, &counts)?,
+                _ => None,
+            };
+            behind.extend(fall.as_ref().map(|fall| Behind::of(sensor, fall)));
             // What never moves has its noise from all of the spectrum.
             let rest = rest.filter(|_| phase.is_none()).and_then(|rest| rest.sensor(sensor).densities());
             let hides = phase.is_some() && growth_hidden[i];
-            let hidden = hidden.iter().find(|h| h.sensor == sensor);
-            let span = pasted_spans[i].filter(|_| hidden.is_none());
             // What is looked at above motion must be there.
-            let loudest = span.map(|axes| axes.iter().map(|axis| axis.high).fold(0.0, f64::max));
-            let slow = loudest.filter(|_| phase == Some(Phase::Moving) && rate.hz() < SLOWEST * MOTION_HZ);
-            lines.extend(match slow {
-                Some(most) => Some(FigureLine::unknown(
-                    Figure::white(sensor),
-                    format!(
-                        "at most {most:.1e}: {:.0} Hz do not tell noise from motion; 30 s at rest do, or a trajectory (--against)",
-                        rate.hz()
-                    ),
-                )),
-                None => line(sensor, pasted_spans[i], (rest, hidden, hides)),
+            let slow = phase == Some(Phase::Moving) && rate.hz() < SLOWEST * MOTION_HZ;
+            lines.extend(if constant[i] {
+                let why = "an axis never changes: it is off, or its steps are larger than its noise";
+                Some(FigureLine::unknown(Figure::white(sensor), why))
+            } else if slow {
+                pasted_spans[i].map(|axes| {
+                    let seen = axes.iter().map(|axis| axis.high).fold(0.0, f64::max);
+                    too_slow(sensor, rate, fall.map_or(seen, |fall| fall.between[1]))
+                })
+            } else {
+                line(sensor, pasted_spans[i], (rest, fall.as_ref(), hides))
             });
         }
         let paste = Paste { rate_hz: rate, lines };
         let pasted = paste.written(&PASTED);
-        Ok(Some(Self { phase, spans, pasted, hidden, growth_hidden, paste }))
+        Ok(Some(Self { phase, spans, pasted, behind, growth_hidden, paste }))
     }
 
     /// For people: the figures to paste, with the lines of `formats`.
@@ -199,18 +224,38 @@ impl EffectiveNoise {
     }
 }
 
+/// That a rate is too slow to tell noise from motion, and where enough of it is above motion to see a low pass, a bound.
+fn too_slow(sensor: Sensor, rate: SampleRate, most: f64) -> FigureLine {
+    let most = if fall::tells(rate) { format!("at most {most:.1e}: ") } else { String::new() };
+    let why = format!(
+        "{most}{:.0} Hz do not tell noise from motion; 30 s at rest do, or a trajectory (--against)",
+        rate.hz()
+    );
+    FigureLine::unknown(Figure::white(sensor), why)
+}
+
 /// A figure to paste, and where it comes from or why it is not known.
 fn line(
     sensor: Sensor,
     span: Option<[Interval; 3]>,
-    (rest, hidden, growth_hidden): (Option<[Interval; 3]>, Option<&Hidden>, bool),
+    (rest, fall, growth_hidden): (Option<[Interval; 3]>, Option<&Fall>, bool),
 ) -> Option<FigureLine> {
     let figure = Figure::white(sensor);
-    if let Some(Hidden { between: [low, high], .. }) = hidden {
+    if let Some(fall) = fall {
+        let behind = Behind::of(sensor, fall);
+        let low_pass = behind.words();
+        if let Some(density) = fall.density {
+            return Some(FigureLine::known(
+                figure,
+                density,
+                format!("in motion, by the shape of {low_pass}"),
+            ));
+        }
+        let [low, high] = behind.between;
         return Some(FigureLine::unknown(
             figure,
             format!(
-                "above {MOTION_HZ:.0} Hz the spectrum falls as behind a low pass, so that it lies between {low:.1e} and {high:.1e}; add ten seconds at rest to the log, \
+                "above {MOTION_HZ:.0} Hz the spectrum falls as behind {low_pass}, so that it lies between {low:.1e} and {high:.1e}; add ten seconds at rest to the log, \
                  or run the odometry (dpn run --noise self)"
             ),
         ));
@@ -228,10 +273,14 @@ fn line(
 /// Median of the seconds' deviations, and how well so many seconds know it.
 fn median_of_seconds(sigmas: &[f64]) -> Interval {
     /// The median's deviation over the mean's, and a normal deviation over the median of distances.
-    const OF_MEDIAN: f64 = 1.2533 * 1.4826;
-    let middle = median(sigmas);
+    const OF_MEDIAN: [f64; 2] = [1.2533, 1.4826];
+    /// What chance makes of a second, and how many seconds that is worth: a few may agree by accident.
+    const SECOND: [f64; 2] = [0.1, 4.0];
+    let (middle, count) = (median(sigmas), sigmas.len() as f64);
     let apart: Vec<f64> = sigmas.iter().map(|sigma| (sigma / middle).ln().abs()).collect();
-    Interval::of_log(middle, OF_MEDIAN * median(&apart) / (sigmas.len() as f64).sqrt())
+    let own = (OF_MEDIAN[1] * median(&apart)).powi(2);
+    let spread = (count * own + SECOND[1] * SECOND[0].powi(2)) / (count + SECOND[1]);
+    Interval::of_log(middle, OF_MEDIAN[0] * (spread / count).sqrt())
 }
 
 #[cfg(test)]

@@ -1,33 +1,81 @@
-//! Whether the spectrum of a log in motion falls as behind a low pass: then what is above motion says nothing of the noise below.
+//! Whether the spectrum of a log in motion falls as behind a low pass, and what the noise below may then be.
+//!
+//! Above [`MOTION_HZ`] the median density of each of some bands is held against `A |H(f)|^2`, for every low pass of [`LowPass`] and every corner, one filter for all three axes: what
+//! shakes one of them is worth little in that sum. All filters that do about as well as the best say together what the density `A` below the corner lies between; where no filter
+//! at all is among them, the log is taken to be without. Below, no noise is louder than what is seen there, motion and all: a filter that says so is none of them.
 
+use crate::rest_noise::{LowPass, Made};
 use dpn_core::estimate::MOTION_HZ;
-use dpn_core::signal::stats::quantile;
+use dpn_core::noise::Interval;
+use dpn_core::signal::stats::{median, quantile};
 use dpn_core::signal::{Spectrum, Welch};
-use dpn_core::{ImuSample, Recorded, Sensor};
+use dpn_core::{ImuSample, Recorded, SampleRate, Sensor};
 use std::io;
 use std::ops::Range;
 
-/// The lower band's density over the upper one's from which a low pass is taken to be on: one of first order at a fifth of the rate has 3, of second order 15. In
-/// EuRoC's flights and TUM-VI's rooms, which have none that shows, the most is 3.
-const FALLS: f64 = 5.0;
-/// What stands out of a band as vibration does is none of its level.
-const LEVEL: f64 = 0.25;
-/// Between these \[Hz\] the density is with motion in it, and below the corner of what IMUs have: no noise is louder.
+/// Between these \[Hz\] the density is with motion in it, so that no noise is louder.
 const SLOW: [f64; 2] = [4.0, 10.0];
+/// What stands out of that band as motion does is none of its level, which is as well known as this, a logarithm.
+const LEVEL: f64 = 0.25;
+const LEVEL_OFF: f64 = 0.15;
+/// Bands that a spectrum is looked at in, at most and at least, and the bins of each.
+const BANDS: [usize; 2] = [8, 3];
+const BINS: usize = 3;
+/// Lowest corner \[Hz\], and from one to the next.
+const LOWEST_HZ: f64 = 2.0;
+const NEXT: f64 = 1.03;
+/// Qualities of two poles, and how far others are from Butterworth's (a logarithm, one deviation).
+const QUALITIES: [f64; 4] = [0.5, 0.6, std::f64::consts::FRAC_1_SQRT_2, 0.84];
+const APART: f64 = 0.35;
+/// What a band's level is off by, as a logarithm, however long the log: no noise is quite white.
+const COLOUR: f64 = 0.08;
+/// A band that is off by more than three deviations is of something else than noise, and counts no more than that.
+const MOST: f64 = 3.0;
+/// Filters that cost so much more than the best are none of the log's, and where no filter costs so much more, there is one; both times the best one's misfit.
+const SAME: f64 = 6.0;
+const FALLS: f64 = 10.0;
+/// A best filter that misfits by more is not the log's: vibration falls as well, but not as evenly (EuRoC's flights and simulated ones have 4 to 9, real low passes 1 to 3). Then only a
+/// density that is so much higher in the lowest band than in the highest, on every axis, is one that a low pass hides.
+const MISFIT: f64 = 3.0;
+const PLAIN: f64 = 5.0;
+/// What a density is off by where one filter alone fits, a factor.
+const OWN: f64 = 1.03;
+/// Share of a level below which what rounding leaves of it is no figure.
+const LEFT: f64 = 0.2;
 
-/// What a sensor's density lies between, its loudest axis, where the seconds that count fall as behind a low pass.
-pub(super) fn hidden(
+/// What falls as behind a low pass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Fall {
+    /// The filter that fits best, and its corner \[Hz\].
+    pub(super) low_pass: LowPass,
+    pub(super) corner_hz: f64,
+    /// What the density of the loudest axis lies between \[unit / sqrt(Hz)\].
+    pub(super) between: [f64; 2],
+    /// The density of each axis, where filters that fit agree on it.
+    pub(super) density: Option<[Interval; 3]>,
+}
+
+/// Whether a log of `rate` has enough above motion to see a low pass by.
+pub(super) fn tells(rate: SampleRate) -> bool {
+    bands(rate, 1.0).is_some()
+}
+
+/// Of a sensor whose converter counts in `steps`, over the seconds that count; none where its spectrum does not fall, or is too narrow to tell.
+pub(super) fn fall(
     recording: &dyn Recorded,
     sensor: Sensor,
+    steps: [Option<f64>; 3],
     range: Range<usize>,
     second: usize,
     counts: &dyn Fn(&[ImuSample]) -> bool,
-) -> io::Result<Option<[f64; 2]>> {
+) -> io::Result<Option<Fall>> {
     let rate = recording.rate();
     let Ok(welch) = Welch::new(second) else { return Ok(None) };
     let mut axes = [(); 3].map(|()| welch.averaging());
     let mut signal = Vec::with_capacity(second);
+    let mut seconds = 0;
     recording.pieces(range, second, &mut |second| {
+        seconds += usize::from(counts(second));
         for (axis, averaging) in axes.iter_mut().enumerate().filter(|_| counts(second)) {
             signal.clear();
             signal.extend(second.iter().map(|s| s.of(sensor)[axis]));
@@ -35,37 +83,164 @@ pub(super) fn hidden(
         }
         Ok(())
     })?;
-    let motion = MOTION_HZ.min(0.25 * rate.hz());
-    let all = axes.into_iter().filter_map(|averaging| averaging.spectrum(rate));
-    let found: Vec<[f64; 2]> = all.filter_map(|spectrum| between(&spectrum, motion)).collect();
-    // A low pass is on all axes; what shakes, on one more than on the others.
-    let loudest = found.iter().copied().reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]);
-    // A bound has no more digits than these.
-    let short = |density: f64| {
-        let text = format!("{:.2e}", (0.5 * density).sqrt());
-        text.parse().expect("Rust reads its own numbers")
-    };
-    Ok(loudest.filter(|_| found.len() == 3).map(|of| of.map(short)))
+    let spectra: Vec<Spectrum> = axes.into_iter().filter_map(|averaging| averaging.spectrum(rate)).collect();
+    let rounding = steps.map(|step| step.map_or(0.0, |step| step * step / 6.0 / rate.hz()));
+    Ok(of_spectra(&spectra, rounding, seconds, rate))
 }
 
-/// Densities that the noise lies between \[unit^2 / Hz\], where the spectrum falls above `motion_hz`.
-fn between(spectrum: &Spectrum, motion_hz: f64) -> Option<[f64; 2]> {
-    let (bin, density) = (spectrum.bin_hz(), spectrum.density());
-    let nyquist = bin * (density.len() - 1) as f64;
-    let level = |low: f64, high: f64| {
-        let inside = |k: &usize| (low..high).contains(&(*k as f64 * bin));
-        let values: Vec<f64> = (1..density.len()).filter(inside).map(|k| density[k]).collect();
-        (values.len() >= 3).then(|| quantile(&values, LEVEL))
+/// The bands above motion of a log of `rate` \[Hz\]; none where there are too few.
+fn bands(rate: SampleRate, bin_hz: f64) -> Option<Vec<[f64; 2]>> {
+    let (low, high, least) = (MOTION_HZ.min(0.25 * rate.hz()), 0.475 * rate.hz(), BINS as f64 * bin_hz);
+    let count = BANDS[0].min(((high - low) / least) as usize);
+    if count < BANDS[1] {
+        return None;
+    }
+    // Even in logarithms, where the lowest band then has its bins.
+    let ratio = (high / low).powf(1.0 / count as f64);
+    let even = low * (ratio - 1.0) < least;
+    let edge = |k: usize| {
+        if even { low + (high - low) * k as f64 / count as f64 } else { low * ratio.powf(k as f64) }
     };
-    let low = level(motion_hz, motion_hz + 0.2 * nyquist)?;
-    let high = level(0.75 * nyquist, 0.95 * nyquist)?;
-    let slow = level(SLOW[0], SLOW[1])?;
-    (low > FALLS * high).then(|| [low, slow.max(low)])
+    Some((0..count).map(|k| [edge(k), edge(k + 1)]).collect())
+}
+
+/// One filter, and the logarithm of what it lets through in each band.
+struct Candidate {
+    low_pass: LowPass,
+    corner_hz: f64,
+    gains: Vec<f64>,
+    /// The same at the upper end of [`SLOW`].
+    slow_gain: f64,
+    bet: f64,
+}
+
+/// Every low pass that a log of `rate` could be behind, in `bands` \[Hz\]; none at all first.
+fn candidates(bands: &[[f64; 2]], rate: SampleRate) -> Vec<Candidate> {
+    let mut all = Vec::new();
+    for (low_pass, _) in LowPass::candidates() {
+        let highest = low_pass.highest_corner(rate).min(1.5 * rate.hz());
+        let corners =
+            std::iter::successors(Some(LOWEST_HZ), |hz| Some(hz * NEXT)).take_while(|hz| *hz < highest);
+        let corners: Vec<f64> = if low_pass.order() == 0 { vec![f64::NAN] } else { corners.collect() };
+        let qualities = if low_pass.order() == 2 { &QUALITIES[..] } else { &QUALITIES[2..3] };
+        for (corner_hz, quality) in corners.iter().flat_map(|c| qualities.iter().map(move |q| (*c, *q))) {
+            let gain = |hz: f64| folded(low_pass, hz, rate, corner_hz, quality);
+            let plateau = gain(1e-3 * rate.hz());
+            let share = |hz: f64| (gain(hz) / plateau).max(1e-12).ln();
+            // Over a band a gain changes evenly enough for its middle to be the median.
+            let gains = bands.iter().map(|[low, high]| share(0.5 * (low + high))).collect();
+            let off = (quality / QUALITIES[2]).ln() / APART;
+            all.push(Candidate { low_pass, corner_hz, gains, slow_gain: share(SLOW[1]), bet: off * off });
+        }
+    }
+    all
+}
+
+/// Share of the power at `hz`; of a filter before the sampling with what folds back from above half the rate.
+fn folded(low_pass: LowPass, hz: f64, rate: SampleRate, corner: f64, quality: f64) -> f64 {
+    let gain = |hz: f64| low_pass.gain(hz, rate, corner, quality);
+    let analog = matches!(
+        low_pass,
+        LowPass::FirstOrder { made: Made::Analog } | LowPass::SecondOrder { made: Made::Analog }
+    );
+    let images = if analog { 4 } else { 0 };
+    gain(hz)
+        + (1..=images).map(|m| f64::from(m) * rate.hz()).map(|at| gain(at - hz) + gain(at + hz)).sum::<f64>()
+}
+
+/// The same of one axis.
+struct Levels {
+    /// Logarithms of densities, a band each, and how far off each may be.
+    levels: Vec<(f64, f64)>,
+    /// Logarithm of what is seen where motion is slow.
+    slow: f64,
+}
+
+impl Levels {
+    /// Logarithm of the density below a candidate's corner, and what the bands cost that are off.
+    fn fit(&self, candidate: &Candidate) -> (f64, f64) {
+        let apart =
+            || self.levels.iter().zip(&candidate.gains).map(|((level, sigma), gain)| (level - gain, *sigma));
+        let mut density = median(&apart().map(|(d, _)| d).collect::<Vec<_>>());
+        for _ in 0..3 {
+            let (mut sum, mut weights) = (0.0, 0.0);
+            for (level, sigma) in apart() {
+                let weight = (MOST * sigma / (level - density).abs().max(1e-12)).min(1.0) / (sigma * sigma);
+                (sum, weights) = (sum + weight * level, weights + weight);
+            }
+            density = sum / weights;
+        }
+        let cost: f64 =
+            apart().map(|(level, sigma)| ((level - density) / sigma).powi(2).min(MOST * MOST)).sum();
+        let louder = (density + candidate.slow_gain - self.slow).max(0.0) / LEVEL_OFF;
+        (density, cost + louder * louder)
+    }
+}
+
+/// Of one spectrum an axis, means over so many `seconds`, in which rounding has the densities `rounding`.
+fn of_spectra(spectra: &[Spectrum], rounding: [f64; 3], seconds: usize, rate: SampleRate) -> Option<Fall> {
+    let bin = spectra.first()?.bin_hz();
+    let bands = bands(rate, bin).filter(|_| spectra.len() == 3)?;
+    let axes: Vec<Levels> = spectra
+        .iter()
+        .zip(rounding)
+        .map(|(spectrum, rounding)| {
+            let inside = |[low, high]: [f64; 2]| -> Vec<f64> {
+                let at = spectrum.density().iter().enumerate().skip(1);
+                at.filter(|(k, _)| (low..high).contains(&(*k as f64 * bin)))
+                    .map(|(_, density)| *density)
+                    .collect()
+            };
+            let level = |band: &[f64; 2]| {
+                let density = inside(*band);
+                let seen = median(&density).max(f64::MIN_POSITIVE);
+                // Neighbouring bins of a Hann window are not independent, and a median knows less than a mean.
+                let chance = 1.25 / (seconds as f64 * density.len() as f64 / 1.5).sqrt();
+                let left = (seen - rounding).max(LEFT * seen);
+                (left.ln(), chance.hypot(COLOUR) + rounding.min(seen) / left * 0.3)
+            };
+            Levels { levels: bands.iter().map(level).collect(), slow: quantile(&inside(SLOW), LEVEL).ln() }
+        })
+        .collect();
+    let candidates = candidates(&bands, rate);
+    let fits: Vec<(Vec<f64>, f64)> = candidates
+        .iter()
+        .map(|candidate| {
+            let (density, cost): (Vec<f64>, Vec<f64>) = axes.iter().map(|axis| axis.fit(candidate)).unzip();
+            (density, cost.iter().sum::<f64>() + candidate.bet)
+        })
+        .collect();
+    let (best, (_, least)) = fits.iter().enumerate().min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
+    let misfit = (least / (3 * bands.len() - 5) as f64).max(1.0);
+    let none = candidates.iter().position(|candidate| candidate.low_pass == LowPass::None)?;
+    let plain = || {
+        let mut ends = axes.iter().filter_map(|axis| Some((axis.levels.first()?.0, axis.levels.last()?.0)));
+        ends.all(|(low, high)| low - high > PLAIN.ln())
+    };
+    if fits[none].1 - least < FALLS * misfit || (misfit > MISFIT && !plain()) {
+        return None;
+    }
+    let alike = || fits.iter().filter(|(_, cost)| cost - least < SAME * misfit).map(|(density, _)| density);
+    let one_sided = |density: f64| (0.5 * density).sqrt();
+    let of_axis = |axis: usize| {
+        let [low, high] = [f64::min, f64::max].map(|pick| alike().map(|fit| fit[axis]).reduce(pick));
+        let (low, high) = (low?.exp(), high?.exp());
+        let value = fits[best].0[axis].exp();
+        Some(Interval { value: one_sided(value), low: one_sided(low) / OWN, high: one_sided(high) * OWN })
+    };
+    let density = [of_axis(0)?, of_axis(1)?, of_axis(2)?];
+    // A bound has no more digits than these.
+    let short = |density: f64| format!("{density:.2e}").parse().expect("Rust reads its own numbers");
+    let loudest = |end: fn(&Interval) -> f64| short(density.iter().map(end).fold(0.0, f64::max));
+    let known = misfit < MISFIT && density.iter().all(|axis| axis.width() < Interval::WIDEST);
+    let Candidate { low_pass, corner_hz, .. } = candidates[best];
+    let between = [loudest(|axis| axis.low), loudest(|axis| axis.high)];
+    Some(Fall { low_pass, corner_hz, between, density: known.then_some(density) })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::between;
+    use super::{Fall, of_spectra};
     use dpn_core::SampleRate;
     use dpn_core::random::Stream;
     use dpn_core::signal::{Spectrum, Welch};
@@ -73,36 +248,54 @@ mod tests {
     use rand_distr::StandardNormal;
     use std::f64::consts::{PI, SQRT_2, TAU};
 
-    /// White noise of 1 a sample behind two poles at `corner` of 200 Hz, with slow motion and a rotor.
-    fn spectrum(corner: Option<f64>, rotor: f64) -> Spectrum {
-        let mut rng = Stream::new(6).named("fall").rng();
-        let k = (PI * corner.unwrap_or(50.0) / 200.0).tan();
-        let g = 1.0 / (1.0 + k * SQRT_2 + k * k);
+    /// White noise of 1 a sample behind `poles` at `corner` of 200 Hz, with slow motion and a rotor; an axis.
+    fn spectrum(axis: u64, poles: usize, corner: f64, rotor: f64) -> Spectrum {
+        let mut rng = Stream::new(6).named("fall").index(axis).rng();
+        let k = (PI * corner / 200.0).tan();
         let (mut x, mut y) = ([0.0; 2], [0.0; 2]);
         let signal: Vec<f64> = (0..12_000)
             .map(|i| {
                 let now: f64 = rng.sample(StandardNormal);
-                let a = [2.0 * (k * k - 1.0) * g, (1.0 - k * SQRT_2 + k * k) * g];
-                let out = g * k * k * (now + 2.0 * x[0] + x[1]) - a[0] * y[0] - a[1] * y[1];
+                let out = match poles {
+                    0 => now,
+                    1 => (k * (now + x[0]) + (1.0 - k) * y[0]) / (1.0 + k),
+                    _ => {
+                        let over = 2.0 * (k * k - 1.0) * y[0] + (1.0 - k * SQRT_2 + k * k) * y[1];
+                        (k * k * (now + 2.0 * x[0] + x[1]) - over) / (1.0 + k * SQRT_2 + k * k)
+                    }
+                };
                 (x, y) = ([now, x[0]], [out, y[0]]);
                 let t = f64::from(i) / 200.0;
-                let noise = if corner.is_some() { out } else { now };
-                noise
-                    + 20.0 * (TAU * 0.7 * t).sin()
-                    + rotor * (TAU * (41.0 * t + 2.0 * (0.5 * t).sin())).sin()
+                out + 20.0 * (TAU * 0.7 * t).sin() + rotor * (TAU * (41.0 * t + 2.0 * (0.5 * t).sin())).sin()
             })
             .collect();
         Welch::new(200).unwrap().spectrum(&signal, SampleRate::HZ_200).unwrap()
     }
 
+    fn fall(poles: usize, corner: f64, rotor: f64) -> Option<Fall> {
+        let axes =
+            [0, 1, 2].map(|axis| spectrum(axis, poles, corner, if axis == 2 { 0.1 } else { 1.0 } * rotor));
+        of_spectra(&axes, [0.0; 3], 60, SampleRate::HZ_200)
+    }
+
     #[test]
     fn a_low_pass_falls_and_neither_motion_nor_a_rotor_does() {
-        assert_eq!(between(&spectrum(None, 0.0), 35.0), None);
-        assert_eq!(between(&spectrum(None, 2.0), 35.0), None);
-        for corner in [20.0, 42.0] {
-            let [low, high] = between(&spectrum(Some(corner), 0.0), 35.0).unwrap();
-            // One-sided: 1 a sample is .01.
-            assert!(low < 0.0101 && high > 0.0085, "{corner}: {low} {high}");
+        assert_eq!(fall(0, 50.0, 0.0), None);
+        assert_eq!(fall(0, 50.0, 2.0), None);
+        // One-sided: 1 a sample is a density of .0707.
+        let truth = 0.005f64.sqrt();
+        for (poles, corner) in [(1, 10.0), (1, 42.0), (2, 15.0), (2, 42.0)] {
+            let found = fall(poles, corner, 0.0).unwrap();
+            let [low, high] = found.between;
+            assert!(low < truth && high > truth, "{found:?}");
+            // What lies far above the corner does not tell the density well.
+            assert!(found.density.is_some() || corner < 40.0, "{found:?}");
+            for axis in found.density.iter().flatten() {
+                assert!((axis.low..axis.high).contains(&truth), "{found:?}");
+                assert!(found.low_pass.order() == poles, "{found:?}");
+                assert!((found.corner_hz / corner - 1.0).abs() < 0.2, "{found:?}");
+            }
         }
+        assert_eq!(fall(2, 10.0, 0.0).unwrap().density, None);
     }
 }

@@ -1,5 +1,6 @@
 //! What a track says, as a page for people.
 
+use super::effective::Behind;
 use super::{Plan, TrackSummary};
 use crate::phases::Phase;
 use crate::text::{aligned, instrument, listed};
@@ -36,17 +37,51 @@ pub fn warnings(plan: &Plan<'_>, summary: &TrackSummary) -> Vec<String> {
     all
 }
 
+/// Tracks of sensors behind a low pass, which nothing that looks at one second sees through; those that lie where the filter's shape says are not named.
+pub(super) fn behind(
+    plan: &Plan<'_>,
+    summary: &TrackSummary,
+    behind: &[Behind],
+    rate: SampleRate,
+) -> Vec<String> {
+    let words = |behind: &Behind| {
+        let part = [Phase::Moving, Phase::Motors].into_iter().find_map(|phase| summary.phase(phase))?;
+        let loudest = part.of(behind.sensor).map(|axis| axis.sigma.middle).fold(0.0, f64::max);
+        let [low, high] = behind.between.map(|density| density * rate.hz().sqrt());
+        if behind.is_known && (low / AGREES..high * AGREES).contains(&loudest) {
+            return None;
+        }
+        Some(format!(
+            "NOT KNOWN: in motion the {}'s spectrum falls as behind {}, which no second of it tells: {} says {} {} a sample, and the noise is between {} and {}; \
+             add ten seconds at rest to the log, or run the odometry (dpn run --noise self)",
+            behind.sensor,
+            behind.words(),
+            plan.noise.spec(),
+            two(loudest),
+            behind.sensor.unit(),
+            two(low),
+            two(high)
+        ))
+    };
+    let asked = behind.iter().filter(|_| !plan.noise.spec().is_constant());
+    asked.filter_map(words).collect()
+}
+
+/// A track within this factor of an interval agrees with it.
+const AGREES: f64 = 1.15;
+
 /// The page: how the log went, and quantiles by phase, per sample and as densities.
 pub fn page(plan: &Plan<'_>, summary: &TrackSummary, rate: SampleRate) -> String {
     let mut text =
         format!("noise by {}, every {} samples, of the samples past only\n", plan.noise.spec(), plan.every());
-    if plan.noise.exact_block() > 1.0 {
+    if let Some([seen_hz, trained_hz]) = plan.noise.seen_and_trained_hz() {
+        let what = match plan.noise.block() {
+            1 => "every sample".to_owned(),
+            block => format!("means of {block} samples"),
+        };
         let _ = writeln!(
             text,
-            "the networks saw means of {} samples: the log has {:.0} Hz, they know {:.0} Hz; deviations are those of one",
-            (1e3 * plan.noise.exact_block()).round() / 1e3,
-            rate.hz(),
-            plan.noise.trained_hz().unwrap_or(rate.hz())
+            "the networks saw {what} ({seen_hz:.0} Hz; trained at {trained_hz:.0} Hz); deviations are those of one sample"
         );
     }
     if summary.unknown_s > 0.0 {
