@@ -3,7 +3,7 @@
 //! A configuration asks for one white noise; what sums of samples err by depends on the spectrum and the span
 //! ([`Effective`](dpn_core::estimate::Effective)). Medians over the seconds in motion, else of motors on, else of all.
 
-use super::fall::{self, Fall};
+use super::fall::{self, Fall, Seen};
 use crate::allan::report::PASTED;
 use crate::doctor::values::steps_of;
 use crate::paste::{FigureLine, Paste};
@@ -190,10 +190,17 @@ impl EffectiveNoise {
         let mut lines = Vec::new();
         for (i, sensor) in Sensor::ALL.into_iter().enumerate() {
             let known = (0..3).any(|axis| shape(sensor, axis).is_some());
-            let fall = match phase {
+            let seen = match phase {
                 Some(_) if !known => fall::fall(recording, sensor, steps[i], whole.clone(), second, &counts)?,
-                _ => None,
+                _ => Seen::Untold,
             };
+            let (fall, [less, more]) = match seen {
+                Seen::Falls(fall) => (Some(fall), [1.0; 2]),
+                Seen::Flat(apart) => (None, apart),
+                Seen::Untold => (None, [1.0; 2]),
+            };
+            let wider = |axis: Interval| Interval { low: less * axis.low, high: more * axis.high, ..axis };
+            let span = pasted_spans[i].map(|axes| axes.map(wider));
             behind.extend(fall.as_ref().map(|fall| Behind::of(sensor, fall)));
             // What never moves has its noise from all of the spectrum.
             let rest = rest.filter(|_| phase.is_none()).and_then(|rest| rest.sensor(sensor).densities());
@@ -204,12 +211,12 @@ impl EffectiveNoise {
                 let why = "an axis never changes: it is off, or its steps are larger than its noise";
                 Some(FigureLine::unknown(Figure::white(sensor), why))
             } else if slow {
-                pasted_spans[i].map(|axes| {
+                span.map(|axes| {
                     let seen = axes.iter().map(|axis| axis.high).fold(0.0, f64::max);
                     too_slow(sensor, rate, fall.map_or(seen, |fall| fall.between[1]))
                 })
             } else {
-                line(sensor, pasted_spans[i], (rest, fall.as_ref(), hides))
+                line(sensor, span, (rest, fall.as_ref(), hides))
             });
         }
         let paste = Paste { rate_hz: rate, lines };
@@ -263,11 +270,20 @@ fn line(
     if let Some(rest) = rest {
         return Some(FigureLine::known(figure, rest, "at rest, by the spectrum"));
     }
+    let span = span?;
+    if span.iter().any(|axis| axis.width() > Interval::WIDEST) {
+        let [low, high] = [|axis: &Interval| axis.low, |axis: &Interval| axis.high]
+            .map(|end| span.iter().map(end).fold(0.0, f64::max));
+        let why = format!(
+            "between {low:.1e} and {high:.1e}: too few seconds in motion tell whether a low pass is on"
+        );
+        return Some(FigureLine::unknown(figure, why));
+    }
     let words = match growth_hidden {
         true => format!("over {PASTED_S} s; at least this, a low pass hides growth in motion"),
         false => format!("over {PASTED_S} s, vibration included"),
     };
-    Some(FigureLine::known(figure, span?, words))
+    Some(FigureLine::known(figure, span, words))
 }
 
 /// Median of the seconds' deviations, and how well so many seconds know it.
