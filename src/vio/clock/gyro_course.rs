@@ -8,6 +8,11 @@ use std::collections::VecDeque;
 /// A step between two samples longer than this has no turn \[s\].
 const LONGEST_STEP_S: f64 = 0.05;
 
+/// Rates are compared over so many parts of a span.
+const PARTS: usize = 6;
+/// A rate that changes by less is that of a body at rest, on idle rotors too \[rad/s\].
+const LEAST_CHANGE: f64 = 0.03;
+
 #[derive(Debug, Clone, Copy)]
 struct Knot {
     t: Stamp,
@@ -70,6 +75,15 @@ impl GyroCourse {
     pub(crate) fn mean_rate(&self, a: Stamp, b: Stamp) -> Option<Vector3<f64>> {
         let (from, to) = (self.at(a)?, self.at(b)?);
         (to.whole_since <= a).then(|| (to.angle - from.angle) / b.seconds_since(a))
+    }
+
+    /// Whether the rate is another at some time between two instants than at others: where it is not, a turn says nothing of when it was.
+    pub(crate) fn varies(&self, a: Stamp, b: Stamp) -> bool {
+        let part_s = b.seconds_since(a) / PARTS as f64;
+        let at = |k: usize| a.plus_seconds(k as f64 * part_s);
+        let rates: Vec<_> = (0..PARTS).filter_map(|k| self.mean_rate(at(k), at(k + 1))).collect();
+        let mean = rates.iter().sum::<Vector3<f64>>() / rates.len().max(1) as f64;
+        rates.iter().any(|rate| (rate - mean).norm() > LEAST_CHANGE)
     }
 
     /// The rate at `t` \[rad/s\].

@@ -71,6 +71,8 @@ pub struct ClockWatch {
     /// Pairs that samples have not passed by as far as is looked.
     waiting: VecDeque<(FlowTurn, Option<LinePair>)>,
     pairs: VecDeque<FlowTurn>,
+    /// The last pair that samples have passed by.
+    last: Option<FlowTurn>,
     new: usize,
     readout: ReadoutMeter,
     /// Of all pairs, by the clock in force.
@@ -93,6 +95,7 @@ impl ClockWatch {
             before: None,
             waiting: VecDeque::new(),
             pairs: VecDeque::new(),
+            last: None,
             new: 0,
             readout: ReadoutMeter::default(),
             turns: VecDeque::new(),
@@ -128,9 +131,9 @@ impl ClockWatch {
         t.plus_seconds(self.clock.offset_s)
     }
 
-    /// Whether the clock, be it right, is known well.
-    pub(crate) fn is_settled(&self) -> bool {
-        self.settled
+    /// Whether an offset was found, be it zero.
+    pub(crate) fn is_known(&self) -> bool {
+        self.clock.given || self.settled || self.clock.found.is_some()
     }
 
     /// Begins with a clock that was found to be off before the frame at `t`, the first one; one that was given stays.
@@ -162,9 +165,13 @@ impl ClockWatch {
                 if let Some(lines) = lines {
                     self.readout.add(pair, lines, &self.course, self.clock.offset_s, &self.cam_from_body);
                 }
-                self.turns.extend(Turn::of(&pair, &self.course, self.clock.offset_s));
-                self.pairs.push_back(pair);
-                self.new += 1;
+                self.turns.extend(Turn::of(&pair, self.last.as_ref(), &self.course, self.clock.offset_s));
+                self.last = Some(pair);
+                // Until something is known, what says nothing of the clock would outvote what does.
+                if self.is_known() || self.course.varies(from, to) {
+                    self.pairs.push_back(pair);
+                    self.new += 1;
+                }
             }
         }
         while self.pairs.len() > MOST {
@@ -216,7 +223,10 @@ impl ClockWatch {
             if off > SLIGHT_S {
                 // Its rates were of other instants.
                 self.readout.forget();
-                let again = self.pairs.iter().filter_map(|pair| Turn::of(pair, &self.course, found.offset_s));
+                let mut before = None;
+                let again = self.pairs.iter().filter_map(|pair| {
+                    Turn::of(pair, before.replace(*pair).as_ref(), &self.course, found.offset_s)
+                });
                 self.turns = again.collect();
             }
             self.clock.found.get_or_insert(t);

@@ -9,6 +9,7 @@
 //! Source: G. Wahba, "A least squares estimate of satellite attitude", SIAM Review 1965; hand-eye calibration by rotations, e.g. J. Furrer et
 //! al., "Evaluation of combined time-offset estimation and hand-eye calibration on robotic datasets", FSR 2017.
 
+use super::jitter::jitter;
 use super::turn_map::{Turn, TurnMap};
 use crate::clock::{FlowTurn, GyroCourse};
 use dpn_core::camera::CameraModel;
@@ -31,6 +32,8 @@ const FOCAL_TOLERANCE: f64 = 0.12;
 const SCALE_TOLERANCE: f64 = 0.06;
 /// A mounting is told where it is off by more \[rad\].
 const MOUNTING_TOLERANCE: f64 = 0.08;
+/// Stamps of good recordings are off by less \[s\].
+const JITTER_S: f64 = 0.002;
 /// All that by so many deviations more.
 const SURE: f64 = 4.0;
 /// Another reading must lower the residual to this share of that of the calibration.
@@ -65,6 +68,11 @@ pub enum AxesVerdict {
     Focal {
         /// The factor.
         factor: f64,
+    },
+    /// They turn together, but for frames whose stamps are off, now early, now late.
+    Jitter {
+        /// The deviation of a stamp \[s\].
+        seconds: f64,
     },
     /// Camera and gyro do not turn together, however mounted: another recording's tracks, clocks apart, or tracks of nothing.
     Unrelated,
@@ -109,6 +117,10 @@ impl Axes {
                 "the focal length looks wrong by about {:.0} %, too large or too small: the camera turns as the gyroscope says about its axis, and {factor:.2} times as far across it; is the calibration (focal length, distortion) of this lens and of this resolution? --calib names another",
                 100.0 * factor.ln().abs()
             )),
+            AxesVerdict::Jitter { seconds } => Some(format!(
+                "the images' stamps jitter: they are off by {:.1} ms now and then early and late, as the gyroscope tells from image to image; stamp images where they are exposed (a sensor's or a driver's own stamp, START_OF_FRAME and not arrival), or space them evenly where the camera's rate is steady",
+                1e3 * seconds
+            )),
             AxesVerdict::Unrelated => Some(format!(
                 "camera and gyro do not turn together, however mounted: {seen}; are tracks and IMU of one recording and on one clock?"
             )),
@@ -127,7 +139,7 @@ pub fn axes(
     samples.iter().for_each(|sample| course.push(sample));
     let pairs = frames.windows(2).filter_map(|pair| {
         let flow = FlowTurn::of((&pair[0], &pair[1]), &pair[1].shared(&pair[0]), camera)?;
-        Turn::of(&flow, &course, 0.0)
+        Turn::of(&flow, None, &course, 0.0)
     });
     compared(&pairs.collect::<Vec<_>>(), &body_from_cam.rotation)
 }
@@ -183,6 +195,12 @@ pub(crate) fn compared(turns: &[Turn], body_from_cam: &UnitQuaternion<f64>) -> A
     } else {
         TurnMap::of(all, &body_from_cam.inverse())
             .map_or(AxesVerdict::Consistent, |map| in_detail(&map, body_from_cam))
+    };
+    let verdict = match verdict {
+        AxesVerdict::Consistent => jitter(all, &body_from_cam.inverse())
+            .filter(|seconds| *seconds > JITTER_S)
+            .map_or(verdict, |seconds| AxesVerdict::Jitter { seconds }),
+        _ => verdict,
     };
     Axes { verdict, pairs: turns.len(), correlation, best_correlation: turned.max(mirrored) }
 }
@@ -296,7 +314,13 @@ mod tests {
                 .map(|_| {
                     let turn = Vector3::from_fn(|_, _| rng.random::<f64>() - 0.5);
                     let cam = turn + Vector3::from_fn(|_, _| 1.4 * (rng.random::<f64>() - 0.5));
-                    Turn { body: factor * turn, cam, information: Matrix3::identity() }
+                    Turn {
+                        body: factor * turn,
+                        cam,
+                        information: Matrix3::identity(),
+                        seconds: 0.1,
+                        follows: true,
+                    }
                 })
                 .collect();
             compared(&turns, &UnitQuaternion::identity()).verdict

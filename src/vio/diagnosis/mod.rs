@@ -2,9 +2,11 @@
 //!
 //! * [`axes`]: the camera's rotation between frames against the gyro's: axes that are swapped or mirrored, a camera that is mounted otherwise than
 //!   its calibration says, a gyro in degrees.
+//! * `jitter`: how far single frames' stamps are off.
 //! * `tracks`: whether ids stay with their points.
 
 mod axes;
+mod jitter;
 mod tracks;
 mod turn_map;
 

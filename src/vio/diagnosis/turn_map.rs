@@ -23,17 +23,28 @@ pub(crate) struct Turn {
     pub(crate) cam: Vector3<f64>,
     /// Information about the latter.
     pub(crate) information: Matrix3<f64>,
+    /// From frame to frame \[s\].
+    pub(crate) seconds: f64,
+    /// Whether it begins with the frame that the turn before ended with.
+    pub(crate) follows: bool,
 }
 
 impl Turn {
     /// Of a pair whose stamps are `offset_s` short of the gyroscope's clock; `None` where samples do not cover it.
-    pub(crate) fn of(pair: &FlowTurn, course: &GyroCourse, offset_s: f64) -> Option<Self> {
+    pub(crate) fn of(
+        pair: &FlowTurn,
+        before: Option<&FlowTurn>,
+        course: &GyroCourse,
+        offset_s: f64,
+    ) -> Option<Self> {
         let (from, to) = (pair.from.plus_seconds(offset_s), pair.to.plus_seconds(offset_s));
         let seconds = pair.seconds();
         Some(Self {
             body: course.mean_rate(from, to)?,
             cam: pair.turn / seconds,
             information: pair.information * (seconds * seconds),
+            seconds,
+            follows: before.is_some_and(|before| before.to == pair.from),
         })
     }
 }
@@ -49,6 +60,9 @@ pub(crate) struct TurnMap {
     pub(crate) scale: Vector3<f64>,
     /// Its deviation.
     pub(crate) scale_std: Vector3<f64>,
+    map: Matrix3<f64>,
+    /// What the camera's rate is beside \[rad/s\].
+    pub(crate) bias: Vector3<f64>,
 }
 
 impl TurnMap {
@@ -90,7 +104,14 @@ impl TurnMap {
             away_std: Vector3::new(odd(1, 2), odd(0, 2), odd(0, 1)),
             scale,
             scale_std: Vector3::from_fn(|k, _| of(k, k).sqrt()),
+            map,
+            bias: found.fixed_rows::<3>(9).into_owned(),
         })
+    }
+
+    /// The camera's rate that the gyroscope's is mapped to, without the bias \[rad/s\].
+    pub(crate) fn turned(&self, turn: &Turn, cam_from_body: &UnitQuaternion<f64>) -> Vector3<f64> {
+        self.map * (cam_from_body * turn.body)
     }
 }
 

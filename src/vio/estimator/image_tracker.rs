@@ -7,7 +7,8 @@
 //!
 //! The first two seconds are looked at twice. Points are foreseen by the gyroscope's turns: with a camera that is late they are foreseen in wrong places and
 //! lost, and nothing can be built on those that are left, also once the clock is found. So a tracker goes before until it has found it; then points are
-//! followed through the same images anew. What comes out of a camera whose clock is right is the same as without.
+//! followed through the same images anew. What comes out of a camera whose clock is right is the same as without. A camera at rest says nothing of its clock, and is
+//! followed by any: there the tracker goes before again when the gyroscope begins to turn.
 
 use super::feed_error::FeedError;
 use super::spike::SpikeFilter;
@@ -15,9 +16,10 @@ use crate::clock::{CameraClock, ClockWatch, REACH_S};
 use crate::frontend::{Fed, FrontEnd, FrontEndConfig, GyroTurn, LineTurns, turn_of_camera};
 use dpn_core::camera::CameraModel;
 use dpn_core::config::ConfigFault;
+use dpn_core::geometry::so3;
 use dpn_core::random::Stream;
 use dpn_core::{GrayImage, GrayView, ImuSample, Stamp, TrackFrame};
-use nalgebra::UnitQuaternion;
+use nalgebra::{UnitQuaternion, Vector3};
 use std::collections::VecDeque;
 
 /// Most images that wait for samples: two seconds at 20 Hz.
@@ -25,6 +27,10 @@ pub(super) const MOST_WAITING: usize = 40;
 
 /// The first images are kept so long \[s\].
 const SCOUTED_S: f64 = 2.0;
+/// Rates are means over so much time before an image \[s\].
+const RATE_S: f64 = 0.25;
+/// A rate that changes by less is of a body that does not begin to turn \[rad/s\].
+const BEGINS_TO_TURN: f64 = 0.06;
 
 /// Who looks on while points are followed through images: figures, pictures. What it does changes no track.
 pub trait FrontEndObserver {
@@ -51,6 +57,8 @@ pub struct ImageTracker {
     body_from_cam: UnitQuaternion<f64>,
     size: [usize; 2],
     scout: Option<Scout>,
+    /// The gyroscope's rate while the camera rests and nothing is known of its clock, in the body's axes \[rad/s\].
+    resting: Option<Vector3<f64>>,
     /// Those that the scout has seen, before those that wait.
     again: VecDeque<(Stamp, GrayImage)>,
     waiting: VecDeque<(Stamp, GrayImage)>,
@@ -91,6 +99,7 @@ impl ImageTracker {
             body_from_cam,
             size: camera.size().map(|side| side as usize),
             scout: None,
+            resting: None,
             again: VecDeque::new(),
             waiting: VecDeque::new(),
             newest_image: None,
@@ -211,16 +220,46 @@ impl ImageTracker {
         Some(LineTurns::new(&turns, &self.body_from_cam, readout_s))
     }
 
+    /// When the next image was taken on the IMU's clock, where samples have reached it.
+    fn reached(&self) -> Option<Stamp> {
+        let (t, _) = self.again.front().or(self.waiting.front())?;
+        let t = self.on_imu_clock(*t);
+        let read_out = t.plus_seconds(0.5 * self.readout_s().abs());
+        (self.imu_ended || self.newest_sample.is_some_and(|newest| read_out <= newest)).then_some(t)
+    }
+
     /// The next image, where samples have reached it: those seen by the scout come again.
     fn next_image(&mut self) -> Option<(Stamp, GrayImage)> {
-        let (t, _) = self.again.front().or(self.waiting.front())?;
-        let read_out = self.on_imu_clock(*t).plus_seconds(0.5 * self.readout_s().abs());
-        let reached = self.imu_ended || self.newest_sample.is_some_and(|newest| read_out <= newest);
-        if reached { self.again.pop_front().or_else(|| self.waiting.pop_front()) } else { None }
+        self.reached()?;
+        self.again.pop_front().or_else(|| self.waiting.pop_front())
+    }
+
+    /// The gyroscope's mean rate before `t` on the IMU's clock \[rad/s\]; none where samples do not cover it.
+    fn rate_before(&self, t: Stamp) -> Option<Vector3<f64>> {
+        Some(so3::log(&self.gyro.integrate(t.plus_seconds(-RATE_S), t)?) / RATE_S)
+    }
+
+    /// Sends a scout out again before an image of a camera that rested and begins to turn.
+    fn scout_again(&mut self) {
+        let Some(at_rest) = self.resting.filter(|_| self.scout.is_none() && self.again.is_empty()) else {
+            return;
+        };
+        if self.clock.is_known() {
+            self.resting = None;
+            return;
+        }
+        let rate = self.reached().and_then(|t| self.rate_before(t));
+        if rate.is_some_and(|rate| (rate - at_rest).norm() > BEGINS_TO_TURN) {
+            self.resting = None;
+            let waiting = std::mem::take(&mut self.waiting);
+            self.scout = Some(Scout::new(self.clone()));
+            self.waiting = waiting;
+        }
     }
 
     /// Whether nothing is left for the scout to do.
     fn is_scouted(&mut self) -> bool {
+        self.scout_again();
         let Some(mut scout) = self.scout.take() else { return true };
         loop {
             let Some((t, image)) = self.next_image() else {
@@ -237,17 +276,27 @@ impl ImageTracker {
         let found = scout.tracker.clock();
         self.again = scout.seen;
         if let Some((first, _)) = self.again.front().filter(|_| found.found.is_some()) {
+            self.gyro.move_last(found.offset_s - self.clock().offset_s);
             self.clock.begin_at(found.offset_s, *first);
+        }
+        if !scout.tracker.clock.is_known()
+            && let Some((last, _)) = self.again.back()
+        {
+            let last = self.on_imu_clock(*last);
+            let rates = [last, last.plus_seconds(-RATE_S)].map(|t| self.rate_before(t));
+            self.resting = rates[0]
+                .zip(rates[1])
+                .and_then(|(now, before)| ((now - before).norm() < 0.5 * BEGINS_TO_TURN).then_some(now));
         }
         true
     }
 
     /// Follows points through the images that samples have reached until a frame is handed over, while `observer` looks on.
     pub fn next_frame(&mut self, observer: &mut dyn FrontEndObserver) -> Option<TrackFrame> {
-        if !self.is_scouted() {
-            return None;
-        }
         loop {
+            if !self.is_scouted() {
+                return None;
+            }
             let (t, image) = self.next_image()?;
             observer.begin(t);
             let on_imu_clock = self.on_imu_clock(t);
@@ -289,8 +338,6 @@ impl Scout {
         while self.tracker.next_frame(&mut ()).is_some() {}
         self.seen.push_back((t, image));
         let (first, _) = self.seen.front().expect("one was just added");
-        self.tracker.turns().is_settled()
-            || self.tracker.clock().found.is_some()
-            || t.seconds_since(*first) > SCOUTED_S
+        self.tracker.turns().is_known() || t.seconds_since(*first) > SCOUTED_S
     }
 }

@@ -301,6 +301,39 @@ fn the_first_images_of_a_late_camera_are_followed_again_by_its_clock() {
 }
 
 #[test]
+fn a_late_camera_that_rests_first_is_followed_by_its_clock_when_it_begins_to_turn() {
+    const LATE_S: f64 = 0.06;
+    const REST: usize = 60;
+    let wall = Wall::new(12);
+    let rest = (0..REST).map(|i| wall.image(&pose_at(0.0), 1000 + i as u64));
+    let settings = config().front_end;
+    let mut tracker = ImageTracker::new(settings, half_camera(), UnitQuaternion::identity(), 1).unwrap();
+    let (mut frames, mut next) = (Vec::new(), 0);
+    for (k, image) in rest.chain(images()[..70].iter().cloned()).enumerate() {
+        tracker.feed_image(image.view(), stamp(k).plus_seconds(LATE_S)).unwrap();
+        for i in next..10 * k + 30 {
+            let t = stamp(0).plus_seconds(0.005 * i as f64);
+            tracker
+                .feed_imu(&ImuSample { t, ..sample(usize::max(i, 10 * REST) - 10 * REST).sample })
+                .unwrap();
+        }
+        next = 10 * k + 30;
+        frames.extend(std::iter::from_fn(|| tracker.next_frame(&mut ())));
+    }
+    // A second after it began to move.
+    let moves = stamp(REST + 20);
+    let (still, moving): (Vec<_>, Vec<_>) = frames.iter().partition(|frame| frame.t < moves);
+    assert!(still.len() > 30 && moving.len() > 20, "{} {}", still.len(), moving.len());
+    assert!(still[..REST / 2].iter().all(|frame| frame.clock_s == 0.0));
+    let off = |frame: &&TrackFrame| (frame.clock_s + LATE_S).abs();
+    assert!(
+        moving.iter().all(|frame| off(frame) < 0.004 && frame.tracks.len() > 40),
+        "{:?}",
+        tracker.clock()
+    );
+}
+
+#[test]
 fn images_after_the_last_sample_are_followed_when_no_more_come_and_have_no_pose() {
     let case = Case::new();
     let mut estimator = case.estimator.clone();

@@ -69,7 +69,8 @@ impl GyroTurn {
         }
     }
 
-    fn integrate(&self, from: Stamp, to: Stamp) -> Option<UnitQuaternion<f64>> {
+    /// The turn `body_at_from_from_body_at_to`, the gyroscope's bias in it; `None` where samples do not cover it.
+    pub(crate) fn integrate(&self, from: Stamp, to: Stamp) -> Option<UnitQuaternion<f64>> {
         let (first, last) = (self.samples.front()?, self.samples.back()?);
         if first.0 > from || to.seconds_since(last.0) > HELD_S {
             return None;
