@@ -1,9 +1,10 @@
 //! What became of a recording's images, in figures and events.
 
+use super::rhythm::Rhythm;
 use serde::{Deserialize, Serialize};
 
 /// What became of a recording's images.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct ImageReport {
     /// The figures.
     pub figures: FrontEndFigures,
@@ -11,6 +12,12 @@ pub struct ImageReport {
     pub events: Vec<ImageEvent>,
     /// Events beyond those kept.
     pub more_events: usize,
+    /// How the images came, whatever became of them.
+    #[serde(default)]
+    pub rhythm: Rhythm,
+    /// By how much brightness changes from an image to the next, median, as a share of it.
+    #[serde(default)]
+    pub flicker: f64,
 }
 
 /// The front-end over a recording, in figures.

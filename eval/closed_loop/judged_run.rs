@@ -8,6 +8,7 @@ use super::image_report::{ImageEvent, ImageReport};
 use super::judge::{RunInfo, judge, noise_rms};
 use super::learned::{LearnedLevels, LearnedNoise};
 use super::recording::{Recording, Span};
+use super::rhythm::Rhythm;
 use super::row::{Row, TruthKind};
 use super::scale_known::ScaleKnown;
 use super::tracking::CameraInput;
@@ -30,6 +31,8 @@ use std::sync::Arc;
 const COVERED: f64 = 0.5;
 /// So many of the events in images are said; all are in the report.
 const SHOWN_EVENTS: usize = 8;
+/// Brightness that changes by a larger share from image to image is no exposure that follows the light.
+const MOST_FLICKER: f64 = 0.05;
 
 /// One run, judged.
 #[derive(Debug, Clone)]
@@ -220,9 +223,22 @@ fn warnings(
     if let Some(images) = images {
         let shown = images.events.iter().take(SHOWN_EVENTS);
         found.extend(shown.map(ToString::to_string));
+        found.extend((images.flicker > MOST_FLICKER).then(|| {
+            format!(
+                "the images' brightness changes by {:.0} % from one to the next: lamps that flicker, or an exposure that hunts, spoil tracks; fix exposure \
+                 and gain (under lamps an exposure of 10 or 8.3 ms, or a multiple)",
+                100.0 * images.flicker
+            )
+        }));
         let more = images.events.len().saturating_sub(SHOWN_EVENTS) + images.more_events;
         if more > 0 {
             found.push(format!("{more} more such events, {} images in all", images.figures.passed_over));
+        }
+    }
+    match images {
+        Some(images) => found.extend(images.rhythm.remarks("images")),
+        None => {
+            found.extend(Rhythm::of(frames.iter().map(|frame| frame.t)).remarks("frames of tracks"));
         }
     }
     let samples = recording.imu.samples();

@@ -116,7 +116,7 @@ pub struct Row {
     pub nees_position: Option<f64>,
     /// Mean NEES of orientations, 3 where the covariance is right.
     pub nees_orientation: Option<f64>,
-    /// Share of the frames since the first pose that have one.
+    /// Share of the frames since the first pose that have one, of those that samples reach.
     pub completion: Option<f64>,
     /// From the first frame to the first pose \[s\].
     pub init_s: Option<f64>,

@@ -1,8 +1,10 @@
 //! What is counted while images go through the front-end.
 
 use super::image_report::{FrontEndFigures, ImageEvent, ImageReport, PassedOver};
+use super::rhythm::Rhythm;
 use crate::stats::percentile;
 use cpu_time::ThreadTime;
+use dpn_core::signal::stats::upper_median;
 use dpn_core::{GrayImage, Stamp};
 use dpn_vio::estimator::FrontEndObserver;
 use dpn_vio::frontend::ransac::Geometry;
@@ -29,10 +31,9 @@ impl IdSet {
 /// Counts, of which [`finish`](Self::finish) makes figures.
 #[derive(Debug, Default)]
 pub(super) struct Tally {
-    images: usize,
+    /// Stamps of all that came.
+    images: Vec<Stamp>,
     over: usize,
-    first: Option<Stamp>,
-    last: Option<Stamp>,
     events: Vec<ImageEvent>,
     more_events: usize,
     /// Why the image before was passed over.
@@ -47,6 +48,9 @@ pub(super) struct Tally {
     frames: usize,
     sightings: usize,
     ids: IdSet,
+    /// Mean grey of the last image that was looked at, and by what share it changed from image to image.
+    grey: Option<f64>,
+    changes: Vec<f64>,
     /// When the image under way was begun.
     clock: Option<ThreadTime>,
     /// CPU time of each image \[s\].
@@ -56,14 +60,14 @@ pub(super) struct Tally {
 impl Tally {
     /// Images so far.
     pub(super) fn images(&self) -> usize {
-        self.images
+        self.images.len()
     }
 
     /// An image of which nothing was made.
     pub(super) fn passed_over(&mut self, t: Stamp, reason: PassedOver, words: String) {
         self.count(t);
         self.over += 1;
-        let at_s = t.seconds_since(self.first.expect("this one was counted"));
+        let at_s = t.seconds_since(self.images[0]);
         let same = self.before.replace(reason) == Some(reason);
         let room = self.events.len() < MOST_EVENTS;
         match self.events.last_mut() {
@@ -76,9 +80,7 @@ impl Tally {
     }
 
     fn count(&mut self, t: Stamp) {
-        self.images += 1;
-        self.first.get_or_insert(t);
-        self.last = self.last.max(Some(t));
+        self.images.push(t);
     }
 
     /// What was wrong with most of the images that nothing was made of.
@@ -94,20 +96,28 @@ impl Tally {
     /// The figures; a frame was handed over.
     pub(super) fn finish(self) -> ImageReport {
         let share = |part: usize, of: usize| (of > 0).then(|| part as f64 / of as f64);
-        let (first, last) = self.first.zip(self.last).expect("a frame is of an image");
+        let mut stamps = self.images;
+        stamps.sort();
+        let (first, last) = stamps.first().zip(stamps.last()).expect("a frame is of an image");
         let p95_s = percentile(&self.seconds, 0.95).expect("an image was worked off");
         let figures = FrontEndFigures {
-            images: self.images,
+            images: stamps.len(),
             passed_over: self.over,
             tracks: self.sightings as f64 / self.frames as f64,
             track_length: self.sightings as f64 / self.ids.len().max(1) as f64,
             inlier_share: share(self.agreed, self.asked),
             by_gyro_share: share(self.by_gyro, self.consensus),
             not_home_share: share(self.not_home, self.followed),
-            cpu_per_data_s: self.seconds.iter().sum::<f64>() / last.seconds_since(first),
+            cpu_per_data_s: self.seconds.iter().sum::<f64>() / last.seconds_since(*first),
             p95_ms: 1e3 * p95_s,
         };
-        ImageReport { figures, events: self.events, more_events: self.more_events }
+        ImageReport {
+            figures,
+            events: self.events,
+            more_events: self.more_events,
+            flicker: upper_median(self.changes.into_iter()).unwrap_or(0.0),
+            rhythm: Rhythm::of(stamps.into_iter()),
+        }
     }
 }
 
@@ -139,6 +149,10 @@ impl FrontEndObserver for Tally {
             }
         }
         self.count(report.t);
+        if let Some(grey) = report.image.map(|image| image.mean) {
+            let change = |before: f64| (grey - before).abs() / before.max(1.0);
+            self.changes.extend(self.grey.replace(grey).map(change));
+        }
         self.before = None;
         self.followed += report.before;
         self.not_home += report.lost_by(LostBy::Back);

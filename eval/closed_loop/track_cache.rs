@@ -289,7 +289,7 @@ mod tests {
         TrackedSequence {
             frames: (0..frames).map(frame).collect(),
             span: Span { from_s: 0.5, to_s: None },
-            images: Some(ImageReport { figures, events: Vec::new(), more_events: 0 }),
+            images: Some(ImageReport { figures, ..ImageReport::default() }),
         }
     }
 

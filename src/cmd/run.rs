@@ -307,7 +307,14 @@ fn words(report: &Report, done: &JudgedRun, simulated: bool) -> String {
     if let Some(readout) = &report.readout {
         line("shutter:", shutter_words(readout, done.output.frames[0]));
     }
-    let share = row.completion.map_or_else(String::new, |c| format!(", {:.1} % since the first", 100.0 * c));
+    let without = row.frames - done.output.updates.len();
+    let share = row.completion.map_or_else(String::new, |c| match without {
+        0 => format!(", {:.1} % since the first pose", 100.0 * c),
+        _ => format!(
+            ", {:.1} % of those since the first pose that have samples; {without} have none",
+            100.0 * c
+        ),
+    });
     line("poses:", format!("{} of {} frames{share}", row.poses, row.frames));
     line("restarts:", row.restarts.to_string());
     for restart in &row.restart_reasons {
