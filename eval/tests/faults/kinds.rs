@@ -52,7 +52,7 @@ const fn image(name: &'static str, of: OfImage) -> Fault {
 pub(super) const SOUND: Fault = Fault { name: "none", damage: Damage::None };
 
 /// All of them.
-pub(super) const FAULTS: [Fault; 48] = [
+pub(super) const FAULTS: [Fault; 50] = [
     samples("accelerometer x1.1", |s, _| accel(s, |a| a.map(|v| 1.1 * v))),
     samples("accelerometer x0.9", |s, _| accel(s, |a| a.map(|v| 0.9 * v))),
     samples("accelerometer in g", |s, _| accel(s, |a| a.map(|v| v / 9.80665))),
@@ -84,8 +84,7 @@ pub(super) const FAULTS: [Fault; 48] = [
     samples("0.5 s of samples lost", |s, t| (!(HALF_S..HALF_S + 0.5).contains(&t)).then_some(s)),
     samples("samples end", |s, t| (t < HALF_S).then_some(s)),
     samples("stamps of samples jitter by 1 ms", |s, t| {
-        let late = ((t * 12_345.6).sin() * 1e4).rem_euclid(1.0);
-        Some(ImuSample { t: s.t.plus_seconds(0.001 * late), ..s })
+        Some(ImuSample { t: s.t.plus_seconds(0.001 * scattered(t)), ..s })
     }),
     samples("IMU clock jumps by 50 ms", |s, t| {
         Some(ImuSample { t: if t < HALF_S { s.t } else { s.t.plus_seconds(0.05) }, ..s })
@@ -98,6 +97,7 @@ pub(super) const FAULTS: [Fault; 48] = [
     clock("camera clock 1 % fast", |t| 1.01 * t),
     clock("camera clock 0.1 % fast", |t| 1.001 * t),
     clock("camera in another epoch", |t| t + 1e6),
+    clock("stamps of images jitter by 5 ms", |t| t + 0.005 * 3f64.sqrt() * (2.0 * scattered(t) - 1.0)),
     calibration("focal length x1.2", |r| lens(r, 1.2, 0.0, false)),
     calibration("focal length x0.8", |r| lens(r, 0.8, 0.0, false)),
     calibration("focal length x1.05", |r| lens(r, 1.05, 0.0, false)),
@@ -122,12 +122,20 @@ pub(super) const FAULTS: [Fault; 48] = [
         let dark = (HALF_S..HALF_S + 3.0).contains(&t);
         Some(grey(image, |x, y, of| if dark { 2 } else { of.row(y)[x] }))
     }),
+    image("images lost for 0.7 s", |_, t, image, _| {
+        (!(HALF_S..HALF_S + 0.7).contains(&t)).then(|| image.clone())
+    }),
     image("exposure flickers", |k, _, image, _| {
         let gain = if k % 2 == 0 { 1.0 } else { 0.7 };
         Some(grey(image, |x, y, of| (gain * f64::from(of.row(y)[x])) as u8))
     }),
     image("seven of ten images dropped", |k, _, image, _| (k * 7 % 10 < 3).then(|| image.clone())),
 ];
+
+/// From 0 to 1, another at each time.
+fn scattered(t: f64) -> f64 {
+    ((t * 12_345.6).sin() * 1e4).rem_euclid(1.0)
+}
 
 #[allow(clippy::unnecessary_wraps)]
 fn accel(sample: ImuSample, of: impl Fn([f64; 3]) -> [f64; 3]) -> Option<ImuSample> {

@@ -10,6 +10,7 @@ use dpn_eval::closed_loop::{
     CameraInput, ImageStream, Recording, Report, RunInfo, SequenceSet, Span, Watchers, paired, watched_run,
 };
 use dpn_eval::metrics::{AlignmentKind, align, associate_nearest, ate};
+use dpn_vio::estimator::Doubt;
 use kinds::{Damage, Fault};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -167,7 +168,11 @@ impl Sound {
 /// What is said, by names.
 fn names(report: &Report) -> BTreeSet<String> {
     let tag = |value: Value, key: &str| value[key].as_str().unwrap().replace('_', " ");
-    let mut names: BTreeSet<String> = report.doubts.iter().map(|doubt| tag(json!(doubt), "doubt")).collect();
+    let doubted = |doubt: &Doubt| match doubt {
+        Doubt::Calibration { suspect } => tag(json!(suspect), "suspect"),
+        _ => tag(json!(doubt), "doubt"),
+    };
+    let mut names: BTreeSet<String> = report.doubts.iter().map(doubted).collect();
     names.extend(report.axes.warning().map(|_| tag(json!(report.axes.verdict), "verdict")));
     names.extend(report.clock.found.map(|_| "camera clock".to_owned()));
     names.extend(report.readout.map(|_| "readout".to_owned()));

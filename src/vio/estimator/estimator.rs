@@ -10,6 +10,7 @@ use super::jump::JumpWatch;
 use super::ray_rates::RayRates;
 use super::report::{RunReport, Stage};
 use super::starter::{StartFrame, Starter, integrate};
+use super::suspects::Suspects;
 use super::update::{Phase, RestartReason, Update};
 use crate::clock::SLIGHT_S;
 use crate::components::Learner;
@@ -71,6 +72,7 @@ pub struct Estimator {
     starved_since: Option<Stamp>,
     learner: Option<Learner>,
     lens: Option<LensField>,
+    suspects: Suspects,
     report: RunReport,
 }
 
@@ -110,6 +112,7 @@ impl Estimator {
                 .components
                 .map(|components| Learner::new(components, config.imu, config.window.pixel_std)),
             lens: None,
+            suspects: Suspects::default(),
             report: RunReport::default(),
             config,
         };
@@ -509,6 +512,9 @@ impl Estimator {
         }
         if self.window.is_full() {
             let leaving: Leaving = self.window.leaving(self.camera.px_per_rad());
+            if self.suspects.read(&mut self.window) {
+                self.report.suspect = self.suspects.surest();
+            }
             if let Some(learner) = self.learner.as_mut().filter(|_| leaving == Leaving::Oldest) {
                 learner.read(&mut self.window);
             }

@@ -2,6 +2,7 @@
 
 use super::feed_error::FeedError;
 use super::jump::BiasJump;
+use super::suspects::Suspect;
 use super::update::{Phase, RestartReason, Update};
 use crate::clock::{CameraClock, Readout};
 use dpn_core::Stamp;
@@ -50,7 +51,7 @@ pub struct RunReport {
     /// The pose of the first start's oldest frame, by definition without error in position and heading: what covariances are about.
     #[serde(skip)]
     pub anchor: Option<StampedPose>,
-    /// Frames since the first pose.
+    /// Frames since the first pose, those alone that samples reach.
     pub frames_since: usize,
     /// Starts after the first, with their reasons.
     pub restarts: Vec<(Stamp, RestartReason)>,
@@ -70,6 +71,8 @@ pub struct RunReport {
     pub whitened: (f64, usize),
     /// Sum over the poses of the accelerometer's bias along the vertical \[m/s^2\].
     pub vertical_bias: f64,
+    /// What of the calibration residuals point at, the surest; `None` where nothing is.
+    pub suspect: Option<Suspect>,
     /// Wall-clock seconds by [`Stage`].
     pub seconds: [f64; 5],
 }

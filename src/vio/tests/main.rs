@@ -11,4 +11,5 @@ mod gtsam_preintegration;
 mod lens;
 mod rendered_camera;
 mod start_covariance;
+mod suspects;
 mod take_off;
