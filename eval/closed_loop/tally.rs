@@ -115,7 +115,7 @@ impl Tally {
             figures,
             events: self.events,
             more_events: self.more_events,
-            flicker: upper_median(self.changes.into_iter()).unwrap_or(0.0),
+            flicker: upper_median(self.changes).unwrap_or(0.0),
             rhythm: Rhythm::of(stamps.into_iter()),
         }
     }
