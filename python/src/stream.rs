@@ -16,7 +16,7 @@ type Answer = ([f64; 3], [f64; 3], bool, [bool; 2], bool);
 enum Asked {
     /// Two networks at their own rate.
     Networks(Box<SampleStream>),
-    Any(AtRate),
+    Any(Box<AtRate>),
 }
 
 /// A model beside running samples.
@@ -36,7 +36,7 @@ impl Stream {
 
     #[staticmethod]
     fn at_rate(model: Option<&str>, rate_hz: f64, every: usize) -> PyResult<Self> {
-        Ok(Self { asked: Asked::Any(AtRate::new(model, rate_hz, every)?) })
+        Ok(Self { asked: Asked::Any(Box::new(AtRate::new(model, rate_hz, every)?)) })
     }
 
     fn feed(&mut self, t_ns: i64, gyro: [f64; 3], accel: [f64; 3]) -> PyResult<()> {
